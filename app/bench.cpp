@@ -1,4 +1,4 @@
-// turgor bench: measures this machine and this engine, and prints the papers' tables beside ours.
+// `turgor bench`: benchmarks of this machine and this engine, printed beside the tables of the papers.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -25,7 +25,7 @@ ordered_json to_json(const SkinTensionTimes& t) {
 
 ordered_json to_json(const OrderingTimes& t) {
   return {{"slabs_ms", t.slabs},
-          {"colours_ms", t.colors},
+          {"colors_ms", t.colors},
           {"gpu_ms", t.gpu > 0 ? ordered_json(t.gpu) : ordered_json()},
           {"gpu_one_by_one_ms", t.gpu_one_by_one > 0 ? ordered_json(t.gpu_one_by_one) : ordered_json()}};
 }
@@ -44,14 +44,14 @@ ordered_json to_json(const SkinTensionBench& bench) {
                     {"bytes_per_node", r.bytes_per_node},
                     {"sweep_fraction_of_copy_bandwidth", r.bandwidth_fraction},
                     {"sweep_fraction_of_arithmetic", r.arithmetic_fraction},
-                    {"descent_sweep_fraction_of_copy_bandwidth", r.descent_bandwidth_fraction},
-                    {"descent_sweep_fraction_of_arithmetic", r.descent_arithmetic_fraction},
-                    {"descent_frame_one_thread_ms", r.descent_frame_one},
-                    {"descent_frame_ms", r.vbd_frame},
-                    {"pbd_frame_by_schedule", to_json(r.pbd_frames)},
-                    {"descent_frame_by_schedule", to_json(r.descent_frames)},
+                    {"vbd_sweep_fraction_of_copy_bandwidth", r.vbd_bandwidth_fraction},
+                    {"vbd_sweep_fraction_of_arithmetic", r.vbd_arithmetic_fraction},
+                    {"vbd_frame_one_thread_ms", r.vbd_frame_one},
+                    {"vbd_frame_ms", r.vbd_frame},
+                    {"pbd_frame_by_ordering", to_json(r.pbd_frames)},
+                    {"vbd_frame_by_ordering", to_json(r.vbd_frames)},
                     {"residual_pbd_n", r.residual_pbd},
-                    {"residual_descent_n", r.residual_descent},
+                    {"residual_vbd_n", r.residual_vbd},
                     {"resample_half_ms", r.resample_half},
                     {"resample_full_ms", r.resample_full}});
   ordered_json growth = ordered_json::array();
@@ -70,8 +70,8 @@ ordered_json to_json(const SkinTensionBench& bench) {
 
 void print(const SkinTensionBench& bench) {
   fmt::print(
-      "Skin tension, 5 sweeps a frame, medians. Paper: RTX 3090. Here: 1 and {} threads; copying runs at "
-      "{:.1f} GB/s, dense products at {:.0f} Gflop/s.\n\n",
+      "Skin tension, 5 sweeps a frame, medians. Paper: RTX 3090. This machine: 1 and {} threads, copies "
+      "{:.1f} GB/s, dense products {:.0f} Gflop/s.\n\n",
       bench.threads, bench.copy_bandwidth * 1e-9, bench.arithmetic_rate * 1e-9);
   fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", "frame [ms]", "nodes", "skin",
              "paper without -> with", "1 thread", fmt::format("{} threads", bench.threads));
@@ -83,44 +83,44 @@ void print(const SkinTensionBench& bench) {
     fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", r.name,
                fmt::format("{}x{}x{}", r.nodes.x, r.nodes.y, r.nodes.z), r.skin_triangles, frames(r.paper),
                frames(r.one_thread), frames(r.all_threads));
-  fmt::print("\n{:<11}{:>20}{:>20}{:>12}{:>14}{:>10}\n", "", "grouping paper[ms]", "grouping here[ms]",
-             "of paper", "CT->body[s]", "B/node");
+  fmt::print("\n{:<11}{:>20}{:>20}{:>12}{:>14}{:>10}\n", "", "grouping paper[ms]", "grouping turgor[ms]",
+             "vs paper", "CT->body[s]", "B/node");
   for (const SkinTensionRow& r : bench.rows)
     fmt::print("{:<11}{:>20}{:>20}{:>12}{:>14.2f}{:>10.1f}\n", r.name,
                fmt::format("{:.0f} -> {:.0f}", r.paper.grouping_without, r.paper.grouping_with),
                fmt::format("{:.0f} -> {:.0f}", r.all_threads.grouping_without, r.all_threads.grouping_with),
                fmt::format("{:.1f} %", 100 * r.all_threads.grouping_with / r.paper.grouping_with),
                r.body_seconds, r.bytes_per_node);
-  fmt::print("\n{:<11}{:>40}{:>40}\n", "a sweep", "paper's: of copying, of arithmetic",
-             "descent: of copying, of arithmetic");
+  fmt::print("\n{:<11}{:>40}{:>40}\n", "sweep", "pbd: vs copy, vs dense product",
+             "vbd: vs copy, vs dense product");
   for (const SkinTensionRow& r : bench.rows)
     fmt::print("{:<11}{:>40}{:>40}\n", r.name,
                fmt::format("{:.2f}, {:.2f}", r.bandwidth_fraction, r.arithmetic_fraction),
-               fmt::format("{:.2f}, {:.2f}", r.descent_bandwidth_fraction, r.descent_arithmetic_fraction));
-  fmt::print("\nGPU: {}\n{:<11}{:>40}{:>40}\n", bench.gpu, "frame [ms]",
-             "paper's: slabs, colours, GPU (no graph)", "descent: slabs, colours, GPU (no graph)");
-  const auto by_schedule = [](const OrderingTimes& t) {
+               fmt::format("{:.2f}, {:.2f}", r.vbd_bandwidth_fraction, r.vbd_arithmetic_fraction));
+  fmt::print("\nGPU: {}\n{:<11}{:>40}{:>40}\n", bench.gpu, "frame [ms]", "pbd: slabs, colors, GPU (no graph)",
+             "vbd: slabs, colors, GPU (no graph)");
+  const auto by_ordering = [](const OrderingTimes& t) {
     return fmt::format("{:.1f}, {:.1f}, {}", t.slabs, t.colors,
                        t.gpu > 0 ? fmt::format("{:.2f} ({:.2f})", t.gpu, t.gpu_one_by_one) : "-");
   };
   for (const SkinTensionRow& r : bench.rows)
-    fmt::print("{:<11}{:>40}{:>40}\n", r.name, by_schedule(r.pbd_frames), by_schedule(r.descent_frames));
-  fmt::print("\n{:<11}{:>24}{:>26}{:>26}{:>28}\n", "", "descent frame 1T/all[ms]", "residual pbd/descent[N]",
-             "resample half/full[ms]", "growth: ns a node, pbd/desc");
+    fmt::print("{:<11}{:>40}{:>40}\n", r.name, by_ordering(r.pbd_frames), by_ordering(r.vbd_frames));
+  fmt::print("\n{:<11}{:>24}{:>26}{:>26}{:>28}\n", "", "vbd frame 1T/all[ms]", "residual pbd/vbd[N]",
+             "resample half/full[ms]", "growth: ns a node, pbd/vbd");
   for (const SkinTensionRow& r : bench.rows) {
     const double nodes = double(r.nodes.x) * r.nodes.y * r.nodes.z;
     fmt::print(
         "{:<11}{:>24}{:>26}{:>26}{:>28}\n", r.name,
-        fmt::format("{:.1f} / {:.1f}", r.descent_frame_one, r.vbd_frame),
-        fmt::format("{:.2e} / {:.2e}", r.residual_pbd, r.residual_descent),
+        fmt::format("{:.1f} / {:.1f}", r.vbd_frame_one, r.vbd_frame),
+        fmt::format("{:.2e} / {:.2e}", r.residual_pbd, r.residual_vbd),
         fmt::format("{:.0f} / {:.0f}", r.resample_half, r.resample_full),
         fmt::format("{:.1f} / {:.1f}", 1e6 * r.all_threads.frame_with / nodes, 1e6 * r.vbd_frame / nodes));
   }
   fmt::print(
       "\nA bar of {} tetrahedra, springs and volumes, 5 sweeps: {:.2f} ms on 1 thread, {:.2f} ms on {}.\n",
       bench.bar_tets, bench.bar_frame_one, bench.bar_frame, bench.threads);
-  fmt::print("\nGrowth: a frame in the second after the same cut, descent.\n{:>10}{:>16}{:>16}{:>14}\n",
-             "nodes", "all awake[ms]", "may sleep[ms]", "rows asleep");
+  fmt::print("\nGrowth: frames in the second after the same cut, vbd.\n{:>10}{:>16}{:>16}{:>14}\n", "nodes",
+             "no sleep[ms]", "with sleep[ms]", "rows asleep");
   for (const GrowthRow& g : bench.growth)
     fmt::print("{:>10}{:>16.2f}{:>16.2f}{:>14.2f}\n", g.nodes, g.awake_ms, g.ms, g.asleep);
 }
@@ -137,7 +137,7 @@ void write_text(const std::string& path, const std::string& text) {
 
 void add_cloth_bench(CLI::App& bench, Global& global) {
   CLI::App* cloth =
-      bench.add_subcommand("cloth", "Frames of cloth in the wind, with and without self-collision");
+      bench.add_subcommand("cloth", "Time frames of cloth in the wind, with and without self-collision");
   struct Options {
     int largest = 100000;
     std::string json;
@@ -145,7 +145,7 @@ void add_cloth_bench(CLI::App& bench, Global& global) {
   auto options = std::make_shared<Options>();
   cloth->add_option("--largest", options->largest, "Vertices of the largest sheet")
       ->check(CLI::Range(2500, 1000000));
-  cloth->add_option("--json", options->json, "Write the figures to a file too");
+  cloth->add_option("--json", options->json, "Also write the figures to this file");
   cloth->footer("Example:\n  turgor bench cloth --largest 1000000 --json cloth.json");
   cloth->callback([options, &global] {
     check_file(options->json);
@@ -161,7 +161,7 @@ void add_cloth_bench(CLI::App& bench, Global& global) {
 
 void add_sfem_bench(CLI::App& bench, Global& global) {
   CLI::App* sfem =
-      bench.add_subcommand("sfem", "Green's functions, haptic ticks, patches and surfaces of bodies");
+      bench.add_subcommand("sfem", "Time Green's functions, haptic ticks, patches and surfaces of bodies");
   struct Options {
     int largest = 10000;
     std::string json;
@@ -169,7 +169,7 @@ void add_sfem_bench(CLI::App& bench, Global& global) {
   auto options = std::make_shared<Options>();
   sfem->add_option("--largest", options->largest, "Nodes of the largest body")
       ->check(CLI::Range(1000, 10000));
-  sfem->add_option("--json", options->json, "Write the figures to a file too");
+  sfem->add_option("--json", options->json, "Also write the figures to this file");
   sfem->footer("Example:\n  turgor bench sfem --largest 3000\n10000 nodes need 4 GB of memory.");
   sfem->callback([options, &global] {
     check_file(options->json);
@@ -184,9 +184,9 @@ void add_sfem_bench(CLI::App& bench, Global& global) {
 }
 
 void add_rhombus_bench(CLI::App& bench) {
-  CLI::App* rhombus = bench.add_subcommand("rhombus", "Forces and pictures of a body of rhombus chains");
+  CLI::App* rhombus = bench.add_subcommand("rhombus", "Time forces and pictures of a body of rhombus chains");
   auto json = std::make_shared<std::string>();
-  rhombus->add_option("--json", *json, "Write the figures to a file too");
+  rhombus->add_option("--json", *json, "Also write the figures to this file");
   rhombus->footer("Example:\n  turgor bench rhombus");
   rhombus->callback([json] {
     check_file(*json);
@@ -210,21 +210,21 @@ void soak(double minutes, const std::string& json) {
 }
 
 void add_haptics_bench(CLI::App& bench, Global& global) {
-  CLI::App* haptics =
-      bench.add_subcommand("haptics", "The haptic loop's time, and how stiff a wall it can make felt");
+  CLI::App* haptics = bench.add_subcommand(
+      "haptics", "Measure the timing of the haptic loop and the stiffest stable wall (Z-width)");
   struct Options {
     double seconds = 1.5, minutes = 0;
     std::string json, picture;
   };
   auto options = std::make_shared<Options>();
-  haptics->add_option("--seconds", options->seconds, "Of each of the six loops; 0: none")
+  haptics->add_option("--seconds", options->seconds, "Duration of each of the six loops; 0 skips them")
       ->check(number_within(0, 3600, "s"));
   CLI::Option* minutes =
       haptics->add_option("--minutes", options->minutes,
-                          "Instead of all that: a felt liver for so long, an empty loop beside it");
+                          "Soak test instead: touch a liver for this long, with an empty loop in parallel");
   minutes->check(number_within(0.01, 1440, "min"));
-  haptics->add_option("--json", options->json, "Write the figures to a file too");
-  haptics->add_option("--picture", options->picture, "Write the map of walls to this file (.svg)");
+  haptics->add_option("--json", options->json, "Also write the figures to this file");
+  haptics->add_option("--picture", options->picture, "Write the Z-width maps to this file (.svg)");
   haptics->footer(
       "Examples:\n  turgor bench haptics --picture z-width.svg\n  turgor bench haptics --minutes 10");
   haptics->callback([options, &global] {
@@ -247,18 +247,20 @@ void add_haptics_bench(CLI::App& bench, Global& global) {
 }  // namespace
 
 void add_bench_command(CLI::App& program, Global& global) {
-  CLI::App* bench = program.add_subcommand("bench", "Measure this machine, the papers' tables beside ours");
+  CLI::App* bench =
+      program.add_subcommand("bench", "Benchmark this machine, beside the tables of the papers");
   bench->require_subcommand(1);
-  CLI::App* table = bench->add_subcommand("skin-tension", "Table 4 of the skin tension paper");
+  CLI::App* table = bench->add_subcommand("skin-tension", "Measure Table 4 of the skin tension paper");
   struct Options {
     int shrink = 1;
     std::string only, json;
   };
   auto options = std::make_shared<Options>();
-  table->add_option("--only", options->only, "One data set: A, B or C")
+  table->add_option("--only", options->only, "Run one data set only: A, B or C")
       ->check(CLI::IsMember({"A", "B", "C"}));
-  table->add_option("--shrink", options->shrink, "Divide the paper's sizes by this")->check(CLI::Range(1, 8));
-  table->add_option("--json", options->json, "Write the figures to a file too");
+  table->add_option("--shrink", options->shrink, "Divide the sizes of the paper by this number")
+      ->check(CLI::Range(1, 8));
+  table->add_option("--json", options->json, "Also write the figures to this file");
   for (CLI::App* app : {bench, table})
     app->footer(
         "Example:\n  turgor bench skin-tension --only A --json a.json\nData C needs 4 GB of memory; all "

@@ -18,13 +18,13 @@ using namespace cloth;
 constexpr double kDt = 1.0 / 60, kSpacing = 0.01;
 constexpr int kWarmFrames = 30, kFrames = 21;
 
-struct Piece {
+struct BenchSheet {
   Model model;
   State state;
   Inputs inputs{.gravity = {0, 0, -9.81}};
 };
 
-Piece sheet(const Exec& exec, int side, Vec3d corner, bool self) {
+BenchSheet sheet(const Exec& exec, int side, Vec3d corner, bool self) {
   Params params;
   params.solver = {.method = Method::kChebyshev, .sweeps = 8};
   params.collision = {.self = self, .thickness = 0.96 * kSpacing};
@@ -34,29 +34,29 @@ Piece sheet(const Exec& exec, int side, Vec3d corner, bool self) {
                                    .up = {0, length, 0},
                                    .columns = side - 1,
                                    .rows = side - 1});
-  Piece result{.model = build(exec, mesh, params).value(), .state = {}};
+  BenchSheet result{.model = build(exec, mesh, params).value(), .state = {}};
   result.state = make_state(result.model);
   return result;
 }
 
-/// Held at its first column, in gusts.
-Piece flag(const Exec& exec, int side, bool self) {
-  Piece flag = sheet(exec, side, {}, self);
+/// A square sheet in gusts, held along its first column.
+BenchSheet flag(const Exec& exec, int side, bool self) {
+  BenchSheet flag = sheet(exec, side, {}, self);
   for (int j = 0; j < side; j++) (void)hold(flag.model, flag.state, j * side);
   flag.inputs.air.velocity = {6, 0, 2};
   flag.inputs.air.gusts = 0.3;
   return flag;
 }
 
-double frame_ms(const Exec& exec, Piece& sheet) {
+double frame_ms(const Exec& exec, BenchSheet& sheet) {
   return median_ms(kFrames, [&] { step(exec, sheet.model, sheet.state, sheet.inputs, kDt); });
 }
 
-double gpu_frame_ms(const Gpu& gpu, const Piece& sheet) {
-  const auto there = put(gpu, sheet.model);
-  if (!there) return 0;
+double gpu_frame_ms(const Gpu& gpu, const BenchSheet& sheet) {
+  const auto backend = put(gpu, sheet.model);
+  if (!backend) return 0;
   DeviceState state = sheet.state;
-  state.step_on(*there);
+  state.use_backend(*backend);
   const auto frame = [&] { state.step(Exec(1), sheet.model, sheet.inputs, kDt); };
   frame();
   return median_ms(kFrames, frame);
@@ -66,9 +66,9 @@ ClothFrameRow measure_frames(const Exec& exec, double bandwidth, int side) {
   ClothFrameRow row{.vertices = side * side};
   const Exec one(1);
   for (const bool self : {false, true}) {
-    Piece sheet = flag(exec, side, self);
+    BenchSheet sheet = flag(exec, side, self);
     for (int n = 0; n < kWarmFrames; n++) step(exec, sheet.model, sheet.state, sheet.inputs, kDt);
-    (self ? row.self_one : row.alone_one) = frame_ms(one, sheet);
+    (self ? row.self_one : row.single_one) = frame_ms(one, sheet);
     (self ? row.self : row.alone) = frame_ms(exec, sheet);
     const Result<Gpu> gpu = open_gpu();
     if (gpu) (self ? row.gpu_self : row.gpu_alone) = gpu_frame_ms(*gpu, sheet);
@@ -76,8 +76,9 @@ ClothFrameRow measure_frames(const Exec& exec, double bandwidth, int side) {
     row.contacts_per_vertex = double(sheet.state.contacts.list.size()) / row.vertices;
     row.bytes_per_vertex = double(memory_bytes(sheet.model, sheet.state)) / row.vertices;
     row.sweep = median_ms(kFrames, [&] { sweep(exec, sheet.model, sheet.state, 1); });
-    // Two numbers a side's half, one of bending; of a vertex its place, force, six of the diagonal, change
-    // read and written.
+    // Bytes of one sweep. Per off-diagonal entry of half the matrix: two stiffness numbers. Per far row: one
+    // bending number. Per vertex: position, force, six numbers of the diagonal, and the velocity change read
+    // and written.
     const double bytes = 8.0 * double(sheet.model.rows.stiffness.size()) +
                          4.0 * double(sheet.model.far_rows.bend.size()) + 80.0 * row.vertices;
     row.bandwidth_fraction = bytes / (row.sweep * 1e-3) / bandwidth;
@@ -87,7 +88,7 @@ ClothFrameRow measure_frames(const Exec& exec, double bandwidth, int side) {
 
 ClothDrapeRow measure_drape(const Exec& exec) {
   constexpr int kSide = 100;
-  Piece drape = sheet(exec, kSide, {-0.5, -0.5, 0.31}, true);
+  BenchSheet drape = sheet(exec, kSide, {-0.5, -0.5, 0.31}, true);
   const contact::Shape ball = contact::Sphere{.radius = 0.15};
   const contact::Pose pose{.position = {0, 0, 0.15}};
   drape.inputs.obstacles = {plane_obstacle({0, 0, 0}, {0, 0, 1}),
@@ -102,7 +103,7 @@ ClothDrapeRow measure_drape(const Exec& exec) {
   return row;
 }
 
-ClothSolverRow measure_solver(const Exec& exec, const Piece& flag, Method method, const char* name) {
+ClothSolverRow measure_solver(const Exec& exec, const BenchSheet& flag, Method method, const char* name) {
   constexpr double kGoal = 0.1;
   ClothSolverRow row{.method = name};
   const auto solve = [&](State& state, int sweeps) {
@@ -136,7 +137,7 @@ ClothBench bench_cloth(const Exec& exec, int largest, const Progress& progress) 
       if (progress) progress(0.2 * double(bench.frames.size()));
     }
   bench.drape = measure_drape(exec);
-  Piece taut = flag(exec, 100, false);
+  BenchSheet taut = flag(exec, 100, false);
   for (int n = 0; n < kWarmFrames; n++) step(exec, taut.model, taut.state, taut.inputs, kDt);
   taut.inputs.measure_residual = true;
   assemble(exec, taut.model, taut.state, taut.inputs, kDt);

@@ -11,13 +11,13 @@ using nlohmann::ordered_json;
 
 void print_frames(const ClothBench& bench) {
   fmt::print(
-      "A flag in gusts, springs on and across edges, 8 sweeps, medians [ms]. Here: 1 and {} threads; copying "
-      "runs at {:.1f} GB/s.\n\n{:>9} {:>19} {:>22} {:>10} {:>9} {:>9} {:>9} {:>11}\n",
-      bench.threads, bench.copy_bandwidth * 1e-9, "vertices", "alone", "with self-collision", "ns/vertex",
-      "contacts", "B/vertex", "sweep", "of copying");
+      "A flag in gusts, springs along and across edges, 8 sweeps, medians [ms]; 1 and {} threads, copies "
+      "{:.1f} GB/s.\n\n{:>9} {:>19} {:>22} {:>10} {:>9} {:>9} {:>9} {:>11}\n",
+      bench.threads, bench.copy_bandwidth * 1e-9, "vertices", "no self-collision", "with self-collision",
+      "ns/vertex", "contacts", "B/vertex", "sweep", "vs copy");
   for (const ClothFrameRow& r : bench.frames)
     fmt::print("{:>9} {:>19} {:>22} {:>10.0f} {:>9.2f} {:>9.0f} {:>9.3f} {:>11.2f}\n", r.vertices,
-               fmt::format("{:.2f} / {:.2f}", r.alone_one, r.alone),
+               fmt::format("{:.2f} / {:.2f}", r.single_one, r.alone),
                fmt::format("{:.2f} / {:.2f}", r.self_one, r.self), r.self * 1e6 / r.vertices,
                r.contacts_per_vertex, r.bytes_per_vertex, r.sweep, r.bandwidth_fraction);
   fmt::print("\nGPU: {}\n", bench.gpu);
@@ -37,9 +37,10 @@ void print_frames(const ClothBench& bench) {
 void print(const ClothBench& bench) {
   print_frames(bench);
   fmt::print(
-      "\nA sheet of {} vertices over a ball on a table: {:.2f} / {:.2f} ms, {:.2f} contacts a vertex, layers "
+      "\nA sheet of {} vertices over a ball on a table: {:.2f} / {:.2f} ms, {:.2f} contacts a vertex; "
+      "distance of layers "
       "at "
-      "least {:.3f} thicknesses apart.\n\nUntil |b - W dv| is a tenth of |b| (10 000 vertices):\n",
+      "least {:.3f} thicknesses.\n\nUntil |b - W dv| is a tenth of |b| (10 000 vertices):\n",
       bench.drape.vertices, bench.drape.one, bench.drape.all, bench.drape.contacts_per_vertex,
       bench.drape.smallest_distance);
   for (const ClothSolverRow& r : bench.solvers)
@@ -51,7 +52,7 @@ std::string to_json_text(const ClothBench& bench) {
   ordered_json frames = ordered_json::array(), solvers = ordered_json::array();
   for (const ClothFrameRow& r : bench.frames)
     frames.push_back({{"vertices", r.vertices},
-                      {"alone_one_thread_ms", r.alone_one},
+                      {"alone_one_thread_ms", r.single_one},
                       {"alone_ms", r.alone},
                       {"self_collision_one_thread_ms", r.self_one},
                       {"self_collision_ms", r.self},

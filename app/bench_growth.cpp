@@ -3,6 +3,7 @@
 #include "app/machine.hpp"
 #include "turgor/models/lattice/build/block_body.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor {
 
@@ -11,26 +12,26 @@ namespace {
 using lattice::Model;
 using lattice::State;
 
-constexpr double kStep = 0.004, kDt = 1.0 / 60, kSleep = 1e-4;
+constexpr double kBlockSpacing = 0.004, kDt = 1.0 / 60, kSleep = 1e-4;
 
 /// A block under tense skin, held at its sides and below.
 Model tense_block(Int3 size, double sleep) {
-  lattice::Block block{.size = size, .step = kStep};
+  lattice::Block block{.size = size, .spacing = kBlockSpacing};
   block.is_fixed = [size](Int3 p) {
     return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size.x - 1 || p.y == size.y - 1;
   };
   lattice::Params params;
-  params.solver.sleep = sleep;
+  params.solver.sleep_speed = sleep;
   return lattice::block_model(block, params);
 }
 
-/// Milliseconds of a frame in the second after a cut of 40 mm; the body has come to rest before.
+/// Median time of a frame [ms] in the second after a cut of 40 mm. The body is at rest before the cut.
 double frame_after_cut(const Exec& exec, const Model& model, double& asleep) {
   State state = make_state(model);
   for (int n = 0; n < 10; n++) lattice::step(exec, model, state, {}, kDt);
   const Int3 size = model.lattice.size;
   const int middle = size.x / 2;
-  const Vec3d from{(middle - 0.5) * kStep, 0.1, (size.z - 2) * kStep};
+  const Vec3d from{(middle - 0.5) * kBlockSpacing, 0.1, (size.z - 2) * kBlockSpacing};
   const auto path =
       lay_blade(model, state, {.name = {}, .from = from, .to = from + Vec3d{0, 0.04, 0}}).value();
   cut_edges(model, state, path, 0, 1, 0);

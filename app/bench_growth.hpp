@@ -1,4 +1,5 @@
-// What a cut in a body costs: what it moves, or what the body has.
+// Cost of frames after a cut over the size of the body. It shows whether the cost grows with the moving
+// region or with the whole body.
 #pragma once
 
 #include <vector>
@@ -9,12 +10,12 @@ namespace turgor {
 
 struct GrowthRow {
   int nodes = 0;
-  double awake_ms = 0;  // a frame, median, when every row is swept
-  double ms = 0;        // when rows may sleep
-  double asleep = 0;    // of the rows, mean
+  double awake_ms = 0;  // median time of a frame when every row is swept
+  double ms = 0;        // median time of a frame when rows may sleep
+  double asleep = 0;    // mean fraction of rows asleep [1]
 };
 
-/// The second after the same cut in bodies of more and more nodes.
+/// Measures the second after the same cut in bodies of growing size.
 std::vector<GrowthRow> bench_growth(const Exec& exec);
 
 }  // namespace turgor

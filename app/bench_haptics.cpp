@@ -33,7 +33,7 @@ void measure_map(const Exec& exec, const HapticsBench& bench, ZWidthMap& map) {
   });
 }
 
-/// The stiffest wall up to which all walls of a damping come to rest; 0: none [N/m].
+/// Largest stiffness up to which all walls of one damping come to rest [N/m]; 0 if no wall does.
 double stiffest(const HapticsBench& bench, const ZWidthMap& map, std::size_t row) {
   double stable = 0;
   for (std::size_t k = 0; k < bench.stiffness.size(); k++) {
@@ -53,7 +53,7 @@ nlohmann::ordered_json to_json(const haptics::Spread& s) {
 nlohmann::ordered_json to_json(const HapticLoopRow& row) {
   const TimingReport& r = row.report;
   return {{"model", name_of(row.model)},
-          {"rate_asked_hz", r.rate_asked},
+          {"rate_asked_hz", r.target_rate},
           {"rate_hz", r.rate},
           {"ticks", r.ticks},
           {"missed", r.missed},
@@ -111,17 +111,17 @@ HapticsBench bench_haptics(const Exec& exec, double seconds, const Progress& pro
 void print(const HapticsBench& bench) {
   if (!bench.loops.empty())
     fmt::print(
-        "A loop with a computed arm, times in microseconds; jitter: how far a period is from what was "
-        "asked, and beside\nit that of an empty loop at the same time.\n\n"
+        "Haptic loops with a simulated arm, times in microseconds. Jitter: difference of a period from the "
+        "target,\nbeside the jitter of an empty loop at the same time.\n\n"
         "{:>9}{:>9}{:>10}{:>8}{:>7} |{:>8}{:>7}{:>8}{:>8} |{:>9}{:>7}{:>8}{:>8} |{:>9}{:>7}{:>8} |{:>9}\n",
-        "asked[Hz]", "model", "rate[Hz]", "missed", "empty", "jitter", "99 %", "99.9 %", "max",
+        "goal[Hz]", "model", "rate[Hz]", "missed", "empty", "jitter", "99 %", "99.9 %", "max",
         "empty:", "99 %", "99.9 %", "max", "compute", "99 %", "max", "latency");
   for (const HapticLoopRow& row : bench.loops) {
     const TimingReport &r = row.report, &e = row.empty;
     fmt::print(
         "{:>9.0f}{:>9}{:>10.1f}{:>8}{:>7} |{:>8.1f}{:>7.0f}{:>8.0f}{:>8.0f} |{:>9.1f}{:>7.0f}{:>8.0f}"
         "{:>8.0f} |{:>9.2f}{:>7.2f}{:>8.1f} |{:>9.0f}\n",
-        r.rate_asked, name_of(row.model), r.rate, r.missed, e.missed, 1e6 * r.jitter.p50, 1e6 * r.jitter.p99,
+        r.target_rate, name_of(row.model), r.rate, r.missed, e.missed, 1e6 * r.jitter.p50, 1e6 * r.jitter.p99,
         1e6 * r.jitter.p999, 1e6 * r.jitter.largest, 1e6 * e.jitter.p50, 1e6 * e.jitter.p99,
         1e6 * e.jitter.p999, 1e6 * e.jitter.largest, 1e6 * r.compute.p50, 1e6 * r.compute.p99,
         1e6 * r.compute.largest, 1e6 * r.latency.p50);
@@ -131,7 +131,7 @@ void print(const HapticsBench& bench) {
 
   const haptics::VirtualArm& arm = bench.trial.arm;
   fmt::print(
-      "\nThe stiffest wall [N/m] that an arm of {} kg, {} N.s/m, {} N, encoder {:.0f} um comes to rest on, "
+      "\nThe stiffest stable wall [N/m] for an arm of {} kg, {} N.s/m, {} N, encoder {:.0f} um, "
       "held by "
       "a hand of {} kg, {} N.s/m, {} N/m;\nfrom {:.0f} to {:.0f} N/m.\n\n{:<28}{:>11} |",
       arm.mass, arm.viscous, arm.coulomb, 1e6 * arm.encoder, bench.trial.hand_mass, bench.trial.hand_damping,
@@ -144,7 +144,7 @@ void print(const HapticsBench& bench) {
     fmt::print("\n");
   }
   const double hand = arm.viscous + bench.trial.hand_damping;
-  fmt::print("{:<28}{:>11} |", "no energy: Colgate, 1 kHz", "");
+  fmt::print("{:<28}{:>11} |", "passive: Colgate, 1 kHz", "");
   for (const double b : bench.damping)
     fmt::print("{:>7.0f}", std::max(0.0, haptics::colgate_stiffness(arm.viscous, b, 1 / arm.rate)));
   fmt::print("\n{:<28}{:>11} |", "rest: (b + B) 2/T, 1 kHz", "");

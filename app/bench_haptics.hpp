@@ -1,6 +1,6 @@
-// What touching costs on this machine: how well a haptic loop keeps its time and what it takes of a tick, and
-// how stiff a wall a computed hand can press before it shakes, over the rates of physics, with and without
-// the passivity controller (Colgate and Brown's Z-width).
+// Haptic benchmarks: timing of the haptic loop, cost of a tick, and the Z-width of a simulated hand on
+// virtual walls. The Z-width is measured over physics rates, with and without the passivity controller
+// (Colgate and Brown).
 #pragma once
 
 #include <string>
@@ -13,13 +13,13 @@
 
 namespace turgor {
 
-/// Which walls of a grid come to rest.
+/// Verdicts over a grid of walls: stable if the hand stops.
 struct ZWidthMap {
   std::string name;
   haptics::WallAnswer answer = haptics::WallAnswer::kTick;
-  double frame_rate = 0;  // of physics [Hz]
+  double frame_rate = 0;  // rate of physics [Hz]
   bool controller = false;
-  std::vector<haptics::WallVerdict> verdicts;  // a row of stiffnesses for each damping
+  std::vector<haptics::WallVerdict> verdicts;  // one row of stiffnesses for each damping
 };
 
 struct HapticsBench {
@@ -29,12 +29,12 @@ struct HapticsBench {
   std::vector<ZWidthMap> maps;
 };
 
-/// Loops run `seconds` each; 0 leaves them out.
+/// Runs each loop for `seconds`; 0 skips the loops.
 HapticsBench bench_haptics(const Exec& exec, double seconds, const Progress& progress);
 
 void print(const HapticsBench& bench);
 std::string to_json_text(const HapticsBench& bench);
-/// The maps with Colgate's bound in each.
+/// SVG of the maps, with Colgate's bound in each.
 std::string z_width_svg(const HapticsBench& bench);
 
 }  // namespace turgor

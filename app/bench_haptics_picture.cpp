@@ -1,4 +1,5 @@
-// The Z-width as a picture: a square a wall, coloured by how fast the hand still shakes at the end.
+// Z-width as an SVG picture: one rectangle per wall, colored by the speed of the hand at the end of the
+// trial.
 #include <algorithm>
 #include <cmath>
 
@@ -11,11 +12,11 @@ namespace turgor {
 
 namespace {
 
-// [pixels]; panels are whole patterns of dots apart
+// [pixels]; distances between panels are multiples of the dot pattern
 constexpr double kCellWide = 10, kCellHigh = 13, kLeft = 64, kGap = 40, kTop = 78, kPanelGap = 65, kFont = 13;
 
 struct Panel {
-  double x, y;  // of its upper left corner [pixels]
+  double x, y;  // upper left corner [pixels]
 };
 
 std::string text(double x, double y, const char* anchor, const std::string& words) {
@@ -23,26 +24,27 @@ std::string text(double x, double y, const char* anchor, const std::string& word
                      xml_text(words));
 }
 
-/// At rest: blue. Shaking: from yellow at 2 mm/s to dark red at 100 mm/s and more. Also told apart without
-/// colours: what rests is darker than what shakes a little, and has no dot.
+/// Color of a wall: blue at rest, from yellow at 2 mm/s to dark red at 100 mm/s and more. Readable without
+/// colors too: walls at rest are darker than slightly shaking ones, and have no dot.
 std::string color(const haptics::WallVerdict& verdict) {
-  constexpr double kShades = 6;  // few, so that neighbours join
+  constexpr double kShades = 6;  // few, so that neighboring walls share a rectangle
   if (verdict.stable) return "#3b7fb5";
   const double decades = std::clamp(std::log10(verdict.speed / 0.002) / std::log10(50.0), 0.0, 1.0);
-  const double part = std::round(kShades * decades) / kShades;
-  return fmt::format("#{:02x}{:02x}{:02x}", int(250 - 90 * part), int(200 - 180 * part), int(90 - 60 * part));
+  const double fraction = std::round(kShades * decades) / kShades;
+  return fmt::format("#{:02x}{:02x}{:02x}", int(250 - 90 * fraction), int(200 - 180 * fraction),
+                     int(90 - 60 * fraction));
 }
 
 double width(const HapticsBench& bench) { return kCellWide * double(bench.stiffness.size()); }
 double height(const HapticsBench& bench) { return kCellHigh * double(bench.damping.size()); }
 
-/// Where a stiffness is, in columns; the middle of the first one is 0.
+/// Column of a stiffness, as a real number; 0 is the center of the first column.
 double column(const HapticsBench& bench, double stiffness) {
   const double decades = std::log(bench.stiffness.back() / bench.stiffness.front());
   return std::log(stiffness / bench.stiffness.front()) / decades * double(bench.stiffness.size() - 1);
 }
 
-/// A stiffness for each damping as a line of steps.
+/// A stiffness for each damping, drawn as a stepped line.
 template <class Bound>
 std::string steps(const HapticsBench& bench, Panel at, const char* dashes, const Bound& stiffness) {
   std::string path;
@@ -59,7 +61,7 @@ std::string steps(const HapticsBench& bench, Panel at, const char* dashes, const
       path, dashes);
 }
 
-/// T is the time for which a force is held.
+/// Colgate's bound, and the bound K = 2 (b + B)/T for rest. T is the time for which a force is held.
 std::string bounds(const HapticsBench& bench, const ZWidthMap& map, Panel at) {
   const double period =
       map.answer == haptics::WallAnswer::kHeld ? 1 / map.frame_rate : 1 / bench.trial.arm.rate;
@@ -81,7 +83,7 @@ std::string axes(const HapticsBench& bench, Panel at) {
   return svg;
 }
 
-/// Neighbours of one colour in a row as one piece; dots over those that shake.
+/// One row of walls. Neighbors of one color share a rectangle; dots cover the shaking walls.
 std::string row(const HapticsBench& bench, const ZWidthMap& map, std::size_t b, Panel at) {
   const std::size_t columns = bench.stiffness.size();
   const double y = at.y + height(bench) - kCellHigh * double(b + 1);
@@ -92,11 +94,11 @@ std::string row(const HapticsBench& bench, const ZWidthMap& map, std::size_t b, 
   for (std::size_t begin = 0, end = 0; begin < columns; begin = end) {
     const std::string fill = color(verdict(begin));
     while (end < columns && color(verdict(end)) == fill) end++;
-    const std::string piece =
+    const std::string rect =
         fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\" ",
                     at.x + kCellWide * double(begin), y, kCellWide * double(end - begin), kCellHigh - 0.6);
-    svg += fmt::format("{}fill=\"{}\"/>\n", piece, fill);
-    if (!verdict(begin).stable) svg += piece + "fill=\"url(#dots)\"/>\n";
+    svg += fmt::format("{}fill=\"{}\"/>\n", rect, fill);
+    if (!verdict(begin).stable) svg += rect + "fill=\"url(#dots)\"/>\n";
   }
   return svg;
 }
@@ -117,7 +119,7 @@ std::string z_width_svg(const HapticsBench& bench) {
       "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 "
       "{0:.0f} "
       "{1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" font-family=\"system-ui, 'DejaVu Sans', "
-      "sans-serif\" font-size=\"{2:.0f}\">\n<title>Z-width: walls on which a hand comes to rest</title>\n"
+      "sans-serif\" font-size=\"{2:.0f}\">\n<title>Z-width: walls on which a hand is stable</title>\n"
       "<style>text {{ fill: #43494f; }} @media (prefers-color-scheme: dark) {{ text {{ fill: #b9c0c7; }} "
       "}}</style>\n"
       "<defs><pattern id=\"dots\" width=\"10\" height=\"13\" patternUnits=\"userSpaceOnUse\"><circle "
@@ -125,7 +127,7 @@ std::string z_width_svg(const HapticsBench& bench) {
       "cy=\"6.5\" r=\"1.3\" fill=\"#1a0505\"/></pattern></defs>\n",
       wide, high, kFont);
   svg += text(kLeft, 20, "start",
-              "Walls on which a hand comes to rest (blue) or shakes (yellow to red, with a dot)");
+              "Walls on which a hand stays at rest (blue) or shakes (yellow to red, with a dot)");
   svg +=
       text(kLeft, 38, "start",
            "across: stiffness [N/m]; up: damping [N·s/m]; white: Colgate's bound; dashed: K = 2 (b + B)/T");

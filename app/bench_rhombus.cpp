@@ -14,7 +14,7 @@ namespace turgor {
 
 namespace {
 
-using rhombus::Foot;
+using rhombus::FootPoint;
 using rhombus::Model;
 using rhombus::State;
 using rhombus::TouchForce;
@@ -29,14 +29,14 @@ Model liver(double vertices, double bulge) {
   return std::move(*rhombus::build(std::move(body), {.bulge = bulge}));
 }
 
-/// Down to 8 mm, 2 cm over the right lobe and back, down to 10 mm in the middle of it.
+/// Path of the tool: 8 mm deep, 2 cm across the right lobe and back; the depth grows to 10 mm at the far end.
 std::vector<TouchInput> path_over(const Model& model, int ticks) {
   std::vector<TouchInput> inputs;
   for (int i = 0; i < ticks; i++) {
-    const double part = std::abs(2.0 * i / ticks - 1);
-    const Foot foot =
-        rhombus::find_foot(model.surface, model.tree, {-0.05 + 0.02 * part, 0.01 + 0.005 * part, 0.2});
-    inputs.push_back({.position = foot.at.place + foot.normal * (kRadius - 0.008 - 0.002 * (1 - part)),
+    const double fraction = std::abs(2.0 * i / ticks - 1);
+    const FootPoint foot = rhombus::find_foot_point(model.surface, model.tree,
+                                                    {-0.05 + 0.02 * fraction, 0.01 + 0.005 * fraction, 0.2});
+    inputs.push_back({.position = foot.at.position + foot.normal * (kRadius - 0.008 - 0.002 * (1 - fraction)),
                       .radius = kRadius});
   }
   return inputs;
@@ -44,7 +44,7 @@ std::vector<TouchInput> path_over(const Model& model, int ticks) {
 
 TouchForce tick(const Model& model, State& state, const TouchInput& input) {
   TouchForce out;
-  rhombus::touch(model, state, {&input, 1}, kTick, {&out, 1});
+  rhombus::solve_touches(model, state, {&input, 1}, kTick, {&out, 1});
   return out;
 }
 
@@ -56,8 +56,8 @@ void measure_force(const Model& model, const std::vector<TouchInput>& inputs, Rh
     const Timer timer;
     const TouchForce out = tick(model, state, inputs[i]);
     seconds.push_back(timer.seconds());
-    const double way = norm(inputs[i].position - inputs[i - 1].position);
-    row.jump = std::max(row.jump, norm(out.force - before) * std::min(1.0, 1e-5 / way));
+    const double distance = norm(inputs[i].position - inputs[i - 1].position);
+    row.jump = std::max(row.jump, norm(out.force - before) * std::min(1.0, 1e-5 / distance));
     row.strongest = std::max(row.strongest, norm(out.force));
     before = out.force;
   }
@@ -75,7 +75,7 @@ double measure_picture(const Model& model, const std::vector<TouchInput>& inputs
     tick(model, state, input);
     const Timer timer;
     rhombus::step(exec, model, state);
-    if (i > 0) seconds.push_back(timer.seconds());  // the first one measures distances
+    if (i > 0) seconds.push_back(timer.seconds());  // the first run computes surface distances
   }
   row.moved = std::max(row.moved, int(state.moved.size()));
   return median(seconds);
@@ -103,7 +103,7 @@ std::vector<RhombusRow> bench_rhombus(const Progress& progress) {
 
 void print(const std::vector<RhombusRow>& rows) {
   fmt::print(
-      "A ball of 5 mm slides over a liver, 8 to 10 mm deep; one thread, medians.\n\n"
+      "A ball of 5 mm slides over a liver at a depth of 8 to 10 mm; one thread, medians.\n\n"
       "{:>9}{:>10}{:>8}{:>12}{:>10}{:>13}{:>15}{:>13}{:>18}\n",
       "vertices", "triangles", "moved", "force[us]", "99 %[us]", "picture[ms]", "volume kept[ms]",
       "sliding[ms]", "jump/10 um[mN]");
@@ -114,7 +114,7 @@ void print(const std::vector<RhombusRow>& rows) {
   fmt::print("{:>9}{:>10}{:>8}{:>12}{:>10}{:>13}   the paper: force < 1 ms, picture 52 ms, Core 2, 2 GHz\n",
              3116, 6228, "-", "< 1000", "-", 52);
   fmt::print(
-      "\nLargest force {:.4f} N. Growth: {:.1f} ns of picture a moved vertex at the smallest size, {:.1f} at "
+      "\nLargest force {:.4f} N. Picture per moved vertex: {:.1f} ns at the smallest size, {:.1f} ns at "
       "the largest.\n",
       rows[0].strongest, 1e9 * rows.front().picture / rows.front().moved,
       1e9 * rows.back().picture / rows.back().moved);

@@ -1,5 +1,5 @@
-// What touching a body of the rhombus model costs on this machine: the force of a haptic tick, the picture
-// of the body that moves, over sizes; the paper's figures beside.
+// Cost of a touch on a body of the rhombus model on this machine: force of a haptic tick and deformed surface
+// over sizes, beside the figures of the paper.
 #pragma once
 
 #include <string>
@@ -14,11 +14,11 @@ struct RhombusRow {
   int vertices = 0, triangles = 0;
   int moved = 0;                   // vertices within reach of the touch
   double force = 0, force_99 = 0;  // a haptic tick [s]
-  double picture = 0;              // all vertices, the touch where it was before [s]
-  double bulging = 0;              // the same with the volume kept [s]
-  double sliding = 0;              // with distances along the surface measured again [s]
-  double jump = 0;                 // largest of the force per 10 µm of the way [N]
-  double strongest = 0;            // [N]
+  double picture = 0;              // all vertices, touch unmoved [s]
+  double bulging = 0;              // the same with volume preservation [s]
+  double sliding = 0;              // with surface distances recomputed [s]
+  double jump = 0;                 // largest change of the force per 10 µm of tool displacement [N]
+  double strongest = 0;            // largest force [N]
 };
 
 std::vector<RhombusRow> bench_rhombus(const Progress& progress);

@@ -36,7 +36,7 @@ double dense_flops() {
   return 2.0 * kSide * kSide * kSide / median_seconds(5, [&] { c.noalias() += a * b; });
 }
 
-/// Bytes a second of y = A x, A in float.
+/// Bandwidth of y = A x with A in float [B/s].
 double gemv_bandwidth(const Exec& exec, Eigen::Index rows, Eigen::Index columns) {
   const Eigen::MatrixXf a = Eigen::MatrixXf::Random(rows, columns);
   const Eigen::VectorXf x = Eigen::VectorXf::Random(columns);
@@ -75,7 +75,7 @@ PrecomputeRow measure_precompute(const Exec& exec, Int3 cells, double flops) {
   return row;
 }
 
-/// A fingertip of 15 mm that slides in a circle at 100 mm/s, pressed in by `depth`.
+/// Ticks of a fingertip of 15 mm that slides in a circle at 100 mm/s, pressed in by `depth`.
 TickRow measure_tick(const sfem::Patch& patch, Vec3d center, double depth) {
   constexpr double kRadius = 0.015, kCircle = 0.003, kTick = 1e-3;
   constexpr int kWarm = 200, kTicks = 2000;
@@ -90,7 +90,7 @@ TickRow measure_tick(const sfem::Patch& patch, Vec3d center, double depth) {
     poses[0].pose.position =
         center + Vec3d{kCircle * std::cos(angle), kCircle * std::sin(angle), kRadius + 0.001 - pressed};
     const Timer timer;
-    contact::touch(patch, state, tools, poses, kTick, forces);
+    contact::solve_touch_tick(patch, state, tools, poses, kTick, forces);
     if (n < kWarm) continue;
     seconds.push_back(timer.seconds());
     contacts.push_back(forces[0].contacts);
@@ -128,7 +128,8 @@ std::vector<PatchRow> measure_patches(const Exec& exec) {
   return rows;
 }
 
-/// A plate of 5100 free vertices, all of them on the surface, under forces on the 40 of a patch.
+/// Surface of a plate with 5100 free vertices, all of them on the surface, under forces on the 40 vertices of
+/// a patch.
 SurfaceRow measure_surface(const Exec& exec) {
   constexpr int kForces = 40;
   Model model =

@@ -1,6 +1,6 @@
-// What touching a body costs on this machine: Green's functions over sizes, a haptic tick over contact
-// points, a patch over its refinement, the whole surface; with the machine's own limits measured in the same
-// run.
+// Cost of touches on a body of the sfem model on this machine. Measures Green's functions over sizes, a
+// haptic tick over contact points, a patch over its refinement, and the whole surface. The limits of the
+// machine are measured in the same run.
 #pragma once
 
 #include <string>
@@ -13,15 +13,15 @@ namespace turgor {
 
 /// All Green's functions of a block of tetrahedra, from its mesh.
 struct PrecomputeRow {
-  int nodes = 0;  // free ones
+  int nodes = 0;  // free nodes
   double seconds = 0;
   double factor_bytes = 0, store_bytes = 0;
-  double flops_fraction = 0;  // of a dense product's operations a second, on all threads
+  double flops_fraction = 0;  // operations a second, relative to a dense product on all threads [1]
 };
 /// A fingertip that slides over a patch, on one thread.
 struct TickRow {
-  int contacts = 0;                      // places that bear force, median
-  int points = 0;                        // of the patch
+  int contacts = 0;                      // points with a contact force, median
+  int points = 0;                        // surface points of the patch
   double p50 = 0, p99 = 0, largest = 0;  // [s]
 };
 /// The paper's plate of 4×4×1 hexahedra with its central 2×2 superposed, on one thread.
@@ -29,11 +29,11 @@ struct PatchRow {
   int refinement = 0, local_nodes = 0, points = 0;
   double seconds = 0;
 };
-/// Displacement of all of a surface, as for a picture.
+/// Displacement of a whole surface, as for a picture.
 struct SurfaceRow {
   int vertices = 0;
   double seconds = 0;
-  double bandwidth_fraction = 0;  // of a plain matrix–vector product of the same size
+  double bandwidth_fraction = 0;  // relative to a plain matrix–vector product of the same size [1]
 };
 
 struct SfemBench {
@@ -46,10 +46,10 @@ struct SfemBench {
   SurfaceRow surface;
 };
 
-/// Blocks of about 1000, 3000 and 10 000 nodes, those up to `largest`.
+/// Runs blocks of about 1000, 3000 and 10 000 nodes, except those larger than `largest`.
 SfemBench bench_sfem(const Exec& exec, int largest, const Progress& progress);
 
-/// The tables, with other engines' figures beside.
+/// Prints the tables, with the figures of other engines beside them.
 void print(const SfemBench& bench);
 std::string to_json_text(const SfemBench& bench);
 

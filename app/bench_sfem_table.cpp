@@ -15,13 +15,13 @@ constexpr double kMicro = 1e6, kMilli = 1e3, kMega = 1e-6;
 
 void print(const SfemBench& bench) {
   fmt::print(
-      "A body under a fingertip, medians; {} threads for Green's functions and the surface, one for ticks "
+      "A body under a fingertip, medians. {} threads for Green's functions and the surface, one for ticks "
       "and "
-      "patches.\nA dense product runs at {:.1f} Gflop/s on one thread, a matrix-vector product at {:.1f} "
+      "patches.\nOne thread: dense product {:.1f} Gflop/s, matrix-vector product {:.1f} "
       "GB/s.\n",
       bench.threads, bench.dense_flops * 1e-9, bench.gemv_bandwidth * 1e-9);
   fmt::print("\n{:>8}{:>14}{:>12}{:>12}{:>22}\n", "nodes", "Green's [s]", "factor[MB]", "store[MB]",
-             "of dense product");
+             "vs dense product");
   for (const PrecomputeRow& r : bench.precompute)
     fmt::print("{:>8}{:>14.2f}{:>12.0f}{:>12.0f}{:>22.2f}\n", r.nodes, r.seconds, r.factor_bytes * kMega,
                r.store_bytes * kMega, r.flops_fraction);

@@ -8,6 +8,7 @@
 #include "turgor/models/lattice/build/body_nodes.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/device/gpu_body.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/resample/resample.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
 
@@ -19,12 +20,12 @@ using lattice::BodyNodes, lattice::Method, lattice::Model, lattice::Params, latt
 
 constexpr double kDt = 1.0 / 60;
 constexpr int kFrames = 11;
-// What a sweep takes a slot of a run, at least: bytes from memory, and operations, a root or a quotient as
-// one.
-constexpr double kPbdBytes = 32;                // read u, w, root; write u
-constexpr double kPbdFlops = 7 * 32;            // edges
-constexpr double kVbdBytes = 56;                // read u, u_before, v, w, root; write u
-constexpr double kDescentFlops = 14 * 47 + 75;  // springs, and the node's own system
+// Least cost of a sweep per slot of a run: bytes of memory traffic, and operations. A root or a quotient
+// counts as one operation.
+constexpr double kPbdBytes = 32;            // read u, w, root; write u
+constexpr double kPbdFlops = 7 * 32;        // edges
+constexpr double kVbdBytes = 56;            // read u, u_before, v, w, root; write u
+constexpr double kVbdFlops = 14 * 47 + 75;  // springs, and the 3×3 system of the node
 
 struct DataSet {
   const char* name;
@@ -58,7 +59,7 @@ double frame_ms(const Exec& exec, const Model& model) {
   return median_ms(kFrames, [&] { lattice::step(exec, model, state, {}, kDt); });
 }
 
-/// Two models by turns, so that a change of the machine's pace meets both.
+/// Times two models in alternation, so that a change of the clock frequency affects both.
 void frames_by_turns(const Exec& exec, const Model& a, const Model& b, double& ms_a, double& ms_b) {
   State state_a = make_state(a), state_b = make_state(b);
   std::vector<double> times_a, times_b;
@@ -70,16 +71,16 @@ void frames_by_turns(const Exec& exec, const Model& a, const Model& b, double& m
 }
 
 double gpu_frame_ms(const Gpu& gpu, const Model& model, lattice::Frames frames) {
-  const auto body = lattice::put(gpu, model, frames);
+  const auto body = lattice::upload_model(gpu, model, frames);
   if (!body) return 0;
   lattice::DeviceState state = make_state(model);
-  state.step_on(*body);
+  state.use_backend(*body);
   const auto step = [&] { state.step(Exec(), model, {}, kDt); };
   step();
   return median_ms(kFrames, step);
 }
 
-OrderingTimes measure_schedules(const Exec& exec, const BodyNodes& nodes, Params params) {
+OrderingTimes measure_orderings(const Exec& exec, const BodyNodes& nodes, Params params) {
   OrderingTimes times;
   const Model slabs = lattice::assemble(exec, nodes, nullptr, params).value();
   params.solver.ordering = lattice::Ordering::kColors;
@@ -105,7 +106,8 @@ SkinTensionTimes measure_pbd(const Exec& exec, const BodyNodes& nodes, const Mod
   return times;
 }
 
-/// Forces left over after one frame of 5 sweeps when gravity is switched on, by one energy for both solvers.
+/// Residual after one frame of 5 sweeps when gravity is switched on [N]. The energy of `judge` measures both
+/// solvers.
 double residual_after_frame(const Exec& exec, const Model& solver, const Model& judge) {
   State state = make_state(judge);
   const lattice::Inputs inputs{.gravity = {0, 9.81, 0}};
@@ -118,7 +120,7 @@ double residual_after_frame(const Exec& exec, const Model& solver, const Model& 
   return lattice::measure_residual(exec, judge, state, inputs, kDt).rms;
 }
 
-/// Parts of the machine's two limits that a sweep over so many slots reaches.
+/// Fractions of the two limits of the machine that a sweep over `slots` reaches.
 void set_fractions(const SkinTensionBench& limits, double slots, double ms, double bytes, double flops,
                    double& of_bandwidth, double& of_arithmetic) {
   of_bandwidth = slots * bytes / (ms * 1e-3) / limits.copy_bandwidth;
@@ -146,27 +148,27 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
     row.all_threads = measure_pbd(exec, nodes, without, with);
     State state = make_state(without);
     const double sweep_ms = median_ms(kFrames, [&] { lattice::sweep_pbd(exec, without, state); });
-    set_fractions(limits, double(slots_in(without.joining)), sweep_ms, kPbdBytes, kPbdFlops,
+    set_fractions(limits, double(slots_in(without.constraint_runs)), sweep_ms, kPbdBytes, kPbdFlops,
                   row.bandwidth_fraction, row.arithmetic_fraction);
   }
-  row.pbd_frames = measure_schedules(exec, nodes, pbd);
-  row.descent_frames = measure_schedules(exec, nodes, vbd);
+  row.pbd_frames = measure_orderings(exec, nodes, pbd);
+  row.vbd_frames = measure_orderings(exec, nodes, vbd);
   progress(0.7);
   const Model model = lattice::assemble(exec, nodes, nullptr, vbd).value();
-  row.descent_frame_one = frame_ms(one, model);
+  row.vbd_frame_one = frame_ms(one, model);
   row.vbd_frame = frame_ms(exec, model);
   {
     const Model without = lattice::assemble(exec, nodes, nullptr, solver_params(Method::kVbd, false)).value();
     State state = make_state(without);
     const double sweep_ms = median_ms(kFrames, [&] { lattice::sweep_vbd(exec, without, state, {}, kDt); });
-    set_fractions(limits, double(slots_in(without.moving)), sweep_ms, kVbdBytes, kDescentFlops,
-                  row.descent_bandwidth_fraction, row.descent_arithmetic_fraction);
+    set_fractions(limits, double(slots_in(without.free_runs)), sweep_ms, kVbdBytes, kVbdFlops,
+                  row.vbd_bandwidth_fraction, row.vbd_arithmetic_fraction);
   }
   Params area = pbd;
   area.solver.method = Method::kVbd;  // the paper's constraints, with stiffness in physical units
   const Model judge = lattice::assemble(exec, nodes, nullptr, area).value();
   row.residual_pbd = residual_after_frame(exec, lattice::assemble(exec, nodes, nullptr, pbd).value(), judge);
-  row.residual_descent = residual_after_frame(exec, judge, judge);
+  row.residual_vbd = residual_after_frame(exec, judge, judge);
   progress(0.8);
   State state = make_state(model);
   for (int n = 0; n < 3; n++) lattice::step(exec, model, state, {}, kDt);
@@ -210,8 +212,8 @@ SkinTensionBench bench_skin_tension(const Exec& exec, int shrink, const std::opt
     if (wanted(data)) all += data.slices;
   for (const DataSet& data : kDataSets) {
     if (!wanted(data)) continue;
-    const auto part = [&](double fraction) { progress((done + fraction * data.slices) / all); };
-    bench.rows.push_back(measure(exec, bench, data, shrink, part));
+    const auto data_progress = [&](double fraction) { progress((done + fraction * data.slices) / all); };
+    bench.rows.push_back(measure(exec, bench, data, shrink, data_progress));
     done += data.slices;
   }
   bench.growth = bench_growth(exec);

@@ -1,4 +1,4 @@
-// `turgor cache`: the Green's functions that are kept between runs, listed or cleared.
+// `turgor cache`: lists or clears the Green's functions cached between runs.
 #include <ctime>
 #include <memory>
 
@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CacheOptions {
-  std::string folder;  // empty = the user's
+  std::string folder;  // empty = the user's cache folder
   bool clear = false;
 };
 
@@ -33,7 +33,7 @@ void print_files(const fs::path& folder, const CacheFolder& found) {
   for (const CacheFile& file : found.files) {
     bytes += double(file.bytes);
     fmt::print("  {}  {:9.1f} MB  used {}  {}\n", file.file.filename().string(), double(file.bytes) * 1e-6,
-               day(file.used), file.what_for.empty() ? "for an unknown body" : file.what_for);
+               day(file.used), file.what_for.empty() ? "unknown body" : file.what_for);
   }
   fmt::print("{}: {} files, {:.1f} MB; the limit is {:.1f} GB (TURGOR_CACHE_LIMIT)\n", folder.string(),
              found.files.size(), bytes * 1e-6, double(required(cache_limit())) * 1e-9);
@@ -49,23 +49,24 @@ void clear(const fs::path& folder, const CacheFolder& found) {
 
 void run_cache(const CacheOptions& options) {
   const fs::path folder = options.folder.empty() ? user_cache_folder() : fs::path(options.folder);
-  if (folder.empty()) throw Failure{2, "there is no cache folder: neither XDG_CACHE_HOME nor HOME is set"};
+  if (folder.empty()) throw Failure{2, "no cache folder: neither XDG_CACHE_HOME nor HOME is set"};
   const CacheFolder found = required(list_cache(folder));
   if (options.clear)
     clear(folder, found);
   else
     print_files(folder, found);
   for (const fs::path& file : found.foreign)
-    fmt::print("  left alone, not a whole file of ours: {}\n", file.filename().string());
+    fmt::print("  kept, not a complete cache file: {}\n", file.filename().string());
 }
 
 }  // namespace
 
 void add_cache_command(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("cache", "What is kept between runs: list it, or clear it");
+  CLI::App* command = program.add_subcommand("cache", "List or clear the files cached between runs");
   auto options = std::make_shared<CacheOptions>();
-  command->add_option("--folder", options->folder, "Another folder than the user's, as in body.NAME.cache");
-  command->add_flag("--clear", options->clear, "Remove the files; what is not ours stays");
+  command->add_option("--folder", options->folder,
+                      "Use this folder instead of the user's, as body.NAME.cache does");
+  command->add_flag("--clear", options->clear, "Remove the cache files; other files stay");
   command->footer("Examples:\n  turgor cache\n  turgor cache --clear");
   command->callback([options] { run_cache(*options); });
 }

@@ -1,6 +1,6 @@
-// turgor calibrate: fits the rhombus chain to a force–depth curve, measured (a .csv) or of a scene: what its
-// tool feels while it presses, and what the elements of the body bear when they are pulled there. Shows both
-// curves and what is left between them.
+// `turgor calibrate`: fits the rhombus chain to a force–depth curve, either measured (a .csv) or simulated in
+// a scene. In a scene, the curve is the force on a tool that presses a body of the sfem model. Pulls of the
+// same half space are added. Writes both curves and the residual.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -23,27 +23,27 @@ namespace {
 namespace fs = std::filesystem;
 using rhombus::CurvePoint;
 
-constexpr double kAccepted = 0.10;        // largest residual, of the force at its depth
-constexpr std::size_t kMostPoints = 200;  // of a curve felt in a scene
+constexpr double kAccepted = 0.10;  // largest accepted residual, relative to the force at that depth [1]
+constexpr std::size_t kMostPoints = 200;  // of a curve simulated in a scene
 
 struct CalibrateOptions {
   fs::path input, out;
   std::vector<std::string> overrides;
-  double side = 0;        // [mm]; 0 = by the tip
-  double tip = 5;         // that pressed, of a measured curve [mm]
+  double side = 0;        // [mm]; 0 = chosen by the radius of the tip
+  double tip = 5;         // radius of the tip of a measured curve [mm]
   double stiffening = 1;  // of a pulled unit
   bool force = false;
 };
 
-/// What a chain is fitted to.
+/// Data that a chain is fitted to.
 struct Given {
   std::vector<CurvePoint> curve;
-  double tip = 0;        // radius of the ball that pressed [m]
-  double stiffness = 1;  // of the body there, in multiples of a half space's; the curve is divided by it
+  double tip = 0;        // radius of the pressing ball [m]
+  double stiffness = 1;  // of the body at the press, relative to a half space; the curve is divided by it [1]
 };
 
-/// What the scene's first tool felt while it went in.
-std::vector<CurvePoint> felt_curve(const World& world, const fs::path& scene) {
+/// Force–depth curve of the scene's first tool while it moves in.
+std::vector<CurvePoint> force_curve(const World& world, const fs::path& scene) {
   const TouchLog& samples = world.tools[0].samples;
   const auto deepest =
       std::max_element(samples.begin(), samples.end(), [](auto& a, auto& b) { return a.depth < b.depth; });
@@ -51,32 +51,34 @@ std::vector<CurvePoint> felt_curve(const World& world, const fs::path& scene) {
   for (auto s = samples.begin(); s != samples.end() && s <= deepest; ++s)
     if (s->depth > curve.back().depth) curve.push_back({s->depth, norm(s->force)});
   if (curve.size() < 5)
-    throw Failure{2, fmt::format("{}: the tool {} hardly touches: expected a press, found {} moments of it",
-                                 scene.string(), world.tools[0].name, curve.size() - 1)};
+    throw Failure{
+        2,
+        fmt::format("{}: the tool {} hardly touches the body: expected a press, found {} samples of contact",
+                    scene.string(), world.tools[0].name, curve.size() - 1)};
   const std::size_t stride = (curve.size() + kMostPoints - 1) / kMostPoints;
   std::vector<CurvePoint> thinned;
   for (std::size_t i = 0; i < curve.size(); i += stride) thinned.push_back(curve[i]);
   return thinned;
 }
 
-/// How stiff the body is where its first tool is pressed in deepest, in multiples of a half space.
+/// Stiffness of the body where its first tool is deepest, relative to a half space [1].
 double stiffness_at_press(const Exec& exec, const World& world, double tip, const fs::path& scene) {
   const TouchingTool& tool = world.tools[0];
   const SfemBody& body = world.sfem_bodies[0];
-  const SurfacePart part = surface_part(body.model);
-  const rhombus::Model surface = required(rhombus::build(part.body, {}));
+  const SolidBoundary outer = solid_boundary(body.model);
+  const rhombus::Model surface = required(rhombus::build(outer.body, {}));
   const std::vector<double> stiffness = required(
-      elastic_stiffness(exec, body.model, part, surface.surface, usual_contact(tip)), scene.string() + ": ");
+      elastic_stiffness(exec, body.model, outer, surface.surface, usual_contact(tip)), scene.string() + ": ");
   const auto deepest = std::max_element(tool.samples.begin(), tool.samples.end(),
                                         [](auto& a, auto& b) { return a.depth < b.depth; });
-  const rhombus::Foot foot = rhombus::find_foot(surface.surface, surface.tree, deepest->position);
+  const rhombus::FootPoint foot = rhombus::find_foot_point(surface.surface, surface.tree, deepest->position);
   rhombus::Model scaled = surface;
   scaled.stiffness = stiffness;
   return rhombus::stiffness_at(scaled, foot.at);
 }
 
-/// A disc of the tip's radius that holds the surface, pulled until the strain below it is 30 %; what a press
-/// has in force is divided by the body's stiffness at its place, so a pull is that of a half space.
+/// Adds pulls by a disc of the tip's radius that holds the surface, up to a strain of 30 % below it. Presses
+/// are divided by the stiffness of the body at their point, so pulls are those of a half space.
 void add_pull(Given& given, double modulus) {
   for (int i = 1; i <= 15; i++) {
     const double pull = rhombus::kPulledRadii * given.tip * i / 15;
@@ -94,13 +96,13 @@ Given curve_of_scene(const Exec& exec, const CalibrateOptions& options) {
   const int frames = frame_count(scene);
   for (int frame = 0; frame < frames; frame++) {
     if (!required(step(exec, world)).finite)
-      throw Failure{kNotFinite, fmt::format("{}: the numbers of the press were not finite after {:.3f} s",
+      throw Failure{kNotFinite, fmt::format("{}: the press was not finite after {:.3f} s",
                                             options.input.string(), time_of(world))};
     bar.update(double(frame + 1) / frames);
   }
   const TouchingTool& tool = world.tools[0];
   const double tip = contact::rhombus_tip(tool.tool.shape, tool.forceps).radius;
-  Given given{felt_curve(world, options.input), tip, stiffness_at_press(exec, world, tip, options.input)};
+  Given given{force_curve(world, options.input), tip, stiffness_at_press(exec, world, tip, options.input)};
   for (CurvePoint& p : given.curve) p.force /= given.stiffness;
   const sfem::Material& material = world.sfem_bodies[0].model.body.materials[0];
   add_pull(given, rhombus::contact_modulus(material.young, material.poisson));
@@ -109,12 +111,12 @@ Given curve_of_scene(const Exec& exec, const CalibrateOptions& options) {
 
 void write_plot(const Plot& plot, const fs::path& file) { required(write_file(file, plot_svg_file(plot))); }
 
-/// The curves, as a table and as pictures.
+/// Writes the curves as a table and as plots.
 void write_curves(const std::vector<CurvePoint>& curve, const rhombus::Fit& fit, const fs::path& folder) {
   const rhombus::Chain chain = required(rhombus::build_chain(fit.params));
   const rhombus::Tip tip = rhombus::tip_on(chain, fit.params.tip);
   Plot forces{"Force over depth", "depth [mm]", "force [N]", {{"given", {}}, {"rhombus chain", {}}}, false};
-  Plot residual{"What is left", "depth [mm]", "chain - given [N]", {{"residual", {}}}, false};
+  Plot residual{"Residual", "depth [mm]", "chain - given [N]", {{"residual", {}}}, false};
   std::string table = "depth_m,force_N,chain_N\n";
   for (const CurvePoint& p : curve) {
     const double found = rhombus::force_of_tip(chain, tip, p.depth);
@@ -152,13 +154,13 @@ void print(const Given& given, const rhombus::Fit& fit, const fs::path& out) {
   const double degrees = p.angle * 180 / std::numbers::pi;
   if (given.stiffness != 1)
     fmt::print(
-        "the body is {:.3g} times as stiff as a half space at this place: forces are divided by that, "
-        "and the chain is for stiffness = {{ body = ... }}\n",
+        "the body is {:.3g} times as stiff as a half space at this point: forces are divided by that, "
+        "use the chain with stiffness = {{ body = ... }}\n",
         given.stiffness);
   fmt::print(
       "k_N {:.5g} N/m, k_T1 {:.5g} N/m, beta {:.4g}, theta {:.4g} degrees, side {:.4g} mm, for a tip of "
       "{:.4g} mm\n"
-      "largest residual {:.1f} % of the force there, root mean square {:.1f} % ({})\n\n"
+      "residual relative to the force: largest {:.1f} %, root mean square {:.1f} % ({})\n\n"
       "In a scene:\n  chain = {{ normal = {:.6g}, tangential = {:.6g}, decay = {:.6g}, angle = {:.6g}, "
       "side = {:.6g}, stiffening = {:.6g}, tip = {:.6g} }}\n\nboth curves and the residual   {}\n",
       p.normal, p.tangential, p.decay, degrees, p.side * 1e3, p.tip * 1e3, 100 * fit.largest, 100 * fit.rms,
@@ -167,7 +169,7 @@ void print(const Given& given, const rhombus::Fit& fit, const fs::path& out) {
 }
 
 rhombus::ChainParams start_of_fit(const CalibrateOptions& options, double tip) {
-  constexpr double kSides = 1.25;  // of a tip's radius: presses and pulls of a half space fit best
+  constexpr double kSides = 1.25;  // in radii of the tip; fits presses and pulls of a half space best
   rhombus::ChainParams start;
   start.tip = tip, start.stiffening = options.stiffening;
   start.side = options.side > 0 ? options.side * 1e-3 : tip > 0 ? kSides * tip : start.side;
@@ -195,22 +197,21 @@ void add_calibrate_command(CLI::App& program, Global& global) {
   CLI::App* command = program.add_subcommand("calibrate", "Fit the rhombus chain to a force-depth curve");
   command
       ->add_option("input", options->input,
-                   "A .csv of depth [m] and force [N], or with units in its header as in depth_mm,force_N; "
-                   "pulls with both below 0, or a scene whose tool presses an "
+                   "A .csv of depth [m] and force [N], or with units in its header such as depth_mm,force_N; "
+                   "pulls have negative depth and force. Or a scene whose tool presses an "
                    "sfem body")
       ->required();
   command
-      ->add_option(
-          "--side", options->side,
-          "Side of the rhombi [mm]; the dent is some of them wide (default: 1.25 of the tip's radius)")
+      ->add_option("--side", options->side,
+                   "Side of the rhombi [mm]; a dent spans several rhombi (default: 1.25 radii of the tip)")
       ->check(number_within(0.01, 1000, "mm"));
   command
       ->add_option("--tip", options->tip,
-                   "Radius of the ball that pressed [mm], of a .csv; 0: the chain knows no tools (5)")
+                   "Radius of the pressing ball of a .csv [mm]; 0: a chain without a tip (default: 5)")
       ->check(number_within(0, 1000, "mm"));
   command
       ->add_option("--stiffening", options->stiffening,
-                   "Pulled by its own height, a unit grows stiffer by e to this at most (1)")
+                   "Largest exponent by which a unit stiffens when pulled by its own height (default: 1)")
       ->check(number_within(0.01, 100, "1"));
   command->add_option("-o,--out", options->out, "Folder for the curves (default: out/INPUT)");
   add_force_option(*command, options->force);

@@ -16,10 +16,10 @@ namespace turgor {
 
 namespace {
 
-constexpr int kMostFrames = 10;     // that are tried
-constexpr double kMostSeconds = 3;  // for trying
+constexpr int kMostFrames = 10;     // at most, to time a run
+constexpr double kMostSeconds = 3;  // limit for these frames [s]
 
-/// The most that this program has taken so far [bytes].
+/// Peak resident memory of this process [bytes].
 double memory_taken() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -45,7 +45,7 @@ std::string wall_time(double seconds) { return amount(1e9 * seconds, {"ns", "ns"
 void print_bodies(const WorldSnapshot& snapshot) {
   for (const BodySnapshot& body : snapshot.bodies) {
     const Vec3d size = (body.box.high - body.box.low) * 1e3;
-    fmt::print("  {:<12} {:<8} {:.0f} x {:.0f} x {:.0f} mm, {} triangles are drawn\n", body.name,
+    fmt::print("  {:<12} {:<8} {:.0f} x {:.0f} x {:.0f} mm, {} surface triangles\n", body.name,
                model_name(body.id.kind), size.x, size.y, size.z, body.triangles.size());
   }
   for (const ToolSnapshot& tool : snapshot.tools)
@@ -60,17 +60,17 @@ void check_scene(const Exec& exec, const Scene& scene) {
   const double load = loading.seconds();
   WorldSnapshot snapshot;
   show(exec, world, snapshot);
-  fmt::print("{}: a run would accept it\n", scene.file.string());
+  fmt::print("{}: valid\n", scene.file.string());
   print_bodies(snapshot);
   std::vector<std::string> plausibility_warnings = notes_of(world);
-  for (std::string& doubt : odd_sizes(snapshot)) plausibility_warnings.push_back(std::move(doubt));
+  for (std::string& warning : odd_sizes(snapshot)) plausibility_warnings.push_back(std::move(warning));
   const double frame = frame_seconds(exec, scene, world);
   const int frames = frame_count(scene);
   fmt::print("  loading      {}\n", wall_time(load));
   fmt::print("  memory       {}\n", amount(memory_taken(), {"bytes", "bytes"}));
   fmt::print("  simulating   {} frames of about {}: about {}, and pictures\n", frames, wall_time(frame),
              wall_time(frame * frames));
-  for (const std::string& doubt : plausibility_warnings) fmt::print("warning: {}\n", doubt);
+  for (const std::string& warning : plausibility_warnings) fmt::print("warning: {}\n", warning);
 }
 
 }  // namespace turgor

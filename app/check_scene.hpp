@@ -1,4 +1,4 @@
-// `turgor run --check`: what a scene would take, before anything is simulated to its end.
+// `turgor run --check`: cost and plausibility of a scene, before a full simulation.
 #pragma once
 
 #include "turgor/core/exec.hpp"
@@ -6,8 +6,9 @@
 
 namespace turgor {
 
-/// Loads the scene as a run does, tries a few frames, and prints what it has, what doubts there are, and how
-/// much memory and time a run will take. Writes no file. Failure: whatever a run would refuse.
+/// Loads the scene as a run does and steps a few frames. Prints its bodies and tools, plausibility warnings,
+/// and the memory and time that a run will take. Writes no file. Failure: every reason for which a run would
+/// refuse the scene.
 void check_scene(const Exec& exec, const Scene& scene);
 
 }  // namespace turgor

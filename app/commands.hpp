@@ -1,5 +1,5 @@
-// The commands of the program `turgor`. Each add_<name>_command declares one subcommand with its options; its
-// callback does the work when the command line names it, and throws Failure with a sentence when it cannot.
+// Commands of the program `turgor`. Each add_<name>_command declares one subcommand with its options. The
+// callback does the work of the command and throws Failure with a sentence on errors.
 #pragma once
 
 #include <cstdio>
@@ -18,27 +18,27 @@ struct Global {
   int threads = 0;  // 0 = one per core
 };
 
-constexpr int kNotFinite = 3;  // exit code: numbers that were not finite ended a simulation early
+constexpr int kNotFinite = 3;  // exit code: a simulation ended early because of non-finite numbers
 
-/// A remark on standard error; the work goes on, heard or not.
+/// Prints a remark on standard error; the command continues.
 inline void note(const std::string& sentence) {
   std::fprintf(stderr, "turgor: note: %s\n", sentence.c_str());
 }
 
-/// Thrown by a command's callback; main prints the message after "turgor: " and exits with the code.
+/// Thrown by the callback of a command; main prints the message after "turgor: " and exits with the code.
 struct Failure {
   int exit_code = 2;
   std::string message;
 };
 
-/// The value, or the end of the command with what was wrong, `where` in front of it.
+/// Returns the value, or throws Failure with the error message after the prefix `where`.
 template <class T>
 T required(Result<T> result, const std::string& where = {}) {
   if (!result) throw Failure{2, where + result.error().message};
   return std::move(*result);
 }
 
-/// Of an option: a finite number from `low` to `high`.
+/// Validator of an option: a finite number from `low` to `high`.
 inline CLI::Validator number_within(double low, double high, const std::string& unit) {
   return CLI::Validator(
       [low, high, unit](const std::string& text) {
@@ -51,7 +51,7 @@ inline CLI::Validator number_within(double low, double high, const std::string& 
       unit);
 }
 
-/// The option --set of a command that reads a scene; `overrides` outlives the program's parsing.
+/// Adds the option --set to a command that reads a scene; `overrides` must outlive the parsing.
 inline void add_set_option(CLI::App& command, std::vector<std::string>& overrides) {
   command
       .add_option("--set", overrides,
@@ -60,7 +60,7 @@ inline void add_set_option(CLI::App& command, std::vector<std::string>& override
       ->allow_extra_args(false);
 }
 
-// `global` outlives the program's parsing; callbacks read it.
+// `global` must outlive the parsing; callbacks read it.
 void add_info_command(CLI::App& program, Global& global);
 void add_import_command(CLI::App& program, Global& global);
 void add_phantom_command(CLI::App& program, Global& global);

@@ -1,4 +1,4 @@
-// `turgor devices`: which haptic devices are connected, and what is missing for those that are not.
+// `turgor devices`: lists connected haptic devices, and the requirements of the others.
 #include "turgor/haptics/drivers/devices.hpp"
 
 #include <memory>
@@ -46,14 +46,14 @@ void run_devices(const haptics::DeviceOptions& options, const std::string& json)
 }  // namespace
 
 void add_devices_command(CLI::App& program) {
-  CLI::App* command =
-      program.add_subcommand("devices", "Haptic devices: which are connected, and what others need");
+  CLI::App* command = program.add_subcommand(
+      "devices", "List haptic devices: connected ones, and requirements of the others");
   auto options = std::make_shared<haptics::DeviceOptions>();
   auto json = std::make_shared<std::string>();
   command->add_option("--address", options->address, "HOST:PORT of the Haply Inverse Service")
       ->capture_default_str();
-  command->add_option("--json", *json, "Also write what is said to this file");
-  command->footer("Nothing moves. How to connect a device: docs/devices.md\nExample:\n  turgor devices");
+  command->add_option("--json", *json, "Also write the output to this file");
+  command->footer("No device moves. How to connect a device: docs/devices.md\nExample:\n  turgor devices");
   command->callback([options, json] { run_devices(*options, *json); });
 }
 

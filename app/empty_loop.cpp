@@ -10,12 +10,13 @@ EmptyLoop::EmptyLoop(double rate, int priority)
     : rate_(rate), priority_(priority), thread_([this] { run(); }) {}
 
 void EmptyLoop::run() {
-  if (priority_ > 0) (void)haptics::take_priority(priority_);
+  if (priority_ > 0) (void)haptics::set_real_time_priority(priority_);
   const double period = 1 / rate_;
   double next = haptics::steady_seconds(), before = next;
   while (!ends_) {
     next += period;
-    if (const double late = haptics::steady_seconds() - next; late > period) {  // as Loop counts them
+    if (const double late = haptics::steady_seconds() - next;
+        late > period) {  // as haptics::Loop counts them
       record_.missed += std::uint64_t(std::floor(late / period));
       next += std::floor(late / period) * period;
     }
@@ -23,7 +24,7 @@ void EmptyLoop::run() {
     const double now = haptics::steady_seconds();
     record_.period.add(now - before);
     record_.jitter.add(std::abs(now - before - period));
-    record_.compute.add(0);  // ticks are counted by it
+    record_.compute.add(0);  // timing_report counts ticks by it
     before = now;
   }
 }
@@ -32,7 +33,7 @@ haptics::TimingReport EmptyLoop::end() {
   ends_ = true;
   if (thread_.joinable()) thread_.join();
   haptics::TimingReport report = haptics::timing_report(record_);
-  report.rate_asked = rate_;
+  report.target_rate = rate_;
   return report;
 }
 

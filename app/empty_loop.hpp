@@ -1,5 +1,5 @@
-// A thread that does nothing but wake up in time: what a machine misses by itself, to lie beside what a
-// haptic loop misses on it.
+// A thread that only wakes up periodically. It measures the jitter and the misses of the machine itself, as a
+// baseline for a haptic loop at the same time.
 #pragma once
 
 #include <atomic>
@@ -11,13 +11,13 @@ namespace turgor {
 
 class EmptyLoop {
  public:
-  /// Begins; asks for a priority as haptics::Loop does.
+  /// Starts the thread with the priority that haptics::Loop would request.
   EmptyLoop(double rate, int priority);
   ~EmptyLoop() { end(); }
   EmptyLoop(const EmptyLoop&) = delete;
   EmptyLoop& operator=(const EmptyLoop&) = delete;
 
-  /// Ends: periods, how far they were from what was asked for, and what was missed.
+  /// Stops the thread and returns its periods, jitter and missed ticks.
   haptics::TimingReport end();
 
  private:

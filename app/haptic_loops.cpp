@@ -15,30 +15,30 @@ namespace turgor {
 
 namespace {
 
-constexpr double kTip = 0.005;  // of the tool [m]
+constexpr double kTip = 0.005;  // radius of the tool [m]
 
 void tick_nothing(void* /*context*/, std::span<const contact::ToolCommand>, double,
                   std::span<contact::ToolReading>) {}
 
-/// A wall at z = 0, of 500 N/m.
+/// A wall at z = 0 of 500 N/m.
 void tick_wall(void* /*context*/, std::span<const contact::ToolCommand> commands, double,
                std::span<contact::ToolReading> readings) {
   for (std::size_t i = 0; i < commands.size(); i++)
     readings[i].force.z = 500 * std::max(0.0, -commands[i].pose.position.z);
 }
 
-/// A liver, and what a loop ticks of it.
+/// A liver of rhombus chains with the state of its haptic loop.
 struct Chain {
   rhombus::Model model;
-  rhombus::Foot foot;  // where the hand taps
+  rhombus::FootPoint foot;  // center of the taps on the surface
   contact::RhombusTouch touch;
-  latest<contact::RhombusTouchedNow> touched;
+  latest<contact::RhombusTouchSnapshot> touched;
 };
 
 void tick_chain(void* context, std::span<const contact::ToolCommand> commands, double dt,
                 std::span<contact::ToolReading> readings) {
   Chain& chain = *static_cast<Chain*>(context);
-  contact::tick(chain.model, chain.touch, chain.touched, commands, dt, readings);
+  contact::tick_and_publish(chain.model, chain.touch, chain.touched, commands, dt, readings);
 }
 
 void make_chain(Chain& chain) {
@@ -46,13 +46,13 @@ void make_chain(Chain& chain) {
   rhombus::Body body{.vertices = {}, .triangles = mesh.triangles, .stiffness = {}};
   for (const Vec3 x : mesh.vertices) body.vertices.push_back(Vec3d(x));
   chain.model = std::move(*rhombus::build(std::move(body), {}));
-  chain.foot = rhombus::find_foot(chain.model.surface, chain.model.tree, {-0.05, 0.01, 0.2});
-  const contact::Pose above{.position = chain.foot.at.place + chain.foot.normal * 0.02, .axes = {}};
+  chain.foot = rhombus::find_foot_point(chain.model.surface, chain.model.tree, {-0.05, 0.01, 0.2});
+  const contact::Pose above{.position = chain.foot.at.position + chain.foot.normal * 0.02, .axes = {}};
   chain.touch = contact::make_rhombus_touch({{.center = {}, .radius = kTip}}, std::span(&above, 1));
   contact::prepare(chain.touch, chain.touched);
 }
 
-/// Up and down through what is at 0, once a second.
+/// Hand that moves up and down through z = 0, once a second.
 haptics::HandTarget tapping(double time) {
   return {.pose = {.position = {0, 0, 0.005 * std::cos(2 * std::numbers::pi * time)}, .axes = {}}};
 }
@@ -72,13 +72,13 @@ const char* name_of(LoopModel model) {
 }
 
 HapticLoopRow measure_loop(double rate, LoopModel model, double seconds) {
-  haptics::VirtualDevice device({.rate = rate}, haptics::light_hand(tapping), haptics::VirtualTime::kClock);
+  haptics::VirtualDevice device({.rate = rate}, haptics::light_grip(tapping), haptics::VirtualTime::kClock);
   (void)device.open();
   Chain chain;
   haptics::Hand hand{.device = &device};
   if (model == LoopModel::kRhombus) {
     make_chain(chain);
-    hand.workspace.origin = chain.foot.at.place + chain.foot.normal * kTip;
+    hand.workspace.origin = chain.foot.at.position + chain.foot.normal * kTip;
   }
   const haptics::ToolTick tick = model == LoopModel::kRhombus ? tick_chain
                                  : model == LoopModel::kWall  ? tick_wall

@@ -1,5 +1,5 @@
-// Haptic loops that are timed, each beside an empty one: for some seconds with nothing, a wall or a chain of
-// rhombi behind the hand, and for minutes with a whole world.
+// Timing of haptic loops, each beside an empty loop. Short runs have no contact, a wall, or a rhombus chain
+// behind the hand; the soak test runs a whole world for minutes.
 #pragma once
 
 #include <string>
@@ -11,26 +11,26 @@
 
 namespace turgor {
 
-/// What answers the hand.
+/// Source of the contact force.
 enum class LoopModel : std::uint8_t { kNone, kWall, kRhombus };
 
 struct HapticLoopRow {
   LoopModel model = LoopModel::kNone;
   haptics::TimingReport report, empty;  // of the loop, and of an empty one at the same time
-  std::vector<std::string> notes;       // what the system did not allow
+  std::vector<std::string> notes;       // settings that the operating system refused
 };
 const char* name_of(LoopModel model);
 
-/// A computed arm in a light hand that taps once a second, for some seconds.
+/// Times a loop in which a simulated arm in a light hand taps once a second.
 HapticLoopRow measure_loop(double rate, LoopModel model, double seconds);
 
-/// A liver of rhombus chains that a hand taps for minutes, with frames beside the ticks.
+/// Soak test: a hand taps a liver of rhombus chains for minutes, with frames in parallel.
 struct HapticSoak {
   haptics::TimingReport report, empty;
-  double drift = 0;                          // of ticks against the clock, in the end [s]
-  double resident_before = 0, resident = 0;  // memory, when it had settled and in the end [bytes]
+  double drift = 0;                          // of the tick count against the clock, at the end [s]
+  double resident_before = 0, resident = 0;  // resident memory after the start and at the end [bytes]
   long frames = 0, frames_late = 0;
-  double largest_force = 0;  // that the hand was given at the body [N]
+  double largest_force = 0;  // largest force on the hand at the body [N]
   std::vector<std::string> notes;
 };
 Result<HapticSoak> soak_haptics(double minutes, const Progress& progress);

@@ -1,4 +1,4 @@
-// A felt world for minutes: does it drift, does it grow, does it miss more than an empty loop beside it?
+// Soak test of the haptic loop: clock drift, memory growth, and missed ticks compared with an empty loop.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -27,7 +27,7 @@ shape = { sphere = 0.005 }
 press = { at_fraction = [0.3, 0.5, 1], depth = 0.001, start = 0 }
 )";
 
-/// Of this process [bytes].
+/// Resident memory of this process [bytes].
 double resident_bytes() {
   std::ifstream file("/proc/self/statm");
   double total = 0, resident = 0;
@@ -35,21 +35,21 @@ double resident_bytes() {
   return resident * double(sysconf(_SC_PAGESIZE));
 }
 
-/// Down to 5 mm and up again, once a second.
+/// Sets the tool path: down to 5 mm and up again, once a second.
 void tap(World& world, double seconds) {
   TouchingTool& tool = world.tools[0];
-  const SurfaceSample place = place_on_surface(rest_surface(world, tool.body), {0.3, 0.5, 1}, true, 0.01);
+  const SurfaceSample sample = sample_surface(rest_surface(world, tool.body), {0.3, 0.5, 1}, true, 0.01);
   tool.path = {.rows = {}, .smooth = true};
   for (int n = 0; n <= int(2 * seconds) + 2; n++)
     tool.path.rows.push_back(
-        {.time = 0.5 * n, .position = place.point + place.normal * (n % 2 == 0 ? 0.015 : 0.0)});
+        {.time = 0.5 * n, .position = sample.point + sample.normal * (n % 2 == 0 ? 0.015 : 0.0)});
 }
 
-/// Frames by the clock, until it is over.
-Status extrapolate(World& world, LiveTouch& touch, double seconds, const Progress& progress,
-                   HapticSoak& soak) {
+/// Steps frames in real time until `seconds`.
+Status run_frames(World& world, LiveTouch& touch, double seconds, const Progress& progress,
+                  HapticSoak& soak) {
   const Exec exec(1);
-  const double settled = std::min(10.0, 0.2 * seconds);  // first uses of memory are over [s]
+  const double settled = std::min(10.0, 0.2 * seconds);  // end of the first allocations [s]
   while (time_of(world) < seconds) {
     if (const Result<FrameReport> frame = step(exec, world); !frame) return frame.error();
     touch.wait_for_frame();
@@ -90,12 +90,12 @@ Result<HapticSoak> soak_haptics(double minutes, const Progress& progress) {
   if (!live) return live.error();
   EmptyLoop empty(1000, haptics::LoopParams().priority);
   HapticSoak soak;
-  const Status status = extrapolate(*world, *live->touch, seconds, progress, soak);
+  const Status status = run_frames(*world, *live->touch, seconds, progress, soak);
   soak.empty = empty.end();
   live->touch->stop();
   if (!status) return status.error();
   soak.report = live->touch->timing();
-  soak.drift = double(soak.report.ticks + soak.report.missed) / soak.report.rate_asked - soak.report.seconds;
+  soak.drift = double(soak.report.ticks + soak.report.missed) / soak.report.target_rate - soak.report.seconds;
   soak.frames = live->touch->frames().frames, soak.frames_late = live->touch->frames().late;
   soak.notes = live->touch->notes();
   return soak;
@@ -104,10 +104,10 @@ Result<HapticSoak> soak_haptics(double minutes, const Progress& progress) {
 void print(const HapticSoak& soak) {
   fmt::print("{:<18}{:>10}{:>9} |{:>8}{:>8}{:>8}{:>9}   [us]\n", "", "ticks", "missed", "jitter", "99 %",
              "99.9 %", "max");
-  print_row("felt liver", soak.report);
-  print_row("empty loop beside", soak.empty);
+  print_row("touched liver", soak.report);
+  print_row("empty loop", soak.empty);
   fmt::print(
-      "\nafter {:.0f} s: drift {:.2f} ms, memory {:.1f} MB ({:+.2f} MB since it settled), {} of {} frames "
+      "\nafter {:.0f} s: drift {:.2f} ms, memory {:.1f} MB ({:+.2f} MB since startup), {} of {} frames "
       "late, largest force {:.2f} N\n",
       soak.report.seconds, 1e3 * soak.drift, 1e-6 * soak.resident,
       1e-6 * (soak.resident - soak.resident_before), soak.frames_late, soak.frames, soak.largest_force);
@@ -116,7 +116,7 @@ void print(const HapticSoak& soak) {
 
 std::string to_json_text(const HapticSoak& soak) {
   const nlohmann::ordered_json json{{"bench", "haptics soak"},
-                                    {"felt", to_json(soak.report)},
+                                    {"haptic", to_json(soak.report)},
                                     {"empty", to_json(soak.empty)},
                                     {"drift_ms", 1e3 * soak.drift},
                                     {"resident_settled_bytes", soak.resident_before},

@@ -1,4 +1,4 @@
-// `turgor import`: a CT of any readable format as one file.
+// `turgor import`: converts a CT of any readable format to one file.
 #include <memory>
 
 #include <fmt/format.h>
@@ -32,13 +32,13 @@ void run_import(const ImportOptions& options, const Global& global) {
 }  // namespace
 
 void add_import_command(CLI::App& program, Global& global) {
-  CLI::App* command = program.add_subcommand("import", "Convert a CT to one file: NIfTI, NRRD or MetaImage");
+  CLI::App* command = program.add_subcommand("import", "Convert a CT to one NIfTI, NRRD or MetaImage file");
   auto options = std::make_shared<ImportOptions>();
   command->add_option("path", options->path, "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha")
       ->required();
-  command->add_option("-o,--output", options->output, "The file to write: .nii, .nii.gz, .nrrd or .mha")
+  command->add_option("-o,--output", options->output, "Output file: .nii, .nii.gz, .nrrd or .mha")
       ->required();
-  command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
+  command->add_option("--series", options->series, "DICOM: the series, by number or SeriesInstanceUID");
   command->add_flag("--straighten", options->straighten,
                     "DICOM: resample the slices of a tilted gantry to a straight grid");
   command->footer("Example:\n  turgor import ct/ -o patient.nii.gz");

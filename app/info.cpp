@@ -1,4 +1,4 @@
-// `turgor info`: what a CT file holds, and what a segmentation says about it. Meshes are in info_mesh.cpp.
+// `turgor info`: describes a CT file and a segmentation of it. Meshes are in info_mesh.cpp.
 #include <memory>
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ struct InfoOptions {
   double scale = 1;  // of a mesh
 };
 
-/// Towards where in the patient the axes i, j, k grow: "LPS", "RAS", …
+/// Anatomical directions in which the axes i, j, k grow: "LPS", "RAS", …
 std::string orientation(const Grid& grid) {
   constexpr const char* kTowards[3] = {"RL", "AP", "IS"};
   std::string letters;
@@ -61,7 +61,7 @@ Json describe(const std::string& path, const CtFile& file) {
   return json;
 }
 
-/// Also says so when the file does not name its labels.
+/// Describes the labels; adds a note if the file does not name them.
 Json describe_labels(const std::string& path, const CtVolume& ct, Json& notes) {
   const LabelFile read = required(read_labels_of(path, ct.grid));
   if (!read.has_names)
@@ -98,7 +98,7 @@ void print(const Json& json) {
   row("size", fmt::format("{} x {} x {}", json["size"][0].get<int>(), json["size"][1].get<int>(),
                           json["size"][2].get<int>()));
   row("spacing", format_triple(json["spacing_mm"], 4) + " mm");
-  row("orientation", text("orientation") + " (towards where i, j, k grow)");
+  row("orientation", text("orientation") + " (directions in which i, j, k grow)");
   row("extent", format_triple(json["extent_mm"], 1) + " mm");
   row("from", format_triple(json["first_sample_lps_mm"], 2) + " mm LPS");
   row("to", format_triple(json["last_sample_lps_mm"], 2) + " mm LPS");
@@ -125,20 +125,20 @@ void print_labels(const Json& labels) {
                format_triple(m["centroid_lps_mm"], 2));
 }
 
-/// A folder that is no volume still has something to tell.
-std::string what_is_there(const InfoOptions& options, const Exec& exec) {
+/// Lists the DICOM series of a folder that is not a readable volume, for the error message.
+std::string list_series(const InfoOptions& options, const Exec& exec) {
   const std::string series = list_dicom_series(exec, options.path);
-  return series.empty() ? "" : "\nThe folder's headers say:" + series;
+  return series.empty() ? "" : "\nSeries in this folder:" + series;
 }
 
 Json inform_about_ct(const InfoOptions& options, const Exec& exec) {
   if (options.scale != 1)
-    throw Failure{2, fmt::format("{}: --scale is of meshes; a CT knows its millimetres", options.path)};
+    throw Failure{2, fmt::format("{}: --scale applies to meshes; a CT has its own units", options.path)};
   Json json;
   {
     ProgressBar bar("reading");
     const Result<CtFile> file = read_ct(exec, options.path, {options.series, bar.callback()});
-    if (!file) throw Failure{2, file.error().message + what_is_there(options, exec)};
+    if (!file) throw Failure{2, file.error().message + list_series(options, exec)};
     json = describe(options.path, *file);
     if (!options.labels.empty()) json["labels"] = describe_labels(options.labels, file->ct, json["notes"]);
     if (json["notes"].empty()) json.erase("notes");
@@ -150,19 +150,19 @@ Json inform_about_ct(const InfoOptions& options, const Exec& exec) {
 
 Json inform_about_mesh(const InfoOptions& options, const Exec& exec) {
   if (!options.labels.empty() || !options.series.empty())
-    throw Failure{2, fmt::format("{}: --labels and --series are of CTs; this is a mesh", options.path)};
+    throw Failure{2, fmt::format("{}: --labels and --series apply to CTs; this is a mesh", options.path)};
   Json json = describe_mesh(exec, options.path, options.scale);
   print_mesh(json);
   return json;
 }
 
-/// Said before what takes long.
+/// Checks --json before long work.
 void check_json_goal(const InfoOptions& options) {
   required(check_file_goal(options.json));
   std::error_code ignored;
   for (const std::string& input : {options.path, options.labels})
     if (std::filesystem::equivalent(options.json, input, ignored))
-      throw Failure{2, fmt::format("--json {}: would replace what is read", options.json)};
+      throw Failure{2, fmt::format("--json {}: would replace an input file", options.json)};
 }
 
 void run_info(const InfoOptions& options, const Global& global) {
@@ -179,9 +179,9 @@ void run_info(const InfoOptions& options, const Global& global) {
 
 void add_info_command(CLI::App& program, Global& global) {
   CLI::App* command = program.add_subcommand("info",
-                                             "What a CT holds: size, place, densities, and the bodies of a "
-                                             "segmentation; or a mesh: elements, regions, "
-                                             "volume, angles");
+                                             "Describe a CT (size, position, densities, labels of a "
+                                             "segmentation) or a mesh (elements, regions, "
+                                             "volume, angles)");
   auto options = std::make_shared<InfoOptions>();
   command
       ->add_option(
@@ -190,11 +190,11 @@ void add_info_command(CLI::App& program, Global& global) {
           ".node, .mesh, .obj, .stl, .ply")
       ->required();
   command->add_option("--labels", options->labels,
-                      "A segmentation of the CT: sizes and places of its labels");
-  command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
-  command->add_option("--scale", options->scale, "A mesh: metres of one unit of its file, 0.001 for mm")
+                      "A segmentation of the CT; prints sizes and centroids of its labels");
+  command->add_option("--series", options->series, "DICOM: the series, by number or SeriesInstanceUID");
+  command->add_option("--scale", options->scale, "Mesh: meters per unit of its file, 0.001 for mm")
       ->check(number_within(1e-12, 1e6, "m"));
-  command->add_option("--json", options->json, "Also write what is said to this file");
+  command->add_option("--json", options->json, "Also write the output to this file");
   command->footer(
       "Example:\n  turgor info ct/ --labels segmentation.nii.gz --json ct.json\n  turgor info liver.msh "
       "--scale 0.01");

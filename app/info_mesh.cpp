@@ -29,7 +29,7 @@ void add_box(const std::vector<Vec<T>>& vertices, Json& json) {
   json.update({{"box_from_m", triple(Vec3d(low))}, {"box_to_m", triple(Vec3d(high))}});
 }
 
-/// The shortest and the longest edge of elements whose edges join these corners.
+/// Adds the shortest and the longest of these edges.
 template <class Vertices, class Corners>
 void add_edges(const Vertices& vertices, const std::vector<Corners>& edges, Json& json) {
   double shortest = std::numeric_limits<double>::infinity(), longest = 0;
@@ -66,13 +66,13 @@ Json describe_regions(const SolidMesh& mesh) {
 Json describe_solid(const std::string& path, double scale) {
   const ReadSolid read = required(read_solid(path, scale));
   const SolidMesh& mesh = read.mesh;
-  const std::vector<int> parts = connected_parts(mesh);
+  const std::vector<int> components = connected_components(mesh);
   Json json{{"path", path},
             {"format", read.format},
             {"kind", mesh.corners == 4 ? "tetrahedra" : "hexahedra"},
             {"vertices", mesh.vertices.size()},
             {"elements", element_count(mesh)},
-            {"parts", 1 + *std::max_element(parts.begin(), parts.end())},
+            {"parts", 1 + *std::max_element(components.begin(), components.end())},
             {"surface_triangles", surface(mesh).triangles.size()},
             {"inverted_repaired", read.inverted}};
   add_box(mesh.vertices, json);
@@ -114,14 +114,14 @@ Json describe_surface(const Exec& exec, const std::string& path, double scale) {
   add_edges(mesh.vertices, edges, json);
   std::vector<std::string> notes = read.notes;
   if (closed) notes.insert(notes.end(), closed->notes.begin(), closed->notes.end());
-  if (!closed) notes.push_back("bounds no body: " + closed.error().message);
+  if (!closed) notes.push_back("not a closed surface of a body: " + closed.error().message);
   if (!notes.empty()) json["notes"] = notes;
   return json;
 }
 
 void print_row(const char* name, const std::string& text) { fmt::print("  {:<12} {}\n", name, text); }
 
-std::string places(const Json& json, const char* key) {
+std::string point_text(const Json& json, const char* key) {
   const Json& v = json[key];
   return fmt::format("{:.6g}, {:.6g}, {:.6g} m", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
 }
@@ -150,10 +150,10 @@ void print_mesh(const Json& json) {
   print_row("elements", fmt::format("{} {}, {} vertices", json["elements"].get<std::size_t>(),
                                     json["kind"].get<std::string>(), json["vertices"].get<std::size_t>()));
   if (json.contains("parts"))
-    print_row("parts", fmt::format("{}, with a surface of {} triangles", json["parts"].get<int>(),
-                                   json["surface_triangles"].get<std::size_t>()));
-  print_row("from", places(json, "box_from_m"));
-  print_row("to", places(json, "box_to_m"));
+    print_row("components", fmt::format("{}, surface of {} triangles", json["parts"].get<int>(),
+                                        json["surface_triangles"].get<std::size_t>()));
+  print_row("from", point_text(json, "box_from_m"));
+  print_row("to", point_text(json, "box_to_m"));
   if (json.contains("area_m2")) print_row("area", fmt::format("{:.6g} cm²", number("area_m2") * 1e4));
   if (json.contains("volume_m3")) print_row("volume", fmt::format("{:.6g} mL", number("volume_m3") * 1e6));
   print_row("edges", fmt::format("{:.4g} to {:.4g} mm", number("shortest_edge_m") * 1e3,

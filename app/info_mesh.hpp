@@ -1,5 +1,4 @@
-// What `turgor info` says about meshes: solid ones (Gmsh, VTK, VTU, TetGen, Medit) and surfaces (OBJ, STL,
-// PLY, VTP, VTK).
+// Meshes in `turgor info`: solids (Gmsh, VTK, VTU, TetGen, Medit) and surfaces (OBJ, STL, PLY, VTP, VTK).
 #pragma once
 
 #include <string>
@@ -11,10 +10,10 @@
 
 namespace turgor {
 
-/// Whether a file begins as one of the mesh formats does.
+/// True if the file begins as one of the mesh formats.
 bool is_mesh_file(const std::string& path);
-/// Kind, counts, regions, box, volume, edges, angles and what was repaired; coordinates times `scale` are
-/// metres. Throws Failure.
+/// Kind, counts, regions, box, volume, edges, angles and repairs. Coordinates times `scale` are meters.
+/// Throws Failure.
 nlohmann::ordered_json describe_mesh(const Exec& exec, const std::string& path, double scale);
 void print_mesh(const nlohmann::ordered_json& json);
 

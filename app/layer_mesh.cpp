@@ -7,7 +7,7 @@ namespace turgor {
 
 namespace {
 
-/// Node k of circle i; circle 0 is the middle.
+/// Number of node k on circle i; circle 0 is the center.
 int node_on(int i, int k) { return i == 0 ? 0 : 1 + 3 * i * (i - 1) + (k + 6 * i) % (6 * i); }
 
 /// Triangles between the circles, counter-clockwise: in each of six sectors, circle i has i edges.
@@ -24,10 +24,10 @@ std::vector<Int3> round_triangles(int circles) {
   return triangles;
 }
 
-/// A prism over a triangle in three tetrahedra. Every side is cut from its lower corner with the lower
-/// number, so that neighbours agree.
+/// Splits a prism over a triangle into three tetrahedra. The diagonal of every side starts at its lower
+/// corner with the lower number, so that neighbors agree.
 void add_prism(Int3 t, int below, int above, std::vector<int>& elements) {
-  while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};  // begins with its lowest corner
+  while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};  // starts with its lowest corner
   const auto [a, b, c] = t;
   if (b < c)
     for (const int v : {below + a, below + b, below + c, above + c, below + a, below + b, above + c,

@@ -1,4 +1,5 @@
-// A round layer of tetrahedra whose nodes lie on circles, so that a round indenter's edge is where nodes are.
+// A round layer of tetrahedra with nodes on concentric circles, so that the edge of a round indenter
+// coincides with nodes.
 #pragma once
 
 #include <span>
@@ -7,8 +8,8 @@
 
 namespace turgor {
 
-/// Circles of these radii, ascending, around a node in the middle, and planes of these heights, ascending
-/// [m]. Circle number i has 6 i nodes.
+/// Circles of these radii, ascending, around a central node, and planes of these heights, ascending [m].
+/// Circle i has 6 i nodes.
 SolidMesh round_layer(std::span<const double> radii, std::span<const double> heights);
 
 }  // namespace turgor

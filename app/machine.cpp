@@ -6,13 +6,13 @@
 namespace turgor {
 
 double copy_bandwidth(const Exec& exec) {
-  constexpr std::size_t kPieces = 64, kPiece = std::size_t(4) << 20;
-  std::vector<char> from(kPieces * kPiece, 1), to(kPieces * kPiece, 2);
+  constexpr std::size_t kBlocks = 64, kBlock = std::size_t(4) << 20;
+  std::vector<char> from(kBlocks * kBlock, 1), to(kBlocks * kBlock, 2);
   const double ms = median_ms(7, [&] {
-    parallel_for(exec, kPieces,
-                 [&](std::size_t p) { std::memcpy(&to[p * kPiece], &from[p * kPiece], kPiece); });
+    parallel_for(exec, kBlocks,
+                 [&](std::size_t p) { std::memcpy(&to[p * kBlock], &from[p * kBlock], kBlock); });
   });
-  return 2.0 * kPieces * kPiece / (ms * 1e-3);
+  return 2.0 * kBlocks * kBlock / (ms * 1e-3);
 }
 
 double arithmetic_rate(const Exec& exec) {

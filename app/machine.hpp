@@ -1,4 +1,4 @@
-// What the machine can do, measured beside what we do with it.
+// Limits of the machine, measured beside the benchmarks: copy bandwidth and arithmetic rate.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace turgor {
 
-/// Of `runs` runs, wall time [ms].
+/// Median wall time of `runs` runs [ms].
 template <class Work>
 double median_ms(int runs, const Work& work) {
   std::vector<double> times;
@@ -20,9 +20,9 @@ double median_ms(int runs, const Work& work) {
   return median(times);
 }
 
-/// Bytes read and written a second by copying 256 MiB.
+/// Bytes read and written per second by copies of 256 MiB.
 double copy_bandwidth(const Exec& exec);
-/// Floating-point operations a second, single precision, of dense products, one a thread.
+/// Floating-point operations per second in single precision, of dense products, one per thread.
 double arithmetic_rate(const Exec& exec);
 
 }  // namespace turgor

@@ -1,7 +1,6 @@
-// The program `turgor`: reads the command line, lets a command work, and turns failures into a sentence and
-// an exit code: 2 when the command line or the world was not as expected, 3 when numbers that were not finite
-// ended a simulation early, 130 when interrupted, 141, without a sentence, when nobody reads what it prints
-// any more.
+// The program `turgor`: reads the command line, runs a command, and turns a failure into a sentence and an
+// exit code. 2: unexpected command line or scene. 3: non-finite numbers ended a simulation early. 130:
+// interrupted. 141, without a sentence: the reader of standard output closed the pipe.
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -29,13 +28,13 @@ int fail(const std::string& message) {
   return 2;
 }
 
-/// What could not be printed is lost like a file that could not be written. A reader that went away knows it.
+/// Exit code after a failed write to standard output. A closed pipe needs no message.
 int fail_to_print(int reason) {
   if (reason == EPIPE) return 128 + SIGPIPE;
   return fail(std::string("standard output: cannot be written: ") + std::strerror(reason));
 }
 
-/// Prints what waits to be printed; the exit code then.
+/// Flushes standard output and returns the exit code.
 int end_with(int code) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
@@ -43,13 +42,14 @@ int end_with(int code) {
   return code == 0 ? fail_to_print(reason) : code;
 }
 
-/// A stream that is closed would be the number of the next file that is opened, and be printed into.
+/// Opens closed standard streams on /dev/null. Otherwise the next opened file would get the number of a
+/// stream, and messages would be written to it.
 void hold_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0) (void)!open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-/// A word where a command should be, which is none; empty when that is not what is wrong.
+/// Message about an unknown command; empty if the command line has another problem.
 std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   const std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App*) { return true; });
   if (argc < 2 || argv[1][0] == '-' || commands.empty()) return "";
@@ -62,21 +62,21 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   return word + " is not a command" + turgor::suggestion(word, names);
 }
 
-/// The exit code.
+/// Runs the command line and returns the exit code.
 int run(int argc, char** argv) {
   CLI::App program{
-      "Turgor: tissue you can touch. CT volumes become bodies that deform, are cut and are measured."};
+      "Turgor: tissue you can touch. Builds deformable bodies from CT volumes, cuts and measures them."};
   program.name("turgor");
   program.footer(
       "Examples:\n"
       "  turgor run scenes/incision.toml --out out/incision\n"
       "  turgor info patient.nii.gz\n"
-      "turgor COMMAND --help tells more.\n"
-      "Exit codes: 0 done; 2 something was not as expected, a sentence says what; 3 numbers that were not\n"
-      "finite ended a simulation early, the results up to then are there, or a figure of validate is beyond\n"
-      "its bound; 130 interrupted, nothing is left.");
+      "For help on a command: turgor COMMAND --help\n"
+      "Exit codes: 0 success; 2 an error, explained by a message; 3 a simulation stopped early because it\n"
+      "was not finite (earlier results are written), or a figure of validate is beyond its bound;\n"
+      "130 interrupted, no files remain.");
   program.set_version_flag("--version", "turgor " + turgor::program_version());
-  program.set_help_all_flag("--help-all", "Help of all commands");
+  program.set_help_all_flag("--help-all", "Print the help of all commands");
   turgor::Global global;
   program.add_option("--threads", global.threads, "Threads to use; 0 = one per core")
       ->check(CLI::Range(0, 1024));
@@ -108,7 +108,7 @@ int run(int argc, char** argv) {
   } catch (const std::system_error& error) {  // fmt::print
     return fail_to_print(error.code().value());
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory for this; a larger block or a smaller CT needs less");
+    return fail("not enough memory; a larger block or a smaller CT needs less");
   } catch (const std::exception& error) {
     return fail(error.what());
   }

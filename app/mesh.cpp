@@ -1,4 +1,4 @@
-// `turgor mesh`: from a label of a segmentation, or a closed surface, to a mesh of tetrahedra.
+// `turgor mesh`: converts a label of a segmentation or a closed surface to a tetrahedral mesh.
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -29,7 +29,7 @@ struct MeshOptions {
 
 OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
   if (!options.labels.empty())
-    throw Failure{2, options.input + " is a surface; --label is for segmentations"};
+    throw Failure{2, options.input + " is a surface; --label applies to segmentations"};
   const ReadSurface read = required(read_surface(options.input, options.scale));
   ProgressBar bar("meshing");
   OrganMesh body =
@@ -38,20 +38,20 @@ OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
   return body;
 }
 
-/// The numbers of the labels that are asked for; a note when their names are not the file's own.
+/// Numbers of the requested labels; prints a note if the file does not name its labels.
 std::vector<int> label_numbers(const MeshOptions& options) {
   SceneLabels names = labels_of(options.input);
   std::vector<int> numbers;
   for (const std::string& name : options.labels) {
     numbers.push_back(required(find_label(name, names), "--label: "));
-    if (const std::string said = std::exchange(names.note, {}); !said.empty()) note(said);
+    if (const std::string text = std::exchange(names.note, {}); !text.empty()) note(text);
   }
   return numbers;
 }
 
 OrganMesh mesh_labels(const MeshOptions& options, const Exec& exec) {
   const LabelFile file = required(read_labels(options.input));
-  if (options.scale != 1) throw Failure{2, "--scale is for surfaces; a segmentation knows its millimetres"};
+  if (options.scale != 1) throw Failure{2, "--scale applies to surfaces; a segmentation has its own units"};
   const std::vector<int> labels = label_numbers(options);
   ProgressBar bar("meshing");
   return required(mesh_of_labels(exec, file.labels, labels, options.size, bar.callback()),
@@ -100,20 +100,19 @@ void run_mesh(const MeshOptions& options, const Global& global) {
 }  // namespace
 
 void add_mesh_command(CLI::App& program, Global& global) {
-  CLI::App* command = program.add_subcommand("mesh", "Tetrahedra inside a label or a closed surface");
+  CLI::App* command = program.add_subcommand("mesh", "Mesh a label or a closed surface with tetrahedra");
   auto options = std::make_shared<MeshOptions>();
   command
       ->add_option("input", options->input,
                    "A segmentation (.nii, .nii.gz, .nrrd, .mha) or a surface (.obj, .stl, .ply, .vtp, .vtk)")
       ->required();
-  command->add_option("-o,--output", options->output, "The file to write: .vtu or .msh")->required();
+  command->add_option("-o,--output", options->output, "Output file: .vtu or .msh")->required();
   command->add_option("--label", options->labels,
-                      "Labels of the body by number or name, such as an organ and the nodules in it: each "
+                      "Labels of the body by number or name, such as an organ and its nodules; each "
                       "becomes a region");
-  command->add_option("--size", options->size, "Length of the edges, about [m] (default 0.008)")
+  command->add_option("--size", options->size, "Approximate edge length [m] (default: 0.008)")
       ->check(number_within(1e-6, 100, "m"));
-  command
-      ->add_option("--scale", options->scale, "Of a surface's coordinates to metres: 0.001 for millimetres")
+  command->add_option("--scale", options->scale, "Meters per unit of a surface's file: 0.001 for mm")
       ->check(number_within(1e-12, 1e6, "m"));
   command->footer(
       "Examples:\n"

@@ -1,4 +1,5 @@
-// `turgor phantom`: a synthetic CT as a DICOM folder or one file; surfaces of a liver and of forceps.
+// `turgor phantom`: writes a synthetic CT as a DICOM folder or one file, or the surface of a liver or of
+// forceps.
 #include "turgor/geometry/phantom.hpp"
 
 #include <filesystem>
@@ -30,7 +31,7 @@ struct PhantomOptions {
 const std::map<std::string, PhantomKind> kKinds = {
     {"torso", PhantomKind::kTorso}, {"head", PhantomKind::kHead}, {"leg", PhantomKind::kLeg}};
 
-/// A size alone keeps what the phantom shows: the samples grow.
+/// Parameters of the phantom. If only a size is given, the extent stays and the spacing changes.
 PhantomParams make_params(const PhantomOptions& options) {
   PhantomParams params = default_phantom(kKinds.at(options.kind));
   params.seed = options.seed;
@@ -50,7 +51,7 @@ bool is_file_name(const std::string& name) {
   return false;
 }
 
-/// Before what takes long: can all be written where it is wanted?
+/// Checks that all output paths can be written, before long work.
 Status check_goals(const PhantomOptions& options) {
   const bool file = is_file_name(options.output);
   if (Status goal = file ? check_volume_goal(options.output) : check_dicom_goal(options.output); !goal)
@@ -73,7 +74,7 @@ CtVolume make_with_bar(const PhantomParams& params, const Exec& exec, LabelVolum
   return make_phantom(exec, params, labels, bar.callback());
 }
 
-/// A liver or forceps as triangles.
+/// Writes a liver or forceps as triangles.
 void run_surface(const PhantomOptions& options) {
   if (!options.output.ends_with(".obj"))
     throw Failure{2, fmt::format("--output: expected a file that ends in .obj, found {}", options.output)};
@@ -107,7 +108,7 @@ void run_phantom(const PhantomOptions& options, const Global& global) {
 
 void add_phantom_command(CLI::App& program, Global& global) {
   CLI::App* command =
-      program.add_subcommand("phantom", "A synthetic CT with known anatomy, or a surface to touch");
+      program.add_subcommand("phantom", "Generate a synthetic CT with known anatomy, or an organ surface");
   auto options = std::make_shared<PhantomOptions>();
   command->add_option("kind", options->kind, "torso, head or leg: a CT; liver or forceps: a surface")
       ->required()
@@ -118,17 +119,18 @@ void add_phantom_command(CLI::App& program, Global& global) {
       ->check(CLI::Range(1, 65535));
   command
       ->add_option("--spacing", options->spacing_mm,
-                   "Distance of samples [mm] (default: what shows the whole phantom)")
+                   "Distance of samples [mm] (default: covers the whole phantom)")
       ->expected(3)
       ->check(number_within(0.01, 100, "mm"));
-  command->add_option("--seed", options->seed, "Another seed: other noise, slightly other anatomy");
+  command->add_option("--seed", options->seed, "Seed of the noise and of small variations of the anatomy");
   command->add_option("--labels", options->labels,
                       "Also write the anatomy as labels (numbers of TotalSegmentator; 200 = nodule)");
   command
       ->add_option("-o,--output", options->output,
-                   "A new DICOM folder, or a file: .nii, .nii.gz, .nrrd, .mha; of a surface: .obj")
+                   "A new DICOM folder, or a file: .nii, .nii.gz, .nrrd, .mha; for a surface: .obj")
       ->required();
-  command->add_option("--detail", options->detail, "liver: edges shorter by this; 1 = 3116 vertices")
+  command
+      ->add_option("--detail", options->detail, "liver: factor by which edges are shorter; 1 = 3116 vertices")
       ->check(number_within(0.2, 20, "1"));
   command->footer(
       "Examples:\n  turgor phantom torso --size 512 512 300 -o ct/\n  turgor phantom liver -o liver.obj");

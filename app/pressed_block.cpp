@@ -7,8 +7,8 @@ namespace turgor {
 
 namespace {
 
-constexpr std::size_t kMemory = std::size_t(8) << 30;  // bytes that a store may take
-constexpr int kSites = 512;                            // of contact, so that none are clustered
+constexpr std::size_t kMemory = std::size_t(8) << 30;  // limit of the store [bytes]
+constexpr int kSites = 512;                            // contact sites, enough to avoid clustering
 
 }  // namespace
 
@@ -29,8 +29,8 @@ Result<sfem::Model> solved(const Exec& exec, sfem::Body body, const sfem::Params
   return model;
 }
 
-sfem::Patch patch_at(const Exec& exec, sfem::Model& model, Vec3d place, sfem::PatchParams params) {
-  const std::vector<Vec3d> touches{place};
+sfem::Patch patch_at(const Exec& exec, sfem::Model& model, Vec3d point, sfem::PatchParams params) {
+  const std::vector<Vec3d> touches{point};
   const std::vector<int> elements = sfem::patch_elements(model, touches, params.radius);
   std::vector<int> vertices;
   for (const int e : sfem::changed_elements(model, elements))
@@ -39,7 +39,7 @@ sfem::Patch patch_at(const Exec& exec, sfem::Model& model, Vec3d place, sfem::Pa
   return sfem::build_patch(model, elements, params.refinement, touches).value();
 }
 
-std::vector<std::pair<double, double>> press(const sfem::Patch& patch, Vec3d place, double radius,
+std::vector<std::pair<double, double>> press(const sfem::Patch& patch, Vec3d point, double radius,
                                              double depth, int steps) {
   contact::TouchParams params;
   params.capacity = kSites;
@@ -50,8 +50,9 @@ std::vector<std::pair<double, double>> press(const sfem::Patch& patch, Vec3d pla
   std::vector<std::pair<double, double>> curve;
   for (int step = 0; step <= steps; step++) {
     const double d = depth * step / steps;
-    poses[0].pose.position = place + Vec3d{0, 0, radius - d};
-    for (int settle = 0; settle < 3; settle++) contact::touch(patch, state, tools, poses, 1e-3, forces);
+    poses[0].pose.position = point + Vec3d{0, 0, radius - d};
+    for (int settle = 0; settle < 3; settle++)
+      contact::solve_touch_tick(patch, state, tools, poses, 1e-3, forces);
     curve.emplace_back(d, forces[0].force.z);
   }
   return curve;

@@ -1,5 +1,4 @@
-// Bodies of finite elements that a ball is pressed into: what experiments on sfem, and on what is fitted to
-// it, have in common.
+// Finite element bodies pressed by a ball, shared by the validations of sfem and rhombus.
 #pragma once
 
 #include <functional>
@@ -12,18 +11,19 @@
 
 namespace turgor {
 
-/// Of one material, held where `is_fixed`.
+/// A body of one material, fixed where `is_fixed`.
 sfem::Body held(SolidMesh mesh, sfem::Material material, const std::function<bool(Vec3d)>& is_fixed);
 
-/// With all Green's functions, or, when only a few places are touched, with columns on demand.
+/// Builds a model with all Green's functions, or with columns on demand when the tool touches few points.
 Result<sfem::Model> solved(const Exec& exec, sfem::Body body, const sfem::Params& params,
                            bool on_demand = false);
 
-/// The finer mesh around a place.
-sfem::Patch patch_at(const Exec& exec, sfem::Model& model, Vec3d place, sfem::PatchParams params);
+/// Patch around a touched point.
+sfem::Patch patch_at(const Exec& exec, sfem::Model& model, Vec3d point, sfem::PatchParams params);
 
-/// Presses a sphere straight down into the upper surface; upward forces on it at equal steps of depth.
-std::vector<std::pair<double, double>> press(const sfem::Patch& patch, Vec3d place, double radius,
+/// Presses a sphere straight down into the upper surface; returns the upward forces on it at equal steps of
+/// depth.
+std::vector<std::pair<double, double>> press(const sfem::Patch& patch, Vec3d point, double radius,
                                              double depth, int steps);
 
 }  // namespace turgor

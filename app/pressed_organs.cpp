@@ -16,7 +16,7 @@ namespace turgor {
 
 namespace {
 
-/// About a tongue: an ellipsoid that is thicker at one end.
+/// Approximate surface of a tongue: an ellipsoid that is thicker at one end.
 TriMesh tongue_surface() {
   constexpr int kRows = 24, kColumns = 48;
   constexpr Vec3d kHalf{0.024, 0.030, 0.014};
@@ -53,24 +53,24 @@ sfem::Body held_organ(const PressedOrgan& organ, double poisson) {
   return body;
 }
 
-double press_along(const sfem::Patch& patch, const PressedPlace& place, const PressedOrgan& organ) {
+double press_along(const sfem::Patch& patch, const PressPoint& point, const PressedOrgan& organ) {
   contact::TouchState state = contact::make_touch_state(patch, 1, {.capacity = 512});
   const std::vector<contact::Tool> tools{{contact::Sphere{organ.radius}, 0.0}};
   std::vector<contact::ToolPose> poses(1);
   std::vector<contact::ToolForce> forces(1);
   for (int step = 1; step <= 12; step++) {
     const double depth = organ.depth * std::min(1.0, step / 10.0);
-    poses[0].pose.position = place.x + place.normal * (organ.radius - depth);
-    contact::touch(patch, state, tools, poses, 1e-3, forces);
+    poses[0].pose.position = point.x + point.normal * (organ.radius - depth);
+    contact::solve_touch_tick(patch, state, tools, poses, 1e-3, forces);
   }
-  return dot(forces[0].force, place.normal);
+  return dot(forces[0].force, point.normal);
 }
 
-/// The patch at a place. One that is no finer than the body needs the elements of the surface alone.
-sfem::Patch patch_on(const Exec& exec, sfem::Model& model, const PressedPlace& place, double radius,
+/// Patch at a press point. A patch without refinement needs only the surface elements.
+sfem::Patch patch_on(const Exec& exec, sfem::Model& model, const PressPoint& point, double radius,
                      int refinement) {
-  if (refinement > 1) return patch_at(exec, model, place.x, {radius, refinement});
-  const std::vector<Vec3d> touches{place.x};
+  if (refinement > 1) return patch_at(exec, model, point.x, {radius, refinement});
+  const std::vector<Vec3d> touches{point.x};
   const std::vector<int>& outer = model.surface.element;
   std::vector<int> elements = sfem::patch_elements(model, touches, radius), vertices;
   std::erase_if(elements, [&](int e) { return std::find(outer.begin(), outer.end(), e) == outer.end(); });
@@ -102,18 +102,18 @@ PressedOrgan pressed_tet_block(double cell) {
           0.014};
 }
 
-std::vector<PressedPlace> places_on(const PressedOrgan& organ) {
+std::vector<PressPoint> press_points(const PressedOrgan& organ) {
   const SolidSurface outer = surface(organ.mesh);
   Vec3d middle, extent;
   for (const Vec3d x : organ.mesh.vertices) middle += x / double(organ.mesh.vertices.size());
   for (const Vec3d x : organ.mesh.vertices)
     for (int axis = 0; axis < 3; axis++)
       extent[axis] = std::max(extent[axis], std::abs(x[axis] - middle[axis]));
-  std::vector<PressedPlace> places;
-  for (const Vec3d part : {Vec3d{0, 0, 0}, Vec3d{0.35, 0.2, 0.25}, Vec3d{-0.3, 0.3, -0.2}}) {
-    Vec3d above = middle + hadamard(part, extent);
+  std::vector<PressPoint> points;
+  for (const Vec3d fraction : {Vec3d{0, 0, 0}, Vec3d{0.35, 0.2, 0.25}, Vec3d{-0.3, 0.3, -0.2}}) {
+    Vec3d above = middle + hadamard(fraction, extent);
     above += organ.down * dot(middle - above, organ.down);
-    PressedPlace best{{}, {}};
+    PressPoint best{{}, {}};
     double nearest = INFINITY;
     for (const Int3 t : outer.triangles) {
       const auto x = [&](int v) { return organ.mesh.vertices[std::size_t(v)]; };
@@ -122,47 +122,47 @@ std::vector<PressedPlace> places_on(const PressedOrgan& organ) {
       const Vec3d off = m - above, aside = off - organ.down * dot(off, organ.down);
       if (dot(normal, organ.down) < -0.5 && norm(aside) < nearest) nearest = norm(aside), best = {m, normal};
     }
-    places.push_back(best);
+    points.push_back(best);
   }
-  return places;
+  return points;
 }
 
-double press_flops(const PressedOrgan& organ, const ElementsWay& way) {
-  constexpr double kRest = 2e10;        // columns, contact, the factor of the body
+double press_flops(const PressedOrgan& organ, const ElementChoice& choice) {
+  constexpr double kRest = 2e10;        // columns, contact, factorization of the body
   constexpr double kTetsPerNode = 5.5;  // of a mesh of linear tetrahedra
-  const int parts = way.refinement * (way.cut_all ? 2 : 1) * (way.quadratic ? 2 : 1);
+  const int subdivisions = choice.refinement * (choice.cut_all ? 2 : 1) * (choice.quadratic ? 2 : 1);
   double flops = kRest;
-  for (const PressedPlace& place : places_on(organ)) {
+  for (const PressPoint& point : press_points(organ)) {
     double within = 0;
     for (std::size_t e = 0; e < element_count(organ.mesh); e++)
-      within += norm(centroid(organ.mesh, e) - place.x) < way.reach * organ.patch ? 1 : 0;
-    const double unknowns = way.refinement > 1 ? 3 * within * std::pow(parts, 3) / kTetsPerNode : 0;
+      within += norm(centroid(organ.mesh, e) - point.x) < choice.reach * organ.patch ? 1 : 0;
+    const double unknowns = choice.refinement > 1 ? 3 * within * std::pow(subdivisions, 3) / kTetsPerNode : 0;
     flops += std::pow(unknowns, 3) / 3;
   }
   return flops;
 }
 
-Result<OrganForces> press_organ(const Exec& exec, const PressedOrgan& organ, const ElementsWay& way,
+Result<OrganForces> press_organ(const Exec& exec, const PressedOrgan& organ, const ElementChoice& choice,
                                 double poisson) {
   sfem::Body body = held_organ(organ, poisson);
-  if (way.cut_all) body = sfem::with_middles(std::move(body)), body.mesh = linear_parts(body.mesh);
-  if (way.quadratic) body = sfem::with_middles(std::move(body));
-  const sfem::Params params{.formulation = way.formulation, .touch_depth = 2 * organ.patch};
+  if (choice.cut_all) body = sfem::with_middles(std::move(body)), body.mesh = linear_subdivision(body.mesh);
+  if (choice.quadratic) body = sfem::with_middles(std::move(body));
+  const sfem::Params params{.formulation = choice.formulation, .touch_depth = 2 * organ.patch};
   Result<sfem::Model> model = solved(exec, std::move(body), params, true);
   if (!model) return model.error();
   OrganForces found{{}, 0, int(model->vertex.size()), sfem::green_cost(*model)};
-  for (const PressedPlace& place : places_on(organ)) {
-    const double radius = way.reach * organ.patch;
-    const sfem::Patch patch = patch_on(exec, *model, place, radius, way.refinement);
-    found.force.push_back(press_along(patch, place, organ));
-    found.said =
-        std::max(found.said, sfem::expected_error({.corners = model->body.mesh.corners,
-                                                   .formulation = way.formulation,
-                                                   .poisson = poisson,
-                                                   .edge = sfem::mean_edge(model->body.mesh, patch.elements),
-                                                   .refinement = way.refinement,
-                                                   .patch = radius,
-                                                   .contact = std::sqrt(organ.radius * organ.depth)}));
+  for (const PressPoint& point : press_points(organ)) {
+    const double radius = choice.reach * organ.patch;
+    const sfem::Patch patch = patch_on(exec, *model, point, radius, choice.refinement);
+    found.force.push_back(press_along(patch, point, organ));
+    found.expected_error = std::max(
+        found.expected_error, sfem::expected_error({.corners = model->body.mesh.corners,
+                                                    .formulation = choice.formulation,
+                                                    .poisson = poisson,
+                                                    .edge = sfem::mean_edge(model->body.mesh, patch.elements),
+                                                    .refinement = choice.refinement,
+                                                    .patch = radius,
+                                                    .contact = std::sqrt(organ.radius * organ.depth)}));
   }
   return found;
 }

@@ -1,5 +1,5 @@
-// Organs of finite elements that balls are pressed into at several places: what experiments on kinds of
-// elements, on patches and on the error to be expected have in common. A reference is finer all over.
+// Finite element organs pressed by balls at several points, shared by the experiments on element types,
+// patches and the expected error. The reference solution is finer everywhere.
 #pragma once
 
 #include <string>
@@ -11,48 +11,49 @@
 
 namespace turgor {
 
-/// A mesh of linear tetrahedra, which way it is held, and the ball that presses it.
+/// A mesh of linear tetrahedra, its support direction, and the ball that presses it.
 struct PressedOrgan {
   std::string name;
   SolidMesh mesh;
-  Vec3d down;                               // to what holds it
+  Vec3d down;                               // towards the support
   double radius = 0, depth = 0, patch = 0;  // of the ball, of its press, of the patch [m]
 };
 
-/// About a tongue of 60 mm: an ellipsoid that is thicker at one end. `edge` of its tetrahedra [m].
+/// Approximate tongue of 60 mm: an ellipsoid that is thicker at one end. `edge`: edge length of its
+/// tetrahedra [m].
 Result<PressedOrgan> pressed_tongue(const Exec& exec, double edge);
-/// The phantom's liver.
+/// Liver of the phantom.
 Result<PressedOrgan> pressed_liver(const Exec& exec, double edge);
-/// 80 × 80 × 40 mm, cells cut into six tetrahedra each.
+/// Block of 80 × 80 × 40 mm; each cell is cut into six tetrahedra.
 PressedOrgan pressed_tet_block(double cell);
 
-/// Elements, and how finely they are cut where the ball is.
-struct ElementsWay {
+/// Element type, and its refinement below the ball.
+struct ElementChoice {
   std::string name;
   bool quadratic = false;
   sfem::Formulation formulation = sfem::Formulation::kStandard;
   int refinement = 1;    // of the patch
-  bool cut_all = false;  // every tetrahedron in eight, all over
-  double reach = 1;      // of the patch, in parts of the organ's
+  bool cut_all = false;  // every tetrahedron of the body cut in eight
+  double reach = 1;      // radius of the patch, relative to the organ's [1]
 };
-/// Where a ball comes down: the middle of a triangle, and its normal.
-struct PressedPlace {
+/// Contact point of a ball: the centroid of a triangle, and its normal.
+struct PressPoint {
   Vec3d x, normal;
 };
-/// The triangles that lie highest above three places.
-std::vector<PressedPlace> places_on(const PressedOrgan& organ);
+/// The highest triangles above three fixed points.
+std::vector<PressPoint> press_points(const PressedOrgan& organ);
 
-/// What presses answer, and what they cost beforehand.
+/// Forces of the presses, and the cost of the precomputation.
 struct OrganForces {
-  std::vector<double> force;  // of each place [N]
-  double said = 0;            // how far off the report says that they may be [1]
-  int nodes = 0;              // free ones
+  std::vector<double> force;  // at each press point [N]
+  double expected_error = 0;  // relative error expected by the report [1]
+  int nodes = 0;              // free nodes
   sfem::GreenCost cost;
 };
-/// About how many operations its presses take, known before anything is built: nearly all of them factor the
-/// dense systems of the patches.
-double press_flops(const PressedOrgan& organ, const ElementsWay& way);
-Result<OrganForces> press_organ(const Exec& exec, const PressedOrgan& organ, const ElementsWay& way,
+/// Approximate number of operations of the presses, before anything is built. Nearly all of them factorize
+/// the dense systems of the patches.
+double press_flops(const PressedOrgan& organ, const ElementChoice& choice);
+Result<OrganForces> press_organ(const Exec& exec, const PressedOrgan& organ, const ElementChoice& choice,
                                 double poisson);
 
 }  // namespace turgor

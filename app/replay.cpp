@@ -1,5 +1,5 @@
-// `turgor replay`: does a felt run again, without a device and without a clock, and says whether it came to
-// the same bits. The work is the library's (pictures/run_scene.hpp).
+// `turgor replay`: repeats a recorded haptic run without a device and without a clock, and checks that the
+// state has the same bits. The library does the work (pictures/run_scene.hpp).
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -35,19 +35,17 @@ void replay(const Exec& exec, const ReplayOptions& options) {
     };
   const fs::path out = options.out.empty() ? default_folder(options.file, true) : options.out;
   const RunOptions goal{.out = out, .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse};
-  const Json report = required(replay_felt_run(exec, options.file, goal, callbacks));
+  const Json report = required(replay_haptic_run(exec, options.file, goal, callbacks));
   bar.reset();
   if (!options.quiet) fmt::print("{}", summary_text(report, required(resolved_goal(out))));
-  const Json& haptic = report.at("felt");
+  const Json& haptic = report.at("haptic_replay");
   const bool same = haptic.at("same_bits").get<bool>();
-  const std::string told =
-      fmt::format("{} frames and {} ticks came to {} state {}", haptic.at("frames").get<int>(),
-                  haptic.at("ticks").get<long>(), same ? "the same" : "another",
+  const std::string outcome =
+      fmt::format("{} frames and {} ticks gave {} state {}", haptic.at("frames").get<int>(),
+                  haptic.at("ticks").get<long>(), same ? "the same" : "a different",
                   haptic.at("state_hash").get<std::string>());
-  if (!same)
-    throw Failure{kNotFinite,
-                  told + " was expected: another machine, compiler or version gives other last places"};
-  fmt::print("{}\n", told);
+  if (!same) throw Failure{kNotFinite, outcome + ": another machine, compiler or version rounds differently"};
+  fmt::print("{}\n", outcome);
 }
 
 }  // namespace
@@ -55,13 +53,13 @@ void replay(const Exec& exec, const ReplayOptions& options) {
 void add_replay_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command =
-      program.add_subcommand("replay", "Do a felt run again, to the same bits: without device or clock");
+      program.add_subcommand("replay", "Repeat a haptic recording bit for bit, without device or clock");
   command->footer(
       "Examples:\n"
-      "  turgor replay out/palpation/felt.h5      of turgor run --real-time\n"
+      "  turgor replay out/palpation/haptic.h5      of turgor run --real-time\n"
       "  turgor replay out/view/palpation-1.h5    of turgor view, key H\n"
-      "Exit code 3: it came to other bits. turgor run --replay draws a recording again.");
-  command->add_option("file", options->file, "The felt run, an .h5 file")->required();
+      "Exit code 3: the state has other bits. turgor run --replay redraws a recording.");
+  command->add_option("file", options->file, "The haptic recording, an .h5 file")->required();
   command->add_option("-o,--out", options->out, "Folder for the results (default: out/NAME-replay)");
   add_force_option(*command, options->force);
   command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");

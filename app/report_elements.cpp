@@ -8,7 +8,7 @@ using nlohmann::ordered_json;
 
 ordered_json report_of(const std::vector<LayerRow>& rows) {
   fmt::print(
-      "\nA layer that is bonded to its base, quadratic elements: force [N]\n  "
+      "\nA layer bonded to its base, quadratic elements: force [N]\n  "
       "{:<12}{:>14}{:>6}{:>9}{:>14}{:>14}{:>10}\n",
       "indenter", "radius/height", "ν", "points", "Hayes", "turgor", "error");
   ordered_json json = ordered_json::array();
@@ -26,14 +26,15 @@ ordered_json report_of(const std::vector<LayerRow>& rows) {
 
 ordered_json report_of(const std::vector<ElementsRow>& rows) {
   fmt::print(
-      "\nKinds of elements on organs, three presses each: force against quadratic ones cut in eight\n"
+      "\nElement types on organs, three presses each: error of the force against quadratic elements cut in "
+      "eight\n"
       "  {:<16}{:>6}  {:<38}{:>8}{:>12}{:>12}{:>12}{:>9}{:>9}{:>9}\n",
-      "organ", "ν", "elements", "nodes", "Gflop", "store [MB]", "factor [MB]", "mean", "worst", "said");
+      "organ", "ν", "elements", "nodes", "Gflop", "store [MB]", "factor [MB]", "mean", "worst", "expected");
   ordered_json json = ordered_json::array();
   for (const ElementsRow& row : rows) {
     fmt::print("  {:<16}{:>6.2f}  {:<38}{:>8}{:>12.2f}{:>12.0f}{:>12.1f}{:>8.1f}%{:>8.1f}%{:>8.1f}%\n",
                row.organ, row.poisson, row.elements, row.nodes, row.flops * 1e-9, row.store_bytes * 1e-6,
-               row.factor_bytes * 1e-6, 100 * row.mean, 100 * row.worst, 100 * row.said);
+               row.factor_bytes * 1e-6, 100 * row.mean, 100 * row.worst, 100 * row.expected_error);
     json.push_back({{"organ", row.organ},
                     {"tetrahedra", row.tetrahedra},
                     {"poisson", row.poisson},
@@ -44,7 +45,7 @@ ordered_json report_of(const std::vector<ElementsRow>& rows) {
                     {"factor_bytes", row.factor_bytes},
                     {"mean_error", row.mean},
                     {"worst_error", row.worst},
-                    {"said_error", row.said}});
+                    {"said_error", row.expected_error}});
   }
   return json;
 }
@@ -65,9 +66,10 @@ std::vector<Figure> figures_of(const std::vector<ElementsRow>& rows) {
     const std::string name = fmt::format("{} of {} tetrahedra, ν = {}: {}, worst press", row.organ,
                                          row.tetrahedra, row.poisson, row.elements);
     const bool has_patch = row.quadratic && row.refinement > 1;  // the default
-    figures.push_back(has_patch ? near_figure(name, row.reference, 1 + row.worst, 1, 0.03)
-                                : near_figure(name, "what a report says", 1 + row.worst, 1, row.said));
-    // Some four nodes across what the ball covers: at one of the three places they lie badly.
+    figures.push_back(
+        has_patch ? near_figure(name, row.reference, 1 + row.worst, 1, 0.03)
+                  : near_figure(name, "error expected by the report", 1 + row.worst, 1, row.expected_error));
+    // About four nodes across the contact; at one of the three points they are badly distributed.
     figures.back().known_limit = has_patch && row.organ == "liver" && row.refinement == 2 && row.to_patch;
   }
   return figures;

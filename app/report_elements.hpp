@@ -1,5 +1,5 @@
-// What turgor validate sfem says of thin layers and of kinds of elements: tables on standard output, the same
-// for the report, and bounds.
+// Output of `turgor validate sfem` for thin layers and element types: tables on standard output, the same
+// rows for the report, and figures with bounds.
 #pragma once
 
 #include <vector>

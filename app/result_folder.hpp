@@ -1,4 +1,4 @@
-// The folder of results as commands use it: what happens to files that turgor did not write is said.
+// Result folders of commands. Prints notes about files in them that turgor did not write.
 #pragma once
 
 #include "app/commands.hpp"
@@ -9,7 +9,7 @@ namespace turgor {
 /// Adds --force.
 void add_force_option(CLI::App& command, bool& force);
 
-/// Throws Failure when results may not be put there.
+/// Throws Failure if the folder cannot take results.
 OutputFolder open_result_folder(const std::filesystem::path& goal, bool force);
 void commit_results(OutputFolder& folder);
 

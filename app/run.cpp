@@ -1,5 +1,5 @@
-// `turgor run`: simulates a scene, or draws a recording again, into a folder that appears when it is
-// complete. The work is the library's (pictures/run_scene.hpp); here are its options, bars and summary.
+// `turgor run`: simulates a scene, or redraws a recording, into a folder that appears when it is complete.
+// The library does the work (pictures/run_scene.hpp); this file has the options, progress bars and summary.
 #include <atomic>
 #include <cstdio>
 #include <filesystem>
@@ -29,7 +29,7 @@ struct CommandOptions {
   LiveOptions live;
 };
 
-/// A line a percent on standard error, for programs that read along: "simulating 0.42".
+/// Prints a line per percent on standard error, for programs that parse it: "simulating 0.42".
 Progress progress_lines(const std::string& label) {
   return [label, last = std::make_shared<std::atomic<int>>(-1)](double fraction) {
     const int percent = int(100 * fraction);
@@ -37,7 +37,7 @@ Progress progress_lines(const std::string& label) {
   };
 }
 
-/// Work that takes long is announced by a sentence and gets a bar of its own, unless the run is quiet.
+/// Callbacks of the run. Long work is announced by a sentence and gets its own bar, unless the run is quiet.
 RunCallbacks make_callbacks(const CommandOptions& options, std::optional<ProgressBar>& bar) {
   RunCallbacks callbacks;
   callbacks.note = [](const std::string& sentence) { note(sentence); };
@@ -53,7 +53,7 @@ RunCallbacks make_callbacks(const CommandOptions& options, std::optional<Progres
   return callbacks;
 }
 
-/// Where the results are.
+/// Result folder of the run.
 fs::path goal_of(const CommandOptions& options, const Json& report) {
   const fs::path scene = report.at("scene").at("file").get<std::string>();
   return required(
@@ -86,8 +86,8 @@ void run(const Exec& exec, const CommandOptions& options) {
 
 void add_run_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<CommandOptions>();
-  CLI::App* command =
-      program.add_subcommand("run", "Simulate a scene without a window: pictures, measures, a report");
+  CLI::App* command = program.add_subcommand(
+      "run", "Simulate a scene without a window; writes pictures, measures and a report");
   command->footer(
       "Examples:\n"
       "  turgor run scenes/incision.toml --out out/incision\n"
@@ -96,48 +96,49 @@ void add_run_command(CLI::App& program, Global& global) {
       "  turgor run --replay out/incision/recording.h5 --set output.color=stretch --out out/again\n"
       "  turgor run scenes/drape.toml --check\n"
       "  turgor run scenes/palpation.toml --real-time --require \"haptics.missed<0.001\"\n"
-      "All keys of a scene are listed in docs/scene.md.");
+      "docs/scene.md lists all keys of a scene.");
   command->add_option("scene", options->scene, "The scene, a TOML file");
   command->add_option("-o,--out", options->out, "Folder for the results (default: out/SCENE)");
   add_set_option(*command, options->overrides);
-  command->add_option("--replay", options->replay, "Draw this recording.h5 again instead of simulating");
+  command->add_option("--replay", options->replay, "Redraw this recording.h5 instead of simulating");
   CLI::Option* check =
       command->add_flag("--check", options->check,
-                        "Load the scene, try a few frames, tell what a run will take; write nothing");
+                        "Load the scene, step a few frames and print the cost of a run; writes no files");
   check->excludes(command->get_option("--replay"));
   command->add_flag("--real-time", options->real_time,
-                    "A haptic loop beside the frames, by the clock: a hand holds a tool of the scene");
+                    "Run in real time with a haptic loop: a device controls a tool of the scene");
   CLI::Option* device = command->add_option(
       "--device", options->live.device,
-      "With --real-time: what the hand holds, one of turgor devices; virtual (default) needs no hardware");
-  CLI::Option* tool = command->add_option("--tool", options->live.tool,
-                                          "With --real-time: the tool in the hand (default: the first)");
-  CLI::Option* rate = command->add_option(
-      "--rate", options->live.rate, "With --real-time: ticks of the haptic loop a second (default: 1000)");
+      "With --real-time: a driver of turgor devices (default: virtual, needs no hardware)");
+  CLI::Option* tool =
+      command->add_option("--tool", options->live.tool,
+                          "With --real-time: the tool that the device controls (default: the first)");
+  CLI::Option* rate = command->add_option("--rate", options->live.rate,
+                                          "With --real-time: rate of the haptic loop [Hz] (default: 1000)");
   rate->check(number_within(100, 10000, "Hz"));
   CLI::Option* file = command->add_option("--device-file", options->live.driver.file,
                                           "With --device replay: the .csv of poses (docs/devices.md)");
   CLI::Option* address = command->add_option("--device-address", options->live.driver.address,
-                                             "With --device inverse3: where its service is");
+                                             "With --device inverse3: HOST:PORT of its service");
   address->capture_default_str();
   for (CLI::Option* option : {device, tool, rate, file, address})
     option->needs(command->get_option("--real-time"));
   command
-      ->add_option(
-          "--require", options->required,
-          "A number of report.json that must hold, as \"haptics.missed<0.001\": else exit code 3; may "
-          "be repeated")
+      ->add_option("--require", options->required,
+                   "Condition on a number of report.json, such as \"haptics.missed<0.001\"; exit code 3 if "
+                   "it fails; may "
+                   "be repeated")
       ->type_size(1)
       ->allow_extra_args(false);
   add_force_option(*command, options->force);
-  command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");
+  command->add_flag("-q,--quiet", options->quiet, "Print no progress bar and no table");
   command->add_flag("--progress", options->tells_progress,
-                    "Instead of a bar, lines for a program that reads along: simulating 0.42");
+                    "Print progress lines for programs instead of a bar: simulating 0.42");
   command->callback([options, &global] {
     if (options->scene.empty() == options->replay.empty())
       throw Failure{2, "run: expected either a scene or --replay FILE; see turgor run --help"};
     if (options->real_time && options->scene.empty())
-      throw Failure{2, "run: --real-time needs a scene; a recording has no bodies that answer"};
+      throw Failure{2, "run: --real-time needs a scene; a recording has no simulated bodies"};
     run(Exec(global.threads), *options);
   });
 }

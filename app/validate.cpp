@@ -1,5 +1,5 @@
-// turgor validate: runs a model where the right answer is known, prints ours beside it with the bound that it
-// keeps, and draws the curves and maps that the documents show. A figure beyond its bound ends it with 3.
+// `turgor validate`: runs models on cases with known answers and prints results, references and bounds. Draws
+// the curves and maps of the documents. Exits with 3 if a figure exceeds its bound.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr int kMissed = 3;  // exit code: a figure is beyond its bound
+constexpr int kMissed = 3;  // exit code: a figure exceeds its bound
 
 struct ValidateOptions {
   fs::path out;
@@ -38,7 +38,7 @@ void write_plot(const Plot& plot, const fs::path& folder, const std::string& fil
 }
 
 ordered_json report_plate(const std::vector<PlateRow>& rows) {
-  fmt::print("The paper's plate, top centre 3 mm down: reaction [N]\n  {:<40}{:>12}{:>14}{:>14}{:>12}\n",
+  fmt::print("The paper's plate, top center pressed 3 mm: reaction [N]\n  {:<40}{:>12}{:>14}{:>14}{:>12}\n",
              "mesh", "local nodes", "independent", "turgor", "relative");
   ordered_json json = ordered_json::array();
   for (const PlateRow& row : rows) {
@@ -85,13 +85,16 @@ ordered_json report_refinement(const std::vector<RefinementRow>& rows, const fs:
   fmt::print(
       "\nLocal against global refinement: a sphere of 10 mm pressed 3 mm into a block of 80 x 80 x 40 mm\n"
       "  {:<26}{:>8}{:>8}{:>12}{:>14}{:>16}{:>12}\n",
-      "mesh", "nodes", "local", "force [N]", "to the finest", "Green's [s]", "patch [ms]");
+      "mesh", "nodes", "local", "force [N]", "vs finest", "Green's [s]", "patch [ms]");
   ordered_json json = ordered_json::array();
   Plot curves{"Force against depth", "depth [mm]", "force [N]", {}, false};
-  Plot cost{
-      "Error against cost", "time for Green's functions and patch [s]", "error to the finest mesh", {}, true};
+  Plot cost{"Error against cost",
+            "time for Green's functions and patch [s]",
+            "error against the finest mesh",
+            {},
+            true};
   cost.curves = {
-      {"the whole body finer", {}}, {"a finer patch on the coarsest body", {}}, {"on the next", {}}};
+      {"whole body refined", {}}, {"patch on the coarsest body", {}}, {"patch on the next body", {}}};
   int coarsest = rows.front().nodes;
   for (const RefinementRow& row : rows) {
     const double force = row.force_of_depth.back().second;
@@ -116,14 +119,14 @@ ordered_json report_refinement(const std::vector<RefinementRow>& rows, const fs:
   return json;
 }
 
-/// A field of forces as colours, with a ring where the nodule lies.
+/// Draws a force field in colors, with a ring at the nodule.
 Image draw_map(const NoduleResult& result, const NoduleMap& map, const ColorScale& scale) {
   constexpr int kSize = 420, kLegend = 110;
   Image image = make_image(kSize + kLegend, kSize, {24, 28, 34});
   const double extent = result.high - result.low;
   for (int py = 0; py < kSize; py++)
     for (int px = 0; px < kSize; px++) {
-      // Between the places where the tool pressed, as they are: bilinear.
+      // Bilinear between the pressed points, without smoothing.
       const double x = (px + 0.5) / kSize * (result.columns - 1),
                    y = (kSize - py - 0.5) / kSize * (result.rows - 1);
       const int i = std::min(int(x), result.columns - 2), j = std::min(int(y), result.rows - 2);
@@ -143,7 +146,7 @@ Image draw_map(const NoduleResult& result, const NoduleMap& map, const ColorScal
   return image;
 }
 
-/// Where the force is largest, and how much it stands out from the border of the field.
+/// Location of the largest force, and its contrast to the border of the field.
 struct Peak {
   double x = 0, y = 0, contrast = 0;
 };
@@ -162,11 +165,11 @@ Peak find_peak(const NoduleResult& result, const NoduleMap& map) {
 
 ordered_json report_nodule(const NoduleResult& result, const fs::path& folder) {
   fmt::print(
-      "\nA nodule of {:.0f} mm, its centre {:.0f} mm below the surface at ({:.1f}, {:.1f}) mm: force 3 mm "
+      "\nA nodule of {:.0f} mm, its center {:.0f} mm below the surface at ({:.1f}, {:.1f}) mm: force 3 mm "
       "deep\n"
       "  {:<24}{:>8}{:>22}{:>12}{:>22}\n",
       2e3 * result.radius, 1e3 * result.depth, 1e3 * result.center_x, 1e3 * result.center_y, "mesh", "nodes",
-      "peak at [mm]", "stands out", "differs from fine");
+      "peak at [mm]", "contrast", "difference to fine");
   float low = 1e9f, high = 0;
   for (const NoduleMap& map : result.maps)
     for (const double f : map.force) low = std::min(low, float(f)), high = std::max(high, float(f));
@@ -196,7 +199,7 @@ ordered_json report_nodule(const NoduleResult& result, const fs::path& folder) {
   return json;
 }
 
-/// Bounds of what was printed above.
+/// Figures of the tables above, with bounds.
 std::vector<Figure> sfem_figures(const std::vector<PlateRow>& plate, const HertzResult& hertz,
                                  const std::vector<RefinementRow>& refinement, const NoduleResult& nodule) {
   std::vector<Figure> figures;
@@ -204,13 +207,13 @@ std::vector<Figure> sfem_figures(const std::vector<PlateRow>& plate, const Hertz
     figures.push_back(
         near_figure("plate, " + row.mesh, "an independent program", row.found, row.expected, 1e-6));
   for (const HertzRow& row : hertz.rows)
-    figures.push_back(near_figure(fmt::format("a sphere {:.2f} mm deep, with the patch", 1e3 * row.depth),
+    figures.push_back(near_figure(fmt::format("sphere {:.2f} mm deep, with the patch", 1e3 * row.depth),
                                   "Hertz", row.patched, row.hertz, 0.03));
   const auto finest =
       std::find_if(refinement.rbegin(), refinement.rend(), [](const auto& row) { return row.global; });
   for (const RefinementRow& row : refinement)
     if (!row.global)
-      figures.push_back(near_figure("a sphere on " + row.mesh, "the finest mesh",
+      figures.push_back(near_figure("sphere on " + row.mesh, "the finest mesh",
                                     row.force_of_depth.back().second, finest->force_of_depth.back().second,
                                     row.mesh.find("8 x 8 x 4, patch r = 2") == 0 ? 0.10 : 0.05));
   const NoduleMap &superposed = nodule.maps[1], &fine = nodule.maps.back();
@@ -219,7 +222,7 @@ std::vector<Figure> sfem_figures(const std::vector<PlateRow>& plate, const Hertz
     difference += std::abs(superposed.force[i] - fine.force[i]), sum += fine.force[i];
   figures.push_back(most_figure("nodule, superposed: mean difference of the force", "the fine mesh",
                                 "relative", difference / sum, 0.03));
-  figures.push_back(near_figure("nodule, superposed: by how much it stands out", "the fine mesh",
+  figures.push_back(near_figure("nodule, superposed: contrast", "the fine mesh",
                                 find_peak(nodule, superposed).contrast, find_peak(nodule, fine).contrast,
                                 0.10));
   return figures;
@@ -251,7 +254,7 @@ std::vector<Figure> validate_sfem(const Exec& exec, bool quick, const fs::path& 
   report["refinement"] = report_refinement(refinement, folder);
   NoduleResult nodule;
   {
-    ProgressBar bar("a nodule, 4 of 4");
+    ProgressBar bar("nodule, 4 of 4");
     nodule = required(validate_nodule(exec, quick ? 9 : 17, quick ? 0.05 : 0.08, bar.callback()));
   }
   report["nodule"] = report_nodule(nodule, folder);
@@ -261,7 +264,7 @@ std::vector<Figure> validate_sfem(const Exec& exec, bool quick, const fs::path& 
   return figures;
 }
 
-/// A model, and what its validation takes.
+/// A validation and its cost.
 struct Validation {
   const char* model;
   const char* about;
@@ -269,13 +272,13 @@ struct Validation {
   const char* cost;
 };
 constexpr Validation kValidations[] = {
-    {"lattice", "Bars, weight, the skin's tension, a gaping slit", "a minute of one core, 0.1 GB",
-     "three minutes of one core, 0.2 GB"},
-    {"sfem", "Plate, Hertz, a thin layer, kinds of elements, refinement, a nodule under the finger",
+    {"lattice", "Validate bars, weight, skin tension, gaping slits and wounds",
+     "a minute of one core, 0.1 GB", "three minutes of one core, 0.2 GB"},
+    {"sfem", "Validate a plate, Hertz contact, a thin layer, element types, refinement, a nodule",
      "one minute of one core, 1 GB", "seven minutes of one core, 5 GB"},
-    {"rhombus", "Presses and pulls of a half space and of finite elements, random grasps",
+    {"rhombus", "Validate presses and pulls of a half space and of finite elements, random grasps",
      "ten seconds of one core, 0.5 GB", "half a minute of one core, 1 GB"},
-    {"cloth", "Catenary, period, fall, wind, folds, stretch, drape", "a second of one core, 0.1 GB",
+    {"cloth", "Validate catenary, period, fall, wind, folds, stretch, drape", "a second of one core, 0.1 GB",
      "some seconds of one core, 0.1 GB"}};
 
 std::vector<Figure> figures_of(const Exec& exec, const std::string& model, bool quick, const fs::path& folder,
@@ -286,7 +289,7 @@ std::vector<Figure> figures_of(const Exec& exec, const std::string& model, bool 
   return validate_sfem(exec, quick, folder, report);
 }
 
-/// Runs one, writes its folder; returns the names of figures beyond their bounds.
+/// Runs one validation and writes its folder; returns the names of figures beyond their bounds.
 std::vector<std::string> validate(const Exec& exec, const Validation& validation, const fs::path& out,
                                   const ValidateOptions& options) {
   fmt::print("validate {}: {}\n", validation.model, options.quick ? validation.quick_cost : validation.cost);
@@ -320,7 +323,7 @@ void validate_all(const Exec& exec, std::span<const Validation> validations, con
       missed.push_back(std::string(v.model) + ": " + one);
   }
   if (!missed.empty())
-    throw Failure{kMissed, fmt::format("beyond their bounds are {}", fmt::join(missed, "; "))};
+    throw Failure{kMissed, fmt::format("beyond their bounds: {}", fmt::join(missed, "; "))};
 }
 
 void add_validation(CLI::App& validate, Global& global, const std::string& name, const std::string& about,
@@ -329,7 +332,7 @@ void add_validation(CLI::App& validate, Global& global, const std::string& name,
   auto options = std::make_shared<ValidateOptions>();
   command->add_option("-o,--out", options->out,
                       "Folder for curves, maps and numbers (default: out/validate-…)");
-  command->add_flag("--quick", options->quick, "Coarser meshes, fewer places: two minutes at most");
+  command->add_flag("--quick", options->quick, "Coarser meshes, fewer points: two minutes at most");
   add_force_option(*command, options->force);
   command->footer("Example:\n  turgor validate " + name + " --quick");
   command->callback(
@@ -339,11 +342,10 @@ void add_validation(CLI::App& validate, Global& global, const std::string& name,
 }  // namespace
 
 void add_validate_command(CLI::App& program, Global& global) {
-  CLI::App* validate =
-      program.add_subcommand("validate", "Run a model where the right answer is known, ours beside it");
+  CLI::App* validate = program.add_subcommand("validate", "Validate a model against known answers");
   validate->require_subcommand(1);
   for (const Validation& v : kValidations) add_validation(*validate, global, v.model, v.about, {&v, 1});
-  add_validation(*validate, global, "all", "All of them", kValidations);
+  add_validation(*validate, global, "all", "Validate all models", kValidations);
   validate->footer(
       "Example:\n  turgor validate sfem --out out/validation\nExit code 3: a figure is beyond its bound.");
 }

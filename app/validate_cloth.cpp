@@ -1,5 +1,5 @@
-// Cloth against strips, sheets and ropes whose answers are known: a catenary, a hanging chain's period, the
-// speed of a fall, the wind's pressure, and a fold.
+// Cloth against strips, sheets and ropes with known answers: catenary, period of a hanging chain, terminal
+// velocity, wind pressure, fold energy.
 #include <cmath>
 #include <numbers>
 #include <tuple>
@@ -8,8 +8,8 @@
 #include "app/validation.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/models/cloth/build/sheet.hpp"
+#include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/measure.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor {
 
@@ -28,14 +28,14 @@ Inputs in_vacuum() {
   return inputs;
 }
 
-/// A strip of this length along x, in one cell across y.
+/// A strip of this length along x, one cell wide in y.
 Model strip(const Exec& exec, double length, int cells, const Params& params) {
   const TriMesh mesh =
       cloth::make_sheet({.side = {length, 0, 0}, .up = {0, length / cells, 0}, .columns = cells, .rows = 1});
   return std::move(*cloth::build(exec, mesh, params));
 }
 
-/// Vertices of a strip's column: rows follow one another in a sheet's numbering.
+/// Vertices of a column of the strip; a sheet is numbered row by row.
 std::vector<int> column(int cells, int c) { return {c, cells + 1 + c}; }
 
 void hold_column(const Model& model, State& state, int cells, int c) {
@@ -50,8 +50,8 @@ void move(const Model& model, State& state, int vertex, Vec3d goal) {
   TURGOR_ASSERT(moved, "the strip has this vertex, and it is held");
 }
 
-Vec3d place(const Model& model, const State& state, int vertex) {
-  return Vec3d(state.x[std::size_t(model.place[std::size_t(vertex)])]);
+Vec3d position_of(const Model& model, const State& state, int vertex) {
+  return Vec3d(state.x[std::size_t(model.model_vertex[std::size_t(vertex)])]);
 }
 
 Params stiff_strip(double motion) {
@@ -62,7 +62,7 @@ Params stiff_strip(double motion) {
   return params;
 }
 
-/// Sag and pull of a strip whose ends are nearer than it is long, of those of the catenary.
+/// Sag and end force of a strip with its ends closer than its length, relative to the catenary [1].
 struct Catenary {
   double sag = 0, pull = 0;
 };
@@ -70,12 +70,12 @@ Catenary hang_between(const Exec& exec, double length, double span, int cells) {
   const Model model = strip(exec, length, cells, stiff_strip(3));
   State state = cloth::make_state(model);
   const Inputs inputs = in_vacuum();
-  constexpr int kWay = 120;
+  constexpr int kMoveFrames = 120;
   for (const int c : {0, cells}) hold_column(model, state, cells, c);
   for (int n = 0; n < 900; n++) {
     for (const int v : column(cells, cells)) {
-      Vec3d goal(model.x_rest[std::size_t(model.place[std::size_t(v)])]);
-      goal.x -= (length - span) * std::min(1.0, (n + 1.0) / kWay);
+      Vec3d goal(model.x_rest[std::size_t(model.model_vertex[std::size_t(v)])]);
+      goal.x -= (length - span) * std::min(1.0, (n + 1.0) / kMoveFrames);
       move(model, state, v, goal);
     }
     cloth::step(exec, model, state, inputs, kFrame);
@@ -86,32 +86,33 @@ Catenary hang_between(const Exec& exec, double length, double span, int cells) {
     scale *= 1 + 0.3 * (found / length - 1);
   }
   const double sag = scale * (std::cosh(span / (2 * scale)) - 1);
-  const double weight = model.total_mass / length * kGravity;  // of a metre [N/m]
+  const double weight = model.total_mass / length * kGravity;  // per meter [N/m]
   Vec3d pull;
   for (const int v : column(cells, 0)) pull += cloth::hold_force(model, state, v, inputs.gravity, {}, kFrame);
-  const double low = 0.5 * (place(model, state, cells / 2).z + place(model, state, cells + 1 + cells / 2).z);
+  const double low =
+      0.5 * (position_of(model, state, cells / 2).z + position_of(model, state, cells + 1 + cells / 2).z);
   return {-low / sag, norm(pull) / (weight * scale * std::cosh(span / (2 * scale)))};
 }
 
-/// Period of a strip that hangs from one end and swings by a little, of a rope's 4π/2.4048 √(L/g).
+/// Period of small swings of a strip that hangs from one end, relative to a rope's 4π/2.4048 √(L/g).
 double rope_period(const Exec& exec, double length, int cells) {
   const Model model = strip(exec, length, cells, stiff_strip(0));
   State state = cloth::make_state(model);
   Inputs inputs = in_vacuum();
-  inputs.gravity = {kGravity, 0, 0};  // it hangs along x
+  inputs.gravity = {kGravity, 0, 0};  // the strip hangs along x
   hold_column(model, state, cells, 0);
   for (int c = 1; c <= cells; c++)
     for (const int v : column(cells, c)) {
-      const double left = 1 - double(c) / cells;  // of the rope below
-      const double shape = std::cyl_bessel_j(0, 2.404825557695773 * std::sqrt(left));
-      state.x.add(std::size_t(model.place[std::size_t(v)]), Vec3(Vec3d{0, 0, 0.02 * length * shape}));
+      const double below = 1 - double(c) / cells;  // fraction of the rope below
+      const double shape = std::cyl_bessel_j(0, 2.404825557695773 * std::sqrt(below));
+      state.x.add(std::size_t(model.model_vertex[std::size_t(v)]), Vec3(Vec3d{0, 0, 0.02 * length * shape}));
     }
   const double step = kFrame / 8;
   double before = 0.02 * length, first = 0, last = 0;
   int crossings = 0;
   for (int n = 1; n < 12000 && crossings < 5; n++) {
     cloth::step(exec, model, state, inputs, step);
-    const double now = place(model, state, cells).z;
+    const double now = position_of(model, state, cells).z;
     if (now * before < 0) {
       const double time = (n - now / (now - before)) * step;
       (crossings++ == 0 ? first : last) = time;
@@ -122,7 +123,7 @@ double rope_period(const Exec& exec, double length, int cells) {
   return (last - first) / 2 / expected;
 }
 
-/// A square of 13 cm without damping, held by nothing.
+/// A free square of 13 cm without damping.
 Model free_sheet(const Exec& exec) {
   Params params = sheet_params({});
   params.damping.motion = 0;
@@ -131,7 +132,7 @@ Model free_sheet(const Exec& exec) {
   return std::move(*cloth::build(exec, mesh, params));
 }
 
-/// Speed of a fall in still air, of √(2 ρ g / (ρ_air c)).
+/// Terminal velocity in still air, relative to √(2 ρ g / (ρ_air c)).
 double fall_speed(const Exec& exec) {
   const Model model = free_sheet(exec);
   State state = cloth::make_state(model);
@@ -142,7 +143,7 @@ double fall_speed(const Exec& exec) {
   return -double(state.v.z[40]) / expected;
 }
 
-/// Speed that a wind gives a free sheet across it, of the wind's, after it had time.
+/// Speed of a free sheet in a normal wind after 1 s, relative to the analytic solution.
 double carried_speed(const Exec& exec) {
   const Model model = free_sheet(exec);
   State state = cloth::make_state(model);
@@ -155,7 +156,7 @@ double carried_speed(const Exec& exec) {
   return double(state.v.z[40]) / expected;
 }
 
-/// Energy of a strip's fold by twice a small angle, of that by once.
+/// Fold energy of a strip at twice a small angle, relative to the energy at that angle.
 double fold_energy(const Exec& exec) {
   Params params = stiff_strip(0);
   params.fabric.rigidity_warp = 1e-3;
@@ -164,7 +165,7 @@ double fold_energy(const Exec& exec) {
   const auto folded = [&](double angle) {
     State state = cloth::make_state(model);
     for (const int v : column(kCells, kCells)) {
-      const auto slot = std::size_t(model.place[std::size_t(v)]);
+      const auto slot = std::size_t(model.model_vertex[std::size_t(v)]);
       const Vec3d x(state.x[slot]);
       state.x.add(slot, Vec3(Vec3d{0.1 + 0.1 * std::cos(angle) - x.x, 0, 0.1 * std::sin(angle)}));
     }
@@ -180,22 +181,22 @@ std::vector<Figure> validate_cloth(const Exec& exec, bool quick) {
   for (const auto& [length, span, cells] :
        {std::tuple{1.0, 0.8, 50}, {1.0, 0.8, 100}, {1.0, 0.8, 200}, {1.0, 0.5, 80}, {2.0, 1.7, 80}}) {
     const Catenary found = hang_between(exec, length, span, cells);
-    const std::string name = "a strip of " + std::to_string(int(1000 * length)) + " mm between ends " +
+    const std::string name = "strip of " + std::to_string(int(1000 * length)) + " mm between ends " +
                              std::to_string(int(1000 * span)) + " mm apart, " + std::to_string(cells) +
                              " cells: ";
     figures.push_back(near_figure(name + "sag", "catenary", found.sag, 1, 0.01));
-    figures.push_back(near_figure(name + "pull at an end", "catenary", found.pull, 1, 0.01));
+    figures.push_back(near_figure(name + "force at an end", "catenary", found.pull, 1, 0.01));
   }
   for (const auto& [length, cells] : {std::pair{0.5, 40}, {1.0, 50}, {1.0, 100}, {1.0, 200}})
-    figures.push_back(near_figure("a hanging strip of " + std::to_string(int(1000 * length)) + " mm in " +
-                                      std::to_string(cells) + " cells swings: period",
+    figures.push_back(near_figure("hanging strip of " + std::to_string(int(1000 * length)) + " mm in " +
+                                      std::to_string(cells) + " cells: period",
                                   "Bernoulli's rope", rope_period(exec, length, cells), 1, 0.02));
   figures.push_back(
-      near_figure("a sheet falls in still air: speed", "weight = pressure", fall_speed(exec), 1, 0.01));
-  figures.push_back(near_figure("a sheet carried by a wind: speed after 1 s", "dw/dt = -k w^2",
+      near_figure("sheet falling in still air: speed", "weight = pressure", fall_speed(exec), 1, 0.01));
+  figures.push_back(near_figure("sheet carried by a wind: speed after 1 s", "dw/dt = -k w^2",
                                 carried_speed(exec), 1, 0.02));
   figures.push_back(
-      near_figure("a fold of twice the angle: energy", "a plate: 4 times", fold_energy(exec), 4, 0.05));
+      near_figure("fold of twice the angle: energy", "a plate: 4 times", fold_energy(exec), 4, 0.05));
   add_sheet_figures(exec, quick, figures);
   return figures;
 }

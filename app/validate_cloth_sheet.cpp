@@ -7,8 +7,8 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/cloth/build/sheet.hpp"
+#include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/measure.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor {
 
@@ -20,18 +20,18 @@ using cloth::State;
 
 constexpr double kFrame = 1.0 / 60, kGravity = 9.81;
 
-/// A way to make triangles of a rectangle.
+/// A triangulation of a rectangle.
 struct Cells {
   const char* name;
-  double long_by;  // cells along the strip, of those across it
-  bool is_random;  // vertices moved by up to 0.3 of a cell, diagonals by chance
+  double long_by;  // aspect ratio: length along the strip over width across it
+  bool is_random;  // vertices displaced by up to 0.3 of a cell, random diagonals
 };
 constexpr Cells kCells[] = {{"squares", 1, false},
                             {"cells 4 times as long", 4, false},
                             {"cells 4 times as wide", 0.25, false},
                             {"random triangles", 1, true}};
 
-/// From x0 to x1, with two straight columns of vertices at x0.
+/// A strip from x0 to x1, with two straight columns of vertices at x0.
 TriMesh strip(const Cells& cells, double x0, double x1, double width, double size) {
   const double long_cell = size * std::min(cells.long_by, 1.0),
                wide_cell = size / std::max(cells.long_by, 1.0);
@@ -62,7 +62,7 @@ struct Clamped {
   Model model;
   State state;
 };
-/// Held up to an x, in vacuum; the vertices of the mesh from another x on are returned in `end`.
+/// A strip in vacuum, held at x < `held`. Returns the vertices with x > `from` in `end`.
 Clamped clamp(const Exec& exec, const TriMesh& mesh, const Params& params, double held, double from,
               std::vector<int>& end) {
   Clamped strip{.model = cloth::build(exec, mesh, params).value(), .state = {}};
@@ -74,7 +74,8 @@ Clamped clamp(const Exec& exec, const TriMesh& mesh, const Params& params, doubl
   return strip;
 }
 
-/// Force per width and strain of a strip of 100 × 40 mm that is pulled by 2 %, of that of its fabric.
+/// Force per width and strain of a strip of 100 × 40 mm stretched by 2 %, relative to the stiffness of its
+/// fabric.
 double pulled(const Exec& exec, const Cells& cells, bool along_weft, double size) {
   Params params = sheet_params({.warp = 1000, .weft = 400, .shear = 60});
   if (along_weft) params.fabric.direction = {0, 1, 0};
@@ -97,7 +98,7 @@ double pulled(const Exec& exec, const Cells& cells, bool along_weft, double size
   return force / (0.04 * 0.02 * (along_weft ? 400 : 1000));
 }
 
-/// Drop of the end of a heavy elastica, by shooting with Runge and Kutta's method [m].
+/// End deflection of a heavy elastica, by shooting with the Runge–Kutta method [m].
 double elastica_drop(double length, double c3) {
   constexpr int kSteps = 1000;
   const double h = length / kSteps;
@@ -125,7 +126,7 @@ double elastica_drop(double length, double c3) {
   return shot((low + high) / 2).drop;
 }
 
-/// Drop of the end of a strip that is clamped between its first two columns, of that of the elastica.
+/// End deflection of a strip clamped between its first two columns, relative to the elastica.
 double hanging(const Exec& exec, const Cells& cells, double c, double size) {
   constexpr double kDensity = 0.2, kLength = 0.06;
   Params params = sheet_params({.density = kDensity, .warp = 2000, .weft = 2000, .shear = 400});
@@ -143,11 +144,11 @@ double hanging(const Exec& exec, const Cells& cells, double c, double size) {
   for (int n = 0; n < 240; n++) cloth::step(exec, model, state, inputs, kFrame);
   double drop = 0;
   for (const int v : end)
-    drop -= double(state.x.z[std::size_t(model.place[std::size_t(v)])]) / double(end.size());
+    drop -= double(state.x.z[std::size_t(model.model_vertex[std::size_t(v)])]) / double(end.size());
   return drop / elastica_drop(kLength, c * c * c);
 }
 
-/// A disc of 30 cm on one of 18 cm (Cusick's drapemeter), as a square that was made round.
+/// A disc of 30 cm on a table of 18 cm (Cusick's drapemeter), mapped from a square.
 TriMesh disc(const Cells& cells, double size) {
   constexpr double kRadius = 0.15;
   TriMesh mesh = strip(cells, -1, 1, 2, size / kRadius);
@@ -158,16 +159,16 @@ TriMesh disc(const Cells& cells, double size) {
   return mesh;
 }
 
-/// Area of the shadow that a surface casts along z, in squares of a millimetre [m²].
+/// Area of the projection along z, rasterized at 1 mm [m²].
 double shadow(const TriMesh& mesh) {
   constexpr int kSide = 360;
   constexpr double kPixel = 1e-3;
   std::vector<bool> dark(std::size_t(kSide * kSide), false);
-  const auto place = [&mesh](int v) {
+  const auto pixel = [&mesh](int v) {
     return Vec3d(mesh.vertices[std::size_t(v)]) / kPixel + Vec3d{1, 1, 0} * (kSide / 2.0);
   };
   for (const Int3 t : mesh.triangles) {
-    const Vec3d a = place(t.x), p = place(t.y) - a, q = place(t.z) - a, low = min(a, min(a + p, a + q)),
+    const Vec3d a = pixel(t.x), p = pixel(t.y) - a, q = pixel(t.z) - a, low = min(a, min(a + p, a + q)),
                 high = max(a, max(a + p, a + q));
     const double area = p.x * q.y - p.y * q.x;
     for (int y = std::max(0, int(low.y)); y <= std::min(kSide - 1, int(high.y)); y++)
@@ -180,7 +181,7 @@ double shadow(const TriMesh& mesh) {
   return kPixel * kPixel * double(std::count(dark.begin(), dark.end(), true));
 }
 
-/// Part of the ring beyond the table that the fabric still covers.
+/// Covered fraction of the ring beyond the table.
 double drape_coefficient(const Exec& exec, const Cells& cells, double size) {
   constexpr double kTable = 0.09, kRim = 0.15, kPi = 3.14159265358979;
   Params params = sheet_params({.density = 0.15, .shear = 50});
@@ -193,8 +194,8 @@ double drape_coefficient(const Exec& exec, const Cells& cells, double size) {
     const Vec3 x = mesh.vertices[v];
     if (std::hypot(double(x.x), double(x.y)) <= kTable)
       (void)hold(model, state, int(v));
-    else  // no fold knows where to begin
-      state.x.z[std::size_t(model.place[v])] += Real(1e-4 * std::sin(37.0 * double(v)));
+    else  // small perturbation that starts the folds
+      state.x.z[std::size_t(model.model_vertex[v])] += Real(1e-4 * std::sin(37.0 * double(v)));
   }
   cloth::Inputs inputs{.gravity = {0, 0, -kGravity}};
   inputs.air.density = 0;
@@ -212,13 +213,13 @@ void add_sheet_figures(const Exec& exec, bool quick, std::vector<Figure>& figure
     for (const double size : {0.02, 0.01, 0.005})
       for (const bool along_weft : {false, true})
         if (!quick || size == 0.01)
-          figures.push_back(near_figure(std::string("a strip pulled along its ") +
+          figures.push_back(near_figure(std::string("strip pulled along its ") +
                                             (along_weft ? "weft" : "warp") + ", " + cells.name + " of " +
                                             millimeters(size) + ": stiffness",
-                                        "the fabric's", pulled(exec, cells, along_weft, size), 1, 0.02));
+                                        "fabric", pulled(exec, cells, along_weft, size), 1, 0.02));
     for (const double c : {0.015, 0.02})
-      figures.push_back(near_figure(std::string("a strip over an edge, c = ") + millimeters(c) + ", " +
-                                        cells.name + " of 4 mm: drop of its end",
+      figures.push_back(near_figure(std::string("strip over an edge, c = ") + millimeters(c) + ", " +
+                                        cells.name + " of 4 mm: end deflection",
                                     "heavy elastica (Peirce)", hanging(exec, cells, c, 0.06 / 14.5), 1,
                                     0.05));
   }

@@ -1,5 +1,5 @@
-// Kinds of elements on organs' meshes, as a fingertip feels them and as they cost: which is near the
-// converged force for the least computing beforehand? And does the force depend on how fine the patch is?
+// Element types on organ meshes: force under a fingertip and cost of the precomputation. Compares them with
+// the converged force, and measures the dependence of the force on the patch refinement.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,17 +13,17 @@ namespace {
 
 using sfem::Formulation;
 
-/// Of the reference's patch, whose elements are small on its border as well: on the liver the force is within
-/// 0.2 % of that with the whole patch, which takes six times as long.
+/// Radius of the reference's patch, relative to the organ's. Its elements are small on the border as well. On
+/// the liver the force is within 0.2 % of the whole patch, which takes six times as long.
 constexpr double kReferenceReach = 0.75;
 
-ElementsWay quadratic(int refinement) {
+ElementChoice quadratic(int refinement) {
   return {refinement == 1 ? "quadratic, no patch" : fmt::format("quadratic, patch r = {}", refinement), true,
           Formulation::kStandard, refinement};
 }
 
 /// The last one is the reference.
-std::vector<ElementsWay> kinds() {
+std::vector<ElementChoice> kinds() {
   return {{"standard, patch r = 2", false, Formulation::kStandard, 2},
           {"averaged, patch r = 2", false, Formulation::kAveraged, 2},
           {"averaged, cut in eight, patch r = 2", false, Formulation::kAveraged, 2, true},
@@ -31,7 +31,7 @@ std::vector<ElementsWay> kinds() {
           quadratic(2),
           {"quadratic, cut in eight", true, Formulation::kStandard, 1, true}};
 }
-std::vector<ElementsWay> levels() {
+std::vector<ElementChoice> levels() {
   return {quadratic(1),
           quadratic(2),
           quadratic(3),
@@ -42,7 +42,7 @@ std::vector<ElementsWay> levels() {
 struct Presses {
   PressedOrgan organ;
   double poisson = 0;
-  std::vector<ElementsWay> ways;
+  std::vector<ElementChoice> choices;
 };
 
 Result<std::vector<Presses>> all_presses(const Exec& exec, bool quick) {
@@ -62,20 +62,20 @@ Result<std::vector<Presses>> all_presses(const Exec& exec, bool quick) {
   return all;
 }
 
-ElementsRow row_of(const Presses& presses, const ElementsWay& way, const OrganForces& found) {
+ElementsRow row_of(const Presses& presses, const ElementChoice& choice, const OrganForces& found) {
   return {.organ = presses.organ.name,
-          .elements = way.name,
-          .reference = presses.ways.back().name,
-          .to_patch = presses.ways.back().refinement > 1,
-          .quadratic = way.quadratic,
-          .refinement = way.refinement,
+          .elements = choice.name,
+          .reference = presses.choices.back().name,
+          .to_patch = presses.choices.back().refinement > 1,
+          .quadratic = choice.quadratic,
+          .refinement = choice.refinement,
           .poisson = presses.poisson,
           .tetrahedra = int(element_count(presses.organ.mesh)),
           .nodes = found.nodes,
           .flops = found.cost.factor_flops + found.cost.solve_flops,
           .store_bytes = double(found.cost.store_bytes),
           .factor_bytes = double(found.cost.factor_bytes),
-          .said = found.said};
+          .expected_error = found.expected_error};
 }
 
 void set_errors(const std::vector<double>& force, const std::vector<double>& reference, ElementsRow& row) {
@@ -93,16 +93,16 @@ Result<std::vector<ElementsRow>> validate_elements(const Exec& exec, bool quick,
   if (!all) return all.error();
   double total = 0, done = 0;
   for (const Presses& presses : *all)
-    for (const ElementsWay& way : presses.ways) total += press_flops(presses.organ, way);
+    for (const ElementChoice& choice : presses.choices) total += press_flops(presses.organ, choice);
   std::vector<ElementsRow> rows;
   for (const Presses& presses : *all) {
     std::vector<std::vector<double>> forces;
-    for (const ElementsWay& way : presses.ways) {
-      const Result<OrganForces> found = press_organ(exec, presses.organ, way, presses.poisson);
+    for (const ElementChoice& choice : presses.choices) {
+      const Result<OrganForces> found = press_organ(exec, presses.organ, choice, presses.poisson);
       if (!found) return found.error();
       forces.push_back(found->force);
-      rows.push_back(row_of(presses, way, *found));
-      done += press_flops(presses.organ, way);
+      rows.push_back(row_of(presses, choice, *found));
+      done += press_flops(presses.organ, choice);
       if (progress) progress(done / total);
     }
     for (std::size_t w = 0; w < forces.size(); w++)

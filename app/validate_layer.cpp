@@ -1,4 +1,4 @@
-// A thin layer on bone, as cartilage or skin are: a flat punch and a sphere against Hayes's integral
+// A thin layer on bone, such as cartilage or skin: a flat punch and a sphere against Hayes's integral
 // equation.
 #include <Eigen/Cholesky>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kThickness = 0.01, kYoung = 3e3;  // [m] [Pa]
 
-/// Circles that lie closer and closer towards `radius`, where a punch has its edge, then wider and wider.
+/// Radii of circles that become denser towards `radius`, the edge of a punch, and then wider.
 std::vector<double> circles(double radius) {
   constexpr int kInside = 4;
   constexpr double kCloser = 0.55, kWider = 1.5;
@@ -27,7 +27,7 @@ std::vector<double> circles(double radius) {
   return radii;
 }
 
-/// From the base to the surface, at 0, where planes lie closest.
+/// Heights of the planes from the base to the surface at 0, densest at the surface.
 std::vector<double> planes() {
   constexpr int kLayers = 4;
   std::vector<double> heights;
@@ -35,7 +35,7 @@ std::vector<double> planes() {
   return heights;
 }
 
-/// The elements below the circle of this radius.
+/// Elements below the circle of this radius.
 std::vector<int> elements_below(const sfem::Model& model, double radius) {
   std::vector<int> elements;
   for (std::size_t t = 0; t < model.surface.triangles.size(); t++) {
@@ -64,7 +64,7 @@ Result<sfem::Patch> layer_patch(const Exec& exec, double radius, double poisson)
   return sfem::build_patch(*model, elements, 1);
 }
 
-/// The force that moves all points of a patch down by `depth`, without friction.
+/// Force that moves all points of a patch down by `depth`, without friction.
 double punch_force(const sfem::Patch& patch, double depth) {
   const auto n = Eigen::Index(patch.points.size());
   Eigen::MatrixXd compliance(n, n);
@@ -88,8 +88,8 @@ Result<std::vector<LayerRow>> validate_layer(const Exec& exec, bool quick, const
       const int points = int(patch->points.size());
       rows.push_back({"flat punch", ratio, poisson, points, hayes_punch(layer, radius, depth).force,
                       punch_force(*patch, depth)});
-      // So large a sphere that its contact is flat, as the equation has it: where the layer moves aside, a
-      // slope of 6 % takes 3 % of the force. A little within the patch.
+      // A sphere so large that its contact is flat, as the equation assumes; where the layer is displaced
+      // sideways, a slope of 6 % changes the force by 3 %. The contact is slightly smaller than the patch.
       const double contact = 0.9 * radius, sphere = 60 * radius;
       const Indentation expected = hayes_sphere(layer, sphere, contact);
       rows.push_back({"sphere", 0.9 * ratio, poisson, points, expected.force,

@@ -1,5 +1,5 @@
-// Rhombus chains against formulas of the half space, and against bodies of finite elements whose surface they
-// have: pressed and pulled at places and on meshes that nothing was fitted to.
+// Rhombus chains against formulas of the half space, and against finite element bodies with the same surface.
+// Presses and pulls are at points and on meshes that were not used for any fit.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,8 @@ namespace {
 using rhombus::Chain;
 using rhombus::Tissue;
 
-/// The largest difference of a tissue's presses from Sneddon's sphere, over radii and depths off the fit's.
+/// Largest relative difference of presses from Sneddon's sphere, over all tissues and over radii and depths
+/// outside the fit.
 double press_error(double deepest) {
   double worst = 0;
   for (const Tissue& tissue : rhombus::tissues()) {
@@ -31,29 +32,30 @@ double press_error(double deepest) {
     const Chain chain = *rhombus::build_chain(tissue.chain);
     const double modulus = rhombus::contact_modulus(tissue.young, 0.5);
     for (const double radius : {0.001, 0.0023, 0.0071, 0.015, 0.05})
-      for (double part = 0.003; part < deepest; part *= 1.13) {
-        const double expected = rhombus::sneddon_force(modulus, radius, part * radius);
-        const double found = rhombus::force_of_tip(chain, rhombus::tip_on(chain, radius), part * radius);
+      for (double fraction = 0.003; fraction < deepest; fraction *= 1.13) {
+        const double expected = rhombus::sneddon_force(modulus, radius, fraction * radius);
+        const double found = rhombus::force_of_tip(chain, rhombus::tip_on(chain, radius), fraction * radius);
         worst = std::max(worst, std::abs(found / expected - 1));
       }
   }
   return worst;
 }
 
-/// Of pulls, up to so many radii, from a disc.
+/// Largest relative difference of pulls from a disc on a half space, up to `farthest` radii.
 double pull_error(double farthest) {
   double worst = 0;
   const Chain chain = *rhombus::build_chain(rhombus::chain_of_modulus(4e3));
   for (const double radius : {0.0017, 0.006, 0.012})
-    for (double part = 0.01; part <= farthest; part += 0.03) {
-      const double disc = rhombus::disc_stiffness(rhombus::contact_modulus(4e3, 0.5), radius) * part * radius;
-      const double found = -rhombus::force_of_tip(chain, rhombus::tip_on(chain, radius), -part * radius);
+    for (double fraction = 0.01; fraction <= farthest; fraction += 0.03) {
+      const double disc =
+          rhombus::disc_stiffness(rhombus::contact_modulus(4e3, 0.5), radius) * fraction * radius;
+      const double found = -rhombus::force_of_tip(chain, rhombus::tip_on(chain, radius), -fraction * radius);
       worst = std::max(worst, std::abs(found / disc - 1));
     }
   return worst;
 }
 
-/// The largest K / (K(0) + b F) of all tissues, pressed and pulled up to 50 N.
+/// Largest K / (K(0) + b F) of all tissues, pressed and pulled up to 50 N.
 double growth_share() {
   double worst = 0;
   for (const Tissue& tissue : rhombus::tissues()) {
@@ -66,7 +68,7 @@ double growth_share() {
   return worst;
 }
 
-/// Random grasps of the phantom liver: the largest force [N] and slope [N/m].
+/// Largest force [N] and slope [N/m] of random grasps of the phantom liver.
 struct Grasped {
   double force = 0, slope = 0;
 };
@@ -77,26 +79,27 @@ Grasped random_grasps(int count) {
   const rhombus::Model model = *rhombus::build(std::move(body), {.chain = rhombus::tissues()[0].chain});
   rhombus::State state = rhombus::make_state(model, 1);
   std::mt19937 random(11);
-  std::uniform_real_distribution<double> part(0, 1), sign(-1, 1);
+  std::uniform_real_distribution<double> unit(0, 1), sign(-1, 1);
   Grasped most;
   for (int n = 0; n < count; n++) {
     state.touches[0] = {};
-    const auto v = std::size_t(part(random) * double(model.surface.vertices.size() - 1));
+    const auto v = std::size_t(unit(random) * double(model.surface.vertices.size() - 1));
     const Vec3d normal = model.surface.normals[v];
-    rhombus::TouchInput in{.radius = 0.002 + 0.01 * part(random), .opening = 0.01};
-    in.position = model.surface.vertices[v] + normal * (in.radius - 0.001 - 0.01 * part(random));
+    rhombus::TouchInput in{.radius = 0.002 + 0.01 * unit(random), .opening = 0.01};
+    in.position = model.surface.vertices[v] + normal * (in.radius - 0.001 - 0.01 * unit(random));
     const auto tick = [&] {
       rhombus::TouchForce force;
-      rhombus::touch(model, state, {&in, 1}, 1e-3, {&force, 1});
+      rhombus::solve_touches(model, state, {&in, 1}, 1e-3, {&force, 1});
       return force;
     };
     tick();
     in.grip = 1;
     tick();
-    const Vec3d way = normal * (0.06 * part(random)) + Vec3d{sign(random), sign(random), sign(random)} * 0.02;
-    in.position += way;
+    const Vec3d displacement =
+        normal * (0.06 * unit(random)) + Vec3d{sign(random), sign(random), sign(random)} * 0.02;
+    in.position += displacement;
     const rhombus::TouchForce first = tick();
-    in.position += normalized(way) * 1e-5;
+    in.position += normalized(displacement) * 1e-5;
     const rhombus::TouchForce second = tick();
     const double force = std::max(norm(first.force), norm(second.force));
     most.force = std::isfinite(force) ? std::max(most.force, force) : INFINITY;
@@ -115,27 +118,27 @@ struct Elements {
   Vec3d size;       // [m]
   double cell = 0;  // [m]
   double poisson = 0.45;
-  bool sticks_out = false;  // a chain that knows a half space alone is wrong there
+  bool sticks_out = false;  // a chain without the body's stiffness is known to be wrong
 };
 
-/// Chain over elements, pressed and pulled: the least and the most over places, and how much the press varies
-/// when the chain does not know the body's stiffness.
+/// Force of the chain relative to the elements, pressed and pulled: least and most over points. `uneven`: the
+/// same presses without the stiffness of the body.
 struct Ratios {
   double pressed[2] = {INFINITY, 0}, pulled[2] = {INFINITY, 0}, uneven[2] = {INFINITY, 0};
 };
-void see(double (&range)[2], double ratio) {
+void widen(double (&range)[2], double ratio) {
   range[0] = std::min(range[0], ratio), range[1] = std::max(range[1], ratio);
 }
 
-/// What the elements bear when the vertices around a place are moved along z by 1 m as one [N], and the
-/// radius of the disc that they make [m].
+/// Force of the elements when the vertices around a point move along z together by 1 m [N], and the radius of
+/// the disc that these vertices form [m].
 struct PulledDisc {
   double stiffness = 0, radius = 0;
 };
-PulledDisc pulled_disc(const sfem::Model& model, Vec3d place, double radius, double cell) {
+PulledDisc pulled_disc(const sfem::Model& model, Vec3d point, double radius, double cell) {
   std::vector<int> vertices;
   for (std::size_t v = 0; v < model.body.mesh.vertices.size(); v++) {
-    const Vec3d away = model.body.mesh.vertices[v] - place;
+    const Vec3d away = model.body.mesh.vertices[v] - point;
     if (std::abs(away.z) < 1e-6 && norm(away) < radius) vertices.push_back(int(v));
   }
   const auto n = Eigen::Index(3 * vertices.size());
@@ -146,7 +149,7 @@ PulledDisc pulled_disc(const sfem::Model& model, Vec3d place, double radius, dou
   return {up.dot(green.ldlt().solve(up)), cell * std::sqrt(double(vertices.size()) / std::numbers::pi)};
 }
 
-/// The same chain, written for another ball.
+/// The same chain, scaled to another ball.
 rhombus::ChainParams chain_for_tip(double young, double radius) {
   rhombus::ChainParams chain = rhombus::chain_of_modulus(young);
   const double scale = radius / chain.tip;
@@ -161,40 +164,41 @@ Result<Ratios> compare(const Exec& exec, const Elements& e) {
   Result<sfem::Model> elements = solved(exec, held(e.mesh, {kYoung, e.poisson}, e.is_fixed), params);
   if (!elements) return elements.error();
   const double modulus = rhombus::contact_modulus(kYoung, e.poisson);
-  const SurfacePart part = surface_part(*elements);
-  rhombus::Body body = part.body;
+  const SolidBoundary outer = solid_boundary(*elements);
+  rhombus::Body body = outer.body;
   const double radius = 1.7 * e.cell, depth = 0.3 * radius;
   const rhombus::Params chains{.chain = chain_for_tip(0.75 * modulus, radius)};
   Result<rhombus::Model> even = rhombus::build(body, chains);
   if (!even) return even.error();
   Result<std::vector<double>> stiffness =
-      elastic_stiffness(exec, *elements, part, even->surface, usual_contact(radius));
+      elastic_stiffness(exec, *elements, outer, even->surface, usual_contact(radius));
   if (!stiffness) return stiffness.error();
   body.stiffness = *stiffness;
   const rhombus::Model model = *rhombus::build(std::move(body), chains);
   Ratios ratios;
   for (const auto& [across, along] :
        {std::pair{0.5, 0.5}, {0.25, 0.5}, {0.75, 0.375}, {0.375, 0.25}, {0.75, 0.75}}) {
-    const Vec3d place{across * e.size.x, along * e.size.y, e.size.z};
+    const Vec3d point{across * e.size.x, along * e.size.y, e.size.z};
     const double pressed =
-        press(patch_at(exec, *elements, place, {1.7 * radius, 3}), place, radius, depth, 8).back().second;
+        press(patch_at(exec, *elements, point, {1.7 * radius, 3}), point, radius, depth, 8).back().second;
     rhombus::State state = rhombus::make_state(model, 1);
-    rhombus::TouchInput in{.position = place + Vec3d{0, 0, radius - depth}, .radius = radius};
-    rhombus::TouchForce haptic;
-    rhombus::touch(model, state, {&in, 1}, 1e-3, {&haptic, 1});
-    const rhombus::Foot foot = rhombus::find_foot(model.surface, model.tree, place);
-    const double here = rhombus::stiffness_at(model, foot.at);
-    see(ratios.pressed, haptic.force.z / pressed), see(ratios.uneven, haptic.force.z / here / pressed);
-    const PulledDisc disc = pulled_disc(*elements, place, radius, e.cell);
+    rhombus::TouchInput in{.position = point + Vec3d{0, 0, radius - depth}, .radius = radius};
+    rhombus::TouchForce touch;
+    rhombus::solve_touches(model, state, {&in, 1}, 1e-3, {&touch, 1});
+    const rhombus::FootPoint foot = rhombus::find_foot_point(model.surface, model.tree, point);
+    const double local_stiffness = rhombus::stiffness_at(model, foot.at);
+    widen(ratios.pressed, touch.force.z / pressed),
+        widen(ratios.uneven, touch.force.z / local_stiffness / pressed);
+    const PulledDisc disc = pulled_disc(*elements, point, radius, e.cell);
     const double pull = 0.5 * disc.radius;
     const double chain =
         -rhombus::force_of_tip(model.chain, rhombus::tip_on(model.chain, disc.radius), -pull);
-    see(ratios.pulled, here * chain / (disc.stiffness * pull));
+    widen(ratios.pulled, local_stiffness * chain / (disc.stiffness * pull));
   }
   return ratios;
 }
 
-/// A wedge that sticks out of what holds it: 15 to 45 mm thick.
+/// A wedge that extends beyond its support: 15 to 45 mm thick.
 SolidMesh wedge() {
   SolidMesh mesh = hex_block({0.096, 0.096, 1}, {16, 16, 6});
   for (Vec3d& x : mesh.vertices) x.z = 0.045 - (1 - x.z) * (0.045 - 0.03 * x.x / 0.096);
@@ -203,18 +207,18 @@ SolidMesh wedge() {
 
 std::vector<Elements> bodies_of_elements(bool quick) {
   const auto is_bottom = [](Vec3d x) { return x.z < 1e-9; };
-  const int parts = quick ? 12 : 16;
+  const int divisions = quick ? 12 : 16;
   std::vector<Elements> all;
   all.push_back({"a block",
-                 hex_block({0.08, 0.08, 0.04}, {parts, parts, parts / 2}),
+                 hex_block({0.08, 0.08, 0.04}, {divisions, divisions, divisions / 2}),
                  is_bottom,
                  {0.08, 0.08, 0.04},
-                 0.08 / parts});
+                 0.08 / divisions});
   all.push_back({"the block doubled",
-                 hex_block({0.16, 0.16, 0.08}, {parts, parts, parts / 2}),
+                 hex_block({0.16, 0.16, 0.08}, {divisions, divisions, divisions / 2}),
                  is_bottom,
                  {0.16, 0.16, 0.08},
-                 0.16 / parts});
+                 0.16 / divisions});
   all.push_back({"a wedge of tetrahedra",
                  wedge(),
                  [](Vec3d x) { return x.x < 1e-9; },
@@ -228,14 +232,14 @@ std::vector<Elements> bodies_of_elements(bool quick) {
 }  // namespace
 
 std::vector<Figure> validate_rhombus(const Exec& exec, bool quick) {
-  std::vector<Figure> figures{
-      most_figure("presses of balls of 1 to 50 mm, 1/300 to 2 radii deep", "Sneddon's sphere", "relative",
-                  press_error(2), 0.10),
-      most_figure("the same up to 1/20 of a radius", "Sneddon's sphere", "relative", press_error(0.05), 0.03),
-      most_figure("pulls to a strain of 30 %", "a disc on a half space", "relative",
-                  pull_error(rhombus::kPulledRadii), 0.10),
-      most_figure("stiffness up to 50 N, of what the stated growth allows", "K(0) + b F", "1", growth_share(),
-                  1 + 1e-9)};
+  std::vector<Figure> figures{most_figure("presses of balls of 1 to 50 mm, 1/300 to 2 radii deep",
+                                          "Sneddon's sphere", "relative", press_error(2), 0.10),
+                              most_figure("presses of balls up to 1/20 of a radius deep", "Sneddon's sphere",
+                                          "relative", press_error(0.05), 0.03),
+                              most_figure("pulls to a strain of 30 %", "a disc on a half space", "relative",
+                                          pull_error(rhombus::kPulledRadii), 0.10),
+                              most_figure("stiffness up to 50 N, relative to the growth bound", "K(0) + b F",
+                                          "1", growth_share(), 1 + 1e-9)};
   const Grasped grasped = random_grasps(quick ? 20000 : 100000);
   figures.push_back(most_figure("random grasps: force", "tear", "N", grasped.force, 50));
   figures.push_back(most_figure("random grasps: slope", "finite", "N/m", grasped.slope, 1e5));
@@ -245,12 +249,12 @@ std::vector<Figure> validate_rhombus(const Exec& exec, bool quick) {
     const auto add = [&](const std::string& what, double ratio, double low, double high, bool limit) {
       figures.push_back({what + " on " + e.name, "sfem", "of the elements", ratio, low, high, limit});
     };
-    add("pressed, least by place,", found.pressed[0], 0.7, 1.15, false);
-    add("pressed, most by place,", found.pressed[1], 0.7, 1.15, false);
-    add("pulled, least by place,", found.pulled[0], 0.9, 1.15, false);
-    add("pulled, most by place,", found.pulled[1], 0.9, 1.15, false);
+    add("pressed, least over points,", found.pressed[0], 0.7, 1.15, false);
+    add("pressed, most over points,", found.pressed[1], 0.7, 1.15, false);
+    add("pulled, least over points,", found.pulled[0], 0.9, 1.15, false);
+    add("pulled, most over points,", found.pulled[1], 0.9, 1.15, false);
     if (e.sticks_out)
-      add("pressed, not told of its stiffness, most by place,", found.uneven[1], 0.7, 1.15, true);
+      add("pressed, without the body's stiffness, most over points,", found.uneven[1], 0.7, 1.15, true);
   }
   return figures;
 }

@@ -15,7 +15,7 @@ namespace {
 using sfem::Body;
 using sfem::Model;
 
-/// Planes of a block that lie close in the middle and wider apart towards the sides.
+/// Planes of a block, dense in the middle and wider towards the sides.
 std::vector<double> graded(double half_width, double finest, double growth) {
   std::vector<double> half{0};
   for (double step = finest; half.back() < half_width; step *= growth) half.push_back(half.back() + step);
@@ -35,18 +35,18 @@ Result<double> plate_force(const Exec& exec, Int3 count, int refinement, int* lo
   Result<Model> model = solved(exec, held(hex_block(size, count), {1e5, 0.4}, is_side), params);
   if (!model) return model.error();
   const Vec3d tip{0.05, 0.05, 0.01};
-  // The four elements around the centre, or as many of a finer plate as lie within.
+  // The four elements around the center, or as many of a finer plate as lie within.
   const sfem::Patch patch = patch_at(exec, *model, tip, {0.02, refinement});
   *local_nodes = patch.local_nodes;
   for (std::size_t p = 0; p < patch.points.size(); p++) {
     if (norm(patch.points[p].x - tip) > 1e-9) continue;
-    Mat3d block;  // displacement of the point to unit forces on it
+    Mat3d block;  // displacement of the point under unit forces on it
     for (std::size_t i = 0; i < 9; i++)
       block.column[i / 3][int(i % 3)] =
           patch.compliance[(3 * p + i / 3) * 3 * patch.points.size() + 3 * p + i % 3];
     return (inverse(block) * Vec3d{0, 0, -0.003}).z;
   }
-  return Error{"the plate has no node at its centre"};
+  return Error{"the plate has no node at its center"};
 }
 
 }  // namespace
@@ -79,8 +79,8 @@ Result<std::vector<PlateRow>> validate_plate(const Exec& exec) {
 }
 
 Result<HertzResult> validate_hertz(const Exec& exec) {
-  // Hertz is the limit of small contacts: here the contact's radius √(R d) is 3 hundredths of the sphere's,
-  // and the block extends a hundred of them to each side and down.
+  // Hertz's formula is the limit of small contacts. The contact radius √(R d) is 3 % of the sphere's, and the
+  // block extends a hundred contact radii to each side and down.
   HertzResult result;
   result.radius = 0.1, result.young = 5e3, result.poisson = 0.3;
   constexpr double kDepth = 8e-5, kHalfWidth = 0.3, kFinest = 0.0025, kGrowth = 1.28;
@@ -111,36 +111,36 @@ Result<HertzResult> validate_hertz(const Exec& exec) {
 
 Result<std::vector<RefinementRow>> validate_refinement(const Exec& exec, bool fine,
                                                        const Progress& progress) {
-  struct Way {
-    int parts;  // of the block's 80 mm
+  struct MeshChoice {
+    int divisions;  // of the block's 80 mm
     int refinement;
   };
-  std::vector<Way> ways{{8, 1}, {8, 2}, {8, 3}, {8, 4}, {16, 1}, {16, 2}, {24, 1}};
-  if (fine) ways.push_back({32, 1});
+  std::vector<MeshChoice> choices{{8, 1}, {8, 2}, {8, 3}, {8, 4}, {16, 1}, {16, 2}, {24, 1}};
+  if (fine) choices.push_back({32, 1});
   constexpr double kSize = 0.08, kRadius = 0.01, kDepth = 0.003;
   std::vector<RefinementRow> rows;
-  for (const auto [parts, refinement] : ways) {
+  for (const auto [divisions, refinement] : choices) {
     const auto is_bottom = [](Vec3d x) { return x.z < 1e-9; };
-    const SolidMesh mesh = hex_block({kSize, kSize, kSize / 2}, {parts, parts, parts / 2});
+    const SolidMesh mesh = hex_block({kSize, kSize, kSize / 2}, {divisions, divisions, divisions / 2});
     sfem::Params params;
     params.touch_depth = 0.02;
     RefinementRow row;
     row.global = refinement == 1;
-    row.mesh = fmt::format("{0} x {0} x {1}", parts, parts / 2);
+    row.mesh = fmt::format("{0} x {0} x {1}", divisions, divisions / 2);
     if (!row.global) row.mesh += fmt::format(", patch r = {}", refinement);
     const Timer precompute;
-    const bool on_demand = parts > 16;  // a reference touched at one place
+    const bool on_demand = divisions > 16;  // the reference is touched at one point only
     Result<Model> model = solved(exec, held(mesh, {3e3, 0.45}, is_bottom), params, on_demand);
     if (!model) return model.error();
     row.precompute = precompute.seconds();
-    const Vec3d place{kSize / 2, kSize / 2, kSize / 2};
+    const Vec3d point{kSize / 2, kSize / 2, kSize / 2};
     const Timer rebuild;
-    const sfem::Patch patch = patch_at(exec, *model, place, {0.018, refinement});
+    const sfem::Patch patch = patch_at(exec, *model, point, {0.018, refinement});
     row.rebuild = rebuild.seconds();
     row.nodes = int(model->vertex.size()), row.local_nodes = patch.local_nodes;
-    row.force_of_depth = press(patch, place, kRadius, kDepth, 12);
+    row.force_of_depth = press(patch, point, kRadius, kDepth, 12);
     rows.push_back(row);
-    if (progress) progress(double(rows.size()) / double(ways.size()));
+    if (progress) progress(double(rows.size()) / double(choices.size()));
   }
   return rows;
 }
@@ -151,33 +151,34 @@ Result<NoduleResult> validate_nodule(const Exec& exec, int columns, double width
   result.low = 0.25 * width, result.high = 0.75 * width;
   result.center_x = width / 2 + 0.006, result.center_y = width / 2 - 0.003;
   result.radius = 0.006, result.depth = 0.010;
-  struct Way {
+  struct MeshChoice {
     const char* mesh;
-    int parts, refinement;  // of a cell
+    int divisions, refinement;  // of a cell
   };
   constexpr double kCell = 0.005;
   const double height = width / 2;
   const int cells = int(std::lround(width / kCell));
-  const Way ways[] = {{"coarse, 5 mm", 1, 1}, {"superposed, 2.5 mm", 1, 2}, {"fine, 2.5 mm", 2, 1}};
+  const MeshChoice choices[] = {{"coarse, 5 mm", 1, 1}, {"superposed, 2.5 mm", 1, 2}, {"fine, 2.5 mm", 2, 1}};
   int done = 0;
-  for (const Way& way : ways) {
+  for (const MeshChoice& choice : choices) {
     const SolidMesh mesh =
-        hex_block({width, width, height}, {way.parts * cells, way.parts * cells, way.parts * cells / 2});
+        hex_block({width, width, height},
+                  {choice.divisions * cells, choice.divisions * cells, choice.divisions * cells / 2});
     Body body = held(mesh, {3e3, 0.45}, [](Vec3d x) { return x.z < 1e-9; });
     body.materials.push_back({6e4, 0.45});
     body.inclusions.push_back({{result.center_x, result.center_y, height - result.depth}, result.radius, 1});
     constexpr double kPatch = 0.0135;
     sfem::Params params;
     params.touch_depth = kPatch;
-    Result<Model> model = solved(exec, std::move(body), params, way.parts > 1);
+    Result<Model> model = solved(exec, std::move(body), params, choice.divisions > 1);
     if (!model) return model.error();
-    NoduleMap map{way.mesh, int(model->vertex.size()), {}};
+    NoduleMap map{choice.mesh, int(model->vertex.size()), {}};
     for (int j = 0; j < columns; j++)
       for (int i = 0; i < columns; i++) {
         const double step = (result.high - result.low) / (columns - 1);
-        const Vec3d place{result.low + i * step, result.low + j * step, height};
-        const sfem::Patch patch = patch_at(exec, *model, place, {kPatch, way.refinement});
-        map.force.push_back(press(patch, place, 0.006, 0.003, 4).back().second);
+        const Vec3d point{result.low + i * step, result.low + j * step, height};
+        const sfem::Patch patch = patch_at(exec, *model, point, {kPatch, choice.refinement});
+        map.force.push_back(press(patch, point, 0.006, 0.003, 4).back().second);
         if (progress) progress(double(++done) / (3 * columns * columns));
       }
     result.maps.push_back(std::move(map));

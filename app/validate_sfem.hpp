@@ -1,7 +1,7 @@
-// What the sfem model answers where the right answer is known: the paper's plate against an independent
-// program, Hertz's contact against its formula, a thin layer against Hayes's equation, local against global
-// refinement, kinds of elements on organs, and a hard nodule felt through soft tissue. Each experiment is a
-// function; the command prints and draws them.
+// Validation of the sfem model against known answers. The paper's plate against an independent program,
+// Hertz's contact against its formula, a thin layer against Hayes's equation. Local against global
+// refinement, element types on organs, and a hard nodule below soft tissue. Each experiment is a function;
+// the command prints and draws the results.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace turgor {
 
-/// The plate of theory and paper: reaction at its displaced centre.
+/// The plate of theory and paper: reaction at its displaced center.
 struct PlateRow {
   std::string mesh;
   int local_nodes = 0;
@@ -37,32 +37,32 @@ Result<HertzResult> validate_hertz(const Exec& exec);
 /// A rigid indenter on a layer that is bonded to its base.
 struct LayerRow {
   std::string indenter;
-  double ratio = 0;             // of the contact's radius to the layer's thickness [1]
+  double ratio = 0;             // contact radius over layer thickness [1]
   double poisson = 0;           // [1]
-  int points = 0;               // of the surface below
+  int points = 0;               // surface points below the indenter
   double hayes = 0, found = 0;  // [N]
 };
-/// `quick`: of one radius instead of three.
+/// `quick`: one radius instead of three.
 Result<std::vector<LayerRow>> validate_layer(const Exec& exec, bool quick, const Progress& progress);
 
-/// One way to refine: the force at the deepest press, and what it cost.
+/// One refinement: force at the deepest press, and its cost.
 struct RefinementRow {
   std::string mesh;
-  bool global = true;                                     // the whole body, or a superposed patch
-  int nodes = 0;                                          // of the body
-  int local_nodes = 0;                                    // of the patch
-  double precompute = 0;                                  // of Green's functions [s]
-  double rebuild = 0;                                     // of the patch [s]
+  bool global = true;     // true: the whole body is refined; false: a superposed patch
+  int nodes = 0;          // of the body
+  int local_nodes = 0;    // of the patch
+  double precompute = 0;  // time of Green's functions [s]
+  double rebuild = 0;     // time of the patch [s]
   std::vector<std::pair<double, double>> force_of_depth;  // [m] [N]
 };
-/// Coarse to fine; the last global row is the reference. `fine` = false leaves out the finest ones.
+/// Coarse to fine; the last global row is the reference. `fine` = false skips the finest meshes.
 Result<std::vector<RefinementRow>> validate_refinement(const Exec& exec, bool fine, const Progress& progress);
 
-/// Force at equal depth over a field of places above a hard nodule.
+/// Force at equal depth over a field of points above a hard nodule.
 struct NoduleMap {
   std::string mesh;
   int nodes = 0;
-  std::vector<double> force;  // columns · rows, along x first [N]
+  std::vector<double> force;  // columns · rows, x fastest [N]
 };
 struct NoduleResult {
   int columns = 0, rows = 0;
@@ -70,23 +70,24 @@ struct NoduleResult {
   double center_x = 0, center_y = 0, radius = 0, depth = 0;  // of the nodule below the surface [m]
   std::vector<NoduleMap> maps;                               // coarse, superposed, fine
 };
-/// `width` of the block [m], 5 mm the cells of its coarse mesh.
+/// `width` of the block [m]; the cells of its coarse mesh are 5 mm.
 Result<NoduleResult> validate_nodule(const Exec& exec, int columns, double width, const Progress& progress);
 
-/// What a kind of elements answers on an organ's mesh, and what it costs beforehand.
+/// Force of an element type on the mesh of an organ, and the cost of its precomputation.
 struct ElementsRow {
   std::string organ, elements, reference;
   bool to_patch = false;  // the reference has a patch itself
   bool quadratic = false;
   int refinement = 1;
   double poisson = 0;
-  int tetrahedra = 0, nodes = 0;  // of the organ's mesh; free ones of the elements
+  int tetrahedra = 0, nodes = 0;  // of the organ's mesh; free nodes of the elements
   double flops = 0, store_bytes = 0, factor_bytes = 0;
-  double worst = 0, mean = 0;  // of the force's relative error over the places pressed
-  double said = 0;             // how far off a report says that the force may be
+  double worst = 0, mean = 0;  // relative error of the force over the press points
+  double expected_error = 0;   // relative error expected by the report [1]
 };
-/// Balls on a tongue, and without `quick` on a liver and a block, on meshes of the size that scenes have. The
-/// reference, each time the last, is quadratic on the same body, every tetrahedron cut in eight.
+/// Presses balls on a tongue, and without `quick` on a liver and a block, on meshes of the size that scenes
+/// have. The reference is the last row of each organ: quadratic elements on the same body, with every
+/// tetrahedron cut in eight.
 Result<std::vector<ElementsRow>> validate_elements(const Exec& exec, bool quick, const Progress& progress);
 
 }  // namespace turgor

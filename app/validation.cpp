@@ -9,7 +9,7 @@ namespace turgor {
 
 Figure near_figure(const std::string& name, const std::string& against, double found, double expected,
                    double bound) {
-  return {name, against, "of the expected", found / expected, 1 - bound, 1 + bound};
+  return {name, against, "times the expected", found / expected, 1 - bound, 1 + bound};
 }
 
 Figure most_figure(const std::string& name, const std::string& against, const std::string& unit, double found,
@@ -21,7 +21,7 @@ void print_figures(const std::vector<Figure>& figures) {
   for (const Figure& f : figures) {
     const std::string bound = f.low < -1e300 ? fmt::format("at most {:.7g}", f.high)
                                              : fmt::format("{:.7g} to {:.7g}", f.low, f.high);
-    const char* verdict = !is_missed(f) ? "kept" : f.known_limit ? "missed, a known limit" : "MISSED";
+    const char* verdict = !is_missed(f) ? "kept" : f.known_limit ? "missed (known limit)" : "MISSED";
     fmt::print("  {:<68} {:>11.7g} {} ({}; {}): {}\n", f.name, f.found, f.unit, bound, f.against, verdict);
   }
 }

@@ -1,4 +1,4 @@
-// A figure of docs/validation.md: what a model answers, what it is held against, and the bound that it keeps.
+// A figure of docs/validation.md: result of a model, its reference, and the bound that it must keep.
 #pragma once
 
 #include <string>
@@ -10,29 +10,29 @@
 
 namespace turgor {
 
-/// What was found lies between `low` and `high`.
+/// A result that must lie between `low` and `high`.
 struct Figure {
   std::string name;
-  std::string against;  // the formula or program that knows better
+  std::string against;  // reference formula or program
   std::string unit;
   double found = 0, low = 0, high = 0;
-  // What the model is known not to do, in docs/validation.md: printed as missed, and no reason to fail.
+  // Known failure, listed in docs/validation.md: printed as missed, but the run does not fail.
   bool known_limit = false;
 };
 
 inline bool is_missed(const Figure& f) { return !(f.found >= f.low && f.found <= f.high); }
 
-/// found/expected − 1 is at most `bound`, either way.
+/// Figure with |found/expected − 1| ≤ `bound`.
 Figure near_figure(const std::string& name, const std::string& against, double found, double expected,
                    double bound);
-/// No more than `most`, and finite.
+/// Figure that is finite and at most `most`.
 Figure most_figure(const std::string& name, const std::string& against, const std::string& unit, double found,
                    double most);
 
-/// As a table on standard output.
+/// Prints a table on standard output.
 void print_figures(const std::vector<Figure>& figures);
 nlohmann::ordered_json to_json(const std::vector<Figure>& figures);
-/// Names of those that are missed without being known limits.
+/// Names of missed figures that are not known limits.
 std::vector<std::string> missed_names(const std::vector<Figure>& figures);
 
 /// `quick`: less than two minutes of one core and 1 GB each.

@@ -1,4 +1,4 @@
-// `turgor view`: a window on a scene while it is simulated. The work is the library's (window/window.hpp).
+// `turgor view`: simulates a scene in a window. The library does the work (window/window.hpp).
 #include <filesystem>
 
 #include "app/commands.hpp"
@@ -35,12 +35,12 @@ void view(const WindowOptions& options) {
 void add_view_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<WindowOptions>();
   CLI::App* command =
-      program.add_subcommand("view", "Simulate a scene in a window: look, press, cut, change it");
+      program.add_subcommand("view", "Simulate a scene in a window: view, press, cut and edit it");
   command->footer(
       "Examples:\n"
       "  turgor view scenes/palpation.toml\n"
       "  turgor view scenes/incision.toml --set body.torso.ct=patient.nii.gz\n"
-      "In the window, ? tells what mouse and keys do; docs/window.md is a tour.");
+      "Press ? in the window for the mouse and key bindings; docs/window.md is a tour.");
   command->add_option("scene", options->scene, "The scene, a TOML file")->required();
   add_set_option(*command, options->overrides);
   command->add_option("-o,--out", options->out, "Folder for pictures and videos (default: out/view)");

@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Adds `count` parts from the last line to `to`, denser towards one end (`dense` −1 or 1) or both (0).
+/// Adds `count` intervals from the last line to `to`, denser towards one end (`dense` −1 or 1) or both (0).
 void add_lines(std::vector<double>& lines, double to, int count, int dense) {
   const double from = lines.back();
   for (int n = 1; n <= count; n++) {
@@ -29,42 +29,42 @@ void add_lines(std::vector<double>& lines, double to, int count, int dense) {
   }
 }
 
-/// A quarter of the block: x along the cut from its middle, y across it, z up. The blade lies at y = 0, where
-/// what it left whole stays.
+/// A quarter of the block: x along the cut from its middle, y across it, z up. The blade lies at y = 0; uncut
+/// nodes of this plane stay in it by symmetry.
 struct Quarter {
   std::array<std::vector<double>, 3> lines;
   std::vector<int> unknown;  // by node and axis, -1 = held
   int unknowns = 0;
 
-  Quarter(const CutBlock& b, int parts) {
+  Quarter(const CutBlock& b, int divisions) {
     for (auto& l : lines) l = {0};
-    add_lines(lines[0], b.length / 2, parts, 1);
-    add_lines(lines[0], b.side / 2, parts, -1);
-    add_lines(lines[1], b.side / 2, parts + parts / 2, -1);
-    add_lines(lines[2], b.height - b.depth, parts / 2, 1);
-    add_lines(lines[2], b.height, parts * 3 / 4, 0);
+    add_lines(lines[0], b.length / 2, divisions, 1);
+    add_lines(lines[0], b.side / 2, divisions, -1);
+    add_lines(lines[1], b.side / 2, divisions + divisions / 2, -1);
+    add_lines(lines[2], b.height - b.depth, divisions / 2, 1);
+    add_lines(lines[2], b.height, divisions * 3 / 4, 0);
     unknown.assign(std::size_t(count() * 3), -1);
     for (int n = 0; n < count(); n++)
       for (int axis = 0; axis < 3; axis++)
-        if (!is_held(b, place(n), axis)) unknown[std::size_t(3 * n + axis)] = unknowns++;
+        if (!is_held(b, position(n), axis)) unknown[std::size_t(3 * n + axis)] = unknowns++;
   }
   static bool is_held(const CutBlock& b, Vector3d x, int axis) {
     constexpr double kSlack = 1e-9;
     const double half = b.side / 2 - kSlack;
     if (x[0] > half || x[1] > half || x[2] < kSlack) return true;
-    const bool parted = x[0] < b.length / 2 - kSlack && x[2] > b.height - b.depth + kSlack;
-    return (axis == 0 && x[0] < kSlack) || (axis == 1 && x[1] < kSlack && !parted);
+    const bool is_cut = x[0] < b.length / 2 - kSlack && x[2] > b.height - b.depth + kSlack;
+    return (axis == 0 && x[0] < kSlack) || (axis == 1 && x[1] < kSlack && !is_cut);
   }
   int size(int axis) const { return int(lines[std::size_t(axis)].size()); }
   int count() const { return size(0) * size(1) * size(2); }
   int node(int i, int j, int k) const { return i + size(0) * (j + size(1) * k); }
-  Vector3d place(int n) const {
+  Vector3d position(int n) const {
     return {lines[0][std::size_t(n % size(0))], lines[1][std::size_t(n / size(0) % size(1))],
             lines[2][std::size_t(n / size(0) / size(1))]};
   }
 };
 
-/// Stable Neo-Hookean tissue [Smith, de Goes and Kim 2018], λ' (J − 1)² apart.
+/// Stable Neo-Hookean tissue [Smith, de Goes and Kim 2018] with the term λ' (J − 1)² separate.
 struct Tissue {
   double shear, bulk;  // µ', λ' [Pa]
   explicit Tissue(const CutBlock& b) {
@@ -85,7 +85,7 @@ Matrix3d cross_of(const Vector3d& v) {
   return m;
 }
 
-/// Energy, gradient and second derivative of one element.
+/// Energy, gradient and Hessian of one element.
 struct Element {
   double energy = 0;
   VectorXd gradient;
@@ -94,7 +94,8 @@ struct Element {
       : gradient(VectorXd::Zero(3 * nodes)), second(MatrixXd::Zero(3 * nodes, 3 * nodes)) {}
 };
 
-/// Adds a f(J) at a point to an element, f' and f'' given: `g` are the gradients of the shape functions.
+/// Adds a term f(J) at a point to an element: `first` is f', `second` is f'', `g` are the gradients of the
+/// shape functions.
 void add_volume(Element& e, const std::array<Vector3d, 8>& g, const Matrix3d& f, double first,
                 double second) {
   const Matrix3d c = cofactor(f);
@@ -110,7 +111,7 @@ void add_volume(Element& e, const std::array<Vector3d, 8>& g, const Matrix3d& f,
   }
 }
 
-/// A brick of tissue: eight points for shape, the middle for volume.
+/// A brick of tissue: eight points for the shear term, the center for the volume term.
 Element brick(const Tissue& tissue, Vector3d size, const std::array<Vector3d, 8>& x) {
   Element e(8);
   const double volume = size.prod();
@@ -155,7 +156,7 @@ Element brick(const Tissue& tissue, Vector3d size, const std::array<Vector3d, 8>
   return e;
 }
 
-/// The stretch at which fibres rest whose tension is T at stretch 1, by halving.
+/// Stretch at which fibers are at rest whose tension is T at stretch 1, by bisection.
 double rest_stretch(const CutBlock& b) {
   double low = 0.3, high = 1;
   for (int n = 0; n < 60; n++) {
@@ -165,7 +166,7 @@ double rest_stretch(const CutBlock& b) {
   return 0.5 * (low + high);
 }
 
-/// A rectangle of skin, four points.
+/// A rectangle of skin with four quadrature points.
 Element patch(const CutBlock& b, Vector2d size, const std::array<Vector3d, 4>& x) {
   Element e(4);
   const double rest = rest_stretch(b);
@@ -186,8 +187,8 @@ Element patch(const CutBlock& b, Vector2d size, const std::array<Vector3d, 4>& x
       e.energy += area * b.stiffness * strain * strain * (0.5 + more * strain / 3);
       const double pull = area * b.stiffness * strain * (1 + more * strain),
                    stiff = area * b.stiffness * (1 + 2 * more * strain);
-      const Matrix3d way = g * g.transpose() / (length * length),
-                     second = stiff * way + pull / length * (Matrix3d::Identity() - way);
+      const Matrix3d projector = g * g.transpose() / (length * length),
+                     second = stiff * projector + pull / length * (Matrix3d::Identity() - projector);
       for (int a = 0; a < 4; a++) {
         e.gradient.segment<3>(3 * a) += g * (pull / length * c[std::size_t(a)][axis]);
         for (int d = 0; d < 4; d++)
@@ -196,15 +197,15 @@ Element patch(const CutBlock& b, Vector2d size, const std::array<Vector3d, 4>& x
     }
     const double sheared = fiber[0].dot(fiber[1]), k = area * b.shear;
     e.energy += 0.5 * k * sheared * sheared;
-    std::array<Vector3d, 4> way;
+    std::array<Vector3d, 4> slope;
     for (int a = 0; a < 4; a++) {
-      way[std::size_t(a)] = fiber[0] * c[std::size_t(a)][1] + fiber[1] * c[std::size_t(a)][0];
-      e.gradient.segment<3>(3 * a) += k * sheared * way[std::size_t(a)];
+      slope[std::size_t(a)] = fiber[0] * c[std::size_t(a)][1] + fiber[1] * c[std::size_t(a)][0];
+      e.gradient.segment<3>(3 * a) += k * sheared * slope[std::size_t(a)];
     }
     for (int a = 0; a < 4; a++)
       for (int d = 0; d < 4; d++)
         e.second.block<3, 3>(3 * a, 3 * d) +=
-            k * way[std::size_t(a)] * way[std::size_t(d)].transpose() +
+            k * slope[std::size_t(a)] * slope[std::size_t(d)].transpose() +
             k * sheared *
                 (c[std::size_t(a)][0] * c[std::size_t(d)][1] + c[std::size_t(a)][1] * c[std::size_t(d)][0]) *
                 Matrix3d::Identity();
@@ -245,7 +246,7 @@ System assemble(const CutBlock& block, const Quarter& q, const std::vector<Vecto
           nodes[std::size_t(c)] = q.node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
           at[std::size_t(c)] = x[std::size_t(nodes[std::size_t(c)])];
         }
-        const Vector3d size = q.place(q.node(i + 1, j + 1, top ? k : k + 1)) - q.place(nodes[0]);
+        const Vector3d size = q.position(q.node(i + 1, j + 1, top ? k : k + 1)) - q.position(nodes[0]);
         if (top)
           add<4>(q, patch(block, size.head<2>(), {at[0], at[1], at[2], at[3]}),
                  {nodes[0], nodes[1], nodes[2], nodes[3]}, s);
@@ -255,37 +256,37 @@ System assemble(const CutBlock& block, const Quarter& q, const std::vector<Vecto
   return s;
 }
 
-std::vector<Vector3d> moved(const Quarter& q, const std::vector<Vector3d>& x, const VectorXd& way,
-                            double part) {
+std::vector<Vector3d> moved(const Quarter& q, const std::vector<Vector3d>& x, const VectorXd& direction,
+                            double fraction) {
   std::vector<Vector3d> to = x;
   for (std::size_t n = 0; n < q.unknown.size(); n++)
-    if (q.unknown[n] >= 0) to[n / 3][int(n % 3)] += part * way[q.unknown[n]];
+    if (q.unknown[n] >= 0) to[n / 3][int(n % 3)] += fraction * direction[q.unknown[n]];
   return to;
 }
 
 }  // namespace
 
-double gape_of_elements(const CutBlock& block, int parts) {
-  const Quarter q(block, parts);
+double gape_of_elements(const CutBlock& block, int divisions) {
+  const Quarter q(block, divisions);
   std::vector<Vector3d> x;
-  for (int n = 0; n < q.count(); n++) x.push_back(q.place(n));
+  for (int n = 0; n < q.count(); n++) x.push_back(q.position(n));
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
   Eigen::SparseMatrix<double> matrix(q.unknowns, q.unknowns);
   double first = 0;
-  for (int turn = 0; turn < 40; turn++) {
+  for (int iteration = 0; iteration < 40; iteration++) {
     const System s = assemble(block, q, x);
-    if (turn == 0) first = s.gradient.norm();
+    if (iteration == 0) first = s.gradient.norm();
     if (s.gradient.norm() < 1e-7 * first) break;
     matrix.setFromTriplets(s.second.begin(), s.second.end());
-    if (turn == 0) solver.analyzePattern(matrix);
+    if (iteration == 0) solver.analyzePattern(matrix);
     solver.factorize(matrix);
-    VectorXd way = -solver.solve(s.gradient);
-    if (way.dot(s.gradient) > 0) way = -s.gradient * (way.norm() / s.gradient.norm());
-    double part = 1;
-    std::vector<Vector3d> next = moved(q, x, way, part);
-    while (part > 1e-4 &&
-           assemble(block, q, next).energy > s.energy + 1e-4 * part * way.dot(s.gradient) + 1e-15)
-      next = moved(q, x, way, part *= 0.5);
+    VectorXd direction = -solver.solve(s.gradient);
+    if (direction.dot(s.gradient) > 0) direction = -s.gradient * (direction.norm() / s.gradient.norm());
+    double fraction = 1;
+    std::vector<Vector3d> next = moved(q, x, direction, fraction);
+    while (fraction > 1e-4 &&
+           assemble(block, q, next).energy > s.energy + 1e-4 * fraction * direction.dot(s.gradient) + 1e-15)
+      next = moved(q, x, direction, fraction *= 0.5);
     x = next;
   }
   const Vector3d lip = x[std::size_t(q.node(0, 0, q.size(2) - 1))];

@@ -1,7 +1,7 @@
-"""What each engine of the wheel costs and gives: python benches/engines.py [rounds [scene ...]], where scripts/wheel's wheel is installed
+"""Speed and bit equality of the engines in the wheel: python benches/engines.py [rounds [scene ...]], with the wheel installed
 
-Processor time of a frame on one thread (the best of the rounds, in which engines take turns, since others may be at the machine)
-of the scenes that tests/golden/states.txt has, made small by its overrides, and which engines have the same bits after its frames.
+Measures the CPU time of a frame on one thread for the scenes of tests/golden/states.txt, reduced by its overrides. Engines
+alternate within a round, and the best round counts, because other programs may use the machine. Compares the final states.
 """
 import json
 import os
@@ -16,7 +16,7 @@ ENGINES = ("v2", "v3", "v4")
 
 
 def measure(file, frames, overrides):
-    """In a process of its own: seconds a frame, the state's hash and the engine's instructions."""
+    """Seconds per frame, state hash and instruction set of the engine; runs in a separate process."""
     import turgor
 
     given = dict(one.split("=", 1) for one in overrides)
@@ -35,7 +35,7 @@ def measured_with(engine, words):
 
 
 def main(rounds, scenes):
-    print("| scene | v2 [ms] | v3 | v4 | the same bits |\n|---|---|---|---|---|")
+    print("| scene | v2 [ms] | v3 | v4 | equal bits |\n|---|---|---|---|---|")
     for line in (SOURCE / "tests/golden/states.txt").read_text().splitlines():
         words = line.split()[1:]
         if line.startswith("#") or (scenes and words[0] not in scenes):

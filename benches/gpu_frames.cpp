@@ -1,8 +1,10 @@
-// Frames by colours of bodies as large as the paper's and larger ones, up to a node a voxel, on a GPU where
-// there is one, and of the smallest on this processor: what of a machine's two limits, measured here, they
-// reach. A line of JSON each, which scripts/roofline draws. Bytes are those of the arrays that each loop goes
-// over, where nothing stays in a cache from one loop to the next; operations are those of single precision in
-// what nvcc makes of a node (-ptx), a fused one as two.
+// Frames with colored ordering on a GPU, for bodies of the paper's size and larger, up to one node per voxel.
+// On the CPU, only the smallest body. Prints one line of JSON each, with the fraction of the two measured
+// limits of the machine; scripts/roofline draws them.
+//
+// Bytes are those of the arrays that each loop reads and writes, without reuse of the cache between loops.
+// Operations are those of single precision in nvcc's code for a node (-ptx); a fused multiply-add counts as
+// two.
 #include <cstdio>
 #include <string_view>
 
@@ -10,6 +12,7 @@
 #include "turgor/core/gpu_limits.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/device/gpu_body.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace {
 
@@ -19,7 +22,7 @@ using namespace turgor::lattice;
 constexpr double kDt = 1.0 / 60;
 constexpr int kFrames = 31;
 
-/// What a frame asks for, a slot that a thread looks at.
+/// Cost of a frame per slot.
 struct Cost {
   double bytes = 0, operations = 0, loops = 0;
 
@@ -27,22 +30,23 @@ struct Cost {
   Cost operator*(double by) const { return {bytes * by, operations * by, loops * by}; }
 };
 constexpr double kReal = sizeof(Real), kVector = 3 * kReal, kByte = 1;
-/// u, u_before, v, w, removed in; u, u_before out. Then u, u_before in; v out.
+/// Predictor: reads u, u_before, v, w, removed; writes u, u_before. End of the frame: reads u, u_before;
+/// writes v.
 constexpr Cost kPredictAndFinish{4 * kVector + kReal + kByte + kVector + 3 * kVector, 30, 2};
-/// Eight passes over u, which they move, and over w and root, or what kind of node each is; each cell's cuts
-/// once; and over the skin, which is little.
-constexpr Cost kPbdSweepHere{8 * (2 * kVector + 2 * kReal) + kByte, 7 * 32, 16};
-constexpr Cost kPbdSweepThere{8 * (2 * kVector + 2 * kByte) + kByte, 7 * 32, 16};
-/// Eight passes over u and root or Young's moduli of all; of the node itself u_before, v, w, removed and cut,
-/// and u, which moves.
+/// Eight passes that read and write u and read w and root, or on a GPU the kind of each node. They read the
+/// cuts of each cell once; the skin is negligible.
+constexpr Cost kPbdSweepHost{8 * (2 * kVector + 2 * kReal) + kByte, 7 * 32, 16};
+constexpr Cost kPbdSweepDevice{8 * (2 * kVector + 2 * kByte) + kByte, 7 * 32, 16};
+/// Eight passes over u and root or Young's moduli of all nodes. Each node also reads u_before, v, w, removed
+/// and cut, and writes u.
 constexpr double kVbdBytes = 8 * (kVector + kReal) + 2 * kVector + kReal + 2 * kByte + kVector;
 constexpr Cost kSpringsSweep{kVbdBytes, 704, 8};
 constexpr Cost kSolidSweep{kVbdBytes, 2180, 8};
-/// Twice forces, to which u, moduli, u_before, v, w and removed lead, and their sums over blocks; twice the
-/// way of every node. Loops over unknowns are among those of forces.
+/// Two force passes (u, moduli, u_before, v, w, removed) with their sums over aggregates, and two
+/// prolongations to all nodes. Loops over coarse unknowns count as loops of the forces.
 constexpr Cost kForces{kVector + kReal + 2 * kVector + kReal + kByte + kVector, 1789, 19};
 constexpr Cost kSums{kVector + sizeof(int), 8 * 20, 1};
-constexpr Cost kWay{sizeof(int) + 2 * kVector, 8 * 11, 1};
+constexpr Cost kProlongation{sizeof(int) + 2 * kVector, 8 * 11, 1};
 
 struct Kind {
   const char* name;
@@ -52,23 +56,23 @@ struct Kind {
 struct Body {
   const char* name;
   PhantomKind phantom;
-  int block;               // voxels a step
-  bool pbd_alone = false;  // as the paper steps it
+  int block;               // voxels per cell along an axis
+  bool pbd_alone = false;  // as in the paper
 };
 constexpr Body kBodies[] = {{"A abdomen", PhantomKind::kTorso, 4},
                             {"B head", PhantomKind::kHead, 4},
                             {"C leg", PhantomKind::kLeg, 4},
-                            {"A in steps of 2 voxels", PhantomKind::kTorso, 2},
-                            {"A, a node a voxel", PhantomKind::kTorso, 1, true}};
+                            {"A, spacing of 2 voxels", PhantomKind::kTorso, 2},
+                            {"A, one node per voxel", PhantomKind::kTorso, 1, true}};
 constexpr Kind kKinds[] = {{"pbd", Method::kPbd, TissueLaw::kSprings},
-                           {"descent, springs", Method::kVbd, TissueLaw::kSprings},
-                           {"descent, solid", Method::kVbd, TissueLaw::kSolid}};
+                           {"vbd, springs", Method::kVbd, TissueLaw::kSprings},
+                           {"vbd, solid", Method::kVbd, TissueLaw::kSolid}};
 
-Cost cost_of_frame(const Kind& kind, bool there, int sweeps) {
+Cost cost_of_frame(const Kind& kind, bool on_gpu, int sweeps) {
   const bool solid = kind.law == TissueLaw::kSolid;
-  const Cost projections = there ? kPbdSweepThere : kPbdSweepHere;
+  const Cost projections = on_gpu ? kPbdSweepDevice : kPbdSweepHost;
   const Cost sweep = kind.method == Method::kPbd ? projections : solid ? kSolidSweep : kSpringsSweep;
-  const Cost coarse = (kForces + kSums + kWay) * 2;
+  const Cost coarse = (kForces + kSums + kProlongation) * 2;
   return kPredictAndFinish + sweep * sweeps + coarse * (solid ? 2 : 0);
 }
 
@@ -92,18 +96,18 @@ void print_machine(const char* kind, const std::string& name, double copy, doubl
   std::printf(R"("copy_bytes_a_second": %.4g, "operations_a_second": %.4g})", copy, arithmetic);
   std::puts("");
 }
-/// Kernel by kernel: 0 where there are none.
+/// `one_by_one`: time with single kernel launches instead of a graph; 0 on the CPU.
 void print_frame(const char* kind, const Body& body, const Kind& of, const Model& model, double ms,
                  double one_by_one, double copy) {
-  const auto slots = double(slots_in(model.moving));
+  const auto slots = double(slots_in(model.free_runs));
   const int sweeps = model.params.solver.sweeps;
-  const Cost there = cost_of_frame(of, true, sweeps);
-  const Cost cost = kind == std::string_view("gpu") ? there : cost_of_frame(of, false, sweeps);
+  const Cost gpu_cost = cost_of_frame(of, true, sweeps);
+  const Cost cost = kind == std::string_view("gpu") ? gpu_cost : cost_of_frame(of, false, sweeps);
   std::printf(R"({"machine": "%s", "body": "%s", "frame": "%s", )", kind, body.name, of.name);
   std::printf(R"("nodes": %d, "slots": %.0f, )", model.body_nodes, slots);
   std::printf(R"("ms": %.4g, "ms_one_by_one": %.4g, )", ms, one_by_one);
   std::printf(R"("bytes_a_slot": %.0f, "operations_a_slot": %.0f, )", cost.bytes, cost.operations);
-  std::printf(R"("bytes_a_slot_on_a_gpu": %.0f, )", there.bytes);
+  std::printf(R"("bytes_a_slot_on_a_gpu": %.0f, )", gpu_cost.bytes);
   std::printf(R"("loops": %.0f, "of_copy": %.3f})", cost.loops, slots * cost.bytes / (ms * 1e-3) / copy);
   std::puts("");
   std::fflush(stdout);
@@ -123,7 +127,7 @@ int main() {
     limits = *measured;
     print_machine("gpu", gpu->name, limits.copy_bandwidth, limits.arithmetic_rate);
   } else {
-    std::fprintf(stderr, "bench_gpu_frames: this processor alone: %s\n", gpu.error().message.c_str());
+    std::fprintf(stderr, "bench_gpu_frames: CPU only: %s\n", gpu.error().message.c_str());
   }
   for (const Body& body : kBodies) {
     const bool is_small = &body == kBodies;
@@ -137,10 +141,11 @@ int main() {
       if (!gpu) continue;
       double ms[2] = {};
       for (const Frames frames : {Frames::kAsGraphs, Frames::kOneByOne}) {
-        const Result<std::shared_ptr<BodyBackend>> there = put(*gpu, model, frames);
-        if (!there) return std::fprintf(stderr, "bench_gpu_frames: %s\n", there.error().message.c_str()), 2;
+        const Result<std::shared_ptr<BodyBackend>> backend = upload_model(*gpu, model, frames);
+        if (!backend)
+          return std::fprintf(stderr, "bench_gpu_frames: %s\n", backend.error().message.c_str()), 2;
         DeviceState state = make_state(model);
-        state.step_on(*there);
+        state.use_backend(*backend);
         ms[frames == Frames::kOneByOne] = frame_ms(exec, model, std::move(state), kFrames);
       }
       print_frame("gpu", body, kind, model, ms[0], ms[1], limits.copy_bandwidth);

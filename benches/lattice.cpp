@@ -1,5 +1,7 @@
-// Sweeps of the lattice over doubled sizes. Rates: edge projections, node solves, tetrahedra a second; bytes
-// a sweep must move at least.
+// Sweeps of the lattice over doubled sizes. Rates: edge projections, node solves and tetrahedra per second,
+// and the least memory traffic of a sweep.
+#include "turgor/models/lattice/lattice.hpp"
+
 #include <benchmark/benchmark.h>
 
 #include "tests/models/lattice/block_body.hpp"
@@ -10,11 +12,11 @@ namespace turgor::lattice {
 namespace {
 
 constexpr double kDt = 1.0 / 60;
-constexpr double kSweepBytes = 32;  // a slot: read u, w, root; write u
+constexpr double kSweepBytes = 32;  // per slot: read u, w, root; write u
 
 Model tense_block(int nodes_per_side, Method method, bool skin, const TissueParams& tissue) {
   const int n = nodes_per_side;
-  Block block{.size = {n, n, n}, .step = 0.003, .skin_on_top = true};
+  Block block{.size = {n, n, n}, .spacing = 0.003, .skin_on_top = true};
   block.is_fixed = [](Int3 p) { return p.z == 0 || p.x == 0; };
   Params params;
   params.solver.method = method;
@@ -44,12 +46,12 @@ void sweep(benchmark::State& bench, Method method, bool skin, const TissueParams
 
 void pbd_sweep(benchmark::State& bench) { sweep(bench, Method::kPbd, false); }
 void pbd_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kPbd, true); }
-void descent_sweep(benchmark::State& bench) { sweep(bench, Method::kVbd, false); }
-void descent_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kVbd, true); }
+void vbd_sweep(benchmark::State& bench) { sweep(bench, Method::kVbd, false); }
+void vbd_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kVbd, true); }
 
-/// Springs and twenty-four tetrahedra a node, against solid cells.
-void descent_sweep_with_volumes(benchmark::State& bench) { sweep(bench, Method::kVbd, false, {.volume = 2}); }
-void descent_sweep_of_cells(benchmark::State& bench) {
+/// Springs with 24 tetrahedra per node, compared with solid cells.
+void vbd_sweep_with_volumes(benchmark::State& bench) { sweep(bench, Method::kVbd, false, {.volume = 2}); }
+void vbd_sweep_of_cells(benchmark::State& bench) {
   sweep(bench, Method::kVbd, false, {.law = TissueLaw::kSolid});
 }
 
@@ -61,13 +63,13 @@ void sizes(benchmark::internal::Benchmark* b) {
 }
 BENCHMARK(pbd_sweep)->Apply(sizes);
 BENCHMARK(pbd_sweep_with_skin)->Apply(sizes);
-BENCHMARK(descent_sweep)->Apply(sizes);
-BENCHMARK(descent_sweep_with_skin)->Apply(sizes);
-BENCHMARK(descent_sweep_with_volumes)->Apply(sizes);
-BENCHMARK(descent_sweep_of_cells)->Apply(sizes);
+BENCHMARK(vbd_sweep)->Apply(sizes);
+BENCHMARK(vbd_sweep_with_skin)->Apply(sizes);
+BENCHMARK(vbd_sweep_with_volumes)->Apply(sizes);
+BENCHMARK(vbd_sweep_of_cells)->Apply(sizes);
 
-/// A bar of about 51 000 tetrahedra (and twice, four times as many), springs and volumes, 5 sweeps: work that
-/// other engines are timed on.
+/// A bar of about 51 000 tetrahedra (and of two and four times as many) with springs and volumes, 5 sweeps.
+/// Other engines are timed on the same work.
 void bar_frame(benchmark::State& bench) {
   const Exec exec(static_cast<int>(bench.range(1)));
   Params params;
@@ -86,7 +88,7 @@ BENCHMARK(bar_frame)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// A frame of a torso from a CT, its surface with all its stairs, in the CPU time of one thread.
+/// A frame of a torso from a CT with its staircase surface, in CPU time of one thread.
 void torso_frame(benchmark::State& bench, const TissueParams& tissue) {
   const Exec exec(1);
   PhantomParams phantom = default_phantom(PhantomKind::kTorso);

@@ -1,4 +1,4 @@
-// The deformed CT of data A (512×512×300, block 4), half of it body: at half and at full resolution, on one
+// Deformed CT of data set A (512×512×300, block 4), half of it body, at half and at full resolution, on one
 // and two threads.
 #include "turgor/models/lattice/resample/resample.hpp"
 
@@ -6,6 +6,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 
 namespace {
@@ -19,7 +20,7 @@ struct Scene {
   State state;
 };
 
-/// A tube of tissue with a CT's texture, sheared and bent.
+/// A sheared and bent tube of tissue with the texture of a CT.
 const Scene& scene() {
   static const Scene made = [] {
     const Int3 size{512, 512, 300};
@@ -39,9 +40,9 @@ const Scene& scene() {
     for (int k = 0; k < model.lattice.size.z; k++)
       for (int j = 0; j < model.lattice.size.y; j++)
         for (int i = 0; i < model.lattice.size.x; i++)
-          state.u.set(std::size_t(node_slot(model.lattice, i, j, k)),
-                      {Real(0.01 * std::sin(0.05 * j)), Real(0.01 * std::cos(0.06 * k)),
-                       Real(0.005 * std::sin(0.07 * i))});
+          state.motion.u.set(std::size_t(node_slot(model.lattice, i, j, k)),
+                             {Real(0.01 * std::sin(0.05 * j)), Real(0.01 * std::cos(0.06 * k)),
+                              Real(0.005 * std::sin(0.07 * i))});
     return Scene{std::move(ct), std::move(model), std::move(state)};
   }();
   return made;
@@ -64,13 +65,13 @@ BENCHMARK(bench_resample)
 
 void bench_surface(benchmark::State& state) {
   const Scene& s = scene();
-  for (auto _ : state) benchmark::DoNotOptimize(build_surface(s.model, s.state).rest.data());
+  for (auto _ : state) benchmark::DoNotOptimize(build_surface(s.model, s.state.cuts).rest.data());
 }
 BENCHMARK(bench_surface)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void bench_deformed_surface(benchmark::State& state) {
   const Scene& s = scene();
-  const BodySurface surface = build_surface(s.model, s.state);
+  const BodySurface surface = build_surface(s.model, s.state.cuts);
   for (auto _ : state)
     benchmark::DoNotOptimize(deformed_surface(s.model, s.state, surface, Shown::kStretch).vertices.data());
   state.counters["vertices"] = double(surface.rest.size());

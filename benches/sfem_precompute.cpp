@@ -1,6 +1,6 @@
-// From a mesh to all its Green's functions, over sizes: assembly, sparse factor, every column. The rate is
-// compared with a dense product's in the same run, because that is what other work on the machine slows as
-// well. `store` and `factor` are what stays in memory.
+// All Green's functions of a mesh over sizes: assembly, sparse factorization, every column. The rate of a
+// dense product in the same run is the reference, because other load on the machine slows both. `store` and
+// `factor` are what stays in memory.
 #include <Eigen/Dense>
 
 #include <benchmark/benchmark.h>
@@ -15,7 +15,7 @@ namespace {
 
 enum Kind { kHexahedra, kTetrahedra, kAveragedTetrahedra };
 
-/// A block that stands on its bottom; its free nodes are about the number asked for.
+/// A block fixed at its bottom with about `nodes` free nodes.
 Model block_of_nodes(const Exec& exec, std::int64_t nodes, std::int64_t kind) {
   const Int3 cells = nodes == 1000    ? Int3{9, 9, 10}
                      : nodes == 3000  ? Int3{14, 19, 10}
@@ -30,7 +30,7 @@ Model block_of_nodes(const Exec& exec, std::int64_t nodes, std::int64_t kind) {
       .value();
 }
 
-/// Operations a second of a dense product on one core, the best of some [1/s].
+/// Rate of a dense product on one core, best of five [1/s].
 double dense_rate() {
   constexpr Eigen::Index kSide = 768;
   const Eigen::MatrixXd a = Eigen::MatrixXd::Random(kSide, kSide), b = Eigen::MatrixXd::Random(kSide, kSide);
@@ -70,9 +70,9 @@ BENCHMARK(precompute)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// All columns on a GPU, from a factor that is there: between all nodes of some thousand, between those of
-/// the surface of more.
-void columns_there(benchmark::State& bench) {
+/// All columns on a GPU, from an existing factorization. Small bodies: between all nodes; large ones: between
+/// surface nodes only.
+void columns_on_gpu(benchmark::State& bench) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) return bench.SkipWithError(gpu.error().message.c_str());
   const Exec exec(2);
@@ -90,7 +90,7 @@ void columns_there(benchmark::State& bench) {
   bench.counters["store_MB"] = double(cost.store_bytes) * 1e-6;
   bench.counters["Gflop/s"] = cost.solve_flops * double(bench.iterations()) / seconds * 1e-9;
 }
-BENCHMARK(columns_there)
+BENCHMARK(columns_on_gpu)
     ->Arg(1000)
     ->Arg(10000)
     ->Arg(50000)
@@ -99,7 +99,7 @@ BENCHMARK(columns_there)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// One right-hand side, and the columns of eight nodes on demand, from a factor that is there.
+/// One right-hand side, and the columns of eight nodes on demand, from an existing factorization.
 void solve_one(benchmark::State& bench) {
   const Exec exec(2);
   Model model = block_of_nodes(exec, bench.range(0), kHexahedra);

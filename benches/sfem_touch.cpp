@@ -1,6 +1,6 @@
-// The haptic tick: growth over contact points and over the points of the patch, its percentiles, and how far
-// it is from the machine: the displacement of all points is a product of a dense matrix with a vector, whose
-// speed is measured beside it.
+// The haptic tick: its cost over contact points and over the points of the patch, and its percentiles. The
+// displacement of all points is a dense matrix–vector product; the speed of a plain one is measured for
+// comparison.
 #include <cmath>
 
 #include <benchmark/benchmark.h>
@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kTick = 1e-3, kRadius = 5e-3;
 
-/// A sphere that slides in a circle at 100 mm/s over a grid of points so dense that about `contacts` touch.
+/// A sphere that slides in a circle at 100 mm/s over a grid of points, dense enough that about `contacts`
+/// touch.
 struct Slide {
   HalfSpace space;
   sfem::Patch patch;
@@ -36,7 +37,7 @@ struct Slide {
     constexpr double kCircle = 1.5e-3;
     angle += 0.1 * kTick / kCircle;
     poses[0].pose.position = {kCircle * std::cos(angle), kCircle * std::sin(angle), kRadius - depth};
-    touch(patch, state, tools, poses, kTick, forces);
+    solve_touch_tick(patch, state, tools, poses, kTick, forces);
   }
 };
 
@@ -67,7 +68,7 @@ BENCHMARK(tick)
     ->ArgNames({"contacts", "side"})
     ->Unit(benchmark::kMicrosecond);
 
-/// u = Ξ f of `loaded` points as the tick does it, and the bytes of Ξ that this reads.
+/// u = Ξ f with `loaded` points as in a tick, and the bytes of Ξ that it reads.
 void displace(benchmark::State& bench) {
   const int loaded = int(bench.range(0)), side = int(bench.range(1));
   Slide slide(10, side);
@@ -89,7 +90,7 @@ BENCHMARK(displace)
     ->ArgNames({"loaded", "side"})
     ->Unit(benchmark::kMicrosecond);
 
-/// The machine's own product of a matrix of the same size with a vector, by plain columns.
+/// Plain matrix–vector product of the same size, by columns.
 void gemv(benchmark::State& bench) {
   const auto rows = std::size_t(3 * bench.range(1) * bench.range(1)),
              columns = std::size_t(3 * bench.range(0));

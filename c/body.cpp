@@ -1,4 +1,4 @@
-// Bodies and tools by number, and surfaces into the caller's buffers.
+// Bodies and tools by index, and copies of surfaces to the caller's buffers.
 #include "c/sized.hpp"
 #include "c/world.hpp"
 
@@ -10,7 +10,7 @@ BodyId id_of(const tg_world& world, std::int32_t index) {
   std::vector<BodyId> ids;
   for_each_body(*world.world, [&](BodyId id, const auto&) { ids.push_back(id); });
   expect(index >= 0 && std::size_t(index) < ids.size(),
-         "expected the number of a body, found one that no body has");
+         "expected the index of a body, found one out of range");
   return ids[std::size_t(index)];
 }
 
@@ -25,11 +25,11 @@ std::int32_t number_of(const tg_world& world, BodyId wanted) {
 
 const TouchingTool& tool_of(const tg_world& world, std::int32_t index) {
   expect(index >= 0 && std::size_t(index) < world.world->tools.size(),
-         "expected the number of a tool, found one that no tool has");
+         "expected the index of a tool, found one out of range");
   return world.world->tools[std::size_t(index)];
 }
 
-const BodySnapshot& shown_now(tg_world& world, std::int32_t index) {
+const BodySnapshot& current_snapshot(tg_world& world, std::int32_t index) {
   const BodyId id = id_of(world, index);
   if (!world.is_shown) show(world.exec, *world.world, world.snapshot);
   world.is_shown = true;
@@ -38,14 +38,14 @@ const BodySnapshot& shown_now(tg_world& world, std::int32_t index) {
 
 std::uint64_t topology_of(const tg_world& world, BodyId id) {
   if (id.kind != BodyKind::kLattice) return 0;
-  return lattice::cut_version(world.world->lattice_bodies[std::size_t(id.index)].state);
+  return lattice::cut_version(world.world->lattice_bodies[std::size_t(id.index)].state.cuts());
 }
 
 template <class T>
 void copy_out(const T* values, std::size_t count, T* buffer, std::size_t capacity, std::size_t* written) {
   if (written) *written = count;
   expect(buffer != nullptr || count == 0, "expected a buffer, found null");
-  expect(capacity >= count, "expected a buffer with room for all numbers, found a smaller one");
+  expect(capacity >= count, "expected a buffer for all numbers, found a smaller one");
   std::copy_n(values, count, buffer);
 }
 
@@ -82,7 +82,7 @@ using namespace turgor::c;
 
 tg_status tg_body_find(tg_world* world, const char* name, int32_t* body) {
   return with(world, [=](tg_world& w) {
-    expect(name && body, "expected a name and where a number is to be put, found null");
+    expect(name && body, "expected a name and a pointer to an index, found null");
     *body = -1;
     for_each_body(*w.world, [&](BodyId id, const auto& one) {
       if (one.name == name) *body = number_of(w, id);
@@ -93,26 +93,27 @@ tg_status tg_body_find(tg_world* world, const char* name, int32_t* body) {
 
 tg_status tg_body_get_info(tg_world* world, int32_t body, tg_body_info* info) {
   return with(world, [=](tg_world& w) {
-    const BodySnapshot& snapshot = shown_now(w, body);
+    const BodySnapshot& snapshot = current_snapshot(w, body);
     tg_body_info filled{};
     visit_body(*w.world, snapshot.id, [&](const auto& one) { filled.name = one.name.c_str(); });
     filled.model = model_name(snapshot.id.kind);
     filled.vertices = std::int32_t(snapshot.x.size()),
     filled.triangles = std::int32_t(snapshot.triangles.size());
     filled.topology_version = topology_of(w, snapshot.id);
-    give(filled, info);
+    fill(filled, info);
   });
 }
 
 tg_status tg_body_read(tg_world* world, int32_t body, int32_t quantity, float* buffer, size_t capacity,
                        size_t* count) {
-  return with(world, [=](tg_world& w) { read(shown_now(w, body), quantity, buffer, capacity, count); });
+  return with(world,
+              [=](tg_world& w) { read(current_snapshot(w, body), quantity, buffer, capacity, count); });
 }
 
 tg_status tg_body_triangles(tg_world* world, int32_t body, int32_t* buffer, size_t capacity, size_t* count) {
   return with(world, [=](tg_world& w) {
     static_assert(sizeof(Int3) == 3 * sizeof(std::int32_t));
-    const std::vector<Int3>& triangles = shown_now(w, body).triangles;
+    const std::vector<Int3>& triangles = current_snapshot(w, body).triangles;
     copy_out(triangles.empty() ? nullptr : &triangles.data()->x, 3 * triangles.size(), buffer, capacity,
              count);
   });
@@ -120,7 +121,7 @@ tg_status tg_body_triangles(tg_world* world, int32_t body, int32_t* buffer, size
 
 tg_status tg_tool_find(tg_world* world, const char* name, int32_t* tool) {
   return with(world, [=](tg_world& w) {
-    expect(name && tool, "expected a name and where a number is to be put, found null");
+    expect(name && tool, "expected a name and a pointer to an index, found null");
     *tool = -1;
     for (std::size_t t = 0; t < w.world->tools.size(); t++)
       if (w.world->tools[t].name == name) *tool = std::int32_t(t);
@@ -133,13 +134,13 @@ tg_status tg_tool_get_info(tg_world* world, int32_t tool, tg_tool_info* info) {
     const TouchingTool& one = tool_of(w, tool);
     tg_tool_info filled{};
     filled.name = one.name.c_str(), filled.body = number_of(w, one.body);
-    give(filled, info);
+    fill(filled, info);
   });
 }
 
 tg_status tg_tool_get_command(tg_world* world, int32_t tool, tg_command* command) {
   return with(world, [=](tg_world& w) {
-    expect(command != nullptr, "expected where a command is to be put, found null");
+    expect(command != nullptr, "expected a pointer to a command, found null");
     const contact::ToolCommand now = command_at(tool_of(w, tool), time_of(*w.world));
     const PathRow row = path_of({{0, now}}).rows[0];
     *command = {{row.position.x, row.position.y, row.position.z},

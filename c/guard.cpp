@@ -18,11 +18,11 @@ void throw_broken(const char* file, int line, const char* sentence, const char* 
 
 }  // namespace
 
-void keep_error(const char* sentence) noexcept {
+void set_error(const char* sentence) noexcept {
   std::snprintf(error_of_thread, sizeof error_of_thread, "%s", sentence);
 }
 
-const char* kept_error() noexcept { return error_of_thread; }
+const char* current_error() noexcept { return error_of_thread; }
 
 void throw_assertions() noexcept {
   static const AssertionHandler before = set_assertion_handler(throw_broken);

@@ -1,4 +1,4 @@
-// Between C++ and C: what is thrown becomes a status and a sentence of the thread.
+// Boundary between C++ and C: exceptions become a status and the thread's error message.
 #pragma once
 
 #include <new>
@@ -16,7 +16,7 @@ struct Misuse : std::runtime_error {
 struct Refused : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// A promise of the library's own that does not hold.
+/// Failed assertion of the library.
 struct Broken : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -30,22 +30,22 @@ inline void expect(bool condition, const char* sentence) {
   if (!condition) throw Misuse(sentence);
 }
 
-/// Of this thread; allocates nothing.
-void keep_error(const char* sentence) noexcept;
-const char* kept_error() noexcept;
-/// From here on broken promises are thrown, where they would end the program.
+/// Error message of this thread; without allocation.
+void set_error(const char* sentence) noexcept;
+const char* current_error() noexcept;
+/// Makes failed assertions throw instead of ending the program.
 void throw_assertions() noexcept;
 
-/// What `call` throws as a status.
+/// Runs `call` and converts exceptions to a status.
 template <class Call>
 tg_status guarded(const Call& call) noexcept {
   throw_assertions();
   const auto failed = [](tg_status status, const char* sentence) {
-    keep_error(sentence);
+    set_error(sentence);
     return status;
   };
   try {
-    keep_error("");
+    set_error("");
     call();
     return TG_OK;
   } catch (const Misuse& error) {
@@ -57,7 +57,7 @@ tg_status guarded(const Call& call) noexcept {
   } catch (const std::exception& error) {
     return failed(TG_BROKEN, error.what());
   } catch (...) {
-    return failed(TG_BROKEN, "something unknown was thrown");
+    return failed(TG_BROKEN, "unknown exception");
   }
 }
 

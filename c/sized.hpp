@@ -1,5 +1,5 @@
-// Structs of callers that were compiled with an older or a newer header: what both know is copied, the rest
-// is as by default, or left alone.
+// Structs of callers compiled with an older or a newer header: the common members are copied, the rest keeps
+// its default or stays unchanged.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace turgor::c {
 
-/// The caller's struct as this library knows it. `size` is its first member.
+/// Copy of the caller's struct, completed by `defaults`. `size` is its first member.
 template <class T>
 T taken(const T* given, T defaults) {
   expect(given != nullptr, "expected a struct, found null");
@@ -21,14 +21,14 @@ T taken(const T* given, T defaults) {
   return defaults;
 }
 
-/// Fills the caller's struct as far as it goes; its size stays.
+/// Fills the caller's struct up to its size.
 template <class T>
-void give(T filled, T* out) {
+void fill(T filled, T* out) {
   filled.size = taken(out, T{}).size;
   std::memcpy(static_cast<void*>(out), &filled, std::min(filled.size, sizeof(T)));
 }
 
-/// An element of the caller's array, whose elements are `size` bytes.
+/// Element of the caller's array, whose elements have `size` bytes.
 template <class T>
 T element_of(const T* array, std::size_t size, std::size_t index) {
   T one{};

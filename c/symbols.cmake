@@ -1,4 +1,4 @@
-# cmake -DLIBRARY=libturgor_c.so -DLIST=symbols.txt -P symbols.cmake: what the library shows is the list, no more and no less.
+# cmake -DLIBRARY=libturgor_c.so -DLIST=symbols.txt -P symbols.cmake: checks that the exported symbols equal the list.
 execute_process(COMMAND nm --dynamic --defined-only --format=posix ${LIBRARY} OUTPUT_VARIABLE lines COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "[^\n]+" lines "${lines}")
 set(found)

@@ -1,4 +1,4 @@
-// Ticks of tools: in turn with frames, or on a haptic thread beside them.
+// Ticks of tools: alternating with frames on one thread, or on a haptic thread.
 #include <cmath>
 
 #include "c/sized.hpp"
@@ -10,14 +10,15 @@ namespace turgor::c {
 namespace {
 
 contact::ToolCommand command_of(const tg_command& given) {
-  Quaternion turn;
-  std::copy_n(given.orientation, 4, turn.begin());
-  const double length = std::sqrt(dot(turn, turn));
+  Quaternion orientation;
+  std::copy_n(given.orientation, 4, orientation.begin());
+  const double length = std::sqrt(dot(orientation, orientation));
   bool finite = std::isfinite(length) && length > 0;
   for (const double x : given.position) finite = finite && std::isfinite(x);
-  expect(finite, "expected a place of finite numbers and an orientation that is not 0");
-  return {.pose = {{given.position[0], given.position[1], given.position[2]}, axes_of(normalized(turn))},
-          .hold = given.hold != 0};
+  expect(finite, "expected a position of finite numbers and an orientation that is not 0");
+  return {
+      .pose = {{given.position[0], given.position[1], given.position[2]}, axes_of(normalized(orientation))},
+      .hold = given.hold != 0};
 }
 
 tg_reading reading_of(const contact::ToolReading& haptic) {
@@ -29,7 +30,7 @@ tg_reading reading_of(const contact::ToolReading& haptic) {
           haptic.beyond_patch ? 1 : 0};
 }
 
-/// The caller's arrays, whose elements may be of an older or a newer header.
+/// Arrays of the caller, whose elements may be of an older or a newer header.
 struct Arrays {
   const tg_command* commands;
   std::size_t command_size;
@@ -64,14 +65,14 @@ tg_status tg_world_tick(tg_world* world, const tg_command* commands, size_t comm
                         tg_reading* readings, size_t reading_size, size_t ticks) {
   return with(world, [=](tg_world& w) {
     expect(!w.touched && !w.was_touched,
-           "expected a world that no haptic thread ticks or has ticked, found tg_touch_begin before");
+           "expected a world without haptic thread, found one with an earlier tg_touch_begin");
     const Arrays arrays{commands, command_size, readings, reading_size};
     check(w, arrays);
-    if (!w.led) w.led = begin_led(*w.world);
+    if (!w.driven) w.driven = begin_driven(*w.world);
     w.is_shown = false;
     for (std::size_t n = 0; n < ticks; n++) {
       take(w, arrays, n * w.commands.size());
-      const Status done = tick_led(w.exec, *w.world, *w.led, w.commands, w.readings);
+      const Status done = tick_driven(w.exec, *w.world, *w.driven, w.commands, w.readings);
       if (!done) throw Refused(done.error().message);
       put(w, arrays, n * w.readings.size());
     }
@@ -80,9 +81,8 @@ tg_status tg_world_tick(tg_world* world, const tg_command* commands, size_t comm
 
 tg_status tg_touch_begin(tg_world* world) {
   return with(world, [](tg_world& w) {
-    expect(!w.led,
-           "expected a world whose ticks have not begun, found one that was ticked or touched before");
-    w.led = begin_led(*w.world);
+    expect(!w.driven, "expected a world without ticks, found one with earlier ticks");
+    w.driven = begin_driven(*w.world);
     w.touched = w.was_touched = true;
   });
 }
@@ -90,11 +90,11 @@ tg_status tg_touch_begin(tg_world* world) {
 tg_status tg_touch_tick(tg_world* world, const tg_command* commands, size_t command_size,
                         tg_reading* readings, size_t reading_size) {
   return with(world, &tg_world::is_ticked, [=](tg_world& w) {
-    expect(w.touched, "expected tg_touch_begin before, found a world that is not touched");
+    expect(w.touched, "expected tg_touch_tick after tg_touch_begin, found a world without it");
     const Arrays arrays{commands, command_size, readings, reading_size};
     check(w, arrays);
     take(w, arrays, 0);
-    tick_tools(*w.world, *w.led, w.commands, w.readings);
+    tick_tools(*w.world, *w.driven, w.commands, w.readings);
     put(w, arrays, 0);
   });
 }
@@ -102,8 +102,8 @@ tg_status tg_touch_tick(tg_world* world, const tg_command* commands, size_t comm
 tg_status tg_touch_end(tg_world* world) {
   return with(world, [](tg_world& w) {
     const Entered ticks(w.is_ticked);
-    expect(w.touched, "expected a world that is touched, found one that is not");
-    end_led(*w.world);
+    expect(w.touched, "expected tg_touch_end after tg_touch_begin, found a world without it");
+    end_driven(*w.world);
     w.touched = false;
   });
 }

@@ -10,6 +10,7 @@ namespace turgor::c {
 namespace {
 
 constexpr std::uint32_t kMajor = TG_VERSION / 10000, kMinor = TG_VERSION / 100 % 100;
+static_assert(TG_VERSION == TURGOR_VERSION_NUMBER, "TG_VERSION in turgor.h differs from project(VERSION)");
 
 tg_world_def default_def() {
   tg_world_def def{};
@@ -42,14 +43,13 @@ CtVolume volume_of(const tg_volume& given) {
   for (int a = 0; a < 3; a++) {
     expect(ct.grid.spacing[a] > 0, "expected a volume's spacing above 0");
     for (int b = 0; b < 3; b++)
-      expect(std::abs(square.column[a][b] - (a == b)) < 1e-3,
-             "expected a volume's axes unit and square to each other");
+      expect(std::abs(square.column[a][b] - (a == b)) < 1e-3, "expected orthonormal axes of a volume");
   }
   ct.samples.assign(given.hu, given.hu + sample_count(ct.grid));
   return right_handed(std::move(ct));
 }
 
-void give_volumes(const tg_world_def& def, Scene& scene) {
+void set_volumes(const tg_world_def& def, Scene& scene) {
   expect(def.volume_count == 0 || def.volumes, "expected volumes, found null");
   const char* next = reinterpret_cast<const char*>(def.volumes);
   for (std::size_t n = 0; n < def.volume_count; n++) {
@@ -61,7 +61,7 @@ void give_volumes(const tg_world_def& def, Scene& scene) {
       if (body.name == given.body) body.ct.given = ct, found = true;
     if (!found)
       throw Refused(std::string(given.body) +
-                    ": expected a body with model = \"lattice\" to give a volume to, found none");
+                    ": expected a body with model = \"lattice\" for the volume, found none");
   }
 }
 
@@ -73,19 +73,19 @@ Scene scene_of(const tg_world_def& def) {
           ? required(read_scene(def.scene, overrides))
           : required(parse_scene(
                 def.text, std::filesystem::path(def.folder ? def.folder : ".") / "scene.toml", overrides));
-  give_volumes(def, scene);
+  set_volumes(def, scene);
   return scene;
 }
 
 BeginWork begin_of(const tg_world_def& def) {
   if (!def.progress) return {};
-  return [told = def.progress, context = def.progress_context](const std::string& label,
-                                                               const std::string&) -> Progress {
-    return [=](double fraction) { told(context, label.c_str(), fraction); };
+  return [report = def.progress, context = def.progress_context](const std::string& label,
+                                                                 const std::string&) -> Progress {
+    return [=](double fraction) { report(context, label.c_str(), fraction); };
   };
 }
 
-void make_rooms(tg_world& world) {
+void resize_buffers(tg_world& world) {
   world.commands.resize(world.world->tools.size());
   world.readings.resize(world.world->tools.size());
 }
@@ -100,14 +100,14 @@ uint32_t tg_version(void) { return TG_VERSION; }
 
 tg_status tg_check_version(uint32_t header) {
   return guarded([header] {
-    // While the major version is 0, what the minor one changes may be anything.
+    // with major version 0, minor versions are incompatible
     if (header / 10000 != kMajor || header / 100 % 100 != kMinor || header > TG_VERSION)
-      throw Misuse("expected a header of version " + std::to_string(TG_VERSION) + " or of before, from " +
-                   std::to_string(TG_VERSION / 100 * 100) + " on, found " + std::to_string(header));
+      throw Misuse("expected a header of version " + std::to_string(TG_VERSION / 100 * 100) + " to " +
+                   std::to_string(TG_VERSION) + ", found " + std::to_string(header));
   });
 }
 
-const char* tg_error(void) { return kept_error(); }
+const char* tg_error(void) { return current_error(); }
 
 tg_status tg_default_world_def(tg_world_def* def, size_t size) {
   return guarded([=] {
@@ -115,35 +115,35 @@ tg_status tg_default_world_def(tg_world_def* def, size_t size) {
     expect(size >= sizeof size, "expected the size of a definition");
     std::memset(static_cast<void*>(def), 0, size);
     std::memcpy(static_cast<void*>(def), &size, sizeof size);
-    give(default_def(), def);
+    fill(default_def(), def);
   });
 }
 
 tg_status tg_world_create(const tg_world_def* given, tg_world** world) {
   return guarded([=] {
-    expect(world != nullptr, "expected where a world is to be put, found null");
+    expect(world != nullptr, "expected a pointer to a world, found null");
     *world = nullptr;
     const tg_world_def def = taken(given, default_def());
-    expect(def.threads >= 0, "expected threads from 0 (one a core) on");
+    expect(def.threads >= 0, "expected a number of threads of at least 0 (one per core)");
     auto made = std::make_unique<tg_world>(def.threads);
     made->scene = std::make_shared<const Scene>(scene_of(def));
     made->world = std::make_unique<World>(required(load_world(made->exec, *made->scene, begin_of(def))));
-    make_rooms(*made);
+    resize_buffers(*made);
     *world = made.release();
   });
 }
 
 tg_status tg_world_copy(tg_world* world, tg_world** copy) {
   return with(world, [copy](tg_world& from) {
-    expect(copy != nullptr, "expected where a copy is to be put, found null");
+    expect(copy != nullptr, "expected a pointer to a copy, found null");
     expect(!from.touched,
-           "expected a world that no haptic thread ticks, found one between tg_touch_begin and tg_touch_end");
+           "expected a world without haptic thread, found one between tg_touch_begin and tg_touch_end");
     *copy = nullptr;
     auto made = std::make_unique<tg_world>(1);
-    made->exec = from.exec, made->scene = from.scene, made->led = from.led,
+    made->exec = from.exec, made->scene = from.scene, made->driven = from.driven,
     made->was_touched = from.was_touched;
     made->world = std::make_unique<World>(copy_of(*from.world));
-    make_rooms(*made);
+    resize_buffers(*made);
     *copy = made.release();
   });
 }
@@ -151,7 +151,8 @@ tg_status tg_world_copy(tg_world* world, tg_world** copy) {
 tg_status tg_world_destroy(tg_world* world) {
   return guarded([world] {
     if (world)
-      expect(!world->is_busy && !world->is_ticked, "expected a world that nobody calls, found one in a call");
+      expect(!world->is_busy && !world->is_ticked,
+             "expected a world without calls in progress, found one in a call");
     delete world;
   });
 }
@@ -163,28 +164,28 @@ tg_status tg_world_get_info(tg_world* world, tg_world_info* info) {
     filled.frame = w.world->frame;
     for_each_body(*w.world, [&](BodyId, const auto&) { filled.bodies++; });
     filled.tools = std::int32_t(w.world->tools.size());
-    give(filled, info);
+    fill(filled, info);
   });
 }
 
 tg_status tg_world_state_hash(tg_world* world, uint64_t* hash) {
   return with(world, [hash](tg_world& w) {
-    expect(hash != nullptr, "expected where a hash is to be put, found null");
+    expect(hash != nullptr, "expected a pointer to a hash, found null");
     expect(!w.touched,
-           "expected a world that no haptic thread ticks, found one between tg_touch_begin and tg_touch_end");
+           "expected a world without haptic thread, found one between tg_touch_begin and tg_touch_end");
     *hash = state_hash(*w.world);
   });
 }
 
 tg_status tg_world_step(tg_world* world, int32_t frames) {
   return with(world, [frames](tg_world& w) {
-    expect(frames >= 0, "expected a number of frames from 0 on");
+    expect(frames >= 0, "expected a number of frames of at least 0");
     expect(
-        !w.led || w.touched,
-        "expected tg_world_tick, which makes frames itself, or tg_touch_begin before, found tg_world_step");
+        !w.driven || w.touched,
+        "expected tg_world_tick, which includes frames, or an earlier tg_touch_begin, found tg_world_step");
     w.is_shown = false;
     for (std::int32_t n = 0; n < frames; n++)
       if (!required(step(w.exec, *w.world)).finite)
-        throw Refused("the numbers of a step were not finite; the state before it was kept");
+        throw Refused("a step was not finite; the state before it was kept");
   });
 }

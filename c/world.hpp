@@ -1,4 +1,4 @@
-// What a tg_world is.
+// State of a tg_world, and the checks common to all calls.
 #pragma once
 
 #include <atomic>
@@ -18,25 +18,25 @@ struct tg_world {
   turgor::Exec exec;
   std::shared_ptr<const turgor::Scene> scene;
   std::unique_ptr<turgor::World> world;
-  std::optional<turgor::LedTicks> led;  // of tg_world_tick and tg_touch_tick
-  bool touched = false;                 // between tg_touch_begin and tg_touch_end
+  std::optional<turgor::DrivenTicks> driven;  // used by tg_world_tick and tg_touch_tick
+  bool touched = false;                       // between tg_touch_begin and tg_touch_end
   bool was_touched = false;
   turgor::WorldSnapshot snapshot;
   bool is_shown = false;
-  std::vector<turgor::contact::ToolCommand> commands;  // one for each tool, as the next
+  std::vector<turgor::contact::ToolCommand> commands;  // one per tool, as `readings`
   std::vector<turgor::contact::ToolReading> readings;
-  std::atomic<bool> is_busy{false}, is_ticked{false};  // by a caller; by a haptic thread
+  std::atomic<bool> is_busy{false}, is_ticked{false};  // a call, or a haptic tick, is in progress
   std::atomic<bool> is_broken{false};
 };
 
 namespace turgor::c {
 
-/// One caller at a time.
+/// Guard that admits one caller at a time.
 class Entered {
  public:
   explicit Entered(std::atomic<bool>& busy) : busy_(busy) {
     if (busy.exchange(true))
-      throw Misuse("expected one thread at a time, found this world called by another one");
+      throw Misuse("expected one thread at a time, found this world in a call of another thread");
   }
   ~Entered() { busy_ = false; }
   Entered(const Entered&) = delete;
@@ -46,12 +46,12 @@ class Entered {
   std::atomic<bool>& busy_;
 };
 
-/// `call` with a world that is there and whole; what breaks it is remembered.
+/// Runs `call` with a valid world; TG_BROKEN marks the world as broken.
 template <class Call>
 tg_status with(tg_world* world, std::atomic<bool> tg_world::*busy, const Call& call) noexcept {
   const tg_status status = guarded([&] {
     expect(world != nullptr, "expected a world, found null");
-    if (world->is_broken) throw Broken("this world broke in a call of before; it can only be destroyed");
+    if (world->is_broken) throw Broken("this world broke in an earlier call; it can only be destroyed");
     const Entered entered(world->*busy);
     call(*world);
   });

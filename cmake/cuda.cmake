@@ -1,14 +1,14 @@
-# Bodies on GPUs of NVIDIA: nvcc compiles every .cu of the engine to code for any of them from 2018 on, which the driver
-# finishes when it is run. Programs start without a driver. Without nvcc the *_none.cpp stand in, and say what is missing.
-# A command of our own, since CMake 3.25 leaves -std=c++20 away for nvcc 13, and turgor_flags are for C++ alone.
-set(TURGOR_CUDA AUTO CACHE STRING "Bodies on GPUs (nvcc 12 or newer): ON, OFF, or AUTO where it is found")
+# Bodies on NVIDIA GPUs: nvcc compiles every .cu of the engine to PTX for compute capability 7.5 or higher, and the driver compiles it
+# at run time. Programs start without a driver. Without nvcc, *_none.cpp replace the .cu files and report what is missing.
+# Uses custom commands, because CMake 3.25 omits -std=c++20 for nvcc 13 and turgor_flags apply only to C++.
+set(TURGOR_CUDA AUTO CACHE STRING "Bodies on GPUs (nvcc 12 or newer): ON, OFF, or AUTO if it is found")
 
 set(nvcc_version 0)
 if(TURGOR_CUDA)
   find_program(TURGOR_NVCC nvcc HINTS ENV CUDA_PATH /usr/local/cuda PATH_SUFFIXES bin)
   if(TURGOR_NVCC)
-    execute_process(COMMAND ${TURGOR_NVCC} --version OUTPUT_VARIABLE nvcc_says)
-    if(nvcc_says MATCHES "release ([0-9.]+)")
+    execute_process(COMMAND ${TURGOR_NVCC} --version OUTPUT_VARIABLE nvcc_output)
+    if(nvcc_output MATCHES "release ([0-9.]+)")
       set(nvcc_version ${CMAKE_MATCH_1})
     endif()
     get_filename_component(cuda_folder ${TURGOR_NVCC} DIRECTORY)
@@ -29,7 +29,7 @@ if(TURGOR_SAME_BITS)
   list(APPEND nvcc_flags -fmad=false)
 endif()
 
-# Takes the .cu files of these folders into a library, in place of what stands in for them.
+# Adds the .cu files of these folders to a library instead of their *_none.cpp replacements.
 function(turgor_kernels target)
   if(NOT with_cuda)
     return()

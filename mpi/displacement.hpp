@@ -1,4 +1,4 @@
-// Displacements at the nodes of a body as one MetaImage, to which every process writes its own layers.
+// Displacements at the nodes of a body as one MetaImage; every process writes its own layers.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace turgor::mpi {
 
-/// displacement.mhd and displacement.raw in a folder: three floats a node of the whole grid, patient frame
-/// LPS [mm]; 0 outside of the body.
-Status write_displacement(const PartOfBody& part, const Grid& nodes, const std::filesystem::path& folder);
+/// Writes displacement.mhd and displacement.raw to a folder: three floats per node of the whole grid, patient
+/// frame LPS [mm]; 0 outside of the body.
+Status write_displacement(const Subdomain& subdomain, const Grid& nodes, const std::filesystem::path& folder);
 
 }  // namespace turgor::mpi

@@ -12,159 +12,165 @@ namespace turgor::mpi {
 
 namespace {
 
-using lattice::BladePath, lattice::VirtualNodeShift, lattice::CutEdge, lattice::PendingEdgeCut;
+using lattice::BladePath, lattice::VirtualNodeDisplacement, lattice::CutEdge, lattice::PendingEdgeCut;
 
-/// The copies of nodes in layers as they are numbered here: they are in the order of slots.
-std::span<VirtualNodeShift> virtual_nodes_of(const PartOfBody& part, Layers local) {
-  const auto& places = part.state.parts.places;
+/// Virtual nodes in layers of local numbering. Virtual nodes are sorted by slot.
+std::span<VirtualNodeDisplacement> virtual_nodes_of(const Subdomain& subdomain, Layers local) {
+  const auto& keys = subdomain.state.cut_elements.virtual_node_keys;
   const auto first = [&](int layer) {
-    return std::lower_bound(places.begin(), places.end(),
-                            std::pair(row_slot(part.model.lattice, -1, layer), std::uint64_t(0))) -
-           places.begin();
+    return std::lower_bound(keys.begin(), keys.end(),
+                            std::pair(row_slot(subdomain.model.lattice, -1, layer), std::uint64_t(0))) -
+           keys.begin();
   };
   const auto begin = std::size_t(first(local.begin));
-  return std::span(part.state.virtual_nodes).subspan(begin, std::size_t(first(local.end)) - begin);
+  return std::span(subdomain.state.motion.virtual_u).subspan(begin, std::size_t(first(local.end)) - begin);
 }
 
-/// One layer as a message, and back.
-std::vector<Real> packed(const PartOfBody& part, int layer) {
-  const auto size = std::size_t(layer_stride(part.model.lattice));
-  const int first = row_slot(part.model.lattice, -1, layer);
+/// Packs one layer as a message.
+std::vector<Real> packed(const Subdomain& subdomain, int layer) {
+  const auto size = std::size_t(layer_stride(subdomain.model.lattice));
+  const int first = row_slot(subdomain.model.lattice, -1, layer);
   std::vector<Real> message;
   message.reserve(3 * size);
-  for (const auto* u : {&part.state.u.x, &part.state.u.y, &part.state.u.z})
+  for (const auto* u :
+       {&subdomain.state.motion.u.x, &subdomain.state.motion.u.y, &subdomain.state.motion.u.z})
     message.insert(message.end(), u->begin() + first, u->begin() + first + std::ptrdiff_t(size));
-  for (const VirtualNodeShift& c : virtual_nodes_of(part, {layer, layer + 1}))
+  for (const VirtualNodeDisplacement& c : virtual_nodes_of(subdomain, {layer, layer + 1}))
     message.insert(message.end(), {c.x, c.y, c.z});
   return message;
 }
-void unpack(const std::vector<Real>& message, const PartOfBody& part, int layer) {
-  const std::ptrdiff_t size = layer_stride(part.model.lattice);
-  const int first = row_slot(part.model.lattice, -1, layer);
+void unpack(const std::vector<Real>& message, const Subdomain& subdomain, int layer) {
+  const std::ptrdiff_t size = layer_stride(subdomain.model.lattice);
+  const int first = row_slot(subdomain.model.lattice, -1, layer);
   auto from = message.begin();
-  for (auto* u : {&part.state.u.x, &part.state.u.y, &part.state.u.z}) {
+  for (auto* u : {&subdomain.state.motion.u.x, &subdomain.state.motion.u.y, &subdomain.state.motion.u.z}) {
     std::copy_n(from, size, u->begin() + first);
     from += size;
   }
-  for (VirtualNodeShift& c : virtual_nodes_of(part, {layer, layer + 1})) {
+  for (VirtualNodeDisplacement& c : virtual_nodes_of(subdomain, {layer, layer + 1})) {
     c = {from[0], from[1], from[2]};
     from += 3;
   }
 }
 
-/// Sends one layer and takes another; −1: nobody is there.
-void pass_layers(PartOfBody& part, int to, int sent, int from, int received) {
+/// Sends one layer and receives another; ranks outside the range are skipped.
+void pass_layers(Subdomain& subdomain, int to, int sent, int from, int received) {
   const Timer timer;
   const double processor_before = processor_seconds();
-  const auto is_rank = [&](int rank) { return rank >= 0 && rank < part.ranks.count; };
-  const std::vector<Real> message = is_rank(to) ? packed(part, sent) : std::vector<Real>();
-  std::vector<Real> answer = is_rank(from) ? packed(part, received) : std::vector<Real>();
-  pass(part.ranks, to, std::as_bytes(std::span(message)), from, std::as_writable_bytes(std::span(answer)));
-  if (is_rank(from)) unpack(answer, part, received);
-  part.traffic.bytes += std::int64_t(message.size() * sizeof(Real));
-  part.traffic.messages += is_rank(to);
+  const auto is_rank = [&](int rank) { return rank >= 0 && rank < subdomain.ranks.count; };
+  const std::vector<Real> message = is_rank(to) ? packed(subdomain, sent) : std::vector<Real>();
+  std::vector<Real> answer = is_rank(from) ? packed(subdomain, received) : std::vector<Real>();
+  pass(subdomain.ranks, to, std::as_bytes(std::span(message)), from,
+       std::as_writable_bytes(std::span(answer)));
+  if (is_rank(from)) unpack(answer, subdomain, received);
+  subdomain.traffic.bytes += std::int64_t(message.size() * sizeof(Real));
+  subdomain.traffic.messages += is_rank(to);
   if (!is_rank(to) && !is_rank(from)) return;
-  Traffic& traffic = part.traffic;
+  Traffic& traffic = subdomain.traffic;
   const double seconds = timer.seconds();
   traffic.seconds += seconds, traffic.processor_seconds += processor_seconds() - processor_before;
   if (traffic.least_seconds == 0 || seconds < traffic.least_seconds) traffic.least_seconds = seconds;
 }
 
-void after_phase(PartOfBody& part, int phase) {
-  const Layers owned = part.model.owned;
-  const int rank = part.ranks.rank;
-  if (phase == 0) return pass_layers(part, rank - 1, owned.begin, rank + 1, owned.end);
-  const int last = part.model.params.solver.method == lattice::Method::kPbd ? 0 : 1;  // below the border
-  pass_layers(part, rank + 1, owned.end - last, rank - 1, owned.begin - last);
+void after_phase(Subdomain& subdomain, int phase) {
+  const Layers owned = subdomain.model.owned;
+  const int rank = subdomain.ranks.rank;
+  if (phase == 0) return pass_layers(subdomain, rank - 1, owned.begin, rank + 1, owned.end);
+  const int last = subdomain.model.params.solver.method == lattice::Method::kPbd ? 0 : 1;  // below the border
+  pass_layers(subdomain, rank + 1, owned.end - last, rank - 1, owned.begin - last);
 }
 
-/// A copy as all know it.
-struct KnownCopy {
+/// A virtual node in global numbering.
+struct GlobalVirtualNode {
   std::int64_t slot = 0;
-  std::uint64_t place = 0;
-  VirtualNodeShift shift;
+  std::uint64_t key = 0;
+  VirtualNodeDisplacement shift;
 };
-/// Of the whole body: slots, and fine nodes by which copies are told apart.
-struct Numbers {
+/// Offsets of this process in the whole body: slots, and keys of virtual nodes (fine node numbers).
+struct GlobalOffsets {
   std::int64_t slot;
-  std::uint64_t place;
+  std::uint64_t key;
 };
-Numbers first_numbers(const PartOfBody& part) {
-  const lattice::FineLattice fine = lattice::fine_lattice(part.model);
-  const int first = part.model.lattice.first;
-  return {std::int64_t(layer_stride(part.model.lattice)) * first,
-          std::uint64_t(fine.size.x) * std::uint64_t(fine.size.y) * std::uint64_t(fine.parts.z * first)};
+GlobalOffsets global_offsets(const Subdomain& subdomain) {
+  const lattice::FineLattice fine = lattice::fine_lattice(subdomain.model);
+  const int first = subdomain.model.lattice.first;
+  return {
+      std::int64_t(layer_stride(subdomain.model.lattice)) * first,
+      std::uint64_t(fine.size.x) * std::uint64_t(fine.size.y) * std::uint64_t(fine.subdivisions.z * first)};
 }
 
-void refresh_copies(PartOfBody& part) {
-  lattice::State& state = part.state;
-  const Numbers first = first_numbers(part);
-  std::vector<KnownCopy> owned;
-  for (const VirtualNodeShift& shift : virtual_nodes_of(part, part.model.owned)) {
-    const auto& [slot, place] = state.parts.places[std::size_t(&shift - state.virtual_nodes.data())];
-    owned.push_back({slot + first.slot, place + first.place, shift});
+void refresh_virtual_nodes(Subdomain& subdomain) {
+  lattice::State& state = subdomain.state;
+  const GlobalOffsets first = global_offsets(subdomain);
+  std::vector<GlobalVirtualNode> owned;
+  for (const VirtualNodeDisplacement& shift : virtual_nodes_of(subdomain, subdomain.model.owned)) {
+    const auto& [slot, key] =
+        state.cut_elements.virtual_node_keys[std::size_t(&shift - state.motion.virtual_u.data())];
+    owned.push_back({slot + first.slot, key + first.key, shift});
   }
-  for (const KnownCopy& known : join(part.ranks, owned)) {
-    const std::int64_t slot = known.slot - first.slot;
-    if (slot < 0 || slot >= slot_count(part.model.lattice)) continue;
-    const auto& places = state.parts.places;
+  for (const GlobalVirtualNode& global : join(subdomain.ranks, owned)) {
+    const std::int64_t slot = global.slot - first.slot;
+    if (slot < 0 || slot >= slot_count(subdomain.model.lattice)) continue;
+    const auto& keys = state.cut_elements.virtual_node_keys;
     const auto same =
-        std::find(std::lower_bound(places.begin(), places.end(), std::pair(int(slot), std::uint64_t(0))),
-                  places.end(), std::pair(int(slot), known.place - first.place));
-    if (same != places.end()) state.virtual_nodes[std::size_t(same - places.begin())] = known.shift;
+        std::find(std::lower_bound(keys.begin(), keys.end(), std::pair(int(slot), std::uint64_t(0))),
+                  keys.end(), std::pair(int(slot), global.key - first.key));
+    if (same != keys.end()) state.motion.virtual_u[std::size_t(same - keys.begin())] = global.shift;
   }
 }
 
-/// A layer's copies are the same ones here and where it is an own one: sweeps send them without their names.
-void check_copies(PartOfBody& part) {
-  const Layers owned = part.model.owned;
+/// Asserts that both neighbors hold the same virtual nodes of a shared layer, since sweeps send them without
+/// keys.
+void check_virtual_nodes(Subdomain& subdomain) {
+  const Layers owned = subdomain.model.owned;
   const auto count = [&](int layer) {
-    return std::int64_t(virtual_nodes_of(part, {layer, layer + 1}).size());
+    return std::int64_t(virtual_nodes_of(subdomain, {layer, layer + 1}).size());
   };
   const auto compare = [&](int to, int sent, int from, int received) {
     const std::int64_t mine = count(sent), held = received >= 0 ? count(received) : 0;
     std::int64_t theirs = held;
-    pass(part.ranks, to, std::as_bytes(std::span(&mine, 1)), from,
+    pass(subdomain.ranks, to, std::as_bytes(std::span(&mine, 1)), from,
          std::as_writable_bytes(std::span(&theirs, 1)));
-    TURGOR_ASSERT(theirs == held, "neighbours know the same copies of a layer's nodes");
+    TURGOR_ASSERT(theirs == held, "neighbors hold the same virtual nodes of a layer");
   };
-  const int rank = part.ranks.rank;
-  compare(rank - 1, owned.begin, rank + 1, rank + 1 < part.ranks.count ? owned.end : -1);
+  const int rank = subdomain.ranks.rank;
+  compare(rank - 1, owned.begin, rank + 1, rank + 1 < subdomain.ranks.count ? owned.end : -1);
   compare(rank + 1, owned.end - 1, rank - 1, owned.begin - 1);
 }
 
-void refresh(PartOfBody& part) {
-  const std::size_t size = std::size_t(layer_stride(part.model.lattice));
-  const std::size_t first = std::size_t(row_slot(part.model.lattice, -1, 0));
-  for (auto* field : {&part.state.u, &part.state.v})
+void refresh(Subdomain& subdomain) {
+  const std::size_t size = std::size_t(layer_stride(subdomain.model.lattice));
+  const std::size_t first = std::size_t(row_slot(subdomain.model.lattice, -1, 0));
+  for (auto* field : {&subdomain.state.motion.u, &subdomain.state.motion.v})
     for (auto* values : {&field->x, &field->y, &field->z})
-      fetch_layers(part.ranks, part.shares, values->data() + first, size);
-  refresh_copies(part);
-  check_copies(part);
+      fetch_layers(subdomain.ranks, subdomain.shares, values->data() + first, size);
+  refresh_virtual_nodes(subdomain);
+  check_virtual_nodes(subdomain);
 }
 
-/// An edge as all know it: its slot is counted within a layer of the whole body.
+/// An edge in global numbering: its slot is relative to its layer of the whole body.
 template <class Edge>
-struct KnownEdge {
+struct GlobalEdge {
   int layer = 0;
   Edge edge;
 };
-/// Kept are those that begin in the lowest `layers` layers that are held.
+/// Gathers the edges of all processes. Keeps those that begin in the lowest `layers` layers held by this
+/// process.
 template <class Edge>
-void join_edges(const PartOfBody& part, int layers, std::vector<Edge>& edges) {
-  const lattice::Model& model = part.model;
+void join_edges(const Subdomain& subdomain, int layers, std::vector<Edge>& edges) {
+  const lattice::Model& model = subdomain.model;
   const int stride = layer_stride(model.lattice), border = row_slot(model.lattice, -1, 0);
-  std::vector<KnownEdge<Edge>> owned;
+  std::vector<GlobalEdge<Edge>> owned;
   for (Edge edge : edges) {
     const int layer = (edge.slot - border) / stride;
     edge.slot -= border + layer * stride;
     owned.push_back({layer + model.lattice.first, edge});
   }
   edges.clear();
-  for (const KnownEdge<Edge>& known : join(part.ranks, owned)) {
-    const int layer = known.layer - model.lattice.first;
+  for (const GlobalEdge<Edge>& global : join(subdomain.ranks, owned)) {
+    const int layer = global.layer - model.lattice.first;
     if (layer < 0 || layer >= layers) continue;
-    edges.push_back(known.edge);
+    edges.push_back(global.edge);
     edges.back().slot += border + layer * stride;
   }
 }
@@ -177,32 +183,34 @@ double processor_seconds() {
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-lattice::HaloExchange others_of(PartOfBody& part) {
-  return {.after_phase = [&part](int phase) { after_phase(part, phase); },
-          .refresh = [&part] { refresh(part); },
+lattice::HaloExchange halo_exchange_of(Subdomain& subdomain) {
+  return {.after_phase = [&subdomain](int phase) { after_phase(subdomain, phase); },
+          .refresh = [&subdomain] { refresh(subdomain); },
           .largest = [](std::uint32_t owned) { return largest(owned); },
-          .join_numbers = [&part](std::vector<double>& numbers) { numbers = join(part.ranks, numbers); },
-          .join_skin = [&part](lattice::SkinNow& skin) { skin = join(part.ranks, skin); },
+          .join_numbers =
+              [&subdomain](std::vector<double>& numbers) { numbers = join(subdomain.ranks, numbers); },
+          .join_skin = [&subdomain](lattice::SkinNow& skin) { skin = join(subdomain.ranks, skin); },
           .join_edges =
-              [&part](BladePath& path) {
-                const int layers = part.model.lattice.size.z;
-                join_edges(part, layers, path.edges);
-                join_edges(part, layers - 1, path.fine_edges);  // these are counted by cells
-                join_edges(part, layers - 1, path.lines);
+              [&subdomain](BladePath& path) {
+                const int layers = subdomain.model.lattice.size.z;
+                join_edges(subdomain, layers, path.edges);
+                join_edges(subdomain, layers - 1, path.fine_edges);  // counted by cells
+                join_edges(subdomain, layers - 1, path.lines);
               }};
 }
 
-std::vector<VirtualNodeShift> all_copies(const PartOfBody& part) {
-  const std::span<VirtualNodeShift> owned = virtual_nodes_of(part, part.model.owned);
-  return join(part.ranks, std::vector<VirtualNodeShift>(owned.begin(), owned.end()));
+std::vector<VirtualNodeDisplacement> all_virtual_nodes(const Subdomain& subdomain) {
+  const std::span<VirtualNodeDisplacement> owned = virtual_nodes_of(subdomain, subdomain.model.owned);
+  return join(subdomain.ranks, std::vector<VirtualNodeDisplacement>(owned.begin(), owned.end()));
 }
 
-std::uint64_t state_hash(const PartOfBody& part) {
-  const std::uint64_t hash = chain(part.ranks, kHashSeed, [&](std::uint64_t below) {
-    return lattice::hash_of_layers(part.model, part.state, below);
+std::uint64_t state_hash(const Subdomain& subdomain) {
+  const std::uint64_t hash = chain(subdomain.ranks, kHashSeed, [&](std::uint64_t below) {
+    return lattice::hash_of_layers(subdomain.model, subdomain.state, below);
   });
-  const std::vector<VirtualNodeShift> virtual_nodes = all_copies(part);
-  return virtual_nodes.empty() ? hash : hash_values(std::span<const VirtualNodeShift>(virtual_nodes), hash);
+  const std::vector<VirtualNodeDisplacement> virtual_nodes = all_virtual_nodes(subdomain);
+  return virtual_nodes.empty() ? hash
+                               : hash_values(std::span<const VirtualNodeDisplacement>(virtual_nodes), hash);
 }
 
 }  // namespace turgor::mpi

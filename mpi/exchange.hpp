@@ -1,7 +1,7 @@
-// What a process that holds a part of a body asks of the others while it steps and cuts: lattice::Others over
-// MPI. In every phase of a sweep one layer goes to one neighbour: after the even slabs the first own layer
-// down, after the odd slabs the last one up; projections move the layer above their last cells, and send that
-// up. Copies of nodes beside blades go with their layers.
+// Halo exchange over MPI during steps and cuts: implements lattice::HaloExchange. After each phase of a sweep
+// a process sends one layer to one neighbor. After the even slabs, it sends its first owned layer down; after
+// the odd slabs, the last one up. Projections also move the layer above their last cells, and send that one
+// up. Virtual nodes are sent with their layers.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace turgor::mpi {
 
-/// Of what sweeps told neighbours so far.
+/// Totals of the exchanges during sweeps.
 struct Traffic {
   std::int64_t bytes = 0, messages = 0;  // sent
-  double seconds = 0;                    // from the end of own work to the last byte; waiting included
-  double processor_seconds = 0;          // likewise, of the processor: waiting is work for most of MPI
-  double least_seconds = 0;              // of one phase, the one that waited least; 0: there was none
+  double seconds = 0;                    // wall time from the end of own work to the last byte, with waiting
+  double processor_seconds = 0;          // CPU time of the same; most MPI libraries wait actively
+  double least_seconds = 0;              // shortest wait in one phase; 0 without exchanges
 };
 
-/// All of these outlive what is made of them.
-struct PartOfBody {
+/// The layers of a body in one process. The referenced objects must outlive it.
+struct Subdomain {
   const Ranks& ranks;
   const Shares& shares;
   const lattice::Model& model;
@@ -31,15 +31,15 @@ struct PartOfBody {
   const Share& share() const { return shares.of[std::size_t(ranks.rank)]; }
 };
 
-/// Of this process, since it began [s].
+/// CPU time of this process [s].
 double processor_seconds();
 
-lattice::HaloExchange others_of(PartOfBody& part);
+lattice::HaloExchange halo_exchange_of(Subdomain& subdomain);
 
-/// Copies of nodes in the body's order, of all processes.
-std::vector<lattice::VirtualNodeShift> all_copies(const PartOfBody& part);
+/// Virtual nodes of all processes, in the order of the body.
+std::vector<lattice::VirtualNodeDisplacement> all_virtual_nodes(const Subdomain& subdomain);
 
-/// As lattice::state_hash of the whole body in one process.
-std::uint64_t state_hash(const PartOfBody& part);
+/// Hash that equals lattice::state_hash of the whole body in one process.
+std::uint64_t state_hash(const Subdomain& subdomain);
 
 }  // namespace turgor::mpi

@@ -1,5 +1,5 @@
-// The program `turgor_mpi`: one body in several processes, as mpirun starts them (docs/one-huge-body.md).
-// Exit codes are those of `turgor`; of what went wrong the lowest rank speaks for all.
+// The program `turgor_mpi`: one body in several processes started by mpirun (docs/distributed-bodies.md).
+// Exit codes are those of `turgor`. After an error, the message of the lowest failing rank is printed.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -35,12 +35,12 @@ void print_summary(const Json& report, const std::filesystem::path& out) {
   fmt::print("{}: {} frames, {} processes, state_hash {}\n", out.string(), report["frames"].get<int>(),
              report["processes"].size(), report["state_hash"].get<std::string>());
   for (const Json& p : report["processes"])
-    fmt::print("  layers {:>4} to {:>4}: {:.0f} MB, {:.2f} s, of which telling neighbours {:.2f} s\n",
+    fmt::print("  layers {:>4} to {:>4}: {:.0f} MB, {:.2f} s, of which exchange {:.2f} s\n",
                p["layers"][0].get<int>(), p["layers"][1].get<int>(), p["memory_bytes"].get<double>() / 1e6,
                p["steps_s"].get<double>(), p["exchange_s"].get<double>());
 }
 
-/// The exit code.
+/// Runs the simulation and returns the exit code.
 int simulate(const Ranks& ranks, const Options& options) {
   const Result<turgor::Scene> scene = turgor::read_scene(options.scene, options.overrides);
   turgor::Status known = scene ? check_scene(*scene) : turgor::Status(scene.error());
@@ -51,27 +51,27 @@ int simulate(const Ranks& ranks, const Options& options) {
   if (!report) return fail(ranks, report.error().message);
   if (!options.quiet && ranks.rank == 0) print_summary(*report, out);
   if (report->at("finite").get<bool>()) return 0;
-  fail(ranks, fmt::format("{}: stopped after {} frames: the numbers of the next step were not finite",
-                          options.scene.string(), report->at("frames").get<int>()));
+  fail(ranks, fmt::format("{}: stopped after {} frames: the next step was not finite", options.scene.string(),
+                          report->at("frames").get<int>()));
   return turgor::kNotFinite;
 }
 
 int command_line(const Ranks& ranks, int argc, char** argv) {
-  CLI::App program{"Turgor: one body in several processes, each with some of its layers."};
+  CLI::App program{"Turgor: one body in several processes; each process owns some of its layers."};
   program.name("turgor_mpi");
   program.footer(
       "Example:\n  mpirun -n 4 turgor_mpi run huge.toml --out out/huge\n"
-      "What a scene may ask for, and what not: docs/one-huge-body.md.");
+      "Supported scenes: docs/distributed-bodies.md.");
   program.set_version_flag("--version", "turgor_mpi " + turgor::program_version());
   program.require_subcommand(1);
   Options options;
-  CLI::App* command = program.add_subcommand("run", "Simulate a scene: displacements and a report");
+  CLI::App* command = program.add_subcommand("run", "Simulate a scene; writes displacements and a report");
   command->add_option("scene", options.scene, "The scene, a TOML file: a lattice and incisions")->required();
   command->add_option("-o,--out", options.out, "Folder for the results (default: out/SCENE)");
   turgor::add_set_option(*command, options.overrides);
   command->add_option("--threads", options.threads, "Threads of each process (default: 1); 0 = one per core")
       ->check(CLI::Range(0, 1024));
-  command->add_flag("-q,--quiet", options.quiet, "Print nothing when it went well");
+  command->add_flag("-q,--quiet", options.quiet, "Print nothing on success");
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -88,8 +88,7 @@ int main(int argc, char** argv) {
   try {
     return command_line(ranks, argc, argv);
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr,
-                 "turgor_mpi: rank %d: not enough memory for its part; more processes need less each\n",
+    std::fprintf(stderr, "turgor_mpi: rank %d: not enough memory; with more processes each needs less\n",
                  ranks.rank);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "turgor_mpi: rank %d: %s\n", ranks.rank, error.what());

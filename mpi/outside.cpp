@@ -14,92 +14,94 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-/// A connected part of own layers.
-struct Part {
+/// A connected component of owned layers.
+struct Component {
   std::int64_t size = 0;
   bool is_at_side = false;
 };
-/// Parts of all processes that are one: in the order of ranks, those of one rank in the order of their first
-/// nodes. The lowest number of those that are joined stands for them.
-struct JoinedParts {
+/// Components of all processes, joined across borders. They are numbered by rank, and within a rank in the
+/// order of their first nodes. The lowest number of a joined set is its root.
+struct JoinedComponents {
   RowComponents owned;
-  std::size_t first_own = 0;  // own part 0 has this number
+  std::size_t first_own = 0;  // number of the first component of this process
   std::vector<int> root;
-  std::vector<Part> whole;  // of roots
+  std::vector<Component> whole;  // merged component of each root
 
-  int root_of(int own_part) const { return root[first_own + std::size_t(own_part)]; }
+  int root_of(int own_component) const { return root[first_own + std::size_t(own_component)]; }
 };
 
-/// The numbers of parts in one own layer, −1 where there is none.
-std::vector<int> layer_of_parts(const JoinedParts& parts, Int3 size, int layer) {
+/// Component numbers in one owned layer; −1 outside the mask.
+std::vector<int> components_of_layer(const JoinedComponents& components, Int3 size, int layer) {
   std::vector<int> found(std::size_t(size.x) * std::size_t(size.y), -1);
-  for (const CellRun& run : parts.owned.runs)
+  for (const CellRun& run : components.owned.runs)
     if (run.k == layer)
       std::fill_n(found.begin() + (std::ptrdiff_t(run.j) * size.x + run.begin), run.end - run.begin,
-                  int(parts.first_own) + run.part);
+                  int(components.first_own) + run.component);
   return found;
 }
 
-/// Two parts that are one.
-struct CcdPair {
+/// Two components that touch.
+struct ComponentPair {
   int below, above;
 
-  friend auto operator<=>(const CcdPair&, const CcdPair&) = default;
+  friend auto operator<=>(const ComponentPair&, const ComponentPair&) = default;
 };
-/// Which parts meet between the last layer of the rank below and the first one here.
-std::vector<CcdPair> meeting_parts(const Ranks& ranks, const JoinedParts& parts, Int3 size) {
-  const std::vector<int> top = layer_of_parts(parts, size, size.z - 1),
-                         bottom = layer_of_parts(parts, size, 0);
+/// Pairs of components that touch between the last layer of the rank below and the first one of this rank.
+std::vector<ComponentPair> touching_components(const Ranks& ranks, const JoinedComponents& components,
+                                               Int3 size) {
+  const std::vector<int> top = components_of_layer(components, size, size.z - 1),
+                         bottom = components_of_layer(components, size, 0);
   std::vector<int> below(top.size(), -1);
   pass(ranks, ranks.rank + 1, std::as_bytes(std::span(top)), ranks.rank - 1,
        std::as_writable_bytes(std::span(below)));
-  std::vector<CcdPair> met;
+  std::vector<ComponentPair> touching;
   for (std::size_t n = 0; n < bottom.size(); n++)
-    if (below[n] >= 0 && bottom[n] >= 0) met.push_back({below[n], bottom[n]});
-  std::sort(met.begin(), met.end());
-  met.erase(std::unique(met.begin(), met.end()), met.end());
-  return met;
+    if (below[n] >= 0 && bottom[n] >= 0) touching.push_back({below[n], bottom[n]});
+  std::sort(touching.begin(), touching.end());
+  touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
+  return touching;
 }
 
-/// Connected parts of a mask of own layers, over all ranks.
-JoinedParts join_parts(const Ranks& ranks, const Grid& nodes, Layers owned, const Mask& mask) {
+/// Connected components of a mask of owned layers, over all ranks.
+JoinedComponents join_components(const Ranks& ranks, const Grid& nodes, Layers owned, const Mask& mask) {
   const Int3 size{nodes.size.x, nodes.size.y, owned.end - owned.begin};
-  JoinedParts parts{.owned = row_components(mask, size), .root = {}, .whole = {}};
-  std::vector<Part> mine(parts.owned.sizes.size());
+  JoinedComponents components{.owned = row_components(mask, size), .root = {}, .whole = {}};
+  std::vector<Component> mine(components.owned.sizes.size());
   const int across = (lattice::long_axis(nodes) + 1) % 3, other = (across + 1) % 3;
-  for (const CellRun& run : parts.owned.runs) {
-    Part& part = mine[std::size_t(run.part)];
-    part.size += run.end - run.begin;
+  for (const CellRun& run : components.owned.runs) {
+    Component& component = mine[std::size_t(run.component)];
+    component.size += run.end - run.begin;
     for (const int i : {run.begin, run.end - 1}) {
       const Int3 p{i, run.j, owned.begin + run.k};
-      part.is_at_side |=
+      component.is_at_side |=
           lattice::is_at_end(p, nodes.size, across) || lattice::is_at_end(p, nodes.size, other);
     }
   }
   const std::vector<std::int64_t> counts = join(ranks, std::vector<std::int64_t>{std::int64_t(mine.size())});
-  parts.first_own =
+  components.first_own =
       std::size_t(std::accumulate(counts.begin(), counts.begin() + ranks.rank, std::int64_t(0)));
-  parts.whole = join(ranks, mine);
-  parts.root.resize(parts.whole.size());
-  std::iota(parts.root.begin(), parts.root.end(), 0);
-  for (const auto& [a, b] : join(ranks, meeting_parts(ranks, parts, size))) join_sets(parts.root, a, b);
-  for (int p = 0; p < int(parts.root.size()); p++) {
-    const int root = turgor::root_of(parts.root, p);
-    parts.root[std::size_t(p)] = root;
+  components.whole = join(ranks, mine);
+  components.root.resize(components.whole.size());
+  std::iota(components.root.begin(), components.root.end(), 0);
+  for (const auto& [a, b] : join(ranks, touching_components(ranks, components, size)))
+    join_sets(components.root, a, b);
+  for (int p = 0; p < int(components.root.size()); p++) {
+    const int root = turgor::root_of(components.root, p);
+    components.root[std::size_t(p)] = root;
     if (root == p) continue;
-    Part &whole = parts.whole[std::size_t(root)], &part = parts.whole[std::size_t(p)];
-    whole.size += part.size, whole.is_at_side |= part.is_at_side;
-    part = {};
+    Component &whole = components.whole[std::size_t(root)], &component = components.whole[std::size_t(p)];
+    whole.size += component.size, whole.is_at_side |= component.is_at_side;
+    component = {};
   }
-  return parts;
+  return components;
 }
 
-/// Marks own nodes whose part is wanted.
+/// Mask of owned nodes whose component is wanted.
 template <class Wanted>
-Mask marked(const JoinedParts& parts, const Grid& nodes, std::size_t count, const Wanted& wanted) {
+Mask marked(const JoinedComponents& components, const Grid& nodes, std::size_t count, const Wanted& wanted) {
   Mask mask(count);
-  for (const CellRun& run : parts.owned.runs)
-    if (wanted(parts.root_of(run.part)))
+  for (const CellRun& run : components.owned.runs)
+    if (wanted(components.root_of(run.component)))
       std::fill_n(mask.begin() + std::ptrdiff_t(sample_index(nodes, run.begin, run.j, run.k)),
                   run.end - run.begin, std::uint8_t(1));
   return mask;
@@ -111,11 +113,11 @@ Mask find_outside(const Ranks& ranks, const Grid& nodes, Layers owned, const std
                   double air_max) {
   Mask air(hu.size());
   for (std::size_t n = 0; n < hu.size(); n++) air[n] = hu[n] < air_max;
-  const JoinedParts of_air = join_parts(ranks, nodes, owned, air);
+  const JoinedComponents of_air = join_components(ranks, nodes, owned, air);
   Mask rest =
       marked(of_air, nodes, hu.size(), [&](int root) { return of_air.whole[std::size_t(root)].is_at_side; });
   for (std::uint8_t& node : rest) node = 1 - node;
-  const JoinedParts of_rest = join_parts(ranks, nodes, owned, rest);
+  const JoinedComponents of_rest = join_components(ranks, nodes, owned, rest);
   int largest = -1;
   for (std::size_t p = 0; p < of_rest.whole.size(); p++)
     if (const auto size = of_rest.whole[p].size;

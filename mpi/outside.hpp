@@ -1,5 +1,5 @@
-// Which nodes of a body that several processes share are outside: the same answer as flood fills over the
-// whole give, from the connected parts of everybody's own layers.
+// Outside nodes of a body that several processes share. Equals flood fills over the whole body, but joins the
+// connected components of owned layers instead.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,9 @@
 
 namespace turgor::mpi {
 
-/// 1 where a node is not of the body: air connected to the sides of the scan, and all but the largest
-/// connected rest. `hu`: of own layers, i fastest; `nodes`: the grid of the whole. Empty: all is air.
+/// 1 where a node is not of the body: air connected to the sides of the scan, and every connected component
+/// of the rest except the largest. `hu`: owned layers, i fastest; `nodes`: grid of the whole body. Empty if
+/// all nodes are air.
 std::vector<std::uint8_t> find_outside(const Ranks& ranks, const Grid& nodes, Layers owned,
                                        const std::vector<std::int16_t>& hu, double air_max);
 

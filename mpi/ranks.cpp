@@ -10,7 +10,7 @@
 namespace turgor::mpi {
 
 Ranks::Ranks(int& argc, char**& argv) {
-  int given = 0;  // threads of a process work between messages
+  int given = 0;  // only the main thread calls MPI
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &given);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &count);
@@ -55,17 +55,18 @@ std::int64_t sum(std::int64_t owned) {
 
 void pass(const Ranks& ranks, int to, std::span<const std::byte> sent, int from,
           std::span<std::byte> received) {
-  const auto somebody = [&](int rank) { return rank >= 0 && rank < ranks.count ? rank : MPI_PROC_NULL; };
-  MPI_Sendrecv(sent.data(), message_size(sent.size()), MPI_BYTE, somebody(to), 0, received.data(),
-               message_size(received.size()), MPI_BYTE, somebody(from), 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  const auto rank_or_null = [&](int rank) { return rank >= 0 && rank < ranks.count ? rank : MPI_PROC_NULL; };
+  MPI_Sendrecv(sent.data(), message_size(sent.size()), MPI_BYTE, rank_or_null(to), 0, received.data(),
+               message_size(received.size()), MPI_BYTE, rank_or_null(from), 0, MPI_COMM_WORLD,
+               MPI_STATUS_IGNORE);
 }
 
-void swap_pieces(const std::vector<Piece>& sent, const std::vector<Piece>& received) {
+void exchange_blocks(const std::vector<MessageBlock>& sent, const std::vector<MessageBlock>& received) {
   std::vector<MPI_Request> requests;
-  for (const Piece& p : received)
+  for (const MessageBlock& p : received)
     MPI_Irecv(p.bytes.data(), message_size(p.bytes.size()), MPI_BYTE, p.rank, 1, MPI_COMM_WORLD,
               &requests.emplace_back());
-  for (const Piece& p : sent)
+  for (const MessageBlock& p : sent)
     MPI_Isend(p.bytes.data(), message_size(p.bytes.size()), MPI_BYTE, p.rank, 1, MPI_COMM_WORLD,
               &requests.emplace_back());
   MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);

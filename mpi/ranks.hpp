@@ -1,5 +1,5 @@
-// The processes that share a body, and what they say to each other: a few shapes of messages over MPI. Every
-// process calls these in the same order. Ranks run from 0, in the order of the layers they hold.
+// The processes that share a body, and their collective operations over MPI. Every process calls these in the
+// same order. Ranks start at 0 and follow the order of the layers.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace turgor::mpi {
 
-/// Begins and ends what MPI needs.
+/// Initializes and finalizes MPI.
 struct Ranks {
   int rank = 0, count = 1;
 
@@ -23,11 +23,11 @@ struct Ranks {
   Ranks& operator=(const Ranks&) = delete;
 };
 
-/// Ends all processes at once, where one cannot go on and the others may wait for it.
+/// Aborts all processes when one cannot continue and others may wait for it.
 [[noreturn]] void end_all(int exit_code);
 
 std::vector<std::byte> join_bytes(const Ranks& ranks, std::span<const std::byte> owned);
-/// Everybody's values, in the order of ranks.
+/// Concatenated values of all ranks, in their order.
 template <class T>
 requires std::is_trivially_copyable_v<T> std::vector<T> join(const Ranks& ranks,
                                                              const std::vector<T>& owned) {
@@ -40,23 +40,24 @@ requires std::is_trivially_copyable_v<T> std::vector<T> join(const Ranks& ranks,
 std::uint32_t largest(std::uint32_t owned);
 std::int64_t sum(std::int64_t owned);
 
-/// Sends to one rank and receives as much from another; rank −1 and rank `count` are nobody.
+/// Sends to one rank and receives from another. Ranks −1 and `count` do not exist: nothing is sent or
+/// received.
 void pass(const Ranks& ranks, int to, std::span<const std::byte> sent, int from,
           std::span<std::byte> received);
 
-/// A piece of a message to or from another rank.
-struct Piece {
+/// A block of memory that is sent to or received from another rank.
+struct MessageBlock {
   int rank = 0;
   std::span<std::byte> bytes;
 };
-/// All at once; pieces between two ranks are in the same order on both.
-void swap_pieces(const std::vector<Piece>& sent, const std::vector<Piece>& received);
+/// Sends and receives all blocks; blocks between two ranks are in the same order on both.
+void exchange_blocks(const std::vector<MessageBlock>& sent, const std::vector<MessageBlock>& received);
 
-/// Continues a number through all ranks in order; everybody gets the last one's.
+/// Passes a number through all ranks in order; all ranks receive the last result.
 std::uint64_t chain(const Ranks& ranks, std::uint64_t first,
                     const std::function<std::uint64_t(std::uint64_t)>& next);
 
-/// The error of the lowest rank that has one, on all of them.
+/// The error of the lowest rank that has one, on all ranks.
 Status agree(const Ranks& ranks, const Status& owned);
 
 }  // namespace turgor::mpi

@@ -1,5 +1,4 @@
-// One body in several processes from the first frame to the last, and what is left of it: displacements at
-// the nodes and a report.
+// Simulation of one body in several processes, with displacements at the nodes and a report.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +10,8 @@
 
 namespace turgor::mpi {
 
-/// Into a folder that appears when it is complete: report.json and displacement.mhd with its samples beside
-/// it. Returns the report. Error: the same on all ranks.
+/// Writes a folder that appears when it is complete: report.json, displacement.mhd and displacement.raw.
+/// Returns the report. Error: the same on all ranks.
 Result<Json> run(const Exec& exec, const Ranks& ranks, const Scene& scene, const std::filesystem::path& out);
 
 }  // namespace turgor::mpi

@@ -6,16 +6,16 @@ namespace turgor::mpi {
 
 namespace {
 
-/// A key, whether the scene asks for what it must not, and what is expected instead.
+/// A check of a scene: true if the value is refused, its key, and the expected value.
 struct Refusal {
-  bool asked;
+  bool refused;
   const char* key;
   const char* expected;
 };
 
-Status check(const std::string& place, std::initializer_list<Refusal> refusals) {
+Status check(const std::string& location, std::initializer_list<Refusal> refusals) {
   for (const Refusal& r : refusals)
-    if (r.asked) return Error{fmt::format("{}.{}: several processes share {}", place, r.key, r.expected)};
+    if (r.refused) return Error{fmt::format("{}.{}: several processes {}", location, r.key, r.expected)};
   return Done{};
 }
 
@@ -24,21 +24,21 @@ Status check_body(const LatticeScene& body) {
   const lattice::Params& params = body.params;
   const bool solid = params.tissue.law == TissueLaw::kSolid;
   return check(
-      body.place,
-      {{params.solver.ordering == Ordering::kColors, "solver.schedule",
-        "a sweep by slabs of layers: expected \"slabs\""},
-       {params.solver.sleep > 0, "solver.sleep", "bodies that are awake: expected 0"},
+      body.source_location,
+      {{params.solver.ordering == Ordering::kColors, "solver.ordering",
+        "need sweeps by slabs: expected \"slabs\""},
+       {params.solver.sleep_speed > 0, "solver.sleep_speed", "do not support sleep: expected 0"},
        {solid && params.solver.coarse, "solver.coarse",
-        "sweeps, not the coarse space beside them that solid tissue has otherwise: expected coarse = false"},
-       {!body.labels.empty(), "labels", "a body that Hounsfield units tell apart: expected no segmentation"},
-       {body.only > 0, "only", "all of a CT: expected no label alone"},
+        "do not support the coarse space, the default of solid tissue: expected coarse = false"},
+       {!body.labels.empty(), "labels", "classify tissue by Hounsfield units: expected no segmentation"},
+       {body.only > 0, "only", "simulate the whole CT: expected no label"},
        {!params.tissue.young_of_label.empty(), "tissue.labels",
-        "a body that Hounsfield units tell apart: expected no moduli by label"},
+        "classify tissue by Hounsfield units: expected no moduli by label"},
        {!body.direction_field.empty(), "skin.direction_field",
-        "one direction of Langer's lines: expected skin.direction"},
+        "need one direction of Langer's lines: expected skin.direction"},
        {body.held.has_value(), "fixed",
-        "what bone and the ends hold: expected \"bone\", \"ends\" or \"none\""},
-       {!body.ct.series.empty(), "series", "a file of slices: expected no series of DICOM"}});
+        "can fix only bone and the ends: expected \"bone\", \"ends\" or \"none\""},
+       {!body.ct.series.empty(), "series", "read slices of one file: expected no series of DICOM"}});
 }
 
 }  // namespace
@@ -48,31 +48,31 @@ Status check_scene(const Scene& scene) {
   if (scene.lattice_bodies.size() != 1 || !scene.sfem_bodies.empty() || !scene.rhombus_bodies.empty() ||
       !scene.cloth_bodies.empty())
     return Error{fmt::format(
-        "{}: body: several processes share one body: expected a lattice alone, found {} of model \"lattice\" "
+        "{}: body: several processes simulate one body: expected one lattice, found {} of model \"lattice\" "
         "and {} of others",
         file, scene.lattice_bodies.size(),
         scene.sfem_bodies.size() + scene.rhombus_bodies.size() + scene.cloth_bodies.size())};
   if (scene.device == Device::kGpu)
-    return Error{file +
-                 ": world.device: several processes share a body that steps on CPUs: expected \"cpu\""};
+    return Error{file + ": world.device: several processes use CPUs: expected \"cpu\""};
   if (!scene.tools.empty())
     return Error{
-        fmt::format("{}: tool: several processes share a body that nothing touches: expected no tools, "
+        fmt::format("{}: tool: several processes do not support touches: expected no tools, "
                     "found {}",
                     file, scene.tools.size())};
   if (const Status body = check_body(scene.lattice_bodies[0]); !body) return body;
   for (const IncisionScene& incision : scene.incisions)
     if (const Status cut =
-            check(incision.place, {{incision.by_fraction, "from_fraction",
-                                    "no box of their body: expected from and to, or path, in metres"},
-                                   {incision.blade.width > 0, "width", "cuts of edges: expected no width"}});
+            check(incision.source_location,
+                  {{incision.by_fraction, "from_fraction",
+                    "do not support fractions of the body's box: expected from and to, or path, in meters"},
+                   {incision.blade.width > 0, "width", "cut edges only: expected no width"}});
         !cut)
       return cut;
   return check(file + ": output",
-               {{!scene.output.deformed_ct.empty(), "deformed_ct", "no CT to write: expected none"},
-                {!scene.output.jacobian.empty(), "jacobian", "no CT to write: expected none"},
+               {{!scene.output.deformed_ct.empty(), "deformed_ct", "write no CT: expected none"},
+                {!scene.output.jacobian.empty(), "jacobian", "write no CT: expected none"},
                 {!scene.output.displacement.empty(), "displacement",
-                 "no CT to write it on: expected none; displacement.mhd is written at the nodes"}});
+                 "write displacement.mhd at the nodes: expected none"}});
 }
 
 }  // namespace turgor::mpi

@@ -1,4 +1,4 @@
-// What of a scene several processes can do together.
+// Checks of scenes for several processes.
 #pragma once
 
 #include "turgor/core/result.hpp"
@@ -6,7 +6,7 @@
 
 namespace turgor::mpi {
 
-/// Error: names the first key that asks for more than one lattice with incisions.
+/// Error: names the first key that needs more than one lattice with incisions.
 Status check_scene(const Scene& scene);
 
 }  // namespace turgor::mpi

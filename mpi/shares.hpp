@@ -1,4 +1,4 @@
-// Which layers of a body's nodes each process has for its own, and which it holds copies of besides.
+// Owned and held layers of a body's nodes for each process.
 #pragma once
 
 #include <string>
@@ -11,9 +11,9 @@ namespace turgor::mpi {
 
 using lattice::Layers;
 
-/// Layers are numbered as in the whole body.
+/// Layers of one process, numbered as in the whole body.
 struct Share {
-  Layers owned, held;  // held: the own ones, and others' beside them
+  Layers owned, held;  // held: owned layers and the halo of neighbors' layers
 };
 
 struct Shares {
@@ -21,10 +21,10 @@ struct Shares {
   std::vector<Share> of;  // by rank
 };
 
-/// Own layers are whole pairs of slabs, as evenly as they go. Held are one layer above and, so that layers
-/// are counted alike modulo four, four below; around cuts of solid tissue the place of a copy is found from
-/// nodes up to five cells away and from what is cut up to seven away: there eight on both sides. Error: fewer
-/// pairs than processes.
+/// Owned layers are whole pairs of slabs, distributed evenly. The halo has one layer above and four below, so
+/// that layers have the same index modulo four. With cuts, virtual nodes are fitted from nodes up to five
+/// cells away and cuts up to seven cells away, so the halo has eight layers on both sides. Error: fewer pairs
+/// than processes.
 inline Result<Shares> share_layers(int layers, const Ranks& ranks, bool is_cut) {
   const int pairs = (layers + lattice::kPairLayers - 1) / lattice::kPairLayers;
   if (ranks.count > pairs)
@@ -43,16 +43,16 @@ inline Result<Shares> share_layers(int layers, const Ranks& ranks, bool is_cut) 
   return shares;
 }
 
-/// Layers of others that are held here come from those whose own they are. `layer` is where in memory a layer
-/// of the whole is, `size` of it in bytes; layers are one after the other.
+/// Fetches halo layers from their owners. `first_held`: first held layer in memory; `layer_size`: values per
+/// layer; layers are contiguous.
 template <class Value>
 void fetch_layers(const Ranks& ranks, const Shares& shares, Value* first_held, std::size_t layer_size) {
-  std::vector<Piece> sent, received;
+  std::vector<MessageBlock> sent, received;
   const Share& mine = shares.of[std::size_t(ranks.rank)];
-  const auto piece = [&](int rank, Layers l) {
-    return Piece{rank, std::as_writable_bytes(
-                           std::span(first_held + std::size_t(l.begin - mine.held.begin) * layer_size,
-                                     std::size_t(l.end - l.begin) * layer_size))};
+  const auto block = [&](int rank, Layers l) {
+    return MessageBlock{rank, std::as_writable_bytes(
+                                  std::span(first_held + std::size_t(l.begin - mine.held.begin) * layer_size,
+                                            std::size_t(l.end - l.begin) * layer_size))};
   };
   const auto common = [](Layers a, Layers b) {
     return Layers{std::max(a.begin, b.begin), std::min(a.end, b.end)};
@@ -60,10 +60,10 @@ void fetch_layers(const Ranks& ranks, const Shares& shares, Value* first_held, s
   for (int r = 0; r < ranks.count; r++) {
     if (r == ranks.rank) continue;
     const Share& theirs = shares.of[std::size_t(r)];
-    if (const Layers l = common(mine.owned, theirs.held); l.begin < l.end) sent.push_back(piece(r, l));
-    if (const Layers l = common(theirs.owned, mine.held); l.begin < l.end) received.push_back(piece(r, l));
+    if (const Layers l = common(mine.owned, theirs.held); l.begin < l.end) sent.push_back(block(r, l));
+    if (const Layers l = common(theirs.owned, mine.held); l.begin < l.end) received.push_back(block(r, l));
   }
-  swap_pieces(sent, received);
+  exchange_blocks(sent, received);
 }
 
 }  // namespace turgor::mpi

@@ -1,4 +1,4 @@
-// Numbers between C++ and NumPy, and errors that become Python's.
+// Arrays for NumPy, and errors that become Python exceptions.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ namespace turgor {
 
 namespace nb = nanobind;
 
-/// Becomes turgor.Error with the sentence.
+/// Becomes turgor.Error with the message.
 struct Refused : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -34,7 +34,7 @@ template <class T>
 using Array = nb::ndarray<nb::numpy, T>;
 using Shape = std::vector<std::size_t>;
 
-/// A new array that owns its numbers.
+/// New array that owns its data.
 template <class T>
 Array<T> shaped_array(std::vector<T> numbers, const Shape& shape) {
   auto kept = std::make_unique<std::vector<T>>(std::move(numbers));
@@ -42,7 +42,7 @@ Array<T> shaped_array(std::vector<T> numbers, const Shape& shape) {
   nb::capsule owner(kept.release(), [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
   return Array<T>(data, shape.size(), shape.data(), owner);
 }
-/// Of rows × columns; columns 0 = one dimension.
+/// New array of rows × columns; columns 0 = one dimension.
 template <class T>
 Array<T> new_array(std::vector<T> numbers, std::size_t columns) {
   const std::size_t count = numbers.size();

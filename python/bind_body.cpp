@@ -1,4 +1,4 @@
-// A body as it is now: arrays under plain names are copies, which nothing changes behind one's back.
+// Body of a world in its present state. Arrays are copies.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
@@ -20,11 +20,11 @@ PyBody find_body(nb::object owner, const std::string& name) {
   return *found;
 }
 
-const BodySnapshot& shown_of(const PyBody& body) { return body_snapshot(body.world->snapshot(), body.id); }
+const BodySnapshot& snapshot_of(const PyBody& body) { return body_snapshot(body.world->snapshot(), body.id); }
 
-/// Samples [k, j, i], and where they are: spacing [m], origin [m], directions of i, j, k as columns.
-using VolumeParts = std::tuple<Array<std::int16_t>, Array<double>, Array<double>, Array<double>>;
-VolumeParts parts_of(CtVolume ct) {
+/// Samples [k, j, i], spacing [m], origin [m], and directions of i, j, k as columns.
+using VolumeFields = std::tuple<Array<std::int16_t>, Array<double>, Array<double>, Array<double>>;
+VolumeFields fields_of(CtVolume ct) {
   const Grid& g = ct.grid;
   const Shape kji{std::size_t(g.size.z), std::size_t(g.size.y), std::size_t(g.size.x)};
   std::vector<double> axes;
@@ -37,13 +37,12 @@ VolumeParts parts_of(CtVolume ct) {
 
 const LatticeBody& lattice_of(const PyBody& body) {
   if (body.id.kind != BodyKind::kLattice)
-    throw Refused(body.name +
-                  ": expected a body with model = \"lattice\", which is made of a volume, found " +
+    throw Refused(body.name + ": expected a body with model = \"lattice\", which has a volume, found " +
                   model_name(body.id.kind));
   return body.world->world().lattice_bodies[std::size_t(body.id.index)];
 }
 
-VolumeParts deformed_volume(const PyBody& body) {
+VolumeFields deformed_volume(const PyBody& body) {
   const LatticeBody& lattice = lattice_of(body);
   const PyWorld::Entered entered(*body.world);
   CtVolume ct;
@@ -51,15 +50,14 @@ VolumeParts deformed_volume(const PyBody& body) {
     const nb::gil_scoped_release others;
     ct = lattice.state.resample(body.world->exec(), lattice.model, lattice.ct, lattice.ct.grid).ct;
   }
-  return parts_of(std::move(ct));
+  return fields_of(std::move(ct));
 }
 
 }  // namespace
 
 void bind_body(nb::module_& module) {
-  constexpr auto kOwn = nb::rv_policy::automatic;  // arrays own their numbers
-  nb::class_<PyBody>(module, "Body",
-                     "A body of a world as it is now, whenever it is asked. Arrays are copies.")
+  constexpr auto kOwn = nb::rv_policy::automatic;  // arrays own their data
+  nb::class_<PyBody>(module, "Body", "A body of a world in its present state. Arrays are copies.")
       .def(
           "__init__",
           [](PyBody* self, nb::object world, const std::string& name) {
@@ -68,34 +66,35 @@ void bind_body(nb::module_& module) {
           "world"_a, "name"_a, nb::sig("def __init__(self, world: World, name: str) -> None"))
       .def_ro("name", &PyBody::name)
       .def_prop_ro(
-          "world", [](const PyBody& b) { return b.owner; }, "that it is of")
+          "world", [](const PyBody& b) { return b.owner; }, "the body's world")
       .def_prop_ro(
           "model", [](const PyBody& b) { return model_name(b.id.kind); }, "sfem, lattice, rhombus or cloth")
       .def_prop_ro(
-          "rest_points", [](const PyBody& b) { return rows_of(shown_of(b).rest); }, kOwn,
-          "(n, 3), vertices of its surface at rest, patient frame [m]")
+          "rest_points", [](const PyBody& b) { return rows_of(snapshot_of(b).rest); }, kOwn,
+          "(n, 3), rest positions of the surface vertices, patient frame [m]")
       .def_prop_ro(
-          "points", [](const PyBody& b) { return rows_of(shown_of(b).x); }, kOwn,
-          "(n, 3), where they are now [m]")
+          "points", [](const PyBody& b) { return rows_of(snapshot_of(b).x); }, kOwn,
+          "(n, 3), present positions [m]")
       .def_prop_ro(
-          "displacement", [](const PyBody& b) { return rows_of(shown_of(b).displacement); }, kOwn,
+          "displacement", [](const PyBody& b) { return rows_of(snapshot_of(b).displacement); }, kOwn,
           "(n, 3) [m]")
       .def_prop_ro(
-          "normals", [](const PyBody& b) { return rows_of(shown_of(b).normals); }, kOwn,
+          "normals", [](const PyBody& b) { return rows_of(snapshot_of(b).normals); }, kOwn,
           "(n, 3), unit, outward")
       .def_prop_ro(
-          "pressure", [](const PyBody& b) { return new_array(std::vector<float>(shown_of(b).pressure), 0); },
-          kOwn, "(n,) of the contact [Pa]; empty where it is not known")
+          "pressure",
+          [](const PyBody& b) { return new_array(std::vector<float>(snapshot_of(b).pressure), 0); }, kOwn,
+          "(n,) contact pressure [Pa]; empty if unknown")
       .def_prop_ro(
-          "stretch", [](const PyBody& b) { return new_array(std::vector<float>(shown_of(b).stretch), 0); },
-          kOwn, "(n,) of the skin: area now over area at rest, less 1; empty where it is not known")
+          "stretch", [](const PyBody& b) { return new_array(std::vector<float>(snapshot_of(b).stretch), 0); },
+          kOwn, "(n,) area stretch of the skin: area / rest area - 1; empty if unknown")
       .def_prop_ro(
-          "triangles", [](const PyBody& b) { return rows_of(shown_of(b).triangles); }, kOwn,
+          "triangles", [](const PyBody& b) { return rows_of(snapshot_of(b).triangles); }, kOwn,
           "(m, 3), counter-clockwise seen from outside; a cut changes them")
       .def_prop_ro(
-          "wall_begin", [](const PyBody& b) { return shown_of(b).wall_begin; },
-          "from this one of `triangles` on they are walls of wounds; their count where there are none")
-      .def("_volume", [](const PyBody& b) { return parts_of(lattice_of(b).ct); })
+          "wall_begin", [](const PyBody& b) { return snapshot_of(b).wall_begin; },
+          "index of the first wound wall in `triangles`; their number without wounds")
+      .def("_volume", [](const PyBody& b) { return fields_of(lattice_of(b).ct); })
       .def("_deformed_volume", &deformed_volume);
 }
 

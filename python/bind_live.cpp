@@ -1,5 +1,5 @@
-// Views of a body's own memory: nothing is copied, a view keeps its world, and what a step changes is seen in
-// it. Only arrays that stay where they are in memory as long as their world are shown so.
+// Zero-copy views of a body's memory. A view keeps its world alive and shows later changes. Only arrays that
+// never move in memory have views.
 #include <nanobind/stl/string.h>
 
 #include "bindings.hpp"
@@ -13,7 +13,7 @@ namespace {
 struct LiveBody {
   PyBody body;
 };
-/// Three scalars a node, each in an array of its own.
+/// Vectors with one array per component.
 struct LiveVectors {
   nb::object owner;
   float* axis[3] = {};
@@ -34,17 +34,17 @@ LiveVectors live_vectors(const PyBody& body, Vectors& values, std::size_t first,
 LatticeBody& lattice_of(const LiveBody& live, const char* name) {
   if (live.body.id.kind != BodyKind::kLattice)
     throw nb::attribute_error(
-        (live.body.name + ": " + name + " is of bodies with model = \"lattice\"").c_str());
+        (live.body.name + ": " + name + " needs a body with model = \"lattice\"").c_str());
   return live.body.world->world().lattice_bodies[std::size_t(live.body.id.index)];
 }
 ClothBody& cloth_of(const LiveBody& live, const char* name) {
   if (live.body.id.kind != BodyKind::kCloth)
     throw nb::attribute_error(
-        (live.body.name + ": " + name + " is of bodies with model = \"cloth\"").c_str());
+        (live.body.name + ": " + name + " needs a body with model = \"cloth\"").c_str());
   return live.body.world->world().cloth_bodies[std::size_t(live.body.id.index)];
 }
 
-/// [k, j, parity, i // 2]
+/// Node array indexed [k, j, parity, i // 2].
 template <class Values>
 LiveVectors of_nodes(const PyBody& body, const Lattice& l, Values& values) {
   return live_vectors(body, values, std::size_t(row_slot(l, 0, 0)),
@@ -60,7 +60,7 @@ nb::ndarray<nb::numpy, const double> rest_vertices(const LiveBody& live) {
   if (live.body.id.kind == BodyKind::kRhombus) points = &world.rhombus_bodies[index].model.surface.vertices;
   if (!points)
     throw nb::attribute_error(
-        (live.body.name + ": rest_vertices is of bodies with model = \"sfem\" or \"rhombus\"").c_str());
+        (live.body.name + ": rest_vertices needs a body with model = \"sfem\" or \"rhombus\"").c_str());
   static_assert(sizeof(Vec3d) == 3 * sizeof(double));
   return {&points->data()->x, {points->size(), 3}, live.body.owner};
 }
@@ -77,39 +77,36 @@ void bind_live(nb::module_& module) {
   };
   nb::class_<LiveVectors>(
       module, "LiveVectors",
-      "Vectors as the engine has them: the parts along x, y and z, each an array of its own. Views "
-      "that may be written; they keep their world.")
+      "Vectors with one array per component x, y and z. Writable views, which keep their world alive.")
       .def_prop_ro("x", axis(0), kView)
       .def_prop_ro("y", axis(1), kView)
       .def_prop_ro("z", axis(2), kView);
-  nb::class_<LiveBody>(
-      module, "LiveBody",
-      "Views of a body's own memory. What is written into them is what the next step begins with.")
+  nb::class_<LiveBody>(module, "LiveBody",
+                       "Views of a body's memory. The next step starts from values written into them.")
       .def_prop_ro("rest_vertices", &rest_vertices, kView,
                    "(n, 3) vertices of the model's mesh at rest [m], sfem and rhombus; read-only")
       .def_prop_ro(
           "u",
           [](const LiveBody& l) {
             LatticeBody& body = lattice_of(l, "u");
-            return of_nodes(l.body, body.model.lattice, body.state.watch().u);
+            return of_nodes(l.body, body.model.lattice, body.state.watch().motion.u);
           },
-          "lattice: displacements [k, j, parity, i // 2] along the lattice's own axes [m]; of a row with an "
-          "odd number "
-          "of nodes the last odd one is no node")
+          "lattice: displacements [k, j, parity, i // 2] along the lattice's axes [m]; in rows with an odd "
+          "number of nodes the last odd entry is unused")
       .def_prop_ro(
           "v",
           [](const LiveBody& l) {
             LatticeBody& body = lattice_of(l, "v");
-            return of_nodes(l.body, body.model.lattice, body.state.watch().v);
+            return of_nodes(l.body, body.model.lattice, body.state.watch().motion.v);
           },
-          "lattice: velocities, likewise [m/s]")
+          "lattice: velocities, in the same layout [m/s]")
       .def_prop_ro(
           "x",
           [](const LiveBody& l) {
             ClothBody& body = cloth_of(l, "x");
             return live_vectors(l.body, body.state.watch().x, 0, {std::size_t(body.model.count)}, {1});
           },
-          "cloth: places (n,) in the model's numbering [m]")
+          "cloth: positions (n,) in the model's vertex order [m]")
       .def_prop_ro(
           "original",
           [](const LiveBody& l) {
@@ -117,7 +114,7 @@ void bind_live(nb::module_& module) {
             return nb::ndarray<nb::numpy, const int>(body.model.original.data(), {body.model.original.size()},
                                                      l.body.owner);
           },
-          kView, "cloth: (n,) vertex of the mesh of each vertex of the model; read-only");
+          kView, "cloth: (n,) mesh vertex of each model vertex; read-only");
   module.def(
       "live_of", [](const PyBody& body) { return LiveBody{body}; }, "body"_a);
 }

@@ -1,4 +1,4 @@
-// What the program does, into a folder.
+// Whole run into a folder, as the program does it.
 #include <filesystem>
 
 #include <nanobind/stl/filesystem.h>
@@ -18,36 +18,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Ctrl+C, and what `on_frame` throws, end the run and leave no folder; false ends it and leaves what there
-/// is.
-bool go_on_after(const nb::object& on_frame, const PyProgress& told, const World& world) {
+/// Calls `on_frame` and returns whether to continue. False ends the run and keeps its results. Ctrl+C and
+/// exceptions of `on_frame` cancel the run and leave no folder.
+bool continue_after(const nb::object& on_frame, const PyProgress& reporter, const World& world) {
   const nb::gil_scoped_acquire python;
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
-  if (told.failed()) throw Refused("progress failed");
+  if (reporter.failed()) throw Refused("progress failed");
   if (on_frame.is_none()) return true;
   const nb::object answer = on_frame(time_of(world));
   return answer.is_none() || nb::cast<bool>(answer);
 }
 
-/// Reports are plain text to Python, whose json reads them.
+/// Report as JSON text.
 std::string run_to_json(const fs::path& file, const std::optional<std::string>& text,
                         const std::vector<std::string>& overrides, const fs::path& out, bool force,
                         int threads, nb::object on_frame, nb::object progress) {
   const Scene scene = required(text ? parse_scene(*text, file, overrides) : read_scene(file, overrides));
-  PyProgress told(std::move(progress));
+  PyProgress reporter(std::move(progress));
   const RunOptions options{.out = out, .foreign = force ? Foreign::kRemove : Foreign::kRefuse, .live = {}};
   std::string json;
   try {
     const nb::gil_scoped_release others;
     RunCallbacks callbacks;
-    callbacks.begin = told.begin();
-    callbacks.frame = [&](const World& world) { return go_on_after(on_frame, told, world); };
+    callbacks.begin = reporter.begin();
+    callbacks.frame = [&](const World& world) { return continue_after(on_frame, reporter, world); };
     json = json_text(required(run_scene(Exec(threads), scene, options, callbacks)), -1);
   } catch (...) {
-    told.rethrow();
+    reporter.rethrow();
     throw;
   }
-  told.rethrow();
+  reporter.rethrow();
   return json;
 }
 

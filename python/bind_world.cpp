@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 template <class T>
 using Samples = nb::ndarray<const T, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
-/// Samples [k, j, i], spacing [m], origin [m], and directions of i, j, k as columns of a matrix, row by row.
+/// Samples [k, j, i], spacing [m], origin [m], and directions of i, j, k as columns of a row-major matrix.
 template <class T>
 using GivenVolume = std::tuple<Samples<T>, std::vector<double>, std::vector<double>, std::vector<double>>;
 
@@ -38,8 +38,8 @@ template <class T>
 std::map<std::string, std::shared_ptr<const Volume<T>>> volumes_of(
     const std::map<std::string, GivenVolume<T>>& given) {
   std::map<std::string, std::shared_ptr<const Volume<T>>> volumes;
-  for (const auto& [name, parts] : given) {
-    const auto& [samples, spacing, origin, axes] = parts;
+  for (const auto& [name, fields] : given) {
+    const auto& [samples, spacing, origin, axes] = fields;
     Volume<T> volume;
     volume.grid.size = {int(samples.shape(2)), int(samples.shape(1)), int(samples.shape(0))};
     volume.grid.spacing = vec_of(spacing), volume.grid.origin = vec_of(origin);
@@ -55,14 +55,14 @@ void init_world(PyWorld* self, const fs::path& file, const std::optional<std::st
                 const std::map<std::string, GivenVolume<std::int16_t>>& volumes,
                 const std::map<std::string, GivenVolume<std::uint16_t>>& labels, nb::object progress) {
   Scene scene = required(text ? parse_scene(*text, file, overrides) : read_scene(file, overrides));
-  required(give({volumes_of(volumes), volumes_of(labels)}, scene));
-  PyProgress told(std::move(progress));
+  required(set_volumes({volumes_of(volumes), volumes_of(labels)}, scene));
+  PyProgress reporter(std::move(progress));
   {
     const nb::gil_scoped_release others;
-    new (self) PyWorld(std::move(scene), threads, keeps_forces, told.begin());
+    new (self) PyWorld(std::move(scene), threads, keeps_forces, reporter.begin());
   }
   try {
-    told.rethrow();
+    reporter.rethrow();
   } catch (...) {
     self->~PyWorld();
     throw;
@@ -101,7 +101,7 @@ nb::dict columns_of(const std::vector<Row>& rows, const Columns<Row>& wanted) {
   return columns;
 }
 
-/// Of every wound and every cloth, a row a frame.
+/// Measurements of every wound and every cloth, one row per frame.
 nb::dict measures(const PyWorld& world) {
   nb::dict of;
   for (const CutMeasures& cut : world.measures().cuts)
@@ -139,19 +139,20 @@ std::vector<std::string> bodies(const PyWorld& world) {
 
 void drive(PyWorld& world, const std::string& tool,
            nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> rows) {
-  std::vector<std::vector<double>> wanted;
+  std::vector<std::vector<double>> path;
   for (std::size_t r = 0; r < rows.shape(0); r++) {
     const double* begin = rows.data() + r * rows.shape(1);
-    wanted.emplace_back(begin, begin + rows.shape(1));
+    path.emplace_back(begin, begin + rows.shape(1));
   }
-  world.drive(tool, wanted);
+  world.drive(tool, path);
 }
 
-void check_poses(std::size_t ticks, std::size_t tools, std::size_t wanted, const std::optional<Holds>& hold,
+void check_poses(std::size_t ticks, std::size_t tools, std::size_t expected, const std::optional<Holds>& hold,
                  std::size_t rows) {
   const auto refuse = [](const std::string& what) { throw Refused("tick: " + what); };
-  if (tools != wanted)
-    refuse("expected poses of " + std::to_string(wanted) + " tools, found those of " + std::to_string(tools));
+  if (tools != expected)
+    refuse("expected poses of " + std::to_string(expected) + " tools, found those of " +
+           std::to_string(tools));
   if (hold && (hold->shape(0) != rows * ticks || hold->shape(1) != tools))
     refuse("expected hold for every tick and tool, found another shape");
 }
@@ -160,15 +161,15 @@ Array<double> tick(PyWorld& world, const Poses& poses, const std::optional<Holds
   const PyWorld::Entered entered(world);
   const std::size_t ticks = poses.shape(0), tools = poses.shape(1);
   check_poses(ticks, tools, world.scene().tools.size(), hold, 1);
-  std::vector<double> haptic(ticks * tools * 6);
+  std::vector<double> forces(ticks * tools * 6);
   {
     const nb::gil_scoped_release others;
-    world.tick(ticks, poses.data(), hold ? hold->data() : nullptr, haptic.data());
+    world.tick(ticks, poses.data(), hold ? hold->data() : nullptr, forces.data());
   }
-  return shaped_array(std::move(haptic), {ticks, tools, 6});
+  return shaped_array(std::move(forces), {ticks, tools, 6});
 }
 
-/// Poses of all worlds below each other: worlds · ticks rows.
+/// Poses of all worlds, concatenated: worlds · ticks rows.
 Array<double> tick_all(const std::vector<PyWorld*>& worlds, const Poses& poses,
                        const std::optional<Holds>& hold, int threads) {
   if (worlds.empty() || poses.shape(0) % worlds.size() != 0)
@@ -180,12 +181,12 @@ Array<double> tick_all(const std::vector<PyWorld*>& worlds, const Poses& poses,
     check_poses(ticks, tools, world->scene().tools.size(), hold, worlds.size());
     entered.push_back(std::make_unique<PyWorld::Entered>(*world));
   }
-  std::vector<double> haptic(worlds.size() * ticks * tools * 6);
+  std::vector<double> forces(worlds.size() * ticks * tools * 6);
   {
     const nb::gil_scoped_release others;
-    tick_worlds(worlds, ticks, tools, poses.data(), hold ? hold->data() : nullptr, haptic.data(), threads);
+    tick_worlds(worlds, ticks, tools, poses.data(), hold ? hold->data() : nullptr, forces.data(), threads);
   }
-  return shaped_array(std::move(haptic), {worlds.size(), ticks, tools, 6});
+  return shaped_array(std::move(forces), {worlds.size(), ticks, tools, 6});
 }
 
 void step_frames(PyWorld& world, int frames) {
@@ -208,53 +209,53 @@ Array<double> tool_poses(const PyWorld& world) {
 void bind_ticks(nb::class_<PyWorld>& world, nb::module_& module) {
   world.def("_tick", &tick, "poses"_a, "hold"_a.none())
       .def_prop_ro(
-          "is_led", [](const PyWorld& w) { return w.world(), w.is_led(); },
-          "has tick() begun? step() and drive() are over then")
+          "is_ticked", [](const PyWorld& w) { return w.world(), w.is_driven(); },
+          "true after the first tick(); step() and drive() are refused then")
       .def_prop_ro("tool_poses", &tool_poses, nb::rv_policy::automatic,
-                   "(tools, 7) where every tool's path has it now: x, y, z [m] and a quaternion w, x, y, z");
+                   "(tools, 7) present poses from the tools' paths: x, y, z [m] and a quaternion w, x, y, z");
   module.def("tick_all", &tick_all, "worlds"_a, "poses"_a, "hold"_a.none(), "threads"_a);
 }
 
 }  // namespace
 
 void bind_world(nb::module_& module) {
-  nb::class_<PyState>(module, "State",
-                      "What changes of a world while it is simulated, as it was at one moment.");
-  nb::class_<PyWorld> world(module, "World", "A scene that is being simulated.");
+  nb::class_<PyState>(module, "State", "State of a world at one moment, for World.set_state.");
+  nb::class_<PyWorld> world(module, "World", "A scene during simulation.");
   world
       .def("__init__", &init_world, "scene"_a, "text"_a.none(), "overrides"_a, "threads"_a, "keeps_forces"_a,
            "volumes"_a, "labels"_a, "progress"_a.none())
       .def(
           "__init__", [](PyWorld* self, PyWorld& other, int threads) { new (self) PyWorld(other, threads); },
           "other"_a, "threads"_a)
-      .def("step", &step_frames, "frames"_a = 1, "Simulates so many frames.")
+      .def("step", &step_frames, "frames"_a = 1, "Simulates this number of frames.")
       .def_prop_ro(
-          "time", [](const PyWorld& w) { return time_of(w.world()); }, "simulated so far [s]")
+          "time", [](const PyWorld& w) { return time_of(w.world()); }, "simulated time [s]")
       .def_prop_ro(
           "frame", [](const PyWorld& w) { return w.world().frame; }, "finished frames")
       .def_prop_ro(
-          "dt", [](const PyWorld& w) { return w.world().dt; }, "of a frame [s]")
+          "dt", [](const PyWorld& w) { return w.world().dt; }, "duration of a frame [s]")
       .def_prop_ro(
-          "duration", [](const PyWorld& w) { return w.scene().duration; }, "of the scene [s]")
+          "duration", [](const PyWorld& w) { return w.scene().duration; }, "duration of the scene [s]")
       .def_prop_ro(
           "state_hash", [](const PyWorld& w) { return hash_text(state_hash(w.world())); },
-          "equal for equal bits in all bodies and forces")
-      .def_prop_ro("bodies", &bodies, "their names")
+          "hash of all bodies and forces; equal hashes mean equal bits")
+      .def_prop_ro("bodies", &bodies, "names of the bodies")
       .def_prop_ro(
-          "tools", [](const PyWorld& w) { return names_of(w.world().tools); }, "their names")
+          "tools", [](const PyWorld& w) { return names_of(w.world().tools); }, "names of the tools")
       .def_prop_ro(
           "notes", [](const PyWorld& w) { return notes_of(w.world()); },
-          "what a person should know of how it was made")
-      .def("get_state", &PyWorld::state, "All that changes, to come back to it with set_state.")
-      .def("set_state", &PyWorld::set_state, "state"_a,
-           "Goes back to a state of this world or of a copy of it.")
+          "notes of loading: old names in the scene, guesses, limits")
+      .def("get_state", &PyWorld::state, "Copies the state, for set_state.")
+      .def("set_state", &PyWorld::set_state, "state"_a, "Restores a state of this world or of a copy of it.")
       .def("_forces", &forces, "tool"_a)
       .def("_measures", &measures)
       .def("_report", &report)
       .def("drive", &drive, "tool"_a, "rows"_a,
-           "Leads a tool from where it is in straight lines along rows of [t, x, y, z], t [s] from now on; a "
-           "fifth "
-           "column takes hold (1) or not (0), four more turn it (a quaternion w, x, y, z).");
+           "Moves a tool from its present position along rows of [t, x, y, z], linearly interpolated, with t "
+           "[s] "
+           "from now on. A fifth column grasps (1) or not (0), four more are the orientation (a quaternion "
+           "w, x, "
+           "y, z).");
   bind_ticks(world, module);
 }
 

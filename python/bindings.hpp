@@ -1,13 +1,13 @@
-// The parts of the module, each in a source of its own.
+// Binding functions of the module, one per source file.
 #pragma once
 
 #include "world.hpp"
 
 namespace turgor {
 
-/// A body of a world, by its name. Python keeps the world as long as this.
+/// A body of a world. It keeps the world alive.
 struct PyBody {
-  nb::object owner;  // the World, as Python has it
+  nb::object owner;  // the Python World
   PyWorld* world = nullptr;
   BodyId id;
   std::string name;

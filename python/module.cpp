@@ -1,4 +1,4 @@
-// The Python module. Places in metres, in the patient frame.
+// Python module. Positions are in meters, in the patient frame.
 #include <nanobind/stl/string.h>
 
 #include "bindings.hpp"

@@ -1,10 +1,11 @@
-"""Packs built modules as a wheel that needs nothing but NumPy: pack_wheel.py OUT BUILD [BUILD ...]
+"""Packs built modules as a wheel that needs only NumPy: pack_wheel.py OUT BUILD [BUILD ...]
 
-BUILD/slim/turgor holds a module, pyproject.toml says the rest. Of several, each is an engine for the processors that its folder
-is named after, build/x86-64-v3, and python/turgor/engine.py chooses among them. The libraries that they need and that not every
-Linux has go with them (auditwheel), and with these what Debian says of their licences.
+BUILD/slim/turgor contains a module, pyproject.toml the metadata. Several modules are engines for the processor levels in their
+folder names, such as build/x86-64-v3; python/turgor/engine.py selects one. Required libraries that are not part of every Linux
+are included (auditwheel), with their licenses from Debian.
 """
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -12,12 +13,18 @@ import sysconfig
 import tempfile
 import tomllib
 
-if sys.version_info >= (3, 12):  # nanobind keeps to the stable ABI from there on: one module for all of them
+if sys.version_info >= (3, 12):  # nanobind uses the stable ABI from 3.12 on: one module for all versions
     PYTHON, SUFFIX = "cp312-abi3", ".abi3.so"
 else:
     PYTHON, SUFFIX = "cp3{0}-cp3{0}".format(sys.version_info.minor), sysconfig.get_config_var("EXT_SUFFIX")
 SOURCE = pathlib.Path(__file__).parents[1]
-LIBRARIES = ("libfmt9", "libmetis5", "libpugixml1v5", "libtbb12", "libtomlplusplus3")  # that are packed with it
+LIBRARIES = ("libfmt9", "libmetis5", "libpugixml1v5", "libtbb12", "libtomlplusplus3")  # included in the wheel
+
+
+def version(pyproject):
+    """The version in CMakeLists.txt, found by the expression that scikit-build-core uses."""
+    source = pyproject["tool"]["scikit-build"]["metadata"]["version"]
+    return re.search(source["regex"], (SOURCE / source["input"]).read_text())["value"]
 
 
 def metadata(project):
@@ -31,7 +38,7 @@ def metadata(project):
 
 
 def copy_modules(builds, package):
-    """Returns the folder of the first: of several, the one that every processor can load."""
+    """Copies the modules and returns the folder of the first, which every processor can load."""
     folders = [package / "engines" / build.name.rpartition("-")[2] if len(builds) > 1 else package for build in builds]
     for build, folder in zip(builds, folders):
         folder.mkdir(parents=True, exist_ok=True)
@@ -40,7 +47,7 @@ def copy_modules(builds, package):
 
 
 def fill(folder, builds, project):
-    """What is in the wheel, under `folder`."""
+    """Creates the content of the wheel in `folder`."""
     package = folder / "turgor"
     shutil.copytree(SOURCE / "python/turgor", package, ignore=shutil.ignore_patterns("__pycache__"))
     first = copy_modules(builds, package)
@@ -62,7 +69,8 @@ def run(*words):
 
 
 def main(out, builds):
-    project = tomllib.loads((SOURCE / "pyproject.toml").read_text())["project"]
+    pyproject = tomllib.loads((SOURCE / "pyproject.toml").read_text())
+    project = pyproject["project"] | {"version": version(pyproject)}
     out.mkdir(parents=True, exist_ok=True)
     for old in out.glob("turgor-*.whl"):
         old.unlink()

@@ -1,5 +1,5 @@
-// Python functions that are told how far something is. An exception of theirs waits until it can be thrown:
-// work may be told about from any thread.
+// Progress callbacks in Python. Exceptions of the callback are stored and rethrown by the calling thread,
+// since progress may come from any thread.
 #pragma once
 
 #include <atomic>
@@ -13,37 +13,37 @@ namespace turgor {
 
 class PyProgress {
  public:
-  /// `told`: called with a word and the finished fraction, or None.
-  explicit PyProgress(nb::object told) : told_(std::move(told)) {}
+  /// `callback`: called with a label and the finished fraction, or None.
+  explicit PyProgress(nb::object callback) : callback_(std::move(callback)) {}
 
-  /// To be called without the interpreter's lock.
+  /// Requires that the interpreter lock is released.
   BeginWork begin() {
-    if (told_.is_none()) return {};
+    if (callback_.is_none()) return {};
     return [this](const std::string& label, const std::string&) -> Progress {
       auto percent = std::make_shared<std::atomic<int>>(-1);
       return [this, label, percent](double fraction) {
-        if (const int now = int(100 * fraction); percent->exchange(now) != now) tell(label, fraction);
+        if (const int now = int(100 * fraction); percent->exchange(now) != now) report(label, fraction);
       };
     };
   }
   bool failed() const { return failed_; }
-  /// What the function threw first.
+  /// Rethrows the first exception of the callback.
   void rethrow() {
     if (failure_) std::rethrow_exception(failure_);
   }
 
  private:
-  void tell(const std::string& label, double fraction) {
+  void report(const std::string& label, double fraction) {
     if (failed_) return;
     const nb::gil_scoped_acquire python;
     try {
-      told_(label, fraction);
+      callback_(label, fraction);
     } catch (...) {
       if (!failed_.exchange(true)) failure_ = std::current_exception();
     }
   }
 
-  nb::object told_;
+  nb::object callback_;
   std::atomic<bool> failed_{false};
   std::exception_ptr failure_;
 };

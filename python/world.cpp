@@ -14,42 +14,42 @@ namespace turgor {
 namespace {
 
 template <class T, class Field>
-Status give_one(const std::map<std::string, T>& volumes, Scene& scene, const Field& field) {
+Status set_volumes_of(const std::map<std::string, T>& volumes, Scene& scene, const Field& field) {
   for (const auto& [name, volume] : volumes) {
     bool found = false;
     for (LatticeScene& body : scene.lattice_bodies)
       if (body.name == name) field(body) = volume, found = true;
     if (!found)
       return Error{
-          fmt::format("{}: expected a body with model = \"lattice\" to give a volume to, found none", name)};
+          fmt::format("{}: expected a body with model = \"lattice\" for the volume, found none", name)};
   }
   return Done{};
 }
 
-/// Of seven numbers. Error: no place, or no rotation.
+/// Command from seven numbers. Error: numbers that are not finite, or a zero quaternion.
 contact::ToolCommand command_of(const double* pose, bool hold, std::size_t tick, std::size_t tool) {
   double length = 0;
-  for (int part = 3; part < 7; part++) length += pose[part] * pose[part];
+  for (int n = 3; n < 7; n++) length += pose[n] * pose[n];
   length = std::sqrt(length);
   bool finite = length > 0;
-  for (int part = 0; part < 7; part++) finite = finite && std::isfinite(pose[part]);
+  for (int n = 0; n < 7; n++) finite = finite && std::isfinite(pose[n]);
   if (!finite)
     throw Refused(
         fmt::format("pose of tick {}, tool {}: expected x, y, z [m] and a quaternion w, x, y, z that is not "
                     "0, found {}, {}, {}, {}, {}, {}, {}",
                     tick, tool, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], pose[6]));
-  std::array<double, 4> turn{};
-  for (std::size_t part = 0; part < 4; part++) turn[part] = pose[3 + part] / length;
-  return {.pose = {{pose[0], pose[1], pose[2]}, axes_of(turn)}, .hold = hold};
+  std::array<double, 4> orientation{};
+  for (std::size_t n = 0; n < 4; n++) orientation[n] = pose[3 + n] / length;
+  return {.pose = {{pose[0], pose[1], pose[2]}, axes_of(orientation)}, .hold = hold};
 }
 
 }  // namespace
 
-Status give(const Given& given, Scene& scene) {
-  Status status = give_one(
+Status set_volumes(const GivenVolumes& given, Scene& scene) {
+  Status status = set_volumes_of(
       given.volumes, scene, [](LatticeScene & body) -> auto& { return body.ct.given; });
   if (!status) return status;
-  return give_one(
+  return set_volumes_of(
       given.labels, scene, [](LatticeScene & body) -> auto& { return body.given_labels; });
 }
 
@@ -68,7 +68,7 @@ PyWorld::PyWorld(PyWorld& other, int threads)
     : exec_(threads == 0 ? other.exec_ : Exec(threads)),
       scene_(other.scene_),
       keeps_forces_(other.keeps_forces_),
-      led_(other.led_),
+      driven_(other.driven_),
       measures_(other.measures_) {
   const Entered entered(other);
   world_ = std::make_unique<World>(copy_of(*other.world_));
@@ -80,13 +80,12 @@ void PyWorld::limit_logs() {
 }
 
 void PyWorld::step(int frames) {
-  if (led_)
-    throw Refused(
-        "this world is led tick by tick: expected tick(), whose frames come by themselves, found step()");
+  if (driven_)
+    throw Refused("this world runs tick by tick: expected tick(), which includes frames, found step()");
   is_shown_ = false;
   for (int f = 0; f < frames; f++) {
     const FrameReport report = required(turgor::step(exec_, *world_));
-    if (!report.finite) throw Refused("the numbers of a step were not finite; the state before it was kept");
+    if (!report.finite) throw Refused("a step was not finite; the state before it was kept");
     measure_frame(exec_, *world_, report, false, measures_);
   }
 }
@@ -95,11 +94,11 @@ void PyWorld::tick(std::size_t ticks, const double* poses, const bool* holds, do
   const std::size_t tools = world_->tools.size();
   commands_.resize(tools), readings_.resize(tools);
   is_shown_ = false;
-  if (!led_) led_ = begin_led(*world_);
+  if (!driven_) driven_ = begin_driven(*world_);
   for (std::size_t n = 0; n < ticks; n++) {
     for (std::size_t t = 0; t < tools; t++)
       commands_[t] = command_of(poses + 7 * (n * tools + t), holds && holds[n * tools + t], n, t);
-    required(tick_led(exec_, *world_, *led_, commands_, readings_));
+    required(tick_driven(exec_, *world_, *driven_, commands_, readings_));
     for (std::size_t t = 0; t < tools; t++)
       for (int axis = 0; axis < 3; axis++) {
         double* out = forces + 6 * (n * tools + t) + axis;
@@ -110,15 +109,15 @@ void PyWorld::tick(std::size_t ticks, const double* poses, const bool* holds, do
 
 PyState PyWorld::state() {
   const Entered entered(*this);
-  return {scene_, state_of(*world_), led_, measures_};
+  return {scene_, state_of(*world_), driven_, measures_};
 }
 
 void PyWorld::set_state(const PyState& state) {
   const Entered entered(*this);
   if (state.scene != scene_)
-    throw Refused("expected a state of this world or of a copy of it, found another world's");
+    throw Refused("expected a state of this world or of a copy of it, found one of another world");
   turgor::set_state(*world_, state.state);
-  led_ = state.led, measures_ = state.measures;
+  driven_ = state.driven, measures_ = state.measures;
   is_shown_ = false;
 }
 
@@ -142,14 +141,14 @@ TouchingTool& PyWorld::tool(const std::string& name) const {
 
 void PyWorld::drive(const std::string& name, const std::vector<std::vector<double>>& rows) {
   TouchingTool& driven = tool(name);
-  if (led_) throw Refused(name + ": this world is led tick by tick: expected tick(), found drive()");
+  if (driven_) throw Refused(name + ": this world runs tick by tick: expected tick(), found drive()");
   std::vector<PathRow> path = required(path_rows(rows));
-  if (path.empty()) throw Refused(name + ": expected at least one row to drive it along, found none");
+  if (path.empty()) throw Refused(name + ": expected a path of at least one row, found none");
   if (path.front().time < 0) throw Refused(name + ": expected times from now on, found one before");
   const double now = time_of(*world_);
-  PathRow here = path_at(driven.path, now);
+  const PathRow present = path_at(driven.path, now);
   for (PathRow& row : path) row.time += now;
-  if (path.front().time > now) path.insert(path.begin(), here);
+  if (path.front().time > now) path.insert(path.begin(), present);
   driven.path = {std::move(path), false};
   driven.hand.clear();
 }
@@ -168,8 +167,7 @@ void tick_worlds(const std::vector<PyWorld*>& worlds, std::size_t ticks, std::si
       }
     }
   };
-  // Not parallel_for: what a world computes must not depend on whose company it keeps, and loops of that kind
-  // take denormal numbers for zero.
+  // not parallel_for, which flushes denormal numbers to zero: results must not depend on the other worlds
   const std::size_t count = std::min(worlds.size(), std::size_t(Exec(threads).threads()));
   std::vector<std::thread> others;
   for (std::size_t n = 1; n < count; n++) others.emplace_back(work);

@@ -1,5 +1,5 @@
-// A world as Python holds it: the scene, the bodies, what was measured, and who is at it now. While the
-// engine works, other Python threads run; a world that works is not entered a second time.
+// World of the Python module: scene, bodies and measurements, with a guard against concurrent calls. The
+// interpreter lock is released while the engine works.
 #pragma once
 
 #include <atomic>
@@ -18,55 +18,54 @@
 
 namespace turgor {
 
-/// Poses of a tick: x, y, z [m] and a quaternion w, x, y, z, for every tool.
+/// Poses by tick and tool: x, y, z [m] and a quaternion w, x, y, z.
 using Poses = nb::ndarray<const double, nb::shape<-1, -1, 7>, nb::c_contig, nb::device::cpu>;
 using Holds = nb::ndarray<const bool, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 
-/// Volumes that a caller has at hand, by the names of bodies.
-struct Given {
+/// Volumes in memory, by body name.
+struct GivenVolumes {
   std::map<std::string, std::shared_ptr<const CtVolume>> volumes;
   std::map<std::string, std::shared_ptr<const LabelVolume>> labels;
 };
-/// Puts them into a scene. Error: there is no such lattice.
-Status give(const Given& given, Scene& scene);
+/// Sets the volumes of a scene. Error: unknown lattice body.
+Status set_volumes(const GivenVolumes& given, Scene& scene);
 
-/// What changes of a world, and of what was measured in it.
+/// State of a world and of its measurements.
 struct PyState {
-  std::shared_ptr<const Scene> scene;  // of which world it is
+  std::shared_ptr<const Scene> scene;  // identifies the world
   WorldState state;
-  std::optional<LedTicks> led;
+  std::optional<DrivenTicks> driven;
   Measures measures;
 };
 
 class PyWorld {
  public:
   PyWorld(Scene scene, int threads, bool keeps_forces, const BeginWork& begin);
-  /// Another world that goes on as this one does, with so many threads; 0 = as many.
+  /// Independent copy with `threads` threads; 0 = as many as `other`.
   PyWorld(PyWorld& other, int threads);
 
   void step(int frames);
-  /// Ticks · tools · 6 numbers: force [N] and torque [N·m] on every tool. The caller has let go of the
-  /// interpreter's lock.
+  /// Runs ticks; `forces` receives ticks · tools · 6 numbers: force [N] and torque [N·m] on every tool. The
+  /// caller must have released the interpreter lock.
   void tick(std::size_t ticks, const double* poses, const bool* holds, double* forces);
-  bool is_led() const { return led_.has_value(); }
+  bool is_driven() const { return driven_.has_value(); }
 
   PyState state();
   void set_state(const PyState& state);
 
   const Scene& scene() const { return *scene_; }
   const Exec& exec() const { return exec_; }
-  /// For those who look without letting other Python threads run: none of them can begin a step meanwhile.
+  /// For readers that hold the interpreter lock, so that no other thread can start a step.
   World& world() const;
   const Measures& measures() const { return world(), measures_; }
-  /// As it is now.
+  /// Snapshot of the present state.
   WorldSnapshot& snapshot();
-  /// Somebody may write into the bodies from here on, so that they are shown anew whenever they are looked
-  /// at.
+  /// Disables caching of the snapshot, since views may write to the bodies.
   void expect_writers() { has_writers_ = true; }
   TouchingTool& tool(const std::string& name) const;
   void drive(const std::string& tool, const std::vector<std::vector<double>>& rows);
 
-  /// One caller at a time.
+  /// Guard that admits one caller at a time.
   class Entered {
    public:
     explicit Entered(PyWorld& world);
@@ -83,9 +82,9 @@ class PyWorld {
 
   Exec exec_;
   std::shared_ptr<const Scene> scene_;
-  std::unique_ptr<World> world_;  // patches that are built know where it is
+  std::unique_ptr<World> world_;  // must not move: patches under construction refer to it
   bool keeps_forces_ = true;
-  std::optional<LedTicks> led_;
+  std::optional<DrivenTicks> driven_;
   Measures measures_;
   std::vector<contact::ToolCommand> commands_;
   std::vector<contact::ToolReading> readings_;
@@ -94,8 +93,8 @@ class PyWorld {
   std::atomic<bool> busy_{false};
 };
 
-/// The same in many worlds beside each other, one thread each; all of them have as many tools. Arrays are
-/// world by world.
+/// Ticks many worlds in parallel, one thread per world; all worlds have the same number of tools. Arrays are
+/// ordered by world.
 void tick_worlds(const std::vector<PyWorld*>& worlds, std::size_t ticks, std::size_t tools,
                  const double* poses, const bool* holds, double* forces, int threads);
 

@@ -8,7 +8,7 @@ namespace turgor::test {
 
 extern thread_local std::size_t allocations;  // of this thread, since it began
 
-/// Of what `act` does.
+/// Number of allocations while `act` runs.
 template <class Act>
 std::size_t allocations_of(const Act& act) {
   const std::size_t before = allocations;

@@ -1,4 +1,4 @@
-// What a test asks of an error's message.
+// Expectations on the message of an error.
 #pragma once
 
 #include <string>

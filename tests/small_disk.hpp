@@ -10,7 +10,7 @@
 
 namespace turgor::test {
 
-/// Whether `work` said true where files hold at most so many bytes; false also when it crashed.
+/// Runs `work` with files limited to this many bytes. Returns its result, or false when it crashed.
 inline bool on_a_small_disk(rlim_t bytes, const std::function<bool()>& work) {
   const pid_t child = fork();
   if (child == 0) {

@@ -1,5 +1,5 @@
-/* What a game engine does: a thread of its own leads the tool and feels it a thousand times a second, while the loop of the
- * game makes frames of physics and reads what is to be drawn. Neither waits for the other.
+/* A game engine: a haptic thread moves the tool and reads its force a thousand times a second, while the game loop steps
+ * the physics and reads the surfaces to draw. Neither waits for the other.
  *
  *   cc -std=c99 game.c -lturgor_c -lpthread
  */
@@ -38,19 +38,19 @@ static void sleep_for(long nanoseconds) {
   nanosleep(&pause, NULL);
 }
 
-/* In place of a haptic device: goes 12 mm down and up again, for ever. */
-static void* feel(void* argument) {
+/* Simulates a haptic device: moves 12 mm down and up again, repeatedly. */
+static void* haptic_thread(void* argument) {
   struct hand* hand = argument;
   const double start = hand->command.position[2];
-  tg_reading felt;
+  tg_reading reading;
   while (!hand->ends) {
     const long phase = hand->ticks % 400;
     hand->command.position[2] = start - 0.06e-3 * (double)(phase < 200 ? phase : 400 - phase);
-    if (tg_touch_tick(hand->world, &hand->command, sizeof hand->command, &felt, sizeof felt) != TG_OK) {
+    if (tg_touch_tick(hand->world, &hand->command, sizeof hand->command, &reading, sizeof reading) != TG_OK) {
       fprintf(stderr, "tick: %s\n", tg_error());
       return NULL;
     }
-    if (felt.force[2] > hand->largest) hand->largest = felt.force[2];
+    if (reading.force[2] > hand->largest) hand->largest = reading.force[2];
     hand->ticks++;
     sleep_for(1000000);
   }
@@ -81,13 +81,13 @@ int main(void) {
   if (!points) return 1;
 
   if (tg_touch_begin(hand.world) != TG_OK) return failed("touch");
-  if (pthread_create(&thread, NULL, feel, &hand) != 0) return 1;
+  if (pthread_create(&thread, NULL, haptic_thread, &hand) != 0) return 1;
   for (frame = 0; frame < 60; frame++) {
     const uint64_t shape = liver.topology_version;
     size_t count = 0, n;
     if (tg_world_step(hand.world, 1) != TG_OK) return failed("frame");
     if (tg_body_get_info(hand.world, 0, &liver) != TG_OK) return failed("liver");
-    if (liver.topology_version != shape) break; /* a cut: buffers are made anew here */
+    if (liver.topology_version != shape) break; /* a cut: reallocate buffers here */
     if (tg_body_read(hand.world, 0, TG_DISPLACEMENT, points, 3 * (size_t)liver.vertices, &count) != TG_OK) return failed("points");
     for (n = 2; n < count; n += 3)
       if (points[n] < lowest) lowest = points[n];

@@ -1,4 +1,4 @@
-/* Presses a finger into a pad of tissue, a millisecond at a time, and says what it feels.
+/* Presses a finger into a pad of tissue, tick by tick, and prints its force.
  *
  *   cc -std=c99 press.c -lturgor_c
  */
@@ -31,7 +31,7 @@ int main(void) {
   tg_world_def def;
   tg_world* world = NULL;
   tg_command finger;
-  tg_reading felt;
+  tg_reading reading;
   double largest = 0;
   int tick;
 
@@ -43,11 +43,11 @@ int main(void) {
 
   for (tick = 0; tick < 300; tick++) {
     if (tick < 100) finger.position[2] -= 0.1e-3; /* 10 mm in a tenth of a second */
-    if (tg_world_tick(world, &finger, sizeof finger, &felt, sizeof felt, 1) != TG_OK) return failed("tick");
+    if (tg_world_tick(world, &finger, sizeof finger, &reading, sizeof reading, 1) != TG_OK) return failed("tick");
     if (tick % 50 == 49)
-      printf("%3d ms  at %5.1f mm  %6.3f N  %d contacts\n", tick + 1, 1e3 * finger.position[2], felt.force[2], felt.contacts);
-    if (felt.force[2] > largest) largest = felt.force[2];
+      printf("%3d ms  at %5.1f mm  %6.3f N  %d contacts\n", tick + 1, 1e3 * finger.position[2], reading.force[2], reading.contacts);
+    if (reading.force[2] > largest) largest = reading.force[2];
   }
   tg_world_destroy(world);
-  return largest > 0.02 ? 0 : 1; /* the pad pushes back */
+  return largest > 0.02 ? 0 : 1; /* the pad resists */
 }

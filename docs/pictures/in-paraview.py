@@ -26,7 +26,7 @@ finger.DiffuseColor, finger.Opacity = [0.3, 0.3, 0.35], 0.5
 forces = Glyph(Input=ExtractBlock(Input=series, Selectors=["/Root/forcesontools"]), GlyphType="Arrow")
 forces.OrientationArray = ["POINTS", "force on the tool [N]"]
 forces.ScaleArray = ["POINTS", "force on the tool [N]"]
-forces.ScaleFactor = 0.3  # metres a newton
+forces.ScaleFactor = 0.3  # meters a newton
 arrow = Show(forces, view)
 arrow.ColorArrayName = ["POINTS", ""]
 arrow.DiffuseColor = [0.1, 0.5, 0.1]

@@ -1,7 +1,7 @@
-// Two functions under the names that they had before glibc 2.35 and GCC 12, which give them still: nothing
-// else of the slim module asks for more than glibc 2.34 and GCC 11. The linker sends every call of them here
-// (--wrap). Below 2.34 it does not go on in this way: threads and dlopen moved into libc.so.6 then, which
-// Debian's libtbb12 needs as well, and std::filesystem asks for a libstdc++ newer than that of GCC 8.
+// Older symbol versions of two functions, so that the slim module needs only glibc 2.34 and GCC 11. The
+// linker redirects all calls to these wrappers (--wrap). Still older versions are not possible: in 2.34
+// threads and dlopen moved into libc.so.6, which Debian's libtbb12 needs too, and std::filesystem needs a
+// libstdc++ newer than GCC 8.
 #include <condition_variable>
 #include <mutex>
 

@@ -1,5 +1,4 @@
-// In place of turgor/io/dicom/dicom_decode.cpp in the slim module: DICOM is read where its samples are as
-// they are.
+// Replaces turgor/io/dicom/dicom_decode.cpp in the slim module, which reads uncompressed DICOM only.
 #include "turgor/io/dicom/dicom.hpp"
 
 namespace turgor::io {
@@ -9,7 +8,7 @@ Result<ChangedSamples> decode_dicom_samples(const Exec&, std::span<const DicomSl
   const std::string file = slices.empty() ? "DICOM" : slices[0]->file.string();
   return Error{
       file +
-      ": this build of turgor is without GDCM, which compressed DICOM needs; expected uncompressed samples"};
+      ": this build of turgor has no GDCM, which compressed DICOM needs; expected uncompressed samples"};
 }
 
 }  // namespace turgor::io

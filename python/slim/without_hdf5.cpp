@@ -1,5 +1,5 @@
-// In place of turgor/io/files/hdf5_file.cpp in the slim module: every file is refused with a sentence.
-// Green's functions are computed anew each time then; nothing else of a simulation needs such files.
+// Replaces turgor/io/files/hdf5_file.cpp in the slim module: every file is refused with a message. Green's
+// functions are then computed in every run; nothing else of a simulation needs HDF5.
 #include <utility>
 
 #include "turgor/io/files/hdf5_file.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 Error without(const std::filesystem::path& path) {
   return {path.string() +
-          ": this build of turgor is without HDF5, which caches, recordings and felt runs need"};
+          ": this build of turgor has no HDF5, which caches, recordings and haptic recordings need"};
 }
 
 }  // namespace
@@ -18,7 +18,7 @@ Error without(const std::filesystem::path& path) {
 Result<Hdf5File> Hdf5File::create(const std::filesystem::path& path) { return without(path); }
 Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) { return without(path); }
 
-// Nobody has such a file: what follows is there to be linked.
+// never called, needed for linking
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept
     : path_(std::move(other.path_)), id_(std::exchange(other.id_, -1)) {}
 Hdf5File::~Hdf5File() = default;

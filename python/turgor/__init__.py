@@ -1,4 +1,4 @@
-"""Tissue you can touch: deformable organs, skin and cloth, with forces in newtons.
+"""Real-time simulation of deformable organs, skin and cloth, with forces in newtons.
 
     import turgor
 
@@ -7,7 +7,7 @@
         print(moment.time, abs(moment["liver"].displacement).max())
     force = world.forces("finger")["force_N"]          # (ticks, 3) [N]
 
-    report = turgor.run("scenes/incision.toml", out="out/incision")     # what the program does
+    report = turgor.run("scenes/incision.toml", out="out/incision")     # the whole program
 """
 from . import engine
 

@@ -1,4 +1,4 @@
-"""A body of a world, in and out of other packages."""
+"""A body of a world, with conversions to other packages."""
 import numpy as np
 
 from . import _turgor
@@ -6,24 +6,23 @@ from .volume import Volume
 
 
 class Body(_turgor.Body):
-    """A body of a world as it is now, whenever it is asked. Arrays are copies, which nothing changes behind your back;
-    those of `live` are views."""
+    """A body of a world in its present state. Arrays are copies; those of `live` are views."""
 
     @property
     def live(self):
-        """Views of the body's own memory: no copy, and what the next step changes is seen in them. They keep the world."""
+        """Zero-copy views of the body's memory, which show later changes and keep the world alive."""
         return _turgor.live_of(self)
 
     def volume(self):
-        """lattice: the Volume that it is made of."""
+        """lattice: the Volume from which the body was built."""
         return Volume(*self._volume())
 
     def deformed_volume(self):
-        """lattice: the Volume as it would be scanned now, on the same grid."""
+        """lattice: the Volume in the deformed state, on the same grid."""
         return Volume(*self._deformed_volume())
 
     def to_pyvista(self):
-        """A pyvista.PolyData of the surface as it lies now, with what is known at its points."""
+        """A pyvista.PolyData of the present surface, with its point data."""
         import pyvista
 
         faces = np.column_stack([np.full(len(self.triangles), 3, dtype=np.int64), self.triangles])
@@ -35,7 +34,7 @@ class Body(_turgor.Body):
         return mesh
 
     def to_trimesh(self):
-        """A trimesh.Trimesh of the surface as it lies now, vertex by vertex."""
+        """A trimesh.Trimesh of the present surface, with the same vertices."""
         import trimesh
 
         return trimesh.Trimesh(vertices=self.points, faces=self.triangles, process=False)

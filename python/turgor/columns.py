@@ -3,7 +3,7 @@ import numpy as np
 
 
 class Columns(dict):
-    """NumPy arrays by name, a row each of the same length; names end in their unit. Those of three numbers a row are (n, 3)."""
+    """NumPy arrays of equal length by name; names end in their unit. Vector columns have the shape (n, 3)."""
 
     def frame(self):
         """A pandas.DataFrame; (n, 3) columns become three, as force_x_N."""
@@ -15,6 +15,6 @@ class Columns(dict):
                 flat[name] = column
                 continue
             stem, _, unit = name.rpartition("_")
-            for axis, part in zip("xyz", np.transpose(column)):
-                flat[f"{stem}_{axis}_{unit}"] = part
+            for axis, values in zip("xyz", np.transpose(column)):
+                flat[f"{stem}_{axis}_{unit}"] = values
         return pandas.DataFrame(flat)

@@ -1,5 +1,5 @@
-"""Which engine runs. A wheel has three, engines/v2, v3 and v4, for what processors have of x86-64: the highest that this one can
-run is taken, or the one that TURGOR_ENGINE names. What `pip install .` makes has one, for the processor that it was built on.
+"""Selection of the engine. A wheel has three, engines/v2, v3 and v4, for levels of x86-64. The highest level that the processor
+supports is used, or the one in TURGOR_ENGINE. `pip install .` builds one engine, for the processor of the build.
 """
 import os
 import pathlib
@@ -12,7 +12,7 @@ NEEDS = {"v2": V2, "v3": V3, "v4": V4}
 
 
 def processor_flags(cpuinfo="/proc/cpuinfo"):
-    """What the processor has and the kernel lets be used; where nobody tells, what processors have since 2009."""
+    """Processor flags from the kernel; if they are unknown, those of processors since 2009."""
     try:
         text = pathlib.Path(cpuinfo).read_text()
     except OSError:
@@ -22,7 +22,7 @@ def processor_flags(cpuinfo="/proc/cpuinfo"):
 
 
 def choose(forced, flags):
-    """The engine that is `forced`, or the highest for a processor with these `flags`. ImportError: there is none."""
+    """The `forced` engine, or the highest for a processor with these `flags`. Raises ImportError if it cannot run."""
     if forced and forced not in NEEDS:
         raise ImportError(f"TURGOR_ENGINE: expected one of {', '.join(NEEDS)}, found {forced}")
     level = forced or next((level for level in reversed(NEEDS) if NEEDS[level] <= flags), "v2")
@@ -33,10 +33,10 @@ def choose(forced, flags):
 
 
 def folders():
-    """What the search for the module _turgor begins with: the folder of the engine that was chosen, where there are several."""
+    """Search path for the module _turgor: the folder of the selected engine, if there are several."""
     forced, engines = os.environ.get("TURGOR_ENGINE"), pathlib.Path(__file__).parent / "engines"
     if engines.is_dir():
         return [str(engines / choose(forced, processor_flags()))]
     if forced:
-        raise ImportError(f"TURGOR_ENGINE: expected nothing, since this turgor has one engine alone, found {forced}")
+        raise ImportError(f"TURGOR_ENGINE: expected nothing, since this turgor has only one engine, found {forced}")
     return []

@@ -1,32 +1,32 @@
-"""Environments for Gymnasium: turgor/Palpate-v0 and turgor/Retract-v0, alone or many worlds beside each other.
+"""Environments for Gymnasium: turgor/Palpate-v0 and turgor/Retract-v0, single or vectorized.
 
     import gymnasium, turgor.gym
 
     env = gymnasium.make("turgor/Palpate-v0")
-    envs = gymnasium.make_vec("turgor/Retract-v0", num_envs=64)      # one thread a world, one call of the engine a step
+    envs = gymnasium.make_vec("turgor/Retract-v0", num_envs=64)      # one thread per world, one engine call per step
 
-Palpate: a fingertip on a pad of soft tissue with a nodule in it that nobody sees. Its actions move it, what it feels is force;
-the nearer it presses to the nodule, the better. Retract: forceps on a liver that are to take hold of it and pull with 0.5 N.
+Palpate: a fingertip on a pad of soft tissue with a hidden nodule. Actions move the fingertip, observations contain its force,
+and the reward grows as it presses closer to the nodule. Retract: forceps grasp a liver and pull it with 0.5 N.
 """
 import gymnasium
 import numpy as np
 
 from .world import World, tick_all
 
-TICKS = 20  # of a millisecond, a step
+TICKS = 20  # milliseconds per step
 
 
 class _Task:
-    """What is the same for one world and for many. Arrays have a row for each world."""
+    """A task, for single and vectorized environments. Arrays have a row per world."""
 
-    step_length = 1e-3  # of a tool, in a step of full action, along each axis [m]
+    step_length = 1e-3  # displacement of the tool in a step of full action, along each axis [m]
     horizon = 100  # steps of an episode
     force_scale = 1.0  # of observations [N]
 
-    def observe(self, place, force, hold):
-        """Where the tool is in its box, each in [-1, 1]; force over force_scale; what the task adds."""
+    def observe(self, position, force, hold):
+        """Position of the tool in its box, each in [-1, 1]; force / force_scale; additional observations of the task."""
         middle, half = (self.high + self.low) / 2, (self.high - self.low) / 2
-        return np.column_stack([(place - middle) / half, np.clip(force / self.force_scale, -10, 10), self.more(hold)]).astype(np.float32)
+        return np.column_stack([(position - middle) / half, np.clip(force / self.force_scale, -10, 10), self.more(hold)]).astype(np.float32)
 
     def more(self, hold):
         return np.zeros((len(hold), 0))
@@ -40,7 +40,7 @@ class _Task:
 class _Palpate(_Task):
     action_count = 3
     low, high, start = np.array([0.01, 0.01, 0.03]), np.array([0.07, 0.05, 0.041]), np.array([0.04, 0.03, 0.038])
-    variants = [(x, y) for x in (0.02, 0.04, 0.06) for y in (0.02, 0.04)]  # middles of the nodule [m]
+    variants = [(x, y) for x in (0.02, 0.04, 0.06) for y in (0.02, 0.04)]  # centers of the nodule [m]
     force_scale = 0.2
 
     def scene(self, variant):
@@ -48,21 +48,21 @@ class _Palpate(_Task):
         return {"world": {"duration": 1, "frame_rate": 1000 / TICKS},
                 "body": {"pad": {"model": "sfem", "block": {"size": [0.08, 0.06, 0.03], "count": [12, 9, 5]}, "fixed": "bottom",
                                  "young": 4e3, "poisson": 0.4, "cache": False, "patch": False,
-                                 "inclusion": {"nodule": {"centre": [x, y, 0.021], "radius": 0.008, "young": 1e5}}}},
+                                 "inclusion": {"nodule": {"center": [x, y, 0.021], "radius": 0.008, "young": 1e5}}}},
                 "tool": {"finger": {"body": "pad", "shape": {"sphere": 0.006}, "path": [[0, *self.start.tolist()]]}}}
 
-    def rewards(self, variant, place, force, hold):
-        """1 on the nodule, down to 0 at 30 mm; nothing without a touch, and as much less as it presses beyond 0.5 N."""
+    def rewards(self, variant, position, force, hold):
+        """1 on the nodule, down to 0 at a distance of 30 mm; 0 without contact, reduced by the force above 0.5 N."""
         middle = np.array(self.variants)[variant]
-        near = 1 - np.minimum(np.linalg.norm(place[:, :2] - middle, axis=1) / 0.03, 1)
+        near = 1 - np.minimum(np.linalg.norm(position[:, :2] - middle, axis=1) / 0.03, 1)
         size = np.linalg.norm(force, axis=1)
         return near * (size > 1e-3) - np.maximum(size - 0.5, 0)
 
 
 class _Retract(_Task):
-    action_count = 4  # the fourth: take hold, above 0
+    action_count = 4  # the fourth grasps if above 0
     variants = [None]
-    pull = 0.5  # that is wanted [N]
+    pull = 0.5  # target force [N]
 
     def __init__(self):
         world = World(self.scene(0), threads=1)
@@ -79,32 +79,32 @@ class _Retract(_Task):
     def more(self, hold):
         return np.asarray(hold, dtype=float)[:, None]
 
-    def rewards(self, variant, place, force, hold):
-        """1 at the pull that is wanted, 0 without one or at twice as much, less beyond."""
+    def rewards(self, variant, position, force, hold):
+        """1 at the target force, 0 without force or at twice the target, negative beyond."""
         return 1 - np.abs(-force[:, 2] - self.pull) / self.pull
 
 
 class _Worlds:
-    """Worlds of one task at a time of their own: what single and vector environments share."""
+    """Worlds of one task, each with its own time; common to single and vectorized environments."""
 
     def __init__(self, task, count):
         self.task, self.count = task, count
-        self.begun = {}  # by variant: a world at its beginning
-        self.worlds = [{} for _ in range(count)]  # by variant: one for each row, and its beginning
+        self.initial = {}  # by variant: a world in its initial state
+        self.worlds = [{} for _ in range(count)]  # per row, by variant: a world and its initial state
         self.variant = np.zeros(count, dtype=int)
-        self.place = np.zeros((count, 3))
+        self.position = np.zeros((count, 3))
         self.force = np.zeros((count, 3))
         self.hold = np.zeros(count, dtype=bool)
         self.steps = np.zeros(count, dtype=int)
         self.turn = getattr(task, "turn", np.array([1.0, 0, 0, 0]))
 
     def _begin(self, row, variant):
-        if variant not in self.begun:
+        if variant not in self.initial:
             world = World(self.task.scene(variant), threads=1, keeps_forces=False)
             world.tick(np.zeros((0, 1, 7)))
-            self.begun[variant] = world
+            self.initial[variant] = world
         if variant not in self.worlds[row]:
-            world = self.begun[variant].copy(threads=1)
+            world = self.initial[variant].copy(threads=1)
             self.worlds[row][variant] = (world, world.get_state())
         world, state = self.worlds[row][variant]
         world.set_state(state)
@@ -112,29 +112,29 @@ class _Worlds:
     def reset(self, row, random):
         self.variant[row] = random.integers(len(self.task.variants))
         self._begin(row, int(self.variant[row]))
-        self.place[row], self.force[row], self.hold[row], self.steps[row] = self.task.start, 0, False, 0
+        self.position[row], self.force[row], self.hold[row], self.steps[row] = self.task.start, 0, False, 0
 
     def observe(self):
-        return self.task.observe(self.place, self.force, self.hold)
+        return self.task.observe(self.position, self.force, self.hold)
 
     def step(self, rows, actions, threads):
-        """Rewards of these rows; the other worlds stand still."""
+        """Steps the worlds of these rows and returns their rewards."""
         actions = np.clip(np.asarray(actions, dtype=np.float64), -1, 1)
-        goal = np.clip(self.place[rows] + self.task.step_length * actions[:, :3], self.task.low, self.task.high)
+        goal = np.clip(self.position[rows] + self.task.step_length * actions[:, :3], self.task.low, self.task.high)
         way = (1 + np.arange(TICKS))[None, :, None] / TICKS
         poses = np.empty((len(rows), TICKS, 1, 7))
-        poses[:, :, 0, :3] = self.place[rows][:, None] * (1 - way) + goal[:, None] * way
+        poses[:, :, 0, :3] = self.position[rows][:, None] * (1 - way) + goal[:, None] * way
         poses[:, :, 0, 3:] = self.turn
         self.hold[rows] = actions[:, 3] > 0 if actions.shape[1] > 3 else False
         worlds = [self.worlds[row][self.variant[row]][0] for row in rows]
-        felt = tick_all(worlds, poses, self.hold[rows][:, None, None], threads)
-        self.place[rows], self.force[rows] = goal, felt[:, -1, 0, :3]
+        forces = tick_all(worlds, poses, self.hold[rows][:, None, None], threads)
+        self.position[rows], self.force[rows] = goal, forces[:, -1, 0, :3]
         self.steps[rows] += 1
         return self.task.rewards(self.variant[rows], goal, self.force[rows], self.hold[rows])
 
 
 class Environment(gymnasium.Env):
-    """One world. Observations: the tool in its box, each in [-1, 1], and the force on it; actions: its way in a step."""
+    """One world. Observations: position of the tool in its box, each in [-1, 1], and its force; actions: its displacement in a step."""
 
     metadata = {"render_modes": []}
 
@@ -156,7 +156,7 @@ class Environment(gymnasium.Env):
 
 
 class VectorEnvironment(gymnasium.vector.VectorEnv):
-    """Many worlds, each on one thread; an episode that is over begins anew in the step after it."""
+    """Many worlds, each on one thread; a finished episode restarts in the next step."""
 
     metadata = {"render_modes": [], "autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
 
@@ -180,11 +180,11 @@ class VectorEnvironment(gymnasium.vector.VectorEnv):
 
     def step(self, actions):
         rewards = np.zeros(self.num_envs)
-        going = np.flatnonzero(~self.over)
+        active = np.flatnonzero(~self.over)
         for row in np.flatnonzero(self.over):
             self.worlds.reset(row, self.randoms[row])
-        if len(going):
-            rewards[going] = self.worlds.step(going, np.asarray(actions)[going], self.threads)
+        if len(active):
+            rewards[active] = self.worlds.step(active, np.asarray(actions)[active], self.threads)
         self.over = self.worlds.steps >= self.task.horizon
         return self.worlds.observe(), rewards, np.zeros(self.num_envs, dtype=bool), self.over.copy(), {"force_N": self.worlds.force.copy()}
 
@@ -198,7 +198,7 @@ def _vector(task):
 
 
 def register():
-    """Makes the environments known to Gymnasium; importing this module does it."""
+    """Registers the environments with Gymnasium; called on import of this module."""
     for name, task in (("Palpate", _Palpate), ("Retract", _Retract)):
         if f"turgor/{name}-v0" not in gymnasium.registry:
             gymnasium.register(f"turgor/{name}-v0", entry_point=_single(task), vector_entry_point=_vector(task))

@@ -1,4 +1,4 @@
-"""Scenes from Python values: dicts and arrays become the TOML that the engine reads."""
+"""Scenes from Python values: converts dicts and arrays to TOML."""
 import json
 import numbers
 import os
@@ -10,7 +10,7 @@ from .volume import Volume
 
 
 class Mesh:
-    """A mesh at hand, in place of a file's name in a scene or in `set`.
+    """A mesh in memory, instead of a file name in a scene or in `set`.
 
     points: (n, 3) [m]. cells: (m, 3) triangles, counter-clockwise seen from outside, or (m, 4) tetrahedra.
     """
@@ -27,7 +27,7 @@ class Mesh:
             raise Error(f"a mesh: expected cells of points 0 to {count - 1}, found {self.cells.min()} to {self.cells.max()}")
 
     def write(self, folder, number):
-        """As a file that the engine reads: legacy VTK. Returns its name."""
+        """Writes a legacy VTK file and returns its name."""
         is_surface = self.cells.shape[1] == 3
         file = os.path.join(folder, f"given-{number}.vtk")
         rows = np.column_stack([np.full(len(self.cells), self.cells.shape[1]), self.cells])
@@ -44,7 +44,7 @@ class Mesh:
 
 
 class GivenScene:
-    """What a scene from Python needs besides its text: files of meshes, volumes by body."""
+    """Data of a scene from Python besides its text: files of meshes, volumes by body."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -53,7 +53,7 @@ class GivenScene:
         self.paths = []
 
     def toml(self, value):
-        """A Python value as scenes write it."""
+        """TOML text of a Python value."""
         if isinstance(value, bool):
             return "true" if value else "false"
         if isinstance(value, numbers.Integral):
@@ -72,20 +72,20 @@ class GivenScene:
         return "[" + ", ".join(self.toml(v) for v in value) + "]"
 
     def _take_volume(self, key, value):
-        """Volumes are handed over in memory; the scene says where from. None: the value is none."""
-        parts = key.split(".")
+        """Stores a Volume and returns its text in the scene; None for other values."""
+        names = key.split(".")
         if not isinstance(value, Volume):
             return None
-        if len(parts) != 3 or parts[0] != "body" or parts[2] not in ("ct", "labels"):
-            raise Error(f"{key}: expected a Volume as body.NAME.ct or body.NAME.labels, found one here")
-        if parts[2] == "ct":
-            self.volumes[parts[1]] = value._as_ct()
+        if len(names) != 3 or names[0] != "body" or names[2] not in ("ct", "labels"):
+            raise Error(f"{key}: expected a Volume as body.NAME.ct or body.NAME.labels, found one elsewhere")
+        if names[2] == "ct":
+            self.volumes[names[1]] = value._as_ct()
         else:
-            self.labels[parts[1]] = value._as_labels()
+            self.labels[names[1]] = value._as_labels()
         return json.dumps(f"given in memory, {key}")
 
     def document(self, scene):
-        """A dict of tables as TOML text."""
+        """TOML text of a dict of tables."""
         lines = []
 
         def add(path, table):
@@ -103,12 +103,12 @@ class GivenScene:
         return "\n".join(lines) + "\n"
 
     def overrides(self, set, volumes, labels):
-        """None takes a key out of the scene."""
-        wanted = dict(set or {})
-        wanted.update({f"body.{name}.ct": volume for name, volume in (volumes or {}).items()})
-        wanted.update({f"body.{name}.labels": volume for name, volume in (labels or {}).items()})
+        """Overrides as key=value texts; None removes a key."""
+        values = dict(set or {})
+        values.update({f"body.{name}.ct": volume for name, volume in (volumes or {}).items()})
+        values.update({f"body.{name}.labels": volume for name, volume in (labels or {}).items()})
         texts = []
-        for key, value in wanted.items():
+        for key, value in values.items():
             text = self._take_volume(key, value)
             texts.append(f"{key}=" + ("" if value is None else text if text is not None else self.toml(value)))
         return texts

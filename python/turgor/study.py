@@ -1,21 +1,21 @@
 """Many runs of one scene: python -m turgor.study STUDY.toml [--out FOLDER] [--jobs N] [--part i/n] [--cluster ADDRESS]
 
     [study]
-    scene = "incision.toml"                                # beside the study
+    scene = "incision.toml"                                # relative to the study
     design = { kind = "saltelli", count = 64, seed = 1 }   # or lhs with count and seed; grid
-    cases = "cohort.csv"                                   # every member for every row: its columns are keys of the scene
+    cases = "cohort.csv"                                   # repeats the design for every row; columns are keys of the scene
     [vary]
     "body.torso.skin.tension" = { uniform = [20, 80] }     # or log_uniform, or values = [...]; ends may be vectors
     [measure]
-    gape = "wounds.midline.gape_max_mm"                    # where report.json has it; items of a list by their name
+    gape = "wounds.midline.gape_max_mm"                    # key in report.json; items of a list by their name
     [run]
-    threads = 1                                            # of a member
-    timeout = 600                                          # of a member [s]
+    threads = 1                                            # per member
+    timeout = 600                                          # per member [s]
 
-Every member is a process of its own and leaves one file, FOLDER/members/KEY.json, by rename. KEY is the hash of the scene, its
-files, what is varied and the version: what is there is not done again, whoever was killed meanwhile. A member that crashes,
-hangs or is refused is a row with a sentence, and is tried again when the study is started again. `--part i/n` does its share,
-for job arrays on one file system; the last of them to end gathers. `--cluster` has members done by Dask (study_dask.py).
+Every member runs in its own process and writes one file, FOLDER/members/KEY.json, by rename. KEY is the hash of the scene, its
+files, the varied values and the version, so that a restarted study continues from the finished members. A member that crashes,
+hangs or is refused has a row with a message, and runs again when the study is restarted. `--part i/n` runs a share of the
+members, for job arrays on one file system; the last share gathers the results. `--cluster` uses Dask (study_dask.py).
 """
 import argparse
 import concurrent.futures
@@ -42,7 +42,7 @@ KINDS = ("grid", "lhs", "saltelli")
 
 
 def _value(spec, share):
-    """Of what is varied: at this share of its range, in [0, 1)."""
+    """Value of a varied key at this fraction of its range, in [0, 1)."""
     if "values" in spec:
         return spec["values"][int(share * len(spec["values"]))]
     low, high = spec["uniform"] if "uniform" in spec else spec["log_uniform"]
@@ -56,14 +56,14 @@ def _between(low, high, share, linear):
 
 
 def latin_hypercube(count, dimensions, seed):
-    """(count, dimensions) in [0, 1): every column has one number in each of `count` equal parts."""
+    """(count, dimensions) in [0, 1): every column has one number in each of `count` equal intervals."""
     random = np.random.default_rng(seed)
     cells = np.stack([random.permutation(count) for _ in range(dimensions)], axis=1)
     return (cells + random.random((count, dimensions))) / count
 
 
 def _saltelli(count, dimensions, seed):
-    """A, B, and A with one column of B after the other [Saltelli 2010]: (dimensions + 2) · count rows."""
+    """Matrices A, B, and A with each column replaced by that of B [Saltelli 2010]: (dimensions + 2) · count rows."""
     both = latin_hypercube(count, 2 * dimensions, seed)
     a, b = both[:, :dimensions], both[:, dimensions:]
     blocks = [a, b]
@@ -84,9 +84,9 @@ def _rows_of_design(design, vary):
 
 
 def sobol_indices(values, dimensions, seed=0, times=500):
-    """First and total indices of what a Saltelli design gave [Jansen 1999], each with the half width of its 95 % interval.
+    """First and total Sobol indices of a Saltelli design [Jansen 1999], each with the half width of its 95 % interval.
 
-    values: (dimensions + 2) · count, in the order of the design; members that failed are nan, and left out with their base row.
+    values: (dimensions + 2) · count, in the order of the design; failed members are nan and excluded with their base row.
     Returns first, total: (dimensions, 2).
     """
     blocks = np.asarray(values, dtype=float).reshape(dimensions + 2, -1)
@@ -109,7 +109,7 @@ def sobol_indices(values, dimensions, seed=0, times=500):
 
 
 def _content(value, folder):
-    """Of a value of a scene: of a file that it names, what is in it."""
+    """Value of a scene for hashing; file names are replaced by hashes of their content."""
     if isinstance(value, dict):
         return {key: _content(one, folder) for key, one in value.items()}
     if isinstance(value, list):
@@ -125,7 +125,7 @@ def _content(value, folder):
 
 
 class Study:
-    """A study's file, read and checked. Error: what it has wrong."""
+    """A validated study file. Raises Error for an invalid one."""
 
     def __init__(self, file):
         self.file = pathlib.Path(file)
@@ -163,7 +163,7 @@ class Study:
         return _rows_of_design(self.design, self.vary)
 
     def _check_ends(self, key, ends):
-        """Two numbers, or two vectors of as many numbers."""
+        """Checks for two numbers, or two vectors of equal size."""
         sizes = [len(end) if isinstance(end, list) else 0 for end in ends] if isinstance(ends, list) else []
         numbers = [n for end in ends for n in (end if isinstance(end, list) else [end])] if sizes else []
         if len(sizes) != 2 or sizes[0] != sizes[1] or not all(type(n) in (int, float) for n in numbers):
@@ -176,7 +176,7 @@ class Study:
             return [{key: self._path(value) for key, value in row.items()} for row in csv.DictReader(rows)]
 
     def _path(self, value):
-        """Cells name files beside the study, or are numbers."""
+        """Value of a cell: a number, or a file relative to the study."""
         try:
             return float(value)
         except ValueError:
@@ -184,49 +184,49 @@ class Study:
             return str(path.resolve()) if path.exists() else value
 
 
-def _found(report, place):
-    """A number of a report: keys with points between, items of a list by their name."""
-    for key in place.split("."):
+def _number_of(report, path):
+    """Number in a report under a dotted path; items of a list by their name."""
+    for key in path.split("."):
         if isinstance(report, list):
             report = next((item for item in report if item.get("name") == key), None)
         else:
             report = report.get(key) if isinstance(report, dict) else None
     if not isinstance(report, (int, float)):
-        raise Error(f"measure: expected a number of the report as {place}, found {'nothing' if report is None else type(report).__name__}")
+        raise Error(f"measure: expected a number of the report as {path}, found {'nothing' if report is None else type(report).__name__}")
     return report
 
 
 def _do_member(task):
-    """In a process of its own: the scene to its end, and what is measured then."""
+    """Runs the scene in this process, and returns the measurements at its end."""
     from .world import World
 
     begin = time.perf_counter()
     world = World(task["scene"], set=task["set"], threads=task["threads"])
     for _ in world.run():
         if os.getppid() != task["parent"]:
-            raise Error("whoever waited for this member is gone")
+            raise Error("the parent process of this member ended")
     report = world.report()
-    row = {name: _found(report, place) for name, place in task["measure"].items()}
+    row = {name: _number_of(report, path) for name, path in task["measure"].items()}
     return {"measured": row, "state_hash": world.state_hash, "instructions": instructions, "seconds": time.perf_counter() - begin}
 
 
 def _write(file, text):
-    """Whole or not at all, also where several do it."""
+    """Writes a file atomically, also with concurrent writers."""
     partial = file.with_name(f".{file.name}.{os.getpid()}.{time.monotonic_ns()}")
     partial.write_text(text, encoding="utf-8")
     os.replace(partial, file)
 
 
 def _task(study, member, folder):
-    """A member as whoever does it needs it, on any machine with the same files."""
+    """Description of a member for its worker, on any machine with the same files."""
     return {"file": str(_file_of(member, folder.resolve())), "scene": str(study.scene.resolve()), "set": member["set"], "measure": study.measure,
             "threads": study.run.get("threads", 1), "timeout": study.run.get("timeout", 3600), "version": __version__}
 
 
 def run_member(task):
-    """Leaves a row, or a sentence of why there is none. Whoever kills this leaves neither, and a member that soon ends itself."""
+    """Runs a member and writes its row, or a message on failure. If this process is killed, the member ends itself without a row."""
     if "measured" in (_row(task["file"]) or {}):
-        return  # a cluster does again what was done where a machine is gone
+        return  # a cluster repeats tasks of lost machines
     if task["version"] != __version__:
         raise Error(f"{sys.prefix}: expected turgor {task['version']} as on the machine that the study was started on, found {__version__}")
     command = [sys.executable, "-m", "turgor.study", "--member", json.dumps({**task, "parent": os.getpid()})]
@@ -239,7 +239,7 @@ def run_member(task):
 
 
 def leave_row(task, row):
-    """A failure takes no other's row away: where a worker is cut off, another does its member meanwhile."""
+    """Writes a row. A failure does not replace measurements, since another worker may have run the member of a lost one."""
     if "measured" in row or "measured" not in (_row(task["file"]) or {}):
         _write(pathlib.Path(task["file"]), json.dumps({**row, "set": task["set"]}))
 
@@ -262,11 +262,11 @@ def _row(file):
         return None
 
 
-# All of them
+# The study
 
 
 def _report(study, rows):
-    """What table.csv and report.json say."""
+    """Statistics for report.json."""
     measured = {name: [row["measured"][name] if row and "measured" in row else math.nan for row in rows] for name in study.measure}
     failed = [{"set": m["set"], "failed": row["failed"]} for m, row in zip(study.members, rows) if row and "failed" in row]
     report = {"version": __version__, "study": str(study.file), "members": len(rows), "failed": failed,
@@ -295,17 +295,17 @@ def _gather(study, folder, rows):
 
 
 def _run_here(tasks, jobs):
-    """Members beside each other, each in a thread that waits for its process. Yields once a member."""
+    """Runs members in parallel, each in a thread that waits for its process. Yields once per member."""
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         for future in concurrent.futures.as_completed([pool.submit(run_member, task) for task in tasks]):
             yield future.result()
 
 
 def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, cluster=None):
-    """Does what is missing of a study, and gathers when nothing is. Returns the report, or None while others' parts are missing.
+    """Runs the missing members of a study, and gathers the results. Returns the report, or None while other shares are missing.
 
-    jobs: members beside each other; 0 = as many as there are cores for their threads. tell: called with sentences.
-    cluster: who does them: None = processes of this one, "local" = Dask in this one, or the address of a scheduler of Dask.
+    jobs: parallel members; 0 = number of cores / threads per member. tell: called with progress messages.
+    cluster: None = child processes, "local" = Dask in this process, or the address of a Dask scheduler.
     """
     study = Study(file)
     folder = pathlib.Path(out or pathlib.Path("out") / study.file.stem)
@@ -322,8 +322,8 @@ def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, c
     begin = time.perf_counter()
     for done, _ in enumerate(run, 1):
         if done == 5 or done % 50 == 0:
-            left = (time.perf_counter() - begin) / done * (len(missing) - done)
-            tell(f"{done} of {len(missing)} members, about {left / 60:.1f} minutes left")
+            remaining = (time.perf_counter() - begin) / done * (len(missing) - done)
+            tell(f"{done} of {len(missing)} members, about {remaining / 60:.1f} minutes remaining")
     rows = [_row(_file_of(m, folder)) for m in study.members]
     return _gather(study, folder, rows) if all(rows) else None
 
@@ -346,12 +346,12 @@ def _part(text):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m turgor.study", description="Many runs of one scene, and what they measure.")
+    parser = argparse.ArgumentParser(prog="python -m turgor.study", description="Many runs of one scene, with statistics of their measurements.")
     parser.add_argument("study", nargs="?", help="a TOML file")
     parser.add_argument("--out", help="folder of the results (default: out/STUDY)")
-    parser.add_argument("--jobs", type=int, default=0, help="members beside each other (default: one a core)")
-    parser.add_argument("--part", type=_part, default=(1, 1), metavar="i/n", help="this share of the members alone")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="of a scheduler of Dask, whose workers do the members; or local")
+    parser.add_argument("--jobs", type=int, default=0, help="parallel members (default: one per core)")
+    parser.add_argument("--part", type=_part, default=(1, 1), metavar="i/n", help="runs only this share of the members")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="address of a Dask scheduler, or local")
     parser.add_argument("--member", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
     try:
@@ -365,7 +365,7 @@ def main(arguments=None):
         print(f"turgor: {error}", file=sys.stderr)
         return 2
     if report is None:
-        print("this part is done; others are missing yet")
+        print("this share is done; other shares are missing")
     else:
         _print(report)
     return 0

@@ -1,6 +1,6 @@
-"""Members of a study on a cluster of Dask, of which only its scheduler's address is known here. Workers are started by whoever has
-the machines (dask worker, dask-jobqueue), with this turgor and the study's files; a worker does as many members at once as it has
-threads. Dask says who does what and nothing else: what was done are files, so that whoever is killed takes nothing with them.
+"""Members of a study on a Dask cluster, given by its scheduler's address. Workers are started separately (dask worker, dask-jobqueue)
+with the same turgor and the study's files; a worker runs one member per thread. Dask only distributes the members. Results are
+files, so that no finished member is lost when a process is killed.
 """
 from ._turgor import Error
 from .study import leave_row, run_member
@@ -23,22 +23,22 @@ def _connect(cluster, jobs):
 
 
 def _settle(future, task, cluster):
-    """A member whose workers die of it costs its row; what would be wrong with every member is an Error."""
+    """Records a member whose workers died as failed; raises Error for problems that affect all members."""
     if future.status == "cancelled":
-        raise Error(f"{cluster}: the scheduler is gone; started again, the study goes on from what is done")
+        raise Error(f"{cluster}: the scheduler is gone; a restarted study continues from the finished members")
     error = future.exception()
     if isinstance(error, distributed.KilledWorker):
-        leave_row(task, {"failed": f"{error.allowed_failures + 1} workers died while they did it"})
+        leave_row(task, {"failed": f"{error.allowed_failures + 1} workers died while running it"})
     elif error:
         said = str(error).partition(". ")[0] or type(error).__name__
         raise Error(f"{cluster}: expected a scheduler and workers with this turgor and the study's files, found: {said}")
 
 
 def run_on_dask(cluster, tasks, jobs, tell):
-    """Yields once a member. jobs: members beside each other where the cluster is "local"."""
+    """Yields once per member. jobs: parallel members if the cluster is "local"."""
     with _connect(cluster, jobs) as client:
         threads = sum(client.nthreads().values())
-        tell(f"{cluster}: {threads} members beside each other" if threads else f"{cluster}: no worker is there yet")
+        tell(f"{cluster}: {threads} members in parallel" if threads else f"{cluster}: no worker yet")
         waiting = dict(zip(client.map(run_member, tasks, pure=False), tasks))
         for future in distributed.as_completed(list(waiting)):
             yield _settle(future, waiting.pop(future), cluster)

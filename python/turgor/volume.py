@@ -1,4 +1,4 @@
-"""Volumes in the patient, from and to SimpleITK and nibabel."""
+"""Volumes in the patient frame, with conversions from and to SimpleITK and nibabel."""
 import numpy as np
 
 from ._turgor import Error
@@ -7,12 +7,12 @@ _RAS = np.diag([-1.0, -1.0, 1.0])  # between LPS and RAS
 
 
 class Volume:
-    """Samples on a regular grid in the patient: LPS (x to the left, y to the back, z to the head), metres.
+    """Samples on a regular grid in the patient frame: LPS (x to the left, y to the back, z to the head), in meters.
 
-    samples: (k, j, i), i fastest. Of a CT in Hounsfield units; of a segmentation whole numbers from 0.
+    samples: (k, j, i), i fastest. Hounsfield units for a CT, whole numbers from 0 for a segmentation.
     spacing: (3,) between samples along i, j, k [m].
-    origin: (3,) place of sample (0, 0, 0) [m].
-    axes: (3, 3), its columns are the unit directions of i, j, k; they may lie obliquely, but must be square to each other.
+    origin: (3,) position of sample (0, 0, 0) [m].
+    axes: (3, 3), orthonormal; its columns are the directions of i, j, k, which may be oblique.
     """
 
     def __init__(self, samples, spacing, origin=(0, 0, 0), axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))):
@@ -37,7 +37,7 @@ class Volume:
 
     @property
     def affine(self):
-        """(4, 4): the place [m, LPS] of an index (i, j, k, 1)."""
+        """(4, 4): matrix from an index (i, j, k, 1) to a position [m, LPS]."""
         matrix = np.eye(4)
         matrix[:3, :3] = self.axes * self.spacing
         matrix[:3, 3] = self.origin
@@ -45,16 +45,16 @@ class Volume:
 
     @classmethod
     def from_affine(cls, samples, affine):
-        """Of samples (k, j, i) and the (4, 4) matrix from (i, j, k, 1) to places [m, LPS]."""
+        """Volume from samples (k, j, i) and the (4, 4) matrix from (i, j, k, 1) to positions [m, LPS]."""
         affine = np.asarray(affine, dtype=np.float64)
         spacing = np.linalg.norm(affine[:3, :3], axis=0)
         if not (spacing > 0).all():
-            raise Error(f"a volume's affine: expected a step along each axis, found steps of {spacing.tolist()} m")
+            raise Error(f"a volume's affine: expected a spacing along each axis, found {spacing.tolist()} m")
         return cls(samples, spacing, affine[:3, 3], affine[:3, :3] / spacing)
 
     @classmethod
     def from_sitk(cls, image):
-        """A SimpleITK image of three dimensions, in mm as ITK has them."""
+        """Volume from a three-dimensional SimpleITK image, whose unit is mm."""
         import SimpleITK as sitk
 
         axes = np.array(image.GetDirection()).reshape(3, 3) if image.GetDimension() == 3 else np.zeros((3, 3))
@@ -71,7 +71,7 @@ class Volume:
 
     @classmethod
     def from_nibabel(cls, image):
-        """A nibabel image of three dimensions, in mm and RAS as NIfTI has them; sheared ones are refused."""
+        """Volume from a three-dimensional nibabel image, in mm and RAS; sheared images are refused."""
         affine = np.array(image.affine, dtype=np.float64)
         affine[:3] = _RAS @ affine[:3] * 1e-3
         return cls.from_affine(np.asanyarray(image.dataobj).T, affine)
@@ -83,24 +83,24 @@ class Volume:
         affine[:3] = _RAS @ affine[:3] * 1e3
         return nibabel.Nifti1Image(np.ascontiguousarray(self.samples).T, affine)
 
-    def _parts(self, samples):
+    def _fields(self, samples):
         return np.ascontiguousarray(samples), self.spacing.tolist(), self.origin.tolist(), self.axes.ravel().tolist()
 
     def _as_ct(self):
-        """In Hounsfield units as the engine has them: rounded, within int16; what is no number is air."""
+        """Samples in Hounsfield units, rounded and clamped to int16; NaN becomes air."""
         values = self.samples
         if values.dtype != np.int16:
             if not np.issubdtype(values.dtype, np.integer):
                 values = np.rint(np.nan_to_num(values.astype(np.float64), nan=-1000))
             values = np.clip(values, -32768, 32767).astype(np.int16)
-        return self._parts(values)
+        return self._fields(values)
 
     def _as_labels(self):
         values = self.samples
         whole = values.astype(np.uint16)
         if not (whole == values).all():
             raise Error("a segmentation: expected whole numbers from 0 to 65535, found others")
-        return self._parts(whole)
+        return self._fields(whole)
 
     def __repr__(self):
         k, j, i = self.samples.shape

@@ -1,5 +1,5 @@
-// What the program says to inputs that are wrong: the words that matter, exit code 2, and nothing left
-// behind.
+// Wrong inputs of the program. Each ends with exit code 2 and a message that names the mistake, and leaves no
+// new file.
 #include <cstdint>
 #include <cstring>
 
@@ -11,21 +11,21 @@ namespace {
 
 using namespace test;
 
-/// A NIfTI-1 file of int16 with 2 mm voxels, all of one value.
+/// NIfTI-1 file of int16 with 2 mm voxels, all of one value.
 std::string nifti(int nx, int ny, int nz, int value, std::size_t missing_bytes = 0) {
   std::string bytes(352, '\0');
-  const auto put = [&](std::size_t at, auto v) { std::memcpy(bytes.data() + at, &v, sizeof v); };
-  put(0, std::int32_t(348));
+  const auto write_at = [&](std::size_t at, auto v) { std::memcpy(bytes.data() + at, &v, sizeof v); };
+  write_at(0, std::int32_t(348));
   const std::int16_t dim[8] = {3, std::int16_t(nx), std::int16_t(ny), std::int16_t(nz), 1, 1, 1, 1};
   std::memcpy(bytes.data() + 40, dim, sizeof dim);
-  put(70, std::int16_t(4));   // int16
-  put(72, std::int16_t(16));  // bits
+  write_at(70, std::int16_t(4));   // int16
+  write_at(72, std::int16_t(16));  // bits
   const float spacing[4] = {1, 2, 2, 2};
   std::memcpy(bytes.data() + 76, spacing, sizeof spacing);
-  put(108, 352.0f);           // where the voxels start
-  put(112, 1.0f);             // slope
-  bytes[123] = 2;             // mm
-  put(254, std::int16_t(1));  // sform
+  write_at(108, 352.0f);           // offset of the voxels
+  write_at(112, 1.0f);             // slope
+  bytes[123] = 2;                  // mm
+  write_at(254, std::int16_t(1));  // sform
   const float rows[12] = {-2, 0, 0, 0, 0, -2, 0, 0, 0, 0, 2, 0};
   std::memcpy(bytes.data() + 280, rows, sizeof rows);
   std::memcpy(bytes.data() + 344, "n+1", 4);
@@ -36,7 +36,7 @@ std::string nifti(int nx, int ny, int nz, int value, std::size_t missing_bytes =
 
 struct Case {
   std::string arguments;  // after "turgor "
-  std::string words;      // in what it prints
+  std::string words;      // expected in the output
 };
 
 class BadInputs : public testing::Test {
@@ -80,6 +80,7 @@ class BadInputs : public testing::Test {
   std::set<std::string> before;
 };
 
+// Wrong command lines end with a message that names the mistake.
 TEST_F(BadInputs, CommandLines) {
   expect({
       {"rn good.toml", "rn is not a command; did you mean run?"},
@@ -96,17 +97,19 @@ TEST_F(BadInputs, CommandLines) {
   });
 }
 
-TEST_F(BadInputs, AGpuThatIsNotThere) {
-  if (const Result<Gpu> gpu = open_gpu(); gpu) GTEST_SKIP() << "there is one, " << gpu->name;
+// A scene with device = "gpu" on a machine without a GPU ends with a message that says so.
+TEST_F(BadInputs, MissingGpu) {
+  if (const Result<Gpu> gpu = open_gpu(); gpu) GTEST_SKIP() << "this machine has a GPU: " << gpu->name;
   const std::string run = "run good.toml --out o --set world.device=gpu",
                     missing = "body.torso: world.device = \"gpu\": expected a";
-  expect({{run + " --set body.torso.solver.schedule=slabs",
-           "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone; leave schedule away"},
+  expect({{run + " --set body.torso.solver.ordering=slabs",
+           "world.device = \"gpu\" needs solver.ordering = \"colors\"; remove ordering"},
           {run, missing},
-          {run + " --set body.torso.solver.sleep=0.001", missing},
+          {run + " --set body.torso.solver.sleep_speed=0.001", missing},
           {run + " --set body.torso.skin.law=area --set body.torso.solver.method=pbd", missing}});
 }
 
+// Wrong scenes end with a message that names the file, the line and the key.
 TEST_F(BadInputs, Scenes) {
   expect({
       {"run goood.toml --out o", "goood.toml: does not exist; did you mean good.toml?"},
@@ -128,13 +131,14 @@ TEST_F(BadInputs, Scenes) {
       {"run good.toml --out o --set incision.midline.body=head", "the scene has no body head"},
       {"run good.toml --out o --set incision.midline.depth=-1",
        "expected a number between 0 and 1 [m], found -1"},
-      {"run good.toml --out o --set incision.midline.from=[9,9,9]", "given either in metres or in fractions"},
+      {"run good.toml --out o --set incision.midline.from=[9,9,9]", "given either in meters or in fractions"},
       {"run good.toml --out o --set incision.midline.from_fraction=[0.5,0.5,2]", "from 0 to 1"},
       {"run good.toml --out o --set output.deformed_ct=a.png", "ends in .nii, .nii.gz, .nrrd or .mha"},
   });
 }
 
-TEST_F(BadInputs, Data) {
+// Missing, short or foreign data files end with a message that names the file.
+TEST_F(BadInputs, DataFiles) {
   const std::string set = "run good.toml --out o --set body.torso.ct=";
   expect({
       {set + "gone.nii", "gone.nii"},
@@ -148,13 +152,14 @@ TEST_F(BadInputs, Data) {
       {"run good.toml --out o --set body.torso.labels=gone.nii", "gone.nii"},
       {"run good.toml --out o --set body.torso.labels=text.nii", "text.nii"},
       {"run good.toml --out o --set body.torso.skin.direction_field=solid.nii", "solid.nii"},
-      {"run --replay gone.h5 --out o", "gone.h5: expected an HDF5 file, found nothing there"},
+      {"run --replay gone.h5 --out o", "gone.h5: expected an HDF5 file, found nothing"},
       {"run --replay not.h5 --out o", "not.h5: expected an HDF5 file, found something else"},
       {"run --replay thesis --out o", "thesis: expected an HDF5 file, found something else"},
   });
 }
 
-TEST_F(BadInputs, ACutBesideTheBodyIsNamedBeforeAnythingIsSimulated) {
+// An incision that misses the body is reported before the simulation starts.
+TEST_F(BadInputs, IncisionOutsideBody) {
   std::string scene = small_scene();
   scene.replace(scene.find("from_fraction = [0.5, 0.0, 0.7]\nto_fraction = [0.5, 0.0, 0.3]"), 61,
                 "from = [2, 2, 2]\nto = [2, 2, 3]");
@@ -162,7 +167,8 @@ TEST_F(BadInputs, ACutBesideTheBodyIsNamedBeforeAnythingIsSimulated) {
   expect({{"run good.toml --out o", "good.toml:11:1: incision.midline: "}});
 }
 
-TEST(Program, HelpTeachesAndVersionsAreSaid) {
+// The program prints its version, and its help has examples.
+TEST(Program, PrintsVersionAndHelp) {
   const fs::path folder = fresh_folder();
   EXPECT_EQ(run_program("--version", folder).printed.find("turgor "), 0u);
   EXPECT_EQ(run_program("--version", folder).code, 0);

@@ -1,4 +1,4 @@
-// `turgor devices` as people see it.
+// `turgor devices` as a user runs it.
 #include "tests/app/program.hpp"
 #include "turgor/core/timing.hpp"
 
@@ -7,7 +7,8 @@ namespace {
 
 using namespace test;
 
-TEST(DevicesCommand, tells_of_every_driver_in_two_seconds_what_it_needs) {
+// Within two seconds the command reports every driver and what it requires.
+TEST(DevicesCommand, ReportsEveryDriverInTwoSeconds) {
   const fs::path folder = fresh_folder();
   const Timer time;
   const Ended ended =
@@ -24,7 +25,8 @@ TEST(DevicesCommand, tells_of_every_driver_in_two_seconds_what_it_needs) {
   EXPECT_NE(ended.printed.find("install and start the Haply Inverse Service"), std::string::npos);
 }
 
-TEST(DevicesCommand, refuses_a_goal_that_cannot_be_written) {
+// An output file in a missing folder is refused.
+TEST(DevicesCommand, RejectsMissingOutputFolder) {
   const Ended ended = run_program("devices --json nowhere/devices.json", fresh_folder());
   EXPECT_EQ(ended.code, 2);
   EXPECT_NE(ended.printed.find("nowhere"), std::string::npos) << ended.printed;

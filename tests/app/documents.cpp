@@ -1,5 +1,5 @@
-// Every command of the documents, as its reader types it: runs are checked on inputs made for it, of other
-// commands every option must be one that there is.
+// Commands of the documents. Runs are checked on generated inputs; every option of the other commands must
+// exist.
 #include <regex>
 
 #include "tests/app/program.hpp"
@@ -14,7 +14,7 @@ struct Command {
   std::string where, arguments;  // without the program's name
 };
 
-/// Lines of documents that begin with the program, and those that scenes tell in their first lines.
+/// Lines of documents that begin with the program's name, and the commands in the opening comments of scenes.
 std::vector<Command> commands_in(const fs::path& file) {
   static const std::regex line_of_shell(
       R"(^\s*(?:#.*: |# )?(?:build/release/)?turgor ([a-z][^#`]*?)\s*(?:#.*)?$)");
@@ -44,7 +44,7 @@ std::vector<Command> all_commands() {
   return commands;
 }
 
-/// What a reader has of his own, in a folder with the scenes.
+/// A folder with the scenes and the files that a reader would supply.
 fs::path folder_of_a_reader() {
   const fs::path folder = fresh_folder();
   fs::copy(fs::path(TURGOR_SOURCE_DIR) / "scenes", folder / "scenes", fs::copy_options::recursive);
@@ -64,7 +64,7 @@ std::string replaced(std::string text, const std::string& name, const std::strin
   return text;
 }
 
-/// With the reader's own files.
+/// Replaces the placeholders of the documents by the reader's files.
 std::string with_inputs(std::string arguments) {
   for (const auto& [name, by] : {std::pair{"SEGMENTATION.nii.gz", "seg.nii.gz"},
                                  {"SEG.nii.gz", "seg.nii.gz"},
@@ -77,7 +77,8 @@ std::string with_inputs(std::string arguments) {
   return arguments;
 }
 
-TEST(Documents, EveryRunThatTheyNameIsAccepted) {
+// Every run in the documents and scenes is accepted by --check.
+TEST(Documents, EveryRunPassesCheck) {
   const fs::path folder = folder_of_a_reader();
   std::set<std::string> done;
   for (const Command& command : all_commands()) {
@@ -91,7 +92,8 @@ TEST(Documents, EveryRunThatTheyNameIsAccepted) {
   EXPECT_GT(done.size(), 12u);
 }
 
-TEST(Documents, EveryOptionThatTheyNameExists) {
+// Every option in the documents and scenes appears in the help of its command.
+TEST(Documents, EveryOptionExists) {
   const fs::path folder = fresh_folder();
   static const std::regex option(R"(--[a-z][a-z-]*)");
   int seen = 0;

@@ -1,4 +1,4 @@
-// What the program leaves when it cannot write: a sentence, a code, and everything as it was before.
+// Failed writes. The program ends with a message and an exit code, and earlier files stay unchanged.
 #include <csignal>
 
 #include "tests/app/program.hpp"
@@ -8,7 +8,7 @@ namespace {
 
 using namespace test;
 
-constexpr const char* kSmallDisk = "ulimit -f 8";  // blocks of 512 bytes, of every file
+constexpr const char* kSmallDisk = "ulimit -f 8";  // blocks of 512 bytes, limit of every file
 
 class FilesOut : public testing::Test {
  protected:
@@ -17,7 +17,7 @@ class FilesOut : public testing::Test {
     write(folder / "s.toml", small_scene("", "video = false\nvolume_rendering = false\nmeshes = false\n"));
     before = names_in(folder);
   }
-  /// Ends with code 2, these words after "turgor: ", and nothing new in the folder.
+  /// Expects exit code 2, these words after "turgor: ", and no new file in the folder.
   void expect_refused(const std::string& arguments, const std::string& words,
                       const std::string& first = "true") {
     const Ended ended = run_program(arguments, folder, first);
@@ -27,7 +27,7 @@ class FilesOut : public testing::Test {
     EXPECT_EQ(names_in(folder), before) << arguments;
   }
 
-  /// With one of the streams elsewhere; what was said on standard error.
+  /// Runs with one redirected stream; `printed` holds standard error.
   Ended run_redirected(const std::string& arguments, const std::string& redirection) {
     Ended ended = run_program(arguments + " 2>said " + redirection + " #", folder);
     ended.printed = bytes_of(folder / "said");
@@ -38,7 +38,8 @@ class FilesOut : public testing::Test {
   std::set<std::string> before;
 };
 
-TEST_F(FilesOut, OnAFullDiskEveryCommandEndsWithASentenceAndEarlierFilesStay) {
+// On a full disk every command ends with a message and keeps earlier files.
+TEST_F(FilesOut, FullDisk_EveryCommandKeepsFiles) {
   for (const char* name : {"a.nii", "a.nii.gz", "a.nrrd", "a.mha", "a.obj", "a.msh", "a.vtu"})
     write(folder / name, "earlier");
   write(folder / "curve.csv", "0,0\n0.001,0.1\n0.002,0.2\n0.003,0.3\n0.004,0.4\n0.005,0.5\n");
@@ -58,12 +59,14 @@ TEST_F(FilesOut, OnAFullDiskEveryCommandEndsWithASentenceAndEarlierFilesStay) {
     EXPECT_EQ(bytes_of(folder / name), "earlier") << name;
 }
 
-TEST_F(FilesOut, AFullDiskWhileRecordingEndsARunWithASentence) {
+// A disk that fills up during a recording ends the run with a message.
+TEST_F(FilesOut, FullDisk_EndsRecordingRun) {
   for (const char* blocks : {"16", "64", "160", "300"})  // at the start, at a snapshot, at the end
     expect_refused("run s.toml -q --out out", "cannot write", std::string("ulimit -f ") + blocks);
 }
 
-TEST_F(FilesOut, StandardOutputThatCannotBeWrittenIsSaid) {
+// Errors of standard output are reported on standard error, after the results are written.
+TEST_F(FilesOut, ReportsStdoutErrors) {
   const std::string full = "turgor: standard output: cannot be written: No space left on device";
   for (const char* arguments : {"info ct.nii", "--help", "--version", "", "run --help"}) {
     const Ended ended = run_redirected(arguments, ">/dev/full");
@@ -79,17 +82,19 @@ TEST_F(FilesOut, StandardOutputThatCannotBeWrittenIsSaid) {
   EXPECT_EQ(closed.printed, "turgor: standard output: cannot be written: Bad file descriptor\n");
 }
 
-TEST_F(FilesOut, StandardErrorThatCannotBeWrittenStopsNothing) {
+// A run continues if standard error cannot be written.
+TEST_F(FilesOut, StderrErrorsDoNotStopRun) {
   const std::string quick = "run s.toml -q --out out --set output.recording=false";
   ASSERT_EQ(run_program(quick, folder).code, 0);
-  for (const char* nowhere : {"2>/dev/full", "2>&-"}) {
+  for (const char* closed_stream : {"2>/dev/full", "2>&-"}) {
     write(folder / "out" / "notes.md", "named on standard error");
-    EXPECT_EQ(run_redirected(quick + " --force", nowhere).code, 0) << nowhere;
+    EXPECT_EQ(run_redirected(quick + " --force", closed_stream).code, 0) << closed_stream;
     EXPECT_FALSE(fs::exists(folder / "out" / "notes.md"));
   }
 }
 
-TEST_F(FilesOut, AReaderThatWentAwayEndsTheProgramQuietly) {
+// A closed pipe ends the program with code 141 and without a message.
+TEST_F(FilesOut, ClosedPipeEndsQuietly) {
   const std::string command = "cd '" + folder.string() +
                               "' && { '" TURGOR_PROGRAM
                               "' info ct.nii 2>err; echo $? >code; } | true; sleep 0.1";
@@ -98,15 +103,17 @@ TEST_F(FilesOut, AReaderThatWentAwayEndsTheProgramQuietly) {
   EXPECT_EQ(bytes_of(folder / "err"), "");
 }
 
-TEST_F(FilesOut, JsonThatCannotBeWrittenIsSaid) {
+// JSON files that cannot be written, or that would replace an input, are refused.
+TEST_F(FilesOut, ReportsJsonErrors) {
   expect_refused("info ct.nii --json /dev/full", "/dev/full: cannot write the file: No space left on device");
   expect_refused("info ct.nii --json none/a.json", "none/a.json: the folder none does not exist");
-  expect_refused("info ct.nii --json ct.nii", "--json ct.nii: would replace what is read");
+  expect_refused("info ct.nii --json ct.nii", "--json ct.nii: would replace an input file");
   expect_refused("bench rhombus --json none/a.json", "none/a.json: the folder none does not exist");
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST_F(FilesOut, GoalsBelowAFileOrWithoutAFolderAreRefusedBeforeTheWork) {
+// Outputs below a file or in a missing folder are refused before the work starts.
+TEST_F(FilesOut, RejectsImpossibleOutputsEarly) {
   expect_refused("run s.toml --out ct.nii/out", "ct.nii");
   expect_refused("run s.toml --out ct.nii", "ct.nii: expected a folder for the results, found a file");
   expect_refused("import ct.nii -o ct.nii/a.nrrd", "ct.nii is not a folder");
@@ -117,10 +124,11 @@ TEST_F(FilesOut, GoalsBelowAFileOrWithoutAFolderAreRefusedBeforeTheWork) {
   expect_refused("phantom torso --size 16 16 16 -o a.nii --labels ./a.nii", "name the same file");
 }
 
-TEST_F(FilesOut, NotesInAnEarlierResultStopTheNextRunAndForceNamesThem) {
+// A file that a user added to a result stops the next run; --force names and removes it.
+TEST_F(FilesOut, ForeignFilesBlockNextRun) {
   const std::string quick = "run s.toml -q --out out --set output.recording=false";
   ASSERT_EQ(run_program(quick, folder).code, 0);
-  ASSERT_EQ(run_program(quick, folder).code, 0) << "what is ours alone is replaced";
+  ASSERT_EQ(run_program(quick, folder).code, 0) << "an unchanged result is replaced";
   write(folder / "out" / "notes.md", "seen twice");
   before = names_in(folder);
   expect_refused(quick, "out: holds files that turgor did not write, or that were changed since: notes.md;");
@@ -132,17 +140,19 @@ TEST_F(FilesOut, NotesInAnEarlierResultStopTheNextRunAndForceNamesThem) {
   EXPECT_EQ(names_in(folder), before);
 }
 
-TEST_F(FilesOut, ARunDoesNotReplaceItsOwnCtNorAReplayItsRecording) {
+// A run does not replace its own CT, and a replay does not replace its recording.
+TEST_F(FilesOut, KeepsInputsInOutputFolder) {
   ASSERT_EQ(run_program("run s.toml -q --out out", folder).code, 0);
   before = names_in(folder);
-  expect_refused("run --replay out/recording.h5 -q --out out", "out/recording.h5: lies in ");
+  expect_refused("run --replay out/recording.h5 -q --out out", "out/recording.h5: is in ");
   EXPECT_TRUE(fs::exists(folder / "out" / "recording.h5"));
   expect_refused("run s.toml -q --out out --set body.torso.ct=out/deformed.nii.gz",
-                 "out/deformed.nii.gz: lies in ");
+                 "out/deformed.nii.gz: is in ");
   EXPECT_TRUE(fs::exists(folder / "out" / "deformed.nii.gz"));
 }
 
-TEST_F(FilesOut, ARunThatStoppedOnNumbersThatAreNotFiniteEndsWith3AndItsResultsAreThere) {
+// A run that stops at non-finite values ends with code 3 and keeps its results.
+TEST_F(FilesOut, NonFiniteRunKeepsResults) {
   write(folder / "stiff.toml",
         "[world]\nduration = 0.5\nframe_rate = 20\n[body.flag]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, "
         "1], side = "
@@ -153,11 +163,12 @@ TEST_F(FilesOut, ARunThatStoppedOnNumbersThatAreNotFiniteEndsWith3AndItsResultsA
   EXPECT_EQ(ended.code, 3) << ended.printed;
   EXPECT_NE(ended.printed.find("turgor: stiff.toml: stopped after "), std::string::npos) << ended.printed;
   const nlohmann::json report = report_in(folder / "out");
-  EXPECT_NE(report["warnings"].dump().find("were not finite"), std::string::npos);
+  EXPECT_NE(report["warnings"].dump().find("the next step was not finite"), std::string::npos);
   EXPECT_FALSE(report["pictures"].empty());
 }
 
-TEST_F(FilesOut, OutputsOfOneNameAreRefusedWithBothKeys) {
+// Two outputs with the same file name are refused with a message that names both keys.
+TEST_F(FilesOut, RejectsOutputsWithEqualNames) {
   expect_refused("run s.toml --out out --set output.displacement=deformed.nii.gz",
                  "output.deformed_ct and output.displacement would be the same file, deformed.nii.gz");
   expect_refused("run s.toml --out out --set output.displacement=u.nrrd --set output.jacobian=u.nrrd",

@@ -1,5 +1,5 @@
-// What a flag or a scene can say, however absurd, is answered with a result or a sentence: never with a
-// signal, never with silence that lasts. Runs the program on tiny scenes with a limit on time and memory.
+// Absurd values of flags and scene keys. The program always answers with a result or a message, never with a
+// signal or a hang. Runs tiny scenes with limits on time and memory.
 #include "tests/app/program.hpp"
 
 namespace turgor {
@@ -32,7 +32,7 @@ const std::string kMemory;  // sanitizers reserve terabytes
 const std::string kMemory = "ulimit -v 8000000 && ";  // [kB]
 #endif
 
-/// Seconds and kilobytes that no tiny scene needs.
+/// Runs with limits on seconds and kilobytes that no tiny scene needs.
 Ended run_bounded(const std::string& arguments, const fs::path& folder) {
   return run_shell(kMemory + "timeout -s KILL 60 '" TURGOR_PROGRAM "' " + arguments + " </dev/null", folder);
 }
@@ -56,7 +56,7 @@ block = { size = [0.04, 0.04, 0.02], count = [4, 4, 2] }
 fixed = { sides = "bottom", depth = 0.1 }
 patch = { radius = 0.01, refinement = 2, hysteresis = 0.25 }
 viscosity = { ratio = 0.5, time = 0.3 }
-inclusion = { hard = { centre_fraction = [0.5, 0.5, 0.5], radius = 0.01, young = 4e4 } }
+inclusion = { hard = { center_fraction = [0.5, 0.5, 0.5], radius = 0.01, young = 4e4 } }
 cache = false
 [tool.finger]
 body = "pad"
@@ -113,7 +113,7 @@ const std::vector<Swept>& swept() {
         "body.pad.inclusion.hard.radius",
         "body.pad.inclusion.hard.young",
         "body.pad.inclusion.hard.poisson",
-        "body.pad.inclusion.hard.centre_fraction",
+        "body.pad.inclusion.hard.center_fraction",
         "body.pad.rotations",
         "body.pad.precision",
         "body.pad.memory",
@@ -155,26 +155,28 @@ const std::vector<Swept>& swept() {
   return all;
 }
 
-/// A part of the keys, so that no test takes minutes.
+/// A share of the keys, so that no test takes minutes.
 class HostileKeys : public testing::TestWithParam<int> {};
-constexpr int kParts = 8;
+constexpr int kShares = 8;
 
-TEST_P(HostileKeys, OfATouchedSceneAreAnsweredWhateverTheySay) {
+// Every key of a scene with a tool gets a result or a message for every absurd value.
+TEST_P(HostileKeys, AbsurdValuesGetAnswer) {
   const fs::path folder = fresh_folder();
   for (const Swept& scene : swept()) {
     write(folder / scene.name, scene.text);
     const Ended plain = run_bounded(std::string("run ") + scene.name + " -q --out o", folder);
     ASSERT_EQ(plain.code, 0) << plain.printed;
-    for (std::size_t k = std::size_t(GetParam()); k < scene.keys.size(); k += kParts)
+    for (std::size_t k = std::size_t(GetParam()); k < scene.keys.size(); k += kShares)
       for (const std::string& value : kHostile)
         expect_answer(
             std::string("run ") + scene.name + " -q --out o --set " + quoted(scene.keys[k] + "=" + value),
             folder);
   }
 }
-INSTANTIATE_TEST_SUITE_P(Parts, HostileKeys, testing::Range(0, kParts));
+INSTANTIATE_TEST_SUITE_P(Shares, HostileKeys, testing::Range(0, kShares));
 
-TEST(HostileValues, AllowedExtremesTogetherAreAnsweredToo) {
+// Combinations of extreme but valid values get a result or a message.
+TEST(HostileValues, CombinedExtremesGetAnswer) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPad);
   const std::vector<std::string> sets = {
@@ -197,7 +199,8 @@ TEST(HostileValues, AllowedExtremesTogetherAreAnsweredToo) {
   for (const std::string& set : sets) expect_answer("run pad.toml -q --out o " + set, folder);
 }
 
-TEST(HostileValues, EveryFlagIsAnsweredWhateverItSays) {
+// Every flag gets a result or a message for every absurd value.
+TEST(HostileValues, AbsurdFlagsGetAnswer) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPad);
   write(folder / "box.obj",

@@ -1,10 +1,11 @@
-// The commands that handle data: phantom, info, import.
+// Commands that handle data: phantom, info, import.
 #include "tests/app/program.hpp"
 
 namespace turgor::test {
 namespace {
 
-TEST(Info, APhantomIsTheSameAsDicomAsNiftiAndImported) {
+// A phantom written as DICOM, written as NIfTI or imported as NRRD has the same voxels and labels.
+TEST(InfoCommand, FormatsHoldEqualPhantoms) {
   const fs::path folder = fresh_folder();
   const std::string phantom = "phantom torso --size 48 48 40 --seed 3 ";
   ASSERT_EQ(run_program(phantom + "--labels l.nii.gz -o ct", folder).code, 0);
@@ -30,7 +31,8 @@ TEST(Info, APhantomIsTheSameAsDicomAsNiftiAndImported) {
   }
 }
 
-TEST(Info, WhatCannotBeDoneIsSaidAndLeavesNothing) {
+// Impossible commands end with a message and leave no files.
+TEST(InfoCommand, ErrorsLeaveNoFiles) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(run_program("phantom leg --size 16 16 12 -o ct", folder).code, 0);
   write(folder / "flat.mesh",
@@ -43,8 +45,8 @@ TEST(Info, WhatCannotBeDoneIsSaidAndLeavesNothing) {
   } cases[] = {{"info cts", 2, "did you mean ct?"},
                {"info ct --labels nothing.nii.gz", 2, "nothing.nii.gz: does not exist"},
                {"info ct --series 7", 2, "no series \"7\""},
-               {"info ct --scale 0.001", 2, "--scale is of meshes"},
-               {"info flat.mesh --series 7", 2, "--labels and --series are of CTs"},
+               {"info ct --scale 0.001", 2, "--scale applies to meshes"},
+               {"info flat.mesh --series 7", 2, "--labels and --series apply to CTs"},
                {"info flat.mesh", 2, "expected tetrahedra with a volume, found 1 flat: 1"},
                {"info flat.mesh --scale 0", 2, "--scale"},
                {"import ct -o a.jpg", 2, "expected .nii, .nii.gz, .nrrd or .mha"},
@@ -59,7 +61,8 @@ TEST(Info, WhatCannotBeDoneIsSaidAndLeavesNothing) {
   EXPECT_EQ(names_in(folder), (std::set<std::string>{"ct", "flat.mesh"}));
 }
 
-TEST(Info, AnIncompleteSeriesIsRefusedButDescribed) {
+// An incomplete DICOM series is refused; the message lists its missing slices.
+TEST(InfoCommand, DescribesIncompleteSeries) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(run_program("phantom leg --size 16 16 12 -o ct", folder).code, 0);
   fs::remove(folder / "ct" / "slice-00005.dcm");
@@ -69,7 +72,8 @@ TEST(Info, AnIncompleteSeriesIsRefusedButDescribed) {
     EXPECT_NE(ended.printed.find(words), std::string::npos) << ended.printed;
 }
 
-TEST(Info, AMeshTellsItsElementsRegionsVolumeAndAngles) {
+// The description of a solid mesh has its elements, regions, volume and angles.
+TEST(InfoCommand, DescribesSolidMesh) {
   const fs::path folder = fresh_folder();
   write(folder / "two.mesh",
         "MeshVersionFormatted 1 Dimension 3 Vertices 5  0 0 0 0  10 0 0 0  0 10 0 0  0 0 10 0  0 0 -10 0\n"
@@ -78,7 +82,7 @@ TEST(Info, AMeshTellsItsElementsRegionsVolumeAndAngles) {
   ASSERT_EQ(info.code, 0) << info.printed;
   for (const char* words : {"Medit", "2 tetrahedra, 5 vertices", "volume       0.333333 mL", "10 to 14.14 mm",
                             "54.74 to 90.00 degrees", "region       4: 1 element, 0.166667 mL",
-                            "1 of 2 tetrahedra were listed inside out"})
+                            "1 of 2 tetrahedra were inverted"})
     EXPECT_NE(info.printed.find(words), std::string::npos) << words << "\n" << info.printed;
   const nlohmann::json json = read_json(folder / "out.json");
   EXPECT_EQ(json["kind"], "tetrahedra");
@@ -88,7 +92,8 @@ TEST(Info, AMeshTellsItsElementsRegionsVolumeAndAngles) {
   EXPECT_NEAR(json["volume_m3"].get<double>(), 1e-6 / 3, 1e-18);
 }
 
-TEST(Info, ASurfaceTellsWhetherItBoundsABody) {
+// The description of a surface says whether it is closed and bounds a body.
+TEST(InfoCommand, DescribesSurface) {
   const fs::path folder = fresh_folder();
   const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
   write(folder / "closed.obj", corners + "f 3 1 4\n");
@@ -99,10 +104,11 @@ TEST(Info, ASurfaceTellsWhetherItBoundsABody) {
   EXPECT_NE(closed.printed.find("volume       166667 mL"), std::string::npos) << closed.printed;
   EXPECT_EQ(open.code, 0);
   EXPECT_NE(open.printed.find("closed       no"), std::string::npos) << open.printed;
-  EXPECT_NE(open.printed.find("bounds no body: "), std::string::npos) << open.printed;
+  EXPECT_NE(open.printed.find("not a closed surface of a body: "), std::string::npos) << open.printed;
 }
 
-TEST(Info, EveryCommandHasAnExample) {
+// The help of every command has an example.
+TEST(InfoCommand, HelpHasExamples) {
   for (const std::string command : {"run", "info", "import", "phantom", "mesh", "calibrate", "validate sfem",
                                     "bench skin-tension", "bench sfem", "bench rhombus", "bench cloth"}) {
     const Ended help = run_program(command + " --help", fresh_folder());

@@ -1,4 +1,4 @@
-// What a run makes of a CT and of a segmentation beside it: whose names, whose grid, and what it doubts.
+// A CT with a segmentation: names of labels, grids that differ, and the plausibility check of gray values.
 #include "tests/app/program.hpp"
 
 namespace turgor {
@@ -7,7 +7,7 @@ namespace {
 using nlohmann::json;
 using namespace test;
 
-/// A phantom's CT and labels as files, and the scene of a body that is made of them.
+/// A phantom's CT and labels as files.
 fs::path folder_with_ct() {
   const fs::path folder = fresh_folder();
   EXPECT_EQ(run_program("phantom torso --size 48 40 32 -o ct.nii.gz --labels l.nii.gz", folder).code, 0);
@@ -22,7 +22,7 @@ std::string scene_of(const std::string& body) {
          "recording = false\nvideo = false\n";
 }
 
-/// The labels as 3D Slicer writes them: label 5, the liver, is called something else.
+/// The labels as 3D Slicer writes them: label 5, the liver, has another name.
 void write_segmentation(const fs::path& folder, const std::string& name) {
   ASSERT_EQ(run_program("import l.nii.gz -o l.nrrd", folder).code, 0);
   std::string bytes = bytes_of(folder / "l.nrrd");
@@ -37,7 +37,8 @@ bool warns(const json& report, const std::string& words) {
   return false;
 }
 
-TEST(Labels, AreCalledWhatTheirFileCallsThem) {
+// Labels have the names of their file, in info and in scenes.
+TEST(Labels, NamesComeFromFile) {
   const fs::path folder = folder_with_ct();
   write_segmentation(folder, "tumour");
   const Ended info = run_program("info ct.nii.gz --labels l.seg.nrrd", folder);
@@ -59,7 +60,8 @@ TEST(Labels, AreCalledWhatTheirFileCallsThem) {
   EXPECT_NE(wrong.printed.find("found \"liver\""), std::string::npos) << wrong.printed;
 }
 
-TEST(Labels, MeshTakesTheNamesOfTheFileTooAndSaysWhenTheyAreTheUsualOnes) {
+// The mesh command uses the names of the file and notes when it assumes those of TotalSegmentator.
+TEST(Labels, MeshNotesAssumedNames) {
   const fs::path folder = folder_with_ct();
   write_segmentation(folder, "tumour");
   const Ended own = run_program("mesh l.seg.nrrd --label tumour --size 0.02 -o name.msh", folder);
@@ -85,7 +87,8 @@ TEST(Labels, MeshTakesTheNamesOfTheFileTooAndSaysWhenTheyAreTheUsualOnes) {
   }
 }
 
-TEST(Labels, NamesThatTheFileDoesNotSayAreNoted) {
+// A file without names of labels is noted by info and by run.
+TEST(Labels, NotesMissingNames) {
   const fs::path folder = folder_with_ct();
   const Ended info = run_program("info ct.nii.gz --labels l.nii.gz", folder);
   EXPECT_NE(info.printed.find("names none of its labels"), std::string::npos) << info.printed;
@@ -94,21 +97,24 @@ TEST(Labels, NamesThatTheFileDoesNotSayAreNoted) {
   EXPECT_TRUE(warns(report_in(folder / "out"), "\"liver\" is taken to be label 5, as TotalSegmentator"));
 }
 
-TEST(Labels, OfAnotherPatientsGridAreRefusedByRunAsByInfo) {
+// Labels on another grid than the CT's are refused by info and by run.
+TEST(Labels, RejectsForeignGrid) {
   const fs::path folder = folder_with_ct();
   ASSERT_EQ(run_program("phantom torso --size 48 40 30 -o other.nii.gz --labels o.nii.gz", folder).code, 0);
   write(folder / "s.toml", scene_of("labels = \"o.nii.gz\"\nonly = \"liver\""));
   for (const char* command : {"info ct.nii.gz --labels o.nii.gz", "run s.toml -o out"}) {
     const Ended ended = run_program(command, folder);
     EXPECT_EQ(ended.code, 2) << ended.printed;
-    EXPECT_NE(ended.printed.find("o.nii.gz: its grid is not the CT's: size 48 x 40 x 30, not 48 x 40 x 32"),
-              std::string::npos)
+    EXPECT_NE(
+        ended.printed.find("o.nii.gz: its grid differs from the CT's: size 48 x 40 x 30, not 48 x 40 x 32"),
+        std::string::npos)
         << ended.printed;
   }
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
-TEST(Labels, GivenAsACtAreDoubtedByInfoImportAndRun) {
+// Labels given as a CT cause a warning in info, import and run.
+TEST(Labels, WarnsIfUsedAsCt) {
   const fs::path folder = folder_with_ct();
   EXPECT_NE(run_program("info l.nii.gz", folder).printed.find("do not look like Hounsfield"),
             std::string::npos);

@@ -1,4 +1,4 @@
-// `turgor mesh` as people run it, on the phantom and on real data.
+// `turgor mesh` on the phantom and on real data.
 #include "tests/app/program.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/stuffing.hpp"
@@ -12,19 +12,20 @@ const fs::path kData = fs::path(TURGOR_SOURCE_DIR) / ".." / "shared" / "data";
 #define SKIP_WITHOUT(path) \
   if (!fs::exists(path)) GTEST_SKIP() << (path).string() << " is absent: real data is not part of the project"
 
-/// What a written file holds; every angle within the guarantee.
+/// Reads a written mesh and checks that every angle is within the guarantee.
 SolidMesh read_good_mesh(const fs::path& path) {
   Result<ReadSolid> read = read_solid(path);
   EXPECT_TRUE(read) << read.error().message;
   if (!read) return {};
   EXPECT_EQ(read->inverted, 0u);
   const MeshQuality quality = measure_quality(read->mesh);
-  EXPECT_GE(quality.min_dihedral, kLeastStuffedDihedral - 0.01);  // files round places
+  EXPECT_GE(quality.min_dihedral, kLeastStuffedDihedral - 0.01);  // files round coordinates
   EXPECT_LE(quality.max_dihedral, kLargestStuffedDihedral + 0.01);
   return std::move(read->mesh);
 }
 
-TEST(Mesh, the_phantom_s_liver_and_its_nodule_become_two_regions_of_one_mesh) {
+// The phantom's liver and its nodule become two regions of one mesh.
+TEST(MeshCommand, PhantomLabelsBecomeRegions) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(run_program("phantom torso --size 96 96 60 --labels l.nii.gz -o ct.nii.gz", folder).code, 0);
   for (const char* name : {"liver.vtu", "liver.msh"}) {
@@ -38,7 +39,8 @@ TEST(Mesh, the_phantom_s_liver_and_its_nodule_become_two_regions_of_one_mesh) {
   }
 }
 
-TEST(Mesh, a_real_liver_of_1043_ml_keeps_its_volume_within_two_per_cent) {
+// A real liver of 1043 mL keeps its volume within two percent at three resolutions.
+TEST(MeshCommand, RealLiverKeepsVolume) {
   SKIP_WITHOUT(kData / "ct" / "abdomen-slab-labels.nii.gz");
   const fs::path folder = fresh_folder(), labels = fs::absolute(kData / "ct" / "abdomen-slab-labels.nii.gz");
   for (const char* size : {"0.02", "0.012", "0.008"}) {
@@ -46,12 +48,12 @@ TEST(Mesh, a_real_liver_of_1043_ml_keeps_its_volume_within_two_per_cent) {
         run_program("mesh '" + labels.string() + "' --label 5 -o liver.vtu --size " + size, folder);
     ASSERT_EQ(ended.code, 0) << ended.printed;
     EXPECT_NEAR(volume(read_good_mesh(folder / "liver.vtu")) * 1e6, 1043.118, 0.02 * 1043.118) << size;
-    EXPECT_NE(ended.printed.find("it may be cut off there"), std::string::npos)
-        << "the slab ends in the liver";
+    EXPECT_NE(ended.printed.find("it may be truncated"), std::string::npos) << "the slab ends in the liver";
   }
 }
 
-TEST(Mesh, a_real_surface_with_a_small_fold_becomes_a_mesh_and_a_note) {
+// A real surface that crosses itself becomes a mesh and adds a note.
+TEST(MeshCommand, FoldedSurfaceIsNoted) {
   SKIP_WITHOUT(kData / "mesh" / "liver-smooth.obj");
   const fs::path folder = fresh_folder(), surface = fs::absolute(kData / "mesh" / "liver-smooth.obj");
   const Ended ended =
@@ -61,7 +63,8 @@ TEST(Mesh, a_real_surface_with_a_small_fold_becomes_a_mesh_and_a_note) {
   EXPECT_NEAR(volume(read_good_mesh(folder / "liver.msh")) * 1e6, 39.27, 0.02 * 39.27);
 }
 
-TEST(Mesh, what_cannot_be_meshed_is_said_with_numbers_and_leaves_nothing) {
+// Inputs that cannot be meshed end with a message and leave no files.
+TEST(MeshCommand, ErrorsLeaveNoFiles) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(run_program("phantom torso --size 48 48 40 --labels l.nii.gz -o ct.nii.gz", folder).code, 0);
   write(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
@@ -71,11 +74,11 @@ TEST(Mesh, what_cannot_be_meshed_is_said_with_numbers_and_leaves_nothing) {
   } cases[] = {{"mesh l.nii.gz -o a.vtu", "no label was chosen from the segmentation; it has 1 ("},
                {"mesh l.nii.gz --label 250 -o a.vtu", "label 250 is not in the segmentation; it has 1 ("},
                {"mesh l.nii.gz --label 5 --size 0.2 -o a.vtu", "too small for a lattice of 200 mm"},
-               {"mesh l.nii.gz --label 5 --size 0.00001 -o a.vtu", "or are the coordinates not in metres?"},
+               {"mesh l.nii.gz --label 5 --size 0.00001 -o a.vtu", "Are the coordinates in meters?"},
                {"mesh l.nii.gz --label 5 -o a.stl", "a.stl: expected a name that ends in .vtu or .msh"},
-               {"mesh l.nii.gz --label 5 --scale 0.001 -o a.vtu", "--scale is for surfaces"},
+               {"mesh l.nii.gz --label 5 --scale 0.001 -o a.vtu", "--scale applies to surfaces"},
                {"mesh open.obj -o a.vtu", "open.obj: the surface is open: 3 edges are of one triangle only"},
-               {"mesh open.obj --label 5 -o a.vtu", "--label is for segmentations"},
+               {"mesh open.obj --label 5 -o a.vtu", "--label applies to segmentations"},
                {"mesh nothing.nii.gz --label 5 -o a.vtu", "nothing.nii.gz"},
                {"mesh l.nii.gz --label 5 --size -1 -o a.vtu", "--size"}};
   for (const auto& c : cases) {

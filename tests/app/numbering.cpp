@@ -1,4 +1,4 @@
-// Vertices of what a run writes are numbered as the mesh that the user gave.
+// Vertices in the files of a run are numbered as in the user's mesh.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-/// A sheet of 9 × 7 vertices, bent, with its vertices in no order at all.
+/// A bent sheet of 9 × 7 vertices in a shuffled order.
 TriMesh shuffled_sheet() {
   TriMesh mesh;
   constexpr int kColumns = 9, kRows = 7, kCount = kColumns * kRows;
@@ -58,14 +58,14 @@ TriMesh shuffled_ball(float radius) {
   return ball;
 }
 
-void expect_same_places(const TriMesh& given, const TriMesh& written, float within) {
+void expect_same_positions(const TriMesh& given, const TriMesh& written, float within) {
   ASSERT_EQ(given.vertices.size(), written.vertices.size());
   for (std::size_t v = 0; v < given.vertices.size(); v++)
     ASSERT_LT(norm(given.vertices[v] - written.vertices[v]), within) << v;
   EXPECT_EQ(given.triangles, written.triangles);
 }
 
-/// What ParaView finds behind the first "offset=" after `where`.
+/// Array of a VTU file: the data behind the first "offset=" after `where`.
 std::vector<float> vtu_floats(const fs::path& file, const std::string& where) {
   const std::string bytes = bytes_of(file);
   const std::size_t offset = std::stoul(bytes.substr(bytes.find("offset=\"", bytes.find(where)) + 8));
@@ -90,29 +90,32 @@ const char* kStill =
     "[world]\nduration = 0.02\nframe_rate = 50\n[output]\nvideo = false\n"
     "snapshots = { every = 0.02, size = [64, 64] }\n";
 
-TEST(Numbering, vertex_i_of_a_cloth_is_vertex_i_of_its_mesh_in_every_file) {
+// Vertex i of a cloth is vertex i of its mesh in every output file.
+TEST(Numbering, ClothKeepsVertexOrder) {
   const fs::path folder = fresh_folder();
   const TriMesh given = shuffled_sheet();
   ASSERT_TRUE(write_obj(folder / "mine.obj", given));
   write(folder / "s.toml", std::string(kStill) + "[body.sheet]\nmodel = \"cloth\"\nmesh = \"mine.obj\"\n");
   const Ended ended = run_program("run s.toml --out out", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
-  expect_same_places(given, read_surface(folder / "out" / "sheet.obj")->mesh, 3e-6f);
+  expect_same_positions(given, read_surface(folder / "out" / "sheet.obj")->mesh, 3e-6f);
   const Result<Hdf5File> file = Hdf5File::open(folder / "out" / "recording.h5");
-  const auto places = file->read<float>("/snapshots/00000/bodies/sheet/places", 3 * given.vertices.size());
-  ASSERT_TRUE(places);
+  const auto positions =
+      file->read<float>("/snapshots/00000/bodies/sheet/positions", 3 * given.vertices.size());
+  ASSERT_TRUE(positions);
   const TriMesh points = vtu_points(folder / "out" / "meshes" / "sheet-0000.vtu");
   ASSERT_EQ(points.vertices.size(), given.vertices.size());
   for (std::size_t v = 0; v < given.vertices.size(); v++) {
-    const Vec3 recorded{(*places)[3 * v], (*places)[3 * v + 1], (*places)[3 * v + 2]};
+    const Vec3 recorded{(*positions)[3 * v], (*positions)[3 * v + 1], (*positions)[3 * v + 2]};
     ASSERT_LT(norm(recorded - given.vertices[v]), 2e-6f) << v;
     ASSERT_LT(norm(points.vertices[v] - given.vertices[v]), 2e-6f) << v;
   }
 }
 
-TEST(Numbering, seams_that_are_welded_keep_their_vertices_and_triangles) {
+// Welded seams keep the vertices and triangles of the mesh in the output.
+TEST(Numbering, WeldedSeamsKeepVertices) {
   const fs::path folder = fresh_folder();
-  TriMesh two = shuffled_sheet();  // and its mirror image, sewn on along x = 0
+  TriMesh two = shuffled_sheet();  // and its mirror image, welded along x = 0
   const int count = int(two.vertices.size());
   const std::size_t triangles = two.triangles.size();
   for (int v = 0; v < count; v++) {
@@ -129,7 +132,7 @@ TEST(Numbering, seams_that_are_welded_keep_their_vertices_and_triangles) {
   const Ended ended = run_program("run s.toml --out out", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   EXPECT_NE(ended.printed.find("7 vertices closer than"), std::string::npos) << ended.printed;
-  std::ifstream obj(folder / "out" / "sheet.obj");  // a reader would join what now lies together
+  std::ifstream obj(folder / "out" / "sheet.obj");  // the surface reader would join coincident vertices
   std::size_t v = 0, faces = 0;
   for (std::string line; std::getline(obj, line);) {
     faces += line.starts_with("f ");
@@ -143,7 +146,8 @@ TEST(Numbering, seams_that_are_welded_keep_their_vertices_and_triangles) {
   EXPECT_EQ(faces, two.triangles.size());
 }
 
-TEST(Numbering, vertex_i_of_a_body_of_chains_is_vertex_i_of_its_surface) {
+// Vertex i of a rhombus body is vertex i of its surface in every output file.
+TEST(Numbering, RhombusKeepsVertexOrder) {
   const fs::path folder = fresh_folder();
   const TriMesh given = shuffled_ball(0.05f);
   ASSERT_TRUE(write_obj(folder / "ball.obj", given));
@@ -153,14 +157,14 @@ TEST(Numbering, vertex_i_of_a_body_of_chains_is_vertex_i_of_its_surface) {
                                "0.5, 1], depth = 0.001, start = 0, duration = 0.01 }\n");
   const Ended ended = run_program("run s.toml --out out", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
-  expect_same_places(given, read_surface(folder / "out" / "ball.obj")->mesh, 1.1e-3f);
+  expect_same_positions(given, read_surface(folder / "out" / "ball.obj")->mesh, 1.1e-3f);
   const TriMesh points = vtu_points(folder / "out" / "meshes" / "ball-0000.vtu");
   ASSERT_EQ(points.vertices.size(), given.vertices.size());
   for (std::size_t v = 0; v < given.vertices.size(); v++)
     ASSERT_LT(norm(points.vertices[v] - given.vertices[v]), 2e-6f) << v;
 }
 
-/// A block of tetrahedra or hexahedra whose vertices are in no order.
+/// A block of hexahedra whose vertices are in a shuffled order.
 std::string shuffled_block(int n, float size, std::vector<Vec3>& vertices) {
   const int side = n + 1, count = side * side * side;
   const auto number = [count](int v) { return v * 101 % count; };
@@ -186,7 +190,9 @@ std::string shuffled_block(int n, float size, std::vector<Vec3>& vertices) {
   return text + "Hexahedra\n" + std::to_string(hexahedra) + "\n" + elements + "End\n";
 }
 
-TEST(Numbering, vertices_of_an_sfem_body_say_which_of_its_mesh_they_are_and_stay_the_same) {
+// Surface vertices of an SFEM body store their vertex of the mesh, equal in all snapshots; patch vertices
+// store -1.
+TEST(Numbering, SfemVerticesMapToMesh) {
   const fs::path folder = fresh_folder();
   std::vector<Vec3> given;
   write(folder / "block.mesh", shuffled_block(4, 0.05f, given));
@@ -207,7 +213,7 @@ TEST(Numbering, vertices_of_an_sfem_body_say_which_of_its_mesh_they_are_and_stay
     const std::size_t count = *file->count(group + "mesh_vertex", 100000);
     const auto numbers = *file->read<std::int32_t>(group + "mesh_vertex", count);
     const auto rest = *file->read<float>(group + "rest", 3 * count);
-    ASSERT_GT(count, kOutside) << "there is a patch";
+    ASSERT_GT(count, kOutside) << "the body has a patch";
     for (std::size_t v = 0; v < kOutside; v++) {
       const Vec3 x{rest[3 * v], rest[3 * v + 1], rest[3 * v + 2]};
       ASSERT_LT(norm(x - given[std::size_t(numbers[v])]), 1e-6f) << v;

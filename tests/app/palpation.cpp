@@ -1,4 +1,4 @@
-// Bodies and tools as people run them: what a run leaves behind, and what wrong inputs are told.
+// Runs of SFEM bodies and tools: the files that a run writes, and the messages for wrong inputs.
 #include "tests/app/program.hpp"
 #include "tests/sim/sfem_scene_text.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
@@ -11,7 +11,8 @@ using namespace test;
 
 const char* kCache = "cache = \"kept\"\n";
 
-TEST(Palpation, LeavesForcesPicturesMeshesAndAReport) {
+// A run writes forces, pictures, meshes, a recording and a report.
+TEST(Palpation, RunWritesAllOutputs) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", sfem_scene_text(kCache));
   const Ended ended = run_program("run s.toml --out out --set output.pictures=all", folder);
@@ -31,29 +32,31 @@ TEST(Palpation, LeavesForcesPicturesMeshesAndAReport) {
   EXPECT_EQ(report["bodies"][0]["model"], "sfem");
 }
 
-TEST(Palpation, SurfacesInMillimetersAndRasAreTheSameBody) {
+// Surfaces in millimeters and RAS coordinates equal those in meters and LPS.
+TEST(Palpation, MillimetersAndRasKeepSurface) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", sfem_scene_text(kCache));
-  ASSERT_EQ(run_program("run s.toml -q --out metres", folder).code, 0);
+  ASSERT_EQ(run_program("run s.toml -q --out meters", folder).code, 0);
   const Ended ended = run_program(
-      "run --replay metres/recording.h5 --out mm --set output.mesh_unit=mm --set output.mesh_frame=RAS",
+      "run --replay meters/recording.h5 --out mm --set output.mesh_unit=mm --set output.mesh_frame=RAS",
       folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
-  const Result<ReadSurface> meters = read_surface(folder / "metres" / "pad.obj"),
+  const Result<ReadSurface> meters = read_surface(folder / "meters" / "pad.obj"),
                             turned = read_surface(folder / "mm" / "pad.obj", 0.001);
   ASSERT_TRUE(meters && turned);
   EXPECT_EQ(meters->mesh.triangles, turned->mesh.triangles);
   for (std::size_t v = 0; v < meters->mesh.vertices.size(); v++) {
     const Vec3 a = meters->mesh.vertices[v], b = turned->mesh.vertices[v];
-    ASSERT_NEAR(norm(a - Vec3{-b.x, -b.y, b.z}), 0, 2e-6) << v;  // a .obj in metres ends at the micrometre
+    ASSERT_NEAR(norm(a - Vec3{-b.x, -b.y, b.z}), 0, 2e-6) << v;  // a .obj in meters is rounded to micrometers
   }
   const std::string vtu = bytes_of(folder / "mm" / "meshes" / "pad-0030.vtu");
   EXPECT_NE(vtu.find("Name=\"displacement [mm]\""), std::string::npos);
   EXPECT_NE(vtu.find("Name=\"pressure [Pa]\""), std::string::npos);
-  EXPECT_NE(bytes_of(folder / "mm" / "meshes.pvd").find("millimetres, patient frame RAS"), std::string::npos);
+  EXPECT_NE(bytes_of(folder / "mm" / "meshes.pvd").find("millimeters, patient frame RAS"), std::string::npos);
 }
 
-TEST(Palpation, AReplayDrawsTheSamePicturesAndTheSameForces) {
+// A replay writes the same pictures, tables and meshes as the run.
+TEST(Palpation, ReplayWritesEqualFiles) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", sfem_scene_text(kCache));
   ASSERT_EQ(run_program("run s.toml -q --out first", folder).code, 0);
@@ -68,7 +71,8 @@ TEST(Palpation, AReplayDrawsTheSamePicturesAndTheSameForces) {
   EXPECT_EQ(report_in(folder / "first")["tools"], report_in(folder / "again")["tools"]);
 }
 
-TEST(Palpation, ADamagedCacheIsNamedAndComputedAnew) {
+// A damaged cache file is named and recomputed, with the same final state.
+TEST(Palpation, RecomputesDamagedCache) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", sfem_scene_text(kCache));
   ASSERT_EQ(run_program("run s.toml -q --out first", folder).code, 0);
@@ -76,13 +80,13 @@ TEST(Palpation, ADamagedCacheIsNamedAndComputedAnew) {
   write(cache, "no");
   const Ended ended = run_program("run s.toml --out again", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
-  EXPECT_NE(ended.printed.find("expected an HDF5 file, found something else; computed anew"),
-            std::string::npos)
+  EXPECT_NE(ended.printed.find("expected an HDF5 file, found something else; recomputed"), std::string::npos)
       << ended.printed;
   EXPECT_EQ(report_in(folder / "first")["state_hash"], report_in(folder / "again")["state_hash"]);
 }
 
-TEST(Palpation, APhantomsLiverIsMeshedFromItsLabel) {
+// The liver of the phantom is meshed from its label within 2 % of its volume.
+TEST(Palpation, MeshesLabelOfPhantom) {
   const fs::path folder = fresh_folder();
   const std::string scene = std::string(TURGOR_SOURCE_DIR) + "/scenes/palpation.toml";
   const Ended ended = run_program("run '" + scene +
@@ -98,7 +102,8 @@ TEST(Palpation, APhantomsLiverIsMeshedFromItsLabel) {
   EXPECT_GT(body["mesh"]["min_dihedral_deg"].get<double>(), 10.7);
 }
 
-TEST(Palpation, AnOrganOfARealSegmentationIsPressedByTheSameScene) {
+// The scene of the phantom also presses an organ of a real segmentation.
+TEST(Palpation, PressesRealOrgan) {
   const fs::path labels = fs::path(TURGOR_SOURCE_DIR) / "../shared/data/ct/abdomen-slab-labels.nii.gz";
   if (!fs::exists(labels)) GTEST_SKIP() << "no " << labels;
   const fs::path folder = fresh_folder();
@@ -122,23 +127,25 @@ TEST(Palpation, AnOrganOfARealSegmentationIsPressedByTheSameScene) {
       << wrong.printed;
 }
 
-TEST(Palpation, TheReportSaysHowFarOffTheForceMayBeAndAFinerMeshLessSo) {
+// The expected discretization error of the force covers the difference of two meshes and is smaller on the
+// finer one.
+TEST(Palpation, ErrorEstimateShrinksWithMesh) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", sfem_scene_text("cache = false\n"));
-  std::vector<double> said, force;
+  std::vector<double> expected_error, force;
   for (const char* count : {"[6,6,3]", "[12,12,6]"}) {
     const Ended ended =
         run_program(std::string("run s.toml --force --out out --set body.pad.block.count=") + count, folder);
     ASSERT_EQ(ended.code, 0) << ended.printed;
-    EXPECT_NE(ended.printed.find("off by up to, for its elements"), std::string::npos) << ended.printed;
-    EXPECT_NE(bytes_of(folder / "out" / "report.html").find("off by up to, for its elements"),
+    EXPECT_NE(ended.printed.find("expected discretization error"), std::string::npos) << ended.printed;
+    EXPECT_NE(bytes_of(folder / "out" / "report.html").find("expected discretization error"),
               std::string::npos);
     const json tool = report_in(folder / "out")["tools"][0];
-    said.push_back(tool["force_error_expected_percent"]), force.push_back(tool["force_max_N"]);
+    expected_error.push_back(tool["force_error_expected_percent"]), force.push_back(tool["force_max_N"]);
   }
-  EXPECT_LT(said[1], 0.4 * said[0]);
-  EXPECT_LE(100 * std::abs(force[0] / force[1] - 1), said[0] + said[1]);
-  EXPECT_LT(said[1], 20);
+  EXPECT_LT(expected_error[1], 0.4 * expected_error[0]);
+  EXPECT_LE(100 * std::abs(force[0] / force[1] - 1), expected_error[0] + expected_error[1]);
+  EXPECT_LT(expected_error[1], 20);
 }
 
 /// A tetrahedron file in Gmsh's format 2.2.
@@ -147,7 +154,8 @@ std::string gmsh(const std::string& nodes, int node_count, const std::string& el
          "$EndNodes\n$Elements\n" + std::to_string(element_count) + "\n" + elements + "$EndElements\n";
 }
 
-TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
+// Wrong meshes, labels, keys and paths end with a message that names the mistake.
+TEST(Palpation, WrongInputsEndWithMessage) {
   const fs::path folder = fresh_folder();
   write(folder / "good.toml", sfem_scene_text("cache = false\n"));
   write(folder / "flat.msh", gmsh("1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n", 4, "1 4 2 1 1 1 2 3 4\n", 1));
@@ -204,12 +212,13 @@ TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
       std::string::npos);
   const Ended back = run_program("run --out o path.toml --set tool.finger.path=back.csv", folder);
   EXPECT_EQ(back.code, 2);
-  EXPECT_NE(back.printed.find("back.csv: row 3 of the path: expected a time after that of the row before"),
+  EXPECT_NE(back.printed.find("back.csv: row 3 of the path: expected a time after that of the previous row"),
             std::string::npos)
       << back.printed;
 }
 
-TEST(Bench, SfemMeasuresAndWritesItsFigures) {
+// `bench sfem` writes its figures as JSON, including the plate of the paper.
+TEST(Palpation, BenchSfemWritesJson) {
   const fs::path folder = fresh_folder();
   const Ended ended = run_program("bench sfem --largest 1000 --json b.json", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;

@@ -1,4 +1,4 @@
-// Runs the built program as people do: a command line in, an exit code and what it printed out.
+// Runs the built program in a shell: takes a command line, returns the exit code and the output.
 #pragma once
 
 #include <filesystem>
@@ -17,20 +17,21 @@ namespace turgor::test {
 
 namespace fs = std::filesystem;
 
-/// A shell's command, run in a folder. Green's functions are kept for this test program alone.
+/// Runs a shell command in a folder. This test program has its own cache of Green's functions.
 inline Ended run_shell(const std::string& command, const fs::path& folder) {
   static const fs::path cache = fresh_folder();
   return run_command("export XDG_CACHE_HOME='" + cache.string() + "' && " + command, folder);
 }
 
-/// Arguments as a shell reads them; `before` is a shell's command, as "ulimit -f 8".
+/// Runs the program with arguments as a shell reads them. `before` is a shell command that runs first, such
+/// as "ulimit -f 8".
 inline Ended run_program(const std::string& arguments, const fs::path& folder,
                          const std::string& before = "true") {
   return run_shell(before + " && '" TURGOR_PROGRAM "' " + arguments, folder);
 }
 
 inline nlohmann::json read_json(const fs::path& file) { return nlohmann::json::parse(std::ifstream(file)); }
-/// Of a run.
+/// The report of a run.
 inline nlohmann::json report_in(const fs::path& folder) { return read_json(folder / "report.json"); }
 
 /// A scene that runs in about a second: a small phantom, small pictures.

@@ -1,4 +1,4 @@
-// A run in real time, as people start it.
+// Runs in real time from the command line.
 #include "tests/app/program.hpp"
 
 namespace turgor {
@@ -22,7 +22,8 @@ press = { at_fraction = [0.5, 0.5, 1], depth = 0.003, start = 1.0, duration = 0.
 snapshots = { every = 1.0, size = [64, 64] }
 )";
 
-TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
+// A run with a virtual device reports the timing of its haptic loop and follows the clock.
+TEST(RealTime, ReportsHapticLoop) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPressedPad);
   const Ended ended = run_program(
@@ -34,21 +35,22 @@ TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
   const nlohmann::json report = report_in(folder / "o"), &haptics = report["haptics"];
   EXPECT_EQ(haptics["device"], "virtual");
   EXPECT_NEAR(haptics["rate_per_s"].get<double>(), 1000, 100);
-  EXPECT_GE(haptics["seconds"].get<double>(), 1.4) << "s: it goes by the clock";
-  EXPECT_GT(report["tools"][0]["depth_max_mm"].get<double>(), 0.5) << "the hand went its way";
+  EXPECT_GE(haptics["seconds"].get<double>(), 1.4) << "s: the run follows the clock";
+  EXPECT_GT(report["tools"][0]["depth_max_mm"].get<double>(), 0.5) << "the hand followed its path";
   EXPECT_FALSE(fs::exists(folder / "o" / "video.mp4"));
 }
 
-TEST(RealTime, a_felt_run_is_done_again_to_the_same_bits_without_the_clock) {
+// A haptic recording replays to the same bits without the clock.
+TEST(RealTime, ReplayReachesEqualState) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPressedPad);
   const Ended haptic = run_program("run pad.toml --real-time -q --out o", folder);
   ASSERT_EQ(haptic.code, 0) << haptic.printed;
-  const Ended again = run_program("--threads 1 replay o/felt.h5 --out again", folder);
+  const Ended again = run_program("--threads 1 replay o/haptic.h5 --out again", folder);
   EXPECT_EQ(again.code, 0) << again.printed;
-  EXPECT_NE(again.printed.find("came to the same state"), std::string::npos) << again.printed;
+  EXPECT_NE(again.printed.find("gave the same state"), std::string::npos) << again.printed;
   const nlohmann::json report = report_in(folder / "again");
-  EXPECT_TRUE(report["felt"]["same_bits"].get<bool>());
+  EXPECT_TRUE(report["haptic_replay"]["same_bits"].get<bool>());
   EXPECT_EQ(report["state_hash"], report_in(folder / "o")["state_hash"]);
   EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0);
   const Ended none = run_program("replay pad.toml", folder);
@@ -56,7 +58,8 @@ TEST(RealTime, a_felt_run_is_done_again_to_the_same_bits_without_the_clock) {
   EXPECT_NE(none.printed.find("pad.toml"), std::string::npos) << none.printed;
 }
 
-TEST(RealTime, a_number_out_of_bounds_ends_with_exit_code_3_and_keeps_the_results) {
+// A failed requirement ends the run with code 3 and keeps its results.
+TEST(RealTime, FailedRequirementKeepsResults) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPressedPad);
   const Ended ended =
@@ -66,7 +69,8 @@ TEST(RealTime, a_number_out_of_bounds_ends_with_exit_code_3_and_keeps_the_result
   EXPECT_TRUE(fs::exists(folder / "o" / "report.json"));
 }
 
-TEST(RealTime, what_is_not_there_is_said_before_anything_is_written) {
+// Unknown tools and devices are refused before any file is written.
+TEST(RealTime, RejectsUnknownNamesEarly) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPressedPad);
   for (const char* what : {"--real-time --tool hook", "--real-time --device hovercraft", "--device virtual",

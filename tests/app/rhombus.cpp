@@ -1,4 +1,4 @@
-// Rhombus chains as people use them: phantoms, a run with forceps and its replay, a calibration.
+// Rhombus chains from the command line: phantoms, a run with forceps and its replay, a calibration.
 #include <cmath>
 
 #include "tests/app/program.hpp"
@@ -23,7 +23,8 @@ snapshots = { every = 0.4, size = [240, 180] }
 video = false
 )";
 
-TEST(Rhombus, PhantomsMakeWhatARunWithForcepsNeeds) {
+// The phantoms of a liver and forceps suffice for a run, and its replay writes the same files.
+TEST(RhombusRun, ForcepsRunOnPhantoms) {
   const fs::path folder = fresh_folder();
   EXPECT_NE(
       run_program("phantom liver -o liver.obj", folder).printed.find("3116 vertices and 6228 triangles"),
@@ -46,7 +47,8 @@ TEST(Rhombus, PhantomsMakeWhatARunWithForcepsNeeds) {
     EXPECT_EQ(bytes_of(folder / "first" / name), bytes_of(folder / "again" / name)) << name;
 }
 
-TEST(Rhombus, AMeasuredCurveIsFittedAndShown) {
+// The command calibrate fits a measured force curve within 10 percent.
+TEST(RhombusRun, CalibratesMeasuredCurve) {
   const fs::path folder = fresh_folder();
   std::string curve = "depth_m,force_N\n";
   for (int i = 0; i <= 20; i++)
@@ -61,7 +63,8 @@ TEST(Rhombus, AMeasuredCurveIsFittedAndShown) {
   EXPECT_GT(bytes_of(folder / "fit" / "curve.csv").size(), 200u);
 }
 
-TEST(Rhombus, WrongInputsAreToldWhatWasExpected) {
+// Wrong inputs end with a message that says what was expected.
+TEST(RhombusRun, WrongInputsEndWithMessage) {
   const fs::path folder = fresh_folder();
   const auto printed = [&](const std::string& arguments) {
     const Ended ended = run_program(arguments, folder);

@@ -11,7 +11,8 @@ namespace {
 using nlohmann::json;
 using namespace test;
 
-TEST(Run, LeavesPicturesMeshesTheCtARecordingAndAReport) {
+// A run writes pictures, meshes, the deformed CT, a recording and a report.
+TEST(RunCommand, WritesAllOutputs) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml",
         small_scene("", "displacement = \"u.nrrd\"\njacobian = \"j.nrrd\"\nvolume_rendering = \"skin\"\n"));
@@ -34,20 +35,21 @@ TEST(Run, LeavesPicturesMeshesTheCtARecordingAndAReport) {
     EXPECT_TRUE(fs::exists(out / picture["file"].get<std::string>()));
 }
 
-TEST(Run, TellsAProgramThatReadsAlongHowFarItIsAndNamesWallsOfWoundsInItsMesh) {
+// With --progress the run prints its ascending fraction; the mesh has groups for skin and wound.
+TEST(RunCommand, ReportsProgressAndWoundGroups) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene());
   const char* plain = " --set output.video=false --set output.volume_rendering=false";
   const Ended ended = run_program(std::string("run s.toml --progress --out out") + plain, folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
-  std::vector<double> told;
+  std::vector<double> reported_fractions;
   std::istringstream lines(ended.printed);
   for (std::string line; std::getline(lines, line);)
-    if (line.starts_with("simulating ")) told.push_back(std::stod(line.substr(11)));
-  ASSERT_GT(told.size(), 5u) << ended.printed;
-  EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << ended.printed;
-  EXPECT_LT(told.front(), 0.2);
-  EXPECT_EQ(told.back(), 1);
+    if (line.starts_with("simulating ")) reported_fractions.push_back(std::stod(line.substr(11)));
+  ASSERT_GT(reported_fractions.size(), 5u) << ended.printed;
+  EXPECT_TRUE(std::is_sorted(reported_fractions.begin(), reported_fractions.end())) << ended.printed;
+  EXPECT_LT(reported_fractions.front(), 0.2);
+  EXPECT_EQ(reported_fractions.back(), 1);
   const std::string obj = bytes_of(folder / "out" / "torso.obj");
   const std::size_t skin = obj.find("\ng skin\n"), wound = obj.find("\ng wound\n");
   ASSERT_NE(skin, std::string::npos);
@@ -57,7 +59,8 @@ TEST(Run, TellsAProgramThatReadsAlongHowFarItIsAndNamesWallsOfWoundsInItsMesh) {
             std::string::npos);
 }
 
-TEST(Run, AFolderForTheDeformedCtBecomesADicomSeriesOfTheSamePatient) {
+// A folder name for the deformed CT yields a DICOM series of the same patient.
+TEST(RunCommand, WritesDeformedCtAsDicom) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(run_program("phantom torso --size 64 48 40 --spacing 6.5 6.5 6.5 -o ct", folder).code, 0);
   std::string scene = small_scene();
@@ -77,7 +80,8 @@ TEST(Run, AFolderForTheDeformedCtBecomesADicomSeriesOfTheSamePatient) {
               2);
 }
 
-TEST(Run, TheStateHashIsTheSameOnOneTwoAndEightThreads) {
+// The state hash is equal on 1, 2 and 8 threads.
+TEST(RunCommand, EqualStateHashOnAnyThreads) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene());
   std::set<std::string> hashes;
@@ -93,12 +97,13 @@ TEST(Run, TheStateHashIsTheSameOnOneTwoAndEightThreads) {
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(Run, ACheckTellsWhatARunTakesAndWritesNothing) {
+// With --check the command reports the expected cost and writes no files.
+TEST(RunCommand, CheckWritesNothing) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene());
   const Ended ended = run_program("run s.toml --check", folder);
   EXPECT_EQ(ended.code, 0) << ended.printed;
-  for (const char* word : {"a run would accept it", "torso", "lattice", "loading", "memory", "simulating"})
+  for (const char* word : {"s.toml: valid", "torso", "lattice", "loading", "memory", "simulating"})
     EXPECT_NE(ended.printed.find(word), std::string::npos) << word << " in " << ended.printed;
   EXPECT_FALSE(fs::exists(folder / "out"));
   const Ended wrong = run_program("run s.toml --check --set body.torso.skin.tension=-4", folder);
@@ -106,7 +111,8 @@ TEST(Run, ACheckTellsWhatARunTakesAndWritesNothing) {
   EXPECT_NE(wrong.printed.find("body.torso.skin.tension"), std::string::npos);
 }
 
-TEST(Run, WithoutFfmpegItGoesOnAndNamesThePackage) {
+// Without ffmpeg the run continues and names the missing package.
+TEST(RunCommand, ContinuesWithoutFfmpeg) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene());
   const std::string path = getenv("PATH");
@@ -121,7 +127,8 @@ TEST(Run, WithoutFfmpegItGoesOnAndNamesThePackage) {
   EXPECT_FALSE(fs::exists(folder / "out" / "video.mp4"));
 }
 
-TEST(Run, AReplayDrawsTheSamePicturesWithoutSimulating) {
+// A replay draws the same pictures and rejects changes of keys outside of output.
+TEST(RunCommand, ReplayDrawsEqualPictures) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene());
   ASSERT_EQ(run_program("run s.toml --out first", folder).code, 0);
@@ -170,7 +177,8 @@ int signal_run(const fs::path& folder, int signal) {
   return status;
 }
 
-TEST(Run, InterruptedAndKilledRunsLeaveEarlierResultsWhole) {
+// Interrupted and killed runs keep earlier results; the next run removes their partial folders.
+TEST(RunCommand, StoppedRunsKeepEarlierResults) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene("", "video = false\nvolume_rendering = false\n"));
   ASSERT_EQ(run_program("run s.toml -q --out out", folder).code, 0);
@@ -183,19 +191,20 @@ TEST(Run, InterruptedAndKilledRunsLeaveEarlierResultsWhole) {
   const int killed = signal_run(folder, SIGKILL);
   ASSERT_TRUE(WIFSIGNALED(killed));
   EXPECT_EQ(report_in(folder / "out"), first);
-  EXPECT_EQ(names_in(folder).size(), 3u);  // what the killed run left is hidden beside
+  EXPECT_EQ(names_in(folder).size(), 3u);  // the hidden partial folder of the killed run remains
   ASSERT_EQ(run_program("run s.toml -q --out out --set world.duration=0.1", folder).code, 0);
   EXPECT_EQ(names_in(folder), (std::set<std::string>{"out", "s.toml"}));
   EXPECT_EQ(report_in(folder / "out")["timing"]["frames"], 5);
 }
 
-TEST(Run, RunsOnARealCtByOneOverride) {
+// One override replaces the phantom of a scene by a real CT.
+TEST(RunCommand, RunsOnRealCt) {
   const fs::path ct = fs::path(TURGOR_SOURCE_DIR) / "../shared/data/ct/torso-3mm.nii.gz";
   if (!fs::exists(ct)) GTEST_SKIP() << "no real CT at " << ct;
   const fs::path folder = fresh_folder();
   const Ended ended = run_program(
       "run '" TURGOR_SOURCE_DIR "/scenes/incision.toml' --out out --set body.torso.ct='" + ct.string() +
-          "' --set world.duration=0.5 --set body.torso.step=0.006 --set output.video=false",
+          "' --set world.duration=0.5 --set body.torso.spacing=0.006 --set output.video=false",
       folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   EXPECT_GT(report_in(folder / "out")["wounds"][0]["edges_cut"].get<int>(), 30);

@@ -1,4 +1,4 @@
-// One fingertip on all three models, at a size that a test can wait for.
+// One fingertip on all three models, at a small size.
 #include "tests/app/program.hpp"
 
 namespace turgor {
@@ -14,7 +14,8 @@ constexpr const char* kSmall =
     " --set body.nodes.block=1 --set world.duration=1.1"
     " --set 'output.snapshots={every=0.5,size=[240,180]}'";
 
-TEST(ThreeModels, AnswerOnePathWithForcesAndDentsSideBySide) {
+// One tool path yields comparable forces and dents in all three models, also in the report and the replay.
+TEST(ThreeModels, OnePathHasComparableForces) {
   const fs::path folder = fresh_folder();
   const std::string scene = std::string(TURGOR_SOURCE_DIR) + "/scenes/three-models.toml";
   const Ended ended = run_program("run " + scene + kSmall + " --set output.pictures=all --out first", folder);
@@ -28,17 +29,17 @@ TEST(ThreeModels, AnswerOnePathWithForcesAndDentsSideBySide) {
     EXPECT_EQ(cost["model"], models[m]);
     EXPECT_NEAR(cost["force_max_N"].get<double>(), elements, 0.35 * elements) << "N, " << models[m];
     EXPECT_NEAR(cost["depth_max_mm"].get<double>(), 9, 0.5) << models[m];
-    // On surfaces this coarse the next vertex may be 8 mm away, or hang half a step before its node.
+    // On surfaces this coarse the next vertex may be 8 mm away, or half a cell above its node.
     EXPECT_GT(cost["displacement_max_mm"].get<double>(), 4.5) << models[m];
     EXPECT_LT(cost["displacement_max_mm"].get<double>(), 12.5) << models[m];
     EXPECT_GT(report["profiles"][m]["rows"].size(), 5u) << models[m];
   }
   EXPECT_EQ(report["costs"][0]["force_every_ms"], 1.0);
   EXPECT_NEAR(report["costs"][2]["force_every_ms"].get<double>(), 1000.0 / 60, 1e-3);
-  EXPECT_EQ(report["tools"][2]["ticks"], 66) << "a force a frame";
+  EXPECT_EQ(report["tools"][2]["ticks"], 66) << "one force per frame";
   const std::string page = bytes_of(folder / "first" / "report.html");
   for (const char* words :
-       {"Side by side", "Force over time", "The dent under the largest force", "on-nodes"})
+       {"Comparison of bodies", "Force over time", "Displacement under the largest force", "on-nodes"})
     EXPECT_NE(page.find(words), std::string::npos) << words;
 
   ASSERT_EQ(run_program("run --replay first/recording.h5 --out again", folder).code, 0);

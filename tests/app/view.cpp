@@ -3,7 +3,8 @@
 namespace turgor {
 namespace {
 
-TEST(View, without_a_display_it_ends_with_a_sentence_that_names_turgor_run) {
+// Without a display the command ends with a message that names `turgor run`.
+TEST(ViewCommand, MissingDisplayEndsWithMessage) {
   const std::string scene = TURGOR_SOURCE_DIR "/scenes/palpation.toml";
   const test::Ended ended =
       test::run_program("view " + scene, test::fresh_folder(), "unset DISPLAY WAYLAND_DISPLAY");
@@ -12,7 +13,8 @@ TEST(View, without_a_display_it_ends_with_a_sentence_that_names_turgor_run) {
   EXPECT_EQ(std::count(ended.printed.begin(), ended.printed.end(), '\n'), 1) << ended.printed;
 }
 
-TEST(View, it_needs_a_scene) {
+// The command requires a scene.
+TEST(ViewCommand, RequiresScene) {
   const test::Ended ended = test::run_program("view", test::fresh_folder());
   EXPECT_EQ(ended.code, 2);
   EXPECT_NE(ended.printed.find("scene is required"), std::string::npos) << ended.printed;

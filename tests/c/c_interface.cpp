@@ -73,7 +73,8 @@ std::uint64_t hash_of(tg_world* world) {
 
 tg_command finger_at(double z) { return {{0.03, 0.03, z}, {1, 0, 0, 0}, 0, 0}; }
 
-TEST(CInterface, AWorldHasTheBitsOfTheLibrary) {
+// A world of the C interface reaches the same bits as one of the C++ library.
+TEST(CInterface, StateEqualsLibrary) {
   const Owned c(kPad);
   ASSERT_EQ(tg_world_step(c.world, 12), TG_OK) << tg_error();
   const Exec exec(1);
@@ -86,9 +87,10 @@ TEST(CInterface, AWorldHasTheBitsOfTheLibrary) {
   EXPECT_GT(norm(world->tools[0].samples.back().force), 0.01);
 }
 
-TEST(CInterface, StructsOfAnOlderHeaderAreTaken) {
+// Structs of an older, shorter header are accepted, and nothing is written beyond their size.
+TEST(CInterface, AcceptsOlderStructs) {
   tg_world_def def = def_of(kPad);
-  def.size = offsetof(tg_world_def, folder);  // as if it had ended there
+  def.size = offsetof(tg_world_def, folder);  // the size of an older struct
   std::memset(reinterpret_cast<char*>(&def) + def.size, 0x7f, sizeof def - def.size);
   const Owned c(def);
   tg_world_info info;
@@ -96,10 +98,11 @@ TEST(CInterface, StructsOfAnOlderHeaderAreTaken) {
   info.size = offsetof(tg_world_info, frame);
   ASSERT_EQ(tg_world_get_info(c.world, &info), TG_OK) << tg_error();
   EXPECT_EQ(info.frame_dt, 0.02);
-  EXPECT_EQ(info.frame, 0x7f7f7f7f) << "what the caller does not have was written";
+  EXPECT_EQ(info.frame, 0x7f7f7f7f) << "a field beyond the caller's struct was written";
 }
 
-TEST(CInterface, StructsOfANewerHeaderAreTaken) {
+// Structs of a newer, longer header are accepted, and their extra bytes are zeroed.
+TEST(CInterface, AcceptsNewerStructs) {
   struct Newer {
     tg_world_def def;
     std::array<char, 64> more;
@@ -121,7 +124,8 @@ TEST(CInterface, StructsOfANewerHeaderAreTaken) {
   EXPECT_GT(readings[1].force[2], 0);
 }
 
-TEST(CInterface, VersionsAreCompared) {
+// The version check accepts the current version and rejects newer ones with a message.
+TEST(CInterface, ComparesVersions) {
   EXPECT_EQ(tg_check_version(TG_VERSION), TG_OK);
   EXPECT_EQ(tg_version(), TG_VERSION);
   EXPECT_EQ(tg_check_version(TG_VERSION + 10000), TG_MISUSE);
@@ -129,7 +133,8 @@ TEST(CInterface, VersionsAreCompared) {
   EXPECT_NE(std::string(tg_error()).find(std::to_string(TG_VERSION + 1)), std::string::npos);
 }
 
-TEST(CInterface, WhatTheSceneHasWrongIsASentence) {
+// Errors of a scene are reported as a message; the next success clears it.
+TEST(CInterface, SceneErrorsHaveMessage) {
   tg_world* world = nullptr;
   tg_world_def def = def_of("[body.pad]\nmodel = \"jelly\"\n");
   EXPECT_EQ(tg_world_create(&def, &world), TG_ERROR);
@@ -143,7 +148,8 @@ TEST(CInterface, WhatTheSceneHasWrongIsASentence) {
   EXPECT_STREQ(tg_error(), "");
 }
 
-TEST(CInterface, NothingDiesOfNull) {
+// Null arguments of every function are errors and never crash.
+TEST(CInterface, NullArgumentsAreErrors) {
   tg_world* none = nullptr;
   EXPECT_NE(tg_default_world_def(nullptr, sizeof(tg_world_def)), TG_OK);
   EXPECT_NE(tg_world_create(nullptr, nullptr), TG_OK);
@@ -168,8 +174,8 @@ TEST(CInterface, NothingDiesOfNull) {
   EXPECT_NE(tg_touch_begin(none), TG_OK);
 }
 
-/// Any of these, and of what no enum has.
-TEST(CInterface, NothingDiesOfRandomArguments) {
+// Random arguments, including values outside of the enums, never crash.
+TEST(CInterface, RandomArgumentsNeverCrash) {
   const Owned owned(kPad);
   std::mt19937 random(1);
   const auto number = [&random] { return std::int32_t(random() % 9) - 3; };
@@ -199,7 +205,8 @@ TEST(CInterface, NothingDiesOfRandomArguments) {
   }
 }
 
-TEST(CInterface, ABufferThatIsTooSmallIsLeftAlone) {
+// A buffer that is too short is an error and is not written.
+TEST(CInterface, ShortBufferIsNotWritten) {
   const Owned c(kPad);
   std::size_t count = 0;
   EXPECT_EQ(tg_body_read(c.world, 0, TG_REST, nullptr, 0, &count), TG_MISUSE);
@@ -210,7 +217,8 @@ TEST(CInterface, ABufferThatIsTooSmallIsLeftAlone) {
   EXPECT_NEAR(*std::max_element(buffer.begin(), buffer.end()), 0.06, 1e-6);
 }
 
-TEST(CInterface, ACutOfAVolumeInMemoryChangesTheTopology) {
+// A cut through a volume passed in memory changes the topology version and adds triangles.
+TEST(CInterface, CutChangesTopologyOfVolume) {
   std::vector<std::int16_t> hu;
   for (int k = 0; k < 24; k++)
     for (int j = 0; j < 24; j++)
@@ -239,7 +247,8 @@ TEST(CInterface, ACutOfAVolumeInMemoryChangesTheTopology) {
   EXPECT_EQ(tg_world_create(&def, &world), TG_ERROR);
 }
 
-TEST(CInterface, ACopyGoesOnToTheSameBits) {
+// A copy of a world continues to the same bits as the original.
+TEST(CInterface, CopyReachesEqualBits) {
   const Owned c(kPad);
   std::vector<tg_command> commands(50, finger_at(0.0335));
   std::vector<tg_reading> readings(50), others(50);
@@ -259,7 +268,8 @@ TEST(CInterface, ACopyGoesOnToTheSameBits) {
   tg_world_destroy(copy);
 }
 
-TEST(CInterface, AHapticThreadFeelsWhileAnotherMakesFrames) {
+// A haptic thread receives forces while another thread steps the frames.
+TEST(CInterface, HapticThreadRunsBesideFrames) {
   const Owned c(kPad);
   ASSERT_EQ(tg_touch_begin(c.world), TG_OK) << tg_error();
   std::atomic<bool> ends{false};
@@ -287,7 +297,8 @@ TEST(CInterface, AHapticThreadFeelsWhileAnotherMakesFrames) {
   EXPECT_EQ(tg_touch_begin(c.world), TG_MISUSE);
 }
 
-TEST(CInterface, TwoThreadsAtOnceAreRefused) {
+// Steps from two threads at once are refused.
+TEST(CInterface, RejectsConcurrentSteps) {
   const Owned c(kPad);
   std::atomic<int> refused{0}, others{0};
   const auto step = [&] {
@@ -303,13 +314,14 @@ TEST(CInterface, TwoThreadsAtOnceAreRefused) {
   EXPECT_EQ(others, 0);
 }
 
-TEST(CGuard, ABrokenPromiseIsAStatusWithItsSentence) {
+// Failed assertions and exceptions become status codes with a message.
+TEST(CGuard, MapsExceptionsToStatus) {
   EXPECT_EQ(c::guarded([] { TURGOR_ASSERT(1 < 0, "one is less than none"); }), TG_BROKEN);
-  EXPECT_NE(std::string(c::kept_error()).find("one is less than none"), std::string::npos);
+  EXPECT_NE(std::string(c::current_error()).find("one is less than none"), std::string::npos);
   EXPECT_EQ(c::guarded([] { throw std::bad_alloc(); }), TG_NO_MEMORY);
   EXPECT_EQ(c::guarded([] { throw 7; }), TG_BROKEN);
   EXPECT_EQ(c::guarded([] {}), TG_OK);
-  EXPECT_STREQ(c::kept_error(), "");
+  EXPECT_STREQ(c::current_error(), "");
 }
 
 }  // namespace

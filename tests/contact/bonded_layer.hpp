@@ -1,4 +1,4 @@
-// A ball on an elastic layer, for tests of what tools feel.
+// Closed-form force of a ball on an elastic layer, the reference for contact forces.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 
 namespace turgor::contact {
 
-/// Force of a rigid ball without friction that goes `depth` into a layer bonded to its base, at small strains
+/// Force of a rigid frictionless ball pressed by `depth` into a layer bonded to its base, at small strains
 /// [N]. [Dimitriadis, Horkay, Maresca, Kachar and Chadwick 2002, eq. 11 and 13]
 inline double force_on_bonded_layer(double young, double poisson, double radius, double depth,
                                     double height) {

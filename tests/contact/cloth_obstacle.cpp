@@ -7,7 +7,8 @@ namespace {
 
 using namespace cloth;
 
-TEST(ClothObstacle, a_sheet_that_falls_on_shapes_stays_outside_of_them) {
+// A sheet that falls on a sphere or a capsule stays outside of it.
+TEST(ClothObstacle, FallingSheetStaysOutside) {
   for (const Shape& shape :
        {Shape(Sphere{.radius = 0.05}), Shape(Capsule{.radius = 0.04, .half_length = 0.05})}) {
     Params params;
@@ -30,7 +31,8 @@ TEST(ClothObstacle, a_sheet_that_falls_on_shapes_stays_outside_of_them) {
   }
 }
 
-TEST(ClothObstacle, a_ball_smaller_than_a_cell_does_not_pass_between_vertices_however_fast) {
+// A ball smaller than a cell does not pass between vertices, slow or fast.
+TEST(ClothObstacle, SmallBallDoesNotPassAtAnySpeed) {
   for (const double speed : {0.1, 3.0}) {  // [m/s]
     Params params;
     params.collision.self = false;
@@ -56,16 +58,17 @@ TEST(ClothObstacle, a_ball_smaller_than_a_cell_does_not_pass_between_vertices_ho
       const Vec3d w = closest_weights(pose.position, a, b, c);
       const Vec3d x = a * w.x + b * w.y + c * w.z;
       nearest = std::min(nearest, norm(x - pose.position));
-      EXPECT_LT(x.z, pose.position.z + 0.02) << "below the ball, or beside it";
+      EXPECT_LT(x.z, pose.position.z + 0.02) << "the sheet stays below or beside the ball";
     }
     double lowest = 0;
     for (std::size_t v = 0; v < 121; v++) lowest = std::min(lowest, double(state.x.z[v]));
-    EXPECT_LT(lowest, -0.009) << speed << " m/s: it was pushed down";
+    EXPECT_LT(lowest, -0.009) << speed << " m/s: the ball pushes the sheet down";
     EXPECT_GT(nearest, 0.0035) << speed;
   }
 }
 
-TEST(ClothObstacle, a_sphere_that_rises_lifts_the_sheet) {
+// A rising sphere lifts the sheet.
+TEST(ClothObstacle, RisingSphereLiftsSheet) {
   Params params;
   params.collision.thickness = 0.0096;
   params.fabric.law = Law::kSprings;

@@ -23,7 +23,7 @@ struct Case {
 
 Vec3d at(const VectorXd& v, int i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
 
-/// Symmetric, positive definite and full: what an elastic body of random shape would answer.
+/// Symmetric, positive definite and dense, as the compliance of an elastic body of random shape.
 Case random_case(int k, double friction, std::mt19937& random) {
   std::normal_distribution<double> normal;
   const auto number = [&] { return normal(random); };
@@ -37,7 +37,7 @@ Case random_case(int k, double friction, std::mt19937& random) {
   return out;
 }
 
-/// Points of a half space under a sphere that is too deep by `depth` in the middle and dragged by `slide`.
+/// Points of a half space under a sphere that penetrates by `depth` at its center and is dragged by `slide`.
 Case sphere_case(int side, double friction, double depth, double slide) {
   const HalfSpace s{.side = side};
   const sfem::Patch patch = half_space_patch(s);
@@ -72,7 +72,7 @@ VectorXd forces(const FrictionalContactProblem& p) {
   return Eigen::Map<const VectorXd>(p.force.data(), 3 * p.count);
 }
 
-/// The largest violation of any condition, relative to the largest force or separation.
+/// Largest violation of any condition, relative to the largest force or separation.
 double violation(const Case& in, const VectorXd& force) {
   const VectorXd c = in.b + in.c * force;
   double worst = 0;
@@ -87,7 +87,7 @@ double violation(const Case& in, const VectorXd& force) {
     const Vec3d ft = f - fn * n, st = s - sn * n;
     worst = std::max({worst, -fn / f0, -sn / c0, std::abs(fn * sn) / (f0 * c0), (norm(ft) - mu * fn) / f0});
     if (fn < 1e-7 * f0) continue;
-    // Slip is against friction, and there is none inside the cone.
+    // Slip opposes friction and vanishes inside the cone.
     const double inside = std::max(0.0, mu * fn - norm(ft)) / f0;
     worst =
         std::max({worst, inside * norm(st) / c0, norm(cross(ft, st)) / (f0 * c0), dot(ft, st) / (f0 * c0)});
@@ -95,8 +95,8 @@ double violation(const Case& in, const VectorXd& force) {
   return worst;
 }
 
-/// All subsets of touching sites, until one obeys the conditions.
-VectorXd frictionless_by_trial(const Case& in) {
+/// Reference: tries all active sets until one satisfies the conditions.
+VectorXd frictionless_by_enumeration(const Case& in) {
   const int k = int(in.normal.size());
   MatrixXd n = MatrixXd::Zero(3 * k, k);
   for (int i = 0; i < k; i++)
@@ -115,12 +115,12 @@ VectorXd frictionless_by_trial(const Case& in) {
     }
     if (force.minCoeff() >= 0 && (b + c * force).minCoeff() >= -1e-12) return n * force;
   }
-  ADD_FAILURE() << "no set of sites obeys the conditions";
+  ADD_FAILURE() << "no active set satisfies the conditions";
   return VectorXd::Zero(3 * k);
 }
 
-/// Projected fixed-point iteration with a small step: slow, and shares nothing with the solver.
-VectorXd by_small_steps(const Case& in, double tolerance) {
+/// Reference: projected fixed-point iteration with a small step, slow and independent of the solver.
+VectorXd by_fixed_point(const Case& in, double tolerance) {
   const int k = int(in.normal.size());
   const double step = 1 / in.c.norm();
   VectorXd force = VectorXd::Zero(3 * k);
@@ -147,21 +147,23 @@ VectorXd by_small_steps(const Case& in, double tolerance) {
   return force;
 }
 
-TEST(FrictionalContactProblem, without_friction_the_forces_are_those_of_the_one_set_of_sites_that_can_touch) {
+// Without friction, the forces equal those of the one active set that satisfies the conditions.
+TEST(Coulomb, Frictionless_MatchesEnumeration) {
   std::mt19937 random(1);
   double worst = 0;
   for (int trial = 0; trial < 200; trial++) {
     const Case in = random_case(2 + trial % 9, 0, random);
     FrictionalContactProblem p = load(in);
     EXPECT_TRUE(solve(p, {.tolerance = 1e-9}).converged);
-    const VectorXd exact = frictionless_by_trial(in);
+    const VectorXd exact = frictionless_by_enumeration(in);
     worst = std::max(worst, (forces(p) - exact).norm() / std::max(exact.norm(), 1e-3));
   }
   EXPECT_LT(worst, 1e-8);
   RecordProperty("worst", std::to_string(worst));
 }
 
-TEST(FrictionalContactProblem, one_site_obeys_the_law_wherever_it_is_pushed) {
+// A single site satisfies Coulomb's law for random loads and coefficients of friction.
+TEST(Coulomb, OneSiteSatisfiesLaw) {
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
   double worst = 0;
@@ -178,7 +180,8 @@ TEST(FrictionalContactProblem, one_site_obeys_the_law_wherever_it_is_pushed) {
   EXPECT_LT(worst, 1e-12);
 }
 
-TEST(FrictionalContactProblem, many_sites_obey_the_law_to_rounding) {
+// Up to 32 coupled sites satisfy Coulomb's law up to rounding.
+TEST(Coulomb, ManySitesSatisfyLaw) {
   std::mt19937 random(3);
   double worst = 0;
   int unsolved = 0;
@@ -193,38 +196,40 @@ TEST(FrictionalContactProblem, many_sites_obey_the_law_to_rounding) {
   EXPECT_LT(worst, 1e-7);
 }
 
-TEST(FrictionalContactProblem, a_dragged_sphere_has_the_forces_of_a_slow_independent_method) {
+// The forces on a dragged sphere equal those of an independent fixed-point iteration.
+TEST(Coulomb, DraggedSphere_MatchesFixedPoint) {
   for (const double slide : {0.0, 1e-5, 1e-4, 1e-3}) {
     const Case in = sphere_case(5, 0.3, 4e-4, slide);
     FrictionalContactProblem p = load(in);
     EXPECT_TRUE(solve(p, {.tolerance = 1e-9}).converged);
-    const VectorXd slow = by_small_steps(in, 1e-13);
+    const VectorXd slow = by_fixed_point(in, 1e-13);
     EXPECT_LT(violation(in, forces(p)), 1e-7) << slide;
     EXPECT_LT((forces(p) - slow).norm() / slow.norm(), 1e-6) << slide;
   }
 }
 
-TEST(FrictionalContactProblem,
-     a_drag_below_the_cone_sticks_and_one_above_it_slides_with_mu_times_the_normal_force) {
+// A drag below the friction cone sticks; above it, the site slides with μ times the normal force.
+TEST(Coulomb, SticksBelowConeSlidesAbove) {
   for (const double mu : {0.1, 0.4, 0.8}) {
     const HalfSpace s{.side = 1};
-    const Mat3d d = half_space_answer(s, 0, 0);
+    const Mat3d d = half_space_response(s, 0, 0);
     const double depth = 1e-4, normal_force = depth / d.column[2].z;
-    for (const double part : {0.99, 1.01}) {
+    for (const double load_ratio : {0.99, 1.01}) {
       Case in{MatrixXd(3, 3), VectorXd(3), {{0, 0, -1}}, {mu}};
       for (int j = 0; j < 3; j++)
         for (int i = 0; i < 3; i++) in.c(i, j) = d.column[j][i];
-      in.b << -part * mu * normal_force * d.column[0].x, 0, depth;
+      in.b << -load_ratio * mu * normal_force * d.column[0].x, 0, depth;
       FrictionalContactProblem p = load(in);
       solve(p);
-      EXPECT_EQ(p.state[0], part < 1 ? SiteState::kStick : SiteState::kSlip);
-      EXPECT_NEAR(p.force[0], std::min(part, 1.0) * mu * normal_force, 1e-12 * normal_force);
+      EXPECT_EQ(p.state[0], load_ratio < 1 ? SiteState::kStick : SiteState::kSlip);
+      EXPECT_NEAR(p.force[0], std::min(load_ratio, 1.0) * mu * normal_force, 1e-12 * normal_force);
       EXPECT_NEAR(p.force[2], -normal_force, 1e-12 * normal_force);
     }
   }
 }
 
-TEST(FrictionalContactProblem, held_sites_have_the_forces_of_the_capacitance_matrix) {
+// Held sites have the forces of a direct solve with the capacitance matrix.
+TEST(Coulomb, HeldSites_MatchCapacitanceMatrix) {
   std::mt19937 random(4);
   for (const int k : {1, 5, 30}) {
     Case in = random_case(k, 0.3, random);
@@ -236,7 +241,8 @@ TEST(FrictionalContactProblem, held_sites_have_the_forces_of_the_capacitance_mat
   }
 }
 
-TEST(FrictionalContactProblem, held_and_touching_sites_obey_the_law_together) {
+// Held and touching sites together satisfy their conditions.
+TEST(Coulomb, HeldAndTouchingSitesSatisfyLaw) {
   std::mt19937 random(5);
   double worst = 0;
   for (int trial = 0; trial < 100; trial++) {
@@ -249,7 +255,8 @@ TEST(FrictionalContactProblem, held_and_touching_sites_obey_the_law_together) {
   EXPECT_LT(worst, 1e-7);
 }
 
-TEST(FrictionalContactProblem, two_held_sites_at_the_same_place_share_nothing_that_is_not_finite) {
+// Two held sites at the same position have finite forces.
+TEST(Coulomb, CoincidentHeldSitesStayFinite) {
   std::mt19937 random(6);
   Case in = random_case(3, 0.3, random);
   in.held = 2;
@@ -262,7 +269,8 @@ TEST(FrictionalContactProblem, two_held_sites_at_the_same_place_share_nothing_th
   EXPECT_LT((in.b + in.c * forces(p)).head(6).norm(), 1e-9);
 }
 
-TEST(FrictionalContactProblem, sites_that_are_not_pushed_bear_no_force) {
+// Separated sites have no force, after one sweep.
+TEST(Coulomb, SeparatedSitesHaveNoForce) {
   std::mt19937 random(7);
   Case in = random_case(6, 0.5, random);
   for (int i = 0; i < 6; i++)
@@ -272,7 +280,8 @@ TEST(FrictionalContactProblem, sites_that_are_not_pushed_bear_no_force) {
   EXPECT_EQ(forces(p).norm(), 0);
 }
 
-TEST(FrictionalContactProblem, newton_steps_finish_what_sweeps_begin) {
+// With Newton steps, a warm start converges within 12 sweeps.
+TEST(Coulomb, NewtonStepsBoundWarmSweeps) {
   for (const int side : {3, 4, 5, 6}) {
     const Case in = sphere_case(side, 0.3, 1e-3, 2e-4);
     FrictionalContactProblem p = load(in);

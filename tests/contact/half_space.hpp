@@ -1,4 +1,4 @@
-// A patch of an elastic half space z < 0: points on a square grid, and how they move under a unit force
+// A patch of an elastic half space z < 0: points on a square grid and their displacements under a unit force
 // spread over one cell. [Boussinesq, Cerruti; Love 1929 for the normal displacement under a rectangle]
 #pragma once
 
@@ -16,7 +16,7 @@ struct HalfSpace {
   double poisson = 0.5;
 };
 
-/// ∫∫ 1/r over a square cell whose middle is (x, y) away, per area [1/m].
+/// ∫∫ 1/r over a square cell whose center is at distance (x, y), per area [1/m].
 inline double mean_inverse_distance(double x, double y, double h) {
   const auto corner = [](double a, double b) {
     const double r = std::hypot(a, b);
@@ -27,8 +27,8 @@ inline double mean_inverse_distance(double x, double y, double h) {
   return (corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0)) / (h * h);
 }
 
-/// Displacement for a unit force along each axis, (x, y) away; column j belongs to a force along j.
-inline Mat3d half_space_answer(const HalfSpace& s, double x, double y) {
+/// Displacement at distance (x, y) of a unit force along each axis; column j belongs to a force along j.
+inline Mat3d half_space_response(const HalfSpace& s, double x, double y) {
   const double nu = s.poisson, scale = (1 + nu) / (std::numbers::pi * s.young), r2 = x * x + y * y;
   const double inverse = mean_inverse_distance(x, y, s.spacing);
   if (r2 == 0)
@@ -67,11 +67,11 @@ inline sfem::Patch half_space_patch(const HalfSpace& s, Vec3d corner_shift = {})
   for (std::size_t q = 0; q < n; q++)
     for (std::size_t p = 0; p < n; p++) {
       const Vec3d d = patch.points[p].x - patch.points[q].x;
-      const Mat3d answer = half_space_answer(s, d.x, d.y);
+      const Mat3d response = half_space_response(s, d.x, d.y);
       for (int axis = 0; axis < 3; axis++)
         for (int row = 0; row < 3; row++)
           patch.compliance[(3 * q + std::size_t(axis)) * 3 * n + 3 * p + std::size_t(row)] =
-              answer.column[axis][row];
+              response.column[axis][row];
     }
   return patch;
 }

@@ -13,7 +13,7 @@ namespace turgor::contact {
 namespace {
 
 constexpr double kCell = 1e-3;   // in the middle of the block [m]
-constexpr double kRadius = 0.2;  // of the sphere: Hertz asks for contact radii that are small against it [m]
+constexpr double kRadius = 0.2;  // of the sphere; Hertz requires small contact radii in comparison [m]
 constexpr sfem::Material kMaterial{1e4, 0.3};
 
 /// Planes from -far to far: equal cells up to `inner`, growing ones beyond.
@@ -59,13 +59,14 @@ double press(const sfem::Patch& patch, double depth) {
   std::vector<ToolForce> forces(1);
   for (int i = 1; i <= 20; i++) {
     const std::vector<ToolPose> poses{{{{0, 0, kRadius - depth * std::min(1.0, i / 10.0)}, {}}, false}};
-    touch(patch, state, tools, poses, 1e-3, forces);
+    solve_touch_tick(patch, state, tools, poses, 1e-3, forces);
   }
   EXPECT_FALSE(forces[0].beyond_patch);
   return forces[0].force.z;
 }
 
-TEST(Hertz, a_sphere_on_a_wide_block_is_carried_to_three_percent_with_the_patch_on) {
+// With the superposed patch, the force of a sphere on a wide block is within 3 % of Hertz.
+TEST(Hertz, SphereOnWideBlockWithinThreePercent) {
   sfem::Model model = wide_block();
   ASSERT_TRUE(sfem::prepare_columns(Exec(2), model));
   const sfem::Patch coarse = patch_in(model, 1), fine = patch_in(model, 3);

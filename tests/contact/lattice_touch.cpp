@@ -10,6 +10,7 @@
 #include "tests/geometry/shapes.hpp"
 #include "tests/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/model/colors.hpp"
 
 namespace turgor::contact {
@@ -21,7 +22,7 @@ using lattice::State;
 
 constexpr double kDt = 1.0 / 60, kYoung = 4e3;
 
-/// A block of tissue with air above, held at its bottom; its skin, if any, is not tense.
+/// A block of tissue with air above, fixed at its bottom; the skin, if any, has no tension.
 struct Pressed {
   Model model;
   State state;
@@ -39,36 +40,36 @@ struct Pressed {
     params.skin.tension_along = params.skin.tension_across = 0;
     params.solver = {.sweeps = sweeps, .damping = 8};
     const Block block{
-        .size = size, .step = step, .young = kYoung, .is_fixed = [](Int3 p) { return p.z == 0; }};
+        .size = size, .spacing = step, .young = kYoung, .is_fixed = [](Int3 p) { return p.z == 0; }};
     model = lattice::block_model(block, params);
     state = lattice::make_state(model);
-    const lattice::BodySurface surface = lattice::build_surface(model, state);
+    const lattice::BodySurface surface = lattice::build_surface(model, state.cuts);
     for (const Vec3 x : surface.rest) top = std::max(top, double(x.z));
     tools = {std::move(tool)};
     at = {{{from, {}}, false}};
     forces.resize(1);
-    touch = make_lattice_touch(model, state, surface, at);
+    touch = make_lattice_touch(model, state.cuts, surface, at);
   }
 
-  /// In equal steps; returns the force on the tool after each.
-  std::vector<Vec3d> go(const Exec& exec, Vec3d to, int steps, bool hold = false) {
-    std::vector<Vec3d> haptic;
+  /// Moves the tool in equal steps; returns the force on it after each.
+  std::vector<Vec3d> move_to(const Exec& exec, Vec3d to, int steps, bool hold = false) {
+    std::vector<Vec3d> forces_on_tool;
     const Vec3d from = at[0].pose.position;
     for (int n = 1; n <= steps; n++) {
       at[0] = {{from + (to - from) * (double(n) / steps), {}}, hold};
-      EXPECT_TRUE(contact::step(exec, model, state, touch, tools, at, {}, kDt, forces).finite);
-      haptic.push_back(forces[0].force);
+      EXPECT_TRUE(contact::step_with_tools(exec, model, state, touch, tools, at, {}, kDt, forces).finite);
+      forces_on_tool.push_back(forces[0].force);
     }
-    return haptic;
+    return forces_on_tool;
   }
 };
 
-/// The middle of the block's top.
+/// Center of the block's top.
 Vec3d middle(Int3 size, double step, double height) {
   return {0.5 * (size.x - 1) * step, 0.5 * (size.y - 1) * step, height};
 }
 
-/// Along z, on the nodes that are held: the elastic energy's slope when they move together [N].
+/// Reaction along z at the fixed nodes: the slope of the elastic energy when they move together [N].
 double reaction(const Pressed& block) {
   double energies[2];
   constexpr Real kShift = 2e-5f;
@@ -76,31 +77,33 @@ double reaction(const Pressed& block) {
     State state = block.state;
     for (int j = 0; j < block.model.lattice.size.y; j++)
       for (int i = 0; i < block.model.lattice.size.x; i++)
-        state.u.set(std::size_t(node_slot(block.model.lattice, i, j, 0)), {0, 0, side ? kShift : -kShift});
+        state.motion.u.set(std::size_t(node_slot(block.model.lattice, i, j, 0)),
+                           {0, 0, side ? kShift : -kShift});
     energies[side] = lattice::energy(Exec(2), block.model, state);
   }
   return (energies[1] - energies[0]) / (2 * double(kShift));
 }
 
-TEST(lattice_touch, a_sphere_is_carried_as_by_a_layer_and_does_not_sink_in) {
+// A sphere on springs has the force of a bonded layer and does not penetrate.
+TEST(LatticeTouch, SphereOnSpringsMatchesLayer) {
   constexpr double kStep = 0.002, kRadius = 0.04;
   const Int3 size{61, 61, 41};
   Pressed block(size, kStep, 10, {Sphere{kRadius}, 0}, middle(size, kStep, 1));
   block.at[0].pose.position.z = block.top + kRadius;
   double last_ratio = 0;
-  for (const double contact : {0.006, 0.008, 0.010}) {  // radius of the touched circle: 3, 4 and 5 steps
+  for (const double contact : {0.006, 0.008, 0.010}) {  // radius of the contact circle: 3, 4 and 5 cells
     const double depth = contact * contact / kRadius;
-    block.go(Exec(2), middle(size, kStep, block.top + kRadius - depth), 15);
-    block.go(Exec(2), block.at[0].pose.position, 30);
+    block.move_to(Exec(2), middle(size, kStep, block.top + kRadius - depth), 15);
+    block.move_to(Exec(2), block.at[0].pose.position, 30);
     const double layer = force_on_bonded_layer(kYoung, 0.04, kRadius, depth, block.top);
     const double ratio = block.forces[0].force.z / layer;
-    std::printf("circle of %2.0f mm: %.4f N, %.3f times the layer's %.4f N; %d places, %.1e mm inside\n",
+    std::printf("circle of %2.0f mm: %.4f N, %.3f times the layer's %.4f N; %d contacts, %.1e mm inside\n",
                 contact * 1e3, block.forces[0].force.z, ratio, layer, block.forces[0].contacts,
                 block.forces[0].largest_penetration * 1e3);
     EXPECT_NEAR(ratio, 1, 0.1)
-        << "springs have a Poisson's ratio of 0.04 along an axis, and are no isotropic body";
+        << "springs have a Poisson's ratio of 0.04 along an axis and are not isotropic";
     if (last_ratio > 0) {
-      EXPECT_NEAR(ratio / last_ratio, 1, 0.05) << "force goes with depth^1.5";
+      EXPECT_NEAR(ratio / last_ratio, 1, 0.05) << "the force grows with depth^1.5";
     }
     EXPECT_LT(block.forces[0].largest_penetration, 0.01 * depth) << "m";
     EXPECT_LT(std::hypot(block.forces[0].force.x, block.forces[0].force.y), 0.2 * block.forces[0].force.z);
@@ -108,16 +111,17 @@ TEST(lattice_touch, a_sphere_is_carried_as_by_a_layer_and_does_not_sink_in) {
   }
 }
 
-TEST(lattice_touch, a_sphere_on_solid_tissue_is_carried_as_by_a_layer_with_its_poisson_s_ratio) {
-  constexpr double kStep = 0.002, kRadius = 0.04, kContact = 0.008;  // a circle of 4 steps
+// A sphere on solid tissue has the force of a bonded layer with the tissue's Poisson's ratio.
+TEST(LatticeTouch, SphereOnSolidMatchesLayer) {
+  constexpr double kStep = 0.002, kRadius = 0.04, kContact = 0.008;  // a circle of 4 cells
   constexpr double kDepth = kContact * kContact / kRadius;
   for (const double poisson : {0.2, 0.4}) {
     const Int3 size{61, 61, 41};
     Pressed block(size, kStep, 10, {Sphere{kRadius}, 0}, middle(size, kStep, 1), false,
                   {.law = lattice::TissueLaw::kSolid, .poisson = poisson});
     block.at[0].pose.position.z = block.top + kRadius;
-    block.go(Exec(2), middle(size, kStep, block.top + kRadius - kDepth), 10);
-    block.go(Exec(2), block.at[0].pose.position, 30);
+    block.move_to(Exec(2), middle(size, kStep, block.top + kRadius - kDepth), 10);
+    block.move_to(Exec(2), block.at[0].pose.position, 30);
     const double layer = force_on_bonded_layer(kYoung, poisson, kRadius, kDepth, block.top);
     const double force = block.forces[0].force.z;
     std::printf("v %.1f: %.4f N, %.3f times the layer's %.4f N\n", poisson, force, force / layer, layer);
@@ -125,19 +129,21 @@ TEST(lattice_touch, a_sphere_on_solid_tissue_is_carried_as_by_a_layer_with_its_p
   }
 }
 
-TEST(lattice_touch, what_the_tool_feels_is_what_the_held_nodes_bear) {
+// The force on the tool equals the reaction at the fixed nodes.
+TEST(LatticeTouch, ToolForceEqualsReaction) {
   const Int3 size{21, 21, 11};
   Pressed block(size, 0.004, 40, {Sphere{0.012}, 0.5}, middle(size, 0.004, 1));
   block.at[0].pose.position.z = block.top + 0.012;
-  block.go(Exec(2), middle(size, 0.004, block.top + 0.009), 20);
-  block.go(Exec(2), block.at[0].pose.position, 150);
-  const double haptic = block.forces[0].force.z, borne = reaction(block);
-  std::printf("on the tool %.5f N, at the bottom %.5f N\n", haptic, borne);
-  EXPECT_GT(haptic, 0.05);
-  EXPECT_NEAR(std::abs(borne), haptic, 0.01 * haptic) << "N";
+  block.move_to(Exec(2), middle(size, 0.004, block.top + 0.009), 20);
+  block.move_to(Exec(2), block.at[0].pose.position, 150);
+  const double forces_on_tool = block.forces[0].force.z, borne = reaction(block);
+  std::printf("on the tool %.5f N, at the bottom %.5f N\n", forces_on_tool, borne);
+  EXPECT_GT(forces_on_tool, 0.05);
+  EXPECT_NEAR(std::abs(borne), forces_on_tool, 0.01 * forces_on_tool) << "N";
 }
 
-TEST(lattice_touch, a_plate_on_a_column_is_carried_by_e_a_d_over_l) {
+// The force of a plate on a column is E A d / L.
+TEST(LatticeTouch, PlateOnColumnHasEAOverL) {
   const Int3 size{13, 13, 41};
   constexpr double kStep = 0.004;
   TriMesh plate = test::box_surface({0.08, 0.08, 0.02});
@@ -145,45 +151,48 @@ TEST(lattice_touch, a_plate_on_a_column_is_carried_by_e_a_d_over_l) {
   Pressed block(size, kStep, 60, {mesh_shape(plate).value(), 0}, middle(size, kStep, 1));
   block.at[0].pose.position.z = block.top;
   const double length = (size.z - 1) * kStep, press = 0.02 * length, area = size.x * size.y * kStep * kStep;
-  block.go(Exec(2), middle(size, kStep, block.top - press), 20);
-  block.go(Exec(2), block.at[0].pose.position, 200);
+  block.move_to(Exec(2), middle(size, kStep, block.top - press), 20);
+  block.move_to(Exec(2), block.at[0].pose.position, 200);
   const double expected = kYoung * area * press / length;
   std::printf("%.4f N, E A d / L = %.4f N\n", block.forces[0].force.z, expected);
   EXPECT_NEAR(block.forces[0].force.z, expected, 0.1 * expected) << "N";
   EXPECT_GE(block.forces[0].contacts, (size.x - 1) * (size.y - 1));
-  EXPECT_LT(norm(block.forces[0].torque), kStep * expected) << "N m: it presses in the middle";
+  EXPECT_LT(norm(block.forces[0].torque), kStep * expected) << "N m: the press is centered";
 }
 
-TEST(lattice_touch, a_held_tool_pulls_and_lets_go) {
+// A holding tool moves its contacts and is pulled down; a release removes the force.
+TEST(LatticeTouch, HeldToolPullsAndReleases) {
   const Int3 size{17, 17, 9};
   Pressed block(size, 0.004, 20, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1));
   block.at[0].pose.position.z = block.top + 0.012;
-  block.go(Exec(2), middle(size, 0.004, block.top + 0.008), 20);
-  EXPECT_GT(block.forces[0].force.z, 0.01) << "N: it presses";
-  block.go(Exec(2), middle(size, 0.004, block.top + 0.018), 60, true);
+  block.move_to(Exec(2), middle(size, 0.004, block.top + 0.008), 20);
+  EXPECT_GT(block.forces[0].force.z, 0.01) << "N: the tool presses";
+  block.move_to(Exec(2), middle(size, 0.004, block.top + 0.018), 60, true);
   const int held = block.forces[0].contacts;
   EXPECT_GT(held, 5);
-  EXPECT_LT(block.forces[0].force.z, -0.05) << "N: it is pulled down";
+  EXPECT_LT(block.forces[0].force.z, -0.05) << "N: the body pulls the tool down";
   for (std::size_t c = 0; c < block.touch.contacts.size(); c++) {
     const LatticeContact& contact = block.touch.contacts[c];
     if (!contact.is_held) continue;
-    const LatticePlace& place = block.touch.places[std::size_t(contact.place)];
-    const Vec3d x = place_now(block.state, place);
-    EXPECT_LT(norm(x - to_world(block.at[0].pose, contact.anchor)), 2e-5) << "m: it goes along";
+    const LatticeSample& sample = block.touch.samples[std::size_t(contact.sample)];
+    const Vec3d x = sample_position(block.state.motion, sample);
+    EXPECT_LT(norm(x - to_world(block.at[0].pose, contact.anchor)), 2e-5)
+        << "m: held contacts follow the tool";
   }
   const double pulled = block.forces[0].force.z;
-  block.go(Exec(2), middle(size, 0.004, block.top + 0.018), 10, false);
-  std::printf("%d places held, %.4f N; let go: %.1e N\n", held, pulled, norm(block.forces[0].force));
+  block.move_to(Exec(2), middle(size, 0.004, block.top + 0.018), 10, false);
+  std::printf("%d contacts held, %.4f N; released: %.1e N\n", held, pulled, norm(block.forces[0].force));
   EXPECT_EQ(norm(block.forces[0].force), 0) << "N";
 }
 
-TEST(lattice_touch, taking_hold_of_what_is_pressed_changes_no_force) {
+// A tool that starts to hold where it presses keeps its force.
+TEST(LatticeTouch, HoldingKeepsForce) {
   const Int3 size{17, 17, 9};
   for (const bool with_skin : {false, true}) {
     Pressed block(size, 0.004, 10, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1), with_skin);
     block.at[0].pose.position.z = block.top + 0.012;
-    const std::vector<Vec3d> press = block.go(Exec(2), middle(size, 0.004, block.top + 0.007), 30);
-    const std::vector<Vec3d> held = block.go(Exec(2), block.at[0].pose.position, 30, true);
+    const std::vector<Vec3d> press = block.move_to(Exec(2), middle(size, 0.004, block.top + 0.007), 30);
+    const std::vector<Vec3d> held = block.move_to(Exec(2), block.at[0].pose.position, 30, true);
     double jump = 0;
     for (std::size_t n = 1; n < held.size(); n++) jump = std::max(jump, norm(held[n] - held[n - 1]));
     std::printf("pressed %.4f N, held %.4f N at once and %.4f N later\n", press.back().z, held[0].z,
@@ -193,19 +202,20 @@ TEST(lattice_touch, taking_hold_of_what_is_pressed_changes_no_force) {
   }
 }
 
-TEST(lattice_touch, friction_stays_in_its_cone_and_a_slide_has_no_jumps) {
+// Friction stays in its cone, and the force has no jumps while the tool slides.
+TEST(LatticeTouch, SlideStaysInConeWithoutJumps) {
   const Int3 size{31, 17, 9};
   constexpr double kStep = 0.004, kFriction = 0.4;
   Pressed block(size, kStep, 20, {Sphere{0.012}, kFriction}, middle(size, kStep, 1));
   const Vec3d start{0.04, 0.032, block.top + 0.009};
   block.at[0].pose.position = start + Vec3d{0, 0, 0.004};
-  block.go(Exec(2), start, 30);
-  block.go(Exec(2), start, 30);
+  block.move_to(Exec(2), start, 30);
+  block.move_to(Exec(2), start, 30);
   double jump = 0, least = 1, most = 0;
   bool slides = false, sticks = false;
   Vec3d last = block.forces[0].force;
   for (int n = 1; n <= 100; n++) {
-    block.go(Exec(2), start + Vec3d{0.0004 * n, 0, 0}, 1);
+    block.move_to(Exec(2), start + Vec3d{0.0004 * n, 0, 0}, 1);
     for (const lattice::NodeContact& c : block.touch.nodes) {
       const Real pressing = dot(c.force, c.normal), rubbing = norm(c.force - c.normal * pressing);
       EXPECT_GE(pressing, 0);
@@ -227,12 +237,13 @@ TEST(lattice_touch, friction_stays_in_its_cone_and_a_slide_has_no_jumps) {
   EXPECT_GT(least, 0.5 * kFriction);
 }
 
-TEST(lattice_touch, a_new_cut_lets_go_of_nothing_and_has_walls_to_touch) {
+// A new cut keeps all held contacts and adds samples on its walls.
+TEST(LatticeTouch, CutKeepsHeldContactsAddsWalls) {
   const Int3 size{17, 17, 9};
   Pressed block(size, 0.004, 20, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1), true);
   block.at[0].pose.position.z = block.top + 0.012;
-  block.go(Exec(2), middle(size, 0.004, block.top + 0.008), 20);
-  block.go(Exec(2), middle(size, 0.004, block.top + 0.014), 30, true);
+  block.move_to(Exec(2), middle(size, 0.004, block.top + 0.008), 20);
+  block.move_to(Exec(2), middle(size, 0.004, block.top + 0.014), 30, true);
   const auto held = [&] {
     return std::count_if(block.touch.contacts.begin(), block.touch.contacts.end(),
                          [](const LatticeContact& c) { return c.is_held; });
@@ -243,55 +254,61 @@ TEST(lattice_touch, a_new_cut_lets_go_of_nothing_and_has_walls_to_touch) {
                                        {.from = {0.01, 0.012, block.top}, .to = {0.055, 0.012, block.top}});
   ASSERT_TRUE(path) << path.error().message;
   ASSERT_GT(lattice::cut_edges(block.model, block.state, *path, 0, 1, 0), 20);
-  take_surface(block.touch, block.model, block.state, lattice::build_surface(block.model, block.state));
-  const auto walls = std::count_if(block.touch.places.begin(), block.touch.places.end(),
-                                   [](const LatticePlace& p) { return p.wall; });
+  update_surface(block.touch, block.model, block.state.cuts,
+                 lattice::build_surface(block.model, block.state.cuts));
+  const auto walls = std::count_if(block.touch.samples.begin(), block.touch.samples.end(),
+                                   [](const LatticeSample& p) { return p.wall; });
   EXPECT_GT(walls, 20);
   EXPECT_GT(before, 2);
   EXPECT_EQ(held(), before);
-  block.go(Exec(2), block.at[0].pose.position, 1, true);
+  block.move_to(Exec(2), block.at[0].pose.position, 1, true);
   EXPECT_LT(block.forces[0].force.z, 0.7 * pulled) << "N, before the cut " << pulled;
 }
 
-TEST(lattice_touch, a_body_that_lies_turned_answers_with_the_same_force_turned) {
+// A rotated body gives the rotated force and torque.
+TEST(LatticeTouch, RotatedBodyRotatesForce) {
   const Int3 size{13, 11, 9};
   Pressed plain(size, 0.004, 10, {Sphere{0.01}, 0.4}, middle(size, 0.004, 1));
-  Pressed turned(size, 0.004, 10, {Sphere{0.01}, 0.4}, middle(size, 0.004, 1));
-  const Mat3d turn{{{0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6}}};
+  Pressed rotated(size, 0.004, 10, {Sphere{0.01}, 0.4}, middle(size, 0.004, 1));
+  const Mat3d rotation{{{0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6}}};
   const Vec3d shift{0.1, -0.3, 0.7};
-  turned.model.grid.axes = turn, turned.model.grid.origin = shift;
-  const auto in_patient = [&](Vec3d x) { return shift + turn * x; };
+  rotated.model.grid.axes = rotation, rotated.model.grid.origin = shift;
+  const auto in_patient = [&](Vec3d x) { return shift + rotation * x; };
   const Vec3d start = middle(size, 0.004, plain.top + 0.01), end = start + Vec3d{0.003, 0.001, -0.003};
   plain.at[0].pose.position = start;
-  turned.at[0].pose = {in_patient(start), turn};
-  turned.touch = make_lattice_touch(turned.model, turned.state,
-                                    lattice::build_surface(turned.model, turned.state), turned.at);
+  rotated.at[0].pose = {in_patient(start), rotation};
+  rotated.touch = make_lattice_touch(rotated.model, rotated.state.cuts,
+                                     lattice::build_surface(rotated.model, rotated.state.cuts), rotated.at);
   for (int n = 1; n <= 10; n++) {
-    plain.go(Exec(1), start + (end - start) * (n / 10.0), 1);
-    turned.at[0].pose = {in_patient(start + (end - start) * (n / 10.0)), turn};
-    contact::step(Exec(1), turned.model, turned.state, turned.touch, turned.tools, turned.at, {}, kDt,
-                  turned.forces);
+    plain.move_to(Exec(1), start + (end - start) * (n / 10.0), 1);
+    rotated.at[0].pose = {in_patient(start + (end - start) * (n / 10.0)), rotation};
+    contact::step_with_tools(Exec(1), rotated.model, rotated.state, rotated.touch, rotated.tools, rotated.at,
+                             {}, kDt, rotated.forces);
   }
-  const Vec3d force = turn * plain.forces[0].force, torque = turn * plain.forces[0].torque;
+  const Vec3d force = rotation * plain.forces[0].force, torque = rotation * plain.forces[0].torque;
   EXPECT_GT(norm(force), 0.01) << "N";
-  EXPECT_LT(norm(turned.forces[0].force - force), 0.01 * norm(force)) << "N";
-  EXPECT_LT(norm(turned.forces[0].torque - torque), 0.01 * norm(force) * 0.01) << "N m";
+  EXPECT_LT(norm(rotated.forces[0].force - force), 0.01 * norm(force)) << "N";
+  EXPECT_LT(norm(rotated.forces[0].torque - torque), 0.01 * norm(force) * 0.01) << "N m";
 }
 
-TEST(lattice_touch, at_rest_contacts_leave_no_force_over) {
+// At rest, the residual under a contact is below 0.1 % of its force.
+TEST(LatticeTouch, RestingContactHasSmallResidual) {
   const Int3 size{13, 11, 9};
   Pressed block(size, 0.004, 40, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1));
   block.at[0].pose.position.z = block.top + 0.01;
-  block.go(Exec(2), middle(size, 0.004, block.top + 0.007), 10);
-  block.go(Exec(2), block.at[0].pose.position, 150);
-  lattice::StepReport report = contact::step(Exec(2), block.model, block.state, block.touch, block.tools,
-                                             block.at, {.measure_residual = true}, kDt, block.forces);
-  std::printf("%.1e N left over beside %.3f N\n", report.residual.largest, norm(block.forces[0].force));
+  block.move_to(Exec(2), middle(size, 0.004, block.top + 0.007), 10);
+  block.move_to(Exec(2), block.at[0].pose.position, 150);
+  lattice::StepReport report =
+      contact::step_with_tools(Exec(2), block.model, block.state, block.touch, block.tools, block.at,
+                               {.measure_residual = true}, kDt, block.forces);
+  std::printf("residual %.1e N, contact force %.3f N\n", report.residual.largest,
+              norm(block.forces[0].force));
   EXPECT_GT(norm(block.forces[0].force), 0.03) << "N";
   EXPECT_LT(report.residual.largest, 1e-3 * norm(block.forces[0].force)) << "N";
 }
 
-TEST(lattice_touch, two_tools_pinch_with_opposite_forces) {
+// Two tools that pinch the body have opposite forces.
+TEST(LatticeTouch, PinchForcesAreOpposite) {
   const Int3 size{13, 11, 9};
   Pressed block(size, 0.004, 20, {Sphere{0.008}, 0.5}, {});
   const double middle_y = 0.02;
@@ -304,22 +321,23 @@ TEST(lattice_touch, two_tools_pinch_with_opposite_forces) {
     return poses;
   };
   block.at = jaws(0.012);
-  block.touch = make_lattice_touch(block.model, block.state, lattice::build_surface(block.model, block.state),
-                                   block.at);
+  block.touch = make_lattice_touch(block.model, block.state.cuts,
+                                   lattice::build_surface(block.model, block.state.cuts), block.at);
   for (int n = 1; n <= 60; n++) {
     block.at = jaws(0.012 - 0.008 * std::min(1.0, n / 30.0));
     for (ToolPose& jaw : block.at) jaw.pose.position.z -= 0.006 * std::min(1.0, n / 15.0);
-    contact::step(Exec(2), block.model, block.state, block.touch, block.tools, block.at, {}, kDt,
-                  block.forces);
+    contact::step_with_tools(Exec(2), block.model, block.state, block.touch, block.tools, block.at, {}, kDt,
+                             block.forces);
   }
   const Vec3d a = block.forces[0].force, b = block.forces[1].force;
   std::printf("%.4f and %.4f N across, %.4f and %.4f N up\n", a.x, b.x, a.z, b.z);
   EXPECT_LT(a.x, -0.01) << "N: pushed apart";
   EXPECT_GT(b.x, 0.01) << "N";
-  EXPECT_LT(std::abs(a.x + b.x), 0.35 * b.x) << "N: the lattice leans one way, so not quite opposite";
+  EXPECT_LT(std::abs(a.x + b.x), 0.35 * b.x) << "N: Kuhn cells are not symmetric, so not exactly opposite";
 }
 
-TEST(lattice_touch, equal_bits_on_1_2_and_8_threads) {
+// One, two and eight threads give the same bits in both orderings.
+TEST(LatticeTouch, EqualBitsOnAnyThreads) {
   for (const lattice::Ordering ordering : {lattice::Ordering::kSlabs, lattice::Ordering::kColors}) {
     std::set<std::uint64_t> hashes;
     std::set<double> forces;
@@ -328,25 +346,27 @@ TEST(lattice_touch, equal_bits_on_1_2_and_8_threads) {
       Pressed block(size, 0.004, 5, {Capsule{0.008, 0.01}, 0.4}, middle(size, 0.004, 1));
       block.model.params.solver.ordering = ordering;
       block.at[0].pose.position.z = block.top + 0.019;
-      block.go(Exec(threads), middle(size, 0.004, block.top + 0.015) + Vec3d{0.004, 0.002, 0}, 12);
+      block.move_to(Exec(threads), middle(size, 0.004, block.top + 0.015) + Vec3d{0.004, 0.002, 0}, 12);
       hashes.insert(lattice::state_hash(block.model, block.state));
       forces.insert(norm(block.forces[0].force));
     }
-    EXPECT_EQ(hashes.size(), 1u) << "schedule " << int(ordering);
+    EXPECT_EQ(hashes.size(), 1u) << "ordering " << int(ordering);
     EXPECT_EQ(forces.size(), 1u);
     EXPECT_GT(*forces.begin(), 1e-3) << "N";
   }
 }
 
-TEST(lattice_touch, a_place_that_touches_leans_on_no_node_of_its_own_color) {
+// The two nodes of a surface sample have different colors.
+TEST(LatticeTouch, SampleNodesDifferInColor) {
   const Int3 size{13, 11, 9};
   Pressed block(size, 0.004, 10, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1));
-  const lattice::BodySurface surface = lattice::build_surface(block.model, block.state);
+  const lattice::BodySurface surface = lattice::build_surface(block.model, block.state.cuts);
   int between = 0;
-  for (const LatticePlace& place : make_lattice_touch(block.model, block.state, surface, block.at).places) {
-    if (place.other < 0) continue;
-    EXPECT_NE(lattice::color_of(slot_node(block.model.lattice, place.slot)),
-              lattice::color_of(slot_node(block.model.lattice, place.other)));
+  for (const LatticeSample& sample :
+       make_lattice_touch(block.model, block.state.cuts, surface, block.at).samples) {
+    if (sample.other < 0) continue;
+    EXPECT_NE(lattice::color_of(slot_node(block.model.lattice, sample.slot)),
+              lattice::color_of(slot_node(block.model.lattice, sample.other)));
     between++;
   }
   EXPECT_GT(between, 100);

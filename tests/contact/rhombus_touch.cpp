@@ -21,24 +21,24 @@ Forceps jaws() { return *build_forceps(phantom_forceps_half(false), phantom_forc
 
 /// Forceps that press, close, pull by 12 mm and open, one second each, and a ball that presses beside them.
 struct Hands {
-  rhombus::Foot at, beside;
+  rhombus::FootPoint at, beside;
   double grip = 0;
 
   explicit Hands(const rhombus::Model& model)
-      : at(rhombus::find_foot(model.surface, model.tree, {-0.04, 0.01, 0.2})),
-        beside(rhombus::find_foot(model.surface, model.tree, {0.02, 0.01, 0.2})) {}
+      : at(rhombus::find_foot_point(model.surface, model.tree, {-0.04, 0.01, 0.2})),
+        beside(rhombus::find_foot_point(model.surface, model.tree, {0.02, 0.01, 0.2})) {}
   std::array<ToolCommand, 2> next(int tick) {
-    const double part = tick % 1000 * 1e-3;
-    const double height = tick < 1000   ? 1e-3 - 4e-3 * part
+    const double fraction = tick % 1000 * 1e-3;
+    const double height = tick < 1000   ? 1e-3 - 4e-3 * fraction
                           : tick < 2000 ? -3e-3
-                          : tick < 3000 ? -3e-3 + 12e-3 * part
+                          : tick < 3000 ? -3e-3 + 12e-3 * fraction
                                         : 9e-3;
     const bool hold = tick >= 1000 && tick < 3000;
     grip = next_grip(grip, hold, 0.3, kTick);
     const Vec3d across = normalized(cross(Vec3d{0, 1, 0}, at.normal));
     const Mat3d axes{{across, cross(at.normal, across), at.normal}};
-    return {ToolCommand{{at.at.place + at.normal * height, axes}, grip, hold},
-            ToolCommand{{beside.at.place + beside.normal * (4e-3 - 3e-6 * tick), {}}, 0, false}};
+    return {ToolCommand{{at.at.position + at.normal * height, axes}, grip, hold},
+            ToolCommand{{beside.at.position + beside.normal * (4e-3 - 3e-6 * tick), {}}, 0, false}};
   }
 };
 
@@ -48,18 +48,20 @@ RhombusTouch touched(Hands& hands) {
                             std::array{commands[0].pose, commands[1].pose});
 }
 
-TEST(RhombusTouch, forceps_and_a_ball_are_felt_and_a_tick_allocates_nothing) {
+// Forceps and a ball have contact forces, and a tick allocates no memory.
+TEST(RhombusToolTouch, TicksAllocateNothing) {
   const rhombus::Model model = liver();
   Hands hands(model);
   RhombusTouch touch = touched(hands);
-  latest<RhombusTouchedNow> touched_now;
+  latest<RhombusTouchSnapshot> touched_now;
   prepare(touch, touched_now);
   std::vector<ToolReading> readings(2);
   std::size_t counted = 0;
   double pressed = 0, pulled = 0, squeezed = 0;
   for (int i = 1; i < 4000; i++) {
     const auto commands = hands.next(i);
-    counted += test::allocations_of([&] { tick(model, touch, touched_now, commands, kTick, readings); });
+    counted +=
+        test::allocations_of([&] { tick_and_publish(model, touch, touched_now, commands, kTick, readings); });
     const double along = dot(readings[0].force, hands.at.normal);
     pressed = std::max(pressed, along), pulled = std::max(pulled, -along);
     squeezed = std::max(squeezed, readings[0].squeeze);
@@ -68,12 +70,13 @@ TEST(RhombusTouch, forceps_and_a_ball_are_felt_and_a_tick_allocates_nothing) {
   EXPECT_GT(pressed, 1e-3) << "N";
   EXPECT_GT(pulled, 5e-3) << "N";
   EXPECT_GT(squeezed, 0) << "N";
-  EXPECT_EQ(readings[0].force, Vec3d{}) << "let go";
+  EXPECT_EQ(readings[0].force, Vec3d{}) << "released";
   EXPECT_NEAR(readings[1].depth, 5e-3 + 3e-6 * 3999 - 4e-3, 1e-3) << "m: the ball's lowest point";
   EXPECT_EQ(touched_now.read().touches.size(), 2u);
 }
 
-TEST(RhombusTouch, what_would_tear_slips_out_of_the_jaws) {
+// Tissue slips out of the jaws once at the tear force, which bounds the pull.
+TEST(RhombusToolTouch, TissueSlipsAtTearForce) {
   const rhombus::Model model = liver(5e-3);
   Hands hands(model);
   RhombusTouch touch = touched(hands);
@@ -81,7 +84,7 @@ TEST(RhombusTouch, what_would_tear_slips_out_of_the_jaws) {
   int slips = 0;
   double largest = 0;
   for (int i = 1; i < 4000; i++) {
-    tick(model, touch, hands.next(i), kTick, readings);
+    tick_rhombus_touch(model, touch, hands.next(i), kTick, readings);
     slips += touch.forces[0].slipped;
     largest = std::max(largest, norm(readings[0].force));
   }

@@ -16,7 +16,7 @@ constexpr double kRadius = 5e-3, kTick = 1e-3;
 const std::vector<Tool> kBall{{Sphere{kRadius}, 0.4}};
 const FollowParams kFollow{.radius = 12e-3, .blend_time = 0.03, .largest_step = 2e-3};
 
-/// 60 x 40 x 20 mm of soft tissue on a fixed floor; its top is z = 0.
+/// 60 × 40 × 20 mm of soft tissue on a fixed floor; its top is z = 0.
 const sfem::Model& block() {
   static const sfem::Model model = [] {
     sfem::Body body;
@@ -31,28 +31,29 @@ const sfem::Model& block() {
   return model;
 }
 
-std::shared_ptr<const sfem::Patch> patch_at(Vec3d place) {
-  const std::vector<Vec3d> places{place};
+std::shared_ptr<const sfem::Patch> patch_at(Vec3d position) {
+  const std::vector<Vec3d> positions{position};
   return std::make_shared<const sfem::Patch>(
-      *sfem::build_patch(block(), sfem::patch_elements(block(), places, kFollow.radius), 2, places));
+      *sfem::build_patch(block(), sfem::patch_elements(block(), positions, kFollow.radius), 2, positions));
 }
 
-Pose over(double x, double depth) { return {{x, 1e-3, kRadius - depth}, {}}; }
+Pose pose_above(double x, double depth) { return {{x, 1e-3, kRadius - depth}, {}}; }
 
 SfemTouch touched(double stiffening = 0) {
-  const std::vector<Pose> poses{over(-10e-3, -1e-3)};
+  const std::vector<Pose> poses{pose_above(-10e-3, -1e-3)};
   return make_sfem_touch(patch_at({-10e-3, 0, 0}), kBall, poses,
                          {.touch = {.viscosity = {.stiffening = stiffening, .time = 0.1}},
                           .follow = kFollow,
                           .vertex_count = block().body.mesh.vertices.size()});
 }
 
-/// Down within 100 ms, then along x by 10 um a tick.
+/// Down within 100 ms, then along x by 10 µm per tick.
 ToolCommand command_at(int tick) {
-  return {.pose = over(-10e-3 + 1e-5 * std::max(0, tick - 100), 2e-3 * std::min(1.0, tick / 100.0))};
+  return {.pose = pose_above(-10e-3 + 1e-5 * std::max(0, tick - 100), 2e-3 * std::min(1.0, tick / 100.0))};
 }
 
-TEST(SfemTouch, a_tick_that_takes_a_frame_and_a_patch_allocates_nothing) {
+// A tick that receives a frame and a patch allocates no memory.
+TEST(SfemTouch, TicksAllocateNothing) {
   for (const double stiffening : {0.0, 1.0}) {
     SfemTouch touch = touched(stiffening);
     SfemExchange exchange;
@@ -65,44 +66,46 @@ TEST(SfemTouch, a_tick_that_takes_a_frame_and_a_patch_allocates_nothing) {
         exchange.motion.write({std::vector<Vec3d>(touch.free.to.size(), Vec3d{0, 0, 1e-6 * i}), 17});
       }
       if (i % 200 == 150) {
-        const TouchedNow now = exchange.touched.read();
-        alive.push_back(patch_at(now.middles[0].place));
+        const SfemTouchSnapshot now = exchange.touched.read();
+        alive.push_back(patch_at(now.contact_centers[0].position));
         exchange.patches.write(
-            {alive.back(), handed_history(block(), now.history, *now.patch, *alive.back()), i});
+            {alive.back(), transferred_history(block(), now.history, *now.patch, *alive.back()), i});
       }
       const ToolCommand command = command_at(i);
-      counted +=
-          test::allocations_of([&] { tick(touch, exchange, std::span(&command, 1), kTick, readings); });
+      counted += test::allocations_of(
+          [&] { tick_with_exchange(touch, exchange, std::span(&command, 1), kTick, readings); });
     }
     EXPECT_EQ(counted, 0u) << stiffening;
-    EXPECT_EQ(touch.taken, 750) << "the last patch";
-    EXPECT_GT(readings[0].force.z, 0.01) << "N: it still presses";
+    EXPECT_EQ(touch.patch_number, 750) << "the last patch";
+    EXPECT_GT(readings[0].force.z, 0.01) << "N: the ball still presses";
   }
 }
 
-TEST(SfemTouch, the_surface_arrives_where_the_frame_sent_it_at_the_frame_s_last_tick) {
+// The surface moves linearly and reaches the positions of a frame at the frame's last tick.
+TEST(SfemTouch, SurfaceReachesFrameAtLastTick) {
   SfemTouch touch = touched();
-  const std::vector<ToolCommand> away{{.pose = over(0, -0.1)}};
+  const std::vector<ToolCommand> away{{.pose = pose_above(0, -0.1)}};
   std::vector<ToolReading> readings(1);
   const Vec3d goal{1e-3, 0, 2e-3}, second{0, 0, -1e-3};
-  const auto go = [&](Vec3d to, int ticks) {
-    take_frame(touch, std::vector<Vec3d>(touch.free.to.size(), to), 10);
-    for (int i = 0; i < ticks; i++) tick(touch, away, kTick, readings);
+  const auto move_to = [&](Vec3d to, int ticks) {
+    take_free_motion(touch, std::vector<Vec3d>(touch.free.to.size(), to), 10);
+    for (int i = 0; i < ticks; i++) tick_sfem_touch(touch, away, kTick, readings);
     return touch.state.x[0] - touch.patch->points[0].x;
   };
-  EXPECT_LT(norm(go(goal, 10) - goal), 1e-15);
-  EXPECT_LT(norm(go(second, 5) - (goal + second) / 2), 1e-15) << "half-way";
-  EXPECT_LT(norm(go(goal, 5) - ((goal + second) / 2 + goal) / 2), 1e-15)
-      << "from where it was, without a step";
-  EXPECT_LT(norm(go(second, 30) - second), 1e-15) << "and stays there";
+  EXPECT_LT(norm(move_to(goal, 10) - goal), 1e-15);
+  EXPECT_LT(norm(move_to(second, 5) - (goal + second) / 2), 1e-15) << "halfway";
+  EXPECT_LT(norm(move_to(goal, 5) - ((goal + second) / 2 + goal) / 2), 1e-15)
+      << "from its last position, without a jump";
+  EXPECT_LT(norm(move_to(second, 30) - second), 1e-15) << "and stays at rest";
 }
 
-TEST(SfemTouch, a_reading_tells_depth_contacts_and_what_lies_beyond_the_patch) {
+// A reading has the depth, the contacts and a flag for a tool beyond the patch.
+TEST(SfemTouch, ReadingHasDepthAndContacts) {
   SfemTouch touch = touched();
   std::vector<ToolReading> readings(1);
   for (int i = 0; i <= 150; i++) {
     const ToolCommand command = command_at(i);
-    tick(touch, std::span(&command, 1), kTick, readings);
+    tick_sfem_touch(touch, std::span(&command, 1), kTick, readings);
   }
   EXPECT_NEAR(readings[0].depth, 2e-3, 1e-5);
   EXPECT_GT(readings[0].contacts, 3);
@@ -110,13 +113,14 @@ TEST(SfemTouch, a_reading_tells_depth_contacts_and_what_lies_beyond_the_patch) {
   bool beyond = false;
   for (int i = 151; i <= 1800; i++) {
     const ToolCommand command = command_at(i);
-    tick(touch, std::span(&command, 1), kTick, readings);
+    tick_sfem_touch(touch, std::span(&command, 1), kTick, readings);
     beyond = beyond || readings[0].beyond_patch;
   }
-  EXPECT_TRUE(beyond) << "17 mm on, over the border of a patch of 12 mm";
+  EXPECT_TRUE(beyond) << "17 mm further, beyond the border of a patch of 12 mm";
 }
 
-TEST(SfemTouch, two_threads_exchange_whole_frames_and_the_force_has_no_step) {
+// Two threads exchange whole frames and patches, and the force has no jump.
+TEST(SfemTouch, TwoThreads_ExchangeWholeFrames) {
   SfemTouch touch = touched();
   SfemExchange exchange;
   prepare(touch, exchange);
@@ -130,8 +134,8 @@ TEST(SfemTouch, two_threads_exchange_whole_frames_and_the_force_has_no_step) {
     Vec3d before;
     for (int i = 0; i < kTicks; i++) {
       const ToolCommand command = command_at(i);
-      counted +=
-          test::allocations_of([&] { tick(touch, exchange, std::span(&command, 1), kTick, readings); });
+      counted += test::allocations_of(
+          [&] { tick_with_exchange(touch, exchange, std::span(&command, 1), kTick, readings); });
       if (i > 0) steepest = std::max(steepest, norm(readings[0].force - before));
       before = readings[0].force;
       done = i + 1;
@@ -140,20 +144,21 @@ TEST(SfemTouch, two_threads_exchange_whole_frames_and_the_force_has_no_step) {
   });
   long offered = 0;
   while (done < kTicks) {
-    const TouchedNow& now = exchange.touched.read();
+    const SfemTouchSnapshot& now = exchange.touched.read();
     ASSERT_EQ(now.x.size(), now.patch->points.size()) << "a value is whole";
     ASSERT_EQ(now.force.size(), now.patch->points.size());
     exchange.motion.write({std::vector<Vec3d>(block().body.mesh.vertices.size(), Vec3d{}), 17});
-    if (now.taken == offered && now.middles[0].touches) {
-      patches.push_back(patch_at(now.middles[0].place));
+    if (now.patch_number == offered && now.contact_centers[0].touches) {
+      patches.push_back(patch_at(now.contact_centers[0].position));
       exchange.patches.write({patches.back(), {}, ++offered});
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   hand.join();
   EXPECT_EQ(counted, 0u);
-  EXPECT_GT(touch.taken, 3) << "patches followed the ball";
-  std::printf("%ld patches in %d ticks, largest step of the force %.5f N\n", touch.taken, kTicks, steepest);
+  EXPECT_GT(touch.patch_number, 3) << "patches followed the ball";
+  std::printf("%ld patches in %d ticks, largest step of the force %.5f N\n", touch.patch_number, kTicks,
+              steepest);
   EXPECT_LT(steepest, 2 * kFollow.largest_step);
 }
 

@@ -1,5 +1,5 @@
-// A ball that slides over a surface of triangles larger than itself, and wide contacts in which there is no
-// room for all points: the force goes on without steps.
+// Continuity of the force: a ball slides over triangles larger than itself, and wide contacts exceed the
+// capacity of sites.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -40,10 +40,10 @@ struct Slide {
   int capacity = 32;
 };
 
-/// The largest change of the force from one tick to the next, in parts of the mean force, at 30 mm/s.
+/// Largest change of the force between two ticks at 30 mm/s, relative to the mean force.
 double largest_step(const sfem::Patch& patch, const Slide& slide) {
-  constexpr double kHalfWay = 0.009, kSpeed = 0.03;
-  constexpr int kPress = 300, kTicks = int(2 * kHalfWay / kSpeed / kTick);
+  constexpr double kHalfLength = 0.009, kSpeed = 0.03;
+  constexpr int kPress = 300, kTicks = int(2 * kHalfLength / kSpeed / kTick);
   const Vec3d along{std::cos(slide.angle), std::sin(slide.angle), 0}, middle{0.05, 0.05, 0.04 + slide.radius};
   TouchState state = make_touch_state(patch, 1, {.capacity = slide.capacity});
   const std::vector<Tool> tools{{Sphere{slide.radius}, slide.friction}};
@@ -53,9 +53,9 @@ double largest_step(const sfem::Patch& patch, const Slide& slide) {
   Vec3d before;
   for (int i = -kPress; i <= kTicks; i++) {
     const double depth = slide.depth * std::min(1.0, double(i + kPress) / (0.8 * kPress));
-    const double way = kSpeed * kTick * std::max(0, i) - kHalfWay;
-    poses[0].pose.position = middle + along * way - Vec3d{0, 0, depth};
-    touch(patch, state, tools, poses, kTick, forces);
+    const double travel = kSpeed * kTick * std::max(0, i) - kHalfLength;
+    poses[0].pose.position = middle + along * travel - Vec3d{0, 0, depth};
+    solve_touch_tick(patch, state, tools, poses, kTick, forces);
     if (i > 0) largest = std::max(largest, norm(forces[0].force - before));
     if (i > 0) mean += norm(forces[0].force) / kTicks;
     before = forces[0].force;
@@ -64,7 +64,8 @@ double largest_step(const sfem::Patch& patch, const Slide& slide) {
   return largest / mean;
 }
 
-TEST(Sliding, the_force_does_not_jump_over_triangles_larger_than_the_tool) {
+// The force does not jump while a ball slides over triangles larger than itself.
+TEST(Sliding, LargeTriangles_NoForceJumps) {
   for (const bool quadratic : {false, true})
     for (const auto& [cells, seed] : {std::pair{10, 3u}, {8, 5u}}) {
       const sfem::Patch patch = irregular_patch(cells, seed, quadratic, quadratic ? 1 : 2);
@@ -78,12 +79,14 @@ TEST(Sliding, the_force_does_not_jump_over_triangles_larger_than_the_tool) {
     }
 }
 
-TEST(Sliding, the_force_does_not_swing_where_triangles_are_about_as_large_as_the_tool) {
+// The force does not jump where triangles are about as large as the tool.
+TEST(Sliding, TrianglesOfToolSize_NoForceJumps) {
   const sfem::Patch patch = irregular_patch(10, 3, false, 2);
   for (const double angle : {0.0, 0.6}) EXPECT_LT(largest_step(patch, {0.007, 0.003, 0, angle}), 0.02);
 }
 
-TEST(Sliding, a_wide_contact_that_has_no_room_for_all_points_does_not_change_its_mind_every_tick) {
+// A contact with more points than the capacity does not swap points every tick.
+TEST(Sliding, ExceededCapacity_NoForceJumps) {
   const sfem::Patch patch = irregular_patch(16, 3, false, 2);
   for (const int capacity : {24, 32, 40}) {
     const double step = largest_step(patch, {0.015, 0.006, 0.1, 0.6, capacity});
@@ -91,10 +94,10 @@ TEST(Sliding, a_wide_contact_that_has_no_room_for_all_points_does_not_change_its
   }
 }
 
-/// Ticks of a ball that is shaken at random in a grid of points.
+/// Statistics of a ball that is shaken at random in a grid of points.
 struct Shaken {
   int most_sweeps = 0, most_newton = 0, unsolved = 0, most_contacts = 0;
-  double beyond_cone = 0;  // the largest friction above what Coulomb allows, in parts of the largest force
+  double beyond_cone = 0;  // largest friction above the Coulomb limit, relative to the largest force
 };
 Shaken shake(double friction, double reach, unsigned seed) {
   const HalfSpace space{.side = 17, .spacing = 10e-3 / 16};
@@ -106,12 +109,12 @@ Shaken shake(double friction, double reach, unsigned seed) {
   std::vector<ToolForce> forces(1);
   std::mt19937 random(seed);
   std::normal_distribution<double> step(0, reach);
-  Vec3d off;
+  Vec3d offset;
   Shaken result;
   for (int i = 0; i < 1500; i++) {
-    off = off * 0.9 + Vec3d{step(random), step(random), 0.5 * step(random)};
-    poses[0].pose.position = Vec3d{0, 0, 5e-3 - 1.6e-3} + off;
-    touch(patch, state, tools, poses, kTick, forces);
+    offset = offset * 0.9 + Vec3d{step(random), step(random), 0.5 * step(random)};
+    poses[0].pose.position = Vec3d{0, 0, 5e-3 - 1.6e-3} + offset;
+    solve_touch_tick(patch, state, tools, poses, kTick, forces);
     result.most_sweeps = std::max(result.most_sweeps, state.solution.sweeps);
     result.most_newton = std::max(result.most_newton, state.solution.newton_steps);
     result.unsolved += !state.solution.converged;
@@ -126,7 +129,8 @@ Shaken shake(double friction, double reach, unsigned seed) {
   return result;
 }
 
-TEST(Sliding, a_jam_of_contacts_is_solved_in_a_bounded_number_of_steps_and_never_beyond_friction) {
+// Many contacts are solved in a bounded number of iterations and stay within the friction cone.
+TEST(Sliding, ManyContacts_BoundedIterations) {
   for (const auto& [friction, reach] : {std::pair{0.3, 1e-4}, {1.5, 3e-4}, {3.0, 1e-3}}) {
     const Shaken jam = shake(friction, reach, 1);
     std::printf("friction %.1f: up to %d contacts, %d sweeps, %d Newton steps, %d ticks unsolved\n", friction,

@@ -9,7 +9,7 @@
 namespace turgor::contact {
 namespace {
 
-/// Around the origin.
+/// A box around the origin.
 TriMesh box_mesh(Vec3d half) {
   TriMesh mesh;
   for (int corner = 0; corner < 8; corner++)
@@ -26,16 +26,17 @@ double box_distance(Vec3d half, Vec3d x) {
   return norm(max(q, Vec3d{})) + std::min(0.0, std::max({q.x, q.y, q.z}));
 }
 
-Vec3d random_place(std::mt19937& random, double size) {
+Vec3d random_point(std::mt19937& random, double size) {
   std::uniform_real_distribution<double> number(-size, size);
   return {number(random), number(random), number(random)};
 }
 
-TEST(Tool, normals_are_the_gradients_of_distances) {
+// Normals equal the gradients of distances.
+TEST(Tool, NormalsAreDistanceGradients) {
   std::mt19937 random(1);
   for (const Shape& shape : {Shape(Sphere{3e-3}), Shape(Capsule{2e-3, 5e-3})}) {
     for (int i = 0; i < 1000; i++) {
-      const Vec3d x = random_place(random, 0.01);
+      const Vec3d x = random_point(random, 0.01);
       const ShapeDistance d = distance(shape, x);
       const double h = 1e-7;
       const Vec3d gradient{(distance(shape, x + Vec3d{h, 0, 0}).distance - d.distance) / h,
@@ -46,15 +47,16 @@ TEST(Tool, normals_are_the_gradients_of_distances) {
   }
 }
 
-TEST(Tool, the_distance_of_a_box_is_right_to_a_fraction_of_its_grid) {
+// The sampled distance of a box is exact to a fraction of the grid spacing.
+TEST(Tool, BoxDistanceWithinGridSpacing) {
   const Vec3d half{4e-3, 3e-3, 2e-3};
   const Result<Shape> box = mesh_shape(box_mesh(half));
   ASSERT_TRUE(box) << box.error().message;
   const double spacing = std::get<MeshShape>(*box).spacing;
   std::mt19937 random(2);
-  double near = 0, anywhere = 0, far = 0;  // the last one where the grid does not reach, relative
+  double near = 0, anywhere = 0, far = 0;  // `far`: beyond the grid, relative
   for (int i = 0; i < 20000; i++) {
-    const Vec3d x = random_place(random, 4.6e-3), y = random_place(random, 2e-2);
+    const Vec3d x = random_point(random, 4.6e-3), y = random_point(random, 2e-2);
     const double exact = box_distance(half, x), error = std::abs(distance(*box, x).distance - exact);
     (std::abs(exact) < spacing ? near : anywhere) =
         std::max(std::abs(exact) < spacing ? near : anywhere, error);
@@ -70,7 +72,8 @@ TEST(Tool, the_distance_of_a_box_is_right_to_a_fraction_of_its_grid) {
   EXPECT_NEAR(tip_radius(*box), 2e-3, 1e-8);
 }
 
-TEST(Tool, tips_of_a_mesh_are_on_its_surface_and_reach_its_corners) {
+// The tips of a mesh lie on its surface and include its corners.
+TEST(Tool, TipsLieOnSurfaceAndCorners) {
   const Vec3d half{4e-3, 3e-3, 2e-3};
   const Result<Shape> box = mesh_shape(box_mesh(half));
   ASSERT_TRUE(box);
@@ -82,7 +85,8 @@ TEST(Tool, tips_of_a_mesh_are_on_its_surface_and_reach_its_corners) {
   EXPECT_EQ(corners, 8);
 }
 
-TEST(Tool, a_pose_moves_a_shape_rigidly) {
+// A pose moves a shape rigidly.
+TEST(Tool, PoseMovesShapeRigidly) {
   const Pose pose{{1e-3, 2e-3, 3e-3}, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}}};
   const Shape rod = Capsule{1e-3, 4e-3};  // its axis lies along the world's x
   EXPECT_NEAR(distance(rod, pose, pose.position + Vec3d{5e-3, 0, 0}).distance, 0, 1e-15);
@@ -91,22 +95,24 @@ TEST(Tool, a_pose_moves_a_shape_rigidly) {
   EXPECT_LT(norm(to_world(pose, to_tool(pose, {0.1, 0.2, 0.3})) - Vec3d{0.1, 0.2, 0.3}), 1e-15);
 }
 
-TEST(Tool, poses_that_are_not_finite_or_no_rotation_are_not_valid) {
+// Poses that are not finite or whose axes are not a rotation are invalid.
+TEST(Tool, InvalidPosesAreDetected) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(is_valid({}));
   EXPECT_FALSE(is_valid({{nan, 0, 0}, {}}));
   EXPECT_FALSE(is_valid({{0, 0, INFINITY}, {}}));
   EXPECT_FALSE(is_valid({{}, {{{nan, 0, 0}, {0, 1, 0}, {0, 0, 1}}}}));
-  EXPECT_FALSE(is_valid({{}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}}})) << "a mirror";
+  EXPECT_FALSE(is_valid({{}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}}})) << "a reflection";
   EXPECT_FALSE(is_valid({{}, {{{1.1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}}));
 }
 
-TEST(Tool, the_closest_place_of_a_triangle_is_no_farther_than_any_other) {
+// No point of a triangle is closer than the point of the closest weights.
+TEST(Tool, ClosestWeightsMinimizeDistance) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> number(0, 1);
   for (int i = 0; i < 2000; i++) {
-    const Vec3d a = random_place(random, 1), b = random_place(random, 1), c = random_place(random, 1),
-                x = random_place(random, 2);
+    const Vec3d a = random_point(random, 1), b = random_point(random, 1), c = random_point(random, 1),
+                x = random_point(random, 2);
     const Vec3d w = closest_weights(x, a, b, c);
     EXPECT_NEAR(w.x + w.y + w.z, 1, 1e-12);
     EXPECT_GE(std::min({w.x, w.y, w.z}), 0);
@@ -119,7 +125,8 @@ TEST(Tool, the_closest_place_of_a_triangle_is_no_farther_than_any_other) {
   }
 }
 
-TEST(Tool, meshes_that_are_no_closed_surface_are_refused_with_the_place) {
+// Meshes that are not closed or not finite are rejected; the message names the vertex.
+TEST(Tool, RejectsMeshesThatAreNotClosed) {
   TriMesh open = box_mesh({1e-3, 1e-3, 1e-3});
   open.triangles.pop_back();
   EXPECT_NE(mesh_shape(open).error().message.find("not closed"), std::string::npos);

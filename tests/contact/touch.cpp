@@ -15,7 +15,8 @@ using turgor::test::allocations;
 namespace turgor::contact {
 namespace {
 
-TEST(Touch, a_rigid_sphere_is_carried_as_hertz_says) {
+// The force of a rigid sphere is within 2 % of Hertz.
+TEST(Touch, RigidSphereMatchesHertz) {
   const HalfSpace s{.side = 33, .spacing = 0.25e-3, .young = 1e4, .poisson = 0.3};
   const double stiff = s.young / (1 - s.poisson * s.poisson), radius = 0.1;  // large against the contact
   for (const double contact : {0.7e-3, 1e-3, 1.4e-3}) {
@@ -29,7 +30,8 @@ TEST(Touch, a_rigid_sphere_is_carried_as_hertz_says) {
   }
 }
 
-TEST(Touch, a_flat_capsule_bears_twice_as_much_under_twice_the_length) {
+// A lying capsule of twice the length has between 1.4 and 2 times the force.
+TEST(Touch, CapsuleForceGrowsWithLength) {
   const HalfSpace s{.side = 31, .spacing = 0.5e-3};
   const Mat3d lying{{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}};
   double force[2];
@@ -37,7 +39,7 @@ TEST(Touch, a_flat_capsule_bears_twice_as_much_under_twice_the_length) {
     Touched scene(s, {{Capsule{2e-3, 2e-3 * (i + 1)}, 0}}, {.capacity = 128});
     const std::vector<ToolPose> poses{{{{0, 0, 1.8e-3}, lying}, false}};
     for (int tick = 0; tick < 10; tick++)
-      touch(scene.patch, scene.state, scene.tools, poses, kTick, scene.forces);
+      solve_touch_tick(scene.patch, scene.state, scene.tools, poses, kTick, scene.forces);
     force[i] = scene.forces[0].force.z;
     EXPECT_NEAR(norm(scene.forces[0].torque), 0, 1e-3 * force[i] * 2e-3);
   }
@@ -45,7 +47,8 @@ TEST(Touch, a_flat_capsule_bears_twice_as_much_under_twice_the_length) {
   EXPECT_LT(force[1] / force[0], 2.0);
 }
 
-TEST(Touch, a_ball_made_of_triangles_presses_as_a_sphere) {
+// A ball of triangles has the force of a sphere within 5 %.
+TEST(Touch, MeshBallMatchesSphere) {
   const Result<Shape> ball = mesh_shape(ball_mesh(kRadius, 4), 64);
   ASSERT_TRUE(ball) << ball.error().message;
   Touched sphere({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
@@ -58,7 +61,8 @@ TEST(Touch, a_ball_made_of_triangles_presses_as_a_sphere) {
   EXPECT_LT(jump, 0.05 * mesh.forces[0].force.z);
 }
 
-TEST(Touch, a_tool_that_is_far_or_just_leaves_feels_nothing) {
+// A tool that is far away or has just separated has no force.
+TEST(Touch, SeparatedToolHasNoForce) {
   Touched scene({}, {{Sphere{kRadius}, 0.3}});
   EXPECT_EQ(scene.press({0, 0, 1}).force, Vec3d{});
   scene.settle(above(0, 0, 0));
@@ -69,7 +73,8 @@ TEST(Touch, a_tool_that_is_far_or_just_leaves_feels_nothing) {
   for (const Vec3d u : scene.state.u) EXPECT_EQ(u, Vec3d{});
 }
 
-TEST(Touch, no_point_stays_in_the_tool) {
+// No point remains inside the tool.
+TEST(Touch, NoPointPenetratesTool) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   const ToolForce haptic = scene.settle(above(0.3e-3, 0.1e-3, 1.5e-3), 30);
   EXPECT_LT(haptic.largest_penetration, 1e-6);
@@ -77,7 +82,8 @@ TEST(Touch, no_point_stays_in_the_tool) {
   EXPECT_EQ(haptic.dropped, 0);
 }
 
-TEST(Touch, force_and_pressure_sum_to_the_same) {
+// The contact pressure integrates to the force, and the forces on all points balance the tool's force.
+TEST(Touch, PressureIntegratesToForce) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   const ToolForce haptic = scene.settle(above(0, 0, 1e-3));
   std::vector<double> pressure(scene.state.x.size());
@@ -91,7 +97,8 @@ TEST(Touch, force_and_pressure_sum_to_the_same) {
   EXPECT_NEAR(norm(on_points + haptic.force), 0, 1e-12);
 }
 
-TEST(Touch, a_drag_below_friction_sticks_and_comes_back_and_a_long_one_slides_at_the_cone) {
+// A short drag sticks below the friction limit; a long one slides at the cone.
+TEST(Touch, ShortDragSticksLongDragSlides) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.4}}, {.capacity = 64});
   const Vec3d first = scene.settle(above(0, 0, 1e-3), 200).force;
   scene.move(above(0, 0, 1e-3), above(5e-5, 0, 1e-3));
@@ -100,11 +107,12 @@ TEST(Touch, a_drag_below_friction_sticks_and_comes_back_and_a_long_one_slides_at
   scene.move(above(5e-5, 0, 1e-3), above(3e-3, 0, 1e-3));
   const ToolForce haptic = scene.forces[0];
   EXPECT_EQ(haptic.sliding, haptic.contacts);
-  // On a sphere the normals differ, so that the whole ratio is near μ, not equal to it.
+  // The normals of a sphere differ, so the ratio of the total forces is near μ, not equal to it.
   EXPECT_NEAR(-haptic.force.x / haptic.force.z, 0.4, 0.1);
 }
 
-TEST(Touch, a_stuck_contact_keeps_its_force_for_ten_thousand_ticks) {
+// A sticking contact keeps its force for ten thousand ticks.
+TEST(Touch, StickingForceIsConstant) {
   Touched scene({.side = 11}, {{Sphere{kRadius}, 1.5}}, {.capacity = 64});
   scene.settle(above(0, 0, 0.5e-3), 50);
   scene.move(above(0, 0, 0.5e-3), above(1e-4, 0, 0.5e-3));
@@ -114,7 +122,8 @@ TEST(Touch, a_stuck_contact_keeps_its_force_for_ten_thousand_ticks) {
   EXPECT_LT(first.x, 0);
 }
 
-TEST(Touch, what_is_held_is_pulled_until_it_is_let_go) {
+// Held points pull the tool until they are released.
+TEST(Touch, HeldPointsPullUntilReleased) {
   Touched scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   scene.settle(above(0, 0, 0.5e-3));
   scene.move(above(0, 0, 0.5e-3), above(0, 0, -1e-3), true);
@@ -124,11 +133,13 @@ TEST(Touch, what_is_held_is_pulled_until_it_is_let_go) {
   scene.move(above(0, 0, -1e-3), above(1e-3, 0, -1e-3), true);
   EXPECT_LT(scene.forces[0].force.x, 0);
   scene.move(above(1e-3, 0, -1e-3), above(0, 0, -1e-3), true);
-  EXPECT_LT(norm(scene.forces[0].force - pulled), 1e-9 * norm(pulled)) << "elastic: the way does not matter";
+  EXPECT_LT(norm(scene.forces[0].force - pulled), 1e-9 * norm(pulled))
+      << "elastic: the force is independent of the path";
   EXPECT_EQ(scene.press(above(0, 0, -1e-3), false).force, Vec3d{});
 }
 
-TEST(Touch, held_sites_move_exactly_with_the_tool) {
+// Held sites move exactly with the tool.
+TEST(Touch, HeldSitesMoveWithTool) {
   Touched scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   scene.settle(above(0, 0, 0.5e-3));
   const Vec3d before = scene.state.x[60];
@@ -136,20 +147,23 @@ TEST(Touch, held_sites_move_exactly_with_the_tool) {
   EXPECT_LT(norm(scene.state.x[60] - before - Vec3d{2e-4, 1e-4, 1.5e-3}), 1e-12);
 }
 
-TEST(Touch, two_tools_press_as_one_when_far_apart_and_help_each_other_when_near) {
+// Two near tools reduce each other's force; distant tools hardly do.
+TEST(Touch, NearToolsReduceEachOthersForce) {
   const HalfSpace s{.side = 31};
   const auto force = [&](double apart, bool second) {
     Touched scene(s, {{Sphere{kRadius}, 0}, {Sphere{kRadius}, 0}}, {.capacity = 64});
     const std::vector<ToolPose> poses{{{above(-apart / 2, 0, 0.5e-3), {}}, false},
                                       {{second ? above(apart / 2, 0, 0.5e-3) : Vec3d{0, 0, 1}, {}}, false}};
-    for (int i = 0; i < 10; i++) touch(scene.patch, scene.state, scene.tools, poses, kTick, scene.forces);
+    for (int i = 0; i < 10; i++)
+      solve_touch_tick(scene.patch, scene.state, scene.tools, poses, kTick, scene.forces);
     return scene.forces[0].force.z;
   };
   EXPECT_LT(force(8e-3, true), 0.95 * force(8e-3, false));
   EXPECT_GT(force(24e-3, true), 0.94 * force(24e-3, false));
 }
 
-TEST(Touch, a_tool_smaller_than_the_triangles_touches_between_the_points) {
+// A tool smaller than the triangles has contact between their points.
+TEST(Touch, SmallToolTouchesBetweenPoints) {
   Touched scene({.side = 7, .spacing = 10e-3}, {{Sphere{2e-3}, 0.3}});
   for (const Vec3d at : {Vec3d{6.5e-3, 3e-3, 1.5e-3}, Vec3d{5e-3, 0, 1.5e-3}, Vec3d{3e-3, 3e-3, 1.5e-3}}) {
     const ToolForce haptic = scene.settle(at, 50);
@@ -159,7 +173,8 @@ TEST(Touch, a_tool_smaller_than_the_triangles_touches_between_the_points) {
   }
 }
 
-TEST(Touch, a_small_tool_glides_over_edges_and_points_of_large_triangles) {
+// A small tool slides over edges and points of large triangles without force jumps.
+TEST(Touch, SmallToolSlidesOverEdges) {
   Touched scene({.side = 7, .spacing = 10e-3}, {{Sphere{4e-3}, 0.0}});
   const auto at = [](double x) { return Vec3d{x, 0.31 * x + 1e-4, 3.5e-3}; };
   const double force = scene.settle(at(-0.02), 50).force.z;
@@ -169,7 +184,8 @@ TEST(Touch, a_small_tool_glides_over_edges_and_points_of_large_triangles) {
   EXPECT_LT(jump, 0.02 * force);
 }
 
-TEST(Touch, the_force_is_continuous_when_pressing_sliding_and_releasing) {
+// The force is continuous while the tool presses, slides and releases.
+TEST(Touch, ForceIsContinuous) {
   for (const double friction : {0.0, 0.3}) {
     Touched scene({.side = 21}, {{Sphere{kRadius}, friction}}, {.capacity = 64});
     const double down = scene.move(above(0, 0, -1e-4), above(0, 0, 1e-3));
@@ -184,7 +200,8 @@ TEST(Touch, the_force_is_continuous_when_pressing_sliding_and_releasing) {
   }
 }
 
-TEST(Touch, a_press_deeper_than_the_radius_goes_on_and_one_of_three_radii_does_not_fall_through) {
+// A press deeper than the radius keeps its force; at three radii the tool does not fall through.
+TEST(Touch, DeepPressDoesNotFallThrough) {
   for (const double friction : {0.0, 0.3}) {
     constexpr double kSmall = 2e-3;
     Touched scene({.side = 21}, {{Sphere{kSmall}, friction}}, {.capacity = 64});
@@ -197,7 +214,8 @@ TEST(Touch, a_press_deeper_than_the_radius_goes_on_and_one_of_three_radii_does_n
   }
 }
 
-TEST(Touch, a_tool_that_appears_inside_the_body_feels_nothing_until_it_has_come_out) {
+// A tool that starts inside the body has no force until it has left the body once.
+TEST(Touch, ToolStartingInsideHasNoForce) {
   Touched scene({.side = 21}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   const ToolForce haptic = scene.press({0, 0, -3e-3});
   EXPECT_TRUE(haptic.inside);
@@ -210,14 +228,16 @@ TEST(Touch, a_tool_that_appears_inside_the_body_feels_nothing_until_it_has_come_
   EXPECT_GT(scene.forces[0].force.z, 0);
 }
 
-TEST(Touch, a_fast_tool_does_not_fall_through) {
+// A tool that moves 7 mm in one tick does not fall through.
+TEST(Touch, FastToolDoesNotFallThrough) {
   Touched scene({.side = 21}, {{Sphere{2e-3}, 0.0}}, {.capacity = 64});
   scene.press({0, 0, 4e-3});
   EXPECT_GT(scene.press({0, 0, -3e-3}).force.z, 0) << "7 mm in one tick";
   EXPECT_LT(scene.state.x[220].z, -4e-3);
 }
 
-TEST(Touch, a_pose_that_is_not_one_gives_no_force_and_says_so) {
+// An invalid pose gives no force and sets a flag; the next valid pose restores the force.
+TEST(Touch, InvalidPoseHasNoForceAndFlag) {
   Touched scene({}, {{Sphere{kRadius}, 0.3}});
   const double force = scene.settle(above(0, 0, 1e-3)).force.z;
   for (const Vec3d bad : {Vec3d{NAN, 0, 0}, Vec3d{0, INFINITY, 0}}) {
@@ -226,26 +246,29 @@ TEST(Touch, a_pose_that_is_not_one_gives_no_force_and_says_so) {
     EXPECT_EQ(haptic.force, Vec3d{});
   }
   const std::vector<ToolPose> squeezed{{{above(0, 0, 1e-3), {{{1, 0, 0}, {0, 1, 0}, {0, 0, 2}}}}, false}};
-  touch(scene.patch, scene.state, scene.tools, squeezed, kTick, scene.forces);
+  solve_touch_tick(scene.patch, scene.state, scene.tools, squeezed, kTick, scene.forces);
   EXPECT_TRUE(scene.forces[0].invalid_pose);
   EXPECT_NEAR(scene.settle(above(0, 0, 1e-3)).force.z, force, 1e-6 * force);
 }
 
-TEST(Touch, a_tool_larger_than_the_patch_says_so) {
+// A tool that reaches beyond the patch sets a flag.
+TEST(Touch, ToolBeyondPatchSetsFlag) {
   Touched scene({.side = 5}, {{Sphere{50e-3}, 0.3}});
   EXPECT_TRUE(scene.settle({0, 0, 49e-3}).beyond_patch);
   Touched small({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   EXPECT_FALSE(small.settle(above(0, 0, 1e-3)).beyond_patch);
 }
 
-TEST(Touch, sites_beyond_the_capacity_are_counted) {
+// Sites beyond the capacity are dropped and counted.
+TEST(Touch, CountsDroppedSites) {
   Touched scene({.side = 21}, {{Sphere{20e-3}, 0.3}}, {.capacity = 8});
   const ToolForce haptic = scene.press({0, 0, 19e-3});
   EXPECT_LE(haptic.contacts, 8);
   EXPECT_GT(haptic.dropped, 0);
 }
 
-TEST(Touch, a_displacement_from_elsewhere_moves_the_surface_under_the_tool) {
+// An external displacement moves the surface under the tool.
+TEST(Touch, OffsetMovesSurface) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.0}}, {.capacity = 64});
   const double force = scene.settle(above(0, 0, 1e-3)).force.z;
   Touched lifted({.side = 15}, {{Sphere{kRadius}, 0.0}}, {.capacity = 64});
@@ -253,7 +276,8 @@ TEST(Touch, a_displacement_from_elsewhere_moves_the_surface_under_the_tool) {
   EXPECT_NEAR(lifted.settle(above(0, 0, 0.6e-3)).force.z, force, 1e-6 * force);
 }
 
-TEST(Touch, a_tick_allocates_nothing) {
+// A tick allocates no memory.
+TEST(Touch, TicksAllocateNothing) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}, {Capsule{1e-3, 3e-3}, 0.3}},
                 {.capacity = 32, .viscosity = {.stiffening = 1, .time = 0.1}});
   std::vector<ToolPose> poses(2);
@@ -263,14 +287,15 @@ TEST(Touch, a_tick_allocates_nothing) {
     poses[0] = {{above(x, 0, 0.8e-3), {}}, i > 200 && i < 300};
     poses[1] = {{{-x, 4e-3, i % 50 == 0 ? NAN : 3.5e-3}, {}}, false};
     const std::size_t before = allocations;
-    touch(scene.patch, scene.state, scene.tools, poses, kTick, scene.forces);
+    solve_touch_tick(scene.patch, scene.state, scene.tools, poses, kTick, scene.forces);
     counted += allocations - before;
   }
   EXPECT_EQ(counted, 0u);
   EXPECT_GT(allocations, 0u);
 }
 
-TEST(Touch, clusters_bear_what_all_points_would_and_allocate_nothing) {
+// Clusters of points have the force of all points and allocate no memory.
+TEST(Touch, ClustersMatchAllPoints) {
   const auto pressed = [](int capacity) {
     Touched scene({.side = 21}, {{Sphere{20e-3}, 0.3}}, {.capacity = capacity});
     sfem::add_levels(scene.patch);
@@ -283,7 +308,7 @@ TEST(Touch, clusters_bear_what_all_points_would_and_allocate_nothing) {
     const Vec3d at{0, 0, 20e-3 - 1.5e-5 * (i <= 100 ? i : 200 - i)};
     const std::vector<ToolPose> poses{{{at, {}}, false}};
     const std::size_t before = allocations;
-    touch(few.patch, few.state, few.tools, poses, kTick, few.forces);
+    solve_touch_tick(few.patch, few.state, few.tools, poses, kTick, few.forces);
     counted += allocations - before;
     const ToolForce haptic = few.forces[0];
     const ToolForce exact = all.press(at);
@@ -291,16 +316,18 @@ TEST(Touch, clusters_bear_what_all_points_would_and_allocate_nothing) {
     EXPECT_EQ(haptic.dropped, 0);
     EXPECT_EQ(exact.level, 0);
     EXPECT_LE(haptic.contacts, 32);
-    // On the way back the clusters stay coarse a little longer, so that they do not change to and fro.
+    // While the tool retracts, clusters stay coarse a little longer: hysteresis avoids switching back and
+    // forth.
     EXPECT_NEAR(haptic.force.z, exact.force.z, (i <= 100 ? 0.03 : 0.05) * exact.force.z + 2e-4) << i;
   }
   EXPECT_EQ(counted, 0u);
   EXPECT_GE(coarsest, 2);
   few.settle(above(0, 0, -1e-3) + Vec3d{0, 0, 15e-3}, 6);
-  EXPECT_EQ(few.forces[0].level, 0) << "on the way back, points again";
+  EXPECT_EQ(few.forces[0].level, 0) << "points again after the release";
 }
 
-TEST(Touch, equal_paths_give_equal_bits) {
+// Equal paths give equal bits.
+TEST(Touch, EqualPathsGiveEqualBits) {
   std::vector<Vec3d> forces[2];
   for (auto& list : forces) {
     Touched scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.viscosity = {.stiffening = 1, .time = 0.1}});

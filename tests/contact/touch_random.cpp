@@ -1,4 +1,4 @@
-// Ticks along random paths: nothing may be lost, whatever a hand does.
+// Ticks along random paths: forces and positions stay finite for any motion of a hand.
 #include <cmath>
 #include <random>
 
@@ -9,28 +9,28 @@
 namespace turgor::contact {
 namespace {
 
-/// Ticks of anything: smooth drags, jumps, turns, bad numbers, grasps. Returns the largest force.
+/// Ticks with smooth drags, jumps, rotations, non-finite poses and grasps. Returns the largest force.
 double fuzz(std::vector<Tool> tools, int ticks) {
   const std::size_t count = tools.size();
   Touched scene({.side = 9}, std::move(tools), {.viscosity = {.stiffening = 2, .time = 0.05}});
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(-1, 1);
-  const auto anywhere = [&] { return Vec3d{number(random), number(random), number(random)}; };
+  const auto random_vector = [&] { return Vec3d{number(random), number(random), number(random)}; };
   const Vec3d home{0, 0, 3e-3};
   std::vector<Vec3d> at(count, home), velocity(count);
   std::vector<ToolPose> poses(count);
   double angle = 0, largest = 0, unsolved = 0;
   for (int tick = 0; tick < ticks; tick++) {
     for (std::size_t i = 0; i < count; i++) {
-      velocity[i] = 0.98 * velocity[i] + anywhere() * 2e-5 - (at[i] - home) * 1e-3;
+      velocity[i] = 0.98 * velocity[i] + random_vector() * 2e-5 - (at[i] - home) * 1e-3;
       at[i] += velocity[i];
-      if (random() % 2000 == 0) at[i] = anywhere() * 8e-3;
+      if (random() % 2000 == 0) at[i] = random_vector() * 8e-3;
       angle += 0.02 * number(random);
       const double c = std::cos(angle), s = std::sin(angle);
       poses[i] = {{at[i], {{{c, 0, s}, {0, 1, 0}, {-s, 0, c}}}}, (std::size_t(tick) / 97 + i) % 5 == 0};
     }
     if (random() % 1000 == 0) poses[0].pose.position.x = NAN;
-    touch(scene.patch, scene.state, scene.tools, poses, tick % 100 == 0 ? 0 : kTick, scene.forces);
+    solve_touch_tick(scene.patch, scene.state, scene.tools, poses, tick % 100 == 0 ? 0 : kTick, scene.forces);
     unsolved += scene.state.solution.residual > 1e-3;
     for (const ToolForce& haptic : scene.forces) {
       const double size = norm(haptic.force) + norm(haptic.torque);
@@ -45,11 +45,11 @@ double fuzz(std::vector<Tool> tools, int ticks) {
   return largest;
 }
 
-TEST(TouchRandom, random_paths_of_one_tool_stay_within_what_the_body_can_answer) {
-  EXPECT_LT(fuzz({{Sphere{3e-3}, 0.3}}, 70'000), 10);
-}
+// The force along a random path of one tool stays below 10 N.
+TEST(TouchRandom, OneTool_ForceIsBounded) { EXPECT_LT(fuzz({{Sphere{3e-3}, 0.3}}, 70'000), 10); }
 
-TEST(TouchRandom, random_paths_of_two_tools_that_may_overlap_stay_finite) {
+// The forces along random paths of two tools, which may overlap, stay finite.
+TEST(TouchRandom, TwoTools_ForceIsFinite) {
   EXPECT_LT(fuzz({{Sphere{3e-3}, 0.3}, {Capsule{1e-3, 4e-3}, 0.8}}, 30'000), 1e9);
 }
 

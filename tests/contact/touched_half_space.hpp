@@ -1,4 +1,4 @@
-// A half space under one tool or several, tick by tick.
+// A half space under one or several tools, tick by tick.
 #pragma once
 
 #include <cmath>
@@ -27,14 +27,14 @@ struct Touched {
 
   ToolForce press(Vec3d at, bool hold = false) {
     const std::vector<ToolPose> poses{{{at, {}}, hold}};
-    touch(patch, state, tools, poses, kTick, forces);
+    solve_touch_tick(patch, state, tools, poses, kTick, forces);
     return forces[0];
   }
   ToolForce settle(Vec3d at, int ticks = 20, bool hold = false) {
     for (int i = 1; i < ticks; i++) press(at, hold);
     return press(at, hold);
   }
-  /// Along a line in steps of at most 10 µm; the largest change of force from one to the next.
+  /// Moves along a line in steps of at most 10 µm. Returns the largest change of force between two steps.
   double move(Vec3d from, Vec3d to, bool hold = false) {
     const int steps = std::max(1, int(std::ceil(norm(to - from) / 1e-5)));
     Vec3d before = forces[0].force;

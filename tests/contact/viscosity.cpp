@@ -14,7 +14,7 @@ namespace {
 constexpr double kRadius = 5e-3;
 const HalfSpace kSoft{.side = 9};
 
-/// A sphere that holds the middle of a half space, so that its answer is linear.
+/// A sphere that holds the center of a half space, so that its response is linear.
 struct Grip {
   sfem::Patch patch = half_space_patch(kSoft);
   std::vector<Tool> tools{{Sphere{kRadius}, 0.3}};
@@ -24,18 +24,19 @@ struct Grip {
 
   explicit Grip(const Viscosity& viscosity) : state(make_touch_state(patch, 1, {.viscosity = viscosity})) {
     move({}, 0, false);
-    // Forget how it was gripped: what is held begins at rest.
+    // Forget the history of the grip: the held points start at rest.
     for (int i = 0; i < 100; i++) move({}, 1e6, true);
   }
   Vec3d move(Vec3d by, double dt, bool hold = true) {
     at += by;
     const std::vector<ToolPose> poses{{{at, {}}, hold}};
-    touch(patch, state, tools, poses, dt, forces);
+    solve_touch_tick(patch, state, tools, poses, dt, forces);
     return forces[0].force;
   }
 };
 
-TEST(Viscosity, a_sudden_move_is_stiffer_by_exactly_one_plus_p_and_a_hold_relaxes_as_the_closed_form) {
+// A sudden move is stiffer by exactly 1 + p; the force then relaxes as the closed form.
+TEST(Viscosity, StepResponseMatchesClosedForm) {
   const Viscosity law{.stiffening = 1.5, .time = 0.1};
   Grip soft({}), stiff(law);
   const Vec3d step{1e-4, 0, 2e-4};
@@ -56,8 +57,9 @@ TEST(Viscosity, a_sudden_move_is_stiffer_by_exactly_one_plus_p_and_a_hold_relaxe
             1e-3 * norm(elastic));
 }
 
-TEST(Viscosity, a_constant_force_creeps_as_the_closed_form) {
-  // u(t) = u_inf (1 − p/(1+p) exp(−t/(τ (1+p)))), with the law alone, Ξ being one number.
+// Under a constant force, the material creeps as the closed form.
+TEST(Viscosity, CreepMatchesClosedForm) {
+  // u(t) = u_inf (1 − p/(1+p) exp(−t/(τ (1+p)))) for the law alone, with a scalar Ξ.
   const Viscosity law{.stiffening = 2, .time = 0.05};
   const double xi = 3e-3, f = 0.4, dt = 1e-4;
   ViscousHistory history{.v = {{}}, .phi = {{}}};
@@ -73,7 +75,8 @@ TEST(Viscosity, a_constant_force_creeps_as_the_closed_form) {
   EXPECT_LT(worst, 2e-3);
 }
 
-TEST(Viscosity, far_history_decays_as_near_history_without_new_forces) {
+// Without new forces, the history of far vertices decays as that of the patch.
+TEST(Viscosity, FarHistoryDecaysAsNearHistory) {
   const Viscosity law{.stiffening = 2, .time = 0.05};
   ViscousHistory history{.v = {{}}, .phi = {{1, 0, 0}}, .far = {{0, {1, 0, 0}}}};
   for (int i = 0; i < 200; i++) {
@@ -84,7 +87,8 @@ TEST(Viscosity, far_history_decays_as_near_history_without_new_forces) {
   EXPECT_LT(history.far_fraction, 0.3);
 }
 
-TEST(Viscosity, random_paths_never_give_energy_back) {
+// Closed random paths always dissipate energy.
+TEST(Viscosity, RandomPathsDissipateEnergy) {
   std::mt19937 random(3);
   std::normal_distribution<double> number;
   for (const double time : {0.003, 0.03, 0.3}) {
@@ -92,7 +96,7 @@ TEST(Viscosity, random_paths_never_give_energy_back) {
     const Vec3d start = grip.at;
     Vec3d before = grip.forces[0].force, velocity;
     double work = 0, size = 0;
-    const auto go = [&](Vec3d by) {
+    const auto move_by = [&](Vec3d by) {
       const Vec3d now = grip.move(by, 1e-3);
       work -= dot((now + before) / 2, by);
       size += std::abs(dot(now, by));
@@ -101,23 +105,25 @@ TEST(Viscosity, random_paths_never_give_energy_back) {
     for (int tick = 0; tick < 4000; tick++) {
       velocity = 0.9 * velocity + Vec3d{number(random), number(random), number(random)} * 5e-6 -
                  (grip.at - start) * 0.02;
-      go(velocity);
+      move_by(velocity);
     }
     const Vec3d back = (start - grip.at) / 50;
-    for (int i = 0; i < 50; i++) go(back);
-    for (int i = 0; i < 3000; i++) go({});
+    for (int i = 0; i < 50; i++) move_by(back);
+    for (int i = 0; i < 3000; i++) move_by({});
     EXPECT_GT(work, 0) << time;
     EXPECT_GT(work, 1e-3 * size) << time;
   }
 }
 
-TEST(Viscosity, off_is_exactly_elastic) {
+// Zero stiffening is exactly elastic.
+TEST(Viscosity, ZeroStiffeningIsElastic) {
   Grip elastic({}), off({.stiffening = 0, .time = 0.1});
   for (int i = 0; i < 100; i++)
     EXPECT_EQ(elastic.move({1e-6 * i, 0, 2e-6}, 1e-3), off.move({1e-6 * i, 0, 2e-6}, 1e-2));
 }
 
-TEST(Viscosity, a_fast_press_feels_stiffer_than_a_slow_one_and_a_slow_one_is_elastic) {
+// A fast press is stiffer than a slow one, and a slow one is elastic.
+TEST(Viscosity, FastPressIsStiffer) {
   const auto press = [](const Viscosity& viscosity, double duration) {
     sfem::Patch patch = half_space_patch({.side = 13});
     const std::vector<Tool> tools{{Sphere{kRadius}, 0}};
@@ -125,7 +131,7 @@ TEST(Viscosity, a_fast_press_feels_stiffer_than_a_slow_one_and_a_slow_one_is_ela
     std::vector<ToolForce> forces(1);
     for (int i = 1; i <= 200; i++) {
       const std::vector<ToolPose> poses{{{{0, 0, kRadius - 5e-6 * i}, {}}, false}};
-      touch(patch, state, tools, poses, duration / 200, forces);
+      solve_touch_tick(patch, state, tools, poses, duration / 200, forces);
     }
     return forces[0].force.z;
   };

@@ -8,7 +8,8 @@
 namespace turgor {
 namespace {
 
-TEST(exec, every_index_is_visited_once_on_any_number_of_threads) {
+// parallel_for visits every index exactly once on 1, 2 and 8 threads.
+TEST(Exec, ParallelFor_VisitsEveryIndexOnce) {
   for (const int threads : {1, 2, 8})
     for (const std::size_t count : {0, 1, 7, 1000}) {
       std::vector<std::atomic<int>> visits(count);
@@ -17,7 +18,8 @@ TEST(exec, every_index_is_visited_once_on_any_number_of_threads) {
     }
 }
 
-TEST(exec, ranges_are_not_split_below_the_grain) {
+// A range that is no longer than the grain is run in one call.
+TEST(Exec, RunRanges_RespectsGrain) {
   std::atomic<int> calls{0};
   Exec(4).run_ranges(100, 100, [&](std::size_t begin, std::size_t end) {
     EXPECT_EQ(end - begin, 100u);
@@ -26,7 +28,8 @@ TEST(exec, ranges_are_not_split_below_the_grain) {
   EXPECT_EQ(calls, 1);
 }
 
-TEST(exec, denormals_are_zero_inside_loops_on_every_thread_and_only_there) {
+// Loops flush denormals to zero on every thread; code outside of loops does not.
+TEST(Exec, ParallelFor_FlushesDenormals) {
   volatile float tiny = 1e-39f;
   for (const int threads : {1, 2, 8}) {
     std::atomic<int> nonzero{0};
@@ -36,7 +39,8 @@ TEST(exec, denormals_are_zero_inside_loops_on_every_thread_and_only_there) {
   EXPECT_NE(tiny * 0.5f, 0);
 }
 
-TEST(exec, zero_threads_means_one_per_core) { EXPECT_GE(Exec(0).threads(), 1); }
+// Zero threads selects one thread per core.
+TEST(Exec, ZeroThreadsMeansOnePerCore) { EXPECT_GE(Exec(0).threads(), 1); }
 
 }  // namespace
 }  // namespace turgor

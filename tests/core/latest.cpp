@@ -20,7 +20,8 @@ Sample sample(long number) {
   return s;
 }
 
-TEST(latest, the_reader_sees_the_newest_value_written) {
+// The reader gets the newest value written and gets it again until the next write.
+TEST(Latest, ReaderGetsNewestValue) {
   latest<int> value(7);
   EXPECT_EQ(value.read(), 7);
   value.write(8);
@@ -29,7 +30,8 @@ TEST(latest, the_reader_sees_the_newest_value_written) {
   EXPECT_EQ(value.read(), 9);
 }
 
-TEST(latest, values_arrive_whole_and_in_order_between_two_threads) {
+// Values pass between two threads without tearing and never in reverse order.
+TEST(Latest, TwoThreads_ValuesAreWholeAndOrdered) {
   latest<Sample> value;
   constexpr long kLast = 200000;
   std::thread writer([&] {
@@ -47,13 +49,14 @@ TEST(latest, values_arrive_whole_and_in_order_between_two_threads) {
   EXPECT_EQ(backwards, 0);
 }
 
-TEST(latest, filled_in_place_it_keeps_its_memory_and_says_when_it_is_new) {
+// Values that are filled in their slot reuse the memory of three slots; has_news reports unread values.
+TEST(Latest, Publish_ReusesThreeSlots) {
   latest<std::vector<int>> values;
   std::vector<const int*> memory;
   for (int i = 0; i < 9; i++) {
     values.writing().assign(100, i);
     memory.push_back(values.writing().data());
-    EXPECT_FALSE(values.has_news()) << "not before it is published";
+    EXPECT_FALSE(values.has_news()) << "no news before publish()";
     values.publish();
     EXPECT_TRUE(values.has_news());
     EXPECT_EQ(values.read(), std::vector<int>(100, i));

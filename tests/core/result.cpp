@@ -12,20 +12,23 @@ Result<int> half(int n) {
   return n / 2;
 }
 
-TEST(result, is_a_value_or_a_sentence) {
+// A result holds either a value or an error message.
+TEST(Result, HoldsValueOrError) {
   EXPECT_TRUE(half(4));
   EXPECT_EQ(*half(4), 2);
   EXPECT_FALSE(half(3));
   EXPECT_EQ(half(3).error().message, "expected an even number, found 3");
 }
 
-TEST(result, moves_what_cannot_be_copied) {
+// A value that cannot be copied moves out of a result.
+TEST(Result, MovesNonCopyableValues) {
   Result<std::unique_ptr<int>> result(std::make_unique<int>(5));
   const std::unique_ptr<int> taken = *std::move(result);
   EXPECT_EQ(*taken, 5);
 }
 
-TEST(result, the_value_of_an_error_stops_with_its_sentence) { EXPECT_DEATH(half(3).value(), "found 3"); }
+// value() of an error aborts with the error message.
+TEST(Result, ValueOfErrorAborts) { EXPECT_DEATH(half(3).value(), "found 3"); }
 
 }  // namespace
 }  // namespace turgor

@@ -5,7 +5,8 @@
 namespace turgor {
 namespace {
 
-TEST(timing, percentiles_are_ranks_of_the_sorted_samples) {
+// Percentiles are ranks of the sorted samples; the median of no samples is zero.
+TEST(Timing, PercentilesAreRanksOfSortedSamples) {
   const std::vector<double> samples{5, 1, 4, 2, 3};
   EXPECT_EQ(percentile(samples, 0), 1);
   EXPECT_EQ(percentile(samples, 0.5), 3);

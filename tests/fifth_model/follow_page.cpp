@@ -1,5 +1,5 @@
-// Does what docs/adding-a-model.md says, to a copy of turgor/sim: blocks under the name of a file are that
-// file, blocks of lines with - and + change it. Fails where the page and the tree do not fit.
+// Applies docs/adding-a-model.md to a copy of turgor/sim. Blocks under the name of a file become that file;
+// blocks of lines with - and + change it. Fails if the page does not fit the tree.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -16,7 +16,7 @@ struct Block {
   std::string file, language, text;
 };
 
-/// Blocks that come right after a line that names a file, as `path`:
+/// Blocks that directly follow a line with the name of a file, such as `path`:
 std::vector<Block> blocks_of(const fs::path& page) {
   std::ifstream stream(page);
   std::vector<Block> blocks;
@@ -46,7 +46,7 @@ void write(const fs::path& file, const std::string& text) {
   std::ofstream(file) << text;
 }
 
-/// One change: lines as they are, and as they become.
+/// One change: the lines before and after it.
 struct Change {
   std::string before, after;
 };
@@ -64,7 +64,7 @@ std::vector<Change> changes_of(const std::string& text) {
   return changes;
 }
 
-/// False where the lines are not there exactly once.
+/// Replaces the lines of a change in a text. False unless the lines occur exactly once.
 bool apply(const Change& change, const std::string& name, std::string& text) {
   const std::string lines = "\n" + change.before;
   const std::size_t at = ("\n" + text).find(lines);
@@ -72,7 +72,7 @@ bool apply(const Change& change, const std::string& name, std::string& text) {
   if (once)
     text.replace(at, change.before.size(), change.after);
   else
-    std::fprintf(stderr, "%s: the page expects there, once:\n%s", name.c_str(), change.before.c_str());
+    std::fprintf(stderr, "%s: expected exactly once in this file:\n%s", name.c_str(), change.before.c_str());
   return once;
 }
 
@@ -95,6 +95,7 @@ int main(int argc, char** argv) {
       if (!apply(change, block.file, text)) return 1;
     write(tree / block.file, text), changed++;
   }
-  if (files < 5 || changed < 3) return std::fprintf(stderr, "the page has lost its blocks\n"), 1;
+  if (files < 5 || changed < 3)
+    return std::fprintf(stderr, "expected at least 5 files and 3 changes on the page\n"), 1;
   return 0;
 }

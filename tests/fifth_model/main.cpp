@@ -1,5 +1,5 @@
-// A world with the fifth model of docs/adding-a-model.md: read, simulated, shown, reported, hashed, recorded
-// and restored by the same functions as every other.
+// A world with the fifth model of docs/adding-a-model.md. It is read, simulated, displayed, reported, hashed,
+// recorded and restored by the same functions as every other model.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -14,8 +14,8 @@ namespace {
 
 int failures = 0;
 
-void check(bool holds, const char* sentence) {
-  if (!holds) failures++, std::fprintf(stderr, "not so: %s\n", sentence);
+void check(bool holds, const char* claim) {
+  if (!holds) failures++, std::fprintf(stderr, "failed: %s\n", claim);
 }
 
 }  // namespace
@@ -32,38 +32,39 @@ int main() {
 
   const fs::path file = fs::temp_directory_path() / ("turgor-fifth-" + std::to_string(getpid()) + ".h5");
   Result<RecordingWriter> writer = RecordingWriter::create(file, *scene, *world);
-  check(bool(writer), "a recording begins");
+  check(bool(writer), "the recording is created");
   RunEvents events;
-  float farthest_back = 0;  // at half a swing
+  float farthest_back = 0;  // half a period, the opposite extreme
   events.snapshot = [&](const World& now, const WorldSnapshot& snapshot) {
     farthest_back = std::min(farthest_back, snapshot.bodies.back().displacement[0].x);
     return writer->add_snapshot(now, snapshot);
   };
   const Result<Simulated> done = simulate(exec, *scene, *world, events);
-  check(bool(done), "it runs");
+  check(bool(done), "the scene runs");
   const Vec3d u = world->spring_bodies[0].state.u;
-  check(std::abs(u.x - 0.03) < 1e-6, "after its period the ball is where it was");
-  check(std::abs(farthest_back + 0.03f) < 1e-5, "after half of it, on the other side");
-  check(state_hash(*world) != hash_before, "the hash sees it");
+  check(std::abs(u.x - 0.03) < 1e-6, "the ball is back after one period");
+  check(std::abs(farthest_back + 0.03f) < 1e-5, "the ball is at the opposite extreme after half a period");
+  check(state_hash(*world) != hash_before, "the state hash changes");
 
   const Json report = simulation_report(exec, *scene, *world, done->measures, {});
-  check(report["bodies"].size() == 1 && report["bodies"][0]["model"] == "spring", "it is reported");
-  check(report["bodies"][0]["displacement_mm"] == 30.0, "with its numbers");
+  check(report["bodies"].size() == 1 && report["bodies"][0]["model"] == "spring", "the report has the body");
+  check(report["bodies"][0]["displacement_mm"] == 30.0, "the report has its displacement");
 
   check(bool(writer->finish(*world, done->snapshot, done->measures.pressed, "{\"timing\": 0}")),
-        "it is recorded");
+        "the recording is finished");
   const Result<Recording> recording = Recording::open(file);
-  check(recording && recording->snapshot_count() == 5, "with all snapshots");
+  check(recording && recording->snapshot_count() == 5, "the recording has all snapshots");
   Result<World> drawn = load_world(exec, *recording->scene({}), {}, Purpose::kDraw);
   WorldSnapshot snapshot;
-  check(drawn && recording->restore(exec, 4, *drawn, snapshot), "and restored");
+  check(drawn && recording->restore(exec, 4, *drawn, snapshot), "the last snapshot is restored");
   check(snapshot.bodies.size() == 1 && snapshot.bodies[0].x == done->snapshot.bodies[0].x,
-        "to the same places");
-  check(snapshot.bodies[0].triangles.size() > 100, "with its surface");
-  check(state_hash(*drawn) == state_hash(*world), "and the same bits");
+        "the restored positions are equal");
+  check(snapshot.bodies[0].triangles.size() > 100, "the snapshot has a surface");
+  check(state_hash(*drawn) == state_hash(*world), "the restored state has the same bits");
 
-  const Result<Scene> misspelt = parse_scene("[body.a]\nmodel = \"spring\"\nmas = 1\n", "s.toml");
-  check(!misspelt && misspelt.error().message.find("mass") != std::string::npos, "a misspelt key is told");
+  const Result<Scene> misspelled = parse_scene("[body.a]\nmodel = \"spring\"\nmas = 1\n", "s.toml");
+  check(!misspelled && misspelled.error().message.find("mass") != std::string::npos,
+        "a misspelled key is reported");
   fs::remove(file);
   return failures == 0 ? 0 : 1;
 }

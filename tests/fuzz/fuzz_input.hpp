@@ -1,4 +1,4 @@
-// What fuzz targets share: a check that ends the program.
+// Shared check of the fuzz targets: it ends the program.
 #pragma once
 
 #include <cstdlib>

@@ -10,10 +10,10 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace turgor::haptics;
   const nlohmann::json message = parse_message(std::string(reinterpret_cast<const char*>(bytes), size));
-  const turgor::Vec3d place{1, 2, 3};
-  Inverse3Arm arm{.position = place};
+  const turgor::Vec3d expected{1, 2, 3};
+  Inverse3Arm arm{.position = expected};
   const bool is_read = read_arm(message, "049D", arm);
-  require(is_read || arm.position == place);
+  require(is_read || arm.position == expected);
   for (int axis = 0; axis < 3; axis++)
     require(std::isfinite(arm.position[axis]) && std::isfinite(arm.velocity[axis]));
   require(std::abs(turgor::dot(arm.orientation, arm.orientation) - 1) < 1e-6);

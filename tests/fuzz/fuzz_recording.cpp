@@ -1,4 +1,4 @@
-// Any bytes as a recording of a small scene: an error, or a world whose bodies lie at finite places, never a
+// Any bytes as a recording of a small scene: an error, or a world whose bodies have finite positions, never a
 // crash.
 #include <cmath>
 #include <cstdint>
@@ -32,7 +32,7 @@ void replay(const turgor::Recording& recording) {
   for (int s = 0; s < std::min(recording.snapshot_count(), 4); s++) {
     if (!recording.restore(kOne, s, world, snapshot)) return;
     for (const turgor::LatticeBody& body : world.lattice_bodies)
-      for (const float x : body.state->u.x) require(std::isfinite(x));
+      for (const float x : body.state->motion.u.x) require(std::isfinite(x));
     for (const turgor::ClothBody& body : world.cloth_bodies)
       for (const turgor::Vec3 x : turgor::cloth::model_surface(body.model, body.state).vertices)
         require(std::isfinite(dot(x, x)));

@@ -11,12 +11,14 @@ namespace {
 
 const BccLattice kLattice{{0.1, -0.2, 0.3}, 0.5, {4, 5, 6}};
 
-TEST(BccLattice, a_number_gives_back_its_point) {
+// Every point id maps to a point with the same id.
+TEST(BccLattice, PointIdsRoundTrip) {
   for (std::int64_t id = 0; id < point_count(kLattice); id++)
     ASSERT_EQ(point_id(kLattice, point_of(kLattice, id)), id);
 }
 
-TEST(BccLattice, twelve_equal_tetrahedra_a_cube_have_the_cube_s_volume) {
+// The twelve tetrahedra per cube have equal volumes that sum to the volume of the cube.
+TEST(BccLattice, TwelveTetrahedraFillCube) {
   double sum = 0;
   for (int axis = 0; axis < 3; axis++)
     for (const auto& tet : tetrahedra_around({1, 2, 3}, axis)) {
@@ -28,7 +30,8 @@ TEST(BccLattice, twelve_equal_tetrahedra_a_cube_have_the_cube_s_volume) {
   EXPECT_NEAR(sum, 0.125, 1e-15);
 }
 
-TEST(BccLattice, every_point_has_six_neighbors_at_a_cube_and_eight_at_half_its_diagonal) {
+// An inner point has six neighbors at the cell size and eight at half the cube diagonal.
+TEST(BccLattice, PointsHaveFourteenNeighbors) {
   std::vector<int> far(std::size_t(point_count(kLattice))), near(far.size());
   for (std::int64_t id = 0; id < point_count(kLattice); id++) {
     const BccPoint p = point_of(kLattice, id);

@@ -10,8 +10,8 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-/// Looks at every cell of the box around every cell.
-Mask looked_up(const Mask& mask, Int3 size, int reach) {
+/// Reference: visits every cell of the box around every cell.
+Mask brute_force(const Mask& mask, Int3 size, int reach) {
   const auto index = [&](int i, int j, int k) { return std::size_t((k * size.y + j) * size.x + i); };
   Mask out(mask.size());
   for (int k = 0; k < size.z; k++)
@@ -24,13 +24,14 @@ Mask looked_up(const Mask& mask, Int3 size, int reach) {
   return out;
 }
 
-TEST(Dilate, MarksWhatABoxAroundEveryMarkedCellHolds) {
+// Dilation marks the cells within a box around every marked cell.
+TEST(Dilate, MatchesBruteForce) {
   std::mt19937 random(3);
   for (const Int3 size : {Int3{13, 7, 5}, Int3{1, 9, 2}, Int3{6, 1, 1}})
     for (const int reach : {0, 1, 3, 8}) {
       Mask mask(std::size_t(size.x * size.y * size.z));
       for (auto& cell : mask) cell = random() % 25 == 0;
-      const Mask expected = looked_up(mask, size, reach);
+      const Mask expected = brute_force(mask, size, reach);
       for (const int threads : {1, 3}) {
         Mask grown = mask;
         dilate(Exec(threads), grown, size, reach);

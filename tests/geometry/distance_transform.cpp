@@ -11,30 +11,33 @@ namespace {
 
 const Grid kGrid{.size = {11, 9, 7}, .spacing = {0.8, 1.1, 2.5}, .origin = {}, .axes = {}};
 
-TEST(DistanceTransform, every_distance_is_that_of_asking_all_set_samples) {
+// Every distance equals the minimum over all set samples.
+TEST(DistanceTransform, MatchesBruteForce) {
   std::mt19937 random(2);
   std::vector<std::uint8_t> set(sample_count(kGrid));
-  std::vector<Vec3d> places;
+  std::vector<Vec3d> set_points;
   for (std::size_t i = 0; i < set.size(); i++)
     if (random() % 40 == 0) {
       set[i] = 1;
-      places.push_back(point_at(kGrid, {double(i % 11), double(i / 11 % 9), double(i / 99)}));
+      set_points.push_back(point_at(kGrid, {double(i % 11), double(i / 11 % 9), double(i / 99)}));
     }
   const std::vector<float> distance = distance_transform(Exec(2), kGrid, set);
   for (std::size_t i = 0; i < set.size(); i++) {
     const Vec3d p = point_at(kGrid, {double(i % 11), double(i / 11 % 9), double(i / 99)});
     double nearest = 1e9;
-    for (const Vec3d q : places) nearest = std::min(nearest, norm(p - q));
+    for (const Vec3d q : set_points) nearest = std::min(nearest, norm(p - q));
     EXPECT_NEAR(distance[i], nearest, 1e-5);
   }
 }
 
-TEST(DistanceTransform, it_is_infinite_when_nothing_is_set) {
+// Distances are infinite if no sample is set.
+TEST(DistanceTransform, InfiniteWithoutSetSamples) {
   for (const float d : distance_transform(Exec(1), kGrid, std::vector<std::uint8_t>(sample_count(kGrid))))
     EXPECT_EQ(d, std::numeric_limits<float>::infinity());
 }
 
-TEST(DistanceTransform, smoothing_keeps_a_linear_function_inside_and_a_constant_everywhere) {
+// Gaussian smoothing keeps a constant everywhere and a linear function away from the border.
+TEST(DistanceTransform, SmoothingKeepsLinearFunctions) {
   Grid grid = kGrid;
   grid.size = {31, 25, 21};
   std::vector<float> linear, constant(sample_count(grid), 3.5f);
@@ -53,7 +56,8 @@ TEST(DistanceTransform, smoothing_keeps_a_linear_function_inside_and_a_constant_
       }
 }
 
-TEST(DistanceTransform, a_peak_is_smoothed_to_the_gaussian_of_its_width) {
+// A smoothed peak has the standard deviation of the Gaussian.
+TEST(DistanceTransform, SmoothedPeakHasGaussianWidth) {
   Grid grid{.size = {41, 41, 41}, .spacing = {0.5, 0.5, 0.5}, .origin = {}, .axes = {}};
   std::vector<float> peak(sample_count(grid));
   peak[sample_index(grid, 20, 20, 20)] = 1;

@@ -25,7 +25,8 @@ SolidMesh skewed_block() {
   return block;
 }
 
-TEST(Embedding, an_affine_displacement_of_the_mesh_moves_vertices_inside_and_outside_exactly) {
+// An affine displacement of the mesh moves embedded vertices exactly, inside and outside of it.
+TEST(Embedding, ReproducesAffineDisplacements) {
   const TriMesh ball = test::sphere_surface({0.5, 0.5, 0.5}, 0.55, 3);  // its poles are outside
   for (const SolidMesh& mesh : {tetrahedralize(hex_block({1, 1, 1}, {4, 3, 5})), skewed_block()}) {
     const Embedding embedding = embed(Exec(2), ball, mesh);
@@ -39,7 +40,8 @@ TEST(Embedding, an_affine_displacement_of_the_mesh_moves_vertices_inside_and_out
   }
 }
 
-TEST(Embedding, weights_sum_to_one_and_are_not_negative_inside) {
+// Weights sum to one and are not negative for vertices inside of the mesh.
+TEST(Embedding, WeightsArePartitionOfUnity) {
   const TriMesh ball = test::sphere_surface({0.55, 0.55, 0.55}, 0.4, 3);
   for (const SolidMesh& mesh : {tetrahedralize(hex_block({1, 1, 1}, {4, 3, 5})), skewed_block()}) {
     const Embedding embedding = embed(Exec(2), ball, mesh);
@@ -56,7 +58,8 @@ TEST(Embedding, weights_sum_to_one_and_are_not_negative_inside) {
   }
 }
 
-TEST(Embedding, one_and_four_threads_choose_the_same_elements) {
+// One and four threads select the same elements and weights.
+TEST(Embedding, EqualElementsOnAnyThreads) {
   const TriMesh ball = test::sphere_surface({0.5, 0.5, 0.5}, 0.55, 3);
   const SolidMesh mesh = tetrahedralize(hex_block({1, 1, 1}, {4, 3, 5}));
   const Embedding one = embed(Exec(1), ball, mesh), four = embed(Exec(4), ball, mesh);

@@ -7,7 +7,8 @@
 namespace turgor {
 namespace {
 
-TEST(GridDifference, NamesWhatDiffersFirst) {
+// The message names the first property that differs: size, spacing, origin or axes.
+TEST(GridDifference, NamesFirstDifference) {
   const Grid ct{.size = {10, 20, 30}, .spacing = {1e-3, 1e-3, 2e-3}, .origin = {0.1, 0.2, 0.3}, .axes = {}};
   Grid other = ct;
   other.size.z = 29;
@@ -22,7 +23,8 @@ TEST(GridDifference, NamesWhatDiffersFirst) {
   EXPECT_EQ(grid_difference(other, ct).substr(0, 16), "axes turned by 5");
 }
 
-TEST(GridDifference, AxesInAnotherDirectionAreNone) {
+// A reversed axis with a shifted origin is reported as a shift of the origin only.
+TEST(GridDifference, ReversedAxesAreNoDifference) {
   const Grid ct{.size = {10, 20, 30}, .spacing = {1e-3, 1e-3, 2e-3}, .origin = {0.1, 0.2, 0.3}, .axes = {}};
   Grid mirrored = ct;
   mirrored.axes.column[0] = {-1, 0, 0};

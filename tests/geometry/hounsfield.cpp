@@ -23,23 +23,26 @@ CtVolume changed(CtVolume ct, const std::function<double(int)>& to) {
   return ct;
 }
 
-TEST(Hounsfield, OfAPhantomThereIsNoDoubt) {
+// The phantoms pass the plausibility check.
+TEST(Hounsfield, PhantomsArePlausible) {
   for (const PhantomKind kind : {PhantomKind::kTorso, PhantomKind::kHead, PhantomKind::kLeg})
     EXPECT_EQ(doubt_of_hounsfield_units(small_phantom(kind)), "");
 }
 
-TEST(Hounsfield, OfAPieceFromWithinABodyThereIsNoDoubt) {
-  CtVolume piece = small_phantom(PhantomKind::kTorso);
-  std::erase_if(piece.samples, [](int hu) { return hu < -200; });
-  EXPECT_EQ(doubt_of_hounsfield_units(piece), "");
+// A crop from inside a body, without air, passes the plausibility check.
+TEST(Hounsfield, CropInsideBodyIsPlausible) {
+  CtVolume crop = small_phantom(PhantomKind::kTorso);
+  std::erase_if(crop.samples, [](int hu) { return hu < -200; });
+  EXPECT_EQ(doubt_of_hounsfield_units(crop), "");
 }
 
-TEST(Hounsfield, OtherImagesAreDoubted) {
+// Gray values, shifted, scaled or inverted images and empty images fail the plausibility check.
+TEST(Hounsfield, OtherImagesAreImplausible) {
   const CtVolume torso = small_phantom(PhantomKind::kTorso);
   const struct {
     const char* what;
     std::function<double(int)> to;
-  } images[] = {{"grey values of 0 to 255", [](int hu) { return std::clamp((hu + 1000) / 8.0, 0.0, 255.0); }},
+  } images[] = {{"gray values of 0 to 255", [](int hu) { return std::clamp((hu + 1000) / 8.0, 0.0, 255.0); }},
                 {"a scale that was left out", [](int hu) { return std::max(hu + 1024, 0); }},
                 {"twice shifted", [](int hu) { return hu - 1024; }},
                 {"inverted", [](int hu) { return -hu; }},
@@ -48,7 +51,7 @@ TEST(Hounsfield, OtherImagesAreDoubted) {
   for (const auto& image : images) {
     const std::string doubt = doubt_of_hounsfield_units(changed(torso, image.to));
     EXPECT_NE(doubt.find("do not look like Hounsfield units"), std::string::npos) << image.what;
-    EXPECT_NE(doubt.find(" % lie around air (-1100 to -900)"), std::string::npos) << doubt;
+    EXPECT_NE(doubt.find(" % are near air (-1100 to -900)"), std::string::npos) << doubt;
   }
 }
 

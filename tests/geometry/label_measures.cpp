@@ -5,7 +5,8 @@
 namespace turgor {
 namespace {
 
-TEST(LabelMeasures, ABoxHasItsVolumeItsCenterAndItsMean) {
+// A box has its exact voxel count, volume, centroid and mean HU.
+TEST(LabelMeasures, BoxVolumeCentroidAndMean) {
   LabelVolume labels{
       {.size = {10, 8, 6}, .spacing = {1e-3, 2e-3, 3e-3}, .origin = {0.1, 0.2, 0.3}, .axes = {}}, {}};
   labels.samples.resize(480);
@@ -25,7 +26,8 @@ TEST(LabelMeasures, ABoxHasItsVolumeItsCenterAndItsMean) {
   EXPECT_NEAR(measures[0].mean_hu, 50, 1e-12);
 }
 
-TEST(LabelMeasures, DensitiesAreCountedByKind) {
+// A summary has the fractions of air, fat, soft tissue and bone.
+TEST(LabelMeasures, SummaryCountsTissueFractions) {
   const CtVolume ct{{.size = {4, 2, 1}, .spacing = {1, 1, 1}, .origin = {}, .axes = {}},
                     {-1000, -450, -449, -100, -30, 0, 199, 200}};
   const HuSummary hu = summarize(ct);

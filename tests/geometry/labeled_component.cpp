@@ -16,39 +16,44 @@ LabelVolume box_with_core() {
   return labels;
 }
 
-TEST(LabeledPart, labels_are_joined_and_the_smaller_part_is_left_out_with_a_note) {
+// Labels are joined; the smaller component is dropped and noted.
+TEST(LabeledComponent, KeepsLargestComponentWithNote) {
   const int wanted[] = {5, 200};
-  const auto part = largest_labeled_part(box_with_core(), wanted);
-  ASSERT_TRUE(part) << part.error().message;
-  EXPECT_NEAR(part->volume, 4 * 5 * 6 * 1e-6, 1e-12);
-  ASSERT_EQ(part->notes.size(), 1u);
-  EXPECT_NE(part->notes[0].find("1 smaller part with 1 mL left out"), std::string::npos) << part->notes[0];
+  const auto component = largest_labeled_component(box_with_core(), wanted);
+  ASSERT_TRUE(component) << component.error().message;
+  EXPECT_NEAR(component->volume, 4 * 5 * 6 * 1e-6, 1e-12);
+  ASSERT_EQ(component->notes.size(), 1u);
+  EXPECT_NE(component->notes[0].find("1 smaller component with 1 mL ignored"), std::string::npos)
+      << component->notes[0];
 }
 
-TEST(LabeledPart, a_label_that_is_not_there_is_answered_with_those_that_are) {
+// The error for a missing label lists the available labels with their volumes.
+TEST(LabeledComponent, MissingLabel_ListsAvailableOnes) {
   const int wanted[] = {7};
-  const auto part = largest_labeled_part(box_with_core(), wanted);
-  ASSERT_FALSE(part);
-  EXPECT_EQ(part.error().message, "label 7 is not in the segmentation; it has 5 (120 mL), 200 (1 mL)");
+  const auto component = largest_labeled_component(box_with_core(), wanted);
+  ASSERT_FALSE(component);
+  EXPECT_EQ(component.error().message, "label 7 is not in the segmentation; it has 5 (120 mL), 200 (1 mL)");
 }
 
-TEST(LabeledPart, an_empty_segmentation_is_said_to_be_empty) {
+// The error for an empty segmentation states that it has no labels.
+TEST(LabeledComponent, EmptySegmentationIsReported) {
   LabelVolume empty = box_with_core();
   std::fill(empty.samples.begin(), empty.samples.end(), std::uint16_t(0));
   const int wanted[] = {5};
-  EXPECT_EQ(largest_labeled_part(empty, wanted).error().message,
-            "label 5 is not in the segmentation; it has none at all");
+  EXPECT_EQ(largest_labeled_component(empty, wanted).error().message,
+            "label 5 is not in the segmentation; it has no labels");
 }
 
-TEST(LabeledPart, a_part_at_the_border_of_the_volume_is_noted_with_its_voxels) {
+// A component that touches the border of the volume is noted with its count of voxels.
+TEST(LabeledComponent, NotesVoxelsAtBorder) {
   LabelVolume labels = box_with_core();
   labels.at(10, 8, 6) = 0;
   for (int k = 6; k < 8; k++) labels.at(3, 3, k) = 5;
   const int wanted[] = {5};
-  const auto part = largest_labeled_part(labels, wanted);
-  ASSERT_TRUE(part);
-  ASSERT_EQ(part->notes.size(), 1u);
-  EXPECT_NE(part->notes[0].find("(1 voxel at the ends of k)"), std::string::npos) << part->notes[0];
+  const auto component = largest_labeled_component(labels, wanted);
+  ASSERT_TRUE(component);
+  ASSERT_EQ(component->notes.size(), 1u);
+  EXPECT_NE(component->notes[0].find("(1 voxel at the ends of k)"), std::string::npos) << component->notes[0];
 }
 
 }  // namespace

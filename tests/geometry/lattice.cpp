@@ -7,7 +7,8 @@
 namespace turgor {
 namespace {
 
-TEST(lattice, slots_are_unique_and_know_their_node) {
+// Node slots are unique and map back to their node.
+TEST(Lattice, SlotsMapToUniqueNodes) {
   const Lattice l = make_lattice({7, 5, 4}, {1, 1, 1});
   std::set<int> slots;
   for (int k = 0; k < 4; k++)
@@ -20,7 +21,8 @@ TEST(lattice, slots_are_unique_and_know_their_node) {
       }
 }
 
-TEST(lattice, offsets_lead_to_neighbors) {
+// A slot plus a family's offset is the slot of the neighbor.
+TEST(Lattice, SlotOffsetsReachNeighbors) {
   const Lattice l = make_lattice({6, 5, 4}, {1, 1, 1});
   for (int k = 1; k < 3; k++)
     for (int j = 1; j < 4; j++)
@@ -31,7 +33,8 @@ TEST(lattice, offsets_lead_to_neighbors) {
                       node_slot(l, Int3{i, j, k} + offset));
 }
 
-TEST(lattice, neighbors_off_the_border_have_slots_of_their_own_that_hold_no_node) {
+// Neighbors beyond the border have padding slots, which hold no node.
+TEST(Lattice, BorderNeighborsHavePaddingSlots) {
   const Lattice l = make_lattice({7, 3, 3}, {1, 1, 1});
   std::set<int> nodes;
   for (int n = 0; n < node_count(l); n++) nodes.insert(node_slot(l, n % 7, n / 7 % 3, n / 21));
@@ -47,7 +50,8 @@ TEST(lattice, neighbors_off_the_border_have_slots_of_their_own_that_hold_no_node
           }
 }
 
-TEST(lattice, six_kuhn_tetrahedra_fill_the_cell_and_their_edges_are_the_seven_families) {
+// The six Kuhn tetrahedra fill a cell; their edges are the seven families.
+TEST(Lattice, SixKuhnTetrahedraFillCell) {
   double volume = 0;
   for (const auto& tet : kKuhnTets) {
     const Vec3d a(tet[0]), b(tet[1]), c(tet[2]), d(tet[3]);

@@ -17,7 +17,8 @@ SolidMesh chosen(std::initializer_list<int> hexahedra) {
   return kept_elements(whole, keep);
 }
 
-TEST(Manifold, kept_elements_bring_their_own_vertices_and_regions) {
+// The kept elements come with their own vertices and regions.
+TEST(Manifold, KeptElementsKeepVerticesAndRegions) {
   SolidMesh block = hex_block({2, 1, 1}, {2, 1, 1});
   block.regions = {4, 7};
   const std::uint8_t keep[] = {0, 1};
@@ -27,30 +28,34 @@ TEST(Manifold, kept_elements_bring_their_own_vertices_and_regions) {
   EXPECT_NEAR(volume(half), 1, 1e-15);
 }
 
-TEST(Manifold, a_manifold_mesh_stays_as_it_is) {
-  const SolidMesh whole = chosen({0, 1, 2, 3, 4, 5, 6, 7}), made = made_manifold(whole);
+// A mesh that is a manifold is not changed.
+TEST(Manifold, ManifoldMeshIsUnchanged) {
+  const SolidMesh whole = chosen({0, 1, 2, 3, 4, 5, 6, 7}), made = make_manifold(whole);
   EXPECT_EQ(made.elements, whole.elements);
   EXPECT_EQ(made.vertices.size(), whole.vertices.size());
 }
 
-TEST(Manifold, two_cubes_that_meet_in_a_corner_get_one_each) {
-  const SolidMesh touching = chosen({0, 7}), made = made_manifold(touching);
+// Two cubes that share only a corner get a vertex each.
+TEST(Manifold, SharedCornerIsDuplicated) {
+  const SolidMesh touching = chosen({0, 7}), made = make_manifold(touching);
   EXPECT_EQ(touching.vertices.size(), 15u);
   EXPECT_EQ(made.vertices.size(), 16u);
   EXPECT_NEAR(volume(made), 2, 1e-14);
   test::expect_sound(made);
 }
 
-TEST(Manifold, of_two_cubes_that_meet_in_an_edge_one_loses_the_elements_there) {
-  const SolidMesh made = made_manifold(chosen({0, 3}));
+// Two cubes share only an edge: one of them loses the elements at that edge.
+TEST(Manifold, SharedEdgeLosesElements) {
+  const SolidMesh made = make_manifold(chosen({0, 3}));
   EXPECT_GT(volume(made), 1);
   EXPECT_LT(volume(made), 2);
   test::expect_sound(made);
 }
 
-TEST(Manifold, a_vertex_with_two_openings_loses_its_elements) {
-  // All cubes around the middle but two opposite ones: the rest is one piece with two openings.
-  const SolidMesh pierced = chosen({1, 2, 3, 4, 5, 6}), made = made_manifold(pierced);
+// A vertex whose elements have two openings loses elements.
+TEST(Manifold, VertexWithTwoOpeningsLosesElements) {
+  // All cubes around the center except two opposite ones: one component with two openings.
+  const SolidMesh pierced = chosen({1, 2, 3, 4, 5, 6}), made = make_manifold(pierced);
   EXPECT_LT(volume(made), volume(pierced));
   EXPECT_GT(volume(made), 0);
   test::expect_sound(made);

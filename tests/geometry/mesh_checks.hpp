@@ -1,4 +1,4 @@
-// What every tetrahedral mesh must satisfy before anything is computed on it.
+// Checks that every tetrahedral mesh must pass before it is used in a computation.
 #pragma once
 
 #include <array>
@@ -20,9 +20,9 @@ inline int euler_characteristic(const SolidMesh& mesh) {
   return int(vertices.size()) - int(outer.triangles.size()) / 2;
 }
 
-/// The triangles at a vertex, followed from edge to edge, come round to the first one only after all.
+/// The triangles at a vertex form one closed ring.
 inline void expect_one_ring_a_vertex(const SolidSurface& outer) {
-  std::map<int, std::map<int, int>> next;  // at each vertex: from neighbour to neighbour
+  std::map<int, std::map<int, int>> next;  // at each vertex: from neighbor to neighbor
   for (const Int3 t : outer.triangles)
     for (int c = 0; c < 3; c++) next[t[c]][t[(c + 1) % 3]] = t[(c + 2) % 3];
   for (const auto& [vertex, ring] : next) {
@@ -36,7 +36,7 @@ inline void expect_one_ring_a_vertex(const SolidSurface& outer) {
   }
 }
 
-/// Every face has at most two elements, every element volume, and the surface is a closed manifold that
+/// Every face has at most two elements, every element has volume, and the surface is a closed manifold that
 /// encloses exactly the elements' volume.
 inline void expect_sound(const SolidMesh& mesh) {
   std::map<std::array<int, 3>, int> faces;

@@ -10,18 +10,21 @@
 namespace turgor {
 namespace {
 
-TEST(MeshQuality, all_angles_of_a_regular_tetrahedron_are_70_53_degrees) {
+// All dihedral angles of a regular tetrahedron are 70.53°.
+TEST(MeshQuality, RegularTetrahedronAngles) {
   for (const double angle : dihedral_angles({{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}}))
     EXPECT_NEAR(angle, 70.528779365509, 1e-10);
 }
 
-TEST(MeshQuality, a_corner_of_a_cube_has_right_angles_at_its_three_edges) {
+// The corner tetrahedron of a cube has three right angles and three of 54.74°.
+TEST(MeshQuality, CubeCornerAngles) {
   const auto angles = dihedral_angles({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
   for (const std::size_t edge : {0u, 1u, 2u}) EXPECT_NEAR(angles[edge], 90, 1e-10);
   for (const std::size_t edge : {3u, 4u, 5u}) EXPECT_NEAR(angles[edge], 54.735610317245, 1e-10);
 }
 
-TEST(MeshQuality, a_cube_cut_around_its_diagonal_has_angles_of_45_to_90_degrees) {
+// A block of Kuhn tetrahedra has dihedral angles of 45° to 90° and the expected edges and volumes.
+TEST(MeshQuality, KuhnCubeAngles) {
   const MeshQuality quality = measure_quality(tetrahedralize(hex_block({0.1, 0.1, 0.1}, {2, 2, 2})));
   EXPECT_NEAR(quality.min_dihedral, 45, 1e-9);
   EXPECT_NEAR(quality.max_dihedral, 90, 1e-9);
@@ -33,7 +36,8 @@ TEST(MeshQuality, a_cube_cut_around_its_diagonal_has_angles_of_45_to_90_degrees)
   EXPECT_EQ(std::accumulate(histogram.begin(), histogram.end(), std::size_t(0)), 6u * 48);
 }
 
-TEST(MeshQuality, an_inverted_element_shows_as_a_negative_volume) {
+// An inverted element has a negative volume.
+TEST(MeshQuality, InvertedElementHasNegativeVolume) {
   SolidMesh mesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .elements = {0, 2, 1, 3}};
   EXPECT_NEAR(measure_quality(mesh).smallest_volume, -1.0 / 6, 1e-15);
   EXPECT_EQ(measure_quality({}).max_dihedral, 0);

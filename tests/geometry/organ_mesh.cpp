@@ -31,10 +31,11 @@ void expect_quality(const SolidMesh& mesh) {
   EXPECT_GE(quality.min_dihedral, kLeastStuffedDihedral);
   EXPECT_LE(quality.max_dihedral, kLargestStuffedDihedral);
   test::expect_sound(mesh);
-  for (const int part : connected_parts(mesh)) ASSERT_EQ(part, 0);
+  for (const int component : connected_components(mesh)) ASSERT_EQ(component, 0);
 }
 
-TEST(OrganMesh, a_coarse_ball_keeps_the_surface_s_volume_to_two_per_cent) {
+// A coarse ball keeps the volume of its surface within 2 %.
+TEST(OrganMesh, CoarseBallKeepsVolume) {
   const TriMesh ball = test::sphere_surface({0.1, 0, 0}, 0.04, 4);
   for (const double size : {0.03, 0.02, 0.008}) {
     const auto organ = mesh_of_surface(Exec(2), ball, size);
@@ -46,7 +47,8 @@ TEST(OrganMesh, a_coarse_ball_keeps_the_surface_s_volume_to_two_per_cent) {
   }
 }
 
-TEST(OrganMesh, the_phantom_s_liver_keeps_its_volume_and_its_nodule_is_a_region) {
+// The phantom's liver keeps its volume within 2 %, and its nodule becomes a region.
+TEST(OrganMesh, PhantomLiverKeepsVolumeAndNodule) {
   const LabelVolume labels = torso_labels();
   const int wanted[] = {kLiver, kNoduleLabel};
   const auto organ = mesh_of_labels(Exec(2), labels, wanted, 0.012);
@@ -63,16 +65,19 @@ TEST(OrganMesh, the_phantom_s_liver_keeps_its_volume_and_its_nodule_is_a_region)
   RecordProperty("elements", int(element_count(organ->mesh)));
 }
 
-TEST(OrganMesh, a_body_too_small_for_the_lattice_is_refused_with_a_size_that_works) {
+// The error for a body too small for the lattice suggests a spacing that works.
+TEST(OrganMesh, TooSmallBody_SuggestsSpacing) {
   const TriMesh ball = test::sphere_surface({}, 0.005, 3);
   const auto coarse = mesh_of_surface(Exec(1), ball, 0.012);
   ASSERT_FALSE(coarse);
-  EXPECT_EQ(coarse.error().message,
-            "the body has 0.519 mL (10 mm x 10 mm x 10 mm): too small for a lattice of 12 mm; 1 mm would do");
+  EXPECT_EQ(
+      coarse.error().message,
+      "the body has 0.519 mL (10 mm x 10 mm x 10 mm): too small for a lattice of 12 mm; 1 mm would suffice");
   EXPECT_TRUE(mesh_of_surface(Exec(1), ball, 0.001));
 }
 
-TEST(OrganMesh, a_small_fold_in_a_surface_is_noted_and_does_not_show_in_the_mesh) {
+// A small fold of the surface is noted; the mesh is sound.
+TEST(OrganMesh, SmallFoldIsNotedAndRepaired) {
   TriMesh ball = test::sphere_surface({}, 0.04, 4);
   std::swap(ball.vertices[std::size_t(ball.triangles[500].x)],
             ball.vertices[std::size_t(ball.triangles[500].y)]);
@@ -84,14 +89,16 @@ TEST(OrganMesh, a_small_fold_in_a_surface_is_noted_and_does_not_show_in_the_mesh
   expect_quality(organ->mesh);
 }
 
-TEST(OrganMesh, a_surface_that_encloses_much_twice_is_refused) {
+// A surface that encloses a large volume twice is rejected.
+TEST(OrganMesh, RejectsDoublyEnclosedSurface) {
   const auto meshed = mesh_of_surface(Exec(2), test::coil_surface(0.05, 0.005, 0.02), 0.01);
   ASSERT_FALSE(meshed);
-  EXPECT_NE(meshed.error().message.find("expected a surface with one inside"), std::string::npos)
+  EXPECT_NE(meshed.error().message.find("expected a surface with a single interior"), std::string::npos)
       << meshed.error().message;
 }
 
-TEST(OrganMesh, a_plate_much_thinner_than_the_lattice_is_refused) {
+// A plate much thinner than the lattice is rejected.
+TEST(OrganMesh, RejectsPlateThinnerThanLattice) {
   const TriMesh plate = test::box_surface({0.2, 0.2, 0.002});
   const auto meshed = mesh_of_surface(Exec(1), plate, 0.02);
   ASSERT_FALSE(meshed);
@@ -99,10 +106,12 @@ TEST(OrganMesh, a_plate_much_thinner_than_the_lattice_is_refused) {
       << meshed.error().message;
 }
 
-TEST(OrganMesh, a_surface_in_millimeters_is_refused_before_memory_is_spent) {
+// A surface in millimeters is rejected before memory is allocated.
+TEST(OrganMesh, RejectsMillimeters) {
   const auto meshed = mesh_of_surface(Exec(1), test::box_surface({200, 150, 100}), 0.008);
   ASSERT_FALSE(meshed);
-  EXPECT_NE(meshed.error().message.find("not in metres"), std::string::npos) << meshed.error().message;
+  EXPECT_NE(meshed.error().message.find("Are the coordinates in meters"), std::string::npos)
+      << meshed.error().message;
 }
 
 }  // namespace

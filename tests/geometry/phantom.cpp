@@ -26,8 +26,8 @@ std::int16_t hu_at(const CtVolume& ct, Vec3d mm) {
   return ct.at(int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z)));
 }
 
-/// Sizes of the 6-connected parts that are denser than -300 HU, largest first.
-std::vector<std::size_t> dense_parts(const CtVolume& ct) {
+/// Sizes of the 6-connected components that are denser than -300 HU, largest first.
+std::vector<std::size_t> dense_components(const CtVolume& ct) {
   const Grid& grid = ct.grid;
   std::vector<char> seen(ct.samples.size());
   std::vector<std::size_t> sizes;
@@ -61,19 +61,22 @@ class EveryPhantom : public ::testing::TestWithParam<PhantomKind> {};
 INSTANTIATE_TEST_SUITE_P(Phantom, EveryPhantom,
                          ::testing::Values(PhantomKind::kTorso, PhantomKind::kHead, PhantomKind::kLeg));
 
-TEST_P(EveryPhantom, HasTheSameBitsOnAnyNumberOfThreads) {
+// One and eight threads give the same bits.
+TEST_P(EveryPhantom, EqualBitsOnAnyThreads) {
   const auto one = make_phantom(Exec(1), small(GetParam())), eight = make_phantom(Exec(8), small(GetParam()));
   EXPECT_EQ(one.samples, eight.samples);
 }
 
-TEST_P(EveryPhantom, HasOtherNoiseWithAnotherSeed) {
+// Another seed gives another noise.
+TEST_P(EveryPhantom, SeedChangesNoise) {
   PhantomParams params = small(GetParam());
   const auto first = make_phantom(Exec(2), params);
   params.seed = 2;
   EXPECT_NE(first.samples, make_phantom(Exec(2), params).samples);
 }
 
-TEST_P(EveryPhantom, HoldsAirFatSoftTissueAndBoneInPlausibleShares) {
+// The fractions of air, fat, soft tissue and bone are plausible.
+TEST_P(EveryPhantom, TissueFractionsArePlausible) {
   const HuSummary hu = summarize(make_phantom(Exec(2), small(GetParam())));
   EXPECT_GT(hu.air, 0.4);
   EXPECT_GT(hu.fat, 0.01);
@@ -83,27 +86,30 @@ TEST_P(EveryPhantom, HoldsAirFatSoftTissueAndBoneInPlausibleShares) {
   EXPECT_GT(hu.highest, 500);
 }
 
-TEST_P(EveryPhantom, IsOneBodyThatDoesNotTouchTheTable) {
+// The body is one component that does not touch the table.
+TEST_P(EveryPhantom, BodyDoesNotTouchTable) {
   PhantomParams params = default_phantom(GetParam());  // a few slices at full resolution: the table is thin
   params.size.z = 6;
   params.noise = 0;
   const CtVolume ct = make_phantom(Exec(2), params);
-  const auto parts = dense_parts(ct);
-  ASSERT_GE(parts.size(), 1u);
+  const auto components = dense_components(ct);
+  ASSERT_GE(components.size(), 1u);
   std::size_t all = 0;
-  for (const std::size_t size : parts) all += size;
-  EXPECT_GT(double(parts[0]), 0.8 * double(all)) << "the body is by far the largest part";
-  EXPECT_LT(double(parts[0]), double(all)) << "the table is a part of its own";
+  for (const std::size_t size : components) all += size;
+  EXPECT_GT(double(components[0]), 0.8 * double(all)) << "the body is by far the largest component";
+  EXPECT_LT(double(components[0]), double(all)) << "the table is a separate component";
 }
 
-TEST_P(EveryPhantom, LiesAroundTheOrigin) {
+// The middle of the grid is the origin.
+TEST_P(EveryPhantom, CenteredAtOrigin) {
   const Grid grid = make_phantom(Exec(2), small(GetParam())).grid;
   const Vec3d middle =
       point_at(grid, {(grid.size.x - 1) / 2.0, (grid.size.y - 1) / 2.0, (grid.size.z - 1) / 2.0});
   EXPECT_LT(norm(middle), 1e-6);
 }
 
-TEST(Phantom, TheTorsoHasItsOrgansWithTheirDensities) {
+// The torso's organs have the expected sides, volumes and densities.
+TEST(Phantom, TorsoOrgansHaveExpectedDensities) {
   PhantomParams params = small(PhantomKind::kTorso);
   params.size = {200, 200, 150};
   params.spacing = {2e-3, 2e-3, 2e-3};
@@ -129,7 +135,8 @@ TEST(Phantom, TheTorsoHasItsOrgansWithTheirDensities) {
   EXPECT_NEAR(nodule, 4 / 3.0 * M_PI * 1.3 * 1.3 * 1.3, 0.7);
 }
 
-TEST(Phantom, TheTorsoIsLayeredFromTheSkinInwards) {
+// Below the torso's skin lie fat and then muscle.
+TEST(Phantom, TorsoIsLayeredBelowSkin) {
   PhantomParams params = small(PhantomKind::kTorso);
   params.size = {200, 800, 40};
   params.spacing = {2e-3, 0.5e-3, 5e-3};

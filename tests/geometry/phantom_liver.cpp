@@ -8,7 +8,7 @@
 namespace turgor {
 namespace {
 
-/// Edges with two triangles that run opposite ways; -1 when any other edge is found.
+/// Count of edges if every edge has two triangles with opposite orientations, else -1.
 int closed_edges(const TriMesh& mesh) {
   int count = 0;
   bool closed = true;
@@ -19,24 +19,27 @@ int closed_edges(const TriMesh& mesh) {
   return closed ? count : -1;
 }
 
-TEST(PhantomLiver, it_has_the_paper_s_numbers_and_the_volume_of_a_liver) {
+// The liver has the paper's counts of vertices and triangles, and the volume of a human liver.
+TEST(PhantomLiver, HasPaperCountsAndLiverVolume) {
   const TriMesh liver = phantom_liver();
   EXPECT_EQ(liver.vertices.size(), 3116u);
   EXPECT_EQ(liver.triangles.size(), 6228u);
   const int edges = closed_edges(liver);
   EXPECT_EQ(3116 - edges + 6228, 2) << "closed, without handles";
-  EXPECT_GT(test::enclosed_volume(liver), 0.9e-3);  // 0.9 to 1.9 litres
+  EXPECT_GT(test::enclosed_volume(liver), 0.9e-3);  // 0.9 to 1.9 liters
   EXPECT_LT(test::enclosed_volume(liver), 1.9e-3);
 }
 
-TEST(PhantomLiver, detail_makes_it_finer_and_keeps_its_shape) {
+// A larger detail refines the surface and keeps its volume within 2 %.
+TEST(PhantomLiver, DetailRefinesAndKeepsVolume) {
   const TriMesh coarse = phantom_liver(), fine = phantom_liver(5.67);
   EXPECT_NEAR(double(fine.vertices.size()), 100000, 2000);
   EXPECT_GE(closed_edges(fine), 0);
   EXPECT_NEAR(test::enclosed_volume(fine) / test::enclosed_volume(coarse), 1, 0.02);
 }
 
-TEST(PhantomForceps, two_halves_with_the_paper_s_numbers_that_meet_between_the_jaws) {
+// The forceps' two halves have the paper's counts and meet between the jaws.
+TEST(PhantomLiver, ForcepsHavePaperCounts) {
   const TriMesh half = phantom_forceps_half(false), both = phantom_forceps();
   EXPECT_EQ(both.vertices.size(), 174u);
   EXPECT_EQ(both.triangles.size(), 348u);

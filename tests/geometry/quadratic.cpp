@@ -9,9 +9,10 @@ namespace {
 
 SolidMesh block() { return tetrahedralize(hex_block({0.3, 0.2, 0.1}, {3, 2, 1})); }
 
-TEST(Quadratic, every_edge_has_one_node_in_its_middle_which_its_elements_share) {
+// Every edge has one midpoint node, which all its elements share.
+TEST(Quadratic, EdgesShareOneMidpointNode) {
   const SolidMesh linear = block(), mesh = with_middles(linear);
-  EXPECT_EQ(mesh.vertices.size(), std::size_t(7 * 5 * 3)) << "those of a grid twice as fine";
+  EXPECT_EQ(mesh.vertices.size(), std::size_t(7 * 5 * 3)) << "the nodes of a grid with half the spacing";
   ASSERT_EQ(element_count(mesh), element_count(linear));
   for (std::size_t e = 0; e < element_count(mesh); e++) {
     const auto x = [&](int node) { return mesh.vertices[std::size_t(element(mesh, e)[std::size_t(node)])]; };
@@ -23,16 +24,18 @@ TEST(Quadratic, every_edge_has_one_node_in_its_middle_which_its_elements_share) 
   EXPECT_EQ(face_neighbors(mesh), face_neighbors(linear));
 }
 
-TEST(Quadratic, eight_linear_parts_fill_an_element_and_lie_the_right_way_round) {
-  const SolidMesh mesh = with_middles(block()), parts = linear_parts(mesh);
-  ASSERT_EQ(element_count(parts), 8 * element_count(mesh));
-  for (std::size_t e = 0; e < element_count(parts); e++)
-    EXPECT_NEAR(volume(parts, e), volume(mesh, e / 8) / 8, 1e-15);
-  // Neighbours that did not agree on a face would each have it on the surface.
-  EXPECT_EQ(surface(parts).triangles.size(), surface(mesh).triangles.size());
+// The eight linear subelements fill their element and have positive orientation.
+TEST(Quadratic, EightSubelementsFillElement) {
+  const SolidMesh mesh = with_middles(block()), subelements = linear_subdivision(mesh);
+  ASSERT_EQ(element_count(subelements), 8 * element_count(mesh));
+  for (std::size_t e = 0; e < element_count(subelements); e++)
+    EXPECT_NEAR(volume(subelements, e), volume(mesh, e / 8) / 8, 1e-15);
+  // Neighbors that disagreed on a face would each have it on the surface.
+  EXPECT_EQ(surface(subelements).triangles.size(), surface(mesh).triangles.size());
 }
 
-TEST(Quadratic, the_surface_is_that_of_the_corners_four_times_as_fine_and_faces_outward) {
+// The surface has four outward triangles per face of the linear mesh.
+TEST(Quadratic, SurfaceHasFourTrianglesPerFace) {
   const SolidSurface coarse = surface(block()), fine = surface(with_middles(block()));
   const SolidMesh mesh = with_middles(block());
   ASSERT_EQ(fine.triangles.size(), 4 * coarse.triangles.size());

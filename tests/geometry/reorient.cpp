@@ -13,7 +13,8 @@ LabelVolume make_labels() {
   return v;
 }
 
-TEST(Reorient, KeepsEverySampleInItsPlace) {
+// Reordered axes keep the position of every sample.
+TEST(Reorient, KeepsPositionsOfSamples) {
   const LabelVolume v = make_labels();
   const LabelVolume turned = reordered(v, AxisOrder{{2, 0, 1}, {true, false, true}});
   EXPECT_EQ(turned.grid.size, (Int3{5, 4, 3}));
@@ -26,14 +27,16 @@ TEST(Reorient, KeepsEverySampleInItsPlace) {
       }
 }
 
-TEST(Reorient, LaysAVolumeOnTheGridItCameFrom) {
+// on_grid restores the samples on the original grid.
+TEST(Reorient, RestoresOriginalGrid) {
   const LabelVolume v = make_labels();
   const auto back = on_grid(reordered(v, AxisOrder{{1, 2, 0}, {false, true, true}}), v.grid);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->samples, v.samples);
 }
 
-TEST(Reorient, RefusesAnotherGrid) {
+// on_grid rejects a grid that is shifted or has another spacing.
+TEST(Reorient, RejectsDifferentGrid) {
   const LabelVolume v = make_labels();
   Grid shifted = v.grid, finer = v.grid;
   shifted.origin.x += 0.5;
@@ -42,7 +45,8 @@ TEST(Reorient, RefusesAnotherGrid) {
   EXPECT_FALSE(on_grid(v, finer));
 }
 
-TEST(Reorient, GridsAreTheSameUpToRounding) {
+// Grids are the same within a tolerance for rounding.
+TEST(Reorient, SameGrid_ToleratesRounding) {
   const Grid a = make_labels().grid;
   Grid b = a;
   b.origin.x += 0.005;
@@ -51,6 +55,7 @@ TEST(Reorient, GridsAreTheSameUpToRounding) {
   EXPECT_FALSE(same_grid(a, b));
 }
 
+// A left-handed volume becomes right-handed and keeps its samples' positions.
 TEST(Reorient, LeftHandedBecomesRightHanded) {
   LabelVolume v = make_labels();
   v.grid.axes.column[0] = {-1, 0, 0};

@@ -10,7 +10,7 @@
 namespace turgor {
 namespace {
 
-/// A ball's octahedron, with a point on every face: a star of eight points.
+/// An octahedron with a spike on every face: a star of eight points.
 TriMesh star(double point) {
   const TriMesh ball{.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
                      .triangles = {},
@@ -28,7 +28,7 @@ TriMesh star(double point) {
   return mesh;
 }
 
-/// The largest distance from a place over the smallest.
+/// Largest distance from a point divided by the smallest.
 double unevenness(const TriMesh& mesh, Vec3d middle) {
   double low = 1e30, high = 0;
   for (const Vec3 x : mesh.vertices)
@@ -36,34 +36,37 @@ double unevenness(const TriMesh& mesh, Vec3d middle) {
   return high / low;
 }
 
-TEST(Rounded, a_star_becomes_a_ball_of_its_volume_about_its_center) {
+// A star becomes a ball of the same volume about its center.
+TEST(Rounded, StarBecomesBallOfEqualVolume) {
   TriMesh mesh = star(1.2);
   EXPECT_GT(unevenness(mesh, {}), 2);
   const TriMesh round = rounded(mesh);
   EXPECT_NEAR(test::enclosed_volume(round) / test::enclosed_volume(mesh), 1, 0.03)
-      << "its triangles lie within the ball";
+      << "the triangles are chords of the ball";
   EXPECT_LT(unevenness(round, {}), 1.001);
 
-  const Vec3 away{0.3f, -0.1f, 0.25f};
-  for (Vec3& x : mesh.vertices) x = x * 0.01f + away;
-  EXPECT_LT(unevenness(rounded(mesh), Vec3d(away)), 1.001) << "wherever it lies and however small it is";
+  const Vec3 center{0.3f, -0.1f, 0.25f};
+  for (Vec3& x : mesh.vertices) x = x * 0.01f + center;
+  EXPECT_LT(unevenness(rounded(mesh), Vec3d(center)), 1.001) << "at any position and size";
 }
 
-TEST(Rounded, a_long_part_stays_as_long_however_it_is_turned) {
+// An elongated shape keeps its aspect ratio in any orientation.
+TEST(Rounded, ElongatedShapeKeepsAspectRatio) {
   TriMesh mesh = star(0.9);
-  const Vec3 way = normalized(Vec3{1, 2, -1});
-  for (Vec3& x : mesh.vertices) x = x + way * (2 * dot(x, way));  // three times as long
+  const Vec3 axis = normalized(Vec3{1, 2, -1});
+  for (Vec3& x : mesh.vertices) x = x + axis * (2 * dot(x, axis));  // three times as long
   const TriMesh round = rounded(mesh);
   EXPECT_NEAR(test::enclosed_volume(round) / test::enclosed_volume(mesh), 1, 0.03);
   double most = 0, wide = 0;
   for (const Vec3 x : round.vertices) {
-    most = std::max(most, std::abs(double(dot(x, way))));
-    wide = std::max(wide, double(norm(x - way * dot(x, way))));
+    most = std::max(most, std::abs(double(dot(x, axis))));
+    wide = std::max(wide, double(norm(x - axis * dot(x, axis))));
   }
   EXPECT_NEAR(most / wide, 3, 0.05);
 }
 
-TEST(Rounded, nothing_stays_nothing) { EXPECT_TRUE(rounded({}).vertices.empty()); }
+// An empty mesh stays empty.
+TEST(Rounded, EmptyMeshStaysEmpty) { EXPECT_TRUE(rounded({}).vertices.empty()); }
 
 }  // namespace
 }  // namespace turgor

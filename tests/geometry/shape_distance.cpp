@@ -9,7 +9,8 @@
 namespace turgor {
 namespace {
 
-TEST(ShapeDistance, a_rod_is_as_far_as_the_nearest_of_many_balls_along_it) {
+// The distance to a rod is that to the nearest of many balls along its axis.
+TEST(ShapeDistance, RodMatchesBallsAlongAxis) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(-0.05, 0.05);
   constexpr double kRadius = 0.007, kHalf = 0.02;
@@ -26,7 +27,8 @@ TEST(ShapeDistance, a_rod_is_as_far_as_the_nearest_of_many_balls_along_it) {
   }
 }
 
-TEST(ShapeDistance, a_grid_of_a_planes_distances_gives_them_between_its_nodes) {
+// A grid of distances to a plane interpolates them exactly.
+TEST(ShapeDistance, GridInterpolatesPlane) {
   const Vec3d normal = normalized(Vec3d{1, 2, -0.5}), corner{-0.01, 0.02, 0.03};
   const double spacing = 0.004;
   const Int3 size{5, 4, 6};
@@ -37,16 +39,17 @@ TEST(ShapeDistance, a_grid_of_a_planes_distances_gives_them_between_its_nodes) {
         nodes.push_back({float(dot(normal, corner + Vec3d(Int3{i, j, k}) * spacing) - 0.04), Vec3(normal)});
   const DistanceGrid grid{corner, spacing, size, nodes.data()};
   EXPECT_EQ(grid.count(), nodes.size());
-  for (const Vec3d part :
+  for (const Vec3d fraction :
        {Vec3d{0.1, 0.2, 0.3}, Vec3d{0.5, 0.9, 0.4}, Vec3d{0.99, 0.98, 0.97}, Vec3d{0.01, 0.02, 0}}) {
-    const Vec3d x = corner + hadamard(part, Vec3d(size) - Vec3d{1, 1, 1}) * spacing;
+    const Vec3d x = corner + hadamard(fraction, Vec3d(size) - Vec3d{1, 1, 1}) * spacing;
     const ShapeDistance found = grid_distance(grid, x);
     EXPECT_NEAR(found.distance, dot(normal, x) - 0.04, 1e-8) << "m";
     EXPECT_LT(norm(found.normal - normal), 1e-6);
   }
 }
 
-TEST(Pose, a_place_of_a_turned_frame_comes_back) {
+// to_tool inverts to_world for a rotated pose.
+TEST(ShapeDistance, PoseRoundTrip) {
   const double c = std::cos(0.7), s = std::sin(0.7);
   const Pose pose{.position = {1, 2, 3}, .axes = {{{c, s, 0}, {-s, c, 0}, {0, 0, 1}}}};
   const Vec3d x{0.3, -0.2, 0.5};

@@ -19,7 +19,7 @@ inline TriMesh surface_of(const SolidMesh& mesh) {
   return result;
 }
 
-/// Of a closed surface [m³].
+/// Volume that a closed surface encloses [m³].
 inline double enclosed_volume(const TriMesh& mesh) {
   double sum = 0;
   for (const Int3 t : mesh.triangles) {
@@ -29,7 +29,7 @@ inline double enclosed_volume(const TriMesh& mesh) {
   return sum;
 }
 
-/// From the origin to `size`, two triangles a side.
+/// A box from the origin to `size`, two triangles per side.
 inline TriMesh box_surface(Vec3d size) { return surface_of(hex_block(size, {1, 1, 1})); }
 
 /// A block in [-1, 1] × [-1, 1] × [0, 1] with a notch from above (y) down to the origin, 60 degrees wide.
@@ -44,15 +44,15 @@ inline TriMesh notched_surface() {
     mesh.triangles.push_back({i, next, next + 7});
     mesh.triangles.push_back({i, next + 7, i + 7});
   }
-  for (int i = 5; i < 10; i++) {  // the origin sees the whole outline
+  for (int i = 5; i < 10; i++) {  // the whole outline is visible from the origin
     mesh.triangles.push_back({4, (i + 1) % 7, i % 7});
     mesh.triangles.push_back({4 + 7, i % 7 + 7, (i + 1) % 7 + 7});
   }
   return mesh;
 }
 
-/// A tube around a ring in the plane z = 0 that goes round twice before it closes, `offset` farther out and
-/// in from turn to turn: what both turns cover is enclosed twice.
+/// A tube around a ring in the plane z = 0 that turns twice before it closes. `offset` moves the turns
+/// outward and inward in alternation. The overlap of both turns is enclosed twice.
 inline TriMesh coil_surface(double ring, double offset, double tube) {
   constexpr int kAlong = 96, kAround = 24;
   TriMesh mesh;
@@ -68,7 +68,7 @@ inline TriMesh coil_surface(double ring, double offset, double tube) {
   return mesh;
 }
 
-/// An icosahedron, its triangles cut in four `times` times, pushed onto a sphere.
+/// A sphere: an icosahedron, subdivided `times` times.
 inline TriMesh sphere_surface(Vec3d center, double radius, int times) {
   const double g = std::numbers::phi;
   std::vector<Vec3d> x{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},

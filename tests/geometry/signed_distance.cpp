@@ -11,7 +11,8 @@
 namespace turgor {
 namespace {
 
-TEST(SignedDistance, inside_of_a_box_of_triangles_is_negative_everywhere_also_beyond_its_edges_and_corners) {
+// The signed distance to a box of triangles is exact inside and outside, near edges and corners too.
+TEST(SignedDistance, TriangleBoxIsExact) {
   const SignedDistance shape = distance_to_surface(test::box_surface({1, 2, 3}));
   for (double x = -1; x <= 2; x += 0.17)
     for (double y = -1; y <= 3; y += 0.19)
@@ -22,8 +23,9 @@ TEST(SignedDistance, inside_of_a_box_of_triangles_is_negative_everywhere_also_be
       }
 }
 
-TEST(SignedDistance, the_side_is_right_at_the_reflex_edge_of_a_notch) {
-  // A wedge of 300 degrees: the nearest point of all places in the notch is near the reflex edge.
+// The sign is correct next to the reflex edge of a notch.
+TEST(SignedDistance, SignIsCorrectAtReflexEdge) {
+  // A wedge of 300 degrees: the nearest point of every position in the notch is near the reflex edge.
   const TriMesh surface = test::notched_surface();
   const SignedDistance shape = distance_to_surface(surface);
   EXPECT_GT(shape.at({0, 0.02, 0.5}), 0);
@@ -32,7 +34,7 @@ TEST(SignedDistance, the_side_is_right_at_the_reflex_edge_of_a_notch) {
   EXPECT_LT(shape.at({0.6, 0.1, 0.5}), 0);
 }
 
-/// Voxels of a ball whose centre and axes suit no sample.
+/// Voxels of a ball whose center and axes match no sample.
 struct Ball {
   Grid grid;
   std::vector<std::uint8_t> inside;
@@ -53,7 +55,7 @@ Ball tilted_ball(Vec3d spacing, double radius) {
   return ball;
 }
 
-/// Volume of the inside by points on a fine grid of another orientation [m³].
+/// Volume of the inside, sampled on a fine grid of another orientation [m³].
 double sampled_volume(const SignedDistance& shape, double step) {
   double count = 0;
   for (double x = shape.low.x; x < shape.high.x; x += step)
@@ -62,7 +64,8 @@ double sampled_volume(const SignedDistance& shape, double step) {
   return count * step * step * step;
 }
 
-TEST(SignedDistance, a_smoothed_ball_of_voxels_keeps_its_volume_within_one_percent) {
+// A smoothed ball of voxels keeps its volume within 1 %.
+TEST(SignedDistance, SmoothedVoxelBallKeepsVolume) {
   const Exec exec(2);
   for (const Vec3d spacing : {Vec3d{3e-3, 3e-3, 3e-3}, Vec3d{0.8e-3, 0.9e-3, 5e-3}})
     for (const double smoothing : {2e-3, 5e-3}) {
@@ -73,7 +76,8 @@ TEST(SignedDistance, a_smoothed_ball_of_voxels_keeps_its_volume_within_one_perce
     }
 }
 
-TEST(SignedDistance, voxels_at_the_border_of_the_grid_are_closed_there) {
+// The surface of voxels at the border of the grid is closed at the border.
+TEST(SignedDistance, VoxelsAtBorderAreClosed) {
   Grid grid{.size = {4, 4, 4}, .spacing = {0.01, 0.01, 0.01}, .origin = {}, .axes = {}};
   const SignedDistance shape = distance_to_voxels(Exec(1), grid, std::vector<std::uint8_t>(64, 1), 0.002);
   EXPECT_LT(shape.at({0.0, 0.015, 0.015}), -0.003);

@@ -35,8 +35,8 @@ SignedDistance box(Vec3d half) {
           -half, half};
 }
 
-/// Noise whose features are about as large as the lattice, inside a ball: nothing is resolved, everything
-/// happens.
+/// Noise inside a ball, with features of about the lattice spacing. Nothing is resolved, so every sign
+/// pattern occurs.
 SignedDistance noisy_ball(unsigned seed, double wavelength) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -54,7 +54,8 @@ SignedDistance noisy_ball(unsigned seed, double wavelength) {
           {1, 1, 1}};
 }
 
-TEST(Stuffing, a_ball_is_filled_with_its_volume_and_its_surface_lies_on_the_sphere) {
+// A stuffed ball has the volume of the ball, and its surface vertices lie on the sphere.
+TEST(Stuffing, BallVolumeAndSurface) {
   for (const double size : {0.4, 0.2, 0.1}) {
     const SolidMesh mesh = stuffed(sphere({0.1, 0.2, 0.3}, 1), size);
     const double exact = 4 * std::numbers::pi / 3;
@@ -67,7 +68,8 @@ TEST(Stuffing, a_ball_is_filled_with_its_volume_and_its_surface_lies_on_the_sphe
   }
 }
 
-TEST(Stuffing, a_torus_keeps_its_hole_and_its_volume) {
+// A torus keeps its hole and its volume.
+TEST(Stuffing, TorusKeepsHoleAndVolume) {
   const SolidMesh mesh = stuffed(torus(1, 0.4), 0.1);
   const double exact = 2 * std::numbers::pi * std::numbers::pi * 0.16;
   EXPECT_NEAR(volume(mesh), exact, 0.02 * exact);
@@ -75,14 +77,16 @@ TEST(Stuffing, a_torus_keeps_its_hole_and_its_volume) {
   EXPECT_EQ(test::euler_characteristic(mesh), 0);
 }
 
-TEST(Stuffing, a_box_keeps_its_volume_although_its_edges_are_worn) {
+// A box keeps its volume within 2 %, although its edges are blunted.
+TEST(Stuffing, BoxKeepsVolume) {
   const SolidMesh mesh = stuffed(box({0.5, 0.4, 0.3}), 0.05);
   EXPECT_NEAR(volume(mesh), 8 * 0.5 * 0.4 * 0.3, 0.02 * 8 * 0.5 * 0.4 * 0.3);
   test::expect_sound(mesh);
   EXPECT_EQ(test::euler_characteristic(mesh), 2);
 }
 
-TEST(Stuffing, every_angle_is_within_the_paper_s_bounds_on_shapes_finer_than_the_lattice) {
+// Dihedral angles stay within the paper's bounds for shapes with details below the lattice spacing.
+TEST(Stuffing, UnresolvedShapes_KeepAngleBounds) {
   double least = 180, largest = 0;
   std::size_t elements = 0;
   for (unsigned seed = 0; seed < 24; seed++) {
@@ -99,14 +103,16 @@ TEST(Stuffing, every_angle_is_within_the_paper_s_bounds_on_shapes_finer_than_the
   RecordProperty("elements", std::to_string(elements));
 }
 
-TEST(Stuffing, a_level_shifts_the_surface) {
+// A level offsets the surface.
+TEST(Stuffing, LevelOffsetsSurface) {
   const Exec exec(1);
   const LatticeSamples samples = sample(exec, sphere({}, 1), lattice_around(sphere({}, 1), 0.2, 0.1));
   const SolidMesh mesh = stuff(exec, samples, 0.1);
   for (const Int3 t : surface(mesh).triangles) EXPECT_NEAR(norm(mesh.vertices[std::size_t(t.x)]), 1.1, 1e-6);
 }
 
-TEST(Stuffing, one_two_and_five_threads_give_the_same_bits) {
+// One, two and five threads give the same bits.
+TEST(Stuffing, EqualBitsOnAnyThreads) {
   const auto hash = [](int threads) {
     const SolidMesh mesh = stuffed(noisy_ball(3, 0.3), 0.1, Exec(threads));
     return hash_values<int>(mesh.elements, hash_values<Vec3d>(mesh.vertices));
@@ -115,7 +121,8 @@ TEST(Stuffing, one_two_and_five_threads_give_the_same_bits) {
   EXPECT_EQ(hash(1), hash(5));
 }
 
-TEST(Stuffing, a_shape_smaller_than_the_lattice_may_leave_nothing) {
+// A shape smaller than the lattice spacing may give no elements.
+TEST(Stuffing, TinyShapeMayBeEmpty) {
   EXPECT_EQ(element_count(stuffed(sphere({0.013, 0.02, 0.03}, 1e-3), 1.0)), 0u);
 }
 

@@ -22,21 +22,21 @@ struct Sliced {
       if (tet.id[c] == id) return value[c];
     return NAN;
   }
-  Vec3d place(const Corner& corner) const {
+  Vec3d position(const Corner& corner) const {
     const Vec3d a = place_of(kLattice, point_of(kLattice, corner.point));
     if (corner.to < 0) return a;
     const Vec3d b = place_of(kLattice, point_of(kLattice, corner.to));
     const double f = value_at(corner.point), g = value_at(corner.to);
     return a + (b - a) * (f / (f - g));
   }
-  /// Volume of the inner part; every tetrahedron of it is the right way round.
+  /// Volume of the inside; checks that every tetrahedron has positive orientation.
   double inner_volume(std::size_t* count = nullptr) const {
     std::vector<Corner> corners;
-    append_inner_part(tet, corners);
+    append_inside(tet, corners);
     double sum = 0;
     for (std::size_t i = 0; i < corners.size(); i += 4) {
-      const double volume = orientation(place(corners[i]), place(corners[i + 1]), place(corners[i + 2]),
-                                        place(corners[i + 3])) /
+      const double volume = orientation(position(corners[i]), position(corners[i + 1]),
+                                        position(corners[i + 2]), position(corners[i + 3])) /
                             6;
       EXPECT_GT(volume, 0);
       sum += volume;
@@ -67,34 +67,36 @@ Sliced turned_inside_out(Sliced s) {
   return s;
 }
 
-TEST(StuffingStencils, the_inner_and_the_outer_part_of_every_tetrahedron_make_the_whole) {
+// The inner and the outer volume of every sliced tetrahedron sum to its volume.
+TEST(StuffingStencils, InsideAndOutsideFillTetrahedron) {
   std::mt19937 random(5);
   for (int axis = 0; axis < 3; axis++)
     for (const auto& points : tetrahedra_around({1, 1, 1}, axis))
       for (int pattern = 0; pattern < 81; pattern++) {
         const Sliced inner = sliced(points, pattern, random);
-        if (pattern == 40) continue;  // all four corners on the surface: neither in nor out
+        if (pattern == 40) continue;  // all four corners on the surface: neither inside nor outside
         EXPECT_NEAR(inner.inner_volume() + turned_inside_out(inner).inner_volume(), 1.0 / 12, 1e-15)
             << pattern;
       }
 }
 
-TEST(StuffingStencils, one_inside_corner_leaves_one_tetrahedron_two_or_three_leave_three) {
+// One inside corner gives one tetrahedron; two or three give three.
+TEST(StuffingStencils, TetrahedraPerSignPattern) {
   std::mt19937 random(6);
   const auto points = tetrahedra_around({1, 1, 1}, 0)[0];
   // Patterns in base 3, from the first corner on: 0 inside, 1 on the surface, 2 outside.
-  const auto parts = [&](int a, int b, int c, int d) {
+  const auto tetrahedra_of = [&](int a, int b, int c, int d) {
     std::size_t count = 0;
     sliced(points, a + 3 * b + 9 * c + 27 * d, random).inner_volume(&count);
     return count;
   };
-  EXPECT_EQ(parts(0, 2, 2, 2), 1u);
-  EXPECT_EQ(parts(0, 0, 2, 2), 3u);
-  EXPECT_EQ(parts(0, 2, 2, 0), 3u);
-  EXPECT_EQ(parts(0, 0, 0, 2), 3u);
-  EXPECT_EQ(parts(0, 0, 1, 2), 2u);
-  EXPECT_EQ(parts(0, 1, 1, 1), 1u);
-  EXPECT_EQ(parts(1, 1, 1, 2), 0u);
+  EXPECT_EQ(tetrahedra_of(0, 2, 2, 2), 1u);
+  EXPECT_EQ(tetrahedra_of(0, 0, 2, 2), 3u);
+  EXPECT_EQ(tetrahedra_of(0, 2, 2, 0), 3u);
+  EXPECT_EQ(tetrahedra_of(0, 0, 0, 2), 3u);
+  EXPECT_EQ(tetrahedra_of(0, 0, 1, 2), 2u);
+  EXPECT_EQ(tetrahedra_of(0, 1, 1, 1), 1u);
+  EXPECT_EQ(tetrahedra_of(1, 1, 1, 2), 0u);
 }
 
 }  // namespace

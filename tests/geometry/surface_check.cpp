@@ -22,14 +22,16 @@ TriMesh joined(TriMesh a, const TriMesh& b) {
   return a;
 }
 
-TEST(SurfaceCheck, a_closed_box_passes_with_its_volume) {
+// A closed box passes without notes and has its volume.
+TEST(SurfaceCheck, ClosedBoxPasses) {
   const auto checked = check_surface(Exec(1), test::box_surface({0.1, 0.2, 0.3}));
   ASSERT_TRUE(checked) << checked.error().message;
   EXPECT_NEAR(checked->volume, 0.006, 1e-9);
   EXPECT_TRUE(checked->notes.empty());
 }
 
-TEST(SurfaceCheck, a_missing_triangle_leaves_three_open_edges_and_they_are_named) {
+// The error for a missing triangle names the three open edges.
+TEST(SurfaceCheck, MissingTriangle_NamesOpenEdges) {
   TriMesh box = test::box_surface({1, 1, 1});
   const Int3 removed = box.triangles.back();
   box.triangles.pop_back();
@@ -39,7 +41,8 @@ TEST(SurfaceCheck, a_missing_triangle_leaves_three_open_edges_and_they_are_named
   EXPECT_NE(message.find(std::to_string(low) + "-" + std::to_string(high)), std::string::npos) << message;
 }
 
-TEST(SurfaceCheck, a_fin_makes_an_edge_of_three_triangles) {
+// A fin makes the surface not a manifold.
+TEST(SurfaceCheck, FinIsNotManifold) {
   TriMesh box = test::box_surface({1, 1, 1});
   TriMesh fin = box;
   fin.vertices.push_back({2, 2, 2});
@@ -51,13 +54,15 @@ TEST(SurfaceCheck, a_fin_makes_an_edge_of_three_triangles) {
       << refusal(fin);
 }
 
-TEST(SurfaceCheck, one_turned_triangle_is_found_at_its_three_edges) {
+// A triangle with reversed orientation is reported by its three edges.
+TEST(SurfaceCheck, ReversedTriangle_CountsThreeEdges) {
   TriMesh box = test::box_surface({1, 1, 1});
   std::swap(box.triangles[4].x, box.triangles[4].y);
-  EXPECT_NE(refusal(box).find("disagree about what is outside: 3 edges"), std::string::npos) << refusal(box);
+  EXPECT_NE(refusal(box).find("have opposite orientations: 3 edges"), std::string::npos) << refusal(box);
 }
 
-TEST(SurfaceCheck, a_surface_that_is_inside_out_is_turned_round_with_a_note) {
+// A surface that is inside out is reversed and noted.
+TEST(SurfaceCheck, InsideOutIsReversedWithNote) {
   TriMesh box = test::box_surface({1, 1, 1});
   for (Int3& t : box.triangles) std::swap(t.x, t.y);
   const auto checked = check_surface(Exec(1), box);
@@ -67,7 +72,8 @@ TEST(SurfaceCheck, a_surface_that_is_inside_out_is_turned_round_with_a_note) {
   EXPECT_NE(checked->notes[0].find("inside out"), std::string::npos);
 }
 
-TEST(SurfaceCheck, triangles_that_share_no_vertices_are_sewn_where_their_corners_meet) {
+// A triangle soup is welded at coincident corners.
+TEST(SurfaceCheck, TriangleSoupIsWelded) {
   const TriMesh box = test::box_surface({1, 1, 1});
   TriMesh soup;
   for (const Int3 t : box.triangles)
@@ -76,7 +82,8 @@ TEST(SurfaceCheck, triangles_that_share_no_vertices_are_sewn_where_their_corners
   EXPECT_EQ(refusal(soup), "accepted");
 }
 
-TEST(SurfaceCheck, a_cavity_is_kept_and_a_second_body_is_left_out_with_a_note) {
+// A cavity is kept; a second body is dropped and noted.
+TEST(SurfaceCheck, KeepsCavityDropsSecondBody) {
   TriMesh cavity = test::sphere_surface({0.5, 0.5, 0.5}, 0.2, 2);
   for (Int3& t : cavity.triangles) std::swap(t.x, t.y);
   const TriMesh three =
@@ -86,10 +93,11 @@ TEST(SurfaceCheck, a_cavity_is_kept_and_a_second_body_is_left_out_with_a_note) {
   EXPECT_EQ(checked->mesh.triangles.size(), 12u + 320);
   EXPECT_LT(checked->volume, 1 - 0.030);
   ASSERT_EQ(checked->notes.size(), 1u);
-  EXPECT_NE(checked->notes[0].find("1 smaller part "), std::string::npos) << checked->notes[0];
+  EXPECT_NE(checked->notes[0].find("1 smaller component "), std::string::npos) << checked->notes[0];
 }
 
-TEST(SurfaceCheck, a_vertex_pushed_through_the_opposite_side_makes_triangles_cross) {
+// A vertex pushed through the opposite side makes triangles cross.
+TEST(SurfaceCheck, DetectsSelfIntersection) {
   TriMesh ball = test::sphere_surface({}, 1, 2);
   EXPECT_TRUE(crossing_triangles(Exec(2), ball).empty());
   ball.vertices[0] = ball.vertices[0] * -1.3f;
@@ -102,12 +110,14 @@ TEST(SurfaceCheck, a_vertex_pushed_through_the_opposite_side_makes_triangles_cro
   EXPECT_EQ(crossing_triangles(Exec(1), ball), crossing_triangles(Exec(4), ball));
 }
 
-TEST(SurfaceCheck, coplanar_neighbors_do_not_cross) {
+// Coplanar neighbors do not count as crossing.
+TEST(SurfaceCheck, CoplanarNeighborsDoNotCross) {
   EXPECT_TRUE(crossing_triangles(Exec(1), test::surface_of(hex_block({0.1, 0.1, 0.1}, {7, 7, 7}))).empty());
 }
 
-/// A frame of a sheet of cloth in free fall, of cells of 10 mm: what was taken for a crossing.
-TEST(SurfaceCheck, triangles_a_cell_apart_in_one_plane_but_for_their_last_digits_do_not_cross) {
+// Triangles one cell apart that are coplanar except for rounding do not cross. From a frame of a sheet of
+// cloth in free fall with cells of 10 mm, which an earlier check took for a crossing.
+TEST(SurfaceCheck, NearlyCoplanarTrianglesDoNotCross) {
   const TriMesh two{.vertices = {{0x1.413ddcp-6f, 0x1.44e1a6p-4f, -0x1.12b2cp-3f},
                                  {0x1.e514e6p-6f, 0x1.6dd76cp-4f, -0x1.12b2cp-3f},
                                  {0x1.413dd6p-6f, 0x1.6dd76ap-4f, -0x1.12b2c4p-3f},
@@ -118,17 +128,19 @@ TEST(SurfaceCheck, triangles_a_cell_apart_in_one_plane_but_for_their_last_digits
   EXPECT_TRUE(crossing_triangles(Exec(1), two).empty());
 }
 
-TEST(SurfaceCheck, an_edge_that_passes_exactly_through_an_edge_or_a_corner_crosses) {
+// An edge that passes exactly through another edge or a corner counts as crossing.
+TEST(SurfaceCheck, EdgeThroughEdgeOrCornerCrosses) {
   const std::vector<Vec3> flat{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  for (const Vec3 place : {Vec3{0.25f, 0, 0}, Vec3{0, 0, 0}, Vec3{0.5f, 0.5f, 0}}) {
+  for (const Vec3 point : {Vec3{0.25f, 0, 0}, Vec3{0, 0, 0}, Vec3{0.5f, 0.5f, 0}}) {
     TriMesh two{.vertices = flat, .triangles = {{0, 1, 2}, {3, 4, 5}}};
-    for (const Vec3 off : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{-3, -2, 5}})
-      two.vertices.push_back(place + off);
-    EXPECT_EQ(crossing_triangles(Exec(1), two).size(), 1u) << place.x << ' ' << place.y;
+    for (const Vec3 offset : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{-3, -2, 5}})
+      two.vertices.push_back(point + offset);
+    EXPECT_EQ(crossing_triangles(Exec(1), two).size(), 1u) << point.x << ' ' << point.y;
   }
 }
 
-TEST(SurfaceCheck, nothing_flat_and_what_is_no_number_are_refused_in_words) {
+// Empty and flat surfaces and NaN coordinates are rejected with a message.
+TEST(SurfaceCheck, RejectsEmptyFlatAndNan) {
   EXPECT_EQ(refusal({}), "the surface has no triangles");
   TriMesh flat;
   flat.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -136,7 +148,7 @@ TEST(SurfaceCheck, nothing_flat_and_what_is_no_number_are_refused_in_words) {
   EXPECT_EQ(refusal(flat), "the surface encloses no volume");
   TriMesh box = test::box_surface({1, 1, 1});
   box.vertices[3].y = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(refusal(box), "vertex 3 (counted from 0) has a coordinate that is no number");
+  EXPECT_EQ(refusal(box), "vertex 3 (counted from 0) has a coordinate that is not a number");
 }
 
 }  // namespace

@@ -15,13 +15,14 @@ std::vector<Vec3d> doubles(const std::vector<Vec3>& x) {
   return result;
 }
 
-TEST(TriangleTree, the_nearest_point_is_that_of_asking_all_triangles) {
+// The nearest point is that of all triangles.
+TEST(TriangleTree, NearestPointMatchesBruteForce) {
   const TriMesh ball = test::sphere_surface({0.1, 0.2, 0.3}, 1, 2);
   const TriangleTree tree = build_triangle_tree(doubles(ball.vertices), ball.triangles);
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> place(-2, 2);
+  std::uniform_real_distribution<double> coordinate(-2, 2);
   for (int i = 0; i < 500; i++) {
-    const Vec3d p{place(random), place(random), place(random)};
+    const Vec3d p{coordinate(random), coordinate(random), coordinate(random)};
     double nearest = 1e9;
     for (const auto [a, b, c] : tree.triangles) {
       const auto& x = tree.vertices;
@@ -29,12 +30,13 @@ TEST(TriangleTree, the_nearest_point_is_that_of_asking_all_triangles) {
           nearest, nearest_on_triangle(p, x[std::size_t(a)], x[std::size_t(b)], x[std::size_t(c)]).distance);
     }
     const TrianglePoint at = nearest_point(tree, p);
-    EXPECT_NEAR(at.distance, nearest, 1e-15) << "compiled in two places, with products fused as each likes";
-    EXPECT_NEAR(norm(p - at.place), at.distance, 1e-15);
+    EXPECT_NEAR(at.distance, nearest, 1e-15) << "two compiled versions may contract products differently";
+    EXPECT_NEAR(norm(p - at.position), at.distance, 1e-15);
   }
 }
 
-TEST(TriangleTree, the_nearest_point_of_a_triangle_is_on_its_face_edge_or_corner_as_its_weights_say) {
+// Barycentric weights locate the nearest point on the face, an edge or a corner.
+TEST(TriangleTree, WeightsLocateNearestPoint) {
   const Vec3d a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0};
   EXPECT_EQ(nearest_on_triangle({0.25, 0.25, 2}, a, b, c).weights, (Vec3d{0.5, 0.25, 0.25}));
   EXPECT_EQ(nearest_on_triangle({0.25, -1, 0}, a, b, c).weights, (Vec3d{0.75, 0.25, 0}));
@@ -43,9 +45,10 @@ TEST(TriangleTree, the_nearest_point_of_a_triangle_is_on_its_face_edge_or_corner
   EXPECT_EQ(nearest_on_triangle({3, -1, 0}, a, b, c).weights, (Vec3d{0, 1, 0}));
 }
 
-TEST(TriangleTree, a_triangle_without_area_has_a_nearest_point_too) {
+// A triangle without area has a nearest point too.
+TEST(TriangleTree, DegenerateTriangleHasNearestPoint) {
   const TrianglePoint at = nearest_on_triangle({0.5, 1, 0}, {0, 0, 0}, {1, 0, 0}, {0.25, 0, 0});
-  EXPECT_EQ(at.place, (Vec3d{0.5, 0, 0}));
+  EXPECT_EQ(at.position, (Vec3d{0.5, 0, 0}));
   EXPECT_EQ(nearest_on_triangle({0, 2, 0}, {}, {}, {}).distance, 2);
 }
 

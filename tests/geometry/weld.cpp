@@ -5,7 +5,8 @@
 namespace turgor {
 namespace {
 
-TEST(Weld, triangles_take_the_first_vertex_of_a_place_and_flat_ones_go) {
+// Triangles use the first of coincident vertices; degenerate triangles are removed.
+TEST(Weld, JoinsCoincidentVerticesDropsDegenerate) {
   const TriMesh strip{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {-0.0f, 0, 0}},
                       {{0, 1, 2}, {3, 4, 5}, {0, 4, 1}, {6, 4, 3}}};
   const TriMesh found = welded(strip);

@@ -9,11 +9,11 @@
 namespace turgor {
 namespace {
 
-struct Asked {
+struct Winding {
   TriangleTree tree;
   WindingNodes winding;
 
-  explicit Asked(const TriMesh& mesh) {
+  explicit Winding(const TriMesh& mesh) {
     std::vector<Vec3d> x;
     for (const Vec3 p : mesh.vertices) x.push_back(Vec3d(p));
     tree = build_triangle_tree(std::move(x), mesh.triangles);
@@ -22,8 +22,9 @@ struct Asked {
   double at(Vec3d p) const { return winding_number(tree, winding, p); }
 };
 
-TEST(WindingNumber, it_is_one_inside_a_closed_surface_and_zero_outside_also_near_it) {
-  const Asked ball(test::sphere_surface({}, 1, 4));
+// The winding number is one inside a closed surface and zero outside, also close to it.
+TEST(WindingNumber, OneInsideZeroOutside) {
+  const Winding ball(test::sphere_surface({}, 1, 4));
   std::mt19937 random(4);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 1000; i++) {
@@ -33,21 +34,23 @@ TEST(WindingNumber, it_is_one_inside_a_closed_surface_and_zero_outside_also_near
   }
 }
 
-TEST(WindingNumber, it_is_two_where_a_surface_encloses_a_place_twice) {
-  const Asked coil(test::coil_surface(1, 0.1, 0.5));
+// The winding number is two at points that the surface encloses twice.
+TEST(WindingNumber, TwoWhereEnclosedTwice) {
+  const Winding coil(test::coil_surface(1, 0.1, 0.5));
   EXPECT_NEAR(coil.at({1, 0, 0}), 2, 0.05);
   EXPECT_NEAR(coil.at({1.55, 0, 0}), 1, 0.05);
   EXPECT_NEAR(coil.at({0, 0, 0}), 0, 0.05);
 }
 
-TEST(WindingNumber, half_of_a_surface_winds_half_around_its_middle) {
+// A hemisphere has a winding number of one half at its center.
+TEST(WindingNumber, HalfSphereHasOneHalf) {
   TriMesh ball = test::sphere_surface({}, 1, 3);
   std::erase_if(ball.triangles, [&](const Int3& t) {
     return ball.vertices[std::size_t(t.x)].z + ball.vertices[std::size_t(t.y)].z +
                ball.vertices[std::size_t(t.z)].z <
            0;
   });
-  EXPECT_NEAR(Asked(ball).at({}), 0.5, 0.03);
+  EXPECT_NEAR(Winding(ball).at({}), 0.5, 0.03);
 }
 
 }  // namespace

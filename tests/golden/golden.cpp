@@ -1,5 +1,5 @@
-// Prints the table of golden state hashes as this build finds them: golden tests/golden/states.txt
-// Each line of the table is a scene with a few frames of it; # begins a comment.
+// Prints the table of golden state hashes of this build: golden tests/golden/states.txt Each line of the
+// table is a scene with the number of its frames; # begins a comment.
 #include <cstdio>
 #include <fstream>
 #include <sstream>

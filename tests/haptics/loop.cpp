@@ -21,10 +21,10 @@ namespace {
 using contact::ToolCommand;
 using contact::ToolReading;
 
-/// Tests do not ask for priority: what they state holds without.
+/// Tests request no real-time priority; they must hold without it.
 constexpr LoopParams kPlain{.rate = 1000, .priority = 0, .lock_memory = false};
 
-SafetyParams soon() { return {.force = 12, .ramp = 0.005}; }
+SafetyParams short_ramp() { return {.force = 12, .ramp = 0.005}; }
 
 bool wait_for(const std::function<bool()>& done, double seconds = 5) {
   const double end = steady_seconds() + seconds;
@@ -32,7 +32,7 @@ bool wait_for(const std::function<bool()>& done, double seconds = 5) {
   return done();
 }
 
-/// A wall at z = 0, of 500 N/m, for every tool.
+/// A wall at z = 0 with 500 N/m, for every tool.
 struct Wall {
   std::atomic<int> ticks = 0;
   std::atomic<std::size_t> tools = 0;
@@ -46,45 +46,47 @@ struct Wall {
   }
 };
 
-/// From 5 mm above the wall to 5 mm behind it, within 0.2 s.
+/// Target that moves from 5 mm above the wall to 5 mm below it within 0.2 s.
 HandTarget press(double time) {
   return {.pose = {.position = {0, 0, 0.005 - 0.01 * std::min(1.0, 5 * time)}, .axes = {}}};
 }
 
-/// The hand rests there, and feels that force; the tool is where the model found it.
-bool rests(Loop& loop, double hand, double tool, double force) {
+/// True if the hand is at rest at `hand` with the given force, and the tool is at `tool`.
+bool is_at_rest(Loop& loop, double hand, double tool, double force) {
   const HandStatus& status = loop.status(0);
   return std::abs(status.input.velocity.z) < 1e-3 && std::abs(status.input.pose.position.z - hand) < 2e-4 &&
          std::abs(status.command.pose.position.z - tool) < 2e-4 &&
          std::abs(status.output.force.z - force) < 0.1;
 }
 
-TEST(loop, a_hand_that_presses_a_wall_comes_to_rest_where_wall_and_hand_balance) {
-  VirtualDevice device({}, light_hand(press), VirtualTime::kClock);
+// A hand that presses a wall stops moving where the forces of hand and wall balance.
+TEST(Loop, HandRestsAtForceBalance) {
+  VirtualDevice device({}, light_grip(press), VirtualTime::kClock);
   ASSERT_TRUE(device.open());
   Wall wall;
-  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  auto loop = Loop::start({{.device = &device, .safety = short_ramp()}}, Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
   const double z = -0.005 * 300 / 800;  // 300 (−5 mm − z) = 500 z
-  EXPECT_TRUE(wait_for([&] { return rests(**loop, z, z, -500 * z); }));
+  EXPECT_TRUE(wait_for([&] { return is_at_rest(**loop, z, z, -500 * z); }));
   EXPECT_TRUE((*loop)->running());
   (*loop)->stop();
   EXPECT_FALSE((*loop)->running());
   EXPECT_GT((*loop)->report().ticks, 10u);
 }
 
-TEST(loop, a_coupled_hand_feels_the_wall_and_the_coupling_in_series) {
-  VirtualDevice device({}, light_hand(press), VirtualTime::kClock);
+// With coupling the hand rests against wall and coupling in series.
+TEST(Loop, CoupledForceIsSpringsInSeries) {
+  VirtualDevice device({}, light_grip(press), VirtualTime::kClock);
   ASSERT_TRUE(device.open());
   Wall wall;
-  auto loop =
-      Loop::start({{.device = &device, .coupling = Coupling{}, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  auto loop = Loop::start({{.device = &device, .coupling = Coupling{}, .safety = short_ramp()}}, Wall::tick,
+                          &wall, kPlain);
   ASSERT_TRUE(loop);
   const double series = 500.0 * 1000 / 1500, z = -0.005 * 300 / (300 + series);
-  EXPECT_TRUE(wait_for([&] { return rests(**loop, z, z * series / 500, -series * z); }));
+  EXPECT_TRUE(wait_for([&] { return is_at_rest(**loop, z, z * series / 500, -series * z); }));
 }
 
-/// Takes its time.
+/// Model whose tick takes 0.2 ms.
 struct Slow {
   static constexpr double kWork = 2e-4;  // [s]
   std::atomic<int> ticks = 0;
@@ -96,7 +98,8 @@ struct Slow {
   }
 };
 
-TEST(loop, ticks_come_at_the_rate_that_was_asked_for_and_the_report_says_so) {
+// Ticks run at the requested rate, and the report is consistent with it.
+TEST(Loop, RunsAtRequestedRate) {
   StillDevice device;
   Slow model;
   const double began = steady_seconds();
@@ -107,8 +110,9 @@ TEST(loop, ticks_come_at_the_rate_that_was_asked_for_and_the_report_says_so) {
   const double seconds = steady_seconds() - began;
   const TimingReport& report = (*loop)->report();
   EXPECT_EQ(report.ticks, report.safety.ticks);
-  EXPECT_EQ(report.rate_asked, 1000);
-  // Absolute deadlines: with those that were missed, every millisecond had its tick, but for a last late one.
+  EXPECT_EQ(report.target_rate, 1000);
+  // Deadlines are absolute: together with missed ones, each millisecond has its tick, except for a last late
+  // one.
   EXPECT_NEAR(double(report.ticks + report.missed), 1000 * report.seconds, 3 + 1000 * report.period.largest);
   EXPECT_LE(report.seconds, seconds);
   EXPECT_NEAR(report.rate, double(report.ticks - 1) / report.seconds, 1e-6);
@@ -120,10 +124,10 @@ TEST(loop, ticks_come_at_the_rate_that_was_asked_for_and_the_report_says_so) {
   EXPECT_GE(report.compute.largest, report.compute.p50);
 }
 
-/// Counts what a tick may not do, on the loop's thread.
+/// Model that counts allocations and context switches on the loop's thread.
 struct Watch {
   std::atomic<int> ticks = 0;
-  std::atomic<long> allocated = 0, gave_way = 0;
+  std::atomic<long> allocated = 0, voluntary_switches = 0;
   std::size_t allocations_before = 0;
   long switches_before = 0;
   bool misbehave = false;
@@ -140,10 +144,11 @@ struct Watch {
     if (watch.ticks == 500) watch.allocations_before = test::allocations, watch.switches_before = now;
     if (watch.ticks > 500) {
       watch.allocated = long(test::allocations - watch.allocations_before);
-      watch.gave_way = now - watch.switches_before - (watch.ticks - 500);  // a sleep a tick
+      watch.voluntary_switches =
+          now - watch.switches_before - (watch.ticks - 500);  // one sleep per tick is expected
     }
     if (watch.misbehave) {
-      ::operator delete(::operator new(8));  // a new expression might be optimised away
+      ::operator delete(::operator new(8));  // a new expression might be optimized away
       std::this_thread::sleep_for(std::chrono::microseconds(1));
     }
     for (ToolReading& reading : readings) reading.force.z = std::sin(0.01 * watch.ticks);
@@ -151,26 +156,28 @@ struct Watch {
   }
 };
 
-TEST(loop, a_tick_allocates_nothing_and_waits_for_nobody) {
+// A tick neither allocates memory nor blocks; a model that does both is detected.
+TEST(Loop, TickNeitherAllocatesNorBlocks) {
   for (const bool misbehave : {false, true}) {
-    VirtualDevice left({}, light_hand(press), VirtualTime::kClock),
-        right({}, light_hand(press), VirtualTime::kClock);
+    VirtualDevice left({}, light_grip(press), VirtualTime::kClock),
+        right({}, light_grip(press), VirtualTime::kClock);
     ASSERT_TRUE(left.open());
     ASSERT_TRUE(right.open());
     Watch watch;
     watch.misbehave = misbehave;
-    auto loop = Loop::start(
-        {{.device = &left, .safety = soon()}, {.device = &right, .coupling = Coupling{}, .safety = soon()}},
-        Watch::tick, &watch, {.rate = 2000, .priority = 0, .lock_memory = false});
+    auto loop = Loop::start({{.device = &left, .safety = short_ramp()},
+                             {.device = &right, .coupling = Coupling{}, .safety = short_ramp()}},
+                            Watch::tick, &watch, {.rate = 2000, .priority = 0, .lock_memory = false});
     ASSERT_TRUE(loop);
-    ASSERT_TRUE(wait_for([&] { return watch.ticks > 1600; }));  // beyond two reports
+    ASSERT_TRUE(wait_for([&] { return watch.ticks > 1600; }));  // longer than two report intervals
     (*loop)->stop();
     EXPECT_EQ(watch.allocated > 0, misbehave) << watch.allocated;
-    EXPECT_EQ(watch.gave_way > 50, misbehave) << watch.gave_way;  // the system itself may do so now and then
+    EXPECT_EQ(watch.voluntary_switches > 50, misbehave)
+        << watch.voluntary_switches;  // the system itself may cause a few
   }
 }
 
-/// Answers from something old, jumps once and pushes along with the hand.
+/// Model with old contact data that makes one force jump and pushes along the motion of the hand.
 struct Odd {
   std::atomic<int> ticks = 0;
   static void tick(void* context, std::span<const ToolCommand>, double, std::span<ToolReading> readings) {
@@ -180,33 +187,35 @@ struct Odd {
   }
 };
 
-TEST(loop, the_report_tells_of_age_jumps_and_energy_that_was_given_away) {
-  VirtualDevice device({}, light_hand([](double) { return HandTarget{}; }), VirtualTime::kClock);
+// The report contains the age of contacts, force jumps and generated energy.
+TEST(Loop, ReportsAgeJumpsAndEnergy) {
+  VirtualDevice device({}, light_grip([](double) { return HandTarget{}; }), VirtualTime::kClock);
   ASSERT_TRUE(device.open());
   Odd model;
-  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Odd::tick, &model, kPlain);
+  auto loop = Loop::start({{.device = &device, .safety = short_ramp()}}, Odd::tick, &model, kPlain);
   ASSERT_TRUE(loop);
   ASSERT_TRUE(wait_for([&] { return model.ticks > 200; }));
   (*loop)->stop();
   const TimingReport& report = (*loop)->report();
   EXPECT_NEAR(report.age.p50, 0.02, 2e-4);
-  EXPECT_NEAR(report.asked_jump, 3, 1e-12);
+  EXPECT_NEAR(report.model_force_jump, 3, 1e-12);
   EXPECT_GT(report.force_jump, 1);
   EXPECT_LT(report.force_jump, 5);
-  EXPECT_LT(report.lowest_energy, -1e-4);  // it pushed the hand by 3 N
+  EXPECT_LT(report.lowest_energy, -1e-4);  // it pushed the hand with 3 N
   EXPECT_GT(report.safety.damped, 0u);
 }
 
-TEST(loop, two_hands_are_asked_in_one_tick_each_in_its_own_workspace) {
+// Two hands share each tick, and each has its own workspace.
+TEST(Loop, TwoHandsShareTicks) {
   StillDevice left, right;
   left.z = -0.002, right.z = 0.001;
   Wall wall;
   Workspace lower{.origin = {0, 0, -0.004}};
-  auto loop = Loop::start(
-      {{.device = &left, .safety = soon()}, {.device = &right, .workspace = lower, .safety = soon()}},
-      Wall::tick, &wall, kPlain);
+  auto loop = Loop::start({{.device = &left, .safety = short_ramp()},
+                           {.device = &right, .workspace = lower, .safety = short_ramp()}},
+                          Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
-  // Both begin inside: nothing is felt until they left.
+  // Both start inside the wall: no force until they have left it.
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_EQ(left.largest, 0);
   left.z = 0.01, right.z = 0.01;
@@ -218,11 +227,13 @@ TEST(loop, two_hands_are_asked_in_one_tick_each_in_its_own_workspace) {
   EXPECT_EQ(wall.tools, 2u);
 }
 
-TEST(loop, a_device_that_is_lost_is_given_nothing_is_told_of_and_the_other_hand_goes_on) {
+// A lost device gets zero force and is reported; the other hand continues.
+TEST(Loop, LostDeviceLeavesOtherRunning) {
   StillDevice lost, other;
   Wall wall;
-  auto loop = Loop::start({{.device = &lost, .safety = soon()}, {.device = &other, .safety = soon()}},
-                          Wall::tick, &wall, kPlain);
+  auto loop =
+      Loop::start({{.device = &lost, .safety = short_ramp()}, {.device = &other, .safety = short_ramp()}},
+                  Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
   ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
   lost.z = other.z = -0.002;
@@ -239,14 +250,15 @@ TEST(loop, a_device_that_is_lost_is_given_nothing_is_told_of_and_the_other_hand_
   const std::vector<std::string> notes = (*loop)->notes();
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("still was lost: its cable is out"), std::string::npos) << notes[0];
-  other.unplugged = true;  // now nobody is left
+  other.unplugged = true;  // now all devices are lost
   EXPECT_TRUE(wait_for([&] { return !(*loop)->running(); }));
 }
 
-TEST(loop, stop_lets_the_force_fade_ends_the_thread_and_closes_devices) {
+// Stopping fades the force, ends the thread and closes the devices.
+TEST(Loop, StopFadesForceAndCloses) {
   StillDevice device;
   Wall wall;
-  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  auto loop = Loop::start({{.device = &device, .safety = short_ramp()}}, Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
   ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
   device.z = -0.02;
@@ -258,11 +270,12 @@ TEST(loop, stop_lets_the_force_fade_ends_the_thread_and_closes_devices) {
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(wall.ticks, ticks);
   EXPECT_LE((*loop)->report().force_jump,
-            12 * 2 * 1e-3 / 0.005 * 1.0001);  // no step larger than the slope allows
+            12 * 2 * 1e-3 / 0.005 * 1.0001);  // no step exceeds the slew rate
   (*loop)->stop();
 }
 
-TEST(loop, a_model_that_throws_ends_the_forces_and_not_the_program) {
+// A model that throws stops the forces but not the program.
+TEST(Loop, ThrowingModelStopsForces) {
   StillDevice device;
   struct Thrower {
     std::atomic<int> ticks = 0;
@@ -280,11 +293,12 @@ TEST(loop, a_model_that_throws_ends_the_forces_and_not_the_program) {
   EXPECT_EQ(device.largest, 1);
 }
 
-TEST(loop, a_device_that_waits_for_its_own_tick_keeps_the_time) {
+// A device that blocks until its own tick determines the rate.
+TEST(Loop, BlockingDeviceSetsRate) {
   StillDevice device(Pacing::kDevice);
   device.period_us = 3000;
   Wall wall;
-  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  auto loop = Loop::start({{.device = &device, .safety = short_ramp()}}, Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   (*loop)->stop();
@@ -294,10 +308,11 @@ TEST(loop, a_device_that_waits_for_its_own_tick_keeps_the_time) {
   EXPECT_EQ(report.missed, 0u);
 }
 
-TEST(loop, a_device_that_calls_from_its_own_thread_runs_the_ticks_there) {
+// A device with its own thread runs the ticks in its callback.
+TEST(Loop, CallbackDeviceRunsTicks) {
   StillDevice device(Pacing::kCallback);
   Wall wall;
-  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  auto loop = Loop::start({{.device = &device, .safety = short_ramp()}}, Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
   ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
   device.z = -0.002;
@@ -310,27 +325,30 @@ TEST(loop, a_device_that_calls_from_its_own_thread_runs_the_ticks_there) {
   EXPECT_LT((*loop)->report().latency.p50, 0.5e-3);
 }
 
-TEST(loop, of_two_devices_that_call_the_first_keeps_the_time_and_both_feel) {
+// The first of two devices with callbacks determines the rate, and both receive forces.
+TEST(Loop, FirstCallbackDeviceSetsRate) {
   StillDevice first(Pacing::kCallback), second(Pacing::kCallback);
   second.period_us = 700;
   Wall wall;
-  auto loop = Loop::start({{.device = &first, .safety = soon()}, {.device = &second, .safety = soon()}},
-                          Wall::tick, &wall, kPlain);
+  auto loop =
+      Loop::start({{.device = &first, .safety = short_ramp()}, {.device = &second, .safety = short_ramp()}},
+                  Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
   ASSERT_TRUE(wait_for([&] {
     return (*loop)->status(0).start == SoftStart::kFull && (*loop)->status(1).start == SoftStart::kFull;
   }));
   first.z = -0.002, second.z = -0.004;
   EXPECT_TRUE(wait_for([&] { return std::abs(first.last - 1) < 1e-9 && std::abs(second.last - 2) < 1e-9; }));
-  first.close();  // it calls no more: what the other takes is stale
+  first.close();  // its callbacks end, so the input of the other device becomes stale
   EXPECT_TRUE(wait_for([&] { return second.last == 0; }));
   EXPECT_TRUE(wait_for([&] { return !(*loop)->running(); }));
 }
 
-TEST(loop, the_clutch_lets_the_hand_move_without_the_tool_and_without_force) {
+// The pressed clutch detaches the tool from the hand and sends zero force.
+TEST(Loop, ClutchDetachesToolAndForce) {
   StillDevice device;
   Wall wall;
-  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  auto loop = Loop::start({{.device = &device, .safety = short_ramp()}}, Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
   ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
   device.z = -0.002;
@@ -342,7 +360,8 @@ TEST(loop, the_clutch_lets_the_hand_move_without_the_tool_and_without_force) {
   EXPECT_NEAR((*loop)->status(0).command.pose.position.z, -0.002, 1e-12);
 }
 
-TEST(loop, a_loop_that_cannot_be_says_why) {
+// A loop without devices, or with a rate of zero, is an error.
+TEST(Loop, InvalidParametersAreErrors) {
   Wall wall;
   const auto none = Loop::start({}, Wall::tick, &wall);
   ASSERT_FALSE(none);
@@ -353,7 +372,8 @@ TEST(loop, a_loop_that_cannot_be_says_why) {
   EXPECT_NE(slow.error().message.find("found 0"), std::string::npos);
 }
 
-TEST(loop, what_the_system_does_not_allow_is_a_note_and_no_failure) {
+// A real-time priority that the system denies gives a note and no error.
+TEST(Loop, MissingPrivilegesAreNotes) {
   StillDevice device;
   Wall wall;
   auto loop = Loop::start({{.device = &device}}, Wall::tick, &wall,

@@ -15,7 +15,7 @@ constexpr double kTick = 1e-3;
 
 contact::Pose at(double z) { return {.position = {0, 0, z}, .axes = {}}; }
 
-/// Slowly down to z and back up: what is left on the account of a spring at 0.
+/// Energy balance after a spring at 0 was slowly pressed to `depth` and released [J].
 double pressed_and_released(double stiffness, double depth, int ticks, double& deepest) {
   Passivity state;
   PassivityParams params;
@@ -24,40 +24,45 @@ double pressed_and_released(double stiffness, double depth, int ticks, double& d
     const double z = -depth * (1 - std::abs(2.0 * i / ticks - 1));
     observe(params, state, at(z), kTick);
     deepest = std::max(deepest, state.energy);
-    state.haptic = {.force = {0, 0, -stiffness * z}};
+    state.held_output = {.force = {0, 0, -stiffness * z}};
   }
   return state.energy;
 }
 
-TEST(passivity, a_pressed_spring_holds_half_k_x_squared_of_the_hands_energy_and_gives_it_back) {
+// A slowly pressed spring stores k x²/2 and returns it.
+TEST(Passivity, SlowSpringReturnsEnergy) {
   double deepest = 0;
-  const double left = pressed_and_released(400, 0.02, 4000, deepest);
+  const double residual = pressed_and_released(400, 0.02, 4000, deepest);
   EXPECT_NEAR(deepest, 0.5 * 400 * 0.02 * 0.02, 1e-3 * 0.08);
-  EXPECT_NEAR(left, 0, 1e-3 * 0.08);
+  EXPECT_NEAR(residual, 0, 1e-3 * 0.08);
 }
 
-TEST(passivity, what_holding_a_force_gives_away_is_k_x_times_a_step) {
-  // Colgate: a held spring lags half a tick both ways, so a cycle of N steps of Δx yields 2 · N/2 · K Δx²/2.
+// A force that is held for a tick generates the energy that Colgate derives.
+TEST(Passivity, HeldForceGeneratesEnergy) {
+  // Colgate: a held spring lags by half a tick in both directions. A cycle of N steps of Δx yields 2 · N/2 ·
+  // K Δx²/2.
   const int ticks = 200;
   double deepest = 0;
   const double step = 2 * 0.02 / ticks;
   EXPECT_NEAR(pressed_and_released(400, 0.02, ticks, deepest), -0.5 * ticks * 400 * step * step, 1e-9);
 }
 
-TEST(passivity, friction_is_energy_taken_and_a_push_is_energy_given) {
+// Friction takes energy from the hand; a push gives energy.
+TEST(Passivity, FrictionTakesPushGives) {
   PassivityParams params;
   params.debt = 1;
-  for (const double sign : {-1.0, 1.0}) {  // of the force along the motion
+  for (const double sign : {-1.0, 1.0}) {  // sign of the force along the motion
     Passivity state;
     for (int i = 0; i <= 100; i++) {
       observe(params, state, at(1e-4 * i), kTick);
-      state.haptic = {.force = {0, 0, sign * 2}};
+      state.held_output = {.force = {0, 0, sign * 2}};
     }
     EXPECT_NEAR(state.energy, sign < 0 ? 0.02 : -0.02, 1e-12);
   }
 }
 
-TEST(passivity, a_lever_that_gives_by_turning_what_it_takes_by_moving_owes_nothing) {
+// Work of the force and opposite work of the torque cancel in the energy balance.
+TEST(Passivity, ForceAndTorqueWorkCancel) {
   PassivityParams params;
   params.reach = params.angular_reach = 10;
   Passivity state;
@@ -65,107 +70,113 @@ TEST(passivity, a_lever_that_gives_by_turning_what_it_takes_by_moving_owes_nothi
     const Vec3d turn{0, 0, 2e-3 * i};
     observe(params, state, {.position = {1e-3 * i, 0, 0}, .axes = rotation(turn)}, kTick);
     EXPECT_NEAR(state.energy, 0, 1e-12);
-    state.haptic = {.force = {-2, 0, 0}, .torque = {0, 0, 1}};  // −2 N·1 mm + 1 N·m·2 mrad = 0
+    state.held_output = {.force = {-2, 0, 0}, .torque = {0, 0, 1}};  // −2 N·1 mm + 1 N·m·2 mrad = 0
   }
 }
 
-TEST(passivity, rubbing_for_long_buys_no_more_than_a_body_can_give_back) {
+// Long rubbing stores no more energy than a body can return within its reach.
+TEST(Passivity, StoredEnergyIsBounded) {
   PassivityParams params;
   Passivity state;
   for (int i = 0; i < 100000; i++) {
     observe(params, state, at(1e-4 * i), kTick);
-    state.haptic = {.force = {0, 0, -2}};
+    state.held_output = {.force = {0, 0, -2}};
   }
   EXPECT_NEAR(state.energy, 2 * params.reach, 1e-12);
-  state.haptic = {};
+  state.held_output = {};
   observe(params, state, at(10), kTick);
   EXPECT_EQ(state.energy, 0);
 }
 
-TEST(passivity, the_damping_pays_exactly_what_is_owed_and_is_bounded) {
+// The damping dissipates exactly the generated energy, up to its bound.
+TEST(Passivity, DampingMatchesDebt) {
   PassivityParams params;
   Passivity state;
   const DeviceInput hand{.pose = {}, .velocity = {0.1, 0, 0}};
   bool damped = false;
   state.energy = -2e-5;
-  DeviceOutput out = pay_back(params, state, {.force = {0, 1, 0}}, hand, kTick, damped);
+  DeviceOutput out = add_passivity_damping(params, state, {.force = {0, 1, 0}}, hand, kTick, damped);
   EXPECT_TRUE(damped);
   EXPECT_NEAR(-out.force.x * 0.1 * kTick, 2e-5, 1e-12);
   EXPECT_EQ(out.force.y, 1);
   state.energy = -1;
-  out = pay_back(params, state, {}, hand, kTick, damped);
+  out = add_passivity_damping(params, state, {}, hand, kTick, damped);
   EXPECT_NEAR(out.force.x, -params.damping * 0.1, 1e-12);
   state.energy = 1;
-  pay_back(params, state, {}, hand, kTick, damped);
+  add_passivity_damping(params, state, {}, hand, kTick, damped);
   EXPECT_FALSE(damped);
 }
 
-/// A hand at rest beside a model; where it is after `seconds` [m].
+/// Largest distance of a hand from the origin in the last half second, beside a model [m].
 template <class Model>
-double swing(Model&& model, bool control, double seconds = 3) {
+double amplitude(Model&& model, bool control, double seconds = 3) {
   VirtualArm arm;
   arm.coulomb = 0;
-  VirtualDevice device(arm, light_hand([](double) { return HandTarget{}; }));
+  VirtualDevice device(arm, light_grip([](double) { return HandTarget{}; }));
   (void)device.open();
-  device.place(at(0.002));
+  device.set_motion(at(0.002));
   SafetyParams params{.force = 12, .ramp = 1e-3, .passivity_control = control};
   Safety safety = make_safety(device.spec(), params);
   SafeOutput output;
-  Asked asked;
+  SafetyInput input;
   double widest = 0;
   while (device.time() < seconds) {
-    device.exchange(output.value(), asked.hand);
-    asked.wanted.force = model(asked.hand);
-    output = make_safe(safety, asked, kTick);
+    device.exchange(output.value(), input.hand);
+    input.wanted.force = model(input.hand);
+    output = make_safe(safety, input, kTick);
     if (device.time() > seconds - 0.5) widest = std::max(widest, norm(device.pose().position));
   }
   return widest;
 }
 
-TEST(passivity, a_model_that_pushes_along_with_the_hand_is_held_and_without_the_controller_it_is_not) {
+// The controller stabilizes a model that pushes along the motion of the hand.
+TEST(Passivity, ControllerHoldsActiveModel) {
   const auto active = [](const DeviceInput& hand) {
     return hand.velocity * 6.0;
-  };  // more than hand and arm damp
-  EXPECT_GT(swing(active, false), 0.02);
-  EXPECT_LT(swing(active, true), 0.003);
+  };  // more than hand and arm dissipate
+  EXPECT_GT(amplitude(active, false), 0.02);
+  EXPECT_LT(amplitude(active, true), 0.003);
 }
 
-TEST(passivity, a_model_that_turns_along_with_the_hand_is_held_and_without_the_controller_it_is_not) {
+// The controller stabilizes a model that turns along the rotation of the hand.
+TEST(Passivity, ControllerHoldsActiveTorque) {
   for (const bool control : {false, true}) {
     VirtualArm arm;
     arm.angular_coulomb = 0;
-    VirtualDevice device(arm, light_hand([](double) { return HandTarget{}; }));
+    VirtualDevice device(arm, light_grip([](double) { return HandTarget{}; }));
     (void)device.open();
-    device.place({.position = {}, .axes = rotation({0, 0.02, 0})});
+    device.set_motion({.position = {}, .axes = rotation({0, 0.02, 0})});
     Safety safety = make_safety(device.spec(), {.torque = 0.4, .ramp = 1e-3, .passivity_control = control});
     SafeOutput output;
-    Asked asked;
+    SafetyInput input;
     double widest = 0;
     while (device.time() < 3) {
-      device.exchange(output.value(), asked.hand);
-      asked.wanted.torque = asked.hand.angular_velocity * 8e-3;  // hand and arm damp 5.5e-3
-      output = make_safe(safety, asked, kTick);
+      device.exchange(output.value(), input.hand);
+      input.wanted.torque = input.hand.angular_velocity * 8e-3;  // hand and arm dissipate 5.5e-3
+      output = make_safe(safety, input, kTick);
       if (device.time() > 2.5) widest = std::max(widest, norm(rotation_vector(device.pose().axes)));
     }
     EXPECT_EQ(widest < 0.03, control) << widest;
   }
 }
 
-TEST(passivity, a_stiff_spring_that_answers_late_is_held_and_without_the_controller_it_is_not) {
-  std::array<double, 8> heard{};
+// The controller at least halves the oscillation of a stiff spring with delay.
+TEST(Passivity, ControllerHoldsDelayedSpring) {
+  std::array<double, 8> history{};
   int tick = 0;
   const auto late = [&](const DeviceInput& hand) {
-    heard[std::size_t(tick % 8)] = hand.pose.position.z;
-    return Vec3d{0, 0, -1500 * heard[std::size_t(++tick % 8)]};  // seven ticks late
+    history[std::size_t(tick % 8)] = hand.pose.position.z;
+    return Vec3d{0, 0, -1500 * history[std::size_t(++tick % 8)]};  // delayed by seven ticks
   };
-  const double free = swing(late, false);
-  heard = {}, tick = 0;
-  const double held = swing(late, true);
+  const double free = amplitude(late, false);
+  history = {}, tick = 0;
+  const double held = amplitude(late, true);
   EXPECT_GT(free, 0.004);
   EXPECT_LT(held, 0.5 * free);
 }
 
-TEST(passivity, damping_stays_within_what_device_and_period_bear) {
+// Device and tick period limit the damping to m/(2T).
+TEST(Passivity, DampingLimitOfDeviceAndPeriod) {
   DeviceSpec spec{.damping = 30, .mass = 0.2};
   EXPECT_EQ(largest_damping(spec, 1e-3), 30);
   EXPECT_EQ(largest_damping(spec, 1e-2), 10);  // m / 2T

@@ -1,4 +1,4 @@
-// A device that stays where a test puts it, of any pacing.
+// A device at a position that a test sets, with any pacing.
 #pragma once
 
 #include <atomic>
@@ -9,18 +9,18 @@
 
 namespace turgor::haptics {
 
-/// Stays where it is put, and keeps what it was given.
+/// Stays at its position and stores the forces that it receives.
 struct StillDevice : Device {
-  explicit StillDevice(Pacing how = Pacing::kLoop) : how_(how) {}
+  explicit StillDevice(Pacing pacing = Pacing::kLoop) : pacing_(pacing) {}
   Status open() override { return Done{}; }
   const DeviceSpec& spec() const override { return spec_; }
-  Pacing pacing() const override { return how_; }
+  Pacing pacing() const override { return pacing_; }
   bool exchange(const DeviceOutput& output, DeviceInput& input) noexcept override {
     const double force = norm(output.force);
     largest = std::max(largest.load(), force);
     last = force;
     exchanges++;
-    if (how_ == Pacing::kDevice) std::this_thread::sleep_for(std::chrono::microseconds(period_us));
+    if (pacing_ == Pacing::kDevice) std::this_thread::sleep_for(std::chrono::microseconds(period_us));
     if (unplugged) return false;
     input = {};
     input.pose.position.z = z;
@@ -57,7 +57,7 @@ struct StillDevice : Device {
 
  private:
   DeviceSpec spec_{.name = "still", .force = 12, .torque = 0.4, .mass = 0.2, .rate = 1000};
-  Pacing how_;
+  Pacing pacing_;
   std::atomic<bool> ticking_ = false;
   std::thread thread_;
 };

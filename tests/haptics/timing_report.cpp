@@ -9,7 +9,8 @@
 
 namespace turgor::haptics {
 
-TEST(timing_report, percentiles_are_those_of_the_sorted_samples_to_half_a_percent) {
+// Percentiles of the histogram match those of the sorted samples to 0.6 percent.
+TEST(TimingReport, PercentilesMatchSortedSamples) {
   LogHistogram histogram;
   std::vector<double> samples;
   unsigned long state = 12345;
@@ -26,15 +27,17 @@ TEST(timing_report, percentiles_are_those_of_the_sorted_samples_to_half_a_percen
   EXPECT_EQ(histogram.count(), 200000u);
 }
 
-TEST(timing_report, times_that_no_bucket_is_for_are_kept_at_the_ends) {
+// Times outside of the range of the histogram are counted in its end buckets.
+TEST(TimingReport, OutOfRangeTimesAreClamped) {
   LogHistogram histogram;
-  EXPECT_EQ(histogram.spread().p99, 0);  // nothing yet
+  EXPECT_EQ(histogram.spread().p99, 0);  // no samples yet
   for (const double seconds : {0.0, 0.0, 1e-12, 1e6}) histogram.add(seconds);
   EXPECT_EQ(histogram.spread().p50, 0);
   EXPECT_EQ(histogram.spread().largest, 1e6);
 }
 
-TEST(timing_report, the_rate_is_ticks_over_the_time_they_took) {
+// The rate is the number of ticks over their total time.
+TEST(TimingReport, RateIsTicksOverTime) {
   TimingRecord record;
   for (int i = 0; i < 1000; i++) record.period.add(i % 2 ? 1.5e-3 : 0.5e-3), record.compute.add(1e-5);
   const TimingReport report = timing_report(record);

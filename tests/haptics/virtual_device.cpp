@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kTick = 1e-3;
 
-/// Nothing but a mass.
-VirtualArm bare() {
+/// An arm that is a pure mass.
+VirtualArm bare_arm() {
   VirtualArm arm;
   arm.viscous = arm.angular_viscous = arm.coulomb = arm.angular_coulomb = arm.encoder = arm.angular_encoder =
       0;
@@ -27,8 +27,9 @@ DeviceInput run(VirtualDevice& device, int ticks, const DeviceOutput& output = {
   return input;
 }
 
-TEST(virtual_device, a_force_that_is_held_moves_a_mass_by_half_a_t_squared) {
-  VirtualArm arm = bare();
+// A constant force moves a mass by a t²/2.
+TEST(VirtualDevice, ConstantForceAcceleratesMass) {
+  VirtualArm arm = bare_arm();
   arm.mass = 0.2;
   VirtualDevice device(arm);
   ASSERT_TRUE(device.open());
@@ -38,29 +39,31 @@ TEST(virtual_device, a_force_that_is_held_moves_a_mass_by_half_a_t_squared) {
   EXPECT_NEAR(input.velocity.z, 0.02 / 0.2 * 0.1, 1e-12);
 }
 
-TEST(virtual_device, an_arm_that_nobody_holds_neither_gains_nor_loses_energy_without_friction) {
-  VirtualDevice device(bare());
+// A free arm without friction conserves its kinetic energy.
+TEST(VirtualDevice, FreeArmConservesEnergy) {
+  VirtualDevice device(bare_arm());
   ASSERT_TRUE(device.open());
-  device.place({}, {0.01, 0.005, 0}, {0, 0.02, 0.01});
+  device.set_motion({}, {0.01, 0.005, 0}, {0, 0.02, 0.01});
   const double before = device.kinetic_energy();
   run(device, 3000);
   EXPECT_NEAR(device.kinetic_energy(), before, 1e-12 * before);
 }
 
-TEST(virtual_device, viscous_friction_slows_it_exponentially_and_dry_friction_stops_it_in_time) {
-  VirtualArm arm = bare();
+// Viscous friction slows the arm exponentially; dry friction stops it in finite time.
+TEST(VirtualDevice, FrictionDecaysAndStops) {
+  VirtualArm arm = bare_arm();
   arm.viscous = 0.6;
   VirtualDevice viscous(arm);
   ASSERT_TRUE(viscous.open());
-  viscous.place({}, {0.1, 0, 0});
+  viscous.set_motion({}, {0.1, 0, 0});
   run(viscous, 200);
   EXPECT_NEAR(viscous.velocity().x, 0.1 * std::exp(-0.6 * 0.2 / arm.mass), 1e-12);
 
-  arm = bare();
+  arm = bare_arm();
   arm.coulomb = 0.05;
   VirtualDevice dry(arm);
   ASSERT_TRUE(dry.open());
-  dry.place({}, {0.06, -0.08, 0});  // 0.1 m/s, stops after v m/f = 0.3 s and v² m/2f = 15 mm
+  dry.set_motion({}, {0.06, -0.08, 0});  // 0.1 m/s, stops after v m/f = 0.3 s and v² m/2f = 15 mm
   run(dry, 299);
   EXPECT_GT(norm(dry.velocity()), 0);
   run(dry, 2);
@@ -72,12 +75,13 @@ TEST(virtual_device, viscous_friction_slows_it_exponentially_and_dry_friction_st
   EXPECT_GT(dry.velocity().x, 0.01);
 }
 
-TEST(virtual_device, a_hand_swings_about_its_target_as_a_damped_oscillator_does) {
+// A hand oscillates about its target like a damped oscillator.
+TEST(VirtualDevice, HandIsDampedOscillator) {
   VirtualHand hand{.mass = 0.1, .damping = 0.4, .stiffness = 300};
-  VirtualArm arm = bare();
+  VirtualArm arm = bare_arm();
   VirtualDevice device(arm, hand);
   ASSERT_TRUE(device.open());
-  device.place({.position = {0.01, 0, 0}, .axes = {}});
+  device.set_motion({.position = {0.01, 0, 0}, .axes = {}});
   const double m = arm.mass + hand.mass, decay = hand.damping / (2 * m);
   const double omega = std::sqrt(hand.stiffness / m - decay * decay);
   for (int i = 1; i <= 1000; i++) {
@@ -89,26 +93,28 @@ TEST(virtual_device, a_hand_swings_about_its_target_as_a_damped_oscillator_does)
   }
 }
 
-TEST(virtual_device, a_hand_that_turns_swings_alike) {
+// The rotation of a hand oscillates about its target.
+TEST(VirtualDevice, RotatingHandIsOscillator) {
   VirtualHand hand{.inertia = 1e-4, .angular_stiffness = 0.5};
-  VirtualArm arm = bare();
+  VirtualArm arm = bare_arm();
   VirtualDevice device(arm, hand);
   ASSERT_TRUE(device.open());
   const Vec3d axis{0.6, 0, 0.8};
-  device.place({.position = {}, .axes = rotation(axis * 0.3)});
+  device.set_motion({.position = {}, .axes = rotation(axis * 0.3)});
   run(device, 500);
   const double angle = 0.3 * std::cos(std::sqrt(0.5 / 3e-4) * 0.5);
   EXPECT_LT(norm(rotation_vector(device.pose().axes) - axis * angle), 1e-9);
 }
 
-TEST(virtual_device, a_hand_follows_its_target) {
+// A hand follows a moving target with position, rotation, grip and buttons.
+TEST(VirtualDevice, HandFollowsTarget) {
   const auto circle = [](double t) {
     return HandTarget{.pose = {.position = {0.02 * std::sin(t), 0.02 * (1 - std::cos(t)), 0},
                                .axes = rotation({0, 0, 0.3 * t})},
                       .grip = 0.5,
                       .buttons = t > 1 ? 1u : 0u};
   };
-  VirtualDevice device({}, light_hand(circle));
+  VirtualDevice device({}, light_grip(circle));
   ASSERT_TRUE(device.open());
   const DeviceInput input = run(device, 2000);
   EXPECT_LT(norm(input.pose.position - circle(2).pose.position), 1e-3);
@@ -117,7 +123,8 @@ TEST(virtual_device, a_hand_follows_its_target) {
   EXPECT_EQ(input.buttons, 1u);
 }
 
-TEST(virtual_device, a_path_goes_straight_from_sample_to_sample_and_stays_at_its_ends) {
+// A path is linear between its samples and constant beyond its ends.
+TEST(VirtualDevice, PathInterpolatesLinearly) {
   const auto path =
       path_through({{1, {.pose = {.position = {0.01, 0, 0}, .axes = {}}, .buttons = 1}},
                     {3, {.pose = {.position = {0.03, 0.04, 0}, .axes = rotation({0, 0.4, 0})}, .grip = 1}}});
@@ -131,13 +138,14 @@ TEST(virtual_device, a_path_goes_straight_from_sample_to_sample_and_stays_at_its
   EXPECT_EQ(path(3).buttons, 0u);
 }
 
-TEST(virtual_device, its_encoder_rounds_to_steps_and_velocity_is_their_difference) {
-  VirtualArm arm = bare();
+// The encoder rounds the position to steps; the velocity is their finite difference.
+TEST(VirtualDevice, EncoderQuantizesPosition) {
+  VirtualArm arm = bare_arm();
   arm.encoder = 1e-4;
   arm.velocity_window = 10;
   VirtualDevice device(arm);
   ASSERT_TRUE(device.open());
-  device.place({}, {0.0123, 0, 0});
+  device.set_motion({}, {0.0123, 0, 0});
   for (int i = 0; i < 50; i++) {
     const double steps = run(device, 1).pose.position.x / arm.encoder;
     ASSERT_NEAR(steps, std::round(steps), 1e-9);
@@ -146,9 +154,10 @@ TEST(virtual_device, its_encoder_rounds_to_steps_and_velocity_is_their_differenc
   EXPECT_NEAR(run(device, 1).velocity.x, 0.0123, arm.encoder / (10 * kTick));
 }
 
-TEST(virtual_device, a_force_acts_so_many_ticks_late_as_it_says) {
+// A force acts after exactly the given number of ticks.
+TEST(VirtualDevice, DelayIsExact) {
   for (const int delay : {0, 1, 5}) {
-    VirtualArm arm = bare();
+    VirtualArm arm = bare_arm();
     arm.delay = delay;
     VirtualDevice device(arm);
     ASSERT_TRUE(device.open());
@@ -159,8 +168,9 @@ TEST(virtual_device, a_force_acts_so_many_ticks_late_as_it_says) {
   }
 }
 
-TEST(virtual_device, forces_beyond_its_limit_and_ways_beyond_its_workspace_end_there) {
-  VirtualArm arm = bare();
+// Force and position are limited to the range of the device.
+TEST(VirtualDevice, ForceAndWorkspaceAreLimited) {
+  VirtualArm arm = bare_arm();
   arm.force = 2;
   VirtualDevice device(arm);
   ASSERT_TRUE(device.open());
@@ -171,25 +181,27 @@ TEST(virtual_device, forces_beyond_its_limit_and_ways_beyond_its_workspace_end_t
   EXPECT_EQ(device.velocity().x, 0);
 }
 
-TEST(virtual_device, on_the_machines_clock_as_much_time_passes_as_passes) {
-  VirtualDevice device(bare(), {}, VirtualTime::kClock);
+// With the clock of the machine the device time follows real time.
+TEST(VirtualDevice, ClockFollowsRealTime) {
+  VirtualDevice device(bare_arm(), {}, VirtualTime::kClock);
   const double before_open = steady_seconds();
   ASSERT_TRUE(device.open());
   const double after_open = steady_seconds();
   DeviceInput input;
-  double asked = 0;
-  while (asked < after_open + 0.02) {
-    asked = steady_seconds();
+  double last_exchange = 0;
+  while (last_exchange < after_open + 0.02) {
+    last_exchange = steady_seconds();
     device.exchange({}, input);
   }
   constexpr double kStep = 0.2e-3;
-  EXPECT_GE(device.time(), asked - after_open - kStep);
+  EXPECT_GE(device.time(), last_exchange - after_open - kStep);
   EXPECT_LE(device.time(), steady_seconds() - before_open);
   EXPECT_LE(std::abs(input.time - before_open - device.time()), after_open - before_open + kStep);
 }
 
-TEST(virtual_device, what_is_closed_does_not_answer) {
-  VirtualDevice device(bare());
+// A closed device fails every exchange.
+TEST(VirtualDevice, ClosedDeviceFailsExchange) {
+  VirtualDevice device(bare_arm());
   DeviceInput input;
   EXPECT_FALSE(device.exchange({}, input));
   ASSERT_TRUE(device.open());

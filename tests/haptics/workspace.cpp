@@ -7,25 +7,28 @@
 namespace turgor::haptics {
 namespace {
 
-/// Turned about z by a quarter, twice as large, somewhere else.
+/// Rotated about z by a quarter turn, scaled by two, with another origin.
 Workspace turned() { return {.origin = {1, 2, 3}, .axes = {{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}, .scale = 2}; }
 
-TEST(workspace, a_hand_to_the_right_moves_the_tool_along_its_right_in_the_world) {
+// The workspace rotates and scales the motion of the hand.
+TEST(Workspace, HandMotionIsRotatedAndScaled) {
   const contact::Pose tool = to_world(turned(), {.position = {0.01, 0, 0}, .axes = {}});
   EXPECT_LT(norm(tool.position - Vec3d{1, 2.02, 3}), 1e-12);
   EXPECT_EQ(tool.axes.column[0], (Vec3d{0, 1, 0}));
 }
 
-TEST(workspace, newtons_are_felt_one_to_one_in_the_direction_they_have) {
+// Forces are rotated to the device and scaled by the force scale only.
+TEST(Workspace, ForceIsRotatedNotScaled) {
   const DeviceOutput haptic = to_device(turned(), {.force = {0, 3, 0}, .torque = {0.1, 0, 0}});
-  EXPECT_LT(norm(haptic.force - Vec3d{3, 0, 0}), 1e-12);  // against its right
+  EXPECT_LT(norm(haptic.force - Vec3d{3, 0, 0}), 1e-12);  // Force along the device's x axis.
   EXPECT_LT(norm(haptic.torque - Vec3d{0, -0.1, 0}), 1e-12);
   Workspace weak = turned();
   weak.force_scale = 0.5;
   EXPECT_LT(norm(to_device(weak, {.force = {0, 3, 0}}).force - Vec3d{1.5, 0, 0}), 1e-12);
 }
 
-TEST(workspace, while_the_clutch_is_pressed_the_tool_stays_and_goes_on_from_there) {
+// The pressed clutch holds the tool; after release it continues from its position.
+TEST(Workspace, ClutchHoldsTool) {
   const Workspace workspace = turned();
   const Buttons buttons;
   Clutch clutch;

@@ -16,7 +16,7 @@ WallTrial trial(double stiffness, double damping = 0, bool controller = false) {
   return t;
 }
 
-/// Between stable and not, by halving [N/m].
+/// Largest stable stiffness, found by bisection on a logarithmic scale [N/m].
 double stiffest(WallTrial t) {
   double stable = 10, not_stable = 1e6;
   while (not_stable > 1.02 * stable) {
@@ -26,7 +26,7 @@ double stiffest(WallTrial t) {
   return stable;
 }
 
-/// An arm without dry friction and encoder, so that the theory is that of a linear system.
+/// An arm without dry friction and encoder, so that linear theory applies.
 WallTrial linear(double frame_rate) {
   WallTrial t = trial(0);
   t.arm.coulomb = t.arm.encoder = 0;
@@ -40,14 +40,16 @@ WallTrial linear(double frame_rate) {
   return t;
 }
 
-TEST(z_width, a_wall_below_colgates_bound_is_stable_and_one_far_above_is_not) {
+// A wall below Colgate's bound is stable, and one far above it is not.
+TEST(ZWidth, ColgateBoundSeparatesStability) {
   const WallTrial t = trial(0);
   const double bound = colgate_stiffness(t.arm.viscous, 0, 1 / t.arm.rate);
   EXPECT_TRUE(press_wall(trial(0.9 * bound)).stable);
   EXPECT_FALSE(press_wall(trial(40 * bound)).stable);
 }
 
-TEST(z_width, walls_rest_up_to_what_theory_says_at_every_rate_damping_and_delay) {
+// The largest stable stiffness matches theory for several rates, dampings and delays.
+TEST(ZWidth, StableStiffnessMatchesTheory) {
   struct Case {
     double rate, damping;
     int delay;
@@ -66,7 +68,8 @@ TEST(z_width, walls_rest_up_to_what_theory_says_at_every_rate_damping_and_delay)
   }
 }
 
-TEST(z_width, the_controller_holds_walls_that_shake_without_it) {
+// The controller at least halves the oscillation of unstable walls.
+TEST(ZWidth, ControllerHalvesOscillation) {
   for (const double stiffness : {12000.0, 20000.0}) {
     const WallVerdict without = press_wall(trial(stiffness)), with = press_wall(trial(stiffness, 0, true));
     std::printf("%5.0f N/m: %.1f mm/s without, %.1f mm/s with\n", stiffness, 1e3 * without.speed,
@@ -76,7 +79,8 @@ TEST(z_width, the_controller_holds_walls_that_shake_without_it) {
   }
 }
 
-TEST(z_width, a_force_held_for_a_frame_shakes_where_the_contact_of_the_last_frame_does_not) {
+// A force held for a frame is unstable where a local contact model is stable.
+TEST(ZWidth, LocalContactBeatsHeldForce) {
   WallTrial t = trial(800);
   t.frame_rate = 30;
   t.answer = WallAnswer::kHeld;
@@ -85,13 +89,15 @@ TEST(z_width, a_force_held_for_a_frame_shakes_where_the_contact_of_the_last_fram
   EXPECT_TRUE(press_wall(t).stable);
 }
 
-TEST(z_width, a_trial_gives_the_same_bits_twice) {
+// Two equal trials give the same result.
+TEST(ZWidth, TrialIsDeterministic) {
   const WallVerdict a = press_wall(trial(9000, 5)), b = press_wall(trial(9000, 5));
   EXPECT_EQ(a.late, b.late);
   EXPECT_EQ(a.lowest_energy, b.lowest_energy);
 }
 
-TEST(z_width, bounds_are_those_of_the_papers) {
+// The stability bounds match the values of the papers.
+TEST(ZWidth, BoundsMatchPapers) {
   EXPECT_DOUBLE_EQ(colgate_stiffness(0.5, 0, 1e-3), 1000);  // Colgate: K = 1000 N/m, T = 1 ms needs b > 0.5
   EXPECT_DOUBLE_EQ(colgate_stiffness(1, -0.25, 1e-3), 1500);
   EXPECT_DOUBLE_EQ(resting_stiffness(1, 2, 1e-3, 1e-3), 2000);

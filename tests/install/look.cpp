@@ -1,4 +1,4 @@
-// The whole library links: reading says what is wrong with a path.
+// The whole library links: reading a wrong path returns an error message.
 #include <cstdio>
 
 #include <turgor/io/ct.hpp>

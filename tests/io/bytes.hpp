@@ -1,4 +1,4 @@
-// Binary files for tests, number by number, in either order of bytes.
+// Builder for binary files in tests, in either byte order.
 #pragma once
 
 #include <bit>

@@ -21,7 +21,7 @@ using test::write;
 
 const Exec kExec(2);
 
-/// Axes turned about all three directions.
+/// Axes rotated about all three directions.
 Mat3d oblique_axes() {
   const Vec3d i = normalized(Vec3d{0.9, 0.3, -0.1}), k = normalized(cross(i, Vec3d{0.1, 0.95, 0.2}));
   return {{i, cross(k, i), k}};
@@ -50,7 +50,8 @@ double largest_shift(const Grid& a, const Grid& b) {
 class EveryFormat : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Ct, EveryFormat, ::testing::Values("a.nii", "a.nii.gz", "a.nrrd", "a.mha"));
 
-TEST_P(EveryFormat, GivesBackAnObliqueAnisotropicCt) {
+// A CT with oblique axes and anisotropic spacing is read back with its grid and samples.
+TEST_P(EveryFormat, ObliqueCtRoundTrips) {
   const std::filesystem::path folder = fresh_folder();
   const CtVolume ct = make_ct();
   const Status written = write_ct(folder / GetParam(), ct);
@@ -63,7 +64,8 @@ TEST_P(EveryFormat, GivesBackAnObliqueAnisotropicCt) {
   EXPECT_EQ(read->ct.samples, ct.samples);
 }
 
-TEST_P(EveryFormat, GivesBackLabels) {
+// Labels are read back exactly.
+TEST_P(EveryFormat, LabelsRoundTrip) {
   const std::filesystem::path folder = fresh_folder();
   LabelVolume labels{make_ct().grid, {}};
   for (std::size_t n = 0; n < sample_count(labels.grid); n++)
@@ -74,7 +76,8 @@ TEST_P(EveryFormat, GivesBackLabels) {
   EXPECT_EQ(read->labels.samples, labels.samples);
 }
 
-TEST_P(EveryFormat, GivesBackDisplacementsInMillimeters) {
+// Displacement fields are written in millimeters and read back in millimeters.
+TEST_P(EveryFormat, DisplacementsAreStoredInMillimeters) {
   const std::filesystem::path folder = fresh_folder();
   VectorVolume field{make_ct().grid, {}};
   for (std::size_t n = 0; n < sample_count(field.grid); n++)
@@ -89,7 +92,8 @@ TEST_P(EveryFormat, GivesBackDisplacementsInMillimeters) {
     EXPECT_LT(norm(read->samples[n] - field.samples[n] * 1000.0f), 1e-4f) << n;
 }
 
-TEST_P(EveryFormat, RefusesAFileCutShort) {
+// A truncated file is rejected and named.
+TEST_P(EveryFormat, RejectsTruncatedFile) {
   const std::filesystem::path folder = fresh_folder();
   ASSERT_TRUE(write_ct(folder / GetParam(), make_ct()));
   const std::string whole = bytes_of(folder / GetParam());
@@ -100,22 +104,25 @@ TEST_P(EveryFormat, RefusesAFileCutShort) {
   }
 }
 
-TEST_P(EveryFormat, LeavesNothingBehindWhenTheFolderIsMissing) {
+// Writing into a missing folder fails, and the error names the folder.
+TEST_P(EveryFormat, RejectsMissingFolder) {
   const std::filesystem::path folder = fresh_folder();
   EXPECT_REFUSED(write_ct(folder / "nowhere" / GetParam(), make_ct()), "nowhere", "does not exist");
 }
 
-TEST_P(EveryFormat, RefusesVectorsAndFractionsWhereTheyMeanNothing) {
+// A CT of vectors, labels with fractions, and vectors of one component are rejected.
+TEST_P(EveryFormat, RejectsWrongSampleKind) {
   const std::filesystem::path folder = fresh_folder();
   const Grid grid = make_ct().grid;
   ASSERT_TRUE(write_displacement(folder / GetParam(), {grid, std::vector<Vec3>(sample_count(grid))}));
   EXPECT_REFUSED(read_ct(kExec, folder / GetParam()), "3 components", "expected 1");
   ASSERT_TRUE(write_scalars(folder / GetParam(), {grid, std::vector<float>(sample_count(grid), 1.5f)}));
-  EXPECT_REFUSED(read_labels(folder / GetParam()), "1.5", "whole numbers");
+  EXPECT_REFUSED(read_labels(folder / GetParam()), "1.5", "integers");
   EXPECT_REFUSED(read_vectors(folder / GetParam()), "1 components", "expected 3");
 }
 
-TEST(Ct, LeftHandedAxesBecomeRightHandedInTheSamePlace) {
+// Left-handed axes become right-handed, and every sample keeps its position.
+TEST(Ct, LeftHandedAxesBecomeRightHanded) {
   const std::filesystem::path folder = fresh_folder();
   CtVolume ct = make_ct();
   ct.grid.axes.column[0] = -ct.grid.axes.column[0];
@@ -139,7 +146,8 @@ std::string segmentation(const std::string& keys, const char* sizes = "2 2 2", c
          "\nencoding: raw\nspace origin: (0,0,0)\n" + keys + "\n" + samples;
 }
 
-TEST(Ct, LabelsOfASegmentationHaveTheNamesThatItsFileSays) {
+// Labels of a segmentation have the names that its file states.
+TEST(Ct, SegmentNamesComeFromFile) {
   const fs::path file = fresh_folder() / "s.seg.nrrd";
   write(file, segmentation("Segment0_ID:=Segment_1\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
                            "Segment0_Name:=liver\nSegment1_LabelValue:=7\nSegment1_Name:=my tumour\n"));
@@ -150,7 +158,8 @@ TEST(Ct, LabelsOfASegmentationHaveTheNamesThatItsFileSays) {
   EXPECT_EQ(read_label_names(file), read->names);
 }
 
-TEST(Ct, LabelsWithoutNamesHaveThoseOfTheUsualTool) {
+// Labels without names get the names of the most common segmentation tool.
+TEST(Ct, UnnamedLabelsGetDefaultNames) {
   const fs::path file = fresh_folder() / "s.nrrd";
   write(file, segmentation(""));
   const auto read = read_labels(file);
@@ -160,7 +169,8 @@ TEST(Ct, LabelsWithoutNamesHaveThoseOfTheUsualTool) {
   EXPECT_TRUE(read_label_names(file).empty());
 }
 
-TEST(Ct, SegmentsInSeveralLayersAreRefused) {
+// A segmentation in several layers is rejected.
+TEST(Ct, RejectsLayeredSegments) {
   const fs::path file = fresh_folder() / "s.seg.nrrd";
   write(file,
         segmentation("Segment0_Name:=liver\nSegment0_Layer:=0\nSegment1_Name:=tumour\nSegment1_Layer:=1\n",
@@ -168,7 +178,8 @@ TEST(Ct, SegmentsInSeveralLayersAreRefused) {
   EXPECT_REFUSED(read_labels(file), "s.seg.nrrd", "several layers (2)", "expected one layer");
 }
 
-TEST(Ct, LabelsOfAnotherGridAreRefusedAndTheDifferenceIsNamed) {
+// Labels on another grid are rejected, and the error states the difference.
+TEST(Ct, RejectsLabelsOfOtherGrid) {
   const fs::path file = fresh_folder() / "s.nii";
   LabelVolume labels{make_ct().grid, std::vector<std::uint16_t>(sample_count(make_ct().grid), 1)};
   ASSERT_TRUE(write_labels(file, labels));
@@ -178,7 +189,8 @@ TEST(Ct, LabelsOfAnotherGridAreRefusedAndTheDifferenceIsNamed) {
   EXPECT_REFUSED(read_labels_of(file, other), "s.nii", "origin", "expected a segmentation of this CT");
 }
 
-TEST(Ct, WhatIsNoFileIsRefusedAndNotWaitedFor) {
+// Pipes, devices and broken links are rejected, and no reader blocks on them.
+TEST(Ct, RejectsPipesAndDevicesWithoutBlocking) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(mkfifo((folder / "pipe.nii").c_str(), 0600), 0);
   EXPECT_REFUSED(read_ct(kExec, folder / "pipe.nii"), "is a pipe; expected a file");
@@ -198,7 +210,8 @@ TEST(Ct, WhatIsNoFileIsRefusedAndNotWaitedFor) {
   EXPECT_REFUSED(read_ct(kExec, folder / "link.nii"), "a link to a file that does not exist");
 }
 
-TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
+// A bad field in the header of an NRRD file or MetaImage is rejected and named.
+TEST(Ct, BadHeaderFieldIsNamed) {
   const std::filesystem::path folder = fresh_folder();
   const std::string nrrd =
       "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n";
@@ -237,7 +250,8 @@ TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
           "BinaryData = True\nCompressedData = True\nCompressedDataSize = 99999999999", "CompressedDataSize");
 }
 
-TEST(Ct, AMissingFileIsAnsweredWithTheNearestNames) {
+// The error for a missing file suggests files with similar names.
+TEST(Ct, MissingFileSuggestsSimilarNames) {
   const std::filesystem::path folder = fresh_folder();
   write(folder / "patient.nii.gz", "x");
   EXPECT_REFUSED(read_ct(kExec, folder / "patent.nii.gz"), "does not exist", "did you mean patient.nii.gz");
@@ -247,7 +261,8 @@ TEST(Ct, AMissingFileIsAnsweredWithTheNearestNames) {
   EXPECT_REFUSED(write_ct(folder / "a.stl", make_ct()), ".nii.gz", ".nrrd");
 }
 
-TEST(Ct, AFileIsReplacedAsAWhole) {
+// Writing replaces an older file as a whole and leaves no temporary file.
+TEST(Ct, WriteReplacesFileAtomically) {
   const std::filesystem::path folder = fresh_folder();
   write(folder / "a.nrrd", "an older file");
   ASSERT_TRUE(write_ct(folder / "a.nrrd", make_ct()));

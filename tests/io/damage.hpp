@@ -1,4 +1,4 @@
-// Good files made wrong, for tests of readers.
+// Corruption of valid files, for tests of readers.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace turgor::test {
 
-/// One replacement in a good file, and what the error says.
+/// One replacement in a valid file, and the expected error message.
 struct Damage {
   std::string text, from, to, message;
 };

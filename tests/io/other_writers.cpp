@@ -1,4 +1,4 @@
-// Files that others wrote: NIfTI-2 by nibabel, enhanced images and segmentations by highdicom.
+// Files of other writers: NIfTI-2 by nibabel, enhanced images and segmentations by highdicom.
 #include <gdcmReader.h>
 #include <gdcmSequenceOfFragments.h>
 #include <gdcmWriter.h>
@@ -12,9 +12,10 @@ namespace fs = std::filesystem;
 
 const fs::path kCorpus = fs::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "ct";
 const Vec3d kRow{std::cos(M_PI / 9), std::sin(M_PI / 9), 0},
-    kColumn{-kRow.y, kRow.x, 0};  // turned by 20 degrees
+    kColumn{-kRow.y, kRow.x, 0};  // rotated by 20 degrees
 
-TEST(OtherWriters, ANifti2FileIsReadInBothByteOrdersByItsSformOrItsQform) {
+// NIfTI-2 files are read in both byte orders, with grids from sform or qform.
+TEST(OtherWriters, ReadsNifti2InBothByteOrders) {
   for (const char* name : {"nifti2.nii", "nifti2-big.nii.gz"}) {
     const Result<CtFile> read = read_ct(Exec(2), kCorpus / name);
     ASSERT_TRUE(read) << read.error().message;
@@ -31,7 +32,8 @@ TEST(OtherWriters, ANifti2FileIsReadInBothByteOrdersByItsSformOrItsQform) {
   }
 }
 
-TEST(OtherWriters, ANifti2HeaderThatIsCutShortOrPromisesTooMuchIsRefused) {
+// A NIfTI-2 header that is truncated or states a huge size is rejected.
+TEST(OtherWriters, RejectsBadNifti2Header) {
   const fs::path folder = test::fresh_folder();
   const std::string whole = test::bytes_of(kCorpus / "nifti2.nii");
   for (const std::size_t kept : {std::size_t{400}, std::size_t{543}, whole.size() - 1}) {
@@ -45,7 +47,7 @@ TEST(OtherWriters, ANifti2HeaderThatIsCutShortOrPromisesTooMuchIsRefused) {
   EXPECT_REFUSED(read_ct(Exec(2), folder / "a.nii"), "a.nii", "expected 1 to 65535 each");
 }
 
-/// The grid of the slices that highdicom was given.
+/// Grid of the slices that were written with highdicom.
 Grid highdicom_grid() {
   return {.size = {8, 6, 4},
           .spacing = {0.7e-3, 0.9e-3, 2.5e-3},
@@ -53,7 +55,8 @@ Grid highdicom_grid() {
           .axes = {{kRow, kColumn, Vec3d{0, 0, 1}}}};
 }
 
-TEST(OtherWriters, AnEnhancedImageIsReadPlainAndCompressed) {
+// Enhanced DICOM images of highdicom are read, plain and compressed.
+TEST(OtherWriters, ReadsEnhancedImage) {
   for (const bool compressed : {false, true}) {
     const fs::path folder = test::fresh_folder();
     fs::copy(kCorpus / (compressed ? "enhanced-j2k.dcm" : "enhanced.dcm"), folder / "a.dcm");
@@ -70,7 +73,8 @@ TEST(OtherWriters, AnEnhancedImageIsReadPlainAndCompressed) {
   }
 }
 
-TEST(OtherWriters, ADicomSegmentationLiesOnItsCtWithItsNames) {
+// A DICOM segmentation is read onto the grid of its CT with the names of its segments.
+TEST(OtherWriters, ReadsDicomSegmentation) {
   const Result<LabelFile> read = read_labels_of(kCorpus / "segmentation.dcm", highdicom_grid());
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->names, (LabelNames{{1, "liver"}, {2, "left kidney"}}));
@@ -84,10 +88,10 @@ TEST(OtherWriters, ADicomSegmentationLiesOnItsCtWithItsNames) {
       }
 }
 
-/// A frame as runs of literal bytes. [PS3.5, annex G]
+/// A frame encoded as runs of literal bytes [PS3.5, annex G].
 std::string run_lengths(std::string_view samples) {
   std::string code(64, '\0');
-  code[0] = 1, code[4] = 64;  // one segment, behind this header
+  code[0] = 1, code[4] = 64;  // one segment after this header
   for (std::size_t at = 0; at < samples.size(); at += 100) {
     const std::string_view run = samples.substr(at, 100);
     code += char(run.size() - 1);
@@ -96,7 +100,8 @@ std::string run_lengths(std::string_view samples) {
   return code.size() % 2 ? code + '\0' : code;
 }
 
-/// Written again with fractions instead of bits: just a half where there was one, just less elsewhere.
+/// Rewrites the segmentation with fractions instead of bits: just above one half for ones, just below for
+/// zeros.
 void write_fractions(const fs::path& file, bool compressed, int most) {
   gdcm::Reader reader;
   reader.SetFileName((kCorpus / "segmentation.dcm").c_str());
@@ -141,7 +146,8 @@ void write_fractions(const fs::path& file, bool compressed, int most) {
   ASSERT_TRUE(writer.Write());
 }
 
-TEST(OtherWriters, FractionsOfASegmentationAreLabelsFromAHalfOnPlainAndCompressed) {
+// Fractions of at least one half become labels, in plain and compressed segmentations.
+TEST(OtherWriters, ThresholdsFractionalSegmentation) {
   const fs::path file = test::fresh_folder() / "a.dcm";
   const LabelVolume bits = read_labels(kCorpus / "segmentation.dcm").value().labels;
   for (const bool compressed : {false, true})
@@ -154,7 +160,8 @@ TEST(OtherWriters, FractionsOfASegmentationAreLabelsFromAHalfOnPlainAndCompresse
     }
 }
 
-TEST(OtherWriters, ADamagedSegmentationOfFractionsEndsInASentence) {
+// A truncated fractional segmentation gives an error message.
+TEST(OtherWriters, RejectsTruncatedFractions) {
   const fs::path file = test::fresh_folder() / "a.dcm";
   for (const bool compressed : {false, true}) {
     write_fractions(file, compressed, 255);
@@ -166,7 +173,8 @@ TEST(OtherWriters, ADamagedSegmentationOfFractionsEndsInASentence) {
   }
 }
 
-TEST(OtherWriters, ADeflatedSegmentationIsReadAndOneCutShortIsNamed) {
+// A deflated segmentation is read; a truncated one is rejected and named.
+TEST(OtherWriters, ReadsDeflatedSegmentation) {
   const fs::path file = test::fresh_folder() / "a.dcm";
   gdcm::Reader reader;
   reader.SetFileName((kCorpus / "segmentation.dcm").c_str());
@@ -184,19 +192,21 @@ TEST(OtherWriters, ADeflatedSegmentationIsReadAndOneCutShortIsNamed) {
   EXPECT_REFUSED(read_labels(file), "a.dcm");
 }
 
-TEST(OtherWriters, ADicomSegmentationOfAnotherGridOrWithOverlapsIsRefused) {
+// A DICOM segmentation on another grid, or with overlapping segments, is rejected.
+TEST(OtherWriters, RejectsOverlapsAndOtherGrids) {
   Grid shifted = highdicom_grid();
   shifted.origin.x += 0.3e-3;
-  EXPECT_REFUSED(read_labels_of(kCorpus / "segmentation.dcm", shifted), "its grid is not the CT's");
+  EXPECT_REFUSED(read_labels_of(kCorpus / "segmentation.dcm", shifted), "its grid differs from the CT's");
   Grid smaller = highdicom_grid();
   smaller.size.z = 2;
-  EXPECT_REFUSED(read_labels_of(kCorpus / "segmentation.dcm", smaller), "its grid is not the CT's");
+  EXPECT_REFUSED(read_labels_of(kCorpus / "segmentation.dcm", smaller), "its grid differs from the CT's");
   EXPECT_REFUSED(read_labels(kCorpus / "segmentation-overlap.dcm"),
                  "segments 1 and 2 overlap at sample (3, 2, ");
-  EXPECT_REFUSED(read_labels(kCorpus / "enhanced.dcm"), "no segmentation");
+  EXPECT_REFUSED(read_labels(kCorpus / "enhanced.dcm"), "not a segmentation");
 }
 
-TEST(OtherWriters, ADamagedSegmentationEndsInASentence) {
+// A truncated segmentation is rejected; one with flipped bits does not crash the reader.
+TEST(OtherWriters, DamagedSegmentationIsSafe) {
   const fs::path folder = test::fresh_folder();
   const std::string whole = test::bytes_of(kCorpus / "segmentation.dcm");
   for (std::size_t kept = whole.size() - 2; kept > 300; kept -= std::min<std::size_t>(kept, 37)) {
@@ -207,7 +217,7 @@ TEST(OtherWriters, ADamagedSegmentationEndsInASentence) {
     std::string damaged = whole;
     damaged[at] = char(damaged[at] ^ 0x41);
     test::write(folder / "a.dcm", damaged);
-    (void)read_labels(folder / "a.dcm");  // labels or a sentence
+    (void)read_labels(folder / "a.dcm");  // gives labels or an error
   }
 }
 

@@ -1,4 +1,4 @@
-// What is known about real CTs: sizes and places of organs, whatever the format.
+// Known facts about real CTs: volumes and centroids of organs, in several formats.
 #include <gtest/gtest.h>
 
 #include "turgor/geometry/label_measures.hpp"
@@ -30,7 +30,7 @@ void expect_known(const char* ct_name, const char* labels_name, const std::vecto
   const auto stored = read_labels(kData / labels_name);
   ASSERT_TRUE(stored) << stored.error().message;
   const auto labels = on_grid(stored->labels, ct->ct.grid);
-  ASSERT_TRUE(labels) << "the segmentation lies on the CT";
+  ASSERT_TRUE(labels) << "the segmentation fits the CT";
   const auto measures = measure_labels(*labels, &ct->ct);
   for (const Known& known : table) {
     const auto found =
@@ -48,7 +48,8 @@ void expect_known(const char* ct_name, const char* labels_name, const std::vecto
   }
 }
 
-TEST(RealData, OrgansOfANiftiSlabHaveTheirVolumesAndPlaces) {
+// Organs of a NIfTI slab have the known volumes, centroids and densities.
+TEST(RealData, NiftiSlabOrgansMatch) {
   SKIP_WITHOUT(kData / "abdomen-slab.nii.gz");
   expect_known("abdomen-slab.nii.gz", "abdomen-slab-labels.nii.gz",
                {{5, 38634, 1043.118, {64.35, 185.03, 150.14}, 45.29},
@@ -56,7 +57,8 @@ TEST(RealData, OrgansOfANiftiSlabHaveTheirVolumesAndPlaces) {
                 {2, 3947, 106.569, {}, 0}});
 }
 
-TEST(RealData, OfNoCtThereIsDoubtWhetherItIsOne) {
+// Real CTs are read without notes, so none is suspected of lacking Hounsfield units.
+TEST(RealData, CtsGiveNoNotes) {
   SKIP_WITHOUT(kData / "dicom-abdomen");
   for (const char* name : {"abdomen-slab.nii.gz", "dicom-abdomen", "dicom-jpeg2000", "torso-3mm.nii.gz"}) {
     const auto ct = read_ct(Exec(2), kData / name);
@@ -65,11 +67,12 @@ TEST(RealData, OfNoCtThereIsDoubtWhetherItIsOne) {
   }
 }
 
-TEST(RealData, NoNodeLiesInTheTableAtAnyStep) {
+// No lattice node in the patient table counts as body, at any spacing.
+TEST(RealData, TableHasNoBodyNodes) {
   SKIP_WITHOUT(kData / "dicom-abdomen");
   const auto ct = read_ct(Exec(2), kData / "dicom-abdomen");
   ASSERT_TRUE(ct) << ct.error().message;
-  constexpr double kTable = 0.357;  // where it begins, behind the first row [m]
+  constexpr double kTable = 0.357;  // front of the table, behind the first row [m]
   for (const double step : {3e-3, 4e-3, 6e-3, 8e-3, 10e-3}) {
     lattice::Params params;
     for (int axis = 0; axis < 3; axis++)
@@ -82,17 +85,19 @@ TEST(RealData, NoNodeLiesInTheTableAtAnyStep) {
       const double depth = double(n / std::size_t(size.x) % std::size_t(size.y)) * nodes->grid.spacing.y;
       behind += lattice::is_body(nodes->tissue[n]) && depth > kTable;
     }
-    EXPECT_EQ(behind, 0u) << "of a lattice of " << step * 1e3 << " mm";
+    EXPECT_EQ(behind, 0u) << "of a lattice with spacing " << step * 1e3 << " mm";
   }
 }
 
-TEST(RealData, TheLiverOfAJpeg2000SeriesLiesWhereItsMirroredLabelsSay) {
+// The liver of a JPEG 2000 series, with labels on a mirrored grid, has the known measures.
+TEST(RealData, Jpeg2000LiverMatches) {
   SKIP_WITHOUT(kData / "dicom-jpeg2000");
   expect_known("dicom-jpeg2000", "dicom-jpeg2000-labels.nii.gz",
                {{5, 366708, 699.440, {76.00, 165.93, -784.98}, 89.30}});
 }
 
-TEST(RealData, TheTorsoHasItsRangeOfDensities) {
+// The torso has the known size and range of Hounsfield units.
+TEST(RealData, TorsoHasKnownRange) {
   SKIP_WITHOUT(kData / "torso-3mm.nii.gz");
   const auto ct = read_ct(Exec(2), kData / "torso-3mm.nii.gz");
   ASSERT_TRUE(ct) << ct.error().message;

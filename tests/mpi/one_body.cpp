@@ -1,5 +1,5 @@
-// One body in several processes has, bit for bit, the state of the same body in one process without MPI, and
-// says in one sentence what it cannot do.
+// One body in several MPI processes has, bit for bit, the state of the same body in one process without MPI.
+// Errors are one message for all processes.
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 using test::Ended;
 
-/// A torso of 25 layers of nodes, 12 mm apart: 7 pairs of slabs. With a cut along it, 0.12 m long, through
-/// layers that any two, three or four processes share, and a second one across the first.
+/// A torso of 25 layers of nodes, 12 mm apart: 7 pairs of slabs. One cut of 0.12 m runs along it, through
+/// layers that any two, three or four processes share; a second one crosses the first.
 std::string scene_text(const std::string& body, const std::string& rest = "") {
   return "[world]\nduration = 0.16\nframe_rate = 50\n[body.torso]\nmodel = \"lattice\"\n"
          "ct = { phantom = \"torso\", size = [72, 56, 48], spacing_mm = [6, 6, 6] }\nblock = 2\n"
@@ -50,7 +50,7 @@ struct Alone {
   World world;
   std::uint64_t hash = 0;
 };
-/// In this process.
+/// Runs the scene in this process.
 Alone run_alone(const Folder& folder) {
   const Scene scene = read_scene(folder.path / "scene.toml").value();
   Alone alone{load_world(Exec(2), scene).value(), 0};
@@ -73,7 +73,7 @@ nlohmann::json report_of(const Folder& folder) {
 
 std::string words(Vec3d v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 
-/// Uncompressed: .nii of this library's writer, or .mhd with its samples beside it.
+/// Uncompressed: .nii of this library's writer, or .mhd with its samples in a second file.
 void write_raw(const fs::path& path, const CtVolume& ct) {
   if (path.extension() == ".nii") return (void)write_ct(path, ct).value();
   const Grid& g = ct.grid;
@@ -99,7 +99,7 @@ void expect_the_same(const std::string& scene, std::initializer_list<int> proces
     ASSERT_EQ(ended.code, 0) << ended.printed;
     const nlohmann::json report = report_of(folder);
     EXPECT_EQ(report["state_hash"], hash_text(alone.hash)) << count << " processes";
-    EXPECT_EQ(report["copies"], state.virtual_nodes.size());
+    EXPECT_EQ(report["virtual_nodes"], state.motion.virtual_u.size());
     EXPECT_EQ(report["body_nodes"], alone.world.lattice_bodies[0].model.body_nodes);
     EXPECT_EQ(report["free_nodes"], alone.world.lattice_bodies[0].model.free_nodes);
     EXPECT_EQ(report["processes"].size(), std::size_t(count));
@@ -108,19 +108,19 @@ void expect_the_same(const std::string& scene, std::initializer_list<int> proces
 
 }  // namespace
 
-TEST(OneBody, OfSolidTissueWithCutsAcrossItsBordersHasTheStateOfOneProcess) {
+// Solid tissue with cuts across the slab borders reaches the state of one process.
+TEST(OneBody, SolidTissue_EqualsOneProcess) {
   expect_the_same(scene_text(kSolid, kAlong + kAcross), {1, 2, 3, 4});
 }
 
-TEST(OneBody, OfSpringsWithACutHasTheStateOfOneProcess) {
-  expect_the_same(scene_text(kSprings, kAlong), {2, 3});
-}
+// Springs with a cut reach the state of one process.
+TEST(OneBody, Springs_EqualsOneProcess) { expect_the_same(scene_text(kSprings, kAlong), {2, 3}); }
 
-TEST(OneBody, OfProjectionsWithACutHasTheStateOfOneProcess) {
-  expect_the_same(scene_text(kProjections, kAlong), {4});
-}
+// PBD with a cut reaches the state of one process.
+TEST(OneBody, Pbd_EqualsOneProcess) { expect_the_same(scene_text(kProjections, kAlong), {4}); }
 
-TEST(OneBody, FromFilesIsReadByTheSliceAndHasTheStateOfOneProcess) {
+// A CT in a file is read in slices per process, and the body reaches the state of one process.
+TEST(OneBody, Files_ReadBySlices) {
   PhantomParams phantom{.size = {56, 44, 60}, .spacing = {8e-3, 8e-3, 5e-3}};
   CtVolume ct = make_phantom(Exec(2), phantom);
   ct.grid.axes.column[0] = -ct.grid.axes.column[0];  // left-handed: read mirrored
@@ -134,12 +134,13 @@ TEST(OneBody, FromFilesIsReadByTheSliceAndHasTheStateOfOneProcess) {
     ASSERT_EQ(ended.code, 0) << ended.printed;
     const nlohmann::json report = report_of(folder);
     EXPECT_EQ(report["state_hash"], hash_text(alone.hash)) << name;
-    for (const auto& process : report["processes"])  // 8 to 12 layers of 31; blocks of neighbours overlap
+    for (const auto& process : report["processes"])  // 8 to 12 layers of 31; blocks of neighbors overlap
       EXPECT_LE(process["voxels_read"].get<std::size_t>(), ct.samples.size() * 13 / 31);
   }
 }
 
-TEST(OneBody, LeavesTheDisplacementsOfItsNodes) {
+// The run writes the displacements of all nodes.
+TEST(OneBody, WritesNodeDisplacements) {
   const Folder folder(scene_text(kSprings, kAlong));
   const Alone alone = run_alone(folder);
   ASSERT_EQ(run_shared(folder, 3).code, 0);
@@ -153,15 +154,16 @@ TEST(OneBody, LeavesTheDisplacementsOfItsNodes) {
       for (int i = 0; i < model.grid.size.x; i++) {
         const int slot = node_slot(model.lattice, i, j, k);
         const Vec3 expected =
-            lattice::is_solid(model, state, slot) ? state.u[std::size_t(slot)] * 1e3f : Vec3{};
+            lattice::is_solid(model, state.cuts, slot) ? state.motion.u[std::size_t(slot)] * 1e3f : Vec3{};
         ASSERT_LT(norm(found.at(i, j, k) - expected), 1e-6f) << i << " " << j << " " << k;
         largest = std::max(largest, double(norm(expected)));
       }
-  EXPECT_GT(largest, 0.5);  // it moves at all [mm]
+  EXPECT_GT(largest, 0.5);  // the body moves [mm]
   EXPECT_NEAR(report_of(folder)["largest_displacement_mm"].get<double>(), largest, 1e-3);
 }
 
-TEST(OneBody, IsHeldInPartsThatShrinkWithMoreProcesses) {
+// The memory of a process shrinks with the number of processes.
+TEST(OneBody, MemoryShrinksWithProcesses) {
   const Folder folder(scene_text(kSprings));
   const auto most_memory = [&](int processes) {
     EXPECT_EQ(run_shared(folder, processes).code, 0);
@@ -172,10 +174,11 @@ TEST(OneBody, IsHeldInPartsThatShrinkWithMoreProcesses) {
     return double(most);
   };
   const double alone = most_memory(1), three = most_memory(3);
-  EXPECT_LT(three, alone * (12 + 5 + 2) / 27);  // own layers, those held beside them, and the border of all
+  EXPECT_LT(three, alone * (12 + 5 + 2) / 27);  // owned and ghost layers, and the border of all
 }
 
-TEST(OneBody, WithFewerLayersThanItsProcessesNeedIsRefused) {
+// A body with too few layers of nodes for its processes is refused.
+TEST(OneBody, RejectsTooFewLayers) {
   const Folder folder(scene_text(kSprings));
   const Ended ended = run_shared(folder, 3, "--set body.torso.block=24");
   EXPECT_EQ(ended.code, 2);
@@ -185,7 +188,8 @@ TEST(OneBody, WithFewerLayersThanItsProcessesNeedIsRefused) {
       "4 layers each: found 3 processes\n");
 }
 
-TEST(OneBody, EndsAllProcessesWithOneSentenceWhenOneOfThemFails) {
+// A failure of one process ends all of them with one message.
+TEST(OneBody, OneFailureEndsAllProcesses) {
   const Folder folder("[body.torso]\nmodel = \"lattice\"\nct = \"ct.mhd\"\nblock = 2\n" + kSprings + "\n");
   const CtVolume ct = make_phantom(Exec(2), {.size = {32, 24, 48}, .spacing = {12e-3, 12e-3, 6e-3}});
   write_raw(folder.path / "ct.mhd", ct);
@@ -198,13 +202,14 @@ TEST(OneBody, EndsAllProcessesWithOneSentenceWhenOneOfThemFails) {
   EXPECT_FALSE(fs::exists(folder.path / "out"));
 }
 
-TEST(OneBody, RefusesWhatProcessesCannotShareByTheNameOfItsKey) {
+// Features that processes cannot share are refused with a message that names the key.
+TEST(OneBody, RejectsUnsupportedKeys) {
   const struct {
     std::string body, rest, key;
   } cases[] = {
       {"", "", "body.torso.solver.coarse"},
-      {"solver = { coarse = false, schedule = \"colours\" }", "", "body.torso.solver.schedule"},
-      {"solver = { coarse = false, sleep = 0.001 }", "", "body.torso.solver.sleep"},
+      {"solver = { coarse = false, ordering = \"colors\" }", "", "body.torso.solver.ordering"},
+      {"solver = { coarse = false, sleep_speed = 0.001 }", "", "body.torso.solver.sleep_speed"},
       {kSolid + "\nonly = 5", "", "body.torso.only"},
       {kSolid, "[incision.a]\nbody = \"torso\"\nfrom_fraction = [0.5, 0, 0.6]\nto_fraction = [0.5, 0, 0.4]\n",
        "incision.a.from_fraction"},
@@ -217,20 +222,21 @@ TEST(OneBody, RefusesWhatProcessesCannotShareByTheNameOfItsKey) {
   for (const auto& [body, rest, key] : cases) {
     const Status known = mpi::check_scene(parse_scene(scene_text(body, rest), "scene.toml").value());
     ASSERT_FALSE(known) << key;
-    EXPECT_NE(known.error().message.find(key + ": several processes share"), std::string::npos)
+    EXPECT_NE(known.error().message.find(key + ": several processes "), std::string::npos)
         << known.error().message;
   }
   EXPECT_TRUE(mpi::check_scene(parse_scene(scene_text(kSolid, kAlong + kAcross), "scene.toml").value()));
 }
 
-TEST(OneBody, PrintsOneRefusalForAllItsProcesses) {
+// A refused scene is reported once for all processes.
+TEST(OneBody, PrintsErrorOnce) {
   const Folder folder(scene_text(""));
   const Ended ended = run_shared(folder, 2);
   EXPECT_EQ(ended.code, 2);
   EXPECT_EQ(
       ended.printed,
-      "turgor_mpi: scene.toml:4:1: body.torso.solver.coarse: several processes share sweeps, not the coarse "
-      "space beside them that solid tissue has otherwise: expected coarse = false\n");
+      "turgor_mpi: scene.toml:4:1: body.torso.solver.coarse: several processes do not support the coarse "
+      "space, the default of solid tissue: expected coarse = false\n");
 }
 
 }  // namespace turgor

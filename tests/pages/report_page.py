@@ -163,7 +163,7 @@ def check(browser, page):
     assert browser.script("return document.getElementById('motion-now').textContent").startswith("0.00 s")
     browser.script("const c = document.getElementById('motion-color'); c.value = 'displacement';"
                    "c.dispatchEvent(new Event('change'))")
-    assert difference(earlier, browser.canvas()) > 0.02, "the colours changed nothing"
+    assert difference(earlier, browser.canvas()) > 0.02, "the colors changed nothing"
     browser.move([browser.middle(".turgor-plot")], press=False)
     read = browser.script("return document.querySelector('.plot-read').textContent")
     assert "," in read, f"the mouse read '{read}' from a plot"

@@ -9,11 +9,12 @@
 namespace turgor {
 namespace {
 
-/// A sheet of n × n squares, cut along its middle column: both lips lie there at rest, unconnected.
+/// A sheet of n × n squares that is cut along its middle column. At rest the lips coincide without being
+/// connected.
 BodySnapshot cut_sheet(int n) {
   BodySnapshot body;
   body.name = "</script>", body.look = Look::kCloth;
-  const int columns = n + 2, cut = n / 2;  // the middle column stands twice
+  const int columns = n + 2, cut = n / 2;  // the middle column is duplicated
   for (int j = 0; j <= n; j++)
     for (int i = 0; i < columns; i++)
       body.rest.push_back({Real(i > cut ? i - 1 : i) * 0.01f, Real(j) * 0.01f, 0});
@@ -43,13 +44,14 @@ Motion moved(int frames, const MotionLimits& limits = {}) {
   return motion;
 }
 
-TEST(Motion, LipsOfAWoundStayApartInACoarserSurface) {
+// Simplification of the surface never joins the lips of a wound.
+TEST(Motion, SimplificationKeepsLipsApart) {
   const Motion motion = moved(2, {.triangles = 500, .numbers = 1'000'000});
   const MovingSurface& surface = motion.things.at(0).surfaces.at(0);
   EXPECT_LE(surface.triangles.size(), 700u);
   EXPECT_GT(surface.triangles.size(), 4u);
   int checked = 0;
-  for (const Int3 t : surface.triangles) {  // every triangle moves as one lip does, none spans the gap
+  for (const Int3 t : surface.triangles) {  // every triangle moves with one lip, none spans the gap
     for (int corner = 1; corner < 3; corner++)
       EXPECT_NEAR(motion.frames[1].moved[0][std::size_t(t[0])].x,
                   motion.frames[1].moved[0][std::size_t(t[corner])].x, 1e-6);
@@ -58,7 +60,8 @@ TEST(Motion, LipsOfAWoundStayApartInACoarserSurface) {
   EXPECT_EQ(std::size_t(checked), surface.triangles.size());
 }
 
-TEST(Motion, MovementsAreThoseOfTheVerticesShown) {
+// Stored displacements are those of the displayed vertices.
+TEST(Motion, DisplacementsMatchVertices) {
   const Motion motion = moved(3);
   const MovingSurface& surface = motion.things.at(0).surfaces.at(0);
   const WorldSnapshot last = at_time(0.1, 0.002f);
@@ -68,7 +71,8 @@ TEST(Motion, MovementsAreThoseOfTheVerticesShown) {
   }
 }
 
-TEST(Motion, TakesNoMoreMemoryThanItsLimitAndKeepsTheFirstAndTheLastMoment) {
+// Memory is limited by dropping moments; the first and the last one are kept.
+TEST(Motion, MemoryIsLimited) {
   const Motion motion = moved(200, {.triangles = 40'000, .numbers = 400'000});
   EXPECT_LE(motion.numbers, 400'000u);
   EXPECT_EQ(motion.frames.front().time, 0);
@@ -76,9 +80,10 @@ TEST(Motion, TakesNoMoreMemoryThanItsLimitAndKeepsTheFirstAndTheLastMoment) {
   EXPECT_GT(motion.frames.size(), 5u);
 }
 
-TEST(Motion, SurfacesThatNoKeptMomentShowsTakeNoMemory) {
+// Surfaces that no kept moment uses are freed.
+TEST(Motion, UnusedSurfacesAreFreed) {
   Motion motion;
-  for (int f = 0; f < 60; f++) {  // a cut that grows: other triangles each time
+  for (int f = 0; f < 60; f++) {  // a growing cut: other triangles each time
     WorldSnapshot snapshot = at_time(0.05 * f, 0);
     snapshot.bodies[0].triangles.resize(snapshot.bodies[0].triangles.size() - std::size_t(f));
     snapshot.bodies[0].wall_begin = snapshot.bodies[0].triangles.size();
@@ -99,7 +104,8 @@ TEST(Motion, SurfacesThatNoKeptMomentShowsTakeNoMemory) {
   EXPECT_EQ(page["things"][0]["surfaces"].size(), 60u);
 }
 
-TEST(Motion, OnePageHoldsAsManyMomentsAsFit) {
+// The page holds as many moments as fit into its size.
+TEST(Motion, PageHoldsMomentsThatFit) {
   const Motion motion = moved(40);
   const std::string all = motion_json(motion, 10'000'000), fewer = motion_json(motion, all.size() * 2 / 3);
   EXPECT_EQ(Json::parse(all)["frames"].size(), 40u);
@@ -114,13 +120,15 @@ TEST(Motion, OnePageHoldsAsManyMomentsAsFit) {
   EXPECT_EQ(motion_json({}, 10'000'000), "");
 }
 
-TEST(Motion, NoNameEndsTheScript) {
+// A body name with a closing script tag does not end the script.
+TEST(Motion, NamesAreEscapedInScript) {
   const std::string text = motion_json(moved(1), 10'000'000);
   EXPECT_EQ(text.find('<'), text.npos);
   EXPECT_EQ(Json::parse(text)["things"][0]["name"], "</script>");
 }
 
-TEST(Motion, ANewCutMakesANewSurface) {
+// A new cut adds a new surface.
+TEST(Motion, NewCutAddsSurface) {
   Motion motion = moved(2);
   WorldSnapshot cut = at_time(0.2, 0.002f);
   cut.bodies[0].triangles.resize(cut.bodies[0].triangles.size() - 10), cut.bodies[0].wall_begin -= 10;

@@ -1,5 +1,4 @@
-// There is one wound: what the report says of it, what a picture shows, what a mesh file holds and what the
-// deformed CT shows are measured here each in its own way.
+// Agreement of all outputs about one wound: report, picture, mesh file and deformed CT state the same gape.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,7 +9,7 @@
 #include "turgor/io/mesh/mesh_files.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/models/lattice/resample/resample.hpp"
-#include "turgor/pictures/picture_parts.hpp"
+#include "turgor/pictures/picture_items.hpp"
 #include "turgor/sim/run.hpp"
 #include "turgor/view/mesh_view.hpp"
 
@@ -21,36 +20,36 @@ namespace fs = std::filesystem;
 
 constexpr double kAgree = 0.3e-3;  // [m]
 
-/// Half way along the cut, patient frame.
+/// Frame at the middle of the cut, patient frame.
 struct Station {
   Vec3d point, line, across, into;
 };
 Station middle_of(const LatticeBody& body, const lattice::BladePath& path) {
   const Grid& grid = body.model.grid;
   const std::size_t n = path.skin.size() / 2;
-  return {grid.origin + grid.axes * path.skin[n], grid.axes * line_at(path, n),
+  return {grid.origin + grid.axes * path.skin[n], grid.axes * tangent_at(path, n),
           grid.axes * across_at(path, n), grid.axes * path.into[n]};
 }
 
-/// The two lips there: how far across and how deep below the station's point [m].
+/// Lateral positions of the two lips, and their depths below the station's point [m].
 struct Lips {
   double left = 0, right = 0, left_depth = 0, right_depth = 0;
 
   double gape() const { return right - left; }
 };
 
-/// Of a surface in a file: the edges where its skin ends and its walls begin.
+/// Lips of a surface in a file: the edges between skin and wound walls.
 Lips lips_of_mesh(const fs::path& file, std::size_t wall_begin, const Station& at) {
   const TriMesh mesh = read_surface(file).value().mesh;
-  std::map<std::pair<int, int>, int> parts;
+  std::map<std::pair<int, int>, int> sides;
   for (std::size_t t = 0; t < mesh.triangles.size(); t++)
     for (int n = 0; n < 3; n++) {
       const int a = mesh.triangles[t][n], b = mesh.triangles[t][(n + 1) % 3];
-      parts[std::minmax(a, b)] |= t < wall_begin ? 1 : 2;
+      sides[std::minmax(a, b)] |= t < wall_begin ? 1 : 2;
     }
   Lips lips{.left = 1, .right = -1};
-  for (const auto& [edge, part] : parts) {
-    if (part != 3) continue;
+  for (const auto& [edge, side] : sides) {
+    if (side != 3) continue;
     const Vec3d a = Vec3d(mesh.vertices[std::size_t(edge.first)]) - at.point,
                 b = Vec3d(mesh.vertices[std::size_t(edge.second)]) - at.point;
     const double sa = dot(a, at.line), sb = dot(b, at.line);
@@ -63,7 +62,8 @@ Lips lips_of_mesh(const fs::path& file, std::size_t wall_begin, const Station& a
   return lips;
 }
 
-/// Of the deformed CT: the walls one and two millimetres below the lips, straight on up to them.
+/// Lips of the deformed CT: the walls one and two millimeters below the lips, extrapolated linearly to the
+/// lips.
 Lips lips_of_ct(const LatticeBody& body, const Station& at, const Lips& near) {
   constexpr double kSample = 0.1e-3, kSide = 0.06;
   Grid grid;
@@ -74,22 +74,23 @@ Lips lips_of_ct(const LatticeBody& body, const Station& at, const Lips& near) {
   grid.origin = at.point - at.across * (kSide / 2) + at.into * top;
   const CtVolume now = lattice::resample_ct(Exec(2), body.model, body.state, body.ct, grid).ct;
   const auto is_tissue = [&](int i, int row) { return now.at(i, row, 0) >= -449; };
-  // Where tissue ends, from below the lip on, either way: in the middle of the wound its floor may rise.
-  const auto wall = [&](int row, int way) {
-    int i = int((kSide / 2 + (way < 0 ? near.left : near.right)) / kSample);
-    while (i > 0 && i + 1 < grid.size.x && is_tissue(i, row)) i -= way;
-    while (i > 0 && i + 1 < grid.size.x && !is_tissue(i, row)) i += way;
-    return (i - way * 0.5) * kSample - kSide / 2;
+  // End of the tissue, searched from below the lip in both directions: the floor may rise in the middle of
+  // the wound.
+  const auto wall = [&](int row, int direction) {
+    int i = int((kSide / 2 + (direction < 0 ? near.left : near.right)) / kSample);
+    while (i > 0 && i + 1 < grid.size.x && is_tissue(i, row)) i -= direction;
+    while (i > 0 && i + 1 < grid.size.x && !is_tissue(i, row)) i += direction;
+    return (i - direction * 0.5) * kSample - kSide / 2;
   };
-  const auto at_lip = [&](int way, double depth) {
-    const double one = wall(10, way), two = wall(20, way), below = top + 10 * kSample;
+  const auto at_lip = [&](int direction, double depth) {
+    const double one = wall(10, direction), two = wall(20, direction), below = top + 10 * kSample;
     return one + (two - one) * (depth - below) / (10 * kSample);
   };
   return {.left = at_lip(-1, near.left_depth), .right = at_lip(1, near.right_depth)};
 }
 
-/// Of a picture from straight above: how wide walls are seen there, which are all that changes when walls are
-/// painted in another colour. Nothing where there is no OpenGL.
+/// Gape in a picture from straight above: the width of the walls, found by painting them in two colors. Empty
+/// without OpenGL.
 std::optional<double> gape_of_picture(const BodySnapshot& body, const Station& at, const Lips& near) {
   constexpr int kPixels = 800;
   constexpr double kSide = 0.06, kAway = 3;
@@ -157,8 +158,8 @@ void expect_one_wound(const Scene& scene, const fs::path& folder) {
   }
 }
 
-/// How far a place in the CT is from the curve that the blade drew, seen along the blade [m].
-double from_curve(const lattice::BladePath& path, Vec3d x) {
+/// Distance of a position in the CT from the curve of the blade, seen along the blade [m].
+double distance_to_curve(const lattice::BladePath& path, Vec3d x) {
   std::size_t nearest = 0;
   const auto aside = [&](std::size_t n) { return norm(cross(x - path.skin[n], path.into[n])); };
   for (std::size_t n = 0; n < path.skin.size(); n++)
@@ -166,10 +167,10 @@ double from_curve(const lattice::BladePath& path, Vec3d x) {
   return std::abs(dot(x - path.skin[nearest], across_at(path, nearest)));
 }
 
-const char* kAnS = "[[0.5, 0, 0.6], [0.55, 0, 0.53], [0.45, 0, 0.43], [0.5, 0, 0.36]]";
+const char* kCurveS = "[[0.5, 0, 0.6], [0.55, 0, 0.53], [0.45, 0, 0.43], [0.5, 0, 0.36]]";
 
-void expect_lips_on_curve(const std::string& ct, const std::string& steps = "step = 0.009",
-                          const std::string& curve = kAnS) {
+void expect_lips_on_curve(const std::string& ct, const std::string& steps = "spacing = 0.009",
+                          const std::string& curve = kCurveS) {
   const Result<Scene> scene = parse_scene(
       "[world]\nduration = 0.1\n[body.torso]\nmodel = \"lattice\"\nct = " + ct + "\n" + steps +
           "\nfixed = [\"bone\", \"ends\"]\n[incision.s]\nbody = \"torso\"\npath_fraction = " + curve + "\n",
@@ -181,41 +182,45 @@ void expect_lips_on_curve(const std::string& ct, const std::string& steps = "ste
   ASSERT_TRUE(step(exec, *world));
   const LatticeBody& body = world->lattice_bodies[0];
   const lattice::BladePath& path = *world->cuts[0].path;
-  const lattice::BodySurface surface = lattice::build_surface(body.model, body.state, &body.ct);
+  const lattice::BodySurface surface = lattice::build_surface(body.model, body.state.cuts(), &body.ct);
   const Vec3d voxel = body.ct.grid.spacing;
   double farthest = 0, sum = 0;
   for (const lattice::Lip& lip : surface.lips) {
-    const double away = from_curve(path, Vec3d(surface.rest[std::size_t(lip.left)]));
+    const double away = distance_to_curve(path, Vec3d(surface.rest[std::size_t(lip.left)]));
     farthest = std::max(farthest, away), sum += away;
   }
   ASSERT_GT(surface.lips.size(), 50u);
   const double least = std::min({voxel.x, voxel.y, voxel.z});
-  std::printf("  %zu places on the lips: %.3f voxels away at most, %.3f on average\n", surface.lips.size(),
-              farthest / least, sum / double(surface.lips.size()) / least);
+  std::printf("  %zu lip points: distance to the curve at most %.3f voxels, %.3f on average\n",
+              surface.lips.size(), farthest / least, sum / double(surface.lips.size()) / least);
   EXPECT_LT(farthest, 0.2 * least);
 }
 
-TEST(OneWound, LipsLieOnTheCurveThatTheBladeDrewOnThePhantom) {
+// The lips of a wound in the phantom lie on the curve of the blade within 0.2 voxels.
+TEST(OneWound, PhantomLipsFollowBladeCurve) {
   expect_lips_on_curve("{ phantom = \"torso\", size = [128, 96, 75], spacing_mm = [3.1, 3.1, 4] }");
 }
 
-TEST(OneWound, LipsLieOnTheCurveWhereItRunsThroughANodeAlongAnEdgeOfTheLattice) {
-  // The middle and the upper end of this S are nodes, to a thousandth of a step.
+// The lips follow a curve that passes through nodes of the lattice and along its edges.
+TEST(OneWound, LipsFollowCurveThroughNodes) {
+  // The middle and the upper end of this S are nodes, to a thousandth of a spacing.
   expect_lips_on_curve("{ phantom = \"torso\", size = [80, 64, 50], spacing_mm = [5.2, 5.2, 6] }",
                        "block = 1",
                        "[[0.5, 0, 0.6], [0.54, 0, 0.55], [0.5, 0, 0.5], [0.46, 0, 0.45], [0.5, 0, 0.4]]");
 }
 
-TEST(OneWound, LipsLieOnTheCurveThatTheBladeDrewOnAPatient) {
+// The lips of a wound in a real CT lie on the curve of the blade within 0.2 voxels.
+TEST(OneWound, PatientLipsFollowBladeCurve) {
   const fs::path file = fs::path(TURGOR_SOURCE_DIR) / "../shared/data/ct/torso-3mm.nii.gz";
-  if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is absent";
   expect_lips_on_curve("\"" + file.string() + "\"");
 }
 
-TEST(OneWound, ReportPictureMeshAndDeformedCtAgreeOnThePhantom) {
+// Report, picture, mesh and deformed CT agree on the gape of a wound in the phantom.
+TEST(OneWound, OutputsAgreeOnPhantom) {
   const std::string text =
       "[world]\nduration = 0.6\n[body.torso]\nmodel = \"lattice\"\n"
-      "ct = { phantom = \"torso\", size = [128, 96, 75], spacing_mm = [3.1, 3.1, 4] }\nstep = 0.008\n"
+      "ct = { phantom = \"torso\", size = [128, 96, 75], spacing_mm = [3.1, 3.1, 4] }\nspacing = 0.008\n"
       "fixed = [\"bone\", \"ends\"]\n"
       "[incision.midline]\nbody = \"torso\"\nfrom_fraction = [0.5, 0, 0.62]\nto_fraction = [0.5, 0, 0.22]\n";
   for (const char* law :
@@ -226,7 +231,8 @@ TEST(OneWound, ReportPictureMeshAndDeformedCtAgreeOnThePhantom) {
   }
 }
 
-TEST(OneWound, TheyAgreeOnATurnedBodyCutAslant) {
+// Report, picture, mesh and deformed CT agree for an oblique cut in a rotated body.
+TEST(OneWound, OutputsAgreeOnRotatedBody) {
   const fs::path folder = test::fresh_folder();
   CtVolume ct = test::block_ct();
   const double c = std::cos(0.5), s = std::sin(0.5);

@@ -19,7 +19,7 @@ Json must_run(const Scene& scene, const fs::path& out, const RunCallbacks& callb
   return report ? *report : Json();
 }
 
-/// What of a report is physics: no wall times, nothing that is only looked at in snapshots, no pictures.
+/// The physics of a report: without wall times, values that only snapshots sample, and pictures.
 Json physics(Json report) {
   for (const char* key : {"timing", "machine", "pictures", "more_pictures", "files", "solver", "scene",
                           "warnings", "scene_text", "deformed_ct"})
@@ -41,7 +41,7 @@ Json physics(Json report) {
   return report;
 }
 
-/// How long it plays [s]; ffprobe comes with ffmpeg.
+/// Duration of a video [s]. Needs ffprobe, which is part of ffmpeg.
 double video_seconds(const fs::path& file) {
   const std::string command =
       "ffprobe -v error -show_entries format=duration -of csv=p=0 '" + file.string() + "'";
@@ -52,7 +52,8 @@ double video_seconds(const fs::path& file) {
   return seconds;
 }
 
-TEST(RunScene, DrawsAtAnyRateAndMeasuresTheSame) {
+// The rate of snapshots does not change state or measures.
+TEST(RunScene, SnapshotRateKeepsMeasures) {
   const fs::path folder = test::fresh_folder();
   const Json seldom = must_run(
       test::four_kinds_scene(folder, {"output.snapshots.every=10", "output.video=false",
@@ -68,7 +69,8 @@ TEST(RunScene, DrawsAtAnyRateAndMeasuresTheSame) {
   EXPECT_GT(often["pictures"].size(), 3u);
 }
 
-TEST(RunScene, AReplayDrawsTheSamePicturesAndMeshes) {
+// A replay writes the same pictures, meshes and force tables.
+TEST(RunScene, ReplayDrawsSameFiles) {
   const fs::path folder = test::fresh_folder();
   const Scene scene = test::four_kinds_scene(folder, {"output.frames=true"});
   const Json ran = must_run(scene, folder / "ran");
@@ -89,7 +91,7 @@ TEST(RunScene, AReplayDrawsTheSamePicturesAndMeshes) {
   EXPECT_GT(compared, 25);
 }
 
-/// How many steps are in a file of VTKHDF, and their times.
+/// Times of the steps in a VTKHDF file.
 std::vector<double> times_of(const fs::path& vtkhdf) {
   const Result<Hdf5File> file = Hdf5File::open(vtkhdf);
   EXPECT_TRUE(file) << (file ? "" : file.error().message);
@@ -98,7 +100,8 @@ std::vector<double> times_of(const fs::path& vtkhdf) {
   return file->read<double>("/VTKHDF/Steps/Values", std::size_t(steps.at(0))).value();
 }
 
-TEST(RunScene, OneFileABodyHoldsWhatTheManyHoldAndCanStandForThem) {
+// One VTKHDF file per body holds all time steps and can replace the VTU files.
+TEST(RunScene, VtkHdfReplacesVtuFiles) {
   const fs::path folder = test::fresh_folder(), out = folder / "ran";
   must_run(test::four_kinds_scene(folder, {"output.video=false", "output.vtkhdf=true",
                                            "output.snapshots={ every = 0.1, size = [64, 64] }"}),
@@ -123,7 +126,8 @@ TEST(RunScene, OneFileABodyHoldsWhatTheManyHoldAndCanStandForThem) {
   EXPECT_EQ(std::system((read + (out / "meshes").string() + "'").c_str()), 0);
 }
 
-TEST(RunScene, WhatThePageShowsInThreeDimensionsIsDrawnOnRequestAlsoByAReplay) {
+// Pictures that the 3D view of the page replaces are drawn on request, also by a replay.
+TEST(RunScene, MorePicturesOnRequest) {
   if (!has_motion_view()) GTEST_SKIP() << "three.js is not installed: all pictures are drawn";
   const fs::path folder = test::fresh_folder();
   const Scene scene = test::four_kinds_scene(folder, {"output.snapshots.every=0.1"});
@@ -144,22 +148,24 @@ TEST(RunScene, WhatThePageShowsInThreeDimensionsIsDrawnOnRequestAlsoByAReplay) {
   EXPECT_EQ(all.at("more_pictures"), "");
 }
 
-TEST(RunScene, AVideoRunsAtThePaceOfTheRunAlsoInAReplay) {
-  if (!has_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+// The video lasts as long as the run, also in a replay.
+TEST(RunScene, VideoHasRunDuration) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path folder = test::fresh_folder();
   const Scene scene = test::four_kinds_scene(folder, {"output.video=true", "output.snapshots.every=0.1"});
   must_run(scene, folder / "ran");
   const Result<Json> again =
       replay_recording(Exec(2), folder / "ran/recording.h5", {}, {.out = folder / "again"});
   ASSERT_TRUE(again) << again.error().message;
-  // 50 frames a second, a picture every third: sixty milliseconds each, and none where a snapshot already is.
+  // 50 frames per second, a picture every third: 60 ms each, except where a snapshot already exists.
   EXPECT_NEAR(video_seconds(folder / "ran/video.mp4"), 0.3, 0.08);
   EXPECT_NEAR(video_seconds(folder / "again/video.mp4"), 0.4, 0.05)
       << "four snapshots, a tenth of a second each";
 }
 
-TEST(RunScene, EveryWoundHasAVideoFromNear) {
-  if (!has_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+// Each wound has a close-up video.
+TEST(RunScene, EachWoundHasCloseUpVideo) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path folder = test::fresh_folder();
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   const std::string text = test::four_kinds_text() + "video = true\n[incision.second]\nbody = \"block\"\n" +
@@ -176,7 +182,8 @@ TEST(RunScene, EveryWoundHasAVideoFromNear) {
   EXPECT_FALSE(fs::exists(folder / "out/.video"));
 }
 
-TEST(RunScene, ACameraOfTheSceneTakesPicturesOfItsOwn) {
+// A camera of the scene adds its own pictures.
+TEST(RunScene, SceneCameraAddsPictures) {
   const fs::path folder = test::fresh_folder();
   const Scene scene =
       test::four_kinds_scene(folder, {"camera.side.from=[0.3, 0.03, 0.1]", "camera.side.at=[0.03, 0.03, 0]",
@@ -187,7 +194,8 @@ TEST(RunScene, ACameraOfTheSceneTakesPicturesOfItsOwn) {
   EXPECT_TRUE(fs::exists(folder / "out/side-before-after.png"));
 }
 
-TEST(RunScene, TellsPhysicsDrawingAndFilesApart) {
+// The timing separates physics, drawing and files.
+TEST(RunScene, TimingSeparatesPhases) {
   const fs::path folder = test::fresh_folder();
   const Json timing =
       must_run(test::four_kinds_scene(folder, {"output.video=false"}), folder / "out")["timing"];
@@ -197,7 +205,8 @@ TEST(RunScene, TellsPhysicsDrawingAndFilesApart) {
   EXPECT_LT(seconds("physics_s") + seconds("drawing_s") + seconds("files_s"), seconds("total_s"));
 }
 
-TEST(RunScene, IsToldWhatHappensAndEndsWhereItIsAsked) {
+// Callbacks receive progress, frames and snapshots and can stop the run.
+TEST(RunScene, CallbacksReportAndStop) {
   const fs::path folder = test::fresh_folder();
   std::vector<int> frames, snapshots;
   std::vector<std::string> labels;
@@ -216,12 +225,13 @@ TEST(RunScene, IsToldWhatHappensAndEndsWhereItIsAsked) {
   EXPECT_EQ(frames.size(), 7u);
   EXPECT_EQ(snapshots, (std::vector<int>{0, 5, 7}));
   EXPECT_EQ(labels.back(), "simulating");
-  EXPECT_EQ(report["stopped"], "stopped after 0.140 s of 0.3 s, as was asked");
+  EXPECT_EQ(report["stopped"], "stopped after 0.140 s of 0.3 s, on request");
   EXPECT_EQ(report["finite"], true);
   EXPECT_TRUE(fs::exists(folder / "out/report.html"));
 }
 
-TEST(RunScene, ForcepsOnARhombusBodyAloneAreDrawnWithTheirJawsAsTheyAreAlsoInAReplay) {
+// Forceps are drawn with their current opening, also in a replay.
+TEST(RunScene, ForcepsJawsAreDrawn) {
   const fs::path folder = test::fresh_folder();
   const Result<Scene> scene = parse_scene(
       "[world]\nduration = 0.4\nframe_rate = 50\n[body.liver]\nmodel = \"rhombus\"\n"
@@ -240,18 +250,19 @@ TEST(RunScene, ForcepsOnARhombusBodyAloneAreDrawnWithTheirJawsAsTheyAreAlsoInARe
     return Done{};
   };
   const Json ran = must_run(*scene, folder / "ran", callbacks);
-  EXPECT_GT(openings.size(), 1u) << "they close";
+  EXPECT_GT(openings.size(), 1u) << "the jaws close";
   ASSERT_TRUE(replay_recording(Exec(2), folder / "ran/recording.h5", {"output.frames=true"},
                                {.out = folder / "again"}));
-  EXPECT_FALSE(fs::exists(folder / "ran/frames")) << "nobody asked for them";
-  EXPECT_EQ(test::names_in(folder / "again/frames").size(), 6u) << "three snapshots from two places";
-  EXPECT_FALSE(fs::exists(folder / "ran/body-before-after.png")) << "in the end the tools are away";
+  EXPECT_FALSE(fs::exists(folder / "ran/frames")) << "frames were not requested";
+  EXPECT_EQ(test::names_in(folder / "again/frames").size(), 6u) << "three snapshots from two cameras";
+  EXPECT_FALSE(fs::exists(folder / "ran/body-before-after.png")) << "at the end the tools are retracted";
   for (const char* name : {"liver-near.png", "liver-displacement.png", "aside-before-after.png"})
     EXPECT_EQ(test::bytes_of(folder / "ran" / name), test::bytes_of(folder / "again" / name)) << name;
-  EXPECT_FALSE(fs::exists(folder / "ran/liver-pressure.png")) << "this model knows no pressure";
+  EXPECT_FALSE(fs::exists(folder / "ran/liver-pressure.png")) << "this model has no pressure";
 }
 
-TEST(RunScene, AnErrorLeavesNothingBehind) {
+// A run that fails leaves no files.
+TEST(RunScene, ErrorLeavesNoFiles) {
   const fs::path folder = test::fresh_folder();
   RunCallbacks callbacks;
   callbacks.snapshot = [](const WorldSnapshot& snapshot) -> Status {

@@ -16,7 +16,8 @@ WorldSnapshot with_vertices(std::vector<Vec3> x) {
   return snapshot;
 }
 
-TEST(Views, ACameraOfTwoMomentsShowsAllOfBoth) {
+// The camera for a comparison shows all vertices of both moments.
+TEST(Views, CameraOfTwoMomentsShowsBoth) {
   Scene scene;
   Outputs outputs;
   outputs.scene = &scene;
@@ -27,7 +28,7 @@ TEST(Views, ACameraOfTwoMomentsShowsAllOfBoth) {
     outputs.views[0].colored = colored;
     const Camera camera = camera_of_both(outputs, first, last);
     const CameraFrame frame = camera_frame(camera);
-    double farthest = 0;  // from the middle of the picture, where its upper edge is at 1
+    double farthest = 0;  // largest distance from the center of the picture, whose upper edge is at 1
     for (const WorldSnapshot* snapshot : {&first, &last})
       for (const Vec3 x : snapshot->bodies[0].x) {
         const Vec3d seen = Vec3d(x) - camera.eye;
@@ -37,25 +38,27 @@ TEST(Views, ACameraOfTwoMomentsShowsAllOfBoth) {
         EXPECT_LT(std::abs(dot(seen, frame.right)) / half, 4.0 / 3);
         farthest = std::max(farthest, std::abs(dot(seen, frame.up)) / half);
       }
-    EXPECT_GT(farthest, 0.5) << "and it is not far away";
-    EXPECT_LT(norm(cross(camera.eye - camera.target, outputs.views[0].camera.eye)), 1e-9) << "from there";
+    EXPECT_GT(farthest, 0.5) << "the bodies fill the picture";
+    EXPECT_LT(norm(cross(camera.eye - camera.target, outputs.views[0].camera.eye)), 1e-9)
+        << "the viewing direction is kept";
   }
 }
 
-TEST(Views, WhatIsInABodyIsSeenThroughItButDoesNotHideItsColors) {
+// Inclusions are visible through the body, unless the body is colored by a quantity.
+TEST(Views, InnerSurfaceIsSeenThroughUnlessColored) {
   BodySnapshot body = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}).bodies[0];
   body.normals.assign(3, {0, -1, 0});
   body.displacement.assign(3, {});
   body.wall_begin = 1;
   body.inside = {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
-  PictureParts plain, colored;
+  PictureItems plain, colored;
   add_body(body, SkinColor::kNone, nullptr, plain);
   const ColorScale scale{.low = 0, .high = 0.01f, .label = "displacement [mm]", .factor = 1000};
   add_body(body, SkinColor::kDisplacement, &scale, colored);
-  ASSERT_EQ(plain.parts.size(), 2u);
-  EXPECT_TRUE(plain.parts[1].through);
-  ASSERT_EQ(colored.parts.size(), 1u);
-  EXPECT_EQ(colored.parts[0].scale, &scale);
+  ASSERT_EQ(plain.items.size(), 2u);
+  EXPECT_TRUE(plain.items[1].see_through);
+  ASSERT_EQ(colored.items.size(), 1u);
+  EXPECT_EQ(colored.items[0].scale, &scale);
 }
 
 }  // namespace

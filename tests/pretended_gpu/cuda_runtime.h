@@ -1,7 +1,7 @@
-// In place of CUDA's own header, for tests: what turgor's .cu files need of it, so that they are C++ and run
-// on a machine without a GPU (pretended_gpu.cpp). A kernel's threads are many here too. Memory "there" can be
-// touched by kernels and copies alone: whoever reads it from here, or behind its end, is stopped at once.
-// That kernels touch no memory of the host it cannot see.
+// Replacement of CUDA's header for tests. It declares what turgor's .cu files use, so that they compile as
+// C++ and run without a GPU (pretended_gpu.cpp). A kernel runs on several host threads. Only kernels and
+// copies can access device memory: host code that reads it, or any access beyond its end, stops the program
+// at once. Kernels that access host memory are not detected.
 #pragma once
 
 #include <cmath>
@@ -63,23 +63,23 @@ cudaError_t cudaGraphDestroy(cudaGraph_t graph);
 
 namespace turgor {
 
-/// A kernel of a count and one more argument, as a pointer to it is all that the runtime is told.
+/// Kernel of a count and one more argument; the runtime knows it by a pointer to this.
 struct PretendedKernel {
   std::size_t argument_bytes;
-  void (*call)(std::size_t count, const void* argument);  // for the thread that threadIdx says
+  void (*call)(std::size_t count, const void* argument);  // for the thread of threadIdx
 };
 template <class Argument, void (*kKernel)(std::size_t, Argument)>
 inline const PretendedKernel pretended_kernel{sizeof(Argument), [](std::size_t count, const void* argument) {
                                                 kKernel(count, *static_cast<const Argument*>(argument));
                                               }};
 
-/// From now on so much memory is free there; less than what is asked for is an error of the runtime.
+/// Sets the free device memory. A larger allocation is an error of the runtime.
 void pretend_memory(std::size_t bytes);
-/// Since the program began: kernels that ran, graphs that were launched and that were made; bytes that went
-/// over and back, and how often something did.
+/// Counts since the start of the program: kernels run, graphs launched and created; bytes and numbers of
+/// uploads and downloads.
 struct PretendedCounts {
   long kernels = 0, launches = 0, graphs = 0;
-  std::size_t over = 0, back = 0;
+  std::size_t uploaded = 0, downloaded = 0;
   long uploads = 0, downloads = 0;
 };
 PretendedCounts pretended_counts();

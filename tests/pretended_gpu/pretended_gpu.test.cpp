@@ -1,4 +1,4 @@
-// That the pretended GPU finds what a real one would fall over.
+// The pretended GPU detects the errors that a real one would fail on.
 #include <gtest/gtest.h>
 
 #include "turgor/core/gpu_run.cuh"
@@ -15,7 +15,8 @@ struct NextInChain {
   void operator()(std::size_t n) const { numbers[n + 1]++; }
 };
 
-TEST(PretendedGpu, kernels_one_by_one_and_as_a_graph_go_over_all_of_an_array) {
+// Kernels visit every element of an array, launched one by one and as a graph.
+TEST(PretendedGpu, KernelsCoverWholeArray) {
   std::vector<int> numbers(1000);
   std::iota(numbers.begin(), numbers.end(), 0);
   GpuArray<int> from(1000), to(1000);
@@ -36,7 +37,8 @@ TEST(PretendedGpu, kernels_one_by_one_and_as_a_graph_go_over_all_of_an_array) {
   }
 }
 
-TEST(PretendedGpu, the_same_loops_are_one_graph_and_other_numbers_renew_it) {
+// Equal sequences of kernels reuse one graph; another number of kernels creates a new one.
+TEST(PretendedGpu, EqualLoopsReuseGraph) {
   GpuArray<int> a(100), b(100), c(100);
   a.upload(std::vector<int>(100));
   const GpuRun run;
@@ -52,18 +54,20 @@ TEST(PretendedGpu, the_same_loops_are_one_graph_and_other_numbers_renew_it) {
   };
   EXPECT_EQ(graphs_after(b, 3), 1);
   EXPECT_EQ(graphs_after(b, 3), 0);
-  EXPECT_EQ(graphs_after(c, 3), 0) << "its arguments were renewed";
+  EXPECT_EQ(graphs_after(c, 3), 0) << "its arguments were updated";
   EXPECT_EQ(graphs_after(c, 2), 1);
 }
 
-TEST(PretendedGpuDeathTest, what_a_gpu_would_fall_over_ends_the_program) {
+// Host access to device memory and access beyond its end stop the program.
+TEST(PretendedGpuDeathTest, InvalidAccessEndsProgram) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  GpuArray<int> there(1024);
-  EXPECT_DEATH(there.data()[3]++, "") << "memory there, from here";
-  EXPECT_DEATH(GpuRun()(1024, NextInChain{there.data()}), "") << "behind its end";
+  GpuArray<int> array(1024);
+  EXPECT_DEATH(array.data()[3]++, "") << "host access to device memory";
+  EXPECT_DEATH(GpuRun()(1024, NextInChain{array.data()}), "") << "beyond the end of the array";
 }
 
-TEST(PretendedGpu, what_it_has_no_room_for_is_said) {
+// An allocation beyond the free memory fails and is reported.
+TEST(PretendedGpu, ReportsFailedAllocation) {
   const std::size_t free = open_gpu().value().free_bytes;
   EXPECT_TRUE(GpuArray<char>(std::size_t(1) << 20).is_allocated());
   EXPECT_FALSE(GpuArray<char>(free + 1).is_allocated());

@@ -1,7 +1,7 @@
-"""The few calls that the module of 3D Slicer makes, over plain arrays and real VTK: import it before Turgor.py.
+"""A fake of the few calls that the module of 3D Slicer makes, on plain arrays and real VTK. Import it before Turgor.py.
 
-What is in it behaves as Slicer's documents and sources say (slicer.util, MRML nodes, PythonQt's properties and connect());
-what is not in it is an AttributeError.
+It behaves like the documentation and sources of Slicer (slicer.util, MRML nodes, PythonQt's properties and connect()).
+Everything else is an AttributeError.
 """
 import os
 import pathlib
@@ -151,7 +151,7 @@ def add_volume_from_array(samples, ijk_to_ras, name):
     return node
 
 
-shown = {}  # in slice views, as setSliceViewerLayers was told
+shown = {}  # volumes in the slice views, set by setSliceViewerLayers
 
 
 class VTKObservationMixin:
@@ -172,7 +172,7 @@ class Base:
 
 
 class Widget:
-    """Of Qt: properties are attributes, and connect() takes the signal's signature."""
+    """A Qt widget: properties are attributes, and connect() takes the signal's signature."""
     enabled, visible, text, value = True, True, "", 0
 
     def __init__(self, text=""):

@@ -1,4 +1,4 @@
-"""Small scenes of every model, and the program that they are compared with: TURGOR, from scripts/python."""
+"""Small scenes of every model, and the program for comparison: TURGOR, set by scripts/python."""
 import json
 import os
 import pathlib
@@ -10,7 +10,7 @@ PROGRAM = os.environ["TURGOR"]
 
 
 def scene(duration, text, every=0.1):
-    """What is in `text`, with few pictures and small ones; it may begin with more of [world]."""
+    """A scene with `text` and a few small pictures. `text` may start with further keys of [world]."""
     return (f"[world]\nduration = {duration}\nframe_rate = 50\n{text}"
             f"[output]\nvideo = false\nsnapshots = {{ every = {every}, size = [160, 120] }}\n")
 
@@ -69,7 +69,7 @@ def hash_of_program(text, *arguments):
 
 
 def state_of_program(file, seconds, overrides, folder):
-    """The state's hash of the program after a scene's first seconds, with as little drawn as can be."""
+    """State hash of the program after the first seconds of a scene, with as few pictures as possible."""
     small = [f"world.duration={seconds!r}", "output.snapshots={ every = 60, size = [64, 64] }", "output.sections=false",
              "output.recording=false", "output.meshes=false", "output.obj=false"]
     written = tomllib.loads(pathlib.Path(file).read_text()).get("output", {})

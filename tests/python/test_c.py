@@ -22,7 +22,8 @@ class Reading(ctypes.Structure):
 
 @unittest.skipUnless("TURGOR_C" in os.environ, "TURGOR_C names no library")
 class CInterface(unittest.TestCase):
-    def test_ctypes_ticks_a_world_as_python_does(self):
+    # The C interface gives the same forces as the Python module, and errors as text.
+    def test_ctypes_matches_python(self):
         c = ctypes.CDLL(os.environ["TURGOR_C"])
         c.tg_error.restype = ctypes.c_char_p
         world = ctypes.c_void_p()
@@ -35,9 +36,9 @@ class CInterface(unittest.TestCase):
         status = c.tg_world_tick(world, commands, ctypes.c_size_t(ctypes.sizeof(Command)), readings,
                                  ctypes.c_size_t(ctypes.sizeof(Reading)), ctypes.c_size_t(60))
         self.assertEqual(status, 0, c.tg_error())
-        felt = turgor.World(text=PAD).tick(poses)
-        self.assertEqual([list(r.force) + list(r.torque) for r in readings], felt[:, 0].tolist())
-        self.assertGreater(felt[-1, 0, 2], 0.01)
+        forces = turgor.World(text=PAD).tick(poses)
+        self.assertEqual([list(r.force) + list(r.torque) for r in readings], forces[:, 0].tolist())
+        self.assertGreater(forces[-1, 0, 2], 0.01)
         definition.text = b"[world]\nduration = -1\n"
         other = ctypes.c_void_p()
         self.assertEqual(c.tg_world_create(ctypes.byref(definition), ctypes.byref(other)), 1)

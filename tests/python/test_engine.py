@@ -1,4 +1,4 @@
-"""Which of a wheel's engines is chosen, forced and refused; scripts/wheel tries the engines themselves."""
+"""Selection of a wheel's engine: chosen, forced or rejected. scripts/wheel tests the engines themselves."""
 import os
 import pathlib
 import shutil
@@ -26,32 +26,37 @@ def import_turgor(folder, forced=None):
 
 
 class Choice(unittest.TestCase):
-    def test_the_highest_that_a_processor_can_run_is_chosen(self):
+    # The highest engine that the processor supports is chosen.
+    def test_chooses_highest_supported_level(self):
         for flags, level in ((NEHALEM, "v2"), (SANDY_BRIDGE, "v2"), (HASWELL, "v3"), (KNIGHTS_LANDING, "v3"), (SKYLAKE_SERVER, "v4")):
             self.assertEqual(choose(None, flags), level)
 
-    def test_a_lower_one_can_be_forced_and_a_higher_one_is_refused_with_what_it_lacks(self):
+    # A lower engine can be forced; a higher one is rejected with the missing flags.
+    def test_forced_level_must_be_supported(self):
         self.assertEqual([choose(level, SKYLAKE_SERVER) for level in NEEDS], ["v2", "v3", "v4"])
         with self.assertRaisesRegex(ImportError, "expected a processor of x86-64-v4, found one without avx512bw, avx512cd"):
             choose("v4", HASWELL)
         with self.assertRaisesRegex(ImportError, "expected a processor of x86-64-v3, found one without abm, avx2"):
             choose("v3", SANDY_BRIDGE)
 
-    def test_no_engine_runs_on_what_is_older_and_none_has_another_name(self):
+    # Processors older than x86-64-v2 and unknown engine names are rejected.
+    def test_rejects_old_processors_and_unknown_names(self):
         with self.assertRaisesRegex(ImportError, "expected a processor of x86-64-v2, found one without popcnt, sse4_2$"):
             choose(None, CORE_2)
         with self.assertRaisesRegex(ImportError, "TURGOR_ENGINE: expected one of v2, v3, v4, found avx2"):
             choose("avx2", HASWELL)
 
-    def test_flags_are_those_of_the_kernel_and_modest_where_it_tells_none(self):
+    # Flags are read from the kernel; without them the lowest engine is chosen.
+    def test_processor_flags_come_from_kernel(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "cpuinfo"
             file.write_text("processor\t: 0\nflags\t\t: fpu sse4_2 popcnt\nbugs\t\t: none\n\nprocessor\t: 1\nflags\t\t: fpu\n")
             self.assertEqual(processor_flags(file), {"fpu", "sse4_2", "popcnt"})
         self.assertEqual(choose(None, processor_flags("/proc/no-such")), "v2")
 
+    # The flags of each level are those that gcc uses for the architecture of that name.
     @unittest.skipUnless(os.uname().machine == "x86_64" and shutil.which("gcc"), "another processor, or no gcc")
-    def test_an_engine_asks_for_what_gcc_uses_under_that_name(self):
+    def test_levels_match_gcc(self):
         names = {"pni": "SSE3", "abm": "LZCNT", "bmi1": "BMI", "cx16": "GCC_HAVE_SYNC_COMPARE_AND_SWAP_16", "lahf_lm": "LAHF_SAHF"}
         for level, needs in NEEDS.items():
             done = subprocess.run(["gcc", f"-march=x86-64-{level}", "-dM", "-E", "-x", "c", "/dev/null"], capture_output=True, text=True)
@@ -68,13 +73,14 @@ class Package(unittest.TestCase):
         shutil.copytree(pathlib.Path(turgor.__file__).parent, self.package, ignore=shutil.ignore_patterns("*.so", "__pycache__"))
 
     def with_engines(self):
-        """Three folders, as in the wheel; what lies in them is the one engine that was built."""
+        """Three folders as in the wheel; each one contains the one engine that was built."""
         for level in NEEDS:
             (self.package / "engines" / level).mkdir(parents=True)
             module = pathlib.Path(turgor._turgor.__file__)
             (self.package / "engines" / level / module.name).symlink_to(module)
 
-    def test_the_engine_that_is_chosen_or_forced_is_the_one_that_is_loaded(self):
+    # The chosen or forced engine is the one that is loaded.
+    def test_loads_chosen_or_forced_engine(self):
         self.with_engines()
         mine = choose(None, processor_flags())
         for forced, level in ((None, mine), ("v2", "v2")):
@@ -83,11 +89,12 @@ class Package(unittest.TestCase):
             self.assertIn(f"/engines/{level}/_turgor.", done.stdout)
             self.assertIn(turgor.instructions, done.stdout)
 
-    def test_an_engine_that_is_forced_where_there_is_one_alone_is_refused(self):
+    # Forcing an engine is rejected if the package has only one.
+    def test_single_engine_cannot_be_forced(self):
         module = pathlib.Path(turgor._turgor.__file__)
         (self.package / module.name).symlink_to(module)
         done = import_turgor(self.folder, "v2")
-        self.assertIn("TURGOR_ENGINE: expected nothing, since this turgor has one engine alone, found v2", done.stderr)
+        self.assertIn("TURGOR_ENGINE: expected nothing, since this turgor has only one engine, found v2", done.stderr)
 
 
 if __name__ == "__main__":

@@ -15,16 +15,18 @@ except ImportError:
 NAMES = ("turgor/Palpate-v0", "turgor/Retract-v0")
 
 
-@unittest.skipUnless(gymnasium, "gymnasium is not here")
+@unittest.skipUnless(gymnasium, "gymnasium is not installed")
 class Environments(unittest.TestCase):
-    def test_gymnasium_finds_nothing_wrong_with_them(self):
+    # The environments pass Gymnasium's checker without warnings.
+    def test_environments_pass_gymnasium_check(self):
         for name in NAMES:
             with self.subTest(name), warnings.catch_warnings():
                 warnings.simplefilter("error")
                 warnings.filterwarnings("ignore", message=".*render mode.*|.*different from the unwrapped.*")
                 check_env(gymnasium.make(name).unwrapped, skip_render_check=True)
 
-    def test_many_worlds_are_single_ones_beside_each_other(self):
+    # A vector environment gives the observations and rewards of single environments.
+    def test_vector_environment_matches_single_ones(self):
         for name in NAMES:
             with self.subTest(name):
                 envs = gymnasium.make_vec(name, num_envs=5)
@@ -44,7 +46,8 @@ class Environments(unittest.TestCase):
                     forces = max(forces, np.abs(observed[:, 3:6]).max())
                 self.assertGreater(forces, 0.05)
 
-    def test_an_episode_that_is_over_begins_anew(self):
+    # A finished episode restarts with its first observation.
+    def test_finished_episode_restarts(self):
         envs = gymnasium.make_vec("turgor/Retract-v0", num_envs=2)
         first, _ = envs.reset(seed=1)
         idle = np.zeros(envs.action_space.shape, dtype=np.float32)
@@ -57,32 +60,34 @@ class Environments(unittest.TestCase):
         np.testing.assert_array_equal(observed, first)
         self.assertEqual((rewards.tolist(), over.tolist()), ([0, 0], [False, False]))
 
-    def test_pressing_on_the_nodule_is_felt_and_is_better(self):
+    # Pressing the nodule gives a larger force and a larger reward than pressing elsewhere.
+    def test_pressing_nodule_gives_force_and_reward(self):
         env = gymnasium.make("turgor/Palpate-v0").unwrapped
         env.reset(seed=0)
         middle = env.task.variants[env.worlds.variant[0]]
-        felt, rewards = [], []
+        forces, rewards = [], []
         for goal in (middle, (0.08 - middle[0] if middle[0] != 0.04 else 0.02, 0.06 - middle[1])):
             env.reset(seed=0)
             for _ in range(40):
-                way = (np.array(goal) - env.worlds.place[0, :2]) / env.task.step_length
-                env.step(np.array([*np.clip(way, -1, 1), 0], dtype=np.float32))
+                direction = (np.array(goal) - env.worlds.position[0, :2]) / env.task.step_length
+                env.step(np.array([*np.clip(direction, -1, 1), 0], dtype=np.float32))
             for _ in range(4):
                 _, reward, _, _, info = env.step(np.array([0, 0, -1], dtype=np.float32))
-            felt.append(info["force_N"][2])
+            forces.append(info["force_N"][2])
             rewards.append(reward)
-        self.assertGreater(felt[0], 1.1 * felt[1])
-        self.assertGreater(felt[1], 0.01)
+        self.assertGreater(forces[0], 1.1 * forces[1])
+        self.assertGreater(forces[1], 0.01)
         self.assertGreater(rewards[0], 0.9)
         self.assertLess(rewards[1], 0.5)
 
-    def test_forceps_that_hold_pull_with_what_is_wanted(self):
+    # Forceps that hold the tissue can pull with the goal force.
+    def test_holding_forceps_pull_with_goal_force(self):
         env = gymnasium.make("turgor/Retract-v0").unwrapped
         env.reset(seed=0)
         best = -1
-        for way, hold, steps in ((-1, -1, 6), (0, 1, 18), (0.5, 1, 40)):
+        for lift, hold, steps in ((-1, -1, 6), (0, 1, 18), (0.5, 1, 40)):
             for _ in range(steps):
-                _, reward, _, _, info = env.step(np.array([0, 0, way, hold], dtype=np.float32))
+                _, reward, _, _, info = env.step(np.array([0, 0, lift, hold], dtype=np.float32))
                 best = max(best, reward)
         self.assertGreater(best, 0.8)
         self.assertLess(info["force_N"][2], -0.1)

@@ -16,9 +16,10 @@ def code_of(file):
     return ["".join(cell["source"]) for cell in json.loads(file.read_text())["cells"] if cell["cell_type"] == "code"]
 
 
-@unittest.skipUnless(matplotlib, "matplotlib is not here")
+@unittest.skipUnless(matplotlib, "matplotlib is not installed")
 class Notebooks(unittest.TestCase):
-    def test_every_notebook_runs_to_its_end(self):
+    # Every notebook runs to its end.
+    def test_notebooks_run(self):
         matplotlib.use("Agg")
         files = sorted(FOLDER.glob("*.ipynb"))
         self.assertEqual(len(files), 3)

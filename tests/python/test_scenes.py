@@ -19,7 +19,8 @@ def golden_lines():
 
 
 class Scenes(unittest.TestCase):
-    def test_every_scene_has_the_programs_bits(self):
+    # Every scene gives the same state as the program.
+    def test_scenes_match_program(self):
         for file, frames, overrides in golden_lines():
             with self.subTest(scene=file.name), tempfile.TemporaryDirectory() as folder:
                 rate = tomllib.loads(file.read_text())["world"].get("frame_rate", 60)
@@ -29,7 +30,8 @@ class Scenes(unittest.TestCase):
                 world.step(frames)
                 self.assertEqual(world.state_hash, state_of_program(file, frames / rate, overrides, folder))
 
-    def test_a_scene_as_a_dict_is_the_scene_as_a_file(self):
+    # A scene as a dictionary gives the same state as its file.
+    def test_dict_scene_matches_file(self):
         file = SOURCE / "scenes/flag.toml"
         as_dict = turgor.World(tomllib.loads(file.read_text()), folder=file.parent)
         as_file = turgor.World(file)

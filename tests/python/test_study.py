@@ -1,4 +1,4 @@
-"""Studies: designs, members as processes, and what is left when somebody is killed."""
+"""Studies: designs, members as processes, and recovery after a process was killed."""
 import csv
 import json
 import os
@@ -45,22 +45,25 @@ def table_of(out):
 
 
 class Designs(unittest.TestCase):
-    def test_a_latin_hypercube_has_one_number_in_every_part(self):
+    # A Latin hypercube has one point in every stratum of every parameter.
+    def test_latin_hypercube_has_one_point_per_stratum(self):
         points = latin_hypercube(50, 3, seed=4)
         for column in points.T:
             self.assertEqual(sorted((column * 50).astype(int)), list(range(50)))
 
-    def test_vectors_go_from_one_end_to_the_other(self):
+    # Vector values are interpolated between their ends, linearly or logarithmically.
+    def test_vector_values_are_interpolated(self):
         self.assertEqual(_value({"uniform": [[20, 10], [80, 40]]}, 0.5), [50, 25])
         self.assertEqual(_value({"uniform": [1, 3]}, 0.25), 1.5)
         np.testing.assert_allclose(_value({"log_uniform": [[1, 100], [100, 1]]}, 0.5), [10, 10])
 
-    def test_ishigamis_indices_lie_in_their_intervals(self):
+    # The Sobol indices of the Ishigami function lie in their confidence intervals.
+    def test_sobol_indices_of_ishigami_function(self):
         x = np.pi * (2 * _saltelli(4096, 3, seed=2) - 1)
         a, b = 7, 0.1
         f = np.sin(x[:, 0]) + a * np.sin(x[:, 1]) ** 2 + b * x[:, 2] ** 4 * np.sin(x[:, 0])
-        part = (0.5 * (1 + b * np.pi**4 / 5) ** 2, a**2 / 8, 0, b**2 * np.pi**8 * 8 / 225)
-        first, total = np.array(part[:3]) / sum(part), np.array([part[0] + part[3], part[1], part[3]]) / sum(part)
+        variances = (0.5 * (1 + b * np.pi**4 / 5) ** 2, a**2 / 8, 0, b**2 * np.pi**8 * 8 / 225)
+        first, total = np.array(variances[:3]) / sum(variances), np.array([variances[0] + variances[3], variances[1], variances[3]]) / sum(variances)
         f[[5, 4096 + 77]] = np.nan  # two members that failed
         found_first, found_total = sobol_indices(f, 3)
         for found, exact in ((found_first, first), (found_total, total)):
@@ -69,14 +72,15 @@ class Designs(unittest.TestCase):
 
 
 class Studies(unittest.TestCase):
-    def test_parts_are_the_whole(self):
+    # A study that runs in several processes gives the same table as one process.
+    def test_partial_runs_give_whole_study(self):
         folder = folder_with()
         whole = run_study(folder / "study.toml", folder / "whole", jobs=2)
         self.assertIsNone(run_study(folder / "study.toml", folder / "parts", part=(2, 3)))
         self.assertIsNone(run_study(folder / "study.toml", folder / "parts", part=(1, 3)))
-        parts = run_study(folder / "study.toml", folder / "parts", part=(3, 3))
+        partial = run_study(folder / "study.toml", folder / "parts", part=(3, 3))
         self.assertEqual(table_of(folder / "whole"), table_of(folder / "parts"))
-        self.assertEqual(whole["measures"], parts["measures"])
+        self.assertEqual(whole["measures"], partial["measures"])
         force = {float(row["body.pad.young"]): float(row["force"]) for row in table_of(folder / "whole")}
         self.assertAlmostEqual(force[4e3] / force[2e3], 2, delta=0.05)  # linear elastic
         alone = turgor.World(folder / "pad.toml", set={"body.pad.young": 8e3, "tool.finger.friction": 0.6})
@@ -84,7 +88,8 @@ class Studies(unittest.TestCase):
             pass
         self.assertAlmostEqual(alone.report()["tools"][0]["force_max_N"], float(table_of(folder / "whole")[5]["force"]))
 
-    def test_one_that_is_refused_and_one_that_hangs_cost_a_row_each(self):
+    # A member that is rejected and one that times out cost one row each.
+    def test_failing_members_cost_one_row_each(self):
         folder = folder_with(young="{ values = [4e3, -1] }")
         text = (folder / "study.toml").read_text().replace("timeout = 20", "timeout = 6").replace(
             '"tool.finger.friction" = { values = [0.0, 0.6] }', '"world.duration" = { values = [0.1, 3590] }')
@@ -97,7 +102,8 @@ class Studies(unittest.TestCase):
         self.assertIn("young", rows[2]["failed"])
         self.assertEqual(len(report["failed"]), 3)
 
-    def test_a_killed_driver_and_a_killed_member_lose_nothing(self):
+    # A killed study resumes without repeating finished members.
+    def test_killed_study_resumes(self):
         folder = folder_with(young="{ values = [2e3, 3e3, 4e3, 5e3] }")
         command = [sys.executable, "-m", "turgor.study", str(folder / "study.toml"), "--out", str(folder / "out"), "--jobs", "1"]
         driver = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
@@ -105,7 +111,7 @@ class Studies(unittest.TestCase):
         deadline = time.monotonic() + 30
         while time.monotonic() < deadline and len(list(members.glob("*.json"))) < 2:
             time.sleep(0.02)
-        os.killpg(driver.pid, signal.SIGKILL)  # and with it the member that it waits for
+        os.killpg(driver.pid, signal.SIGKILL)  # together with the member that it waits for
         driver.wait()
         before = {file.name: file.stat().st_mtime_ns for file in members.glob("*.json")}
         self.assertTrue(2 <= len(before) < 8, before)
@@ -116,7 +122,8 @@ class Studies(unittest.TestCase):
         run_study(folder / "study.toml", folder / "whole", jobs=2)
         self.assertEqual(table_of(folder / "out"), table_of(folder / "whole"))
 
-    def test_what_a_study_has_wrong_is_a_sentence(self):
+    # Errors in a study file give an error message.
+    def test_study_errors_are_explained(self):
         for design, sentence in (('{ kind = "spiral" }', "grid, lhs, saltelli"), ('{ count = 3 }', "kind")):
             folder = folder_with(design)
             with self.assertRaisesRegex(turgor.Error, sentence):
@@ -134,7 +141,8 @@ class Studies(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertNotIn("Traceback", done.stderr)
 
-    def test_a_vector_is_one_cell_of_the_table_and_reaches_the_scene(self):
+    # A vector parameter is one cell of the table and is passed to the scene.
+    def test_vector_is_one_table_cell(self):
         folder = folder_with('{ kind = "lhs", count = 2, seed = 3 }')
         text = (folder / "study.toml").read_text().replace(
             '"tool.finger.friction" = { values = [0.0, 0.6] }', '"world.gravity" = { uniform = [[0, 0, 0], [0, 0, -9.81]] }')
@@ -146,7 +154,8 @@ class Studies(unittest.TestCase):
             self.assertTrue(-9.81 < gravity[2] < 0)
             self.assertGreater(float(row["force"]), 0.001)
 
-    def test_a_report_has_the_indices_of_what_was_varied(self):
+    # The report contains the Sobol indices of the varied parameters.
+    def test_report_has_sobol_indices(self):
         folder = folder_with('{ kind = "saltelli", count = 4, seed = 1 }', "{ uniform = [2e3, 8e3] }")
         report = run_study(folder / "study.toml", folder / "out", jobs=2)
         self.assertEqual(report["members"], 16)

@@ -1,4 +1,4 @@
-"""Studies on Dask: a scheduler and its workers as processes, and what is left when one of them is killed."""
+"""Studies on Dask: a scheduler and its workers as processes, and recovery after one of them was killed."""
 import json
 import os
 import pathlib
@@ -28,23 +28,23 @@ def dask(*words):
 
 
 def wait_for(what, seconds=30):
-    """What `what()` gives as soon as that is true."""
+    """Result of `what()` as soon as it is true."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         found = what()
         if found:
             return found
         time.sleep(0.01)
-    raise AssertionError(f"nothing came of {what} in {seconds} s")
+    raise AssertionError(f"{what} was not true within {seconds} s")
 
 
 def members_of(process):
-    """The processes that a worker waits for."""
+    """Process ids of the children of a worker."""
     threads = pathlib.Path(f"/proc/{process.pid}/task").glob("*/children")
     return [int(child) for thread in threads for child in thread.read_text().split()]
 
 
-def is_there(pid):
+def is_alive(pid):
     try:
         return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
@@ -52,15 +52,15 @@ def is_there(pid):
 
 
 class Cluster:
-    """A scheduler, and workers of one thread each."""
+    """A scheduler and workers with one thread each."""
 
     def __init__(self, workers):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="turgor-dask-"))
-        told = self.folder / "scheduler.json"
-        self.scheduler = dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(told))
-        self.workers = [dask("worker", "--scheduler-file", str(told), "--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder))
+        file = self.folder / "scheduler.json"
+        self.scheduler = dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file))
+        self.workers = [dask("worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder))
                         for _ in range(workers)]
-        self.address = json.loads(wait_for(lambda: told.exists() and told.read_text()))["address"]
+        self.address = json.loads(wait_for(lambda: file.exists() and file.read_text()))["address"]
 
     def close(self):
         for process in (*self.workers, self.scheduler):
@@ -74,7 +74,7 @@ def command(folder, address):
 
 
 def study_of(rows, timeout):
-    """A study of one case a row of [young, duration]; one of 3590 s takes longer than anybody waits."""
+    """A study with one case per row of [young, duration]. A duration of 3590 s exceeds every timeout."""
     folder = folder_with()
     (folder / "pad.toml").write_text((folder / "pad.toml").read_text().replace("every = 0.1", "every = 1"))
     text = (folder / "study.toml").read_text().replace('"body.pad.young" = { values = [2e3, 4e3, 8e3] }\n', "").replace(
@@ -84,7 +84,7 @@ def study_of(rows, timeout):
     return folder
 
 
-@unittest.skipUnless(distributed, "Dask cannot be had here")
+@unittest.skipUnless(distributed, "Dask is not installed")
 class OnDask(unittest.TestCase):
     def cluster(self, workers):
         cluster = Cluster(workers)
@@ -96,7 +96,8 @@ class OnDask(unittest.TestCase):
         self.addCleanup(driver.stderr.close)
         return driver
 
-    def test_a_killed_worker_a_killed_driver_and_a_hanging_member_lose_nothing(self):
+    # A killed worker, a killed driver and a member that hangs lose no finished members.
+    def test_killed_worker_and_driver_lose_nothing(self):
         good = [(young, 0.2) for young in (2e3, 3e3, 4e3, 5e3)]
         folder = study_of([(4e3, 3590), (-1, 0.2), *good], timeout=8)
         cluster = self.cluster(2)
@@ -122,7 +123,8 @@ class OnDask(unittest.TestCase):
         run_study(serial / "study.toml", serial / "out", jobs=2)
         self.assertEqual(rows[2:], table_of(serial / "out"))
 
-    def test_a_member_whose_workers_die_costs_its_row_and_a_scheduler_that_dies_is_told(self):
+    # A member whose workers die costs its row; a scheduler that dies is reported.
+    def test_dying_workers_and_scheduler_are_reported(self):
         folder = study_of([(4e3, 3590), (3e3, 0.2)], timeout=60)
         cluster = self.cluster(2)
         driver = self.driver(folder, cluster.address)
@@ -132,33 +134,36 @@ class OnDask(unittest.TestCase):
             hanging = members_of(busy)[0]
             busy.kill()
             busy.wait()
-            wait_for(lambda: not is_there(hanging), seconds=5)
+            wait_for(lambda: not is_alive(hanging), seconds=5)
         self.assertEqual(driver.wait(), 0)
         rows = table_of(folder / "out")
-        self.assertEqual(rows[0]["failed"], "2 workers died while they did it")
+        self.assertEqual(rows[0]["failed"], "2 workers died while running it")
         self.assertGreater(float(rows[1]["force"]), 0)
 
         driver = self.driver(folder, cluster.address)
-        self.assertIn("no worker is there yet", driver.stderr.readline())
+        self.assertIn("no worker yet", driver.stderr.readline())
         cluster.scheduler.kill()
         self.assertIn("the scheduler is gone", driver.communicate()[1])
         self.assertEqual(driver.returncode, 2)
         self.assertEqual(table_of(folder / "out"), rows)
 
-    def test_dask_in_this_process_gives_the_same_table(self):
+    # Dask inside of this process gives the same table as a run without it.
+    def test_local_dask_gives_same_table(self):
         folder = study_of([(2e3, 0.2), (3e3, 0.2)], timeout=20)
         for out, cluster in (("plain", None), ("local", "local")):
             run_study(folder / "study.toml", folder / out, jobs=2, cluster=cluster)
         self.assertEqual(table_of(folder / "local"), table_of(folder / "plain"))
 
-    def test_a_worker_with_another_turgor_is_refused_with_a_sentence(self):
+    # A worker with another version of Turgor is rejected with a message.
+    def test_worker_with_other_version_is_rejected(self):
         folder = study_of([(2e3, 0.2)], timeout=20)
         of_another = lambda *given: {**_task(*given), "version": "9.9"}
         with unittest.mock.patch("turgor.study._task", of_another), self.assertRaisesRegex(turgor.Error, "local: expected .* turgor 9.9 as on"):
             run_study(folder / "study.toml", folder / "out", cluster="local")
         self.assertEqual(list((folder / "out/members").iterdir()), [])
 
-    def test_an_address_where_nobody_is_gives_a_sentence(self):
+    # An address without a scheduler gives an error message.
+    def test_unreachable_scheduler_is_reported(self):
         folder = study_of([(2e3, 0.2)], timeout=20)
         for driver in [self.driver(folder, address) for address in ("tcp://127.0.0.1:9", "no-such-thing://7")]:
             said = driver.communicate()[1].strip().splitlines()
@@ -167,7 +172,8 @@ class OnDask(unittest.TestCase):
 
 
 class WithoutDask(unittest.TestCase):
-    def test_a_cluster_is_refused_with_a_sentence(self):
+    # Without Dask a cluster is rejected with the command that installs it.
+    def test_cluster_needs_dask(self):
         folder = study_of([(2e3, 0.2)], timeout=20)
         script = "import sys; sys.modules['distributed'] = None; from turgor.study import main; sys.exit(main(sys.argv[1:]))"
         done = subprocess.run([sys.executable, "-c", script, *command(folder, "local")[3:]], capture_output=True, text=True)

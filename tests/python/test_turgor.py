@@ -1,4 +1,4 @@
-"""The Python module against the program: TURGOR (the program) and PYTHONPATH come from scripts/python."""
+"""The Python module compared with the program. scripts/python sets TURGOR (the program) and PYTHONPATH."""
 import os
 import pathlib
 import tempfile
@@ -13,14 +13,16 @@ from turgor.engine import choose, processor_flags
 
 
 class Turgor(unittest.TestCase):
-    def test_every_model_has_the_programs_bits(self):
+    # Every model gives the same state as the program.
+    def test_models_match_program(self):
         for text in (FORCEPS, PAD, CLOTH, TORSO):
             world = turgor.World(text=text, threads=2)
             for _ in world.run():
                 pass
             self.assertEqual(world.state_hash, hash_of_program(text), text)
 
-    def test_a_run_is_the_programs_and_leaves_its_folder(self):
+    # A run gives the state of the program and writes its folder.
+    def test_run_matches_program_and_writes_folder(self):
         with tempfile.TemporaryDirectory() as folder:
             scene = pathlib.Path(folder) / "s.toml"
             scene.write_text(FORCEPS)
@@ -28,7 +30,8 @@ class Turgor(unittest.TestCase):
             self.assertEqual(report["state_hash"], hash_of_program(FORCEPS, "--set", "world.duration=0.2"))
             self.assertTrue((pathlib.Path(folder) / "out/report.html").exists())
 
-    def test_places_are_rest_and_displacement(self):
+    # Points are rest points plus displacements.
+    def test_points_are_rest_plus_displacement(self):
         world = turgor.World(text=CLOTH)
         world.step(5)
         sheet = world["sheet"]
@@ -38,13 +41,15 @@ class Turgor(unittest.TestCase):
         self.assertEqual(sheet.triangles.min(), 0)
         self.assertEqual(sheet.triangles.max(), len(sheet.points) - 1)
 
+    # The report names the highest instruction set of the processor.
     @unittest.skipUnless(os.uname().machine == "x86_64", "another processor")
-    def test_the_report_names_all_instructions_that_this_processor_has(self):
+    def test_report_names_instruction_set(self):
         highest = f"x86-64-{choose(None, processor_flags())}"
         self.assertEqual(turgor.World(text=CLOTH).report()["machine"]["instructions"], highest)
         self.assertEqual(turgor.instructions, highest)
 
-    def test_walls_of_a_wound_are_the_last_triangles_and_come_with_the_cut(self):
+    # The walls of a wound are the last triangles and appear with the cut.
+    def test_wound_walls_are_last_triangles(self):
         world = turgor.World(text=TORSO)
         torso = world["torso"]
         self.assertEqual(torso.wall_begin, len(torso.triangles))
@@ -54,7 +59,8 @@ class Turgor(unittest.TestCase):
         np.testing.assert_allclose(inside[[0, 2]], [0, 0], atol=0.02)  # under the middle of the cut
         self.assertEqual(turgor.World(text=CLOTH)["sheet"].wall_begin, len(turgor.World(text=CLOTH)["sheet"].triangles))
 
-    def test_arrays_outlive_their_world_and_do_not_change(self):
+    # Arrays outlive their world and do not change.
+    def test_arrays_outlive_world(self):
         world = turgor.World(text=CLOTH)
         before = world["sheet"].points
         kept = before.copy()
@@ -62,7 +68,8 @@ class Turgor(unittest.TestCase):
         del world
         np.testing.assert_array_equal(before, kept)
 
-    def test_a_driven_tool_presses_where_it_is_led_as_hard_as_a_path_of_the_scene(self):
+    # A driven tool gives the same force as a path in the scene.
+    def test_driven_tool_matches_scene_path(self):
         driven = turgor.World(text=PAD)
         rows = np.array([[0.1, 0.03, 0.03, 0.0345], [0.2, 0.03, 0.03, 0.0345]])
         driven.drive("finger", rows)
@@ -71,13 +78,14 @@ class Turgor(unittest.TestCase):
         for world in (driven, written):
             for _ in world.run():
                 pass
-        felt, expected = driven.forces("finger"), written.forces("finger")
+        actual, expected = driven.forces("finger"), written.forces("finger")
         self.assertGreater(expected["force_N"][-1, 2], 0.005)
-        np.testing.assert_allclose(felt["force_N"][-1], expected["force_N"][-1], atol=1e-6)
-        line = 0.05 - 0.0155 * np.minimum(felt["time_s"] / 0.1, 1)
-        np.testing.assert_allclose(felt["position_m"][:, 2], line, atol=1e-12)
+        np.testing.assert_allclose(actual["force_N"][-1], expected["force_N"][-1], atol=1e-6)
+        line = 0.05 - 0.0155 * np.minimum(actual["time_s"] / 0.1, 1)
+        np.testing.assert_allclose(actual["position_m"][:, 2], line, atol=1e-12)
 
-    def test_what_the_program_refuses_is_an_error_with_its_sentence(self):
+    # What the program rejects raises an error with the same message.
+    def test_errors_have_messages_of_program(self):
         with self.assertRaisesRegex(turgor.Error, "tension"):
             turgor.World(text=TORSO, set={"body.torso.skin.tension": -4})
         with self.assertRaisesRegex(turgor.Error, "no-such.toml"):
@@ -91,12 +99,14 @@ class Turgor(unittest.TestCase):
         with self.assertRaisesRegex(turgor.Error, "ct"):
             turgor.World({"body": {"torso": {"model": "lattice", "fixed": ["bone"]}}})
 
-    def test_overrides_are_written_as_toml(self):
+    # Overrides accept dictionaries, NumPy scalars and None.
+    def test_overrides_accept_python_values(self):
         world = turgor.World(text=FORCEPS, set={"body.liver.surface": {"phantom": "liver", "detail": 0.25},
                                                 "world.duration": np.float64(0.1), "output.video": None})
         self.assertAlmostEqual(world.duration, 0.1)
 
-    def test_worlds_run_beside_each_other_and_one_world_is_entered_once(self):
+    # Worlds run concurrently in threads; entering one world twice is an error.
+    def test_threads_share_no_world(self):
         worlds = [turgor.World(text=CLOTH, threads=1) for _ in range(4)]
         threads = [threading.Thread(target=world.step, args=(10,)) for world in worlds]
         for thread in threads:
@@ -121,7 +131,8 @@ class Turgor(unittest.TestCase):
             thread.join()
         self.assertTrue(refused and "another thread" in refused[0])
 
-    def test_a_world_that_is_being_stepped_is_not_looked_at(self):
+    # Access to a world that another thread is stepping is an error.
+    def test_stepping_world_rejects_access(self):
         world = turgor.World(text=TORSO, threads=1)
         looks = [lambda: world["torso"], lambda: world.state_hash, lambda: world.time, lambda: world.notes,
                  lambda: world.tools, lambda: world.bodies]
@@ -138,7 +149,8 @@ class Turgor(unittest.TestCase):
         self.assertEqual(refused, len(looks))
         self.assertEqual(world.frame, 300)
 
-    def test_a_text_is_any_text(self):
+    # Texts may contain any Unicode character.
+    def test_texts_may_be_unicode(self):
         with self.assertRaisesRegex(turgor.Error, "\U0001d6d1.nii"):
             turgor.World(text=TORSO, set={"body.torso.ct": "/no-such-folder/\U0001d6d1.nii"})
 

@@ -1,4 +1,4 @@
-// A small world to test with: fat on a slab of bone, under skin, cut across its front.
+// A small test world: fat on a slab of bone, with skin and a cut across the front.
 #pragma once
 
 #include <filesystem>
@@ -37,7 +37,7 @@ inline std::string block_scene_text(const std::string& ct) {
          "start = 0.05\nduration = 0.05\n[output]\nsnapshots = { every = 0.1 }\n";
 }
 
-/// The scene, with its CT written beside it.
+/// The scene, with its CT written into the same folder.
 inline Scene block_scene(const std::filesystem::path& folder,
                          const std::vector<std::string>& overrides = {}) {
   EXPECT_TRUE(write_ct(folder / "block.nii", block_ct()));

@@ -9,10 +9,10 @@
 
 namespace turgor::test {
 
-/// Its tools.
+/// Indices of its tools.
 constexpr int kFinger = 0, kBall = 1, kTip = 2;
 
-/// An elastic pad under a finger with a cloth on it, a phantom liver under a ball, and a block of fat that is
+/// An elastic pad with a finger and a cloth on it, a phantom liver with a ball, and a block of fat that is
 /// cut while a ball presses it.
 inline std::string four_kinds_text() {
   return R"([world]
@@ -68,7 +68,7 @@ snapshots = { every = 0.1, size = [160, 120] }
 )";
 }
 
-/// The scene, with its CT written beside it.
+/// The scene, with its CT written into the same folder.
 inline Scene four_kinds_scene(const std::filesystem::path& folder,
                               const std::vector<std::string>& overrides = {}) {
   EXPECT_TRUE(write_ct(folder / "block.nii", block_ct()));

@@ -1,5 +1,5 @@
-// A hand that feels one tool of a world, on one thread and without a clock: a computed arm, the safety chain,
-// the model's ticks and frames, in the order in which a loop and a session run them beside each other.
+// A hand with a haptic device on one tool of a world, on one thread and without a clock. It runs a simulated
+// arm, the safety chain, the model's ticks and its frames in the order of a live session.
 #pragma once
 
 #include <cmath>
@@ -14,15 +14,15 @@ namespace turgor::test {
 
 class HapticHand {
  public:
-  /// Goes the tool's own path, as a light hand does; the tool is the first of its body.
+  /// Follows the tool's own path with a light grip; the tool is the first of its body.
   HapticHand(World& world, int tool)
       : world_(world),
         id_(world.tools[std::size_t(tool)].body),
         start_(command_at(world.tools[std::size_t(tool)], 0)),
         device_({.workspace_low = {-1, -1, -1}, .workspace_high = {1, 1, 1}},
-                haptics::light_hand([way = world.tools[std::size_t(tool)], this](double time) {
+                haptics::light_grip([target_path = world.tools[std::size_t(tool)], this](double time) {
                   return haptics::HandTarget{
-                      .pose = {command_at(way, time).pose.position - start_.pose.position, {}}};
+                      .pose = {command_at(target_path, time).pose.position - start_.pose.position, {}}};
                 })) {
     EXPECT_TRUE(device_.open());
     safety_ = haptics::make_safety(device_.spec(), {.ramp = 0.01});
@@ -34,8 +34,8 @@ class HapticHand {
     for_each_touched(world_, [](BodyId, auto& body) { end_haptics(body); });
   }
 
-  /// Ticks and the frames that are due meanwhile; `frame` comes after each of them.
-  void extrapolate(double seconds, const std::function<void()>& frame = {}) {
+  /// Runs ticks and the frames that become due; `frame` is called after each frame.
+  void advance(double seconds, const std::function<void()>& frame = {}) {
     const double end = time_ + seconds;
     while (time_ < end - 1e-9) {
       tick();
@@ -47,40 +47,41 @@ class HapticHand {
       next_frame_ += world_.dt;
     }
   }
-  /// The loop stands still for so long, and the hand does not.
+  /// Stalls the loop for some time, while the hand continues to move.
   void stall(double seconds) {
-    for (int n = 0; n < int(seconds / kTick); n++) device_.exchange(output_.value(), asked_.hand);
+    for (int n = 0; n < int(seconds / kTick); n++) device_.exchange(output_.value(), safety_input_.hand);
     time_ += seconds;
-    make_safe_of(seconds);
+    apply_safety(seconds);
   }
 
-  bool has_frames = true;  // false: physics stands still
+  bool has_frames = true;  // false: the physics is stopped
   const haptics::Safety& safety() const { return safety_; }
   Vec3d force() const { return output_.value().force; }
-  Vec3d asked() const { return asked_.wanted.force; }
+  Vec3d requested_force() const { return safety_input_.wanted.force; }
   double speed() const { return norm(device_.velocity()); }
-  double largest = 0, steepest = 0;  // force, and change of it in a tick, over what is allowed [1]
+  double largest = 0,
+         steepest = 0;  // largest force and largest change per tick, relative to their limits [1]
   bool finite = true;
   contact::ToolReading reading;
 
  private:
   void tick() {
     time_ += kTick;
-    device_.exchange(output_.value(), asked_.hand);
+    device_.exchange(output_.value(), safety_input_.hand);
     contact::ToolCommand command = start_;
-    command.pose.position += asked_.hand.pose.position;
+    command.pose.position += safety_input_.hand.pose.position;
     reading = {};
     visit_body(world_, id_, [&](auto& body) {
       if constexpr (is_touched<decltype(body)>)
         tick_haptics(body, std::span(&command, 1), kTick, std::span(&reading, 1));
     });
-    asked_.wanted.force = reading.force, asked_.age = reading.age;
-    make_safe_of(kTick);
+    safety_input_.wanted.force = reading.force, safety_input_.age = reading.age;
+    apply_safety(kTick);
   }
-  void make_safe_of(double dt) {
+  void apply_safety(double dt) {
     const haptics::SafetyParams& p = safety_.params;
     const Vec3d before = force();
-    output_ = haptics::make_safe(safety_, asked_, dt);
+    output_ = haptics::make_safe(safety_, safety_input_, dt);
     const Vec3d after = force();
     finite = finite && std::isfinite(norm(after));
     largest = std::max(largest, norm(after) / p.force);
@@ -93,11 +94,11 @@ class HapticHand {
   haptics::VirtualDevice device_;
   haptics::Safety safety_;
   haptics::SafeOutput output_;
-  haptics::Asked asked_;
+  haptics::SafetyInput safety_input_;
   double time_ = 0, next_frame_ = 0;
 };
 
-/// It may be wrong, but a device is given neither more than its limit nor a steeper force.
+/// The model may be wrong, but the device never receives a force above its limit or its slope.
 inline void expect_harmless(const HapticHand& hand, const std::string& what) {
   EXPECT_TRUE(hand.finite) << what;
   EXPECT_LE(hand.largest, 1 + 1e-12) << what;

@@ -27,7 +27,7 @@ std::string text_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Makes a complete output that says `text`.
+/// Writes a complete output whose report is `text`.
 void leave_output(const fs::path& goal, const std::string& text) {
   Result<OutputFolder> folder = OutputFolder::create(goal);
   ASSERT_TRUE(folder) << folder.error().message;
@@ -35,7 +35,8 @@ void leave_output(const fs::path& goal, const std::string& text) {
   ASSERT_TRUE(folder->commit());
 }
 
-TEST(OutputFolder, AppearsUnderItsNameOnlyWhenCommitted) {
+// The folder appears under its name only when it is committed.
+TEST(OutputFolder, AppearsOnCommit) {
   const fs::path root = fresh_folder(), goal = root / "deep" / "out";
   {
     Result<OutputFolder> folder = OutputFolder::create(goal);
@@ -48,7 +49,8 @@ TEST(OutputFolder, AppearsUnderItsNameOnlyWhenCommitted) {
   EXPECT_EQ(names_in(goal.parent_path()), std::set<std::string>{"out"});
 }
 
-TEST(OutputFolder, ReplacesAnEarlierOutputOnlyAtTheEnd) {
+// An earlier output is replaced only by the commit.
+TEST(OutputFolder, ReplacesEarlierOutputOnCommit) {
   const fs::path root = fresh_folder(), goal = root / "out";
   leave_output(goal, "first");
   {
@@ -62,7 +64,8 @@ TEST(OutputFolder, ReplacesAnEarlierOutputOnlyAtTheEnd) {
   EXPECT_EQ(names_in(root), std::set<std::string>{"out"});
 }
 
-TEST(OutputFolder, LeavesNothingWithoutCommit) {
+// Without a commit no new files remain.
+TEST(OutputFolder, RemovesFilesWithoutCommit) {
   const fs::path root = fresh_folder(), goal = root / "out";
   leave_output(goal, "first");
   { ASSERT_TRUE(OutputFolder::create(goal)); }
@@ -70,13 +73,14 @@ TEST(OutputFolder, LeavesNothingWithoutCommit) {
   EXPECT_EQ(names_in(root), std::set<std::string>{"out"});
 }
 
-TEST(OutputFolder, FoldersAroundItGoAgainWhenNothingIsInThem) {
+// Parent folders that it created are removed again if they are empty.
+TEST(OutputFolder, RemovesEmptyParentFolders) {
   const fs::path root = fresh_folder();
   { ASSERT_TRUE(OutputFolder::create(root / "study/patient/out")); }
   EXPECT_EQ(names_in(root), std::set<std::string>{});
   fs::create_directory(root / "mine");
   { ASSERT_TRUE(OutputFolder::create(root / "mine/out")); }
-  EXPECT_EQ(names_in(root), std::set<std::string>{"mine"}) << "it was there before";
+  EXPECT_EQ(names_in(root), std::set<std::string>{"mine"}) << "an existing folder is kept";
   leave_output(root / "study/out", "kept");
   { ASSERT_TRUE(OutputFolder::create(root / "study/other")); }
   EXPECT_EQ(names_in(root / "study"), std::set<std::string>{"out"});
@@ -87,7 +91,8 @@ std::string error_of(const fs::path& goal, Foreign foreign = Foreign::kRefuse) {
   return folder ? "" : folder.error().message;
 }
 
-TEST(OutputFolder, RefusesFilesAndFoldersOfOthers) {
+// Files, and folders that are not outputs, are refused.
+TEST(OutputFolder, RejectsForeignPaths) {
   const fs::path root = fresh_folder();
   write(root / "thesis.tex", "ten years of work");
   EXPECT_EQ(error_of(root), root.string() +
@@ -99,7 +104,8 @@ TEST(OutputFolder, RefusesFilesAndFoldersOfOthers) {
   EXPECT_NE(error_of("/proc/out").find("/proc/.out.partial-"), std::string::npos) << error_of("/proc/out");
 }
 
-TEST(OutputFolder, AReportOfSomebodyElseMakesNoFolderOurs) {
+// A folder with a foreign report.json is not an output.
+TEST(OutputFolder, ForeignReportIsNoOutput) {
   const fs::path goal = fresh_folder() / "project";
   fs::create_directory(goal);
   write(goal / "report.json", "{}");
@@ -111,30 +117,32 @@ TEST(OutputFolder, AReportOfSomebodyElseMakesNoFolderOurs) {
   EXPECT_EQ(text_of(goal / "thesis.tex"), "ten years of work");
 }
 
-TEST(OutputFolder, FilesThatWereAddedOrChangedAreNamedAndStay) {
+// Added and changed files are named and kept.
+TEST(OutputFolder, KeepsAddedAndChangedFiles) {
   const fs::path root = fresh_folder(), goal = root / "out";
   leave_output(goal, "first");
   fs::create_directory(goal / "mine");
   write(goal / "mine" / "notes.md", "seen twice");
   fs::create_symlink("/", goal / "link");
-  write(goal / kReportFile, "First");  // of the same size
+  write(goal / kReportFile, "First");  // same size
   EXPECT_EQ(error_of(goal),
             goal.string() +
                 ": holds files that turgor did not write, or that were changed since: link, "
-                "mine/notes.md, report.json; choose another folder with --out, or let them be "
-                "removed with --force");
+                "mine/notes.md, report.json; choose another folder with --out, or remove them "
+                "with --force");
   EXPECT_EQ(text_of(goal / "mine" / "notes.md"), "seen twice");
   EXPECT_EQ(text_of(goal / kReportFile), "First");
   EXPECT_EQ(names_in(root), std::set<std::string>{"out"});
 }
 
-TEST(OutputFolder, ForceRemovesWhatItNamedAndNothingElse) {
+// Force removes only the files that it named.
+TEST(OutputFolder, ForceRemovesOnlyNamedFiles) {
   const fs::path root = fresh_folder(), goal = root / "out";
   leave_output(goal, "first");
   write(goal / "notes.md", "seen twice");
   Result<OutputFolder> folder = OutputFolder::create(goal, Foreign::kRemove);
   ASSERT_TRUE(folder) << folder.error().message;
-  EXPECT_EQ(folder->doomed(), std::vector<std::string>{"notes.md"});
+  EXPECT_EQ(folder->removed_foreign(), std::vector<std::string>{"notes.md"});
   write(folder->path() / kReportFile, "second");
   write(goal / "later.md", "came while it ran");
   ASSERT_TRUE(folder->commit());
@@ -145,28 +153,31 @@ TEST(OutputFolder, ForceRemovesWhatItNamedAndNothingElse) {
   EXPECT_FALSE(fs::exists(root / "out.kept" / kReportFile));
 }
 
-TEST(OutputFolder, TooManyFilesToNameAreNotForcedAway) {
+// Force refuses to remove more files than it can name.
+TEST(OutputFolder, ForceRejectsTooManyFiles) {
   const fs::path goal = fresh_folder() / "out";
   leave_output(goal, "first");
   for (int n = 0; n < 21; n++) write(goal / ("mine-" + std::to_string(n)), "x");
   EXPECT_NE(error_of(goal, Foreign::kRemove).find("and 1 more"), std::string::npos);
 }
 
-TEST(OutputFolder, FilesThatComeWhileARunWorksAreKeptBesideIt) {
+// Files that appear during a run are moved to a separate folder.
+TEST(OutputFolder, KeepsFilesAddedDuringRun) {
   const fs::path root = fresh_folder(), goal = root / "out";
   leave_output(goal, "first");
   Result<OutputFolder> folder = OutputFolder::create(goal);
   ASSERT_TRUE(folder);
   write(folder->path() / kReportFile, "second");
   write(goal / "notes.md", "came while it ran");
-  fs::create_directory(root / "out.kept");  // of an earlier time
+  fs::create_directory(root / "out.kept");  // from an earlier run
   ASSERT_TRUE(folder->commit());
   EXPECT_EQ(text_of(goal / kReportFile), "second");
   EXPECT_EQ(folder->kept(), root / "out.kept-2");
   EXPECT_EQ(names_in(folder->kept()), (std::set<std::string>{".turgor-output", "notes.md"}));
 }
 
-TEST(OutputFolder, ResultsThatCannotHaveTheirNameKeepAnother) {
+// Results whose name is blocked are kept under another name.
+TEST(OutputFolder, BlockedNameGetsAlternative) {
   const fs::path root = fresh_folder(), goal = root / "out";
   Result<OutputFolder> folder = OutputFolder::create(goal);
   ASSERT_TRUE(folder);
@@ -181,7 +192,8 @@ TEST(OutputFolder, ResultsThatCannotHaveTheirNameKeepAnother) {
   EXPECT_EQ(text_of(goal), "a file came there");
 }
 
-TEST(OutputFolder, OfTwoRunsIntoOneGoalTheLaterOneStaysWhole) {
+// The later of two runs with the same output is complete.
+TEST(OutputFolder, LaterOfTwoRunsIsComplete) {
   const fs::path root = fresh_folder(), goal = root / "out";
   Result<OutputFolder> one = OutputFolder::create(goal), two = OutputFolder::create(goal);
   ASSERT_TRUE(one && two);
@@ -194,7 +206,8 @@ TEST(OutputFolder, OfTwoRunsIntoOneGoalTheLaterOneStaysWhole) {
   EXPECT_EQ(names_in(root), std::set<std::string>{"out"});
 }
 
-TEST(OutputFolder, ALinkStaysAndTheFolderItNamesIsReplaced) {
+// A symbolic link is kept and its target is replaced.
+TEST(OutputFolder, ReplacesTargetOfLink) {
   const fs::path root = fresh_folder();
   fs::create_directory(root / "disk");
   fs::create_symlink("disk", root / "out");
@@ -204,10 +217,11 @@ TEST(OutputFolder, ALinkStaysAndTheFolderItNamesIsReplaced) {
   EXPECT_EQ(text_of(root / "disk" / kReportFile), "second");
   fs::create_symlink("nowhere", root / "broken");
   EXPECT_EQ(error_of(root / "broken"),
-            (root / "broken").string() + ": is a link to nowhere, where there is nothing");
+            (root / "broken").string() + ": is a link to nowhere, which does not exist");
 }
 
-TEST(OutputFolder, AnInputInTheGoalIsNotReplaced) {
+// An input inside the output folder is refused.
+TEST(OutputFolder, RejectsInputInOutput) {
   const fs::path root = fresh_folder(), goal = root / "out";
   leave_output(goal, "first");
   const Result<OutputFolder> folder = OutputFolder::create(goal);
@@ -216,11 +230,12 @@ TEST(OutputFolder, AnInputInTheGoalIsNotReplaced) {
   EXPECT_TRUE(folder->check_input(root / "recording.h5"));
 }
 
-TEST(OutputFolder, WhatOthersPutIntoAnExchangedResultOutlivesAKill) {
+// Foreign files in a result survive a run that is killed after the exchange.
+TEST(OutputFolder, ForeignFilesSurviveKill) {
   const fs::path root = fresh_folder(), goal = root / "out";
   const pid_t child = fork();
   if (child == 0) _exit(0);
-  waitpid(child, nullptr, 0);  // a process that is certainly gone
+  waitpid(child, nullptr, 0);  // a process that has certainly ended
   leave_output(goal, "first");
   write(goal / "notes.md", "came while it ran");
   fs::rename(goal, root / (".out.partial-" + std::to_string(child) + "-0"));  // killed after the exchange
@@ -229,8 +244,8 @@ TEST(OutputFolder, WhatOthersPutIntoAnExchangedResultOutlivesAKill) {
   EXPECT_EQ(text_of(root / "out.kept" / "notes.md"), "came while it ran");
 }
 
-/// Runs `work` in a child process that then waits; sends it a signal when it says it is ready; returns how it
-/// ended.
+/// Runs `work` in a child process that then waits, sends it a signal when it is ready, and returns its exit
+/// status.
 int signal_while(
     const std::function<void()>& work, int signal, const std::function<void()>& before = [] {}) {
   int ready[2];
@@ -253,7 +268,8 @@ int signal_while(
   return status;
 }
 
-TEST(OutputFolder, AnInterruptRemovesPartialFoldersAndFilesAndEndsWith130) {
+// An interrupt removes partial folders and files and ends with code 130.
+TEST(OutputFolder, InterruptRemovesPartialFiles) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     const fs::path root = fresh_folder(), goal = root / "out";
     leave_output(goal, "first");
@@ -272,7 +288,8 @@ TEST(OutputFolder, AnInterruptRemovesPartialFoldersAndFilesAndEndsWith130) {
   }
 }
 
-TEST(OutputFolder, ASignalThatIsIgnoredStaysIgnored) {
+// A signal that is ignored at the start remains ignored.
+TEST(OutputFolder, IgnoredSignalStaysIgnored) {
   const fs::path root = fresh_folder();
   const int status = signal_while(
       [&] {
@@ -287,20 +304,22 @@ TEST(OutputFolder, ASignalThatIsIgnoredStaysIgnored) {
   EXPECT_EQ(WEXITSTATUS(status), 7) << "as with nohup";
 }
 
-TEST(OutputFolder, AKilledRunLeavesTheEarlierOneWholeAndTheNextCleansUp) {
+// A killed run keeps the earlier output, and the next run removes its partial folder.
+TEST(OutputFolder, NextRunCleansUpAfterKill) {
   const fs::path root = fresh_folder(), goal = root / "out";
   leave_output(goal, "first");
   const int status =
       signal_while([&] { static OutputFolder folder = OutputFolder::create(goal).value(); }, SIGKILL);
   ASSERT_TRUE(WIFSIGNALED(status));
-  EXPECT_EQ(names_in(root).size(), 2u);  // the earlier output and what the killed run left
+  EXPECT_EQ(names_in(root).size(), 2u);  // the earlier output and the partial folder of the killed run
   EXPECT_EQ(text_of(goal / kReportFile), "first");
   leave_output(goal, "second");
   EXPECT_EQ(text_of(goal / kReportFile), "second");
   EXPECT_EQ(names_in(root), std::set<std::string>{"out"});
 }
 
-TEST(OutputFolder, FoldersOfRunsThatStillWorkAreLeftAlone) {
+// Partial folders of active runs are kept.
+TEST(OutputFolder, KeepsFoldersOfActiveRuns) {
   const fs::path root = fresh_folder(), goal = root / "out";
   const fs::path other = root / (".out.partial-" + std::to_string(getppid()));
   fs::create_directory(other);
@@ -308,11 +327,12 @@ TEST(OutputFolder, FoldersOfRunsThatStillWorkAreLeftAlone) {
   EXPECT_TRUE(fs::exists(other));
 }
 
-TEST(OutputFolder, AnEarlierOutputThatWasMovedAsideComesBack) {
+// An earlier output that a killed run had renamed is restored.
+TEST(OutputFolder, RestoresRenamedOutput) {
   const fs::path root = fresh_folder(), goal = root / "out";
   const pid_t child = fork();
   if (child == 0) _exit(0);
-  waitpid(child, nullptr, 0);  // a process that is certainly gone
+  waitpid(child, nullptr, 0);  // a process that has certainly ended
   leave_output(goal, "first");
   fs::rename(goal, root / (".out.old-" + std::to_string(child)));
   { ASSERT_TRUE(OutputFolder::create(goal)); }

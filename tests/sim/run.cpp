@@ -5,7 +5,8 @@
 namespace turgor {
 namespace {
 
-TEST(Simulate, CallsOnceAFrameAndOnceASnapshot) {
+// Events are called once per frame, snapshot and requested picture.
+TEST(Simulate, CallsEventsPerFrameAndSnapshot) {
   const Exec exec(2);
   const Scene scene = test::four_kinds_scene(test::fresh_folder(), {"output.snapshots.every=0.1"});
   World world = test::block_world(exec, scene);
@@ -34,7 +35,8 @@ TEST(Simulate, CallsOnceAFrameAndOnceASnapshot) {
   EXPECT_EQ(done->measures.frame_seconds.size(), 15u);
 }
 
-TEST(Simulate, EndsWithASnapshotWhereAFrameSaysSo) {
+// A frame event stops the run, which ends with a snapshot.
+TEST(Simulate, FrameEventStopsRun) {
   const Exec exec(2);
   const Scene scene = test::block_scene(test::fresh_folder());
   World world = test::block_world(exec, scene);
@@ -48,11 +50,12 @@ TEST(Simulate, EndsWithASnapshotWhereAFrameSaysSo) {
   ASSERT_TRUE(done);
   EXPECT_EQ(world.frame, 3);
   EXPECT_EQ(snapshots, (std::vector<int>{0, 3}));
-  EXPECT_EQ(done->stopped, "stopped after 0.060 s of 0.2 s, as was asked");
+  EXPECT_EQ(done->stopped, "stopped after 0.060 s of 0.2 s, on request");
   EXPECT_TRUE(done->finite);
 }
 
-TEST(Simulate, AnErrorOfASnapshotIsTheErrorOfTheRun) {
+// An error of a snapshot event ends the run with that error.
+TEST(Simulate, SnapshotErrorEndsRun) {
   const Exec exec(2);
   const Scene scene = test::block_scene(test::fresh_folder());
   World world = test::block_world(exec, scene);
@@ -66,13 +69,13 @@ TEST(Simulate, AnErrorOfASnapshotIsTheErrorOfTheRun) {
   EXPECT_EQ(world.frame, 5);
 }
 
-/// The bits at the end, when every so many frames are looked at.
+/// Final bits of a run with snapshots and pictures at the given intervals.
 struct Ended {
   std::uint64_t hash = 0;
   double pressed_volume = 0, gape = 0;
   std::vector<double> forces;
 };
-Ended run_looked_at(const std::filesystem::path& folder, const std::string& every, int picture_every) {
+Ended run_with_outputs(const std::filesystem::path& folder, const std::string& every, int picture_every) {
   const Exec exec(2);
   const Scene scene = test::four_kinds_scene(folder, {"output.snapshots.every=" + every});
   World world = test::block_world(exec, scene);
@@ -93,11 +96,12 @@ Ended run_looked_at(const std::filesystem::path& folder, const std::string& ever
   return ended;
 }
 
-TEST(Simulate, PicturesAndSnapshotsAtAnyRateChangeNeitherTheBitsNorAMeasure) {
+// The rate of pictures and snapshots changes neither the bits nor the measures.
+TEST(Simulate, SnapshotRateKeepsBits) {
   const std::filesystem::path folder = test::fresh_folder();
-  const Ended seldom = run_looked_at(folder, "10", 0);
+  const Ended seldom = run_with_outputs(folder, "10", 0);
   for (const auto& [every, pictures] : {std::pair("0.02", 1), std::pair("0.06", 2), std::pair("10", 7)}) {
-    const Ended often = run_looked_at(folder, every, pictures);
+    const Ended often = run_with_outputs(folder, every, pictures);
     EXPECT_EQ(often.hash, seldom.hash) << every;
     EXPECT_EQ(often.pressed_volume, seldom.pressed_volume) << every;
     EXPECT_EQ(often.gape, seldom.gape) << every;

@@ -10,7 +10,8 @@
 
 namespace turgor::test {
 
-/// 60 × 60 × 30 mm, held at the bottom, pressed from above and slid over; `body` and `tool` add keys.
+/// A block of 60 × 60 × 30 mm, fixed at the bottom, pressed from above with a slide; `body` and `tool` add
+/// keys.
 inline std::string sfem_scene_text(const std::string& body = "", const std::string& tool = "") {
   return "[world]\nduration = 0.5\n"
          "[body.pad]\nmodel = \"sfem\"\nblock = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }\n"

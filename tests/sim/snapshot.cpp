@@ -12,7 +12,8 @@ World four_kinds_world(const Exec& exec, const std::filesystem::path& folder) {
   return test::block_world(exec, test::four_kinds_scene(folder));
 }
 
-TEST(WorldSnapshot, HoldsEveryBodyAndToolOfAWorldOfAllModels) {
+// A snapshot holds every body, tool and obstacle of a world with all models.
+TEST(WorldSnapshot, HoldsEveryBodyAndTool) {
   const Exec exec(2);
   World world = four_kinds_world(exec, test::fresh_folder());
   for (int frame = 0; frame < 6; frame++) ASSERT_TRUE(step(exec, world));
@@ -39,7 +40,8 @@ TEST(WorldSnapshot, HoldsEveryBodyAndToolOfAWorldOfAllModels) {
   EXPECT_EQ(body_snapshot(snapshot, {BodyKind::kLattice, 0}).stretch.size(),
             body_snapshot(snapshot, {BodyKind::kLattice, 0}).x.size());
   EXPECT_FALSE(body_snapshot(snapshot, {BodyKind::kSfem, 0}).pressure.empty());
-  EXPECT_TRUE(body_snapshot(snapshot, {BodyKind::kRhombus, 0}).pressure.empty()) << "it knows none";
+  EXPECT_TRUE(body_snapshot(snapshot, {BodyKind::kRhombus, 0}).pressure.empty())
+      << "this model has no pressure";
   ASSERT_EQ(snapshot.tools.size(), 3u);
   for (std::size_t t = 0; t < 3; t++) {
     EXPECT_EQ(snapshot.tools[t].name, world.tools[t].name);
@@ -52,7 +54,8 @@ TEST(WorldSnapshot, HoldsEveryBodyAndToolOfAWorldOfAllModels) {
   EXPECT_NEAR(snapshot.time, 0.12, 1e-12);
 }
 
-TEST(WorldSnapshot, ShowingChangesNothingOfWhatIsSimulated) {
+// Taking snapshots does not change the simulation.
+TEST(WorldSnapshot, ShowKeepsStateBits) {
   const std::filesystem::path folder = test::fresh_folder();
   const Exec exec(2);
   World seen = four_kinds_world(exec, folder), unseen = four_kinds_world(exec, folder);
@@ -67,10 +70,11 @@ TEST(WorldSnapshot, ShowingChangesNothingOfWhatIsSimulated) {
   EXPECT_EQ(seen.rhombus_bodies[0].pressed_volume, unseen.rhombus_bodies[0].pressed_volume);
 }
 
-TEST(WorldSnapshot, KeepsItsMemoryFromFrameToFrame) {
+// A snapshot reuses its memory.
+TEST(WorldSnapshot, ReusesMemory) {
   const Exec exec(1);
   World world = four_kinds_world(exec, test::fresh_folder());
-  for (int frame = 0; frame < 8; frame++) ASSERT_TRUE(step(exec, world));  // the cut is done
+  for (int frame = 0; frame < 8; frame++) ASSERT_TRUE(step(exec, world));  // the cut is complete
   WorldSnapshot snapshot;
   show(exec, world, snapshot);
   std::vector<const Vec3*> before, after;
@@ -80,7 +84,8 @@ TEST(WorldSnapshot, KeepsItsMemoryFromFrameToFrame) {
   EXPECT_EQ(before, after);
 }
 
-TEST(WorldSnapshot, ALatticeThatNothingTouchesShowsTheWallsOfItsCut) {
+// A lattice without tools has the walls of its cut in the snapshot.
+TEST(WorldSnapshot, CutLatticeHasWalls) {
   const Exec exec(1);
   const std::filesystem::path folder = test::fresh_folder();
   World world = test::block_world(exec, test::block_scene(folder));
@@ -90,21 +95,22 @@ TEST(WorldSnapshot, ALatticeThatNothingTouchesShowsTheWallsOfItsCut) {
   for (int frame = 0; frame < 8; frame++) ASSERT_TRUE(step(exec, world));
   show(exec, world, snapshot);
   EXPECT_LT(snapshot.bodies[0].wall_begin, snapshot.bodies[0].triangles.size());
-  WorldSnapshot anew;
-  show(exec, world, anew);
-  EXPECT_EQ(snapshot.bodies[0].x, anew.bodies[0].x) << "what is kept from the frame before is not stale";
+  WorldSnapshot fresh;
+  show(exec, world, fresh);
+  EXPECT_EQ(snapshot.bodies[0].x, fresh.bodies[0].x) << "data of the previous frame is not stale";
 }
 
-TEST(PressedBody, IsRememberedUnderTheLargestForceOfItsTools) {
+// A pressed body is stored at the largest force of its tools.
+TEST(WorldSnapshot, PressedBodyHasLargestForce) {
   const Exec exec(1);
   World world = four_kinds_world(exec, test::fresh_folder());
   std::vector<Pressed> pressed = make_pressed(world);
-  ASSERT_EQ(pressed.size(), 4u) << "bodies that tools can touch; none touches the sheet, which is the last";
+  ASSERT_EQ(pressed.size(), 4u) << "bodies that support contact; no tool touches the sheet, the last one";
   EXPECT_EQ(pressed[3].id.kind, BodyKind::kCloth);
   std::vector<double> largest(3);
   for (int frame = 0; frame < 15; frame++) {
     ASSERT_TRUE(step(exec, world));
-    look_at_pressed(exec, world, pressed);
+    update_pressed(exec, world, pressed);
     for (std::size_t n = 0; n < 3; n++)
       for (const TouchingTool& tool : world.tools)
         if (tool.body == pressed[n].id) largest[n] = std::max(largest[n], norm(tool.samples.back().force));
@@ -114,11 +120,12 @@ TEST(PressedBody, IsRememberedUnderTheLargestForceOfItsTools) {
     EXPECT_DOUBLE_EQ(pressed[n].force, largest[n]) << pressed[n].body.name;
     ASSERT_EQ(pressed[n].tools.size(), 1u);
     EXPECT_DOUBLE_EQ(norm(pressed[n].tools[0].force), largest[n]);
-    EXPECT_LT(pressed[n].time, time_of(world)) << "the tools have gone since";
+    EXPECT_LT(pressed[n].time, time_of(world)) << "the tools have left the bodies";
   }
 }
 
-TEST(BodyId, VisitsTheBodyItNamesAndEveryBodyOnce) {
+// A body id visits the body that it names, and the loop visits every body once.
+TEST(WorldSnapshot, BodyIdVisitsEveryBodyOnce) {
   const Exec exec(1);
   World world = four_kinds_world(exec, test::fresh_folder());
   std::vector<std::string> names;

@@ -9,7 +9,8 @@ using test::block_scene;
 using test::block_world;
 using test::fresh_folder;
 
-TEST(World, TheBladeMovesWithTimeAndCutsProgressively) {
+// The blade moves with time and cuts progressively.
+TEST(World, BladeCutsProgressively) {
   const Exec exec(1);
   World world = block_world(exec, block_scene(fresh_folder()));
   std::vector<double> done;
@@ -31,17 +32,19 @@ TEST(World, TheBladeMovesWithTimeAndCutsProgressively) {
   EXPECT_EQ(edges[9], edges[4]);
 }
 
-TEST(World, ACutOpensUnderTheSkinsTension) {
+// A cut opens under the tension of the skin.
+TEST(World, TensionOpensCut) {
   const Exec exec(1);
   World world = block_world(exec, block_scene(fresh_folder()));
   for (int frame = 0; frame < 25; frame++) ASSERT_TRUE(step(exec, world));
   const lattice::Wound wound = lattice::measure_wound(world.lattice_bodies[0].model,
                                                       world.lattice_bodies[0].state, *world.cuts[0].path, 0);
-  EXPECT_GT(wound.gape_max, 0.001);  // measured: several millimetres
+  EXPECT_GT(wound.gape_max, 0.001);  // measured: several millimeters
   EXPECT_LT(wound.gape_max, 0.04);
 }
 
-TEST(World, TheSameBitsOnOneTwoAndEightThreads) {
+// The state has the same bits on 1, 2 and 8 threads.
+TEST(World, EqualBitsOnAnyThreads) {
   std::vector<std::uint64_t> hashes;
   const Scene scene = block_scene(fresh_folder());
   for (const int threads : {1, 2, 8}) {
@@ -54,30 +57,33 @@ TEST(World, TheSameBitsOnOneTwoAndEightThreads) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
-TEST(World, FractionsOfTheBodysBoxFindItsSurface) {
+// Fractions of the body's box select points on its surface.
+TEST(World, FractionsSelectSurface) {
   const Exec exec(1);
   const World world = block_world(exec, block_scene(fresh_folder()));
   const lattice::Model& model = world.lattice_bodies[0].model;
   const Box box = body_box(model);
   lattice::Incision fractions;
   fractions.from = {0.5, 0, 0.25}, fractions.to = {0.5, 0, 0.75};
-  const lattice::Incision blade = placed_blade(model, fractions);
+  const lattice::Incision blade = blade_from_fractions(model, fractions);
   EXPECT_NEAR(blade.from.y, box.low.y, model.grid.spacing.y);
   EXPECT_NEAR(blade.from.z, 0.75 * box.low.z + 0.25 * box.high.z, 1e-9);
   EXPECT_NEAR(blade.to.x, 0.5 * (box.low.x + box.high.x), 1e-9);
   EXPECT_TRUE(lattice::lay_blade(model, world.lattice_bodies[0].state, blade));
 }
 
-TEST(World, AStepInMetersBecomesWholeVoxels) {
+// A spacing in meters is rounded to whole voxels.
+TEST(World, SpacingRoundsToWholeVoxels) {
   const std::filesystem::path folder = fresh_folder();
   std::string text = test::block_scene_text("block.nii");
-  text.replace(text.find("block = 2"), 9, "step = 0.0115");
+  text.replace(text.find("block = 2"), 9, "spacing = 0.0115");
   ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   const World world = block_world(Exec(1), parse_scene(text, folder / "block.toml").value());
   EXPECT_EQ(world.lattice_bodies[0].model.params.block, (Int3{3, 3, 3}));
 }
 
-TEST(World, MistakesAreFoundBeforeTheFirstFrameAndNameTheirPlace) {
+// Errors are found before the first frame and name their location.
+TEST(World, ErrorsAreFoundOnLoad) {
   const Exec exec(1);
   const std::filesystem::path folder = fresh_folder();
   const auto error = [&](const std::vector<std::string>& overrides) {

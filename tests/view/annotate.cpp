@@ -13,7 +13,8 @@ bool is_inside(const PixelBox& box, int x, int y) {
   return x >= box.left && y >= box.top && x < box.right && y < box.bottom;
 }
 
-TEST(Annotate, TextChangesPixelsInItsBoxOnly) {
+// Text changes pixels only inside the returned box.
+TEST(Annotate, TextStaysInItsBox) {
   const Image before = make_image(300, 200, {40, 80, 120});
   for (const Align align : {Align::kLeft, Align::kCenter, Align::kRight}) {
     for (const bool halo : {false, true}) {
@@ -28,7 +29,8 @@ TEST(Annotate, TextChangesPixelsInItsBoxOnly) {
   }
 }
 
-TEST(Annotate, TextIsPlacedByItsAlignment) {
+// Text is left-aligned, centered or right-aligned at its anchor.
+TEST(Annotate, TextIsAligned) {
   const auto middle = [](Align align) {
     Image image = make_image(400, 60);
     draw_text(image, "aligned", 200, 30, {.size = 20, .align = align});
@@ -40,13 +42,15 @@ TEST(Annotate, TextIsPlacedByItsAlignment) {
   EXPECT_NEAR(middle(Align::kCenter).y, 30, 5);
 }
 
-TEST(Annotate, TextOverTheBorderIsCutOff) {
+// Text beyond the border of the image is clipped.
+TEST(Annotate, TextIsClippedAtBorder) {
   Image image = make_image(20, 20);
   draw_text(image, "much too long for this picture", 10, 0, {.size = 30, .halo = true});
   EXPECT_EQ(image.pixels.size(), 400u);
 }
 
-TEST(Annotate, LegendEndsHaveTheEndsOfTheMap) {
+// The ends of the legend have the end colors of the map.
+TEST(Annotate, LegendShowsWholeColorMap) {
   Image image = make_image(640, 480, {90, 90, 90});
   const PixelBox bar =
       draw_legend(image, {.low = 0, .high = 0.0083f, .label = "displacement [mm]", .factor = 1000});
@@ -59,7 +63,8 @@ TEST(Annotate, LegendEndsHaveTheEndsOfTheMap) {
   EXPECT_LT(bar.right, image.width);
 }
 
-TEST(Annotate, AScaleBarIsAsLongAsItSaysAtTheCamerasTarget) {
+// A scale bar has a round length at the distance of the camera's target.
+TEST(Annotate, ScaleBarIsRoundLengthAtTarget) {
   for (const double distance : {0.05, 0.37, 2.9, 40.0}) {
     const Camera camera{.eye = {0, -distance, 0}, .target = {0, 0, 0}, .up = {0, 0, 1}, .field_of_view = 40};
     Image image = make_image(800, 500);
@@ -75,14 +80,16 @@ TEST(Annotate, AScaleBarIsAsLongAsItSaysAtTheCamerasTarget) {
   }
 }
 
-TEST(Annotate, SecondLegendStandsBesideTheFirst) {
+// The second legend is drawn to the left of the first.
+TEST(Annotate, SecondLegendIsBesideFirst) {
   Image image = make_image(900, 480);
   const ColorScale scale{.low = -1, .high = 1, .label = "strain", .factor = 1};
   const PixelBox first = draw_legend(image, scale, 0), second = draw_legend(image, scale, 1);
   EXPECT_LT(second.right, first.left);
 }
 
-TEST(Annotate, LegendOfABrokenScaleIsHarmless) {
+// A legend with an empty, NaN or huge range does not crash.
+TEST(Annotate, InvalidScaleIsHarmless) {
   Image image = make_image(200, 100);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   draw_legend(image, {.low = 1, .high = 1, .label = "constant", .factor = 1});
@@ -91,7 +98,8 @@ TEST(Annotate, LegendOfABrokenScaleIsHarmless) {
   SUCCEED();
 }
 
-TEST(Annotate, PicturesStandSideBySideUnderTheirCaptions) {
+// Pictures are arranged side by side below their captions.
+TEST(Annotate, PicturesAreArrangedWithCaptions) {
   const Image red = make_image(80, 60, {255, 0, 0}), blue = make_image(50, 40, {0, 0, 255});
   const Image row = side_by_side({red, blue}, {"before", "after"});
   EXPECT_GE(row.width, 130);
@@ -107,7 +115,8 @@ TEST(Annotate, PicturesStandSideBySideUnderTheirCaptions) {
   EXPECT_GT(letters.count, 20);
 }
 
-TEST(Annotate, NoPicturesMakeAnEmptyPicture) { EXPECT_EQ(side_by_side({}, {}).width, 0); }
+// An arrangement of no pictures is an empty picture.
+TEST(Annotate, NoPicturesGiveEmptyPicture) { EXPECT_EQ(side_by_side({}, {}).width, 0); }
 
 }  // namespace
 }  // namespace turgor

@@ -7,7 +7,8 @@
 namespace turgor {
 namespace {
 
-TEST(Camera, FramedBoxFillsThePictureAndNothingIsCutOff) {
+// A framed box fills the picture and is not clipped, from any direction.
+TEST(Camera, FramedBoxFillsPicture) {
   const Box box{{-0.1, -0.2, 0.3}, {0.3, 0.1, 0.9}};
   constexpr int kWidth = 960, kHeight = 720;
   for (const Vec3d direction : {Vec3d{0, -1, 0}, {1, 0, 0}, {0.4, -1, 0.3}, {0, 0, 1}, {-2, 3, -1}}) {
@@ -25,23 +26,25 @@ TEST(Camera, FramedBoxFillsThePictureAndNothingIsCutOff) {
   }
 }
 
-TEST(Camera, RoomBesideIsLeftOnTheRightByWhatFilledThePicture) {
+// A margin on the right keeps the visible content and the viewing direction.
+TEST(Camera, MarginRightKeepsContent) {
   const Camera whole{.eye = {0.3, -2, 0.4}, .target = {0.1, 0, 0.2}, .up = {0, 0, 1}, .field_of_view = 35};
-  const double aspect = 1.5, part = 0.25;
+  const double aspect = 1.5, margin = 0.25;
   const CameraFrame frame = camera_frame(whole);
   const double half = norm(whole.eye - whole.target) * frame.tan_half * aspect;
-  const Camera moved = with_room_beside(whole, aspect, part);
+  const Camera moved = with_margin_right(whole, aspect, margin);
   const CameraFrame after = camera_frame(moved);
-  EXPECT_NEAR(norm(after.back - frame.back), 0, 1e-12) << "it looks the same way";
+  EXPECT_NEAR(norm(after.back - frame.back), 0, 1e-12) << "the viewing direction is kept";
   const auto across = [&](Vec3d point) {  // -1 at the left edge, 1 at the right one
     const Vec3d seen = point - moved.eye;
     return dot(seen, after.right) / (-dot(seen, after.back) * after.tan_half * aspect);
   };
   EXPECT_NEAR(across(whole.target - frame.right * half), -1, 1e-9);
-  EXPECT_NEAR(across(whole.target + frame.right * half), 1 - 2 * part, 1e-9);
+  EXPECT_NEAR(across(whole.target + frame.right * half), 1 - 2 * margin, 1e-9);
 }
 
-TEST(Camera, FrameIsOrthonormalEvenWhenUpIsTheLineOfSight) {
+// The camera frame is orthonormal even if the up vector is parallel to the line of sight.
+TEST(Camera, FrameIsOrthonormalWhenUpIsParallel) {
   const CameraFrame frame = camera_frame({.eye = {0, 0, 2}, .target = {0, 0, 0}, .up = {0, 0, 1}});
   EXPECT_NEAR(norm(frame.right), 1, 1e-12);
   EXPECT_NEAR(norm(frame.up), 1, 1e-12);
@@ -49,7 +52,8 @@ TEST(Camera, FrameIsOrthonormalEvenWhenUpIsTheLineOfSight) {
   EXPECT_NEAR(dot(cross(frame.right, frame.up), frame.back), 1, 1e-12);
 }
 
-TEST(Camera, BoxOfAFlippedGridHoldsWholeSamples) {
+// The bounding box of a flipped grid includes whole samples.
+TEST(Camera, FlippedGridBoxHoldsWholeSamples) {
   const Grid grid{.size = {10, 20, 5},
                   .spacing = {0.001, 0.002, 0.003},
                   .origin = {0.1, 0, 0},
@@ -61,7 +65,8 @@ TEST(Camera, BoxOfAFlippedGridHoldsWholeSamples) {
   EXPECT_NEAR(box.high.z, 4.5 * 0.003, 1e-12);
 }
 
-TEST(Camera, BoxOfNothingIsZero) { EXPECT_EQ(bounding_box(TriMesh{}).high, Vec3d{}); }
+// The bounding box of an empty mesh is zero.
+TEST(Camera, EmptyMeshBoxIsZero) { EXPECT_EQ(bounding_box(TriMesh{}).high, Vec3d{}); }
 
 }  // namespace
 }  // namespace turgor

@@ -5,7 +5,7 @@
 namespace turgor {
 namespace {
 
-// Oklab [Ottosson 2020], forwards: independent of the inverse that builds the map.
+// Forward Oklab transform [Ottosson 2020], independent of the inverse that builds the map.
 Vec3d oklab(Rgb color) {
   const Vec3d c(linear_color(color));
   const double l = std::cbrt(0.4122214708 * c.x + 0.5363325363 * c.y + 0.0514459929 * c.z);
@@ -16,7 +16,8 @@ Vec3d oklab(Rgb color) {
           0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
 }
 
-TEST(Color, MapGrowsLighterInStepsThatLookEquallyLarge) {
+// Lightness of the color map increases in perceptually equal steps.
+TEST(Color, MapIsPerceptuallyUniform) {
   constexpr int kSteps = 16;
   double least = 1e9, most = 0;
   for (int i = 0; i < kSteps; i++) {
@@ -28,21 +29,24 @@ TEST(Color, MapGrowsLighterInStepsThatLookEquallyLarge) {
   EXPECT_LT(most / least, 1.12);
 }
 
-TEST(Color, MapStaysAtItsEnds) {
+// Values outside of the range get the end colors of the map.
+TEST(Color, MapClampsAtEnds) {
   EXPECT_EQ(map_color(-3), map_color(0));
   EXPECT_EQ(map_color(7), map_color(1));
   EXPECT_NE(map_color(0), map_color(1));
 }
 
-TEST(Color, ScreenColorUndoesLinearColor) {
-  for (int byte = 0; byte < 215; byte += 5) {  // brighter light is rolled off
+// The screen color inverts the linear color, except for highlights that are compressed.
+TEST(Color, ScreenColorInvertsLinearColor) {
+  for (int byte = 0; byte < 215; byte += 5) {  // brighter light is compressed
     const Rgb color{std::uint8_t(byte), std::uint8_t(byte / 2), std::uint8_t(214 - byte)};
     EXPECT_EQ(screen_color(linear_color(color)), color);
   }
   EXPECT_GT(screen_color({3, 3, 3}).r, 250);
 }
 
-TEST(Color, ScaleWithoutExtentIsItsMiddle) {
+// A scale with an empty range maps to its middle.
+TEST(Color, EmptyScaleMapsToMiddle) {
   EXPECT_EQ(scale_fraction({.low = 2, .high = 2, .label = {}, .factor = 1}, 2), 0.5f);
   EXPECT_EQ(scale_fraction({.low = 2, .high = 4, .label = {}, .factor = 1}, 3.5f), 0.75f);
 }

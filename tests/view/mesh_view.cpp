@@ -30,13 +30,14 @@ test::Found find(const Image& image, bool (*wanted)(Rgb)) {
   return test::find_pixels(image, [&](int x, int y) { return wanted(image.at(x, y)); });
 }
 
-Image draw(const std::vector<MeshPart>& parts, const Camera& camera = kFront) {
-  const Result<Image> image = draw_meshes(parts, camera, kWidth, kHeight);
+Image draw(const std::vector<RenderItem>& items, const Camera& camera = kFront) {
+  const Result<Image> image = draw_meshes(items, camera, kWidth, kHeight);
   EXPECT_TRUE(image);
   return *image;
 }
 
-TEST_F(MeshView, RedSphereFillsTheExpectedPixelsAtTheExpectedPlace) {
+// A sphere covers the expected number of pixels around the center.
+TEST_F(MeshView, SphereCoversExpectedPixels) {
   const TriMesh mesh = test::sphere({}, 0.15f);
   const auto found = find(draw({{.mesh = &mesh, .color = kRed}}), is_red);
   const double expected = test::silhouette_area(kFront, 0.15, kHeight);
@@ -45,7 +46,8 @@ TEST_F(MeshView, RedSphereFillsTheExpectedPixelsAtTheExpectedPlace) {
   EXPECT_NEAR(found.y, 0.5 * kHeight, 0.7);
 }
 
-TEST_F(MeshView, SphereBesideTheMiddleIsSeenWhereItIs) {
+// A sphere away from the center is drawn at its projected position.
+TEST_F(MeshView, OffCenterSphereIsProjectedCorrectly) {
   const Vec3d center{0.12, 0.3, -0.09};  // to the patient's left, behind, towards the feet
   const TriMesh mesh = test::sphere(Vec3(center), 0.03f);
   const auto found = find(draw({{.mesh = &mesh, .color = kRed}}), is_red);
@@ -56,61 +58,66 @@ TEST_F(MeshView, SphereBesideTheMiddleIsSeenWhereItIs) {
   EXPECT_NEAR(found.y, expected.y, 1);
 }
 
-TEST_F(MeshView, NearerHidesFartherInEitherOrder) {
+// The nearer body hides the farther one, in either drawing order.
+TEST_F(MeshView, NearerHidesFarther) {
   const TriMesh near = test::sphere({0, -0.2f, 0}, 0.1f), far = test::sphere({0, 0.2f, 0}, 0.1f);
-  const MeshPart red{.mesh = &near, .color = kRed}, green{.mesh = &far, .color = kGreen};
-  for (const auto& parts : {std::vector{red, green}, std::vector{green, red}}) {
-    const Image image = draw(parts);
+  const RenderItem red{.mesh = &near, .color = kRed}, green{.mesh = &far, .color = kGreen};
+  for (const auto& items : {std::vector{red, green}, std::vector{green, red}}) {
+    const Image image = draw(items);
     EXPECT_TRUE(is_red(image.at(kWidth / 2, kHeight / 2)));
     EXPECT_EQ(find(image, is_green).count, 0);
   }
 }
 
-TEST_F(MeshView, APartMarkedSoIsSeenThroughWhatHidesItAndShadowsOfOthersStay) {
+// An item marked as see-through is visible through what hides it; other shading is unchanged.
+TEST_F(MeshView, SeeThroughItemShinesThrough) {
   const TriMesh nodule = test::sphere({0.05f, 0, 0}, 0.05f), body = test::sphere({}, 0.2f);
-  const MeshPart outer{.mesh = &body, .color = kRed};
-  MeshPart inner{.mesh = &nodule, .color = kGreen};
+  const RenderItem outer{.mesh = &body, .color = kRed};
+  RenderItem inner{.mesh = &nodule, .color = kGreen};
   const Image hidden = draw({outer, inner}), without = draw({outer});
-  inner.through = true;
-  for (const auto& parts : {std::vector{outer, inner}, std::vector{inner, outer}}) {
-    const Image seen = draw(parts);
+  inner.see_through = true;
+  for (const auto& items : {std::vector{outer, inner}, std::vector{inner, outer}}) {
+    const Image image = draw(items);
     const auto greener = test::find_pixels(
-        seen, [&](int x, int y) { return int(seen.at(x, y).g) > int(hidden.at(x, y).g) + 20; });
-    const Vec3d place = test::project(kFront, {0.05, 0, 0}, kWidth, kHeight);
+        image, [&](int x, int y) { return int(image.at(x, y).g) > int(hidden.at(x, y).g) + 20; });
+    const Vec3d projected = test::project(kFront, {0.05, 0, 0}, kWidth, kHeight);
     const double expected = test::silhouette_area(kFront, 0.05, kHeight);
     EXPECT_NEAR(greener.count, expected, 0.08 * expected);
-    EXPECT_NEAR(greener.x, place.x, 2);
-    EXPECT_NEAR(greener.y, place.y, 2);
+    EXPECT_NEAR(greener.x, projected.x, 2);
+    EXPECT_NEAR(greener.y, projected.y, 2);
     EXPECT_LE(
-        test::difference(seen.at(kWidth / 2 - 30, kHeight / 2), without.at(kWidth / 2 - 30, kHeight / 2)), 2);
+        test::difference(image.at(kWidth / 2 - 30, kHeight / 2), without.at(kWidth / 2 - 30, kHeight / 2)),
+        2);
   }
   EXPECT_EQ(find(hidden, is_green).count, 0);
 }
 
-TEST_F(MeshView, LayersOfAPartThatIsSeenThroughDoNotAddUp) {
+// Several layers of a see-through item do not accumulate.
+TEST_F(MeshView, SeeThroughLayersDoNotAccumulate) {
   const TriMesh front = test::sphere({0, -0.05f, 0}, 0.05f), behind = test::sphere({0, 0.05f, 0}, 0.05f),
                 body = test::sphere({}, 0.2f);
   TriMesh both = front;
   for (const Int3 t : behind.triangles)
     both.triangles.push_back(t + Int3{1, 1, 1} * int(front.vertices.size()));
   both.vertices.insert(both.vertices.end(), behind.vertices.begin(), behind.vertices.end());
-  const MeshPart outer{.mesh = &body, .color = kRed};
+  const RenderItem outer{.mesh = &body, .color = kRed};
   const auto middle = [&](const TriMesh& mesh) {
-    return draw({outer, {.mesh = &mesh, .color = kGreen, .through = true}}).at(kWidth / 2, kHeight / 2);
+    return draw({outer, {.mesh = &mesh, .color = kGreen, .see_through = true}}).at(kWidth / 2, kHeight / 2);
   };
   EXPECT_GT(int(middle(front).g), 60);
   EXPECT_LE(test::difference(middle(both), middle(front)), 2);
 }
 
-TEST_F(MeshView, AClosedBodyLooksTheSameWithoutItsBacks) {
+// Culling back faces of a closed body does not change the picture.
+TEST_F(MeshView, BackFaceCullingKeepsPicture) {
   const TriMesh ball = test::sphere({0, 0, 0.05f}, 0.12f), floor = test::sphere({0, 0, -2}, 1.95f, 200);
-  MeshPart red{.mesh = &ball, .color = kRed};
+  RenderItem red{.mesh = &ball, .color = kRed};
   const Image open = draw({red, {.mesh = &floor}});
   red.closed = true;
   const Image closed = draw({red, {.mesh = &floor, .closed = true}});
   const auto other = test::find_pixels(
       open, [&](int x, int y) { return test::difference(open.at(x, y), closed.at(x, y)) > 8; });
-  EXPECT_LE(other.count, 0.0005 * kWidth * kHeight) << "its shadow on the floor and its outline too";
+  EXPECT_LE(other.count, 0.0005 * kWidth * kHeight) << "also the shadow on the floor and the outline";
   TriMesh plate{{{-0.2f, 0, -0.2f}, {0.2f, 0, -0.2f}, {0.2f, 0, 0.2f}}, {{0, 1, 2}}, {}, {}};
   const int fronts = find(draw({{.mesh = &plate, .color = kRed, .closed = true}}), is_red).count;
   std::swap(plate.triangles[0].y, plate.triangles[0].z);
@@ -119,27 +126,29 @@ TEST_F(MeshView, AClosedBodyLooksTheSameWithoutItsBacks) {
   EXPECT_EQ(backs, 0);
 }
 
-TEST_F(MeshView, OutlinesBeforeAnotherSurfaceAreMixturesOfTheTwo) {
+// Pixels at a silhouette are mixtures of the two surfaces.
+TEST_F(MeshView, SilhouettesAreAntialiased) {
   const TriMesh ball = test::sphere({0, -0.3f, 0}, 0.1f), wall = test::sphere({0, 3, 0}, 2.7f, 200);
   const Image image = draw({{.mesh = &ball, .color = kRed}, {.mesh = &wall, .color = kGreen}});
   int mixed = 0, outlines = 0;
   for (int y = kHeight / 2 - 20; y < kHeight / 2 + 20; y++)
     for (int x = 2; x + 2 < kWidth; x++) {
-      const Rgb left = image.at(x - 2, y), right = image.at(x + 2, y), here = image.at(x, y);
+      const Rgb left = image.at(x - 2, y), right = image.at(x + 2, y), pixel = image.at(x, y);
       if (!(is_red(left) && is_green(right)) && !(is_green(left) && is_red(right))) continue;
       outlines++;
       const auto between = [](int a, int v, int b) {
         return v >= std::min(a, b) - 12 && v <= std::max(a, b) + 12;
       };
-      EXPECT_TRUE(between(left.r, here.r, right.r) && between(left.g, here.g, right.g))
+      EXPECT_TRUE(between(left.r, pixel.r, right.r) && between(left.g, pixel.g, right.g))
           << x << " " << y << ": neither a dark nor a bright seam";
-      mixed += !is_red(here) && !is_green(here);
+      mixed += !is_red(pixel) && !is_green(pixel);
     }
   EXPECT_GT(outlines, 100);
   EXPECT_GT(mixed, outlines / 8);
 }
 
-TEST_F(MeshView, BothSidesOfATriangleAreLit) {
+// Both sides of a triangle are lit equally.
+TEST_F(MeshView, BothTriangleSidesAreLit) {
   TriMesh plate{{{-0.2f, 0, -0.2f}, {0.2f, 0, -0.2f}, {0.2f, 0, 0.2f}, {-0.2f, 0, 0.2f}},
                 {{0, 1, 2}, {0, 2, 3}},
                 {},
@@ -151,22 +160,24 @@ TEST_F(MeshView, BothSidesOfATriangleAreLit) {
   EXPECT_LE(test::difference(front, back), 6);
 }
 
-TEST_F(MeshView, ScalarsAreColoredByTheMapAndOthersByThePart) {
+// Scalars are colored by the map; NaN values have the color of the item.
+TEST_F(MeshView, ScalarsUseColorMap) {
   TriMesh mesh = test::sphere({}, 0.15f);
   const ColorScale scale{.low = 0, .high = 2, .label = "strain", .factor = 1};
   mesh.scalars.assign(mesh.vertices.size(), 2);
   const Rgb high = draw({{.mesh = &mesh, .scale = &scale}}).at(kWidth / 2, kHeight / 2);
-  EXPECT_GT(high.r, 150);  // the map's upper end is yellow
+  EXPECT_GT(high.r, 150);  // the upper end of the map is yellow
   EXPECT_GT(high.g, 150);
   EXPECT_LT(high.b, 140);
   mesh.scalars.assign(mesh.vertices.size(), 0);
   const Rgb low = draw({{.mesh = &mesh, .scale = &scale}}).at(kWidth / 2, kHeight / 2);
-  EXPECT_GT(low.b, low.g + 20);  // and the lower one indigo
+  EXPECT_GT(low.b, low.g + 20);  // the lower end is indigo
   mesh.scalars.assign(mesh.vertices.size(), std::numeric_limits<float>::quiet_NaN());
   EXPECT_TRUE(is_red(draw({{.mesh = &mesh, .color = kRed, .scale = &scale}}).at(kWidth / 2, kHeight / 2)));
 }
 
-TEST_F(MeshView, EachScaleHasOneLegend) {
+// Items that share a scale have one legend.
+TEST_F(MeshView, SharedScaleHasOneLegend) {
   TriMesh mesh = test::sphere({}, 0.15f);
   mesh.scalars.assign(mesh.vertices.size(), 1);
   const ColorScale scale{.low = 0, .high = 2, .label = "strain", .factor = 1};
@@ -178,13 +189,14 @@ TEST_F(MeshView, EachScaleHasOneLegend) {
   EXPECT_EQ(twice.at(bar.left, bar.bottom - 1), map_color(0));
 }
 
-TEST_F(MeshView, VerticesMayHaveTheirOwnColors) {
+// Vertices may have their own colors.
+TEST_F(MeshView, VerticesHaveOwnColors) {
   const TriMesh mesh = test::sphere({}, 0.15f);
   std::vector<Rgb> colors;
   for (const Vec3 x : mesh.vertices) colors.push_back(x.x < 0 ? kRed : kGreen);
   const Image image = draw({{.mesh = &mesh, .colors = &colors}});
   EXPECT_LT(find(image, is_red).x,
-            kWidth / 2.0);  // the patient's right is on the left when seen from the front
+            kWidth / 2.0);  // the patient's right is on the left in a front view
   EXPECT_GT(find(image, is_green).x, kWidth / 2.0);
 }
 
@@ -198,11 +210,12 @@ TriMesh floor_plate() {
 constexpr Camera kAbove{.eye = {0, -0.001, 0.5}, .target = {}, .up = {0, 1, 0}};
 
 int brightness(const Image& image, Vec3d point) {
-  const Vec3d seen = test::project(kAbove, point, kWidth, kHeight);
-  return image.at(int(seen.x), int(seen.y)).g;
+  const Vec3d pixel = test::project(kAbove, point, kWidth, kHeight);
+  return image.at(int(pixel.x), int(pixel.y)).g;
 }
 
-TEST_F(MeshView, BallCastsAShadowAwayFromTheKeyLight) {
+// A ball casts a shadow away from the key light.
+TEST_F(MeshView, BallCastsShadow) {
   const TriMesh floor = floor_plate(), ball = test::sphere({0, 0, 0.03f}, 0.02f);
   const Image image = draw({{.mesh = &floor}, {.mesh = &ball, .color = kRed}}, kAbove);
   const int shadow = brightness(image, {0.033, -0.035, 0});  // the light comes from the left and from above
@@ -210,7 +223,8 @@ TEST_F(MeshView, BallCastsAShadowAwayFromTheKeyLight) {
     EXPECT_LT(shadow + 40, brightness(image, lit));
 }
 
-TEST_F(MeshView, FootOfAWallIsDarkerThanTheOpenFloorWithoutBeingInItsShadow) {
+// Ambient occlusion darkens the floor beside a wall, outside of its shadow.
+TEST_F(MeshView, AmbientOcclusionDarkensCorners) {
   const TriMesh floor = floor_plate();
   const TriMesh wall{{{0.05f, -0.3f, 0}, {0.05f, 0.3f, 0}, {0.05f, 0.3f, 0.06f}, {0.05f, -0.3f, 0.06f}},
                      {{0, 1, 2}, {0, 2, 3}},
@@ -222,7 +236,8 @@ TEST_F(MeshView, FootOfAWallIsDarkerThanTheOpenFloorWithoutBeingInItsShadow) {
   EXPECT_NEAR(brightness(with, {-0.05, 0, 0}), brightness(without, {-0.05, 0, 0}), 2);
 }
 
-TEST_F(MeshView, NothingToSeeIsTheBackdrop) {
+// A scene without visible items shows the backdrop.
+TEST_F(MeshView, EmptySceneIsBackdrop) {
   const TriMesh behind = test::sphere({0, -3, 0}, 0.1f);  // behind the eye
   const Image image = draw({{.mesh = &behind, .color = kRed}});
   EXPECT_EQ(find(image, is_red).count, 0);
@@ -230,7 +245,8 @@ TEST_F(MeshView, NothingToSeeIsTheBackdrop) {
   EXPECT_LE(test::difference(image.at(50, 60), screen_color(backdrop(50.5f / kWidth, 60.5f / kHeight))), 3);
 }
 
-TEST_F(MeshView, SamePictureTwiceAndFromTwoThreadsAtOnce) {
+// Two threads that draw at once give the same picture as one.
+TEST_F(MeshView, DrawingIsDeterministic) {
   const TriMesh mesh = test::sphere({}, 0.15f);
   const Image expected = draw({{.mesh = &mesh, .color = kRed}});
   Image images[2];
@@ -242,14 +258,15 @@ TEST_F(MeshView, SamePictureTwiceAndFromTwoThreadsAtOnce) {
   EXPECT_EQ(images[1].pixels, expected.pixels);
 }
 
-TEST_F(MeshView, PictureTooLargeForOpenGlIsAnError) {
+// A picture that is too large for OpenGL, or empty, is an error.
+TEST_F(MeshView, RejectsInvalidSize) {
   const Result<Image> image = draw_meshes({}, kFront, 1 << 20, 8);
   ASSERT_FALSE(image);
   EXPECT_NE(image.error().message.find("1048576 x 8"), std::string::npos);
   EXPECT_FALSE(draw_meshes({}, kFront, 0, 8));
 }
 
-// In a process of its own, that looks for drivers where there are none.
+// Runs in its own process, which finds no OpenGL drivers.
 void draw_without_driver() {
   setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/no/such/driver.json", 1);
   const Result<Image> image = draw_meshes({}, kFront, 8, 8);
@@ -257,7 +274,8 @@ void draw_without_driver() {
   std::_Exit(image ? 1 : 0);
 }
 
-TEST(MeshViewDeathTest, WithoutADriverThereIsAnErrorAndNoCrash) {
+// Without an OpenGL driver drawing fails with a message and does not crash.
+TEST(MeshViewDeathTest, MissingDriverIsError) {
   testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT(draw_without_driver(), testing::ExitedWithCode(0), "cannot draw: .*EGL");
 }

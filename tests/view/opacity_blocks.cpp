@@ -12,7 +12,7 @@ struct Case {
   OpacityBlocks blocks;
 };
 
-// Two balls of bone in air; a size that blocks do not divide.
+// Two balls of bone in air, in a volume whose size is no multiple of the block size.
 Case two_balls(int threads) {
   const Grid grid = test::centered_grid({70, 61, 53}, {0.001, 0.001, 0.001}, {});
   CtVolume ct = test::ball_volume(grid, {-0.02, 0.01, 0}, 0.006, 900);
@@ -27,7 +27,8 @@ int distance_at(const OpacityBlocks& b, int i, int j, int k) {
   return b.distance[std::size_t((k * b.size.y + j) * b.size.x + i)];
 }
 
-TEST(OpacityBlocks, EveryVisibleSampleLiesInAVisibleBlock) {
+// Every visible sample lies in a visible block.
+TEST(OpacityBlocks, VisibleSamplesAreInVisibleBlocks) {
   const auto [ct, blocks] = two_balls(2);
   const Transfer transfer(transfer_points("bone"));
   int visible = 0;
@@ -43,7 +44,8 @@ TEST(OpacityBlocks, EveryVisibleSampleLiesInAVisibleBlock) {
   EXPECT_GT(visible, 800);
 }
 
-TEST(OpacityBlocks, DistanceIsThatToTheNearestVisibleBlock) {
+// The distance of a block is the Chebyshev distance to the nearest visible block.
+TEST(OpacityBlocks, DistanceIsToNearestVisibleBlock) {
   const OpacityBlocks blocks = two_balls(2).blocks;
   std::vector<Int3> visible;
   for (int k = 0; k < blocks.size.z; k++)
@@ -63,14 +65,16 @@ TEST(OpacityBlocks, DistanceIsThatToTheNearestVisibleBlock) {
   }
 }
 
-TEST(OpacityBlocks, SameOnAnyNumberOfThreads) {
+// One thread and eight threads build the same blocks.
+TEST(OpacityBlocks, IndependentOfThreadCount) {
   const OpacityBlocks one = two_balls(1).blocks, eight = two_balls(8).blocks;
   EXPECT_EQ(one.distance, eight.distance);
   for (std::size_t level = 0; level < one.levels.size(); level++)
     EXPECT_EQ(one.levels[level].opaque, eight.levels[level].opaque);
 }
 
-TEST(OpacityBlocks, OccupancyIsOneDeepInsideAndZeroFarOutside) {
+// Occupancy is one deep inside a ball and zero far outside.
+TEST(OpacityBlocks, OccupancyIsOneInsideZeroOutside) {
   const Grid grid = test::centered_grid({64, 64, 64}, {0.001, 0.001, 0.001}, {});
   const CtVolume ct = test::ball_volume(grid, {}, 0.024, 900);
   const OpacityBlocks blocks = build_opacity_blocks(Exec(1), ct, Transfer(transfer_points("bone")));

@@ -17,7 +17,8 @@ Vec3d transform(const Mat4& m, Vec3d p) {
 
 constexpr Box kBoxes[] = {{{-0.1, -0.2, 0.3}, {0.3, 0.1, 0.9}}, {{0.2, 0, 0}, {0.25, 0.1, 0.1}}};
 
-TEST(Projection, CameraMatrixShowsPointsWhereTheCameraSeesThem) {
+// The camera matrix projects points like the camera.
+TEST(Projection, CameraMatrixMatchesCamera) {
   const Camera camera{.eye = {0.5, -2, 0.8}, .target = {0.1, 0, 0.4}};
   const View view = make_view(kBoxes, camera, 4.0 / 3);
   for (const Box& box : kBoxes) {
@@ -31,7 +32,8 @@ TEST(Projection, CameraMatrixShowsPointsWhereTheCameraSeesThem) {
   }
 }
 
-TEST(Projection, NearStaysInFrontOfTheEye) {
+// The near plane stays in front of the eye, even if the eye is inside a body.
+TEST(Projection, NearPlaneIsPositive) {
   const View inside = make_view(kBoxes, {.eye = {0, 0, 0.5}, .target = {0, 1, 0.5}}, 1);
   EXPECT_GT(inside.near, 0);
   EXPECT_LT(inside.near, inside.far);
@@ -39,7 +41,8 @@ TEST(Projection, NearStaysInFrontOfTheEye) {
   EXPECT_LT(nothing.near, nothing.far);
 }
 
-TEST(Projection, LightSeesAllBoxesAndNearerToItIsInFront) {
+// The view of the light contains all boxes; points nearer to the light have smaller depth.
+TEST(Projection, LightViewContainsBoxes) {
   for (const Vec3d light : {Vec3d{0, 0, 1}, {-0.7, 0.5, 0.6}, {1, 0, 0}}) {
     const Mat4 m = make_light_view(kBoxes, light).matrix;
     for (const Box& box : kBoxes) {

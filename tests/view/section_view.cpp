@@ -20,11 +20,12 @@ std::vector<Grid> grids() {
       test::centered_grid({100, 90, 50}, {0.001, 0.001, 0.002}, center, test::oblique_axes())};
 }
 
-// What each plane shows to the right of and below the middle, in the patient's frame.
+// Directions to the right and downwards in each plane, in the patient's frame.
 Vec3d right_of(Plane plane) { return plane == Plane::kSagittal ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}; }
 Vec3d below(Plane plane) { return plane == Plane::kAxial ? Vec3d{0, 1, 0} : Vec3d{0, 0, -1}; }
 
-TEST(Section, BrightBallLiesAtItsPlaceInEveryPlaneOfFlippedAndObliqueVolumes) {
+// A bright ball is at its position in every plane of flipped and oblique volumes.
+TEST(SectionView, BallIsAtItsPositionInEveryPlane) {
   for (const Grid& grid : grids()) {
     const Box box = bounding_box(grid);
     const Vec3d middle = (box.low + box.high) * 0.5, ball = middle + Vec3d{0.010, 0.006, -0.008};
@@ -34,7 +35,7 @@ TEST(Section, BrightBallLiesAtItsPlaceInEveryPlaneOfFlippedAndObliqueVolumes) {
       const double pixel = section_frame(grid, plane, ball, 300).pixel;
       const auto found = test::find_pixels(image, [&](int x, int y) {
         const Rgb c = image.at(x, y);
-        return c.r > 128 && c.r == c.g && c.g == c.b && y < 250;  // not the letters, not the scale bar
+        return c.r > 128 && c.r == c.g && c.g == c.b && y < 250;  // excludes letters and scale bar
       });
       EXPECT_NEAR(found.x, 0.5 * image.width + dot(ball - middle, right_of(plane)) / pixel, 1.5);
       EXPECT_NEAR(found.y, 0.5 * image.height + dot(ball - middle, below(plane)) / pixel, 1.5);
@@ -43,7 +44,8 @@ TEST(Section, BrightBallLiesAtItsPlaceInEveryPlaneOfFlippedAndObliqueVolumes) {
   }
 }
 
-TEST(Section, PatientsRightIsOnTheLeftFrontAndHeadAreUp) {
+// The patient's right is on the left; front and head are up.
+TEST(SectionView, RadiologicalOrientation) {
   const SectionFrame axial = section_frame(grids()[0], Plane::kAxial, {}, 100);
   EXPECT_EQ(axial.right, (Vec3d{1, 0, 0}));  // LPS: +x is the patient's left
   EXPECT_EQ(axial.down, (Vec3d{0, 1, 0}));
@@ -52,7 +54,8 @@ TEST(Section, PatientsRightIsOnTheLeftFrontAndHeadAreUp) {
   EXPECT_EQ(sagittal.down, (Vec3d{0, 0, -1}));
 }
 
-TEST(Section, PictureHasTheAspectOfTheBody) {
+// The picture has the aspect ratio of the volume.
+TEST(SectionView, PictureKeepsAspectRatio) {
   const Grid grid = test::centered_grid({100, 50, 40}, {0.001, 0.001, 0.005}, {});
   const Image coronal =
       draw_section(test::fill_volume(grid, [](Vec3d) { return 0; }), Plane::kCoronal, {}, {}, 400);
@@ -60,7 +63,8 @@ TEST(Section, PictureHasTheAspectOfTheBody) {
   EXPECT_EQ(coronal.width, 200);
 }
 
-TEST(Section, LettersStandAtTheFourSides) {
+// Orientation letters are at the four sides and not in the middle.
+TEST(SectionView, OrientationLettersAtFourSides) {
   const CtVolume ct = test::fill_volume(grids()[0], [](Vec3d) { return -1000; });
   for (const Plane plane : kPlanes) {
     const Image image = draw_section(ct, plane, bounding_box(ct.grid).low, {}, 400);
@@ -80,7 +84,8 @@ TEST(Section, LettersStandAtTheFourSides) {
   }
 }
 
-TEST(Section, GrayValuesFollowTheWindow) {
+// Gray values follow center and width of the window.
+TEST(SectionView, GrayValuesFollowWindow) {
   const Grid grid = test::centered_grid({64, 64, 64}, {0.001, 0.001, 0.001}, {});
   const auto gray_of = [&grid](int hu, Window window) {
     const CtVolume ct = test::fill_volume(grid, [hu](Vec3d) { return hu; });
@@ -92,9 +97,10 @@ TEST(Section, GrayValuesFollowTheWindow) {
   EXPECT_NEAR(gray_of(100, {400, 0}), 191, 1);
 }
 
-TEST(Section, ScaleBarIsAsLongAsItSays) {
-  const Grid grid =
-      test::centered_grid({100, 100, 100}, {0.003, 0.003, 0.003}, {});  // 30 cm wide: 5 cm fit a quarter
+// The scale bar has the stated length.
+TEST(SectionView, ScaleBarHasStatedLength) {
+  const Grid grid = test::centered_grid({100, 100, 100}, {0.003, 0.003, 0.003},
+                                        {});  // 30 cm wide: a bar of 5 cm fits into a quarter
   const Image image =
       draw_section(test::fill_volume(grid, [](Vec3d) { return -1000; }), Plane::kAxial, {}, {}, 600);
   int longest = 0;
@@ -108,7 +114,8 @@ TEST(Section, ScaleBarIsAsLongAsItSays) {
   EXPECT_EQ(longest, 100);  // 600 pixels are 30 cm
 }
 
-TEST(Section, OneSliceAndPlanesBesideTheVolumeAreDrawn) {
+// Volumes with one slice and planes outside of the volume are drawn.
+TEST(SectionView, DrawsSingleSliceAndOutsidePlanes) {
   const Grid grid = test::centered_grid({64, 48, 1}, {0.001, 0.001, 0.005}, {});
   const CtVolume ct = test::fill_volume(grid, [](Vec3d) { return 500; });
   EXPECT_EQ(draw_section(ct, Plane::kAxial, {}, {}, 96).at(64, 30), (Rgb{255, 255, 255}));
@@ -116,7 +123,8 @@ TEST(Section, OneSliceAndPlanesBesideTheVolumeAreDrawn) {
   EXPECT_EQ(draw_section(ct, Plane::kAxial, {0, 0, 1}, {}, 96).at(64, 30), Rgb{});
 }
 
-TEST(Section, UnknownWindowIsAnErrorThatListsTheKnownOnes) {
+// An unknown window preset is an error that lists the known ones.
+TEST(SectionView, UnknownWindowListsKnown) {
   EXPECT_TRUE(window_preset("lung"));
   const Result<Window> unknown = window_preset("lungs");
   ASSERT_FALSE(unknown);

@@ -1,5 +1,5 @@
-// What the tests of pictures draw: spheres as meshes, balls and boxes as CTs, and ways to find them again in
-// a picture.
+// Test shapes for pictures: spheres as meshes, balls and boxes as CTs, and functions that find them in a
+// picture.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ inline TriMesh sphere(Vec3 center, float radius, int rings = 48) {
   return mesh;
 }
 
-/// Axes turned by 30° about z and by 20° about x, and the first one flipped.
+/// Axes rotated by 30° about z and by 20° about x, with the first one flipped.
 inline Mat3d oblique_axes() {
   const double a = std::numbers::pi / 6, b = std::numbers::pi / 9;
   const Mat3d about_z{{{std::cos(a), std::sin(a), 0}, {-std::sin(a), std::cos(a), 0}, {0, 0, 1}}};
@@ -43,7 +43,7 @@ inline Mat3d oblique_axes() {
   return axes;
 }
 
-/// A grid whose middle is at `center`.
+/// A grid centered at `center`.
 inline Grid centered_grid(Int3 size, Vec3d spacing, Vec3d center, const Mat3d& axes = {}) {
   Grid grid{.size = size, .spacing = spacing, .origin = {}, .axes = axes};
   grid.origin = center - point_at(grid, (Vec3d(size) - Vec3d{1, 1, 1}) * 0.5);
@@ -59,7 +59,7 @@ inline CtVolume fill_volume(const Grid& grid, const std::function<double(Vec3d)>
   return ct;
 }
 
-/// A ball of tissue in air; its border fades over one sample, as partial volumes do.
+/// A ball of tissue in air. Its border fades over one sample, like partial volumes.
 inline CtVolume ball_volume(const Grid& grid, Vec3d center, double radius, double hu) {
   const double fade = std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z});
   return fill_volume(grid, [=](Vec3d x) {
@@ -70,7 +70,7 @@ inline CtVolume ball_volume(const Grid& grid, Vec3d center, double radius, doubl
 
 struct Found {
   int count = 0;
-  double x = 0, y = 0;  // middle [pixels]
+  double x = 0, y = 0;  // centroid [pixels]
 };
 inline Found find_pixels(const Image& image, const std::function<bool(int, int)>& is_wanted) {
   Found found;
@@ -90,7 +90,7 @@ inline int difference(Rgb a, Rgb b) {
   return std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b);
 }
 
-/// Where a point is seen [pixels].
+/// Projection of a point [pixels].
 inline Vec3d project(const Camera& camera, Vec3d point, int width, int height) {
   const CameraFrame frame = camera_frame(camera);
   const Vec3d from_eye = point - camera.eye;
@@ -99,7 +99,7 @@ inline Vec3d project(const Camera& camera, Vec3d point, int width, int height) {
           depth};
 }
 
-/// Pixels that a sphere in the middle of the picture covers.
+/// Number of pixels of a sphere at the center of the picture.
 inline double silhouette_area(const Camera& camera, double radius, int height) {
   const double distance = norm(camera.eye - camera.target);
   const double pixels = std::tan(std::asin(radius / distance)) / camera_frame(camera).tan_half * 0.5 * height;

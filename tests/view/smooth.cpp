@@ -8,7 +8,8 @@
 namespace turgor {
 namespace {
 
-TEST(Smooth, LinearFieldsKeepTheirValuesAndPlaces) {
+// Smoothing to half the resolution reproduces linear fields.
+TEST(Smooth, HalvingReproducesLinearField) {
   const auto field = [](Vec3d x) { return 3e4 * x.x - 2e4 * x.y + 1e4 * x.z; };
   const Grid grid =
       test::centered_grid({40, 32, 24}, {0.001, 0.001, 0.002}, {0.01, 0.02, 0.03}, test::oblique_axes());
@@ -20,7 +21,8 @@ TEST(Smooth, LinearFieldsKeepTheirValuesAndPlaces) {
         EXPECT_NEAR(smooth.at(i, j, k), field(point_at(smooth.grid, Vec3d(Int3{i, j, k}))), 2);
 }
 
-TEST(Smooth, OddAndThinVolumesKeepAConstant) {
+// Smoothing keeps a constant in volumes with odd or single-sample axes.
+TEST(Smooth, HalvingKeepsConstant) {
   for (const Int3 size : {Int3{7, 5, 3}, {1, 9, 2}, {4, 1, 1}}) {
     const CtVolume ct =
         test::fill_volume(test::centered_grid(size, {0.001, 0.001, 0.001}, {}), [](Vec3d) { return 320; });
@@ -28,10 +30,9 @@ TEST(Smooth, OddAndThinVolumesKeepAConstant) {
   }
 }
 
-TEST(Sample, InterpolationReproducesLinearFields) {
-  const auto field = [](Vec3d x) {
-    return 1e5 * x.x + 2e5 * x.y - 1e5 * x.z;
-  };  // whole numbers at the samples
+// Trilinear interpolation reproduces linear fields and clamps outside of the grid.
+TEST(Smooth, InterpolationReproducesLinearField) {
+  const auto field = [](Vec3d x) { return 1e5 * x.x + 2e5 * x.y - 1e5 * x.z; };  // integers at the samples
   const Grid grid{.size = {6, 5, 4}, .spacing = {0.001, 0.001, 0.001}, .origin = {}, .axes = {}};
   const CtVolume ct = test::fill_volume(grid, field);
   for (const Vec3 index : {Vec3{0, 0, 0}, {5, 4, 3}, {1.25f, 2.5f, 0.75f}, {4.9f, 3.9f, 2.9f}}) {

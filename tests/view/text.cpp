@@ -8,7 +8,7 @@
 namespace turgor {
 namespace {
 
-// Names a font that is not there, for as long as this lives.
+// Names a missing font file during its lifetime.
 struct WithoutFont {
   WithoutFont() { setenv("TURGOR_FONT", "/no/such/font.ttf", 1); }
   ~WithoutFont() { unsetenv("TURGOR_FONT"); }
@@ -16,7 +16,8 @@ struct WithoutFont {
 
 int ink(const TextMask& mask) { return std::accumulate(mask.coverage.begin(), mask.coverage.end(), 0) / 255; }
 
-TEST(Text, WithoutAFontTheBuiltInLettersAreUsed) {
+// Without a font file the built-in letters are used.
+TEST(Text, FallsBackToBuiltInFont) {
   const WithoutFont without;
   for (const char* text : {"R", "L", "A", "P", "H", "F", "5 cm", "displacement [mm]"}) {
     const TextMask mask = rasterize_text(text, 20);
@@ -25,13 +26,15 @@ TEST(Text, WithoutAFontTheBuiltInLettersAreUsed) {
   }
 }
 
-TEST(Text, UnknownSignsAreLeftBlank) {
+// Characters that the built-in font lacks are blank.
+TEST(Text, UnknownCharactersAreBlank) {
   const WithoutFont without;
   EXPECT_EQ(ink(rasterize_text("µ°", 20)), 0);
   EXPECT_EQ(rasterize_text("µ°", 20).width, rasterize_text("ab", 20).width);
 }
 
-TEST(Text, EveryLetterLooksDifferent) {
+// Every letter has a different image.
+TEST(Text, LettersAreDistinct) {
   const std::string letters = "RLAPHF0123456789";
   for (const char a : letters)
     for (const char b : letters)
@@ -39,13 +42,15 @@ TEST(Text, EveryLetterLooksDifferent) {
           << a << b;
 }
 
-TEST(Text, NothingAndBrokenUtf8AreHarmless) {
+// Empty text and invalid UTF-8 do not crash.
+TEST(Text, EmptyAndInvalidUtf8AreHarmless) {
   EXPECT_EQ(ink(rasterize_text("", 16)), 0);
   EXPECT_GE(rasterize_text("\xff\xfe\x80", 16).width, 0);
   EXPECT_GE(rasterize_text("a", 1).height, 1);
 }
 
-TEST(Text, LargerSizesCoverMore) {
+// A larger font size covers more pixels.
+TEST(Text, LargerSizeCoversMore) {
   EXPECT_GT(ink(rasterize_text("stress", 40)), 2 * ink(rasterize_text("stress", 20)));
 }
 

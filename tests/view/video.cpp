@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 class Video : public testing::Test {
  protected:
-  // A name that a shell, or a program that guesses, would misread.
+  // A name that a shell, or a program that parses names, would misread.
   fs::path folder = fs::temp_directory_path() / ("turgor -video %d 'test'; " + std::to_string(getpid()));
 
   void SetUp() override { fs::create_directories(folder); }
@@ -34,7 +34,7 @@ class Video : public testing::Test {
     }
     return frames;
   }
-  // Names in the folder that are not frames.
+  // Number of files in the folder that are not frames.
   int others() const {
     int count = 0;
     for (const auto& entry : fs::directory_iterator(folder)) count += entry.path().extension() != ".png";
@@ -51,12 +51,13 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
-TEST_F(Video, HasAsManyFramesAsThereWerePictures) {
+// The video has one frame per picture.
+TEST_F(Video, FrameCountMatchesPictures) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not on the PATH";
   const fs::path path = folder / "out.mp4";
   const Status status = write_video(make_frames(7, 65, 49), 30, path);
   ASSERT_TRUE(status) << status.error().message;
-  EXPECT_EQ(others(), 1) << "only the video is left";
+  EXPECT_EQ(others(), 1) << "only the video remains";
   fs::create_symlink(path, "/tmp/turgor-video-" + std::to_string(getpid()) + ".mp4");
   const fs::path plain = "/tmp/turgor-video-" + std::to_string(getpid()) + ".mp4";
   EXPECT_EQ(
@@ -67,7 +68,8 @@ TEST_F(Video, HasAsManyFramesAsThereWerePictures) {
   fs::remove(plain);
 }
 
-TEST_F(Video, MissingFrameIsNamedAndNothingIsLeft) {
+// A missing frame is named in the error, and no file is left.
+TEST_F(Video, MissingFrameIsNamed) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not on the PATH";
   std::vector<fs::path> frames = make_frames(2);
   frames.push_back(folder / "gone.png");
@@ -77,7 +79,8 @@ TEST_F(Video, MissingFrameIsNamedAndNothingIsLeft) {
   EXPECT_EQ(others(), 0);
 }
 
-TEST_F(Video, FramesThatAreNoPicturesAreAnErrorAndAnEarlierVideoStays) {
+// A frame that is no image is an error, and an earlier video is kept.
+TEST_F(Video, NonImageFrameFailsAndKeepsOldVideo) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not on the PATH";
   const fs::path broken = folder / "broken.png", path = folder / "out.mp4";
   for (const fs::path& file : {broken, path}) {
@@ -91,7 +94,8 @@ TEST_F(Video, FramesThatAreNoPicturesAreAnErrorAndAnEarlierVideoStays) {
   EXPECT_EQ(fs::file_size(path), 7u);
 }
 
-TEST_F(Video, OnAFullDiskNoVideoIsCutShortAndTheEarlierOneStays) {
+// On a full disk writing fails, and the earlier video is kept.
+TEST_F(Video, FullDiskKeepsOldVideo) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not on the PATH";
   std::vector<fs::path> frames;
   std::uint32_t noise = 1;
@@ -112,14 +116,16 @@ TEST_F(Video, OnAFullDiskNoVideoIsCutShortAndTheEarlierOneStays) {
   EXPECT_EQ(others(), 1);
 }
 
-TEST_F(Video, NoFramesNoRateAndNoFolderAreErrors) {
+// No frames, a rate of zero and a missing folder are errors.
+TEST_F(Video, RejectsInvalidArguments) {
   EXPECT_FALSE(write_video({}, 30, folder / "out.mp4"));
   const std::vector<fs::path> frames = make_frames(1);
   EXPECT_FALSE(write_video(frames, 0, folder / "out.mp4"));
   EXPECT_FALSE(write_video(frames, 30, folder / "no" / "such" / "out.mp4"));
 }
 
-TEST_F(Video, WithoutFfmpegTheErrorSaysSo) {
+// A missing ffmpeg is reported.
+TEST_F(Video, MissingFfmpegIsReported) {
   const std::vector<fs::path> frames = make_frames(1);
   const std::string before = std::getenv("PATH");
   setenv("PATH", folder.c_str(), 1);
@@ -129,7 +135,7 @@ TEST_F(Video, WithoutFfmpegTheErrorSaysSo) {
   EXPECT_NE(status.error().message.find("ffmpeg is not on the PATH"), std::string::npos);
 }
 
-/// Puts a program named ffmpeg first on the PATH while it lives.
+/// Puts a program named ffmpeg first on the PATH during its lifetime.
 struct FakeFfmpeg {
   std::string before = std::getenv("PATH");
   FakeFfmpeg(const fs::path& folder, const std::string& script) {
@@ -141,17 +147,18 @@ struct FakeFfmpeg {
   ~FakeFfmpeg() { setenv("PATH", before.c_str(), 1); }
 };
 
-TEST_F(Video, AnFfmpegThatMisbehavesGetsItsOwnSentenceAndLeavesNothing) {
+// Each failure of ffmpeg has its own message and leaves no files.
+TEST_F(Video, FfmpegFailuresAreExplained) {
   const std::vector<fs::path> frames = make_frames(2);
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"sleep 1000", "having got no further for 0.5 s"},
-      {"trap '' TERM INT ALRM; while :; do sleep 1; done", "having got no further for 0.5 s"},
+      {"sleep 1000", "made no progress for 0.5 s"},
+      {"trap '' TERM INT ALRM; while :; do sleep 1; done", "made no progress for 0.5 s"},
       {"kill -SEGV $$", "it crashed (Segmentation fault)"},
       {"kill -KILL $$", "it was killed, perhaps because the machine's memory ran out"},
       {"exit 3", "it ended with status 3"},
       {"printf '\\033[31mno\\007 codec\\n' >&2; exit 1", "ffmpeg failed:  [31mno  codec"},
-      {"echo garbage > video.mp4", "what it wrote is no video"},
-      {"exit 0", "what it wrote is no video"},
+      {"echo garbage > video.mp4", "its output is not a video"},
+      {"exit 0", "its output is not a video"},
       {"cat; exit 4", "it ended with status 4"}};
   for (const auto& [script, sentence] : cases) {
     const FakeFfmpeg fake(folder, script);
@@ -159,15 +166,16 @@ TEST_F(Video, AnFfmpegThatMisbehavesGetsItsOwnSentenceAndLeavesNothing) {
     ASSERT_FALSE(status) << script;
     EXPECT_NE(status.error().message.find(sentence), std::string::npos) << status.error().message;
     EXPECT_NE(status.error().message.find("out.mp4"), std::string::npos);
-    EXPECT_EQ(others(), 1) << "only the folder of the program";
+    EXPECT_EQ(others(), 1) << "only the folder of the fake ffmpeg remains";
   }
 }
 
-TEST_F(Video, AnFfmpegThatCannotBeStartedSaysWhy) {
+// An ffmpeg that cannot be started is reported.
+TEST_F(Video, UnstartableFfmpegIsReported) {
   const std::vector<fs::path> frames = make_frames(1);
   const FakeFfmpeg fake(folder, "");
   std::ofstream(folder / "bin" / "ffmpeg") << "#!/no/such/shell\n";
-  setenv("PATH", (folder / "bin").c_str(), 1);  // else the next one is tried
+  setenv("PATH", (folder / "bin").c_str(), 1);  // otherwise the next ffmpeg on the PATH is tried
   const Status status = write_video(frames, 30, folder / "out.mp4");
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().message.find("could not be started"), std::string::npos) << status.error().message;

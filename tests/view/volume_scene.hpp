@@ -1,4 +1,4 @@
-// A small CT with something in it for every preset, and cameras around it, for tests of its pictures.
+// A small CT with visible tissue for every preset, and cameras around it.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace turgor::test {
 
 constexpr int kWidth = 150, kHeight = 110;
 
-/// Skin, flesh, bone and a lung in oblique axes; textured.
+/// Skin, flesh, bone and a lung in oblique axes, with texture.
 inline CtVolume layered_ct(Int3 size) {
   const Vec3d spacing{0.0012, 0.001, 0.0015}, half = hadamard(Vec3d(size), spacing) * 0.5;
   CtVolume ct = fill_volume(centered_grid(size, spacing, {}, oblique_axes()), [&](Vec3d x) {

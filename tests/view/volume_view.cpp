@@ -24,7 +24,8 @@ test::Found find_body(const Image& image, const Grid& grid, const Camera& camera
       image, [&](int x, int y) { return test::difference(image.at(x, y), empty.at(x, y)) > 60; });
 }
 
-TEST(VolumeView, BallCoversTheAreaOfItsSilhouette) {
+// A ball covers the area of its silhouette.
+TEST(VolumeView, BallCoversSilhouetteArea) {
   const Vec3d center{0.05, -0.02, 0.4};
   const std::vector<Grid> grids = {
       test::centered_grid({96, 96, 96}, {0.001, 0.001, 0.001}, center),
@@ -42,7 +43,8 @@ TEST(VolumeView, BallCoversTheAreaOfItsSilhouette) {
   }
 }
 
-TEST(VolumeView, BallBesideTheMiddleIsSeenWhereItIs) {
+// A ball away from the center is drawn at its projected position.
+TEST(VolumeView, OffCenterBallIsProjectedCorrectly) {
   const Grid grid = test::centered_grid({80, 90, 60}, {0.0015, 0.001, 0.002}, {}, test::oblique_axes());
   const Vec3d ball{0.012, 0.01, -0.015};
   const CtVolume ct = test::ball_volume(grid, ball, 0.012, 1000);
@@ -55,7 +57,8 @@ TEST(VolumeView, BallBesideTheMiddleIsSeenWhereItIs) {
   }
 }
 
-TEST(VolumeView, SameBitsOnOneTwoAndEightThreads) {
+// One, two and eight threads draw the same picture.
+TEST(VolumeView, IndependentOfThreadCount) {
   const Grid grid = test::centered_grid({80, 80, 60}, {0.001, 0.001, 0.001}, {}, test::oblique_axes());
   const CtVolume ct = test::ball_volume(grid, {0.005, 0, 0}, 0.025, 300);
   const Camera camera{.eye = {0.1, -0.2, 0.05}, .target = {}};
@@ -66,7 +69,8 @@ TEST(VolumeView, SameBitsOnOneTwoAndEightThreads) {
   }
 }
 
-TEST(VolumeView, SideTowardsTheLightIsBrighter) {
+// The side towards the light is brighter.
+TEST(VolumeView, LitSideIsBrighter) {
   const Grid grid = test::centered_grid({80, 80, 80}, {0.001, 0.001, 0.001}, {});
   const Image image = draw(test::ball_volume(grid, {}, 0.03, 1000), {.eye = {0, -0.3, 0}, .target = {}});
   const Rgb lit = image.at(kWidth / 2 - 30, kHeight / 2 - 30),
@@ -74,7 +78,8 @@ TEST(VolumeView, SideTowardsTheLightIsBrighter) {
   EXPECT_GT(int(lit.r), int(away.r) + 40);
 }
 
-TEST(VolumeView, OpaquePartsHideWhatIsBehind) {
+// Opaque tissue hides everything behind it.
+TEST(VolumeView, OpaqueTissueHidesBackground) {
   const Grid grid = test::centered_grid({80, 80, 80}, {0.001, 0.001, 0.001}, {});
   const auto plate = [](Vec3d x) {
     return std::abs(x.y + 0.02) < 0.006 && norm(x) < 0.03 ? 1500.0 : -1000.0;
@@ -86,7 +91,8 @@ TEST(VolumeView, OpaquePartsHideWhatIsBehind) {
   EXPECT_LE(test::difference(alone.at(kWidth / 2, kHeight / 2), with.at(kWidth / 2, kHeight / 2)), 3);
 }
 
-TEST(VolumeView, StepsDoNotChangeHowMuchShinesThrough) {
+// Transmittance does not depend on the spacing of the samples.
+TEST(VolumeView, TransmittanceIsIndependentOfSpacing) {
   const auto slab = [](Vec3d x) { return std::abs(x.y) < 0.01 ? 190.0 : -1000.0; };
   const auto red_of = [&](double spacing) {
     const int count = int(std::lround(0.08 / spacing));
@@ -99,7 +105,8 @@ TEST(VolumeView, StepsDoNotChangeHowMuchShinesThrough) {
   EXPECT_NEAR(red_of(0.001), red_of(0.0005), 12);
 }
 
-TEST(VolumeView, EyeInsideTheVolumeAndVolumesOneSampleThickAreDrawn) {
+// An eye inside the volume, and volumes of one slice, are drawn.
+TEST(VolumeView, DrawsFromInsideAndThinVolumes) {
   const Grid grid = test::centered_grid({40, 40, 40}, {0.001, 0.001, 0.001}, {});
   const CtVolume hollow = test::fill_volume(grid, [](Vec3d x) { return norm(x) > 0.01 ? 1000.0 : -1000.0; });
   const Image inside = draw(hollow, {.eye = {}, .target = {0, 1, 0}});

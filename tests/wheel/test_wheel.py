@@ -1,4 +1,4 @@
-"""What is special about the wheel: what it is without, and that it says so."""
+"""Properties of the wheel: the features that it lacks, and their error messages."""
 import importlib.metadata
 import os
 import pathlib
@@ -17,7 +17,7 @@ from turgor.engine import NEEDS, processor_flags
 ENGINES = pathlib.Path(turgor.__file__).parent / "engines"
 SLICER = pathlib.Path(__file__).resolve().parents[2] / "slicer/Turgor/Turgor"
 sys.path.insert(0, str(SLICER))
-from TurgorLib.cut import Cut, Cutter, Wishes  # noqa: E402
+from TurgorLib.cut import Cut, Cutter, CutOptions  # noqa: E402
 
 PAD = {"world": {"duration": 0.2, "frame_rate": 50},
        "body": {"pad": {"model": "sfem", "block": {"size": [0.06, 0.06, 0.03], "count": [6, 6, 3]}, "fixed": "bottom", "young": 5e3,
@@ -30,7 +30,8 @@ def block(file):
 
 
 class Wheel(unittest.TestCase):
-    def test_it_is_installed_and_loads_no_graphics_and_no_codecs(self):
+    # The installed wheel loads no libraries for graphics or codecs.
+    def test_loads_no_graphics_and_no_codecs(self):
         self.assertIn("site-packages", turgor.__file__)
         world = turgor.World(PAD)
         world.step(5)
@@ -39,14 +40,16 @@ class Wheel(unittest.TestCase):
             self.assertNotIn(name, loaded)
         self.assertIn("turgor.libs", loaded)
 
-    def test_any_linux_since_glibc_2_34_takes_it(self):
+    # The wheel is tagged for glibc 2.34 or older.
+    def test_wheel_supports_glibc_2_34(self):
         if platform.freedesktop_os_release().get("VERSION_CODENAME") != "bookworm":
-            self.skipTest("a wheel asks for what the system has that it was made on")
+            self.skipTest("the tag depends on the system that built the wheel")
         tags = [line for line in importlib.metadata.distribution("turgor").read_text("WHEEL").splitlines() if line.startswith("Tag:")]
         self.assertEqual(len(tags), 1)
         self.assertLessEqual(int(re.search(r"manylinux_2_(\d+)_x86_64$", tags[0]).group(1)), 34)
 
-    def test_the_report_and_the_module_name_the_engine(self):
+    # Report and module name the loaded engine.
+    def test_report_and_module_name_engine(self):
         flags = processor_flags()
         self.assertLessEqual(NEEDS[turgor.instructions.rpartition("-")[2]], flags)
         self.assertEqual(turgor.World(PAD).report()["machine"]["instructions"], turgor.instructions)
@@ -54,8 +57,9 @@ class Wheel(unittest.TestCase):
         if forced:
             self.assertEqual(turgor.instructions, f"x86-64-{forced}")
 
+    # The engine is chosen by the processor, forced by a variable, or rejected.
     @unittest.skipUnless(ENGINES.is_dir(), "a wheel with one engine")
-    def test_an_engine_is_chosen_by_the_processor_forced_or_refused(self):
+    def test_engine_is_chosen_forced_or_rejected(self):
         can = [level for level in NEEDS if NEEDS[level] <= processor_flags()]
         for level in (None, *NEEDS):
             environment = {key: value for key, value in os.environ.items() if key != "TURGOR_ENGINE"} | ({"TURGOR_ENGINE": level} if level else {})
@@ -65,7 +69,8 @@ class Wheel(unittest.TestCase):
             else:
                 self.assertIn(f"expected a processor of x86-64-{level}, found one without", done.stderr)
 
-    def test_a_cache_that_cannot_be_is_no_reason_to_fail(self):
+    # A cache that cannot be used is not an error.
+    def test_unusable_cache_is_not_an_error(self):
         with tempfile.TemporaryDirectory() as folder:
             world = turgor.World(PAD, set={"body.pad.cache": folder})
             world.step(5)
@@ -74,14 +79,16 @@ class Wheel(unittest.TestCase):
         self.assertEqual(world.state_hash, again.state_hash)
         self.assertGreater(world.forces("finger")["force_N"][-1, 2], 0.005)
 
-    def test_a_run_into_a_folder_says_what_is_missing(self):
+    # A run into a folder fails with a message, because the wheel draws no pictures.
+    def test_run_into_folder_is_explained(self):
         with tempfile.TemporaryDirectory() as folder:
             out = pathlib.Path(folder) / "out"
             with self.assertRaisesRegex(turgor.Error, "draws no pictures"):
                 turgor.run(PAD, out=out)
             self.assertFalse(out.exists())
 
-    def test_it_reads_a_nifti_file_by_itself(self):
+    # The wheel reads NIfTI files without other packages.
+    def test_reads_nifti_without_packages(self):
         hu = np.full((16, 16, 16), -1000, dtype=np.int16)
         hu[3:13, 3:13, 3:13] = 40
         header = np.zeros(352, dtype=np.uint8)
@@ -104,13 +111,14 @@ class Wheel(unittest.TestCase):
         np.testing.assert_allclose(volume.spacing, 3e-3)
 
 
-    def test_it_cuts_for_3d_slicer(self):
+    # The wheel runs the worker of the 3D Slicer module.
+    def test_cuts_for_3d_slicer(self):
         samples = np.full((24, 24, 24), -1000, dtype=np.int16)
         samples[2:22, 2:22, :] = 40
         to_ras = np.diag([-3.0, -3.0, 3.0, 1.0])
         line = np.array([[-35.0, -6, 20], [-35, -6, 50]])  # on the front
         python = Cutter(lambda folder: [sys.executable, str(SLICER / "TurgorLib/worker.py"), str(folder)], dict(os.environ))
-        cut = Cut(python, samples, to_ras, line, Wishes(depth=15, step=6, seconds=0.3))
+        cut = Cut(python, samples, to_ras, line, CutOptions(depth=15, step=6, seconds=0.3))
         cut.process.wait()
         opened = cut.opened()
         self.assertEqual(opened.samples.shape, samples.shape)

@@ -13,17 +13,19 @@ constexpr Vec3d kPoints[] = {{0, 0, 0}, {0.2, 0.1, -0.15}, {-0.1, 0.3, 0.22}};
 
 double distance(const Camera& camera) { return norm(camera.eye - camera.target); }
 
-TEST(camera_moves, a_ray_through_where_a_point_is_seen_goes_through_the_point) {
+// The ray through the projection of a point passes through the point.
+TEST(CameraMoves, SightRayPassesThroughPoint) {
   for (const Vec3d point : kPoints) {
-    const auto seen = seen_at(kCamera, point, kAspect);
+    const auto seen = project(kCamera, point, kAspect);
     ASSERT_TRUE(seen);
     const SightRay ray = sight_ray(kCamera, *seen, kAspect);
     EXPECT_LT(norm(cross(point - ray.from, ray.direction)), 1e-12);
   }
-  EXPECT_FALSE(seen_at(kCamera, kCamera.eye * 2.0 - kCamera.target, kAspect)) << "behind the eye";
+  EXPECT_FALSE(project(kCamera, kCamera.eye * 2.0 - kCamera.target, kAspect)) << "behind the eye";
 }
 
-TEST(camera_moves, turning_keeps_the_target_and_the_distance_and_comes_back) {
+// Orbiting keeps target and distance and is reversible.
+TEST(CameraMoves, OrbitKeepsTargetAndDistance) {
   const Camera turned = orbited(kCamera, 0.7, 0.3), back = orbited(turned, -0.7, -0.3);
   EXPECT_EQ(turned.target, kCamera.target);
   EXPECT_NEAR(distance(turned), distance(kCamera), 1e-12);
@@ -33,28 +35,31 @@ TEST(camera_moves, turning_keeps_the_target_and_the_distance_and_comes_back) {
   EXPECT_LT(norm(round.eye - kCamera.eye), 1e-12);
 }
 
-TEST(camera_moves, turning_ends_before_the_poles) {
+// Orbiting stops before the poles.
+TEST(CameraMoves, OrbitStopsBeforePoles) {
   const Camera above = orbited(kCamera, 0, 10);
   EXPECT_GT(above.eye.z - above.target.z, 0.99 * distance(kCamera));
   EXPECT_GT(dot(camera_frame(above).right, camera_frame(kCamera).right), 0.999)
       << "the picture does not flip";
 }
 
-TEST(camera_moves, shifting_brings_what_was_seen_at_one_place_to_another) {
-  const Seen from{-0.3, 0.2}, to{0.5, -0.4};
+// Panning moves the point at one screen position to another.
+TEST(CameraMoves, PanMovesPointToCursor) {
+  const ScreenPosition from{-0.3, 0.2}, to{0.5, -0.4};
   const Vec3d point = in_plane(kCamera, sight_ray(kCamera, from, kAspect), kCamera.target);
-  const auto seen = seen_at(panned(kCamera, from, to, kAspect), point, kAspect);
+  const auto seen = project(panned(kCamera, from, to, kAspect), point, kAspect);
   ASSERT_TRUE(seen);
   EXPECT_NEAR(seen->x, to.x, 1e-9);
   EXPECT_NEAR(seen->y, to.y, 1e-9);
 }
 
-TEST(camera_moves, coming_nearer_leaves_what_is_under_the_cursor_there) {
-  const Seen cursor{0.6, -0.5};
+// Zooming keeps the point under the cursor.
+TEST(CameraMoves, ZoomKeepsPointUnderCursor) {
+  const ScreenPosition cursor{0.6, -0.5};
   const Vec3d point = in_plane(kCamera, sight_ray(kCamera, cursor, kAspect), kCamera.target);
   for (const double factor : {0.5, 0.9, 1.7}) {
     const Camera zoomed_camera = zoomed(kCamera, factor, cursor, kAspect);
-    const auto seen = seen_at(zoomed_camera, point, kAspect);
+    const auto seen = project(zoomed_camera, point, kAspect);
     ASSERT_TRUE(seen);
     EXPECT_NEAR(seen->x, cursor.x, 1e-9);
     EXPECT_NEAR(seen->y, cursor.y, 1e-9);
@@ -62,23 +67,24 @@ TEST(camera_moves, coming_nearer_leaves_what_is_under_the_cursor_there) {
   }
 }
 
-TEST(camera_moves, standard_views_show_the_whole_box_with_the_patients_sides_where_surgeons_expect_them) {
+// Standard views show the whole box in the usual orientation of the patient.
+TEST(CameraMoves, StandardViewsShowWholeBox) {
   const Box box{{-0.2, -0.1, -0.4}, {0.2, 0.15, 0.4}};
   using V = StandardView;
   const Vec3d left{0.15, 0, 0}, back{0, 0.12, 0}, head{0, 0, 0.35};
   for (const V view : {V::kFront, V::kBack, V::kRight, V::kLeft, V::kHead, V::kFeet}) {
     const Camera camera = standard_view(view, box, kAspect);
     for (int i = 0; i < 8; i++) {
-      const auto seen = seen_at(camera, corner(box, i), kAspect);
+      const auto seen = project(camera, corner(box, i), kAspect);
       ASSERT_TRUE(seen);
       EXPECT_LE(std::max(std::abs(seen->x), std::abs(seen->y)), 1);
     }
   }
   const auto x_of = [&](V view, Vec3d p) {
-    return seen_at(standard_view(view, box, kAspect), p, kAspect)->x;
+    return project(standard_view(view, box, kAspect), p, kAspect)->x;
   };
   const auto y_of = [&](V view, Vec3d p) {
-    return seen_at(standard_view(view, box, kAspect), p, kAspect)->y;
+    return project(standard_view(view, box, kAspect), p, kAspect)->y;
   };
   EXPECT_GT(x_of(V::kFront, left), 0) << "the patient's left is on the right, as if face to face";
   EXPECT_LT(x_of(V::kBack, left), 0);
@@ -89,7 +95,8 @@ TEST(camera_moves, standard_views_show_the_whole_box_with_the_patients_sides_whe
   EXPECT_GT(y_of(V::kHead, back), y_of(V::kHead, {0, -0.1, 0})) << "from the head the back is above";
 }
 
-TEST(camera_moves, focus_turns_about_a_point_from_where_one_looked) {
+// Focusing sets the target and keeps the viewing direction.
+TEST(CameraMoves, FocusKeepsDirection) {
   const Camera camera = focused(kCamera, kPoints[1], 0.4);
   EXPECT_EQ(camera.target, kPoints[1]);
   EXPECT_NEAR(distance(camera), 0.4, 1e-12);

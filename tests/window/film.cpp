@@ -11,7 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Film, without_ffmpeg_the_pictures_are_kept_where_the_sentence_says) {
+// Without ffmpeg the pictures are kept in the folder that the message names.
+TEST(Film, MissingFfmpegKeepsPictures) {
   const fs::path out = test::fresh_folder();
   const std::string path = std::getenv("PATH");
   Film film;
@@ -25,7 +26,8 @@ TEST(Film, without_ffmpeg_the_pictures_are_kept_where_the_sentence_says) {
   EXPECT_TRUE(film.frames.empty());
 }
 
-TEST(Film, a_picture_that_cannot_be_written_leaves_no_folder) {
+// A picture that cannot be written leaves no folder.
+TEST(Film, WriteErrorLeavesNoFolder) {
   const fs::path out = test::fresh_folder();
   Film film;
   EXPECT_NE(add_to_film(Image(), out, film).find("000000.png"), std::string::npos);

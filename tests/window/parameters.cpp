@@ -31,33 +31,37 @@ const Parameter& find(const ParameterList& list, const std::string& path) {
   return *found;
 }
 
-TEST(parameters, numbers_come_with_unit_limits_and_the_value_that_holds_now) {
+// The list of parameters has units, limits and current values.
+TEST(Parameters, ListHasUnitsLimitsAndValues) {
   const ParameterList list = list_parameters(scene());
   const Parameter& tension = find(list, "body.torso.skin.tension");
-  EXPECT_EQ(tension.value[0], 60) << "as the file says";
+  EXPECT_EQ(tension.value[0], 60) << "the value of the file";
   EXPECT_EQ(tension.key.unit, "N/m");
   EXPECT_EQ(tension.key.allowed.low, 0);
   EXPECT_TRUE(tension.waits.empty());
-  EXPECT_EQ(find(list, "body.torso.skin.stiffness").value[0], 300) << "what holds without it";
+  EXPECT_EQ(find(list, "body.torso.skin.stiffness").value[0], 300) << "the default value";
   const Parameter& gravity = find(list, "world.gravity");
   EXPECT_EQ(gravity.count, 3);
   EXPECT_EQ(gravity.value[2], -9.81);
   const ParameterList changed = list_parameters(scene({"body.torso.skin.tension=75"}));
-  EXPECT_EQ(find(changed, "body.torso.skin.tension").value[0], 75) << "as it was changed";
+  EXPECT_EQ(find(changed, "body.torso.skin.tension").value[0], 75) << "the changed value";
 }
 
-TEST(parameters, those_that_act_at_once_come_first_and_the_rest_says_that_it_does_not) {
+// Parameters that take effect at once come first; the others state why they do not.
+TEST(Parameters, LiveParametersComeFirst) {
   const ParameterList list = list_parameters(scene());
   EXPECT_TRUE(
       std::is_partitioned(list.begin(), list.end(), [](const Parameter& p) { return p.waits.empty(); }));
-  EXPECT_EQ(find(list, "body.torso.tissue.fat").waits, "the springs of the lattice are made of it");
+  EXPECT_EQ(find(list, "body.torso.tissue.fat").waits, "the elements of the lattice depend on it");
   EXPECT_TRUE(find(list, "body.flag.wind.velocity").waits.empty());
 }
 
-TEST(parameters, a_modulus_and_a_friction_act_at_once_where_the_model_allows_it_and_else_say_why_not) {
-  const auto waits = [](const std::string& part, const std::string& path) {
+// Modulus and friction take effect at once if the model allows it.
+TEST(Parameters, ModulusAndFrictionDependOnModel) {
+  const auto waits = [](const std::string& inclusion, const std::string& path) {
     const std::string text =
-        "[world]\n[body.pad]\nmodel = \"sfem\"\nblock = { size = [1, 1, 1], count = [2, 2, 2] }\n" + part +
+        "[world]\n[body.pad]\nmodel = \"sfem\"\nblock = { size = [1, 1, 1], count = [2, 2, 2] }\n" +
+        inclusion +
         "[body.chain]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\" }\n"
         "[tool.a]\nbody = \"pad\"\nshape = { sphere = 0.01 }\npath = [[0, 0, 0, 2]]\n"
         "[tool.b]\nbody = \"chain\"\nshape = { sphere = 0.01 }\npath = [[0, 0, 0, 2]]\n";
@@ -67,13 +71,14 @@ TEST(parameters, a_modulus_and_a_friction_act_at_once_where_the_model_allows_it_
   };
   EXPECT_EQ(waits("", "body.pad.young"), "");
   EXPECT_EQ(waits("", "tool.a.friction"), "");
-  EXPECT_EQ(waits("", "tool.b.friction"), "chains know no friction");
-  EXPECT_NE(waits("inclusion.stone = { centre = [0.5, 0.5, 0.5], young = 1e5 }\n", "body.pad.young"), "");
+  EXPECT_EQ(waits("", "tool.b.friction"), "chains have no friction");
+  EXPECT_NE(waits("inclusion.stone = { center = [0.5, 0.5, 0.5], young = 1e5 }\n", "body.pad.young"), "");
   EXPECT_NE(waits("", "body.pad.poisson"), "");
   EXPECT_NE(waits("", "world.frame_rate"), "");
 }
 
-TEST(parameters, a_value_turned_in_the_window_is_one_that_the_scene_takes) {
+// A value that is changed in the window is accepted by the scene.
+TEST(Parameters, ChangedValueIsAcceptedByScene) {
   for (Parameter parameter : list_parameters(scene())) {
     for (double& value : parameter.value) value = limited(parameter.key.allowed, value * 1.03);
     const Result<Scene> taken =
@@ -82,7 +87,8 @@ TEST(parameters, a_value_turned_in_the_window_is_one_that_the_scene_takes) {
   }
 }
 
-TEST(parameters, values_are_held_within_limits_and_off_those_that_are_refused) {
+// Values are clamped to their limits and kept away from rejected ones.
+TEST(Parameters, ValuesAreClampedToLimits) {
   EXPECT_EQ(limited(within(0, 10), 12), 10);
   EXPECT_EQ(limited(not_negative(""), -3), 0);
   EXPECT_GT(limited(positive(""), -3), 0);

@@ -14,7 +14,8 @@ BodySnapshot ball(Vec3 center, float radius) {
   return body;
 }
 
-TEST(pick, the_nearest_place_of_a_ball_on_a_ray_is_where_geometry_says_with_its_normal) {
+// The picked point of a ball and its normal match the analytic intersection.
+TEST(Pick, FindsNearestPointAndNormal) {
   WorldSnapshot snapshot;
   snapshot.bodies = {ball({0.1f, 0.2f, -0.1f}, 0.08f)};
   const Vec3d center{0.1, 0.2, -0.1}, from{0.7, -0.5, 0.4}, beside{0.12, 0.21, -0.07};
@@ -28,7 +29,8 @@ TEST(pick, the_nearest_place_of_a_ball_on_a_ray_is_where_geometry_says_with_its_
   EXPECT_GT(dot(found->normal, normalized(expected - center)), 0.998);
 }
 
-TEST(pick, the_body_in_front_hides_the_one_behind_it_whatever_their_order) {
+// The body in front hides the one behind it, in either order.
+TEST(Pick, FrontBodyHidesOther) {
   WorldSnapshot snapshot;
   snapshot.bodies = {ball({0, 0.5f, 0}, 0.1f), ball({0, 0, 0}, 0.1f)};
   const auto found = pick(snapshot, {{0, -1, 0}, {0, 1, 0}});
@@ -37,7 +39,8 @@ TEST(pick, the_body_in_front_hides_the_one_behind_it_whatever_their_order) {
   EXPECT_NEAR(found->distance, 0.9, 1e-3);
 }
 
-TEST(pick, nothing_lies_beside_a_body_and_nothing_behind_the_eye) {
+// Rays beside a body, and bodies behind the eye, give no result.
+TEST(Pick, MissesBesideAndBehindEye) {
   WorldSnapshot snapshot;
   snapshot.bodies = {ball({0, 0, 0}, 0.1f)};
   EXPECT_FALSE(pick(snapshot, {{0.2, -1, 0}, {0, 1, 0}}));

@@ -1,5 +1,5 @@
-// A display without a screen (Xvfb), and a hand on its mouse and keyboard (xdotool): what the window gets is
-// what it gets from a person.
+// A virtual display (Xvfb) with synthetic mouse and keyboard (xdotool): the window receives the same events
+// as from a user.
 #pragma once
 
 #include <cstdlib>
@@ -33,10 +33,10 @@ class Screen {
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
-  std::string missing;  // why there is none
+  std::string missing;  // the reason why no display is available
 
  private:
-  /// The server says on a pipe which display is free and ready.
+  /// Starts the server, which reports on a pipe which display is ready.
   void start() {
     int ends[2];
     if (pipe(ends) != 0) return void(missing = "no pipe");
@@ -46,7 +46,7 @@ class Screen {
       const int nowhere = open("/dev/null", O_WRONLY);
       dup2(nowhere, STDERR_FILENO);
       dup2(nowhere, STDOUT_FILENO);
-      prctl(PR_SET_PDEATHSIG, SIGTERM);  // it ends with the tests, however they end
+      prctl(PR_SET_PDEATHSIG, SIGTERM);  // ends with the tests, however they end
       const std::string to = std::to_string(ends[1]);
       execlp("Xvfb", "Xvfb", "-displayfd", to.c_str(), "-screen", "0", "1024x800x24", "-noreset", "-nolisten",
              "tcp", nullptr);
@@ -59,7 +59,7 @@ class Screen {
     setenv("DISPLAY", (":" + display).c_str(), 1);
   }
 
-  /// To its end: the server writes the end of the line by itself, and dies when nobody is left to read it.
+  /// Reads a line to its end. The server writes the newline separately and dies if the pipe is closed before.
   static std::string line_of(int pipe) {
     std::string line;
     char letter = 0;
@@ -70,7 +70,7 @@ class Screen {
   pid_t server_ = 0;
 };
 
-/// "mousemove 10 20 mousedown 1"
+/// Sends the events, such as "mousemove 10 20 mousedown 1".
 inline void hand(const std::string& moves) {
   if (std::system(("xdotool " + moves + " >/dev/null 2>&1").c_str()) != 0) std::abort();
 }

@@ -9,44 +9,47 @@ namespace {
 namespace fs = std::filesystem;
 using namespace test;
 
-TEST_F(WindowTest, a_press_on_the_liver_is_felt_deeper_with_the_wheel_and_not_any_more_when_it_ends) {
+// Pressing the liver gives a force, the wheel presses deeper and release ends the force.
+TEST_F(WindowTest, PressForceFollowsMouse) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
   EXPECT_EQ(force(now()), 0);
   hand("mousemove " + pixel(facing(window_->viewer())) + " mousedown 1");
-  ASSERT_TRUE(draw_until([](const SessionNow& n) { return force(n) > 0.01; })) << "the curve rises";
+  ASSERT_TRUE(draw_until([](const SessionStatus& n) { return force(n) > 0.01; })) << "the curve rises";
   draw_for(0.5);
   const double pressed = force(now());
   hand("click 4 click 4 click 4 click 4");
-  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return force(n) > 1.15 * pressed; })) << pressed;
+  EXPECT_TRUE(draw_until([&](const SessionStatus& n) { return force(n) > 1.15 * pressed; })) << pressed;
   hand("mouseup 1");
-  EXPECT_TRUE(draw_until([](const SessionNow& n) { return force(n) == 0; }));
+  EXPECT_TRUE(draw_until([](const SessionStatus& n) { return force(n) == 0; }));
 }
 
-TEST_F(WindowTest, what_is_grabbed_with_shift_is_pulled_along) {
+// Dragging with shift pulls the tissue along.
+TEST_F(WindowTest, ShiftDragPullsTissue) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
-  const Vec3d place = facing(window_->viewer());
+  const Vec3d position = facing(window_->viewer());
   const Vec3d right = camera_frame(window_->viewer().camera).right;
-  hand("mousemove " + pixel(place) + " keydown shift mousedown 1");
+  hand("mousemove " + pixel(position) + " keydown shift mousedown 1");
   draw_for(0.7);
-  hand("mousemove " + pixel(place + right * 0.015));
-  const auto pulled = [&](const SessionNow& n) {
+  hand("mousemove " + pixel(position + right * 0.015));
+  const auto pulled = [&](const SessionStatus& n) {
     double most = 0;
     for (const Vec3 u : n.snapshot.bodies[0].displacement) most = std::max(most, dot(Vec3d(u), right));
     return most;
   };
-  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return pulled(n) > 0.004; })) << pulled(now()) << " m";
+  EXPECT_TRUE(draw_until([&](const SessionStatus& n) { return pulled(n) > 0.004; })) << pulled(now()) << " m";
   hand("mouseup 1 keyup shift");
-  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return pulled(n) < 0.001; }));
+  EXPECT_TRUE(draw_until([&](const SessionStatus& n) { return pulled(n) < 0.001; }));
 }
 
-TEST_F(WindowTest, a_line_drawn_on_skin_in_cut_mode_opens_a_wound_and_is_saved_with_the_scene) {
+// A line drawn in cut mode opens a wound and is saved with the scene.
+TEST_F(WindowTest, DrawnLineCutsAndIsSaved) {
   open(block(folder_));
   ASSERT_TRUE(wait_for_world());
   type("1");  // from the front
   type("c");
-  const auto walls = [](const SessionNow& n) {
+  const auto walls = [](const SessionStatus& n) {
     return n.snapshot.bodies[0].triangles.size() - n.snapshot.bodies[0].wall_begin;
   };
   EXPECT_EQ(walls(now()), 0u);
@@ -57,26 +60,27 @@ TEST_F(WindowTest, a_line_drawn_on_skin_in_cut_mode_opens_a_wound_and_is_saved_w
   hand("mousemove " + pixel({0.01, -0.02, 0.03}));
   draw_for(0.1);
   hand("mouseup 1");
-  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return walls(n) > 30; }));
+  EXPECT_TRUE(draw_until([&](const SessionStatus& n) { return walls(n) > 30; }));
   type("s");
   const Result<Scene> saved = read_scene(folder_ / "block-1.toml");
   ASSERT_TRUE(saved) << window_->viewer().message << saved.error().message;
   ASSERT_EQ(saved->incisions.size(), 1u);
   const lattice::Incision& blade = saved->incisions[0].blade;
-  EXPECT_LT(norm(blade.from - Vec3d{0.01, -0.02, -0.03}), 0.003) << "m: a pixel is half a millimetre";
+  EXPECT_LT(norm(blade.from - Vec3d{0.01, -0.02, -0.03}), 0.003) << "m: a pixel is half a millimeter";
   EXPECT_LT(norm(blade.to - Vec3d{0.01, -0.02, 0.03}), 0.003);
   type("BackSpace");
-  EXPECT_TRUE(
-      draw_until([&](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && walls(n) == 0; }));
+  EXPECT_TRUE(draw_until(
+      [&](const SessionStatus& n) { return n.phase == SessionStatus::Phase::kReady && walls(n) == 0; }));
 }
 
-TEST_F(WindowTest, the_ct_of_a_body_that_was_cut_is_seen_in_sections_and_as_a_volume) {
+// The CT of a body is shown in sections and as a volume.
+TEST_F(WindowTest, DeformedCtIsShown) {
   open(block(folder_));
   ASSERT_TRUE(wait_for_world());
   type("1");
   type("x");
-  ASSERT_TRUE(draw_until([](const SessionNow& n) { return n.ct != nullptr; }));
-  EXPECT_EQ(n_samples_above(*now().ct, 500), n_samples_above({0, block_ct()}, 500)) << "its bone";
+  ASSERT_TRUE(draw_until([](const SessionStatus& n) { return n.ct != nullptr; }));
+  EXPECT_EQ(n_samples_above(*now().ct, 500), n_samples_above({0, block_ct()}, 500)) << "bone samples";
   window_->viewer().display.volume = true;
   window_->viewer().display.preset = "bone";
   draw_for(2);
@@ -90,18 +94,19 @@ TEST_F(WindowTest, the_ct_of_a_body_that_was_cut_is_seen_in_sections_and_as_a_vo
   EXPECT_GT(bright.count, 10000) << "pixels of bone behind the fat";
 }
 
-TEST_F(WindowTest, space_pauses_dots_step_and_minus_slows) {
+// Space pauses, the period key steps and minus slows the simulation.
+TEST_F(WindowTest, KeysPauseStepAndSlow) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
   type("space");
-  ASSERT_TRUE(draw_until([](const SessionNow& n) { return !n.plays; }));
+  ASSERT_TRUE(draw_until([](const SessionStatus& n) { return !n.plays; }));
   const int frame = now().snapshot.frame;
   draw_for(0.3);
   EXPECT_EQ(now().snapshot.frame, frame);
   type("period");
-  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return n.snapshot.frame == frame + 1; }));
+  EXPECT_TRUE(draw_until([&](const SessionStatus& n) { return n.snapshot.frame == frame + 1; }));
   type("minus");
-  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return n.plays && n.pace == 0.5; }));
+  EXPECT_TRUE(draw_until([&](const SessionStatus& n) { return n.plays && n.pace == 0.5; }));
   hand("keydown space");
   draw_for(1.5);
   hand("keyup space");
@@ -109,7 +114,8 @@ TEST_F(WindowTest, space_pauses_dots_step_and_minus_slows) {
   EXPECT_FALSE(now().plays) << "once, however long it is held";
 }
 
-TEST_F(WindowTest, beside_the_body_the_mouse_moves_the_camera_and_the_wheel_comes_nearer) {
+// Beside the body the mouse orbits the camera and the wheel zooms.
+TEST_F(WindowTest, MouseBesideBodyMovesCamera) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
   const Camera before = window_->viewer().camera;
@@ -120,14 +126,15 @@ TEST_F(WindowTest, beside_the_body_the_mouse_moves_the_camera_and_the_wheel_come
   const Camera turned = window_->viewer().camera;
   EXPECT_GT(norm(turned.eye - before.eye), 0.01);
   EXPECT_EQ(turned.target, before.target);
-  EXPECT_EQ(force(now()), 0) << "nothing was touched";
+  EXPECT_EQ(force(now()), 0) << "no contact";
   hand("click 4");
   draw_for(0.2);
   const Camera nearer = window_->viewer().camera;
   EXPECT_NEAR(norm(nearer.eye - nearer.target), 0.9 * norm(turned.eye - turned.target), 1e-9);
 }
 
-TEST_F(WindowTest, its_pictures_show_the_body_and_the_help) {
+// Saved pictures show the body, and the help covers it.
+TEST_F(WindowTest, SavedPicturesShowBodyAndHelp) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
   draw_for(0.3);
@@ -149,27 +156,28 @@ TEST_F(WindowTest, its_pictures_show_the_body_and_the_help) {
   type("p");
   const Image help = read_picture(folder_ / "out" / "liver-2.png");
   ASSERT_EQ(help.width, kWidth);
-  EXPECT_LT(flesh(help).count, 0.8 * found.count) << "the help lies over it";
+  EXPECT_LT(flesh(help).count, 0.8 * found.count) << "the help covers it";
 }
 
-TEST_F(WindowTest, a_window_that_stalls_for_a_second_costs_the_haptic_loop_nothing) {
+// A window that stalls for a second does not slow the haptic loop.
+TEST_F(WindowTest, StalledWindowKeepsHapticRate) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
   hand("mousemove " + pixel(facing(window_->viewer())) + " mousedown 1");
-  ASSERT_TRUE(draw_until([](const SessionNow& n) { return force(n) > 0.01; }));
+  ASSERT_TRUE(draw_until([](const SessionStatus& n) { return force(n) > 0.01; }));
   draw_for(0.3);
   const haptics::TimingReport before = now().haptics;
   const double begin = now().snapshot.time;
   std::this_thread::sleep_for(std::chrono::seconds(1));
   draw_for(0.3);
   const haptics::TimingReport after = now().haptics;
-  EXPECT_GT(now().snapshot.time, begin + 0.7) << "s: frames went on";
-  EXPECT_GT(after.ticks + after.missed, before.ticks + before.missed + 900) << "the loop kept its time";
+  EXPECT_GT(now().snapshot.time, begin + 0.7) << "s: the simulation continued";
+  EXPECT_GT(after.ticks + after.missed, before.ticks + before.missed + 900) << "the loop kept its rate";
   EXPECT_LT(after.period.largest, 0.5) << "s: no pause of the stall's length";
   hand("mouseup 1");
 }
 
-/// Where the patch's edges are drawn.
+/// Number of pixels with the color of the patch's edges.
 int patch_pixels(const Image& image) {
   return int(find_pixels(image, [&](int x, int y) {
                const Rgb c = image.at(x, y);
@@ -177,7 +185,8 @@ int patch_pixels(const Image& image) {
              }).count);
 }
 
-TEST_F(WindowTest, the_patch_that_follows_a_tool_is_shown_with_u_where_the_tool_is) {
+// The U key shows the local patch of elements at the tool.
+TEST_F(WindowTest, PatchIsShownAtTool) {
   std::ofstream(folder_ / "pad.toml") << R"([world]
 duration = 1
 [body.pad]
@@ -209,15 +218,16 @@ path = [[0, 0.015, 0.015, 0.04]]
     EXPECT_LT(std::hypot(x.x - 0.015, x.y - 0.015), 0.035) << "m: the elements near the tool, and no others";
 }
 
-TEST_F(WindowTest, a_volume_is_cast_coarsely_while_the_camera_moves_and_finely_at_rest) {
+// A volume is drawn coarsely while the camera moves and finely at rest.
+TEST_F(WindowTest, VolumeRefinesWhenCameraRests) {
   open(block(folder_));
   ASSERT_TRUE(wait_for_world());
   auto ct = std::make_shared<const DeformedCt>(DeformedCt{0, block_ct()});
   VolumePicture picture;
-  VolumeWish wish{ct, "bone", window_->viewer().camera, 320, 240};
+  VolumeRequest request{ct, "bone", window_->viewer().camera, 320, 240};
   const auto until = [&](int width) {
     for (const Timer timer; timer.seconds() < 20; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
-      EXPECT_TRUE(renew(wish, picture));
+      EXPECT_TRUE(renew(request, picture));
       if (picture.image.width == width) return true;
     }
     return false;
@@ -226,8 +236,8 @@ TEST_F(WindowTest, a_volume_is_cast_coarsely_while_the_camera_moves_and_finely_a
   EXPECT_TRUE(until(160)) << "then finer";
   EXPECT_TRUE(until(320)) << "and as fine as the window";
   for (int n = 0; n < 20; n++) {  // a camera that moves faster than rays are cast
-    wish.camera = orbited(wish.camera, 0.05, 0);
-    EXPECT_TRUE(renew(wish, picture));
+    request.camera = orbited(request.camera, 0.05, 0);
+    EXPECT_TRUE(renew(request, picture));
     EXPECT_TRUE(picture.image.width == 320 || picture.image.width == 80) << picture.image.width;
     if (picture.coming.valid()) picture.coming.wait();
   }
@@ -235,11 +245,12 @@ TEST_F(WindowTest, a_volume_is_cast_coarsely_while_the_camera_moves_and_finely_a
   EXPECT_TRUE(until(320)) << "at rest again";
 }
 
-TEST_F(WindowTest, it_may_be_resized_while_a_body_is_pressed_and_escape_closes_it) {
+// The window can be resized during a press, and Escape closes it.
+TEST_F(WindowTest, ResizesWhilePressedEscapeCloses) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
   hand("mousemove " + pixel(facing(window_->viewer())) + " mousedown 1");
-  ASSERT_TRUE(draw_until([](const SessionNow& n) { return force(n) > 0.01; }));
+  ASSERT_TRUE(draw_until([](const SessionStatus& n) { return force(n) > 0.01; }));
   hand("search --name Turgor windowsize 700 500");
   draw_for(0.5);
   EXPECT_GT(force(now()), 0.01) << "still pressed";
@@ -247,11 +258,13 @@ TEST_F(WindowTest, it_may_be_resized_while_a_body_is_pressed_and_escape_closes_i
   type("p");
   EXPECT_EQ(read_picture(folder_ / "out" / "liver-1.png").width, 700);
   hand("mouseup 1 key Escape");
-  EXPECT_FALSE(draw_until([](const SessionNow&) { return false; }, 5)) << "draw() says that it was closed";
+  EXPECT_FALSE(draw_until([](const SessionStatus&) { return false; }, 5))
+      << "draw() reports that the window is closed";
   EXPECT_TRUE(window_->viewer().ends);
 }
 
-TEST(NoWindow, without_a_display_a_sentence_names_what_needs_none) {
+// Without a display the error names the command that needs none.
+TEST(NoWindow, MissingDisplayIsExplained) {
   const char* had = std::getenv("DISPLAY");
   const std::string display = had ? had : "";
   unsetenv("DISPLAY"), unsetenv("WAYLAND_DISPLAY");

@@ -1,4 +1,4 @@
-// A real window on a display without a screen, driven by synthetic mouse and keyboard: what its tests share.
+// Fixture for tests of a real window on a virtual display with synthetic mouse and keyboard.
 #pragma once
 
 #include <cmath>
@@ -38,8 +38,8 @@ class WindowTest : public testing::Test {
     window_ = std::move(*opened);
   }
 
-  const SessionNow& now() { return *window_->viewer().now; }
-  bool draw_until(const std::function<bool(const SessionNow&)>& is_so, double longest = 20) {
+  const SessionStatus& now() { return *window_->viewer().now; }
+  bool draw_until(const std::function<bool(const SessionStatus&)>& is_so, double longest = 20) {
     const Timer timer;
     while (window_ && timer.seconds() < longest)
       if (!window_->draw())
@@ -49,17 +49,18 @@ class WindowTest : public testing::Test {
     return false;
   }
   bool wait_for_world() {
-    return draw_until(
-        [](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && n.snapshot.frame > 2; });
+    return draw_until([](const SessionStatus& n) {
+      return n.phase == SessionStatus::Phase::kReady && n.snapshot.frame > 2;
+    });
   }
   void draw_for(double seconds) {
     const Timer timer;
     while (timer.seconds() < seconds) ASSERT_TRUE(window_->draw());
   }
 
-  /// A place of the world as xdotool names it.
+  /// Screen position of a point, as arguments of xdotool.
   std::string pixel(Vec3d point) {
-    const auto seen = seen_at(window_->viewer().camera, point, double(kWidth) / kHeight);
+    const auto seen = project(window_->viewer().camera, point, double(kWidth) / kHeight);
     return fmt::format("{:.0f} {:.0f}", 0.5 * (1 + seen->x) * kWidth, 0.5 * (1 - seen->y) * kHeight);
   }
   void type(const std::string& keys) { hand("key " + keys), draw_for(0.1); }
@@ -68,7 +69,7 @@ class WindowTest : public testing::Test {
   std::unique_ptr<SceneWindow> window_;
 };
 
-/// A phantom liver that the mouse touches, and nothing else.
+/// A scene with a phantom liver that the mouse touches.
 inline fs::path liver(const fs::path& folder) {
   const fs::path file = folder / "liver.toml";
   std::ofstream(file) << R"([world]
@@ -92,7 +93,7 @@ inline fs::path block(const fs::path& folder) {
   return folder / "block.toml";
 }
 
-/// No pixels: it is no picture.
+/// Image of a PNG file. Empty if the file is no PNG.
 inline Image read_picture(const fs::path& file) {
   png_image png = {};
   png.version = PNG_IMAGE_VERSION;
@@ -108,9 +109,11 @@ inline int n_samples_above(const DeformedCt& ct, int hu) {
       std::count_if(ct.ct.samples.begin(), ct.ct.samples.end(), [hu](int sample) { return sample > hu; }));
 }
 
-inline double force(const SessionNow& now) { return now.haptic[0].empty() ? 0 : now.haptic[0].back().force; }
+inline double force(const SessionStatus& now) {
+  return now.haptic[0].empty() ? 0 : now.haptic[0].back().force;
+}
 
-/// The place of a body that lies nearest to the eye's line to its middle.
+/// Position on a body under the sight line from the eye to the center of its box.
 inline Vec3d facing(const Viewer& viewer) {
   const Box box = box_of(viewer.now->snapshot);
   const auto found = pick(viewer.now->snapshot,

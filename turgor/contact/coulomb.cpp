@@ -1,25 +1,28 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "turgor/contact/coulomb_steps.hpp"
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-/// Cholesky's elimination, stopped after the held unknowns: what is left is the compliance of the others
-/// with the held ones in place, C_cc − C_ch C_hh⁻¹ C_hc, and their separations b_c − C_ch C_hh⁻¹ b_h. Columns
-/// of the held unknowns keep their rows below the diagonal for place_held. A pivot that is lost to rounding
-/// (a site on top of another one) bears no force.
+/// Cholesky elimination, stopped after the held unknowns. The remaining system has the compliance C_cc − C_ch
+/// C_hh⁻¹ C_hc and the separations b_c − C_ch C_hh⁻¹ b_h. Columns of the held unknowns keep their rows below
+/// the diagonal for solve_held. A pivot that is lost to rounding (two sites at the same position) bears no
+/// force.
 void eliminate_held(FrictionalContactProblem& p) {
   const int n = 3 * p.count, h = 3 * p.held;
-  constexpr double kLost = 1e-12;
+  constexpr double kSingular = 1e-12;
   double largest = 0;
   for (int i = 0; i < h; i++) largest = std::max(largest, column(p, i)[i]);
+  // eliminate column by column
   for (int i = 0; i < h; i++) {
     double* pivot = column(p, i);
-    if (!(pivot[i] > kLost * largest)) pivot[i] = HUGE_VAL;
+    if (!(pivot[i] > kSingular * largest)) pivot[i] = HUGE_VAL;
     for (int j = i + 1; j < n; j++) {
       const double factor = pivot[j] / pivot[i];
       if (factor == 0) continue;
@@ -28,14 +31,14 @@ void eliminate_held(FrictionalContactProblem& p) {
       p.separation[std::size_t(j)] -= factor * p.separation[std::size_t(i)];
     }
   }
-  for (int j = h; j < n; j++)  // the blocks on the diagonal are read as a whole
+  for (int j = h; j < n; j++)  // blocks on the diagonal are read in full
     for (int row = j / 3 * 3; row < j; row++) column(p, j)[row] = column(p, row)[j];
-  // Nothing is added to the held ones any more.
+  // Held sites receive no further updates.
   for (int j = h; j < n; j++) std::fill_n(column(p, j), h, 0.0);
 }
 
-/// The forces of the held sites, once the others are known.
-void place_held(FrictionalContactProblem& p) {
+/// Back substitution: forces of the held sites from those of the others.
+void solve_held(FrictionalContactProblem& p) {
   const int n = 3 * p.count;
   for (int i = 3 * p.held - 1; i >= 0; i--) {
     const double* pivot = column(p, i);
@@ -47,7 +50,7 @@ void place_held(FrictionalContactProblem& p) {
   std::fill_n(p.state.begin(), p.held, SiteState::kHeld);
 }
 
-/// An axis, and two more that are orthogonal to it.
+/// Orthonormal axes whose first one is n.
 Mat3d frame_around(Vec3d n) {
   const Vec3d other = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
   const Vec3d t = normalized(cross(n, other));
@@ -69,16 +72,23 @@ void write_block(const Mat3d& b, int row, int col, FrictionalContactProblem& p) 
   }
 }
 
-/// All numbers of the sites that are not held into their frames, by the lower triangle of C.
+/// Transforms all quantities of the free sites into their frames, and fills both triangles of C from the
+/// lower one.
 void enter_frames(FrictionalContactProblem& p) {
+  TURGOR_CHECK(
+      std::all_of(p.normal.begin() + p.held, p.normal.begin() + p.count, [](Vec3d n) { return is_unit(n); }),
+      "normals of contact sites are unit vectors");
+  // frame of each site
   for (int i = p.held; i < p.count; i++) p.laws[std::size_t(i)].axes = frame_around(p.normal[std::size_t(i)]);
   for (int j = p.held; j < p.count; j++) {
     const Mat3d axes = p.laws[std::size_t(j)].axes;
+    // blocks below the diagonal and their transposes
     for (int i = j; i < p.count; i++) {
       const Mat3d b = transposed(p.laws[std::size_t(i)].axes) * (block(p, i, j) * axes);
       write_block(b, i, j, p);
       write_block(transposed(b), j, i, p);
     }
+    // separations and forces
     const Mat3d to_frame = transposed(axes);
     write_site(to_frame * read_site(p.separation, j), j, p.separation);
     write_site(to_frame * read_site(p.force, j), j, p.force);
@@ -99,10 +109,12 @@ double sweep(FrictionalContactProblem& p) {
   double largest = 0;
   for (int i = p.held; i < p.count; i++) {
     SiteLaw& law = p.laws[std::size_t(i)];
+    // exact solution of the site
     const Vec3d force = read_site(p.force, i);
     const SiteSolution solution =
         solve_site(law, read_site(p.separation, i) - law.d * force, p.friction[std::size_t(i)]);
     p.state[std::size_t(i)] = solution.state;
+    // update the separations of all sites
     const Vec3d change = solution.force - force;
     if (change == Vec3d{}) continue;
     write_site(solution.force, i, p.force);
@@ -120,16 +132,16 @@ double force_scale(const FrictionalContactProblem& p) {
   return largest;
 }
 
-/// Puts forces back, with the separations that belong to them.
+/// Restores the saved forces and the separations that belong to them.
 void restore(FrictionalContactProblem& p) {
   for (int i = p.held; i < p.count; i++) add_force(p, i, read_site(p.saved_force, i) - read_site(p.force, i));
 }
 
 void save(FrictionalContactProblem& p) { std::copy_n(p.force.begin(), 3 * p.count, p.saved_force.begin()); }
 
-/// Gauss–Seidel finds who touches, sticks and slides; Newton steps, each followed by a sweep that looks at
-/// those states again, finish. When a few of them in a row have not halved the residual, they are taken back,
-/// and the next ones wait for more sweeps.
+/// Gauss–Seidel finds the states of the sites: open, sticking or sliding. Newton steps, each followed by a
+/// sweep that updates the states, finish the solution. When several steps in a row have not halved the
+/// residual, they are undone, and the next ones wait for more sweeps.
 FrictionalContactReport solve_contacts(FrictionalContactProblem& p, const FrictionalContactParams& params,
                                        double scale) {
   constexpr int kRun = 5;
@@ -143,20 +155,24 @@ FrictionalContactReport solve_contacts(FrictionalContactProblem& p, const Fricti
     report.converged = report.residual <= params.tolerance;
     if (report.converged) break;
     if (--wait > 0) continue;
+    // start of a run of Newton steps, or progress within it
     if (run == 0 || report.residual < best / 2) {
       save(p);
       best = report.residual;
       run = 0;
     }
     const bool stuck = run == kRun;
+    // Newton step
     if (!stuck && report.newton_steps < params.newton_steps && newton_step(p)) {
       run++, report.newton_steps++;
       continue;
     }
+    // no progress: undo the run and wait
     if (run > 0) restore(p);
     run = 0;
     wait = report.sweeps;
   }
+  // keep the better of the last two results
   if (run > 0 && report.residual > best) {
     restore(p);
     report.residual = best;
@@ -167,15 +183,20 @@ FrictionalContactReport solve_contacts(FrictionalContactProblem& p, const Fricti
 }  // namespace
 
 FrictionalContactProblem make_frictional_contact_problem(int capacity) {
+  TURGOR_ASSERT(capacity >= 0, "the capacity of a contact problem is not negative");
+  // leading dimension padded to whole vector lanes
   const auto sites = std::size_t(capacity), unknowns = 3 * sites;
   FrictionalContactProblem p;
   p.stride = padded(3 * capacity);
   const auto stride = std::size_t(p.stride);
+  // matrices and padded columns
   p.compliance.resize(unknowns * stride);
   p.newton_matrix.resize(unknowns * stride);
   p.separation.resize(stride);
   p.newton_column.resize(stride);
+  // one entry per unknown
   for (auto* numbers : {&p.force, &p.saved_force, &p.newton_rhs}) numbers->resize(unknowns);
+  // one entry per site
   p.normal.resize(sites);
   p.friction.resize(sites);
   p.state.resize(sites);
@@ -185,16 +206,20 @@ FrictionalContactProblem make_frictional_contact_problem(int capacity) {
 }
 
 FrictionalContactReport solve(FrictionalContactProblem& p, const FrictionalContactParams& params) {
-  TURGOR_ASSERT(3 * p.count <= p.stride && p.held <= p.count, "contact sites fit what was allocated");
+  TURGOR_ASSERT(3 * p.count <= p.stride && p.held <= p.count, "contact sites fit the allocated capacity");
+  // zero padding of the columns
   const int end = padded(3 * p.count);
   for (int j = 0; j < 3 * p.count; j++) std::fill(column(p, j) + 3 * p.count, column(p, j) + end, 0.0);
+  // reduce to the free sites, in their frames
   if (p.held > 0) eliminate_held(p);
   enter_frames(p);
+  // separations of the initial forces, then iterate
   const double scale = force_scale(p);
   for (int i = p.held; i < p.count; i++) add_separation(p, i, read_site(p.force, i));
   const FrictionalContactReport report = solve_contacts(p, params, scale);
+  // back to the world frame, then the held sites
   leave_frames(p);
-  if (p.held > 0) place_held(p);
+  if (p.held > 0) solve_held(p);
   return report;
 }
 

@@ -1,16 +1,19 @@
-// Newton steps on the equations of the sites that bear force. With d the direction of slip, a sliding site
-// obeys c_n = 0 and λ_t + μ λ_n d = 0, d = c_t/|c_t|, so that δd = (I − d dᵀ) δc_t/|c_t|; a sticking one
-// obeys c = 0. Unknowns are forces in the frames of their sites.
+// Newton steps on the equations of the sites that bear force. Unknowns are forces in the frames of their
+// sites. A sticking site obeys c = 0. A sliding site with slip direction d = c_t/|c_t| obeys
+//
+//     c_n = 0,    λ_t + μ λ_n d = 0,    δd = (I − d dᵀ) δc_t/|c_t|
 #include <algorithm>
 #include <cmath>
 
 #include "turgor/contact/coulomb_steps.hpp"
+#include "turgor/core/assert.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-/// The linear system of one step, in place of Coulomb's scratch. Rows behind the last one are zero.
+/// Linear system of one step, stored in the work arrays of FrictionalContactProblem. Rows behind the last one
+/// are zero.
 struct System {
   double* a;  // column-major
   double* rhs;
@@ -32,13 +35,15 @@ void exchange_rows(const System& s, int a, int b) {
   std::swap(s.rhs[a], s.rhs[b]);
 }
 
-/// Takes the pivot's row out of all columns behind it. The factors of rows above are zero, so that whole
-/// lanes can be taken.
+/// Eliminates the pivot's row from all columns behind it. The factors of rows above are zero, so that whole
+/// lanes can be processed.
 void eliminate(const System& s, int k) {
   const int begin = k / kLanes * kLanes, end = padded(s.n);
+  // factors of the rows below the pivot
   const double* pivot = s.column(k);
   const double inverse = 1 / pivot[k];
   for (int i = begin; i < end; i++) s.factors[i] = i > k ? pivot[i] * inverse : 0;
+  // update the columns right of the pivot
   for (int j = k + 1; j < s.n; j++) {
     double* target = s.column(j);
     const double row = target[k];
@@ -47,13 +52,16 @@ void eliminate(const System& s, int k) {
       for (int q = i; q < i + kLanes; q++) target[q] -= s.factors[q] * row;
     }
   }
+  // update the right-hand side
   for (int i = k + 1; i < s.n; i++) s.rhs[i] -= s.factors[i] * s.rhs[k];
 }
 
-/// Gaussian elimination with row exchanges. False when a pivot is lost.
+/// Gaussian elimination with row exchanges. False for a singular matrix.
 bool solve_in_place(const System& s) {
-  constexpr double kLost = 1e-13;
-  const double smallest = kLost * largest_entry(s);
+  TURGOR_CHECK(s.n >= 0 && s.n <= s.stride, "the Newton system fits the allocated storage");
+  constexpr double kSingular = 1e-13;
+  const double smallest = kSingular * largest_entry(s);
+  // forward elimination with partial pivoting
   for (int k = 0; k < s.n; k++) {
     const double* pivot = s.column(k);
     int best = k;
@@ -63,6 +71,7 @@ bool solve_in_place(const System& s) {
     if (best != k) exchange_rows(s, k, best);
     eliminate(s, k);
   }
+  // back substitution
   for (int k = s.n - 1; k >= 0; k--) {
     const double* pivot = s.column(k);
     s.rhs[k] /= pivot[k];
@@ -75,7 +84,7 @@ bool is_frictionless(const FrictionalContactProblem& p, int site) {
   return p.friction[std::size_t(site)] <= 0;
 }
 
-/// Numbers the unknowns; returns how many there are.
+/// Numbers the unknowns and returns their count.
 int number_unknowns(FrictionalContactProblem& p) {
   int count = 0;
   for (int i = p.held; i < p.count; i++) {
@@ -86,7 +95,7 @@ int number_unknowns(FrictionalContactProblem& p) {
   return count;
 }
 
-/// How a sliding site's second and third equation depend on its slip, in units of a separation.
+/// Coefficients of a sliding site's tangential equations, scaled to separations.
 struct Slip {
   double d[2] = {0, 0};  // direction
   double turn = 0;       // μ λ_n / |c_t|
@@ -97,6 +106,7 @@ Slip slip_of(const FrictionalContactProblem& p, int site) {
   const Vec3d c = read_site(p.separation, site), f = read_site(p.force, site);
   Slip slip{.friction = p.friction[std::size_t(site)], .unit = p.laws[std::size_t(site)].d.column[0].x};
   const double length = std::sqrt(c.y * c.y + c.z * c.z);
+  TURGOR_CHECK(slip.unit > 0, "the compliance of a contact site is positive");
   if (length > 0) {
     slip.d[0] = c.y / length, slip.d[1] = c.z / length;
     slip.turn = slip.friction * f.x / length;
@@ -104,36 +114,44 @@ Slip slip_of(const FrictionalContactProblem& p, int site) {
   return slip;
 }
 
-/// Rows of a sliding site with friction: where C was, the change of c, comes that of the equations.
+/// Replaces the tangential rows of C at a sliding site by those of its slip equations.
 void turn_rows(const System& s, int row, const Slip& slip) {
   const double scale = slip.unit * slip.turn;
+  // μ λ_n δd
   for (int j = 0; j < s.n; j++) {
     double* c = s.column(j) + row;
     const double across = slip.d[0] * c[2] - slip.d[1] * c[1];
     c[1] = -scale * slip.d[1] * across;
     c[2] = scale * slip.d[0] * across;
   }
+  // δλ_t + μ δλ_n d
   for (int axis = 0; axis < 2; axis++) {
     s.column(row)[row + 1 + axis] += slip.unit * slip.friction * slip.d[axis];
     s.column(row + 1 + axis)[row + 1 + axis] += slip.unit;
   }
 }
 
+/// Copies the columns of a site from C.
 void fill_columns(const FrictionalContactProblem& p, int site, const System& s) {
+  // unknowns of the site: normal only, or normal and tangents
   const int first = p.newton_row[std::size_t(site)], columns = is_frictionless(p, site) ? 1 : 3;
+  TURGOR_CHECK(first >= 0 && first + columns <= s.n, "the unknowns of a site belong to the Newton system");
   for (int k = 0; k < columns; k++) {
     double* target = s.column(first + k);
     const double* c = column(p, 3 * site + k);
+    // copy the rows of the free sites
     for (int i = p.held; i < p.count; i++) {
       const int row = p.newton_row[std::size_t(i)];
       if (row < 0) continue;
       target[row] = c[3 * i];
       if (!is_frictionless(p, i)) target[row + 1] = c[3 * i + 1], target[row + 2] = c[3 * i + 2];
     }
+    // zero padding
     std::fill(target + s.n, target + padded(s.n), 0.0);
   }
 }
 
+/// Residual of a site's equations, with the rows of a sliding one.
 void fill_rhs(const FrictionalContactProblem& p, int site, const System& s) {
   const int row = p.newton_row[std::size_t(site)];
   const Vec3d c = read_site(p.separation, site), f = read_site(p.force, site);
@@ -150,12 +168,14 @@ void fill_rhs(const FrictionalContactProblem& p, int site, const System& s) {
 }  // namespace
 
 bool newton_step(FrictionalContactProblem& p) {
+  // matrix and right-hand side
   const System s{p.newton_matrix.data(), p.newton_rhs.data(), p.newton_column.data(), number_unknowns(p),
                  p.stride};
   for (int i = p.held; i < p.count; i++)
     if (p.newton_row[std::size_t(i)] >= 0) fill_columns(p, i, s);
   for (int i = p.held; i < p.count; i++)
     if (p.newton_row[std::size_t(i)] >= 0) fill_rhs(p, i, s);
+  // solve and add the change of the forces
   if (!solve_in_place(s)) return false;
   for (int j = p.held; j < p.count; j++) {
     const int row = p.newton_row[std::size_t(j)];

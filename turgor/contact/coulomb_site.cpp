@@ -1,8 +1,10 @@
-// One contact site alone, solved exactly: open, sticking, or sliding with its slip over force as the unknown.
+// Exact solution of one contact site: open, sticking, or sliding with the ratio of slip to force as the
+// unknown.
 #include <algorithm>
 #include <cmath>
 
 #include "turgor/contact/coulomb.hpp"
+#include "turgor/core/assert.hpp"
 
 namespace turgor::contact {
 
@@ -13,7 +15,7 @@ struct Vec2 {
 };
 double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 
-/// The first eigenvector of a symmetric 2×2 matrix (a b; b c).
+/// First eigenvector of a symmetric 2×2 matrix (a b; b c).
 Vec2 first_axis(double a, double b, double c) {
   if (b == 0) return {1, 0};
   const double half = (a - c) / 2, root = std::sqrt(half * half + b * b);
@@ -22,7 +24,7 @@ Vec2 first_axis(double a, double b, double c) {
   return {v.x / length, v.y / length};
 }
 
-/// Where a sliding site is looked for: with c_n = 0 the tangential force is λ_t = −(S + αI)⁻¹ r, α ≥ 0 being
+/// Equations of a sliding site. With c_n = 0, the tangential force is λ_t = −(S + αI)⁻¹ r, where α ≥ 0 is
 /// slip over force, and λ_n = λ_0 + g·λ_t. All in the axes of S.
 struct Slide {
   Vec2 s, r, g;
@@ -31,8 +33,8 @@ struct Slide {
 
   Vec2 tangential(double alpha) const { return {-r.x / (s.x + alpha), -r.y / (s.y + alpha)}; }
   double normal(Vec2 t) const { return normal_force + dot(g, t); }
-  /// μ λ_n / |λ_t| − 1: negative outside of the cone, and nearly a straight line in α.
-  double room(double alpha, double& derivative) const {
+  /// μ λ_n / |λ_t| − 1: negative outside of the cone, nearly linear in α.
+  double cone_margin(double alpha, double& derivative) const {
     const Vec2 t = tangential(alpha), dt{-t.x / (s.x + alpha), -t.y / (s.y + alpha)};
     const double squared = dot(t, t), length = std::sqrt(squared), n = normal(t);
     derivative = friction / length * (dot(g, dt) - n * dot(t, dt) / squared);
@@ -52,24 +54,28 @@ Slide make_slide(const SiteLaw& law, Vec3d b, double friction) {
           .friction = friction};
 }
 
-/// The force where there is no room left: it is outside of the cone at α = 0 (the site does not stick) and
-/// inside for large α, where only the normal force is left. Newton steps, halved intervals where they leave
-/// the bracket.
+/// Force on the friction cone, where cone_margin is 0. It is outside of the cone at α = 0, because the site
+/// does not stick, and inside for large α, where only the normal force remains. Newton steps, with bisection
+/// when they leave the bracket.
 Vec3d solve_slide(SiteLaw& law, const Slide& slide) {
   double low = 0, high = HUGE_VAL, alpha = law.slip;
-  constexpr int kMostSteps = 100;
-  for (int step = 0; step < kMostSteps; step++) {
+  TURGOR_CHECK(slide.friction > 0 && law.slip >= 0,
+               "a site slides with friction, in the direction of its force");
+  constexpr int kMaxSteps = 100;
+  for (int step = 0; step < kMaxSteps; step++) {
     double derivative = 0;
-    const double room = slide.room(alpha, derivative);
-    (room < 0 ? low : high) = alpha;
-    double next = alpha - room / derivative;
-    const bool near = std::abs(next - alpha) <= 1e-8 * alpha;  // the error of the next one is its square
+    const double cone_margin = slide.cone_margin(alpha, derivative);
+    (cone_margin < 0 ? low : high) = alpha;
+    double next = alpha - cone_margin / derivative;
+    const bool near =
+        std::abs(next - alpha) <= 1e-8 * alpha;  // the error of the next value is the square of this
     if (!(next >= low && next <= high))
       next = high < HUGE_VAL ? (low + high) / 2 : 4 * alpha + slide.s.x + slide.s.y;
     alpha = next;
-    if (near || room == 0) break;
+    if (near || cone_margin == 0) break;
   }
   law.slip = alpha;
+  // force on the cone, in the site's frame
   const Vec2 t = slide.tangential(alpha);
   const double n = std::max(0.0, slide.normal(t)), length = std::sqrt(dot(t, t));
   const double on_cone = length > 0 ? slide.friction * n / length : 0;
@@ -80,6 +86,7 @@ Vec3d solve_slide(SiteLaw& law, const Slide& slide) {
 }  // namespace
 
 SiteLaw make_law(const Mat3d& axes, const Mat3d& d) {
+  TURGOR_CHECK(d.column[0].x > 0, "the compliance of a contact site is positive");
   SiteLaw law{.axes = axes, .d = d, .inverse = inverse(d)};
   const auto& [n, y, z] = d.column;
   const double a = y.y - y.x * y.x / n.x, b = y.z - y.x * z.x / n.x, c = z.z - z.x * z.x / n.x;
@@ -91,11 +98,15 @@ SiteLaw make_law(const Mat3d& axes, const Mat3d& d) {
 }
 
 SiteSolution solve_site(SiteLaw& law, Vec3d b, double friction) {
+  // open
   if (b.x >= 0) return {};
+  // frictionless
   if (friction <= 0) return {{-b.x / law.d.column[0].x, 0, 0}, SiteState::kSlip};
+  // sticking, if within the cone
   const Vec3d stick = -(law.inverse * b);
   if (stick.x >= 0 && stick.y * stick.y + stick.z * stick.z <= friction * friction * stick.x * stick.x)
     return {stick, SiteState::kStick};
+  // sliding
   return {solve_slide(law, make_slide(law, b, friction)), SiteState::kSlip};
 }
 

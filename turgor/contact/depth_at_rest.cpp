@@ -1,23 +1,28 @@
-// How deep a tool is in a patch as it would lie without any tool.
+// Depth of a tool in the undeformed patch.
 #include <algorithm>
 #include <limits>
 
 #include "turgor/contact/touch.hpp"
+#include "turgor/core/assert.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-/// How far a place is above the surface of the patch at rest; negative inside [m].
+/// Height of a point above the surface of the patch at rest; negative inside [m].
 double height_at_rest(const sfem::Patch& patch, const PatchSurface& surface, Vec3d x) {
+  TURGOR_CHECK(surface.normal.size() == patch.points.size(),
+               "the surface has one normal per point of the patch");
   Vec3d apart, normal;
   double nearest = std::numeric_limits<double>::max();
   for (const Int3 t : patch.triangles) {
     const auto a = std::size_t(t.x), b = std::size_t(t.y), c = std::size_t(t.z);
     const Vec3d p = patch.points[a].x, q = patch.points[b].x, r = patch.points[c].x;
+    // skip triangles by their bounding box
     constexpr double kRounding = 1 + 1e-9;
     const Vec3d from_box = x - min(max(x, min(min(p, q), r)), max(max(p, q), r));
     if (norm(from_box) > nearest * kRounding) continue;
+    // nearest point and its interpolated normal
     const Vec3d w = closest_weights(x, p, q, r);
     const Vec3d d = x - (p * w.x + q * w.y + r * w.z);
     if (norm(d) >= nearest) continue;
@@ -31,13 +36,14 @@ double height_at_rest(const sfem::Patch& patch, const PatchSurface& surface, Vec
 
 double depth_at_rest(const sfem::Patch& patch, const PatchSurface& surface, const Shape& shape,
                      const Pose& pose) {
-  constexpr int kMostTips = 16;  // of a mesh tool
-  const int tips = tip_count(shape), stride = std::max(1, tips / kMostTips);
+  constexpr int kMaxTips = 16;  // of a mesh tool
+  const int tips = tip_count(shape), stride = std::max(1, tips / kMaxTips);
+  TURGOR_CHECK(tips > 0, "a shape has at least one test point");
   double deepest = 0;
   for (int n = 0; n < tips; n += stride) {
-    const Vec3d place = tip(shape, n);
-    const double radius = -distance(shape, place).distance;  // of a ball around it in the tool
-    deepest = std::max(deepest, radius - height_at_rest(patch, surface, to_world(pose, place)));
+    const Vec3d position = tip(shape, n);
+    const double radius = -distance(shape, position).distance;  // of a ball around it within the tool
+    deepest = std::max(deepest, radius - height_at_rest(patch, surface, to_world(pose, position)));
   }
   return deepest;
 }

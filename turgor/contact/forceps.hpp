@@ -1,5 +1,5 @@
-// Forceps: two jaws that turn about a hinge and close on what is between their tips. In the tool's frame the
-// tips meet at the origin, the handles are above it (z), and the jaws open along x.
+// Forceps: two jaws that turn about a hinge and close on the tissue between their tips. In the tool's frame
+// the tips meet at the origin, the handles are above it (z), and the jaws open along x.
 #pragma once
 
 #include <array>
@@ -10,21 +10,21 @@
 namespace turgor::contact {
 
 struct Forceps {
-  std::array<TriMesh, 2> jaws;  // closed; the first on the side of positive x
-  double hinge = 0;             // height about which both turn [m]
-  double tip_radius = 0;        // of the ball by which the tip presses [m]
-  double opening = 0.012;       // between the tips when open [m]
+  std::array<TriMesh, 2> jaws;  // in the closed position; the first jaw is on the side of positive x
+  double hinge = 0;             // z coordinate of the hinge [m]
+  double tip_radius = 0;        // radius of the ball that represents the tip in contact [m]
+  double opening = 0.012;       // distance between the tips of open jaws [m]
 };
 
-/// Two closed surfaces in the tool's frame, as they lie when the forceps are closed. Error: a jaw without
-/// triangles or with places that are no numbers, jaws on the same side, jaws that never meet (closed, they
-/// are farther apart than a tenth of the opening), an opening that is not between 0 and their length.
+/// Forceps from two closed surfaces in the tool's frame, with closed jaws. Error: a jaw without triangles or
+/// with a vertex that is not finite, or jaws on the same side. Also an opening that is not between 0 and the
+/// jaws' length, or closed jaws farther apart than a tenth of the opening.
 Result<Forceps> build_forceps(TriMesh first, TriMesh second, double opening);
 
-/// The same from one surface whose loose parts are the jaws.
+/// The same from one surface whose connected components form the jaws.
 Result<Forceps> build_forceps(const TriMesh& both, double opening);
 
-/// Both jaws, their tips `opening` apart [m].
+/// Mesh of both jaws with their tips `opening` apart [m].
 TriMesh forceps_mesh(const Forceps& forceps, double opening);
 
 }  // namespace turgor::contact

@@ -1,78 +1,79 @@
-// Bodies whose forces are known once a frame, felt in every tick. A frame leaves what it found at a tool as a
-// plane with a stiffness, a LocalContact; a tick couples the tool to a proxy on the newest one by springs, so
-// that the force follows the hand between two frames [Adachi, Kumano, Ogino 1995: intermediate
-// representation; Colgate, Stanley, Brown 1995: virtual coupling]. The plane pushes and never pulls, and the
-// proxy slides where friction does not hold it.
+// Haptic forces of bodies that are solved once per frame. Each frame publishes a local contact for every
+// tool: a tangent plane with a stiffness. In every tick springs couple the tool to a proxy on the newest
+// plane, so that the force follows the hand between frames [Adachi, Kumano, Ogino 1995: intermediate
+// representation; Colgate, Stanley, Brown 1995: virtual coupling]. The plane pushes and never pulls. The
+// proxy slides when the shear force exceeds friction.
 //
-//   the frame        local_contact(a lattice or a cloth after its step)   → latest<LocalContact>
-//   who ticks        take(touch, the newest) when there is one, then tick
+//   frame            local_contact(lattice or cloth after its step)        → latest<LocalContact>
+//   haptic thread    update_contact(touch, newest) if there is one, then tick_local_touch
 //
-// With the tool where the frame had it, the force is the frame's own. What a new plane changes is blended in.
+// At the tool pose of the frame the spring force equals the frame's force. The force jump caused by a new
+// plane is blended out over time.
 #pragma once
 
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/contact/touch.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/cloth.hpp"
 
 namespace turgor::contact {
 
-/// What a frame knows of the tissue at one tool. Everything in the world.
+/// Contact of one tool in a frame, in the world frame.
 struct LocalContact {
-  bool is_near = false;        // false: nothing is within reach of the tool
-  bool is_held = false;        // the tool holds what it touches, which pulls as well
-  Vec3d origin;                // of the tool, when all this was so [m]
-  Vec3d normal{0, 0, 1};       // unit, from the tissue at the tool
+  bool is_near = false;        // false: no tissue within reach of the tool
+  bool is_held = false;        // the tool holds tissue, so the contact also pulls
+  Vec3d origin;                // tool's origin at the end of the frame's step [m]
+  Vec3d normal{0, 0, 1};       // unit, from the tissue toward the tool
   Vec3d force;                 // on the tool [N]
-  Vec3d arm;                   // from the tool's origin to where the force acts [m]
-  double gap = 0;              // how far the tool is from touching; 0 while it does [m]
+  Vec3d arm;                   // from the tool's origin to the point of action [m]
+  double gap = 0;              // distance from the tool to the tissue; 0 in contact [m]
   double stiffness = 0;        // along the normal [N/m]
-  double shear_stiffness = 0;  // across it [N/m]
+  double shear_stiffness = 0;  // tangential [N/m]
   double friction = 0;         // Coulomb's μ [1]
-  double reach = 0;            // the plane is known for the tissue so far from `origin` [m]
-  long number = 0;             // of the planes of this tool so far
-  int teleports = 0;           // how often the tool had been put elsewhere by then
+  double reach = 0;            // distance from `origin` within which the plane is valid [m]
+  long number = 0;             // number of planes published for this tool
+  int teleports = 0;           // number of the tool's teleports when the plane was computed
 };
 
 struct LocalTouchParams {
-  double blend_time = 0.03;    // what a new plane changes comes in with this time constant [s]
-  double largest_step = 0.02;  // and by at most this much a tick [N]
-  double damping = 0.5;  // of the coupling: by so much of itself the force grows per speed inwards [s/m]
+  double blend_time = 0.03;    // time constant with which a force jump decays [s]
+  double largest_step = 0.02;  // largest change of the force by blending per tick [N]
+  double damping = 0.5;  // d in the damping factor 1 + d v, with v the tool's speed into the tissue [s/m]
 };
 
-/// What who ticks owns, of one tool.
+/// State of one tool, owned by the haptic thread.
 struct LocalTouch {
   LocalTouchParams params;
   LocalContact contact;
-  Vec3d proxy;              // where the tool's origin would be if nothing rubbed [m]
-  Vec3d rest;               // of the force before the newest plane, not yet blended away [N]
-  double reference = 0;     // the plane's own push when it was taken; with less, less of `rest` is left [N]
-  bool seen = false;        // there is a last tick, and this is of it:
-  Vec3d position, force;    // [m] [N]
-  double largest_jump = 0;  // of all new planes, before blending [N]
+  Vec3d proxy;            // position of the tool's origin at which the shear force is zero [m]
+  Vec3d remaining_jump;   // remaining force jump of the newest plane [N]
+  double reference = 0;   // normal force of the plane when it was published; below this force the added jump
+                          // is reduced in proportion [N]
+  bool seen = false;      // true after the first tick; the next two members describe the last tick
+  Vec3d position, force;  // [m] [N]
+  double largest_jump = 0;  // largest force jump of all planes, before blending [N]
 };
 
-/// A newer plane, between two ticks.
-void take(LocalTouch& touch, const LocalContact& contact);
-/// One tick of `dt` seconds. Neither allocates nor waits.
-void tick(LocalTouch& touch, const ToolCommand& command, double dt, ToolReading& reading);
+/// Replaces the plane by a newer one, between two ticks.
+void update_contact(LocalTouch& touch, const LocalContact& contact);
+/// Force of one tick of `dt` seconds. Does not allocate or wait.
+void tick_local_touch(LocalTouch& touch, const ToolCommand& command, double dt, ToolReading& reading);
 
-/// What the frame remembers of one tool from one step to the next: stiffness is what the force changed by
-/// where the tool went.
-struct LocalMemory {
+/// Previous frame of one tool. Stiffness is measured as change of the force per displacement of the tool.
+struct LocalContactHistory {
   bool seen = false;
-  Vec3d position;        // of the tool [m]
-  double pressing = 0;   // [N]
-  double gap = 0;        // [m]
-  double stiffness = 0;  // the newest that was measured; 0 = none yet [N/m]
+  Vec3d position;           // of the tool [m]
+  double normal_force = 0;  // of the previous frame [N]
+  double gap = 0;           // of the previous frame [m]
+  double stiffness = 0;     // newest measurement; 0 = none yet [N/m]
 };
-/// After a step of a lattice (contact::step) that took the tool to `pose` [patient frame].
-LocalContact local_contact(const lattice::Model& model, const lattice::State& state,
+/// Local contact after a lattice step (step_with_tools) that moved the tool to `pose` [patient frame].
+LocalContact local_contact(const lattice::Model& model, const lattice::Motion& motion,
                            const LatticeTouch& touch, int tool_index, const Tool& tool, const ToolPose& pose,
-                           LocalMemory& memory);
-/// After a step of `dt` seconds of a cloth in which the tool was its obstacle of this number, `gap` away from
-/// it (cloth_obstacle.hpp), and went to `pose`.
+                           LocalContactHistory& memory);
+/// Local contact after a cloth step of `dt` seconds that moved the tool to `pose`. In that step the tool was
+/// the obstacle with index `obstacle` and contact distance `gap` (cloth_obstacle.hpp).
 LocalContact local_contact(const cloth::Model& model, const cloth::State& state, int obstacle, double gap,
-                           const Tool& tool, const Pose& pose, double dt, LocalMemory& memory);
+                           const Tool& tool, const Pose& pose, double dt, LocalContactHistory& memory);
 
 }  // namespace turgor::contact

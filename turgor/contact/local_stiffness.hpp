@@ -1,12 +1,12 @@
-// What the frames of every model do alike to make a LocalContact: measure how stiff the tissue is.
+// Tissue stiffness measured from frame to frame, for the local contacts of all models.
 #pragma once
 
 #include "turgor/contact/local_contact.hpp"
 
 namespace turgor::contact {
 
-/// Fills in the stiffnesses by what the force changed since the frame before, or by `guess` while that says
-/// nothing; at most `most`. [N/m]
-void measure_stiffness(double guess, double most, LocalMemory& memory, LocalContact& contact);
+/// Sets both stiffnesses of a contact from the change of its force since the previous frame. Uses `guess`
+/// until the first measurement. The result does not exceed `limit`. [N/m]
+void measure_stiffness(double guess, double limit, LocalContactHistory& memory, LocalContact& contact);
 
 }  // namespace turgor::contact

@@ -1,6 +1,6 @@
-// The patch follows the tools: when it must, what a new one takes over from the old one, and how the jump of
-// the force that this makes is measured and spread over time. Who builds the new patch, and on which thread,
-// is the caller's choice.
+// Patches that follow the tools: criterion for a new patch, transfer of the touch state to it, and blending
+// of the force jump that the transfer causes. The caller builds the patch and chooses the thread that does
+// so.
 #pragma once
 
 #include <span>
@@ -12,50 +12,55 @@ namespace turgor::contact {
 
 struct FollowParams {
   double radius = 0.02;        // of the patch [m]
-  double hysteresis = 0.25;    // how far a touch may wander from where the patch was centred [radius]
-  double blend_time = 0.05;    // a jump of the force dies away with this time constant [s]
-  double largest_step = 0.02;  // and by at most this much a tick [N]
+  double hysteresis = 0.25;    // distance between touch and patch center that triggers a new patch, as a
+                               // fraction of `radius` [1]
+  double blend_time = 0.05;    // time constant with which a force jump decays [s]
+  double largest_step = 0.02;  // largest change of the force by blending per tick [N]
 };
 
-/// The middle of what a tool touches, on the body at rest, weighted by force.
-struct ContactMiddle {
-  Vec3d place;  // [m]
+/// Force-weighted center of a tool's contacts, on the body at rest.
+struct ContactCenter {
+  Vec3d position;  // [m]
   bool touches = false;
 };
-/// One a tool; allocates nothing.
-void find_middles(const sfem::Patch& patch, const TouchState& state, std::span<ContactMiddle> middles);
+/// Contact centers of all tools. Does not allocate.
+void find_contact_centers(const sfem::Patch& patch, const TouchState& state,
+                          std::span<ContactCenter> contact_centers);
 
-/// Where every tool touches the body at rest, or would: the middle of its contacts, or the nearest place of
-/// the coarse surface. A tool without a valid pose has its entry of `before`, or the body's first vertex.
-std::vector<Vec3d> touched_places(const sfem::Model& model, std::span<const ContactMiddle> middles,
-                                  std::span<const ToolPose> poses, std::span<const Vec3d> before = {});
+/// Touched position of every tool on the body at rest: the center of its contacts, or the nearest point of
+/// the coarse surface without contact. A tool without a valid pose keeps its entry of `before`; without such
+/// an entry it gets the body's first vertex.
+std::vector<Vec3d> touched_positions(const sfem::Model& model, std::span<const ContactCenter> contact_centers,
+                                     std::span<const ToolPose> poses, std::span<const Vec3d> before = {});
 
-/// Has a touch wandered from where the present patch was centred?
-bool must_follow(const FollowParams& params, std::span<const Vec3d> centers, std::span<const Vec3d> places);
+/// True when a touch is too far from the center of the present patch.
+bool must_follow(const FollowParams& params, std::span<const Vec3d> centers,
+                 std::span<const Vec3d> positions);
 
-/// What a new patch did to the forces, with the tools where they were.
+/// Change of the tool forces by a new patch, at unchanged poses.
 struct Handover {
-  double force_jump = 0;   // largest over the tools, before blending [N]
+  double force_jump = 0;   // largest jump of all tools, before blending [N]
   double torque_jump = 0;  // [N·m]
-  int kept_points = 0;     // in both patches
+  int shared_points = 0;   // number of points that are in both patches
 };
 
-/// What viscous material remembers beyond the patch, for one that is to be taken. Both are empty when it is
-/// elastic.
-struct HandedHistory {
-  std::vector<Vec3d> v;          // displacements of the new points by `far` (viscosity.hpp) [m]
-  std::vector<VertexForce> far;  // coarse_history of the patch before
+/// Viscous memory as forces on coarse vertices, prepared for the next patch. Both members are empty for
+/// elastic material.
+struct TransferredHistory {
+  std::vector<Vec3d> v;          // displacement of the new patch's points under `far` [m]
+  std::vector<VertexForce> far;  // coarse_history of the old patch
 };
-HandedHistory handed_history(const sfem::Model& model, const ViscousHistory& history, const sfem::Patch& from,
-                             const sfem::Patch& to);
+/// Viscous memory of `from`, evaluated at the points of `to`.
+TransferredHistory transferred_history(const sfem::Model& model, const ViscousHistory& history,
+                                       const sfem::Patch& from, const sfem::Patch& to);
 
-/// Carries the state from one patch to the next: forces stay at points that are in both, the others move to
-/// the nearest; held points stay where they are held. Allocates nothing when the new patch is within
-/// make_touch_state's `largest_patch`, and the history within what the state has reserved.
+/// Transfers the touch state from one patch to the next. Forces stay at points that are in both patches;
+/// other forces move to the nearest point. Held points keep their anchors. Does not allocate if the new patch
+/// has at most make_touch_state's `largest_patch` points and the history fits its reserved size.
 Handover take_patch(TouchState& state, const sfem::Patch& from, const sfem::Patch& to,
-                    std::span<const Tool> tools, const HandedHistory& history = {});
+                    std::span<const Tool> tools, const TransferredHistory& history = {});
 
-/// Adds what is left of the jumps to this tick's forces, and lets it shrink.
+/// Adds the remaining force jumps to this tick's forces and reduces them.
 void blend(const FollowParams& params, TouchState& state, double dt, std::span<ToolForce> forces);
 
 }  // namespace turgor::contact

@@ -8,7 +8,7 @@ namespace turgor::contact {
 
 namespace {
 
-/// The end of any shape that is lowest in its frame.
+/// Lowest end of any shape in its frame.
 RhombusTip lowest_end(const Shape& shape) {
   Vec3d lowest = tip(shape, 0);
   for (int n = 1; n < tip_count(shape); n++)
@@ -38,6 +38,7 @@ RhombusTip rhombus_tip(const Shape& shape, const std::optional<Forceps>& forceps
 }
 
 rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double grip) {
+  TURGOR_CHECK(grip >= 0 && grip <= 1, "a grip is from 0, open, to 1, closed");
   return {.position = to_world(pose, tip.center),
           .axes = pose.axes,
           .radius = tip.radius,
@@ -50,27 +51,27 @@ RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Po
   TURGOR_ASSERT(count <= std::size_t(rhombus::kMaxTouches), "at most kMaxTouches tools touch one body");
   TURGOR_ASSERT(poses.size() == count, "one pose a tool");
   return {.tips = std::move(tips),
-          .touches = std::vector<rhombus::Touching>(count),
+          .touches = std::vector<rhombus::ToolTouch>(count),
           .poses = {poses.begin(), poses.end()},
           .inputs = std::vector<rhombus::TouchInput>(count),
           .forces = std::vector<rhombus::TouchForce>(count)};
 }
 
-void tick(const rhombus::Model& model, RhombusTouch& touch, std::span<const ToolCommand> commands, double dt,
-          std::span<ToolReading> readings) {
+void tick_rhombus_touch(const rhombus::Model& model, RhombusTouch& touch,
+                        std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings) {
   TURGOR_ASSERT(commands.size() == touch.tips.size() && readings.size() == touch.tips.size(),
                 "one command and one reading a tool");
   for (std::size_t t = 0; t < commands.size(); t++) {
     touch.poses[t] = commands[t].pose;
     touch.inputs[t] = touch_input(touch.tips[t], commands[t].pose, commands[t].grip);
   }
-  rhombus::touch(model, touch.touches, touch.inputs, dt, touch.forces);
+  rhombus::solve_touches(model, touch.touches, touch.inputs, dt, touch.forces);
   for (std::size_t t = 0; t < commands.size(); t++)
     readings[t] = reading_of(touch.forces[t], touch.inputs[t].position - commands[t].pose.position);
   touch.ticks++;
 }
 
-void publish(const RhombusTouch& touch, RhombusTouchedNow& now) {
+void publish(const RhombusTouch& touch, RhombusTouchSnapshot& now) {
   now.touches = touch.touches;
   now.poses = touch.poses;
   now.inputs = touch.inputs;
@@ -78,15 +79,15 @@ void publish(const RhombusTouch& touch, RhombusTouchedNow& now) {
   now.ticks = touch.ticks;
 }
 
-void tick(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTouchedNow>& touched,
-          std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings) {
-  tick(model, touch, commands, dt, readings);
+void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTouchSnapshot>& touched,
+                      std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings) {
+  tick_rhombus_touch(model, touch, commands, dt, readings);
   publish(touch, touched.writing());
   touched.publish();
 }
 
-void prepare(const RhombusTouch& touch, latest<RhombusTouchedNow>& touched) {
-  for (int slot = 0; slot < 3; slot++) {  // each of latest's comes to the writer once
+void prepare(const RhombusTouch& touch, latest<RhombusTouchSnapshot>& touched) {
+  for (int slot = 0; slot < 3; slot++) {  // each slot of latest<> passes the writer once
     publish(touch, touched.writing());
     touched.publish();
     touched.read();

@@ -1,5 +1,6 @@
-// A body of rhombus while a hand feels it: what who ticks owns, and what that leaves for the frame, as
-// sfem_touch.hpp has it for sfem. A tick needs nothing back from the frame: the surface at rest is its model.
+// Haptic touch of a rhombus body: the state owned by the haptic thread, and the snapshot that it publishes
+// for the frame. Corresponds to sfem_touch.hpp. The frame sends no data, because a tick needs only the
+// constant surface at rest.
 #pragma once
 
 #include <optional>
@@ -13,47 +14,48 @@
 
 namespace turgor::contact {
 
-/// The end of a tool that a body of rhombus feels: a ball, or what is between two jaws.
+/// Contact geometry of a tool's end: a ball, or the gap between two jaws.
 struct RhombusTip {
-  Vec3d center;        // of the ball, in the tool's frame [m]
+  Vec3d center;        // center of the ball, in the tool's frame [m]
   double radius = 0;   // [m]
-  double opening = 0;  // of open jaws; 0 = the tool has none [m]
+  double opening = 0;  // distance between open jaws; 0 = no jaws [m]
 };
-/// The lowest end of a shape, or the tip of forceps if they are any.
+/// Tip of the forceps if given, otherwise the lowest end (−z) of the shape.
 RhombusTip rhombus_tip(const Shape& shape, const std::optional<Forceps>& forceps);
 rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double grip);
 
-/// What who ticks owns.
+/// State owned by the haptic thread.
 struct RhombusTouch {
-  std::vector<RhombusTip> tips;            // of the tools
-  std::vector<rhombus::Touching> touches;  // one a tool, as the three below
-  std::vector<Pose> poses;                 // of the last tick, as the two below
+  std::vector<RhombusTip> tips;  // one per tool, like all vectors below
+  std::vector<rhombus::ToolTouch> touches;
+  std::vector<Pose> poses;  // of the last tick, as are the next two
   std::vector<rhombus::TouchInput> inputs;
-  std::vector<rhombus::TouchForce> forces;  // in more detail than ToolReading
-  long ticks = 0;                           // so far
+  std::vector<rhombus::TouchForce> forces;  // with more detail than ToolReading
+  long ticks = 0;                           // number of ticks so far
 };
 RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses);
 
-/// One tick of `dt` seconds: commands in, readings out, one a tool. A tool holds while its grip is not 0;
-/// ToolCommand::hold is for who makes the grip of it (next_grip). Neither allocates nor waits.
-void tick(const rhombus::Model& model, RhombusTouch& touch, std::span<const ToolCommand> commands, double dt,
-          std::span<ToolReading> readings);
+/// Tick of `dt` seconds with one command and one reading per tool. A tool holds tissue while its grip is
+/// above 0. ToolCommand::hold has no effect, because next_grip has already turned it into the grip. Does not
+/// allocate or wait.
+void tick_rhombus_touch(const rhombus::Model& model, RhombusTouch& touch,
+                        std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings);
 
-/// What ticks leave for the frame: rhombus::step moves the surface by `touches`.
-struct RhombusTouchedNow {
-  std::vector<rhombus::Touching> touches;
+/// Snapshot published for the frame. rhombus::step deforms the surface by `touches`.
+struct RhombusTouchSnapshot {
+  std::vector<rhombus::ToolTouch> touches;
   std::vector<Pose> poses;
   std::vector<rhombus::TouchInput> inputs;
   std::vector<rhombus::TouchForce> forces;
-  long ticks = 0;  // so far
+  long ticks = 0;  // number of ticks so far
 };
-/// Allocates nothing from the second time on.
-void publish(const RhombusTouch& touch, RhombusTouchedNow& now);
+/// Fills a snapshot. Allocates in the first call only.
+void publish(const RhombusTouch& touch, RhombusTouchSnapshot& now);
 
-/// A tick of a haptic thread, which leaves that for the thread that makes frames. Neither allocates nor waits
-/// once prepare has been called, before either thread begins.
-void tick(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTouchedNow>& touched,
-          std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings);
-void prepare(const RhombusTouch& touch, latest<RhombusTouchedNow>& touched);
+/// Tick of the haptic thread that also publishes a snapshot for the frame thread. Does not allocate or wait
+/// if prepare() was called before the threads started.
+void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTouchSnapshot>& touched,
+                      std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings);
+void prepare(const RhombusTouch& touch, latest<RhombusTouchSnapshot>& touched);
 
 }  // namespace turgor::contact

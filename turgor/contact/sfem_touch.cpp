@@ -4,41 +4,48 @@
 #include <utility>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-double part_of(const FreeWay& way) { return double(way.done) / double(way.ticks); }
+double path_fraction(const FreeMotionInterpolation& path) { return double(path.done) / double(path.ticks); }
 
-Vec3d free_motion(const FreeWay& way, std::size_t vertex, double part) {
-  return way.from[vertex] * (1 - part) + way.to[vertex] * part;
+Vec3d interpolated_motion(const FreeMotionInterpolation& path, std::size_t vertex, double fraction) {
+  return path.from[vertex] * (1 - fraction) + path.to[vertex] * fraction;
 }
 
-/// Where the points of the patch would lie without tools.
+/// Sets the patch points' displacements without tools.
 void set_offsets(SfemTouch& touch) {
-  FreeWay& way = touch.free;
-  if (!way.moves) return;
-  way.done = std::min(way.done + 1, way.ticks);
-  const double part = part_of(way);
+  FreeMotionInterpolation& path = touch.free;
+  if (!path.moves) return;
+  TURGOR_CHECK(path.ticks > 0 && path.from.size() == path.to.size(),
+               "a motion has a start and an end for every vertex");
+  // advance the interpolation
+  path.done = std::min(path.done + 1, path.ticks);
+  const double fraction = path_fraction(path);
   for (std::size_t p = 0; p < touch.patch->points.size(); p++) {
+    // interpolate from the coarse vertices
     const sfem::PatchPoint& point = touch.patch->points[p];
     Vec3d offset;
+    TURGOR_CHECK(is_index(point.supports, point.coarse.size() + 1),
+                 "the supports of a point fit its storage");
     for (std::size_t s = 0; s < std::size_t(point.supports); s++) {
       const auto v = std::size_t(touch.patch->coarse[std::size_t(point.coarse[s])]);
-      offset += free_motion(way, v, part) * point.weight[s];
+      offset += interpolated_motion(path, v, fraction) * point.weight[s];
     }
     touch.state.offset[p] = offset;
   }
 }
 
 ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
-  const ToolForce& haptic = touch.forces[tool];
-  ToolReading reading{.force = haptic.force * touch.stiffer,
-                      .torque = haptic.torque * touch.stiffer,
-                      .contacts = haptic.contacts,
-                      .beyond_patch = haptic.beyond_patch};
-  if (haptic.contacts > 0)
+  const ToolForce& force = touch.forces[tool];
+  ToolReading reading{.force = force.force * touch.stiffness_scale,
+                      .torque = force.torque * touch.stiffness_scale,
+                      .contacts = force.contacts,
+                      .beyond_patch = force.beyond_patch};
+  if (force.contacts > 0)
     reading.depth =
         depth_at_rest(*touch.patch, touch.state.surface, touch.tools[tool].shape, touch.poses[tool].pose);
   return reading;
@@ -49,8 +56,9 @@ ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
 SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<Tool> tools,
                           std::span<const Pose> poses, const SfemTouchParams& params) {
   TURGOR_ASSERT(poses.size() == tools.size(), "one pose a tool");
+  TURGOR_ASSERT(patch != nullptr, "a touch has a patch");
   SfemTouch touch{.patch = std::move(patch), .tools = std::move(tools), .follow = params.follow};
-  const std::size_t spare = 2 * touch.patch->points.size() + 64;  // later patches are about as large
+  const std::size_t spare = 2 * touch.patch->points.size() + 64;  // later patches have about the same size
   touch.state = make_touch_state(*touch.patch, touch.tools.size(), params.touch, spare);
   if (params.touch.viscosity.stiffening > 0) touch.state.history.far.reserve(params.vertex_count);
   touch.free.from.resize(params.vertex_count);
@@ -60,56 +68,66 @@ SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<
   return touch;
 }
 
-void tick(SfemTouch& touch, std::span<const ToolCommand> commands, double dt,
-          std::span<ToolReading> readings) {
+void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, double dt,
+                     std::span<ToolReading> readings) {
   TURGOR_ASSERT(commands.size() == touch.tools.size() && readings.size() == touch.tools.size(),
                 "one command and one reading a tool");
+  // poses and free motion of this tick
   for (std::size_t t = 0; t < commands.size(); t++) touch.poses[t] = {commands[t].pose, commands[t].hold};
   set_offsets(touch);
-  contact::touch(*touch.patch, touch.state, touch.tools, touch.poses, dt, touch.forces);
+  // contact forces
+  contact::solve_touch_tick(*touch.patch, touch.state, touch.tools, touch.poses, dt, touch.forces);
   blend(touch.follow, touch.state, dt, touch.forces);
+  // readings
   for (std::size_t t = 0; t < commands.size(); t++) readings[t] = reading_of(touch, t);
   touch.ticks++;
 }
 
-void take_frame(SfemTouch& touch, std::span<const Vec3d> to, long ticks) {
+void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks) {
   if (to.empty()) return;
-  FreeWay& way = touch.free;
-  TURGOR_ASSERT(to.size() == way.to.size(), "one free motion a vertex");
-  if (way.done >= way.ticks || !way.moves)
-    std::swap(way.from, way.to);
+  FreeMotionInterpolation& path = touch.free;
+  TURGOR_ASSERT(to.size() == path.to.size(), "one free motion a vertex");
+  // start from the present value of the interpolation
+  if (path.done >= path.ticks || !path.moves)
+    std::swap(path.from, path.to);
   else
-    for (std::size_t v = 0; v < to.size(); v++) way.from[v] = free_motion(way, v, part_of(way));
-  std::copy(to.begin(), to.end(), way.to.begin());
-  way.moves = true;
-  way.ticks = std::max(1l, ticks), way.done = 0;
+    for (std::size_t v = 0; v < to.size(); v++)
+      path.from[v] = interpolated_motion(path, v, path_fraction(path));
+  std::copy(to.begin(), to.end(), path.to.begin());
+  path.moves = true;
+  path.ticks = std::max(1l, ticks), path.done = 0;
 }
 
-Handover take_patch(SfemTouch& touch, const PatchOffer& offer) {
+Handover take_patch(SfemTouch& touch, const FinishedPatch& offer) {
+  TURGOR_ASSERT(offer.patch != nullptr, "an offered patch was built");
   touch.handover = take_patch(touch.state, *touch.patch, *offer.patch, touch.tools, offer.history);
   touch.patch = offer.patch;
-  touch.taken = offer.number;
+  touch.patch_number = offer.number;
   return touch.handover;
 }
 
-void publish(const SfemTouch& touch, TouchedNow& now) {
+void publish(const SfemTouch& touch, SfemTouchSnapshot& now) {
+  // patch and deformation
   now.patch = touch.patch;
-  now.taken = touch.taken;
+  now.patch_number = touch.patch_number;
   now.ticks = touch.ticks;
   now.force_jump = touch.handover.force_jump;
   now.x = touch.state.x;
   now.force = touch.state.force;
   now.history = touch.state.history;
   now.stiffening = touch.state.params.viscosity.stiffening;
-  now.stiffer = touch.stiffer;
+  now.stiffness_scale = touch.stiffness_scale;
+  // tools, with forces scaled to the body's stiffness
   now.poses = touch.poses;
   now.forces = touch.forces;
-  for (ToolForce& haptic : now.forces) haptic.force *= touch.stiffer, haptic.torque *= touch.stiffer;
-  now.middles.resize(touch.tools.size());
-  find_middles(*touch.patch, touch.state, now.middles);
+  for (ToolForce& force : now.forces)
+    force.force *= touch.stiffness_scale, force.torque *= touch.stiffness_scale;
+  // contact centers
+  now.contact_centers.resize(touch.tools.size());
+  find_contact_centers(*touch.patch, touch.state, now.contact_centers);
 }
 
-void reserve_like(const SfemTouch& touch, TouchedNow& now) {
+void reserve_like(const SfemTouch& touch, SfemTouchSnapshot& now) {
   for (auto* points : {&now.x, &now.force}) points->reserve(touch.state.x.capacity());
   if (!touch.state.history.v.empty())
     for (auto* points : {&now.history.v, &now.history.phi}) points->reserve(touch.state.x.capacity());
@@ -118,23 +136,27 @@ void reserve_like(const SfemTouch& touch, TouchedNow& now) {
 }
 
 void prepare(const SfemTouch& touch, SfemExchange& exchange) {
-  for (int slot = 0; slot < 3; slot++) {  // each of latest's comes to the writer once
+  for (int slot = 0; slot < 3; slot++) {  // each slot of latest<> passes the writer once
     reserve_like(touch, exchange.touched.writing());
     exchange.touched.publish();
     exchange.touched.read();
   }
 }
 
-void tick(SfemTouch& touch, SfemExchange& exchange, std::span<const ToolCommand> commands, double dt,
-          std::span<ToolReading> readings) {
+void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<const ToolCommand> commands,
+                        double dt, std::span<ToolReading> readings) {
+  // newest free motion and parameters
   if (exchange.motion.has_news()) {
     const FreeMotion& motion = exchange.motion.read();
-    take_frame(touch, motion.to, motion.ticks);
-    touch.frame = motion.number, touch.stiffer = motion.stiffer;
+    take_free_motion(touch, motion.to, motion.ticks);
+    touch.motion_number = motion.number, touch.stiffness_scale = motion.stiffness_scale;
+    TURGOR_ASSERT(motion.friction.size() <= touch.tools.size(), "at most one friction a tool");
     for (std::size_t t = 0; t < motion.friction.size(); t++) touch.tools[t].friction = motion.friction[t];
   }
+  // newest patch
   if (exchange.patches.has_news()) take_patch(touch, exchange.patches.read());
-  tick(touch, commands, dt, readings);
+  // tick and publish
+  tick_sfem_touch(touch, commands, dt, readings);
   publish(touch, exchange.touched.writing());
   exchange.touched.publish();
 }

@@ -1,14 +1,14 @@
-// A body of sfem while a hand feels it, cut apart where threads may be: no side waits for the other, and what
-// one leaves for the other goes through latest<> (core/latest.hpp), whole, the newest only.
+// Haptic touch of an sfem body, split between two threads. Neither thread waits for the other: they exchange
+// complete values through latest<> (core/latest.hpp), and only the newest value is read.
 //
-//   who ticks (a haptic thread)        owns SfemTouch: tick, take_frame and take_patch alone change it
-//      leaves in each tick             TouchedNow  → the frame turns the body, draws it, sees where tools are
-//   the frame (pictures, patches)      owns the rest of the body
-//      leaves in each frame            FreeMotion  → take_frame: where the vertices go by themselves
-//      leaves when one is built        PatchOffer  → take_patch: a patch where the tools are now
+//   haptic thread                owns SfemTouch; only tick_*, take_free_motion and take_patch change it
+//      publishes each tick       SfemTouchSnapshot → the frame rotates and draws the body, reads tool poses
+//   frame (pictures, patches)    owns the rest of the body
+//      publishes each frame      FreeMotion        → take_free_motion: motion of the vertices without tools
+//      publishes when built      FinishedPatch        → take_patch: a patch at the tools' present positions
 //
-// sfem::Model and a patch are only read while they are in use. Where nobody holds a device the frame does all
-// three in turn (sim/bodies/sfem/touch_sfem.cpp), and the same path gives the same bits.
+// A patch and its sfem::Model are read-only while in use. Without a haptic device one thread calls all of
+// these functions in turn (sim/bodies/sfem/touch_sfem.cpp). The same tool path then gives the same bits.
 #pragma once
 
 #include <memory>
@@ -22,27 +22,28 @@
 
 namespace turgor::contact {
 
-/// Where something else than tools moves every vertex, in the way from one frame to the next.
-struct FreeWay {
+/// Free motion of the vertices (motion not caused by tools), interpolated linearly from one frame to the
+/// next.
+struct FreeMotionInterpolation {
   bool moves = false;
   std::vector<Vec3d> from, to;  // [m]
-  long ticks = 1, done = 0;     // of the way
+  long ticks = 1, done = 0;     // length of the interpolation and ticks done [ticks]
 };
 
-/// What who ticks owns.
+/// State owned by the haptic thread.
 struct SfemTouch {
   std::shared_ptr<const sfem::Patch> patch;
   std::vector<Tool> tools;
   FollowParams follow;
-  double stiffer = 1;  // than its patch, at any place: so many times as large is every force
+  double stiffness_scale = 1;  // present stiffness divided by the patch's stiffness; scales all forces [1]
   TouchState state;
-  FreeWay free;
-  long taken = 0;                 // PatchOffer::number of the patch
-  long frame = 0;                 // FreeMotion::number of the way
-  long ticks = 0;                 // so far
-  Handover handover;              // when it was taken
+  FreeMotionInterpolation free;
+  long patch_number = 0;          // FinishedPatch::number of `patch`
+  long motion_number = 0;         // FreeMotion::number of the newest motion
+  long ticks = 0;                 // number of ticks so far
+  Handover handover;              // of the last change of patch
   std::vector<ToolPose> poses;    // of the last tick
-  std::vector<ToolForce> forces;  // likewise, in more detail than ToolReading
+  std::vector<ToolForce> forces;  // of the last tick, with more detail than ToolReading
 };
 
 struct SfemTouchParams {
@@ -50,66 +51,67 @@ struct SfemTouchParams {
   FollowParams follow;
   std::size_t vertex_count = 0;  // of the body's mesh
 };
-/// At rest. Later patches may have twice the points before taking them allocates.
+/// Touch state at rest. Reserves memory for later patches of twice the points.
 SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<Tool> tools,
                           std::span<const Pose> poses, const SfemTouchParams& params);
 
-/// One tick of `dt` seconds: commands in, readings out, one a tool. Neither allocates nor waits.
-void tick(SfemTouch& touch, std::span<const ToolCommand> commands, double dt,
-          std::span<ToolReading> readings);
+/// Tick of `dt` seconds with one command and one reading per tool. Does not allocate or wait.
+void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, double dt,
+                     std::span<ToolReading> readings);
 
-/// From here the free motion of the vertices goes to `to` within so many ticks, from where it is [m]. Empty:
-/// nothing has moved yet.
-void take_frame(SfemTouch& touch, std::span<const Vec3d> to, long ticks);
+/// Starts an interpolation of the free motion from its present value to `to` over `ticks` ticks [m]. Does
+/// nothing if `to` is empty.
+void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks);
 
-/// A patch that may be taken. Whoever offers it keeps it alive until nobody else holds it: a haptic thread is
-/// not to free memory.
-struct PatchOffer {
+/// A finished patch. Its builder keeps a reference until it holds the last one, because the haptic thread
+/// must not free memory.
+struct FinishedPatch {
   std::shared_ptr<const sfem::Patch> patch;
-  HandedHistory history;
-  long number = 0;  // offers count from 1
+  TransferredHistory history;
+  long number = 0;  // counted from 1
 };
-/// Between two ticks. Allocates nothing where patch_follow.hpp's take_patch does not.
-Handover take_patch(SfemTouch& touch, const PatchOffer& offer);
+/// Replaces the patch between two ticks. Allocates only if take_patch of patch_follow.hpp does.
+Handover take_patch(SfemTouch& touch, const FinishedPatch& offer);
 
-/// What ticks leave for the frame.
-struct TouchedNow {
+/// Snapshot published for the frame.
+struct SfemTouchSnapshot {
   std::shared_ptr<const sfem::Patch> patch = std::make_shared<const sfem::Patch>();  // empty without tools
-  long taken = 0;               // PatchOffer::number of it
-  long ticks = 0;               // so far
-  double force_jump = 0;        // that taking it made, before blending [N]
-  std::vector<Vec3d> x, force;  // of its points [m]; as if `stiffer` were 1 [N]
+  long patch_number = 0;  // FinishedPatch::number of `patch`
+  long ticks = 0;         // number of ticks so far
+  double force_jump = 0;  // of the last change of patch, before blending [N]
+  std::vector<Vec3d> x,
+      force;  // of the patch's points: position [m], and force at a stiffness_scale of 1 [N]
   ViscousHistory history;
-  double stiffening = 0;  // Viscosity::stiffening
-  double stiffer = 1;     // see SfemTouch
+  double stiffening = 0;       // Viscosity::stiffening
+  double stiffness_scale = 1;  // see SfemTouch
   std::vector<ToolPose> poses;
   std::vector<ToolForce> forces;
-  std::vector<ContactMiddle> middles;
+  std::vector<ContactCenter> contact_centers;
 };
-/// Writes all of `now`; allocates nothing once reserve_like has seen it.
-void publish(const SfemTouch& touch, TouchedNow& now);
-void reserve_like(const SfemTouch& touch, TouchedNow& now);
+/// Fills a snapshot. Does not allocate after reserve_like.
+void publish(const SfemTouch& touch, SfemTouchSnapshot& now);
+void reserve_like(const SfemTouch& touch, SfemTouchSnapshot& now);
 
-/// Where the vertices go by themselves in the next frame: every one, or none; and what changed meanwhile.
+/// Free motion of all vertices in the next frame, and changed parameters.
 struct FreeMotion {
-  std::vector<Vec3d> to;         // [m]
-  long ticks = 1;                // of that frame
-  double stiffer = 1;            // see SfemTouch
-  std::vector<double> friction;  // of every tool; empty: as it was
-  long number = 0;               // of the motions so far
+  std::vector<Vec3d> to;         // target displacement of every vertex; empty = no motion [m]
+  long ticks = 1;                // number of ticks in that frame
+  double stiffness_scale = 1;    // see SfemTouch
+  std::vector<double> friction;  // one per tool; empty = unchanged
+  long number = 0;               // number of motions published
 };
 
-/// What passes between a haptic thread and the thread that makes frames and has patches built.
+/// Channels between the haptic thread and the frame thread.
 struct SfemExchange {
-  latest<TouchedNow> touched;  // written by the haptic thread
-  latest<FreeMotion> motion;   // written by the frame's, as the next
-  latest<PatchOffer> patches;
+  latest<SfemTouchSnapshot> touched;  // written by the haptic thread
+  latest<FreeMotion> motion;          // written by the frame thread, as is the next
+  latest<FinishedPatch> patches;
 };
-/// Before either thread begins.
+/// Reserves the buffers of all channels. Call it before the threads start.
 void prepare(const SfemTouch& touch, SfemExchange& exchange);
-/// A tick of the haptic thread: takes what is new, ticks, leaves what the frame wants to know. Neither
-/// allocates nor waits. The frame's side is make_frame of sim/bodies/sfem/sfem_body.hpp.
-void tick(SfemTouch& touch, SfemExchange& exchange, std::span<const ToolCommand> commands, double dt,
-          std::span<ToolReading> readings);
+/// Tick of the haptic thread: takes the newest motion and patch, ticks, and publishes a snapshot. Does not
+/// allocate or wait. The frame thread's counterpart is make_frame in sim/bodies/sfem/sfem_body.hpp.
+void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<const ToolCommand> commands,
+                        double dt, std::span<ToolReading> readings);
 
 }  // namespace turgor::contact

@@ -1,5 +1,5 @@
-// What the hand holds, as contact sees it: a rigid shape that knows how far any point is from its surface.
-// Distances are negative inside; normals point away from the tool, at the tissue.
+// Rigid tool shapes with signed distances, which are negative inside. Normals point from the tool toward the
+// tissue.
 #pragma once
 
 #include <cstddef>
@@ -21,53 +21,53 @@ using turgor::ShapeDistance;
 using turgor::to_tool;
 using turgor::to_world;
 
-/// About the tool's origin.
+/// Ball about the tool's origin.
 struct Sphere {
   double radius = 0.005;  // [m]
 };
 
-/// Around the segment from -half_length to half_length on the tool's z axis.
+/// Ball swept along the segment from -half_length to half_length on the tool's z axis.
 struct Capsule {
   double radius = 0.005;      // [m]
   double half_length = 0.01;  // [m]
 };
 
-/// A closed surface, kept as distances on a regular grid around it and interpolated between its nodes: sharp
-/// edges are rounded by about one spacing.
+/// Closed surface, stored as distances on a regular grid and interpolated between its nodes. Sharp edges are
+/// rounded by about one spacing.
 struct MeshShape {
   Vec3d corner;        // of the grid [m]
   double spacing = 0;  // [m]
-  Int3 size;           // nodes along each axis
+  Int3 size;           // number of grid nodes along each axis
   using Node = DistanceNode;
   std::vector<Node> nodes;     // x fastest
-  std::vector<Vec3d> tips;     // some places of the surface, far from each other [m]
+  std::vector<Vec3d> tips;     // points spread over the surface [m]
   double bounding_radius = 0;  // about the tool's origin [m]
-  double tip_radius = 0;       // half of the shortest side of the box around it [m]
+  double tip_radius = 0;       // half of the shortest side of its bounding box [m]
 };
 
 using Shape = std::variant<Sphere, Capsule, MeshShape>;
 
-/// Distances of a closed mesh in the tool's frame, `resolution` grid cells along its longest side. Error: no
-/// triangles, a vertex that is not finite, an edge that is not shared by two triangles.
+/// Distance grid of a closed mesh in the tool's frame, with `resolution` cells along its longest side. Error:
+/// no triangles, a vertex that is not finite, or an edge that is not shared by exactly two triangles.
 Result<Shape> mesh_shape(const TriMesh& mesh, int resolution = 48);
 
-/// Finite, with axes that are orthonormal and right-handed to 1e-3.
+/// True when the pose is finite and its axes are orthonormal and right-handed to 1e-3.
 bool is_valid(const Pose& pose);
 
-/// A mesh's distances as plain pointers.
+/// View of a mesh's distance grid as plain pointers.
 inline DistanceGrid view(const MeshShape& m) { return {m.corner, m.spacing, m.size, m.nodes.data()}; }
 
-/// All in the shape's frame.
+/// Distance and normal in the shape's frame.
 ShapeDistance distance(const Shape& shape, Vec3d x);
-/// All in the world.
+/// Distance and normal in the world frame.
 ShapeDistance distance(const Shape& shape, const Pose& pose, Vec3d x);
 
-/// No point of the shape is farther from its origin [m].
+/// Radius of a ball about the origin that contains the shape [m].
 double bounding_radius(const Shape& shape);
-/// Triangles with edges longer than this can be entered between their corners [m].
+/// Radius of the shape's tip. Triangles with longer edges let the tool enter between their corners [m].
 double tip_radius(const Shape& shape);
-/// Places of the shape that are looked at against such triangles, in the shape's frame: centres of balls that
-/// fill it, or places of its surface.
+/// Test points for contact inside such large triangles, in the shape's frame: centers of balls that fill the
+/// shape, or points of its surface.
 int tip_count(const Shape& shape);
 Vec3d tip(const Shape& shape, int index);
 

@@ -1,4 +1,4 @@
-// A std::vector whose first element starts a cache line, for arrays that loops read as SIMD.
+// std::vector whose first element is aligned to a cache line, for arrays that loops read with SIMD.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The largest, the least and the sum of many numbers that threads find at once, the same whoever comes first;
-// and how many came before, which is not.
+// Maximum, minimum, sum and counter that many threads update at once. Maximum, minimum and sum do not depend
+// on the order of the threads; values of the counter do.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,7 @@
 
 namespace turgor {
 
-/// Bit patterns of positive numbers are in the order of the numbers, and those of not-a-number come last. The
-/// sign is left away.
+/// Bits of |a|. Bit patterns of positive floats are ordered like the floats, and those of NaN come last.
 TURGOR_HD inline std::uint32_t magnitude_bits(float a) {
   return std::bit_cast<std::uint32_t>(a) & 0x7fffffffu;
 }
@@ -19,7 +18,7 @@ TURGOR_HD inline std::uint32_t magnitude_bits(float a) {
 /// largest = max(largest, found)
 TURGOR_HD inline void atomic_max(std::uint32_t& largest, std::uint32_t found) {
 #ifdef __CUDA_ARCH__
-  // Most threads come too late to be the largest: one place of memory takes few atomics a nanosecond.
+  // Most threads find a smaller value. The plain read avoids atomics, which are slow on one address.
   if (found > *static_cast<volatile std::uint32_t*>(&largest)) atomicMax(&largest, found);
 #else
   const std::atomic_ref<std::uint32_t> shared(largest);
@@ -59,7 +58,7 @@ TURGOR_HD inline int atomic_next(int& n) {
 #endif
 }
 
-/// A number that other threads may write at the same time.
+/// Loads a value that other threads may write at the same time.
 TURGOR_HD inline std::uint32_t shared_load(std::uint32_t& value) {
 #ifdef __CUDA_ARCH__
   return *static_cast<volatile std::uint32_t*>(&value);

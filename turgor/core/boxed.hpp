@@ -1,5 +1,5 @@
-// boxed<T>: a value on the heap, or none. Unlike a unique_ptr it is copied with what holds it, so that
-// structs whose parts must stay where they are in memory, or are seldom there, can be copied as they are.
+// boxed<T>: an optional value on the heap. Unlike a unique_ptr it is copied with its owner. Structs with
+// members that must keep their address, or that are seldom set, thus stay copyable.
 #pragma once
 
 #include <memory>

@@ -1,6 +1,6 @@
-// The one number type of the simulation, the macro that marks functions a GPU backend may call as well, the
-// one that promises the compiler that the iterations of the loop behind it touch different numbers, and the
-// one that asks it to write them out one after the other.
+// Number type of the simulation (Real) and three macros. TURGOR_HD marks functions that a GPU may call as
+// well. TURGOR_LANES promises that the iterations of the next loop are independent. TURGOR_UNROLL unrolls the
+// next loop.
 #pragma once
 
 #ifdef __CUDACC__

@@ -1,6 +1,6 @@
-// Arrays of one side of a bus or the other, and what they need of its memory. A side has Array<T>: made with
-// a count, is_there, size, data, upload and download of the first of its values (gpu.hpp), and a Run
-// (run.hpp).
+// Arrays on a device or on the host, and an allocator that counts their bytes. A Backend has Array<T>
+// (constructed with a count; is_allocated, size, data, upload and download of the first values; gpu.hpp) and
+// a Run (run.hpp).
 #pragma once
 
 #include <cstddef>
@@ -11,39 +11,39 @@
 
 namespace turgor {
 
-/// Makes arrays of a side, as long as there is room, and counts what all of them need.
-template <class Side>
+/// Allocates arrays of a backend until memory runs out, and counts the bytes that all of them need.
+template <class Backend>
 struct DeviceAllocator {
   std::size_t bytes = 0;
   bool all_allocated = true;
 
   template <class T>
-  typename Side::template Array<T> room(std::size_t count) {
+  typename Backend::template Array<T> allocate(std::size_t count) {
     bytes += count * sizeof(T);
     if (!all_allocated) return {};
-    typename Side::template Array<T> array(count);
+    typename Backend::template Array<T> array(count);
     all_allocated = array.is_allocated();
     return array;
   }
-  /// With what a vector holds.
+  /// Array with the contents of a vector.
   template <class Values>
   auto copy(const Values& values) {
     using T = typename Values::value_type;
-    auto array = room<T>(values.size());
+    auto array = allocate<T>(values.size());
     if (all_allocated) array.upload(std::span<const T>(values.data(), values.size()));
     return array;
   }
 };
 
-/// Three numbers each, such as displacements, in an array of their own.
-template <class Side>
+/// Three-component vectors (such as displacements), one array per component.
+template <class Backend>
 struct DeviceVectors {
-  typename Side::template Array<Real> x, y, z;
+  typename Backend::template Array<Real> x, y, z;
 
-  DeviceVectors(DeviceAllocator<Side>& rooms, std::size_t count)
-      : x(rooms.template room<Real>(count)),
-        y(rooms.template room<Real>(count)),
-        z(rooms.template room<Real>(count)) {}
+  DeviceVectors(DeviceAllocator<Backend>& allocator, std::size_t count)
+      : x(allocator.template allocate<Real>(count)),
+        y(allocator.template allocate<Real>(count)),
+        z(allocator.template allocate<Real>(count)) {}
   template <class Vectors>
   void upload(const Vectors& from) {
     x.upload(from.x), y.upload(from.y), z.upload(from.z);
@@ -55,33 +55,33 @@ struct DeviceVectors {
 };
 
 /// A list whose length changes between steps.
-template <class Side, class T>
+template <class Backend, class T>
 struct DeviceList {
-  typename Side::template Array<T> room;
+  typename Backend::template Array<T> array;
   std::size_t count = 0;
 
-  /// Is there room for so many?
-  bool fits(std::size_t wanted, std::size_t spare = 0) {
-    if (wanted > room.size()) room = {}, room = typename Side::template Array<T>(wanted + spare);
-    count = room.is_allocated() ? wanted : 0;
-    return room.is_allocated();
+  /// Sets the length; false if memory is short. A reallocation has `spare` extra entries.
+  bool try_resize(std::size_t new_count, std::size_t spare = 0) {
+    if (new_count > array.size()) array = {}, array = typename Backend::template Array<T>(new_count + spare);
+    count = array.is_allocated() ? new_count : 0;
+    return array.is_allocated();
   }
-  void fit(std::size_t wanted) {
-    [[maybe_unused]] const bool there = fits(wanted, wanted / 2);
-    TURGOR_ASSERT(there, "a GPU has memory left for what a step or a cut adds to a body");
+  void resize(std::size_t new_count) {
+    [[maybe_unused]] const bool allocated = try_resize(new_count, new_count / 2);
+    TURGOR_ASSERT(allocated, "a GPU has memory left for the data that a step or a cut adds to a body");
   }
-  /// With these, if there is room for them.
-  bool holds(std::span<const T> values) {
-    if (!fits(values.size(), values.size() / 2)) return false;
-    room.upload(values);
+  /// Sets length and contents; false if memory is short.
+  bool try_assign(std::span<const T> values) {
+    if (!try_resize(values.size(), values.size() / 2)) return false;
+    array.upload(values);
     return true;
   }
-  void put(std::span<const T> values) {
-    fit(values.size());
-    room.upload(values);
+  void assign(std::span<const T> values) {
+    resize(values.size());
+    array.upload(values);
   }
-  T* data() const { return room.data(); }
-  std::span<const T> values() const { return {room.data(), count}; }
+  T* data() const { return array.data(); }
+  std::span<const T> values() const { return {array.data(), count}; }
 };
 
 }  // namespace turgor

@@ -1,5 +1,5 @@
-// Numbers sorted by keys on one side of a bus or the other, ascending within a key: counted, summed up and
-// filled in by loops in any order.
+// Counting sort of indices by key on the host or a device. Indices ascend within a key, so the result does
+// not depend on the order in which threads run.
 #pragma once
 
 #include <vector>
@@ -9,19 +9,19 @@
 
 namespace turgor {
 
-struct ClearNumbers {
+struct ClearInts {
   int* list;
 
   TURGOR_HD void operator()(std::size_t n) const { list[n] = 0; }
 };
-struct CopyNumbers {
+struct CopyInts {
   const int* from;
   int* to;
 
   TURGOR_HD void operator()(std::size_t n) const { to[n] = from[n]; }
 };
 
-/// Blocks of so many are summed up by one thread: a line of a cache.
+/// Values that one thread sums: a cache line.
 constexpr std::size_t kScanBlock = 32;
 struct SumBlock {
   const int* list;
@@ -37,20 +37,20 @@ struct SumBlock {
 struct ScanBlock {
   int* list;
   std::size_t count;
-  const int* sums;  // before each block; null = there is one
+  const int* sums;  // sum before each block; null = there is only one block
 
   TURGOR_HD void operator()(std::size_t block) const {
     int sum = sums != nullptr ? sums[block] : 0;
     for (std::size_t n = block * kScanBlock; n < count && n < (block + 1) * kScanBlock; n++) {
-      const int here = list[n];
+      const int value = list[n];
       list[n] = sum;
-      sum += here;
+      sum += value;
     }
   }
 };
 
-/// Sums of all numbers before each, in their place.
-template <class Side>
+/// Exclusive prefix sum in place.
+template <class Backend>
 class DeviceScan {
  public:
   template <class Run>
@@ -58,7 +58,7 @@ class DeviceScan {
     const std::size_t blocks = (count + kScanBlock - 1) / kScanBlock;
     if (blocks <= 1) return run(blocks, ScanBlock{list, count, nullptr});
     if (sums_.size() == level) sums_.emplace_back();
-    sums_[level].fit(blocks);
+    sums_[level].resize(blocks);
     int* sums = sums_[level].data();
     run(blocks, SumBlock{list, count, sums});
     (*this)(run, sums, blocks, level + 1);
@@ -66,10 +66,10 @@ class DeviceScan {
   }
 
  private:
-  std::vector<DeviceList<Side, int>> sums_;  // by level
+  std::vector<DeviceList<Backend, int>> sums_;  // by level
 };
 
-/// Key is a functor: the key of n, or -1 where n is left out.
+/// Key is a functor: the key of n, or -1 to skip n.
 template <class Key>
 struct CountKey {
   Key key;
@@ -88,7 +88,7 @@ struct FillKey {
     if (const int k = key(n); k >= 0) item[atomic_next(next[k])] = int(n);
   }
 };
-/// They came in any order.
+/// FillKey writes the items of a key in any order; this sorts them.
 struct SortKey {
   const int* begin;
   int* item;
@@ -103,20 +103,20 @@ struct SortKey {
   }
 };
 
-/// Those with key k are item[begin[k]] … item[begin[k + 1] - 1].
-template <class Side>
+/// Items with key k are item[begin[k]] … item[begin[k + 1] - 1].
+template <class Backend>
 struct DeviceLists {
-  DeviceList<Side, int> begin, next, item;
-  DeviceScan<Side> scan;
+  DeviceList<Backend, int> begin, next, item;
+  DeviceScan<Backend> scan;
 
-  /// Of the numbers from 0 to `count`.
+  /// Sorts the indices 0 … count - 1.
   template <class Run, class Key>
   void make(const Run& run, std::size_t keys, std::size_t count, const Key& key) {
-    begin.fit(keys + 1), next.fit(keys + 1), item.fit(count);
-    run(keys + 1, ClearNumbers{begin.data()});
+    begin.resize(keys + 1), next.resize(keys + 1), item.resize(count);
+    run(keys + 1, ClearInts{begin.data()});
     run(count, CountKey<Key>{key, begin.data()});
     scan(run, begin.data(), keys + 1);
-    run(keys + 1, CopyNumbers{begin.data(), next.data()});
+    run(keys + 1, CopyInts{begin.data(), next.data()});
     run(count, FillKey<Key>{key, next.data(), item.data()});
     run(keys, SortKey{begin.data(), item.data()});
   }

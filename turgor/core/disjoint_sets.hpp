@@ -1,5 +1,5 @@
-// Which of many things belong together, as pairs of them are joined. A set is named by its least member: `up`
-// leads from each member towards it, and is its own number at first.
+// Disjoint sets (union-find) with path halving. The smallest member represents its set; `up` holds each
+// member's parent and is initialized with the identity.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace turgor {
 
-/// The least member of the set.
+/// Smallest member of the set.
 inline int root_of(std::vector<int>& up, int n) {
   while (up[std::size_t(n)] != n) n = up[std::size_t(n)] = up[std::size_t(up[std::size_t(n)])];
   return n;

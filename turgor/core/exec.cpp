@@ -14,8 +14,8 @@
 
 namespace turgor {
 
-// Lets arenas have more threads than the machine has cores, as tests of determinism do. One for the process:
-// of several, the smallest would count.
+// Lets arenas have more threads than the machine has cores, which tests of determinism need. There is one
+// limit per process because the smallest of several would apply.
 namespace {
 void allow_many_threads() {
   static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
@@ -40,8 +40,8 @@ namespace {
 using Body = std::function<void(std::size_t, std::size_t)>;
 
 #ifdef __SANITIZE_THREAD__
-// oneTBB as distributions ship it is not instrumented: the thread sanitizer would take its hand-over of work
-// for races and miss ours. Plain threads that share the ranges out among them show exactly ours.
+// Distributions ship oneTBB without instrumentation. The thread sanitizer would report its hand-over of work
+// as races and miss real ones. Plain threads that share the ranges show exactly the races of this program.
 template <class Arena>
 void spread(Arena&, int threads, std::size_t count, std::size_t grain, const Body& run) {
   std::atomic<std::size_t> next{0};

@@ -1,6 +1,6 @@
-// Where loops run. Exec owns a number of threads; parallel_for spreads independent indices over them. Loops
+// Threads for loops. Exec owns a number of threads; parallel_for spreads independent indices over them. Loops
 // never depend on the order in which indices run, so results have the same bits for every thread count. Loops
-// that leave the CPU are written against run.hpp.
+// that also run on a GPU are written against run.hpp.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ class Exec {
   int threads() const { return threads_; }
 
   /// Calls body(begin, end) on disjoint ranges that cover [0, count); ranges hold at least `grain` indices.
-  /// Denormal numbers are taken for zero in there.
+  /// Denormal numbers are flushed to zero inside.
   void run_ranges(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body) const;
 

@@ -1,6 +1,6 @@
-// A field of a body: a name, a unit and what its entries belong to, stated once beside the struct that holds
-// it. `visit_fields(struct, visit)` in a model's fields.hpp calls visit(Field, array) for every one; memory
-// sizes, hashes and recordings go through that list, so that a new field is one member and one line.
+// Reflection of a body's fields: name, unit and axis, stated once beside the struct. `visit_fields(struct,
+// visit)` in a model's fields.hpp calls visit(Field, array) for each. Memory sizes, hashes and recordings use
+// that list, so that a new field needs one member and one line.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 namespace turgor {
 
-/// What the entries of a field belong to.
+/// Items that the entries of a field belong to.
 enum class Axis : unsigned char { kBody, kSlot, kRow, kVertex, kTriangle, kSkinTriangle, kCutEdge, kOther };
 
 enum FieldUse : unsigned {
-  kPlain = 0,     // counts as memory alone
-  kHashed = 1,    // decides how the body goes on: part of the state hash
-  kRecorded = 2,  // a dataset of recordings, of this name and unit
+  kPlain = 0,     // counted only in memory sizes
+  kHashed = 1,    // affects later steps: part of the state hash
+  kRecorded = 2,  // stored in recordings under this name and unit
 };
 
 struct Field {
@@ -34,7 +34,7 @@ struct NoVisit {
 template <class... Structs>
 std::size_t bytes_of_fields(const Structs&... structs);
 
-/// Of a field's entries: arrays, arrays of arrays, three arrays of coordinates, plain values.
+/// Bytes of a field's entries: arrays, arrays of arrays, three arrays of coordinates, plain values.
 template <class T>
 std::size_t field_bytes(const T& values) {
   if constexpr (requires { visit_fields(values, NoVisit{}); }) {
@@ -52,7 +52,7 @@ std::size_t field_bytes(const T& values) {
   }
 }
 
-/// Of all fields of these structs.
+/// Bytes of all fields of these structs.
 template <class... Structs>
 std::size_t bytes_of_fields(const Structs&... structs) {
   std::size_t sum = 0;
@@ -78,7 +78,7 @@ std::uint64_t hash_entries(const T& values, std::size_t begin, std::size_t count
     return hash_values(std::span<const typename T::value_type>(values.data() + begin, count), seed);
   }
 }
-/// Of those entries of all hashed fields, one field after the other.
+/// Hash of entries `begin` to `begin + count` of all hashed fields, one field after the other.
 template <class Struct>
 std::uint64_t hash_of_fields(const Struct& s, std::size_t begin, std::size_t count, std::uint64_t seed) {
   visit_fields(s, [&](const Field& field, const auto& values) {

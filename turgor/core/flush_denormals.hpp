@@ -1,5 +1,5 @@
-// Numbers too small for a normal float are taken for zero while this lives. Motion that dies away would
-// otherwise end in such numbers, on which processors are up to a hundred times slower.
+// Flushes denormal numbers to zero during its lifetime. Decaying motion would otherwise end in denormals, on
+// which processors are up to a hundred times slower.
 #pragma once
 
 #if defined(__SSE2__)

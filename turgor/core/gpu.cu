@@ -7,11 +7,10 @@ namespace turgor {
 Result<Gpu> open_gpu(int device) {
   int count = 0;
   if (const cudaError_t error = cudaGetDeviceCount(&count); error != cudaSuccess || count == 0)
-    return Error{std::string("expected a GPU of NVIDIA and its driver, found none (") +
+    return Error{std::string("expected an NVIDIA GPU and its driver, found none (") +
                  cudaGetErrorString(error) + ")"};
   if (device < 0 || device >= count)
-    return Error{"expected a GPU below " + std::to_string(count) + ", found number " +
-                 std::to_string(device)};
+    return Error{"expected a GPU index below " + std::to_string(count) + ", found " + std::to_string(device)};
   cudaDeviceProp properties;
   std::size_t free = 0, all = 0;
   cudaError_t error = cudaSetDevice(device);
@@ -25,7 +24,7 @@ Result<Gpu> open_gpu(int device) {
 void* allocate_on_gpu(std::size_t bytes) {
   void* memory = nullptr;
   if (cudaMalloc(&memory, bytes) == cudaSuccess) return memory;
-  cudaGetLastError();  // it is said by the null
+  cudaGetLastError();  // the error is reported by returning null
   return nullptr;
 }
 

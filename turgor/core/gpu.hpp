@@ -1,5 +1,5 @@
-// A GPU of NVIDIA, and memory on it. Built without CUDA, open_gpu says so and the rest is never reached: no
-// program needs a driver or a toolkit to start.
+// An NVIDIA GPU and memory on it. In builds without CUDA, open_gpu returns an error and nothing else is
+// called, so no program needs a driver or a toolkit to start.
 #pragma once
 
 #include <cstddef>
@@ -14,25 +14,25 @@ namespace turgor {
 struct Gpu {
   int device = 0;
   std::string name;
-  std::size_t free_bytes = 0;  // when it was opened
+  std::size_t free_bytes = 0;  // when the device was opened
 };
-/// Error: what is missing, CUDA, a driver or a device.
+/// Error: CUDA, a driver or a device is missing.
 Result<Gpu> open_gpu(int device = 0);
 
-/// What is said where memory that `whose` needs is not there.
-inline Error no_room(const std::string& whose, std::size_t bytes, const Gpu& gpu) {
+/// Error for data (`owner`) that does not fit into device memory.
+inline Error out_of_memory(const std::string& owner, std::size_t bytes, const Gpu& gpu) {
   const auto megabytes = [](std::size_t n) { return std::to_string(n / 1000000) + " MB"; };
-  return {whose + " needs " + megabytes(bytes) + " of a GPU's memory; " + gpu.name + " has " +
+  return {owner + " needs " + megabytes(bytes) + " of GPU memory; " + gpu.name + " has " +
           megabytes(gpu.free_bytes) + " free"};
 }
 
-/// Plain memory of the current device; null when there is not so much.
+/// Device memory of the current GPU; null when there is not enough.
 void* allocate_on_gpu(std::size_t bytes);
 void release_on_gpu(void* memory);
 void upload_to_gpu(void* to, const void* from, std::size_t bytes);
 void download_from_gpu(void* to, const void* from, std::size_t bytes);
 
-/// Owns an array there; nothing goes over or back unless it is told to.
+/// Owns an array in device memory. Transfers are explicit.
 template <class T>
 class GpuArray {
  public:
@@ -52,13 +52,13 @@ class GpuArray {
   bool is_allocated() const { return data_ != nullptr || size_ == 0; }
   T* data() const { return data_; }
   std::size_t size() const { return size_; }
-  /// To and from the first of them.
+  /// Transfer of the first from.size() or to.size() values.
   void upload(std::span<const T> from) {
-    TURGOR_ASSERT(from.size() <= size_, "there is room for as many");
+    TURGOR_ASSERT(from.size() <= size_, "the array is large enough for the upload");
     if (!from.empty()) upload_to_gpu(data_, from.data(), from.size_bytes());
   }
   void download(std::span<T> to) const {
-    TURGOR_ASSERT(to.size() <= size_, "there are as many");
+    TURGOR_ASSERT(to.size() <= size_, "the array has as many values as the download");
     if (!to.empty()) download_from_gpu(to.data(), data_, to.size_bytes());
   }
 

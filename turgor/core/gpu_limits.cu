@@ -14,7 +14,7 @@ struct CopyFour {
   Four* to;
   __device__ void operator()(std::size_t n) const { to[n] = from[n]; }
 };
-/// Eight chains a thread, so that none waits for itself.
+/// Independent chains per thread hide the latency of each multiply-add.
 struct MultiplyAdd {
   static constexpr int kChains = 8, kTurns = 1024;
   float* to;
@@ -30,7 +30,7 @@ struct MultiplyAdd {
   }
 };
 
-/// The median of some turns [s].
+/// Median of several runs [s].
 template <class Kernel>
 double seconds_of(std::size_t count, const Kernel& kernel) {
   const GpuRun run;
@@ -50,7 +50,7 @@ Result<GpuLimits> measure_limits(const Gpu& gpu) {
   constexpr std::size_t kFours = std::size_t(16) << 20, kThreads = std::size_t(1) << 22;
   const GpuArray<Four> from(kFours), to(kFours);
   if (!from.is_allocated() || !to.is_allocated())
-    return Error{gpu.name + " has no 512 MB free to measure its limits with"};
+    return Error{gpu.name + " needs 512 MB of free memory to measure its limits"};
   const double copy = seconds_of(kFours, CopyFour{from.data(), to.data()});
   const double arithmetic = seconds_of(kThreads, MultiplyAdd{reinterpret_cast<float*>(to.data())});
   constexpr double kOperations = 2.0 * MultiplyAdd::kChains * MultiplyAdd::kTurns * double(kThreads);

@@ -1,4 +1,5 @@
-// What a GPU can do at most, measured: beside what it does, in benches.
+// Measured limits of a GPU (roofline): memory bandwidth and arithmetic rate. Benches report kernels relative
+// to them.
 #pragma once
 
 #include "turgor/core/gpu.hpp"
@@ -7,9 +8,9 @@ namespace turgor {
 
 struct GpuLimits {
   double copy_bandwidth = 0;   // read and written [B/s]
-  double arithmetic_rate = 0;  // single precision, a multiplication with an addition as two [1/s]
+  double arithmetic_rate = 0;  // single precision; a multiply-add counts as two [1/s]
 };
-/// By loops like any other (gpu_run.cuh). Error: there are not 512 MB for it.
+/// Measures with kernels of gpu_run.cuh. Error: less than 512 MB are free.
 Result<GpuLimits> measure_limits(const Gpu& gpu);
 
 }  // namespace turgor

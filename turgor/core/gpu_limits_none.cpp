@@ -1,4 +1,4 @@
-// In place of gpu_limits.cu where there is no nvcc.
+// Replaces gpu_limits.cu in builds without nvcc.
 #include "turgor/core/gpu_limits.hpp"
 
 namespace turgor {

@@ -1,12 +1,11 @@
-// In place of gpu.cu where there is no nvcc.
+// Replaces gpu.cu in builds without nvcc.
 #include "turgor/core/gpu.hpp"
 
 namespace turgor {
 
 Result<Gpu> open_gpu(int) {
   return Error{
-      "expected a turgor that was built with CUDA (cmake -DTURGOR_CUDA=ON, nvcc 12 or newer), found one "
-      "without"};
+      "expected a build of turgor with CUDA (cmake -DTURGOR_CUDA=ON, nvcc 12 or newer), found one without"};
 }
 
 void* allocate_on_gpu(std::size_t) { return nullptr; }

@@ -1,4 +1,4 @@
-// Loops on a GPU: the third kind of run (run.hpp), for .cu files alone.
+// Loops on a GPU: the third kind of run (run.hpp). Only .cu files include it.
 #pragma once
 
 #include <cstring>
@@ -18,20 +18,20 @@ __global__ void call_kernel(std::size_t count, const Kernel kernel) {
   const std::size_t n = std::size_t(blockIdx.x) * blockDim.x + threadIdx.x;
   if (n < count) kernel(n);
 }
-/// What the runtime knows that by.
+/// Address by which the CUDA runtime identifies the kernel.
 template <class Kernel>
 const void* function_of() {
 #ifdef __CUDACC__
   return reinterpret_cast<const void*>(&call_kernel<Kernel>);
-#else  // C++ over a runtime that tests pretend
+#else  // C++ with the CUDA runtime that tests simulate
   return &pretended_kernel<Kernel, call_kernel<Kernel>>;
 #endif
 }
 inline void check_cuda(cudaError_t error) { TURGOR_ASSERT(error == cudaSuccess, cudaGetErrorString(error)); }
 
-/// Loops that were written down to go over together, one after the other: a graph, which a GPU replays without
-/// being told of each anew. It is renewed when a loop, how far it goes or a number in it is another than the
-/// last time, as after a cut; bits between numbers may ask for one renewal too many.
+/// Kernels recorded to run one after the other, as a CUDA graph that the GPU replays with a single launch.
+/// The graph is rebuilt when a kernel, its count or one of its arguments changes, for example after a cut.
+/// Arguments are compared byte by byte, so differing padding may cause an unnecessary rebuild.
 class LoopGraph {
  public:
   LoopGraph() = default;
@@ -72,7 +72,7 @@ class LoopGraph {
     std::vector<std::byte> kernel;
   };
 
-  /// A graph of as many kernels takes their new arguments; else it is made anew.
+  /// Updates the arguments of a graph with the same kernels, or instantiates a new graph.
   void renew() {
     cudaGraph_t chain = nullptr;
     check_cuda(cudaGraphCreate(&chain, 0));
@@ -88,7 +88,7 @@ class LoopGraph {
     }
     cudaGraphExecUpdateResultInfo updated{};
     if (!graph_ || cudaGraphExecUpdate(graph_, chain, &updated) != cudaSuccess) {
-      cudaGetLastError();  // that it is another graph is no error
+      cudaGetLastError();  // another topology is not an error
       if (graph_) cudaGraphExecDestroy(graph_);
       check_cuda(cudaGraphInstantiate(&graph_, chain, 0));
     }
@@ -101,15 +101,15 @@ class LoopGraph {
   cudaGraphExec_t graph_ = nullptr;
 };
 
-/// A thread an index. What is run next begins when this is done.
+/// One thread per index. Kernels run in the order of their launches.
 struct GpuRun {
-  bool one_by_one = false;  // no graphs
+  bool one_by_one = false;  // launch kernels one by one, without graphs
   std::unique_ptr<LoopGraph> together = std::make_unique<LoopGraph>();
 
   template <class Kernel>
   void operator()(std::size_t count, const Kernel& kernel, std::size_t = 1) const {
-    static_assert(sizeof(Kernel) <= 4000, "kernels go over as arguments, of which there may be 4096 bytes");
-    static_assert(std::is_trivially_copyable_v<Kernel>, "kernels go over as they are in memory");
+    static_assert(sizeof(Kernel) <= 4000, "kernels are passed as launch arguments, limited to 4096 bytes");
+    static_assert(std::is_trivially_copyable_v<Kernel>, "kernels are copied byte by byte");
     constexpr unsigned kThreads = 128;
     const auto blocks = unsigned((count + kThreads - 1) / kThreads);
     if (count == 0) return;
@@ -119,7 +119,7 @@ struct GpuRun {
     check_cuda(cudaLaunchKernel(function_of<Kernel>(), blocks, kThreads, arguments, 0, nullptr));
   }
 };
-/// run_together (run.hpp), as a graph.
+/// Records the loops of run_together (run.hpp) as a graph.
 template <class Loops>
 void run_together(const GpuRun& run, const Loops& loops) {
   if (run.one_by_one) return loops();
@@ -128,8 +128,8 @@ void run_together(const GpuRun& run, const Loops& loops) {
   run.together->end_and_launch();
 }
 
-/// A GPU as the side that arrays and loops are on.
-struct GpuSide {
+/// GPU backend: the arrays and the run that device code is templated on.
+struct GpuBackend {
   template <class T>
   using Array = GpuArray<T>;
   using Run = GpuRun;

@@ -1,5 +1,5 @@
-// A 64-bit content hash: equal bytes give equal hashes on every machine of the same byte order. Used to
-// recognise states, caches and inputs; not for security.
+// A 64-bit content hash: equal bytes give equal hashes on every machine of the same byte order. It identifies
+// states, caches and inputs; it is not for security.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ inline std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_
     h = detail::mix(h, word);
   }
   std::uint64_t rest = 0;
-  if (size > 0) std::memcpy(&rest, bytes, size);  // of nothing, `data` may be null
+  if (size > 0) std::memcpy(&rest, bytes, size);  // `data` may be null if size is 0
   return detail::mix(h, rest);
 }
 

@@ -1,7 +1,6 @@
-// Sixteen numbers that are computed at once, for kernels whose arrays the compiler cannot see through. The
-// operators are the compiler's own (vector extensions of GCC and Clang): on processors with narrower
-// registers it splits them. Kernels that are templates over Lanes or float have the same names for one
-// number.
+// Sixteen floats that are computed at once, for kernels whose arrays the compiler cannot vectorize. The
+// operators are vector extensions of GCC and Clang, which split them on processors with narrower registers.
+// Kernels that are templates over Lanes or float use the same function names for both.
 #pragma once
 
 #include <cmath>
@@ -14,7 +13,7 @@
 #include "turgor/core/config.hpp"
 
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi"  // all of these are inlined: no ABI is crossed
+#pragma GCC diagnostic ignored "-Wpsabi"  // all functions are inline and cross no ABI
 #endif
 
 namespace turgor {
@@ -69,7 +68,7 @@ TURGOR_HD inline float square_root(float a) { return std::sqrt(a); }
 TURGOR_HD inline float larger(float a, float b) { return a > b ? a : b; }
 TURGOR_HD inline float smaller(float a, float b) { return a < b ? a : b; }
 
-/// Three numbers each.
+/// Three-component vectors.
 struct Lanes3 {
   Lanes x, y, z;
 };

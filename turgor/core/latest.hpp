@@ -1,6 +1,6 @@
-// latest<T>: one thread writes whole values, one other thread reads the newest whole value. Neither ever
-// waits. Three slots change hands: the writer's, the reader's, and the one in the middle that holds the
-// newest value.
+// latest<T>: one thread writes values, one other thread reads the newest complete value. Neither ever waits
+// (triple buffering). The writer and the reader own a slot each and exchange it with the third, which holds
+// the newest value.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,7 @@ class latest {  // NOLINT(readability-identifier-naming): reads as a word in dec
  public:
   latest() = default;
   explicit latest(const T& first) : slots_{first, first, first} {}
-  /// While no other thread is at either of them.
+  /// No other thread may access either object meanwhile.
   latest(const latest& other)
       : slots_{other.slots_[0], other.slots_[1], other.slots_[2]},
         writing_(other.writing_),
@@ -27,25 +27,25 @@ class latest {  // NOLINT(readability-identifier-naming): reads as a word in dec
     return *this;
   }
 
-  /// Writer's thread only.
+  /// Writer thread only.
   void write(const T& value) {
     writing() = value;
     publish();
   }
-  /// The same in place, for values that keep their memory: fill all of writing(), which holds some value of
-  /// before, and publish it.
+  /// Writes in place, for values that keep their memory: overwrite all of writing(), which holds an older
+  /// value, then publish.
   T& writing() { return slots_[writing_]; }
   void publish() {
     writing_ =
         middle_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) & kSlot;
   }
 
-  /// Reader's thread only: the newest value. The reference stays valid until the next read.
+  /// Newest value (reader thread only). The reference stays valid until the next read.
   const T& read() {
     if (has_news()) reading_ = middle_.exchange(reading_, std::memory_order_acq_rel) & kSlot;
     return slots_[reading_];
   }
-  /// Has a value come since the last read?
+  /// True if a value was published since the last read.
   bool has_news() const { return (middle_.load(std::memory_order_relaxed) & kFresh) != 0; }
 
  private:

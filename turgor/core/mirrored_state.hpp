@@ -1,6 +1,6 @@
-// A state and where it is: here, or on the other side of a bus, where it steps and stays until somebody
-// looks. Nobody can read what is old: whoever asks for the state gets it as it is now, and while it is
-// elsewhere what changes there is empty here.
+// A body's state that steps on the host or on a device. Device data stay on the device from step to step and
+// are downloaded only when the host reads them. Every accessor downloads first if necessary, so stale data
+// cannot be read. While the state is on the device, the host arrays of these fields are empty.
 #pragma once
 
 #include <cstdint>
@@ -10,111 +10,113 @@
 
 namespace turgor {
 
-/// What was changed here since it last went over.
-enum class Changed : std::uint8_t { kNothing, kPart, kAll };
+/// Host fields that were written since the last upload.
+enum class Changed : std::uint8_t { kNothing, kPartial, kAll };
 
-/// `There` holds one state at a time on the other side, and has get_state(state). `Room` keeps what is the
-/// state's own while it is away: swap(state).
-template <class StateHere, class There, class Room>
+/// Host state with an optional device copy. `DeviceBackend` stores one state at a time and has
+/// download_state(state). `HostStorage` stores the memory of the host arrays while the state is on the
+/// device; swap(state) exchanges it with the state's arrays.
+template <class HostState, class DeviceBackend, class HostStorage>
 struct Mirrored {
-  using State = StateHere;
-  using Place = There;
+  using State = HostState;
+  using Backend = DeviceBackend;
 
-  State state;
-  std::shared_ptr<There> there;  // null: it steps here
-  Room room;
-  bool away = false, watched = false;
+  State host_state;
+  std::shared_ptr<Backend> backend;  // null: the state steps on the host
+  HostStorage storage;
+  bool is_on_device = false, is_watched = false;
   Changed changed = Changed::kAll;
 
-  void go() {
-    if (!std::exchange(away, true)) room.swap(state);
+  void move_to_device() {
+    if (!std::exchange(is_on_device, true)) storage.swap(host_state);
   }
-  /// `there` is in use by this thread.
-  void download_state() {
-    if (!std::exchange(away, false)) return;
-    room.swap(state);
-    there->get_state(state);
+  /// Requires that the caller holds the backend's mutex.
+  void move_to_host() {
+    if (!std::exchange(is_on_device, false)) return;
+    storage.swap(host_state);
+    backend->download_state(host_state);
   }
   State& on_host() {
-    if (!there) return state;
-    const std::lock_guard lock(there->in_use);
-    download_state();
-    return state;
+    if (!backend) return host_state;
+    const std::lock_guard lock(backend->mutex);
+    move_to_host();
+    return host_state;
   }
-  /// After a step: back to where views look.
-  void update_views() {
-    if (watched) download_state(), changed = Changed::kAll;
+  /// After a step: downloads the state for views that outlive the step.
+  void download_if_watched() {
+    if (is_watched) move_to_host(), changed = Changed::kAll;
   }
 };
 
-/// The base of a There.
+/// Base of a device backend.
 template <class Mirrored>
 struct BackendOf {
-  std::mutex in_use;
-  std::weak_ptr<Mirrored> whose;  // state it holds
+  std::mutex mutex;
+  std::weak_ptr<Mirrored> owner;  // state that is stored on the device
 };
 
-/// From now on `there`, which is in use by this thread, is this state's; what it held goes back.
+/// Makes this state the owner of its backend. Downloads the previous owner's state first. Requires that the
+/// caller holds the backend's mutex.
 template <class Mirrored>
-void claim(const std::shared_ptr<Mirrored>& kept) {
-  const std::shared_ptr<Mirrored> other = kept->there->whose.lock();
-  if (other == kept) return;
-  if (other) other->download_state();
-  kept->changed = Changed::kAll;
-  kept->there->whose = kept;
+void claim_backend(const std::shared_ptr<Mirrored>& mirrored) {
+  const std::shared_ptr<Mirrored> other = mirrored->backend->owner.lock();
+  if (other == mirrored) return;
+  if (other) other->move_to_host();
+  mirrored->changed = Changed::kAll;
+  mirrored->backend->owner = mirrored;
 }
 
-/// What a model's KeptState is besides its own steps.
+/// Base of a model's DeviceState. The derived class adds the model's steps.
 template <class Mirrored>
 class DeviceStateOf {
  public:
   using State = typename Mirrored::State;
 
-  explicit DeviceStateOf(State state) : kept_(std::make_shared<Mirrored>()) {
-    kept_->state = std::move(state);
+  explicit DeviceStateOf(State state) : mirrored_(std::make_shared<Mirrored>()) {
+    mirrored_->host_state = std::move(state);
   }
-  /// A copy is here; it steps where the original does.
-  DeviceStateOf(const DeviceStateOf& other) : DeviceStateOf(other.here()) {
-    kept_->there = other.kept_->there;
+  /// The copy is on the host and uses the same backend.
+  DeviceStateOf(const DeviceStateOf& other) : DeviceStateOf(other.host()) {
+    mirrored_->backend = other.mirrored_->backend;
   }
   DeviceStateOf(DeviceStateOf&&) noexcept = default;
-  /// Takes the other's numbers, in the same memory, and steps where it does.
+  /// Copies the values into the present memory and adopts the other state's backend.
   DeviceStateOf& operator=(const DeviceStateOf& other) {
     if (this == &other) return *this;
-    change() = other.here();
-    kept_->there = other.kept_->there;
+    change() = other.host();
+    mirrored_->backend = other.mirrored_->backend;
     return *this;
   }
   DeviceStateOf& operator=(DeviceStateOf&&) noexcept = default;
   ~DeviceStateOf() = default;
 
-  /// As it is now. Valid until the next step.
-  const State& here() const { return kept_->on_host(); }
-  operator const State&() const { return here(); }
-  const State& operator*() const { return here(); }
-  const State* operator->() const { return &here(); }
-  /// To write into, until the next step.
+  /// Current state on the host, downloaded if necessary. Valid until the next step.
+  const State& host() const { return mirrored_->on_host(); }
+  operator const State&() const { return host(); }
+  const State& operator*() const { return host(); }
+  const State* operator->() const { return &host(); }
+  /// Writable state on the host, valid until the next step, which uploads it.
   State& change() {
-    State& state = kept_->on_host();
-    kept_->changed = Changed::kAll;
+    State& state = mirrored_->on_host();
+    mirrored_->changed = Changed::kAll;
     return state;
   }
-  /// For views that outlive steps: from now on every step ends with all of it here, in the same memory, and
-  /// what was written there goes over before it.
+  /// Writable state for views that outlive steps. From now on every step begins with an upload of written
+  /// fields and ends with a download into the same memory.
   State& watch() {
-    kept_->watched = true;
+    mirrored_->is_watched = true;
     return change();
   }
 
-  /// From now on it steps there.
-  void step_on(std::shared_ptr<typename Mirrored::Place> there) {
-    kept_->on_host();
-    kept_->there = std::move(there);
-    kept_->changed = Changed::kAll;
+  /// Later steps use this backend.
+  void use_backend(std::shared_ptr<typename Mirrored::Backend> backend) {
+    mirrored_->on_host();
+    mirrored_->backend = std::move(backend);
+    mirrored_->changed = Changed::kAll;
   }
 
  protected:
-  std::shared_ptr<Mirrored> kept_;
+  std::shared_ptr<Mirrored> mirrored_;
 };
 
 }  // namespace turgor

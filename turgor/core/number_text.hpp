@@ -1,4 +1,4 @@
-// Numbers inside sentences, for errors and notes of the engine: three significant digits.
+// Numbers in messages of the engine, with three significant digits.
 #pragma once
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Text of others inside a sentence of ours.
+// Foreign text inside a sentence of the program.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace turgor {
 
-/// Control characters, which steer terminals and make lines of their own, become spaces.
+/// Replaces control characters, which would move a terminal's cursor or break lines, by spaces.
 inline std::string on_one_line(std::string text) {
   const auto steers = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   std::replace_if(text.begin(), text.end(), steers, ' ');

@@ -1,5 +1,5 @@
-// A progress bar on standard error for work that takes long: what is done, how much, time left. Silent unless
-// a person looks (standard error is a terminal); a bar that was never updated prints nothing.
+// Progress bar on standard error with the finished fraction and the time remaining. It is silent unless
+// standard error is a terminal. A bar that was never updated prints nothing.
 #pragma once
 
 #include <atomic>
@@ -29,7 +29,7 @@ class ProgressBar {
   std::string label_;
   bool shown_;
   Timer timer_;
-  std::atomic<int> last_tenth_{-1};  // last drawn time, in tenths of a second
+  std::atomic<int> last_tenth_{-1};  // time of the last drawing, in tenths of a second
 };
 
 }  // namespace turgor

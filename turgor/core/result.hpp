@@ -1,5 +1,5 @@
-// Result<T>: a value, or a sentence that says what was wrong with the world (a file, a scene, a device):
-// where, what was expected, what was found. The programmer's own mistakes are assertions instead.
+// Result<T>: a value, or a message about an external error (a file, a scene, a device): location, what was
+// expected, what was found. Errors of the programmer are assertions instead.
 #pragma once
 
 #include <string>

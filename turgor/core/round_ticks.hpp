@@ -1,4 +1,4 @@
-// Where axes and colour bars write numbers.
+// Tick values of axes and color bars.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 
 namespace turgor {
 
-/// Round numbers (1, 2 or 5 times a power of ten apart) from low to high, about `count` of them, two at least
-/// when `count` is four or more; none when there is no finite range.
+/// Round numbers (1, 2 or 5 times a power of ten apart) from low to high, about `count` of them, at least two
+/// if `count` is four or more. Empty if the range is not finite.
 inline std::vector<double> round_ticks(double low, double high, int count) {
   std::vector<double> ticks;
   if (!(high > low) || !std::isfinite(high - low)) return ticks;
@@ -18,7 +18,7 @@ inline std::vector<double> round_ticks(double low, double high, int count) {
                                 : rough < 3.5 * decade ? 2
                                 : rough < 7.5 * decade ? 5
                                                        : 10);
-  if (!(step > 0)) return ticks;  // so small that it has no tenth
+  if (!(step > 0)) return ticks;  // the range is too small for its decade to be representable
   const double slack = 1e-9 * (high - low);
   for (double i = std::ceil((low - slack) / step); i * step <= high + slack; i++)
     ticks.push_back(i * step + 0.0);

@@ -1,5 +1,6 @@
-// What loops are written against that leave the CPU one day: run(count, kernel) calls kernel(n) for every n
-// in [0, count), in any order. Kernels are named functors over plain views. A GPU is one more of these.
+// Runs: run(count, kernel) calls kernel(n) for every n in [0, count), in any order. Kernels are named
+// functors over plain views, so that the same loop runs on CPU threads, in shuffled order (tests) or on a GPU
+// (gpu_run.cuh).
 #pragma once
 
 #include <algorithm>
@@ -12,8 +13,8 @@
 
 namespace turgor {
 
-/// The threads of an Exec. So many indices in a row stay `together` on one thread, in order, for the sake of
-/// the cache.
+/// Runs on the threads of an Exec. Blocks of `together` consecutive indices stay on one thread, in order, for
+/// cache locality.
 struct CpuRun {
   const Exec& exec;
 
@@ -26,7 +27,7 @@ struct CpuRun {
   }
 };
 
-/// One thread and an order of the seed's own: what depends on the order shows without a GPU.
+/// Runs on one thread in an order that the seed determines: shows order-dependent results without a GPU.
 struct ShuffledRun {
   unsigned seed = 0;
 
@@ -40,8 +41,8 @@ struct ShuffledRun {
   }
 };
 
-/// Calls loops(), which runs loops of `run` and touches nothing that they do: all of what they are for may be
-/// told to a GPU at once.
+/// Calls loops(), which only launches kernels of `run` and does not read their results. A GPU may therefore
+/// launch all of them as one graph.
 template <class Run, class Loops>
 void run_together(const Run&, const Loops& loops) {
   loops();

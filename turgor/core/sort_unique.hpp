@@ -1,11 +1,11 @@
-// A list of numbers, each once.
+// Sorting without duplicates.
 #pragma once
 
 #include <algorithm>
 
 namespace turgor {
 
-/// Ascending, and what is there more than once is left away.
+/// Sorts in ascending order and removes duplicates.
 template <class List>
 void sort_unique(List& list) {
   std::sort(list.begin(), list.end());

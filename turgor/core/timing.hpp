@@ -15,7 +15,7 @@ class Timer {
   Clock::time_point start_ = Clock::now();
 };
 
-/// The sample below which a `fraction` of all samples lies (nearest rank); 0 without samples.
+/// Percentile by nearest rank: the sample of rank round(fraction · (n - 1)); 0 without samples.
 double percentile(std::vector<double> samples, double fraction);
 
 inline double median(std::vector<double> samples) { return percentile(std::move(samples), 0.5); }

@@ -1,5 +1,5 @@
-// Small vectors and matrices: Vec3 in the simulation's precision, Vec3d where places are stored, Int3 for
-// indices. Only what the engine uses; large linear algebra is not here.
+// Small vectors and matrices: Vec3 in the simulation's precision, Vec3d for stored positions, Int3 for
+// indices. It holds only what the engine uses; large linear algebra is elsewhere.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@ template <class T>
 struct Vec {
   T x{}, y{}, z{};
 
-  // Said in full, since nvcc takes Vec3(Int3) for a list of members otherwise.
+  // Explicit, because nvcc otherwise takes Vec3(Int3) for aggregate initialization.
   Vec() = default;
   TURGOR_HD constexpr Vec(T a, T b, T c) : x(a), y(b), z(c) {}
   template <class U>
@@ -72,7 +72,7 @@ TURGOR_HD Vec<T> normalized(Vec<T> a) {
   const T length = norm(a);
   return length > 0 ? a / length : a;
 }
-/// Component by component: products, smallest, largest.
+/// Componentwise product, minimum and maximum.
 template <class T>
 TURGOR_HD constexpr Vec<T> hadamard(Vec<T> a, Vec<T> b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
@@ -86,7 +86,7 @@ TURGOR_HD constexpr Vec<T> max(Vec<T> a, Vec<T> b) {
   return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
 }
 
-/// A 3×3 matrix by columns.
+/// 3×3 matrix by columns.
 struct Mat3d {
   Vec3d column[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
@@ -104,7 +104,7 @@ constexpr Mat3d transposed(const Mat3d& m) {
   return {{{a.x, b.x, c.x}, {a.y, b.y, c.y}, {a.z, b.z, c.z}}};
 }
 constexpr double determinant(const Mat3d& m) { return dot(m.column[0], cross(m.column[1], m.column[2])); }
-/// The inverse of a matrix whose determinant is not zero.
+/// Inverse; the determinant must not be zero.
 constexpr Mat3d inverse(const Mat3d& m) {
   const auto& [a, b, c] = m.column;
   const double d = determinant(m);

@@ -8,7 +8,7 @@ namespace turgor {
 
 namespace {
 
-/// Every triangle in four, at the middles of its sides, all on the unit ball.
+/// Splits every triangle into four at its edge midpoints, projected onto the unit sphere.
 TriMesh halved(const TriMesh& mesh) {
   TriMesh fine;
   fine.vertices = mesh.vertices;

@@ -1,4 +1,4 @@
-// Boxes along the axes: around points, and how they lie to each other.
+// Axis-aligned boxes: bounds of points, unions, overlaps and distances.
 #pragma once
 
 #include <span>
@@ -11,19 +11,19 @@ struct Box {
   Vec3d low, high;  // [m]
 };
 
-/// The smallest box around some points, at least one.
+/// Smallest box around some points, at least one.
 inline Box box_around(std::span<const Vec3d> points) {
   Box box{points[0], points[0]};
   for (const Vec3d p : points) box = {min(box.low, p), max(box.high, p)};
   return box;
 }
-/// The smallest box around both.
+/// Smallest box around both.
 inline Box joined(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
 inline bool meet(const Box& a, const Box& b) {
   return a.low.x <= b.high.x && a.low.y <= b.high.y && a.low.z <= b.high.z && b.low.x <= a.high.x &&
          b.low.y <= a.high.y && b.low.z <= a.high.z;
 }
-/// Squared distance of a point to a box; 0 inside [m²].
+/// Squared distance from a point to a box; 0 inside [m²].
 TURGOR_HD inline double squared_distance(const Box& box, Vec3d p) {
   const Vec3d d = p - min(max(p, box.low), box.high);
   return dot(d, d);

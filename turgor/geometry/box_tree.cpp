@@ -17,7 +17,7 @@ Box box_of(std::span<const Box> boxes, std::span<const int> items) {
   return all;
 }
 
-/// The axis along which the middles of the boxes spread most.
+/// Axis along which the centers of the boxes spread most.
 int widest_axis(std::span<const Box> boxes, std::span<const int> items) {
   Vec3d low = middle(boxes[std::size_t(items[0])]), high = low;
   for (const int i : items)
@@ -26,7 +26,7 @@ int widest_axis(std::span<const Box> boxes, std::span<const int> items) {
   return spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
 }
 
-/// Appends the node over items [first, first + count), halved at the median until leaves are small.
+/// Appends the node over items [first, first + count), split at the median until leaves are small.
 void append_node(BoxTree& tree, std::span<const Box> boxes, int first, int count) {
   const std::span<int> items = std::span(tree.items).subspan(std::size_t(first), std::size_t(count));
   const std::size_t n = tree.nodes.size();

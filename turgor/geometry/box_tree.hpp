@@ -1,5 +1,5 @@
-// A tree of boxes over things that have a box each (triangles, elements): what is near a point or meets a
-// box is found without asking all of them.
+// Bounding volume hierarchy of axis-aligned boxes, split at the median. It finds the nearest item and all
+// items that overlap a box.
 #pragma once
 
 #include <array>
@@ -13,12 +13,11 @@ namespace turgor {
 struct BoxTree {
   struct Node {
     Box box;
-    int first =
-        0;  // a leaf's first place in `items`; an inner node's second child (the first one follows it)
+    int first = 0;  // leaf: first index in `items`; inner node: second child (the first one follows it)
     int count = 0;  // items of a leaf; 0 = inner
   };
   std::vector<Node> nodes;  // root first; empty without boxes
-  std::vector<int> items;   // indices of the boxes, leaf by leaf
+  std::vector<int> items;   // box indices, leaf by leaf
 };
 
 BoxTree build_box_tree(std::span<const Box> boxes);
@@ -26,7 +25,7 @@ BoxTree build_box_tree(std::span<const Box> boxes);
 /// Calls visit(item) for every item of every leaf whose box meets `box`; visit returns true to stop.
 template <class Visit>
 void visit_meeting(const BoxTree& tree, const Box& box, const Visit& visit) {
-  std::array<int, 64> stack;  // deeper than any tree of halves
+  std::array<int, 64> stack;  // deeper than any median-split tree
   int depth = 0;
   if (!tree.nodes.empty()) stack[std::size_t(depth++)] = 0;
   while (depth > 0) {
@@ -41,7 +40,7 @@ void visit_meeting(const BoxTree& tree, const Box& box, const Visit& visit) {
   }
 }
 
-/// A tree as plain pointers.
+/// The tree as plain pointers.
 struct BoxTreeView {
   const BoxTree::Node* nodes = nullptr;
   const int* items = nullptr;
@@ -51,8 +50,8 @@ inline BoxTreeView view(const BoxTree& tree) {
   return {tree.nodes.data(), tree.items.data(), int(tree.nodes.size())};
 }
 
-/// The item nearest to a point: measure(item, best) returns the item's squared distance, or anything ≥ best.
-/// Equal distances go to the first one found. -1 when nothing is nearer than `best` at first.
+/// Item nearest to a point: measure(item, best) returns the item's squared distance, or any value ≥ best.
+/// Ties go to the first one found. -1 if no item is nearer than the initial `best`.
 template <class Measure>
 TURGOR_HD int nearest_item(const BoxTreeView& tree, Vec3d p, double best, const Measure& measure) {
   int stack[64];

@@ -12,29 +12,30 @@ namespace {
 
 using Corners = std::array<Vec3d, 3>;
 
-/// On which side of the plane abc a point is; 0 when rounding could decide.
+/// Side of the plane abc on which a point is; 0 within rounding error.
 int side_of(Vec3d a, Vec3d b, Vec3d c, Vec3d p) {
   const double volume = orientation(a, b, c, p);
   const double doubtful = 1e-12 * norm(b - a) * norm(c - a) * norm(p - a);
   return volume > doubtful ? 1 : volume < -doubtful ? -1 : 0;
 }
 
-/// Whether the place where pq meets the plane of t is in t, or as near as rounding is.
+/// True if pq meets the plane of t inside t, within rounding error.
 bool meets_within(Vec3d p, Vec3d q, const Corners& t) {
   const double from = orientation(t[0], t[1], t[2], p), to = orientation(t[0], t[1], t[2], q);
-  const Vec3d place = p + (q - p) * (from / (from - to));
-  return nearest_on_triangle(place, t[0], t[1], t[2]).distance <= 1e-9 * norm(q - p);
+  const Vec3d position = p + (q - p) * (from / (from - to));
+  return nearest_on_triangle(position, t[0], t[1], t[2]).distance <= 1e-9 * norm(q - p);
 }
 
 bool passes_through(Vec3d p, Vec3d q, const Corners& t) {
   if (side_of(t[0], t[1], t[2], p) * side_of(t[0], t[1], t[2], q) >= 0) return false;
   const int u = side_of(p, q, t[0], t[1]), v = side_of(p, q, t[1], t[2]), w = side_of(p, q, t[2], t[0]);
   if ((u > 0 || v > 0 || w > 0) && (u < 0 || v < 0 || w < 0)) return false;
-  // Through an edge or a corner; or all lie in one plane but for 1e-12 of their size, and may be far apart.
+  // Through an edge or a corner. If all points are coplanar within 1e-12 of their size, the segment may still
+  // be far from the triangle.
   return u * v * w != 0 || meets_within(p, q, t);
 }
 
-/// Whether an edge of `from` that has none of the vertices of `through` passes through it.
+/// True if an edge of `from` that shares no vertex with `through` passes through it.
 bool an_edge_passes(const Int3& from, const Corners& from_x, const Int3& through, const Corners& through_x) {
   const auto shared = [&](int v) { return v == through.x || v == through.y || v == through.z; };
   for (std::size_t i = 0; i < 3; i++) {

@@ -12,16 +12,16 @@ namespace turgor {
 
 namespace {
 
-constexpr double kFarthest = 0.25;  // a middle moves, in lengths of its edge
+constexpr double kFarthest = 0.25;  // largest move of a midside node, in edge lengths
 
-/// The middle of an outer edge and how it is moved.
+/// Midside node of an outer edge and its displacement.
 struct OuterMiddle {
-  int node = 0, from = 0, to = 0;  // the middle, the ends of its edge
-  Vec3d normal;                    // of the faces at the edge, outward, of length one
-  double shift = 0;                // along it [m]
+  int node = 0, from = 0, to = 0;  // midside node, ends of its edge
+  Vec3d normal;                    // unit outward normal of the faces at the edge
+  double shift = 0;                // along the normal [m]
 };
 
-/// The middles of all outer edges, by their number.
+/// Midside nodes of all outer edges, in ascending order.
 std::vector<OuterMiddle> outer_middles(const SolidMesh& mesh) {
   std::vector<OuterMiddle> all(mesh.vertices.size());
   const auto faces = element_faces(mesh);
@@ -46,7 +46,8 @@ std::vector<OuterMiddle> outer_middles(const SolidMesh& mesh) {
   return all;
 }
 
-/// How far along the normal the surface is: secant steps, the first as if the distance were exact.
+/// Distance along the normal to the surface by secant steps. The first step assumes that the distance is
+/// exact.
 double shift_to_surface(const SolidMesh& mesh, const OuterMiddle& m,
                         const std::function<double(Vec3d)>& distance) {
   const Vec3d x = mesh.vertices[std::size_t(m.node)];
@@ -62,7 +63,8 @@ double shift_to_surface(const SolidMesh& mesh, const OuterMiddle& m,
   return now;
 }
 
-/// Slopes at the ten nodes and, between each corner and the centroid, at the four points of integration.
+/// Shape function gradients at the ten nodes and, between each corner and the centroid, at the four
+/// integration points.
 std::array<std::array<Vec3d, 10>, 14> slopes_of_element() {
   constexpr double kNear = 0.58541019662496845446, kFar = 0.13819660112501051518;  // (5 ± 3√5, −√5)/20
   std::array<std::array<Vec3d, 10>, 14> all;
@@ -79,7 +81,7 @@ std::array<std::array<Vec3d, 10>, 14> slopes_of_element() {
   return all;
 }
 
-/// Of the tetrahedron between the corners [m³].
+/// Volume of the tetrahedron with straight edges [m³].
 double flat_volume(const SolidMesh& mesh, std::size_t e) {
   const auto x = [&](std::size_t c) { return mesh.vertices[std::size_t(element(mesh, e)[c])]; };
   return orientation(x(0), x(1), x(2), x(3)) / 6;
@@ -110,7 +112,7 @@ void curve_sides(const Exec& exec, SolidMesh& quadratic, const std::function<dou
   const std::vector<Vec3d> flat = quadratic.vertices;
   std::vector<int> index(flat.size(), -1);  // of each node in `middles`
   for (std::size_t i = 0; i < middles.size(); i++) index[std::size_t(middles[i].node)] = int(i);
-  constexpr int kPasses = 8;  // half as far each, at last not at all
+  constexpr int kPasses = 8;  // the moves are halved in each pass and are zero in the last
   for (int pass = 0; pass <= kPasses; pass++) {
     for (const OuterMiddle& m : middles)
       quadratic.vertices[std::size_t(m.node)] = flat[std::size_t(m.node)] + m.normal * m.shift;

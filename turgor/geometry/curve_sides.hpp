@@ -1,4 +1,4 @@
-// Sides of quadratic tetrahedra that follow a round surface: the middles of outer edges are moved onto it.
+// Curved sides of quadratic tetrahedra: midside nodes of outer edges are moved onto a smooth surface.
 #pragma once
 
 #include <functional>
@@ -8,16 +8,16 @@
 
 namespace turgor {
 
-/// How thin an element may become where its map presses it most, as a part of what it has with flat sides.
+/// Smallest Jacobian determinant that curving may leave, as a fraction of that of the straight element.
 constexpr double kLeastOfFlat = 0.3;
 
-/// Moves the middles of a quadratic mesh's outer edges along the surface's normal to where `distance` [m],
-/// about as steep as a distance and called by any thread, is zero; at most a quarter of the edge, and less
-/// far where an element would become thinner than kLeastOfFlat.
+/// Moves midside nodes of outer edges along the surface normal to the zero of `distance` [m], whose slope is
+/// about that of a distance and which any thread may call. The move is at most a quarter of the edge. It is
+/// reduced if an element's determinant would fall below kLeastOfFlat.
 void curve_sides(const Exec& exec, SolidMesh& quadratic, const std::function<double(Vec3d)>& distance);
 
-/// The least determinant of an element's map at its nodes and inside, times a sixth [m³]: its volume if its
-/// sides are flat, not positive if the map folds.
+/// Smallest determinant of an element's map at its nodes and interior points, times a sixth [m³]. It equals
+/// the volume for straight edges, and is not positive if the map folds.
 double least_map_volume(const SolidMesh& quadratic, std::size_t e);
 
 }  // namespace turgor

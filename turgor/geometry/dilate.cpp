@@ -8,7 +8,7 @@ namespace turgor {
 
 namespace {
 
-/// One axis of the box, a layer of the mask at a time.
+/// One axis of the box, one layer of the mask at a time.
 struct DilateAlong {
   const std::vector<std::uint8_t>& from;
   Int3 size;

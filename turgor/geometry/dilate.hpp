@@ -1,4 +1,4 @@
-// Growing a mask by a box: the dilation of mathematical morphology.
+// Dilation of a mask by a box (mathematical morphology).
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace turgor {
 
-/// Marks what lies within `reach` cells of a marked one along every axis. Cells are 0 or 1, i fastest.
+/// Marks all cells within `reach` cells of a marked one along every axis. Cells are 0 or 1, i fastest.
 void dilate(const Exec& exec, std::vector<std::uint8_t>& mask, Int3 size, int reach);
 
 }  // namespace turgor

@@ -29,34 +29,35 @@ void for_each_line(const Exec& exec, const Grid& grid, int axis, std::vector<flo
   });
 }
 
-/// The lower envelope of the parabolas f(q) + (x − q)² over places q = 0, h, 2h, …
+/// Lower envelope of the parabolas f(q) + (x − q)² at q = 0, h, 2h, …
 struct Envelope {
-  std::vector<double> place, height, begin;  // of each parabola, and where it starts to be the lowest
+  std::vector<double> apex, height,
+      begin;  // of each parabola: apex, minimum, and start of the interval in which it is the lowest
 
   void add(double q, double f) {
     double from = -std::numeric_limits<double>::infinity();
-    while (!place.empty()) {
-      const double p = place.back();
+    while (!apex.empty()) {
+      const double p = apex.back();
       from = ((f + q * q) - (height.back() + p * p)) / (2 * (q - p));
       if (from > begin.back()) break;
-      place.pop_back(), height.pop_back(), begin.pop_back();
+      apex.pop_back(), height.pop_back(), begin.pop_back();
       from = -std::numeric_limits<double>::infinity();
     }
-    place.push_back(q), height.push_back(f), begin.push_back(from);
+    apex.push_back(q), height.push_back(f), begin.push_back(from);
   }
 };
 
-/// Squared distances along one more axis.
+/// Adds the squared distances along one more axis.
 void transform_line(std::vector<float>& line, double h) {
   Envelope envelope;
   for (std::size_t i = 0; i < line.size(); i++)
     if (line[i] < kInfinity) envelope.add(double(i) * h, double(line[i]));
-  if (envelope.place.empty()) return;
+  if (envelope.apex.empty()) return;
   std::size_t k = 0;
   for (std::size_t i = 0; i < line.size(); i++) {
     const double x = double(i) * h;
-    while (k + 1 < envelope.place.size() && envelope.begin[k + 1] <= x) k++;
-    const double d = x - envelope.place[k];
+    while (k + 1 < envelope.apex.size() && envelope.begin[k + 1] <= x) k++;
+    const double d = x - envelope.apex[k];
     line[i] = float(envelope.height[k] + d * d);
   }
 }

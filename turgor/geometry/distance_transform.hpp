@@ -1,4 +1,4 @@
-// Distances on grids: exact Euclidean distance transforms with spacing, and Gaussian smoothing.
+// Exact Euclidean distance transform on grids with spacing, and Gaussian smoothing.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace turgor {
 
-/// The distance of every sample's centre to the nearest centre of a sample that is set (nonzero) [m];
-/// infinite when none is. [Felzenszwalb, Huttenlocher 2012]
+/// Distance from every sample center to the nearest center of a set (nonzero) sample [m]; infinite if no
+/// sample is set. It takes the lower envelope of parabolas axis by axis. [Felzenszwalb, Huttenlocher 2012]
 std::vector<float> distance_transform(const Exec& exec, const Grid& grid,
                                       const std::vector<std::uint8_t>& set);
 
-/// Smooths samples in place by a Gaussian of this standard deviation [m]. Samples beyond the grid are taken
-/// for the nearest one of it.
+/// Smooths samples in place by a Gaussian of this standard deviation [m]. Samples outside the grid have the
+/// value of the nearest one inside.
 void smooth_gaussian(const Exec& exec, const Grid& grid, double sigma, std::vector<float>& samples);
 
 }  // namespace turgor

@@ -27,7 +27,7 @@ Weights tet_weights(const std::array<Vec3d, 8>& x, Vec3d p) {
   return {1 - b - c - d, b, c, d};
 }
 
-/// Trilinear functions of VTK's corners at a point of the cube [0, 1]³, and their derivatives.
+/// Trilinear shape functions of VTK's corners at a point of the cube [0, 1]³, and their gradients.
 void trilinear(Vec3d s, Weights& weight, std::array<Vec3d, 8>& gradient) {
   constexpr int kCorner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                  {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
@@ -42,8 +42,8 @@ void trilinear(Vec3d s, Weights& weight, std::array<Vec3d, 8>& gradient) {
   }
 }
 
-/// Newton's search for the place in the cube that the hexahedron maps to p, kept near the cube, outside of
-/// which the map may fold.
+/// Newton iteration for the reference point in the cube that the hexahedron maps to p. It is kept near the
+/// cube, because the map may fold outside.
 Weights hex_weights(const std::array<Vec3d, 8>& x, Vec3d p) {
   constexpr Vec3d kLow{-1, -1, -1}, kHigh{2, 2, 2};
   Vec3d s{0.5, 0.5, 0.5};
@@ -80,7 +80,7 @@ BoxTree element_boxes(const SolidMesh& mesh) {
   return build_box_tree(boxes);
 }
 
-/// The lowest element that has a point, up to rounding; -1 = none.
+/// Lowest element that contains a point, within rounding error; -1 = none.
 int element_at(const SolidMesh& mesh, const BoxTree& boxes, Vec3d p) {
   int found = -1;
   visit_meeting(boxes, {p, p}, [&](int e) {
@@ -94,25 +94,27 @@ int element_at(const SolidMesh& mesh, const BoxTree& boxes, Vec3d p) {
 
 }  // namespace
 
-Embedding embed(const Exec& exec, const TriMesh& seen, const SolidMesh& mesh) {
+Embedding embed(const Exec& exec, const TriMesh& fine, const SolidMesh& mesh) {
   TURGOR_ASSERT(element_count(mesh) > 0, "a surface is embedded in elements");
   const SolidSurface outer = surface(mesh);
   const TriangleTree tree = build_triangle_tree(mesh.vertices, outer.triangles);
   const BoxTree boxes = element_boxes(mesh);
-  const std::size_t corners = std::size_t(mesh.corners), count = seen.vertices.size();
-  Embedding result{seen.vertices, mesh.corners, std::vector<int>(count * corners),
+  const std::size_t corners = std::size_t(mesh.corners), count = fine.vertices.size();
+  Embedding result{fine.vertices, mesh.corners, std::vector<int>(count * corners),
                    std::vector<float>(count * corners), 0};
   std::vector<double> outside(count, 0);
   parallel_for(
       exec, count,
       [&](std::size_t v) {
-        const Vec3d p(seen.vertices[v]);
+        const Vec3d p(fine.vertices[v]);
+        // containing element, else the one behind the nearest surface point
         int e = element_at(mesh, boxes, p);
         if (e < 0) {
           const TrianglePoint nearest = nearest_point(tree, p);
           e = outer.element[std::size_t(nearest.triangle)];
           outside[v] = nearest.distance;
         }
+        // weights of its corners
         const Weights w = weights_in(mesh, e, p);
         for (std::size_t c = 0; c < corners; c++) {
           result.nodes[v * corners + c] = element(mesh, std::size_t(e))[c];
@@ -125,7 +127,7 @@ Embedding embed(const Exec& exec, const TriMesh& seen, const SolidMesh& mesh) {
 }
 
 void move(const Embedding& embedding, std::span<const Vec3d> displacements, std::span<Vec3> vertices) {
-  TURGOR_ASSERT(vertices.size() == embedding.rest.size(), "one place a vertex of the surface");
+  TURGOR_ASSERT(vertices.size() == embedding.rest.size(), "one position per vertex of the surface");
   const std::size_t corners = std::size_t(embedding.corners);
   for (std::size_t v = 0; v < vertices.size(); v++) {
     Vec3d u;

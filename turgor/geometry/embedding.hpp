@@ -1,5 +1,5 @@
-// A fine surface, as one sees it, carried by a coarse mesh, as it is computed: every vertex of the surface
-// hangs on the corners of one element by fixed weights.
+// Embedding of a fine surface in a coarse mesh: every surface vertex follows the corners of one element by
+// fixed barycentric or trilinear weights.
 #pragma once
 
 #include <span>
@@ -12,18 +12,18 @@
 namespace turgor {
 
 struct Embedding {
-  std::vector<Vec3> rest;  // the surface's vertices where nothing is displaced [m]
+  std::vector<Vec3> rest;  // surface vertices in the undeformed state [m]
   int corners = 4;
-  std::vector<int> nodes;       // `corners` vertices of the mesh for every vertex of the surface
-  std::vector<float> weights;   // of each: barycentric or trilinear, their sum is 1
-  double farthest_outside = 0;  // how far a vertex is outside the mesh, at most [m]
+  std::vector<int> nodes;       // `corners` mesh vertices for every surface vertex
+  std::vector<float> weights;   // barycentric or trilinear, with sum 1
+  double farthest_outside = 0;  // largest distance of a vertex outside the mesh [m]
 };
 
-/// Vertices outside the mesh hang on the element behind the nearest point of its surface, extrapolated. The
+/// Vertices outside the mesh are extrapolated from the element behind the nearest point of its surface. The
 /// mesh has at least one element.
 Embedding embed(const Exec& exec, const TriMesh& surface, const SolidMesh& mesh);
 
-/// Where the surface's vertices are once the mesh's are displaced [m]. Neither allocates nor locks.
+/// Positions of the surface vertices for displaced mesh vertices [m]. Neither allocates nor locks.
 void move(const Embedding& embedding, std::span<const Vec3d> displacements, std::span<Vec3> vertices);
 
 }  // namespace turgor

@@ -1,5 +1,5 @@
-// A regular grid of samples placed in the patient: size, spacing, origin and axes, as in a CT. Lengths in
-// metres, points in the DICOM patient frame (LPS: x to the patient's left, y to the back, z to the head).
+// A regular grid of samples in the patient frame: size, spacing, origin and axes, as in a CT. Lengths in
+// meters, points in the DICOM patient frame (LPS: x to the patient's left, y to the back, z to the head).
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace turgor {
 struct Grid {
   Int3 size;               // samples along i, j, k
   Vec3d spacing{1, 1, 1};  // [m]
-  Vec3d origin;            // place of sample (0, 0, 0) [m]
+  Vec3d origin;            // position of sample (0, 0, 0) [m]
   Mat3d axes;              // unit directions of i, j, k
 
   friend bool operator==(const Grid&, const Grid&) = default;
@@ -27,20 +27,20 @@ constexpr std::size_t sample_index(const Grid& grid, int i, int j, int k) {
 constexpr bool contains(const Grid& grid, Int3 p) {
   return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x < grid.size.x && p.y < grid.size.y && p.z < grid.size.z;
 }
-/// The place of a (fractional) index [m].
+/// Position of a (fractional) index [m].
 constexpr Vec3d point_at(const Grid& grid, Vec3d index) {
   return grid.origin + grid.axes * hadamard(grid.spacing, index);
 }
-/// The (fractional) index of a place.
+/// (Fractional) index of a position.
 constexpr Vec3d index_at(const Grid& grid, Vec3d point) {
   const Vec3d local = inverse(grid.axes) * (point - grid.origin);
   return {local.x / grid.spacing.x, local.y / grid.spacing.y, local.z / grid.spacing.z};
 }
-/// Volume that one sample stands for [m³].
+/// Volume per sample [m³].
 constexpr double sample_volume(const Grid& grid) { return grid.spacing.x * grid.spacing.y * grid.spacing.z; }
 
-/// Whether two grids place their samples alike: same size, and every corner within a hundredth of the finest
-/// spacing (files round their origins and directions).
+/// True if two grids have the same size and every corner agrees within a hundredth of the finest spacing
+/// (files round their origins and directions).
 constexpr bool same_grid(const Grid& a, const Grid& b) {
   if (!(a.size == b.size)) return false;
   const auto finest = [](Vec3d s) { return s.x < s.y ? (s.x < s.z ? s.x : s.z) : (s.y < s.z ? s.y : s.z); };
@@ -48,8 +48,8 @@ constexpr bool same_grid(const Grid& a, const Grid& b) {
   for (int corner = 0; corner < 8; corner++) {
     const Vec3d index{corner & 1 ? a.size.x - 1.0 : 0.0, corner & 2 ? a.size.y - 1.0 : 0.0,
                       corner & 4 ? a.size.z - 1.0 : 0.0};
-    const Vec3d apart = point_at(a, index) - point_at(b, index);
-    if (!(dot(apart, apart) <= tolerance * tolerance)) return false;
+    const Vec3d difference = point_at(a, index) - point_at(b, index);
+    if (!(dot(difference, difference) <= tolerance * tolerance)) return false;
   }
   return true;
 }

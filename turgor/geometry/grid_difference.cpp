@@ -25,7 +25,7 @@ std::string differs(const char* what, Vec3d found, Vec3d expected, const char* b
          unit;
 }
 
-/// The largest angle between an axis and the one it should be [degrees].
+/// Largest angle between an axis and its expected direction [degrees].
 double turned(const Mat3d& a, const Mat3d& b) {
   double largest = 0;
   for (int axis = 0; axis < 3; axis++)

@@ -1,4 +1,4 @@
-// How two grids that should be the same differ, in words.
+// Difference of two grids in words.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace turgor {
 
-/// The first thing that differs, of size, spacing, axes and origin, with both values: "spacing 1 x 1 x 2 mm,
-/// not 1 x 1 x 3 mm". Axes in another order or direction are no difference.
+/// First difference in size, spacing, axes and origin, with both values: "spacing 1 x 1 x 2 mm, not 1 x 1 x 3
+/// mm". The order and direction of axes are ignored.
 std::string grid_difference(const Grid& grid, const Grid& expected);
 
 }  // namespace turgor

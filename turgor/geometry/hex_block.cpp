@@ -6,7 +6,7 @@ namespace turgor {
 
 namespace {
 
-std::vector<double> equal_parts(double length, int count) {
+std::vector<double> equal_intervals(double length, int count) {
   std::vector<double> planes;
   for (int i = 0; i <= count; i++) planes.push_back(length * i / count);
   return planes;
@@ -32,7 +32,8 @@ SolidMesh hex_block(std::span<const double> x, std::span<const double> y, std::s
 }
 
 SolidMesh hex_block(Vec3d size, Int3 count) {
-  return hex_block(equal_parts(size.x, count.x), equal_parts(size.y, count.y), equal_parts(size.z, count.z));
+  return hex_block(equal_intervals(size.x, count.x), equal_intervals(size.y, count.y),
+                   equal_intervals(size.z, count.z));
 }
 
 SolidMesh tetrahedralize(const SolidMesh& hexahedra) {

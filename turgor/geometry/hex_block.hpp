@@ -1,4 +1,4 @@
-// Plates and blocks of hexahedra, and the same cut into tetrahedra: bodies whose answers are known.
+// Plates and blocks of hexahedra, optionally split into tetrahedra: bodies with known solutions.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@ namespace turgor {
 SolidMesh hex_block(std::span<const double> x, std::span<const double> y, std::span<const double> z);
 /// `count` equal hexahedra along each axis from the origin to `size` [m].
 SolidMesh hex_block(Vec3d size, Int3 count);
-/// Every hexahedron of a block cut into six tetrahedra around its main diagonal.
+/// Splits every hexahedron of a block into six tetrahedra around its main diagonal.
 SolidMesh tetrahedralize(const SolidMesh& hexahedra);
 
 }  // namespace turgor

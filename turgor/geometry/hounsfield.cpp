@@ -8,7 +8,7 @@ namespace turgor {
 
 namespace {
 
-/// Fractions of the samples; fat is a part of soft.
+/// Fractions of the samples; fat is included in soft.
 struct Shares {
   double air = 0, soft = 0, fat = 0, dense = 0;
   int lowest = 0, highest = 0;
@@ -31,7 +31,8 @@ Shares shares_of(const CtVolume& ct) {
   return {double(air) / n, double(soft) / n, double(fat) / n, double(dense) / n, lowest, highest};
 }
 
-/// Air around soft tissue; or a piece from within a body, where fat lies between muscles and bone is rare.
+/// True if there is air around soft tissue, or fat between muscles with little bone, as in a crop from inside
+/// a body.
 bool looks_like_ct(const Shares& s) {
   const bool has_air = s.air >= 0.002 && s.soft >= 0.01;
   const bool is_piece = s.soft >= 0.3 && s.fat >= 0.005 && s.dense < 0.1;
@@ -44,9 +45,9 @@ std::string doubt_of_hounsfield_units(const CtVolume& ct) {
   const Shares s = shares_of(ct);
   if (looks_like_ct(s)) return {};
   return "these numbers do not look like Hounsfield units of a CT: " + number_text(100 * s.air) +
-         " % lie around air (-1100 to -900), " + number_text(100 * s.soft) +
-         " % around soft tissue (-200 to 200), from " + std::to_string(s.lowest) + " to " +
-         std::to_string(s.highest) + "; what is air, fat, muscle and bone is then decided wrongly";
+         " % are near air (-1100 to -900), " + number_text(100 * s.soft) +
+         " % near soft tissue (-200 to 200), from " + std::to_string(s.lowest) + " to " +
+         std::to_string(s.highest) + "; the classification into air, fat, muscle and bone would be wrong";
 }
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// Whether the numbers of a volume can be Hounsfield units.
+// Plausibility check of Hounsfield units.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace turgor {
 
-/// A sentence with what was seen if neither air and soft tissue nor fat and muscle can be found in a volume:
-/// another kind of image, or a CT whose scale got lost. Empty for a CT, or a piece of one. Looks at some four
-/// million samples of a large volume.
+/// A warning with the observed values if a volume has neither air and soft tissue nor fat and muscle: another
+/// kind of image, or a CT without its scale. Empty for a CT or a crop of one. About four million samples of a
+/// large volume are inspected.
 std::string doubt_of_hounsfield_units(const CtVolume& ct);
 
 }  // namespace turgor

@@ -18,6 +18,7 @@ struct Sums {
 
 std::vector<LabelMeasure> measure_labels(const LabelVolume& labels, const CtVolume* ct) {
   TURGOR_ASSERT(!ct || ct->samples.size() == labels.samples.size(), "labels and CT have one grid");
+  // sums by label
   std::vector<Sums> sums(65536);
   std::size_t at = 0;
   const Int3 size = labels.grid.size;
@@ -29,6 +30,7 @@ std::vector<LabelMeasure> measure_labels(const LabelVolume& labels, const CtVolu
         s.voxels++, s.i += i, s.j += j, s.k += k;
         if (ct) s.hu += ct->samples[at];
       }
+  // means of the labels that occur
   std::vector<LabelMeasure> measures;
   for (int label = 1; label < 65536; label++) {
     const Sums& s = sums[std::size_t(label)];

@@ -1,4 +1,4 @@
-// What a segmentation says about a CT: how large each labelled part is, where, and how dense.
+// Measures of a segmentation and its CT: volume, centroid and mean density of each label.
 #pragma once
 
 #include <vector>
@@ -15,17 +15,18 @@ struct LabelMeasure {
   double mean_hu = 0;  // [HU]
 };
 
-/// One measure a label that occurs, by rising number, without the background (0). `ct` may be null, or must
-/// have the labels' grid.
+/// One measure per label that occurs, in ascending order, without the background (0). `ct` may be null, or
+/// must have the labels' grid.
 std::vector<LabelMeasure> measure_labels(const LabelVolume& labels, const CtVolume* ct);
 
-/// How many samples of a CT are of which kind.
+/// Composition of a CT by density.
 struct HuSummary {
   int lowest = 0, highest = 0;                  // [HU]
   double mean = 0;                              // [HU]
   double air = 0, fat = 0, soft = 0, bone = 0;  // fractions; see the bounds below
 };
-constexpr int kAirBelow = -449, kFatBelow = -30, kBoneFrom = 200;  // where a lattice bins them, too [HU]
+constexpr int kAirBelow = -449, kFatBelow = -30,
+              kBoneFrom = 200;  // as in the classification of a lattice body [HU]
 HuSummary summarize(const CtVolume& ct);
 
 }  // namespace turgor

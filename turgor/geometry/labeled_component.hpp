@@ -1,5 +1,4 @@
-// The voxels of a segmentation that a body is made of: those that have one of some labels, the largest
-// connected part.
+// Voxels of a body from a segmentation: the largest connected component of some labels.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +11,13 @@
 
 namespace turgor {
 
-struct LabeledPart {
-  std::vector<std::uint8_t> inside;  // 1 for every sample of the part
+struct LabeledComponent {
+  std::vector<std::uint8_t> inside;  // 1 for every sample of the component
   double volume = 0;                 // [m³]
-  std::vector<std::string> notes;    // smaller parts left out; the part ends where the volume ends
+  std::vector<std::string> notes;    // ignored smaller components; contact with the border of the volume
 };
 
-/// Voxels are connected by their faces. Error: a label does not occur, with those that do.
-Result<LabeledPart> largest_labeled_part(const LabelVolume& labels, std::span<const int> wanted);
+/// Voxels are connected by their faces. Error: a label does not occur; the message lists those that do.
+Result<LabeledComponent> largest_labeled_component(const LabelVolume& labels, std::span<const int> chosen);
 
 }  // namespace turgor

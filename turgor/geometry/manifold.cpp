@@ -11,10 +11,10 @@ namespace turgor {
 
 namespace {
 
-/// A mesh with what is asked of it again and again.
+/// A mesh with its adjacency.
 struct Neighborhood {
   const SolidMesh& mesh;
-  std::vector<int> neighbor;    // of each face of each element
+  std::vector<int> neighbor;    // across each face of each element
   std::vector<int> star_begin;  // vertices + 1
   std::vector<int> star;        // elements of each vertex, ascending
   SolidSurface surface;
@@ -42,8 +42,8 @@ bool has_vertex(const SolidMesh& mesh, int e, int v) {
   return std::find(corners.begin(), corners.end(), v) != corners.end();
 }
 
-/// Groups of elements (ascending) that are joined by faces which have vertex v, and vertex w unless it is -1.
-/// The group of each element, by its first element.
+/// Groups of elements (ascending) that are connected by faces containing vertex v, and vertex w unless it is
+/// -1. Each element's group is identified by its first element.
 std::vector<int> groups_around(const Neighborhood& around, std::span<const int> elements, int v, int w) {
   std::vector<int> group(elements.size());
   std::iota(group.begin(), group.end(), 0);
@@ -66,7 +66,7 @@ std::vector<int> groups_around(const Neighborhood& around, std::span<const int> 
   return group;
 }
 
-/// Removes all groups but that of the largest volume.
+/// Removes all groups except the one with the largest volume.
 void remove_smaller_groups(const SolidMesh& mesh, std::span<const int> elements, std::span<const int> group,
                            std::vector<std::uint8_t>& keep) {
   std::vector<double> size(elements.size(), 0);
@@ -77,7 +77,7 @@ void remove_smaller_groups(const SolidMesh& mesh, std::span<const int> elements,
     if (group[i] != largest) keep[std::size_t(elements[i])] = 0;
 }
 
-/// Edges at which more than two triangles of the surface meet.
+/// Repairs edges at which more than two surface triangles meet.
 void open_crowded_edges(const Neighborhood& around, std::vector<std::uint8_t>& keep) {
   const std::vector<EdgeUse> edges = sorted_edges(around.surface.triangles);
   for_each_edge(edges, [&](std::span<const EdgeUse> uses) {
@@ -89,7 +89,7 @@ void open_crowded_edges(const Neighborhood& around, std::vector<std::uint8_t>& k
   });
 }
 
-/// The triangles of the surface at each vertex.
+/// Surface triangles at each vertex.
 struct SurfaceStar {
   std::vector<int> begin, triangle;
 };
@@ -108,21 +108,21 @@ SurfaceStar surface_star(const Neighborhood& around) {
   return star;
 }
 
-/// How many rings the triangles at a vertex form, where every edge has two of them.
+/// Number of rings that the triangles at a vertex form, if every edge has two of them.
 int count_rings(const Neighborhood& around, std::span<const int> triangles, int v) {
-  const auto after = [&](const Int3 t, int step) {  // the corner `step` after v
+  const auto after = [&](const Int3 t, int step) {  // corner `step` after v
     return t.x == v ? t[step] : t.y == v ? t[(1 + step) % 3] : t[(2 + step) % 3];
   };
-  std::vector<std::uint8_t> seen(triangles.size(), 0);
+  std::vector<std::uint8_t> visited(triangles.size(), 0);
   int rings = 0;
   for (std::size_t first = 0; first < triangles.size(); first++) {
-    if (seen[first]) continue;
+    if (visited[first]) continue;
     rings++;
-    for (std::size_t i = first; !seen[i];) {
-      seen[i] = 1;
+    for (std::size_t i = first; !visited[i];) {
+      visited[i] = 1;
       const int leaving = after(around.surface.triangles[std::size_t(triangles[i])], 2);
       for (std::size_t j = 0; j < triangles.size(); j++)
-        if (!seen[j] && after(around.surface.triangles[std::size_t(triangles[j])], 1) == leaving) {
+        if (!visited[j] && after(around.surface.triangles[std::size_t(triangles[j])], 1) == leaving) {
           i = j;
           break;
         }
@@ -131,7 +131,7 @@ int count_rings(const Neighborhood& around, std::span<const int> triangles, int 
   return rings;
 }
 
-/// Vertices where one group of elements has several openings lose all their elements.
+/// Removes all elements at vertices where one group of elements has several surface rings.
 void open_pierced_vertices(const Neighborhood& around, std::vector<std::uint8_t>& keep) {
   const SurfaceStar star = surface_star(around);
   for (std::size_t v = 0; v + 1 < star.begin.size(); v++) {
@@ -147,7 +147,7 @@ void open_pierced_vertices(const Neighborhood& around, std::vector<std::uint8_t>
   }
 }
 
-/// A vertex of its own for every group of elements that meet in a single one.
+/// Gives every group of elements that meet in a single vertex its own vertex.
 void split_vertices(SolidMesh& mesh) {
   const SolidMesh before = mesh;
   const Neighborhood around = neighborhood(before);
@@ -176,6 +176,7 @@ void split_vertices(SolidMesh& mesh) {
 SolidMesh kept_elements(const SolidMesh& mesh, std::span<const std::uint8_t> keep) {
   SolidMesh result;
   result.corners = mesh.corners;
+  // number the vertices in use
   std::vector<int> number(mesh.vertices.size(), -1);
   for (std::size_t e = 0; e < element_count(mesh); e++)
     if (keep[e])
@@ -185,6 +186,7 @@ SolidMesh kept_elements(const SolidMesh& mesh, std::span<const std::uint8_t> kee
       number[v] = int(result.vertices.size());
       result.vertices.push_back(mesh.vertices[v]);
     }
+  // copy the kept elements
   for (std::size_t e = 0; e < element_count(mesh); e++) {
     if (!keep[e]) continue;
     for (const int v : element(mesh, e)) result.elements.push_back(number[std::size_t(v)]);
@@ -193,7 +195,7 @@ SolidMesh kept_elements(const SolidMesh& mesh, std::span<const std::uint8_t> kee
   return result;
 }
 
-SolidMesh made_manifold(SolidMesh mesh) {
+SolidMesh make_manifold(SolidMesh mesh) {
   TURGOR_ASSERT(mesh.corners == 4, "only tetrahedra are made manifold");
   for (bool changed = true; changed;) {
     std::vector<std::uint8_t> keep(element_count(mesh), 1);

@@ -1,5 +1,6 @@
-// A mesh whose surface is a closed manifold: every edge of it has two triangles, every vertex one ring of
-// them. Also the choice of some elements of a mesh.
+// Makes the boundary of a tetrahedral mesh a closed manifold: two triangles at every edge, one ring of
+// triangles at every vertex. Non-manifold vertices are split; at non-manifold edges the smaller groups of
+// elements are removed.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +10,11 @@
 
 namespace turgor {
 
-/// The elements whose flag is not 0 and the vertices they use, in their order.
+/// Elements with a nonzero flag and the vertices they use, in their order.
 SolidMesh kept_elements(const SolidMesh& mesh, std::span<const std::uint8_t> keep);
 
-/// Parts of a tetrahedral mesh that meet in a single vertex are given one each, at the same place; where they
-/// meet in an edge, or two openings in a vertex, the elements there are removed but for the largest
-/// group. Regions are kept.
-SolidMesh made_manifold(SolidMesh mesh);
+/// Splits vertices in which otherwise separate groups of elements meet. At edges where groups meet, and at
+/// vertices with several surface rings, all elements except the largest group are removed. Regions are kept.
+SolidMesh make_manifold(SolidMesh mesh);
 
 }  // namespace turgor

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kEdge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-/// The angle at the edge ab between the half planes through c and through d [degrees].
+/// Angle at the edge ab between the half planes through c and d [degrees].
 double angle_at_edge(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
   const Vec3d m = cross(b - a, c - a), n = cross(b - a, d - a);
   return std::atan2(norm(cross(m, n)), dot(m, n)) * 180 / std::numbers::pi;
@@ -25,7 +25,7 @@ std::array<double, 6> dihedral_angles(const std::array<Vec3d, 4>& x) {
   std::array<double, 6> angles{};
   for (std::size_t e = 0; e < 6; e++) {
     const auto [a, b] = kEdge[e];
-    const auto [c, d] = kEdge[5 - e];  // the opposite edge
+    const auto [c, d] = kEdge[5 - e];  // opposite edge
     angles[e] = angle_at_edge(x[std::size_t(a)], x[std::size_t(b)], x[std::size_t(c)], x[std::size_t(d)]);
   }
   return angles;

@@ -15,17 +15,17 @@ namespace turgor {
 
 namespace {
 
-constexpr double kMostLatticePoints = 2e8;  // 1 GB with what stuffing needs
-constexpr double kVolumeTolerance = 0.002;  // where the search for a level ends
-constexpr double kVolumeNote = 0.02;        // what is said
-constexpr double kCrossingVolume = 0.05;    // enclosed twice or not at all
-constexpr double kVolumeError = 0.2;        // what is refused
-constexpr double kSmallestSizes = 1.5;      // a body's cube root of volume, in lattice sizes
+constexpr double kMostLatticePoints = 2e8;  // 1 GB including the work arrays of stuffing
+constexpr double kVolumeTolerance = 0.002;  // tolerance of the level search, relative
+constexpr double kVolumeNote = 0.02;        // error that gives a note
+constexpr double kCrossingVolume = 0.05;    // volume enclosed twice or not at all
+constexpr double kVolumeError = 0.2;        // error that is refused
+constexpr double kSmallestSizes = 1.5;      // smallest cube root of a body's volume, in lattice sizes
 
 std::string mm(double meters) { return number_text(meters * 1e3) + " mm"; }
 std::string ml(double cubic_meters) { return number_text(cubic_meters * 1e6) + " mL"; }
 
-/// A size at which a body of this volume has some ten elements across.
+/// Lattice size with about ten elements across a body of this volume.
 double advised_size(double volume) { return std::cbrt(volume) / 8; }
 
 Status check_size(const SignedDistance& shape, double volume, double size) {
@@ -37,11 +37,11 @@ Status check_size(const SignedDistance& shape, double volume, double size) {
     return Error{"a lattice of " + mm(size) + " over " + mm(extent.x) + " x " + mm(extent.y) + " x " +
                  mm(extent.z) + " has " + number_text(2 * cells) + " points; expected at most " +
                  number_text(kMostLatticePoints) + ". " + mm(advised_size(volume)) +
-                 " would do; or are the coordinates not in metres?"};
+                 " would suffice. Are the coordinates in meters?"};
   if (std::cbrt(volume) < kSmallestSizes * size)
     return Error{"the body has " + ml(volume) + " (" + mm(extent.x) + " x " + mm(extent.y) + " x " +
                  mm(extent.z) + "): too small for a lattice of " + mm(size) + "; " +
-                 mm(advised_size(volume)) + " would do"};
+                 mm(advised_size(volume)) + " would suffice"};
   return Done{};
 }
 
@@ -54,92 +54,97 @@ double surface_area(const SolidMesh& mesh) {
   return sum;
 }
 
-struct LargestPart {
+struct LargestComponent {
   SolidMesh mesh;
   double volume = 0;          // [m³]
-  double dropped_volume = 0;  // of the other parts [m³]
+  double dropped_volume = 0;  // of the other components [m³]
   int dropped = 0;
 };
 
-LargestPart largest_part(const SolidMesh& mesh) {
-  const std::vector<int> part = connected_parts(mesh);
-  std::vector<std::uint8_t> keep(part.size());
-  LargestPart largest;
-  for (std::size_t e = 0; e < part.size(); e++) {
-    keep[e] = part[e] == 0;
-    (part[e] == 0 ? largest.volume : largest.dropped_volume) += volume(mesh, e);
-    largest.dropped = std::max(largest.dropped, part[e]);
+LargestComponent largest_component(const SolidMesh& mesh) {
+  const std::vector<int> component = connected_components(mesh);
+  std::vector<std::uint8_t> keep(component.size());
+  LargestComponent largest;
+  for (std::size_t e = 0; e < component.size(); e++) {
+    keep[e] = component[e] == 0;
+    (component[e] == 0 ? largest.volume : largest.dropped_volume) += volume(mesh, e);
+    largest.dropped = std::max(largest.dropped, component[e]);
   }
   largest.mesh = largest.dropped > 0 ? kept_elements(mesh, keep) : mesh;
   return largest;
 }
 
-void curve(const Exec& exec, const SignedDistance& shape, double level, LargestPart& part) {
-  if (part.mesh.elements.empty()) return;
-  part.mesh = with_middles(part.mesh);
-  curve_sides(exec, part.mesh, [&](Vec3d x) { return shape.at(x) - level; });
-  part.volume = volume(part.mesh);
+void curve(const Exec& exec, const SignedDistance& shape, double level, LargestComponent& component) {
+  if (component.mesh.elements.empty()) return;
+  component.mesh = with_middles(component.mesh);
+  curve_sides(exec, component.mesh, [&](Vec3d x) { return shape.at(x) - level; });
+  component.volume = volume(component.mesh);
 }
 
-/// Stuffs the shape at the level where the mesh has the wanted volume: flat triangles cut off what is round,
-/// and lattices what is thin. Newton's steps: a shift of the level changes the volume by the surface's area.
-LargestPart stuff_volume(const Exec& exec, const LatticeSamples& samples, double wanted, Sides sides,
-                         const Progress& progress) {
+/// Stuffs the shape at the level whose mesh has the target volume, because flat triangles cut off round
+/// regions and lattices lose thin ones. Newton steps: the derivative of the volume by the level is the
+/// surface area.
+LargestComponent stuff_volume(const Exec& exec, const LatticeSamples& samples, double target, Sides sides,
+                              const Progress& progress) {
   const double farthest = samples.lattice.size / 2;
-  LargestPart best;
+  LargestComponent best;
   double level = 0;
   for (int pass = 0; pass < 6; pass++) {
-    LargestPart now = largest_part(stuff(exec, samples, level));
+    LargestComponent now = largest_component(stuff(exec, samples, level));
     if (sides == Sides::kCurved) curve(exec, samples.shape, level, now);
     if (progress) progress(0.5 + 0.5 * (pass + 1) / 6);
-    const double missing = wanted - now.volume, area = surface_area(now.mesh);
-    if (std::abs(missing) < std::abs(wanted - best.volume)) best = std::move(now);
-    if (std::abs(missing) < kVolumeTolerance * wanted || !(area > 0)) break;
+    // Newton step of the level
+    const double missing = target - now.volume, area = surface_area(now.mesh);
+    if (std::abs(missing) < std::abs(target - best.volume)) best = std::move(now);
+    if (std::abs(missing) < kVolumeTolerance * target || !(area > 0)) break;
     level = std::clamp(level + missing / area, -farthest, farthest);
   }
   return best;
 }
 
-Status note_result(const LargestPart& part, double wanted, double size, std::vector<std::string>& notes) {
-  const double off = part.volume / wanted - 1;
-  const std::string advice = "; " + mm(std::min(size / 2, advised_size(wanted))) + " would follow it better";
+Status note_result(const LargestComponent& component, double target, double size,
+                   std::vector<std::string>& notes) {
+  const double off = component.volume / target - 1;
+  const std::string advice = "; " + mm(std::min(size / 2, advised_size(target))) + " would resolve it better";
   if (std::abs(off) > kVolumeError)
-    return Error{"a lattice of " + mm(size) + " is too coarse for this shape: " + ml(part.volume) +
-                 " of its " + ml(wanted) + " are left" + advice};
+    return Error{"a lattice of " + mm(size) + " is too coarse for this shape: " + ml(component.volume) +
+                 " of its " + ml(target) + " remain" + advice};
   if (std::abs(off) > kVolumeNote)
-    notes.push_back("the mesh has " + ml(part.volume) + ", the input " + ml(wanted) + advice);
-  if (part.dropped > 0)
-    notes.push_back(std::to_string(part.dropped) + (part.dropped == 1 ? " part" : " parts") + " with " +
-                    ml(part.dropped_volume) + " came off, too thin for the lattice, and left out" + advice);
+    notes.push_back("the mesh has " + ml(component.volume) + ", the input " + ml(target) + advice);
+  if (component.dropped > 0)
+    notes.push_back(std::to_string(component.dropped) +
+                    (component.dropped == 1 ? " component" : " components") + " with " +
+                    ml(component.dropped_volume) + " separated, too thin for the lattice, and were dropped" +
+                    advice);
   return Done{};
 }
 
-Result<OrganMesh> mesh_of_shape(const Exec& exec, SignedDistance shape, double wanted, double size,
+Result<OrganMesh> mesh_of_shape(const Exec& exec, SignedDistance shape, double target, double size,
                                 std::vector<std::string> notes, Sides sides, const Progress& progress) {
-  if (Status suits = check_size(shape, wanted, size); !suits) return suits.error();
+  if (Status suits = check_size(shape, target, size); !suits) return suits.error();
   const BccLattice lattice = lattice_around(shape, size, size / 2);
   const LatticeSamples samples = sample(exec, std::move(shape), lattice);
   if (progress) progress(0.5);
-  LargestPart part = stuff_volume(exec, samples, wanted, sides, progress);
-  if (Status noted = note_result(part, wanted, size, notes); !noted) return noted.error();
-  return OrganMesh{std::move(part.mesh), wanted, std::move(notes)};
+  LargestComponent component = stuff_volume(exec, samples, target, sides, progress);
+  if (Status noted = note_result(component, target, size, notes); !noted) return noted.error();
+  return OrganMesh{std::move(component.mesh), target, std::move(notes)};
 }
 
-/// The label at the centroid of every element, or the first one.
-std::vector<int> regions_of(const SolidMesh& mesh, const LabelVolume& labels, std::span<const int> wanted) {
+/// Label at the centroid of every element, or the first one.
+std::vector<int> regions_of(const SolidMesh& mesh, const LabelVolume& labels, std::span<const int> chosen) {
   std::vector<int> regions;
   for (std::size_t e = 0; e < element_count(mesh); e++) {
     const Vec3d p = index_at(labels.grid, centroid(mesh, e));
     const Int3 voxel{int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z))};
     const int label = contains(labels.grid, voxel) ? int(labels.at(voxel.x, voxel.y, voxel.z)) : 0;
-    const bool known = std::find(wanted.begin(), wanted.end(), label) != wanted.end();
-    regions.push_back(known ? label : wanted[0]);
+    const bool known = std::find(chosen.begin(), chosen.end(), label) != chosen.end();
+    regions.push_back(known ? label : chosen[0]);
   }
   return regions;
 }
 
-/// A surface that crosses itself must still have one inside: what it encloses, counted with the times it
-/// winds around a place, is compared with what is inside.
+/// Checks that a self-crossing surface still has a single interior. The volume enclosed with its winding
+/// number is compared with the volume inside.
 Status check_crossings(const Exec& exec, const CheckedSurface& body, const SignedDistance& shape) {
   if (body.crossings == 0 || !(body.volume > 0)) return Done{};
   const BccLattice lattice = lattice_around(shape, std::cbrt(body.volume) / 15, 0);
@@ -149,7 +154,7 @@ Status check_crossings(const Exec& exec, const CheckedSurface& body, const Signe
   const double volume = double(inside) * std::pow(lattice.size, 3) / 2;
   if (std::abs(volume / body.volume - 1) < kCrossingVolume) return Done{};
   return Error{body.notes.back() + ", which is " + ml(volume) + ", while its triangles enclose " +
-               ml(body.volume) + "; expected a surface with one inside"};
+               ml(body.volume) + "; expected a surface with a single interior"};
 }
 
 }  // namespace
@@ -163,18 +168,18 @@ Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, doub
   return mesh_of_shape(exec, std::move(shape), body->volume, size, body->notes, sides, progress);
 }
 
-Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> wanted,
+Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> chosen,
                                  double size, const Progress& progress, Sides sides) {
-  Result<LabeledPart> part = largest_labeled_part(labels, wanted);
-  if (!part) return part.error();
-  // Smooth away the voxels' steps, and details that the lattice could only catch in part.
+  Result<LabeledComponent> component = largest_labeled_component(labels, chosen);
+  if (!component) return component.error();
+  // smooth away the voxel steps, and details below the lattice's resolution
   const Vec3d h = labels.grid.spacing;
   const double smoothing =
       std::max(0.75 * std::max({h.x, h.y, h.z}), (sides == Sides::kCurved ? 0.1 : 0.2) * size);
   Result<OrganMesh> organ =
-      mesh_of_shape(exec, distance_to_voxels(exec, labels.grid, part->inside, smoothing), part->volume, size,
-                    part->notes, sides, progress);
-  if (organ) organ->mesh.regions = regions_of(organ->mesh, labels, wanted);
+      mesh_of_shape(exec, distance_to_voxels(exec, labels.grid, component->inside, smoothing),
+                    component->volume, size, component->notes, sides, progress);
+  if (organ) organ->mesh.regions = regions_of(organ->mesh, labels, chosen);
   return organ;
 }
 

@@ -1,6 +1,6 @@
-// From what people have of an organ, a closed surface or a label of a segmentation, to a mesh of tetrahedra
-// that a body can be made of: checks the input, stuffs it, keeps its volume and its largest part, and says
-// what was done.
+// Tetrahedral meshes of organs from a closed surface or a label of a segmentation. The input is checked and
+// stuffed (stuffing.hpp); the mesh has the input's volume and is its largest component. Notes report all
+// changes.
 #pragma once
 
 #include <cstdint>
@@ -17,24 +17,24 @@
 
 namespace turgor {
 
-/// What lies between the corners of a mesh's outer faces: planes, or quadratic tetrahedra whose middles are
-/// on the surface (curve_sides.hpp), a polyhedron in it whose edges are half as long.
+/// Sides of the mesh: flat, or quadratic tetrahedra whose midside nodes are on the surface (curve_sides.hpp),
+/// which halves the edge length of the boundary polyhedron.
 enum class Sides : std::uint8_t { kFlat, kCurved };
 
 struct OrganMesh {
   SolidMesh mesh;
-  double input_volume = 0;         // of the largest part of the surface or of the labelled voxels [m³]
-  std::vector<std::string> notes;  // what was dropped, turned round or doubtful: sentences
+  double input_volume = 0;         // of the largest component of the surface or of the labeled voxels [m³]
+  std::vector<std::string> notes;  // what was dropped, reversed or doubtful: sentences
 };
 
-/// Tetrahedra of about this edge length [m] inside a closed surface. Error: what surface_check.hpp refuses,
-/// or a size that does not suit the surface.
+/// Tetrahedra of about this edge length [m] inside a closed surface. Error: as in surface_check.hpp, or a
+/// size that does not fit the surface.
 Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, double size,
                                   const Progress& progress = {}, Sides sides = Sides::kFlat);
 
-/// The same inside all voxels that have one of the labels, such as an organ and the nodules in it. Every
-/// element's region is the label at its centroid; where that is none of them, the first label.
-Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> wanted,
+/// The same inside all voxels with one of the labels, such as an organ and its nodules. Every element's
+/// region is the label at its centroid, or the first label if that is another one.
+Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> chosen,
                                  double size, const Progress& progress = {}, Sides sides = Sides::kFlat);
 
 }  // namespace turgor

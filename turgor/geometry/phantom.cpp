@@ -15,16 +15,16 @@ using phantom::Anatomy;
 using phantom::Row;
 using phantom::Shape;
 
-/// Scratch of one row.
+/// Work arrays of one row.
 struct Painting {
   std::vector<float> hu, distance;
   std::vector<std::uint16_t> label;
 };
 
 struct Painter {
-  Vec3 first, step;  // place of sample (0, 0, 0) and distance of samples [mm]
+  Vec3 first, step;  // position of sample (0, 0, 0) and spacing [mm]
   int count;         // samples in a row
-  float edge;        // width over which a surface fades, as in a scanner [mm]
+  float edge;        // width of the blurred surface, as in a scanner [mm]
 
   void paint(const Shape& shape, float y, float z, Painting& to) const {
     const int begin = std::max(0, int(std::ceil((shape.low.x - first.x) / step.x)));
@@ -43,7 +43,7 @@ struct Painter {
   }
 };
 
-/// Four uniform numbers added: close to a normal distribution of variance 1.
+/// Sum of four uniform numbers: close to a normal distribution of variance 1.
 float noise(std::uint64_t key) {
   key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9ull;
   key = (key ^ (key >> 27)) * 0x94d049bb133111ebull;
@@ -57,7 +57,7 @@ void add_noise(const PhantomParams& params, std::size_t first, const Painting& r
   for (std::size_t i = 0; i < row.hu.size(); i++) {
     const std::uint64_t key = (first + i + 1) * 0x9e3779b97f4a7c15ull + params.seed * 0xd1342543de82ef95ull;
     const float hu = std::nearbyint(row.hu[i] + amount * noise(key));
-    out[i] = std::int16_t(std::clamp(hu, -1024.0f, 3071.0f));  // what scanners give
+    out[i] = std::int16_t(std::clamp(hu, -1024.0f, 3071.0f));  // range of CT scanners
   }
 }
 
@@ -123,9 +123,9 @@ Grid phantom_grid(const PhantomParams& params) {
 
 std::vector<std::int16_t> make_phantom_slices(const Exec& exec, const PhantomParams& params, int begin,
                                               int end) {
-  Grid part = phantom_grid(params);
-  part.size.z = end - begin;
-  std::vector<std::int16_t> samples(sample_count(part));
+  Grid slab = phantom_grid(params);
+  slab.size.z = end - begin;
+  std::vector<std::int16_t> samples(sample_count(slab));
   paint(exec, params, {begin, end, samples.data(), nullptr}, {});
   return samples;
 }

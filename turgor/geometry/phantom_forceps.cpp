@@ -1,4 +1,4 @@
-// Each half is a ring of three-sided segments, of which one outer square is drawn out into a shank and a jaw.
+// Each half is a ring of three-sided segments; one outer square is extruded into a shank and a jaw.
 #include <cmath>
 #include <numbers>
 
@@ -9,17 +9,17 @@ namespace turgor {
 namespace {
 
 constexpr int kRingSegments = 13, kShankSegments = 12;  // 3 · 13 + 4 · 12 = 87 vertices
-constexpr double kLength = 0.13;                        // from the tip to the ring's centre [m]
+constexpr double kLength = 0.13;                        // from the tip to the ring's center [m]
 constexpr double kHalfGap = 5e-5;                       // between closed jaws [m]
 constexpr double kRingRadius = 0.014, kWire = 0.0035;   // [m]
 
-/// Where the middle of the shank is, from the ring (0) to the tip (1), and half its thickness across and
-/// along the closing direction.
-struct ShankPlace {
+/// Center of the shank, from the ring (0) to the tip (1), and its half thickness across and along the closing
+/// direction.
+struct ShankSection {
   Vec3d middle;
   double across = 0, along = 0;
 };
-ShankPlace shank_place(double t) {
+ShankSection shank_section(double t) {
   const double z = (kLength - kRingRadius - kWire) * (1 - t);
   const double along = 0.0022 - 0.0010 * t;  // half thickness in x
   const double bow = t < 0.8 ? 0.5 * (1 + std::cos(std::numbers::pi * t / 0.8)) : 0;
@@ -27,9 +27,9 @@ ShankPlace shank_place(double t) {
 }
 
 void add_ring(TriMesh& mesh) {
-  const double middle = shank_place(0).middle.x;
+  const double middle = shank_section(0).middle.x;
   for (int i = 0; i < kRingSegments; i++) {
-    // Half a segment off, so that a segment, not a corner, faces the shank at the ring's lowest place.
+    // Half a segment off, so that a segment, not a corner, faces the shank at the ring's lowest point.
     const double a = 2 * std::numbers::pi * (i - 0.5) / kRingSegments - std::numbers::pi / 2;
     const Vec3d outward{std::cos(a), 0, std::sin(a)}, center{middle, 0, kLength};
     for (const auto& [r, y] : {std::pair{kWire, -kWire}, {kWire, kWire}, {-kWire, 0.0}})
@@ -37,7 +37,7 @@ void add_ring(TriMesh& mesh) {
   }
   for (int i = 0; i < kRingSegments; i++)
     for (int side = 0; side < 3; side++) {
-      if (i == 0 && side == 0) continue;  // the outer square from which the shank is drawn
+      if (i == 0 && side == 0) continue;  // the outer square that is extruded to the shank
       const int next = (i + 1) % kRingSegments, other = (side + 1) % 3;
       const int a = 3 * i + side, b = 3 * next + side, c = 3 * next + other, d = 3 * i + other;
       mesh.triangles.push_back({a, b, c});
@@ -46,11 +46,11 @@ void add_ring(TriMesh& mesh) {
 }
 
 void add_shank(TriMesh& mesh) {
-  // Going around the square as seen from outside the ring.
+  // order around the square, seen from outside the ring
   Int3 corners{0, 3, 4};
   int last = 1;
   for (int k = 1; k <= kShankSegments; k++) {
-    const ShankPlace at = shank_place(double(k) / kShankSegments);
+    const ShankSection at = shank_section(double(k) / kShankSegments);
     const int first = int(mesh.vertices.size());
     for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
       mesh.vertices.push_back(Vec3(at.middle + Vec3d{x * at.along, y * at.across, 0}));

@@ -1,4 +1,4 @@
-// A head with its neck, on its back (the face looks to -y).
+// A supine head with its neck (the face looks to -y).
 #include "turgor/geometry/phantom_shapes.hpp"
 
 namespace turgor::phantom {
@@ -7,11 +7,11 @@ namespace {
 
 constexpr float kEndless = 1e4f;
 
-/// Cranium, face, jaw, neck, nose and ears, rounded into one surface.
+/// Cranium, face, jaw, neck, nose and ears, blended into one surface.
 float head_distance(Vec3 p) {
-  const auto part = [&](Vec3 c, Vec3 r) { return ellipsoid_distance(p - c, r); };
-  float d = smooth_min(part({0, 12, 52}, {74, 92, 78}), part({0, -24, -10}, {66, 72, 74}), 24);
-  d = smooth_min(d, part({0, -46, -52}, {50, 46, 32}), 26);
+  const auto ellipsoid = [&](Vec3 c, Vec3 r) { return ellipsoid_distance(p - c, r); };
+  float d = smooth_min(ellipsoid({0, 12, 52}, {74, 92, 78}), ellipsoid({0, -24, -10}, {66, 72, 74}), 24);
+  d = smooth_min(d, ellipsoid({0, -46, -52}, {50, 46, 32}), 26);
   d = smooth_min(
       d, ellipsoid_distance({p.x, p.y - 26, 0}, {54, 56, kEndless}) + std::max(0.0f, (p.z + 40) * 0.9f), 30);
   d = smooth_min(d, capsule_distance(p, {0, -90, 14}, {0, -101, -12}, 8), 14);
@@ -33,14 +33,14 @@ void paint_skull(Anatomy& anatomy) {
   paint_ellipsoid(anatomy, {0, 12, 50}, {61, 79, 64}, kWater, 90);
 }
 
-/// Folded grey matter over white, and the ventricles.
+/// Folded gray matter over white matter, and the ventricles.
 void paint_brain(Anatomy& anatomy) {
   const auto folded = [](float shrink, float depth) {
     return [=](float y, float z) {
       return [=](float x) {
         const float fold =
             depth * std::sin(0.28f * x + 0.1f * z) * std::sin(0.25f * y) * std::sin(0.27f * z + 0.08f * x);
-        const float middle = 1.2f - std::abs(x) - std::max(0.0f, 45 - z);  // the cleft between the halves
+        const float middle = 1.2f - std::abs(x) - std::max(0.0f, 45 - z);  // longitudinal fissure
         const float brain =
             ellipsoid_distance({x, y - 12, z - 50}, {59 - shrink, 77 - shrink, 62 - shrink}) + fold;
         return std::max(brain, middle);
@@ -58,7 +58,7 @@ void paint_brain(Anatomy& anatomy) {
   paint_capsule(anatomy, {0, 30, 20}, {0, 34, -30}, 11, 32, 90);
 }
 
-/// The part of a shape that lies at least `depth` below the skin.
+/// Region of a shape at least `depth` below the skin.
 Shape below_skin(Shape shape, float depth) {
   shape.distance = [depth, whole = std::move(shape.distance)](const Row& row, float* out) {
     whole(row, out);

@@ -1,4 +1,4 @@
-// A right leg from the thigh to the foot, on its back (the knee cap looks to -y).
+// A supine right leg from the thigh to the foot (the knee cap looks to -y).
 #include "turgor/geometry/phantom_shapes.hpp"
 
 namespace turgor::phantom {
@@ -23,7 +23,7 @@ void paint_outside(Anatomy& anatomy, const Leg& leg) {
   });
 }
 
-/// Muscles as sectors of the leg's section, with fat between them.
+/// Muscles as sectors of the leg's cross section, with fat between them.
 void paint_muscles(Anatomy& anatomy, const Leg& leg) {
   paint(anatomy, {-100, -102, -400}, {100, 102, 1e4f}, kMuscle, 0, [=](float y, float z) {
     const float r = leg.radius(z), c = leg.center(z), inset = 9 + 6 * std::clamp((z + 100) / 300, 0.0f, 1.0f);

@@ -12,10 +12,10 @@ namespace turgor {
 
 namespace {
 
-/// Squares along the edges of a box, whose surface so has 2 (xy + yz + zx) + 2 = 3116 grid points.
+/// Squares along the edges of a box, whose surface then has 2 (xy + yz + zx) + 2 = 3116 grid points.
 constexpr Int3 kPaperCells{33, 21, 16};
 
-/// From a grid point of a box's surface to the unit sphere, without crowding at corners and edges.
+/// Maps a grid point of a box's surface to the unit sphere, without crowding at corners and edges.
 Vec3d on_sphere(Int3 p, Int3 cells) {
   Vec3d x;
   for (int axis = 0; axis < 3; axis++)
@@ -23,8 +23,8 @@ Vec3d on_sphere(Int3 p, Int3 cells) {
   return normalized(x);
 }
 
-/// From the unit sphere to the liver: a wedge, thick on the patient's right (−x), hollow below.
-Vec3 liver_place(Vec3d u) {
+/// Maps the unit sphere to the liver: a wedge, thick on the patient's right (−x), concave below.
+Vec3 liver_position(Vec3d u) {
   const double right = 0.5 * (1 - u.x);  // 0 at the tip of the left lobe, 1 at the right end
   const double width = 0.45 + 0.55 * std::sqrt(right), thickness = 0.35 + 0.65 * right;
   Vec3d x{0.11 * u.x, 0.082 * u.y * width, (u.z > 0 ? 0.070 : 0.046) * u.z * thickness};
@@ -35,7 +35,7 @@ Vec3 liver_place(Vec3d u) {
   return Vec3(x);
 }
 
-/// The grid points of a box's surface, and its squares cut in two.
+/// Grid points of a box's surface, and its squares split into triangles.
 class BoxSurface {
  public:
   explicit BoxSurface(Int3 cells) : cells_(cells) {
@@ -61,7 +61,7 @@ class BoxSurface {
           return vertex(p);
         };
         const int a = at(0, 0), b = at(1, 0), c = at(1, 1), d = at(0, 1);
-        // Both halves of a square meet on the diagonal that points to the middle of its face.
+        // Both triangles of a square meet on the diagonal that points to the center of its face.
         if ((2 * i < cells_[u]) == (2 * j < cells_[v]))
           add(a, b, c, far), add(a, c, d, far);
         else
@@ -78,12 +78,12 @@ class BoxSurface {
 }  // namespace
 
 TriMesh phantom_liver(double detail) {
-  TURGOR_ASSERT(detail > 0.1 && detail < 100, "between a box and what memory holds");
+  TURGOR_ASSERT(detail > 0.1 && detail < 100, "detail is between 0.1 and 100");
   const auto cells = [detail](int paper) { return std::max(1, int(std::lround(paper * detail))); };
   const Int3 size{cells(kPaperCells.x), cells(kPaperCells.y), cells(kPaperCells.z)};
   BoxSurface box(size);
   TriMesh mesh{.triangles = std::move(box.triangles)};
-  for (const Int3 p : box.points) mesh.vertices.push_back(liver_place(on_sphere(p, size)));
+  for (const Int3 p : box.points) mesh.vertices.push_back(liver_position(on_sphere(p, size)));
   return mesh;
 }
 

@@ -6,7 +6,7 @@ namespace turgor::phantom {
 
 namespace {
 
-constexpr float kMargin = 2;  // shapes fade out over a sample beyond their surface [mm]
+constexpr float kMargin = 2;  // shapes fade out over a sample outside their surface [mm]
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A torso from the chest to the hips, arms above the head, on its back (the front faces -y).
+// A supine torso from the chest to the hips, with the arms above the head (the front faces -y).
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/geometry/phantom_shapes.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 
 constexpr float kEndless = 1e4f;
 
-/// The trunk's outline and what follows from it.
+/// Outline of the trunk and derived shapes.
 struct Trunk {
   Profile half_width{{-150, 168}, {-95, 163}, {-35, 146}, {40, 152}, {110, 162}, {160, 158}};
   Profile half_depth{{-150, 102}, {-90, 100}, {-30, 94}, {50, 103}, {110, 106}, {160, 100}};
@@ -33,7 +33,7 @@ void paint_layers(Anatomy& anatomy, const Trunk& trunk) {
   paint_layer(anatomy, trunk, 2 + trunk.fat + 13, kFat - 5);  // fat around the organs
 }
 
-/// Lungs fill the rib cage on both sides of the heart.
+/// The lungs fill the rib cage on both sides of the heart.
 void paint_lungs(Anatomy& anatomy, const Trunk& trunk) {
   const float inset = trunk.fat + 19;
   for (const float side : {-1.0f, 1.0f}) {
@@ -82,7 +82,7 @@ void paint_liver(Anatomy& anatomy, const Trunk& trunk, std::uint64_t seed) {
   paint_capsule(anatomy, {-10, -10, -2}, {-75, -20, 12}, 5, 90, 5);
   paint_capsule(anatomy, {-40, -14, 4}, {-70, 20, -8}, 4, 90, 5);
   paint_ellipsoid(anatomy, {-38, -52, -34}, {15, 22, 22}, 12, 4);
-  // Under a centimetre of tissue: a finger on the liver's front can feel it.
+  // Under a centimeter of tissue: palpable on the liver's front.
   const Vec3 nodule{-60 + 6 * variation(seed, 4), -52 + 3 * variation(seed, 5), 4 + 8 * variation(seed, 6)};
   paint_ellipsoid(anatomy, nodule, {13, 13, 13}, kNodule, kNoduleLabel);
 }
@@ -152,8 +152,8 @@ void paint_spine(Anatomy& anatomy) {
   paint_capsule(anatomy, {0, 54, -200}, {0, 54, 200}, 6.5f, 25, 79);
 }
 
-/// All ribs at once: on the surface inside the chest wall, a band that descends from the spine to the front,
-/// repeated.
+/// All ribs at once: on the surface inside the chest wall, a periodic band that descends from the spine to
+/// the front.
 void paint_ribs(Anatomy& anatomy, const Trunk& trunk) {
   constexpr float kPitch = 27, kDrop = 88, kLowest = 30;
   const auto rib = [=](float thinner, float from) {
@@ -164,12 +164,12 @@ void paint_ribs(Anatomy& anatomy, const Trunk& trunk) {
       return [=](float x) {
         const float u = x / width,
                     back = v / (std::sqrt(u * u + v * v) + 1e-6f);       // 1 at the spine, -1 at the front
-        const float spine_z = z + kDrop * std::sqrt(0.5f * (1 - back));  // where this point's rib starts
+        const float spine_z = z + kDrop * std::sqrt(0.5f * (1 - back));  // height of this rib at the spine
         const float level = std::max(std::round((spine_z - kLowest) / kPitch), 0.0f);
         const float along = (spine_z - kLowest - level * kPitch) / 6.5f;
         const float across = trunk_distance(x, y - trunk.center, width, depth) / 4;
         const float r = std::sqrt(along * along + across * across);
-        const float floating = level < 1.5f ? (-0.2f - back) * 40 : -10.0f;  // the lowest end at the side
+        const float floating = level < 1.5f ? (-0.2f - back) * 40 : -10.0f;  // lowest end at the side
         return std::max((r - 1) * 4 + thinner, std::max(floating, (back - from) * 40));
       };
     };
@@ -191,7 +191,7 @@ void paint_pelvis(Anatomy& anatomy) {
   for (const float side : {-1.0f, 1.0f}) {
     const Vec3 center{side * 62, -8, -152}, radius{62, 72, 74};
     const std::uint16_t label = side < 0 ? 78 : 77;
-    const auto wing = [=](float thinner) {  // a piece of a shell, open to the front and to the middle
+    const auto wing = [=](float thinner) {  // section of a shell, open to the front and to the middle
       return [=](float y, float z) {
         return [=](float x) {
           const float shell =

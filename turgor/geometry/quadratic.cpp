@@ -16,7 +16,7 @@ Edge edge_of(std::span<const int> element, const std::array<int, 2>& corners) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-/// Every edge once, ascending.
+/// Every edge once, in ascending order.
 std::vector<Edge> all_edges(const SolidMesh& mesh) {
   std::vector<Edge> edges;
   edges.reserve(6 * element_count(mesh));
@@ -40,7 +40,7 @@ std::array<Vec3d, 10> quadratic_slopes(const std::array<double, 4>& linear) {
 }
 
 SolidMesh with_middles(const SolidMesh& tetrahedra) {
-  TURGOR_ASSERT(tetrahedra.corners == 4, "edges of linear tetrahedra are given middles");
+  TURGOR_ASSERT(tetrahedra.corners == 4, "midside nodes are added to linear tetrahedra");
   const std::vector<Edge> edges = all_edges(tetrahedra);
   SolidMesh mesh{tetrahedra.vertices, 10, {}, tetrahedra.regions};
   const int first = int(mesh.vertices.size());
@@ -58,7 +58,7 @@ SolidMesh with_middles(const SolidMesh& tetrahedra) {
 }
 
 SolidMesh without_middles(const SolidMesh& quadratic) {
-  TURGOR_ASSERT(quadratic.corners == 10, "quadratic tetrahedra have middles");
+  TURGOR_ASSERT(quadratic.corners == 10, "the mesh has quadratic tetrahedra");
   SolidMesh mesh{{}, 4, {}, quadratic.regions};
   int most = -1;
   for (std::size_t e = 0; e < element_count(quadratic); e++)
@@ -70,15 +70,16 @@ SolidMesh without_middles(const SolidMesh& quadratic) {
   return mesh;
 }
 
-SolidMesh linear_parts(const SolidMesh& quadratic) {
-  TURGOR_ASSERT(quadratic.corners == 10, "quadratic tetrahedra are cut");
-  // A tetrahedron at every corner; the octahedron between them around the diagonal from node 6 to node 8.
-  static constexpr int kParts[8][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3},
-                                       {6, 8, 4, 5}, {6, 8, 5, 9}, {6, 8, 9, 7}, {6, 8, 7, 4}};
+SolidMesh linear_subdivision(const SolidMesh& quadratic) {
+  TURGOR_ASSERT(quadratic.corners == 10, "quadratic tetrahedra are subdivided");
+  // a tetrahedron at every corner; the octahedron between them is split around the diagonal from node 6 to
+  // node 8
+  static constexpr int kSubTets[8][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3},
+                                         {6, 8, 4, 5}, {6, 8, 5, 9}, {6, 8, 9, 7}, {6, 8, 7, 4}};
   SolidMesh mesh{quadratic.vertices, 4, {}, {}};
   for (std::size_t e = 0; e < element_count(quadratic); e++)
-    for (const auto& part : kParts) {
-      for (const int node : part) mesh.elements.push_back(element(quadratic, e)[std::size_t(node)]);
+    for (const auto& tet : kSubTets) {
+      for (const int node : tet) mesh.elements.push_back(element(quadratic, e)[std::size_t(node)]);
       if (!quadratic.regions.empty()) mesh.regions.push_back(quadratic.regions[e]);
     }
   return mesh;

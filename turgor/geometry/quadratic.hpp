@@ -1,5 +1,5 @@
-// Tetrahedra with a node in the middle of every edge, and the linear ones that such nodes make: what
-// quadratic elements, and a mesh refined all over, are built from.
+// Quadratic tetrahedra (ten nodes: corners and edge midpoints): conversion from and to linear ones, shape
+// function gradients, and subdivision into eight linear tetrahedra.
 #pragma once
 
 #include <array>
@@ -8,11 +8,11 @@
 
 namespace turgor {
 
-/// The corners at the ends of the edges whose middles are nodes 4 to 9 of a quadratic tetrahedron, as in VTK.
+/// Corners at the ends of the edges of midside nodes 4 to 9, as in VTK.
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdges{
     {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
-/// The node of a quadratic tetrahedron between two of its corners.
+/// Midside node between two corners.
 constexpr int node_between(int a, int b) {
   for (int e = 0; e < 6; e++) {
     const auto [from, to] = kTetEdges[std::size_t(e)];
@@ -21,19 +21,17 @@ constexpr int node_between(int a, int b) {
   return -1;
 }
 
-/// The slopes of a quadratic tetrahedron's ten functions over its linear functions 1, 2 and 3, where the four
-/// linear ones have these values.
+/// Gradients of the ten quadratic shape functions with respect to barycentric coordinates 1, 2 and 3, at the
+/// point with these four barycentric coordinates.
 std::array<Vec3d, 10> quadratic_slopes(const std::array<double, 4>& linear);
 
-/// Linear tetrahedra as quadratic ones with straight edges. Vertices keep their numbers; the middles of edges
-/// come behind them.
+/// Adds midside nodes with straight edges. Vertices keep their numbers; midside nodes follow.
 SolidMesh with_middles(const SolidMesh& tetrahedra);
 
-/// The tetrahedra between the corners of quadratic ones; vertices keep their numbers, the middles are left
-/// out.
+/// Drops midside nodes; vertices keep their numbers.
 SolidMesh without_middles(const SolidMesh& quadratic);
 
-/// Every quadratic tetrahedron as eight linear ones between its ten nodes.
-SolidMesh linear_parts(const SolidMesh& quadratic);
+/// Splits every quadratic tetrahedron into eight linear ones between its ten nodes.
+SolidMesh linear_subdivision(const SolidMesh& quadratic);
 
 }  // namespace turgor

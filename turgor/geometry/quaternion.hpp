@@ -1,4 +1,4 @@
-// Orientations as quaternions w, x, y, z: what files and devices speak. Inside they are axes (Mat3d).
+// Orientations as quaternions w, x, y, z, for files and devices. The engine itself uses axes (Mat3d).
 #pragma once
 
 #include <array>
@@ -15,14 +15,14 @@ inline double dot(const Quaternion& a, const Quaternion& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
 
-/// Of one that is not zero.
+/// Unit quaternion; the argument must not be zero.
 inline Quaternion normalized(Quaternion q) {
   const double length = std::sqrt(dot(q, q));
-  for (double& part : q) part /= length;
+  for (double& component : q) component /= length;
   return q;
 }
 
-/// Between two orientations along the shorter way: `a` at 0, `b` at 1.
+/// Interpolates between two orientations along the shorter arc: `a` at 0, `b` at 1.
 inline Quaternion between(const Quaternion& a, const Quaternion& b, double s) {
   const double sign = dot(a, b) < 0 ? -1 : 1;
   Quaternion q;
@@ -30,7 +30,7 @@ inline Quaternion between(const Quaternion& a, const Quaternion& b, double s) {
   return dot(q, q) > 0 ? normalized(q) : a;
 }
 
-/// Columns are the axes that a unit quaternion turns x, y and z into.
+/// Rotation matrix of a unit quaternion; columns are the rotated x, y and z axes.
 inline Mat3d axes_of(const Quaternion& q) {
   const auto [w, x, y, z] = q;
   return {{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},

@@ -1,5 +1,5 @@
-// The same volume with its axes in another order or direction: what makes a segmentation stored left to right
-// fit a CT stored right to left. No sample changes its value or its place in the patient.
+// Reorders and flips the axes of a volume, for example to match a segmentation stored left to right with a CT
+// stored right to left. Values and positions of samples do not change.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace turgor {
 
-/// Axis a of the new grid runs along axis source[a] of the old one, backwards where flip[a].
+/// Axis a of the new grid runs along axis source[a] of the old one, reversed if flip[a].
 struct AxisOrder {
   std::array<int, 3> source{0, 1, 2};
   std::array<bool, 3> flip{};
@@ -19,7 +19,7 @@ struct AxisOrder {
   bool is_identity() const { return source == std::array{0, 1, 2} && flip == std::array<bool, 3>{}; }
 };
 
-/// The order that lays axes `from` along axes `to`, if each runs along one of the other.
+/// Order that aligns axes `from` with axes `to`, if each is parallel to one of the other.
 inline std::optional<AxisOrder> axis_order(const Mat3d& from, const Mat3d& to) {
   AxisOrder order;
   std::array<bool, 3> used{};
@@ -71,8 +71,7 @@ Volume<T> reordered(const Volume<T>& volume, const AxisOrder& order) {
   return out;
 }
 
-/// The volume with its axes laid along those of `grid`; nothing if its samples do not lie where those of
-/// `grid` do.
+/// The volume reordered to the axes of `grid`; empty if its samples are not at those of `grid`.
 template <class T>
 std::optional<Volume<T>> on_grid(const Volume<T>& volume, const Grid& grid) {
   const std::optional<AxisOrder> order = axis_order(volume.grid.axes, grid.axes);
@@ -82,26 +81,27 @@ std::optional<Volume<T>> on_grid(const Volume<T>& volume, const Grid& grid) {
   return out;
 }
 
-/// The same where the volume covers a part of `grid`, sample on sample: 0 elsewhere.
+/// The same for a volume that covers a sub-box of `grid`, sample on sample: 0 elsewhere.
 template <class T>
 std::optional<Volume<T>> part_on_grid(const Volume<T>& volume, const Grid& grid) {
   const std::optional<AxisOrder> order = axis_order(volume.grid.axes, grid.axes);
   if (!order) return std::nullopt;
-  const Volume<T> part = reordered(volume, *order);
-  const Vec3d at = index_at(grid, part.grid.origin);
+  const Volume<T> reordered_volume = reordered(volume, *order);
+  const Vec3d at = index_at(grid, reordered_volume.grid.origin);
   const Int3 first{int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))};
   Grid covered = grid;
-  covered.size = part.grid.size;
+  covered.size = reordered_volume.grid.size;
   covered.origin = point_at(grid, Vec3d(first));
-  const Int3 last = first + part.grid.size;
+  const Int3 last = first + reordered_volume.grid.size;
   for (int axis = 0; axis < 3; axis++)
     if (first[axis] < 0 || last[axis] > grid.size[axis]) return std::nullopt;
-  if (!same_grid(part.grid, covered)) return std::nullopt;
+  if (!same_grid(reordered_volume.grid, covered)) return std::nullopt;
   Volume<T> out{grid, std::vector<T>(sample_count(grid))};
   for (int k = 0; k < covered.size.z; k++)
     for (int j = 0; j < covered.size.y; j++)
       std::copy_n(
-          part.samples.begin() + std::ptrdiff_t(sample_index(part.grid, 0, j, k)), covered.size.x,
+          reordered_volume.samples.begin() + std::ptrdiff_t(sample_index(reordered_volume.grid, 0, j, k)),
+          covered.size.x,
           out.samples.begin() + std::ptrdiff_t(sample_index(grid, first.x, first.y + j, first.z + k)));
   return out;
 }

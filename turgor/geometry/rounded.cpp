@@ -12,16 +12,16 @@ namespace {
 
 using Eigen::Matrix3d, Eigen::Vector3d;
 
-/// What a closed surface encloses.
+/// Volume, center and second moments of a closed surface.
 struct Solid {
   double volume = 0;
   Vector3d center = Vector3d::Zero();
-  Matrix3d spread = Matrix3d::Zero();  // mean of (x − centre)(x − centre)ᵀ
+  Matrix3d spread = Matrix3d::Zero();  // mean of (x − center)(x − center)ᵀ
 };
 Solid solid_of(const TriMesh& mesh) {
   Solid solid;
   if (mesh.vertices.empty()) return solid;
-  const Vec3d from(mesh.vertices[0]);  // near, so that little cancels
+  const Vec3d from(mesh.vertices[0]);  // a nearby origin limits cancellation
   const auto corner = [&](int v) {
     const Vec3d x = Vec3d(mesh.vertices[std::size_t(v)]) - from;
     return Vector3d(x.x, x.y, x.z);

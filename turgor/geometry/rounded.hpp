@@ -1,13 +1,12 @@
-// A surface of a few triangles made round, for pictures of a part of a body that is a handful of elements:
-// its corners are the mesh's and no shape that anybody gave.
+// Ellipsoid in the shape of a coarse surface, for pictures of regions with only a few elements.
 #pragma once
 
 #include "turgor/geometry/tri_mesh.hpp"
 
 namespace turgor {
 
-/// The ellipsoid with the volume, the centre and, in proportion, the second moments of what a closed surface
-/// encloses. Without normals and scalars. What encloses nothing stays as it is.
+/// Ellipsoid with the volume, the center and, up to scale, the second moments of a closed surface. Without
+/// normals and scalars. A surface without volume is returned unchanged.
 TriMesh rounded(const TriMesh& coarse);
 
 }  // namespace turgor

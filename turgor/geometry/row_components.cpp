@@ -7,29 +7,29 @@ namespace turgor {
 
 namespace {
 
-/// Where in [at, end) of a row the value is found, or end.
+/// First index in [at, end) of a row with the value, or end.
 int find_in(const std::uint8_t* row, int at, int end, int value) {
   const void* found = std::memchr(row + at, value, std::size_t(end - at));
   return found == nullptr ? end : int(static_cast<const std::uint8_t*>(found) - row);
 }
 
-/// The first run of a part; roots stand for their parts.
+/// Representative run of a component (its first run).
 int root_of(std::vector<CellRun>& runs, int run) {
-  while (runs[std::size_t(run)].part != run) {
-    int& part = runs[std::size_t(run)].part;
-    part = runs[std::size_t(part)].part;
-    run = part;
+  while (runs[std::size_t(run)].component != run) {
+    int& parent = runs[std::size_t(run)].component;
+    parent = runs[std::size_t(parent)].component;
+    run = parent;
   }
   return run;
 }
 
-/// Joins the runs of two neighbouring rows that lie beside each other.
+/// Joins overlapping runs of two neighboring rows.
 void join_rows(std::vector<CellRun>& runs, int a, int a_end, int b, int b_end) {
   while (a < a_end && b < b_end) {
     const CellRun &first = runs[std::size_t(a)], &second = runs[std::size_t(b)];
     if (first.begin < second.end && second.begin < first.end) {
       const int root_a = root_of(runs, a), root_b = root_of(runs, b);
-      runs[std::size_t(std::max(root_a, root_b))].part = std::min(root_a, root_b);
+      runs[std::size_t(std::max(root_a, root_b))].component = std::min(root_a, root_b);
     }
     if (first.end < second.end)
       a++;
@@ -38,16 +38,16 @@ void join_rows(std::vector<CellRun>& runs, int a, int a_end, int b, int b_end) {
   }
 }
 
-/// Roots become numbers from 0.
-void number_parts(RowComponents& found) {
+/// Numbers the components from 0.
+void number_components(RowComponents& found) {
   std::vector<int> number(found.runs.size());
   for (int r = 0; r < int(found.runs.size()); r++) {
     CellRun& run = found.runs[std::size_t(r)];
-    const bool is_root = run.part == r;
-    number[std::size_t(r)] = is_root ? int(found.sizes.size()) : number[std::size_t(run.part)];
+    const bool is_root = run.component == r;
+    number[std::size_t(r)] = is_root ? int(found.sizes.size()) : number[std::size_t(run.component)];
     if (is_root) found.sizes.push_back(0);
-    run.part = number[std::size_t(r)];  // roots come before the others of their part
-    found.sizes[std::size_t(run.part)] += std::size_t(run.end - run.begin);
+    run.component = number[std::size_t(r)];  // roots precede the other runs of their component
+    found.sizes[std::size_t(run.component)] += std::size_t(run.end - run.begin);
   }
 }
 
@@ -82,8 +82,9 @@ RowComponents row_components(const std::vector<std::uint8_t>& mask, Int3 size) {
       if (j > 0) join(row - 1, row);
       if (k > 0) join(row - size.y, row);
     }
-  for (int r = 0; r < int(found.runs.size()); r++) found.runs[std::size_t(r)].part = root_of(found.runs, r);
-  number_parts(found);
+  for (int r = 0; r < int(found.runs.size()); r++)
+    found.runs[std::size_t(r)].component = root_of(found.runs, r);
+  number_components(found);
   return found;
 }
 

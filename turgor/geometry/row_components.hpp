@@ -1,5 +1,5 @@
-// Connected parts of a mask, found by runs of rows: memory and time go with the surface of what is marked,
-// not with its volume.
+// Connected components of a mask by union-find on runs of rows. Memory and time scale with the surface of the
+// marked region, not with its volume.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace turgor {
 /// Marked cells (begin … end - 1, j, k).
 struct CellRun {
   int begin = 0, end = 0, j = 0, k = 0;
-  int part = 0;  // index into RowComponents::sizes
+  int component = 0;  // index into RowComponents::sizes
 };
 struct RowComponents {
   std::vector<CellRun> runs;       // by k, then j, then begin
-  std::vector<std::size_t> sizes;  // cells of each part; parts in the order of their first runs
+  std::vector<std::size_t> sizes;  // cells of each component; components in the order of their first runs
 
   int largest() const;  // -1 if nothing is marked
 };

@@ -1,5 +1,4 @@
-// How far a point is from simple shapes: balls, rods, and what is kept as distances on a grid. Distances are
-// negative inside.
+// Signed distances to simple shapes: balls, rods, and sampled distance grids. Negative inside.
 #pragma once
 
 #include <algorithm>
@@ -8,30 +7,30 @@
 
 namespace turgor {
 
-/// Of a point from the surface of a shape.
+/// Signed distance of a point to a shape, with its gradient.
 struct ShapeDistance {
   double distance = 0;  // [m]
-  Vec3d normal;         // unit, the direction in which the distance grows
+  Vec3d normal;         // unit gradient of the distance
 };
 
-/// Of a ball around `centre`.
+/// Distance to a ball around `center`.
 TURGOR_HD inline ShapeDistance ball_distance(Vec3d center, double radius, Vec3d x) {
   const Vec3d d = x - center;
   const double length = norm(d);
   return {length - radius, length > 0 ? d / length : Vec3d{0, 0, 1}};
 }
 
-/// Around the segment from -half_length to half_length on the z axis.
+/// Distance to a capsule around the segment from -half_length to half_length on the z axis.
 TURGOR_HD inline ShapeDistance rod_distance(double radius, double half_length, Vec3d x) {
   return ball_distance({0, 0, std::clamp(x.z, -half_length, half_length)}, radius, x);
 }
 
-/// Of a surface, at a node of a grid.
+/// Distance to a surface at a grid node.
 struct DistanceNode {
   float distance;  // [m]
   Vec3 normal;     // unit
 };
-/// A regular grid of them as plain pointers.
+/// A regular grid of distances as plain pointers.
 struct DistanceGrid {
   Vec3d corner;                         // [m]
   double spacing = 0;                   // [m]
@@ -43,13 +42,13 @@ struct DistanceGrid {
   }
 };
 
-/// From the eight nodes around a place of the grid.
-TURGOR_HD inline ShapeDistance interpolated(const DistanceGrid& grid, Vec3d grid_place) {
+/// Trilinear interpolation between the eight nodes around a grid index.
+TURGOR_HD inline ShapeDistance interpolated(const DistanceGrid& grid, Vec3d grid_index) {
   Int3 cell;
   Vec3d t;
   for (int axis = 0; axis < 3; axis++) {
-    cell[axis] = std::clamp(int(grid_place[axis]), 0, grid.size[axis] - 2);
-    t[axis] = grid_place[axis] - cell[axis];
+    cell[axis] = std::clamp(int(grid_index[axis]), 0, grid.size[axis] - 2);
+    t[axis] = grid_index[axis] - cell[axis];
   }
   double distance = 0;
   Vec3d normal;
@@ -65,24 +64,24 @@ TURGOR_HD inline ShapeDistance interpolated(const DistanceGrid& grid, Vec3d grid
   return {distance, length > 0 ? normal / length : Vec3d{0, 0, 1}};
 }
 
-/// Beyond the grid, the distance to the place of the surface that is nearest to the grid's border there.
+/// Outside the grid: distance to the surface point nearest to the closest point of the grid's border.
 TURGOR_HD inline ShapeDistance grid_distance(const DistanceGrid& grid, Vec3d x) {
-  const Vec3d place = (x - grid.corner) / grid.spacing;
-  const Vec3d inside = max(min(place, Vec3d(grid.size) - Vec3d{1, 1, 1}), Vec3d{});
+  const Vec3d index = (x - grid.corner) / grid.spacing;
+  const Vec3d inside = max(min(index, Vec3d(grid.size) - Vec3d{1, 1, 1}), Vec3d{});
   const ShapeDistance near = interpolated(grid, inside);
-  if (inside == place) return near;
+  if (inside == index) return near;
   const Vec3d surface = grid.corner + inside * grid.spacing - near.normal * near.distance;
   return ball_distance(surface, 0, x);
 }
 
-/// Balls along a rod's middle line. What lies between them is found as well: a site's distance is that from
-/// the whole rod.
+/// Number of balls along a rod's axis for site search. Points between the balls are found as well, because a
+/// site's distance is that to the whole rod.
 TURGOR_HD inline int rod_ball_count(double radius, double half_length) {
   constexpr double kApart = 4;  // radii
   constexpr int kMost = 5;
   return half_length > 0 ? std::min(kMost, 2 + int(2 * half_length / (kApart * radius))) : 1;
 }
-/// The middle of one of them.
+/// Center of one of them.
 TURGOR_HD inline Vec3d rod_ball(double half_length, int count, int index) {
   const int last = count - 1;
   return {0, 0, last == 0 ? 0 : half_length * (2.0 * index / last - 1)};

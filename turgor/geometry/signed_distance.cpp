@@ -12,7 +12,7 @@ namespace turgor {
 
 namespace {
 
-/// The part of a grid around all set samples, with a margin that may reach beyond the grid.
+/// Sub-grid around all set samples, with a margin that may extend beyond the grid.
 Grid cropped_grid(const Grid& grid, const std::vector<std::uint8_t>& inside, double margin, Int3& first) {
   Int3 low = grid.size, high{-1, -1, -1};
   for (int k = 0; k < grid.size.z; k++)
@@ -43,8 +43,8 @@ std::vector<std::uint8_t> cropped(const Grid& grid, const std::vector<std::uint8
 
 double finest(Vec3d spacing) { return std::min({spacing.x, spacing.y, spacing.z}); }
 
-/// Distance between a voxel's centre and the faces between in and out, which are half a voxel before the
-/// nearest centre on the other side.
+/// Distance from voxel centers to the faces between inside and outside, which are half a voxel before the
+/// nearest center of the other side.
 std::vector<float> mask_distance(const Exec& exec, const Grid& grid, std::vector<std::uint8_t> inside) {
   const float half = float(finest(grid.spacing) / 2);
   std::vector<float> distance = distance_transform(exec, grid, inside);
@@ -55,7 +55,7 @@ std::vector<float> mask_distance(const Exec& exec, const Grid& grid, std::vector
   return distance;
 }
 
-/// Means of the eight samples around the middle of every cell of a grid.
+/// Mean of the eight samples at the corners of every grid cell.
 std::vector<float> cell_means(const Grid& grid, const std::vector<float>& samples) {
   std::vector<float> means;
   means.reserve(samples.size());
@@ -70,9 +70,9 @@ std::vector<float> cell_means(const Grid& grid, const std::vector<float>& sample
   return means;
 }
 
-/// The level of the interpolated samples that encloses `count` voxels. A sample that the level crosses counts
-/// in part; samples and middles of cells are weighted as Simpson does, because interpolation lifts the
-/// middles where the surface is convex.
+/// Level of the interpolated samples that encloses `count` voxels. Samples near the level count fractionally.
+/// Samples and cell centers have Simpson weights, because interpolation raises the cell centers where the
+/// surface is convex.
 double level_of_count(const Grid& grid, const std::vector<float>& distance, double count) {
   const std::vector<float> means = cell_means(grid, distance);
   const double width = std::cbrt(sample_volume(grid));
@@ -89,10 +89,10 @@ double level_of_count(const Grid& grid, const std::vector<float>& distance, doub
   return (low + high) / 2;
 }
 
-/// Samples with what is needed to read them anywhere.
+/// Samples with their map from positions to indices.
 struct SampledField {
   Grid grid;
-  Mat3d to_index;  // from metres after the origin
+  Mat3d to_index;  // from meters after the origin
   std::vector<float> samples;
 
   double at(Vec3d p) const {

@@ -1,6 +1,6 @@
-// Shapes as functions of place: the signed distance to a closed triangle surface, and a smoothed one to
-// voxels, such as those of a label, whose zero level keeps their volume. stuffing.hpp fills them with
-// tetrahedra.
+// Shapes as implicit functions: the signed distance to a closed triangle surface, and a smoothed signed
+// distance to voxels (such as a label) whose zero level keeps their volume. The sign of surfaces comes from
+// the generalized winding number. stuffing.hpp fills shapes with tetrahedra.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,19 @@
 
 namespace turgor {
 
-/// Negative inside, positive outside, zero on the surface, and about as steep as a distance near it.
+/// Negative inside, positive outside, zero on the surface, with a slope of about 1 near it.
 struct SignedDistance {
   std::function<double(Vec3d)> at;  // [m]; any thread may call it
-  Vec3d low, high;                  // a box around all that is inside [m]
+  Vec3d low, high;                  // box around the inside [m]
 };
 
-/// The exact distance to a closed surface; inside is what it winds around (winding_number.hpp), whichever way
-/// round its triangles are, also where it crosses itself.
+/// Exact distance to a closed surface. The inside is defined by the winding number (winding_number.hpp), for
+/// either orientation of the triangles and for self-crossing surfaces.
 SignedDistance distance_to_surface(const TriMesh& surface);
 
-/// The distance to the voxels that are set (1; the others 0), smoothed by a Gaussian of this standard
-/// deviation [m], then shifted so that the inside has the voxels' volume. What is beyond the grid is outside.
-/// At least one voxel is set.
+/// Distance to the set voxels (1; the others 0), smoothed by a Gaussian of this standard deviation [m], then
+/// shifted so that the inside has the voxels' volume. Samples outside the grid are not set. At least one
+/// voxel is set.
 SignedDistance distance_to_voxels(const Exec& exec, const Grid& grid, const std::vector<std::uint8_t>& inside,
                                   double smoothing);
 

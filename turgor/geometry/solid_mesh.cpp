@@ -19,7 +19,7 @@ constexpr std::array<std::array<int, 4>, 6> kHexFaces{
 
 std::size_t face_size(const SolidMesh& mesh) { return mesh.corners == 8 ? 4 : 3; }
 
-/// A face of an element: its vertices sorted, so that both elements of a face name it alike, then the element
+/// A face of an element: its sorted vertices, which identify the face from both elements, then the element
 /// and the number of the face.
 using Face = std::array<int, 6>;
 constexpr std::size_t kElement = 4, kNumber = 5;
@@ -42,7 +42,7 @@ std::vector<Face> sorted_faces(const SolidMesh& mesh) {
   return faces;
 }
 
-/// Determinant of a hexahedron's trilinear map at a point of the cube [-1, 1]³.
+/// Jacobian determinant of a hexahedron's trilinear map at a point of the cube [-1, 1]³.
 double hex_jacobian(const SolidMesh& mesh, std::size_t e, Vec3d p) {
   static constexpr std::array<Vec3d, 8> kCorner{
       {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
@@ -57,9 +57,9 @@ double hex_jacobian(const SolidMesh& mesh, std::size_t e, Vec3d p) {
   return determinant(map);
 }
 
-/// Determinants of the map are cubic: five points, of which the centroid counts negatively, are exact.
+/// The Jacobian determinant is cubic, so a rule with five points (negative weight at the centroid) is exact.
 double quadratic_volume(const SolidMesh& mesh, std::size_t e) {
-  const auto part = [&](const std::array<double, 4>& linear) {
+  const auto jacobian = [&](const std::array<double, 4>& linear) {
     const std::array<Vec3d, 10> slope = quadratic_slopes(linear);
     Mat3d map{{{}, {}, {}}};
     for (std::size_t c = 0; c < 10; c++)
@@ -67,16 +67,16 @@ double quadratic_volume(const SolidMesh& mesh, std::size_t e) {
         map.column[axis] += mesh.vertices[std::size_t(element(mesh, e)[c])] * slope[c][axis];
     return determinant(map) / 6;
   };
-  double sum = -0.8 * part({0.25, 0.25, 0.25, 0.25});
+  double sum = -0.8 * jacobian({0.25, 0.25, 0.25, 0.25});
   for (std::size_t c = 0; c < 4; c++) {
     std::array<double, 4> linear{1.0 / 6, 1.0 / 6, 1.0 / 6, 1.0 / 6};
     linear[c] = 0.5;
-    sum += 0.45 * part(linear);
+    sum += 0.45 * jacobian(linear);
   }
   return sum;
 }
 
-/// The triangles of a face, as numbers of the element's nodes.
+/// Triangles of a face, as node numbers of the element.
 std::vector<Int3> face_triangles(const SolidMesh& mesh, const std::array<int, 4>& face) {
   const auto [a, b, c, d] = face;
   if (mesh.corners == 4) return {{a, b, c}};
@@ -145,7 +145,7 @@ SolidSurface surface(const SolidMesh& mesh) {
   return result;
 }
 
-std::vector<int> connected_parts(const SolidMesh& mesh) {
+std::vector<int> connected_components(const SolidMesh& mesh) {
   const std::size_t count = element_count(mesh);
   std::vector<int> parent(count);
   std::iota(parent.begin(), parent.end(), 0);
@@ -153,17 +153,17 @@ std::vector<int> connected_parts(const SolidMesh& mesh) {
   const std::size_t faces = element_faces(mesh).size();
   for (std::size_t i = 0; i < neighbors.size(); i++)
     if (neighbors[i] >= 0) join_sets(parent, int(i / faces), neighbors[i]);
-  // Number the parts by size; equal sizes by their first element.
+  // number the components by size; equal sizes by their first element
   std::vector<int> size(count, 0), roots;
   for (std::size_t e = 0; e < count; e++) size[std::size_t(root_of(parent, int(e)))]++;
   for (std::size_t e = 0; e < count; e++)
     if (size[e] > 0) roots.push_back(int(e));
   std::stable_sort(roots.begin(), roots.end(),
                    [&](int a, int b) { return size[std::size_t(a)] > size[std::size_t(b)]; });
-  std::vector<int> number(count, -1), part(count);
+  std::vector<int> number(count, -1), component(count);
   for (std::size_t i = 0; i < roots.size(); i++) number[std::size_t(roots[i])] = int(i);
-  for (std::size_t e = 0; e < count; e++) part[e] = number[std::size_t(root_of(parent, int(e)))];
-  return part;
+  for (std::size_t e = 0; e < count; e++) component[e] = number[std::size_t(root_of(parent, int(e)))];
+  return component;
 }
 
 }  // namespace turgor

@@ -16,25 +16,25 @@ using stuffing::Corner;
 using stuffing::LatticeTet;
 using stuffing::Side;
 
-// A lattice point moves to a cut of one of its edges that is nearer than this fraction of the edge: the
-// values for which the paper proves its angles.
+// A lattice point is warped to a cut on one of its edges that is nearer than this fraction of the edge. The
+// paper proves its angle bounds for these values.
 constexpr double kLongWarp = 0.24999, kShortWarp = 0.41189;
 
-/// Where the surface crosses an edge of the lattice.
+/// Intersection of the surface with a lattice edge.
 struct Cut {
-  Corner edge;             // from the inside point to the outside one
+  Corner edge;             // from the inside point to the outside point
   bool is_long = false;    // within a grid
-  bool discarded = false;  // one of its ends was moved onto the surface
-  double fraction = 0;     // of the edge, from the inside point
-  Vec3d place{};           // [m]
+  bool discarded = false;  // one end of its edge was warped onto the surface
+  double fraction = 0;     // along the edge, from the inside point
+  Vec3d position{};        // [m]
 };
 
 struct MovedPoint {
   std::int64_t point;
-  Vec3d place;  // [m]
+  Vec3d position;  // [m]
 };
 
-/// The surface on the lattice: sides of all points, cuts by their edges, moved points by number.
+/// Surface on the lattice: sides of all points, cuts by edge, warped points by number.
 struct LatticeSurface {
   std::vector<Side> side;
   std::vector<Cut> cuts;
@@ -53,17 +53,17 @@ std::vector<Side> sides(const LatticeSamples& samples, double level) {
 std::vector<Cut> find_cut_edges(const BccLattice& lattice, const std::vector<Side>& side) {
   std::vector<Cut> cuts;
   for (std::int64_t id = 0; id < point_count(lattice); id++) {
-    const Side here = side[std::size_t(id)];
-    if (here == Side::kOnSurface) continue;
+    const Side own_side = side[std::size_t(id)];
+    if (own_side == Side::kOnSurface) continue;
     const BccPoint p = point_of(lattice, id);
     const BccNeighbors neighbors = higher_neighbors(p);
     for (int i = 0; i < neighbors.count; i++) {
       const BccPoint q = neighbors.point[std::size_t(i)];
       if (!contains(lattice, q)) continue;
       const std::int64_t other = point_id(lattice, q);
-      const Side there = side[std::size_t(other)];
-      if (there == Side::kOnSurface || there == here) continue;
-      const bool inward = here == Side::kInside;
+      const Side other_side = side[std::size_t(other)];
+      if (other_side == Side::kOnSurface || other_side == own_side) continue;
+      const bool inward = own_side == Side::kInside;
       cuts.push_back({{inward ? id : other, inward ? other : id}, p.grid == q.grid});
     }
   }
@@ -71,8 +71,8 @@ std::vector<Cut> find_cut_edges(const BccLattice& lattice, const std::vector<Sid
   return cuts;
 }
 
-/// The fraction of the way from a (inside) to b (outside) where the distance is the level: regula falsi,
-/// halving the weight of an end that stays (Illinois).
+/// Fraction of the edge from a (inside) to b (outside) where the distance equals the level. Illinois method:
+/// regula falsi that halves the value of an end that stays.
 double find_crossing(const SignedDistance& shape, double level, Vec3d a, Vec3d b, double at_a, double at_b) {
   double low = 0, high = 1, f_low = at_a, f_high = at_b, t = 0.5;
   const double enough = 1e-9 * norm(b - a);
@@ -102,15 +102,15 @@ void place_cuts(const Exec& exec, const LatticeSamples& samples, double level, s
     cut.fraction = find_crossing(samples.shape, level, a, b,
                                  double(samples.distance[std::size_t(cut.edge.point)]) - level,
                                  double(samples.distance[std::size_t(cut.edge.to)]) - level);
-    cut.place = a * (1 - cut.fraction) + b * cut.fraction;
+    cut.position = a * (1 - cut.fraction) + b * cut.fraction;
   });
 }
 
-/// A cut and a point at one of its ends.
+/// A cut and a point at one end of its edge.
 struct CutAtPoint {
   std::int64_t point;
   std::size_t cut;
-  double distance;  // from the point, in cubes; infinite unless the cut is near enough to warp the point
+  double distance;  // from the point, in cubes; infinite unless the cut is close enough to warp the point
 };
 
 std::vector<CutAtPoint> cuts_by_point(const std::vector<Cut>& cuts) {
@@ -128,7 +128,7 @@ std::vector<CutAtPoint> cuts_by_point(const std::vector<Cut>& cuts) {
   return list;
 }
 
-/// Moves points onto the surface where it cuts an edge too near to them; their other cuts are then gone.
+/// Warps points onto the surface at a cut that is too close; their other cuts are discarded.
 void warp(LatticeSurface& surface) {
   const std::vector<CutAtPoint> list = cuts_by_point(surface.cuts);
   for (std::size_t begin = 0; begin < list.size();) {
@@ -139,19 +139,19 @@ void warp(LatticeSurface& surface) {
         nearest = end, distance = list[end].distance;
     if (distance < INFINITY) {
       surface.side[std::size_t(list[begin].point)] = Side::kOnSurface;
-      surface.moved.push_back({list[begin].point, surface.cuts[list[nearest].cut].place});
+      surface.moved.push_back({list[begin].point, surface.cuts[list[nearest].cut].position});
       for (std::size_t i = begin; i < end; i++) surface.cuts[list[i].cut].discarded = true;
     }
     begin = end;
   }
 }
 
-/// The inner parts of all tetrahedra, four corners each.
+/// Inner tetrahedra of all lattice tetrahedra, four corners each.
 std::vector<Corner> fill(const BccLattice& lattice, const std::vector<Side>& side) {
   std::vector<Corner> corners;
   for (std::int64_t id = 0; id < grid_points(lattice); id++)
     for (int axis = 0; axis < 3; axis++)
-      for (const auto& points : tetrahedra_around(point_of(lattice, id).place, axis)) {
+      for (const auto& points : tetrahedra_around(point_of(lattice, id).index, axis)) {
         LatticeTet tet{points, {}, {}};
         const auto known = [&](const BccPoint& p) { return contains(lattice, p); };
         if (!std::all_of(points.begin(), points.end(), known)) continue;
@@ -159,7 +159,7 @@ std::vector<Corner> fill(const BccLattice& lattice, const std::vector<Side>& sid
           tet.id[c] = point_id(lattice, points[c]);
           tet.side[c] = side[std::size_t(tet.id[c])];
         }
-        append_inner_part(tet, corners);
+        append_inside(tet, corners);
       }
   return corners;
 }
@@ -168,11 +168,11 @@ Vec3d place_of(const BccLattice& lattice, const LatticeSurface& surface, const C
   if (corner.to >= 0)
     return std::lower_bound(surface.cuts.begin(), surface.cuts.end(), corner,
                             [](const Cut& cut, const Corner& edge) { return cut.edge < edge; })
-        ->place;
+        ->position;
   const auto moved =
       std::lower_bound(surface.moved.begin(), surface.moved.end(), corner.point,
                        [](const MovedPoint& m, std::int64_t point) { return m.point < point; });
-  if (moved != surface.moved.end() && moved->point == corner.point) return moved->place;
+  if (moved != surface.moved.end() && moved->point == corner.point) return moved->position;
   return place_of(lattice, point_of(lattice, corner.point));
 }
 
@@ -214,7 +214,7 @@ SolidMesh stuff(const Exec& exec, const LatticeSamples& samples, double level) {
   surface.cuts = find_cut_edges(samples.lattice, surface.side);
   place_cuts(exec, samples, level, surface.cuts);
   warp(surface);
-  return made_manifold(to_mesh(samples.lattice, surface, fill(samples.lattice, surface.side)));
+  return make_manifold(to_mesh(samples.lattice, surface, fill(samples.lattice, surface.side)));
 }
 
 }  // namespace turgor

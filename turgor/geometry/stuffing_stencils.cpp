@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kFace[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};  // seen from outside
 
-/// A triangle of the inner part's border; `diagonal` is the corner of a cut quadrilateral, between whose
-/// halves it runs from a lattice point.
+/// A polygon of the inner region's boundary; `diagonal` is the cut corner at which the diagonal of a
+/// quadrilateral ends.
 struct Polygon {
   std::array<Corner, 4> corner;
   int count = 0;
@@ -23,19 +23,17 @@ struct Polygon {
   }
 };
 
-/// Which of the two inside corners a, b of a face has the cut edge (to n, outside) that the diagonal ends
-/// at. On a face with one long cut edge it is that edge. Where both are short, a and b are neighbours in
-/// their grid, and parity decides: seen from n, exactly one of
-/// them is below
-/// in an odd number of coordinates.
+/// Selects which inside corner a or b of a face has the cut edge (to n, outside) at which the diagonal ends.
+/// If the face has one long cut edge, it is that edge. If both are short, a and b are neighbors in their
+/// grid, and parity decides: seen from n, exactly one of them is below in an odd number of coordinates.
 bool diagonal_ends_at_first(const BccPoint& a, const BccPoint& b, const BccPoint& n) {
   if (a.grid != b.grid) return a.grid == n.grid;
   int below = 0;
-  for (int axis = 0; axis < 3; axis++) below += 2 * a.place[axis] + a.grid < 2 * n.place[axis] + n.grid;
+  for (int axis = 0; axis < 3; axis++) below += 2 * a.index[axis] + a.grid < 2 * n.index[axis] + n.grid;
   return below % 2 == 1;
 }
 
-/// The inner part of a face, in the order of its corners.
+/// Inner region of a face, in the order of its corners.
 Polygon clip_face(const LatticeTet& tet, const int (&face)[3]) {
   Polygon polygon;
   for (int i = 0; i < 3; i++) {
@@ -47,7 +45,7 @@ Polygon clip_face(const LatticeTet& tet, const int (&face)[3]) {
   return polygon;
 }
 
-/// The end of a quadrilateral's diagonal that is a cut.
+/// Chooses the end of a quadrilateral's diagonal that is a cut.
 void choose_diagonal(const LatticeTet& tet, const int (&face)[3], Polygon& polygon) {
   if (polygon.count < 4) return;
   int n = 0;
@@ -60,7 +58,7 @@ void choose_diagonal(const LatticeTet& tet, const int (&face)[3], Polygon& polyg
       int(std::find(polygon.corner.begin(), polygon.corner.end(), end) - polygon.corner.begin());
 }
 
-/// A cut from which the whole part can be seen without crossing a diagonal.
+/// A cut that sees the whole inner region without crossing a diagonal.
 Corner choose_apex(const std::array<Polygon, 4>& faces) {
   for (const Polygon& face : faces)
     for (int i = 0; i < face.count; i++) {
@@ -76,7 +74,7 @@ Corner choose_apex(const std::array<Polygon, 4>& faces) {
 
 }  // namespace
 
-void append_inner_part(const LatticeTet& tet, std::vector<Corner>& corners) {
+void append_inside(const LatticeTet& tet, std::vector<Corner>& corners) {
   const auto is = [&](Side side) { return std::count(tet.side.begin(), tet.side.end(), side); };
   if (is(Side::kInside) == 0) return;
   if (is(Side::kOutside) == 0) {
@@ -88,7 +86,8 @@ void append_inner_part(const LatticeTet& tet, std::vector<Corner>& corners) {
     faces[f] = clip_face(tet, kFace[f]);
     choose_diagonal(tet, kFace[f], faces[f]);
   }
-  // A cone over every triangle of the border that does not have the apex. Faces that the surface made have.
+  // A cone from the apex over every boundary triangle without it. Faces created by the surface contain the
+  // apex.
   const Corner apex = choose_apex(faces);
   for (const Polygon& face : faces) {
     if (face.count < 3 || face.has(apex)) continue;

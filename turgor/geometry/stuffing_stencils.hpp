@@ -1,6 +1,6 @@
-// What isosurface stuffing makes of one lattice tetrahedron that the surface passes through: its inner part,
-// cut into one to three tetrahedra. Shared faces are cut alike from both sides, because the cut of a face
-// depends on that face alone. Internal to stuffing.
+// Stencils of isosurface stuffing: the inner region of one lattice tetrahedron that the surface crosses,
+// split into one to three tetrahedra. The split of a face depends only on that face, so both neighbors agree.
+// Internal to stuffing.
 #pragma once
 
 #include <array>
@@ -11,11 +11,11 @@
 
 namespace turgor::stuffing {
 
-/// Where a lattice point lies.
+/// Side of a lattice point.
 enum class Side : std::int8_t { kInside, kOnSurface, kOutside };
 
-/// A corner of a tetrahedron of the result: a lattice point, or where the surface cuts the edge from an
-/// inside point to an outside one (to = -1 for a lattice point).
+/// Corner of a resulting tetrahedron: a lattice point, or the cut on the edge from an inside point to an
+/// outside one (to = -1 for a lattice point).
 struct Corner {
   std::int64_t point = -1, to = -1;
 
@@ -28,7 +28,7 @@ struct LatticeTet {
   std::array<Side, 4> side;
 };
 
-/// Appends the inner part, four corners a tetrahedron in SolidMesh's order.
-void append_inner_part(const LatticeTet& tet, std::vector<Corner>& corners);
+/// Appends the inner region, four corners per tetrahedron in SolidMesh's order.
+void append_inside(const LatticeTet& tet, std::vector<Corner>& corners);
 
 }  // namespace turgor::stuffing

@@ -16,20 +16,20 @@ namespace turgor {
 
 namespace {
 
-constexpr std::size_t kExamples = 3;  // named in an error
+constexpr std::size_t kExamples = 3;  // listed in an error
 
-std::string place_text(Vec3d p) {
+std::string position_text(Vec3d p) {
   return number_text(p.x * 1e3) + " " + number_text(p.y * 1e3) + " " + number_text(p.z * 1e3) + " mm";
 }
 
 /// " (vertices, counted from 0: 3-7 at 10 0 -5 mm; …)".
 std::string examples(const TriMesh& surface, const std::vector<EdgeUse>& edges) {
-  const auto place = [&](int v) { return Vec3d(surface.vertices[std::size_t(v)]); };
+  const auto position = [&](int v) { return Vec3d(surface.vertices[std::size_t(v)]); };
   std::string text = " (vertices, counted from 0: ";
   for (std::size_t i = 0; i < std::min(edges.size(), kExamples); i++) {
     const EdgeUse& edge = edges[i];
     text += (i ? "; " : "") + std::to_string(edge.a) + "-" + std::to_string(edge.b) + " at " +
-            place_text((place(edge.a) + place(edge.b)) / 2);
+            position_text((position(edge.a) + position(edge.b)) / 2);
   }
   return text + (edges.size() > kExamples ? "; …)" : ")");
 }
@@ -53,32 +53,32 @@ Status check_edges(const TriMesh& surface) {
     return Error{"the surface is not a manifold: " + edges_are(crowded) + " of more than two triangles" +
                  examples(surface, crowded) + "; expected two at every edge"};
   if (!disagreeing.empty())
-    return Error{"neighbouring triangles disagree about what is outside: " + edges_are(disagreeing) +
-                 " run through the same way by both triangles" + examples(surface, disagreeing) +
-                 "; turn them to one order first"};
+    return Error{"neighboring triangles have opposite orientations: " + edges_are(disagreeing) +
+                 " traversed in the same direction by both triangles" + examples(surface, disagreeing) +
+                 "; orient them consistently first"};
   return Done{};
 }
 
 double enclosed_volume(const TriMesh& surface, const std::vector<Int3>& triangles) {
-  // Seen from a vertex of the surface itself, so that a distant origin costs no digits.
+  // relative to a vertex of the surface, so that a distant origin costs no precision
   const auto x = [&](int v) { return Vec3d(surface.vertices[std::size_t(v)]); };
   double sum = 0;
   for (const auto [a, b, c] : triangles) sum += orientation(x(triangles[0].x), x(a), x(b), x(c)) / 6;
   return sum;
 }
 
-/// Triangles that are connected by their edges, part by part.
+/// Triangles by component, connected by their edges.
 std::vector<std::vector<Int3>> connected_triangles(const TriMesh& surface) {
   std::vector<int> parent(surface.triangles.size());
   std::iota(parent.begin(), parent.end(), 0);
   for_each_edge(sorted_edges(surface.triangles), [&](std::span<const EdgeUse> uses) {
     join_sets(parent, uses[0].triangle, uses[1].triangle);
   });
-  std::map<int, std::vector<Int3>> parts;
+  std::map<int, std::vector<Int3>> components;
   for (std::size_t t = 0; t < parent.size(); t++)
-    parts[root_of(parent, int(t))].push_back(surface.triangles[t]);
+    components[root_of(parent, int(t))].push_back(surface.triangles[t]);
   std::vector<std::vector<Int3>> result;
-  for (auto& [first, part] : parts) result.push_back(std::move(part));
+  for (auto& [first, component] : components) result.push_back(std::move(component));
   return result;
 }
 
@@ -86,38 +86,42 @@ void turn_round(std::vector<Int3>& triangles) {
   for (Int3& t : triangles) std::swap(t.y, t.z);
 }
 
-/// The largest part with the cavities in it; all else is left out.
+/// Largest component with its cavities; all others are dropped.
 CheckedSurface largest_body(const TriMesh& surface) {
-  std::vector<std::vector<Int3>> parts = connected_triangles(surface);
+  std::vector<std::vector<Int3>> components = connected_triangles(surface);
   std::vector<double> volumes;
-  for (const auto& part : parts) volumes.push_back(enclosed_volume(surface, part));
+  for (const auto& component : components) volumes.push_back(enclosed_volume(surface, component));
+  // component with the largest volume, oriented outward
   const std::size_t body =
       std::size_t(std::max_element(volumes.begin(), volumes.end(),
                                    [](double a, double b) { return std::abs(a) < std::abs(b); }) -
                   volumes.begin());
   CheckedSurface result;
   if (volumes[body] < 0) {
-    for (std::size_t i = 0; i < parts.size(); i++) turn_round(parts[i]), volumes[i] = -volumes[i];
-    result.notes.emplace_back("the surface was inside out; its triangles were turned round");
+    for (std::size_t i = 0; i < components.size(); i++) turn_round(components[i]), volumes[i] = -volumes[i];
+    result.notes.emplace_back("the surface was inside out; its triangles were reversed");
   }
-  result.mesh = {.vertices = surface.vertices, .triangles = parts[body]};
+  result.mesh = {.vertices = surface.vertices, .triangles = components[body]};
   result.volume = volumes[body];
-  if (parts.size() == 1) return result;
+  if (components.size() == 1) return result;
+  // inverted components inside it are cavities, all others are dropped
   const SignedDistance outer = distance_to_surface(result.mesh);
   std::size_t left_out = 0;
   double left_volume = 0;
-  for (std::size_t i = 0; i < parts.size(); i++) {
+  for (std::size_t i = 0; i < components.size(); i++) {
     if (i == body) continue;
-    const bool cavity = volumes[i] < 0 && outer.at(Vec3d(surface.vertices[std::size_t(parts[i][0].x)])) < 0;
+    const bool cavity =
+        volumes[i] < 0 && outer.at(Vec3d(surface.vertices[std::size_t(components[i][0].x)])) < 0;
     if (!cavity) left_out++, left_volume += std::abs(volumes[i]);
     if (!cavity) continue;
-    result.mesh.triangles.insert(result.mesh.triangles.end(), parts[i].begin(), parts[i].end());
+    result.mesh.triangles.insert(result.mesh.triangles.end(), components[i].begin(), components[i].end());
     result.volume += volumes[i];
   }
   if (left_out > 0)
-    result.notes.push_back(std::to_string(left_out) + (left_out == 1 ? " smaller part" : " smaller parts") +
+    result.notes.push_back(std::to_string(left_out) +
+                           (left_out == 1 ? " smaller component" : " smaller components") +
                            " of the surface with " + number_text(left_volume * 1e6) +
-                           " mL left out: a body is made of the largest part");
+                           " mL ignored: a body is made of the largest component");
   return result;
 }
 
@@ -128,8 +132,8 @@ void note_crossings(const Exec& exec, CheckedSurface& body) {
   const int vertex = body.mesh.triangles[std::size_t(pairs[0].first)].x;
   body.notes.push_back("the surface crosses itself: " + std::to_string(pairs.size()) +
                        (pairs.size() == 1 ? " pair" : " pairs") + " of triangles, the first at " +
-                       place_text(Vec3d(body.mesh.vertices[std::size_t(vertex)])) +
-                       "; inside is what it winds around");
+                       position_text(Vec3d(body.mesh.vertices[std::size_t(vertex)])) +
+                       "; the inside is defined by the winding number");
 }
 
 }  // namespace
@@ -138,7 +142,7 @@ Result<CheckedSurface> check_surface(const Exec& exec, const TriMesh& surface) {
   if (surface.triangles.empty()) return Error{"the surface has no triangles"};
   for (std::size_t v = 0; v < surface.vertices.size(); v++)
     if (const Vec3 p = surface.vertices[v]; !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      return Error{"vertex " + std::to_string(v) + " (counted from 0) has a coordinate that is no number"};
+      return Error{"vertex " + std::to_string(v) + " (counted from 0) has a coordinate that is not a number"};
   const TriMesh whole = welded(surface);
   if (whole.triangles.empty()) return Error{"all triangles of the surface are points or lines"};
   if (Status edges = check_edges(whole); !edges) return edges.error();

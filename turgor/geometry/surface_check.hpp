@@ -1,6 +1,5 @@
-// Whether a triangle surface bounds a body: closed, manifold, all triangles the same way round. Vertices at
-// one place are taken for one; what can be lived with (inside out, loose parts, triangles that cross) is, and
-// said.
+// Checks that a triangle surface bounds a body: closed, manifold, consistently oriented. Coincident vertices
+// are merged. Inverted orientation, separate components and crossing triangles are tolerated and noted.
 #pragma once
 
 #include <string>
@@ -19,13 +18,13 @@ struct CheckedSurface {
   std::vector<std::string> notes;  // sentences
 };
 
-/// Error: no triangles, places that are no numbers, open edges, edges of more than two triangles, neighbours
-/// in opposite order, no volume: with counts, and the first few edges by their vertices (counted from 0 in
-/// the order of `surface`) and places.
+/// Error: no triangles, coordinates that are not numbers, open edges, edges with more than two triangles,
+/// opposite orientations of neighbors, no volume. The message has counts and the first few edges by vertex
+/// (counted from 0 in the order of `surface`) and position.
 Result<CheckedSurface> check_surface(const Exec& exec, const TriMesh& surface);
 
-/// Pairs of triangles (lower number first, ascending) of which an edge of one passes through the other.
-/// Neighbours that share an edge are not looked at.
+/// Pairs of triangles (lower number first, ascending) where an edge of one passes through the other.
+/// Neighbors that share an edge are skipped.
 std::vector<std::pair<int, int>> crossing_triangles(const Exec& exec, const TriMesh& surface);
 
 }  // namespace turgor

@@ -1,5 +1,5 @@
-// The edges of a triangle surface: each use of an edge by a triangle, sorted so that the uses of one edge are
-// neighbours in the list. Two uses in opposite directions make a closed surface.
+// Edges of a triangle surface: each use of an edge by a triangle, sorted so that the uses of one edge are
+// adjacent in the list. In a closed surface every edge has two uses in opposite directions.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace turgor {
 
 struct EdgeUse {
   int a = 0, b = 0;     // vertices, a < b
-  int triangle = 0;     // that has the edge
+  int triangle = 0;     // triangle with the edge
   int side = 0;         // 0: from its first to its second vertex, 1: second to third, 2: third to first
   bool forward = true;  // the triangle runs from a to b
 };

@@ -1,4 +1,4 @@
-// A triangle mesh to draw, to write or to touch. Normals and colours are optional: empty, or one a vertex.
+// Triangle mesh for drawing, files and contact. Normals and scalars are optional: empty, or one per vertex.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ struct TriMesh {
   std::vector<Vec3> vertices;   // [m]
   std::vector<Int3> triangles;  // counter-clockwise seen from outside
   std::vector<Vec3> normals;    // unit, outward
-  std::vector<float> scalars;   // a quantity to show as colour
+  std::vector<float> scalars;   // a quantity shown as color
 };
 
 /// Area-weighted vertex normals.

@@ -1,4 +1,4 @@
-// The point of a triangle that is nearest to another point.
+// Nearest point of a triangle.
 #pragma once
 
 #include <algorithm>
@@ -11,17 +11,17 @@ namespace turgor {
 struct TrianglePoint {
   int triangle = -1;
   Vec3d weights;        // barycentric
-  Vec3d place;          // [m]
-  double distance = 0;  // from the point that was asked for [m]
+  Vec3d position;       // [m]
+  double distance = 0;  // from the query point [m]
 };
 
-/// Where p's foot on the line ab is, kept within the edge: 0 at a, 1 at b.
+/// Parameter of p's projection onto the line ab, clamped to the edge: 0 at a, 1 at b.
 TURGOR_HD inline double foot_on_edge(Vec3d p, Vec3d a, Vec3d b) {
   const double length2 = dot(b - a, b - a);
   return length2 > 0 ? std::clamp(dot(p - a, b - a) / length2, 0.0, 1.0) : 0;
 }
 
-/// Barycentric weights of p's foot on the plane of abc.
+/// Barycentric weights of p's projection onto the plane of abc.
 TURGOR_HD inline Vec3d foot_on_plane(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d n = cross(b - a, c - a);
   const double area2 = dot(n, n);
@@ -30,12 +30,12 @@ TURGOR_HD inline Vec3d foot_on_plane(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
   return {1 - v - w, v, w};
 }
 
-/// The nearest point of the triangle abc; also for triangles without area.
+/// Nearest point of the triangle abc; also for degenerate triangles.
 TURGOR_HD inline TrianglePoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d weights = foot_on_plane(p, a, b, c);
   if (weights.x > 0 && weights.y > 0 && weights.z > 0) {
-    const Vec3d place = a * weights.x + b * weights.y + c * weights.z;
-    return {-1, weights, place, norm(p - place)};
+    const Vec3d position = a * weights.x + b * weights.y + c * weights.z;
+    return {-1, weights, position, norm(p - position)};
   }
   const Vec3d x[3] = {a, b, c};
   TrianglePoint nearest;
@@ -43,9 +43,9 @@ TURGOR_HD inline TrianglePoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Ve
   for (int side = 0; side < 3; side++) {
     const int from = side, to = (side + 1) % 3;
     const double t = foot_on_edge(p, x[from], x[to]);
-    const Vec3d place = x[from] * (1 - t) + x[to] * t;
-    if (const double d = norm(p - place); d < nearest.distance) {
-      nearest = {-1, {}, place, d};
+    const Vec3d position = x[from] * (1 - t) + x[to] * t;
+    if (const double d = norm(p - position); d < nearest.distance) {
+      nearest = {-1, {}, position, d};
       nearest.weights[from] = 1 - t;
       nearest.weights[to] = t;
     }
@@ -53,9 +53,9 @@ TURGOR_HD inline TrianglePoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Ve
   return nearest;
 }
 
-/// The point of a triangle that is nearest to a point, as weights of its corners (each ≥ 0, their sum 1).
-// The regions around a triangle, each told by signs of dot products. [Ericson, Real-Time Collision Detection
-// 5.1.5]
+/// Nearest point of a triangle to a point, as weights of its corners (each ≥ 0, with sum 1).
+// Voronoi regions of the triangle's features, distinguished by signs of dot products. [Ericson, Real-Time
+// Collision Detection 5.1.5]
 TURGOR_HD inline Vec3d closest_weights(Vec3d x, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d ab = b - a, ac = c - a;
   const double d1 = dot(ab, x - a), d2 = dot(ac, x - a);

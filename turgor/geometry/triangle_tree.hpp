@@ -1,4 +1,4 @@
-// A triangle surface one can ask for its nearest point.
+// Triangle surface with a bounding volume hierarchy for nearest-point queries.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace turgor {
 
-/// A point of a triangle. A weight that is exactly 0 puts it on the opposite edge, two of them on a corner.
+/// Vertices, triangles and tree.
 struct TriangleTree {
   std::vector<Vec3d> vertices;  // [m]
   std::vector<Int3> triangles;
@@ -17,7 +17,8 @@ struct TriangleTree {
 };
 
 TriangleTree build_triangle_tree(std::vector<Vec3d> vertices, std::vector<Int3> triangles);
-/// There is at least one triangle.
+/// Nearest point of the surface, which has at least one triangle. A weight of exactly 0 means a point on the
+/// opposite edge, two of them a corner.
 TrianglePoint nearest_point(const TriangleTree& tree, Vec3d p);
 
 }  // namespace turgor

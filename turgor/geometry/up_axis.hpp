@@ -1,4 +1,4 @@
-// Which axis of a file points up. Programs for drawing have y up, bodies here z (to the patient's head).
+// Up axis of a file. Modeling programs often have y up; bodies have z up (to the patient's head).
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace turgor {
 
 enum class UpAxis : std::uint8_t { kX, kY, kZ };
 
-/// A place turned so that `up` becomes +z; the third axis stays. Zero gets no sign.
+/// Rotates a position so that `up` becomes +z; the third axis stays. Zeros are positive.
 template <class T>
 Vec<T> turned_up(Vec<T> x, UpAxis up) {
   if (up == UpAxis::kX) return {0 - x.z, x.y, x.x};
@@ -19,8 +19,8 @@ Vec<T> turned_up(Vec<T> x, UpAxis up) {
 }
 
 template <class T>
-void turn_up(std::vector<Vec<T>>& places, UpAxis up) {
-  for (Vec<T>& x : places) x = turned_up(x, up);
+void turn_up(std::vector<Vec<T>>& positions, UpAxis up) {
+  for (Vec<T>& x : positions) x = turned_up(x, up);
 }
 
 }  // namespace turgor

@@ -1,5 +1,5 @@
-// A volume: one value a sample of a grid, i fastest. CT volumes hold Hounsfield units, label volumes hold
-// what a segmentation says (0 = nothing).
+// A volume: one value per sample of a grid, i fastest. CT volumes hold Hounsfield units, label volumes hold
+// the labels of a segmentation (0 = background).
 #pragma once
 
 #include <cstdint>

@@ -8,8 +8,8 @@ namespace turgor {
 
 namespace {
 
-/// The first vertex at the same place, for every vertex.
-std::vector<int> first_at_place(const std::vector<Vec3>& x) {
+/// First coincident vertex of every vertex.
+std::vector<int> first_coincident(const std::vector<Vec3>& x) {
   const auto key = [&](int v) {
     const Vec3 p = x[std::size_t(v)];
     return std::tuple{p.x, p.y, p.z};
@@ -27,7 +27,7 @@ std::vector<int> first_at_place(const std::vector<Vec3>& x) {
 }  // namespace
 
 TriMesh welded(const TriMesh& surface) {
-  const std::vector<int> first = first_at_place(surface.vertices);
+  const std::vector<int> first = first_coincident(surface.vertices);
   TriMesh result{.vertices = surface.vertices};
   for (const Int3 t : surface.triangles) {
     const Int3 w{first[std::size_t(t.x)], first[std::size_t(t.y)], first[std::size_t(t.z)]};

@@ -1,12 +1,12 @@
-// Vertices that lie at one place made one, so that triangles know their neighbours.
+// Welding of coincident vertices, so that triangles share them.
 #pragma once
 
 #include "turgor/geometry/tri_mesh.hpp"
 
 namespace turgor {
 
-/// All vertices as they were; triangles take the first vertex of each place, and those with two corners at
-/// one place are left out.
+/// Keeps all vertices. Triangles use the first of coincident vertices; triangles with two coincident corners
+/// are dropped.
 TriMesh welded(const TriMesh& surface);
 
 }  // namespace turgor

@@ -9,7 +9,7 @@ namespace turgor {
 
 namespace {
 
-// A node is taken as one from three of its radii on: its error is then some thousandths.
+// Distance in node radii from which a node is approximated by its dipole; the error is then some thousandths.
 constexpr double kFar = 3;
 
 std::array<Vec3d, 3> corners(const TriangleTree& tree, int triangle) {
@@ -17,17 +17,17 @@ std::array<Vec3d, 3> corners(const TriangleTree& tree, int triangle) {
   return {tree.vertices[std::size_t(t.x)], tree.vertices[std::size_t(t.y)], tree.vertices[std::size_t(t.z)]};
 }
 
-/// The solid angle of a triangle seen from p, positive from inside. [van Oosterom, Strackee 1983]
+/// Solid angle of a triangle seen from p, positive from inside. [van Oosterom, Strackee 1983]
 double solid_angle(const std::array<Vec3d, 3>& x, Vec3d p) {
   const Vec3d a = x[0] - p, b = x[1] - p, c = x[2] - p;
   const double la = norm(a), lb = norm(b), lc = norm(c);
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-/// Sums of the triangles below a node, and the node after them.
+/// Sums over the triangles below a node, and the node after them.
 struct Sums {
-  Vec3d area, moment;  // moment: middle times area
-  double size = 0;     // area, whatever its direction [m²]
+  Vec3d area, moment;  // moment: centroid times area
+  double size = 0;     // unsigned area [m²]
 };
 
 Sums fill_node(const TriangleTree& tree, std::size_t n, WindingNodes& winding) {
@@ -42,8 +42,8 @@ Sums fill_node(const TriangleTree& tree, std::size_t n, WindingNodes& winding) {
   }
   if (node.count == 0)
     for (const std::size_t child : {n + 1, std::size_t(node.first)}) {
-      const Sums part = fill_node(tree, child, winding);
-      sums.area += part.area, sums.moment += part.moment, sums.size += part.size;
+      const Sums child_sums = fill_node(tree, child, winding);
+      sums.area += child_sums.area, sums.moment += child_sums.moment, sums.size += child_sums.size;
     }
   const Box box = node.box;
   const Vec3d middle = sums.size > 0 ? sums.moment / sums.size : (box.low + box.high) * 0.5;
@@ -69,9 +69,9 @@ double winding_number(const TriangleTree& tree, const WindingNodes& winding, Vec
   while (depth > 0) {
     const int n = stack[std::size_t(--depth)];
     const WindingNodes::Node& far = winding.nodes[std::size_t(n)];
-    const Vec3d away = far.middle - p;
-    if (const double d2 = dot(away, away); d2 > far.far2) {
-      angle += dot(far.area, away) / (d2 * std::sqrt(d2));
+    const Vec3d direction = far.middle - p;
+    if (const double d2 = dot(direction, direction); d2 > far.far2) {
+      angle += dot(far.area, direction) / (d2 * std::sqrt(d2));
       continue;
     }
     const BoxTree::Node& node = tree.boxes.nodes[std::size_t(n)];

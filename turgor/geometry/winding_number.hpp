@@ -1,6 +1,7 @@
-// How often a triangle surface winds around a point: 1 inside, 0 outside of a closed one, in between near the
-// holes of an open one, 2 where it encloses a place twice. Unlike the side of the nearest triangle it has a
-// meaning on surfaces that cross themselves. Far triangles are taken together. [Barill et al. 2018]
+// Generalized winding number of a triangle surface at a point: 1 inside and 0 outside of a closed one,
+// fractional near the holes of an open one, 2 where it encloses a region twice. It is also defined on
+// self-crossing surfaces, where the side of the nearest triangle is not. Distant triangles are approximated
+// by dipoles in a tree. [Barill et al. 2018]
 #pragma once
 
 #include <vector>
@@ -9,12 +10,12 @@
 
 namespace turgor {
 
-/// What the triangles of each node of TriangleTree::boxes are from afar.
+/// Far-field approximation of the triangles of each node of TriangleTree::boxes.
 struct WindingNodes {
   struct Node {
-    Vec3d middle;     // of their areas [m]
-    Vec3d area;       // sum of areas along their normals [m²]
-    double far2 = 0;  // squared distance from the middle where that is exact enough [m²]
+    Vec3d middle;     // area-weighted centroid [m]
+    Vec3d area;       // sum of area-weighted normals [m²]
+    double far2 = 0;  // squared distance from which the approximation is used [m²]
   };
   std::vector<Node> nodes;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::haptics {
 
 namespace {
@@ -10,6 +12,7 @@ namespace {
 bool is_finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 Vec3d no_longer_than(double limit, Vec3d v) {
+  TURGOR_CHECK(limit >= 0, "the limit of a force is not negative");
   const double length = norm(v);
   return length > limit ? v * (limit / length) : v;
 }
@@ -21,6 +24,7 @@ bool is_finite(const DeviceOutput& output) {
 }
 
 DeviceOutput within_limits(const DeviceSpec& spec, const DeviceOutput& output) {
+  TURGOR_CHECK(spec.grip_force >= 0, "the limit of a grip force is not negative");
   return {.force = no_longer_than(spec.force, output.force),
           .torque = no_longer_than(spec.torque, output.torque),
           .grip_force = std::clamp(output.grip_force, -spec.grip_force, spec.grip_force)};

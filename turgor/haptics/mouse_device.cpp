@@ -2,22 +2,26 @@
 
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::haptics {
 
 namespace {
 
-/// Exact and without dry friction: no hand of flesh holds it.
+/// Arm with an exact encoder and no dry friction, because it has no real hand.
 VirtualArm mouse_arm(const Box& reach) {
   VirtualArm arm;
   arm.mass = 0.05;
   arm.coulomb = arm.angular_coulomb = arm.encoder = arm.angular_encoder = 0;
+  TURGOR_CHECK(reach.low.x <= reach.high.x && reach.low.y <= reach.high.y && reach.low.z <= reach.high.z,
+               "the range of a tool has its lower corner first");
   arm.workspace_low = reach.low, arm.workspace_high = reach.high;
   return arm;
 }
 
-/// Critically damped, or nearly so.
+/// Nearly critically damped hand.
 VirtualHand mouse_hand(std::function<HandTarget(double)> target) {
-  VirtualHand hand = light_hand(std::move(target));
+  VirtualHand hand = light_grip(std::move(target));
   hand.mass = 0.05, hand.damping = 14, hand.stiffness = MouseDevice::kStiffness;
   return hand;
 }
@@ -30,19 +34,21 @@ MouseDevice::MouseDevice(const Box& reach)
   spec_.name = "mouse";
 }
 
-void MouseDevice::lead(const MouseHand& hand) { said_.write(hand); }
+void MouseDevice::set_target(const MouseHand& hand) { target_.write(hand); }
 
 bool MouseDevice::exchange(const DeviceOutput& output, DeviceInput& input) noexcept {
-  constexpr double kShare = 0.06;  // of the way, a tick: a jump of the mouse takes some 20 ms
-  is_led_ = is_led_ || said_.has_news();
-  const MouseHand& said = said_.read();
-  const bool is_put = said.put != put_;
+  constexpr double kStepFraction = 0.06;  // of the distance, a tick: a jump of the mouse takes some 20 ms
+  is_driven_ = is_driven_ || target_.has_news();
+  const MouseHand& mouse = target_.read();
+  // teleport the spring's target and the arm
+  const bool is_teleported = mouse.teleports != teleports_;
   Vec3d& goal = goal_.pose.position;
-  if (is_put) goal = said.put_at, put_ = said.put;
-  goal_.pose.axes = said.pose.axes;
-  goal_.buttons = said.hold ? Buttons().hold : 0u;
-  if (is_put) arm_.put(goal_.pose);
-  goal += (said.pose.position - goal) * kShare;
+  if (is_teleported) goal = mouse.teleport_to, teleports_ = mouse.teleports;
+  goal_.pose.axes = mouse.pose.axes;
+  goal_.buttons = mouse.hold ? Buttons().hold : 0u;
+  // the spring's target follows the mouse smoothly
+  if (is_teleported) arm_.teleport(goal_.pose);
+  goal += (mouse.pose.position - goal) * kStepFraction;
   return arm_.exchange(output, input);
 }
 

@@ -1,6 +1,6 @@
-// A device whose hand is a mouse, or whatever else says where a tool shall be: an arm that is computed
-// (virtual_device.hpp), led to that place by a soft spring. What presses back makes the tool stay behind, as
-// a hand would be held up; the mouse itself feels nothing. Its frame is the world's.
+// A device driven by a mouse, or by any other source of target poses. A computed arm (virtual_device.hpp) is
+// pulled to the target by a soft spring. Contact forces hold the tool back, as they would hold a hand, but
+// the mouse itself renders no force. Its frame is the world frame.
 #pragma once
 
 #include <atomic>
@@ -12,26 +12,26 @@
 
 namespace turgor::haptics {
 
-/// What a mouse says.
+/// Input from a mouse.
 struct MouseHand {
-  contact::Pose pose;  // where the tool shall be
-  bool hold = false;   // and carry what it touches
-  int put = 0;         // another number than before: its way begins at once from
-  Vec3d put_at;        // there, whatever lies between [m]
+  contact::Pose pose;  // target pose of the tool
+  bool hold = false;   // carry the touched tissue
+  int teleports = 0;   // count of teleports; a new value moves the tool at once
+  Vec3d teleport_to;   // to this position, whatever lies between [m]
 };
 
 class MouseDevice final : public Device {
  public:
   static constexpr double kStiffness = 600;  // of the spring [N/m]
 
-  /// `reach`: where the tool can go [m].
+  /// `reach`: range of the tool [m].
   explicit MouseDevice(const Box& reach);
 
-  /// By one thread, which is not the loop's. From the exchange after the first time on the tool is the
-  /// mouse's.
-  void lead(const MouseHand& hand);
-  /// Did the newest exchange say where the mouse is?
-  const std::atomic<bool>& is_led() const { return is_led_; }
+  /// Sets the target; called by one thread other than the loop's. The tool follows the mouse from the first
+  /// exchange after the first call.
+  void set_target(const MouseHand& hand);
+  /// True when the newest exchange used a target of the mouse.
+  const std::atomic<bool>& is_driven() const { return is_driven_; }
 
   Status open() override { return arm_.open(); }
   const DeviceSpec& spec() const override { return spec_; }
@@ -39,10 +39,10 @@ class MouseDevice final : public Device {
   void close() noexcept override { arm_.close(); }
 
  private:
-  latest<MouseHand> said_;
-  std::atomic<bool> is_led_ = false;
-  int put_ = 0;
-  HandTarget goal_;  // of the spring: follows the mouse, whose places come by jumps
+  latest<MouseHand> target_;
+  std::atomic<bool> is_driven_ = false;
+  int teleports_ = 0;
+  HandTarget goal_;  // of the spring; follows the jumps of the mouse smoothly
   VirtualDevice arm_;
   DeviceSpec spec_;
 };

@@ -27,8 +27,8 @@ void sleep_until(double seconds) {
   }
 }
 
-std::string take_priority(int priority) {
-  prctl(PR_SET_TIMERSLACK, 1UL);  // nanosecond, instead of the usual 50 µs
+std::string set_real_time_priority(int priority) {
+  prctl(PR_SET_TIMERSLACK, 1UL);  // 1 ns instead of the default of 50 µs
   const int lowest = sched_get_priority_min(SCHED_FIFO), highest = sched_get_priority_max(SCHED_FIFO);
   const sched_param param{.sched_priority = std::clamp(priority, lowest, highest)};
   const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
@@ -40,7 +40,7 @@ std::string take_priority(int priority) {
       std::strerror(refused), param.sched_priority);
 }
 
-void touch_stack() {
+void prefault_stack() {
   volatile char stack[1 << 17];
   for (std::size_t i = 0; i < sizeof stack; i += 1024) stack[i] = 0;
 }

@@ -1,21 +1,21 @@
-// A thread that is to wake up in time: its priority, memory that stays, sleep until a moment.
+// Real-time settings of a thread: priority, locked memory, sleep until a deadline.
 #pragma once
 
 #include <string>
 
 namespace turgor::haptics {
 
-/// Now, on the clock that `sleep_until` means [s].
+/// Present time on the clock of `sleep_until` [s].
 double steady_seconds();
-/// Until then or at once.
+/// Sleeps until that time; returns at once if it has passed.
 void sleep_until(double seconds);
 
-/// Of the calling thread: first in, first out before everybody else, and no slack in its timers. Empty, or
-/// why not.
-std::string take_priority(int priority);
-/// Of the calling thread: what a tick may need of its stack is there.
-void touch_stack();
-/// What the process has in memory stays there. Empty, or why not.
+/// Gives the calling thread first-in-first-out scheduling and no timer slack. Returns an empty text, or the
+/// reason of refusal.
+std::string set_real_time_priority(int priority);
+/// Maps the stack pages that a tick may need, for the calling thread.
+void prefault_stack();
+/// Locks the process's memory. Returns an empty text, or the reason of refusal.
 std::string lock_memory();
 void unlock_memory();
 

@@ -2,20 +2,24 @@
 
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::haptics {
 
 namespace {
 
-/// w + (x, y, z), as long as 1.
+/// Unit quaternion w + (x, y, z).
 struct Quaternion {
   double w;
   Vec3d v;
 };
 
-/// By the largest of its four numbers, so that nothing is divided by a small one (Shepperd 1978).
+/// Quaternion of a rotation matrix. The largest of the four components is computed first, so that no division
+/// by a small number occurs (Shepperd 1978).
 Quaternion quaternion(const Mat3d& m) {
   const auto& [a, b, c] = m.column;
   const double trace = a.x + b.y + c.z;
+  // largest component first
   Quaternion q;
   if (trace >= a.x && trace >= b.y && trace >= c.z)
     q = {1 + trace, {b.z - c.y, c.x - a.z, a.y - b.x}};
@@ -25,7 +29,9 @@ Quaternion quaternion(const Mat3d& m) {
     q = {c.x - a.z, {a.y + b.x, 1 + b.y - a.x - c.z, b.z + c.y}};
   else
     q = {a.y - b.x, {c.x + a.z, b.z + c.y, 1 + c.z - a.x - b.y}};
+  // normalize
   const double length = std::sqrt(q.w * q.w + dot(q.v, q.v));
+  TURGOR_CHECK(length > 0, "a rotation matrix has a quaternion");
   return {q.w / length, q.v / length};
 }
 

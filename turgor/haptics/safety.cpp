@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::haptics {
 
 namespace {
@@ -13,7 +15,7 @@ DeviceOutput scaled(const DeviceOutput& output, double s) {
   return {output.force * s, output.torque * s, output.grip_force * s};
 }
 
-/// Nothing when either is no number, or below zero.
+/// Smaller of two limits; zero when either is not positive or not a number.
 double smaller_limit(double user, double device) {
   return user > 0 && device > 0 ? std::min(user, device) : 0;
 }
@@ -24,35 +26,41 @@ DeviceOutput finite_link(Safety& safety, const DeviceOutput& wanted) {
   return {};
 }
 
-/// Damping that fades, while the model is silent; true then.
-bool silence_link(Safety& safety, const Asked& asked, double dt, DeviceOutput& out) {
+/// Renders fading damping while the model is silent. Returns true then.
+bool silence_link(Safety& safety, const SafetyInput& input, double dt, DeviceOutput& out) {
   const SafetyParams& p = safety.params;
-  if (asked.age <= p.silence) {
-    safety.silent_for = 0;
+  // the model answers
+  if (input.age <= p.silence) {
+    safety.silent_time = 0;
     return false;
   }
+  // damping, constant and then fading
   safety.counts.silent++;
-  safety.silent_for += dt;
-  const double faded = (safety.silent_for - p.silent_hold) / p.silent_fade;
-  const double part = std::clamp(1 - faded, 0.0, 1.0);
-  out = {.force = asked.hand.velocity * (-p.silent_damping * part),
-         .torque = asked.hand.angular_velocity * (-p.silent_angular_damping * part)};
-  begin_softly(safety);
+  safety.silent_time += dt;
+  TURGOR_CHECK(p.silent_fade > 0, "damping fades in a positive time");
+  const double faded = (safety.silent_time - p.silent_hold) / p.silent_fade;
+  const double fraction = std::clamp(1 - faded, 0.0, 1.0);
+  out = {.force = input.hand.velocity * (-p.silent_damping * fraction),
+         .torque = input.hand.angular_velocity * (-p.silent_angular_damping * fraction)};
+  restart_soft_start(safety);
   return true;
 }
 
-/// Tracking that slipped, a path that starts anew, a loop that slept: whatever is asked for there is new.
-void jump_link(Safety& safety, const Asked& asked) {
+/// Restarts the soft start after a jump of the hand: lost tracking, a restarted path, or a stalled loop. Any
+/// force at the new pose is new.
+void jump_link(Safety& safety, const SafetyInput& input) {
   const Passivity& last = safety.passivity;
-  if (!last.began || !asked.answered) return;
-  if (norm(asked.hand.pose.position - last.before.position) <= safety.params.jump) return;
+  if (!last.has_pose || !input.answered) return;
+  if (norm(input.hand.pose.position - last.before.position) <= safety.params.jump) return;
   safety.counts.jumped++;
-  begin_softly(safety);
+  restart_soft_start(safety);
 }
 
 DeviceOutput soft_start_link(Safety& safety, const DeviceOutput& wanted, double dt) {
   const SafetyParams& p = safety.params;
+  // full force
   if (safety.start == SoftStart::kFull) return wanted;
+  // waiting for a small force
   if (safety.start == SoftStart::kWaiting) {
     safety.counts.waiting++;
     const bool calm = norm(wanted.force) < p.small_force && norm(wanted.torque) < p.small_torque;
@@ -60,44 +68,49 @@ DeviceOutput soft_start_link(Safety& safety, const DeviceOutput& wanted, double 
     if (safety.calm >= p.calm_ticks) safety.start = SoftStart::kRamping;
     return {};
   }
+  // ramp
   safety.counts.ramping++;
+  TURGOR_CHECK(p.ramp > 0, "the force rises in a positive time");
   safety.gain = std::min(1.0, safety.gain + dt / p.ramp);
   if (safety.gain >= 1) safety.start = SoftStart::kFull;
+  TURGOR_CHECK(safety.gain >= 0 && safety.gain <= 1, "the gain of a soft start is from 0 to 1");
   return scaled(wanted, safety.gain);
 }
 
-DeviceOutput passivity_link(Safety& safety, const Asked& asked, const DeviceOutput& wanted, double dt) {
+DeviceOutput passivity_link(Safety& safety, const SafetyInput& input, const DeviceOutput& wanted, double dt) {
   if (!safety.params.passivity_control) return wanted;
   bool damped = false;
   const DeviceOutput out =
-      pay_back(safety.params.passivity, safety.passivity, wanted, asked.hand, dt, damped);
+      add_passivity_damping(safety.params.passivity, safety.passivity, wanted, input.hand, dt, damped);
   safety.counts.damped += damped;
   return out;
 }
 
-/// From `before` towards `wanted`, no farther than `step`.
-Vec3d towards(Vec3d before, Vec3d wanted, double step, bool& held) {
-  const Vec3d way = wanted - before;
-  const double length = norm(way);
+/// Steps from `before` towards `wanted`, by at most `step`.
+Vec3d towards(Vec3d before, Vec3d wanted, double step, bool& is_limited) {
+  TURGOR_CHECK(step >= 0, "the largest change of a force is not negative");
+  const Vec3d displacement = wanted - before;
+  const double length = norm(displacement);
   if (length <= step) return wanted;
-  held = true;
-  return before + way * (step / length);  // nowhere when the way has no finite length
+  is_limited = true;
+  return before + displacement * (step / length);  // equals `before` when the difference is not finite
 }
 
 DeviceOutput slew_link(Safety& safety, const DeviceOutput& wanted, double dt) {
   const SafetyParams& p = safety.params;
-  const DeviceOutput& before = safety.passivity.haptic;
-  const double part = dt / p.rise;
-  bool held = false;
-  DeviceOutput out{towards(before.force, wanted.force, p.force * part, held),
-                   towards(before.torque, wanted.torque, p.torque * part, held)};
-  const double step = p.grip_force * part;
+  const DeviceOutput& before = safety.passivity.held_output;
+  TURGOR_CHECK(p.rise >= SafetyParams::kSteepest, "the force rises no faster than kSteepest");
+  const double fraction = dt / p.rise;
+  bool is_limited = false;
+  DeviceOutput out{towards(before.force, wanted.force, p.force * fraction, is_limited),
+                   towards(before.torque, wanted.torque, p.torque * fraction, is_limited)};
+  const double step = p.grip_force * fraction;
   out.grip_force = std::clamp(wanted.grip_force, before.grip_force - step, before.grip_force + step);
-  safety.counts.slewed += held || out.grip_force != wanted.grip_force;
+  safety.counts.slewed += is_limited || out.grip_force != wanted.grip_force;
   return out;
 }
 
-/// A projection onto a ball: what was within the slew limit stays there.
+/// Projects onto the limits' ball. A projection keeps the slew limit.
 DeviceOutput saturation_link(Safety& safety, const DeviceOutput& wanted) {
   const SafetyParams& p = safety.params;
   const DeviceOutput out =
@@ -107,11 +120,12 @@ DeviceOutput saturation_link(Safety& safety, const DeviceOutput& wanted) {
   return is_finite(out) ? out : DeviceOutput{};
 }
 
-/// True while the device is lost. A loop that stalled itself does not blame the device: it asks five times.
-bool lost_link(Safety& safety, const Asked& asked, double dt) {
+/// True while the device is lost. A stalled loop counts for at most a fifth of the time limit, so that the
+/// device gets five exchanges.
+bool lost_link(Safety& safety, const SafetyInput& input, double dt) {
   const double waited = dt > 0 ? std::min(dt, safety.params.lost / 5) : 0;
-  safety.unheard = asked.answered ? 0 : safety.unheard + waited;
-  safety.is_lost = safety.is_lost || safety.unheard > safety.params.lost;
+  safety.unanswered_time = input.answered ? 0 : safety.unanswered_time + waited;
+  safety.is_lost = safety.is_lost || safety.unanswered_time > safety.params.lost;
   safety.counts.lost += safety.is_lost;
   return safety.is_lost;
 }
@@ -119,12 +133,15 @@ bool lost_link(Safety& safety, const Asked& asked, double dt) {
 }  // namespace
 
 Safety make_safety(const DeviceSpec& spec, const SafetyParams& params) {
+  // limits of user and device
   Safety safety{.params = params};
   SafetyParams& p = safety.params;
   p.force = smaller_limit(p.force, spec.force);
   p.torque = smaller_limit(p.torque, spec.torque);
   p.grip_force = smaller_limit(p.grip_force, spec.grip_force);
   if (!(p.rise >= SafetyParams::kSteepest)) p.rise = SafetyParams::kSteepest;
+  // damping that the device renders
+  TURGOR_CHECK(spec.rate > 0, "a device has a rate");
   const double most = largest_damping(spec, 1 / spec.rate);
   p.passivity.damping = std::min(p.passivity.damping, most);
   p.silent_damping = std::min(p.silent_damping, most);
@@ -132,29 +149,33 @@ Safety make_safety(const DeviceSpec& spec, const SafetyParams& params) {
   return safety;
 }
 
-void begin_softly(Safety& safety) {
+void restart_soft_start(Safety& safety) {
   safety.start = SoftStart::kWaiting;
   safety.calm = 0;
   safety.gain = 0;
 }
 
-SafeOutput make_safe(Safety& safety, const Asked& asked, double dt) {
-  constexpr double kLongest = 0.002;  // of a tick that came late [s]
+SafeOutput make_safe(Safety& safety, const SafetyInput& input, double dt) {
+  constexpr double kLongest = 0.002;  // of a late tick [s]
   const double elapsed = dt > 0 ? std::min(dt, kLongest) : 0;
+  // plausible velocities, jump, energy of the last tick
   safety.counts.ticks++;
-  Asked tick = asked;
-  tick.hand.velocity = finite_or_zero(asked.hand.velocity);
-  tick.hand.angular_velocity = finite_or_zero(asked.hand.angular_velocity);
+  SafetyInput tick = input;
+  tick.hand.velocity = finite_or_zero(input.hand.velocity);
+  tick.hand.angular_velocity = finite_or_zero(input.hand.angular_velocity);
   jump_link(safety, tick);
   if (tick.answered) observe(safety.params.passivity, safety.passivity, tick.hand.pose, elapsed);
 
+  // links in order
   DeviceOutput out = tick.answered ? finite_link(safety, tick.wanted) : DeviceOutput{};
   if (!silence_link(safety, tick, elapsed, out)) out = soft_start_link(safety, out, elapsed);
   out = passivity_link(safety, tick, out, elapsed);
   out = slew_link(safety, out, elapsed);
   out = saturation_link(safety, out);
   if (lost_link(safety, tick, dt)) out = {};
-  safety.passivity.haptic = out;
+  // the output is held until the next tick
+  TURGOR_CHECK(is_finite(out), "forces are finite before they go to a device");
+  safety.passivity.held_output = out;
   return SafeOutput(out);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/haptics/real_time.hpp"
 
 namespace turgor::haptics {
@@ -12,33 +13,36 @@ namespace {
 using contact::ToolCommand;
 using contact::ToolReading;
 
-/// What a device that calls left; false when it has not called for long.
-bool read_box(RunningHand& hand, double now) {
+/// Reads the hand from its mailbox. False when the device has not called for some time.
+bool read_mailbox(RunningHand& hand, double now) {
   constexpr double kStale = 0.02;  // [s]
-  hand.input = hand.box.hand.read();
-  return now - hand.box.heard < kStale;
+  hand.input = hand.mailbox.hand.read();
+  return now - hand.mailbox.called_at < kStale;
 }
 
 void read_hand(Ticker& ticker, RunningHand& hand) {
   const double begin = steady_seconds();
   if (ticker.ticks > 0 && !hand.calls()) ticker.record.latency.add(begin - hand.read);
   const bool answered =
-      hand.calls() ? read_box(hand, begin) : hand.hand.device->exchange(hand.output.value(), hand.input);
+      hand.calls() ? read_mailbox(hand, begin) : hand.hand.device->exchange(hand.output.value(), hand.input);
   hand.answered = answered && contact::is_valid(hand.input.pose);
   hand.read = steady_seconds();
 }
 
-/// Where the model finds the tool. `last`: what it answered in the last tick.
+/// Command for the model's tool, at the proxy's pose if there is a coupling. `last`: the model's reading of
+/// the last tick.
 ToolCommand tool_command(RunningHand& hand, const ToolReading& last, double dt) {
   ToolCommand out = command(hand.hand.workspace, hand.hand.buttons, hand.clutch, hand.input);
-  constexpr double kLongest = 0.002;  // of a tick that came late [s]
+  constexpr double kLongest = 0.002;  // of a late tick [s]
   if (!hand.hand.coupling) return out;
-  follow(*hand.hand.coupling, out.pose, last, std::min(dt, kLongest), hand.tool);
+  advance_coupled_tool(*hand.hand.coupling, out.pose, last, std::min(dt, kLongest), hand.tool);
   out.pose = hand.tool.pose;
   return out;
 }
 
 void read_hands(Ticker& ticker, double dt) {
+  TURGOR_CHECK(ticker.commands.size() == ticker.hands.size() && ticker.readings.size() == ticker.hands.size(),
+               "one command and one reading a hand");
   for (std::size_t h = 0; h < ticker.hands.size(); h++) {
     RunningHand& hand = *ticker.hands[h];
     hand.answered = false;
@@ -47,51 +51,58 @@ void read_hands(Ticker& ticker, double dt) {
   }
 }
 
-/// A model that throws is not asked again.
-void ask_model(Ticker& ticker, double dt) {
+/// Runs the model's tick. A model that threw an exception is not called again.
+void call_model(Ticker& ticker, double dt) {
   const auto nothing = [&] { std::fill(ticker.readings.begin(), ticker.readings.end(), ToolReading{}); };
   nothing();
   if (ticker.stopping || ticker.threw) return;
+  TURGOR_CHECK(ticker.model_tick != nullptr, "a loop ticks a model");
   try {
-    ticker.tick(ticker.context, ticker.commands, dt, ticker.readings);
+    ticker.model_tick(ticker.context, ticker.commands, dt, ticker.readings);
   } catch (...) {
     nothing();
     ticker.threw = true;
   }
 }
 
-DeviceOutput wanted(RunningHand& hand, const ToolReading& reading) {
+DeviceOutput desired_output(RunningHand& hand, const ToolReading& reading) {
   if (!hand.clutch.pressed) {
     DeviceOutput out =
-        to_device(hand.hand.workspace, hand.hand.coupling ? haptic(hand.tool, reading) : reading);
-    if (hand.hand.device->spec().grip_force == 0) out.grip_force = 0;  // nothing there that could squeeze
+        to_device(hand.hand.workspace, hand.hand.coupling ? coupled_reading(hand.tool, reading) : reading);
+    if (hand.hand.device->spec().grip_force == 0) out.grip_force = 0;  // the device has no gripper motor
     return out;
   }
-  begin_softly(hand.safety);
+  restart_soft_start(hand.safety);
   return {};
 }
 
-void note_jumps(TimingRecord& record, RunningHand& hand, Vec3d asked, const DeviceOutput& before) {
-  const double jump = norm(asked - hand.asked);
+void record_jumps(TimingRecord& record, RunningHand& hand, Vec3d model_force, const DeviceOutput& before) {
+  const double jump = norm(model_force - hand.model_force);
   if (std::isfinite(jump)) {
-    record.asked_jump = std::max(record.asked_jump, jump);
-    hand.asked = asked;
+    record.model_force_jump = std::max(record.model_force_jump, jump);
+    hand.model_force = model_force;
   }
   const DeviceOutput& now = hand.output.value();
   record.force_jump = std::max(record.force_jump, norm(now.force - before.force));
   record.torque_jump = std::max(record.torque_jump, norm(now.torque - before.torque));
 }
 
-void answer(Ticker& ticker, RunningHand& hand, const ToolReading& reading, double dt) {
-  const Asked asked{
-      .hand = hand.input, .wanted = wanted(hand, reading), .age = reading.age, .answered = hand.answered};
+void compute_output(Ticker& ticker, RunningHand& hand, const ToolReading& reading, double dt) {
+  // safety chain
+  const SafetyInput input{.hand = hand.input,
+                          .wanted = desired_output(hand, reading),
+                          .age = reading.age,
+                          .answered = hand.answered};
   const SafeOutput before = hand.output;
-  hand.output = make_safe(hand.safety, asked, dt);
-  note_jumps(ticker.record, hand, asked.wanted.force, before.value());
+  hand.output = make_safe(hand.safety, input, dt);
+  // statistics
+  record_jumps(ticker.record, hand, input.wanted.force, before.value());
   if (std::isfinite(reading.age)) ticker.record.age.add(reading.age);
   if (hand.safety.is_lost && !hand.lost.exchange(true) && !hand.calls())
-    hand.hand.device->exchange(SafeOutput().value(), hand.input);  // should it hear after all
-  if (hand.calls()) hand.box.given.write({hand.output, hand.read});
+    hand.hand.device->exchange(SafeOutput().value(),
+                               hand.input);  // zero force, in case the device still receives
+  // mailbox of a device that calls
+  if (hand.calls()) hand.mailbox.output.write({hand.output, hand.read});
 }
 
 void publish(const Ticker& ticker, RunningHand& hand, std::size_t index) {
@@ -105,7 +116,7 @@ void publish(const Ticker& ticker, RunningHand& hand, std::size_t index) {
                      .lost = hand.safety.is_lost});
 }
 
-bool is_nothing(const DeviceOutput& output) {
+bool is_zero(const DeviceOutput& output) {
   return norm(output.force) == 0 && norm(output.torque) == 0 && output.grip_force == 0;
 }
 
@@ -114,7 +125,7 @@ bool is_nothing(const DeviceOutput& output) {
 void publish_report(Ticker& ticker, double now) {
   ticker.reported = now;
   TimingReport out = timing_report(ticker.record);
-  out.rate_asked = ticker.rate;
+  out.target_rate = ticker.rate;
   for (const auto& hand : ticker.hands) {
     out.lowest_energy = std::min(out.lowest_energy, hand->safety.passivity.lowest);
     out.safety = out.safety + hand->safety.counts;
@@ -122,35 +133,39 @@ void publish_report(Ticker& ticker, double now) {
   ticker.report.write(out);
 }
 
-bool step(Ticker& ticker) {
+bool run_tick(Ticker& ticker) {
+  // timing of the last tick
   const double begin = steady_seconds();
   const double dt = ticker.ticks > 0 ? begin - ticker.began : 1 / ticker.rate;
   if (ticker.ticks > 0)
     ticker.record.period.add(dt), ticker.record.jitter.add(std::abs(dt - 1 / ticker.rate));
   ticker.began = begin;
 
+  // hands, model, outputs
+  TURGOR_CHECK(dt >= 0, "the steady clock does not run backwards");
   read_hands(ticker, dt);
-  const double heard = steady_seconds();
-  ask_model(ticker, dt);
-  bool haptic = false, heard_of = false;
+  const double hands_read = steady_seconds();
+  call_model(ticker, dt);
+  bool has_force = false, is_connected = false;
   for (std::size_t h = 0; h < ticker.hands.size(); h++) {
     RunningHand& hand = *ticker.hands[h];
-    answer(ticker, hand, ticker.readings[h], dt);
+    compute_output(ticker, hand, ticker.readings[h], dt);
     publish(ticker, hand, h);
-    haptic = haptic || !is_nothing(hand.output.value());
-    heard_of = heard_of || !hand.safety.is_lost;
+    has_force = has_force || !is_zero(hand.output.value());
+    is_connected = is_connected || !hand.safety.is_lost;
   }
   ticker.ticks++;
 
+  // timing of this tick
   const double end = steady_seconds();
-  ticker.record.compute.add(end - heard);
-  if (ticker.called) ticker.record.latency.add(end - begin);
+  ticker.record.compute.add(end - hands_read);
+  if (ticker.is_device_paced) ticker.record.latency.add(end - begin);
   constexpr double kBetweenReports = 0.25;  // [s]
   if (end - ticker.reported > kBetweenReports) publish_report(ticker, end);
-  return heard_of && (haptic || !(ticker.stopping || ticker.threw));
+  return is_connected && (has_force || !(ticker.stopping || ticker.threw));
 }
 
-void let_go(Ticker& ticker) {
+void send_zero_forces(Ticker& ticker) {
   for (const auto& hand : ticker.hands)
     if (!hand->calls() && !hand->safety.is_lost)
       hand->hand.device->exchange(SafeOutput().value(), hand->input);

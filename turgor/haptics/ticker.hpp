@@ -1,5 +1,5 @@
-// One tick of the haptic loop, whoever's thread it is on: hands are read, the model is asked, the safety
-// chain looks, everybody is told. Used by loop.cpp.
+// One tick of the haptic loop, on any thread: read the hands, run the model, apply the safety chain, publish.
+// Used by loop.cpp.
 #pragma once
 
 #include <atomic>
@@ -11,31 +11,32 @@
 
 namespace turgor::haptics {
 
-/// Where a device that calls from a thread of its own leaves its hand and takes what lies there.
-struct Box {
-  struct Given {
+/// Mailbox of a device that calls from its own thread: it writes the hand's state and reads the newest
+/// output.
+struct Mailbox {
+  struct TimedOutput {
     SafeOutput output;
     double time = -1e9;  // [s]
   };
   latest<DeviceInput> hand;
-  latest<Given> given;
-  std::atomic<double> heard = 0;  // when it called last [s]
+  latest<TimedOutput> output;
+  std::atomic<double> called_at = 0;  // time of its last call [s]
 };
 
-/// A hand while the loop runs.
+/// Run-time state of a hand.
 struct RunningHand {
   Hand hand;
   Safety safety;
   Clutch clutch;
-  CoupledTool tool;  // where there is a coupling
+  CoupledTool tool;  // if there is a coupling
   SafeOutput output;
   DeviceInput input;
   bool answered = false;  // in this tick
-  double read = 0;        // when [s]
-  Vec3d asked;            // by the model in the last tick [N]
+  double read = 0;        // time of the last reading [s]
+  Vec3d model_force;      // of the last tick [N]
   std::atomic<bool> lost = false;
   latest<HandStatus> status;
-  Box box;
+  Mailbox mailbox;
 
   bool calls() const { return hand.device->pacing() == Pacing::kCallback; }
 };
@@ -44,10 +45,10 @@ struct Ticker {
   std::vector<std::unique_ptr<RunningHand>> hands;
   std::vector<contact::ToolCommand> commands;
   std::vector<contact::ToolReading> readings;
-  ToolTick tick = nullptr;
+  ToolTick model_tick = nullptr;
   void* context = nullptr;
-  double rate = 1000;   // [Hz]
-  bool called = false;  // a device's own thread runs it
+  double rate = 1000;            // [Hz]
+  bool is_device_paced = false;  // a device's own thread runs the ticks
   std::uint64_t ticks = 0;
   double began = 0, reported = 0;  // [s]
   TimingRecord record;
@@ -55,11 +56,12 @@ struct Ticker {
   std::atomic<bool> stopping = false, threw = false;
 };
 
-/// A tick of all hands. False: no more are needed, for nothing is felt and nothing will be.
-bool step(Ticker& ticker);
-/// The last thing devices hear that do not call.
-void let_go(Ticker& ticker);
-/// Puts the report where its reader finds it.
+/// Runs a tick of all hands. False when no more ticks are needed, because no force is left and none will
+/// come.
+bool run_tick(Ticker& ticker);
+/// Sends zero force to the devices that do not call.
+void send_zero_forces(Ticker& ticker);
+/// Publishes the report.
 void publish_report(Ticker& ticker, double now);
 
 }  // namespace turgor::haptics

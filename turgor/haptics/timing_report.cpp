@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::haptics {
 
 void LogHistogram::add(double seconds) {
+  TURGOR_CHECK(!std::isnan(seconds), "a recorded time is a number");
   const double bucket = seconds > kLowest ? kPerDecade * std::log10(seconds / kLowest) : 0;
   buckets_[std::size_t(std::clamp(bucket, 0.0, double(kBuckets - 1)))]++;
   count_++;
@@ -13,8 +16,9 @@ void LogHistogram::add(double seconds) {
   largest_ = std::max(largest_, seconds);
 }
 
-/// What a sample of it is taken for [s].
+/// Value that represents the samples of a bucket [s].
 double LogHistogram::middle(int bucket) const {
+  TURGOR_CHECK(bucket >= 0 && bucket < kBuckets, "a bucket belongs to the histogram");
   return std::min(largest_, bucket == 0 ? 0 : kLowest * std::pow(10, (bucket + 0.5) / kPerDecade));
 }
 
@@ -29,10 +33,12 @@ Spread LogHistogram::spread() const {
     while (next < 3 && below > 0 && double(below) >= kFractions[next] * double(count_))
       found[next++] = middle(b);
   }
+  TURGOR_CHECK(next == 3, "every percentile lies in a bucket");
   return {found[0], found[1], found[2], largest_};
 }
 
 TimingReport timing_report(const TimingRecord& record) {
+  // total time, for the mean rate
   const double seconds = record.period.sum();
   return {.ticks = record.compute.count(),
           .seconds = seconds,
@@ -45,7 +51,7 @@ TimingReport timing_report(const TimingRecord& record) {
           .missed = record.missed,
           .force_jump = record.force_jump,
           .torque_jump = record.torque_jump,
-          .asked_jump = record.asked_jump};
+          .model_force_jump = record.model_force_jump};
 }
 
 }  // namespace turgor::haptics

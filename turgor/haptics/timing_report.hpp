@@ -1,5 +1,5 @@
-// How well a loop kept its time, and what it did to what was felt. Times are counted in histograms of fixed
-// size while it runs, so that a day costs what a second does and a tick allocates nothing.
+// Timing of a haptic loop, and the actions of its safety chain. Times are collected in histograms of fixed
+// size, so that memory does not grow and a tick allocates nothing.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace turgor::haptics {
 
-/// Of a time [s].
+/// Percentiles of a time [s].
 struct Spread {
   double p50 = 0, p99 = 0, p999 = 0, largest = 0;
 };
 
-/// Buckets that grow by 1 % from 10 ns to 100 s; what is shorter is in the first one, what is longer in the
-/// last. Percentiles are right to 0.5 %, the largest is exact.
+/// Histogram with buckets that grow by 1 % from 10 ns to 100 s. The first and last bucket also take shorter
+/// and longer times. Percentiles are exact to 0.5 %, the largest value is exact.
 class LogHistogram {
  public:
   void add(double seconds);
@@ -34,32 +34,32 @@ class LogHistogram {
   double sum_ = 0, largest_ = 0;
 };
 
-/// What is counted while a loop runs.
+/// Counters of a running loop.
 struct TimingRecord {
   LogHistogram period, jitter, compute, latency, age;
   std::uint64_t missed = 0;
-  double force_jump = 0, torque_jump = 0, asked_jump = 0;  // as in the report
+  double force_jump = 0, torque_jump = 0, model_force_jump = 0;  // as in the report
 };
 
-/// What is told of it.
+/// Summary of the counters.
 struct TimingReport {
   std::uint64_t ticks = 0;
   double seconds = 0;
-  double rate_asked = 0, rate = 0;  // [Hz]
-  Spread period;                    // from the begin of a tick to the next one's
-  Spread jitter;                    // how far that was from the period that was asked for
-  Spread compute;                   // the loop's and the model's work, without waiting for the device
-  Spread latency;                   // from the pose that was read to the force that answers it
-  Spread age;                       // of what the model answered from
-  std::uint64_t missed = 0;         // ticks whose time had passed before they could begin
-  double force_jump = 0;            // largest from tick to tick of what was felt [N]
-  double torque_jump = 0;           // [N·m]
-  double asked_jump = 0;            // of what the model asked for [N]
-  double lowest_energy = 0;         // smallest W of any device; below 0 the model gave energy away [J]
-  SafetyCounts safety;              // of all devices
+  double target_rate = 0, rate = 0;  // [Hz]
+  Spread period;                     // from the start of a tick to that of the next
+  Spread jitter;                     // deviation of the period from the target
+  Spread compute;                    // work of loop and model, without waiting for the device
+  Spread latency;                    // from the reading of a pose to its force
+  Spread age;                        // of the data that the model used
+  std::uint64_t missed = 0;          // ticks whose deadline had passed before they could start
+  double force_jump = 0;             // largest change of the rendered force from tick to tick [N]
+  double torque_jump = 0;            // [N·m]
+  double model_force_jump = 0;       // largest change of the model's force [N]
+  double lowest_energy = 0;          // smallest W of any device; below 0 the model created energy [J]
+  SafetyCounts safety;               // of all devices
 };
 
-/// Adds counts and times up; `rate_asked` and what devices know is the caller's to fill.
+/// Summary of the recorded counts and times. The caller fills in `target_rate` and the device's fields.
 TimingReport timing_report(const TimingRecord& record);
 
 }  // namespace turgor::haptics

@@ -1,7 +1,7 @@
-// How stiff and how damped a wall a hand can press before the loop makes it shake: a hand presses a computed
-// arm (virtual_device.hpp) against a virtual wall, and whether it comes to rest is the verdict. Over
-// stiffness and damping that is the Z-width: Colgate and Brown, "Factors affecting the Z-width of a haptic
-// display" (1994). No hardware, no clock, the same bits everywhere.
+// Z-width: the range of wall stiffness and damping that a hand can press without oscillation. A simulated
+// hand presses a simulated arm (virtual_device.hpp) against a virtual wall; the trial is stable if it comes
+// to rest. Colgate and Brown, "Factors affecting the Z-width of a haptic display" (1994). It uses no hardware
+// and no clock, and gives the same bits everywhere.
 #pragma once
 
 #include "turgor/haptics/safety.hpp"
@@ -9,11 +9,11 @@
 
 namespace turgor::haptics {
 
-/// What answers a tick.
+/// Source of the force in a tick.
 enum class WallAnswer : std::uint8_t {
   kTick,   // the wall itself
-  kHeld,   // the force that physics found at the last frame, as if a frame took no time
-  kLocal,  // what physics knew of the contact one whole frame ago: plane, stiffness, damping
+  kHeld,   // force of the last physics frame, without delay
+  kLocal,  // contact of one whole frame ago: plane, stiffness, damping
 };
 
 struct WallTrial {
@@ -22,31 +22,32 @@ struct WallTrial {
   double stiffness = 1000, damping = 0;                            // of the wall [N/m] [N·s/m]
   WallAnswer answer = WallAnswer::kTick;
   double frame_rate = 1000;  // of physics [Hz]
-  bool controller = true;    // of passivity; the other links of the safety chain are there in any case
-  double depth = 0.005;      // that the hand wants to be behind the wall [m]
+  bool controller = true;    // passivity controller; the other safety links are always active
+  double depth = 0.005;      // target of the hand behind the wall [m]
   double seconds = 2;
 };
 
 struct WallVerdict {
   bool stable = false;
-  double early = 0, late = 0;  // mean kinetic energy after the press, and at the end [J]
+  double early = 0, late = 0;  // mean kinetic energy after the press and at the end [J]
   double speed = 0;            // root mean square at the end [m/s]
   double lowest_energy = 0;    // smallest W [J]
   double largest_force = 0;    // [N]
 };
 
-/// Rest, or motion that dies away by itself, is stable.
+/// Presses a wall. The result is stable at rest, or when the motion decays by itself.
 WallVerdict press_wall(const WallTrial& trial);
 
-/// Largest stiffness of a wall of damping B that creates no energy at an arm of viscous friction b and period
-/// T, whoever holds it: b > K T/2 + |B| (Colgate and Schenkel 1994, 1997). Not positive: none [N/m].
+/// Largest stiffness of a wall with damping B that creates no energy, with any hand, on an arm of viscous
+/// friction b and period T: b > K T/2 + |B| (Colgate and Schenkel 1994, 1997). Not positive: no such wall
+/// [N/m].
 double colgate_stiffness(double arm_viscous, double wall_damping, double period);
-/// Largest stiffness at which a hand comes to rest, when arm and hand together damp with `damping`:
-/// K < (b + B)/(T/2 + delay) (Hulin, Preusche, Hirzinger 2006; Gil and others 2009). For soft hands, and for
-/// B well below m/T [N/m].
+/// Largest stiffness at which a hand comes to rest, with total damping `damping` of arm and hand: K < (b +
+/// B)/(T/2 + delay) (Hulin, Preusche, Hirzinger 2006; Gil and others 2009). For soft hands, and for B well
+/// below m/T [N/m].
 double resting_stiffness(double damping, double wall_damping, double period, double delay = 0);
-/// Largest stiffness at which dry friction eats what the encoder's steps put in: 2 f/Δ (Abbott and Okamura
-/// 2005) [N/m].
+/// Largest stiffness at which dry friction dissipates the energy created by encoder steps: 2 f/Δ (Abbott and
+/// Okamura 2005) [N/m].
 double quantized_stiffness(double coulomb, double encoder);
 
 }  // namespace turgor::haptics

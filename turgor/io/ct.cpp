@@ -1,4 +1,4 @@
-// Volumes of given meaning from files of any format: Hounsfield units, labels, directions.
+// Volumes with a meaning (Hounsfield units, labels, directions) from files of any format.
 #include "turgor/io/ct.hpp"
 
 #include <algorithm>
@@ -26,15 +26,15 @@ namespace {
 Result<RawVolume> read_raw(const fs::path& path, int components) {
   if (Status input = io::check_input(path); !input) return input.error();
   if (io::is_dicom(path))
-    return Error{fmt::format("{}: holds DICOM; expected NIfTI, NRRD or MetaImage here", path.string())};
+    return Error{fmt::format("{}: holds DICOM; expected NIfTI, NRRD or MetaImage", path.string())};
   Result<RawVolume> raw = io::read_volume_file(path);
   if (raw && raw->components != components)
     return Error{
-        fmt::format("{}: {} components a sample; expected {}", path.string(), raw->components, components)};
+        fmt::format("{}: {} components per sample; expected {}", path.string(), raw->components, components)};
   return raw;
 }
 
-/// How many samples became another number of Hounsfield units than the file says.
+/// Number of samples whose Hounsfield units differ from the file's values.
 struct Changed {
   std::size_t no_number = 0, rounded = 0, clamped = 0;
 };
@@ -64,13 +64,13 @@ std::vector<std::int16_t> hounsfield(const Exec& exec, const RawVolume& raw,
   const auto note = [&](std::size_t count, const std::string& what) {
     if (count > 0) notes.push_back(fmt::format("{} of {} samples {}", count, hu.size(), what));
   };
-  note(all.rounded, "were rounded to whole Hounsfield units");
-  note(all.no_number, fmt::format("are no numbers (NaN) and became air ({} HU)", kAirHu));
-  note(all.clamped, "lay outside of -32768 to 32767 HU and were moved to the nearer end");
+  note(all.rounded, "were rounded to integer Hounsfield units");
+  note(all.no_number, fmt::format("are not numbers (NaN) and became air ({} HU)", kAirHu));
+  note(all.clamped, "were outside -32768 to 32767 HU and were clamped");
   return hu;
 }
 
-/// The first sample that is no whole number in 0…65535.
+/// Index of the first sample that is not an integer in 0…65535.
 std::optional<std::size_t> first_without_label(const RawVolume& raw) {
   return visit_samples(raw, [&](const auto* stored) -> std::optional<std::size_t> {
     for (std::size_t i = 0; i < raw.value_count(); i++) {
@@ -85,7 +85,7 @@ Error no_label(const fs::path& path, const RawVolume& raw, std::size_t at) {
   const std::size_t nx = std::size_t(raw.grid.size.x), ny = std::size_t(raw.grid.size.y);
   const double value =
       raw.slope * visit_samples(raw, [&](const auto* stored) { return double(stored[at]); }) + raw.intercept;
-  return {fmt::format("{}: sample ({}, {}, {}) is {}; expected labels: whole numbers from 0 to 65535",
+  return {fmt::format("{}: sample ({}, {}, {}) is {}; expected labels: integers from 0 to 65535",
                       path.string(), at % nx, at / nx % ny, at / nx / ny, value)};
 }
 
@@ -110,19 +110,19 @@ namespace {
 
 Result<io::VolumeHeader> header_of_slices(const fs::path& path) {
   if (Status input = io::check_input(path); !input) return input.error();
-  const std::string expected = "expected an uncompressed .nii, .nrrd, .nhdr, .mha or .mhd here";
+  const std::string expected = "expected an uncompressed .nii, .nrrd, .nhdr, .mha or .mhd";
   std::error_code failed;
   if (fs::is_directory(path, failed) || io::is_dicom(path))
     return Error{
-        fmt::format("{}: holds DICOM, of which slices cannot be read alone; {}", path.string(), expected)};
+        fmt::format("{}: holds DICOM, whose slices cannot be read separately; {}", path.string(), expected)};
   Result<io::VolumeHeader> header = io::read_volume_header(path);
   if (!header) return header;
-  if (Status placed = io::check_grid(path, header->grid); !placed) return placed.error();
+  if (Status grid = io::check_grid(path, header->grid); !grid) return grid.error();
   if (header->components != 1)
-    return Error{fmt::format("{}: {} components a sample; expected 1", path.string(), header->components)};
+    return Error{fmt::format("{}: {} components per sample; expected 1", path.string(), header->components)};
   if (header->is_packed)
     return Error{
-        fmt::format("{}: compressed, so that slices cannot be read alone; {}", path.string(), expected)};
+        fmt::format("{}: compressed, so that slices cannot be read separately; {}", path.string(), expected)};
   return header;
 }
 
@@ -144,6 +144,13 @@ Result<std::vector<std::int16_t>> read_ct_slices(const Exec& exec, const fs::pat
   return right_handed(CtVolume{raw->grid, hounsfield(exec, *raw, notes)}).samples;
 }
 
+std::string list_dicom_series(const Exec& exec, const fs::path& folder) {
+  std::error_code failed;
+  if (!fs::is_directory(folder, failed)) return {};
+  const Result<io::DicomFolder> found = io::scan_dicom(exec, folder, true, {});
+  return found && !found->slices.empty() ? io::list_series(found->slices) : std::string{};
+}
+
 LabelNames read_label_names(const fs::path& path) {
   if (!io::check_input(path)) return {};
   return io::is_dicom(path) ? io::read_segment_names(path) : io::read_header_names(path);
@@ -152,12 +159,12 @@ LabelNames read_label_names(const fs::path& path) {
 Result<LabelFile> read_labels_of(const fs::path& path, const Grid& ct) {
   Result<LabelFile> read = read_labels(path);
   if (!read) return read;
-  std::optional<LabelVolume> placed =
-      read->is_part ? part_on_grid(read->labels, ct) : on_grid(read->labels, ct);
-  if (!placed)
-    return Error{fmt::format("{}: its grid is not the CT's: {}; expected a segmentation of this CT",
+  std::optional<LabelVolume> on_ct =
+      read->is_cropped ? part_on_grid(read->labels, ct) : on_grid(read->labels, ct);
+  if (!on_ct)
+    return Error{fmt::format("{}: its grid differs from the CT's: {}; expected a segmentation of this CT",
                              path.string(), grid_difference(read->labels.grid, ct))};
-  read->labels = std::move(*placed);
+  read->labels = std::move(*on_ct);
   return read;
 }
 

@@ -15,20 +15,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where a cut is, for its sections: patient frame.
-struct CutPlace {
+/// Location of a cut, for its sections, in the patient frame.
+struct CutLocation {
   Vec3d middle;          // on the skin [m]
   Vec3d line, into;      // unit
   double length, depth;  // [m]
 };
-CutPlace place_of(const Grid& grid, const lattice::BladePath& path) {
+CutLocation location_of(const Grid& grid, const lattice::BladePath& path) {
   const Vec3d middle = path.skin[path.skin.size() / 2];
   const std::size_t n = path.skin.size() / 2;
-  return {grid.origin + grid.axes * middle, grid.axes * line_at(path, n), grid.axes * path.into[n],
+  return {grid.origin + grid.axes * middle, grid.axes * tangent_at(path, n), grid.axes * path.into[n],
           path_length(path), path.depth};
 }
 
-/// The plane that a cut crosses most squarely.
+/// Anatomical plane most perpendicular to a cut.
 Plane plane_across(Vec3d line) {
   const Vec3d size{std::abs(line.x), std::abs(line.y), std::abs(line.z)};
   if (size.x >= size.y && size.x >= size.z) return Plane::kSagittal;
@@ -53,7 +53,7 @@ Grid slice_of(Grid grid, Plane plane) {
   return grid;
 }
 
-/// The CT at the points of a grid; air beyond it.
+/// CT values at the points of a grid; air outside the CT.
 CtVolume sampled(const CtVolume& ct, const Grid& grid) {
   CtVolume result;
   result.grid = grid;
@@ -69,12 +69,12 @@ CtVolume sampled(const CtVolume& ct, const Grid& grid) {
   return result;
 }
 
-/// Before and after, across the cut, from near.
+/// Close-up sections across the cut, before and after.
 Status add_close_sections(const LatticeBody& body, const Cut& cut, Window window, Outputs& outputs) {
-  const CutPlace place = place_of(body.model.grid, *cut.path);
-  const Plane plane = plane_across(place.line);
-  const double side = std::max(0.06, 6 * place.depth);
-  const Vec3d middle = place.middle + place.into * (0.25 * side);
+  const CutLocation location = location_of(body.model.grid, *cut.path);
+  const Plane plane = plane_across(location.line);
+  const double side = std::max(0.06, 6 * location.depth);
+  const Vec3d middle = location.middle + location.into * (0.25 * side);
   constexpr int kSamples = 240, kHeight = 480;
   const Grid grid = slice_of(close_up_grid(middle, side, kSamples), plane);
   const Vec3d at = point_at(grid, Vec3d(grid.size - Int3{1, 1, 1}) * 0.5);
@@ -92,8 +92,8 @@ Status add_close_sections(const LatticeBody& body, const Cut& cut, Window window
 
 Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut, Window window,
                     Outputs& outputs) {
-  const CutPlace place = place_of(body.model.grid, *cut.path);
-  const Vec3d point = place.middle + place.into * (0.5 * place.depth);
+  const CutLocation location = location_of(body.model.grid, *cut.path);
+  const Vec3d point = location.middle + location.into * (0.5 * location.depth);
   constexpr int kHeight = 420;
   const auto three = [&](const CtVolume& ct) {
     const AddTime time(outputs.facts.drawing_seconds);
@@ -111,7 +111,7 @@ Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut
   return add_picture(outputs, name + "-sections-after.png", caption + ", after", three(now), true);
 }
 
-/// The body alone: a table would stand in its light.
+/// Only the body: a table would block the view.
 Status add_volume_rendering(const LatticeBody& body, const lattice::State& rest, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   const Camera& camera = outputs.views.front().camera;
@@ -131,12 +131,12 @@ Status add_volume_rendering(const LatticeBody& body, const lattice::State& rest,
       side_by_side(images, {"before", "after"}), true);
 }
 
-/// The name of a file of one of several bodies.
+/// File name, prefixed with the body's name if there are several bodies.
 std::string file_of(const Outputs& outputs, const LatticeBody& body, const std::string& name) {
   return outputs.at_rest.size() == 1 ? name : body.name + "-" + name;
 }
 
-/// A file, or the folder of a DICOM series.
+/// Writes a file, or a folder for a DICOM series.
 Status write_deformed(const LatticeBody& body, const CtVolume& now, const std::string& file,
                       Outputs& outputs) {
   const AddTime time(outputs.facts.file_seconds);
@@ -170,14 +170,14 @@ bool is_cut(const World& world, std::size_t body) {
                      [body](const Cut& cut) { return std::size_t(cut.body) == body && cut.path; });
 }
 
-/// The whole of it, as it would be scanned now.
+/// The whole deformed CT, as a scan would show it.
 Result<CtVolume> deformed_ct(const LatticeBody& body, const Grid& grid, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   lattice::ResampledCt now =
       body.state.resample(*outputs.exec, body.model, body.ct, grid, {.conserve_mass = output.conserve_mass});
   const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
   outputs.facts.deformed.push_back(
-      {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});
+      {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.inverted_tets});
   outputs.facts.drawing_seconds += now.report.seconds;
   if (!file.empty())
     if (const Status status = write_deformed(body, now.ct, file, outputs); !status) return status.error();

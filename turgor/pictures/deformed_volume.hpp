@@ -1,4 +1,5 @@
-// The volume rendering of a body's deformed CT, drawn where the CT is: for a run and for a window.
+// Volume rendering of a body's deformed CT, on the host or on the device that holds it. Runs and windows use
+// it.
 #pragma once
 
 #include "turgor/io/files/image.hpp"
@@ -7,11 +8,11 @@
 
 namespace turgor {
 
-/// `preset` is one of volume_presets(). Error: a GPU has no room for its picture.
+/// `preset` is one of volume_presets(). Error: GPU memory is short for the picture.
 Result<Image> draw_deformed(const Exec& exec, const DeformedCt& ct, DevicePictures& pictures,
                             const std::string& preset, const Camera& camera, int width, int height);
 
-/// The body alone, at the CT's own resolution.
+/// Only the body, at the CT's own resolution.
 Image draw_deformed_volume(const Exec& exec, const LatticeBody& body, const std::string& preset,
                            const Camera& camera, int width, int height);
 

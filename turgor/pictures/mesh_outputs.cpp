@@ -1,4 +1,4 @@
-// Surfaces in files: as they lie at every snapshot, and at the end.
+// Writes surfaces to files at every snapshot and at the end.
 #include <fmt/format.h>
 
 #include "turgor/pictures/outputs.hpp"
@@ -7,7 +7,7 @@ namespace turgor {
 
 namespace {
 
-/// They look at the body and at `numbers`, which gets its vertices' numbers in the mesh.
+/// The fields refer to the body and to `numbers`, which receives the mesh numbers of its vertices.
 std::vector<VertexField> fields_of(const BodySnapshot& body, std::vector<float>& numbers) {
   std::vector<VertexField> fields{length_field("displacement", body.displacement)};
   if (!body.stretch.empty()) fields.push_back(vertex_field("area strain [1]", body.stretch));
@@ -17,20 +17,20 @@ std::vector<VertexField> fields_of(const BodySnapshot& body, std::vector<float>&
   return fields;
 }
 
-/// What tools press is worth looking at under the largest force: in the end they are away.
+/// Pressed bodies are written under the largest force, because tools are often retracted at the end.
 const BodySnapshot& worth_keeping(const BodySnapshot& body, const std::vector<Pressed>& pressed) {
   for (const Pressed& one : pressed)
     if (one.id == body.id && one.force > 0 && body.look != Look::kSkin) return one.body;
   return body;
 }
 
-/// Walls of wounds apart from the skin, where there are any.
+/// Separate group for the walls of wounds, if there are any.
 std::vector<MeshGroup> groups_of(const BodySnapshot& body) {
   if (body.wall_begin >= body.triangles.size()) return {};
   return {{"skin", 0}, {"wound", body.wall_begin}};
 }
 
-/// The file of that name among those of VTKHDF.
+/// VTKHDF series of that file name.
 Result<VtkHdfSeries*> series_of(const std::string& name, Outputs& outputs) {
   const std::string file = "meshes/" + name + ".vtkhdf";
   const auto found = outputs.vtkhdf.find(file);
@@ -40,23 +40,23 @@ Result<VtkHdfSeries*> series_of(const std::string& name, Outputs& outputs) {
   return &outputs.vtkhdf.emplace(file, std::move(*made)).first->second;
 }
 
-/// A mesh at a moment, into the files that the scene asks for; `part` is what ParaView calls it.
-Status write_mesh(const WorldSnapshot& snapshot, const std::string& name, const std::string& part,
+/// Writes a mesh of a snapshot to the files that the scene requests; `body` is its name in ParaView.
+Status write_mesh(const WorldSnapshot& snapshot, const std::string& name, const std::string& body,
                   const TriMesh& mesh, const std::vector<VertexField>& fields, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   if (output.meshes) {
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", name, snapshot.frame);
     const Status status = write_vtu(outputs.folder / file, mesh, fields, output.mesh_space);
     if (!status) return status;
-    outputs.series.push_back({snapshot.time, file, part});
+    outputs.series.push_back({snapshot.time, file, body});
   }
   if (!output.vtkhdf) return Done{};
   const Result<VtkHdfSeries*> series = series_of(name, outputs);
   return series ? (*series)->add(snapshot.time, mesh, fields) : series.error();
 }
 
-/// A point for each tool with the force on it.
-Status write_forces(const WorldSnapshot& snapshot, const std::vector<Vec3>& places,
+/// Writes a point for each tool with the force on it.
+Status write_forces(const WorldSnapshot& snapshot, const std::vector<Vec3>& positions,
                     const std::vector<Vec3>& forces, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   VertexField force = vertex_field("force on the tool [N]", forces);
@@ -64,25 +64,25 @@ Status write_forces(const WorldSnapshot& snapshot, const std::vector<Vec3>& plac
   if (output.meshes) {
     const std::string file = fmt::format("meshes/forces/on-tools-{:04}.vtu", snapshot.frame);
     outputs.series.push_back({snapshot.time, file, "forces on tools"});
-    const Status status = write_points(outputs.folder / file, places, {force}, output.mesh_space);
+    const Status status = write_points(outputs.folder / file, positions, {force}, output.mesh_space);
     if (!status) return status;
   }
   if (!output.vtkhdf) return Done{};
   const Result<VtkHdfSeries*> series = series_of("forces/on-tools", outputs);
-  return series ? (*series)->add_points(snapshot.time, places, {force}) : series.error();
+  return series ? (*series)->add_points(snapshot.time, positions, {force}) : series.error();
 }
 
-/// Tools where they are, and the forces on them.
+/// Writes the tools' meshes, and the forces on them.
 Status write_tools(const WorldSnapshot& snapshot, Outputs& outputs) {
-  std::vector<Vec3> places, forces;
+  std::vector<Vec3> positions, forces;
   for (const ToolSnapshot& tool : snapshot.tools) {
     const Status status =
-        write_mesh(snapshot, "tools/" + tool.name, tool.name, placed_mesh(tool), {}, outputs);
+        write_mesh(snapshot, "tools/" + tool.name, tool.name, posed_mesh(tool), {}, outputs);
     if (!status) return status;
-    places.push_back(Vec3(tool.pose.position));
+    positions.push_back(Vec3(tool.pose.position));
     forces.push_back(Vec3(tool.force));
   }
-  return places.empty() ? Done{} : write_forces(snapshot, places, forces, outputs);
+  return positions.empty() ? Done{} : write_forces(snapshot, positions, forces, outputs);
 }
 
 }  // namespace

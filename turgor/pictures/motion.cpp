@@ -1,7 +1,9 @@
-// Numbers in a page: integers, of which all lowest bytes come first, then all second ones, and so on (alike
-// bytes side by side pack well), compressed by zlib, as base64. Places are 16-bit fractions of a cube, each
-// the difference from the one before; movements are 16-bit multiples of a quantum, each the difference from
-// the frame before while the triangles stay. x, y and z come one after the other.
+// Encoding of numbers in a page: integers, stored as all lowest bytes, then all second bytes, and so on
+// (similar adjacent bytes compress well), compressed by zlib, as base64.
+//
+// Positions are 16-bit fractions of a cube, each the difference from the one before. Displacements are 16-bit
+// multiples of a quantum, each the difference from the previous frame of the same triangles. All x come
+// first, then y and z.
 #include "turgor/pictures/motion.hpp"
 
 #include <algorithm>
@@ -20,21 +22,21 @@ namespace turgor {
 
 namespace {
 
-constexpr int kWord = 2, kIndex = 4;  // bytes of a place or movement, of a number of a vertex
+constexpr int kWord = 2, kIndex = 4;  // bytes of a position or displacement, of a vertex number
 
 // ------------------------------------------------------------------------------------------------- adding
 
-/// As many of the triangles as wanted, by collapsing edges [Garland, Heckbert 1997]. Lips of wounds that lie
-/// on each other at rest stay apart, for they share no vertex.
+/// Reduces the triangles to at most `max_triangles` by edge collapses [Garland, Heckbert 1997]. Lips of
+/// wounds that touch at rest stay separate, because they share no vertex.
 std::vector<Int3> coarser(const std::vector<Int3>& triangles, const std::vector<Vec3>& rest,
-                          std::size_t wanted) {
-  if (triangles.size() <= wanted) return triangles;
+                          std::size_t max_triangles) {
+  if (triangles.size() <= max_triangles) return triangles;
   std::vector<unsigned> indices, kept(3 * triangles.size());
   for (const Int3 t : triangles)
     for (int corner = 0; corner < 3; corner++) indices.push_back(unsigned(t[corner]));
-  constexpr float kLargestError = 0.05f;  // of the whole
+  constexpr float kLargestError = 0.05f;  // relative to the whole
   kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), &rest.data()->x, rest.size(),
-                               sizeof(Vec3), 3 * wanted, kLargestError, 0, nullptr));
+                               sizeof(Vec3), 3 * max_triangles, kLargestError, 0, nullptr));
   std::vector<Int3> fewer;
   for (std::size_t i = 0; i < kept.size(); i += 3)
     fewer.push_back({int(kept[i]), int(kept[i + 1]), int(kept[i + 2])});
@@ -42,12 +44,12 @@ std::vector<Int3> coarser(const std::vector<Int3>& triangles, const std::vector<
 }
 
 MovingSurface make_surface(const std::vector<Int3>& triangles, std::size_t wall_begin,
-                           const std::vector<Vec3>& rest, std::size_t wanted) {
+                           const std::vector<Vec3>& rest, std::size_t max_triangles) {
   MovingSurface surface;
   const auto split = triangles.begin() + std::ptrdiff_t(std::min(wall_begin, triangles.size()));
-  surface.triangles = coarser({triangles.begin(), split}, rest, wanted);
+  surface.triangles = coarser({triangles.begin(), split}, rest, max_triangles);
   surface.wall_begin = surface.triangles.size();
-  const std::vector<Int3> walls = coarser({split, triangles.end()}, rest, wanted / 2);
+  const std::vector<Int3> walls = coarser({split, triangles.end()}, rest, max_triangles / 2);
   surface.triangles.insert(surface.triangles.end(), walls.begin(), walls.end());
   std::vector<int> number(rest.size(), -1);
   for (Int3& t : surface.triangles)
@@ -60,20 +62,20 @@ MovingSurface make_surface(const std::vector<Int3>& triangles, std::size_t wall_
   return surface;
 }
 
-/// A thing as it is now.
-struct Seen {
+/// An object in its current state.
+struct CurrentThing {
   MovingThing thing;  // without surfaces
   const std::vector<Int3>* triangles;
   std::size_t wall_begin;
   std::vector<Vec3> rest, now;  // [m]
 };
 
-Seen seen_body(const BodySnapshot& body) {
-  MovingThing thing{MovingThing::Kind::kBody, body.name, body.look, body.usual_force, {}};
+CurrentThing thing_of_body(const BodySnapshot& body) {
+  MovingThing thing{MovingThing::Kind::kBody, body.name, body.look, body.typical_force, {}};
   return {std::move(thing), &body.triangles, body.wall_begin, body.rest, body.x};
 }
 
-Seen seen_inside(const BodySnapshot& body) {
+CurrentThing thing_of_inside(const BodySnapshot& body) {
   return {{MovingThing::Kind::kInside, body.name, Look::kFlesh, 1, {}},
           &body.inside.triangles,
           body.inside.triangles.size(),
@@ -81,15 +83,16 @@ Seen seen_inside(const BodySnapshot& body) {
           body.inside.vertices};
 }
 
-Seen seen_tool(const ToolSnapshot& tool) {
-  Seen seen{{MovingThing::Kind::kTool, tool.name, Look::kFlesh, 1, {}}, &tool.mesh.triangles, 0, {}, {}};
-  seen.wall_begin = tool.mesh.triangles.size();
-  for (const Vec3 x : tool.mesh.vertices) seen.now.push_back(Vec3(contact::to_world(tool.pose, Vec3d(x))));
-  seen.rest = seen.now;
-  return seen;
+CurrentThing thing_of_tool(const ToolSnapshot& tool) {
+  CurrentThing current{
+      {MovingThing::Kind::kTool, tool.name, Look::kFlesh, 1, {}}, &tool.mesh.triangles, 0, {}, {}};
+  current.wall_begin = tool.mesh.triangles.size();
+  for (const Vec3 x : tool.mesh.vertices) current.now.push_back(Vec3(contact::to_world(tool.pose, Vec3d(x))));
+  current.rest = current.now;
+  return current;
 }
 
-Seen seen_obstacle(const TriMesh& mesh) {
+CurrentThing thing_of_obstacle(const TriMesh& mesh) {
   return {{MovingThing::Kind::kObstacle, "", Look::kFlesh, 1, {}},
           &mesh.triangles,
           mesh.triangles.size(),
@@ -107,12 +110,14 @@ std::size_t numbers_in(const MotionFrame& frame) {
   return numbers;
 }
 
-void add_thing(const Seen& seen, std::size_t at, std::size_t wanted, Motion& motion, MotionFrame& frame) {
-  if (at == motion.things.size()) motion.things.push_back(seen.thing);
+void add_thing(const CurrentThing& current, std::size_t at, std::size_t max_triangles, Motion& motion,
+               MotionFrame& frame) {
+  if (at == motion.things.size()) motion.things.push_back(current.thing);
   MovingThing& thing = motion.things[at];
-  const std::uint64_t key = hash_values(std::span<const Int3>(*seen.triangles), seen.rest.size());
+  const std::uint64_t key = hash_values(std::span<const Int3>(*current.triangles), current.rest.size());
   if (thing.surfaces.empty() || thing.surfaces.back().key != key) {
-    thing.surfaces.push_back(make_surface(*seen.triangles, seen.wall_begin, seen.rest, wanted));
+    thing.surfaces.push_back(
+        make_surface(*current.triangles, current.wall_begin, current.rest, max_triangles));
     thing.surfaces.back().key = key;
     motion.numbers += numbers_in(thing.surfaces.back());
   }
@@ -120,7 +125,7 @@ void add_thing(const Seen& seen, std::size_t at, std::size_t wanted, Motion& mot
   std::vector<Vec3> moved;
   moved.reserve(surface.vertex.size());
   for (std::size_t v = 0; v < surface.vertex.size(); v++)
-    moved.push_back(seen.now[std::size_t(surface.vertex[v])] - surface.rest[v]);
+    moved.push_back(current.now[std::size_t(surface.vertex[v])] - surface.rest[v]);
   frame.surface.push_back(thing.surfaces.size() - 1);
   frame.moved.push_back(std::move(moved));
 }
@@ -130,7 +135,7 @@ bool is_shown(const std::vector<MotionFrame>& frames, std::size_t thing, std::si
                      [&](const MotionFrame& f) { return f.surface[thing] == surface; });
 }
 
-/// Every other frame goes, with the surfaces that it alone showed; the first and the last stay.
+/// Drops every second frame, with the surfaces that only it used; keeps the first and the last.
 void thin(Motion& motion) {
   std::vector<MotionFrame> kept;
   motion.numbers = 0;
@@ -163,7 +168,7 @@ std::string packed(const std::vector<std::int32_t>& numbers, int bytes) {
   return io::base64(small);
 }
 
-/// Each as its difference from the one before; within 16 bits, which may run over.
+/// Differences of consecutive numbers, modulo 16 bits.
 std::vector<std::int32_t> differences(const std::vector<std::int32_t>& numbers) {
   std::vector<std::int32_t> result(numbers.size());
   for (std::size_t i = 0; i < numbers.size(); i++) result[i] = numbers[i] - (i > 0 ? numbers[i - 1] : 0);
@@ -179,14 +184,14 @@ Json json_of(const MovingSurface& surface) {
   if (surface.rest.empty()) low = high = {};
   const Vec3 extent = high - low;
   const double size = std::max({double(extent.x), double(extent.y), double(extent.z), 1e-9});
-  std::vector<std::int32_t> places, corners;
+  std::vector<std::int32_t> positions, corners;
   for (int axis = 0; axis < 3; axis++)
     for (const Vec3 x : surface.rest)
-      places.push_back(std::int32_t(std::lround((double(x[axis]) - double(low[axis])) / size * 65535)));
+      positions.push_back(std::int32_t(std::lround((double(x[axis]) - double(low[axis])) / size * 65535)));
   for (const Int3 t : surface.triangles)
     for (int corner = 0; corner < 3; corner++) corners.push_back(t[corner]);
   return {{"low", json_of(Vec3d(low))},       {"size", size},
-          {"vertices", surface.rest.size()},  {"places", packed(differences(places), kWord)},
+          {"vertices", surface.rest.size()},  {"positions", packed(differences(positions), kWord)},
           {"wall_begin", surface.wall_begin}, {"triangles", packed(differences(corners), kIndex)}};
 }
 
@@ -216,7 +221,7 @@ const char* look_name(Look look) {
 
 using Frames = std::vector<const MotionFrame*>;
 
-/// Surfaces that no frame shows are null.
+/// Surfaces that no frame uses are null.
 Json json_of(const Motion& motion, std::size_t t, const Frames& frames, double quantum) {
   const MovingThing& thing = motion.things[t];
   Json surfaces = Json::array();
@@ -230,7 +235,7 @@ Json json_of(const Motion& motion, std::size_t t, const Frames& frames, double q
           {"look", look_name(thing.look)},
           {"quantum", quantum},
           {"largest_m", largest_movement(motion, t)},
-          {"usual_force_N", thing.usual_force},
+          {"usual_force_N", thing.typical_force},
           {"surfaces", std::move(surfaces)}};
 }
 
@@ -267,18 +272,18 @@ std::string color_map() {
   std::string bytes;
   for (int i = 0; i < 256; i++) {
     const Rgb c = map_color(float(i) / 255);
-    for (const std::uint8_t part : {c.r, c.g, c.b}) bytes += char(part);
+    for (const std::uint8_t channel : {c.r, c.g, c.b}) bytes += char(channel);
   }
   return io::base64(bytes);
 }
 
-/// So that no name ends the script it stands in.
+/// Escapes '<', so that no name can end the enclosing script element.
 std::string safe_in_script(std::string text) {
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
   return text;
 }
 
-/// Likewise of those that are written.
+/// Every second frame, with the first and the last.
 Frames every_other(const Frames& frames) {
   Frames kept;
   for (std::size_t f = 0; f < frames.size(); f++)
@@ -292,13 +297,14 @@ void add_moment(const WorldSnapshot& snapshot, Motion& motion, const MotionLimit
   MotionFrame frame{.time = snapshot.time, .surface = {}, .moved = {}, .forces = {}};
   std::size_t at = 0;
   for (const BodySnapshot& body : snapshot.bodies)
-    add_thing(seen_body(body), at++, limits.triangles, motion, frame);
+    add_thing(thing_of_body(body), at++, limits.triangles, motion, frame);
   for (const BodySnapshot& body : snapshot.bodies)
-    if (!body.inside.triangles.empty()) add_thing(seen_inside(body), at++, limits.triangles, motion, frame);
+    if (!body.inside.triangles.empty())
+      add_thing(thing_of_inside(body), at++, limits.triangles, motion, frame);
   for (const ToolSnapshot& tool : snapshot.tools)
-    add_thing(seen_tool(tool), at++, limits.triangles, motion, frame);
+    add_thing(thing_of_tool(tool), at++, limits.triangles, motion, frame);
   for (const TriMesh& mesh : snapshot.obstacles)
-    add_thing(seen_obstacle(mesh), at++, limits.triangles, motion, frame);
+    add_thing(thing_of_obstacle(mesh), at++, limits.triangles, motion, frame);
   for (const ToolSnapshot& tool : snapshot.tools) frame.forces.push_back({tool.pose.position, tool.force});
   if (!motion.frames.empty() && motion.frames.back().time == frame.time) {
     motion.numbers -= numbers_in(motion.frames.back());
@@ -311,7 +317,7 @@ void add_moment(const WorldSnapshot& snapshot, Motion& motion, const MotionLimit
 
 std::string motion_json(const Motion& motion, std::size_t bytes) {
   if (motion.frames.empty()) return {};
-  std::vector<double> quanta;  // a difference of two movements fits in 16 bits, too
+  std::vector<double> quanta;  // a difference of two displacements must also fit in 16 bits
   for (std::size_t t = 0; t < motion.things.size(); t++)
     quanta.push_back(std::max(largest_component(motion, t) / 16383, 1e-12));
   Frames frames;

@@ -1,5 +1,6 @@
-// How a run moved, for the 3D view of its page: surfaces made coarse, and where their vertices and the forces
-// were at moments. Told moment by moment, like the pictures; kept small, so that a page can hold it.
+// Motion of a run for the 3D view of its page: simplified surfaces, displacements of their vertices and
+// forces at each frame. Frames are added one by one, like the pictures; the size is limited so that a page
+// can hold them.
 #pragma once
 
 #include <string>
@@ -9,32 +10,31 @@
 
 namespace turgor {
 
-/// A surface between two changes of its triangles, coarser than it was shown; empty when no frame that was
-/// kept shows it.
+/// A simplified surface between two changes of its triangles; empty if no kept frame uses it.
 struct MovingSurface {
   std::uint64_t key = 0;        // of the triangles it was made from
-  std::vector<int> vertex;      // its number among those shown
+  std::vector<int> vertex;      // number of the vertex in the full surface
   std::vector<Vec3> rest;       // [m]
   std::vector<Int3> triangles;  // walls of wounds last
   std::size_t wall_begin = 0;   // the first triangle of a wall
 };
 
-/// Something that is seen: a body, what is of another material in it, a tool, or what cloth lies on.
+/// An object of the view: a body, other material inside it, a tool, or an obstacle under cloth.
 struct MovingThing {
   enum class Kind : std::uint8_t { kBody, kInside, kTool, kObstacle } kind = Kind::kBody;
   std::string name;
   Look look = Look::kFlesh;
-  double usual_force = 1;  // of a body [N]
+  double typical_force = 1;  // of a body [N]
   std::vector<MovingSurface> surfaces;
 };
 
-/// One moment.
+/// One frame.
 struct MotionFrame {
   double time = 0;                       // [s]
-  std::vector<std::size_t> surface;      // by thing: which of its surfaces
-  std::vector<std::vector<Vec3>> moved;  // by thing: of every vertex, since its rest [m]
+  std::vector<std::size_t> surface;      // by thing: index of its surface
+  std::vector<std::vector<Vec3>> moved;  // by thing: displacement of every vertex from rest [m]
   struct Force {
-    Vec3d at, force;  // where it acts on a tool [m], and how [N]
+    Vec3d at, force;  // point of application on a tool [m], force [N]
   };
   std::vector<Force> forces;  // by tool
 };
@@ -42,25 +42,25 @@ struct MotionFrame {
 struct Motion {
   std::vector<MovingThing> things;
   std::vector<MotionFrame> frames;
-  std::size_t numbers = 0;  // in the frames, and in the surfaces that they show
+  std::size_t numbers = 0;  // in the frames, and in the surfaces that they use
 };
 
-/// How much of it is kept.
+/// Size limits.
 struct MotionLimits {
   std::size_t triangles = 40'000;    // of a body
-  std::size_t numbers = 20'000'000;  // in memory; beyond, every other frame goes
+  std::size_t numbers = 20'000'000;  // in memory; above it every second frame is dropped
 };
 
-/// Adds how the world looks now.
+/// Adds the current state of the world.
 void add_moment(const WorldSnapshot& snapshot, Motion& motion, const MotionLimits& limits = {});
-/// As JSON in at most `bytes`, with fewer moments if need be; the first and the last stay. Empty when even
-/// those are too large, or when nothing was added. Blocks of numbers are compressed: see motion.cpp.
+/// JSON of at most `bytes`, with fewer frames if necessary; the first and the last are kept. Empty if even
+/// these are too large, or if no frame was added. Blocks of numbers are compressed (motion.cpp).
 std::string motion_json(const Motion& motion, std::size_t bytes);
 
-/// Is three.js installed (Debian: libjs-three)?
+/// True if three.js is installed (Debian: libjs-three).
 bool has_motion_view();
-/// The part of a page that shows it: a canvas with its bar, the libraries and the numbers. Empty where
-/// three.js is not installed or `json` is empty.
+/// HTML of the view: a canvas with its controls, the libraries and the data. Empty if three.js is not
+/// installed or `json` is empty.
 std::string motion_html(const std::string& json);
 
 }  // namespace turgor

@@ -1,5 +1,5 @@
-// The 3D view of the report's page: three.js as it is installed, and a script of our own that unpacks the
-// numbers of motion.cpp and shows them.
+// 3D view of the report's page: the installed three.js, and a script that decodes the data of motion.cpp and
+// shows it.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kThree = "/usr/share/javascript/three/three.min.js";
 constexpr const char* kControls = "/usr/share/javascript/three/examples/js/controls/OrbitControls.js";
 
-constexpr const char* kCanvas = R"(<h2>In three dimensions</h2>
+constexpr const char* kCanvas = R"(<h2>3D view</h2>
 <style>
 #motion { margin-bottom: 1.6rem; background: var(--card); border: 1px solid var(--line); border-radius: 10px; overflow: hidden; }
 #motion canvas { display: block; width: 100%; height: min(62vh, 620px); background: #14181d; touch-action: none; cursor: grab; }
@@ -25,11 +25,11 @@ constexpr const char* kCanvas = R"(<h2>In three dimensions</h2>
 #motion output { min-width: 5.5em; font-variant-numeric: tabular-nums; }
 #motion .legend { display: none; align-items: center; gap: 0.4rem; } #motion .legend canvas { width: 120px; height: 12px; border-radius: 3px; }
 </style>
-<div id="motion"><canvas id="motion-view" tabindex="0" aria-label="the bodies in three dimensions: drag to turn, wheel to come near"></canvas>
+<div id="motion"><canvas id="motion-view" tabindex="0" aria-label="the bodies in 3D: drag to orbit, wheel to zoom"></canvas>
 <div class="bar"><button id="motion-play" type="button">play</button><input id="motion-time" type="range" min="0" value="0" step="1" aria-label="time">
-<output id="motion-now"></output><select id="motion-color" aria-label="colours"><option value="look">as it looks</option><option value="displacement">displacement</option></select>
+<output id="motion-now"></output><select id="motion-color" aria-label="colors"><option value="look">natural</option><option value="displacement">displacement</option></select>
 <span class="legend" id="motion-legend">0 <canvas id="motion-bar" width="256" height="1"></canvas> <span id="motion-most"></span></span>
-<button id="motion-home" type="button">whole</button><span class="soft" id="motion-said">drag to turn, right button to move, wheel to come near</span></div></div>
+<button id="motion-home" type="button">whole</button><span class="soft" id="motion-said">drag to orbit, right button to pan, wheel to zoom</span></div></div>
 )";
 
 constexpr const char* kScript = R"js(
@@ -39,10 +39,10 @@ constexpr const char* kScript = R"js(
   if (!window.THREE || !window.DecompressionStream) return say('this browser is too old for the 3D view; the pictures below show the run');
   let renderer;
   try { renderer = new THREE.WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: true}); }
-  catch (error) { return say('this browser shows no WebGL; the pictures below show the run'); }
+  catch (error) { return say('this browser does not support WebGL; the pictures below show the run'); }
 
   const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const unpack = async (text, bytes) => {  // integers whose lowest bytes come first, then all second ones
+  const unpack = async (text, bytes) => {  // integers stored as all lowest bytes, then all second bytes
     const stream = new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream('deflate'));
     const raw = new Uint8Array(await new Response(stream).arrayBuffer()), count = raw.length / bytes, numbers = new Int32Array(count);
     for (let b = 0; b < bytes; b++) for (let i = 0; i < count; i++) numbers[i] |= raw[b * count + i] << (8 * b);
@@ -66,10 +66,10 @@ constexpr const char* kScript = R"js(
     thing.shapes = [];
     for (const surface of thing.surfaces) {
       if (!surface) { thing.shapes.push(null); continue; }
-      const places = await unpack(surface.places, 2), count = surface.vertices, rest = new Float32Array(3 * count);
-      summed(places, 0xffff);
+      const positions = await unpack(surface.positions, 2), count = surface.vertices, rest = new Float32Array(3 * count);
+      summed(positions, 0xffff);
       for (let axis = 0; axis < 3; axis++)
-        for (let v = 0; v < count; v++) rest[3 * v + axis] = surface.low[axis] + places[axis * count + v] / 65535 * surface.size;
+        for (let v = 0; v < count; v++) rest[3 * v + axis] = surface.low[axis] + positions[axis * count + v] / 65535 * surface.size;
       const triangles = summed(await unpack(surface.triangles, 4), -1), geometry = new THREE.BufferGeometry();
       geometry.setAttribute('position', new THREE.BufferAttribute(rest.slice(), 3));
       geometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(3 * count).fill(1), 3));
@@ -79,7 +79,7 @@ constexpr const char* kScript = R"js(
       const side = THREE.DoubleSide, shape = {rest, geometry};
       shape.materials = [color, new THREE.Color(looks.wall)].map((c) =>
         new THREE.MeshStandardMaterial({color: c, roughness: 0.55, metalness: thing.kind === 'tool' ? 0.3 : 0, side, vertexColors: THREE.VertexColors}));
-      if (thing.kind === 'inside')  // seen through the body
+      if (thing.kind === 'inside')  // visible through the body
         for (const material of shape.materials) material.transparent = true, material.opacity = 0.5, material.depthTest = false, material.side = THREE.FrontSide;
       shape.mesh = new THREE.Mesh(geometry, shape.materials), shape.mesh.visible = false, shape.color = color, shape.mesh.frustumCulled = false;
       scene.add(shape.mesh), thing.shapes.push(shape);
@@ -95,9 +95,9 @@ constexpr const char* kScript = R"js(
 
   const size = whole.getSize(new THREE.Vector3()).length() || 0.1, middle = whole.getCenter(new THREE.Vector3());
   const arrows = (motion.frames[0].forces_N || []).map(() => {
-    const arrow = new THREE.Group(), material = new THREE.MeshBasicMaterial({color: 0xfacc46, depthTest: false});  // also where it points into the body
+    const arrow = new THREE.Group(), material = new THREE.MeshBasicMaterial({color: 0xfacc46, depthTest: false});  // also visible inside the body
     const shaft = new THREE.CylinderBufferGeometry(0.02, 0.02, 0.8, 16).translate(0, 0.4, 0), head = new THREE.CylinderBufferGeometry(0, 0.06, 0.22, 24).translate(0, 0.89, 0);
-    for (const part of [shaft, head].map((geometry) => new THREE.Mesh(geometry, material))) part.renderOrder = 1, arrow.add(part);
+    for (const mesh of [shaft, head].map((geometry) => new THREE.Mesh(geometry, material))) mesh.renderOrder = 1, arrow.add(mesh);
     return scene.add(arrow), arrow;
   });
   const usual = Math.max(...motion.things.map((thing) => thing.kind === 'body' ? thing.usual_force_N : 0), 1e-9);
@@ -126,35 +126,35 @@ constexpr const char* kScript = R"js(
       thing.shapes.forEach((shape, s) => { if (shape) shape.mesh.visible = s === surface && !(colored && thing.kind === 'inside'); });
       paint(thing.shapes[surface], frame.things[t].moved, thing.quantum, colored && thing.kind === 'body');
     });
-    frame.forces_N.forEach(([place, force], n) => {
+    frame.forces_N.forEach(([position, force], n) => {
       const f3 = new THREE.Vector3(...force), newtons = f3.length(), arrow = arrows[n], length = size / 5 * Math.min(3, Math.max(0.25, newtons / usual));
       arrow.visible = newtons > 1e-3 * usual;
-      if (arrow.visible) arrow.position.set(...place), arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), f3.normalize()), arrow.scale.setScalar(length);
+      if (arrow.visible) arrow.position.set(...position), arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), f3.normalize()), arrow.scale.setScalar(length);
     });
-    const felt = frame.forces_N.map(([, force]) => Math.hypot(...force)).filter((n) => n > 0).map((n) => n.toPrecision(3) + ' N').join(', ');
-    at('now').textContent = frame.time_s.toFixed(2) + ' s' + (felt ? '  ' + felt : '');
+    const measured = frame.forces_N.map(([, force]) => Math.hypot(...force)).filter((n) => n > 0).map((n) => n.toPrecision(3) + ' N').join(', ');
+    at('now').textContent = frame.time_s.toFixed(2) + ' s' + (measured ? '  ' + measured : '');
     at('legend').style.display = colored ? 'flex' : 'none', slider.value = f, stale = true;
   };
   const pressed = motion.frames.map((frame) => Math.max(0, ...frame.forces_N.map(([, force]) => Math.hypot(...force))));
   const hardest = pressed.indexOf(Math.max(...pressed)), touch = pressed[hardest] > 0;
-  const start = touch ? hardest : motion.frames.length - 1, seen = whole.clone();  // bodies at rest and as they are seen first, and tools
+  const start = touch ? hardest : motion.frames.length - 1, visible = whole.clone();  // bodies at rest and in the start frame, and tools
   motion.things.forEach((thing, t) => {
     const now = motion.frames[start].things[t], {rest} = thing.shapes[now[0]], count = rest.length / 3;
     if (thing.kind === 'body' || thing.kind === 'tool')
-      for (let v = 0; v < count; v++) seen.expandByPoint(new THREE.Vector3(...[0, 1, 2].map((axis) => rest[3 * v + axis] + now.moved[axis * count + v] * thing.quantum)));
+      for (let v = 0; v < count; v++) visible.expandByPoint(new THREE.Vector3(...[0, 1, 2].map((axis) => rest[3 * v + axis] + now.moved[axis * count + v] * thing.quantum)));
   });
-  const around = seen.getCenter(new THREE.Vector3()), room = seen.getSize(new THREE.Vector3()).length() || 0.1;
-  const outward = () => {  // from where the tool comes, or from the front
+  const around = visible.getCenter(new THREE.Vector3()), extent = visible.getSize(new THREE.Vector3()).length() || 0.1;
+  const outward = () => {  // direction of the tool, or the front
     if (!touch) return new THREE.Vector3(0, -1, 0);
-    const forces = motion.frames[hardest].forces_N, [place] = forces.reduce((a, b) => Math.hypot(...a[1]) > Math.hypot(...b[1]) ? a : b);
-    return new THREE.Vector3(...place).sub(middle).normalize();
+    const forces = motion.frames[hardest].forces_N, [position] = forces.reduce((a, b) => Math.hypot(...a[1]) > Math.hypot(...b[1]) ? a : b);
+    return new THREE.Vector3(...position).sub(middle).normalize();
   };
   const home = () => {
     const out = outward(), side = new THREE.Vector3(0, 0, 1).cross(out);
-    if (side.length() < 0.5) side.set(0.3, -1, 0);  // from head or feet one sees more from the front
+    if (side.length() < 0.5) side.set(0.3, -1, 0);  // seen from head or feet, turned towards the front
     const from = out.add(side.normalize().multiplyScalar(0.7)).add(new THREE.Vector3(0, 0, 0.35)).normalize();
-    controls.target.copy(around), camera.position.copy(around).add(from.multiplyScalar(1.5 * room));
-    camera.near = room / 200, camera.far = 20 * room, camera.updateProjectionMatrix(), controls.update(), stale = true;
+    controls.target.copy(around), camera.position.copy(around).add(from.multiplyScalar(1.5 * extent));
+    camera.near = extent / 200, camera.far = 20 * extent, camera.updateProjectionMatrix(), controls.update(), stale = true;
   };
   const fit = () => {
     renderer.setPixelRatio(Math.min(2, window.devicePixelRatio)), renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);

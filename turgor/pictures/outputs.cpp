@@ -16,29 +16,29 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kVideoFolder = ".video";
-constexpr double kVideoRate = 20, kMotionRate = 10, kCutRate = 3;  // moments a second of simulated time
+constexpr double kVideoRate = 20, kMotionRate = 10, kCutRate = 3;  // frames per second of simulated time
 
-/// Nothing and a warning, once, when OpenGL is missing.
+/// Empty, with a single warning, if OpenGL is missing.
 std::optional<Image> draw_world(const WorldSnapshot& snapshot, Outputs& outputs, const Camera& camera,
-                                bool colored, MeshCare care = MeshCare::kFull) {
+                                bool colored, RenderQuality quality = RenderQuality::kFull) {
   const SkinColor color = colored ? outputs.scene->output.color : SkinColor::kNone;
   const ColorScale scale = color_scale(*outputs.scene, color);
-  PictureParts parts;
-  add_world(snapshot, color, color == SkinColor::kNone ? nullptr : &scale, camera.eye, parts);
-  return draw_parts(parts, camera, outputs, care);
+  PictureItems items;
+  add_world(snapshot, color, color == SkinColor::kNone ? nullptr : &scale, camera.eye, items);
+  return draw_items(items, camera, outputs, quality);
 }
 
-/// A cut from near once more, in colours, where the page does not show them in three dimensions.
+/// Adds a close-up of a cut in colors, unless the page shows it in 3D.
 Status add_colored_view(const WorldSnapshot& snapshot, Outputs& outputs, const SurfaceView& view) {
   const SkinColor color = outputs.scene->output.color;
   if (view.colored || color == SkinColor::kNone) return Done{};
   if (color == SkinColor::kDisplacement && !draws_all(outputs)) return Done{};
   const std::optional<Image> image = draw_world(snapshot, outputs, beside_legend(view.camera, outputs), true);
   if (!image) return Done{};
-  return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colours", *image, false);
+  return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colors", *image, false);
 }
 
-/// The pictures under the largest forces say it all: in the end the tools are away.
+/// True if pictures under the largest forces suffice, because the tools are retracted at the end.
 bool shows_touch_alone(const World& world) {
   const bool all_touched = std::all_of(world.lattice_bodies.begin(), world.lattice_bodies.end(),
                                        [](const LatticeBody& body) { return !body.tool_indices.empty(); });
@@ -47,7 +47,7 @@ bool shows_touch_alone(const World& world) {
 
 std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", seconds); }
 
-/// The views from near, one for every cut, come second.
+/// The close-up views, one for every cut, come second.
 std::vector<Film> make_films(const Outputs& outputs, std::size_t cuts) {
   std::vector<Film> films;
   if (!outputs.scene->output.video || !has_ffmpeg()) return films;
@@ -60,8 +60,8 @@ std::vector<Film> make_films(const Outputs& outputs, std::size_t cuts) {
 }
 
 Status film_moment(const WorldSnapshot& snapshot, Film& film, Outputs& outputs) {
-  const std::optional<Image> image =
-      draw_world(snapshot, outputs, outputs.views[film.view].camera, !shows_skin(snapshot), MeshCare::kQuick);
+  const std::optional<Image> image = draw_world(snapshot, outputs, outputs.views[film.view].camera,
+                                                !shows_skin(snapshot), RenderQuality::kQuick);
   if (!image) return Done{};
   const fs::path file =
       outputs.folder / kVideoFolder / fmt::format("{}-{:06}.png", film.view, film.frames.size());
@@ -86,7 +86,7 @@ Status finish_films(Outputs& outputs) {
   return Done{};
 }
 
-/// How to get the pictures that are not drawn.
+/// Command for the pictures that were not drawn.
 std::string more_pictures(const OutputScene& output) {
   return output.recording ? "turgor run --replay recording.h5 --set output.pictures=all"
                           : "the same run with --set output.pictures=all";
@@ -110,7 +110,7 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   for (const char* name : folders)
     if (!fs::create_directory(outputs.folder / name, error))
       return Error{
-          fmt::format("{}: cannot make the folder: {}", (outputs.folder / name).string(), error.message())};
+          fmt::format("{}: cannot create the folder: {}", (outputs.folder / name).string(), error.message())};
   for (const LatticeBody& body : world.lattice_bodies)
     outputs.at_rest.push_back(lattice::make_state(body.model));
   Result<std::vector<SurfaceView>> views = make_views(scene, world, snapshot, outputs.at_rest);
@@ -133,7 +133,7 @@ bool draws_all(const Outputs& outputs) { return outputs.scene->output.all_pictur
 
 Camera beside_legend(const Camera& camera, const Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
-  return with_room_beside(camera, double(output.width) / output.height, kLegendPart);
+  return with_margin_right(camera, double(output.width) / output.height, kLegendFraction);
 }
 
 ColorScale color_scale(const Scene& scene, SkinColor color) {
@@ -141,22 +141,21 @@ ColorScale color_scale(const Scene& scene, SkinColor color) {
   std::pair<double, double> range = stretch ? std::pair(-0.2, 0.2) : std::pair(0.0, 0.01);
   if (pressure) range = {0, scene.sfem_bodies[0].material.young};
   if (scene.output.color == color) range = scene.output.color_range.value_or(range);
-  constexpr float kFar =
-      std::numeric_limits<float>::max();  // up to the next float, so that 0.01 m is not below 10 mm
+  constexpr float kFar = std::numeric_limits<float>::max();  // next float, so that 0.01 m is not below 10 mm
   const float low = float(range.first), high = std::nextafter(float(range.second), kFar);
   if (stretch) return {low, high, "area strain of the skin [%]", 100};
   if (pressure) return {low, high, "contact pressure [kPa]", 1e-3f};
   return {low, high, "displacement [mm]", 1000};
 }
 
-std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs,
-                                MeshCare care) {
+std::optional<Image> draw_items(const PictureItems& items, const Camera& camera, Outputs& outputs,
+                                RenderQuality quality) {
   if (!outputs.can_draw) return std::nullopt;
   const AddTime time(outputs.facts.drawing_seconds);
   const OutputScene& output = outputs.scene->output;
-  Result<Image> image = draw_meshes(parts.parts, camera, output.width, output.height, care);
+  Result<Image> image = draw_meshes(items.items, camera, output.width, output.height, quality);
   if (image) {
-    draw_labels(parts.labels, camera, *image);
+    draw_labels(items.labels, camera, *image);
     draw_scale_bar(*image, camera);
     return std::move(*image);
   }
@@ -180,10 +179,10 @@ void keep_first(const WorldSnapshot& snapshot, Outputs& outputs) {
   if (!outputs.first.bodies.empty() || std::none_of(outputs.views.begin(), outputs.views.end(), wants_it))
     return;
   outputs.first = snapshot;
-  for (BodySnapshot& body : outputs.first.bodies) body.kept.reset();
+  for (BodySnapshot& body : outputs.first.bodies) body.cache.reset();
 }
 
-/// The picture of a snapshot by itself, where the scene asks for it.
+/// Picture of a single snapshot, if the scene requests it.
 Status add_frame(const WorldSnapshot& snapshot, const SurfaceView& view, Outputs& outputs) {
   if (!outputs.scene->output.frames) return Done{};
   const std::optional<Image> image = draw_world(snapshot, outputs, view.camera, view.colored);
@@ -221,7 +220,7 @@ Status add_snapshot(const WorldSnapshot& snapshot, Outputs& outputs) {
 }
 
 bool wants_moment(const World& world, const Outputs& outputs) {
-  // Behind a moving blade the surface is another one at every moment, and dear to make.
+  // while a blade moves the surface changes in every frame, and is expensive
   const bool cuts = std::any_of(world.cuts.begin(), world.cuts.end(),
                                 [](const Cut& cut) { return cut.path && cut.done < 1; });
   const double rate = outputs.scene->output.video ? kVideoRate : cuts ? kCutRate : kMotionRate;
@@ -240,7 +239,7 @@ Status take_moment(const WorldSnapshot& snapshot, Outputs& outputs) {
 
 namespace {
 
-/// Every view, before and at the end; wounds first.
+/// Pictures of every view before and at the end; wounds first.
 Status add_before_after(const WorldSnapshot& snapshot, Outputs& outputs) {
   for (std::size_t v = outputs.views.size(); v-- > 0;) {
     const SurfaceView& view = outputs.views[v];

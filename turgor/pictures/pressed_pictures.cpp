@@ -1,4 +1,5 @@
-// Bodies under the largest forces of their tools: the whole and from near, before and then, and in colours.
+// Pictures of bodies under the largest forces of their tools: whole and close up, before and under the force,
+// and in colors.
 #include <algorithm>
 #include <cmath>
 
@@ -10,51 +11,52 @@ namespace turgor {
 
 namespace {
 
-/// Skin that tools touch is drawn as flesh, as a recording has it.
+/// Touched skin is drawn as flesh, as in a recording.
 BodySnapshot as_flesh(const BodySnapshot& pressed) {
   BodySnapshot body = pressed;
   if (body.look == Look::kSkin) body.look = Look::kFlesh;
   body.wall_begin = body.triangles.size();
-  place_vertices(body);
+  update_vertices(body);
   return body;
 }
 
-/// A body as it lies at rest, untouched.
+/// A body at rest.
 BodySnapshot undeformed(const BodySnapshot& body) {
   BodySnapshot rest = body;
   std::fill(rest.displacement.begin(), rest.displacement.end(), Vec3{});
   std::fill(rest.pressure.begin(), rest.pressure.end(), 0.0f);
-  place_vertices(rest);
+  update_vertices(rest);
   return rest;
 }
 
-/// The tool with the largest force.
+/// Tool with the largest force.
 const ToolSnapshot& pressing_tool(const std::vector<ToolSnapshot>& tools) {
   return *std::max_element(tools.begin(), tools.end(), [](const ToolSnapshot& a, const ToolSnapshot& b) {
     return norm(a.force) < norm(b.force);
   });
 }
 
-/// Out of the surface at rest around a place; zero when there is none within reach.
-Vec3d outward_around(const BodySnapshot& body, Vec3d place, double reach) {
+/// Outward normal of the surface at rest around a position; zero if no triangle is within reach.
+Vec3d outward_around(const BodySnapshot& body, Vec3d position, double reach) {
   Vec3d sum;
   for (const Int3 t : body.triangles) {
     const Vec3d a(body.rest[std::size_t(t.x)]), b(body.rest[std::size_t(t.y)]),
         c(body.rest[std::size_t(t.z)]);
-    if (norm(a - place) < reach) sum += cross(b - a, c - a);
+    if (norm(a - position) < reach) sum += cross(b - a, c - a);
   }
   return sum;
 }
 
-/// From where one looks at a tool: from the touched surface towards the eye, and what is up there.
+/// View direction for a tool: from the touched surface towards the eye, and the up vector.
 struct Aim {
   Vec3d direction, up;
 };
 
-/// From aside one sees the dent with the tool in it, from above, where it is left out, what lies below it.
+/// The side view shows the dent with the tool in it. The view from above is drawn without the tool and shows
+/// the surface under it.
 Aim aim_at_tool(const BodySnapshot& body, const ToolSnapshot& tool, bool from_above) {
   const Vec3d outward = outward_around(body, tool.pose.position, 2 * tool.size);
-  // Tools that pull are pulled in; forceps come from where their handles are.
+  // pulling tools are pulled towards the body; forceps approach from their handles
   const bool pulls = dot(tool.force, outward) < 0;
   const Vec3d out = tool.has_jaws ? tool.pose.axes.column[2] : normalized(pulls ? outward : tool.force);
   const Vec3d head = std::abs(out.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{0, -1, 0};
@@ -64,56 +66,56 @@ Aim aim_at_tool(const BodySnapshot& body, const ToolSnapshot& tool, bool from_ab
   return {direction, out};
 }
 
-/// At what the pressing tool touches.
+/// Camera at the contact point of the pressing tool.
 Camera camera_at_tool(const ToolSnapshot& tool, const Aim& aim, double reach, double aspect) {
   const Vec3d half{reach, reach, reach};
   return frame_box({tool.pose.position - half, tool.pose.position + half}, aim.direction, aim.up, aspect);
 }
 
-constexpr double kArrowPart = 0.2;  // of a whole body's diagonal
+constexpr double kArrowFraction = 0.2;  // of a whole body's diagonal
 
-/// The body with the tool and its arrow: from where the run is seen, but forceps, which are a rod from above,
-/// from aside with all of their handles.
+/// Camera of the body with the tool and its arrow: the run's camera, but the side view with the whole handles
+/// for forceps, which look like a rod from above.
 Camera camera_of_whole(const BodySnapshot& body, const ToolSnapshot& tool, const Aim& aside,
                        const Outputs& outputs, double aspect) {
   Box box = body.box;
   const Vec3d arrow =
-      tool.pose.position + normalized(aside.up) * (1.25 * kArrowPart * norm(box.high - box.low));
+      tool.pose.position + normalized(aside.up) * (1.25 * kArrowFraction * norm(box.high - box.low));
   box = joined(box, {arrow, arrow});
-  if (tool.has_jaws) box = joined(box, bounding_box(placed_mesh(tool)));
+  if (tool.has_jaws) box = joined(box, bounding_box(posed_mesh(tool)));
   const Camera& view = outputs.views.front().camera;
   return tool.has_jaws ? frame_box(box, aside.direction, aside.up, aspect)
                        : frame_box(box, view.eye - view.target, view.up, aspect);
 }
 
-/// One picture of a body's surface, with tools and forces as they are.
+/// One picture of a body's surface with its tools and forces.
 std::optional<Image> draw_body(const BodySnapshot& body, const std::vector<ToolSnapshot>& tools,
                                const Camera& camera, double arrow, Outputs& outputs) {
-  PictureParts parts;
-  add_body(body, SkinColor::kNone, nullptr, parts);
-  for (const ToolSnapshot& tool : tools) add_tool(tool, {body.usual_force, arrow}, camera.eye, parts);
-  return draw_parts(parts, camera, outputs);
+  PictureItems items;
+  add_body(body, SkinColor::kNone, nullptr, items);
+  for (const ToolSnapshot& tool : tools) add_tool(tool, {body.typical_force, arrow}, camera.eye, items);
+  return draw_items(items, camera, outputs);
 }
 
-/// In colours that reach to the largest value, unless the scene says otherwise; without the tools.
+/// Colored picture without the tools; the scale reaches the largest value unless the scene sets it.
 Status add_colored(const BodySnapshot& body, SkinColor color, const char* name, const char* caption,
                    const Camera& camera, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   const std::vector<float> values = shown_values(body, color);
-  if (values.empty()) return Done{};  // this body does not know it
+  if (values.empty()) return Done{};  // the body does not have this quantity
   ColorScale scale = color_scale(*outputs.scene, color);
   if (output.color != color || !output.color_range)
     scale.high = *std::max_element(values.begin(), values.end());
-  PictureParts parts;
-  add_body(body, color, &scale, parts);
-  const std::optional<Image> image = draw_parts(parts, beside_legend(camera, outputs), outputs);
+  PictureItems items;
+  add_body(body, color, &scale, items);
+  const std::optional<Image> image = draw_items(items, beside_legend(camera, outputs), outputs);
   if (!image) return Done{};
   return add_picture(outputs, fmt::format("{}-{}.png", body.name, name),
-                     fmt::format("{} under the largest force, the tool left out: {}", body.name, caption),
+                     fmt::format("{} under the largest force, without the tool: {}", body.name, caption),
                      *image, false);
 }
 
-/// Before, and then, side by side.
+/// Pair before and under the force, side by side.
 Status add_pair(const Pressed& pressed, const BodySnapshot& body, const char* name, const char* caption,
                 const Camera& camera, double arrow, Outputs& outputs) {
   const auto before = draw_body(undeformed(body), {}, camera, arrow, outputs),
@@ -137,7 +139,7 @@ Status add_pictures(const Pressed& pressed, Outputs& outputs) {
   Status status = add_pair(pressed, body, "near", "from near", near, 0.5 * tool.size, outputs);
   if (status && draws_all(outputs))
     status = add_pair(pressed, body, "whole", "as a whole", whole,
-                      kArrowPart * norm(body.box.high - body.box.low), outputs);
+                      kArrowFraction * norm(body.box.high - body.box.low), outputs);
   if (status && draws_all(outputs))
     status = add_colored(body, SkinColor::kDisplacement, "displacement", "displacement", above, outputs);
   if (status && (draws_all(outputs) || outputs.scene->output.color == SkinColor::kPressure))

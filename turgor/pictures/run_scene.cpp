@@ -35,7 +35,7 @@ Result<OutputFolder> open_folder(const Scene& scene, bool is_replay, const RunOp
                                  const RunCallbacks& callbacks) {
   Result<OutputFolder> folder = OutputFolder::create(
       options.out.empty() ? default_folder(scene.file, is_replay) : options.out, options.foreign);
-  if (folder) tell(callbacks, doomed_note(*folder));
+  if (folder) tell(callbacks, removed_foreign_note(*folder));
   return folder;
 }
 
@@ -46,7 +46,7 @@ Status check_inputs(const Scene& scene, const OutputFolder& folder) {
   return Done{};
 }
 
-/// Report and page are written last, and with them the folder gets its name.
+/// Writes report and page last, then gives the folder its final name.
 Status complete(const Timer& total, Json& report, Outputs& outputs, OutputFolder& folder,
                 const RunCallbacks& callbacks) {
   const std::string motion = motion_of_page(outputs);
@@ -59,7 +59,7 @@ Status complete(const Timer& total, Json& report, Outputs& outputs, OutputFolder
   return status;
 }
 
-/// A run on its way into its folder.
+/// A run that is being written to its folder.
 struct FolderRun {
   const fs::path folder;
   const Exec& exec;
@@ -71,15 +71,15 @@ struct FolderRun {
   std::optional<LiveRun> live;
   std::unique_ptr<HapticReplay> replay;
   std::vector<ClothStretch> stretch;
-  std::vector<WorldSnapshot> later;  // snapshots of a run in real time, whose frames cannot wait for pictures
+  std::vector<WorldSnapshot> later;  // snapshots of a real-time run, whose pictures are drawn afterwards
 };
 
 Status take_snapshot(FolderRun& run, const World& world, const WorldSnapshot& snapshot) {
-  note_stretch(snapshot, run.stretch);
+  record_stretch(snapshot, run.stretch);
   Status status = Done{};
   if (run.live) {
     run.later.push_back(snapshot);
-    for (BodySnapshot& body : run.later.back().bodies) body.kept.reset();
+    for (BodySnapshot& body : run.later.back().bodies) body.cache.reset();
   } else
     status = add_snapshot(snapshot, run.outputs);
   if (status && run.recording) {
@@ -90,7 +90,7 @@ Status take_snapshot(FolderRun& run, const World& world, const WorldSnapshot& sn
   return status;
 }
 
-/// The pictures that had to wait.
+/// Draws the postponed pictures.
 Status draw_later(FolderRun& run) {
   const Progress progress = run.later.empty() ? Progress() : begin_work(run.callbacks.begin, "drawing");
   Status status = Done{};
@@ -107,7 +107,7 @@ Result<Simulated> simulate_into(FolderRun& run) {
   events.frame = run.callbacks.frame;
   if (run.live)
     events.frame = [&run](const World& world) {
-      run.live->touch->note_frame();
+      run.live->touch->record_frame_inputs();
       run.live->touch->wait_for_frame();
       return !run.callbacks.frame || run.callbacks.frame(world);
     };
@@ -121,7 +121,7 @@ Result<Simulated> simulate_into(FolderRun& run) {
     return take_snapshot(run, w, snapshot);
   };
   events.picture = [&run](const WorldSnapshot& snapshot) {
-    note_stretch(snapshot, run.stretch);
+    record_stretch(snapshot, run.stretch);
     return take_moment(snapshot, run.outputs);
   };
   if (!run.live) events.wants_picture = [&run](const World& w) { return wants_moment(w, run.outputs); };
@@ -134,8 +134,8 @@ Result<Simulated> simulate_into(FolderRun& run) {
   return done;
 }
 
-/// A felt run that was done again.
-Json felt_report(const HapticRecording& haptic, const World& world) {
+/// Report of a replayed haptic run.
+Json haptic_report(const HapticRecording& haptic, const World& world) {
   std::size_t ticks = 0;
   for (const HapticTool& tool : haptic.tools) ticks += tool.ticks.size();
   return {{"frames", haptic.frames},
@@ -144,34 +144,37 @@ Json felt_report(const HapticRecording& haptic, const World& world) {
           {"same_bits", state_hash(world) == haptic.hash}};
 }
 
-/// What `turgor replay` does again.
-Status write_felt(FolderRun& run) {
+/// Writes the data for `turgor replay`.
+Status write_haptics(FolderRun& run) {
   if (!run.live) return Done{};
   Result<HapticRecording> haptic = run.live->touch->haptic_recording();
   if (!haptic) return haptic.error();
-  note_scene(run.scene, false, *haptic);
-  const Status written = write_haptic_recording(run.folder / "felt.h5", *haptic);
-  if (written) run.outputs.facts.files.push_back("felt.h5");
+  set_scene(run.scene, false, *haptic);
+  const Status written = write_haptic_recording(run.folder / "haptic.h5", *haptic);
+  if (written) run.outputs.facts.files.push_back("haptic.h5");
   return written;
 }
 
-/// The report as the simulation decides it; the recording has it, too.
+/// Report of the simulation; also stored in the recording.
 Result<Json> report_of(FolderRun& run, const Simulated& done) {
   RunFacts& facts = run.outputs.facts;
   facts.drawing_seconds += done.show_seconds;
-  if (const Status haptic = write_felt(run); !haptic) facts.warnings.push_back(haptic.error().message);
+  if (const Status haptic = write_haptics(run); !haptic) facts.warnings.push_back(haptic.error().message);
+  // warnings
   if (!done.stopped.empty()) facts.warnings.push_back(done.stopped);
   append(facts.warnings, cloth_warnings(run.world));
   append(facts.warnings, overstretched(run.stretch));
   append(facts.warnings, touch_warnings(run.world));
-  append(facts.warnings, coarse_presses(run.world));
+  append(facts.warnings, force_error_warnings(run.world));
   append(facts.warnings, overpressed(run.world, done.measures.pressed));
   append(facts.warnings, lattice_warnings(run.exec, run.world));
   if (run.live) append(facts.warnings, haptics_warnings(*run.live));
+  // report
   Json report = simulation_report(run.exec, run.scene, run.world, done.measures, facts);
   if (run.live) report["haptics"] = haptics_report(*run.live);
-  if (run.replay) report["felt"] = felt_report(run.replay->run(), run.world);
+  if (run.replay) report["haptic_replay"] = haptic_report(run.replay->run(), run.world);
   if (!done.stopped.empty()) report["stopped"] = done.stopped, report["finite"] = done.finite;
+  // recording
   if (!run.recording) return report;
   const AddTime time(facts.file_seconds);
   const Status status =
@@ -182,7 +185,8 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   return report;
 }
 
-/// Who tells the tools where to go: a hand, one of before, or, where both stay empty, their paths.
+/// Chooses the motion of the tools: a haptic device, a haptic recording, or, if neither is given, their
+/// paths.
 Status begin_touch(const RunOptions& options, std::optional<HapticRecording> haptic, FolderRun& run) {
   if (options.live) {
     Result<LiveRun> live = start_live(run.world, *options.live, run.scene.duration);
@@ -197,7 +201,7 @@ Status begin_touch(const RunOptions& options, std::optional<HapticRecording> hap
   return Done{};
 }
 
-/// In the open folder.
+/// Runs in the open folder.
 Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, OutputFolder& folder,
                       const RunOptions& options, std::optional<HapticRecording> haptic,
                       const RunCallbacks& callbacks) {
@@ -232,7 +236,7 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   return status ? report : status.error();
 }
 
-/// In the open folder.
+/// Replays in the open folder.
 Result<Json> replay_into(const Exec& exec, const Recording& recording, const Scene& scene, const Timer& total,
                          OutputFolder& folder, const RunCallbacks& callbacks) {
   Result<World> world = load_world(exec, scene, callbacks.begin, Purpose::kDraw);
@@ -279,8 +283,8 @@ Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& o
   return run_into(exec, scene, total, *folder, options, std::nullopt, callbacks);
 }
 
-Result<Json> replay_felt_run(const Exec& exec, const fs::path& file, const RunOptions& options,
-                             const RunCallbacks& callbacks) {
+Result<Json> replay_haptic_run(const Exec& exec, const fs::path& file, const RunOptions& options,
+                               const RunCallbacks& callbacks) {
   const Timer total;
   Result<HapticRecording> haptic = read_haptic_recording(file);
   if (!haptic) return haptic.error();

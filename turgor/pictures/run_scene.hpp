@@ -1,5 +1,5 @@
-// A whole run into a folder: what `turgor run` does, for every program that links the library. The folder
-// appears when it is complete (sim/output_folder.hpp).
+// A complete run into a folder: the implementation of `turgor run` for every program that links the library.
+// The folder appears when it is complete (sim/output_folder.hpp).
 #pragma once
 
 #include <filesystem>
@@ -24,31 +24,32 @@ namespace turgor {
 struct RunOptions {
   std::filesystem::path out;  // empty: default_folder
   Foreign foreign = Foreign::kRefuse;
-  std::optional<LiveOptions> live;  // in real time, with a hand
+  std::optional<LiveOptions> live;  // in real time, with a haptic device
 };
 
-/// What a run tells while it goes on; any of them may be empty.
+/// Callbacks of a run; any may be empty.
 struct RunCallbacks {
-  BeginWork begin;                                       // before work that takes long: a bar and a sentence
-  std::function<void(const std::string&)> note;          // remarks about others' files in the folder
-  std::function<bool(const World&)> frame;               // after every frame; false ends the run there
-  std::function<Status(const WorldSnapshot&)> snapshot;  // as the world looks; its failure ends the run
+  BeginWork begin;                                       // before a long task: a progress bar and a sentence
+  std::function<void(const std::string&)> note;          // remarks about foreign files in the folder
+  std::function<bool(const World&)> frame;               // after every frame; false ends the run
+  std::function<Status(const WorldSnapshot&)> snapshot;  // current snapshot; an error ends the run
 };
 
-/// Where results go unless one says it: "out/NAME" of a scene file NAME.toml, of a replay "out/NAME-replay".
+/// Default folder of results: "out/NAME" for a scene file NAME.toml, "out/NAME-replay" for a replay.
 std::filesystem::path default_folder(const std::filesystem::path& scene_file, bool is_replay);
 
-/// Loads, simulates, measures, draws and writes; returns the report. One that ended early has "stopped", a
-/// sentence, and "finite" false when its numbers were the reason. Error: nothing is left behind.
+/// Loads, simulates, measures, draws and writes; returns the report. A run that ended early has "stopped", a
+/// sentence, and "finite" false if its numbers were the reason. After an error no folder remains.
 Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& options,
                        const RunCallbacks& callbacks = {});
 
-/// Does a felt run again and leaves what run_scene leaves. The report has "felt": frames, ticks, the state's
-/// hash then, and whether it is that now, bit for bit. Error: the file is no felt run, or as run_scene.
-Result<Json> replay_felt_run(const Exec& exec, const std::filesystem::path& file, const RunOptions& options,
-                             const RunCallbacks& callbacks = {});
+/// Replays a haptic run and writes the outputs of run_scene. The report has the recorded frames, ticks and
+/// state hash, and whether the hash is bit-identical now. Error: the file is not a haptic recording, or as in
+/// run_scene.
+Result<Json> replay_haptic_run(const Exec& exec, const std::filesystem::path& file, const RunOptions& options,
+                               const RunCallbacks& callbacks = {});
 
-/// Draws a recording again; `overrides` may say what to draw and where the CT is now.
+/// Draws a recording again; `overrides` may set the pictures and the current path of the CT.
 Result<Json> replay_recording(const Exec& exec, const std::filesystem::path& file,
                               const std::vector<std::string>& overrides, const RunOptions& options,
                               const RunCallbacks& callbacks = {});

@@ -1,4 +1,4 @@
-// From where a run is seen: the whole of it from the side of the tools or the front, every cut from near, and
+// Views of a run: the whole scene from the side of the tools or from the front, a close-up of every cut, and
 // the cameras of the scene.
 #include <algorithm>
 #include <cmath>
@@ -17,14 +17,15 @@ Box grown(Box box, double margin) {
   return {box.low - m, box.high + m};
 }
 
-/// Looks at a cut from outside, a little from below, its line upright or lying as in the patient.
+/// View of a cut from outside and slightly from below, with its line vertical or horizontal as in the
+/// patient.
 SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::BladePath& path, double aspect) {
   const Grid& grid = world.lattice_bodies[std::size_t(cut.body)].model.grid;
   Box box{to_patient(grid, path.skin.front()), to_patient(grid, path.skin.front())};
   for (const Vec3d p : path.skin)
     box = {min(box.low, to_patient(grid, p)), max(box.high, to_patient(grid, p))};
   const double length = norm(box.high - box.low);
-  const Vec3d outward = -(grid.axes * mean_into(path));
+  const Vec3d outward = -(grid.axes * mean_inward(path));
   const Vec3d direction = outward + Vec3d{0.15, 0, -0.35};
   return {cut.blade.name, cut.blade.name + " from near",
           frame_box(grown(box, std::max(0.01, 0.08 * length)), direction, {0, 0, 1}, aspect)};
@@ -33,7 +34,7 @@ SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::Blade
 constexpr double kFarAway = std::numeric_limits<double>::max();
 constexpr Box kNothing{{kFarAway, kFarAway, kFarAway}, {-kFarAway, -kFarAway, -kFarAway}};
 
-/// Of bodies at rest.
+/// Box of the bodies at rest.
 Box box_of(const WorldSnapshot& snapshot) {
   Box box = kNothing;
   for (const BodySnapshot& body : snapshot.bodies)
@@ -41,7 +42,7 @@ Box box_of(const WorldSnapshot& snapshot) {
   return box;
 }
 
-/// Of bodies where they are.
+/// Box of the bodies in their current state.
 Box box_now(const WorldSnapshot& snapshot) {
   Box box = kNothing;
   for (const BodySnapshot& body : snapshot.bodies)
@@ -49,38 +50,38 @@ Box box_now(const WorldSnapshot& snapshot) {
   return box;
 }
 
-/// Where the holds of cloth go.
+/// Adds the targets of cloth holds.
 void add_holds(const World& world, Box& box) {
   const Box rest = box;
   for (const ClothBody& cloth : world.cloth_bodies)
     for (const ClothHold& hold : cloth.holds) {
-      std::vector<Vec3d> places;
-      if (hold.scene.ball) places.push_back(hold.scene.ball->center);
+      std::vector<Vec3d> positions;
+      if (hold.scene.ball) positions.push_back(hold.scene.ball->center);
       if (hold.scene.box)
-        for (const Vec3d corner : *hold.scene.box) places.push_back(max(rest.low, min(rest.high, corner)));
+        for (const Vec3d corner : *hold.scene.box) positions.push_back(max(rest.low, min(rest.high, corner)));
       for (const auto& [t, x, y, z] : hold.scene.path)
-        for (const Vec3d place : places) {
-          const Vec3d there = place + Vec3d{x, y, z};
-          box = {min(box.low, there), max(box.high, there)};
+        for (const Vec3d position : positions) {
+          const Vec3d moved = position + Vec3d{x, y, z};
+          box = {min(box.low, moved), max(box.high, moved)};
         }
     }
 }
 
-/// Room for the arrows beside tools, on the side from which they come, and for what cloth lies on beside it.
+/// Adds margins for arrows beside tools, on the side of the tools, and for obstacles beside the cloth.
 void add_surroundings(const WorldSnapshot& snapshot, Box& box) {
-  const double room = 0.15 * norm(box.high - box.low);
-  const Box most = grown(box, room);
+  const double margin = 0.15 * norm(box.high - box.low);
+  const Box most = grown(box, margin);
   for (const TriMesh& obstacle : snapshot.obstacles) {
     const Box whole = bounding_box(obstacle);
     box = joined(box, {max(most.low, min(most.high, whole.low)), max(most.low, min(most.high, whole.high))});
   }
   for (const ToolSnapshot& tool : snapshot.tools) {
-    const Vec3d place = max(most.low, min(most.high, tool.pose.position));
-    box = {min(box.low, place), max(box.high, place)};
+    const Vec3d position = max(most.low, min(most.high, tool.pose.position));
+    box = {min(box.low, position), max(box.high, position)};
   }
 }
 
-/// Around all that the run is going to show, as far as one knows at its start.
+/// Box of all motion that the run will show, as far as it is known at the start.
 Box box_of_motion(const World& world, const WorldSnapshot& snapshot) {
   Box box = box_of(snapshot);
   add_holds(world, box);
@@ -88,7 +89,7 @@ Box box_of_motion(const World& world, const WorldSnapshot& snapshot) {
   return box;
 }
 
-/// The side from which a tool comes to the first body that has one; none without tools.
+/// Side from which a tool approaches the first body with one; empty without tools.
 std::optional<Vec3d> side_of_tools(const WorldSnapshot& snapshot) {
   const Box box = box_of(snapshot);
   for (const BodySnapshot& body : snapshot.bodies)
@@ -99,7 +100,7 @@ std::optional<Vec3d> side_of_tools(const WorldSnapshot& snapshot) {
 
 SurfaceView view_of_bodies(const World& world, const WorldSnapshot& snapshot, Vec3d outward, double aspect) {
   const Vec3d out = normalized(outward);
-  const bool from_head = std::abs(out.z) > 0.8;  // then one sees more from the front
+  const bool from_head = std::abs(out.z) > 0.8;  // then the front is visible too
   const Vec3d direction = out + (from_head ? Vec3d{0.5, -1.1, 0} : Vec3d{0.45, 0, 0.2});
   const bool skin = shows_skin(snapshot);
   return {skin ? "skin" : "body", skin ? "the skin" : "the body",
@@ -126,13 +127,13 @@ Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& wor
                                             const WorldSnapshot& snapshot,
                                             const std::vector<lattice::State>& at_rest) {
   const double aspect = double(scene.output.width) / scene.output.height;
-  Vec3d outward = side_of_tools(snapshot).value_or(Vec3d{0, -1, 0});  // else the front of a patient
+  Vec3d outward = side_of_tools(snapshot).value_or(Vec3d{0, -1, 0});  // default: front of a patient
   std::vector<SurfaceView> cuts;
   for (const Cut& cut : world.cuts) {
     const auto body = std::size_t(cut.body);
     const auto path = lattice::lay_blade(world.lattice_bodies[body].model, at_rest[body], cut.blade);
     if (!path) return path.error();
-    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * mean_into(*path));
+    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * mean_inward(*path));
     cuts.push_back(view_of_cut(world, cut, *path, aspect));
   }
   std::vector<SurfaceView> views{view_of_bodies(world, snapshot, outward, aspect)};

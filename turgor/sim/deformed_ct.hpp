@@ -1,4 +1,5 @@
-// The deformed CT of a lattice as pictures show it: the body alone, here or on the GPU that it steps on.
+// Deformed CT of a lattice for pictures: the body without its surroundings, in host memory or on the GPU on
+// which the body steps.
 #pragma once
 
 #include <optional>
@@ -7,24 +8,27 @@
 
 namespace turgor {
 
-/// Where somebody wants it.
-struct CtWish {
-  bool here = true;    // for sections
-  bool there = false;  // at the CT's own resolution, for pictures that a GPU draws; here where that cannot be
+/// Memories that shall hold the deformed CT.
+struct CtTargets {
+  bool host = true;     // for sections
+  bool device = false;  // in the CT's own resolution, for pictures drawn on a GPU; without a GPU on the host
 
-  friend bool operator==(const CtWish&, const CtWish&) = default;
+  friend bool operator==(const CtTargets&, const CtTargets&) = default;
 };
 
 struct DeformedCt {
   int frame = 0;
-  CtVolume ct;  // no samples where it is wanted there alone, and is there
-  CtWish wish = {};
-  std::optional<lattice::DeviceResampled> there = {};
+  CtVolume ct;  // without samples if only the device holds them
+  CtTargets targets = {};
+  std::optional<lattice::DeviceResampled> device = {};
 
-  bool answers(CtWish other) const { return (wish.here || !other.here) && wish.there == other.there; }
+  bool covers(CtTargets other) const {
+    return (targets.host || !other.host) && targets.device == other.device;
+  }
 };
 
-/// `most`: samples along an axis, of what is here.
-DeformedCt make_deformed_ct(const Exec& exec, const LatticeBody& body, int frame, CtWish wish, int most);
+/// `max_samples`: limit of the host's samples along an axis.
+DeformedCt make_deformed_ct(const Exec& exec, const LatticeBody& body, int frame, CtTargets targets,
+                            int max_samples);
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// What one frame of a world says about itself; every model adds to it.
+// Input and report of a frame of a world; every model contributes to the report.
 #pragma once
 
 #include "turgor/contact/tool.hpp"
@@ -7,13 +7,13 @@
 namespace turgor {
 
 struct FrameReport {
-  bool finite = true;          // false: a model's step was undone
+  bool finite = true;          // false: the step of a model was undone
   double seconds = 0;          // wall time
   double largest_speed = 0;    // [m/s]
-  lattice::Residual residual;  // when asked for; the largest over all bodies
+  lattice::Residual residual;  // on request; the largest over all bodies
 };
 
-/// What moves a body in a frame, and when. The world is what is around the body, and the body in it.
+/// Time interval of a frame. Bodies read everything else from the world.
 struct FrameInput {
   double from = 0, to = 0;        // [s]
   bool measure_residual = false;  // costs about one sweep
@@ -22,8 +22,8 @@ struct FrameInput {
 /// A tool at the end of the latest frame.
 struct ToolNow {
   contact::Pose pose;
-  Vec3d force;         // on it [N]
-  double opening = 0;  // of its jaws [m]
+  Vec3d force;         // on the tool [N]
+  double opening = 0;  // of the jaws [m]
 };
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// What loading a body may use, whatever its model is.
+// Parameters of loading, common to all models.
 #pragma once
 
 #include <functional>
@@ -9,8 +9,8 @@
 
 namespace turgor {
 
-/// Called before work that takes long: a word for a progress bar, and a sentence that says what it will take
-/// (may be empty). Returns what is told the finished fraction; both may be empty.
+/// Called before a long task: label of a progress bar, and a sentence about expected cost (may be empty). The
+/// returned callback receives the finished fraction; both may be empty.
 using BeginWork = std::function<Progress(const std::string& label, const std::string& sentence)>;
 
 inline Progress begin_work(const BeginWork& begin, const std::string& label,
@@ -18,7 +18,7 @@ inline Progress begin_work(const BeginWork& begin, const std::string& label,
   return begin ? begin(label, sentence) : Progress();
 }
 
-/// What a world is made for. To draw a recording, bodies whose surface it holds stay empty.
+/// Purpose of a world. For drawing a recording, bodies whose surface it contains stay empty.
 enum class Purpose : std::uint8_t { kSimulate, kDraw };
 
 struct Loading {

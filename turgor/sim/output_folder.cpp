@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "out.kept", "out.kept-2", …: a name beside the goal that nothing has.
+/// Unused name next to the goal: "out.kept", "out.kept-2", …
 fs::path free_name(const fs::path& goal, const char* kind) {
   std::error_code ignored;
   for (int n = 1;; n++) {
@@ -27,25 +27,25 @@ fs::path free_name(const fs::path& goal, const char* kind) {
   }
 }
 
-/// Removes earlier results; where others' files are then, if there are any.
+/// Removes earlier results. Returns the folder of remaining foreign files, empty if there are none.
 fs::path remove_earlier(const fs::path& earlier, const fs::path& goal,
-                        const std::vector<std::string>& doomed) {
-  if (remove_ours(earlier, doomed)) return {};
+                        const std::vector<std::string>& removed_foreign) {
+  if (remove_ours(earlier, removed_foreign)) return {};
   const fs::path kept = free_name(goal, "kept");
   return rename(earlier.c_str(), kept.c_str()) == 0 ? kept : earlier;
 }
 
-/// Removes what killed runs left, and brings back an earlier result that one had moved aside.
+/// Removes remains of killed runs, and restores an earlier result that such a run had moved aside.
 void clean_up(const fs::path& goal) {
   std::error_code error;
-  for (const fs::path& left : left_behind(goal, "partial")) {
-    // One that is complete had been exchanged with the goal: it is the earlier result.
-    if (foreign_files(left))
-      remove_earlier(left, goal, {});
+  for (const fs::path& partial : leftovers_beside(goal, "partial")) {
+    // a complete one had been exchanged with the goal: it is the earlier result
+    if (foreign_files(partial))
+      remove_earlier(partial, goal, {});
     else
-      fs::remove_all(left, error);
+      fs::remove_all(partial, error);
   }
-  for (const fs::path& old : left_behind(goal, "old")) {
+  for (const fs::path& old : leftovers_beside(goal, "old")) {
     if (fs::exists(goal, error))
       remove_earlier(old, goal, {});
     else
@@ -53,17 +53,16 @@ void clean_up(const fs::path& goal) {
   }
 }
 
-/// Up to so many are named, and only what was named is removed.
+/// Limit of listed files; only listed files are removed.
 constexpr std::size_t kMostNamed = 20;
 
 std::string named(const std::vector<std::string>& files) {
-  const std::size_t snapshot = std::min(files.size(), kMostNamed);
-  std::string text =
-      fmt::format("{}", fmt::join(files.begin(), files.begin() + std::ptrdiff_t(snapshot), ", "));
-  return files.size() == snapshot ? text : text + fmt::format(" and {} more", files.size() - snapshot);
+  const std::size_t count = std::min(files.size(), kMostNamed);
+  std::string text = fmt::format("{}", fmt::join(files.begin(), files.begin() + std::ptrdiff_t(count), ", "));
+  return files.size() == count ? text : text + fmt::format(" and {} more", files.size() - count);
 }
 
-/// A folder on a disk of its own cannot be given away.
+/// Mount points cannot be renamed.
 bool is_mount_point(const fs::path& goal) {
   struct stat inside {
   }, outside{};
@@ -71,15 +70,19 @@ bool is_mount_point(const fs::path& goal) {
          inside.st_dev != outside.st_dev;
 }
 
-/// The foreign files in the goal, when it may be replaced.
+/// Foreign files in the goal if it may be replaced.
 Result<std::vector<std::string>> check_goal(const fs::path& goal, Foreign foreign) {
   std::error_code error;
+
+  // no folder, or no results
   if (!fs::exists(goal, error)) return std::vector<std::string>{};
   if (!fs::is_directory(goal, error))
     return Error{fmt::format("{}: expected a folder for the results, found a file", goal.string())};
   if (is_mount_point(goal))
-    return Error{fmt::format("{}: a disk is mounted there; expected a folder in it", goal.string())};
+    return Error{fmt::format("{}: is a mount point; expected a folder in it", goal.string())};
   if (fs::is_empty(goal, error)) return std::vector<std::string>{};
+
+  // foreign files
   Result<std::vector<std::string>> files = foreign_files(goal);
   if (!files)
     return Error{
@@ -89,7 +92,7 @@ Result<std::vector<std::string>> check_goal(const fs::path& goal, Foreign foreig
   if (foreign == Foreign::kRefuse && !files->empty())
     return Error{
         fmt::format("{}: holds files that turgor did not write, or that were changed since: {}; choose "
-                    "another folder with --out, or let them be removed with --force",
+                    "another folder with --out, or remove them with --force",
                     goal.string(), named(*files))};
   if (files->size() > kMostNamed)
     return Error{fmt::format("{}: holds too many files that turgor did not write for --force: {}",
@@ -97,13 +100,13 @@ Result<std::vector<std::string>> check_goal(const fs::path& goal, Foreign foreig
   return files;
 }
 
-/// Gives `partial` the name of `goal`; the earlier goal, if any, ends at the returned path.
+/// Renames `partial` to `goal`. Returns the new path of the earlier goal, if any.
 Result<fs::path> swap_in(const fs::path& partial, const fs::path& goal) {
-  constexpr int kTries = 3;  // another run may come in between
+  constexpr int kTries = 3;  // another run may interfere
   for (int i = 0; i < kTries; i++) {
-    if (rename(partial.c_str(), goal.c_str()) == 0) return fs::path();  // nothing there, or an empty folder
+    if (rename(partial.c_str(), goal.c_str()) == 0) return fs::path();  // no goal, or an empty folder
     if (errno != ENOTEMPTY && errno != EEXIST) break;
-    // One atomic exchange where the file system can.
+    // one atomic exchange if the file system supports it
     if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, goal.c_str(), RENAME_EXCHANGE) == 0) return partial;
     if (errno == ENOENT) continue;
     const fs::path old = hidden_beside(goal, "old");
@@ -114,18 +117,20 @@ Result<fs::path> swap_in(const fs::path& partial, const fs::path& goal) {
     errno = reason;
     break;
   }
-  return Error{
-      fmt::format("{}: cannot give the results their name: {}", goal.string(), std::strerror(errno))};
+  return Error{fmt::format("{}: cannot rename the results: {}", goal.string(), std::strerror(errno))};
 }
 
 }  // namespace
 
-Result<OutputFolder> OutputFolder::create(const fs::path& wanted, Foreign foreign) {
-  const Result<fs::path> goal = resolved_goal(wanted);
+Result<OutputFolder> OutputFolder::create(const fs::path& requested, Foreign foreign) {
+  // goal
+  const Result<fs::path> goal = resolved_goal(requested);
   if (!goal) return goal.error();
   if (!goal->has_filename())
-    return Error{fmt::format("{}: expected the name of a folder for the results", wanted.string())};
+    return Error{fmt::format("{}: expected the name of a folder for the results", requested.string())};
   std::error_code error;
+
+  // parent folders
   MadeFolders made;
   for (fs::path p = goal->parent_path(); p.has_relative_path() && !fs::exists(p, error); p = p.parent_path())
     made.paths.push_back(p);
@@ -133,36 +138,43 @@ Result<OutputFolder> OutputFolder::create(const fs::path& wanted, Foreign foreig
   if (error)
     return Error{
         fmt::format("{}: cannot make the folder: {}", goal->parent_path().string(), error.message())};
+
+  // earlier results
   clean_up(*goal);
-  Result<std::vector<std::string>> doomed = check_goal(*goal, foreign);
-  if (!doomed) return doomed.error();
-  OutputFolder folder(*goal, std::move(made), std::move(*doomed));
+  Result<std::vector<std::string>> removed_foreign = check_goal(*goal, foreign);
+  if (!removed_foreign) return removed_foreign.error();
+
+  // hidden folder to write into
+  OutputFolder folder(*goal, std::move(made), std::move(*removed_foreign));
   if (!fs::create_directory(folder.path(), error))
     return Error{fmt::format("{}: cannot make the folder: {}", folder.path().string(), error.message())};
   return folder;
 }
 
 MadeFolders::~MadeFolders() {
-  std::error_code ignored;  // of those that hold something
+  std::error_code ignored;  // for folders that are not empty
   for (const fs::path& path : paths) fs::remove(path, ignored);
 }
 
-OutputFolder::OutputFolder(fs::path goal, MadeFolders made, std::vector<std::string> doomed)
-    : goal_(std::move(goal)), doomed_(std::move(doomed)), made_(std::move(made)), partial_(goal_) {}
+OutputFolder::OutputFolder(fs::path goal, MadeFolders made, std::vector<std::string> removed_foreign)
+    : goal_(std::move(goal)),
+      removed_foreign_(std::move(removed_foreign)),
+      made_(std::move(made)),
+      partial_(goal_) {}
 
 Status OutputFolder::check_input(const fs::path& file) const {
   std::error_code error;
-  const fs::path place = fs::weakly_canonical(file, error);
-  const fs::path inside = place.lexically_relative(goal_);
+  const fs::path canonical = fs::weakly_canonical(file, error);
+  const fs::path inside = canonical.lexically_relative(goal_);
   if (error || inside.empty() || *inside.begin() == "..") return Done{};
-  return Error{fmt::format("{}: lies in {}, which would be replaced; choose another folder with --out",
+  return Error{fmt::format("{}: is in {}, which would be replaced; choose another folder with --out",
                            file.string(), goal_.string())};
 }
 
 Status OutputFolder::replace_goal() {
   const Result<fs::path> earlier = swap_in(path(), goal_);
   if (!earlier) return earlier.error();
-  if (!earlier->empty()) kept_ = remove_earlier(*earlier, goal_, doomed_);
+  if (!earlier->empty()) kept_ = remove_earlier(*earlier, goal_, removed_foreign_);
   return Done{};
 }
 
@@ -171,7 +183,7 @@ Status OutputFolder::commit() {
   const Status moved = partial_.keep([&]() -> Status {
     if (status) status = replace_goal();
     if (status) return Done{};
-    const fs::path aside = free_name(goal_, "results");  // the work is done: it is worth more than its name
+    const fs::path aside = free_name(goal_, "results");  // keeps the results under another name
     if (rename(path().c_str(), aside.c_str()) != 0) return status;
     status = Error{fmt::format("{}; the results are in {}", status.error().message, aside.string())};
     return Done{};
@@ -179,15 +191,15 @@ Status OutputFolder::commit() {
   return status ? moved : status;
 }
 
-std::string doomed_note(const OutputFolder& folder) {
-  if (folder.doomed().empty()) return {};
+std::string removed_foreign_note(const OutputFolder& folder) {
+  if (folder.removed_foreign().empty()) return {};
   return fmt::format("{}: --force removes, with the earlier results: {}", folder.goal().string(),
-                     fmt::join(folder.doomed(), ", "));
+                     fmt::join(folder.removed_foreign(), ", "));
 }
 
 std::string kept_note(const OutputFolder& folder) {
   if (folder.kept().empty()) return {};
-  return fmt::format("{}: files that turgor did not write had come there; they are in {} now",
+  return fmt::format("{}: files that turgor did not write were added; they are now in {}",
                      folder.goal().string(), folder.kept().string());
 }
 

@@ -1,7 +1,6 @@
-// The folder a run leaves behind. Everything is written into a hidden folder beside the goal, which takes the
-// goal's name only when it is complete: an interrupted or killed run leaves earlier results whole. Of earlier
-// results only what turgor wrote is replaced (sim/output_manifest.hpp); nothing that others put there is ever
-// removed unasked.
+// Output folder of a run. Files are written into a hidden folder next to the goal and renamed only when
+// complete: an interrupted run leaves earlier results intact. Of earlier results only files that turgor wrote
+// are replaced (sim/output_manifest.hpp); foreign files are never removed without permission.
 #pragma once
 
 #include <filesystem>
@@ -13,13 +12,13 @@
 
 namespace turgor {
 
-/// The numbers of a complete output.
+/// Report with all numbers of a complete output.
 constexpr const char* kReportFile = "report.json";
 
-/// What becomes of files in the goal that turgor did not write, or that were changed since.
+/// Treatment of files in the goal that turgor did not write, or that were changed since.
 enum class Foreign { kRefuse, kRemove };
 
-/// Folders around the results that did not exist; those that stay empty go again.
+/// Parent folders that were created; empty ones are removed again.
 struct MadeFolders {
   std::vector<std::filesystem::path> paths;  // inner ones first
 
@@ -31,35 +30,35 @@ struct MadeFolders {
 
 class OutputFolder {
  public:
-  /// Error: the goal is a file, a folder that is not ours, or has foreign files; it says which.
+  /// Error: the goal is a file, a folder of other content, or has foreign files; the message names them.
   static Result<OutputFolder> create(const std::filesystem::path& goal, Foreign foreign = Foreign::kRefuse);
 
-  /// Where to write.
+  /// Folder to write into.
   const std::filesystem::path& path() const { return partial_.path(); }
   const std::filesystem::path& goal() const { return goal_; }
   /// Foreign files that commit removes, relative to the goal.
-  const std::vector<std::string>& doomed() const { return doomed_; }
-  /// Error: a file lies in the earlier results, which commit replaces.
+  const std::vector<std::string>& removed_foreign() const { return removed_foreign_; }
+  /// Error: the file is part of earlier results, which commit replaces.
   Status check_input(const std::filesystem::path& file) const;
-  /// Gives the folder its name, in place of an earlier run's. When that fails the results stay under another
-  /// name, which the error says.
+  /// Renames the folder to the goal, replacing an earlier run. On failure the results stay under another
+  /// name, which the error states.
   Status commit();
-  /// After commit: where foreign files are now that came into the goal meanwhile; empty when there were none.
+  /// After commit: folder of foreign files that were added during the run; empty if there were none.
   const std::filesystem::path& kept() const { return kept_; }
 
  private:
-  OutputFolder(std::filesystem::path goal, MadeFolders made, std::vector<std::string> doomed);
+  OutputFolder(std::filesystem::path goal, MadeFolders made, std::vector<std::string> removed_foreign);
   Status replace_goal();
 
   std::filesystem::path goal_, kept_;
-  std::vector<std::string> doomed_;
+  std::vector<std::string> removed_foreign_;
   MadeFolders made_;
   Unfinished partial_;
 };
 
-/// What a person should know of others' files in the goal: those that commit will remove, and where those
-/// are that came meanwhile. Empty when there are none.
-std::string doomed_note(const OutputFolder& folder);
+/// Notes about foreign files in the goal: those that commit will remove, and the location of files added
+/// during the run. Empty if there are none.
+std::string removed_foreign_note(const OutputFolder& folder);
 std::string kept_note(const OutputFolder& folder);
 
 }  // namespace turgor

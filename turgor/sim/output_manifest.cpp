@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Size [bytes] and last change [ns].
+/// Size [bytes] and modification time [ns].
 using Stamp = std::pair<std::int64_t, std::int64_t>;
 using Stamps = std::map<std::string, Stamp>;
 
@@ -27,7 +27,7 @@ Stamp stamp_of(const fs::path& file) {
   return {now.st_size, std::int64_t(now.st_mtim.tv_sec) * 1000000000 + now.st_mtim.tv_nsec};
 }
 
-/// All that is no folder, by its name relative to the folder; not the list itself.
+/// All files of a folder except the manifest, by relative name.
 Result<Stamps> files_in(const fs::path& folder) {
   Stamps files;
   std::error_code error;
@@ -37,17 +37,20 @@ Result<Stamps> files_in(const fs::path& folder) {
     if (name == kManifestFile || fs::is_directory(entry->symlink_status())) continue;
     files[name] = stamp_of(entry->path());
   }
-  if (error) return Error{fmt::format("{}: cannot be looked through: {}", folder.string(), error.message())};
+  if (error) return Error{fmt::format("{}: cannot be read: {}", folder.string(), error.message())};
   return files;
 }
 
 Result<Stamps> read_manifest(const fs::path& folder) {
+  // text
   const Error none{fmt::format("it has no {}", kManifestFile)};
   const Error damaged{fmt::format("its {} is damaged", kManifestFile)};
   std::error_code ignored;
   if (!fs::is_regular_file(fs::symlink_status(folder / kManifestFile, ignored))) return none;
   const Result<std::string> text = read_file(folder / kManifestFile);
   if (!text) return damaged;
+
+  // JSON
   const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object() || !json.contains("files") || !json["files"].is_object()) return damaged;
   Stamps files;
@@ -60,7 +63,7 @@ Result<Stamps> read_manifest(const fs::path& folder) {
   return files;
 }
 
-/// Empty folders hold nothing that could be lost.
+/// Removes empty folders recursively.
 void remove_empty_folders(const fs::path& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
@@ -74,7 +77,7 @@ Status write_manifest(const fs::path& folder) {
   const Result<Stamps> files = files_in(folder);
   if (!files) return files.error();
   nlohmann::json json{
-      {"what", "files that turgor wrote: size [bytes], last change [ns]; it replaces nothing else"},
+      {"what", "files written by turgor: size [bytes], modification time [ns]; only these are replaced"},
       {"files", nlohmann::json::object()}};
   for (const auto& [name, stamp] : *files) json["files"][name] = stamp;
   return write_file(folder / kManifestFile,
@@ -95,15 +98,19 @@ Result<std::vector<std::string>> foreign_files(const fs::path& folder) {
 
 bool remove_ours(const fs::path& folder, const std::vector<std::string>& also) {
   std::error_code ignored;
+
+  // lists
   const Result<std::vector<std::string>> foreign = foreign_files(folder);
   if (!foreign) return false;
   const Result<Stamps> files = files_in(folder);
   if (!files) return false;
+
+  // files, then empty folders
   bool empty = true;
   for (const auto& [name, stamp] : *files) {
-    const bool keep = std::binary_search(foreign->begin(), foreign->end(), name) &&
-                      std::find(also.begin(), also.end(), name) == also.end();
-    if (keep || !fs::remove(folder / name, ignored)) empty = false;
+    const bool is_kept = std::binary_search(foreign->begin(), foreign->end(), name) &&
+                         std::find(also.begin(), also.end(), name) == also.end();
+    if (is_kept || !fs::remove(folder / name, ignored)) empty = false;
   }
   if (empty) fs::remove(folder / kManifestFile, ignored);
   remove_empty_folders(folder);

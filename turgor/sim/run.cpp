@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/timing.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// A run on its way.
+/// State of a run.
 struct Running {
   const Exec& exec;
   const World& world;
@@ -16,7 +17,7 @@ struct Running {
   Simulated result;
 };
 
-/// Once a frame, also where there are a picture and a snapshot of it.
+/// Fills the snapshot, once per frame.
 void show_now(Running& run) {
   if (!run.result.snapshot.bodies.empty() && run.result.snapshot.frame == run.world.frame) return;
   const Timer timer;
@@ -36,31 +37,36 @@ Status take_picture(Running& run) {
   return run.events.picture(run.result.snapshot);
 }
 
-/// Why the run ends after this frame; empty when it goes on.
+/// Reason to stop after this frame; empty to continue.
 std::string reason_to_stop(const Running& run, const Scene& scene, bool finite) {
   if (!finite)
     return fmt::format(
-        "stopped after {:.3f} s of {} s: the numbers of the next step were not finite, the state before it "
+        "stopped after {:.3f} s of {} s: the next step was not finite, the state before it "
         "was kept; a smaller skin tension or a higher frame rate may help",
         time_of(run.world), scene.duration);
   if (run.events.frame && !run.events.frame(run.world))
-    return fmt::format("stopped after {:.3f} s of {} s, as was asked", time_of(run.world), scene.duration);
+    return fmt::format("stopped after {:.3f} s of {} s, on request", time_of(run.world), scene.duration);
   return {};
 }
 
 }  // namespace
 
 Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events) {
+  // initial state
   Running run{exec, world, events, {}};
   run.result.measures = make_measures(world);
   if (const Status first = take_snapshot(run); !first) return first.error();
   const int frames = frame_count(scene);
+  TURGOR_CHECK(frames >= 1, "a run has at least one frame");
   for (int frame = 1; frame <= frames && run.result.stopped.empty(); frame++) {
+    // step and measure
     const bool planned = is_snapshot(scene, frame);
     const Result<FrameReport> report = step(exec, world, planned);
     if (!report) return report.error();
     run.result.finite = report->finite;
     measure_frame(exec, world, *report, planned || !report->finite, run.result.measures);
+
+    // pictures and snapshots
     run.result.stopped = reason_to_stop(run, scene, report->finite);
     const bool stops = !run.result.stopped.empty();
     Status status = stops ? Status(Done{}) : take_picture(run);

@@ -1,6 +1,6 @@
-// How a run goes: frame by frame, with snapshots on the way, and what it measures. Those who look on are told
-// after every frame and at every snapshot; nothing of theirs goes back into the world, so that a run gives
-// the same bits whoever looks, and however often.
+// Simulation of a whole scene, frame by frame, with snapshots and measurements. Observers are called after
+// every frame and at every snapshot. They cannot change the world, so that the result does not depend on
+// them.
 #pragma once
 
 #include <functional>
@@ -16,25 +16,26 @@
 
 namespace turgor {
 
-/// Any of them may be empty.
+/// Callbacks; each may be empty.
 struct RunEvents {
   Progress progress;
   std::function<bool(const World&)> frame;  // after every frame; false ends the run
-  std::function<Status(const World&, const WorldSnapshot&)> snapshot;  // first, last, and as the scene says
-  std::function<Status(const WorldSnapshot&)> picture;                 // after frames of which this is true:
+  std::function<Status(const World&, const WorldSnapshot&)>
+      snapshot;                                         // first, last, and at the scene's interval
+  std::function<Status(const WorldSnapshot&)> picture;  // after frames for which wants_picture is true
   std::function<bool(const World&)> wants_picture;
 };
 
-/// What a run leaves behind besides the world.
+/// Result of a run, besides the world.
 struct Simulated {
   Measures measures;
-  WorldSnapshot snapshot;   // as at the latest snapshot, the last frame
-  double show_seconds = 0;  // wall time of showing the world
-  std::string stopped;      // why it ended early: a sentence; empty when it did not
-  bool finite = true;       // false: the numbers of the next step were not finite, the state before was kept
+  WorldSnapshot snapshot;   // of the latest snapshot or the last frame
+  double show_seconds = 0;  // wall time of filling snapshots
+  std::string stopped;      // reason of an early end: a sentence; else empty
+  bool finite = true;       // false: the next step was not finite, the state before it was kept
 };
 
-/// From the world as it was loaded to the end of the scene. Error: a step's, or an event's.
+/// Simulates a loaded world to the end of the scene. Error: of a step, or of a callback.
 Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events = {});
 
 }  // namespace turgor

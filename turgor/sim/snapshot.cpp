@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -38,10 +40,11 @@ std::vector<ToolSnapshot> tools_on(const WorldSnapshot& snapshot, BodyId id) {
   return tools;
 }
 
-void place_vertices(BodySnapshot& body) {
+void update_vertices(BodySnapshot& body) {
+  TURGOR_CHECK(body.displacement.size() == body.rest.size(), "every vertex has a displacement");
   body.x.resize(body.rest.size());
   for (std::size_t v = 0; v < body.x.size(); v++) body.x[v] = body.rest[v] + body.displacement[v];
-  TriMesh mesh;  // lent what it needs
+  TriMesh mesh;  // borrows the arrays for vertex_normals
   mesh.vertices.swap(body.x), mesh.triangles.swap(body.triangles);
   body.normals = vertex_normals(mesh);
   mesh.vertices.swap(body.x), mesh.triangles.swap(body.triangles);
@@ -55,8 +58,8 @@ void show_tool(const TouchingTool& tool, const contact::Pose& pose, Vec3d force,
   out.name = tool.name, out.body = tool.body;
   out.pose = pose, out.force = force, out.opening = opening;
   out.has_jaws = tool.forceps.has_value();
-  out.size = tool.forceps ? 3 * tool.forceps->opening : diagonal(tool.snapshot);
-  out.mesh = tool.forceps ? contact::forceps_mesh(*tool.forceps, opening) : tool.snapshot;
+  out.size = tool.forceps ? 3 * tool.forceps->opening : diagonal(tool.mesh);
+  out.mesh = tool.forceps ? contact::forceps_mesh(*tool.forceps, opening) : tool.mesh;
 }
 
 void show_names(const World& world, WorldSnapshot& out) {
@@ -71,9 +74,9 @@ void show_names(const World& world, WorldSnapshot& out) {
   std::size_t obstacles = 0;
   for (const ClothBody& body : world.cloth_bodies)
     for (const ClothObstacle& obstacle : body.obstacles) {
-      if (obstacle.snapshot.triangles.empty()) continue;
+      if (obstacle.mesh.triangles.empty()) continue;
       if (obstacles == out.obstacles.size()) out.obstacles.emplace_back();
-      out.obstacles[obstacles++] = obstacle.snapshot;
+      out.obstacles[obstacles++] = obstacle.mesh;
     }
   out.obstacles.resize(obstacles);
 }
@@ -87,6 +90,7 @@ void show(const Exec& exec, const World& world, WorldSnapshot& out) {
     snapshot.seconds = timer.seconds();
     if constexpr (is_touched<decltype(body)>)
       for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
+        TURGOR_CHECK(is_index(body.tool_indices[t], out.tools.size()), "a snapshot has every tool");
         const auto n = std::size_t(body.tool_indices[t]);
         const ToolNow now = tool_now(body, t, world);
         show_tool(world.tools[n], now.pose, now.force, now.opening, out.tools[n]);

@@ -1,6 +1,6 @@
-// A world as it looks at one moment: every body's surface with what is known on it, every tool with the force
-// on it. Pictures, mesh files, recordings and windows read this and nothing else of a world, so that nothing
-// that draws can change what is simulated. Filled again and again, it keeps its memory.
+// Snapshot of a world for drawing: every body's surface with its quantities, every tool with its force.
+// Pictures, mesh files, recordings and windows read only this, so that drawing cannot change the simulation.
+// A reused snapshot keeps its memory.
 #pragma once
 
 #include <any>
@@ -18,7 +18,7 @@ namespace turgor {
 struct World;
 struct TouchingTool;
 
-/// What a surface looks like where nothing colours it.
+/// Appearance of a surface without color map.
 enum class Look : std::uint8_t { kFlesh, kSkin, kCloth };
 
 struct BodySnapshot {
@@ -26,63 +26,63 @@ struct BodySnapshot {
   std::string name;
   Look look = Look::kFlesh;
 
-  std::vector<Vec3> rest, displacement, x;  // of every vertex; x is where it is [m]
+  std::vector<Vec3> rest, displacement, x;  // per vertex; x is the present position [m]
   std::vector<Vec3> normals;                // unit, outward
-  std::vector<float> pressure;              // of the contact [Pa]; empty = not known
-  std::vector<float> stretch;               // of the skin: area now over area at rest, less 1; empty likewise
-  std::vector<Int3> triangles;              // counter-clockwise seen from outside
-  std::vector<int> mesh_vertex;             // its number in the body's mesh, -1 = none; empty = as here
-  TriMesh patch;                            // of finer functions, superposed (sfem), as it lies now
-  TriMesh inside;                           // of what is harder or softer in it (sfem), as it lies now
-  std::size_t wall_begin = 0;               // from this triangle on they are walls of wounds
-  Box box;                                  // around the body at rest [m]
-  double usual_force = 1;                   // that presses a centimetre of it in by about a centimetre [N]
-  double seconds = 0;                       // wall time of showing it
+  std::vector<float> pressure;              // contact pressure [Pa]; empty = unknown
+  std::vector<float> stretch;    // area stretch of the skin, area / rest area − 1; empty = unknown
+  std::vector<Int3> triangles;   // counter-clockwise seen from outside
+  std::vector<int> mesh_vertex;  // vertex index in the body's mesh, -1 = none; empty = identity
+  TriMesh patch;                 // superposed fine patch (sfem) in its present shape
+  TriMesh inside;                // inclusions (sfem) in their present shape
+  std::size_t wall_begin = 0;    // first triangle of wound walls
+  Box box;                       // around the body at rest [m]
+  double typical_force = 1;      // force of an indentation of about a centimeter [N]
+  double seconds = 0;            // wall time of filling it
 
-  std::any kept;  // what `show` of its model keeps until the next time, and nobody else looks at
+  std::any cache;  // cache of the model's `show`
 };
 
-/// A tool and what it feels.
+/// A tool and its force.
 struct ToolSnapshot {
   std::string name;
-  BodyId body;  // that it touches
+  BodyId body;  // touched body
   contact::Pose pose;
   Vec3d force;         // on the tool [N]
-  double opening = 0;  // of its jaws [m]
-  double size = 0;     // of the part that touches [m]
+  double opening = 0;  // of the jaws [m]
+  double size = 0;     // of the contacting end [m]
   bool has_jaws = false;
-  TriMesh mesh;  // about the tool's origin, its jaws as they are
+  TriMesh mesh;  // about the tool's origin, with the present jaws
 };
 
 struct WorldSnapshot {
   double time = 0;  // [s]
   int frame = 0;
   std::vector<BodySnapshot> bodies;  // all, in the order of for_each_body
-  std::vector<ToolSnapshot> tools;   // as in World::tools
-  std::vector<TriMesh> obstacles;    // shapes that are no bodies, where cloth lies on them
+  std::vector<ToolSnapshot> tools;   // indexed as World::tools
+  std::vector<TriMesh> obstacles;    // cloth obstacles that are not bodies
 };
 
-/// What is known of a body without its state.
+/// Sets the fields that do not depend on the state.
 template <class Body>
 void show_name(BodyId id, const Body& body, BodySnapshot& out) {
   out.id = id, out.name = body.name, out.look = look_of(body);
-  if constexpr (requires { body.usual_force; }) out.usual_force = body.usual_force;
+  if constexpr (requires { body.typical_force; }) out.typical_force = body.typical_force;
 }
 
-/// Shows all of it. `out` is of this world, or new.
+/// Fills the whole snapshot. `out` is new or of this world.
 void show(const Exec& exec, const World& world, WorldSnapshot& out);
-/// Names, looks, boxes and tools' shapes, for those who fill in the rest from elsewhere.
+/// Sets names, looks, boxes and tool shapes; the caller fills in the rest.
 void show_names(const World& world, WorldSnapshot& out);
-/// A tool that lies so, with its jaws open by `opening` [m].
+/// Sets a tool at a pose, with its jaws open by `opening` [m].
 void show_tool(const TouchingTool& tool, const contact::Pose& pose, Vec3d force, double opening,
                ToolSnapshot& out);
 
 BodySnapshot& body_snapshot(WorldSnapshot& snapshot, BodyId id);
 const BodySnapshot& body_snapshot(const WorldSnapshot& snapshot, BodyId id);
-/// The tools that touch a body, in the order of its tool_indices.
+/// Tools that touch a body, in the order of its tool_indices.
 std::vector<ToolSnapshot> tools_on(const WorldSnapshot& snapshot, BodyId id);
 
-/// Places, normals and the box of a surface whose `rest`, `displacement` and `triangles` are there.
-void place_vertices(BodySnapshot& body);
+/// Computes positions, normals and the box from `rest`, `displacement` and `triangles`.
+void update_vertices(BodySnapshot& body);
 
 }  // namespace turgor

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/tools/load_tool.hpp"
 
@@ -28,6 +30,7 @@ Status load_bodies(const Loading& loading, const Scene& scene, World& world) {
 
 Status load_cuts(const Scene& scene, World& world) {
   for (const IncisionScene& incision : scene.incisions) {
+    TURGOR_CHECK(is_index(incision.body, world.lattice_bodies.size()), "an incision cuts a lattice");
     Result<Cut> cut = load_cut(incision, world.lattice_bodies[std::size_t(incision.body)]);
     if (!cut) return cut.error();
     world.cuts.push_back(std::move(*cut));
@@ -53,7 +56,7 @@ Status load_tools(const Loading& loading, const Scene& scene, World& world) {
   return Done{};
 }
 
-/// The tools are there: what a body needs to be touched by them.
+/// Prepares a body for contact, after its tools were loaded.
 Status begin_bodies(const Exec& exec, const Scene& scene, World& world) {
   Status status = Done{};
   for_each_kind(scene, world, [&](BodyKind, const auto& scenes, auto& bodies) {
@@ -75,7 +78,7 @@ auto* find_touched(AnyWorld& world, BodyId id) {
   return found;
 }
 
-/// Of what every tool felt.
+/// Hash of all tool logs.
 std::uint64_t hash_of(const std::vector<TouchingTool>& tools, std::uint64_t hash) {
   for (const TouchingTool& tool : tools)
     for (const ForceSample& s : tool.samples)
@@ -102,7 +105,9 @@ RestSurface rest_surface(const World& world, BodyId id) {
 Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& begin, Purpose purpose) {
   World world;
   world.gravity = scene.gravity;
+  TURGOR_ASSERT(scene.frame_rate > 0, "a scene has a frame rate");
   world.dt = 1 / scene.frame_rate;
+  world.scene_notes = scene.notes;
   const Loading loading{exec, begin, purpose};
   Status status = load_bodies(loading, scene, world);
   if (status) status = load_cuts(scene, world);
@@ -113,7 +118,7 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
 }
 
 std::vector<std::string> notes_of(const World& world) {
-  std::vector<std::string> sentences;
+  std::vector<std::string> sentences = world.scene_notes;
   for_each_body(world, [&](BodyId, const auto& body) {
     for (const std::string& note : notes(body)) sentences.push_back(body.name + ": " + note);
   });
@@ -123,17 +128,23 @@ std::vector<std::string> notes_of(const World& world) {
 Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) {
   const Timer timer;
   FrameReport report;
+  TURGOR_CHECK(is_step_length(world.dt), "a frame has a positive length");
+  // advance the blades to the end of the frame
   const double from = time_of(world);
   for (std::size_t c = 0; c < world.cuts.size(); c++) {
     Cut& cut = world.cuts[c];
     const double end = (world.frame + 1) * world.dt * (1 + 1e-12);
     LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
+    TURGOR_CHECK(is_index(cut.body, world.lattice_bodies.size()), "a cut belongs to a lattice");
     if (const Status status = advance_blade(body, world.cuts, int(c), end); !status) return status.error();
   }
+  // step all bodies
   const FrameInput input{from, from + world.dt, measure_residual};
   for_each_body(world, [&](BodyId, auto& body) { step_body(exec, body, world, input, report); });
-  for_each_touched(world,
-                   [&](BodyId id, auto& body) { press_body(exec, body, push_on(world, id), world.dt); });
+  // apply cloth forces to the touched bodies
+  for_each_touched(
+      world, [&](BodyId id, auto& body) { press_body(exec, body, cloth_forces_on(world, id), world.dt); });
+  // close the frame
   world.frame++;
   report.seconds = timer.seconds();
   return report;
@@ -146,8 +157,8 @@ std::uint64_t state_hash(const World& world) {
     std::uint64_t& hash = of_kind[std::size_t(id.kind)];
     hash = state_hash(body, hash);
   });
-  // A lattice alone has the hash of its model; then what there is besides joins in. The order is that of the
-  // first reports, so that hashes can be compared with theirs.
+  // A single lattice has the hash of its model, into which the rest is combined. The order is that of the
+  // first reports, so that hashes stay comparable.
   const auto kind = [&](BodyKind k) { return of_kind[std::size_t(k)]; };
   const bool touched = !world.sfem_bodies.empty() || !world.tools.empty();
   std::uint64_t hash = kind(BodyKind::kLattice);

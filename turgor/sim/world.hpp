@@ -1,6 +1,6 @@
-// The world: every body, every cut and every tool of a scene while they are simulated. load_world makes it
-// from a scene; step moves it by one frame: blades first, then each model in turn (sim/scene/body_id.hpp
-// lists them). How it looks is told by sim/snapshot.hpp, how a whole run goes by sim/run.hpp.
+// World: all bodies, cuts and tools of a scene during simulation. load_world builds it from a scene. step
+// advances it by one frame: first blades, then each model (sim/scene/body_id.hpp lists them). See
+// sim/snapshot.hpp for drawing and sim/run.hpp for whole runs.
 #pragma once
 
 #include <type_traits>
@@ -23,19 +23,20 @@ namespace turgor {
 
 struct World {
   Vec3d gravity;  // patient frame [m/s²]
-  double dt = 0;  // of a frame [s]
-  int frame = 0;  // finished
+  double dt = 0;  // duration of a frame [s]
+  int frame = 0;  // finished frames
   std::vector<LatticeBody> lattice_bodies;
   std::vector<SfemBody> sfem_bodies;
   std::vector<RhombusBody> rhombus_bodies;
   std::vector<ClothBody> cloth_bodies;
   std::vector<Cut> cuts;
   std::vector<TouchingTool> tools;
+  std::vector<std::string> scene_notes;  // Scene::notes
 };
 
 inline double time_of(const World& world) { return world.frame * world.dt; }
 
-/// Can tools touch bodies of this kind?
+/// True if tools can touch bodies of this kind.
 template <class Body>
 constexpr bool is_touched = std::is_base_of_v<TouchedBody, std::remove_cvref_t<Body>>;
 
@@ -48,20 +49,20 @@ void for_each_touched(AnyWorld& world, const Visit& visit) {
 }
 TouchedBody& touched_body(World& world, BodyId id);
 const TouchedBody& touched_body(const World& world, BodyId id);
-/// What tools find at rest; nothing where they do not touch. That of a lattice is there once a tool has come.
+/// Rest surface for tools, empty if they cannot touch the body. That of a lattice exists once it has a tool.
 RestSurface rest_surface(const World& world, BodyId id);
 
-/// Reads or makes what the bodies are made of, builds them, and tries every blade on the body at rest.
+/// Loads or generates the inputs of all bodies, builds the bodies, and tests every blade on the body at rest.
 Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& begin = {},
                          Purpose purpose = Purpose::kSimulate);
 
-/// What a person should know of how a world was made: sentences, each with the body it is about.
+/// Notes for the user about loading: sentences, each with its body.
 std::vector<std::string> notes_of(const World& world);
 
-/// One frame. Error: a blade found no skin any more.
+/// Steps one frame. Error: a blade left the skin.
 Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual = false);
 
-/// Equal for equal bits in all bodies and in all forces that tools felt, however many threads there are.
+/// Hash of all bodies and of all tool forces. Equal hashes mean equal bits, for any number of threads.
 std::uint64_t state_hash(const World& world);
 
 }  // namespace turgor

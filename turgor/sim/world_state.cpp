@@ -2,51 +2,54 @@
 
 #include <type_traits>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor {
 
 namespace {
 
-/// What of a body never changes: taken out while the rest is copied, and put back. Nobody reads it meanwhile,
-/// since a patch that is being built is waited for.
-struct Unchanging {
+/// Immutable data of bodies, moved out while the rest is copied, then moved back. No other thread reads it,
+/// since patches under construction are waited for.
+struct Immutable {
   World world;
 };
 
 template <class Body>
-void settle(const Body&) {}
-void settle(const SfemBody& body) {
+void wait_for_patch(const Body&) {}
+void wait_for_patch(const SfemBody& body) {
   if (body.worker) body.worker->settle();
 }
 
 template <class Body>
-void move_unchanging(Body& from, Body& to) {
+void move_immutable(Body& from, Body& to) {
   if constexpr (requires { from.model; }) to.model = std::move(from.model);
   if constexpr (std::is_same_v<Body, LatticeBody>) to.ct = std::move(from.ct);
 }
 
-/// From the bodies of one world to those of another that has as many.
+/// Between two worlds with the same number of bodies.
 void move_all(World& from, World& to) {
   for_each_kind(from, to, [](BodyKind, auto& bodies, auto& others) {
-    for (std::size_t b = 0; b < bodies.size(); b++) move_unchanging(bodies[b], others[b]);
+    TURGOR_CHECK(bodies.size() == others.size(), "a state has the bodies of its world");
+    for (std::size_t b = 0; b < bodies.size(); b++) move_immutable(bodies[b], others[b]);
   });
 }
 
-Unchanging take_out(World& world) {
-  Unchanging out;
+Immutable take_out(World& world) {
+  Immutable out;
   for_each_kind(world, out.world, [](BodyKind, auto& bodies, auto& others) { others.resize(bodies.size()); });
-  for_each_body(world, [](BodyId, const auto& body) { settle(body); });
+  for_each_body(world, [](BodyId, const auto& body) { wait_for_patch(body); });
   move_all(world, out.world);
   return out;
 }
 
-/// Puts it back, whatever happens meanwhile.
-struct TakenOut {
+/// Moves immutable data out, and back in its destructor.
+struct WithoutImmutable {
   World& world;
-  Unchanging kept;
-  explicit TakenOut(World& w) : world(w), kept(take_out(w)) {}
-  ~TakenOut() { move_all(kept.world, world); }
-  TakenOut(const TakenOut&) = delete;
-  TakenOut& operator=(const TakenOut&) = delete;
+  Immutable immutable;
+  explicit WithoutImmutable(World& w) : world(w), immutable(take_out(w)) {}
+  ~WithoutImmutable() { move_all(immutable.world, world); }
+  WithoutImmutable(const WithoutImmutable&) = delete;
+  WithoutImmutable& operator=(const WithoutImmutable&) = delete;
 };
 
 bool has_same_bodies(const World& a, const World& b) {
@@ -60,13 +63,13 @@ bool has_same_bodies(const World& a, const World& b) {
 }  // namespace
 
 WorldState state_of(World& world) {
-  const TakenOut out(world);
+  const WithoutImmutable out(world);
   return {world};
 }
 
 void set_state(World& world, const WorldState& state) {
   TURGOR_ASSERT(has_same_bodies(world, state.world), "a state is of a world with the same bodies and tools");
-  const TakenOut out(world);
+  const WithoutImmutable out(world);
   world = state.world;
 }
 

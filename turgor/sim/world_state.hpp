@@ -1,21 +1,21 @@
-// A world copied: whole, or all of it but what never changes while it is simulated. A copy goes on as its
-// original does, to the same bits; between two frames or two ticks, while no other thread is at the world.
+// Copies of a world: whole, or only its state. A copy continues with the same bits as the original. Copies
+// are made between two frames or ticks, while no other thread uses the world.
 #pragma once
 
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 
-/// What changes of a world while it is simulated.
+/// State of a world, without immutable data.
 struct WorldState {
-  World world;  // its bodies have no models and no CTs
+  World world;  // bodies without models and CTs
 };
 
-/// Waits for patches that are being built, as the two below do.
+/// Waits for patches under construction, as the two functions below.
 WorldState state_of(World& world);
 /// The state is of this world, of a copy of it, or of a world of the same scene.
 void set_state(World& world, const WorldState& state);
-/// Another world of its own, models included.
+/// Independent copy with models.
 World copy_of(const World& world);
 
 }  // namespace turgor

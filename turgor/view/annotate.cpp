@@ -55,9 +55,9 @@ std::vector<Tick> legend_ticks(const ColorScale& scale, int count) {
   return ticks;
 }
 
-// The largest size up to `size` at which the text is no wider than the room; never illegibly small.
-int fitting_size(std::string_view text, int size, int room) {
-  while (size > 9 && text_width(text, size) > room) size--;
+// Largest size up to `size` at which the text fits into the width; never illegibly small.
+int fitting_size(std::string_view text, int size, int max_width) {
+  while (size > 9 && text_width(text, size) > max_width) size--;
   return size;
 }
 

@@ -1,4 +1,4 @@
-// What is written onto pictures: text, a legend of colours, captions over several pictures in a row.
+// Annotations of pictures: text, color legends, captions over pictures in a row.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace turgor {
 
-/// A rectangle of pixels; right and bottom are one past the last.
+/// Rectangle of pixels; right and bottom are one past the last.
 struct PixelBox {
   int left = 0, top = 0, right = 0, bottom = 0;
 };
@@ -19,27 +19,27 @@ struct PixelBox {
 enum class Align : std::uint8_t { kLeft, kCenter, kRight };
 
 struct TextStyle {
-  int size = 15;  // distance of two lines [pixels]
+  int size = 15;  // line height [pixels]
   Rgb color{236, 239, 242};
   Align align = Align::kLeft;
-  bool halo = false;  // a dark rim, for text over pictures
+  bool halo = false;  // dark rim, for text over pictures
 };
 
-/// Writes a line whose left end, centre or right end is at x and whose middle is at height y. Only pixels
+/// Draws a line of text with its left end, center or right end at x and its middle at height y. Only pixels
 /// inside the returned box change.
 PixelBox draw_text(Image& image, std::string_view text, int x, int y, const TextStyle& style = {});
-/// Pixels from the left to the right end of a line.
+/// Width of a line [pixels].
 int text_width(std::string_view text, int size);
 
-/// A bar of the scale's colours with round numbers and the label, at the right edge; the `slot`-th legend of
-/// a picture stands `slot` places to the left. Returns the bar, whose top row is the colour of `high`.
+/// Draws a color bar with round numbers and the label at the right edge. The `slot`-th legend of a picture is
+/// shifted left by `slot` columns. Returns the bar, whose top row has the color of `high`.
 PixelBox draw_legend(Image& image, const ColorScale& scale, int slot = 0);
 
-/// The part of a picture's width that a legend takes, with one that is not wide.
-constexpr double kLegendPart = 0.22;
+/// Fraction of a picture's width that a legend of normal width occupies.
+constexpr double kLegendFraction = 0.22;
 
-/// A bar of a round length, with its length, at the lower left: it is as long as what lies at the camera's
-/// target and faces it. Returns the bar.
+/// Draws a bar of round length with its label at the lower left. Its scale holds at the depth of the camera's
+/// target, in the image plane. Returns the bar.
 PixelBox draw_scale_bar(Image& image, const Camera& camera);
 
 /// Several pictures in a row, each with a caption above.

@@ -1,5 +1,5 @@
-// Forty-odd letters of five by seven dots, for machines without fonts. Small letters look like capitals; a
-// sign that is missing is left blank.
+// Some forty glyphs of five by seven dots, for machines without fonts. Lower-case letters look like capitals;
+// missing glyphs are blank.
 #pragma once
 
 #include <cstdint>

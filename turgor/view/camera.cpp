@@ -8,7 +8,7 @@ namespace turgor {
 
 namespace {
 
-constexpr double kFrameMargin = 1.04;  // room around what frame_box shows
+constexpr double kFrameMargin = 1.04;  // margin around the box of frame_box
 
 }  // namespace
 
@@ -52,11 +52,11 @@ Camera frame_box(const Box& box, Vec3d direction, Vec3d up, double aspect) {
   return camera;
 }
 
-Camera with_room_beside(const Camera& camera, double aspect, double part) {
+Camera with_margin_right(const Camera& camera, double aspect, double fraction) {
   const CameraFrame frame = camera_frame(camera);
-  const double distance = norm(camera.eye - camera.target) / (1 - part);
+  const double distance = norm(camera.eye - camera.target) / (1 - fraction);
   Camera moved = camera;
-  const Vec3d aside = frame.right * (part * distance * frame.tan_half * aspect);
+  const Vec3d aside = frame.right * (fraction * distance * frame.tan_half * aspect);
   moved.target += aside;
   moved.eye = moved.target + frame.back * distance;
   return moved;

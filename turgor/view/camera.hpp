@@ -1,5 +1,4 @@
-// Where a picture is taken from. Patient frame LPS, metres; a perspective camera that looks from its eye at
-// its target.
+// Perspective camera that looks from its eye at its target. Patient frame LPS, meters.
 #pragma once
 
 #include "turgor/geometry/box.hpp"
@@ -13,13 +12,13 @@ struct Camera {
   double field_of_view = 30;       // vertical [degrees]
 };
 
-/// The camera's own axes: a point seen at depth d along -back lies within d · tan_half of the middle, up and
+/// Axes of the camera: a point at depth d along -back is visible within d · tan_half of the center, up and
 /// down.
 struct CameraFrame {
   Vec3d right, up, back;  // unit, right-handed
   double tan_half;
 };
-/// An `up` along the line of sight is replaced by another one.
+/// An `up` parallel to the line of sight is replaced.
 CameraFrame camera_frame(const Camera& camera);
 
 /// Corner 0…7: bit 0 chooses the high x, bit 1 the high y, bit 2 the high z.
@@ -27,17 +26,17 @@ constexpr Vec3d corner(const Box& box, int index) {
   return {index & 1 ? box.high.x : box.low.x, index & 2 ? box.high.y : box.low.y,
           index & 4 ? box.high.z : box.low.z};
 }
-/// The zero box for a mesh without vertices.
+/// Zero box for a mesh without vertices.
 Box bounding_box(const TriMesh& mesh);
-/// Whole samples: half a spacing beyond the outermost sample places.
+/// Whole samples: half a spacing beyond the outermost sample positions.
 Box bounding_box(const Grid& grid);
 
-/// A camera that sees the whole box from `direction` (from the box towards the eye), in pictures of this
-/// width / height.
+/// Camera that shows the whole box from `direction` (from the box towards the eye), in pictures of this width
+/// / height.
 Camera frame_box(const Box& box, Vec3d direction, Vec3d up, double aspect);
 
-/// The camera farther away and aside, so that what filled its pictures leaves this part of their width free
-/// on the right.
-Camera with_room_beside(const Camera& camera, double aspect, double part);
+/// The camera moved back and sideways, so that its former picture leaves this fraction of the width free on
+/// the right.
+Camera with_margin_right(const Camera& camera, double aspect, double fraction);
 
 }  // namespace turgor

@@ -14,8 +14,8 @@ struct Oklab {
   double lightness, a, b;
 };
 
-// Our curve: lightness on a line, the colour plane's a and b on a cubic Bézier curve that stays inside what
-// screens show.
+// The color curve: linear in lightness; the a and b components follow a cubic Bézier curve inside the sRGB
+// gamut.
 Oklab map_curve(double t) {
   constexpr double kA[] = {0.055, 0.0, -0.19, -0.035}, kB[] = {-0.115, -0.13, -0.01, 0.17};
   const double u = 1 - t, weights[] = {u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t};
@@ -34,7 +34,7 @@ Vec3 linear_of(const Oklab& c) {
           float(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
 }
 
-// The curve at equal distances along it, so that equal steps of the scalar look equally large.
+// Samples of the curve at equal arc length, so that equal steps of the scalar look equally large.
 std::array<Rgb, kMapSize> build_map() {
   constexpr int kFine = 4096;
   std::vector<double> length(kFine + 1, 0.0);

@@ -1,6 +1,5 @@
-// Colours: from numbers to a perceptually even map, and between what screens store (sRGB bytes) and what
-// light adds up in (linear). The map is a curve in Oklab (Ottosson 2020): lightness grows evenly, hue goes
-// from indigo over teal to yellow.
+// Colors: a perceptually uniform color map, and conversion between sRGB bytes and linear light. The map is a
+// curve in Oklab (Ottosson 2020): lightness grows uniformly, hue runs from indigo over teal to yellow.
 #pragma once
 
 #include <algorithm>
@@ -13,21 +12,21 @@
 
 namespace turgor {
 
-/// Scalars to colours: `low` and `high` map to the ends of a perceptually even map.
+/// Scalars to colors: `low` and `high` map to the ends of the color map.
 struct ColorScale {
   float low = 0, high = 1;
   std::string label;  // for the legend, with unit: "displacement [mm]"
-  float factor = 1;   // scalar · factor = the number the legend shows
+  float factor = 1;   // scalar · factor = number in the legend
 };
 
-/// The map at a fraction in [0, 1]; beyond the ends, the ends.
+/// Color map at a fraction in [0, 1], clamped.
 Rgb map_color(float fraction);
-/// Where a scalar lies between the ends of its scale; 0.5 when the scale has no extent.
+/// Fraction of a scalar between the ends of its scale; 0.5 if the scale has no extent.
 float scale_fraction(const ColorScale& scale, float scalar);
 
-/// Linear light, 0…1 a component.
+/// Linear light, each component 0…1.
 Vec3 linear_color(Rgb color);
-/// Light above this is rolled off softly to white rather than cut.
+/// Light above this level rolls off smoothly to white instead of clipping.
 constexpr float kShoulder = 0.75f;
 TURGOR_HD inline float roll_off(float x) {
   return x <= kShoulder ? x : kShoulder + (1 - kShoulder) * std::tanh((x - kShoulder) / (1 - kShoulder));
@@ -41,9 +40,9 @@ TURGOR_HD inline Rgb screen_color(Vec3 linear) {
   return {screen_byte(roll_off(linear.x)), screen_byte(roll_off(linear.y)), screen_byte(roll_off(linear.z))};
 }
 
-/// The backdrop of pictures fades from here to its edges; linear.
+/// The background of pictures fades from its center to its edges; linear.
 constexpr Vec3 kBackdropCenter{0.050f, 0.064f, 0.082f}, kBackdropEdge{0.009f, 0.012f, 0.017f};
-/// The backdrop at a place given in fractions of width and height from the top left; linear.
+/// Background at a position in fractions of width and height from the top left; linear.
 TURGOR_HD inline Vec3 backdrop(float x, float y) {
   constexpr Vec3 center = kBackdropCenter, edge = kBackdropEdge;
   const float dx = x - 0.5f, dy = y - 0.42f;

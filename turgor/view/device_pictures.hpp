@@ -1,4 +1,4 @@
-// Pictures of deformed CTs that a body made on a GPU, drawn there: they alone come back.
+// Pictures of deformed CTs that are computed and rendered on a GPU; only the pictures are downloaded.
 #pragma once
 
 #include <functional>
@@ -9,16 +9,16 @@
 
 namespace turgor {
 
-/// Keeps what it made of the last CT: a camera that moves costs rays alone.
+/// Caches the derived data of the last CT, so that a camera move costs only the rays.
 class DevicePictures {
  public:
   using MakeVolume = std::function<Result<std::unique_ptr<VolumeBackend>>()>;
 
   DevicePictures();
-  /// On another side of the bus than a GPU's.
+  /// With a backend other than a GPU.
   explicit DevicePictures(MakeVolume make) : make_(std::move(make)) {}
 
-  /// draw_volume of it. Error: the memory that it needs; then it keeps nothing.
+  /// draw_volume of the CT. Error: memory is short (with the required amount); then nothing is cached.
   Result<Image> draw(const lattice::DeviceResampled& ct, const std::string& preset, const Camera& camera,
                      int width, int height);
 
@@ -27,7 +27,7 @@ class DevicePictures {
 
   MakeVolume make_;
   std::unique_ptr<VolumeBackend> volume_;
-  std::shared_ptr<const lattice::DeviceSamples> shown_;  // by `volume_`
+  std::shared_ptr<const lattice::DeviceSamples> shown_;  // data that `volume_` shows
 };
 
 }  // namespace turgor

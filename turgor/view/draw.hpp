@@ -1,6 +1,6 @@
-// Pictures of meshes, CT volumes and sections, without a window: all of turgor/view that makes an Image.
-// Meshes are drawn by OpenGL through EGL (no display, no X server), volumes by a threaded ray-caster. Patient
-// frame LPS, metres.
+// Pictures of meshes, CT volumes and sections without a window: every function of turgor/view that makes an
+// Image. Meshes are drawn by OpenGL through EGL (no display, no X server), volumes by a multithreaded ray
+// caster. Patient frame LPS, meters.
 #pragma once
 
 #include "turgor/view/annotate.hpp"

@@ -19,8 +19,8 @@ Result<GLuint> compile(GLenum kind, const char* source) {
   return Error{fmt::format("cannot draw: glCompileShader failed: {}", log)};
 }
 
-// The place of a uniform in the program in use.
-GLint uniform_place(const char* name) {
+// Location of a uniform in the current program.
+GLint uniform_location(const char* name) {
   GLint program = 0;
   glGetIntegerv(GL_CURRENT_PROGRAM, &program);
   return glGetUniformLocation(GLuint(program), name);
@@ -45,12 +45,12 @@ Result<GLuint> link_program(const char* vertex_source, const char* fragment_sour
   return Error{"cannot draw: glLinkProgram failed"};
 }
 
-void set_uniform(const char* name, Vec3 v) { glUniform3f(uniform_place(name), v.x, v.y, v.z); }
-void set_uniform(const char* name, float a, float b) { glUniform2f(uniform_place(name), a, b); }
-void set_uniform(const char* name, float a) { glUniform1f(uniform_place(name), a); }
-void set_uniform(const char* name, int a) { glUniform1i(uniform_place(name), a); }
+void set_uniform(const char* name, Vec3 v) { glUniform3f(uniform_location(name), v.x, v.y, v.z); }
+void set_uniform(const char* name, float a, float b) { glUniform2f(uniform_location(name), a, b); }
+void set_uniform(const char* name, float a) { glUniform1f(uniform_location(name), a); }
+void set_uniform(const char* name, int a) { glUniform1i(uniform_location(name), a); }
 void set_uniform(const char* name, const std::array<float, 16>& columns) {
-  glUniformMatrix4fv(uniform_place(name), 1, GL_FALSE, columns.data());
+  glUniformMatrix4fv(uniform_location(name), 1, GL_FALSE, columns.data());
 }
 void set_texture(const char* name, int unit, GLuint texture, GLenum kind) {
   glActiveTexture(GLenum(GL_TEXTURE0 + unit));

@@ -1,5 +1,5 @@
-// The little of OpenGL that drawing needs: objects that free themselves, programs from source, uniforms by
-// name, textures to draw into. The context must be held (gl_context.hpp).
+// Small OpenGL helpers: objects with automatic release, programs from source, uniforms by name, render
+// targets. The context must be held (gl_context.hpp).
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace turgor {
 
-/// Frees what a picture took from OpenGL.
+/// Releases the OpenGL objects of a picture.
 struct GlObjects {
   std::vector<GLuint> textures, buffers, framebuffers, arrays;
 
@@ -35,7 +35,7 @@ struct GlObjects {
 /// Error: the compiler's log.
 Result<GLuint> link_program(const char* vertex_source, const char* fragment_source);
 
-/// Sets a uniform of the program in use; names that the program does not use are ignored.
+/// Sets a uniform of the current program; unused names are ignored.
 void set_uniform(const char* name, Vec3 v);
 void set_uniform(const char* name, float a, float b);
 void set_uniform(const char* name, float a);
@@ -43,11 +43,11 @@ void set_uniform(const char* name, int a);
 void set_uniform(const char* name, const std::array<float, 16>& columns);
 void set_texture(const char* name, int unit, GLuint texture, GLenum kind = GL_TEXTURE_2D);
 
-/// A texture with one sample a pixel, unfiltered.
+/// Texture with one sample per pixel, unfiltered.
 GLuint new_texture(GlObjects& objects, GLint format, GLenum layout, GLenum type, int width, int height);
-/// A texture with several samples a pixel.
+/// Texture with several samples per pixel.
 GLuint new_multisample_texture(GlObjects& objects, GLenum format, int samples, int width, int height);
-/// A framebuffer that draws into these textures; depth 0 = none. False when OpenGL does not accept them.
+/// Attaches these textures to a framebuffer; depth 0 = none. False if OpenGL does not accept them.
 bool attach_textures(GLuint framebuffer, GLenum kind, std::initializer_list<GLuint> colors, GLuint depth);
 
 }  // namespace turgor

@@ -26,11 +26,11 @@ Error egl_error(const char* call) {
 }
 
 bool can_load(const char* library) {
-  void* handle = dlopen(library, RTLD_LAZY | RTLD_LOCAL);  // stays loaded: libepoxy is about to use it
+  void* handle = dlopen(library, RTLD_LAZY | RTLD_LOCAL);  // stays loaded for libepoxy
   return handle != nullptr;
 }
 
-// libepoxy ends the process when it does not find these.
+// libepoxy ends the process if these libraries are missing.
 Status check_libraries() {
   if (!can_load("libEGL.so.1"))
     return Error{"cannot draw: libEGL.so.1 is missing (Debian: apt-get install libegl1)"};
@@ -53,7 +53,7 @@ EGLDisplay initialized(EGLDisplay display) {
   return display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr) ? display : EGL_NO_DISPLAY;
 }
 
-// GPUs first; the drivers of NVIDIA offer devices only.
+// GPUs first; NVIDIA's drivers offer only devices.
 EGLDisplay open_device() {
   std::array<EGLDeviceEXT, 16> devices{};
   EGLint count = 0;
@@ -84,20 +84,20 @@ Result<EglContext> create_context() {
   egl.display = open_display();
   if (egl.display == EGL_NO_DISPLAY) return egl_error("opening an EGL display without a screen");
   if (!eglBindAPI(EGL_OPENGL_API)) return egl_error("eglBindAPI(EGL_OPENGL_API)");
-  const EGLint config_wish[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
-                                EGL_NONE};
+  const EGLint config_attributes[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                      EGL_NONE};
   EGLConfig config = nullptr;
   EGLint config_count = 0;
-  if (!eglChooseConfig(egl.display, config_wish, &config, 1, &config_count) || config_count == 0)
+  if (!eglChooseConfig(egl.display, config_attributes, &config, 1, &config_count) || config_count == 0)
     return egl_error("eglChooseConfig");
-  const EGLint context_wish[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                 3,
-                                 EGL_CONTEXT_MINOR_VERSION,
-                                 3,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_NONE};
-  egl.context = eglCreateContext(egl.display, config, EGL_NO_CONTEXT, context_wish);
+  const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                       3,
+                                       EGL_CONTEXT_MINOR_VERSION,
+                                       3,
+                                       EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                       EGL_NONE};
+  egl.context = eglCreateContext(egl.display, config, EGL_NO_CONTEXT, context_attributes);
   if (egl.context == EGL_NO_CONTEXT) return egl_error("eglCreateContext (OpenGL 3.3 core)");
   return egl;
 }
@@ -107,7 +107,7 @@ std::mutex& gl_mutex() {
   return mutex;
 }
 
-// Call with the mutex held.
+// The mutex must be held.
 const Result<EglContext>& the_context() {
   static const Result<EglContext> context = create_context();
   return context;

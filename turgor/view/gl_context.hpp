@@ -1,5 +1,5 @@
-// One OpenGL context a process, through EGL without any surface. It is created when first used; whoever draws
-// holds it, and others wait. A machine without EGL or without a driver gets an error, not a crash.
+// One OpenGL context per process, through EGL without a surface. It is created on first use; one thread holds
+// it at a time, others wait. Without EGL or a driver the result is an error.
 #pragma once
 
 #include <mutex>
@@ -8,7 +8,7 @@
 
 namespace turgor {
 
-/// While this lives, the context is current on the thread that made it, and on no other.
+/// During its lifetime the context is current on the thread that created it, and on no other.
 class CurrentGl {
  public:
   CurrentGl(CurrentGl&&) = default;
@@ -20,7 +20,7 @@ class CurrentGl {
   std::unique_lock<std::mutex> lock_;
 };
 
-/// OpenGL 3.3 core or newer. Error: what is missing, or which call failed and with which code.
+/// OpenGL 3.3 core or newer. Error: the missing library, or the failed call with its code.
 Result<CurrentGl> hold_gl();
 
 }  // namespace turgor

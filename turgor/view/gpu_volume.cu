@@ -4,6 +4,6 @@
 
 namespace turgor {
 
-std::unique_ptr<VolumeBackend> volume_on(const Gpu&) { return std::make_unique<DeviceVolume<GpuSide>>(); }
+std::unique_ptr<VolumeBackend> volume_on(const Gpu&) { return std::make_unique<DeviceVolume<GpuBackend>>(); }
 
 }  // namespace turgor

@@ -1,5 +1,5 @@
-// Volume rendering on a GPU: the picture of draw_volume, but for how fused multiply-adds and its exponentials
-// round.
+// Volume rendering on a GPU: the picture of draw_volume up to rounding (fused multiply-adds and exponentials
+// differ).
 #pragma once
 
 #include <memory>

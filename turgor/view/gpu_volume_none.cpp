@@ -1,4 +1,4 @@
-// In place of gpu_volume.cu where there is no nvcc: open_gpu has no Gpu to give, so nothing comes here.
+// Replaces gpu_volume.cu in builds without nvcc; never called, because open_gpu fails.
 #include "turgor/view/gpu_volume.hpp"
 
 namespace turgor {

@@ -1,6 +1,5 @@
-// The light of all pictures: a warm key light above the viewer's left shoulder, a soft cool fill from the
-// right, a rim from behind, and light from the sky and the floor. It moves with the camera, so that what is
-// looked at is lit.
+// Lighting of all pictures: a warm key light above the viewer's left shoulder, a soft cool fill from the
+// right, a rim light from behind, and ambient light from sky and floor. It moves with the camera.
 #pragma once
 
 #include "turgor/view/camera.hpp"

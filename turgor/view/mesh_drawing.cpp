@@ -17,8 +17,8 @@ namespace turgor {
 namespace {
 
 constexpr float kOcclusionReach = 0.08f;                                // of the picture's height
-constexpr float kNoLevel = 1, kSmoothLevel = 0.5f, kEdgeLevel = 0.25f;  // how a pixel is lit
-constexpr float kThrough = 0.5f;  // of its own light has a part that is seen through another
+constexpr float kNoLevel = 1, kSmoothLevel = 0.5f, kEdgeLevel = 0.25f;  // selects the lighting of a pixel
+constexpr float kSeeThroughShare = 0.5f;  // visible share of the light of an item behind another surface
 
 template <class T>
 void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, const std::vector<T>& values) {
@@ -28,15 +28,16 @@ void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, c
   glEnableVertexAttribArray(attribute);
 }
 
-// A part that OpenGL holds.
-struct HeldPart {
+// An item's OpenGL objects.
+struct GlMesh {
   GLuint array = 0;
   GLsizei indices = 0;
   Vec3 color;
-  bool use_map = false, through = false, closed = false;
+  bool use_map = false, see_through = false, closed = false;
 };
 
-// Of a large mesh, what a camera may see and a margin around it, from which shadows fall into the picture.
+// Triangles of a large mesh that the camera may show, and a margin around them that may cast shadows into the
+// picture.
 std::vector<Int3> triangles_around(const TriMesh& mesh, const Mat4& to_clip) {
   constexpr std::size_t kLarge = 20'000;
   constexpr float kMargin = 1.3f;  // of the picture's half sides
@@ -57,23 +58,23 @@ std::vector<Int3> triangles_around(const TriMesh& mesh, const Mat4& to_clip) {
   return around;
 }
 
-HeldPart hold_part(GlObjects& objects, const MeshPart& part, const Mat4& to_clip) {
-  const TriMesh& mesh = *part.mesh;
+GlMesh upload_item(GlObjects& objects, const RenderItem& item, const Mat4& to_clip) {
+  const TriMesh& mesh = *item.mesh;
   const std::vector<Int3> triangles = triangles_around(mesh, to_clip);
-  HeldPart held{.array = objects.new_array(),
-                .indices = GLsizei(3 * triangles.size()),
-                .color = Vec3{float(part.color.r), float(part.color.g), float(part.color.b)} / 255,
-                .use_map = part.scale != nullptr,
-                .through = part.through,
-                .closed = part.closed};
+  GlMesh held{.array = objects.new_array(),
+              .indices = GLsizei(3 * triangles.size()),
+              .color = Vec3{float(item.color.r), float(item.color.g), float(item.color.b)} / 255,
+              .use_map = item.scale != nullptr,
+              .see_through = item.see_through,
+              .closed = item.closed};
   glBindVertexArray(held.array);
   upload(objects, 0, 3, GL_FLOAT, mesh.vertices);
   upload(objects, 1, 3, GL_FLOAT, mesh.normals.empty() ? vertex_normals(mesh) : mesh.normals);
-  if (part.colors) upload(objects, 2, 3, GL_UNSIGNED_BYTE, *part.colors);
-  if (part.scale) {
+  if (item.colors) upload(objects, 2, 3, GL_UNSIGNED_BYTE, *item.colors);
+  if (item.scale) {
     std::vector<float> fractions(mesh.scalars.size());
     std::transform(mesh.scalars.begin(), mesh.scalars.end(), fractions.begin(),
-                   [&part](float scalar) { return scale_fraction(*part.scale, scalar); });
+                   [&item](float scalar) { return scale_fraction(*item.scale, scalar); });
     upload(objects, 3, 1, GL_FLOAT, fractions);
   }
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, objects.new_buffer());
@@ -82,14 +83,14 @@ HeldPart hold_part(GlObjects& objects, const MeshPart& part, const Mat4& to_clip
   return held;
 }
 
-void draw_parts(const std::vector<HeldPart>& parts, MeshStyle style = MeshStyle::kSurface) {
+void draw_items(const std::vector<GlMesh>& items, MeshStyle style = MeshStyle::kSurface) {
   glPolygonMode(GL_FRONT_AND_BACK, style == MeshStyle::kWires ? GL_LINE : GL_FILL);
-  for (const HeldPart& part : parts) {
-    glBindVertexArray(part.array);
-    glVertexAttrib3f(2, part.color.x, part.color.y, part.color.z);  // where vertices have no colours
-    set_uniform("use_map", part.use_map);
-    (part.closed ? glEnable : glDisable)(GL_CULL_FACE);
-    glDrawElements(GL_TRIANGLES, part.indices, GL_UNSIGNED_INT, nullptr);
+  for (const GlMesh& item : items) {
+    glBindVertexArray(item.array);
+    glVertexAttrib3f(2, item.color.x, item.color.y, item.color.z);  // for vertices without colors
+    set_uniform("use_map", item.use_map);
+    (item.closed ? glEnable : glDisable)(GL_CULL_FACE);
+    glDrawElements(GL_TRIANGLES, item.indices, GL_UNSIGNED_INT, nullptr);
   }
   glDisable(GL_CULL_FACE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
@@ -111,8 +112,8 @@ void set_axes(const View& view) {
   set_uniform("back_axis", Vec3(view.frame.back));
 }
 
-// What the key light sees.
-void draw_shadow(GLuint program, const MeshTargets& targets, const std::vector<HeldPart>& parts,
+// Depths of the key light.
+void draw_shadow(GLuint program, const MeshTargets& targets, const std::vector<GlMesh>& items,
                  const LightView& light) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.shadow);
   glViewport(0, 0, kShadowSize, kShadowSize);
@@ -122,7 +123,7 @@ void draw_shadow(GLuint program, const MeshTargets& targets, const std::vector<H
   glClear(GL_DEPTH_BUFFER_BIT);
   glUseProgram(program);
   set_uniform("to_clip", light.matrix);
-  draw_parts(parts);
+  draw_items(items);
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
@@ -135,32 +136,31 @@ void set_lights(const View& view) {
   set_uniform("floor_color", lights.floor_color);
 }
 
-std::vector<HeldPart> seen_through(const std::vector<HeldPart>& parts) {
-  std::vector<HeldPart> through;
-  std::copy_if(parts.begin(), parts.end(), std::back_inserter(through),
-               [](const HeldPart& part) { return part.through; });
+std::vector<GlMesh> see_through_items(const std::vector<GlMesh>& items) {
+  std::vector<GlMesh> through;
+  std::copy_if(items.begin(), items.end(), std::back_inserter(through),
+               [](const GlMesh& item) { return item.see_through; });
   return through;
 }
 
-// What other surfaces hide of the parts that are seen through them, over those: with the program and the
-// depths of the quick picture so far.
-void draw_through(const std::vector<HeldPart>& parts) {
-  const std::vector<HeldPart> through = seen_through(parts);
+// Blends hidden fragments of see-through items over the quick picture, with its program and depths.
+void draw_see_through(const std::vector<GlMesh>& items) {
+  const std::vector<GlMesh> through = see_through_items(items);
   if (through.empty()) return;
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
-  glBlendColor(0, 0, 0, kThrough);
+  glBlendColor(0, 0, 0, kSeeThroughShare);
   glBlendFuncSeparate(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA, GL_ZERO, GL_ONE);
-  draw_parts(through);
+  draw_items(through);
   glDisable(GL_BLEND);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
 }
 
-void draw_surfaces(GlObjects& objects, GLuint program, const SeenSurfaces& seen,
-                   const std::vector<HeldPart>& parts, const View& view, MeshStyle style) {
-  glBindFramebuffer(GL_FRAMEBUFFER, seen.framebuffer);
+void draw_surfaces(GlObjects& objects, GLuint program, const GBuffer& g_buffer,
+                   const std::vector<GlMesh>& items, const View& view, MeshStyle style) {
+  glBindFramebuffer(GL_FRAMEBUFFER, g_buffer.framebuffer);
   glEnable(GL_DEPTH_TEST);
   constexpr GLuint kNothing[4] = {};
   for (const GLint target : {0, 1}) glClearBufferuiv(GL_COLOR, target, kNothing);
@@ -170,10 +170,10 @@ void draw_surfaces(GlObjects& objects, GLuint program, const SeenSurfaces& seen,
   set_uniform("eye", Vec3(view.eye));
   set_axes(view);
   set_texture("color_map", 0, new_color_map(objects));
-  draw_parts(parts, style);
+  draw_items(items, style);
 }
 
-// The whole picture; with a function for depths, only where the level is so.
+// Full-screen triangle; with a depth function, only where the level matches.
 void draw_screen(GlObjects& objects, std::optional<GLenum> levels = {}, float level = 0) {
   if (levels)
     glEnable(GL_DEPTH_TEST), glDepthFunc(*levels), glDepthMask(*levels == GL_ALWAYS);
@@ -185,10 +185,10 @@ void draw_screen(GlObjects& objects, std::optional<GLenum> levels = {}, float le
   glDepthFunc(GL_LESS), glDepthMask(GL_TRUE);
 }
 
-void set_surfaces(const MeshTargets& targets, const SeenSurfaces& seen, const View& view) {
-  set_texture("colors", 0, seen.colors, GL_TEXTURE_2D_MULTISAMPLE);
-  set_texture("normals", 1, seen.normals, GL_TEXTURE_2D_MULTISAMPLE);
-  set_texture("depths", 2, seen.depths, GL_TEXTURE_2D_MULTISAMPLE);
+void set_surfaces(const MeshTargets& targets, const GBuffer& g_buffer, const View& view) {
+  set_texture("colors", 0, g_buffer.colors, GL_TEXTURE_2D_MULTISAMPLE);
+  set_texture("normals", 1, g_buffer.normals, GL_TEXTURE_2D_MULTISAMPLE);
+  set_texture("depths", 2, g_buffer.depths, GL_TEXTURE_2D_MULTISAMPLE);
   set_uniform("samples", targets.samples);
   set_uniform("near_far", float(view.near), float(view.far));
 }
@@ -196,7 +196,7 @@ void set_surfaces(const MeshTargets& targets, const SeenSurfaces& seen, const Vi
 void resolve_samples(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.resolved);
   glUseProgram(program);
-  set_surfaces(targets, targets.seen, view);
+  set_surfaces(targets, targets.g_buffer, view);
   set_uniform("smooth_level", kSmoothLevel);
   set_uniform("edge_level", kEdgeLevel);
   draw_screen(objects, GL_ALWAYS);
@@ -225,19 +225,19 @@ void draw_light(GlObjects& objects, const MeshPrograms& programs, const MeshTarg
   draw_screen(objects, GL_EQUAL, kSmoothLevel);
   glUseProgram(programs.edge);
   set_lighting(targets, view, light);
-  set_surfaces(targets, targets.seen, view);
+  set_surfaces(targets, targets.g_buffer, view);
   draw_screen(objects, GL_EQUAL, kEdgeLevel);
 }
 
-// What other surfaces hide of the parts that are seen through them, over those.
+// Blends hidden fragments of see-through items over the surfaces in front of them.
 void draw_inner(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view,
                 const LightView& light) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.lit);
   glUseProgram(program);
   set_lighting(targets, view, light);
   set_surfaces(targets, targets.inner, view);
-  set_texture("nearer", 4, targets.seen.depths, GL_TEXTURE_2D_MULTISAMPLE);
-  set_uniform("through", kThrough);
+  set_texture("nearer", 4, targets.g_buffer.depths, GL_TEXTURE_2D_MULTISAMPLE);
+  set_uniform("through", kSeeThroughShare);
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   draw_screen(objects, GL_GREATER, kNoLevel);
@@ -261,32 +261,32 @@ void draw_picture(GlObjects& objects, GLuint program, const MeshTargets& targets
   glUseProgram(program);
   set_texture("lights", 0, targets.lights);
   set_texture("occlusions", 1, targets.occlusions);
-  set_uniform("backdrop_centre", kBackdropCenter), set_uniform("backdrop_edge", kBackdropEdge);
+  set_uniform("backdrop_center", kBackdropCenter), set_uniform("backdrop_edge", kBackdropEdge);
   set_uniform("shoulder", kShoulder);
   draw_screen(objects);
 }
 
-// What a picture shows, as OpenGL holds it, and from where.
-struct HeldScene {
+// OpenGL objects of the items, and the view.
+struct GlScene {
   std::vector<Box> boxes;
   View view;
-  std::vector<HeldPart> parts;
+  std::vector<GlMesh> items;
 };
 
-HeldScene hold_scene(GlObjects& objects, const std::vector<MeshPart>& parts, const Camera& camera,
+GlScene upload_scene(GlObjects& objects, const std::vector<RenderItem>& items, const Camera& camera,
                      double aspect) {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   std::vector<Box> boxes;
-  for (const MeshPart& part : parts)
-    if (!part.mesh->triangles.empty()) boxes.push_back(bounding_box(*part.mesh));
-  HeldScene scene{boxes, make_view(boxes, camera, aspect), {}};
-  for (const MeshPart& part : parts)
-    if (!part.mesh->triangles.empty())
-      scene.parts.push_back(hold_part(objects, part, camera_matrix(scene.view)));
+  for (const RenderItem& item : items)
+    if (!item.mesh->triangles.empty()) boxes.push_back(bounding_box(*item.mesh));
+  GlScene scene{boxes, make_view(boxes, camera, aspect), {}};
+  for (const RenderItem& item : items)
+    if (!item.mesh->triangles.empty())
+      scene.items.push_back(upload_item(objects, item, camera_matrix(scene.view)));
   return scene;
 }
 
-// The targets of the last picture when they fit, else new ones.
+// Reuses the last picture's targets if they fit, else creates new ones.
 template <class Targets>
 Status keep_targets(std::unique_ptr<GlObjects>& objects, std::optional<Targets>& targets, int width,
                     int height, Result<Targets> (*make)(GlObjects&, int, int)) {
@@ -299,22 +299,24 @@ Status keep_targets(std::unique_ptr<GlObjects>& objects, std::optional<Targets>&
   return Done{};
 }
 
-Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const HeldScene& scene, MeshStyle style) {
+Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const GlScene& scene, MeshStyle style) {
   const View& view = scene.view;
   MeshTargets& targets = *drawing.targets;
   const MeshPrograms& programs = drawing.programs;
-  const std::vector<HeldPart> through =
-      style == MeshStyle::kSurface ? seen_through(scene.parts) : std::vector<HeldPart>();
+  const std::vector<GlMesh> through =
+      style == MeshStyle::kSurface ? see_through_items(scene.items) : std::vector<GlMesh>();
   if (!through.empty() && !targets.inner.framebuffer) {
-    const Result<SeenSurfaces> inner = make_seen_surfaces(*drawing.objects, targets);
+    const Result<GBuffer> inner = make_g_buffer(*drawing.objects, targets);
     if (!inner) return inner.error();
     targets.inner = *inner;
   }
+  // shadow map and G-buffers
   const LightView light = make_light_view(scene.boxes, Vec3d(camera_lights(view.frame).key));
-  draw_shadow(programs.shadow, targets, scene.parts, light);
+  draw_shadow(programs.shadow, targets, scene.items, light);
   glViewport(0, 0, targets.width, targets.height);
-  draw_surfaces(objects, programs.surface, targets.seen, scene.parts, view, style);
+  draw_surfaces(objects, programs.surface, targets.g_buffer, scene.items, view, style);
   if (!through.empty()) draw_surfaces(objects, programs.surface, targets.inner, through, view, style);
+  // lighting, occlusion and composition
   resolve_samples(objects, programs.resolve, targets, view);
   draw_light(objects, programs, targets, view, light);
   if (!through.empty()) draw_inner(objects, programs.inner, targets, view, light);
@@ -323,7 +325,7 @@ Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const HeldSc
   return targets.picture;
 }
 
-GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const HeldScene& scene, MeshStyle style) {
+GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const GlScene& scene, MeshStyle style) {
   const View& view = scene.view;
   const QuickTargets& targets = *drawing.quick;
   const int width = targets.width, height = targets.height;
@@ -339,8 +341,8 @@ GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const HeldSc
   set_uniform("eye", Vec3(view.eye));
   set_lights(view);
   set_texture("color_map", 0, new_color_map(objects));
-  draw_parts(scene.parts, style);
-  if (style == MeshStyle::kSurface) draw_through(scene.parts);
+  draw_items(scene.items, style);
+  if (style == MeshStyle::kSurface) draw_see_through(scene.items);
   return targets.picture;
 }
 
@@ -348,13 +350,13 @@ GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const HeldSc
 
 Result<MeshPrograms> link_mesh_programs() {
   MeshPrograms programs;
-  struct Wanted {
+  struct ProgramSource {
     GLuint* program;
     const char* vertex;
     std::string fragment;
   };
   const std::string lighting = kLighting;
-  const Wanted wanted[] = {
+  const ProgramSource sources[] = {
       {&programs.shadow, kShadowVertexShader, kShadowFragmentShader},
       {&programs.surface, kSurfaceVertexShader, kSurfaceFragmentShader},
       {&programs.resolve, kScreenVertexShader, lighting + kResolveMain},
@@ -365,7 +367,7 @@ Result<MeshPrograms> link_mesh_programs() {
       {&programs.picture, kScreenVertexShader, kPictureFragmentShader},
       {&programs.quick, kQuickVertexShader, kQuickFragmentShader},
   };
-  for (const Wanted& one : wanted) {
+  for (const ProgramSource& one : sources) {
     const Result<GLuint> linked = link_program(one.vertex, one.fragment.c_str());
     if (!linked) return linked.error();
     *one.program = *linked;
@@ -373,18 +375,18 @@ Result<MeshPrograms> link_mesh_programs() {
   return programs;
 }
 
-Result<GLuint> draw_into_texture(MeshDrawing& drawing, const std::vector<MeshPart>& parts,
-                                 const Camera& camera, int width, int height, MeshCare care,
+Result<GLuint> draw_into_texture(MeshDrawing& drawing, const std::vector<RenderItem>& items,
+                                 const Camera& camera, int width, int height, RenderQuality quality,
                                  MeshStyle style) {
   while (glGetError() != GL_NO_ERROR) {
   }
-  const bool full = care == MeshCare::kFull;
+  const bool full = quality == RenderQuality::kFull;
   const Status made =
       full ? keep_targets(drawing.objects, drawing.targets, width, height, make_mesh_targets)
            : keep_targets(drawing.quick_objects, drawing.quick, width, height, make_quick_targets);
   if (!made) return made.error();
   GlObjects objects;
-  const HeldScene scene = hold_scene(objects, parts, camera, double(width) / height);
+  const GlScene scene = upload_scene(objects, items, camera, double(width) / height);
   const Result<GLuint> picture = full ? draw_fully(objects, drawing, scene, style)
                                       : Result<GLuint>(draw_quickly(objects, drawing, scene, style));
   if (!picture) return picture.error();

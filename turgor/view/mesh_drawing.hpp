@@ -1,5 +1,5 @@
-// The drawing of triangle meshes, in whatever OpenGL context is current: pictures make one without a window
-// (mesh_view.hpp), a window has its own. What a context holds of it is in one value.
+// Drawing of triangle meshes in the current OpenGL context: pictures create one without a window
+// (mesh_view.hpp), a window has its own. All OpenGL objects of a context are in one value.
 #pragma once
 
 #include <memory>
@@ -20,8 +20,8 @@ Result<MeshPrograms> link_mesh_programs();
 
 enum class MeshStyle : std::uint8_t { kSurface, kWires };
 
-/// Of one context, and freed while it is current. What is drawn into is kept for the next picture of the same
-/// size.
+/// Belongs to one context and is freed while that is current. Render targets are reused for the next picture
+/// of the same size.
 struct MeshDrawing {
   MeshPrograms programs;
   std::unique_ptr<GlObjects> objects, quick_objects;
@@ -29,13 +29,14 @@ struct MeshDrawing {
   std::optional<QuickTargets> quick;
 };
 
-/// Draws; the answer is the framebuffer that holds the picture, rows from the bottom, and is bound. Parts as
-/// in draw_meshes, without their legends. Error: which call failed.
-Result<GLuint> draw_into_texture(MeshDrawing& drawing, const std::vector<MeshPart>& parts,
-                                 const Camera& camera, int width, int height, MeshCare care = MeshCare::kFull,
+/// Draws and returns the framebuffer with the picture (rows from the bottom), which is bound. Items as in
+/// draw_meshes, without their legends. Error: the failed call.
+Result<GLuint> draw_into_texture(MeshDrawing& drawing, const std::vector<RenderItem>& items,
+                                 const Camera& camera, int width, int height,
+                                 RenderQuality quality = RenderQuality::kFull,
                                  MeshStyle style = MeshStyle::kSurface);
 
-/// What is in the framebuffer that is bound, rows from the top.
+/// Content of the bound framebuffer, rows from the top.
 Image read_pixels(int width, int height);
 
 }  // namespace turgor

@@ -1,6 +1,6 @@
-// The GLSL programs of mesh pictures. What is seen of surfaces is kept, sample by sample; it is lit into a
-// linear picture; the occlusion of each pixel by its surroundings is estimated from the depths [McGuire,
-// Mara, Luebke 2012]; both are put before the backdrop and turned into what screens show.
+// GLSL programs of mesh pictures (deferred shading). The G-buffer stores visible surfaces per sample and is
+// lit into a linear picture. Ambient occlusion is estimated from the depths [McGuire, Mara, Luebke 2012].
+// Both are composed over the background and converted to sRGB.
 #pragma once
 
 namespace turgor {
@@ -23,7 +23,7 @@ layout(location = 2) in vec3 color;
 layout(location = 3) in float fraction;
 uniform mat4 to_clip;
 uniform vec3 eye;
-invariant gl_Position;  // of what is drawn a second time, because it is seen through others
+invariant gl_Position;  // see-through surfaces are drawn twice
 out vec3 to_eye;
 out vec3 surface_normal;
 out vec3 surface_color;
@@ -38,9 +38,9 @@ void main() {
 }
 )";
 
-// What a surface is where it is seen, packed: its colour, as the square root of what it reflects, with how it
-// was coloured (1 itself, 2 by the map), and its normal as the camera has it, on an octahedron [Cigolle et
-// al. 2014]. Triangles are small and many: nothing is lit here.
+// Writes the G-buffer: the color (square root of the albedo) with its source (1 own color, 2 color map), and
+// the normal in the camera frame with octahedral encoding [Cigolle et al. 2014]. Lighting is deferred because
+// triangles are small and many.
 constexpr const char* kSurfaceFragmentShader = R"(#version 330 core
 in vec3 to_eye;
 in vec3 surface_normal;
@@ -56,7 +56,7 @@ void main() {
   vec3 face = cross(dFdx(to_eye), dFdy(to_eye));
   if (dot(face, to_eye) < 0.0) face = -face;
   vec3 n = surface_normal;
-  if (dot(n, face) < 0.0) n = -n;  // the side that is seen
+  if (dot(n, face) < 0.0) n = -n;  // the visible side
   n = vec3(dot(right_axis, n), dot(up, n), dot(back_axis, n));
   n /= abs(n.x) + abs(n.y) + abs(n.z);
   vec2 folded = (1.0 - abs(n.yx)) * mix(vec2(-1), vec2(1), greaterThanEqual(n.xy, vec2(0)));
@@ -74,9 +74,9 @@ void main() {
 }
 )";
 
-// The light on what was kept of surfaces; a main function follows.
+// Lighting of the G-buffer; a main function follows.
 constexpr const char* kLighting = R"(#version 330 core
-in vec2 place;
+in vec2 uv;
 uniform int samples;
 uniform vec2 tan_half;  // half the view at unit depth
 uniform vec3 right_axis, up, back_axis;
@@ -85,7 +85,7 @@ uniform vec3 key_color, fill_color, rim_color, sky_color, floor_color;
 
 vec4 color_of(uint c) { return vec4(uvec4(c, c >> 8, c >> 16, c >> 24) & 255u) / vec4(255, 255, 255, 1); }
 
-// As the camera has it, not unit.
+// In the camera frame, not normalized.
 vec3 normal_of(uint packed_normal) {
   vec2 at = vec2(uvec2(packed_normal, packed_normal >> 16) & 65535u) / 32767.0 - 1.0;
   vec3 n = vec3(at, 1.0 - abs(at.x) - abs(at.y));
@@ -93,9 +93,9 @@ vec3 normal_of(uint packed_normal) {
   return n;
 }
 
-vec3 world_normal(vec3 seen) {
-  seen = normalize(seen);
-  return seen.x * right_axis + seen.y * up + seen.z * back_axis;
+vec3 world_normal(vec3 view_normal) {
+  view_normal = normalize(view_normal);
+  return view_normal.x * right_axis + view_normal.y * up + view_normal.z * back_axis;
 }
 
 float depth_of(float d, vec2 near_far) {
@@ -104,17 +104,17 @@ float depth_of(float d, vec2 near_far) {
 }
 
 vec3 ray_of_pixel() {
-  vec2 at = (2.0 * place - 1.0) * tan_half;
+  vec2 at = (2.0 * uv - 1.0) * tan_half;
   return at.x * right_axis + at.y * up - back_axis;
 }
 
 vec3 lit_surface(vec4 color, vec3 n, vec3 view, float open) {
   vec3 albedo = color.rgb * color.rgb;
   bool mapped = color.a > 1.5;
-  // Light that enters skin leaves it beside: the terminator is soft, and softest in red.
+  // Subsurface scattering in skin: the terminator is soft, and softest in red.
   vec3 wrap = mapped ? vec3(0.25) : vec3(0.32, 0.20, 0.15);
   float towards = dot(n, key);
-  float share = mix(1.0, 0.12 + 0.88 * open, smoothstep(0.0, 0.3, towards));  // it is soft already
+  float share = mix(1.0, 0.12 + 0.88 * open, smoothstep(0.0, 0.3, towards));  // the terminator is soft already
   vec3 lit = key_color * share * max(vec3(0), (towards + wrap) / (1.0 + wrap));
   lit += fill_color * max(0.0, dot(n, fill)) + mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));
   float grazing = 1.0 - max(0.0, dot(n, view));
@@ -126,15 +126,15 @@ vec3 lit_surface(vec4 color, vec3 n, vec3 view, float open) {
 }
 )";
 
-// From several samples a pixel to one, and a level that tells how it is to be lit: where its samples have one
-// normal once, on edges sample by sample, and not at all where nothing is seen. Levels are depths: a test of
-// depths spares software the other pixels, a branch does not.
+// Resolves several samples per pixel to one and writes a level that selects the lighting. Pixels whose
+// samples share one normal are lit once, edges per sample, empty pixels not at all. Levels are depth values,
+// because a depth test spares a software renderer the other pixels and a branch does not.
 constexpr const char* kResolveMain = R"(
 uniform usampler2DMS colors, normals;
 uniform sampler2DMS depths;
 uniform vec2 near_far;
 uniform float smooth_level, edge_level;
-layout(location = 0) out vec4 color;  // and how it was coloured, halved
+layout(location = 0) out vec4 color;  // and half of its color source
 layout(location = 1) out vec4 view_normal;
 layout(location = 2) out float view_depth;
 
@@ -145,10 +145,10 @@ void main() {
   float covered = 0.0, nearest = 1.0, middle = 0.0;
   for (int s = 0; s < samples; s++) {
     uint c = texelFetch(colors, pixel, s).r;
-    float here = c == 0u ? 0.0 : 1.0;
-    sum += here * color_of(c);
-    normal += here * normalize(normal_of(texelFetch(normals, pixel, s).r));
-    covered += here;
+    float covers = c == 0u ? 0.0 : 1.0;
+    sum += covers * color_of(c);
+    normal += covers * normalize(normal_of(texelFetch(normals, pixel, s).r));
+    covered += covers;
     float depth = texelFetch(depths, pixel, s).r;
     nearest = min(nearest, depth);
     middle += depth / float(samples);
@@ -161,7 +161,7 @@ void main() {
 }
 )";
 
-// How much of the key light reaches a place: a mean over a disc, so that shadows have soft rims.
+// Visible fraction of the key light at a position: a mean over a disc, which gives soft shadow edges.
 constexpr const char* kKeyShare = R"(
 uniform sampler2DShadow shadow;
 uniform mat4 to_light;
@@ -170,8 +170,8 @@ uniform vec3 eye;
 layout(location = 0) out vec4 light;
 
 float key_share(vec3 position, vec3 n) {
-  vec4 place = to_light * vec4(position + 2.5 * shadow_texel * n, 1);
-  vec3 at = 0.5 + 0.5 * place.xyz;
+  vec4 in_light = to_light * vec4(position + 2.5 * shadow_texel * n, 1);
+  vec3 at = 0.5 + 0.5 * in_light.xyz;
   float sum = 0.0;
   for (int i = 0; i < 8; i++) {
     float radius = 5.0 / 2048.0 * sqrt((float(i) + 0.5) / 8.0), angle = 2.39996 * float(i);
@@ -180,8 +180,8 @@ float key_share(vec3 position, vec3 n) {
   return sum / 8.0;
 }
 
-vec3 lit_place(vec4 color, vec3 seen, vec3 ray, float depth) {
-  vec3 n = world_normal(seen);
+vec3 lit_position(vec4 color, vec3 view_normal, vec3 ray, float depth) {
+  vec3 n = world_normal(view_normal);
   return lit_surface(color, n, -normalize(ray), key_share(eye + ray * depth, n));
 }
 )";
@@ -192,9 +192,9 @@ uniform sampler2D resolved_colors, resolved_normals, resolved_depths;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 color = texelFetch(resolved_colors, pixel, 0);
-  vec3 seen = 2.0 * texelFetch(resolved_normals, pixel, 0).rgb - 1.0;
+  vec3 view_normal = 2.0 * texelFetch(resolved_normals, pixel, 0).rgb - 1.0;
   float depth = texelFetch(resolved_depths, pixel, 0).r;
-  light = vec4(lit_place(vec4(color.rgb, 2.0 * color.a), seen, ray_of_pixel(), depth), 1);
+  light = vec4(lit_position(vec4(color.rgb, 2.0 * color.a), view_normal, ray_of_pixel(), depth), 1);
 }
 )";
 
@@ -210,18 +210,18 @@ void main() {
   for (int s = 0; s < samples; s++) {
     uint c = texelFetch(colors, pixel, s).r;
     float depth = depth_of(texelFetch(depths, pixel, s).r, near_far);
-    vec3 lit = lit_place(color_of(c), normal_of(texelFetch(normals, pixel, s).r), ray, depth);
+    vec3 lit = lit_position(color_of(c), normal_of(texelFetch(normals, pixel, s).r), ray, depth);
     if (c != 0u) sum += vec4(lit, 1);
   }
   light = sum / float(samples);
 }
 )";
 
-// What is seen through other surfaces, to be laid over their light.
+// See-through surfaces behind others, blended over the light of those.
 constexpr const char* kInnerMain = R"(
 uniform usampler2DMS colors, normals;
 uniform sampler2DMS depths, nearer;
-uniform float through;  // of its own light has a part that is seen through another
+uniform float through;  // share of its own light through another surface
 layout(location = 0) out vec4 light;
 
 void main() {
@@ -240,7 +240,7 @@ void main() {
 }
 )";
 
-// Pictures that move, where no GPU draws: one pass, lit at the vertices.
+// Moving pictures without a GPU: one pass with lighting per vertex.
 constexpr const char* kQuickVertexShader = R"(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -275,19 +275,19 @@ void main() { picture = vec4(shown, 1); }
 
 constexpr const char* kScreenVertexShader = R"(#version 330 core
 uniform float level;  // a depth
-out vec2 place;
+out vec2 uv;
 
 void main() {
-  place = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
-  gl_Position = vec4(2.0 * place - 1.0, 2.0 * level - 1.0, 1);
+  uv = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
+  gl_Position = vec4(2.0 * uv - 1.0, 2.0 * level - 1.0, 1);
 }
 )";
 
 constexpr const char* kOcclusionFragmentShader = R"(#version 330 core
-in vec2 place;
+in vec2 uv;
 uniform sampler2D depths, normals;
 uniform vec2 tan_half;   // half the view at unit depth
-uniform float reach;     // of the surroundings, as a fraction of the picture's height
+uniform float reach;     // occlusion radius, as a fraction of the picture's height
 layout(location = 0) out vec2 openness;  // and the depth
 
 const int kSamples = 18;
@@ -298,8 +298,8 @@ vec3 view_point(vec2 at) {
 }
 
 void main() {
-  vec4 stored = texture(normals, place);
-  vec3 p = view_point(place), n = normalize(2.0 * stored.rgb - 1.0);
+  vec4 stored = texture(normals, uv);
+  vec3 p = view_point(uv), n = normalize(2.0 * stored.rgb - 1.0);
   float radius = reach * 2.0 * tan_half.y * -p.z, radius2 = radius * radius, sum = 0.0;
   ivec2 pixel = ivec2(gl_FragCoord.xy) & 3;
   float phase = 0.3927 * float((pixel.x * 5 + pixel.y * 7) & 15);
@@ -307,7 +307,7 @@ void main() {
   for (int i = 0; i < kSamples; i++) {
     float share = (float(i) + 0.5) / float(kSamples), angle = 2.39996 * float(i) + phase;
     vec2 offset = reach * share * share * vec2(cos(angle) / aspect, sin(angle));
-    vec3 v = view_point(place + offset) - p;
+    vec3 v = view_point(uv + offset) - p;
     float vv = dot(v, v), f = max(0.0, radius2 - vv);
     sum += f * f * f * max(0.0, dot(v, n) - 0.002 * -p.z) / (vv + 0.0004 * radius2);
   }
@@ -317,20 +317,20 @@ void main() {
 )";
 
 constexpr const char* kPictureFragmentShader = R"(#version 330 core
-in vec2 place;
+in vec2 uv;
 uniform sampler2D lights, occlusions;
-uniform vec3 backdrop_centre, backdrop_edge;
+uniform vec3 backdrop_center, backdrop_edge;
 uniform float shoulder;
 layout(location = 0) out vec4 picture;
 
-// The mean of the 4 x 4 pixels around that lie about as deep: the pattern of the samples repeats every 4 pixels.
+// Mean of the 4 x 4 surrounding pixels of similar depth: the sample pattern repeats every 4 pixels.
 float smooth_openness() {
   ivec2 last = textureSize(occlusions, 0) - 1, pixel = ivec2(gl_FragCoord.xy);
-  float here = texelFetch(occlusions, pixel, 0).g, sum = 0.0, weights = 0.0;
+  float center_depth = texelFetch(occlusions, pixel, 0).g, sum = 0.0, weights = 0.0;
   for (int y = -2; y < 2; y++) {
     for (int x = -2; x < 2; x++) {
       vec2 open = texelFetch(occlusions, clamp(pixel + ivec2(x, y), ivec2(0), last), 0).rg;
-      float weight = abs(open.g - here) < 0.02 * here ? 1.0 : 0.001;
+      float weight = abs(open.g - center_depth) < 0.02 * center_depth ? 1.0 : 0.001;
       sum += weight * open.r;
       weights += weight;
     }
@@ -346,11 +346,11 @@ vec3 screen(vec3 linear) {
 }
 
 void main() {
-  vec2 d = vec2(place.x - 0.5, (1.0 - place.y) - 0.42);
-  vec3 behind = mix(backdrop_centre, backdrop_edge, min(1.0, 1.9 * dot(d, d)));
+  vec2 d = vec2(uv.x - 0.5, (1.0 - uv.y) - 0.42);
+  vec3 behind = mix(backdrop_center, backdrop_edge, min(1.0, 1.9 * dot(d, d)));
   vec4 light = texelFetch(lights, ivec2(gl_FragCoord.xy), 0);
   float open = light.a > 0.0 ? smooth_openness() : 1.0;
-  // What little light is left in a hollow has been reflected by the surface: it is darker, and a little redder.
+  // Remaining light in a hollow was reflected by the surface: it is darker, and a little redder.
   vec3 left = mix(vec3(0.34, 0.26, 0.25), vec3(1), open);
   picture = vec4(screen(light.rgb * left + behind * (1.0 - light.a)), 1);
 }

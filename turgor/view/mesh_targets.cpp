@@ -10,9 +10,9 @@ namespace turgor {
 
 namespace {
 
-constexpr int kSamples = 8;  // a pixel, where the driver has so many
+constexpr int kSamples = 8;  // per pixel, if the driver supports it
 
-// Answers with how much of the texel's neighbourhood is nearer to the light.
+// Lookups return the fraction of the texel's neighborhood that is nearer to the light.
 GLuint new_shadow_texture(GlObjects& objects) {
   const GLuint texture = new_texture(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
                                      kShadowSize, kShadowSize);
@@ -27,12 +27,12 @@ Status check_size(int width, int height) {
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
   if (width >= 1 && height >= 1 && width <= most && height <= most) return Done{};
   return Error{
-      fmt::format("cannot draw a picture of {} x {} pixels: OpenGL here draws 1 to {}", width, height, most)};
+      fmt::format("cannot draw a picture of {} x {} pixels: OpenGL supports 1 to {}", width, height, most)};
 }
 
 Error incomplete() { return {"cannot draw: glCheckFramebufferStatus found an incomplete framebuffer"}; }
 
-// The texture that is bound.
+// Fills the bound texture.
 void fill_with_backdrop(int width, int height) {
   Image image = make_image(width, height);
   for (int y = 0; y < height; y++)
@@ -45,17 +45,18 @@ void fill_with_backdrop(int width, int height) {
 
 }  // namespace
 
-Result<SeenSurfaces> make_seen_surfaces(GlObjects& objects, const MeshTargets& targets) {
+Result<GBuffer> make_g_buffer(GlObjects& objects, const MeshTargets& targets) {
   const auto texture = [&](GLenum format) {
     return new_multisample_texture(objects, format, targets.samples, targets.width, targets.height);
   };
-  const SeenSurfaces seen{.framebuffer = objects.new_framebuffer(),
-                          .colors = texture(GL_R32UI),
-                          .normals = texture(GL_R32UI),
-                          .depths = texture(GL_DEPTH_COMPONENT24)};
-  if (!attach_textures(seen.framebuffer, GL_TEXTURE_2D_MULTISAMPLE, {seen.colors, seen.normals}, seen.depths))
+  const GBuffer g_buffer{.framebuffer = objects.new_framebuffer(),
+                         .colors = texture(GL_R32UI),
+                         .normals = texture(GL_R32UI),
+                         .depths = texture(GL_DEPTH_COMPONENT24)};
+  if (!attach_textures(g_buffer.framebuffer, GL_TEXTURE_2D_MULTISAMPLE, {g_buffer.colors, g_buffer.normals},
+                       g_buffer.depths))
     return incomplete();
-  return seen;
+  return g_buffer;
 }
 
 Result<MeshTargets> make_mesh_targets(GlObjects& objects, int width, int height) {
@@ -65,16 +66,16 @@ Result<MeshTargets> make_mesh_targets(GlObjects& objects, int width, int height)
   glGetIntegerv(GL_MAX_DEPTH_TEXTURE_SAMPLES, &of_depths);
   MeshTargets t{
       .samples = std::clamp(std::min(of_integers, of_depths), 1, kSamples), .width = width, .height = height};
-  const Result<SeenSurfaces> seen = make_seen_surfaces(objects, t);
-  if (!seen) return seen.error();
-  t.seen = *seen;
+  const Result<GBuffer> g_buffer = make_g_buffer(objects, t);
+  if (!g_buffer) return g_buffer.error();
+  t.g_buffer = *g_buffer;
   t.colors = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
   t.normals = new_texture(objects, GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV, width, height);
   t.depths = new_texture(objects, GL_R32F, GL_RED, GL_FLOAT, width, height);
   t.lights = new_texture(objects, GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, width, height);
   t.occlusions = new_texture(objects, GL_RG32F, GL_RG, GL_FLOAT, width, height);
   const GLuint picture = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
-  const GLuint levels =  // of floats: levels are compared
+  const GLuint levels =  // floats, because levels are compared
       new_texture(objects, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, width, height);
   t.shadow_depths = new_shadow_texture(objects);
   for (GLuint* framebuffer : {&t.shadow, &t.resolved, &t.lit, &t.occlusion, &t.picture})

@@ -10,44 +10,44 @@ namespace turgor {
 
 namespace {
 
-Result<Image> draw_scene(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height,
-                         MeshCare care) {
+Result<Image> draw_scene(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
+                         RenderQuality quality) {
   const Result<CurrentGl> gl = hold_gl();
   if (!gl) return gl.error();
   static const Result<MeshPrograms> programs = link_mesh_programs();  // guarded by holding the context
   if (!programs) return programs.error();
   static MeshDrawing& drawing =
-      *new MeshDrawing;  // as the context, until the process ends: next to nothing is made anew
+      *new MeshDrawing;  // like the context, lives until the process ends; objects are reused
   drawing.programs = *programs;
-  const Result<GLuint> drawn = draw_into_texture(drawing, parts, camera, width, height, care);
+  const Result<GLuint> drawn = draw_into_texture(drawing, items, camera, width, height, quality);
   if (!drawn) return drawn.error();
   return read_pixels(width, height);
 }
 
-void draw_legends(Image& image, const std::vector<MeshPart>& parts) {
+void draw_legends(Image& image, const std::vector<RenderItem>& items) {
   std::vector<const ColorScale*> drawn;
-  for (const MeshPart& part : parts) {
-    if (!part.scale || std::find(drawn.begin(), drawn.end(), part.scale) != drawn.end()) continue;
-    draw_legend(image, *part.scale, int(drawn.size()));
-    drawn.push_back(part.scale);
+  for (const RenderItem& item : items) {
+    if (!item.scale || std::find(drawn.begin(), drawn.end(), item.scale) != drawn.end()) continue;
+    draw_legend(image, *item.scale, int(drawn.size()));
+    drawn.push_back(item.scale);
   }
 }
 
 }  // namespace
 
-Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height,
-                          MeshCare care) {
-  for (const MeshPart& part : parts) {
-    TURGOR_ASSERT(part.mesh, "every part of draw_meshes has a mesh");
-    const std::size_t count = part.mesh->vertices.size();
-    TURGOR_ASSERT(part.mesh->normals.empty() || part.mesh->normals.size() == count,
-                  "one normal a vertex, or none");
-    TURGOR_ASSERT(!part.scale || part.mesh->scalars.size() == count,
-                  "a part with a scale has one scalar a vertex");
-    TURGOR_ASSERT(!part.colors || part.colors->size() == count, "one colour a vertex");
+Result<Image> draw_meshes(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
+                          RenderQuality quality) {
+  for (const RenderItem& item : items) {
+    TURGOR_ASSERT(item.mesh, "every item of draw_meshes has a mesh");
+    const std::size_t count = item.mesh->vertices.size();
+    TURGOR_ASSERT(item.mesh->normals.empty() || item.mesh->normals.size() == count,
+                  "one normal per vertex, or no normals");
+    TURGOR_ASSERT(!item.scale || item.mesh->scalars.size() == count,
+                  "an item with a scale has one scalar per vertex");
+    TURGOR_ASSERT(!item.colors || item.colors->size() == count, "one color per vertex");
   }
-  Result<Image> image = draw_scene(parts, camera, width, height, care);
-  if (image) draw_legends(*image, parts);
+  Result<Image> image = draw_scene(items, camera, width, height, quality);
+  if (image) draw_legends(*image, items);
   return image;
 }
 

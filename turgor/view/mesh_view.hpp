@@ -12,23 +12,22 @@
 
 namespace turgor {
 
-/// kFull: lit at every pixel, with shadows, dark hollows and smooth edges. kQuick: one pass, lit at the
-/// vertices; for pictures that move where no GPU draws.
-enum class MeshCare : std::uint8_t { kFull, kQuick };
+/// kFull: per-pixel lighting with shadows, ambient occlusion and smooth edges. kQuick: one pass with lighting
+/// per vertex, for moving pictures without a GPU.
+enum class RenderQuality : std::uint8_t { kFull, kQuick };
 
-struct MeshPart {
+struct RenderItem {
   const TriMesh* mesh = nullptr;
-  Rgb color{224, 172, 145};                  // where there is no scale
-  const ColorScale* scale = nullptr;         // colour by mesh->scalars, with a legend
-  const std::vector<Rgb>* colors = nullptr;  // one a vertex, instead of `color`
-  bool through = false;                      // paler, but seen also through what lies before it
-  bool closed = false;  // triangles are counter-clockwise seen from outside, and nobody looks at their backs
+  Rgb color{224, 172, 145};                  // without a scale
+  const ColorScale* scale = nullptr;         // color by mesh->scalars, with a legend
+  const std::vector<Rgb>* colors = nullptr;  // one per vertex, instead of `color`
+  bool see_through = false;                  // also visible, but paler, behind other surfaces
+  bool closed = false;  // triangles are counter-clockwise seen from outside; back faces are culled
 };
 
-/// Both sides of every triangle are seen; normals are computed where the mesh has none; scalars that are no
-/// numbers show the part's colour. Error: OpenGL or EGL is missing on this machine, or failed; the message
-/// says which call.
-Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height,
-                          MeshCare care = MeshCare::kFull);
+/// Both sides of every triangle are drawn. Missing normals are computed. Scalars that are NaN show the item's
+/// color. Error: OpenGL or EGL is missing on this machine, or failed; the message names the call.
+Result<Image> draw_meshes(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
+                          RenderQuality quality = RenderQuality::kFull);
 
 }  // namespace turgor

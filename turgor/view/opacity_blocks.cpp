@@ -9,7 +9,7 @@ namespace {
 
 int block_count(int samples, int edge) { return (samples + edge - 1) / edge; }
 
-// One row of blocks. Blocks share their border samples with the next, as interpolation does.
+// One row of blocks. Blocks share border samples with the next one, as interpolation does.
 struct ClassifyRow {
   const CtVolume& ct;
   const Transfer& transfer;
@@ -21,6 +21,7 @@ struct ClassifyRow {
     const Int3 n = ct.grid.size;
     const int j0 = int(row) % blocks.size.y * kBlock, k0 = int(row) / blocks.size.y * kBlock;
     const int j1 = std::min(j0 + kBlock, n.y - 1), k1 = std::min(k0 + kBlock, n.z - 1);
+    // range of the values at each i over the rows of the blocks
     std::vector<std::int16_t> low(std::size_t(n.x), INT16_MAX), high(std::size_t(n.x), INT16_MIN);
     for (int k = k0; k <= k1; k++) {
       for (int j = j0; j <= j1; j++) {
@@ -31,6 +32,7 @@ struct ClassifyRow {
         }
       }
     }
+    // classify the blocks by their range of values
     for (int b = 0; b < blocks.size.x; b++) {
       const int i0 = b * kBlock, i1 = std::min(i0 + kBlock, n.x - 1);
       const int least = *std::min_element(&low[std::size_t(i0)], &low[std::size_t(i1)] + 1);
@@ -43,7 +45,7 @@ struct ClassifyRow {
     }
   }
 
-  // Every second sample in each direction is enough for a mean.
+  // every second sample along each axis suffices for a mean
   float mean_opacity(Int3 first) const {
     const Int3 n = ct.grid.size;
     float sum = 0;
@@ -56,8 +58,8 @@ struct ClassifyRow {
   }
 };
 
-// Chessboard distance to the nearest visible block: one sweep forwards and one backwards over the 13 earlier
-// neighbours.
+// Chessboard distance to the nearest visible block: one forward and one backward sweep over the 13 preceding
+// neighbors.
 void spread_distance(Int3 size, std::vector<std::uint8_t>& distance) {
   const int count = size.x * size.y * size.z;
   for (const int sign : {1, -1}) {

@@ -1,6 +1,6 @@
-// A coarse picture of a volume's opacity, for the ray-caster: in which blocks of samples nothing is visible
-// and how far the next visible block is (rays leap over the rest), and how much of its neighbourhood is
-// opaque (what lies in a hollow is darker).
+// Coarse opacity of a volume for the ray caster. It marks blocks of samples without visible values and their
+// distance to the next visible block (empty-space skipping), and holds the mean opacity of neighborhoods
+// (hollows are darkened).
 #pragma once
 
 #include <cmath>
@@ -15,9 +15,10 @@ namespace turgor {
 
 constexpr int kBlock = 4;         // samples along a block's edge
 constexpr int kLevels = 4;        // of occupancy
-constexpr float kFaint = 0.024f;  // what hides less within the smallest spacing is a cloud
+constexpr float kFaint = 0.024f;  // values that hide less than this within the smallest spacing are clouds
 
-/// One value a block of the level; level 0 has blocks of kBlock samples, every further one of twice the edge.
+/// One value per block of the level; level 0 has blocks of kBlock samples, each further level doubles the
+/// edge.
 struct OccupancyLevel {
   Int3 size;
   std::vector<float> opaque;  // mean opacity of the block, 0…1
@@ -26,12 +27,12 @@ struct OccupancyLevel {
 struct OpacityBlocks {
   Int3 size;
   std::vector<std::uint8_t>
-      distance;  // blocks to the nearest visible one, in the largest of three directions; 0 = visible
-  std::vector<std::uint8_t> faint;  // 1 = nothing in the block is more than a cloud
+      distance;                     // blocks to the nearest visible one, maximum over the axes; 0 = visible
+  std::vector<std::uint8_t> faint;  // 1 = all values of the block are at most clouds
   std::vector<OccupancyLevel> levels;
 };
 
-/// The blocks on either side of a bus.
+/// The blocks in host or device memory.
 struct OccupancyView {
   Int3 size;
   const float* opaque;
@@ -43,31 +44,31 @@ struct OpacityBlocksView {
 };
 OpacityBlocksView view(const OpacityBlocks& blocks);
 
-/// What does not change from block to block while they are built.
+/// Constants while blocks are built.
 struct OpacityOfSamples {
   TransferView transfer;
   float faint_extinction;  // [1/m]
   double depth;            // of a block [m]
 
   OpacityOfSamples(const TransferView& of, const Grid& grid);
-  /// Of a block with this value throughout, 0…1.
+  /// Opacity of a block with this value throughout, 0…1.
   TURGOR_HD float operator()(int hu) const { return float(1 - std::exp(-transfer.extinction(hu) * depth)); }
 };
 
-/// The volume must have samples. Values between the samples of a block count as visible too.
+/// The volume must have samples. Interpolated values between the samples of a block count as visible too.
 OpacityBlocks build_opacity_blocks(const Exec& exec, const CtVolume& ct, const Transfer& transfer);
 
 TURGOR_HD inline std::size_t block_index(Int3 size, int i, int j, int k) {
   return (std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) + std::size_t(i);
 }
 
-/// Mean opacity around an index, between blocks, 0 outside.
+/// Mean opacity at an index, interpolated between blocks, 0 outside.
 TURGOR_HD inline float occupancy_at(const OccupancyView& level, int level_number, Vec3 index) {
   const float edge = float(kBlock << level_number);
-  const Vec3 place{(index.x + 0.5f) / edge - 0.5f, (index.y + 0.5f) / edge - 0.5f,
-                   (index.z + 0.5f) / edge - 0.5f};
-  const Int3 low{int(std::floor(place.x)), int(std::floor(place.y)), int(std::floor(place.z))};
-  const Vec3 f = place - Vec3(low);
+  const Vec3 position{(index.x + 0.5f) / edge - 0.5f, (index.y + 0.5f) / edge - 0.5f,
+                      (index.z + 0.5f) / edge - 0.5f};
+  const Int3 low{int(std::floor(position.x)), int(std::floor(position.y)), int(std::floor(position.z))};
+  const Vec3 f = position - Vec3(low);
   float sum = 0;
   for (int corner = 0; corner < 8; corner++) {
     const int bx = corner & 1, by = corner >> 1 & 1, bz = corner >> 2;

@@ -12,7 +12,7 @@ struct Range {
   double length() const { return std::max(high - low, 1e-9); }
 };
 
-// How far the boxes reach along a direction.
+// Extent of the boxes along a direction.
 Range extent(std::span<const Box> boxes, Vec3d direction) {
   Range range;
   for (const Box& box : boxes) {

@@ -13,7 +13,7 @@ RayCaster make_ray_caster(const CtVolume& ct, const CtVolume& smooth, const Tran
 RayCaster make_ray_caster(const Grid& grid, Samples ct, Samples smooth, TransferView transfer,
                           const OpacityBlocksView& blocks, const Camera& camera, int width, int height) {
   constexpr float kNoise =
-      12;  // smoothed neighbours that differ by much less are noise, by much more a surface [HU]
+      12;  // differences of smoothed neighbors far below this are noise, far above it a surface [HU]
   const Vec3d origin = index_at(grid, {});
   const Mat3d to_index{{index_at(grid, {1, 0, 0}) - origin, index_at(grid, {0, 1, 0}) - origin,
                         index_at(grid, {0, 0, 1}) - origin}};

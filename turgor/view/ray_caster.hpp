@@ -1,8 +1,8 @@
-// The light that comes along one ray through a CT, from behind to the eye. Everything is prepared once a
-// picture; a caster is then shared by all threads. A ray leaps over blocks in which nothing is visible, takes
-// longer steps where little is, and ends when nothing more would shine through. Shading: Lambert and Blinn
-// with the normal along the gradient of the smoothed values, two-sided; weak gradients are noise and are
-// shaded flat. Hollows are darkened by the coarse occupancy along the normal.
+// Ray casting through a CT. All data is prepared once per picture; a caster is then shared by all threads. A
+// ray skips blocks without visible values, takes longer steps through faint ones, and ends when it is opaque.
+//
+// Shading: Lambert and Blinn, two-sided, with the normal along the gradient of the smoothed values. Weak
+// gradients are noise and are shaded flat. Hollows are darkened by the coarse occupancy along the normal.
 #pragma once
 
 #include <algorithm>
@@ -21,38 +21,38 @@ namespace turgor {
 struct Ray {
   Vec3 start, step;   // index; per step
   Vec3 direction;     // unit, patient frame
-  Vec3 entry_normal;  // of the volume's face where the ray comes in, patient frame
-  int last = -1;      // steps to take; < 0: misses the volume
+  Vec3 entry_normal;  // normal of the volume's entry face, patient frame
+  int last = -1;      // last step; < 0: the ray misses the volume
 };
 
-/// A few steps along a ray, from the value `before` to the value `here`.
+/// A few steps along a ray, from the value `before` to the value `current`.
 struct Segment {
-  int end = 0, steps = 1;      // it ends at this step of the ray
-  float before = 0, here = 0;  // [HU]
+  int end = 0, steps = 1;         // last step of the segment; number of steps
+  float before = 0, current = 0;  // [HU]
 };
 
-/// What rays need, over plain pointers: the same source casts them on threads of the CPU and of a GPU.
-/// Volumes one sample thick cannot be seen.
+/// Data of the rays as plain pointers: the same source runs on CPU threads and on a GPU. Volumes one sample
+/// thick are invisible.
 struct RayCaster {
   Samples ct, smooth;
   TransferView transfer;
   OpacityBlocksView blocks;
   Lights lights;
   CameraFrame frame;
-  Mat3d to_index;  // index per metre
+  Mat3d to_index;  // index per meter
   Mat3d gradient_to_patient;
   Vec3d eye;             // index
   float step;            // [m]
   float noise_gradient;  // [HU/m]
   int width, height;
 
-  /// Linear light at a place of the picture, in pixels from the top left.
+  /// Linear light at a position of the picture, in pixels from the top left.
   TURGOR_HD Vec3 pixel(float x, float y) const;
 
  private:
   static constexpr float kLeastTransmittance = 0.004f;
-  static constexpr float kSolid = 0.12f;  // a step that hides more than this belongs to a surface
-  /// Steps at once through clouds: blocks share their borders, so none is leapt over.
+  static constexpr float kSolid = 0.12f;  // opacity of a step above which it belongs to a surface
+  /// Steps at once through clouds; blocks share their borders, so none is skipped.
   static constexpr int kLongStep = 2;
 
   TURGOR_HD Ray make_ray(float x, float y) const;
@@ -60,7 +60,7 @@ struct RayCaster {
   TURGOR_HD Vec3 lit(Vec3 color, Vec3 index, const Ray& ray, bool at_entry) const;
   TURGOR_HD Vec3 cloud(Vec3 color) const;
   TURGOR_HD float openness(Vec3 index, Vec3 normal) const;
-  TURGOR_HD float surface_place(float before, float here, int steps) const;
+  TURGOR_HD float surface_fraction(float before, float current, int steps) const;
   TURGOR_HD std::size_t block_at(Vec3 index) const;
   TURGOR_HD Vec3 segment_light(const Ray& ray, const Segment& segment, const Optical& optical,
                                float alpha) const;
@@ -100,21 +100,21 @@ TURGOR_HD inline Ray RayCaster::make_ray(float x, float y) const {
   return ray;
 }
 
-// By central differences of interpolated values [HU/m].
+// Central differences of interpolated values [HU/m].
 TURGOR_HD inline Vec3 RayCaster::gradient(Vec3 index) const {
   const Vec3 last(Vec3d(smooth.size) - Vec3d{1, 1, 1});
-  const Vec3 place = min(max(index * 0.5f - Vec3{0.25f, 0.25f, 0.25f}, Vec3{}), last);
+  const Vec3 half_index = min(max(index * 0.5f - Vec3{0.25f, 0.25f, 0.25f}, Vec3{}), last);
   Vec3d g;
   for (int axis = 0; axis < 3; axis++) {
-    Vec3 low = place, high = place;
-    low[axis] = std::max(place[axis] - 1, 0.0f);
-    high[axis] = std::min(place[axis] + 1, last[axis]);
+    Vec3 low = half_index, high = half_index;
+    low[axis] = std::max(half_index[axis] - 1, 0.0f);
+    high[axis] = std::min(half_index[axis] + 1, last[axis]);
     g[axis] = (sample_linear(smooth, high) - sample_linear(smooth, low)) / (2 * (high[axis] - low[axis]));
   }
   return Vec3(gradient_to_patient * g);
 }
 
-// How much light from around reaches a place: 1 on a plain, less in a hollow.
+// Fraction of ambient light at a position: 1 on a plane, less in a hollow.
 TURGOR_HD inline float RayCaster::openness(Vec3 index, Vec3 normal) const {
   const Vec3 outward(to_index * Vec3d(normal));
   const float longest = std::max(std::max(std::abs(outward.x), std::abs(outward.y)), std::abs(outward.z));
@@ -147,24 +147,24 @@ TURGOR_HD inline Vec3 RayCaster::lit(Vec3 color, Vec3 index, const Ray& ray, boo
   return matt + lights.key_color * (0.10f * surface * open * std::pow(half_angle, 28.0f));
 }
 
-// Where between two samples, 0…1, the light that a segment sends comes from: the values in between are taken
-// to change linearly, each part hides those behind it.
-TURGOR_HD inline float RayCaster::surface_place(float before, float here, int steps) const {
-  constexpr int kParts = 6;
+// Position in a segment, 0…1, from which its light comes on average. The value is taken as linear, and each
+// interval hides those behind it.
+TURGOR_HD inline float RayCaster::surface_fraction(float before, float current, int steps) const {
+  constexpr int kIntervals = 6;
   float weights = 0, sum = 0, transmittance = 1;
-  for (int part = 0; part < kParts; part++) {
-    const float place = (float(part) + 0.5f) / kParts;
-    const float hu = before + (here - before) * place;
+  for (int i = 0; i < kIntervals; i++) {
+    const float fraction = (float(i) + 0.5f) / kIntervals;
+    const float hu = before + (current - before) * fraction;
     const float alpha =
-        1 - std::exp(-transfer.extinction(int(std::lround(hu))) * step * float(steps) / kParts);
+        1 - std::exp(-transfer.extinction(int(std::lround(hu))) * step * float(steps) / kIntervals);
     weights += transmittance * alpha;
-    sum += transmittance * alpha * place;
+    sum += transmittance * alpha * fraction;
     transmittance *= 1 - alpha;
   }
   return weights > 0 ? sum / weights : 0.5f;
 }
 
-// The most steps that stay inside the cube of blocks around `index` that is known to be invisible.
+// Largest number of steps inside the cube of blocks around `index` that is known to be invisible.
 TURGOR_HD inline int RayCaster::leap(const Ray& ray, Vec3 index, int distance) const {
   float steps = 1e9f;
   for (int axis = 0; axis < 3; axis++) {
@@ -177,7 +177,7 @@ TURGOR_HD inline int RayCaster::leap(const Ray& ray, Vec3 index, int distance) c
   return std::max(1, int(std::ceil(std::max(0.0f, steps))));
 }
 
-// A cloud has no surface that could be lit from a side.
+// A cloud has no surface, so its light does not depend on a normal.
 TURGOR_HD inline Vec3 RayCaster::cloud(Vec3 color) const {
   return hadamard(color, (lights.sky_color + lights.floor_color) * 0.5f + lights.key_color * 0.45f);
 }
@@ -192,32 +192,35 @@ TURGOR_HD inline Vec3 RayCaster::segment_light(const Ray& ray, const Segment& se
                                                float alpha) const {
   const bool at_entry = segment.end == 0;
   if (alpha < kFaint && !at_entry) return cloud(optical.color);
-  const float place = at_entry ? 1 : surface_place(segment.before, segment.here, segment.steps);
-  const float steps = float(segment.end) - float(segment.steps) * (1 - place);
+  const float fraction = at_entry ? 1 : surface_fraction(segment.before, segment.current, segment.steps);
+  const float steps = float(segment.end) - float(segment.steps) * (1 - fraction);
   return lit(optical.color, ray.start + ray.step * std::max(steps, 0.0f), ray, at_entry);
 }
 
 TURGOR_HD inline Vec3 RayCaster::pixel(float x, float y) const {
   const Ray ray = make_ray(x, y);
   const Vec3 last_index = Vec3(Vec3d(ct.size) - Vec3d{1, 1, 1});
-  const auto place = [&](int n) { return min(max(ray.start + ray.step * float(n), Vec3{}), last_index); };
+  const auto index_at_step = [&](int n) {
+    return min(max(ray.start + ray.step * float(n), Vec3{}), last_index);
+  };
   Vec3 light;
   float transmittance = 1;
   Segment segment;
-  bool is_near = false;  // the segment starts where something may be visible
+  bool is_near = false;  // the segment starts near visible values
   while (segment.end <= ray.last && transmittance > kLeastTransmittance) {
-    const Vec3 index = place(segment.end);
+    const Vec3 index = index_at_step(segment.end);
     const std::size_t block = block_at(index);
     const int distance = blocks.distance[block];
     if (distance > 0 && !is_near) {
       segment = {.end = segment.end + leap(ray, index, distance)};
       continue;
     }
-    segment.here = sample_linear(ct, index);
-    if (!is_near) segment.before = segment.end > 0 ? sample_linear(ct, place(segment.end - 1)) : segment.here;
-    const Optical optical = transfer.mean(segment.before, segment.here);
+    segment.current = sample_linear(ct, index);
+    if (!is_near)
+      segment.before = segment.end > 0 ? sample_linear(ct, index_at_step(segment.end - 1)) : segment.current;
+    const Optical optical = transfer.mean(segment.before, segment.current);
     const float alpha = 1 - std::exp(-optical.extinction * step * float(segment.steps));
-    if (alpha > kSolid && segment.steps > 1) {  // look again, closely
+    if (alpha > kSolid && segment.steps > 1) {  // repeat with single steps
       segment.end -= segment.steps - 1;
       segment.steps = 1;
       continue;
@@ -226,7 +229,7 @@ TURGOR_HD inline Vec3 RayCaster::pixel(float x, float y) const {
     transmittance *= 1 - alpha;
     is_near = distance == 0;
     const int steps = distance == 0 && blocks.faint[block] ? kLongStep : 1;
-    segment = {.end = segment.end + steps, .steps = steps, .before = segment.here};
+    segment = {.end = segment.end + steps, .steps = steps, .before = segment.current};
   }
   return light + backdrop(x / float(width), y / float(height)) * transmittance;
 }

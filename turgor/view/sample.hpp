@@ -1,4 +1,4 @@
-// CT values between samples: trilinear, by fractional index. Shared by sections and by the ray-caster.
+// Trilinear interpolation of CT values by fractional index, for sections and the ray caster.
 #pragma once
 
 #include <algorithm>
@@ -7,14 +7,14 @@
 
 namespace turgor {
 
-/// Within half a sample of the outermost samples.
+/// True within half a sample of the outermost samples.
 inline bool inside_samples(const Grid& grid, Vec3d index) {
   for (int axis = 0; axis < 3; axis++)
     if (index[axis] < -0.5 || index[axis] > grid.size[axis] - 0.5) return false;
   return true;
 }
 
-/// The samples of a CT, on either side of a bus.
+/// Samples of a CT in host or device memory.
 struct Samples {
   const std::int16_t* values;
   Int3 size;
@@ -26,7 +26,7 @@ struct Samples {
 };
 inline Samples samples_of(const CtVolume& ct) { return {ct.samples.data(), ct.grid.size}; }
 
-/// The value at an index in [0, size - 1] along every axis, of a volume at least two samples thick.
+/// Value at an index in [0, size - 1] along every axis, of a volume at least two samples thick.
 TURGOR_HD inline float sample_linear(const Samples& ct, Vec3 index) {
   const Int3 n = ct.size;
   const int i = std::min(int(index.x), n.x - 2), j = std::min(int(index.y), n.y - 2),
@@ -42,7 +42,7 @@ TURGOR_HD inline float sample_linear(const Samples& ct, Vec3 index) {
 
 inline float sample_linear(const CtVolume& ct, Vec3 index) { return sample_linear(samples_of(ct), index); }
 
-/// The value at any index: outside, that of the nearest place inside; works for volumes one sample thick.
+/// Value at any index, clamped to the volume; works for volumes one sample thick.
 inline float sample_clamped(const CtVolume& ct, Vec3 index) {
   const Int3 n = ct.grid.size;
   Int3 low, high;

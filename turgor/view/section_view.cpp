@@ -13,13 +13,13 @@ namespace turgor {
 
 namespace {
 
-constexpr double kMostAspect = 3;  // a thin slab of slices would else become a ribbon
+constexpr double kMostAspect = 3;  // limits the height of a thin stack of slices
 
 struct NamedWindow {
   const char* name;
   Window window;
 };
-// The usual windows of a CT workstation.
+// Common windows of CT workstations.
 constexpr NamedWindow kWindows[] = {{"abdomen", {350, 40}},
                                     {"bone", {1800, 400}},
                                     {"lung", {1500, -600}},
@@ -73,7 +73,7 @@ void draw_letters(Image& image, const PlaneAxes& axes) {
   draw_text(image, axes.bottom_letter, image.width / 2, image.height - edge, style);
 }
 
-// The longest round length that fits a quarter of the picture.
+// Longest round length that fits a quarter of the picture.
 double bar_length(double picture_width) {
   double best = 0.001;
   for (const double mm : {1, 2, 5, 10, 20, 50, 100, 200})

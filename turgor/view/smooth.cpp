@@ -6,7 +6,7 @@ namespace turgor {
 
 namespace {
 
-// The mean of 2 × 2 × 2 samples; beyond the border the border's sample is taken twice.
+// Mean of 2 × 2 × 2 samples; border samples are repeated.
 struct HalveRow {
   const CtVolume& ct;
   CtVolume& half;
@@ -27,7 +27,7 @@ struct HalveRow {
   }
 };
 
-// Weights 1 2 1 along all three axes at once: nine rows are added up, then neighbours in the sum.
+// Weights 1 2 1 along all three axes at once: nine rows are summed, then neighbors in the sum.
 struct SmoothRow {
   const CtVolume& in;
   CtVolume& out;

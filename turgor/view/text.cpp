@@ -49,7 +49,7 @@ std::vector<char32_t> code_points(std::string_view text) {
   return points;
 }
 
-// Grows the mask to the right and adds, where the glyph's bitmap lies, what it covers.
+// Grows the mask to the right and adds the glyph's bitmap.
 void add_bitmap(const FT_Bitmap& bitmap, int left, int top, TextMask& mask) {
   for (int y = 0; y < int(bitmap.rows); y++) {
     for (int x = 0; x < int(bitmap.width); x++) {
@@ -61,7 +61,7 @@ void add_bitmap(const FT_Bitmap& bitmap, int left, int top, TextMask& mask) {
   }
 }
 
-// False when a glyph does not load; FreeType's own units are 1/64 pixel.
+// False if a glyph does not load; FreeType's own units are 1/64 pixel.
 bool rasterize(FT_Face face, std::string_view text, int size, TextMask& mask) {
   const std::vector<char32_t> points = code_points(text);
   const int baseline = int((face->size->metrics.ascender + 32) / 64);
@@ -75,7 +75,8 @@ bool rasterize(FT_Face face, std::string_view text, int size, TextMask& mask) {
   pen = 64;
   for (const char32_t point : points) {
     if (FT_Load_Char(face, point, FT_LOAD_RENDER)) return false;
-    if (face->glyph->bitmap.pixel_mode != FT_PIXEL_MODE_GRAY) return false;  // a font of dots, eight a byte
+    if (face->glyph->bitmap.pixel_mode != FT_PIXEL_MODE_GRAY)
+      return false;  // bitmap font, eight dots per byte
     add_bitmap(face->glyph->bitmap, int(pen / 64) + face->glyph->bitmap_left,
                baseline - face->glyph->bitmap_top, mask);
     pen += face->glyph->advance.x;
@@ -92,7 +93,7 @@ bool rasterize_with_font(std::string_view text, int size, TextMask& mask) {
   FT_Face raw_face = nullptr;
   if (FT_New_Face(library.get(), file.c_str(), 0, &raw_face)) return false;
   const Face face(raw_face, FT_Done_Face);
-  // DejaVu's lines are 1.17 times as far apart as its letters are large.
+  // DejaVu's line height is 1.17 times its letter size.
   if (FT_Set_Pixel_Sizes(face.get(), 0, FT_UInt(std::max(1, size * 6 / 7)))) return false;
   return rasterize(face.get(), text, size, mask);
 }

@@ -1,5 +1,5 @@
-// Text as coverage: DejaVu Sans through FreeType when its file is on this machine, a coarse built-in font
-// otherwise, so that a picture never lacks the letters that say which side is the patient's right.
+// Text as coverage: DejaVu Sans through FreeType if its file exists on this machine, else a coarse built-in
+// font. Orientation letters therefore never depend on installed fonts.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@
 
 namespace turgor {
 
-/// How much of each pixel a line of text covers; rows from the top.
+/// Pixel coverage of a line of text; rows from the top.
 struct TextMask {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> coverage;  // width · height, 255 = all of it
+  std::vector<std::uint8_t> coverage;  // width · height, 255 = fully covered
   bool built_in = false;               // no font file was found
 };
 
-/// The file of the font; empty when there is none.
+/// Path of the font, or empty.
 std::string font_file();
 
-/// One line of UTF-8 text; `size` is the distance of two lines [pixels]. The font's file is the one named by
-/// the environment variable TURGOR_FONT, or else DejaVuSans.ttf in the usual folders.
+/// One line of UTF-8 text; `size` is the line height [pixels]. The font is the file named by the environment
+/// variable TURGOR_FONT, or else DejaVuSans.ttf in the usual folders.
 TextMask rasterize_text(std::string_view text, int size);
 
 }  // namespace turgor

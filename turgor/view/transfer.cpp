@@ -9,7 +9,7 @@ namespace turgor {
 
 namespace {
 
-// Our own numbers, tuned by eye on thorax and abdomen CTs.
+// Tuned by eye on thorax and abdomen CTs.
 constexpr TransferPoint kSkin[] = {
     {-420, 0.00f, {232, 190, 166}}, {-300, 0.25f, {232, 190, 166}}, {-120, 0.97f, {232, 184, 158}},
     {60, 0.98f, {214, 150, 126}},   {300, 0.99f, {232, 205, 180}},
@@ -64,16 +64,17 @@ Transfer::Transfer(std::span<const TransferPoint> points)
   constexpr auto kCount = std::size_t(TransferView::kCount);
   Optical before;
   for (std::size_t i = 0; i < kCount; i++) {
-    const Optical here = optical_at(points, float(int(i) + TransferView::kLow));
-    most_[i] = here.extinction;
-    visible_[i + 1] = visible_[i] + (here.extinction > 0);
+    const Optical current = optical_at(points, float(int(i) + TransferView::kLow));
+    most_[i] = current.extinction;
+    visible_[i + 1] = visible_[i] + (current.extinction > 0);
     if (i > 0) {
-      const double a = 0.5 * before.extinction, b = 0.5 * here.extinction;
+      const double a = 0.5 * before.extinction, b = 0.5 * current.extinction;
       const OpticalSum& s = sums_[i - 1];
-      sums_[i] = {s.extinction + a + b, s.r + a * before.color.x + b * here.color.x,
-                  s.g + a * before.color.y + b * here.color.y, s.b + a * before.color.z + b * here.color.z};
+      sums_[i] = {s.extinction + a + b, s.r + a * before.color.x + b * current.color.x,
+                  s.g + a * before.color.y + b * current.color.y,
+                  s.b + a * before.color.z + b * current.color.z};
     }
-    before = here;
+    before = current;
   }
   for (std::size_t width = 1, row = 0; 2 * width <= kCount; width *= 2, row += kCount) {
     most_.resize(row + 2 * kCount);

@@ -1,5 +1,5 @@
-// What each Hounsfield value looks like in volume rendering: colour, and how strongly it absorbs. Tables hold
-// the integrals over the values, so that a ray gets the mean over all values between two samples and thin
+// Transfer function of volume rendering: color and absorption by Hounsfield value. Tables hold the integrals
+// over the values (preintegration), so that a ray uses the mean over all values between two samples and thin
 // surfaces show no rings [Engel, Kraus, Ertl 2001, without self-absorption inside a segment].
 #pragma once
 
@@ -15,14 +15,14 @@
 
 namespace turgor {
 
-/// Between two points everything changes linearly; beyond the ends it stays.
+/// Linear between points, constant beyond the ends.
 struct TransferPoint {
   float hu;
-  float opacity;  // of one millimetre, 0…1
+  float opacity;  // of one millimeter, 0…1
   Rgb color;
 };
 
-/// Emission and absorption of a place in a volume.
+/// Emission and absorption at a point of a volume.
 struct Optical {
   Vec3 color;            // linear, 0…1
   float extinction = 0;  // [1/m]
@@ -32,12 +32,12 @@ struct OpticalSum {
   double extinction = 0, r = 0, g = 0, b = 0;
 };
 
-/// The tables of a transfer function, on either side of a bus.
+/// Tables of a transfer function in host or device memory.
 struct TransferView {
-  static constexpr int kLow = -1024, kCount = 4096;  // table entries, one a Hounsfield unit
+  static constexpr int kLow = -1024, kCount = 4096;  // table entries, one per Hounsfield unit
 
-  const OpticalSum* sums;  // integrals from the first entry up to each
-  const float* most;       // row r: the largest of 2^r entries from each on; row 0: each [1/m]
+  const OpticalSum* sums;  // integrals from the first entry to each
+  const float* most;       // row r: maximum of 2^r entries starting at each; row 0: each [1/m]
   const int* visible;      // absorbing entries before each
 
   TURGOR_HD static std::size_t entry(int hu) { return std::size_t(std::clamp(hu - kLow, 0, kCount - 1)); }
@@ -54,7 +54,7 @@ struct TransferView {
   }
   TURGOR_HD Optical mean(float a, float b) const {
     if (!is_visible(int(std::min(a, b)) - 1, int(std::max(a, b)) + 1)) return {};
-    constexpr float kLeast = 1;  // [HU] narrower ranges are widened: the tables hold no more detail
+    constexpr float kLeast = 1;  // [HU] narrower ranges are widened to the resolution of the tables
     const float middle = std::clamp(0.5f * (a + b), float(kLow) + kLeast, float(kLow + kCount - 1) - kLeast);
     const float half = std::max(0.5f * std::abs(b - a), 0.5f * kLeast);
     const OpticalSum p = sum_at(middle - half), q = sum_at(middle + half);
@@ -80,16 +80,16 @@ class Transfer {
  public:
   explicit Transfer(std::span<const TransferPoint> points);
 
-  /// The mean over the values from `a` to `b`.
+  /// Mean over the values from `a` to `b`.
   Optical mean(float a, float b) const { return view().mean(a, b); }
-  /// Whether some value in [low, high] absorbs.
+  /// True if some value in [low, high] absorbs.
   bool is_visible(int low, int high) const { return view().is_visible(low, high); }
-  /// The strongest absorption of any value in [low, high] [1/m].
+  /// Strongest absorption of any value in [low, high] [1/m].
   float most_extinction(int low, int high) const { return view().most_extinction(low, high); }
   float extinction(int hu) const { return view().extinction(hu); }
 
   TransferView view() const { return {sums_.data(), most_.data(), visible_.data()}; }
-  // The tables, to be copied.
+  // tables for copying
   const std::vector<OpticalSum>& sums() const { return sums_; }
   const std::vector<float>& most() const { return most_; }
   const std::vector<int>& visible() const { return visible_; }
@@ -100,7 +100,7 @@ class Transfer {
   std::vector<int> visible_;
 };
 
-/// The points of a tissue preset; empty when there is none of this name.
+/// Points of a tissue preset; empty for an unknown name.
 std::span<const TransferPoint> transfer_points(const std::string& preset);
 
 /// Tissue presets of volume rendering: "skin", "soft tissue", "muscle", "bone", "lung".

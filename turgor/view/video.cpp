@@ -1,6 +1,6 @@
-// ffmpeg reads numbered names, so that the frames are given such names as links in a folder of their own,
-// beside the video. It runs inside that folder and sees no name that a user chose, hence nothing that could
-// be mistaken for an option.
+// ffmpeg reads numbered file names. The frames are therefore linked under such names in a temporary folder
+// beside the video. ffmpeg runs inside that folder and sees no user-chosen name, hence nothing that could be
+// mistaken for an option.
 #include "turgor/view/video.hpp"
 
 #include <cerrno>
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* kLog = "ffmpeg.txt";
 constexpr const char* kVideo = "video.mp4";
 
-// Removes itself with all that is in it.
+// Removes itself and its content.
 struct WorkFolder {
   fs::path path;
   explicit WorkFolder(fs::path where) : path(std::move(where)) {}
@@ -43,7 +43,7 @@ fs::path folder_of(const fs::path& path) {
 Result<fs::path> make_folder_beside(const fs::path& path) {
   std::string pattern = (folder_of(path) / ".video-XXXXXX").string();
   if (mkdtemp(pattern.data())) return fs::path(pattern);
-  return Error{fmt::format("{}: cannot make a folder for the video's frames in {}: {}", path.string(),
+  return Error{fmt::format("{}: cannot create a folder for the frames in {}: {}", path.string(),
                            folder_of(path).string(), std::strerror(errno))};
 }
 
@@ -59,7 +59,7 @@ Status link_frames(const std::vector<fs::path>& frames, const fs::path& folder) 
   return Done{};
 }
 
-/// Why there is no video: what ffmpeg printed first, or how it ended.
+/// Reason of a failure: the first output of ffmpeg, or how it ended.
 std::string reason(const fs::path& log, const io::ChildEnd& end, const io::ChildLimits& limits) {
   constexpr std::size_t kLongest = 300;
   std::ifstream file(log);
@@ -69,19 +69,19 @@ std::string reason(const fs::path& log, const io::ChildEnd& end, const io::Child
   return on_one_line(line.substr(0, kLongest));
 }
 
-/// Every MP4 starts with a box of this kind.
+/// True if the file starts with an MP4 box.
 bool is_mp4(const fs::path& path) {
   char start[8] = {};
   std::ifstream(path, std::ios::binary).read(start, sizeof start);
   return std::string_view(start + 4, 4) == "ftyp";
 }
 
-/// Runs ffmpeg in the folder; it is watched by what it writes.
+/// Runs ffmpeg in the folder; the growth of its output file shows its progress.
 Status encode(const fs::path& folder, double frames_per_second, double patience) {
   const io::ChildLimits limits{.seconds = patience, .memory = 16ull << 30};
   const io::Child child =
       io::start_program({"ffmpeg",    "-y",       "-nostdin",
-                         "-xerror",  // else a full disk is no failure to it
+                         "-xerror",  // otherwise it ignores a full disk
                          "-loglevel", "error",    "-framerate", fmt::format("{}", frames_per_second),
                          "-i",        "%06d.png", "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
                          "-c:v",      "libx264",  "-pix_fmt",   "yuv420p",
@@ -94,7 +94,7 @@ Status encode(const fs::path& folder, double frames_per_second, double patience)
     return none ? 0.0 : double(size);
   })[0];
   if (!end) return Error{"ffmpeg failed: " + reason(folder / kLog, end, limits)};
-  if (!is_mp4(folder / kVideo)) return Error{"ffmpeg failed: what it wrote is no video"};
+  if (!is_mp4(folder / kVideo)) return Error{"ffmpeg failed: its output is not a video"};
   return Done{};
 }
 
@@ -113,15 +113,14 @@ bool has_ffmpeg() {
 
 Status write_video(const std::vector<fs::path>& frames, double frames_per_second, const fs::path& path,
                    double patience) {
-  if (frames.empty())
-    return Error{fmt::format("{}: a video needs frames, and there are none", path.string())};
+  if (frames.empty()) return Error{fmt::format("{}: a video needs at least one frame", path.string())};
   if (!(frames_per_second > 0))
     return Error{
         fmt::format("{}: a video needs a positive frame rate, found {}", path.string(), frames_per_second)};
   if (!has_ffmpeg())
     return Error{
         fmt::format("{}: no video, because ffmpeg is not on the PATH (Debian: apt-get install ffmpeg); "
-                    "the frames are there",
+                    "the frames were written",
                     path.string())};
   const Result<fs::path> made = make_folder_beside(path);
   if (!made) return made.error();

@@ -1,5 +1,5 @@
-// A volume on the other side of a bus, where it is drawn: the deformed CT that a body made there
-// (KeptState::resample_there) needs not come here for its picture.
+// Volume rendering on a device. A deformed CT that was computed on the device
+// (DeviceState::resample_on_device) is rendered without a download.
 #pragma once
 
 #include "turgor/core/result.hpp"
@@ -12,11 +12,11 @@ namespace turgor {
 struct VolumeBackend {
   virtual ~VolumeBackend() = default;
 
-  /// What shall be drawn from now on: a CT that goes over, or samples that are there, which stay as they are
-  /// until another is shown. Error: the memory that it needs.
+  /// Sets the volume to draw: a CT, which is uploaded, or samples in device memory, which must not change
+  /// until another volume is set. Error: memory is short (with the required amount).
   virtual Status show(const CtVolume& ct) = 0;
-  virtual Status show(const std::int16_t* there, const Grid& grid) = 0;
-  /// draw_volume of it.
+  virtual Status show(const std::int16_t* device_samples, const Grid& grid) = 0;
+  /// draw_volume of the volume.
   virtual Result<Image> draw(const std::string& preset, const Camera& camera, int width, int height) = 0;
 };
 

@@ -1,6 +1,7 @@
-// Volume rendering as loops over plain pointers: smoothed values and blocks of opacity of a volume, then
-// pixels. A thread a value, in any order: the numbers of smooth_half and build_opacity_blocks, which are
-// faster on a CPU. Pixels are the ones that the CPU draws as well (volume_view.cpp).
+// Volume rendering as kernels over plain pointers: smoothed values and opacity blocks of a volume, then
+// pixels. One thread per value, in any order. The results equal those of smooth_half and
+// build_opacity_blocks, which are faster on a CPU. The CPU draws with the same pixel kernels
+// (volume_view.cpp).
 #pragma once
 
 #include <cstdlib>
@@ -16,10 +17,10 @@ TURGOR_HD inline Int3 place_of(Int3 size, std::size_t n) {
   return {int(n % x), int(n / x % y), int(n / (x * y))};
 }
 
-/// The mean of 2 × 2 × 2 samples; beyond the border the border's sample is taken twice.
+/// Mean of 2 × 2 × 2 samples; border samples are repeated.
 struct HalveSample {
   Samples ct;
-  Int3 size;  // of what is made
+  Int3 size;  // size of the result
   std::int16_t* half;
 
   TURGOR_HD void operator()(std::size_t n) const {
@@ -43,21 +44,22 @@ struct SmoothSample {
     const Int3 p = place_of(in.size, n), last = in.size - Int3{1, 1, 1};
     int sum = 0;
     for (int around = 0; around < 27; around++) {
-      const Int3 way{around % 3 - 1, around / 3 % 3 - 1, around / 9 - 1};
-      const Int3 at = min(max(p + way, Int3{0, 0, 0}), last);
-      sum += (2 - std::abs(way.x)) * (2 - std::abs(way.y)) * (2 - std::abs(way.z)) * *in.at(at.x, at.y, at.z);
+      const Int3 offset{around % 3 - 1, around / 3 % 3 - 1, around / 9 - 1};
+      const Int3 at = min(max(p + offset, Int3{0, 0, 0}), last);
+      sum += (2 - std::abs(offset.x)) * (2 - std::abs(offset.y)) * (2 - std::abs(offset.z)) *
+             *in.at(at.x, at.y, at.z);
     }
     out[n] = std::int16_t(sum / 64);
   }
 };
 
-/// Room for the blocks of a volume.
-struct BlocksRoom {
+/// Buffers for the blocks of a volume.
+struct BlockBuffers {
   Int3 size[kLevels];
   std::uint8_t *distance, *spread, *faint;
   float* opaque[kLevels];
 
-  /// Once they are made.
+  /// Valid once the blocks are built.
   OpacityBlocksView view() const {
     OpacityBlocksView v{size[0], spread, faint, {}};
     for (int n = 0; n < kLevels; n++) v.levels[n] = {size[n], opaque[n]};
@@ -68,7 +70,7 @@ struct BlocksRoom {
 struct ClassifyBlock {
   Samples ct;
   OpacityOfSamples opacity;
-  BlocksRoom blocks;
+  BlockBuffers blocks;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const Int3 first = place_of(blocks.size[0], n) * kBlock;
@@ -96,7 +98,7 @@ struct ClassifyBlock {
   }
 };
 
-/// One axis of the chessboard distance: the least of the larger of both ways.
+/// One axis of the chessboard distance: minimum over the shifts of the larger of both distances.
 struct SpreadDistance {
   Int3 size;
   int axis;
@@ -108,17 +110,17 @@ struct SpreadDistance {
     const auto step = std::ptrdiff_t(axis == 0 ? 1 : axis == 1 ? size.x : size.x * size.y);
     int best = from[n];
     for (int d = 1; d < best; d++)
-      for (const int way : {-d, d}) {
-        const int at = p[axis] + way;
+      for (const int shift : {-d, d}) {
+        const int at = p[axis] + shift;
         if (at < 0 || at >= size[axis]) continue;
-        const int other = from[std::ptrdiff_t(n) + way * step], here = other > d ? other : d;
-        best = here < best ? here : best;
+        const int other = from[std::ptrdiff_t(n) + shift * step], larger_distance = other > d ? other : d;
+        best = larger_distance < best ? larger_distance : best;
       }
     to[n] = std::uint8_t(best);
   }
 };
 
-/// A block of the next level: the eighth of each of its eight.
+/// A block of the next level: the mean of its eight blocks.
 struct HalveOccupancy {
   OccupancyView fine;
   Int3 size;
@@ -143,7 +145,7 @@ void smooth_with(const Run& run, const Samples& ct, Int3 half_size, std::int16_t
 
 template <class Run>
 void build_blocks_with(const Run& run, const Samples& ct, const OpacityOfSamples& opacity,
-                       const BlocksRoom& b) {
+                       const BlockBuffers& b) {
   const std::size_t count = count_of(b.size[0]);
   run(count, ClassifyBlock{ct, opacity, b});
   run(count, SpreadDistance{b.size[0], 0, b.distance, b.spread});
@@ -153,7 +155,7 @@ void build_blocks_with(const Run& run, const Samples& ct, const OpacityOfSamples
     run(count_of(b.size[n]), HalveOccupancy{{b.size[n - 1], b.opaque[n - 1]}, b.size[n], b.opaque[n]});
 }
 
-/// Pixels in tiles, neighbours in memory beside each other.
+/// Pixels in tiles, so that neighbors are close in memory.
 struct PixelTiles {
   static constexpr int kSide = 16, kPixels = kSide * kSide;
   int width, height;
@@ -162,15 +164,15 @@ struct PixelTiles {
   std::size_t count() const {
     return std::size_t(columns()) * std::size_t((height + kSide - 1) / kSide) * kPixels;
   }
-  /// Of index n; false: it lies beside the picture.
+  /// Pixel of index n; false if it is outside the picture.
   TURGOR_HD bool pixel(std::size_t n, int& x, int& y) const {
-    const int tile = int(n / kPixels), place = int(n % kPixels);
-    x = tile % columns() * kSide + place % kSide, y = tile / columns() * kSide + place / kSide;
+    const int tile = int(n / kPixels), in_tile = int(n % kPixels);
+    x = tile % columns() * kSide + in_tile % kSide, y = tile / columns() * kSide + in_tile / kSide;
     return x < width && y < height;
   }
 };
 
-/// A ray a pixel.
+/// One ray per pixel.
 struct DrawPixel {
   RayCaster caster;
   Rgb* image;
@@ -183,7 +185,7 @@ struct DrawPixel {
   }
 };
 
-/// Pixels on edges are traced again with four rays.
+/// Traces edge pixels again with four rays.
 struct DrawEdge {
   RayCaster caster;
   const Rgb* first;
@@ -206,12 +208,12 @@ struct DrawEdge {
     return first[std::size_t(y) * std::size_t(caster.width) + std::size_t(x)];
   }
   TURGOR_HD bool is_edge(int x, int y) const {
-    const Rgb here = at(x, y);
-    return (x > 0 && differs(here, at(x - 1, y))) || (x + 1 < caster.width && differs(here, at(x + 1, y))) ||
-           (y > 0 && differs(here, at(x, y - 1))) || (y + 1 < caster.height && differs(here, at(x, y + 1)));
+    const Rgb own = at(x, y);
+    return (x > 0 && differs(own, at(x - 1, y))) || (x + 1 < caster.width && differs(own, at(x + 1, y))) ||
+           (y > 0 && differs(own, at(x, y - 1))) || (y + 1 < caster.height && differs(own, at(x, y + 1)));
   }
   TURGOR_HD static bool differs(Rgb a, Rgb b) {
-    constexpr int kContrast = 14;  // of two neighbours, in a colour byte, that makes an edge
+    constexpr int kContrast = 14;  // difference of two neighbors in a color byte that makes an edge
     return std::abs(a.r - b.r) > kContrast || std::abs(a.g - b.g) > kContrast ||
            std::abs(a.b - b.b) > kContrast;
   }

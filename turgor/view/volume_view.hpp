@@ -1,5 +1,5 @@
-// Volume rendering of CTs on the processor: rays through every pixel, in parallel over tiles. Volumes may
-// have any spacing and oblique axes. The same picture, bit by bit, on any number of threads.
+// Volume rendering of CTs on the CPU: rays through every pixel, in parallel over tiles. Volumes may have any
+// spacing and oblique axes. The picture is bit-identical for any number of threads.
 #pragma once
 
 #include <string>

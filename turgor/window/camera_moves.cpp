@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kPole = 89.5 * std::numbers::pi / 180;  // [rad]
 
-Vec3d plane_point(const Camera& camera, Seen place, double aspect) {
-  return in_plane(camera, sight_ray(camera, place, aspect), camera.target);
+Vec3d plane_point(const Camera& camera, ScreenPosition position, double aspect) {
+  return in_plane(camera, sight_ray(camera, position, aspect), camera.target);
 }
 
 Vec3d direction_of(StandardView view) {
@@ -25,7 +25,7 @@ Vec3d direction_of(StandardView view) {
     case StandardView::kLeft:
       return {1, 0, 0};
     case StandardView::kHead:
-      return {0, -0.01, 1};  // a little from the front, which is then below
+      return {0, -0.01, 1};  // slightly from the front, which is then below
     case StandardView::kFeet:
       return {0, -0.01, -1};
   }
@@ -49,15 +49,15 @@ Camera orbited(const Camera& camera, double right, double above) {
   return moved;
 }
 
-Camera panned(const Camera& camera, Seen from, Seen to, double aspect) {
+Camera panned(const Camera& camera, ScreenPosition from, ScreenPosition to, double aspect) {
   const Vec3d shift = plane_point(camera, from, aspect) - plane_point(camera, to, aspect);
   Camera moved = camera;
   moved.eye += shift, moved.target += shift;
   return moved;
 }
 
-Camera zoomed(const Camera& camera, double factor, Seen place, double aspect) {
-  const Vec3d stays = plane_point(camera, place, aspect);
+Camera zoomed(const Camera& camera, double factor, ScreenPosition position, double aspect) {
+  const Vec3d stays = plane_point(camera, position, aspect);
   Camera moved = camera;
   moved.eye = stays + (camera.eye - stays) * factor;
   moved.target = stays + (camera.target - stays) * factor;
@@ -74,20 +74,20 @@ Camera standard_view(StandardView view, const Box& box, double aspect) {
   return frame_box(box, direction_of(view), {0, 0, 1}, aspect);
 }
 
-SightRay sight_ray(const Camera& camera, Seen place, double aspect) {
+SightRay sight_ray(const Camera& camera, ScreenPosition position, double aspect) {
   const CameraFrame frame = camera_frame(camera);
-  const Vec3d direction =
-      frame.right * (place.x * frame.tan_half * aspect) + frame.up * (place.y * frame.tan_half) - frame.back;
+  const Vec3d direction = frame.right * (position.x * frame.tan_half * aspect) +
+                          frame.up * (position.y * frame.tan_half) - frame.back;
   return {camera.eye, normalized(direction)};
 }
 
-std::optional<Seen> seen_at(const Camera& camera, Vec3d point, double aspect) {
+std::optional<ScreenPosition> project(const Camera& camera, Vec3d point, double aspect) {
   const CameraFrame frame = camera_frame(camera);
   const Vec3d from_eye = point - camera.eye;
   const double depth = -dot(from_eye, frame.back);
   if (!(depth > 0)) return std::nullopt;
-  return Seen{dot(from_eye, frame.right) / (depth * frame.tan_half * aspect),
-              dot(from_eye, frame.up) / (depth * frame.tan_half)};
+  return ScreenPosition{dot(from_eye, frame.right) / (depth * frame.tan_half * aspect),
+                        dot(from_eye, frame.up) / (depth * frame.tan_half)};
 }
 
 Vec3d in_plane(const Camera& camera, const SightRay& ray, Vec3d point) {

@@ -10,13 +10,13 @@ bool is_ready(const std::future<Result<Image>>& image) {
   return image.valid() && image.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-void begin(const VolumeWish& wish, int coarseness, VolumePicture& picture) {
-  picture.wish = wish, picture.coarseness = coarseness;
-  picture.coming =
-      std::async(std::launch::async, [wish, coarseness, exec = picture.exec, &pictures = picture.pictures] {
-        return draw_deformed(exec, *wish.ct, pictures, wish.preset, wish.camera,
-                             std::max(1, wish.width / coarseness), std::max(1, wish.height / coarseness));
-      });
+void begin(const VolumeRequest& request, int coarseness, VolumePicture& picture) {
+  picture.request = request, picture.coarseness = coarseness;
+  picture.coming = std::async(std::launch::async, [request, coarseness, exec = picture.exec,
+                                                   &pictures = picture.pictures] {
+    return draw_deformed(exec, *request.ct, pictures, request.preset, request.camera,
+                         std::max(1, request.width / coarseness), std::max(1, request.height / coarseness));
+  });
 }
 
 }  // namespace
@@ -34,22 +34,22 @@ void ShownImage::show(const Image& image) {
   width = image.width, height = image.height;
 }
 
-Status renew(const VolumeWish& wish, VolumePicture& picture) {
-  const int first = wish.ct->there ? 1 : 4;
+Status renew(const VolumeRequest& request, VolumePicture& picture) {
+  const int first = request.ct->device ? 1 : 4;
   Status status = Done{};
   if (is_ready(picture.coming)) {
     const Result<Image> image = picture.coming.get();
-    picture.made = picture.wish, picture.shown_coarseness = picture.coarseness;
+    picture.made = picture.request, picture.shown_coarseness = picture.coarseness;
     if (image)
       picture.image.show(*image);
     else
       status = image.error();
   }
   if (picture.coming.valid()) return status;
-  if (!(wish == picture.made))
-    begin(wish, first, picture);
+  if (!(request == picture.made))
+    begin(request, first, picture);
   else if (picture.shown_coarseness > 1)
-    begin(wish, picture.shown_coarseness / 2, picture);
+    begin(request, picture.shown_coarseness / 2, picture);
   return status;
 }
 

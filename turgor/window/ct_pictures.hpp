@@ -1,6 +1,5 @@
-// The CT as it would be scanned now, in a window: ray-cast by threads of its own, coarsely while the camera
-// or the body moves and finely at rest, or by the GPU that the body steps on, finely; and in three sections
-// through a point.
+// The deformed CT in a window. Volume rendering runs on its own threads, coarse during motion and fine at
+// rest, or always fine on the body's GPU. Three sections through a point complete it.
 #pragma once
 
 #include <future>
@@ -16,13 +15,13 @@
 
 namespace turgor {
 
-/// What a volume rendering shows; another one needs another picture.
-struct VolumeWish {
+/// Parameters of a volume rendering; a change requires a new picture.
+struct VolumeRequest {
   std::shared_ptr<const DeformedCt> ct;
   std::string preset;
   Camera camera;
   int width = 0, height = 0;  // [pixels]
-  bool operator==(const VolumeWish& other) const {
+  bool operator==(const VolumeRequest& other) const {
     return ct == other.ct && preset == other.preset && camera.eye == other.camera.eye &&
            camera.target == other.camera.target && width == other.width && height == other.height;
   }
@@ -36,18 +35,18 @@ struct ShownImage {
   void show(const Image& image);
 };
 
-/// Is freed while its context is current; waits for the picture that is being made.
+/// Freed while its context is current; the destructor waits for a picture in progress.
 struct VolumePicture {
   Exec exec;
-  VolumeWish wish, made;  // what is being made, and what the image shows
-  int coarseness = 4;     // of what is being made: pixels a ray
+  VolumeRequest request, made;  // request in progress, and request of the shown image
+  int coarseness = 4;           // of the picture in progress: pixels per ray
   int shown_coarseness = 0;
   DevicePictures pictures;
   std::future<Result<Image>> coming;
   ShownImage image;
 };
-/// Never waits: takes a picture that is ready, and begins the next one. Error: a GPU has no room for it.
-Status renew(const VolumeWish& wish, VolumePicture& picture);
+/// Never blocks: shows a finished picture and starts the next one. Error: GPU memory is short.
+Status renew(const VolumeRequest& request, VolumePicture& picture);
 
 /// Axial, coronal, sagittal.
 struct Sections {
@@ -56,7 +55,7 @@ struct Sections {
   std::string window;
   ShownImage images[3];
 };
-/// Draws them anew when something is another.
+/// Draws the sections again if their input changed.
 void renew(const std::shared_ptr<const DeformedCt>& ct, Vec3d point, const std::string& window,
            Sections& sections);
 

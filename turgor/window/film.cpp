@@ -23,7 +23,7 @@ bool is_due(const Film& film) {
 
 std::string save_picture(const Image& image, const fs::path& out, const std::string& name) {
   std::error_code ignored;
-  fs::create_directories(out, ignored);  // what is wrong with it, write_png says
+  fs::create_directories(out, ignored);  // write_png reports errors
   const fs::path path = free_name(out, name, ".png");
   const Status written = write_png(path, image);
   return written ? "saved " + path.string() : written.error().message;

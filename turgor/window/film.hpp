@@ -1,4 +1,4 @@
-// Pictures and videos of a window, with a key each, under names that are free.
+// Pictures and videos of a window, saved by keys under unused names.
 #pragma once
 
 #include <chrono>
@@ -10,26 +10,26 @@
 
 namespace turgor {
 
-constexpr double kFilmRate = 20;  // pictures a second of a video
+constexpr double kFilmRate = 20;  // frames per second of a video
 
-/// A video on its way: pictures in a hidden folder.
+/// A video in progress: frames in a hidden folder.
 struct Film {
   std::filesystem::path folder;
   std::vector<std::filesystem::path> frames;
   std::chrono::steady_clock::time_point latest;
 };
 
-/// NAME-1, NAME-2 … with an ending: the first that is not there.
+/// First unused name of NAME-1, NAME-2 … with an extension.
 std::filesystem::path free_name(const std::filesystem::path& out, const std::string& name,
                                 const char* ending);
 
-/// All answer a sentence.
+/// The following functions return a status message.
 std::string save_picture(const Image& image, const std::filesystem::path& out, const std::string& name);
-/// Adds the picture when it is time for the next.
+/// Adds the picture if the next frame is due.
 std::string add_to_film(const Image& image, const std::filesystem::path& out, Film& film);
-/// Where no video can be made, the pictures stay, in a folder that is named.
+/// If no video can be written, the frames are kept in a folder that the message names.
 std::string end_film(const std::filesystem::path& out, const std::string& name, Film& film);
-/// Is it time for the next?
+/// True if the next frame is due.
 bool is_due(const Film& film);
 
 }  // namespace turgor

@@ -7,7 +7,7 @@ namespace turgor {
 
 namespace {
 
-/// A button that is pressed like a key.
+/// A button with the effect of a key.
 void key_button(Viewer& viewer, const char* label, const char* key) {
   if (ImGui::Button(label))
     for (const KeyHelp& entry : key_table())
@@ -15,7 +15,7 @@ void key_button(Viewer& viewer, const char* label, const char* key) {
 }
 
 void show_running(Viewer& viewer) {
-  const SessionNow& now = *viewer.now;
+  const SessionStatus& now = *viewer.now;
   key_button(viewer, now.plays ? "Pause" : "Play ", "Space");
   ImGui::SameLine();
   key_button(viewer, "Step", ".");
@@ -25,7 +25,7 @@ void show_running(Viewer& viewer) {
   key_button(viewer, "Slower", "-");
   ImGui::SameLine();
   key_button(viewer, "Faster", "+");
-  ImGui::Text("pace %.3g of the clock", now.pace);
+  ImGui::Text("speed %.3g × real time", now.pace);
 }
 
 void show_mouse(Viewer& viewer) {
@@ -40,8 +40,8 @@ void show_mouse(Viewer& viewer) {
 }
 
 void show_display(Viewer& viewer) {
-  static constexpr const char* kNames[] = {"as it looks", "displacement", "area strain", "pressure"};
-  if (viewer.now->scene && ImGui::BeginCombo("##colour", kNames[int(viewer.display.color)])) {
+  static constexpr const char* kNames[] = {"natural", "displacement", "area strain", "pressure"};
+  if (viewer.now->scene && ImGui::BeginCombo("##color", kNames[int(viewer.display.color)])) {
     for (const SkinColor color : known_colors(*viewer.now->scene))
       if (ImGui::Selectable(kNames[int(color)], color == viewer.display.color)) viewer.display.color = color;
     ImGui::EndCombo();
@@ -73,7 +73,7 @@ void show_controls(Viewer& viewer) {
   ImGui::SameLine();
   key_button(viewer, "Save scene", "S");
   ImGui::SameLine();
-  key_button(viewer, "Save hand", "H");
+  key_button(viewer, "Save haptics", "H");
   ImGui::SameLine();
   key_button(viewer, "?", "?");
   ImGui::Checkbox("curves", &viewer.panels.curves);

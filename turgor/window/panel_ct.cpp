@@ -14,7 +14,7 @@ void choose(const char* name, const std::vector<std::string>& names, std::string
   ImGui::EndCombo();
 }
 
-/// The images of a texture stand on their heads for ImGui no more than for OpenGL: rows from the top.
+/// Rows of the texture start at the top, as ImGui expects.
 void show_image(const ShownImage& image) {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): ImGui keeps OpenGL's number as a pointer
   const auto texture = reinterpret_cast<ImTextureID>(std::intptr_t(image.texture));
@@ -24,11 +24,10 @@ void show_image(const ShownImage& image) {
 }  // namespace
 
 void show_ct(Viewer& viewer, Sections& sections) {
-  const SessionNow& now = *viewer.now;
+  const SessionStatus& now = *viewer.now;
   if (!viewer.panels.ct || !now.scene || now.scene->lattice_bodies.empty()) return;
   ImGui::SetNextWindowPos({8, 300}, ImGuiCond_FirstUseEver);
-  if (!ImGui::Begin("The CT as it would be now", &viewer.panels.ct, ImGuiWindowFlags_AlwaysAutoResize))
-    return ImGui::End();
+  if (!ImGui::Begin("Deformed CT", &viewer.panels.ct, ImGuiWindowFlags_AlwaysAutoResize)) return ImGui::End();
   ImGui::Checkbox("volume rendering", &viewer.display.volume);
   ImGui::SetNextItemWidth(140);
   choose("tissue", volume_presets(), viewer.display.preset);

@@ -13,7 +13,7 @@ namespace {
 constexpr ImU32 kAxis = IM_COL32(120, 125, 132, 255), kCurve = IM_COL32(250, 204, 70, 255),
                 kInk = IM_COL32(215, 218, 222, 255);
 
-/// A number at or above, of which 1, 2 or 5 is the first digit.
+/// Smallest number of the form 1, 2 or 5 times a power of ten that is not below `value`.
 double round_above(double value) {
   if (!(value > 0)) return 1;
   const double decade = std::pow(10.0, std::floor(std::log10(value)));
@@ -22,8 +22,8 @@ double round_above(double value) {
   return 10 * decade;
 }
 
-/// A curve from its lowest to its highest x, from 0 up (what is below 0 lies on the axis), with words at the
-/// ends of its axes.
+/// Plots a curve over its whole x range, from 0 upwards (negative values are drawn on the axis), with labels
+/// at the ends of the axes.
 void plot(const char* name, const std::vector<ImVec2>& points, const char* x_unit, const char* y_unit) {
   const ImVec2 corner = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, 92};
   ImGui::Dummy(size);
@@ -57,20 +57,20 @@ void show_tool(const std::string& name, const std::vector<HapticSample>& haptic)
   ImGui::Text("%s: %.3f N at %.1f mm", name.c_str(), haptic.back().force, 1e3 * haptic.back().depth);
   plot("force over time", over_time, "s", "N");
   plot("force over depth", over_depth, "mm", "N");
-  plot("energy given, over time", energy, "s", "mJ");
+  plot("energy over time", energy, "s", "mJ");
 }
 
 }  // namespace
 
 void show_curves(const Viewer& viewer) {
-  const SessionNow& now = *viewer.now;
+  const SessionStatus& now = *viewer.now;
   const bool any =
       std::any_of(now.haptic.begin(), now.haptic.end(), [](const auto& haptic) { return !haptic.empty(); });
   if (!viewer.panels.curves || !any) return;
   const float right = ImGui::GetIO().DisplaySize.x;
   ImGui::SetNextWindowPos({right - 8, 8}, ImGuiCond_FirstUseEver, {1, 0});
   ImGui::SetNextWindowSize({270, 0}, ImGuiCond_FirstUseEver);
-  if (!ImGui::Begin("What is felt")) return ImGui::End();
+  if (!ImGui::Begin("Haptic forces")) return ImGui::End();
   for (std::size_t t = 0; t < now.haptic.size() && t < now.snapshot.tools.size(); t++)
     if (!now.haptic[t].empty()) show_tool(now.snapshot.tools[t].name, now.haptic[t]);
   ImGui::End();

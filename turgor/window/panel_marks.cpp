@@ -13,9 +13,9 @@ constexpr ImU32 kInk = IM_COL32(236, 239, 242, 255), kShade = IM_COL32(0, 0, 0, 
 
 std::optional<ImVec2> pixel_of(const Viewer& viewer, Vec3d point) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const auto seen = seen_at(viewer.camera, point, viewer.aspect);
-  if (!seen) return std::nullopt;
-  return ImVec2{float(0.5 * (1 + seen->x)) * size.x, float(0.5 * (1 - seen->y)) * size.y};
+  const auto position = project(viewer.camera, point, viewer.aspect);
+  if (!position) return std::nullopt;
+  return ImVec2{float(0.5 * (1 + position->x)) * size.x, float(0.5 * (1 - position->y)) * size.y};
 }
 
 void write(ImDrawList& draw, ImVec2 at, const std::string& text) {
@@ -23,14 +23,14 @@ void write(ImDrawList& draw, ImVec2 at, const std::string& text) {
   draw.AddText(at, kInk, text.c_str());
 }
 
-void draw_line(ImDrawList& draw, const Viewer& viewer, const Drawn& line, ImU32 color) {
+void draw_line(ImDrawList& draw, const Viewer& viewer, const DrawnLine& line, ImU32 color) {
   const auto from = pixel_of(viewer, line.from), to = pixel_of(viewer, line.to);
   if (!from || !to) return;
   draw.AddLine(*from, *to, color, 3);
   draw.AddCircleFilled(*to, 5, color);
 }
 
-/// Edges of the triangles that face the eye.
+/// Draws edges of the triangles that face the eye.
 void draw_patch(ImDrawList& draw, const Viewer& viewer, const TriMesh& patch) {
   std::vector<std::optional<ImVec2>> pixels;
   for (const Vec3 x : patch.vertices) pixels.push_back(pixel_of(viewer, Vec3d(x)));
@@ -65,7 +65,7 @@ void draw_legend(ImDrawList& draw, const ColorScale& scale) {
 void show_marks(const Viewer& viewer, const WorldPicture& picture) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   for (const PictureLabel& label : picture.labels)
-    if (const auto at = pixel_of(viewer, label.place)) write(draw, *at, label.text);
+    if (const auto at = pixel_of(viewer, label.position)) write(draw, *at, label.text);
   if (viewer.display.patch)
     for (const BodySnapshot& body : viewer.now->snapshot.bodies) draw_patch(draw, viewer, body.patch);
   if (viewer.cut) draw_line(draw, viewer, *viewer.cut, kLine);

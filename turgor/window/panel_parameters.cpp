@@ -11,10 +11,10 @@ std::string tip_of(const Parameter& parameter) {
   const std::string limits = limits_text(parameter.key.allowed);
   return fmt::format("{}\n{}{}{}\n{}{}{}", parameter.key.path, parameter.key.unit, limits.empty() ? "" : ", ",
                      limits, parameter.key.meaning,
-                     parameter.waits.empty() ? "" : "\nwith Reset: ", parameter.waits);
+                     parameter.waits.empty() ? "" : "\nafter Reset: ", parameter.waits);
 }
 
-/// Does a person turn it now, and did they let go?
+/// A slider's state: being moved, or released.
 struct Turned {
   bool moved = false, let_go = false;
 };
@@ -41,7 +41,7 @@ void show_list(Viewer& viewer, bool live) {
     if (!(live ? turned.moved : turned.let_go)) continue;
     viewer.session.request(ChangeRequest{parameter.key.path, value_text(parameter)});
     viewer.message = fmt::format("{} = {} {}{}{}", parameter.key.path, value_text(parameter),
-                                 parameter.key.unit, live ? "" : ": with Reset, for ", parameter.waits);
+                                 parameter.key.unit, live ? "" : ": after Reset, because ", parameter.waits);
   }
 }
 
@@ -54,10 +54,10 @@ void show_parameters(Viewer& viewer) {
   ImGui::SetNextWindowSize({460, size.y - 330}, ImGuiCond_FirstUseEver);
   if (!ImGui::Begin("Parameters", &viewer.panels.parameters)) return ImGui::End();
   ImGui::PushItemWidth(150);
-  ImGui::TextUnformatted("act at once");
+  ImGui::TextUnformatted("immediate");
   show_list(viewer, true);
   ImGui::Separator();
-  ImGui::TextUnformatted("act with Reset");
+  ImGui::TextUnformatted("after Reset");
   show_list(viewer, false);
   ImGui::PopItemWidth();
   ImGui::End();

@@ -19,16 +19,16 @@ std::string milliseconds(double seconds) {
   return seconds < 0.01 ? fmt::format("{:.2f} ms", 1e3 * seconds) : fmt::format("{:.0f} ms", 1e3 * seconds);
 }
 
-std::string physics_text(const SessionNow& now) {
+std::string physics_text(const SessionStatus& now) {
   const std::string when = fmt::format("{:.2f} s", now.snapshot.time);
-  if (!now.plays) return when + ", stands still";
-  return fmt::format("{}, {:.2f} of the clock (a frame takes {}, showing it {})", when, now.real_pace,
+  if (!now.plays) return when + ", paused";
+  return fmt::format("{}, {:.2f} × real time (frame {}, display {})", when, now.real_pace,
                      milliseconds(now.frame_seconds), milliseconds(now.show_seconds));
 }
 
-std::string haptics_text(const SessionNow& now) {
+std::string haptics_text(const SessionStatus& now) {
   const haptics::TimingReport& t = now.haptics;
-  return fmt::format("hand {:.0f} ticks/s, {} of {} missed, a tick takes {:.0f} µs (99 of 100)", t.rate,
+  return fmt::format("haptics {:.0f} ticks/s, {} of {} missed, tick {:.0f} µs (99th percentile)", t.rate,
                      t.missed, t.ticks + t.missed, 1e6 * t.compute.p99);
 }
 
@@ -42,16 +42,15 @@ void show_status(const Viewer& viewer) {
   const ImGuiWindowFlags flags =
       ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
   if (!ImGui::Begin("status", nullptr, flags)) return ImGui::End();
-  const SessionNow& now = *viewer.now;
-  if (now.phase == SessionNow::Phase::kLoading)
+  const SessionStatus& now = *viewer.now;
+  if (now.phase == SessionStatus::Phase::kLoading)
     line(now.done > 0 ? fmt::format("{} … {:.0f} %", now.doing, 100 * now.done) : now.doing + " …", kGood);
-  else if (now.phase == SessionNow::Phase::kReady)
+  else if (now.phase == SessionStatus::Phase::kReady)
     line(fmt::format("{}   |   {}   |   {:.0f} pictures/s", physics_text(now),
-                     now.is_haptic ? haptics_text(now) : std::string("nothing is felt here"),
-                     viewer.drawn_per_second));
+                     now.is_haptic ? haptics_text(now) : std::string("no haptics"), viewer.drawn_per_second));
   if (!now.error.empty()) line(now.error, kBad);
   if (!viewer.message.empty()) line(viewer.message, kGood);
-  if (now.phase == SessionNow::Phase::kFailed) line("R reads the file again, ? tells the keys");
+  if (now.phase == SessionStatus::Phase::kFailed) line("R reloads the scene file, ? shows the keys");
   ImGui::End();
 }
 

@@ -1,5 +1,5 @@
-// What is written over the picture and beside it, with Dear ImGui: one function a panel, one a file where it
-// is long. They read the viewer and do what its keys do.
+// Panels over and beside the picture, with Dear ImGui: one function per panel, one per file if it is long.
+// They read the viewer and trigger its keys.
 #pragma once
 
 #include "turgor/window/ct_pictures.hpp"
@@ -8,17 +8,17 @@
 
 namespace turgor {
 
-/// Rates, missed ticks, messages: always there.
+/// Rates, missed ticks, messages: always shown.
 void show_status(const Viewer& viewer);
 /// Play, pace, mouse, display.
 void show_controls(Viewer& viewer);
-/// Forces of tools over time and depth, and the energy that hands gave.
+/// Forces of tools over time and depth, and the energy from haptic devices.
 void show_curves(const Viewer& viewer);
 void show_parameters(Viewer& viewer);
 /// Sections and volume rendering of the deformed CT.
 void show_ct(Viewer& viewer, Sections& sections);
 void show_help(Viewer& viewer);
-/// Newtons beside arrows, the colours' legend, lines that the mouse draws.
+/// Newtons beside arrows, the color legend, lines drawn with the mouse.
 void show_marks(const Viewer& viewer, const WorldPicture& picture);
 
 }  // namespace turgor

@@ -14,7 +14,7 @@ namespace turgor {
 
 namespace {
 
-/// Numbers of "3", "[0, 0, -9.81]" or "`[1, 0, 0]`"; 0: it is something else.
+/// Parses numbers of "3", "[0, 0, -9.81]" or "`[1, 0, 0]`"; returns their count, 0 for anything else.
 int numbers_of(std::string text, std::array<double, 3>& numbers) {
   std::erase_if(text, [](char c) { return c == '`' || c == '[' || c == ']' || c == '_'; });
   int count = 0;

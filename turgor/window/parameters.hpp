@@ -1,5 +1,4 @@
-// The keys of a scene as a person turns them: with their unit, their limits, what they mean and what they
-// are.
+// Adjustable keys of a scene with their units, limits, descriptions and values.
 #pragma once
 
 #include <array>
@@ -11,21 +10,21 @@
 
 namespace turgor {
 
-/// A key that is a number or three.
+/// A key with one or three numbers.
 struct Parameter {
   SceneKey key;
-  std::string waits;  // why it acts only when the world is made anew; empty: it acts at once
+  std::string waits;  // reason why it takes effect only after a reset; empty: it takes effect at once
   int count = 1;      // of numbers
   std::array<double, 3> value{};
 };
 using ParameterList = std::vector<Parameter>;
 
-/// Those of the bodies, tools and the world of a scene; those that act at once come first.
+/// Parameters of the bodies, tools and world of a scene; those with immediate effect come first.
 ParameterList list_parameters(const Scene& scene);
 
-/// As --set takes it.
+/// Value in the syntax of --set.
 std::string value_text(const Parameter& parameter);
-/// What a value is held to, where the scene's limits are no ends of a slider.
+/// Clamps a value to the scene's limits; for limits that are not ends of a slider.
 double limited(const Allowed& allowed, double value);
 
 }  // namespace turgor

@@ -6,7 +6,7 @@ namespace turgor {
 
 namespace {
 
-/// Along the ray to the triangle, or none. [Möller, Trumbore 1997]
+/// Distance along the ray to the triangle, or empty. [Möller, Trumbore 1997]
 std::optional<double> ray_distance(const SightRay& ray, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d ab = b - a, ac = c - a, p = cross(ray.direction, ac), s = ray.from - a, q = cross(s, ab);
   const double volume = dot(ab, p);

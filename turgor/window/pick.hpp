@@ -1,4 +1,4 @@
-// What lies under the cursor.
+// Picking of the surface under the cursor.
 #pragma once
 
 #include <optional>
@@ -10,15 +10,15 @@
 namespace turgor {
 
 struct Picked {
-  std::size_t body = 0;  // of ShownWorld::bodies
-  Vec3d point, normal;   // on it; unit, outward [m]
+  std::size_t body = 0;  // index in WorldSnapshot::bodies
+  Vec3d point, normal;   // point on the surface; unit outward normal [m]
   double distance = 0;   // from the eye [m]
 };
 
-/// The first triangle of a surface on a ray, from either side; `body` is the caller's.
+/// First triangle of a surface on a ray, from either side; the caller sets `body`.
 std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3> triangles,
                                    const SightRay& ray);
-/// The nearest body.
+/// Nearest body.
 std::optional<Picked> pick(const WorldSnapshot& snapshot, const SightRay& ray);
 
 }  // namespace turgor

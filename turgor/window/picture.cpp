@@ -9,9 +9,9 @@ namespace turgor {
 
 namespace {
 
-constexpr double kSlow = 0.02;  // of a picture that moves [s]
+constexpr double kSlow = 0.02;  // frame time above which moving pictures use the quick quality [s]
 
-/// Ends of the scene's own colours, or of what there is now.
+/// Color scale of the scene, or of the current values.
 ColorScale scale_for(const WorldSnapshot& snapshot, const Scene& scene, SkinColor color) {
   ColorScale scale = color_scale(scene, color);
   if (scene.output.color == color && scene.output.color_range) return scale;
@@ -42,17 +42,17 @@ Status draw_world(const Viewer& viewer, bool moves, int width, int height, World
   const SkinColor color = viewer.display.color;
   picture.has_scale = color != SkinColor::kNone;
   if (picture.has_scale) picture.scale = scale_for(snapshot, *viewer.now->scene, color);
-  PictureParts parts;
-  add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, parts);
+  PictureItems items;
+  add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, items);
   const bool quickly = moves && (picture.full_seconds == 0 || picture.full_seconds > kSlow);
   const Timer timer;
   const Result<GLuint> drawn =
-      draw_into_texture(picture.drawing, parts.parts, viewer.camera, width, height,
-                        quickly ? MeshCare::kQuick : MeshCare::kFull, viewer.display.style);
+      draw_into_texture(picture.drawing, items.items, viewer.camera, width, height,
+                        quickly ? RenderQuality::kQuick : RenderQuality::kFull, viewer.display.style);
   if (!drawn) return drawn.error();
   if (!quickly) glFinish(), picture.full_seconds = timer.seconds();
   picture.framebuffer = *drawn, picture.width = width, picture.height = height;
-  picture.labels = std::move(parts.labels);
+  picture.labels = std::move(items.labels);
   return Done{};
 }
 

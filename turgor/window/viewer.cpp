@@ -10,7 +10,7 @@ namespace turgor {
 
 void meet_world(Viewer& viewer) {
   viewer.touching.reset(), viewer.touched.reset(), viewer.cut.reset(), viewer.wind.reset();
-  viewer.draws_there = true;
+  viewer.draws_on_device = true;
   const Scene& scene = *viewer.now->scene;
   const Box box = box_of(viewer.now->snapshot);
   const bool first = viewer.framed_file != scene.file;

@@ -1,5 +1,5 @@
-// What a person sees and does, apart from the window that it happens in: events come in as plain calls, what
-// is to be simulated goes to the session. It reads what the session shows and changes nothing of it.
+// State and actions of a viewer, independent of the window system. Events arrive as plain calls; simulation
+// requests go to the session. The viewer only reads the session's snapshots.
 #pragma once
 
 #include <chrono>
@@ -16,10 +16,10 @@
 
 namespace turgor {
 
-/// What the left button does on a body.
+/// Action of the left button on a body.
 enum class MouseMode : std::uint8_t { kTouch, kGrab, kCut, kWind };
 
-/// How the world is drawn.
+/// Display options.
 struct Display {
   SkinColor color = SkinColor::kNone;
   MeshStyle style = MeshStyle::kSurface;
@@ -31,88 +31,88 @@ struct Display {
 /// A tool that the mouse presses or pulls with.
 struct Touching {
   MouseTool tool;
-  std::size_t body = 0;  // of ShownWorld::bodies
-  std::vector<Vec3> x;   // its surface when this began [m]
+  std::size_t body = 0;  // index in WorldSnapshot::bodies
+  std::vector<Vec3> x;   // its surface when the touch began [m]
   std::vector<Int3> triangles;
-  Vec3d place, normal;       // where the tool's tip would touch; unit, outward [m]
-  double tip = 0, size = 0;  // of the tool below its origin, and across [m]
-  double depth = 0;          // that it is to be below `place` [m]
+  Vec3d position, normal;    // target of the tool's tip; unit outward normal [m]
+  double tip = 0, size = 0;  // of the tool below its origin, and diameter [m]
+  double depth = 0;          // target depth below `position` [m]
   bool grabs = false;
   std::chrono::steady_clock::time_point began;
 };
 
-/// A line that is drawn on a body, or the wind over it.
-struct Drawn {
+/// A line that is being drawn on a body, or the wind over it.
+struct DrawnLine {
   std::size_t body = 0;
   Vec3d from, to;  // [m]
 };
 
-/// Parts of the window that come and go.
+/// Optional panels.
 struct Panels {
   bool help = false, controls = true, parameters = false, curves = true, ct = false;
 };
 
 struct Viewer {
   Session& session;
-  const SessionNow* now = nullptr;  // the newest; set once a picture
+  const SessionStatus* now = nullptr;  // newest snapshot; set once per picture
   double aspect = 4.0 / 3;
   Camera camera;
-  int framed = 0;                     // the world that was met last
-  std::filesystem::path framed_file;  // and its scene, which the camera was set for
+  int framed = 0;                     // number of the last world that the viewer adopted
+  std::filesystem::path framed_file;  // its scene, for which the camera was set
   MouseMode mode = MouseMode::kTouch;
   Display display;
   Panels panels;
-  Seen cursor;
+  ScreenPosition cursor;
   int teleports = 0;  // see MouseHand::put
-  double depth = -1;  // of the last touch, for the next one; -1: of the tool's size [m]
+  double depth = -1;  // of the last touch, for the next one; -1: from the tool's size [m]
   std::optional<Touching> touching;
-  std::optional<Vec3d> touched;  // where the last touch or cut was, to look at
-  std::optional<Drawn> cut, wind;
-  std::optional<int> camera_button;  // that moves the camera while it is held: 0 turns, 1 shifts
+  std::optional<Vec3d> touched;  // position of the last touch or cut, to focus on
+  std::optional<DrawnLine> cut, wind;
+  std::optional<int> camera_button;  // button that moves the camera while held: 0 turns, 1 shifts
   ParameterList parameters;
-  std::string message;  // the last that happened
+  std::string message;  // last status message
   bool wants_picture = false, wants_video = false, wants_felt = false, ends = false;
-  std::string saved;                               // SessionNow::saved, as it was told last
-  double drawn_per_second = 0;                     // of pictures [1/s]
-  std::chrono::steady_clock::time_point asked_ct;  // latest
-  int ct_frame = -1;                               // that was shown then
-  CtWish ct_wish;                                  // of that
-  bool draws_there = true;                         // a GPU had room for a volume's picture
+  std::string saved;                               // SessionStatus::saved, as last reported
+  double drawn_per_second = 0;                     // pictures [1/s]
+  std::chrono::steady_clock::time_point asked_ct;  // latest request
+  int ct_frame = -1;                               // shown at that time
+  CtTargets ct_targets;                            // of that request
+  bool draws_on_device = true;                     // the last volume picture fitted into GPU memory
 };
 
-/// Mouse and keyboard. `place` is that of the cursor; keys are those of GLFW.
+/// Mouse and keyboard. `position` is that of the cursor; key codes are those of GLFW.
 void press_button(Viewer& viewer, int button, bool shift);
 void release_button(Viewer& viewer);
-void move_cursor(Viewer& viewer, Seen place);
+void move_cursor(Viewer& viewer, ScreenPosition position);
 void scroll(Viewer& viewer, double notches);
 bool press_key(Viewer& viewer, int key, bool shift);
 void open_file(Viewer& viewer, const std::filesystem::path& file);
 
-/// Once a picture: takes what the session shows, and leads the tool.
+/// Called once per picture: reads the session's snapshot and moves the tool.
 void look(Viewer& viewer);
 
-/// A new world: what was touched is no more, and the camera looks at all of it where it is another scene's.
+/// Adopts a new world: forgets the last touch, and frames the whole scene if the scene file is new.
 void meet_world(Viewer& viewer);
 
-/// Around all that is shown [m].
+/// Box of all bodies [m].
 Box box_of(const WorldSnapshot& snapshot);
 
-/// What the keys do: for press_key and for the help.
+/// Description of a key: for press_key and for the help.
 struct KeyHelp {
   int key;
   const char *name, *sentence;
   void (*act)(Viewer&);
 };
 std::span<const KeyHelp> key_table();
-/// The same for the mouse.
+/// Description of a mouse action.
 struct MouseHelp {
   const char *name, *sentence;
 };
 std::span<const MouseHelp> mouse_table();
 
-/// What surfaces of a scene can be coloured by.
+/// Quantities that can color the surfaces of a scene.
 std::vector<SkinColor> known_colors(const Scene& scene);
-/// Beside the scene's file, under a name that is free; answers a sentence.
+/// Saves beside the scene's file, under an unused name; returns a status message.
 std::string save_scene(const Viewer& viewer);
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// What the keys do: one table for those who press them and for the help.
+// Key bindings: one table for the actions and for the help.
 #define GLFW_INCLUDE_NONE
 #include <algorithm>
 #include <cmath>
@@ -15,12 +15,13 @@ namespace turgor {
 namespace {
 
 bool has_world(const Viewer& viewer) {
-  return viewer.now && viewer.now->phase == SessionNow::Phase::kReady && !viewer.now->snapshot.bodies.empty();
+  return viewer.now && viewer.now->phase == SessionStatus::Phase::kReady &&
+         !viewer.now->snapshot.bodies.empty();
 }
 
 void set_pace(Viewer& viewer, bool plays, double pace) {
   viewer.session.request(PaceRequest{.plays = plays, .pace = pace});
-  viewer.message = plays ? fmt::format("plays at {:.3g} of the clock", pace) : "stands still";
+  viewer.message = plays ? fmt::format("playing at {:.3g} × real time", pace) : "paused";
 }
 
 template <int kDoublings>
@@ -42,12 +43,12 @@ void look_at_all(Viewer& viewer) {
 
 void focus(Viewer& viewer) {
   if (!has_world(viewer)) return;
-  std::optional<Vec3d> point = viewer.touching ? viewer.touching->place : viewer.touched;
+  std::optional<Vec3d> point = viewer.touching ? viewer.touching->position : viewer.touched;
   if (!point)
     if (const auto found = pick(viewer.now->snapshot, sight_ray(viewer.camera, viewer.cursor, viewer.aspect)))
       point = found->point;
   if (!point) {
-    viewer.message = "nothing was touched yet, and nothing lies under the cursor";
+    viewer.message = "no touch yet, and no body under the cursor";
     return;
   }
   const Box box = box_of(viewer.now->snapshot);
@@ -73,52 +74,53 @@ void toggle_wires(Viewer& viewer) {
 
 void reset(Viewer& viewer) {
   viewer.session.request(ResetRequest{});
-  viewer.message = "from the beginning";
+  viewer.message = "restarted";
 }
 
 void reload(Viewer& viewer) {
   viewer.session.request(ReloadRequest{});
-  viewer.message = "the file as it is now";
+  viewer.message = "scene file reloaded";
 }
 
 void save(Viewer& viewer) { viewer.message = save_scene(viewer); }
 
 constexpr KeyHelp kKeys[] = {
-    {GLFW_KEY_SPACE, "Space", "play, or stand still",
+    {GLFW_KEY_SPACE, "Space", "play or pause",
      [](Viewer& v) {
        if (v.now) set_pace(v, !v.now->plays, v.now->pace);
      }},
-    {GLFW_KEY_PERIOD, ".", "one frame, while it stands still",
+    {GLFW_KEY_PERIOD, ".", "advance one frame while paused",
      [](Viewer& v) { v.session.request(StepRequest{}); }},
-    {GLFW_KEY_BACKSPACE, "Backspace", "from the beginning, with what was changed", reset},
-    {GLFW_KEY_R, "R", "read the file again", reload},
-    {GLFW_KEY_MINUS, "-", "half as fast", change_pace<-1>},
-    {GLFW_KEY_EQUAL, "+", "twice as fast", change_pace<1>},
-    {GLFW_KEY_T, "T", "the mouse touches", set_mode<MouseMode::kTouch>},
-    {GLFW_KEY_G, "G", "the mouse grabs, as with Shift", set_mode<MouseMode::kGrab>},
-    {GLFW_KEY_C, "C", "the mouse cuts skin", set_mode<MouseMode::kCut>},
-    {GLFW_KEY_W, "W", "the mouse is wind on cloth", set_mode<MouseMode::kWind>},
-    {GLFW_KEY_1, "1", "from the front", look_from<StandardView::kFront>},
-    {GLFW_KEY_2, "2", "from the back", look_from<StandardView::kBack>},
-    {GLFW_KEY_3, "3", "from the patient's right", look_from<StandardView::kRight>},
-    {GLFW_KEY_4, "4", "from the patient's left", look_from<StandardView::kLeft>},
-    {GLFW_KEY_5, "5", "from the head", look_from<StandardView::kHead>},
-    {GLFW_KEY_6, "6", "from the feet", look_from<StandardView::kFeet>},
-    {GLFW_KEY_0, "0", "all of it", look_at_all},
-    {GLFW_KEY_F, "F", "turn about the last touch, or what lies under the cursor", focus},
-    {GLFW_KEY_D, "D", "other colours", next_color},
-    {GLFW_KEY_L, "L", "surface, or wires", toggle_wires},
-    {GLFW_KEY_U, "U", "the patch of finer functions that follows the tools (sfem)",
+    {GLFW_KEY_BACKSPACE, "Backspace", "restart with the changed parameters", reset},
+    {GLFW_KEY_R, "R", "reload the scene file", reload},
+    {GLFW_KEY_MINUS, "-", "half speed", change_pace<-1>},
+    {GLFW_KEY_EQUAL, "+", "double speed", change_pace<1>},
+    {GLFW_KEY_T, "T", "mouse mode: touch", set_mode<MouseMode::kTouch>},
+    {GLFW_KEY_G, "G", "mouse mode: grab (as with Shift)", set_mode<MouseMode::kGrab>},
+    {GLFW_KEY_C, "C", "mouse mode: cut skin", set_mode<MouseMode::kCut>},
+    {GLFW_KEY_W, "W", "mouse mode: wind on cloth", set_mode<MouseMode::kWind>},
+    {GLFW_KEY_1, "1", "view from the front", look_from<StandardView::kFront>},
+    {GLFW_KEY_2, "2", "view from the back", look_from<StandardView::kBack>},
+    {GLFW_KEY_3, "3", "view from the patient's right", look_from<StandardView::kRight>},
+    {GLFW_KEY_4, "4", "view from the patient's left", look_from<StandardView::kLeft>},
+    {GLFW_KEY_5, "5", "view from the head", look_from<StandardView::kHead>},
+    {GLFW_KEY_6, "6", "view from the feet", look_from<StandardView::kFeet>},
+    {GLFW_KEY_0, "0", "view the whole scene", look_at_all},
+    {GLFW_KEY_F, "F", "orbit around the last touch, or the point under the cursor", focus},
+    {GLFW_KEY_D, "D", "next color quantity", next_color},
+    {GLFW_KEY_L, "L", "surface or wireframe", toggle_wires},
+    {GLFW_KEY_U, "U", "show the fine patch that follows the tools (sfem)",
      [](Viewer& v) { v.display.patch = !v.display.patch; }},
-    {GLFW_KEY_X, "X", "the CT as it would be now: sections, volume rendering",
+    {GLFW_KEY_X, "X", "deformed CT: sections, volume rendering",
      [](Viewer& v) { v.panels.ct = !v.panels.ct; }},
     {GLFW_KEY_P, "P", "save a picture", [](Viewer& v) { v.wants_picture = true; }},
-    {GLFW_KEY_V, "V", "begin a video, or end it", [](Viewer& v) { v.wants_video = !v.wants_video; }},
-    {GLFW_KEY_H, "H", "save all that was felt so far: turgor replay does it again",
+    {GLFW_KEY_V, "V", "start or stop a video", [](Viewer& v) { v.wants_video = !v.wants_video; }},
+    {GLFW_KEY_H, "H", "save the haptic recording (for turgor replay)",
      [](Viewer& v) { v.wants_felt = true; }},
-    {GLFW_KEY_S, "S", "save the scene with what was changed", save},
-    {GLFW_KEY_TAB, "Tab", "panels come and go", [](Viewer& v) { v.panels.controls = !v.panels.controls; }},
-    {GLFW_KEY_SLASH, "?", "this help", [](Viewer& v) { v.panels.help = !v.panels.help; }},
+    {GLFW_KEY_S, "S", "save the scene with its changes", save},
+    {GLFW_KEY_TAB, "Tab", "show or hide the panels",
+     [](Viewer& v) { v.panels.controls = !v.panels.controls; }},
+    {GLFW_KEY_SLASH, "?", "show or hide this help", [](Viewer& v) { v.panels.help = !v.panels.help; }},
     {GLFW_KEY_ESCAPE, "Esc", "close the help, then the window",
      [](Viewer& v) {
        v.ends = !v.panels.help;
@@ -138,7 +140,7 @@ std::vector<SkinColor> known_colors(const Scene& scene) {
 }
 
 std::string save_scene(const Viewer& viewer) {
-  if (!viewer.now || !viewer.now->scene) return "nothing to save: no scene was loaded";
+  if (!viewer.now || !viewer.now->scene) return "nothing to save: no scene is loaded";
   const Scene& scene = *viewer.now->scene;
   Result<std::string> text = with_values(scene.text, scene.file, scene.overrides);
   if (!text) return text.error().message;

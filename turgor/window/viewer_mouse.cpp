@@ -1,5 +1,4 @@
-// What the mouse does: it presses, grabs, cuts and blows where it lies on a body, and moves the camera beside
-// it.
+// Mouse actions: pressing, grabbing, cutting and wind on bodies, camera motion elsewhere.
 #include <algorithm>
 #include <cmath>
 
@@ -16,14 +15,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kLeft = 0, kRight = 1, kMiddle = 2;  // GLFW's
-constexpr double kLift = 0.03;                     // of a tool that touches nothing [m]
-constexpr double kWind = 12;                       // of a drag over half the picture's height [m/s]
+constexpr double kLift = 0.03;                     // of a tool without contact [m]
+constexpr double kWind = 12;                       // for a drag over half the picture's height [m/s]
 
 SightRay ray_at_cursor(const Viewer& viewer) {
   return sight_ray(viewer.camera, viewer.cursor, viewer.aspect);
 }
 
-/// Outward is where the camera is: surfaces are picked from outside, but cloth has two sides.
+/// Orients a normal towards the camera: surfaces are picked from outside, but cloth has two sides.
 Vec3d towards_eye(Vec3d normal, const SightRay& ray) {
   return dot(normal, ray.direction) > 0 ? -normal : normal;
 }
@@ -34,17 +33,19 @@ double tip_of(const ToolSnapshot& tool) {
   return -double(lowest);
 }
 
-/// The tool wants its tip `depth` below its place; lifted it wants to be away.
-void lead(const Touching& touching, int put, double depth) {
+/// Sets the target of the tool: its tip `depth` below the touched position, or retracted.
+void set_target(const Touching& touching, int put, double depth) {
   const Mat3d axes = axes_of(turned_to(touching.normal));
-  constexpr double kTakesHold = 0.35;  // after pressing [s]
+  constexpr double kTakesHold = 0.35;  // time to close after pressing [s]
   const bool holds = touching.grabs && depth > -kLift &&
                      std::chrono::duration<double>(Clock::now() - touching.began).count() > kTakesHold;
   const auto above = [&](double height) {
-    return touching.place + touching.normal * (touching.tip + height);
+    return touching.position + touching.normal * (touching.tip + height);
   };
-  touching.tool.device->lead(
-      {.pose = {above(-depth), axes}, .hold = holds, .put = put, .put_at = above(0.1 * touching.size)});
+  touching.tool.device->set_target({.pose = {above(-depth), axes},
+                                    .hold = holds,
+                                    .teleports = put,
+                                    .teleport_to = above(0.1 * touching.size)});
 }
 
 bool begin_touch(Viewer& viewer, const Picked& picked, bool grabs) {
@@ -58,40 +59,40 @@ bool begin_touch(Viewer& viewer, const Picked& picked, bool grabs) {
                                .body = picked.body,
                                .x = body.x,
                                .triangles = body.triangles,
-                               .place = picked.point,
+                               .position = picked.point,
                                .normal = towards_eye(picked.normal, ray_at_cursor(viewer)),
                                .tip = tip_of(tool),
                                .size = size,
                                .depth = viewer.depth < 0 ? size / 6 : viewer.depth,
                                .grabs = grabs,
                                .began = Clock::now()};
-    lead(*viewer.touching, ++viewer.teleports, viewer.touching->depth);
+    set_target(*viewer.touching, ++viewer.teleports, viewer.touching->depth);
     return true;
   }
   return false;
 }
 
-/// Pressing slides over the surface as it was; what is grabbed goes with the cursor.
+/// Pressing slides over the undeformed surface; a grabbed point follows the cursor.
 void move_touch(Viewer& viewer) {
   Touching& touching = *viewer.touching;
   const SightRay ray = ray_at_cursor(viewer);
   if (touching.grabs) {
-    touching.place = in_plane(viewer.camera, ray, touching.place);
+    touching.position = in_plane(viewer.camera, ray, touching.position);
   } else if (const auto found = pick_surface(touching.x, touching.triangles, ray)) {
-    touching.place = found->point;
+    touching.position = found->point;
     touching.normal = normalized(touching.normal * 4.0 + towards_eye(found->normal, ray));
   }
 }
 
-/// A line on a body of the model, from where the cursor is.
-bool begin_line(Viewer& viewer, const Picked& picked, BodyKind kind, std::optional<Drawn>& line) {
+/// Begins a line on a body of this kind at the cursor.
+bool begin_line(Viewer& viewer, const Picked& picked, BodyKind kind, std::optional<DrawnLine>& line) {
   if (viewer.now->snapshot.bodies[picked.body].id.kind != kind) return false;
-  line = Drawn{picked.body, picked.point, picked.point};
+  line = DrawnLine{picked.body, picked.point, picked.point};
   return true;
 }
 
 void end_cut(Viewer& viewer) {
-  const Drawn line = *viewer.cut;
+  const DrawnLine line = *viewer.cut;
   viewer.cut.reset();
   const BodySnapshot& body = viewer.now->snapshot.bodies[line.body];
   if (norm(line.to - line.from) < 0.005) {
@@ -109,7 +110,7 @@ void end_cut(Viewer& viewer) {
 }
 
 void blow(Viewer& viewer) {
-  const Drawn& line = *viewer.wind;
+  const DrawnLine& line = *viewer.wind;
   const double half_height =
       norm(viewer.camera.eye - viewer.camera.target) * camera_frame(viewer.camera).tan_half;
   const Vec3d velocity = (line.to - line.from) * (kWind / half_height);
@@ -118,9 +119,9 @@ void blow(Viewer& viewer) {
   viewer.message = fmt::format("wind of {:.1f} m/s", norm(velocity));
 }
 
-/// Does the left button mean the body under the cursor?
+/// True if the left button acts on the body under the cursor.
 bool begin_on_body(Viewer& viewer, bool shift) {
-  if (!viewer.now || viewer.now->phase != SessionNow::Phase::kReady) return false;
+  if (!viewer.now || viewer.now->phase != SessionStatus::Phase::kReady) return false;
   const auto picked = pick(viewer.now->snapshot, ray_at_cursor(viewer));
   if (!picked) return false;
   if (viewer.mode == MouseMode::kCut) return begin_line(viewer, *picked, BodyKind::kLattice, viewer.cut);
@@ -130,34 +131,35 @@ bool begin_on_body(Viewer& viewer, bool shift) {
   return begin_line(viewer, *picked, BodyKind::kCloth, viewer.wind);
 }
 
-/// An answer costs frames, not ticks: some times a second from the processor; from a GPU as often as a screen
-/// shows, or an eighth of its time.
+/// Minimum time between deformed CTs, which cost frames but not ticks. On the CPU a few times per second; on
+/// a GPU at most the screen's rate, and an eighth of its time.
 std::chrono::duration<double> pause_between(const DeformedCt* ct) {
-  const double seconds = !ct || !ct->there ? 0.7 : std::max(0.03, 8 * ct->there->report.seconds);
+  const double seconds = !ct || !ct->device ? 0.7 : std::max(0.03, 8 * ct->device->report.seconds);
   return std::chrono::duration<double>(seconds);
 }
 
-/// Where it is looked at.
+/// Requests a deformed CT if one is shown.
 void ask_for_ct(Viewer& viewer) {
-  const SessionNow& now = *viewer.now;
+  const SessionStatus& now = *viewer.now;
   const bool volume = viewer.display.volume;
   if (!(volume || viewer.panels.ct) || now.scene->lattice_bodies.empty()) return;
-  const CtWish wish{.here = viewer.panels.ct || !viewer.draws_there, .there = volume && viewer.draws_there};
+  const CtTargets targets{.host = viewer.panels.ct || !viewer.draws_on_device,
+                          .device = volume && viewer.draws_on_device};
   const int frame = now.snapshot.frame;
-  if (now.ct && now.ct->answers(wish) && (now.ct->frame == frame || viewer.ct_frame == frame)) return;
-  if (wish == viewer.ct_wish && Clock::now() < viewer.asked_ct + pause_between(now.ct.get())) return;
-  viewer.asked_ct = Clock::now(), viewer.ct_wish = wish, viewer.ct_frame = frame;
-  viewer.session.request(CtRequest{wish});
+  if (now.ct && now.ct->covers(targets) && (now.ct->frame == frame || viewer.ct_frame == frame)) return;
+  if (targets == viewer.ct_targets && Clock::now() < viewer.asked_ct + pause_between(now.ct.get())) return;
+  viewer.asked_ct = Clock::now(), viewer.ct_targets = targets, viewer.ct_frame = frame;
+  viewer.session.request(CtRequest{targets});
 }
 
 constexpr MouseHelp kMouse[] = {
     {"left on a body",
-     "press it with its tool, and slide; on cloth without one: wind; in cut mode: a cut on skin"},
-    {"Shift + left on a body", "take hold and pull; forceps close"},
-    {"wheel while pressing", "deeper, and less deep"},
-    {"left beside it, or right", "turn"},
-    {"middle, or Shift + right", "shift"},
-    {"wheel", "nearer and farther, to the cursor"},
+     "press with the body's tool, and slide; on cloth without a tool: wind; in cut mode: cut skin"},
+    {"Shift + left on a body", "grab and pull; forceps close"},
+    {"wheel while pressing", "change the depth"},
+    {"left off the bodies, or right", "orbit"},
+    {"middle, or Shift + right", "pan"},
+    {"wheel", "zoom to the cursor"},
     {"drop a file on the window", "open that scene"},
 };
 
@@ -174,18 +176,18 @@ void press_button(Viewer& viewer, int button, bool shift) {
 void release_button(Viewer& viewer) {
   viewer.camera_button.reset();
   if (viewer.touching) {
-    viewer.touched = viewer.touching->place;
+    viewer.touched = viewer.touching->position;
     viewer.touching->grabs = false;
-    lead(*viewer.touching, viewer.teleports, -kLift);
+    set_target(*viewer.touching, viewer.teleports, -kLift);
     viewer.touching.reset();
   }
   if (viewer.cut) end_cut(viewer);
   viewer.wind.reset();
 }
 
-void move_cursor(Viewer& viewer, Seen place) {
-  const Seen before = viewer.cursor;
-  viewer.cursor = place;
+void move_cursor(Viewer& viewer, ScreenPosition position) {
+  const ScreenPosition before = viewer.cursor;
+  viewer.cursor = position;
   if (viewer.touching) return move_touch(viewer);
   if (viewer.cut) {
     if (const auto found = pick(viewer.now->snapshot, ray_at_cursor(viewer));
@@ -195,11 +197,11 @@ void move_cursor(Viewer& viewer, Seen place) {
     viewer.wind->to = in_plane(viewer.camera, ray_at_cursor(viewer), viewer.wind->from);
     blow(viewer);
   } else if (viewer.camera_button == 1) {
-    viewer.camera = panned(viewer.camera, before, place, viewer.aspect);
+    viewer.camera = panned(viewer.camera, before, position, viewer.aspect);
   } else if (viewer.camera_button == 0) {
-    constexpr double kTurn = 1.5;  // of half the picture [rad]
-    viewer.camera =
-        orbited(viewer.camera, -kTurn * viewer.aspect * (place.x - before.x), -kTurn * (place.y - before.y));
+    constexpr double kTurn = 1.5;  // over half the picture [rad]
+    viewer.camera = orbited(viewer.camera, -kTurn * viewer.aspect * (position.x - before.x),
+                            -kTurn * (position.y - before.y));
   }
 }
 
@@ -215,8 +217,8 @@ void scroll(Viewer& viewer, double notches) {
 }
 
 void look(Viewer& viewer) {
-  const SessionNow& now = viewer.session.now();
-  const bool ready = now.phase == SessionNow::Phase::kReady;
+  const SessionStatus& now = viewer.session.now();
+  const bool ready = now.phase == SessionStatus::Phase::kReady;
   viewer.now = &now;
   if (!now.saved.empty() && now.saved != viewer.saved) viewer.message = viewer.saved = now.saved;
   if (!ready || now.snapshot.bodies.empty()) {
@@ -224,7 +226,7 @@ void look(Viewer& viewer) {
     return;
   }
   if (viewer.framed != now.world) meet_world(viewer);
-  if (viewer.touching) lead(*viewer.touching, viewer.teleports, viewer.touching->depth);
+  if (viewer.touching) set_target(*viewer.touching, viewer.teleports, viewer.touching->depth);
   ask_for_ct(viewer);
 }
 

@@ -32,7 +32,7 @@ std::string& glfw_trouble() {
   return sentence;
 }
 
-/// What was drawn last: another value needs another picture.
+/// State of the last drawing; another value requires a new picture.
 struct DrawnState {
   int world = -1, frame = -1, width = 0, height = 0;
   Camera camera;
@@ -68,7 +68,7 @@ void set_fonts() {
 
 }  // namespace
 
-struct SceneWindow::Parts {
+struct SceneWindow::Impl {
   WindowOptions options;
   GLFWwindow* window = nullptr;
   bool has_imgui = false;
@@ -77,12 +77,12 @@ struct SceneWindow::Parts {
   std::optional<WorldPicture> picture;
   std::optional<VolumePicture> volume;
   std::optional<Sections> sections;
-  std::vector<std::function<void()>> events;  // in the order in which they came
+  std::vector<std::function<void()>> events;  // in order of arrival
   DrawnState drawn;
   Clock::time_point changed = Clock::now(), latest = Clock::now();
   Film film;
 
-  ~Parts();
+  ~Impl();
   Status begin();
   void listen();
   void handle_events();
@@ -90,13 +90,13 @@ struct SceneWindow::Parts {
   void draw_picture();
   void draw_panels();
   void save_pictures();
-  void save_felt();
+  void save_haptics();
   void keep_rate();
-  Seen seen(double x, double y) const;
+  ScreenPosition screen_position(double x, double y) const;
   Image read() const;
 };
 
-SceneWindow::Parts::~Parts() {
+SceneWindow::Impl::~Impl() {
   session.reset();  // ends its threads
   if (!film.frames.empty()) (void)end_film(options.out, options.scene.stem().string(), film);
   if (window) glfwMakeContextCurrent(window);
@@ -106,7 +106,7 @@ SceneWindow::Parts::~Parts() {
   glfwTerminate();
 }
 
-Status SceneWindow::Parts::begin() {
+Status SceneWindow::Impl::begin() {
   glfwSetErrorCallback([](int, const char* sentence) { glfw_trouble() = sentence; });
   const auto no_window = [&] {
     return Error{
@@ -130,92 +130,92 @@ Status SceneWindow::Parts::begin() {
   has_imgui = true;
   ImGui::GetIO().IniFilename = nullptr;
   set_fonts();
-  ImGui_ImplGlfw_InitForOpenGL(window, true);  // hears what listen() hears, and calls it
+  ImGui_ImplGlfw_InitForOpenGL(window, true);  // chains the callbacks of listen()
   ImGui_ImplOpenGL3_Init("#version 330 core");
   session.emplace(options.scene, options.overrides, options.session);
   viewer.emplace(Viewer{.session = *session});
   return Done{};
 }
 
-Seen SceneWindow::Parts::seen(double x, double y) const {
+ScreenPosition SceneWindow::Impl::screen_position(double x, double y) const {
   int width = 1, height = 1;
   glfwGetWindowSize(window, &width, &height);
   return {2 * x / std::max(1, width) - 1, 1 - 2 * y / std::max(1, height)};
 }
 
-/// Events wait until it is known whether a panel lies under the cursor.
-void SceneWindow::Parts::listen() {
+/// Events are queued until it is known whether a panel is under the cursor.
+void SceneWindow::Impl::listen() {
   glfwSetWindowUserPointer(window, this);
-  static const auto parts_of = [](GLFWwindow* w) -> Parts& {
-    return *static_cast<Parts*>(glfwGetWindowUserPointer(w));
+  static const auto impl_of = [](GLFWwindow* w) -> Impl& {
+    return *static_cast<Impl*>(glfwGetWindowUserPointer(w));
   };
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-    Parts& p = parts_of(w);
-    p.events.push_back([&p, x, y] { move_cursor(*p.viewer, p.seen(x, y)); });
+    Impl& p = impl_of(w);
+    p.events.push_back([&p, x, y] { move_cursor(*p.viewer, p.screen_position(x, y)); });
   });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
-    Parts& p = parts_of(w);
+    Impl& p = impl_of(w);
     p.events.push_back([&p, button, action, mods] {
       if (action == GLFW_RELEASE) return release_button(*p.viewer);
       if (!ImGui::GetIO().WantCaptureMouse) press_button(*p.viewer, button, mods & GLFW_MOD_SHIFT);
     });
   });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double notches) {
-    Parts& p = parts_of(w);
+    Impl& p = impl_of(w);
     p.events.push_back([&p, notches] {
       if (!ImGui::GetIO().WantCaptureMouse) scroll(*p.viewer, notches);
     });
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-    Parts& p = parts_of(w);
-    const bool again = action == GLFW_REPEAT && key == GLFW_KEY_PERIOD;  // held, frame after frame
+    Impl& p = impl_of(w);
+    const bool again = action == GLFW_REPEAT && key == GLFW_KEY_PERIOD;  // while held, frame by frame
     if (action != GLFW_PRESS && !again) return;
     p.events.push_back([&p, key, mods] {
       if (!ImGui::GetIO().WantTextInput) press_key(*p.viewer, key, mods & GLFW_MOD_SHIFT);
     });
   });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** files) {
-    Parts& p = parts_of(w);
+    Impl& p = impl_of(w);
     if (count > 0) p.events.push_back([&p, file = std::string(files[0])] { open_file(*p.viewer, file); });
   });
 }
 
-void SceneWindow::Parts::handle_events() {
+void SceneWindow::Impl::handle_events() {
   std::vector<std::function<void()>> now;
   now.swap(events);
   for (const auto& event : now) event();
 }
 
-/// Anew when something changed, with more care when nothing does any more.
-void SceneWindow::Parts::draw_surfaces(int width, int height) {
-  const SessionNow& now = *viewer->now;
-  const DrawnState wanted{now.world,
-                          now.snapshot.frame,
-                          width,
-                          height,
-                          viewer->camera,
-                          viewer->display.color,
-                          viewer->display.style};
-  const bool changes = !same(wanted, drawn);
+/// Draws again if anything changed, with full quality at rest.
+void SceneWindow::Impl::draw_surfaces(int width, int height) {
+  const SessionStatus& now = *viewer->now;
+  const DrawnState current{now.world,
+                           now.snapshot.frame,
+                           width,
+                           height,
+                           viewer->camera,
+                           viewer->display.color,
+                           viewer->display.style};
+  const bool changes = !same(current, drawn);
   if (changes) changed = Clock::now();
-  constexpr double kRest = 0.25;  // until a picture is worth more care [s]
+  constexpr double kRest = 0.25;  // delay before the full quality is used [s]
   if (!changes && !(seconds_since(changed) > kRest && can_be_refined(*picture))) return;
   const Status status = draw_world(*viewer, changes, width, height, *picture);
   if (!status) viewer->message = status.error().message;
-  drawn = wanted;
+  drawn = current;
 }
 
-void SceneWindow::Parts::draw_picture() {
+void SceneWindow::Impl::draw_picture() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window, &width, &height);
   if (width < 1 || height < 1) return;
-  const SessionNow& now = *viewer->now;
-  const bool is_allocated = now.phase == SessionNow::Phase::kReady && !now.snapshot.bodies.empty();
+  const SessionStatus& now = *viewer->now;
+  const bool is_allocated = now.phase == SessionStatus::Phase::kReady && !now.snapshot.bodies.empty();
   const bool shows_volume = is_allocated && viewer->display.volume && now.ct;
   if (is_allocated && !shows_volume) draw_surfaces(width, height);
-  if (shows_volume && (viewer->draws_there || !now.ct->there)) {
+  if (shows_volume && (viewer->draws_on_device || !now.ct->device)) {
     const Status status = renew({now.ct, viewer->display.preset, viewer->camera, width, height}, *volume);
-    if (!status) viewer->message = status.error().message, viewer->draws_there = false;
+    if (!status) viewer->message = status.error().message, viewer->draws_on_device = false;
   }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glClearColor(0.03f, 0.04f, 0.05f, 1);
@@ -227,7 +227,7 @@ void SceneWindow::Parts::draw_picture() {
     copy_to_window(picture->framebuffer, {picture->width, picture->height}, false, {width, height});
 }
 
-void SceneWindow::Parts::draw_panels() {
+void SceneWindow::Impl::draw_panels() {
   show_marks(*viewer, *picture);
   show_controls(*viewer);
   show_parameters(*viewer);
@@ -239,32 +239,32 @@ void SceneWindow::Parts::draw_panels() {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-Image SceneWindow::Parts::read() const {
+Image SceneWindow::Impl::read() const {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window, &width, &height);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   return read_pixels(std::max(1, width), std::max(1, height));
 }
 
-void SceneWindow::Parts::save_pictures() {
+void SceneWindow::Impl::save_pictures() {
   const std::string name = options.scene.stem().string();
   if (viewer->wants_picture) viewer->message = save_picture(read(), options.out, name);
   viewer->wants_picture = false;
-  if (viewer->wants_felt) save_felt();
+  if (viewer->wants_felt) save_haptics();
   if (viewer->wants_video && is_due(film)) viewer->message = add_to_film(read(), options.out, film);
   if (!viewer->wants_video && !film.frames.empty()) viewer->message = end_film(options.out, name, film);
 }
 
-/// The session does it; its answer is told when it is there.
-void SceneWindow::Parts::save_felt() {
+/// The session saves; its result is reported later.
+void SceneWindow::Impl::save_haptics() {
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
-  session->request(SaveRequest{free_name(options.out, options.scene.stem().string() + "-felt", ".h5")});
+  session->request(SaveRequest{free_name(options.out, options.scene.stem().string() + "-haptic", ".h5")});
   viewer->wants_felt = false;
 }
 
-/// No more than a screen shows, where swapping does not wait for one.
-void SceneWindow::Parts::keep_rate() {
+/// Limits the rate to that of a screen, if swapping buffers does not wait.
+void SceneWindow::Impl::keep_rate() {
   constexpr double kShortest = 1.0 / 60;  // [s]
   const double passed = seconds_since(latest);
   if (passed < kShortest) std::this_thread::sleep_for(std::chrono::duration<double>(kShortest - passed));
@@ -273,18 +273,18 @@ void SceneWindow::Parts::keep_rate() {
   latest = Clock::now();
 }
 
-SceneWindow::SceneWindow(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+SceneWindow::SceneWindow(std::unique_ptr<Impl> items) : impl_(std::move(items)) {}
 SceneWindow::~SceneWindow() = default;
 
 Result<std::unique_ptr<SceneWindow>> SceneWindow::open(const WindowOptions& options) {
-  auto parts = std::make_unique<Parts>();
-  parts->options = options;
-  if (const Status status = parts->begin(); !status) return status.error();
-  return std::unique_ptr<SceneWindow>(new SceneWindow(std::move(parts)));
+  auto items = std::make_unique<Impl>();
+  items->options = options;
+  if (const Status status = items->begin(); !status) return status.error();
+  return std::unique_ptr<SceneWindow>(new SceneWindow(std::move(items)));
 }
 
 bool SceneWindow::draw() {
-  Parts& p = *parts_;
+  Impl& p = *impl_;
   glfwPollEvents();
   if (glfwWindowShouldClose(p.window) || p.viewer->ends) return false;
   int width = 1, height = 1;
@@ -305,12 +305,12 @@ bool SceneWindow::draw() {
 
 Image SceneWindow::picture() const {
   glReadBuffer(GL_FRONT);
-  Image image = parts_->read();
+  Image image = impl_->read();
   glReadBuffer(GL_BACK);
   return image;
 }
 
-Viewer& SceneWindow::viewer() { return *parts_->viewer; }
+Viewer& SceneWindow::viewer() { return *impl_->viewer; }
 
 Status view_scene(const WindowOptions& options) {
   Result<std::unique_ptr<SceneWindow>> window = SceneWindow::open(options);

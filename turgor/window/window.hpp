@@ -1,5 +1,5 @@
-// A window on a scene that is simulated: GLFW, Dear ImGui and the drawing of view/. The simulation goes on in
-// threads of its own (sim/live/session.hpp) whatever happens to the window.
+// A window that shows a running simulation: GLFW, Dear ImGui and the drawing of view/. The simulation runs in
+// its own threads (sim/live/session.hpp), independent of the window.
 #pragma once
 
 #include <filesystem>
@@ -23,25 +23,25 @@ struct WindowOptions {
 
 class SceneWindow {
  public:
-  /// Error: no display, no OpenGL 3.3. What is wrong with the scene is shown in the window.
+  /// Error: no display, or no OpenGL 3.3. Errors of the scene are shown in the window.
   static Result<std::unique_ptr<SceneWindow>> open(const WindowOptions& options);
   ~SceneWindow();
   SceneWindow(const SceneWindow&) = delete;
   SceneWindow& operator=(const SceneWindow&) = delete;
 
-  /// Takes what was typed and moved, and draws. False: the window was closed.
+  /// Processes input and draws. False: the window was closed.
   bool draw();
-  /// What is on the screen.
+  /// Content of the screen.
   Image picture() const;
   Viewer& viewer();
 
  private:
-  struct Parts;
-  explicit SceneWindow(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;
+  struct Impl;
+  explicit SceneWindow(std::unique_ptr<Impl> items);
+  std::unique_ptr<Impl> impl_;
 };
 
-/// Until the window is closed. Error: as SceneWindow::open.
+/// Runs until the window is closed. Error: as SceneWindow::open.
 Status view_scene(const WindowOptions& options);
 
 }  // namespace turgor

@@ -16,11 +16,13 @@ const DeviceListing& of(const std::vector<DeviceListing>& listings, const std::s
   return listings.front();
 }
 
-TEST(Devices, a_driver_that_is_none_is_refused_with_those_that_are) {
+// An unknown driver is rejected with a list of the known ones.
+TEST(DeviceDrivers, UnknownDriverListsKnown) {
   EXPECT_REFUSED(open_device("omega"), "found \"omega\"", "inverse3", "dhd", "openhaptics", "replay");
 }
 
-TEST(Devices, without_hardware_each_driver_says_what_it_needs_in_two_seconds) {
+// Without hardware each driver states within two seconds what it needs.
+TEST(DeviceDrivers, MissingHardwareIsExplained) {
   const Timer time;
   const std::vector<DeviceListing> listings =
       list_devices({.address = "127.0.0.1:1", .library = "/nowhere/lib.so"});
@@ -31,7 +33,8 @@ TEST(Devices, without_hardware_each_driver_says_what_it_needs_in_two_seconds) {
   for (const DeviceListing& listing : listings) EXPECT_TRUE(listing.connected.empty()) << listing.driver;
 }
 
-TEST(Devices, what_is_connected_is_listed_by_names_that_open_it) {
+// Connected devices are listed by names that open them.
+TEST(DeviceDrivers, ListedNamesOpenDevices) {
   test::InverseService service;
   service.set_arms({"049D", "04EA"});
   FakeDrd& arm = *test::fake<FakeDrd>(FAKE_DRD, "fake_drd");

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The fake arm as it comes, and a driver that is told where its library is.
+/// The fake arm with default settings, and a driver that loads its library.
 class DhdArm : public testing::Test {
  protected:
   DhdArm() { arm = {}; }
@@ -34,23 +34,26 @@ class DhdArm : public testing::Test {
   DeviceInput input;
 };
 
-TEST_F(DhdArm, a_force_is_felt_along_the_axes_of_the_arm) {
+// Forces are converted to the axes of the arm.
+TEST_F(DhdArm, ForceIsMappedToArmAxes) {
   ASSERT_TRUE(open());
-  // Ours: x right, y away, z up. The arm's: x towards the user, y right, z up.
+  // Workspace: x right, y away from the user, z up. Arm: x towards the user, y right, z up.
   ASSERT_TRUE(exchange({1, 2, 3}));
   EXPECT_EQ(arm.force[0], -2);
   EXPECT_EQ(arm.force[1], 1);
   EXPECT_EQ(arm.force[2], 3);
 }
 
-TEST_F(DhdArm, what_the_hand_does_is_read_in_our_axes) {
+// Position, velocity, rotation and grip are converted to the axes of the workspace.
+TEST_F(DhdArm, MotionIsMappedToWorkspaceAxes) {
   arm.type = 104;  // sigma.7
   arm.has_wrist = arm.has_active_wrist = arm.has_gripper = true;
   arm.position[0] = -0.01, arm.position[1] = 0.02, arm.position[2] = 0.03;
   arm.velocity[0] = 0.4;
   arm.angular_velocity[1] = 2;
   arm.buttons = 5;
-  // The grip is turned about the arm's y, our x, by a quarter turn: z goes to x, towards the user.
+  // The grip is rotated by a quarter turn about the arm's y, the workspace's x: z maps to x, towards the
+  // user.
   const double turned[3][3] = {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
   for (int i = 0; i < 3; i++) std::copy_n(turned[i], 3, arm.frame[i]);
   ASSERT_TRUE(open());
@@ -60,15 +63,16 @@ TEST_F(DhdArm, what_the_hand_does_is_read_in_our_axes) {
   EXPECT_EQ(input.angular_velocity, (Vec3d{2, 0, 0}));
   EXPECT_EQ(input.buttons, 5u);
   EXPECT_EQ(input.pose.axes.column[0], (Vec3d{1, 0, 0}));
-  EXPECT_EQ(input.pose.axes.column[2], (Vec3d{0, -1, 0}));  // what points up points at the user
+  EXPECT_EQ(input.pose.axes.column[2], (Vec3d{0, -1, 0}));  // the grip's z axis points at the user
   EXPECT_NEAR(input.grip, 1, 1e-12);
-  arm.gripper_angle = -0.26;  // of a left hand, half open
+  arm.gripper_angle = -0.26;  // left hand, half open
   ASSERT_TRUE(exchange());
   EXPECT_NEAR(input.grip, 0.5, 1e-12);
 }
 
-TEST_F(DhdArm, power_is_the_same_on_both_sides) {
-  // F·v does not depend on axes: a remap of forces that is not that of velocities would make or take energy.
+// The product of force and velocity is the same in both frames.
+TEST_F(DhdArm, AxisMappingKeepsPower) {
+  // F·v does not depend on axes: a different mapping of forces and velocities would create or remove energy.
   ASSERT_TRUE(open());
   arm.velocity[0] = 0.1, arm.velocity[1] = -0.2, arm.velocity[2] = 0.3;
   ASSERT_TRUE(exchange({0.5, 1.5, -2.5}));
@@ -77,7 +81,8 @@ TEST_F(DhdArm, power_is_the_same_on_both_sides) {
   EXPECT_NEAR(dot(Vec3d{0.5, 1.5, -2.5}, input.velocity), theirs, 1e-12);
 }
 
-TEST_F(DhdArm, limits_of_the_type_are_kept) {
+// The type of the arm determines the largest force.
+TEST_F(DhdArm, ForceIsLimitedByArmType) {
   for (const auto& [type, limit] : std::map<int, double>{{33, 12}, {63, 20}, {60, 8}, {999, 5}}) {
     arm = {};
     arm.type = type;
@@ -85,13 +90,14 @@ TEST_F(DhdArm, limits_of_the_type_are_kept) {
     EXPECT_EQ(arm.max_force, limit);  // the vendor's own limit too
     ASSERT_TRUE(exchange({300, 400, 0}));
     EXPECT_NEAR(arm.largest_force, limit, 1e-9);
-    EXPECT_NEAR(arm.force[1] / -arm.force[0], 0.75, 1e-12);  // its direction stays
+    EXPECT_NEAR(arm.force[1] / -arm.force[0], 0.75, 1e-12);  // the direction is kept
     device->close();
   }
 }
 
-TEST_F(DhdArm, torques_and_grips_without_motors_get_nothing) {
-  arm.type = 35;  // omega.7: a wrist that is not driven, a gripper that is
+// A passive wrist gets no torque; the force of an active gripper is limited.
+TEST_F(DhdArm, PassiveAxesGetNoTorque) {
+  arm.type = 35;  // omega.7: passive wrist, active gripper
   arm.has_wrist = arm.has_gripper = true;
   ASSERT_TRUE(open());
   ASSERT_TRUE(device->exchange({.torque = {1, 0, 0}, .grip_force = 20}, input));
@@ -99,7 +105,8 @@ TEST_F(DhdArm, torques_and_grips_without_motors_get_nothing) {
   EXPECT_EQ(arm.gripper_force, 8);
 }
 
-TEST_F(DhdArm, a_force_that_is_no_number_is_not_sent) {
+// A force that is not finite is sent as zero.
+TEST_F(DhdArm, NonFiniteForceBecomesZero) {
   ASSERT_TRUE(open());
   ASSERT_TRUE(exchange({1, 0, 0}));
   ASSERT_TRUE(exchange({std::nan(""), 0, 5}));
@@ -108,7 +115,8 @@ TEST_F(DhdArm, a_force_that_is_no_number_is_not_sent) {
   EXPECT_EQ(std::hypot(arm.force[0], arm.force[1], arm.force[2]), 0);
 }
 
-TEST_F(DhdArm, the_vendor_s_guards_stay) {
+// Velocity threshold, watchdog and gravity compensation of the vendor stay active.
+TEST_F(DhdArm, KeepsVendorSafeguards) {
   ASSERT_TRUE(open());
   for (int n = 0; n < 200; n++) exchange();
   EXPECT_EQ(arm.velocity_thresholds, 0);
@@ -116,16 +124,18 @@ TEST_F(DhdArm, the_vendor_s_guards_stay) {
   EXPECT_TRUE(arm.has_gravity_compensation);
 }
 
-TEST_F(DhdArm, an_arm_moves_by_itself_only_when_it_may) {
+// An arm that would move to initialize itself opens only with permission.
+TEST_F(DhdArm, AutoInitNeedsPermission) {
   arm.is_initialized = false;
   EXPECT_REFUSED(open(), "moves by itself", "may_move");
   EXPECT_EQ(arm.auto_inits, 0);
-  EXPECT_FALSE(arm.is_open);  // nobody holds it any more
+  EXPECT_FALSE(arm.is_open);  // the arm was released
   ASSERT_TRUE(open({.may_move = true}));
   EXPECT_EQ(arm.auto_inits, 1);
 }
 
-TEST_F(DhdArm, an_arm_that_is_unplugged_ends_the_exchange_and_says_so) {
+// The exchange with an unplugged arm fails with a message and keeps the last input.
+TEST_F(DhdArm, UnpluggedArmFailsExchange) {
   ASSERT_TRUE(open());
   arm.position[1] = 0.02;
   ASSERT_TRUE(exchange({1, 0, 0}));
@@ -133,24 +143,26 @@ TEST_F(DhdArm, an_arm_that_is_unplugged_ends_the_exchange_and_says_so) {
   arm.is_unplugged = true;
   arm.position[1] = 0.05;
   EXPECT_FALSE(exchange({1, 0, 0}));
-  EXPECT_EQ(input.pose.position.x, 0.02);  // as it was
+  EXPECT_EQ(input.pose.position.x, 0.02);  // unchanged
   EXPECT_NE(device->trouble().find("communication error"), std::string::npos) << device->trouble();
 }
 
-TEST_F(DhdArm, numbers_that_cannot_be_end_the_exchange) {
+// An implausible position fails the exchange and sends zero force until it is valid again.
+TEST_F(DhdArm, ImplausibleInputFailsExchange) {
   ASSERT_TRUE(open());
   for (const double wrong : {std::nan(""), 3.0, -1e9}) {
     arm.position[0] = wrong;
     EXPECT_FALSE(exchange({2, 0, 0})) << wrong;
-    EXPECT_NE(device->trouble().find("cannot be"), std::string::npos);
-    EXPECT_EQ(arm.force[1], 0) << "the arm is let go";
+    EXPECT_NE(device->trouble().find("implausible position or speed"), std::string::npos);
+    EXPECT_EQ(arm.force[1], 0) << "zero force was sent";
     arm.position[0] = 0;
     EXPECT_TRUE(exchange({2, 0, 0}));
     EXPECT_EQ(device->trouble(), "");
   }
 }
 
-TEST_F(DhdArm, forces_that_are_off_are_told_and_come_back_by_the_users_hand) {
+// Disabled forces are reported with their cause until the user enables them at the arm.
+TEST_F(DhdArm, DisabledForcesAreReported) {
   ASSERT_TRUE(open());
   arm.forces_off_cause = 2;
   bool haptic = true;
@@ -162,17 +174,19 @@ TEST_F(DhdArm, forces_that_are_off_are_told_and_come_back_by_the_users_hand) {
   EXPECT_TRUE(exchange());
 }
 
-TEST_F(DhdArm, after_its_watchdog_forces_come_back_gently) {
+// After the watchdog has fired, forces resume only when the requested force is small.
+TEST_F(DhdArm, ForcesResumeGentlyAfterWatchdog) {
   ASSERT_TRUE(open());
   arm.forces_off_cause = 3;
   bool haptic = true;
   for (int n = 0; n < 64 && haptic; n++) haptic = exchange({3, 0, 0});
   EXPECT_FALSE(haptic);
-  EXPECT_FALSE(exchange({3, 0, 0})) << "a whole force at once";
+  EXPECT_FALSE(exchange({3, 0, 0})) << "the full force at once";
   EXPECT_TRUE(exchange({0.1, 0, 0}));
 }
 
-TEST_F(DhdArm, an_exchange_allocates_nothing) {
+// An exchange allocates no memory, even if it fails.
+TEST_F(DhdArm, ExchangeAllocatesNothing) {
   ASSERT_TRUE(open());
   const std::size_t before = test::allocations;
   for (int n = 0; n < 100; n++) exchange({1, 0, 0});
@@ -181,7 +195,8 @@ TEST_F(DhdArm, an_exchange_allocates_nothing) {
   EXPECT_EQ(test::allocations, before);
 }
 
-TEST_F(DhdArm, closing_lets_go_first) {
+// Closing sends zero force before it disables forces; the device can be opened again.
+TEST_F(DhdArm, CloseSendsZeroForce) {
   ASSERT_TRUE(open());
   ASSERT_TRUE(exchange({1, 2, 3}));
   device->close();
@@ -194,7 +209,8 @@ TEST_F(DhdArm, closing_lets_go_first) {
   EXPECT_TRUE(exchange());
 }
 
-TEST_F(DhdArm, the_second_arm_is_number_1) {
+// Arms are numbered from zero; unknown numbers and missing arms are errors.
+TEST_F(DhdArm, ArmsAreNumberedFromZero) {
   arm.device_count = 2;
   ASSERT_TRUE(open({.which = "1"}));
   EXPECT_EQ(arm.opened_id, 1);
@@ -204,7 +220,8 @@ TEST_F(DhdArm, the_second_arm_is_number_1) {
   EXPECT_REFUSED(open(), "no arm is connected", "udev");
 }
 
-TEST(Dhd, what_is_missing_is_named) {
+// A missing, wrong or invalid library is named in the error.
+TEST(Dhd, MissingLibraryIsNamed) {
   EXPECT_REFUSED(Dhd({.library = "/nowhere/libdrd.so"}).open(), "/nowhere/libdrd.so",
                  "install the Force Dimension SDK");
   EXPECT_REFUSED(Dhd({.library = FAKE_HD}).open(), "libfake_hd.so", "lacks the function dhdGetDeviceCount");
@@ -213,7 +230,8 @@ TEST(Dhd, what_is_missing_is_named) {
   EXPECT_REFUSED(Dhd({.library = text}).open(), "libdrd.so", "file too short");
 }
 
-TEST(Dhd, the_highest_version_in_the_sdk_is_taken) {
+// The library with the highest version in the SDK is loaded.
+TEST(Dhd, LoadsNewestSdkVersion) {
   const fs::path sdk = test::fresh_folder(), folder = sdk / "lib/release/lin-x86_64-gcc";
   fs::create_directories(folder);
   test::write(folder / "libdrd.so.3.9.0", "an old one");

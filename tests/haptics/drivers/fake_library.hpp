@@ -1,4 +1,5 @@
-// The driver's view of a fake library and the test's: loading a file twice gives the same one.
+// Access of tests to the state of a fake library. Loading a file twice gives the same library as the
+// driver's.
 #pragma once
 
 #include <dlfcn.h>
@@ -6,7 +7,7 @@
 
 namespace turgor::test {
 
-/// What the library exports as `symbol`, a function without arguments, answers. The library stays loaded.
+/// Result of the exported function `symbol`, which takes no arguments. The library stays loaded.
 template <class T>
 T* fake(const char* file, const char* symbol) {
   void* library = dlopen(file, RTLD_NOW);

@@ -27,52 +27,53 @@ struct InverseService::Server {
   std::atomic<int> open_socket = -1, connections = 0, unanswered = 0;
   std::thread thread;
 
-  mutable std::mutex mutex;  // of all below
-  Manner manner = Manner::kGood;
+  mutable std::mutex mutex;  // guards all members below
+  Behavior behavior = Behavior::kGood;
   std::vector<std::string> ids{"049D"};
   bool is_calibrated = true;
   Vec3d position, velocity, force;
   std::string grip_kind;
   Json grip;
-  std::vector<Json> heard;
+  std::vector<Json> received;
 
   Json arm(const std::string& id, bool whole) const {
     const auto vector = [](Vec3d v) { return Json{{"x", v.x}, {"y", v.y}, {"z", v.z}}; };
-    Json one{{"device_id", id}, {"state", {{"cursor_position", vector(position)}}}};
-    if (manner == Manner::kOmitting) return one;
-    one["state"]["cursor_velocity"] = vector(velocity);
-    one["state"]["control_mode"] = "idle";
-    one["state"]["transform"] = Json::object();
-    one["status"] = {{"calibrated", is_calibrated}, {"ready", true}};
-    if (whole) one["config"] = {{"type", id == "MINI" ? "minverse" : "inverse3"}, {"preset", "defaults"}};
-    if (manner == Manner::kHuge) one["state"]["cursor_position"]["x"] = 1000;
-    if (manner == Manner::kOtherTypes) one["state"]["cursor_position"] = {0.1, 0.2, 0.3};
-    return one;
+    Json state_json{{"device_id", id}, {"state", {{"cursor_position", vector(position)}}}};
+    if (behavior == Behavior::kOmitting) return state_json;
+    state_json["state"]["cursor_velocity"] = vector(velocity);
+    state_json["state"]["control_mode"] = "idle";
+    state_json["state"]["transform"] = Json::object();
+    state_json["status"] = {{"calibrated", is_calibrated}, {"ready", true}};
+    if (whole)
+      state_json["config"] = {{"type", id == "MINI" ? "minverse" : "inverse3"}, {"preset", "defaults"}};
+    if (behavior == Behavior::kHuge) state_json["state"]["cursor_position"]["x"] = 1000;
+    if (behavior == Behavior::kOtherTypes) state_json["state"]["cursor_position"] = {0.1, 0.2, 0.3};
+    return state_json;
   }
   std::string message(bool whole) const {
-    if (manner == Manner::kGarbage) return "{\"inverse3\": [ garbage";
-    if (manner == Manner::kBrokenText) return "{\"inverse3\": [ \xff";
-    if (manner == Manner::kNoNumber)
+    if (behavior == Behavior::kGarbage) return "{\"inverse3\": [ garbage";
+    if (behavior == Behavior::kBrokenText) return "{\"inverse3\": [ \xff";
+    if (behavior == Behavior::kNoNumber)
       return R"({"inverse3":[{"device_id":"049D","state":{"cursor_position":{"x":NaN,"y":0,"z":0}}}]})";
-    Json all{{"inverse3", Json::array()}};
-    if (whole) all["session_id"] = 7;
-    for (const std::string& id : ids) all["inverse3"].push_back(arm(id, whole));
-    if (!grip.is_null()) all[grip_kind] = {{{"device_id", "61548"}, {"state", grip}}};
-    return all.dump();
+    Json json{{"inverse3", Json::array()}};
+    if (whole) json["session_id"] = 7;
+    for (const std::string& id : ids) json["inverse3"].push_back(arm(id, whole));
+    if (!grip.is_null()) json[grip_kind] = {{{"device_id", "61548"}, {"state", grip}}};
+    return json.dump();
   }
-  /// Obeys what it knows and ignores the rest.
-  void obey(const std::string& text) {
+  /// Executes known commands and ignores the rest.
+  void execute(const std::string& text) {
     const Json command = Json::parse(text);
-    heard.push_back(command);
+    received.push_back(command);
     const Json::json_pointer path("/inverse3/0/commands/set_cursor_force/" + force_key);
     force = {};  // commands hold for one tick
     if (!command.contains(path)) return;
     const Json& f = command[path];
     force = {f["x"].get<double>(), f["y"].get<double>(), f["z"].get<double>()};
   }
-  Manner manner_now() const {
+  Behavior current_behavior() const {
     const std::lock_guard lock(mutex);
-    return manner;
+    return behavior;
   }
 
   void serve(asio::ip::tcp::socket socket) {
@@ -81,7 +82,7 @@ struct InverseService::Server {
     error_code error;
     stream.accept(error);
     connections++;
-    const auto tell = [&](bool whole) {
+    const auto send = [&](bool whole) {
       std::string text;
       {
         const std::lock_guard lock(mutex);
@@ -89,21 +90,21 @@ struct InverseService::Server {
       }
       stream.write(asio::buffer(text), error);
     };
-    tell(true);
+    send(true);
     while (!error && !stops) {
       beast::flat_buffer buffer;
       stream.read(buffer, error);
       if (error) break;
       {
         const std::lock_guard lock(mutex);
-        obey(beast::buffers_to_string(buffer.data()));
+        execute(beast::buffers_to_string(buffer.data()));
       }
       if (socket.available(error) > 0) unanswered++;
-      if (manner_now() == Manner::kLate) std::this_thread::sleep_for(std::chrono::milliseconds(60));
-      while (manner_now() == Manner::kSilent && !stops)
+      if (current_behavior() == Behavior::kLate) std::this_thread::sleep_for(std::chrono::milliseconds(60));
+      while (current_behavior() == Behavior::kSilent && !stops)
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      if (manner_now() == Manner::kHangsUp) break;
-      tell(false);
+      if (current_behavior() == Behavior::kHangsUp) break;
+      send(false);
     }
     open_socket = -1;
   }
@@ -131,9 +132,9 @@ InverseService::~InverseService() {
 
 std::string InverseService::address() const { return "127.0.0.1:" + std::to_string(server_->port); }
 
-void InverseService::set_manner(Manner manner) {
+void InverseService::set_behavior(Behavior behavior) {
   const std::lock_guard lock(server_->mutex);
-  server_->manner = manner;
+  server_->behavior = behavior;
 }
 void InverseService::set_arms(std::vector<std::string> ids) {
   const std::lock_guard lock(server_->mutex);
@@ -157,9 +158,9 @@ Vec3d InverseService::force() const {
   const std::lock_guard lock(server_->mutex);
   return server_->force;
 }
-std::vector<Json> InverseService::heard() const {
+std::vector<Json> InverseService::received() const {
   const std::lock_guard lock(server_->mutex);
-  return server_->heard;
+  return server_->received;
 }
 int InverseService::unanswered() const { return server_->unanswered; }
 int InverseService::connections() const { return server_->connections; }

@@ -1,5 +1,5 @@
-// In place of Haply's Inverse Service: a WebSocket server that speaks the JSON of its documents, around arms
-// that a test moves, and that misbehaves as it is told.
+// Replacement of Haply's Inverse Service: a WebSocket server with the documented JSON protocol. Tests move
+// its arms and make it misbehave.
 #pragma once
 
 #include <atomic>
@@ -13,37 +13,37 @@
 
 namespace turgor::test {
 
-enum class Manner {
+enum class Behavior {
   kGood,
   kGarbage,     // answers that are no JSON
-  kNoNumber,    // a place that is no number
-  kHuge,        // a place a kilometre away
-  kOtherTypes,  // JSON of other types than the documents say
-  kOmitting,    // all that may be left out is left out
+  kNoNumber,    // a position that is not a number
+  kHuge,        // a position one kilometer away
+  kOtherTypes,  // JSON of types that contradict the documentation
+  kOmitting,    // omits all optional fields
   kLate,        // answers after 60 ms
   kSilent,      // does not answer
-  kBrokenText,  // answers that are no UTF-8, which ends a connection
+  kBrokenText,  // answers that are no UTF-8, which ends the connection
   kHangsUp,     // ends the connection in the middle of a conversation
 };
 
 class InverseService {
  public:
-  /// Which spelling of a force it knows; it ignores others, as it ignores all that it does not know.
+  /// `force_key`: the spelling of the force command that the service accepts; unknown keys are ignored.
   explicit InverseService(std::string force_key = "vector");
   ~InverseService();
   std::string address() const;
 
-  void set_manner(Manner manner);
-  /// With an id each; an arm is calibrated or not.
+  void set_behavior(Behavior behavior);
+  /// Sets the identifiers of the connected arms.
   void set_arms(std::vector<std::string> ids);
   void set_calibrated(bool is_calibrated);
   void set_hand(Vec3d position, Vec3d velocity);
-  /// A state of a wireless_verse_grip, or of a verse_grip (which has one button).
+  /// Sets the state of a wireless_verse_grip, or of a verse_grip (with one button).
   void set_grip(const std::string& kind, const nlohmann::json& state);
 
-  Vec3d force() const;                        // last felt by the first arm [N]
-  std::vector<nlohmann::json> heard() const;  // all messages, from the first on
-  int unanswered() const;                     // commands that came before the last one was answered
+  Vec3d force() const;                           // last force at the first arm [N]
+  std::vector<nlohmann::json> received() const;  // all messages since the start
+  int unanswered() const;                        // commands that arrived before the previous one was answered
   int connections() const;
 
  private:

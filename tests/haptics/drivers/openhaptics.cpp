@@ -14,8 +14,8 @@
 namespace turgor::haptics {
 namespace {
 
-/// What the haptic thread sees, and what it is told to send.
-struct Felt {
+/// Last input of the haptic thread, and the output that it sends.
+struct HapticThread {
   std::mutex mutex;
   DeviceOutput output;
   DeviceInput input;
@@ -23,8 +23,8 @@ struct Felt {
   std::size_t allocations = 0;
 };
 
-void feel(void* context, const DeviceInput& input, DeviceOutput& output) {
-  Felt& haptic = *static_cast<Felt*>(context);
+void haptic_tick(void* context, const DeviceInput& input, DeviceOutput& output) {
+  HapticThread& haptic = *static_cast<HapticThread*>(context);
   const std::lock_guard lock(haptic.mutex);
   if (haptic.ticks == 0) haptic.allocations = test::allocations;
   haptic.input = input;
@@ -46,10 +46,10 @@ class HdArm : public testing::Test {
   }
   void run() {
     ASSERT_TRUE(open());
-    ASSERT_TRUE(device->start(feel, &haptic));
+    ASSERT_TRUE(device->start(haptic_tick, &haptic));
     wait(3);
   }
-  /// For this many ticks of the vendor's thread.
+  /// Waits for this many ticks of the vendor's thread.
   void wait(int ticks) {
     const int end = arm.ticks + ticks;
     for (int n = 0; n < 5000 && arm.ticks < end; n++)
@@ -63,46 +63,49 @@ class HdArm : public testing::Test {
     }
     wait(3);
   }
-  DeviceInput seen() {
+  DeviceInput last_input() {
     const std::lock_guard lock(haptic.mutex);
     return haptic.input;
   }
 
   FakeHd& arm = *test::fake<FakeHd>(FAKE_HD, "fake_hd");
   std::unique_ptr<OpenHaptics> device;
-  Felt haptic;
+  HapticThread haptic;
 };
 
-TEST_F(HdArm, a_force_is_felt_along_the_axes_of_the_device) {
+// Forces are converted to the axes of the device.
+TEST_F(HdArm, ForceIsMappedToArmAxes) {
   run();
   send({0.1, 0.2, 0.3});
-  // Ours: x right, y away, z up. Theirs: x right, y up, z towards the user.
+  // Workspace: x right, y away from the user, z up. Device: x right, y up, z towards the user.
   EXPECT_EQ(arm.force[0], 0.1);
   EXPECT_EQ(arm.force[1], 0.3);
   EXPECT_EQ(arm.force[2], -0.2);
   EXPECT_EQ(arm.forces_outside_frames, 0);
 }
 
-TEST_F(HdArm, what_the_hand_does_is_read_in_meters_and_our_axes) {
+// Position, velocity and rotation are converted to meters and to the axes of the workspace.
+TEST_F(HdArm, MotionIsMappedToWorkspaceAxes) {
   arm.transform[12] = 10, arm.transform[13] = 20, arm.transform[14] = 30;
-  // A quarter turn about x, as columns: y goes to z, z to -y.
+  // A quarter turn about x, as columns: y maps to z, z to -y.
   const double columns[9] = {1, 0, 0, 0, 0, 1, 0, -1, 0};
   for (std::size_t i = 0; i < 9; i++) arm.transform[i / 3 * 4 + i % 3] = columns[i];
   arm.velocity[1] = 250;
   arm.angular_velocity[2] = 3;
   arm.buttons = 2;
   run();
-  const DeviceInput input = seen();
+  const DeviceInput input = last_input();
   EXPECT_NEAR(norm(input.pose.position - Vec3d{0.01, -0.03, 0.02}), 0, 1e-15);
   EXPECT_NEAR(norm(input.velocity - Vec3d{0, 0, 0.25}), 0, 1e-15);
   EXPECT_EQ(input.angular_velocity, (Vec3d{0, -3, 0}));
   EXPECT_EQ(input.buttons, 2u);
   EXPECT_NEAR(norm(input.pose.axes.column[2] - Vec3d{0, -1, 0}), 0,
-              1e-15);  // what points up points at the user
+              1e-15);  // the stylus' z axis points at the user
   EXPECT_TRUE(contact::is_valid(input.pose));
 }
 
-TEST_F(HdArm, limits_are_those_that_the_device_tells_in_si_units) {
+// Limits reported by the device are converted to SI units and applied.
+TEST_F(HdArm, LimitsAreConvertedToSi) {
   run();
   EXPECT_EQ(device->spec().force, 3.3);
   EXPECT_NEAR(device->spec().stiffness, 400, 1e-9);
@@ -116,7 +119,8 @@ TEST_F(HdArm, limits_are_those_that_the_device_tells_in_si_units) {
   EXPECT_EQ(std::abs(arm.force[0]) + std::abs(arm.force[1]) + std::abs(arm.force[2]), 0);
 }
 
-TEST_F(HdArm, warm_motors_are_counted_and_the_hand_still_feels) {
+// Warnings such as warm motors are counted, and forces stay active.
+TEST_F(HdArm, WarningsAreCountedAndForcesStay) {
   run();
   for (int n = 0; n < 3; n++) {
     arm.next_error = 0x200;
@@ -126,12 +130,13 @@ TEST_F(HdArm, warm_motors_are_counted_and_the_hand_still_feels) {
   wait(3);
   EXPECT_EQ(device->trouble(), "");
   EXPECT_NE(device->remarks().find("warm motors (3 ticks)"), std::string::npos) << device->remarks();
-  EXPECT_NE(device->remarks().find("faster than it bears (1 ticks)"), std::string::npos);
+  EXPECT_NE(device->remarks().find("speed above the limit (1 ticks)"), std::string::npos);
   send({1, 0, 0});
   EXPECT_EQ(arm.force[0], 1);
 }
 
-TEST_F(HdArm, a_fault_ends_the_ticks_without_force_and_says_so) {
+// A fault sends zero force, ends the ticks and is reported.
+TEST_F(HdArm, FaultStopsForcesAndTicks) {
   run();
   send({1, 0, 0});
   ASSERT_EQ(arm.force[0], 1);
@@ -145,7 +150,8 @@ TEST_F(HdArm, a_fault_ends_the_ticks_without_force_and_says_so) {
   EXPECT_EQ(haptic.ticks, ticks);
 }
 
-TEST_F(HdArm, a_tick_whose_numbers_cannot_be_is_left_out_without_force) {
+// A tick with implausible input is skipped and sends zero force.
+TEST_F(HdArm, ImplausibleInputSkipsTick) {
   run();
   send({1, 0, 0});
   arm.transform[12] = std::nan("");
@@ -154,18 +160,19 @@ TEST_F(HdArm, a_tick_whose_numbers_cannot_be_is_left_out_without_force) {
   const int ticks = haptic.ticks;
   wait(5);
   EXPECT_EQ(haptic.ticks, ticks);
-  EXPECT_NE(device->remarks().find("cannot be"), std::string::npos);
+  EXPECT_NE(device->remarks().find("implausible position or speed"), std::string::npos);
   arm.transform[12] = 0;
   wait(3);
   EXPECT_EQ(arm.force[0], 1);
 }
 
-TEST_F(HdArm, a_tick_allocates_nothing) {
+// A tick allocates no memory.
+TEST_F(HdArm, TickAllocatesNothing) {
   run();
   wait(50);
   {
     const std::lock_guard lock(haptic.mutex);
-    haptic.ticks = 0;  // the next one counts anew
+    haptic.ticks = 0;  // the next tick restarts the count
   }
   wait(50);
   std::size_t counted = 0;
@@ -179,7 +186,8 @@ TEST_F(HdArm, a_tick_allocates_nothing) {
   EXPECT_EQ(haptic.allocations, counted);
 }
 
-TEST_F(HdArm, closing_lets_go_and_ends_the_thread) {
+// Closing sends zero force and ends the thread of the vendor.
+TEST_F(HdArm, CloseSendsZeroForceAndJoins) {
   run();
   send({1, 1, 1});
   device->close();
@@ -190,7 +198,8 @@ TEST_F(HdArm, closing_lets_go_and_ends_the_thread) {
   device->close();
 }
 
-TEST_F(HdArm, calibration_is_done_or_asked_for) {
+// Opening calibrates the device, or the error states what the user must do.
+TEST_F(HdArm, CalibratesOrAsksForCalibration) {
   arm.calibration = 0x5001;
   ASSERT_TRUE(open());
   EXPECT_EQ(arm.updates, 1);
@@ -198,12 +207,13 @@ TEST_F(HdArm, calibration_is_done_or_asked_for) {
   EXPECT_REFUSED(open({.patience = 0}), "put its stylus into the inkwell");
   EXPECT_FALSE(arm.is_open);
   arm.calibration = 0x5001;
-  arm.calibration_styles = 1;  // its encoders would be set to zero wherever it is
+  arm.calibration_styles = 1;  // calibration would reset the encoders at the current position
   EXPECT_REFUSED(open({.patience = 0}), "Touch Setup");
   EXPECT_EQ(arm.updates, 1);
 }
 
-TEST_F(HdArm, a_stylus_that_is_put_back_in_time_is_enough) {
+// Opening waits until the stylus is in the inkwell.
+TEST_F(HdArm, WaitsForInkwellCalibration) {
   arm.calibration = 0x5002;
   std::thread hand([this] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
@@ -214,9 +224,10 @@ TEST_F(HdArm, a_stylus_that_is_put_back_in_time_is_enough) {
   EXPECT_TRUE(opened);
 }
 
-TEST_F(HdArm, what_hinders_it_from_opening_is_told) {
+// Errors of the vendor's library are explained when opening fails.
+TEST_F(HdArm, OpenErrorsAreExplained) {
   arm.init_error = 0x301;
-  EXPECT_REFUSED(open(), "another program holds the device");
+  EXPECT_REFUSED(open(), "another program uses the device");
   arm.init_error = 0x302;
   EXPECT_REFUSED(open(), "check cable and power");
   arm.init_error = 0;
@@ -224,7 +235,8 @@ TEST_F(HdArm, what_hinders_it_from_opening_is_told) {
   EXPECT_REFUSED(open(), "expected a largest force", "nan");
 }
 
-TEST(OpenHaptics, what_is_missing_is_named) {
+// A missing or wrong library is named in the error.
+TEST(OpenHaptics, MissingLibraryIsNamed) {
   EXPECT_REFUSED(OpenHaptics({.library = "/nowhere/libHD.so"}).open(), "/nowhere/libHD.so",
                  "install 3D Systems OpenHaptics");
   EXPECT_REFUSED(OpenHaptics({.library = FAKE_DRD}).open(), "lacks the function hdInitDevice");

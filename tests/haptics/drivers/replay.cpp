@@ -17,7 +17,8 @@ Result<std::vector<PoseRow>> read(const std::string& text) {
   return read_poses(file);
 }
 
-TEST(Replay, columns_may_come_in_any_order_and_comments_between_rows) {
+// Columns may have any order, and comments may separate rows.
+TEST(Replay, ColumnsHaveAnyOrder) {
   const auto rows =
       read("# a hand\nbuttons; z_m; time_s; x_m; y_m\n3; 0.01; 0; 0.02; 0.03\n\n# later\n0; 0; 1.5; 0; 0\n");
   ASSERT_TRUE(rows) << rows.error().message;
@@ -27,7 +28,8 @@ TEST(Replay, columns_may_come_in_any_order_and_comments_between_rows) {
   EXPECT_EQ((*rows)[1].time, 1.5);
 }
 
-TEST(Replay, between_two_rows_the_hand_moves_and_turns_evenly) {
+// Position and rotation are interpolated linearly between two rows.
+TEST(Replay, PosesAreInterpolated) {
   // A quarter turn about z and 40 mm along x, in half a second.
   const auto rows = read(
       "time_s,x_m,y_m,z_m,qw,qx,qy,qz,grip,buttons\n1,0,0,0,1,0,0,0,0,1\n1.5,0.04,0,0,0.70710678,0,0,0."
@@ -45,17 +47,18 @@ TEST(Replay, between_two_rows_the_hand_moves_and_turns_evenly) {
   EXPECT_NEAR(pose_at(*rows, 9).pose.position.x, 0.04, 1e-12);
 }
 
-TEST(Replay, a_bad_file_is_refused_with_line_and_what_was_found) {
+// An error in the file is reported with its line and the value that was found.
+TEST(Replay, BadLineIsLocated) {
   const std::string head = "time_s,x_m,y_m,z_m\n";
   EXPECT_REFUSED(read(head + "0,0,0,0\n1,0,zero,0\n"), "hand.csv:3", "1,0,zero,0");
   EXPECT_REFUSED(read(head + "0,0,0\n"), "hand.csv:2", "expected 4 numbers", "found 3");
   EXPECT_REFUSED(read(head + "0,0,0,0\n0,0,0,0\n"), "hand.csv:3", "after 0 s", "found 0 s");
-  EXPECT_REFUSED(read(head + "0,120,0,0\n"), "hand.csv:2", "in metres", "120");
+  EXPECT_REFUSED(read(head + "0,120,0,0\n"), "hand.csv:2", "in meters", "120");
   EXPECT_REFUSED(read(head + "0,nan,0,0\n"), "hand.csv:2");
   EXPECT_REFUSED(read(head), "hand.csv", "found none");
   EXPECT_REFUSED(read("0,0,0,0\n"), "hand.csv", "time_s is missing");
   EXPECT_REFUSED(read("time_s,x_mm,y_m,z_m\n0,0,0,0\n"), "x_m, y_m", "found \"x_mm\"");
-  EXPECT_REFUSED(read("time_s,x_m,x_m,y_m,z_m\n0,0,0,0,0\n"), "x_m is there twice");
+  EXPECT_REFUSED(read("time_s,x_m,x_m,y_m,z_m\n0,0,0,0,0\n"), "x_m is given twice");
   EXPECT_REFUSED(read("time_s,x_m,y_m,z_m,qw\n0,0,0,0,1\n"), "all of qw, qx, qy, qz");
   EXPECT_REFUSED(read("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"), "hand.csv:2", "length 1",
                  "length 0");
@@ -64,7 +67,8 @@ TEST(Replay, a_bad_file_is_refused_with_line_and_what_was_found) {
   EXPECT_REFUSED(read_poses("/nowhere/hand.csv"), "/nowhere/hand.csv");
 }
 
-TEST(Replay, time_runs_from_the_first_exchange_on_and_any_force_is_borne) {
+// Time starts at the first exchange, and forces are not limited.
+TEST(Replay, TimeStartsAtFirstExchange) {
   const fs::path file = test::fresh_folder() / "hand.csv";
   test::write(file, "time_s,x_m,y_m,z_m\n5,0,0,0\n5.1,0.1,-0.05,0\n");
   Result<std::unique_ptr<Device>> device = open_device("replay", {.file = file});
@@ -85,7 +89,8 @@ TEST(Replay, time_runs_from_the_first_exchange_on_and_any_force_is_borne) {
   EXPECT_NE((*device)->trouble(), "");
 }
 
-TEST(Replay, without_a_file_says_what_it_expects) { EXPECT_REFUSED(open_device("replay"), "file of poses"); }
+// Without a file the error states that a file of poses is expected.
+TEST(Replay, MissingFileOptionIsExplained) { EXPECT_REFUSED(open_device("replay"), "file of poses"); }
 
 }  // namespace
 }  // namespace turgor::haptics

@@ -1,5 +1,4 @@
-// In place of Force Dimension's libdrd: the functions that its documentation declares, around an arm that a
-// test moves.
+// Replacement of Force Dimension's libdrd: its documented functions around an arm that a test moves.
 #include "haptics/fakes/fake_drd.hpp"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
-// What a test sets and sees of the fake of Force Dimension's library.
+// State of the fake of Force Dimension's library, set and read by tests.
 #pragma once
 
 struct FakeDrd {
-  // The arm, in its own frame: x towards the user, y right, z up [m] [m/s] [rad/s].
+  // State of the arm in its own frame: x towards the user, y right, z up [m] [m/s] [rad/s].
   int device_count = 1, type = 33;
   bool has_wrist = false, has_active_wrist = false, has_gripper = false;
   bool is_initialized = true, is_supported = true;
@@ -14,9 +14,9 @@ struct FakeDrd {
   bool is_unplugged = false;  // every call fails
   int connected = 1, reset = 0, forces_off_cause = 0;
 
-  // What the driver did.
+  // Calls of the driver.
   double force[3] = {0, 0, 0}, torque[3] = {0, 0, 0}, gripper_force = 0;  // last sent
-  double largest_force = 0;                                               // ever sent [N]
+  double largest_force = 0;                                               // maximum of all sent [N]
   bool is_open = false, are_forces_on = false, has_gravity_compensation = false;
   int opened_id = -1, auto_inits = 0, watchdog = 0, velocity_thresholds = 0, forces_sent = 0;
   double max_force = -1;

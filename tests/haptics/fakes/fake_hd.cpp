@@ -1,5 +1,5 @@
-// In place of 3D Systems' libHD: the functions that its documentation declares, a scheduler of 1 kHz, and an
-// arm that a test moves.
+// Replacement of 3D Systems' libHD: its documented functions, a scheduler of 1 kHz and an arm that a test
+// moves.
 #include "haptics/fakes/fake_hd.hpp"
 
 #include <algorithm>

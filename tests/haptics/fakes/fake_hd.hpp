@@ -1,12 +1,13 @@
-// What a test sets and sees of the fake of 3D Systems' HDAPI. Its scheduler is a thread: all of it is atomic.
+// State of the fake of 3D Systems' HDAPI, set and read by tests. All members are atomic, because the
+// scheduler is a thread.
 #pragma once
 
 #include <array>
 #include <atomic>
 
 struct FakeHd {
-  // The arm, in its own frame and units: x right, y up, z towards the user [mm] [mm/s] [rad/s].
-  std::array<std::atomic<double>, 16> transform{};  // by columns, as OpenGL has it
+  // State of the arm in its own frame and units: x right, y up, z towards the user [mm] [mm/s] [rad/s].
+  std::array<std::atomic<double>, 16> transform{};  // column-major, as in OpenGL
   std::array<std::atomic<double>, 3> velocity{}, angular_velocity{};
   std::atomic<int> buttons = 0;
   std::atomic<unsigned> calibration = 0x5000;
@@ -14,9 +15,9 @@ struct FakeHd {
   std::atomic<unsigned> init_error = 0, next_error = 0;
   std::atomic<double> max_force = 3.3;  // [N]
 
-  // What the driver did.
+  // Calls of the driver.
   std::array<std::atomic<double>, 3> force{};  // last sent [N]
-  std::atomic<double> largest_force = 0;       // ever sent [N]
+  std::atomic<double> largest_force = 0;       // maximum of all sent [N]
   std::atomic<double> force_when_disabled = -1;
   std::atomic<int> forces_outside_frames = 0, ticks = 0, updates = 0;
   std::atomic<bool> is_open = false, is_running = false, is_force_on = false;

@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 const Exec kExec(2);
 
-TEST(Dicom, GivesBackAnObliqueAnisotropicCt) {
+// A CT with oblique axes and anisotropic spacing is read back with samples, grid and patient.
+TEST(Dicom, ObliqueCtRoundTrips) {
   const Series s;
   double last = 0;
   const auto read = read_ct(kExec, s.path, {"", [&](double fraction) { last = std::max(last, fraction); }});
@@ -30,12 +31,14 @@ TEST(Dicom, GivesBackAnObliqueAnisotropicCt) {
   EXPECT_DOUBLE_EQ(last, 1);
 }
 
-TEST(Dicom, TheSameVolumeGivesTheSameFiles) {
+// Writing the same volume twice gives the same bytes.
+TEST(Dicom, WritingIsDeterministic) {
   const Series a, b;
   for (int number = 1; number <= 6; number++) EXPECT_EQ(bytes_of(a.slice(number)), bytes_of(b.slice(number)));
 }
 
-TEST(Dicom, ReadsTheSameBitsOnAnyNumberOfThreads) {
+// One thread and eight threads read the same volume.
+TEST(Dicom, ReadingIsIndependentOfThreadCount) {
   const Series s;
   const auto one = read_ct(Exec(1), s.path), eight = read_ct(Exec(8), s.path);
   ASSERT_TRUE(one && eight);
@@ -43,7 +46,8 @@ TEST(Dicom, ReadsTheSameBitsOnAnyNumberOfThreads) {
   EXPECT_EQ(one->ct.grid, eight->ct.grid);
 }
 
-TEST(Dicom, OneFileStandsForItsSeries) {
+// The path of one slice reads the whole series of that slice.
+TEST(Dicom, OneFileSelectsItsSeries) {
   const Series s;
   const Series other(4);
   fs::copy(other.slice(2), s.path / "other.dcm");
@@ -52,7 +56,8 @@ TEST(Dicom, OneFileStandsForItsSeries) {
   EXPECT_EQ(read->ct.samples, s.ct.samples);
 }
 
-TEST(Dicom, SlopeAndInterceptScaleAndNanOrZeroDoNot) {
+// Slope and intercept scale the samples; a slope of NaN, zero or text is ignored.
+TEST(Dicom, AppliesSlopeAndIntercept) {
   const Series s;
   s.set_every(0x28, 0x1053, "2");
   s.set_every(0x28, 0x1052, "-1024");
@@ -67,7 +72,8 @@ TEST(Dicom, SlopeAndInterceptScaleAndNanOrZeroDoNot) {
   }
 }
 
-TEST(Dicom, EmptySeriesIdentifiersAreOneSeries) {
+// Slices without a series identifier form one series.
+TEST(Dicom, EmptySeriesIdsAreOneSeries) {
   const Series s;
   s.set_every(0x20, 0x0e, "");
   const auto read = s.read();
@@ -75,7 +81,8 @@ TEST(Dicom, EmptySeriesIdentifiersAreOneSeries) {
   EXPECT_EQ(read->ct.samples, s.ct.samples);
 }
 
-TEST(Dicom, SeveralSeriesAreListedAndChosen) {
+// Several series in a folder are listed; one is selected by its number or UID.
+TEST(Dicom, SeriesIsSelectedByNumberOrUid) {
   const Series s;
   ASSERT_TRUE(write_dicom(kExec, s.path / "second", make_ct(3), patient_alone("Test^Patient")));
   EXPECT_REFUSED(s.read(), "2 series", "--series", "6 slices of 9 x 7", "3 slices of 9 x 7", "Turgor volume",
@@ -88,7 +95,8 @@ TEST(Dicom, SeveralSeriesAreListedAndChosen) {
   EXPECT_REFUSED(s.read("3"), "no series \"3\"", "2.25.");
 }
 
-TEST(Dicom, MissingSlicesAreNamedByGapAndPlace) {
+// The error for missing slices states their count, the files beside the gap and its size.
+TEST(Dicom, MissingSlicesAreLocated) {
   const Series s;
   fs::remove(s.slice(4));
   EXPECT_REFUSED(s.read(), "missing slices: 1", "slice-00003.dcm", "slice-00005.dcm", "2.50 mm", "1.25 mm");
@@ -96,21 +104,23 @@ TEST(Dicom, MissingSlicesAreNamedByGapAndPlace) {
   EXPECT_REFUSED(s.read(), "missing slices: 2", "slice-00002.dcm", "slice-00005.dcm", "3.75 mm");
 }
 
-TEST(Dicom, DoubledPositionsAreRefused) {
+// Two slices at the same position are rejected.
+TEST(Dicom, RejectsDuplicatePositions) {
   const Series s;
   fs::copy(s.slice(4), s.path / "again.dcm");
   EXPECT_REFUSED(s.read(), "same position", "slice-00004.dcm", "again.dcm");
 }
 
-TEST(Dicom, AUnevenDistanceIsRefused) {
+// Slices at uneven distances are rejected.
+TEST(Dicom, RejectsUnevenSpacing) {
   const Series s;
   const Vec3d moved = point_at(s.ct.grid, {0, 0, 2.4}) * 1e3;
   set_value(s.slice(3), 0x20, 0x32,
             std::to_string(moved.x) + "\\" + std::to_string(moved.y) + "\\" + std::to_string(moved.z));
-  EXPECT_REFUSED(s.read(), "uneven distance", "slice-00003.dcm", "1.25 mm");
+  EXPECT_REFUSED(s.read(), "uneven slice distance", "slice-00003.dcm", "1.25 mm");
 }
 
-/// Moves every slice in its plane, by so many millimetres a slice along its rows and columns.
+/// Shifts every slice in its plane by the given millimeters per slice, along its rows and columns.
 void shear(const Series& s, int slices, double along_rows, double along_columns) {
   for (int number = 1; number <= slices; number++) {
     const Mat3d& axes = s.ct.grid.axes;
@@ -121,21 +131,23 @@ void shear(const Series& s, int slices, double along_rows, double along_columns)
   }
 }
 
-TEST(Dicom, GantryTiltIsRefusedWithItsAngleAndWithWhatResamplesIt) {
+// Gantry tilt is rejected; the error states the angle and the option that resamples it.
+TEST(Dicom, RejectsGantryTilt) {
   const Series s;
   shear(s, 6, 0, 1.25 * std::tan(18.5 * M_PI / 180));
   EXPECT_REFUSED(s.read(), "gantry tilt of 18.5 degrees", "turgor import --straighten");
 }
 
-TEST(Dicom, SlicesShiftedByWholePixelsAreStraightenedToTheBit) {
+// Straightening slices that are shifted by whole pixels keeps every sample exactly.
+TEST(Dicom, StraightensWholePixelShiftsExactly) {
   for (const int down : {1, -2}) {
     const Series s;
-    shear(s, 6, -0.75, 0.5 * down);  // a pixel to the right and `down` pixels
+    shear(s, 6, -0.75, 0.5 * down);  // one pixel to the right and `down` pixels
     const auto read = read_ct(kExec, s.path, {"", {}, true});
     ASSERT_TRUE(read) << read.error().message;
     const Grid& grid = read->ct.grid;
     EXPECT_EQ(grid.size, (Int3{9 + 5, 7 + 5 * std::abs(down), 6}));
-    const Vec3d first = index_at(grid, s.ct.grid.origin);  // where the first slice begins
+    const Vec3d first = index_at(grid, s.ct.grid.origin);  // index of the origin of the first slice
     for (int k = 0; k < 6; k++)
       for (int j = 0; j < 7; j++)
         for (int i = 0; i < 9; i++)
@@ -149,12 +161,13 @@ TEST(Dicom, SlicesShiftedByWholePixelsAreStraightenedToTheBit) {
   }
 }
 
-TEST(Dicom, WhatIsLinearInSpaceIsTheSameAfterAnyTilt) {
+// A field that is linear in space survives straightening of any tilt.
+TEST(Dicom, StraighteningReproducesLinearField) {
   Series s;
-  const Vec3d slope{31, -47, 23};  // HU a millimetre, along the CT's axes
+  const Vec3d slope{31, -47, 23};  // HU per millimeter, along the CT's axes
   for (int k = 0; k < 6; k++)
     for (int j = 0; j < 7; j++)
-      for (int i = 0; i < 9; i++)  // as the sheared slices will lie
+      for (int i = 0; i < 9; i++)  // at the positions of the sheared slices
         s.ct.at(i, j, k) = std::int16_t(std::lround(slope.x * (0.75 * i + 0.31 * k) +
                                                     slope.y * (0.5 * j + 0.43 * k) + slope.z * 1.25 * k));
   fs::remove_all(s.path);
@@ -175,16 +188,18 @@ TEST(Dicom, WhatIsLinearInSpaceIsTheSameAfterAnyTilt) {
   EXPECT_GT(inside, 250);
 }
 
-TEST(Dicom, SlicesThatLeanUnevenlyAreRefusedEvenSo) {
+// Straightening rejects slices whose origins do not lie on one line.
+TEST(Dicom, StraighteningRejectsUnevenShear) {
   const Series s;
   shear(s, 6, 0, 0.42);
   const Vec3d p = point_at(s.ct.grid, {0, 0, 2}) * 1e3;
   set_value(s.slice(3), 0x20, 0x32,
             std::to_string(p.x) + "\\" + std::to_string(p.y) + "\\" + std::to_string(p.z));
-  EXPECT_REFUSED(read_ct(kExec, s.path, {"", {}, true}), "slice-00003.dcm", "beside the line");
+  EXPECT_REFUSED(read_ct(kExec, s.path, {"", {}, true}), "slice-00003.dcm", "off the line");
 }
 
-TEST(Dicom, ASliceOfAnotherOrientationSizeOrPixelIsRefusedByName) {
+// A slice with another orientation, size or pixel spacing is rejected and named.
+TEST(Dicom, InconsistentSliceIsNamed) {
   {
     const Series s;
     set_value(s.slice(5), 0x20, 0x37, "1\\0\\0\\0\\1\\0");
@@ -202,7 +217,8 @@ TEST(Dicom, ASliceOfAnotherOrientationSizeOrPixelIsRefusedByName) {
   }
 }
 
-TEST(Dicom, LocalizersOfTheSeriesAreLeftOutAndNoted) {
+// Localizers of the series are skipped with a note.
+TEST(Dicom, LocalizersAreSkippedWithNote) {
   const Series s;
   fs::copy(s.slice(1), s.path / "scout.dcm");
   set_value(s.path / "scout.dcm", 0x20, 0x37, "1\\0\\0\\0\\0\\-1");
@@ -214,13 +230,14 @@ TEST(Dicom, LocalizersOfTheSeriesAreLeftOutAndNoted) {
   EXPECT_NE(read->notes[0].find("1 localizer"), std::string::npos);
 }
 
-TEST(Dicom, WhatIsNoCtIsRefused) {
+// Images that are no CT, or that lack a valid position, orientation or spacing, are rejected.
+TEST(Dicom, RejectsNonCtImages) {
   const struct {
     std::uint16_t group, element;
     const char* value;
     const char* word;
   } cases[] = {{0x08, 0x60, "MR", "Modality is \"MR\""},
-               {0x28, 0x04, "RGB", "colour"},
+               {0x28, 0x04, "RGB", "color"},
                {0x20, 0x32, "", "ImagePositionPatient"},
                {0x20, 0x32, "1\\2\\nan", "ImagePositionPatient"},
                {0x20, 0x37, "1\\0\\0\\1\\0\\0", "ImageOrientationPatient"},
@@ -232,7 +249,8 @@ TEST(Dicom, WhatIsNoCtIsRefused) {
   }
 }
 
-TEST(Dicom, TruncatedAndCorruptFilesAreNamed) {
+// A truncated slice is rejected and named.
+TEST(Dicom, TruncatedSliceIsNamed) {
   const Series s;
   const std::string whole = bytes_of(s.slice(2));
   for (const std::size_t kept : {whole.size() - 1, whole.size() - 100, std::size_t{400}, std::size_t{200}}) {
@@ -243,7 +261,8 @@ TEST(Dicom, TruncatedAndCorruptFilesAreNamed) {
 
 const fs::path kCorpus = fs::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "ct";
 
-TEST(Dicom, EveryTransferSyntaxGivesTheSameSamples) {
+// Every transfer syntax gives the same samples.
+TEST(Dicom, TransferSyntaxesGiveSameSamples) {
   const std::filesystem::path folder = fresh_folder();
   std::vector<std::int16_t> first;
   for (const char* name : {"explicit.dcm", "implicit.dcm", "rle.dcm", "jpeg.dcm", "jpegls.dcm", "j2k.dcm"}) {
@@ -257,14 +276,15 @@ TEST(Dicom, EveryTransferSyntaxGivesTheSameSamples) {
   }
 }
 
-TEST(Dicom, ADamagedCompressedImageEndsInASentence) {
+// A damaged or truncated compressed image gives an error message.
+TEST(Dicom, RejectsDamagedCompressedImage) {
   for (const char* name : {"rle.dcm", "jpeg.dcm", "jpegls.dcm", "j2k.dcm"}) {
     const std::filesystem::path folder = fresh_folder();
     std::string bytes = bytes_of(kCorpus / name);
     const std::size_t pixels = bytes.find(std::string("\xe0\x7f\x10\0", 4), 132);
     ASSERT_NE(pixels, std::string::npos);
     for (std::size_t at = pixels + 28; at < pixels + 60; at++)
-      bytes[at] = char(0xa5);  // the head of the code
+      bytes[at] = char(0xa5);  // head of the compressed stream
     write(folder / name, bytes);
     EXPECT_REFUSED(read_ct(kExec, folder / name), name, "decoded");
     write(folder / name, bytes.substr(0, bytes.size() - 20));
@@ -272,10 +292,11 @@ TEST(Dicom, ADamagedCompressedImageEndsInASentence) {
   }
 }
 
+// Samples with the padding value become air.
 TEST(Dicom, PaddingBecomesAir) {
   const Series s;
-  // PixelPaddingValue behind PixelRepresentation (0028,0103), which is the last of its group below
-  // (0028,1050)
+  // PixelPaddingValue follows PixelRepresentation (0028,0103), the last element of its group below
+  // (0028,1050).
   const std::int16_t pad = s.ct.samples[4];
   for (int number = 1; number <= 6; number++) {
     std::string bytes = bytes_of(s.slice(number));
@@ -290,7 +311,8 @@ TEST(Dicom, PaddingBecomesAir) {
     EXPECT_EQ(read->ct.samples[n], s.ct.samples[n] == pad ? kAirHu : s.ct.samples[n]);
 }
 
-TEST(Dicom, PaddingAndClampedSamplesAreCounted) {
+// Notes count the samples that became air and those that were clamped.
+TEST(Dicom, PaddingAndClampingAreCounted) {
   const Series s;
   for (int number = 1; number <= 6; number++) {
     std::string bytes = bytes_of(s.slice(number));
@@ -315,53 +337,60 @@ TEST(Dicom, PaddingAndClampedSamplesAreCounted) {
       std::count_if(s.ct.samples.begin(), s.ct.samples.end(), [](int hu) { return hu > 1638 || hu < -2000; });
   const auto scaled = s.read();
   ASSERT_TRUE(scaled) << scaled.error().message;
-  ASSERT_EQ(scaled->notes.size(), 3u);  // the third doubts that these are Hounsfield units
-  EXPECT_TRUE(scaled->notes[1].starts_with(std::to_string(clamped) + " samples lay outside"))
+  ASSERT_EQ(scaled->notes.size(), 3u);  // the third note reports implausible Hounsfield units
+  EXPECT_TRUE(scaled->notes[1].starts_with(std::to_string(clamped) +
+                                           " samples outside -32768 to 32767 HU were clamped"))
       << scaled->notes[1];
 }
 
-TEST(Dicom, AScaleThatIsNoWholeNumberIsNoted) {
+// A note reports rounding if the slope is not a whole number.
+TEST(Dicom, FractionalSlopeIsNoted) {
   const Series s;
   s.set_every(0x28, 0x1053, "0.5");
   const auto read = s.read();
   ASSERT_TRUE(read) << read.error().message;
   ASSERT_EQ(read->notes.size(), 1u);
-  EXPECT_NE(read->notes[0].find("rounded to whole Hounsfield units: RescaleSlope 0.5"), std::string::npos)
+  EXPECT_NE(read->notes[0].find("rounded to integer Hounsfield units: RescaleSlope 0.5"), std::string::npos)
       << read->notes[0];
 }
 
-TEST(Dicom, ValuesThatDoNotStartAtTheLowestBitAreRefused) {
+// Samples that do not start at the lowest bit are rejected.
+TEST(Dicom, RejectsShiftedHighBit) {
   const Series s;
-  s.set_every(0x28, 0x101, std::string("\x0c\0", 2));  // 12 bits, from bit 15 down
+  s.set_every(0x28, 0x101, std::string("\x0c\0", 2));  // 12 bits, from bit 15 downwards
   EXPECT_REFUSED(s.read(), "HighBit (0028,0102) is 15 with 12 bits stored", "expected 11");
 }
 
-TEST(Dicom, CompressedPixelsOfAnotherSizeThanTheHeaderSaysAreRefusedBeforeTheyAreDecoded) {
+// Compressed pixels whose size contradicts the header are rejected before they are decoded.
+TEST(Dicom, ChecksCompressedSizeBeforeDecoding) {
   for (const char* name : {"jpeg.dcm", "jpegls.dcm", "j2k.dcm"}) {
     const fs::path file = fresh_folder() / name;
     fs::copy(kCorpus / name, file);
     set_value(file, 0x28, 0x10, std::string("\x0f\0", 2));
-    EXPECT_REFUSED(read_ct(kExec, file), name, "16 x 15", "compressed pixels say 16 x 16");
+    EXPECT_REFUSED(read_ct(kExec, file), name, "16 x 15", "compressed pixels 16 x 16");
     set_value(file, 0x28, 0x10, std::string("\x30\x75", 2));
     set_value(file, 0x28, 0x11, std::string("\x30\x75", 2));
     EXPECT_REFUSED(read_ct(kExec, file), name, "30000 x 30000 pixels", "at most 67108864");
   }
 }
 
-TEST(Dicom, AFolderWithoutImagesIsRefused) {
+// A folder without DICOM images is rejected.
+TEST(Dicom, RejectsFolderWithoutImages) {
   const std::filesystem::path folder = fresh_folder();
   write(folder / "notes.txt", "nothing to see");
   EXPECT_REFUSED(read_ct(kExec, folder / ""), "no DICOM images among 1 files");
 }
 
-TEST(Dicom, OtherFilesBesideTheSlicesDoNotMatter) {
+// Other files beside the slices do not disturb reading.
+TEST(Dicom, IgnoresOtherFiles) {
   const Series s;
   write(s.path / "README.txt", "a CT");
   write(s.path / "DICOMDIR", "");
   EXPECT_TRUE(s.read());
 }
 
-TEST(Dicom, AFolderThatIsNotEmptyIsNotWrittenInto) {
+// A series is written only into a new or empty folder.
+TEST(Dicom, WritesOnlyIntoEmptyFolder) {
   const Series s;
   EXPECT_REFUSED(write_dicom(kExec, s.path, s.ct, {}), "not an empty folder");
   fs::create_directory(s.folder / "empty");

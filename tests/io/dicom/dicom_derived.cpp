@@ -1,4 +1,4 @@
-// A series that was made of another: what viewers go by to open both beside each other.
+// Derived DICOM series: the elements by which viewers associate it with its source.
 #include "tests/io/dicom/dicom_series.hpp"
 
 namespace turgor {
@@ -21,7 +21,7 @@ struct Derived {
   Series source;
   fs::path path;
 
-  /// The source's patient, on slices twice as thick.
+  /// A series of the source's patient with slices that are twice as thick.
   Derived() : path(source.folder / "derived") {
     source.set_every(0x0008, 0x0020, "20261122");
     source.set_every(0x0010, 0x0020, "4711");
@@ -38,7 +38,8 @@ struct Derived {
   fs::path slice(int number) const { return path / ("slice-0000" + std::to_string(number) + ".dcm"); }
 };
 
-TEST(DicomDerived, KeepsPatientStudyAndFrameOfReferenceAndIsASeriesOfItsOwn) {
+// A derived series keeps patient, study and frame of reference and gets its own series UID.
+TEST(DicomDerived, KeepsPatientStudyAndFrameOfReference) {
   const Derived d;
   const io::DicomElements source = elements_of(d.source.slice(1)), derived = elements_of(d.slice(1));
   for (const auto& [group, element] :
@@ -52,7 +53,8 @@ TEST(DicomDerived, KeepsPatientStudyAndFrameOfReferenceAndIsASeriesOfItsOwn) {
   EXPECT_TRUE(derived.value(0x0008, 0x0008).starts_with("DERIVED"));
 }
 
-TEST(DicomDerived, EverySliceNamesTheNearestImageOfItsSource) {
+// Every derived slice references the nearest image of its source.
+TEST(DicomDerived, SlicesReferenceNearestSource) {
   const Derived d;
   for (int k = 0; k < 3; k++) {  // at 0.4, 2.4 and 4.4 slices of the source
     const std::string bytes = bytes_of(d.slice(k + 1));
@@ -64,11 +66,12 @@ TEST(DicomDerived, EverySliceNamesTheNearestImageOfItsSource) {
   }
 }
 
-TEST(DicomDerived, IsReadAgainAndChosenBesideItsSource) {
+// A derived series in the folder of its source is listed and can be selected.
+TEST(DicomDerived, ReadableBesideSource) {
   const Derived d;
   for (const auto& entry : fs::directory_iterator(d.path))
     fs::copy(entry.path(), d.source.path / ("derived-" + entry.path().filename().string()));
-  EXPECT_REFUSED(d.source.read(), "Turgor: deformed");  // two series: choose one
+  EXPECT_REFUSED(d.source.read(), "Turgor: deformed");  // two series: one must be selected
   const Result<CtFile> first = d.source.read("1"), second = d.source.read("2");
   ASSERT_TRUE(first && second);
   const CtFile& derived = first->ct.grid.size.z == 3 ? *first : *second;

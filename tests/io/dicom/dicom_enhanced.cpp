@@ -48,7 +48,8 @@ void transcode(const fs::path& file, gdcm::TransferSyntax::TSType syntax) {
   ASSERT_TRUE(writer.Write());
 }
 
-TEST(DicomEnhanced, BigEndianAndDeflatedFilesGiveTheSameVolume) {
+// Big-endian and deflated files give the same volume.
+TEST(DicomEnhanced, BigEndianAndDeflatedGiveSameVolume) {
   using gdcm::TransferSyntax;
   for (const TransferSyntax::TSType syntax :
        {TransferSyntax::ExplicitVRBigEndian, TransferSyntax::DeflatedExplicitVRLittleEndian}) {
@@ -65,12 +66,13 @@ TEST(DicomEnhanced, BigEndianAndDeflatedFilesGiveTheSameVolume) {
   }
 }
 
-TEST(DicomEnhanced, ADeflatedFileThatIsCutShortOrDamagedIsNamed) {
+// A truncated deflated file is rejected and named; a damaged one does not crash the reader.
+TEST(DicomEnhanced, DamagedDeflatedFileIsNamed) {
   const Series s;
   transcode(s.slice(4), gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian);
   const std::string whole = test::bytes_of(s.slice(4));
   for (std::size_t kept = whole.size() - 16; kept > 200;
-       kept -= std::min<std::size_t>(kept, 97)) {  // not the checksum
+       kept -= std::min<std::size_t>(kept, 97)) {  // keeps the checksum out of the truncation
     test::write(s.slice(4), whole.substr(0, kept));
     EXPECT_REFUSED(s.read(), "slice-00004.dcm");
   }
@@ -78,11 +80,11 @@ TEST(DicomEnhanced, ADeflatedFileThatIsCutShortOrDamagedIsNamed) {
     std::string damaged = whole;
     damaged[at] = char(damaged[at] ^ 0x5a);
     test::write(s.slice(4), damaged);
-    (void)s.read();  // a volume or a sentence
+    (void)s.read();  // gives a volume or an error
   }
 }
 
-/// Elements of a data set that is being written.
+/// Builder for the elements of a data set.
 struct Writing {
   gdcm::DataSet set;
 
@@ -151,11 +153,11 @@ gdcm::DataSet scale(double slope, double intercept) {
 
 struct Enhanced {
   CtVolume ct = test::make_ct();
-  std::vector<int> order{3, 0, 5, 1, 4, 2};  // of slices in the file
+  std::vector<int> order{3, 0, 5, 1, 4, 2};  // slice index of each frame in the file
   gdcm::TransferSyntax::TSType syntax = gdcm::TransferSyntax::ExplicitVRLittleEndian;
   int said_frames = 6;
 
-  /// Samples of odd frames are stored as twice what they are.
+  /// Writes the file. Samples of odd frames are stored with twice their value.
   void write(const fs::path& file) const {
     Writing image;
     image.text(0x0008, 0x0016, VR::UI, "1.2.840.10008.5.1.4.1.1.2.1");
@@ -206,7 +208,8 @@ struct Enhanced {
   }
 };
 
-TEST(DicomEnhanced, FramesInAnyOrderMakeTheVolumeWithEachFramesScale) {
+// Frames in any order are sorted by position, and each is scaled by its own slope.
+TEST(DicomEnhanced, FramesAreSortedAndScaled) {
   using gdcm::TransferSyntax;
   for (const TransferSyntax::TSType syntax :
        {TransferSyntax::ExplicitVRLittleEndian, TransferSyntax::ImplicitVRLittleEndian,
@@ -226,7 +229,7 @@ TEST(DicomEnhanced, FramesInAnyOrderMakeTheVolumeWithEachFramesScale) {
   }
 }
 
-/// That this process has read so far, from files and elsewhere; nothing where the system does not say.
+/// Bytes read by this process so far. Empty if the system does not report them.
 std::optional<std::size_t> bytes_read() {
   std::ifstream io("/proc/self/io");
   std::string word;
@@ -235,7 +238,8 @@ std::optional<std::size_t> bytes_read() {
   return bytes;
 }
 
-TEST(DicomEnhanced, ADeflatedFileIsReadOnceForItsHeaderAndOnceForAllOfItsFrames) {
+// A deflated file is read once for its header and once for all of its frames.
+TEST(DicomEnhanced, DeflatedFramesAreReadInOnePass) {
   Enhanced enhanced;
   enhanced.ct = test::make_ct(40);
   enhanced.order.resize(40);
@@ -245,16 +249,17 @@ TEST(DicomEnhanced, ADeflatedFileIsReadOnceForItsHeaderAndOnceForAllOfItsFrames)
   const fs::path folder = fresh_folder(), file = folder / "enhanced.dcm";
   enhanced.write(file);
   const std::optional<std::size_t> before = bytes_read();
-  if (!before) GTEST_SKIP() << "the system does not say how much was read";
+  if (!before) GTEST_SKIP() << "the system does not report how much was read";
   const auto read = read_ct(Exec(1), file);
   const std::size_t after = *bytes_read();
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->ct.samples, enhanced.ct.samples);
   const auto size = fs::file_size(file);
-  EXPECT_LT(after - *before, 8 * size) << "bytes, of a file of " << size;
+  EXPECT_LT(after - *before, 8 * size) << " bytes were read of a file of " << size;
 }
 
-TEST(DicomEnhanced, AGapOrADoubledFrameIsNamedByItsNumber) {
+// Errors for gaps and duplicate positions name the frames by number.
+TEST(DicomEnhanced, GapsAndDuplicatesNameFrames) {
   Enhanced gap;
   gap.order = {3, 0, 5, 1, 4, 6};
   gap.ct = test::make_ct(7);
@@ -267,15 +272,17 @@ TEST(DicomEnhanced, AGapOrADoubledFrameIsNamedByItsNumber) {
   EXPECT_REFUSED(read_ct(Exec(2), folder), "frame 5", "frame 6", "same position");
 }
 
-TEST(DicomEnhanced, AHeaderThatPromisesOtherFramesThanItPlacesIsRefused) {
+// A header whose number of frames differs from its number of positions is rejected.
+TEST(DicomEnhanced, RejectsFrameCountMismatch) {
   Enhanced enhanced;
   enhanced.said_frames = 7;
   const fs::path folder = fresh_folder();
   enhanced.write(folder / "a.dcm");
-  EXPECT_REFUSED(read_ct(Exec(2), folder), "a.dcm", "7 frames", "where each of them lies");
+  EXPECT_REFUSED(read_ct(Exec(2), folder), "a.dcm", "7 frames", "without positions in its header");
 }
 
-TEST(DicomEnhanced, AFileCutShortIsNamedWhereverItEnds) {
+// A file truncated at any byte is rejected and named.
+TEST(DicomEnhanced, TruncatedFileIsNamed) {
   const fs::path folder = fresh_folder();
   Enhanced().write(folder / "a.dcm");
   const std::string whole = test::bytes_of(folder / "a.dcm");
@@ -285,7 +292,8 @@ TEST(DicomEnhanced, AFileCutShortIsNamedWhereverItEnds) {
   }
 }
 
-TEST(DicomEnhanced, ADerivedSeriesNamesTheFrameThatEachSliceWasMadeOf) {
+// Each slice of a derived series references the frame of its source.
+TEST(DicomEnhanced, DerivedSlicesReferenceFrames) {
   const fs::path folder = fresh_folder();
   Enhanced().write(folder / "a.dcm");
   const auto read = read_ct(Exec(2), folder / "a.dcm");

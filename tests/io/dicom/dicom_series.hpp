@@ -1,4 +1,4 @@
-// A DICOM series in a folder of its own, and ways to change its files.
+// A DICOM series in its own folder, and functions that modify its files.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 
 #include "tests/folders.hpp"
 #include "tests/refused.hpp"
+#include "turgor/io/ct.hpp"
 #include "turgor/io/dicom/dicom.hpp"
 
 namespace turgor::test {
@@ -24,7 +25,7 @@ inline CtVolume make_ct(int slices = 6) {
   return ct;
 }
 
-/// Replaces the value of an element in an explicit little-endian file, its length included.
+/// Replaces the value and the length of an element in an explicit little-endian file.
 inline void set_value(const fs::path& file, std::uint16_t group, std::uint16_t element, std::string value) {
   std::string bytes = bytes_of(file);
   const std::string tag{char(group & 255), char(group >> 8), char(element & 255), char(element >> 8)};

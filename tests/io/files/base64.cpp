@@ -5,7 +5,8 @@
 namespace turgor {
 namespace {
 
-TEST(Base64, KnowsTheExamplesOfItsStandard) {  // RFC 4648, section 10
+// The encoder reproduces the examples of RFC 4648.
+TEST(Base64, MatchesRfc4648Examples) {  // RFC 4648, section 10
   const std::pair<const char*, const char*> kExamples[] = {{"", ""},
                                                            {"f", "Zg=="},
                                                            {"fo", "Zm8="},

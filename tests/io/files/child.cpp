@@ -24,13 +24,14 @@ ChildEnd end_of(const std::function<int()>& work, const ChildLimits& limits = {}
   return wait_for({&child, 1}, limits)[0];
 }
 
-/// A program that does what the script says.
+/// Result of a program that runs the script.
 ChildEnd end_of_script(const std::string& script, const ChildLimits& limits = {}) {
   const Child child = start_program({"sh", "-c", script}, test::fresh_folder(), "log", limits);
   return wait_for({&child, 1}, limits)[0];
 }
 
-TEST(Child, WorkThatReturnsGivesItsStatus) {
+// A child process that returns reports its exit status.
+TEST(Child, ReportsExitStatus) {
   EXPECT_TRUE(end_of([] { return 0; }));
   const ChildEnd end = end_of([] { return 7; });
   EXPECT_EQ(end.kind, Kind::kExited);
@@ -39,7 +40,8 @@ TEST(Child, WorkThatReturnsGivesItsStatus) {
   EXPECT_FALSE(end_of([]() -> int { throw 3; }));
 }
 
-TEST(Child, WorkThatHangsIsStoppedAndSaysSo) {
+// A child process without progress is stopped after the time limit.
+TEST(Child, HangingWorkIsStopped) {
   const ChildLimits limits{.seconds = 0.2};
   const ChildEnd end = end_of(
       []() -> int {
@@ -47,17 +49,19 @@ TEST(Child, WorkThatHangsIsStoppedAndSaysSo) {
       },
       limits);
   EXPECT_EQ(end.kind, Kind::kTooLong);
-  EXPECT_EQ(describe(end, limits), "it was stopped, having got no further for 0.2 s");
+  EXPECT_EQ(describe(end, limits), "it made no progress for 0.2 s and was stopped");
 }
 
-TEST(Child, WorkThatGetsFurtherIsNotStopped) {
+// A child process that makes progress is not stopped.
+TEST(Child, ProgressingWorkIsNotStopped) {
   const ChildLimits limits{.seconds = 0.3};
   const Child child = start_child([] { return usleep(900000), 0; }, limits);
   double steps = 0;
   EXPECT_TRUE(wait_for({&child, 1}, limits, [&] { return steps++; })[0]);
 }
 
-TEST(Child, WorkThatCrashesIsTold) {
+// A crash is reported with its signal.
+TEST(Child, ReportsCrash) {
   const ChildEnd end = end_of([]() -> int { return raise(SIGSEGV); });
   EXPECT_EQ(end.kind, Kind::kCrashed);
   EXPECT_EQ(describe(end, {}), "it crashed (Segmentation fault)");
@@ -65,7 +69,8 @@ TEST(Child, WorkThatCrashesIsTold) {
   EXPECT_EQ(describe(killed, {}), "it was killed, perhaps because the machine's memory ran out");
 }
 
-TEST(Child, WorkThatWantsAllMemoryIsRefusedIt) {
+// A child process cannot allocate more than its memory limit.
+TEST(Child, MemoryIsLimited) {
   const ChildLimits limits{.memory = 256ull << 20};
   const ChildEnd end = end_of(
       []() -> int {
@@ -77,7 +82,8 @@ TEST(Child, WorkThatWantsAllMemoryIsRefusedIt) {
   EXPECT_EQ(describe(end, limits), "it needs more than 0.268 GB of memory");
 }
 
-TEST(Child, WorkThatOnlyCountsIsStoppedByTheProcessorsTime) {
+// A busy loop is stopped by the limit of processor time.
+TEST(Child, ProcessorTimeIsLimited) {
   const ChildLimits limits{.seconds = 60, .processor_seconds = 1};
   const ChildEnd end = end_of(
       [] {
@@ -86,10 +92,11 @@ TEST(Child, WorkThatOnlyCountsIsStoppedByTheProcessorsTime) {
         return 0;
       },
       limits);
-  EXPECT_EQ(describe(end, limits), "it was stopped, having used 1 s of the processor");
+  EXPECT_EQ(describe(end, limits), "it exceeded 1 s of processor time and was stopped");
 }
 
-TEST(Child, HasNoHandlersMasksFilesInputOrCoreOfItsParent) {
+// A child process inherits no signal handlers, masks, files, standard input or core dumps.
+TEST(Child, InheritsNoProcessState) {
   sigset_t masked, before;
   sigemptyset(&masked);
   sigaddset(&masked, SIGTERM);
@@ -116,6 +123,7 @@ TEST(Child, HasNoHandlersMasksFilesInputOrCoreOfItsParent) {
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
+// A child process ends when its parent ends.
 TEST(Child, DiesWithItsParent) {
   const std::filesystem::path folder = test::fresh_folder();
   const std::string file = folder / "id";
@@ -131,14 +139,15 @@ TEST(Child, DiesWithItsParent) {
   const pid_t inner = std::stoi(test::bytes_of(file));
   for (int i = 0; i < 200 && kill(inner, 0) == 0; i++) {
     const std::string state = test::bytes_of("/proc/" + std::to_string(inner) + "/stat");
-    if (state.find(") Z") != std::string::npos) break;  // dead, not yet collected by who collects orphans
+    if (state.find(") Z") != std::string::npos) break;  // dead, but not yet reaped
     usleep(10000);
   }
   const std::string state = test::bytes_of("/proc/" + std::to_string(inner) + "/stat");
   EXPECT_TRUE(state.empty() || state.find(") Z") != std::string::npos) << state;
 }
 
-TEST(Child, ProgramsAreHeldToTheSameLimits) {
+// The same limits apply to programs that are started from a file.
+TEST(Child, ProgramsHaveSameLimits) {
   EXPECT_TRUE(end_of_script("exit 0"));
   EXPECT_EQ(end_of_script("exit 254").kind, Kind::kExited);
   EXPECT_EQ(end_of_script("kill -SEGV $$").kind, Kind::kCrashed);
@@ -148,15 +157,17 @@ TEST(Child, ProgramsAreHeldToTheSameLimits) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
 }
 
-TEST(Child, AProgramThatIsNotThereSaysWhy) {
+// A missing program is reported with the reason.
+TEST(Child, MissingProgramIsReported) {
   const Child child = start_program({"no-such-program-anywhere"}, test::fresh_folder(), "log", {});
   const ChildEnd end = wait_for({&child, 1}, {})[0];
   EXPECT_EQ(end.kind, Kind::kNotStarted);
   EXPECT_EQ(describe(end, {}), "its process could not be started: No such file or directory");
 }
 
-TEST(Child, AProcessThatTheSystemRefusesSaysWhy) {
-  if (getuid() == 0) GTEST_SKIP() << "root may start as many processes as it likes";
+// A process that the system refuses to create is reported as not started.
+TEST(Child, ProcessLimitIsReported) {
+  if (getuid() == 0) GTEST_SKIP() << "the process limit does not apply to root";
   const ChildEnd end = end_of([] {
     const rlimit none{0, 0};
     setrlimit(RLIMIT_NPROC, &none);

@@ -22,7 +22,7 @@ using test::write;
 
 constexpr rlim_t kFew = 300;  // bytes
 
-/// Noise, which does not pack.
+/// Volume of noise, which cannot be compressed.
 CtVolume noise() {
   CtVolume ct{{.size = {20, 20, 20}, .spacing = {1e-3, 1e-3, 1e-3}}, {}};
   std::uint32_t state = 1;
@@ -39,7 +39,8 @@ Image noisy_picture() {
   return image;
 }
 
-TEST(File, OnAFullDiskEveryWriterSaysSoAndLeavesTheEarlierFileAlone) {
+// On a full disk every writer fails with a message and keeps the earlier file.
+TEST(File, FullDiskKeepsOldFile) {
   struct Writer {
     const char* name;
     std::function<Status(const fs::path&)> write;
@@ -61,22 +62,24 @@ TEST(File, OnAFullDiskEveryWriterSaysSoAndLeavesTheEarlierFileAlone) {
     })) << writer.name;
     EXPECT_EQ(bytes_of(file), "earlier") << writer.name;
     EXPECT_EQ(names_in(folder), std::set<std::string>{writer.name});
-    EXPECT_TRUE(writer.write(file)) << "and where there is space it is written";
+    EXPECT_TRUE(writer.write(file)) << "with enough space the file is written";
     EXPECT_GT(fs::file_size(file), kFew);
   }
 }
 
-TEST(File, OnAFullDiskADicomFolderIsRefusedWithASentenceAndNothingIsLeft) {
+// On a full disk writing a DICOM folder fails with a message and leaves no files.
+TEST(File, FullDiskLeavesNoDicomFolder) {
   const fs::path folder = fresh_folder();
   EXPECT_TRUE(on_a_small_disk(kFew, [&] {
-    const Status status = write_dicom(Exec(1), folder / "ct", noise(), patient_alone("Nobody"));
+    const Status status = write_dicom(Exec(1), folder / "ct", noise(), patient_alone("Anonymous"));
     return !status &&
            status.error().message.find("cannot write the file: File too large") != std::string::npos;
   }));
   EXPECT_EQ(names_in(folder), std::set<std::string>{});
 }
 
-TEST(File, OnAFullDiskAnHdf5FileIsAnErrorAndTheProgramEndsAsUsual) {
+// On a full disk writing an HDF5 file fails without crashing the program.
+TEST(File, FullDiskHdf5FailsCleanly) {
   const fs::path folder = fresh_folder();
   for (const std::size_t count : {std::size_t{10}, std::size_t{100000}})
     EXPECT_TRUE(on_a_small_disk(kFew, [&] {
@@ -88,7 +91,8 @@ TEST(File, OnAFullDiskAnHdf5FileIsAnErrorAndTheProgramEndsAsUsual) {
     })) << count;
 }
 
-TEST(File, DevicesAreWrittenIntoAndNeverReplaced) {
+// Devices are written into and never replaced by a file.
+TEST(File, DevicesAreNeverReplaced) {
   EXPECT_REFUSED(write_file("/dev/full", "x"), "/dev/full: cannot write the file: No space left on device");
   EXPECT_TRUE(write_file("/dev/null", "x"));
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
@@ -100,7 +104,8 @@ TEST(File, DevicesAreWrittenIntoAndNeverReplaced) {
   EXPECT_TRUE(fs::is_symlink(folder / "a.mha"));
 }
 
-TEST(File, ALinkStaysAndWhatItNamesIsReplaced) {
+// Writing through a link keeps the link and replaces its target.
+TEST(File, WriteFollowsLink) {
   const fs::path folder = fresh_folder();
   fs::create_directory(folder / "data");
   write(folder / "data" / "a.txt", "earlier");
@@ -110,10 +115,11 @@ TEST(File, ALinkStaysAndWhatItNamesIsReplaced) {
   EXPECT_EQ(bytes_of(folder / "data" / "a.txt"), "new");
   fs::create_symlink("nowhere/a.txt", folder / "broken");
   EXPECT_REFUSED(write_file(folder / "broken", "new"),
-                 "broken: is a link to nowhere/a.txt, where there is nothing");
+                 "broken: is a link to nowhere/a.txt, which does not exist");
 }
 
-TEST(File, WhatIsReplacedStaysAsPrivateAsItWas) {
+// A replaced file keeps its permissions.
+TEST(File, ReplacementKeepsPermissions) {
   const fs::path file = fresh_folder() / "patient.txt";
   write(file, "earlier");
   chmod(file.c_str(), 0600);
@@ -121,7 +127,8 @@ TEST(File, WhatIsReplacedStaysAsPrivateAsItWas) {
   EXPECT_EQ(fs::status(file).permissions(), fs::perms(0600));
 }
 
-TEST(File, FoldersAndMissingFoldersAreNamed) {
+// A folder as target, or a missing folder, is rejected and named.
+TEST(File, BadTargetIsNamed) {
   const fs::path folder = fresh_folder();
   write(folder / "text", "x");
   EXPECT_REFUSED(check_file_goal(folder), "is a folder; expected the name of a file");
@@ -130,8 +137,9 @@ TEST(File, FoldersAndMissingFoldersAreNamed) {
   EXPECT_REFUSED(check_file_goal(folder / "text" / "a.txt"), "text is not a folder");
 }
 
-TEST(File, AWriteProtectedFileIsNotReplaced) {
-  if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
+// A write-protected file is not replaced.
+TEST(File, WriteProtectedFileIsKept) {
+  if (geteuid() == 0) GTEST_SKIP() << "root can write every file";
   const fs::path file = fresh_folder() / "kept.txt";
   write(file, "earlier");
   chmod(file.c_str(), 0444);
@@ -139,7 +147,8 @@ TEST(File, AWriteProtectedFileIsNotReplaced) {
   EXPECT_EQ(bytes_of(file), "earlier");
 }
 
-TEST(File, WithoutCommitNothingIsLeft) {
+// A writer that is destroyed before commit leaves no file.
+TEST(File, UncommittedWriteLeavesNothing) {
   const fs::path folder = fresh_folder();
   {
     Result<FileWriter> file = FileWriter::create(folder / "a.txt");
@@ -150,7 +159,8 @@ TEST(File, WithoutCommitNothingIsLeft) {
   EXPECT_EQ(names_in(folder), std::set<std::string>{});
 }
 
-TEST(File, WhatAKilledProgramLeftIsRemovedByTheNextThatWritesThere) {
+// The temporary file of a killed program is removed by the next write.
+TEST(File, NextWriteRemovesStaleTemporary) {
   const fs::path folder = fresh_folder(), file = folder / "a.txt";
   const pid_t child = fork();
   if (child == 0) {
@@ -164,7 +174,8 @@ TEST(File, WhatAKilledProgramLeftIsRemovedByTheNextThatWritesThere) {
   EXPECT_EQ(names_in(folder), std::set<std::string>{"a.txt"});
 }
 
-TEST(File, TwoWritersOfOneFileDoNotMeetAndTheLaterOneStays) {
+// Two writers of one file do not mix their contents; the later commit wins.
+TEST(File, ConcurrentWritersAreIndependent) {
   const fs::path folder = fresh_folder(), file = folder / "a.txt";
   Result<FileWriter> one = FileWriter::create(file), two = FileWriter::create(file);
   ASSERT_TRUE(one && two);

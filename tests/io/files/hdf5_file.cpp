@@ -9,7 +9,8 @@
 namespace turgor {
 namespace {
 
-TEST(Hdf5File, ArraysAndTextsComeBackAsTheyWere) {
+// Arrays and texts are read back exactly; wrong counts and types are errors.
+TEST(Hdf5File, ArraysAndTextsRoundTrip) {
   const std::string path = test::fresh_folder() / "arrays.h5";
   std::vector<float> many(30000);
   std::iota(many.begin(), many.end(), 0.5f);
@@ -32,13 +33,14 @@ TEST(Hdf5File, ArraysAndTextsComeBackAsTheyWere) {
   EXPECT_EQ(file->read_text("/empty").value(), "");
   EXPECT_EQ(file->read<std::int32_t>("/few", 4).error().message, path + ": /few: expected 4 values, found 3");
   EXPECT_EQ(file->read<float>("/few", 3).error().message,
-            path + ": /few: the values are of another type than a recording's");
+            path + ": /few: the values have an unexpected type");
   EXPECT_EQ(file->read<float>("/gone", 3).error().message, path + ": /gone: is missing");
   EXPECT_EQ(file->count("/few", 2).error().message, path + ": /few: expected at most 2 values, found 3");
   EXPECT_EQ(file->read_text("/few").error().message, path + ": /few: expected a text, found something else");
 }
 
-TEST(Hdf5File, DatasetsGrowAndGroupsSayWhatTheyAre) {
+// Datasets grow row by row, and groups have attributes.
+TEST(Hdf5File, AppendsRowsAndAttributes) {
   const std::string path = test::fresh_folder() / "growing.h5";
   std::vector<std::int64_t> expected;
   {
@@ -66,9 +68,11 @@ TEST(Hdf5File, DatasetsGrowAndGroupsSayWhatTheyAre) {
   EXPECT_TRUE(file->read_numbers("/a", "Type").empty()) << "a text";
 }
 
-// Found by mutating a recording: HDF5 1.10 goes round in the list of free space of a heap, for ever and with
-// all the memory there is.
-TEST(Hdf5File, AFileThatLeadsTheLibraryRoundInCirclesIsRefused) {
+// A file with a cyclic heap is rejected as damaged.
+//
+// Found by mutating a recording: HDF5 1.10 follows the cyclic free list of a heap forever and allocates
+// without bound.
+TEST(Hdf5File, RejectsCyclicHeap) {
   const auto file =
       Hdf5File::open(std::filesystem::path(TURGOR_SOURCE_DIR) / "tests/io/damaged/cyclic-heap.h5");
   ASSERT_FALSE(file);

@@ -27,13 +27,13 @@ std::string written(const std::string& name, const auto& write) {
   return read_file(path).value();
 }
 
-/// What an attribute of the first element that holds `anchor` says.
+/// Value of an attribute of the first element that contains `anchor`.
 std::string attribute(const std::string& text, const std::string& anchor, const std::string& name) {
   const std::size_t begin = text.find(name + "=\"", text.find(anchor)) + name.size() + 2;
   return text.substr(begin, text.find('"', begin) - begin);
 }
 
-/// The numbers of an appended array.
+/// Values of an appended array.
 template <class T>
 std::vector<T> appended(const std::string& text, const std::string& name) {
   const std::size_t data = text.find("encoding=\"raw\">\n_") + 17;
@@ -45,7 +45,8 @@ std::vector<T> appended(const std::string& text, const std::string& name) {
   return values;
 }
 
-TEST(MeshFiles, ObjCountsFromOneAndRefersToNormals) {
+// OBJ indices start at one, and faces refer to normals if the mesh has them.
+TEST(MeshFiles, ObjIndicesStartAtOne) {
   TriMesh mesh = two_triangles();
   const std::string plain = written("plain.obj", [&](const auto& path) { return write_obj(path, mesh); });
   EXPECT_NE(plain.find("\nf 1 2 3\nf 3 2 4\n"), std::string::npos);
@@ -55,14 +56,16 @@ TEST(MeshFiles, ObjCountsFromOneAndRefersToNormals) {
   EXPECT_NE(smooth.find("\nf 3//3 2//2 4//4\n"), std::string::npos);
 }
 
-TEST(MeshFiles, ObjNamesItsGroupsWhereTheyBegin) {
+// The name of an OBJ group precedes its first face.
+TEST(MeshFiles, ObjWritesGroups) {
   const std::vector<MeshGroup> groups{{"skin", 0}, {"wound", 1}};
   const std::string text =
       written("groups.obj", [&](const auto& path) { return write_obj(path, two_triangles(), {}, groups); });
   EXPECT_NE(text.find("\ng skin\nf 1 2 3\ng wound\nf 3 2 4\n"), std::string::npos) << text;
 }
 
-TEST(MeshFiles, VtuHoldsPointsCellsAndFieldsInItsBinaryEnd) {
+// A VTU file stores points, cells and fields as appended binary arrays.
+TEST(MeshFiles, VtuAppendsBinaryArrays) {
   const TriMesh mesh = two_triangles();
   const std::vector<float> stretch = {0, 1, 2, 3};
   const std::string text = written("mesh.vtu", [&](const auto& path) {
@@ -77,7 +80,8 @@ TEST(MeshFiles, VtuHoldsPointsCellsAndFieldsInItsBinaryEnd) {
   EXPECT_EQ(appended<std::uint8_t>(text, "types"), (std::vector<std::uint8_t>{5, 5}));
 }
 
-TEST(MeshFiles, AnObjOfMillimetersAndRasIsReadBackAsHalfATurnOfTheSame) {
+// An OBJ file in millimeters and RAS is read back rotated by half a turn about z.
+TEST(MeshFiles, ObjInRasRoundTrips) {
   TriMesh mesh = two_triangles();
   mesh.vertices[3] = {0.0123456f, -0.25f, 0.5f};
   mesh.normals = vertex_normals(mesh);
@@ -85,13 +89,13 @@ TEST(MeshFiles, AnObjOfMillimetersAndRasIsReadBackAsHalfATurnOfTheSame) {
   ASSERT_TRUE(write_obj(path, mesh, {.is_mm = true, .is_ras = true}));
   const std::string text = read_file(path).value();
   EXPECT_TRUE(
-      text.starts_with("# Turgor: millimetres, patient frame RAS (x to the right, y to the front, z "
+      text.starts_with("# Turgor: millimeters, patient frame RAS (x to the right, y to the front, z "
                        "to the head)\n# SPACE=RAS\n"))
       << text;
-  EXPECT_EQ(text.find("-0.0000 "), std::string::npos) << "zero has no sign";
+  EXPECT_EQ(text.find("-0.0000 "), std::string::npos) << "zero is written without a sign";
   const Result<ReadSurface> read = read_surface(path, 0.001);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(read->mesh.triangles, mesh.triangles) << "a turn keeps the winding";
+  EXPECT_EQ(read->mesh.triangles, mesh.triangles) << "a rotation keeps the winding";
   ASSERT_EQ(read->mesh.vertices.size(), 4u);
   for (std::size_t v = 0; v < 4; v++) {
     const Vec3 x = mesh.vertices[v];
@@ -99,14 +103,15 @@ TEST(MeshFiles, AnObjOfMillimetersAndRasIsReadBackAsHalfATurnOfTheSame) {
   }
 }
 
-TEST(MeshFiles, AVtuOfMillimetersAndRasHasItsLengthsInThemAndSaysSo) {
+// A VTU file in millimeters and RAS converts its lengths and states unit and frame.
+TEST(MeshFiles, VtuConvertsUnitsAndFrame) {
   TriMesh mesh = two_triangles();
   mesh.normals = std::vector<Vec3>(4, {1, 0, 0});
   const std::vector<Vec3> moved = {{0.001f, 0.002f, 0.003f}, {}, {}, {}};
   const std::vector<float> lengths = {0.5f, 0, 0, 0}, pressure = {7, 0, 0, 0};
   const std::string text = written("mesh.vtu", [&](const auto& path) {
     return write_vtu(path, mesh,
-                     {length_field("displacement", moved), length_field("way", lengths),
+                     {length_field("displacement", moved), length_field("distance", lengths),
                       vertex_field("pressure [Pa]", pressure)},
                      {.is_mm = true, .is_ras = true});
   });
@@ -118,55 +123,59 @@ TEST(MeshFiles, AVtuOfMillimetersAndRasHasItsLengthsInThemAndSaysSo) {
   EXPECT_FLOAT_EQ(displacement[0], -1);
   EXPECT_FLOAT_EQ(displacement[1], -2);
   EXPECT_FLOAT_EQ(displacement[2], 3);
-  EXPECT_EQ(appended<float>(text, "way [mm]")[0], 500);
+  EXPECT_EQ(appended<float>(text, "distance [mm]")[0], 500);
   EXPECT_EQ(appended<float>(text, "pressure [Pa]")[0], 7);
-  EXPECT_NE(text.find("<!-- Turgor: millimetres, patient frame RAS"), std::string::npos);
+  EXPECT_NE(text.find("<!-- Turgor: millimeters, patient frame RAS"), std::string::npos);
   EXPECT_NE(text.find("Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">82 65 83 0<"), std::string::npos);
   EXPECT_NE(text.find("Name=\"unit\" NumberOfTuples=\"1\" format=\"ascii\">109 109 0<"), std::string::npos);
 }
 
-TEST(MeshFiles, WithoutAWishAVtuIsInMetersAndLps) {
+// A VTU file is in meters and LPS by default.
+TEST(MeshFiles, VtuDefaultsToMetersAndLps) {
   const std::vector<Vec3> moved(4, {0.001f, 0.002f, 0.003f});
   const std::string text = written("mesh.vtu", [&](const auto& path) {
     return write_vtu(path, two_triangles(), {length_field("displacement", moved)});
   });
   EXPECT_EQ(appended<float>(text, "displacement [m]")[1], 0.002f);
-  EXPECT_NE(text.find("<!-- Turgor: metres, patient frame LPS"), std::string::npos);
+  EXPECT_NE(text.find("<!-- Turgor: meters, patient frame LPS"), std::string::npos);
   EXPECT_NE(text.find(">76 80 83 0<"), std::string::npos);
 }
 
-TEST(MeshFiles, EmptyMeshesAreWritten) {
+// An empty mesh is written without points.
+TEST(MeshFiles, WritesEmptyMesh) {
   const std::string text = written("empty.vtu", [](const auto& path) { return write_vtu(path, {}, {}); });
   EXPECT_TRUE(appended<float>(text, "points").empty());
 }
 
-TEST(MeshFiles, PointsAreVertexCellsWithDirectionsAlongTheFilesAxes) {
+// Points are vertex cells; their directions follow the axes of the file and are not scaled.
+TEST(MeshFiles, PointsAreVertexCells) {
   const std::filesystem::path file = test::fresh_folder() / "a.vtu";
-  const std::vector<Vec3> places{{0.001f, 0.002f, 0.003f}, {0, 0, 0}}, forces{{4, 5, 6}, {0, 0, 1}};
+  const std::vector<Vec3> positions{{0.001f, 0.002f, 0.003f}, {0, 0, 0}}, forces{{4, 5, 6}, {0, 0, 1}};
   VertexField force = vertex_field("force [N]", forces);
   force.is_direction = true;
-  ASSERT_TRUE(write_points(file, places, {force}, {.is_mm = true, .is_ras = true}));
+  ASSERT_TRUE(write_points(file, positions, {force}, {.is_mm = true, .is_ras = true}));
   const std::string text = test::bytes_of(file);
   EXPECT_NE(text.find("NumberOfPoints=\"2\" NumberOfCells=\"2\""), text.npos);
   const auto holds = [&](std::vector<float> values) {
     return text.find(std::string(reinterpret_cast<const char*>(values.data()), 4 * values.size())) !=
            text.npos;
   };
-  EXPECT_TRUE(holds({-4, -5, 6, 0, 0, 1}));  // newtons stay newtons
-  EXPECT_TRUE(holds({-1, -2, 3}));           // places in millimetres
+  EXPECT_TRUE(holds({-4, -5, 6, 0, 0, 1}));  // newtons are not scaled
+  EXPECT_TRUE(holds({-1, -2, 3}));           // positions in millimeters
 }
 
+// A PVD file lists times, files and names.
 TEST(MeshFiles, PvdListsTimesAndFiles) {
   const std::string text = written("series.pvd", [](const auto& path) {
     return write_pvd(path, {{0, "a.vtu", "torso"}, {0.5, "b.vtu", "torso"}}, {.is_mm = true});
   });
-  EXPECT_NE(text.find("<!-- Turgor: millimetres, patient frame LPS"), std::string::npos);
+  EXPECT_NE(text.find("<!-- Turgor: millimeters, patient frame LPS"), std::string::npos);
   EXPECT_NE(text.find("timestep=\"0.5\" part=\"0\" name=\"torso\" file=\"b.vtu\""), std::string::npos);
 }
 
-// ------------------------------------------------------------ VTKHDF
+// VTKHDF
 
-/// What VTK's reader makes of a step, as the format's description says.
+/// One step as VTK's reader assembles it, according to the description of the format.
 struct ReadStep {
   std::vector<float> points;
   std::vector<std::int64_t> corners;
@@ -180,19 +189,21 @@ ReadStep read_step(const Hdf5File& file, std::size_t step) {
     return all(name, std::int64_t()).at(std::size_t(at));
   };
   const auto of_step = [&](const std::string& name) { return number("Steps/" + name, std::int64_t(step)); };
-  const std::int64_t part = of_step("PartOffsets"), points = number("NumberOfPoints", part),
-                     cells = number("NumberOfCells", part), ids = number("NumberOfConnectivityIds", part);
-  const auto places = all("Points", float());
+  const std::int64_t partition = of_step("PartOffsets"), points = number("NumberOfPoints", partition),
+                     cells = number("NumberOfCells", partition),
+                     ids = number("NumberOfConnectivityIds", partition);
+  const auto positions = all("Points", float());
   const auto corners = all("Connectivity", std::int64_t()), ends = all("Offsets", std::int64_t());
   const std::int64_t point = 3 * of_step("PointOffsets"), id = of_step("ConnectivityIdOffsets");
   EXPECT_EQ(of_step("NumberOfParts"), 1);
-  EXPECT_EQ(ends.at(std::size_t(of_step("CellOffsets") + part)), 0) << "each part begins anew";
-  EXPECT_EQ(ends.at(std::size_t(of_step("CellOffsets") + part + cells)), ids);
-  return {{places.begin() + point, places.begin() + point + 3 * points},
+  EXPECT_EQ(ends.at(std::size_t(of_step("CellOffsets") + partition)), 0) << "offsets restart in each part";
+  EXPECT_EQ(ends.at(std::size_t(of_step("CellOffsets") + partition + cells)), ids);
+  return {{positions.begin() + point, positions.begin() + point + 3 * points},
           {corners.begin() + id, corners.begin() + id + ids}};
 }
 
-TEST(VtkHdf, ASeriesOfSurfacesIsOneFileWhoseTrianglesStandThereOnceUntilTheyChange) {
+// A series of surfaces is one VTKHDF file that stores triangles only when they change.
+TEST(MeshFiles, VtkHdfSharesUnchangedTriangles) {
   const std::filesystem::path path = test::fresh_folder() / "sheet.vtkhdf";
   TriMesh mesh = two_triangles(), cut = mesh;
   cut.vertices.push_back({2, 2, 2}), cut.triangles.push_back({1, 3, 4});
@@ -215,7 +226,7 @@ TEST(VtkHdf, ASeriesOfSurfacesIsOneFileWhoseTrianglesStandThereOnceUntilTheyChan
   EXPECT_EQ(file->read_numbers("/VTKHDF", "Version"), (std::vector<std::int64_t>{2, 0}));
   EXPECT_EQ(file->read_numbers("/VTKHDF/Steps", "NSteps"), std::vector<std::int64_t>{4});
   EXPECT_EQ(file->read<double>("/VTKHDF/Steps/Values", 4).value(), (std::vector<double>{0, 0.25, 0.5, 0.75}));
-  EXPECT_EQ(file->count("/VTKHDF/NumberOfCells", 9).value(), 2u) << "two meshes in four steps";
+  EXPECT_EQ(file->count("/VTKHDF/NumberOfCells", 9).value(), 2u) << "two topologies in four steps";
   EXPECT_EQ(file->count("/VTKHDF/Types", 9).value(), 5u);
   for (std::size_t n = 0; n < steps.size(); n++) {
     const ReadStep step = read_step(*file, n);
@@ -230,29 +241,31 @@ TEST(VtkHdf, ASeriesOfSurfacesIsOneFileWhoseTrianglesStandThereOnceUntilTheyChan
   EXPECT_EQ(std::vector<float>(moved.end() - 3, moved.end()), (std::vector<float>{-3000, -1000, 2000}));
   const auto warmth = file->read<float>("/VTKHDF/PointData/rub [1|s]", 18).value();
   EXPECT_EQ(warmth[8], 2);
-  EXPECT_TRUE(std::isnan(warmth.back())) << "the last step has none";
+  EXPECT_TRUE(std::isnan(warmth.back())) << "the last step has no such field";
   EXPECT_EQ(file->read<std::int64_t>("/VTKHDF/Steps/PointDataOffsets/rub [1|s]", 4).value(),
             (std::vector<std::int64_t>{0, 4, 8, 13}));
 }
 
-TEST(VtkHdf, PointsWithForcesAreStepsOfVertexCells) {
+// Points with forces are stored as vertex cells for every step.
+TEST(MeshFiles, VtkHdfStoresPointsPerStep) {
   const std::filesystem::path path = test::fresh_folder() / "forces.vtkhdf";
   Result<VtkHdfSeries> series = VtkHdfSeries::create(path);
   ASSERT_TRUE(series);
-  const std::vector<Vec3> places{{1, 2, 3}, {4, 5, 6}};
+  const std::vector<Vec3> positions{{1, 2, 3}, {4, 5, 6}};
   for (const double time : {0.0, 0.5})
-    ASSERT_TRUE(series->add_points(time, places, {vertex_field("force [N]", places)}));
+    ASSERT_TRUE(series->add_points(time, positions, {vertex_field("force [N]", positions)}));
   ASSERT_TRUE(series->close());
   const Result<Hdf5File> file = Hdf5File::open(path);
   ASSERT_TRUE(file);
   EXPECT_EQ(file->read<std::uint8_t>("/VTKHDF/Types", 2).value(), (std::vector<std::uint8_t>{1, 1}));
   EXPECT_EQ(read_step(*file, 1).corners, (std::vector<std::int64_t>{0, 1}));
   EXPECT_EQ(read_step(*file, 1).points, (std::vector<float>{1, 2, 3, 4, 5, 6}));
-  const auto nowhere = VtkHdfSeries::create("/nowhere/forces.vtkhdf");
-  EXPECT_EQ(nowhere.error().message, "/nowhere/forces.vtkhdf: cannot make the file");
+  const auto missing = VtkHdfSeries::create("/nowhere/forces.vtkhdf");
+  EXPECT_EQ(missing.error().message, "/nowhere/forces.vtkhdf: cannot create the file");
 }
 
-TEST(MeshFiles, AFolderThatIsNotThereIsNamed) {
+// Writing into a missing folder fails, and the error names the folder.
+TEST(MeshFiles, MissingFolderIsNamed) {
   const Status status = write_obj("/nowhere/mesh.obj", two_triangles());
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().message, "/nowhere/mesh.obj: the folder /nowhere does not exist");

@@ -1,5 +1,5 @@
-// Surfaces as Meshlab 2022 writes them: blocks of comments, normals between the vertices, colours behind
-// them.
+// Surfaces in the dialect of Meshlab 2022: blocks of comments, normals between vertices, colors after
+// coordinates.
 #pragma once
 
 #include <fmt/format.h>

@@ -51,17 +51,19 @@ const std::vector<Sample>& samples() {
   return all;
 }
 
-TEST(SolidFiles, every_format_gives_the_same_tetrahedra_regions_and_nodes) {
+// Every format gives the same tetrahedra, regions and nodes.
+TEST(SolidFiles, FormatsGiveSameMesh) {
   for (const Sample& sample : samples()) {
     SCOPED_TRACE(sample.format);
     const Result<ReadSolid> read = read_text(sample.text);
     expect_same(read, sample_mesh());
     EXPECT_EQ(read->format, sample.format);
-    EXPECT_EQ(read->notes, std::vector<std::string>{"left out: 1 node that no element uses"});
+    EXPECT_EQ(read->notes, std::vector<std::string>{"dropped: 1 node that no element uses"});
   }
 }
 
-TEST(SolidFiles, a_tetgen_pair_is_read_by_either_name_and_counted_from_0_or_1) {
+// A TetGen pair is read by the name of either file, with indices from 0 or 1.
+TEST(SolidFiles, ReadsTetGenPair) {
   for (const int first : {0, 1}) {
     const fs::path folder = fresh_folder();
     write(folder / "organ.1.node", tetgen_node(first));
@@ -71,7 +73,8 @@ TEST(SolidFiles, a_tetgen_pair_is_read_by_either_name_and_counted_from_0_or_1) {
   }
 }
 
-TEST(SolidFiles, what_vtk_itself_writes_is_read_packed_or_not_in_either_order) {
+// VTU files from the writer of VTK are read in every encoding and byte order.
+TEST(SolidFiles, ReadsVtkWriterOutput) {
   const fs::path corpus = fs::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "solid";
   for (const char* name : {"appended-base64.vtu", "appended-base64-zlib.vtu", "appended-raw-zlib-big.vtu",
                            "inline-base64-big.vtu", "inline-zlib.vtu"}) {
@@ -80,7 +83,8 @@ TEST(SolidFiles, what_vtk_itself_writes_is_read_packed_or_not_in_either_order) {
   }
 }
 
-TEST(SolidFiles, a_scale_turns_millimeters_into_meters) {
+// A scale of 0.001 converts millimeters to meters.
+TEST(SolidFiles, ScaleConvertsMillimeters) {
   const fs::path folder = fresh_folder();
   write(folder / "mesh", gmsh_1());
   const Result<ReadSolid> read = read_solid(folder / "mesh", 1e-3);
@@ -88,7 +92,8 @@ TEST(SolidFiles, a_scale_turns_millimeters_into_meters) {
   EXPECT_EQ(read->mesh.vertices[4], (Vec3d{0, 0, 0.0015}));
 }
 
-TEST(SolidFiles, what_is_written_is_read_back_to_the_last_bit) {
+// MSH and VTU files are read back exactly.
+TEST(SolidFiles, MeshRoundTripsExactly) {
   const fs::path folder = fresh_folder();
   SolidMesh tets = tetrahedralize(hex_block({0.1, 0.2, 0.3}, {2, 3, 4}));
   for (Vec3d& x : tets.vertices) x = x * (1 / 3.0);
@@ -101,7 +106,8 @@ TEST(SolidFiles, what_is_written_is_read_back_to_the_last_bit) {
   }
 }
 
-TEST(SolidFiles, fields_do_not_disturb_the_mesh_of_a_vtu) {
+// Fields in a VTU file do not change its mesh.
+TEST(SolidFiles, VtuFieldsKeepMesh) {
   const fs::path folder = fresh_folder();
   const SolidMesh mesh = sample_mesh();
   const std::vector<Vec3> displacement(5, {1, 2, 3});
@@ -111,17 +117,19 @@ TEST(SolidFiles, fields_do_not_disturb_the_mesh_of_a_vtu) {
   expect_same(read_solid(folder / "mesh"), mesh);
 }
 
-TEST(SolidFiles, tetrahedra_that_are_inside_out_are_turned) {
+// Inverted tetrahedra are reoriented with a note.
+TEST(SolidFiles, ReorientsInvertedTetrahedra) {
   const Result<ReadSolid> read = read_text(
       "MeshVersionFormatted 1 Dimension 3 Vertices 5  0 0 0 0  1 0 0 0  0 1 0 0  0 0 1 0  0 0 -1 0\n"
       "Tetrahedra 2  1 2 3 4 0  1 2 3 5 0");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->inverted, 1u);
-  EXPECT_EQ(read->notes[0], "1 of 2 tetrahedra were listed inside out and are turned: 2");
+  EXPECT_EQ(read->notes[0], "1 of 2 tetrahedra were inverted and have been reoriented: 2");
   for (std::size_t e = 0; e < 2; e++) EXPECT_NEAR(volume(read->mesh, e), 1 / 6.0, 1e-15);
 }
 
-TEST(SolidFiles, hexahedra_that_are_inside_out_are_turned_and_twisted_ones_refused) {
+// Inverted hexahedra are reoriented; twisted ones are rejected.
+TEST(SolidFiles, ReorientsHexahedraRejectsTwisted) {
   const fs::path folder = fresh_folder();
   SolidMesh block = hex_block({1, 1, 1}, {2, 1, 1});
   for (Vec3d& x : block.vertices) x.x = -x.x;
@@ -132,18 +140,20 @@ TEST(SolidFiles, hexahedra_that_are_inside_out_are_turned_and_twisted_ones_refus
   EXPECT_NEAR(volume(read->mesh), 1, 1e-15);
   std::swap(block.elements[4], block.elements[5]);
   ASSERT_TRUE(write_msh(folder / "mesh", block));
-  EXPECT_REFUSED(read_solid(folder / "mesh"), "expected convex hexahedra, found 1 inside out at a corner: 1");
+  EXPECT_REFUSED(read_solid(folder / "mesh"), "expected convex hexahedra, found 1 inverted at a corner: 1");
 }
 
-TEST(SolidFiles, mixed_files_give_tetrahedra_and_say_what_is_left_out) {
+// A file with mixed elements gives its tetrahedra and a note about the others.
+TEST(SolidFiles, MixedElementsKeepTetrahedra) {
   std::string text = gmsh_2();
   text.replace(text.find("$Elements\n3"), 11, "$Elements\n4\n9 5 0 10 20 30 40 70 99 10 20");
   const Result<ReadSolid> read = read_text(text);
   expect_same(read, sample_mesh());
-  EXPECT_EQ(read->notes[0], "left out: 1 solid element, not tetrahedra");
+  EXPECT_EQ(read->notes[0], "ignored: 1 solid element other than tetrahedra");
 }
 
-TEST(SolidFiles, quadratic_tetrahedra_keep_their_corners) {
+// Quadratic tetrahedra are reduced to their corner nodes with a note.
+TEST(SolidFiles, QuadraticTetrahedraKeepCorners) {
   const Result<ReadSolid> read = read_text(
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 .5 0 0\n"
       "6 .5 .5 0\n7 0 .5 0\n8 0 0 .5\n9 0 .5 .5\n10 .5 0 .5\n$EndNodes\n"
@@ -151,10 +161,11 @@ TEST(SolidFiles, quadratic_tetrahedra_keep_their_corners) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->mesh.elements, (std::vector<int>{0, 1, 2, 3}));
   EXPECT_EQ(read->mesh.vertices.size(), 4u);
-  EXPECT_EQ(read->notes[0], "only the corners of 1 element are kept, not the nodes on edges");
+  EXPECT_EQ(read->notes[0], "only the corner nodes of 1 element are used");
 }
 
-TEST(SolidFiles, a_voxel_of_vtk_is_a_hexahedron) {
+// A VTK voxel becomes a hexahedron.
+TEST(SolidFiles, VtkVoxelIsHexahedron) {
   const Result<ReadSolid> read = read_text(
       "# vtk DataFile Version 3.0\nv\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n0 0 0 1 0 0 0 2 0 1 "
       "2 0\n"
@@ -165,13 +176,15 @@ TEST(SolidFiles, a_voxel_of_vtk_is_a_hexahedron) {
   EXPECT_TRUE(read->notes.empty());
 }
 
-TEST(SolidFiles, a_flat_tetrahedron_is_refused_by_its_number_in_the_file) {
+// A flat tetrahedron is rejected with its number in the file.
+TEST(SolidFiles, FlatTetrahedronIsNamed) {
   std::string text = gmsh_2();
   text.replace(text.find("8 4 3 7 1 0 20 70 30 40"), 23, "8 4 3 7 1 0 20 20 30 40");
   EXPECT_REFUSED(read_text(text), "expected tetrahedra with a volume, found 1 flat: 8");
 }
 
-TEST(SolidFiles, damaged_files_are_refused_with_file_place_expected_and_found) {
+// Errors for damaged files state file, position, expected and found values.
+TEST(SolidFiles, DamageIsLocated) {
   const Damage table[] = {
       {gmsh_1(), "20 1 0 0", "20 nan 0 0", "node 20: expected finite coordinates"},
       {gmsh_1(), "20 1 0 0", "20 1e300 0 0", "node 20: expected finite coordinates"},
@@ -204,7 +217,7 @@ TEST(SolidFiles, damaged_files_are_refused_with_file_place_expected_and_found) {
        ":12: expected a count of numbers that the rest of the file can hold, found 11"},
       {vtu(), "3 7 11", "3 7 5", ":12: expected 5 numbers, found more"},
       {vtu(), "\"Float32\"", "\"Real\"", ":6: expected a type such as Float64, found \"Real\""},
-      {vtu(), "</Points>", "", "expected XML, found a mistake"},
+      {vtu(), "</Points>", "", "expected XML, found an error"},
       {vtu(), "\"6\"", "\"6000000000000\"",
        "expected NumberOfPoints that the file can hold, found 6000000000000"},
       {medit(), "Dimension\n3", "Dimension\n2", ":4: expected 3 dimensions, found \"2\""},
@@ -220,7 +233,8 @@ TEST(SolidFiles, damaged_files_are_refused_with_file_place_expected_and_found) {
   }
 }
 
-TEST(SolidFiles, a_file_that_ends_early_is_refused_unless_only_fields_behind_the_elements_are_missing) {
+// A truncated file is rejected unless only fields after the elements are missing.
+TEST(SolidFiles, RejectsTruncatedElements) {
   for (const Sample& sample : samples())
     for (std::size_t size = 0; size < sample.text.size(); size += 13) {
       const Result<ReadSolid> read = read_text(sample.text.substr(0, size));
@@ -230,7 +244,8 @@ TEST(SolidFiles, a_file_that_ends_early_is_refused_unless_only_fields_behind_the
     }
 }
 
-TEST(SolidFiles, what_is_not_a_mesh_is_named) {
+// Missing files, folders, empty files and surfaces are rejected by name.
+TEST(SolidFiles, RejectsNonMeshFiles) {
   const fs::path folder = fresh_folder();
   EXPECT_REFUSED(read_solid(folder / "gone.msh"), "gone.msh: does not exist");
   EXPECT_REFUSED(read_solid(folder / ""), "expected a mesh file, found a folder");
@@ -243,7 +258,8 @@ TEST(SolidFiles, what_is_not_a_mesh_is_named) {
   EXPECT_FALSE(is_solid_file(folder / ""));
 }
 
-TEST(SolidFiles, the_liver_of_gmsh_1_is_one_body_the_right_way_round) {
+// A liver in Gmsh 1.0 format is one component of tetrahedra with positive volumes.
+TEST(SolidFiles, GmshLiverIsOneComponent) {
   const fs::path path = fs::path(TURGOR_SOURCE_DIR) / ".." / "shared" / "data" / "mesh" / "liver.msh";
   if (!fs::exists(path)) GTEST_SKIP() << path.string() << " is absent: real data is not part of the project";
   const Result<ReadSolid> read = read_solid(path);
@@ -252,8 +268,8 @@ TEST(SolidFiles, the_liver_of_gmsh_1_is_one_body_the_right_way_round) {
   EXPECT_EQ(read->mesh.vertices.size(), 181u);
   EXPECT_EQ(element_count(read->mesh), 596u);
   for (std::size_t e = 0; e < 596; e++) EXPECT_GT(volume(read->mesh, e), 0);
-  const std::vector<int> parts = connected_parts(read->mesh);
-  EXPECT_EQ(*std::max_element(parts.begin(), parts.end()), 0);
+  const std::vector<int> components = connected_components(read->mesh);
+  EXPECT_EQ(*std::max_element(components.begin(), components.end()), 0);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The same two tetrahedra in every format that is read: nodes 10, 20, 30, 40 and 70 where numbers may be
-// sparse, node 99 that no element uses, a triangle that is no solid, regions 5 and 7.
+// The same two tetrahedra in every supported format. Nodes are numbered 10, 20, 30, 40 and 70 where numbers
+// may be sparse. Node 99 is unused, one triangle is no solid element, and the regions are 5 and 7.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace turgor::test {
 
-/// What every sample holds.
+/// Mesh that every sample contains.
 inline SolidMesh sample_mesh() {
   return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 0}, {0, 0, 1.5}}, 4, {0, 1, 3, 4, 1, 2, 3, 4}, {5, 7}};
 }
@@ -65,7 +65,7 @@ inline std::string vtk() {
          "0 0 0 1 0 0\n9 9 9 1 1 1 0 1 0 0 0 1.5\nCELLS 3 14\n3 0 1 4\n4 0 1 4 5\n4 1 3 4 5\nCELL_TYPES "
          "3\n5\n"
          "10\n10\nPOINT_DATA 6\nSCALARS depth float\nLOOKUP_TABLE default\n0 1 2 3 4 5\n"
-         "CELL_DATA 3\nVECTORS fibre double\n1 0 0 1 0 0 1 0 0\nSCALARS region int 1\n"
+         "CELL_DATA 3\nVECTORS fiber double\n1 0 0 1 0 0 1 0 0\nSCALARS region int 1\n"
          "LOOKUP_TABLE default\n1 5 7\n";
 }
 
@@ -111,8 +111,8 @@ inline std::string medit() {
 
 inline std::string tetgen_node(int first) {
   std::string text = "# points\n6 3 1 1\n";
-  const char* places[] = {"0 0 0", "1 0 0", "9 9 9", "1 1 1", "0 1 0", "0 0 1.5"};
-  for (int n = 0; n < 6; n++) text += std::to_string(n + first) + " " + places[n] + " 0.5 1  # a point\n";
+  const char* positions[] = {"0 0 0", "1 0 0", "9 9 9", "1 1 1", "0 1 0", "0 0 1.5"};
+  for (int n = 0; n < 6; n++) text += std::to_string(n + first) + " " + positions[n] + " 0.5 1  # a point\n";
   return text;
 }
 inline std::string tetgen_ele(int first) {

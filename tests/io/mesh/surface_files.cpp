@@ -78,7 +78,7 @@ std::string ply_binary(bool is_big_endian) {
   return out.text;
 }
 
-/// Two polygons and a strip; a line, and two points by themselves.
+/// Two polygons and a strip, plus one line and two isolated points.
 std::string vtk(const std::string& version = "3.0") {
   return "# vtk DataFile Version " + version +
          "\nv 1 2 3 DATASET STRUCTURED_POINTS\nASCII\nDATASET POLYDATA\n"
@@ -151,7 +151,8 @@ void expect_tetrahedron(const Result<ReadSurface>& read, const std::string& form
   });
 }
 
-TEST(SurfaceFiles, every_format_gives_the_same_closed_tetrahedron) {
+// Every format gives the same closed tetrahedron.
+TEST(SurfaceFiles, FormatsGiveSameTetrahedron) {
   for (const Sample& sample : samples()) {
     SCOPED_TRACE(sample.format);
     const Result<ReadSurface> read = read_text(sample.text);
@@ -160,15 +161,17 @@ TEST(SurfaceFiles, every_format_gives_the_same_closed_tetrahedron) {
   }
 }
 
-const std::vector<std::string> kLeftOut = {"left out: 2 single points", "left out: 1 line"};
+const std::vector<std::string> kLeftOut = {"ignored: 2 single points", "ignored: 1 line"};
 
-TEST(SurfaceFiles, of_a_vtk_file_lines_and_points_are_left_out_and_noted) {
+// Lines and points of a VTK file are skipped with notes.
+TEST(SurfaceFiles, VtkLinesAndPointsAreSkipped) {
   const Result<ReadSurface> read = read_text(vtk(), "mesh.vtk");
   expect_tetrahedron(read, "VTK 3.0");
   EXPECT_EQ(read->notes, kLeftOut);
 }
 
-TEST(SurfaceFiles, what_vtk_itself_writes_is_read_packed_or_not_in_either_order) {
+// Files from the writers of VTK are read in every encoding and byte order.
+TEST(SurfaceFiles, ReadsVtkWriterOutput) {
   const fs::path corpus = fs::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "surface";
   const struct {
     const char *name, *format;
@@ -189,11 +192,12 @@ TEST(SurfaceFiles, what_vtk_itself_writes_is_read_packed_or_not_in_either_order)
     expect_tetrahedron(read, file.format);
     EXPECT_EQ(read->notes, file.has_more ? kLeftOut : std::vector<std::string>());
     EXPECT_TRUE(is_surface_file(corpus / file.name));
-    EXPECT_FALSE(is_solid_file(corpus / file.name)) << "or turgor info would look for tetrahedra";
+    EXPECT_FALSE(is_solid_file(corpus / file.name)) << "otherwise turgor info would read it as a solid mesh";
   }
 }
 
-TEST(SurfaceFiles, of_a_file_that_says_it_is_in_ras_there_is_a_note) {
+// A file that declares the RAS frame gives a note.
+TEST(SurfaceFiles, RasFrameIsNoted) {
   const fs::path folder = fresh_folder();
   const auto notes = [&](const std::string& text) {
     const Result<ReadSurface> read = read_text(text);
@@ -213,7 +217,8 @@ TEST(SurfaceFiles, of_a_file_that_says_it_is_in_ras_there_is_a_note) {
   EXPECT_EQ(notes(text.insert(text.find("comment"), "comment SPACE=RAS\n")), 1u);
 }
 
-TEST(SurfaceFiles, pieces_of_a_vtp_are_joined_where_they_meet) {
+// Pieces of a VTP file are welded at common vertices.
+TEST(SurfaceFiles, VtpPiecesAreWelded) {
   std::string text = vtp();
   const std::size_t begin = text.find("<Piece"), end = text.find("</PolyData>");
   std::string second = text.substr(begin, end - begin);
@@ -224,7 +229,8 @@ TEST(SurfaceFiles, pieces_of_a_vtp_are_joined_where_they_meet) {
   EXPECT_EQ(read->mesh.vertices.size(), 5u);
 }
 
-TEST(SurfaceFiles, vertices_at_one_place_become_one_and_zero_has_no_sign) {
+// Coincident vertices are merged; positive and negative zero are equal.
+TEST(SurfaceFiles, CoincidentVerticesAreMerged) {
   const Result<ReadSurface> read =
       read_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv -0 0 -0\nv 0 1 0\nv 0 0 1\nv 5 5 5\nf 1 2 3\nf 4 5 6\n");
   ASSERT_TRUE(read) << read.error().message;
@@ -232,14 +238,16 @@ TEST(SurfaceFiles, vertices_at_one_place_become_one_and_zero_has_no_sign) {
   EXPECT_EQ(read->mesh.vertices.size(), 4u);
 }
 
-TEST(SurfaceFiles, triangles_with_corners_at_one_place_are_left_out_and_counted) {
+// Triangles with coincident corners are dropped and counted.
+TEST(SurfaceFiles, DegenerateTrianglesAreDropped) {
   const Result<ReadSurface> read = read_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nf 1 2 3\nf 1 2 4\n");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->mesh.triangles.size(), 1u);
-  EXPECT_EQ(read->notes, std::vector<std::string>{"left out: 1 triangle with corners at one place"});
+  EXPECT_EQ(read->notes, std::vector<std::string>{"dropped: 1 triangle with coincident corners"});
 }
 
-TEST(SurfaceFiles, polygons_are_covered_once_whether_convex_or_not) {
+// Triangles cover a convex or concave polygon exactly once.
+TEST(SurfaceFiles, PolygonsAreTriangulatedExactly) {
   // A square, an L and an arrow, each in a tilted plane.
   const struct {
     std::vector<Vec3d> corners;
@@ -262,7 +270,8 @@ TEST(SurfaceFiles, polygons_are_covered_once_whether_convex_or_not) {
   }
 }
 
-TEST(SurfaceFiles, an_obj_that_is_written_is_read_back) {
+// A written OBJ file is read back, scaled by the given factor.
+TEST(SurfaceFiles, ObjRoundTrips) {
   const fs::path folder = fresh_folder();
   ASSERT_TRUE(write_obj(folder / "a.obj", {kCorners, kFaces}));
   const Result<ReadSurface> read = read_surface(folder / "a.obj", 2);
@@ -271,7 +280,8 @@ TEST(SurfaceFiles, an_obj_that_is_written_is_read_back) {
   EXPECT_EQ(read->mesh.vertices[3], (Vec3{0, 0, 2}));
 }
 
-TEST(SurfaceFiles, damaged_files_are_refused_with_file_place_expected_and_found) {
+// Errors for damaged files state file, position, expected and found values.
+TEST(SurfaceFiles, DamageIsLocated) {
   const Damage table[] = {
       {obj(), "v 0 1 0", "v 0 nan 0", "vertex 3: expected finite coordinates"},
       {obj(), "v 0 1 0", "v 0 1", ":6: expected a coordinate, found the end of the line"},
@@ -301,13 +311,13 @@ TEST(SurfaceFiles, damaged_files_are_refused_with_file_place_expected_and_found)
        "polygon 1: expected at least 3 points, found 2"},
       {vtk(), "POLYGONS 2 8", "POLYGONS 3 8", ":15: expected 3 cells, found 2"},
       {vtk(), "POLYGONS 2 8", "POLYGONS 2 80000000", ":13: expected a number of numbers that"},
-      {vtk(), "POINTS 4 float", "POINTS 4 places", ":5: expected a type of numbers such as float or int"},
+      {vtk(), "POINTS 4 float", "POINTS 4 letters", ":5: expected a type of numbers such as float or int"},
       {vtp(), "0 2 1 2 0 3", "0 2 1 2 0 4", ":4: polygon 1: expected points from 0 to 3, found 4"},
       {vtp(), ">3 6<", ">3 9<", ":10: expected a count of numbers that"},
       {vtp(), ">3 6<", ">7 6<", ":4: polygon 0: expected its points to end between 0 and 6, found 7"},
       {vtp(), "NumberOfPolys=\"2\"", "NumberOfPolys=\"99999999\"",
        ":4: expected NumberOfPolys that the file can hold, found 99999999"},
-      {vtp(), "<Polys>", "<Pols>", "expected XML, found a mistake"},
+      {vtp(), "<Polys>", "<Pols>", "expected XML, found an error"},
       {vtp(), "Name=\"offsets\"", "Name=\"off\"", "expected points, connectivity, offsets"},
   };
   for (const Damage& damage : table) {
@@ -316,7 +326,8 @@ TEST(SurfaceFiles, damaged_files_are_refused_with_file_place_expected_and_found)
   }
 }
 
-TEST(SurfaceFiles, a_polygon_of_too_many_corners_is_refused_before_it_takes_forever) {
+// A concave polygon with too many corners is rejected, because ear clipping takes quadratic time.
+TEST(SurfaceFiles, RejectsLargeConcavePolygon) {
   std::string text, face = "f";
   for (int c = 0; c < 600; c++) {
     text += "v " + std::to_string(c % 2 ? 1 + c : c) + " " + std::to_string(c * c) + " 0\n";
@@ -326,19 +337,21 @@ TEST(SurfaceFiles, a_polygon_of_too_many_corners_is_refused_before_it_takes_fore
                  "polygon 1: expected at most 500 corners where it is not convex");
 }
 
-TEST(SurfaceFiles, a_convex_polygon_of_a_million_corners_is_a_fan_at_once) {
+// A convex polygon with a million corners becomes a triangle fan in linear time.
+TEST(SurfaceFiles, LargeConvexPolygonIsFan) {
   std::vector<Vec3d> corners;
   for (int i = 0; i < 1000000; i++) {
     const double angle = i * 2e-6 * std::numbers::pi;
     corners.push_back({std::cos(angle), std::sin(angle), 0});
   }
-  const std::vector<Int3> fan = io::triangulate(corners);  // by cutting ears it would take minutes
+  const std::vector<Int3> fan = io::triangulate(corners);  // ear clipping would take minutes
   ASSERT_EQ(fan.size(), corners.size() - 2);
   EXPECT_EQ(fan.front(), (Int3{0, 1, 2}));
   EXPECT_EQ(fan.back(), (Int3{0, 999998, 999999}));
 }
 
-TEST(SurfaceFiles, what_is_not_a_surface_is_named) {
+// Missing files and files that are no surface are rejected by name.
+TEST(SurfaceFiles, RejectsNonSurfaceFiles) {
   const fs::path folder = fresh_folder();
   EXPECT_REFUSED(read_surface(folder / "gone.obj"), "gone.obj: does not exist");
   EXPECT_REFUSED(read_text("$MeshFormat\n2.2 0 8\n"),
@@ -348,7 +361,8 @@ TEST(SurfaceFiles, what_is_not_a_surface_is_named) {
   EXPECT_FALSE(is_surface_file(folder / "gone.ply"));
 }
 
-TEST(SurfaceFiles, the_liver_of_centimeters_is_one_closed_surface) {
+// A liver in centimeters is read as one closed surface.
+TEST(SurfaceFiles, LiverInCentimetersIsClosed) {
   const fs::path path = fs::path(TURGOR_SOURCE_DIR) / ".." / "shared" / "data" / "mesh" / "liver-smooth.obj";
   if (!fs::exists(path)) GTEST_SKIP() << path.string() << " is absent: real data is not part of the project";
   const Result<ReadSurface> read = read_surface(path, 0.01);

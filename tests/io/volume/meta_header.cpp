@@ -5,7 +5,7 @@
 namespace turgor::io {
 namespace {
 
-/// The grid of 2 x 2 x 2 bytes with these fields.
+/// Grid of 2 x 2 x 2 bytes with these fields.
 Result<Grid> grid_of(const std::string& fields) {
   const auto file = test::fresh_folder() / "a.mha";
   test::write(file,
@@ -16,7 +16,8 @@ Result<Grid> grid_of(const std::string& fields) {
   return raw->grid;
 }
 
-TEST(MetaHeader, PlacesItsGridByOneOfThreeNames) {
+// Origin and axes of the grid are read from any of three field names each.
+TEST(MetaHeader, OriginAndAxesHaveThreeNames) {
   for (const std::string origin : {"Offset", "Position", "Origin"})
     for (const std::string axes : {"TransformMatrix", "Rotation", "Orientation"}) {
       const auto grid = grid_of("ElementSpacing = 0.5 2 3\n" + origin + " = 1 -2 3e1\n" + axes +
@@ -30,13 +31,15 @@ TEST(MetaHeader, PlacesItsGridByOneOfThreeNames) {
     }
 }
 
-TEST(MetaHeader, TakesTheSizeOfAnElementForTheSpacingIfThereIsNone) {
+// ElementSize is the spacing if ElementSpacing is missing.
+TEST(MetaHeader, SpacingFallsBackToElementSize) {
   EXPECT_EQ(grid_of("ElementSize = 2 3 4\n")->spacing, (Vec3d{2e-3, 3e-3, 4e-3}));
   EXPECT_EQ(grid_of("ElementSize = 2 3 4\nElementSpacing = 5 6 7\n")->spacing, (Vec3d{5e-3, 6e-3, 7e-3}));
   EXPECT_EQ(grid_of("")->spacing, (Vec3d{1e-3, 1e-3, 1e-3}));
 }
 
-TEST(MetaHeader, ThatContradictsItselfOrIsNotInMillimetersIsRefused) {
+// Contradictory fields, units other than millimeters and scaled axes are rejected.
+TEST(MetaHeader, RejectsContradictionsAndUnits) {
   EXPECT_REFUSED(grid_of("Offset = 1 2 3\nOrigin = 4 5 6\n"), "Origin = 4 5 6", "contradicts",
                  "Offset = 1 2 3");
   EXPECT_TRUE(grid_of("Offset = 1 2 3\nOrigin = 1 2 3\n"));

@@ -1,4 +1,4 @@
-// What NIfTI files say, byte by byte: types, scales, places, extensions with the names of labels.
+// NIfTI files byte by byte: types, scaling, grids, extensions with the names of labels.
 #include <cmath>
 #include <cstring>
 
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 using test::fresh_folder;
 using test::write;
 
-/// A NIfTI-1 file of 3 x 2 x 2 samples, one byte order, placed by the spacing alone.
+/// A NIfTI-1 file of 3 x 2 x 2 samples in native byte order, whose grid is given by the spacing only.
 struct Nifti {
   std::string bytes = std::string(352, '\0');
 
@@ -44,7 +44,8 @@ Result<CtFile> read_bytes(const std::string& bytes) {
   return read_ct(Exec(1), folder / "a.nii");
 }
 
-TEST(NiftiFile, SlopeThatIsNanOrZeroMeansNoScaling) {
+// A slope of NaN or zero means no scaling.
+TEST(NiftiFile, InvalidSlopeMeansNoScaling) {
   for (const float slope : {std::nanf(""), 0.0f, 1.0f}) {
     Nifti file = int32_file();
     file.put<float>(112, slope);
@@ -56,7 +57,8 @@ TEST(NiftiFile, SlopeThatIsNanOrZeroMeansNoScaling) {
   }
 }
 
-TEST(NiftiFile, SlopeAndInterceptScale) {
+// Slope and intercept scale the samples.
+TEST(NiftiFile, AppliesSlopeAndIntercept) {
   Nifti file = int32_file();
   file.put<float>(112, 0.5f);
   file.put<float>(116, -1024);
@@ -66,7 +68,8 @@ TEST(NiftiFile, SlopeAndInterceptScale) {
   EXPECT_EQ(read->ct.samples[3], 476);
 }
 
-TEST(NiftiFile, ValuesAreRoundedAndKeptWithinSixteenBits) {
+// Values are rounded and clamped to 16 bits; NaN becomes air.
+TEST(NiftiFile, ValuesAreRoundedAndClamped) {
   const auto read = read_bytes(
       Nifti(16, {1e9f, -1e9f, 0.6f, -0.6f, std::nanf(""), 0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f}).bytes);
   ASSERT_TRUE(read) << read.error().message;
@@ -82,21 +85,23 @@ bool has_note(const Result<CtFile>& read, const std::string& words) {
                      [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }
 
-TEST(NiftiFile, WhatRoundingChangesIsNoted) {
+// Notes count the samples that were rounded, clamped or not a number.
+TEST(NiftiFile, RoundingIsNoted) {
   const float nan = std::nanf("");
   const auto read =
       read_bytes(Nifti(16, {1e9f, 0.5f, -0.25f, nan, 7.f, 8.f, 9.f, 1.f, 2.f, 3.f, 4.f, -1e9f}).bytes);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_TRUE(has_note(read, "2 of 12 samples were rounded to whole Hounsfield units"));
-  EXPECT_TRUE(has_note(read, "1 of 12 samples are no numbers (NaN) and became air (-1000 HU)"));
-  EXPECT_TRUE(has_note(read, "2 of 12 samples lay outside of -32768 to 32767 HU"));
+  EXPECT_TRUE(has_note(read, "2 of 12 samples were rounded to integer Hounsfield units"));
+  EXPECT_TRUE(has_note(read, "1 of 12 samples are not numbers (NaN) and became air (-1000 HU)"));
+  EXPECT_TRUE(has_note(read, "2 of 12 samples were outside -32768 to 32767 HU"));
   const auto whole =
       read_bytes(Nifti(16, {-1000.f, 0.f, 40.f, 3.f, 7.f, 8.f, 9.f, 1.f, 2.f, 3.f, 4.f, 5.f}).bytes);
   ASSERT_TRUE(whole) << whole.error().message;
   EXPECT_TRUE(whole->notes.empty());
 }
 
-TEST(NiftiFile, NumbersThatAreNoHounsfieldUnitsAreNoted) {
+// A note reports values that do not look like Hounsfield units.
+TEST(NiftiFile, ImplausibleHounsfieldUnitsAreNoted) {
   const auto read =
       read_bytes(Nifti(2, std::initializer_list<std::uint8_t>{0, 9, 99, 255, 5, 6, 7, 8, 9, 1, 2, 3}).bytes);
   ASSERT_TRUE(read) << read.error().message;
@@ -104,7 +109,8 @@ TEST(NiftiFile, NumbersThatAreNoHounsfieldUnitsAreNoted) {
   EXPECT_TRUE(has_note(read, "from 0 to 255"));
 }
 
-TEST(NiftiFile, OfTheOtherByteOrderIsRead) {
+// A file in the other byte order is read.
+TEST(NiftiFile, ReadsSwappedByteOrder) {
   std::string bytes = int32_file().bytes;
   const auto swap = [&](std::size_t at, std::size_t size) {
     std::reverse(bytes.begin() + std::ptrdiff_t(at), bytes.begin() + std::ptrdiff_t(at + size));
@@ -120,7 +126,8 @@ TEST(NiftiFile, OfTheOtherByteOrderIsRead) {
   EXPECT_EQ(read->ct.samples[11], 12);
 }
 
-TEST(NiftiFile, IsPlacedByItsSformFirst) {
+// The sform determines the grid if sform and qform exist.
+TEST(NiftiFile, SformHasPriority) {
   Nifti file = int32_file();
   file.put<std::int16_t>(252, 1);
   file.put<std::int16_t>(254, 2);
@@ -136,7 +143,8 @@ TEST(NiftiFile, IsPlacedByItsSformFirst) {
   EXPECT_NEAR(norm(last - Vec3d{-0.012, -0.026, 0.034}), 0, 1e-9);
 }
 
-TEST(NiftiFile, CorruptNiftiHeadersAreRefusedBeforeMemoryIsTaken) {
+// A corrupt header is rejected before memory is allocated.
+TEST(NiftiFile, RejectsCorruptHeader) {
   const auto refused = [](const char* word, auto change) {
     Nifti file = int32_file();
     change(file);
@@ -158,7 +166,8 @@ TEST(NiftiFile, CorruptNiftiHeadersAreRefusedBeforeMemoryIsTaken) {
   refused("NIfTI header has 544", [](Nifti& f) { f.put<std::int32_t>(0, 540); });
 }
 
-TEST(NiftiFile, ShearedAxesAreRefused) {
+// Sheared axes are rejected in NIfTI and NRRD files.
+TEST(NiftiFile, RejectsShearedAxes) {
   Nifti file = int32_file();
   file.put<std::int16_t>(254, 2);
   const float rows[3][4] = {{1, 0.4f, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
@@ -172,7 +181,7 @@ TEST(NiftiFile, ShearedAxesAreRefused) {
         "directions: (1,0,0) (0.5,1,0) "
         "(0,0,1)\nendian: little\nencoding: raw\nspace origin: (0,0,0)\n\n" +
             std::string(16, '\0'));
-  EXPECT_REFUSED(read_ct(Exec(1), folder / "a.nrrd"), "degrees", "right angles");
+  EXPECT_REFUSED(read_ct(Exec(1), folder / "a.nrrd"), "degrees", "orthogonal axes");
 }
 
 /// Labels 0, 1, 2 with an extension between header and samples.
@@ -189,7 +198,8 @@ std::string nifti_with(int kind, std::string text) {
   return file.bytes;
 }
 
-TEST(NiftiFile, ANiftiExtensionNamesLabels) {
+// A header extension in XML, JSON or Python syntax gives the names of labels.
+TEST(NiftiFile, ExtensionNamesLabels) {
   const char* xml =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?><CaretExtension><VolumeInformation Index=\"0\"><LabelTable>"
       "<Label Key=\"1\" Red=\"0.2\" Green=\"0.3\" Blue=\"0\" Alpha=\"1\"><![CDATA[liver]]></Label>"
@@ -213,7 +223,8 @@ TEST(NiftiFile, ANiftiExtensionNamesLabels) {
   }
 }
 
-TEST(NiftiFile, AnExtensionThatNamesNothingIsPassedOver) {
+// An extension without names is ignored.
+TEST(NiftiFile, IgnoresExtensionWithoutNames) {
   for (const char* text : {"made by hand", "<a><b>", "{", "{\"a\": \"b\"}", "<Label Key=\"0\">x</Label>"}) {
     const fs::path file = fresh_folder() / "s.nii";
     write(file, nifti_with(6, text));

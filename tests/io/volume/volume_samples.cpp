@@ -1,4 +1,4 @@
-// NRRD and MetaImage files made by hand, whose samples and places are known.
+// Handwritten NRRD and MetaImage files with known samples and grids.
 #include <cstring>
 #include <numeric>
 
@@ -16,14 +16,14 @@ namespace fs = std::filesystem;
 using test::fresh_folder;
 using test::write;
 
-/// 2 x 3 x 2 samples that count from 1000, `components` each.
+/// 2 x 3 x 2 samples that count from 1000, with `components` values each.
 std::vector<std::int16_t> numbers(std::size_t components = 1) {
   std::vector<std::int16_t> all(12 * components);
   std::iota(all.begin(), all.end(), std::int16_t(1000));
   return all;
 }
 
-/// Two bytes a sample: the higher one last (little endian) or first.
+/// Two bytes per sample: high byte last (little endian) or first.
 std::string stored(const std::vector<std::int16_t>& samples, bool is_big = false) {
   std::string all;
   for (const std::int16_t sample : samples) {
@@ -36,7 +36,7 @@ std::string stored(const std::vector<std::int16_t>& samples, bool is_big = false
 
 std::string packed(std::string_view bytes, Deflate format = Deflate::kGzip) {
   std::string all;
-  deflate({bytes}, format, [&all](std::string_view piece) { all += piece; });
+  deflate({bytes}, format, [&all](std::string_view chunk) { all += chunk; });
   return all;
 }
 
@@ -47,10 +47,10 @@ std::vector<std::int16_t> samples_of(const Result<RawVolume>& raw) {
   return {first, first + raw->value_count()};
 }
 
-const std::string kSteps = "(0.5,0,0) (0,2,0) (0,0,3)";
+const std::string kDirections = "(0.5,0,0) (0,2,0) (0,0,3)";
 
 std::string nrrd(const std::string& more, const std::string& sizes = "2 3 2",
-                 const std::string& directions = kSteps) {
+                 const std::string& directions = kDirections) {
   return "NRRD0004\ntype: short\ndimension: " + std::string(sizes.size() > 5 ? "4" : "3") +
          "\nspace: left-posterior-superior\nsizes: " + sizes + "\nspace directions: " + directions +
          "\nspace origin: (10,20,30)\n" + more + "\n";
@@ -73,7 +73,8 @@ class VolumeSamples : public ::testing::Test {
   std::string bytes = stored(numbers()), big = stored(numbers(), true);
 };
 
-TEST_F(VolumeSamples, OfNrrdAreReadInBothByteOrdersRawAndCompressed) {
+// NRRD samples are read in both byte orders, raw and compressed.
+TEST_F(VolumeSamples, NrrdRawAndCompressed) {
   const std::string end = "endian: big\nencoding: ";
   EXPECT_EQ(samples_of(read("a.nrrd", nrrd(kRaw) + bytes)), numbers());
   EXPECT_EQ(samples_of(read("a.nrrd", nrrd(end + "raw\n") + big)), numbers());
@@ -81,7 +82,8 @@ TEST_F(VolumeSamples, OfNrrdAreReadInBothByteOrdersRawAndCompressed) {
   EXPECT_EQ(samples_of(read("a.nrrd", nrrd(end + "gz\n") + packed(big))), numbers());
 }
 
-TEST_F(VolumeSamples, OfMetaImagesAreReadInBothByteOrdersRawAndCompressed) {
+// MetaImage samples are read in both byte orders, raw and compressed.
+TEST_F(VolumeSamples, MetaImageRawAndCompressed) {
   const std::string zlib = packed(bytes, Deflate::kZlib), zlib_big = packed(big, Deflate::kZlib);
   const std::string is_packed = "CompressedData = True\n";
   EXPECT_EQ(samples_of(read("a.mha", meta("") + bytes)), numbers());
@@ -94,7 +96,8 @@ TEST_F(VolumeSamples, OfMetaImagesAreReadInBothByteOrdersRawAndCompressed) {
   EXPECT_EQ(samples_of(read("a.mha", meta(is_packed + size) + zlib + "more")), numbers());
 }
 
-TEST_F(VolumeSamples, LieInAFileOfTheirOwnIfTheHeaderNamesOne) {
+// Samples are read from a separate file if the header names one.
+TEST_F(VolumeSamples, DetachedDataFile) {
   write(folder / "my ct.raw", bytes);
   write(folder / "ct.raw.gz", packed(bytes));
   write(folder / "ct.zraw", packed(bytes, Deflate::kZlib));
@@ -104,7 +107,8 @@ TEST_F(VolumeSamples, LieInAFileOfTheirOwnIfTheHeaderNamesOne) {
   EXPECT_EQ(samples_of(read("a.mhd", meta("CompressedData = True\n", "ct.zraw"))), numbers());
 }
 
-TEST_F(VolumeSamples, ComeBehindTheBytesAndLinesThatTheHeaderSkips) {
+// Bytes and lines that the header skips precede the samples; impossible skips are rejected.
+TEST_F(VolumeSamples, ByteAndLineSkip) {
   write(folder / "h.raw", "head" + bytes);
   EXPECT_EQ(samples_of(read("a.nrrd", nrrd(kRaw + "byte skip: 4\n") + "head" + bytes)), numbers());
   EXPECT_EQ(samples_of(read("a.nrrd", nrrd(kRaw + "byte skip: -1\n") + "whatever" + bytes)), numbers());
@@ -125,7 +129,8 @@ TEST_F(VolumeSamples, ComeBehindTheBytesAndLinesThatTheHeaderSkips) {
   EXPECT_REFUSED(read("a.mha", meta("HeaderSize = 9\n") + bytes), "HeaderSize = 9");
 }
 
-TEST_F(VolumeSamples, AreRefusedUnlessACompressedStreamHoldsExactlyThem) {
+// A compressed stream that is damaged, too short or too long is rejected.
+TEST_F(VolumeSamples, CompressedStreamHasExactSize) {
   const auto refused = [&](const std::string& stream, const char* found) {
     EXPECT_REFUSED(read("a.nrrd", nrrd(kGzip) + stream), "24 bytes of samples (2 x 3 x 2)", found);
     EXPECT_REFUSED(read("a.mha", meta("CompressedData = True\n") + stream), "24 bytes", found);
@@ -134,22 +139,24 @@ TEST_F(VolumeSamples, AreRefusedUnlessACompressedStreamHoldsExactlyThem) {
   checksum[checksum.size() - 6] ^= 1;
   refused(packed(bytes.substr(2)), "holds 22");
   refused(packed(bytes + "x"), "more than that");
-  refused(packed(bytes).substr(0, packed(bytes).size() - 5), "holds 24");  // cut within the checksum
+  refused(packed(bytes).substr(0, packed(bytes).size() - 5), "holds 24");  // truncated within the checksum
   refused(checksum, "damaged");
   refused("no stream at all, but some bytes", "damaged");
   refused("", "0 compressed");
 }
 
-TEST_F(VolumeSamples, MayBePackedInSeveralPieces) {
-  const std::string pieces = packed(bytes.substr(0, 7)) + packed(bytes.substr(7)) + packed("");
-  EXPECT_EQ(samples_of(read("a.nrrd", nrrd(kGzip) + pieces)), numbers());
+// Samples may be stored as several concatenated gzip streams.
+TEST_F(VolumeSamples, ConcatenatedGzipStreams) {
+  const std::string streams = packed(bytes.substr(0, 7)) + packed(bytes.substr(7)) + packed("");
+  EXPECT_EQ(samples_of(read("a.nrrd", nrrd(kGzip) + streams)), numbers());
   EXPECT_EQ(samples_of(read("a.nrrd", nrrd(kGzip) + packed(bytes) + "what follows")), numbers());
-  EXPECT_REFUSED(read("a.nrrd", nrrd(kGzip) + pieces + packed("x")), "more than that");
+  EXPECT_REFUSED(read("a.nrrd", nrrd(kGzip) + streams + packed("x")), "more than that");
 }
 
-TEST_F(VolumeSamples, OfManyBlocksAreUnpackedBehindWhatIsSkipped) {
+// Inflating skips a prefix longer than many blocks and checks the exact length.
+TEST_F(VolumeSamples, InflateSkipsManyBlocks) {
   std::string noise(3'000'000,
-                    '\0');  // packs to itself: a dozen blocks in, far more to skip than a block out
+                    '\0');  // incompressible: a dozen input blocks; the skip spans several output blocks
   std::uint32_t state = 1;
   for (char& byte : noise) byte = char((state = state * 1664525 + 1013904223) >> 24);
   const std::string stream = packed(noise);
@@ -164,10 +171,11 @@ TEST_F(VolumeSamples, OfManyBlocksAreUnpackedBehindWhatIsSkipped) {
   EXPECT_EQ(inflate(range, 1'000'001, out).count, out.size() - 1);
 }
 
-TEST_F(VolumeSamples, HaveTheirComponentsTogetherWhereverTheFileHasThem) {
+// Vector components are interleaved in memory, whichever axis holds them in the file.
+TEST_F(VolumeSamples, ComponentsAreInterleaved) {
   const std::vector<std::int16_t> mixed = numbers(3);
   std::vector<std::int16_t> planes,
-      rows;  // all first components, then all second …; the same in each row of i
+      rows;  // planes: all first components, then all second …; rows: the same within each row of i
   for (std::size_t c = 0; c < 3; c++)
     for (std::size_t v = 0; v < 12; v++) planes.push_back(mixed[3 * v + c]);
   for (std::size_t row = 0; row < 6; row++)
@@ -182,23 +190,25 @@ TEST_F(VolumeSamples, HaveTheirComponentsTogetherWhereverTheFileHasThem) {
     EXPECT_EQ(raw->components, 3);
     EXPECT_EQ(raw->grid.size, (Int3{2, 3, 2}));
   };
-  vectors("3 2 3 2", "none " + kSteps, "vector domain domain domain", mixed);
+  vectors("3 2 3 2", "none " + kDirections, "vector domain domain domain", mixed);
   vectors("2 3 3 2", "(0.5,0,0) none (0,2,0) (0,0,3)", "space list space space", rows);
-  vectors("2 3 2 3", kSteps + " none", "domain domain domain 3-vector", planes);
+  vectors("2 3 2 3", kDirections + " none", "domain domain domain 3-vector", planes);
   const auto meta_image = read("a.mha", meta("ElementNumberOfChannels = 3\n") + stored(mixed));
   EXPECT_EQ(samples_of(meta_image), mixed);
 }
 
-TEST_F(VolumeSamples, OfSeveralTimesAreNoVectors) {
+// A fourth axis of time, or of unknown kind, is not read as vector components.
+TEST_F(VolumeSamples, RejectsTimeSeries) {
   const std::string three = stored(numbers(3));
   for (const char* kinds : {"", "kinds: domain domain domain time\n", "kinds: domain domain domain ???\n"})
-    EXPECT_REFUSED(read("a.nrrd", nrrd(kRaw + kinds, "2 3 2 3", kSteps + " none") + three), "kinds",
+    EXPECT_REFUSED(read("a.nrrd", nrrd(kRaw + kinds, "2 3 2 3", kDirections + " none") + three), "kinds",
                    "vector");
-  EXPECT_EQ(samples_of(read("a.nrrd", nrrd(kRaw, "2 3 2 1", kSteps + " none") + bytes)), numbers());
+  EXPECT_EQ(samples_of(read("a.nrrd", nrrd(kRaw, "2 3 2 1", kDirections + " none") + bytes)), numbers());
   EXPECT_REFUSED(read("a.nrrd", nrrd(kRaw + "kinds: vector domain domain\n") + bytes), "kinds");
 }
 
-TEST_F(VolumeSamples, OfEveryTypeAreReadBackAsTheyWereWritten) {
+// Samples of every type are read back exactly from every format.
+TEST_F(VolumeSamples, SampleTypesRoundTrip) {
   const Grid grid{.size = {5, 4, 3},
                   .spacing = {1e-3, 2e-3, 3e-3},
                   .origin = {},
@@ -217,7 +227,8 @@ TEST_F(VolumeSamples, OfEveryTypeAreReadBackAsTheyWereWritten) {
       }
 }
 
-TEST_F(VolumeSamples, WhatIsNotReadIsRefusedWithASentence) {
+// Unsupported encodings, file lists, versions and fields give an error message.
+TEST_F(VolumeSamples, RejectsUnsupportedFeatures) {
   for (const char* encoding : {"bzip2", "bz2", "hex", "ascii", "text", "txt", "zrl"})
     EXPECT_REFUSED(read("a.nrrd", nrrd("endian: little\nencoding: " + std::string(encoding) + "\n") + bytes),
                    encoding, "expected raw or gzip");
@@ -227,11 +238,12 @@ TEST_F(VolumeSamples, WhatIsNotReadIsRefusedWithASentence) {
   EXPECT_REFUSED(read("a.mhd", meta("", "LIST")), "LIST", "one file");
   EXPECT_REFUSED(read("a.mhd", meta("", "a%d.raw 1 2 1")), "a%d.raw", "one file");
   EXPECT_REFUSED(read("a.nrrd", "NRRD0009\n" + nrrd(kRaw).substr(9) + bytes), "NRRD0009");
-  EXPECT_REFUSED(read("a.nrrd", nrrd(kRaw + "spacing: 1 1 1\n") + bytes), "\"spacing\" is not known");
+  EXPECT_REFUSED(read("a.nrrd", nrrd(kRaw + "spacing: 1 1 1\n") + bytes), "unknown NRRD field \"spacing\"");
   EXPECT_REFUSED(read("a.mha", meta("ElementToIntensityFunctionSlope = 0\n") + bytes), "Slope = 0");
 }
 
-TEST_F(VolumeSamples, ADataFileThatIsNoneIsNamedAndNotWaitedFor) {
+// A data file that is a pipe, a device or missing is rejected without blocking.
+TEST_F(VolumeSamples, RejectsPipeAsDataFile) {
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   EXPECT_REFUSED(read("a.nhdr", nrrd(kRaw + "data file: pipe\n")), "a.nhdr", "pipe: is a pipe");
   EXPECT_REFUSED(read("a.mhd", meta("", "pipe")), "a.mhd", "pipe: is a pipe");
@@ -239,7 +251,8 @@ TEST_F(VolumeSamples, ADataFileThatIsNoneIsNamedAndNotWaitedFor) {
   EXPECT_REFUSED(read("a.mhd", meta("", "none.raw")), "none.raw", "does not exist");
 }
 
-TEST_F(VolumeSamples, OfAMetaImageAreScaledAsItSays) {
+// Slope and offset of a MetaImage are read.
+TEST_F(VolumeSamples, MetaImageHasSlopeAndOffset) {
   const auto raw = read("a.mha", meta("ElementToIntensityFunctionSlope = 2\n"
                                       "ElementToIntensityFunctionOffset = -1024\n") +
                                      bytes);

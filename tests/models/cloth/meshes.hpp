@@ -1,4 +1,4 @@
-// The same rectangle in different triangles, for tests of what must not depend on them.
+// One rectangle in different triangulations, for tests of results that must not depend on them.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ inline std::string name(Pattern pattern) {
     case Pattern::kOtherDiagonal:
       return "squares with the other diagonal";
     case Pattern::kAlternating:
-      return "squares with both diagonals by turns";
+      return "squares with alternating diagonals";
     case Pattern::kLong:
       return "cells four times as long";
     case Pattern::kTall:
@@ -35,8 +35,8 @@ inline std::string name(Pattern pattern) {
   return "";
 }
 
-/// A rectangle in the plane z = 0 from x0 to x1 and 0 to height in triangles of about a size, with columns of
-/// vertices at x0, x0 + size and x1.
+/// A rectangle in the plane z = 0 from x0 to x1 and 0 to height, in triangles of about `size`, with columns
+/// of vertices at x0, x0 + size and x1.
 inline TriMesh rectangle(Pattern pattern, double x0, double x1, double height, double size) {
   const double column = pattern == Pattern::kTall ? size / 4 : size;
   const double row = pattern == Pattern::kLong          ? size / 4
@@ -76,7 +76,7 @@ inline TriMesh rectangle(Pattern pattern, double x0, double x1, double height, d
   return mesh;
 }
 
-/// Numbers of the vertices of a mesh from one x to another.
+/// Indices of the vertices of a mesh between two values of x.
 inline std::vector<int> vertices_between(const TriMesh& mesh, double from, double to) {
   std::vector<int> found;
   for (std::size_t v = 0; v < mesh.vertices.size(); v++)

@@ -5,14 +5,14 @@
 
 #include "tests/models/cloth/storm.hpp"
 #include "turgor/models/cloth/build/sheet.hpp"
+#include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/measure.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor::cloth {
 
 constexpr double kFrame = 1.0 / 60;
 
-/// A horizontal square of n × n vertices, `spacing` apart.
+/// A horizontal square of n × n vertices with a spacing.
 inline TriMesh flat_sheet(int n, double spacing = 0.01) {
   return make_sheet(
       {.side = {spacing * (n - 1), 0, 0}, .up = {0, spacing * (n - 1), 0}, .columns = n - 1, .rows = n - 1});
@@ -23,14 +23,14 @@ inline Model must_build(const TriMesh& mesh, const Params& params) {
   return std::move(*model);
 }
 
-/// Nothing but what gravity does.
+/// Gravity only, without air.
 inline Inputs in_vacuum(double g = 9.81) {
   Inputs inputs{.gravity = {0, 0, -g}};
   inputs.air.density = 0;
   return inputs;
 }
 
-/// Of every vertex by up to `size`, the same numbers each time.
+/// Adds pseudorandom vectors of up to `size` per axis to every vertex.
 inline void shake(const Model& model, Vectors& field, double size, unsigned seed = 1) {
   RandomNumbers next{seed};
   for (std::size_t v = 0; v < std::size_t(model.count); v++) {

@@ -19,8 +19,9 @@ Hanging hanging(const Params& params, int n = 21, double spacing = 0.02) {
   return h;
 }
 
-TEST(ClothStep, a_hanging_spring_reaches_its_static_length) {
-  // Two triangles: the two upper corners are held, each lower one hangs with m g on springs at rest along y.
+// A hanging spring reaches its static length.
+TEST(ClothStep, HangingSpringReachesStaticLength) {
+  // Two triangles: the upper corners are held, and each lower one hangs with m g on springs along y.
   Params params{
       .fabric = {.law = Law::kSprings, .density = 1, .warp = 500, .weft = 200, .shear = 0, .bend = 0}};
   params.collision.self = false;
@@ -39,7 +40,8 @@ TEST(ClothStep, a_hanging_spring_reaches_its_static_length) {
   EXPECT_NEAR(pull / force, 1, 1e-3);
 }
 
-TEST(ClothStep, where_a_cloth_comes_to_rest_does_not_depend_on_the_number_of_sweeps) {
+// The shape at rest depends neither on the solver nor on the number of sweeps.
+TEST(ClothStep, RestShapeIndependentOfSweeps) {
   std::vector<double> ends;
   for (const auto& [method, sweeps] :
        {std::pair(Method::kJacobi, 1), std::pair(Method::kJacobi, 2), std::pair(Method::kChebyshev, 8),
@@ -54,11 +56,12 @@ TEST(ClothStep, where_a_cloth_comes_to_rest_does_not_depend_on_the_number_of_swe
     for (int frame = 0; frame < 1200; frame++) step(Exec(1), h.model, h.state, inputs, kFrame);
     ends.push_back(double(h.state.x.y[115]));
   }
-  EXPECT_GT(ends[0], 0.201);  // it did stretch
+  EXPECT_GT(ends[0], 0.201);  // it is stretched
   for (const double end : ends) EXPECT_NEAR((end - 0.2) / (ends.back() - 0.2), 1, 0.01);
 }
 
-TEST(ClothStep, momentum_stays_without_forces_from_outside) {
+// Momentum is conserved without external forces.
+TEST(ClothStep, ConservesMomentum) {
   Params params;
   params.damping.motion = 0;
   params.solver = {.method = Method::kConjugateGradients, .sweeps = 200, .tolerance = 0};
@@ -73,7 +76,7 @@ TEST(ClothStep, momentum_stays_without_forces_from_outside) {
   EXPECT_LT(norm(momentum(model, state) - before), 2e-4 * model.total_mass * 0.5);
 }
 
-/// Largest growth of the energy in a frame, over a scale [J].
+/// Largest growth of the energy in a frame, relative to a scale [J].
 double energy_growth(const Model& model, State& state, const Inputs& inputs, int frames, double scale) {
   const auto total = [&] {
     const Energy e = energy(model, state, inputs.gravity);
@@ -91,7 +94,8 @@ double energy_growth(const Model& model, State& state, const Inputs& inputs, int
   return growth / scale;
 }
 
-TEST(ClothStep, energy_never_grows_without_wind) {
+// The energy does not grow without wind.
+TEST(ClothStep, EnergyDoesNotGrowWithoutWind) {
   for (const Method method : {Method::kJacobi, Method::kChebyshev})
     for (const double size : {0.0003, 0.001, 0.003}) {
       Params params;
@@ -108,18 +112,19 @@ TEST(ClothStep, energy_never_grows_without_wind) {
     }
 }
 
-TEST(ClothStep, a_sheet_that_swings_down_gains_little_energy_in_any_frame_and_loses_it_in_the_end) {
+// A swinging sheet gains little energy in any frame and loses energy overall.
+TEST(ClothStep, SwingingSheetLosesEnergy) {
   Params params;
   params.damping = {0, 0};
   params.collision.thickness = 0.015;
   Hanging h = hanging(params);
-  // Flat springs are not stiff across the sheet, so the first frames overshoot: see docs/models/cloth.md.
+  // Flat springs have no stiffness across the sheet, so the first frames overshoot: see docs/models/cloth.md.
   for (int frame = 0; frame < 10; frame++) step(Exec(1), h.model, h.state, in_vacuum(), kFrame);
-  const double fall = h.model.total_mass * 9.81 * 0.2;  // of its middle
+  const double fall = h.model.total_mass * 9.81 * 0.2;  // of its center
   EXPECT_LT(energy_growth(h.model, h.state, in_vacuum(), 300, fall), 0.02);
 }
 
-/// How far a hanging sheet that was shaken is stretched after 150 frames in gusts [1].
+/// Largest stretch of a shaken hanging sheet after 150 frames in gusts [1].
 double stretch_in_gusts(double h, int sweeps, unsigned seed) {
   Params params{.fabric = {.warp = 5000, .weft = 5000, .shear = 500}};
   params.solver.sweeps = sweeps;
@@ -137,33 +142,36 @@ double stretch_in_gusts(double h, int sweeps, unsigned seed) {
   return largest_stretch(cloth.model, cloth.state);
 }
 
-TEST(ClothStep, every_step_from_one_to_thirty_three_milliseconds_is_stable) {
+// Time steps from 1 to 33 ms are stable in gusts.
+TEST(ClothStep, StableFrom1To33Milliseconds) {
   for (const double h : {0.001, 0.004, kFrame, 0.033})
     for (const int sweeps : {1, 8}) {
-      if (sweeps == 1 && h > kFrame) continue;  // below
+      if (sweeps == 1 && h > kFrame) continue;  // tested below
       EXPECT_LT(stretch_in_gusts(h, sweeps, 1), 2) << h << " s, " << sweeps << " sweeps";
     }
-  // One sweep of a frame as long as that leaves most of the forces, and what is left depends on how the sheet
-  // was shaken, and on roundings: of 60 seeds a half below 1.8, nine in ten below 2.7, one 5.5.
+  // One sweep in a frame as long as that has a large residual, so the stretch depends on the initial shake
+  // and on rounding. Of 60 seeds, half are below 1.8, nine in ten below 2.7, and one is 5.5.
   std::array<double, 5> stretch{};
   for (unsigned seed = 1; seed <= stretch.size(); seed++)
     stretch[seed - 1] = stretch_in_gusts(0.033, 1, seed);
   std::sort(stretch.begin(), stretch.end());
-  EXPECT_LT(stretch[2], 2.5) << "the middle one";
+  EXPECT_LT(stretch[2], 2.5) << "the median";
 }
 
-TEST(ClothStep, a_hold_takes_its_vertex_exactly_where_it_is_told) {
+// A hold moves its vertex exactly to the goal; a release ends it.
+TEST(ClothStep, HoldReachesGoalExactly) {
   Hanging h = hanging({});
   const Vec3 goal{0.01f, 0.02f, 0.05f};
   ASSERT_TRUE(move_hold(h.model, h.state, 3, goal));
   step(Exec(1), h.model, h.state, in_vacuum(), kFrame);
-  EXPECT_EQ(h.state.x[std::size_t(h.model.place[3])], goal);
+  EXPECT_EQ(h.state.x[std::size_t(h.model.model_vertex[3])], goal);
   ASSERT_TRUE(release(h.model, h.state, 3));
   step(Exec(1), h.model, h.state, in_vacuum(), kFrame);
-  EXPECT_NE(h.state.x[std::size_t(h.model.place[3])], goal);
+  EXPECT_NE(h.state.x[std::size_t(h.model.model_vertex[3])], goal);
 }
 
-TEST(ClothStep, the_strain_limit_keeps_springs_short) {
+// The strain limit bounds the stretch of springs.
+TEST(ClothStep, StrainLimitBoundsStretch) {
   double stretch[2];
   for (const int limited : {0, 1}) {
     Params params{.fabric = {.density = 1, .warp = 25, .weft = 25, .shear = 5, .bend = 1}};
@@ -179,12 +187,14 @@ TEST(ClothStep, the_strain_limit_keeps_springs_short) {
   EXPECT_LT(stretch[1], 1.15);
 }
 
-TEST(ClothStep, results_have_the_same_bits_on_any_number_of_threads) {
+// One, two and eight threads give the same bits.
+TEST(ClothStep, EqualBitsOnAnyThreads) {
   std::uint64_t expected = 0;
   for (const Method method : {Method::kChebyshev, Method::kConjugateGradients})
     for (const int threads : {1, 2, 8}) {
       Params params;
-      params.collision.thickness = method == Method::kChebyshev ? 0.006 : 0.0096;  // coarse, and not
+      params.collision.thickness =
+          method == Method::kChebyshev ? 0.006 : 0.0096;  // with and without large triangles
       params.solver.method = method;
       const Model model = must_build(flat_sheet(24), params);
       State state = make_state(model);
@@ -202,15 +212,15 @@ TEST(ClothStep, results_have_the_same_bits_on_any_number_of_threads) {
     }
 }
 
-/// What is left of the swing of a hanging strip of half a metre after five seconds, and its period, of a
-/// rope's.
+/// Amplitude of a hanging strip of half a meter after five seconds relative to the first one, and its period
+/// relative to that of a rope.
 struct Swing {
   double amplitude = 0, period = 0;
 };
 Swing swing(Integrator integrator, int rate, int cells) {
   Params params{
       .fabric = {.law = Law::kSheet},
-      .solver = {.integrator = integrator, .method = Method::kBlocks, .sweeps = 200, .tolerance = 1e-3}};
+      .solver = {.integrator = integrator, .method = Method::kTwoLevel, .sweeps = 200, .tolerance = 1e-3}};
   params.damping = {0, 0};
   params.collision.self = false;
   params.fabric.rigidity_warp = params.fabric.rigidity_weft = 1e-8;
@@ -226,7 +236,7 @@ Swing swing(Integrator integrator, int rate, int cells) {
     state.x.z[v] =
         Real(start * std::cyl_bessel_j(
                          0, 2.404825557695773 * std::sqrt(std::max(0.0, 1 - double(state.x.x[v]) / length))));
-  const auto tip = std::size_t(model.place[std::size_t(cells)]);
+  const auto tip = std::size_t(model.model_vertex[std::size_t(cells)]);
   double before = start, most = 0, first = 0, last = 0;
   int crossings = 0;
   for (int n = 1; n <= 5 * rate; n++) {
@@ -243,7 +253,8 @@ Swing swing(Integrator integrator, int rate, int cells) {
   return {most / start, crossings > 1 ? 2 * (last - first) / (crossings - 1) / expected : 0};
 }
 
-TEST(ClothStep, two_steps_at_once_keep_a_swing_that_backward_euler_damps) {
+// BDF2 keeps the amplitude of a swing that backward Euler damps.
+TEST(ClothStep, Bdf2KeepsSwingThatEulerDamps) {
   double euler[2], bdf2[2];
   for (const int fast : {0, 1}) {
     const int rate = fast ? 240 : 60;
@@ -256,7 +267,8 @@ TEST(ClothStep, two_steps_at_once_keep_a_swing_that_backward_euler_damps) {
   EXPECT_NEAR(bdf2[1], 1, 0.03);
 }
 
-TEST(ClothStep, a_strip_swings_with_a_ropes_period_and_amplitude_in_cells_of_any_size) {
+// A strip swings with the period of a rope for any cell size, and with the same amplitude.
+TEST(ClothStep, StripSwingsAsRope) {
   const Swing finest = swing(Integrator::kBdf2, 120, 100);
   for (const int cells : {25, 50, 100}) {
     const Swing found = swing(Integrator::kBdf2, 120, cells);
@@ -265,7 +277,8 @@ TEST(ClothStep, a_strip_swings_with_a_ropes_period_and_amplitude_in_cells_of_any
   }
 }
 
-TEST(ClothStep, a_step_that_is_not_finite_is_undone) {
+// A step that is not finite is undone; the next one is finite.
+TEST(ClothStep, NonFiniteStepIsUndone) {
   Hanging h = hanging({});
   const Vec3 before = h.state.x[200];
   Inputs inputs = in_vacuum();
@@ -275,7 +288,8 @@ TEST(ClothStep, a_step_that_is_not_finite_is_undone) {
   EXPECT_TRUE(step(Exec(1), h.model, h.state, in_vacuum(), kFrame).finite);
 }
 
-TEST(ClothStep, random_steps_never_make_what_is_no_number) {
+// Random steps stay finite.
+TEST(ClothStep, RandomStepsStayFinite) {
   Params params;
   params.collision.thickness = 0.0096;
   const Model model = must_build(flat_sheet(9), params);
@@ -283,34 +297,35 @@ TEST(ClothStep, random_steps_never_make_what_is_no_number) {
   const Exec exec(1);
   RandomNumbers next{7};
   constexpr int kSteps = 100000;
-  state.ccd.steps_to_look = kSteps;  // as if it crossed itself: tests of crossings look at the rest
+  state.ccd.steps_until_check = kSteps;  // as if it crossed itself, which skips CCD: ClothCcd tests the rest
   for (int n = 0; n < kSteps; n++) ASSERT_TRUE(storm_step(exec, model, state, next, true).finite) << n;
 }
 
-TEST(ClothStep, what_holds_a_sheet_takes_its_weight_and_what_moves_it_its_inertia) {
+// The force of holds is the weight of the sheet plus the inertia of moved vertices.
+TEST(ClothStep, HoldForceHasWeightAndInertia) {
   Params params{.solver = {.sweeps = 64}};
   params.damping.motion = 2;
   const Model model = must_build(flat_sheet(20), params);
   State state = make_state(model);
   for (int v = 0; v < 20; v++) ASSERT_TRUE(hold(model, state, v));
   const Inputs inputs = in_vacuum();
-  const auto held = [&](Vec3d change) {
+  const auto total_hold_force = [&](Vec3d change) {
     Vec3d sum;
     for (int v = 0; v < 20; v++) sum += hold_force(model, state, v, inputs.gravity, change, kFrame);
     return sum;
   };
   for (int n = 0; n < 600; n++) step(Exec(1), model, state, inputs, kFrame);
   const double weight = model.total_mass * 9.81;
-  EXPECT_NEAR(held({}).z, weight, 0.01 * weight) << "N, at rest";
-  EXPECT_LT(std::hypot(held({}).x, held({}).y), 0.01 * weight);
-  // A vertex alone, faster by 0.1 m/s a frame, has its own mass as well.
-  EXPECT_NEAR(held({0, 0, 0.1}).z - held({}).z, 0.1 / kFrame * model.total_mass * 19.0 / 38 / 19,
-              1e-4 * weight);
+  EXPECT_NEAR(total_hold_force({}).z, weight, 0.01 * weight) << "N, at rest";
+  EXPECT_LT(std::hypot(total_hold_force({}).x, total_hold_force({}).y), 0.01 * weight);
+  // A vertex that gains 0.1 m/s in a frame adds the inertia of its own mass.
+  EXPECT_NEAR(total_hold_force({0, 0, 0.1}).z - total_hold_force({}).z,
+              0.1 / kFrame * model.total_mass * 19.0 / 38 / 19, 1e-4 * weight);
 }
 
-TEST(ClothStep,
-     a_sheet_takes_less_than_four_hundred_bytes_a_vertex_and_five_hundred_with_conjugate_gradients) {
-  for (const auto& [method, most] : {std::pair(Method::kChebyshev, 400), std::pair(Method::kBlocks, 500)}) {
+// A sheet needs less than 400 bytes per vertex, and 500 with the two-level solver.
+TEST(ClothStep, MemoryPerVertexIsBounded) {
+  for (const auto& [method, most] : {std::pair(Method::kChebyshev, 400), std::pair(Method::kTwoLevel, 500)}) {
     const Model model = must_build(
         flat_sheet(200),
         {.fabric = {.law = Law::kSheet}, .solver = {.method = method}, .collision = {.thickness = 0.0096}});

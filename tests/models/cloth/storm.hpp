@@ -1,14 +1,14 @@
-// Random steps of a small cloth: holds that jump by up to twice the length of the sheet in a frame, and
-// storms. The same numbers each time. Needs no test library: a bench runs it too.
+// Random steps of a small cloth: holds that jump by up to twice the sheet's length in a frame, and storms.
+// Reproducible, and independent of the test library, since a benchmark uses it too.
 #pragma once
 
 #include <cstdint>
 
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/cloth.hpp"
 
 namespace turgor::cloth {
 
-/// Numbers in [-1, 1).
+/// Pseudorandom numbers in [-1, 1).
 struct RandomNumbers {
   std::uint64_t bits;
 
@@ -18,8 +18,8 @@ struct RandomNumbers {
   }
 };
 
-/// Holds, lets go and moves vertices of a sheet of 9 × 9, and steps it in a wind from anywhere; with `gusts`
-/// in it, if asked for.
+/// Holds, releases and moves vertices of a sheet of 9 × 9 and steps it in wind of random direction,
+/// optionally with `gusts`.
 inline StepReport storm_step(const Exec& exec, const Model& model, State& state, RandomNumbers& next,
                              bool gusts) {
   const int vertex = int(40 + 40 * next());

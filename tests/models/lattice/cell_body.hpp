@@ -1,5 +1,5 @@
-// Bodies of cubic cells and small displacements, solved directly: any element matrix on the corners of a
-// cell, on any set of cells. What the lattice's law is compared with, and with what.
+// Bodies of cubic cells at small displacements, solved directly with any element matrix on the corners of a
+// cell, for any set of cells. They are the reference for the lattice's law.
 #pragma once
 
 #include <Eigen/Dense>
@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
@@ -16,7 +17,7 @@ namespace turgor::lattice {
 
 using CellMatrix = Eigen::Matrix<double, 24, 24>;  // by corner, then axis
 
-/// The law's stiffness at rest, by differences of its energy; E = 1 [m].
+/// Stiffness of the law at rest, by differences of its energy; E = 1 [m].
 inline CellMatrix solid_matrix(double step, double poisson) {
   const auto energy = [&](int i, int j, double di, double dj) {
     Vec3d u[kCellCorners];
@@ -60,11 +61,11 @@ inline CellMatrix kuhn_matrix(double step, double poisson, bool mirrored) {
 struct CellBody {
   double step = 1;
   std::vector<Int3> cells;   // lowest corners
-  std::vector<char> is_end;  // its corners are held
+  std::vector<char> is_end;  // whether the corners of the cell are prescribed
 };
 
-/// Energies of the body whose end cells' corners, and what else is held, are moved by each of some fields [J
-/// for E = 1 Pa].
+/// Energies of the body for displacement fields prescribed at the end cells' corners and at nodes with
+/// `is_held` [J for E = 1 Pa].
 inline std::vector<double> held_energies(
     const CellBody& body, const CellMatrix& matrix, const std::vector<std::function<Vec3d(Vec3d)>>& moved,
     const std::function<bool(Vec3d)>& is_held = [](Vec3d) { return false; }) {
@@ -90,7 +91,7 @@ inline std::vector<double> held_energies(
     if (!held[n]) row[n] = 3 * count++;
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixXd load = Eigen::MatrixXd::Zero(3 * count, Eigen::Index(moved.size()));
-  const auto place = [&](std::size_t field, int n) {
+  const auto prescribed = [&](std::size_t field, int n) {
     return held[std::size_t(n)] ? moved[field](x[std::size_t(n)]) : Vec3d{};
   };
   for (const auto& corners : cells)
@@ -101,7 +102,7 @@ inline std::vector<double> held_energies(
         const int other = corners[std::size_t(j / 3)], b = row[std::size_t(other)];
         if (b >= 0) entries.emplace_back(a + i % 3, b + j % 3, matrix(i, j));
         for (std::size_t f = 0; f < moved.size() && b < 0; f++)
-          load(a + i % 3, Eigen::Index(f)) -= matrix(i, j) * place(f, other)[j % 3];
+          load(a + i % 3, Eigen::Index(f)) -= matrix(i, j) * prescribed(f, other)[j % 3];
       }
     }
   Eigen::SparseMatrix<double> k(3 * count, 3 * count);
@@ -114,7 +115,7 @@ inline std::vector<double> held_energies(
       Eigen::Matrix<double, 24, 1> v;
       for (int i = 0; i < 24; i++) {
         const int n = corners[std::size_t(i / 3)], r = row[std::size_t(n)];
-        v[i] = r < 0 ? place(f, n)[i % 3] : u(r + i % 3, Eigen::Index(f));
+        v[i] = r < 0 ? prescribed(f, n)[i % 3] : u(r + i % 3, Eigen::Index(f));
       }
       sum += 0.5 * v.dot(matrix * v);
     }

@@ -1,4 +1,4 @@
-// Into how many parts a body is cut: by its nodes, by the pieces of its cells, by what is drawn.
+// Numbers of components of a cut body: by its nodes, by the fragments of its cells, and by its drawn surface.
 #pragma once
 
 #include <array>
@@ -47,35 +47,36 @@ void for_nodes(Int3 size, const Visit& visit) {
       for (int i = 0; i < size.x; i++) visit(Int3{i, j, k});
 }
 
-/// By edges that are not cut.
-inline int parts_of_nodes(const Model& model, const State& state) {
+/// Connected by edges that are not cut.
+inline int components_of_nodes(const Model& model, const State& state) {
   JoinedKeys<int> nodes;
   for_nodes(model.lattice.size, [&](Int3 a) {
     const int slot = node_slot(model.lattice, a);
-    if (!is_solid(model, state, slot)) return;
-    const int here = nodes.of(slot);
+    if (!is_solid(model, state.cuts, slot)) return;
+    const int current = nodes.of(slot);
     for (std::size_t f = 0; f < kFamilyCount; f++) {
       const Int3 b = a + kFamilies[f];
-      if (!contains(model.lattice, b) || state.cut[std::size_t(slot)] >> f & 1) continue;
+      if (!contains(model.lattice, b) || state.cuts.cut[std::size_t(slot)] >> f & 1) continue;
       const int other = node_slot(model.lattice, b);
-      if (is_solid(model, state, other)) nodes.joined.join(here, nodes.of(other));
+      if (is_solid(model, state.cuts, other)) nodes.joined.join(current, nodes.of(other));
     }
   });
   return nodes.joined.count();
 }
 
-/// By the corners that pieces have in common.
-inline int parts_of_pieces(const Model& model, const State& state) {
-  const Fragments pieces = make_fragments(model, state);
+/// Connected by common corners of fragments.
+inline int components_of_fragments(const Model& model, const State& state) {
+  const Fragments fragments = make_fragments(model, state.cuts);
   JoinedKeys<int> corners;
   for_nodes(model.lattice.size - Int3{1, 1, 1}, [&](Int3 cell) {
     const int slot = node_slot(model.lattice, cell);
-    const CutCell* cut = find_cell(pieces, slot);
+    const CutCell* cut = find_cell(fragments, slot);
     for (int p = 0; p < (cut ? cut->fragment_count : 1); p++) {
-      const auto own = corners_of(model, pieces, slot, cut ? p : -1);
+      const auto own = corners_of(model, fragments, slot, cut ? p : -1);
       const auto is_tissue = [&](int c) {
         const int nodes = slot_count(model.lattice);
-        return is_solid(model, state, c < nodes ? c : pieces.virtual_nodes[std::size_t(c - nodes)].slot);
+        return is_solid(model, state.cuts,
+                        c < nodes ? c : fragments.virtual_nodes[std::size_t(c - nodes)].slot);
       };
       int first = -1;
       for (const int c : own)
@@ -86,16 +87,17 @@ inline int parts_of_pieces(const Model& model, const State& state) {
   return corners.joined.count();
 }
 
-/// By triangles; skin, caps and walls meet where their vertices are carried alike.
-inline int parts_of_surface(const Model& model, const State& state) {
-  const BodySurface surface = build_surface(model, state);
+/// Connected by triangles; skin, caps and walls join where their vertices have the same embedding.
+inline int components_of_surface(const Model& model, const State& state) {
+  const BodySurface surface = build_surface(model, state.cuts);
   JoinedKeys<std::array<int, 12>> vertices;
   std::vector<int> name;
   for (std::size_t v = 0; v < surface.rest.size(); v++) {
     const Vec3 x = surface.rest[v];
-    const auto corners = corners_of(model, surface.pieces, surface.carrier[v].cell, surface.carrier[v].piece);
+    const auto corners =
+        corners_of(model, surface.fragments, surface.embedding[v].cell, surface.embedding[v].fragment);
     std::array<int, 12> key{int(std::lround(x.x * 1e7)), int(std::lround(x.y * 1e7)),
-                            int(std::lround(x.z * 1e7)), surface.carrier[v].cell};
+                            int(std::lround(x.z * 1e7)), surface.embedding[v].cell};
     std::copy(corners.begin(), corners.end(), key.begin() + 4);
     name.push_back(vertices.of(key));
   }

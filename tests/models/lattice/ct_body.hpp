@@ -1,4 +1,4 @@
-// Small CTs with a body in air, and cuts and moves made by hand, for tests of what is drawn and resampled.
+// Small CTs with a body in air, and prescribed cuts and displacements, for tests of drawing and resampling.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 
 #include "turgor/models/lattice/build/body_nodes.hpp"
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 
@@ -26,7 +27,7 @@ inline CtVolume make_ct(Int3 size, const std::function<bool(Vec3d)>& inside) {
   return ct;
 }
 
-/// A ball in the middle of a cube of n³ voxels.
+/// A ball in the center of a cube of n³ voxels.
 inline CtVolume ball_ct(int n, double radius) {
   const double middle = 0.5 * (n - 1);
   return make_ct({n, n, n}, [=](Vec3d p) { return norm(p - Vec3d{middle, middle, middle}) < radius; });
@@ -56,7 +57,7 @@ inline CtVolume blurred_ball_ct(int n, double radius, bool noise) {
   return ct;
 }
 
-/// A body from a CT: no skin, for what moves it is the test.
+/// A body from a CT without skin, since the tests prescribe its displacements.
 inline Model body_of(const CtVolume& ct, Int3 block) {
   Params params;
   params.block = block;
@@ -64,7 +65,7 @@ inline Model body_of(const CtVolume& ct, Int3 block) {
   return build(Exec(1), ct, {}, params).value();
 }
 
-/// Moves every node by `displacement(rest place in the lattice frame [m])`.
+/// Moves every node by `displacement(rest position in the lattice frame [m])`.
 inline void move(const Model& model, State& state, const std::function<Vec3d(Vec3d)>& displacement) {
   const Int3 size = model.lattice.size;
   for (int k = 0; k < size.z; k++)
@@ -72,12 +73,12 @@ inline void move(const Model& model, State& state, const std::function<Vec3d(Vec
       for (int i = 0; i < size.x; i++) {
         const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
         if (!is_body(model.tissue[slot])) continue;
-        state.u.set(slot, Vec3(displacement(hadamard(Vec3d(Int3{i, j, k}), model.grid.spacing))));
+        state.motion.u.set(slot, Vec3(displacement(hadamard(Vec3d(Int3{i, j, k}), model.grid.spacing))));
       }
 }
 
-/// Cuts the edges that cross the plane y = `at` where `reaches(crossing)`; places in the lattice frame [m].
-/// Returns how many edges of the lattice.
+/// Cuts the edges that cross the plane y = `at` where `reaches(crossing)`; positions in the lattice frame
+/// [m]. Returns the number of cut lattice edges.
 inline int cut_across_y(const Model& model, State& state, double at,
                         const std::function<bool(Vec3d)>& reaches) {
   const Lattice& l = model.lattice;
@@ -86,7 +87,7 @@ inline int cut_across_y(const Model& model, State& state, double at,
     const double fraction = (at - x.y) / (y.y - x.y);
     return (x.y >= at) != (y.y >= at) && reaches(x + (y - x) * fraction) ? fraction : std::nan("");
   };
-  const auto solid = [&](Int3 p) { return contains(l, p) && is_solid(model, state, node_slot(l, p)); };
+  const auto solid = [&](Int3 p) { return contains(l, p) && is_solid(model, state.cuts, node_slot(l, p)); };
   int count = 0;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
@@ -97,7 +98,7 @@ inline int cut_across_y(const Model& model, State& state, double at,
           if (std::isnan(
                   crossing(hadamard(Vec3d(a), model.grid.spacing), hadamard(Vec3d(b), model.grid.spacing))))
             continue;
-          state.cut[std::size_t(node_slot(l, a))] |= std::uint8_t(1u << f);
+          state.cuts.cut[std::size_t(node_slot(l, a))] |= std::uint8_t(1u << f);
           count++;
         }
   for (int k = 0; k < fine.size.z; k++)
@@ -112,12 +113,12 @@ inline int cut_across_y(const Model& model, State& state, double at,
           CutEdge edge = cut_edge_at(fine, a, f);
           edge.fraction = Real(fraction), edge.rightward = true;
           edge.along = Real(x.x);
-          state.cut_edges.push_back(edge);
+          state.cuts.edges.push_back(edge);
         }
   return count;
 }
 
-/// A smooth displacement of about `size` [m] that folds nothing over while it is below about an eighth of
+/// A smooth displacement of about `size` [m], without inverted cells while `size` is below about an eighth of
 /// `wave` [m].
 inline Vec3d wobble(Vec3d p, double size, double wave, double phase) {
   const double w = 6.283185307179586 / wave;

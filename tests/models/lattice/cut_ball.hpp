@@ -1,14 +1,15 @@
-// A ball from a CT with a wound in it, for tests of its deformed CT, wherever it is made.
+// A ball from a CT with a wound, for tests of its deformed CT on the host and on devices.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/ct_body.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 
-/// A tense ball of 1 mm voxels that is cut into a T, its second blade slanted, some steps after.
+/// A tense ball of 1 mm voxels with a T-shaped cut, its second blade tilted, after some steps.
 struct CutBall {
   CtVolume ct = ball_ct(33, 12.3);
   Model model;
@@ -26,7 +27,7 @@ struct CutBall {
     const Inputs inputs{.gravity = {0.5, 0, -9.81}};
     for (int n = 0; n < 5; n++) EXPECT_TRUE(step(Exec(1), model, state, inputs, 2e-3).finite);
   }
-  /// Along a line on the top, from the axis of the ball [voxels].
+  /// Along a line on the top, relative to the axis of the ball [voxels].
   BladePath path(Vec3d from, Vec3d to, double tilt, double width) const {
     const auto on_skin = [&](Vec3d p) {
       return ct.grid.origin + (Vec3d{16, 16, 16} + Vec3d{p.x, p.y, std::sqrt(150 - dot(p, p))}) * kVoxel;

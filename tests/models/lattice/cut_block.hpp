@@ -1,4 +1,4 @@
-// A block with blades in it, for tests of a lattice's steps by colours, wherever they are done.
+// A block with blades in it, for tests of lattice steps by colors on the host and on devices.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 #include "tests/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 
@@ -15,7 +16,7 @@ struct CutBlock {
   Model model;
   State state;
 };
-/// A tense block with fixed sides, pushed out of shape and cut.
+/// A tense, displaced and cut block with fixed sides.
 inline CutBlock cut_block(Method method, Int3 size = {13, 11, 9}, bool volumes = true,
                           TissueLaw law = TissueLaw::kSprings, SkinLaw skin = SkinLaw::kFiber) {
   const auto is_side = [size](Int3 p) {
@@ -32,8 +33,8 @@ inline CutBlock cut_block(Method method, Int3 size = {13, 11, 9}, bool volumes =
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++)
         if (!is_side({i, j, k}))
-          block.state.u.set(std::size_t(node_slot(block.model.lattice, i, j, k)),
-                            {wave(i, j), wave(j, k), wave(k, i)});
+          block.state.motion.u.set(std::size_t(node_slot(block.model.lattice, i, j, k)),
+                                   {wave(i, j), wave(j, k), wave(k, i)});
   const double y = 0.004 * (size.y / 2 + 0.5), z = 0.004 * (size.z - 1);
   const BladePath path =
       lay_blade(block.model, block.state, {.from = {0.015, y, z}, .to = {0.032, y, z}}).value();
@@ -41,20 +42,20 @@ inline CutBlock cut_block(Method method, Int3 size = {13, 11, 9}, bool volumes =
   return block;
 }
 
-/// The largest difference of displacements [m], and the largest displacement.
-struct Apart {
+/// Largest difference of displacements and largest displacement [m].
+struct StateDifference {
   double most = 0, largest = 0;
 };
-inline Apart apart(const Model& model, const State& a, const State& b) {
-  Apart found;
+inline StateDifference state_difference(const Model& model, const State& a, const State& b) {
+  StateDifference found;
   for (std::size_t s = 0; s < model.inverse_mass.size(); s++) {
-    found.most = std::max(found.most, norm(Vec3d(a.u[s]) - Vec3d(b.u[s])));
-    found.largest = std::max(found.largest, norm(Vec3d(a.u[s])));
+    found.most = std::max(found.most, norm(Vec3d(a.motion.u[s]) - Vec3d(b.motion.u[s])));
+    found.largest = std::max(found.largest, norm(Vec3d(a.motion.u[s])));
   }
   return found;
 }
 
-/// A finger on some of the top, and a place between two nodes.
+/// Contacts of a finger on some nodes of the top, and one contact between two nodes.
 inline std::vector<NodeContact> finger(const Model& model) {
   const int z = model.lattice.size.z - 2;  // a layer of air above
   std::vector<NodeContact> contacts;

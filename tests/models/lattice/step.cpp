@@ -7,6 +7,7 @@
 #include "tests/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/build/springs.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
 
@@ -20,7 +21,7 @@ bool is_border(Int3 p, Int3 size) {
   return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size.x - 1 || p.y == size.y - 1;
 }
 
-/// A small tense block with fixed sides, pushed out of shape by hand.
+/// A small tense block with fixed sides and prescribed displacements.
 struct Pushed {
   Model model;
   State state;
@@ -36,12 +37,13 @@ Pushed pushed_block(Params params, double push = 1e-3) {
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++)
         if (!is_border({i, j, k}, size))
-          p.state.u.set(std::size_t(node_slot(p.model.lattice, i, j, k)),
-                        {wave(i, j), wave(j, k), wave(k, i)});
+          p.state.motion.u.set(std::size_t(node_slot(p.model.lattice, i, j, k)),
+                               {wave(i, j), wave(j, k), wave(k, i)});
   return p;
 }
 
-TEST(lattice_step, without_skin_the_rest_state_is_a_fixed_point_of_both_solvers) {
+// Without skin, the rest state is a fixed point of both solvers.
+TEST(LatticeStep, RestStateIsFixedPoint) {
   for (const Method method : {Method::kPbd, Method::kVbd}) {
     Params params;
     params.skin.enabled = false;
@@ -55,9 +57,10 @@ TEST(lattice_step, without_skin_the_rest_state_is_a_fixed_point_of_both_solvers)
   }
 }
 
-constexpr Ordering kSchedules[] = {Ordering::kSlabs, Ordering::kColors};
+constexpr Ordering kOrderings[] = {Ordering::kSlabs, Ordering::kColors};
 
-TEST(lattice_step, descent_never_raises_the_energy_of_its_step) {
+// VBD sweeps never raise the energy of the step.
+TEST(LatticeStep, VbdNeverRaisesEnergy) {
   for (const auto& [law, volume, ordering] : {std::tuple{SkinLaw::kArea, 0.0, Ordering::kSlabs},
                                               {SkinLaw::kArea, 5.0, Ordering::kSlabs},
                                               {SkinLaw::kFiber, 0.0, Ordering::kSlabs},
@@ -76,13 +79,14 @@ TEST(lattice_step, descent_never_raises_the_energy_of_its_step) {
       sweep_vbd(kOne, model, state, inputs, kDt);
       const double after = step_energy(kOne, model, state, inputs, kDt);
       EXPECT_LE(after, before * (1 + 1e-6)) << "law " << int(law) << ", volume " << volume << ", sweep "
-                                            << sweep << ", schedule " << int(ordering);
+                                            << sweep << ", ordering " << int(ordering);
       before = after;
     }
   }
 }
 
-TEST(lattice_step, descent_converges_to_where_the_gradient_of_the_energy_vanishes) {
+// VBD converges to a vanishing residual.
+TEST(LatticeStep, VbdConvergesToZeroResidual) {
   Params params;
   params.tissue.volume = 2;
   auto [model, state] = pushed_block(params);
@@ -93,34 +97,35 @@ TEST(lattice_step, descent_converges_to_where_the_gradient_of_the_energy_vanishe
   EXPECT_LT(measure_residual(kOne, model, state, inputs, kDt).largest, 1e-3 * first);
 }
 
-TEST(lattice_step, the_residual_is_the_gradient_of_the_step_energy) {
+// The residual is the gradient of the step energy.
+TEST(LatticeStep, ResidualIsEnergyGradient) {
   Params params;
   params.tissue.volume = 3;
   auto [model, state] = pushed_block(params, 0);
-  // One skin node is loaded, and pushed; its force follows from energies alone.
+  // One skin node is loaded and displaced; its force follows from energies alone.
   const auto slot = std::size_t(node_slot(model.lattice, 6, 5, 8));
   const NodeLoad loads[] = {{int(slot), {2e-3f, 1e-3f, -3e-3f}}};
   const Inputs inputs{.gravity = {1, -2, -9.81}, .loads = loads};
   predict(kOne, model, state, inputs, kDt);
   for (int sweep = 0; sweep < 500; sweep++) sweep_vbd(kOne, model, state, inputs, kDt);
-  const Vec3 pushed = state.u[slot] + Vec3{4e-4f, -3e-4f, 5e-4f};
+  const Vec3 pushed = state.motion.u[slot] + Vec3{4e-4f, -3e-4f, 5e-4f};
   Vec3d gradient;
   for (int axis = 0; axis < 3; axis++) {
     double energies[2];
     for (const int side : {0, 1}) {
-      Vec3 place = pushed;
-      place[axis] += (side ? 1 : -1) * 2e-5f;
-      state.u.set(slot, place);
+      Vec3 position = pushed;
+      position[axis] += (side ? 1 : -1) * 2e-5f;
+      state.motion.u.set(slot, position);
       energies[side] = step_energy(kOne, model, state, inputs, kDt);
     }
     gradient[axis] = (energies[1] - energies[0]) / 4e-5;
   }
-  state.u.set(slot, pushed);
+  state.motion.u.set(slot, pushed);
   const Residual residual = measure_residual(kOne, model, state, inputs, kDt);
   EXPECT_NEAR(residual.largest, norm(gradient), 0.01 * norm(gradient)) << "N";
 }
 
-/// The same with a cut; volumes too.
+/// The same with a cut, and with volume constraints.
 Pushed cut_block(Method method, Ordering ordering) {
   Params params;
   params.solver = {.method = method, .ordering = ordering, .pbd_volume = true};
@@ -134,9 +139,10 @@ Pushed cut_block(Method method, Ordering ordering) {
   return block;
 }
 
-TEST(lattice_step, equal_bits_on_1_2_and_8_threads_and_again) {
+// One, two and eight threads give the same bits, repeatedly.
+TEST(LatticeStep, EqualBitsOnAnyThreads) {
   for (const Method method : {Method::kPbd, Method::kVbd})
-    for (const Ordering ordering : kSchedules) {
+    for (const Ordering ordering : kOrderings) {
       std::set<std::uint64_t> hashes;
       for (const int threads : {1, 2, 8, 8}) {
         auto [model, state] = cut_block(method, ordering);
@@ -145,38 +151,40 @@ TEST(lattice_step, equal_bits_on_1_2_and_8_threads_and_again) {
         for (int n = 0; n < 5; n++) step(Exec(threads), model, state, inputs, kDt);
         hashes.insert(state_hash(model, state));
       }
-      EXPECT_EQ(hashes.size(), 1u) << "method " << int(method) << ", schedule " << int(ordering);
+      EXPECT_EQ(hashes.size(), 1u) << "method " << int(method) << ", ordering " << int(ordering);
     }
 }
 
-TEST(lattice_step, numbers_that_are_not_finite_undo_the_step) {
+// A step that is not finite is undone; the simulation continues.
+TEST(LatticeStep, NonFiniteStepIsUndone) {
   for (const Method method : {Method::kVbd, Method::kPbd})
-    for (const Ordering ordering : kSchedules) {
+    for (const Ordering ordering : kOrderings) {
       auto [model, state] = cut_block(method, ordering);
       const State good = state;
-      const Real* view = state.u.x.data();
+      const Real* view = state.motion.u.x.data();
       const StepReport report = step(kOne, model, state, {.gravity = {0, 0, std::nan("")}}, kDt);
       EXPECT_FALSE(report.finite);
-      EXPECT_EQ(state.u.x, good.u.x);
-      EXPECT_EQ(state.u.z, good.u.z) << "of held nodes, too";
-      EXPECT_EQ(state.u.x.data(), view) << "who looks at it still does";
-      EXPECT_EQ(state.time, good.time);
-      EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite) << "and the simulation goes on";
+      EXPECT_EQ(state.motion.u.x, good.motion.u.x);
+      EXPECT_EQ(state.motion.u.z, good.motion.u.z) << "also of fixed nodes";
+      EXPECT_EQ(state.motion.u.x.data(), view) << "views stay valid";
+      EXPECT_EQ(state.motion.time, good.motion.time);
+      EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite) << "the simulation continues";
     }
 }
 
-TEST(lattice_step, a_free_body_keeps_its_momentum_under_projections) {
+// PBD conserves the momentum of a free body.
+TEST(LatticeStep, PbdConservesMomentumOfFreeBody) {
   Params params;
   params.solver = {.method = Method::kPbd, .damping = 0, .pbd_volume = true};
   params.skin.enabled = false;
   const Model model = block_model({.size = {9, 8, 7}, .skin_on_top = false}, params);
   State state = make_state(model);
   for (int i = 0; i < 9; i++)
-    state.v.set(std::size_t(node_slot(model.lattice, i, 3, 3)), {0.1f, -0.2f, 0.3f});
+    state.motion.v.set(std::size_t(node_slot(model.lattice, i, 3, 3)), {0.1f, -0.2f, 0.3f});
   const auto momentum = [&] {
     Vec3d sum;
     for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-      if (model.inverse_mass[s] > 0) sum += Vec3d(state.v[s]) / double(model.inverse_mass[s]);
+      if (model.inverse_mass[s] > 0) sum += Vec3d(state.motion.v[s]) / double(model.inverse_mass[s]);
     return sum;
   };
   const Vec3d before = momentum();
@@ -186,38 +194,42 @@ TEST(lattice_step, a_free_body_keeps_its_momentum_under_projections) {
 
 // ------------------------------------------------------------ forces from outside
 
-/// Mass of a node, of a block of tissue at 0 HU [kg].
+/// Mass of a node: a cell of tissue at 0 HU [kg].
 double node_mass(double step) { return 1000 * step * step * step; }
 
-TEST(lattice_step, a_loaded_free_node_accelerates_by_its_force_over_its_mass) {
+// A loaded free node accelerates by its force over its mass.
+TEST(LatticeStep, LoadedNodeAcceleratesByForceOverMass) {
   for (const Method method : {Method::kPbd, Method::kVbd}) {
     Params params;
     params.skin.enabled = false;
     params.solver = {.method = method, .damping = 0};
     const Int3 size{9, 8, 7};
-    const Model model = block_model({.size = size, .young = 1e-6, .skin_on_top = false}, params);  // a powder
+    const Model model =
+        block_model({.size = size, .young = 1e-6, .skin_on_top = false}, params);  // nearly no stiffness
     State state = make_state(model);
     const int slot = node_slot(model.lattice, 4, 3, 3);
-    for (std::size_t edge = 0; edge < state.cut.size(); edge++) state.cut[edge] = 0x7f;  // of single nodes
-    std::fill(state.row_cut.begin(), state.row_cut.end(), std::uint8_t(1));
+    for (std::size_t edge = 0; edge < state.cuts.cut.size(); edge++)
+      state.cuts.cut[edge] = 0x7f;  // isolates every node
+    std::fill(state.cuts.row_cut.begin(), state.cuts.row_cut.end(), std::uint8_t(1));
     const Vec3 force{1e-5f, -2e-5f, 4e-5f};
-    const NodeLoad loads[] = {{slot, force * 0.75f}, {slot, force * 0.25f}};  // add up
+    const NodeLoad loads[] = {{slot, force * 0.75f}, {slot, force * 0.25f}};  // loads on one node are summed
     step(kOne, model, state, {.loads = loads}, kDt);
     const Vec3d expected = Vec3d(force) * (kDt / node_mass(0.004));
-    const Vec3d found(state.v[std::size_t(slot)]);
+    const Vec3d found(state.motion.v[std::size_t(slot)]);
     EXPECT_LT(norm(found - expected), 1e-5 * norm(expected)) << "m/s, method " << int(method);
-    EXPECT_EQ(norm(state.v[std::size_t(node_slot(model.lattice, 5, 3, 3))]), 0) << "beside it";
+    EXPECT_EQ(norm(state.motion.v[std::size_t(node_slot(model.lattice, 5, 3, 3))]), 0) << "its neighbor";
   }
 }
 
-TEST(lattice_step, loads_that_balance_leave_the_momentum_and_others_change_it_by_their_sum) {
+// Loads change the momentum by their sum; balanced loads do not change it.
+TEST(LatticeStep, LoadsChangeMomentumByTheirSum) {
   Params params;
   params.skin.enabled = false;
   params.tissue.volume = 1;
-  params.solver = {.sweeps = 200, .damping = 0};  // descent keeps momentum where it has converged
+  params.solver = {.sweeps = 200, .damping = 0};  // VBD conserves momentum when it has converged
   const Int3 size{9, 8, 7};
   const Model model = block_model({.size = size, .young = 20, .skin_on_top = false},
-                                  params);  // soft: sweeps soon reach all of it
+                                  params);  // soft, so that sweeps reach the whole body soon
   const auto slot = [&](Int3 p) { return node_slot(model.lattice, p); };
   const std::vector<NodeLoad> balanced = {{slot({0, 0, 0}), {1e-5f, 2e-5f, 0}},
                                           {slot({8, 7, 6}), {1e-5f, -5e-5f, 0}},
@@ -229,12 +241,13 @@ TEST(lattice_step, loads_that_balance_leave_the_momentum_and_others_change_it_by
     for (int n = 0; n < 5; n++) step(kOne, model, state, {.loads = loads}, kDt);
     Vec3d momentum;
     for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-      if (model.inverse_mass[s] > 0) momentum += Vec3d(state.v[s]) / double(model.inverse_mass[s]);
+      if (model.inverse_mass[s] > 0) momentum += Vec3d(state.motion.v[s]) / double(model.inverse_mass[s]);
     EXPECT_LT(norm(momentum - sum * (5 * kDt)), 0.01 * 3e-5 * 5 * kDt) << momentum.z << " kg m/s";
   }
 }
 
-TEST(lattice_step, a_clamped_bar_under_an_end_load_stretches_by_hooke) {
+// A clamped bar under an end load stretches by Hooke's law.
+TEST(LatticeStep, LoadedBarFollowsHooke) {
   const Int3 size{61, 9, 9};
   Params params;
   params.skin.enabled = false;
@@ -252,15 +265,16 @@ TEST(lattice_step, a_clamped_bar_under_an_end_load_stretches_by_hooke) {
   for (int n = 0; n < 300; n++) step(Exec(2), model, state, {.loads = loads}, kDt);
   double stretch = 0;
   for (const NodeLoad& load : loads)
-    stretch += double(state.u[std::size_t(load.slot)].x) / double(loads.size());
+    stretch += double(state.motion.u[std::size_t(load.slot)].x) / double(loads.size());
   EXPECT_NEAR(stretch, force * length / (1e4 * area), 0.1 * 0.01 * length) << "m, F L / (E A)";
   const Residual residual = measure_residual(kOne, model, state, {.loads = loads}, kDt);
-  EXPECT_LT(state.v[std::size_t(loads[0].slot)].x, 1e-3) << "at rest; left over " << residual.largest << " N";
+  EXPECT_LT(state.motion.v[std::size_t(loads[0].slot)].x, 1e-3)
+      << "at rest; residual " << residual.largest << " N";
 }
 
 // ------------------------------------------------------------ weight
 
-/// A bar that lies along x, held at its left end.
+/// A bar along x, fixed at its left end.
 Model cantilever(int sweeps, Int3 size) {
   Params params;
   params.skin.enabled = false;
@@ -278,7 +292,7 @@ double settled_end(const Model& model, const Inputs& inputs, double rate, double
   double sum = 0;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
-      sum += double(state.u[std::size_t(node_slot(model.lattice, size.x - 1, j, k))][axis]);
+      sum += double(state.motion.u[std::size_t(node_slot(model.lattice, size.x - 1, j, k))][axis]);
   return sum / (size.y * size.z);
 }
 
@@ -297,7 +311,7 @@ double linear_end(const Model& model, Vec3d gravity, int axis) {
         const double w = double(model.inverse_mass[slot]), root = double(model.root_stiffness[slot]);
         for (int r = 0; r < 3; r++) {
           weight[index(a) + r] = w > 0 ? gravity[r] / w : 0;
-          if (w == 0) entries.emplace_back(index(a) + r, index(a) + r, 1e12);  // held
+          if (w == 0) entries.emplace_back(index(a) + r, index(a) + r, 1e12);  // fixed
         }
         for (std::size_t f = 0; f < kFamilyCount; f++) {
           const Int3 b = a + kFamilies[f];
@@ -320,7 +334,8 @@ double linear_end(const Model& model, Vec3d gravity, int axis) {
   return sum / (l.size.y * l.size.z);
 }
 
-TEST(lattice_step, a_held_bar_sags_by_its_weight_whatever_the_sweeps_the_frame_rate_and_the_direction) {
+// A cantilever sags by its weight for any number of sweeps, frame rate and direction.
+TEST(LatticeStep, BarSagIndependentOfSolver) {
   struct Case {
     int axis, sweeps;
     double rate, seconds;
@@ -337,17 +352,19 @@ TEST(lattice_step, a_held_bar_sags_by_its_weight_whatever_the_sweeps_the_frame_r
   }
 }
 
-TEST(lattice_step, gravity_bends_a_bar_as_the_same_weight_on_every_node_does) {
+// Gravity bends a bar as equal loads on its nodes do.
+TEST(LatticeStep, GravityEqualsNodalLoads) {
   const Model model = cantilever(5, {25, 6, 6});
   std::vector<NodeLoad> loads;
   for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
     if (const Real w = model.inverse_mass[s]; w > 0) loads.push_back({int(s), {0, 0, Real(-9.81) / w}});
   const double weight = settled_end(model, {.gravity = {0, 0, -9.81}}, 60, 8, 2);
-  EXPECT_LT(weight, -5e-3) << "m: far from small";
+  EXPECT_LT(weight, -5e-3) << "m: a large displacement";
   EXPECT_NEAR(weight, settled_end(model, {.loads = loads}, 60, 8, 2), 0.001 * std::abs(weight));
 }
 
-TEST(lattice_step, what_nothing_holds_falls_freely) {
+// A free body is in free fall for any number of sweeps.
+TEST(LatticeStep, FreeBodyFallsFreely) {
   for (const int sweeps : {1, 5, 40}) {
     Params params;
     params.skin.enabled = false;
@@ -355,7 +372,7 @@ TEST(lattice_step, what_nothing_holds_falls_freely) {
     const Model model = block_model({.size = {9, 8, 7}, .young = 2e5, .skin_on_top = false}, params);
     State state = make_state(model);
     for (int n = 0; n < 30; n++) step(kOne, model, state, {.gravity = {3, 0, -9.81}}, kDt);
-    const Vec3 v = state.v[std::size_t(node_slot(model.lattice, 4, 3, 3))];
+    const Vec3 v = state.motion.v[std::size_t(node_slot(model.lattice, 4, 3, 3))];
     EXPECT_NEAR(v.z, -9.81 * 30 * kDt, 1e-3) << "m/s, " << sweeps << " sweeps";
     EXPECT_NEAR(v.x, 3 * 30 * kDt, 1e-3);
   }
@@ -363,12 +380,13 @@ TEST(lattice_step, what_nothing_holds_falls_freely) {
 
 // ------------------------------------------------------------ the schedule
 
-TEST(lattice_step, no_two_slabs_of_a_phase_touch_the_same_node) {
+// No two slabs of a phase share a node.
+TEST(LatticeStep, SlabsOfPhaseShareNoNodes) {
   for (const int layers : {2, 3, 7, 12}) {
     for (int phase = 0; phase < 2; phase++) {
       std::set<int> touched;
       for (int slab = phase; slab < slab_count({0, layers}); slab += 2) {
-        std::set<int> nodes;  // layers that the slab writes: its own and, for edges and cells, the next
+        std::set<int> nodes;  // layers that the slab writes: its own and, for edges and cells, the next one
         for (int k = slab * kSlabLayers; k < (slab + 1) * kSlabLayers && k < layers; k++)
           nodes.insert({k, k + 1});
         for (const int k : nodes) EXPECT_TRUE(touched.insert(k).second) << "layer " << k << " of " << layers;
@@ -377,7 +395,8 @@ TEST(lattice_step, no_two_slabs_of_a_phase_touch_the_same_node) {
   }
 }
 
-TEST(lattice_step, no_two_lanes_of_a_row_pass_touch_the_same_node) {
+// No two lanes of a row pass share a node.
+TEST(LatticeStep, LanesOfRowPassShareNoNodes) {
   for (const int nx : {2, 3, 8, 9, 33}) {
     const Lattice l = make_lattice({nx, 4, 4}, {1, 1, 1});
     for (const auto& family : kFamilies)

@@ -1,5 +1,5 @@
-// A block of solid tissue under tense skin with a cut in its middle, for tests of what parted cells bear and
-// of coarse spaces.
+// A block of solid tissue under tense skin with a cut in its middle, for tests of cut elements and coarse
+// spaces.
 #pragma once
 
 #include <cmath>
@@ -10,6 +10,7 @@
 
 #include "turgor/models/lattice/build/block_body.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 
@@ -21,7 +22,7 @@ inline Params solid_params(int sweeps, double damping, double tension) {
   return params;
 }
 
-/// A block of tense skin on tissue with a cut in its middle.
+/// A block of tissue under tense skin with a cut in its middle.
 struct Wounded {
   static constexpr double kStep = 0.004;
   static constexpr int kN = 25;
@@ -30,7 +31,7 @@ struct Wounded {
   BladePath path;
 
   Wounded(double aside, double along, double degrees, Params params) {
-    Block block{.size = {kN, kN, 7}, .step = kStep, .young = 5e3};
+    Block block{.size = {kN, kN, 7}, .spacing = kStep, .young = 5e3};
     block.is_fixed = [](Int3 p) {
       return p.x == 0 || p.y == 0 || p.z == 0 || p.x == kN - 1 || p.y == kN - 1;
     };
@@ -45,14 +46,14 @@ struct Wounded {
   }
 };
 
-/// Throws nodes and copies about.
-inline void scatter(const Model& model, State& state, double way) {
+/// Random displacements of nodes and virtual nodes.
+inline void scatter(const Model& model, State& state, double amplitude) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<float> any(-float(way), float(way));
+  std::uniform_real_distribution<float> any(-float(amplitude), float(amplitude));
   for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-    if (model.inverse_mass[s] > 0) state.u.set(s, {any(random), any(random), any(random)});
-  for (VirtualNodeShift& c : state.virtual_nodes) c = {any(random), any(random), any(random)};
-  state.u_before = state.u;
+    if (model.inverse_mass[s] > 0) state.motion.u.set(s, {any(random), any(random), any(random)});
+  for (VirtualNodeDisplacement& c : state.motion.virtual_u) c = {any(random), any(random), any(random)};
+  state.motion.u_before = state.motion.u;
 }
 
 }  // namespace turgor::lattice

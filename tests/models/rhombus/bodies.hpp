@@ -1,4 +1,4 @@
-// Surfaces whose distances and shapes are known: a slab with an unevenly triangulated top, a sphere.
+// Surfaces with known distances and shapes: a slab with an irregular triangulation on top, and a sphere.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace turgor::rhombus::test {
 
-/// Without vertices that no triangle has.
+/// Removes vertices without triangles.
 inline Surface surface_of(const std::vector<Vec3d>& vertices, std::vector<Int3> triangles) {
   std::vector<int> number(vertices.size(), -1);
   std::vector<Vec3d> used;
@@ -24,8 +24,9 @@ inline Surface surface_of(const std::vector<Vec3d>& vertices, std::vector<Int3> 
   return *build_surface(std::move(used), std::move(triangles));
 }
 
-/// `cells` × `cells` squares of two triangles on top of a slab, centred above the origin at z = 0; inner
-/// vertices of the top moved sideways by up to `uneven` of a cell. At `uneven` = 0.35 many angles are obtuse.
+/// The top of a slab, centered above the origin at z = 0, has `cells` × `cells` squares of two triangles.
+/// Inner vertices of the top are shifted by up to `uneven` of a cell; at `uneven` = 0.35 many angles are
+/// obtuse.
 inline Surface slab(double side, int cells, double uneven) {
   const SolidMesh block = hex_block({side, side, side / 8}, {cells, cells, 1});
   std::vector<Vec3d> vertices = block.vertices;

@@ -7,7 +7,8 @@
 namespace turgor::rhombus {
 namespace {
 
-TEST(RhombusCalibrate, it_finds_a_chain_from_its_own_curve) {
+// Calibration recovers the parameters of a chain from its own force-depth curve.
+TEST(RhombusCalibrate, RecoversChainFromItsCurve) {
   const ChainParams truth{.normal = 25, .tangential = 40, .decay = 1.4, .angle = 0.9, .side = 0.006};
   const Chain chain = *build_chain(truth);
   std::vector<CurvePoint> curve;
@@ -24,7 +25,8 @@ TEST(RhombusCalibrate, it_finds_a_chain_from_its_own_curve) {
   EXPECT_NEAR(fit.params.angle / truth.angle, 1, 0.02);
 }
 
-TEST(RhombusCalibrate, it_reproduces_a_ball_pressed_and_a_disc_pulled_within_10_percent_of_every_force) {
+// The fit to a pressed ball and a pulled disc is within 10 % of every force.
+TEST(RhombusCalibrate, HalfSpaceWithinTenPercent) {
   for (const double radius : {0.003, 0.005, 0.02}) {
     ChainParams start;
     start.tip = radius, start.side = 1.25 * radius, start.stiffening = 1;
@@ -37,7 +39,8 @@ TEST(RhombusCalibrate, it_reproduces_a_ball_pressed_and_a_disc_pulled_within_10_
   }
 }
 
-TEST(RhombusCalibrate, a_linear_spring_is_reproduced_within_5_percent) {
+// The fit to a linear spring is within 5 %.
+TEST(RhombusCalibrate, LinearSpringWithinFivePercent) {
   std::vector<CurvePoint> curve;
   for (int i = 0; i <= 30; i++) curve.push_back({0.01 * i / 30, 120.0 * 0.01 * i / 30});
   const Fit fit = *calibrate(curve, {});
@@ -47,7 +50,8 @@ TEST(RhombusCalibrate, a_linear_spring_is_reproduced_within_5_percent) {
   EXPECT_LT(fit.largest, 0.05);
 }
 
-TEST(RhombusCalibrate, curves_that_say_nothing_are_refused_with_a_sentence) {
+// Curves with too few points, wrong signs or NaN are rejected with a message.
+TEST(RhombusCalibrate, RejectsUselessCurves) {
   const auto message = [](std::vector<CurvePoint> curve) {
     const Result<Fit> fit = calibrate(curve, {});
     return fit ? std::string("fitted") : fit.error().message;

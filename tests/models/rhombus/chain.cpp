@@ -20,17 +20,18 @@ std::vector<Chain> chains() {
   return all;
 }
 
-/// Pulls and presses up to 10 kN, and very small ones.
+/// Pulls and presses up to 10 kN, including very small ones.
 std::vector<double> depths(const Chain& chain) {
   std::vector<double> all = {1e-9, -1e-9, 1e-6, -1e-6};
-  for (double part = -0.3; part < 0.31; part += 0.0171) {
-    const double depth = part * (part > 0 ? chain.deepest : chain.highest);
+  for (double fraction = -0.3; fraction < 0.31; fraction += 0.0171) {
+    const double depth = fraction * (fraction > 0 ? chain.deepest : chain.highest);
     if (std::abs(force_of_depth(chain, depth)) < 1e4) all.push_back(depth);
   }
   return all;
 }
 
-TEST(RhombusChain, depth_and_force_are_each_other_s_inverse) {
+// The depth of a force and the force of a depth are inverse functions, from any initial guess.
+TEST(RhombusChain, DepthAndForceAreInverse) {
   for (const Chain& chain : chains())
     for (const double depth : depths(chain)) {
       const double force = force_of_depth(chain, depth);
@@ -39,8 +40,9 @@ TEST(RhombusChain, depth_and_force_are_each_other_s_inverse) {
     }
 }
 
-TEST(RhombusChain, a_depth_at_which_a_unit_gives_way_is_found_from_any_guess) {
-  // The third unit meets its stop there: from 16 000 N/m the chain falls to 200.
+// The force at a depth where a unit reaches its stop is found from any initial guess.
+TEST(RhombusChain, SofteningDepthFromAnyGuess) {
+  // The third unit reaches its stop: the stiffness of the chain falls from 16 000 N/m to 200 N/m.
   const Chain chain = *build_chain(
       {.normal = 161.8, .tangential = 13.3, .decay = 0.2, .angle = 0.576, .side = 0.00625, .stiffening = 1});
   for (const double depth : {0.0310, 0.0319, 0.0322, 0.0325, 0.0330})
@@ -48,7 +50,8 @@ TEST(RhombusChain, a_depth_at_which_a_unit_gives_way_is_found_from_any_guess) {
       EXPECT_NEAR(depth_of_force(chain, force_of_depth(chain, depth, guess)).depth, depth, 1e-12) << guess;
 }
 
-TEST(RhombusChain, no_depth_no_force) {
+// Depth, force, energy and shape of an undeformed chain are zero.
+TEST(RhombusChain, ZeroDepthZeroForce) {
   for (const Chain& chain : chains()) {
     EXPECT_EQ(force_of_depth(chain, 0), 0);
     EXPECT_EQ(depth_of_force(chain, 0).depth, 0);
@@ -57,7 +60,8 @@ TEST(RhombusChain, no_depth_no_force) {
   }
 }
 
-TEST(RhombusChain, the_force_rises_with_the_depth_without_a_step) {
+// The force increases with the depth and has no jumps.
+TEST(RhombusChain, ForceIsMonotonicAndContinuous) {
   for (const Chain& chain : chains()) {
     const double low = std::max(depth_of_force(chain, -2).depth, -chain.highest);
     const double high = std::min(depth_of_force(chain, 2).depth, chain.deepest);
@@ -66,7 +70,7 @@ TEST(RhombusChain, the_force_rises_with_the_depth_without_a_step) {
     for (double depth = low + step; depth < high; depth += step) {
       const double force = force_of_depth(chain, depth, before);
       ASSERT_GT(force, before) << depth;
-      // No steeper than the stiffness at either end allows: a step would be.
+      // The slope is bounded by the stiffness at either end, so the force has no jump.
       const double stiffest =
           std::max(1 / depth_of_force(chain, force).compliance, 1 / depth_of_force(chain, before).compliance);
       ASSERT_LT(force - before, 2 * stiffest * step) << depth;
@@ -75,7 +79,8 @@ TEST(RhombusChain, the_force_rises_with_the_depth_without_a_step) {
   }
 }
 
-TEST(RhombusChain, the_force_is_the_derivative_of_the_work) {
+// The force is the derivative of the energy.
+TEST(RhombusChain, ForceIsEnergyDerivative) {
   for (const Chain& chain : chains())
     for (const double depth : depths(chain)) {
       if (std::abs(depth) < 1e-7) continue;
@@ -87,7 +92,8 @@ TEST(RhombusChain, the_force_is_the_derivative_of_the_work) {
     }
 }
 
-TEST(RhombusChain, pressing_and_releasing_yields_no_energy) {
+// A press and release has no net work.
+TEST(RhombusChain, ClosedCycleHasNoWork) {
   const Chain chain = *build_chain({});
   double work = 0, guess = 0, most = 0;
   const int steps = 2000;
@@ -103,13 +109,15 @@ TEST(RhombusChain, pressing_and_releasing_yields_no_energy) {
   EXPECT_EQ(guess, 0);
 }
 
-TEST(RhombusChain, stiffness_grows_by_e_to_the_1_over_beta_from_unit_to_unit) {
+// The stiffness grows by exp(1/β) from unit to unit.
+TEST(RhombusChain, StiffnessGrowsByExpOneOverBeta) {
   const Chain chain = *build_chain({});
   for (int i = 0; i < 20; i++)
     EXPECT_NEAR(chain.units[std::size_t(i)].tangential, 1.8 * std::exp(i / 2.0), 1e-9 * std::exp(i / 2.0));
 }
 
-TEST(RhombusChain, the_chain_ends_where_units_turn_by_less_than_5_percent) {
+// The chain ends where units rotate by less than 5 %.
+TEST(RhombusChain, EndsBelowFivePercentRotation) {
   const Chain chain = *build_chain({});
   for (const double depth : {0.002, 0.01, 0.02, -0.002, -0.01}) {
     const double force = force_of_depth(chain, depth);
@@ -125,7 +133,8 @@ TEST(RhombusChain, the_chain_ends_where_units_turn_by_less_than_5_percent) {
   }
 }
 
-TEST(RhombusChain, the_region_that_moves_grows_more_slowly_as_the_force_grows) {
+// The deformed region grows with the logarithm of the force.
+TEST(RhombusChain, RegionGrowsLogarithmically) {
   const Chain chain = *build_chain({});
   std::vector<int> units;
   for (double force = 0.005; force < 0.4; force *= 4) units.push_back(depth_of_force(chain, force).units);
@@ -134,7 +143,8 @@ TEST(RhombusChain, the_region_that_moves_grows_more_slowly_as_the_force_grows) {
   EXPECT_LE(units[3] - units[2], 4);  // four times the force: 2 ln 4 = 2.8 units more
 }
 
-TEST(RhombusChain, its_shape_is_the_depth_on_the_axis_and_nothing_at_the_end) {
+// The shape is the depth on the axis and zero at the end.
+TEST(RhombusChain, ShapeFromDepthToZero) {
   for (const Chain& chain : chains())
     for (const double depth : depths(chain)) {
       const ChainShape shape = shape_of_force(chain, force_of_depth(chain, depth));
@@ -147,7 +157,8 @@ TEST(RhombusChain, its_shape_is_the_depth_on_the_axis_and_nothing_at_the_end) {
     }
 }
 
-TEST(RhombusChain, its_shape_falls_from_the_axis_outwards_and_never_folds) {
+// The shape decreases from the axis outward and never folds.
+TEST(RhombusChain, ShapeDecreasesWithoutFolds) {
   for (const Chain& chain : chains())
     for (const double depth : depths(chain)) {
       const ChainShape shape = shape_of_force(chain, force_of_depth(chain, depth));
@@ -156,14 +167,15 @@ TEST(RhombusChain, its_shape_falls_from_the_axis_outwards_and_never_folds) {
       for (double s = ds; s < shape.units; s += ds) {
         const ShapePoint at = shape_at(shape, s);
         ASSERT_LE(std::abs(at.depth), std::abs(before.depth) * (1 + 1e-12));
-        ASSERT_GT(ds * width + at.outward - before.outward, 0) << "passes its neighbour at " << s;
-        ASSERT_GE(at.outward * depth, 0) << "pressed outwards, pulled inwards";
+        ASSERT_GT(ds * width + at.outward - before.outward, 0) << "passes its neighbor at " << s;
+        ASSERT_GE(at.outward * depth, 0) << "outward for a press, inward for a pull";
         before = at;
       }
     }
 }
 
-TEST(RhombusChain, its_stiffness_grows_with_the_force_by_no_more_than_is_stated) {
+// The growth of the stiffness with the force is within growth_bound.
+TEST(RhombusChain, StiffnessGrowthIsBounded) {
   for (const Chain& chain : chains()) {
     const double bound = growth_bound(chain), soft = 1 / depth_of_force(chain, 0).compliance;
     for (double force = -50; force < 50; force += 0.37) {
@@ -173,7 +185,8 @@ TEST(RhombusChain, its_stiffness_grows_with_the_force_by_no_more_than_is_stated)
   }
 }
 
-TEST(RhombusChain, depths_beyond_all_that_can_be_pressed_have_a_finite_force) {
+// Extreme depths have a finite force of the right sign.
+TEST(RhombusChain, ExtremeDepthsHaveFiniteForce) {
   for (const Chain& chain : chains())
     for (const double depth : {1e3, -1e3, chain.deepest, -chain.highest, 1e300}) {
       const double force = force_of_depth(chain, depth);
@@ -182,7 +195,8 @@ TEST(RhombusChain, depths_beyond_all_that_can_be_pressed_have_a_finite_force) {
     }
 }
 
-TEST(RhombusChain, parameters_that_make_no_chain_are_refused_with_a_sentence) {
+// Invalid parameters are rejected with a message.
+TEST(RhombusChain, RejectsInvalidParameters) {
   const auto message = [](ChainParams p) {
     const Result<Chain> chain = build_chain(p);
     return chain ? std::string("built") : chain.error().message;
@@ -199,8 +213,7 @@ TEST(RhombusChain, parameters_that_make_no_chain_are_refused_with_a_sentence) {
   EXPECT_NE(message({.side = 0}), "built");
   EXPECT_NE(message({.boundary = 0}), "built");
   EXPECT_NE(message({.stiffening = 0}), "built");
-  EXPECT_EQ(message({.tip = -1}),
-            "the tip that a chain is for [m]: expected a radius of 0 or more, found -1");
+  EXPECT_EQ(message({.tip = -1}), "the tip radius of the chain [m]: expected 0 or more, found -1");
 }
 
 }  // namespace

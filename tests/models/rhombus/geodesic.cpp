@@ -13,7 +13,8 @@ TrianglePoint nearest(const Surface& surface, Vec3d p) {
   return nearest_point(build_triangle_tree(surface.vertices, surface.triangles), p);
 }
 
-TEST(RhombusGeodesic, on_a_plane_it_is_the_straight_distance_however_the_plane_is_cut) {
+// On a plane, the geodesic distance is the straight distance for any triangulation.
+TEST(RhombusGeodesic, PlaneIsExactOnAnyMesh) {
   for (const double uneven : {0.0, 0.2, 0.35}) {
     const Surface surface = test::slab(0.2, 40, uneven);
     for (const Vec3d p : {Vec3d{0.0012, -0.0034, 0}, Vec3d{0, 0, 0}, Vec3d{0.0025, 0, 0}}) {
@@ -23,7 +24,7 @@ TEST(RhombusGeodesic, on_a_plane_it_is_the_straight_distance_however_the_plane_i
       double worst = 0;
       std::size_t inside = 0;
       for (std::size_t v = 0; v < surface.vertices.size(); v++) {
-        const double straight = norm(surface.vertices[v] - source.place);
+        const double straight = norm(surface.vertices[v] - source.position);
         if (surface.vertices[v].z < -1e-9 || straight > 0.06) continue;
         inside++;
         worst = std::max(worst, std::abs(field.distance[v] - straight));
@@ -34,7 +35,8 @@ TEST(RhombusGeodesic, on_a_plane_it_is_the_straight_distance_however_the_plane_i
   }
 }
 
-TEST(RhombusGeodesic, on_a_sphere_it_is_the_arc_with_an_error_that_falls_with_the_triangles) {
+// On a sphere, the geodesic distance converges to the arc as triangles get smaller.
+TEST(RhombusGeodesic, SphereConvergesToArc) {
   const double radius = 0.05;
   double before = 1;
   for (const int times : {3, 4, 5}) {
@@ -44,7 +46,7 @@ TEST(RhombusGeodesic, on_a_sphere_it_is_the_arc_with_an_error_that_falls_with_th
     measure_distances(surface, source, 0.08, field);
     double worst = 0;
     for (const int v : field.reached) {
-      const double cosine = dot(normalized(surface.vertices[std::size_t(v)]), normalized(source.place));
+      const double cosine = dot(normalized(surface.vertices[std::size_t(v)]), normalized(source.position));
       const double arc = radius * std::acos(std::clamp(cosine, -1.0, 1.0));
       if (arc < 0.08) worst = std::max(worst, std::abs(field.distance[std::size_t(v)] - arc));
     }
@@ -56,7 +58,8 @@ TEST(RhombusGeodesic, on_a_sphere_it_is_the_arc_with_an_error_that_falls_with_th
   }
 }
 
-TEST(RhombusGeodesic, it_stops_at_the_radius_and_forgets_what_it_measured_before) {
+// The search stops at the radius, and a reused field equals a fresh one.
+TEST(RhombusGeodesic, StopsAtRadiusAndResets) {
   const Surface surface = test::slab(0.2, 40, 0.3);
   GeodesicField used, fresh;
   measure_distances(surface, nearest(surface, {0.05, 0.05, 0}), 0.08, used);
@@ -68,7 +71,8 @@ TEST(RhombusGeodesic, it_stops_at_the_radius_and_forgets_what_it_measured_before
   EXPECT_LT(used.reached.size(), 400u);
 }
 
-TEST(RhombusGeodesic, it_goes_around_a_thin_edge_and_not_through_the_body) {
+// The distance follows the surface around a thin edge, not through the body.
+TEST(RhombusGeodesic, FollowsSurfaceAroundEdge) {
   const Surface surface = test::slab(0.2, 40, 0);  // 25 mm thick
   GeodesicField field;
   const TrianglePoint source = nearest(surface, {0.0901, 0.0003, 0});
@@ -76,7 +80,8 @@ TEST(RhombusGeodesic, it_goes_around_a_thin_edge_and_not_through_the_body) {
   for (std::size_t v = 0; v < surface.vertices.size(); v++) {
     const Vec3d x = surface.vertices[v];
     if (x.z > -0.02 || std::abs(x.x - 0.09) > 1e-6 || std::abs(x.y) > 1e-6) continue;
-    EXPECT_NEAR(field.distance[v], 0.0099 + 0.025 + 0.01, 1e-5);  // to the edge, down, and back below
+    EXPECT_NEAR(field.distance[v], 0.0099 + 0.025 + 0.01,
+                1e-5);  // to the edge, down the side, and back on the bottom
   }
 }
 

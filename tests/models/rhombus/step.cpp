@@ -21,11 +21,11 @@ Model model_of(Surface surface, const Params& params = {}) {
 
 TouchForce tick(const Model& model, State& state, const TouchInput& input) {
   TouchForce force;
-  touch(model, state, {&input, 1}, kTick, {&force, 1});
+  solve_touches(model, state, {&input, 1}, kTick, {&force, 1});
   return force;
 }
 
-/// A tip at a place, holding or not.
+/// Input of a tip at a position, holding for grip > 0.
 TouchInput tip(Vec3d position, double grip = 0, double opening = 0) {
   return {.position = position, .radius = kRadius, .grip = grip, .opening = opening};
 }
@@ -41,22 +41,23 @@ double volume(const Surface& s, const State* state) {
   return sum;
 }
 
-TEST(RhombusStep, the_dent_is_the_chain_s_shape_at_each_vertex_s_distance) {
+// The displacement of every vertex is the chain's shape at its geodesic distance.
+TEST(RhombusStep, DentHasChainShape) {
   const Model model = model_of(test::slab(0.2, 40, 0.3));
   State state = make_state(model, 1);
   const double depth = 0.008;
-  const Vec3d place{0.0031, -0.0017, 0};
-  tick(model, state, tip(place + Vec3d{0, 0, kRadius - depth}));
+  const Vec3d contact{0.0031, -0.0017, 0};
+  tick(model, state, tip(contact + Vec3d{0, 0, kRadius - depth}));
   step(Exec(1), model, state);
   const ChainShape shape = shape_of_force(model.chain, force_of_depth(model.chain, depth));
   int inside = 0;
   for (std::size_t v = 0; v < model.surface.vertices.size(); v++) {
     const Vec3d x = model.surface.vertices[v], u = state.displacement[v];
     if (x.z < -1e-9) continue;
-    const double distance = norm(x - place);
+    const double distance = norm(x - contact);
     const ShapePoint expected = shape_at(shape, distance / unit_width(model.chain));
     EXPECT_NEAR(-u.z, expected.depth, 1e-9);
-    EXPECT_NEAR(dot(u, (x - place) / distance), expected.outward, 1e-9) << "away from the axis";
+    EXPECT_NEAR(dot(u, (x - contact) / distance), expected.outward, 1e-9) << "outward from the axis";
     inside += expected.depth > 0;
     if (distance > shape.units * unit_width(model.chain)) {
       EXPECT_EQ(u, Vec3d{}) << "outside the boundary";
@@ -65,8 +66,9 @@ TEST(RhombusStep, the_dent_is_the_chain_s_shape_at_each_vertex_s_distance) {
   EXPECT_GT(inside, 200);
 }
 
-TEST(RhombusStep, the_deformation_is_continuous_over_the_surface) {
-  // Finer triangles find nothing steeper: there is no step anywhere.
+// The deformation is continuous over the surface.
+TEST(RhombusStep, DeformationIsContinuous) {
+  // Finer triangles give no steeper displacement, so it is continuous.
   for (const int cells : {30, 60, 120}) {
     const Model model = model_of(test::slab(0.2, cells, 0.3));
     State state = make_state(model, 1);
@@ -84,7 +86,8 @@ TEST(RhombusStep, the_deformation_is_continuous_over_the_surface) {
   }
 }
 
-TEST(RhombusStep, the_picture_moves_smoothly_while_the_touch_slides) {
+// Vertices move smoothly while the contact slides.
+TEST(RhombusStep, SlidingTouchMovesSmoothly) {
   const Model model = model_of(test::sphere(0.06, 4));
   State state = make_state(model, 1);
   const Exec exec(1);
@@ -99,14 +102,15 @@ TEST(RhombusStep, the_picture_moves_smoothly_while_the_touch_slides) {
       largest = std::max(largest, norm(state.displacement[v] - before[v]));
     before = state.displacement;
   }
-  std::printf("sliding 0.1 mm a picture: the fastest vertex moves %.3f mm\n", largest * 1e3);
+  std::printf("sliding 0.1 mm per picture: the fastest vertex moves %.3f mm\n", largest * 1e3);
   EXPECT_LT(largest, 3e-4);
 }
 
-TEST(RhombusStep, a_bulge_keeps_the_volume) {
-  for (const double share : {0.5, 1.0})
+// The bulge compensates the given fraction of the pressed or pulled volume.
+TEST(RhombusStep, BulgeKeepsVolume) {
+  for (const double fraction : {0.5, 1.0})
     for (const bool pulled : {false, true}) {
-      const Model model = model_of(test::sphere(0.06, 5), {.bulge = share});
+      const Model model = model_of(test::sphere(0.06, 5), {.bulge = fraction});
       State state = make_state(model, 1);
       tick(model, state, tip({0, 0, 0.06 + kRadius - 0.004}));
       if (pulled) {
@@ -116,17 +120,18 @@ TEST(RhombusStep, a_bulge_keeps_the_volume) {
       const StepReport report = step(Exec(1), model, state);
       const double lost = volume(model.surface, nullptr) - volume(model.surface, &state);
       EXPECT_GT(pulled ? -report.pressed_volume : report.pressed_volume, 5e-8);
-      EXPECT_NEAR(lost / report.pressed_volume, 1 - share, 1e-6);
+      EXPECT_NEAR(lost / report.pressed_volume, 1 - fraction, 1e-6);
       double highest = 0;
       for (std::size_t v = 0; v < state.displacement.size(); v++)
         highest = std::max(highest, dot(state.displacement[v], model.surface.normals[v]));
       if (!pulled) {
-        EXPECT_GT(highest, 1e-5) << "it rises around the press";
+        EXPECT_GT(highest, 1e-5) << "the surface rises around the press";
       }
     }
 }
 
-TEST(RhombusStep, what_jaws_hold_follows_them_and_the_force_pulls_back) {
+// Held tissue follows the jaws, and its force opposes the pull.
+TEST(RhombusStep, HeldTissueFollowsJaws) {
   const Model model = model_of(test::slab(0.2, 80, 0.3));
   State state = make_state(model, 1);
   const double press = 0.002;
@@ -134,7 +139,7 @@ TEST(RhombusStep, what_jaws_hold_follows_them_and_the_force_pulls_back) {
   const TouchForce pressed = tick(model, state, tip(start));
   const TouchForce held = tick(model, state, tip(start, 1));
   EXPECT_TRUE(held.holding);
-  EXPECT_NEAR(held.force.z, pressed.force.z, 1e-12) << "closing is no step";
+  EXPECT_NEAR(held.force.z, pressed.force.z, 1e-12) << "no jump while the jaws close";
   const Vec3d pull{0.004, 0.001, 0.008};
   const TouchForce force = tick(model, state, tip(start + pull, 1));
   EXPECT_LT(dot(force.force, pull), 0);
@@ -147,7 +152,8 @@ TEST(RhombusStep, what_jaws_hold_follows_them_and_the_force_pulls_back) {
   EXPECT_LT(norm(state.displacement[at] - expected), 0.15 * norm(expected));
 }
 
-TEST(RhombusStep, letting_go_is_no_step_and_returns_to_rest) {
+// A release has no force jump, and the tissue returns to rest.
+TEST(RhombusStep, ReleaseIsContinuous) {
   const Model model = model_of(test::slab(0.2, 40, 0.3));
   State state = make_state(model, 1);
   const Vec3d start{0, 0, kRadius - 0.002};
@@ -161,22 +167,25 @@ TEST(RhombusStep, letting_go_is_no_step_and_returns_to_rest) {
     largest = std::max(largest, norm(force - before));
     before = force;
   }
-  std::printf("pulling 10 mm and letting go: largest jump a tick %.2e N\n", largest);
+  std::printf("pulling 10 mm and releasing: largest jump per tick %.2e N\n", largest);
   EXPECT_LT(largest, 1e-3);
   EXPECT_EQ(before, Vec3d{});
   EXPECT_EQ(step(Exec(1), model, state).largest_displacement, 0);
 }
 
-TEST(RhombusStep, jaws_that_close_on_nothing_hold_nothing_until_they_open) {
+// Jaws that close in the air hold nothing until they have opened again.
+TEST(RhombusStep, JawsClosedInAirHoldNothing) {
   const Model model = model_of(test::slab(0.2, 40, 0.3));
   State state = make_state(model, 1);
   EXPECT_FALSE(tick(model, state, tip({0, 0, 0.02}, 1)).holding);
-  EXPECT_FALSE(tick(model, state, tip({0, 0, kRadius - 0.003}, 1)).holding) << "still closed: only presses";
+  EXPECT_FALSE(tick(model, state, tip({0, 0, kRadius - 0.003}, 1)).holding)
+      << "still closed: the jaws only press";
   tick(model, state, tip({0, 0, kRadius - 0.003}, 0));
   EXPECT_TRUE(tick(model, state, tip({0, 0, kRadius - 0.003}, 0.5)).holding);
 }
 
-TEST(RhombusStep, closing_jaws_raise_a_fold_between_them) {
+// Closing jaws raise a fold between them.
+TEST(RhombusStep, ClosingJawsRaiseFold) {
   const Model model = model_of(test::slab(0.1, 100, 0.3));
   State state = make_state(model, 1);
   const Vec3d start{0, 0, kRadius - 0.001};
@@ -191,11 +200,12 @@ TEST(RhombusStep, closing_jaws_raise_a_fold_between_them) {
     if (x.z < -1e-9 || norm(x) > 0.0055) continue;
     widest = std::max(widest, std::abs(now.x)), highest = std::max(highest, now.z);
   }
-  EXPECT_LT(widest, 0.0025) << "what was 12 mm wide is between the jaws";
-  EXPECT_GT(highest, 0.002) << "and has risen";
+  EXPECT_LT(widest, 0.0025) << "tissue 12 mm wide is between the jaws";
+  EXPECT_GT(highest, 0.002) << "and rises";
 }
 
-TEST(RhombusStep, equal_bits_on_1_2_and_8_threads) {
+// One, two and eight threads give the same bits.
+TEST(RhombusStep, EqualBitsOnAnyThreads) {
   std::uint64_t first = 0;
   for (const int threads : {1, 2, 8}) {
     const Exec exec(threads);
@@ -204,7 +214,7 @@ TEST(RhombusStep, equal_bits_on_1_2_and_8_threads) {
     for (int i = 0; i < 20; i++) {
       const TouchInput inputs[2] = {tip({0.001 * i, 0, 0.06}), tip({0, 0.061, 0.0007 * i}, i > 4 ? 1 : 0)};
       TouchForce forces[2];
-      touch(model, state, inputs, kTick, forces);
+      solve_touches(model, state, inputs, kTick, forces);
       step(exec, model, state);
     }
     if (threads == 1) first = state_hash(state);
@@ -212,7 +222,8 @@ TEST(RhombusStep, equal_bits_on_1_2_and_8_threads) {
   }
 }
 
-TEST(RhombusStep, surfaces_and_numbers_that_make_no_organ_are_refused_with_a_sentence) {
+// Invalid surfaces and parameters are rejected with a message.
+TEST(RhombusStep, RejectsInvalidBodies) {
   const Surface good = test::sphere(0.05, 2);
   const auto message = [&](Body body, const Params& params = {}) {
     const Result<Model> model = build(std::move(body), params);
@@ -234,16 +245,16 @@ TEST(RhombusStep, surfaces_and_numbers_that_make_no_organ_are_refused_with_a_sen
   EXPECT_NE(message(crowded), "built");
   Body turned = body;
   std::swap(turned.triangles[0].x, turned.triangles[0].y);
-  EXPECT_NE(message(turned).find("run the same way"), std::string::npos);
+  EXPECT_NE(message(turned).find("have the same direction"), std::string::npos);
   Body inside_out = body;
   for (Int3& t : inside_out.triangles) std::swap(t.x, t.y);
   EXPECT_NE(message(inside_out).find("inside out"), std::string::npos);
   Body missing = body;
   missing.triangles[5].z = 162;
   EXPECT_EQ(message(missing), "triangle 5: expected vertices from 0 to 161, found 162");
-  Body nowhere = body;
-  nowhere.vertices[7].y = std::nan("");
-  EXPECT_EQ(message(nowhere), "vertex 7: its place is not a number");
+  Body not_finite = body;
+  not_finite.vertices[7].y = std::nan("");
+  EXPECT_EQ(message(not_finite), "vertex 7: its position is not finite");
   EXPECT_EQ(message({}), "the surface has no triangles");
   Body soft = body;
   soft.stiffness.assign(162, 1.0), soft.stiffness[3] = 0;
@@ -255,15 +266,15 @@ TEST(RhombusStep, surfaces_and_numbers_that_make_no_organ_are_refused_with_a_sen
   EXPECT_NE(message(body, {.chain = {.angle = 2}}), "built");
 }
 
-// ------------------------------------------------------------ loads that are spread
+// ------------------------------------------------------------ distributed loads
 
-constexpr double kYoung = 4e3, kContactModulus = kYoung / 0.75;  // of what keeps its volume [Pa]
+constexpr double kYoung = 4e3, kContactModulus = kYoung / 0.75;  // of incompressible tissue [Pa]
 
-/// A load of 1 kPa on a circle of the top, by the area of each vertex, and what it does at a place.
+/// A load of 1 kPa on a circle of the top, distributed by the area of each vertex, and its displacements.
 struct Pressed {
   Model model;
   std::vector<Load> loads;
-  double radius = 0;  // of a circle of the loaded area [m]
+  double radius = 0;  // of a circle with the loaded area [m]
   std::vector<Vec3d> moved;
 };
 Pressed press_circle(int cells, double radius, Vec3d direction, double stiffness = 1) {
@@ -286,56 +297,59 @@ Pressed press_circle(int cells, double radius, Vec3d direction, double stiffness
   return made;
 }
 
-Vec3d moved_at(const Pressed& pressed, Vec3d place) {
-  const TrianglePoint at = nearest_point(pressed.model.tree, place);
+Vec3d displacement_at(const Pressed& pressed, Vec3d position) {
+  const TrianglePoint at = nearest_point(pressed.model.tree, position);
   const Int3 t = pressed.model.surface.triangles[std::size_t(at.triangle)];
   Vec3d sum;
   for (int k = 0; k < 3; k++) sum += pressed.moved[std::size_t(t[k])] * at.weights[k];
   return sum;
 }
 
-TEST(RhombusSpread, even_pressure_on_a_circle_sinks_as_love_s_half_space_on_any_mesh) {
+// Uniform pressure on a circle sinks as in Love's half space, on any mesh.
+TEST(RhombusStep, PressureOnCircleMatchesLove) {
   for (const auto& [cells, radius] : {std::pair{60, 0.03}, {100, 0.03}, {100, 0.02}}) {
     const Pressed pressed = press_circle(cells, radius, {0, 0, -1});
     const double a = pressed.radius, middle = 2 * 1e3 * a / kContactModulus;
-    EXPECT_NEAR(-moved_at(pressed, {}).z, middle, 0.03 * middle) << cells << ": 2 p a / E*";
+    EXPECT_NEAR(-displacement_at(pressed, {}).z, middle, 0.03 * middle) << cells << ": 2 p a / E*";
     double edge = 0;
     for (int k = 0; k < 16; k++)
-      edge -= moved_at(pressed, {a * std::cos(k * 0.3927), a * std::sin(k * 0.3927), 0}).z / 16;
+      edge -= displacement_at(pressed, {a * std::cos(k * 0.3927), a * std::sin(k * 0.3927), 0}).z / 16;
     EXPECT_NEAR(edge, middle * 2 / std::numbers::pi, 0.03 * middle) << cells << ": 4 p a / (pi E*)";
-    EXPECT_NEAR(-moved_at(pressed, {3 * a, 0, 0}).z, middle / 6 * 1.014, 0.01 * middle)
-        << cells << ": P / (pi E* r), and a little more, for the circle is wide";
-    EXPECT_NEAR(moved_at(pressed, {0, 2 * a, 0}).y, 0, 0.01 * middle) << "what keeps its volume";
+    EXPECT_NEAR(-displacement_at(pressed, {3 * a, 0, 0}).z, middle / 6 * 1.014, 0.01 * middle)
+        << cells << ": P / (pi E* r), slightly more since the circle is wide";
+    EXPECT_NEAR(displacement_at(pressed, {0, 2 * a, 0}).y, 0, 0.01 * middle) << "incompressible tissue";
   }
 }
 
-TEST(RhombusSpread,
-     even_shear_moves_the_middle_of_a_circle_by_3_q_a_over_e_less_what_each_vertex_is_softened_by) {
+// Uniform shear moves the center of a circle by 3 q a / E*, minus the softening of each vertex.
+TEST(RhombusStep, ShearOnCircleMatchesHalfSpace) {
   for (const int cells : {60, 100, 150}) {
     const Pressed pressed = press_circle(cells, 0.03, {0.6, 0.8, 0});
     const double expected = 3 * 1e3 * pressed.radius / kContactModulus, cell = 0.3 / cells;
     const double softened = 3 * std::numbers::pi / 8 * std::sqrt(cell * cell / std::numbers::pi);
-    const Vec3d middle = moved_at(pressed, {}), way{0.6, 0.8, 0};
-    EXPECT_NEAR(dot(middle, way) / expected, 1 - 2 * softened / (3 * pressed.radius), 0.01) << cells;
-    EXPECT_NEAR(norm(middle - way * dot(middle, way)), 0, 0.01 * expected) << cells;
+    const Vec3d middle = displacement_at(pressed, {}), direction{0.6, 0.8, 0};
+    EXPECT_NEAR(dot(middle, direction) / expected, 1 - 2 * softened / (3 * pressed.radius), 0.01) << cells;
+    EXPECT_NEAR(norm(middle - direction * dot(middle, direction)), 0, 0.01 * expected) << cells;
   }
 }
 
-TEST(RhombusSpread, twice_as_stiff_it_gives_way_half_as_far_and_work_is_mutual_where_stiffness_varies) {
+// Twice the stiffness halves the displacement; work is reciprocal (Betti) for varying stiffness.
+TEST(RhombusStep, StiffnessScalesAndWorkIsReciprocal) {
   const Pressed soft = press_circle(40, 0.03, {0, 0, -1}), hard = press_circle(40, 0.03, {0, 0, -1}, 2);
-  EXPECT_NEAR(moved_at(hard, {}).z, 0.5 * moved_at(soft, {}).z, 1e-6 * norm(moved_at(soft, {})));
+  EXPECT_NEAR(displacement_at(hard, {}).z, 0.5 * displacement_at(soft, {}).z,
+              1e-6 * norm(displacement_at(soft, {})));
   Surface ball = test::sphere(0.05, 3);
   std::vector<double> map;
   for (const Vec3d x : ball.vertices) map.push_back(1 + 10 * std::abs(x.x));
   const Model model = *build({std::move(ball.vertices), std::move(ball.triangles), std::move(map)}, Params());
-  const Load here{7, {0.1, 0.2, -0.3}}, there{401, {-0.2, 0.05, 0.1}};
-  std::vector<Vec3d> by_here, by_there;
-  displacements_of(Exec(1), model, {&here, 1}, by_here);
-  displacements_of(Exec(1), model, {&there, 1}, by_there);
-  const double work = dot(by_here[401], there.force);
-  EXPECT_NEAR(dot(by_there[7], here.force), work, 1e-5 * std::abs(work)) << "J, Betti";
-  const double most = farthest_move(Exec(1), model, {&here, 1});
-  EXPECT_NEAR(most, norm(by_here[7]), 1e-5 * most);
+  const Load first{7, {0.1, 0.2, -0.3}}, second{401, {-0.2, 0.05, 0.1}};
+  std::vector<Vec3d> by_first, by_second;
+  displacements_of(Exec(1), model, {&first, 1}, by_first);
+  displacements_of(Exec(1), model, {&second, 1}, by_second);
+  const double work = dot(by_first[401], second.force);
+  EXPECT_NEAR(dot(by_second[7], first.force), work, 1e-5 * std::abs(work)) << "J, Betti";
+  const double most = farthest_move(Exec(1), model, {&first, 1});
+  EXPECT_NEAR(most, norm(by_first[7]), 1e-5 * most);
 }
 
 }  // namespace

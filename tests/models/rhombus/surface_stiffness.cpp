@@ -9,7 +9,7 @@
 namespace turgor::rhombus {
 namespace {
 
-/// Samples of 2 mm around the slab, marked inside a ball below its top.
+/// Samples of 2 mm around the slab: `inside` in a ball below its top, `outside` elsewhere.
 template <class T>
 Volume<T> ball_below(T inside, T outside) {
   Volume<T> volume{{.size = {61, 61, 31}, .spacing = {2e-3, 2e-3, 2e-3}, .origin = {-0.06, -0.06, -0.05}},
@@ -23,14 +23,15 @@ Volume<T> ball_below(T inside, T outside) {
   return volume;
 }
 
-double at(const Surface& s, const std::vector<double>& value, Vec3d place) {
+double at(const Surface& s, const std::vector<double>& value, Vec3d position) {
   double nearest = 1, found = 0;
   for (std::size_t v = 0; v < s.vertices.size(); v++)
-    if (const double d = norm(s.vertices[v] - place); d < nearest) nearest = d, found = value[v];
+    if (const double d = norm(s.vertices[v] - position); d < nearest) nearest = d, found = value[v];
   return found;
 }
 
-TEST(RhombusSurfaceStiffness, a_hard_nodule_is_felt_above_it_and_not_beside_it) {
+// A hard nodule stiffens the surface above it and not beside it.
+TEST(RhombusSurfaceStiffness, NoduleStiffensSurfaceAboveIt) {
   const Surface surface = test::slab(0.1, 50, 0.2);
   const LabelVolume labels = ball_below<std::uint16_t>(7, 1);
   const auto stiffness = stiffness_below(surface, 0.02, factor_of_labels(labels, {{7, 10.0}}));
@@ -40,7 +41,8 @@ TEST(RhombusSurfaceStiffness, a_hard_nodule_is_felt_above_it_and_not_beside_it) 
   for (const double k : stiffness) EXPECT_GE(k, 1 - 1e-12);
 }
 
-TEST(RhombusSurfaceStiffness, a_uniform_ct_scales_the_whole_surface_by_its_value_s_factor) {
+// A uniform CT scales the whole surface by the factor of its value.
+TEST(RhombusSurfaceStiffness, UniformCtScalesSurface) {
   const Surface surface = test::slab(0.04, 10, 0.2);
   const CtVolume ct = ball_below<std::int16_t>(50, 50);
   const auto stiffness = stiffness_below(surface, 0.004, factor_of_ct(ct, {{0.0, 1.0}, {100.0, 3.0}}));

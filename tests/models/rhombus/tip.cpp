@@ -12,7 +12,8 @@ namespace {
 
 const ChainParams kTissue = chain_of_modulus(4e3);
 
-TEST(RhombusTip, a_tip_of_twice_the_radius_feels_four_times_the_force_at_twice_the_depth) {
+// Twice the radius at twice the depth gives four times the force.
+TEST(RhombusTip, ForceScalesWithRadiusSquared) {
   const Chain chain = *build_chain(kTissue);
   for (const double depth : {-0.02, -0.003, 1e-5, 0.002, 0.009})
     for (const double radius : {0.003, 0.011})
@@ -21,25 +22,28 @@ TEST(RhombusTip, a_tip_of_twice_the_radius_feels_four_times_the_force_at_twice_t
                   1, 1e-6);
 }
 
-TEST(RhombusTip, the_force_is_the_derivative_of_the_work) {
+// The force is the derivative of the energy.
+TEST(RhombusTip, ForceIsEnergyDerivative) {
   const Chain chain = *build_chain(kTissue);
   for (const double radius : {0.003, 0.005, 0.02}) {
     const Tip tip = tip_on(chain, radius);
-    for (const double part : {-3.0, -0.8, -0.1, 0.001, 0.03, 0.4, 1.3, 2.5}) {
-      const double depth = part * radius, d = 1e-4 * std::abs(depth);
+    for (const double fraction : {-3.0, -0.8, -0.1, 0.001, 0.03, 0.4, 1.3, 2.5}) {
+      const double depth = fraction * radius, d = 1e-4 * std::abs(depth);
       const auto work = [&](double x) { return tip_energy(chain, tip, chain_force(chain, tip, x)); };
       const double slope = (work(depth + d) - work(depth - d)) / (2 * d);
-      EXPECT_NEAR(slope / force_of_tip(chain, tip, depth), 1, 1e-4) << part;
+      EXPECT_NEAR(slope / force_of_tip(chain, tip, depth), 1, 1e-4) << fraction;
     }
   }
 }
 
-TEST(RhombusTip, a_disc_stores_as_much_energy_as_sneddon_s_sphere) {
-  // u² / R² = ∫ F dd / (E* R³), here by the trapezoidal rule over the contact's radius.
+// The equivalent disc stores the energy of Sneddon's sphere.
+TEST(RhombusTip, DiscEnergyMatchesSneddon) {
+  // u² / R² = ∫ F dd / (E* R³), by the trapezoidal rule over the contact radius.
   const Tip tip{0.01, 1};
   double work = 0, last_depth = 0, last_force = 0;
-  for (double part = 1e-3; part < 0.9995; part += 1e-4) {
-    const double arc = std::atanh(part), depth = part * arc, force = (1 + part * part) * arc - part;
+  for (double fraction = 1e-3; fraction < 0.9995; fraction += 1e-4) {
+    const double arc = std::atanh(fraction), depth = fraction * arc,
+                 force = (1 + fraction * fraction) * arc - fraction;
     work += 0.5 * (force + last_force) * (depth - last_depth);
     last_depth = depth, last_force = force;
     if (depth > 1e-3) {
@@ -49,7 +53,8 @@ TEST(RhombusTip, a_disc_stores_as_much_energy_as_sneddon_s_sphere) {
   EXPECT_GT(last_depth, 4);
 }
 
-TEST(RhombusTip, the_depth_under_a_force_has_that_force) {
+// The depth of a force has that force.
+TEST(RhombusTip, DepthOfForceIsInverse) {
   const Chain chain = *build_chain(kTissue), paper = *build_chain({});
   for (const double force : {1e-4, 0.01, 0.3, 4.0}) {
     const Tip tip = tip_on(chain, 0.008);
@@ -58,14 +63,16 @@ TEST(RhombusTip, the_depth_under_a_force_has_that_force) {
   }
 }
 
-TEST(RhombusTip, the_paper_s_chain_knows_no_tools) {
+// The force of the paper's chain does not depend on the tip's radius.
+TEST(RhombusTip, PaperChainIgnoresTipRadius) {
   const Chain paper = *build_chain({});
   for (const double radius : {0.0, 0.002, 0.03})
     for (const double depth : {-0.01, 0.004})
       EXPECT_EQ(force_of_tip(paper, tip_on(paper, radius), depth), force_of_depth(paper, depth));
 }
 
-TEST(RhombusTip, the_sharpest_tip_is_still_felt) {
+// A tip of zero radius has the force of the smallest radius.
+TEST(RhombusTip, SharpTipHasMinimumRadius) {
   const Chain chain = *build_chain(kTissue);
   EXPECT_EQ(force_of_tip(chain, tip_on(chain, 0), 0.003), force_of_tip(chain, tip_on(chain, 5e-4), 0.003));
   EXPECT_GT(force_of_tip(chain, tip_on(chain, 0), 0.003), 0);

@@ -13,7 +13,8 @@
 namespace turgor::rhombus {
 namespace {
 
-TEST(RhombusTissues, liver_is_the_measured_human_one_and_the_paper_s_has_its_authors_name) {
+// "liver" is the measured human one; the paper's parameters have their author's name.
+TEST(RhombusTissues, LiverIsMeasuredHumanLiver) {
   EXPECT_STREQ(tissues()[0].name, "liver");
   EXPECT_EQ(tissues()[0].young, 5400);
   const ChainParams& paper = find_tissue("zhang-2010")->chain;
@@ -23,7 +24,8 @@ TEST(RhombusTissues, liver_is_the_measured_human_one_and_the_paper_s_has_its_aut
   EXPECT_EQ(paper.boundary, 0.05);
 }
 
-TEST(RhombusTissues, every_one_builds_a_chain_and_names_its_source) {
+// Every tissue builds a chain and names its source.
+TEST(RhombusTissues, AllBuildAndNameSource) {
   for (const Tissue& tissue : tissues()) {
     EXPECT_TRUE(build_chain(tissue.chain)) << tissue.name;
     EXPECT_GT(std::string(tissue.source).size(), 20u);
@@ -32,7 +34,8 @@ TEST(RhombusTissues, every_one_builds_a_chain_and_names_its_source) {
   EXPECT_EQ(find_tissue("no tissue"), nullptr);
 }
 
-TEST(RhombusTissues, those_with_a_modulus_are_the_fit_to_a_half_space) {
+// Tissues with a modulus are the fit to a half space.
+TEST(RhombusTissues, ModuliMatchHalfSpaceFit) {
   for (const Tissue& tissue : tissues()) {
     if (tissue.young == 0) continue;
     const Fit fit = *calibrate(half_space_curve(tissue.young, 0.005), tissue.chain);
@@ -40,20 +43,22 @@ TEST(RhombusTissues, those_with_a_modulus_are_the_fit_to_a_half_space) {
     EXPECT_NEAR(fit.params.tangential / tissue.chain.tangential, 1, 1e-2) << tissue.name;
     EXPECT_NEAR(fit.params.angle / tissue.chain.angle, 1, 1e-3) << tissue.name;
     EXPECT_LT(fit.largest, 0.10) << tissue.name;
-    break;  // the others are multiples of it
+    break;  // the others are multiples of this one
   }
 }
 
-TEST(RhombusTissues, presses_of_any_ball_are_within_10_percent_of_sneddon_s_sphere_at_every_depth) {
-  // Other radii and depths than those of the fit, and depths at which it was 2.3 to 3.8 times Hertz.
+// Presses of any ball are within 10 % of Sneddon's sphere at every depth.
+TEST(RhombusTissues, PressesWithinTenPercentOfSneddon) {
+  // Other radii and depths than in the fit, including depths where the force is 2.3 to 3.8 times that of
+  // Hertz.
   double worst = 0;
   for (const Tissue& tissue : tissues()) {
     if (tissue.young == 0) continue;
     const Chain chain = *build_chain(tissue.chain);
     for (const double radius : {0.001, 0.0023, 0.0071, 0.015, 0.05})
-      for (double part = 0.003; part < 2; part *= 1.13) {
-        const double expected = sneddon_force(contact_modulus(tissue.young, 0.5), radius, part * radius);
-        const double found = force_of_tip(chain, tip_on(chain, radius), part * radius);
+      for (double fraction = 0.003; fraction < 2; fraction *= 1.13) {
+        const double expected = sneddon_force(contact_modulus(tissue.young, 0.5), radius, fraction * radius);
+        const double found = force_of_tip(chain, tip_on(chain, radius), fraction * radius);
         worst = std::max(worst, std::abs(found / expected - 1));
       }
   }
@@ -61,16 +66,18 @@ TEST(RhombusTissues, presses_of_any_ball_are_within_10_percent_of_sneddon_s_sphe
   EXPECT_LT(worst, 0.10);
 }
 
-TEST(RhombusTissues, small_presses_are_within_3_percent_of_hertz) {
+// Small presses are within 3 % of Hertz.
+TEST(RhombusTissues, SmallPressesWithinThreePercentOfHertz) {
   const Chain chain = *build_chain(tissues()[0].chain);
   for (const double radius : {0.002, 0.01, 0.1})
-    for (const double part : {1e-4, 1e-3, 0.02}) {
-      const double hertz = 4.0 / 3 * 5400 / 0.75 * std::sqrt(radius) * std::pow(part * radius, 1.5);
-      EXPECT_NEAR(force_of_tip(chain, tip_on(chain, radius), part * radius) / hertz, 1, 0.03) << part;
+    for (const double fraction : {1e-4, 1e-3, 0.02}) {
+      const double hertz = 4.0 / 3 * 5400 / 0.75 * std::sqrt(radius) * std::pow(fraction * radius, 1.5);
+      EXPECT_NEAR(force_of_tip(chain, tip_on(chain, radius), fraction * radius) / hertz, 1, 0.03) << fraction;
     }
 }
 
-TEST(RhombusTissues, pulls_are_within_10_percent_of_a_disc_up_to_a_strain_of_30_percent) {
+// Pulls are within 10 % of a disc up to a strain of 30 %.
+TEST(RhombusTissues, PullsWithinTenPercentOfDisc) {
   const Chain chain = *build_chain(find_tissue("liver-porcine")->chain);
   for (const double radius : {0.0017, 0.005, 0.012})
     for (double pull = 0.01; pull <= 0.3 * std::numbers::pi; pull += 0.03) {
@@ -79,7 +86,8 @@ TEST(RhombusTissues, pulls_are_within_10_percent_of_a_disc_up_to_a_strain_of_30_
     }
 }
 
-TEST(RhombusTissues, a_porcine_liver_pulled_by_20_mm_bears_less_than_ten_newtons) {
+// A porcine liver pulled by 20 mm has a force below 10 N.
+TEST(RhombusTissues, PorcineLiverPullBelowTenNewtons) {
   const Chain chain = *build_chain(find_tissue("liver-porcine")->chain);
   const double force = -force_of_tip(chain, tip_on(chain, 0.005), -0.02);
   std::printf("porcine liver pulled by 20 mm: %.2f N\n", force);

@@ -25,25 +25,26 @@ TouchInput ball(Vec3d position) { return {.position = position, .radius = kRadiu
 /// One tick of one tool.
 TouchForce tick(const Model& model, State& state, const TouchInput& input) {
   TouchForce force;
-  touch(model, state, {&input, 1}, kTick, {&force, 1});
+  solve_touches(model, state, {&input, 1}, kTick, {&force, 1});
   return force;
 }
 
-/// Largest jump of the force a metre of motion allows, and what was found, in newtons per 10 µm.
+/// Largest jump of the force, scaled to 10 µm of motion, and the largest force.
 struct Jumps {
   double largest = 0;  // per 10 µm [N]
   double strongest = 0;
   Vec3d before;
   bool first = true;
 
-  void see(Vec3d force, double moved) {
+  void record(Vec3d force, double moved) {
     if (!first) largest = std::max(largest, norm(force - before) * std::min(1.0, 1e-5 / moved));
     strongest = std::max(strongest, norm(force));
     before = force, first = false;
   }
 };
 
-TEST(RhombusTouch, a_ball_feels_the_chain_at_its_depth_along_the_normal) {
+// A ball has the chain's force at its depth, along the normal.
+TEST(RhombusTouch, BallForceIsChainForce) {
   const Model model = slab_model();
   State state = make_state(model, 1);
   for (const double depth : {0.001, 0.004, 0.012}) {
@@ -56,15 +57,16 @@ TEST(RhombusTouch, a_ball_feels_the_chain_at_its_depth_along_the_normal) {
   EXPECT_EQ(tick(model, state, ball({0.003, 0.001, kRadius + 1e-6})).force, Vec3d{});
 }
 
-TEST(RhombusTouch, forces_are_continuous_at_first_touch_and_at_release) {
+// The force is continuous at the first contact and at the release.
+TEST(RhombusTouch, PressAndReleaseAreContinuous) {
   const Model model = sphere_model();
   State state = make_state(model, 1);
   const Vec3d direction = normalized(Vec3d{0.3, 0.5, 0.8});
   Jumps jumps;
   const double step = 1e-5;
-  for (int i = -100; i <= 2000; i++) {  // 10 mm in, and out again
+  for (int i = -100; i <= 2000; i++) {  // 10 mm in and out
     const double depth = step * (i <= 1000 ? i : 2000 - i);
-    jumps.see(tick(model, state, ball(direction * (0.06 + kRadius - depth))).force, step);
+    jumps.record(tick(model, state, ball(direction * (0.06 + kRadius - depth))).force, step);
   }
   const double stiffest = 1 / depth_of_force(model.chain, jumps.strongest).compliance;
   EXPECT_LT(jumps.largest, 1.2 * std::max(stiffest, 1 / depth_of_force(model.chain, 0).compliance) * step);
@@ -72,30 +74,33 @@ TEST(RhombusTouch, forces_are_continuous_at_first_touch_and_at_release) {
   EXPECT_EQ(jumps.before, Vec3d{});
 }
 
-TEST(RhombusTouch, forces_are_continuous_while_sliding_across_vertices) {
+// The force is continuous while a ball slides across vertices.
+TEST(RhombusTouch, SlidingAcrossVerticesIsContinuous) {
   const double step = 1e-5;
   for (const double depth : {0.002, 0.008}) {
     const Model model = sphere_model();
     State state = make_state(model, 1);
     Jumps jumps;
     double least = 1;
-    for (int i = 0; i < 8000; i++) {  // around a great circle that is no symmetry of the mesh
+    for (int i = 0; i < 8000; i++) {  // along a great circle that is no symmetry of the mesh
       const double a = i * step / 0.06;
       const Vec3d u = normalized(Vec3d{0.3, 0.5, 0.8}), w = normalized(cross(u, Vec3d{0.11, 1, -0.07}));
       const Vec3d direction = u * std::cos(a) + w * std::sin(a);
       const TouchForce force = tick(model, state, ball(direction * (0.06 + kRadius - depth)));
-      jumps.see(force.force, step);
+      jumps.record(force.force, step);
       least = std::min(least, norm(force.force));
     }
     std::printf("sliding at %.0f mm: largest jump per 10 um %.2e N of %.4f to %.4f N\n", depth * 1e3,
                 jumps.largest, least, jumps.strongest);
     EXPECT_GT(least, 0);
-    EXPECT_LT(jumps.largest, 2e-3 * jumps.strongest);  // turning alone makes 10 µm / 60 mm = 1.7e-4
-    EXPECT_LT(jumps.strongest / least, 1.1) << "does not show the triangles";
+    EXPECT_LT(jumps.largest,
+              2e-3 * jumps.strongest);  // rotation of the normal alone gives 10 µm / 60 mm = 1.7e-4
+    EXPECT_LT(jumps.strongest / least, 1.1) << "independent of the triangles";
   }
 }
 
-TEST(RhombusTouch, a_press_and_release_returns_exactly_to_rest) {
+// A press and release returns exactly to the state at rest.
+TEST(RhombusTouch, ReleaseReturnsExactlyToRest) {
   const Model model = slab_model({.bulge = 1});
   State state = make_state(model, 1);
   const Exec exec(1);
@@ -111,7 +116,8 @@ TEST(RhombusTouch, a_press_and_release_returns_exactly_to_rest) {
   EXPECT_EQ(energy(model, state), 0);
 }
 
-TEST(RhombusTouch, work_on_the_tool_is_the_energy_that_is_stored) {
+// The work of the tool equals the stored energy.
+TEST(RhombusTouch, WorkEqualsStoredEnergy) {
   const Model model = slab_model();
   State state = make_state(model, 1);
   double work = 0;
@@ -125,13 +131,14 @@ TEST(RhombusTouch, work_on_the_tool_is_the_energy_that_is_stored) {
   EXPECT_NEAR(energy(model, state) / work, 1, 1e-4);
 }
 
-TEST(RhombusTouch, a_closed_path_over_uneven_stiffness_yields_no_energy) {
+// A closed path over varying stiffness has nearly no net work.
+TEST(RhombusTouch, ClosedPathHasNoWork) {
   Surface surface = test::slab(0.2, 40, 0.3);
   std::vector<double> stiffness;
   for (const Vec3d x : surface.vertices) stiffness.push_back(1 + 4 * std::exp(-dot(x, x) / (0.02 * 0.02)));
   const Model model = model_of(std::move(surface), {}, stiffness);
   State state = make_state(model, 1);
-  // In at a soft place, along to a hard one, out there, and back in the air.
+  // Press at a soft position, slide to a stiff one, retract, and return through the air.
   const Vec3d corners[] = {{0.05, 0.003, kRadius},
                            {0.05, 0.003, kRadius - 0.01},
                            {0.0, 0.003, kRadius - 0.01},
@@ -146,11 +153,12 @@ TEST(RhombusTouch, a_closed_path_over_uneven_stiffness_yields_no_energy) {
       largest = std::max(largest, std::abs(work));
       last = force;
     }
-  std::printf("closed path over uneven stiffness: %.3f %% of the work is left\n", 100 * work / largest);
+  std::printf("closed path over uneven stiffness: %.3f %% of the work remains\n", 100 * work / largest);
   EXPECT_LT(std::abs(work), 0.05 * largest);  // 5 mm triangles under a bump of 20 mm
 }
 
-TEST(RhombusTouch, stiffness_of_the_surface_scales_the_force) {
+// The stiffness of the surface scales the force.
+TEST(RhombusTouch, SurfaceStiffnessScalesForce) {
   Surface surface = test::slab(0.2, 40, 0.3);
   std::vector<double> stiffness(surface.vertices.size(), 3);
   const Model stiff = model_of(std::move(surface), {}, stiffness), plain = slab_model();
@@ -159,62 +167,67 @@ TEST(RhombusTouch, stiffness_of_the_surface_scales_the_force) {
   EXPECT_NEAR(tick(stiff, a, input).force.z / tick(plain, b, input).force.z, 3, 1e-9);
 }
 
-TEST(RhombusTouch, two_tools_at_one_place_share_the_force_of_one) {
+// Two tools at the same position share the force of one.
+TEST(RhombusTouch, CoincidentToolsShareForce) {
   const Model model = slab_model();
   State one = make_state(model, 1), two = make_state(model, 2);
   const TouchInput input = ball({0, 0, kRadius - 0.004});
   const TouchForce alone = tick(model, one, input);
-  for (const double apart : {1e-5, 1e-3}) {
+  for (const double separation : {1e-5, 1e-3}) {
     TouchInput inputs[2] = {input, input};
-    inputs[1].position.x += apart;
+    inputs[1].position.x += separation;
     TouchForce forces[2];
-    touch(model, two, inputs, kTick, forces);
+    solve_touches(model, two, inputs, kTick, forces);
     EXPECT_NEAR(forces[0].force.z, forces[1].force.z, 1e-6 * alone.force.z);
-    EXPECT_NEAR(forces[0].force.z + forces[1].force.z, alone.force.z, (1e-3 + 50 * apart) * alone.force.z)
-        << apart;
+    EXPECT_NEAR(forces[0].force.z + forces[1].force.z, alone.force.z,
+                (1e-3 + 50 * separation) * alone.force.z)
+        << separation;
   }
 }
 
-TEST(RhombusTouch, several_tools_press_the_surface_as_deep_as_each_of_them_is) {
+// The surface below several tools has the depth of each of them.
+TEST(RhombusTouch, SeveralToolsReachTheirDepths) {
   const Model model = slab_model();
   State state = make_state(model, 3);
   const double depth[3] = {0.006, 0.004, 0.005};
-  const Vec3d place[3] = {{0, 0, 0}, {0.012, 0.002, 0}, {-0.004, 0.011, 0}};
+  const Vec3d position[3] = {{0, 0, 0}, {0.012, 0.002, 0}, {-0.004, 0.011, 0}};
   TouchInput inputs[3];
-  for (int k = 0; k < 3; k++) inputs[k] = ball(place[k] + Vec3d{0, 0, kRadius - depth[k]});
+  for (int k = 0; k < 3; k++) inputs[k] = ball(position[k] + Vec3d{0, 0, kRadius - depth[k]});
   TouchForce forces[3];
-  touch(model, state, inputs, kTick, forces);
+  solve_touches(model, state, inputs, kTick, forces);
   step(Exec(1), model, state);
   for (int k = 0; k < 3; k++) {
-    // The vertex nearest to the tool lies some millimetres beside it, where the dent is a bit shallower.
+    // The vertex nearest to the tool is some millimeters away, where the dent is slightly shallower.
     double nearest = 1;
     Vec3d move;
     for (std::size_t v = 0; v < model.surface.vertices.size(); v++)
-      if (const double d = norm(model.surface.vertices[v] - place[k]); d < nearest)
+      if (const double d = norm(model.surface.vertices[v] - position[k]); d < nearest)
         nearest = d, move = state.displacement[v];
     EXPECT_NEAR(-move.z, depth[k], 0.25 * depth[k]) << k;
   }
 }
 
-TEST(RhombusTouch, a_tool_in_a_dent_that_another_made_deeper_feels_nothing_and_never_pulls) {
+// A tool in a deeper dent of another tool has no force and is never pulled.
+TEST(RhombusTouch, ToolInDeeperDentHasNoForce) {
   const Model model = slab_model();
   State state = make_state(model, 2);
   Jumps jumps;
-  for (int i = 0; i <= 3000; i++) {  // the second tool goes down beside the first one's deep dent
+  for (int i = 0; i <= 3000; i++) {  // the second tool presses beside the deep dent of the first one
     TouchInput inputs[2] = {ball({0, 0, kRadius - 0.012}), ball({0.006, 0, kRadius - i * 5e-6})};
     TouchForce forces[2];
-    touch(model, state, inputs, kTick, forces);
+    solve_touches(model, state, inputs, kTick, forces);
     EXPECT_GE(forces[1].force.z, 0);
-    jumps.see(forces[1].force, 5e-6);
+    jumps.record(forces[1].force, 5e-6);
     if (i == 200) {
-      EXPECT_EQ(forces[1].force, Vec3d{}) << "1 mm, where the other one pressed several";
+      EXPECT_EQ(forces[1].force, Vec3d{}) << "1 mm deep, where the other tool pressed several";
     }
   }
   EXPECT_GT(jumps.strongest, 0);
   EXPECT_LT(jumps.largest, 0.02 * jumps.strongest);
 }
 
-TEST(RhombusTouch, viscous_tissue_pushes_back_harder_when_pressed_fast_and_relaxes) {
+// A fast press on viscous tissue is stiffer, and its force relaxes exponentially.
+TEST(RhombusTouch, ViscousForceRelaxes) {
   const Model elastic = slab_model(), viscous = slab_model({.viscosity = {1.5, 0.2}});
   State a = make_state(elastic, 1), b = make_state(viscous, 1);
   const TouchInput input = ball({0, 0, kRadius - 0.005});
@@ -227,40 +240,42 @@ TEST(RhombusTouch, viscous_tissue_pushes_back_harder_when_pressed_fast_and_relax
   EXPECT_NEAR(at / rest, 1, 1e-6);
 }
 
-TEST(RhombusTouch, viscous_tissue_comes_back_by_itself_and_costs_energy) {
+// Viscous tissue dissipates energy and recovers its shape.
+TEST(RhombusTouch, ViscousTissueRecoversAndDissipates) {
   const Model model = slab_model({.viscosity = {1.5, 0.2}});
   State state = make_state(model, 1);
   const Exec exec(1);
-  double work = 0, left = 0;
+  double work = 0, remaining = 0;
   Vec3d last;
   double z = kRadius;
-  for (int i = 1; i <= 300; i++) {  // 6 mm in at 40 mm/s, and out again
+  for (int i = 1; i <= 300; i++) {  // 6 mm in at 40 mm/s, and out
     const double next = kRadius - 4e-5 * (i <= 150 ? i : 300 - i);
     const Vec3d force = tick(model, state, ball({0, 0, next})).force;
-    EXPECT_GE(force.z, 0) << "tissue does not stick";
+    EXPECT_GE(force.z, 0) << "no adhesion";
     work -= 0.5 * (force.z + last.z) * (next - z);
     z = next, last = force;
   }
   EXPECT_GT(work, 0);
-  left = step(exec, model, state).largest_displacement;
-  EXPECT_GT(left, 1e-4) << "the dent is still there";
+  remaining = step(exec, model, state).largest_displacement;
+  EXPECT_GT(remaining, 1e-4) << "the dent remains";
   for (int i = 0; i < 8000; i++) EXPECT_EQ(tick(model, state, ball({0, 0, 0.05})).force, Vec3d{});
   EXPECT_EQ(step(exec, model, state).largest_displacement, 0);
 }
 
-TEST(RhombusTouch, random_paths_of_100_000_ticks_stay_finite) {
+// Random paths of three tools stay finite for 100 000 ticks.
+TEST(RhombusTouch, RandomPathsStayFinite) {
   Params params{.bulge = 0.7, .viscosity = {0.8, 0.05}};
   const Model model = sphere_model(params);
   State state = make_state(model, 3);
   const Exec exec(1);
   std::mt19937 random(3);
   std::normal_distribution<double> shake(0, 0.0015);
-  Vec3d place[3] = {{0.06, 0, 0}, {0, 0.06, 0}, {0, 0, -0.06}};
+  Vec3d position[3] = {{0.06, 0, 0}, {0, 0.06, 0}, {0, 0, -0.06}};
   double grip[3] = {}, strongest = 0;
   for (int i = 0; i < 100000; i++) {
     TouchInput inputs[3];
     for (int k = 0; k < 3; k++) {
-      Vec3d& x = place[k];
+      Vec3d& x = position[k];
       x += Vec3d{shake(random), shake(random), shake(random)};
       x = normalized(x) * std::clamp(norm(x), 0.03, 0.08);
       if (random() % 500 == 0) grip[k] = grip[k] > 0 ? 0 : 0.5 + 0.5 * double(random() % 2);
@@ -269,7 +284,7 @@ TEST(RhombusTouch, random_paths_of_100_000_ticks_stay_finite) {
       if (random() % 1000 == 0) inputs[k].position.x = std::nan("");
     }
     TouchForce forces[3];
-    touch(model, state, inputs, kTick, forces);
+    solve_touches(model, state, inputs, kTick, forces);
     for (const TouchForce& f : forces) {
       ASSERT_TRUE(std::isfinite(norm(f.force))) << i;
       strongest = std::max(strongest, norm(f.force));
@@ -280,7 +295,8 @@ TEST(RhombusTouch, random_paths_of_100_000_ticks_stay_finite) {
   EXPECT_GT(strongest, 0);
 }
 
-TEST(RhombusTouch, numbers_that_are_none_make_no_force_and_no_harm) {
+// A pose that is not finite gives no force and does not affect later ticks.
+TEST(RhombusTouch, NonFiniteInputHasNoForce) {
   const Model model = slab_model();
   State state = make_state(model, 1);
   const TouchInput good = ball({0, 0, kRadius - 0.004});

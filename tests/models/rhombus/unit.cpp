@@ -21,15 +21,16 @@ std::vector<Unit> units() {
   return all;
 }
 
-/// Turns from nearly flat to nearly upright.
+/// Rotations from nearly flat to nearly upright.
 std::vector<double> turns(const Unit& unit) {
   std::vector<double> all;
-  for (double part = -0.98; part < 0.99; part += 0.0613)
-    all.push_back(part * (part < 0 ? unit.angle : 90 * kDegree - unit.angle));
+  for (double fraction = -0.98; fraction < 0.99; fraction += 0.0613)
+    all.push_back(fraction * (fraction < 0 ? unit.angle : 90 * kDegree - unit.angle));
   return all;
 }
 
-TEST(RhombusUnit, diagonals_change_as_the_sides_turn) {
+// The diagonals change as the sides rotate.
+TEST(RhombusUnit, DiagonalsFollowRotation) {
   for (const Unit& unit : units())
     for (const double turn : turns(unit)) {
       const double l = 2 * unit.side * std::sin(unit.angle + turn),
@@ -41,7 +42,8 @@ TEST(RhombusUnit, diagonals_change_as_the_sides_turn) {
     }
 }
 
-TEST(RhombusUnit, the_force_is_the_derivative_of_the_energy_by_the_length) {
+// The force is the derivative of the energy by the length.
+TEST(RhombusUnit, ForceIsEnergyDerivative) {
   for (const Unit& unit : units())
     for (const double turn : turns(unit)) {
       const double d = 1e-6 * unit.angle;
@@ -52,7 +54,8 @@ TEST(RhombusUnit, the_force_is_the_derivative_of_the_energy_by_the_length) {
     }
 }
 
-TEST(RhombusUnit, the_stiffness_is_the_derivative_of_the_force) {
+// The stiffness is the derivative of the force.
+TEST(RhombusUnit, StiffnessIsForceDerivative) {
   for (const Unit& unit : units())
     for (const double turn : turns(unit)) {
       const double d = 1e-6 * unit.angle;
@@ -62,8 +65,10 @@ TEST(RhombusUnit, the_stiffness_is_the_derivative_of_the_force) {
     }
 }
 
-TEST(RhombusUnit, both_springs_resist_a_small_turn_as_the_paper_s_force_balance_says) {
-  // (1)-(3) of the paper: F = k_N Δl + k_T |Δv| tan θ; its (6) has the second term with the wrong sign.
+// Both springs resist a small rotation as in the paper's force balance.
+TEST(RhombusUnit, SmallRotationMatchesPaper) {
+  // Equations (1)-(3) of the paper: F = k_N Δl + k_T |Δv| tan θ. Its equation (6) has the wrong sign in the
+  // second term.
   const Unit unit = make_unit(0.005, 45 * kDegree, 1.5, 1.8, 10);
   const double turn = -1e-6;
   const double balance =
@@ -73,12 +78,14 @@ TEST(RhombusUnit, both_springs_resist_a_small_turn_as_the_paper_s_force_balance_
       << "the printed chain's stiffness";
 }
 
-TEST(RhombusUnit, it_is_never_softer_than_its_normal_spring) {
+// A unit is never softer than its normal spring.
+TEST(RhombusUnit, NeverSofterThanNormalSpring) {
   for (const Unit& unit : units())
     for (const double turn : turns(unit)) EXPECT_GE(unit_stiffness(unit, turn), unit.normal * (1 - 1e-9));
 }
 
-TEST(RhombusUnit, its_stiffness_grows_by_e_over_a_stated_length_and_no_faster) {
+// The stiffness grows by at most a factor e over a known length.
+TEST(RhombusUnit, StiffnessGrowthIsBounded) {
   for (const Unit& unit : units()) {
     const double pressed = unit.side * std::sqrt(1 - std::pow(std::cos(unit.angle), 2.0 / 3));
     const double fastest = 1 / std::min(pressed, unit.pulled.rise);
@@ -91,23 +98,25 @@ TEST(RhombusUnit, its_stiffness_grows_by_e_over_a_stated_length_and_no_faster) {
   }
 }
 
-TEST(RhombusUnit, the_stops_take_over_without_a_step_in_force_energy_or_stiffness) {
+// Force, energy and stiffness are continuous at the stops.
+TEST(RhombusUnit, StopsAreSmooth) {
   for (const Unit& unit : units())
     for (const UnitStop& stop : {unit.pressed, unit.pulled}) {
       const double turn = std::atan(stop.tangent) - unit.angle, d = 1e-9 * unit.angle;
-      if (turn == 0) continue;  // stiffer from the start than it may become
+      if (turn == 0) continue;  // already stiffer at rest than the stop allows
       EXPECT_NEAR(unit_force(unit, turn - d) / unit_force(unit, turn + d), 1, 1e-5);
       EXPECT_NEAR(unit_energy(unit, turn - d) / unit_energy(unit, turn + d), 1, 1e-5);
       EXPECT_NEAR(unit_stiffness(unit, turn - d) / unit_stiffness(unit, turn + d), 1, 1e-5);
     }
 }
 
-TEST(RhombusUnit, the_turn_under_a_force_has_that_force) {
+// The rotation under a force has that force.
+TEST(RhombusUnit, RotationOfForceIsInverse) {
   for (const Unit& unit : units())
     for (const double turn : turns(unit)) {
       const TurnedUnit found = turn_by_force(unit, unit_force(unit, turn));
       EXPECT_NEAR(found.normal_change, normal_change(unit, turn), 1e-9 * unit.side) << turn;
-      const double width_turn =  // past a stop the width stays
+      const double width_turn =  // beyond a stop the width is constant
           std::clamp(turn, std::atan(unit.pressed.tangent) - unit.angle,
                      std::atan(unit.pulled.tangent) - unit.angle);
       EXPECT_NEAR(found.tangential_change, tangential_change(unit, width_turn), 1e-8 * unit.side) << turn;
@@ -115,7 +124,8 @@ TEST(RhombusUnit, the_turn_under_a_force_has_that_force) {
     }
 }
 
-TEST(RhombusUnit, forces_beyond_all_measure_do_not_break_it) {
+// Extreme forces give finite lengths and stiffnesses.
+TEST(RhombusUnit, ExtremeForcesStayFinite) {
   for (const Unit& unit : units())
     for (const double force : {-1e300, -1e9, 1e9, 1e150}) {
       const TurnedUnit found = turn_by_force(unit, force);

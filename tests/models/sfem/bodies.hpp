@@ -1,4 +1,4 @@
-// Bodies for tests of sfem: blocks with some vertices fixed, distorted inside.
+// Bodies for tests of sfem: blocks with fixed vertices and a distorted interior.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@ constexpr Case kCases[] = {{4, Formulation::kStandard},
                            {8, Formulation::kAveraged},
                            {10, Formulation::kStandard}};
 
-/// A block of hexahedra as elements of another kind.
+/// Converts a block of hexahedra into elements with another number of nodes.
 inline SolidMesh with_corners(const SolidMesh& hexahedra, int corners) {
   if (corners == 8) return hexahedra;
   return corners == 4 ? tetrahedralize(hexahedra) : with_middles(tetrahedralize(hexahedra));
@@ -33,7 +33,7 @@ inline bool on_box(Vec3d x, Vec3d size) {
   return false;
 }
 
-/// Moves the vertices inside a block by up to `most` [m], always the same way.
+/// Shifts the vertices inside a block by up to `most` [m], reproducibly.
 inline void distort(SolidMesh& mesh, Vec3d size, double most) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> shift(-most, most);
@@ -55,7 +55,7 @@ inline int vertex_at(const SolidMesh& mesh, Vec3d x) {
   return best;
 }
 
-/// The plate of theory: 0.1 × 0.1 × 0.01 m, clamped at its four sides.
+/// The plate of the paper: 0.1 × 0.1 × 0.01 m, clamped at its four sides.
 inline Body clamped_plate(int n, int layers) {
   return block_of(hex_block({0.1, 0.1, 0.01}, {n, n, layers}), {1e5, 0.4},
                   [](Vec3d x) { return x.x < 1e-9 || x.y < 1e-9 || x.x > 0.1 - 1e-9 || x.y > 0.1 - 1e-9; });

@@ -14,33 +14,37 @@ std::string refusal(Body body, const Params& params = {}) {
   return model ? "" : model.error().message;
 }
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+bool contains(const std::string& text, const std::string& piece) {
+  return text.find(piece) != std::string::npos;
 }
 
-TEST(SfemBuild, free_vertices_get_rows_and_those_of_the_surface_are_kept_first) {
+// Free vertices get rows; the stored nodes begin with those of the surface.
+TEST(SfemBuild, SurfaceNodesComeFirst) {
   const Model model = build(Exec(1), held_block(), {.touch_depth = 0.1}).value();
   EXPECT_EQ(model.vertex.size(), 18u);
   EXPECT_EQ(model.free_node[0], -1);
   EXPECT_EQ(model.vertex[0], 9);
   EXPECT_EQ(model.green.surface_count, 17u);
   ASSERT_EQ(model.green.nodes.size(), 18u);
-  EXPECT_EQ(model.green.nodes.back(), 13);  // the middle
+  EXPECT_EQ(model.green.nodes.back(), 13);  // the center
   EXPECT_EQ(model.green.slot[13], 17);
   EXPECT_EQ(model.green.slot[0], -1);
 }
 
-TEST(SfemBuild, nodes_far_below_the_surface_are_not_kept) {
+// Nodes deeper than touch_depth below the surface are not stored.
+TEST(SfemBuild, DeepNodesAreNotStored) {
   Body body = block_of(hex_block({1, 1, 1}, {10, 10, 10}), {1e4, 0.3}, [](Vec3d x) { return x.z == 0; });
   const Model shallow = build(Exec(1), body, {.touch_depth = 0}).value();
-  const Model deep = build(Exec(1), body, {.touch_depth = 0.16}).value();  // the second layer's centres: 0.15
+  const Model deep =
+      build(Exec(1), body, {.touch_depth = 0.16}).value();  // centers of the second layer: 0.15
   const Model whole = build(Exec(1), body, {.touch_depth = 0.5}).value();
   EXPECT_EQ(shallow.green.nodes.size(), 11u * 11 * 10 - 7 * 7 * 7);
   EXPECT_EQ(deep.green.nodes.size(), 11u * 11 * 10 - 5 * 5 * 5);
   EXPECT_EQ(whole.green.nodes.size(), 11u * 11 * 10);
 }
 
-TEST(SfemBuild, vertices_without_elements_have_no_row) {
+// Vertices without elements have no row.
+TEST(SfemBuild, IsolatedVerticesHaveNoRow) {
   Body body = held_block();
   body.mesh.vertices.push_back({5, 5, 5});
   body.fixed.push_back(0);
@@ -49,7 +53,8 @@ TEST(SfemBuild, vertices_without_elements_have_no_row) {
   EXPECT_EQ(model.free_node.back(), -1);
 }
 
-TEST(SfemBuild, a_body_without_elements_or_with_wrong_ones_is_refused) {
+// A body without elements, or with invalid ones, is rejected.
+TEST(SfemBuild, RejectsMissingOrInvalidElements) {
   Body body = held_block();
   body.mesh.elements.clear();
   EXPECT_EQ(refusal(body), "the body has no element");
@@ -61,13 +66,14 @@ TEST(SfemBuild, a_body_without_elements_or_with_wrong_ones_is_refused) {
   EXPECT_TRUE(contains(refusal(body), "vertex number 13"));
 }
 
-TEST(SfemBuild, elements_without_volume_are_named) {
+// The error names elements with zero or negative volume.
+TEST(SfemBuild, NamesElementsWithoutVolume) {
   Body body = held_block();
-  std::swap(body.mesh.elements[24], body.mesh.elements[28]);  // element 3 folded over
+  std::swap(body.mesh.elements[24], body.mesh.elements[28]);  // element 3 is inverted
   EXPECT_TRUE(contains(refusal(body), "negative")) << refusal(body);
   EXPECT_TRUE(contains(refusal(body), "element 3")) << refusal(body);
   body = held_block();
-  for (std::size_t v = 18; v < 27; v++) body.mesh.vertices[v].z = 0.05;  // the upper layer flat
+  for (std::size_t v = 18; v < 27; v++) body.mesh.vertices[v].z = 0.05;  // the upper layer is flat
   EXPECT_TRUE(contains(refusal(body), "zero in elements 4, 5, 6, 7")) << refusal(body);
   body = held_block();
   body.mesh = tetrahedralize(body.mesh);
@@ -75,7 +81,8 @@ TEST(SfemBuild, elements_without_volume_are_named) {
   EXPECT_TRUE(contains(refusal(body), "element 1")) << refusal(body);
 }
 
-TEST(SfemBuild, materials_that_are_none_are_refused) {
+// Invalid materials and empty inclusions are rejected.
+TEST(SfemBuild, RejectsInvalidMaterials) {
   Body body = held_block();
   body.materials[0].poisson = 0.5;
   EXPECT_EQ(refusal(body), "material 0: Poisson's ratio must be above -1 and below 0.5, found 0.5");
@@ -91,7 +98,8 @@ TEST(SfemBuild, materials_that_are_none_are_refused) {
   EXPECT_TRUE(contains(refusal(body), "inclusion 0 holds no element")) << refusal(body);
 }
 
-TEST(SfemBuild, a_body_that_nothing_holds_is_refused) {
+// A body whose fixed vertices do not prevent rigid motion is rejected.
+TEST(SfemBuild, RejectsBodyWithoutSupport) {
   Body body = held_block();
   body.fixed.assign(27, 0);
   EXPECT_EQ(refusal(body), "no vertex of the body is fixed: nothing holds it");
@@ -105,19 +113,21 @@ TEST(SfemBuild, a_body_that_nothing_holds_is_refused) {
   EXPECT_EQ(refusal(body), "");
 }
 
-TEST(SfemBuild, a_part_that_hangs_on_an_edge_is_refused_and_one_on_three_vertices_is_held) {
+// A component that is attached by an edge only is rejected; a third vertex supports it.
+TEST(SfemBuild, RejectsComponentOnHinge) {
   Body body = block_of(hex_block({2, 2, 1}, {2, 2, 1}), {1e4, 0.3}, [](Vec3d x) { return x.x == 0; });
-  std::vector<int> kept;
+  std::vector<int> elements;
   for (const std::size_t e : {0u, 3u})
-    for (const int v : element(body.mesh, e)) kept.push_back(v);
-  body.mesh.elements = kept;
+    for (const int v : element(body.mesh, e)) elements.push_back(v);
+  body.mesh.elements = elements;
   EXPECT_TRUE(contains(refusal(body), "8 vertices, among them vertex 4; none is fixed")) << refusal(body);
   const int beside = vertex_at(body.mesh, {2, 1, 0});
-  body.fixed[std::size_t(beside)] = 1;  // and the edge, which is held by the other part
+  body.fixed[std::size_t(beside)] = 1;  // together with the edge, which the other component holds
   EXPECT_EQ(refusal(body), "");
 }
 
-TEST(SfemBuild, the_hash_tells_bodies_apart) {
+// The content hash distinguishes bodies and parameters.
+TEST(SfemBuild, HashDistinguishesBodies) {
   const auto hash = [](const Body& body, const Params& params) {
     return content_hash(build(Exec(1), body, params).value());
   };
@@ -135,7 +145,7 @@ TEST(SfemBuild, the_hash_tells_bodies_apart) {
   EXPECT_NE(first, hash(other, {}));
   other = body;
   other.materials.push_back({2e4, 0.3});
-  EXPECT_EQ(first, hash(other, {}));  // no element has it
+  EXPECT_EQ(first, hash(other, {}));  // no element has this material
   other.inclusions = {{{0, 0, 0}, 0.05, 1}};
   EXPECT_NE(first, hash(other, {}));
   EXPECT_NE(first, hash(body, {.formulation = Formulation::kAveraged}));

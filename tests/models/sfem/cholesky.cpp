@@ -35,7 +35,8 @@ Eigen::VectorXd loads(Eigen::Index n) {
   return f;
 }
 
-TEST(SfemCholesky, a_plan_eliminates_every_row_once_and_its_rows_follow_their_supernodes) {
+// A plan eliminates every row once, and the rows of a supernode follow it.
+TEST(SfemCholesky, PlanEliminatesEveryRowOnce) {
   const Model model = body(8, Formulation::kStandard);
   const Elimination p = plan(model);
   std::vector<int> sorted = p.order;
@@ -54,14 +55,16 @@ TEST(SfemCholesky, a_plan_eliminates_every_row_once_and_its_rows_follow_their_su
   EXPECT_EQ(next, int(p.order.size()));
 }
 
-TEST(SfemCholesky, nested_dissection_more_than_halves_the_work_of_the_order_of_numbering) {
+// Nested dissection needs less than half the work of the natural order.
+TEST(SfemCholesky, NestedDissectionHalvesWork) {
   const Model model = body(8, Formulation::kStandard, {18, 18, 18});
   std::vector<int> numbering(model.vertex.size());
   std::iota(numbering.begin(), numbering.end(), 0);
   EXPECT_LT(plan(model).flops, 0.5 * plan_elimination(model.stiffness, numbering).flops);
 }
 
-TEST(SfemCholesky, nested_dissection_is_the_same_from_several_threads_at_once) {
+// Nested dissection gives the same order in concurrent threads.
+TEST(SfemCholesky, NestedDissectionIsThreadSafe) {
   const Model model = body(4, Formulation::kStandard, {12, 12, 12});
   const std::vector<int> expected = nested_dissection(model.stiffness);
   std::vector<std::vector<int>> found(4);
@@ -72,19 +75,21 @@ TEST(SfemCholesky, nested_dissection_is_the_same_from_several_threads_at_once) {
   for (const std::vector<int>& order : found) EXPECT_EQ(order, expected);
 }
 
-TEST(SfemCholesky, rows_that_nothing_joins_are_ordered_too) {
+// Disconnected rows are ordered too.
+TEST(SfemCholesky, OrdersDisconnectedRows) {
   BlockMatrix k;
   k.row_begin = {0, 1, 2, 3};
   k.column = {0, 1, 2};
   EXPECT_EQ(nested_dissection(k), (std::vector<int>{0, 1, 2}));
-  k.row_begin = {0, 2, 4, 5};  // 0 and 1, and 2 by itself
+  k.row_begin = {0, 2, 4, 5};  // 0 and 1 are connected, 2 is separate
   k.column = {0, 1, 0, 1, 2};
   std::vector<int> order = nested_dissection(k);
   std::sort(order.begin(), order.end());
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2}));
 }
 
-TEST(SfemCholesky, solutions_equal_those_of_a_dense_factor) {
+// Solutions match those of a dense factor, for one and for many right-hand sides.
+TEST(SfemCholesky, SolutionsMatchDenseFactor) {
   for (const int corners : {4, 8, 10})
     for (const Formulation formulation : {Formulation::kStandard, Formulation::kAveraged}) {
       const Model model = body(corners, formulation);
@@ -100,7 +105,8 @@ TEST(SfemCholesky, solutions_equal_those_of_a_dense_factor) {
     }
 }
 
-TEST(SfemCholesky, answers_to_unit_forces_are_columns_of_the_inverse_where_they_are_wanted) {
+// Solutions for unit forces are columns of the inverse at the requested rows.
+TEST(SfemCholesky, UnitSolutionsMatchInverse) {
   const Model model = body(8, Formulation::kStandard);
   const Cholesky factor = factorize(Exec(1), model.stiffness, plan(model), model.vertex).value();
   const Eigen::MatrixXd inverse = dense(model.stiffness).inverse();
@@ -111,20 +117,22 @@ TEST(SfemCholesky, answers_to_unit_forces_are_columns_of_the_inverse_where_they_
   for (const int row : rows)
     for (int i = 0; i < 3; i++)
       for (int c = 0; c < 9; c++) {
-        const double found = solutions.row(factor.plan.place[std::size_t(row)])[i * 9 + c];
+        const double found = solutions.row(factor.plan.position[std::size_t(row)])[i * 9 + c];
         EXPECT_NEAR(found, inverse(3 * row + i, 3 * units[std::size_t(c / 3)] + c % 3),
                     1e-12 * inverse.cwiseAbs().maxCoeff());
       }
 }
 
-TEST(SfemCholesky, a_factor_has_the_same_bits_on_any_number_of_threads) {
+// One, two and eight threads give the same bits.
+TEST(SfemCholesky, EqualBitsOnAnyThreads) {
   const Model model = body(8, Formulation::kStandard, {12, 12, 12});
   const Cholesky one = factorize(Exec(1), model.stiffness, plan(model), model.vertex).value();
   for (const int threads : {2, 8})
     EXPECT_EQ(one.values, factorize(Exec(threads), model.stiffness, plan(model), model.vertex)->values);
 }
 
-TEST(SfemCholesky, a_large_system_with_wide_supernodes_is_solved_to_rounding) {
+// A large system with wide supernodes is solved up to rounding.
+TEST(SfemCholesky, WideSupernodesAreSolvedToRounding) {
   const Model model = body(8, Formulation::kStandard, {14, 14, 14});
   const Cholesky factor = factorize(Exec(2), model.stiffness, plan(model), model.vertex).value();
   int widest = 0;
@@ -141,9 +149,10 @@ TEST(SfemCholesky, a_large_system_with_wide_supernodes_is_solved_to_rounding) {
   EXPECT_LT((back - f).norm(), 1e-12 * f.norm());
 }
 
-TEST(SfemCholesky, a_motion_that_nothing_resists_is_refused_with_its_vertex) {
+// The error for a singular matrix names the vertex.
+TEST(SfemCholesky, SingularMatrixNamesVertex) {
   Model model = body(8, Formulation::kStandard);
-  // Two cells' worth of nodes lose their stiffness: everything that couples row 40.
+  // All coupling of row 40 loses its stiffness.
   BlockMatrix& k = model.stiffness;
   for (std::size_t row = 0; row < model.vertex.size(); row++)
     for (std::size_t b = k.row_begin[row]; b < k.row_begin[row + 1]; b++)

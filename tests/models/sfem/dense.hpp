@@ -1,4 +1,4 @@
-// Green's functions of small bodies by a dense inverse: slow, and independent of how the engine gets them.
+// Green's functions of small bodies by a dense inverse: slow, and independent of the engine.
 #pragma once
 
 #include <Eigen/Dense>
@@ -9,7 +9,7 @@
 
 namespace turgor::sfem {
 
-/// All rows of K.
+/// K as a dense matrix.
 inline Eigen::MatrixXd dense(const BlockMatrix& k) {
   const auto rows = Eigen::Index(k.row_begin.size() - 1);
   Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * rows, 3 * rows);

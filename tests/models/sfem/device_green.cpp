@@ -1,4 +1,4 @@
-// The store of Green's functions as a GPU makes it, on the CPU: columns by loops over plain pointers.
+// The store of Green's functions by the kernels of the device, run on the CPU.
 #include "turgor/models/sfem/device_green.hpp"
 
 #include <algorithm>
@@ -6,18 +6,18 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/models/host_side.hpp"
+#include "tests/models/host_backend.hpp"
 #include "tests/models/sfem/bodies.hpp"
 #include "turgor/models/sfem/gpu_green.hpp"
 
 namespace turgor::sfem {
 namespace {
 
-using lattice::HostSide;
+using lattice::HostBackend;
 using lattice::SeededRun;
 using lattice::ThreadedRun;
 
-/// A block on its side, of two materials; not all of its nodes are kept.
+/// A distorted block, clamped on its side; the store has only some of its nodes.
 Model distorted_block(int corners, Precision precision) {
   const Vec3d size{0.14, 0.1, 0.08};
   SolidMesh mesh = with_corners(hex_block(size, {7, 5, 5}), corners);
@@ -31,15 +31,15 @@ Model distorted_block(int corners, Precision precision) {
 
 template <class Run, class T>
 std::vector<T> store_of(const Model& model, std::size_t together) {
-  DeviceAllocator<HostSide<Run>> rooms;
-  DeviceGreen<HostSide<Run>, T> there(model, rooms, together);
+  DeviceAllocator<HostBackend<Run>> allocator;
+  DeviceGreen<HostBackend<Run>, T> device(model, allocator, together);
   std::vector<T> values(9 * model.green.nodes.size() * model.green.nodes.size());
-  there.fill(values, {});
+  device.fill(values, {});
   return values;
 }
 
 template <class T>
-double farthest(const std::vector<T>& a, const std::vector<T>& b) {
+double relative_difference(const std::vector<T>& a, const std::vector<T>& b) {
   double most = 0, largest = 0;
   for (std::size_t i = 0; i < a.size(); i++) {
     most = std::max(most, std::abs(double(a[i]) - double(b[i])));
@@ -48,20 +48,23 @@ double farthest(const std::vector<T>& a, const std::vector<T>& b) {
   return most / largest;
 }
 
-TEST(SfemGreenOn, columns_by_loops_are_those_of_the_factor) {
+// Columns by the device kernels match those of the factor.
+TEST(DeviceGreen, ColumnsMatchFactor) {
   for (const int corners : {4, 8}) {
     const Model model = distorted_block(corners, Precision::kDouble);
     for (const std::size_t together : {std::size_t(7), std::size_t(50), std::size_t(1024)}) {
       const std::vector<double> found = store_of<SeededRun<1>, double>(model, together);
-      EXPECT_LT(farthest(found, model.green.double_values), 1e-12) << corners << " corners, " << together;
+      EXPECT_LT(relative_difference(found, model.green.double_values), 1e-12)
+          << corners << " corners, " << together;
     }
     const Model single = distorted_block(corners, Precision::kSingle);
     const std::vector<float> found = store_of<SeededRun<1>, float>(single, 50);
-    EXPECT_LT(farthest(found, single.green.single_values), 1e-7) << corners << " corners";
+    EXPECT_LT(relative_difference(found, single.green.single_values), 1e-7) << corners << " corners";
   }
 }
 
-TEST(SfemGreenOn, the_store_is_symmetric_and_has_equal_bits_in_any_order_and_on_any_threads) {
+// The store is symmetric and has the same bits in any order and on any number of threads.
+TEST(DeviceGreen, SymmetricWithEqualBitsInAnyOrder) {
   const Model model = distorted_block(4, Precision::kSingle);
   const std::vector<float> store = store_of<SeededRun<1>, float>(model, 40);
   const std::size_t side = 3 * model.green.nodes.size();
@@ -73,17 +76,18 @@ TEST(SfemGreenOn, the_store_is_symmetric_and_has_equal_bits_in_any_order_and_on_
   EXPECT_EQ(store, (store_of<ThreadedRun<8>, float>(model, 40)));
 }
 
-TEST(gpu_sfem, green_s_functions_made_there_are_those_made_here) {
+// Green's functions of the GPU match those of the CPU.
+TEST(GpuSfem, GreensFunctionsMatchCpu) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) GTEST_SKIP() << gpu.error().message;
   for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
     Model model = distorted_block(8, precision);
-    const Green here = model.green;
+    const Green host = model.green;
     ASSERT_TRUE(compute_green(Exec(2), model, std::size_t(2) << 30, {}, &*gpu));
     if (precision == Precision::kSingle)
-      EXPECT_LT(farthest(model.green.single_values, here.single_values), 1e-7);
+      EXPECT_LT(relative_difference(model.green.single_values, host.single_values), 1e-7);
     else
-      EXPECT_LT(farthest(model.green.double_values, here.double_values), 1e-12);
+      EXPECT_LT(relative_difference(model.green.double_values, host.double_values), 1e-12);
     EXPECT_TRUE(check_green(model));
   }
 }

@@ -22,7 +22,8 @@ Eigen::MatrixXd stiffness(const SolidMesh& mesh, Material material, Formulation 
   return dense(assemble(Exec(1), mesh, std::span(&material, 1), first, formulation));
 }
 
-TEST(SfemElements, a_linear_displacement_of_the_border_is_linear_inside_on_distorted_meshes) {
+// Patch test: a linear displacement of the border is linear inside, on distorted meshes.
+TEST(SfemElements, PatchTestOnDistortedMeshes) {
   for (const auto [corners, formulation] : kCases) {
     const SolidMesh mesh = distorted_block(corners);
     const Eigen::MatrixXd k = stiffness(mesh, {1e4, 0.3}, formulation);
@@ -41,7 +42,8 @@ TEST(SfemElements, a_linear_displacement_of_the_border_is_linear_inside_on_disto
   }
 }
 
-TEST(SfemElements, stiffness_is_exactly_symmetric_and_resists_all_but_six_rigid_motions) {
+// The stiffness matrix is exactly symmetric and has six rigid modes.
+TEST(SfemElements, StiffnessHasSixRigidModes) {
   for (const auto [corners, formulation] : kCases) {
     const Eigen::MatrixXd k = stiffness(distorted_block(corners), {1e4, 0.3}, formulation);
     EXPECT_EQ(k, k.transpose());
@@ -51,7 +53,8 @@ TEST(SfemElements, stiffness_is_exactly_symmetric_and_resists_all_but_six_rigid_
   }
 }
 
-TEST(SfemElements, one_element_alone_resists_all_but_six_rigid_motions) {
+// A single element has six rigid modes.
+TEST(SfemElements, SingleElementHasSixRigidModes) {
   for (const auto [corners, formulation] : kCases) {
     SolidMesh mesh = hex_block({1, 1, 1}, {1, 1, 1});
     if (corners != 8) mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 4, {0, 1, 2, 3}, {}};
@@ -63,7 +66,8 @@ TEST(SfemElements, one_element_alone_resists_all_but_six_rigid_motions) {
   }
 }
 
-TEST(SfemElements, a_homogeneous_strain_has_the_energy_of_hooke_s_law_in_every_formulation) {
+// A uniform strain has the energy of Hooke's law in every formulation.
+TEST(SfemElements, UniformStrainHasHookeEnergy) {
   const Material material{2e4, 0.45};
   const auto [bulk, shear] = moduli(material);
   for (const auto [corners, formulation] : kCases) {
@@ -83,7 +87,8 @@ TEST(SfemElements, a_homogeneous_strain_has_the_energy_of_hooke_s_law_in_every_f
   }
 }
 
-TEST(SfemElements, assembly_has_the_same_bits_on_any_number_of_threads) {
+// Assembly gives the same bits on one, two and eight threads.
+TEST(SfemElements, AssemblyEqualBitsOnAnyThreads) {
   const Material materials[] = {{1e4, 0.3}, {5e4, 0.49}};
   for (const auto [corners, formulation] : kCases) {
     SolidMesh mesh = hex_block({1, 1, 1}, {7, 6, 5});
@@ -99,7 +104,8 @@ TEST(SfemElements, assembly_has_the_same_bits_on_any_number_of_threads) {
   }
 }
 
-TEST(SfemElements, elements_inside_a_sphere_take_the_material_of_the_last_sphere) {
+// Elements inside inclusions have the material of the last one.
+TEST(SfemElements, LastInclusionSetsMaterial) {
   Body body = block_of(hex_block({4, 1, 1}, {4, 1, 1}), {1, 0.3}, [](Vec3d x) { return x.x == 0; });
   body.materials.resize(3, {2, 0.3});
   body.material = {0, 0, 0, 1};
@@ -107,7 +113,8 @@ TEST(SfemElements, elements_inside_a_sphere_take_the_material_of_the_last_sphere
   EXPECT_EQ(element_materials(body), (std::vector<int>{1, 2, 1, 1}));
 }
 
-TEST(SfemElements, volumes_around_vertices_fill_the_body_and_change_by_nothing_when_it_moves) {
+// Nodal volumes fill the body, and a translation does not change them.
+TEST(SfemElements, NodalVolumesFillBody) {
   const SolidMesh mesh = distorted_block(4);
   std::vector<int> material(element_count(mesh), 0);
   for (std::size_t e = 0; e < material.size(); e++) material[e] = e % 3 == 0;
@@ -122,7 +129,8 @@ TEST(SfemElements, volumes_around_vertices_fill_the_body_and_change_by_nothing_w
       swelling += dot(volumes.gradient[i], mesh.vertices[std::size_t(volumes.vertices.item[i])]);
     }
     EXPECT_LT(norm(change), 1e-17);
-    EXPECT_NEAR(swelling, 3 * volumes.volume[n], 1e-15);  // u = x triples no volume, but adds three times it
+    EXPECT_NEAR(swelling, 3 * volumes.volume[n],
+                1e-15);  // u = x: a uniform expansion changes the volume by three times itself
   }
   EXPECT_NEAR(sum, volume(mesh), 1e-15);
 }

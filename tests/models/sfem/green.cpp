@@ -23,14 +23,15 @@ Eigen::MatrixXd gathered(const Model& model, const std::vector<int>& vertices) {
   return result;
 }
 
-/// The force that moves one vertex by u: C f = u with C = Ξ_pp.
+/// The force that displaces one vertex by u: C f = u with C = Ξ_pp.
 Vec3d reaction(const Model& model, int vertex, Vec3d u) {
   const Eigen::Matrix3d c = gathered(model, {vertex});
   const Eigen::Vector3d f = c.llt().solve(Eigen::Vector3d(u.x, u.y, u.z));
   return {f[0], f[1], f[2]};
 }
 
-TEST(SfemGreen, a_store_holds_the_inverse_of_k_between_the_kept_nodes) {
+// The store is the inverse of K between the stored nodes.
+TEST(SfemGreen, StoreIsInverseOfStiffness) {
   for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
     Model model = block_model({.precision = precision, .touch_depth = 0});
     ASSERT_TRUE(compute_green(Exec(2), model, kPlenty));
@@ -52,7 +53,8 @@ TEST(SfemGreen, a_store_holds_the_inverse_of_k_between_the_kept_nodes) {
   }
 }
 
-TEST(SfemGreen, a_store_has_the_same_bits_on_any_number_of_threads) {
+// One, two and eight threads give the same bits.
+TEST(SfemGreen, EqualBitsOnAnyThreads) {
   Model one = block_model({.touch_depth = 1});
   ASSERT_TRUE(compute_green(Exec(1), one, kPlenty));
   for (const int threads : {2, 8}) {
@@ -63,7 +65,8 @@ TEST(SfemGreen, a_store_has_the_same_bits_on_any_number_of_threads) {
   }
 }
 
-TEST(SfemGreen, fixed_vertices_do_not_move) {
+// Fixed vertices have zero rows and columns.
+TEST(SfemGreen, FixedVerticesHaveZeroRows) {
   Model model = block_model({});
   ASSERT_TRUE(compute_green(Exec(1), model, kPlenty));
   const Eigen::MatrixXd green = gathered(model, {0, model.green.nodes[0]});
@@ -72,7 +75,8 @@ TEST(SfemGreen, fixed_vertices_do_not_move) {
   EXPECT_GT(green.bottomRightCorner(3, 3).norm(), 0);
 }
 
-TEST(SfemGreen, columns_on_demand_equal_the_dense_store) {
+// Columns on demand equal those of the full store.
+TEST(SfemGreen, ColumnsOnDemandMatchStore) {
   Model dense = block_model({.touch_depth = 0}), lazy = dense;
   ASSERT_TRUE(compute_green(Exec(2), dense, kPlenty));
   ASSERT_TRUE(prepare_columns(Exec(2), lazy));
@@ -89,7 +93,8 @@ TEST(SfemGreen, columns_on_demand_equal_the_dense_store) {
   for (std::size_t i = 0; i < 9; i++) EXPECT_NEAR(far[i], expected[i], 1e-7 * a.cwiseAbs().maxCoeff());
 }
 
-TEST(SfemGreen, columns_are_fetched_beside_ticks_and_handed_over_between_them) {
+// Columns are computed without a change to the model and added later.
+TEST(SfemGreen, ColumnsAreComputedThenAdded) {
   Model model = block_model({});
   ASSERT_TRUE(prepare_columns(Exec(1), model));
   const std::vector<int> vertices{model.green.nodes[5], model.green.nodes[6]};
@@ -100,7 +105,8 @@ TEST(SfemGreen, columns_are_fetched_beside_ticks_and_handed_over_between_them) {
   EXPECT_TRUE(compute_columns(Exec(2), model, vertices).slots.empty());
 }
 
-TEST(SfemGreen, columns_around_fixed_vertices_can_be_fetched) {
+// A request for columns may include fixed vertices.
+TEST(SfemGreen, FetchesColumnsNextToFixedVertices) {
   Model model = block_model({});
   ASSERT_TRUE(prepare_columns(Exec(1), model));
   const int held =
@@ -110,7 +116,8 @@ TEST(SfemGreen, columns_around_fixed_vertices_can_be_fetched) {
   EXPECT_EQ(gathered(model, {held, model.green.nodes[5]}).topRows(3).norm(), 0);
 }
 
-TEST(SfemGreen, what_does_not_fit_is_refused_with_its_size_before_anything_is_computed) {
+// A store beyond the memory limit is rejected before any computation.
+TEST(SfemGreen, RejectsStoreBeyondMemoryLimit) {
   Model model = block_model({.precision = Precision::kDouble});
   const GreenCost cost = green_cost(model);
   EXPECT_EQ(cost.store_bytes, 72 * model.green.nodes.size() * model.green.nodes.size());
@@ -122,7 +129,8 @@ TEST(SfemGreen, what_does_not_fit_is_refused_with_its_size_before_anything_is_co
   EXPECT_EQ(model.factor->values.size() * 8 + model.factor->plan.rows.size() * 4, cost.factor_bytes);
 }
 
-TEST(SfemGreen, progress_rises_to_one) {
+// The progress increases to one.
+TEST(SfemGreen, ProgressIncreasesToOne) {
   Model model = block_model({});
   double last = 0;
   ASSERT_TRUE(compute_green(Exec(1), model, kPlenty, [&](double done) {
@@ -132,7 +140,8 @@ TEST(SfemGreen, progress_rises_to_one) {
   EXPECT_DOUBLE_EQ(last, 1);
 }
 
-TEST(SfemGreen, random_columns_are_the_inverse_and_agree_with_the_store) {
+// Verification by random columns accepts the store and detects wrong values.
+TEST(SfemGreen, VerificationDetectsWrongValues) {
   Model model = block_model({.formulation = Formulation::kAveraged}, {1e4, 0.49});
   ASSERT_TRUE(compute_green(Exec(1), model, kPlenty));
   EXPECT_TRUE(verify_green(model, 4, 11));
@@ -141,7 +150,8 @@ TEST(SfemGreen, random_columns_are_the_inverse_and_agree_with_the_store) {
   EXPECT_FALSE(verify_green(model, 1, 11));
 }
 
-TEST(SfemGreen, a_store_of_another_body_is_caught) {
+// A store of another body is detected.
+TEST(SfemGreen, DetectsStoreOfAnotherBody) {
   Model model = block_model({});
   ASSERT_TRUE(compute_green(Exec(1), model, kPlenty));
   EXPECT_TRUE(check_green(model));
@@ -160,15 +170,16 @@ TEST(SfemGreen, a_store_of_another_body_is_caught) {
   EXPECT_FALSE(check_green(other));
 }
 
-TEST(SfemGreen, flipped_bits_are_caught) {
+// Flipped bits, NaN and missing values are detected.
+TEST(SfemGreen, DetectsFlippedBits) {
   Model model = block_model({});
   ASSERT_TRUE(compute_green(Exec(1), model, kPlenty));
-  for (const std::size_t place : {std::size_t(1234), model.green.single_values.size() - 1}) {
+  for (const std::size_t index : {std::size_t(1234), model.green.single_values.size() - 1}) {
     Model damaged = model;
     std::uint32_t bits;
-    std::memcpy(&bits, &damaged.green.single_values[place], 4);
+    std::memcpy(&bits, &damaged.green.single_values[index], 4);
     bits ^= 1;
-    std::memcpy(&damaged.green.single_values[place], &bits, 4);
+    std::memcpy(&damaged.green.single_values[index], &bits, 4);
     EXPECT_FALSE(check_green(damaged));
   }
   Model damaged = model;
@@ -179,7 +190,8 @@ TEST(SfemGreen, flipped_bits_are_caught) {
   EXPECT_FALSE(check_green(damaged));
 }
 
-TEST(SfemGreen, the_reaction_of_a_clamped_plate_is_that_of_an_independent_program) {
+// The reaction of a clamped plate matches that of an independent program.
+TEST(SfemGreen, PlateReactionMatchesIndependentProgram) {
   struct Row {
     int n, layers;
     double force;  // [N]
@@ -194,7 +206,8 @@ TEST(SfemGreen, the_reaction_of_a_clamped_plate_is_that_of_an_independent_progra
   }
 }
 
-TEST(SfemGreen, the_capacitance_matrix_gives_what_deleting_the_touched_rows_gives) {
+// The capacitance matrix gives the forces of a solve with deleted rows.
+TEST(SfemGreen, CapacitanceMatrixMatchesDeletedRows) {
   Model model = block_model({.precision = Precision::kDouble});
   ASSERT_TRUE(compute_green(Exec(1), model, kPlenty));
   const std::vector<int> touched(model.green.nodes.end() - 5, model.green.nodes.end());

@@ -21,11 +21,11 @@ MatrixXd compliance(const Patch& patch) {
 int point_at(const Patch& patch, Vec3d x) {
   for (std::size_t p = 0; p < patch.points.size(); p++)
     if (norm(patch.points[p].x - x) < 1e-9) return int(p);
-  ADD_FAILURE() << "no point there";
+  ADD_FAILURE() << "no point at this position";
   return 0;
 }
 
-/// The force that displaces the top centre of the plate by 3 mm downwards.
+/// The force that displaces the center of the plate's top by 3 mm downward.
 double plate_force(int refinement) {
   const Model model = densely_solved(clamped_plate(4, 1), {.precision = Precision::kDouble});
   const Patch patch = build_patch(model, std::vector<int>{5, 6, 9, 10}, refinement).value();
@@ -34,22 +34,23 @@ double plate_force(int refinement) {
   return c.ldlt().solve(Eigen::Vector3d(0, 0, -0.003)).z();
 }
 
-TEST(SfemPatch, the_papers_plate_answers_as_the_independent_program_says) {
+// The force on the paper's plate matches that of an independent program for every refinement.
+TEST(SfemPatch, PlateForceMatchesIndependentProgram) {
   EXPECT_NEAR(plate_force(1) / -1.04722, 1, 1e-5);
   EXPECT_NEAR(plate_force(2) / -0.729968, 1, 1e-5);
   EXPECT_NEAR(plate_force(3) / -0.599702, 1, 1e-5);
   EXPECT_NEAR(plate_force(4) / -0.522144, 1, 1e-5);
 }
 
-/// The same body as one mesh: coarse elements outside the patch, fine ones inside, and fine nodes on the
-/// border tied to the coarse edges. No Green's function, no condensation.
+/// Reference: the same body as one mesh with coarse elements outside of the patch and fine ones inside. Fine
+/// nodes on the border are tied to the coarse edges. It uses neither Green's functions nor condensation.
 struct TiedMesh {
   FineMesh fine;
-  std::vector<int> own;  // unknown of each fine node beyond the coarse ones, -1 = none
+  std::vector<int> own;  // unknown of each fine node beyond the coarse ones; -1 = none
   MatrixXd stiffness;
   Eigen::Index coarse = 0;
 
-  /// Rows: the displacement of a fine node from the unknowns.
+  /// Rows: displacement of a fine node as a function of the unknowns.
   MatrixXd motion(const Model& model, int node) const {
     MatrixXd n = MatrixXd::Zero(3, stiffness.rows());
     const FineNode& f = fine.nodes[std::size_t(node)];
@@ -61,11 +62,11 @@ struct TiedMesh {
   }
 };
 
-SolidMesh without(const SolidMesh& mesh, const std::vector<int>& left_out) {
+SolidMesh without(const SolidMesh& mesh, const std::vector<int>& removed) {
   SolidMesh rest = mesh;
   rest.elements.clear();
   for (std::size_t e = 0; e < element_count(mesh); e++)
-    if (!std::binary_search(left_out.begin(), left_out.end(), int(e)))
+    if (!std::binary_search(removed.begin(), removed.end(), int(e)))
       for (const int v : element(mesh, e)) rest.elements.push_back(v);
   return rest;
 }
@@ -108,7 +109,7 @@ TiedMesh tied_mesh(const Model& model, const std::vector<int>& elements, int ref
 }
 
 struct PatchCase {
-  const char* what;
+  const char* name;
   int corners;
   Formulation formulation;
   bool nodule;
@@ -141,12 +142,14 @@ constexpr PatchCase kPatchCases[] = {{"tetrahedra", 4, Formulation::kStandard, f
                                      {"quadratic tetrahedra", 10, Formulation::kStandard, false},
                                      {"quadratic tetrahedra, nodule", 10, Formulation::kStandard, true}};
 
-TEST(SfemPatch, equals_one_mesh_whose_hanging_nodes_are_tied) {
+// The compliance of a patch equals that of one mesh with tied hanging nodes.
+TEST(SfemPatch, MatchesMeshWithTiedHangingNodes) {
   for (const PatchCase& c : kPatchCases)
     for (int r = 1; r <= 3; r++) {
-      // One part is the coarse body itself: no finer nodule, no averaging apart from what is around.
+      // r = 1 is the coarse body itself: it does not refine a nodule, and its averaging is not separate from
+      // its neighbors.
       if (r == 1 && (c.nodule || c.formulation == Formulation::kAveraged)) continue;
-      if (r == 3 && c.corners == 10) continue;  // a dense system of thousands
+      if (r == 3 && c.corners == 10) continue;  // a dense system with thousands of unknowns
       const Model model = case_model(c, Precision::kDouble);
       const std::vector<int> elements = upper_elements(model);
       const Patch patch = build_patch(model, elements, r).value();
@@ -158,11 +161,13 @@ TEST(SfemPatch, equals_one_mesh_whose_hanging_nodes_are_tied) {
             motion.middleRows<3>(3 * Eigen::Index(p)) = tied.motion(model, int(f));
       const MatrixXd expected = motion * tied.stiffness.ldlt().solve(motion.transpose());
       const double error = (compliance(patch) - expected).norm() / expected.norm();
-      EXPECT_LT(error, 1e-10) << c.what << ", " << r << " parts, " << patch.local_nodes << " local nodes";
+      EXPECT_LT(error, 1e-10) << c.name << ", " << r << " subdivisions, " << patch.local_nodes
+                              << " local nodes";
     }
 }
 
-TEST(SfemPatch, the_rest_of_the_body_feels_the_same_force) {
+// The equivalent coarse forces displace the rest of the body as the tied mesh does.
+TEST(SfemPatch, CoarseForcesMoveBodyAlike) {
   for (const PatchCase& c : kPatchCases) {
     const Model model = case_model(c, Precision::kDouble);
     const std::vector<int> elements = upper_elements(model);
@@ -185,7 +190,7 @@ TEST(SfemPatch, the_rest_of_the_body_feels_the_same_force) {
         on_body[3 * model.free_node[std::size_t(patch.coarse[i])] + axis] +=
             equivalent[3 * i + std::size_t(axis)];
     const VectorXd moved = dense(model.stiffness).ldlt().solve(on_body);
-    EXPECT_LT((moved - expected).norm() / expected.norm(), 1e-10) << c.what;
+    EXPECT_LT((moved - expected).norm() / expected.norm(), 1e-10) << c.name;
 
     std::vector<float> surface(3 * model.green.surface_count);
     surface_displacements(Exec(2), model, patch.coarse, equivalent, surface);
@@ -195,11 +200,12 @@ TEST(SfemPatch, the_rest_of_the_body_feels_the_same_force) {
         const int row = 3 * model.free_node[std::size_t(model.green.nodes[i])] + axis;
         largest = std::max(largest, std::abs(double(surface[3 * i + std::size_t(axis)]) - expected[row]));
       }
-    EXPECT_LT(largest / expected.lpNorm<Eigen::Infinity>(), 1e-6) << c.what;
+    EXPECT_LT(largest / expected.lpNorm<Eigen::Infinity>(), 1e-6) << c.name;
   }
 }
 
-TEST(SfemPatch, prescribed_displacements_equal_deleted_rows) {
+// Prescribed displacements give the forces of a solve with deleted rows.
+TEST(SfemPatch, PrescribedDisplacementsMatchDeletedRows) {
   const Model model = case_model(kPatchCases[1], Precision::kDouble);
   const std::vector<int> elements = upper_elements(model);
   const Patch patch = build_patch(model, elements, 2).value();
@@ -240,22 +246,24 @@ TEST(SfemPatch, prescribed_displacements_equal_deleted_rows) {
   EXPECT_LT((force - expected).norm() / expected.norm(), 1e-10);
 }
 
-TEST(SfemPatch, single_precision_is_right_to_four_digits) {
+// The compliance in single precision is correct to four digits and positive semidefinite up to rounding.
+TEST(SfemPatch, SinglePrecisionHasFourDigits) {
   for (const PatchCase& c : kPatchCases) {
-    const int parts = c.corners == 10 ? 2 : 3;
+    const int subdivisions = c.corners == 10 ? 2 : 3;
     const std::vector<int> elements = upper_elements(case_model(c, Precision::kDouble));
     const MatrixXd exact =
-        compliance(build_patch(case_model(c, Precision::kDouble), elements, parts).value());
+        compliance(build_patch(case_model(c, Precision::kDouble), elements, subdivisions).value());
     const MatrixXd single =
-        compliance(build_patch(case_model(c, Precision::kSingle), elements, parts).value());
-    EXPECT_LT((single - exact).norm() / exact.norm(), 1e-4) << c.what;
-    // Points of the border hang on others, so zero is an eigenvalue; nothing may be negative beyond rounding.
+        compliance(build_patch(case_model(c, Precision::kSingle), elements, subdivisions).value());
+    EXPECT_LT((single - exact).norm() / exact.norm(), 1e-4) << c.name;
+    // Border points depend on others, so zero is an eigenvalue; none may be negative beyond rounding.
     const VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<MatrixXd>(single).eigenvalues();
-    EXPECT_GT(eigenvalues.minCoeff(), -1e-6 * eigenvalues.maxCoeff()) << c.what;
+    EXPECT_GT(eigenvalues.minCoeff(), -1e-6 * eigenvalues.maxCoeff()) << c.name;
   }
 }
 
-TEST(SfemPatch, a_touch_finds_the_elements_around_it_and_only_its_own_side) {
+// A touch selects the elements around it, and only the points of its side.
+TEST(SfemPatch, TouchSelectsElementsAndSide) {
   const Model model = densely_solved(clamped_plate(4, 1), {.touch_depth = 0.1});
   const Vec3d top{0.05, 0.05, 0.01};
   const std::vector<int> elements = patch_elements(model, std::vector<Vec3d>{top}, 0.02);
@@ -266,7 +274,7 @@ TEST(SfemPatch, a_touch_finds_the_elements_around_it_and_only_its_own_side) {
   for (const PatchPoint& p : patch.points) EXPECT_NEAR(p.x.z, 0.01, 1e-12);
   const Patch both = build_patch(model, elements, 3).value();
   EXPECT_EQ(both.points.size(), 98u);
-  // The top answers the same whether the bottom is asked for or not.
+  // The compliance of the top does not depend on whether the bottom is included.
   const auto at = [&](const Patch& p) -> Eigen::Matrix3d {
     const int point = point_at(p, top);
     return compliance(p).block(3 * point, 3 * point, 3, 3);

@@ -30,7 +30,8 @@ std::vector<int> all_elements(const Model& model) {
   return all;
 }
 
-TEST(SfemRefinement, parts_fill_their_elements_and_are_the_right_way_round) {
+// Subelements fill their elements and have positive orientation.
+TEST(SfemRefinement, SubelementsFillElements) {
   for (const int corners : kKinds) {
     const Model model = block_model(corners);
     for (int r = 1; r <= 4; r++) {
@@ -43,15 +44,16 @@ TEST(SfemRefinement, parts_fill_their_elements_and_are_the_right_way_round) {
   }
 }
 
-TEST(SfemRefinement, neighbors_agree_on_their_common_face) {
+// Neighbors agree on their common face.
+TEST(SfemRefinement, NeighborsShareFaces) {
   for (const int corners : kKinds) {
     const Model model = block_model(corners);
     for (int r = 2; r <= 4; r++) {
       const FineMesh fine = refine(model, all_elements(model), r);
       const SolidMesh mesh = solid(fine, model.body.mesh.corners);
-      const int nodes = (corners == 10 ? 4 : 2) * r;  // on a side, less one
+      const int nodes = (corners == 10 ? 4 : 2) * r;  // nodes per side, minus one
       EXPECT_EQ(mesh.vertices.size(), std::size_t((nodes + 1) * (nodes + 1) * (nodes + 1)));
-      // A hole in the middle would be surface too.
+      // A hole in the interior would be surface too.
       const std::size_t expected = std::size_t(6 * nodes * nodes * 2);
       EXPECT_EQ(surface(mesh).triangles.size(), expected);
       EXPECT_EQ(fine.outer.size(), expected);
@@ -59,10 +61,11 @@ TEST(SfemRefinement, neighbors_agree_on_their_common_face) {
   }
 }
 
-TEST(SfemRefinement, a_fine_node_lies_where_its_weights_put_it) {
+// The weights of a fine node give its position.
+TEST(SfemRefinement, WeightsGiveNodePositions) {
   for (const int corners : kKinds) {
     Model model = block_model(corners);
-    for (int& row : model.free_node) row = 0;  // so that no support is left out
+    for (int& row : model.free_node) row = 0;  // so that no support is omitted
     for (const FineNode& node : refine(model, std::vector<int>{0, 1, 2}, 3).nodes) {
       Vec3d x;
       for (std::size_t s = 0; s < std::size_t(node.supports); s++)
@@ -72,7 +75,8 @@ TEST(SfemRefinement, a_fine_node_lies_where_its_weights_put_it) {
   }
 }
 
-TEST(SfemRefinement, a_node_has_the_same_key_in_every_patch) {
+// A fine node has the same key in every patch.
+TEST(SfemRefinement, NodeKeysAreUnique) {
   for (const int corners : {4, 10}) {
     const Model model = block_model(corners);
     std::map<std::uint64_t, Vec3d> all;
@@ -85,7 +89,8 @@ TEST(SfemRefinement, a_node_has_the_same_key_in_every_patch) {
   }
 }
 
-TEST(SfemRefinement, the_border_is_where_the_patch_ends_inside_the_body) {
+// Border nodes lie where the patch ends inside the body.
+TEST(SfemRefinement, BorderIsInsideBody) {
   const Model model = densely_solved(clamped_plate(4, 1), {});
   const FineMesh fine = refine(model, std::vector<int>{5, 6, 9, 10}, 2);
   int border = 0, own = 0, vertices = 0;
@@ -97,10 +102,11 @@ TEST(SfemRefinement, the_border_is_where_the_patch_ends_inside_the_body) {
   }
   EXPECT_EQ(fine.nodes.size(), 75u);
   EXPECT_EQ(vertices, 18);
-  EXPECT_EQ(own, 25);  // as the paper counts them
+  EXPECT_EQ(own, 25);  // the paper's count
 }
 
-TEST(SfemRefinement, outer_faces_that_are_held_stay_held) {
+// Nodes on fixed outer faces are fixed.
+TEST(SfemRefinement, FixedFacesStayFixed) {
   for (const int corners : {4, 10}) {
     const Model model = block_model(corners);
     for (const FineNode& node : refine(model, all_elements(model), 3).nodes)

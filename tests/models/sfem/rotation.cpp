@@ -21,7 +21,7 @@ Model beam(Case kind, double poisson = 0.3) {
   return model;
 }
 
-/// A force shared by the vertices at a beam's end.
+/// A force distributed over the vertices at a beam's end.
 std::vector<Vec3d> end_force(const SolidMesh& mesh, Vec3d total) {
   std::vector<Vec3d> forces(mesh.vertices.size());
   for (std::size_t v = 0; v < forces.size(); v++)
@@ -41,7 +41,8 @@ Eigen::Matrix3d matrix(const Mat3d& m) {
   return result;
 }
 
-TEST(SfemRotation, the_nearest_rotation_is_that_of_the_polar_decomposition) {
+// The nearest rotation is that of the polar decomposition.
+TEST(SfemRotation, NearestRotationIsPolar) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> entry(-1, 1);
   for (int i = 0; i < 200; i++) {
@@ -50,18 +51,19 @@ TEST(SfemRotation, the_nearest_rotation_is_that_of_the_polar_decomposition) {
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix(f), Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
     flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-    // Two equal smallest stretches of a matrix inside out leave the rotation open.
+    // For an inverted matrix with two equal smallest stretches, the rotation is not unique.
     if (flip(2, 2) < 0 && svd.singularValues()[1] < 1.5 * svd.singularValues()[2]) continue;
     const Eigen::Matrix3d expected = svd.matrixU() * flip * svd.matrixV().transpose();
     EXPECT_LT((matrix(nearest_rotation(f, {})) - expected).norm(), 1e-6) << i;
   }
 }
 
-TEST(SfemRotation, elements_that_only_turn_exert_no_force) {
+// Elements that only rotate have no force.
+TEST(SfemRotation, RotatedElementsHaveNoForce) {
   for (const Case kind : kCases) {
     const Model model = beam(kind);
     const Corotation corotation = make_corotation(Exec(1), model);
-    // The whole beam, with its clamp, would turn; so only the regions away from the clamp are looked at.
+    // The clamp would have to rotate too, so only regions away from the clamp are compared.
     const double angle = 2;
     RotationState state = make_rotation_state(model);
     for (std::size_t row = 0; row < model.vertex.size(); row++) {
@@ -79,7 +81,8 @@ TEST(SfemRotation, elements_that_only_turn_exert_no_force) {
   }
 }
 
-TEST(SfemRotation, small_displacements_meet_the_linear_forces) {
+// Small displacements have the forces of the linear model.
+TEST(SfemRotation, SmallDisplacementsAreLinear) {
   for (const Case kind : kLinear) {
     const Model model = beam(kind);
     const Corotation corotation = make_corotation(Exec(1), model);
@@ -97,8 +100,8 @@ TEST(SfemRotation, small_displacements_meet_the_linear_forces) {
   }
 }
 
-/// An independent way to the same equilibrium: Newton's method with dense matrices and the rotations of
-/// singular values, the force in small steps.
+/// Reference equilibrium: Newton's method with dense matrices and rotations from singular values, with the
+/// force applied in small steps.
 std::vector<Vec3d> newton_solution(const Model& model, const std::vector<Vec3d>& forces, int load_steps) {
   const SolidMesh& mesh = model.body.mesh;
   const auto corners = Eigen::Index(mesh.corners), n = Eigen::Index(mesh.vertices.size());
@@ -120,8 +123,8 @@ std::vector<Vec3d> newton_solution(const Model& model, const std::vector<Vec3d>&
           rest.col(c) << x.x, x.y, x.z;
           moved.col(c) << y.x, y.y, y.z;
         }
-        // The best linear map from rest to moved corners: exact for tetrahedra and, of the boxes used here,
-        // the map at the centre for hexahedra.
+        // Best linear map from rest to moved corners: exact for tetrahedra and, for the boxes of these tests,
+        // the map at the center of hexahedra.
         const Eigen::MatrixXd a = rest.colwise() - rest.rowwise().mean(),
                               b = moved.colwise() - moved.rowwise().mean();
         const Eigen::Matrix3d f = b * a.transpose() * (a * a.transpose()).inverse();
@@ -130,15 +133,15 @@ std::vector<Vec3d> newton_solution(const Model& model, const std::vector<Vec3d>&
         const Eigen::MatrixXd local = r.transpose() * moved - rest;
         const Eigen::Index size = 3 * corners;
         const Eigen::Map<const Eigen::MatrixXd> k(&matrices[e * std::size_t(size * size)], size, size);
-        Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(size, size);
-        for (Eigen::Index c = 0; c < corners; c++) turn.block<3, 3>(3 * c, 3 * c) = r;
-        const Eigen::MatrixXd turned = turn * k * turn.transpose();
-        const Eigen::VectorXd force = turn * (k * local.reshaped());
+        Eigen::MatrixXd rotation = Eigen::MatrixXd::Zero(size, size);
+        for (Eigen::Index c = 0; c < corners; c++) rotation.block<3, 3>(3 * c, 3 * c) = r;
+        const Eigen::MatrixXd rotated = rotation * k * rotation.transpose();
+        const Eigen::VectorXd force = rotation * (k * local.reshaped());
         for (Eigen::Index p = 0; p < size; p++) {
           const Eigen::Index row = 3 * vertices[std::size_t(p / 3)] + p % 3;
           missing[row] -= force[p];
           for (Eigen::Index q = 0; q < size; q++)
-            tangent(row, 3 * vertices[std::size_t(q / 3)] + q % 3) += turned(p, q);
+            tangent(row, 3 * vertices[std::size_t(q / 3)] + q % 3) += rotated(p, q);
         }
       }
       std::vector<Eigen::Index> free;
@@ -152,7 +155,8 @@ std::vector<Vec3d> newton_solution(const Model& model, const std::vector<Vec3d>&
   return u;
 }
 
-TEST(SfemRotation, a_beam_bent_far_is_that_of_an_independent_newton_solution) {
+// A strongly bent beam matches an independent Newton solution.
+TEST(SfemRotation, BentBeamMatchesNewtonSolution) {
   for (const Case kind :
        {Case{4, Formulation::kStandard}, Case{8, Formulation::kStandard}, Case{8, Formulation::kAveraged}}) {
     const Model model = beam(kind);
@@ -173,7 +177,8 @@ TEST(SfemRotation, a_beam_bent_far_is_that_of_an_independent_newton_solution) {
   }
 }
 
-TEST(SfemRotation, regions_bend_a_beam_as_single_elements_do) {
+// Rotations by regions bend a beam as rotations by elements, within 3 %.
+TEST(SfemRotation, RegionsMatchSingleElements) {
   for (const Case kind : kLinear) {
     const Model model = beam(kind);
     const std::vector<Vec3d> forces = end_force(model.body.mesh, {0, 0, -0.2});
@@ -196,7 +201,8 @@ TEST(SfemRotation, regions_bend_a_beam_as_single_elements_do) {
   }
 }
 
-TEST(SfemRotation, a_beam_swells_when_bent_linearly_but_not_when_its_elements_turn) {
+// A bent beam swells in the linear model and keeps its volume with corotation.
+TEST(SfemRotation, CorotationKeepsVolumeOfBentBeam) {
   for (const Case kind : kLinear) {
     const Model model = beam(kind);
     const Corotation corotation = make_corotation(Exec(1), model);
@@ -213,7 +219,8 @@ TEST(SfemRotation, a_beam_swells_when_bent_linearly_but_not_when_its_elements_tu
   }
 }
 
-TEST(SfemRotation, short_calls_go_on_where_the_last_one_stopped) {
+// Calls with few solves continue from the last state until convergence.
+TEST(SfemRotation, ShortCallsContinue) {
   const Model model = beam(kCases[0]);
   const Corotation corotation = make_corotation(Exec(1), model);
   const std::vector<Vec3d> forces = end_force(model.body.mesh, {0, 0, -0.3});
@@ -231,10 +238,12 @@ TEST(SfemRotation, short_calls_go_on_where_the_last_one_stopped) {
   EXPECT_EQ(again.solves, 2);
 }
 
-TEST(SfemRotation, what_does_not_settle_is_said_and_stays_finite) {
+// A failure to converge is reported, and the state stays finite.
+TEST(SfemRotation, ReportsNonConvergence) {
   const Model model = beam(kCases[3]);
   const Corotation corotation = make_corotation(Exec(1), model);
-  const std::vector<Vec3d> forces = end_force(model.body.mesh, {-50, 0, -20});  // squeezed to nothing
+  const std::vector<Vec3d> forces =
+      end_force(model.body.mesh, {-50, 0, -20});  // compressed to nearly zero length
   RotationState state = make_rotation_state(model);
   const RotationReport report =
       correct_rotations(Exec(1), model, corotation, forces, {.most_solves = 200}, state);
@@ -244,7 +253,8 @@ TEST(SfemRotation, what_does_not_settle_is_said_and_stays_finite) {
   for (const Vec3d u : state.displacement) EXPECT_TRUE(std::isfinite(norm(u)));
 }
 
-TEST(SfemRotation, without_forces_a_body_goes_back_to_rest_from_wherever_it_was) {
+// Without forces, a body returns to rest from any state.
+TEST(SfemRotation, ReturnsToRestWithoutForces) {
   const Model model = beam(kCases[3]);
   const Corotation corotation = make_corotation(Exec(1), model);
   RotationState state = make_rotation_state(model);
@@ -256,7 +266,8 @@ TEST(SfemRotation, without_forces_a_body_goes_back_to_rest_from_wherever_it_was)
   EXPECT_EQ(state.free, none);
 }
 
-TEST(SfemRotation, without_forces_nothing_moves) {
+// Without forces, nothing moves.
+TEST(SfemRotation, ZeroForcesGiveZeroDisplacement) {
   const Model model = beam(kCases[0]);
   RotationState state = make_rotation_state(model);
   const RotationReport report =
@@ -266,7 +277,8 @@ TEST(SfemRotation, without_forces_nothing_moves) {
   for (const Vec3d u : state.free) EXPECT_EQ(u, Vec3d());
 }
 
-TEST(SfemRotation, the_correction_has_the_same_bits_on_any_number_of_threads) {
+// One, two and eight threads give the same bits.
+TEST(SfemRotation, EqualBitsOnAnyThreads) {
   const Model model = beam(kCases[1]);
   const Corotation corotation = make_corotation(Exec(1), model);
   const std::vector<Vec3d> forces = end_force(model.body.mesh, {0, 0.05, -0.1});
@@ -279,7 +291,8 @@ TEST(SfemRotation, the_correction_has_the_same_bits_on_any_number_of_threads) {
   }
 }
 
-TEST(SfemRotation, a_pressed_block_settles_in_few_solves) {
+// A pressed block converges within 12 solves.
+TEST(SfemRotation, PressedBlockConvergesInFewSolves) {
   SolidMesh mesh = tetrahedralize(hex_block({0.1, 0.1, 0.1}, {10, 10, 10}));
   Model model =
       build(Exec(1), block_of(std::move(mesh), {3e3, 0.45}, [](Vec3d x) { return x.z < 1e-9; }), {}).value();

@@ -1,4 +1,4 @@
-// Bodies whose answers are known from elsewhere: Hooke's law, Timoshenko's beam, Cook's panel.
+// Bodies with known solutions: Hooke's law, Timoshenko's beam, Cook's panel.
 #include <Eigen/Dense>
 
 #include <gtest/gtest.h>
@@ -9,12 +9,13 @@
 namespace turgor::sfem {
 namespace {
 
-/// Nodal forces of a traction of `total` [N] spread evenly over the surface where `is_loaded`.
+/// Nodal forces of a traction of `total` [N], distributed evenly over the surface where `is_loaded`.
 std::vector<Vec3d> traction(const SolidMesh& mesh, const SolidSurface& surface, Vec3d total,
                             const std::function<bool(Vec3d)>& is_loaded) {
   std::vector<Vec3d> force(mesh.vertices.size());
   double sum = 0;
-  // Triangles that are one face; of a quadratic one the last lies between the middles, which bear all.
+  // Number of triangles per face. In a quadratic face, the last triangle joins the midpoint nodes, which
+  // carry the load.
   const std::size_t together = mesh.corners == 8 ? 2 : mesh.corners == 10 ? 4 : 1;
   for (std::size_t n = 0; n < surface.triangles.size(); n += together) {
     const Int3 t = surface.triangles[n + (together == 4 ? 3 : 0)];
@@ -47,7 +48,8 @@ double deflection(const Body& body, Formulation formulation, Vec3d total,
   return work / norm(total);
 }
 
-TEST(SfemValidation, a_cube_on_rollers_under_tension_follows_hooke_s_law) {
+// A cube on rollers under tension follows Hooke's law.
+TEST(SfemValidation, CubeOnRollersFollowsHooke) {
   constexpr double kYoung = 2e4, kPoisson = 0.4, kStress = 100;
   for (const auto [corners, formulation] : kCases) {
     SolidMesh mesh = hex_block({0.1, 0.1, 0.1}, {3, 3, 3});
@@ -79,8 +81,8 @@ TEST(SfemValidation, a_cube_on_rollers_under_tension_follows_hooke_s_law) {
   }
 }
 
-/// What a cantilever of n × n × 10 n hexahedra bends under a force at its end, in parts of Timoshenko's beam,
-/// less 1.
+/// Deflection of a cantilever of n × n × 10 n hexahedra under an end force, relative to Timoshenko's beam,
+/// minus 1.
 double beam_error(int n, double poisson, Formulation formulation) {
   constexpr double kLength = 0.1, kSide = 0.01, kYoung = 1e6, kForce = 1e-3;
   const double inertia = std::pow(kSide, 4) / 12, shear = kYoung / (2 * (1 + poisson));
@@ -94,7 +96,8 @@ double beam_error(int n, double poisson, Formulation formulation) {
   return found / expected - 1;
 }
 
-TEST(SfemValidation, a_cantilever_converges_to_timoshenko_s_beam_with_the_second_power_of_the_step) {
+// A cantilever converges to Timoshenko's beam with the second power of the element size.
+TEST(SfemValidation, CantileverConvergesQuadratically) {
   for (const Formulation formulation : {Formulation::kStandard, Formulation::kAveraged}) {
     const double middle = beam_error(4, 0, formulation), fine = beam_error(8, 0, formulation);
     EXPECT_NEAR(middle / fine, 4, 0.3) << middle << " " << fine;
@@ -102,12 +105,13 @@ TEST(SfemValidation, a_cantilever_converges_to_timoshenko_s_beam_with_the_second
   }
 }
 
-TEST(SfemValidation, a_cantilever_whose_clamp_hinders_its_section_is_within_a_percent_of_timoshenko_s_beam) {
+// A cantilever whose clamp constrains its section is within 1 % of Timoshenko's beam.
+TEST(SfemValidation, ClampedCantileverWithinOnePercent) {
   EXPECT_NEAR(beam_error(8, 0.3, Formulation::kAveraged), 0, 0.01);
 }
 
-/// Cook's panel: 48 mm long, 44 mm high at the left and 16 at the right, 10 mm thick, clamped at the left and
-/// sheared at the right by 1 N. Its deflection there [m].
+/// Deflection of Cook's panel at its right end [m]: 48 mm long, 44 mm high at the left and 16 mm at the
+/// right, 10 mm thick, clamped at the left, with a shear force of 1 N at the right.
 double cook(int n, int corners, double poisson, Formulation formulation) {
   SolidMesh mesh = hex_block({0.048, 1, 0.01}, {n, n, n / 4});
   for (Vec3d& x : mesh.vertices) {
@@ -119,23 +123,25 @@ double cook(int n, int corners, double poisson, Formulation formulation) {
   return deflection(panel, formulation, {0, 1, 0}, [](Vec3d x) { return x.x > 0.048 - 1e-9; });
 }
 
-TEST(SfemValidation, averaged_elements_do_not_lock_when_nearly_incompressible_but_standard_ones_do) {
-  // What elements of a kind lose of Cook's deflection when ν goes from 0.3 to 0.49 or 0.499. The body itself
-  // hardly loses anything: B-bar hexahedra extrapolated give 23.86, 23.86 and 23.85 mm.
-  const auto kept = [](int corners, double poisson, Formulation formulation) {
+// Averaged elements do not lock near incompressibility, standard ones do.
+TEST(SfemValidation, AveragedElementsDoNotLock) {
+  // Fraction of Cook's deflection that remains when ν changes from 0.3 to 0.49 or 0.499. The exact deflection
+  // hardly changes: extrapolated B-bar hexahedra give 23.86, 23.86 and 23.85 mm.
+  const auto remaining = [](int corners, double poisson, Formulation formulation) {
     return cook(8, corners, poisson, formulation) / cook(8, corners, 0.3, formulation);
   };
-  EXPECT_LT(kept(8, 0.49, Formulation::kStandard), 0.70);
-  EXPECT_LT(kept(8, 0.499, Formulation::kStandard), 0.45);
-  EXPECT_LT(kept(4, 0.49, Formulation::kStandard), 0.55);
-  EXPECT_LT(kept(4, 0.499, Formulation::kStandard), 0.40);
-  EXPECT_GT(kept(8, 0.49, Formulation::kAveraged), 0.98);
-  EXPECT_GT(kept(8, 0.499, Formulation::kAveraged), 0.98);
-  EXPECT_GT(kept(4, 0.49, Formulation::kAveraged), 0.93);
-  EXPECT_GT(kept(4, 0.499, Formulation::kAveraged), 0.90);
+  EXPECT_LT(remaining(8, 0.49, Formulation::kStandard), 0.70);
+  EXPECT_LT(remaining(8, 0.499, Formulation::kStandard), 0.45);
+  EXPECT_LT(remaining(4, 0.49, Formulation::kStandard), 0.55);
+  EXPECT_LT(remaining(4, 0.499, Formulation::kStandard), 0.40);
+  EXPECT_GT(remaining(8, 0.49, Formulation::kAveraged), 0.98);
+  EXPECT_GT(remaining(8, 0.499, Formulation::kAveraged), 0.98);
+  EXPECT_GT(remaining(4, 0.49, Formulation::kAveraged), 0.93);
+  EXPECT_GT(remaining(4, 0.499, Formulation::kAveraged), 0.90);
 }
 
-TEST(SfemValidation, both_averaged_kinds_converge_to_the_same_deflection_at_a_ratio_of_0_49) {
+// Averaged hexahedra and tetrahedra converge to the same deflection at ν = 0.49.
+TEST(SfemValidation, AveragedElementsConvergeAlike) {
   const double reference = 0.02386;  // [m], B-bar hexahedra extrapolated
   const auto error = [&](int n, int corners) {
     return std::abs(cook(n, corners, 0.49, Formulation::kAveraged) / reference - 1);
@@ -146,9 +152,10 @@ TEST(SfemValidation, both_averaged_kinds_converge_to_the_same_deflection_at_a_ra
   EXPECT_LT(error(16, 4), 0.45 * error(8, 4));
 }
 
-TEST(SfemValidation,
-     quadratic_tetrahedra_lose_little_near_incompressibility_where_averaged_ones_lose_a_fifth) {
-  // The same 8 × 8 × 2 cells; 23.86 mm is what B-bar hexahedra extrapolate to at every ratio.
+// Near incompressibility, quadratic tetrahedra lose little deflection; averaged linear ones lose more than 15
+// %.
+TEST(SfemValidation, QuadraticTetrahedraHardlyLock) {
+  // The same 8 × 8 × 2 cells; 23.86 mm is the extrapolation of B-bar hexahedra for every ratio.
   for (const auto& [poisson, lost] : {std::pair{0.3, 0.01}, {0.45, 0.02}, {0.49, 0.04}, {0.499, 0.06}}) {
     const double found = cook(8, 10, poisson, Formulation::kStandard);
     std::printf("quadratic, %.3f: %.2f mm\n", poisson, 1e3 * found);
@@ -158,7 +165,8 @@ TEST(SfemValidation,
   }
 }
 
-TEST(SfemValidation, a_quadratic_cantilever_of_one_cell_across_is_within_a_percent_of_timoshenko_s_beam) {
+// A quadratic cantilever with one cell across is within 1 % of Timoshenko's beam.
+TEST(SfemValidation, QuadraticCantileverWithinOnePercent) {
   constexpr double kLength = 0.1, kSide = 0.01, kYoung = 1e6, kForce = 1e-3;
   const SolidMesh mesh = with_corners(hex_block({kLength, kSide, kSide}, {10, 1, 1}), 10);
   const Body beam = block_of(mesh, {kYoung, 0}, [](Vec3d x) { return x.x < 1e-9; });
@@ -170,7 +178,8 @@ TEST(SfemValidation, a_quadratic_cantilever_of_one_cell_across_is_within_a_perce
   EXPECT_NEAR(found / expected, 1, 0.01);
 }
 
-TEST(SfemValidation, the_middle_of_an_edge_is_held_where_both_of_its_ends_are) {
+// The midpoint node of an edge is fixed if both ends are fixed.
+TEST(SfemValidation, MidpointIsFixedBetweenFixedEnds) {
   const Body body = with_middles(
       block_of(tetrahedralize(hex_block({1, 1, 1}, {2, 2, 2})), {}, [](Vec3d x) { return x.z < 1e-9; }));
   ASSERT_EQ(body.fixed.size(), 125u);

@@ -1,4 +1,4 @@
-// Bodies from files of other programs: whichever way is up in them, and as these programs write them.
+// Bodies from files of other programs, with any axis up.
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -26,14 +26,14 @@ Result<World> load(const fs::path& folder, const std::string& text) {
   return load_world(kExec, *scene);
 }
 
-/// As a file has it whose axis `up` points up: turned_up undoes it.
+/// Positions as a file with the axis `up` up stores them; turned_up inverts this.
 template <class T>
-std::vector<Vec<T>> lying(std::vector<Vec<T>> places, UpAxis up) {
-  for (Vec<T>& x : places) {
+std::vector<Vec<T>> rotated_to_up(std::vector<Vec<T>> positions, UpAxis up) {
+  for (Vec<T>& x : positions) {
     if (up == UpAxis::kX) x = {x.z, x.y, -x.x};
     if (up == UpAxis::kY) x = {x.x, x.z, -x.y};
   }
-  return places;
+  return positions;
 }
 
 struct Up {
@@ -44,14 +44,15 @@ const Up kUps[] = {{UpAxis::kX, "x"}, {UpAxis::kY, "y"}, {UpAxis::kZ, "z"}};
 
 const char* kSfem = "[body.b]\nmodel = \"sfem\"\ncache = false\npatch = false\nresolution = 0.03\n";
 
-TEST(BodyFiles, WhicheverAxisPointsUpInASurfaceTheBodyIsTheSame) {
+// Surfaces with x, y or z up yield the same body in every model.
+TEST(BodyFiles, SurfaceUpAxisIsApplied) {
   const fs::path folder = fresh_folder();
   const TriMesh liver = phantom_liver(0.3);
   std::vector<std::vector<Vec3d>> organs, chains;
   std::vector<std::vector<Vec3>> clothes;
   for (const Up& up : kUps) {
     TriMesh mesh = liver;
-    mesh.vertices = lying(liver.vertices, up.axis);
+    mesh.vertices = rotated_to_up(liver.vertices, up.axis);
     mesh.normals.clear();
     ASSERT_TRUE(write_obj(folder / "liver.obj", mesh));
     const std::string file = "\"liver.obj\"\nup = \"" + up.name + "\"\n";
@@ -65,7 +66,8 @@ TEST(BodyFiles, WhicheverAxisPointsUpInASurfaceTheBodyIsTheSame) {
     const cloth::Model& cloth = world->cloth_bodies[0].model;
     clothes.emplace_back();
     for (std::size_t v = 0; v < std::size_t(cloth.count); v++) clothes.back().push_back(cloth.x_rest[v]);
-    EXPECT_LT(world->sfem_bodies[0].seen->embedding.farthest_outside, 0.02) << "seen is turned with the body";
+    EXPECT_LT(world->sfem_bodies[0].seen->embedding.farthest_outside, 0.02)
+        << "the embedded surface has the same up axis";
   }
   for (const std::size_t other : {0, 1}) {
     EXPECT_EQ(organs[other], organs[2]);
@@ -74,12 +76,13 @@ TEST(BodyFiles, WhicheverAxisPointsUpInASurfaceTheBodyIsTheSame) {
   }
 }
 
-TEST(BodyFiles, WhicheverAxisPointsUpInASolidMeshTheBodyIsTheSame) {
+// Solid meshes with x, y or z up yield the same body.
+TEST(BodyFiles, SolidMeshUpAxisIsApplied) {
   const fs::path folder = fresh_folder();
   const SolidMesh block = hex_block({0.05, 0.03, 0.02}, {5, 3, 2});
   for (const Up& up : kUps) {
     SolidMesh mesh = block;
-    mesh.vertices = lying(block.vertices, up.axis);
+    mesh.vertices = rotated_to_up(block.vertices, up.axis);
     ASSERT_TRUE(write_msh(folder / "block.msh", mesh));
     const Result<World> world = load(
         folder, "[body.b]\nmodel = \"sfem\"\ncache = false\npatch = false\nmesh = \"block.msh\"\nup = \"" +
@@ -89,7 +92,8 @@ TEST(BodyFiles, WhicheverAxisPointsUpInASolidMeshTheBodyIsTheSame) {
   }
 }
 
-TEST(BodyFiles, AnUpThatIsNoAxisOrHasNoFileIsRefused) {
+// An up key without a file or with an unknown axis is refused.
+TEST(BodyFiles, RejectsInvalidUpAxis) {
   const auto message = [](const std::string& text) {
     const Result<Scene> scene = parse_scene(text, "s.toml");
     return scene ? "no error" : scene.error().message;
@@ -101,7 +105,8 @@ TEST(BodyFiles, AnUpThatIsNoAxisOrHasNoFileIsRefused) {
             std::string::npos);
 }
 
-TEST(BodyFiles, WhatMeshlabWritesRunsInAScene) {
+// OBJ and PLY files as MeshLab writes them run in a scene.
+TEST(BodyFiles, MeshLabFilesRunInScene) {
   const fs::path folder = fresh_folder();
   const TriMesh liver = phantom_liver(0.3);
   write(folder / "organ.obj", meshlab_obj(liver));

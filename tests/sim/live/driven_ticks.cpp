@@ -9,29 +9,29 @@
 namespace turgor {
 namespace {
 
-/// A world of every kind whose finger slides over the pad so far that its patch must follow; the others go
-/// where the scene has them.
-struct Led {
+/// A world of every model whose finger slides over the pad so far that its patch must follow; the other tools
+/// follow the scene.
+struct DrivenWorld {
   World world;
   std::vector<TouchingTool> paths;
-  LedTicks led;
-  std::vector<Vec3d> haptic;  // of every tool in every tick, in turn [N]
+  DrivenTicks driven;
+  std::vector<Vec3d> haptic;  // of every tool in every tick [N]
 
-  explicit Led(const Scene& scene, int threads = 2) : exec(threads) {
+  explicit DrivenWorld(const Scene& scene, int threads = 2) : exec(threads) {
     Result<World> made = load_world(exec, scene);
     EXPECT_TRUE(made) << made.error().message;
     world = std::move(*made);
     paths = world.tools;
-    led = begin_led(world);
+    driven = begin_driven(world);
   }
-  void extrapolate(int ticks) {
+  void advance(int ticks) {
     std::vector<contact::ToolReading> readings(world.tools.size());
     for (int n = 0; n < ticks; n++) {
-      const double time = time_of(led) + kTick;
+      const double time = time_of(driven) + kTick;
       std::vector<contact::ToolCommand> commands;
       for (const TouchingTool& tool : paths) commands.push_back(command_at(tool, time));
       if (slides) commands[0].pose.position = {0.012 + 0.15 * time, 0.03, 0.034};
-      const Status done = tick_led(exec, world, led, commands, readings);
+      const Status done = tick_driven(exec, world, driven, commands, readings);
       ASSERT_TRUE(done) << done.error().message;
       for (const contact::ToolReading& reading : readings) haptic.push_back(reading.force);
     }
@@ -42,38 +42,41 @@ struct Led {
   bool slides = true;
 };
 
-TEST(LedTicks, AToolThatIsLedAlongItsPathFeelsWhatItFeelsOnIt) {
+// A tool commanded along its path has the forces of the run with that path.
+TEST(DrivenTicks, CommandedToolMatchesPath) {
   const Scene scene = test::four_kinds_scene(test::fresh_folder());
-  Led led(scene);
-  led.slides = false;
-  led.extrapolate(150);
-  Led path(scene);
-  end_led(path.world);
+  DrivenWorld driven(scene);
+  driven.slides = false;
+  driven.advance(150);
+  DrivenWorld path(scene);
+  end_driven(path.world);
   for (int frame = 0; frame < 7; frame++) ASSERT_TRUE(step(path.exec, path.world));
-  const TouchLog &haptic = led.world.tools[1].samples, &expected = path.world.tools[1].samples;
+  const TouchLog &haptic = driven.world.tools[1].samples, &expected = path.world.tools[1].samples;
   double largest = 0;
-  for (std::size_t n = 0; n < 140; n++) {  // the ball is on the liver, whose ticks need nothing of the frames
+  for (std::size_t n = 0; n < 140; n++) {  // the ball is on the liver, whose ticks need no frames
     EXPECT_EQ(haptic[n].force, expected[n].force) << n;
     largest = std::max(largest, norm(expected[n].force));
   }
   EXPECT_GT(largest, 0.05);
-  const Vec3d finger = led.world.tools[0].samples[130].force, wanted = path.world.tools[0].samples[130].force;
+  const Vec3d finger = driven.world.tools[0].samples[130].force,
+              wanted = path.world.tools[0].samples[130].force;
   EXPECT_GT(norm(wanted), 0.01);
   EXPECT_LT(norm(finger - wanted), 0.05 * norm(wanted))
-      << finger.z << " " << wanted.z;  // cloth a frame later
-  EXPECT_EQ(led.world.frame, 7);
+      << finger.z << " " << wanted.z;  // cloth is one frame later
+  EXPECT_EQ(driven.world.frame, 7);
 }
 
-TEST(LedTicks, AreTheSameBitsOnAnyNumberOfThreads) {
+// Driven ticks have the same bits on 1 and 3 threads.
+TEST(DrivenTicks, EqualBitsOnAnyThreads) {
   const Scene scene = test::four_kinds_scene(test::fresh_folder());
-  Led one(scene, 1), three(scene, 3);
-  one.extrapolate(200), three.extrapolate(200);
+  DrivenWorld one(scene, 1), three(scene, 3);
+  one.advance(200), three.advance(200);
   EXPECT_EQ(one.hash(), three.hash());
   EXPECT_GT(one.world.sfem_bodies[0].rebuilds.size(), 0u) << "the patch did not follow";
 }
 
-/// A block, and a sheet that is held all around, each beside a ball on its left.
-World beside_tools(const std::filesystem::path& folder, const Exec& exec) {
+/// A block, and a sheet that is held on all sides, each with a ball to its left.
+World world_beside_tools(const std::filesystem::path& folder, const Exec& exec) {
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   const Result<Scene> scene = parse_scene(R"(
 [world]
@@ -87,7 +90,7 @@ fixed = "bone"
 model = "cloth"
 sheet = { corner = [0.2, 0, -0.05], side = [0, 0.1, 0], up = [0, 0, 0.1], columns = 12, rows = 12 }
 fabric = { law = "sheet" }
-solver = { method = "blocks" }
+solver = { method = "two_level" }
 hold.left = { box = [[-1, -1, -1], [1, 0.001, 1]] }
 hold.right = { box = [[-1, 0.099, -1], [1, 1, 1]] }
 [tool.ball]
@@ -105,102 +108,108 @@ path = [[0, 0.17, 0.05, 0]]
   EXPECT_TRUE(world) << world.error().message;
   return std::move(*world);
 }
-/// How far anything of either body has moved [m].
+/// Largest displacement of either body [m].
 double farthest(const World& world) {
   double farthest = 0;
   const lattice::State& block = world.lattice_bodies[0].state;
-  for (std::size_t s = 0; s < block.u.x.size(); s++) farthest = std::max(farthest, norm(Vec3d(block.u[s])));
+  for (std::size_t s = 0; s < block.motion.u.x.size(); s++)
+    farthest = std::max(farthest, norm(Vec3d(block.motion.u[s])));
   const cloth::Model& sheet = world.cloth_bodies[0].model;
   for (std::size_t v = 0; v < sheet.x_rest.size(); v++)
     farthest = std::max(farthest, norm(Vec3d(world.cloth_bodies[0].state->x[v]) - Vec3d(sheet.x_rest[v])));
   return farthest;
 }
 
-TEST(LedTicks, AToolThatIsPutElsewhereTakesNothingAlongOnItsWay) {
+// A teleported tool does not move the bodies between its two positions.
+TEST(DrivenTicks, TeleportedToolMovesNothing) {
   const Exec exec(2);
-  World world = beside_tools(test::fresh_folder(), exec);
-  LedTicks led = begin_led(world);
+  World world = world_beside_tools(test::fresh_folder(), exec);
+  DrivenTicks driven = begin_driven(world);
   std::vector<contact::ToolReading> readings(2);
   double haptic = 0;
   for (int tick = 0; tick < 200; tick++) {
-    std::vector<contact::ToolCommand> commands(2);  // to and fro, every 36 ms, through the middles of both
+    std::vector<contact::ToolCommand> commands(2);  // back and forth through the middles of both, every 36 ms
     const double side = tick / 36 % 2 == 0 ? -1 : 1;
     commands[0].pose.position = {0.09 * side, 0, 0};
     commands[1].pose.position = {0.2 + 0.03 * side, 0.05, 0};
-    ASSERT_TRUE(tick_led(exec, world, led, commands, readings));
+    ASSERT_TRUE(tick_driven(exec, world, driven, commands, readings));
     for (const contact::ToolReading& reading : readings) haptic = std::max(haptic, norm(reading.force));
   }
   EXPECT_EQ(haptic, 0);
-  EXPECT_LT(farthest(world), 1e-3) << "what the skin's tension does alone";
+  EXPECT_LT(farthest(world), 1e-3) << "m: displacement by the skin's tension only";
 }
 
-TEST(LedTicks, AToolThatRacesThroughABodyLeavesItWhole) {
+// A body recovers after a tool passes through it at up to 20 m/s.
+TEST(DrivenTicks, FastToolKeepsBodyIntact) {
   const Exec exec(2);
   for (const double speed : {1.0, 5.0, 20.0}) {  // [m/s]
-    World world = beside_tools(test::fresh_folder(), exec);
-    LedTicks led = begin_led(world);
+    World world = world_beside_tools(test::fresh_folder(), exec);
+    DrivenTicks driven = begin_driven(world);
     std::vector<contact::ToolReading> readings(2);
     double worst = 0;
     for (int tick = 0; tick < 2000; tick++) {
       std::vector<contact::ToolCommand> commands(2);
-      const double way = std::min(speed * kTick * tick, 0.2);
-      commands[0].pose.position = {-0.09 + way, 0, 0};
+      const double distance = std::min(speed * kTick * tick, 0.2);
+      commands[0].pose.position = {-0.09 + distance, 0, 0};
       commands[1].pose.position = {0.17, 0.05, 0};
-      ASSERT_TRUE(tick_led(exec, world, led, commands, readings));
+      ASSERT_TRUE(tick_driven(exec, world, driven, commands, readings));
       worst = std::max(worst, farthest(world));
     }
-    EXPECT_LT(worst, 0.24) << speed << " m/s: no farther than the ball, and its size";
-    EXPECT_LT(farthest(world), 4e-3) << speed << " m/s: half a step, two seconds later";
+    EXPECT_LT(worst, 0.24) << speed << " m/s: at most the ball's path and size";
+    EXPECT_LT(farthest(world), 4e-3) << speed << " m/s: half a cell, two seconds later";
   }
 }
 
-TEST(WorldState, ACopyGoesOnToTheSameBitsWhileAPatchIsBuilt) {
-  Led led(test::four_kinds_scene(test::fresh_folder()));
+// A copy of a world continues to the same bits, even while a patch is built.
+TEST(DrivenTicks, CopyDuringPatchBuildIsExact) {
+  DrivenWorld driven(test::four_kinds_scene(test::fresh_folder()));
   int building = 0;
   for (int n = 0; n < 20; n++) {
-    led.extrapolate(10);
-    if (!led.world.sfem_bodies[0].worker || !led.world.sfem_bodies[0].worker->is_busy()) continue;
+    driven.advance(10);
+    if (!driven.world.sfem_bodies[0].worker || !driven.world.sfem_bodies[0].worker->is_busy()) continue;
     building++;
-    Led copy = led;
-    copy.world = copy_of(led.world);
-    copy.extrapolate(45), led.extrapolate(45);
-    EXPECT_EQ(copy.hash(), led.hash());
-    EXPECT_EQ(copy.haptic, led.haptic);
+    DrivenWorld copy = driven;
+    copy.world = copy_of(driven.world);
+    copy.advance(45), driven.advance(45);
+    EXPECT_EQ(copy.hash(), driven.hash());
+    EXPECT_EQ(copy.haptic, driven.haptic);
     break;
   }
   EXPECT_EQ(building, 1);
 }
 
-TEST(WorldState, GoesBackToWhereItWas) {
-  Led led(test::four_kinds_scene(test::fresh_folder()));
-  led.extrapolate(85);
-  const WorldState state = state_of(led.world);
-  const LedTicks ticks = led.led;
-  const std::uint64_t before = led.hash();
-  led.haptic.clear();
-  led.extrapolate(75);
-  const std::uint64_t after = led.hash();
-  const std::vector<Vec3d> haptic = led.haptic;
+// A restored state repeats the same bits.
+TEST(DrivenTicks, RestoredStateRepeatsBits) {
+  DrivenWorld driven(test::four_kinds_scene(test::fresh_folder()));
+  driven.advance(85);
+  const WorldState state = state_of(driven.world);
+  const DrivenTicks ticks = driven.driven;
+  const std::uint64_t before = driven.hash();
+  driven.haptic.clear();
+  driven.advance(75);
+  const std::uint64_t after = driven.hash();
+  const std::vector<Vec3d> haptic = driven.haptic;
   EXPECT_NE(before, after);
   for (int time = 0; time < 2; time++) {
-    set_state(led.world, state);
-    led.led = ticks;
-    EXPECT_EQ(led.hash(), before);
-    led.haptic.clear();
-    led.extrapolate(75);
-    EXPECT_EQ(led.hash(), after);
-    EXPECT_EQ(led.haptic, haptic);
+    set_state(driven.world, state);
+    driven.driven = ticks;
+    EXPECT_EQ(driven.hash(), before);
+    driven.haptic.clear();
+    driven.advance(75);
+    EXPECT_EQ(driven.hash(), after);
+    EXPECT_EQ(driven.haptic, haptic);
   }
-  EXPECT_FALSE(led.world.lattice_bodies[0].state->cut_edges.empty());
+  EXPECT_FALSE(driven.world.lattice_bodies[0].state->cuts.edges.empty());
 }
 
-TEST(WorldState, HoldsNoModel) {
-  Led led(test::four_kinds_scene(test::fresh_folder()));
-  const WorldState state = state_of(led.world);
+// The state of a world does not hold its models.
+TEST(DrivenTicks, StateHoldsNoModel) {
+  DrivenWorld driven(test::four_kinds_scene(test::fresh_folder()));
+  const WorldState state = state_of(driven.world);
   EXPECT_TRUE(state.world.sfem_bodies[0].model.body.mesh.vertices.empty());
   EXPECT_TRUE(state.world.lattice_bodies[0].ct.samples.empty());
-  EXPECT_FALSE(led.world.lattice_bodies[0].ct.samples.empty());
-  EXPECT_FALSE(led.world.sfem_bodies[0].model.body.mesh.vertices.empty());
+  EXPECT_FALSE(driven.world.lattice_bodies[0].ct.samples.empty());
+  EXPECT_FALSE(driven.world.sfem_bodies[0].model.body.mesh.vertices.empty());
 }
 
 }  // namespace

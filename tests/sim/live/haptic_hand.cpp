@@ -1,4 +1,4 @@
-// What a hand is given by each of the models when it presses, and when the model goes wrong.
+// Haptic forces of every model under a press, and with wrong model values.
 #include "tests/sim/haptic_hand.hpp"
 
 #include <limits>
@@ -14,7 +14,7 @@ using test::kFinger;
 using test::kTip;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Presses within 0.3 s and stays.
+/// The tools press within 0.3 s and stay.
 World pressed_world(const std::vector<std::string>& more = {}, const std::string& pad = "") {
   std::vector<std::string> overrides = {"world.duration=3"};
   for (const char* tool : {"finger", "ball", "tip"}) {
@@ -37,9 +37,9 @@ const char* model_of(const World& world, int tool) {
   return model_name(world.tools[std::size_t(tool)].body.kind);
 }
 
-/// What a model answers is so many times what it should be, from the next frame on; NaN likewise.
-void spoil(World& world, int tool, double times) {
-  if (tool == kFinger) world.sfem_bodies[0].stiffer = times;
+/// Multiplies the forces of a model from the next frame on; `times` may be NaN.
+void scale_force(World& world, int tool, double times) {
+  if (tool == kFinger) world.sfem_bodies[0].stiffness_scale = times;
   if (tool == kBall) {
     rhombus::Model& model = world.rhombus_bodies[0].model;
     model.stiffness.assign(model.surface.vertices.size(), times);
@@ -50,118 +50,125 @@ void spoil(World& world, int tool, double times) {
   plane.normal = world.lattice_bodies[0].poses[0].pose.axes.column[2];
   plane.force = plane.normal * (times * norm(world.lattice_bodies[0].forces[0].force));
   plane.stiffness = 100 * times, plane.friction = 0.3, plane.reach = 0.1;
-  leave_plane(world.lattice_bodies[0], 0, plane);
+  publish_contact(world.lattice_bodies[0], 0, plane);
 }
 
-TEST(HapticHand, it_comes_to_rest_on_every_model_with_physics_of_a_hundred_and_of_thirty_hertz) {
+// The hand settles on every model with physics at 100 Hz and at 30 Hz.
+TEST(HapticHand, SettlesOnEveryModel) {
   for (const char* rate : {"100", "30"})
     for (const int tool : {kFinger, kBall, kTip}) {
       World world = pressed_world({std::string("world.frame_rate=") + rate});
       HapticHand hand(world, tool);
-      hand.extrapolate(2.0);
+      hand.advance(2.0);
       const std::string what = std::string(model_of(world, tool)) + " at " + rate + " Hz";
       EXPECT_GT(norm(hand.force()), 0.05) << what << " [N]";
       double fastest = 0;
-      for (int n = 0; n < 200; n++) hand.extrapolate(0.001), fastest = std::max(fastest, hand.speed());
-      EXPECT_LT(fastest, 0.002) << what << ": m/s, what encoder steps alone may keep moving";
+      for (int n = 0; n < 200; n++) hand.advance(0.001), fastest = std::max(fastest, hand.speed());
+      EXPECT_LT(fastest, 0.002) << what << ": m/s, residual motion by encoder steps";
       expect_harmless(hand, what);
     }
 }
 
-TEST(HapticHand, it_comes_to_rest_on_a_nodule_a_hundred_times_as_stiff_and_feels_that_it_is_there) {
+// The hand settles over a nodule that is a hundred times as stiff, with a larger force.
+TEST(HapticHand, SettlesOnStiffNodule) {
   const auto press = [](const std::string& pad) {
     World world = pressed_world({"world.frame_rate=30"}, pad);
     HapticHand hand(world, kFinger);
-    hand.extrapolate(2.0);
+    hand.advance(2.0);
     const double force = norm(hand.force());
     double fastest = 0;
-    for (int n = 0; n < 200; n++) hand.extrapolate(0.001), fastest = std::max(fastest, hand.speed());
+    for (int n = 0; n < 200; n++) hand.advance(0.001), fastest = std::max(fastest, hand.speed());
     EXPECT_LT(fastest, 0.002) << "m/s";
     expect_harmless(hand, pad);
     return force;
   };
   const double plain = press(""), hard = press(
-                                      "inclusion.nodule = { centre = [0.018, 0.03, 0.02], radius = 0.012, "
+                                      "inclusion.nodule = { center = [0.018, 0.03, 0.02], radius = 0.012, "
                                       "young = 5e5 }");
-  EXPECT_GT(hard, 1.3 * plain) << "N, of a hand that wants to be as deep";
+  EXPECT_GT(hard, 1.3 * plain) << "N, for the same target depth";
 }
 
-TEST(HapticHand, a_model_that_answers_nan_gives_no_force_and_is_felt_again_when_it_answers) {
+// A model with NaN gives no force, and its force returns when it recovers.
+TEST(HapticHand, NanGivesNoForceUntilRecovery) {
   for (const int tool : {kFinger, kBall, kTip}) {
     World world = pressed_world();
     HapticHand hand(world, tool);
-    hand.extrapolate(1.5);
+    hand.advance(1.5);
     const double before = norm(hand.force());
     ASSERT_GT(before, 0.05) << model_of(world, tool);
-    spoil(world, tool, kNan);
-    hand.has_frames = tool != kTip;  // else the next frame would mend it
-    hand.extrapolate(0.05);
-    if (tool != kBall) {  // the limit that tissue bears gives none in place of NaN
+    scale_force(world, tool, kNan);
+    hand.has_frames = tool != kTip;  // otherwise the next frame would overwrite it
+    hand.advance(0.05);
+    if (tool != kBall) {  // the chain's force limit replaces NaN
       EXPECT_GT(hand.safety().counts.not_finite, 10u) << model_of(world, tool);
     }
     EXPECT_EQ(norm(hand.force()), 0) << model_of(world, tool);
     expect_harmless(hand, model_of(world, tool));
-    if (tool == kTip) continue;  // its proxy is nowhere: see LocalTouch
-    spoil(world, tool, 1);
-    hand.extrapolate(1.5);
+    if (tool == kTip) continue;  // its proxy is undefined: see LocalTouch
+    scale_force(world, tool, 1);
+    hand.advance(1.5);
     EXPECT_NEAR(norm(hand.force()), before, 0.1 * before) << model_of(world, tool);
   }
 }
 
-TEST(HapticHand, a_model_that_answers_a_million_million_times_too_much_is_felt_as_the_limit_on_a_slope) {
+// Forces that are 1e12 times too large are limited in magnitude and slope.
+TEST(HapticHand, ExcessiveForcesAreLimited) {
   for (const int tool : {kFinger, kBall, kTip}) {
     World world = pressed_world();
     HapticHand hand(world, tool);
-    hand.extrapolate(1.5);
-    double asked = 0;
-    spoil(world, tool, 1e12);
+    hand.advance(1.5);
+    double requested_force = 0;
+    scale_force(world, tool, 1e12);
     for (int n = 0; n < 800; n++) {
-      hand.extrapolate(0.001, [&] { spoil(world, tool, 1e12); });
-      asked = std::max(asked, norm(hand.asked()));
+      hand.advance(0.001, [&] { scale_force(world, tool, 1e12); });
+      requested_force = std::max(requested_force, norm(hand.requested_force()));
     }
     const std::string what = model_of(world, tool);
-    // A chain bears 30 N itself, and what a lattice's frames leave is blended in, 20 N a second.
-    EXPECT_GT(asked, tool == kFinger ? 1e9 : 10.0) << what << " [N]";
-    EXPECT_GT(hand.largest, 0.9) << what << ": it is felt";
+    // A chain limits its force to 30 N; the planes of lattice frames are blended in at 20 N per second.
+    EXPECT_GT(requested_force, tool == kFinger ? 1e9 : 10.0) << what << " [N]";
+    EXPECT_GT(hand.largest, 0.9) << what << ": the force is present";
     expect_harmless(hand, what);
     if (tool == kTip) continue;
     EXPECT_GT(hand.safety().counts.slewed, 3u) << what;
   }
 }
 
-TEST(HapticHand, a_model_that_jumps_from_frame_to_frame_is_felt_as_slopes) {
+// Forces that jump between frames are limited in slope.
+TEST(HapticHand, JumpingForcesAreSlewLimited) {
   for (const int tool : {kFinger, kBall, kTip}) {
     World world = pressed_world();
     HapticHand hand(world, tool);
-    hand.extrapolate(1.5);
+    hand.advance(1.5);
     int frame = 0;
-    hand.extrapolate(0.5, [&] { spoil(world, tool, frame++ % 2 == 0 ? 300 : 1); });
+    hand.advance(0.5, [&] { scale_force(world, tool, frame++ % 2 == 0 ? 300 : 1); });
     expect_harmless(hand, model_of(world, tool));
-    if (tool == kTip) continue;  // what frames leave is blended in
+    if (tool == kTip) continue;  // the planes of frames are blended in
     EXPECT_GT(hand.safety().counts.slewed, 10u) << model_of(world, tool);
   }
 }
 
-TEST(HapticHand, a_loop_that_stalls_while_it_presses_goes_on_without_a_jump) {
+// A loop that stalls during a press resumes without a jump.
+TEST(HapticHand, StallsCauseNoJump) {
   for (const int tool : {kFinger, kBall, kTip}) {
     World world = pressed_world();
     HapticHand hand(world, tool);
-    hand.extrapolate(0.3);  // on its way in
-    for (int n = 0; n < 5; n++) hand.stall(0.1), hand.extrapolate(0.05);
-    hand.extrapolate(0.5);
+    hand.advance(0.3);  // on the approach
+    for (int n = 0; n < 5; n++) hand.stall(0.1), hand.advance(0.05);
+    hand.advance(0.5);
     EXPECT_GT(norm(hand.force()), 0.05) << model_of(world, tool);
     expect_harmless(hand, model_of(world, tool));
   }
 }
 
-TEST(HapticHand, physics_that_stands_still_becomes_damping_and_then_nothing) {
+// If the physics stops, the force becomes damping and then zero.
+TEST(HapticHand, StoppedPhysicsFadesOut) {
   World world = pressed_world();
-  HapticHand hand(world, kTip);  // the others answer in the tick itself
-  hand.extrapolate(1.5);
+  HapticHand hand(world, kTip);  // the other models respond within the tick
+  hand.advance(1.5);
   ASSERT_GT(norm(hand.force()), 0.05);
   hand.has_frames = false;
-  hand.extrapolate(1.5);
-  EXPECT_GT(hand.reading.age, 1.0) << "s: known by who ticks";
+  hand.advance(1.5);
+  EXPECT_GT(hand.reading.age, 1.0) << "s: the tick reports the age";
   EXPECT_GT(hand.safety().counts.silent, 1000u);
   EXPECT_EQ(norm(hand.force()), 0);
   expect_harmless(hand, "lattice");

@@ -1,4 +1,4 @@
-// Felt runs are done again: without devices, without a clock, on other numbers of threads.
+// Haptic recordings are replayed without devices, without a clock and on other numbers of threads.
 #include "turgor/sim/live/haptic_recording.hpp"
 
 #include <chrono>
@@ -6,6 +6,7 @@
 
 #include "tests/sim/four_kinds.hpp"
 #include "tests/sim/live/watched_session.hpp"
+#include "tests/sim/renamed_datasets.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/live/haptic_replay.hpp"
 #include "turgor/sim/live/session.hpp"
@@ -18,7 +19,8 @@ using test::fresh_folder;
 using test::kOneThread;
 using test::wait_until;
 
-/// All four models, a small patch that has to follow its finger; nothing is cut or touched before one asks.
+/// All four models, with a small patch that must follow its finger. The scene has no cut and no touch before
+/// a request.
 fs::path four_kinds_file(const fs::path& folder) {
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   std::string text = test::four_kinds_text();
@@ -28,27 +30,30 @@ fs::path four_kinds_file(const fs::path& folder) {
   return folder / "four.toml";
 }
 
-void extrapolate(Session& session, double time) {
+void advance(Session& session, double time) {
   const double begin = session.now().snapshot.time;
-  ASSERT_TRUE(wait_until(session, [&](const SessionNow& now) { return now.snapshot.time > begin + time; }));
+  ASSERT_TRUE(
+      wait_until(session, [&](const SessionStatus& now) { return now.snapshot.time > begin + time; }));
 }
 
-/// The tools of all bodies press them, away from the middle by a part of the body.
-void press_all(Session& session, double aside, int put) {
-  const SessionNow& now = session.now();
+/// Presses every body with its tool, away from the middle by a fraction of the body's size.
+void press_all(Session& session, double offset, int teleports) {
+  const SessionStatus& now = session.now();
   for (const MouseTool& mouse : now.mouse) {
     const ToolSnapshot& tool = now.snapshot.tools[std::size_t(mouse.tool)];
     const BodySnapshot& body = body_snapshot(now.snapshot, tool.body);
     const Vec3d middle = (body.box.low + body.box.high) * 0.5,
-                place = {middle.x + aside * (body.box.high.x - body.box.low.x), middle.y, body.box.high.z};
+                position = {middle.x + offset * (body.box.high.x - body.box.low.x), middle.y,
+                            body.box.high.z};
     double tip = 0;
     for (const Vec3 x : tool.mesh.vertices) tip = std::max(tip, -double(x.z));
-    const auto at = [&](double height) { return place + Vec3d{0, 0, tip + height}; };
-    mouse.device->lead({.pose = {at(-0.008), {}}, .hold = put == 2, .put = put, .put_at = at(0.004)});
+    const auto at = [&](double height) { return position + Vec3d{0, 0, tip + height}; };
+    mouse.device->set_target(
+        {.pose = {at(-0.008), {}}, .hold = teleports == 2, .teleports = teleports, .teleport_to = at(0.004)});
   }
 }
 
-/// What became of it when it was done again.
+/// State hash after a replay.
 std::uint64_t replayed_hash(const HapticRecording& run, int threads) {
   const Exec exec(threads);
   const Result<Scene> scene = scene_of(run);
@@ -67,18 +72,18 @@ std::uint64_t replayed_hash(const HapticRecording& run, int threads) {
 
 HapticRecording saved_run(Session& session, const fs::path& file) {
   session.request(SaveRequest{file});
-  EXPECT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.saved.empty(); }));
+  EXPECT_TRUE(wait_until(session, [](const SessionStatus& now) { return !now.saved.empty(); }));
   Result<HapticRecording> run = read_haptic_recording(file);
   EXPECT_TRUE(run) << session.now().saved << run.error().message;
   return run ? *run : HapticRecording();
 }
 
-/// Hands on three models, wind on the fourth, at two paces, with a frame by itself, a cut, and more tension.
-HapticRecording felt_by_hand(const fs::path& folder) {
+/// Hands on three models, wind on the fourth, at two paces, with a single step, a cut, and a larger tension.
+HapticRecording recorded_run(const fs::path& folder) {
   Session session(four_kinds_file(folder), {}, kOneThread);
-  EXPECT_TRUE(wait_until(session, [](const SessionNow& now) { return now.snapshot.frame > 2; }));
+  EXPECT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.snapshot.frame > 2; }));
   press_all(session, -0.2, 1);
-  extrapolate(session, 0.4);
+  advance(session, 0.4);
   session.request(WindRequest{.body = 0, .velocity = {3, 0, 1}});
   session.request(CutRequest{.blade = {.name = "cut",
                                        .from = {0.002, -0.02, -0.03},
@@ -88,17 +93,18 @@ HapticRecording felt_by_hand(const fs::path& folder) {
                              .body = 0});
   session.request(PaceRequest{.plays = true, .pace = 0.5});
   press_all(session, 0.25, 2);
-  extrapolate(session, 0.3);
+  advance(session, 0.3);
   session.request(ChangeRequest{"body.block.skin.tension", "90"});
   session.request(PaceRequest{.plays = false, .pace = 1});
   session.request(StepRequest{});
   session.request(PaceRequest{});
   press_all(session, 0, 3);
-  extrapolate(session, 0.4);
-  return saved_run(session, folder / "felt.h5");
+  advance(session, 0.4);
+  return saved_run(session, folder / "haptic.h5");
 }
 
-TEST(HapticRecording, a_hand_on_a_sheet_is_done_again_to_the_same_bits) {
+// A hand on a sheet replays to the same bits.
+TEST(HapticRecording, SheetReplaysExactly) {
   const fs::path folder = fresh_folder();
   std::ofstream(folder / "sheet.toml") << R"(
 [world]
@@ -107,26 +113,27 @@ gravity = [0, 0, -9.81]
 model = "cloth"
 sheet = { corner = [0, 0, 0], side = [0.12, 0, 0], up = [0, 0.1, 0], columns = 12, rows = 10 }
 fabric = { law = "sheet" }
-solver = { method = "blocks" }
+solver = { method = "two_level" }
 hold.left = { box = [[-1, -1, -1], [0.001, 1, 1]] }
 hold.right = { box = [[0.119, -1, -1], [1, 1, 1]] }
 )";
   Session session(folder / "sheet.toml", {}, kOneThread);
-  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.snapshot.frame > 2; }));
-  ASSERT_EQ(session.now().mouse.size(), 1u) << "the mouse has a fingertip for it";
+  ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.snapshot.frame > 2; }));
+  ASSERT_EQ(session.now().mouse.size(), 1u) << "the mouse has a fingertip for the sheet";
   press_all(session, -0.2, 1);
-  extrapolate(session, 0.4);
+  advance(session, 0.4);
   press_all(session, 0.2, 1);
-  extrapolate(session, 0.3);
-  const HapticRecording run = saved_run(session, folder / "felt.h5");
+  advance(session, 0.3);
+  const HapticRecording run = saved_run(session, folder / "haptic.h5");
   ASSERT_EQ(run.tools.size(), 1u);
   EXPECT_GT(run.tools[0].ticks.size(), 400u);
   EXPECT_EQ(replayed_hash(run, 1), run.hash);
   EXPECT_EQ(replayed_hash(run, 3), run.hash);
 }
 
-TEST(HapticRecording, hands_on_every_model_cuts_winds_and_changes_are_done_again_to_the_same_bits) {
-  HapticRecording run = felt_by_hand(fresh_folder());
+// Hands on every model, cuts, winds and changes replay to the same bits.
+TEST(HapticRecording, AllModelsReplayExactly) {
+  HapticRecording run = recorded_run(fresh_folder());
   ASSERT_EQ(run.tools.size(), 3u);
   EXPECT_EQ(run.requests.size(), 3u);
   int patches = 0;
@@ -140,34 +147,37 @@ TEST(HapticRecording, hands_on_every_model_cuts_winds_and_changes_are_done_again
 
   HapticRecording other = run;
   other.tools[0].ticks[other.tools[0].ticks.size() / 2].command.pose.position.z -= 1e-6;
-  EXPECT_NE(replayed_hash(other, 1), run.hash) << "a micrometre in one tick is another run";
+  EXPECT_NE(replayed_hash(other, 1), run.hash) << "a micrometer in one tick changes the run";
   other = run, other.requests.pop_back();
-  EXPECT_NE(replayed_hash(other, 1), run.hash) << "without the tension that was asked for";
+  EXPECT_NE(replayed_hash(other, 1), run.hash) << "without the requested tension";
 }
 
-TEST(HapticRecording, the_clock_decides_nothing_but_what_is_written_down) {
-  HapticRecording run = felt_by_hand(fresh_folder());
-  for (HapticTool& tool : run.tools)  // as if frames had seen each tick later by ten
+// The recorded ticks per frame determine the replay; the clock does not.
+TEST(HapticRecording, FrameInputsDetermineReplay) {
+  HapticRecording run = recorded_run(fresh_folder());
+  for (HapticTool& tool : run.tools)  // as if every frame had received ten ticks later
     for (FrameInputs& inputs_used : tool.frames) inputs_used.ticks = std::max(0, inputs_used.ticks - 10);
-  EXPECT_NE(replayed_hash(run, 1), run.hash) << "which ticks a frame knew does matter";
+  EXPECT_NE(replayed_hash(run, 1), run.hash) << "the ticks that a frame received determine the result";
 }
 
-TEST(HapticRecording, after_a_reset_only_what_came_then_is_told) {
+// After a reset the recording holds only later events.
+TEST(HapticRecording, ResetStartsNewRecording) {
   const fs::path folder = fresh_folder();
   Session session(four_kinds_file(folder), {}, kOneThread);
-  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.snapshot.frame > 10; }));
+  ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.snapshot.frame > 10; }));
   session.request(ChangeRequest{"body.sheet.wind.velocity", "[0, 5, 0]"});
   session.request(ResetRequest{});
   const int world = session.now().world;
   ASSERT_TRUE(wait_until(
-      session, [world](const SessionNow& now) { return now.world > world && now.snapshot.frame > 5; }));
-  const HapticRecording run = saved_run(session, folder / "felt.h5");
-  EXPECT_TRUE(run.requests.empty()) << "the scene has it by now";
+      session, [world](const SessionStatus& now) { return now.world > world && now.snapshot.frame > 5; }));
+  const HapticRecording run = saved_run(session, folder / "haptic.h5");
+  EXPECT_TRUE(run.requests.empty()) << "the reset scene contains the change";
   EXPECT_EQ(run.overrides, std::vector<std::string>{"body.sheet.wind.velocity=[0, 5, 0]"});
   EXPECT_EQ(replayed_hash(run, 2), run.hash);
 }
 
-TEST(HapticRecording, what_is_none_or_damaged_is_refused_with_its_file) {
+// Foreign and damaged files are refused with a message that names the file; old dataset names are read.
+TEST(HapticRecording, RejectsDamagedFiles) {
   const fs::path folder = fresh_folder();
   std::ofstream(folder / "text.h5") << "no HDF5";
   EXPECT_FALSE(read_haptic_recording(folder / "text.h5"));
@@ -177,18 +187,30 @@ TEST(HapticRecording, what_is_none_or_damaged_is_refused_with_its_file) {
                        .ticks = {{.time = 0.001, .step = 0.001}, {.time = 0.002, .step = 0.001}},
                        .frames = {{.ticks = 1}, {.ticks = 2}}});
   run.requests.push_back({1, WindRequest{0, {1, 0.1, 1e-17}}});
-  const fs::path file = folder / "felt.h5";
+  const fs::path file = folder / "haptic.h5";
   ASSERT_TRUE(write_haptic_recording(file, run));
   Result<HapticRecording> read = read_haptic_recording(file);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(std::get<WindRequest>(read->requests[0].what).velocity.z, 1e-17) << "to the last bit";
+  EXPECT_EQ(std::get<WindRequest>(read->requests[0].what).velocity.z, 1e-17) << "bit for bit";
   EXPECT_EQ(read->hash, 7u);
 
+  // the dataset names of the previous format
+  ASSERT_EQ(test::write_with_names(
+                file, folder / "old.h5",
+                {{"tick_inputs", "ticks_knew"}, {"frame_inputs", "frames_knew"}, {"requests", "asks"}},
+                "turgor felt run 1"),  // check_words: ok
+            3);
+  const Result<HapticRecording> old = read_haptic_recording(folder / "old.h5");
+  ASSERT_TRUE(old) << old.error().message;
+  EXPECT_EQ(std::get<WindRequest>(old->requests[0].what).velocity.z, 1e-17);
+  EXPECT_EQ(old->tools[0].frames[1].ticks, 2);
+  EXPECT_EQ(old->tools[0].ticks.size(), 2u);
+  EXPECT_EQ(old->hash, 7u);
   const auto refused = [&](const HapticRecording& wrong) {
     EXPECT_TRUE(write_haptic_recording(file, wrong));
     const Result<HapticRecording> again = read_haptic_recording(file);
     EXPECT_FALSE(again);
-    EXPECT_NE((again ? std::string() : again.error().message).find("felt.h5"), std::string::npos);
+    EXPECT_NE((again ? std::string() : again.error().message).find("haptic.h5"), std::string::npos);
   };
   HapticRecording wrong = run;
   wrong.tools[0].frames[1].ticks = 3;
@@ -197,8 +219,8 @@ TEST(HapticRecording, what_is_none_or_damaged_is_refused_with_its_file) {
   refused(wrong);
   wrong = run, wrong.tools[0].ticks[0].step = -1;
   refused(wrong);
-  EXPECT_FALSE(write_haptic_recording(file, {})) << "nothing has passed yet";
-  EXPECT_FALSE(write_haptic_recording(folder / "nowhere" / "felt.h5", run));
+  EXPECT_FALSE(write_haptic_recording(file, {})) << "an empty recording";
+  EXPECT_FALSE(write_haptic_recording(folder / "nowhere" / "haptic.h5", run));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A session that a test looks on.
+// A session that a test observes.
 #pragma once
 
 #include <functional>
@@ -12,12 +12,12 @@ namespace turgor::test {
 constexpr SessionParams kOneThread{
     .threads = 1, .loop = {.priority = 0, .lock_memory = false}, .longest = 60};
 
-/// Whether it was so within `longest` [s].
-inline bool wait_until(Session& session, const std::function<bool(const SessionNow&)>& is_so,
+/// Polls the session until the condition holds; false after `longest` [s].
+inline bool wait_until(Session& session, const std::function<bool(const SessionStatus&)>& condition,
                        double longest = 20) {
   for (const Timer timer; timer.seconds() < longest;
        std::this_thread::sleep_for(std::chrono::milliseconds(2)))
-    if (is_so(session.now())) return true;
+    if (condition(session.now())) return true;
   return false;
 }
 

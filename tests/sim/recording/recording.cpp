@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "tests/sim/block_scene.hpp"
+#include "tests/sim/renamed_datasets.hpp"
 #include "turgor/io/files/file.hpp"
 
 namespace turgor {
@@ -27,7 +28,8 @@ World record_block(const fs::path& folder, const Scene& scene) {
   return world;
 }
 
-TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
+// Positions, cuts and blade paths are restored bit for bit.
+TEST(Recording, RestoresLatticeBits) {
   const fs::path folder = test::fresh_folder();
   const Scene scene = test::block_scene(folder);
   const World world = record_block(folder, scene);
@@ -45,24 +47,25 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
   ASSERT_TRUE(recording->restore(Exec(1), 1, drawn, snapshot));
   const lattice::State &a = world.lattice_bodies[0].state, &b = drawn.lattice_bodies[0].state;
   EXPECT_EQ(drawn.frame, 10);
-  EXPECT_EQ(a.u.x, b.u.x);
-  EXPECT_EQ(a.u.y, b.u.y);
-  EXPECT_EQ(a.u.z, b.u.z);
-  EXPECT_EQ(a.cut, b.cut);
-  EXPECT_EQ(a.removed, b.removed);
-  EXPECT_EQ(a.skin_cut, b.skin_cut);
-  EXPECT_EQ(a.row_cut, b.row_cut);
-  ASSERT_EQ(a.cut_edges.size(), b.cut_edges.size());
-  EXPECT_GT(a.cut_edges.size(), 0u);
+  EXPECT_EQ(a.motion.u.x, b.motion.u.x);
+  EXPECT_EQ(a.motion.u.y, b.motion.u.y);
+  EXPECT_EQ(a.motion.u.z, b.motion.u.z);
+  EXPECT_EQ(a.cuts.cut, b.cuts.cut);
+  EXPECT_EQ(a.cuts.removed, b.cuts.removed);
+  EXPECT_EQ(a.cuts.skin_cut, b.cuts.skin_cut);
+  EXPECT_EQ(a.cuts.row_cut, b.cuts.row_cut);
+  ASSERT_EQ(a.cuts.edges.size(), b.cuts.edges.size());
+  EXPECT_GT(a.cuts.edges.size(), 0u);
   const double gape =
       lattice::measure_wound(world.lattice_bodies[0].model, a, *world.cuts[0].path, 0).gape_max;
   EXPECT_EQ(lattice::measure_wound(drawn.lattice_bodies[0].model, b, *drawn.cuts[0].path, 0).gape_max, gape);
   ASSERT_TRUE(recording->restore(Exec(1), 0, drawn, snapshot));
-  EXPECT_TRUE(drawn.lattice_bodies[0].state->cut_edges.empty());
+  EXPECT_TRUE(drawn.lattice_bodies[0].state->cuts.edges.empty());
   EXPECT_FALSE(drawn.cuts[0].path);
 }
 
-TEST(Recording, RestoresRegionsThatLeftTheBody) {
+// Removed regions are restored.
+TEST(Recording, RestoresRemovedRegions) {
   const fs::path folder = test::fresh_folder();
   const Scene scene = test::block_scene(folder, {"incision.cut.width=0.02"});
   const World world = record_block(folder, scene);
@@ -73,12 +76,13 @@ TEST(Recording, RestoresRegionsThatLeftTheBody) {
   const Status restored = recording->restore(Exec(1), 1, drawn, snapshot);
   ASSERT_TRUE(restored) << restored.error().message;
   const lattice::State &a = world.lattice_bodies[0].state, &b = drawn.lattice_bodies[0].state;
-  EXPECT_GT(std::count(a.removed.begin(), a.removed.end(), 1), 0);
-  EXPECT_EQ(a.removed, b.removed);
-  EXPECT_EQ(a.cut, b.cut);
+  EXPECT_GT(std::count(a.cuts.removed.begin(), a.cuts.removed.end(), 1), 0);
+  EXPECT_EQ(a.cuts.removed, b.cuts.removed);
+  EXPECT_EQ(a.cuts.cut, b.cuts.cut);
 }
 
-TEST(Recording, RefusesAnotherCt) {
+// A recording does not accept another CT.
+TEST(Recording, RejectsOtherCt) {
   const fs::path folder = test::fresh_folder();
   record_block(folder, test::block_scene(folder));
   CtVolume other = test::block_ct();
@@ -95,21 +99,23 @@ TEST(Recording, RefusesAnotherCt) {
       << status.error().message;
 }
 
-TEST(Recording, OnlyOutputAndFilesMayChangeInAReplay) {
+// A replay accepts changes of output keys and file names only.
+TEST(Recording, ReplayAcceptsOutputChangesOnly) {
   const fs::path folder = test::fresh_folder();
   record_block(folder, test::block_scene(folder));
   const Result<Recording> recording = Recording::open(folder / "r.h5");
   ASSERT_TRUE(recording);
   EXPECT_TRUE(recording->scene({"output.color=stretch"}));
   EXPECT_EQ(recording->scene({"body.block.block=4"}).error().message,
-            "--set body.block.block: a replay may only change output.* and where a body's files are");
+            "--set body.block.block: a replay may only change output.* and the locations of a body's files");
 }
 
-TEST(Recording, FilesThatAreNoneAreNamed) {
+// Missing, foreign, old and unfinished files are refused with a message.
+TEST(Recording, RejectsForeignFiles) {
   const fs::path folder = test::fresh_folder();
   const std::string path = (folder / "r.h5").string();
   const auto error = [&] { return Recording::open(path).error().message; };
-  EXPECT_EQ(error(), path + ": expected an HDF5 file, found nothing there");
+  EXPECT_EQ(error(), path + ": expected an HDF5 file, found nothing");
   ASSERT_TRUE(write_file(path, "not at all"));
   EXPECT_EQ(error(), path + ": expected an HDF5 file, found something else");
   {
@@ -125,17 +131,18 @@ TEST(Recording, FilesThatAreNoneAreNamed) {
   }
   EXPECT_EQ(error(),
             path +
-                ": expected \"turgor recording 6\", found \"turgor recording 0\", of another version of this "
-                "program");
+                ": expected \"turgor recording 7\", found \"turgor recording 0\", of another version of "
+                "turgor");
   {
     Result<Hdf5File> half = Hdf5File::create(path);
     ASSERT_TRUE(half);
-    ASSERT_TRUE(half->write_text("/format", "turgor recording 6"));
+    ASSERT_TRUE(half->write_text("/format", "turgor recording 7"));
   }
-  EXPECT_EQ(error(), path + ": the recording was never finished");
+  EXPECT_EQ(error(), path + ": the recording is unfinished");
 }
 
-TEST(Recording, DamagedFilesAreErrorsAndNeverCrashes) {
+// Damaged files are errors and never crash.
+TEST(Recording, DamagedFilesNeverCrash) {
   const fs::path folder = test::fresh_folder();
   const Scene scene = test::block_scene(folder);
   record_block(folder, scene);
@@ -153,12 +160,12 @@ TEST(Recording, DamagedFilesAreErrorsAndNeverCrashes) {
   };
   EXPECT_TRUE(read_all());
   int errors = 0;
-  for (int n = 1; n < 20; n++) {  // cut short
+  for (int n = 1; n < 20; n++) {  // truncated
     ASSERT_TRUE(write_file(folder / "r.h5", whole.substr(0, whole.size() * std::size_t(n) / 20)));
     errors += !read_all();
   }
   EXPECT_EQ(errors, 19);
-  for (int n = 0; n < 200; n++) {  // a byte of noise every 2 kB, elsewhere each time
+  for (int n = 0; n < 200; n++) {  // a changed byte every 2 kB, at other offsets each time
     std::string damaged = whole;
     for (std::size_t i = std::size_t(n) * 37 % 2048; i < damaged.size(); i += 2048)
       damaged[i] = char(damaged[i] ^ 0x55);
@@ -168,7 +175,72 @@ TEST(Recording, DamagedFilesAreErrorsAndNeverCrashes) {
   EXPECT_GE(errors, 19 + 190);
 }
 
-TEST(Recording, WhatTheFuzzTestsBeginWithIsARecordingOfThisVersionThatReplays) {
+// Recordings with the dataset names of format 6 restore the same state.
+TEST(Recording, ReadsOldDatasetNames) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(folder);
+  World world = test::block_world(Exec(1), scene);
+  for (int frame = 0; frame < 10; frame++) ASSERT_TRUE(step(Exec(1), world));
+  const lattice::State& state = world.lattice_bodies[0].state;
+  WorldSnapshot snapshot;
+  show(Exec(1), world, snapshot);
+  {
+    Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
+    ASSERT_TRUE(writer) << writer.error().message;
+    ASSERT_TRUE(writer->add_snapshot(world, snapshot));
+    ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
+  }
+  const int renamed = test::write_with_names(
+      folder / "r.h5", folder / "old.h5",
+      {{"virtual_nodes", "copies"}, {"cut_edge_sub_index", "cut_edge_part"}}, "turgor recording 6");
+  EXPECT_EQ(renamed, 2);
+
+  const Result<Recording> recording = Recording::open(folder / "old.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  World drawn = test::block_world(Exec(1), scene);
+  ASSERT_TRUE(recording->check_world(drawn));
+  const Status restored = recording->restore(Exec(1), 0, drawn, snapshot);
+  ASSERT_TRUE(restored) << restored.error().message;
+  const lattice::State& read = drawn.lattice_bodies[0].state;
+  ASSERT_EQ(read.motion.virtual_u.size(), state.motion.virtual_u.size());
+  ASSERT_GT(read.motion.virtual_u.size(), 0u);
+  EXPECT_EQ(read.motion.virtual_u.back().y, state.motion.virtual_u.back().y);
+  ASSERT_EQ(read.cuts.edges.size(), state.cuts.edges.size());
+  ASSERT_GT(read.cuts.edges.size(), 0u);
+  for (std::size_t e = 0; e < read.cuts.edges.size(); e++)
+    EXPECT_EQ(read.cuts.edges[e].sub_index, state.cuts.edges[e].sub_index);
+}
+
+// Recordings of cloth with the dataset names of format 6 restore the same state.
+TEST(Recording, ReadsOldDatasetNamesOfCloth) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = *parse_scene(
+      "[world]\ngravity = [0, 0, -9.81]\n[body.sheet]\nmodel = \"cloth\"\n"
+      "sheet = { side = [0.1, 0, 0], up = [0, 0.1, 0], columns = 4, rows = 4 }\n",
+      folder / "cloth.toml");
+  World world = *load_world(Exec(1), scene);
+  for (int frame = 0; frame < 3; frame++) ASSERT_TRUE(step(Exec(1), world));
+  WorldSnapshot snapshot;
+  show(Exec(1), world, snapshot);
+  {
+    Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
+    ASSERT_TRUE(writer) << writer.error().message;
+    ASSERT_TRUE(writer->add_snapshot(world, snapshot));
+    ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
+  }
+  ASSERT_EQ(test::write_with_names(folder / "r.h5", folder / "old.h5", {{"positions", "places"}},
+                                   "turgor recording 6"),
+            1);
+  const Result<Recording> recording = Recording::open(folder / "old.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  World drawn = *load_world(Exec(1), scene);
+  const Status restored = recording->restore(Exec(1), 0, drawn, snapshot);
+  ASSERT_TRUE(restored) << restored.error().message;
+  EXPECT_EQ(drawn.cloth_bodies[0].state->x.z, world.cloth_bodies[0].state->x.z);
+}
+
+// The corpus of the fuzz tests, a recording of format 6, is read.
+TEST(Recording, FuzzCorpusReplays) {
   const std::filesystem::path folder = std::filesystem::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz";
   const Result<Recording> recording = Recording::open(folder / "corpus" / "recording" / "recording.h5");
   ASSERT_TRUE(recording) << recording.error().message;

@@ -1,4 +1,4 @@
-// docs/recording.md against a recording of all kinds of bodies.
+// docs/recording.md compared with a recording of every model.
 #include <map>
 #include <regex>
 #include <sstream>
@@ -46,20 +46,21 @@ std::map<std::string, std::string> documented() {
   return found;
 }
 
-/// "/bodies/torso/cut" of a file is "/bodies/NAME/cut" of the document.
+/// Replaces the names in a path: "/bodies/torso/cut" becomes "/bodies/NAME/cut" as in the document.
 std::string general(std::string name) {
   name = std::regex_replace(name, std::regex("/(bodies|cuts|surfaces|deepest|tools)/[^/]+/"), "/$1/NAME/");
   return std::regex_replace(name, std::regex("/[0-9]{5}/"), "/NNNNN/");
 }
 
-TEST(RecordingDocument, NamesEveryDatasetOfARecordingAndItsUnitAndNoOther) {
+// The document lists exactly the datasets of a recording, with their units.
+TEST(RecordingDocument, ListsExactlyAllDatasets) {
   const fs::path folder = test::fresh_folder();
   ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   const Result<Scene> scene =
       parse_scene(test::block_scene_text("block.nii") + kOthers, folder / "all.toml", {});
   ASSERT_TRUE(scene) << scene.error().message;
   World world = test::block_world(Exec(2), *scene);
-  world.lattice_bodies[0].state.change().virtual_nodes.push_back({});  // as of solid tissue that was cut
+  world.lattice_bodies[0].state.change().motion.virtual_u.push_back({});  // as in solid tissue after a cut
   {
     Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", *scene, world);
     ASSERT_TRUE(writer);

@@ -16,31 +16,36 @@ std::vector<std::string> warnings_with(const std::vector<std::string>& overrides
   return lattice_warnings(kExec, world);
 }
 
-TEST(LatticeWarnings, a_cut_on_the_skin_into_thick_tissue_is_nothing_to_warn_of) {
+// A cut from the skin into thick tissue causes no warning.
+TEST(LatticeWarnings, CutIntoThickTissue_NoWarning) {
   const std::vector<std::string> warnings = warnings_with({});
   EXPECT_TRUE(warnings.empty()) << warnings[0];
 }
 
-TEST(LatticeWarnings, a_blade_in_the_air_says_how_far_and_where_it_was_set_down) {
+// A blade off the skin causes a warning with its distance and its new position.
+TEST(LatticeWarnings, BladeInAirIsMovedToSkin) {
   const std::vector<std::string> warnings =
       warnings_with({"incision.cut.from=[0.002, -0.05, -0.03]", "incision.cut.to=[0.002, -0.05, 0.03]"});
-  ASSERT_EQ(warnings.size(), 1u) << "one blade, one sentence";
+  ASSERT_EQ(warnings.size(), 1u) << "one warning per blade";
   EXPECT_TRUE(warnings[0].starts_with(
       "incision 'cut': its ends, (0.002, -0.05, -0.03) m and (0.002, -0.05, 0.03) m, are 36 and 36 mm off "
       "the "
-      "skin: the blade was set on the skin between (0.002, -0.014, -0.03) m and (0.002, -0.014, 0.03) m"))
+      "skin: the blade was moved to the skin between (0.002, -0.014, -0.03) m and (0.002, -0.014, 0.03) m"))
       << warnings[0];
-  EXPECT_EQ(warnings[0].find("e-"), std::string::npos) << "what is next to nothing is 0: " << warnings[0];
+  EXPECT_EQ(warnings[0].find("e-"), std::string::npos)
+      << "values near zero are printed as 0: " << warnings[0];
 }
 
-TEST(LatticeWarnings, a_cut_nearly_through_the_body_says_what_is_left_below) {
+// A cut nearly through the body causes a warning with the number of cells below it.
+TEST(LatticeWarnings, DeepCutReportsRemainingCells) {
   const std::vector<std::string> warnings = warnings_with({"incision.cut.depth=0.055"});
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("cells of body below the cut, expected at least 3 cells"), std::string::npos)
       << warnings[0];
 }
 
-TEST(LatticeWarnings, cells_that_are_inside_out_are_counted) {
+// Inverted cells are counted.
+TEST(LatticeWarnings, CountsInvertedCells) {
   const Scene scene = test::block_scene(test::fresh_folder());
   World world = test::block_world(kExec, scene);
   LatticeBody& body = world.lattice_bodies[0];
@@ -48,12 +53,12 @@ TEST(LatticeWarnings, cells_that_are_inside_out_are_counted) {
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int i = 0; i < l.size.x; i++)
-        body.state.change().u.set(std::size_t(node_slot(l, i, j, k)),
-                                  {-2 * rest_position(l, {i, j, k}).x, 0, 0});
+        body.state.change().motion.u.set(std::size_t(node_slot(l, i, j, k)),
+                                         {-2 * rest_position(l, {i, j, k}).x, 0, 0});
   const std::vector<std::string> warnings = lattice_warnings(kExec, world);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_TRUE(warnings[0].starts_with("block: ")) << warnings[0];
-  EXPECT_NE(warnings[0].find("cells are turned inside out"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("cells are inverted"), std::string::npos) << warnings[0];
 }
 
 }  // namespace

@@ -10,31 +10,33 @@
 namespace turgor {
 namespace {
 
-/// The pull at the block's cut, which runs along z, with Langer's lines in the given direction.
-SkinPull pull_with(const std::string& direction, const std::string& law = "\"fibre\"") {
+/// Tension at the block's cut, which runs along z, with Langer's lines in the given direction.
+CutTension tension_with(const std::string& direction, const std::string& law = "\"fiber\"") {
   const Exec exec(1);
   const Scene scene = test::block_scene(
       test::fresh_folder(),
       {"body.block.skin={ law = " + law + ", tension = [60, 30], direction = " + direction + " }"});
   const World world = test::block_world(exec, scene);
   const LatticeBody& body = world.lattice_bodies[0];
-  return skin_pull(body.model, lattice::lay_blade(body.model, body.state, world.cuts[0].blade).value());
+  return cut_tension(body.model, lattice::lay_blade(body.model, body.state, world.cuts[0].blade).value());
 }
 
-TEST(Measures, ACutAlongTheLinesIsPulledOpenByTheTensionAcrossThem) {
-  const SkinPull along = pull_with("[0, 0, 1]");
+// A cut along Langer's lines is opened by the tension across them.
+TEST(Measures, CutAlongLinesOpensByCrossTension) {
+  const CutTension along = tension_with("[0, 0, 1]");
   EXPECT_NEAR(along.angle, 0, 0.1);
   EXPECT_NEAR(along.opening, 30, 0.1);
   EXPECT_NEAR(along.lengthwise, 60, 0.1);
-  const SkinPull across = pull_with("[1, 0, 0]");
+  const CutTension across = tension_with("[1, 0, 0]");
   EXPECT_NEAR(across.angle, 90, 0.1);
   EXPECT_NEAR(across.opening, 60, 0.1);
-  const SkinPull oblique = pull_with("[1, 0, 1]");
-  EXPECT_NEAR(oblique.angle, 45, 0.2);  // four steps from the cut's ends skin goes round the block's edges
+  const CutTension oblique = tension_with("[1, 0, 1]");
+  EXPECT_NEAR(oblique.angle, 45,
+              0.2);  // four cells from the cut's ends the skin bends around the block's edges
   EXPECT_NEAR(oblique.opening, 45, 0.1);
 }
 
-/// A cylinder of fat along z with a core of bone, or a slab, in a CT whose axes are turned; voxels of 3 mm.
+/// A cylinder of fat along z with a core of bone, or a slab, in a CT with rotated axes; voxels of 3 mm.
 struct TurnedBody {
   Mat3d turn;  // lattice to patient
   lattice::Model model;
@@ -69,16 +71,17 @@ double angle_of_cut(const TurnedBody& body, Vec3d line) {
   const lattice::Incision cut{
       .name = "cut", .from = body.turn * (middle - line * 0.012), .to = body.turn * (middle + line * 0.012)};
   const lattice::State state = lattice::make_state(body.model);
-  return skin_pull(body.model, lattice::lay_blade(body.model, state, cut).value()).angle;
+  return cut_tension(body.model, lattice::lay_blade(body.model, state, cut).value()).angle;
 }
 
-TEST(Measures, TheAngleToTheLinesIsThatOnTheSkinNotOnTheStepsOfTheLattice) {
+// The angle to Langer's lines is measured on the smooth skin, not on the lattice cells.
+TEST(Measures, AngleToLinesIsMeasuredOnSkin) {
   const double half = std::sqrt(0.5);
   for (const bool is_round : {false, true})
     for (const double degrees : {0.0, 27.0})
       for (const bool by_field : {false, true})
         for (const Vec3d direction : {Vec3d{0, 0, 1}, Vec3d{1, 0, 0}, Vec3d{0, 0.6, 1}}) {
-          if (is_round && direction.y != 0) continue;  // there such lines turn along the cut
+          if (is_round && direction.y != 0) continue;  // on the cylinder such lines turn along the cut
           const TurnedBody body = turned_body(is_round, degrees, direction, by_field);
           const Vec3d along = normalized(Vec3d{direction.x, 0, direction.z}), across{along.z, 0, -along.x};
           const std::string where =
@@ -90,11 +93,11 @@ TEST(Measures, TheAngleToTheLinesIsThatOnTheSkinNotOnTheStepsOfTheLattice) {
         }
 }
 
-TEST(Measures, TheAreaLawPullsAlikeInAllDirections) {
-  EXPECT_NEAR(pull_with("[1, 0, 0]", "\"area\"").opening, 45, 1e-9);
-}
+// The area law has the same tension in all directions.
+TEST(Measures, AreaLawIsIsotropic) { EXPECT_NEAR(tension_with("[1, 0, 0]", "\"area\"").opening, 45, 1e-9); }
 
-TEST(Measures, SeriesStartWithTheBladeAndSolverSamplesAreSnapshots) {
+// Wound series start with the blade, and solver samples are taken at snapshots.
+TEST(Measures, SeriesStartWithBlade) {
   const Exec exec(1);
   World world = test::block_world(exec, test::block_scene(test::fresh_folder()));
   Measures measures = make_measures(world);

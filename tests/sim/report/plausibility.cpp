@@ -15,40 +15,42 @@ WorldSnapshot world_of(double size, Look look = Look::kFlesh) {
   body.rest = {{0, 0, 0}, {s, 0, 0}, {0, s / 2, 0}};
   body.displacement.resize(3);
   body.triangles = {{0, 1, 2}};
-  place_vertices(body);
+  update_vertices(body);
   return {.time = 0, .frame = 0, .bodies = {body}, .tools = {}, .obstacles = {}};
 }
 
-TEST(Doubts, ABodyOfMillimetersTakenForMetersIsDoubted) {
-  const std::vector<std::string> told = odd_sizes(world_of(180));
-  ASSERT_EQ(told.size(), 1u);
-  EXPECT_EQ(told[0],
-            "liver: it is 180 m across, and bodies here are at most 2 m: if its file is in millimetres, "
-            "scale = 0.001 "
-            "makes metres of them");
-  EXPECT_EQ(odd_sizes(world_of(0.00018)).size(), 1u) << "and one that was scaled twice";
+// A body in millimeters that is read as meters causes a warning.
+TEST(Plausibility, MillimetersReadAsMeters_Warns) {
+  const std::vector<std::string> warnings = odd_sizes(world_of(180));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0],
+            "liver: its size is 180 m, larger than the plausible 2 m: if its file is in millimeters, set "
+            "scale = 0.001");
+  EXPECT_EQ(odd_sizes(world_of(0.00018)).size(), 1u) << "also a body that was scaled twice";
   EXPECT_TRUE(odd_sizes(world_of(0.18)).empty());
 }
 
-TEST(Doubts, AToolLargerThanWhatItTouchesIsDoubted) {
+// A tool larger than the body causes a warning.
+TEST(Plausibility, ToolLargerThanBody_Warns) {
   WorldSnapshot snapshot = world_of(0.18);
   ToolSnapshot tool;
   tool.name = "finger", tool.size = 10;
   snapshot.tools = {tool};
   ASSERT_EQ(odd_sizes(snapshot).size(), 1u);
-  EXPECT_NE(odd_sizes(snapshot)[0].find("finger: the part that touches is 10 m across"), std::string::npos);
+  EXPECT_NE(odd_sizes(snapshot)[0].find("finger: its contacting end has a size of 10 m"), std::string::npos);
   snapshot.tools[0].size = 0.01;
   EXPECT_TRUE(odd_sizes(snapshot).empty());
 }
 
-TEST(Doubts, ClothPulledBeyondHalfAgainItsLengthIsToldWithItsWorstMoment) {
+// Cloth stretched by more than half its length causes a warning with the time of the maximum.
+TEST(Plausibility, OverstretchedCloth_Warns) {
   std::vector<ClothStretch> seen;
   WorldSnapshot snapshot = world_of(0.2, Look::kCloth);
   for (const Real pull : {1.2f, 1.7f, 1.4f}) {
     snapshot.time += 0.1;
     snapshot.bodies[0].displacement[1] = {0.2f * (pull - 1), 0, 0};
-    place_vertices(snapshot.bodies[0]);
-    note_stretch(snapshot, seen);
+    update_vertices(snapshot.bodies[0]);
+    record_stretch(snapshot, seen);
   }
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_NEAR(seen[0].most, 1.7, 1e-5);
@@ -58,7 +60,8 @@ TEST(Doubts, ClothPulledBeyondHalfAgainItsLengthIsToldWithItsWorstMoment) {
   EXPECT_TRUE(overstretched(seen).empty());
 }
 
-TEST(Doubts, AContactHarderThanYoungsModulusIsToldAndAGentleOneIsNot) {
+// A contact pressure above Young's modulus causes a warning; a gentle contact does not.
+TEST(Plausibility, ContactAboveModulus_Warns) {
   const std::filesystem::path folder = test::fresh_folder();
   for (const bool deep : {false, true}) {
     const Scene scene = test::four_kinds_scene(
@@ -68,10 +71,10 @@ TEST(Doubts, AContactHarderThanYoungsModulusIsToldAndAGentleOneIsNot) {
     ASSERT_TRUE(world) << world.error().message;
     const Result<Simulated> done = simulate(Exec(2), scene, *world);
     ASSERT_TRUE(done) << done.error().message;
-    const std::vector<std::string> told = overpressed(*world, done->measures.pressed);
-    EXPECT_EQ(told.size(), deep ? 1u : 0u);
+    const std::vector<std::string> warnings = overpressed(*world, done->measures.pressed);
+    EXPECT_EQ(warnings.size(), deep ? 1u : 0u);
     if (deep) {
-      EXPECT_NE(told.at(0).find("pad: the contact pressed with"), std::string::npos) << told[0];
+      EXPECT_NE(warnings.at(0).find("pad: the contact pressure was"), std::string::npos) << warnings[0];
     }
   }
 }

@@ -38,7 +38,8 @@ std::vector<std::string> texts(const pugi::xml_document& document) {
   return found;
 }
 
-TEST(Plot, MarksPartsOfItsAxisAndNamesThemOnce) {
+// Bands mark intervals of the axis and are named once.
+TEST(Plot, BandsAreNamedOnce) {
   Plot plot = two_curves();
   plot.bands = {{"over nodule", 2, 4}, {"over nodule", 8, 30}, {"over nothing", 11, 12}};
   const pugi::xml_document document = parsed(plot_svg(plot));
@@ -46,23 +47,25 @@ TEST(Plot, MarksPartsOfItsAxisAndNamesThemOnce) {
   for (const pugi::xml_node rect : document.child("svg").children("rect"))
     if (std::string(rect.attribute("class").value()) == "plot-band")
       widths.push_back(rect.attribute("width").as_double());
-  ASSERT_EQ(widths.size(), 2u) << "what lies off the axis is not drawn";
-  EXPECT_NEAR(widths[1], widths[0], 0.2) << "up to the axis's end at 10";
+  ASSERT_EQ(widths.size(), 2u) << "bands off the axis are not drawn";
+  EXPECT_NEAR(widths[1], widths[0], 0.2) << "up to the end of the axis at 10";
   const std::vector<std::string> words = texts(document);
   EXPECT_EQ(std::count(words.begin(), words.end(), "over nodule"), 1);
 }
 
-TEST(Plot, SaysWhatItShowsInTypeOfElevenPixelsAndMore) {
+// Titles, labels and ticks are text of at least eleven pixels.
+TEST(Plot, TextIsAtLeastElevenPixels) {
   const pugi::xml_document document = parsed(plot_svg(two_curves()));
   const std::vector<std::string> found = texts(document);
   for (const char* text : {"Force over depth", "depth [mm]", "force [N]", "given", "chain", "0", "4", "10"})
     EXPECT_NE(std::find(found.begin(), found.end(), text), found.end()) << text;
   const pugi::xml_node svg = document.child("svg");
-  constexpr double kNarrowest = 460;  // pixels that the report's page gives it at least
+  constexpr double kNarrowest = 460;  // smallest width on the report's page [pixels]
   EXPECT_GE(svg.attribute("font-size").as_double() * kNarrowest / svg.attribute("width").as_double(), 11);
 }
 
-TEST(Plot, PointsLieWhereTheAxesSay) {
+// Points lie at their values on the axes.
+TEST(Plot, PointsFollowAxes) {
   const Plot line{"", "x", "y", {{"", {{0, 0}, {10, 5}, {20, 10}}}}};
   const pugi::xml_document document = parsed(plot_svg(line));
   std::vector<std::pair<double, double>> dots;
@@ -71,10 +74,11 @@ TEST(Plot, PointsLieWhereTheAxesSay) {
   ASSERT_EQ(dots.size(), 3u);
   EXPECT_NEAR(dots[1].first, 0.5 * (dots[0].first + dots[2].first), 0.11);
   EXPECT_NEAR(dots[1].second, 0.5 * (dots[0].second + dots[2].second), 0.11);
-  EXPECT_GT(dots[0].second, dots[2].second) << "up is up";
+  EXPECT_GT(dots[0].second, dots[2].second) << "larger values are higher";
 }
 
-TEST(Plot, LabelsAreTextWhateverTheyHold) {
+// Labels are escaped text for any content.
+TEST(Plot, LabelsAreEscaped) {
   Plot plot = two_curves();
   plot.title = "x'\nsystem(\"id\")\n#";
   plot.curves[0].label = "</text><script>alert(1)</script>\x01\xff";
@@ -87,6 +91,7 @@ TEST(Plot, LabelsAreTextWhateverTheyHold) {
             found.end());
 }
 
+// A plot starts no external program.
 TEST(Plot, StartsNoProgram) {
   const std::filesystem::path folder = test::fresh_folder();
   test::write(folder / "gnuplot", "#!/bin/sh\ntouch '" + (folder / "ran").string() + "'\n");
@@ -98,7 +103,8 @@ TEST(Plot, StartsNoProgram) {
   EXPECT_FALSE(std::filesystem::exists(folder / "ran"));
 }
 
-TEST(Plot, NumbersThatCannotBeDrawnAreLeftOut) {
+// Values that cannot be drawn are omitted.
+TEST(Plot, NonFiniteValuesAreOmitted) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
                    kInf = std::numeric_limits<double>::infinity();
   EXPECT_EQ(plot_svg({"t", "x", "y", {}}), "");
@@ -116,14 +122,16 @@ TEST(Plot, NumbersThatCannotBeDrawnAreLeftOut) {
   parsed(plot_svg({"t", "x", "y", {{"c", {{3, 3}}}}}));
 }
 
-TEST(Plot, LogarithmicAxesShowPowersOfTen) {
+// Logarithmic axes have ticks at powers of ten.
+TEST(Plot, LogAxisShowsPowersOfTen) {
   const std::vector<std::string> found =
       texts(parsed(plot_svg({"t", "x", "y", {{"c", {{0, 2e-3}, {1, 0.5}, {2, 30}}}}, true})));
   for (const char* text : {"10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹", "10²"})
     EXPECT_NE(std::find(found.begin(), found.end(), text), found.end()) << text;
 }
 
-TEST(Plot, AMillionPointsKeepTheirPeaksInASmallPicture) {
+// A plot of a million points is small and keeps the peaks.
+TEST(Plot, DownsamplingKeepsPeaks) {
   Plot plot{"t", "x", "y", {{"c", {}}}};
   for (int i = 0; i < 1000000; i++) plot.curves[0].points.emplace_back(i, i == 123457 ? 9.0 : std::sin(i));
   const std::string svg = plot_svg(plot);
@@ -139,7 +147,8 @@ TEST(Plot, AMillionPointsKeepTheirPeaksInASmallPicture) {
   EXPECT_NEAR(highest, peak.attribute("cy").as_double(), 1.5);
 }
 
-TEST(Plot, ManyCurvesKeepTheirLegendAboveThem) {
+// The legend of many curves stays above them.
+TEST(Plot, LegendStaysAboveCurves) {
   Plot plot{"t", "x", "y", {}};
   for (int c = 0; c < 60; c++)
     plot.curves.push_back({"a curve with a name " + std::to_string(c), {{0, 0}, {1, c}}});
@@ -149,7 +158,8 @@ TEST(Plot, ManyCurvesKeepTheirLegendAboveThem) {
     EXPECT_LT(text.attribute("y").as_double(), lowest_grid);
 }
 
-TEST(Plot, NumbersDoNotDependOnTheLocale) {
+// Numbers do not depend on the locale.
+TEST(Plot, NumbersIgnoreLocale) {
   const std::string before = plot_svg(two_curves());
   for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"}) std::setlocale(LC_ALL, name);
   EXPECT_EQ(plot_svg(two_curves()), before);

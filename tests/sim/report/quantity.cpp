@@ -11,7 +11,7 @@
 namespace turgor {
 namespace {
 
-/// A wound as somebody else would measure it: one member and one row a measure.
+/// A measured wound with one member and one table row per quantity.
 struct Scar {
   std::string name;
   double width = 0;  // [m]
@@ -27,7 +27,8 @@ const Quantity<Scar> kScar[] = {
      [](const Scar& s) { return s.healed_at < 0 ? absent() : Json(s.healed_at); }},
 };
 
-TEST(Quantity, OneRowIsAKeyWithItsUnitARowOfThePageAndAKeyFigure) {
+// One row of a table yields the JSON key with its unit, a row of the page and a key figure.
+TEST(Quantity, RowYieldsKeyTableAndFigure) {
   const Json json = Json::array(
       {values_of(kScar, Scar{"left", 0.0123456789, 5}), values_of(kScar, Scar{"right", 0.004, 2, 3600})});
   EXPECT_EQ(json[0].dump(), R"({"name":"left","size":{"width_mm":12.3457},"stitches":5})");
@@ -41,7 +42,8 @@ TEST(Quantity, OneRowIsAKeyWithItsUnitARowOfThePageAndAKeyFigure) {
   EXPECT_NE(figures.find("<b>12.3 mm</b><span>width of left</span>"), std::string::npos) << figures;
 }
 
-TEST(Quantity, ASeriesNamesItsColumnsAndACurveFindsThemByName) {
+// A series names its columns, and a curve finds them by name.
+TEST(Quantity, CurveFindsColumnsByName) {
   Json json;
   add_rows(json, "columns", "rows", kScar,
            std::vector<Scar>{{"a", 0.001, 1}, {"b", 0.002, 2}, {"c", 0.003, 3}}, 2);
@@ -52,7 +54,8 @@ TEST(Quantity, ASeriesNamesItsColumnsAndACurveFindsThemByName) {
   EXPECT_TRUE(page::curve_of("x", json, keys, "stitches", "depth_mm").points.empty());
 }
 
-TEST(Quantity, AmountsClimbToTheUnitThatSuitsThem) {
+// Amounts are printed in a suitable multiple of their unit.
+TEST(Quantity, AmountsUseSuitableUnit) {
   const auto text = [](double value, const Unit& unit) { return amount(Json(value), unit); };
   EXPECT_EQ(text(1330, units::kMicroseconds), "1.33 ms");
   EXPECT_EQ(text(1.33e6, units::kMicroseconds), "1.33 s");
@@ -67,13 +70,14 @@ TEST(Quantity, AmountsClimbToTheUnitThatSuitsThem) {
   EXPECT_EQ(amount(Json(), units::kNewtons), "");
 }
 
-TEST(Quantity, NoSectionOfAReportSaysAKeyTwice) {
+// No section of a report has a key twice.
+TEST(Quantity, KeysAreUniqueInSection) {
   for (const Section& section : report_sections()) {
     std::set<std::string> keys;
     for (const Caption& caption : section.captions) {
       EXPECT_TRUE(keys.insert(caption.key).second) << section.item << ": " << caption.key;
-      EXPECT_EQ(caption.label.empty(), caption.snapshot == kInReport)
-          << section.item << ": " << caption.key << ": what is shown has a caption";
+      EXPECT_EQ(caption.label.empty(), caption.shown_in == kInReport)
+          << section.item << ": " << caption.key << ": displayed quantities have a caption";
     }
   }
 }

@@ -35,10 +35,11 @@ BlockRun block_run() {
   return run;
 }
 
-TEST(Report, HoldsWhatWasMeasuredWithUnits) {
+// The report has the measures of a run with their units.
+TEST(Report, HasMeasuresWithUnits) {
   const Json report = block_run().report;
   EXPECT_EQ(report["scene"]["overrides"][0], "output.window=bone");
-  EXPECT_EQ(report["bodies"][0]["lattice_step_mm"], Json::array({8.0, 8.0, 8.0}));
+  EXPECT_EQ(report["bodies"][0]["lattice_spacing_mm"], Json::array({8.0, 8.0, 8.0}));
   EXPECT_GT(report["bodies"][0]["body_nodes"].get<int>(), 1000);
   const Json& wound = report["wounds"][0];
   EXPECT_EQ(wound["name"], "cut");
@@ -53,10 +54,12 @@ TEST(Report, HoldsWhatWasMeasuredWithUnits) {
   EXPECT_EQ(Json::parse(report.dump()), report);
 }
 
-TEST(Report, ThePageIsOneFileWithPicturesAndCurvesInside) {
+// The page is one file that embeds its pictures and curves.
+TEST(Report, PageIsSelfContained) {
   const BlockRun run = block_run();
   const std::string html = report_html(run.report, run.folder);
-  EXPECT_NE(html.find("src=\"data:image/png;base64,iVBORw0KGgo"), std::string::npos);  // how every PNG starts
+  EXPECT_NE(html.find("src=\"data:image/png;base64,iVBORw0KGgo"),
+            std::string::npos);  // signature of every PNG
   EXPECT_NE(html.find("red &lt;square&gt;"), std::string::npos);
   EXPECT_NE(html.find("something &amp; else"), std::string::npos);
   EXPECT_NE(html.find("gape, largest [mm]"), std::string::npos);
@@ -67,7 +70,8 @@ TEST(Report, ThePageIsOneFileWithPicturesAndCurvesInside) {
   EXPECT_EQ(html.find("url(http"), std::string::npos);
 }
 
-TEST(Report, TheTerminalNamesTheSameMeasuresAsThePage) {
+// The summary for the terminal has the measures of the page.
+TEST(Report, SummaryMatchesPage) {
   const BlockRun run = block_run();
   const std::string text = summary_text(run.report, "out/block");
   EXPECT_NE(text.find("cut\n  angle to Langer's lines           90.0°\n"), std::string::npos) << text;
@@ -78,7 +82,8 @@ TEST(Report, TheTerminalNamesTheSameMeasuresAsThePage) {
   EXPECT_NE(text.find("out/block/report.html\n"), std::string::npos) << text;
 }
 
-TEST(Report, EveryLatticeHasItsOwnSolver) {
+// The report has the solver of every lattice.
+TEST(Report, EveryLatticeHasOwnSolver) {
   const std::filesystem::path folder = test::fresh_folder();
   ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   const Result<Scene> scene = parse_scene(
@@ -90,17 +95,17 @@ TEST(Report, EveryLatticeHasItsOwnSolver) {
   const Exec exec(1);
   const World world = test::block_world(exec, *scene);
   const Json report = simulation_report(exec, *scene, world, make_measures(world), {});
-  EXPECT_EQ(report["bodies"][0]["method"], "descent");
+  EXPECT_EQ(report["bodies"][0]["method"], "vbd");
   EXPECT_EQ(report["bodies"][0]["sweeps"], 3);
   EXPECT_EQ(report["bodies"][1]["method"], "pbd");
   EXPECT_EQ(report["bodies"][1]["sweeps"], 7);
   EXPECT_FALSE(report["scene"].contains("method"));
 }
 
-/// Text that would be a tag, end an attribute or start a program, were it not escaped.
+/// Text that would be a tag, end an attribute or start a program if it were not escaped.
 const std::string kEvil = "\"><script>alert('1')</script>\nsystem(\"id\")\n#\x1b[31m\xff";
 
-/// Every text of the report becomes evil, numbers stay; so do keys that lead to files and names of columns.
+/// Replaces every text of the report except those that name files and columns; numbers are kept.
 void poison(Json& node) {
   if (node.is_string()) node = kEvil;
   if (node.is_structured())
@@ -108,7 +113,8 @@ void poison(Json& node) {
       if (key != "pictures" && !key.ends_with("columns")) poison(value);
 }
 
-TEST(Report, WhateverTextSceneAndFilesBringIsTextOnThePage) {
+// Texts of the scene and of files are escaped on the page.
+TEST(Report, TextsAreEscapedOnPage) {
   BlockRun run = block_run();
   Json& report = run.report;
   report["pictures"][0]["caption"] = kEvil;
@@ -124,9 +130,9 @@ TEST(Report, WhateverTextSceneAndFilesBringIsTextOnThePage) {
                       {"series", Json::array({{0, 1, 1, 0, 1}, {1, 2, 2, 1, 1}})}}};
   const Json row = Json::array({0.0, 1.0, 2.0, 3.0}), rows = Json::array({row, row});
   report["profiles"] = {{{"name", kEvil}, {"columns", {"distance_mm", "displacement_mm"}}, {"rows", rows}}};
-  const Json part = {{"name", kEvil},  {"cloth", kEvil},
-                     {"kind", kEvil},  {"series_columns", {"time_s", "force_N"}},
-                     {"series", rows}, {"vertices", 3}};
+  const Json entry = {{"name", kEvil},  {"cloth", kEvil},
+                      {"kind", kEvil},  {"series_columns", {"time_s", "force_N"}},
+                      {"series", rows}, {"vertices", 3}};
   report["bodies"] = {{{"name", kEvil},
                        {"model", "cloth"},
                        {"step_p50_ms", 1},
@@ -136,22 +142,22 @@ TEST(Report, WhateverTextSceneAndFilesBringIsTextOnThePage) {
                        {"series", rows},
                        {"snapshot_columns", {"time_s", "residual_relative", "energy_J"}},
                        {"snapshots", rows},
-                       {"obstacles", {part}},
-                       {"holds", {part}}}};
+                       {"obstacles", {entry}},
+                       {"holds", {entry}}}};
   report["bodies"].push_back({{"name", kEvil}, {"model", "rhombus"}, {"source", kEvil}, {"tissue", kEvil}});
   poison(report);
   report["bodies"][0]["model"] = "cloth",
-  report["bodies"][1]["model"] = "rhombus";  // else nothing is shown of them
+  report["bodies"][1]["model"] = "rhombus";  // otherwise the page omits them
   const std::string html = report_html(report, run.folder);
-  EXPECT_EQ(html.find("<script"), html.rfind("<script")) << "its own alone";
+  EXPECT_EQ(html.find("<script"), html.rfind("<script")) << "only the script of the page";
   EXPECT_EQ(html.find("<script"), html.find("<script>\nfor (const plot"));
   EXPECT_EQ(html.find("alert('"), std::string::npos);
   EXPECT_EQ(html.find('\x1b'), std::string::npos);
   EXPECT_EQ(html.find('\xff'), std::string::npos);
   EXPECT_NE(html.find("\" >&quot;&gt;&lt;script&gt;alert(&#39;1&#39;)"), std::string::npos)
-      << "a curve's label";
-  EXPECT_NE(html.find("alt=\"&quot;&gt;&lt;script"), std::string::npos) << "a picture's caption";
-  EXPECT_EQ(Json::parse(json_text(report)).size(), report.size()) << "and JSON takes what is no UTF-8";
+      << "label of a curve";
+  EXPECT_NE(html.find("alt=\"&quot;&gt;&lt;script"), std::string::npos) << "caption of a picture";
+  EXPECT_EQ(Json::parse(json_text(report)).size(), report.size()) << "JSON accepts invalid UTF-8";
 }
 
 }  // namespace

@@ -11,20 +11,23 @@ const Json kReport = {{"haptics", {{"missed", 0.002}}},
 
 std::string missed(const std::string& text) { return missed_by(kReport, *read_requirement(text)).value(); }
 
-TEST(Require, a_number_within_its_bound_is_no_news) {
+// A value within its bound yields no message.
+TEST(Require, ValueWithinBoundPasses) {
   for (const char* text :
        {"haptics.missed<0.01", "haptics.missed<=0.002", "haptics.missed>0.001", "haptics.missed>=2e-3",
         "tools.finger.force_max_N<1", "tools.0.force_max_N>0", "frames.1>=4"})
     EXPECT_EQ(missed(text), "") << text;
 }
 
-TEST(Require, a_missed_bound_says_what_was_found) {
+// A missed bound yields a message with the value.
+TEST(Require, MissedBoundReportsValue) {
   EXPECT_EQ(missed("haptics.missed<0.001"), "required haptics.missed<0.001, found 0.002");
   EXPECT_NE(missed("haptics.missed<0.002"), "");
   EXPECT_NE(missed("tools.finger.force_max_N>0.4"), "");
 }
 
-TEST(Require, what_is_no_requirement_or_no_number_is_refused) {
+// Invalid requirements and keys without a number are errors.
+TEST(Require, RejectsInvalidRequirements) {
   for (const char* text :
        {"", "<3", "haptics.missed", "haptics.missed<", "haptics.missed<x", "a<1 ", "a<nan", "a<inf", "a=3"})
     EXPECT_FALSE(read_requirement(text)) << text;

@@ -27,8 +27,8 @@ labels = "/seg.nii.gz"
 block = [2, 2, 1]
 fixed = ["bone", "ends"]
 tissue = { law = "springs", fat = 4e3, muscle = 1.5e4, volume = 2, labels = { liver = 4e3, 77 = 5e3 } }
-skin = { law = "fibre", tension = [60, 30], stiffness = 250, shear = 90, amplification = 1, direction = [0, 0, 1] }
-solver = { method = "descent", sweeps = 7, damping = 2 }
+skin = { law = "fiber", tension = [60, 30], stiffness = 250, shear = 90, amplification = 1, direction = [0, 0, 1] }
+solver = { method = "vbd", sweeps = 7, damping = 2 }
 
 [incision.first]
 body = "torso"
@@ -65,14 +65,16 @@ lattice::TissueLaw law_of(const std::string& body) {
   return scene->lattice_bodies[0].params.tissue.law;
 }
 
-TEST(Scene, TissueIsSolidUnlessItAsksForSpringsOrForProjectionsThatKnowNoOther) {
+// Tissue is solid unless the scene selects springs or PBD, which supports springs only.
+TEST(Scene, TissueLawDefaultsToSolid) {
   EXPECT_EQ(law_of(""), lattice::TissueLaw::kSolid);
   EXPECT_EQ(law_of("tissue = { young = 5e3, poisson = 0.3 }"), lattice::TissueLaw::kSolid);
   EXPECT_EQ(law_of("tissue = { law = \"springs\" }"), lattice::TissueLaw::kSprings);
   EXPECT_EQ(law_of("solver = { method = \"pbd\" }\nskin = { law = \"area\" }"), lattice::TissueLaw::kSprings);
 }
 
-TEST(Scene, EveryKeyReachesItsField) {
+// Every key reaches its field.
+TEST(Scene, KeysReachFields) {
   const Result<Scene> parsed = parse_scene(kScene, "/scenes/s.toml");
   ASSERT_TRUE(parsed) << parsed.error().message;
   const Scene& scene = *parsed;
@@ -112,7 +114,8 @@ TEST(Scene, EveryKeyReachesItsField) {
   EXPECT_FALSE(scene.output.obj);
 }
 
-TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
+// Every error is one sentence with its location, the expected and the found value.
+TEST(Scene, ErrorsNameLocationAndExpectation) {
   struct Case {
     std::string text, error;
   };
@@ -121,15 +124,15 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {"[body]\n", "s.toml:1:1: body: a scene needs at least one body, as in [body.torso]"},
       {"[world\n", "s.toml:1:7: not TOML: "},
       {"[world]\n[body.a]\nct = \"\"\"a\nblock = 2\n\n",
-       "s.toml:3: not TOML: the text that begins here with three quotes never ends"},
+       "s.toml:3: not TOML: a multi-line string that starts here is never closed"},
       {"[world]\nduration = 1\n[body.a]\nct = \"a.nii\nblock = 2\n",
        "s.toml:4: not TOML: a quote in this line is never closed"},
       {"# it's\n[body.a]\nct = 'a.nii # \n", "s.toml:3: not TOML: a quote in this line is never closed"},
       {small_scene("", "[camera.side]\nfrom = [0, 0, 0]\n"),
-       "camera.side: at is missing: what it looks at, [x, y, z] [m]"},
+       "camera.side: at is missing: the point that it looks at, [x, y, z] [m]"},
       {small_scene("", "[camera.skin]\nfrom = [0, 0, 0]\nat = [1, 0, 0]\n"),
        "other pictures of the run have this name"},
-      {small_scene("", "[camera.a]\nfrom = [1, 0, 0]\nat = [1, 0, 0]\n"), "the camera is where it looks at"},
+      {small_scene("", "[camera.a]\nfrom = [1, 0, 0]\nat = [1, 0, 0]\n"), "from and at are the same point"},
       {small_scene("", "[wrold]\n"), "s.toml:5:2: wrold is not a key of a scene; did you mean world?"},
       {small_scene("skin = { tensoin = 3 }"),
        "s.toml:4:10: body.torso.skin.tensoin is not a key of a scene; did you mean tension?"},
@@ -158,7 +161,8 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {"[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"leg\", size = [2, 9, 9] }\n",
        "body.torso.ct.size: expected numbers from 8 to 2048 [voxels], found 2"},
       {small_scene("block = 0"), "body.torso.block: expected a whole number from 1 to 64 [voxels], found 0"},
-      {small_scene("block = 2\nstep = 0.004"), "body.torso.step: a body has either step or block, not both"},
+      {small_scene("block = 2\nspacing = 0.004"),
+       "body.torso.spacing: a body has either spacing or block, not both"},
       {small_scene("block = 2.5"),
        "body.torso.block: expected a whole number from 1 to 64 [voxels], found 2.5"},
       {small_scene("fixed = \"bones\""),
@@ -171,11 +175,11 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
        "mean "
        "liver?"},
       {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\nonly = 5",
-       "body.torso.only: one label alone needs a segmentation: add labels = \"seg.nii.gz\""},
+       "body.torso.only: a body of one label needs a segmentation: add labels = \"seg.nii.gz\""},
       {small_scene(
            "skin = false\nsolver = { method = \"pbd\" }",
            "[tool.a]\nbody = \"torso\"\nshape = { sphere = 0.01 }\npress = { at_fraction = [0.5, 0, 0.5] }"),
-       "tool.a.body: torso has solver.method = \"pbd\", which knows no forces in newtons"},
+       "tool.a.body: torso has solver.method = \"pbd\", which has no contact forces in newtons"},
       {small_scene("tissue = { fat = -1 }"),
        "body.torso.tissue.fat: expected a number above 0 [Pa], found -1"},
       {small_scene("tissue = { fat_max = -500 }"),
@@ -189,32 +193,32 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
        "body.torso.skin.tension: expected less than the skin's stiffness, 300 N/m, found 400 N/m"},
       {small_scene("skin = { tension = [1, 2, 3] }"),
        "expected a number or [along, across] Langer's lines [N/m], found [ 1, 2, 3 ]"},
-      {small_scene("skin = { law = \"fibre\" }\nsolver = { method = \"pbd\" }"),
+      {small_scene("skin = { law = \"fiber\" }\nsolver = { method = \"pbd\" }"),
        "solver.method = \"pbd\" offers the area law only"},
       {small_scene("skin = { direction = [0, 0, 0] }"),
        "body.torso.skin.direction: expected a vector that is not zero"},
       {small_scene("tissue = { law = \"solid\", volume = 2 }"),
        "tissue.volume: solid tissue, the default, keeps its volume by tissue.poisson"},
-      {small_scene("tissue = { volume = 2 }"), "volume belongs to law = \"springs\": add that"},
+      {small_scene("tissue = { volume = 2 }"), "volume belongs to law = \"springs\": set that law"},
       {small_scene("tissue = { law = \"springs\", poisson = 0.3 }"),
-       "tissue.poisson: springs have no Poisson's ratio of their own"},
+       "tissue.poisson: springs have no Poisson's ratio"},
       {small_scene("tissue = { law = \"solid\", poisson = 0.5 }"), "tissue.poisson: expected"},
       {small_scene("tissue = { law = \"jelly\" }"),
        "tissue.law: expected \"springs\", \"solid\", found \"jelly\""},
       {small_scene("tissue = { law = \"solid\" }\nskin = false\nsolver = { method = \"pbd\" }"),
-       "solver.method = \"pbd\" projects springs alone"},
+       "solver.method = \"pbd\" projects springs only"},
       {small_scene("tissue = { law = \"solid\" }\nsolver = { sweeps = 1 }"), "expected at least 2 sweeps"},
       {small_scene("solver = { method = \"xpbd\" }"),
-       "solver.method: expected \"pbd\", \"descent\", found \"xpbd\"; did you mean \"pbd\"?"},
-      {small_scene("solver = { schedule = \"colour\" }"),
-       "solver.schedule: expected \"slabs\", \"colours\", found \"colour\"; did you mean \"colours\"?"},
+       "solver.method: expected \"pbd\", \"vbd\", found \"xpbd\"; did you mean \"pbd\"?"},
+      {small_scene("solver = { ordering = \"color\" }"),
+       "solver.ordering: expected \"slabs\", \"colors\", found \"color\"; did you mean \"colors\"?"},
       {small_scene("", "[world]\ndevice = \"cuda\""),
        "world.device: expected \"cpu\", \"gpu\", found \"cuda\""},
-      {small_scene("solver = { schedule = \"slabs\" }", "[world]\ndevice = \"gpu\""),
-       "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone"},
-      {small_scene("skin = { law = \"area\" }\nsolver = { method = \"pbd\", schedule = \"slabs\" }",
+      {small_scene("solver = { ordering = \"slabs\" }", "[world]\ndevice = \"gpu\""),
+       "world.device = \"gpu\" needs solver.ordering = \"colors\""},
+      {small_scene("skin = { law = \"area\" }\nsolver = { method = \"pbd\", ordering = \"slabs\" }",
                    "[world]\ndevice = \"gpu\""),
-       "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone"},
+       "world.device = \"gpu\" needs solver.ordering = \"colors\""},
       {small_scene("solver = { sweeps = 1001 }"),
        "solver.sweeps: expected a whole number from 1 to 1000, found 1001"},
       {small_scene("", "[incision.a]\nfrom = [0,0,0]\nto = [1,0,0]"),
@@ -223,11 +227,11 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
        "s.toml:6:8: incision.a.body: the scene has no body torsi with model = \"lattice\"; did you mean "
        "torso?"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]"),
-       "incision.a: to or to_fraction is missing: where the cut ends"},
+       "incision.a: to or to_fraction is missing: the end of the cut"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,0]"),
        "incision.a.to: the cut has no length"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\npath = [[0,0,0]]"),
-       "incision.a.path: expected at least two points [x, y, z], no two in a row the same, found"},
+       "incision.a.path: expected at least two points [x, y, z], consecutive ones distinct, found"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\npath = [[0,0,0], [0,0,0]]"),
        "incision.a.path: expected at least two points"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\npath = [[0,0,0], [0,1]]"),
@@ -237,7 +241,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,1]\ntilt = 80"),
        "incision.a.tilt: expected a number from -75 to 75 [degrees], found 80"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\npath = [[0,0,0], [0,0,1]]\nwidth = 0.01"),
-       "incision.a.width: a region that leaves the body is straight and upright"},
+       "incision.a.width: a removed region is straight and upright"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,1]\ndepth = 0"),
        "incision.a.depth: expected a number between 0 and 1 [m], found 0"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,1]\ndepth = 12"),
@@ -245,7 +249,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,-130,0]\nto = [0,0,1]"),
        "incision.a.from: expected numbers from -100 to 100 [m], found -130 m; -130 mm are -0.13"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,1]\nstart = 2"),
-       "incision.a.start: the cut starts at 2 s, when the run of 2 s is over"},
+       "incision.a.start: the cut starts at 2 s, after the end of the run at 2 s"},
       {small_scene("", "[output]\ndeformed_ct = \"../x.nii\""),
        "output.deformed_ct: expected a file name without folders"},
       {small_scene("", "[output]\ndeformed_ct = \"a.nii\"\njacobian = \"a.nii\""),
@@ -270,13 +274,15 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
                                                                  << c.error;
 }
 
-TEST(Scene, AllMistakesOfAFileAreListedInItsOrder) {
+// All errors of a file are listed in its order.
+TEST(Scene, ErrorsAreListedInFileOrder) {
   EXPECT_EQ(error_of(small_scene("block = 0", "[output]\nobj = 1")),
             "s.toml:4:9: body.torso.block: expected a whole number from 1 to 64 [voxels], found 0\n"
             "s.toml:6:7: output.obj: expected true or false, found 1");
 }
 
-TEST(Scene, SnapshotsAreTheFirstTheLastAndEveryOneBetween) {
+// Snapshots are taken at the first frame, at the interval and at the last frame.
+TEST(Scene, SnapshotFramesIncludeFirstAndLast) {
   const Result<Scene> scene = parse_scene(
       small_scene("", "[world]\nduration = 1.1\n[output]\nsnapshots = { every = 0.5 }"), "s.toml");
   ASSERT_TRUE(scene) << scene.error().message;
@@ -286,7 +292,8 @@ TEST(Scene, SnapshotsAreTheFirstTheLastAndEveryOneBetween) {
   EXPECT_EQ(frames, (std::vector<int>{0, 30, 60, 66}));
 }
 
-TEST(Scene, FilesThatAreNoScenesAreNamed) {
+// Missing files, folders and files that are too large are refused by name.
+TEST(Scene, RejectsForeignFiles) {
   const auto error = [](const std::string& path) { return read_scene(path).error().message; };
   EXPECT_EQ(error("/nowhere/s.toml"), "/nowhere/s.toml: does not exist; neither does the folder /nowhere");
   EXPECT_EQ(error("/tmp"), "/tmp: expected a scene file (.toml), found a folder");
@@ -295,7 +302,8 @@ TEST(Scene, FilesThatAreNoScenesAreNamed) {
   EXPECT_EQ(error(big), big + ": expected a scene file (.toml), found more than 1 MiB");
 }
 
-TEST(Scene, ScenesOfTheProjectAreRight) {
+// The scenes of the project are valid.
+TEST(Scene, ProjectScenesAreValid) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(TURGOR_SOURCE_DIR "/scenes")) {
     if (entry.path().extension() != ".toml") continue;
@@ -306,7 +314,8 @@ TEST(Scene, ScenesOfTheProjectAreRight) {
   EXPECT_GE(count, 3);
 }
 
-TEST(Scene, NothingCanBeNamedByMoreThanLettersAndDigits) {
+// Names consist of at most 64 letters, digits and a few signs.
+TEST(Scene, NamesAreRestricted) {
   const std::string name = R"("x\nsystem(\"id\")\n#")";
   const std::string cloth = "[body.a]\nmodel = \"cloth\"\nsheet = { side = [1, 0, 0], up = [0, 0, 1] }\n";
   const std::string body = "[body.a]\nmodel = \"sfem\"\nblock = { size = [1, 1, 1], count = [2, 2, 2] }\n";
@@ -317,16 +326,17 @@ TEST(Scene, NothingCanBeNamedByMoreThanLettersAndDigits) {
       small_scene("", "[incision." + name + "]\nbody = \"torso\"\nfrom = [0, 0, 0]\nto = [0, 0, 1]\n"),
       body + "[tool." + name + press,
       body + "[body.a.inside." + name + "]\nlabel = 3\n",
-      body + "[body.a.inclusion." + name + "]\ncentre = [0, 0, 0]\n",
+      body + "[body.a.inclusion." + name + "]\ncenter = [0, 0, 0]\n",
       cloth + "[body.a.hold." + name + "]\nvertices = [1]\n",
-      cloth + "[body.a.obstacle." + name + "]\nsphere = { centre = [0, 0, 0], radius = 0.1 }\n"};
+      cloth + "[body.a.obstacle." + name + "]\nsphere = { center = [0, 0, 0], radius = 0.1 }\n"};
   for (const std::string& text : scenes) {
     const std::string error = error_of(text);
     EXPECT_NE(error.find("expected a name of at most 64 letters"), std::string::npos) << text << error;
-    EXPECT_EQ(error.find("\nsystem"), std::string::npos) << "it cannot write lines of its own: " << error;
+    EXPECT_EQ(error.find("\nsystem"), std::string::npos) << "a name cannot add lines: " << error;
   }
 }
 
+// The error for an unknown key lists every known key once.
 TEST(Scene, KnownKeysAreListedOnce) {
   const std::string error = error_of(small_scene("zzzzzzzz = 1"));
   ASSERT_NE(error.find("known are"), std::string::npos) << error;
@@ -336,7 +346,8 @@ TEST(Scene, KnownKeysAreListedOnce) {
   for (const std::string& word : words) EXPECT_EQ(words.count(word), 1u) << word << " in: " << error;
 }
 
-TEST(Scene, AmountsThatFillMemoryOrDiskAreSaidBeforeTheRunStarts) {
+// Sizes that would fill the memory or the disk are refused before the run starts.
+TEST(Scene, RejectsExcessiveSizes) {
   const auto error = [](const std::string& world, const std::string& output) {
     return error_of(small_scene("", "[world]\n" + world + "\n[output]\n" + output));
   };
@@ -356,7 +367,8 @@ TEST(Scene, AmountsThatFillMemoryOrDiskAreSaidBeforeTheRunStarts) {
             "no error");
 }
 
-TEST(Scene, ASeriesIsChosenByNumberOrName) {
+// A DICOM series is selected by number or name.
+TEST(Scene, SeriesByNumberOrName) {
   for (const char* series : {"2", "\"2\""}) {
     const Result<Scene> scene = parse_scene("[body.torso]\nmodel = \"lattice\"\nct = \"dicom\"\n", "s.toml",
                                             {std::string("body.torso.series=") + series});

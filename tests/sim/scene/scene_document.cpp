@@ -1,4 +1,5 @@
-// docs/scene.md against what the readers of scenes ask for. scripts/scene-docs writes its tables anew.
+// Tables of keys in docs/scene.md and docs/scene/*.md, compared with the readers of scenes.
+// scripts/scene-docs regenerates them.
 #include <cstdlib>
 #include <map>
 #include <regex>
@@ -15,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Scenes that lead through every branch of the readers; what they say is of no interest.
+/// Scenes that lead through every branch of the readers; their values do not matter.
 constexpr const char* kScenes[] = {
     R"([body.a]
 model = "lattice"
@@ -94,7 +95,7 @@ capsule = {}
 mesh = "m"
 )"};
 
-/// By group, in the order in which they are asked for.
+/// Keys by group, in the order of the readers.
 std::map<std::string, std::vector<SceneKey>> all_keys() {
   std::map<std::string, std::vector<SceneKey>> groups;
   std::set<std::pair<std::string, std::string>> known;
@@ -112,41 +113,59 @@ std::string table_of(const std::vector<SceneKey>& keys) {
   return text;
 }
 
-TEST(SceneDocument, ItsTablesAreWhatTheReadersAskFor) {
-  const fs::path file = fs::path(TURGOR_SOURCE_DIR) / "docs" / "scene.md";
-  std::string document = read_file(file).value();
+/// Text of docs/scene.md and of every page of docs/scene, by file.
+std::map<fs::path, std::string> scene_pages() {
+  const fs::path docs = fs::path(TURGOR_SOURCE_DIR) / "docs";
+  std::map<fs::path, std::string> pages;
+  pages[docs / "scene.md"] = read_file(docs / "scene.md").value();
+  for (const auto& entry : fs::directory_iterator(docs / "scene"))
+    pages[entry.path()] = read_file(entry.path()).value();
+  return pages;
+}
+
+// The tables of the documents match the keys of the readers.
+TEST(SceneDocument, TablesMatchReaders) {
+  std::map<fs::path, std::string> pages = scene_pages();
   const bool writes = std::getenv("TURGOR_WRITE_DOCUMENTS") != nullptr;
   for (const auto& [group, keys] : all_keys()) {
     const std::string begin = fmt::format("<!-- keys: {} -->\n", group);
-    const std::size_t from = document.find(begin), to = document.find("<!-- end -->", from);
-    ASSERT_NE(to, std::string::npos) << "docs/scene.md has no table of the keys of " << group;
-    const std::size_t at = from + begin.size();
-    if (writes)
-      document.replace(at, to - at, table_of(keys));
-    else
-      EXPECT_EQ(document.substr(at, to - at), table_of(keys)) << "run scripts/scene-docs";
+    int tables = 0;
+    for (auto& [file, page] : pages) {
+      const std::size_t from = page.find(begin);
+      if (from == page.npos) continue;
+      tables++;
+      const std::size_t at = from + begin.size(), to = page.find("<!-- end -->", at);
+      ASSERT_NE(to, page.npos) << file << ": expected <!-- end --> after the table of " << group;
+      if (writes)
+        page.replace(at, to - at, table_of(keys));
+      else
+        EXPECT_EQ(page.substr(at, to - at), table_of(keys)) << file << ": run scripts/scene-docs";
+    }
+    EXPECT_EQ(tables, 1) << "expected one table of the keys of " << group
+                         << " in docs/scene.md and docs/scene";
   }
-  if (writes) {
-    ASSERT_TRUE(write_file(file, document));
-  }
+  if (!writes) return;
+  for (const auto& [file, page] : pages) ASSERT_TRUE(write_file(file, page));
 }
 
-TEST(SceneDocument, NoReaderKnowsAKeyThatNoTableHas) {
+// No reader has a key that is missing in the tables.
+TEST(SceneDocument, ReadersHaveNoUndocumentedKey) {
   std::set<std::string> listed;
   for (const auto& [group, keys] : all_keys())
     for (const SceneKey& key : keys) listed.insert(key.key.substr(key.key.rfind('.') + 1));
-  const std::regex asked(R"re(\.(?:read|read_path|read_choice(?:<[^>(]*>)?|describe)\(\s*"(\w+)")re");
+  const std::regex reader_call(R"re(\.(?:read|read_path|read_choice(?:<[^>(]*>)?|describe)\(\s*"(\w+)")re");
   int found = 0;
   for (const auto& entry : fs::directory_iterator(fs::path(TURGOR_SOURCE_DIR) / "turgor" / "sim" / "scene")) {
     if (entry.path().extension() != ".cpp") continue;
     const std::string text = read_file(entry.path()).value();
-    for (std::sregex_iterator hit(text.begin(), text.end(), asked), end; hit != end; ++hit, found++)
+    for (std::sregex_iterator hit(text.begin(), text.end(), reader_call), end; hit != end; ++hit, found++)
       EXPECT_TRUE(listed.contains((*hit)[1])) << entry.path().filename() << ": " << (*hit)[1];
   }
   EXPECT_GT(found, 100);
 }
 
-TEST(SceneDocument, AKeyHasItsUnitItsLimitsAndWhatHoldsWithoutIt) {
+// A key has its unit, its limits and its default.
+TEST(SceneDocument, KeyHasUnitLimitsAndDefault) {
   const auto groups = all_keys();
   for (const SceneKey& key : groups.at("lattice")) {
     if (key.key != "solver.damping") continue;

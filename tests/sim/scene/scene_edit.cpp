@@ -25,7 +25,7 @@ std::string edited(const std::vector<std::string>& overrides) {
   return text ? *text : "";
 }
 
-/// Does the edited text say what --set says?
+/// Expects that the edited text equals the scene with these overrides.
 void expect_same_scene(const std::vector<std::string>& overrides) {
   const Result<Scene> saved = parse_scene(edited(overrides), "a.toml"),
                       set = parse_scene(kText, "a.toml", overrides);
@@ -43,7 +43,8 @@ void expect_same_scene(const std::vector<std::string>& overrides) {
   EXPECT_EQ(saved->output.window, set->output.window);
 }
 
-TEST(scene_edit, a_saved_scene_is_the_one_that_was_set_wherever_the_key_stands) {
+// A saved scene equals the scene with overrides, in every notation of the key.
+TEST(SceneEdit, SavedSceneEqualsOverrides) {
   for (const char* one :
        {"world.duration=3.5", "world.gravity=[0, 0, -9.81]", "body.torso.skin.tension=60.5",
         "body.torso.skin.shear=80", "body.torso.solver.sweeps=7", "body.torso.solver.damping=2",
@@ -53,7 +54,8 @@ TEST(scene_edit, a_saved_scene_is_the_one_that_was_set_wherever_the_key_stands) 
                      "body.torso.skin.tension=55", "output.window=lung"});
 }
 
-TEST(scene_edit, nothing_else_of_the_text_changes) {
+// The rest of the text is unchanged.
+TEST(SceneEdit, KeepsOtherText) {
   EXPECT_EQ(edited({}), kText);
   std::string expected = kText;
   expected.replace(expected.find("tension = 45"), 12, "tension = 62");
@@ -63,7 +65,8 @@ TEST(scene_edit, nothing_else_of_the_text_changes) {
   EXPECT_EQ(edited({"body.torso.solver.sweeps=12"}), expected);
 }
 
-TEST(scene_edit, a_value_is_read_from_where_it_holds) {
+// The effective value is read from the override or from the text.
+TEST(SceneEdit, ReadsEffectiveValue) {
   const Result<Scene> scene = parse_scene(kText, "a.toml", {"body.torso.skin.tension=70"});
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene_value(*scene, "body.torso.skin.tension"), "70");
@@ -72,7 +75,8 @@ TEST(scene_edit, a_value_is_read_from_where_it_holds) {
   EXPECT_EQ(scene_value(*scene, "world.gravity"), "");
 }
 
-TEST(scene_edit, what_has_no_place_in_the_text_is_told_and_not_half_written) {
+// Overrides that cannot be written into the text are errors.
+TEST(SceneEdit, RejectsUnwritableOverrides) {
   for (const char* one : {"world.duration=", "world.duration.more=3", "alone=1"}) {
     const Result<std::string> text = with_values(kText, "a.toml", {one});
     EXPECT_FALSE(text) << one;
@@ -80,7 +84,8 @@ TEST(scene_edit, what_has_no_place_in_the_text_is_told_and_not_half_written) {
   EXPECT_FALSE(with_values("[world", "a.toml", {"world.duration=3"}));
 }
 
-TEST(scene_edit, a_cut_by_hand_is_an_incision_of_the_saved_scene) {
+// Cuts of a session become incisions of the saved scene.
+TEST(SceneEdit, SavesCutsAsIncisions) {
   const Result<Scene> scene = parse_scene(kText, "a.toml");
   ASSERT_TRUE(scene);
   const std::vector<lattice::Incision> cuts = {

@@ -1,4 +1,4 @@
-// What a scene that cannot be read is refused with.
+// Error message of a scene that cannot be read.
 #pragma once
 
 #include <string>

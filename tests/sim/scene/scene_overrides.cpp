@@ -1,4 +1,4 @@
-// What --set does to a scene.
+// Overrides of a scene by --set.
 #include <gtest/gtest.h>
 
 #include "tests/sim/scene/scene_error.hpp"
@@ -13,19 +13,21 @@ const std::string kFromFile =
     "[world]\nduration = 1.5\n[body.torso]\nmodel = \"lattice\"\nct = \"ct/patient.nii.gz\"\n";
 const std::string kPhantom = "[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\n";
 
-TEST(SceneOverrides, OverridesReplaceAnyKeyAndTakeBareWordsAsText) {
+// Overrides replace any key and accept words without quotes.
+TEST(SceneOverrides, ReplaceKeysAndAcceptBareWords) {
   const Result<Scene> scene = parse_scene(kFromFile, "/scenes/s.toml",
                                           {"body.torso.ct=other/ct.nii.gz", "body.torso.skin.tension=20",
                                            "world.duration=3", "output.window=lung"});
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_EQ(scene->lattice_bodies[0].ct.file,
-            "other/ct.nii.gz");  // relative to the current folder, not to the scene's
+            "other/ct.nii.gz");  // relative to the current folder, not to the scene's folder
   EXPECT_EQ(scene->lattice_bodies[0].params.skin.tension_across, 20);
   EXPECT_EQ(scene->duration, 3);
   EXPECT_EQ(scene->output.window, "lung");
 }
 
-TEST(SceneOverrides, OverridesMayReplaceAPhantomByAFileAndAFileByAPhantom) {
+// Overrides replace a phantom by a file and a file by a phantom.
+TEST(SceneOverrides, ReplacePhantomByFile) {
   const Result<Scene> file = parse_scene(kPhantom, "s.toml", {"body.torso.ct=2024"});
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(file->lattice_bodies[0].ct.file, "2024");
@@ -37,7 +39,8 @@ TEST(SceneOverrides, OverridesMayReplaceAPhantomByAFileAndAFileByAPhantom) {
   EXPECT_EQ(phantom->lattice_bodies[0].ct.phantom->seed, 3);
 }
 
-TEST(SceneOverrides, WrongOverridesAreRefusedByName) {
+// Invalid overrides are refused by name.
+TEST(SceneOverrides, RejectInvalidOverrides) {
   const auto error = [](const std::string& text) { return error_of(kFromFile, {text}); };
   EXPECT_EQ(error("world.duration"),
             "--set world.duration: expected key=value, as in --set body.torso.block=2");
@@ -57,12 +60,13 @@ TEST(SceneOverrides, WrongOverridesAreRefusedByName) {
             "\"3 world.x=4\"");
 }
 
-TEST(SceneOverrides, AnOverrideWithoutAValueRemovesAKey) {
+// An override without a value removes its key.
+TEST(SceneOverrides, EmptyValueRemovesKey) {
   const std::string text = kPhantom + "labels = \"seg.nii\"\n[output]\nwindow = \"bone\"\n";
   const Result<Scene> scene = parse_scene(text, "s.toml", {"body.torso.labels=", "output.window="});
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_EQ(scene->lattice_bodies[0].labels, "");
-  EXPECT_EQ(scene->output.window, "abdomen") << "as if the scene had not said it";
+  EXPECT_EQ(scene->output.window, "abdomen") << "the default";
   EXPECT_EQ(error_of(text, {"body.torso.label="}),
             "--set body.torso.label=: the scene has no body.torso.label that could be removed; did you mean "
             "labels?");
@@ -71,7 +75,8 @@ TEST(SceneOverrides, AnOverrideWithoutAValueRemovesAKey) {
             std::string::npos);
 }
 
-TEST(SceneOverrides, FilesOfOverridesThatAreNotHereAreLookedForInAFolderForEveryKindOfBody) {
+// Relative files of overrides refer to the given folder, for every model.
+TEST(SceneOverrides, RelativeFilesUseGivenFolder) {
   const std::string text =
       "[body.a]\nmodel = \"sfem\"\nmesh = \"in-file.msh\"\n[body.b]\nmodel = \"rhombus\"\nsurface = "
       "\"b.obj\"\n"

@@ -19,7 +19,8 @@ model = "rhombus"
 surface = { phantom = "liver" }
 )";
 
-TEST(SceneRhombus, keys_reach_the_model) {
+// The keys reach the model.
+TEST(SceneRhombus, KeysReachModel) {
   const Scene scene = *parse_scene(std::string(kLiver) + R"(tissue = "breast-fat"
 bulge = 0.4
 chain = { angle = 30, side = 0.004 }
@@ -45,7 +46,8 @@ grasp = { at_fraction = [0.5, 0.5, 1], pull = 0.012 }
   EXPECT_EQ(std::get<Grasp>(scene.tools[0].motion).pull, 0.012);
 }
 
-TEST(SceneRhombus, mistakes_are_named_with_their_place) {
+// Errors name the key and its location in the file.
+TEST(SceneRhombus, ErrorsNameLocation) {
   EXPECT_NE(error_of("[body.b]\nmodel = \"rhombus\"\n").find("surface or surface_of is missing"),
             std::string::npos);
   EXPECT_NE(error_of("[body.b]\nmodel = \"rhombus\"\nsurface_of = \"x\"\n")
@@ -67,11 +69,11 @@ TEST(SceneRhombus, mistakes_are_named_with_their_place) {
         << factors;
   EXPECT_NE(
       error_of(std::string(kLiver) + "stiffness = { ct = \"a\", labels = \"b\", factors = { 5 = 2 } }\n")
-          .find("of labels or of a CT"),
+          .find("from labels or from a CT"),
       std::string::npos);
 }
 
-/// That its tool felt [N].
+/// Largest force on the tool [N].
 double largest_force(const World& world) {
   double largest = 0;
   for (const ForceSample& s : world.tools[0].samples) largest = std::max(largest, norm(s.force));
@@ -80,7 +82,8 @@ double largest_force(const World& world) {
 
 World loaded(const std::string& text) { return *load_world(Exec(1), *parse_scene(text, "s.toml")); }
 
-TEST(SceneRhombus, a_press_is_felt_in_newtons_and_leaves_no_trace) {
+// A press has the force of the chain model in newtons, and the surface recovers completely.
+TEST(SceneRhombus, PressMatchesTipForceAndRecovers) {
   World world = loaded(std::string(kLiver) + R"([world]
 duration = 1.3
 [tool.ball]
@@ -103,7 +106,8 @@ press = { at_fraction = [0.3, 0.5, 1], depth = 0.008 }
   EXPECT_LT(liver.jump, 1e-5 * 1.5 * 2 * 5400 / 0.75 * 0.005) << "N, in 10 um; a disc's stiffness";
 }
 
-TEST(SceneRhombus, forceps_press_pull_and_let_go) {
+// Forceps press, pull and release the tissue.
+TEST(SceneRhombus, ForcepsPressPullAndRelease) {
   World world = loaded(std::string(kLiver) + R"([world]
 duration = 3
 [tool.forceps]
@@ -128,7 +132,7 @@ grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.006, pull = 0.012 }
       0);
 }
 
-/// Soft for x < 0, dense for x > 0, around the phantom liver.
+/// A CT around the phantom liver: soft for x < 0, dense for x > 0.
 CtVolume two_halves() {
   CtVolume ct;
   ct.grid = Grid{.size = {40, 30, 24}, .spacing = {0.01, 0.01, 0.01}, .origin = {-0.195, -0.15, -0.12}};
@@ -139,7 +143,8 @@ CtVolume two_halves() {
   return ct;
 }
 
-TEST(SceneRhombus, stiffness_comes_from_a_ct_s_gray_values) {
+// The stiffness follows the gray values of a CT.
+TEST(SceneRhombus, StiffnessFollowsGrayValues) {
   const std::filesystem::path file = test::fresh_folder() / "ct.nrrd";
   ASSERT_TRUE(write_ct(file, two_halves()));
   const World world = loaded(std::string(kLiver) + "stiffness = { ct = \"" + file.string() +
@@ -156,7 +161,8 @@ TEST(SceneRhombus, stiffness_comes_from_a_ct_s_gray_values) {
   EXPECT_GT(dense, 100);
 }
 
-TEST(SceneRhombus, the_surface_of_an_sfem_body_can_be_taken) {
+// A rhombus body can use the surface of an SFEM body.
+TEST(SceneRhombus, UsesSurfaceOfSfemBody) {
   const World world = loaded(R"([body.block]
 model = "sfem"
 block = { size = [0.1, 0.1, 0.05], count = [6, 6, 3] }
@@ -170,7 +176,8 @@ surface_of = "block"
   EXPECT_NEAR(world.rhombus_bodies[0].volume, 0.1 * 0.1 * 0.05, 1e-12);
 }
 
-TEST(SceneRhombus, a_real_liver_is_pressed_and_pulled) {
+// A real liver is pressed and pulled with forceps without force jumps.
+TEST(SceneRhombus, RealLiverIsPressedAndPulled) {
   const std::filesystem::path file =
       std::filesystem::path(TURGOR_SOURCE_DIR) / "../shared/data/mesh/liver-smooth.obj";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no ../shared/data/mesh/liver-smooth.obj";

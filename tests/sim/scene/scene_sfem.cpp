@@ -19,7 +19,7 @@ resolution = 0.01
 young = 5e3
 poisson = 0.4
 inside = { nodule = { label = 77, young = 4e4 } }
-inclusion.cyst = { centre_fraction = [0.5, 0.5, 0.5], radius = 0.02, young = 500, poisson = 0.3 }
+inclusion.cyst = { center_fraction = [0.5, 0.5, 0.5], radius = 0.02, young = 500, poisson = 0.3 }
 fixed = { sides = ["back", "head"], depth = 0.2 }
 formulation = "averaged"
 patch = { radius = 0.03, refinement = 3, hysteresis = 0.5 }
@@ -60,7 +60,8 @@ std::string small(const std::string& body = "block = { size = [1, 1, 1], count =
 
 std::string tool(const std::string& keys) { return small() + "\n[body.b.viscosity]\n[tool.t]\n" + keys; }
 
-TEST(SceneSfem, EveryKeyReachesItsField) {
+// Every key reaches its field.
+TEST(SceneSfem, KeysReachFields) {
   const Result<Scene> scene = parse_scene(kSfemScene, "/data/s.toml");
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_EQ(scene->sfem_bodies.size(), 2u);
@@ -72,7 +73,7 @@ TEST(SceneSfem, EveryKeyReachesItsField) {
   EXPECT_EQ(liver.material.young, 5e3);
   EXPECT_EQ(liver.inside[0].label, 77);
   EXPECT_EQ(liver.inside[0].material.young, 4e4);
-  EXPECT_EQ(liver.inside[0].material.poisson, 0.4) << "what is not given is the body's";
+  EXPECT_EQ(liver.inside[0].material.poisson, 0.4) << "missing values are those of the body";
   EXPECT_TRUE(liver.inclusions[0].by_fraction);
   EXPECT_EQ(liver.inclusions[0].material.poisson, 0.3);
   EXPECT_EQ(liver.fixed.sides, (std::vector<Side>{Side::kBack, Side::kHead}));
@@ -87,7 +88,7 @@ TEST(SceneSfem, EveryKeyReachesItsField) {
   EXPECT_EQ(liver.cache, "/data/kept");
   EXPECT_EQ(liver.seen, "/data/fine.obj");
   EXPECT_EQ(liver.seen_scale, 0.001);
-  EXPECT_EQ(liver.elements, Elements::kLinear) << "with a formulation";
+  EXPECT_EQ(liver.elements, Elements::kLinear) << "default if a formulation is given";
   const SfemScene& pad = scene->sfem_bodies[1];
   EXPECT_EQ(pad.elements, Elements::kLinear) << "hexahedra";
   EXPECT_EQ(std::get<HexBlock>(pad.source).count, (Int3{1, 2, 3}));
@@ -107,13 +108,14 @@ TEST(SceneSfem, EveryKeyReachesItsField) {
   EXPECT_EQ(scene->output.color, SkinColor::kPressure);
 }
 
-TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
+// Errors name the key and its location in the file.
+TEST(SceneSfem, ErrorsNameLocation) {
   const struct {
     std::string text, words;
   } cases[] = {
       {small("young = 1"), "s.toml:1:1: body.b: mesh or surface or labels or block is missing"},
       {small("mesh = \"a.msh\"\nsurface = \"b.obj\""), "a body has one shape: either mesh or surface"},
-      {small("labels = \"s.nii\""), "label is missing: which label is the body"},
+      {small("labels = \"s.nii\""), "label is missing: the label of the body"},
       {small("labels = \"s.nii\"\nlabel = \"livre\""),
        "s.toml:4:9: body.b.label: expected a label's number (1 to 65535) or an organ's name, found "
        "\"livre\"; did "
@@ -124,8 +126,8 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
       {small("mesh = \"a.msh\"\nfixed = \"below\""), "body.b.fixed: expected \"right\", \"left\""},
       {small("mesh = \"a.msh\"\nfixed = { box = [[0, 0, 0]] }"), "two corners, [[x, y, z], [x, y, z]]"},
       {small("mesh = \"a.msh\"\npatch = { refinement = 5 }"), "from 1 to 4, found 5"},
-      {small("mesh = \"a.msh\"\ncolour = 1"), "body.b.colour is not a key of a scene"},
-      {small("mesh = \"a.msh\"\n[output]\ncolor = \"stretch\""), "stretch is known of the skin of a lattice"},
+      {small("mesh = \"a.msh\"\nhue = 1"), "body.b.hue is not a key of a scene"},
+      {small("mesh = \"a.msh\"\n[output]\ncolor = \"stretch\""), "stretch needs the skin of a lattice"},
       {tool("body = \"c\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0]]"), "the scene has no body c"},
       {tool("body = \"b\"\npath = [[0, 0, 0, 0]]"), "shape is missing: as in { sphere = 0.006 } [m]"},
       {tool("body = \"b\"\nshape = { cube = 1 }\npath = [[0, 0, 0, 0]]"), "tool.t.shape.cube is not a key"},
@@ -136,22 +138,24 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [1, nan, 0, 0]]"),
        "s.toml:9:27: tool.t.path: expected numbers [s and m], found nan"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [0, 1, 0, 0]]"),
-       "row 2 of the path: expected a time after that of the row before"},
+       "row 2 of the path: expected a time after that of the previous row"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npress = { depth = 0.1 }"), "at or at_fraction is missing"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npress = { at = [0, 0, 0], to_fraction = [0, 0, 0] }"),
-       "either in metres or in fractions"},
+       "either in meters or in fractions"},
   };
   for (const auto& c : cases)
     EXPECT_NE(error_of(c.text).find(c.words), std::string::npos)
         << c.text << "\nfound:    " << error_of(c.text) << "\nexpected: " << c.words;
 }
 
-TEST(SceneSfem, ToolsAreNotMadeByOverrides) {
+// Overrides do not create tools.
+TEST(SceneSfem, OverridesCreateNoTools) {
   EXPECT_NE(error_of(kSfemScene, {"tool.fingr.friction=1"}).find("has no tool fingr; did you mean finger?"),
             std::string::npos);
 }
 
-TEST(SceneSfem, TetrahedraAreQuadraticUnlessASceneSaysOtherwise) {
+// Tetrahedra are quadratic by default.
+TEST(SceneSfem, TetrahedraDefaultToQuadratic) {
   const auto read = [](const std::string& keys) {
     const Result<Scene> scene = parse_scene(small(keys), "s.toml");
     EXPECT_TRUE(scene) << scene.error().message;
@@ -161,15 +165,16 @@ TEST(SceneSfem, TetrahedraAreQuadraticUnlessASceneSaysOtherwise) {
   EXPECT_EQ(unsaid.elements, Elements::kQuadratic);
   EXPECT_EQ(unsaid.patch.refinement, kByElements);
   EXPECT_EQ(std::get<ClosedSurface>(unsaid.source).resolution, 0.02)
-      << "about the nodes of linear ones of 10 mm";
+      << "about as many nodes as linear elements of 10 mm";
   EXPECT_EQ(read("surface = \"a.obj\"\nelements = \"linear\"").elements, Elements::kLinear);
   EXPECT_EQ(read("surface = \"a.obj\"\nformulation = \"standard\"").elements, Elements::kLinear);
   EXPECT_NE(error_of(small("surface = \"a.obj\"\nelements = \"quadratic\"\nformulation = \"averaged\""))
                 .find("one formulation, which does not lock"),
             std::string::npos);
-  EXPECT_NE(error_of(small("block = { size = [1, 1, 1], count = [1, 1, 1] }\nelements = \"quadratic\""))
-                .find("body.b.elements: \"quadratic\" ones are tetrahedra, a block is of hexahedra"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of(small("block = { size = [1, 1, 1], count = [1, 1, 1] }\nelements = \"quadratic\""))
+          .find("body.b.elements: \"quadratic\" elements are tetrahedra, a block consists of hexahedra"),
+      std::string::npos);
 }
 
 }  // namespace

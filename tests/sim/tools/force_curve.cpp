@@ -20,7 +20,8 @@ class ForceCurve : public ::testing::Test {
   std::filesystem::path folder_ = test::fresh_folder();
 };
 
-TEST_F(ForceCurve, names_comments_and_any_separator_are_read) {
+// Column names, comments and any separator are accepted.
+TEST_F(ForceCurve, ReadsNamesCommentsAndSeparators) {
   const auto curve = *read_force_curve(
       file("depth_m,force_N\r\n# at 1 mm/s\r\n0,0\r\n\r\n0.001; 0.02\n0.002\t0.05\n 0.003 0.09"));
   ASSERT_EQ(curve.size(), 4u);
@@ -28,19 +29,22 @@ TEST_F(ForceCurve, names_comments_and_any_separator_are_read) {
   EXPECT_EQ(curve[3].force, 0.09);
 }
 
-TEST_F(ForceCurve, units_in_the_names_of_the_columns_are_obeyed) {
+// Units in the column names are applied.
+TEST_F(ForceCurve, AppliesUnitsOfColumns) {
   for (const char* header : {"depth_mm,force_mN", "Eindringtiefe[mm];Kraft[mN]", "d(mm)\tF(mN)"}) {
     const auto curve = read_force_curve(file(std::string(header) + "\n1.5 20\n"));
     ASSERT_TRUE(curve) << header << ": " << curve.error().message;
     EXPECT_DOUBLE_EQ((*curve)[0].depth, 0.0015) << header;
     EXPECT_DOUBLE_EQ((*curve)[0].force, 0.02) << header;
   }
-  EXPECT_EQ((*read_force_curve(file("depth force\n0.002 3\n")))[0].depth, 0.002) << "words are no units";
+  EXPECT_EQ((*read_force_curve(file("depth force\n0.002 3\n")))[0].depth, 0.002)
+      << "other words are not units";
   EXPECT_EQ(message("force_N,depth_mm\n1,2\n"),
             "curve.csv: expected a depth before its force, found the columns \"force_N\" and \"depth_mm\"");
 }
 
-TEST_F(ForceCurve, a_micrometer_is_none_of_meters_however_its_letter_is_written) {
+// Every spelling of the micrometer is recognized.
+TEST_F(ForceCurve, ReadsEverySpellingOfMicrometer) {
   for (const char* header :
        {"depth_um,force_N", "depth_µm,force_N", "Tiefe [μm];Kraft [N]", " Tiefe in μm , Kraft in N \r"}) {
     const auto curve = read_force_curve(file(std::string(header) + "\n1500 20\n"));
@@ -49,7 +53,8 @@ TEST_F(ForceCurve, a_micrometer_is_none_of_meters_however_its_letter_is_written)
   }
 }
 
-TEST_F(ForceCurve, lines_that_are_no_points_are_refused_with_their_place) {
+// Invalid lines are refused with their line number.
+TEST_F(ForceCurve, RejectsInvalidLines) {
   EXPECT_EQ(message("depth,force\n0,0\n0.001,abc\n"),
             "curve.csv:3: expected two numbers, a depth [m] and a force [N], found \"0.001,abc\"");
   EXPECT_EQ(message("0,0,0\n"),

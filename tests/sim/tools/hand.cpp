@@ -22,7 +22,7 @@ World run_world(const std::string& text, const std::filesystem::path& folder,
   return std::move(*world);
 }
 
-/// Runs a scene, and the same scene with the hands that it wrote in place of its tools' motions.
+/// Runs a scene, and the same scene with its force table as the motion of its tools.
 void expect_same_bits(const std::string& body, const std::string& tools,
                       const std::vector<std::string>& motions) {
   const auto folder = test::fresh_folder();
@@ -44,12 +44,13 @@ void expect_same_bits(const std::string& body, const std::string& tools,
       ASSERT_EQ(a[i].grip, b[i].grip) << a[i].time;
       largest = std::max(largest, norm(a[i].force));
     }
-    EXPECT_GT(largest, 1e-3) << "N: it touches";
+    EXPECT_GT(largest, 1e-3) << "N: the tool is in contact";
   }
   EXPECT_EQ(state_hash(first), state_hash(second));
 }
 
-TEST(Hand, what_a_run_wrote_moves_a_tool_over_sfem_to_the_same_bits) {
+// A tool on an SFEM body that replays the force table of a run has the same bits.
+TEST(Hand, SfemReplaysForceTable) {
   const std::string press =
       "press = { at_fraction = [0.3, 0.5, 1], to_fraction = [0.7, 0.4, 1], depth = 0.003, start = 0, "
       "duration = "
@@ -66,7 +67,8 @@ TEST(Hand, what_a_run_wrote_moves_a_tool_over_sfem_to_the_same_bits) {
       {press, held});
 }
 
-TEST(Hand, what_a_run_wrote_moves_forceps_over_rhombus_to_the_same_bits) {
+// Forceps on a rhombus body that replay the force table of a run have the same bits.
+TEST(Hand, RhombusReplaysForceTable) {
   const std::string grasp =
       "grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.006, pull = 0.012, aside = [0.003, 0.002, 0], "
       "duration = "
@@ -80,7 +82,8 @@ TEST(Hand, what_a_run_wrote_moves_forceps_over_rhombus_to_the_same_bits) {
       {grasp, press});
 }
 
-TEST(Hand, a_table_that_a_person_wrote_needs_only_time_and_place) {
+// A table requires only columns for time and position.
+TEST(Hand, TableRequiresTimeAndPositionOnly) {
   const auto folder = test::fresh_folder();
   ASSERT_TRUE(write_file(folder / "h.csv",
                          "z_m, time_s,note ,x_m,y_m,grip\n0.1,0,up,1,2,0\n\n0.2,0.5,down,3,4,0.25\n"));
@@ -90,11 +93,12 @@ TEST(Hand, a_table_that_a_person_wrote_needs_only_time_and_place) {
   EXPECT_EQ(hand[1].command.pose.axes, Mat3d{});
   EXPECT_EQ(hand[1].command.grip, 0.25);
   EXPECT_EQ(hand_at(hand, -1).command.pose.position.x, 1);
-  EXPECT_EQ(hand_at(hand, 0.4999).command.pose.position.x, 1) << "a hand is where its newest row says";
+  EXPECT_EQ(hand_at(hand, 0.4999).command.pose.position.x, 1) << "the newest row holds until the next one";
   EXPECT_EQ(hand_at(hand, 0.5).command.pose.position.x, 3);
 }
 
-TEST(Hand, as_a_path_it_has_the_same_axes) {
+// A hand converted to a path has the same axes.
+TEST(Hand, PathKeepsAxes) {
   std::vector<HandRow> hand;
   for (const std::array<double, 4> q : {std::array{1.0, 0.0, 0.0, 0.0},
                                         {0.0, 1.0, 0.0, 0.0},
@@ -111,31 +115,33 @@ TEST(Hand, as_a_path_it_has_the_same_axes) {
   }
 }
 
-TEST(Hand, what_is_no_hand_is_refused_with_its_line) {
+// Invalid tables are refused with their line number.
+TEST(Hand, RejectsInvalidTables) {
   const auto folder = test::fresh_folder();
   const auto read = [&](const std::string& text) {
     EXPECT_TRUE(write_file(folder / "h.csv", text));
     return read_hand(folder / "h.csv", "finger");
   };
   const std::string names = "tool,time_s,x_m,y_m,z_m,grip\n";
-  EXPECT_REFUSED(read("0,1,2,3\n"),
-                 "h.csv:1: expected a first line that names the columns, among them time_s", "");
+  EXPECT_REFUSED(read("0,1,2,3\n"), "h.csv:1: expected a first line with column names, among them time_s",
+                 "");
   EXPECT_REFUSED(read(names + "finger,0,1,2,x,0\n"), "h.csv:2: expected a number for z_m, found \"x\"", "");
   EXPECT_REFUSED(read(names + "finger,0,1,2\n"), "h.csv:2: expected a number for z_m", "");
   EXPECT_REFUSED(read(names + "finger,1,1,2,3,0\nfinger,1,1,2,3,0\n"), "h.csv:3: expected a time after",
                  "1 s");
   EXPECT_REFUSED(read(names + "finger,0,1,2,3,1.5\n"), "h.csv:2: expected a grip from 0 (open) to 1", "1.5");
   EXPECT_REFUSED(read(names + "rod,0,1,2,3,0\n"), "expected rows of the tool finger, found those of rod", "");
-  EXPECT_REFUSED(read(names), "expected a row a tick, found none", "");
+  EXPECT_REFUSED(read(names), "expected a row per tick, found none", "");
   EXPECT_REFUSED(read("time_s,x_m,y_m,z_m,axis_x_x\n"), "expected all of axis_x_x", "1 of the nine");
   EXPECT_REFUSED(
       read("time_s,x_m,y_m,z_m,axis_x_x,axis_x_y,axis_x_z,axis_y_x,axis_y_y,axis_y_z,axis_z_x,axis_z_y,"
            "axis_z_z\n0,0,0,0,1,0,0,0,1,0,0,0,-1\n"),
-      "h.csv:2: expected axes of length 1", "");
+      "h.csv:2: expected orthonormal right-handed axes", "");
   EXPECT_FALSE(read_hand(folder / "absent.csv", "finger"));
 }
 
-TEST(Hand, a_log_that_is_full_counts_what_it_cannot_keep) {
+// A full log counts the samples that it cannot store.
+TEST(Hand, FullLogCountsMissedSamples) {
   TouchLog log;
   log.preallocate(3);
   for (int i = 0; i < 5; i++) log.append({.time = 1e-3 * i, .position = {0.1 * i, 0, 0}});
@@ -146,10 +152,10 @@ TEST(Hand, a_log_that_is_full_counts_what_it_cannot_keep) {
   world.tools.push_back({.name = "finger", .body = {BodyKind::kSfem, 0}});
   world.tools[0].samples = log;
   world.sfem_bodies.emplace_back();
-  bool told = false;
+  bool reported = false;
   for (const std::string& warning : touch_warnings(world))
-    told = told || warning.find("finger: its first 3 ms were kept, the 2 ms behind them were not") == 0;
-  EXPECT_TRUE(told);
+    reported = reported || warning.find("finger: its log holds the first 3 ms and lacks the last 2 ms") == 0;
+  EXPECT_TRUE(reported);
 }
 
 }  // namespace

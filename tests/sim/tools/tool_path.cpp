@@ -15,33 +15,37 @@ std::string error_of(const std::vector<std::vector<double>>& rows) {
   return path ? "no error" : path.error().message;
 }
 
-TEST(ToolPath, RowsHoldTimePlaceHoldAndOrientation) {
+// Rows have time, position, hold and orientation.
+TEST(ToolPath, RowsHaveTimePoseAndHold) {
   const auto rows = path_rows({{0, 1, 2, 3}, {0.5, 4, 5, 6, 1}, {1, 7, 8, 9, 0, 2, 0, 0, 0}});
   ASSERT_TRUE(rows) << rows.error().message;
   EXPECT_EQ((*rows)[1].position, (Vec3d{4, 5, 6}));
   EXPECT_FALSE((*rows)[0].hold);
   EXPECT_TRUE((*rows)[1].hold);
-  EXPECT_EQ((*rows)[2].orientation[0], 1) << "quaternions are made unit";
+  EXPECT_EQ((*rows)[2].orientation[0], 1) << "quaternions are normalized";
 }
 
-TEST(ToolPath, WhatIsNoRowIsNamed) {
+// Invalid rows are refused by number.
+TEST(ToolPath, RejectsInvalidRows) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(error_of({{0, 0, 0, 0}, {1, 0, nan, 0}}), "row 2 of the path: expected numbers, found nan");
   EXPECT_EQ(error_of({{0, 0, 0, 0}, {0.5, 0, 0, 0}, {0.4, 0, 0, 0}}),
-            "row 3 of the path: expected a time after that of the row before, 0.5 s, found 0.4 s");
+            "row 3 of the path: expected a time after that of the previous row, 0.5 s, found 0.4 s");
   EXPECT_NE(error_of({{0, 0, 0}}).find("row 1 of the path: expected t, x, y, z"), std::string::npos);
   EXPECT_NE(error_of({}).find("found none"), std::string::npos);
   EXPECT_NE(error_of({{0, 0, 0, 0, 0, 0, 0, 0, 0}}).find("quaternion"), std::string::npos);
 }
 
-TEST(ToolPath, StraightPathsAreStraightAndRestAtTheirEnds) {
+// Linear paths are straight and rest at their ends.
+TEST(ToolPath, LinearPathIsClampedAtEnds) {
   const ToolPath path{*path_rows({{1, 0, 0, 0}, {2, 2, 0, 0}}), false};
   EXPECT_EQ(path_at(path, 0).position.x, 0);
   EXPECT_EQ(path_at(path, 1.25).position.x, 0.5);
   EXPECT_EQ(path_at(path, 7).position.x, 2);
 }
 
-TEST(ToolPath, SmoothPathsPassEveryRowAndNeverSwingBeyondTheirNeighbors) {
+// Smooth paths pass through every row and do not overshoot.
+TEST(ToolPath, SmoothPathIsMonotone) {
   const ToolPath path{*path_rows({{0, 0, 0, 0}, {1, 1, 0, 0}, {2, 1, 0, 0}, {3, 5, 0, 0}}), true};
   double before = 0;
   for (int n = 0; n <= 300; n++) {
@@ -50,7 +54,7 @@ TEST(ToolPath, SmoothPathsPassEveryRowAndNeverSwingBeyondTheirNeighbors) {
     before = x;
   }
   for (const PathRow& row : path.rows) EXPECT_NEAR(path_at(path, row.time).position.x, row.position.x, 1e-12);
-  // No step in the speed: second differences shrink with the interval's square.
+  // The speed is continuous: second differences shrink with the square of the interval.
   const auto bend = [&](double t, double h) {
     return std::abs(path_at(path, t + h).position.x - 2 * path_at(path, t).position.x +
                     path_at(path, t - h).position.x);
@@ -58,7 +62,8 @@ TEST(ToolPath, SmoothPathsPassEveryRowAndNeverSwingBeyondTheirNeighbors) {
   for (const double t : {1.0, 2.0}) EXPECT_LT(bend(t, 1e-4), 1e-6) << t;
 }
 
-TEST(ToolPath, FilesAreReadWithTheirNamesOfColumns) {
+// Files with column names are read; wrong lines are refused with their number.
+TEST(ToolPath, ReadsFilesWithColumnNames) {
   const auto folder = test::fresh_folder();
   test::write(folder / "p.csv", "t,x,y,z\n0,1,2,3\r\n# a remark\n\n0.5; 4; 5; 6\n");
   const auto rows = read_path_rows(folder / "p.csv");
@@ -73,7 +78,8 @@ TEST(ToolPath, FilesAreReadWithTheirNamesOfColumns) {
             (folder / "nan.csv").string() + ":2: expected numbers t, x, y, z, found \"1,nan,2,3\"");
 }
 
-TEST(ToolPath, AToolTurnsItsAxisToTheNormal) {
+// A rotation turns the tool axis to the normal.
+TEST(ToolPath, AxisRotatesToNormal) {
   for (const Vec3d z : {Vec3d{0, 0, 1}, Vec3d{0, 0, -1}, Vec3d{0.6, -0.8, 0}, Vec3d{0.48, 0.6, 0.64}}) {
     const Mat3d axes = axes_of(turned_to(z));
     EXPECT_NEAR(norm(axes.column[2] - z), 0, 1e-12);

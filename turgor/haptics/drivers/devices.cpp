@@ -16,7 +16,7 @@ namespace {
 struct Driver {
   const char *name, *devices;
   std::unique_ptr<Device> (*make)(const DeviceOptions&);
-  void (*look)(const DeviceOptions&, DeviceListing&);  // fills in what is connected, and the note
+  void (*list)(const DeviceOptions&, DeviceListing&);  // lists connected devices and sets the note
 };
 
 template <class T>
@@ -24,12 +24,12 @@ std::unique_ptr<Device> make(const DeviceOptions& options) {
   return std::make_unique<T>(options);
 }
 
-/// The table of drivers: a new one is one more row.
+/// Table of drivers, one row each.
 constexpr Driver kDrivers[] = {
-    {"inverse3", "Haply Inverse3, Inverse3x, Minverse, with a VerseGrip", make<Inverse3>, look_for_inverse3},
-    {"dhd", "Force Dimension omega, delta, sigma, lambda; Novint Falcon", make<Dhd>, look_for_dhd},
-    {"openhaptics", "3D Systems Touch, Touch X, Phantom", make<OpenHaptics>, look_for_openhaptics},
-    {"replay", "poses from a .csv file, without hardware", make<Replay>, look_for_replay},
+    {"inverse3", "Haply Inverse3, Inverse3x, Minverse, with a VerseGrip", make<Inverse3>, list_inverse3},
+    {"dhd", "Force Dimension omega, delta, sigma, lambda; Novint Falcon", make<Dhd>, list_dhd},
+    {"openhaptics", "3D Systems Touch, Touch X, Phantom", make<OpenHaptics>, list_openhaptics},
+    {"replay", "poses from a .csv file, without hardware", make<Replay>, list_replay},
 };
 
 }  // namespace
@@ -50,7 +50,7 @@ std::vector<DeviceListing> list_devices(const DeviceOptions& options) {
   std::vector<DeviceListing> listings;
   for (const Driver& d : kDrivers) {
     DeviceListing listing{.driver = d.name, .devices = d.devices};
-    d.look(options, listing);
+    d.list(options, listing);
     listings.push_back(std::move(listing));
   }
   return listings;

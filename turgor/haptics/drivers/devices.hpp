@@ -1,5 +1,6 @@
-// Which haptic devices Turgor drives, what is connected, and how one is opened. A driver finds its vendor's
-// library or service when it is asked to: nothing of a vendor is needed to build.
+// Registry of haptic drivers: list of drivers, detection of connected devices, and opening of a device. A
+// driver loads its vendor's library or contacts its service at run time. No vendor software is needed to
+// build.
 #pragma once
 
 #include <filesystem>
@@ -12,28 +13,28 @@
 
 namespace turgor::haptics {
 
-/// What drivers may want to know; each reads what concerns it.
+/// Options of all drivers; each driver reads its own ones.
 struct DeviceOptions {
-  std::string which;                        // of several: as list_devices names it; empty = the only one
+  std::string which;  // among several devices, as list_devices names it; empty = the only one
   std::string address = "localhost:10001";  // of the Inverse Service
-  std::filesystem::path library;            // of the vendor; empty = where such libraries are
+  std::filesystem::path library;            // of the vendor; empty = the default search path
   std::filesystem::path file;               // of poses to replay
-  double patience = 5;    // how long a device that is not connected, or not calibrated, is waited for [s]
-  bool may_move = false;  // the arm may move by itself to find its zero: no hand and nothing else in its way
+  double patience = 5;    // time to wait for a device that is not connected or not calibrated [s]
+  bool may_move = false;  // the arm may move by itself to find its zero; nothing may be in its path
 };
 
-/// What a driver sees.
+/// Result of a driver's search.
 struct DeviceListing {
-  std::string driver;                  // its name, for open_device
-  std::string devices;                 // what it drives
-  std::vector<std::string> connected;  // each as DeviceOptions::which takes it
-  std::string note;                    // what is missing and what to install, or what was found
+  std::string driver;                  // name for open_device
+  std::string devices;                 // supported devices
+  std::vector<std::string> connected;  // each in the form of DeviceOptions::which
+  std::string note;                    // missing software and how to install it, or the result
 };
 
-/// An open device. Error: no such driver, or what its open says.
+/// Opens a device. Error: unknown driver, or the error of its open().
 Result<std::unique_ptr<Device>> open_device(const std::string& driver, const DeviceOptions& options = {});
 
-/// Of every driver. Moves nothing, opens no arm, and takes no longer than two seconds.
+/// Listings of all drivers. Moves nothing, opens no arm, and takes at most two seconds.
 std::vector<DeviceListing> list_devices(const DeviceOptions& options = {});
 
 }  // namespace turgor::haptics

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/one_line.hpp"
 #include "turgor/haptics/drivers/readings.hpp"
 
@@ -15,17 +16,18 @@ namespace turgor::haptics {
 namespace {
 
 constexpr unsigned char kWatchdog = 255;  // [0.125 ms]
-constexpr int kLookEvery = 32;            // exchanges between two looks at the arm's state
-constexpr double kWideOpen = 0.52;        // a gripper's angle [rad]
-constexpr double kGentle = 0.2;           // a force that may begin at once [N]
+constexpr int kCheckInterval = 32;        // exchanges between two checks of the arm's state
+constexpr double kWideOpen = 0.52;        // angle of an open gripper [rad]
+constexpr double kSmallForce = 0.2;       // force that may start at once [N]
 
-/// The arm's frame is x towards the user, y right, z up; ours x right, y away from the user, z up.
-Vec3d to_ours(Vec3d v) { return {v.y, -v.x, v.z}; }
-Vec3d to_theirs(Vec3d v) { return {-v.y, v.x, v.z}; }
+/// Conversion between the vendor's frame (x towards the user, y right, z up) and the device frame (x right, y
+/// away from the user, z up).
+Vec3d to_device_frame(Vec3d v) { return {v.y, -v.x, v.z}; }
+Vec3d to_vendor_frame(Vec3d v) { return {-v.y, v.x, v.z}; }
 
-/// Of a frame, as rows; axes of the grip are named alike in both frames.
-Mat3d to_ours(const double m[3][3]) {
-  const auto column = [m](int j) { return to_ours(Vec3d{m[0][j], m[1][j], m[2][j]}); };
+/// Conversion of a rotation matrix, given as rows. The grip's axes have the same names in both frames.
+Mat3d to_device_frame(const double m[3][3]) {
+  const auto column = [m](int j) { return to_device_frame(Vec3d{m[0][j], m[1][j], m[2][j]}); };
   return {{column(1), -column(0), column(2)}};
 }
 
@@ -44,26 +46,28 @@ const char* cause_text(int cause) {
     case kDhdByDeadman:
       return "by its dead-man switch";
     default:
-      return "for a reason that it does not tell";
+      return "for an unknown reason";
   }
 }
 
 }  // namespace
 
 Error Dhd::error(const std::string& what) const {
-  const char* said = dhd_.error_get_last_str ? dhd_.error_get_last_str() : nullptr;
-  return {fmt::format("dhd: {}{}{}", what, said ? ": " : "", said ? on_one_line(said) : "")};
+  const char* reason = dhd_.error_get_last_str ? dhd_.error_get_last_str() : nullptr;
+  return {fmt::format("dhd: {}{}{}", what, reason ? ": " : "", reason ? on_one_line(reason) : "")};
 }
 
 Status Dhd::open() {
   close();
+  // library and connected arms
   Result<DhdLibrary> library = load_dhd(options_.library);
   if (!library) return Error{"dhd: " + library.error().message};
   dhd_ = std::move(*library);
   if (dhd_.get_device_count() <= 0)
     return Error{
-        "dhd: no arm is connected, or this user may not speak to it: check cable, power and the udev rule "
+        "dhd: no arm is connected, or this user has no permission: check cable, power and the udev rule "
         "(docs/devices.md)"};
+  // open, find the zero, prepare
   Status ready = open_arm();
   if (ready) ready = find_zero();
   if (ready) ready = prepare();
@@ -71,19 +75,21 @@ Status Dhd::open() {
   return ready;
 }
 
-/// With drd where it is there: it alone can find the zero. It does not know all arms.
+/// Opens the arm with drd if available, because only drd can find the zero. drd does not support all arms.
 Status Dhd::open_arm() {
+  // number of the arm
   int index = -1;
   const std::string& which = options_.which;
   const auto [end, wrong] = std::from_chars(which.data(), which.data() + which.size(), index);
   if (!which.empty() &&
       (wrong != std::errc() || end != which.data() + which.size() || index < 0 || index > 126))
     return Error{fmt::format("dhd: expected the number of an arm, 0 for the first, found \"{}\"", which)};
+  // open with drd, otherwise with dhd
   int id = -1;
   if (dhd_.has_drd()) id = which.empty() ? dhd_.drd_open() : dhd_.drd_open_id(char(index));
   is_drd_ = id >= 0;
   if (id < 0) id = which.empty() ? dhd_.open() : dhd_.open_id(char(index));
-  if (id < 0) return error("the arm cannot be opened; does another program hold it?");
+  if (id < 0) return error("the arm cannot be opened; is another program using it?");
   id_ = char(id);
   is_open_ = true;
   return Done{};
@@ -94,16 +100,17 @@ Status Dhd::find_zero() {
   if (dhd_.drd_is_supported(id_) && !dhd_.drd_is_initialized(id_)) {
     if (!options_.may_move)
       return Error{
-          "dhd: the arm has not found its zero yet; for that it moves by itself: take your hand away and "
-          "allow it "
-          "(may_move), or run the vendor's HapticInit"};
+          "dhd: the arm has not found its zero yet. It moves by itself to find it: take your hand away and "
+          "allow "
+          "it (may_move), or run the vendor's HapticInit"};
     if (dhd_.drd_auto_init(id_) < 0) return error("the arm did not find its zero");
   }
-  if (dhd_.drd_stop(true, id_) < 0) return error("the arm cannot be left to us");
+  if (dhd_.drd_stop(true, id_) < 0) return error("the arm's automatic motion cannot be stopped");
   return Done{};
 }
 
 Status Dhd::prepare() {
+  // specification
   spec_ = dhd_spec(dhd_.get_system_type(id_));
   const char* name = dhd_.get_system_name(id_);
   spec_.name = name ? on_one_line(name) : "Force Dimension arm";
@@ -111,13 +118,15 @@ Status Dhd::prepare() {
   spec_.has_grip = dhd_.has_gripper(id_);
   if (!dhd_.has_active_wrist(id_)) spec_.torque = 0;
   if (!dhd_.has_active_gripper(id_)) spec_.grip_force = 0;
-  (void)dhd_.set_gravity_compensation(1, id_);  // not all arms have it
+  // settings of the arm
+  TURGOR_CHECK(spec_.force > 0 && spec_.rate > 0, "the specification of an arm has a force and a rate");
+  (void)dhd_.set_gravity_compensation(1, id_);  // not all arms support it
   (void)dhd_.set_max_force(spec_.force, id_);
-  if (dhd_.enable_expert_mode() >=
-      0) {  // for the watchdog alone; the velocity threshold is not ours to touch
+  if (dhd_.enable_expert_mode() >= 0) {  // for the watchdog only; the velocity threshold stays unchanged
     (void)dhd_.set_watchdog(kWatchdog, id_);
     (void)dhd_.disable_expert_mode();
   }
+  // zero force, then switch forces on
   if (!send({})) return error("no force can be sent");
   if (dhd_.enable_force(1, id_) < 0) return error("forces cannot be switched on");
   exchanges_ = 0;
@@ -126,7 +135,8 @@ Status Dhd::prepare() {
 }
 
 bool Dhd::send(const DeviceOutput& output) noexcept {
-  const Vec3d f = to_theirs(output.force), t = to_theirs(output.torque);
+  TURGOR_CHECK(is_finite(output), "forces are finite before they go to a device");
+  const Vec3d f = to_vendor_frame(output.force), t = to_vendor_frame(output.torque);
   return dhd_.set_force_and_torque_and_gripper_force(f.x, f.y, f.z, t.x, t.y, t.z, output.grip_force, id_) >=
          0;
 }
@@ -134,30 +144,33 @@ bool Dhd::send(const DeviceOutput& output) noexcept {
 bool Dhd::receive(DeviceInput& input) noexcept {
   Vec3d x, v, w;
   double frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, angle = kWideOpen;
+  // read
   const bool is_read =
       dhd_.get_position_and_orientation_frame(&x.x, &x.y, &x.z, frame, id_) >= 0 &&
       dhd_.get_linear_velocity(&v.x, &v.y, &v.z, id_) >= 0 &&
       (!spec_.has_orientation || dhd_.get_angular_velocity_rad(&w.x, &w.y, &w.z, id_) >= 0) &&
       (!spec_.has_grip || dhd_.get_gripper_angle_rad(&angle, id_) >= 0);
   if (!is_read) return false;
-  input.pose = {to_ours(x), spec_.has_orientation ? to_ours(frame) : Mat3d{}};
-  input.velocity = to_ours(v);
-  input.angular_velocity = to_ours(w);
-  input.grip = std::clamp(1 - std::abs(angle) / kWideOpen, 0.0, 1.0);  // angles of left hands are negative
+  // convert
+  input.pose = {to_device_frame(x), spec_.has_orientation ? to_device_frame(frame) : Mat3d{}};
+  input.velocity = to_device_frame(v);
+  input.angular_velocity = to_device_frame(w);
+  input.grip =
+      std::clamp(1 - std::abs(angle) / kWideOpen, 0.0, 1.0);  // angles of left-handed arms are negative
   input.buttons = dhd_.get_button_mask(id_);
   input.time = steady_seconds();
   return true;
 }
 
-/// What the arm says of itself.
-Dhd::Condition Dhd::look(double wanted_force) noexcept {
+/// Checks the arm's status. Switches forces on again after the watchdog when the requested force is small.
+Dhd::Condition Dhd::check_state(double wanted_force) noexcept {
   int status[kDhdStatusCount] = {};
   if (dhd_.get_status(status, id_) < 0) return Condition::kFailed;
   if (!status[kDhdConnected]) return Condition::kUnplugged;
   if (status[kDhdReset]) return Condition::kInReset;
   if (status[kDhdForce]) return Condition::kGood;
   cause_ = status[kDhdForceOffCause];
-  const bool may_return = cause_ == kDhdByWatchdog && wanted_force < kGentle;
+  const bool may_return = cause_ == kDhdByWatchdog && wanted_force < kSmallForce;
   return may_return && dhd_.enable_force(1, id_) >= 0 ? Condition::kGood : Condition::kForcesOff;
 }
 
@@ -170,12 +183,12 @@ bool Dhd::fail(Condition condition) noexcept {
 
 bool Dhd::exchange(const DeviceOutput& output, DeviceInput& input) noexcept {
   if (!is_open_) return false;
-  const DeviceOutput haptic = to_be_sent(spec_, output);
+  const DeviceOutput sent = sendable_output(spec_, output);
   DeviceInput read;
-  if (!send(haptic) || !receive(read)) return fail(Condition::kFailed);
+  if (!send(sent) || !receive(read)) return fail(Condition::kFailed);
   if (!is_plausible(read)) return fail(Condition::kImplausible);
-  if (condition_ != Condition::kGood || ++exchanges_ % kLookEvery == 0)
-    if (const Condition seen = look(norm(haptic.force)); seen != Condition::kGood) return fail(seen);
+  if (condition_ != Condition::kGood || ++exchanges_ % kCheckInterval == 0)
+    if (const Condition seen = check_state(norm(sent.force)); seen != Condition::kGood) return fail(seen);
   condition_ = Condition::kGood;
   input = read;
   return true;
@@ -195,25 +208,26 @@ std::string Dhd::trouble() const {
     case Condition::kGood:
       return "";
     case Condition::kClosed:
-      return "dhd: it is not open";
+      return "dhd: the device is not open";
     case Condition::kFailed: {
-      const char* said = failure_;
-      return fmt::format("dhd: the arm does not answer: {}", said ? on_one_line(said) : "no reason is told");
+      const char* reason = failure_;
+      return fmt::format("dhd: the arm does not answer: {}",
+                         reason ? on_one_line(reason) : "no reason given");
     }
     case Condition::kUnplugged:
       return "dhd: the arm was disconnected";
     case Condition::kInReset:
-      return "dhd: the arm has lost its zero: put it where it rests, or open it anew";
+      return "dhd: the arm has lost its calibration: put it in its rest position, or open it again";
     case Condition::kForcesOff:
       return fmt::format("dhd: the arm switched its forces off {}; switch them on at the arm",
                          cause_text(cause_));
     case Condition::kImplausible:
-      return "dhd: the arm tells of a place or a speed that cannot be";
+      return "dhd: the arm reports an implausible position or speed";
   }
   return "";
 }
 
-void look_for_dhd(const DeviceOptions& options, DeviceListing& listing) {
+void list_dhd(const DeviceOptions& options, DeviceListing& listing) {
   const Result<DhdLibrary> dhd = load_dhd(options.library);
   if (!dhd) {
     listing.note = dhd.error().message;
@@ -221,7 +235,7 @@ void look_for_dhd(const DeviceOptions& options, DeviceListing& listing) {
   }
   const int count = std::clamp(dhd->get_device_count(), 0, 16);
   for (int index = 0; index < count; index++) listing.connected.push_back(std::to_string(index));
-  listing.note = fmt::format("{} is there{}", dhd->library.file(),
+  listing.note = fmt::format("found {}{}", dhd->library.file(),
                              count == 0 ? "; no arm is connected, or the udev rule is missing" : "");
 }
 

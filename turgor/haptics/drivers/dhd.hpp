@@ -1,6 +1,7 @@
-// Force Dimension's arms (omega, delta, sigma, lambda) and the Novint Falcon, through the vendor's library.
-// exchange talks to the arm over USB and takes about a quarter of a millisecond. The vendor's own guards stay
-// as they are: the velocity threshold, the force limit, and a watchdog that lets go after 32 ms of silence.
+// Driver for Force Dimension's arms (omega, delta, sigma, lambda) and the Novint Falcon, with the vendor's
+// library. exchange communicates over USB and takes about a quarter of a millisecond. The vendor's own
+// protections remain active: the velocity threshold, the force limit, and a watchdog that switches forces off
+// after 32 ms without a command.
 #pragma once
 
 #include <atomic>
@@ -12,7 +13,8 @@
 
 namespace turgor::haptics {
 
-/// What is known of a type of arm (dhdGetSystemType); name, wrist and gripper are the arm's own to tell.
+/// Specification of an arm's type (dhdGetSystemType), without name, wrist and gripper, which are read from
+/// the arm.
 DeviceSpec dhd_spec(int system_type);
 
 class Dhd final : public Device {
@@ -20,11 +22,11 @@ class Dhd final : public Device {
   explicit Dhd(const DeviceOptions& options) : options_(options) {}
   ~Dhd() override { close(); }
 
-  /// Error besides: the arm has not found its zero, and options.may_move is false.
+  /// Additional error: the arm has not found its zero, and options.may_move is false.
   Status open() override;
   const DeviceSpec& spec() const override { return spec_; }
-  /// False besides: forces are off (the arm moved too fast, its button, its watchdog). They come back when
-  /// the user switches them on; after the watchdog, when less than 0.2 N is wanted.
+  /// Also false while forces are off (velocity limit, button or watchdog of the arm). They return when the
+  /// user switches them on. After the watchdog they return when less than 0.2 N is requested.
   bool exchange(const DeviceOutput& output, DeviceInput& input) noexcept override;
   void close() noexcept override;
   std::string trouble() const override;
@@ -37,7 +39,7 @@ class Dhd final : public Device {
   Status prepare();
   bool send(const DeviceOutput& output) noexcept;
   bool receive(DeviceInput& input) noexcept;
-  Condition look(double wanted_force) noexcept;
+  Condition check_state(double wanted_force) noexcept;
   bool fail(Condition condition) noexcept;
   Error error(const std::string& what) const;
 
@@ -48,10 +50,10 @@ class Dhd final : public Device {
   bool is_open_ = false, is_drd_ = false;
   int exchanges_ = 0;
   std::atomic<Condition> condition_ = Condition::kClosed;
-  std::atomic<int> cause_ = 0;                  // of forces that are off
-  std::atomic<const char*> failure_ = nullptr;  // the vendor's sentence, which the library owns
+  std::atomic<int> cause_ = 0;                  // reason for which forces are off
+  std::atomic<const char*> failure_ = nullptr;  // error text, owned by the vendor's library
 };
 
-void look_for_dhd(const DeviceOptions& options, DeviceListing& listing);
+void list_dhd(const DeviceOptions& options, DeviceListing& listing);
 
 }  // namespace turgor::haptics

@@ -11,12 +11,14 @@ namespace {
 
 std::vector<std::string> candidates(const std::filesystem::path& file) {
   if (!file.empty()) return {file.string()};
+  // folders of the SDK and of the user
   std::vector<std::string> folders;
   for (const char* name : {"FDSDK", "FORCEDIM_SDK"})
     if (const std::string sdk = environment(name); !sdk.empty())
       folders.insert(folders.end(), {sdk + "/lib/release/lin-x86_64-gcc", sdk + "/lib", sdk});
   if (const std::string home = environment("HOME"); !home.empty()) folders.push_back(home + "/.local/lib");
   folders.push_back("/usr/local/lib");
+  // libraries, drd first
   std::vector<std::string> files;
   for (const char* stem : {"libdrd.so", "libdhd.so"}) {
     for (const std::string& folder : folders)
@@ -26,7 +28,7 @@ std::vector<std::string> candidates(const std::filesystem::path& file) {
   return files;
 }
 
-/// The first function that the library lacks, or null.
+/// First function that the library lacks, or null.
 const char* missing_function(DhdLibrary& l) {
   const char* missing = nullptr;
   const auto bind = [&](const char* symbol, auto*& function) {
@@ -75,7 +77,7 @@ Result<DhdLibrary> load_dhd(const std::filesystem::path& file) {
   Result<SharedLibrary> library = SharedLibrary::open(candidates(file));
   if (!library)
     return Error{
-        fmt::format("{}; install the Force Dimension SDK and let FDSDK name its folder (docs/devices.md)",
+        fmt::format("{}; install the Force Dimension SDK and set FDSDK to its folder (docs/devices.md)",
                     library.error().message)};
   DhdLibrary dhd{.library = std::move(*library)};
   if (const char* missing = missing_function(dhd))

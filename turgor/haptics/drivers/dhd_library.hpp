@@ -1,6 +1,6 @@
-// The library of Force Dimension's SDK (3.17), loaded while the program runs: the functions that we call, as
-// its documentation declares them. All return less than zero when they fail; -1 as id means the default arm.
-// Metres, newtons, radians; x towards the user, y to the right, z up.
+// Run-time binding of Force Dimension's SDK (3.17): the functions in use, as its documentation declares them.
+// Failures return less than zero. An id of -1 means the default arm. Meters, newtons, radians; x towards the
+// user, y to the right, z up.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace turgor::haptics {
 
-/// What dhdGetStatus fills in, as far as we look.
+/// Entries of dhdGetStatus that are in use.
 enum DhdStatus {
   kDhdConnected = 1,
   kDhdReset = 3,
@@ -18,7 +18,7 @@ enum DhdStatus {
   kDhdForceOffCause = 14,
   kDhdStatusCount = 17
 };
-/// Why forces are off.
+/// Reasons for which forces are off.
 enum DhdForceOff {
   kDhdByButton = 1,
   kDhdByVelocity,
@@ -58,7 +58,7 @@ struct DhdLibrary {
   int (*error_get_last)();
   const char* (*error_get_last_str)();
 
-  // Of libdrd alone, which can move an arm to where it finds its zero; null in libdhd.
+  // Functions of libdrd only, which can move an arm to find its zero. Null with libdhd.
   int (*drd_open)() = nullptr;
   int (*drd_open_id)(char id) = nullptr;
   int (*drd_close)(char id) = nullptr;
@@ -69,9 +69,9 @@ struct DhdLibrary {
   bool has_drd() const { return drd_stop != nullptr; }
 };
 
-/// `file` when it is not empty; else libdrd or libdhd from $FDSDK, $FORCEDIM_SDK, ~/.local/lib,
-/// /usr/local/lib or where the loader looks, the highest version first. Error: what the loader said and what
-/// to install, or which function is missing.
+/// Loads `file` if it is not empty. Otherwise loads libdrd or libdhd from $FDSDK, $FORCEDIM_SDK,
+/// ~/.local/lib, /usr/local/lib or the loader's search path, the highest version first. Error: the loader's
+/// message and what to install, or the name of a missing function.
 Result<DhdLibrary> load_dhd(const std::filesystem::path& file);
 
 }  // namespace turgor::haptics

@@ -1,4 +1,4 @@
-// Types of arms by Force Dimension, with limits that are known to feel well.
+// Types of Force Dimension arms, with limits that are known to be stable.
 #include <algorithm>
 #include <iterator>
 
@@ -36,7 +36,7 @@ constexpr Type kTypes[] = {
     {109, 12, 8000, 30, 0.1125, 0.2, 8, 4000},  // left
     {60, 8, 3000, 20, 0.04, 0, 0, 1000},        // Novint Falcon
 };
-/// An arm that is not in the list is taken for a weak one.
+/// Weak limits for an unknown arm.
 constexpr Type kUnknown{0, 5, 1000, 10, 0.04, 0, 0, 1000};
 
 }  // namespace

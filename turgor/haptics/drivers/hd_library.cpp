@@ -19,7 +19,7 @@ std::vector<std::string> candidates(const std::filesystem::path& file) {
   return files;
 }
 
-/// The first function that the library lacks, or null.
+/// First function that the library lacks, or null.
 const char* missing_function(HdLibrary& l) {
   const char* missing = nullptr;
   const auto bind = [&](const char* symbol, auto*& function) {
@@ -68,7 +68,7 @@ const char* hd_error_text(unsigned code) {
     case hd::kDeviceFault:
       return "the device reports a fault";
     case hd::kInUse:
-      return "another program holds the device";
+      return "another program uses the device";
     case hd::kNoConnection:
       return "the device does not answer: check cable and power";
     case hd::kBadConfiguration:
@@ -76,7 +76,7 @@ const char* hd_error_text(unsigned code) {
     case hd::kTimerFault:
       return "the vendor's clock failed";
     case hd::kNoLicense:
-      return "the vendor's library finds no licence";
+      return "the vendor's library found no license";
     default:
       return "the vendor's library reports an error";
   }

@@ -1,6 +1,6 @@
-// The device library of 3D Systems' OpenHaptics (HDAPI, 3.0 and later), loaded while the program runs: the
-// functions and numbers that we use, as its documentation declares them. Millimetres, newtons, radians; x to
-// the right, y up, z towards the user.
+// Run-time binding of 3D Systems' OpenHaptics device library (HDAPI, 3.0 and later): the functions and
+// constants in use, as its documentation declares them. Millimeters, newtons, radians; x to the right, y up,
+// z towards the user.
 #pragma once
 
 #include <filesystem>
@@ -20,10 +20,10 @@ using HdCallback = unsigned (*)(void* context);
 namespace hd {
 
 constexpr unsigned kNoHandle = 0xffffffff;
-constexpr unsigned kDone = 0, kContinue = 1;  // of a callback
+constexpr unsigned kDone = 0, kContinue = 1;  // return values of a callback
 constexpr unsigned short kHighestPriority = 65535;
 
-// What can be asked for and set.
+// Parameters that can be read and set.
 constexpr unsigned kButtons = 0x2000, kVelocity = 0x2051, kTransform = 0x2052, kAngularVelocity = 0x2053;
 constexpr unsigned kModel = 0x2501, kSerial = 0x2504, kWorkspace = 0x2551, kCalibrationStyle = 0x2555;
 constexpr unsigned kMaxStiffness = 0x2602, kMaxForce = 0x2603, kMaxDamping = 0x2609, kForce = 0x2700;
@@ -31,11 +31,11 @@ constexpr unsigned kMaxStiffness = 0x2602, kMaxForce = 0x2603, kMaxDamping = 0x2
 // Capabilities.
 constexpr unsigned kForceOutput = 0x4000, kForceClamping = 0x4001, kForceRamping = 0x4002;
 
-// Calibration: states, and the ways in which a device can do it.
+// Calibration: states and methods.
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001, kNeedsHand = 0x5002;
 constexpr int kAutomatic = 2, kInkwell = 4;
 
-// Errors. From kWarmMotors to kTooFast they are warnings.
+// Errors. Codes from kWarmMotors to kTooFast are warnings.
 constexpr unsigned kWarmMotors = 0x200, kTooMuchForce = 0x201, kTooMuchImpulse = 0x202, kTooFast = 0x203;
 constexpr unsigned kForceFault = 0x204, kDeviceFault = 0x300, kInUse = 0x301, kNoConnection = 0x302,
                    kBadConfiguration = 0x303, kTimerFault = 0x304, kNoLicense = 0x600;
@@ -65,11 +65,11 @@ struct HdLibrary {
   void (*unschedule)(unsigned long handle);
 };
 
-/// `file` when it is not empty, else libHD.so where the loader looks. Error: what the loader said and what to
-/// install, or which function is missing.
+/// Loads `file` if it is not empty, otherwise libHD.so from the loader's search path. Error: the loader's
+/// message and what to install, or the name of a missing function.
 Result<HdLibrary> load_hd(const std::filesystem::path& file);
 
-/// What an error means.
+/// Meaning of an error code.
 const char* hd_error_text(unsigned code);
 
 }  // namespace turgor::haptics

@@ -1,6 +1,7 @@
-// Haply Inverse3, Inverse3x and Minverse, through the Inverse Service that runs beside us and speaks JSON
-// over a WebSocket. A thread of its own talks to it, 2 000 times a second, because an answer may take its
-// time and reading JSON allocates; the haptic thread exchanges whole values with that thread and never waits.
+// Driver for Haply Inverse3, Inverse3x and Minverse through the Inverse Service, a separate process with JSON
+// messages over a WebSocket. A thread of the driver communicates with it 2 000 times a second, because an
+// answer may be late and parsing JSON allocates. The haptic thread exchanges whole values with that thread
+// and never waits.
 #pragma once
 
 #include <atomic>
@@ -21,13 +22,13 @@ class Inverse3 final : public Device {
   explicit Inverse3(const DeviceOptions& options);
   ~Inverse3() override;
 
-  /// Waits for an arm as long as options.patience says, asking once a second. An arm that is not calibrated
-  /// is open, and trouble() says so until it is. A service or an arm that goes away is asked for once a
-  /// second until close.
+  /// Waits up to options.patience for an arm, with a request each second. An arm that is not calibrated
+  /// opens, and trouble() reports it until it is calibrated. A lost service or arm is requested once a second
+  /// until close.
   Status open() override;
   const DeviceSpec& spec() const override { return spec_; }
-  /// False besides: the last answer is older than 20 ms, or the arm is not calibrated. A force is held for
-  /// 50 ms at most without another exchange; nothing is felt then.
+  /// Also false when the last answer is older than 20 ms or the arm is not calibrated. A force is rendered
+  /// for at most 50 ms without another exchange, then it is zero.
   bool exchange(const DeviceOutput& output, DeviceInput& input) noexcept override;
   void close() noexcept override;
   std::string trouble() const override;
@@ -42,31 +43,31 @@ class Inverse3 final : public Device {
     bool is_usable = false;
   };
 
-  // Of open, and then of the thread that talks.
+  // Called by open, then by the driver's thread.
   Status wait_for_arm();
   void serve();
   Status serve_once();
   void publish();
-  void measure_turning(DeviceInput& input);
+  void measure_rotation(DeviceInput& input);
   void pause(double seconds) const;
-  void say(const std::string& trouble);
+  void set_trouble(const std::string& trouble);
 
   const DeviceOptions options_;
   DeviceSpec spec_;
   std::unique_ptr<Inverse3Link> link_;
-  Mat3d turned_from_;       // the grip's axes when its turning was last measured,
-  double turned_at_ = 0;    // and when that was [s]
+  Mat3d last_axes_;         // of the grip at the last measurement of its rotation
+  double measured_at_ = 0;  // time of that measurement [s]
   Vec3d angular_velocity_;  // of the grip [rad/s]
 
   latest<Wanted> wanted_;
   latest<Sample> sample_;
-  std::atomic<double> heard_at_ = 0;  // the last answer [s]
-  std::atomic<bool> stops_ = false;
+  std::atomic<double> answered_at_ = 0;  // time of the last answer [s]
+  std::atomic<bool> stop_requested_ = false;
   mutable std::mutex mutex_;
   std::string trouble_;  // guarded by the mutex
   std::thread thread_;
 };
 
-void look_for_inverse3(const DeviceOptions& options, DeviceListing& listing);
+void list_inverse3(const DeviceOptions& options, DeviceListing& listing);
 
 }  // namespace turgor::haptics

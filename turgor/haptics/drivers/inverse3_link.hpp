@@ -1,5 +1,5 @@
-// The conversation with the Inverse Service: a snapshot of everything first, then one answer a command. Knows
-// nothing of threads; every call has an end.
+// Protocol of the Inverse Service: first a full snapshot, then one answer for each command. Contains no
+// threads. Every call has a time limit.
 #pragma once
 
 #include <atomic>
@@ -19,35 +19,36 @@ class Inverse3Link {
   Inverse3Link(std::string address, std::string which)
       : address_(std::move(address)), which_(std::move(which)) {}
 
-  /// Within two seconds, or when `stops` becomes true. Error: nothing answers there, and what to install.
-  Status connect(const std::atomic<bool>& stops);
+  /// Connects within two seconds, or returns when `stop_requested` becomes true. Error: no answer from the
+  /// service, and what to install.
+  Status connect(const std::atomic<bool>& stop_requested);
   bool is_connected() const { return socket_ != nullptr; }
-  /// Says one command and hears its answer: a force on a calibrated arm [N], else questions. An answer that
-  /// is no use is none of an error: see is_understood. Error: the connection is lost, and is closed.
-  Status talk(Vec3d force, const std::atomic<bool>& stops);
-  /// The arm lets go, the connection is closed. Within 0.3 s.
-  void say_goodbye() noexcept;
+  /// Sends one command and receives its answer: a force for a calibrated arm [N], otherwise a query. An
+  /// invalid answer is not an error: see is_understood. Error: the connection is lost and closed.
+  Status exchange_message(Vec3d force, const std::atomic<bool>& stop_requested);
+  /// Sets the arm's force to zero and closes the connection. Takes at most 0.3 s.
+  void disconnect() noexcept;
 
-  /// The last answer made sense.
+  /// True when the last answer was valid.
   bool is_understood() const { return is_understood_; }
   const Inverse3Arm& arm() const { return arm_; }
-  const std::string& id() const { return id_; }  // of the arm; empty while it is not chosen
-  /// Of all arms in the last answer.
+  const std::string& id() const { return id_; }  // of the arm; empty while none is chosen
+  /// Ids of all arms in the last answer.
   const std::vector<std::string>& ids() const { return ids_; }
 
  private:
   std::string next_command(Vec3d force);
-  Status await_answer(const std::atomic<bool>& stops);
-  void hear(const std::string& answer);
+  Status await_answer(const std::atomic<bool>& stop_requested);
+  void parse_answer(const std::string& answer);
 
   std::string address_, which_, id_;
   std::unique_ptr<WebSocket> socket_;
   Inverse3Arm arm_;
   std::vector<std::string> ids_;
-  bool is_understood_ = false, session_is_told_ = false, arm_is_configured_ = false;
+  bool is_understood_ = false, session_is_configured_ = false, arm_is_configured_ = false;
 };
 
-/// Ids in a sentence.
+/// Ids as text, separated by commas.
 std::string listed(const std::vector<std::string>& ids);
 
 }  // namespace turgor::haptics

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::haptics {
 
 using Json = nlohmann::json;
@@ -12,18 +14,18 @@ namespace {
 
 const Json kNothing;  // null
 
-/// A member of an object, or null.
+/// Member of an object, or null.
 const Json& member(const Json& object, const char* key) {
   const auto found = object.is_object() ? object.find(key) : object.end();
   return found == object.end() ? kNothing : *found;
 }
 
-/// Members that are left out keep what they were. False: one is no finite number.
+/// Reads numbers. Omitted members keep their values. False when a value is not a finite number.
 bool read_numbers(const Json& object, std::initializer_list<std::pair<const char*, double*>> members) {
   if (!object.is_object()) return false;
   for (const auto& [key, value] : members) {
     const Json& number = member(object, key);
-    if (&number == &kNothing) continue;  // left out
+    if (&number == &kNothing) continue;  // omitted
     if (!number.is_number() || !std::isfinite(number.get<double>())) return false;
     *value = number.get<double>();
   }
@@ -43,7 +45,7 @@ bool read_orientation(const Json& object, Quaternion& orientation) {
   return true;
 }
 
-/// The element of a list that has this id; the first one when `id` is empty; null when there is none.
+/// Element of a list with this id, or the first one when `id` is empty; null when not found.
 const Json& element(const Json& list, const std::string& id) {
   if (list.is_array())
     for (const Json& one : list)
@@ -51,7 +53,7 @@ const Json& element(const Json& list, const std::string& id) {
   return kNothing;
 }
 
-/// A single `button` of the grip with a wire; any truths in `buttons` of the one without.
+/// Buttons of a grip: a single `button` for the wired grip, a list `buttons` for the wireless one.
 std::uint32_t buttons_of(const Json& state) {
   std::uint32_t buttons = member(state, "button") == true ? 1u : 0u;
   std::uint32_t bit = 1;
@@ -64,7 +66,7 @@ std::uint32_t buttons_of(const Json& state) {
   return buttons;
 }
 
-/// The first grip that tells its state. False: it is not as the documents say.
+/// Reads the first grip that has a state. False when it violates the documentation.
 bool read_grip(const Json& message, Inverse3Arm& arm) {
   for (const char* kind : {"wireless_verse_grip", "verse_grip"}) {
     const Json& state = member(element(member(message, kind), ""), "state");
@@ -78,7 +80,7 @@ bool read_grip(const Json& message, Inverse3Arm& arm) {
   return true;
 }
 
-/// Text of others inside JSON.
+/// Text as a JSON string.
 std::string quoted(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -101,26 +103,28 @@ std::vector<std::string> arm_ids(const Json& message) {
 
 bool read_arm(const Json& message, const std::string& id, Inverse3Arm& arm) {
   if (!message.is_object()) return false;
-  Inverse3Arm said = arm;
-  const Json& said_of_arm = element(member(message, "inverse3"), id);
-  said.is_allocated = said_of_arm.is_object();
-  if (said.is_allocated) {
-    const Json& state = member(said_of_arm, "state");
+  // state of the arm
+  Inverse3Arm reported = arm;
+  const Json& arm_state = element(member(message, "inverse3"), id);
+  reported.is_allocated = arm_state.is_object();
+  if (reported.is_allocated) {
+    const Json& state = member(arm_state, "state");
     const Json& velocity = member(state, "cursor_velocity");
-    if (!read_vector(member(state, "cursor_position"), said.position)) return false;
-    said.velocity = {};
-    if (!velocity.is_null() && !read_vector(velocity, said.velocity)) return false;
-    const Json& calibrated = member(member(said_of_arm, "status"), "calibrated");
-    if (calibrated.is_boolean()) said.is_calibrated = calibrated.get<bool>();
-    const Json& type = member(member(said_of_arm, "config"), "type");
-    if (type.is_string()) said.type = type.get<std::string>();
+    if (!read_vector(member(state, "cursor_position"), reported.position)) return false;
+    reported.velocity = {};
+    if (!velocity.is_null() && !read_vector(velocity, reported.velocity)) return false;
+    const Json& calibrated = member(member(arm_state, "status"), "calibrated");
+    if (calibrated.is_boolean()) reported.is_calibrated = calibrated.get<bool>();
+    const Json& type = member(member(arm_state, "config"), "type");
+    if (type.is_string()) reported.type = type.get<std::string>();
   }
-  if (!read_grip(message, said)) return false;
-  arm = said;
+  // state of the grip
+  if (!read_grip(message, reported)) return false;
+  arm = reported;
   return true;
 }
 
-std::string ask_for_all() { return R"({"session":{"force_render_full_state":{}}})"; }
+std::string full_state_command() { return R"({"session":{"force_render_full_state":{}}})"; }
 
 std::string configuring_command(const std::string& id, bool with_session) {
   constexpr const char* kSession =
@@ -137,6 +141,7 @@ std::string probing_command(const std::string& id) {
 }
 
 std::string force_command(const std::string& id, Vec3d force) {
+  TURGOR_CHECK(std::isfinite(dot(force, force)), "forces are finite before they go to a device");
   const std::string vector = fmt::format(R"({{"x":{},"y":{},"z":{}}})", force.x, force.y, force.z);
   return fmt::format(
       R"({{"inverse3":[{{"device_id":{},"commands":{{"set_cursor_force":{{"vector":{},"values":{}}}}}}}]}})",

@@ -1,5 +1,5 @@
-// 3D Systems' Touch, Touch X and Phantom, through the vendor's library (HDAPI). Its scheduler owns the haptic
-// thread, 1 000 ticks a second, so this device calls: see Device::start.
+// Driver for 3D Systems' Touch, Touch X and Phantom, with the vendor's library (HDAPI). Its scheduler owns
+// the haptic thread, with 1 000 ticks a second, so this device calls back: see Device::start.
 #pragma once
 
 #include <array>
@@ -17,14 +17,14 @@ class OpenHaptics final : public Device {
   explicit OpenHaptics(const DeviceOptions& options) : options_(options) {}
   ~OpenHaptics() override { close(); }
 
-  /// options.which is a name of the vendor's setup, as "Left Device"; empty = its default. An arm that wants
-  /// its stylus in the inkwell is waited for as long as options.patience says.
+  /// options.which is a name of the vendor's setup, such as "Left Device"; empty = its default. Waits up to
+  /// options.patience for an arm whose stylus must be in the inkwell.
   Status open() override;
   const DeviceSpec& spec() const override { return spec_; }
   Pacing pacing() const override { return Pacing::kCallback; }
-  /// False: the device's own thread calls.
+  /// Always false, because the device's own thread calls.
   bool exchange(const DeviceOutput&, DeviceInput&) noexcept override { return false; }
-  /// Ticks end, with no force, when the device reports an error that is no warning.
+  /// Ticks end with zero force when the device reports an error that is not a warning.
   Status start(DeviceTick tick, void* context) override;
   void close() noexcept override;
   std::string trouble() const override;
@@ -36,11 +36,11 @@ class OpenHaptics final : public Device {
   Status calibrate();
   Status describe();
   static unsigned call(void* self);
-  unsigned feel() noexcept;
+  unsigned run_tick() noexcept;
   bool read(DeviceInput& input) const noexcept;
   void set_force(Vec3d force) const noexcept;
-  bool take_errors() noexcept;
-  void forget_errors() const;
+  bool read_errors() noexcept;
+  void clear_errors() const;
 
   const DeviceOptions options_;
   HdLibrary hd_{};
@@ -51,12 +51,12 @@ class OpenHaptics final : public Device {
   DeviceTick tick_ = nullptr;
   void* context_ = nullptr;
   std::atomic<Stage> stage_ = Stage::kClosed;
-  std::atomic<bool> has_ended_ = false;  // the last tick felt nothing
+  std::atomic<bool> has_ended_ = false;  // the last tick, with zero force, has run
   std::atomic<unsigned> error_ = 0;
-  std::array<std::atomic<int>, 4> warnings_{};  // from kWarmMotors on
-  std::atomic<int> implausible_ = 0;            // ticks left out
+  std::array<std::atomic<int>, 4> warnings_{};  // counts, from kWarmMotors on
+  std::atomic<int> implausible_ = 0;            // skipped ticks
 };
 
-void look_for_openhaptics(const DeviceOptions& options, DeviceListing& listing);
+void list_openhaptics(const DeviceOptions& options, DeviceListing& listing);
 
 }  // namespace turgor::haptics

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/haptics/drivers/readings.hpp"
 #include "turgor/haptics/rotation.hpp"
 #include "turgor/io/files/number_table.hpp"
@@ -18,54 +19,61 @@ namespace {
 enum Column { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kGrip, kButtons, kColumnCount };
 constexpr std::string_view kNames[kColumnCount] = {"time_s", "x_m", "y_m", "z_m",  "qw",
                                                    "qx",     "qy",  "qz",  "grip", "buttons"};
-constexpr const char* kExpected = "time_s, x_m, y_m, z_m and, if wanted, qw, qx, qy, qz, grip, buttons";
+constexpr const char* kExpected = "time_s, x_m, y_m, z_m and, optionally, qw, qx, qy, qz, grip, buttons";
 
-/// Where each column stands in a row; -1 = it is not there.
-using Places = std::array<int, kColumnCount>;
+/// Index of each column in a row; -1 = absent.
+using ColumnIndices = std::array<int, kColumnCount>;
 
-Result<Places> places_of(const std::vector<std::string>& names) {
-  Places places;
-  places.fill(-1);
+Result<ColumnIndices> column_indices(const std::vector<std::string>& names) {
+  // known columns, each at most once
+  ColumnIndices columns;
+  columns.fill(-1);
   for (std::size_t n = 0; n < names.size(); n++) {
     const auto known = std::find(std::begin(kNames), std::end(kNames), names[n]);
     if (known == std::end(kNames))
       return Error{fmt::format("expected columns {}; found \"{:.60}\"", kExpected, names[n])};
-    int& place = places[std::size_t(known - std::begin(kNames))];
-    if (place >= 0) return Error{fmt::format("the column {} is there twice", names[n])};
-    place = int(n);
+    int& index = columns[std::size_t(known - std::begin(kNames))];
+    if (index >= 0) return Error{fmt::format("the column {} is given twice", names[n])};
+    index = int(n);
   }
+  // required columns
   for (const int needed : {kTime, kX, kY, kZ})
-    if (places[std::size_t(needed)] < 0)
+    if (columns[std::size_t(needed)] < 0)
       return Error{fmt::format("expected columns {}; {} is missing", kExpected, kNames[needed])};
   const auto count =
-      std::count_if(places.begin() + kQw, places.begin() + kQz + 1, [](int p) { return p >= 0; });
+      std::count_if(columns.begin() + kQw, columns.begin() + kQz + 1, [](int p) { return p >= 0; });
   if (count != 0 && count != 4) return Error{"expected all of qw, qx, qy, qz or none of them"};
-  return places;
+  return columns;
 }
 
-/// Empty when the row is one.
+/// Fault of a row; empty when valid.
 std::string fault_of(const PoseRow& row, const std::vector<PoseRow>& before, double buttons) {
+  // time ascends
   if (!before.empty() && row.time <= before.back().time)
     return fmt::format("expected a time after {} s, found {} s", before.back().time, row.time);
+  // pose
   if (!(norm(row.position) < 1))
-    return fmt::format("expected a place within a metre of the middle, in metres, found {}, {}, {}",
+    return fmt::format("expected a position within 1 m of the center, in meters, found {}, {}, {}",
                        row.position.x, row.position.y, row.position.z);
   const double length = std::sqrt(dot(row.orientation, row.orientation));
   if (std::abs(length - 1) > 0.01)
     return fmt::format("expected a quaternion qw, qx, qy, qz of length 1, found one of length {:.3g}",
                        length);
+  // grip and buttons
   if (row.grip < 0 || row.grip > 1) return fmt::format("expected a grip from 0 to 1, found {}", row.grip);
   if (buttons < 0 || buttons > 0xffffffff || buttons != std::floor(buttons))
     return fmt::format("expected buttons as a whole number, a bit each, found {}", buttons);
   return "";
 }
 
-/// Error: what is wrong with it, after the rows before.
-Result<PoseRow> row_of(const std::vector<double>& values, const Places& places,
+/// Row from its values. Error: the fault, given the rows before.
+Result<PoseRow> row_of(const std::vector<double>& values, const ColumnIndices& columns,
                        const std::vector<PoseRow>& before) {
   const auto value = [&](Column column, double otherwise) {
-    return places[column] < 0 ? otherwise : values[std::size_t(places[column])];
+    return columns[column] < 0 ? otherwise : values[std::size_t(columns[column])];
   };
+  TURGOR_CHECK(std::all_of(columns.begin(), columns.end(), [&](int c) { return c < int(values.size()); }),
+               "every column is in the row");
   PoseRow row{.time = value(kTime, 0),
               .position = {value(kX, 0), value(kY, 0), value(kZ, 0)},
               .orientation = {value(kQw, 1), value(kQx, 0), value(kQy, 0), value(kQz, 0)},
@@ -84,10 +92,12 @@ DeviceInput resting(const PoseRow& row) {
 }  // namespace
 
 Result<std::vector<PoseRow>> read_poses(const std::filesystem::path& file) {
+  // columns
   const Result<std::vector<std::string>> names = read_column_names(file);
   if (!names) return names.error();
-  const Result<Places> places = places_of(*names);
-  if (!places) return Error{fmt::format("{}: {}", file.string(), places.error().message)};
+  const Result<ColumnIndices> columns = column_indices(*names);
+  if (!columns) return Error{fmt::format("{}: {}", file.string(), columns.error().message)};
+  // rows
   const Result<std::vector<NumberRow>> table = read_number_table(file, "numbers");
   if (!table) return table.error();
   std::vector<PoseRow> rows;
@@ -98,7 +108,7 @@ Result<std::vector<PoseRow>> read_poses(const std::filesystem::path& file) {
     if (line.values.size() != names->size())
       return fault(fmt::format("expected {} numbers, as the first line has names, found {}", names->size(),
                                line.values.size()));
-    const Result<PoseRow> row = row_of(line.values, *places, rows);
+    const Result<PoseRow> row = row_of(line.values, *columns, rows);
     if (!row) return fault(row.error().message);
     rows.push_back(*row);
   }
@@ -106,12 +116,16 @@ Result<std::vector<PoseRow>> read_poses(const std::filesystem::path& file) {
 }
 
 DeviceInput pose_at(const std::vector<PoseRow>& rows, double time) {
+  // at rest before the first and after the last row
+  TURGOR_ASSERT(!rows.empty(), "a replay has at least one row");
   const auto later = std::upper_bound(rows.begin(), rows.end(), time,
                                       [](double t, const PoseRow& row) { return t < row.time; });
   if (later == rows.begin()) return resting(rows.front());
   const PoseRow& a = *(later - 1);
   if (later == rows.end()) return resting(a);
+  // linear interpolation
   const PoseRow& b = *later;
+  TURGOR_CHECK(b.time > a.time, "the times of a replay ascend");
   const double duration = b.time - a.time, s = (time - a.time) / duration;
   DeviceInput input = resting(a);
   input.pose = {a.position * (1 - s) + b.position * s, axes_of(between(a.orientation, b.orientation, s))};
@@ -124,10 +138,13 @@ DeviceInput pose_at(const std::vector<PoseRow>& rows, double time) {
 
 Status Replay::open() {
   close();
+  // rows
   if (file_.empty()) return Error{"replay: expected a file of poses (.csv)"};
   Result<std::vector<PoseRow>> rows = read_poses(file_);
   if (!rows) return rows.error();
   rows_ = std::move(*rows);
+  // specification: any force, the poses' bounding box
+  TURGOR_ASSERT(!rows_.empty(), "a file of poses has at least one row");
   constexpr double kAny = std::numeric_limits<double>::infinity();
   spec_ = {.name = "replay of " + file_.filename().string(),
            .workspace_low = rows_[0].position,
@@ -156,7 +173,7 @@ bool Replay::exchange(const DeviceOutput& /*output*/, DeviceInput& input) noexce
   return true;
 }
 
-void look_for_replay(const DeviceOptions& options, DeviceListing& listing) {
+void list_replay(const DeviceOptions& options, DeviceListing& listing) {
   listing.note = "ready: name a .csv file of poses";
   if (options.file.empty()) return;
   const Result<std::vector<PoseRow>> rows = read_poses(options.file);

@@ -1,5 +1,4 @@
-// A hand from a file: poses over time, written by a person or a program, in place of a device. It feels any
-// force and does not yield.
+// Replay of a hand's poses over time from a file, without a device. Forces do not move the hand.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +10,7 @@
 
 namespace turgor::haptics {
 
-/// A row of such a file.
+/// One row of the file.
 struct PoseRow {
   double time = 0;                     // [s]
   Vec3d position;                      // in the device's frame [m]
@@ -20,15 +19,15 @@ struct PoseRow {
   std::uint32_t buttons = 0;           // a bit each
 };
 
-/// A .csv file whose first line names its columns, in any order: time_s, x_m, y_m, z_m and, if wanted, all of
-/// qw, qx, qy, qz, then grip and buttons. Error: file and line, what was expected, what was found.
+/// Reads a .csv file whose first line names its columns, in any order: time_s, x_m, y_m, z_m and, optionally,
+/// all of qw, qx, qy, qz, then grip and buttons. Error: file and line, expected and found content.
 Result<std::vector<PoseRow>> read_poses(const std::filesystem::path& file);
 
-/// The hand at a time: straight and evenly between two rows, at rest before the first and after the last;
-/// buttons are those of the row before. There is at least one row, times ascend.
+/// Hand at a time: linear between two rows, at rest before the first and after the last. Buttons are those of
+/// the row before. Requires at least one row and ascending times.
 DeviceInput pose_at(const std::vector<PoseRow>& rows, double time);
 
-/// Time runs from the first exchange on.
+/// Device that replays a file. Time starts at the first exchange.
 class Replay final : public Device {
  public:
   explicit Replay(const DeviceOptions& options) : file_(options.file) {}
@@ -37,7 +36,7 @@ class Replay final : public Device {
   const DeviceSpec& spec() const override { return spec_; }
   bool exchange(const DeviceOutput& output, DeviceInput& input) noexcept override;
   void close() noexcept override { rows_.clear(); }
-  std::string trouble() const override { return rows_.empty() ? "replay: it is not open" : ""; }
+  std::string trouble() const override { return rows_.empty() ? "replay: the device is not open" : ""; }
 
  private:
   std::filesystem::path file_;
@@ -46,6 +45,6 @@ class Replay final : public Device {
   double start_ = -1;  // of the first exchange [s]
 };
 
-void look_for_replay(const DeviceOptions& options, DeviceListing& listing);
+void list_replay(const DeviceOptions& options, DeviceListing& listing);
 
 }  // namespace turgor::haptics

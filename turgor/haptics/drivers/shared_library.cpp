@@ -12,10 +12,10 @@ namespace turgor::haptics {
 
 namespace {
 
-/// The loader says "FILE: cannot open shared object file" of a file that is not there, and also, with another
-/// FILE, of a library that it needs.
-bool is_absent(const std::string& file, const std::string& said) {
-  return said.starts_with(file + ": cannot open shared object file");
+/// True when the loader's message says that this file does not exist. The loader uses the same words, with
+/// another FILE, for a missing dependency.
+bool is_absent(const std::string& file, const std::string& message) {
+  return message.starts_with(file + ": cannot open shared object file");
 }
 
 }  // namespace
@@ -23,16 +23,18 @@ bool is_absent(const std::string& file, const std::string& said) {
 Result<SharedLibrary> SharedLibrary::open(const std::vector<std::string>& candidates) {
   std::string absent, broken;
   for (const std::string& file : candidates) {
+    // loaded
     if (void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL | RTLD_NODELETE)) {
       SharedLibrary library;
       library.handle_ = std::shared_ptr<void>(handle, dlclose);
       library.file_ = file;
       return library;
     }
+    // first message of each kind
     const char* reason = dlerror();
-    const std::string said = reason ? reason : file + ": cannot be loaded";
-    std::string& kept = is_absent(file, said) ? absent : broken;
-    if (kept.empty()) kept = said;
+    const std::string message = reason ? reason : file + ": cannot be loaded";
+    std::string& first_error = is_absent(file, message) ? absent : broken;
+    if (first_error.empty()) first_error = message;
   }
   return Error{broken.empty() ? absent : broken};
 }

@@ -1,4 +1,4 @@
-// A vendor's library, found while the program runs.
+// Shared library of a vendor, loaded at run time.
 #pragma once
 
 #include <memory>
@@ -9,15 +9,15 @@
 
 namespace turgor::haptics {
 
-/// Once loaded it stays: threads of a vendor and sentences that it owns outlive a device.
+/// Never unloaded: threads of a vendor and texts that it owns outlive a device.
 class SharedLibrary {
  public:
   SharedLibrary() = default;
-  /// The first of these files that can be loaded. Error: what the loader said, a file that is there but
-  /// cannot be loaded before one that is not.
+  /// Loads the first of these files that can be loaded. Error: the loader's message, preferably for a file
+  /// that exists but cannot be loaded.
   static Result<SharedLibrary> open(const std::vector<std::string>& candidates);
 
-  /// Whether it has the symbol; `function` points to it then.
+  /// Binds `function` to a symbol. False when the library lacks it.
   template <class F>
   bool bind(const char* symbol, F*& function) const {
     function = reinterpret_cast<F*>(find(symbol));
@@ -35,7 +35,7 @@ class SharedLibrary {
 /// Files in a folder whose names begin with `stem` ("libdrd.so"), the highest version first.
 std::vector<std::string> library_files(const std::string& folder, const std::string& stem);
 
-/// An environment variable; empty when it is not set.
+/// Value of an environment variable; empty when it is not set.
 std::string environment(const char* name);
 
 }  // namespace turgor::haptics

@@ -11,6 +11,8 @@
 #include <boost/beast/websocket/stream.hpp>
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::haptics {
 
 namespace asio = boost::asio;
@@ -21,13 +23,13 @@ namespace {
 
 constexpr std::size_t kLargestMessage = 1 << 20;  // [bytes]
 
-/// What a pending operation came to. It is shared with its handler, which may outlive its caller.
+/// Result of a pending operation. It is shared with its handler, which may outlive its caller.
 struct Outcome {
   bool done = false;
   error_code error;
 };
 
-auto tell(const std::shared_ptr<Outcome>& outcome) {
+auto completion_handler(const std::shared_ptr<Outcome>& outcome) {
   outcome->done = false;
   return [outcome](error_code error, auto&&...) {
     outcome->done = true;
@@ -50,11 +52,12 @@ struct WebSocket::Connection {
     error_code ignored;
     stream.next_layer().close(ignored);
     io.restart();
-    io.poll();  // handlers of what was pending
+    io.poll();  // runs handlers that were pending
   }
 
-  /// Works until the operation is done, or the limit is reached.
+  /// Runs until the operation is done, or the limit is reached.
   bool wait_for(const Outcome& outcome, double limit) {
+    TURGOR_CHECK(limit >= 0, "a time limit is not negative");
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
     io.restart();
     while (!outcome.done)
@@ -73,18 +76,20 @@ struct WebSocket::Connection {
 
   Status connect(const std::string& host, const std::string& port, double limit) {
     error_code error;
+    // TCP connection
     asio::ip::tcp::resolver resolver(io);
     const auto endpoints = resolver.resolve(host, port, error);
     if (error) return lost(error.message());
     auto outcome = std::make_shared<Outcome>();
-    asio::async_connect(stream.next_layer(), endpoints, tell(outcome));
+    asio::async_connect(stream.next_layer(), endpoints, completion_handler(outcome));
     if (Status connected = finish(outcome, limit, "connecting"); !connected) return connected;
     stream.next_layer().set_option(asio::ip::tcp::no_delay(true), error);
     stream.read_message_max(kLargestMessage);
     stream.text(true);
+    // WebSocket handshake
     outcome = std::make_shared<Outcome>();
-    stream.async_handshake(host + ":" + port, "/", tell(outcome));
-    return finish(outcome, limit, "the greeting of a WebSocket");
+    stream.async_handshake(host + ":" + port, "/", completion_handler(outcome));
+    return finish(outcome, limit, "the WebSocket handshake");
   }
 };
 
@@ -103,16 +108,18 @@ Result<std::unique_ptr<WebSocket>> WebSocket::connect(const std::string& address
 }
 
 Status WebSocket::send(const std::string& message, double limit) {
+  TURGOR_ASSERT(connection_ != nullptr, "a message needs a connection");
   Connection& c = *connection_;
   c.sent = message;
   auto outcome = std::make_shared<Outcome>();
-  c.stream.async_write(asio::buffer(c.sent), tell(outcome));
+  c.stream.async_write(asio::buffer(c.sent), completion_handler(outcome));
   return c.finish(outcome, limit, "sending");
 }
 
 Result<std::optional<std::string>> WebSocket::receive(double limit) {
+  TURGOR_ASSERT(connection_ != nullptr, "a message needs a connection");
   Connection& c = *connection_;
-  if (!c.is_reading) c.stream.async_read(c.buffer, tell(c.read));
+  if (!c.is_reading) c.stream.async_read(c.buffer, completion_handler(c.read));
   c.is_reading = true;
   if (!c.wait_for(*c.read, limit)) return std::optional<std::string>();
   c.is_reading = false;
@@ -125,9 +132,9 @@ Result<std::optional<std::string>> WebSocket::receive(double limit) {
 void WebSocket::close(double limit) noexcept {
   try {
     auto outcome = std::make_shared<Outcome>();
-    connection_->stream.async_close(beast::websocket::close_code::normal, tell(outcome));
+    connection_->stream.async_close(beast::websocket::close_code::normal, completion_handler(outcome));
     connection_->wait_for(*outcome, limit);
-  } catch (...) {  // no memory for it: the destructor closes
+  } catch (...) {  // no memory: the destructor closes
   }
 }
 

@@ -1,4 +1,4 @@
-// A WebSocket client that never waits longer than it is told to: text messages over TCP, each sent at once.
+// WebSocket client with time limits: text messages over TCP, each sent at once.
 #pragma once
 
 #include <memory>
@@ -12,15 +12,17 @@ namespace turgor::haptics {
 /// Used by one thread at a time. Limits are in seconds.
 class WebSocket {
  public:
-  /// `address` is "HOST:PORT". Error: what is wrong with it, or why nobody answers there within `limit`.
+  /// Connects to an `address` "HOST:PORT". Error: an invalid address, or the reason why no connection was
+  /// made within `limit`.
   static Result<std::unique_ptr<WebSocket>> connect(const std::string& address, double limit);
   ~WebSocket();
 
-  /// Error: the connection is gone, or the message was not taken within `limit`.
+  /// Error: the connection is lost, or the message was not sent within `limit`.
   Status send(const std::string& message, double limit);
-  /// Nothing: none came within `limit`, which a later call may still receive. Error: the connection is gone.
+  /// Receives a message. Empty when none came within `limit`; a later call may still receive it. Error: the
+  /// connection is lost.
   Result<std::optional<std::string>> receive(double limit);
-  /// Says goodbye and hears it, if that takes no longer than `limit`.
+  /// Closes the connection with the closing handshake, if that takes at most `limit`.
   void close(double limit) noexcept;
 
  private:

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "turgor/geometry/hounsfield.hpp"
-#include "turgor/io/mesh/mesh_cursor.hpp"
+#include "turgor/io/files/file_cursor.hpp"
 
 namespace turgor {
 
@@ -19,13 +19,13 @@ namespace io {
 
 namespace {
 
-/// The slices of one series, and what there is to say about the files beside them.
+/// Slices of one series, and notes about the other files.
 struct ChosenSlices {
   std::vector<DicomSlice> slices;
   std::vector<std::string> notes;
 };
 
-/// A file stands for its series: its folder is read, and other series there do not count.
+/// A single file selects its series: its folder is read, and other series in it are ignored.
 Result<ChosenSlices> slices_beside(const Exec& exec, const fs::path& file, const Progress& progress) {
   const DicomFile named = read_dicom_header(file);
   if (!named.slice)
@@ -63,8 +63,8 @@ Result<ChosenSlices> slices_in(const Exec& exec, const fs::path& folder, const R
   return chosen;
 }
 
-/// Which slices are read one after the other: the frames of a deflated file, which is inflated once; else
-/// each alone.
+/// Groups of slices that are read one after the other: all frames of a deflated file, which is inflated once;
+/// otherwise single slices.
 std::vector<std::vector<std::size_t>> read_together(std::span<const DicomSlice* const> slices) {
   std::vector<std::vector<std::size_t>> together;
   std::map<fs::path, std::size_t> deflated;
@@ -117,24 +117,24 @@ Result<ChangedSamples> read_all_samples(const Exec& exec, const DicomVolume& vol
   return changed;
 }
 
-/// What of the samples is not as it was stored.
+/// Notes about samples that differ from the stored values.
 void note_changes(const std::vector<DicomSlice>& slices, const ChangedSamples& changed,
                   std::vector<std::string>& notes) {
   const auto padded =
       std::find_if(slices.begin(), slices.end(), [](const auto& s) { return s.padding.has_value(); });
   if (changed.padding > 0)
     notes.push_back(
-        fmt::format("{} became air ({} HU): their stored value says that nothing was measured there "
+        fmt::format("{} became air ({} HU): their stored value means \"not measured\" "
                     "(PixelPaddingValue {})",
                     counted(changed.padding, "sample"), kAirHu, *padded->padding));
   if (changed.clamped > 0)
-    notes.push_back(fmt::format("{} lay outside of -32768 to 32767 HU and {} moved to the nearer end",
+    notes.push_back(fmt::format("{} outside -32768 to 32767 HU {} clamped",
                                 counted(changed.clamped, "sample"), changed.clamped == 1 ? "was" : "were"));
   const auto is_fraction = [](double v) { return v != std::floor(v); };
   if (std::any_of(slices.begin(), slices.end(),
                   [&](const DicomSlice& s) { return is_fraction(s.slope) || is_fraction(s.intercept); }))
     notes.push_back(
-        fmt::format("samples were rounded to whole Hounsfield units: RescaleSlope {}, "
+        fmt::format("samples were rounded to integer Hounsfield units: RescaleSlope {}, "
                     "RescaleIntercept {}",
                     slices.front().slope, slices.front().intercept));
 }
@@ -154,38 +154,31 @@ DicomOrigin origin_of(const std::vector<DicomSlice>& slices) {
 
 }  // namespace
 
-}  // namespace io
-
-std::string list_dicom_series(const Exec& exec, const fs::path& folder) {
-  std::error_code failed;
-  if (!fs::is_directory(folder, failed)) return {};
-  const Result<io::DicomFolder> found = io::scan_dicom(exec, folder, true, {});
-  return found && !found->slices.empty() ? io::list_series(found->slices) : std::string{};
-}
-
-namespace io {
-
 Result<CtFile> read_dicom(const Exec& exec, const fs::path& path, const ReadOptions& options) {
-  const auto part = [&](double begin, double end) -> Progress {
+  const auto sub_progress = [&](double begin, double end) -> Progress {
     if (!options.progress) return {};
     return [=, &options](double fraction) { options.progress(begin + (end - begin) * fraction); };
   };
+  // slices of one series
   std::error_code failed;
   const bool is_folder = fs::is_directory(path, failed);
-  Result<ChosenSlices> chosen =
-      is_folder ? slices_in(exec, path, options, part(0, 0.3)) : slices_beside(exec, path, part(0, 0.3));
+  Result<ChosenSlices> chosen = is_folder ? slices_in(exec, path, options, sub_progress(0, 0.3))
+                                          : slices_beside(exec, path, sub_progress(0, 0.3));
   if (!chosen) return chosen.error();
+  // grid
   Result<DicomVolume> volume = stack_slices(path, std::move(chosen->slices), options.straighten);
   if (!volume) return volume.error();
   const bool leans = norm(volume->shift) > 0;
   const Grid grid = leans ? straight_grid(volume->grid, volume->shift) : volume->grid;
   if (std::int64_t(sample_count(grid)) > std::int64_t{1} << 33)
     return Error{fmt::format("{}: more samples than the largest volume of 2^33", path.string())};
+  // samples
   CtFile file;
   file.ct = {volume->grid, std::vector<std::int16_t>(sample_count(volume->grid))};
-  const Result<ChangedSamples> changed = read_all_samples(exec, *volume, file.ct, part(0.3, 1));
+  const Result<ChangedSamples> changed = read_all_samples(exec, *volume, file.ct, sub_progress(0.3, 1));
   if (!changed) return changed.error();
   if (leans) file.ct = straightened(exec, file.ct, volume->shift);
+  // metadata and notes
   const DicomSlice& first = volume->slices.front();
   file.format = "DICOM";
   file.origin = origin_of(volume->slices);

@@ -1,5 +1,5 @@
-// Compressed DICOM samples, decoded by GDCM in processes of their own: its codecs crash on some damaged
-// images, and a damaged file must end in a sentence, not in the end of the program.
+// Decoding of compressed DICOM samples by GDCM in child processes. GDCM's codecs crash on some damaged
+// images, and a damaged file must give an error message instead of ending the program.
 #include <algorithm>
 #include <atomic>
 #include <fstream>
@@ -19,9 +19,9 @@ namespace {
 
 enum class Progressed : std::uint8_t { kWaiting, kWorking, kDone, kRefused };
 
-// A slice takes far less than a second; a codec that circles has lost its way.
+// A slice takes far less than a second; a codec that needs longer is in an endless loop.
 constexpr double kSecondsPerSlice = 60;
-// One that believes a damaged image asks for memory without end: no more than decoding one slice takes.
+// Damaged images make codecs request unlimited memory. The limit covers the decoding of one slice.
 constexpr std::size_t kCodecBytes = std::size_t{256} << 20, kBytesPerSample = 32;
 
 /// Memory that child processes share with this one.
@@ -42,7 +42,7 @@ class SharedMemory {
   void* data_;
 };
 
-/// What a child leaves behind of one slice, besides its samples.
+/// Result of a child for one slice, besides its samples.
 struct Decoded {
   std::atomic<Progressed> state;
   ChangedSamples changed;
@@ -51,11 +51,11 @@ struct Decoded {
 struct Work {
   std::span<const DicomSlice* const> slices;
   std::size_t area;       // samples of a slice
-  std::int16_t* samples;  // shared, slice after slice
-  Decoded* decoded;       // shared, one a slice
+  std::int16_t* samples;  // shared, all slices in order
+  Decoded* decoded;       // shared, one per slice
 };
 
-/// The compressed pixels as GDCM wants them.
+/// Compressed pixels in GDCM's type.
 gdcm::SmartPointer<gdcm::SequenceOfFragments> load_fragments(const DicomSlice& slice) {
   gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = new gdcm::SequenceOfFragments;
   std::ifstream stream(slice.file, std::ios::binary);
@@ -70,7 +70,7 @@ gdcm::SmartPointer<gdcm::SequenceOfFragments> load_fragments(const DicomSlice& s
   return sequence;
 }
 
-/// False if GDCM refuses. It may also crash.
+/// False if GDCM fails; it may also crash.
 bool decode(const DicomSlice& slice, std::span<std::int16_t> hu, ChangedSamples& changed) {
   gdcm::Image image;
   image.SetNumberOfDimensions(2);
@@ -85,15 +85,15 @@ bool decode(const DicomSlice& slice, std::span<std::int16_t> hu, ChangedSamples&
   pixels.SetVR(gdcm::VR::OB);
   pixels.SetValue(*load_fragments(slice));
   image.SetDataElement(pixels);
-  const std::size_t wanted = hu.size() * std::size_t(slice.bits_allocated) / 8;
-  if (image.GetBufferLength() != wanted) return false;
-  std::vector<char> stored(wanted);
+  const std::size_t byte_count = hu.size() * std::size_t(slice.bits_allocated) / 8;
+  if (image.GetBufferLength() != byte_count) return false;
+  std::vector<char> stored(byte_count);
   if (!image.GetBuffer(stored.data())) return false;
   changed = convert_to_hu(slice, stored.data(), hu);
   return true;
 }
 
-/// What a child does: every step-th slice.
+/// Work of a child: every step-th slice.
 int decode_stripe(const Work& work, std::size_t first, std::size_t step) {
   for (std::size_t k = first; k < work.slices.size(); k += step) {
     Decoded& decoded = work.decoded[k];
@@ -123,7 +123,7 @@ std::vector<ChildEnd> decode_all(const Work& work, std::size_t count, const Chil
   });
 }
 
-/// Why a slice has no samples.
+/// Reason why a slice has no samples.
 Error why_not(const DicomSlice& slice, Progressed state, const ChildEnd& end, const ChildLimits& limits) {
   const std::string file = slice.file.string();
   if (state == Progressed::kRefused || end)
@@ -144,13 +144,13 @@ Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const Di
   if (slices.empty()) return ChangedSamples{};
   const std::size_t area = hu[0].size(), count = slices.size();
   static_assert(std::atomic<Progressed>::is_always_lock_free);
-  const std::size_t table = count * sizeof(Decoded);  // first, where memory is aligned
+  const std::size_t table = count * sizeof(Decoded);  // first, because it needs alignment
   const SharedMemory shared(table + count * area * sizeof(std::int16_t));
   if (!shared)
     return Error{fmt::format("{}: not enough memory to decode {} slices", slices[0]->file.string(), count)};
   auto* samples = reinterpret_cast<std::int16_t*>(shared.data() + table);
   auto* decoded = reinterpret_cast<Decoded*>(shared.data());
-  const Work work{slices, area, samples, decoded};  // fresh shared memory is zero: all waiting
+  const Work work{slices, area, samples, decoded};  // new shared memory is zero: all slices are waiting
   const std::size_t processes = std::min(count, std::size_t(exec.threads()));
   const ChildLimits limits{.seconds = kSecondsPerSlice, .memory = kCodecBytes + kBytesPerSample * area};
   const std::vector<ChildEnd> ends = decode_all(work, processes, limits, progress);

@@ -17,9 +17,9 @@ constexpr std::uint32_t kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd 
                         kPixels = 0x7fe00010;
 constexpr int kDeepest = 12;
 constexpr std::size_t kMostElements = 4'000'000;
-constexpr std::size_t kLongestValue = 4096;  // of those that are kept [bytes]
+constexpr std::size_t kLongestValue = 4096;  // longest value that is stored [bytes]
 
-// Sequences of which something is kept, and what of them.
+// Sequences and elements in them that are stored.
 constexpr std::uint32_t kShared = 0x52009229, kPerFrame = 0x52009230, kSegments = 0x00620002;
 constexpr std::uint32_t kKept[] = {
     0x00180050, 0x00180088,               // SliceThickness, SpacingBetweenSlices
@@ -32,7 +32,7 @@ struct Header {
   std::string vr;  // empty if implicit
 };
 
-/// Walks through the bytes. The first thing that is wrong ends the walk and is kept in `problem`.
+/// Parser for the elements. The first error stops it and is stored in `problem`.
 class Walk {
  public:
   explicit Walk(FileWindow& file) : file_(file), file_size_(file.size()) {}
@@ -53,7 +53,7 @@ class Walk {
 
   Header header(bool is_explicit) {
     Header h;
-    if (++headers_ > kMostElements) return fail("more elements than any image has"), h;
+    if (++headers_ > kMostElements) return fail("too many elements for an image"), h;
     const std::uint32_t group = number(2);
     h.tag = group << 16 | number(2);
     if (group == 0xfffe || !is_explicit) {
@@ -71,7 +71,7 @@ class Walk {
     return h;
   }
 
-  /// Moves behind a value; false if the file ends before.
+  /// Advances past a value; false if the file ends before.
   bool skip(const Header& h) {
     if (h.length > file_size_ - at)
       return fail_at(h.tag, fmt::format("of {} bytes runs beyond the end of the file", h.length)), false;
@@ -80,15 +80,15 @@ class Walk {
   }
   std::string_view view(std::uint64_t from, std::size_t length) const { return file_.view(from, length); }
 
-  /// The items of a sequence, up to `end` or, if that is not known, to the sequence's delimiter. What is kept
-  /// of each goes into `items`, if there are any.
+  /// Parses the items of a sequence, up to `end` or, if that is unknown, to the sequence's delimiter. Stored
+  /// values of each item are added to `items`, if given.
   void sequence(bool is_explicit, std::optional<std::uint64_t> end, int depth,
                 std::vector<DicomValues>* items = nullptr) {
     if (depth > kDeepest) return fail("sequences are nested too deep");
     while (problem.empty() && !(end && at >= *end)) {
       const Header item = header(is_explicit);
       if (!problem.empty() || (item.tag == kSequenceEnd && !end)) return;
-      if (item.tag != kItem) return fail_at(item.tag, "stands where an item of a sequence was expected");
+      if (item.tag != kItem) return fail_at(item.tag, "found instead of an item of a sequence");
       if (items) kept_ = &items->emplace_back();
       if (item.length == kUndefined)
         dataset(is_explicit, std::nullopt, depth + 1);
@@ -110,7 +110,7 @@ class Walk {
     sequence(is_explicit, at + h.length, depth, items);
   }
 
-  /// A sequence of which something is kept.
+  /// A sequence with stored values.
   void value_with_items(const Header& h, bool is_explicit, std::vector<DicomValues>& items) {
     items.clear();
     value(h, is_explicit, 0, &items);
@@ -121,7 +121,7 @@ class Walk {
     while (problem.empty() && !(end && at >= *end)) {
       const Header h = header(is_explicit);
       if (!problem.empty() || (h.tag == kItemEnd && !end)) return;
-      if (h.tag >> 16 == 0xfffe) return fail_at(h.tag, "stands outside of a sequence");
+      if (h.tag >> 16 == 0xfffe) return fail_at(h.tag, "found outside a sequence");
       value(h, is_explicit, depth);
     }
     if (problem.empty() && end && at != *end) fail("an item and its elements differ in length");
@@ -135,7 +135,7 @@ class Walk {
       if (!problem.empty()) break;
       if (item.tag == kSequenceEnd && count > 1) return found;
       if (item.tag != kItem || item.length == kUndefined)
-        fail_at(item.tag, "stands where a fragment of pixels was expected");
+        fail_at(item.tag, "found instead of a fragment of pixels");
       else if (skip(item) && count > 0)
         found.push_back({at - item.length, item.length});
     }
@@ -151,12 +151,13 @@ class Walk {
   bool is_at_end() const { return at >= file_size_; }
 
  private:
-  /// Where no value representation says so: the sequences that places of frames and segments are nested in.
+  /// Sequences that hold the positions of frames and segments; needed when the value representation is
+  /// implicit.
   static bool is_sequence_of_frames(std::uint32_t tag) {
     return tag == kShared || tag == kPerFrame || tag == kSegments || tag == 0x00209113 || tag == 0x00209116 ||
            tag == 0x00289110 || tag == 0x00289145 || tag == 0x0062000a;
   }
-  /// Moves behind a value; the first of its kind in an item is kept.
+  /// Advances past a value; the first of its kind in an item is stored.
   void keep(const Header& h) {
     const std::uint64_t from = at;
     if (!skip(h) || !kept_ || h.length > kLongestValue) return;
@@ -172,7 +173,7 @@ class Walk {
   FileWindow& file_;
   std::uint64_t file_size_;
   std::size_t headers_ = 0;
-  DicomValues* kept_ = nullptr;  // of the item that is walked through
+  DicomValues* kept_ = nullptr;  // of the current item
 };
 
 std::string uid(std::string_view value) {
@@ -180,7 +181,7 @@ std::string uid(std::string_view value) {
   return std::string(value.substr(0, end == value.npos ? 0 : end + 1));
 }
 
-/// The elements of group 2, which are always explicit, up to the end that the first one says.
+/// Reads the elements of group 2, which are always explicit, up to the length that the first one gives.
 void read_meta(Walk& walk, DicomElements& found) {
   std::optional<std::uint64_t> end;
   while (walk.problem.empty()) {
@@ -210,7 +211,7 @@ void read_pixels(Walk& walk, const Header& h, bool is_encapsulated, DicomElement
   found.pixel_offset = walk.at;
   found.is_encapsulated = h.length == kUndefined;
   if (found.is_encapsulated != is_encapsulated)
-    return walk.fail("the pixels are not packed as the transfer syntax says");
+    return walk.fail("the encoding of the pixels contradicts the transfer syntax");
   if (!found.is_encapsulated) {
     if (walk.skip(h)) found.pixel_length = h.length;
     return;
@@ -241,7 +242,7 @@ void read_dataset(Walk& walk, bool is_explicit, bool is_encapsulated, DicomEleme
   }
 }
 
-// Transfer syntaxes. All that are read begin as the first one.
+// Transfer syntaxes. All supported ones begin like the first one.
 constexpr std::string_view kStandard = "1.2.840.10008.1.2", kLittleEndian = "1.2.840.10008.1.2.1",
                            kBigEndian = "1.2.840.10008.1.2.2", kDeflated = "1.2.840.10008.1.2.1.99";
 
@@ -264,7 +265,7 @@ Result<std::string> inflate_dataset(const std::filesystem::path& file, std::uint
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
   const FileRange range{file, std::int64_t(dataset_offset), failed ? 0 : std::int64_t(size)};
   std::optional<std::string> bytes = inflate_bare(range, kMost);
-  if (!bytes) return Error{"truncated or corrupt DICOM file: its deflated part is damaged"};
+  if (!bytes) return Error{"truncated or corrupt DICOM file: its deflated data is damaged"};
   return std::move(*bytes);
 }
 
@@ -296,7 +297,7 @@ Status find_elements(FileWindow& file, DicomElements& found) {
   read_meta(walk, found);
   const std::string& syntax = found.transfer_syntax;
   if (!syntax.empty() && !syntax.starts_with(kStandard))
-    return Error{fmt::format("a DICOM file of transfer syntax {}, which is not read", syntax)};
+    return Error{fmt::format("a DICOM file of transfer syntax {}, which is not supported", syntax)};
   if (syntax == kDeflated && walk.problem.empty()) return find_deflated(file.file(), found);
   const bool is_explicit = syntax.empty() ? looks_explicit(walk) : syntax != kStandard;
   walk.is_big_endian = found.is_big_endian = syntax == kBigEndian;

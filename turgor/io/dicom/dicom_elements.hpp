@@ -1,6 +1,5 @@
-// Where the elements of a DICOM file lie, checked: every length stays within the file. GDCM's parser
-// aborts the program on corrupt files; it decodes compressed pixels, and those alone are handed to it.
-// Internal to io/.
+// Locations of the elements of a DICOM file, checked so that every length stays within the file. GDCM's
+// parser aborts on corrupt files, so GDCM is used only to decode compressed pixels. Internal to io/.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,7 @@
 
 namespace turgor::io {
 
-/// A piece of compressed pixels in the file.
+/// A fragment of compressed pixels in the file.
 struct DicomFragment {
   std::uint64_t offset = 0, length = 0;  // [bytes]
 };
@@ -23,20 +22,21 @@ struct DicomFragment {
 using DicomValues = std::map<std::uint32_t, std::string>;  // group · 65536 + element → value
 
 struct DicomElements {
-  DicomValues values;  // top level, up to the pixels, short ones
-  // Of enhanced images and segmentations, with all that is nested in them, as far as it is read: what all
-  // frames share, one for each frame, one for each segment. [PS3.3, C.7.6.16, C.8.20]
+  DicomValues values;  // top level, before the pixels, short ones
+  // Enhanced images and segmentations: values that all frames share, values by frame, values by segment, each
+  // with nested sequences. [PS3.3, C.7.6.16, C.8.20]
   std::vector<DicomValues> shared, frames, segments;
-  std::string transfer_syntax;       // empty: not said
-  std::string media_class;           // (0002,0002), what kind of object the file holds; empty: not said
-  bool has_magic = false;            // "DICM" stands where it should
+  std::string transfer_syntax;       // empty: missing
+  std::string media_class;           // (0002,0002), SOP class of the file; empty: missing
+  bool has_magic = false;            // "DICM" after the preamble
   bool is_big_endian = false;        // numbers and pixels
-  bool is_deflated = false;          // all that follows the meta information
+  bool is_deflated = false;          // all data after the meta information
   bool is_encapsulated = false;      // pixels are compressed fragments
-  std::uint64_t dataset_offset = 0;  // behind the meta information, in the file
-  std::uint64_t pixel_offset = 0, pixel_length = 0;  // in the file, or in what it inflates to; of all
-                                                     // fragments together if encapsulated
-  std::vector<DicomFragment> fragments;              // of compressed pixels
+  std::uint64_t dataset_offset = 0;  // after the meta information, in the file
+  std::uint64_t pixel_offset = 0,
+                pixel_length =
+                    0;  // in the file or its inflated data; of all fragments together if encapsulated
+  std::vector<DicomFragment> fragments;  // of compressed pixels
 
   bool has(std::uint16_t group, std::uint16_t element) const {
     return values.contains(std::uint32_t(group) << 16 | element);
@@ -47,8 +47,8 @@ struct DicomElements {
   }
 };
 
-/// Parts of a file, read when they are asked for: elements are skipped by their length, so that little of a
-/// large file is ever read. Or all of what a file inflated to.
+/// View of a file that is read on demand: elements are skipped by their length, so that little of a large
+/// file is read. It may also view inflated data.
 class FileWindow {
  public:
   explicit FileWindow(const std::filesystem::path& file);
@@ -65,10 +65,10 @@ class FileWindow {
   std::string bytes_;
 };
 
-/// What is found before the first thing that is wrong stays in `found`. The error says what is wrong and
-/// where; it names no file.
+/// Elements before the first error stay in `found`. The error gives the reason and the offset; it names no
+/// file.
 Status find_elements(FileWindow& file, DicomElements& found);
-/// What a deflated file holds behind its meta information. The error names no file.
+/// Inflated data set of a deflated file. The error names no file.
 Result<std::string> inflate_dataset(const std::filesystem::path& file, std::uint64_t dataset_offset);
 
 }  // namespace turgor::io

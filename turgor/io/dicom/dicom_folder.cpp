@@ -1,5 +1,5 @@
-// All files of a folder: which are images, and what to make of the others. A slice must not get lost in
-// silence because it is damaged, and a file that has nothing to do with a series must not stand in its way.
+// Scans a folder: finds the images and judges all other files. A damaged slice must not be dropped silently,
+// and a file unrelated to a series must not prevent reading it.
 #include <algorithm>
 #include <atomic>
 #include <cctype>
@@ -20,7 +20,7 @@ namespace {
 
 struct Listed {
   std::vector<fs::path> files;
-  std::vector<DicomFile> rest;  // folders that may not be entered
+  std::vector<DicomFile> rest;  // unreadable folders
 };
 
 Result<Listed> list_files(const fs::path& folder, bool recursive) {
@@ -38,7 +38,7 @@ Result<Listed> list_files(const fs::path& folder, bool recursive) {
     if (!is_folder) listed.files.push_back(path);
     if (is_folder && recursive && !is_hidden && access(path.c_str(), R_OK | X_OK) != 0)
       listed.rest.push_back(
-          {.file = path, .slice = {}, .problem = "a folder that may not be read", .series = {}});
+          {.file = path, .slice = {}, .problem = "a folder without read permission", .series = {}});
     if (listed.files.size() > kMost)
       return Error{
           fmt::format("{}: holds more than {} files; expected the folder of one CT", folder.string(), kMost)};
@@ -48,7 +48,7 @@ Result<Listed> list_files(const fs::path& folder, bool recursive) {
   return listed;
 }
 
-/// What is alike in the names of a series' files: the ending where it is one, and the text around numbers.
+/// Common pattern of the file names of a series: the extension, and the text around numbers.
 struct NamePattern {
   std::string ending, shape;
   auto operator<=>(const NamePattern&) const = default;
@@ -68,7 +68,7 @@ NamePattern pattern_of(const fs::path& file) {
   return pattern;
 }
 
-/// Whether a file is named as the slices of a series are, in one of their folders.
+/// Matches file names against those of a series' slices in their folders.
 class SeriesNames {
  public:
   explicit SeriesNames(const std::vector<const DicomSlice*>& slices) {
@@ -100,7 +100,7 @@ SeriesNames names_of(const DicomFolder& folder, const std::string& series, bool 
 std::string skipped_note(const std::vector<std::string>& names) {
   constexpr std::size_t kNamed = 5;
   if (names.empty()) return {};
-  std::string text = fmt::format("{} that {} no image of a CT skipped: ",
+  std::string text = fmt::format("skipped {} that {} not an image of a CT: ",
                                  names.size() == 1 ? "1 file" : fmt::format("{} files", names.size()),
                                  names.size() == 1 ? "is" : "are");
   for (std::size_t i = 0; i < std::min(names.size(), kNamed); i++) text += (i ? ", " : "") + names[i];
@@ -139,13 +139,12 @@ Status judge_rest(const DicomFolder& folder, const std::string& series, std::vec
     if (f.kind == Kind::kOtherObject || (f.kind == Kind::kNoDicom && !looks_own && !looks_other))
       skipped.push_back(f.file.filename().string());
     else if (f.series ? *f.series == series : looks_own && !looks_other)
-      return Error{fmt::format("{}: {}; expected a slice of the series, as {}: repair it, or move it away",
-                               f.file.string(), f.problem,
-                               f.series ? "its identifier says" : "its name says")};
+      return Error{fmt::format(
+          "{}: {}; expected a slice of the series, as {}: repair it or move it out of the folder",
+          f.file.string(), f.problem, f.series ? "its identifier indicates" : "its name indicates")};
     else
-      notes.push_back(
-          fmt::format("{}: {}; left out: {}", f.file.string(), f.problem,
-                      f.series ? "it is of another series" : "it cannot be told to which series it belongs"));
+      notes.push_back(fmt::format("{}: {}; ignored: {}", f.file.string(), f.problem,
+                                  f.series ? "it is of another series" : "its series is unknown"));
   }
   if (!skipped.empty()) notes.push_back(skipped_note(skipped));
   return Done{};

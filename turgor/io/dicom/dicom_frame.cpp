@@ -1,4 +1,4 @@
-// What compressed pixels say of their own size. A decoder takes memory for that, whatever the DICOM header
+// Image size inside compressed pixels. A decoder allocates memory for this size, whatever the DICOM header
 // says.
 #include <algorithm>
 #include <fstream>
@@ -16,7 +16,7 @@ struct FrameSize {
   std::uint64_t rows = 0, columns = 0;
 };
 
-/// Big-endian; 0 behind the end.
+/// Big-endian number; 0 past the end.
 std::uint64_t number(std::string_view code, std::size_t at, std::size_t bytes) {
   std::uint64_t value = 0;
   for (std::size_t i = at; i < at + bytes; i++)
@@ -24,15 +24,15 @@ std::uint64_t number(std::string_view code, std::size_t at, std::size_t bytes) {
   return value;
 }
 
-/// JPEG 2000: start of code, then the image's size: where it ends less where it begins. [ISO 15444-1, A.5.1]
+/// JPEG 2000 image size: end minus offset, after the start of the codestream. [ISO 15444-1, A.5.1]
 std::optional<FrameSize> size_of_j2k(std::string_view code) {
   const std::size_t start = code.find(std::string_view("\xff\x4f\xff\x51", 4));
   if (start == code.npos || code.size() < start + 24) return std::nullopt;
-  const std::size_t at = start + 8;  // behind both marks, the segment's length and its capabilities
+  const std::size_t at = start + 8;  // after both markers, the segment's length and its capabilities
   const std::uint64_t right = number(code, at, 4), bottom = number(code, at + 4, 4),
-                      left = number(code, at + 8, 4), top = number(code, at + 12, 4);
-  if (right < left || bottom < top) return std::nullopt;
-  return FrameSize{bottom - top, right - left};
+                      left_edge = number(code, at + 8, 4), top = number(code, at + 12, 4);
+  if (right < left_edge || bottom < top) return std::nullopt;
+  return FrameSize{bottom - top, right - left_edge};
 }
 
 /// JPEG and JPEG-LS: segments up to a start of frame. [ITU T.81, B.2.2; T.87, C.2.2]
@@ -41,7 +41,7 @@ std::optional<FrameSize> size_of_jpeg(std::string_view code) {
   for (std::size_t at = 2; at + 9 <= code.size();) {
     const std::uint64_t mark = number(code, at, 2);
     if (mark == 0xffff) {
-      at++;  // filling
+      at++;  // fill bytes
       continue;
     }
     if (mark < 0xffc0) return std::nullopt;
@@ -58,7 +58,7 @@ bool is_one_of(std::string_view name, std::initializer_list<std::string_view> na
 }
 
 std::string first_code(const DicomSlice& slice) {
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 18;  // colour profiles may stand in front
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 18;  // color profiles may come first
   if (slice.fragments.empty()) return {};
   std::string code(std::size_t(std::min(slice.fragments[0].length, kMost)), '\0');
   std::ifstream stream(slice.file, std::ios::binary);
@@ -72,19 +72,19 @@ std::string first_code(const DicomSlice& slice) {
 
 Status check_frame(const DicomSlice& slice) {
   constexpr std::string_view kJpeg = "1.2.840.10008.1.2.4.";
-  if (!std::string_view(slice.transfer_syntax).starts_with(kJpeg)) return Done{};  // run lengths have no size
+  if (!std::string_view(slice.transfer_syntax).starts_with(kJpeg))
+    return Done{};  // run-length encoding has no size
   const std::string code = first_code(slice);
   const std::string_view kind = std::string_view(slice.transfer_syntax).substr(kJpeg.size());
   const auto size = is_one_of(kind, {"90", "91", "92", "93"}) ? size_of_j2k(code) : size_of_jpeg(code);
   if (!size)
     return Error{fmt::format(
         "{}: damaged, or compressed in an unknown way: the pixels cannot be decoded (transfer syntax {}, no "
-        "size of the image in them)",
+        "image size in them)",
         slice.file.string(), slice.transfer_syntax)};
   if (size->rows == std::uint64_t(slice.rows) && size->columns == std::uint64_t(slice.columns)) return Done{};
-  return Error{fmt::format(
-      "{}: corrupt: the header promises {} x {} pixels, the compressed pixels say {} x {} of themselves",
-      slice.file.string(), slice.columns, slice.rows, size->columns, size->rows)};
+  return Error{fmt::format("{}: corrupt: the header declares {} x {} pixels, the compressed pixels {} x {}",
+                           slice.file.string(), slice.columns, slice.rows, size->columns, size->rows)};
 }
 
 }  // namespace turgor::io

@@ -1,4 +1,5 @@
-// Enhanced images: many frames in one file, each with its place in sequences. [DICOM PS3.3, A.38, C.7.6.16]
+// Enhanced images: many frames in one file, each with its position in sequences. [DICOM PS3.3, A.38,
+// C.7.6.16]
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +9,7 @@ namespace turgor::io {
 
 namespace {
 
-/// Hounsfield units of one frame: its own scale, if it says one.
+/// Rescale values of one frame, if it has its own.
 void read_scale(const DicomValues& values, DicomSlice& slice) {
   const auto number = [&](std::uint32_t tag) {
     const auto found = values.find(tag);
@@ -21,7 +22,7 @@ void read_scale(const DicomValues& values, DicomSlice& slice) {
   slice.intercept = std::isfinite(intercept) ? intercept : 0;
 }
 
-/// The pixels of one frame: as many bytes as each other, or a fragment.
+/// Pixels of one frame: an equal share of the bytes, or a fragment.
 bool take_pixels(const DicomSlice& image, std::size_t frame, std::size_t count, DicomSlice& slice) {
   if (!image.is_compressed) {
     const std::uint64_t bits = std::uint64_t(image.rows) * std::uint64_t(image.columns) *
@@ -47,8 +48,8 @@ std::vector<DicomSlice> frames_of(const DicomSlice& image, const DicomElements& 
     DicomSlice slice = image;
     slice.frames = 1;
     slice.frame = int(f) + 1;
-    for (const DicomValues& shared : set.shared) read_place(shared, slice), read_scale(shared, slice);
-    read_place(set.frames[f], slice), read_scale(set.frames[f], slice);
+    for (const DicomValues& shared : set.shared) read_geometry(shared, slice), read_scale(shared, slice);
+    read_geometry(set.frames[f], slice), read_scale(set.frames[f], slice);
     if (!take_pixels(image, f, count, slice)) return {};
     frames.push_back(std::move(slice));
   }

@@ -1,4 +1,4 @@
-// The headers of DICOM files.
+// Headers of DICOM files.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -91,19 +91,19 @@ DicomSlice describe(const fs::path& file, std::uint64_t file_size, const DicomEl
   slice.is_big_endian = set.is_big_endian;
   slice.is_deflated = set.is_deflated;
   slice.dataset_offset = set.dataset_offset;
-  read_place(set.values, slice);
+  read_geometry(set.values, slice);
   return slice;
 }
 
-constexpr std::string_view kCtImage = "1.2.840.10008.5.1.4.1.1.2";  // and enhanced ones behind a point
+constexpr std::string_view kCtImage = "1.2.840.10008.5.1.4.1.1.2";  // also the prefix of enhanced ones
 
-/// What kind of object the file says it is: its SOP class.
+/// SOP class of the file's object.
 std::string object_class(const DicomElements& set) {
   const std::string own = text(set, 0x0008, 0x0016);
   return own.empty() ? set.media_class : own;
 }
 
-/// A file without rows of pixels: a directory, a report, contours; or an image that ends too early.
+/// Classifies a file without rows of pixels: a directory, a report, contours, or a truncated image.
 void judge_without_image(const DicomElements& set, DicomFile& result) {
   const std::string kind = object_class(set);
   result.problem = "truncated or corrupt DICOM file: no Rows (0028,0010), no Columns (0028,0011)";
@@ -137,7 +137,7 @@ std::optional<int> short_integer(std::string_view value, bool is_signed, bool is
   return is_signed ? int(static_cast<std::int16_t>(number)) : int(number);
 }
 
-void read_place(const DicomValues& values, DicomSlice& slice) {
+void read_geometry(const DicomValues& values, DicomSlice& slice) {
   const auto finite = [&](std::uint32_t tag, std::size_t count) -> std::optional<std::vector<double>> {
     const auto found = values.find(tag);
     if (found == values.end()) return std::nullopt;
@@ -160,7 +160,7 @@ bool is_dicom(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   stream.read(start, sizeof start);
   if (stream.gcount() == sizeof start && std::memcmp(start + 128, "DICM", 4) == 0) return true;
-  // Without the preamble: the first element is of group 0002 or 0008, at a low number.
+  // Without the preamble: the first element is of group 0002 or 0008 with a low number.
   return stream.gcount() >= 8 && (start[0] == 2 || start[0] == 8) && start[1] == 0 && start[3] == 0;
 }
 
@@ -176,10 +176,10 @@ DicomFile read_dicom_header(const fs::path& file) {
   }
   FileWindow window(file);
   if (window.size() == 0) return no_dicom("is empty");
-  if (!is_dicom(file)) return no_dicom("is no DICOM file");
+  if (!is_dicom(file)) return no_dicom("is not a DICOM file");
   DicomElements set;
   const Status found = find_elements(window, set);
-  if (!found && !set.has_magic) return no_dicom("is no DICOM file");
+  if (!found && !set.has_magic) return no_dicom("is not a DICOM file");
   if (set.has(0x0020, 0x000e)) result.series = text(set, 0x0020, 0x000e);
   if (!found)
     result.problem = found.error().message;

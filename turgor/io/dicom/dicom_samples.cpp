@@ -1,4 +1,4 @@
-// The samples of one DICOM slice in Hounsfield units.
+// Samples of one DICOM slice in Hounsfield units.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -13,7 +13,7 @@ namespace turgor::io {
 
 namespace {
 
-/// Stored → HU. T is the type that holds a stored value; its bits above bits_stored may be anything.
+/// Stored values to HU. T is the type of a stored value; its bits above bits_stored are undefined.
 template <class T>
 ChangedSamples convert(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu) {
   using Wide = std::conditional_t<sizeof(T) == 4, std::int64_t, std::int32_t>;
@@ -57,22 +57,22 @@ ChangedSamples convert_to_hu(const DicomSlice& slice, const char* stored, std::s
 
 namespace {
 
-/// The stored bytes of a slice, as many as are there.
-std::vector<char> stored_bytes(const DicomSlice& slice, std::string_view inflated, std::size_t wanted) {
-  std::vector<char> stored(wanted);
+/// Stored bytes of a slice, as many as the file holds.
+std::vector<char> stored_bytes(const DicomSlice& slice, std::string_view inflated, std::size_t byte_count) {
+  std::vector<char> stored(byte_count);
   if (slice.is_deflated) {
     const std::size_t at = std::min<std::size_t>(slice.pixel_offset, inflated.size());
-    stored.resize(inflated.copy(stored.data(), wanted, at));
+    stored.resize(inflated.copy(stored.data(), byte_count, at));
     return stored;
   }
   std::ifstream stream(slice.file, std::ios::binary);
   stream.seekg(std::streamoff(slice.pixel_offset));
-  stream.read(stored.data(), std::streamsize(wanted));
+  stream.read(stored.data(), std::streamsize(byte_count));
   stored.resize(std::size_t(std::max<std::streamsize>(stream.gcount(), 0)));
   return stored;
 }
 
-/// Words of two bytes hold samples of one, too. [PS3.5, 8.1.1 and annex A.3]
+/// Swaps bytes in words of two, also for one-byte samples. [PS3.5, 8.1.1 and annex A.3]
 void swap_bytes(std::vector<char>& stored, int bits_allocated) {
   const std::size_t size = bits_allocated == 32 ? 4 : 2;
   for (std::size_t at = 0; at + size <= stored.size(); at += size)
@@ -83,12 +83,12 @@ void swap_bytes(std::vector<char>& stored, int bits_allocated) {
 
 Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::string_view inflated,
                                           std::span<std::int16_t> hu) {
-  const std::size_t wanted = hu.size() * std::size_t(slice.bits_allocated) / 8;
-  std::vector<char> stored = stored_bytes(slice, inflated, wanted);
+  const std::size_t byte_count = hu.size() * std::size_t(slice.bits_allocated) / 8;
+  std::vector<char> stored = stored_bytes(slice, inflated, byte_count);
   const std::size_t found = stored.size();
-  if (found < wanted || slice.pixel_length < wanted)
+  if (found < byte_count || slice.pixel_length < byte_count)
     return Error{fmt::format("{}: truncated or corrupt: {} bytes of pixels, expected {} ({} x {})",
-                             slice.file.string(), found, wanted, slice.columns, slice.rows)};
+                             slice.file.string(), found, byte_count, slice.columns, slice.rows)};
   if (slice.is_big_endian) swap_bytes(stored, slice.bits_allocated);
   return convert_to_hu(slice, stored.data(), hu);
 }

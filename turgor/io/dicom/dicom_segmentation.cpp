@@ -1,5 +1,5 @@
-// DICOM segmentations: a bit a sample, or how much of it the segment has, segment after segment, only the
-// slices that have any of it. [DICOM PS3.3, A.51, C.8.20]
+// DICOM segmentations: one bit or a fraction per sample, segment by segment, for slices that contain the
+// segment. [DICOM PS3.3, A.51, C.8.20]
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -21,11 +21,11 @@ constexpr std::string_view kSegmentation = "1.2.840.10008.5.1.4.1.1.66.4";
 
 struct Segmentation {
   DicomElements elements;
-  DicomSlice image;                // of all frames
-  std::vector<DicomSlice> frames;  // where they lie
+  DicomSlice image;                // common to all frames
+  std::vector<DicomSlice> frames;  // positions
   std::vector<int> segment;        // of each frame
   bool is_fractional = false;
-  int most = 1;  // the value of a sample that is all the segment's
+  int most = 1;  // value of a sample that is entirely in the segment
 };
 
 LabelNames names_of(const DicomElements& set) {
@@ -40,7 +40,7 @@ LabelNames names_of(const DicomElements& set) {
   return names;
 }
 
-/// The segment of a frame, which all frames may share; 0 if nothing says so.
+/// Segment of a frame, possibly from the shared values; 0 if it is missing.
 int segment_of(const DicomElements& set, const DicomValues& frame) {
   for (const DicomValues* values : {&frame, set.shared.empty() ? &frame : &set.shared.front()})
     if (const auto found = values->find(0x0062000b); found != values->end())
@@ -52,8 +52,8 @@ Error refusal(const fs::path& file, const std::string& what) {
   return {fmt::format("{}: {}", file.string(), what)};
 }
 
-/// What is no DICOM segmentation that is read, said so. Compressed bits are not read; whole files of them
-/// that are deflated are. [PS3.5, 8.2, A.4, A.5]
+/// Refuses files that are not a supported DICOM segmentation. Compressed bits are not supported, except in
+/// files that are deflated as a whole. [PS3.5, 8.2, A.4, A.5]
 Status check_kind(const fs::path& file, Segmentation& seg) {
   const DicomElements& set = seg.elements;
   const DicomSlice& image = seg.image;
@@ -61,24 +61,27 @@ Status check_kind(const fs::path& file, Segmentation& seg) {
   const std::string type = trimmed(set.value(0x0062, 0x0001));
   if (kind != kSegmentation)
     return refusal(
-        file, "a DICOM file that is no segmentation; expected labels: a DICOM SEG, NIfTI, NRRD or MetaImage");
+        file,
+        "a DICOM file that is not a segmentation; expected labels: a DICOM SEG, NIfTI, NRRD or MetaImage");
   seg.is_fractional = type == "FRACTIONAL";
   if ((type != "BINARY" || image.bits_allocated != 1) && (!seg.is_fractional || image.bits_allocated != 8))
     return refusal(file,
-                   fmt::format("a segmentation of type {}, {} bits a sample; expected BINARY, 1 bit, or "
+                   fmt::format("a segmentation of type {}, {} bits per sample; expected BINARY, 1 bit, or "
                                "FRACTIONAL, 8 bits",
                                type, image.bits_allocated));
   if (image.is_big_endian) return refusal(file, "a big-endian segmentation; expected a little-endian one");
   if (!seg.is_fractional && image.is_compressed)
-    return refusal(file, "compressed bits; expected BINARY plain or deflated, compressed FRACTIONAL alone");
+    return refusal(
+        file,
+        "compressed bits; expected BINARY uncompressed or deflated (only FRACTIONAL may be compressed)");
   if (!seg.is_fractional) return Done{};
   seg.most = short_integer(set.value(0x0062, 0x000e), false, false).value_or(0);
   if (seg.most >= 1 && seg.most <= 255) return Done{};
   return refusal(file, fmt::format("MaximumFractionalValue is {}, expected 1 to 255", seg.most));
 }
 
-/// SpacingBetweenSlices, which all frames share [mm].
-std::optional<double> said_spacing(const DicomElements& set) {
+/// SpacingBetweenSlices, shared by all frames [mm].
+std::optional<double> shared_spacing(const DicomElements& set) {
   if (set.shared.empty()) return std::nullopt;
   const auto said = set.shared.front().find(0x00180088);
   if (said == set.shared.front().end()) return std::nullopt;
@@ -86,29 +89,30 @@ std::optional<double> said_spacing(const DicomElements& set) {
   return number.size() == 1 ? std::optional(number[0]) : std::nullopt;
 }
 
-/// A grid through all frames, from their places; they lie on planes of equal distance, some of them empty.
+/// Grid through all frames, from their positions. Frames are on equidistant planes, some of which may be
+/// empty.
 Result<Grid> grid_of(const fs::path& file, const Segmentation& seg) {
   const DicomSlice& first = seg.frames.front();
   const Vec3d i = normalized(first.row_direction), k = normalized(cross(i, first.column_direction));
-  std::vector<double> places;
+  std::vector<double> offsets;
   for (const DicomSlice& s : seg.frames) {
     if (!s.position || std::abs(norm(s.row_direction) - 1) > 0.01 ||
         norm(s.row_direction - first.row_direction) > 1e-3 ||
         norm(s.column_direction - first.column_direction) > 1e-3 || !(s.row_spacing > 0) ||
         !(s.column_spacing > 0))
-      return refusal(file, fmt::format("frame {} has no place, or is not parallel to the first", s.frame));
-    places.push_back(dot(*s.position, k));
+      return refusal(file, fmt::format("frame {} has no position, or is not parallel to the first", s.frame));
+    offsets.push_back(dot(*s.position, k));
   }
-  std::sort(places.begin(), places.end());
-  const double spacing = said_spacing(seg.elements).value_or(first.thickness);
-  if (!(spacing > 0)) return refusal(file, "neither SpacingBetweenSlices nor SliceThickness is said");
-  const double count = (places.back() - places.front()) / spacing + 1;
-  for (const double place : places) {
-    const double n = (place - places.front()) / spacing;
+  std::sort(offsets.begin(), offsets.end());
+  const double spacing = shared_spacing(seg.elements).value_or(first.thickness);
+  if (!(spacing > 0)) return refusal(file, "neither SpacingBetweenSlices nor SliceThickness is given");
+  const double count = (offsets.back() - offsets.front()) / spacing + 1;
+  for (const double offset : offsets) {
+    const double n = (offset - offsets.front()) / spacing;
     if (!(std::abs(n - std::round(n)) < 0.05))
       return refusal(file,
-                     fmt::format("a frame lies {:.3f} mm above the first; expected a multiple of {:.3f} mm",
-                                 place - places.front(), spacing));
+                     fmt::format("a frame is {:.3f} mm above the first; expected a multiple of {:.3f} mm",
+                                 offset - offsets.front(), spacing));
   }
   const auto lowest = std::min_element(
       seg.frames.begin(), seg.frames.end(),
@@ -131,31 +135,31 @@ Result<Segmentation> read_frames(const fs::path& file) {
     return refusal(file, found.error().message);
   if (const Status kind = check_kind(file, seg); !kind) return kind.error();
   seg.frames = frames_of(seg.image, seg.elements);
-  if (seg.frames.empty()) return refusal(file, "its header does not say where its frames lie");
+  if (seg.frames.empty()) return refusal(file, "its header has no positions of its frames");
   for (const DicomValues& frame : seg.elements.frames) {
     seg.segment.push_back(segment_of(seg.elements, frame));
     if (seg.segment.back() < 1)
-      return refusal(file, fmt::format("frame {} does not say of which segment it is", seg.segment.size()));
+      return refusal(file, fmt::format("frame {} has no segment number", seg.segment.size()));
   }
   return seg;
 }
 
-/// Pixels as they lie in the file, or in what it inflates to; as many of the wanted bytes as are there.
-Result<std::string> plain_bytes(const fs::path& file, const DicomSlice& image, std::size_t wanted) {
+/// Pixels as stored in the file or in its inflated data; at most `byte_count` bytes.
+Result<std::string> plain_bytes(const fs::path& file, const DicomSlice& image, std::size_t byte_count) {
   if (image.is_deflated) {
     const Result<std::string> all = inflate_dataset(file, image.dataset_offset);
     if (!all) return refusal(file, all.error().message);
-    return all->substr(std::min<std::size_t>(image.pixel_offset, all->size()), wanted);
+    return all->substr(std::min<std::size_t>(image.pixel_offset, all->size()), byte_count);
   }
-  std::string bytes(wanted, '\0');
+  std::string bytes(byte_count, '\0');
   std::ifstream stream(file, std::ios::binary);
   stream.seekg(std::streamoff(image.pixel_offset));
-  stream.read(bytes.data(), std::streamsize(wanted));
+  stream.read(bytes.data(), std::streamsize(byte_count));
   bytes.resize(std::size_t(std::max<std::streamsize>(stream.gcount(), 0)));
   return bytes;
 }
 
-/// Samples of all frames, a byte each.
+/// Samples of all frames, one byte each.
 Result<std::string> decoded_bytes(const Segmentation& seg, std::size_t area) {
   std::vector<std::int16_t> values(area * seg.frames.size());
   std::vector<const DicomSlice*> slices;
@@ -170,28 +174,28 @@ Result<std::string> decoded_bytes(const Segmentation& seg, std::size_t area) {
   return std::string(values.begin(), values.end());
 }
 
-/// Bits of all frames without a gap between them, the lowest of each byte first, or bytes.
+/// Samples of all frames: bits without gaps, lowest of each byte first, or bytes.
 Result<std::string> bytes_of_frames(const fs::path& file, const Segmentation& seg, std::size_t area) {
   if (seg.image.is_compressed) return decoded_bytes(seg, area);
   const std::size_t samples = area * seg.frames.size(),
-                    wanted = seg.is_fractional ? samples : (samples + 7) / 8;
-  Result<std::string> bytes = plain_bytes(file, seg.image, wanted);
-  if (!bytes || (seg.image.pixel_length >= wanted && bytes->size() == wanted)) return bytes;
+                    byte_count = seg.is_fractional ? samples : (samples + 7) / 8;
+  Result<std::string> bytes = plain_bytes(file, seg.image, byte_count);
+  if (!bytes || (seg.image.pixel_length >= byte_count && bytes->size() == byte_count)) return bytes;
   return refusal(
       file,
       fmt::format("truncated or corrupt: {} bytes of pixels, expected {} ({} frames of {} x {})",
-                  seg.image.pixel_length, wanted, seg.frames.size(), seg.image.columns, seg.image.rows));
+                  seg.image.pixel_length, byte_count, seg.frames.size(), seg.image.columns, seg.image.rows));
 }
 
 Error overlap(const fs::path& file, const Grid& grid, int one, int other, std::size_t sample) {
   const auto columns = std::size_t(grid.size.x), area = columns * std::size_t(grid.size.y);
   return refusal(file,
-                 fmt::format("segments {} and {} overlap at sample ({}, {}, {}); expected one label a "
+                 fmt::format("segments {} and {} overlap at sample ({}, {}, {}); expected one label per "
                              "sample: export the segments as one label map",
                              one, other, sample % area % columns, sample % area / columns, sample / area));
 }
 
-/// Of fractions, a sample is of the segment that has most of it, and at least half.
+/// Fractions: a sample belongs to the segment with the largest fraction, if that is at least half.
 Status fill_labels(const fs::path& file, const Segmentation& seg, LabelVolume& labels) {
   const std::size_t area = std::size_t(labels.grid.size.x) * std::size_t(labels.grid.size.y);
   const Result<std::string> bytes = bytes_of_frames(file, seg, area);
@@ -217,12 +221,12 @@ Status fill_labels(const fs::path& file, const Segmentation& seg, LabelVolume& l
   return Done{};
 }
 
-/// Frames lie straight above each other, as the samples of a grid do.
+/// Checks that frames are stacked without shift, like the samples of a grid.
 Status check_straight(const fs::path& file, const Segmentation& seg, const Grid& grid) {
   for (const DicomSlice& s : seg.frames) {
     const Vec3d at = index_at(grid, *s.position * 1e-3);
     if (std::abs(at.x) > 0.1 || std::abs(at.y) > 0.1)
-      return refusal(file, fmt::format("frame {} is shifted sideways against the first", s.frame));
+      return refusal(file, fmt::format("frame {} is shifted in its plane from the first", s.frame));
   }
   return Done{};
 }

@@ -1,5 +1,5 @@
-// Which files of a folder make up one volume, and where it lies. What would make a wrong volume is refused by
-// name and place: gantry tilt, gaps, doubled positions, mixed directions or sizes.
+// Selects the files of a folder that form one volume, and finds its grid. Errors name file and position for
+// all that would give a wrong volume: gantry tilt, gaps, duplicate positions, mixed directions or sizes.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -45,7 +45,7 @@ std::string name_of(const DicomSlice& slice) {
   return slice.frame > 0 ? fmt::format("{}, frame {}", file, slice.frame) : file;
 }
 
-/// Scouts that share a series with its slices are left out.
+/// Removes localizers that share a series with its slices.
 void drop_localizers(DicomVolume& volume) {
   const auto is_localizer = [](const DicomSlice& s) {
     return s.image_type.find("LOCALIZER") != std::string::npos;
@@ -53,11 +53,11 @@ void drop_localizers(DicomVolume& volume) {
   const auto count = std::size_t(std::count_if(volume.slices.begin(), volume.slices.end(), is_localizer));
   if (count == 0 || count == volume.slices.size()) return;
   std::erase_if(volume.slices, is_localizer);
-  volume.notes.push_back(fmt::format("{} localizer images of the series were left out", count));
+  volume.notes.push_back(fmt::format("{} localizer images of the series were ignored", count));
 }
 
-/// Before memory is taken for what a header promises: the file must be large enough to hold it, and
-/// compressed pixels must say the same of themselves.
+/// Checks sizes before memory is allocated: the file must be large enough for the header's size, and
+/// compressed pixels must agree with it.
 Status check_size(const DicomSlice& s) {
   constexpr std::int64_t kMostPixels = std::int64_t{1} << 26;
   if (std::int64_t(s.rows) * s.columns > kMostPixels)
@@ -79,12 +79,11 @@ Status check_slice(const DicomSlice& s) {
   if (s.modality != "CT") return Error{fmt::format("{}: Modality is \"{}\"; expected CT", file, s.modality)};
   if (s.frames != 1)
     return Error{
-        fmt::format("{}: an image of {} frames whose header does not say where each of them lies; expected "
-                    "an enhanced CT "
-                    "image with functional groups, or one file a slice",
+        fmt::format("{}: an image of {} frames without positions in its header; expected "
+                    "an enhanced CT image with functional groups, or one file per slice",
                     file, s.frames)};
   if (s.samples_per_pixel != 1 || !s.photometric.starts_with("MONOCHROME"))
-    return Error{fmt::format("{}: a colour image ({}, {} samples a pixel); expected MONOCHROME2", file,
+    return Error{fmt::format("{}: a color image ({}, {} samples per pixel); expected MONOCHROME2", file,
                              s.photometric, s.samples_per_pixel)};
   if ((s.bits_allocated != 8 && s.bits_allocated != 16 && s.bits_allocated != 32) || s.bits_stored < 1 ||
       s.bits_stored > s.bits_allocated)
@@ -93,16 +92,14 @@ Status check_slice(const DicomSlice& s) {
   if (s.high_bit != s.bits_stored - 1)
     return Error{
         fmt::format("{}: HighBit (0028,0102) is {} with {} bits stored; expected {}: values that do not "
-                    "start at the lowest "
-                    "bit are not read",
+                    "start at the lowest bit are not supported",
                     file, s.high_bit, s.bits_stored, s.bits_stored - 1)};
   if (!s.position)
-    return Error{
-        fmt::format("{}: no ImagePositionPatient (0020,0032): the slice has no place in space", file)};
+    return Error{fmt::format("{}: no ImagePositionPatient (0020,0032): the slice has no position", file)};
   if (std::abs(norm(s.row_direction) - 1) > 0.01 || std::abs(norm(s.column_direction) - 1) > 0.01 ||
       std::abs(dot(s.row_direction, s.column_direction)) > 1e-3)
     return Error{fmt::format(
-        "{}: ImageOrientationPatient (0020,0037) is missing or not two directions at a right angle", file)};
+        "{}: ImageOrientationPatient (0020,0037) is missing or not two orthogonal directions", file)};
   if (!(s.row_spacing > 0) || !(s.column_spacing > 0))
     return Error{fmt::format("{}: PixelSpacing (0028,0030) is missing or not positive", file)};
   return Done{};
@@ -132,46 +129,45 @@ Mat3d slice_axes(const DicomSlice& slice) {
   return {{i, cross(k, i), k}};
 }
 
-/// How a slice lies sideways of the first one [mm].
-Vec3d sideways(const Slices& slices, const DicomSlice& s, Vec3d normal) {
-  const Vec3d way = *s.position - *slices.front().position;
-  return way - normal * dot(way, normal);
+/// In-plane offset of a slice from the first one [mm].
+Vec3d in_plane_offset(const Slices& slices, const DicomSlice& s, Vec3d normal) {
+  const Vec3d displacement = *s.position - *slices.front().position;
+  return displacement - normal * dot(displacement, normal);
 }
 
 std::string tilt_text(const Slices& slices, Vec3d normal) {
   const double up = dot(*slices.back().position - *slices.front().position, normal);
-  const double angle = std::atan2(norm(sideways(slices, slices.back(), normal)), up) * 180 / M_PI;
+  const double angle = std::atan2(norm(in_plane_offset(slices, slices.back(), normal)), up) * 180 / M_PI;
   return fmt::format("gantry tilt of {:.1f} degrees", angle);
 }
 
-/// A tilted gantry shifts each slice against the one before, all by the same: how far [mm]; 0 if they lie
-/// straight above each other.
+/// Constant in-plane shift between consecutive slices due to a tilted gantry [mm]; 0 for a straight stack.
 Result<Vec3d> slice_shift(const fs::path& folder, const Slices& slices, Vec3d normal, bool may_lean) {
-  const Vec3d whole = sideways(slices, slices.back(), normal);
+  const Vec3d whole = in_plane_offset(slices, slices.back(), normal);
   const double steps = std::max(1.0, double(slices.size()) - 1);
   bool leans = false;
   for (std::size_t i = 0; i < slices.size(); i++) {
     const DicomSlice& s = slices[i];
     const double near = 0.1 * std::min(s.row_spacing, s.column_spacing);
-    const Vec3d shift = sideways(slices, s, normal);
+    const Vec3d shift = in_plane_offset(slices, s, normal);
     if (norm(shift) <= near && norm(whole) <= near) continue;
     leans = true;
     if (!may_lean)
       return Error{fmt::format(
-          "{}: {}: slice {} is shifted sideways by {:.2f} mm against {}; expected "
-          "slices straight above each other (turgor import --straighten resamples them)",
+          "{}: {}: slice {} is shifted in its plane by {:.2f} mm from {}; expected "
+          "a straight stack (turgor import --straighten resamples them)",
           folder.string(), tilt_text(slices, normal), name_of(s), norm(shift), name_of(slices.front()))};
     if (norm(shift - whole * (double(i) / steps)) > near)
       return Error{
-          fmt::format("{}: slice {} lies {:.2f} mm beside the line from the first slice to the last; "
-                      "expected all shifted by the same, as by a tilted gantry",
+          fmt::format("{}: slice {} is {:.2f} mm off the line from the first slice to the last; "
+                      "expected a constant shift, as of a tilted gantry",
                       folder.string(), name_of(s), norm(shift - whole * (double(i) / steps)))};
   }
   return leans ? whole / steps : Vec3d{};
 }
 
-/// The distance that slices should have: the smallest gap if all others are multiples of it, as when slices
-/// are missing; otherwise the usual one.
+/// Expected distance of slices: the smallest gap if all others are multiples of it (missing slices);
+/// otherwise the median.
 double expected_gap(const std::vector<double>& gaps) {
   const double smallest = *std::min_element(gaps.begin(), gaps.end());
   const auto is_multiple = [&](double gap) {
@@ -180,23 +176,23 @@ double expected_gap(const std::vector<double>& gaps) {
   return smallest > 0 && std::all_of(gaps.begin(), gaps.end(), is_multiple) ? smallest : median(gaps);
 }
 
-/// The distance of slices, which must be the same everywhere [mm].
+/// Distance of slices, which must be constant [mm].
 Result<double> even_spacing(const fs::path& folder, const Slices& slices, Vec3d normal) {
-  std::vector<double> place, gaps;
-  for (const DicomSlice& s : slices) place.push_back(dot(*s.position, normal));
-  for (std::size_t i = 1; i < place.size(); i++) gaps.push_back(place[i] - place[i - 1]);
+  std::vector<double> offset, gaps;
+  for (const DicomSlice& s : slices) offset.push_back(dot(*s.position, normal));
+  for (std::size_t i = 1; i < offset.size(); i++) gaps.push_back(offset[i] - offset[i - 1]);
   const double usual = median(gaps);
   const auto at = [&](std::size_t i) {
-    return fmt::format("{} (at {:.2f} mm along the normal)", name_of(slices[i]), place[i]);
+    return fmt::format("{} (at {:.2f} mm along the normal)", name_of(slices[i]), offset[i]);
   };
   for (std::size_t i = 0; i < gaps.size(); i++)
     if (gaps[i] < 0.01 * usual || gaps[i] < 1e-6)
       return Error{fmt::format(
-          "{}: {} and {} lie at the same position; expected one slice a position (several phases or "
+          "{}: {} and {} lie at the same position; expected one slice per position (several phases or "
           "reconstructions in one series?)",
           folder.string(), at(i), at(i + 1))};
   const double expected = expected_gap(gaps);
-  const long missing = std::lround((place.back() - place.front()) / expected) - long(gaps.size());
+  const long missing = std::lround((offset.back() - offset.front()) / expected) - long(gaps.size());
   for (std::size_t i = 0; i < gaps.size(); i++) {
     if (std::abs(gaps[i] - expected) <= std::max(0.02 * expected, 0.05)) continue;
     const bool is_whole =
@@ -204,10 +200,10 @@ Result<double> even_spacing(const fs::path& folder, const Slices& slices, Vec3d 
     return Error{fmt::format(
         "{}: {}, first between {} and {}: a gap of {:.2f} mm, expected {:.2f} mm", folder.string(),
         is_whole ? fmt::format("missing slices: {} of {}", missing, missing + long(slices.size()))
-                 : std::string("uneven distance of slices"),
+                 : std::string("uneven slice distance"),
         at(i), at(i + 1), gaps[i], expected)};
   }
-  return (place.back() - place.front()) / double(gaps.size());
+  return (offset.back() - offset.front()) / double(gaps.size());
 }
 
 Result<double> slice_spacing(const fs::path& folder, const Slices& slices, Vec3d normal) {
@@ -221,16 +217,17 @@ Result<double> slice_spacing(const fs::path& folder, const Slices& slices, Vec3d
 
 std::string list_series(const Slices& slices) { return list_groups(group_series(slices)); }
 
-Result<Slices> choose_series(const fs::path& folder, Slices slices, const std::string& wanted) {
+Result<Slices> choose_series(const fs::path& folder, Slices slices, const std::string& requested) {
   std::vector<Slices> series = group_series(std::move(slices));
-  if (wanted.empty() && series.size() == 1) return std::move(series[0]);
-  if (wanted.empty())
+  if (requested.empty() && series.size() == 1) return std::move(series[0]);
+  if (requested.empty())
     return Error{fmt::format("{}: holds {} series; choose one with --series NUMBER or --series UID:{}",
                              folder.string(), series.size(), list_groups(series))};
   for (std::size_t i = 0; i < series.size(); i++)
-    if (wanted == series[i].front().series || wanted == std::to_string(i + 1)) return std::move(series[i]);
+    if (requested == series[i].front().series || requested == std::to_string(i + 1))
+      return std::move(series[i]);
   return Error{
-      fmt::format("{}: has no series \"{}\"; there are:{}", folder.string(), wanted, list_groups(series))};
+      fmt::format("{}: has no series \"{}\"; there are:{}", folder.string(), requested, list_groups(series))};
 }
 
 Result<DicomVolume> stack_slices(const fs::path& folder, Slices slices, bool may_lean) {

@@ -1,6 +1,5 @@
-// A tilted gantry's slices on a straight grid. They lie straight above each other in time, but each is
-// shifted in its own plane against the one before: within a slice the samples are moved back, between slices
-// nothing changes.
+// Resampling of a tilted gantry's slices to a straight grid. Each slice is shifted in its own plane against
+// the one before. Samples are moved back by interpolation within each slice, never between slices.
 #include <algorithm>
 #include <cmath>
 
@@ -11,21 +10,21 @@ namespace turgor::io {
 
 namespace {
 
-/// Along one axis of a slice, in samples.
+/// Shift along one axis of a slice, in samples.
 struct Slant {
-  double shift = 0;  // of a slice against the one before
-  int low = 0;       // first index of the straight grid, counted on that of the first slice
+  double shift = 0;  // of a slice from the one before
+  int low = 0;       // first index of the straight grid, relative to the first slice
   int size = 0;      // of the straight grid
 };
 Slant slant_of(double shift, int size, int slices) {
-  constexpr double kWhole = 1e-3;  // as near to whole samples as files say their places
+  constexpr double kWhole = 1e-3;  // precision of positions in files, in samples
   const double whole = shift * (slices - 1);
   const int low = int(std::floor(std::min(0.0, whole) + kWhole)),
             high = int(std::ceil(std::max(0.0, whole) - kWhole));
   return {shift, low, size + high - low};
 }
 
-/// Between four samples; beyond half a sample outside, air.
+/// Bilinear interpolation; air more than half a sample outside.
 std::int16_t sample_at(const CtVolume& ct, double i, double j, int k) {
   const Int3 size = ct.grid.size;
   if (i < -0.5 || j < -0.5 || i > size.x - 0.5 || j > size.y - 0.5) return kAirHu;

@@ -1,6 +1,8 @@
-// A CT as a DICOM series: one CT Image Storage file a slice, explicit little endian, stored values = HU.
-// Unique identifiers follow from the content, so that the same volume gives the same files. A series that was
-// made of another keeps its patient, study and frame of reference. [DICOM PS3.3, A.3, C.7.6.1]
+// Writes a CT as a DICOM series: one CT Image Storage file per slice, explicit little endian, stored values =
+// HU. Unique identifiers are hashes of the content, so that the same volume gives the same files. A derived
+// series keeps patient, study and frame of reference of its origin. [DICOM PS3.3, A.3, C.7.6.1]
+#include "turgor/io/dicom/dicom_write.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -17,7 +19,6 @@
 #include <gdcmWriter.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/io/ct.hpp"
 #include "turgor/io/files/file.hpp"
 
 namespace turgor {
@@ -28,19 +29,19 @@ namespace {
 
 constexpr const char* kCtImageStorage = "1.2.840.10008.5.1.4.1.1.2";
 
-/// A UID below 2.25 (those made of numbers that are unique by themselves).
+/// A UID below 2.25 (those derived from UUIDs).
 std::string make_uid(std::uint64_t content, std::uint64_t index) {
   return fmt::format("2.25.{}{:020}", 1 + content % 999999999ull, detail::mix(content, index + 1));
 }
 
 std::uint64_t content_hash(const CtVolume& ct, const DicomOrigin& origin) {
-  const Vec3d place[] = {ct.grid.spacing, ct.grid.origin, ct.grid.axes.column[0], ct.grid.axes.column[1],
-                         ct.grid.axes.column[2]};
+  const Vec3d geometry[] = {ct.grid.spacing, ct.grid.origin, ct.grid.axes.column[0], ct.grid.axes.column[1],
+                            ct.grid.axes.column[2]};
   std::uint64_t hash = 0;
   for (const auto& [tag, value] : origin.elements)
     hash = hash_bytes(value.data(), value.size(), hash_bytes(&tag, sizeof tag, hash));
   hash = hash_bytes(&ct.grid.size, sizeof ct.grid.size, hash);
-  hash = hash_bytes(place, sizeof place, hash);
+  hash = hash_bytes(geometry, sizeof geometry, hash);
   return hash_values(std::span<const std::int16_t>(ct.samples), hash);
 }
 
@@ -76,7 +77,7 @@ class Tags {
   gdcm::DataSet& set_;
 };
 
-/// A decimal string has at most 16 letters.
+/// A decimal string has at most 16 characters.
 std::string decimal(double value) {
   for (int digits = 15; digits > 3; digits--)
     if (std::string text = fmt::format("{:.{}g}", value + 0.0, digits); text.size() <= 16) return text;
@@ -89,11 +90,11 @@ std::string decimals(std::initializer_list<double> values) {
   return text;
 }
 
-/// Elements that must be there, but may be empty. [type 2 of PS3.3]
+/// Required elements that may be empty. [type 2 of PS3.3]
 struct Required {
   std::uint32_t tag;
   gdcm::VR::VRType vr;
-  const char* otherwise;  // what stands where the origin says nothing
+  const char* otherwise;  // default if the origin has no value
 };
 using gdcm::VR;
 constexpr Required kOfStudy[] = {{0x00080005, VR::CS, "ISO_IR 192"},
@@ -133,19 +134,19 @@ void describe_series(const Series& series, Tags& tags) {
   tags.text(0x0020, 0x0012, VR::IS, "");
 }
 
-/// The image of the origin that a slice lies nearest to.
+/// Image of the origin that is nearest to a slice.
 const DicomOrigin::Image& source_of(const Series& series, int k) {
   const Grid& grid = series.ct.grid;
   const Vec3d normal = grid.axes.column[2];
-  const double place = dot(point_at(grid, {0, 0, double(k)}), normal);
-  const auto away = [&](const DicomOrigin::Image& image) {
-    return std::abs(dot(image.position, normal) - place);
+  const double offset = dot(point_at(grid, {0, 0, double(k)}), normal);
+  const auto distance = [&](const DicomOrigin::Image& image) {
+    return std::abs(dot(image.position, normal) - offset);
   };
   return *std::min_element(series.origin.images.begin(), series.origin.images.end(),
-                           [&](const auto& a, const auto& b) { return away(a) < away(b); });
+                           [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
 }
 
-/// SourceImageSequence, with one item.
+/// Adds SourceImageSequence with one item.
 void name_source(const DicomOrigin::Image& image, gdcm::DataSet& set) {
   gdcm::Item item;
   Tags tags(item.GetNestedDataSet());
@@ -191,7 +192,7 @@ void describe_slice(const Series& series, int k, const std::string& uid, Tags& t
              reinterpret_cast<const char*>(series.ct.samples.data() + std::size_t(k) * area), 2 * area);
 }
 
-/// Through memory: GDCM ends the program when a file cannot grow.
+/// Writes through memory, because GDCM ends the program when a file cannot grow.
 Status write_slice(const Series& series, int k, const fs::path& file) {
   std::ostringstream bytes;
   gdcm::Writer writer;
@@ -204,7 +205,7 @@ Status write_slice(const Series& series, int k, const fs::path& file) {
   describe_slice(series, k, uid, tags);
   if (series.is_derived()) name_source(source_of(series, k), content.GetDataSet());
   content.GetHeader().SetDataSetTransferSyntax(gdcm::TransferSyntax::ExplicitVRLittleEndian);
-  if (!writer.Write()) return Error{fmt::format("{}: cannot be made", file.string())};
+  if (!writer.Write()) return Error{fmt::format("{}: cannot be created", file.string())};
   return write_file(file, bytes.str());
 }
 
@@ -215,7 +216,7 @@ Status write_slices(const Exec& exec, const fs::path& folder, const Series& seri
   std::vector<Status> written(count, Status(Done{}));
   std::atomic<bool> failed{false};
   parallel_for(exec, count, [&](std::size_t k) {
-    if (failed) return;  // the rest would fail too
+    if (failed) return;  // the others would fail too
     written[k] = write_slice(series, int(k), folder / fmt::format("slice-{:05}.dcm", k + 1));
     if (!written[k]) failed = true;
     if (progress) progress(double(++done) / double(count));
@@ -225,7 +226,7 @@ Status write_slices(const Exec& exec, const fs::path& folder, const Series& seri
   return Done{};
 }
 
-/// Where the folder will be.
+/// Path of the new folder.
 Result<fs::path> check_target(const fs::path& target) {
   Result<fs::path> folder = resolved_goal(target);
   if (!folder) return folder;
@@ -241,8 +242,8 @@ Result<fs::path> check_target(const fs::path& target) {
 
 Status check_extent(const fs::path& target, const Grid& grid) {
   if (grid.size.x <= 65535 && grid.size.y <= 65535 && sample_count(grid) > 0) return Done{};
-  return Error{
-      fmt::format("{}: {} x {} pixels a slice do not fit DICOM", target.string(), grid.size.x, grid.size.y)};
+  return Error{fmt::format("{}: {} x {} pixels per slice exceed the limit of DICOM", target.string(),
+                           grid.size.x, grid.size.y)};
 }
 
 }  // namespace
@@ -261,16 +262,16 @@ Status write_dicom(const Exec& exec, const fs::path& target, const CtVolume& ct,
   if (Status extent = check_extent(target, ct.grid); !extent) return extent;
   gdcm::Trace::WarningOff();
   std::error_code failed;
-  for (const fs::path& left : left_behind(*folder, "partial")) fs::remove_all(left, failed);
+  for (const fs::path& leftover : leftovers_beside(*folder, "partial")) fs::remove_all(leftover, failed);
   Unfinished partial(*folder);
   if (!fs::create_directory(partial.path(), failed))
-    return Error{fmt::format("{}: cannot be made: {}", target.string(), failed.message())};
+    return Error{fmt::format("{}: cannot be created: {}", target.string(), failed.message())};
   const Series series{ct, origin, content_hash(ct, origin)};
   if (Status written = write_slices(exec, partial.path(), series, progress); !written)
     return Error{fmt::format("{}: {}", target.string(), written.error().message)};
   return partial.keep([&]() -> Status {
     if (rename(partial.path().c_str(), folder->c_str()) == 0) return Done{};
-    return Error{fmt::format("{}: cannot be given its name: {}", target.string(), std::strerror(errno))};
+    return Error{fmt::format("{}: cannot be renamed: {}", target.string(), std::strerror(errno))};
   });
 }
 

@@ -1,4 +1,4 @@
-// Bytes as text that pages and XML can hold (RFC 4648).
+// Base64 encoding (RFC 4648) of bytes for HTML pages and XML.
 #pragma once
 
 #include <string>

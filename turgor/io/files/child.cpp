@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kFailed = 255, kNoMemory = 254;
 
-/// No signal reaches the child before it has given up its parent's handlers.
+/// Blocks all signals until the child has reset its parent's handlers.
 class SignalsBlocked {
  public:
   SignalsBlocked() {
@@ -56,7 +56,7 @@ rlim_t address_space() {
   return rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE));
 }
 
-/// Beyond `most` the process gets a signal or an error, `grace` later its end.
+/// Lowers a limit of the process: a signal or an error at `most`, its end `grace` later.
 void lower(__rlimit_resource_t what, rlim_t most, rlim_t grace = 0) {
   rlimit limit{};
   if (getrlimit(what, &limit) != 0) return;
@@ -87,8 +87,8 @@ void take_streams(const char* log) {
 /// The child's first steps.
 void become_child(pid_t parent, rlim_t memory, const ChildLimits& limits) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kFailed);  // it is gone already
-  setpgid(0, 0);                            // what it starts is stopped with it
+  if (getppid() != parent) _exit(kFailed);  // the parent has ended already
+  setpgid(0, 0);                            // stopped together with its own children
   forget_signals();
   take_limits(memory, limits);
 }
@@ -99,7 +99,7 @@ ChildEnd end_of(int status, bool is_ours) {
   return {no_memory ? ChildEnd::Kind::kOutOfMemory : ChildEnd::Kind::kExited, WEXITSTATUS(status)};
 }
 
-/// Notes how a child ended, when it has.
+/// Records how a child ended, if it has.
 bool collect(const Child& child, ChildEnd& end, int flags) {
   int status = 0;
   pid_t found = 0;
@@ -148,7 +148,7 @@ std::string describe(const ChildEnd& end, const ChildLimits& limits) {
     case ChildEnd::Kind::kExited:
       return fmt::format("it ended with status {}", end.number);
     case ChildEnd::Kind::kTooLong:
-      return fmt::format("it was stopped, having got no further for {} s", limits.seconds);
+      return fmt::format("it made no progress for {} s and was stopped", limits.seconds);
     case ChildEnd::Kind::kOutOfMemory:
       return fmt::format("it needs more than {:.3g} GB of memory", double(limits.memory) * 1e-9);
     case ChildEnd::Kind::kNotStarted:
@@ -158,7 +158,7 @@ std::string describe(const ChildEnd& end, const ChildLimits& limits) {
   }
   if (end.number == SIGKILL) return "it was killed, perhaps because the machine's memory ran out";
   if (end.number == SIGXCPU)
-    return fmt::format("it was stopped, having used {} s of the processor", limits.processor_seconds);
+    return fmt::format("it exceeded {} s of processor time and was stopped", limits.processor_seconds);
   return fmt::format("it crashed ({})", strsignal(end.number));
 }
 
@@ -177,7 +177,7 @@ Child start_program(const std::vector<std::string>& arguments, const std::filesy
   std::vector<char*> pointers;
   for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
   pointers.push_back(nullptr);
-  int ends[2];  // closed by a successful start, else it tells why there was none
+  int ends[2];  // closed by a successful exec, else it carries errno
   if (pipe2(ends, O_CLOEXEC) != 0) return {-1, errno, false};
   const pid_t parent = getpid();
   const SignalsBlocked blocked;

@@ -1,5 +1,5 @@
-// Child processes: work that may crash, hang or want all memory, ours or another program's, without harm to
-// this one. A child has limits, no input, no open files or handlers of its parent, and dies with it.
+// Child processes for work that may crash, hang or exhaust memory, in this program's code or another program.
+// A child has limits, no input, and no open files or handlers of its parent. It ends with its parent.
 #pragma once
 
 #include <filesystem>
@@ -13,34 +13,35 @@
 namespace turgor::io {
 
 struct ChildLimits {
-  double seconds = 60;                     // without progress, then it is killed [s]
+  double seconds = 60;                     // longest time without progress before it is killed [s]
   double processor_seconds = 24 * 3600.0;  // of all its threads together [s]
-  std::size_t memory = 2ull << 30;         // address space, for our own work besides the parent's [bytes]
+  std::size_t memory = 2ull << 30;         // address space that the child may add to its parent's [bytes]
 };
 
-/// A started process, or why there is none.
+/// A started process, or the reason why it did not start.
 struct Child {
   pid_t id = -1;
   int error = 0;        // errno
-  bool is_ours = true;  // else a program
+  bool is_ours = true;  // false: another program
 };
 
-/// How a child ended.
+/// Result of a child process.
 struct ChildEnd {
   enum class Kind { kExited, kCrashed, kTooLong, kOutOfMemory, kNotStarted } kind = Kind::kExited;
   int number = 0;  // exit status, signal or errno
   explicit operator bool() const { return kind == Kind::kExited && number == 0; }
 };
-/// "it crashed (Segmentation fault)", "it was stopped, having got no further for 60 s", …
+/// Describes the end: "it crashed (Segmentation fault)", "it made no progress for 60 s and was stopped", …
 std::string describe(const ChildEnd& end, const ChildLimits& limits);
 
-/// Runs `work` in a copy of this process; its result, 0 to 253, is the exit status, 255 after an exception.
+/// Runs `work` in a fork of this process. Its result, 0 to 253, is the exit status; an exception gives 255.
 Child start_child(const std::function<int()>& work, const ChildLimits& limits);
-/// Runs a program of the PATH inside `folder`; what it prints as errors goes into `log` there.
+/// Runs a program of the PATH inside `folder`; its standard error is written to `log` in that folder.
 Child start_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                     const std::string& log, const ChildLimits& limits);
 
-/// Waits for all. `how_far` is asked every few milliseconds: while its number grows, nobody is stopped.
+/// Waits for all children. `how_far` is called every few milliseconds; no child is stopped while its value
+/// grows.
 std::vector<ChildEnd> wait_for(std::span<const Child> children, const ChildLimits& limits,
                                const std::function<double()>& how_far = {});
 

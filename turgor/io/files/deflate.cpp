@@ -14,7 +14,7 @@ namespace turgor::io {
 
 namespace {
 
-constexpr int kLevel = 1;  // noise packs no better at higher levels, only slower
+constexpr int kLevel = 1;  // higher levels compress noise no better, only slower
 
 struct Stream {
   z_stream z{};
@@ -28,14 +28,14 @@ struct Stream {
   ~Stream() { deflateEnd(&z); }
 };
 
-/// The packed bytes of a range, block by block.
+/// Compressed bytes of a range, block by block.
 class PackedBytes {
  public:
   explicit PackedBytes(const FileRange& range)
       : file_(std::fopen(range.file.c_str(), "rb"), std::fclose), left_(range.end - range.begin) {
     if (file_ && fseeko(file_.get(), off_t(range.begin), SEEK_SET) != 0) file_.reset();
   }
-  /// Gives the stream a block when it has none; false when there is no more.
+  /// Gives the stream the next block if its input is empty; false at the end.
   bool feed(z_stream& z) {
     if (z.avail_in > 0) return true;
     if (!file_) return false;
@@ -63,7 +63,8 @@ struct InflateStream {
   ~InflateStream() { inflateEnd(&z); }
 };
 
-/// Where unpacked bytes go: into nothing, then into `out`, then into nothing again.
+/// Destination of inflated bytes: the first ones are discarded, then `out` is filled, and the rest is
+/// discarded.
 struct Unpacked {
   std::int64_t skip;
   std::span<std::byte> out;
@@ -71,15 +72,15 @@ struct Unpacked {
   bool is_too_long = false;
   std::vector<std::byte> nothing = std::vector<std::byte>(std::size_t{1} << 14);
 
-  std::span<std::byte> place() {
+  std::span<std::byte> output() {
     constexpr std::size_t kMost = std::size_t{1} << 28;
     const std::span<std::byte> all(nothing);
     if (skip > 0) return all.first(std::size_t(std::min(skip, std::int64_t(all.size()))));
     return done < out.size() ? out.subspan(done, std::min(out.size() - done, kMost)) : all;
   }
-  /// One call of zlib, into the place where the next bytes belong.
+  /// One call of zlib into the next free bytes.
   int next(z_stream& z) {
-    const std::span<std::byte> to = place();
+    const std::span<std::byte> to = output();
     z.next_out = reinterpret_cast<Bytef*>(to.data());
     z.avail_out = uInt(to.size());
     const int state = ::inflate(&z, Z_NO_FLUSH);
@@ -94,7 +95,7 @@ struct Unpacked {
   }
 };
 
-/// Whether another stream of gzip follows the one that ended.
+/// True if another gzip stream follows.
 bool next_member(PackedBytes& packed, z_stream& z) {
   constexpr Bytef kGzipMagic = 0x1f;
   return packed.feed(z) && *z.next_in == kGzipMagic && inflateReset(&z) == Z_OK;
@@ -139,7 +140,7 @@ std::optional<std::string> inflate_bare(const FileRange& range, std::size_t most
   }
 }
 
-void deflate(std::initializer_list<std::string_view> parts, Deflate format,
+void deflate(std::initializer_list<std::string_view> chunks, Deflate format,
              const std::function<void(std::string_view)>& out) {
   constexpr std::size_t kBlock = std::size_t{1} << 28;
   Stream stream(format);
@@ -151,13 +152,13 @@ void deflate(std::initializer_list<std::string_view> parts, Deflate format,
       stream.z.next_out = reinterpret_cast<Bytef*>(packed.data());
       stream.z.avail_out = uInt(packed.size());
       const int status = ::deflate(&stream.z, flush);
-      TURGOR_ASSERT(status != Z_STREAM_ERROR, "a stream of deflate is used as zlib wants it");
+      TURGOR_ASSERT(status != Z_STREAM_ERROR, "zlib accepts the state of a deflate stream");
       out({packed.data(), packed.size() - stream.z.avail_out});
     } while (stream.z.avail_out == 0);
   };
-  for (std::string_view part : parts)
-    for (; !part.empty(); part.remove_prefix(std::min(kBlock, part.size())))
-      feed(part.substr(0, kBlock), Z_NO_FLUSH);
+  for (std::string_view chunk : chunks)
+    for (; !chunk.empty(); chunk.remove_prefix(std::min(kBlock, chunk.size())))
+      feed(chunk.substr(0, kBlock), Z_NO_FLUSH);
   feed({}, Z_FINISH);
 }
 

@@ -1,4 +1,4 @@
-// Compression as in gzip and zlib: out piece by piece, in from a range of a file.
+// Compression (zlib and gzip): written block by block, read from a range of a file.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +15,11 @@ namespace turgor::io {
 
 enum class Deflate { kZlib = 15, kGzip = 15 + 16 };  // zlib's windowBits
 
-/// Compresses the parts as one stream and hands on what comes out.
-void deflate(std::initializer_list<std::string_view> parts, Deflate format,
+/// Compresses the chunks as one stream and passes the output on.
+void deflate(std::initializer_list<std::string_view> chunks, Deflate format,
              const std::function<void(std::string_view)>& out);
 
-/// A piece of a file.
+/// A byte range of a file.
 struct FileRange {
   std::filesystem::path file;
   std::int64_t begin = 0, end = 0;  // [bytes]
@@ -27,15 +27,15 @@ struct FileRange {
 
 struct Inflated {
   enum class End { kExact, kTooShort, kTooLong, kDamaged } end;
-  std::size_t count;  // of the bytes that were wanted, how many came
+  std::size_t count;  // number of requested bytes that were available
 };
-/// Unpacks a range that holds a stream of zlib or gzip, or several of gzip one after the other: passes over
-/// the first `skip` bytes of what comes out and fills `out`. kExact: every stream ended where it should,
-/// with the right checksum, when `out` was full. What follows the last stream is passed over.
+/// Inflates a range with one zlib stream or several gzip streams in sequence. Skips the first `skip` bytes of
+/// output, then fills `out`. kExact: every stream ended correctly, with the right checksum, when `out` was
+/// full. Bytes after the last stream are ignored.
 Inflated inflate(const FileRange& packed, std::int64_t skip, std::span<std::byte> out);
 
-/// Unpacks a range that holds one stream without a header or a checksum, as in DICOM. Nothing: damaged, cut
-/// short, or more than `most` bytes.
+/// Inflates a range with one raw deflate stream (no header or checksum), as in DICOM. Empty if it is damaged,
+/// truncated, or longer than `most` bytes.
 std::optional<std::string> inflate_bare(const FileRange& packed, std::size_t most);
 
 }  // namespace turgor::io

@@ -25,12 +25,12 @@ bool is_standard_output(const fs::path& path) {
          file.st_dev == output.st_dev && file.st_ino == output.st_ino;
 }
 
-/// The goal with its links followed, when a file may be written there.
+/// Target path with its links resolved, if a file may be written to it.
 Result<fs::path> file_goal(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error) || !path.has_filename())
     return Error{fmt::format("{}: is a folder; expected the name of a file", path.string())};
-  // Names of open files, as /dev/stdout, lead to what has no name: these links are not followed.
+  // Names of open files, such as /dev/stdout, link to objects without a path: such links are not followed.
   const fs::file_status status = fs::status(path, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) return path;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -41,7 +41,7 @@ Result<fs::path> file_goal(const fs::path& path) {
   if (fs::exists(status) && access(path.c_str(), W_OK) != 0)
     return Error{fmt::format("{}: cannot write the file: {}", path.string(), std::strerror(errno))};
   if (is_standard_output(path))
-    return Error{fmt::format("{}: standard output goes there; expected another file", path.string())};
+    return Error{fmt::format("{}: is standard output; expected another file", path.string())};
   return resolved_goal(path);
 }
 
@@ -60,7 +60,8 @@ Result<FileWriter> FileWriter::create(const fs::path& path) {
     file.descriptor_ = open(file.partial_->path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   }
   if (file.descriptor_ < 0) return file.error(errno);
-  if (exists && file.partial_) fchmod(file.descriptor_, earlier.st_mode & 07777);  // as private as it was
+  if (exists && file.partial_)
+    fchmod(file.descriptor_, earlier.st_mode & 07777);  // keeps the permissions of the replaced file
   return file;
 }
 
@@ -80,7 +81,7 @@ Error FileWriter::error(int number) const {
 }
 
 void FileWriter::write(std::string_view bytes) {
-  constexpr std::size_t kMost = std::size_t{1} << 30;  // Linux writes no more at once
+  constexpr std::size_t kMost = std::size_t{1} << 30;  // largest write of Linux
   while (!bytes.empty() && failure_ == 0) {
     const ssize_t size = ::write(descriptor_, bytes.data(), std::min(bytes.size(), kMost));
     if (size >= 0)
@@ -112,7 +113,7 @@ Status write_file(const fs::path& path, std::string_view bytes) {
   return file->commit();
 }
 
-/// As many bytes as the file says it has: some, such as those of /proc, never end.
+/// Reads as many bytes as the file size says, because some files, such as those of /proc, never end.
 Result<std::string> read_file(const fs::path& path) {
   if (Status input = io::check_input(path); !input) return input.error();
   std::error_code error;

@@ -1,5 +1,5 @@
-// Whole files in and out. A file appears under its name only when it is complete: it is written beside it and
-// renamed. Everything that can fail is checked, closing included.
+// Reading and writing of whole files. A file appears under its name only when it is complete: it is written
+// to a temporary file beside it and renamed. Every step is checked for errors, including close.
 #pragma once
 
 #include <filesystem>
@@ -12,16 +12,16 @@
 
 namespace turgor {
 
-/// A file written piece by piece. Without commit an earlier one stays as it was.
+/// A file that is written block by block. Without commit an existing file stays unchanged.
 class FileWriter {
  public:
-  /// Links are followed; what is no file (a pipe, a device) is written straight into.
+  /// Follows links. Pipes and devices are written directly.
   static Result<FileWriter> create(const std::filesystem::path& path);
   FileWriter(FileWriter&& other) noexcept;
   FileWriter& operator=(FileWriter&&) = delete;
   ~FileWriter();
 
-  /// After the first failure nothing more is written; commit tells it.
+  /// After the first failure nothing more is written; commit returns the error.
   void write(std::string_view bytes);
   Status commit();
 
@@ -30,14 +30,14 @@ class FileWriter {
       : path_(std::move(path)), goal_(std::move(goal)) {}
   Error error(int number) const;
 
-  std::filesystem::path path_, goal_;  // as given, and with links followed
-  std::optional<Unfinished> partial_;  // none: straight into a pipe or a device
+  std::filesystem::path path_, goal_;  // as given, and with links resolved
+  std::optional<Unfinished> partial_;  // empty: written directly into a pipe or a device
   int descriptor_ = -1;
   int failure_ = 0;  // errno of the first failure
 };
 
-/// Whether a file may be written here: known before the work that fills it. Error: no such folder, a folder,
-/// a write-protected file.
+/// Checks that a file can be written to this path, before the work that computes it. Error: the folder does
+/// not exist, the path is a folder, or the file is write-protected.
 Status check_file_goal(const std::filesystem::path& path);
 
 Status write_file(const std::filesystem::path& path, std::string_view bytes);

@@ -14,14 +14,14 @@ namespace turgor {
 
 namespace {
 
-/// An HDF5 identifier and how it is given back.
+/// HDF5 identifier with its close function.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   ~Handle() { give_back(); }
-  /// A dataset's last bytes go out when it is closed: false when they could not.
+  /// Closing a dataset writes its last bytes; false if that fails.
   bool give_back() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
   operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): used where HDF5 wants an id
   bool valid() const { return id_ >= 0; }
@@ -58,16 +58,16 @@ hid_t type_of<std::uint64_t>() {
   return H5T_NATIVE_UINT64;
 }
 
-/// Errors become sentences of ours, not HDF5's stack on standard error. Nothing is done at exit: files are
-/// closed by then, and of one that could not be (the disk is full) HDF5 would follow pointers that it has
-/// freed.
+/// Turns off HDF5's error output and its exit handler. Errors are reported as messages of this program. Files
+/// are closed before exit; for a file that could not be closed (full disk), HDF5's handler would follow freed
+/// pointers.
 void begin() {
   static const herr_t once = H5dont_atexit();
   (void)once;
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-/// Chunks of about a megabyte with a checksum; compressed ones have their bytes shuffled first.
+/// Chunks of about a megabyte with a checksum; compressed chunks are byte-shuffled first.
 void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_size, Hdf5Packing packing) {
   constexpr hsize_t kChunkBytes = 1 << 20;
   constexpr unsigned kLevel = 3;
@@ -81,9 +81,10 @@ void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_siz
   H5Pset_fletcher32(properties);
 }
 
-/// Whether the values of a dataset can be read without more memory than they, and a chunk of them, take.
+/// True if reading a dataset needs no more memory than its values and one chunk.
 bool is_sound(hid_t set) {
-  constexpr std::size_t kLargestChunk = std::size_t{64} << 20;  // bytes; ours have one megabyte
+  constexpr std::size_t kLargestChunk = std::size_t{64}
+                                        << 20;  // bytes; chunks of this program have one megabyte
   const Handle layout(H5Dget_create_plist(set), H5Pclose), type(H5Dget_type(set), H5Tclose),
       space(H5Dget_space(set), H5Sclose);
   if (!layout.valid() || !type.valid() || !space.valid()) return false;
@@ -101,8 +102,8 @@ herr_t look_at(hid_t file, const char* name, const H5O_info_t* object, void*) {
   return set.valid() && is_sound(set) ? 0 : -1;
 }
 
-/// HDF5 goes round for ever, wants all memory or crashes where some damaged files lead it. So a process of
-/// its own goes through all that a file holds before this one does.
+/// Checks a file in a child process first. HDF5 loops forever, exhausts memory or crashes on some damaged
+/// files. The child walks through the whole content before this process opens the file.
 bool can_be_walked_through(const std::filesystem::path& path) {
   const io::ChildLimits limits{.seconds = 20, .processor_seconds = 60, .memory = std::size_t{256} << 20};
   const io::Child child = io::start_child(
@@ -113,7 +114,8 @@ bool can_be_walked_through(const std::filesystem::path& path) {
       },
       limits);
   const io::ChildEnd end = io::wait_for({&child, 1}, limits)[0];
-  return bool(end) || end.kind == io::ChildEnd::Kind::kNotStarted;  // then nobody can look beforehand
+  return bool(end) ||
+         end.kind == io::ChildEnd::Kind::kNotStarted;  // without a child process the check is skipped
 }
 
 }  // namespace
@@ -132,7 +134,7 @@ Error Hdf5File::error(const std::string& name, const std::string& what) const {
 Result<Hdf5File> Hdf5File::create(const std::filesystem::path& path) {
   begin();
   const hid_t id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  if (id < 0) return Error{fmt::format("{}: cannot make the file", path.string())};
+  if (id < 0) return Error{fmt::format("{}: cannot create the file", path.string())};
   return Hdf5File(path, id);
 }
 
@@ -141,7 +143,7 @@ Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
   std::error_code failed;
   const bool exists = std::filesystem::exists(path, failed);
   if (!exists && !failed)
-    return Error{fmt::format("{}: expected an HDF5 file, found nothing there", path.string())};
+    return Error{fmt::format("{}: expected an HDF5 file, found nothing", path.string())};
   const bool is_file = std::filesystem::is_regular_file(path, failed);
   if (Status input = io::check_input(path); (is_file || !exists) && !input) return input.error();
   if (!is_file || H5Fis_hdf5(path.c_str()) <= 0)
@@ -158,7 +160,7 @@ Status Hdf5File::write(const std::string& name, std::span<const T> values, std::
   const hsize_t shape[2] = {values.size() / columns, columns};
   const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links, 1);
-  constexpr std::size_t kSmall = 1024;  // bytes; smaller ones are not worth a chunk
+  constexpr std::size_t kSmall = 1024;  // bytes; smaller datasets are not chunked
   if (values.size_bytes() > kSmall) pack(layout, shape[0], shape[1], sizeof(T), packing);
   const Handle space(H5Screate_simple(2, shape, nullptr), H5Sclose);
   Handle set(H5Dcreate2(id_, name.c_str(), type_of<T>(), space, links, layout, H5P_DEFAULT), H5Dclose);
@@ -170,7 +172,7 @@ Status Hdf5File::write(const std::string& name, std::span<const T> values, std::
 
 namespace {
 
-/// Of a dataset that grows; chunks are as large as what comes first, within bounds.
+/// Creates a growing dataset. Its chunks are as large as the first rows, within bounds.
 hid_t make_growing(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns, int axes) {
   constexpr hsize_t kFewest = 64, kChunkBytes = 1 << 20;
   const hsize_t most = std::max<hsize_t>(kChunkBytes / (columns * H5Tget_size(type)), kFewest);
@@ -186,7 +188,7 @@ hid_t make_growing(hid_t file, const std::string& name, hid_t type, hsize_t rows
   return H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT);
 }
 
-/// Rows behind those that are there.
+/// Appends rows.
 bool add_rows(hid_t set, hid_t type, hsize_t rows, hsize_t columns, int axes, const void* values) {
   hsize_t begin[2] = {0, 0};
   const Handle before(H5Dget_space(set), H5Sclose);
@@ -194,9 +196,10 @@ bool add_rows(hid_t set, hid_t type, hsize_t rows, hsize_t columns, int axes, co
   begin[1] = 0;
   const hsize_t size[2] = {rows, columns}, whole[2] = {begin[0] + rows, columns};
   if (H5Dset_extent(set, whole) < 0) return false;
-  const Handle there(H5Dget_space(set), H5Sclose), here(H5Screate_simple(axes, size, nullptr), H5Sclose);
-  return H5Sselect_hyperslab(there, H5S_SELECT_SET, begin, nullptr, size, nullptr) >= 0 &&
-         H5Dwrite(set, type, here, there, H5P_DEFAULT, values) >= 0;
+  const Handle file_space(H5Dget_space(set), H5Sclose),
+      memory_space(H5Screate_simple(axes, size, nullptr), H5Sclose);
+  return H5Sselect_hyperslab(file_space, H5S_SELECT_SET, begin, nullptr, size, nullptr) >= 0 &&
+         H5Dwrite(set, type, memory_space, file_space, H5P_DEFAULT, values) >= 0;
 }
 
 }  // namespace
@@ -217,7 +220,7 @@ Status Hdf5File::append(const std::string& name, std::span<const T> values, std:
 Status Hdf5File::write_text(const std::string& name, const std::string& text) {
   const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Pset_create_intermediate_group(links, 1);
-  H5Tset_size(type, text.size() + 1);  // HDF5 knows no empty text
+  H5Tset_size(type, text.size() + 1);  // HDF5 has no empty strings
   H5Tset_cset(type, H5T_CSET_UTF8);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   Handle set(H5Dcreate2(id_, name.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
@@ -301,9 +304,9 @@ Result<std::vector<T>> Hdf5File::read(const std::string& name, std::size_t expec
   if (*found != expected) return error(name, fmt::format("expected {} values, found {}", expected, *found));
   const Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
   const Handle type(H5Dget_type(set), H5Tclose);
-  const H5T_class_t wanted = H5Tget_class(type_of<T>());
-  if (!type.valid() || H5Tget_class(type) != wanted || H5Tget_size(type) != sizeof(T))
-    return error(name, "the values are of another type than a recording's");
+  const H5T_class_t expected_class = H5Tget_class(type_of<T>());
+  if (!type.valid() || H5Tget_class(type) != expected_class || H5Tget_size(type) != sizeof(T))
+    return error(name, "the values have an unexpected type");
   std::vector<T> values(expected);
   if (expected > 0 && H5Dread(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     return error(name, "the values are damaged");

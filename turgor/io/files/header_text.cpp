@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/mesh/mesh_cursor.hpp"
+#include "turgor/io/files/file_cursor.hpp"
 
 namespace turgor::io {
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kSpace = " \t\r\n\v\f";
 
-/// The line at `at`, which moves behind it; false when the text ends before the line does.
+/// Reads the line at `at` and advances `at` past it; false if the text ends before the line does.
 bool next_line(std::string_view text, std::size_t& at, std::string_view& line) {
   const std::size_t end = text.find('\n', at);
   if (end == text.npos) return false;
@@ -29,7 +29,7 @@ Error endless(const fs::path& path) {
   return {fmt::format("{}: truncated or corrupt: the header does not end", path.string())};
 }
 
-/// Fields are of either case, and some have a second name.
+/// Field names are case-insensitive, and some have a second name.
 std::string nrrd_key(std::string_view written) {
   static const std::map<std::string, std::string> kSecond = {
       {"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"},
@@ -107,7 +107,7 @@ Result<TextFields> read_nrrd_fields(const fs::path& path, std::string_view head,
     if (line.empty()) return fields;
     if (line.starts_with('#')) continue;
     const std::size_t colon = line.find(": "), free_text = line.find(":=");
-    if (free_text < colon) {  // "key:=value" may say anything; the first one counts
+    if (free_text < colon) {  // "key:=value" is free text; the first one counts
       fields.free.emplace(line.substr(0, free_text), trimmed(line.substr(free_text + 2)));
       continue;
     }

@@ -1,5 +1,5 @@
-// What every reader asks of a path before it opens it: a pipe would be waited for, a device never ends, and
-// "no permission" is not "does not exist". Internal to the library.
+// Checks of a path before a reader opens it. A pipe would block, a device never ends, and "no permission" is
+// different from "does not exist". Internal to the library.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace turgor::io {
 
-/// A regular file that can be opened; the error says what else it is. Never waits.
+/// A regular file that can be opened; the error names the actual kind. Never blocks.
 Status check_input(const std::filesystem::path& path);
-/// The same of a folder whose names can be listed.
+/// A folder whose entries can be listed.
 Status check_input_folder(const std::filesystem::path& path);
 
 }  // namespace turgor::io

@@ -1,4 +1,4 @@
-// Names of files in sentences: what may have been meant when a file is not there.
+// Suggestions for file names that do not exist.
 #pragma once
 
 #include <filesystem>

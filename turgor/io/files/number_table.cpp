@@ -27,7 +27,7 @@ std::vector<std::string> words_of(std::string line) {
   return words;
 }
 
-/// Of a line of names. Where commas, semicolons or tabs stand between them, blanks are part of a name.
+/// Column names of a line. If it has commas, semicolons or tabs, blanks are part of a name.
 std::vector<std::string> names_of(const std::string& line) {
   constexpr const char* kBetween = ",;\t\r";
   if (line.find_first_of(",;\t") == std::string::npos) return words_of(line);
@@ -41,7 +41,7 @@ std::vector<std::string> names_of(const std::string& line) {
   return names;
 }
 
-/// The numbers of a line; empty when there is something else in it.
+/// Numbers of a line; empty if it holds anything else.
 std::vector<double> numbers_of(const std::string& line) {
   std::vector<double> numbers;
   for (const std::string& word : words_of(line)) {

@@ -1,5 +1,5 @@
-// Rows of numbers from a text file, as spreadsheets and measuring programs write them: commas, semicolons,
-// tabs or blanks between them, a first line of names, empty lines, and comments behind '#'.
+// Rows of numbers from a text file, as written by spreadsheets and measuring programs. Separators are commas,
+// semicolons, tabs or blanks. A first line of names, empty lines and comments after '#' are allowed.
 #pragma once
 
 #include <filesystem>
@@ -13,13 +13,13 @@ namespace turgor {
 struct NumberRow {
   int line = 0;  // in the file, from 1
   std::vector<double> values;
-  std::string text;  // as it stands there
+  std::string text;  // as written in the file
 };
 
-/// Error: names file and line of what is no row of finite numbers; `expected` says what one is made of.
+/// Error: file and line of a row that is not finite numbers; `expected` describes a row.
 Result<std::vector<NumberRow>> read_number_table(const std::filesystem::path& file,
                                                  const std::string& expected);
-/// What its first line calls the columns; none where that is a row of numbers.
+/// Column names of the first line; empty if it is a row of numbers.
 Result<std::vector<std::string>> read_column_names(const std::filesystem::path& file);
 
 }  // namespace turgor

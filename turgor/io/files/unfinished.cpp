@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a signal must remove. Whoever makes, renames or removes one holds the lock.
+/// Paths that a signal must remove. The lock is held to create, rename or remove one.
 struct Open {
   std::mutex mutex;
   std::vector<fs::path> paths;
@@ -32,7 +32,7 @@ std::string prefix_of(const fs::path& goal, const std::string& kind) {
   return fmt::format(".{}.{}-", goal.filename().string(), kind);
 }
 
-/// The process in a name ".NAME.KIND-PID" or ".NAME.KIND-PID-N"; 0 in any other.
+/// Process id in a name ".NAME.KIND-PID" or ".NAME.KIND-PID-N"; 0 in any other name.
 pid_t owner_of(const std::string& name, const std::string& prefix) {
   pid_t pid = 0;
   if (!name.starts_with(prefix)) return 0;
@@ -56,7 +56,7 @@ bool is_inside(const fs::path& path, const fs::path& folder) {
   for (const fs::path& path : open.paths)
     for (int i = 0; i < kTries && fs::exists(fs::symlink_status(path, error)); i++)
       fs::remove_all(path, error);
-  std::fputs("\nturgor: interrupted; nothing was left behind, earlier results are untouched\n", stderr);
+  std::fputs("\nturgor: interrupted; unfinished files were removed, earlier results are unchanged\n", stderr);
   _exit(130);
 }
 
@@ -68,13 +68,13 @@ Unfinished::Unfinished(const fs::path& goal) {
   path_ += fmt::format("-{}", count++);
   Open& open = open_now();
   const std::lock_guard lock(open.mutex);
-  // What lies in a folder that is unfinished itself goes with it.
+  // Files inside an unfinished folder are removed with the folder.
   const bool inside = std::any_of(open.paths.begin(), open.paths.end(),
                                   [&](const fs::path& folder) { return is_inside(goal, folder); });
   std::error_code ignored;
   if (!inside)
-    for (const fs::path& left : left_behind(goal, "partial"))
-      if (!fs::is_directory(fs::symlink_status(left, ignored))) fs::remove(left, ignored);
+    for (const fs::path& leftover : leftovers_beside(goal, "partial"))
+      if (!fs::is_directory(fs::symlink_status(leftover, ignored))) fs::remove(leftover, ignored);
   open.paths.push_back(path_);
 }
 
@@ -103,21 +103,21 @@ Result<fs::path> resolved_goal(const fs::path& goal) {
   const fs::path resolved = fs::weakly_canonical(plain, error);
   if (error) return Error{fmt::format("{}: cannot be reached: {}", goal.string(), error.message())};
   if (fs::is_symlink(fs::symlink_status(resolved, error)))
-    return Error{fmt::format("{}: is a link to {}, where there is nothing", goal.string(),
+    return Error{fmt::format("{}: is a link to {}, which does not exist", goal.string(),
                              fs::read_symlink(resolved, error).string())};
   return resolved;
 }
 
-std::vector<fs::path> left_behind(const fs::path& goal, const std::string& kind) {
+std::vector<fs::path> leftovers_beside(const fs::path& goal, const std::string& kind) {
   const fs::path folder = goal.has_parent_path() ? goal.parent_path() : fs::path(".");
   const std::string prefix = prefix_of(goal, kind);
-  std::vector<fs::path> left;
+  std::vector<fs::path> leftovers;
   std::error_code ignored;
   for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored))
     if (const pid_t owner = owner_of(entry->path().filename().string(), prefix);
         owner > 0 && !is_alive(owner))
-      left.push_back(entry->path());
-  return left;
+      leftovers.push_back(entry->path());
+  return leftovers;
 }
 
 fs::path hidden_beside(const fs::path& goal, const std::string& kind) {
@@ -125,7 +125,7 @@ fs::path hidden_beside(const fs::path& goal, const std::string& kind) {
 }
 
 void remove_unfinished_when_interrupted() {
-  // A handler that does nothing, rather than none: programs that we start get the usual one back.
+  // An empty handler instead of SIG_IGN: child programs then start with the default action.
   for (const int signal : {SIGPIPE, SIGXFSZ}) {
     struct sigaction now {};
     if (sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN) continue;

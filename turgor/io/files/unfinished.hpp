@@ -1,6 +1,6 @@
-// Files and folders that are being written. They lie hidden beside their goal, ".NAME.partial-PID-N", until
-// they are complete. What is not kept is removed: by the destructor, by a signal that ends the program and,
-// after a killed program, by the next one that writes to the same goal.
+// Files and folders that are being written. They are hidden beside their target as ".NAME.partial-PID-N"
+// until they are complete. Unfinished ones are removed by the destructor, by a signal that ends the program,
+// and after a killed program by the next one that writes to the same target.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +14,14 @@ namespace turgor {
 
 class Unfinished {
  public:
-  /// Chooses a name that nobody else uses; nothing is made yet.
+  /// Chooses a unique name; creates nothing yet.
   explicit Unfinished(const std::filesystem::path& goal);
   Unfinished(Unfinished&& other) noexcept;
   Unfinished& operator=(Unfinished&&) = delete;
   ~Unfinished();
 
   const std::filesystem::path& path() const { return path_; }
-  /// Lets `give_name` move it to where it stays; no signal removes it meanwhile. It is still unfinished when
+  /// Calls `give_name` to move it to its final name; no signal removes it meanwhile. It stays unfinished if
   /// that fails.
   Status keep(const std::function<Status()>& give_name);
 
@@ -29,18 +29,18 @@ class Unfinished {
   std::filesystem::path path_;
 };
 
-/// Where a goal really lies: links are followed. Error: a link to nothing.
+/// Target with links resolved. Error: a dangling link.
 Result<std::filesystem::path> resolved_goal(const std::filesystem::path& goal);
 
-/// What processes that are gone left beside a goal: ".NAME.KIND-PID…".
-std::vector<std::filesystem::path> left_behind(const std::filesystem::path& goal, const std::string& kind);
-/// A hidden name beside a goal that tells this process: ".NAME.KIND-PID".
+/// Leftovers of ended processes beside a target: ".NAME.KIND-PID…".
+std::vector<std::filesystem::path> leftovers_beside(const std::filesystem::path& goal,
+                                                    const std::string& kind);
+/// Hidden name beside a target that contains this process id: ".NAME.KIND-PID".
 std::filesystem::path hidden_beside(const std::filesystem::path& goal, const std::string& kind);
 
-/// From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT, unless they are ignored, remove what is unfinished and
-/// end the program with code 130; a reader that went away and a file that may grow no more are errors of
-/// writing, not signals. Call before other threads start: they inherit that these signals are somebody
-/// else's.
+/// From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT, unless they are ignored, remove unfinished files and end
+/// the program with code 130. SIGPIPE and SIGXFSZ become write errors. Must be called before other threads
+/// start, because they inherit the signal mask.
 void remove_unfinished_when_interrupted();
 
 }  // namespace turgor

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view kUnknown = "\xEF\xBF\xBD";  // U+FFFD
 
-/// Bytes of the character that the text starts with; 0 when it is no UTF-8 or not allowed in XML.
+/// Length in bytes of the first character of the text; 0 if it is not UTF-8 or not allowed in XML.
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return std::uint8_t(text[i]); };
   if (byte(0) < 0x80) return (byte(0) >= 0x20 && byte(0) != 0x7f) || byte(0) == '\n' || byte(0) == '\t';

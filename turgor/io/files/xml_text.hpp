@@ -1,4 +1,4 @@
-// Text of others inside XML, HTML and SVG: nothing in it can end a tag or an attribute, or be no text at all.
+// Escapes foreign text for XML, HTML and SVG, so that it cannot end a tag or an attribute.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace turgor {
 
-/// `text` for between tags and between quotes. What is not UTF-8, and control characters besides tab and
-/// line end, become U+FFFD: no document may hold them.
+/// Escaped `text` for element content and for quoted attributes. Bytes that are not UTF-8, and control
+/// characters except tab and line end, become U+FFFD because XML forbids them.
 std::string xml_text(std::string_view text);
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// Gmsh files: the version, and the sections that matter; others are passed over.
+// Gmsh files: the version and the relevant sections; other sections are skipped.
 #include "turgor/io/mesh/gmsh.hpp"
 
 #include <algorithm>
@@ -18,9 +18,9 @@ struct Version {
   std::string name = "Gmsh 1.0";
 };
 
-/// Behind "$MeshFormat": version, 0 for text or 1 for binary, bytes of a number; in binary files the number 1
-/// then tells the order of bytes.
-Version read_version(MeshCursor& cursor) {
+/// Reads the line after "$MeshFormat": version, 0 for text or 1 for binary, bytes per number. Binary files
+/// add the number 1, which shows the byte order.
+Version read_version(FileCursor& cursor) {
   Version version;
   const std::string text(cursor.word());
   if (text == "4.1")
@@ -45,8 +45,8 @@ Version read_version(MeshCursor& cursor) {
   return version;
 }
 
-/// Passes over a section that nobody reads; it may be binary.
-void skip_section(MeshCursor& cursor, std::string_view name) {
+/// Skips an unused section, which may be binary.
+void skip_section(FileCursor& cursor, std::string_view name) {
   const std::string end = fmt::format("$End{}", name.substr(1));
   const std::size_t found = cursor.bytes().find(end, cursor.offset());
   if (found == std::string_view::npos) return cursor.fail(end, "the end of the file");
@@ -54,7 +54,7 @@ void skip_section(MeshCursor& cursor, std::string_view name) {
   cursor.expect(end);
 }
 
-void read_section(MeshCursor& cursor, std::string_view name, const Version& version, GmshGroups& groups,
+void read_section(FileCursor& cursor, std::string_view name, const Version& version, GmshGroups& groups,
                   FoundSolid& found) {
   if (name == "$NOD") return read_gmsh_1_nodes(cursor, found);
   if (name == "$ELM") return read_gmsh_1_elements(cursor, found);
@@ -75,7 +75,7 @@ void read_section(MeshCursor& cursor, std::string_view name, const Version& vers
 
 ElementType gmsh_type(std::int64_t number) {
   using enum Shape;
-  // Lines, surfaces and points; solids of order 1, 2 and up, with and without nodes inside.
+  // points, lines, surfaces; solids of order 1, 2 and higher, with and without interior nodes
   static constexpr std::array<ElementType, 32> kTypes{{
       {},
       {kPointLineOrSurface, 2},
@@ -114,7 +114,7 @@ ElementType gmsh_type(std::int64_t number) {
 }
 
 Result<FoundSolid> parse_gmsh(const fs::path& path, std::string_view bytes) {
-  MeshCursor cursor(path, bytes);
+  FileCursor cursor(path, bytes);
   Version version;
   GmshGroups groups;
   FoundSolid found;

@@ -1,5 +1,5 @@
-// What the readers of Gmsh's versions share. Each reads from behind the line that names a section up to the
-// line that ends it. Internal to io/.
+// Shared by the readers of Gmsh's versions. Each reads from after the line that opens a section to the line
+// that closes it. Internal to io/.
 #pragma once
 
 #include <map>
@@ -8,19 +8,19 @@
 
 namespace turgor::io {
 
-/// The element type of Gmsh's number; of unknown shape if there is none.
+/// Element type of a Gmsh type number; unknown shape if the number is invalid.
 ElementType gmsh_type(std::int64_t number);
 
-// 1.0 and 2.2: one line a node, one line an element.
-void read_gmsh_1_nodes(MeshCursor& cursor, FoundSolid& found);
-void read_gmsh_1_elements(MeshCursor& cursor, FoundSolid& found);
-void read_gmsh_2_nodes(MeshCursor& cursor, Encoding encoding, FoundSolid& found);
-void read_gmsh_2_elements(MeshCursor& cursor, Encoding encoding, FoundSolid& found);
+// Versions 1.0 and 2.2: one line per node, one line per element.
+void read_gmsh_1_nodes(FileCursor& cursor, FoundSolid& found);
+void read_gmsh_1_elements(FileCursor& cursor, FoundSolid& found);
+void read_gmsh_2_nodes(FileCursor& cursor, Encoding encoding, FoundSolid& found);
+void read_gmsh_2_elements(FileCursor& cursor, Encoding encoding, FoundSolid& found);
 
-/// 4.1: the physical group of every volume that has one.
+/// Version 4.1: physical group by volume, for volumes that have one.
 using GmshGroups = std::map<std::int64_t, std::int64_t>;
-void read_gmsh_4_entities(MeshCursor& cursor, Encoding encoding, GmshGroups& groups);
-void read_gmsh_4_nodes(MeshCursor& cursor, Encoding encoding, FoundSolid& found);
-void read_gmsh_4_elements(MeshCursor& cursor, Encoding encoding, const GmshGroups& groups, FoundSolid& found);
+void read_gmsh_4_entities(FileCursor& cursor, Encoding encoding, GmshGroups& groups);
+void read_gmsh_4_nodes(FileCursor& cursor, Encoding encoding, FoundSolid& found);
+void read_gmsh_4_elements(FileCursor& cursor, Encoding encoding, const GmshGroups& groups, FoundSolid& found);
 
 }  // namespace turgor::io

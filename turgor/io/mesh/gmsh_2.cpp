@@ -9,29 +9,29 @@ namespace {
 
 constexpr ItemSize kNode{4, 4 + 3 * 8};
 
-void read_node(MeshCursor& cursor, FoundSolid& found) {
+void read_node(FileCursor& cursor, FoundSolid& found) {
   found.node_ids.push_back(cursor.whole(4, "the number of a node"));
   Vec3d x;
   for (int axis = 0; axis < 3; axis++) x[axis] = cursor.real(8, "a coordinate");
   found.nodes.push_back(x);
 }
 
-void read_nodes(MeshCursor& cursor, std::size_t count, FoundSolid& found) {
+void read_nodes(FileCursor& cursor, std::size_t count, FoundSolid& found) {
   for (std::size_t n = 0; n < count && cursor.ok(); n++) read_node(cursor, found);
 }
 
-void read_corners(MeshCursor& cursor, std::size_t count, std::vector<std::int64_t>& nodes) {
+void read_corners(FileCursor& cursor, std::size_t count, std::vector<std::int64_t>& nodes) {
   nodes.clear();
   for (std::size_t n = 0; n < count && cursor.ok(); n++)
     nodes.push_back(cursor.whole(4, "the number of a node"));
 }
 
-/// The physical group; the piece of geometry where there is none.
+/// Physical group, or the geometric entity without one.
 std::int64_t region_of(std::int64_t physical, std::int64_t geometric) {
   return physical != 0 ? physical : geometric;
 }
 
-std::int64_t read_tags(MeshCursor& cursor, std::size_t count) {
+std::int64_t read_tags(FileCursor& cursor, std::size_t count) {
   std::int64_t tags[2] = {0, 0};
   for (std::size_t t = 0; t < count && cursor.ok(); t++) {
     const std::int64_t tag = cursor.whole(4, "a tag");
@@ -40,15 +40,15 @@ std::int64_t read_tags(MeshCursor& cursor, std::size_t count) {
   return region_of(tags[0], tags[1]);
 }
 
-ElementType read_type(MeshCursor& cursor) {
+ElementType read_type(FileCursor& cursor) {
   const std::int64_t number = cursor.whole(4, "the type of an element");
   const ElementType type = gmsh_type(number);
   if (type.shape == Shape::kUnknown) cursor.fail("one of Gmsh's element types", fmt::format("{}", number));
   return type;
 }
 
-/// Elements of one type and one number of tags, in binary.
-std::size_t read_block(MeshCursor& cursor, std::size_t most, FoundSolid& found) {
+/// Binary block of elements with the same type and number of tags.
+std::size_t read_block(FileCursor& cursor, std::size_t most, FoundSolid& found) {
   const ElementType type = read_type(cursor);
   const std::size_t count = cursor.count(4, {1, 4 * (1 + std::size_t(type.nodes))}, "a number of elements");
   const std::size_t tags = cursor.count(4, {1, 4}, "a number of tags");
@@ -64,7 +64,7 @@ std::size_t read_block(MeshCursor& cursor, std::size_t most, FoundSolid& found) 
   return count;
 }
 
-void read_line_element(MeshCursor& cursor, std::vector<std::int64_t>& nodes, FoundSolid& found) {
+void read_line_element(FileCursor& cursor, std::vector<std::int64_t>& nodes, FoundSolid& found) {
   const std::int64_t id = cursor.whole(4, "the number of an element");
   const ElementType type = read_type(cursor);
   const std::int64_t region = read_tags(cursor, cursor.count(4, {1, 4}, "a number of tags"));
@@ -74,12 +74,12 @@ void read_line_element(MeshCursor& cursor, std::vector<std::int64_t>& nodes, Fou
 
 }  // namespace
 
-void read_gmsh_1_nodes(MeshCursor& cursor, FoundSolid& found) {
+void read_gmsh_1_nodes(FileCursor& cursor, FoundSolid& found) {
   read_nodes(cursor, cursor.count(4, kNode, "a number of nodes"), found);
   cursor.expect("$ENDNOD");
 }
 
-void read_gmsh_1_elements(MeshCursor& cursor, FoundSolid& found) {
+void read_gmsh_1_elements(FileCursor& cursor, FoundSolid& found) {
   const std::size_t count = cursor.count(4, {6, 24}, "a number of elements");
   std::vector<std::int64_t> nodes;
   for (std::size_t e = 0; e < count && cursor.ok(); e++) {
@@ -93,7 +93,7 @@ void read_gmsh_1_elements(MeshCursor& cursor, FoundSolid& found) {
   cursor.expect("$ENDELM");
 }
 
-void read_gmsh_2_nodes(MeshCursor& cursor, Encoding encoding, FoundSolid& found) {
+void read_gmsh_2_nodes(FileCursor& cursor, Encoding encoding, FoundSolid& found) {
   const std::size_t count = cursor.count(4, {1, 1}, "a number of nodes");  // text in binary files too
   if (encoding != Encoding::kText) cursor.line();
   cursor.encoding = encoding;
@@ -101,7 +101,7 @@ void read_gmsh_2_nodes(MeshCursor& cursor, Encoding encoding, FoundSolid& found)
   cursor.encoding = Encoding::kText;
 }
 
-void read_gmsh_2_elements(MeshCursor& cursor, Encoding encoding, FoundSolid& found) {
+void read_gmsh_2_elements(FileCursor& cursor, Encoding encoding, FoundSolid& found) {
   const std::size_t count = cursor.count(4, {1, 1}, "a number of elements");
   if (encoding != Encoding::kText) cursor.line();
   cursor.encoding = encoding;

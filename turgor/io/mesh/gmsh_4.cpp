@@ -1,4 +1,4 @@
-// Volumes, nodes and elements of Gmsh 4.1: blocks, one for each piece of geometry.
+// Volumes, nodes and elements of Gmsh 4.1: one block per geometric entity.
 #include <fmt/format.h>
 
 #include "turgor/io/mesh/gmsh.hpp"
@@ -9,12 +9,12 @@ namespace {
 
 constexpr int kInt = 4, kSize = 8, kReal = 8;  // bytes of the format's int, size_t and double
 
-void skip_reals(MeshCursor& cursor, int count) {
+void skip_reals(FileCursor& cursor, int count) {
   for (int i = 0; i < count; i++) cursor.real(kReal, "a bound");
 }
 
-/// A list of tags, preceded by its length; returns the first.
-std::int64_t read_tags(MeshCursor& cursor) {
+/// Reads the length and a list of tags; returns the first tag.
+std::int64_t read_tags(FileCursor& cursor) {
   const std::size_t count = cursor.count(kSize, {1, kInt}, "a number of tags");
   std::int64_t first = 0;
   for (std::size_t i = 0; i < count && cursor.ok(); i++) {
@@ -24,20 +24,20 @@ std::int64_t read_tags(MeshCursor& cursor) {
   return first;
 }
 
-void begin(MeshCursor& cursor, Encoding encoding) {
+void begin(FileCursor& cursor, Encoding encoding) {
   if (encoding != Encoding::kText) cursor.line();
   cursor.encoding = encoding;
 }
 
-int read_dimension(MeshCursor& cursor) {
+int read_dimension(FileCursor& cursor) {
   const std::int64_t dimension = cursor.whole(kInt, "a dimension from 0 to 3");
   if (dimension < 0 || dimension > 3) cursor.fail("a dimension from 0 to 3", fmt::format("{}", dimension));
   return cursor.ok() ? int(dimension) : 0;
 }
 
-void read_node_block(MeshCursor& cursor, FoundSolid& found) {
+void read_node_block(FileCursor& cursor, FoundSolid& found) {
   const int dimension = read_dimension(cursor);
-  cursor.whole(kInt, "a piece of geometry");
+  cursor.whole(kInt, "a geometric entity");
   const bool is_parametric = cursor.whole(kInt, "0 or 1") != 0;
   const std::size_t count = cursor.count(kSize, {4, kSize + 3 * kReal}, "a number of nodes");
   for (std::size_t n = 0; n < count && cursor.ok(); n++)
@@ -50,10 +50,10 @@ void read_node_block(MeshCursor& cursor, FoundSolid& found) {
   }
 }
 
-/// Returns how many there are.
-std::size_t read_element_block(MeshCursor& cursor, const GmshGroups& groups, FoundSolid& found) {
+/// Returns the number of elements.
+std::size_t read_element_block(FileCursor& cursor, const GmshGroups& groups, FoundSolid& found) {
   const int dimension = read_dimension(cursor);
-  const std::int64_t volume = cursor.whole(kInt, "a piece of geometry");
+  const std::int64_t volume = cursor.whole(kInt, "a geometric entity");
   const std::int64_t number = cursor.whole(kInt, "the type of an element");
   const ElementType type = gmsh_type(number);
   if (type.shape == Shape::kUnknown) cursor.fail("one of Gmsh's element types", fmt::format("{}", number));
@@ -72,23 +72,23 @@ std::size_t read_element_block(MeshCursor& cursor, const GmshGroups& groups, Fou
 
 }  // namespace
 
-void read_gmsh_4_entities(MeshCursor& cursor, Encoding encoding, GmshGroups& groups) {
+void read_gmsh_4_entities(FileCursor& cursor, Encoding encoding, GmshGroups& groups) {
   begin(cursor, encoding);
   std::size_t counts[4] = {};
   for (std::size_t& count : counts)
-    count = cursor.count(kSize, {5, kInt + 3 * kReal + kSize}, "a number of pieces");
+    count = cursor.count(kSize, {5, kInt + 3 * kReal + kSize}, "a number of entities");
   for (int dimension = 0; dimension < 4; dimension++)
     for (std::size_t i = 0; i < counts[dimension] && cursor.ok(); i++) {
-      const std::int64_t tag = cursor.whole(kInt, "a piece of geometry");
+      const std::int64_t tag = cursor.whole(kInt, "a geometric entity");
       skip_reals(cursor, dimension == 0 ? 3 : 6);
       const std::int64_t group = read_tags(cursor);
-      if (dimension > 0) read_tags(cursor);  // of its bounds
+      if (dimension > 0) read_tags(cursor);  // bounding entities
       if (dimension == 3 && group != 0) groups[tag] = group;
     }
   cursor.encoding = Encoding::kText;
 }
 
-void read_gmsh_4_nodes(MeshCursor& cursor, Encoding encoding, FoundSolid& found) {
+void read_gmsh_4_nodes(FileCursor& cursor, Encoding encoding, FoundSolid& found) {
   begin(cursor, encoding);
   const std::size_t blocks = cursor.count(kSize, {4, 3 * kInt + kSize}, "a number of blocks");
   const std::size_t before = found.nodes.size(), count = cursor.count(kSize, {4, 32}, "a number of nodes");
@@ -99,7 +99,7 @@ void read_gmsh_4_nodes(MeshCursor& cursor, Encoding encoding, FoundSolid& found)
   cursor.encoding = Encoding::kText;
 }
 
-void read_gmsh_4_elements(MeshCursor& cursor, Encoding encoding, const GmshGroups& groups,
+void read_gmsh_4_elements(FileCursor& cursor, Encoding encoding, const GmshGroups& groups,
                           FoundSolid& found) {
   begin(cursor, encoding);
   const std::size_t blocks = cursor.count(kSize, {4, 3 * kInt + kSize}, "a number of blocks");

@@ -18,7 +18,7 @@ namespace {
 
 const char* byte_order() { return std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian"; }
 
-/// The binary end of a .vtu: blocks, each preceded by its size in bytes.
+/// Appended binary data of a .vtu: blocks, each preceded by its size in bytes.
 struct Appended {
   std::string bytes;
 
@@ -50,13 +50,13 @@ std::string field_arrays(Appended& appended, const std::vector<VertexField>& fie
   for (const VertexField& field : fields) {
     TURGOR_ASSERT(field.values.size() == count * std::size_t(field.components),
                   "a field has one value a vertex, or an element");
-    const std::vector<float> values = io::placed_values(field, space);
-    text += field_array(appended, {io::placed_name(field, space), field.components, values});
+    const std::vector<float> values = io::values_in_space(field, space);
+    text += field_array(appended, {io::name_in_space(field, space), field.components, values});
   }
   return text;
 }
 
-/// A text as an array of the whole file: VTK stores the numbers of its bytes, and a zero behind them.
+/// A text as an array of the whole file: VTK stores its bytes as numbers, with a terminating zero.
 std::string text_array(std::string_view name, std::string_view text) {
   std::string bytes;
   for (const char c : text) bytes += fmt::format("{} ", int(static_cast<unsigned char>(c)));
@@ -65,7 +65,7 @@ std::string text_array(std::string_view name, std::string_view text) {
                      name, bytes);
 }
 
-/// Cells of one type with so many corners each.
+/// Cells of one type with `each` corners.
 std::string cell_arrays(Appended& appended, const std::vector<std::int32_t>& corners, int each,
                         std::uint8_t vtk_type) {
   const std::size_t count = corners.size() / std::size_t(each);
@@ -101,10 +101,10 @@ Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpa
   std::string text = fmt::format("# Turgor: {}\n# SPACE={}\n", io::space_text(space), io::frame_name(space));
   const auto out = std::back_inserter(text);
   const bool normals = mesh.normals.size() == mesh.vertices.size();
-  for (const Vec3 v : io::placed(mesh.vertices, space))
+  for (const Vec3 v : io::in_space(mesh.vertices, space))
     fmt::format_to(out, "v {0:.{3}f} {1:.{3}f} {2:.{3}f}\n", v.x, v.y, v.z, space.is_mm ? 4 : 6);
   if (normals)
-    for (const Vec3 n : io::turned(mesh.normals, space))
+    for (const Vec3 n : io::to_file_axes(mesh.normals, space))
       fmt::format_to(out, "vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
   for (std::size_t t = 0; t < mesh.triangles.size(); t++) {
     const auto [a, b, c] = mesh.triangles[t];
@@ -125,10 +125,10 @@ Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
   Appended appended;
   std::string text = vtu_begin(vertices, mesh.triangles.size(), space) + "<PointData>\n";
   if (mesh.normals.size() == vertices)
-    text += field_array(appended, vertex_field("normal", io::turned(mesh.normals, space)));
+    text += field_array(appended, vertex_field("normal", io::to_file_axes(mesh.normals, space)));
   text += field_arrays(appended, fields, vertices, space);
-  const std::vector<Vec3> places = io::placed(mesh.vertices, space);
-  text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", places));
+  const std::vector<Vec3> positions = io::in_space(mesh.vertices, space);
+  text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", positions));
   std::vector<std::int32_t> corners;
   for (const auto [a, b, c] : mesh.triangles) corners.insert(corners.end(), {a, b, c});
   text += "</Points>\n" + cell_arrays(appended, corners, 3, kVtkTriangle);
@@ -141,8 +141,8 @@ Status write_points(const std::filesystem::path& path, const std::vector<Vec3>& 
   Appended appended;
   std::string text = vtu_begin(points.size(), points.size(), space) + "<PointData>\n";
   text += field_arrays(appended, fields, points.size(), space);
-  const std::vector<Vec3> places = io::placed(points, space);
-  text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", places));
+  const std::vector<Vec3> positions = io::in_space(points, space);
+  text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", positions));
   std::vector<std::int32_t> corners(points.size());
   std::iota(corners.begin(), corners.end(), 0);
   text += "</Points>\n" + cell_arrays(appended, corners, 1, kVtkVertex);
@@ -174,7 +174,7 @@ Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>&
       io::space_text(space), byte_order());
   for (const PvdEntry& entry : entries)
     text += fmt::format("<DataSet timestep=\"{}\" part=\"0\" name=\"{}\" file=\"{}\"/>\n", entry.time,
-                        xml_text(entry.part), xml_text(entry.file));
+                        xml_text(entry.body), xml_text(entry.file));
   return write_file(path, text + "</Collection>\n</VTKFile>\n");
 }
 

@@ -1,6 +1,6 @@
-// Meshes out: Wavefront OBJ for modelling programs, VTK's .vtu (XML, raw binary) and .pvd time series for
-// ParaView. Coordinates are metres in the patient frame LPS unless asked otherwise; the files say so in a
-// comment and, as 3D Slicer reads it, under the name SPACE.
+// Writing of meshes: Wavefront OBJ for modeling programs, VTK's .vtu (XML, raw binary) and .pvd time series
+// for ParaView. Coordinates are meters in the patient frame LPS by default. The files state unit and frame in
+// a comment and, as 3D Slicer reads it, under the name SPACE.
 #pragma once
 
 #include <filesystem>
@@ -14,30 +14,30 @@
 
 namespace turgor {
 
-/// The lengths and axes of a file. LPS: x to the left, y to the back, z to the head. RAS: x to the right, y
-/// to the front, which is half a turn about z.
+/// Unit and axes of a file. LPS: x to the left, y to the back, z to the head. RAS: x to the right, y to the
+/// front, a half turn about z.
 struct MeshSpace {
   bool is_mm = false;
   bool is_ras = false;
 };
 inline const char* unit_name(MeshSpace space) { return space.is_mm ? "mm" : "m"; }
 
-/// A named part of a mesh: from this triangle on, to where the next one begins.
+/// A named range of triangles: from `begin` to the beginning of the next group.
 struct MeshGroup {
   std::string name;
   std::size_t begin = 0;
 };
 
-/// Vertices, normals when the mesh has them, and triangles; in groups, when there are any.
+/// Writes vertices, normals if the mesh has them, and triangles, by group if there are any.
 Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpace space = {},
                  std::span<const MeshGroup> groups = {});
 
 /// A quantity at every vertex, or in every element of a solid mesh: `components` numbers each, 1 or 3.
 struct VertexField {
-  std::string name;  // with its unit, as ParaView shows it; without one if it is a length
+  std::string name;  // with its unit, as ParaView shows it; without a unit if it is a length
   int components = 1;
   std::span<const float> values;
-  bool is_length = false;     // [m]: written in the file's unit, whose name is added, and along its axes
+  bool is_length = false;  // [m]: written in the file's unit, whose name is added, and along the file's axes
   bool is_direction = false;  // of another unit, along the file's axes
 };
 inline VertexField vertex_field(std::string name, const std::vector<Vec3>& values) {
@@ -53,24 +53,24 @@ VertexField length_field(std::string name, const std::vector<Value>& values) {
   return field;
 }
 
-/// The mesh with its normals, when it has them, and the fields.
+/// Writes the mesh, its normals if it has them, and the fields.
 Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
                  const std::vector<VertexField>& fields, MeshSpace space = {});
-/// A solid mesh, in metres and LPS, with its regions, fields at its vertices and fields in its elements;
-/// read_solid reads it back.
+/// Writes a solid mesh in meters and LPS, with its regions, vertex fields and element fields; read_solid
+/// reads it.
 Status write_vtu(const std::filesystem::path& path, const SolidMesh& mesh,
                  const std::vector<VertexField>& vertex_fields,
                  const std::vector<VertexField>& element_fields);
 
-/// Points without a surface, with what is known at each: what ParaView's glyphs stand on.
+/// Writes points without a surface, with fields: input of ParaView's glyphs.
 Status write_points(const std::filesystem::path& path, const std::vector<Vec3>& points,
                     const std::vector<VertexField>& fields, MeshSpace space = {});
 
-/// One moment of a time series.
+/// One time step of a time series.
 struct PvdEntry {
   double time = 0;   // [s]
   std::string file;  // relative to the .pvd
-  std::string part;  // which body
+  std::string body;  // name of the body
 };
 Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>& entries,
                  MeshSpace space = {});

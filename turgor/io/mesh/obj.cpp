@@ -1,4 +1,4 @@
-// Wavefront OBJ: places of vertices and faces; normals, textures, groups and materials are passed over.
+// Wavefront OBJ: positions of vertices and faces; normals, textures, groups and materials are skipped.
 #include <fmt/format.h>
 
 #include "turgor/io/mesh/surface_formats.hpp"
@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The next word of a line; empty at its end.
+/// Next word of a line; empty at its end.
 std::string_view next_word(std::string_view& line) {
   constexpr std::string_view kSpace = " \t\v\f\r";
   const std::size_t begin = std::min(line.find_first_not_of(kSpace), line.size());
@@ -23,7 +23,7 @@ std::string shown(std::string_view word) {
   return word.empty() ? std::string("the end of the line") : quoted(word);
 }
 
-void read_vertex(MeshCursor& cursor, std::string_view line, FoundSurface& found) {
+void read_vertex(FileCursor& cursor, std::string_view line, FoundSurface& found) {
   Vec3d x;
   for (int axis = 0; axis < 3; axis++) {
     const std::string_view word = next_word(line);
@@ -32,8 +32,9 @@ void read_vertex(MeshCursor& cursor, std::string_view line, FoundSurface& found)
   found.vertices.push_back(x);
 }
 
-/// Corners are "vertex", "vertex/texture", "vertex//normal" or all three, counted from 1, or back from -1.
-void read_face(MeshCursor& cursor, std::string_view line, FoundSurface& found) {
+/// Corners are "vertex", "vertex/texture", "vertex//normal" or all three, counted from 1, or backwards from
+/// -1.
+void read_face(FileCursor& cursor, std::string_view line, FoundSurface& found) {
   std::size_t count = 0;
   for (std::string_view word = next_word(line); !word.empty(); word = next_word(line), count++) {
     std::int64_t number = 0;
@@ -49,12 +50,12 @@ void read_face(MeshCursor& cursor, std::string_view line, FoundSurface& found) {
 }  // namespace
 
 Result<FoundSurface> parse_obj(const fs::path& path, std::string_view bytes) {
-  MeshCursor cursor(path, bytes);
+  FileCursor cursor(path, bytes);
   FoundSurface found{.format = "OBJ", .first = 1};
   std::string joined;
   while (cursor.ok() && cursor.offset() < bytes.size()) {
     std::string_view line = cursor.line();
-    if (line.ends_with('\\')) {  // goes on in the next line
+    if (line.ends_with('\\')) {  // continued in the next line
       joined.clear();
       for (; line.ends_with('\\'); line = cursor.line())
         joined.append(line.substr(0, line.size() - 1)) += ' ';

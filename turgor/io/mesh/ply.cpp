@@ -1,5 +1,5 @@
-// PLY, text and binary of both byte orders: the places of vertices and the corners of faces; other elements
-// and properties are passed over.
+// PLY, text and binary of both byte orders: positions of vertices and corners of faces; other elements and
+// properties are skipped.
 #include <array>
 #include <utility>
 
@@ -16,7 +16,7 @@ namespace {
 struct Property {
   std::string name;
   bool is_list = false;
-  NumberType count, type;  // of a list's length; of a number
+  NumberType count, type;  // type of a list's length; type of a value
 };
 
 struct PlyElement {
@@ -30,7 +30,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
 };
 
-NumberType read_type(MeshCursor& cursor) {
+NumberType read_type(FileCursor& cursor) {
   using enum NumberType::Kind;
   static constexpr std::array<std::pair<std::string_view, NumberType>, 16> kTypes{{{"char", {kSigned, 1}},
                                                                                    {"int8", {kSigned, 1}},
@@ -55,7 +55,7 @@ NumberType read_type(MeshCursor& cursor) {
   return {};
 }
 
-Encoding read_encoding(MeshCursor& cursor) {
+Encoding read_encoding(FileCursor& cursor) {
   const std::string_view name = cursor.word();
   if (name == "binary_little_endian") return Encoding::kLittleEndian;
   if (name == "binary_big_endian") return Encoding::kBigEndian;
@@ -63,7 +63,7 @@ Encoding read_encoding(MeshCursor& cursor) {
   return Encoding::kText;
 }
 
-Property read_property(MeshCursor& cursor) {
+Property read_property(FileCursor& cursor) {
   Property property;
   property.is_list = cursor.peek_word() == "list";
   if (property.is_list) {
@@ -76,7 +76,7 @@ Property read_property(MeshCursor& cursor) {
   return property;
 }
 
-PlyHeader read_header(MeshCursor& cursor) {
+PlyHeader read_header(FileCursor& cursor) {
   PlyHeader header;
   cursor.line();  // "ply"
   while (cursor.ok()) {
@@ -97,8 +97,8 @@ PlyHeader read_header(MeshCursor& cursor) {
   return header;
 }
 
-/// The number of a property, or the numbers of its list.
-void read_values(MeshCursor& cursor, const Property& property, std::vector<double>& values) {
+/// Value of a property, or the values of its list.
+void read_values(FileCursor& cursor, const Property& property, std::vector<double>& values) {
   values.clear();
   const std::int64_t count = property.is_list ? read_whole(cursor, property.count) : 1;
   if (count < 0) cursor.fail("the length of a list", fmt::format("{}", count));
@@ -109,7 +109,7 @@ void read_values(MeshCursor& cursor, const Property& property, std::vector<doubl
 
 /// Calls take(property, values) for every property of every element, in the file's order.
 template <class Take>
-void read_elements(MeshCursor& cursor, const PlyElement& element, const Take& take) {
+void read_elements(FileCursor& cursor, const PlyElement& element, const Take& take) {
   std::size_t bytes = 0;
   for (const Property& p : element.properties) bytes += std::size_t((p.is_list ? p.count : p.type).bytes);
   cursor.can_hold(element.count, {element.properties.size(), bytes}, "a number of elements");
@@ -121,7 +121,7 @@ void read_elements(MeshCursor& cursor, const PlyElement& element, const Take& ta
     }
 }
 
-void read_vertices(MeshCursor& cursor, const PlyElement& element, FoundSurface& found) {
+void read_vertices(FileCursor& cursor, const PlyElement& element, FoundSurface& found) {
   const Property* last = element.properties.empty() ? nullptr : &element.properties.back();
   Vec3d x;
   read_elements(cursor, element, [&](const Property& property, const std::vector<double>& values) {
@@ -131,7 +131,7 @@ void read_vertices(MeshCursor& cursor, const PlyElement& element, FoundSurface& 
   });
 }
 
-void read_faces(MeshCursor& cursor, const PlyElement& element, FoundSurface& found) {
+void read_faces(FileCursor& cursor, const PlyElement& element, FoundSurface& found) {
   read_elements(cursor, element, [&](const Property& property, const std::vector<double>& values) {
     if (property.name != "vertex_indices" && property.name != "vertex_index") return;
     if (values.size() < 3) cursor.fail("a face of at least 3 corners", fmt::format("{}", values.size()));
@@ -143,7 +143,7 @@ void read_faces(MeshCursor& cursor, const PlyElement& element, FoundSurface& fou
   });
 }
 
-bool has_places(const PlyElement& vertices) {
+bool has_positions(const PlyElement& vertices) {
   int found = 0;
   for (const Property& p : vertices.properties)
     found += !p.is_list && (p.name == "x" || p.name == "y" || p.name == "z");
@@ -153,12 +153,13 @@ bool has_places(const PlyElement& vertices) {
 }  // namespace
 
 Result<FoundSurface> parse_ply(const fs::path& path, std::string_view bytes) {
-  MeshCursor cursor(path, bytes);
+  FileCursor cursor(path, bytes);
   const PlyHeader header = read_header(cursor);
   cursor.encoding = header.encoding;
   FoundSurface found{.format = header.encoding == Encoding::kText ? "PLY" : "PLY (binary)"};
   for (const PlyElement& element : header.elements) {
-    if (element.name == "vertex" && !has_places(element)) cursor.fail("vertices with x, y and z", "others");
+    if (element.name == "vertex" && !has_positions(element))
+      cursor.fail("vertices with x, y and z", "others");
     if (element.name == "vertex")
       read_vertices(cursor, element, found);
     else if (element.name == "face")

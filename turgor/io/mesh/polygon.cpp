@@ -6,7 +6,7 @@ namespace turgor::io {
 
 namespace {
 
-/// Twice the area times the normal (Newell).
+/// Twice the area times the normal (Newell's method).
 Vec3d area_vector(std::span<const Vec3d> corners) {
   Vec3d sum;
   for (std::size_t c = 0; c < corners.size(); c++)
@@ -14,7 +14,7 @@ Vec3d area_vector(std::span<const Vec3d> corners) {
   return sum;
 }
 
-/// Twice the signed area of a triangle as seen along the normal.
+/// Twice the signed area of a triangle about the normal.
 double area(Vec3d a, Vec3d b, Vec3d c, Vec3d normal) { return dot(cross(b - a, c - a), normal); }
 
 bool is_convex(std::span<const Vec3d> corners, Vec3d normal) {
@@ -24,10 +24,11 @@ bool is_convex(std::span<const Vec3d> corners, Vec3d normal) {
   return true;
 }
 
-/// Whether the corner at `at` of what is left can be cut off: it points outwards and holds no other corner.
-bool is_ear(std::span<const Vec3d> corners, const std::vector<int>& left, std::size_t at, Vec3d normal) {
-  const std::size_t count = left.size(), before = (at + count - 1) % count, after = (at + 1) % count;
-  const auto x = [&](std::size_t i) { return corners[std::size_t(left[i])]; };
+/// True if the corner at `at` of the remaining polygon is an ear: it is convex and its triangle holds no
+/// other corner.
+bool is_ear(std::span<const Vec3d> corners, const std::vector<int>& remaining, std::size_t at, Vec3d normal) {
+  const std::size_t count = remaining.size(), before = (at + count - 1) % count, after = (at + 1) % count;
+  const auto x = [&](std::size_t i) { return corners[std::size_t(remaining[i])]; };
   const Vec3d a = x(before), b = x(at), c = x(after);
   if (area(a, b, c, normal) <= 0) return false;
   for (std::size_t i = 0; i < count; i++) {
@@ -45,19 +46,19 @@ std::vector<Int3> triangulate(std::span<const Vec3d> corners) {
   const bool convex = corners.size() == 3 || is_convex(corners, normal);
   if (!convex && corners.size() > kMostConcaveCorners) return {};
   std::vector<Int3> triangles;
-  if (convex) {  // a fan
+  if (convex) {  // fan
     for (int c = 1; c + 1 < int(corners.size()); c++) triangles.push_back({0, c, c + 1});
     return triangles;
   }
-  std::vector<int> left(corners.size());
-  std::iota(left.begin(), left.end(), 0);
-  while (left.size() >= 3) {
+  std::vector<int> remaining(corners.size());
+  std::iota(remaining.begin(), remaining.end(), 0);
+  while (remaining.size() >= 3) {
     std::size_t ear = 1;
-    while (ear <= left.size() && !is_ear(corners, left, ear % left.size(), normal)) ear++;
-    if (ear > left.size()) ear = 1;  // it crosses itself: no corner is better than another
-    const std::size_t count = left.size(), at = ear % count;
-    triangles.push_back({left[(at + count - 1) % count], left[at], left[(at + 1) % count]});
-    left.erase(left.begin() + std::ptrdiff_t(at));
+    while (ear <= remaining.size() && !is_ear(corners, remaining, ear % remaining.size(), normal)) ear++;
+    if (ear > remaining.size()) ear = 1;  // self-intersecting polygon: any corner is as good
+    const std::size_t count = remaining.size(), at = ear % count;
+    triangles.push_back({remaining[(at + count - 1) % count], remaining[at], remaining[(at + 1) % count]});
+    remaining.erase(remaining.begin() + std::ptrdiff_t(at));
   }
   return triangles;
 }

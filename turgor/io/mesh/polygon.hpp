@@ -1,4 +1,4 @@
-// A polygon in space as triangles. Internal to io/.
+// Triangulation of polygons in space by ear clipping. Internal to io/.
 #pragma once
 
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace turgor::io {
 
-/// The most corners of a polygon that is not convex: cutting ears takes a time that grows with their cube.
+/// Most corners of a polygon that is not convex, because ear clipping takes cubic time.
 constexpr std::size_t kMostConcaveCorners = 500;
 
-/// Triangles between the corners, numbered from 0, the same way round. A convex polygon becomes a fan, any
-/// other loses one ear after another. Nothing when it is not convex and has too many corners.
+/// Triangles between the corners, numbered from 0, with the same orientation. A convex polygon becomes a fan;
+/// other polygons are clipped ear by ear. Empty if the polygon is not convex and has too many corners.
 std::vector<Int3> triangulate(std::span<const Vec3d> corners);
 
 }  // namespace turgor::io

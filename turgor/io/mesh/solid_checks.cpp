@@ -1,5 +1,4 @@
-// From the elements that a file lists to a mesh that can be computed with: nodes by their index, elements the
-// right way round, none flat.
+// Converts the elements of a file to a valid mesh: nodes by index, elements correctly oriented, none flat.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,7 +19,7 @@ constexpr double kFlat = 1e-12;  // of the median volume
 
 const char* plural(int corners) { return corners == 4 ? "tetrahedra" : "hexahedra"; }
 
-/// From a file's numbers of nodes to their indices.
+/// Maps a file's node numbers to indices.
 class NodeIndex {
  public:
   explicit NodeIndex(const FoundSolid& found) : ids_(found.node_ids), count_(found.nodes.size()) {
@@ -43,7 +42,7 @@ class NodeIndex {
       return index < count_ ? std::optional(std::size_t(index)) : std::nullopt;
     }
     const auto found = std::lower_bound(order_.begin(), order_.end(), id,
-                                        [&](std::size_t a, std::int64_t wanted) { return ids_[a] < wanted; });
+                                        [&](std::size_t a, std::int64_t value) { return ids_[a] < value; });
     return found != order_.end() && ids_[*found] == id ? std::optional(*found) : std::nullopt;
   }
 
@@ -56,10 +55,10 @@ class NodeIndex {
 
   const std::vector<std::int64_t>& ids_;
   std::size_t count_;
-  std::vector<std::size_t> order_;  // by id; empty when ids count up
+  std::vector<std::size_t> order_;  // by id; empty if ids are consecutive
 };
 
-/// A few of the numbers of elements: "3, 7, 12 and 40 more".
+/// A few of the element numbers: "3, 7, 12 and 40 more".
 std::string some(const std::vector<std::int64_t>& ids) {
   constexpr std::size_t kShown = 5;
   std::string text;
@@ -68,19 +67,19 @@ std::string some(const std::vector<std::int64_t>& ids) {
   return ids.size() > kShown ? fmt::format("{} and {} more", text, ids.size() - kShown) : text;
 }
 
-Status check_places(const fs::path& path, const FoundSolid& found, const NodeIndex& index, double scale) {
+Status check_positions(const fs::path& path, const FoundSolid& found, const NodeIndex& index, double scale) {
   if (const auto id = index.repeated())
     return Error{fmt::format("{}: expected every node once, found node {} twice", path.string(), *id)};
   for (std::size_t n = 0; n < found.nodes.size(); n++) {
     const Vec3d x = found.nodes[n];
-    if (!is_place(x * scale))
+    if (!is_valid_position(x * scale))
       return Error{fmt::format("{}: node {}: expected finite coordinates below 1e9 m, found ({}, {}, {})",
                                path.string(), index.id(n), x.x, x.y, x.z)};
   }
   return Done{};
 }
 
-/// Elements by indices of the file's nodes.
+/// Converts node numbers of elements to indices.
 Status connect(const fs::path& path, const FoundElements& elements, const NodeIndex& index, SolidMesh& mesh) {
   const std::size_t corners = std::size_t(mesh.corners);
   if (elements.nodes.size() > std::size_t(std::numeric_limits<int>::max()))
@@ -105,7 +104,7 @@ Status connect(const fs::path& path, const FoundElements& elements, const NodeIn
   return Done{};
 }
 
-/// Keeps the nodes that elements use, in their order; returns how many went.
+/// Keeps the nodes that elements use, in their order; returns the number of dropped nodes.
 std::size_t drop_unused(const FoundSolid& found, double scale, SolidMesh& mesh) {
   std::vector<int> number(found.nodes.size(), -1);
   for (const int v : mesh.elements) number[std::size_t(v)] = 0;
@@ -118,7 +117,7 @@ std::size_t drop_unused(const FoundSolid& found, double scale, SolidMesh& mesh) 
   return found.nodes.size() - mesh.vertices.size();
 }
 
-/// Mirrors an element: a tetrahedron's first two corners change places, a hexahedron's bottom and top.
+/// Mirrors an element by exchanging two corners of a tetrahedron, or bottom and top of a hexahedron.
 void turn(SolidMesh& mesh, std::size_t e) {
   const auto corner = mesh.elements.begin() + std::ptrdiff_t(e) * mesh.corners;
   if (mesh.corners == 4)
@@ -127,7 +126,7 @@ void turn(SolidMesh& mesh, std::size_t e) {
     std::swap_ranges(corner, corner + 4, corner + 4);
 }
 
-/// Whether a hexahedron is the wrong way round at one of its corners.
+/// True if a hexahedron is inverted at one of its corners.
 bool is_twisted(const SolidMesh& mesh, std::size_t e) {
   static constexpr std::size_t kNext[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
                                               {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
@@ -141,8 +140,8 @@ struct Wrong {
   std::vector<std::int64_t> turned, flat, twisted;
 };
 
-/// Turns inverted elements and finds those that nothing can be done about: flat ones, and hexahedra that are
-/// the wrong way round at some of their corners.
+/// Reorients inverted elements. Reports elements that cannot be repaired: flat ones, and hexahedra that are
+/// inverted at some of their corners.
 Wrong repair(SolidMesh& mesh, const std::vector<std::int64_t>& ids) {
   Wrong wrong;
   std::vector<double> volumes(ids.size());
@@ -168,23 +167,23 @@ Wrong repair(SolidMesh& mesh, const std::vector<std::int64_t>& ids) {
 void add_notes(const FoundSolid& found, const Wrong& wrong, std::size_t unused, ReadSolid& read) {
   const SolidMesh& mesh = read.mesh;
   if (!wrong.turned.empty())
-    read.notes.push_back(fmt::format("{} of {} {} were listed inside out and are turned: {}",
+    read.notes.push_back(fmt::format("{} of {} {} were inverted and have been reoriented: {}",
                                      wrong.turned.size(), element_count(mesh), plural(mesh.corners),
                                      some(wrong.turned)));
   if (found.curved > 0)
-    read.notes.push_back(fmt::format("only the corners of {} are kept, not the nodes on edges",
-                                     counted(found.curved, "element")));
+    read.notes.push_back(
+        fmt::format("only the corner nodes of {} are used", counted(found.curved, "element")));
   const std::size_t left_out = found.other_solids + (mesh.corners == 4 ? found.hexes.ids.size() : 0);
   if (left_out > 0)
     read.notes.push_back(
-        fmt::format("left out: {}, not {}", counted(left_out, "solid element"), plural(mesh.corners)));
+        fmt::format("ignored: {} other than {}", counted(left_out, "solid element"), plural(mesh.corners)));
   if (unused > 0 && found.curved == 0)
-    read.notes.push_back(fmt::format("left out: {} that no element uses", counted(unused, "node")));
+    read.notes.push_back(fmt::format("dropped: {} that no element uses", counted(unused, "node")));
 }
 
 }  // namespace
 
-bool is_place(Vec3d x) {
+bool is_valid_position(Vec3d x) {
   constexpr double kFarthest = 1e9;  // [m]
   return std::abs(x.x) < kFarthest && std::abs(x.y) < kFarthest && std::abs(x.z) < kFarthest;
 }
@@ -201,7 +200,7 @@ void add_element(FoundSolid& found, ElementType type, std::int64_t id, std::int6
   found.curved += nodes.size() > corners;
   if (type.shape != Shape::kVoxel) return;
   const auto last = elements.nodes.end();
-  std::swap(last[-1], last[-2]);  // a voxel's corners run along x, then y, then z
+  std::swap(last[-1], last[-2]);  // a voxel's corners are ordered by x, then y, then z
   std::swap(last[-5], last[-6]);
 }
 
@@ -213,7 +212,7 @@ Result<ReadSolid> finish_solid(const fs::path& path, const FoundSolid& found, do
   ReadSolid read{.format = found.format, .notes = found.notes};
   read.mesh.corners = &elements == &found.tets ? 4 : 8;
   const NodeIndex index(found);
-  if (Status done = check_places(path, found, index, scale); !done) return done.error();
+  if (Status done = check_positions(path, found, index, scale); !done) return done.error();
   if (Status done = connect(path, elements, index, read.mesh); !done) return done.error();
   const std::size_t unused = drop_unused(found, scale, read.mesh);
   const Wrong wrong = repair(read.mesh, elements.ids);
@@ -221,7 +220,7 @@ Result<ReadSolid> finish_solid(const fs::path& path, const FoundSolid& found, do
     return Error{fmt::format("{}: expected {} with a volume, found {} flat: {}", path.string(),
                              plural(read.mesh.corners), wrong.flat.size(), some(wrong.flat))};
   if (!wrong.twisted.empty())
-    return Error{fmt::format("{}: expected convex hexahedra, found {} inside out at a corner: {}",
+    return Error{fmt::format("{}: expected convex hexahedra, found {} inverted at a corner: {}",
                              path.string(), wrong.twisted.size(), some(wrong.twisted))};
   read.inverted = wrong.turned.size();
   add_notes(found, wrong, unused, read);

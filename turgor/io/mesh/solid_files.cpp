@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/files/file.hpp"
+#include "turgor/io/mesh/mesh_bytes.hpp"
 #include "turgor/io/mesh/solid_formats.hpp"
 #include "turgor/io/mesh/surface_formats.hpp"
 
@@ -16,10 +17,10 @@ namespace io {
 
 namespace {
 
-/// A TetGen file begins with numbers: how many points and in how many dimensions (3), or how many tetrahedra
-/// with how many nodes (4 or 10).
+/// True for the first line of a TetGen file: number of points and of dimensions (3), or number of tetrahedra
+/// and of nodes per tetrahedron (4 or 10).
 bool begins_as_tetgen(std::string_view head) {
-  MeshCursor cursor("", head);
+  FileCursor cursor("", head);
   cursor.has_comments = true;
   std::int64_t count = 0, size = 0;
   return parse_whole(cursor.word(), count) && parse_whole(cursor.word(), size) && count >= 0 &&
@@ -49,7 +50,7 @@ Result<FoundSolid> parse_solid(const fs::path& path, std::string_view bytes) {
 }  // namespace
 
 SolidFormat solid_format(std::string_view head) {
-  MeshCursor cursor("", head);
+  FileCursor cursor("", head);
   const std::string_view first = cursor.word();
   if (first.starts_with("$")) return SolidFormat::kGmsh;
   if (head.starts_with("# vtk DataFile")) return SolidFormat::kVtk;
@@ -82,7 +83,7 @@ Status write_msh(const fs::path& path, const SolidMesh& mesh) {
   const auto out = std::back_inserter(text);
   for (std::size_t v = 0; v < mesh.vertices.size(); v++) {
     const Vec3d x = mesh.vertices[v];
-    fmt::format_to(out, "{} {} {} {}\n", v + 1, x.x, x.y, x.z);  // the shortest text that reads back the same
+    fmt::format_to(out, "{} {} {} {}\n", v + 1, x.x, x.y, x.z);  // shortest text that round-trips
   }
   fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", element_count(mesh));
   for (std::size_t e = 0; e < element_count(mesh); e++) {

@@ -1,4 +1,4 @@
-// What the readers of solid meshes share: the elements as a file lists them, and the parsers of the formats.
+// Shared by the readers of solid meshes: elements as a file lists them, and the parsers of the formats.
 // Internal to io/.
 #pragma once
 
@@ -10,19 +10,19 @@
 #include <string_view>
 #include <vector>
 
-#include "turgor/io/mesh/mesh_cursor.hpp"
+#include "turgor/io/files/file_cursor.hpp"
 #include "turgor/io/mesh/solid_files.hpp"
 
 namespace turgor::io {
 
 enum class Shape : std::uint8_t { kUnknown, kPointLineOrSurface, kTet, kHex, kVoxel, kOtherSolid };
 
-/// Of tetrahedra and hexahedra; 0 for what is not read.
+/// Corners of tetrahedra and hexahedra; 0 for other shapes.
 constexpr int corners_of(Shape shape) {
   return shape == Shape::kTet ? 4 : shape == Shape::kHex || shape == Shape::kVoxel ? 8 : 0;
 }
 
-/// A format's element type: its shape, and how many nodes are listed, corners first.
+/// Element type of a format: shape and number of listed nodes, corners first.
 struct ElementType {
   Shape shape = Shape::kUnknown;
   int nodes = 0;
@@ -31,7 +31,7 @@ struct ElementType {
 /// Elements of one shape with the file's own numbers.
 struct FoundElements {
   std::vector<std::int64_t> ids, regions;
-  std::vector<std::int64_t> nodes;  // corners alone, 4 or 8 an element
+  std::vector<std::int64_t> nodes;  // corners only, 4 or 8 per element
 };
 
 /// A mesh as its file lists it.
@@ -40,15 +40,15 @@ struct FoundSolid {
   std::vector<std::int64_t> node_ids;  // empty: 0, 1, 2, …
   std::vector<Vec3d> nodes;
   FoundElements tets, hexes;
-  std::size_t curved = 0;        // elements whose nodes on edges, faces and inside were left out
-  std::size_t other_solids = 0;  // prisms, pyramids, polyhedra: left out
+  std::size_t curved = 0;        // elements whose nodes on edges, faces and inside are ignored
+  std::size_t other_solids = 0;  // ignored prisms, pyramids, polyhedra
   std::vector<std::string> notes;
 };
 
-/// Adds an element with all of its nodes; points, lines and surfaces are passed over.
+/// Adds an element with all of its nodes; points, lines and surfaces are skipped.
 void add_element(FoundSolid& found, ElementType type, std::int64_t id, std::int64_t region,
                  std::span<const std::int64_t> nodes);
-/// The mesh the engine computes with: nodes numbered from 0, checked, turned.
+/// Valid mesh with nodes numbered from 0: checked and reoriented.
 Result<ReadSolid> finish_solid(const std::filesystem::path& path, const FoundSolid& found, double scale);
 
 enum class SolidFormat { kNone, kGmsh, kVtk, kVtu, kTetgen, kMedit };
@@ -58,10 +58,10 @@ Result<FoundSolid> parse_gmsh(const std::filesystem::path& path, std::string_vie
 Result<FoundSolid> parse_vtk(const std::filesystem::path& path, std::string_view bytes);
 Result<FoundSolid> parse_vtu(const std::filesystem::path& path, std::string_view bytes);
 Result<FoundSolid> parse_medit(const std::filesystem::path& path, std::string_view bytes);
-/// `path` is either file of the pair .node and .ele; the other one is read from beside it.
+/// `path` is either file of the pair .node and .ele; the other file is found beside it.
 Result<FoundSolid> parse_tetgen(const std::filesystem::path& path, std::string_view bytes);
 
-/// A coordinate that can be computed with: a number, and not absurdly far away.
-bool is_place(Vec3d x);
+/// True if a position is finite and its coordinates are below 1e9 m.
+bool is_valid_position(Vec3d x);
 
 }  // namespace turgor::io

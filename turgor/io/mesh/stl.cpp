@@ -1,4 +1,4 @@
-// STL, text and binary: loose triangles, which are welded later.
+// STL, text and binary: unconnected triangles, which are welded later.
 #include <fmt/format.h>
 
 #include "turgor/io/mesh/surface_formats.hpp"
@@ -14,25 +14,26 @@ void add_corner(Vec3d x, FoundSurface& found) {
   found.vertices.push_back(x);
 }
 
-Vec3d read_place(MeshCursor& cursor, int bytes) {
+Vec3d read_position(FileCursor& cursor, int bytes) {
   Vec3d x;
   for (int axis = 0; axis < 3; axis++) x[axis] = cursor.real(bytes, "a coordinate");
   return x;
 }
 
-void expect(MeshCursor& cursor, std::string_view word) {
+void expect(FileCursor& cursor, std::string_view word) {
   if (lower_case(cursor.word()) != word) cursor.fail(word);
 }
 
-/// Behind "facet": "normal", three numbers that nobody needs, "outer loop", three times "vertex" and a place.
-void read_facet(MeshCursor& cursor, FoundSurface& found) {
+/// Reads a facet after "facet": "normal" and three ignored numbers, "outer loop", three times "vertex" and a
+/// position.
+void read_facet(FileCursor& cursor, FoundSurface& found) {
   expect(cursor, "normal");
   for (int axis = 0; axis < 3; axis++) cursor.word();
   expect(cursor, "outer");
   expect(cursor, "loop");
   for (int corner = 0; corner < 3; corner++) {
     expect(cursor, "vertex");
-    add_corner(read_place(cursor, 0), found);
+    add_corner(read_position(cursor, 0), found);
   }
   expect(cursor, "endloop");
   expect(cursor, "endfacet");
@@ -42,11 +43,11 @@ void read_facet(MeshCursor& cursor, FoundSurface& found) {
 }  // namespace
 
 Result<FoundSurface> parse_stl_text(const fs::path& path, std::string_view bytes) {
-  MeshCursor cursor(path, bytes);
+  FileCursor cursor(path, bytes);
   FoundSurface found{.format = "STL"};
   while (cursor.ok() && !cursor.at_end()) {
     expect(cursor, "solid");
-    cursor.line();  // its name
+    cursor.line();  // name
     while (cursor.ok() && lower_case(cursor.peek_word()) == "facet") {
       cursor.word();
       read_facet(cursor, found);
@@ -59,15 +60,15 @@ Result<FoundSurface> parse_stl_text(const fs::path& path, std::string_view bytes
 }
 
 Result<FoundSurface> parse_stl_binary(const fs::path& path, std::string_view bytes) {
-  MeshCursor cursor(path, bytes);
+  FileCursor cursor(path, bytes);
   cursor.encoding = Encoding::kLittleEndian;
   FoundSurface found{.format = "STL (binary)"};
   cursor.skip(80);
   const std::uint64_t count = cursor.unsigned_whole(4, "a number of triangles");
   cursor.can_hold(count, {12, 50}, "a number of triangles");
   for (std::uint64_t t = 0; t < count && cursor.ok(); t++) {
-    cursor.skip(12);  // its normal
-    for (int corner = 0; corner < 3; corner++) add_corner(read_place(cursor, 4), found);
+    cursor.skip(12);  // normal
+    for (int corner = 0; corner < 3; corner++) add_corner(read_position(cursor, 4), found);
     cursor.skip(2);
     found.ends.push_back(found.corners.size());
   }

@@ -1,4 +1,4 @@
-// From the polygons that a file lists to triangles: vertices at one place are one, flat triangles go.
+// Converts the polygons of a file to triangles: coincident vertices are welded, degenerate triangles dropped.
 #include <limits>
 
 #include <fmt/format.h>
@@ -14,10 +14,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Status check_places(const fs::path& path, const FoundSurface& found, double scale) {
+Status check_positions(const fs::path& path, const FoundSurface& found, double scale) {
   for (std::size_t v = 0; v < found.vertices.size(); v++) {
     const Vec3d x = found.vertices[v];
-    if (!is_place(x * scale))
+    if (!is_valid_position(x * scale))
       return Error{fmt::format("{}: vertex {}: expected finite coordinates below 1e9 m, found ({}, {}, {})",
                                path.string(), v + std::size_t(found.first), x.x, x.y, x.z)};
   }
@@ -27,7 +27,7 @@ Status check_places(const fs::path& path, const FoundSurface& found, double scal
   return Done{};
 }
 
-/// The triangles of one polygon, by the file's vertices.
+/// Triangles of one polygon, by the file's vertices.
 Status add_polygon(const fs::path& path, const FoundSurface& found, std::size_t polygon,
                    std::vector<Int3>& triangles) {
   const std::size_t begin = polygon > 0 ? found.ends[polygon - 1] : 0, count = found.ends[polygon] - begin;
@@ -68,7 +68,7 @@ void drop_unused(TriMesh& mesh) {
 }  // namespace
 
 Result<ReadSurface> finish_surface(const fs::path& path, const FoundSurface& found, double scale) {
-  if (Status done = check_places(path, found, scale); !done) return done.error();
+  if (Status done = check_positions(path, found, scale); !done) return done.error();
   std::vector<Int3> triangles;
   for (std::size_t p = 0; p < found.ends.size(); p++)
     if (Status done = add_polygon(path, found, p, triangles); !done) return done.error();
@@ -80,7 +80,7 @@ Result<ReadSurface> finish_surface(const fs::path& path, const FoundSurface& fou
     return Error{
         fmt::format("{}: expected triangles, found none in this {} file", path.string(), found.format)};
   if (const std::size_t flat = triangles.size() - read.mesh.triangles.size())
-    read.notes.push_back(fmt::format("left out: {} with corners at one place", counted(flat, "triangle")));
+    read.notes.push_back(fmt::format("dropped: {} with coincident corners", counted(flat, "triangle")));
   drop_unused(read.mesh);
   return read;
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/mesh/mesh_bytes.hpp"
 #include "turgor/io/mesh/surface_formats.hpp"
 
 namespace turgor {
@@ -15,10 +16,10 @@ namespace io {
 
 namespace {
 
-/// The size of a binary STL file follows from the number at its byte 80.
+/// The size of a binary STL file follows from the triangle count at byte 80.
 bool has_size_of_stl(std::string_view head, std::uintmax_t size) {
   if (head.size() < 84) return false;
-  MeshCursor cursor("", head);
+  FileCursor cursor("", head);
   cursor.encoding = Encoding::kLittleEndian;
   cursor.seek(80);
   return size == 84 + 50 * std::uintmax_t(cursor.unsigned_whole(4, "a number of triangles"));
@@ -27,7 +28,7 @@ bool has_size_of_stl(std::string_view head, std::uintmax_t size) {
 bool begins_as_obj(std::string_view head) {
   constexpr std::array<std::string_view, 11> kKeywords{"v", "vn", "vt", "vp",     "f",     "l",
                                                        "o", "g",  "s",  "mtllib", "usemtl"};
-  MeshCursor cursor("", head);
+  FileCursor cursor("", head);
   cursor.has_comments = true;
   return std::find(kKeywords.begin(), kKeywords.end(), cursor.word()) != kKeywords.end();
 }
@@ -53,9 +54,9 @@ Result<FoundSurface> parse_surface(const fs::path& path, std::string_view bytes)
                            quoted(bytes.substr(0, bytes.find('\n'))))};
 }
 
-/// Whether the line DATASET of a legacy file says POLYDATA; it stands behind a title, which may say anything.
+/// True if the DATASET line of a legacy file says POLYDATA. It follows a title of arbitrary text.
 bool is_legacy_polydata(std::string_view head) {
-  MeshCursor cursor("", head);
+  FileCursor cursor("", head);
   cursor.line(), cursor.line();
   const std::size_t dataset = head.find("\nDATASET", std::max<std::size_t>(cursor.offset(), 1) - 1);
   if (dataset == std::string_view::npos) return false;
@@ -64,14 +65,14 @@ bool is_legacy_polydata(std::string_view head) {
   return cursor.word() == "POLYDATA";
 }
 
-/// Whether the beginning of a file says, as 3D Slicer writes it, that it is in RAS: in a comment or a title,
-/// or in XML as an array of bytes.
+/// True if the beginning of a file says RAS, as 3D Slicer writes it: in a comment or a title, or in XML as an
+/// array of bytes.
 bool says_ras(std::string_view bytes) {
   const std::string_view head = bytes.substr(0, 4096);
   const std::size_t array = head.find("Name=\"SPACE\"");
   if (array == head.npos) return head.find("SPACE=RAS") != head.npos;
   const std::size_t text = std::min(head.find('>', array), head.size() - 1) + 1;
-  MeshCursor cursor("", head);
+  FileCursor cursor("", head);
   cursor.seek(text);
   return cursor.word() == "82" && cursor.word() == "65" && cursor.word() == "83";
 }
@@ -81,7 +82,7 @@ bool says_ras(std::string_view bytes) {
 SurfaceFormat vtk_surface_format(std::string_view head) {
   if (head.starts_with("# vtk DataFile"))
     return is_legacy_polydata(head) ? SurfaceFormat::kVtk : SurfaceFormat::kNone;
-  MeshCursor cursor("", head);
+  FileCursor cursor("", head);
   const std::string_view first = cursor.word();
   if (!first.starts_with("<?xml") && !first.starts_with("<VTKFile")) return SurfaceFormat::kNone;
   const std::size_t begin = std::min(head.find("<VTKFile"), head.size());
@@ -93,13 +94,13 @@ SurfaceFormat surface_format(const fs::path& path, std::string_view head, std::u
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return SurfaceFormat::kPly;
   if (const SurfaceFormat vtk = vtk_surface_format(head); vtk != SurfaceFormat::kNone) return vtk;
   if (has_size_of_stl(head, size)) return SurfaceFormat::kStlBinary;
-  MeshCursor cursor(path, head);
+  FileCursor cursor(path, head);
   const std::string first = lower_case(cursor.word());
   cursor.line();
   const std::string second = lower_case(cursor.word());
   if (first == "solid" && (second == "facet" || second == "endsolid")) return SurfaceFormat::kStlText;
   if (begins_as_obj(head)) return SurfaceFormat::kObj;
-  // Cut off or damaged: the name alone tells what it was.
+  // Truncated or damaged: only the name shows the format.
   return lower_case(path.extension().string()) == ".stl" ? SurfaceFormat::kStlBinary : SurfaceFormat::kNone;
 }
 
@@ -114,8 +115,8 @@ Result<ReadSurface> read_surface(const fs::path& path, double scale) {
   Result<ReadSurface> read = io::finish_surface(path, *found, scale);
   if (read && io::says_ras(*bytes))
     read->notes.push_back(
-        "the file says that it is in RAS; its coordinates are taken as they are, and bodies are in LPS: "
-        "x and y would change their signs");
+        "the file declares RAS, but bodies are in LPS; its coordinates were used unchanged, with the signs "
+        "of x and y of RAS");
   return read;
 }
 

@@ -1,6 +1,5 @@
-// Triangle surfaces in: OBJ, STL, PLY, VTP and legacy VTK (PolyData), recognised by content. Read by the
-// engine itself: Assimp 5.2 reads past the end of damaged PLY files and aborts on damaged polygons, which a
-// program that opens people's files cannot have.
+// Triangle surfaces: OBJ, STL, PLY, VTP and legacy VTK (PolyData), recognized by content. The readers are our
+// own, because Assimp 5.2 reads past the end of damaged PLY files and aborts on damaged polygons.
 #pragma once
 
 #include <filesystem>
@@ -13,17 +12,17 @@
 namespace turgor {
 
 struct ReadSurface {
-  TriMesh mesh;                    // vertices and triangles alone
+  TriMesh mesh;                    // vertices and triangles only
   std::string format;              // "STL (binary)"
-  std::vector<std::string> notes;  // what was left out: sentences
+  std::vector<std::string> notes;  // ignored data: sentences
 };
 
-/// Vertices times `scale` (0.001 for a file in mm); those at exactly one place become one, polygons become
-/// triangles. Whether the surface is closed is another question: check_surface. Error: damaged, or no
+/// Reads vertices times `scale` (0.001 for a file in mm). Vertices at exactly the same position are welded,
+/// polygons are triangulated. check_surface checks whether the surface is closed. Error: damaged, or no
 /// triangles.
 Result<ReadSurface> read_surface(const std::filesystem::path& path, double scale = 1);
 
-/// Whether a file is one of these formats.
+/// True if a file has one of these formats.
 bool is_surface_file(const std::filesystem::path& path);
 
 }  // namespace turgor

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/mesh/mesh_bytes.hpp"
 #include "turgor/io/mesh/solid_formats.hpp"
 
 namespace turgor::io {
@@ -11,15 +12,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-MeshCursor cursor_of(const fs::path& path, std::string_view bytes) {
-  MeshCursor cursor(path, bytes);
+FileCursor cursor_of(const fs::path& path, std::string_view bytes) {
+  FileCursor cursor(path, bytes);
   cursor.has_comments = true;
   return cursor;
 }
 
-/// "how many, 3, attributes, markers", then a line a point: number, x, y, z, attributes, marker.
+/// Reads "count, 3, attributes, markers", then one line per point: number, x, y, z, attributes, marker.
 Status read_points(const fs::path& path, std::string_view bytes, FoundSolid& found) {
-  MeshCursor cursor = cursor_of(path, bytes);
+  FileCursor cursor = cursor_of(path, bytes);
   const std::size_t count = cursor.count(0, {4, 0}, "a number of points");
   if (cursor.whole(0, "3 dimensions") != 3) cursor.fail("3 dimensions");
   const std::size_t attributes = cursor.count(0, {1, 0}, "a number of attributes");
@@ -37,8 +38,8 @@ Status read_points(const fs::path& path, std::string_view bytes, FoundSolid& fou
   return Done{};
 }
 
-/// The first attribute as a region; TetGen writes it as a real number.
-std::int64_t read_region(MeshCursor& cursor, std::size_t attributes) {
+/// First attribute as a region; TetGen writes it as a real number.
+std::int64_t read_region(FileCursor& cursor, std::size_t attributes) {
   double region = 0;
   for (std::size_t a = 0; a < attributes && cursor.ok(); a++) {
     const double attribute = cursor.real(0, "a region");
@@ -48,9 +49,9 @@ std::int64_t read_region(MeshCursor& cursor, std::size_t attributes) {
   return std::llround(region);
 }
 
-/// "how many, nodes each (4 or 10), attributes", then a line a tetrahedron: number, nodes, attributes.
+/// Reads "count, nodes each (4 or 10), attributes", then one line per tetrahedron: number, nodes, attributes.
 Status read_tets(const fs::path& path, std::string_view bytes, FoundSolid& found) {
-  MeshCursor cursor = cursor_of(path, bytes);
+  FileCursor cursor = cursor_of(path, bytes);
   const std::size_t count = cursor.count(0, {5, 0}, "a number of tetrahedra");
   const std::int64_t corners = cursor.whole(0, "4 or 10 nodes a tetrahedron");
   if (corners != 4 && corners != 10) cursor.fail("4 or 10 nodes a tetrahedron");
@@ -67,9 +68,9 @@ Status read_tets(const fs::path& path, std::string_view bytes, FoundSolid& found
   return Done{};
 }
 
-/// Whether the file holds points: its second number is 3, the dimensions.
+/// True if the file holds points: its second number is 3, the dimensions.
 bool holds_points(std::string_view bytes) {
-  MeshCursor cursor = cursor_of("", bytes);
+  FileCursor cursor = cursor_of("", bytes);
   cursor.word();
   return cursor.word() == "3";
 }

@@ -14,18 +14,18 @@ namespace fs = std::filesystem;
 namespace {
 
 struct VtkReader {
-  MeshCursor cursor;
+  FileCursor cursor;
   Encoding encoding = Encoding::kText;  // of numbers; words are always text
   std::string format;
   std::vector<Vec3d> points;
   VtkCells cells;          // of a grid
   VtkSurface surface;      // of POLYDATA
-  std::size_t tuples = 0;  // of the fields that follow
-  bool of_cells = false;   // whether they are of cells
-  int rank = 0;            // of the field that the regions are from
+  std::size_t tuples = 0;  // of the next fields
+  bool of_cells = false;   // the next fields are cell data
+  int rank = 0;            // of the field that gave the regions
 };
 
-NumberType read_type(MeshCursor& cursor) {
+NumberType read_type(FileCursor& cursor) {
   const std::string name = lower_case(cursor.word());
   const bool is_unsigned = name.starts_with("unsigned_");
   const NumberType::Kind kind = is_unsigned ? NumberType::kUnsigned : NumberType::kSigned;
@@ -42,10 +42,11 @@ NumberType read_type(MeshCursor& cursor) {
   return {};
 }
 
-/// Calls take(index) for so many numbers, which begin on the next line of binary files; it reads one.
+/// Calls take(index) `count` times; each call reads one number. In binary files the numbers begin on the next
+/// line.
 void read_numbers(VtkReader& in, std::size_t count, NumberType type,
                   const std::function<void(std::size_t)>& take) {
-  MeshCursor& cursor = in.cursor;
+  FileCursor& cursor = in.cursor;
   if (in.encoding != Encoding::kText) cursor.line();
   cursor.encoding = in.encoding;
   if (type.bytes == 0 && in.encoding != Encoding::kText)
@@ -69,7 +70,7 @@ void read_points(VtkReader& in) {
   });
 }
 
-/// Up to version 4: for every cell how many nodes, and which.
+/// Cells up to version 4: number of nodes, then the nodes, for each cell.
 void read_counted_cells(VtkReader& in, std::size_t count, std::size_t size, VtkCells& cells) {
   std::vector<std::int64_t> values;
   read_wholes(in, size, {NumberType::kSigned, 4}, values);
@@ -88,7 +89,7 @@ void read_counted_cells(VtkReader& in, std::size_t count, std::size_t size, VtkC
 }
 
 void read_cells(VtkReader& in, VtkCells& cells) {
-  MeshCursor& cursor = in.cursor;
+  FileCursor& cursor = in.cursor;
   if (!cells.ends.empty()) cursor.fail("one set of cells", "a second one");
   const std::size_t count = cursor.count(4, {1, 1}, "a number of cells");
   const std::size_t size = cursor.count(4, {1, 1}, "a number of numbers");
@@ -103,14 +104,14 @@ void read_cells(VtkReader& in, VtkCells& cells) {
     cells.ends.erase(cells.ends.begin());
 }
 
-/// Cells that are no surface: their number.
+/// Counts cells that are not surfaces.
 void count_cells(VtkReader& in, std::size_t& count) {
   VtkCells cells;
   read_cells(in, cells);
   count += cells.ends.size();
 }
 
-void skip_metadata(MeshCursor& cursor) {
+void skip_metadata(FileCursor& cursor) {
   if (cursor.peek_word() != "METADATA") return;
   cursor.word();
   cursor.line();
@@ -118,7 +119,7 @@ void skip_metadata(MeshCursor& cursor) {
   }
 }
 
-/// Keeps regions; other fields are passed over.
+/// Keeps regions; skips other fields.
 void read_field(VtkReader& in, std::string_view name, std::size_t tuples, std::size_t components,
                 NumberType type) {
   if (tuples > 0 && components > in.cursor.bytes().size() / tuples)
@@ -146,10 +147,10 @@ void read_scalars(VtkReader& in) {
   read_field(in, name, in.tuples, std::size_t(components), type);
 }
 
-/// Texts: lines of their own; in binary files, behind their length, whose first two bits say how many bytes
-/// it takes.
+/// Skips strings: one line each; in binary files after their length, whose first two bits give its size in
+/// bytes.
 void skip_strings(VtkReader& in, std::size_t count) {
-  MeshCursor& cursor = in.cursor;
+  FileCursor& cursor = in.cursor;
   cursor.line();
   if (!cursor.can_hold(count, {0, 1}, "a count of texts")) return;
   for (std::size_t s = 0; s < count && cursor.ok(); s++) {
@@ -169,7 +170,7 @@ void skip_strings(VtkReader& in, std::size_t count) {
 }
 
 void read_fields(VtkReader& in) {
-  in.cursor.word();  // the name of them all
+  in.cursor.word();  // name of the field block
   const std::size_t count = in.cursor.count(4, {4, 4}, "a number of fields");
   for (std::size_t f = 0; f < count && in.cursor.ok(); f++) {
     skip_metadata(in.cursor);
@@ -185,7 +186,8 @@ void read_fields(VtkReader& in) {
   }
 }
 
-/// VECTORS and the like: a name, a type, and so many components; 0 = said behind the name.
+/// Reads VECTORS and similar attributes: a name, a type and the components; 0 = their number follows the
+/// name.
 void read_attribute(VtkReader& in, std::size_t components) {
   const std::string name(in.cursor.word());
   if (components == 0) components = in.cursor.count(4, {0, 0}, "a number of components");
@@ -200,7 +202,7 @@ void read_colors(VtkReader& in, bool is_table) {
   is_table ? read_field(in, "", count, 4, type) : read_field(in, "", in.tuples, count, type);
 }
 
-void read_part(VtkReader& in, std::string_view keyword) {
+void read_section(VtkReader& in, std::string_view keyword) {
   if (keyword == "POINTS") return read_points(in);
   if (keyword == "CELLS") return read_cells(in, in.cells);
   if (keyword == "POLYGONS") return read_cells(in, in.surface.polygons);
@@ -250,14 +252,14 @@ void read_all(VtkReader& in, std::string_view dataset) {
   read_header(in, dataset);
   while (in.cursor.ok() && !in.cursor.at_end()) {
     skip_metadata(in.cursor);
-    if (!in.cursor.at_end()) read_part(in, in.cursor.word());
+    if (!in.cursor.at_end()) read_section(in, in.cursor.word());
   }
 }
 
 }  // namespace
 
 Result<FoundSolid> parse_vtk(const fs::path& path, std::string_view bytes) {
-  VtkReader in{.cursor = MeshCursor(path, bytes)};
+  VtkReader in{.cursor = FileCursor(path, bytes)};
   read_all(in, "UNSTRUCTURED_GRID");
   if (in.cells.types.size() != in.cells.ends.size())
     in.cursor.fail(fmt::format("as many types as cells, {}", in.cells.ends.size()),
@@ -274,7 +276,7 @@ Result<FoundSolid> parse_vtk(const fs::path& path, std::string_view bytes) {
 }
 
 Result<FoundSurface> parse_vtk_surface(const fs::path& path, std::string_view bytes) {
-  VtkReader in{.cursor = MeshCursor(path, bytes)};
+  VtkReader in{.cursor = FileCursor(path, bytes)};
   read_all(in, "POLYDATA");
   if (!in.cursor.ok()) return in.cursor.error();
   for (VtkCells* cells : {&in.surface.polygons, &in.surface.strips})

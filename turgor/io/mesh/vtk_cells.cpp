@@ -10,7 +10,7 @@ namespace turgor::io {
 
 namespace {
 
-/// VTK's cell types, with 0 nodes where their number varies.
+/// VTK's cell types; 0 nodes if their number varies.
 ElementType vtk_type(std::int64_t number) {
   switch (number) {
     case 10:
@@ -75,7 +75,7 @@ int region_rank(std::string_view name) {
 Status add_vtk_cells(FoundSolid& found, const VtkCells& cells) {
   const bool has_regions = !cells.regions.empty() && are_whole(cells.regions);
   if (!cells.regions.empty() && !has_regions)
-    found.notes.push_back("the regions of cells are not whole numbers and are left out");
+    found.notes.push_back("the regions of cells are not integers and were ignored");
   std::vector<std::int64_t> nodes;
   for (std::size_t c = 0; c < cells.ends.size(); c++) {
     const std::int64_t id = cells.first_cell + std::int64_t(c);

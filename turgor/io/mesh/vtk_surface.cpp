@@ -8,7 +8,7 @@ namespace turgor::io {
 
 namespace {
 
-/// The corners of one cell, checked.
+/// Corners of one cell, checked.
 Result<std::span<const std::int64_t>> corners_of_cell(const VtkCells& cells, std::size_t c) {
   const std::int64_t begin = c > 0 ? cells.ends[c - 1] : 0, end = cells.ends[c],
                      last = std::int64_t(cells.nodes.size());
@@ -27,7 +27,7 @@ void add_polygon(FoundSurface& found, std::span<const std::int64_t> corners, std
   found.ends.push_back(found.corners.size());
 }
 
-/// Every point and the two before it are a triangle; every other one is listed the other way round.
+/// Adds a triangle strip: every point forms a triangle with the two before it, with alternating orientation.
 void add_strip(FoundSurface& found, std::span<const std::int64_t> corners, std::int64_t first_node) {
   for (std::size_t i = 2; i < corners.size(); i++) {
     const std::size_t odd = i % 2;
@@ -54,8 +54,8 @@ Status add_vtk_surface(FoundSurface& found, const VtkSurface& surface) {
 }
 
 void note_left_out(FoundSurface& found, std::size_t points, std::size_t lines) {
-  if (points > 0) found.notes.push_back(fmt::format("left out: {}", counted(points, "single point")));
-  if (lines > 0) found.notes.push_back(fmt::format("left out: {}", counted(lines, "line")));
+  if (points > 0) found.notes.push_back(fmt::format("ignored: {}", counted(points, "single point")));
+  if (lines > 0) found.notes.push_back(fmt::format("ignored: {}", counted(lines, "line")));
 }
 
 }  // namespace turgor::io

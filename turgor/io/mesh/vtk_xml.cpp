@@ -40,14 +40,14 @@ BlockFormat block_format(const VtkXml& file, bool is_base64) {
           .is_big_endian = root.attribute("byte_order").as_string() == std::string_view("BigEndian")};
 }
 
-/// Where the text between an array's tags begins and ends in the file.
+/// Begin and end of the text between an array's tags in the file.
 std::pair<std::size_t, std::size_t> text_of(const VtkXml& file, pugi::xml_node array) {
   if (!array.first_child()) return {0, 0};
   const std::size_t begin = std::size_t(std::max<std::ptrdiff_t>(array.first_child().offset_debug(), 0));
   return {begin, std::min(file.bytes.find('<', begin), file.bytes.size())};
 }
 
-/// The bytes of an array that is not text.
+/// Bytes of an array that is not text.
 Result<std::string> array_bytes(const VtkXml& file, pugi::xml_node array, std::size_t size) {
   const bool is_appended = array.attribute("format").as_string() == std::string_view("appended");
   const auto [begin, end] = text_of(file, array);
@@ -65,16 +65,15 @@ Result<std::string> array_bytes(const VtkXml& file, pugi::xml_node array, std::s
       fmt::format("array {}: {}", quoted(array.attribute("Name").as_string()), bytes.error().message));
 }
 
-/// Cuts raw bytes off, which are no XML, and parses the rest.
+/// Cuts raw appended bytes, which are not XML, and parses the rest.
 Status parse_xml(VtkXml& file) {
   std::string text(file.bytes);
   const std::size_t appended = file.bytes.find("<AppendedData");
   if (appended != std::string_view::npos) {
     const std::size_t tag_end = file.bytes.find('>', appended), begin = file.bytes.find('_', tag_end);
     if (begin == std::string_view::npos)
-      return Error{
-          fmt::format("{}: expected \"_\" and bytes behind <AppendedData>, found the end of the file",
-                      file.path.string())};
+      return Error{fmt::format("{}: expected \"_\" and bytes after <AppendedData>, found the end of the file",
+                               file.path.string())};
     const std::string_view tag = file.bytes.substr(appended, tag_end - appended);
     file.is_appended_base64 = tag.find("base64") != std::string_view::npos;
     file.appended = file.bytes.substr(begin + 1);
@@ -83,18 +82,18 @@ Status parse_xml(VtkXml& file) {
   const pugi::xml_parse_result parsed =
       file.xml.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!parsed)
-    return Error{fmt::format("{}:{}: expected XML, found a mistake: {}", file.path.string(),
+    return Error{fmt::format("{}:{}: expected XML, found an error: {}", file.path.string(),
                              line_of(text, std::size_t(parsed.offset)), parsed.description())};
   return Done{};
 }
 
-Status check_root(const VtkXml& file, std::string_view wanted) {
+Status check_root(const VtkXml& file, std::string_view expected) {
   const pugi::xml_node root = file.xml.child("VTKFile");
   const std::string_view type = root.attribute("type").as_string(),
                          compressor = root.attribute("compressor").as_string();
-  if (type != wanted)
-    return Error{
-        fmt::format("{}: expected a VTKFile of type {}, found {}", file.path.string(), wanted, quoted(type))};
+  if (type != expected)
+    return Error{fmt::format("{}: expected a VTKFile of type {}, found {}", file.path.string(), expected,
+                             quoted(type))};
   if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
     return Error{fmt::format("{}: expected no compression or vtkZLibDataCompressor, found {}",
                              file.path.string(), quoted(compressor))};
@@ -131,7 +130,7 @@ pugi::xml_node array_named(pugi::xml_node parent, const char* name) {
 }
 
 Status read_array(const VtkXml& file, pugi::xml_node array, std::size_t count,
-                  const std::function<void(MeshCursor&, NumberType)>& take) {
+                  const std::function<void(FileCursor&, NumberType)>& take) {
   if (!array)
     return Error{
         fmt::format("{}: expected points, connectivity, offsets and types, found fewer", file.path.string())};
@@ -144,7 +143,7 @@ Status read_array(const VtkXml& file, pugi::xml_node array, std::size_t count,
                                             : array_bytes(file, array, count * std::size_t(type->bytes));
   if (!bytes) return bytes.error();
   const auto [begin, end] = text_of(file, array);
-  MeshCursor cursor(file.path, is_text ? file.bytes.substr(0, end) : std::string_view(*bytes));
+  FileCursor cursor(file.path, is_text ? file.bytes.substr(0, end) : std::string_view(*bytes));
   if (is_text)
     cursor.seek(begin);
   else
@@ -160,13 +159,13 @@ Status read_array(const VtkXml& file, pugi::xml_node array, std::size_t count,
 Status read_wholes(const VtkXml& file, pugi::xml_node array, std::size_t count,
                    std::vector<std::int64_t>& values) {
   return read_array(file, array, count,
-                    [&](MeshCursor& cursor, NumberType type) { values.push_back(read_whole(cursor, type)); });
+                    [&](FileCursor& cursor, NumberType type) { values.push_back(read_whole(cursor, type)); });
 }
 
 Status read_points(const VtkXml& file, pugi::xml_node piece, std::size_t count, std::vector<Vec3d>& points) {
   int axis = 0;
   return read_array(file, piece.child("Points").child("DataArray"), 3 * count,
-                    [&](MeshCursor& cursor, NumberType type) {
+                    [&](FileCursor& cursor, NumberType type) {
                       if (axis == 0) points.emplace_back();
                       points.back()[axis] = read_real(cursor, type);
                       axis = (axis + 1) % 3;

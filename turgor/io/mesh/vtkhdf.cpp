@@ -15,7 +15,7 @@ namespace {
 
 const std::string kRoot = "/VTKHDF", kSteps = kRoot + "/Steps";
 
-/// The first error of several writes.
+/// Keeps the first error of several writes.
 struct Writing {
   Hdf5File& file;
   Status status = Done{};
@@ -27,7 +27,7 @@ struct Writing {
   void append(const std::string& name, std::int64_t value) { append<std::int64_t>(name, {&value, 1}); }
 };
 
-/// A name without what HDF5 takes for a path.
+/// Name without '/', which HDF5 takes for a path.
 std::string link_name(std::string name) {
   std::replace(name.begin(), name.end(), '/', '|');
   return name;
@@ -107,27 +107,27 @@ Status VtkHdfSeries::add_fields(const std::vector<VertexField>& fields, std::siz
     std::vector<float> values(count, std::numeric_limits<float>::quiet_NaN());
     if (now != fields.end()) {
       TURGOR_ASSERT(now->values.size() == count, "a field has one value a vertex, as in the first step");
-      values = io::placed_values(*now, space_);
+      values = io::values_in_space(*now, space_);
     }
-    const std::string name = link_name(io::placed_name(known, space_));
+    const std::string name = link_name(io::name_in_space(known, space_));
     out.append<float>("PointData/" + name, values, std::size_t(known.components));
     out.append("Steps/PointDataOffsets/" + name, points_);
   }
   return out.status;
 }
 
-Status VtkHdfSeries::add_step(double time, const std::vector<Vec3>& places,
+Status VtkHdfSeries::add_step(double time, const std::vector<Vec3>& positions,
                               const std::vector<VertexField>& fields) {
-  if (Status status = add_fields(fields, places.size()); !status) return status;
+  if (Status status = add_fields(fields, positions.size()); !status) return status;
   Writing out{file_};
-  out.append<float>("Points", flat(io::placed(places, space_)), 3);
+  out.append<float>("Points", flat(io::in_space(positions, space_)), 3);
   out.append<double>("Steps/Values", {&time, 1});
   out.append("Steps/PartOffsets", parts_ - 1);
   out.append("Steps/NumberOfParts", 1);
   out.append("Steps/PointOffsets", points_);
   out.append("Steps/CellOffsets", cells_ - part_cells_);
   out.append("Steps/ConnectivityIdOffsets", ids_ - std::int64_t(corners_.size()));
-  points_ += std::int64_t(places.size());
+  points_ += std::int64_t(positions.size());
   steps_++;
   return out.status;
 }

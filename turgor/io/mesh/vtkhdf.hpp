@@ -1,6 +1,6 @@
-// Surfaces over time in one file, as VTK 9.3 and ParaView 5.12 read it: VTKHDF 2.0, an unstructured grid
-// whose places and fields grow by a step at a time, and whose triangles stand there once as long as they stay
-// the same. A .vtu a step (mesh_files.hpp) is for older programs.
+// Surfaces over time in one file, for VTK 9.3 and ParaView 5.12: VTKHDF 2.0, an unstructured grid. Positions
+// and fields grow by one entry per step; triangles are stored once as long as they do not change. For older
+// programs mesh_files.hpp writes one .vtu per step.
 #pragma once
 
 #include <cstdint>
@@ -16,28 +16,28 @@ class VtkHdfSeries {
  public:
   static Result<VtkHdfSeries> create(const std::filesystem::path& path, MeshSpace space = {});
 
-  /// Adds a step [s]. The first one says which fields there are: one that is missing later has no numbers
-  /// then, and one that comes later is left out.
+  /// Adds a step [s]. The first step defines the fields: a field that is missing later has no values, and a
+  /// new one is ignored.
   Status add(double time, const TriMesh& mesh, const std::vector<VertexField>& fields);
-  /// The same of points without a surface.
+  /// The same for points without a surface.
   Status add_points(double time, const std::vector<Vec3>& points, const std::vector<VertexField>& fields);
-  /// Ends the file; nothing else may be done with it then.
+  /// Closes the file; it cannot be used afterwards.
   Status close();
 
  private:
   VtkHdfSeries(Hdf5File file, MeshSpace space) : file_(std::move(file)), space_(space) {}
   Status add_cells(const std::vector<std::int64_t>& corners, int each, std::uint8_t type, std::size_t points);
   Status add_fields(const std::vector<VertexField>& fields, std::size_t points);
-  Status add_step(double time, const std::vector<Vec3>& places, const std::vector<VertexField>& fields);
+  Status add_step(double time, const std::vector<Vec3>& positions, const std::vector<VertexField>& fields);
 
   Hdf5File file_;
   MeshSpace space_;
   std::optional<std::vector<VertexField>> fields_;  // of the first step, without values
   std::vector<std::int64_t> corners_;               // of the latest cells
-  std::int64_t steps_ = 0, parts_ = 0;              // so far; cells and points are counted once a part
-  std::int64_t points_ = 0, part_points_ = 0;       // in all steps, and in the latest part
-  std::int64_t cells_ = 0, part_cells_ = 0;         // in all parts, and in the latest
-  std::int64_t ids_ = 0;                            // corners of cells in all parts
+  std::int64_t steps_ = 0, parts_ = 0;         // so far; cells and points are counted once per VTKHDF part
+  std::int64_t points_ = 0, part_points_ = 0;  // in all steps, and in the latest VTKHDF part
+  std::int64_t cells_ = 0, part_cells_ = 0;    // in all VTKHDF parts, and in the latest
+  std::int64_t ids_ = 0;                       // corners of cells in all VTKHDF parts
 };
 
 }  // namespace turgor

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// How many cells of a kind a piece says it has; none if it says nothing.
+/// Number of cells of a kind in a piece; zero if the attribute is missing.
 Result<std::size_t> read_cell_count(const VtkXml& file, pugi::xml_node piece, const char* attribute) {
   return piece.attribute(attribute) ? read_size(file, piece, attribute) : Result<std::size_t>(std::size_t(0));
 }

@@ -20,7 +20,7 @@ Status read_regions(const VtkXml& file, pugi::xml_node piece, std::size_t count,
     best = array;
   }
   if (!best) return Done{};
-  return read_array(file, best, count, [&](MeshCursor& cursor, NumberType type) {
+  return read_array(file, best, count, [&](FileCursor& cursor, NumberType type) {
     cells.regions.push_back(read_real(cursor, type));
   });
 }
@@ -57,8 +57,7 @@ Result<FoundSolid> parse_vtu(const fs::path& path, std::string_view bytes) {
     pieces++;
   }
   if (pieces > 1)
-    found.notes.push_back(
-        fmt::format("{} pieces lie side by side: points they share are not joined", pieces));
+    found.notes.push_back(fmt::format("{} pieces: points that they share are not merged", pieces));
   return found;
 }
 

@@ -20,12 +20,12 @@ constexpr std::array<signed char, 256> base64_values() {
   return values;
 }
 
-/// Hands out the stored bytes in order, decoded.
+/// Reads the stored bytes in order, decoded.
 class StoredBytes {
  public:
   StoredBytes(std::string_view stored, bool is_base64) : stored_(stored), is_base64_(is_base64) {}
 
-  /// The next `size` bytes; fewer where the file ends or is not base64.
+  /// Next `size` bytes; fewer at the end of the file or of the base64 text.
   std::string take(std::size_t size) {
     if (!is_base64_) {
       const std::size_t begin = std::min(at_, stored_.size());
@@ -40,7 +40,7 @@ class StoredBytes {
   }
 
  private:
-  /// Four digits are three bytes; '=' ends a stream, behind which another one may begin.
+  /// Decodes four digits to three bytes; '=' ends a stream, and another may follow.
   bool decode_four() {
     static constexpr std::array<signed char, 256> kValues = base64_values();
     std::uint32_t bits = 0;
@@ -63,7 +63,7 @@ class StoredBytes {
   std::string_view stored_;
   bool is_base64_;
   std::size_t at_ = 0;
-  std::string decoded_;  // but not yet taken
+  std::string decoded_;  // decoded, but not yet taken
 };
 
 Error short_block(std::size_t expected, std::size_t found) {
@@ -80,7 +80,7 @@ Result<std::uint64_t> read_count(StoredBytes& stored, const BlockFormat& format)
   return count;
 }
 
-/// Unpacks one block onto the end of `bytes`.
+/// Inflates one block to the end of `bytes`.
 Status unpack(const std::string& packed, std::size_t size, std::string& bytes) {
   constexpr std::size_t kMostPacked = 1032;  // zlib's best ratio
   if (size / kMostPacked > packed.size()) return short_block(size, packed.size());
@@ -94,7 +94,8 @@ Status unpack(const std::string& packed, std::size_t size, std::string& bytes) {
   return Done{};
 }
 
-/// In front: how many blocks, bytes of a block, bytes of the last one if it is shorter, packed bytes of each.
+/// Header: number of blocks, bytes per block, bytes of the last one if it is shorter, compressed bytes of
+/// each.
 Result<std::string> read_compressed(StoredBytes& stored, const BlockFormat& format, std::size_t size) {
   std::uint64_t head[3];
   for (std::uint64_t& number : head) {

@@ -1,4 +1,4 @@
-// What a text beside a segmentation says about its labels.
+// Label names in a text that accompanies a segmentation.
 #include <algorithm>
 #include <charconv>
 #include <vector>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 200;
 
-/// A name as it may be printed: one line, not endless.
+/// A name for messages: on one line and of limited length.
 std::string printable(std::string_view text) {
   std::string name(text.substr(0, kLongestName));
   std::replace_if(
@@ -26,11 +26,11 @@ bool is_label(std::string_view text, int& label) {
   return failed == std::errc() && end == text.data() + text.size() && label > 0 && label <= 65535;
 }
 
-/// <Label Key="5" …><![CDATA[liver]]></Label>, wherever it stands.
+/// <Label Key="5" …><![CDATA[liver]]></Label>, anywhere in the document.
 LabelNames names_in_xml(std::string_view text) {
   LabelNames names;
   pugi::xml_document document;
-  document.load_buffer(text.data(), text.size());  // what stands in front of an error is there all the same
+  document.load_buffer(text.data(), text.size());  // content before a syntax error is still parsed
   for (const pugi::xpath_node found : document.select_nodes("//Label")) {
     int label = 0;
     const std::string name = printable(found.node().child_value());
@@ -39,7 +39,7 @@ LabelNames names_in_xml(std::string_view text) {
   return names;
 }
 
-/// Words in quotes and bare words, in the order of the text.
+/// Quoted and bare words, in the order of the text.
 std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
   for (std::size_t at = 0; (at = text.find_first_not_of(" \t\r\n{}[],:", at)) < text.size();) {

@@ -1,4 +1,4 @@
-// The header of a MetaImage file: "Key = Value" lines up to ElementDataFile. Lengths in millimetres, LPS.
+// Header of a MetaImage file: "Key = Value" lines up to ElementDataFile. Lengths in millimeters, LPS.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -34,7 +34,7 @@ bool is_true(const std::string& text) {
   return text.starts_with('T') || text.starts_with('t') || text == "1";
 }
 
-/// The numbers that these keys give, if the file has one of them; what it says twice must be the same.
+/// Reads the numbers of these synonymous keys, if one exists; duplicate keys must agree.
 Status read_numbers(const fs::path& path, const TextFields& fields, std::initializer_list<const char*> keys,
                     std::span<double> numbers) {
   std::string first;
@@ -53,9 +53,9 @@ Status read_numbers(const fs::path& path, const TextFields& fields, std::initial
   return Done{};
 }
 
-Status place(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
+Status read_grid(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
   std::array<double, 3> spacing{1, 1, 1}, origin{};
-  std::array<double, 9> rows{1, 0, 0, 0, 1, 0, 0, 0, 1};  // one an axis
+  std::array<double, 9> rows{1, 0, 0, 0, 1, 0, 0, 0, 1};  // one row per axis
   const char* spacing_key = fields.has("ElementSpacing") ? "ElementSpacing" : "ElementSize";
   if (Status read = read_numbers(path, fields, {spacing_key}, spacing); !read) return read;
   if (Status read = read_numbers(path, fields, {"Offset", "Position", "Origin"}, origin); !read) return read;
@@ -102,13 +102,13 @@ Status read_sizes(const fs::path& path, const TextFields& fields, VolumeHeader& 
   return Done{};
 }
 
-/// The byte order: two names for the same; little where neither is there.
+/// Byte order, which has two key names; little-endian if neither is given.
 bool is_big_endian(const TextFields& fields) {
   return is_true(
       fields.get(fields.has("BinaryDataByteOrderMSB") ? "BinaryDataByteOrderMSB" : "ElementByteOrderMSB"));
 }
 
-/// HeaderSize: so many bytes come before the samples; -1: whatever comes before them.
+/// HeaderSize: bytes before the samples; -1: the samples are the last bytes of the file.
 Status read_header_size(const fs::path& path, const TextFields& fields, bool is_local, VolumeHeader& header) {
   if (!fields.has("HeaderSize")) return Done{};
   const std::vector<std::int64_t> size = whole_numbers(fields.get("HeaderSize"));
@@ -161,7 +161,7 @@ Result<VolumeHeader> parse_meta(const fs::path& path, std::string_view head) {
   if (!is_true(fields.get("BinaryData")))
     return Error{fmt::format("{}: BinaryData = False (text) is not read; expected True", path.string())};
   if (Status sizes = read_sizes(path, fields, header); !sizes) return sizes.error();
-  if (Status placed = place(path, fields, header); !placed) return placed.error();
+  if (Status grid = read_grid(path, fields, header); !grid) return grid.error();
   if (Status scale = read_scale(path, fields, header); !scale) return scale.error();
   header.is_swapped = is_big_endian(fields) != (std::endian::native == std::endian::big);
   if (Status data = find_data(path, fields, header); !data) return data.error();

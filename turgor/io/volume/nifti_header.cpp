@@ -1,6 +1,6 @@
-// The headers of NIfTI-1 (348 bytes) and NIfTI-2 (540 bytes), in either byte order. Places the grid as
-// nibabel and 3D Slicer do (sform, else qform, else the spacing alone) and turns it from RAS to LPS.
-// [nifti1.h, nifti2.h of the NIfTI working group]
+// Headers of NIfTI-1 (348 bytes) and NIfTI-2 (540 bytes), in either byte order. The grid is found as in
+// nibabel and 3D Slicer (sform, else qform, else the spacing alone) and converted from RAS to LPS. [nifti1.h,
+// nifti2.h of the NIfTI working group]
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kSize1 = 348, kSize2 = 540;  // of the headers [bytes]
 
-/// The same fields of both versions, which differ in their places and widths.
+/// Fields of both versions, which differ in offset and width.
 class Fields {
  public:
   explicit Fields(std::string_view head) : head_(head) {
@@ -35,7 +35,7 @@ class Fields {
   int header_size() const { return size_; }
   bool is_known() const { return size_ == kSize1 || size_ == kSize2; }
   bool is_swapped() const { return swap_; }
-  /// A single file, of the version that its size says.
+  /// A single file, whose magic matches the header size.
   bool has_magic() const {
     return is_2() ? head_.substr(4, 8) == "n+2\0\r\n\032\n"sv : head_.substr(344, 4) == "n+1\0"sv;
   }
@@ -141,7 +141,7 @@ Affine spacing_alone(const Fields& f) {
 
 double meters_per_unit(int units) { return (units & 7) == 1 ? 1 : (units & 7) == 3 ? 1e-6 : 1e-3; }
 
-Status place(const fs::path& path, const Fields& f, VolumeHeader& header) {
+Status read_grid(const fs::path& path, const Fields& f, VolumeHeader& header) {
   Affine a = f.sform_code() > 0 ? sform(f) : f.qform_code() > 0 ? qform(f) : spacing_alone(f);
   const double unit = meters_per_unit(f.units());
   for (int axis = 0; axis < 3; axis++) {
@@ -174,8 +174,8 @@ Status read_sizes(const fs::path& path, const Fields& f, VolumeHeader& header) {
   return Done{};
 }
 
-/// Extensions lie between the header and the samples: size, kind, and a text in those that interest us.
-/// TotalSegmentator says kind 0, others 6 (a comment), Caret 30.
+/// Reads the extensions between header and samples: size, kind, and a text in the kinds of interest.
+/// TotalSegmentator writes kind 0, others 6 (a comment), Caret 30.
 void read_extensions(const Fields& f, std::string_view head, VolumeHeader& header) {
   const std::size_t end = std::min(head.size(), std::size_t(header.data_offset));
   const auto begin = std::size_t(f.header_size());
@@ -194,9 +194,9 @@ void read_extensions(const Fields& f, std::string_view head, VolumeHeader& heade
 Result<VolumeHeader> parse_nifti(const fs::path& path, std::string_view head) {
   const Fields f(head);
   if (!f.is_known())
-    return Error{fmt::format("{}: a corrupt NIfTI header: it says to be of {} bytes; expected {} or {}",
-                             path.string(), f.header_size(), kSize1, kSize2)};
-  const auto least = std::size_t(f.header_size()) + 4;  // with the mark of extensions
+    return Error{fmt::format("{}: corrupt: header size of {} bytes; expected {} or {}", path.string(),
+                             f.header_size(), kSize1, kSize2)};
+  const auto least = std::size_t(f.header_size()) + 4;  // including the extension flag
   if (head.size() < least)
     return Error{
         fmt::format("{}: truncated: {} bytes, a NIfTI header has {}", path.string(), head.size(), least)};
@@ -217,7 +217,7 @@ Result<VolumeHeader> parse_nifti(const fs::path& path, std::string_view head) {
   if (Status sizes = read_sizes(path, f, header); !sizes) return sizes.error();
   if (Status extent = check_extent(path, header); !extent) return extent.error();
   header.component_stride = header.components > 1 ? header.size[0] * header.size[1] * header.size[2] : 1;
-  if (Status placed = place(path, f, header); !placed) return placed.error();
+  if (Status grid = read_grid(path, f, header); !grid) return grid.error();
   const double offset = f.offset();
   if (!(offset >= double(least) && offset < 1e9) || offset != std::floor(offset))
     return Error{fmt::format("{}: corrupt: samples start at byte {}; expected {} or more", path.string(),

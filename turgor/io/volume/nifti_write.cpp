@@ -1,5 +1,5 @@
-// NIfTI-1 files out: header, then samples, compressed if the name says so. The grid is stored as an sform of
-// scanner coordinates.
+// Writing of NIfTI-1 files: header, then samples, compressed if the name says so. The grid is stored as an
+// sform of scanner coordinates.
 #include <algorithm>
 #include <cstring>
 
@@ -49,7 +49,7 @@ class Header {
   std::array<char, 352> bytes_{};
 };
 
-void put_place(Header& header, const Grid& grid) {
+void put_grid(Header& header, const Grid& grid) {
   header.put<float>(76, 1);
   header.put<std::int16_t>(254, 1);  // sform: scanner coordinates, RAS
   for (int row = 0; row < 3; row++) {
@@ -79,7 +79,7 @@ Header make_header(const SamplesToWrite& samples) {
   if (is_vector) header.put<std::int16_t>(68, 1007);  // intent: a vector
   header.put(70, std::int16_t(nifti_type(samples.type)));
   header.put(72, std::int16_t(8 * byte_size(samples.type)));
-  put_place(header, samples.grid);
+  put_grid(header, samples.grid);
   header.put<float>(108, 352);
   header.put<float>(112, 1);
   header.put<char>(123, 2);  // mm
@@ -87,16 +87,16 @@ Header make_header(const SamplesToWrite& samples) {
   return header;
 }
 
-/// NIfTI keeps components apart: one volume after the other.
+/// Samples by component: NIfTI stores one volume per component.
 std::vector<char> planes(const SamplesToWrite& samples) {
   const std::size_t size = byte_size(samples.type), components = std::size_t(samples.components),
                     count = sample_count(samples.grid);
   const auto* mixed = static_cast<const char*>(samples.data);
-  std::vector<char> apart(count * components * size);
+  std::vector<char> planar(count * components * size);
   for (std::size_t c = 0; c < components; c++)
     for (std::size_t i = 0; i < count; i++)
-      std::memcpy(&apart[(c * count + i) * size], mixed + (i * components + c) * size, size);
-  return apart;
+      std::memcpy(&planar[(c * count + i) * size], mixed + (i * components + c) * size, size);
+  return planar;
 }
 
 }  // namespace
@@ -108,9 +108,9 @@ Status write_nifti(FileWriter& file, const std::filesystem::path& path, const Sa
                              size.x, size.y, size.z)};
   const Header header = make_header(samples);
   const std::string_view head(header.bytes().data(), header.bytes().size());
-  const std::vector<char> apart = samples.components > 1 ? planes(samples) : std::vector<char>{};
+  const std::vector<char> planar = samples.components > 1 ? planes(samples) : std::vector<char>{};
   const std::string_view bytes =
-      apart.empty() ? samples.bytes() : std::string_view(apart.data(), apart.size());
+      planar.empty() ? samples.bytes() : std::string_view(planar.data(), planar.size());
   const auto out = [&file](std::string_view piece) { file.write(piece); };
   if (path.extension() == ".gz")
     deflate({head, bytes}, Deflate::kGzip, out);

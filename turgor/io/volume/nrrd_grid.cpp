@@ -1,5 +1,5 @@
-// An NRRD file places its samples by "space", "space directions" and "space origin", or by "spacings" and
-// "axis mins" along the axes of the patient. Lengths are millimetres.
+// Grid of an NRRD file, from "space", "space directions" and "space origin", or from "spacings" and "axis
+// mins" along the patient's axes. Lengths are in millimeters.
 #include "turgor/io/volume/nrrd_grid.hpp"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/mesh/mesh_cursor.hpp"
+#include "turgor/io/files/file_cursor.hpp"
 
 namespace turgor::io {
 
@@ -21,8 +21,8 @@ Error unexpected(const fs::path& path, const TextFields& fields, const std::stri
   return {fmt::format("{}: \"{}: {}\"; expected {}", path.string(), key, fields.get(key), expected)};
 }
 
-/// What turns the axes of a space into left, posterior, superior. A right-handed space that does not speak of
-/// the patient is taken for that; a left-handed one would show the patient in a mirror.
+/// Signs that convert the axes of a space to left, posterior, superior. A right-handed space without
+/// anatomical names is taken as LPS. A left-handed one would mirror the patient.
 Result<Vec3d> signs_to_lps(const fs::path& path, const TextFields& fields) {
   static const std::map<std::string, Vec3d, std::less<>> kSigns = {{"left-posterior-superior", {1, 1, 1}},
                                                                    {"lps", {1, 1, 1}},
@@ -34,7 +34,7 @@ Result<Vec3d> signs_to_lps(const fs::path& path, const TextFields& fields) {
                                                                    {"3d-right-handed", {1, 1, 1}}};
   if (!fields.has("space") && fields.get("space dimension") == "3") return Vec3d{1, 1, 1};
   if (!fields.has("space"))
-    return unexpected(path, fields, "space", "a space, for the file gives directions or an origin in it");
+    return unexpected(path, fields, "space", "a space, because the file has directions or an origin");
   const auto found = kSigns.find(lower_case(fields.get("space")));
   if (found == kSigns.end())
     return unexpected(path, fields, "space",
@@ -53,12 +53,12 @@ Status check_units(const fs::path& path, const TextFields& fields) {
     std::string text = lower_case(fields.get(key));
     std::replace(text.begin(), text.end(), '"', ' ');
     for (const std::string_view unit : words(text))
-      if (!is_millimeter(unit)) return unexpected(path, fields, key, "millimetres (\"mm\")");
+      if (!is_millimeter(unit)) return unexpected(path, fields, key, "millimeters (\"mm\")");
   }
   return Done{};
 }
 
-/// The directions of the three axes in space: all but the one of components.
+/// Directions of the three spatial axes, without the one of components.
 std::vector<Vec3d> directions_in_space(const TextFields& fields) {
   const auto written = nrrd_vectors(fields.get("space directions"));
   std::vector<Vec3d> directions;
@@ -92,8 +92,8 @@ Status place_in_space(const fs::path& path, const TextFields& fields, Grid& grid
   return Done{};
 }
 
-/// "axis mins" are the lower ends of the first samples, unless these are nodes.
-Status place_along_axes(const fs::path& path, const TextFields& fields, Grid& grid) {
+/// "axis mins" are the lower ends of the first samples, or their centers with node centering.
+Status read_grid_along_axes(const fs::path& path, const TextFields& fields, Grid& grid) {
   if (!fields.has("spacings")) {
     for (const char* key : {"axis mins", "axis maxs"})
       if (fields.has(key)) return unexpected(path, fields, key, "\"spacings\" with it");
@@ -136,13 +136,13 @@ std::vector<std::optional<Vec3d>> nrrd_vectors(std::string_view text) {
   return vectors;
 }
 
-Status place_nrrd(const fs::path& path, const TextFields& fields, Grid& grid) {
+Status read_nrrd_grid(const fs::path& path, const TextFields& fields, Grid& grid) {
   grid.spacing = Vec3d{1, 1, 1} * 1e-3;
   grid.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   if (Status units = check_units(path, fields); !units) return units;
   const bool is_in_space = fields.has("space") || fields.has("space dimension") ||
                            fields.has("space directions") || fields.has("space origin");
-  return is_in_space ? place_in_space(path, fields, grid) : place_along_axes(path, fields, grid);
+  return is_in_space ? place_in_space(path, fields, grid) : read_grid_along_axes(path, fields, grid);
 }
 
 }  // namespace turgor::io

@@ -1,4 +1,4 @@
-// Where an NRRD file places its samples. Internal to io/.
+// Grid of an NRRD file. Internal to io/.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,11 @@
 
 namespace turgor::io {
 
-/// "(1,0,0) none (0,1,0)": nothing for "none"; empty when the text is something else.
+/// "(1,0,0) none (0,1,0)": nullopt for "none"; empty if the text is malformed.
 std::vector<std::optional<Vec3d>> nrrd_vectors(std::string_view text);
 
-/// Sets spacing, origin and axes of a volume of three dimensions, and one more if that has no direction.
-Status place_nrrd(const std::filesystem::path& path, const TextFields& fields, Grid& grid);
+/// Sets spacing, origin and axes of a volume with three dimensions, and optionally a fourth without
+/// direction.
+Status read_nrrd_grid(const std::filesystem::path& path, const TextFields& fields, Grid& grid);
 
 }  // namespace turgor::io

@@ -1,5 +1,5 @@
-// The header of an NRRD file: lines of text up to an empty one. What samples there are and where in which
-// file; nrrd_grid.cpp places them in the patient.
+// Header of an NRRD file: lines of text up to an empty line. It gives type, size and location of the samples;
+// nrrd_grid.cpp gives their grid.
 #include <algorithm>
 #include <bit>
 #include <map>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/files/file_cursor.hpp"
 #include "turgor/io/files/header_text.hpp"
-#include "turgor/io/mesh/mesh_cursor.hpp"
 #include "turgor/io/volume/nrrd_grid.hpp"
 #include "turgor/io/volume/volume_header.hpp"
 
@@ -65,7 +65,7 @@ bool sample_type(const std::string& text, SampleType& type) {
   return true;
 }
 
-/// A typing error in the name of a field must not read as if the field were not there.
+/// Rejects unknown fields, so that a misspelled field is not silently ignored.
 Status check_fields(const fs::path& path, const TextFields& fields) {
   static const std::set<std::string, std::less<>> kKnown = {"type",         "dimension",
                                                             "space",        "space dimension",
@@ -85,8 +85,7 @@ Status check_fields(const fs::path& path, const TextFields& fields) {
                                                             "sample units", "sampleunits",
                                                             "min",          "max"};
   for (const auto& [key, value] : fields.values)
-    if (!kKnown.contains(key))
-      return Error{fmt::format("{}: NRRD field \"{}\" is not known", path.string(), key)};
+    if (!kKnown.contains(key)) return Error{fmt::format("{}: unknown NRRD field \"{}\"", path.string(), key)};
   return Done{};
 }
 
@@ -94,7 +93,7 @@ bool is_of_space(std::string_view kind) {
   return kind == "domain" || kind == "space" || kind == "time" || kind == "none" || kind == "???";
 }
 
-/// Of four axes one may hold components: the one without a direction in space. -1: none does.
+/// Axis of components among four: the one without a direction in space. -1: none.
 int component_axis(const TextFields& fields, const std::vector<std::int64_t>& sizes) {
   const auto directions = nrrd_vectors(fields.get("space directions"));
   const auto none = std::find(directions.begin(), directions.end(), std::nullopt);
@@ -118,7 +117,7 @@ Status read_sizes(const fs::path& path, const TextFields& fields, VolumeHeader& 
       return Error{
           fmt::format("{}: {} components; expected 1 to {}", path.string(), components, kMostComponents)};
     header.components = int(components);
-    for (int before = 0; before < axis; before++)  // a size beyond that is refused later
+    for (int before = 0; before < axis; before++)  // check_extent refuses larger sizes later
       header.component_stride *= std::clamp<std::int64_t>(sizes[std::size_t(before)], 0, 65535);
     sizes.erase(sizes.begin() + axis);
   }
@@ -126,7 +125,7 @@ Status read_sizes(const fs::path& path, const TextFields& fields, VolumeHeader& 
   return Done{};
 }
 
-/// Axes have the kind of an axis of space, but for that of several components.
+/// Checks that all axes are spatial, except the axis of components.
 Status check_kinds(const fs::path& path, const TextFields& fields) {
   const std::vector<std::int64_t> sizes = whole_numbers(fields.get("sizes"));
   const std::string text = lower_case(fields.get("kinds"));
@@ -151,7 +150,7 @@ std::string free_text(const TextFields& fields, const std::string& key) {
   return found == fields.free.end() ? std::string{} : found->second;
 }
 
-/// Segments as 3D Slicer writes them. Those that overlap lie in several layers: components of the image.
+/// Segments as 3D Slicer writes them. Overlapping segments are in several layers: components of the image.
 Status read_segments(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
   constexpr int kMost = 65536;
   for (int segment = 0; segment < kMost; segment++) {
@@ -160,11 +159,10 @@ Status read_segments(const fs::path& path, const TextFields& fields, VolumeHeade
                       value = free_text(fields, key + "LabelValue");
     if (name.empty() && value.empty() && free_text(fields, key + "ID").empty()) break;
     if (header.components > 1 || (!layer.empty() && layer != "0"))
-      return Error{
-          fmt::format("{}: a segmentation of several layers ({}), in which segments overlap, is not read; "
-                      "expected one layer: "
-                      "export it as a label map, or let its segments not overlap",
-                      path.string(), header.components)};
+      return Error{fmt::format(
+          "{}: a segmentation of several layers ({}), in which segments overlap, is not supported; "
+          "expected one layer: export it as a label map, or remove the overlaps",
+          path.string(), header.components)};
     const std::vector<std::int64_t> label =
         value.empty() ? std::vector<std::int64_t>{segment + 1} : whole_numbers(value);
     if (label.size() == 1 && label[0] > 0 && label[0] <= 65535 && !name.empty())
@@ -173,7 +171,7 @@ Status read_segments(const fs::path& path, const TextFields& fields, VolumeHeade
   return Done{};
 }
 
-/// So many bytes or lines before the samples; 0 if the file does not say.
+/// Bytes or lines before the samples; 0 if the field is missing.
 Result<std::int64_t> read_skip(const fs::path& path, const TextFields& fields, const char* key,
                                std::int64_t least) {
   if (!fields.has(key)) return std::int64_t{0};
@@ -228,7 +226,7 @@ Result<VolumeHeader> parse_nrrd(const fs::path& path, std::string_view head) {
   if (Status sizes = read_sizes(path, fields, header); !sizes) return sizes.error();
   if (Status segments = read_segments(path, fields, header); !segments) return segments.error();
   if (Status kinds = check_kinds(path, fields); !kinds) return kinds.error();
-  if (Status placed = place_nrrd(path, fields, header.grid); !placed) return placed.error();
+  if (Status grid = read_nrrd_grid(path, fields, header.grid); !grid) return grid.error();
   if (Status encoding = read_encoding(path, fields, header); !encoding) return encoding.error();
   if (Status data = find_data(path, fields, header); !data) return data.error();
   return header;

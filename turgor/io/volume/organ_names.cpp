@@ -10,7 +10,7 @@ namespace turgor {
 
 namespace {
 
-constexpr int kMostNamed = 255;  // no label above has a name of ours
+constexpr int kMostNamed = 255;  // labels above this have no built-in name
 
 }  // namespace
 
@@ -132,7 +132,7 @@ std::string organ_name(int label) {
                                                                "rib_right_12",
                                                                "sternum",
                                                                "costal_cartilages"};
-  if (label == kNoduleLabel) return "nodule";  // of our phantoms
+  if (label == kNoduleLabel) return "nodule";  // in phantoms
   return label >= 1 && label <= int(kNames.size()) ? std::string(kNames[std::size_t(label - 1)])
                                                    : std::string{};
 }

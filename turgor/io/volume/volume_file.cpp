@@ -20,8 +20,8 @@ Status check_grid(const fs::path& path, const Grid& grid) {
     const double cosine = dot(a, b);
     if (!(std::abs(cosine) < 1e-3) || !(std::abs(norm(a) - 1) < 1e-3))
       return Error{fmt::format(
-          "{}: axes {} and {} meet at {:.2f} degrees; expected right angles (resample the volume to a "
-          "grid of right angles first)",
+          "{}: axes {} and {} meet at {:.2f} degrees; expected orthogonal axes (resample the volume to an "
+          "orthogonal grid first)",
           path.string(), axis, (axis + 1) % 3, std::acos(cosine) * 180 / M_PI)};
   }
   return Done{};
@@ -30,7 +30,7 @@ Status check_grid(const fs::path& path, const Grid& grid) {
 Result<RawVolume> read_volume_file(const fs::path& path) {
   const Result<VolumeHeader> header = read_volume_header(path);
   if (!header) return header.error();
-  if (Status placed = check_grid(path, header->grid); !placed) return placed.error();
+  if (Status grid = check_grid(path, header->grid); !grid) return grid.error();
   try {
     return read_volume_samples(path, *header);
   } catch (const std::bad_alloc&) {

@@ -1,4 +1,4 @@
-// NIfTI, NRRD and MetaImage files in and out, as bytes of one sample type. Internal to io/.
+// NIfTI, NRRD and MetaImage files as bytes of one sample type. Internal to io/.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ struct RawVolume {
   int components = 1;
   double slope = 1, intercept = 0;  // value = slope · stored + intercept
   std::vector<std::byte> bytes;     // components fastest, then i
-  LabelNames label_names;           // of a segmentation, if the file says
+  LabelNames label_names;           // of a segmentation, if the file has them
 
   std::size_t value_count() const { return bytes.size() / byte_size(type); }
 };
@@ -30,30 +30,30 @@ struct SamplesToWrite {
   int components;
   const void* data;
 
-  /// All of them, components fastest.
+  /// All samples, components fastest.
   std::string_view bytes() const {
     const std::size_t count = sample_count(grid) * std::size_t(components) * byte_size(type);
     return {static_cast<const char*>(data), count};
   }
 };
-/// The format follows from the name.
+/// Writes the format that the name says.
 Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite& samples);
 
-/// The samples of a file whose header is known, in this machine's byte order; all that it promises must be
-/// there, and a compressed stream must hold no more.
+/// Samples of a file with a known header, in this machine's byte order. The file must hold all samples of the
+/// header, and a compressed stream no more than these.
 Result<RawVolume> read_volume_samples(const std::filesystem::path& path, const VolumeHeader& header);
-/// Slices [begin, end) of them alone. Error: besides those, a compressed file.
+/// Slices [begin, end) alone. Further error: a compressed file.
 Result<RawVolume> read_volume_slices(const std::filesystem::path& path, const VolumeHeader& header, int begin,
                                      int end);
-/// Are the axes and spacings those of a grid of right angles?
+/// Checks that the spacing is positive and the axes are orthogonal.
 Status check_grid(const std::filesystem::path& path, const Grid& grid);
 
-// The three formats, into a file that is open; write_volume_file calls them.
+// The three formats, into an open file; write_volume_file calls them.
 Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples);
 void write_nrrd(FileWriter& file, const SamplesToWrite& samples);
 void write_meta_image(FileWriter& file, const SamplesToWrite& samples);
 
-/// Calls f with a pointer to the samples in their own type.
+/// Calls f with a pointer to the samples of the actual type.
 template <class F>
 auto visit_samples(const RawVolume& raw, F f) {
   const auto* p = raw.bytes.data();

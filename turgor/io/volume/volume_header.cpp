@@ -1,4 +1,4 @@
-// Recognises the format by content, and checks that what a header promises is no more than can be.
+// Recognizes the format by content and checks the sizes of a header for plausibility.
 #include "turgor/io/volume/volume_header.hpp"
 
 #include <memory>
@@ -26,7 +26,7 @@ bool starts_with_gzip_magic(const fs::path& path) {
   return file && std::fgetc(file.get()) == 0x1f && std::fgetc(file.get()) == 0x8b;
 }
 
-/// The first bytes, decompressed when the whole file is a gzip stream.
+/// First bytes of a file, decompressed if the whole file is a gzip stream.
 std::string read_head(const fs::path& path, std::size_t count) {
   const GzipFile file(gzopen(path.c_str(), "rb"));
   std::string head(count, '\0');

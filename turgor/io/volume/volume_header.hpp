@@ -1,5 +1,5 @@
-// What the header of a NIfTI, NRRD or MetaImage file promises, checked before memory is taken for it: a
-// corrupt one promises anything. Internal to io/.
+// Header of a NIfTI, NRRD or MetaImage file. Its sizes are checked before memory is allocated, because a
+// corrupt header may claim anything. Internal to io/.
 #pragma once
 
 #include <array>
@@ -26,35 +26,35 @@ struct VolumeHeader {
   std::array<std::int64_t, 3> size{};  // samples along i, j, k
   int components = 1;
   double slope = 1, intercept = 0;    // value = slope · stored + intercept (NIfTI)
-  bool is_swapped = false;            // of the other byte order than this machine
-  std::int64_t component_stride = 1;  // from a component to the next of the same voxel, in samples as stored
+  bool is_swapped = false;            // byte order differs from this machine's
+  std::int64_t component_stride = 1;  // samples from one component to the next of the same voxel in the file
   Grid grid{};
-  LabelNames label_names;  // of a segmentation, if the file says
+  LabelNames label_names;  // of a segmentation, if the file has them
 
-  // Where the samples are. Of the data file: `data_offset` bytes, then `skipped_lines`, then the samples or a
-  // compressed stream of them; of what that yields `skipped_bytes` come first.
-  std::filesystem::path data_file;  // the file itself, or the one it names
+  // Location of the samples in the data file: `data_offset` bytes, then `skipped_lines`, then the samples or
+  // a compressed stream. The first `skipped_bytes` of the decompressed data are skipped.
+  std::filesystem::path data_file;  // this file, or the one that it names
   std::int64_t data_offset = 0, skipped_lines = 0, skipped_bytes = 0;
   bool is_packed = false;
-  std::int64_t packed_length = 0;  // of the compressed stream; 0 = up to the end of the file [bytes]
-  bool is_at_end = false;          // raw samples are the last bytes of the file, whatever comes before
+  std::int64_t packed_length = 0;  // of the compressed stream; 0 = to the end of the file [bytes]
+  bool is_at_end = false;          // raw samples are the last bytes of the file
 };
 
-/// The label names that a NIfTI extension holds: XML with <Label Key="5">liver</Label>, or pairs of a number
-/// and a name, in either order, as in {"5": "liver"}. Empty if there are none.
+/// Label names of a NIfTI extension: XML with <Label Key="5">liver</Label>, or pairs of a number and a name
+/// in either order, as in {"5": "liver"}. Empty if it has none.
 LabelNames label_names_in(std::string_view text);
 
-/// What a file whose samples do not matter calls its labels; empty if that cannot be read.
+/// Label names of a file from its header; empty if it cannot be read.
 LabelNames read_header_names(const std::filesystem::path& path);
-/// Reads and checks the header of a file, recognised by its content.
+/// Reads and checks the header of a file, whose format is recognized by content.
 Result<VolumeHeader> read_volume_header(const std::filesystem::path& path);
 
-// The three formats. `head` holds the first bytes of the file (decompressed if the whole file is).
+// The three formats. `head` holds the first bytes of the file, decompressed if the whole file is compressed.
 Result<VolumeHeader> parse_nifti(const std::filesystem::path& path, std::string_view head);
 Result<VolumeHeader> parse_nrrd(const std::filesystem::path& path, std::string_view head);
 Result<VolumeHeader> parse_meta(const std::filesystem::path& path, std::string_view head);
 
-/// Most bytes, or lines, before the samples of a file.
+/// Largest number of bytes or lines before the samples.
 constexpr std::int64_t kMostSkipped = std::int64_t{1} << 40;
 constexpr std::int64_t kMostComponents = 100;
 /// Largest volume that is read: 2^33 samples.

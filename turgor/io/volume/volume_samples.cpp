@@ -1,5 +1,5 @@
-// The samples of NIfTI, NRRD and MetaImage files: raw or compressed, in either byte order, components beside
-// or behind each other.
+// Samples of NIfTI, NRRD and MetaImage files: raw or compressed, in either byte order, with interleaved or
+// planar components.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -24,7 +24,7 @@ InputFile open_at(const fs::path& path, std::int64_t begin) {
   return file;
 }
 
-/// The byte behind so many lines; -1 when there are fewer.
+/// Offset after the given number of lines; -1 if the file has fewer.
 std::int64_t behind_lines(const fs::path& path, std::int64_t begin, std::int64_t lines) {
   if (lines == 0) return begin;
   const InputFile file = open_at(path, begin);
@@ -33,16 +33,16 @@ std::int64_t behind_lines(const fs::path& path, std::int64_t begin, std::int64_t
   return file ? std::int64_t(ftello(file.get())) : -1;
 }
 
-Error not_as_promised(const fs::path& path, const VolumeHeader& header, std::int64_t wanted,
-                      const std::string& found) {
+Error size_mismatch(const fs::path& path, const VolumeHeader& header, std::int64_t byte_count,
+                    const std::string& found) {
   return {fmt::format(
-      "{}: truncated or corrupt: the header promises {} bytes of samples ({} x {} x {}), the file holds {}",
-      path.string(), wanted, header.size[0], header.size[1], header.size[2], found)};
+      "{}: truncated or corrupt: the header declares {} bytes of samples ({} x {} x {}), the file holds {}",
+      path.string(), byte_count, header.size[0], header.size[1], header.size[2], found)};
 }
 
-/// Where in the data file the samples are, or the compressed stream of them. That they can all be there is
-/// checked before memory is taken.
-Result<FileRange> find_samples(const fs::path& path, const VolumeHeader& header, std::int64_t wanted) {
+/// Byte range of the samples, or of their compressed stream, in the data file. It is checked against the file
+/// size before memory is allocated.
+Result<FileRange> find_samples(const fs::path& path, const VolumeHeader& header, std::int64_t byte_count) {
   if (Status input = check_input(header.data_file); !input)
     return Error{fmt::format("{}: names its data file: {}", path.string(), input.error().message)};
   std::error_code failed;
@@ -53,45 +53,45 @@ Result<FileRange> find_samples(const fs::path& path, const VolumeHeader& header,
     return Error{
         fmt::format("{}: truncated or corrupt: the samples come after {} lines, the file holds fewer",
                     path.string(), header.skipped_lines)};
-  if (header.is_at_end) range.begin = std::max(range.begin, size - wanted);
+  if (header.is_at_end) range.begin = std::max(range.begin, size - byte_count);
   if (!header.is_packed) range.begin += header.skipped_bytes;
   if (header.packed_length > 0 && header.packed_length > range.end - range.begin)
-    return Error{fmt::format("{}: truncated or corrupt: CompressedDataSize = {}, {} bytes are there",
+    return Error{fmt::format("{}: truncated or corrupt: CompressedDataSize = {}, found {} bytes",
                              path.string(), header.packed_length, range.end - range.begin)};
   if (header.packed_length > 0) range.end = range.begin + header.packed_length;
   const std::int64_t length = std::max<std::int64_t>(range.end - range.begin, 0);
   constexpr std::int64_t kBestRatio = 1100;  // of deflate
-  if (header.is_packed && length * kBestRatio < wanted + header.skipped_bytes)
-    return not_as_promised(path, header, wanted, fmt::format("{} compressed ones", length));
-  if (!header.is_packed && length < wanted)
-    return not_as_promised(path, header, wanted, fmt::format("{}", length));
+  if (header.is_packed && length * kBestRatio < byte_count + header.skipped_bytes)
+    return size_mismatch(path, header, byte_count, fmt::format("{} compressed bytes", length));
+  if (!header.is_packed && length < byte_count)
+    return size_mismatch(path, header, byte_count, fmt::format("{}", length));
   return range;
 }
 
 Status fill(const fs::path& path, const VolumeHeader& header, const FileRange& range,
             std::span<std::byte> bytes) {
-  const auto wanted = std::int64_t(bytes.size());
+  const auto byte_count = std::int64_t(bytes.size());
   if (!header.is_packed) {
     const InputFile file = open_at(range.file, range.begin);
     const std::size_t count = file ? std::fread(bytes.data(), 1, bytes.size(), file.get()) : 0;
     return count == bytes.size() ? Status(Done{})
-                                 : not_as_promised(path, header, wanted, fmt::format("{}", count));
+                                 : size_mismatch(path, header, byte_count, fmt::format("{}", count));
   }
   const Inflated inflated = inflate(range, header.skipped_bytes, bytes);
   switch (inflated.end) {
     case Inflated::End::kExact:
       return Done{};
     case Inflated::End::kTooShort:
-      return not_as_promised(path, header, wanted, fmt::format("{}", inflated.count));
+      return size_mismatch(path, header, byte_count, fmt::format("{}", inflated.count));
     case Inflated::End::kTooLong:
-      return not_as_promised(path, header, wanted, "more than that");
+      return size_mismatch(path, header, byte_count, "more than that");
     default:
-      return not_as_promised(path, header, wanted,
-                             fmt::format("a damaged stream, whole up to {}", inflated.count));
+      return size_mismatch(path, header, byte_count,
+                           fmt::format("a damaged stream, whole up to {}", inflated.count));
   }
 }
 
-/// Components that a file holds `stride` samples apart become neighbours.
+/// Interleaves components that a file stores `stride` samples apart.
 std::vector<std::byte> interleaved(const std::vector<std::byte>& stored, std::size_t components,
                                    std::size_t stride, std::size_t size) {
   std::vector<std::byte> mixed(stored.size());
@@ -119,8 +119,8 @@ void swap_bytes(RawVolume& raw) {
 
 Result<RawVolume> read_volume_slices(const fs::path& path, const VolumeHeader& header, int begin, int end) {
   if (header.is_packed)
-    return Error{fmt::format("{}: compressed; expected an uncompressed file, of which slices can be read",
-                             path.string())};
+    return Error{fmt::format(
+        "{}: compressed; expected an uncompressed file, whose slices can be read separately", path.string())};
   RawVolume raw = without_samples(header);
   const std::size_t samples = sample_count(raw.grid) * std::size_t(raw.components) * byte_size(raw.type),
                     slice = samples / std::size_t(raw.grid.size.z);
@@ -137,10 +137,10 @@ Result<RawVolume> read_volume_slices(const fs::path& path, const VolumeHeader& h
 Result<RawVolume> read_volume_samples(const fs::path& path, const VolumeHeader& header) {
   RawVolume raw = without_samples(header);
   const std::size_t size = byte_size(raw.type), components = std::size_t(raw.components);
-  const std::size_t wanted = sample_count(raw.grid) * components * size;
-  const Result<FileRange> range = find_samples(path, header, std::int64_t(wanted));
+  const std::size_t byte_count = sample_count(raw.grid) * components * size;
+  const Result<FileRange> range = find_samples(path, header, std::int64_t(byte_count));
   if (!range) return range.error();
-  raw.bytes.resize(wanted);
+  raw.bytes.resize(byte_count);
   if (Status filled = fill(path, header, *range, raw.bytes); !filled) return filled.error();
   if (header.is_swapped) swap_bytes(raw);
   if (components > 1 && header.component_stride > 1)

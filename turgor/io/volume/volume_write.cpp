@@ -1,11 +1,11 @@
-// NRRD and MetaImage files out: a header of text, then compressed samples. Numbers are written so that they
-// are read back as they were.
+// Writing of NRRD and MetaImage files: a text header, then compressed samples. Numbers round-trip exactly.
+#include "turgor/io/volume/volume_write.hpp"
+
 #include <bit>
 #include <new>
 
 #include <fmt/format.h>
 
-#include "turgor/io/ct.hpp"
 #include "turgor/io/files/deflate.hpp"
 #include "turgor/io/volume/volume_file.hpp"
 
@@ -56,7 +56,7 @@ std::string nrrd_header(const SamplesToWrite& samples) {
   for (int axis = 0; axis < 3; axis++)
     directions += " " + in_brackets(grid.axes.column[axis] * (grid.spacing[axis] * 1e3));
   return fmt::format(
-      "NRRD0004\n# Turgor: millimetres, patient frame LPS\ntype: {}\ndimension: {}\n"
+      "NRRD0004\n# Turgor: millimeters, patient frame LPS\ntype: {}\ndimension: {}\n"
       "space: left-posterior-superior\nsizes: {}{}\nspace directions:{}{}\nkinds:{} domain domain domain\n"
       "endian: {}\nencoding: gzip\nspace origin: {}\n\n",
       names(samples.type).nrrd, is_vector ? 4 : 3, is_vector ? fmt::format("{} ", samples.components) : "",
@@ -94,7 +94,7 @@ void write_nrrd(FileWriter& file, const SamplesToWrite& samples) {
 }
 
 void write_meta_image(FileWriter& file, const SamplesToWrite& samples) {
-  std::string packed;  // whole: the header says how long it is
+  std::string packed;  // complete, because the header holds its length
   deflate({samples.bytes()}, Deflate::kZlib, [&packed](std::string_view piece) { packed += piece; });
   file.write(meta_header(samples, packed.size()));
   file.write(packed);

@@ -17,17 +17,17 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAngles[2] = {2 * kDegree, 88 * kDegree}, kDecays[2] = {0.2, 30};
 constexpr double kStiffness[2] = {1e-6, 1e6};  // [N/m]
 
-using Unknowns = Eigen::Vector4d;  // without bounds: see to_params
+using Unknowns = Eigen::Vector4d;  // unbounded: see to_params
 
-/// Any number to one between two bounds, evenly in logarithms.
+/// Maps any number into the interval between two bounds, on a logarithmic scale.
 double bounded(double x, const double (&bounds)[2]) {
-  const double part = 1 / (1 + std::exp(-x));
-  return bounds[0] * std::pow(bounds[1] / bounds[0], part);
+  const double fraction = 1 / (1 + std::exp(-x));
+  return bounds[0] * std::pow(bounds[1] / bounds[0], fraction);
 }
 double unbounded(double value, const double (&bounds)[2]) {
-  const double part =
+  const double fraction =
       std::clamp(std::log(value / bounds[0]) / std::log(bounds[1] / bounds[0]), 1e-3, 1 - 1e-3);
-  return std::log(part / (1 - part));
+  return std::log(fraction / (1 - fraction));
 }
 
 ChainParams to_params(const Unknowns& x, const ChainParams& start) {
@@ -41,14 +41,14 @@ Unknowns to_unknowns(const ChainParams& p) {
           unbounded(p.angle, kAngles)};
 }
 
-/// What is fitted, and what it costs.
+/// Residual of the fit.
 struct Problem {
   std::span<const CurvePoint> curve;
   ChainParams start;
   double peak = 0;  // largest force [N]
   int evaluations = 0;
 
-  /// Chain minus curve, in fractions of the curve's force.
+  /// Chain minus curve, relative to the curve's force.
   Eigen::VectorXd residual(const Unknowns& x) {
     evaluations++;
     const Chain chain = *build_chain(to_params(x, start));
@@ -73,21 +73,25 @@ struct Problem {
   }
 };
 
-/// Levenberg–Marquardt: steps between Newton's and the gradient's, whichever makes the squares fall.
-Unknowns descend(Problem& problem, Unknowns x) {
+/// Levenberg–Marquardt: damped Gauss–Newton steps, accepted when the sum of squares decreases.
+Unknowns minimize(Problem& problem, Unknowns x) {
   Eigen::VectorXd r = problem.residual(x);
   double damping = 1e-2;
   for (int i = 0; i < 100; i++) {
+    // normal equations
     const Eigen::MatrixXd j = problem.jacobian(x);
     const Eigen::Matrix4d normal = j.transpose() * j;
     const Unknowns slope = j.transpose() * r;
     bool better = false;
     Unknowns step;
+    // increase the damping until a step is an improvement
     for (int tries = 0; tries < 12 && !better; tries++) {
       Eigen::Matrix4d damped = normal;
       damped.diagonal() += damping * (normal.diagonal().array() + 1e-9).matrix();
       step = -damped.ldlt().solve(slope);
-      step *= std::min(1.0, 2 / step.cwiseAbs().maxCoeff());  // the bounds' ends are far away
+      step *= std::min(
+          1.0,
+          2 / step.cwiseAbs().maxCoeff());  // limits steps towards the interval's ends, which are at infinity
       const Eigen::VectorXd next = problem.residual(x + step);
       better = next.squaredNorm() < r.squaredNorm();
       damping *= better ? 0.3 : 4;
@@ -104,15 +108,17 @@ Unknowns descend(Problem& problem, Unknowns x) {
 Status check(std::span<const CurvePoint> curve) {
   int useful = 0;
   for (std::size_t i = 0; i < curve.size(); i++) {
+    // finite points with a force against the depth
     const auto [depth, force] = curve[i];
-    const std::string place = "point " + std::to_string(i) + " of the force-depth curve: ";
+    const std::string prefix = "point " + std::to_string(i) + " of the force-depth curve: ";
     if (!std::isfinite(depth) || !std::isfinite(force))
-      return Error{place + "a depth or a force is no number"};
+      return Error{prefix + "a depth or a force is not finite"};
     if (depth * force < 0)
-      return Error{place + "expected a force that resists, found " + number_text(force) + " N at " +
+      return Error{prefix + "expected a force that resists, found " + number_text(force) + " N at " +
                    number_text(depth) + " m"};
     useful += depth != 0 && force != 0;
   }
+  // enough points
   if (useful < 4)
     return Error{"the force-depth curve: expected at least 4 points with a depth and a force, found " +
                  std::to_string(useful)};
@@ -125,23 +131,25 @@ Result<Fit> calibrate(std::span<const CurvePoint> curve, const ChainParams& star
   if (const Status good = check(curve); !good) return good.error();
   if (const auto chain = build_chain(start); !chain) return chain.error();
   Problem problem{curve, start};
+  // strongest point of the curve, for scaling
   const CurvePoint& strongest = *std::max_element(
       curve.begin(), curve.end(), [](auto& a, auto& b) { return std::abs(a.force) < std::abs(b.force); });
   problem.peak = std::abs(strongest.force);
   const double secant = strongest.force / strongest.depth;
   Unknowns best;
   double least = std::numeric_limits<double>::infinity();
+  // minimize from several starting points
   for (const double angle : {15.0, 45.0, 75.0})
     for (const double decay : {0.7, 2.0, 8.0})
       for (const double ratio : {0.2, 3.0}) {
         ChainParams from = start;
         from.normal = secant, from.tangential = ratio * secant, from.decay = decay,
         from.angle = angle * kDegree;
-        // A start as stiff as the curve is at its end; all stiffnesses scale alike.
+        // Starting point with the curve's stiffness at its end; all stiffnesses scale alike.
         const Chain chain = *build_chain(from);
         const double force = std::abs(force_of_tip(chain, tip_on(chain, from.tip), strongest.depth));
         from.normal *= problem.peak / force, from.tangential *= problem.peak / force;
-        const Unknowns found = descend(problem, to_unknowns(from));
+        const Unknowns found = minimize(problem, to_unknowns(from));
         const double squares = problem.residual(found).squaredNorm();
         if (squares < least) least = squares, best = found;
       }

@@ -1,4 +1,4 @@
-// Finds the chain that answers like a measured (or otherwise computed) force–depth curve.
+// Fits a chain to a measured or computed force–depth curve.
 #pragma once
 
 #include <span>
@@ -9,14 +9,14 @@
 
 namespace turgor::rhombus {
 
-/// A place of a force–depth curve; pressing is positive, pulling negative.
+/// Point of a force–depth curve; pressing is positive, pulling negative.
 struct CurvePoint {
   double depth = 0;  // [m]
   double force = 0;  // [N]
 };
 
-/// Residuals are relative: fractions of the curve's own force, or of this share of the largest where it is
-/// smaller than that, so that the first hair's breadth of a measured press does not decide.
+/// Residuals are relative to the curve's own force, or to this fraction of the largest force where the own
+/// force is smaller. So the first contact of a measured press does not dominate the fit.
 constexpr double kFitFloor = 0.02;
 
 struct Fit {
@@ -26,10 +26,10 @@ struct Fit {
   int evaluations = 0;  // of the whole curve
 };
 
-/// Least squares of the relative residuals by Levenberg and Marquardt over k_N, k_T1, β and θ, which stay
-/// positive, β in [0.2, 30] and θ in [2°, 88°], from several starts; all else is that of `start`, with `tip`
-/// the radius of the ball that pressed. Error: fewer than four points off the origin, numbers that are none,
-/// a force against its depth, no force at all.
+/// Least squares of the relative residuals by Levenberg and Marquardt over k_N, k_T1, β and θ, from several
+/// starting points. All stay positive, with β in [0.2, 30] and θ in [2°, 88°]. Other parameters are those of
+/// `start`, with `tip` the radius of the pressing ball. Error: fewer than four points off the origin, values
+/// that are not finite, a force opposite to its depth, or no force at all.
 Result<Fit> calibrate(std::span<const CurvePoint> curve, const ChainParams& start);
 
 }  // namespace turgor::rhombus

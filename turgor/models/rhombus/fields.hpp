@@ -1,4 +1,4 @@
-// The fields of the rhombus model, for its hash and its size in memory (core/field.hpp).
+// Fields of the rhombus model for state hash and memory size (core/field.hpp).
 #pragma once
 
 #include "turgor/core/field.hpp"

@@ -1,8 +1,8 @@
-// Distances along a surface from one of its points, out to a radius. A front runs from the point over the
-// triangles; where it crosses an edge, the distances of the edge's ends say where its source would lie were
-// the triangles behind unfolded into one plane, and the next vertex is measured from there [Novotni, Klein
-// 2002]. Exact on planes, however they are cut into triangles; on curved surfaces the error falls with the
-// edges' length: 0.3 % on a sphere of 5 cm with edges of 4 mm, 8 cm away.
+// Geodesic distances on a surface from one of its points, up to a radius. A front propagates over the
+// triangles. At an edge, the distances of its ends give the position of the source with all triangles behind
+// unfolded into one plane, and the next vertex is measured from there [Novotni, Klein 2002]. Exact on planes
+// in any triangulation. On curved surfaces the error decreases with the edge length: 0.3 % on a sphere of 5
+// cm with edges of 4 mm, 8 cm away.
 #pragma once
 
 #include <utility>
@@ -14,16 +14,16 @@
 namespace turgor::rhombus {
 
 struct GeodesicField {
-  std::vector<double> distance;  // of every vertex; infinite where the front did not come [m]
-  std::vector<int> reached;      // vertices with a distance, ascending, some of them beyond the radius
+  std::vector<double> distance;  // of every vertex; infinite where not reached [m]
+  std::vector<int> reached;      // vertices with a distance, ascending; some are beyond the radius
   TrianglePoint source;
-  double radius = 0;  // up to which distances are right [m]
+  double radius = 0;  // limit of valid distances [m]
 
-  std::vector<std::pair<double, int>> front;  // of use while it runs
+  std::vector<std::pair<double, int>> front;  // valid during propagation only
 };
 
-/// Distances from a point of the surface. A field may be used again; then only what it had reached is
-/// cleared.
+/// Computes distances from a point of the surface. A field may be reused; only the vertices that it had
+/// reached are cleared.
 void measure_distances(const Surface& surface, const TrianglePoint& source, double radius,
                        GeodesicField& field);
 

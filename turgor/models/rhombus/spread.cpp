@@ -4,28 +4,30 @@
 #include <cmath>
 #include <numbers>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/lanes.hpp"
 
 namespace turgor::rhombus {
 
 namespace {
 
-/// A load in the kernel's numbers.
+/// A load in the kernel's single-precision form.
 struct Source {
-  float place[3];       // from the middle of the surface [m]
-  float force[3];       // by 2/(π E*) and by the root of the stiffness there [m²]
-  float size;           // of that [m²]
+  float position[3];    // relative to the origin `middle` [m]
+  float force[3];       // times 2/(π E*) and the square root of the softness at the vertex [m²]
+  float size;           // magnitude of `force` [m²]
   float half_softened;  // half of its ε² [m²]
 };
 
-/// Sixteen vertices that are asked.
-struct Asked {
-  Lanes place[3];
+/// Sixteen vertices, one a lane.
+struct VertexLanes {
+  Lanes position[3];
   Lanes half_softened;
 };
 
-// Even pressure on a disc of the vertex's area moves it by 16 f/(3 π² E* a) in the mean, a its radius, and
-// the law below by 2 f/(π E* ε) at the vertex itself.
+// Regularization ε. Even pressure on a disc of the vertex's area gives it the mean displacement 16 f/(3 π² E*
+// a), with a its radius. The law below gives 2 f/(π E* ε) at the vertex itself.
 double half_softened_by(double area) {
   const double softened = 3 * std::numbers::pi / 8 * std::sqrt(area / std::numbers::pi);
   return 0.5 * softened * softened;
@@ -35,12 +37,15 @@ double softness_at(const Model& model, std::size_t v) {
   return model.stiffness.empty() ? 1 : 1 / std::sqrt(model.stiffness[v]);
 }
 
-/// [de Goes, James 2017, eq. 6, for ν = 1/2]: u = ½ [(1/ρ + ε²/ρ³) f + (r·f) r/ρ³], ρ² = r² + ε², ε² the mean
-/// of both vertices'.
-void add_moves(const Asked& at, const Source& from, Lanes (&move)[3]) {
+/// Adds the displacement by one load [de Goes, James 2017, eq. 6, for ν = 1/2]:
+///
+///     u = ½ [(1/ρ + ε²/ρ³) f + (r·f) r/ρ³],    ρ² = r² + ε²
+///
+/// with ε² the mean of both vertices.
+void add_kelvin_displacements(const VertexLanes& at, const Source& from, Lanes (&move)[3]) {
   const Lanes softened = at.half_softened + from.half_softened;
-  const Lanes x = at.place[0] - from.place[0], y = at.place[1] - from.place[1],
-              z = at.place[2] - from.place[2];
+  const Lanes x = at.position[0] - from.position[0], y = at.position[1] - from.position[1],
+              z = at.position[2] - from.position[2];
   const Lanes inverse2 = 1.f / (x * x + y * y + z * z + softened);
   const Lanes half = 0.5f * square_root(inverse2);
   const Lanes along = half * (1.f + softened * inverse2);
@@ -75,25 +80,32 @@ double half_space_modulus(const Chain& chain) {
 void displacements_of(const Exec& exec, const Model& model, std::span<const Load> loads,
                       std::vector<Vec3d>& displacement) {
   const std::vector<Vec3d>& vertices = model.surface.vertices;
+  TURGOR_CHECK(std::all_of(loads.begin(), loads.end(),
+                           [&](const Load& l) { return is_index(l.vertex, vertices.size()); }),
+               "loads act on vertices of the organ");
+  // loads
   const std::vector<Source> sources = sources_of(model, loads, vertices[0]);
   displacement.resize(vertices.size());
   parallel_for(exec, (vertices.size() + kLanes - 1) / kLanes, [&](std::size_t block) {
     const std::size_t begin = block * kLanes, end = std::min(begin + kLanes, vertices.size());
-    Asked at{{}, all_lanes(1)};
+    // gather sixteen vertices
+    VertexLanes at{{}, all_lanes(1)};
     for (std::size_t v = begin; v < end; v++) {
       const Vec3d x = vertices[v] - vertices[0];
-      for (int axis = 0; axis < 3; axis++) at.place[axis][v - begin] = float(x[axis]);
+      for (int axis = 0; axis < 3; axis++) at.position[axis][v - begin] = float(x[axis]);
       at.half_softened[v - begin] = float(half_softened_by(model.area[v]));
     }
     Lanes move[3] = {};
-    for (const Source& source : sources) add_moves(at, source, move);
+    // sum over the loads
+    for (const Source& source : sources) add_kelvin_displacements(at, source, move);
+    // scatter
     for (std::size_t v = begin; v < end; v++)
       displacement[v] =
           Vec3d{move[0][v - begin], move[1][v - begin], move[2][v - begin]} * softness_at(model, v);
   });
 }
 
-// A force moves most what lies in its way: there u = f/ρ, by 2/(π E*).
+// The displacement is largest in the force's direction: u = f/ρ times 2/(π E*).
 double farthest_move(const Exec& exec, const Model& model, std::span<const Load> loads) {
   const std::vector<Source> sources = sources_of(model, loads, model.surface.vertices[0]);
   std::vector<double> move(loads.size());
@@ -101,7 +113,8 @@ double farthest_move(const Exec& exec, const Model& model, std::span<const Load>
     float sum = 0;
     for (std::size_t m = 0; m < sources.size(); m++) {
       const Source &a = sources[n], &b = sources[m];
-      const float x = a.place[0] - b.place[0], y = a.place[1] - b.place[1], z = a.place[2] - b.place[2];
+      const float x = a.position[0] - b.position[0], y = a.position[1] - b.position[1],
+                  z = a.position[2] - b.position[2];
       sum += b.size / std::sqrt(x * x + y * y + z * z + a.half_softened + b.half_softened);
     }
     move[n] = double(sum) * softness_at(model, std::size_t(loads[n].vertex));

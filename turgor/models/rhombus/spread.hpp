@@ -1,9 +1,12 @@
-// Loads that are spread over the surface, such as cloth that lies on it. A chain answers one tool; but what
-// it stands for under a small push is a half space that keeps its volume (tip.hpp), and that answers any
-// load: a force f on its surface moves the place r from it by (f + r̂ (r̂·f)) / (π E* r), twice what it does
-// far inside [Kelvin; Mindlin 1936], however the surface lies. Each vertex bears its force over its own area
-// [de Goes, James 2017]. Linear: a load that is spread presses no place far. Equations:
-// docs/models/rhombus.md.
+// Distributed loads on the surface, such as cloth that rests on it. For small displacements a chain
+// corresponds to an incompressible half space (tip.hpp), which also responds to distributed loads. A force f
+// on its surface displaces the point at r by
+//
+//     u = (f + r̂ (r̂·f)) / (π E* r)
+//
+// twice the displacement inside an infinite body [Kelvin; Mindlin 1936], for any shape of the surface. Each
+// vertex bears its force over its own area [de Goes, James 2017]. The response is linear, as distributed
+// loads cause small displacements. Equations: docs/models/rhombus.md.
 #pragma once
 
 #include <span>
@@ -13,21 +16,21 @@
 
 namespace turgor::rhombus {
 
-/// On a vertex.
+/// Force on a vertex.
 struct Load {
   int vertex;
   Vec3d force;  // [N]
 };
 
-/// E* = E/(1 − ν²) of the half space that the chain is at first touch: a disc of its tip, or of the width of
-/// its units where it knows no tip, bears 2 E* R a depth [Pa].
+/// E* = E/(1 − ν²) of the half space that matches the chain at first touch [Pa]. A disc of the chain's tip
+/// radius R bears 2 E* R a depth. A chain without a tip uses the width of its units.
 double half_space_modulus(const Chain& chain);
 
-/// Where loads take every vertex, from rest [m].
+/// Displacement of every vertex by loads [m].
 void displacements_of(const Exec& exec, const Model& model, std::span<const Load> loads,
                       std::vector<Vec3d>& displacement);
 
-/// Farther than this no vertex is moved by loads as large as these, whichever way they point [m].
+/// Upper bound of the displacement of any vertex by loads of these magnitudes in any direction [m].
 double farthest_move(const Exec& exec, const Model& model, std::span<const Load> loads);
 
 }  // namespace turgor::rhombus

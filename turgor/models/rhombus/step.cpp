@@ -1,42 +1,44 @@
-// A picture: how far every vertex is from each touch along the surface, and how the chains and the bulge
-// around them move it.
+// Displacement of all vertices in a frame: geodesic distances from each touch, then the displacements by its
+// chains and by the bulge around them.
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/rhombus/fields.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
-#include "turgor/models/rhombus/touching.hpp"
+#include "turgor/models/rhombus/tool_touch.hpp"
 
 namespace turgor::rhombus {
 
 namespace {
 
-constexpr double kTurnedUnits = 4;   // a twist of what is held fades over so many units
-constexpr double kFoldReach = 4;     // the surface around a fold is drawn in out to so many half openings
+constexpr double kTwistUnits = 4;    // a rotation of held tissue fades over so many units
+constexpr double kFoldReach = 4;     // the surface around a fold contracts within so many half openings
 constexpr std::size_t kGrain = 512;  // vertices
 
-constexpr double kFoldSqueezed = 0.8;  // tissue keeps some thickness between closed jaws
+constexpr double kFoldSqueezed = 0.8;  // fraction of closing: tissue keeps some thickness between closed jaws
 
-/// From 1 to 0 as x goes from 0 to 1, level at both ends.
+/// Smooth step from 1 at x = 0 to 0 at x = 1, with zero slope at both ends.
 double fading(double x) {
   x = std::clamp(x, 0.0, 1.0);
   return (1 - x) * (1 - x) * (1 + 2 * x);
 }
 
-/// Everything about a touch that its vertices need.
+/// Data of a touch for the displacement of its vertices.
 struct MovingTouch {
-  const Touching* touch;
+  const ToolTouch* touch;
   const GeodesicField* distances;
-  MoveParts parts;
+  MoveComponents components;
   ChainShape depth, drag;
   double width = 0;        // of a unit [m]
-  double half_fold = 0;    // half the surface between the jaws when they closed [m]
-  double ring_center = 0;  // where the bulge is highest [units]
+  double half_fold = 0;    // half the length of the surface between the jaws when they closed [m]
+  double ring_center = 0;  // position of the bulge's crest [units]
   bool turned = false;
 };
 
-/// Mean index of what moves: how wide the dent is, without a step when units join.
+/// Mean index of the displacement, a measure of the dent's width. Continuous when units join.
 double mean_index(const ChainShape& shape) {
   double sum = 0, moment = 0;
   for (int j = 0; j < shape.units; j++)
@@ -44,40 +46,44 @@ double mean_index(const ChainShape& shape) {
   return sum != 0 ? moment / sum : 0;
 }
 
-MovingTouch moving_touch(const Model& model, const Touching& t) {
-  MovingTouch m{.touch = &t, .distances = nullptr, .parts = parts_of(t.moved, t.foot.normal)};
+MovingTouch make_moving_touch(const Model& model, const ToolTouch& t) {
+  // shapes of both chains
+  MovingTouch m{.touch = &t, .distances = nullptr, .components = components_of(t.moved, t.foot.normal)};
+  TURGOR_CHECK(is_unit(t.foot.normal), "the normal at a touch is a unit vector");
   m.depth = shape_of_force(model.chain, t.depth_force);
   m.drag = shape_of_force(model.chain, -t.drag_force);
   m.width = unit_width(model.chain) * t.tip.scale;
   m.ring_center = 2 + 2 * mean_index(m.depth);
+  // held tissue
   if (!t.holding) return m;
   m.half_fold = 0.5 * t.held_opening;
   m.turned = !(t.turn == Mat3d{});
   return m;
 }
 
-/// How far from the touch anything moves [m].
-double reach(const Model& model, const MovingTouch& m) {
+/// Radius within which a touch displaces vertices [m].
+double motion_radius(const Model& model, const MovingTouch& m) {
   double units = std::max(m.depth.units, m.drag.units);
   if (model.params.bulge > 0) units = std::max(units, 2 * m.ring_center);
-  if (m.turned) units = std::max(units, kTurnedUnits);
+  if (m.turned) units = std::max(units, kTwistUnits);
   return std::max(units * m.width, kFoldReach * m.half_fold);
 }
 
-/// Distances are measured again when the touch has moved, or reaches farther than they do; then a bit farther
-/// than asked, so that a growing dent does not ask every time.
+/// Recomputes the distances when the touch has moved, or when it extends beyond them. The computed radius is
+/// somewhat larger, so that a growing dent does not need new distances in every frame.
 void update_distances(const Model& model, const MovingTouch& m, GeodesicField& field) {
   const TrianglePoint& at = m.touch->foot.at;
-  const double radius = reach(model, m);
+  const double radius = motion_radius(model, m);
   const bool same = !field.distance.empty() && at.triangle == field.source.triangle &&
-                    norm(at.place - field.source.place) <= 1e-6 * model.surface.mean_edge;
+                    norm(at.position - field.source.position) <= 1e-6 * model.surface.mean_edge;
   if (same && radius <= field.radius) return;
   measure_distances(model.surface, at, same ? 1.25 * radius : 1.1 * radius, field);
 }
 
-/// What the closing jaws do to the surface between and around them: it comes together and rises into a fold.
+/// Displacement by closing jaws: the surface between them contracts and rises into a fold, and the surface
+/// around follows.
 Vec3d fold_move(const MovingTouch& m, Vec3d from_foot, double distance) {
-  const Touching& t = *m.touch;
+  const ToolTouch& t = *m.touch;
   const double h = m.half_fold;
   if (!(h > 0 && t.closing > 0)) return {};
   const double x = dot(from_foot, t.fold_axis), near = fading((distance / h - 1) / (kFoldReach - 1));
@@ -85,28 +91,32 @@ Vec3d fold_move(const MovingTouch& m, Vec3d from_foot, double distance) {
   return (t.foot.normal * rise - t.fold_axis * inwards) * (near * kFoldSqueezed * t.closing);
 }
 
-/// Move of a vertex by one touch.
+/// Displacement of a vertex by one touch.
 Vec3d chain_move(const MovingTouch& m, Vec3d x, double distance) {
-  const Touching& t = *m.touch;
-  const Vec3d normal = t.foot.normal, from_foot = x - t.foot.at.place;
+  const ToolTouch& t = *m.touch;
+  const Vec3d normal = t.foot.normal, from_foot = x - t.foot.at.position;
   const double s = distance / m.width;
+  // dent: along the normal and outwards
   const ShapePoint dent = shape_at(m.depth, s);
   const Vec3d outwards = normalized(from_foot - normal * dot(from_foot, normal));
-  Vec3d move = outwards * (dent.outward * t.tip.scale * t.depth_part);
-  if (m.depth.units > 0) move -= normal * (dent.depth / m.depth.depth[0] * m.parts.depth);
-  if (m.drag.units > 0) move += m.parts.along * (shape_at(m.drag, s).depth / m.drag.depth[0] * m.parts.drag);
+  Vec3d move = outwards * (dent.outward * t.tip.scale * t.depth_fraction);
+  if (m.depth.units > 0) move -= normal * (dent.depth / m.depth.depth[0] * m.components.depth);
+  // drag along the surface
+  if (m.drag.units > 0)
+    move += m.components.along * (shape_at(m.drag, s).depth / m.drag.depth[0] * m.components.drag);
   if (!t.holding) return move;
-  if (m.turned) move += (t.turn * from_foot - from_foot) * fading(s / kTurnedUnits);
+  // rotation and fold of held tissue
+  if (m.turned) move += (t.turn * from_foot - from_foot) * fading(s / kTwistUnits);
   return move + fold_move(m, from_foot, distance);
 }
 
-/// Shape of the bulge: a ring around the dent.
+/// Height of the bulge: a ring around the dent.
 double ring(const MovingTouch& m, double distance) {
   const double off = std::abs(distance / m.width - m.ring_center) / m.ring_center;
-  return std::abs(m.parts.depth) * fading(off);
+  return std::abs(m.components.depth) * fading(off);
 }
 
-/// Adds the moves of a touch to its vertices.
+/// Adds the displacements of a touch to its vertices.
 struct AddMoves {
   const Model& model;
   const MovingTouch& touch;
@@ -132,7 +142,7 @@ void for_each_moved_triangle(const Surface& s, const State& state, const Visit& 
     }
 }
 
-/// Volume that the organ has gained when the rings are raised by a height h: c0 + c1 h + c2 h² + c3 h³ [m³].
+/// Change of the organ's volume when the rings are raised by a height h: c0 + c1 h + c2 h² + c3 h³ [m³].
 struct GainedVolume {
   double c0 = 0, c1 = 0, c2 = 0, c3 = 0;
 
@@ -143,32 +153,39 @@ GainedVolume gained_volume(const Surface& s, const State& state, Vec3d origin) {
   GainedVolume sum;
   for_each_moved_triangle(s, state, [&](int t) {
     const Int3 v = s.triangles[std::size_t(t)];
-    Vec3d rest[3], now[3], up[3];
+    Vec3d rest[3], now[3], ring_direction[3];
+    // corners at rest, displaced, and the derivative by h
     for (int i = 0; i < 3; i++) {
       const auto k = std::size_t(v[i]);
       rest[i] = s.vertices[k] - origin;
       now[i] = rest[i] + state.displacement[k];
-      up[i] = s.normals[k] * state.ring[k];
+      ring_direction[i] = s.normals[k] * state.ring[k];
     }
-    const Vec3d n = cross(now[1], now[2]), m = cross(up[1], now[2]) + cross(now[1], up[2]),
-                o = cross(up[1], up[2]);
+    // signed volume of the tetrahedron with the origin, by powers of h
+    const Vec3d n = cross(now[1], now[2]),
+                m = cross(ring_direction[1], now[2]) + cross(now[1], ring_direction[2]),
+                o = cross(ring_direction[1], ring_direction[2]);
     sum.c0 += dot(now[0], n) - dot(rest[0], cross(rest[1], rest[2]));
-    sum.c1 += dot(up[0], n) + dot(now[0], m);
-    sum.c2 += dot(up[0], m) + dot(now[0], o);
-    sum.c3 += dot(up[0], o);
+    sum.c1 += dot(ring_direction[0], n) + dot(now[0], m);
+    sum.c2 += dot(ring_direction[0], m) + dot(now[0], o);
+    sum.c3 += dot(ring_direction[0], o);
   });
   return {sum.c0 / 6, sum.c1 / 6, sum.c2 / 6, sum.c3 / 6};
 }
 
-/// Raises the rings until they hold the asked share of the volume that was pressed in.
+/// Raises the rings until they contain the fraction `bulge` of the pressed-in volume.
 void bulge(const Exec& exec, const Model& model, State& state, StepReport& report) {
+  // volume as a polynomial of the rings' height
+  TURGOR_CHECK(!state.moved.empty(), "a bulge surrounds a press");
   const Vec3d origin = model.surface.vertices[std::size_t(state.moved[0])];
   const GainedVolume gained = gained_volume(model.surface, state, origin);
   report.pressed_volume = -gained.c0;
   const double goal = (1 - model.params.bulge) * gained.c0;
+  // Newton's method for the height
   double height = 0;
-  for (int i = 0; i < 4 && gained.slope(height) > 0; i++)  // a low ring: its volume is nearly proportional
+  for (int i = 0; i < 4 && gained.slope(height) > 0; i++)  // nearly linear for a low ring
     height -= (gained.at(height) - goal) / gained.slope(height);
+  // raise the rings
   const auto raise = [&](std::size_t k) {
     const auto v = std::size_t(state.moved[k]);
     state.displacement[v] += model.surface.normals[v] * (height * state.ring[v]);
@@ -185,8 +202,10 @@ void clear_moves(State& state) {
   if (!state.carried.empty()) std::fill(state.displacement.begin(), state.displacement.end(), Vec3d{});
 }
 
-/// On top of what tools do: both are small where they meet.
+/// Adds the displacements by loads. Both are small where they overlap.
 void add_carried(State& state) {
+  TURGOR_CHECK(state.carried.empty() || state.carried.size() == state.displacement.size(),
+               "loads displace every vertex");
   for (std::size_t v = 0; v < state.carried.size(); v++) state.displacement[v] += state.carried[v];
 }
 
@@ -196,7 +215,7 @@ double largest_size(const std::vector<Vec3d>& displacement) {
   return std::sqrt(largest2);
 }
 
-/// Lists a touch's vertices that no touch before it has listed.
+/// Lists the vertices of a touch that are not yet listed.
 void list_moved(State& state, const GeodesicField& field) {
   for (const int v : field.reached) {
     if (state.listed[std::size_t(v)]) continue;
@@ -208,17 +227,22 @@ void list_moved(State& state, const GeodesicField& field) {
 }  // namespace
 
 StepReport step(const Exec& exec, const Model& model, State& state) {
+  // undo the last frame
+  TURGOR_CHECK(state.displacement.size() == model.surface.vertices.size(), "every vertex has a displacement");
+  TURGOR_CHECK(state.distances.size() == state.touches.size(), "every touch has a field of distances");
   clear_moves(state);
   StepReport report;
+  // displacements by each touch
   for (std::size_t k = 0; k < state.touches.size(); k++) {
-    const Touching& t = state.touches[k];
+    const ToolTouch& t = state.touches[k];
     if (!(dot(t.moved, t.moved) > 0) && !t.holding) continue;
-    MovingTouch m = moving_touch(model, t);
+    MovingTouch m = make_moving_touch(model, t);
     update_distances(model, m, state.distances[k]);
     m.distances = &state.distances[k];
     list_moved(state, *m.distances);
     parallel_for(exec, m.distances->reached.size(), AddMoves{model, m, state}, kGrain);
   }
+  // bulge and loads
   if (state.moved.empty() && state.carried.empty()) return report;
   if (model.params.bulge > 0 && !state.moved.empty()) bulge(exec, model, state, report);
   add_carried(state);
@@ -229,10 +253,10 @@ StepReport step(const Exec& exec, const Model& model, State& state) {
 
 double energy(const Model& model, const State& state) {
   double sum = 0;
-  for (const Touching& t : state.touches) {
+  for (const ToolTouch& t : state.touches) {
     if (!(dot(t.moved, t.moved) > 0)) continue;
-    const double own = tip_energy(model.chain, t.tip, t.depth_force) * t.depth_part * t.depth_part +
-                       tip_energy(model.chain, t.tip, -t.drag_force) * t.drag_part * t.drag_part;
+    const double own = tip_energy(model.chain, t.tip, t.depth_force) * t.depth_fraction * t.depth_fraction +
+                       tip_energy(model.chain, t.tip, -t.drag_force) * t.drag_fraction * t.drag_fraction;
     sum += stiffness_at(model, t.foot.at) * own + 0.5 * dot(t.elastic, t.moved - t.demand);
   }
   return sum;

@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::rhombus {
 
 Tip tip_on(const Chain& chain, double radius) {
   if (chain.params.tip == 0) return {};
-  const double haptic = std::max(radius, kSharpestTip);
-  return {haptic, haptic / chain.params.tip};
+  const double effective_radius = std::max(radius, kSharpestTip);
+  return {effective_radius, effective_radius / chain.params.tip};
 }
 
 DiscDepth disc_depth(const Tip& tip, double depth) {
   if (tip.radius == 0 || depth <= 0) return {depth, 1};
-  // u = R x q^(1/4), x = d/R. By Hertz q → x/c at first, by Sneddon u → d - R/2 far in; between, q is the
-  // simplest fraction that does both.
+  // u = R x q^(1/4), x = d/R. Hertz gives q → x/c for small x, Sneddon u → d − R/2 for large x. q is the
+  // simplest rational function with both limits.
   constexpr double c = 225.0 / 64;
   const double x = depth / tip.radius;
   const double over = x * (1 + 0.5 * x), under = c + x * (2 + 0.5 * x);
@@ -24,12 +26,14 @@ DiscDepth disc_depth(const Tip& tip, double depth) {
 }
 
 double chain_force(const Chain& chain, const Tip& tip, double depth, double guess) {
+  TURGOR_CHECK(tip.scale > 0, "the scale of a tip is positive");
   return force_of_depth(chain, disc_depth(tip, depth).depth / tip.scale, guess);
 }
 
 double depth_of_tip(const Chain& chain, const Tip& tip, double force) {
   if (!(force > 0)) return 0;
   if (tip.radius == 0) return depth_of_force(chain, force).depth;
+  // bracket, then bisection
   double low = 0, high = tip.radius;
   while (force_of_tip(chain, tip, high) < force && high < 1) low = high, high *= 2;
   for (int i = 0; i < 40; i++) {

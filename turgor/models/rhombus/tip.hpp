@@ -1,55 +1,56 @@
-// What a ball makes of a chain. A chain with ChainParams::tip is that of a disc of this radius; under a tool
-// of another one it is larger or smaller as a whole, as an elastic half space is: lengths and stiffnesses
-// go with the radius, so forces with its square.
+// Contact of a ball with a chain. A chain with ChainParams::tip describes a disc of that radius. Under a tool
+// of another radius the chain is scaled as an elastic half space: lengths and stiffnesses with the radius,
+// forces with its square.
 //
-// A ball does not touch like a disc: what it touches grows as it goes in. Pressed by d, it feels the chain
-// as if it turned a gear: the chain is at the depth u(d) where a disc would have stored as much energy,
+// The contact area of a ball grows with its depth d, that of a disc does not. The chain is therefore at the
+// depth u(d) at which a disc has the same energy,
 //
 //     ½ (2 E* R) u² = ∫ F_Sneddon dd      F = f(u) u'(d)
 //
-// so work and energy agree to the last bit whatever the chain, and a chain with f = 2 E* R u answers like
-// Sneddon's rigid sphere [Sneddon 1965], at first touch like Hertz. Pulled, tools hold what they touch: u =
-// d. A chain without a tip is the paper's, which knows no tools: every one feels the chain itself.
+// so that work and energy agree exactly for every chain. A chain with f = 2 E* R u gives the force of
+// Sneddon's rigid sphere [Sneddon 1965], at first touch that of Hertz. When pulled, tools hold what they
+// touch: u = d. A chain without a tip is that of the paper, which has no tools: every tool meets the chain
+// itself.
 #pragma once
 
 #include "turgor/models/rhombus/chain.hpp"
 
 namespace turgor::rhombus {
 
-/// A sharper tip than this is felt as a ball of this radius: what it does to tissue is not known here [m].
+/// Smallest effective tip radius. The model is not valid for sharper tips [m].
 constexpr double kSharpestTip = 5e-4;
 
 /// A ball on a chain.
 struct Tip {
-  double radius = 0;  // 0: a tool that feels the chain itself [m]
-  double scale = 1;   // of the chain: its lengths and stiffnesses, in multiples of what it was built with
+  double radius = 0;  // 0: a tool that meets the chain itself [m]
+  double scale = 1;   // of the chain's lengths and stiffnesses, relative to its parameters
 };
 Tip tip_on(const Chain& chain, double radius);
 
-/// The depth u of the disc, and how fast it goes with the ball's.
+/// Depth u of the disc and its derivative.
 struct DiscDepth {
   double depth = 0;  // u [m]
   double slope = 1;  // u'(d)
 };
-/// Within 1 % of the force of Sneddon's sphere up to a depth of six radii.
+/// Depth of the disc. The resulting force is within 1 % of Sneddon's sphere up to a depth of six radii.
 DiscDepth disc_depth(const Tip& tip, double depth);
 
-/// Force of the chain, unscaled, when the tip is this deep: what shape_of_force and chain_energy take [N].
+/// Unscaled force of the chain at this depth of the tip: the argument of shape_of_force and chain_energy [N].
 double chain_force(const Chain& chain, const Tip& tip, double depth, double guess = 0);
 
-/// Force on the tip [N] and energy [J] that belong to it.
+/// Force on the tip [N] and energy [J] for a chain force.
 inline double tip_force(const Tip& tip, double depth, double chain_force) {
   return tip.scale * tip.scale * chain_force * disc_depth(tip, depth).slope;
 }
 inline double tip_energy(const Chain& chain, const Tip& tip, double chain_force) {
   return tip.scale * tip.scale * tip.scale * chain_energy(chain, chain_force);
 }
-/// As above, in one.
+/// Force on the tip at a depth [N].
 inline double force_of_tip(const Chain& chain, const Tip& tip, double depth) {
   return tip_force(tip, depth, chain_force(chain, tip, depth));
 }
 
-/// How deep a pressed tip is under a force of 0 or more [m].
+/// Depth of a pressed tip under a force of 0 or more [m].
 double depth_of_tip(const Chain& chain, const Tip& tip, double force);
 
 }  // namespace turgor::rhombus

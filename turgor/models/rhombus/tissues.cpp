@@ -5,7 +5,7 @@
 namespace turgor::rhombus {
 
 ChainParams chain_of_modulus(double young) {
-  // The fit at 1 kPa; test rhombus_tissues repeats it.
+  // Fit at 1 kPa, reproduced by the test rhombus_tissues.
   return {.normal = 12.958632 * young * 1e-3,
           .tangential = 1.067752 * young * 1e-3,
           .decay = 0.2,
@@ -16,6 +16,7 @@ ChainParams chain_of_modulus(double young) {
 }
 
 std::span<const Tissue> tissues() {
+  // name, source, Young's modulus [Pa], chain
   static const std::array<Tissue, 6> kTissues{{
       {"liver",
        "human, shear modulus 1.8 kPa in the table of Physics in Medicine and Biology 64 (2019) 225001", 5.4e3,

@@ -1,7 +1,7 @@
-// Tissues by name, as parameters of the chain. Those with a published Young's modulus have a chain that is
-// fitted (calibrate.hpp) to an incompressible half space, a ball of 5 mm pressed into it and a disc of that
-// radius pulled (half_space.hpp), within 10 % of the force at every depth; all stiffnesses are proportional
-// to the modulus. The paper's is taken as printed, under its authors' name.
+// Named tissues as chain parameters. For a published Young's modulus the chain is fitted (calibrate.hpp) to
+// an incompressible half space, with a ball of 5 mm pressed in and a disc of that radius pulled
+// (half_space.hpp). The fit is within 10 % of the force at every depth, and all stiffnesses are proportional
+// to the modulus. The paper's tissue has the printed parameters and its authors' name.
 #pragma once
 
 #include <span>
@@ -14,16 +14,16 @@ namespace turgor::rhombus {
 struct Tissue {
   const char* name;
   const char* source;
-  double young = 0;  // 0: the parameters come from the source themselves [Pa]
+  double young = 0;  // 0: the source gives the parameters themselves [Pa]
   ChainParams chain;
 };
 
-/// All of them, the measured human liver first.
+/// All tissues, the measured human liver first.
 std::span<const Tissue> tissues();
-/// Null when there is none of that name.
+/// Tissue of a name; null if unknown.
 const Tissue* find_tissue(std::string_view name);
 
-/// The chain of a homogeneous elastic tissue, as described above.
+/// Chain of a homogeneous elastic tissue, fitted as described above.
 ChainParams chain_of_modulus(double young);
 
 }  // namespace turgor::rhombus

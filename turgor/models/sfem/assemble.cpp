@@ -2,6 +2,8 @@
 // the same order.
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
 namespace turgor::sfem {
@@ -36,12 +38,14 @@ void make_pattern(const Exec& exec, const Lists& lists, const Lists& around, Blo
   for (std::size_t i = 0; i < rows; i++)
     std::copy_n(columns.begin() + std::ptrdiff_t(most[i]), length[i],
                 k.column.begin() + std::ptrdiff_t(k.row_begin[i]));
+  TURGOR_CHECK(is_csr(k.row_begin, k.column.size()), "the rows cover all blocks");
   k.value.assign(9 * k.column.size(), 0);
 }
 
 double* block_of(BlockMatrix& k, std::size_t row, int column) {
   const auto begin = k.column.begin() + std::ptrdiff_t(k.row_begin[row]);
   const auto end = k.column.begin() + std::ptrdiff_t(k.row_begin[row + 1]);
+  TURGOR_CHECK(std::binary_search(begin, end, column), "the block belongs to the pattern");
   return &k.value[9 * std::size_t(std::lower_bound(begin, end, column) - k.column.begin())];
 }
 
@@ -69,6 +73,7 @@ void add_volumes(std::size_t row, const NodalVolumes& volumes, std::span<const i
     const Vec3d* gradient = &volumes.gradient[volumes.vertices.begin[std::size_t(v)]];
     const double bulk = moduli(materials[std::size_t(volumes.material[std::size_t(v)])]).bulk;
     const Vec3d own = gradient[place_in(vertices, int(row))];
+    TURGOR_CHECK(volumes.volume[std::size_t(v)] > 0, "a nodal volume is not empty");
     const double scale = bulk / volumes.volume[std::size_t(v)];
     for (std::size_t b = 0; b < vertices.size(); b++) {
       double* block = block_of(k, row, vertices[b]);
@@ -82,6 +87,8 @@ void add_volumes(std::size_t row, const NodalVolumes& volumes, std::span<const i
 std::vector<double> element_matrices(const Exec& exec, const SolidMesh& mesh,
                                      std::span<const Material> materials, std::span<const int> material,
                                      Formulation formulation) {
+  TURGOR_CHECK(material.size() == element_count(mesh) && all_indices(material, materials.size()),
+               "every element has one of the materials");
   const std::size_t n = 9 * std::size_t(mesh.corners) * std::size_t(mesh.corners);
   std::vector<double> all(element_count(mesh) * n);
   const auto corners = [&](std::size_t e, auto& x) {
@@ -119,7 +126,8 @@ BlockMatrix assemble(const Exec& exec, const SolidMesh& mesh, std::span<const Ma
   const NodalVolumes volumes = nodal ? nodal_volumes(mesh, material) : NodalVolumes{};
   const Lists volumes_around = nodal ? holders(volumes.vertices, mesh.vertices.size()) : Lists{};
 
-  // A nodal volume holds all vertices of its elements, so where there are volumes they make the pattern.
+  // A nodal volume contains all vertices of its elements, so nodal volumes, where present, define the
+  // pattern.
   BlockMatrix k;
   make_pattern(exec, nodal ? volumes.vertices : elements, nodal ? volumes_around : around, k);
   parallel_for(

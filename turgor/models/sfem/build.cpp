@@ -1,4 +1,6 @@
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/sfem/check_body.hpp"
@@ -12,6 +14,7 @@ namespace {
 /// Numbers the vertices that elements use and nothing fixes.
 void number_free_nodes(Model& model) {
   const Body& body = model.body;
+  TURGOR_CHECK(body.fixed.size() == body.mesh.vertices.size(), "every vertex has a mark");
   model.free_node.assign(body.mesh.vertices.size(), -1);
   for (const int v : body.mesh.elements)
     if (!body.fixed[std::size_t(v)]) model.free_node[std::size_t(v)] = 0;
@@ -26,6 +29,7 @@ void number_free_nodes(Model& model) {
 BlockMatrix restricted(const BlockMatrix& all, const Model& model) {
   BlockMatrix k;
   k.row_begin.assign(1, 0);
+  // copy the blocks between free nodes
   for (const int v : model.vertex) {
     for (std::size_t b = all.row_begin[std::size_t(v)]; b < all.row_begin[std::size_t(v) + 1]; b++) {
       const int column = model.free_node[std::size_t(all.column[b])];
@@ -33,8 +37,11 @@ BlockMatrix restricted(const BlockMatrix& all, const Model& model) {
       k.column.push_back(column);
       k.value.insert(k.value.end(), &all.value[9 * b], &all.value[9 * b] + 9);
     }
+    // close the row
     k.row_begin.push_back(k.column.size());
   }
+  TURGOR_CHECK(is_csr(k.row_begin, k.column.size()) && k.value.size() == 9 * k.column.size(),
+               "the rows cover all blocks, of nine numbers each");
   return k;
 }
 
@@ -95,18 +102,23 @@ void fix_middles(Body& body) {
 }
 
 Result<Model> build(const Exec& exec, Body body, const Params& params) {
+  // check
   if (const Status fit = check_body(body); !fit) return fit.error();
   if (!(params.touch_depth >= 0)) return Error{"touch_depth must be 0 m or more"};
   Model model;
   model.body = std::move(body);
   model.params = params;
+  // topology
   model.surface = surface(model.body.mesh);
   model.neighbors = face_neighbors(model.body.mesh);
   number_free_nodes(model);
+  // stiffness of the free nodes
   const BlockMatrix all = assemble(exec, model.body.mesh, model.body.materials, element_materials(model.body),
                                    params.formulation);
   model.stiffness = restricted(all, model);
+  // nodes with Green's functions
   choose_kept_nodes(exec, model);
+  TURGOR_CHECK(model.green.surface_count <= model.green.nodes.size(), "the nodes of the surface are kept");
   return model;
 }
 

@@ -16,7 +16,7 @@ std::string number(double value) {
   return text;
 }
 
-/// "element 7 has", "elements 3, 4, 9 and 12 more have": for sentences about what is wrong.
+/// Text such as "element 7 has" or "elements 3, 4, 9 and 12 more have" for error messages.
 std::string named(const std::string& what, const std::vector<int>& ids) {
   constexpr std::size_t kShown = 5;
   std::string text = what + (ids.size() > 1 ? "s " : " ");
@@ -28,6 +28,7 @@ std::string named(const std::string& what, const std::vector<int>& ids) {
 
 Status check_arrays(const Body& body) {
   const SolidMesh& mesh = body.mesh;
+  // element type
   const std::size_t vertices = mesh.vertices.size(), elements = element_count(mesh);
   if (mesh.corners != 4 && mesh.corners != 8 && mesh.corners != 10)
     return Error{"elements have 4, 8 or 10 nodes, found " + std::to_string(mesh.corners)};
@@ -60,19 +61,19 @@ Status check_vertices(const SolidMesh& mesh) {
 }
 
 template <std::size_t N>
-std::array<Vec3d, N> places(const SolidMesh& mesh, std::size_t e) {
+std::array<Vec3d, N> positions(const SolidMesh& mesh, std::size_t e) {
   std::array<Vec3d, N> x;
   for (std::size_t c = 0; c < N; c++) x[c] = mesh.vertices[std::size_t(element(mesh, e)[c])];
   return x;
 }
 
 double least_volume(const SolidMesh& mesh, std::size_t e) {
-  if (mesh.corners == 8) return least_hex_volume(places<8>(mesh, e));
-  return mesh.corners == 4 ? volume(mesh, e) : least_quadratic_volume(places<10>(mesh, e));
+  if (mesh.corners == 8) return least_hex_volume(positions<8>(mesh, e));
+  return mesh.corners == 4 ? volume(mesh, e) : least_quadratic_volume(positions<10>(mesh, e));
 }
 
-/// The volume of an element, where its map may turn inside out that of its worst part, in parts of its
-/// largest extent cubed: not positive if the element is none, near zero if it is flat.
+/// Volume of an element relative to its largest extent cubed. An element whose map may invert gives the
+/// volume of its worst part. Not positive for an invalid element, near zero for a flat one.
 double fullness(const SolidMesh& mesh, std::size_t e) {
   Vec3d low = mesh.vertices[std::size_t(element(mesh, e)[0])], high = low;
   for (const int v : element(mesh, e)) {
@@ -85,7 +86,7 @@ double fullness(const SolidMesh& mesh, std::size_t e) {
 }
 
 Status check_volumes(const SolidMesh& mesh) {
-  constexpr double kFlat = 1e-10;  // where single numbers of the stiffness would hide all others
+  constexpr double kFlat = 1e-10;  // below this, single entries of the stiffness would dominate all others
   std::vector<int> inverted, flat;
   for (std::size_t e = 0; e < element_count(mesh); e++) {
     const double full = fullness(mesh, e);
@@ -105,6 +106,7 @@ Status check_volumes(const SolidMesh& mesh) {
 }
 
 Status check_materials(const Body& body) {
+  // moduli
   const int count = int(body.materials.size());
   if (count == 0) return Error{"the body has no material"};
   for (int m = 0; m < count; m++) {
@@ -115,6 +117,7 @@ Status check_materials(const Body& body) {
     if (!(poisson > -1 && poisson < 0.5))
       return Error{name + ": Poisson's ratio must be above -1 and below 0.5, found " + number(poisson)};
   }
+  // materials of elements and inclusions
   const auto in_range = [count](int m) { return m >= 0 && m < count; };
   std::vector<int> bad;
   for (std::size_t e = 0; e < body.material.size(); e++)
@@ -138,12 +141,12 @@ Status check_inclusions(const Body& body) {
     if (!(nearest <= inclusion.radius))
       return Error{"inclusion " + std::to_string(i) + " holds no element: its radius is " +
                    number(inclusion.radius) + " m, the nearest centroid of an element is " + number(nearest) +
-                   " m from its centre"};
+                   " m from its center"};
   }
   return Done{};
 }
 
-/// Three points that are not on a line (a corner's height over the longest side is not tiny).
+/// True when three points are not collinear: a corner's height is not tiny compared with the longest side.
 bool span_a_plane(const std::vector<Vec3d>& points) {
   if (points.empty()) return false;
   const auto farther = [&points](auto distance) {
@@ -156,57 +159,60 @@ bool span_a_plane(const std::vector<Vec3d>& points) {
   return height(farther(height)) > 1e-6 * length * length;
 }
 
-/// Parts of a body and how they are held: by fixed vertices, or by vertices of parts that are held.
-struct Parts {
-  std::vector<std::vector<int>> vertices;  // of each part, ascending
+/// Connected components of a body. A component is held by fixed vertices, or by vertices of held components.
+struct Components {
+  std::vector<std::vector<int>> vertices;  // of each component, ascending
   std::vector<std::uint8_t> is_held;
 };
 
-Parts find_held_parts(const Body& body) {
-  Parts parts;
-  const std::vector<int> part_of = connected_parts(body.mesh);
-  parts.vertices.resize(std::size_t(*std::max_element(part_of.begin(), part_of.end())) + 1);
-  for (std::size_t e = 0; e < part_of.size(); e++)
-    for (const int v : element(body.mesh, e)) parts.vertices[std::size_t(part_of[e])].push_back(v);
-  for (std::vector<int>& vertices : parts.vertices) {
+Components find_held_components(const Body& body) {
+  Components components;
+  const std::vector<int> component_of = connected_components(body.mesh);
+  components.vertices.resize(std::size_t(*std::max_element(component_of.begin(), component_of.end())) + 1);
+  for (std::size_t e = 0; e < component_of.size(); e++)
+    for (const int v : element(body.mesh, e)) components.vertices[std::size_t(component_of[e])].push_back(v);
+  for (std::vector<int>& vertices : components.vertices) {
     sort_unique(vertices);
   }
-  parts.is_held.assign(parts.vertices.size(), 0);
+  components.is_held.assign(components.vertices.size(), 0);
   std::vector<std::uint8_t> still = body.fixed;  // vertices that cannot float away
   for (bool found = true; found;) {
     found = false;
-    for (std::size_t p = 0; p < parts.vertices.size(); p++) {
-      if (parts.is_held[p]) continue;
+    for (std::size_t p = 0; p < components.vertices.size(); p++) {
+      if (components.is_held[p]) continue;
       std::vector<Vec3d> holds;
-      for (const int v : parts.vertices[p])
+      for (const int v : components.vertices[p])
         if (still[std::size_t(v)]) holds.push_back(body.mesh.vertices[std::size_t(v)]);
       if (!span_a_plane(holds)) continue;
-      parts.is_held[p] = found = true;
-      for (const int v : parts.vertices[p]) still[std::size_t(v)] = 1;
+      components.is_held[p] = found = true;
+      for (const int v : components.vertices[p]) still[std::size_t(v)] = 1;
     }
   }
-  return parts;
+  return components;
 }
 
 Status check_held(const Body& body) {
+  // some fixed and some free vertices
   std::size_t used = 0, fixed = 0;
   std::vector<std::uint8_t> seen(body.fixed.size(), 0);
   for (const int v : body.mesh.elements)
     if (!seen[std::size_t(v)]) seen[std::size_t(v)] = 1, used++, fixed += body.fixed[std::size_t(v)] != 0;
   if (fixed == 0) return Error{"no vertex of the body is fixed: nothing holds it"};
   if (fixed == used) return Error{"all vertices of the body are fixed: nothing can move"};
-  const Parts parts = find_held_parts(body);
-  const auto loose = std::find(parts.is_held.begin(), parts.is_held.end(), 0);
-  if (loose == parts.is_held.end()) return Done{};
-  const std::size_t p = std::size_t(loose - parts.is_held.begin());
-  const auto count = std::count(parts.is_held.begin(), parts.is_held.end(), 0);
+  // components that are not held
+  const Components components = find_held_components(body);
+  const auto loose = std::find(components.is_held.begin(), components.is_held.end(), 0);
+  if (loose == components.is_held.end()) return Done{};
+  const std::size_t p = std::size_t(loose - components.is_held.begin());
+  const auto count = std::count(components.is_held.begin(), components.is_held.end(), 0);
+  // message
   std::vector<int> holds;
-  for (const int v : parts.vertices[p])
+  for (const int v : components.vertices[p])
     if (body.fixed[std::size_t(v)]) holds.push_back(v);
   return Error{(count > 1 ? std::to_string(count) + " connected parts are" : "a connected part is") +
                " not held by three fixed vertices that are not on a line: the largest has " +
-               std::to_string(parts.vertices[p].size()) + " vertices, among them vertex " +
-               std::to_string(parts.vertices[p][0]) + "; " +
+               std::to_string(components.vertices[p].size()) + " vertices, among them vertex " +
+               std::to_string(components.vertices[p][0]) + "; " +
                (holds.empty() ? "none is fixed" : "fixed is only " + named("vertex number", holds))};
 }
 

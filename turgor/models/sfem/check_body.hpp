@@ -1,12 +1,13 @@
-// What makes a body unfit for a static solution, said with the numbers of what is wrong.
+// Checks a body for the defects that exclude a static solution. The messages contain the numbers of the
+// affected elements and vertices.
 #pragma once
 
 #include "turgor/models/sfem/sfem.hpp"
 
 namespace turgor::sfem {
 
-/// Error: arrays that do not fit each other, an element without volume, a material that is none, a body or a
-/// part of it that the fixed vertices do not hold.
+/// Error: arrays of inconsistent sizes, an element without volume, an invalid material, a body or a connected
+/// component that the fixed vertices do not hold.
 Status check_body(const Body& body);
 
 }  // namespace turgor::sfem

@@ -1,5 +1,5 @@
-// The factorisation, multifrontal: a supernode's front is its entries of K and what its children left; when
-// it is factored, it leaves its own rest for its parent.
+// Multifrontal factorization. The front of a supernode contains its entries of K and the contributions of its
+// children. After elimination of its own columns, the rest is passed to its parent. [Duff, Reid 1983]
 #include "turgor/models/sfem/cholesky.hpp"
 
 #include <algorithm>
@@ -7,6 +7,8 @@
 #include <mutex>
 #include <string>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/sfem/dense_cholesky.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 
@@ -14,17 +16,17 @@ namespace turgor::sfem {
 
 namespace {
 
-/// Subtrees with less than this part of all work are done by one thread each, the rest by all together. The
-/// same on any number of threads, and so are the results.
+/// Subtrees with less than this fraction of the work are factored by one thread each, the rest by all threads
+/// together. The division, and so the result, does not depend on the number of threads.
 constexpr double kSubtreeWork = 1.0 / 48;
 
 struct Factoring {
   const BlockMatrix& k;
   Cholesky& factor;
-  std::vector<std::vector<double>> rest;   // of each supernode, until its parent has taken it
+  std::vector<std::vector<double>> rest;   // of each supernode, until used by its parent
   std::vector<std::vector<int>> children;  // of each supernode, ascending
   std::vector<double> flops;               // of each supernode
-  std::atomic<int> bad_place{-1};          // smallest one without a positive pivot that was met
+  std::atomic<int> bad_position{-1};       // smallest position without a positive pivot
   const Progress& progress;
   std::mutex progress_mutex;
   double done = 0;
@@ -35,20 +37,20 @@ double flops_of(const Supernode& s) {
   return w * w * w / 3 + 2 * w * w * h + w * h * h;
 }
 
-/// Where an entry of a front is: in its panel or in its rest.
+/// Addresses of a front's entries, in its panel or in its rest.
 struct FrontView {
   const Elimination& plan;
   const Supernode& s;
   Front front;
 
-  /// A place's number in the front, in nodes.
-  std::size_t local(int place) const {
-    if (place < s.first + s.count) return std::size_t(place - s.first);
+  /// Index of a position within the front, in nodes.
+  std::size_t local(int position) const {
+    if (position < s.first + s.count) return std::size_t(position - s.first);
     const auto rows = rows_of(plan, s);
     return std::size_t(s.count) +
-           std::size_t(std::lower_bound(rows.begin(), rows.end(), place) - rows.begin());
+           std::size_t(std::lower_bound(rows.begin(), rows.end(), position) - rows.begin());
   }
-  /// The first entry of a 3×3 block and the distance of its columns; row ≥ column.
+  /// First entry of a 3×3 block and the distance of its columns; row ≥ column.
   std::pair<double*, std::size_t> block(std::size_t row, std::size_t column) const {
     const std::size_t height = front.width + front.height;
     if (3 * column < front.width) return {front.panel + 3 * column * height + 3 * row, height};
@@ -61,7 +63,7 @@ void add_stiffness(const BlockMatrix& k, const FrontView& view) {
   for (int p = view.s.first; p < view.s.first + view.s.count; p++) {
     const auto row = std::size_t(plan.order[std::size_t(p)]);
     for (std::size_t b = k.row_begin[row]; b < k.row_begin[row + 1]; b++) {
-      const int q = plan.place[std::size_t(k.column[b])];
+      const int q = plan.position[std::size_t(k.column[b])];
       if (q < p) continue;
       // Block (p, q) of K is the transpose of the block (q, p) of the lower half.
       const auto [to, stride] = view.block(view.local(q), std::size_t(p - view.s.first));
@@ -74,6 +76,7 @@ void add_child(const Elimination& plan, const Supernode& child, const std::vecto
                const FrontView& view) {
   const auto rows = rows_of(plan, child);
   const std::size_t height = 3 * rows.size();
+  TURGOR_CHECK(rest.size() == height * height, "a child contributes to all of its rows");
   std::vector<std::size_t> local(rows.size());
   for (std::size_t i = 0; i < rows.size(); i++) local[i] = view.local(rows[i]);
   for (std::size_t c = 0; c < rows.size(); c++)
@@ -99,6 +102,7 @@ void factor_supernode(const Exec& exec, Factoring& f, int n) {
   const Supernode& s = plan.supernodes[std::size_t(n)];
   std::vector<double>& rest = f.rest[std::size_t(n)];
   const std::size_t width = 3 * std::size_t(s.count), height = 3 * s.row_count;
+  // assemble the front: entries of K, contributions of children
   rest.assign(height * height, 0);
   const FrontView view{plan, s, {width, height, &f.factor.values[s.value_begin], rest.data()}};
   add_stiffness(f.k, view);
@@ -106,17 +110,18 @@ void factor_supernode(const Exec& exec, Factoring& f, int n) {
     add_child(plan, plan.supernodes[std::size_t(c)], f.rest[std::size_t(c)], view);
     f.rest[std::size_t(c)] = {};
   }
+  // factor; keep the smallest bad position of all threads
   if (const int bad = factor_front(exec, view.front); bad >= 0) {
-    const int place = s.first + bad / 3;
-    for (int known = f.bad_place;
-         (known < 0 || place < known) && !f.bad_place.compare_exchange_weak(known, place);) {
+    const int position = s.first + bad / 3;
+    for (int known = f.bad_position;
+         (known < 0 || position < known) && !f.bad_position.compare_exchange_weak(known, position);) {
     }
   }
   report_progress(f, flops_of(s));
 }
 
-/// First and last supernode of every subtree that one thread does alone, those with most work first, and
-/// the supernodes above them.
+/// First and last supernode of every subtree for one thread, those with most work first, and the supernodes
+/// above them.
 struct Schedule {
   std::vector<std::pair<int, int>> subtrees;
   std::vector<int> above;
@@ -161,6 +166,9 @@ Result<Cholesky> factorize(const Exec& exec, const BlockMatrix& k, Elimination p
               .flops = {},
               .progress = progress,
               .progress_mutex = {}};
+  TURGOR_CHECK(k.row_begin.size() == factor.plan.order.size() + 1 &&
+                   is_permutation(factor.plan.order, factor.plan.order.size()),
+               "the elimination order is a permutation of the rows");
   f.rest.resize(supernodes.size()), f.children.resize(supernodes.size());
   for (std::size_t n = 0; n < supernodes.size(); n++)
     if (supernodes[n].parent >= 0) f.children[std::size_t(supernodes[n].parent)].push_back(int(n));
@@ -169,12 +177,12 @@ Result<Cholesky> factorize(const Exec& exec, const BlockMatrix& k, Elimination p
   const Exec alone(1);
   parallel_for(exec, schedule.subtrees.size(), [&](std::size_t t) {
     const auto [first, last] = schedule.subtrees[t];
-    for (int n = first; n <= last && f.bad_place < 0; n++) factor_supernode(alone, f, n);
+    for (int n = first; n <= last && f.bad_position < 0; n++) factor_supernode(alone, f, n);
   });
   for (const int n : schedule.above)
-    if (f.bad_place < 0) factor_supernode(exec, f, n);
-  if (f.bad_place < 0) return factor;
-  const int row = factor.plan.order[std::size_t(f.bad_place)];
+    if (f.bad_position < 0) factor_supernode(exec, f, n);
+  if (f.bad_position < 0) return factor;
+  const int row = factor.plan.order[std::size_t(f.bad_position)];
   return Error{"the stiffness is not positive definite: a motion of vertex " +
                std::to_string(vertex[std::size_t(row)]) + " is resisted by nothing"};
 }

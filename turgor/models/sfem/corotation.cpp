@@ -1,7 +1,8 @@
-// Forces of elements that have turned.
+// Forces of rotated elements.
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/rotation.hpp"
 
@@ -20,7 +21,7 @@ Mat3d turned(const Mat3d& m, Vec3d axis, double angle) {
   return result;
 }
 
-/// Errors of many small turns do not add up.
+/// Orthonormalizes a rotation, so that errors of many small steps do not accumulate.
 Mat3d orthonormal(Mat3d r) {
   r.column[0] = normalized(r.column[0]);
   r.column[1] = normalized(r.column[1] - r.column[0] * dot(r.column[0], r.column[1]));
@@ -28,8 +29,8 @@ Mat3d orthonormal(Mat3d r) {
   return r;
 }
 
-/// The gradient of each corner's shape function at the element's centre. Of a hexahedron: as the motion of
-/// the box that its faces' centres span.
+/// Gradient of each corner's shape function at the element's center. For a hexahedron: that of the box that
+/// its face centers span.
 std::vector<Vec3d> center_gradients(const SolidMesh& mesh, std::size_t e) {
   static constexpr std::array<Vec3d, 8> kCorner{
       {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
@@ -42,10 +43,11 @@ std::vector<Vec3d> center_gradients(const SolidMesh& mesh, std::size_t e) {
       slope[c] = kCorner[c] / 8;
     else if (mesh.corners == 4)
       slope[c] = kLinear[c];
-    else if (c >= 4)  // there, the functions of a quadratic tetrahedron's corners are level
+    else if (c >= 4)  // at the center, the functions of a quadratic tetrahedron's corners have zero slope
       slope[c] = kLinear[std::size_t(kTetEdges[c - 4][0])] + kLinear[std::size_t(kTetEdges[c - 4][1])];
     for (int axis = 0; axis < 3; axis++) map.column[axis] += x(c) * slope[c][axis];
   }
+  TURGOR_CHECK(determinant(map) != 0, "an element has a volume");
   const Mat3d to_space = transposed(inverse(map));
   for (Vec3d& g : slope) g = to_space * g;
   return slope;
@@ -64,18 +66,20 @@ std::vector<int> find_volumes(const Model& model, const NodalVolumes& volumes) {
     for (const int v : element(mesh, e))
       found.push_back(*std::lower_bound(all.begin(), all.end(), std::pair(v, material[e]),
                                         [&](int n, const auto& wanted) { return key(n) < wanted; }));
+  TURGOR_CHECK(found.size() == mesh.elements.size(), "every corner of an element has a nodal volume");
   return found;
 }
 
 /// Displacements of all vertices from those of the free nodes.
 std::vector<Vec3d> spread(const Model& model, std::span<const double> u) {
+  TURGOR_CHECK(u.size() == 3 * model.vertex.size(), "every free node has three numbers");
   std::vector<Vec3d> all(model.free_node.size());
   for (std::size_t row = 0; row < model.vertex.size(); row++)
     all[std::size_t(model.vertex[row])] = {u[3 * row], u[3 * row + 1], u[3 * row + 2]};
   return all;
 }
 
-/// Of each of an element's nodes, in the element's frame [m].
+/// Displacement of each of an element's nodes, in the element's frame [m].
 using Offsets = std::array<Vec3d, 10>;
 
 /// Rᵀ (X + u) − X, without losing digits where it is small.
@@ -93,10 +97,10 @@ Offsets offsets_from_rest(const SolidMesh& mesh, std::span<const int> vertices,
   return offsets;
 }
 
-/// What elements exert on their corners in their own frames, and how much they have swollen.
+/// Forces of elements on their corners in their own frames, and volume changes.
 struct OwnForces {
   std::vector<Vec3d> force;      // of each element's corners [N]
-  std::vector<double> swelling;  // of each element, in parts of its volume
+  std::vector<double> swelling;  // of each element, relative to its volume
 };
 
 void deform(const Corotation& corotation, std::size_t corners, std::size_t e, const Offsets& offsets,
@@ -115,8 +119,10 @@ void deform(const Corotation& corotation, std::size_t corners, std::size_t e, co
   }
 }
 
-/// Of averaged tetrahedra: what resists the change of the volumes around the nodes.
+/// Pressure of averaged tetrahedra against changes of the nodal volumes.
 void add_pressure(const Exec& exec, const SolidMesh& mesh, const Corotation& corotation, OwnForces& own) {
+  TURGOR_CHECK(corotation.volume_of.size() == 4 * own.swelling.size(),
+               "every corner of a tetrahedron has a nodal volume");
   const std::vector<int>& volume_of = corotation.volume_of;
   std::vector<double> pressure(corotation.bulk.size());  // of each nodal volume [Pa]
   parallel_for(
@@ -173,6 +179,8 @@ void forces_of(const Exec& exec, const Model& model, const Corotation& corotatio
                const std::vector<Mat3d>& rotation, std::span<double> forces, const OffsetsOf& offsets_of) {
   const SolidMesh& mesh = model.body.mesh;
   const auto corners = std::size_t(mesh.corners);
+  TURGOR_CHECK(rotation.size() == element_count(mesh) && forces.size() == 3 * model.vertex.size(),
+               "every element has a rotation, and every free node a force");
   OwnForces own{std::vector<Vec3d>(mesh.elements.size()), std::vector<double>(element_count(mesh))};
   parallel_for(
       exec, element_count(mesh),
@@ -223,10 +231,12 @@ Corotation make_corotation(const Exec& exec, const Model& model, int averaging) 
   const Body& body = model.body;
   const std::vector<int> material = element_materials(body);
   Corotation c{.averaging = averaging};
+  // stiffness and gradients of elements
   c.matrices = element_matrices(exec, body.mesh, body.materials, material, model.params.formulation);
   for (std::size_t e = 0; e < element_count(body.mesh); e++)
     for (const Vec3d g : center_gradients(body.mesh, e)) c.gradient.push_back(g);
   c.around = holders(element_lists(body.mesh), body.mesh.vertices.size());
+  // nodal volumes
   if (!averages_nodes(body.mesh, model.params.formulation)) return c;
   c.volumes = nodal_volumes(body.mesh, material);
   c.volume_of = find_volumes(model, c.volumes);
@@ -238,6 +248,7 @@ Corotation make_corotation(const Exec& exec, const Model& model, int averaging) 
 void update_rotations(const Exec& exec, const Model& model, const Corotation& corotation,
                       std::span<const double> u, std::vector<Mat3d>& rotation) {
   const SolidMesh& mesh = model.body.mesh;
+  TURGOR_CHECK(rotation.size() == element_count(mesh), "every element has a rotation");
   const std::vector<Vec3d> displacement = spread(model, u);
   std::vector<Mat3d> gradient(rotation.size());  // the identity, to which displacements add
   parallel_for(

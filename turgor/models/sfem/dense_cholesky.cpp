@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::sfem {
 
 namespace {
@@ -12,17 +14,18 @@ using Matrix = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 using Eigen::Index;
 
 #ifdef TURGOR_SAME_BITS
-/// Eigen cuts its sums into blocks that fit the caches of the processor it runs on, unless it is told some.
+/// Fixes Eigen's block sizes. By default they depend on the processor's caches, and with them the rounding.
 [[maybe_unused]] const bool kSameBlocks = (Eigen::setCpuCacheSizes(32 << 10, 1 << 20, 8 << 20), true);
 #endif
 
 constexpr Index kBlock = 128;  // columns that are eliminated together
 constexpr Index kTile = 192;   // rows or columns that one thread updates
 
-/// A pivot that has lost all its digits to the columns before it means a motion that nothing resists.
+/// Relative size below which a pivot counts as zero: rounding has removed all of its digits, which means a
+/// motion without resistance.
 constexpr double kLostDigits = 1e-13;
 
-Matrix part(const Matrix& m, Index row, Index column, Index rows, Index columns) {
+Matrix block(const Matrix& m, Index row, Index column, Index rows, Index columns) {
   double* first = const_cast<double*>(m.data()) + column * m.outerStride() + row;
   return {first, rows, columns, Eigen::OuterStride<>(m.outerStride())};
 }
@@ -42,8 +45,8 @@ int factor_small(Matrix a, const double* diagonal) {
 int factor_block(const Matrix& a, const double* diagonal) {
   const Index n = a.cols(), half = n / 2;
   if (n <= 24) return factor_small(a, diagonal);
-  const Matrix upper = part(a, 0, 0, half, half);
-  Matrix below = part(a, half, 0, n - half, half), rest = part(a, half, half, n - half, n - half);
+  const Matrix upper = block(a, 0, 0, half, half);
+  Matrix below = block(a, half, 0, n - half, half), rest = block(a, half, half, n - half, n - half);
   if (const int bad = factor_block(upper, diagonal); bad >= 0) return bad;
   upper.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(below);
   rest.selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
@@ -69,8 +72,8 @@ void subtract_product(const Exec& exec, Matrix rest, const Matrix& a, const Matr
     const Index j = Index(t / rows) * kTile, i = Index(t % rows) * kTile;
     if (i < j) return;
     const Index height = std::min(kTile, rest.rows() - i), width = std::min(kTile, rest.cols() - j);
-    Matrix tile = part(rest, i, j, height, width);
-    const Matrix left = part(a, i, 0, height, a.cols()), right = part(b, j, 0, width, b.cols());
+    Matrix tile = block(rest, i, j, height, width);
+    const Matrix left = block(a, i, 0, height, a.cols()), right = block(b, j, 0, width, b.cols());
     if (i == j && height == width)
       tile.triangularView<Eigen::Lower>() -= left * right.transpose();
     else
@@ -81,25 +84,27 @@ void subtract_product(const Exec& exec, Matrix rest, const Matrix& a, const Matr
 }  // namespace
 
 int factor_front(const Exec& exec, const Front& front) {
+  TURGOR_CHECK(front.panel != nullptr && (front.height == 0 || front.rest != nullptr),
+               "a front has both matrices");
   const auto width = Index(front.width), height = Index(front.height), rows = width + height;
   const Matrix panel(front.panel, rows, width, Eigen::OuterStride<>(rows));
   const Eigen::VectorXd diagonal = panel.diagonal();
   for (Index k = 0; k < width; k += kBlock) {
     const Index b = std::min(kBlock, width - k), next = k + b;
-    const Matrix pivot = part(panel, k, k, b, b);
+    const Matrix pivot = block(panel, k, k, b, b);
     if (const int bad = factor_block(pivot, diagonal.data() + k); bad >= 0) return int(k) + bad;
     for_tiles(exec, rows - next, [&](Index first, Index count) {
-      Matrix below = part(panel, next + first, k, count, b);
+      Matrix below = block(panel, next + first, k, count, b);
       pivot.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(below);
     });
-    const Matrix below = part(panel, next, k, rows - next, b);
-    subtract_product(exec, part(panel, next, next, rows - next, width - next), below, below);
+    const Matrix below = block(panel, next, k, rows - next, b);
+    subtract_product(exec, block(panel, next, next, rows - next, width - next), below, below);
   }
   if (height == 0) return -1;
-  const Matrix pivot = part(panel, 0, 0, width, width), below = part(panel, width, 0, height, width);
+  const Matrix pivot = block(panel, 0, 0, width, width), below = block(panel, width, 0, height, width);
   subtract_product(exec, {front.rest, height, height, Eigen::OuterStride<>(height)}, below, below);
   for_tiles(exec, height, [&](Index first, Index count) {
-    Matrix some = part(below, first, 0, count, width);
+    Matrix some = block(below, first, 0, count, width);
     pivot.triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(some);
   });
   return -1;

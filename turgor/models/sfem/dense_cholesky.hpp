@@ -1,4 +1,4 @@
-// The dense part of a sparse factorisation: one supernode's panel and what it leaves for its ancestors.
+// Dense part of a sparse factorization: the panel of one supernode and its contribution to its ancestors.
 #pragma once
 
 #include <cstddef>

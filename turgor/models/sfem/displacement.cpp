@@ -1,13 +1,15 @@
 #include <algorithm>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/sfem/patch.hpp"
 
 namespace turgor::sfem {
 
 namespace {
 
-constexpr std::size_t kRows = 1536;  // of the result at a time, so that they stay in the first cache
+constexpr std::size_t kRows =
+    1536;  // rows of the result at a time, so that they stay in the first-level cache
 
 /// y += A f for one vertex: three columns of `stride` rows each, from row `begin` on.
 template <class T>
@@ -26,10 +28,13 @@ void surface_displacements(const Exec& exec, const Model& model, std::span<const
   const Green& green = model.green;
   const std::size_t rows = 3 * green.surface_count, stride = 3 * green.nodes.size();
   TURGOR_ASSERT(out.size() == rows && forces.size() == 3 * vertices.size(), "three numbers a vertex");
+  TURGOR_CHECK(all_indices(vertices, green.slot.size()), "forces act on vertices of the body");
   exec.run_ranges((rows + kRows - 1) / kRows, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t part = first; part < last; part++) {
-      const std::size_t begin = part * kRows, count = std::min(kRows, rows - begin);
+    for (std::size_t tile = first; tile < last; tile++) {
+      // a tile of rows
+      const std::size_t begin = tile * kRows, count = std::min(kRows, rows - begin);
       std::fill_n(out.data() + begin, count, 0.0f);
+      // add the columns of loaded vertices, from any store
       for (std::size_t v = 0; v < vertices.size(); v++) {
         const int slot = green.slot[std::size_t(vertices[v])];
         const double* f = &forces[3 * v];

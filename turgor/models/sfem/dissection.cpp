@@ -6,6 +6,7 @@
 #include <metis.h>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 
 namespace turgor::sfem {
 
@@ -20,15 +21,16 @@ std::vector<int> nested_dissection(const BlockMatrix& k) {
     first.push_back(idx_t(others.size()));
   }
   if (others.empty()) return order;
-  std::vector<idx_t> permuted(order.size()), place(order.size());
+  std::vector<idx_t> permuted(order.size()), inverse_order(order.size());
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
-  static std::mutex one_at_a_time;  // METIS draws from std::rand, which is everybody's
+  static std::mutex one_at_a_time;  // METIS uses std::rand, which is global
   const std::lock_guard lock(one_at_a_time);
-  const int status =
-      METIS_NodeND(&count, first.data(), others.data(), nullptr, options, permuted.data(), place.data());
+  const int status = METIS_NodeND(&count, first.data(), others.data(), nullptr, options, permuted.data(),
+                                  inverse_order.data());
   TURGOR_ASSERT(status == METIS_OK, "METIS orders every graph without an error");
   order.assign(permuted.begin(), permuted.end());
+  TURGOR_CHECK(is_permutation(order, order.size()), "the elimination order is a permutation of the rows");
   return order;
 }
 

@@ -1,5 +1,5 @@
-// The order in which unknowns are eliminated: nested dissection. A body is cut in two where few nodes hold
-// the halves together; those are eliminated last, and the halves in the same way before. [George 1973]
+// Elimination order by nested dissection. A body is divided in two at a small set of nodes. These are
+// eliminated last, the halves in the same manner before. [George 1973]
 #pragma once
 
 #include <span>

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/geometry/quadratic.hpp"
 
 namespace turgor::sfem {
@@ -26,8 +28,8 @@ void stiffness_of_moments(const double* g, Moduli m, double* k) {
     }
 }
 
-/// What each corner's motion adds to a tetrahedron's volume [m²]; divided by the volume, the gradient of the
-/// corner's shape function.
+/// Gradient of a tetrahedron's volume by each corner's position [m²]. Divided by the volume, it is the
+/// gradient of the corner's shape function.
 std::array<Vec3d, 4> volume_gradients(const std::array<Vec3d, 4>& x) {
   const Vec3d a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0];
   const Vec3d g1 = cross(b, c) / 6, g2 = cross(c, a) / 6, g3 = cross(a, b) / 6;
@@ -40,7 +42,7 @@ struct GaussPoints {
   std::array<std::array<double, 3 * kNodes>, kPoints> gradient;  // of each point [1/m]
   std::array<double, kPoints> volume;                            // [m³]
 
-  /// Slopes of the functions in the element's own coordinates, and its weight there, make point p.
+  /// Sets point p from the functions' derivatives in element coordinates and the weight of the point.
   void set(std::size_t p, const std::array<Vec3d, kNodes>& x, const std::array<Vec3d, kNodes>& slope,
            double weight) {
     Mat3d map{{{}, {}, {}}};
@@ -84,11 +86,11 @@ GaussPoints<10, 4> quadratic_points(const std::array<Vec3d, 10>& x) {
   return points;
 }
 
-/// Of an element, summed over its Gauss points.
+/// Moments of an element, summed over its Gauss points.
 template <std::size_t kNodes>
 struct Moments {
   std::array<double, 9 * kNodes * kNodes> of_gradients{};
-  std::array<double, 3 * kNodes> swelling{};  // what each node's motion adds to the volume [m²]
+  std::array<double, 3 * kNodes> swelling{};  // volume gradient by each node's position [m²]
   double volume = 0;                          // [m³]
 };
 
@@ -109,7 +111,7 @@ Moments<kNodes> moments_of(const GaussPoints<kNodes, kPoints>& points) {
   return moments;
 }
 
-/// What one corner of a tetrahedron brings to the volume around one of its vertices.
+/// Contribution of one corner of a tetrahedron to the nodal volume of one of its vertices.
 struct VolumeShare {
   int material, vertex;
   double volume;   // [m³]
@@ -133,6 +135,7 @@ void add_shares(const SolidMesh& mesh, std::size_t e, int material, std::vector<
 void tet_stiffness(const std::array<Vec3d, 4>& x, Moduli m, std::span<double, 144> k) {
   const std::array<Vec3d, 4> g = volume_gradients(x);
   const double volume = orientation(x[0], x[1], x[2], x[3]) / 6;
+  TURGOR_CHECK(volume > 0, "a tetrahedron has a volume");
   std::array<double, 144> moments;
   for (std::size_t a = 0; a < 12; a++)
     for (std::size_t b = 0; b < 12; b++)
@@ -147,6 +150,7 @@ void hex_stiffness(const std::array<Vec3d, 8>& x, const Material& material, Form
   const Moduli m = moduli(material);
   stiffness_of_moments<8>(moments.of_gradients.data(), {averaged ? 0 : m.bulk, m.shear}, k.data());
   if (!averaged) return;
+  TURGOR_CHECK(moments.volume > 0, "a hexahedron has a volume");
   for (std::size_t a = 0; a < 24; a++)
     for (std::size_t b = 0; b < 24; b++)
       k[a * 24 + b] += m.bulk / moments.volume * (moments.swelling[a] * moments.swelling[b]);
@@ -197,9 +201,11 @@ NodalVolumes nodal_volumes(const SolidMesh& mesh, std::span<const int> material)
   NodalVolumes result;
   std::vector<VolumeShare> shares;
   for (std::size_t v = 0; v < around.count(); v++) {
+    // contributions around the vertex, by material and vertex
     shares.clear();
     for (const int e : around[v]) add_shares(mesh, std::size_t(e), material[std::size_t(e)], shares);
     std::stable_sort(shares.begin(), shares.end());
+    // one volume a material, one gradient a vertex
     for (std::size_t i = 0; i < shares.size(); i++) {
       const bool new_material = i == 0 || shares[i].material != shares[i - 1].material;
       if (new_material) {
@@ -217,6 +223,10 @@ NodalVolumes nodal_volumes(const SolidMesh& mesh, std::span<const int> material)
       result.gradient.back() += shares[i].gradient;
     }
   }
+  TURGOR_CHECK(std::all_of(result.volume.begin(), result.volume.end(), [](double v) { return v > 0; }),
+               "nodal volumes are not empty");
+  TURGOR_CHECK(is_csr(result.vertices.begin, result.vertices.item.size()),
+               "the nodal volumes cover all their vertices");
   return result;
 }
 

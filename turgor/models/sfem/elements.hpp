@@ -7,16 +7,18 @@
 #include <array>
 #include <span>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/sfem/lists.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 
 namespace turgor::sfem {
 
-/// What resists a change of volume without shear, and what resists shear.
+/// Bulk and shear modulus.
 struct Moduli {
   double bulk = 0, shear = 0;  // [Pa]
 };
 inline Moduli moduli(const Material& m) {
+  TURGOR_CHECK(m.poisson > -1 && m.poisson < 0.5, "Poisson's ratio is between -1 and 0.5");
   return {m.young / (3 * (1 - 2 * m.poisson)), m.young / (2 * (1 + m.poisson))};
 }
 
@@ -39,7 +41,7 @@ double least_quadratic_volume(const std::array<Vec3d, 10>& x);
 /// The quadratic functions of a tetrahedron's ten nodes where its linear ones have these values.
 std::array<double, 10> quadratic_weights(const std::array<double, 4>& linear);
 
-/// Is the change of volume measured around nodes?
+/// True when the change of volume is averaged around nodes.
 inline bool averages_nodes(const SolidMesh& mesh, Formulation formulation) {
   return mesh.corners == 4 && formulation == Formulation::kAveraged;
 }

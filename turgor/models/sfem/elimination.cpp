@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/sfem/dissection.hpp"
 
 namespace turgor::sfem {
@@ -10,18 +12,19 @@ namespace turgor::sfem {
 namespace {
 
 std::vector<int> inverted(const std::vector<int>& order) {
-  std::vector<int> place(order.size());
-  for (std::size_t p = 0; p < order.size(); p++) place[std::size_t(order[p])] = int(p);
-  return place;
+  TURGOR_CHECK(is_permutation(order, order.size()), "an order is a permutation");
+  std::vector<int> position(order.size());
+  for (std::size_t p = 0; p < order.size(); p++) position[std::size_t(order[p])] = int(p);
+  return position;
 }
 
-/// The parent of each place in the elimination tree. [Liu 1990]
+/// Parent of each position in the elimination tree. [Liu 1990]
 std::vector<int> elimination_tree(const BlockMatrix& k, const std::vector<int>& order,
-                                  const std::vector<int>& place) {
+                                  const std::vector<int>& position) {
   std::vector<int> parent(order.size(), -1), top(order.size(), -1);  // `top` shortens paths
   for (int i = 0; i < int(order.size()); i++)
     for (const int other : neighbors(k, order[std::size_t(i)]))
-      for (int j = place[std::size_t(other)]; j >= 0 && j < i;) {
+      for (int j = position[std::size_t(other)]; j >= 0 && j < i;) {
         const int next = top[std::size_t(j)];
         top[std::size_t(j)] = i;
         if (next < 0) parent[std::size_t(j)] = i;
@@ -33,9 +36,11 @@ std::vector<int> elimination_tree(const BlockMatrix& k, const std::vector<int>& 
 /// Children before parents, each subtree contiguous.
 std::vector<int> postorder(const std::vector<int>& parent) {
   std::vector<int> roots, order, stack;
+  // children of each node
   std::vector<std::vector<int>> children(parent.size());
   for (std::size_t j = 0; j < parent.size(); j++)
     (parent[j] < 0 ? roots : children[std::size_t(parent[j])]).push_back(int(j));
+  // depth-first traversal
   stack.assign(roots.rbegin(), roots.rend());
   std::vector<std::size_t> next(parent.size(), 0);
   while (!stack.empty()) {
@@ -47,18 +52,19 @@ std::vector<int> postorder(const std::vector<int>& parent) {
       stack.pop_back();
     }
   }
+  TURGOR_CHECK(order.size() == parent.size(), "the tree contains every node once");
   return order;
 }
 
-/// Rows below the diagonal in each column of the factor: row i has an entry in every column on the way up
+/// Rows below the diagonal in each column of the factor: row i has an entry in every column on the path up
 /// the tree from its entries in K.
 std::vector<int> column_counts(const BlockMatrix& k, const std::vector<int>& order,
-                               const std::vector<int>& place, const std::vector<int>& parent) {
+                               const std::vector<int>& position, const std::vector<int>& parent) {
   std::vector<int> count(order.size(), 0), seen(order.size(), -1);
   for (int i = 0; i < int(order.size()); i++) {
     seen[std::size_t(i)] = i;
     for (const int other : neighbors(k, order[std::size_t(i)]))
-      for (int j = place[std::size_t(other)]; j < i && seen[std::size_t(j)] != i;
+      for (int j = position[std::size_t(other)]; j < i && seen[std::size_t(j)] != i;
            j = parent[std::size_t(j)]) {
         count[std::size_t(j)]++;
         seen[std::size_t(j)] = i;
@@ -96,7 +102,8 @@ Groups equal_columns(const std::vector<int>& parent, const std::vector<int>& cou
   return g;
 }
 
-/// Small groups make dense products slow, zeros make them long: the smaller, the more zeros are worth it.
+/// Merges small groups with their parents. Small groups make dense products slow, but merging stores zeros.
+/// The smaller the groups, the more zeros are accepted.
 bool worth_uniting(double width, double zeros, double total) {
   const double share = zeros / total;
   return width <= 8 || (width <= 24 && share < 0.3) || (width <= 64 && share < 0.1) || share < 0.03;
@@ -122,20 +129,23 @@ int alive(Groups& g, int s) {
   return s;
 }
 
-/// Supernodes of the living groups in postorder, and the order of the columns that goes with them.
+/// Supernodes of the remaining groups in postorder, and the corresponding order of the columns.
 void number_supernodes(Groups& g, const std::vector<int>& group, Elimination& plan) {
+  // parents of the remaining groups
   std::vector<int> parent(g.parent.size());
   for (std::size_t s = 0; s < parent.size(); s++) {
     const int into = alive(g, int(s));
     const int above = g.parent[std::size_t(into)];
     parent[s] = into != int(s) ? into : above < 0 ? -1 : alive(g, above);
   }
+  // supernodes in postorder
   std::vector<int> supernode(parent.size(), -1);
   for (const int s : postorder(parent))
     if (g.into[std::size_t(s)] == s) {
       supernode[std::size_t(s)] = int(plan.supernodes.size());
       plan.supernodes.push_back({.count = int(g.width[std::size_t(s)])});
     }
+  // columns of each supernode, contiguous
   int first = 0;
   for (Supernode& s : plan.supernodes) s.first = first, first += s.count;
   std::vector<int> next, order(plan.order.size());
@@ -147,7 +157,7 @@ void number_supernodes(Groups& g, const std::vector<int>& group, Elimination& pl
     order[std::size_t(next[std::size_t(s)]++)] = plan.order[j];
   }
   plan.order = std::move(order);
-  plan.place = inverted(plan.order);
+  plan.position = inverted(plan.order);
 }
 
 /// The rows of each supernode: those of K's entries and of its children, below itself.
@@ -157,20 +167,23 @@ void find_rows(const BlockMatrix& k, Elimination& plan) {
   for (std::size_t n = 0; n < plan.supernodes.size(); n++) {
     Supernode& s = plan.supernodes[n];
     found.clear();
-    const auto add = [&](int place) {
-      if (place < s.first + s.count || seen[std::size_t(place)] == int(n)) return;
-      seen[std::size_t(place)] = int(n);
-      found.push_back(place);
+    // rows of K's entries and of the children
+    const auto add = [&](int position) {
+      if (position < s.first + s.count || seen[std::size_t(position)] == int(n)) return;
+      seen[std::size_t(position)] = int(n);
+      found.push_back(position);
     };
     for (int j = s.first; j < s.first + s.count; j++)
-      for (const int other : neighbors(k, plan.order[std::size_t(j)])) add(plan.place[std::size_t(other)]);
+      for (const int other : neighbors(k, plan.order[std::size_t(j)])) add(plan.position[std::size_t(other)]);
     for (const int c : children[n])
       for (const int row : rows_of(plan, plan.supernodes[std::size_t(c)])) add(row);
+    // store; the first row gives the parent
     std::sort(found.begin(), found.end());
     s.row_begin = plan.rows.size(), s.row_count = found.size();
     plan.rows.insert(plan.rows.end(), found.begin(), found.end());
     if (found.empty()) continue;
     s.parent = plan.supernode_of[std::size_t(found[0])];
+    TURGOR_CHECK(s.parent > int(n), "children come before their parents");
     children[std::size_t(s.parent)].push_back(int(n));
   }
 }
@@ -184,7 +197,8 @@ void count_cost(Elimination& plan) {
     s.value_begin = plan.value_count;
     plan.value_count += width * (width + height);
     const auto w = double(width), h = double(height);
-    plan.flops += w * w * w / 3 + 2 * w * w * h + w * h * h;  // pivot block; its rows, twice; what is left
+    plan.flops += w * w * w / 3 + 2 * w * w * h +
+                  w * h * h;  // pivot block; its rows, twice; contribution to the parent
     held += height * height;
     plan.work_count = std::max(plan.work_count, held);
     held -= waiting[n];
@@ -195,25 +209,28 @@ void count_cost(Elimination& plan) {
 }  // namespace
 
 Elimination plan_elimination(const BlockMatrix& k, std::vector<int> order) {
-  // A postorder leaves the factor's size as it is and puts the columns of supernodes side by side.
+  // A postorder keeps the factor's size and makes the columns of supernodes contiguous.
   Elimination plan;
   const std::vector<int> tree = elimination_tree(k, order, inverted(order));
   for (const int j : postorder(tree)) plan.order.push_back(order[std::size_t(j)]);
-  plan.place = inverted(plan.order);
-  const std::vector<int> parent = elimination_tree(k, plan.order, plan.place);
+  plan.position = inverted(plan.order);
+  const std::vector<int> parent = elimination_tree(k, plan.order, plan.position);
   std::vector<int> group;
-  Groups groups = equal_columns(parent, column_counts(k, plan.order, plan.place, parent), group);
+  Groups groups = equal_columns(parent, column_counts(k, plan.order, plan.position, parent), group);
   unite_with_parents(groups);
   number_supernodes(groups, group, plan);
   find_rows(k, plan);
   count_cost(plan);
+  TURGOR_CHECK(all_indices(plan.supernode_of, plan.supernodes.size()),
+               "every position belongs to a supernode");
   return plan;
 }
 
 std::vector<unsigned char> with_ancestors(const Elimination& plan, std::span<const int> rows) {
+  TURGOR_CHECK(all_indices(rows, plan.position.size()), "the rows belong to the matrix");
   std::vector<unsigned char> marked(plan.supernodes.size(), 0);
   for (const int row : rows)
-    for (int s = plan.supernode_of[std::size_t(plan.place[std::size_t(row)])];
+    for (int s = plan.supernode_of[std::size_t(plan.position[std::size_t(row)])];
          s >= 0 && !marked[std::size_t(s)]; s = plan.supernodes[std::size_t(s)].parent)
       marked[std::size_t(s)] = 1;
   return marked;

@@ -1,5 +1,5 @@
-// What a sparse Cholesky factor will look like, before a number of it is computed: the order of elimination,
-// the supernodes (columns that share their rows), their tree, and what it all will cost.
+// Symbolic factorization for the sparse Cholesky factor: the elimination order, the supernodes (columns with
+// the same rows), their tree, and the cost.
 #pragma once
 
 #include <cstddef>
@@ -21,14 +21,14 @@ struct Supernode {
 
 /// Everything counts nodes, of three unknowns each.
 struct Elimination {
-  std::vector<int> order;             // row of K at each place
-  std::vector<int> place;             // of each row of K
+  std::vector<int> order;             // row of K at each position
+  std::vector<int> position;          // of each row of K
   std::vector<Supernode> supernodes;  // children before parents
-  std::vector<int> rows;              // places, ascending within a supernode
-  std::vector<int> supernode_of;      // each place
+  std::vector<int> rows;              // positions, ascending within a supernode
+  std::vector<int> supernode_of;      // of each position
   std::size_t value_count = 0;        // numbers in the factor
   std::size_t work_count = 0;         // numbers held besides while factoring on one thread
-  double flops = 0;                   // of the factorisation
+  double flops = 0;                   // of the factorization
 };
 
 /// The order is refined: supernodes become contiguous, and small ones are united with their parents where

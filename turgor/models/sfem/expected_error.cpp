@@ -13,18 +13,20 @@ namespace {
 constexpr std::array<std::array<int, 2>, 12> kHexEdges{
     {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
-/// Few nodes below the tool: they lie by chance where it is deep, or not. `size` = distance / contact.
+/// Error by few nodes below the tool, whose positions relative to the deepest point are random. `size` =
+/// distance / contact.
 double few_nodes(int corners, double size) {
   return 0.25 * std::pow(size, size < 1 ? 3 : corners == 10 ? 1 : 2);
 }
 
-/// Elements that are large for how the body around the tool bends. `size` = edge / reach.
+/// Error by elements that are large compared with the bending of the body around the tool. `size` = edge /
+/// reach.
 double stiffening(int corners, double size) {
   if (corners == 10) return 0.04 * std::pow(size, 4);
   return (corners == 8 ? 0.06 : 0.21) * size * size;
 }
 
-/// How much more of both standard elements have, which lock near ν = 0.5.
+/// Factor of both errors for standard elements, which lock near ν = 0.5.
 double locking(const TouchedElements& touched) {
   const bool locks = touched.corners != 10 && touched.formulation == Formulation::kStandard;
   return locks ? 1 + 0.11 / (1 - 2 * touched.poisson) : 1;
@@ -33,7 +35,7 @@ double locking(const TouchedElements& touched) {
 }  // namespace
 
 double mean_edge(const SolidMesh& mesh, std::span<const int> elements) {
-  TURGOR_ASSERT(!elements.empty(), "there are elements to take the mean of");
+  TURGOR_ASSERT(!elements.empty(), "the mean is over at least one element");
   const std::span<const std::array<int, 2>> edges =
       mesh.corners == 8 ? std::span<const std::array<int, 2>>(kHexEdges) : kTetEdges;
   double sum = 0;
@@ -48,8 +50,9 @@ double mean_edge(const SolidMesh& mesh, std::span<const int> elements) {
 }
 
 double expected_error(const TouchedElements& touched) {
+  TURGOR_CHECK(touched.refinement >= 1, "an edge has at least one part");
   const double nodes = touched.edge / ((touched.corners == 10 ? 2 : 1) * touched.refinement);
-  // Elements are as they are everywhere, or from the patch's border on.
+  // Coarse elements everywhere, or outside of the patch.
   const double reach = touched.refinement > 1 ? touched.patch : 2 * touched.contact;
   return 0.01 + locking(touched) * (few_nodes(touched.corners, nodes / touched.contact) +
                                     stiffening(touched.corners, touched.edge / reach));

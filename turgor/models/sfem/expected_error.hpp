@@ -1,6 +1,6 @@
-// How far the force of a round tool is off because elements are as large as they are: what a report says of
-// it before anybody refines a mesh. Fitted to presses of balls on organs against meshes refined all over
-// (docs/validation.md); an estimate from above, not a bound.
+// Expected error of a round tool's force by the finite size of the elements, for reports. Fitted to presses
+// of balls on organs, compared with globally refined meshes (docs/validation.md). It is an estimate from
+// above, not a bound.
 #pragma once
 
 #include <span>
@@ -12,17 +12,17 @@ namespace turgor::sfem {
 /// Root of the mean square of these elements' edges [m].
 double mean_edge(const SolidMesh& mesh, std::span<const int> elements);
 
-/// Elements and what touches them.
+/// Element sizes and the contact.
 struct TouchedElements {
   int corners = 4;  // of an element: 4, 8 or 10
   Formulation formulation = Formulation::kStandard;
   double poisson = 0.45;  // [1]
   double edge = 0;        // [m]
-  int refinement = 1;     // parts that a patch cuts an edge into
+  int refinement = 1;     // subdivisions of an edge in the patch
   double patch = 0.02;    // its radius [m]
-  double contact = 0;     // radius of what the tool covers: √(its radius · its depth) [m]
+  double contact = 0;     // contact radius: √(tool radius · depth) [m]
 };
-/// Of the force, relative [1].
+/// Relative error of the force [1].
 double expected_error(const TouchedElements& touched);
 
 }  // namespace turgor::sfem

@@ -17,7 +17,7 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"fixed", "", Axis::kVertex}, m.body.fixed);
   visit(Field{"surface_triangles", "", Axis::kTriangle}, m.surface.triangles);
   visit(Field{"surface_elements", "", Axis::kTriangle}, m.surface.element);
-  visit(Field{"neighbours", ""}, m.neighbors);
+  visit(Field{"neighbors", ""}, m.neighbors);
   visit(Field{"free_node", "", Axis::kVertex}, m.free_node);
   visit(Field{"vertex", ""}, m.vertex);
   visit(Field{"stiffness_rows", ""}, m.stiffness.row_begin);

@@ -8,16 +8,16 @@ namespace {
 
 template <class T>
 Status fill(const Gpu& gpu, const Model& model, std::vector<T>& values, const Progress& progress) {
-  DeviceAllocator<GpuSide> rooms;
-  DeviceGreen<GpuSide, T> there(model, rooms);
-  if (!rooms.all_allocated) return no_room("the store of Green's functions", rooms.bytes, gpu);
-  there.fill(values, progress);
+  DeviceAllocator<GpuBackend> allocator;
+  DeviceGreen<GpuBackend, T> device(model, allocator);
+  if (!allocator.all_allocated) return out_of_memory("the store of Green's functions", allocator.bytes, gpu);
+  device.fill(values, progress);
   return Done{};
 }
 
 }  // namespace
 
-Status fill_green_on(const Gpu& gpu, Model& model, const Progress& progress) {
+Status fill_green_on_device(const Gpu& gpu, Model& model, const Progress& progress) {
   Green& green = model.green;
   return model.params.precision == Precision::kSingle ? fill(gpu, model, green.single_values, progress)
                                                       : fill(gpu, model, green.double_values, progress);

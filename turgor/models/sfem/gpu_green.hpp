@@ -1,4 +1,4 @@
-// The dense store of Green's functions, made on a GPU.
+// Computation of the dense store of Green's functions on a GPU.
 #pragma once
 
 #include "turgor/core/gpu.hpp"
@@ -7,8 +7,8 @@
 
 namespace turgor::sfem {
 
-/// Fills the store that the model has room for, of either precision; the model is factored. Error: how much
-/// of the GPU's memory is lacking. What the CPU stores, but for rounding.
-Status fill_green_on(const Gpu& gpu, Model& model, const Progress& progress);
+/// Fills the model's allocated store, of either precision. Requires the factor. The result equals that of the
+/// CPU up to rounding. Error: how much GPU memory is missing.
+Status fill_green_on_device(const Gpu& gpu, Model& model, const Progress& progress);
 
 }  // namespace turgor::sfem

@@ -2,6 +2,6 @@
 
 namespace turgor::sfem {
 
-Status fill_green_on(const Gpu&, Model&, const Progress&) { return open_gpu().error(); }
+Status fill_green_on_device(const Gpu&, Model&, const Progress&) { return open_gpu().error(); }
 
 }  // namespace turgor::sfem

@@ -1,12 +1,13 @@
-// The dense store. Columns are solved in the order of elimination, each only down to its own place: the part
-// before it is known from other columns, because Ξ is symmetric. That halves the work and leaves no two
-// values that should be equal and are not.
+// Dense store. Columns are solved in the order of elimination, each only down to its own position. The part
+// before it is known from other columns, because Ξ is symmetric. That halves the work, and values that should
+// be equal are equal.
 #include "turgor/models/sfem/green.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <mutex>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/sfem/dissection.hpp"
 #include "turgor/models/sfem/gpu_green.hpp"
 #include "turgor/models/sfem/stored_permutation.hpp"
@@ -21,9 +22,10 @@ Elimination make_plan(const Model& model) {
   return plan_elimination(model.stiffness, nested_dissection(model.stiffness));
 }
 
-/// Operations of all columns, each solved down to its own place.
-double count_solve_flops(const Elimination& plan, const KeptPlaces& kept) {
-  const std::vector<unsigned char> wanted = with_ancestors(plan, kept.rows);
+/// Operations for all columns, each solved down to its own position.
+double count_solve_flops(const Elimination& plan, const StoredPermutation& stored) {
+  const std::vector<unsigned char> wanted = with_ancestors(plan, stored.rows);
+  // cost of the paths up and down from each supernode
   std::vector<double> down(plan.supernodes.size() + 1, 0), up(plan.supernodes.size(), 0);
   for (std::size_t n = plan.supernodes.size(); n-- > 0;) {
     const Supernode& s = plan.supernodes[n];
@@ -31,9 +33,10 @@ double count_solve_flops(const Elimination& plan, const KeptPlaces& kept) {
     down[n] = down[n + 1] + (wanted[n] ? rows : 0);
     up[n] = rows + 2 * width * width + (s.parent >= 0 ? up[std::size_t(s.parent)] : 0);
   }
+  // sum over the stored nodes
   double flops = 0;
-  for (const int place : kept.place) {
-    const auto n = std::size_t(plan.supernode_of[std::size_t(place)]);
+  for (const int position : stored.position) {
+    const auto n = std::size_t(plan.supernode_of[std::size_t(position)]);
     flops += 3 * (up[n] + down[n]);
   }
   return flops;
@@ -48,7 +51,7 @@ GreenCost cost_of(const Model& model, const Elimination& plan) {
   const std::size_t columns = 3 * plan.order.size() * 3 * kUnits;
   cost.work_bytes = sizeof(double) * std::max(plan.work_count, columns);
   cost.factor_flops = plan.flops;
-  cost.solve_flops = count_solve_flops(plan, kept_places(model, plan));
+  cost.solve_flops = count_solve_flops(plan, stored_permutation(model, plan));
   return cost;
 }
 
@@ -77,17 +80,18 @@ struct Store {
   T& at(std::size_t row, std::size_t column) const { return values[column * side + row]; }
 };
 
-/// Copies one block of solved columns; rows before each column's own place are left to the mirror.
+/// Copies one block of solved columns. Rows before each column's own position are mirrored later.
 template <class T>
-void store_columns(const KeptPlaces& kept, std::span<const int> slots, const UnitSolutions& solved,
+void store_columns(const StoredPermutation& stored, std::span<const int> slots, const UnitSolutions& solved,
                    const Store<T>& store) {
-  const int first_place = kept.place[std::size_t(slots[0])];
-  for (std::size_t r = 0; r < kept.place.size(); r++) {
-    if (kept.place[r] < first_place) continue;
-    const double* row = solved.row(kept.place[r]);
+  TURGOR_CHECK(!slots.empty(), "at least one column is stored");
+  const int first_position = stored.position[std::size_t(slots[0])];
+  for (std::size_t r = 0; r < stored.position.size(); r++) {
+    if (stored.position[r] < first_position) continue;
+    const double* row = solved.row(stored.position[r]);
     for (std::size_t c = 0; c < slots.size(); c++) {
       const auto slot = std::size_t(slots[c]);
-      if (kept.place[slot] > kept.place[r]) break;
+      if (stored.position[slot] > stored.position[r]) break;
       for (std::size_t j = 0; j < 3; j++)
         for (std::size_t i = 0; i < 3; i++)
           store.at(3 * r + i, 3 * slot + j) = T(row[i * solved.columns + 3 * c + j]);
@@ -106,16 +110,16 @@ void mirror_block(const Store<T>& store, std::size_t known_row, std::size_t know
       store.at(3 * known_column + j, 3 * known_row + i) = store.at(3 * known_row + i, 3 * known_column + j);
 }
 
-/// Fills the half that was not solved, tile by tile so that both halves stay in the cache.
+/// Mirrors the solved half into the other one, tile by tile, so that both stay in the cache.
 template <class T>
-void mirror(const Exec& exec, const KeptPlaces& kept, const Store<T>& store) {
+void mirror(const Exec& exec, const StoredPermutation& stored, const Store<T>& store) {
   constexpr std::size_t kTile = 32;
-  const std::size_t nodes = kept.place.size(), tiles = (nodes + kTile - 1) / kTile;
+  const std::size_t nodes = stored.position.size(), tiles = (nodes + kTile - 1) / kTile;
   parallel_for(exec, tiles, [&](std::size_t tile) {
     for (std::size_t other = tile; other < tiles; other++)
       for (std::size_t a = tile * kTile; a < std::min(nodes, (tile + 1) * kTile); a++)
         for (std::size_t b = std::max(a + 1, other * kTile); b < std::min(nodes, (other + 1) * kTile); b++)
-          if (kept.place[a] > kept.place[b])
+          if (stored.position[a] > stored.position[b])
             mirror_block(store, a, b);
           else
             mirror_block(store, b, a);
@@ -124,24 +128,25 @@ void mirror(const Exec& exec, const KeptPlaces& kept, const Store<T>& store) {
 
 template <class T>
 void fill_store(const Exec& exec, const Model& model, std::vector<T>& values, const Progress& progress) {
-  const KeptPlaces kept = kept_places(model, model.factor->plan);
-  const std::size_t nodes = kept.place.size(), blocks = (nodes + kUnits - 1) / kUnits;
+  TURGOR_ASSERT(model.factor.has_value(), "Green's functions need the factor");
+  const StoredPermutation stored = stored_permutation(model, model.factor->plan);
+  const std::size_t nodes = stored.position.size(), blocks = (nodes + kUnits - 1) / kUnits;
   const Store<T> store{values, 3 * nodes};
-  const std::vector<unsigned char> wanted = with_ancestors(model.factor->plan, kept.rows);
+  const std::vector<unsigned char> wanted = with_ancestors(model.factor->plan, stored.rows);
   std::atomic<std::size_t> done{0};
   exec.run_ranges(blocks, 1, [&](std::size_t begin, std::size_t end) {
     UnitSolutions solved;
     for (std::size_t block = begin; block < end; block++) {
       const std::size_t first = block * kUnits;
-      const std::span<const int> slots(&kept.by_place[first], std::min(kUnits, nodes - first));
+      const std::span<const int> slots(&stored.by_position[first], std::min(kUnits, nodes - first));
       std::vector<int> rows;
-      for (const int slot : slots) rows.push_back(kept.rows[std::size_t(slot)]);
-      solve_units(*model.factor, rows, wanted, kept.place[std::size_t(slots[0])], solved);
-      store_columns(kept, slots, solved, store);
+      for (const int slot : slots) rows.push_back(stored.rows[std::size_t(slot)]);
+      solve_units(*model.factor, rows, wanted, stored.position[std::size_t(slots[0])], solved);
+      store_columns(stored, slots, solved, store);
       if (progress) progress(double(++done) / double(blocks));
     }
   });
-  mirror(exec, kept, store);
+  mirror(exec, stored, store);
 }
 
 Status factorize_as(const Exec& exec, Model& model, Elimination plan, const Progress& progress) {
@@ -151,7 +156,7 @@ Status factorize_as(const Exec& exec, Model& model, Elimination plan, const Prog
   return Done{};
 }
 
-/// Vertices whose full columns are stored to check the rest by: spread over the kept ones.
+/// Vertices with full check columns, spread over the stored ones.
 std::vector<int> check_vertices(const Green& green) {
   const std::size_t count = std::min<std::size_t>(3, green.nodes.size());
   std::vector<int> vertices;
@@ -201,7 +206,8 @@ Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, c
   green.double_values.resize(single ? 0 : side * side);
   const Progress filled = scaled(factor_share, 1);
   if (gpu != nullptr) {
-    if (const Status there = fill_green_on(*gpu, model, filled); !there) return there;
+    if (const Status filled_status = fill_green_on_device(*gpu, model, filled); !filled_status)
+      return filled_status;
   } else if (single) {
     fill_store(exec, model, green.single_values, filled);
   } else {

@@ -4,19 +4,23 @@
 
 #include <span>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 
 namespace turgor::sfem {
 
-/// Is the column of this kept node there?
+/// True when the column of this stored node is available.
 inline bool has_column(const Green& green, int slot) {
   return !green.single_values.empty() || !green.double_values.empty() ||
          (!green.columns.empty() && !green.columns[std::size_t(slot)].empty());
 }
 
-/// Three components of displacement at one kept node for each of three unit forces at another,
-/// column-major [m/N]. Of columns on demand, one of the two nodes' must be there.
+/// Block of Ξ: three components of displacement at one stored node for each of three unit forces at another,
+/// column-major [m/N]. With columns on demand, the column of one of the two must be available.
 inline void green_block(const Green& green, int slot_row, int slot_column, std::span<double, 9> block) {
+  TURGOR_CHECK(is_index(slot_row, green.nodes.size()) && is_index(slot_column, green.nodes.size()),
+               "Green's functions are read at kept nodes");
   const std::size_t rows = 3 * green.nodes.size(), r = 3 * std::size_t(slot_row),
                     c = 3 * std::size_t(slot_column);
   const auto read = [&](const auto& values, std::size_t first) {
@@ -25,7 +29,7 @@ inline void green_block(const Green& green, int slot_row, int slot_column, std::
   };
   if (!green.single_values.empty()) return read(green.single_values, c * rows + r);
   if (!green.double_values.empty()) return read(green.double_values, c * rows + r);
-  // Of two fetched columns always the same one is read: what is gathered is exactly symmetric.
+  // If both columns are available, always the same one is read, so that the result is exactly symmetric.
   const bool swap =
       !has_column(green, slot_column) || (slot_row < slot_column && has_column(green, slot_row));
   const std::vector<float>& column = green.columns[std::size_t(swap ? slot_row : slot_column)];
@@ -60,12 +64,12 @@ struct FetchedColumns {
 /// Those of these kept vertices that the model does not have. Reads the model only: a thread beside the ticks
 /// may fetch ahead. The model has a factor.
 FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<const int> vertices);
-/// Hands them over, between two ticks.
+/// Adds the columns to the model, between two ticks.
 void add_columns(Green& green, FetchedColumns fetched);
 
 /// Columns of Ξ over all free nodes, recomputed from the factor: three for each vertex, numbered as K's rows.
 CheckColumns full_columns(const Model& model, std::span<const int> vertices);
-/// Of all values of a dense store and its check columns.
+/// Checksum of a dense store and its check columns.
 std::uint64_t checksum(const Green& green);
 /// Recomputes `count` random columns from the factor. Error: one is not K's inverse to 1e-6, or differs from
 /// the dense store by more than its precision.

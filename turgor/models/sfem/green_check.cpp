@@ -1,8 +1,9 @@
-// Is a store of Green's functions the right one, and whole?
+// Checks of a store of Green's functions: integrity, and correspondence to the model.
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/models/sfem/green.hpp"
 
@@ -29,6 +30,7 @@ double distance_to_store(const Model& model, std::span<const double> g, std::siz
   const std::size_t side = 3 * green.nodes.size(), first = (3 * slot + axis) * side;
   double difference = 0, largest = 0;
   for (std::size_t i = 0; i < side; i++) {
+    // the check column is a column of K⁻¹
     const auto row = std::size_t(model.free_node[std::size_t(green.nodes[i / 3])]);
     const double stored =
         green.single_values.empty() ? green.double_values[first + i] : double(green.single_values[first + i]);
@@ -51,6 +53,7 @@ Status check_columns(const Model& model, const CheckColumns& check) {
       return Error{"the Green's functions of vertex " + std::to_string(v) +
                    " are not those of this body: K times them differs from a unit force by " +
                    std::to_string(r)};
+    // the store agrees with it
     const auto slot = std::size_t(model.green.slot[std::size_t(v)]);
     if (!(distance_to_store(model, g, slot, c % 3) < precision))
       return Error{"the stored Green's functions of vertex " + std::to_string(v) +
@@ -61,12 +64,14 @@ Status check_columns(const Model& model, const CheckColumns& check) {
 
 Status check_sizes(const Model& model) {
   const Green& green = model.green;
+  // values
   const std::size_t side = 3 * green.nodes.size();
   const bool single = model.params.precision == Precision::kSingle;
   const std::size_t found = single ? green.single_values.size() : green.double_values.size();
   if (found != side * side)
     return Error{"the store of Green's functions has " + std::to_string(found) + " values, expected " +
                  std::to_string(side * side)};
+  // check columns
   const CheckColumns& check = green.check;
   if (check.vertices.empty() || check.values.size() != 9 * check.vertices.size() * model.vertex.size())
     return Error{"the store of Green's functions has no check columns of this body"};
@@ -96,6 +101,7 @@ Status check_green(const Model& model) {
 }
 
 Status verify_green(const Model& model, int count, std::uint64_t seed) {
+  TURGOR_ASSERT(model.factor.has_value() && count >= 0, "columns are recomputed from the factor");
   std::mt19937_64 random(seed);
   std::vector<int> vertices;
   for (int i = 0; i < count; i++) vertices.push_back(model.green.nodes[random() % model.green.nodes.size()]);

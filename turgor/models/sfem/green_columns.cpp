@@ -1,6 +1,8 @@
 // Columns of Green's functions from the stored factor, when the dense store would be too large.
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/sfem/green.hpp"
 
@@ -28,7 +30,7 @@ std::vector<int> rows_of_nodes(const Model& model, std::span<const int> vertices
   return rows;
 }
 
-/// The block of a node with itself, which rounding left a little skew.
+/// Symmetrizes the block of a node with itself, which is slightly asymmetric by rounding.
 void make_symmetric(FetchedColumns& fetched, std::size_t n, std::size_t side) {
   float* block = &fetched.values[n][3 * std::size_t(fetched.slots[n])];
   for (const std::size_t i : {1, 2})
@@ -38,8 +40,9 @@ void make_symmetric(FetchedColumns& fetched, std::size_t n, std::size_t side) {
 }  // namespace
 
 FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<const int> vertices) {
-  constexpr std::size_t kUnits = 8;  // solved together: few, because somebody waits for them
+  constexpr std::size_t kUnits = 8;  // solved together; few, because a tool waits for them
   const Green& green = model.green;
+  TURGOR_ASSERT(model.factor.has_value(), "columns are computed from the factor");
   const Elimination& plan = model.factor->plan;
   FetchedColumns fetched{missing_slots(model, vertices), {}};
   const std::size_t count = fetched.slots.size();
@@ -56,7 +59,7 @@ FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<c
       std::vector<float>& values = fetched.values[first + c / 3];
       for (const int row : kept_rows)
         for (std::size_t i = 0; i < 3; i++)
-          values.push_back(float(solved.row(plan.place[std::size_t(row)])[i * solved.columns + c]));
+          values.push_back(float(solved.row(plan.position[std::size_t(row)])[i * solved.columns + c]));
     }
     for (std::size_t n = first; n < first + units; n++) make_symmetric(fetched, n, 3 * green.nodes.size());
   });
@@ -64,6 +67,9 @@ FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<c
 }
 
 void add_columns(Green& green, FetchedColumns fetched) {
+  TURGOR_CHECK(
+      fetched.values.size() == fetched.slots.size() && all_indices(fetched.slots, green.columns.size()),
+      "fetched columns are those of kept nodes");
   for (std::size_t i = 0; i < fetched.slots.size(); i++)
     green.columns[std::size_t(fetched.slots[i])] = std::move(fetched.values[i]);
 }
@@ -79,8 +85,9 @@ CheckColumns full_columns(const Model& model, std::span<const int> vertices) {
   solve_units(*model.factor, rows_of_nodes(model, vertices), all, 0, solved);
   CheckColumns columns{{vertices.begin(), vertices.end()}, {}};
   for (std::size_t c = 0; c < solved.columns; c++)
-    for (const int place : plan.place)
-      for (std::size_t i = 0; i < 3; i++) columns.values.push_back(solved.row(place)[i * solved.columns + c]);
+    for (const int position : plan.position)
+      for (std::size_t i = 0; i < 3; i++)
+        columns.values.push_back(solved.row(position)[i * solved.columns + c]);
   return columns;
 }
 

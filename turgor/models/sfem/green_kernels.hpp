@@ -1,6 +1,6 @@
-// Columns of K⁻¹ side by side, as loops over plain pointers: a thread a few entries of one column. The same
-// source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU solve_units() is faster and means the
-// same. Blocks of D are inverted beforehand, so that all is products.
+// Kernels for columns of K⁻¹ over plain pointers; a thread computes a few entries of one column. The same
+// source runs on a CPU (CpuRun, ShuffledRun) and on a GPU. On a CPU solve_units() is faster and equivalent.
+// Blocks of D are inverted in advance, so that all operations are products.
 #pragma once
 
 #include "turgor/core/vec.hpp"
@@ -8,40 +8,41 @@
 
 namespace turgor::sfem {
 
-/// So many rows of a supernode are done together, beginning with `first` of its own unknowns or of those
-/// below.
+/// A tile of rows of a supernode, beginning with `first` of its own unknowns or of those below, processed
+/// together.
 struct RowTile {
   static constexpr int kRows = 4;
   int supernode = 0, first = 0;
 };
 
-/// Many columns, row-major by place of elimination, and the factor that makes them.
+/// Many columns, row-major by position in the elimination order, and the factor that computes them.
 struct ColumnsView {
   const Supernode* supernodes;
   const int* rows;       // Elimination::rows
-  const double* values;  // Cholesky::values, with inverses of D's blocks in place of their factors
+  const double* values;  // Cholesky::values, with D's blocks replaced by their inverses
   double *forces, *x;    // as they go up the tree; K⁻¹ of them [m/N]
   std::size_t columns;
 
-  /// Of place and axis.
-  TURGOR_HD std::size_t at(int place, std::size_t unknown, std::size_t column) const {
-    return (3 * std::size_t(place) + unknown) * columns + column;
+  /// Index of a position, axis and column.
+  TURGOR_HD std::size_t at(int position, std::size_t unknown, std::size_t column) const {
+    return (3 * std::size_t(position) + unknown) * columns + column;
   }
 };
 
-/// Unit forces along the axes at these places, beside each other.
+/// Sets unit forces along the axes at these positions, one a column.
 struct SetUnits {
   ColumnsView v;
-  const int* places;
-  TURGOR_HD void operator()(std::size_t c) const { v.forces[v.at(places[c / 3], c % 3, c)] = 1; }
+  const int* positions;
+  TURGOR_HD void operator()(std::size_t c) const { v.forces[v.at(positions[c / 3], c % 3, c)] = 1; }
 };
 
-/// Up the tree: what a supernode's forces leave for the rows below it.
+/// Forward substitution: contribution of a supernode's forces to the rows below it.
 struct SolveUp {
   ColumnsView v;
   const RowTile* tiles;
 
   TURGOR_HD void operator()(std::size_t n) const {
+    // a tile of rows and one column
     const RowTile tile = tiles[n / v.columns];
     const std::size_t c = n % v.columns;
     const Supernode& s = v.supernodes[tile.supernode];
@@ -57,11 +58,11 @@ struct SolveUp {
   }
 };
 
-/// Down the tree: a supernode's own rows, from those below it, which are known.
+/// Backward substitution: a supernode's own rows from those below it, which are known.
 struct SolveDown {
   ColumnsView v;
   const RowTile* tiles;
-  const unsigned char* on_path;  // by supernode: 0 = no force has come there
+  const unsigned char* on_path;  // by supernode: 0 = not on the path of a force
 
   TURGOR_HD void operator()(std::size_t n) const {
     const RowTile tile = tiles[n / v.columns];
@@ -92,13 +93,13 @@ template <class T>
 struct StoreView {
   T* values;
   std::size_t side;
-  const int* place;  // of each kept node
+  const int* position;  // of each kept node
 
   TURGOR_HD T& at(std::size_t row, std::size_t column) const { return values[column * side + row]; }
 };
 
-/// Copies solved columns of these kept nodes from their own places on, each entry of a node's own block from
-/// its lower half.
+/// Copies solved columns of these stored nodes from their own positions on. Each node's own block is taken
+/// from its lower half.
 template <class T>
 struct StoreColumns {
   ColumnsView v;
@@ -108,20 +109,20 @@ struct StoreColumns {
   TURGOR_HD void operator()(std::size_t n) const {
     const std::size_t row = n / v.columns, c = n % v.columns, node = row / 3, i = row % 3, j = c % 3;
     const auto slot = std::size_t(slots[c / 3]);
-    if (store.place[node] < store.place[slot]) return;
+    if (store.position[node] < store.position[slot]) return;
     const bool swap = node == slot && i < j;
-    store.at(row, 3 * slot + j) = T(v.x[v.at(store.place[node], swap ? j : i, c - j + (swap ? i : j))]);
+    store.at(row, 3 * slot + j) = T(v.x[v.at(store.position[node], swap ? j : i, c - j + (swap ? i : j))]);
   }
 };
 
-/// Fills the half that was not solved.
+/// Mirrors the solved half.
 template <class T>
 struct MirrorStore {
   StoreView<T> store;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const std::size_t row = n % store.side, column = n / store.side;
-    if (store.place[row / 3] < store.place[column / 3]) store.at(row, column) = store.at(column, row);
+    if (store.position[row / 3] < store.position[column / 3]) store.at(row, column) = store.at(column, row);
   }
 };
 

@@ -1,5 +1,7 @@
 #include <Eigen/Dense>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/sfem/cholesky.hpp"
 #include "turgor/models/sfem/device_green.hpp"
 
@@ -11,7 +13,7 @@ void add_tiles(int supernode, std::size_t rows, std::vector<RowTile>& tiles) {
   for (std::size_t first = 0; first < rows; first += RowTile::kRows) tiles.push_back({supernode, int(first)});
 }
 
-/// The factor of a block of D, in the lower triangle on top of a panel, gives way to the inverse.
+/// Replaces the factor of a block of D, in the lower triangle on top of a panel, by the inverse.
 void invert_block(const Supernode& s, std::vector<double>& values) {
   const Eigen::Index width = 3 * s.count, height = width + 3 * Eigen::Index(s.row_count);
   Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> top(&values[s.value_begin], width, width,
@@ -24,13 +26,17 @@ void invert_block(const Supernode& s, std::vector<double>& values) {
 }  // namespace
 
 ColumnPlan plan_columns(const Model& model) {
+  TURGOR_ASSERT(model.factor.has_value(), "columns are planned from the factor");
   const Elimination& plan = model.factor->plan;
   ColumnPlan columns;
+  // factor with inverted blocks, padded
   columns.values = model.factor->values;
   for (const Supernode& s : plan.supernodes) invert_block(s, columns.values);
   columns.values.resize(columns.values.size() + RowTile::kRows);
-  columns.kept = kept_places(model, plan);
-  const std::vector<unsigned char> wanted = with_ancestors(plan, columns.kept.rows);
+  // positions of the stored nodes
+  columns.stored = stored_permutation(model, plan);
+  const std::vector<unsigned char> wanted = with_ancestors(plan, columns.stored.rows);
+  // tiles of rows by depth in the tree
   std::vector<std::size_t> depth(plan.supernodes.size());
   for (std::size_t n = plan.supernodes.size(); n-- > 0;)
     if (const int p = plan.supernodes[n].parent; p >= 0) depth[n] = depth[std::size_t(p)] + 1;
@@ -49,6 +55,7 @@ UpPlan plan_up(const Elimination& plan, std::span<const int> rows) {
     add_tiles(int(n), 3 * plan.supernodes[n].row_count, up.tiles);
     up.begin.push_back(up.tiles.size());
   }
+  TURGOR_CHECK(is_csr(up.begin, up.tiles.size()), "the supernodes cover all row tiles");
   return up;
 }
 

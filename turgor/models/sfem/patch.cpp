@@ -7,6 +7,7 @@
 #include <string>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/sfem/elements.hpp"
 #include "turgor/models/sfem/patch_assembly.hpp"
@@ -78,10 +79,12 @@ PatchUnknowns number_unknowns(const Model& model, std::span<const int> elements,
       if (has_own(node) && std::binary_search(touched.begin(), touched.end(), node) == surface)
         unknowns.local[std::size_t(node)] = unknowns.local_count++;
   }
+  TURGOR_CHECK(unknowns.first_touched >= 0 && unknowns.first_touched <= unknowns.local_count,
+               "touched local functions are the last ones");
   return unknowns;
 }
 
-/// The points of the patch: touched fine nodes with what they hang on.
+/// Points of the patch: touched fine nodes with their coarse supports.
 void make_points(const FineMesh& fine, const PatchUnknowns& unknowns, const std::vector<int>& touched,
                  const std::vector<Int3>& triangles, Patch& patch) {
   std::vector<int> number(fine.nodes.size(), -1);
@@ -89,9 +92,12 @@ void make_points(const FineMesh& fine, const PatchUnknowns& unknowns, const std:
     number[std::size_t(node)] = int(patch.points.size());
     const FineNode& from = fine.nodes[std::size_t(node)];
     PatchPoint point{from.x, from.key};
-    TURGOR_ASSERT(from.supports <= int(point.coarse.size()), "a surface point hangs on one face");
+    TURGOR_ASSERT(from.supports <= int(point.coarse.size()),
+                  "a surface point depends on the corners of one face");
     point.supports = from.supports, point.local = unknowns.local[std::size_t(node)];
     for (std::size_t s = 0; s < std::size_t(from.supports); s++) {
+      TURGOR_CHECK(std::binary_search(unknowns.coarse.begin(), unknowns.coarse.end(), from.coarse[s]),
+                   "the supports of a point are unknowns");
       const auto at = std::lower_bound(unknowns.coarse.begin(), unknowns.coarse.end(), from.coarse[s]);
       point.coarse[s] = int(at - unknowns.coarse.begin()), point.weight[s] = from.weight[s];
     }
@@ -101,7 +107,7 @@ void make_points(const FineMesh& fine, const PatchUnknowns& unknowns, const std:
     patch.triangles.push_back({number[std::size_t(a)], number[std::size_t(b)], number[std::size_t(c)]});
 }
 
-/// Elements around the free surface vertex nearest to a place.
+/// Elements around the free surface vertex nearest to a position.
 void elements_at(const Model& model, Vec3d touch, std::vector<int>& found) {
   const SolidMesh& mesh = model.body.mesh;
   int nearest = -1;
@@ -122,10 +128,12 @@ std::vector<char> usable_elements(const Model& model) {
   const bool by_node = averages_nodes(mesh, model.params.formulation);
   std::vector<char> usable(element_count(mesh)), vertex_usable(mesh.vertices.size(), 1);
   for (std::size_t e = 0; e < usable.size(); e++) {
+    // all corners are stored or fixed
     const auto corners = element(mesh, e);
     usable[e] = std::all_of(corners.begin(), corners.end(), [&](int v) {
       return model.free_node[std::size_t(v)] < 0 || model.green.slot[std::size_t(v)] >= 0;
     });
+    // node-averaged: all elements around the corners as well
     if (by_node && !usable[e])
       for (const int v : corners) vertex_usable[std::size_t(v)] = 0;
   }
@@ -189,6 +197,7 @@ std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touch
 
 PatchCost patch_cost(const Model& model, std::span<const int> elements, int refinement,
                      std::span<const Vec3d> touches) {
+  TURGOR_CHECK(is_sorted_unique(elements), "the elements of a patch ascend");
   const FineMesh fine = refine(model, elements, refinement);
   const std::vector<int> touched = nodes_of(touched_triangles(fine, touches));
   const bool with_change = refinement > 1 && changes_stiffness(model, elements, fine);
@@ -198,6 +207,7 @@ PatchCost patch_cost(const Model& model, std::span<const int> elements, int refi
 
 Result<Patch> build_patch(const Model& model, std::span<const int> elements, int refinement,
                           std::span<const Vec3d> touches, std::size_t most_bytes) {
+  TURGOR_CHECK(is_sorted_unique(elements), "the elements of a patch ascend");
   const FineMesh fine = refine(model, elements, refinement);
   const std::vector<Int3> triangles = touched_triangles(fine, touches);
   const std::vector<int> touched = nodes_of(triangles);

@@ -1,6 +1,6 @@
 // The superposed patch: every coarse element near a tool, subdivided `refinement` times along each edge. Fine
-// functions are added to the coarse ones, u = u_G + u_L, where u_L is zero on the patch's border inside the
-// body and at the coarse nodes. The coupled system is condensed to the surface of the patch with one dense
+// functions are added to the coarse ones, u = u_G + u_L, where u_L is zero at the coarse nodes and on the
+// patch's border inside the body. The coupled system is condensed to the surface of the patch with one dense
 // factor, S = K_L − K_LG Ξ K_GL. [SFEM; docs/models/sfem.md]
 #pragma once
 
@@ -17,11 +17,11 @@ namespace turgor::sfem {
 
 struct PatchParams {
   double radius = 0.02;  // elements whose centroid is nearer to a touch than this are in the patch [m]
-  int refinement = 2;    // parts an edge: 1 = coarse only, 2 … 4
+  int refinement = 2;    // subdivisions of an edge: 1 = coarse only, 2 … 4
 };
 
-/// A point of the patch's surface: how it hangs on the coarse vertices, and its own function if it has one.
-/// u = Σ weight · u_G(coarse) + u_L(local).
+/// A point of the patch's surface, interpolated from coarse vertices, with its own fine function if it has
+/// one: u = Σ weight · u_G(coarse) + u_L(local).
 struct PatchPoint {
   Vec3d x;                         // at rest [m]
   std::uint64_t key = 0;           // equal for the same point of another patch
@@ -40,10 +40,10 @@ struct CondensedSystem {
   std::vector<T> change;    // of the coarse stiffness by the patch, 3·coarse square; empty = none
 };
 
-/// The surface near the tools, and how it answers.
+/// The surface near the tools and its compliance.
 struct Patch {
   std::vector<int> elements;  // coarse ones that are subdivided, ascending
-  std::vector<int> coarse;    // vertices that take part, ascending
+  std::vector<int> coarse;    // vertices that support the patch's points, ascending
   std::vector<PatchPoint> points;
   std::vector<Int3> triangles;     // of points, counter-clockwise seen from outside
   std::vector<double> compliance;  // 3·points square, symmetric: displacement of all for a unit force [m/N]
@@ -52,12 +52,12 @@ struct Patch {
   std::variant<CondensedSystem<float>, CondensedSystem<double>> system;
 };
 
-/// The coarse elements near the touches: those around the surface vertex nearest to each, and from there all
-/// that hang together by faces and have their centroid within the radius. Only elements whose Green's
-/// functions are kept. Ascending.
+/// Coarse elements near the touches: those around the surface vertex nearest to each touch, and all that are
+/// connected to them by faces with a centroid within the radius. Only elements with stored Green's functions.
+/// Ascending.
 std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touches, double radius);
 
-/// What a patch takes, known before anything is spent on it but the fine mesh.
+/// Cost of a patch, estimated from the fine mesh only.
 struct PatchCost {
   std::size_t local_nodes = 0, points = 0;
   double bytes = 0;  // at most, while it is built
@@ -66,16 +66,16 @@ struct PatchCost {
 PatchCost patch_cost(const Model& model, std::span<const int> elements, int refinement,
                      std::span<const Vec3d> touches = {});
 
-/// Builds the patch over these elements; its points are the parts of its outer surface that the touches are
-/// nearest to, or all of it without touches. Calculates in the precision of Model::green, or in double
-/// numbers where those are too few, and needs there the columns of all vertices of the elements. Error: it
-/// would take more than `most_bytes`, with advice; or the body is so nearly incompressible that double
-/// numbers do not hold it. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
+/// Builds the patch over these elements. Its points are the connected parts of its outer surface nearest to
+/// the touches, or all of it without touches. Calculates in the precision of Model::green, or in double where
+/// single is not sufficient. Requires the columns of all vertices of the elements. Error: it would take more
+/// than `most_bytes`, with advice; or the body is so nearly incompressible that double precision is not
+/// sufficient. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
 Result<Patch> build_patch(const Model& model, std::span<const int> elements, int refinement,
                           std::span<const Vec3d> touches = {}, std::size_t most_bytes = std::size_t(-1));
 
-/// Forces on the vertices Patch::coarse that move the coarse body as `forces` on the points do (three a
-/// point): what the rest of the body feels [N].
+/// Forces on the vertices Patch::coarse that are equivalent for the rest of the body to `forces` on the
+/// points (three a point) [N].
 std::vector<double> coarse_forces(const Patch& patch, std::span<const double> forces);
 
 /// Displacements of the surface's free vertices, Green::nodes[0 … surface_count), under forces on kept

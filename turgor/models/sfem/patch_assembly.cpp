@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/elements.hpp"
@@ -20,14 +22,17 @@ struct BlockView {
 
   /// `block` row by row with this distance between rows.
   void add(int row, int column, const double* block, std::size_t stride, double scale) const {
+    TURGOR_CHECK(row >= 0 && column >= 0 &&
+                     is_index((3 * std::size_t(column) + 2) * rows + 3 * std::size_t(row) + 2, values.size()),
+                 "the block lies in the matrix");
     T* at = values.data() + 3 * std::size_t(column) * rows + 3 * std::size_t(row);
     for (std::size_t c = 0; c < 3; c++)
       for (std::size_t r = 0; r < 3; r++) at[c * rows + r] += T(scale * block[r * stride + c]);
   }
 };
 
-/// Puts blocks between fine nodes where they belong. u = N u_G + u_L, so a block between nodes a and b is one
-/// of K_L, one of K_LG for every coarse vertex b hangs on, and, when asked for, one of Nᵀ K N for all pairs.
+/// Scatters blocks between fine nodes. u = N u_G + u_L, so a block between nodes a and b contributes to K_L,
+/// to K_LG for every coarse support of b, and, when requested, to Nᵀ K N for all pairs.
 template <class T>
 class PatchScatter {
  public:
@@ -47,7 +52,7 @@ class PatchScatter {
     if (column >= 0 && column <= row)
       BlockView<T>{matrices_.local, local_rows_}.add(row, column, block, stride, 1);
   }
-  /// What node a feels of a coarse vertex: K_LG, and the row's share of the change.
+  /// Coupling of node a to a coarse vertex: K_LG, and the row's contribution to the change.
   void add_coarse_column(int a, int vertex, const double* block, std::size_t stride, double scale) {
     const int column = index_[std::size_t(vertex)], local = unknowns_.local[std::size_t(a)];
     if (column < 0) return;
@@ -63,7 +68,7 @@ class PatchScatter {
     if (row >= 0 && column >= 0)
       BlockView<T>{matrices_.change, coarse_rows_}.add(row, column, block, stride, scale);
   }
-  /// Does anything depend on the row of this node?
+  /// True when any matrix needs the row of this node.
   bool is_wanted(int a) const { return with_change_ || unknowns_.local[std::size_t(a)] >= 0; }
   PatchMatrices<T> take() { return std::move(matrices_); }
 
@@ -76,25 +81,28 @@ class PatchScatter {
   PatchMatrices<T> matrices_;
 };
 
-/// The parts of one coarse element: K N, whose columns are the element's corners, is summed here before it
-/// goes where the corners are.
+/// Fine elements of one coarse element. K N, whose columns are the element's corners, is summed for the
+/// element before it is scattered to the corners.
 template <class T, std::size_t N>
 class ElementScatter {
  public:
   ElementScatter(const SolidMesh& mesh, const FineMesh& fine, PatchScatter<T>& scatter)
-      : mesh_(mesh), fine_(fine), scatter_(scatter), place_(fine.nodes.size(), -1) {}
+      : mesh_(mesh), fine_(fine), scatter_(scatter), local_index_(fine.nodes.size(), -1) {}
 
   void begin(int e) { element_ = e, nodes_.clear(), rows_.clear(), weights_.clear(); }
   /// One fine element: 3N×3N, row by row.
   void add(const int* nodes, const double* k) {
+    // local indices of the nodes
     std::array<int, N> at;
-    for (std::size_t c = 0; c < N; c++) at[c] = place_of(nodes[c]);
+    for (std::size_t c = 0; c < N; c++) at[c] = index_of(nodes[c]);
     for (std::size_t a = 0; a < N; a++) {
       if (!scatter_.is_wanted(nodes[a])) continue;
       auto& row = rows_[std::size_t(at[a])];
       for (std::size_t b = 0; b < N; b++) {
         const double* block = k + 9 * N * a + 3 * b;
+        // block of K_L
         scatter_.add_local(nodes[a], nodes[b], block, 3 * N);
+        // K N: distribute the block to the corners
         const auto& weight = weights_[std::size_t(at[b])];
         for (std::size_t corner = 0; corner < N; corner++)
           if (weight[corner] != 0)
@@ -105,7 +113,7 @@ class ElementScatter {
   }
   void end() {
     for (std::size_t n = 0; n < nodes_.size(); n++) {
-      place_[std::size_t(nodes_[n])] = -1;
+      local_index_[std::size_t(nodes_[n])] = -1;
       if (!scatter_.is_wanted(nodes_[n])) continue;
       for (std::size_t corner = 0; corner < N; corner++)
         scatter_.add_coarse_column(nodes_[n], element(mesh_, std::size_t(element_))[corner],
@@ -114,10 +122,10 @@ class ElementScatter {
   }
 
  private:
-  int place_of(int node) {
-    int& place = place_[std::size_t(node)];
-    if (place >= 0) return place;
-    place = int(nodes_.size());
+  int index_of(int node) {
+    int& local_index = local_index_[std::size_t(node)];
+    if (local_index >= 0) return local_index;
+    local_index = int(nodes_.size());
     nodes_.push_back(node);
     rows_.emplace_back();
     std::array<double, N>& weight = weights_.emplace_back();
@@ -125,14 +133,14 @@ class ElementScatter {
     for (std::size_t s = 0; s < std::size_t(from.supports); s++)
       for (std::size_t corner = 0; corner < N; corner++)
         if (element(mesh_, std::size_t(element_))[corner] == from.coarse[s]) weight[corner] = from.weight[s];
-    return place;
+    return local_index;
   }
 
   const SolidMesh& mesh_;
   const FineMesh& fine_;
   PatchScatter<T>& scatter_;
   int element_ = -1;
-  std::vector<int> place_;                       // of each fine node among those of this element
+  std::vector<int> local_index_;                 // of each fine node among those of this element
   std::vector<int> nodes_;                       // of this element
   std::vector<std::array<double, 9 * N>> rows_;  // of each: a block for every corner
   std::vector<std::array<double, N>> weights_;   // of each node on the corners
@@ -151,7 +159,7 @@ std::array<Vec3d, N> coarse_corners(const SolidMesh& mesh, int e) {
   return x;
 }
 
-/// Is the hexahedron the affine image of a cube?
+/// True when the hexahedron is the affine image of a cube.
 bool is_parallelepiped(const std::array<Vec3d, 8>& x) {
   const Vec3d a = x[1] - x[0], b = x[3] - x[0], c = x[4] - x[0];
   const double scale = norm(a) + norm(b) + norm(c);
@@ -161,7 +169,7 @@ bool is_parallelepiped(const std::array<Vec3d, 8>& x) {
   return !(differs(x[2], a + b) || differs(x[5], a + c) || differs(x[6], a + b + c) || differs(x[7], b + c));
 }
 
-/// Is the quadratic tetrahedron the affine image of one with straight edges?
+/// True when the quadratic tetrahedron is the affine image of one with straight edges.
 bool is_straight(const std::array<Vec3d, 10>& x) {
   double scale = 0, off = 0;
   for (std::size_t e = 0; e < kTetEdges.size(); e++) {
@@ -172,13 +180,13 @@ bool is_straight(const std::array<Vec3d, 10>& x) {
   return off <= 1e-10 * scale;
 }
 
-/// Do all parts of one shape of this coarse element have one stiffness?
+/// True when all fine elements of one shape in this coarse element have the same stiffness.
 bool has_congruent_parts(const SolidMesh& mesh, int e) {
   if (mesh.corners == 8) return is_parallelepiped(coarse_corners<8>(mesh, e));
   return mesh.corners == 4 || is_straight(coarse_corners<10>(mesh, e));
 }
 
-/// The material at a place inside a coarse element.
+/// Material at a position inside a coarse element.
 int material_at(const Body& body, int e, Vec3d x) {
   int material = body.material.empty() ? 0 : body.material[std::size_t(e)];
   for (const Inclusion& sphere : body.inclusions)
@@ -186,7 +194,7 @@ int material_at(const Body& body, int e, Vec3d x) {
   return material;
 }
 
-/// Materials of the fine elements: an inclusion is cut out as finely as the patch can.
+/// Materials of the fine elements: an inclusion is resolved at the patch's resolution.
 std::vector<int> fine_materials(const Model& model, const FineMesh& fine) {
   const std::size_t n = std::size_t(model.body.mesh.corners);
   std::vector<int> material(fine.parent.size());
@@ -198,13 +206,14 @@ std::vector<int> fine_materials(const Model& model, const FineMesh& fine) {
   return material;
 }
 
-/// Stiffness of the parts of one coarse element; congruent parts of one material share theirs.
+/// Stiffness of the fine elements of one coarse element. Congruent ones of one material share theirs.
 template <std::size_t N>
 class PartStiffness {
  public:
   PartStiffness(const Model& model, const FineMesh& fine) : model_(model), fine_(fine) {}
 
   const double* operator()(std::size_t f, int material) {
+    // a new coarse element
     if (fine_.parent[f] != parent_) {
       parent_ = fine_.parent[f];
       made_for_.fill(-1);
@@ -212,8 +221,10 @@ class PartStiffness {
     }
     const auto shape = std::size_t(fine_.shape[f]);
     auto& k = stiffness_[shape];
+    // reuse the matrix of a congruent element
     if (congruent_ && made_for_[shape] == material) return k.data();
     made_for_[shape] = material;
+    // compute
     const Material& m = model_.body.materials[std::size_t(material)];
     if constexpr (N == 8)
       hex_stiffness(fine_corners<8>(fine_, f), m, model_.params.formulation, k);
@@ -307,9 +318,11 @@ std::vector<int> changed_elements(const Model& model, std::span<const int> eleme
   const SolidMesh& mesh = model.body.mesh;
   std::vector<int> changed(elements.begin(), elements.end());
   if (!averages_nodes(mesh, model.params.formulation)) return changed;
+  // vertices of the patch
   std::vector<char> of_patch(mesh.vertices.size(), 0);
   for (const int e : elements)
     for (const int v : element(mesh, std::size_t(e))) of_patch[std::size_t(v)] = 1;
+  // elements around them
   changed.clear();
   for (std::size_t e = 0; e < element_count(mesh); e++) {
     const auto corners = element(mesh, e);
@@ -334,8 +347,8 @@ PatchMatrices<T> assemble_patch(const Model& model, std::span<const int> element
   else
     add_parts<4>(model, fine, material, scatter);
   if (with_change) {
-    // The coarse stiffness counted the patch's elements; now the fine ones stand for them, and what is left
-    // of the coarse ones around the patch is averaged among itself.
+    // The coarse stiffness contains the patch's elements. The fine ones replace them, and the remaining
+    // coarse elements around the patch are averaged among themselves.
     const std::vector<int> before = changed_elements(model, elements);
     std::vector<int> after;
     std::set_difference(before.begin(), before.end(), elements.begin(), elements.end(),

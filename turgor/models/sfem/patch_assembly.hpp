@@ -8,13 +8,13 @@
 
 namespace turgor::sfem {
 
-/// Which unknown is where: coarse vertices in ascending order; local functions with those of the touched
+/// Numbering of the unknowns: coarse vertices in ascending order; local functions with those of the touched
 /// surface last, so that the end of a Cholesky factor belongs to them.
 struct PatchUnknowns {
   std::vector<int> coarse;  // vertices, all free
   std::vector<int> local;   // of each fine node; -1 = none of its own
   int local_count = 0;
-  int first_touched = 0;  // local functions from here on are on the touched surface
+  int first_touched = 0;  // local functions from this index on are on the touched surface
 };
 
 /// Column-major. `change` is empty when the fine elements restricted to coarse functions have exactly the
@@ -26,11 +26,11 @@ struct PatchMatrices {
   std::vector<T> change;    // 3·coarse square
 };
 
-/// Does the patch change the coarse stiffness?
+/// True when the patch changes the coarse stiffness.
 bool changes_stiffness(const Model& model, std::span<const int> elements, const FineMesh& fine);
 
-/// Elements whose coarse stiffness depends on whether the patch is there: itself, and with node-averaged
-/// tetrahedra also those around it. Ascending.
+/// Elements whose coarse stiffness the patch changes: its own, and with node-averaged tetrahedra also those
+/// around it. Ascending.
 std::vector<int> changed_elements(const Model& model, std::span<const int> elements);
 
 template <class T>

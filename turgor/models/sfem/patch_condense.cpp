@@ -34,19 +34,22 @@ Matrix<T> coarse_green(const Model& model, const PatchUnknowns& unknowns, const 
   return ((changed + changed.transpose()) / 2).cast<T>();
 }
 
-/// Cholesky's factor of the first `n` rows of a, and below it what becomes of the rows that follow: B L⁻ᵀ.
-/// Only the lower half of the square part is read and written. Products do nearly all of the work.
+/// Cholesky factor of the first `n` rows of a, and B L⁻ᵀ for the rows B below. Only the lower half of the
+/// square part is read and written. Nearly all of the work is products.
 template <class T>
 bool factor_with_rows(Matrix<T>& a, Eigen::Index n) {
   constexpr Eigen::Index kBlock = 24;
   Matrix<T> below, inverse;
   for (Eigen::Index k = 0; k < n; k += kBlock) {
     const Eigen::Index b = std::min(kBlock, n - k), rest = a.rows() - k - b;
+    // subtract the columns before
     a.block(k, k, a.rows() - k, b).noalias() -=
         a.block(k, 0, a.rows() - k, k) * a.block(k, 0, b, k).transpose();
+    // factor the pivot block
     auto pivot = a.block(k, k, b, b);
     Eigen::LLT<Eigen::Ref<Matrix<T>, 0, Eigen::OuterStride<>>> factored(pivot);
     if (factored.info() != Eigen::Success) return false;
+    // rows below: multiply by the inverse
     inverse.setIdentity(b, b);
     pivot.template triangularView<Eigen::Lower>().solveInPlace(inverse);
     below.noalias() = a.block(k + b, k, rest, b) * inverse.transpose();
@@ -69,6 +72,8 @@ Eliminated<T> eliminate(const Model& model, const PatchUnknowns& unknowns, const
   Eliminated<T> e;
   e.green = coarse_green(model, unknowns, matrices.change);
   if (local == 0) return e;
+  TURGOR_CHECK(matrices.coupling.size() == std::size_t(local * coarse),
+               "the coupling has a row for every local function");
   const ConstMap<T> coupling(matrices.coupling.data(), local, coarse);
   const Matrix<T> psi = coupling * e.green;
   e.factor.resize(local + 3 * Eigen::Index(wanted.size()), local);
@@ -107,7 +112,7 @@ Matrix<T> function_compliance(const Eliminated<T>& e, const std::vector<int>& co
 
 /// One side of P B Pᵀ, transposed: columns of `from` are functions, columns of the result points.
 template <class T>
-Matrix<T> expand(const Patch& patch, const std::vector<int>& place, int first_touched, Eigen::Index coarse,
+Matrix<T> expand(const Patch& patch, const std::vector<int>& position, int first_touched, Eigen::Index coarse,
                  const Matrix<T>& from) {
   Matrix<T> result(from.rows(), 3 * Eigen::Index(patch.points.size()));
   for (std::size_t p = 0; p < patch.points.size(); p++) {
@@ -115,7 +120,7 @@ Matrix<T> expand(const Patch& patch, const std::vector<int>& place, int first_to
     auto columns = result.template middleCols<3>(3 * Eigen::Index(p));
     columns.setZero();
     for (std::size_t s = 0; s < std::size_t(point.supports); s++)
-      columns += T(point.weight[s]) * from.template middleCols<3>(3 * place[std::size_t(point.coarse[s])]);
+      columns += T(point.weight[s]) * from.template middleCols<3>(3 * position[std::size_t(point.coarse[s])]);
     if (point.local >= 0) columns += from.template middleCols<3>(coarse + 3 * (point.local - first_touched));
   }
   return result;
@@ -154,17 +159,17 @@ template <class T>
 bool condense(const Model& model, std::span<const int> elements, const FineMesh& fine,
               const PatchUnknowns& unknowns, bool with_change, Patch& patch) {
   PatchMatrices<T> matrices = assemble_patch<T>(model, elements, fine, unknowns, with_change);
-  std::vector<int> place(unknowns.coarse.size(), -1), coarse;  // coarse functions that move the points
+  std::vector<int> position(unknowns.coarse.size(), -1), coarse;  // coarse functions that move the points
   for (const PatchPoint& point : patch.points)
     for (std::size_t s = 0; s < std::size_t(point.supports); s++)
-      if (int& at = place[std::size_t(point.coarse[s])]; at < 0)
+      if (int& at = position[std::size_t(point.coarse[s])]; at < 0)
         at = int(coarse.size()), coarse.push_back(point.coarse[s]);
   const Eigen::Index coarse_rows = 3 * Eigen::Index(coarse.size()), n = 3 * Eigen::Index(patch.points.size());
   const Eliminated<T> e = eliminate(model, unknowns, matrices, coarse);
   if (!e.definite) return false;
   const Matrix<T> functions = function_compliance(e, coarse, unknowns);
-  const Matrix<T> half = expand(patch, place, unknowns.first_touched, coarse_rows, functions).transpose();
-  const Matrix<T> full = expand(patch, place, unknowns.first_touched, coarse_rows, half);
+  const Matrix<T> half = expand(patch, position, unknowns.first_touched, coarse_rows, functions).transpose();
+  const Matrix<T> full = expand(patch, position, unknowns.first_touched, coarse_rows, half);
   patch.compliance.resize(std::size_t(n * n));
   Map<double>(patch.compliance.data(), n, n) = full.template cast<double>();
 

@@ -1,5 +1,5 @@
-// A patch's coupled system, condensed to the points of its surface: S = K_L − K_LG Ξ K_GL is factored, and
-// what moves the points is read from the end of the factor. [docs/models/sfem.md]
+// Condensation of a patch's coupled system to the points of its surface: S = K_L − K_LG Ξ K_GL is factored,
+// and the points' compliance is read from the end of the factor. [docs/models/sfem.md]
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@
 
 namespace turgor::sfem {
 
-/// Makes Patch::compliance and Patch::system of a patch whose points are there. False: the numbers of T are
-/// too few.
+/// Computes Patch::compliance and Patch::system of a patch with its points. False when the precision of T is
+/// not sufficient.
 template <class T>
 bool condense(const Model& model, std::span<const int> elements, const FineMesh& fine,
               const PatchUnknowns& unknowns, bool with_change, Patch& patch);

@@ -1,6 +1,6 @@
-// Coarser pressures on a patch's surface: its points in clusters of two, four, eight … that lie together,
-// each pressed on evenly. What a wide tool presses is a few such clusters instead of hundreds of points; how
-// they move all points, and each other, is summed once, when the patch is built.
+// Coarser pressures on a patch's surface: its points in clusters of two, four, eight … neighbors, each with
+// even pressure. A wide tool presses a few such clusters instead of hundreds of points. Their influence on
+// all points and on each other is summed once, when the patch is built.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace turgor::sfem {
 
 struct Patch;
 
-/// One size of clusters. A unit force on a cluster is spread over its points by `share`, and what a cluster
-/// moves is the mean of its points by the same weights: B of Ξ B and Bᵀ Ξ B.
+/// Clusters of one size. A unit force on a cluster is distributed over its points by `share`, and a cluster's
+/// displacement is the mean of its points by the same weights: B of Ξ B and Bᵀ Ξ B.
 struct PatchLevel {
   std::vector<int> cluster;        // of each point
-  std::vector<int> first;          // of each cluster, its first place in `points`, and an end
+  std::vector<int> first;          // index of each cluster's first entry in `points`, and an end
   std::vector<int> points;         // cluster after cluster
   std::vector<double> share;       // of each of `points` in its cluster, by area; sum 1 a cluster [1]
   std::vector<double> motion;      // Ξ B, 3·points × 3·clusters, column-major [m/N]
@@ -24,8 +24,8 @@ struct PatchLevel {
 };
 inline std::size_t cluster_count(const PatchLevel& level) { return level.first.size() - 1; }
 
-/// Makes Patch::levels, each with about half of the clusters of the one before, as long as there are more
-/// than `fewest`. Points of unlike normals, and points that cannot move, stay apart.
+/// Makes Patch::levels, each with about half of the clusters of the one before, until at most `fewest`
+/// remain. Points with different normals, and points that cannot move, are not merged.
 void add_levels(Patch& patch, std::size_t fewest = 12);
 
 }  // namespace turgor::sfem

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <map>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
@@ -11,12 +13,12 @@ namespace turgor::sfem {
 
 namespace {
 
-/// How one element is subdivided: the same for all elements of a kind.
+/// Subdivision of one element, the same for all elements of a kind.
 struct Subdivision {
   std::vector<std::array<int, 8>> weight;  // of each corner at each point; their sum is `denominator`
   int denominator = 1;
   std::vector<int> corners;             // points of the fine elements
-  std::vector<int> shape;               // of each: which order of axes Kuhn's rule took
+  std::vector<int> shape;               // of each: the order of axes in Kuhn's rule
   std::vector<std::vector<Int3>> face;  // triangles of points on each face
 };
 
@@ -53,6 +55,7 @@ void subdivide_tet(int r, Subdivision& sub) {
 }
 
 void subdivide_hex(int r, Subdivision& sub) {
+  // trilinear weights of the points
   const auto number = [r](int i, int j, int k) { return (k * (r + 1) + j) * (r + 1) + i; };
   sub.denominator = r * r * r;
   for (int k = 0; k <= r; k++)
@@ -62,6 +65,7 @@ void subdivide_hex(int r, Subdivision& sub) {
         sub.weight.push_back({x0 * y0 * z0, i * y0 * z0, i * j * z0, x0 * j * z0, x0 * y0 * k, i * y0 * k,
                               i * j * k, x0 * j * k});
       }
+  // elements
   for (int k = 0; k < r; k++)
     for (int j = 0; j < r; j++)
       for (int i = 0; i < r; i++)
@@ -98,19 +102,22 @@ void find_faces(const SolidMesh& kind, Subdivision& sub) {
 /// The parts of a tetrahedron with the middles of their edges: points of a grid twice as fine, whose
 /// triangles are those of the faces.
 void subdivide_quadratic(const SolidMesh& linear, int r, Subdivision& sub) {
-  Subdivision parts;
-  subdivide_tet(r, parts);
+  Subdivision linear_sub;
+  // elements of the coarse grid, points of the fine one
+  subdivide_tet(r, linear_sub);
   subdivide_tet(2 * r, sub);
   find_faces(linear, sub);
+  // points by their weights
   std::map<std::array<int, 8>, int> number;
   for (const auto& weight : sub.weight) number[weight] = int(number.size());
   sub.corners.clear();
-  sub.shape = parts.shape;
-  for (std::size_t e = 0; e < parts.corners.size(); e += 4) {
+  sub.shape = linear_sub.shape;
+  // corners and edge midpoints of each element
+  for (std::size_t e = 0; e < linear_sub.corners.size(); e += 4) {
     const auto middle = [&](int a, int b) {
-      std::array<int, 8> sum = parts.weight[std::size_t(parts.corners[e + std::size_t(a)])];
+      std::array<int, 8> sum = linear_sub.weight[std::size_t(linear_sub.corners[e + std::size_t(a)])];
       for (std::size_t c = 0; c < 4; c++)
-        sum[c] += parts.weight[std::size_t(parts.corners[e + std::size_t(b)])][c];
+        sum[c] += linear_sub.weight[std::size_t(linear_sub.corners[e + std::size_t(b)])][c];
       return number.at(sum);
     };
     for (int c = 0; c < 4; c++) sub.corners.push_back(middle(c, c));
@@ -118,20 +125,23 @@ void subdivide_quadratic(const SolidMesh& linear, int r, Subdivision& sub) {
   }
 }
 
-constexpr int kMostParts = 4;
+constexpr int kMaxRefinement = 4;
 
 const Subdivision& subdivision(const SolidMesh& kind, int r) {
+  TURGOR_CHECK(r >= 1 && r <= kMaxRefinement, "an edge has 1 to kMaxRefinement parts");
+  // build all levels once
   static const auto kAll = [] {
-    std::array<std::array<Subdivision, kMostParts + 1>, 3> all;
+    std::array<std::array<Subdivision, kMaxRefinement + 1>, 3> all;
     const SolidMesh tet{{}, 4, {}, {}}, hex{{}, 8, {}, {}};
-    for (int parts = 1; parts <= kMostParts; parts++) {
-      const auto n = std::size_t(parts);
-      subdivide_tet(parts, all[0][n]), find_faces(tet, all[0][n]);
-      subdivide_hex(parts, all[1][n]), find_faces(hex, all[1][n]);
-      subdivide_quadratic(tet, parts, all[2][n]);
+    for (int level = 1; level <= kMaxRefinement; level++) {
+      const auto n = std::size_t(level);
+      subdivide_tet(level, all[0][n]), find_faces(tet, all[0][n]);
+      subdivide_hex(level, all[1][n]), find_faces(hex, all[1][n]);
+      subdivide_quadratic(tet, level, all[2][n]);
     }
     return all;
   }();
+  // select by element type
   return kAll[kind.corners == 4 ? 0 : kind.corners == 8 ? 1 : 2][std::size_t(r)];
 }
 
@@ -143,7 +153,7 @@ class NodeTable {
     while (size < 2 * most) size *= 2;
     slots_.assign(size, -1);
   }
-  /// The number stored for a key, or a place for `next`.
+  /// Number stored for a key; a new key stores `next`.
   int find_or_add(std::uint64_t key, int next, const std::vector<FineNode>& nodes) {
     for (std::size_t at = key & (slots_.size() - 1);; at = (at + 1) & (slots_.size() - 1)) {
       if (slots_[at] < 0) return slots_[at] = next;
@@ -169,6 +179,7 @@ std::array<double, 10> functions_at(const SolidMesh& kind, const std::array<int,
                                     int denominator) {
   std::array<double, 10> value{};
   for (std::size_t c = 0; c < 8; c++) value[c] = double(weight[c]) / denominator;
+  TURGOR_CHECK(sums_to_one(value), "the weights of a point sum to one");
   return kind.corners == 10 ? quadratic_weights({value[0], value[1], value[2], value[3]}) : value;
 }
 
@@ -181,6 +192,7 @@ FineNode make_node(const Model& model, std::span<const int> element, const std::
     node.x += model.body.mesh.vertices[std::size_t(element[c])] * value[c];
     node.at_vertex = node.at_vertex || value[c] == 1;
     if (model.free_node[std::size_t(element[c])] < 0) continue;
+    TURGOR_CHECK(is_index(node.supports, node.coarse.size()), "the supports of a node fit its storage");
     node.coarse[std::size_t(node.supports)] = element[c];
     node.weight[std::size_t(node.supports++)] = value[c];
   }
@@ -200,7 +212,7 @@ bool is_fixed_face(const Model& model, std::span<const int> element, const std::
 }  // namespace
 
 FineMesh refine(const Model& model, std::span<const int> elements, int refinement) {
-  TURGOR_ASSERT(refinement >= 1 && refinement <= kMostParts, "a patch has 1 to 4 parts an edge");
+  TURGOR_ASSERT(refinement >= 1 && refinement <= kMaxRefinement, "a patch has 1 to 4 parts an edge");
   const SolidMesh& mesh = model.body.mesh;
   const Subdivision& sub = subdivision(mesh, refinement);
   const auto faces = element_faces(mesh);
@@ -236,6 +248,7 @@ FineMesh refine(const Model& model, std::span<const int> elements, int refinemen
       }
     }
   }
+  TURGOR_CHECK(fine.parent.size() == fine.shape.size(), "every fine element has a shape");
   return fine;
 }
 

@@ -1,8 +1,7 @@
-// Coarse elements subdivided along their edges: the fine nodes, what each hangs on, and the fine elements.
-// Tetrahedra are cut into r³ by planes parallel to their faces and Kuhn's rule inside, hexahedra into r³
-// along their own axes; neighbours agree on their common face. Parts of a quadratic tetrahedron are
-// quadratic: its functions are among theirs, and what the patch adds to the coarse body is exactly that it is
-// finer.
+// Subdivision of coarse elements along their edges: fine nodes with their coarse supports, and fine elements.
+// Tetrahedra are divided into r³ by planes parallel to their faces and Kuhn's rule inside, hexahedra into r³
+// along their own axes. Neighbors agree on their common face. Fine elements of a quadratic tetrahedron are
+// quadratic and contain its functions, so the patch adds only its finer resolution.
 #pragma once
 
 #include <array>
@@ -31,8 +30,8 @@ struct FineMesh {
   std::vector<FineNode> nodes;
   std::vector<int> corners;  // fine elements, as many nodes each as the coarse ones
   std::vector<int> parent;   // coarse element of each fine one, one coarse element after the other
-  std::vector<int> shape;    // equal for the parts of one tetrahedron, or of one box, that are congruent
-  std::vector<Int3> outer;   // triangles of the body's outer surface, between neighbouring nodes
+  std::vector<int> shape;    // equal for congruent fine elements of one tetrahedron or box
+  std::vector<Int3> outer;   // triangles of the body's outer surface, between neighboring nodes
 };
 
 FineMesh refine(const Model& model, std::span<const int> elements, int refinement);

@@ -1,12 +1,13 @@
-// The equilibrium of turned elements, by turns: with the rotations held, displacements follow from a linear
-// system, solved by conjugate gradients to which the factor of K is a good preconditioner; then the rotations
-// follow the displacements.
+// Equilibrium of rotated elements by alternating steps. With fixed rotations, the displacements solve a
+// linear system by conjugate gradients with the factor of K as preconditioner. Then the rotations follow the
+// displacements.
 #include "turgor/models/sfem/rotation.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/sfem/cholesky.hpp"
 
 namespace turgor::sfem {
@@ -16,6 +17,7 @@ namespace {
 using Vector = std::vector<double>;
 
 double product(const Vector& a, const Vector& b) {
+  TURGOR_CHECK(a.size() == b.size(), "both vectors have one length");
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); i++) sum += a[i] * b[i];
   return sum;
@@ -23,6 +25,7 @@ double product(const Vector& a, const Vector& b) {
 
 /// y += s x
 void add(double s, const Vector& x, Vector& y) {
+  TURGOR_CHECK(x.size() == y.size(), "both vectors have one length");
   for (std::size_t i = 0; i < x.size(); i++) y[i] += s * x[i];
 }
 
@@ -33,7 +36,7 @@ struct Equilibrium {
   Vector forces;  // by free node [N]
 };
 
-/// What is missing from the balance of forces [N], the linear body's answer to it [m], and their energy [J].
+/// Residual forces [N], the linear body's response to them [m], and their energy [J].
 struct Imbalance {
   Vector forces, answer;
   double energy = 0;
@@ -50,8 +53,8 @@ Imbalance find_imbalance(const Equilibrium& e, const RotationState& state) {
   return now;
 }
 
-/// The displacement that balances the forces while no element turns, by at most `solves` preconditioned
-/// conjugate gradients, or until little of the energy is left. Returns the solves that were used.
+/// Displacement that balances the forces with fixed rotations. Uses at most `solves` preconditioned conjugate
+/// gradient steps, or stops when little of the energy is left. Returns the number of solves.
 int balance(const Equilibrium& e, Imbalance missing, int solves, RotationState& state) {
   const double enough = 1e-4 * missing.energy;  // the acceleration learns little from rounds less exact
   Vector direction = missing.answer, resistance(direction.size());
@@ -71,8 +74,8 @@ int balance(const Equilibrium& e, Imbalance missing, int solves, RotationState& 
   }
 }
 
-/// A round's step, corrected by what earlier rounds have shown: the combination of them that would have left
-/// the smallest step. [Anderson 1965; Peng et al. 2018]
+/// Anderson acceleration of a round's step: the combination of earlier rounds that would have left the
+/// smallest step. [Anderson 1965; Peng et al. 2018]
 Vector accelerated(const Vector& u, const Vector& step, RoundHistory& history) {
   constexpr std::size_t kMost = 6;
   const auto change = [](Vector now, const Vector& before) {
@@ -103,12 +106,13 @@ Vector accelerated(const Vector& u, const Vector& step, RoundHistory& history) {
   return better;
 }
 
-/// How far a step turns the element that it turns most, about [rad].
+/// Largest rotation of an element by a step, approximately [rad].
 double largest_turn(const Model& model, const Corotation& corotation, const Vector& step) {
   const SolidMesh& mesh = model.body.mesh;
   const auto corners = std::size_t(mesh.corners);
   double largest = 0;
   for (std::size_t e = 0; e < element_count(mesh); e++) {
+    // rotation vector: half of the curl of the displacement
     Vec3d curl;
     for (std::size_t c = 0; c < corners; c++) {
       const int row = model.free_node[std::size_t(element(mesh, e)[c])];
@@ -121,10 +125,11 @@ double largest_turn(const Model& model, const Corotation& corotation, const Vect
   return largest;
 }
 
-/// Balances the forces with the rotations held, then lets the rotations follow. Returns the solves used.
+/// One round: balances the forces with fixed rotations, then updates the rotations. Returns the number of
+/// solves.
 int play_round(const Equilibrium& e, const Imbalance& now, int solves, RotationState& state) {
   constexpr double kMostTurn =
-      0.5;  // of an element in a round, so that none is taken where it never goes [rad]
+      0.5;  // largest rotation of an element in a round, so that none leaves its basin [rad]
   const Vector before = state.u;
   const int used = balance(e, now, solves, state);
   Vector step = state.u;
@@ -164,17 +169,19 @@ RotationReport correct_rotations(const Exec& exec, const Model& model, const Cor
                                  std::span<const Vec3d> forces, const RotationParams& params,
                                  RotationState& state) {
   constexpr int kPatience = 50;  // rounds without progress
+  TURGOR_CHECK(forces.size() == model.body.mesh.vertices.size(), "every vertex has a force");
+  TURGOR_ASSERT(model.factor.has_value(), "rotations are corrected with the factor");
   Equilibrium e{exec, model, corotation, {}};
   for (const int v : model.vertex)
     for (int axis = 0; axis < 3; axis++) e.forces.push_back(forces[std::size_t(v)][axis]);
   if (e.forces != state.forces) {
     state.forces = e.forces;
-    state.history.u.clear();  // the next round does not follow from the last one
+    state.history.u.clear();  // the next round does not continue the last one
     state.idle = 0;
   }
   Vector linear = e.forces;
   solve(*model.factor, linear);
-  if (product(e.forces, linear) == 0) {  // the way back to rest is known
+  if (product(e.forces, linear) == 0) {  // at rest
     state = make_rotation_state(model);
     return {.solves = 1, .converged = true};
   }
@@ -192,7 +199,7 @@ RotationReport correct_rotations(const Exec& exec, const Model& model, const Cor
     const double before = now.energy;
     now = find_imbalance(e, state);
     report.solves++;
-    if (!(now.energy <= before)) state.history = {};  // what was learned elsewhere misleads here
+    if (!(now.energy <= before)) state.history = {};  // the history does not apply to this region
     state.idle = now.energy < least ? 0 : state.idle + 1;
     if (now.energy < least) least = now.energy, best = state.u;
   }

@@ -1,14 +1,14 @@
-// The sfem model: a coarse finite-element body whose answers to unit forces (Green's functions) are known
-// beforehand, a fine mesh superposed where a tool touches, and contact forces by the capacitance matrix
-// algorithm. Equations and names: docs/models/sfem.md. [SFEM] is the superposed haptic plate, [James, Pai
-// 1999] the capacitance matrix algorithm.
+// The sfem model: a coarse finite-element body with precomputed responses to unit forces (Green's functions),
+// a fine mesh superposed at the tools, and contact forces by the capacitance matrix algorithm. Equations and
+// names: docs/models/sfem.md. [SFEM] is the superposed haptic plate, [James, Pai 1999] the capacitance matrix
+// algorithm.
 //
 //   build            checks the body, assembles K                       (build.cpp)
 //   factorize        K = L Lᵀ, sparse                                    (cholesky.hpp)
 //   compute_green    Ξ = K⁻¹ between the nodes that can be touched or seen (green.cpp)
-//   build_patch      the fine mesh around a tool, and how its surface answers (patch.hpp)
+//   build_patch      the fine mesh around a tool and its compliance     (patch.hpp)
 //   contact/touch    the force of a tool in a haptic tick
-//   step             what is slow: large rotations, columns to be fetched (step.cpp)
+//   step             slow parts: large rotations, columns on demand     (step.cpp)
 #pragma once
 
 #include <array>
@@ -36,12 +36,12 @@ struct Material {
   double poisson = 0.45;  // [1], below 0.5
 };
 
-/// How volume changes are measured. Standard elements lock when ν approaches 0.5; averaged ones do not:
-/// hexahedra take the mean over the element (B-bar), tetrahedra the mean around each node. Quadratic
-/// tetrahedra need none of this and have one form.
+/// Discretization of volume changes. Standard elements lock when ν approaches 0.5; averaged ones do not:
+/// hexahedra use the mean over the element (B-bar), tetrahedra the mean around each node. Quadratic
+/// tetrahedra need no averaging and have one form.
 enum class Formulation : std::uint8_t { kStandard, kAveraged };
 
-/// Of the stored Green's functions.
+/// Precision of the stored Green's functions.
 enum class Precision : std::uint8_t { kSingle, kDouble };
 
 /// A sphere of another material inside the body.
@@ -51,7 +51,7 @@ struct Inclusion {
   int material = 0;   // index into Body::materials
 };
 
-/// What a model is built from.
+/// Input of a model.
 struct Body {
   SolidMesh mesh;
   std::vector<Material> materials;  // at least one
@@ -60,10 +60,10 @@ struct Body {
   std::vector<std::uint8_t> fixed;  // 1 for every vertex that cannot move
 };
 
-/// For quadratic elements: a node in the middle of every edge, fixed where both ends of the edge are. The
-/// vertices of linear tetrahedra keep their numbers.
+/// Converts to quadratic elements with a node in the middle of every edge, fixed where both ends of the edge
+/// are. The vertices of linear tetrahedra keep their numbers.
 Body with_middles(Body body);
-/// Fixes those of a quadratic body that has `fixed` for its corners alone.
+/// Fixes the mid-edge nodes of a quadratic body whose `fixed` was set for its corners only.
 void fix_middles(Body& body);
 
 struct Params {
@@ -79,7 +79,7 @@ struct BlockMatrix {
   std::vector<double> value;           // nine a block, row by row
 };
 
-/// Some columns of Ξ over all free nodes, by which a stored Ξ is recognised as K's inverse.
+/// Some columns of Ξ over all free nodes, by which a stored Ξ is recognized as K's inverse.
 struct CheckColumns {
   std::vector<int> vertices;
   std::vector<double> values;  // of each vertex three columns, one behind the other [m/N]
@@ -97,7 +97,7 @@ struct Green {
   std::uint64_t checksum = 0;               // of all values of a dense store and its check columns
 };
 
-/// What does not change while the body is touched.
+/// Constant data of a body.
 struct Model {
   Body body;
   Params params;
@@ -110,38 +110,39 @@ struct Model {
   Green green;
 };
 
-/// Checks the body and assembles K. Error: no element, an element without volume, ν outside (-1, 0.5), E ≤ 0,
-/// no fixed vertex, a connected part that none of the fixed vertices holds: with the ids of what is wrong.
+/// Checks the body and assembles K. Error, with the affected ids: no element, an element without volume, ν
+/// outside (-1, 0.5), E ≤ 0, no fixed vertex, a connected component without a fixed vertex.
 Result<Model> build(const Exec& exec, Body body, const Params& params);
 
-/// Numbers of bytes and operations before anything is spent.
+/// Memory and operations, estimated in advance.
 struct GreenCost {
   std::size_t factor_bytes = 0;  // of the sparse factor
   std::size_t store_bytes = 0;   // of the dense store
-  std::size_t work_bytes = 0;    // held besides while computing, on one thread
+  std::size_t work_bytes = 0;    // temporary memory on one thread
   double factor_flops = 0, solve_flops = 0;
 };
 GreenCost green_cost(const Model& model);
 
-/// Makes Model::factor unless it is there.
+/// Computes Model::factor if it does not exist.
 Status factorize(const Exec& exec, Model& model, const Progress& progress = {});
-/// Makes the dense store; with a GPU the factor is made here and the columns there. Error: it would take more
-/// than `memory_limit` bytes, with advice, or more than the GPU has.
+/// Computes the dense store. With a GPU, the factor is computed on the host and the columns on the device.
+/// Error: it would take more than `memory_limit` bytes, with advice, or more than the GPU has.
 Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, const Progress& progress = {},
                      const Gpu* gpu = nullptr);
 /// Prepares a store without columns, filled by fetch_columns.
 Status prepare_columns(const Exec& exec, Model& model, const Progress& progress = {});
-/// Columns of these kept vertices, for a store on demand; does nothing for those that are there or fixed. Not
-/// beside a tick that reads them: for that, see compute_columns and add_columns (green.hpp).
+/// Computes the columns of these stored vertices, for a store on demand. Skips columns that exist and fixed
+/// vertices. Not for use beside a tick that reads the store: for that, see compute_columns and add_columns
+/// (green.hpp).
 void fetch_columns(const Exec& exec, Model& model, const std::vector<int>& vertices);
 
-/// Is the dense store that of this model's K, bit by bit as it was computed? Needs no factor. Error: what is
-/// wrong with it.
+/// Checks that the dense store belongs to this model's K and is bit by bit as computed. Needs no factor.
+/// Error: the defect.
 Status check_green(const Model& model);
 
 /// Memory of a model while it runs: mesh, K, its factor and the Green's functions.
 std::size_t memory_bytes(const Model& model);
-/// Equal for equal mesh, materials, fixed vertices, kept nodes, formulation and precision.
+/// Hash of mesh, materials, fixed vertices, stored nodes, formulation and precision.
 std::uint64_t content_hash(const Model& model);
 
 }  // namespace turgor::sfem

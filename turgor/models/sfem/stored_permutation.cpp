@@ -2,18 +2,21 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::sfem {
 
-KeptPlaces kept_places(const Model& model, const Elimination& plan) {
-  KeptPlaces kept;
+StoredPermutation stored_permutation(const Model& model, const Elimination& plan) {
+  StoredPermutation stored;
   for (const int v : model.green.nodes) {
-    kept.rows.push_back(model.free_node[std::size_t(v)]);
-    kept.place.push_back(plan.place[std::size_t(kept.rows.back())]);
-    kept.by_place.push_back(int(kept.by_place.size()));
+    stored.rows.push_back(model.free_node[std::size_t(v)]);
+    TURGOR_CHECK(stored.rows.back() >= 0, "kept nodes are free");
+    stored.position.push_back(plan.position[std::size_t(stored.rows.back())]);
+    stored.by_position.push_back(int(stored.by_position.size()));
   }
-  std::sort(kept.by_place.begin(), kept.by_place.end(),
-            [&](int a, int b) { return kept.place[std::size_t(a)] < kept.place[std::size_t(b)]; });
-  return kept;
+  std::sort(stored.by_position.begin(), stored.by_position.end(),
+            [&](int a, int b) { return stored.position[std::size_t(a)] < stored.position[std::size_t(b)]; });
+  return stored;
 }
 
 }  // namespace turgor::sfem

@@ -1,4 +1,4 @@
-// Where the nodes whose Green's functions are kept come in the order of elimination.
+// Positions of the stored nodes (those with Green's functions) in the elimination order.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace turgor::sfem {
 
-struct KeptPlaces {
-  std::vector<int> by_place;  // slots of Green::nodes, ascending places
-  std::vector<int> place;     // of each slot
-  std::vector<int> rows;      // of K, of each slot
+struct StoredPermutation {
+  std::vector<int> by_position;  // slots of Green::nodes, by ascending position
+  std::vector<int> position;     // of each slot
+  std::vector<int> rows;         // of K, of each slot
 };
-KeptPlaces kept_places(const Model& model, const Elimination& plan);
+StoredPermutation stored_permutation(const Model& model, const Elimination& plan);
 
 }  // namespace turgor::sfem

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <string_view>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// As SceneKey lists them: group and key.
+/// Group and key, as in SceneKey.
 constexpr std::string_view kLive[][2] = {
     {"world", "gravity"},
     {"lattice", "gravity"},
@@ -34,24 +35,24 @@ constexpr std::string_view kLive[][2] = {
     {"tool", "friction"},
 };
 
-/// What is made of a key, and stays as it was made; the first that fits.
-struct Made {
+/// Reason for keys that need a reload; the first matching prefix applies.
+struct ReloadReason {
   std::string_view group, prefix, why;
 };
-constexpr Made kMade[] = {
-    {"sfem", "inside.", "Green's functions are made for its ratio to what is around it"},
-    {"sfem", "inclusion.", "Green's functions are made for its ratio to what is around it"},
-    {"sfem", "patch.", "the next patch could be made with it, the present one cannot"},
-    {"sfem", "viscosity.", "what the tissue remembers was felt with it"},
-    {"sfem", "", "the mesh and its Green's functions are made of it"},
-    {"rhombus", "", "the chains of the surface are made of it"},
-    {"lattice", "tissue.", "the springs of the lattice are made of it"},
-    {"lattice", "", "the lattice is made of it"},
-    {"cloth", "fabric.", "the fabric's springs are made of it"},
-    {"cloth", "", "the cloth is made of it"},
-    {"tool", "", "the tool's shape and path are laid on the body at rest"},
-    {"incision", "", "the blade was tried on the body at rest"},
-    {"world", "", "frames and haptic ticks are counted by it"},
+constexpr ReloadReason kReloadReasons[] = {
+    {"sfem", "inside.", "Green's functions depend on its ratio to the surrounding material"},
+    {"sfem", "inclusion.", "Green's functions depend on its ratio to the surrounding material"},
+    {"sfem", "patch.", "the present patch was built with it"},
+    {"sfem", "viscosity.", "the present viscous state depends on it"},
+    {"sfem", "", "the mesh and its Green's functions depend on it"},
+    {"rhombus", "", "the chains of the surface depend on it"},
+    {"lattice", "tissue.", "the elements of the lattice depend on it"},
+    {"lattice", "", "the lattice depends on it"},
+    {"cloth", "fabric.", "the fabric's springs depend on it"},
+    {"cloth", "", "the cloth depends on it"},
+    {"tool", "", "the tool's shape and path were set on the body at rest"},
+    {"incision", "", "the blade was tested on the body at rest"},
+    {"world", "", "frames and haptic ticks depend on it"},
 };
 
 template <class Bodies>
@@ -72,9 +73,9 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   params.skin.stiffness = scene.params.skin.stiffness;
   params.skin.shear = scene.params.skin.shear;
   params.skin.amplification = scene.params.skin.amplification;
-  const bool has_pull = !body.model.skin.pull.empty();
-  if (has_pull) lattice::measure_pull(exec, body.model, body.model.skin);
-  body.state.change().sleep = {};  // all rows feel it
+  const bool has_pull = !body.model.skin.prestress_force.empty();
+  if (has_pull) lattice::measure_prestress(exec, body.model, body.model.skin);
+  body.state.change().sleep = {};  // wakes all rows
 }
 
 void change_wind(const ClothScene& before, const ClothScene& scene, ClothBody& body) {
@@ -89,9 +90,10 @@ void change_body(const Exec&, const ClothScene& scene, ClothBody& body) {
   params.collision.friction = scene.params.collision.friction;
 }
 
-/// All forces of a linear body are as many times as large; pressed as far, it lies as it did.
+/// All forces of a linear body scale with its stiffness; the shape under a given press stays.
 void change_body(const Exec&, const SfemScene& scene, SfemBody& body) {
-  body.stiffer = scene.material.young / body.model.body.materials[0].young;
+  TURGOR_CHECK(!body.model.body.materials.empty(), "a body has a material");
+  body.stiffness_scale = scene.material.young / body.model.body.materials[0].young;
 }
 
 void change_tools(const Scene& scene, World& world) {
@@ -103,7 +105,7 @@ void change_tools(const Scene& scene, World& world) {
   });
 }
 
-/// What else is ticked by a haptic thread stays as it was made.
+/// The other models are ticked by the haptic thread and stay unchanged.
 template <class BodyScene, class Body>
 void change_body(const Exec&, const BodyScene&, Body&) {}
 
@@ -112,16 +114,16 @@ void change_body(const Exec&, const BodyScene&, Body&) {}
 std::string why_not_live(const Scene& scene, const SceneKey& key) {
   const SfemScene* sfem = key.group == "sfem" ? find_named(scene.sfem_bodies, key) : nullptr;
   if (sfem && key.key == "young" && !(sfem->inside.empty() && sfem->inclusions.empty()))
-    return "Green's functions are made for the ratio of its parts";
+    return "Green's functions depend on the ratio of its materials";
   const ToolScene* tool = key.group == "tool" ? find_named(scene.tools, key) : nullptr;
   if (tool && key.key == "friction" && tool->body.kind == BodyKind::kRhombus)
-    return "chains know no friction";
+    return "chains have no friction";
   if (std::any_of(std::begin(kLive), std::end(kLive),
                   [&key](const auto& live) { return key.group == live[0] && key.key == live[1]; }))
     return {};
-  for (const Made& made : kMade)
+  for (const ReloadReason& made : kReloadReasons)
     if (key.group == made.group && key.key.starts_with(made.prefix)) return std::string(made.why);
-  return "the world is made of it";
+  return "the world depends on it";
 }
 
 Result<Scene> with_change(const Scene& scene, const std::string& key, const std::string& value) {
@@ -133,8 +135,12 @@ Result<Scene> with_change(const Scene& scene, const std::string& key, const std:
 }
 
 void change_world(const Exec& exec, const Scene& before, const Scene& scene, World& world) {
+  TURGOR_CHECK(world.cloth_bodies.size() == scene.cloth_bodies.size() &&
+                   before.cloth_bodies.size() == scene.cloth_bodies.size(),
+               "a changed scene has the bodies of its world");
   world.gravity = scene.gravity;
   for_each_kind(scene, world, [&exec](BodyKind, const auto& scenes, auto& bodies) {
+    TURGOR_CHECK(scenes.size() == bodies.size(), "a changed scene has the bodies of its world");
     for (std::size_t b = 0; b < bodies.size(); b++) change_body(exec, scenes[b], bodies[b]);
   });
   for (std::size_t b = 0; b < world.cloth_bodies.size(); b++)

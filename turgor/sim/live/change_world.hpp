@@ -1,4 +1,4 @@
-// Which keys of a scene a world heeds while it moves, and how it takes them.
+// Changes of scene keys in a running world. Keys that need a reload have a reason.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace turgor {
 
-/// Why a change of this key of a scene acts only when the world is made anew: a few words. Empty: it acts at
-/// once.
+/// Reason why a change of this key needs a reload of the world, in a few words. Empty if the change acts
+/// immediately.
 std::string why_not_live(const Scene& scene, const SceneKey& key);
 
-/// The scene with another value of a key. Error: the scene's own sentence.
+/// Scene with a new value of a key. Error: message of the scene's reader.
 Result<Scene> with_change(const Scene& scene, const std::string& key, const std::string& value);
 
-/// Takes from a scene what why_not_live lets pass. Nothing else of the world moves; what the scene says as it
-/// did `before` leaves a wind that a hand made as it is.
+/// Applies the values of all keys for which why_not_live is empty. Positions and velocities stay unchanged. A
+/// wind set by a request stays if `scene` and `before` have the same wind.
 void change_world(const Exec& exec, const Scene& before, const Scene& scene, World& world);
 
 }  // namespace turgor

@@ -1,12 +1,16 @@
 #include "turgor/sim/live/driven_ticks.hpp"
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+
 namespace turgor {
 
 namespace {
 
-/// visit(body, first of LedTicks::tools) for every body that tools touch.
+/// Calls visit(body, first) for every touched body; `first` is the index of its first tool in
+/// DrivenTicks::tools.
 template <class AnyWorld, class Visit>
-void for_each_led(AnyWorld& world, const Visit& visit) {
+void for_each_driven_body(AnyWorld& world, const Visit& visit) {
   std::size_t first = 0;
   for_each_touched(world, [&](BodyId, auto& body) {
     if (body.tool_indices.empty()) return;
@@ -15,8 +19,9 @@ void for_each_led(AnyWorld& world, const Visit& visit) {
   });
 }
 
-/// begin_felt asks where tools are at the beginning of their paths.
-std::vector<TouchingTool> resting(const World& world) {
+/// Copies of the tools that stay at their present positions; begin_haptics takes the first pose of a path
+/// from them.
+std::vector<TouchingTool> tools_at_rest(const World& world) {
   std::vector<TouchingTool> tools;
   for (const TouchingTool& tool : world.tools) {
     TouchingTool& rests = tools.emplace_back();
@@ -26,74 +31,79 @@ std::vector<TouchingTool> resting(const World& world) {
   return tools;
 }
 
-void log_ticks(World& world, const LedTicks& led) {
-  for_each_led(world, [&](auto& body, std::size_t first) {
+void log_ticks(World& world, const DrivenTicks& driven) {
+  for_each_driven_body(world, [&](auto& body, std::size_t first) {
     for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
       const std::size_t slot = first + t;
-      log_tick(body, t, sample_of(time_of(led), led.commands[slot], led.readings[slot]),
-               world.tools[std::size_t(led.tools[slot])]);
+      log_tick(body, t, sample_of(time_of(driven), driven.commands[slot], driven.readings[slot]),
+               world.tools[std::size_t(driven.tools[slot])]);
     }
   });
 }
 
-/// Frames whose time is over.
-Status make_frames(const Exec& exec, World& world, const LedTicks& led) {
-  while ((world.frame + 1) * world.dt <= time_of(led) + 1e-9) {
-    for_each_led(world, [](auto& body, std::size_t) { expect_patch(body, true); });
+/// Steps all frames that are due.
+Status step_due_frames(const Exec& exec, World& world, const DrivenTicks& driven) {
+  TURGOR_CHECK(is_step_length(world.dt), "a frame has a positive length");
+  while ((world.frame + 1) * world.dt <= time_of(driven) + 1e-9) {
+    for_each_driven_body(world, [](auto& body, std::size_t) { expect_patch(body, true); });
     const Result<FrameReport> done = step(exec, world);
     if (!done) return done.error();
-    if (!done->finite) return Error{"the numbers of a step were not finite; the state before it was kept"};
+    if (!done->finite) return Error{"a step was not finite; the state before it was kept"};
   }
   return Done{};
 }
 
 }  // namespace
 
-LedTicks begin_led(World& world) {
-  LedTicks led;
-  led.began = time_of(world);
-  const std::vector<TouchingTool> tools = resting(world);
-  for_each_led(world, [&](auto& body, std::size_t) {
+DrivenTicks begin_driven(World& world) {
+  DrivenTicks driven;
+  driven.began = time_of(world);
+  const std::vector<TouchingTool> tools = tools_at_rest(world);
+  for_each_driven_body(world, [&](auto& body, std::size_t) {
     begin_haptics(body, tools);
-    led.tools.insert(led.tools.end(), body.tool_indices.begin(), body.tool_indices.end());
+    driven.tools.insert(driven.tools.end(), body.tool_indices.begin(), body.tool_indices.end());
   });
-  for (const int tool : led.tools) led.grip.push_back(world.tools[std::size_t(tool)].grip);
-  led.commands.resize(led.tools.size());
-  led.readings.resize(led.tools.size());
-  return led;
+  for (const int tool : driven.tools) driven.grip.push_back(world.tools[std::size_t(tool)].grip);
+  driven.commands.resize(driven.tools.size());
+  driven.readings.resize(driven.tools.size());
+  return driven;
 }
 
-void end_led(World& world) {
-  for_each_led(world, [](auto& body, std::size_t) { end_haptics(body); });
+void end_driven(World& world) {
+  for_each_driven_body(world, [](auto& body, std::size_t) { end_haptics(body); });
 }
 
-void tick_tools(World& world, LedTicks& led, std::span<const contact::ToolCommand> commands,
+void tick_tools(World& world, DrivenTicks& driven, std::span<const contact::ToolCommand> commands,
                 std::span<contact::ToolReading> readings) {
   TURGOR_ASSERT(commands.size() == world.tools.size() && readings.size() == world.tools.size(),
                 "a tick has a command and a reading for every tool");
-  led.done++;
-  for (std::size_t slot = 0; slot < led.tools.size(); slot++) {
-    const auto index = std::size_t(led.tools[slot]);
-    led.grip[slot] =
-        contact::next_grip(led.grip[slot], commands[index].hold, holding_time(world.tools[index]), kTick);
-    led.commands[slot] = commands[index];
-    led.commands[slot].grip = led.grip[slot];
-    led.readings[slot] = {};
+  TURGOR_CHECK(driven.commands.size() == driven.tools.size() &&
+                   driven.readings.size() == driven.tools.size() && driven.grip.size() == driven.tools.size(),
+               "one command, one reading and one grip a tool");
+  TURGOR_CHECK(all_indices(driven.tools, world.tools.size()), "driven tools are tools of the world");
+  driven.done++;
+  for (std::size_t slot = 0; slot < driven.tools.size(); slot++) {
+    const auto index = std::size_t(driven.tools[slot]);
+    driven.grip[slot] =
+        contact::next_grip(driven.grip[slot], commands[index].hold, holding_time(world.tools[index]), kTick);
+    driven.commands[slot] = commands[index];
+    driven.commands[slot].grip = driven.grip[slot];
+    driven.readings[slot] = {};
   }
-  for_each_led(world, [&](auto& body, std::size_t first) {
+  for_each_driven_body(world, [&](auto& body, std::size_t first) {
     const std::size_t count = body.tool_indices.size();
-    tick_haptics(body, std::span<const contact::ToolCommand>(led.commands).subspan(first, count), kTick,
-                 std::span(led.readings).subspan(first, count));
+    tick_haptics(body, std::span<const contact::ToolCommand>(driven.commands).subspan(first, count), kTick,
+                 std::span(driven.readings).subspan(first, count));
   });
-  for (std::size_t slot = 0; slot < led.tools.size(); slot++)
-    readings[std::size_t(led.tools[slot])] = led.readings[slot];
+  for (std::size_t slot = 0; slot < driven.tools.size(); slot++)
+    readings[std::size_t(driven.tools[slot])] = driven.readings[slot];
 }
 
-Status tick_led(const Exec& exec, World& world, LedTicks& led, std::span<const contact::ToolCommand> commands,
-                std::span<contact::ToolReading> readings) {
-  tick_tools(world, led, commands, readings);
-  log_ticks(world, led);
-  return make_frames(exec, world, led);
+Status tick_driven(const Exec& exec, World& world, DrivenTicks& driven,
+                   std::span<const contact::ToolCommand> commands, std::span<contact::ToolReading> readings) {
+  tick_tools(world, driven, commands, readings);
+  log_ticks(world, driven);
+  return step_due_frames(exec, world, driven);
 }
 
 }  // namespace turgor

@@ -1,10 +1,10 @@
-// A world whose tools are led tick by tick by whoever calls, without devices and without a clock. Ticks and
-// frames come in turn on one thread, a frame when its time is over, and a patch that is built is there at the
-// next frame: the same commands give the same bits on any machine, a tick at a time or a thousand.
+// World whose tools are driven tick by tick by the caller, without devices and without a clock. Ticks and
+// frames alternate on one thread. A frame runs once its simulated time has passed. A new patch is used from
+// the next frame on. The same commands give the same bits on every machine, for any number of ticks per call.
 //
-//   begin_led   bodies have `felt` (exchanges.hpp) from here on
-//   tick_led    a tick, and the frame if it is due
-//   tick_tools  a tick alone, for a haptic thread beside a thread that makes frames by step()
+//   begin_driven   starts the ticks: bodies get `haptic` (exchanges.hpp)
+//   tick_driven    one tick, and the frames that are due
+//   tick_tools     one tick only, for a haptic thread that runs beside a thread calling step()
 #pragma once
 
 #include <span>
@@ -14,31 +14,31 @@
 
 namespace turgor {
 
-/// Plain, so that it is copied with its world.
-struct LedTicks {
-  double began = 0;        // the world's time [s]
-  long done = 0;           // ticks since then
-  std::vector<int> tools;  // body by body: index into World::tools, as the three below
+/// State of the ticks. A copy of the world needs a copy of this state.
+struct DrivenTicks {
+  double began = 0;        // simulated time at begin_driven [s]
+  long done = 0;           // number of ticks since begin_driven
+  std::vector<int> tools;  // indices into World::tools, body by body; the arrays below have the same order
   std::vector<contact::ToolCommand> commands;
   std::vector<contact::ToolReading> readings;
-  std::vector<double> grip;  // of their jaws
+  std::vector<double> grip;  // closure of the jaws: 0 open, 1 closed
 };
 
-/// Tools are where they are now. Nobody leads them yet.
-LedTicks begin_led(World& world);
-void end_led(World& world);
+/// Starts the ticks with all tools at their present positions.
+DrivenTicks begin_driven(World& world);
+void end_driven(World& world);
 
-/// Where the ticks are [s].
-inline double time_of(const LedTicks& led) { return led.began + double(led.done) * kTick; }
+/// Simulated time after the last tick [s].
+inline double time_of(const DrivenTicks& driven) { return driven.began + double(driven.done) * kTick; }
 
-/// One tick: a command and a reading for each of World::tools, whose grip follows from `hold`. Writes no
-/// logs. Neither allocates nor waits; what frames change of the world it reads through latest<> alone.
-void tick_tools(World& world, LedTicks& led, std::span<const contact::ToolCommand> commands,
+/// One tick with a command and a reading for each of World::tools. The grip of a command is ignored: `hold`
+/// opens and closes the jaws. Writes no logs, does not allocate or wait, and reads data of frames through
+/// latest<> only.
+void tick_tools(World& world, DrivenTicks& driven, std::span<const contact::ToolCommand> commands,
                 std::span<contact::ToolReading> readings);
 
-/// The same with logs, and with the frame that ends then. Error: a blade found no skin any more, or the
-/// numbers of a step were not finite.
-Status tick_led(const Exec& exec, World& world, LedTicks& led, std::span<const contact::ToolCommand> commands,
-                std::span<contact::ToolReading> readings);
+/// One tick with logs, then the frames that are due. Error: a blade left the skin, or a step was not finite.
+Status tick_driven(const Exec& exec, World& world, DrivenTicks& driven,
+                   std::span<const contact::ToolCommand> commands, std::span<contact::ToolReading> readings);
 
 }  // namespace turgor

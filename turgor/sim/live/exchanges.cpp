@@ -1,28 +1,30 @@
 #include "turgor/sim/live/exchanges.hpp"
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/haptics/safety.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// A tick later. What is farther than a hand moves in a tick is no way: a mouse, or a program, put the tool
-/// there, where nothing is known yet.
-void extrapolate(LocalExchange& exchange, const contact::ToolCommand& now) {
+/// Records a command. A displacement that a hand cannot make in a tick is a teleport by a mouse or a program.
+/// A teleport discards the tool's contact.
+void record_command(LocalExchange& exchange, const contact::ToolCommand& now) {
   NumberedCommand& last = exchange.latest_tick;
   const double longest = haptics::SafetyParams().jump;
   if (norm(now.pose.position - last.command.pose.position) > longest) {
-    last.teleports++, last.put = now.pose;
+    last.teleports++, last.teleported_to = now.pose;
     exchange.touch = {.params = exchange.touch.params};
   }
   last.command = now, last.number++;
 }
 
-/// Not one of where the tool was before it was put elsewhere.
-void take_plane(LocalExchange& exchange) {
+/// Takes the newest plane. Ignores planes from before the latest teleport.
+void receive_contact(LocalExchange& exchange) {
   const contact::LocalContact& plane = exchange.plane.read();
   if (plane.teleports == exchange.latest_tick.teleports)
-    contact::take(exchange.touch, plane), exchange.age = 0;
+    contact::update_contact(exchange.touch, plane), exchange.age = 0;
 }
 
 }  // namespace
@@ -39,50 +41,62 @@ void begin_haptics(FrameTouchedBody& body, const std::vector<TouchingTool>& tool
 
 void tick_haptics(FrameTouchedBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings) {
+  TURGOR_CHECK(commands.size() == body.haptic.size() && readings.size() == commands.size(),
+               "one command and one reading a tool");
   for (std::size_t t = 0; t < commands.size(); t++) {
     LocalExchange& exchange = body.haptic[t];
-    extrapolate(exchange, commands[t]);
+    record_command(exchange, commands[t]);
     exchange.command.write(exchange.latest_tick);
     exchange.age += dt;
-    if (exchange.plane.has_news()) take_plane(exchange);
-    contact::tick(exchange.touch, commands[t], dt, readings[t]);
+    if (exchange.plane.has_news()) receive_contact(exchange);
+    contact::tick_local_touch(exchange.touch, commands[t], dt, readings[t]);
     readings[t].age = exchange.age;
   }
 }
 
-void keep_frame(FrameTouchedBody& body) {
+void queue_frame_output(FrameTouchedBody& body) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++)
-    body.haptic[t].awaiting.keep(body.haptic[t].plane);
+    body.haptic[t].replay_queue.push(body.haptic[t].plane);
 }
 
-void give_frame(FrameTouchedBody& body, std::size_t t, TickInputs inputs_used) {
+void replay_frame_output(FrameTouchedBody& body, std::size_t t, TickInputs inputs_used) {
+  TURGOR_CHECK(is_index(t, body.haptic.size()), "every tool has an exchange");
   LocalExchange& exchange = body.haptic[t];
-  exchange.awaiting.give(inputs_used.frame, exchange.plane);
+  exchange.replay_queue.release(inputs_used.frame, exchange.plane);
 }
 
-void take_commands(FrameTouchedBody& body, double from, double to, std::vector<TouchingTool>& tools) {
+void apply_commands(FrameTouchedBody& body, double from, double to, std::vector<TouchingTool>& tools) {
   constexpr int kRows = 16;
+  TURGOR_CHECK(body.haptic.empty() || body.haptic.size() == body.tool_indices.size(),
+               "every tool has an exchange");
+  TURGOR_CHECK(to >= from, "frames do not run backwards");
   for (std::size_t t = 0; t < body.haptic.size(); t++) {
     LocalExchange& exchange = body.haptic[t];
+
+    // newest command; a teleport restarts the motion
     const NumberedCommand newest = exchange.command.read();
     exchange.was_teleported = newest.teleports != exchange.teleports;
-    if (exchange.was_teleported) exchange.before.pose = newest.put, exchange.memory = {};
+    if (exchange.was_teleported) exchange.before.pose = newest.teleported_to, exchange.history = {};
     const contact::ToolCommand before = exchange.before, now = newest.command;
+
+    // linear motion over the frame
     std::vector<HandRow>& hand = tools[std::size_t(body.tool_indices[t])].hand;
     hand.resize(kRows + 1);
     for (int row = 0; row <= kRows; row++) {
-      const double part = double(row) / kRows;
-      hand[std::size_t(row)] = {from + (to - from) * part, now};
-      hand[std::size_t(row)].command.pose.position =
-          before.pose.position * (1 - part) + now.pose.position * part;
+      const double s = double(row) / kRows;
+      hand[std::size_t(row)] = {from + (to - from) * s, now};
+      hand[std::size_t(row)].command.pose.position = before.pose.position * (1 - s) + now.pose.position * s;
     }
+
+    // start of the next frame
     exchange.before = now, exchange.ticks = newest.number, exchange.teleports = newest.teleports;
   }
 }
 
-void leave_plane(FrameTouchedBody& body, std::size_t t, contact::LocalContact plane) {
+void publish_contact(FrameTouchedBody& body, std::size_t t, contact::LocalContact plane) {
+  TURGOR_CHECK(is_index(t, body.haptic.size()), "every tool has an exchange");
   LocalExchange& exchange = body.haptic[t];
-  plane.number = ++exchange.planes, plane.teleports = exchange.teleports;
+  plane.number = ++exchange.plane_count, plane.teleports = exchange.teleports;
   exchange.plane.write(plane);
 }
 

@@ -1,14 +1,18 @@
-// What passes between a haptic thread and the frames of a body whose forces are known once a frame: for each
-// of its tools a command one way and a plane the other way (contact/local_contact.hpp). Bodies of sfem and
-// rhombus have an exchange of their own; every body that tools touch has overloads of the same names:
+// Exchange between the haptic thread and the frames of a body whose contact forces are computed once per
+// frame (lattice, cloth). For each tool the haptic thread sends a command, and the frame sends a local
+// contact plane (contact/local_contact.hpp). Bodies of sfem and rhombus have their own exchange. Every body
+// that tools touch has overloads of the same names:
 //
-//   begin_felt    before the haptic thread begins: `felt` is there, and frames do not tick any more
-//   tick_felt     of the haptic thread: a command and a reading for each of its tools
-//   log_tick      likewise, for each of them
-//   tick_knew     likewise: what that tick answered from; frame_knew is the frame's
-//   end_felt      when there is no haptic thread any more
+//   begin_haptics        before the haptic thread starts: allocates `haptic`; frames stop ticking tools
+//   tick_haptics         haptic thread: one command and one reading per tool
+//   log_tick             haptic thread: logs the sample of a tool
+//   tick_inputs          haptic thread: numbers of the frame data that the tick used
+//   frame_inputs         frame: numbers of the ticks and patches that the frame used
+//   end_haptics          after the haptic thread has ended
 //
-// and two for who does it again (haptic_replay.hpp): keep_frame after a frame, give_frame before a tick.
+// Three more make ticks without a clock reproducible. expect_patch decides whether the next frame takes a new
+// patch. The replay (haptic_replay.hpp) calls queue_frame_output after a frame and replay_frame_output before
+// a tick.
 #pragma once
 
 #include <span>
@@ -22,33 +26,35 @@ namespace turgor {
 
 struct NumberedCommand {
   contact::ToolCommand command;
-  std::int32_t number = 0;     // of the ticks so far
-  std::int32_t teleports = 0;  // how often it was put elsewhere so far: farther than a hand moves in a tick
-  contact::Pose put;           // where, the last time
+  std::int32_t number = 0;  // number of ticks so far
+  std::int32_t teleports =
+      0;  // number of teleports so far: displacements in one tick that a hand cannot make
+  contact::Pose teleported_to;  // pose after the latest teleport
 };
 
-/// Of one tool.
+/// Exchange of one tool.
 struct LocalExchange {
-  latest<NumberedCommand> command;      // of the haptic thread, to the frame
-  latest<contact::LocalContact> plane;  // of the frame, to the haptic thread
+  latest<NumberedCommand> command;      // from the haptic thread to the frame
+  latest<contact::LocalContact> plane;  // from the frame to the haptic thread
 
-  // The frame's:
-  contact::ToolCommand before;  // where the tool was a frame ago
-  std::int32_t ticks = 0;       // NumberedCommand::number of that
-  std::int32_t teleports = 0;   // and its puts
-  bool was_teleported = false;  // since the frame before: to `before`, and nothing lay on its way there
-  contact::LocalMemory memory;
-  long planes = 0;  // so far
-  Awaiting<contact::LocalContact> awaiting;
+  // owned by the frame
+  contact::ToolCommand before;  // command at the end of the previous frame
+  std::int32_t ticks = 0;       // NumberedCommand::number of `before`
+  std::int32_t teleports = 0;   // NumberedCommand::teleports of `before`
+  bool was_teleported = false;  // true if the tool was teleported since the previous frame; its motion then
+                                // starts at the teleport's pose
+  contact::LocalContactHistory history;
+  long plane_count = 0;  // number of planes published so far
+  ReplayQueue<contact::LocalContact> replay_queue;
 
-  // The haptic thread's:
+  // owned by the haptic thread
   contact::LocalTouch touch;
   NumberedCommand latest_tick;
-  double age = 0;  // of the newest plane [s]
+  double age = 0;  // time since the newest plane arrived [s]
 };
 
-/// A body whose forces are known once a frame. `felt`: one for each of tool_indices while a hand feels it,
-/// else none.
+/// Body whose contact forces are computed once per frame. While a haptic thread runs, `haptic` has one entry
+/// for each of tool_indices; otherwise it is empty.
 struct FrameTouchedBody : TouchedBody {
   std::vector<LocalExchange> haptic;
 };
@@ -66,14 +72,14 @@ inline FrameInputs frame_inputs(const FrameTouchedBody& body, std::size_t t) {
   return {body.haptic[t].ticks, 0};
 }
 inline void end_haptics(FrameTouchedBody& body) { body.haptic.clear(); }
-void keep_frame(FrameTouchedBody& body);
-void give_frame(FrameTouchedBody& body, std::size_t t, TickInputs inputs_used);
+void queue_frame_output(FrameTouchedBody& body);
+void replay_frame_output(FrameTouchedBody& body, std::size_t t, TickInputs inputs_used);
 inline void expect_patch(FrameTouchedBody&, bool) {}
 
-/// Of the frame: the way of the tools of a body from one time to another, from where they were, or were put
-/// since, to where the haptic thread has them now.
-void take_commands(FrameTouchedBody& body, double from, double to, std::vector<TouchingTool>& tools);
-/// Of the frame: what ticks feel of tool `t` of tool_indices from now on.
-void leave_plane(FrameTouchedBody& body, std::size_t t, contact::LocalContact plane);
+/// Frame: sets the motion of the body's tools between the times `from` and `to`. The motion starts at the
+/// previous command, or at the latest teleport, and ends at the newest command.
+void apply_commands(FrameTouchedBody& body, double from, double to, std::vector<TouchingTool>& tools);
+/// Frame: publishes the contact plane of tool `t` of tool_indices for the following ticks.
+void publish_contact(FrameTouchedBody& body, std::size_t t, contact::LocalContact plane);
 
 }  // namespace turgor

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/haptics/real_time.hpp"
 
 namespace turgor {
 
 double FrameClock::wait(int frame) {
+  TURGOR_CHECK(pace_ > 0 && dt_ > 0, "a clock runs forwards");
   const double passed = frame * dt_ / pace_;
-  if (!began_) began_ = haptics::steady_seconds() - passed;  // the first one is in time
-  const double due = *began_ + passed;
+  if (!start_) start_ = haptics::steady_seconds() - passed;  // the first frame is in time by definition
+  const double due = *start_ + passed;
   haptics::sleep_until(due);
   const double late = haptics::steady_seconds() - due;
   timing_.frames++;

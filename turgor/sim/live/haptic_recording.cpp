@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/io/files/unfinished.hpp"
 #include "turgor/sim/live/mouse_tools.hpp"
 #include "turgor/sim/recording/recording_arrays.hpp"
@@ -16,9 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFeltFormat = "turgor felt run 1";
+constexpr const char *kHapticFormat = "turgor haptic recording 2",
+                     *kOldFormat = "turgor felt run 1";  // renamed_datasets.hpp; check_words: ok
 constexpr std::size_t kMostTools = 1000, kMostFrames = std::size_t(1) << 24, kMostLines = 1000;
-constexpr std::size_t kNumbers = 16;  // of a tick: time, step, place, axes, grip, hold
+constexpr std::size_t kNumbers = 16;  // numbers per tick: time, step, position, three axes, grip, hold
 constexpr const char* kTickUnits = "s, s, m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1";
 
 Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
@@ -51,13 +53,13 @@ CutRequest cut_of(const Json& json) {
   return request;
 }
 
-WorldRequest ask_of(const Json& json) {
+WorldRequest request_of(const Json& json) {
   if (json.contains("cut")) return cut_of(json);
   if (json.contains("wind")) return WindRequest{json.at("wind").get<int>(), vector_of(json.at("velocity"))};
   return ChangeRequest{json.at("change").get<std::string>(), json.at("value").get<std::string>()};
 }
 
-std::string asks_text(const std::vector<RecordedRequest>& requests) {
+std::string requests_text(const std::vector<RecordedRequest>& requests) {
   Json list = Json::array();
   for (const RecordedRequest& request : requests) {
     Json one = std::visit([](const auto& what) { return json_of(what); }, request.what);
@@ -67,13 +69,14 @@ std::string asks_text(const std::vector<RecordedRequest>& requests) {
   return list.dump();
 }
 
-Result<std::vector<RecordedRequest>> asks_of(const std::string& text) {
+Result<std::vector<RecordedRequest>> requests_of(const std::string& text) {
   try {
     std::vector<RecordedRequest> requests;
-    for (const Json& one : Json::parse(text)) requests.push_back({one.at("frame").get<int>(), ask_of(one)});
+    for (const Json& one : Json::parse(text))
+      requests.push_back({one.at("frame").get<int>(), request_of(one)});
     return requests;
   } catch (const Json::exception&) {
-    return Error{"what was asked for is damaged"};
+    return Error{"/requests is damaged"};
   }
 }
 
@@ -87,10 +90,12 @@ std::vector<double> rows_of(const std::vector<HapticTick>& ticks) {
       rows.insert(rows.end(), {v.x, v.y, v.z});
     rows.insert(rows.end(), {tick.command.grip, double(tick.command.hold)});
   }
+  TURGOR_CHECK(rows.size() == kNumbers * ticks.size(), "every tick has kNumbers numbers");
   return rows;
 }
 
 HapticTick tick_of(std::span<const double> row) {
+  TURGOR_CHECK(row.size() == kNumbers, "every tick has kNumbers numbers");
   const auto vector = [&row](std::size_t at) { return Vec3d{row[at], row[at + 1], row[at + 2]}; };
   return {.time = row[0],
           .step = row[1],
@@ -109,8 +114,8 @@ Status write_tool(Hdf5File& file, std::size_t n, const HapticTool& tool) {
   return Writing(file, fmt::format("/tools/{:05}/", n))
       .text("name", tool.name)
       .array("ticks", rows_of(tool.ticks), kNumbers, kTickUnits)
-      .array("ticks_knew", ticks, 2)
-      .array("frames_knew", frames, 2)
+      .array("tick_inputs", ticks, 2)
+      .array("frame_inputs", frames, 2)
       .status();
 }
 
@@ -119,48 +124,62 @@ bool is_sound(const HapticTick& tick) {
          tick.command.grip <= 1;
 }
 
-/// A tool without ticks is one whose body was not felt.
+/// Recording of a tool. It has no ticks if the tool touches no body.
 Result<HapticTool> read_tool(const Hdf5File& file, std::size_t n) {
   Reading reading(file, fmt::format("/tools/{:05}/", n));
-  const std::size_t ticks = reading.count("ticks_knew", 2 * kMostTicks) / 2;
-  const std::size_t frames = reading.count("frames_knew", 2 * kMostFrames) / 2;
+
+  // datasets
+  const std::size_t ticks = reading.count("tick_inputs", 2 * kMostTicks) / 2;
+  const std::size_t frames = reading.count("frame_inputs", 2 * kMostFrames) / 2;
   const auto rows = reading.array<double>("ticks", kNumbers * ticks);
-  const auto ticks_knew = reading.array<std::int32_t>("ticks_knew", 2 * ticks);
-  const auto frames_knew = reading.array<std::int32_t>("frames_knew", 2 * frames);
+  const auto tick_inputs = reading.array<std::int32_t>("tick_inputs", 2 * ticks);
+  const auto frame_inputs = reading.array<std::int32_t>("frame_inputs", 2 * frames);
   const Result<std::string> name = file.read_text(reading.group() + "name");
   if (!name) return name.error();
   if (!reading.status()) return reading.status().error();
+
+  // ticks with their inputs
   HapticTool tool{.name = *name, .ticks = {}, .frames = {}};
   for (std::size_t i = 0; i < ticks; i++) {
     HapticTick& tick = tool.ticks.emplace_back(tick_of(std::span(rows).subspan(kNumbers * i, kNumbers)));
-    tick.inputs_used = {ticks_knew[2 * i], ticks_knew[2 * i + 1]};
-    if (!is_sound(tick)) return Error{fmt::format("{}ticks: row {} is none", reading.group(), i + 1)};
+    tick.inputs_used = {tick_inputs[2 * i], tick_inputs[2 * i + 1]};
+    if (!is_sound(tick)) return Error{fmt::format("{}ticks: row {} is invalid", reading.group(), i + 1)};
   }
+
+  // frames with their inputs
   for (std::size_t i = 0; i < frames; i++)
-    tool.frames.push_back({frames_knew[2 * i], frames_knew[2 * i + 1]});
+    tool.frames.push_back({frame_inputs[2 * i], frame_inputs[2 * i + 1]});
   return tool;
 }
 
-Result<HapticRecording> read_parts(const Hdf5File& file) {
+Result<HapticRecording> read_content(const Hdf5File& file) {
   HapticRecording run;
+
+  // texts
   std::string file_text, folder_text, overrides, requests;
   for (const auto& [name, text] : {std::pair{"/scene/file", &file_text},
                                    {"/scene/folder", &folder_text},
                                    {"/scene/text", &run.text},
                                    {"/scene/overrides", &overrides},
-                                   {"/asks", &requests}}) {
-    Result<std::string> read = file.read_text(name);
+                                   {"/requests", &requests}}) {
+    Result<std::string> read = file.read_text(stored_path(file, name));
     if (!read) return read.error();
     *text = std::move(*read);
   }
   run.file = file_text, run.folder = folder_text;
+
+  // overrides
   const Json lines = Json::parse(overrides, nullptr, false);
   if (!lines.is_array() || lines.size() > kMostLines) return Error{"/scene/overrides is damaged"};
   for (const Json& line : lines)
     if (line.is_string()) run.overrides.push_back(line.get<std::string>());
-  Result<std::vector<RecordedRequest>> asked = asks_of(requests);
-  if (!asked) return asked.error();
-  run.requests = std::move(*asked);
+
+  // requests
+  Result<std::vector<RecordedRequest>> recorded = requests_of(requests);
+  if (!recorded) return recorded.error();
+  run.requests = std::move(*recorded);
+
+  // counts
   Reading reading(file, "/");
   const auto counts = reading.array<std::int32_t>("counts", 3);
   const auto hash = reading.array<std::uint64_t>("state_hash", 1);
@@ -169,6 +188,8 @@ Result<HapticRecording> read_parts(const Hdf5File& file) {
       std::size_t(counts[1]) > kMostTools)
     return Error{"/counts is damaged"};
   run.frames = counts[0], run.has_mouse_tools = counts[2] != 0, run.hash = hash[0];
+
+  // tools
   for (std::size_t t = 0; t < std::size_t(counts[1]); t++) {
     Result<HapticTool> tool = read_tool(file, t);
     if (!tool) return tool.error();
@@ -177,13 +198,14 @@ Result<HapticRecording> read_parts(const Hdf5File& file) {
   return run;
 }
 
-/// Tools of one body tick together; frames know ticks that there are.
+/// Checks that frame inputs refer to existing ticks in ascending order, and that ticked tools have inputs for
+/// every frame.
 Status check_lengths(const HapticRecording& run) {
   for (const HapticTool& tool : run.tools) {
     std::int32_t before = 0;
     for (const FrameInputs& inputs_used : tool.frames) {
       if (inputs_used.ticks < before || std::size_t(inputs_used.ticks) > tool.ticks.size())
-        return Error{fmt::format("/tools: frames know ticks of {} that are none", tool.name)};
+        return Error{fmt::format("/tools: frame inputs refer to missing ticks of {}", tool.name)};
       before = inputs_used.ticks;
     }
     if (!tool.ticks.empty() && tool.frames.size() != std::size_t(run.frames))
@@ -195,7 +217,7 @@ Status check_lengths(const HapticRecording& run) {
 
 }  // namespace
 
-void note_scene(const Scene& scene, bool has_mouse_tools, HapticRecording& run) {
+void set_scene(const Scene& scene, bool has_mouse_tools, HapticRecording& run) {
   std::error_code ignored;
   run.file = fs::absolute(scene.file, ignored), run.folder = fs::current_path(ignored);
   run.text = scene.text, run.overrides = scene.overrides;
@@ -205,6 +227,7 @@ void note_scene(const Scene& scene, bool has_mouse_tools, HapticRecording& run) 
 Result<Scene> scene_of(const HapticRecording& run) {
   Result<Scene> scene = parse_scene(run.text, run.file, run.overrides, run.folder);
   if (!scene) return scene;
+  TURGOR_CHECK(scene->frame_rate > 0, "a scene has a frame rate");
   scene->duration = run.frames / scene->frame_rate;
   return run.has_mouse_tools ? with_mouse_tools(*scene) : *scene;
 }
@@ -214,17 +237,19 @@ namespace {
 Status write_into(const fs::path& path, const HapticRecording& run) {
   Result<Hdf5File> file = Hdf5File::create(path);
   if (!file) return file.error();
+  // write scene, requests and counts
   Status status = Writing(*file, "/")
-                      .text("format", kFeltFormat)
+                      .text("format", kHapticFormat)
                       .text("scene/file", run.file.string())
                       .text("scene/folder", run.folder.string())
                       .text("scene/text", run.text)
                       .text("scene/overrides", Json(run.overrides).dump())
-                      .text("asks", asks_text(run.requests))
+                      .text("requests", requests_text(run.requests))
                       .array<std::int32_t>("counts", {run.frames, std::int32_t(run.tools.size()),
                                                       std::int32_t(run.has_mouse_tools)})
                       .array<std::uint64_t>("state_hash", {run.hash})
                       .status();
+  // write the tools
   for (std::size_t t = 0; t < run.tools.size() && status; t++) status = write_tool(*file, t, run.tools[t]);
   return status ? file->close() : status;
 }
@@ -232,10 +257,10 @@ Status write_into(const fs::path& path, const HapticRecording& run) {
 }  // namespace
 
 Status write_haptic_recording(const fs::path& path, const HapticRecording& run) {
-  if (run.frames < 1) return Error{"no felt run: no frame has passed yet"};
+  if (run.frames < 1) return Error{"no haptic recording: no frame was simulated yet"};
   Unfinished partial(path);
   if (const Status written = write_into(partial.path(), run); !written)
-    return Error{fmt::format("{}: the felt run cannot be written", path.string())};
+    return Error{fmt::format("{}: the haptic recording cannot be written", path.string())};
   return partial.keep([&]() -> Status {
     std::error_code failed;
     fs::rename(partial.path(), path, failed);
@@ -248,9 +273,9 @@ Result<HapticRecording> read_haptic_recording(const fs::path& path) {
   const Result<Hdf5File> file = Hdf5File::open(path);
   if (!file) return file.error();
   const Result<std::string> format = file->read_text("/format");
-  if (!format || *format != kFeltFormat)
-    return Error{fmt::format("{}: expected \"{}\", found another HDF5 file", path.string(), kFeltFormat)};
-  Result<HapticRecording> run = read_parts(*file);
+  if (!format || (*format != kHapticFormat && *format != kOldFormat))
+    return Error{fmt::format("{}: expected \"{}\", found another HDF5 file", path.string(), kHapticFormat)};
+  Result<HapticRecording> run = read_content(*file);
   Status sound = Done{};
   if (run) sound = check_lengths(*run);
   if (!run || !sound)

@@ -1,6 +1,6 @@
-// A felt run as a value: the scene, what hands and paths told every tool tick by tick, what ticks and frames
-// knew of each other, and what was asked for between frames. Nothing else decided what became of the world,
-// so that FeltReplay makes the same of it without devices and without a clock, to the same bits.
+// Recording of a haptic run: the scene, the commands of every tool tick by tick, the data that ticks and
+// frames took from each other, and the requests between frames. Nothing else affects the world. HapticReplay
+// can therefore reproduce it bit by bit without devices and without a clock.
 #pragma once
 
 #include <filesystem>
@@ -14,43 +14,43 @@
 namespace turgor {
 
 struct HapticTick {
-  double time = 0, step = 0;  // [s]
+  double time = 0, step = 0;  // simulated time, and its increment in this tick [s]
   contact::ToolCommand command;
   TickInputs inputs_used;
 };
 
-/// A tool, as in World::tools.
+/// Recording of one tool of World::tools.
 struct HapticTool {
   std::string name;
   std::vector<HapticTick> ticks;
   std::vector<FrameInputs> frames;
 };
 
-/// What was asked for when so many frames were finished.
+/// Request applied after `frame` frames.
 struct RecordedRequest {
   int frame = 0;
   WorldRequest what;
 };
 
 struct HapticRecording {
-  std::filesystem::path file, folder;  // of the scene, and the current one when it was read
-  std::string text;                    // of the scene
+  std::filesystem::path file, folder;  // file of the scene; working directory when it was read
+  std::string text;                    // text of the scene's file
   std::vector<std::string> overrides;
-  bool has_mouse_tools = false;  // see mouse_tools.hpp
+  bool has_mouse_tools = false;  // true if mouse_tools.hpp added tools to the scene
   int frames = 0;
   std::vector<HapticTool> tools;
   std::vector<RecordedRequest> requests;
-  std::uint64_t hash = 0;  // state_hash of the world in the end
+  std::uint64_t hash = 0;  // state_hash of the world after the last frame
 };
 
-/// Of this scene, as it was before anything was asked for.
-void note_scene(const Scene& scene, bool has_mouse_tools, HapticRecording& run);
-/// The scene with its tools, as long as the run was. Error: it is none any more.
+/// Stores a scene as it was before any request.
+void set_scene(const Scene& scene, bool has_mouse_tools, HapticRecording& run);
+/// Recorded scene with its tools; its duration is that of the run. Error: the text is no valid scene.
 Result<Scene> scene_of(const HapticRecording& run);
 
-/// An HDF5 file.
+/// Writes an HDF5 file.
 Status write_haptic_recording(const std::filesystem::path& path, const HapticRecording& run);
-/// Error: no such file, damaged, or of another version.
+/// Error: missing or damaged file, or another format.
 Result<HapticRecording> read_haptic_recording(const std::filesystem::path& path);
 
 }  // namespace turgor

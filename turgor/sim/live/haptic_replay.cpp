@@ -2,31 +2,39 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor {
 
 namespace {
 
-/// A body with tools, and how far its ticks are.
+/// A touched body and the progress of its ticks.
 struct ReplayedBody {
   BodyId id;
-  std::vector<const HapticTool*> tools;  // one for each of its tool_indices
-  std::size_t done = 0;                  // ticks
+  std::vector<const HapticTool*> tools;  // one for each of tool_indices
+  std::size_t done = 0;                  // number of ticks done
   std::vector<contact::ToolCommand> commands;
   std::vector<contact::ToolReading> readings;
 };
 
-/// The next tick of a body.
+/// Runs the next tick of a body.
 template <class Body>
 void tick_next(ReplayedBody& replayed, Body& body, std::vector<TouchingTool>& tools) {
+  // recorded commands and inputs
+  TURGOR_ASSERT(!replayed.tools.empty(), "a replayed body has a tool");
   const std::size_t tick = replayed.done++;
+  TURGOR_CHECK(tick < replayed.tools[0]->ticks.size(), "the replayed tick was recorded");
   const double step = replayed.tools[0]->ticks[tick].step;
   for (std::size_t t = 0; t < replayed.tools.size(); t++) {
     const HapticTick& haptic = replayed.tools[t]->ticks[tick];
-    give_frame(body, t, haptic.inputs_used);
+    replay_frame_output(body, t, haptic.inputs_used);
     replayed.commands[t] = haptic.command;
     replayed.readings[t] = {};
   }
+
+  // tick
   tick_haptics(body, replayed.commands, step, replayed.readings);
+  // log
   for (std::size_t t = 0; t < replayed.tools.size(); t++) {
     TouchingTool& tool = tools[std::size_t(body.tool_indices[t])];
     tool.grip = replayed.commands[t].grip;
@@ -38,16 +46,16 @@ void tick_next(ReplayedBody& replayed, Body& body, std::vector<TouchingTool>& to
 
 Status check_tools(const World& world, const HapticRecording& run) {
   if (run.tools.size() != world.tools.size())
-    return Error{fmt::format("the felt run has {} tools: expected the {} of its scene", run.tools.size(),
-                             world.tools.size())};
+    return Error{fmt::format("the haptic recording has {} tools: expected the {} of its scene",
+                             run.tools.size(), world.tools.size())};
   for (std::size_t t = 0; t < run.tools.size(); t++)
     if (run.tools[t].name != world.tools[t].name)
-      return Error{fmt::format("the felt run has a tool {}: expected {} of its scene", run.tools[t].name,
-                               world.tools[t].name)};
+      return Error{fmt::format("the haptic recording has a tool {}: expected {} of its scene",
+                               run.tools[t].name, world.tools[t].name)};
   return Done{};
 }
 
-/// Tools of one body tick together.
+/// Checks that the tools of a body have the same number of ticks and frames.
 Status check_ticks(const World& world, const HapticRecording& run) {
   Status status = Done{};
   for_each_touched(world, [&](BodyId, const auto& body) {
@@ -55,7 +63,8 @@ Status check_ticks(const World& world, const HapticRecording& run) {
       const HapticTool &first = run.tools[std::size_t(body.tool_indices[0])],
                        &tool = run.tools[std::size_t(t)];
       if (tool.ticks.size() != first.ticks.size() || tool.frames.size() != first.frames.size())
-        status = Error{fmt::format("the felt run is damaged: {} and {} tick apart", first.name, tool.name)};
+        status = Error{fmt::format("the haptic recording is damaged: {} and {} have different ticks",
+                                   first.name, tool.name)};
     }
   });
   return status;
@@ -63,13 +72,14 @@ Status check_ticks(const World& world, const HapticRecording& run) {
 
 }  // namespace
 
-struct HapticReplay::Parts {
+struct HapticReplay::Impl {
   World& world;
   HapticRecording run;
   std::shared_ptr<const Scene> scene;
-  std::vector<TouchingTool> tools;  // as World::tools, with what is felt; the world's own go with the frames
+  std::vector<TouchingTool>
+      tools;  // copy of World::tools with the logs of ticks; frames move the world's own tools
   std::vector<ReplayedBody> bodies;
-  std::size_t asked = 0;
+  std::size_t next_request = 0;
   int built_patches = 0;
   bool ended = false;
 
@@ -77,10 +87,10 @@ struct HapticReplay::Parts {
   template <class Body>
   void tick_until(ReplayedBody& replayed, Body& body, std::size_t tick);
   void tick_before_frame();
-  Status grant_asks(const Exec& exec);
+  Status apply_requests(const Exec& exec);
 };
 
-void HapticReplay::Parts::begin() {
+void HapticReplay::Impl::begin() {
   tools = world.tools;
   for_each_touched(world, [this](BodyId id, auto& body) {
     if (body.tool_indices.empty()) return;
@@ -94,18 +104,18 @@ void HapticReplay::Parts::begin() {
 }
 
 template <class Body>
-void HapticReplay::Parts::tick_until(ReplayedBody& replayed, Body& body, std::size_t tick) {
+void HapticReplay::Impl::tick_until(ReplayedBody& replayed, Body& body, std::size_t tick) {
   const std::size_t last = std::min(tick, replayed.tools[0]->ticks.size());
   while (replayed.done < last) tick_next(replayed, body, tools);
 }
 
-/// Of every body what the next frame knew of it.
-void HapticReplay::Parts::tick_before_frame() {
+/// Runs, for every body, the ticks that the next frame used.
+void HapticReplay::Impl::tick_before_frame() {
   const auto frame = std::size_t(world.frame);
   for (ReplayedBody& replayed : bodies)
     visit_body(world, replayed.id, [&](auto& body) {
       if constexpr (is_touched<decltype(body)>) {
-        if (frame > 0) keep_frame(body);
+        if (frame > 0) queue_frame_output(body);
         const std::vector<FrameInputs>& inputs_used = replayed.tools[0]->frames;
         if (frame >= inputs_used.size()) return;
         expect_patch(body, inputs_used[frame].patches > (frame > 0 ? inputs_used[frame - 1].patches : 0));
@@ -114,15 +124,16 @@ void HapticReplay::Parts::tick_before_frame() {
     });
 }
 
-Status HapticReplay::Parts::grant_asks(const Exec& exec) {
+Status HapticReplay::Impl::apply_requests(const Exec& exec) {
   Status status = Done{};
-  for (; asked < run.requests.size() && run.requests[asked].frame <= world.frame && status; asked++)
+  for (; next_request < run.requests.size() && run.requests[next_request].frame <= world.frame && status;
+       next_request++)
     status = std::visit([&](const auto& request) { return apply_request(exec, request, scene, world); },
-                        run.requests[asked].what);
+                        run.requests[next_request].what);
   return status;
 }
 
-HapticReplay::HapticReplay(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+HapticReplay::HapticReplay(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 HapticReplay::~HapticReplay() { end(); }
 
@@ -132,26 +143,26 @@ Result<std::unique_ptr<HapticReplay>> HapticReplay::begin(World& world, HapticRe
   if (!status) return status.error();
   Result<Scene> scene = scene_of(run);
   if (!scene) return scene.error();
-  std::unique_ptr<Parts> parts(
-      new Parts{world, std::move(run), std::make_shared<const Scene>(std::move(*scene)), {}, {}});
-  parts->begin();
-  return std::unique_ptr<HapticReplay>(new HapticReplay(std::move(parts)));
+  std::unique_ptr<Impl> impl(
+      new Impl{world, std::move(run), std::make_shared<const Scene>(std::move(*scene)), {}, {}});
+  impl->begin();
+  return std::unique_ptr<HapticReplay>(new HapticReplay(std::move(impl)));
 }
 
 Status HapticReplay::next_frame(const Exec& exec) {
-  if (const Status status = parts_->grant_asks(exec); !status) return status;
-  parts_->tick_before_frame();
+  if (const Status status = impl_->apply_requests(exec); !status) return status;
+  impl_->tick_before_frame();
   return Done{};
 }
 
 void HapticReplay::end() {
-  Parts& p = *parts_;
+  Impl& p = *impl_;
   if (p.ended) return;
   p.ended = true;
   for (ReplayedBody& replayed : p.bodies)
     visit_body(p.world, replayed.id, [&](auto& body) {
       if constexpr (is_touched<decltype(body)>) {
-        if (p.world.frame > 0) keep_frame(body);
+        if (p.world.frame > 0) queue_frame_output(body);
         p.tick_until(replayed, body, replayed.tools[0]->ticks.size());
       }
     });
@@ -159,6 +170,6 @@ void HapticReplay::end() {
   p.world.tools = std::move(p.tools);
 }
 
-const HapticRecording& HapticReplay::run() const { return parts_->run; }
+const HapticRecording& HapticReplay::run() const { return impl_->run; }
 
 }  // namespace turgor

@@ -1,9 +1,9 @@
-// A felt run again, without devices and without a clock: every tick gets what its hand said, and answers from
-// what it answered from; every frame knows the ticks that it knew. One thread does both in turn.
+// Replay of a haptic recording without devices and without a clock. Every tick uses its recorded command and
+// frame data. Every frame starts after the ticks that it used in the recording. One thread runs both.
 //
-//   begin        in place of LiveTouch::start
-//   next_frame   before every frame: what was asked for, and the ticks that the frame knew
-//   end          what was ticked after the last frame; the tools are the world's again
+//   begin        replaces LiveTouch::start
+//   next_frame   before every frame: applies requests, and runs the ticks that the frame used
+//   end          runs the ticks after the last frame, and returns the tools to the world
 #pragma once
 
 #include <memory>
@@ -15,21 +15,22 @@ namespace turgor {
 
 class HapticReplay {
  public:
-  /// A world that was just made of the run's scene. Error: it has other tools.
+  /// Starts the replay in a new world of the recorded scene. Error: the world has other tools, tools of a
+  /// body have different numbers of ticks, or the recorded scene is invalid.
   static Result<std::unique_ptr<HapticReplay>> begin(World& world, HapticRecording run);
   ~HapticReplay();
   HapticReplay(const HapticReplay&) = delete;
   HapticReplay& operator=(const HapticReplay&) = delete;
 
-  /// Error: something asked for is refused that was granted then.
+  /// Error: a recorded request cannot be applied.
   Status next_frame(const Exec& exec);
   void end();
   const HapticRecording& run() const;
 
  private:
-  struct Parts;
-  explicit HapticReplay(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;
+  struct Impl;
+  explicit HapticReplay(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// The hand of a run in real time: which device, which tool, and where the device lies in the world.
+// Run in real time with one device that holds one tool, and its report.
 #pragma once
 
 #include <memory>
@@ -10,29 +10,30 @@
 
 namespace turgor {
 
-/// `device` = "virtual": an arm that is computed, held by a hand that wants to go the tool's path.
+/// Device and tool of a run. `device` = "virtual": a simulated arm, held by a simulated hand that follows the
+/// tool's path.
 struct LiveOptions {
   std::string device = "virtual";
-  haptics::DeviceOptions driver;  // of real ones
-  std::string tool;               // by name; empty: the first one
-  double rate = 1000;             // of the haptic loop [Hz]
-  double longest = 0;  // so much of what tools feel is kept; 0: twice the duration and a minute [s]
+  haptics::DeviceOptions driver;  // options of physical devices
+  std::string tool;               // name of the tool in the device; empty: the first tool
+  double rate = 1000;             // rate of the haptic loop [Hz]
+  double longest = 0;  // limit of the recorded time; 0: twice the scene's duration plus one minute [s]
 };
 
-/// A run in real time on its way. The device outlives the loop.
+/// State of a run in real time. `device` must outlive `touch`.
 struct LiveRun {
   std::unique_ptr<haptics::Device> device;
   std::unique_ptr<LiveTouch> touch;
   std::string tool;
 };
 
-/// Opens the device and begins to tick; `duration` of the scene [s]. Error: there is no such tool or device,
-/// or what the device's open says.
+/// Opens the device and starts the ticks. `duration` is that of the scene [s]. Error: unknown tool or device,
+/// or an error of Device::open or LiveTouch::start.
 Result<LiveRun> start_live(World& world, const LiveOptions& options, double duration);
 
-/// How the loop kept its time and what its safety did: report.json's "haptics".
+/// Timing of the loop and actions of its safety layer: "haptics" in report.json.
 Json haptics_report(LiveRun& live);
-/// What a person should know of it: sentences.
+/// Warnings of the haptic loop.
 std::vector<std::string> haptics_warnings(LiveRun& live);
 
 }  // namespace turgor

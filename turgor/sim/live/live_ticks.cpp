@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <atomic>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/haptics/rotation.hpp"
 
 namespace turgor {
 
 namespace {
 
-double time_of(const LiveTicks& ticks) { return ticks.began + double(ticks.done) * ticks.step; }
+double time_of(const LiveTicks& ticks) { return ticks.start_time + double(ticks.done) * ticks.step; }
 
-/// The hand's, with jaws that close while the button is held where the device has none.
+/// Command of a tool from its device or from its path. If the device has no gripper, the jaws close while its
+/// button is held.
 contact::ToolCommand command_of(const LiveTicks& ticks, const TickedTool& ticked, TouchingTool& tool,
                                 std::span<const contact::ToolCommand> hands) {
-  if (ticked.hand < 0 || (ticked.is_led && !*ticked.is_led)) return next_command(tool, time_of(ticks));
+  if (ticked.hand < 0 || (ticked.is_driven && !*ticked.is_driven)) return next_command(tool, time_of(ticks));
+  TURGOR_CHECK(is_index(ticked.hand, hands.size()), "a held tool has a hand");
   contact::ToolCommand command = hands[std::size_t(ticked.hand)];
   if (!ticked.has_grip)
     command.grip = contact::next_grip(tool.grip, command.hold, holding_time(tool), ticks.step);
@@ -34,6 +38,9 @@ void log_body(LiveTicks& ticks, const TickedBody& ticked, Body& body) {
 }
 
 void tick_body(LiveTicks& ticks, const TickedBody& ticked) {
+  TURGOR_CHECK(
+      ticked.first + ticked.count <= ticks.commands.size() && ticks.readings.size() == ticks.commands.size(),
+      "one command and one reading a tool");
   visit_body(*ticks.world, ticked.id, [&](auto& body) {
     if constexpr (is_touched<decltype(body)>) {
       tick_haptics(body, {&ticks.commands[ticked.first], ticked.count}, ticks.step,
@@ -43,58 +50,70 @@ void tick_body(LiveTicks& ticks, const TickedBody& ticked) {
   });
 }
 
-/// One of the ticks that are left; they may become others meanwhile, or end.
-bool take_tick(std::atomic<long>& left) {
-  for (long now = left; now != 0;)
-    if (now < 0 || left.compare_exchange_weak(now, now - 1)) return true;
+/// Takes one of the allowed ticks; false if there are none. The frame thread may change `allowed`
+/// concurrently.
+bool consume_tick(std::atomic<long>& allowed) {
+  for (long now = allowed; now != 0;)
+    if (now < 0 || allowed.compare_exchange_weak(now, now - 1)) return true;
   return false;
 }
 
-/// Does the world's time pass in this tick? Begins to count anew where its pace is another.
-bool goes_on(LiveTicks& ticks) {
+/// Advances simulated time by a tick; false while it is paused. A new pace restarts the count of ticks.
+bool advance_time(LiveTicks& ticks) {
   const double step = ticks.period * ticks.pace;
-  if (ticks.rests || !take_tick(ticks.left)) return false;
-  if (step != ticks.step) ticks.began = time_of(ticks), ticks.done = 0, ticks.step = step;
+  TURGOR_CHECK(step > 0, "a tick has a positive length");
+  if (ticks.is_paused || !consume_tick(ticks.allowed)) return false;
+  if (step != ticks.step) ticks.start_time = time_of(ticks), ticks.done = 0, ticks.step = step;
   ticks.done++;
   return true;
 }
 
-/// What every tool feels, for whoever looks on.
-void tell_felt(LiveTicks& ticks) {
+/// Publishes the readings of all tools for other threads.
+void publish_status(LiveTicks& ticks) {
   std::vector<HapticStatus>& haptic = ticks.haptic.writing();
+  TURGOR_CHECK(haptic.size() == ticks.tools.size(), "every tool has a haptic status");
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
     haptic[std::size_t(ticks.order[slot].index)] = {ticks.readings[slot], ticks.order[slot].work};
   ticks.haptic.publish();
 }
 
-/// The force on the tool against its way, by the mean of both ends. Where a mouse puts it elsewhere is no
-/// way.
+/// Adds the work of the tool on the body in this tick, by the trapezoidal rule. A teleport adds none.
 void add_work(const contact::ToolCommand& command, const contact::ToolReading& haptic, TickedTool& tool) {
   const contact::Pose& now = command.pose;
   const double longest = haptics::SafetyParams().jump;
-  if (const Vec3d way = now.position - tool.pose.position; tool.seen && norm(way) < longest) {
-    const Vec3d turn = haptics::rotation_vector(now.axes * transposed(tool.pose.axes));
-    tool.work -= 0.5 * (dot(haptic.force + tool.force, way) + dot(haptic.torque + tool.torque, turn));
+  if (const Vec3d displacement = now.position - tool.pose.position;
+      tool.has_previous && norm(displacement) < longest) {
+    const Vec3d rotation = haptics::rotation_vector(now.axes * transposed(tool.pose.axes));
+    tool.work -=
+        0.5 * (dot(haptic.force + tool.force, displacement) + dot(haptic.torque + tool.torque, rotation));
   }
-  tool.seen = true, tool.pose = now, tool.force = haptic.force, tool.torque = haptic.torque;
+  tool.has_previous = true, tool.pose = now, tool.force = haptic.force, tool.torque = haptic.torque;
 }
 
 void tick_tools(LiveTicks& ticks, std::span<const contact::ToolCommand> hands,
                 std::span<contact::ToolReading> haptic) {
+  TURGOR_CHECK(ticks.commands.size() == ticks.order.size() && ticks.readings.size() == ticks.order.size(),
+               "one command and one reading a tool");
+  // commands
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++) {
     const TickedTool& ticked = ticks.order[slot];
     ticks.commands[slot] = command_of(ticks, ticked, ticks.tools[std::size_t(ticked.index)], hands);
     ticks.readings[slot] = {};
   }
+
+  // ticks
   for (const TickedBody& body : ticks.bodies) tick_body(ticks, body);
+  // work
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
     add_work(ticks.commands[slot], ticks.readings[slot], ticks.order[slot]);
+  // readings for devices and for other threads
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
     if (ticks.order[slot].hand >= 0) haptic[std::size_t(ticks.order[slot].hand)] = ticks.readings[slot];
-  tell_felt(ticks);
+  publish_status(ticks);
 }
 
 void add_tool(int index, const std::vector<HeldTool>& held, std::size_t most, LiveTicks& ticks) {
+  TURGOR_CHECK(is_index(index, ticks.tools.size()), "a ticked tool is a tool of the world");
   TickedTool& ticked = ticks.order.emplace_back();
   ticked.index = index;
   ticked.rows.reserve(most);
@@ -102,17 +121,20 @@ void add_tool(int index, const std::vector<HeldTool>& held, std::size_t most, Li
       std::find_if(held.begin(), held.end(), [index](const HeldTool& h) { return h.tool == index; });
   if (holder == held.end()) return;
   ticked.hand = int(holder - held.begin());
-  ticked.is_led = holder->is_led;
+  ticked.is_driven = holder->is_driven;
   ticked.has_grip = holder->hand.device->spec().has_grip;
 }
 
 }  // namespace
 
 void prepare_ticks(World& world, const std::vector<HeldTool>& held, std::size_t most, LiveTicks& ticks) {
+  // copy of the tools with bounded logs
   ticks.world = &world;
-  ticks.began = time_of(world);
+  ticks.start_time = time_of(world);
   ticks.tools = world.tools;
   for (TouchingTool& tool : ticks.tools) tool.samples.preallocate(most);
+
+  // bodies and their tools
   for_each_touched(world, [&](BodyId id, auto& body) {
     if (body.tool_indices.empty()) return;
     begin_haptics(body, world.tools);
@@ -121,7 +143,7 @@ void prepare_ticks(World& world, const std::vector<HeldTool>& held, std::size_t 
   });
   ticks.commands.resize(ticks.order.size());
   ticks.readings.resize(ticks.order.size());
-  for (int slot = 0; slot < 3; slot++) {  // each of the three has its memory before the first tick
+  for (int slot = 0; slot < 3; slot++) {  // allocates all three buffers before the first tick
     ticks.haptic.write(std::vector<HapticStatus>(world.tools.size()));
     ticks.haptic.read();
   }
@@ -131,8 +153,8 @@ void tick_all(void* context, std::span<const contact::ToolCommand> hands, double
               std::span<contact::ToolReading> haptic) {
   LiveTicks& ticks = *static_cast<LiveTicks*>(context);
   for (contact::ToolReading& reading : haptic) reading = {};
-  if (goes_on(ticks)) tick_tools(ticks, hands, haptic);
-  ticks.turns++;
+  if (advance_time(ticks)) tick_tools(ticks, hands, haptic);
+  ticks.loop_count++;
 }
 
 }  // namespace turgor

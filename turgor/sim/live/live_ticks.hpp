@@ -1,5 +1,5 @@
-// What the haptic thread of a felt world owns: every tool of the world, whether a hand holds it or a path,
-// and what each of its ticks did. Used by live_touch.cpp alone.
+// State of the haptic thread of a running world: all tools, whether a device or a path moves them, and the
+// record of their ticks. Used by live_touch.cpp only.
 #pragma once
 
 #include <atomic>
@@ -11,54 +11,56 @@
 
 namespace turgor {
 
-/// A body and its part of the commands.
+/// A touched body and the range of its tools.
 struct TickedBody {
   BodyId id;
-  std::size_t first = 0, count = 0;  // of LiveTicks::order
+  std::size_t first = 0, count = 0;  // range in LiveTicks::order
 };
 
-/// Of one tick, besides what a log keeps of it.
+/// Data of a tick that the tool's log does not contain.
 struct TickRow {
   double step = 0;  // [s]
   TickInputs inputs_used;
 };
 
-/// A tool as the haptic thread has it.
+/// A tool in the haptic thread.
 struct TickedTool {
-  int index = 0;                              // into World::tools
-  int hand = -1;                              // of the devices; -1: it goes on its path
-  const std::atomic<bool>* is_led = nullptr;  // see HeldTool
+  int index = 0;                                 // index into World::tools
+  int hand = -1;                                 // index of the device that holds it; -1: moved by its path
+  const std::atomic<bool>* is_driven = nullptr;  // see HeldTool::is_driven
   bool has_grip = false;
-  std::vector<TickRow> rows;  // as many as samples
-  bool seen = false;          // there is a tick before:
+  std::vector<TickRow> rows;  // one per logged sample
+  bool has_previous =
+      false;  // true after the first tick; `pose`, `force` and `torque` are then those of the previous tick
   contact::Pose pose;
   Vec3d force, torque;  // [N] [N·m]
-  double work = 0;      // see FeltNow [J]
+  double work = 0;      // net work of the hand on the body [J]
 };
 
 struct LiveTicks {
   World* world = nullptr;
-  double period = kTick;            // [s]
-  double began = 0;                 // the world's time when the pace was set [s]
-  double step = kTick;              // of the world's time a tick [s]
-  long done = 0;                    // ticks since then
-  std::atomic<double> pace = 1;     // that the frame asks for
-  std::atomic<long> left = -1;      // ticks that the frame allows yet; -1: all
-  std::atomic<bool> rests = false;  // the frame looks at what is the haptic thread's
-  std::atomic<long> turns = 0;      // of the loop, ended
-  std::vector<TouchingTool> tools;  // as World::tools, whose paths, logs and grips it goes on with
+  double period = kTick;                // tick period of the loop [s]
+  double start_time = 0;                // simulated time at the latest change of pace [s]
+  double step = kTick;                  // simulated time per tick [s]
+  long done = 0;                        // number of ticks since start_time
+  std::atomic<double> pace = 1;         // simulated seconds per second, requested by the frame thread
+  std::atomic<long> allowed = -1;       // number of ticks that may still run; -1: unlimited
+  std::atomic<bool> is_paused = false;  // true while the frame thread reads data of the haptic thread
+  std::atomic<long> loop_count = 0;     // number of finished iterations of the haptic loop
+  std::vector<TouchingTool>
+      tools;  // copy of World::tools with paths, logs and grips; the frame thread uses the original
   std::vector<TickedBody> bodies;
-  std::vector<TickedTool> order;  // body by body, as the two below
+  std::vector<TickedTool> order;  // tools body by body; the two arrays below have the same order
   std::vector<contact::ToolCommand> commands;
   std::vector<contact::ToolReading> readings;
-  latest<std::vector<HapticStatus>> haptic;  // as World::tools
+  latest<std::vector<HapticStatus>> haptic;  // indexed as World::tools
 };
 
-/// The bodies that tools touch, and which of the tools hands hold. From here on a tick allocates nothing; it
-/// keeps what it felt for `most` ticks.
+/// Prepares the ticks of all touched bodies and assigns tools to devices. Later ticks do not allocate. At
+/// most `most` ticks are recorded.
 void prepare_ticks(World& world, const std::vector<HeldTool>& held, std::size_t most, LiveTicks& ticks);
 
-/// A haptics::ToolTick; its context is a LiveTicks.
+/// haptics::ToolTick; `context` points to a LiveTicks.
 void tick_all(void* context, std::span<const contact::ToolCommand> hands, double dt,
               std::span<contact::ToolReading> haptic);
 

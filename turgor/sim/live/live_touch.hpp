@@ -1,11 +1,11 @@
-// A world that is felt while it moves. A haptic thread ticks its tools, those in hands and those on paths;
-// frames go on beside it, by the clock, and neither waits for the other. Between start and stop the world
-// stays where it is in memory, its frames are made by step() as ever, and what the tools felt is the haptic
-// thread's; stop gives it back.
+// Haptic interaction with a running world. A haptic thread ticks all tools, those held by devices and those
+// on paths. Frames run concurrently by the clock, and neither thread waits for the other. The world must not
+// move in memory between start and stop. step() computes its frames. Until stop returns them, the haptic
+// thread owns the logs of the tools.
 //
-//   start   begins to tick; bodies have `felt` (exchanges.hpp)
-//   step    frames, each when wait_for_frame says so
-//   stop    ends the ticks; the tools, with what they felt, are the world's again
+//   start   starts the ticks: bodies get `haptic` (exchanges.hpp)
+//   step    one frame, each followed by record_frame_inputs and wait_for_frame
+//   stop    ends the ticks and returns the tools with their logs to the world
 #pragma once
 
 #include <atomic>
@@ -21,48 +21,50 @@
 
 namespace turgor {
 
-/// A tool of the world in a hand. Jaws follow the device's gripper, or close while its button is held.
+/// A tool held by a device. The jaws follow the device's gripper; without one, they close while its button is
+/// held.
 struct HeldTool {
-  int tool = 0;                               // index into World::tools
-  haptics::Hand hand;                         // its device is open
-  const std::atomic<bool>* is_led = nullptr;  // while it is false the tool goes on its path; null: always led
+  int tool = 0;        // index into World::tools
+  haptics::Hand hand;  // device, which must be open, and its parameters
+  const std::atomic<bool>* is_driven =
+      nullptr;  // while it is false the tool follows its path; null: the device always drives the tool
 };
 
-/// Of a tool: the newest tick, and what its hand has given the body since the beginning and not got back.
+/// Status of a tool: the newest reading and the work done.
 struct HapticStatus {
   contact::ToolReading reading;
-  double work = 0;  // [J]
+  double work = 0;  // net work of the hand on the body [J]
 };
 
 struct LiveParams {
   haptics::LoopParams loop;
-  double longest = 600;  // so much of what tools feel is kept, what comes later is only felt [s]
+  double longest = 600;  // limit of the recorded time; later ticks are not recorded [s]
 };
 
 class LiveTouch {
  public:
-  /// Error: see haptics::Loop::start; a tool that is not in the world.
+  /// Error: as haptics::Loop::start, a tool index out of range, or two devices that hold the same tool.
   static Result<std::unique_ptr<LiveTouch>> start(World& world, const std::vector<HeldTool>& held,
                                                   const LiveParams& params);
   ~LiveTouch();  // stops
   LiveTouch(const LiveTouch&) = delete;
   LiveTouch& operator=(const LiveTouch&) = delete;
 
-  /// After every frame: what it knew of the ticks.
-  void note_frame();
-  /// After a frame: until the world's next one is due; at once when it is late. Answers how late [s].
+  /// After every frame: records the inputs that the frame used.
+  void record_frame_inputs();
+  /// After a frame: waits until its due time. Returns the delay [s]; it is about 0 for a frame in time.
   double wait_for_frame();
-  /// Seconds of the world a second of the clock, from now on; at 0 nothing moves and nothing is felt.
+  /// Sets the simulated seconds per second. At 0 the world is paused and haptic forces are zero.
   void set_pace(double pace);
-  /// While nothing moves: this much of the world's time is ticked yet [s].
+  /// While the world is paused: permits ticks for this much simulated time [s].
   void allow(double time);
   void stop();
 
-  /// All that decided what became of the world since it was loaded, but the scene and what was asked for; the
-  /// ticks rest for a moment. Error: it was longer than what is kept, or began elsewhere than at frame 0.
+  /// Recording without its scene and requests. Pauses the ticks briefly. Error: the run is longer than the
+  /// record, or haptics did not start at frame 0.
   Result<HapticRecording> haptic_recording();
 
-  /// What every tool felt in the newest tick, as World::tools; by one reader's thread.
+  /// Status of every tool in the newest tick, indexed as World::tools; for one reader thread.
   const std::vector<HapticStatus>& haptic();
 
   const haptics::TimingReport& timing();
@@ -70,9 +72,9 @@ class LiveTouch {
   std::vector<std::string> notes() const;
 
  private:
-  struct Parts;
-  explicit LiveTouch(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;
+  struct Impl;
+  explicit LiveTouch(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace turgor

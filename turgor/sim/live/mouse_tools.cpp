@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/geometry/box.hpp"
 #include "turgor/sim/scene/scene_tool.hpp"
 
@@ -14,20 +16,21 @@ bool has_tool(const Scene& scene, BodyId id) {
                      [id](const ToolScene& tool) { return tool.body == id; });
 }
 
-/// A lattice that is solved by position-based dynamics knows no contact, nor does cloth that is solved by
-/// sweeps.
+/// True if the body has contact with tools. Lattices solved by PBD and cloth solved by sweeps have none.
 bool can_be_touched(const Scene& scene, BodyId id) {
+  TURGOR_CHECK(id.kind != BodyKind::kCloth || is_index(id.index, scene.cloth_bodies.size()),
+               "a cloth of the scene");
   if (id.kind == BodyKind::kCloth) return why_untouched(scene.cloth_bodies[std::size_t(id.index)]).empty();
   if (id.kind != BodyKind::kLattice) return true;
   return scene.lattice_bodies[std::size_t(id.index)].params.solver.method == lattice::Method::kVbd;
 }
 
-/// In front of the body, before anything is asked of it.
+/// Fingertip that waits in front of the body, without contact, until the mouse drives it.
 ToolScene fingertip(BodyId id, const std::string& body) {
   constexpr double kNever = 1e6;  // [s]
   return {
       .name = "finger-" + body,
-      .place = "the mouse's fingertip on " + body,
+      .source_location = "the mouse's fingertip on " + body,
       .body = id,
       .shape = BallTool{.radius = 0.008},
       .friction = 0.3,
@@ -35,10 +38,10 @@ ToolScene fingertip(BodyId id, const std::string& body) {
 }
 
 Box box_of(const RestSurface& surface, const TouchingTool& tool) {
-  constexpr double kRoom = 0.3;  // [m]
+  constexpr double kMargin = 0.3;  // [m]
   Box box = box_around(surface.vertices);
   for (const PathRow& row : tool.path.rows) box = {min(box.low, row.position), max(box.high, row.position)};
-  return {box.low - Vec3d{kRoom, kRoom, kRoom}, box.high + Vec3d{kRoom, kRoom, kRoom}};
+  return {box.low - Vec3d{kMargin, kMargin, kMargin}, box.high + Vec3d{kMargin, kMargin, kMargin}};
 }
 
 }  // namespace
@@ -57,12 +60,13 @@ Result<LiveHands> hold_mouse_tools(const World& world) {
   for_each_touched(world, [&](BodyId, const auto& body) {
     if (!status || body.tool_indices.empty()) return;
     const int index = body.tool_indices.front();
+    TURGOR_CHECK(is_index(index, world.tools.size()), "a held tool is a tool of the world");
     const TouchingTool& tool = world.tools[std::size_t(index)];
     auto device = std::make_shared<haptics::MouseDevice>(box_of(rest_surface(body), tool));
     status = device->open();
     HeldTool& held = hands.held.emplace_back();
-    held.tool = index, held.hand.device = device.get(), held.is_led = &device->is_led();
-    held.hand.safety.ramp = 0.1;  // of a mouse, which hurts nobody [s]
+    held.tool = index, held.hand.device = device.get(), held.is_driven = &device->is_driven();
+    held.hand.safety.ramp = 0.1;  // short ramp, because a mouse renders no force [s]
     hands.mouse.push_back({index, std::move(device)});
   });
   if (!status) return status.error();

@@ -1,4 +1,4 @@
-// Tools that a mouse may lead: those of a scene, and a fingertip for every body that has none.
+// Tools that a mouse can drive: the first tool of every body, or a fingertip for a body without tools.
 #pragma once
 
 #include <memory>
@@ -9,15 +9,15 @@
 
 namespace turgor {
 
-/// A fingertip waits beside every body that tools can touch and that none of the scene does.
+/// Scene with an additional fingertip for every touchable body without tools.
 Scene with_mouse_tools(const Scene& scene);
 
 struct LiveHands {
   std::vector<HeldTool> held;
-  std::vector<MouseTool> mouse;  // their devices
+  std::vector<MouseTool> mouse;  // devices of `held`, in the same order
 };
-/// The first tool of every body goes on its path until the mouse leads it. Error: what the device's open
-/// says.
+/// Assigns the first tool of every body to a mouse device. The tool follows its path until the mouse drives
+/// it. Error: as the device's open.
 Result<LiveHands> hold_mouse_tools(const World& world);
 
 }  // namespace turgor

@@ -1,5 +1,6 @@
 #include "turgor/sim/live/requests.hpp"
 
+#include "turgor/core/assert.hpp"
 #include "turgor/sim/live/change_world.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -7,12 +8,12 @@ namespace turgor {
 
 Status apply_request(const Exec&, const CutRequest& request, std::shared_ptr<const Scene>&, World& world) {
   if (request.body < 0 || std::size_t(request.body) >= world.lattice_bodies.size())
-    return Error{"no cut: there is no such lattice"};
+    return Error{"no cut: unknown lattice body"};
   Cut cut{.blade = request.blade, .body = request.body, .path = {}, .done = 0, .edges = 0};
   cut.blade.start = time_of(world);
   const LatticeBody& body = world.lattice_bodies[std::size_t(request.body)];
   const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
-  constexpr std::size_t kMostCuts = 255;  // a cut edge remembers its incision in a byte
+  constexpr std::size_t kMostCuts = 255;  // a cut edge stores its incision in a byte
   if (!trial) return Error{"no cut: " + trial.error().message};
   if (world.cuts.size() == kMostCuts) return Error{"no cut: a world holds at most 255"};
   world.cuts.push_back(std::move(cut));
@@ -21,7 +22,7 @@ Status apply_request(const Exec&, const CutRequest& request, std::shared_ptr<con
 
 Status apply_request(const Exec&, const WindRequest& request, std::shared_ptr<const Scene>&, World& world) {
   if (request.body < 0 || std::size_t(request.body) >= world.cloth_bodies.size())
-    return Error{"no wind: there is no such cloth"};
+    return Error{"no wind: unknown cloth body"};
   ClothBody& body = world.cloth_bodies[std::size_t(request.body)];
   body.turns.clear(), body.air.velocity = request.velocity;
   return Done{};
@@ -29,6 +30,7 @@ Status apply_request(const Exec&, const WindRequest& request, std::shared_ptr<co
 
 Status apply_request(const Exec& exec, const ChangeRequest& request, std::shared_ptr<const Scene>& scene,
                      World& world) {
+  TURGOR_ASSERT(scene != nullptr, "a change applies to a scene");
   Result<Scene> changed = with_change(*scene, request.key, request.value);
   if (!changed) return changed.error();
   change_world(exec, *scene, *changed, world);

@@ -1,4 +1,4 @@
-// What a person may ask of a world between two frames.
+// Requests that change a world between two frames.
 #pragma once
 
 #include <memory>
@@ -14,22 +14,23 @@ namespace turgor {
 
 struct World;
 
-/// A blade, from now on.
+/// Starts a cut at the present time.
 struct CutRequest {
   lattice::Incision blade;
-  int body = 0;  // of World::lattice_bodies
+  int body = 0;  // index into World::lattice_bodies
 };
 struct WindRequest {
-  int body = 0;    // of World::cloth_bodies
+  int body = 0;    // index into World::cloth_bodies
   Vec3d velocity;  // [m/s]
 };
-/// A key of the scene, at once where that is possible (change_world.hpp), else with the next world.
+/// Sets a scene key. The change acts immediately if possible (change_world.hpp), otherwise after the next
+/// reset.
 struct ChangeRequest {
   std::string key, value;
 };
 using WorldRequest = std::variant<CutRequest, WindRequest, ChangeRequest>;
 
-/// Does it. Error: a sentence, and nothing was done.
+/// Applies a request. On error the world is unchanged.
 Status apply_request(const Exec& exec, const CutRequest& request, std::shared_ptr<const Scene>& scene,
                      World& world);
 Status apply_request(const Exec& exec, const WindRequest& request, std::shared_ptr<const Scene>& scene,

@@ -1,6 +1,6 @@
-// What each side of a felt body knew of the other. Between a haptic thread and the frames the newest value
-// wins (core/latest.hpp), and which one that is depends on the clock; who writes it down can do a felt run
-// again, tick by tick, without a clock (haptic_replay.hpp).
+// Numbers of the data that ticks and frames of a body take from each other. Data pass through latest<>
+// (core/latest.hpp), so wall-clock timing decides which value is used. A record of these numbers makes a
+// haptic run reproducible without a clock (haptic_replay.hpp).
 #pragma once
 
 #include <cstdint>
@@ -10,26 +10,28 @@
 
 namespace turgor {
 
-/// Of what frames had left for it, what a tick answered from; both count from 1.
+/// Numbers of the frame and of the patch whose data a tick used, counted from 1.
 struct TickInputs {
   std::int32_t frame = 0, patch = 0;
 };
 
-/// Of the ticks, and of the patches that are built beside both, what a frame went by: how many there were.
+/// Number of ticks done and of patches built when a frame began.
 struct FrameInputs {
   std::int32_t ticks = 0, patches = 0;
 };
 
-/// In a replay: what frames have left, until a tick comes that knew it. T counts itself by `number`.
+/// Replay: queue of frame outputs. release() passes on the outputs up to the one that the recorded tick used.
+/// T::number numbers the outputs.
 template <class T>
-struct Awaiting {
+struct ReplayQueue {
   std::deque<T> values;
 
-  void keep(latest<T>& left) {
-    if (left.has_news()) values.push_back(left.read());
+  void push(latest<T>& output) {
+    if (output.has_news()) values.push_back(output.read());
   }
-  void give(long number, latest<T>& left) {
-    for (; !values.empty() && values.front().number <= number; values.pop_front()) left.write(values.front());
+  void release(long number, latest<T>& output) {
+    for (; !values.empty() && values.front().number <= number; values.pop_front())
+      output.write(values.front());
   }
 };
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
 #include "turgor/models/lattice/model/fields.hpp"
@@ -18,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRecordingFormat = "turgor recording 6";
+constexpr const char *kRecordingFormat = "turgor recording 7",
+                     *kOldFormat = "turgor recording 6";  // the same with the names of renamed_datasets.hpp
 constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
 
 std::vector<int> body_slots(const lattice::Model& model) {
@@ -51,12 +53,14 @@ std::vector<double> flat(const std::vector<Vec3d>& points) {
 Status write_body(Hdf5File& file, const LatticeBody& body) {
   const lattice::Model& model = body.model;
   const Grid& grid = model.grid;
+  // rest positions of body nodes
   std::vector<float> rest;
   for (const int slot : body_slots(model)) {
     const Int3 node = slot_node(model.lattice, slot);
     const Vec3 p(point_at(grid, {double(node.x), double(node.y), double(node.z)}));
     rest.insert(rest.end(), {p.x, p.y, p.z});
   }
+  // write CT hash, lattice and rest positions
   return Writing(file, fmt::format("/bodies/{}/", body.name))
       .array<std::uint64_t>("ct_hash", {body.ct_hash})
       .array<std::int32_t>("lattice_size", {grid.size.x, grid.size.y, grid.size.z})
@@ -72,14 +76,15 @@ Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
   Writing writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name));
   write_fields(writing, *body.state, {Axis::kSlot, body_slots(body.model)});
   std::vector<float> virtual_nodes;
-  for (const lattice::VirtualNodeShift& c : body.state->virtual_nodes)
+  for (const lattice::VirtualNodeDisplacement& c : body.state->motion.virtual_u)
     virtual_nodes.insert(virtual_nodes.end(), {c.x, c.y, c.z});
-  if (!virtual_nodes.empty()) writing.array("copies", virtual_nodes, 3, "m");
+  if (!virtual_nodes.empty()) writing.array("virtual_nodes", virtual_nodes, 3, "m");
   return writing.status() ? write_tools(out, body, id) : writing.status();
 }
 
 Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
   const lattice::BladePath path = cut.path.value_or(lattice::BladePath{});
+  TURGOR_CHECK(path.into.size() == path.skin.size(), "every point of a path has a direction");
   return Writing(file, fmt::format("{}/cuts/{}/", group, cut.blade.name))
       .array("path", flat(path.skin), 3, "m")
       .array("into", flat(path.into), 3)
@@ -87,47 +92,55 @@ Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
       .status();
 }
 
-/// Is there such an edge in the lattice?
+/// True if the lattice has such an edge.
 bool is_edge(const World& world, const lattice::Model& model, const lattice::CutEdge& edge) {
   if (edge.slot < 0 || edge.slot >= slot_count(model.lattice) || edge.family >= kFamilyCount) return false;
   if (edge.incision >= world.cuts.size() || !(edge.fraction >= 0 && edge.fraction <= 1)) return false;
   const Int3 cell = slot_node(model.lattice, edge.slot);
-  if (!contains(model.lattice, cell) || node_slot(model.lattice, cell) != edge.slot || edge.part < 0 ||
-      edge.part >= 8 * 8 * 8 || !std::isfinite(edge.along))
+  if (!contains(model.lattice, cell) || node_slot(model.lattice, cell) != edge.slot || edge.sub_index < 0 ||
+      edge.sub_index >= 8 * 8 * 8 || !std::isfinite(edge.along))
     return false;
   const lattice::FineLattice fine = lattice::fine_lattice(model);
   const Int3 node = fine_node(fine, edge);
   return contains(fine, node) && cell_of(fine, node) == cell && contains(fine, node + kFamilies[edge.family]);
 }
 
-/// Of a body of solid tissue that was cut: where the copies of nodes beside the blades are.
-void read_copies(const SnapshotIn& in, const LatticeBody& body, std::size_t most, Reading& reading,
-                 lattice::State& state) {
-  if (!in.file.has(fmt::format("{}/bodies/{}/copies", in.group, body.name))) return;
-  const auto flat = reading.array<float>("copies", reading.count("copies", 3 * most));
+/// Virtual nodes of cut solid tissue.
+void read_virtual_nodes(const SnapshotIn& in, const LatticeBody& body, std::size_t most, Reading& reading,
+                        lattice::State& state) {
+  const std::string path = fmt::format("{}/bodies/{}/virtual_nodes", in.group, body.name);
+  if (!in.file.has(stored_path(in.file, path))) return;
+  const auto flat = reading.array<float>("virtual_nodes", reading.count("virtual_nodes", 3 * most));
   for (std::size_t n = 0; n + 2 < flat.size(); n += 3) {
-    const lattice::VirtualNodeShift c{flat[n], flat[n + 1], flat[n + 2]};
-    if (!std::isfinite(c.x + c.y + c.z)) reading.fail("copies", "a value is not a number");
-    state.virtual_nodes.push_back(c);
+    const lattice::VirtualNodeDisplacement c{flat[n], flat[n + 1], flat[n + 2]};
+    if (!std::isfinite(c.x + c.y + c.z)) reading.fail("virtual_nodes", "a value is not a number");
+    state.motion.virtual_u.push_back(c);
   }
 }
 
 Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
+  // fields and virtual nodes
   const std::vector<int> slots = body_slots(body.model);
   lattice::State state = lattice::make_state(body.model);
   Reading reading(in.file, fmt::format("{}/bodies/{}/", in.group, body.name));
-  const Int3 parts = lattice::fine_lattice(body.model).parts;
-  const std::size_t most = std::size_t(kFamilyCount * parts.x * parts.y * parts.z) * slots.size();
+  const Int3 subdivisions = lattice::fine_lattice(body.model).subdivisions;
+  const std::size_t most =
+      std::size_t(kFamilyCount * subdivisions.x * subdivisions.y * subdivisions.z) * slots.size();
   read_fields(reading, state, {Axis::kSlot, slots}, most);
-  read_copies(in, body, most, reading, state);
+  read_virtual_nodes(in, body, most, reading, state);
   if (!reading.status()) return reading.status();
-  state.u_before = state.u;
-  for (const lattice::CutEdge& edge : state.cut_edges)
+
+  // derived values
+  state.motion.u_before = state.motion.u;
+  for (const lattice::CutEdge& edge : state.cuts.edges)
     if (!is_edge(in.world, body.model, edge))
-      return Error{fmt::format("{}: {}: a cut edge is not one of the body's", in.path, in.group)};
-  state.removed_nodes = int(std::count(state.removed.begin(), state.removed.end(), std::uint8_t(1)));
-  state.time = time_of(in.world);
+      return Error{fmt::format("{}: {}: a cut edge is not in the body", in.path, in.group)};
+  state.cuts.removed_nodes =
+      int(std::count(state.cuts.removed.begin(), state.cuts.removed.end(), std::uint8_t(1)));
+  state.motion.time = time_of(in.world);
   body.state.change() = std::move(state);
+
+  // tools and snapshot
   BodySnapshot none;
   if (!body.tool_indices.empty())
     if (const Status tools = read_tools(in, body, none); !tools) return tools;
@@ -158,6 +171,7 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
 }
 
 Status RecordingWriter::add_snapshot(const World& world, const WorldSnapshot& snapshot) {
+  // time
   const std::string group = snapshot_group(snapshots_++);
   if (const Status status = Writing(file_, group + "/")
                                 .array<double>("time", {time_of(world)}, 1, "s")
@@ -165,10 +179,14 @@ Status RecordingWriter::add_snapshot(const World& world, const WorldSnapshot& sn
                                 .status();
       !status)
     return status;
+
+  // bodies
   const SnapshotOut out{file_, group, snapshot};
   const Status bodies =
       try_each_body(world, [&](BodyId id, const auto& body) { return write_state(out, body, id); });
   if (!bodies) return bodies;
+
+  // cuts
   for (const Cut& cut : world.cuts)
     if (const Status status = write_cut(file_, group, cut); !status) return status;
   return file_.flush();
@@ -185,55 +203,65 @@ Status RecordingWriter::finish(const World& world, const WorldSnapshot& snapshot
 Result<Recording> Recording::open(const fs::path& path) {
   Result<Hdf5File> file = Hdf5File::open(path);
   if (!file) return file.error();
+
+  // format
   const Result<std::string> format = file->read_text("/format");
   if (!format || !format->starts_with("turgor recording"))
     return Error{
         fmt::format("{}: expected a recording of turgor run, found another HDF5 file", path.string())};
-  if (*format != kRecordingFormat)
-    return Error{fmt::format("{}: expected \"{}\", found \"{}\", of another version of this program",
-                             path.string(), kRecordingFormat, *format)};
+  if (*format != kRecordingFormat && *format != kOldFormat)
+    return Error{fmt::format("{}: expected \"{}\", found \"{}\", of another version of turgor", path.string(),
+                             kRecordingFormat, *format)};
+
+  // snapshots and report
   Recording recording(std::move(*file), path);
   const Result<std::vector<std::int32_t>> count = recording.file_.read<std::int32_t>("/snapshot_count", 1);
   const Result<std::string> report = recording.file_.read_text("/report");
   if (!count || !report || (*count)[0] < 1 || std::size_t((*count)[0]) > kMostSnapshots)
-    return Error{fmt::format("{}: the recording was never finished", path.string())};
+    return Error{fmt::format("{}: the recording is unfinished", path.string())};
   recording.snapshots_ = (*count)[0];
   recording.report_ = *report;
   return recording;
 }
 
 Result<Scene> Recording::scene(const std::vector<std::string>& more_overrides) const {
-  std::string parts[4];
+  // recorded scene
+  std::string texts[4];
   const char* names[4] = {"/scene/file", "/scene/text", "/scene/overrides", "/scene/folder"};
   for (int i = 0; i < 4; i++) {
     Result<std::string> text = file_.read_text(names[i]);
     if (!text) return text.error();
-    parts[i] = *text;
+    texts[i] = *text;
   }
+
+  // only outputs and file locations may change
   for (const std::string& more : more_overrides) {
     const std::string key = more.substr(0, more.find('='));
     const auto ends_with = [&](const char* ending) { return key.ends_with(ending); };
     if (!key.starts_with("output.") && !ends_with(".ct") && !ends_with(".labels") &&
         !ends_with(".direction_field"))
-      return Error{
-          fmt::format("--set {}: a replay may only change output.* and where a body's files are", key)};
+      return Error{fmt::format(
+          "--set {}: a replay may only change output.* and the locations of a body's files", key)};
   }
-  std::vector<std::string> overrides = split_lines(parts[2]);
+  std::vector<std::string> overrides = split_lines(texts[2]);
   overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
-  // A file that --set named was relative to the folder of the recorded run.
-  Result<Scene> scene = parse_scene(parts[1], parts[0], overrides, parts[3]);
+  // files of --set were relative to the folder of the recorded run
+  Result<Scene> scene = parse_scene(texts[1], texts[0], overrides, texts[3]);
   if (!scene)
-    return Error{fmt::format("{}: the recorded scene is not one: {}", path_.string(), scene.error().message)};
+    return Error{fmt::format("{}: the recorded scene is invalid: {}", path_.string(), scene.error().message)};
   return scene;
 }
 
 Status Recording::check_world(const World& world) const {
   for (const LatticeBody& body : world.lattice_bodies) {
+    // recorded properties
     Reading reading(file_, fmt::format("/bodies/{}/", body.name));
     const auto hash = reading.array<std::uint64_t>("ct_hash", 1);
     const auto triangles = reading.array<std::uint64_t>("skin_triangles", 1);
     const auto size = reading.array<std::int32_t>("lattice_size", 3);
     if (!reading.status()) return reading.status();
+
+    // comparison
     if (hash[0] != body.ct_hash)
       return Error{
           fmt::format("{}: body.{} was recorded on another CT: expected content {}, found {}; name the right "
@@ -242,7 +270,7 @@ Status Recording::check_world(const World& world) const {
     if (triangles[0] != body.model.skin.triangles.size() ||
         Int3{size[0], size[1], size[2]} != body.model.grid.size)
       return Error{
-          fmt::format("{}: body.{} is built in another way than it was recorded: expected {} skin triangles, "
+          fmt::format("{}: body.{} differs from the recorded body: expected {} skin triangles, "
                       "found {}",
                       path_.string(), body.name, triangles[0], body.model.skin.triangles.size())};
   }
@@ -250,15 +278,20 @@ Status Recording::check_world(const World& world) const {
 }
 
 Status Recording::restore_cut(const std::string& group, Cut& cut) const {
+  // datasets
   Reading reading(file_, fmt::format("{}/cuts/{}/", group, cut.blade.name));
   const std::size_t values = reading.count("path", kMostPathPoints);
   const auto points = reading.array<double>("path", values);
   const auto into = reading.array<double>("into", values);
   const auto progress = reading.array<double>("progress", 3);
   if (!reading.status()) return reading.status();
+
+  // progress
   cut.path.reset();
   cut.done = progress[1], cut.edges = int(std::clamp(progress[2], 0.0, 2e9));
   if (values < 6) return Done{};  // the blade had not started
+
+  // path
   lattice::BladePath path;
   for (std::size_t i = 0; i + 2 < values; i += 3) {
     path.skin.push_back({points[i], points[i + 1], points[i + 2]});
@@ -270,11 +303,15 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
 }
 
 Status Recording::restore(const Exec& exec, int index, World& world, WorldSnapshot& snapshot) const {
+  // time
+  TURGOR_ASSERT(index >= 0 && index < snapshots_, "the snapshot was recorded");
   const std::string group = snapshot_group(index);
   const Result<std::vector<std::int32_t>> frame = file_.read<std::int32_t>(group + "/frame", 1);
   if (!frame) return frame.error();
   world.frame = (*frame)[0];
   show_names(world, snapshot);
+
+  // cuts and bodies
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
   const SnapshotIn in{file_, path_.string(), group, exec, world, snapshot};

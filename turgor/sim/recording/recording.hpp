@@ -1,6 +1,6 @@
-// recording.h5: the scene, which CT it ran on, and the state of every body at each snapshot. Enough to draw
-// all pictures again without simulating, and plain enough to be read from Python or MATLAB (the layout is
-// described in docs/recording.md).
+// recording.h5: the scene, the identity of its CT, and the state of every body at each snapshot. A recording
+// is sufficient to draw all pictures without simulation. Python and MATLAB can read it; docs/recording.md
+// describes the layout.
 #pragma once
 
 #include <filesystem>
@@ -16,14 +16,15 @@
 
 namespace turgor {
 
-/// Written while the simulation runs.
+/// Writer of a recording during a simulation.
 class RecordingWriter {
  public:
   static Result<RecordingWriter> create(const std::filesystem::path& path, const Scene& scene,
                                         const World& world);
-  /// `shown`: the world as it looks now.
+  /// Appends a snapshot of the present world.
   Status add_snapshot(const World& world, const WorldSnapshot& snapshot);
-  /// What every tool felt, bodies when they were pressed most, and the run's report, as JSON; last.
+  /// Writes the logs of all tools, the bodies under their largest forces, and the run's report as JSON; call
+  /// last.
   Status finish(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
                 const std::string& report);
 
@@ -34,20 +35,20 @@ class RecordingWriter {
   int snapshots_ = 0;
 };
 
-/// Read to be drawn again.
+/// Reader of a recording.
 class Recording {
  public:
-  /// Error: no recording, from another version, damaged, or never finished.
+  /// Error: not a recording, another format, damaged, or unfinished.
   static Result<Recording> open(const std::filesystem::path& path);
 
-  /// The scene as it ran; more overrides may say where the CT is now, and what to draw.
+  /// Scene of the run; further overrides may change output keys and the location of the CT.
   Result<Scene> scene(const std::vector<std::string>& more_overrides) const;
-  /// Error: the world is made of other CTs, or of other parameters, than the recording.
+  /// Error: the world has other CTs or parameters than the recording.
   Status check_world(const World& world) const;
   int snapshot_count() const { return snapshots_; }
-  /// Puts the world into the state of a snapshot, and shows it as it was recorded.
+  /// Restores the state of a snapshot, and the recorded surfaces.
   Status restore(const Exec& exec, int index, World& world, WorldSnapshot& snapshot) const;
-  /// What every tool felt in the whole run, and bodies when they were pressed most.
+  /// Logs of all tools of the whole run, and bodies under their largest forces.
   Status restore_touch(World& world, std::vector<Pressed>& pressed) const;
   const std::string& report() const { return report_; }
   const std::filesystem::path& path() const { return path_; }

@@ -1,4 +1,5 @@
-// Arrays of a recording's group, written or read one after another until one fails. Used by recording*.cpp.
+// Sequential writers and readers of the arrays in a group, which stop at the first error. Used by
+// recording*.cpp.
 #pragma once
 
 #include <string>
@@ -6,32 +7,33 @@
 #include <vector>
 
 #include "turgor/io/files/hdf5_file.hpp"
+#include "turgor/sim/recording/renamed_datasets.hpp"
 #include "turgor/sim/snapshot.hpp"
 
 namespace turgor {
 
-/// A snapshot that is written: every model has a write_state(out, body, id).
+/// Target of a snapshot; every model has a write_state(out, body, id).
 struct SnapshotOut {
   Hdf5File& file;
-  std::string group;  // without a slash at its end
+  std::string group;  // without trailing slash
   const WorldSnapshot& snapshot;
 };
-/// A snapshot that is read, into the world and into how it looks: every model has a read_state(in, body, id).
+/// Source of a snapshot, for the world and for its drawing; every model has a read_state(in, body, id).
 struct SnapshotIn {
   const Hdf5File& file;
   std::string path;   // of the file, for errors
-  std::string group;  // without a slash at its end
+  std::string group;  // without trailing slash
   const Exec& exec;
   const World& world;
   WorldSnapshot& snapshot;
 };
 
-/// Writes one thing after another until one cannot be written.
+/// Writes arrays until the first error.
 class Writing {
  public:
   Writing(Hdf5File& file, std::string group) : file_(file), group_(std::move(group)) {}
 
-  /// `unit` becomes an attribute; of columns that differ, all their names.
+  /// `unit` becomes an attribute; a comma-separated list for columns with different units.
   template <class T>
   Writing& array(const std::string& name, const std::vector<T>& values, std::size_t columns = 1,
                  const std::string& unit = "") {
@@ -51,7 +53,7 @@ class Writing {
   Status status_ = Done{};
 };
 
-/// Reads one array after another until one cannot be read.
+/// Reads arrays until the first error.
 class Reading {
  public:
   Reading(const Hdf5File& file, std::string group) : file_(file), group_(std::move(group)) {}
@@ -59,17 +61,17 @@ class Reading {
   template <class T>
   std::vector<T> array(const std::string& name, std::size_t count) {
     if (!status_) return {};
-    Result<std::vector<T>> values = file_.read<T>(group_ + name, count);
+    Result<std::vector<T>> values = file_.read<T>(stored_path(file_, group_ + name), count);
     if (!values) status_ = values.error();
     return values ? std::move(*values) : std::vector<T>();
   }
   std::size_t count(const std::string& name, std::size_t most) {
     if (!status_) return 0;
-    const Result<std::size_t> found = file_.count(group_ + name, most);
+    const Result<std::size_t> found = file_.count(stored_path(file_, group_ + name), most);
     if (!found) status_ = found.error();
     return found ? *found : 0;
   }
-  /// What was read is wrong; the first such sentence stays.
+  /// Reports invalid data; the first message is kept.
   void fail(const std::string& name, const std::string& what) {
     if (status_) status_ = Error{file_.path().string() + ": " + group_ + name + ": " + what};
   }

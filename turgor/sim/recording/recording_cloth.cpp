@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/model/fields.hpp"
 #include "turgor/sim/recording/recording_fields.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
@@ -10,8 +12,12 @@ namespace turgor {
 
 namespace {
 
-/// In the numbering of the mesh.
-RecordedEntries entries_of(const ClothBody& body) { return {Axis::kVertex, body.model.place}; }
+/// Entries in the vertex order of the mesh.
+RecordedEntries entries_of(const ClothBody& body) {
+  TURGOR_CHECK(all_indices(body.model.model_vertex, std::size_t(body.model.count)),
+               "every vertex of the mesh is a vertex of the model");
+  return {Axis::kVertex, body.model.model_vertex};
+}
 
 std::string group_of(const std::string& snapshot, const ClothBody& body) {
   return fmt::format("{}/bodies/{}/", snapshot, body.name);

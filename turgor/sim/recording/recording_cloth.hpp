@@ -1,4 +1,4 @@
-// Cloth in a recording: where every vertex is at each snapshot, in the numbering of the mesh.
+// Cloth in a recording: positions of all vertices at each snapshot, in the vertex order of the mesh.
 #pragma once
 
 #include "turgor/sim/recording/recording_arrays.hpp"
@@ -7,7 +7,7 @@
 namespace turgor {
 
 Status write_state(const SnapshotOut& out, const ClothBody& body, BodyId id);
-/// Error: another number of vertices, or a place that is no number.
+/// Error: another number of vertices, or a position that is not finite.
 Status read_state(const SnapshotIn& in, ClothBody& body, BodyId id);
 
 }  // namespace turgor

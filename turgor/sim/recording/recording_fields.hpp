@@ -1,5 +1,5 @@
-// The recorded fields of a struct (core/field.hpp), written and read one after another: the list in a model's
-// fields.hpp is what a recording holds of it. Used by recording*.cpp.
+// Reads and writes the recorded fields of a struct (core/field.hpp), as listed in the model's fields.hpp.
+// Used by recording*.cpp.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace turgor {
 
-/// Which entries of the fields of one axis a file holds, and in which order: the nodes of a body, or the
-/// vertices of the mesh that was given. Fields of other axes are held whole.
+/// Entries of the fields of one axis that a file contains, and their order: the nodes of a body, or the
+/// vertices of the given mesh. Fields of other axes are stored whole.
 struct RecordedEntries {
   Axis axis = Axis::kOther;
   std::span<const int> listed;
@@ -96,7 +96,7 @@ void read_field(Reading& reading, const Field& field, T& values, const RecordedE
 
 }  // namespace detail
 
-/// A dataset of each recorded field, with its unit.
+/// Writes a dataset with its unit for each recorded field.
 template <class Struct>
 void write_fields(Writing& writing, const Struct& s, const RecordedEntries& entries) {
   visit_fields(s, [&](const Field& field, const auto& values) {
@@ -104,7 +104,7 @@ void write_fields(Writing& writing, const Struct& s, const RecordedEntries& entr
       if (field.use & kRecorded) detail::write_field(writing, field, values, entries);
   });
 }
-/// Into a struct whose arrays have their sizes; lists that grow have at most `most` entries.
+/// Reads into a struct whose arrays have their sizes; growing lists have at most `most` entries.
 template <class Struct>
 void read_fields(Reading& reading, Struct& s, const RecordedEntries& entries, std::size_t most = 0) {
   visit_fields(s, [&](const Field& field, auto& values) {

@@ -6,13 +6,16 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+
 namespace turgor {
 
 namespace {
 
 constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostRows = kMostTicks + 1;
-constexpr std::size_t kPose = 16;    // numbers of a shown tool: position, axes, force, opening
-constexpr std::size_t kSample = 27;  // numbers of a tick, in the order of append
+constexpr std::size_t kPose = 16;    // numbers per tool: position, axes, force, opening
+constexpr std::size_t kSample = 27;  // numbers per tick, in the order of append
 constexpr const char *kPoseUnits = "m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, N, N, N, m",
                      *kSampleUnits =
                          "s, m, m, m, N, N, N, N m, N m, N m, 1, m, m, s, 1, 1, 1, 1, 1, 1, 1, 1, "
@@ -25,6 +28,7 @@ std::vector<float> flat(const std::vector<Vec3>& points) {
 }
 
 std::vector<Vec3> vectors(const std::vector<float>& values) {
+  TURGOR_CHECK(values.size() % 3 == 0, "a point has three numbers");
   std::vector<Vec3> points;
   for (std::size_t i = 0; i + 2 < values.size(); i += 3)
     points.push_back({values[i], values[i + 1], values[i + 2]});
@@ -33,6 +37,7 @@ std::vector<Vec3> vectors(const std::vector<float>& values) {
 
 void append(std::vector<double>& values, Vec3d v) { values.insert(values.end(), {v.x, v.y, v.z}); }
 Vec3d vector_at(const std::vector<double>& values, std::size_t i) {
+  TURGOR_CHECK(i + 2 < values.size(), "a vector has three numbers");
   return {values[i], values[i + 1], values[i + 2]};
 }
 
@@ -44,11 +49,13 @@ std::vector<double> tool_rows(const std::vector<ToolSnapshot>& tools) {
     append(values, tool.force);
     values.push_back(tool.opening);
   }
+  TURGOR_CHECK(values.size() == kPose * tools.size(), "every tool has kPose numbers");
   return values;
 }
 
 void show_row(const std::vector<double>& values, std::size_t row, const TouchingTool& tool,
               ToolSnapshot& out) {
+  TURGOR_CHECK(values.size() >= kPose * (row + 1), "every tool has kPose numbers");
   const std::size_t i = kPose * row;
   const contact::Pose pose{vector_at(values, i),
                            {{vector_at(values, i + 3), vector_at(values, i + 6), vector_at(values, i + 9)}}};
@@ -67,6 +74,8 @@ void append(std::vector<double>& values, const ForceSample& s) {
 }
 
 ForceSample sample_of(const std::vector<double>& values, std::size_t row) {
+  TURGOR_CHECK(values.size() >= kSample * (row + 1), "every tick has kSample numbers");
+  // fields in the order of append
   const std::size_t i = kSample * row;
   ForceSample s;
   s.time = values[i];
@@ -91,7 +100,7 @@ std::vector<std::int32_t> numbers_of(const std::vector<Int3>& triangles) {
   return numbers;
 }
 
-/// None if one of them is no vertex.
+/// Empty if an index is not a vertex.
 std::optional<std::vector<Int3>> triangles_of(const std::vector<std::int32_t>& numbers,
                                               std::size_t vertices) {
   std::vector<Int3> triangles;
@@ -104,20 +113,21 @@ std::optional<std::vector<Int3>> triangles_of(const std::vector<std::int32_t>& n
   return triangles;
 }
 
-/// The parts inside of a body; false: they are damaged.
+/// Reads the surfaces of inclusions; false if they are damaged.
 bool read_inside(Reading& reading, TriMesh& inside) {
   const std::size_t count = reading.count("inside", 3 * kMostVertices) / 3;
-  const auto places = reading.array<float>("inside", 3 * count);
+  const auto positions = reading.array<float>("inside", 3 * count);
   const std::size_t corners = reading.count("inside_triangles", 3 * 3 * kMostVertices);
   const auto triangles = triangles_of(reading.array<std::int32_t>("inside_triangles", corners), count);
-  if (!triangles || !is_finite(places)) return false;
-  inside.vertices = vectors(places), inside.triangles = *triangles;
+  if (!triangles || !is_finite(positions)) return false;
+  inside.vertices = vectors(positions), inside.triangles = *triangles;
   inside.normals = vertex_normals(inside);
   return true;
 }
 
 Status write_shown(Hdf5File& file, const std::string& group, double time, const BodySnapshot& surface,
                    const std::vector<ToolSnapshot>& tools) {
+  TURGOR_CHECK(surface.displacement.size() == surface.rest.size(), "every vertex has a displacement");
   return Writing(file, group)
       .array<double>("time", {time}, 1, "s")
       .array("rest", flat(surface.rest), 3, "m")
@@ -131,10 +141,10 @@ Status write_shown(Hdf5File& file, const std::string& group, double time, const 
       .status();
 }
 
-/// What a group holds besides the surface.
+/// Content of a group besides the surface.
 struct ReadRows {
   double time = 0;            // [s]
-  std::vector<double> tools;  // of every tool kPose numbers
+  std::vector<double> tools;  // kPose numbers per tool
 };
 Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std::size_t tool_count,
                             BodySnapshot& surface) {
@@ -160,7 +170,7 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
   surface.triangles = *outer;
   surface.wall_begin = surface.triangles.size();
-  place_vertices(surface);
+  update_vertices(surface);
   return ReadRows{time[0], tools};
 }
 
@@ -191,14 +201,14 @@ std::string surface_group(const std::string& snapshot, const TouchedBody& body) 
   return fmt::format("{}/surfaces/{}/", snapshot, body.name);
 }
 
-/// Its surface as it is shown, with its tools.
+/// Writes the drawn surface with its tools.
 Status write_surface(const SnapshotOut& out, const TouchedBody& body, BodyId id) {
   return write_shown(out.file, surface_group(out.group, body), out.snapshot.time,
                      body_snapshot(out.snapshot, id), tools_on(out.snapshot, id));
 }
 
-/// Are its tools kept? A body that none touches has them nowhere; lattices and cloth are drawn from their
-/// states then.
+/// True if the recording contains a surface with tools. Untouched lattices and cloth are drawn from their
+/// states.
 template <class Body>
 bool keeps_surface(const Body& body) {
   constexpr bool has_state = std::is_same_v<Body, LatticeBody> || std::is_same_v<Body, ClothBody>;
@@ -219,6 +229,7 @@ Status read_tools(const SnapshotIn& in, const TouchedBody& body, BodySnapshot& s
   if (!rows) return rows.error();
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     const auto n = std::size_t(body.tool_indices[t]);
+    TURGOR_CHECK(is_index(n, in.snapshot.tools.size()), "a snapshot has every tool");
     show_row(rows->tools, t, in.world.tools[n], in.snapshot.tools[n]);
   }
   return Done{};
@@ -268,6 +279,7 @@ Status read_touch(const Hdf5File& file, World& world, std::vector<Pressed>& pres
   Status status = Done{};
   std::size_t next = 0;
   for_each_touched(world, [&](BodyId id, const auto& body) {
+    TURGOR_CHECK(next < pressed.size(), "every body that tools can touch is looked at");
     Pressed& one = pressed[next++];
     if (!status || !keeps_surface(body)) return;
     show_name(id, body, one.body);

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor {
 
 namespace {
@@ -13,9 +15,10 @@ namespace {
 using Ladder = std::array<std::string_view, 4>;
 constexpr Ladder kTimes{"ns", "µs", "ms", "s"}, kSizes{"bytes", "kB", "MB", "GB"};
 
-/// Up the ladder while a thousand of one are one of the next.
+/// Selects the unit in steps of a thousand.
 std::string climbed(double number, std::string_view unit, const Ladder& ladder) {
   auto rung = std::find(ladder.begin(), ladder.end(), unit);
+  TURGOR_CHECK(rung != ladder.end(), "the unit belongs to the ladder");
   for (; std::next(rung) != ladder.end() && std::abs(number) >= 1000; ++rung) number *= 1e-3;
   return fmt::format("{} {}", number_of(number), *rung);
 }

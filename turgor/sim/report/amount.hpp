@@ -1,4 +1,4 @@
-// Numbers and amounts as people read them.
+// Formats numbers and amounts with units.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace turgor {
 
-/// A number with three or four digits; text as it is; "" for anything else.
+/// Number with three or four digits; text unchanged; "" for other values.
 std::string number_of(const Json& value);
-/// With its unit; times and bytes in the unit that suits them: 1330 µs are "1.33 ms".
+/// Number with unit. Times and sizes use a suitable unit: 1330 µs are "1.33 ms".
 std::string amount(const Json& value, const Unit& unit);
 
 }  // namespace turgor

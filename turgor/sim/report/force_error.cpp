@@ -5,13 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor {
 
 namespace {
 
-constexpr double kMuch = 0.10;  // of the force
+constexpr double kMuch = 0.10;  // warning threshold, relative
 
-/// Of a shape that has one; 0 = it has none [m].
+/// Radius of a ball or a capsule; 0 for other shapes [m].
 double radius_of(const contact::Shape& shape) {
   if (const auto* ball = std::get_if<contact::Sphere>(&shape)) return ball->radius;
   if (const auto* rod = std::get_if<contact::Capsule>(&shape)) return rod->radius;
@@ -24,27 +26,26 @@ double deepest(const TouchingTool& tool) {
   return depth;
 }
 
-/// The least refinement with which it is no longer much; 0 = there is none.
-int enough(sfem::TouchedElements touched) {
+/// Smallest refinement with an acceptable error; 0 = none.
+int sufficient_refinement(sfem::TouchedElements touched) {
   constexpr int kFinest = 4;
   for (touched.refinement++; touched.refinement <= kFinest; touched.refinement++)
     if (sfem::expected_error(touched) <= kMuch) return touched.refinement;
   return 0;
 }
 
-/// Empty when its force is near enough, or nothing is known of it.
-std::string coarse_below(const World& world, const TouchingTool& tool) {
+/// Empty if the error is acceptable or unknown.
+std::string force_error_warning(const World& world, const TouchingTool& tool) {
   const auto touched = touched_elements(world, tool);
   if (!touched) return {};
   const double error = sfem::expected_error(*touched);
   if (error <= kMuch) return {};
-  const int finer = enough(*touched);
-  const std::string advice = finer > 0 ? fmt::format("patch.refinement = {} brings that below", finer)
-                                       : std::string("a finer mesh brings that below");
+  const int finer = sufficient_refinement(*touched);
+  const std::string advice = finer > 0 ? fmt::format("patch.refinement = {} reduces that below", finer)
+                                       : std::string("a finer mesh reduces that below");
   return fmt::format(
-      "{}: its force may be off by up to {:.0f} %, since elements there have edges of {:.3g} mm, in {} "
-      "parts, and "
-      "what it covers a radius of {:.3g} mm: {} {:.0f} %",
+      "{}: the expected force error is up to {:.0f} %: element edges under it are {:.3g} mm, split into {} "
+      "segments, for a contact radius of {:.3g} mm; {} {:.0f} %",
       tool.name, 100 * error, 1e3 * touched->edge, touched->refinement, 1e3 * touched->contact, advice,
       100 * kMuch);
 }
@@ -52,13 +53,17 @@ std::string coarse_below(const World& world, const TouchingTool& tool) {
 }  // namespace
 
 std::optional<sfem::TouchedElements> touched_elements(const World& world, const TouchingTool& tool) {
+  // only a loaded finite-element body has touched elements
   const double radius = radius_of(tool.tool.shape), depth = deepest(tool);
   if (tool.body.kind != BodyKind::kSfem || depth <= 0 || radius <= 0) return {};
   const SfemBody& body = world.sfem_bodies[std::size_t(tool.body.index)];
   const sfem::Model& model = body.model;
+  // material of the patch, from its first element
   const std::span<const int> elements = body.now.patch->elements;
   const std::vector<int>& material = model.body.material;
+  TURGOR_CHECK(!elements.empty(), "a touched patch has elements");
   const std::size_t kind = material.empty() ? 0 : std::size_t(material[std::size_t(elements.front())]);
+  // contact radius by Hertz: sqrt(radius * depth)
   return sfem::TouchedElements{.corners = model.body.mesh.corners,
                                .formulation = model.params.formulation,
                                .poisson = model.body.materials[kind].poisson,
@@ -68,10 +73,10 @@ std::optional<sfem::TouchedElements> touched_elements(const World& world, const 
                                .contact = std::sqrt(radius * depth)};
 }
 
-std::vector<std::string> coarse_presses(const World& world) {
+std::vector<std::string> force_error_warnings(const World& world) {
   std::vector<std::string> sentences;
   for (const TouchingTool& tool : world.tools)
-    if (std::string coarse = coarse_below(world, tool); !coarse.empty())
+    if (std::string coarse = force_error_warning(world, tool); !coarse.empty())
       sentences.push_back(std::move(coarse));
   return sentences;
 }

@@ -1,5 +1,4 @@
-// How far off the force of a tool on finite elements is to be expected, because they are as large as they
-// are, and what to do where that is much.
+// Expected discretization error of tool forces on finite elements, and how to reduce it.
 #pragma once
 
 #include <optional>
@@ -11,11 +10,11 @@
 
 namespace turgor {
 
-/// What a ball or a rod touched at its deepest; none of tools of other shapes, of other bodies, and of what
-/// did not touch.
+/// Elements under a ball or a capsule at its deepest; empty for other shapes, other models and tools without
+/// contact.
 std::optional<sfem::TouchedElements> touched_elements(const World& world, const TouchingTool& tool);
 
-/// A sentence for every tool whose force may be more than 10 % off.
-std::vector<std::string> coarse_presses(const World& world);
+/// A warning for every tool whose expected force error exceeds 10 %.
+std::vector<std::string> force_error_warnings(const World& world);
 
 }  // namespace turgor

@@ -14,7 +14,7 @@ namespace {
 using namespace units;
 using F = ForceSample;
 
-/// What the tool felt; what it did stands before, in the columns of a hand.
+/// Forces, which follow the columns of the hand motion.
 const Quantity<F> kFelt[] = {
     {"force_x", kNewtons, "", [](const F& s) -> Json { return s.force.x; }},
     {"force_y", kNewtons, "", [](const F& s) -> Json { return s.force.y; }},
@@ -31,7 +31,7 @@ std::string cell(const Json& value) {
   return value.is_number_float() ? fmt::format("{:.9g}", value.get<double>()) : value.dump();
 }
 
-/// The columns of a hand, to the last bit: read back, they move the tool in just the same way.
+/// Columns of the hand motion with full precision, so that a replay is exact.
 void append_command(const ForceSample& s, std::string& text) {
   const auto append = [&text](double value) { fmt::format_to(std::back_inserter(text), ",{}", value); };
   append(s.time);

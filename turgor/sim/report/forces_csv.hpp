@@ -1,5 +1,5 @@
-// What every tool did and felt in every tick, as a table: pandas.read_csv("forces.csv"). A scene can replay
-// it (sim/tools/hand.hpp).
+// Commands and forces of all tools, tick by tick, as a table for pandas.read_csv("forces.csv"). A scene can
+// replay it (sim/tools/hand.hpp).
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace turgor {
 
-/// One row a tool and tick, and one before the first; the first line names the columns with their units.
+/// One row per tool and tick, and one before the first; the first line names the columns with their units.
 Status write_forces(const std::filesystem::path& path, const std::vector<TouchingTool>& tools);
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// Numbers as a report holds them.
+// Numbers in reports.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMm = 1e3;
 
-/// Six significant digits: more would only pretend.
+/// Rounded to six significant digits.
 inline double rounded(double value) {
   if (value == 0 || !std::isfinite(value)) return std::isfinite(value) ? 0.0 : value;
   const double unit = std::pow(10.0, 5 - std::floor(std::log10(std::abs(value))));

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/geometry/where_is.hpp"
+#include "turgor/geometry/body_location.hpp"
 #include "turgor/models/lattice/mechanics/inverted_cells.hpp"
 
 namespace turgor {
@@ -15,37 +15,42 @@ namespace {
 
 using lattice::Model;
 
-/// A blade given so much farther from the skin than a lattice step is one that somebody misplaced [m].
+/// larger offsets from the skin, in addition to a lattice spacing, are probably mistakes [m]
 constexpr double kOffSkin = 0.005;
-constexpr double kCellsBelow = 3;  // that a cut needs below it
+constexpr double kCellsBelow = 3;  // required below a cut
 
 Vec3d in_patient(const Model& model, Vec3d x) { return model.grid.origin + model.grid.axes * x; }
 
-/// How far a point of the scene lies from where the blade was set on the skin [m].
+/// Distance from a point of the scene to the blade's path on the skin [m].
 double off_skin(const Model& model, const lattice::BladePath& path, Vec3d point) {
   double nearest = std::numeric_limits<double>::max();
   for (const Vec3d x : path.skin) nearest = std::min(nearest, norm(in_patient(model, x) - point));
   return nearest;
 }
 
-/// To a hundredth of a millimetre: what is next to nothing is 0.
-std::string place_on_skin(const Model& model, Vec3d x) {
+/// Rounded to a hundredth of a millimeter.
+std::string patient_position_text(const Model& model, Vec3d x) {
   constexpr double kFine = 1e-5;  // [m]
-  Vec3d place = in_patient(model, x);
-  for (int axis = 0; axis < 3; axis++) place[axis] = kFine * std::round(place[axis] / kFine) + 0.0;
-  return place_text(place);
+  Vec3d position = in_patient(model, x);
+  for (int axis = 0; axis < 3; axis++) position[axis] = kFine * std::round(position[axis] / kFine) + 0.0;
+  return position_text(position);
 }
 
-void warn_of_blade(const Cut& cut, const Model& model, std::vector<std::string>& warnings) {
+void warn_about_blade(const Cut& cut, const Model& model, std::vector<std::string>& warnings) {
   const lattice::BladePath& path = *cut.path;
+
+  // distance of the blade from the given positions
   const double from = off_skin(model, path, cut.blade.from), to = off_skin(model, path, cut.blade.to);
-  const Vec3 step = model.lattice.step;
+  const Vec3 step = model.lattice.spacing;
   if (std::max(from, to) > kOffSkin + double(std::max({step.x, step.y, step.z})))
     warnings.push_back(fmt::format(
-        "incision '{}': its ends, {} and {}, are {:.0f} and {:.0f} mm off the skin: the blade was set on the "
+        "incision '{}': its ends, {} and {}, are {:.0f} and {:.0f} mm off the skin: the blade was moved to "
+        "the "
         "skin between {} and {}",
-        cut.blade.name, place_text(cut.blade.from), place_text(cut.blade.to), 1e3 * from, 1e3 * to,
-        place_on_skin(model, path.skin.front()), place_on_skin(model, path.skin.back())));
+        cut.blade.name, position_text(cut.blade.from), position_text(cut.blade.to), 1e3 * from, 1e3 * to,
+        patient_position_text(model, path.skin.front()), patient_position_text(model, path.skin.back())));
+
+  // cells below the cut
   double below = kCellsBelow;
   for (std::size_t n = 0; n + 1 < path.skin.size(); n++)
     below = std::min(below, lattice::cells_below(model, path.skin[n] + path.into[n] * path.depth,
@@ -53,22 +58,22 @@ void warn_of_blade(const Cut& cut, const Model& model, std::vector<std::string>&
                                                  path.into[n], kCellsBelow));
   if (below < kCellsBelow)
     warnings.push_back(fmt::format(
-        "incision '{}': {} of body below the cut, expected at least {:.0f} cells: what holds its bottom is "
-        "the lattice's as much as the tissue's; take a smaller step or a shallower cut",
+        "incision '{}': {} of body below the cut, expected at least {:.0f} cells: the support of its bottom "
+        "depends on "
+        "the lattice; use a smaller spacing or a shallower cut",
         cut.blade.name, below > 0 ? fmt::format("less than {:.2g} cells", below + 0.25) : "nothing",
         kCellsBelow));
 }
 
-void warn_of_folds(const Exec& exec, const LatticeBody& body, std::vector<std::string>& warnings) {
-  const lattice::InvertedCells folded = lattice::find_folded_cells(exec, body.model, body.state);
-  if (folded.count == 0) return;
-  const Vec3d place(position(body.model, body.state, folded.first));
+void warn_of_inverted_cells(const Exec& exec, const LatticeBody& body, std::vector<std::string>& warnings) {
+  const lattice::InvertedCells inverted = lattice::find_inverted_cells(exec, body.model, body.state);
+  if (inverted.count == 0) return;
+  const Vec3d first(position(body.model, body.state->motion, inverted.first));
   warnings.push_back(fmt::format(
-      "{}: {} {} at the end, one at {}: what is measured there means nothing; more sweeps, tissue.volume or "
-      "tissue.law = \"solid\" keep cells from folding",
-      body.name, folded.count,
-      folded.count == 1 ? "cell is turned inside out" : "cells are turned inside out",
-      place_text(in_patient(body.model, place))));
+      "{}: {} {} at the end, one at {}: measures near them are invalid; more sweeps, tissue.volume or "
+      "tissue.law = \"solid\" prevent inverted cells",
+      body.name, inverted.count, inverted.count == 1 ? "cell is inverted" : "cells are inverted",
+      position_text(in_patient(body.model, first))));
 }
 
 }  // namespace
@@ -76,8 +81,8 @@ void warn_of_folds(const Exec& exec, const LatticeBody& body, std::vector<std::s
 std::vector<std::string> lattice_warnings(const Exec& exec, const World& world) {
   std::vector<std::string> warnings;
   for (const Cut& cut : world.cuts)
-    if (cut.path) warn_of_blade(cut, world.lattice_bodies[std::size_t(cut.body)].model, warnings);
-  for (const LatticeBody& body : world.lattice_bodies) warn_of_folds(exec, body, warnings);
+    if (cut.path) warn_about_blade(cut, world.lattice_bodies[std::size_t(cut.body)].model, warnings);
+  for (const LatticeBody& body : world.lattice_bodies) warn_of_inverted_cells(exec, body, warnings);
   return warnings;
 }
 

@@ -1,4 +1,4 @@
-// What a run knows of its lattices that makes their figures doubtful.
+// Warnings about lattice results that are unreliable.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace turgor {
 
-/// Folded cells; blades that were set on the skin far from where the scene has them, or cut nearly through.
+/// Warnings about inverted cells, blades far from their given position, and cuts through almost the whole
+/// body.
 std::vector<std::string> lattice_warnings(const Exec& exec, const World& world);
 
 }  // namespace turgor

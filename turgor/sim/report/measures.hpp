@@ -1,4 +1,4 @@
-// What a run measures: every wound over time, how the skin pulls at each cut, and what the solver left over.
+// Measurements of a run: wounds over time, skin tension at each cut, and residuals of the solver.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace turgor {
 
-/// How the skin at a cut is pulled, averaged over the cut.
-struct SkinPull {
+/// Skin tension at a cut, mean over the cut.
+struct CutTension {
   double angle = 0;       // between the cut and Langer's lines, 0…90 [degrees]
   double opening = 0;     // tension across the cut, which opens it [N/m]
   double lengthwise = 0;  // tension along the cut [N/m]
 };
-SkinPull skin_pull(const lattice::Model& model, const lattice::BladePath& path);
+CutTension cut_tension(const lattice::Model& model, const lattice::BladePath& path);
 
 struct WoundSample {
   double time = 0;                     // [s]
@@ -26,15 +26,15 @@ struct WoundSample {
 };
 struct CutMeasures {
   std::string name, body;
-  int edges = 0;  // cut, or nodes removed
+  int edges = 0;  // edges cut, or nodes removed
   bool region = false;
   double depth = 0, width = 0;  // as in the scene [m]
-  SkinPull pull;
-  std::vector<WoundSample> series;  // one a frame, since the blade started
+  CutTension tension;
+  std::vector<WoundSample> series;  // one per frame since the blade started
   lattice::Wound wound;             // at the end
 };
 
-/// The solver at one snapshot.
+/// Solver state at one snapshot.
 struct SolverSample {
   double time = 0;             // [s]
   lattice::Residual residual;  // [N]
@@ -44,14 +44,14 @@ struct SolverSample {
 
 struct Measures {
   std::vector<CutMeasures> cuts;
-  std::vector<lattice::BodySurface> near_cuts;  // drawn, of each lattice body; made anew when it is cut
-  std::vector<Pressed> pressed;                 // one for every body that tools can touch
+  std::vector<lattice::BodySurface> wound_surfaces;  // of each lattice body; rebuilt after each cut
+  std::vector<Pressed> pressed;                      // one for every body that tools can touch
   std::vector<SolverSample> solver;
   std::vector<double> frame_seconds;  // wall time
 };
 
 Measures make_measures(const World& world);
-/// After every frame; `snapshot` adds what is only measured then.
+/// After every frame; `snapshot` adds measurements of the solver.
 void measure_frame(const Exec& exec, const World& world, const FrameReport& frame, bool snapshot,
                    Measures& measures);
 

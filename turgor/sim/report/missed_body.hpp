@@ -1,4 +1,4 @@
-// A tool that went by its body: how near it came, and where the body is.
+// Warning about a tool that missed its body, with the smallest distance.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace turgor {
 
-/// Empty when the tool touched, or did not move yet; else a sentence.
-std::string off_the_body(const World& world, const TouchingTool& tool);
+/// A sentence; empty if the tool touched the body or has no ticks.
+std::string missed_body_note(const World& world, const TouchingTool& tool);
 
 }  // namespace turgor

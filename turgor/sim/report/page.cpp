@@ -15,11 +15,11 @@ std::string with_unit(const Caption& caption) {
   return *caption.unit.text ? fmt::format("{} [{}]", caption.label, caption.unit.text) : caption.label;
 }
 
-std::string name_of(const Json& item) { return item.contains("name") ? snapshot(item.at("name")) : ""; }
+std::string name_of(const Json& item) { return item.contains("name") ? html_value(item.at("name")) : ""; }
 
 }  // namespace
 
-std::string snapshot(const Json& value) { return xml_text(number_of(value)); }
+std::string html_value(const Json& value) { return xml_text(number_of(value)); }
 
 std::string table_row(const std::vector<std::string>& cells, const char* tag) {
   std::string row = "<tr>";
@@ -28,17 +28,19 @@ std::string table_row(const std::vector<std::string>& cells, const char* tag) {
 }
 
 std::string quantity_table(const Json& items, const char* heading, const std::vector<Caption>& captions) {
+  // header: one column per item
   std::vector<std::string> cells = {heading};
   for (const Json& item : items) cells.push_back(name_of(item));
   std::string table = "<div class=\"scroll\"><table>" + table_row(cells, "th");
+  // one row per quantity; rows without any value are omitted
   for (const Caption& caption : captions) {
-    if (!(caption.snapshot & kInTable)) continue;
+    if (!(caption.shown_in & kInTable)) continue;
     cells = {with_unit(caption)};
     bool any = false;
     for (const Json& item : items) {
       const Json* value = find(item, caption.key);
       any = any || value;
-      cells.push_back(value ? snapshot(*value) : "–");
+      cells.push_back(value ? html_value(*value) : "–");
     }
     if (any) table += table_row(cells, "td");
   }
@@ -62,17 +64,17 @@ Curve curve_of(const std::string& label, const Json& item, const SeriesKeys& ser
   Curve curve{label, {}};
   const Json columns = item.value(series.columns, Json::array()),
              rows = item.value(series.rows, Json::array());
-  const auto place = [&columns](std::string_view name) {
+  const auto column_of = [&columns](std::string_view name) {
     return std::size_t(std::find(columns.begin(), columns.end(), name) - columns.begin());
   };
-  const std::size_t at_x = place(x), at_y = place(y);
+  const std::size_t at_x = column_of(x), at_y = column_of(y);
   for (const Json& row : rows)
     if (std::max(at_x, at_y) < row.size() && row.at(at_x).is_number() && row.at(at_y).is_number())
       curve.points.emplace_back(row.at(at_x).get<double>(), row.at(at_y).get<double>());
   return curve;
 }
 
-std::string drawn(const Plot& plot) {
+std::string plot_html(const Plot& plot) {
   const std::string svg = plot_svg(plot);
   return svg.empty() ? "" : "<div class=\"plot\">" + svg + "</div>\n";
 }

@@ -4,14 +4,16 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 
 namespace {
 
-constexpr double kLargestBody = 2, kSmallestBody = 1e-3;  // across [m]
-constexpr double kMostStretch = 1.5;                      // woven fabric tears long before
+constexpr double kLargestBody = 2, kSmallestBody = 1e-3;  // largest extent [m]
+constexpr double kMostStretch = 1.5;                      // woven fabric tears earlier
 
 std::string meters(double length) {
   return length >= 1 ? fmt::format("{:.3g} m", length) : fmt::format("{:.3g} mm", 1e3 * length);
@@ -29,34 +31,41 @@ std::vector<std::string> odd_sizes(const WorldSnapshot& snapshot) {
   double largest = 0;
   for (const BodySnapshot& body : snapshot.bodies) {
     if (body.rest.empty()) continue;
+
+    // bodies
     const double size = across(body.box);
     largest = std::max(largest, size);
     if (size > kLargestBody)
       sentences.push_back(
-          fmt::format("{}: it is {} across, and bodies here are at most {}: if its file is in "
-                      "millimetres, scale = 0.001 makes metres of them",
+          fmt::format("{}: its size is {}, larger than the plausible {}: if its file is in "
+                      "millimeters, set scale = 0.001",
                       body.name, meters(size), meters(kLargestBody)));
     if (size < kSmallestBody)
       sentences.push_back(
-          fmt::format("{}: it is {} across, and bodies here are at least {}: if its file is in metres "
-                      "already, it needs no scale",
+          fmt::format("{}: its size is {}, smaller than the plausible {}: if its file is in meters "
+                      "already, remove scale",
                       body.name, meters(size), meters(kSmallestBody)));
   }
+
+  // tools
   for (const ToolSnapshot& tool : snapshot.tools)
     if (tool.size > largest)
       sentences.push_back(
-          fmt::format("{}: the part that touches is {} across, larger than the largest body ({}): are "
-                      "its lengths millimetres? Scenes take metres",
+          fmt::format("{}: its contacting end has a size of {}, larger than the largest body ({}): are "
+                      "its lengths in millimeters? Scenes use meters",
                       tool.name, meters(tool.size), meters(largest)));
   return sentences;
 }
 
-void note_stretch(const WorldSnapshot& snapshot, std::vector<ClothStretch>& seen) {
+void record_stretch(const WorldSnapshot& snapshot, std::vector<ClothStretch>& seen) {
   for (const BodySnapshot& body : snapshot.bodies) {
     if (body.look != Look::kCloth) continue;
+    // record of this body, created at its first snapshot
     auto at =
         std::find_if(seen.begin(), seen.end(), [&](const ClothStretch& s) { return s.body == body.name; });
     if (at == seen.end()) at = seen.insert(seen.end(), {body.name, 1, 0});
+    // largest ratio of edge length to rest length
+    TURGOR_CHECK(body.x.size() == body.rest.size(), "every vertex has a rest position");
     for (const Int3 t : body.triangles)
       for (int corner = 0; corner < 3; corner++) {
         const auto a = std::size_t(t[corner]), b = std::size_t(t[(corner + 1) % 3]);
@@ -71,11 +80,11 @@ std::vector<std::string> overstretched(const std::vector<ClothStretch>& seen) {
   std::vector<std::string> sentences;
   for (const ClothStretch& s : seen)
     if (s.most > kMostStretch)
-      sentences.push_back(
-          fmt::format("{}: its longest edge was {:.3g} times its length at rest (at {:.2f} s); fabric "
-                      "does not stretch beyond {}: a larger stiffness, more sweeps or a higher frame "
-                      "rate hold it",
-                      s.body, s.most, s.time, kMostStretch));
+      sentences.push_back(fmt::format(
+          "{}: its longest edge was stretched to {:.3g} times its rest length (at {:.2f} s); fabric "
+          "does not stretch beyond {}: a larger stiffness, more sweeps or a higher frame "
+          "rate limit the stretch",
+          s.body, s.most, s.time, kMostStretch));
   return sentences;
 }
 
@@ -83,14 +92,18 @@ std::vector<std::string> overpressed(const World& world, const std::vector<Press
   std::vector<std::string> sentences;
   for (const Pressed& one : pressed) {
     if (one.body.id.kind != BodyKind::kSfem || one.body.pressure.empty()) continue;
+
+    TURGOR_CHECK(is_index(one.body.id.index, world.sfem_bodies.size()),
+                 "a pressed organ is a body of the world");
+    // largest pressure against the largest modulus
     const SfemBody& body = world.sfem_bodies[std::size_t(one.body.id.index)];
     double young = 0;
     for (const sfem::Material& material : body.model.body.materials) young = std::max(young, material.young);
     const double most = double(*std::max_element(one.body.pressure.begin(), one.body.pressure.end()));
     if (most > young)
       sentences.push_back(
-          fmt::format("{}: the contact pressed with {:.3g} kPa at {:.2f} s, more than Young's modulus "
-                      "({:.3g} kPa): the elements know no tissue that stiffens, and this force is too "
+          fmt::format("{}: the contact pressure was {:.3g} kPa at {:.2f} s, above Young's modulus "
+                      "({:.3g} kPa): the linear law does not stiffen, and this force is too "
                       "small; a smaller depth stays within the law",
                       one.body.name, 1e-3 * most, one.time, 1e-3 * young));
   }

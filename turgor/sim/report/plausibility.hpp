@@ -1,5 +1,5 @@
-// What a person would doubt on seeing it: bodies as large as houses, tools larger than what they touch, cloth
-// pulled to rags, contact that presses harder than the tissue's law knows. Sentences for the report.
+// Plausibility checks of a run: sizes of bodies and tools, stretch of cloth, contact pressure. Each warning
+// is a sentence.
 #pragma once
 
 #include <string>
@@ -10,20 +10,20 @@
 
 namespace turgor {
 
-/// Bodies and tools of a size that tissue does not have: mostly millimetres taken for metres.
+/// Implausible sizes of bodies and tools, mostly from millimeters read as meters.
 std::vector<std::string> odd_sizes(const WorldSnapshot& snapshot);
 
-/// The longest that the edges of one cloth became, as a multiple of their length at rest.
+/// Largest edge stretch of one cloth, relative to its rest length.
 struct ClothStretch {
   std::string body;
   double most = 1;  // [1]
   double time = 0;  // [s]
 };
-/// Looks at the cloth of one moment; what it saw before stays in `seen`.
-void note_stretch(const WorldSnapshot& snapshot, std::vector<ClothStretch>& seen);
+/// Updates the largest stretches from one snapshot.
+void record_stretch(const WorldSnapshot& snapshot, std::vector<ClothStretch>& seen);
 std::vector<std::string> overstretched(const std::vector<ClothStretch>& seen);
 
-/// Bodies of elements that were pressed harder than their law can answer.
+/// Bodies of finite elements whose contact pressure exceeds Young's modulus.
 std::vector<std::string> overpressed(const World& world, const std::vector<Pressed>& pressed);
 
 }  // namespace turgor

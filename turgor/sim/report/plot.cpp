@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/round_ticks.hpp"
 #include "turgor/io/files/xml_text.hpp"
 
@@ -15,11 +16,11 @@ namespace {
 
 using Points = std::vector<std::pair<double, double>>;
 
-/// Colours that are told apart by colour-blind eyes (Okabe and Ito), on light and on dark ground.
+/// Color-blind safe palette (Okabe and Ito) for light and dark backgrounds.
 constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
-// Of the picture; in a report it is scaled down to no less than 460 pixels, its type to no less than 11.
-constexpr double kWidth = 560, kCurves = 210, kFont = 14, kLine = 20;  // kCurves: height of their part
+// size of the picture; reports scale it down to at least 460 pixels, and text to at least 11 pixels
+constexpr double kWidth = 560, kCurves = 210, kFont = 14, kLine = 20;  // kCurves: height of the curves
 constexpr double kLeft = 76, kRight = 24, kBottom = 48;
 constexpr std::size_t kLongestLabel = 48;  // letters
 
@@ -28,20 +29,22 @@ struct Range {
   void add(double value) { low = std::min(low, value), high = std::max(high, value); }
 };
 
-/// Where numbers are on the picture [pixels].
+/// Mapping from numbers to pixels.
 struct Axes {
   Range x, y;  // y of a logarithmic axis as powers of ten
   double top = 0;
   bool logarithmic = false;
   double bottom() const { return top + kCurves; }
   double px(double value) const {
+    TURGOR_CHECK(x.high > x.low, "an axis has a length");
     return kLeft + (kWidth - kLeft - kRight) * (value - x.low) / (x.high - x.low);
   }
   double py(double value) const { return bottom() - kCurves * (value - y.low) / (y.high - y.low); }
 };
 
 Points drawable(const Points& points, bool logarithmic) {
-  constexpr double kMost = 1e300, kLeast = 1e-290;  // beyond them differences overflow or vanish
+  constexpr double kMost = 1e300,
+                   kLeast = 1e-290;  // larger or smaller numbers overflow or vanish in differences
   const auto plain = [](double value) { return std::abs(value) < kLeast ? 0 : value; };
   Points kept;
   for (const auto& [x, y] : points)
@@ -50,10 +53,12 @@ Points drawable(const Points& points, bool logarithmic) {
   return kept;
 }
 
-/// More points than pixels: the lowest and the highest of each stretch stay.
+/// Reduces the points to the minimum and the maximum per pixel column.
 Points thinned(const Points& points) {
+  // short curves keep all points
   constexpr std::size_t kStretches = 600;
   if (points.size() <= 2 * kStretches) return points;
+  // minimum and maximum of each interval, in order of time
   Points kept{points.front()};
   for (std::size_t s = 0; s < kStretches; s++) {
     const auto begin = points.begin() + std::ptrdiff_t(s * points.size() / kStretches);
@@ -68,7 +73,7 @@ Points thinned(const Points& points) {
   return kept;
 }
 
-/// So wide that it can be divided.
+/// Range with a positive width.
 void widen(Range& range) {
   const double size = std::max(std::abs(range.low), std::abs(range.high));
   if (range.high - range.low > 1e-9 * size) return;
@@ -88,7 +93,8 @@ Axes make_axes(const std::vector<Points>& curves, bool logarithmic, double top) 
   axes.y.add(0);
   widen(axes.y);
   const std::vector<double> ticks = round_ticks(axes.y.low, axes.y.high, 5);
-  const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 0;  // up to the next round number
+  const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 0;  // extends to the next round number
+  TURGOR_CHECK(!ticks.empty(), "an axis has ticks");
   if (ticks.back() < axes.y.high) axes.y.high = ticks.back() + step;
   if (ticks.front() > axes.y.low) axes.y.low = ticks.front() - step;
   return axes;
@@ -101,8 +107,9 @@ std::string power_of_ten(int exponent) {
   return text;
 }
 
-/// As many digits as tell one number from the next.
+/// Number of digits that distinguishes adjacent ticks.
 std::string tick_text(double value, const std::vector<double>& ticks) {
+  TURGOR_CHECK(!ticks.empty(), "an axis has ticks");
   const double most = std::max(std::abs(ticks.front()), std::abs(ticks.back()));
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : most;
   if (std::abs(value) < 0.5 * step) return "0";
@@ -110,8 +117,8 @@ std::string tick_text(double value, const std::vector<double>& ticks) {
   return fmt::format("{:.{}f}", value, std::max(0, -int(std::floor(std::log10(step) + 1e-9))));
 }
 
-std::string text_at(double x, double y, const char* place, const std::string& text) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, place, xml_text(text));
+std::string text_at(double x, double y, const char* attributes, const std::string& text) {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, attributes, xml_text(text));
 }
 
 std::string grid_line(double x1, double y1, double x2, double y2) {
@@ -121,16 +128,19 @@ std::string grid_line(double x1, double y1, double x2, double y2) {
 std::string draw_axes(const Axes& axes, const Plot& plot) {
   const double bottom = axes.bottom(), right = kWidth - kRight;
   std::string svg;
+  // vertical grid lines and ticks
   const std::vector<double> columns = round_ticks(axes.x.low, axes.x.high, 6);
   for (const double x : columns)
     svg += grid_line(axes.px(x), axes.top, axes.px(x), bottom) +
            text_at(axes.px(x), bottom + 17, "text-anchor=\"middle\"", tick_text(x, columns));
+  // horizontal grid lines and ticks; a log axis keeps whole powers of ten
   std::vector<double> rows = round_ticks(axes.y.low, axes.y.high, 5);
   if (axes.logarithmic) std::erase_if(rows, [](double y) { return std::abs(y - std::round(y)) > 0.01; });
   for (const double y : rows)
     svg += grid_line(kLeft, axes.py(y), right, axes.py(y)) +
            text_at(kLeft - 8, axes.py(y) + 5, "text-anchor=\"end\"",
                    axes.logarithmic ? power_of_ten(int(std::lround(y))) : tick_text(y, rows));
+  // axis lines and labels
   const double middle = 0.5 * (axes.top + bottom);
   svg += fmt::format("<path class=\"plot-axis\" d=\"M{0:.1f} {1:.1f}V{2:.1f}H{3:.1f}\"/>\n", kLeft, axes.top,
                      bottom, right);
@@ -140,8 +150,7 @@ std::string draw_axes(const Axes& axes, const Plot& plot) {
   return svg + text_at(16, middle, turned.c_str(), plot.y_label);
 }
 
-/// Where the curves are and what numbers that is: a page's script reads it, to tell the number under the
-/// mouse.
+/// Plot area with its number range; the page's script reads it to show the values under the mouse.
 std::string draw_area(const Axes& axes) {
   return fmt::format(
       "<rect class=\"plot-area\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
@@ -150,7 +159,7 @@ std::string draw_area(const Axes& axes) {
       axes.logarithmic ? "yes" : "no");
 }
 
-/// Cut where a letter ends.
+/// Truncates at a character boundary.
 std::string short_label(const std::string& label) {
   std::size_t letters = 0;
   for (std::size_t i = 0; i < label.size(); i++)
@@ -158,15 +167,17 @@ std::string short_label(const std::string& label) {
   return label;
 }
 
-/// What of it is on the axis; its name stands once, at the top.
+/// Clips the interval to the axis; its name is drawn once, at the top.
 std::string draw_bands(const Axes& axes, const std::vector<Band>& bands) {
   std::string svg, named;
   for (const Band& band : bands) {
+    // clip the band to the x range
     const double from = std::max(band.from, axes.x.low), to = std::min(band.to, axes.x.high);
     if (!(from < to)) continue;
     svg += fmt::format(
         "<rect class=\"plot-band\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
         axes.px(from), axes.top, axes.px(to) - axes.px(from), kCurves);
+    // a run of equal labels is written once
     if (band.label != named)
       svg += text_at(axes.px(0.5 * (from + to)), axes.top + kLine - 4, "text-anchor=\"middle\"",
                      short_label(band.label));
@@ -177,6 +188,7 @@ std::string draw_bands(const Axes& axes, const std::vector<Band>& bands) {
 
 std::string draw_curve(const Axes& axes, const Points& points, const std::string& label, const char* color) {
   constexpr std::size_t kMostDots = 40;
+  // path through the thinned points, with dots on short curves
   std::string path, dots;
   for (const auto& [x, y] : thinned(points)) {
     path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", axes.px(x), axes.py(y));
@@ -184,6 +196,7 @@ std::string draw_curve(const Axes& axes, const Points& points, const std::string
       dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.6\" fill=\"{}\"/>\n", axes.px(x),
                           axes.py(y), color);
   }
+  // curve element
   return fmt::format(
              "<path class=\"plot-curve\" data-label=\"{}\" d=\"{}\" fill=\"none\" stroke=\"{}\" "
              "stroke-width=\"2\" "
@@ -197,15 +210,20 @@ struct Legend {
   double bottom;  // [pixels]
 };
 Legend draw_legend(const std::vector<Curve>& curves, const std::vector<Points>& points, double top) {
+  // layout in pixels; the letter width is an estimate
   constexpr double kLetter = 0.58 * kFont, kSwatch = 30, kGap = 18;
   Legend legend{"", top};
   double x = kLeft;
+  TURGOR_CHECK(curves.size() == points.size(), "every curve has points");
   for (std::size_t c = 0; c < curves.size(); c++) {
     if (points[c].empty()) continue;
+    // width of the entry; UTF-8 continuation bytes do not count as letters
     const std::string label = short_label(curves[c].label);
     const auto letters = std::count_if(label.begin(), label.end(), [](char l) { return (l & 0xc0) != 0x80; });
     const double width = kSwatch + kLetter * double(letters);
+    // wrap to the next line
     if (x > kLeft && x + width > kWidth - kRight) x = kLeft, legend.bottom += kLine;
+    // swatch and label
     legend.svg += fmt::format("<path d=\"M{:.1f} {:.1f}h22\" stroke=\"{}\" stroke-width=\"3\"/>\n", x,
                               legend.bottom + kLine - 9, kColors[c % std::size(kColors)]) +
                   text_at(x + kSwatch, legend.bottom + kLine - 4, "", label);
@@ -229,15 +247,19 @@ constexpr const char* kPlotHead =
 }  // namespace
 
 std::string plot_svg(const Plot& plot) {
+  // drawable points; without any, the plot is empty
   std::vector<Points> curves;
   for (const Curve& curve : plot.curves) curves.push_back(drawable(curve.points, plot.logarithmic));
   if (std::all_of(curves.begin(), curves.end(), [](const Points& points) { return points.empty(); }))
     return "";
+  // layout: legend above the axes
   const Legend legend = draw_legend(plot.curves, curves, 1.5 * kLine);
   const Axes axes = make_axes(curves, plot.logarithmic, legend.bottom + 0.5 * kLine);
+  // frame: title, legend, bands, axes
   std::string svg = fmt::format(kPlotHead, kWidth, axes.bottom() + kBottom, kFont, xml_text(plot.title)) +
                     text_at(kLeft, kLine, "font-weight=\"600\"", plot.title) + legend.svg +
                     draw_bands(axes, plot.bands) + draw_axes(axes, plot) + draw_area(axes);
+  // curves
   for (std::size_t c = 0; c < curves.size(); c++)
     if (!curves[c].empty())
       svg += draw_curve(axes, curves[c], plot.curves[c].label, kColors[c % std::size(kColors)]);

@@ -1,4 +1,4 @@
-// Curves as SVG, for reports and documents: axes with round numbers, a grid, a legend above the curves.
+// Curves as SVG with axes, grid and legend, for reports and documents.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@ namespace turgor {
 struct Curve {
   std::string label;
   std::vector<std::pair<double, double>>
-      points;  // what is not finite, or not positive on a logarithmic axis, is left out
+      points;  // points that are not finite, or not positive on a logarithmic axis, are omitted
 };
-/// A part of the x axis that is marked, behind the curves.
+/// Marked interval of the x axis, behind the curves.
 struct Band {
   std::string label;
   double from = 0, to = 0;
@@ -24,9 +24,9 @@ struct Plot {
   std::vector<Band> bands = {};
 };
 
-/// An <svg> element that suits light and dark pages; empty without points. Whatever the labels hold is text.
+/// An <svg> element for light and dark pages; empty without points. Labels are escaped.
 std::string plot_svg(const Plot& plot);
-/// The same as a file of its own.
+/// The same as a standalone file.
 std::string plot_svg_file(const Plot& plot);
 
 }  // namespace turgor

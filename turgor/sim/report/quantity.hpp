@@ -1,6 +1,6 @@
-// A measure stated once: its key in report.json, what it is called, its unit and where it comes from. Tables
-// of these make report.json, the tables and key figures of report.html and the summary in the terminal; a new
-// measure is a member of what is measured and a row here.
+// Quantities of reports: key in report.json, caption, unit and accessor, each stated once. Tables of
+// quantities make report.json, the tables and key figures of report.html, and the summary in the terminal. A
+// new measure needs a member and a row.
 #pragma once
 
 #include <string>
@@ -10,11 +10,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/sim/report/json_numbers.hpp"
 
 namespace turgor {
 
-/// How a key ends, how people read it, and how many of it make one of the SI's.
+/// Suffix of keys, text of the unit, and factor from SI units.
 struct Unit {
   const char* suffix;  // of keys: "mm" for "depth_mm"
   const char* text;    // "mm"
@@ -30,26 +31,25 @@ inline constexpr Unit kNewtons{"N", "N"}, kTorque{"Nm", "N·m"}, kTension{"N_per
     kBytes{"bytes", "bytes"};
 }  // namespace units
 
-enum Shown : unsigned {
-  kInReport = 0,   // report.json alone
-  kInTable = 1,    // and the tables of report.html
+enum Visibility : unsigned {
+  kInReport = 0,   // also the tables of report.html
+  kInTable = 1,    // also the summary in the terminal
   kInSummary = 2,  // and the summary in the terminal
   kEverywhere = 3,
 };
 
-/// One measure of a T.
+/// A quantity of a T.
 template <class T>
 struct Quantity {
   const char* key;  // without its unit; a dot leads into a table: "mesh.volume"
   Unit unit;
-  const char* caption;  // without its unit
-  Json (*of)(
-      const T&);  // in the unit of the SI, a text or a whole number; null = not known; absent() = no such
-  unsigned snapshot = kInTable;
-  const char* figure = "";  // a key figure of the page, "gape of {}"; "" = none
+  const char* caption;   // without its unit
+  Json (*of)(const T&);  // in SI units, a text or a whole number; null = unknown; absent() = not applicable
+  unsigned shown_in = kInTable;
+  const char* figure = "";  // label of a key figure of the page, such as "gape of {}"; "" = none
 };
 
-/// For what an item does not have: its key is left out.
+/// Value of a quantity that an item does not have; its key is omitted.
 inline Json absent() { return Json(Json::value_t::discarded); }
 
 /// "depth_mm"
@@ -57,7 +57,7 @@ inline std::string full_key(const char* key, const Unit& unit) {
   return *unit.suffix ? std::string(key) + "_" + unit.suffix : std::string(key);
 }
 
-/// As report.json has it: in its own unit, with six digits.
+/// Value in its own unit with six digits.
 template <class T>
 Json value_of(const Quantity<T>& quantity, const T& item) {
   Json value = quantity.of(item);
@@ -65,9 +65,9 @@ Json value_of(const Quantity<T>& quantity, const T& item) {
   return value;
 }
 
-/// Puts a value under a key that may lead into tables.
+/// Sets the value of a key, which may lead into tables.
 void put(Json& json, const std::string& key, Json value);
-/// What such a key leads to; null when there is no such thing.
+/// Value of such a key; null if missing.
 const Json* find(const Json& json, std::string_view key);
 
 template <class T, std::size_t N>
@@ -79,10 +79,11 @@ Json values_of(const Quantity<T> (&quantities)[N], const T& item) {
   return json;
 }
 
-/// A table of rows, every `stride`-th of `items`, and the keys of its columns.
+/// Table with every `stride`-th of `items` as a row, and the keys of its columns.
 template <class T, std::size_t N, class List>
 void add_rows(Json& json, const char* columns_key, const char* rows_key, const Quantity<T> (&columns)[N],
               const List& items, std::size_t stride = 1) {
+  TURGOR_CHECK(stride > 0, "rows advance");
   Json keys = Json::array(), rows = Json::array();
   for (const Quantity<T>& c : columns) keys.push_back(full_key(c.key, c.unit));
   for (std::size_t i = 0; i < items.size(); i += stride) {
@@ -96,18 +97,18 @@ void add_rows(Json& json, const char* columns_key, const char* rows_key, const Q
   json[columns_key] = std::move(keys), json[rows_key] = std::move(rows);
 }
 
-/// What pages and summaries need of a quantity: not where it comes from.
+/// Presentation of a quantity for pages and summaries, without its accessor.
 struct Caption {
   std::string key, label;
   Unit unit;
-  unsigned snapshot;
+  unsigned shown_in;
   std::string figure;
 };
 template <class T, std::size_t N>
 std::vector<Caption> captions_of(const Quantity<T> (&quantities)[N]) {
   std::vector<Caption> captions;
   for (const Quantity<T>& q : quantities)
-    captions.push_back({full_key(q.key, q.unit), q.caption, q.unit, q.snapshot, q.figure});
+    captions.push_back({full_key(q.key, q.unit), q.caption, q.unit, q.shown_in, q.figure});
   return captions;
 }
 

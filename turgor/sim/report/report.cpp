@@ -60,22 +60,22 @@ const Quantity<Timing> kTiming[] = {
      kInReport},
     {"frame_mean", kMilliseconds, "", [](const Timing& t) -> Json { return mean(t.measures.frame_seconds); },
      kInReport},
-    {"frame_p50", kMilliseconds, "a frame, median",
+    {"frame_p50", kMilliseconds, "frame, median",
      [](const Timing& t) -> Json { return percentile(t.measures.frame_seconds, 0.5); }, kInSummary,
-     "a frame (median)"},
-    {"frame_p99", kMilliseconds, "a frame, 99 of 100",
+     "frame (median)"},
+    {"frame_p99", kMilliseconds, "frame, 99th percentile",
      [](const Timing& t) -> Json { return percentile(t.measures.frame_seconds, 0.99); }, kInSummary,
-     "a frame (99 of 100)"},
+     "frame (99th percentile)"},
     {"frame_max", kMilliseconds, "",
      [](const Timing& t) -> Json { return percentile(t.measures.frame_seconds, 1); }, kInReport},
 };
-/// Known when everything is written.
+/// Timing that is known after all output.
 const Quantity<RunFacts> kOutputTiming[] = {
     {"drawing", kSeconds, "drawing", [](const RunFacts& f) -> Json { return f.drawing_seconds; }, kInSummary},
     {"files", kSeconds, "writing files", [](const RunFacts& f) -> Json { return f.file_seconds; },
      kInSummary},
     {"output", kSeconds, "", [](const RunFacts& f) -> Json { return f.output_seconds; }, kInReport},
-    {"total", kSeconds, "in all", [](const RunFacts& f) -> Json { return f.total_seconds; }, kInSummary},
+    {"total", kSeconds, "total", [](const RunFacts& f) -> Json { return f.total_seconds; }, kInSummary},
 };
 
 Json timing_report(const Measures& measures, const RunFacts& facts) {
@@ -107,7 +107,7 @@ std::string program_instructions() {
 #elif defined(__x86_64__)
   return "x86-64";
 #else
-  return "of another processor";
+  return "another architecture";
 #endif
 }
 

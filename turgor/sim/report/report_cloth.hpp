@@ -1,4 +1,4 @@
-// The part of a report that is about cloth.
+// Cloth in a report.
 #pragma once
 
 #include "turgor/sim/report/report.hpp"
@@ -6,11 +6,11 @@
 namespace turgor {
 
 Json report_body(const ReportInput& input, const ClothScene& scene, const ClothBody& body, BodyId id);
-/// What the reader of a report should know before believing it.
+/// Warnings about unreliable results of cloth.
 std::vector<std::string> cloth_warnings(const World& world);
 
 namespace page {
-/// Empty when there is no cloth.
+/// Empty without cloth.
 std::string cloth_curves(const Json& report);
 }  // namespace page
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/report/section.hpp"
 
@@ -11,21 +12,22 @@ namespace {
 
 using namespace units;
 
-/// A ring around the vertex that moved most.
+/// Ring around the most displaced vertex.
 struct Ring {
-  double distance = 0, displacement = 0;  // mean over its vertices [m]
+  double distance = 0, displacement = 0;  // means over its vertices [m]
 };
 const Quantity<Ring> kRing[] = {
-    {"distance", kMillimeters, "distance from the deepest place",
+    {"distance", kMillimeters, "distance from the deepest point",
      [](const Ring& r) -> Json { return r.distance; }},
     {"displacement", kMillimeters, "displacement", [](const Ring& r) -> Json { return r.displacement; }},
 };
 
-/// Means over rings of a millimetre.
+/// Means over rings one millimeter wide.
 std::vector<Ring> rings_of(const BodySnapshot& surface) {
   constexpr std::size_t kRings = 80;
   constexpr double kRingWidth = 1e-3;  // [m]
   std::size_t most = 0;
+  TURGOR_CHECK(surface.displacement.size() == surface.rest.size(), "every vertex has a displacement");
   for (std::size_t v = 1; v < surface.rest.size(); v++)
     if (norm(surface.displacement[v]) > norm(surface.displacement[most])) most = v;
   std::vector<double> sum(kRings), count(kRings);
@@ -48,7 +50,7 @@ struct Cost {
   const TouchedBody& body;
   const Pressed& pressed;
   double build, interval;            // [s]
-  std::vector<double> tick_seconds;  // of all tools together
+  std::vector<double> tick_seconds;  // all tools together
   double depth = 0, dent = 0;        // [m]
 };
 
@@ -57,13 +59,13 @@ const Quantity<Cost> kCost[] = {
     {"model", kNone, "model", [](const Cost& c) -> Json { return model_name(c.pressed.id.kind); }},
     {"force_max", kNewtons, "largest force", [](const Cost& c) -> Json { return c.pressed.force; }},
     {"force_max_at", kSeconds, "… at", [](const Cost& c) -> Json { return c.pressed.time; }},
-    {"depth_max", kMillimeters, "deepest press", [](const Cost& c) -> Json { return c.depth; }},
-    {"displacement_max", kMillimeters, "deepest dent", [](const Cost& c) -> Json { return c.dent; }},
+    {"depth_max", kMillimeters, "largest depth", [](const Cost& c) -> Json { return c.depth; }},
+    {"displacement_max", kMillimeters, "largest displacement", [](const Cost& c) -> Json { return c.dent; }},
     {"build", kSeconds, "reading and building", [](const Cost& c) -> Json { return c.build; }},
-    {"force_every", kMilliseconds, "a force every", [](const Cost& c) -> Json { return c.interval; }},
+    {"force_every", kMilliseconds, "interval of forces", [](const Cost& c) -> Json { return c.interval; }},
     {"force_p50", kMilliseconds, "… takes, median",
      [](const Cost& c) -> Json { return wall_time(c.tick_seconds, 0.5); }},
-    {"force_p99", kMilliseconds, "… 99 of 100",
+    {"force_p99", kMilliseconds, "… 99th percentile",
      [](const Cost& c) -> Json { return wall_time(c.tick_seconds, 0.99); }},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
      [](const Cost& c) -> Json { return percentile(c.pressed.surface_seconds, 0.5); }},
@@ -91,8 +93,8 @@ double force_interval(const World& world, BodyId id) {
   return id.kind == BodyKind::kLattice || id.kind == BodyKind::kCloth ? world.dt : kTick;
 }
 
-Json wall_time(const std::vector<double>& seconds, double part) {
-  return seconds.empty() ? Json() : Json(percentile(seconds, part));
+Json wall_time(const std::vector<double>& seconds, double fraction) {
+  return seconds.empty() ? Json() : Json(percentile(seconds, fraction));
 }
 
 Json profile_report(const Measures& measures) {
@@ -118,7 +120,7 @@ Json cost_report(const World& world, const Measures& measures) {
 }
 
 Section cost_section() {
-  return {"Side by side", "body",
+  return {"Comparison of bodies", "body",
           [](const Json& report) {
             const Json costs = items_of(report, "costs");
             return costs.size() > 1 ? costs : Json::array();

@@ -1,19 +1,19 @@
-// Touched bodies of all models side by side: the dents under their largest forces, and what they cost.
+// Comparison of touched bodies of all models: displacements under the largest forces, and costs.
 #pragma once
 
 #include "turgor/sim/report/report.hpp"
 
 namespace turgor {
 
-/// From one force to the next: bodies answer every tick, lattices every frame [s].
+/// Interval of forces: one per tick, or one per frame for lattices [s].
 double force_interval(const World& world, BodyId id);
 
-/// So many of 1 took less [s]; null when none was measured: in real time the loop's report has them.
-Json wall_time(const std::vector<double>& seconds, double part);
+/// Percentile at `fraction` [s]; null without samples: in real time the report of the loop contains them.
+Json wall_time(const std::vector<double>& seconds, double fraction);
 
-/// Displacement over distance from the place that moved most, when the force was largest.
+/// Displacement over the distance from the most displaced vertex, under the largest force.
 Json profile_report(const Measures& measures);
-/// Building, one force, one surface; the largest force and how deep it was.
+/// Times of building, of a force and of a surface; the largest force and its depth.
 Json cost_report(const World& world, const Measures& measures);
 
 }  // namespace turgor

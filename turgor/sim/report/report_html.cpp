@@ -1,4 +1,4 @@
-// report.html: everything from report.json, so that a replay writes the same page as the run did.
+// report.html, made from report.json only, so that a replay writes the same page as the run.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
-using page::curve_of, page::drawn, page::key_figure, page::snapshot;
+using page::curve_of, page::plot_html, page::key_figure, page::html_value;
 
 constexpr const char* kPageHead = R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -52,7 +52,7 @@ code {{ font-family: ui-monospace, "DejaVu Sans Mono", monospace; }}
 </style></head><body><main>
 )";
 
-/// The number under the mouse, of the curve that is nearest there.
+/// Script that shows the values of the curve nearest to the mouse.
 constexpr const char* kReadPlots = R"js(<script>
 for (const plot of document.querySelectorAll('.turgor-plot')) {
   const area = plot.querySelector('.plot-area'), curves = [...plot.querySelectorAll('.plot-curve')];
@@ -80,6 +80,7 @@ for (const plot of document.querySelectorAll('.turgor-plot')) {
 
 std::string pictures(const Json& report, const fs::path& folder) {
   std::string html = "<div class=\"grid\">\n";
+  // embed each readable picture
   for (const Json& picture : report.at("pictures")) {
     const std::string caption = xml_text(picture.at("caption").get<std::string>());
     const Result<std::string> bytes = read_file(folder / picture.at("file").get<std::string>());
@@ -89,15 +90,16 @@ std::string pictures(const Json& report, const fs::path& folder) {
         picture.at("large").get<bool>() ? " class=\"large\"" : "", caption, io::base64(*bytes), caption);
   }
   html += "</div>\n";
+  // link to the other pictures
   const std::string more = report.value("more_pictures", std::string());
   if (more.empty()) return html;
   return html + fmt::format(
-                    "<p class=\"soft\">More pictures, of whole bodies, in colours and of the CT: "
+                    "<p class=\"soft\">More pictures (whole bodies, color maps, CT): "
                     "<code>{}</code></p>\n",
                     xml_text(more));
 }
 
-/// As a link holds it.
+/// Percent-encoded file name.
 std::string link_text(const std::string& name) {
   std::string text;
   for (const char letter : name) {
@@ -108,8 +110,9 @@ std::string link_text(const std::string& name) {
   return text;
 }
 
-/// Inside the page while all are small together, else beside it.
+/// Embedded up to a total size, else as links.
 std::string videos(const Json& report, const fs::path& folder) {
+  // embed videos up to a total of 1 MiB, link the others
   constexpr std::size_t kLargest = 1 << 20;
   std::size_t taken = 0;
   std::string html;
@@ -127,7 +130,7 @@ std::string videos(const Json& report, const fs::path& folder) {
   return html;
 }
 
-/// Everything that was written beside the page.
+/// Links to all files of the output folder.
 std::string files(const Json& report) {
   std::string html = "<h2>Files</h2>\n<p class=\"files\">";
   Json names = report.value("files", Json::array());
@@ -141,6 +144,7 @@ std::string files(const Json& report) {
 }
 
 std::string curves(const Json& report) {
+  // wounds
   Plot gape{"Gape over time", "time [s]", "largest gape [mm]", {}},
       profile{"Gape along the cut at the end", "along the cut [mm]", "gape [mm]", {}};
   for (const Json& wound : report.at("wounds")) {
@@ -148,9 +152,11 @@ std::string curves(const Json& report) {
     gape.curves.push_back(curve_of(name, wound, {}, "time_s", "gape_max_mm"));
     profile.curves.push_back(curve_of(name, wound, {"profile_columns", "profile"}, "along_mm", "gape_mm"));
   }
+
+  // solver
   const Json& solver = report.at("solver");
   const page::SeriesKeys kSamples{"columns", "samples"};
-  Plot residual{"Forces that the solver left over",
+  Plot residual{"Residual force of the solver",
                 "time [s]",
                 "force [N]",
                 {curve_of("largest", solver, kSamples, "time_s", "residual_largest_N"),
@@ -158,24 +164,29 @@ std::string curves(const Json& report) {
                 true};
   for (Curve& curve : residual.curves)
     std::erase_if(curve.points, [](const auto& p) { return !(p.second > 0); });
+
+  // frames
   Plot frames{"Wall time of a frame", "frame", "time [ms]", {{"frame", {}}}};
   const Json& times = report.at("timing").at("frame_ms");
   for (std::size_t f = 0; f < times.size(); f++)
     frames.curves[0].points.emplace_back(double(f + 1), times[f].get<double>());
+
+  // page
   std::string html;
   if (!report.at("wounds").empty())
-    html += "<h2>The wound</h2>\n<div class=\"grid\">" + drawn(gape) + drawn(profile) + "</div>\n";
+    html += "<h2>Wounds</h2>\n<div class=\"grid\">" + plot_html(gape) + plot_html(profile) + "</div>\n";
   html += page::touch_curves(report) + page::cloth_curves(report);
   if (bodies_of(report, BodyKind::kLattice).empty()) return html;
-  return html + "<h2>The solver</h2>\n<div class=\"grid\">" + drawn(residual) + drawn(frames) + "</div>\n";
+  return html + "<h2>Solver</h2>\n<div class=\"grid\">" + plot_html(residual) + plot_html(frames) +
+         "</div>\n";
 }
 
 std::string key_figures(const Json& report) {
   std::string html = "<div class=\"figures\">";
   for (const Section& section : report_sections())
     html += page::quantity_figures(section.items(report), section.captions);
-  const auto seconds = [&](const char* key) { return snapshot(report.at("timing").value(key, Json())); };
-  html += key_figure(snapshot(report.at("simulated_s")) + " s",
+  const auto seconds = [&](const char* key) { return html_value(report.at("timing").value(key, Json())); };
+  html += key_figure(html_value(report.at("simulated_s")) + " s",
                      fmt::format("simulated in {} s, drawn in {} s, written in {} s", seconds("physics_s"),
                                  seconds("drawing_s"), seconds("files_s")));
   return html + "</div>\n";
@@ -193,22 +204,28 @@ std::string tables(const Json& report) {
 }  // namespace
 
 std::string report_html(const Json& report, const fs::path& folder, const std::string& motion) {
+  // head
   const Json &scene = report.at("scene"), &machine = report.at("machine");
   const std::string name = xml_text(fs::path(scene.at("file").get<std::string>()).stem().string());
   std::string html = fmt::format(fmt::runtime(kPageHead), name);
   html +=
       fmt::format("<h1>{}</h1>\n<p class=\"soft\">{:g} frames a second; {} threads on {}; turgor {}</p>\n",
-                  name, scene.at("frame_rate_per_s").get<double>(), snapshot(machine.at("threads")),
-                  snapshot(machine.at("processor")), snapshot(report.at("version")));
+                  name, scene.at("frame_rate_per_s").get<double>(), html_value(machine.at("threads")),
+                  html_value(machine.at("processor")), html_value(report.at("version")));
   for (const Json& warning : report.at("warnings"))
-    html += "<p class=\"warning\">" + snapshot(warning) + "</p>\n";
+    html += "<p class=\"warning\">" + html_value(warning) + "</p>\n";
+
+  // sections
   html += key_figures(report);
   html += motion + pictures(report, folder) + videos(report, folder);
   html += curves(report);
   html += tables(report) + files(report);
+
+  // scene
   html += "<h2>Scene</h2>\n<pre><code>" + xml_text(report.at("scene_text").get<std::string>()) +
           "</code></pre>\n";
-  for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + snapshot(text) + "</code></p>\n";
+  for (const Json& text : scene.at("overrides"))
+    html += "<p><code>--set " + html_value(text) + "</code></p>\n";
   return html + kReadPlots + "</main></body></html>\n";
 }
 

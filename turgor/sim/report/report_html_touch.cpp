@@ -1,4 +1,4 @@
-// What the report's page says about bodies and tools.
+// Bodies and tools on the report's page.
 #include <fmt/format.h>
 
 #include "turgor/sim/report/page.hpp"
@@ -7,7 +7,7 @@ namespace turgor::page {
 
 namespace {
 
-/// A plot of one column of every tool's series over another.
+/// Plot of one column of all tool series over another.
 Plot tool_plot(const Json& tools, const char* title, const char* x_label, const char* y_label, const char* x,
                const char* y) {
   Plot plot{title, x_label, y_label, {}};
@@ -16,16 +16,16 @@ Plot tool_plot(const Json& tools, const char* title, const char* x_label, const 
   return plot;
 }
 
-/// Marks where tools were over what is of another material inside.
-Plot over_parts(Plot plot, const Json& tools, const char* from, const char* to) {
+/// Marks intervals in which tools were above an inclusion.
+Plot with_inclusion_marks(Plot plot, const Json& tools, const char* from, const char* to) {
   for (const Json& tool : tools)
     for (const Json& over : tool.value("over", Json::array()))
-      plot.bands.push_back({"over " + over.at("part").get<std::string>(), over.at(from).get<double>(),
+      plot.bands.push_back({"over " + over.at("inclusion").get<std::string>(), over.at(from).get<double>(),
                             over.at(to).get<double>()});
   return plot;
 }
 
-/// Points are drawn while the tool touches: it moves through air at no force before and after.
+/// Removes points without contact.
 void keep_touching(Plot& plot) {
   for (Curve& curve : plot.curves)
     std::erase_if(curve.points, [](const auto& point) { return !(point.first > 0); });
@@ -40,8 +40,10 @@ Plot rebuild_plot(const Json& bodies) {
 }
 
 Plot profile_plot(const Json& profiles) {
-  Plot plot{
-      "The dent under the largest force", "distance from the deepest place [mm]", "displacement [mm]", {}};
+  Plot plot{"Displacement under the largest force",
+            "distance from the deepest point [mm]",
+            "displacement [mm]",
+            {}};
   for (const Json& body : profiles)
     plot.curves.push_back(curve_of(body.at("name").get<std::string>(), body, {"columns", "rows"},
                                    "distance_mm", "displacement_mm"));
@@ -53,19 +55,22 @@ Plot profile_plot(const Json& profiles) {
 std::string touch_curves(const Json& report) {
   const Json& tools = report.value("tools", Json::array());
   if (tools.empty()) return "";
+  // force over depth, in contact only
   Plot depth = tool_plot(tools, "Force over depth", "depth below the surface at rest [mm]", "force [N]",
                          "depth_mm", "force_N");
   keep_touching(depth);
-  return "<h2>The touch</h2>\n<div class=\"grid\">" +
-         drawn(over_parts(tool_plot(tools, "Force over time", "time [s]", "force [N]", "time_s", "force_N"),
-                          tools, "from_s", "to_s")) +
-         drawn(over_parts(tool_plot(tools, "Force along the path", "path of the tool [mm]", "force [N]",
-                                    "path_mm", "force_N"),
-                          tools, "from_mm", "to_mm")) +
-         drawn(depth) +
-         drawn(tool_plot(tools, "Contacts", "time [s]", "places that bear force", "time_s", "contacts")) +
-         drawn(profile_plot(report.value("profiles", Json::array()))) +
-         drawn(rebuild_plot(bodies_of(report, BodyKind::kSfem))) + "</div>\n";
+  // assemble the section
+  return "<h2>Contact</h2>\n<div class=\"grid\">" +
+         plot_html(with_inclusion_marks(
+             tool_plot(tools, "Force over time", "time [s]", "force [N]", "time_s", "force_N"), tools,
+             "from_s", "to_s")) +
+         plot_html(with_inclusion_marks(tool_plot(tools, "Force along the path", "path of the tool [mm]",
+                                                  "force [N]", "path_mm", "force_N"),
+                                        tools, "from_mm", "to_mm")) +
+         plot_html(depth) +
+         plot_html(tool_plot(tools, "Contacts", "time [s]", "contact sites", "time_s", "contacts")) +
+         plot_html(profile_plot(report.value("profiles", Json::array()))) +
+         plot_html(rebuild_plot(bodies_of(report, BodyKind::kSfem))) + "</div>\n";
 }
 
 }  // namespace turgor::page

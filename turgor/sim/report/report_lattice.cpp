@@ -12,62 +12,64 @@ using namespace units;
 Json of_size(Int3 v) { return Json::array({v.x, v.y, v.z}); }
 Json of_mm(Vec3d v) { return numbers({v.x * kMm, v.y * kMm, v.z * kMm}); }
 
-struct LatticePart {
+struct LatticeInput {
   const LatticeScene& scene;
   const LatticeBody& body;
   std::size_t bytes;
 };
 
-const Quantity<LatticePart> kLattice[] = {
-    {"name", kNone, "", [](const LatticePart& l) -> Json { return l.body.name; }, kInReport},
-    {"model", kNone, "", [](const LatticePart&) -> Json { return model_name(BodyKind::kLattice); },
+const Quantity<LatticeInput> kLattice[] = {
+    {"name", kNone, "", [](const LatticeInput& l) -> Json { return l.body.name; }, kInReport},
+    {"model", kNone, "", [](const LatticeInput&) -> Json { return model_name(BodyKind::kLattice); },
      kInReport},
-    {"ct.source", kNone, "made from",
-     [](const LatticePart& l) -> Json { return l.scene.ct.phantom ? "phantom" : l.scene.ct.file.string(); }},
-    {"ct.size", kNone, "", [](const LatticePart& l) { return of_size(l.body.ct.grid.size); }, kInReport},
-    {"ct.spacing_mm", kNone, "", [](const LatticePart& l) { return of_mm(l.body.ct.grid.spacing); },
+    {"ct.source", kNone, "source",
+     [](const LatticeInput& l) -> Json { return l.scene.ct.phantom ? "phantom" : l.scene.ct.file.string(); }},
+    {"ct.size", kNone, "", [](const LatticeInput& l) { return of_size(l.body.ct.grid.size); }, kInReport},
+    {"ct.spacing_mm", kNone, "", [](const LatticeInput& l) { return of_mm(l.body.ct.grid.spacing); },
      kInReport},
-    {"ct.content_hash", kNone, "", [](const LatticePart& l) -> Json { return hash_text(l.body.ct_hash); },
+    {"ct.content_hash", kNone, "", [](const LatticeInput& l) -> Json { return hash_text(l.body.ct_hash); },
      kInReport},
-    {"lattice_size", kNone, "", [](const LatticePart& l) { return of_size(l.body.model.lattice.size); },
+    {"lattice_size", kNone, "", [](const LatticeInput& l) { return of_size(l.body.model.lattice.size); },
      kInReport},
-    {"lattice_step_mm", kNone, "",
-     [](const LatticePart& l) { return of_mm(Vec3d(l.body.model.lattice.step)); }, kInReport},
-    {"nodes", kCount, "", [](const LatticePart& l) -> Json { return node_count(l.body.model.lattice); },
+    {"lattice_spacing_mm", kNone, "",
+     [](const LatticeInput& l) { return of_mm(Vec3d(l.body.model.lattice.spacing)); }, kInReport},
+    {"nodes", kCount, "", [](const LatticeInput& l) -> Json { return node_count(l.body.model.lattice); },
      kInReport},
     {"body_nodes", kCount, "nodes of the body",
-     [](const LatticePart& l) -> Json { return l.body.model.body_nodes; }, kEverywhere},
-    {"free_nodes", kCount, "of these, free to move",
-     [](const LatticePart& l) -> Json { return l.body.model.free_nodes; }},
+     [](const LatticeInput& l) -> Json { return l.body.model.body_nodes; }, kEverywhere},
+    {"free_nodes", kCount, "free nodes",
+     [](const LatticeInput& l) -> Json { return l.body.model.free_nodes; }},
     {"skin_triangles", kCount, "skin triangles",
-     [](const LatticePart& l) -> Json { return l.body.model.skin.triangles.size(); }, kEverywhere},
+     [](const LatticeInput& l) -> Json { return l.body.model.skin.triangles.size(); }, kEverywhere},
     {"method", kNone, "solver",
-     [](const LatticePart& l) -> Json {
-       return l.scene.params.solver.method == lattice::Method::kPbd ? "pbd" : "descent";
+     [](const LatticeInput& l) -> Json {
+       return l.scene.params.solver.method == lattice::Method::kPbd ? "pbd" : "vbd";
      }},
-    {"schedule", kNone, "order of a sweep",
-     [](const LatticePart& l) -> Json {
-       return l.scene.params.solver.ordering == lattice::Ordering::kColors ? "colours" : "slabs";
+    {"ordering", kNone, "ordering of a sweep",
+     [](const LatticeInput& l) -> Json {
+       return l.scene.params.solver.ordering == lattice::Ordering::kColors ? "colors" : "slabs";
      }},
     {"device", kNone, "",
-     [](const LatticePart& l) -> Json { return l.scene.device == Device::kGpu ? "gpu" : "cpu"; }, kInReport},
-    {"sweeps", kCount, "sweeps", [](const LatticePart& l) -> Json { return l.scene.params.solver.sweeps; }},
-    {"rows_asleep", kNone, "rows asleep (of 1, over the run)",
-     [](const LatticePart& l) -> Json {
+     [](const LatticeInput& l) -> Json { return l.scene.device == Device::kGpu ? "gpu" : "cpu"; }, kInReport},
+    {"sweeps", kCount, "sweeps", [](const LatticeInput& l) -> Json { return l.scene.params.solver.sweeps; }},
+    {"rows_asleep", kNone, "fraction of rows asleep, over the run",
+     [](const LatticeInput& l) -> Json {
        return l.body.row_steps > 0 ? Json(double(l.body.row_steps_asleep) / double(l.body.row_steps))
                                    : absent();
      }},
-    {"memory", kBytes, "", [](const LatticePart& l) -> Json { return l.bytes; }, kInReport},
+    {"memory", kBytes, "", [](const LatticeInput& l) -> Json { return l.bytes; }, kInReport},
     {"memory_bytes_per_node",
      {"", "bytes/node"},
      "memory",
-     [](const LatticePart& l) -> Json { return double(l.bytes) / node_count(l.body.model.lattice); },
+     [](const LatticeInput& l) -> Json { return double(l.bytes) / node_count(l.body.model.lattice); },
      kEverywhere},
-    {"read", kSeconds, "reading the CT", [](const LatticePart& l) -> Json { return l.body.read_seconds; }},
+    {"read", kSeconds, "reading the CT", [](const LatticeInput& l) -> Json { return l.body.read_seconds; }},
     {"build", kSeconds, "building the body",
-     [](const LatticePart& l) -> Json { return l.body.build_seconds; }},
+     [](const LatticeInput& l) -> Json { return l.body.build_seconds; }},
     {"state_hash", kNone, "state hash",
-     [](const LatticePart& l) -> Json { return hash_text(lattice::state_hash(l.body.model, l.body.state)); }},
+     [](const LatticeInput& l) -> Json {
+       return hash_text(lattice::state_hash(l.body.model, l.body.state));
+     }},
 };
 
 using C = CutMeasures;
@@ -75,12 +77,12 @@ const Quantity<C> kWound[] = {
     {"name", kNone, "", [](const C& c) -> Json { return c.name; }, kInReport},
     {"body", kNone, "", [](const C& c) -> Json { return c.body; }, kInReport},
     {"kind", kNone, "", [](const C& c) -> Json { return c.region ? "region" : "edges"; }, kInReport},
-    {"angle_to_lines", kDegrees, "angle to Langer's lines", [](const C& c) -> Json { return c.pull.angle; },
-     kEverywhere},
+    {"angle_to_lines", kDegrees, "angle to Langer's lines",
+     [](const C& c) -> Json { return c.tension.angle; }, kEverywhere},
     {"tension_across_cut", kTension, "skin tension across the cut",
-     [](const C& c) -> Json { return c.pull.opening; }, kEverywhere},
+     [](const C& c) -> Json { return c.tension.opening; }, kEverywhere},
     {"tension_along_cut", kTension, "skin tension along the cut",
-     [](const C& c) -> Json { return c.pull.lengthwise; }},
+     [](const C& c) -> Json { return c.tension.lengthwise; }},
     {"depth", kMillimeters, "depth", [](const C& c) -> Json { return c.depth; }},
     {"width", kMillimeters, "", [](const C& c) -> Json { return c.width; }, kInReport},
     {"length", kMillimeters, "length of the cut skin", [](const C& c) -> Json { return c.wound.length; },
@@ -133,15 +135,15 @@ const Quantity<D> kDeformed[] = {
     {"file", kNone, "file", [](const D& d) -> Json { return d.file; }},
     {"size", kNone, "", [](const D& d) { return of_size(d.size); }, kInReport},
     {"resample", kSeconds, "resampling", [](const D& d) -> Json { return d.seconds; }},
-    {"mass_error", kNone, "error of mass (of 1)", [](const D& d) -> Json { return d.mass_error; }},
-    {"folded_tetrahedra", kCount, "folded tetrahedra", [](const D& d) -> Json { return d.folds; }},
+    {"mass_error", kNone, "relative error of mass", [](const D& d) -> Json { return d.mass_error; }},
+    {"inverted_tetrahedra", kCount, "inverted tetrahedra", [](const D& d) -> Json { return d.folds; }},
 };
 
 }  // namespace
 
 Json report_body(const ReportInput&, const LatticeScene& scene, const LatticeBody& body, BodyId) {
-  const LatticePart part{scene, body, lattice::memory_bytes(body.model, body.state)};
-  return values_of(kLattice, part);
+  const LatticeInput input{scene, body, lattice::memory_bytes(body.model, body.state)};
+  return values_of(kLattice, input);
 }
 
 Json wound_report(const CutMeasures& cut) {
@@ -153,21 +155,20 @@ Json wound_report(const CutMeasures& cut) {
 
 namespace {
 
-/// Of the forces that the sweeps of a frame were to balance, how much they left, at snapshots at which
-/// something moved; null when nothing did. Below 0.1 the way of a wound is the tissue's to some 10 %, above
-/// it is the solver's, and its rest alone the tissue's.
-Json residual_forces(const Measures& measures) {
+/// Ratio of the residual after the sweeps to that before, over snapshots with motion; null without motion.
+/// Below 0.1 the transient of a wound is accurate to about 10 %. Above, only its equilibrium is.
+Json residual_ratio(const Measures& measures) {
   constexpr double kMoves = 1e-3;  // [m/s]
-  double left = 0, before = 0;
+  double after = 0, before = 0;
   for (const SolverSample& sample : measures.solver)
-    if (sample.largest_speed > kMoves) left += sample.residual.rms, before += sample.residual.before;
-  return before > 0 ? Json(left / before) : Json();
+    if (sample.largest_speed > kMoves) after += sample.residual.rms, before += sample.residual.before;
+  return before > 0 ? Json(after / before) : Json();
 }
 
 }  // namespace
 
 Json solver_report(const Measures& measures) {
-  Json json{{"left_over_by_sweeps", residual_forces(measures)}};
+  Json json{{"residual_by_sweeps", residual_ratio(measures)}};
   add_rows(json, "columns", "samples", kSolver, measures.solver);
   return json;
 }

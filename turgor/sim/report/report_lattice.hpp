@@ -1,4 +1,4 @@
-// Lattices, their wounds and the deformed CT in a report. Used by report.cpp.
+// Lattices, wounds and the deformed CT in a report. Used by report.cpp.
 #pragma once
 
 #include "turgor/sim/report/report.hpp"

@@ -18,17 +18,17 @@ struct SurfaceSourceText {
 
 using namespace units;
 
-struct RhombusPart {
+struct RhombusInput {
   const RhombusScene& scene;
   const RhombusBody& body;
   const Pressed& pressed;
 };
-using R = RhombusPart;
+using R = RhombusInput;
 
 const Quantity<R> kRhombus[] = {
     {"name", kNone, "", [](const R& r) -> Json { return r.body.name; }, kInReport},
     {"model", kNone, "", [](const R&) -> Json { return model_name(BodyKind::kRhombus); }, kInReport},
-    {"source", kNone, "made from",
+    {"source", kNone, "source",
      [](const R& r) -> Json { return std::visit(SurfaceSourceText{}, r.scene.source); }},
     {"tissue", kNone, "tissue", [](const R& r) -> Json { return r.scene.tissue; }},
     {"tissue_source", kNone, "",
@@ -50,13 +50,14 @@ const Quantity<R> kRhombus[] = {
      [](const R& r) -> Json { return r.scene.params.chain.angle * 180 / std::numbers::pi; }},
     {"side", kMillimeters, "side of the rhombi",
      [](const R& r) -> Json { return r.scene.params.chain.side; }},
-    {"bulge", kNone, "volume that bulges", [](const R& r) -> Json { return r.scene.params.bulge; }},
+    {"bulge", kNone, "bulging fraction of the indented volume",
+     [](const R& r) -> Json { return r.scene.params.bulge; }},
     {"memory", kBytes, "memory",
      [](const R& r) -> Json { return rhombus::memory_bytes(r.body.model, r.body.state); }},
     {"build", kSeconds, "building", [](const R& r) -> Json { return r.body.build_seconds; }},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
      [](const R& r) -> Json { return percentile(r.pressed.surface_seconds, 0.5); }},
-    {"pressed_volume", kMillilitres, "volume pressed in, most",
+    {"pressed_volume", kMillilitres, "indented volume, largest",
      [](const R& r) -> Json { return r.body.pressed_volume; }},
     {"force_max", kNewtons, "", [](const R& r) -> Json { return r.pressed.force; }, kInReport},
     {"force_max_at", kSeconds, "", [](const R& r) -> Json { return r.pressed.time; }, kInReport},
@@ -68,7 +69,7 @@ const Quantity<R> kRhombus[] = {
 }  // namespace
 
 Json report_body(const ReportInput& input, const RhombusScene& scene, const RhombusBody& body, BodyId id) {
-  return values_of(kRhombus, RhombusPart{scene, body, pressed_body(input.measures.pressed, id)});
+  return values_of(kRhombus, RhombusInput{scene, body, pressed_body(input.measures.pressed, id)});
 }
 
 Section rhombus_section() {

@@ -1,4 +1,4 @@
-// Bodies of the rhombus model in report.json. Used by report.cpp.
+// Bodies of the rhombus model in a report. Used by report.cpp.
 #pragma once
 
 #include "turgor/sim/report/report.hpp"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
@@ -20,7 +21,7 @@ namespace {
 
 using namespace units;
 
-constexpr std::size_t kMostSamples = 2000;  // of a series; every tick is in forces.csv
+constexpr std::size_t kMostSamples = 2000;  // limit of a series; forces.csv holds every tick
 
 struct SolidSourceText {
   std::string operator()(const SolidFile& s) const { return s.file.string(); }
@@ -46,45 +47,49 @@ struct ShapeText {
   }
 };
 
-struct SfemPart {
+struct SfemInput {
   const SfemScene& scene;
   const SfemBody& body;
   const Pressed& pressed;
   std::vector<double> rebuild_seconds, handover_seconds;
   double jump = 0;  // [N]
-  int late = 0;     // patches not ready at the tick that takes them, were a tick to last its millisecond
+  int late =
+      0;  // patches that were not ready at the tick of their handover, if ticks took their full millisecond
   int local_nodes = 0, points = 0;
 };
 
-SfemPart sfem_part(const SfemScene& scene, const SfemBody& body, const Pressed& pressed) {
-  SfemPart part{.scene = scene,
-                .body = body,
-                .pressed = pressed,
-                .rebuild_seconds = {},
-                .handover_seconds = {},
-                .local_nodes = body.now.patch->local_nodes,
-                .points = int(body.now.patch->points.size())};
+SfemInput sfem_input(const SfemScene& scene, const SfemBody& body, const Pressed& pressed) {
+  TURGOR_CHECK(body.now.patch != nullptr, "a loaded body has a patch");
+  // values of the current patch
+  SfemInput input{.scene = scene,
+                  .body = body,
+                  .pressed = pressed,
+                  .rebuild_seconds = {},
+                  .handover_seconds = {},
+                  .local_nodes = body.now.patch->local_nodes,
+                  .points = int(body.now.patch->points.size())};
+  // times and maxima over all rebuilds
   for (const PatchRebuild& r : body.rebuilds) {
-    part.rebuild_seconds.push_back(r.seconds);
-    part.handover_seconds.push_back(r.handover_seconds);
-    part.jump = std::max(part.jump, r.force_jump);
-    part.late += r.seconds > double(kPatchTicks) * kTick;
-    part.local_nodes = std::max(part.local_nodes, r.local_nodes);
-    part.points = std::max(part.points, r.points);
+    input.rebuild_seconds.push_back(r.seconds);
+    input.handover_seconds.push_back(r.handover_seconds);
+    input.jump = std::max(input.jump, r.force_jump);
+    input.late += r.seconds > double(kPatchTicks) * kTick;
+    input.local_nodes = std::max(input.local_nodes, r.local_nodes);
+    input.points = std::max(input.points, r.points);
   }
-  return part;
+  return input;
 }
 
-using B = SfemPart;
-/// Of tetrahedra alone.
-Json of_tets(const SfemPart& b, double value) {
+using B = SfemInput;
+/// Value for tetrahedra only.
+Json of_tets(const SfemInput& b, double value) {
   return b.body.model.body.mesh.corners != 8 ? Json(value) : absent();
 }
 
 const Quantity<B> kSfem[] = {
     {"name", kNone, "", [](const B& b) -> Json { return b.body.name; }, kInReport},
     {"model", kNone, "", [](const B&) -> Json { return model_name(BodyKind::kSfem); }, kInReport},
-    {"source", kNone, "made from",
+    {"source", kNone, "source",
      [](const B& b) -> Json { return std::visit(SolidSourceText{}, b.scene.source); }},
     {"young", kPascals, "Young's modulus", [](const B& b) -> Json { return b.scene.material.young; }},
     {"poisson", kNone, "Poisson's ratio", [](const B& b) -> Json { return b.scene.material.poisson; }},
@@ -97,8 +102,7 @@ const Quantity<B> kSfem[] = {
      [](const B& b) -> Json { return b.body.model.body.mesh.vertices.size(); }, kEverywhere},
     {"mesh.elements", kCount, "elements of the mesh",
      [](const B& b) -> Json { return element_count(b.body.model.body.mesh); }, kEverywhere},
-    {"mesh.free_nodes", kCount, "nodes that are free to move",
-     [](const B& b) -> Json { return b.body.model.vertex.size(); }},
+    {"mesh.free_nodes", kCount, "free nodes", [](const B& b) -> Json { return b.body.model.vertex.size(); }},
     {"mesh.kept_nodes", kCount, "nodes with Green's functions",
      [](const B& b) -> Json { return b.body.model.green.nodes.size(); }},
     {"mesh.surface_nodes", kCount, "", [](const B& b) -> Json { return b.body.model.green.surface_count; },
@@ -110,7 +114,7 @@ const Quantity<B> kSfem[] = {
     {"mesh.input_volume", kMillilitres, "",
      [](const B& b) { return b.body.facts.input_volume > 0 ? Json(b.body.facts.input_volume) : absent(); },
      kInReport},
-    {"mesh.volume_error", kPercent, "volume against the input",
+    {"mesh.volume_error", kPercent, "volume error against the input",
      [](const B& b) {
        const SfemFacts& f = b.body.facts;
        return f.input_volume > 0 ? Json(f.volume / f.input_volume - 1) : absent();
@@ -147,26 +151,26 @@ const Quantity<B> kSfem[] = {
     {"patch.points_most", kCount, "", [](const B& b) -> Json { return b.points; }, kInReport},
     {"patch.rebuilds", kCount, "patches built", [](const B& b) -> Json { return b.body.rebuilds.size(); },
      kEverywhere},
-    {"patch.rebuild_p50", kMilliseconds, "a patch beside the ticks, median",
+    {"patch.rebuild_p50", kMilliseconds, "building a patch, median",
      [](const B& b) -> Json { return percentile(b.rebuild_seconds, 0.5); }, kEverywhere},
     {"patch.rebuild_p99", kMilliseconds, "",
      [](const B& b) -> Json { return percentile(b.rebuild_seconds, 0.99); }, kInReport},
-    {"patch.rebuild_max", kMilliseconds, "a patch, longest",
+    {"patch.rebuild_max", kMilliseconds, "building a patch, longest",
      [](const B& b) -> Json { return percentile(b.rebuild_seconds, 1); }, kEverywhere},
-    {"patch.rebuilds_too_late", kCount, "patches that would have come too late",
+    {"patch.rebuilds_too_late", kCount, "patches finished too late",
      [](const B& b) -> Json { return b.late; }},
-    {"patch.handover_max", kMilliseconds, "longest hand-over, within a tick",
+    {"patch.handover_max", kMilliseconds, "longest handover, within a tick",
      [](const B& b) -> Json { return percentile(b.handover_seconds, 1); }},
-    {"patch.force_jump_max", kNewtons, "largest jump at a hand-over",
+    {"patch.force_jump_max", kNewtons, "largest force jump at a handover",
      [](const B& b) -> Json { return b.jump; }, kEverywhere},
-    {"patch.not_followed", kCount, "", [](const B& b) -> Json { return b.body.kept_patches; }, kInReport},
+    {"patch.not_followed", kCount, "", [](const B& b) -> Json { return b.body.rejected_patches; }, kInReport},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
      [](const B& b) -> Json { return percentile(b.pressed.surface_seconds, 0.5); }},
     {"force_max", kNewtons, "", [](const B& b) -> Json { return b.pressed.force; }, kInReport},
     {"force_max_at", kSeconds, "", [](const B& b) -> Json { return b.pressed.time; }, kInReport},
     {"rotations.frames", kCount, "frames with large rotations",
      [](const B& b) { return b.body.turning ? Json(b.body.turning->frames) : absent(); }},
-    {"rotations.not_converged", kCount, "… not solved to the end",
+    {"rotations.not_converged", kCount, "… not converged",
      [](const B& b) { return b.body.turning ? Json(b.body.turning->unconverged) : absent(); }},
     {"rotations.residual_max", kNone, "",
      [](const B& b) { return b.body.turning ? Json(b.body.turning->largest_residual) : absent(); },
@@ -180,7 +184,7 @@ const Quantity<PatchRebuild> kRebuilds[] = {
     {"force_jump", kNewtons, "jump of the force", [](const PatchRebuild& r) -> Json { return r.force_jump; }},
 };
 
-struct ToolPart {
+struct ToolInput {
   const ToolScene& scene;
   const TouchingTool& tool;
   const World& world;
@@ -188,39 +192,41 @@ struct ToolPart {
   int contacts = 0;
   double depth = 0;  // [m]
   bool beyond = false;
-  std::vector<double> tick_seconds;  // those with a new patch left out: they are in the patch's part
+  std::vector<double>
+      tick_seconds;  // without ticks that take a new patch, which belong to the patch's report
 };
 
-ToolPart tool_part(const ToolScene& scene, const TouchingTool& tool, const World& world) {
-  ToolPart part{.scene = scene, .tool = tool, .world = world, .most = {}, .tick_seconds = {}};
+ToolInput tool_input(const ToolScene& scene, const TouchingTool& tool, const World& world) {
+  ToolInput input{.scene = scene, .tool = tool, .world = world, .most = {}, .tick_seconds = {}};
   for (const ForceSample& s : tool.samples) {
-    if (norm(s.force) > norm(part.most.force)) part.most = s;
-    part.contacts = std::max(part.contacts, s.contacts);
-    part.depth = std::max(part.depth, s.depth);
-    part.beyond = part.beyond || s.beyond_patch;
-    if (!s.new_patch && s.tick_seconds > 0) part.tick_seconds.push_back(s.tick_seconds);
+    if (norm(s.force) > norm(input.most.force)) input.most = s;
+    input.contacts = std::max(input.contacts, s.contacts);
+    input.depth = std::max(input.depth, s.depth);
+    input.beyond = input.beyond || s.beyond_patch;
+    if (!s.new_patch && s.tick_seconds > 0) input.tick_seconds.push_back(s.tick_seconds);
   }
-  return part;
+  return input;
 }
 
-Json expected_force_error(const ToolPart& t) {
+Json expected_force_error(const ToolInput& t) {
   const auto touched = touched_elements(t.world, t.tool);
   return touched ? Json(sfem::expected_error(*touched)) : absent();
 }
 
-using T = ToolPart;
+using T = ToolInput;
 const Quantity<T> kTool[] = {
     {"name", kNone, "", [](const T& t) -> Json { return t.tool.name; }, kInReport},
-    {"body", kNone, "touches", [](const T& t) -> Json { return touched_body(t.world, t.tool.body).name; }},
+    {"body", kNone, "touched body",
+     [](const T& t) -> Json { return touched_body(t.world, t.tool.body).name; }},
     {"shape", kNone, "shape", [](const T& t) -> Json { return std::visit(ShapeText{}, t.scene.shape); }},
     {"friction", kNone, "friction", [](const T& t) -> Json { return t.scene.friction; }},
     {"force_max", kNewtons, "largest force", [](const T& t) -> Json { return norm(t.most.force); },
      kEverywhere, "largest force on {}"},
     {"force_max_at", kSeconds, "… at", [](const T& t) -> Json { return t.most.time; }, kEverywhere},
-    {"force_error_expected", kPercent, "… off by up to, for its elements", expected_force_error, kEverywhere},
+    {"force_error_expected", kPercent, "… expected discretization error", expected_force_error, kEverywhere},
     {"depth_max", kMillimeters, "deepest below the surface at rest",
      [](const T& t) -> Json { return t.depth; }, kEverywhere, "deepest press of {}"},
-    {"contacts_max", kCount, "places that bear force, most", [](const T& t) -> Json { return t.contacts; }},
+    {"contacts_max", kCount, "contact sites, most", [](const T& t) -> Json { return t.contacts; }},
     {"beyond_patch", kNone, "", [](const T& t) -> Json { return t.beyond; }, kInReport},
     {"contact_level_most", kCount, "", [](const T& t) -> Json { return t.tool.limits.coarsest; }, kInReport},
     {"contacts_dropped_ticks", kCount, "", [](const T& t) -> Json { return t.tool.limits.dropped_ticks; },
@@ -233,16 +239,16 @@ const Quantity<T> kTool[] = {
     {"slipped_at", kSeconds, "", [](const T& t) -> Json { return t.tool.limits.slipped_at; }, kInReport},
     {"yielding_ticks", kCount, "", [](const T& t) -> Json { return t.tool.limits.yielding_ticks; },
      kInReport},
-    {"force_every", kMilliseconds, "a force every",
+    {"force_every", kMilliseconds, "interval of forces",
      [](const T& t) -> Json { return force_interval(t.world, t.tool.body); }},
     {"ticks", kCount, "forces", [](const T& t) -> Json { return t.tool.samples.size(); }},
-    {"tick_p50", kMicroseconds, "one force, median",
+    {"tick_p50", kMicroseconds, "time per force, median",
      [](const T& t) -> Json { return wall_time(t.tick_seconds, 0.5); }, kEverywhere,
-     "one force of {} (median)"},
-    {"tick_p99", kMicroseconds, "one force, 99 of 100",
+     "time per force of {} (median)"},
+    {"tick_p99", kMicroseconds, "time per force, 99th percentile",
      [](const T& t) -> Json { return wall_time(t.tick_seconds, 0.99); }, kEverywhere,
-     "one force of {} (99 of 100)"},
-    {"tick_max", kMicroseconds, "one force, longest",
+     "time per force of {} (99th percentile)"},
+    {"tick_max", kMicroseconds, "time per force, longest",
      [](const T& t) -> Json { return wall_time(t.tick_seconds, 1); }, kEverywhere},
 };
 
@@ -252,48 +258,52 @@ const Quantity<F> kForces[] = {
     {"force", kNewtons, "force", [](const F& s) -> Json { return norm(s.force); }},
     {"depth", kMillimeters, "depth below the surface at rest", [](const F& s) -> Json { return s.depth; }},
     {"path", kMillimeters, "path of the tool", [](const F& s) -> Json { return s.path; }},
-    {"contacts", kCount, "places that bear force", [](const F& s) -> Json { return s.contacts; }},
+    {"contacts", kCount, "contact sites", [](const F& s) -> Json { return s.contacts; }},
     {"force_x", kNewtons, "", [](const F& s) -> Json { return s.force.x; }},
     {"force_y", kNewtons, "", [](const F& s) -> Json { return s.force.y; }},
     {"force_z", kNewtons, "", [](const F& s) -> Json { return s.force.z; }},
 };
 
-/// What a tool asked that its body did not give.
+/// Warnings about forces that the model limited.
 void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
+  // contacts dropped for lack of contact sites
   const ForceLimits& limits = tool.limits;
   if (limits.dropped_ticks > 0)
-    warnings.push_back(fmt::format(
-        "{}: in {} ms it touched more places than are solved for, in the worst by {}: its force is too "
-        "small there; raise contacts of the body",
-        tool.name, limits.dropped_ticks, limits.dropped_most));
+    warnings.push_back(
+        fmt::format("{}: in {} ms it touched more vertices than the body has contact sites, by up to {}: its "
+                    "force is too "
+                    "small then; raise contacts of the body",
+                    tool.name, limits.dropped_ticks, limits.dropped_most));
+  // grasped tissue that slipped
   if (limits.slips > 0)
     warnings.push_back(
-        fmt::format("{}: what it held slipped out of it at {:.3f} s{}: it would have borne more than "
+        fmt::format("{}: grasped tissue slipped out at {:.3f} s{}: its force would exceed "
                     "the body's tear; pull less far, or raise tear",
                     tool.name, limits.slipped_at,
-                    limits.slips > 1 ? fmt::format(", {} times in all", limits.slips) : ""));
+                    limits.slips > 1 ? fmt::format(", {} times in total", limits.slips) : ""));
+  // force clamped at the tear limit
   if (limits.yielding_ticks > 0)
     warnings.push_back(
-        fmt::format("{}: for {} ms it pressed harder than the body's tear: the force stays there, "
-                    "what is behind it is not known",
+        fmt::format("{}: for {} ms its force reached the body's tear and was clamped; "
+                    "larger forces are not modeled",
                     tool.name, limits.yielding_ticks));
 }
 
 }  // namespace
 
 Json report_body(const ReportInput& input, const SfemScene& scene, const SfemBody& body, BodyId id) {
-  Json json = values_of(kSfem, sfem_part(scene, body, pressed_body(input.measures.pressed, id)));
+  Json json = values_of(kSfem, sfem_input(scene, body, pressed_body(input.measures.pressed, id)));
   add_rows(json["patch"], "series_columns", "series", kRebuilds, body.rebuilds);
   return json;
 }
 
 Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& world) {
-  Json json = values_of(kTool, tool_part(scene, tool, world));
+  Json json = values_of(kTool, tool_input(scene, tool, world));
   const std::size_t stride =
       std::max<std::size_t>(1, (tool.samples.size() + kMostSamples - 1) / kMostSamples);
   add_rows(json, "series_columns", "series", kForces, tool.samples, stride);
   if (tool.body.kind == BodyKind::kSfem)
-    json["over"] = over_parts(tool.samples, world.sfem_bodies[std::size_t(tool.body.index)].inside);
+    json["over"] = over_inclusions(tool.samples, world.sfem_bodies[std::size_t(tool.body.index)].inside);
   return json;
 }
 
@@ -307,34 +317,38 @@ Section sfem_section() {
 
 std::vector<std::string> touch_warnings(const World& world) {
   std::vector<std::string> warnings;
+
+  // bodies
   for (const SfemBody& body : world.sfem_bodies)
     if (body.turning && body.turning->unconverged > 0)
       warnings.push_back(
-          fmt::format("{}: large rotations were not solved to the end in {} of {} frames: a slower tool or a "
+          fmt::format("{}: large rotations did not converge in {} of {} frames: use a slower tool or a "
                       "higher frame "
-                      "rate gives them time",
+                      "rate",
                       body.name, body.turning->unconverged, body.turning->frames));
   for (const SfemBody& body : world.sfem_bodies)
-    if (body.kept_patches > 0)
+    if (body.rejected_patches > 0)
       warnings.push_back(
-          fmt::format("{}: the patch did not follow the tools {} times, the one before stayed: {}", body.name,
-                      body.kept_patches, body.kept_because));
+          fmt::format("{}: the patch did not follow the tools {} times, the previous one stayed: {}",
+                      body.name, body.rejected_patches, body.rejection_reason));
+
+  // tools
   for (const TouchingTool& tool : world.tools) {
     for (const std::string& note : tool.notes) warnings.push_back(tool.name + ": " + note);
-    if (const std::string off = off_the_body(world, tool); !off.empty()) warnings.push_back(off);
+    if (const std::string off = missed_body_note(world, tool); !off.empty()) warnings.push_back(off);
     add_limits(tool, warnings);
   }
   for (const TouchingTool& tool : world.tools)
     if (tool.samples.missed() > 0)
       warnings.push_back(
-          fmt::format("{}: its first {} ms were kept, the {} ms behind them were not: a run that long has no "
-                      "room for all",
+          fmt::format("{}: its log holds the first {} ms and lacks the last {} ms: the run exceeds "
+                      "the log's limit",
                       tool.name, tool.samples.size(), tool.samples.missed()));
   for (const TouchingTool& tool : world.tools)
     if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
       warnings.push_back(
-          fmt::format("{}: the tool reached beyond the patch, where the body does not feel it; "
-                      "patch.radius should be larger than what it presses in",
+          fmt::format("{}: the tool reached beyond the patch, where contact is ignored; "
+                      "patch.radius should exceed the radius of the indentation",
                       tool.name));
   return warnings;
 }

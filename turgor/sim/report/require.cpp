@@ -10,7 +10,7 @@ namespace turgor {
 
 namespace {
 
-/// Of a list of things that have names, or of anything by its number.
+/// Entry of a list by name or by index.
 const Json* entry_of(const Json& list, const std::string& word) {
   for (const Json& entry : list)
     if (entry.is_object() && entry.value("name", Json()) == word) return &entry;

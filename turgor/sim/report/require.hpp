@@ -1,4 +1,4 @@
-// What a run's report must say for the run to count: "haptics.missed<0.001". A gate for CI.
+// Requirements on a report, such as "haptics.missed<0.001": a gate for CI.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace turgor {
 
-/// A number of the report, and where it must be.
+/// Bound of a number in the report.
 struct Requirement {
-  std::string key;  // names with dots between; an entry of a list by its "name", or by its number from 0
+  std::string key;         // names separated by dots; an entry of a list by its "name", or by its index
   std::string comparison;  // "<", "<=", ">" or ">="
   double bound = 0;
 };
@@ -18,7 +18,7 @@ struct Requirement {
 /// Error: what was expected and found.
 Result<Requirement> read_requirement(const std::string& text);
 
-/// Empty when it holds, else a sentence that says by how much not. Error: the report has no such number.
+/// Empty if the requirement holds, else a sentence with the value. Error: the report has no such number.
 Result<std::string> missed_by(const Json& report, const Requirement& requirement);
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// The parts of a report that are tables of quantities: what report.html and the terminal show of report.json.
+// Sections of a report: tables of quantities in report.html and in the terminal.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,16 @@
 namespace turgor {
 
 struct Section {
-  const char* heading;                // of its table on the page
-  const char* item;                   // "wound": what a column of the table is
-  Json (*items)(const Json& report);  // empty when the report has none
+  const char* heading;                // title of its table
+  const char* item;                   // kind of a column, such as "wound"
+  Json (*items)(const Json& report);  // empty if the report has none
   std::vector<Caption> captions;
 };
 
-/// What a report has under a key, which need not be there.
+/// Value of a report's key; an empty array if it is missing.
 inline Json items_of(const Json& report, const char* key) { return report.value(key, Json::array()); }
 
-/// Each where its quantities are.
+/// Each is defined next to its quantities.
 Section wound_section();  // report_lattice.cpp
 Section lattice_section();
 Section deformed_section();
@@ -31,7 +31,7 @@ Section cloth_section();
 Section haptics_section();  // sim/live/report_haptics.cpp
 Section timing_section();   // report.cpp
 
-/// All of them, in the order of a report.
+/// All sections, in the order of a report.
 const std::vector<Section>& report_sections();
 
 }  // namespace turgor

@@ -9,7 +9,7 @@ namespace turgor {
 
 namespace {
 
-/// Characters that a terminal shows of a text in UTF-8.
+/// Width of a UTF-8 text in a terminal.
 std::size_t width(const std::string& text) {
   return std::size_t(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
@@ -23,7 +23,7 @@ std::string item_text(const Section& section, const Json& item) {
   std::string rows;
   for (const Caption& caption : section.captions) {
     const Json* value = find(item, caption.key);
-    if ((caption.snapshot & kInSummary) && value && !value->is_null())
+    if ((caption.shown_in & kInSummary) && value && !value->is_null())
       rows += row(caption.label, amount(*value, caption.unit));
   }
   if (rows.empty()) return "";

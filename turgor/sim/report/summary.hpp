@@ -1,4 +1,4 @@
-// What a run says in the terminal when it is done.
+// Summary of a run for the terminal.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace turgor {
 
-/// The quantities of a report that are marked for it, warnings, and where the results are.
+/// Quantities marked for the summary, warnings, and the locations of results.
 std::string summary_text(const Json& report, const std::filesystem::path& folder);
 
 }  // namespace turgor

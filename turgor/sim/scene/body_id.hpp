@@ -1,6 +1,6 @@
-// Which body: its model, and where it is among those of that model, in a scene as in the world made from it.
-// Here, and nowhere else, the models are listed: what is done to every body is an overload of one name for
-// each of them, and a missing one does not compile (docs/adding-a-model.md).
+// Identifier of a body: its model, and its index among the bodies of that model, in a scene and in its world.
+// This is the only list of models. Operations on all bodies are overloads per model; a missing overload does
+// not compile (docs/adding-a-model.md).
 #pragma once
 
 #include <cstddef>
@@ -13,14 +13,14 @@
 
 namespace turgor {
 
-/// In the order in which a frame goes through them: cloth last, for it lies on the others.
+/// In the order in which a frame steps them: cloth last, because it lies on other bodies.
 enum class BodyKind : std::uint8_t { kSfem, kRhombus, kLattice, kCloth };
 
-/// As in `model = "lattice"`.
+/// Values of the key `model`.
 constexpr const char* kModelNames[] = {"sfem", "rhombus", "lattice", "cloth"};
 constexpr std::size_t kModelCount = std::size(kModelNames);
 
-/// The vectors of bodies, in the order of BodyKind: of a world, or of what a scene says of them.
+/// Vectors of bodies in the order of BodyKind, of a scene or of a world.
 template <class AnyWorld>
 auto bodies_by_kind(AnyWorld& world) {
   return std::tie(world.sfem_bodies, world.rhombus_bodies, world.lattice_bodies, world.cloth_bodies);
@@ -34,8 +34,7 @@ struct BodyId {
 
 constexpr const char* model_name(BodyKind kind) { return kModelNames[static_cast<std::size_t>(kind)]; }
 
-/// visit(kind, bodies of the one, bodies of the other) for every kind: what a scene says, and what became of
-/// it.
+/// visit(kind, bodies of the scene, bodies of the world) for every kind.
 template <class AnyScene, class AnyWorld, class Visit>
 void for_each_kind(AnyScene& scene, AnyWorld& world, const Visit& visit) {
   const auto of_scene = bodies_by_kind(scene);
@@ -54,7 +53,7 @@ void for_each_body(AnyWorld& world, const Visit& visit) {
     for (std::size_t b = 0; b < bodies.size(); b++) visit(BodyId{kind, int(b)}, bodies[b]);
   });
 }
-/// act(id, body) while it succeeds; the first failure else.
+/// act(id, body) for every body until the first failure, which is returned.
 template <class AnyWorld, class Act>
 Status try_each_body(AnyWorld& world, const Act& act) {
   Status status = Done{};
@@ -64,7 +63,7 @@ Status try_each_body(AnyWorld& world, const Act& act) {
   return status;
 }
 
-/// visit(body), with the body as what it is; what that returns is of the same type for every kind.
+/// visit(body) with the body's own type. The result type must be the same for all kinds.
 template <std::size_t kKind = 0, class AnyWorld, class Visit>
 decltype(auto) visit_body(AnyWorld& world, BodyId id, const Visit& visit) {
   auto& bodies = std::get<kKind>(bodies_by_kind(world));

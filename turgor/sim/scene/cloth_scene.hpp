@@ -1,5 +1,5 @@
-// [body.NAME] with model = "cloth": a sheet, what holds it, what it lies on and the wind, as the plain
-// structs that a scene becomes. Keys, units and defaults are listed in docs/scene.md; nothing is loaded here.
+// [body.NAME] with model = "cloth": sheet, holds, obstacles and wind, as plain structs. docs/scene.md lists
+// keys, units and defaults. Nothing is loaded here.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 #include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/cloth/build/sheet.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/cloth.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 #include "turgor/sim/scene/device.hpp"
 
@@ -22,7 +22,7 @@ namespace turgor {
 /// A triangle surface from a file.
 struct GarmentFile {
   std::filesystem::path file;
-  double scale = 1;        // metres a unit of the file
+  double scale = 1;        // meters per unit of the file
   UpAxis up = UpAxis::kZ;  // the file's axis that points up
   Vec3d shift;             // after scaling and turning [m]
 };
@@ -32,15 +32,15 @@ struct BallScene {
   double radius = 0.1;  // [m]
 };
 
-/// Vertices that are held from a time on, and go along a path of displacements, until they are let go.
+/// Vertices held from `start` to `end`, moved along a path of displacements.
 struct HoldScene {
   std::string name;
-  std::vector<int> vertices;                             // of the mesh
-  std::optional<std::array<Vec3d, 2>> box;               // low and high corner: all vertices in it [m]
-  std::optional<BallScene> ball;                         // all vertices that are in it at the start
-  double start = 0;                                      // [s]
+  std::vector<int> vertices;                // of the mesh
+  std::optional<std::array<Vec3d, 2>> box;  // low and high corner; all vertices in it at rest [m]
+  std::optional<BallScene> ball;            // all vertices in it at `start`
+  double start = 0;                         // [s]
   double end = std::numeric_limits<double>::infinity();  // [s]
-  std::vector<std::array<double, 4>> path;               // t, x, y, z, ascending [s] [m]; empty = stays
+  std::vector<std::array<double, 4>> path;               // t, x, y, z, ascending [s] [m]; empty = fixed
 };
 
 struct PlaneScene {
@@ -54,10 +54,10 @@ struct ObstacleScene {
   std::string name;
   std::variant<PlaneScene, BallScene, RodScene, GarmentFile, BodyId> shape;
   double friction = 0.3;  // [1]
-  double gap = 0.002;     // the cloth stays this far away [m]
+  double gap = 0.002;     // distance that the cloth keeps [m]
 };
 
-/// The mean wind from a time on.
+/// Mean wind from a time on.
 struct WindTurn {
   double time = 0;  // [s]
   Vec3d velocity;   // [m/s]
@@ -67,7 +67,7 @@ struct WindTurn {
 
 struct ClothScene {
   std::string name;
-  std::string place;  // "scene.toml:7:1: body.flag", for errors found later
+  std::string source_location;  // "scene.toml:7:1: body.flag", for errors found later
   std::variant<cloth::Sheet, GarmentFile> source;
   Device device = Device::kCpu;
   cloth::Params params;

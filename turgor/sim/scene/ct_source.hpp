@@ -1,4 +1,4 @@
-// Where a CT of the scene comes from.
+// Source of a CT in a scene.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 
 namespace turgor {
 
-/// A file or folder, a phantom, or a volume that whoever makes the world has at hand.
+/// File or folder, phantom, or a volume in memory given by the caller.
 struct CtSource {
   std::filesystem::path file;
-  std::string series;  // DICOM: which series, when a folder holds several
+  std::string series;  // DICOM: the selected series if a folder holds several
   std::optional<PhantomParams> phantom;
-  std::shared_ptr<const CtVolume> given;  // goes before the others [HU]
+  std::shared_ptr<const CtVolume> given;  // takes precedence [HU]
 };
 
 }  // namespace turgor

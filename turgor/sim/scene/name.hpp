@@ -1,5 +1,5 @@
-// What a scene may call its bodies, tools, cuts, holds, obstacles, parts: names end up in files, in reports
-// and in keys.
+// Valid names of bodies, tools, cuts, holds and obstacles in a scene. Names appear in files, reports and
+// keys.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace turgor {
 
-/// Up to 64 letters of English, digits, _ and -.
+/// Up to 64 characters: ASCII letters, digits, _ and -.
 inline bool is_name(std::string_view name) {
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';

@@ -8,7 +8,7 @@
 namespace turgor {
 
 int edit_distance(std::string_view a, std::string_view b) {
-  // Rows of the table of Damerau and Levenshtein: distances of prefixes of a to all prefixes of b.
+  // Rows of the Damerau-Levenshtein table: distances from prefixes of a to all prefixes of b.
   std::vector<int> before(b.size() + 1), previous(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); j++) row[j] = int(j);
   for (std::size_t i = 1; i <= a.size(); i++) {
@@ -24,7 +24,7 @@ int edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names) {
-  constexpr std::size_t kLongestName = 200;  // nobody means anything by more, and the table is quadratic
+  constexpr std::size_t kLongestName = 200;  // longer names are ignored; the table is quadratic
   if (names.empty() || name.size() > kLongestName) return "";
   const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
     return edit_distance(name, a) < edit_distance(name, b);

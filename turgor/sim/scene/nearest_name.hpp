@@ -1,5 +1,4 @@
-// "Did you mean": the known name that is nearest to a misspelt one, by the number of typing slips between
-// them.
+// "Did you mean" suggestions by the Damerau-Levenshtein distance.
 #pragma once
 
 #include <string>
@@ -8,12 +7,11 @@
 
 namespace turgor {
 
-/// Insertions, removals, replacements and swaps of neighbours that turn `a` into `b`.
+/// Insertions, deletions, replacements and swaps of neighbors that turn `a` into `b`.
 int edit_distance(std::string_view a, std::string_view b);
-/// The nearest of `names`, or nothing when none is near (more than a third of the letters would have to
-/// change).
+/// Nearest of `names`, or empty if more than a third of the letters would have to change.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names);
-/// "; did you mean NAME?" or, when none is near, "; known are A, B and C".
+/// "; did you mean NAME?" or, if no name is near, "; known are A, B and C".
 std::string suggestion(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace turgor

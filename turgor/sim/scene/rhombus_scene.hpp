@@ -1,5 +1,5 @@
-// [body.NAME] with model = "rhombus": a body's surface that gives like chains of rhombi, as the plain
-// struct that a scene becomes. Keys, units and defaults are listed in docs/scene.md; nothing is loaded here.
+// [body.NAME] with model = "rhombus", a surface of rhombus chains, as plain structs. docs/scene.md lists
+// keys, units and defaults. Nothing is loaded here.
 #pragma once
 
 #include <filesystem>
@@ -17,10 +17,10 @@ namespace turgor {
 /// A closed surface from a file.
 struct SurfaceFile {
   std::filesystem::path file;
-  double scale = 1;        // metres a unit of the file
+  double scale = 1;        // meters per unit of the file
   UpAxis up = UpAxis::kZ;  // the file's axis that points to the head
 };
-/// The phantom liver, finer by `detail`.
+/// Phantom liver with edges divided by `detail`.
 struct PhantomLiverSurface {
   double detail = 1;
 };
@@ -30,23 +30,23 @@ struct SurfaceOfBody {
 };
 using RhombusSource = std::variant<SurfaceFile, PhantomLiverSurface, SurfaceOfBody>;
 
-/// How many times as stiff what a label marks is.
+/// Stiffness factors by label.
 struct LabelStiffness {
   std::filesystem::path labels;
   std::optional<PhantomParams> phantom;  // instead of a file
   std::map<int, double> factors;         // by label [1]
-  std::string label_note;                // when names of labels were not the file's own
+  std::string label_note;                // set if label names are not from the file
 };
-/// How many times as stiff tissue of a grey value is: linear between the given values, constant beyond.
+/// Stiffness factors by CT value: linear between the given values, constant beyond.
 struct CtStiffness {
   CtSource ct;
   std::map<double, double> factors;  // by Hounsfield units [1]
 };
-/// As stiff as the body of finite elements whose surface it is.
+/// Stiffness of the sfem body that owns the surface.
 struct ElasticStiffness {
   int body = 0;  // index into Scene::sfem_bodies
 };
-/// Labels and grey values are felt from `depth` below the surface.
+/// Labels and CT values are sampled down to `depth` below the surface.
 struct StiffnessScene {
   std::variant<LabelStiffness, CtStiffness, ElasticStiffness> source;
   double depth = 0.02;  // [m]
@@ -54,9 +54,9 @@ struct StiffnessScene {
 
 struct RhombusScene {
   std::string name;
-  std::string place;  // "scene.toml:7:1: body.liver", for errors found later
+  std::string source_location;  // "scene.toml:7:1: body.liver", for errors found later
   RhombusSource source;
-  std::string tissue;  // of rhombus/tissues.hpp, where the chain comes from
+  std::string tissue;  // name in rhombus/tissues.hpp, source of the chain
   rhombus::Params params;
   std::optional<StiffnessScene> stiffness;
 };

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/io/files/input_file.hpp"
 #include "turgor/sim/scene/name.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
@@ -14,6 +15,7 @@
 #include "turgor/sim/scene/scene_incision.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
 #include "turgor/sim/scene/scene_output.hpp"
+#include "turgor/sim/scene/scene_renamed.hpp"
 #include "turgor/sim/scene/scene_rhombus.hpp"
 #include "turgor/sim/scene/scene_sfem.hpp"
 #include "turgor/sim/scene/scene_table.hpp"
@@ -25,9 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLongestScene = 1 << 20;  // bytes; a CT given by mistake is not worth parsing
+constexpr std::size_t kLongestScene = 1 << 20;  // bytes; avoids parsing a CT given by mistake
 
-/// The value of an override as TOML; a bare word, which is not TOML, is text.
+/// Value of an override as TOML; a bare word is text.
 toml::table parse_override_value(const std::string& text) {
   try {
     toml::table parsed = toml::parse("value = " + text);
@@ -37,8 +39,8 @@ toml::table parse_override_value(const std::string& text) {
   return toml::table{{"value", text}};
 }
 
-/// The line where a text over several lines begins that has no end: of that, the parser says only that the
-/// file is over. 0 = there is none.
+/// Line of an unclosed multi-line string, 0 if there is none. The parser reports only an unexpected end of
+/// file.
 int unclosed_text(std::string_view text) {
   for (std::size_t begin = 0;;) {
     begin = std::min(text.find("\"\"\"", begin), text.find("'''", begin));
@@ -50,7 +52,7 @@ int unclosed_text(std::string_view text) {
   }
 }
 
-/// Does a line, counted from 1, have a quote without its other?
+/// True if a line, counted from 1, has an unclosed quote.
 bool is_open_string(std::string_view text, int line) {
   for (int n = 1; n < line && !text.empty(); n++)
     text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
@@ -66,14 +68,14 @@ bool is_open_string(std::string_view text, int line) {
 }
 
 std::vector<std::string> split_key(std::string_view key) {
-  std::vector<std::string> parts(1);
+  std::vector<std::string> names(1);
   for (const char c : key) {
     if (c == '.')
-      parts.emplace_back();
+      names.emplace_back();
     else
-      parts.back() += c;
+      names.back() += c;
   }
-  return parts;
+  return names;
 }
 
 std::vector<std::string> keys_of(const toml::table& table) {
@@ -82,40 +84,46 @@ std::vector<std::string> keys_of(const toml::table& table) {
   return keys;
 }
 
-/// Takes a key out, as if the scene had not said it.
+/// Removes a key, as if the scene did not contain it.
 Status remove_key(toml::table& table, const std::string& name, const std::string& key) {
   if (table.erase(name) > 0) return Done{};
   return Error{fmt::format("--set {}=: the scene has no {} that could be removed{}", key, key,
                            suggestion(name, keys_of(table)))};
 }
 
-/// Puts `key=value` into the table, or removes the key when there is no value. Error: no key, or one that
-/// leads through something that is no table.
-Status apply_override(toml::table& root, const std::string& text, SceneProblems& problems) {
+/// Puts `key=value` into the table, or removes the key if the value is empty. Error: invalid key, or a key
+/// that leads through a value that is not a table.
+Status apply_override(toml::table& root, const std::string& text, SceneProblems& problems,
+                      std::vector<std::string>& notes) {
+  // key and value
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     return Error{fmt::format("--set {}: expected key=value, as in --set body.torso.block=2", text)};
-  const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
-  const std::vector<std::string> parts = split_key(key);
-  if (!std::all_of(parts.begin(), parts.end(), is_name))
+  const std::string key = current_key(root, text.substr(0, equals), notes), value = text.substr(equals + 1);
+  const std::vector<std::string> names = split_key(key);
+  if (!std::all_of(names.begin(), names.end(), is_name))
     return Error{fmt::format("--set {}: expected a key of names with dots between them", key)};
+
+  // table of the key
   toml::table* table = &root;
   std::string path;
-  for (std::size_t i = 0; i + 1 < parts.size(); i++) {
-    // Bodies, incisions and tools are not made by naming them: a misspelt one would be silently alone.
-    const bool names_one = i == 1 && (parts[0] == "body" || parts[0] == "incision" || parts[0] == "tool");
-    if (names_one && !table->contains(parts[i]))
-      return Error{fmt::format("--set {}: the scene has no {} {}{}", key, parts[0], parts[i],
-                               suggestion(parts[i], keys_of(*table)))};
-    path += (i ? "." : "") + parts[i];
-    toml::node* next = table->get(parts[i]);
-    if (!next) next = &table->insert(parts[i], toml::table{}).first->second;
+  for (std::size_t i = 0; i + 1 < names.size(); i++) {
+    // Overrides cannot create bodies, incisions or tools: a misspelt name would be ignored silently.
+    const bool names_one = i == 1 && (names[0] == "body" || names[0] == "incision" || names[0] == "tool");
+    if (names_one && !table->contains(names[i]))
+      return Error{fmt::format("--set {}: the scene has no {} {}{}", key, names[0], names[i],
+                               suggestion(names[i], keys_of(*table)))};
+    path += (i ? "." : "") + names[i];
+    toml::node* next = table->get(names[i]);
+    if (!next) next = &table->insert(names[i], toml::table{}).first->second;
     if (!next->is_table())
       return Error{fmt::format("--set {}: {} is {} in the scene, not a table", key, path, describe(*next))};
     table = next->as_table();
   }
-  if (value.empty()) return remove_key(*table, parts.back(), key);
-  table->insert_or_assign(parts.back(), std::move(*parse_override_value(value).get("value")));
+
+  // remove or set
+  if (value.empty()) return remove_key(*table, names.back(), key);
+  table->insert_or_assign(names.back(), std::move(*parse_override_value(value).get("value")));
   problems.overrides[key] = value;
   return Done{};
 }
@@ -123,28 +131,30 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
 void read_world(SceneTable world, Scene& scene) {
   world.begin_group("world");
   world.read("gravity", scene.gravity, within(-1000, 1000, "m/s²"),
-             "a CT shows the body as gravity has already shaped it; add only what changes");
+             "the CT shows the body as gravity has already shaped it; add only the change");
   world.read("duration", scene.duration, inside(0, 3600, "s"), "simulated time");
   world.read("frame_rate", scene.frame_rate, within(1, 1000, "1/s"),
-             "steps a second; a run has at most a million");
+             "steps per second; a run has at most a million steps");
   world.read_choice<Device>(
       "device", scene.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
-      "where lattices and cloth step and Green's functions are computed; `\"gpu\"`, of NVIDIA: lattices need "
-      "`solver.schedule = \"colours\"`, which they have unless it is said otherwise, cloth is solved by "
-      "sweeps");
+      "device on which lattices and cloth step and Green's functions are computed; `\"gpu\"`, NVIDIA only: "
+      "lattices use `solver.ordering = \"colors\"` (the default there), cloth is solved by sweeps");
   world.finish();
 }
 
 void read_bodies(SceneTable bodies, Scene& scene) {
-  std::vector<std::pair<std::string, SceneTable>> rhombi, cloths;  // read last: they may refer to others
+  std::vector<std::pair<std::string, SceneTable>> rhombi,
+      cloths;  // read last, since they may refer to others
   for (const std::string& name : bodies.names()) {
+    // sfem and lattice bodies
     SceneTable body = bodies.table(name);
     body.begin_group("body");
     std::string model = "lattice";
     body.require({"model"}, "\"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
-    body.read_choice("model", model, {"lattice", "sfem", "rhombus", "cloth"},
-                     "`\"lattice\"`, a body from a CT that is cut and touched; `\"sfem\"`, a solid that "
-                     "tools touch; `\"rhombus\"`, a surface that tools touch and forceps pull; `\"cloth\"`");
+    body.read_choice(
+        "model", model, {"lattice", "sfem", "rhombus", "cloth"},
+        "`\"lattice\"`: a body from a CT, for cutting and contact; `\"sfem\"`: a finite-element "
+        "solid for haptic contact; `\"rhombus\"`: a surface for contact and forceps; `\"cloth\"`");
     if (model == "sfem")
       scene.sfem_bodies.push_back(read_sfem_scene(body, name, scene.device));
     else if (model == "rhombus")
@@ -154,6 +164,8 @@ void read_bodies(SceneTable bodies, Scene& scene) {
     else
       scene.lattice_bodies.push_back(read_lattice_scene(body, name, scene.device));
   }
+
+  // bodies that refer to others
   for (const auto& [name, body] : rhombi)
     scene.rhombus_bodies.push_back(read_rhombus_scene(body, name, scene));
   for (const auto& [name, body] : cloths) scene.cloth_bodies.push_back(read_cloth_scene(body, name, scene));
@@ -161,7 +173,7 @@ void read_bodies(SceneTable bodies, Scene& scene) {
 }
 
 void read_incisions(SceneTable incisions, Scene& scene) {
-  constexpr std::size_t kMostIncisions = 255;  // a cut edge remembers its incision in a byte
+  constexpr std::size_t kMostIncisions = 255;  // a cut edge stores its incision in a byte
   for (const std::string& name : incisions.names()) {
     if (name == "skin") incisions.fail(name, "pictures of the whole body have this name; expected another");
     if (scene.incisions.size() == kMostIncisions)
@@ -178,23 +190,29 @@ void read_tools(SceneTable tools, Scene& scene) {
   tools.finish();
 }
 
-/// What would fill memory or disk is said before it starts.
+/// Refuses scenes whose output would exhaust memory or disk.
 void check_amounts(SceneTable& root, const Scene& scene) {
   constexpr double kMostFrames = 1e6, kMostSnapshots = 1e4, kMostPixels = 1 << 24, kMostVoxels = 1 << 30;
   SceneTable world = root.table("world"), output = root.table("output"),
              snapshots = output.table("snapshots");
+
+  // frames
   const double frames = scene.duration * scene.frame_rate;
   if (frames > kMostFrames)
     world.fail("duration",
                fmt::format("{} s at {} frames a second are {:.0f} frames; expected at most {:.0f}: "
                            "a shorter run or a lower frame_rate",
                            scene.duration, scene.frame_rate, frames, kMostFrames));
+
+  // snapshots
   const double count = scene.duration / std::max(scene.output.every, 1 / scene.frame_rate);
   if (count > kMostSnapshots)
     snapshots.fail(
         "every", fmt::format("a run of {} s would leave {:.0f} snapshots, each with pictures and "
                              "meshes; expected at most {:.0f}: every = {:.3g} or more",
                              scene.duration, count, kMostSnapshots, 1.01 * scene.duration / kMostSnapshots));
+
+  // pixels and voxels
   if (const double pixels = double(scene.output.width) * scene.output.height; pixels > kMostPixels)
     snapshots.fail("size",
                    fmt::format("{} x {} are {:.1f} million pixels; expected at most {:.1f} million, as "
@@ -225,13 +243,13 @@ void read_scene_table(SceneTable root, Scene& scene) {
 Error all_of(const SceneProblems& problems) {
   constexpr std::size_t kShown = 20;
   std::string text;
-  std::size_t snapshot = 0;
+  std::size_t shown = 0;
   for (const auto& [line, message] : problems.problems) {
-    if (snapshot == kShown) {
+    if (shown == kShown) {
       text += fmt::format("\nand {} more", problems.problems.size() - kShown);
       break;
     }
-    text += (snapshot++ ? "\n" : "") + message;
+    text += (shown++ ? "\n" : "") + message;
   }
   return {text};
 }
@@ -239,10 +257,12 @@ Error all_of(const SceneProblems& problems) {
 }  // namespace
 
 int frame_count(const Scene& scene) {
+  TURGOR_CHECK(scene.duration > 0 && scene.frame_rate > 0, "a scene has a duration and a frame rate");
   return std::max(1, int(std::lround(scene.duration * scene.frame_rate)));
 }
 
 bool is_snapshot(const Scene& scene, int frame) {
+  TURGOR_CHECK(frame >= 0, "frames are counted from 0");
   const int interval = std::max(1, int(std::min(1e9, std::round(scene.output.every * scene.frame_rate))));
   return frame % interval == 0 || frame == frame_count(scene);
 }
@@ -251,7 +271,8 @@ std::vector<SceneKey> scene_keys(std::string_view text, const fs::path& file) {
   SceneProblems problems{.file = file.string(), .folder = file.parent_path(), .lists_keys = true};
   Scene scene;
   try {
-    const toml::table root = toml::parse(text, file.string());
+    toml::table root = toml::parse(text, file.string());
+    rename_old_names(root, problems);
     read_scene_table(SceneTable(root, "", problems), scene);
   } catch (const toml::parse_error&) {
   }
@@ -265,12 +286,14 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
   SceneProblems problems;
   problems.file = file.string(), problems.folder = file.parent_path();
   problems.override_folder = override_folder;
+
+  // TOML
   toml::table root;
   try {
     root = toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
     if (const int line = unclosed_text(text); line > 0)
-      return Error{fmt::format("{}:{}: not TOML: the text that begins here with three quotes never ends",
+      return Error{fmt::format("{}:{}: not TOML: a multi-line string that starts here is never closed",
                                file.string(), line)};
     const auto& begin = error.source().begin;
     if (is_open_string(text, int(begin.line)))
@@ -279,15 +302,21 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
     return Error{
         fmt::format("{}:{}:{}: not TOML: {}", file.string(), begin.line, begin.column, error.description())};
   }
+  // old names before and after the overrides, which may bring old ones themselves
+  for (const RenamedUse& use : rename_old_names(root, problems)) scene.notes.push_back(use.note);
   for (const std::string& override_text : overrides)
-    if (const Status applied = apply_override(root, override_text, problems); !applied)
+    if (const Status applied = apply_override(root, override_text, problems, scene.notes); !applied)
       return applied.error();
+  for (const RenamedUse& use : rename_old_names(root, problems)) scene.notes.push_back(use.note);
+
+  // readers
   read_scene_table(SceneTable(root, "", problems), scene);
   if (!problems.problems.empty()) return all_of(problems);
   return scene;
 }
 
 Result<Scene> read_scene(const fs::path& file, const std::vector<std::string>& overrides) {
+  // file
   std::error_code error;
   if (fs::is_directory(file, error))
     return Error{fmt::format("{}: expected a scene file (.toml), found a folder", file.string())};
@@ -295,6 +324,8 @@ Result<Scene> read_scene(const fs::path& file, const std::vector<std::string>& o
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
     return Error{fmt::format("{}: cannot read the scene: {}", file.string(), std::strerror(errno))};
+
+  // text with a size limit
   std::string text(kLongestScene + 1, '\0');
   stream.read(text.data(), std::streamsize(text.size()));
   text.resize(std::size_t(stream.gcount()));

@@ -1,6 +1,5 @@
-// A scene: what is simulated, for how long, and what shall be left behind. Scenes are TOML files; every key,
-// its unit and its default are listed in docs/scene.md. This is the plain struct that a file becomes; nothing
-// is loaded here.
+// Scene: the bodies, tools, cuts, duration and outputs of a run, as plain structs. Scenes are TOML files;
+// docs/scene.md lists every key with unit and default. Nothing is loaded here.
 #pragma once
 
 #include <filesystem>
@@ -26,67 +25,69 @@ namespace turgor {
 /// [body.NAME] with model = "lattice".
 struct LatticeScene {
   std::string name;
-  std::string place;  // "scene.toml:7:1: body.torso", for errors found later
+  std::string source_location;  // "scene.toml:7:1: body.torso", for errors found later
   CtSource ct;
-  std::filesystem::path labels;                     // a segmentation of the same patient; may be empty
-  std::shared_ptr<const LabelVolume> given_labels;  // the same, of whoever makes the world; goes before
-  std::filesystem::path direction_field;            // Langer's lines as a vector volume; may be empty
-  double step = 0;             // lattice step to come near to, instead of params.block; 0 = not given [m]
-  std::string label_note;      // when names of labels were not the file's own
-  int only = 0;                // label whose largest part is the body, the rest becomes air; 0 = all is
-  std::optional<HeldBy> held;  // besides what params fix
+  std::filesystem::path labels;  // segmentation of the same patient; may be empty
+  std::shared_ptr<const LabelVolume>
+      given_labels;                       // labels given by the caller instead of a file; takes precedence
+  std::filesystem::path direction_field;  // Langer's lines as a vector volume; may be empty
+  double spacing = 0;                     // target spacing, instead of params.block; 0 = not given [m]
+  std::string label_note;                 // set if label names are not from the file
+  int only = 0;  // label whose largest component is the body, the rest becomes air; 0 = all tissue
+  std::optional<HeldBy> held;  // additional fixed nodes, besides those of params
   bool has_gravity = true;
-  Device device = Device::kCpu;  // of the scene
+  Device device = Device::kCpu;  // from the scene
   lattice::Params params;
 };
 
-/// [incision.NAME]. `from` and `to` are in metres, or in fractions of the box around the body.
+/// [incision.NAME]. `from` and `to` are in meters, or in fractions of the box around the body.
 struct IncisionScene {
   lattice::Incision blade;
-  std::string place;
+  std::string source_location;
   int body = 0;  // index into Scene::lattice_bodies
   bool by_fraction = false;
 };
 
-/// What colours surfaces in pictures: stretch is known of skin, pressure of bodies that tools touch.
+/// Quantity that colors surfaces in pictures. Stretch exists on skin, pressure on touched bodies.
 enum class SkinColor : std::uint8_t { kNone, kDisplacement, kStretch, kPressure };
 
-/// [output]. File names are inside the output folder; empty = not written.
+/// [output]. File names are relative to the output folder; empty = not written.
 struct OutputScene {
-  double every = 0.5;             // snapshots: meshes, recording, frames [s]
+  double every = 0.5;             // interval of snapshots: meshes, recording, frames [s]
   int width = 720, height = 540;  // of pictures [pixels]
   SkinColor color = SkinColor::kDisplacement;
-  std::string volume_rendering;  // a tissue preset
+  std::string volume_rendering;  // tissue preset
   bool sections = true;
-  std::string window = "abdomen";  // of grey values in sections
+  std::string window = "abdomen";  // CT window of sections
   std::string deformed_ct, displacement, jacobian;
-  std::optional<Int3> deformed_size;  // voxels; the CT's own when not given
+  std::optional<Int3> deformed_size;  // voxels; default: size of the CT
   bool conserve_mass = false;
-  std::optional<std::pair<double, double>> color_range;  // ends of the colours [m], [1] or [Pa]
+  std::optional<std::pair<double, double>> color_range;  // limits of the color scale [m], [1] or [Pa]
   bool meshes = true;                                    // .vtu and .pvd
-  bool vtkhdf = false;                                   // the same in one file a body
+  bool vtkhdf = false;                                   // the same in one file per body
   bool obj = true;
-  MeshSpace mesh_space;  // of all three
+  MeshSpace mesh_space;  // of meshes, vtkhdf and obj
   bool recording = true;
-  bool all_pictures = false;  // also bodies as a whole and in colours, and sections of the whole CT
+  bool all_pictures = false;  // also whole bodies, color maps and sections of the whole CT
   bool frames = false;        // a picture of every view at every snapshot
   bool video = false;
 };
 
-/// [camera.NAME]: pictures from one more place.
+/// [camera.NAME]: pictures from an additional camera.
 struct CameraScene {
   std::string name;
   Vec3d from, at, up{0, 0, 1};  // [m], [m], any length
-  double angle = 30;            // vertical [degrees]
+  double angle = 30;            // vertical field of view [degrees]
 };
 
 struct Scene {
   std::filesystem::path file;
   std::string text;                    // of the file
   std::vector<std::string> overrides;  // key=value
+  std::vector<std::string> notes;      // for the user: old names that the text or an override has
   Vec3d gravity;                       // patient frame [m/s²]
   double duration = 2;                 // [s]
-  double frame_rate = 60;              // steps a second [1/s]
+  double frame_rate = 60;              // steps per second [1/s]
   Device device = Device::kCpu;
   std::vector<LatticeScene> lattice_bodies;
   std::vector<IncisionScene> incisions;
@@ -98,21 +99,20 @@ struct Scene {
   OutputScene output;
 };
 
-/// Steps of a whole run.
+/// Number of steps of a run.
 int frame_count(const Scene& scene);
-/// Is a snapshot taken after this many steps? The first and the last state always are.
+/// True if a snapshot is taken after this many steps. The first and the last state always are.
 bool is_snapshot(const Scene& scene, int frame);
 
-/// Tissue presets of volume rendering and windows of grey values that a scene may name; view/ knows what they
-/// mean.
+/// Tissue presets of volume rendering and CT windows that a scene may name; view/ defines them.
 const std::vector<std::string>& known_volume_presets();
 const std::vector<std::string>& known_windows();
 
-/// Reads a scene file and applies `key=value` overrides. An error lists all that is wrong, a line each:
+/// Reads a scene file and applies `key=value` overrides. The error lists all problems, one per line:
 /// "FILE:LINE:COLUMN: KEY: expected …, found …".
 Result<Scene> read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
-/// The same for text that was read already; `file` gives names in errors and the folder of relative paths.
-/// What overrides name is relative to the current folder or, when it is not there, to `override_folder`.
+/// The same for text in memory. `file` is used in errors and as the base of relative paths. Paths in
+/// overrides are relative to the current folder or, if the file does not exist there, to `override_folder`.
 Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& file,
                           const std::vector<std::string>& overrides = {},
                           const std::filesystem::path& override_folder = {});

@@ -8,8 +8,8 @@
 
 namespace turgor {
 
-/// The name under a key, as in `body = "torso"`, of a body of one of these models. Notes a problem when the
-/// scene has none.
+/// Body named under a key, as in `body = "torso"`, of one of these models. Adds a problem if the scene has
+/// none.
 BodyId read_body(SceneTable& table, std::string_view key, const Scene& scene,
                  std::initializer_list<BodyKind> kinds);
 

@@ -8,14 +8,14 @@ namespace turgor {
 
 namespace {
 
-const Allowed kPlace = within(-100, 100, "m");
+const Allowed kPosition = within(-100, 100, "m");
 
 GarmentFile read_garment(SceneTable& table) {
   GarmentFile garment;
   table.read_path("mesh", garment.file, {"or a surface: OBJ, STL, PLY, VTP, VTK", "none"});
-  table.read("scale", garment.scale, inside(0, 1e6, "m"), "metres a unit of the file of `mesh`");
+  table.read("scale", garment.scale, inside(0, 1e6, "m"), "meters per unit of the file of `mesh`");
   read_up(table, "up", garment.up);
-  table.read("shift", garment.shift, kPlace, "after scaling and turning");
+  table.read("shift", garment.shift, kPosition, "after scaling and turning");
   return garment;
 }
 
@@ -23,79 +23,87 @@ cloth::Sheet read_sheet(SceneTable table) {
   cloth::Sheet sheet;
   table.require({"side"}, "the first side, [x, y, z] [m]");
   table.require({"up"}, "the other side, [x, y, z] [m]");
-  table.read("corner", sheet.corner, kPlace, "of a rectangle of triangles");
-  table.read("side", sheet.side, kPlace, "its first side");
-  table.read("up", sheet.up, kPlace, "its other side");
-  table.read("columns", sheet.columns, within(1, 4000), "of squares along `side`");
-  table.read("rows", sheet.rows, within(1, 4000), "of squares along `up`");
+  table.read("corner", sheet.corner, kPosition, "one corner of a rectangular sheet of triangles");
+  table.read("side", sheet.side, kPosition, "its first side");
+  table.read("up", sheet.up, kPosition, "its other side");
+  table.read("columns", sheet.columns, within(1, 4000), "number of squares along `side`");
+  table.read("rows", sheet.rows, within(1, 4000), "number of squares along `up`");
   if (!(norm(cross(sheet.side, sheet.up)) > 0)) table.fail("up", "the two sides span no area");
   table.finish();
   return sheet;
 }
 
 void read_fabric(SceneTable table, cloth::Fabric& fabric) {
+  // constitutive law
   using cloth::Law;
   fabric.law = Law::kSprings;
   table.read_choice<Law>("law", fabric.law, {{"sheet", Law::kSheet}, {"springs", Law::kSprings}},
-                         "`\"sheet\"`, the same cloth on any mesh; `\"springs\"`, those of the paper");
+                         "`\"sheet\"`: continuum law, independent of the mesh; `\"springs\"`: springs of the "
+                         "paper");
+  // keys with limits
   table.read("density", fabric.density, positive("kg/m²"), "mass per area");
   table.read("warp", fabric.warp, positive("N/m"), "stiffness along the warp");
-  table.read("weft", fabric.weft, positive("N/m"), "across it");
+  table.read("weft", fabric.weft, positive("N/m"), "stiffness along the weft");
   table.read("shear", fabric.shear, not_negative("N/m"),
-             "of a sheet: force per width by the angle of shear; of springs: stiffness on the bias");
+             "sheet: force per width and shear angle; springs: stiffness on the bias");
   table.read("poisson", fabric.poisson, within(0, 10),
-             "of a sheet: how much it narrows when its warp is pulled");
+             "sheet only: contraction across per extension along the warp");
   table.read("rigidity_warp", fabric.rigidity_warp, within(0, 1, "N·m"),
-             "of a sheet: moment per width by the curvature of its warp");
-  table.read("rigidity_weft", fabric.rigidity_weft, within(0, 1, "N·m"), "and of its weft");
+             "sheet only: bending moment per width and curvature of the warp");
+  table.read("rigidity_weft", fabric.rigidity_weft, within(0, 1, "N·m"), "sheet only: the same for the weft");
   table.read("bend", fabric.bend, not_negative("N/m"),
-             "of springs alone: stiffness of those across edges, which resist folding");
+             "springs only: stiffness of the springs across edges, which resist bending");
+  // keys that the law does not support
   for (const char* key : {"poisson", "rigidity_warp", "rigidity_weft"})
-    if (fabric.law == Law::kSprings && table.has(key))
-      table.fail(key, "only a sheet has it: law = \"sheet\"");
+    if (fabric.law == Law::kSprings && table.has(key)) table.fail(key, "this key needs law = \"sheet\"");
   if (fabric.law == Law::kSheet && table.has("bend"))
     table.fail("bend",
-               "only springs have it: law = \"springs\"; a sheet resists folding by rigidity_warp and "
+               "this key needs law = \"springs\"; a sheet resists bending by rigidity_warp and "
                "rigidity_weft [N·m]");
-  table.read("direction", fabric.direction, any_number(""), "of the warp, where the mesh lies");
+  // warp direction
+  table.read("direction", fabric.direction, any_number(""), "direction of the warp, in the rest mesh");
   table.finish();
 }
 
 void read_solver(SceneTable table, cloth::Solver& solver) {
+  // integrator and method
   using cloth::Integrator;
   using cloth::Method;
   solver.method = Method::kChebyshev;
-  table.read_choice<Integrator>(
-      "integrator", solver.integrator, {{"euler", Integrator::kEuler}, {"bdf2", Integrator::kBdf2}},
-      "`\"euler\"`, whose every step damps; `\"bdf2\"`, two steps at once, for what swings "
-      "freely");
-  table.read_choice<Method>("method", solver.method,
-                            {{"jacobi", Method::kJacobi},
-                             {"chebyshev", Method::kChebyshev},
-                             {"conjugate gradients", Method::kConjugateGradients},
-                             {"blocks", Method::kBlocks}},
-                            "`\"blocks\"`: conjugate gradients that solve blocks of vertices at once; "
-                            "`\"chebyshev\"` or `\"jacobi\"` sweeps; `\"conjugate gradients\"`");
-  if (cloth::uses_gradients(solver.method)) solver.sweeps = 200;
+  table.read_choice<Integrator>("integrator", solver.integrator,
+                                {{"euler", Integrator::kEuler}, {"bdf2", Integrator::kBdf2}},
+                                "`\"euler\"`: implicit Euler, numerically damped; `\"bdf2\"`: second order, "
+                                "for cloth that swings freely");
+  table.read_choice<Method>(
+      "method", solver.method,
+      {{"jacobi", Method::kJacobi},
+       {"chebyshev", Method::kChebyshev},
+       {"conjugate gradients", Method::kConjugateGradients},
+       {"two_level", Method::kTwoLevel}},
+      "`\"two_level\"`: conjugate gradients with a two-level preconditioner; "
+      "`\"chebyshev\"` or `\"jacobi\"` sweeps; `\"conjugate gradients\"`: with a Jacobi "
+      "preconditioner");
+  // defaults depend on the method
+  if (cloth::uses_conjugate_gradients(solver.method)) solver.sweeps = 200;
+  // keys with limits
   table.read("sweeps", solver.sweeps, within(1, 10000),
-             "a frame; of conjugate gradients: iterations at most, 200 if there is none here");
-  table.read(
-      "tolerance", solver.tolerance, within(0, 1),
-      "of conjugate gradients: they stop when what is left of the forces is this part of them; 0 = never");
+             "per frame; maximum iterations of conjugate gradients, whose default is 200");
+  table.read("tolerance", solver.tolerance, within(0, 1),
+             "conjugate gradients stop at this relative residual force; 0 = never");
   table.read("strain_limit", solver.strain_limit, within(0, 10),
-             "no spring is pulled longer than 1 + this times its length at rest; 0 = no limit");
+             "largest extension of a spring relative to its rest length; 0 = no limit");
   table.finish();
 }
 
 void read_collision(SceneTable table, cloth::Collision& collision) {
-  table.read("self", collision.self, "layers stay out of each other");
-  table.read("thickness", collision.thickness, inside(0, 1, "m"), "smallest distance of two layers");
-  table.read("friction", collision.friction, within(0, 10), "Coulomb's coefficient");
-  table.read("iterations", collision.iterations, within(1, 1000), "at most, for contacts");
+  table.read("self", collision.self, "the cloth collides with itself");
+  table.read("thickness", collision.thickness, inside(0, 1, "m"), "smallest distance between two layers");
+  table.read("friction", collision.friction, within(0, 10), "Coulomb friction coefficient");
+  table.read("iterations", collision.iterations, within(1, 1000), "maximum iterations of the contact solver");
   table.finish();
 }
 
-/// Rows of four numbers that begin with a time, ascending.
+/// Rows of four numbers with ascending times in the first column.
 std::vector<std::array<double, 4>> read_rows(SceneTable& table, const char* key, const char* expected,
                                              const char* unit, const char* meaning) {
   std::vector<std::array<double, 4>> rows;
@@ -105,7 +113,7 @@ std::vector<std::array<double, 4>> read_rows(SceneTable& table, const char* key,
   if (!node->is_array()) return table.fail_value(key, *node, expected), rows;
   for (const toml::node& row : *node->as_array()) {
     const std::vector<double> v = table.numbers(key, row, any_number("s, then m or m/s"));
-    if (v.empty()) return {};  // was complained about
+    if (v.empty()) return {};  // a problem was added
     if (v.size() != 4 || (!rows.empty() && v[0] <= rows.back()[0]))
       return table.fail_value(key, row, expected), rows;
     rows.push_back({v[0], v[1], v[2], v[3]});
@@ -115,15 +123,17 @@ std::vector<std::array<double, 4>> read_rows(SceneTable& table, const char* key,
 
 void read_wind(SceneTable table, ClothScene& scene) {
   cloth::Air& air = scene.air;
-  table.read("velocity", air.velocity, within(-200, 200, "m/s"), "of the mean wind");
-  table.read("density", air.density, not_negative("kg/m³"), "mass per area");
+  table.read("velocity", air.velocity, within(-200, 200, "m/s"), "mean wind");
+  table.read("density", air.density, not_negative("kg/m³"), "density of the air");
   table.read("pressure", air.pressure, not_negative(""),
-             "of wind across the cloth, in multiples of its dynamic pressure");
-  table.read("drag", air.drag, not_negative(""), "along it, likewise");
-  table.read("gusts", air.gusts, within(0, 5), "how strong they are, of the mean wind; 0 = still");
-  table.read("gust_length", air.gust_length, inside(0, 1000, "m"), "how long they are");
+             "force per area normal to the cloth, in multiples of the dynamic pressure");
+  table.read("drag", air.drag, not_negative(""), "the same tangential to the cloth");
+  table.read("gusts", air.gusts, within(0, 5), "strength of gusts relative to the mean wind; 0 = none");
+  table.read("gust_length", air.gust_length, inside(0, 1000, "m"), "length of gusts");
+
+  // random gusts
   int seed = int(air.seed);
-  table.read("seed", seed, within(0, 2e9), "of the gusts");
+  table.read("seed", seed, within(0, 2e9), "random seed of the gusts");
   air.seed = std::uint64_t(seed);
   for (const auto& [t, x, y, z] :
        read_rows(table, "turns", "rows [t, x, y, z] of the mean wind from a time on, ascending [s] [m/s]",
@@ -134,8 +144,8 @@ void read_wind(SceneTable table, ClothScene& scene) {
 
 BallScene read_ball(SceneTable shape) {
   BallScene ball;
-  shape.read("centre", ball.center, kPlace, "of the ball");
-  shape.read("radius", ball.radius, inside(0, 10, "m"), "of the ball, or the capsule");
+  shape.read("center", ball.center, kPosition, "center of the ball");
+  shape.read("radius", ball.radius, inside(0, 10, "m"), "radius of the ball, or the capsule");
   shape.finish();
   return ball;
 }
@@ -144,9 +154,12 @@ HoldScene read_hold(SceneTable table, const std::string& name) {
   HoldScene hold{.name = name};
   table.require({"vertices", "box", "ball"}, "which vertices are held");
   table.describe("vertices", "", "one of `vertices`, `box`, `ball`",
-                 "numbers of vertices of the mesh. Reports have the force that each hold takes");
-  table.describe("box", "m", "none", "`[[x, y, z], [x, y, z]]`: what is in it at rest");
-  table.describe("ball", "m", "none", "`{ centre, radius }`: what is in it at `start`, as forceps take it");
+                 "indices of mesh vertices. Reports contain the force on each hold");
+  table.describe("box", "m", "none", "`[[x, y, z], [x, y, z]]`: vertices in this box at rest");
+  table.describe("ball", "m", "none",
+                 "`{ center, radius }`: vertices in this ball at `start`, as forceps grasp");
+
+  // vertices
   if (const toml::node* vertices = table.find("vertices"))
     for (const double v : table.numbers("vertices", *vertices, within(0, 1e9)))
       hold.vertices.push_back(int(v));
@@ -162,16 +175,18 @@ HoldScene read_hold(SceneTable table, const std::string& name) {
   }
   if (table.has("ball")) hold.ball = read_ball(table.table("ball"));
   if (hold.ball && (hold.box || !hold.vertices.empty()))
-    table.fail("ball", "a hold takes either what is in the ball when it starts, or given vertices");
-  table.read("start", hold.start, not_negative("s"), "when it takes hold");
-  table.read("end", hold.end, positive("s"), "when it lets go");
+    table.fail("ball", "a hold has either a ball, or vertices or a box, not both");
+
+  // time and path
+  table.read("start", hold.start, not_negative("s"), "time of grasping");
+  table.read("end", hold.end, positive("s"), "time of release");
   hold.path = read_rows(table, "path", "rows [t, x, y, z] of displacements, ascending [s] [m]", "s, m",
-                        "`[[t, x, y, z], …]`: displacements; without it they stay");
+                        "`[[t, x, y, z], …]`: displacements; without it the vertices stay fixed");
   table.finish();
   return hold;
 }
 
-/// A shape that is not looked at would be a mistake nobody sees.
+/// Refuses a second shape, which would be ignored without a message.
 void check_one_shape(SceneTable& table) {
   std::string given;
   for (const char* kind : {"plane", "sphere", "capsule", "mesh", "body"}) {
@@ -185,19 +200,20 @@ void check_one_shape(SceneTable& table) {
 
 ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Scene& scene) {
   ObstacleScene obstacle{.name = name, .shape = PlaneScene{}};
-  table.require({"plane", "sphere", "capsule", "mesh", "body"}, "what the cloth stays out of");
-  table.describe("body", "", "one of `plane`, `sphere`, `capsule`, `mesh`, `body`",
-                 "the surface of another body of the scene, wherever it goes (`\"lattice\"`, `\"sfem\"`, "
-                 "`\"rhombus\"`), which feels the cloth");
+  table.require({"plane", "sphere", "capsule", "mesh", "body"}, "the shape of the obstacle");
+  table.describe(
+      "body", "", "one of `plane`, `sphere`, `capsule`, `mesh`, `body`",
+      "the moving surface of another body of the scene (`\"lattice\"`, `\"sfem\"`, `\"rhombus\"`), on "
+      "which the cloth exerts its contact forces");
   check_one_shape(table);
   if (table.has("sphere")) {
     obstacle.shape = read_ball(table.table("sphere"));
   } else if (table.has("capsule")) {
     RodScene rod;
     SceneTable shape = table.table("capsule");
-    shape.read("from", rod.from, kPlace, "one end of the middle line");
-    shape.read("to", rod.to, kPlace, "the other end");
-    shape.read("radius", rod.radius, inside(0, 10, "m"), "of the ball, or the capsule");
+    shape.read("from", rod.from, kPosition, "one end of the axis");
+    shape.read("to", rod.to, kPosition, "the other end");
+    shape.read("radius", rod.radius, inside(0, 10, "m"), "radius of the ball, or the capsule");
     shape.finish();
     obstacle.shape = rod;
   } else if (table.has("mesh")) {
@@ -208,22 +224,22 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
   } else {
     PlaneScene plane;
     SceneTable shape = table.table("plane");
-    shape.read("through", plane.through, kPlace, "a point of the plane");
-    shape.read("normal", plane.normal, any_number(""), "out of what is solid");
+    shape.read("through", plane.through, kPosition, "a point of the plane");
+    shape.read("normal", plane.normal, any_number(""), "outward normal of the solid half-space");
     if (!(norm(plane.normal) > 0)) shape.fail("normal", "expected a direction that is not zero");
     shape.finish();
     obstacle.shape = plane;
   }
-  table.read("friction", obstacle.friction, within(0, 10), "Coulomb's coefficient");
-  table.read("gap", obstacle.gap, within(0, 1, "m"), "the cloth stays this far away");
+  table.read("friction", obstacle.friction, within(0, 10), "Coulomb friction coefficient");
+  table.read("gap", obstacle.gap, within(0, 1, "m"), "distance that the cloth keeps");
   table.finish();
   return obstacle;
 }
 
-/// What a GPU does not do is refused.
+/// Refuses parameters that the GPU backend does not support.
 void read_device(SceneTable& body, ClothScene& cloth) {
   body.read_choice<Device>("device", cloth.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
-                           "where it steps: as `world.device` says, unless it is said here");
+                           "device of this body; the default is `world.device`");
   if (cloth.device != Device::kGpu) return;
   const auto [key, why] = cloth::why_not_on_gpu(cloth.params);
   if (!key.empty())
@@ -235,25 +251,31 @@ void read_device(SceneTable& body, ClothScene& cloth) {
 ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scene& scene) {
   ClothScene cloth;
   body.begin_group("cloth");
-  cloth.name = name, cloth.place = body.place();
-  body.require({"sheet", "mesh"}, "where the cloth's triangles come from");
+  cloth.name = name, cloth.source_location = body.location();
+
+  // mesh
+  body.require({"sheet", "mesh"}, "the mesh of the cloth");
   if (body.has("sheet") && body.has("mesh"))
     body.fail("mesh", "a cloth is either a sheet or a mesh, not both");
   if (body.has("sheet"))
     cloth.source = read_sheet(body.table("sheet"));
   else
     cloth.source = read_garment(body);
+
+  // material and solver
   read_fabric(body.table("fabric"), cloth.params.fabric);
   SceneTable damping = body.table("damping");
   damping.read("motion", cloth.params.damping.motion, not_negative("1/s"),
-               "velocities lose exp(−motion · t)");
+               "velocities decay by exp(−motion · t)");
   damping.read("stretch", cloth.params.damping.stretch, not_negative("s"),
-               "by the rate of stretch, in multiples of stiffness");
+               "damping by the rate of stretch, in multiples of stiffness");
   damping.finish();
   read_solver(body.table("solver"), cloth.params.solver);
   read_collision(body.table("collision"), cloth.params.collision);
-  body.read("weld", cloth.params.weld, within(0, 1, "m"), "vertices closer than this become one");
+  body.read("weld", cloth.params.weld, within(0, 1, "m"), "merges vertices closer than this");
   read_wind(body.table("wind"), cloth);
+
+  // holds and obstacles
   SceneTable holds = body.table("hold");
   for (const std::string& hold : holds.names()) cloth.holds.push_back(read_hold(holds.named(hold), hold));
   SceneTable obstacles = body.table("obstacle");

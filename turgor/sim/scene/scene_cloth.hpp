@@ -1,4 +1,4 @@
-// Reads [body.NAME] with model = "cloth". Used by scene.cpp alone.
+// Reads [body.NAME] with model = "cloth". Used by scene.cpp only.
 #pragma once
 
 #include "turgor/sim/scene/scene.hpp"
@@ -6,7 +6,7 @@
 
 namespace turgor {
 
-/// Bodies of the scene that come before it may be lain on.
+/// Obstacles may refer to bodies of `scene`, which are read before.
 ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scene& scene);
 
 }  // namespace turgor

@@ -3,6 +3,7 @@
 namespace turgor {
 
 PhantomParams read_phantom(SceneTable table) {
+  // anatomy, which sets the defaults
   PhantomKind kind = PhantomKind::kTorso;
   table.begin_group("phantom");
   table.require({"phantom"}, "which anatomy: \"torso\", \"head\" or \"leg\"");
@@ -11,13 +12,15 @@ PhantomParams read_phantom(SceneTable table) {
       {{"torso", PhantomKind::kTorso}, {"head", PhantomKind::kHead}, {"leg", PhantomKind::kLeg}},
       {"which anatomy: `\"torso\"`, `\"head\"` or `\"leg\"`", "required"});
   PhantomParams phantom = default_phantom(kind);
+  // keys with limits; the scene gives millimeters
   table.read("size", phantom.size, within(8, 2048, "voxels"),
              {"voxels along x, y, z", "512×512×300 (torso), ×544 (head), ×1152 (leg)"});
   Vec3d spacing_mm = phantom.spacing * 1e3;
-  table.read("spacing_mm", spacing_mm, within(0.05, 50, "mm"), {"distance of voxels", "the phantom's own"});
+  table.read("spacing_mm", spacing_mm, within(0.05, 50, "mm"),
+             {"distance between voxels", "the phantom's own"});
   phantom.spacing = spacing_mm / 1e3;
   int seed = int(phantom.seed);
-  table.read("seed", seed, within(0, 2e9), "of the noise and the anatomy's small differences");
+  table.read("seed", seed, within(0, 2e9), "random seed of the noise and of anatomical variation");
   phantom.seed = std::uint64_t(seed);
   table.finish();
   return phantom;
@@ -25,7 +28,7 @@ PhantomParams read_phantom(SceneTable table) {
 
 namespace {
 
-/// A number of the list that several series give, or a SeriesInstanceUID.
+/// DICOM series: an index into the list of `turgor info`, or a SeriesInstanceUID.
 void read_series(SceneTable& table, std::string& series) {
   const toml::node* node = table.find("series");
   if (!node || !node->is_integer())
@@ -44,6 +47,7 @@ void read_series(SceneTable& table, std::string& series) {
 }  // namespace
 
 CtSource read_ct_source(SceneTable& table) {
+  // require and describe the source
   CtSource source;
   table.require({"ct"}, "a CT file or DICOM folder, or { phantom = \"torso\" }");
   read_series(table, source.series);
@@ -52,6 +56,7 @@ CtSource read_ct_source(SceneTable& table) {
       "ct", "", "required",
       "a DICOM folder, `.nii`, `.nii.gz`, `.nrrd`, `.mha`; or a phantom, as `{ phantom = \"torso\" }`");
   if (!node) return source;
+  // a file or DICOM folder
   if (!node->is_table()) {
     table.read_path(
         "ct", source.file,
@@ -59,6 +64,7 @@ CtSource read_ct_source(SceneTable& table) {
          "required"});
     return source;
   }
+  // a phantom
   source.phantom = read_phantom(table.table("ct"));
   return source;
 }

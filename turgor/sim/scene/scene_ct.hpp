@@ -1,4 +1,4 @@
-// `ct = …` in a scene, and { phantom = "torso", … }: a synthetic patient in place of a file.
+// Reads `ct` of a scene, or a phantom such as { phantom = "torso" }.
 #pragma once
 
 #include "turgor/sim/scene/ct_source.hpp"

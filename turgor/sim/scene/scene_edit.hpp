@@ -1,4 +1,5 @@
-// A scene's text with other values in it, as a person would have typed them: comments and order stay.
+// Edits of a scene's text that keep its comments and its order. Old names become current ones
+// (scene_renamed.hpp).
 #pragma once
 
 #include <filesystem>
@@ -10,16 +11,16 @@
 
 namespace turgor {
 
-/// The value of a key as TOML says it, "[0, 0, -9.81]"; of the overrides when they name it, of the text else.
-/// Empty: neither does.
+/// Value of a key as TOML, such as "[0, 0, -9.81]": from the overrides, else from the text; empty if neither
+/// sets it.
 std::string scene_value(const Scene& scene, const std::string& key);
 
-/// The text with `key=value` put in, each where the text has that key, or else as a new line of its table.
-/// Error: text that is no TOML, or an override that has no place in it.
+/// Scene text with `key=value` inserted: at the existing key, else as a new line of its table. Error: the
+/// text is not TOML, or the key cannot be inserted.
 Result<std::string> with_values(const std::string& text, const std::filesystem::path& file,
                                 const std::vector<std::string>& overrides);
 
-/// Tables [incision.NAME] for cuts that were made by hand, whose `name` is that of their body.
+/// Tables [incision.NAME] for interactive cuts; the `name` of each cut is that of its body.
 std::string incisions_text(const Scene& scene, std::span<const lattice::Incision> cuts);
 
 }  // namespace turgor

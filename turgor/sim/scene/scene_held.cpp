@@ -32,22 +32,26 @@ void read_sides(SceneTable& table, const std::string& key, std::vector<Side>& si
 
 HeldBy read_held(SceneTable& body) {
   HeldBy held;
+  // short form: one or several sides
   const toml::node* node = body.find("fixed");
   body.describe(
       "fixed", "", "`\"back\"`",
-      "what holds the body: a side or several (`\"right\"`, `\"left\"`, `\"front\"`, `\"back\"`, `\"feet\"` "
-      "or "
-      "`\"bottom\"`, `\"head\"` or `\"top\"`): the vertices within a tenth of the body's box from it; or a "
-      "table of");
+      "fixed vertices: those within a tenth of the body's box from one or several sides (`\"right\"`, "
+      "`\"left\"`, `\"front\"`, `\"back\"`, `\"feet\"` or `\"bottom\"`, `\"head\"` or `\"top\"`); or a table "
+      "of "
+      "the keys below");
   if (!node || !node->is_table()) return read_sides(body, "fixed", held.sides), held;
+  // table form: sides and depth
   SceneTable table = body.table("fixed");
-  table.require({"sides", "box", "box_fraction"}, "what holds the body");
+  table.require({"sides", "box", "box_fraction"}, "which vertices are fixed");
   read_sides(table, "sides", held.sides);
   table.read("depth", held.depth, within(0, 1),
-             "how far from a side, of the body's box; 0 holds the outermost vertices alone");
+             "depth from a side, relative to the body's box; 0 fixes the outermost vertices only");
+  // documented keys
   table.describe("sides", "", "one of `sides`, `box`, `box_fraction`", "one or several, as above");
-  table.describe("box", "m", "none", "`[[x, y, z], [x, y, z]]`: what is in a box");
-  table.describe("box_fraction", "", "none", "the same in fractions of the body's box");
+  table.describe("box", "m", "none", "`[[x, y, z], [x, y, z]]`: vertices in this box");
+  table.describe("box_fraction", "", "none", "the same box in fractions of the body's box");
+  // parse box corners, in meters or fractions
   for (const char* key : {"box", "box_fraction"}) {
     const toml::node* corners = table.find(key);
     if (!corners) continue;

@@ -1,4 +1,4 @@
-// Reading what holds a body from a scene: sides of its box, or a box.
+// Reads the fixed vertices of a body: sides of its box, or a box.
 #pragma once
 
 #include "turgor/sim/scene/scene_table.hpp"
@@ -6,7 +6,7 @@
 
 namespace turgor {
 
-/// The key `fixed` of a body: the name of a side or several, or a table of sides and a depth, or of a box.
+/// Key `fixed` of a body: one or several sides, or a table of sides and a depth, or of a box.
 HeldBy read_held(SceneTable& body);
 
 }  // namespace turgor

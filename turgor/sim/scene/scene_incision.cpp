@@ -6,12 +6,14 @@ namespace turgor {
 
 namespace {
 
-/// Points that a curve goes through: at least two, no two in a row the same.
+/// Points of a curve: at least two, consecutive ones distinct.
 std::vector<Vec3d> read_points(SceneTable& table, std::string_view key, const Allowed& allowed) {
   const toml::node* node = table.find(key);
   if (!node) return {};
-  constexpr const char* kExpected = "at least two points [x, y, z], no two in a row the same";
+  constexpr const char* kExpected = "at least two points [x, y, z], consecutive ones distinct";
   std::vector<Vec3d> points;
+
+  // rows of three numbers
   const toml::array* rows = node->as_array();
   for (std::size_t n = 0; rows && n < rows->size(); n++) {
     const toml::node* row = rows->get(n);
@@ -23,20 +25,24 @@ std::vector<Vec3d> read_points(SceneTable& table, std::string_view key, const Al
     if (numbers.size() != 3) return {};
     points.push_back({numbers[0], numbers[1], numbers[2]});
   }
+
+  // distinct neighbors
   bool same = false;
   for (std::size_t n = 1; n < points.size(); n++) same |= points[n] == points[n - 1];
   if (points.size() < 2 || same) table.fail_value(key, *node, kExpected);
   return points;
 }
 
-/// Where a cut goes, in metres or in fractions of the body's box.
-void read_way(SceneTable& table, IncisionScene& incision) {
+/// Path of a cut, in meters or in fractions of the body's box.
+void read_cut_path(SceneTable& table, IncisionScene& incision) {
   const bool fractions = incision.by_fraction, curve = table.has("path") || table.has("path_fraction");
   const char* from = fractions ? "from_fraction" : "from";
   const char* to = fractions ? "to_fraction" : "to";
   const char* path = fractions ? "path_fraction" : "path";
   const Allowed allowed = fractions ? within(0, 1) : within(-100, 100, "m");
   lattice::Incision& blade = incision.blade;
+
+  // a curve
   if (curve) {
     blade.path = read_points(table, path, allowed);
     if (table.has(from) || table.has(to))
@@ -45,11 +51,13 @@ void read_way(SceneTable& table, IncisionScene& incision) {
     if (blade.path.size() > 1) blade.from = blade.path.front(), blade.to = blade.path.back();
     return;
   }
+
+  // a straight cut
   table.require(
       fractions ? std::vector<std::string>{from} : std::vector<std::string>{"from", "from_fraction", "path"},
-      fractions ? "where the cut starts, 0 to 1 along the body's box" : "where the cut starts");
+      fractions ? "the start of the cut, 0 to 1 along the body's box" : "the start of the cut");
   table.require(fractions ? std::vector<std::string>{to} : std::vector<std::string>{"to", "to_fraction"},
-                fractions ? "where the cut ends, 0 to 1 along the body's box" : "where the cut ends");
+                fractions ? "the end of the cut, 0 to 1 along the body's box" : "the end of the cut");
   if (fractions) {
     table.read("from_fraction", blade.from, allowed,
                "instead of `from`: in fractions of the box around the body, so that one scene fits every "
@@ -57,8 +65,8 @@ void read_way(SceneTable& table, IncisionScene& incision) {
                "0.4]` is the front, in the middle");
     table.read("to_fraction", blade.to, allowed, "instead of `to`");
   } else {
-    table.read("from", blade.from, allowed, {"where the cut starts, on or near the skin", "required"});
-    table.read("to", blade.to, allowed, {"where it ends", "required"});
+    table.read("from", blade.from, allowed, {"start of the cut, on or near the skin", "required"});
+    table.read("to", blade.to, allowed, {"end of the cut", "required"});
   }
   if (table.has(from) && table.has(to) && blade.from == blade.to)
     table.fail("to", "the cut has no length: it ends where it starts");
@@ -67,20 +75,22 @@ void read_way(SceneTable& table, IncisionScene& incision) {
 }  // namespace
 
 IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene) {
+  // body to cut
   IncisionScene incision;
   table.begin_group("incision");
   table.describe("body", "", "required", "the name of a body with `model = \"lattice\"`");
-  incision.place = table.place();
+  incision.source_location = table.location();
   lattice::Incision& blade = incision.blade;
   blade.name = name;
   table.require({"body"}, "the name of the body that is cut");
   incision.body = read_body(table, "body", scene, {BodyKind::kLattice}).index;
+  // path in meters or fractions
   const bool meters = table.has("from") || table.has("to") || table.has("path");
   incision.by_fraction = table.has("from_fraction") || table.has("to_fraction") || table.has("path_fraction");
   table.describe(
       "path", "m", "none",
-      "instead of `from` and `to`: points `[[x, y, z], …]` on or near the skin that a smooth curve goes "
-      "through; the same first and last point close it",
+      "instead of `from` and `to`: points `[[x, y, z], …]` on or near the skin, which a smooth curve "
+      "interpolates; equal first and last points close it",
       within(-100, 100, "m"));
   table.describe("path_fraction", "", "none", "the same in fractions of the body's box, as `from_fraction`",
                  within(0, 1));
@@ -88,24 +98,24 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
     table.fail(table.has("from") ? "from"
                : table.has("to") ? "to"
                                  : "path",
-               "a cut is given either in metres or in fractions, not in both");
+               "a cut is given either in meters or in fractions, not in both");
   else
-    read_way(table, incision);
-  table.read("depth", blade.depth, inside(0, 1, "m"), "below the skin");
+    read_cut_path(table, incision);
+  // keys with limits
+  table.read("depth", blade.depth, inside(0, 1, "m"), "depth below the skin");
   table.read(
       "tilt", blade.tilt, within(-75, 75, "degrees"),
-      "of the blade from upright: its edge goes to the right of its way, seen from outside. A closed path "
-      "that runs clockwise and leans in takes a piece out");
-  table.read("start", blade.start, not_negative("s"), "when the blade starts");
-  table.read("duration", blade.duration, not_negative("s"),
-             "how long it takes from `from` to `to`; 0 = at once");
+      "angle of the blade from upright: its edge leans to the right of its direction, seen from outside. A "
+      "closed clockwise path that leans inward cuts out a fragment");
+  table.read("start", blade.start, not_negative("s"), "start of the blade");
+  table.read("duration", blade.duration, not_negative("s"), "duration of the cut; 0 = instantaneous");
   table.read("width", blade.width, within(0, 1, "m"),
-             "0 cuts edges; else the static region of the paper of this width, which leaves the body");
+             "0 cuts edges; else width of the static region of the paper, which is removed from the body");
+  // check combinations of keys
   if (blade.width > 0 && (!blade.path.empty() || blade.tilt != 0))
-    table.fail("width",
-               "a region that leaves the body is straight and upright: it takes no path and no tilt");
+    table.fail("width", "a removed region is straight and upright: remove path and tilt");
   if (blade.start >= scene.duration)
-    table.fail("start", fmt::format("the cut starts at {} s, when the run of {} s is over", blade.start,
+    table.fail("start", fmt::format("the cut starts at {} s, after the end of the run at {} s", blade.start,
                                     scene.duration));
   table.finish();
   return incision;

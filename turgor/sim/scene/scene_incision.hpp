@@ -1,4 +1,4 @@
-// [incision.NAME] of a scene: where and how a blade cuts a lattice.
+// Reads [incision.NAME]: path, depth and time of a cut of a lattice.
 #pragma once
 
 #include "turgor/sim/scene/scene.hpp"

@@ -1,5 +1,5 @@
-// A key of a scene, as its reader states it: unit, what holds without it, which numbers are allowed, what it
-// means. docs/scene.md is made of these, and whoever offers a key to be changed finds its limits here.
+// Description of a scene key by its reader: unit, default, allowed numbers and meaning. docs/scene.md is
+// generated from it, and the window takes the limits of its controls from it.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@
 
 namespace turgor {
 
-/// Which numbers are allowed, and their unit in error messages.
+/// Allowed numbers, and their unit in error messages.
 struct Allowed {
   double low = -std::numeric_limits<double>::max(), high = std::numeric_limits<double>::max();
-  bool open = false;  // are the limits themselves refused?
+  bool open = false;  // true if the limits themselves are excluded
   const char* unit = "";
 };
 inline Allowed any_number(const char* unit) { return {.unit = unit}; }
@@ -28,7 +28,7 @@ inline Allowed inside(double low, double high, const char* unit = "") {
 /// "from 0 to 1", "above 0"; empty without limits.
 std::string limits_text(const Allowed& allowed);
 
-/// A sentence about a key, and what holds without it where that is not the value the reader starts from.
+/// Meaning of a key, and its default if that is not the reader's initial value.
 struct Meaning {
   Meaning(const char* sentence, const char* without = nullptr)  // NOLINT(google-explicit-constructor)
       : text(sentence), fallback(without) {}
@@ -38,15 +38,15 @@ struct Meaning {
 
 struct SceneKey {
   std::string path;            // "body.torso.skin.shear"
-  std::string group, key;      // "lattice", "skin.shear": where docs/scene.md lists it
+  std::string group, key;      // group of docs/scene.md, and path in it
   std::string unit, fallback;  // "N/m", "100"
-  Allowed allowed;             // of numbers
+  Allowed allowed;             // limits of numbers
   std::string meaning;
   bool is_whole = false;  // a whole number
 };
 
-/// The keys that a scene has or could have: what its text is asked for while it is read. A scene with errors
-/// has them, too; one that is no TOML has none.
+/// Keys that the readers read from this scene, whether present or not. A scene with errors has keys too; a
+/// text that is not TOML has none.
 std::vector<SceneKey> scene_keys(std::string_view text, const std::filesystem::path& file);
 
 }  // namespace turgor

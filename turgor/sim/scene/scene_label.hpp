@@ -1,4 +1,4 @@
-// Labels of a segmentation as a scene, or a command, names them: by number, or by name.
+// Labels of a segmentation by number or by name, for scenes and commands.
 #pragma once
 
 #include <filesystem>
@@ -10,23 +10,23 @@
 
 namespace turgor {
 
-/// What the labels of a table's `labels` are called: as their file says, else as the usual segmentation tool
-/// calls them, and our phantoms.
+/// Names of the labels of a table's `labels`: those of the file, else those of TotalSegmentator and of the
+/// phantoms.
 struct SceneLabels {
   LabelNames names;
-  std::string file;       // empty: a phantom's
-  bool is_usual = false;  // the file names none
-  std::string note;       // once a usual name was taken for a label of a file that names none
+  std::string file;       // empty: a phantom
+  bool is_usual = false;  // true if the file has no names
+  std::string note;       // set once a TotalSegmentator name was used for a file without names
 };
 SceneLabels scene_labels(SceneTable& table);
-/// Of a file.
+/// Label names of a file.
 SceneLabels labels_of(const std::filesystem::path& file);
 
-/// The label of that name or number; the error says what was expected and found, and no place.
+/// Label with that name or number. The error states what was expected and found, without a source location.
 Result<int> find_label(const std::string& name, SceneLabels& labels);
-/// The label of that name or number; 0, and a problem of the table, when it is neither.
+/// Label with that name or number; 0, and a problem of the table, if there is none.
 int find_label(SceneTable& table, const std::string& key, const std::string& name, SceneLabels& labels);
-/// A label by number or by name, from a number or a text.
+/// Label from a number or a name.
 void read_label(SceneTable& table, const std::string& key, SceneLabels& labels, int& label, Meaning meaning);
 
 }  // namespace turgor

@@ -14,7 +14,7 @@ using lattice::Method, lattice::Ordering;
 using lattice::SkinLaw;
 using lattice::TissueLaw;
 
-/// Do labels come with the body: a file of them, or a phantom's?
+/// True if the body has labels: a file of them, or a phantom's.
 bool has_labels(SceneTable& body) {
   const toml::node* ct = body.find("ct");
   return body.has("labels") || (ct && ct->is_table());
@@ -24,23 +24,24 @@ void read_only(SceneTable& body, SceneLabels& labels, LatticeScene& scene) {
   read_label(
       body, "only", labels, scene.only,
       {"one label of `labels`, or of the phantom, is the body: a number, or a name such as `\"liver\"`. Its "
-       "largest part stays, everything else becomes air, and the CT is cut down to it",
+       "largest component stays, everything else becomes air, and the CT is cropped to it",
        "all"});
   if (scene.only > 0 && !has_labels(body))
-    body.fail("only", "one label alone needs a segmentation: add labels = \"seg.nii.gz\" to the body");
+    body.fail("only", "a body of one label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
 }
 
-void read_block(SceneTable& body, Int3& block, double& step) {
-  body.read("step", step, within(1e-4, 0.1, "m"),
-            {"instead of `block`: the lattice step to come near to with whole voxels, so that one scene fits "
-             "every CT",
+void read_block(SceneTable& body, Int3& block, double& spacing) {
+  body.read("spacing", spacing, within(1e-4, 0.1, "m"),
+            {"instead of `block`: the target spacing of lattice nodes, rounded to whole voxels, so that one "
+             "scene fits every CT",
              "none"});
-  if (body.has("step") && body.has("block")) body.fail("step", "a body has either step or block, not both");
+  if (body.has("spacing") && body.has("block"))
+    body.fail("spacing", "a body has either spacing or block, not both");
   const toml::node* node = body.find("block");
   if (node && node->is_array())
-    return body.read("block", block, within(1, 64, "voxels"), "voxels a lattice step; or `[x, y, z]`");
+    return body.read("block", block, within(1, 64, "voxels"), "voxels per lattice spacing; or `[x, y, z]`");
   int side = block.x;
-  body.read("block", side, within(1, 64, "voxels"), "voxels a lattice step; or `[x, y, z]`");
+  body.read("block", side, within(1, 64, "voxels"), "voxels per lattice spacing; or `[x, y, z]`");
   block = {side, side, side};
 }
 
@@ -49,10 +50,11 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
   body.describe(
       "fixed", "", "`\"bone\"`",
       "`\"bone\"`, `\"ends\"` (the layers of the scan nearest to head and feet), `[\"bone\", \"ends\"]`, "
-      "`\"none\"`; or a "
-      "table as "
-      "of sfem, `{ sides = \"back\", depth = 0.3 }` or `{ box = … }`, of the box around the body's nodes");
+      "`\"none\"`; or a table as for sfem, `{ sides = \"back\", depth = 0.3 }` or `{ box = … }`, relative to "
+      "the box around the body's nodes");
   if (!node) return;
+
+  // a table of sides or a box
   if (node->is_table()) {
     params.fix_bone = params.fix_ends = false;
     held = read_held(body);
@@ -60,21 +62,22 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
   }
   const std::string expected =
       "\"bone\", \"ends\", [\"bone\", \"ends\"], \"none\", or { sides = \"back\", depth = 0.3 }";
-  std::vector<std::string> parts;
+  // one name or several
+  std::vector<std::string> names;
   if (node->is_string()) {
-    parts.push_back(node->as_string()->get());
+    names.push_back(node->as_string()->get());
   } else if (node->is_array()) {
-    for (const toml::node& part : *node->as_array()) parts.push_back(part.value_or(std::string("?")));
+    for (const toml::node& name : *node->as_array()) names.push_back(name.value_or(std::string("?")));
   } else {
     return body.fail_value("fixed", *node, expected);
   }
   params.fix_bone = params.fix_ends = false;
-  for (const std::string& part : parts) {
-    if (part == "bone")
+  for (const std::string& name : names) {
+    if (name == "bone")
       params.fix_bone = true;
-    else if (part == "ends")
+    else if (name == "ends")
       params.fix_ends = true;
-    else if (part != "none" || parts.size() > 1)
+    else if (name != "none" || names.size() > 1)
       return body.fail_value("fixed", *node, expected);
   }
 }
@@ -83,7 +86,7 @@ void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::Tiss
   tissue.describe(
       "labels", "Pa", "none",
       "Young's modulus by label: `{ liver = 4e3, 77 = 8e3 }`; names are those of the file of `labels`, "
-      "else the segmentation tool's (spleen, kidney_right, kidney_left, gallbladder, liver, stomach, "
+      "else those of TotalSegmentator (spleen, kidney_right, kidney_left, gallbladder, liver, stomach, "
       "pancreas, esophagus, small_bowel, duodenum, colon, urinary_bladder)");
   SceneTable table = tissue.table("labels");
   for (const std::string& name : table.keys()) {
@@ -94,38 +97,40 @@ void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::Tiss
   }
 }
 
-/// One modulus for all that is not told apart.
+/// One modulus for all tissues that have no modulus of their own.
 void read_young(SceneTable& tissue, lattice::TissueParams& params) {
   double young = 0;
   tissue.read(
       "young", young, positive("Pa"),
-      {"one Young's modulus for gas, fat, muscle and bone; what is named beside it has its own", "none"});
+      {"one Young's modulus for gas, fat, muscle and bone; a tissue with its own key keeps its own", "none"});
   if (young > 0) params.gas = params.fat = params.muscle = params.bone = young;
 }
 
-/// What the two laws have of their own is refused beside the other.
+/// Law of the tissue. A key that belongs to the other law is an error.
 void read_law(SceneTable& tissue, lattice::TissueParams& params) {
+  // keys with limits
   tissue.read_choice<TissueLaw>(
       "law", params.law, {{"springs", TissueLaw::kSprings}, {"solid", TissueLaw::kSolid}},
-      "`\"solid\"`: cells that answer alike in every direction (`descent` only, at least 2 sweeps); "
-      "`\"springs\"`: as in the paper, and what `pbd` takes without a word");
+      "`\"solid\"`: isotropic cells (`vbd` only, at least 2 sweeps); `\"springs\"`: as in the paper, and the "
+      "default with `pbd`");
   tissue.read("poisson", params.poisson, within(0, 0.49),
-              "solid only: Poisson's ratio; from 0.45 on take 10 sweeps or more");
+              "solid only: Poisson's ratio; use 10 or more sweeps from 0.45 on");
   tissue.read(
       "volume", params.volume, within(0, 100),
-      "springs and descent only: bulk stiffness added by a volume energy, in multiples of Young's modulus");
+      "springs and vbd only: bulk stiffness of an added volume energy, in multiples of Young's modulus");
+  // keys that the law does not support
   const bool solid = params.law == TissueLaw::kSolid;
   if (solid && tissue.has("volume"))
     tissue.fail("volume",
                 "solid tissue, the default, keeps its volume by tissue.poisson; volume belongs to law = "
-                "\"springs\": add that, or take volume away");
+                "\"springs\": set that law, or remove volume");
   if (!solid && tissue.has("poisson"))
-    tissue.fail("poisson",
-                "springs have no Poisson's ratio of their own: take law = \"solid\", or set volume");
+    tissue.fail("poisson", "springs have no Poisson's ratio: set law = \"solid\", or set volume");
 }
 
 void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params) {
   SceneTable tissue = body.table("tissue");
+  // stiffness per tissue, thresholds of CT values
   read_young(tissue, params);
   tissue.read("gas", params.gas, positive("Pa"), "Young's modulus of gas inside the body");
   tissue.read("fat", params.fat, positive("Pa"), "of fat");
@@ -134,8 +139,10 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
   tissue.read("air_max", params.air_max, within(-1024, 3071, "HU"), "below is air");
   tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"), "below is fat");
   tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"), "above is bone");
+  // law and stiffness per label
   read_law(tissue, params);
   read_young_of_labels(tissue, labels, params);
+  // check consistency
   if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
     tissue.fail("", fmt::format("expected air_max < fat_max < bone_min, found {} < {} < {} HU",
                                 params.air_max, params.fat_max, params.bone_min));
@@ -145,20 +152,22 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
 }
 
 void read_tension(SceneTable& table, lattice::SkinParams& skin) {
+  // describe the key
   const toml::node* node = table.find("tension");
-  table.describe(
-      "tension", "N/m", "45",
-      "a number, or `[along, across]` Langer's lines: what the skin bears in the CT; less than the "
-      "stiffness",
-      not_negative("N/m"));
+  table.describe("tension", "N/m", "45",
+                 "a number, or `[along, across]` Langer's lines: the skin's tension in the CT; less than the "
+                 "stiffness",
+                 not_negative("N/m"));
   if (!node) return;
+  // one number: isotropic tension
   if (!node->is_array()) {
-    table.read(
-        "tension", skin.tension_along, not_negative("N/m"),
-        "a number, or `[along, across]` the lines: what the skin bears in the CT; less than the stiffness");
+    table.read("tension", skin.tension_along, not_negative("N/m"),
+               "a number, or `[along, across]` Langer's lines: the skin's tension in the CT; less than the "
+               "stiffness");
     skin.tension_across = skin.tension_along;
     return;
   }
+  // two numbers: along and across Langer's lines
   if (node->as_array()->size() != 2)
     return table.fail_value("tension", *node, "a number or [along, across] Langer's lines [N/m]");
   const std::vector<double> tension = table.numbers("tension", *node, not_negative("N/m"));
@@ -166,20 +175,23 @@ void read_tension(SceneTable& table, lattice::SkinParams& skin) {
 }
 
 void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::path& field) {
+  // short form: true or false
   const toml::node* node = body.find("skin");
   if (node && node->is_boolean()) {
     skin.enabled = node->as_boolean()->get();
     return;
   }
+  // keys with limits
   SceneTable table = body.table("skin");
-  table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fibre", SkinLaw::kFiber}},
-                             "`\"fibre\"`: directional, with Langer's lines; `\"area\"`: the paper's");
+  table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fiber", SkinLaw::kFiber}},
+                             "`\"fiber\"`: directional, with Langer's lines; `\"area\"`: the paper's");
   read_tension(table, skin);
   table.read("stiffness", skin.stiffness, positive("N/m"), "of the membrane");
-  table.read("shear", skin.shear, not_negative("N/m"), "fibre law only");
+  table.read("shear", skin.shear, not_negative("N/m"), "fiber law only");
   table.read("amplification", skin.amplification, not_negative("1"), "how fast skin stiffens when stretched");
   table.read("direction", skin.direction, any_number("1"), "Langer's lines, for the whole body");
   table.read_path("direction_field", field, "Langer's lines as a three-component image on the same patient");
+  // check consistency
   if (norm(skin.direction) == 0) table.fail("direction", "expected a vector that is not zero");
   if (const double most = std::max(skin.tension_along, skin.tension_across); most >= skin.stiffness)
     table.fail("tension", fmt::format("expected less than the skin's stiffness, {} N/m, found {} N/m",
@@ -188,26 +200,30 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
 }
 
 void read_solver(SceneTable& body, lattice::SolverParams& solver) {
+  // method and order of a sweep
   SceneTable table = body.table("solver");
   table.read_choice<Method>(
-      "method", solver.method, {{"pbd", Method::kPbd}, {"descent", Method::kVbd}},
-      "`\"descent\"`, or `\"pbd\"` (position-based dynamics as in the paper; area law only)");
+      "method", solver.method, {{"pbd", Method::kPbd}, {"vbd", Method::kVbd}},
+      "`\"vbd\"`: vertex block descent; `\"pbd\"`: position-based dynamics as in the paper, area law only");
   table.read_choice<Ordering>(
-      "schedule", solver.ordering, {{"slabs", Ordering::kSlabs}, {"colours", Ordering::kColors}},
-      "the order of a sweep: `\"slabs\"` of layers, fastest on a CPU, or eight `\"colours\"`, parities of a "
-      "node's place, each at once, as a GPU needs it and has it unless it is said otherwise; where descent "
-      "comes to rest does not depend on it, what pbd shows does");
-  table.read("sweeps", solver.sweeps, within(1, 1000), "a frame");
-  table.read("damping", solver.damping, not_negative("1/s"), "velocities lose exp(−damping · t)");
+      "ordering", solver.ordering, {{"slabs", Ordering::kSlabs}, {"colors", Ordering::kColors}},
+      "the order of a sweep: `\"slabs\"` of layers, fastest on a CPU, or eight `\"colors\"` by the parity of "
+      "node indices, each solved in parallel, as a GPU needs it (its default there). The rest state of vbd "
+      "does not depend on it, that of pbd does");
+  // keys with limits
+  table.read("sweeps", solver.sweeps, within(1, 1000), "per frame");
+  table.read("damping", solver.damping, not_negative("1/s"), "velocities decay by exp(−damping · t)");
   table.read(
-      "sleep", solver.sleep, not_negative("m/s"),
-      "descent only: rows of the lattice near which nothing is faster for eight frames are not swept until "
-      "something near them moves, is cut, touched or loaded; 0: all are, and on a GPU");
+      "sleep_speed", solver.sleep_speed, not_negative("m/s"),
+      "vbd on the CPU only: a row of nodes sleeps, and is not swept, after eight frames in which nothing "
+      "near "
+      "it was faster. It wakes when something near it moves, is cut, touched or loaded; 0: no row sleeps");
+  // keys of single methods
   table.read("pbd_stiffness", solver.pbd_stiffness, within(0, 1),
              "pbd only: scales the density-based stiffness");
-  table.read("pbd_volume", solver.pbd_volume, "pbd only: keep the volumes of tetrahedra");
+  table.read("pbd_volume", solver.pbd_volume, "pbd only: preserve the volumes of tetrahedra");
   table.read("coarse", solver.coarse,
-             "solid and descent only: what is smooth of a step's motion is solved for beside the sweeps");
+             "solid and vbd only: adds a coarse correction (two-level VBD) for smooth errors");
   table.finish();
 }
 
@@ -215,19 +231,20 @@ void check_solid(SceneTable& body, const lattice::Params& params) {
   if (params.tissue.law != TissueLaw::kSolid) return;
   if (params.solver.method == Method::kPbd)
     body.fail("tissue",
-              "solver.method = \"pbd\" projects springs alone (a projection knows no pascals); "
-              "set tissue.law = \"springs\" or solver.method = \"descent\"");
+              "solver.method = \"pbd\" projects springs only (a projection has no modulus in Pa); "
+              "set tissue.law = \"springs\" or solver.method = \"vbd\"");
   if (params.solver.sweeps < 2)
     body.fail("solver",
-              "solid tissue takes half of its sweeps forward and half backward: expected at least 2 sweeps");
+              "solid tissue runs half of its sweeps forward and half backward: expected at least 2 sweeps");
 }
 
-/// What a GPU does not do is refused.
+/// Refuses parameters that the GPU backend does not support.
 void check_gpu(SceneTable& body, const lattice::SolverParams& solver) {
   if (solver.ordering != Ordering::kColors)
-    body.fail("solver",
-              "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone; leave schedule away, or "
-              "set world.device = \"cpu\"");
+    body.fail(
+        "solver",
+        "world.device = \"gpu\" needs solver.ordering = \"colors\"; remove ordering, or set world.device "
+        "= \"cpu\"");
 }
 
 }  // namespace
@@ -235,31 +252,38 @@ void check_gpu(SceneTable& body, const lattice::SolverParams& solver) {
 LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device device) {
   LatticeScene scene{.device = device};
   body.begin_group("lattice");
-  scene.name = name, scene.place = body.place();
+  scene.name = name, scene.source_location = body.location();
+
+  // CT, labels and lattice
   scene.ct = read_ct_source(body);
   body.read_path(
       "labels", scene.labels,
-      "a segmentation of the same patient on the CT's grid, for `tissue.labels` and `only`; its labels have "
-      "the names that the file gives them (`.seg.nrrd`, or a NIfTI extension), else TotalSegmentator's");
+      "a segmentation of the same patient on the CT's grid, for `tissue.labels` and `only`; the file names "
+      "its labels (`.seg.nrrd`, or a NIfTI extension), else they are TotalSegmentator's");
   SceneLabels labels = scene_labels(body);
-  read_block(body, scene.params.block, scene.step);
+  read_block(body, scene.params.block, scene.spacing);
   read_only(body, labels, scene);
   read_fixed(body, scene.params, scene.held);
   body.read("gravity", scene.has_gravity,
-            "`false`: the CT shows it as gravity has shaped it already; it feels what lies on it alone");
+            "`false`: the CT shows the body as gravity has already shaped it; only loads on it act");
+
+  // solver and tissue
   if (device == Device::kGpu) scene.params.solver.ordering = Ordering::kColors;
   read_solver(body, scene.params.solver);
   const bool projects = scene.params.solver.method == Method::kPbd;
   scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;
   read_tissue(body, labels, scene.params.tissue);
   scene.label_note = labels.note;
+
+  // skin
   read_skin(body, scene.params.skin, scene.direction_field);
   const bool fiber = scene.params.skin.enabled && scene.params.skin.law == SkinLaw::kFiber;
   if (projects && fiber)
     body.fail(body.has("skin") ? "skin" : "solver",
               "solver.method = \"pbd\" offers the area law only (a projection has no forces along and across "
-              "the lines); "
-              "set skin.law = \"area\" or solver.method = \"descent\"");
+              "Langer's lines); set skin.law = \"area\" or solver.method = \"vbd\"");
+
+  // combinations
   check_solid(body, scene.params);
   if (device == Device::kGpu) check_gpu(body, scene.params.solver);
   body.finish();

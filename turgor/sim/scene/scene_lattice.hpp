@@ -1,5 +1,4 @@
-// [body.NAME] of a scene, when its model is "lattice": from TOML to lattice::Params and the files it is built
-// from.
+// Reads [body.NAME] with model = "lattice": lattice::Params and input files.
 #pragma once
 
 #include "turgor/sim/scene/scene.hpp"

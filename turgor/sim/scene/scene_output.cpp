@@ -17,12 +17,12 @@ bool is_volume_file(const std::string& name) {
   return false;
 }
 
-/// Without an ending, and none of the folders that every run makes.
+/// True for names without an ending that differ from the folders of every run.
 bool is_series_folder(const std::string& name) {
   return name.find('.') == std::string::npos && name != "frames" && name != "meshes";
 }
 
-/// The name of a volume file inside the output folder.
+/// Name of a volume file inside the output folder.
 void read_volume_name(SceneTable& output, std::string_view key, std::string& name, Meaning meaning) {
   output.read(key, name, meaning);
   if (name.empty() || (is_plain(name) && is_volume_file(name))) return;
@@ -32,7 +32,7 @@ void read_volume_name(SceneTable& output, std::string_view key, std::string& nam
                           name));
 }
 
-/// The same, or the name of a folder.
+/// Name of a volume file or of a folder for a DICOM series.
 void read_ct_name(SceneTable& output, std::string_view key, std::string& name, Meaning meaning) {
   output.read(key, name, meaning);
   if (name.empty() || (is_plain(name) && (is_volume_file(name) || is_series_folder(name)))) return;
@@ -42,9 +42,9 @@ void read_ct_name(SceneTable& output, std::string_view key, std::string& name, M
                                name));
 }
 
-/// Refuses outputs of which one would overwrite another. Of several bodies, each has its own: "BODY-NAME".
+/// Refuses outputs that would overwrite each other. With several bodies, files are named "BODY-NAME".
 void check_output_names(SceneTable& output, const Scene& scene) {
-  std::map<std::string, std::string> owners;  // file -> the key that names it
+  std::map<std::string, std::string> owners;  // file -> key that names it
   const OutputScene& out = scene.output;
   for (const auto& [key, name] :
        {std::pair("deformed_ct", out.deformed_ct), std::pair("displacement", out.displacement),
@@ -63,7 +63,7 @@ void check_output_names(SceneTable& output, const Scene& scene) {
   }
 }
 
-/// `key = false` turns it off, `key = NAME` chooses.
+/// Choice that `key = false` turns off.
 void read_choice_or_off(SceneTable& table, std::string_view key, std::string& value,
                         const std::vector<std::string>& choices, Meaning meaning) {
   const toml::node* node = table.find(key);
@@ -74,17 +74,18 @@ void read_choice_or_off(SceneTable& table, std::string_view key, std::string& va
 }
 
 CameraScene read_camera(SceneTable table, const std::string& name) {
+  // keys with limits
   table.begin_group("camera");
   CameraScene camera{.name = name, .from = {}, .at = {}};
-  table.require({"from"}, "where the camera is, [x, y, z] [m]");
-  table.read("from", camera.from, any_number("m"), "where the camera is");
-  table.require({"at"}, "what it looks at, [x, y, z] [m]");
-  table.read("at", camera.at, any_number("m"), "what it looks at: the middle of its pictures");
-  table.read("up", camera.up, any_number("1"), "what is up in its pictures; any length");
-  table.read("angle", camera.angle, within(1, 150, "degrees"),
-             "from the lower to the upper edge of its pictures");
+  table.require({"from"}, "the camera's position, [x, y, z] [m]");
+  table.read("from", camera.from, any_number("m"), "position of the camera");
+  table.require({"at"}, "the point that it looks at, [x, y, z] [m]");
+  table.read("at", camera.at, any_number("m"), "point that it looks at, the center of its pictures");
+  table.read("up", camera.up, any_number("1"), "up direction of its pictures; any length");
+  table.read("angle", camera.angle, within(1, 150, "degrees"), "vertical field of view");
+  // reject degenerate views
   if (table.has("from") && table.has("at") && !(norm(camera.from - camera.at) > 0))
-    table.fail("at", "the camera is where it looks at; expected another place");
+    table.fail("at", "from and at are the same point; expected different ones");
   if (!(norm(camera.up) > 0)) table.fail("up", "expected a direction, found a vector without length");
   table.finish();
   return camera;
@@ -106,12 +107,15 @@ void read_cameras(SceneTable cameras, Scene& scene) {
 void read_output(SceneTable output, Scene& scene) {
   OutputScene& out = scene.output;
   output.begin_group("output");
+
+  // snapshots
   SceneTable snapshots = output.table("snapshots");
-  snapshots.read(
-      "every", out.every, positive("s"),
-      "pictures, meshes and recorded states; the first and the last state always; at most 10 000 of them");
-  snapshots.describe("size", "pixels", "`[720, 540]`", "of pictures; at most as many as 4096 × 4096 has",
-                     within(64, 8192));
+  snapshots.read("every", out.every, positive("s"),
+                 "interval of pictures, meshes and recorded states; the first and the last state are always "
+                 "included; at "
+                 "most 10 000");
+  snapshots.describe("size", "pixels", "`[720, 540]`",
+                     "size of pictures; at most as many pixels as 4096 × 4096", within(64, 8192));
   if (const toml::node* size = snapshots.find("size")) {
     const std::vector<double> pixels = snapshots.numbers("size", *size, within(64, 8192, "pixels"));
     if (pixels.size() == 2)
@@ -120,19 +124,23 @@ void read_output(SceneTable output, Scene& scene) {
       snapshots.fail_value("size", *size, "[width, height] [pixels]");
   }
   snapshots.finish();
-  output.read_choice<SkinColor>("color", out.color,
-                                {{"none", SkinColor::kNone},
-                                 {"displacement", SkinColor::kDisplacement},
-                                 {"stretch", SkinColor::kStretch},
-                                 {"pressure", SkinColor::kPressure}},
-                                "what colours surfaces: `\"displacement\"`, `\"stretch\"` (lattices), "
-                                "`\"pressure\"` (of tools on sfem bodies), `\"none\"`");
+
+  // colors and pictures
+  output.read_choice<SkinColor>(
+      "color", out.color,
+      {{"none", SkinColor::kNone},
+       {"displacement", SkinColor::kDisplacement},
+       {"stretch", SkinColor::kStretch},
+       {"pressure", SkinColor::kPressure}},
+      "quantity that colors surfaces: `\"displacement\"`, `\"stretch\"` (lattices), "
+      "`\"pressure\"` (tools on sfem bodies), `\"none\"`");
   if (out.color == SkinColor::kStretch && scene.lattice_bodies.empty())
-    output.fail("color", "stretch is known of the skin of a lattice, and the scene has none");
+    output.fail("color", "stretch needs the skin of a lattice body, and the scene has no lattice body");
   if (out.color == SkinColor::kPressure && scene.sfem_bodies.empty())
-    output.fail("color", "pressure is known of bodies with model = \"sfem\", and the scene has none");
+    output.fail("color", "pressure needs a body with model = \"sfem\", and the scene has no such body");
   output.describe("color_range", "m, 1 or Pa",
-                  "`[0, 0.01]`, stretch `[-0.2, 0.2]`, pressure 0 to Young's modulus", "ends of the colours");
+                  "`[0, 0.01]`, stretch `[-0.2, 0.2]`, pressure 0 to Young's modulus",
+                  "limits of the color scale");
   if (const toml::node* range = output.find("color_range")) {
     const std::vector<double> ends = output.numbers("color_range", *range, any_number("m, 1 or Pa"));
     if (ends.size() == 2 && ends[0] < ends[1])
@@ -141,67 +149,79 @@ void read_output(SceneTable output, Scene& scene) {
       output.fail_value("color_range", *range,
                         "[low, high] of the displacement [m], the stretch [1] or the pressure [Pa]");
   }
-  read_choice_or_off(output, "volume_rendering", out.volume_rendering, known_volume_presets(),
-                     {"the CT before and after as a picture of one tissue: `\"skin\"`, `\"soft tissue\"`, "
-                      "`\"muscle\"`, `\"bone\"`, `\"lung\"`, or `false`",
-                      "false"});
+  read_choice_or_off(
+      output, "volume_rendering", out.volume_rendering, known_volume_presets(),
+      {"volume rendering of one tissue of the CT, before and after: `\"skin\"`, `\"soft tissue\"`, "
+       "`\"muscle\"`, `\"bone\"`, `\"lung\"`, or `false`",
+       "false"});
   output.read_choice<bool>(
       "pictures", out.all_pictures, {{"main", false}, {"all", true}},
-      "`\"main\"`: wounds and pressed places from near, before and after; `\"all\"`: also bodies as a whole, "
-      "which the page shows in three dimensions, in colours, and sections of the CT. A replay draws them "
-      "later, too (`--set output.pictures=all`)");
-  output.read("sections", out.sections,
-              "sections of the CT through every cut, before and after, where `deformed_ct` or `pictures = "
-              "\"all\"` asks for it");
-  output.read_choice(
-      "window", out.window, known_windows(),
-      "grey values of sections: `\"abdomen\"`, `\"bone\"`, `\"lung\"`, `\"brain\"`, `\"air\"`");
+      "`\"main\"`: close-ups of wounds and contacts, before and after; `\"all\"`: also whole bodies (which "
+      "the "
+      "page shows in 3D), color maps, and sections of the CT. A replay can draw them later "
+      "(`--set output.pictures=all`)");
+  output.read(
+      "sections", out.sections,
+      "sections of the CT through every cut, before and after, if `deformed_ct` is set or `pictures = "
+      "\"all\"`");
+  output.read_choice("window", out.window, known_windows(),
+                     "CT window of sections: `\"abdomen\"`, `\"bone\"`, `\"lung\"`, `\"brain\"`, `\"air\"`");
+
+  // volumes
   read_ct_name(
       output, "deformed_ct", out.deformed_ct,
-      "a file name: the CT as it would be scanned now (`.nii`, `.nii.gz`, `.nrrd`, `.mha`); or a name "
-      "without an ending: a folder, with a DICOM series that keeps the patient, the study and the frame "
-      "of reference of the series that it was made of, and opens beside it");
+      "file name of the CT resampled in the deformed state (`.nii`, `.nii.gz`, `.nrrd`, `.mha`). A name "
+      "without "
+      "an ending makes a folder with a DICOM series, which keeps the patient, the study and the frame of "
+      "reference of the source series and opens next to it");
   read_volume_name(
       output, "displacement", out.displacement,
-      "a file name: for each voxel where its tissue came from, minus where it is (mm, LPS; what ITK "
-      "calls a displacement field transform)");
-  read_volume_name(output, "jacobian", out.jacobian, "a file name: volume now over volume in the CT");
+      "file name of the displacement field: for each voxel the rest position of its tissue minus its present "
+      "position (mm, LPS; a displacement field transform of ITK)");
+  read_volume_name(output, "jacobian", out.jacobian,
+                   "file name of the Jacobian determinant: present volume over volume in the CT");
   check_output_names(output, scene);
   if (output.has("deformed_size")) {
     Int3 size{1, 1, 1};
     output.read("deformed_size", size, within(1, 4096, "voxels"),
-                {"of the deformed CT and the fields", "the CT's"});
+                {"size of the deformed CT and the fields", "the CT's"});
     out.deformed_size = size;
   }
-  output.read("conserve_mass", out.conserve_mass, "divide densities by the local change of volume");
+  output.read("conserve_mass", out.conserve_mass, "divides densities by the local change of volume");
+
+  // meshes
   output.read("meshes", out.meshes,
-              "the surface at every snapshot as `.vtu`, tools and the forces on them, and `meshes.pvd` for "
-              "ParaView. Vertex i is vertex i of the mesh that the scene names; of sfem bodies the array "
-              "`mesh vertex` says which it is");
+              "surfaces, tools and the forces on them at every snapshot as `.vtu`, and `meshes.pvd` for "
+              "ParaView. Vertex i is vertex i of the mesh that the scene names; for sfem bodies the array "
+              "`mesh vertex` maps to it");
   output.read(
       "vtkhdf", out.vtkhdf,
-      "the same in one file a body, `meshes/NAME.vtkhdf`, with every snapshot as a step, for ParaView "
-      "5.12 and VTK 9.3 on; with `meshes = false` instead of the many");
-  output.read(
-      "obj", out.obj,
-      "the final surface as OBJ, numbered likewise; of bodies that tools touch, under the largest force");
-  output.read_choice<bool>("mesh_unit", out.mesh_space.is_mm, {{"m", false}, {"mm", true}},
-                           "of `meshes`, `vtkhdf` and `obj`: `\"m\"` or `\"mm\"`; 3D Slicer wants `\"mm\"`. "
-                           "Displacements are in the same unit, which is in the array's name");
+      "the same in one file per body, `meshes/NAME.vtkhdf`, with a time step per snapshot, for ParaView 5.12 "
+      "and VTK 9.3 or later; `meshes = false` omits the `.vtu` files");
+  output.read("obj", out.obj,
+              "the final surface as OBJ, with the same vertex numbers; for touched bodies, the surface under "
+              "the largest "
+              "force");
   output.read_choice<bool>(
-      "mesh_frame", out.mesh_space.is_ras, {{"LPS", false}, {"RAS", true}},
-      "of `meshes`, `vtkhdf` and `obj`: `\"LPS\"` as DICOM, or `\"RAS\"`. The files say which "
-      "(`SPACE`), and 3D Slicer heeds that");
-  output.read("recording", out.recording,
-              "`recording.h5`, for `turgor run --replay` and for Python: see [recording.md](recording.md)");
-  output.read("frames", out.frames,
-              "`frames/NAME-….png`, a picture at every snapshot of the whole, of every cut from near and "
-              "from every camera; "
-              "a replay draws them later, too (`--set output.frames=true`). Without, the first and the last "
-              "stand side by side in `NAME-before-after.png`, and the page plays the run");
-  output.read("video", out.video,
-              "`video.mp4`, when ffmpeg is there; with several cuts, `video-NAME.mp4` of each from near; the "
-              "page plays the run without");
+      "mesh_unit", out.mesh_space.is_mm, {{"m", false}, {"mm", true}},
+      "unit of `meshes`, `vtkhdf` and `obj`: `\"m\"` or `\"mm\"`, which 3D Slicer expects. "
+      "Displacements have the same unit, which is in the array's name");
+  output.read_choice<bool>("mesh_frame", out.mesh_space.is_ras, {{"LPS", false}, {"RAS", true}},
+                           "frame of `meshes`, `vtkhdf` and `obj`: `\"LPS\"` as DICOM, or `\"RAS\"`. The "
+                           "files state it (`SPACE`), "
+                           "and 3D Slicer reads it");
+  output.read(
+      "recording", out.recording,
+      "writes `recording.h5`, for `turgor run --replay` and for Python: see [recording.md](recording.md)");
+  output.read(
+      "frames", out.frames,
+      "`frames/NAME-….png`: at every snapshot a picture of the whole scene, a close-up of every cut and "
+      "one from every camera. A replay can draw them later (`--set output.frames=true`). Without them, "
+      "`NAME-before-after.png` shows the first and the last state, and the page plays the run");
+  output.read(
+      "video", out.video,
+      "`video.mp4`, if ffmpeg is installed; with several cuts, a close-up `video-NAME.mp4` of each. The "
+      "page plays the run without it");
   output.finish();
 }
 

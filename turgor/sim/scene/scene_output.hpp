@@ -1,4 +1,4 @@
-// [output] and [camera.NAME] of a scene.
+// Reads [output] and [camera.NAME].
 #pragma once
 
 #include "turgor/sim/scene/scene.hpp"
@@ -6,7 +6,7 @@
 
 namespace turgor {
 
-/// After bodies, incisions and tools, whose files and pictures have names, too.
+/// Requires that bodies, incisions and tools were read, whose names are also names of files and pictures.
 void read_cameras(SceneTable cameras, Scene& scene);
 void read_output(SceneTable output, Scene& scene);
 

@@ -1,4 +1,4 @@
-// [body.NAME] of a scene, when its model is "rhombus".
+// Reads [body.NAME] with model = "rhombus".
 #pragma once
 
 #include "turgor/sim/scene/rhombus_scene.hpp"
@@ -7,7 +7,7 @@
 
 namespace turgor {
 
-/// The bodies with model = "sfem" were read before.
+/// Requires that bodies with model = "sfem" were read.
 RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const Scene& scene);
 
 }  // namespace turgor

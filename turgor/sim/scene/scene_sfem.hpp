@@ -1,4 +1,4 @@
-// [body.NAME] of a scene, when its model is "sfem".
+// Reads [body.NAME] with model = "sfem".
 #pragma once
 
 #include "turgor/sim/scene/scene_table.hpp"
@@ -6,10 +6,10 @@
 
 namespace turgor {
 
-/// PatchScene::refinement where a scene does not say: the body's elements decide.
+/// PatchScene::refinement if the scene does not set it: the element order decides.
 constexpr int kByElements = 0;
 
-/// `device`: of the scene.
+/// `device`: from the scene.
 SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device device);
 
 }  // namespace turgor

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/one_line.hpp"
 #include "turgor/sim/scene/name.hpp"
 
@@ -16,12 +17,13 @@ std::string with_unit(const Allowed& allowed) {
 }
 
 bool allows(const Allowed& allowed, double value) {
+  TURGOR_CHECK(allowed.low <= allowed.high, "a range has its lower limit first");
   if (!std::isfinite(value)) return false;
   return allowed.open ? value > allowed.low && value < allowed.high
                       : value >= allowed.low && value <= allowed.high;
 }
 
-/// What a length would be that was meant in millimetres; empty when that is no better.
+/// Hint for a length that was probably given in millimeters; empty otherwise.
 std::string if_in_mm(const Allowed& allowed, std::optional<double> value) {
   if (!value || std::abs(*value) < 1 || std::string_view(allowed.unit) != "m" ||
       !allows(allowed, *value / 1000))
@@ -57,19 +59,19 @@ std::string SceneProblems::override_of(const std::string& path) const {
   return "";
 }
 
-std::string SceneProblems::place_of(const std::string& path, const toml::node& node) const {
+std::string SceneProblems::location_of(const std::string& path, const toml::node& node) const {
   if (const std::string key = override_of(path); !key.empty()) return "--set " + key;
   const auto& begin = node.source().begin;
   return begin.line ? fmt::format("{}:{}:{}", file, begin.line, begin.column) : file;
 }
 
 void SceneProblems::add(const std::string& path, const toml::node& node, const std::string& what) {
-  const std::string place = place_of(path, node);
-  const bool in_file = place.starts_with(file);
-  const bool says_all = path.empty() || place == "--set " + path;
-  const std::string snapshot = says_all ? what : fmt::format("{}: {}", path, what);
+  const std::string location = location_of(path, node);
+  const bool in_file = location.starts_with(file);
+  const bool is_whole_path = path.empty() || location == "--set " + path;
+  const std::string message = is_whole_path ? what : fmt::format("{}: {}", path, what);
   problems.insert(
-      {in_file ? node.source().begin.line : 0, on_one_line(fmt::format("{}: {}", place, snapshot))});
+      {in_file ? node.source().begin.line : 0, on_one_line(fmt::format("{}: {}", location, message))});
 }
 
 std::string describe(const toml::node& node) {
@@ -83,8 +85,8 @@ std::string describe(const toml::node& node) {
     return fmt::format("{}", number->get());
   else
     text << toml::node_view(node);
-  const std::string snapshot = text.str();
-  return snapshot.size() > 60 || snapshot.find('\n') != std::string::npos ? "an array" : snapshot;
+  const std::string printed = text.str();
+  return printed.size() > 60 || printed.find('\n') != std::string::npos ? "an array" : printed;
 }
 
 std::string SceneTable::path_of(std::string_view key) const {
@@ -194,12 +196,12 @@ void SceneTable::read_path(std::string_view key, std::filesystem::path& value, M
   if (node->is_string())
     text = node->as_string()->get();
   else if (given != problems_.overrides.end())
-    text = given->second;  // a folder may well be called 2024
+    text = given->second;  // a folder may be called 2024
   if (text.empty() || text.find('\0') != std::string::npos)
     return fail_value(key, *node, "the name of a file or folder");
   std::error_code ignored;
-  const bool is_here = problems_.override_folder.empty() || std::filesystem::exists(text, ignored);
-  value = (!overridden ? problems_.folder : is_here ? "" : problems_.override_folder) / text;
+  const bool is_in_current = problems_.override_folder.empty() || std::filesystem::exists(text, ignored);
+  value = (!overridden ? problems_.folder : is_in_current ? "" : problems_.override_folder) / text;
 }
 
 void SceneTable::read_choice(std::string_view key, std::string& value,
@@ -225,7 +227,7 @@ void SceneTable::list(std::string_view key, const Allowed& allowed, const std::s
   const auto same = [path = path_of(key)](const SceneKey& known) { return known.path == path; };
   if (std::any_of(problems_.keys.begin(), problems_.keys.end(), same)) return;
   const bool is_required = required_.contains(key);
-  problems_.keys.push_back({path_of(key), group_, snapshot_ + std::string(key), allowed.unit,
+  problems_.keys.push_back({path_of(key), group_, group_path_ + std::string(key), allowed.unit,
                             meaning.fallback ? meaning.fallback
                             : is_required    ? std::string("required")
                                              : fallback,
@@ -234,18 +236,18 @@ void SceneTable::list(std::string_view key, const Allowed& allowed, const std::s
 
 void SceneTable::describe(std::string_view key, const char* unit, const char* fallback, const char* meaning,
                           const Allowed& allowed) {
-  Allowed snapshot = allowed;
-  snapshot.unit = unit;
-  list(key, snapshot, fallback, meaning);
+  Allowed listed = allowed;
+  listed.unit = unit;
+  list(key, listed, fallback, meaning);
 }
 
-SceneTable SceneTable::inner(std::string_view key, std::string_view snapshot) {
+SceneTable SceneTable::inner(std::string_view key, std::string_view listed_as) {
   static const toml::table kEmpty;
   const toml::node* node = find(key);
   if (node && !node->is_table()) fail_value(key, *node, "a table");
   const bool found = node && node->is_table();
   SceneTable made(found ? *node->as_table() : kEmpty, path_of(key), problems_);
-  made.group_ = group_, made.snapshot_ = fmt::format("{}{}.", snapshot_, snapshot);
+  made.group_ = group_, made.group_path_ = fmt::format("{}{}.", group_path_, listed_as);
   return made;
 }
 SceneTable SceneTable::table(std::string_view key) { return inner(key, key); }
@@ -279,18 +281,18 @@ void SceneTable::finish() {
   for (const auto& [key, node] : table_) {
     if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
     const std::string name(key.str());
-    const std::string place =
+    const std::string location =
         problems_.override_of(path_of(name)).empty() && key.source().begin.line
             ? fmt::format("{}:{}:{}", problems_.file, key.source().begin.line, key.source().begin.column)
-            : problems_.place_of(path_of(name), node);
+            : problems_.location_of(path_of(name), node);
     const std::string subject =
-        place == "--set " + path_of(name) ? place : fmt::format("{}: {}", place, path_of(name));
+        location == "--set " + path_of(name) ? location : fmt::format("{}: {}", location, path_of(name));
     problems_.problems.insert(
         {key.source().begin.line,
          on_one_line(fmt::format("{} is not a key of a scene{}", subject, suggestion(name, known_)))});
     unknown = true;
   }
-  // A misspelt key explains a missing one.
+  // a misspelt key explains a missing one
   if (unknown) return;
   for (const std::string& what : missing_) problems_.add(path_, table_, what);
 }

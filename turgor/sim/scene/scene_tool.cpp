@@ -8,38 +8,42 @@ namespace turgor {
 namespace {
 
 BodyId read_touched(SceneTable& tool, const Scene& scene) {
+  // touched body
   tool.require({"body"}, "the name of the body that is touched");
   const BodyId id = read_body(tool, "body", scene,
                               {BodyKind::kSfem, BodyKind::kRhombus, BodyKind::kLattice, BodyKind::kCloth});
+  // a lattice needs a solver with contact forces
   const auto index = std::size_t(id.index);
   if (id.kind == BodyKind::kLattice && index < scene.lattice_bodies.size() &&
       scene.lattice_bodies[index].params.solver.method == lattice::Method::kPbd)
-    tool.fail("body", fmt::format("{} has solver.method = \"pbd\", which knows no forces in newtons; tools "
-                                  "touch lattices with \"descent\"",
-                                  scene.lattice_bodies[index].name));
+    tool.fail("body",
+              fmt::format("{} has solver.method = \"pbd\", which has no contact forces in newtons; tools "
+                          "need a lattice with \"vbd\"",
+                          scene.lattice_bodies[index].name));
+  // a cloth may not support contact
   if (id.kind == BodyKind::kCloth && index < scene.cloth_bodies.size())
     if (const std::string why = why_untouched(scene.cloth_bodies[index]); !why.empty())
       tool.fail("body", why);
   return id;
 }
 
-/// Of a phantom, or of a file with both jaws.
+/// Forceps from the phantom, or from a file with both jaws.
 ForcepsTool read_forceps(SceneTable& shape) {
   ForcepsTool forceps;
   const toml::node* node = shape.find("forceps");
   if (!node || node->value_or(std::string()) != "phantom")
     shape.read_path(
         "forceps", forceps.file,
-        {"`\"phantom\"`, or a file whose two parts lie on both sides of x = 0 with the tips at the origin",
+        {"`\"phantom\"`, or a file with two jaws on either side of x = 0 and their tips at the origin",
          "none"});
   shape.read("scale", forceps.scale, inside(0, 1e6, "m"),
-             "of `mesh` and `forceps`: metres a unit of the file");
-  shape.read("opening", forceps.opening, inside(0, 1, "m"), "between the tips when open");
-  shape.read("closing", forceps.closing, inside(0, 60, "s"), "from open to closed");
+             "of `mesh` and `forceps`: meters per unit of the file");
+  shape.read("opening", forceps.opening, inside(0, 1, "m"), "distance between the tips when open");
+  shape.read("closing", forceps.closing, inside(0, 60, "s"), "duration from open to closed");
   return forceps;
 }
 
-/// A shape that is not looked at would be a mistake nobody sees.
+/// Refuses a second shape, which would be ignored without a message.
 void check_one_shape(SceneTable& tool, SceneTable& shape) {
   std::string given;
   for (const char* kind : {"sphere", "capsule", "mesh", "forceps"}) {
@@ -74,7 +78,7 @@ ToolShape read_shape(SceneTable& tool) {
     MeshTool mesh;
     shape.read_path("mesh", mesh.file, {"a closed surface", "none"});
     shape.read("scale", mesh.scale, inside(0, 1e6, "m"),
-               "of `mesh` and `forceps`: metres a unit of the file");
+               "of `mesh` and `forceps`: meters per unit of the file");
     made = mesh;
   } else {
     BallTool ball;
@@ -89,7 +93,7 @@ bool read_smooth(SceneTable& tool) {
   bool smooth = true;
   tool.read_choice<bool>(
       "interpolation", smooth, {{"smooth", true}, {"linear", false}},
-      "between rows of a path: `\"smooth\"` passes every row without swinging beyond it, or `\"linear\"`");
+      "between rows of a path: `\"smooth\"` (monotone cubic, no overshoot) or `\"linear\"`");
   return smooth;
 }
 
@@ -98,7 +102,7 @@ GivenPath read_rows(SceneTable& tool, const toml::array& array) {
   std::vector<std::vector<double>> rows;
   for (const toml::node& row : array) {
     rows.push_back(tool.numbers("path", row, any_number("s and m")));
-    if (rows.back().empty()) return path;  // was complained about
+    if (rows.back().empty()) return path;  // a problem was added
   }
   Result<std::vector<PathRow>> made = path_rows(rows);
   if (!made) return tool.fail("path", made.error().message), path;
@@ -107,53 +111,62 @@ GivenPath read_rows(SceneTable& tool, const toml::array& array) {
   return path;
 }
 
-Vec3d read_place(SceneTable& press, const char* key, const char* key_fraction) {
-  Vec3d place;
-  press.read(key, place, within(-100, 100, "m"), {"the nearest point of the surface is taken", "none"});
+Vec3d read_target(SceneTable& press, const char* key, const char* key_fraction) {
+  Vec3d target;
+  press.read(key, target, within(-100, 100, "m"), {"moved to the nearest point of the surface", "none"});
   press.read(
-      key_fraction, place, within(0, 1),
+      key_fraction, target, within(0, 1),
       {"instead: in fractions of the body's box. 0 or 1 along an axis means the surface seen from that side: "
        "`[0.5, 0, 0.5]` is the front, in the middle",
        "none"});
-  return place;
+  return target;
 }
 
 Press read_press(SceneTable table) {
   Press press;
-  table.require({"at", "at_fraction"}, "where on the surface");
+  table.require({"at", "at_fraction"}, "the position on the surface");
+
+  // targets
   press.by_fraction = table.has("at_fraction");
-  press.at = press.to = read_place(table, "at", "at_fraction");
+  press.at = press.to = read_target(table, "at", "at_fraction");
   const bool slides = table.has("to") || table.has("to_fraction");
   if (slides) {
-    press.to = read_place(table, "to", "to_fraction");
+    press.to = read_target(table, "to", "to_fraction");
     press.slide = 1;
   }
   if ((table.has("at") || table.has("to")) && (table.has("at_fraction") || table.has("to_fraction")))
     table.fail(table.has("at") ? "at" : "to",
-               "a press is given either in metres or in fractions, not in both");
-  table.read("depth", press.depth, inside(0, 1, "m"), "of the tool's tip below the surface at rest");
-  table.read("start", press.start, not_negative("s"), "when it sets out");
-  table.read("duration", press.duration, inside(0, 3600, "s"), "of the way in, and of the way out");
-  table.read("hold", press.hold, not_negative("s"), "before and after sliding, or pulling");
+               "a press is given either in meters or in fractions, not in both");
+
+  // depth and times
+  table.read("depth", press.depth, inside(0, 1, "m"), "depth of the tool's tip below the surface at rest");
+  table.read("start", press.start, not_negative("s"), "start of the motion");
+  table.read("duration", press.duration, inside(0, 3600, "s"),
+             "duration of the approach, and of the retreat");
+  table.read("hold", press.hold, not_negative("s"), "pause before and after sliding, or pulling");
   if (slides)
-    table.read("slide", press.slide, inside(0, 3600, "s"), "how long the way from `at` to `to` takes");
+    table.read("slide", press.slide, inside(0, 3600, "s"), "duration of the slide from `at` to `to`");
   table.finish();
   return press;
 }
 
 Grasp read_grasp(SceneTable table) {
+  // grasp point in meters or fractions
   Grasp grasp;
-  table.require({"at", "at_fraction"}, "where on the surface");
+  table.require({"at", "at_fraction"}, "the position on the surface");
   grasp.by_fraction = table.has("at_fraction");
   if (table.has("at") && grasp.by_fraction)
-    table.fail("at", "a grasp is given either in metres or in fractions, not in both");
-  grasp.at = read_place(table, "at", "at_fraction");
-  table.read("depth", grasp.depth, inside(0, 1, "m"), "of the tool's tip below the surface at rest");
-  table.read("pull", grasp.pull, within(0, 1, "m"), "of the tip above the surface at rest, then");
-  table.read("aside", grasp.aside, within(-1, 1, "m"), "and along the surface");
-  table.read("start", grasp.start, not_negative("s"), "when it sets out");
-  table.read("duration", grasp.duration, inside(0, 3600, "s"), "of the way in, and of the way out");
-  table.read("hold", grasp.hold, inside(0, 3600, "s"), "before and after sliding, or pulling");
+    table.fail("at", "a grasp is given either in meters or in fractions, not in both");
+  grasp.at = read_target(table, "at", "at_fraction");
+  // keys with limits
+  table.read("depth", grasp.depth, inside(0, 1, "m"), "depth of the tool's tip below the surface at rest");
+  table.read("pull", grasp.pull, within(0, 1, "m"),
+             "height of the tip above the surface at rest, after the grasp");
+  table.read("aside", grasp.aside, within(-1, 1, "m"), "lateral displacement of the tip, added to `pull`");
+  table.read("start", grasp.start, not_negative("s"), "start of the motion");
+  table.read("duration", grasp.duration, inside(0, 3600, "s"),
+             "duration of the approach, and of the retreat");
+  table.read("hold", grasp.hold, inside(0, 3600, "s"), "pause before and after sliding, or pulling");
   table.finish();
   return grasp;
 }
@@ -162,16 +175,17 @@ HandFile read_hand_file(SceneTable& tool) {
   HandFile hand;
   tool.read_path(
       "hand", hand.file,
-      {"a hand that was recorded, a `.csv` file with a row a tick, as `forces.csv` of a run is one: it moves "
-       "the tool in the same way to the last bit, jaws and holding included. Columns by name: `time_s`, "
-       "`x_m`, `y_m`, `z_m`; if there, `axis_x_x` … `axis_z_z` (each of the tool's axes as it lies in the "
-       "patient), `grip` (0 open, 1 closed), `hold` (0, 1), and `tool`: then the rows of this tool's name. "
-       "Between two rows the tool stays. On lattices, which feel once a frame, the same to the frame",
+      {"a recorded hand motion: a `.csv` file with a row per tick, such as `forces.csv` of a run. It repeats "
+       "the motion of the tool bit by bit, with jaws and grasps. Columns by name: `time_s`, `x_m`, `y_m`, "
+       "`z_m`; optional: `axis_x_x` … `axis_z_z` (the tool's axes in the patient frame), `grip` (0 open, 1 "
+       "closed), `hold` (0, 1) and `tool`, which selects the rows of this tool. The tool stays between two "
+       "rows. On lattices, which compute forces once a frame, the motion repeats frame by frame",
        "one of `path`, `press`, `grasp`, `hand`"});
   return hand;
 }
 
 ToolMotion read_motion(SceneTable& tool) {
+  // exactly one kind of motion is allowed
   const std::vector<std::string> kinds = {"path", "press", "grasp", "hand"};
   tool.require(kinds, "how the tool moves");
   std::string given;
@@ -180,16 +194,18 @@ ToolMotion read_motion(SceneTable& tool) {
     if (!given.empty()) tool.fail(kind, fmt::format("a tool has either a {} or a {}, not both", given, kind));
     given = given.empty() ? kind : given;
   }
+  // press, grasp or recorded hand
   if (given == "press") return read_press(tool.table("press"));
   if (given == "grasp") return read_grasp(tool.table("grasp"));
   if (given == "hand") return read_hand_file(tool);
+  // path rows in the scene or in a file
   const toml::node* node = tool.find("path");
   if (node && node->is_array()) return read_rows(tool, *node->as_array());
   PathFile file;
   tool.read_path(
       "path", file.file,
       {"rows `[[t, x, y, z], …]` in ascending time, or a `.csv` file of them. A fifth number other than 0 "
-       "holds what is touched (grasp); four more are the orientation as a quaternion w, x, y, z",
+       "grasps the tissue in contact; four more are the orientation as a quaternion w, x, y, z",
        "one of `path`, `press`, `grasp`, `hand`"});
   file.smooth = read_smooth(tool);
   return file;
@@ -198,10 +214,10 @@ ToolMotion read_motion(SceneTable& tool) {
 }  // namespace
 
 std::string why_untouched(const ClothScene& cloth) {
-  if (!cloth::uses_gradients(cloth.params.solver.method))
+  if (!cloth::uses_conjugate_gradients(cloth.params.solver.method))
     return fmt::format(
-        "{} is solved by sweeps, which know no force in what is taut; tools touch cloth with "
-        "solver.method = \"blocks\"",
+        "{} is solved by sweeps, which do not converge to the forces of taut cloth; tools need a cloth with "
+        "solver.method = \"two_level\"",
         cloth.name);
   return {};
 }
@@ -209,12 +225,13 @@ std::string why_untouched(const ClothScene& cloth) {
 ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene& scene) {
   ToolScene made;
   tool.begin_group("tool");
-  made.name = name, made.place = tool.place();
+  made.name = name, made.source_location = tool.location();
   tool.describe("body", "", "required",
                 "the name of a body with `model = \"sfem\"`, `\"rhombus\"`, `\"lattice\"` or `\"cloth\"`");
   made.body = read_touched(tool, scene);
   made.shape = read_shape(tool);
-  tool.read("friction", made.friction, within(0, 10), "Coulomb's; rhombus chains know none");
+  tool.read("friction", made.friction, within(0, 10),
+            "Coulomb friction coefficient; rhombus chains have no friction");
   made.motion = read_motion(tool);
   tool.finish();
   return made;

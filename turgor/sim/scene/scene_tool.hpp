@@ -1,4 +1,4 @@
-// [tool.NAME] of a scene: what touches a body, and along which path.
+// Reads [tool.NAME]: shape, body and motion of a tool.
 #pragma once
 
 #include "turgor/sim/scene/scene.hpp"
@@ -6,7 +6,7 @@
 
 namespace turgor {
 
-/// Why tools cannot touch a cloth: a sentence; empty = they can.
+/// Reason why tools cannot touch a cloth; empty if they can.
 std::string why_untouched(const ClothScene& cloth);
 
 ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene& scene);

@@ -1,4 +1,4 @@
-// The key `up` of whatever a scene reads from a file: cloth, organs, surfaces.
+// The key `up` of meshes that a scene reads from files: cloth, organs, surfaces.
 #pragma once
 
 #include "turgor/geometry/up_axis.hpp"
@@ -8,9 +8,8 @@ namespace turgor {
 
 inline void read_up(SceneTable& table, std::string_view key, UpAxis& up) {
   table.read_choice<UpAxis>(key, up, {{"x", UpAxis::kX}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}},
-                            "the axis of the file that points to the head, which becomes +z. `\"y\"`, as "
-                            "programs for drawing have it: "
-                            "(x, y, z) becomes (x, -z, y); `\"x\"`: (-z, y, x)");
+                            "the axis of the file that points to the head, which becomes +z. `\"y\"`, as in "
+                            "modeling programs: (x, y, z) becomes (x, -z, y); `\"x\"`: (-z, y, x)");
 }
 
 }  // namespace turgor

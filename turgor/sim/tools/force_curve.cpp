@@ -15,7 +15,7 @@ namespace {
 
 struct Named {
   const char* unit;
-  double size;  // in metres or newtons
+  double size;  // in meters or newtons
 };
 constexpr std::array<Named, 6> kLengths{{{"m", 1},
                                          {"cm", 1e-2},
@@ -25,9 +25,9 @@ constexpr std::array<Named, 6> kLengths{{{"m", 1},
                                          {"μm", 1e-6}}};  // micro sign, Greek mu
 constexpr std::array<Named, 3> kForces{{{"N", 1}, {"mN", 1e-3}, {"gf", 9.80665e-3}}};
 
-/// The letters that end a column's name: "mm" of depth_mm and of depth[mm].
+/// Letters at the end of a column name: "mm" of depth_mm and of depth[mm].
 std::string unit_of(std::string_view name) {
-  const auto is_letter = [](char c) {  // those beyond ASCII too, byte by byte
+  const auto is_letter = [](char c) {  // bytes beyond ASCII count as letters
     const auto byte = static_cast<unsigned char>(c);
     return byte >= 0x80 || std::isalpha(byte) != 0;
   };
@@ -43,7 +43,7 @@ std::optional<double> size_of(const std::string& unit, const std::array<Named, k
   return at == units.end() ? std::nullopt : std::optional(at->size);
 }
 
-/// What one of each column is in metres and newtons, as the first line says, if it does.
+/// Scale factors of the two columns to meters and newtons, from the first line.
 Result<std::array<double, 2>> scales_of(const std::filesystem::path& file) {
   const Result<std::vector<std::string>> names = read_column_names(file);
   if (!names) return names.error();
@@ -59,11 +59,13 @@ Result<std::array<double, 2>> scales_of(const std::filesystem::path& file) {
 }  // namespace
 
 Result<std::vector<rhombus::CurvePoint>> read_force_curve(const std::filesystem::path& file) {
+  // read rows and unit scales
   const std::string expected = "two numbers, a depth [m] and a force [N]";
   const Result<std::vector<NumberRow>> rows = read_number_table(file, expected);
   if (!rows) return rows.error();
   const Result<std::array<double, 2>> scales = scales_of(file);
   if (!scales) return scales.error();
+  // convert each row to meters and newtons
   std::vector<rhombus::CurvePoint> curve;
   for (const NumberRow& row : *rows) {
     if (row.values.size() != 2)

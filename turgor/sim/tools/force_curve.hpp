@@ -1,4 +1,4 @@
-// Measured force–depth curves: text with two numbers a line, depth [m] and force [N].
+// Measured force–depth curves: text with two numbers per line, depth [m] and force [N].
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace turgor {
 
-/// Commas, semicolons, tabs or blanks between the numbers; lines that start with # are skipped. A first line
-/// of two names may end them with units, as depth_mm and force_mN; else metres and newtons are meant. Error:
-/// the file, the line, what was expected and what was found.
+/// Reads a curve. Separators are commas, semicolons, tabs or blanks; lines that start with # are skipped. A
+/// first line with two names may end them with units, as in depth_mm and force_mN; the default is meters and
+/// newtons. Error: file, line, what was expected and found.
 Result<std::vector<rhombus::CurvePoint>> read_force_curve(const std::filesystem::path& file);
 
 }  // namespace turgor

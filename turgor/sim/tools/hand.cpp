@@ -31,7 +31,7 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-/// Where each column is in a row; -1 = it is not there.
+/// Index of each column in a row; -1 = missing.
 struct Header {
   std::array<int, kColumns> at{};
   int tool = -1;
@@ -50,15 +50,15 @@ Result<Header> read_header(const std::string& line) {
   const auto axis_columns = std::count_if(axes, axes + 9, [](int at) { return at >= 0; });
   for (std::size_t c = 0; c < kAxes; c++)
     if (header.at[c] < 0)
-      return Error{fmt::format(
-          "expected a first line that names the columns, among them {}, found \"{:.60}\"", kNames[c], line)};
+      return Error{fmt::format("expected a first line with column names, among them {}, found \"{:.60}\"",
+                               kNames[c], line)};
   if (axis_columns != 0 && axis_columns != 9)
     return Error{
         fmt::format("expected all of axis_x_x … axis_z_z or none, found {} of the nine", axis_columns)};
   return header;
 }
 
-/// A number, or none.
+/// The number, or NAN.
 double number_of(const std::string& cell) {
   double value = NAN;
   const char* end = cell.data() + cell.size();
@@ -76,8 +76,10 @@ contact::ToolCommand command_of(const std::array<double, kColumns>& v) {
 }
 
 Result<HandRow> read_row(const Header& header, const std::vector<std::string>& cells) {
+  // defaults for missing columns: zeros and identity axes
   std::array<double, kColumns> values{};
   for (const std::size_t diagonal : {0, 4, 8}) values[kAxes + diagonal] = 1;
+  // parse the cells
   for (std::size_t c = 0; c < kColumns; c++) {
     if (header.at[c] < 0) continue;
     const auto cell = std::size_t(header.at[c]);
@@ -86,23 +88,25 @@ Result<HandRow> read_row(const Header& header, const std::vector<std::string>& c
     if (!std::isfinite(values[c]))
       return Error{fmt::format("expected a number for {}, found \"{:.40}\"", kNames[c], text)};
   }
+  // check axes and grip
   const HandRow row{values[kTime], command_of(values)};
   if (!contact::is_valid(row.command.pose))
-    return Error{"expected axes of length 1 that are square to each other and right-handed, found others"};
+    return Error{"expected orthonormal right-handed axes, found others"};
   if (!(row.command.grip >= 0 && row.command.grip <= 1))
     return Error{fmt::format("expected a grip from 0 (open) to 1 (closed), found {}", row.command.grip)};
   return row;
 }
 
-/// Whose row it is; without such a column, that of the tool that is asked for.
-std::string tool_of(const Header& header, const std::vector<std::string>& cells, const std::string& asked) {
-  if (header.tool < 0) return asked;
+/// Tool of a row; `fallback` without a column `tool`.
+std::string tool_of(const Header& header, const std::vector<std::string>& cells,
+                    const std::string& fallback) {
+  if (header.tool < 0) return fallback;
   return std::size_t(header.tool) < cells.size() ? cells[std::size_t(header.tool)] : "";
 }
 
 Status check_next(const std::vector<HandRow>& rows, const HandRow& row) {
   if (!rows.empty() && row.time <= rows.back().time)
-    return Error{fmt::format("expected a time after that of the row before, {} s, found {} s",
+    return Error{fmt::format("expected a time after that of the previous row, {} s, found {} s",
                              rows.back().time, row.time)};
   if (rows.size() == kMostHandRows)
     return Error{fmt::format("expected at most {} rows, found more", kMostHandRows)};
@@ -113,8 +117,9 @@ std::string in_line(const std::filesystem::path& file, int line, const std::stri
   return fmt::format("{}:{}: {}", file.string(), line, what);
 }
 
-/// w, x, y, z of the rotation that axes are (Shepperd 1978).
+/// Quaternion w, x, y, z of a rotation matrix (Shepperd 1978).
 std::array<double, 4> quaternion_of(const Mat3d& m) {
+  // pivot on the largest of trace and diagonal, which avoids cancellation
   const auto& [x, y, z] = m.column;
   const double trace = x.x + y.y + z.z;
   std::array<double, 4> q{};
@@ -126,8 +131,10 @@ std::array<double, 4> quaternion_of(const Mat3d& m) {
     q = {z.x - x.z, x.y + y.x, 1 + 2 * y.y - trace, y.z + z.y};
   else
     q = {x.y - y.x, z.x + x.z, y.z + z.y, 1 + 2 * z.z - trace};
+  // normalize
   const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (double& part : q) part /= length;
+  TURGOR_CHECK(length > 0, "a rotation matrix has a quaternion");
+  for (double& component : q) component /= length;
   return q;
 }
 
@@ -136,6 +143,7 @@ std::array<double, 4> quaternion_of(const Mat3d& m) {
 std::vector<std::string> hand_columns() { return {kNames.begin(), kNames.end()}; }
 
 Result<std::vector<HandRow>> read_hand(const std::filesystem::path& file, const std::string& tool) {
+  // header
   const Result<std::string> text = read_file(file);
   if (!text) return text.error();
   std::istringstream lines(*text);
@@ -143,6 +151,8 @@ Result<std::vector<HandRow>> read_hand(const std::filesystem::path& file, const 
   std::getline(lines, line);
   const Result<Header> header = read_header(line);
   if (!header) return Error{in_line(file, 1, header.error().message)};
+
+  // rows of this tool
   std::vector<HandRow> rows;
   std::set<std::string> others;
   for (int number = 2; std::getline(lines, line); number++) {
@@ -158,8 +168,10 @@ Result<std::vector<HandRow>> read_hand(const std::filesystem::path& file, const 
       return Error{in_line(file, number, status.error().message)};
     rows.push_back(*row);
   }
+
+  // errors
   if (!rows.empty()) return rows;
-  return Error{others.empty() ? fmt::format("{}: expected a row a tick, found none", file.string())
+  return Error{others.empty() ? fmt::format("{}: expected a row per tick, found none", file.string())
                               : fmt::format("{}: expected rows of the tool {}, found those of {}",
                                             file.string(), tool, fmt::join(others, ", "))};
 }
@@ -172,6 +184,7 @@ const HandRow& hand_at(const std::vector<HandRow>& hand, double time) {
 }
 
 ToolPath path_of(const std::vector<HandRow>& hand) {
+  TURGOR_CHECK(!hand.empty(), "a hand has at least one row");
   ToolPath path;
   for (const auto& [time, command] : hand)
     path.rows.push_back({.time = time,

@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/geometry/body_location.hpp"
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
-#include "turgor/geometry/where_is.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 
@@ -15,14 +17,14 @@ namespace turgor {
 
 namespace {
 
-/// A tool's shape for contact and for pictures.
+/// Shape of a tool for contact and for pictures.
 struct MadeShape {
   contact::Shape shape;
-  TriMesh snapshot;
+  TriMesh mesh;
   std::optional<contact::Forceps> forceps;
 };
 
-/// The two parts of the surface are the jaws.
+/// Forceps from a surface with two components, the jaws.
 Result<contact::Forceps> make_forceps(const ForcepsTool& given) {
   if (given.file.empty())
     return contact::build_forceps(phantom_forceps_half(false), phantom_forceps_half(true), given.opening);
@@ -34,11 +36,13 @@ Result<contact::Forceps> make_forceps(const ForcepsTool& given) {
 }
 
 Result<MadeShape> make_shape(const ToolShape& given) {
+  // analytic shapes
   if (const auto* ball = std::get_if<BallTool>(&given))
     return MadeShape{contact::Sphere{ball->radius}, capsule_mesh(ball->radius, 0)};
   if (const auto* rod = std::get_if<RodTool>(&given))
     return MadeShape{contact::Capsule{rod->radius, rod->half_length},
                      capsule_mesh(rod->radius, rod->half_length)};
+  // forceps: distance field of the closed jaws
   if (const auto* jaws = std::get_if<ForcepsTool>(&given)) {
     Result<contact::Forceps> forceps = make_forceps(*jaws);
     if (!forceps) return forceps.error();
@@ -47,22 +51,23 @@ Result<MadeShape> make_shape(const ToolShape& given) {
     if (!shape) return Error{fmt::format("the forceps: {}", shape.error().message)};
     return MadeShape{std::move(*shape), std::move(closed), std::move(*forceps)};
   }
-  const MeshTool& mesh = std::get<MeshTool>(given);
-  Result<ReadSurface> read = read_surface(mesh.file, mesh.scale);
+  // mesh file
+  const MeshTool& file = std::get<MeshTool>(given);
+  Result<ReadSurface> read = read_surface(file.file, file.scale);
   if (!read) return read.error();
   Result<contact::Shape> shape = contact::mesh_shape(read->mesh);
-  if (!shape) return Error{fmt::format("{}: {}", mesh.file.string(), shape.error().message)};
+  if (!shape) return Error{fmt::format("{}: {}", file.file.string(), shape.error().message)};
   return MadeShape{std::move(*shape), std::move(read->mesh)};
 }
 
-/// Across, which for a rod is its thickness: it may well be longer than what it touches [m].
+/// Width of a tool [m]. For a capsule this is its thickness, since it may be longer than the body.
 double width(const ToolShape& given, const contact::Shape& shape) {
   if (const auto* rod = std::get_if<RodTool>(&given)) return 2 * rod->radius;
   if (const auto* jaws = std::get_if<ForcepsTool>(&given)) return jaws->opening;
   return 2 * contact::bounding_radius(shape);
 }
 
-/// How far the tool reaches below its origin [m].
+/// Distance from the tool's origin to its lowest point [m].
 double tip(const TriMesh& mesh) {
   float lowest = 0;
   for (const Vec3 x : mesh.vertices) lowest = std::min(lowest, x.z);
@@ -73,9 +78,9 @@ Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, con
   const double reach = 0.5 * width(scene.shape, tool.tool.shape);
   if (const auto* rows = std::get_if<GivenPath>(&scene.motion)) return ToolPath{rows->rows, rows->smooth};
   if (const auto* press = std::get_if<Press>(&scene.motion))
-    return press_path(surface, *press, tip(tool.snapshot), reach);
+    return press_path(surface, *press, tip(tool.mesh), reach);
   if (const auto* grasp = std::get_if<Grasp>(&scene.motion))
-    return grasp_path(surface, *grasp, tip(tool.snapshot), reach);
+    return grasp_path(surface, *grasp, tip(tool.mesh), reach);
   if (std::holds_alternative<HandFile>(scene.motion)) return path_of(tool.hand);
   const PathFile& file = std::get<PathFile>(scene.motion);
   Result<std::vector<PathRow>> rows = read_path_rows(file.file);
@@ -83,20 +88,21 @@ Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, con
   return ToolPath{std::move(*rows), file.smooth};
 }
 
-/// A place that is meant to be on the surface is moved there; from farther away than the tool is wide, that
-/// is said.
-void note_moved(const std::string& key, Vec3d place, const RestSurface& surface, const std::string& body,
+/// Adds a note if a target is farther from the surface than the tool's width; targets are moved to the
+/// surface.
+void note_moved(const std::string& key, Vec3d target, const RestSurface& surface, const std::string& body,
                 double width, std::vector<std::string>& notes) {
-  const Vec3d point = place_on_surface(surface, place, false, width).point;
-  const double distance = norm(point - place);
+  const Vec3d point = sample_surface(surface, target, false, width).point;
+  TURGOR_CHECK(width > 0, "a tool has a width");
+  const double distance = norm(point - target);
   if (distance > width)
-    notes.push_back(fmt::format("{} = {} is off {} and was moved to its nearest point; {}", key,
-                                place_text(place), body,
-                                where_is(box_around(surface.vertices), point, distance)));
+    notes.push_back(fmt::format("{} = {} is not on {} and was moved to its nearest point; {}", key,
+                                position_text(target), body,
+                                describe_location(box_around(surface.vertices), point, distance)));
 }
 
-void note_moved_places(const ToolScene& scene, const std::string& body, const RestSurface& surface,
-                       double width, std::vector<std::string>& notes) {
+void note_moved_targets(const ToolScene& scene, const std::string& body, const RestSurface& surface,
+                        double width, std::vector<std::string>& notes) {
   if (const auto* press = std::get_if<Press>(&scene.motion); press && !press->by_fraction) {
     note_moved("press.at", press->at, surface, body, width, notes);
     if (press->slide > 0) note_moved("press.to", press->to, surface, body, width, notes);
@@ -111,9 +117,9 @@ Result<TouchingTool> load_tool_shape(const ToolScene& scene) {
   TouchingTool tool;
   tool.name = scene.name, tool.body = scene.body;
   Result<MadeShape> made = make_shape(scene.shape);
-  if (!made) return Error{fmt::format("{}: {}", scene.place, made.error().message)};
+  if (!made) return Error{fmt::format("{}: {}", scene.source_location, made.error().message)};
   tool.tool = {std::move(made->shape), scene.friction};
-  tool.snapshot = std::move(made->snapshot);
+  tool.mesh = std::move(made->mesh);
   tool.forceps = std::move(made->forceps);
   if (const auto* jaws = std::get_if<ForcepsTool>(&scene.shape)) tool.closing_time = jaws->closing;
   return tool;
@@ -123,6 +129,9 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
   Result<TouchingTool> loaded = load_tool_shape(scene);
   if (!loaded) return loaded.error();
   TouchingTool tool = std::move(*loaded);
+
+  TURGOR_CHECK(!surface.vertices.empty(), "a touched body has a surface");
+  // plausible size
   const Box box = box_around(surface.vertices);
   const Vec3d extent = box.high - box.low;
   const double body_width = std::max({extent.x, extent.y, extent.z}),
@@ -130,18 +139,23 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
   if (tool_width >= body_width)
     return Error{
         fmt::format("{}: the tool is {:.4g} m wide, the body {} {:.4g} m; expected a tool that is smaller "
-                    "than what it touches (are lengths in metres?)",
-                    scene.place, tool_width, body, body_width)};
+                    "than the body (are lengths in meters?)",
+                    scene.source_location, tool_width, body, body_width)};
+
+  // motion
   if (const auto* recorded = std::get_if<HandFile>(&scene.motion)) {
     Result<std::vector<HandRow>> hand = read_hand(recorded->file, scene.name);
-    if (!hand) return Error{fmt::format("{}: {}", scene.place, hand.error().message)};
+    if (!hand) return Error{fmt::format("{}: {}", scene.source_location, hand.error().message)};
     tool.hand = std::move(*hand);
   }
   Result<ToolPath> path = make_path(scene, tool, surface);
-  if (!path) return Error{fmt::format("{}: {}", scene.place, path.error().message)};
+  if (!path) return Error{fmt::format("{}: {}", scene.source_location, path.error().message)};
   tool.path = std::move(*path);
+
+  TURGOR_CHECK(!tool.path.rows.empty() || !tool.hand.empty(), "a loaded tool has a path");
+  // log and notes
   tool.samples.start(command_at(tool, 0));
-  note_moved_places(scene, body, surface, tool_width, tool.notes);
+  note_moved_targets(scene, body, surface, tool_width, tool.notes);
   return tool;
 }
 

@@ -1,4 +1,4 @@
-// A tool of the scene: its shape, and its path laid on the body that it touches.
+// Loads a tool of the scene: its shape, and its path on the touched body.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace turgor {
 
-/// A tool by its shape alone, to be drawn. Error: a mesh that is none.
+/// Tool without a path, for drawing. Error: an invalid mesh.
 Result<TouchingTool> load_tool_shape(const ToolScene& scene);
-/// A tool, with its path laid on the surface of the body of that name. Error: a path or a mesh that is none,
-/// a tool wider than the body.
+/// Tool with its path on the surface of the body of that name. Error: an invalid path or mesh, or a tool
+/// wider than the body.
 Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, const RestSurface& surface);
 
 }  // namespace turgor

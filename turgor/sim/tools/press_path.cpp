@@ -5,12 +5,15 @@
 #include <limits>
 #include <optional>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+
 namespace turgor {
 
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::max();
-constexpr double kClearance = 0.002;  // of the tip above the surface, before and after a press [m]
+constexpr double kClearance = 0.002;  // height of the tip above the surface before and after a press [m]
 constexpr int kSlideRows = 32;
 
 struct Corners {
@@ -21,7 +24,7 @@ Corners corners(const RestSurface& surface, Int3 t) {
           surface.vertices[std::size_t(t.z)]};
 }
 
-/// Distance along a ray to a triangle (Möller and Trumbore 1997); none when it misses.
+/// Distance along a ray to a triangle (Möller and Trumbore 1997); empty if it misses.
 std::optional<double> ray_distance(const Corners& t, Vec3d from, Vec3d direction) {
   const Vec3d ab = t.b - t.a, ac = t.c - t.a, p = cross(direction, ac);
   const double det = dot(ab, p);
@@ -32,7 +35,7 @@ std::optional<double> ray_distance(const Corners& t, Vec3d from, Vec3d direction
   return distance;
 }
 
-/// The nearest point of a triangle: inside, else on the nearest edge.
+/// Nearest point of a triangle: inside, else on an edge.
 Vec3d nearest_point(const Corners& t, Vec3d p) {
   const Vec3d ab = t.b - t.a, ac = t.c - t.a, n = cross(ab, ac);
   const double nn = dot(n, n);
@@ -68,9 +71,10 @@ std::optional<Vec3d> first_hit(const RestSurface& surface, Vec3d from, Vec3d dir
   return from + direction * nearest;
 }
 
-/// The mean normal of the triangles around a point, the nearer ones more; that of the nearest when the reach
-/// holds none.
+/// Mean normal of the triangles within `reach` of a point, weighted by 1 − d²/reach²; the normal of the
+/// nearest triangle if there are none.
 Vec3d normal_around(const RestSurface& surface, Vec3d point, double reach) {
+  TURGOR_CHECK(reach > 0, "a mean normal is over an area");
   Vec3d sum, nearest;
   double distance = kFar;
   for (const Int3 triangle : surface.triangles) {
@@ -96,8 +100,9 @@ SurfaceBox box_of(const RestSurface& surface) {
   return box;
 }
 
-/// Seen from the side of the box on which the fractions lie; none when they lie inside, or see nothing.
-std::optional<Vec3d> seen_from_side(const RestSurface& surface, Vec3d point, Vec3d fraction) {
+/// First surface point along the inward normal of the side that the fractions select; empty without such a
+/// side.
+std::optional<Vec3d> visible_from_side(const RestSurface& surface, Vec3d point, Vec3d fraction) {
   for (int axis = 0; axis < 3; axis++) {
     if (fraction[axis] != 0 && fraction[axis] != 1) continue;
     Vec3d inwards;
@@ -107,65 +112,78 @@ std::optional<Vec3d> seen_from_side(const RestSurface& surface, Vec3d point, Vec
   return std::nullopt;
 }
 
-PathRow row_above(const SurfaceSample& place, double time, double height) {
+PathRow row_above(const SurfaceSample& sample, double time, double height) {
   return {.time = time,
-          .position = place.point + place.normal * height,
+          .position = sample.point + sample.normal * height,
           .hold = false,
-          .orientation = turned_to(place.normal)};
+          .orientation = turned_to(sample.normal)};
 }
 
 }  // namespace
 
-SurfaceSample place_on_surface(const RestSurface& surface, Vec3d place, bool by_fraction, double reach) {
-  Vec3d point = place;
-  std::optional<Vec3d> seen;
+SurfaceSample sample_surface(const RestSurface& surface, Vec3d target, bool by_fraction, double reach) {
+  TURGOR_CHECK(!surface.triangles.empty(), "a surface has triangles");
+  Vec3d point = target;
+  std::optional<Vec3d> visible;
   if (by_fraction) {
     const SurfaceBox box = box_of(surface);
-    point = box.low + hadamard(place, box.high - box.low);
-    seen = seen_from_side(surface, point, place);
+    point = box.low + hadamard(target, box.high - box.low);
+    visible = visible_from_side(surface, point, target);
   }
-  point = seen ? *seen : nearest_point(surface, point);
+  point = visible ? *visible : nearest_point(surface, point);
   return {point, normal_around(surface, point, reach)};
 }
 
 ToolPath press_path(const RestSurface& surface, const Press& press, double tip, double radius) {
+  TURGOR_CHECK(radius > 0, "a tool has a width");
   const double reach = 3 * radius, up = tip + kClearance, down = tip - press.depth;
-  const auto place = [&](double s) {
-    return place_on_surface(surface, press.at * (1 - s) + press.to * s, press.by_fraction, reach);
+  const auto sample_at = [&](double s) {
+    return sample_surface(surface, press.at * (1 - s) + press.to * s, press.by_fraction, reach);
   };
-  const SurfaceSample first = place(0), last = press.slide > 0 ? place(1) : first;
+
+  // approach
+  const SurfaceSample first = sample_at(0), last = press.slide > 0 ? sample_at(1) : first;
   ToolPath path{.rows = {row_above(first, press.start, up)}, .smooth = true};
   double time = press.start + press.duration;
   path.rows.push_back(row_above(first, time, down));
   if (press.hold > 0) path.rows.push_back(row_above(first, time += press.hold, down));
+
+  // slide
   if (press.slide > 0) {
     for (int n = 1; n <= kSlideRows; n++) {
       const double s = double(n) / kSlideRows;
-      path.rows.push_back(row_above(place(s), time + s * press.slide, down));
+      path.rows.push_back(row_above(sample_at(s), time + s * press.slide, down));
     }
     time += press.slide;
     if (press.hold > 0) path.rows.push_back(row_above(last, time += press.hold, down));
   }
+
+  // retreat
   path.rows.push_back(row_above(last, time + press.duration, up));
+  TURGOR_CHECK(is_ascending(path.rows, &PathRow::time), "the times of a path ascend");
   return path;
 }
 
 ToolPath grasp_path(const RestSurface& surface, const Grasp& grasp, double tip, double radius) {
-  const SurfaceSample place = place_on_surface(surface, grasp.at, grasp.by_fraction, 3 * radius);
-  const Vec3d aside = grasp.aside - place.normal * dot(grasp.aside, place.normal);
+  // target and lateral displacement
+  const SurfaceSample sample = sample_surface(surface, grasp.at, grasp.by_fraction, 3 * radius);
+  const Vec3d aside = grasp.aside - sample.normal * dot(grasp.aside, sample.normal);
   double time = grasp.start;
-  ToolPath path{.rows = {row_above(place, time, tip + kClearance)}, .smooth = true};
-  const auto add = [&](double duration, double height, double part, bool hold) {
-    PathRow row = row_above(place, time += duration, tip + height);
-    row.position += aside * part, row.hold = hold;
+  ToolPath path{.rows = {row_above(sample, time, tip + kClearance)}, .smooth = true};
+  const auto add = [&](double duration, double height, double s, bool hold) {
+    PathRow row = row_above(sample, time += duration, tip + height);
+    row.position += aside * s, row.hold = hold;
     path.rows.push_back(row);
   };
+
+  // approach, grasp, pull, release
   add(grasp.duration, -grasp.depth, 0, true);
   add(grasp.hold, -grasp.depth, 0, true);
   add(grasp.duration, grasp.pull, 1, true);
   add(grasp.hold, grasp.pull, 1, false);
   add(grasp.hold, grasp.pull, 1, false);
   add(grasp.duration, std::max(grasp.pull, kClearance), 1, false);
+  TURGOR_CHECK(is_ascending(path.rows, &PathRow::time), "the times of a path ascend");
   return path;
 }
 

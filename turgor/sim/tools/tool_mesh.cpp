@@ -4,22 +4,27 @@
 #include <numbers>
 #include <vector>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor {
 
 namespace {
 
 constexpr int kAround = 40;
 
-/// A circle of a body that is round about an axis.
+/// Circle of a surface of revolution.
 struct Ring {
   double along, radius;  // [m]
 };
 
-/// Rings from one end to the other, joined by triangles; those of radius 0 close the ends.
+/// Rings connected by triangles; rings of radius 0 close the ends.
 TriMesh round_mesh(const std::vector<Ring>& rings, Vec3d origin, Vec3d axis) {
+  TURGOR_CHECK(!rings.empty(), "a round mesh has rings");
+  // orthonormal frame around the axis
   const Vec3d z = normalized(axis);
   const Vec3d x = normalized(cross(std::abs(z.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, z)),
               y = cross(z, x);
+  // vertices of the rings
   TriMesh mesh;
   for (const Ring& ring : rings)
     for (int a = 0; a < kAround; a++) {
@@ -27,12 +32,14 @@ TriMesh round_mesh(const std::vector<Ring>& rings, Vec3d origin, Vec3d axis) {
       mesh.vertices.push_back(
           Vec3(origin + z * ring.along + (x * std::cos(angle) + y * std::sin(angle)) * ring.radius));
     }
+  // two triangles per quad; a ring of zero radius yields one
   for (int r = 0; r + 1 < int(rings.size()); r++)
     for (int a = 0; a < kAround; a++) {
       const int b = (a + 1) % kAround, low = r * kAround, high = low + kAround;
       if (rings[std::size_t(r)].radius > 0) mesh.triangles.push_back({low + a, low + b, high + b});
       if (rings[std::size_t(r) + 1].radius > 0) mesh.triangles.push_back({low + a, high + b, high + a});
     }
+  // normals
   mesh.normals = vertex_normals(mesh);
   return mesh;
 }
@@ -40,13 +47,14 @@ TriMesh round_mesh(const std::vector<Ring>& rings, Vec3d origin, Vec3d axis) {
 }  // namespace
 
 TriMesh capsule_mesh(double radius, double half_length) {
+  TURGOR_CHECK(radius > 0 && half_length >= 0, "a capsule has a radius");
   constexpr int kQuarter = 10;
   std::vector<Ring> rings;
   for (int half = 0; half < 2; half++)
     for (int r = 0; r <= kQuarter; r++) {
       const double angle = 0.5 * std::numbers::pi * ((half ? r : r - kQuarter) / double(kQuarter));
       const bool pole = half ? r == kQuarter : r == 0;
-      if (half && r == 0 && half_length == 0) continue;  // the equator once
+      if (half && r == 0 && half_length == 0) continue;  // skips the second equator
       rings.push_back({(half ? half_length : -half_length) + radius * std::sin(angle),
                        pole ? 0 : radius * std::cos(angle)});
     }

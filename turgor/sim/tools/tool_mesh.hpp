@@ -1,14 +1,14 @@
-// Tools as triangles, to be drawn.
+// Triangle meshes of tools, for drawing.
 #pragma once
 
 #include "turgor/geometry/tri_mesh.hpp"
 
 namespace turgor {
 
-/// Around the segment from -half_length to half_length on the z axis; a ball when that is 0 [m].
+/// Capsule around the segment from -half_length to half_length on the z axis; a ball for half_length 0 [m].
 TriMesh capsule_mesh(double radius, double half_length);
 
-/// From a point towards `tip`, with a cone as its head [m].
+/// Arrow from `tail` to `tip` with a conical head [m].
 TriMesh arrow_mesh(Vec3d tail, Vec3d tip, double thickness);
 
 }  // namespace turgor

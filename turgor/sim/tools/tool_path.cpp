@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/io/files/number_table.hpp"
 
 namespace turgor {
@@ -15,10 +17,11 @@ Error row_error(std::size_t row, const std::string& what) {
   return {fmt::format("row {} of the path: {}", row + 1, what)};
 }
 
-/// Slope of a monotone cubic at a row (Fritsch and Butland 1984): the weighted harmonic mean of the slopes on
-/// both sides, zero where they point apart.
+/// Slope of a monotone cubic at a row (Fritsch and Butland 1984): weighted harmonic mean of the slopes on
+/// both sides, zero if they have opposite signs.
 double slope_at(double h0, double d0, double h1, double d1) {
   if (!(d0 * d1 > 0)) return 0;
+  TURGOR_CHECK(h0 > 0 && h1 > 0, "the times of a path ascend");
   const double w0 = 2 * h1 + h0, w1 = h1 + 2 * h0;
   return (w0 + w1) / (w0 / d0 + w1 / d1);
 }
@@ -31,6 +34,7 @@ double slope_of_row(const std::vector<PathRow>& rows, std::size_t r, int axis) {
 }
 
 Vec3d smooth_position(const std::vector<PathRow>& rows, std::size_t r, double s) {
+  TURGOR_CHECK(r + 1 < rows.size(), "a position lies between two rows");
   const double h = rows[r + 1].time - rows[r].time, s2 = s * s, s3 = s2 * s;
   Vec3d x;
   for (int axis = 0; axis < 3; axis++)
@@ -45,6 +49,7 @@ Vec3d smooth_position(const std::vector<PathRow>& rows, std::size_t r, double s)
 Result<std::vector<PathRow>> path_rows(const std::vector<std::vector<double>>& rows) {
   std::vector<PathRow> path;
   for (std::size_t r = 0; r < rows.size(); r++) {
+    // checks
     const std::vector<double>& v = rows[r];
     if (v.size() != 4 && v.size() != 5 && v.size() != 9)
       return row_error(r, fmt::format("expected t, x, y, z and at most hold and a quaternion w, x, y, z "
@@ -53,8 +58,10 @@ Result<std::vector<PathRow>> path_rows(const std::vector<std::vector<double>>& r
     for (const double value : v)
       if (!std::isfinite(value)) return row_error(r, fmt::format("expected numbers, found {}", value));
     if (r > 0 && v[0] <= path.back().time)
-      return row_error(r, fmt::format("expected a time after that of the row before, {} s, found {} s",
+      return row_error(r, fmt::format("expected a time after that of the previous row, {} s, found {} s",
                                       path.back().time, v[0]));
+
+    // row
     PathRow row{.time = v[0],
                 .position = {v[1], v[2], v[3]},
                 .hold = v.size() > 4 && v[4] != 0,
@@ -82,13 +89,18 @@ Result<std::vector<PathRow>> read_path_rows(const std::filesystem::path& file) {
 }
 
 PathRow path_at(const ToolPath& path, double time) {
+  TURGOR_ASSERT(!path.rows.empty(), "a path has at least one row");
+  // last row at or before the time
   const std::vector<PathRow>& rows = path.rows;
   const auto later = std::upper_bound(rows.begin(), rows.end(), time,
                                       [](double t, const PathRow& row) { return t < row.time; });
   PathRow now = later == rows.begin() ? rows.front() : *(later - 1);
   now.time = time;
+  // outside the path, hold the end pose
   if (later == rows.begin() || later == rows.end()) return now;
+  // interpolate between neighboring rows
   const std::size_t r = std::size_t(later - rows.begin()) - 1;
+  TURGOR_CHECK(rows[r + 1].time > rows[r].time, "the times of a path ascend");
   const double s = (time - rows[r].time) / (rows[r + 1].time - rows[r].time);
   now.position =
       path.smooth ? smooth_position(rows, r, s) : rows[r].position * (1 - s) + rows[r + 1].position * s;
@@ -97,6 +109,7 @@ PathRow path_at(const ToolPath& path, double time) {
 }
 
 Quaternion turned_to(Vec3d z) {
+  TURGOR_CHECK(is_unit(z), "an axis is a unit vector");
   if (z.z <= -1 + 1e-12) return {0, 1, 0, 0};
   return normalized(Quaternion{1 + z.z, -z.y, z.x, 0});
 }

@@ -1,4 +1,4 @@
-// Where a tool is over time: rows of a scene or of a .csv file, and what lies between them.
+// Pose of a tool over time: rows of a scene or a .csv file, with interpolation.
 #pragma once
 
 #include <filesystem>
@@ -10,22 +10,22 @@
 
 namespace turgor {
 
-/// Rows by ascending time; before the first and after the last the tool rests there.
+/// Rows in ascending time; the tool rests before the first and after the last.
 struct ToolPath {
   std::vector<PathRow> rows;  // at least one
-  bool smooth = false;        // monotone cubics: they pass every row and never swing beyond two neighbours
+  bool smooth = false;        // monotone cubic interpolation without overshoot
 };
 
-/// Rows of [t, x, y, z], with hold (0 or 1) fifth and a quaternion w, x, y, z after it if wanted. Error:
-/// which row is no such row, holds a number that is none, or comes before the one above it.
+/// Rows of [t, x, y, z], optionally with hold (0 or 1) and a quaternion w, x, y, z. Error: the first row with
+/// a wrong length, a value that is not finite, or a time not after the previous one.
 Result<std::vector<PathRow>> path_rows(const std::vector<std::vector<double>>& rows);
 /// The same from a file; a first line of names is skipped. Errors name file and line.
 Result<std::vector<PathRow>> read_path_rows(const std::filesystem::path& file);
 
-/// The tool at a time; `time` of the answer is that time.
+/// Interpolated pose at a time.
 PathRow path_at(const ToolPath& path, double time);
 
-/// The quaternion that turns the z axis into `z` (unit) by the shortest way.
+/// Shortest rotation from the z axis to `z` (unit), as a quaternion.
 Quaternion turned_to(Vec3d z);
 
 }  // namespace turgor

@@ -1,5 +1,5 @@
-// What a tool did and felt, tick by tick: commands and readings whole, so that the hand that held it can be
-// replayed (hand.hpp). A log has an end: what comes after it is counted, not kept.
+// Log of a tool, tick by tick: whole commands and readings, so that the hand motion can be replayed
+// (hand.hpp). A full log only counts further samples.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,20 @@
 namespace turgor {
 
 constexpr double kTick = 1e-3;                            // of the haptic loop [s]
-constexpr std::size_t kMostTicks = std::size_t(1) << 22;  // that a log keeps: 70 minutes
+constexpr std::size_t kMostTicks = std::size_t(1) << 22;  // limit of a log: 70 minutes
 
 /// One tick of one tool.
 struct ForceSample {
   double time = 0;            // [s]
   Vec3d position;             // of the tool's origin [m]
   Vec3d force, torque;        // on the tool, the torque about its origin [N] [N·m]
-  int contacts = 0;           // places that bear force
+  int contacts = 0;           // contact sites with force
   double depth = 0;           // of the tool's deepest point below the surface at rest [m]
-  double path = 0;            // that the tool has gone until now [m]
-  float tick_seconds = 0;     // wall time of the tick, of all tools of its body together
+  double path = 0;            // length of the tool's path so far [m]
+  float tick_seconds = 0;     // wall time of the tick, all tools of its body together
   bool new_patch = false;     // the patch was rebuilt before this tick
   bool beyond_patch = false;  // the tool reaches beyond the patch
-  bool hold = false;          // the rest of the command: see contact::ToolCommand
+  bool hold = false;          // rest of the command: see contact::ToolCommand
   double grip = 0;
   Mat3d axes;
 };
@@ -32,13 +32,14 @@ contact::ToolCommand command_of(const ForceSample& sample);
 
 class TouchLog {
  public:
-  /// Where the tool is before the first tick.
+  /// Pose before the first tick.
   void start(const contact::ToolCommand& command) { start_ = sample_of(0, command, {}); }
   const ForceSample& start() const { return start_; }
 
-  /// From here on no append allocates, and at most so many are kept: for a haptic thread.
+  /// Reserves memory for `most` samples, the new limit, so that append does not allocate on the haptic
+  /// thread.
   void preallocate(std::size_t most);
-  /// Sets ForceSample::path. When the log is full the sample is only counted.
+  /// Sets ForceSample::path. A full log only counts the sample.
   void append(ForceSample sample);
   std::size_t missed() const { return missed_; }
 

@@ -1,5 +1,4 @@
-// Tools of the scene on their way, what they feel, and what bodies of every model that tools touch have in
-// common: which tools those are.
+// Tools of a running world with their logs, and the common base of all bodies that tools can touch.
 #pragma once
 
 #include <optional>
@@ -16,45 +15,45 @@
 
 namespace turgor {
 
-/// Where a model could not, or would not, bear what a tool asked of it.
+/// Events in which a model limited or dropped the contact of a tool.
 struct ForceLimits {
-  int coarsest = 0;      // level of contact sites (contact::Site::level); 0 = every point by itself
-  int dropped_most = 0;  // touched places that had no room in a tick
+  int coarsest = 0;      // coarsest level of contact sites (contact::Site::level); 0 = every vertex is a site
+  int dropped_most = 0;  // most touched vertices without a site in a tick
   int dropped_ticks = 0;
-  int unsolved_ticks = 0;  // the contacts were not solved to the end
-  int slips = 0;           // out of what it held
-  double slipped_at = 0;   // first [s]
-  int yielding_ticks = 0;  // pressed harder than the tissue bears
+  int unsolved_ticks = 0;  // ticks whose contact solver did not converge
+  int slips = 0;           // grasped tissue slipped out
+  double slipped_at = 0;   // time of the first slip [s]
+  int yielding_ticks = 0;  // ticks with a force above the tissue's limit
 };
 
-/// A tool of the scene on its way.
+/// A tool of a running world.
 struct TouchingTool {
   std::string name;
-  BodyId body;  // that it touches
+  BodyId body;  // touched body
   contact::Tool tool;
   std::optional<contact::Forceps> forceps;
-  double closing_time = 0;  // of its jaws [s]
-  TriMesh snapshot;         // about the tool's origin, to be drawn; jaws closed
+  double closing_time = 0;  // of the jaws [s]
+  TriMesh mesh;             // about the tool's origin, for drawing; jaws closed
   ToolPath path;
-  std::vector<HandRow> hand;  // a recorded one, tick by tick; empty = the path says where it goes
+  std::vector<HandRow> hand;  // recorded hand motion; empty = the path applies
   double grip = 0;            // after the last tick
   TouchLog samples;
   ForceLimits limits;
-  std::vector<std::string> notes;  // what a person should know of its path
+  std::vector<std::string> notes;  // notes about its path for the user
 };
 
-/// What its path or its hand asks of it at a time, with its jaws as they are.
+/// Command at a time from the path or the hand motion, with the present jaws.
 contact::ToolCommand command_at(const TouchingTool& tool, double time);
-/// The same in the tick that ends at a time: its jaws move on by that tick.
+/// The same for the tick that ends at a time, with the jaws after that tick.
 contact::ToolCommand next_command(TouchingTool& tool, double time);
-/// In which it takes hold, with jaws or without [s].
+/// Duration of a grasp, with or without jaws [s].
 double holding_time(const TouchingTool& tool);
 
-/// What bodies of all models that tools touch have in common.
+/// Common data of all bodies that tools can touch.
 struct TouchedBody {
   std::string name;
   std::vector<int> tool_indices;  // into World::tools
-  double usual_force = 1;         // that presses a centimetre of it in by about a centimetre [N]
+  double typical_force = 1;       // force of an indentation of about a centimeter [N]
 };
 
 }  // namespace turgor

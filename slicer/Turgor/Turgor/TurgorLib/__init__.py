@@ -1,1 +1,1 @@
-"""What the module Turgor of 3D Slicer is made of, apart from Slicer itself."""
+"""Code of the Turgor module for 3D Slicer that does not depend on Slicer."""

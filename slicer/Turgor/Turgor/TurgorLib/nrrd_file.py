@@ -1,4 +1,4 @@
-"""NRRD files of CTs, in and out: the place of a volume is text in them, to the last digit. Read is what Turgor writes."""
+"""NRRD files of CTs. The header stores the pose of the volume as text with full precision. read() supports files of Turgor."""
 import gzip
 import re
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def write(file, samples, affine):
-    """samples: (k, j, i), kept as int16. affine: (4, 4), from (i, j, k, 1) to LPS [mm]."""
+    """Writes samples (k, j, i) as int16. affine: (4, 4), from (i, j, k, 1) to LPS [mm]."""
 
     def vector(numbers):
         return "(" + ",".join(repr(float(n)) for n in numbers) + ")"
@@ -22,7 +22,7 @@ def write(file, samples, affine):
 
 
 def read(file):
-    """samples (k, j, i) and affine, as for write()."""
+    """Returns samples (k, j, i) and affine, as for write()."""
     with open(file, "rb") as given:
         header, _, body = given.read().partition(b"\n\n")
     fields = dict(line.split(": ", 1) for line in header.decode("ascii").splitlines() if ": " in line and line[0] != "#")

@@ -1,7 +1,7 @@
-"""Cuts with the Python module `turgor`, as `turgor run` would: worker.py FOLDER
+"""Cuts with the Python module `turgor`, as `turgor run` does: worker.py FOLDER
 
-FOLDER has scene.toml; FOLDER/out gets patient.obj, deformed.nrrd and report.json. How far it is, is printed line by line.
-It stops when scene.toml is gone: between it and Slicer is a launcher, which passes no signal on.
+Reads FOLDER/scene.toml; writes patient.obj, deformed.nrrd and report.json to FOLDER/out. Prints progress line by line.
+Stops when scene.toml is removed, because the launcher between Slicer and this process does not forward signals.
 """
 import json
 import pathlib
@@ -12,22 +12,22 @@ import numpy as np
 import nrrd_file
 
 
-def make_told(scene):
-    """A line a percent, and the end where nobody waits any more."""
+def make_progress(scene):
+    """Callback that prints a line per percent, and exits when the scene file is removed."""
     last = [None]
 
-    def told(word, fraction):
+    def progress(phase, fraction):
         if not scene.exists():
             sys.exit(130)
-        if last[0] != (word, int(100 * fraction)):
-            last[0] = (word, int(100 * fraction))
-            print(f"{word} {fraction:.2f}", flush=True)
+        if last[0] != (phase, int(100 * fraction)):
+            last[0] = (phase, int(100 * fraction))
+            print(f"{phase} {fraction:.2f}", flush=True)
 
-    return told
+    return progress
 
 
 def write_obj(file, points, skin, wound):
-    """points: (n, 3) [mm]; triangles (m, 3) of the skin and of the wound's walls."""
+    """Writes points (n, 3) [mm] and triangles (m, 3) of the skin and of the walls of the wound."""
     with open(file, "w", encoding="ascii") as out:
         np.savetxt(out, points, fmt="v %.4f %.4f %.4f")
         for name, triangles in (("skin", skin), ("wound", wound)):
@@ -36,9 +36,9 @@ def write_obj(file, points, skin, wound):
 
 
 def cut(turgor, folder):
-    told = make_told(folder / "scene.toml")
-    world = turgor.World(folder / "scene.toml", progress=told)
-    for _ in world.run(every=world.dt, progress=told):
+    progress = make_progress(folder / "scene.toml")
+    world = turgor.World(folder / "scene.toml", progress=progress)
+    for _ in world.run(every=world.dt, progress=progress):
         pass
     patient = world["patient"]
     out = folder / "out"
@@ -56,7 +56,7 @@ def main(folder):
     try:
         import turgor
     except ImportError as error:
-        sys.exit(f"the Python module turgor is there but cannot be loaded: {error}")
+        sys.exit(f"the Python module turgor is installed but cannot be loaded: {error}")
     try:
         cut(turgor, folder)
     except turgor.Error as error:

@@ -10,73 +10,77 @@ namespace {
 
 constexpr double kThickness = 0.0096;
 
-TEST(ClothCrossing, a_vertex_meets_a_triangle_at_any_speed_and_passes_beside_it) {
+// A vertex hits a triangle at any speed and misses it beside the triangle.
+TEST(ClothCcd, VertexTriangle_AnySpeed) {
   const std::array<Vec3d, 4> x{Vec3d{0.2, 0.2, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   for (const double speed : {0.11, 1.0, 1000.0})
     EXPECT_TRUE(comes_too_near(x, {Vec3d{0, 0, -speed}, {}, {}, {}}, false, kThickness)) << speed;
   EXPECT_FALSE(comes_too_near(x, {Vec3d{0, 0, -0.09}, {}, {}, {}}, false, kThickness)) << "stops before";
   EXPECT_FALSE(comes_too_near(x, {Vec3d{2, 0, -0.2}, {}, {}, {}}, false, kThickness)) << "passes beside";
   const Vec3d all{3, -2, -5};
-  EXPECT_FALSE(comes_too_near(x, {all, all, all, all}, false, kThickness)) << "all move alike";
+  EXPECT_FALSE(comes_too_near(x, {all, all, all, all}, false, kThickness)) << "rigid motion";
   EXPECT_TRUE(comes_too_near(x, {all + Vec3d{0, 0, -0.2}, all, all, all}, false, kThickness));
 }
 
-TEST(ClothCrossing, two_edges_meet_where_they_cross_and_not_beside_their_ends) {
+// Two edges hit where they cross and miss beyond their ends.
+TEST(ClothCcd, EdgeEdge_HitsAndMisses) {
   const std::array<Vec3d, 4> x{Vec3d{-1, 0, 0.1}, {1, 0, 0.1}, {0, -1, 0}, {0, 1, 0}};
-  const Vec3d down{0, 0, -0.2}, aside{3, 0, -0.2};
+  const Vec3d down{0, 0, -0.2}, sideways{3, 0, -0.2};
   EXPECT_TRUE(comes_too_near(x, {down, down, {}, {}}, true, kThickness));
-  EXPECT_FALSE(comes_too_near(x, {aside, aside, {}, {}}, true, kThickness));
-  EXPECT_TRUE(comes_too_near(x, {down, {}, {}, -down}, true, kThickness)) << "both turn";
-  EXPECT_FALSE(comes_too_near(x, {down, {}, {}, down}, true, kThickness)) << "one turns away";
+  EXPECT_FALSE(comes_too_near(x, {sideways, sideways, {}, {}}, true, kThickness));
+  EXPECT_TRUE(comes_too_near(x, {down, {}, {}, -down}, true, kThickness)) << "both rotate";
+  EXPECT_FALSE(comes_too_near(x, {down, {}, {}, down}, true, kThickness)) << "one rotates away";
 }
 
-/// One vertex of a rough sheet is pulled far out and moves: its edges meet what is beside their other ends,
-/// where no vertex moves.
-TEST(ClothCrossing, what_a_changed_vertex_would_meet_is_found_around_it_as_where_everything_is_looked_at) {
+// The local search around a changed vertex finds a CCD pair exactly if the full search does. One vertex of a
+// rough sheet is pulled far out and moves. Its edges hit primitives near their other ends, where no vertex
+// moves.
+TEST(ClothCcd, LocalSearchMatchesFullSearch) {
   Params params;
   params.collision.thickness = 0.004;
   const Model model = must_build(flat_sheet(16), params);
   const Exec exec(1);
   State state = make_state(model);
   CcdWorkspace& ccd = state.ccd;
-  Vectors &before = state.system.before, &way = state.system.force;
+  Vectors &before = state.system.previous, &displacement = state.system.force;  // as ccd_motion uses them
   before = state.x;
   shake(model, before, 0.004);
   RandomNumbers next{7};
-  int met = 0, tries = 0;
+  int hits = 0, tries = 0;
   for (int v = 0; v < model.count; v++)
     for (int n = 0; n < 3; n++, tries++) {
       const double x = next(), y = next(), z = next();
-      const Vec3 place = before[std::size_t(v)];
+      const Vec3 position = before[std::size_t(v)];
       before.add(std::size_t(v), {0, 0, 0.1f});
-      way.set(std::size_t(v), Vec3(Vec3d{x, y, z} * 0.08));
+      displacement.set(std::size_t(v), Vec3(Vec3d{x, y, z} * 0.08));
       ccd.in_impact_zone = {v}, ccd.zone = {0};
       measure_triangles(exec, model, state);
-      place_boxes(exec, model, state);
+      build_boxes(exec, model, state);
       const auto finds = [&](bool all) {
         ccd.ccd_pairs.clear();
         return find_ccd_pairs(exec, model, state, all);
       };
       const bool expected = finds(true);
       EXPECT_EQ(finds(false), expected) << v;
-      met += expected;
-      way.set(std::size_t(v), {}), before.set(std::size_t(v), place);
+      hits += expected;
+      displacement.set(std::size_t(v), {}), before.set(std::size_t(v), position);
     }
-  EXPECT_GT(met, 40);
-  EXPECT_LT(met, tries / 2);
+  EXPECT_GT(hits, 40);
+  EXPECT_LT(hits, tries / 2);
 }
 
-/// What a run has seen at its worst.
-struct Course {
+/// Worst values of a run.
+struct RunSummary {
   int crossed_frames = 0, in_impact_zone = 0;
-  double smallest = INFINITY;  // of a vertex from another that is not near at rest, at the end [m]
+  double smallest =
+      INFINITY;  // smallest distance between vertices that are not close at rest, at the end [m]
 };
 
-void look(const Exec& exec, const Model& model, const State& state, const StepReport& report,
-          Course& course) {
+void record(const Exec& exec, const Model& model, const State& state, const StepReport& report,
+            RunSummary& summary) {
   ASSERT_TRUE(report.finite);
-  course.in_impact_zone += report.in_impact_zone;
-  course.crossed_frames += !crossing_triangles(exec, model_surface(model, state)).empty();
+  summary.in_impact_zone += report.in_impact_zone;
+  summary.crossed_frames += !crossing_triangles(exec, model_surface(model, state)).empty();
 }
 
 TriMesh together(TriMesh a, const TriMesh& b) {
@@ -86,8 +90,9 @@ TriMesh together(TriMesh a, const TriMesh& b) {
   return a;
 }
 
-TEST(ClothCrossing, sheets_shot_at_each_other_stop_each_other_and_keep_the_momentum) {
-  for (const float speed : {3.0f, 30.0f, 300.0f}) {  // up to 5 m in a frame: a thousand thicknesses
+// Two colliding sheets do not pass through each other and keep their momentum at any speed.
+TEST(ClothCcd, CollidingSheetsKeepMomentum) {
+  for (const float speed : {3.0f, 30.0f, 300.0f}) {  // up to 5 m per frame: a thousand thicknesses
     const TriMesh other = make_sheet(
         {.corner = {0.013, 0.006, 0.03}, .side = {0.09, 0, 0}, .up = {0, 0.09, 0}, .columns = 9, .rows = 9});
     Params params;
@@ -97,21 +102,22 @@ TEST(ClothCrossing, sheets_shot_at_each_other_stop_each_other_and_keep_the_momen
     State state = make_state(model);
     for (std::size_t v = 144; v < 244; v++) state.v.z[v] = -speed;
     const Vec3d before = momentum(model, state);
-    Course course;
+    RunSummary summary;
     for (int frame = 0; frame < 10; frame++) {
-      look(Exec(2), model, state, step(Exec(2), model, state, in_vacuum(0), kFrame), course);
-      if (frame == 0) {  // later, springs that are torn long need more sweeps than there are
+      record(Exec(2), model, state, step(Exec(2), model, state, in_vacuum(0), kFrame), summary);
+      if (frame == 0) {  // later, strongly stretched springs would need more sweeps
         EXPECT_LT(norm(momentum(model, state) - before), 1e-5 * norm(before)) << speed;
       }
     }
-    EXPECT_EQ(course.crossed_frames, 0) << speed;
-    EXPECT_LT(state.v.z[60], -0.1f * speed) << "the hit one was carried along";
-    EXPECT_GT(course.in_impact_zone, 0) << speed;
+    EXPECT_EQ(summary.crossed_frames, 0) << speed;
+    EXPECT_LT(state.v.z[60], -0.1f * speed) << "the struck sheet moves along";
+    EXPECT_GT(summary.in_impact_zone, 0) << speed;
   }
 }
 
-/// A sheet that lies on a ball and a table, whose corner is pulled away over it, faster than it can follow.
-TEST(ClothCrossing, a_drape_that_is_torn_away_by_a_corner_never_crosses_itself) {
+// A drape whose corner is pulled away quickly never crosses itself. A sheet rests on a ball and a table; its
+// corner is pulled away over it, faster than the sheet can follow.
+TEST(ClothCcd, PulledDrapeNeverCrossesItself) {
   for (const double speed : {0.3, 3.0}) {
     constexpr int kSide = 34;
     Params params{.fabric = {.density = 0.1, .warp = 300, .weft = 300, .shear = 60, .bend = 1}};
@@ -125,26 +131,27 @@ TEST(ClothCrossing, a_drape_that_is_torn_away_by_a_corner_never_crosses_itself) 
     inputs.obstacles = {plane_obstacle({0, 0, 0}, {0, 0, 1}),
                         contact::cloth_obstacle(ball, pose, pose, kFrame)};
     const Exec exec(2);
-    Course course;
+    RunSummary summary;
     for (int frame = 0; frame < 60; frame++)
-      look(exec, model, state, step(exec, model, state, inputs, kFrame), course);
+      record(exec, model, state, step(exec, model, state, inputs, kFrame), summary);
     ASSERT_TRUE(hold(model, state, 0));
-    const Vec3 from = state.x[std::size_t(model.place[0])];
+    const Vec3 from = state.x[std::size_t(model.model_vertex[0])];
     for (int frame = 1; frame <= 20; frame++) {
-      const Real way = Real(speed * kFrame * frame);
-      ASSERT_TRUE(move_hold(model, state, 0, from + Vec3{way, way, way / 3}));
-      look(exec, model, state, step(exec, model, state, inputs, kFrame), course);
+      const Real travel = Real(speed * kFrame * frame);
+      ASSERT_TRUE(move_hold(model, state, 0, from + Vec3{travel, travel, travel / 3}));
+      record(exec, model, state, step(exec, model, state, inputs, kFrame), summary);
     }
-    EXPECT_EQ(course.crossed_frames, 0) << speed;
+    EXPECT_EQ(summary.crossed_frames, 0) << speed;
     const SelfDistance d = self_distance(exec, model, state);
     RecordProperty("smallest_mm_at_" + std::to_string(int(speed)), std::to_string(d.smallest * 1e3));
     EXPECT_GT(d.smallest, 0) << speed;
-    EXPECT_GT(course.in_impact_zone, 0) << speed << ": the test asks for nothing";
+    EXPECT_GT(summary.in_impact_zone, 0) << speed << ": CCD was not exercised";
   }
 }
 
-/// A plate presses a standing sheet into folds; the other way, it would have to pass through itself.
-TEST(ClothCrossing, a_sheet_that_is_crushed_between_plates_never_crosses_itself) {
+// A sheet that is crushed between plates never crosses itself. A plate presses a standing sheet into folds,
+// which must not pass through each other.
+TEST(ClothCcd, CrushedSheetNeverCrossesItself) {
   Params params{.fabric = {.warp = 300, .weft = 300, .shear = 60, .bend = 1}};
   params.collision.thickness = kThickness;
   const Model model = must_build(flat_sheet(20), params);
@@ -154,34 +161,37 @@ TEST(ClothCrossing, a_sheet_that_is_crushed_between_plates_never_crosses_itself)
     state.x.set(v, {x.x, 0.01f * std::sin(30 * x.y), x.y + 0.003f});
   }
   const Exec exec(2);
-  Course course;
+  RunSummary summary;
   for (int frame = 0; frame < 90; frame++) {
     const double top = std::max(0.03, 0.2 - 0.3 * kFrame * frame);
     Inputs inputs{.gravity = {0, 0, -9.81}};
     inputs.obstacles = {plane_obstacle({0, 0, 0}, {0, 0, 1}), plane_obstacle({0, 0, top}, {0, 0, -1})};
-    look(exec, model, state, step(exec, model, state, inputs, kFrame), course);
+    record(exec, model, state, step(exec, model, state, inputs, kFrame), summary);
   }
-  EXPECT_EQ(course.crossed_frames, 0);
+  EXPECT_EQ(summary.crossed_frames, 0);
   Real high = 0;
   for (std::size_t v = 0; v < std::size_t(model.count); v++) high = std::max(high, state.x.z[v]);
-  EXPECT_LT(high, 0.05f) << "the plate came down on it";
+  EXPECT_LT(high, 0.05f) << "the plate presses the sheet down";
   RecordProperty("smallest_mm", std::to_string(self_distance(exec, model, state).smallest * 1e3));
 }
 
-TEST(ClothCrossing, random_steps_never_make_a_crossing) {
+// Random steps never produce a crossing.
+TEST(ClothCcd, RandomStepsNeverCross) {
   Params params;
   params.collision.thickness = kThickness;
   const Model model = must_build(flat_sheet(9), params);
   State state = make_state(model);
   const Exec exec(1);
   RandomNumbers next{11};
-  Course course;
-  for (int n = 0; n < 600; n++) look(exec, model, state, storm_step(exec, model, state, next, false), course);
-  EXPECT_EQ(course.crossed_frames, 0);
-  EXPECT_GT(course.in_impact_zone, 600);
+  RunSummary summary;
+  for (int n = 0; n < 600; n++)
+    record(exec, model, state, storm_step(exec, model, state, next, false), summary);
+  EXPECT_EQ(summary.crossed_frames, 0);
+  EXPECT_GT(summary.in_impact_zone, 600);
 }
 
-TEST(ClothCrossing, what_is_caught_has_the_same_bits_on_any_number_of_threads) {
+// Impact zones have the same bits on one, two and eight threads.
+TEST(ClothCcd, EqualBitsOnAnyThreads) {
   std::uint64_t expected = 0;
   for (const int threads : {1, 2, 8}) {
     Params params;
@@ -203,7 +213,8 @@ TEST(ClothCrossing, what_is_caught_has_the_same_bits_on_any_number_of_threads) {
   }
 }
 
-TEST(ClothCrossing, a_sheet_that_begins_crossed_is_left_alone) {
+// CCD does not act on a sheet that crosses itself initially.
+TEST(ClothCcd, InitialCrossingDisablesCcd) {
   const TriMesh other = make_sheet(
       {.corner = {0.053, -0.02, -0.05}, .side = {0, 0.12, 0}, .up = {0, 0, 0.1}, .columns = 9, .rows = 9});
   Params params;
@@ -217,8 +228,9 @@ TEST(ClothCrossing, a_sheet_that_begins_crossed_is_left_alone) {
   EXPECT_EQ(in_impact_zone, 0);
 }
 
-TEST(ClothCrossing, what_touches_at_rest_is_no_obstacle_to_itself) {
-  const TriMesh other = make_sheet(  // its first column is the last one of the other
+// Pairs in contact at rest are ignored, so that a sheet falls freely beside its neighbor.
+TEST(ClothCcd, PairsInContactAtRestAreIgnored) {
+  const TriMesh other = make_sheet(  // its first column coincides with the last one of the other sheet
       {.corner = {0.09, 0, 0}, .side = {0.09, 0, 0}, .up = {0, 0.09, 0}, .columns = 9, .rows = 9});
   Params params;
   params.collision.thickness = kThickness;
@@ -229,12 +241,13 @@ TEST(ClothCrossing, what_touches_at_rest_is_no_obstacle_to_itself) {
   for (int frame = 0; frame < 12; frame++)
     in_impact_zone += step(Exec(1), model, state, in_vacuum(), kFrame).in_impact_zone;
   EXPECT_EQ(in_impact_zone, 0);
-  const Real fallen = state.x.z[std::size_t(model.place[155])];
-  EXPECT_NEAR(fallen, -9.81 * 0.2 * 0.2 / 2, 0.03) << "it was not sewn to the other";
+  const Real fallen = state.x.z[std::size_t(model.model_vertex[155])];
+  EXPECT_NEAR(fallen, -9.81 * 0.2 * 0.2 / 2, 0.03) << "not attached to the other sheet";
 }
 
-/// Folded by hand, corners above each other, which balls on balls do not carry: the stack slides apart.
-TEST(ClothCrossing, ten_folds_that_slide_apart_never_cross) {
+// A stack of ten folds that slides apart never crosses itself. Folded with coincident corners, which spheres
+// on spheres do not support: the stack slides apart.
+TEST(ClothCcd, SlidingFoldsNeverCross) {
   constexpr int kAlong = 12, kWidth = 9, kLength = 10 * kAlong;
   const TriMesh strip = make_sheet({.side = {0.01 * (kLength - 1), 0, 0},
                                     .up = {0, 0.01 * (kWidth - 1), 0},
@@ -247,17 +260,17 @@ TEST(ClothCrossing, ten_folds_that_slide_apart_never_cross) {
   for (std::size_t v = 0; v < std::size_t(model.count); v++) {
     const Vec3 x = state.x[v];
     const int column = int(std::lround(x.x / 0.01f)), layer = column / kAlong, along = column % kAlong;
-    const int place = layer % 2 == 0 ? along : kAlong - 1 - along;
-    state.x.set(v, {0.01f * Real(place), x.y, 0.003f + Real(1.3 * kThickness) * Real(layer)});
+    const int position_in_layer = layer % 2 == 0 ? along : kAlong - 1 - along;
+    state.x.set(v, {0.01f * Real(position_in_layer), x.y, 0.003f + Real(1.3 * kThickness) * Real(layer)});
   }
   Inputs inputs{.gravity = {0, 0, -9.81}};
   inputs.obstacles = {plane_obstacle({0, 0, 0}, {0, 0, 1})};
   const Exec exec(2);
-  Course course;
+  RunSummary summary;
   for (int frame = 0; frame < 120; frame++)
-    look(exec, model, state, step(exec, model, state, inputs, kFrame), course);
-  EXPECT_EQ(course.crossed_frames, 0);
-  EXPECT_GT(course.in_impact_zone, 0);
+    record(exec, model, state, step(exec, model, state, inputs, kFrame), summary);
+  EXPECT_EQ(summary.crossed_frames, 0);
+  EXPECT_GT(summary.in_impact_zone, 0);
   RecordProperty("smallest_mm", std::to_string(self_distance(exec, model, state).smallest * 1e3));
 }
 

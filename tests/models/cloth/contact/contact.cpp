@@ -7,13 +7,15 @@
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/cloth/contact/neighborhood.hpp"
 #include "turgor/models/cloth/contact/obstacle.hpp"
+#include "turgor/models/cloth/contact/spatial_hash.hpp"
 
 namespace turgor::cloth {
 namespace {
 
 using Pairs = std::set<std::pair<int, int>>;
 
-TEST(ClothContact, hashed_cells_find_exactly_the_pairs_that_all_against_all_finds) {
+// The spatial hash finds exactly the pairs of a brute-force search, each once.
+TEST(ClothContact, SpatialHashMatchesBruteForce) {
   const int count = 700;
   for (const double size : {0.02, 0.2, 3.0}) {
     Vectors points;
@@ -34,14 +36,15 @@ TEST(ClothContact, hashed_cells_find_exactly_the_pairs_that_all_against_all_find
       }
     }
     EXPECT_EQ(found, expected) << size;
-    EXPECT_EQ(std::size_t(visits), found.size()) << "a pair came twice";
+    EXPECT_EQ(std::size_t(visits), found.size()) << "no pair is visited twice";
     if (size < 1) {
       EXPECT_GT(found.size(), std::size_t(count));
     }
   }
 }
 
-TEST(ClothContact, two_shifted_grids_as_in_the_paper_miss_more_than_half_of_the_pairs) {
+// Two shifted grids, as in the paper, miss more than half of the pairs.
+TEST(ClothContact, ShiftedGridsMissPairs) {
   const double cell = 0.03;
   Vectors points;
   points.resize(padded(4000));
@@ -64,15 +67,16 @@ TEST(ClothContact, two_shifted_grids_as_in_the_paper_miss_more_than_half_of_the_
   EXPECT_NEAR(1 - double(found) / near, 0.55, 0.05);
 }
 
-/// Still air, so that what folds comes to rest.
+/// Still air, so that folds come to rest.
 Inputs on_a_table() {
   Inputs inputs{.gravity = {0, 0, -9.81}};
   inputs.obstacles.push_back(plane_obstacle({0, 0, 0}, {0, 0, 1}));
   return inputs;
 }
 
-TEST(ClothContact, a_cloth_folded_onto_itself_keeps_its_thickness) {
-  // A strip whose far half is laid over the near half with little room, then let fall.
+// A cloth folded onto itself keeps its thickness.
+TEST(ClothContact, FoldedClothKeepsThickness) {
+  // The far half of a strip is laid over the near half with a small gap, then dropped.
   Params params{.fabric = {.warp = 200, .weft = 200, .shear = 40, .bend = 4}};
   params.collision.thickness = 0.0096;
   params.collision.iterations = 40;
@@ -92,20 +96,20 @@ TEST(ClothContact, a_cloth_folded_onto_itself_keeps_its_thickness) {
   EXPECT_EQ(d.crossings, 0);
 }
 
-/// Where the highest vertex is, and how far any went in the frames.
-struct Course {
+/// Height of the highest vertex, and the largest displacement over the frames.
+struct RunSummary {
   double top = 0, moved = 0;
 };
-Course run(const Model& model, State& state, const Inputs& inputs, int frames) {
+RunSummary run(const Model& model, State& state, const Inputs& inputs, int frames) {
   const Vectors before = state.x;
   const Exec exec(2);
   for (int frame = 0; frame < frames; frame++) step(exec, model, state, inputs, kFrame);
-  Course course;
+  RunSummary summary;
   for (std::size_t v = 0; v < std::size_t(model.count); v++) {
-    course.top = std::max(course.top, double(state.x.z[v]));
-    course.moved = std::max(course.moved, double(norm(state.x[v] - before[v])));
+    summary.top = std::max(summary.top, double(state.x.z[v]));
+    summary.moved = std::max(summary.moved, double(norm(state.x[v] - before[v])));
   }
-  return course;
+  return summary;
 }
 
 Params stacked() {
@@ -115,11 +119,12 @@ Params stacked() {
   return params;
 }
 
-TEST(ClothContact, ten_sheets_on_each_other_lie_still_and_apart) {
+// Ten stacked sheets come to rest and keep the thickness.
+TEST(ClothContact, TenSheetsRestApart) {
   TriMesh mesh;
   for (int layer = 0; layer < 10; layer++) {  // each in the hollows of the one below
-    const double aside = layer % 2 * 0.005;
-    const TriMesh sheet = make_sheet({.corner = {aside, aside, 0.0021 + 0.0068 * layer},
+    const double offset = layer % 2 * 0.005;
+    const TriMesh sheet = make_sheet({.corner = {offset, offset, 0.0021 + 0.0068 * layer},
                                       .side = {0.09, 0, 0},
                                       .up = {0, 0.09, 0},
                                       .columns = 9,
@@ -131,7 +136,7 @@ TEST(ClothContact, ten_sheets_on_each_other_lie_still_and_apart) {
   const Model model = must_build(mesh, stacked());
   State state = make_state(model);
   run(model, state, on_a_table(), 240);
-  const Course last = run(model, state, on_a_table(), 60);
+  const RunSummary last = run(model, state, on_a_table(), 60);
   EXPECT_LT(last.moved, 0.001);
   EXPECT_NEAR(last.top, 0.061, 0.003);
   const SelfDistance d = self_distance(Exec(2), model, state);
@@ -139,7 +144,8 @@ TEST(ClothContact, ten_sheets_on_each_other_lie_still_and_apart) {
   EXPECT_EQ(d.crossings, 0);
 }
 
-TEST(ClothContact, ten_folds_lie_still_and_apart) {
+// A strip in ten folds comes to rest and keeps the thickness.
+TEST(ClothContact, TenFoldsRestApart) {
   const int layer_length = 24, length = 10 * layer_length, width = 21;
   const TriMesh strip = make_sheet({.side = {0.01 * (length - 1), 0, 0},
                                     .up = {0, 0.01 * (width - 1), 0},
@@ -147,17 +153,17 @@ TEST(ClothContact, ten_folds_lie_still_and_apart) {
                                     .rows = width - 1});
   const Model model = must_build(strip, stacked());
   State state = make_state(model);
-  for (std::size_t v = 0; v < std::size_t(model.count); v++) {  // there and back
+  for (std::size_t v = 0; v < std::size_t(model.count); v++) {  // alternating directions
     const Vec3 x = state.x[v];
     const int column = int(std::lround(x.x / 0.01f)), layer = column / layer_length,
               along = column % layer_length;
-    const int place = layer % 2 == 0 ? along : layer_length - 1 - along;
-    const double aside = layer % 2 == 0 ? 0 : 0.005;  // into the hollows of the layer below
-    state.x.set(
-        v, {Real(0.01 * place + aside), x.y, Real(0.002 + 0.0083 * layer)});  // the same bits by any compiler
+    const int position_in_layer = layer % 2 == 0 ? along : layer_length - 1 - along;
+    const double offset = layer % 2 == 0 ? 0 : 0.005;  // into the hollows of the layer below
+    state.x.set(v, {Real(0.01 * position_in_layer + offset), x.y,
+                    Real(0.002 + 0.0083 * layer)});  // the same bits with any compiler
   }
   run(model, state, on_a_table(), 400);
-  const Course last = run(model, state, on_a_table(), 60);
+  const RunSummary last = run(model, state, on_a_table(), 60);
   const SelfDistance d = self_distance(Exec(2), model, state);
   EXPECT_LT(last.moved, 0.001);
   EXPECT_GT(last.top, 0.05);
@@ -165,8 +171,9 @@ TEST(ClothContact, ten_folds_lie_still_and_apart) {
   EXPECT_EQ(d.crossings, 0);
 }
 
-/// One large triangle pair, pinned, and a small sheet that falls on its middle.
-TEST(ClothContact, a_fine_sheet_does_not_fall_through_a_coarse_one) {
+// A fine sheet does not fall through a pinned sheet of large triangles. Two large triangles, pinned, and a
+// small sheet that falls on their middle.
+TEST(ClothContact, FineSheetRestsOnCoarseSheet) {
   TriMesh mesh = make_sheet(
       {.corner = {-0.2, -0.2, 0}, .side = {0.4, 0, 0}, .up = {0, 0.4, 0}, .columns = 2, .rows = 2});
   const TriMesh small = make_sheet(
@@ -176,36 +183,37 @@ TEST(ClothContact, a_fine_sheet_does_not_fall_through_a_coarse_one) {
   Params params;
   params.collision.thickness = 0.006;
   const Model model = must_build(mesh, params);
-  EXPECT_FALSE(model.coarse.triangles.empty());
+  EXPECT_FALSE(model.large.triangles.empty());
   State state = make_state(model);
   for (int v = 0; v < 9; v++) ASSERT_TRUE(hold(model, state, v));
   Inputs inputs{.gravity = {0, 0, -9.81}};
   for (int frame = 0; frame < 120; frame++) step(Exec(1), model, state, inputs, kFrame);
-  for (int v = 9; v < 90; v++) EXPECT_GT(state.x.z[std::size_t(model.place[std::size_t(v)])], 0.0055f) << v;
+  for (int v = 9; v < 90; v++)
+    EXPECT_GT(state.x.z[std::size_t(model.model_vertex[std::size_t(v)])], 0.0055f) << v;
 }
 
-/// What every vertex and every edge of a random sheet has near it, one by one, in double numbers.
-TEST(ClothContact, sixteen_at_a_time_leave_out_nothing_that_is_near_and_folded) {
+// The vectorized filter of neighbors misses no close pair of a double-precision reference.
+TEST(ClothContact, VectorizedFilterMissesNoPair) {
   constexpr std::size_t kCount = 1600;
   constexpr Real kReach = 0.02f;
   RandomNumbers next{3};
-  const auto place = [&](double size) {
+  const auto random_vector = [&](double size) {
     const double x = next(), y = next(), z = next();
     return Vec3(Vec3d{x, y, z} * size);
   };
   Neighborhood near;
-  for (Vectors* v : {&near.at, &near.rest, &near.way, &near.rest_way}) v->resize(padded(kCount));
+  for (Vectors* v : {&near.at, &near.rest, &near.edge, &near.rest_edge}) v->resize(padded(kCount));
   for (std::size_t n = 0; n < kCount; n++) {
     near.index.push_back(int(n));
-    near.at.set(n, place(0.04)), near.way.set(n, place(0.02));
-    near.rest.set(n, place(0.5)), near.rest_way.set(n, place(0.02));
+    near.at.set(n, random_vector(0.04)), near.edge.set(n, random_vector(0.02));
+    near.rest.set(n, random_vector(0.5)), near.rest_edge.set(n, random_vector(0.02));
   }
-  const Nearness nearness{kReach, 0.01f};
-  const Vec3 a = place(0.02), p = place(0.02), q = place(0.02), far{1, 1, 1};
+  const ContactDistances distances{kReach, 0.01f};
+  const Vec3 a = random_vector(0.02), p = random_vector(0.02), q = random_vector(0.02), far{1, 1, 1};
   std::set<int> by_triangle, by_edge;
-  visit_neighbors(near, NearTriangle{nearness, -far, far, {a, p, q}, {{}, p, q}},
+  visit_neighbors(near, NearTriangle{distances, -far, far, {a, p, q}, {{}, p, q}},
                   [&](int n) { by_triangle.insert(n); });
-  visit_neighbors(near, NearEdge{nearness, -far, far, {a, p}, {{}, p}}, [&](int n) { by_edge.insert(n); });
+  visit_neighbors(near, NearEdge{distances, -far, far, {a, p}, {{}, p}}, [&](int n) { by_edge.insert(n); });
   int near_triangle = 0, near_edge = 0;
   for (std::size_t n = 0; n < kCount; n++) {
     const Vec3 x = near.at[n];
@@ -214,23 +222,24 @@ TEST(ClothContact, sixteen_at_a_time_leave_out_nothing_that_is_near_and_folded) 
     const bool meets = on.distance < double(kReach) && on.distance < 0.9 * double(norm(rest));
     near_triangle += meets;
     EXPECT_TRUE(!meets || norm(rest) < 0.01f || by_triangle.count(int(n)) == 1) << n;
-    const Vec3d way(near.way[n]), from = Vec3d(x) - way * 0.5, along(p), off = from - Vec3d(a);
-    const double pp = dot(along, along), pq = dot(along, way), qq = dot(way, way);
-    const double s = (dot(off, along) * qq - dot(off, way) * pq) / (pp * qq - pq * pq);
-    const double t = (dot(off, along) * pq - dot(off, way) * pp) / (pp * qq - pq * pq);
+    const Vec3d edge(near.edge[n]), from = Vec3d(x) - edge * 0.5, along(p), offset = from - Vec3d(a);
+    const double pp = dot(along, along), pq = dot(along, edge), qq = dot(edge, edge);
+    const double s = (dot(offset, along) * qq - dot(offset, edge) * pq) / (pp * qq - pq * pq);
+    const double t = (dot(offset, along) * pq - dot(offset, edge) * pp) / (pp * qq - pq * pq);
     const bool inside = s > 0 && s < 1 && t > 0 && t < 1;
-    const bool meet = inside && norm(off + way * t - along * s) < double(kReach);
+    const bool meet = inside && norm(offset + edge * t - along * s) < double(kReach);
     near_edge += meet;
     EXPECT_TRUE(!meet || by_edge.count(int(n)) == 1) << n;
   }
   EXPECT_GT(near_triangle, 50);
   EXPECT_GT(near_edge, 10);
-  EXPECT_LT(int(by_triangle.size()), near_triangle + 20) << "it sieves";
+  EXPECT_LT(int(by_triangle.size()), near_triangle + 20) << "the filter is selective";
   EXPECT_LT(int(by_edge.size()), near_edge + 20);
 }
 
-/// A sheet bent round a pipe of five thicknesses: nothing in it touches, and nothing has to be looked at.
-TEST(ClothContact, in_a_sheet_that_is_bent_and_not_folded_hardly_anything_is_looked_at) {
+// A sheet that is bent without contact has no candidates. The sheet is bent around a pipe of five
+// thicknesses.
+TEST(ClothContact, BentSheetHasNoCandidates) {
   constexpr Real kCell = 0.01f, kRadius = 0.05f;
   Neighborhood near;
   std::vector<Vec3> now, rest;
@@ -244,19 +253,20 @@ TEST(ClothContact, in_a_sheet_that_is_bent_and_not_folded_hardly_anything_is_loo
   for (std::size_t n = 0; n < now.size(); n++)
     near.index.push_back(int(n)), near.at.set(n, now[n]), near.rest.set(n, rest[n]);
   const std::size_t a = 7 * 16 + 7, b = a + 16, c = a + 1;
-  int looked_at = 0;
+  int candidates = 0;
   visit_neighbors(near,
                   NearTriangle{{0.02f, 0.0095f},
                                {-1, -1, -1},
                                {1, 1, 1},
                                {now[a], now[b] - now[a], now[c] - now[a]},
                                {rest[a], rest[b] - rest[a], rest[c] - rest[a]}},
-                  [&](int) { looked_at++; });
-  EXPECT_EQ(looked_at, 0);
+                  [&](int) { candidates++; });
+  EXPECT_EQ(candidates, 0);
 }
 
-TEST(ClothContact, crossing_edges_push_each_other_away) {
-  // Two triangles whose long edges cross in their middles, a little apart; no vertex is near.
+// Edges that cross push each other apart.
+TEST(ClothContact, CrossingEdgesSeparate) {
+  // Two triangles whose long edges cross at their midpoints with a small gap; no vertex is near.
   TriMesh mesh;
   mesh.vertices = {{-0.1f, 0, 0},      {0.1f, 0, 0},      {0, 0.1f, -0.1f},
                    {0, -0.1f, 0.008f}, {0, 0.1f, 0.008f}, {0.1f, 0, 0.108f}};
@@ -265,13 +275,14 @@ TEST(ClothContact, crossing_edges_push_each_other_away) {
   params.collision.thickness = 0.006;
   const Model model = must_build(mesh, params);
   State state = make_state(model);
-  for (int v = 3; v < 6; v++) state.v.z[std::size_t(model.place[std::size_t(v)])] = -0.5f;
+  for (int v = 3; v < 6; v++) state.v.z[std::size_t(model.model_vertex[std::size_t(v)])] = -0.5f;
   for (int frame = 0; frame < 20; frame++) step(Exec(1), model, state, in_vacuum(0), kFrame);
-  const auto height = [&](int v) { return state.x.z[std::size_t(model.place[std::size_t(v)])]; };
+  const auto height = [&](int v) { return state.x.z[std::size_t(model.model_vertex[std::size_t(v)])]; };
   EXPECT_GT((height(3) + height(4)) / 2 - (height(0) + height(1)) / 2, 0.0055f);
 }
 
-TEST(ClothContact, contacts_between_layers_keep_the_momentum) {
+// Contacts between layers conserve momentum and transfer some of it.
+TEST(ClothContact, LayerContactKeepsMomentum) {
   TriMesh mesh = flat_sheet(10);
   const TriMesh other = make_sheet(
       {.corner = {0.004, 0.003, 0.012}, .side = {0.09, 0, 0}, .up = {0, 0.09, 0}, .columns = 9, .rows = 9});
@@ -289,11 +300,12 @@ TEST(ClothContact, contacts_between_layers_keep_the_momentum) {
     contacts += step(Exec(2), model, state, in_vacuum(0), kFrame).contacts;
   EXPECT_GT(contacts, 100);
   EXPECT_LT(norm(momentum(model, state) - before), 0.01 * norm(before));
-  EXPECT_GT(state.v.z[50], -0.35f);  // and some of it went over
+  EXPECT_GT(state.v.z[50], -0.35f);  // some momentum was transferred
   EXPECT_LT(state.v.z[50], -0.05f);
 }
 
-TEST(ClothContact, a_sheet_that_lies_on_a_table_presses_with_its_weight) {
+// A sheet at rest on a table loads it with its weight.
+TEST(ClothContact, SheetOnTableLoadsWeight) {
   Params params;
   params.collision.thickness = 0.0096;
   const Model model = must_build(flat_sheet(15), params);
@@ -306,7 +318,8 @@ TEST(ClothContact, a_sheet_that_lies_on_a_table_presses_with_its_weight) {
   for (std::size_t v = 0; v < 225; v++) EXPECT_NEAR(state.x.z[v], 0.002f, 1e-4);
 }
 
-TEST(ClothContact, friction_holds_a_sheet_on_a_slope_or_lets_it_slide) {
+// Friction holds a sheet on a slope or lets it slide as Coulomb's law predicts.
+TEST(ClothContact, FrictionOnSlope) {
   for (const double friction : {0.2, 0.5}) {  // the slope is tan 20° = 0.36
     Params params;
     params.damping.motion = 0;
@@ -325,7 +338,8 @@ TEST(ClothContact, friction_holds_a_sheet_on_a_slope_or_lets_it_slide) {
   }
 }
 
-TEST(ClothContact, a_surface_that_moves_carries_the_sheet_on_it) {
+// A moving surface carries the sheet on it.
+TEST(ClothContact, MovingSurfaceCarriesSheet) {
   TriMesh table =
       make_sheet({.corner = {-0.5, -0.5, 0}, .side = {1, 0, 0}, .up = {0, 1, 0}, .columns = 4, .rows = 4});
   Params params;

@@ -1,5 +1,4 @@
-// Sheets in triangles larger than their thickness by the loops that a GPU runs, in any order, against steps
-// of the CPU.
+// Sheets in triangles larger than their thickness: the device loops, in any order, against steps of the CPU.
 #include "turgor/models/cloth/device/device_large_primitives.hpp"
 
 #include <set>
@@ -13,23 +12,23 @@ namespace {
 
 struct Crumple {
   Model model;
-  double throw_speed = 0.4;  // of vertices, at random [m/s]
+  double throw_speed = 0.4;  // of vertices, random [m/s]
 };
 
 struct Crumpled {
   State state, early;   // at the end, and after three steps
-  int corners[5] = {};  // contacts of so many vertices, most of a step
-  int edges = 0;        // of two edges
+  int corners[5] = {};  // contacts by number of vertices, maximum of any step
+  int edges = 0;        // contacts of two edges
   int in_impact_zone = 0;
 };
 
 bool is_of_edges(const Contact& c) { return c.vertex[3] >= 0 && c.weight[1] > 0; }
 
-/// Pushed together over itself and onto a table, on the CPU or where `put` says.
+/// Crumples the sheet over itself and onto a table, on the CPU or on the backend of `put`.
 Crumpled crumple(const Crumple& c, int steps, Put put = nullptr) {
   DeviceState state = make_state(c.model);
   shake(c.model, state.change().v, c.throw_speed, 3);
-  if (put) state.step_on(put(c.model));
+  if (put) state.use_backend(put(c.model));
   for (const int v : {0, 1, 2}) EXPECT_TRUE(state.hold(c.model, v));
   const Real length = Real(std::sqrt(c.model.area));
   Inputs inputs{.gravity = {0, 0, -9.81}, .obstacles = {plane_obstacle({0, 0, -0.1 * length}, {0.1, 0, 1})}};
@@ -68,42 +67,44 @@ Model coarse_sheet(Pattern pattern, Law law, Integrator integrator, double size,
   return must_build(mesh, params);
 }
 
-void expect_crumples_like_the_cpu_s(const Crumple& c, int steps = 8) {
-  ASSERT_FALSE(c.model.coarse.triangles.empty());
-  const Crumpled here = crumple(c, steps);
-  EXPECT_GT(here.corners[4], 20) << "vertices and triangles, and edges";
-  EXPECT_GT(here.edges, 5);
-  const Real way = apart(c.model, here.early.x, c.model.x_rest);
+void expect_crumpling_matches_cpu(const Crumple& c, int steps = 8) {
+  ASSERT_FALSE(c.model.large.triangles.empty());
+  const Crumpled host = crumple(c, steps);
+  EXPECT_GT(host.corners[4], 20) << "vertex-triangle and edge-edge contacts";
+  EXPECT_GT(host.edges, 5);
+  const Real displacement = max_distance(c.model, host.early.x, c.model.x_rest);
   std::set<std::uint64_t> hashes;
   for (const Put put : kPuts) {
-    const Crumpled there = crumple(c, steps, put);
-    hashes.insert(state_hash(c.model, there.state));
-    EXPECT_LT(apart(c.model, there.early.x, here.early.x), 1e-2f * way) << "m";
-    EXPECT_EQ(self_distance(Exec(1), c.model, there.state).crossings, 0);
+    const Crumpled device = crumple(c, steps, put);
+    hashes.insert(state_hash(c.model, device.state));
+    EXPECT_LT(max_distance(c.model, device.early.x, host.early.x), 1e-2f * displacement) << "m";
+    EXPECT_EQ(self_distance(Exec(1), c.model, device.state).crossings, 0);
     if (!kSameBits) continue;
-    EXPECT_EQ(there.in_impact_zone, here.in_impact_zone);
-    for (int k = 0; k < 5; k++) EXPECT_EQ(there.corners[k], here.corners[k]) << k << " vertices";
-    EXPECT_EQ(there.edges, here.edges);
-    EXPECT_EQ(there.state.contacts.begin, here.state.contacts.begin);
-    EXPECT_EQ(there.state.contacts.item, here.state.contacts.item);
+    EXPECT_EQ(device.in_impact_zone, host.in_impact_zone);
+    for (int k = 0; k < 5; k++) EXPECT_EQ(device.corners[k], host.corners[k]) << k << " vertices";
+    EXPECT_EQ(device.edges, host.edges);
+    EXPECT_EQ(device.state.contacts.begin, host.state.contacts.begin);
+    EXPECT_EQ(device.state.contacts.item, host.state.contacts.item);
   }
-  if (kSameBits) hashes.insert(state_hash(c.model, here.state));
+  if (kSameBits) hashes.insert(state_hash(c.model, host.state));
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(cloth_coarse_on, large_triangles_and_edges_stay_apart_in_any_order_as_on_the_cpu) {
+// Contacts of large triangles and edges match the CPU in any order of the loops.
+TEST(ClothDeviceLargePrimitives, MatchesCpuInAnyOrder) {
   for (const Law law : {Law::kSprings, Law::kSheet})
     for (const Integrator integrator : {Integrator::kEuler, Integrator::kBdf2})
-      expect_crumples_like_the_cpu_s({coarse_sheet(Pattern::kAlternating, law, integrator, 1, 0.004)});
+      expect_crumpling_matches_cpu({coarse_sheet(Pattern::kAlternating, law, integrator, 1, 0.004)});
 }
 
-TEST(cloth_coarse_on, so_they_do_on_any_mesh_and_in_any_size) {
-  expect_crumples_like_the_cpu_s(
+// Contacts of large triangles match the CPU on any mesh and at any size.
+TEST(ClothDeviceLargePrimitives, MatchesCpuOnAnyMesh) {
+  expect_crumpling_matches_cpu(
       {coarse_sheet(Pattern::kRandom, Law::kSheet, Integrator::kEuler, 2, 0.0035), 0.8});
-  expect_crumples_like_the_cpu_s(
+  expect_crumpling_matches_cpu(
       {coarse_sheet(Pattern::kLong, Law::kSprings, Integrator::kEuler, 1, 0.0014), 0.2}, 4);
-  // Some of the triangles are large and some are not.
-  expect_crumples_like_the_cpu_s(
+  // Some triangles are large, others are not.
+  expect_crumpling_matches_cpu(
       {coarse_sheet(Pattern::kRandom, Law::kSprings, Integrator::kBdf2, 0.5, 0.0094), 0.2});
 }
 

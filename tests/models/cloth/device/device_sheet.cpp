@@ -1,4 +1,4 @@
-// Whole steps by the loops that a GPU runs, in any order, against steps of the CPU.
+// Whole steps by the device loops, in any order, against steps of the CPU.
 #include <cmath>
 #include <limits>
 #include <set>
@@ -6,14 +6,15 @@
 #include "tests/models/cloth/meshes.hpp"
 #include "tests/models/cloth/on_host.hpp"
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::cloth {
 namespace {
 
-using lattice::Bus;
-using lattice::HostSide;
+using lattice::HostBackend;
 using lattice::SeededRun;
 using lattice::ThreadedRun;
+using lattice::Transfers;
 
 const Exec kOne(1);
 struct Variant {
@@ -23,8 +24,8 @@ struct Variant {
   bool gusts = true;
 };
 
-/// Two pieces of cloth, of which nothing holds the second.
-Model two_pieces(const Variant& v) {
+/// Two separate sheets; the second one has no holds.
+Model two_sheets(const Variant& v) {
   Params params{.fabric = {.law = v.law, .poisson = v.law == Law::kSheet ? 0.2 : 0}, .solver = v.solver};
   params.collision.self = false;
   TriMesh mesh = rectangle(v.pattern, 0, 0.21, 0.13, 0.01);
@@ -35,28 +36,28 @@ Model two_pieces(const Variant& v) {
   return must_build(mesh, params);
 }
 
-struct Went {
+struct Outcome {
   State state;
   StepReport report;
-  State early;  // after three steps: later on roundings have grown, where sheets buckle and flutter
+  State early;  // after three steps: later, rounding errors have grown where sheets buckle and flutter
   StepReport early_report;
 };
 
-/// On the CPU, or where `put` says. Holds take hold, move and let go.
-Went twelve_steps(const Model& model, bool gusts, Put put = nullptr) {
+/// On the CPU, or on the backend of `put`. Vertices are held, moved and released.
+Outcome twelve_steps(const Model& model, bool gusts, Put put = nullptr) {
   DeviceState state = make_state(model);
-  if (put) state.step_on(put(model));
+  if (put) state.use_backend(put(model));
   Inputs inputs{.gravity = {1, 0, -9.81}, .measure_residual = true};
   inputs.air.velocity = {5, 1, 2};
   inputs.air.gusts = gusts ? 0.4 : 0;
   StepReport report, early_report;
   State early;
-  const int let_go = std::min(30, model.count - 1);
+  const int released = std::min(30, model.count - 1);
   for (int n = 0; n < 12; n++) {
-    for (const int v : {0, 1, let_go})
+    for (const int v : {0, 1, released})
       if (n == 1) (void)state.hold(model, v);
     if (n > 1) (void)state.move_hold(model, 0, {-0.001f * Real(n), 0, 0.002f * Real(n)});
-    if (n == 8) (void)state.release(model, let_go);
+    if (n == 8) (void)state.release(model, released);
     report = state.step(kOne, model, inputs, kFrame);
     EXPECT_TRUE(report.finite);
     if (n == 2) early = *state, early_report = report;
@@ -65,49 +66,52 @@ Went twelve_steps(const Model& model, bool gusts, Put put = nullptr) {
   return {*state, report, early, early_report};
 }
 
-void expect_steps_like_the_cpu_s(const Variant& v) {
-  const Model model = two_pieces(v);
-  const Went here = twelve_steps(model, v.gusts);
-  // A tension is what is left of a stretch less 1, times its stiffness, of which 6e-8 is rounded off.
+void expect_steps_match_cpu(const Variant& v) {
+  const Model model = two_sheets(v);
+  const Outcome host = twelve_steps(model, v.gusts);
+  // A tension is (stretch − 1) times the stiffness, with a rounding error of 6e-8 in the stretch.
   const Real rounding = 1e-2f;
-  const Real way = apart(model, here.early.x, model.x_rest);
-  EXPECT_GT(way, 0.002f) << "m";
+  const Real displacement = max_distance(model, host.early.x, model.x_rest);
+  EXPECT_GT(displacement, 0.002f) << "m";
   std::set<std::uint64_t> hashes;
   for (const Put put : kPuts) {
-    const Went there = twelve_steps(model, v.gusts, put);
-    const StepReport &a = there.early_report, &b = here.early_report;
-    EXPECT_LT(apart(model, there.early.x, here.early.x), rounding * way) << "m";
-    EXPECT_LT(apart(model, there.early.v, here.early.v), rounding * b.largest_speed) << "m/s";
+    const Outcome device = twelve_steps(model, v.gusts, put);
+    const StepReport &a = device.early_report, &b = host.early_report;
+    EXPECT_LT(max_distance(model, device.early.x, host.early.x), rounding * displacement) << "m";
+    EXPECT_LT(max_distance(model, device.early.v, host.early.v), rounding * b.largest_speed) << "m/s";
     EXPECT_NEAR(a.largest_speed, b.largest_speed, rounding * b.largest_speed) << "m/s";
     EXPECT_NEAR(a.residual, b.residual, 1e-2 * b.residual);
-    EXPECT_EQ(there.state.time, here.state.time);
-    hashes.insert(state_hash(model, there.state));
+    EXPECT_EQ(device.state.time, host.state.time);
+    hashes.insert(state_hash(model, device.state));
   }
-  if (kSameBits) hashes.insert(state_hash(model, here.state));
+  if (kSameBits) hashes.insert(state_hash(model, host.state));
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(cloth_sheet_on, steps_of_springs_go_in_any_order_as_on_the_cpu) {
-  expect_steps_like_the_cpu_s({});
-  expect_steps_like_the_cpu_s({.solver = {.method = Method::kJacobi, .sweeps = 5, .strain_limit = 0.02},
-                               .pattern = Pattern::kDiagonal,
-                               .gusts = false});
+// Steps of springs match the CPU in any order of the loops.
+TEST(ClothDeviceSheet, SpringsMatchCpuInAnyOrder) {
+  expect_steps_match_cpu({});
+  expect_steps_match_cpu({.solver = {.method = Method::kJacobi, .sweeps = 5, .strain_limit = 0.02},
+                          .pattern = Pattern::kDiagonal,
+                          .gusts = false});
 }
 
-TEST(cloth_sheet_on, steps_of_a_sheet_that_bends_go_in_any_order_as_on_the_cpu) {
-  expect_steps_like_the_cpu_s({.law = Law::kSheet});
-  expect_steps_like_the_cpu_s({.law = Law::kSheet, .solver = {.sweeps = 7, .strain_limit = 0.02}});
+// Steps of a sheet that bends match the CPU in any order of the loops.
+TEST(ClothDeviceSheet, BendingMatchesCpuInAnyOrder) {
+  expect_steps_match_cpu({.law = Law::kSheet});
+  expect_steps_match_cpu({.law = Law::kSheet, .solver = {.sweeps = 7, .strain_limit = 0.02}});
 }
 
-TEST(cloth_sheet_on, two_steps_at_once_go_in_any_order_as_on_the_cpu) {
-  expect_steps_like_the_cpu_s({.solver = {.integrator = Integrator::kBdf2}});
+// BDF2 steps match the CPU in any order of the loops.
+TEST(ClothDeviceSheet, Bdf2MatchesCpuInAnyOrder) {
+  expect_steps_match_cpu({.solver = {.integrator = Integrator::kBdf2}});
 }
 
-/// A sheet that is pushed together over itself, its vertices thrown about: layers press and rub.
-Went crumpled(const Model& model, int steps, Put put = nullptr) {
+/// A sheet that is pushed together over itself with random velocities: layers press and rub.
+Outcome crumpled(const Model& model, int steps, Put put = nullptr) {
   DeviceState state = make_state(model);
   shake(model, state.change().v, 4);
-  if (put) state.step_on(put(model));
+  if (put) state.use_backend(put(model));
   for (const int v : {0, 1, 2}) EXPECT_TRUE(state.hold(model, v));
   Inputs inputs{.gravity = {0, 0, -9.81}};
   inputs.air.velocity = {-8, 1, 3};
@@ -125,36 +129,38 @@ Went crumpled(const Model& model, int steps, Put put = nullptr) {
   return {*state, most, {}, {}};
 }
 
-TEST(cloth_sheet_on, layers_stay_apart_in_any_order_as_on_the_cpu) {
+// Contacts between layers match the CPU in any order of the loops, without crossings.
+TEST(ClothDeviceSheet, LayersMatchCpuInAnyOrder) {
   for (const Law law : {Law::kSprings, Law::kSheet}) {
     Params params{.fabric = {.law = law}};
     params.collision.thickness = 0.0096;
     const Model model = must_build(flat_sheet(15), params);
-    ASSERT_TRUE(model.coarse.triangles.empty());
+    ASSERT_TRUE(model.large.triangles.empty());
     constexpr int kSteps = 10;
-    const Went here = crumpled(model, kSteps);
-    EXPECT_GT(here.report.contacts, 50);
-    EXPECT_GT(here.report.in_impact_zone, 3) << "law " << int(law);
-    EXPECT_GT(here.report.contact_iterations, 3);
+    const Outcome host = crumpled(model, kSteps);
+    EXPECT_GT(host.report.contacts, 50);
+    EXPECT_GT(host.report.in_impact_zone, 3) << "law " << int(law);
+    EXPECT_GT(host.report.contact_iterations, 3);
     std::set<std::uint64_t> hashes;
     for (const Put put : kPuts) {
-      const Went there = crumpled(model, kSteps, put);
-      EXPECT_EQ(self_distance(kOne, model, there.state).crossings, 0);
-      hashes.insert(state_hash(model, there.state));
+      const Outcome device = crumpled(model, kSteps, put);
+      EXPECT_EQ(self_distance(kOne, model, device.state).crossings, 0);
+      hashes.insert(state_hash(model, device.state));
       if (!kSameBits) continue;
-      EXPECT_EQ(there.report.contacts, here.report.contacts);
-      EXPECT_EQ(there.report.in_impact_zone, here.report.in_impact_zone);
-      EXPECT_EQ(there.report.contact_iterations, here.report.contact_iterations);
-      EXPECT_EQ(there.state.contacts.begin, here.state.contacts.begin);
-      EXPECT_EQ(there.state.contacts.item, here.state.contacts.item);
-      EXPECT_EQ(there.state.contacts.touched, here.state.contacts.touched);
+      EXPECT_EQ(device.report.contacts, host.report.contacts);
+      EXPECT_EQ(device.report.in_impact_zone, host.report.in_impact_zone);
+      EXPECT_EQ(device.report.contact_iterations, host.report.contact_iterations);
+      EXPECT_EQ(device.state.contacts.begin, host.state.contacts.begin);
+      EXPECT_EQ(device.state.contacts.item, host.state.contacts.item);
+      EXPECT_EQ(device.state.contacts.touched, host.state.contacts.touched);
     }
-    if (kSameBits) hashes.insert(state_hash(model, here.state));
+    if (kSameBits) hashes.insert(state_hash(model, host.state));
     EXPECT_EQ(hashes.size(), 1u) << "law " << int(law);
   }
 }
 
-TEST(cloth_sheet_on, layers_that_lie_on_each_other_stay_there_as_long_as_nothing_would_pass_through) {
+// Layers in contact need no download of the state as long as CCD finds no pair.
+TEST(ClothDeviceSheet, RestingLayersStayOnDevice) {
   Params params;
   params.collision.thickness = 0.0096;
   TriMesh mesh = flat_sheet(12);
@@ -167,19 +173,20 @@ TEST(cloth_sheet_on, layers_that_lie_on_each_other_stay_there_as_long_as_nothing
   DeviceState state = make_state(model);
   for (int v = 0; v < model.count; v++)
     state.change().v.z[std::size_t(v)] = model.x_rest.z[std::size_t(v)] > 0 ? -0.5f : 0;
-  state.step_on(put_on_host<ThreadedRun<2>>(model));
+  state.use_backend(put_on_host<ThreadedRun<2>>(model));
   state.step(kOne, model, in_vacuum(0), kFrame);
   for (int n = 0; n < 5; n++) {
-    Bus::back = 0;
+    Transfers::downloaded = 0;
     const StepReport report = state.step(kOne, model, in_vacuum(0), kFrame);
     EXPECT_GT(report.contacts, 100);
     EXPECT_EQ(report.in_impact_zone, 0);
-    EXPECT_LT(Bus::back, 100u) << "bytes: no place and no velocity";
+    EXPECT_LT(Transfers::downloaded, 100u) << "bytes: neither positions nor velocities";
   }
   EXPECT_GT(self_distance(kOne, model, state).smallest, 0.99 * params.collision.thickness) << "m";
 }
 
-TEST(cloth_sheet_on, edges_with_many_triangles_count_in_the_order_of_their_numbers) {
+// Bends at edges of many triangles are summed in a fixed order.
+TEST(ClothDeviceSheet, SharedEdgesAreDeterministic) {
   TriMesh mesh{.vertices = {{0, 0, 0}, {0.1f, 0, 0}}};
   for (int n = 0; n < 7; n++) {
     mesh.vertices.push_back({0.05f, 0.1f * std::cos(0.8f * Real(n)), 0.1f * std::sin(0.8f * Real(n))});
@@ -188,49 +195,52 @@ TEST(cloth_sheet_on, edges_with_many_triangles_count_in_the_order_of_their_numbe
   Params params{.fabric = {.law = Law::kSheet}};
   params.collision.self = false;
   const Model model = must_build(mesh, params);
-  const Went here = twelve_steps(must_build(mesh, params), true, put_on_host<ThreadedRun<1>>),
-             there = twelve_steps(model, true, put_on_host<SeededRun<3>>);
-  EXPECT_EQ(state_hash(model, here.state), state_hash(model, there.state));
+  const Outcome host = twelve_steps(must_build(mesh, params), true, put_on_host<ThreadedRun<1>>),
+                device = twelve_steps(model, true, put_on_host<SeededRun<3>>);
+  EXPECT_EQ(state_hash(model, host.state), state_hash(model, device.state));
 }
 
-TEST(cloth_sheet_on, a_step_that_is_not_finite_is_undone) {
+// A step that is not finite is undone, on the CPU and on the device.
+TEST(ClothDeviceSheet, NonFiniteStepIsUndone) {
   for (const Integrator integrator : {Integrator::kEuler, Integrator::kBdf2}) {
-    const Model model = two_pieces({.solver = {.integrator = integrator}});
+    const Model model = two_sheets({.solver = {.integrator = integrator}});
     for (const Put put : {Put(nullptr), Put(put_on_host<SeededRun<1>>)}) {
       DeviceState state = make_state(model);
-      if (put) state.step_on(put(model));
+      if (put) state.use_backend(put(model));
       EXPECT_TRUE(state.step(kOne, model, in_vacuum(), kFrame).finite);
       const Vectors before = state->x;
       EXPECT_FALSE(
           state.step(kOne, model, in_vacuum(std::numeric_limits<double>::infinity()), kFrame).finite);
-      EXPECT_EQ(apart(model, state->x, before), 0) << "m";
-      EXPECT_EQ(apart(model, state->v, Vectors(make_state(model).v)), 0) << "m/s";
+      EXPECT_EQ(max_distance(model, state->x, before), 0) << "m";
+      EXPECT_EQ(max_distance(model, state->v, Vectors(make_state(model).v)), 0) << "m/s";
       EXPECT_EQ(state->time, kFrame);
     }
   }
 }
 
-TEST(cloth_sheet_on, only_holds_and_four_bytes_cross_the_bus_while_nobody_looks) {
-  const Model model = two_pieces({});
+// A step whose state is not read uploads the holds and transfers four more bytes each displacement.
+TEST(ClothDeviceSheet, UnreadStepTransfersHoldsOnly) {
+  const Model model = two_sheets({});
   DeviceState state = make_state(model);
   ASSERT_TRUE(state.hold(model, 0));
-  state.step_on(put_on_host<ThreadedRun<1>>(model));
+  state.use_backend(put_on_host<ThreadedRun<1>>(model));
   state.step(kOne, model, in_vacuum(), kFrame);
-  Bus::over = Bus::back = 0;
+  Transfers::uploaded = Transfers::downloaded = 0;
   for (int n = 0; n < 3; n++) state.step(kOne, model, in_vacuum(), kFrame);
-  EXPECT_EQ(Bus::over, 3 * (sizeof(Hold) + 4));
-  EXPECT_EQ(Bus::back, 3u * 4);
+  EXPECT_EQ(Transfers::uploaded, 3 * (sizeof(Hold) + 4));
+  EXPECT_EQ(Transfers::downloaded, 3u * 4);
   (void)state->x;
-  EXPECT_EQ(Bus::back, 3 * 4 + 24 * model.mass.size());
-  Bus::over = Bus::back = 0;
+  EXPECT_EQ(Transfers::downloaded, 3 * 4 + 24 * model.mass.size());
+  Transfers::uploaded = Transfers::downloaded = 0;
   state.step(kOne, model, in_vacuum(), kFrame);
-  EXPECT_EQ(Bus::over, sizeof(Hold) + 4) << "it came back only to be looked at";
+  EXPECT_EQ(Transfers::uploaded, sizeof(Hold) + 4) << "a read downloads the state but does not upload it";
 }
 
-TEST(cloth_sheet_on, copies_of_a_state_step_by_themselves_on_the_same_sheet) {
-  const Model model = two_pieces({});
+// Copies of a state step independently on the same device sheet.
+TEST(ClothDeviceSheet, CopiedStatesStepIndependently) {
+  const Model model = two_sheets({});
   DeviceState one = make_state(model);
-  one.step_on(put_on_host<ThreadedRun<1>>(model));
+  one.use_backend(put_on_host<ThreadedRun<1>>(model));
   one.step(kOne, model, in_vacuum(), kFrame);
   DeviceState two = one, alone = one;
   ASSERT_TRUE(two.hold(model, 3));
@@ -243,10 +253,11 @@ TEST(cloth_sheet_on, copies_of_a_state_step_by_themselves_on_the_same_sheet) {
   EXPECT_NE(state_hash(model, one), state_hash(model, two));
 }
 
-TEST(cloth_sheet_on, what_is_watched_is_here_after_every_step_and_what_is_written_counts) {
-  const Model model = two_pieces({});
+// A watched state is downloaded after every step; writes to it are uploaded.
+TEST(ClothDeviceSheet, WatchedStateIsSynchronized) {
+  const Model model = two_sheets({});
   DeviceState state = make_state(model);
-  state.step_on(put_on_host<ThreadedRun<1>>(model));
+  state.use_backend(put_on_host<ThreadedRun<1>>(model));
   Vectors& x = state.watch().x;
   const Real* memory = x.z.data();
   state.step(kOne, model, in_vacuum(), kFrame);
@@ -258,23 +269,25 @@ TEST(cloth_sheet_on, what_is_watched_is_here_after_every_step_and_what_is_writte
   EXPECT_NEAR(x.z[5], 1 + 3 * fallen, 1e-5) << "m";
 }
 
-double bytes_a_vertex(const Collision& collision) {
+double bytes_per_vertex(const Collision& collision) {
   const Model model = must_build(flat_sheet(100), {.collision = collision});
-  DeviceAllocator<HostSide<SeededRun<1>>> rooms;
-  const DeviceSheet<HostSide<SeededRun<1>>> sheet(model, rooms);
-  return double(rooms.bytes) / model.count;
+  DeviceAllocator<HostBackend<SeededRun<1>>> allocator;
+  const DeviceSheet<HostBackend<SeededRun<1>>> sheet(model, allocator);
+  return double(allocator.bytes) / model.count;
 }
 
-TEST(cloth_sheet_on, memory_is_what_the_documents_say) {
-  EXPECT_NEAR(bytes_a_vertex({.self = false}), 375, 5) << "bytes";
-  EXPECT_NEAR(bytes_a_vertex({.thickness = 0.0096}), 418, 5) << "bytes";
-  EXPECT_NEAR(bytes_a_vertex({.thickness = 0.005}), 560, 5) << "bytes, in large triangles";
+// The device memory per vertex is that of the documentation.
+TEST(ClothDeviceSheet, MemoryMatchesDocumentation) {
+  EXPECT_NEAR(bytes_per_vertex({.self = false}), 375, 5) << "bytes";
+  EXPECT_NEAR(bytes_per_vertex({.thickness = 0.0096}), 418, 5) << "bytes";
+  EXPECT_NEAR(bytes_per_vertex({.thickness = 0.005}), 560, 5) << "bytes, in large triangles";
 }
 
-TEST(cloth_sheet_on, what_runs_on_a_gpu_is_known_before) {
+// why_not_on_gpu names the parameter that a GPU does not support.
+TEST(ClothDeviceSheet, ReportsUnsupportedParameters) {
   Params params;
   EXPECT_EQ(why_not_on_gpu(params).key, "");
-  params.solver.method = Method::kBlocks;
+  params.solver.method = Method::kTwoLevel;
   EXPECT_EQ(why_not_on_gpu(params).key, "solver");
 }
 

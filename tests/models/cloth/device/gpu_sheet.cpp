@@ -1,4 +1,4 @@
-// What needs a GPU; elsewhere it is skipped with a sentence. What it does there, cloth_sheet_on tests here.
+// Tests that need a GPU; they are skipped without one. ClothDeviceSheet runs the same kernels on the host.
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
 
 #include "tests/models/cloth/sheets.hpp"
@@ -12,7 +12,7 @@ State end_of(const Gpu* gpu, const Model& model) {
   const contact::Shape rod = contact::Capsule{0.03, 0.05};
   DeviceState state = make_state(model);
   for (int v = 0; v < 5; v++) EXPECT_TRUE(state.hold(model, v));
-  if (gpu != nullptr) state.step_on(put(*gpu, model).value());
+  if (gpu != nullptr) state.use_backend(put(*gpu, model).value());
   Inputs inputs{.gravity = {0, 0, -9.81}, .measure_residual = true};
   inputs.air.velocity = {4, 2, 1};
   inputs.air.gusts = 0.3;
@@ -24,7 +24,8 @@ State end_of(const Gpu* gpu, const Model& model) {
   return *state;
 }
 
-TEST(gpu_cloth, sheets_step_there_as_they_do_here) {
+// Steps of sheets on the GPU match the CPU within rounding.
+TEST(GpuCloth, StepsMatchCpu) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) GTEST_SKIP() << gpu.error().message;
   for (const Law law : {Law::kSprings, Law::kSheet})
@@ -32,14 +33,14 @@ TEST(gpu_cloth, sheets_step_there_as_they_do_here) {
       Params params{.fabric = {.law = law}, .solver = {.integrator = integrator, .strain_limit = 0.05}};
       params.collision.thickness = integrator == Integrator::kEuler ? 0.0096 : 0.005;
       const Model model = must_build(flat_sheet(20), params);
-      const State here = end_of(nullptr, model), there = end_of(&*gpu, model);
-      double way = 0, apart = 0;
+      const State host = end_of(nullptr, model), device = end_of(&*gpu, model);
+      double displacement = 0, difference = 0;
       for (std::size_t v = 0; v < std::size_t(model.count); v++) {
-        way = std::max(way, double(norm(here.x[v] - model.x_rest[v])));
-        apart = std::max(apart, double(norm(here.x[v] - there.x[v])));
+        displacement = std::max(displacement, double(norm(host.x[v] - model.x_rest[v])));
+        difference = std::max(difference, double(norm(host.x[v] - device.x[v])));
       }
-      EXPECT_LT(apart, 1e-2 * way) << "of roundings, m, law " << int(law);
-      EXPECT_EQ(there.time, here.time);
+      EXPECT_LT(difference, 1e-2 * displacement) << "rounding error, m, law " << int(law);
+      EXPECT_EQ(device.time, host.time);
     }
 }
 

@@ -6,11 +6,10 @@
 namespace turgor::cloth {
 namespace {
 
-/// Where the end of a strip is beyond and below its clamp, by the heavy elastica: θ'' = −(L − s)/c³ cos θ
-/// with θ = 0 at the clamp and θ' = 0 at the end, c³ = B/(ρ g). Found by shooting with Runge and Kutta's
-/// method.
+/// End of a clamped strip by the heavy elastica: θ'' = −(L − s)/c³ cos θ with θ = 0 at the clamp and θ' = 0
+/// at the end, c³ = B/(ρ g). Solved by shooting with the Runge-Kutta method.
 struct End {
-  double reach = 0, drop = 0;  // [m]
+  double reach = 0, drop = 0;  // horizontal distance from the clamp, drop below it [m]
 };
 End elastica_end(double length, double rigidity, double weight) {
   constexpr int kSteps = 2000;
@@ -52,12 +51,14 @@ double elastica_angle(double length, double rigidity, double weight) {  // from 
   return std::atan2(end.drop, end.reach) * 180 / 3.14159265358979;
 }
 
-TEST(ClothBending, the_elastica_of_the_test_is_the_plate_of_the_books_for_small_angles) {
+// The reference elastica has the deflection w L⁴ / 8B of a cantilever plate for small angles.
+TEST(ClothBending, ReferenceMatchesSmallDeflection) {
   EXPECT_NEAR(elastica_drop(0.1, 1, 1e-2), 1e-2 * 1e-3 / 8, 1e-9);  // w L⁴/8B
 }
 
-TEST(ClothBending, peirce_s_formula_holds_for_the_elastica_of_the_test) {
-  // Where the end hangs 41.5° below the clamp, half of the length is c: c³ ρ g = B.
+// The reference elastica satisfies Peirce's formula.
+TEST(ClothBending, ReferenceMatchesPeirce) {
+  // For an angle of 41.5° from the clamp to the end, c is half the length: c³ ρ g = B.
   const double length = 0.1, c = 0.05;
   EXPECT_NEAR(elastica_angle(length, 1, 1 / (c * c * c)), 41.5, 0.5);
 }
@@ -71,9 +72,9 @@ struct Strip {
   bool along_weft = false;
 };
 
-/// Drop of the end of a strip that is clamped at one end, in multiples of its length, when it rests. The
-/// clamp holds two columns of vertices: it ends halfway between them.
-double found_drop(const Strip& strip) {
+/// Drop at rest of the end of a strip that is clamped at one end, in multiples of its length. The clamp holds
+/// two columns of vertices, so it ends halfway between them.
+double simulated_drop(const Strip& strip) {
   Params params{.fabric = {.law = Law::kSheet, .density = 0.2, .warp = 2000, .weft = 2000, .shear = 400}};
   (strip.along_weft ? params.fabric.rigidity_weft : params.fabric.rigidity_warp) = strip.rigidity;
   (strip.along_weft ? params.fabric.rigidity_warp : params.fabric.rigidity_weft) = 5 * strip.rigidity;
@@ -89,32 +90,35 @@ double found_drop(const Strip& strip) {
   for (int n = 0; n < 200; n++) step(Exec(1), model, state, in_vacuum(), kFrame);
   double sum = 0;
   const std::vector<int> end = vertices_between(mesh, strip.length - 1e-6, 1);
-  for (const int v : end) sum -= double(state.x.z[std::size_t(model.place[std::size_t(v)])]);
+  for (const int v : end) sum -= double(state.x.z[std::size_t(model.model_vertex[std::size_t(v)])]);
   return sum / double(end.size()) / strip.length;
 }
 
-TEST(ClothBending, a_strip_over_an_edge_hangs_as_peirce_s_cantilever_on_any_mesh) {
+// A strip over an edge hangs as Peirce's cantilever on any mesh.
+TEST(ClothBending, StripMatchesPeirceCantilever) {
   const double weight = 0.2 * 9.81;
   for (const Pattern pattern : kPatterns)
     for (const double cells : {12.5, 20.5})
       for (const double c : {0.015, 0.02}) {  // [m]
         const double rigidity = weight * c * c * c, length = 0.06;
         const double expected = elastica_drop(length, rigidity, weight);
-        EXPECT_NEAR(found_drop({pattern, length / cells, rigidity, length}) / expected, 1, 0.05)
+        EXPECT_NEAR(simulated_drop({pattern, length / cells, rigidity, length}) / expected, 1, 0.05)
             << name(pattern) << ", " << cells << " cells, c = " << c;
       }
 }
 
-TEST(ClothBending, warp_and_weft_bend_by_their_own_rigidity) {
+// Warp and weft bend with their own rigidity.
+TEST(ClothBending, WarpAndWeftRigidity) {
   const double weight = 0.2 * 9.81, rigidity = weight * 0.02 * 0.02 * 0.02, length = 0.06;
   for (const Pattern pattern : {Pattern::kDiagonal, Pattern::kRandom, Pattern::kEquilateral})
-    EXPECT_NEAR(found_drop({pattern, length / 20.5, rigidity, length, 0.02, true}) /
+    EXPECT_NEAR(simulated_drop({pattern, length / 20.5, rigidity, length, 0.02, true}) /
                     elastica_drop(length, rigidity, weight),
                 1, 0.05)
         << name(pattern);
 }
 
-TEST(ClothBending, a_sheet_that_is_moved_and_turned_has_no_energy_and_twice_the_bend_has_four_times_as_much) {
+// Rigid motion has no bending energy; twice the curvature has four times the energy.
+TEST(ClothBending, EnergyIsQuadraticInCurvature) {
   for (const Pattern pattern : kPatterns) {
     Params params{.fabric = {.law = Law::kSheet,
                              .warp = 1e-6,
@@ -137,7 +141,8 @@ TEST(ClothBending, a_sheet_that_is_moved_and_turned_has_no_energy_and_twice_the_
     };
     EXPECT_LT(bent(0), 1e-8) << name(pattern);
     EXPECT_NEAR(bent(10) / bent(5), 4, 0.02) << name(pattern);
-    EXPECT_NEAR(bent(5) / (1e-3 * 25 / 2 * 0.1 * 0.04), 1, 0.08) << name(pattern);  // ends bend half as much
+    EXPECT_NEAR(bent(5) / (1e-3 * 25 / 2 * 0.1 * 0.04), 1, 0.08)
+        << name(pattern);  // the ends bend half as much
   }
 }
 

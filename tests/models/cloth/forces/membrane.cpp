@@ -16,7 +16,7 @@ Params sheet_of(const Fabric& fabric) {
   return params;
 }
 
-/// Places x become F x, turned by a rotation about (1, 2, 2)/3.
+/// Maps positions x to F x and rotates them about (1, 2, 2)/3.
 void deform(const Model& model, State& state, const double (&f)[2][2], double angle) {
   const Vec3d axis = Vec3d{1, 2, 2} / 3;
   for (std::size_t v = 0; v < std::size_t(model.count); v++) {
@@ -28,29 +28,32 @@ void deform(const Model& model, State& state, const double (&f)[2][2], double an
   }
 }
 
-TEST(ClothMembrane, energy_of_a_deformed_sheet_is_that_of_its_fabric_on_any_mesh_however_it_is_turned) {
+// The energy of a uniform strain is that of the fabric on any mesh and in any rotation.
+TEST(ClothMembrane, EnergyMatchesFabricOnAnyMesh) {
   const Fabric fabric{
       .warp = 700, .weft = 300, .shear = 120, .poisson = 0.4, .rigidity_warp = 0, .rigidity_weft = 0};
   const double rest = 1 - 0.4 * 0.4 * 300 / 700, d1 = 700 / rest, d2 = 300 / rest, d12 = 0.4 * d2;
-  struct Way {
+  struct Deformation {
     double f[2][2], energy;  // [J/m²]
   };
   const double s = 0.05;  // a shear without rotation
-  for (const Way& way :
-       {Way{{{1.08, 0}, {0, 1}}, d1 * 0.08 * 0.08 / 2}, Way{{{1, 0}, {0, 0.95}}, d2 * 0.05 * 0.05 / 2},
-        Way{{{1.04, 0}, {0, 1.03}}, (d1 * 0.0016 + d2 * 0.0009) / 2 + d12 * 0.0012},
-        Way{{{1, s}, {s, 1}}, 2 * 120 * s * s}})
+  for (const Deformation& deformation :
+       {Deformation{{{1.08, 0}, {0, 1}}, d1 * 0.08 * 0.08 / 2},
+        Deformation{{{1, 0}, {0, 0.95}}, d2 * 0.05 * 0.05 / 2},
+        Deformation{{{1.04, 0}, {0, 1.03}}, (d1 * 0.0016 + d2 * 0.0009) / 2 + d12 * 0.0012},
+        Deformation{{{1, s}, {s, 1}}, 2 * 120 * s * s}})
     for (const Pattern pattern : kPatterns)
       for (const double angle : {0.0, 2.0}) {
         const Model model = must_build(rectangle(pattern, 0, kLength, kHeight, 0.01), sheet_of(fabric));
         State state = make_state(model);
-        deform(model, state, way.f, angle);
-        EXPECT_NEAR(energy(model, state, {}).elastic / (way.energy * kLength * kHeight), 1, 2e-3)
-            << name(pattern) << " turned by " << angle;
+        deform(model, state, deformation.f, angle);
+        EXPECT_NEAR(energy(model, state, {}).elastic / (deformation.energy * kLength * kHeight), 1, 2e-3)
+            << name(pattern) << " rotated by " << angle;
       }
 }
 
-TEST(ClothMembrane, the_fabric_may_lie_in_any_direction_of_the_mesh) {
+// The warp may have any direction in the mesh.
+TEST(ClothMembrane, FabricDirectionIsArbitrary) {
   for (const Pattern pattern : kPatterns) {
     Fabric fabric{.warp = 700, .weft = 300, .shear = 120, .rigidity_warp = 0, .rigidity_weft = 0};
     fabric.direction = {0, 1, 0.3};
@@ -62,7 +65,8 @@ TEST(ClothMembrane, the_fabric_may_lie_in_any_direction_of_the_mesh) {
   }
 }
 
-TEST(ClothMembrane, forces_are_the_slope_of_the_energy) {
+// Forces are the negative gradient of the energy.
+TEST(ClothMembrane, ForcesAreEnergyGradient) {
   for (const Pattern pattern : {Pattern::kRandom, Pattern::kLong}) {
     Params params = sheet_of({.warp = 700, .weft = 300, .shear = 120, .poisson = 0.3});
     params.fabric.rigidity_warp = 3e-4, params.fabric.rigidity_weft = 1e-4;
@@ -90,7 +94,7 @@ TEST(ClothMembrane, forces_are_the_slope_of_the_energy) {
   }
 }
 
-/// Force per width and strain that holds a strip of a mesh that is pulled along x, when it rests.
+/// Force per width and strain of a strip at rest that is pulled along x.
 double pulled_modulus(const TriMesh& mesh, Params params, double strain) {
   params.damping.motion = 10;
   params.solver = {.method = Method::kConjugateGradients, .sweeps = 100};
@@ -111,8 +115,8 @@ double pulled_modulus(const TriMesh& mesh, Params params, double strain) {
   return pull / kHeight / strain;
 }
 
-TEST(ClothMembrane,
-     a_strip_that_is_pulled_answers_within_two_percent_on_any_mesh_and_at_any_size_of_its_cells) {
+// The modulus of a pulled strip is within 2 % on any mesh and for any cell size.
+TEST(ClothMembrane, PulledStripModulusOnAnyMesh) {
   for (const Pattern pattern : kPatterns)
     for (const double size : {0.02, 0.01, 0.005})
       for (const double strain : {0.01, 0.1}) {
@@ -122,7 +126,8 @@ TEST(ClothMembrane,
       }
 }
 
-TEST(ClothMembrane, a_vertex_may_have_hundreds_of_neighbors) {
+// Forces are correct at a vertex with 600 neighbors.
+TEST(ClothMembrane, VertexWithHundredsOfNeighbors) {
   TriMesh wheel{.vertices = {{0, 0, 0}}, .triangles = {}};
   const int spokes = 600;
   for (int n = 0; n < spokes; n++) {
@@ -135,7 +140,7 @@ TEST(ClothMembrane, a_vertex_may_have_hundreds_of_neighbors) {
   for (std::size_t v = 0; v < std::size_t(model.count); v++) state.x.set(v, state.x[v] * 1.02f);
   assemble(Exec(1), model, state, in_vacuum(0), kFrame);
   Vec3d sum;
-  double inward = 0;  // the rim pulls itself together
+  double inward = 0;  // inward force of the rim
   for (std::size_t v = 0; v < std::size_t(model.count); v++) {
     sum += Vec3d(state.system.force[v]) / kFrame;
     inward -= dot(Vec3d(state.system.force[v]), normalized(Vec3d(state.x[v]) + Vec3d{1e-9, 0, 0})) / kFrame;
@@ -144,7 +149,8 @@ TEST(ClothMembrane, a_vertex_may_have_hundreds_of_neighbors) {
   EXPECT_NEAR(inward / (2 * 3.14159265358979 * 0.1 * 0.02 * 1000), 1, 0.01);
 }
 
-TEST(ClothMembrane, a_sheet_of_springs_does_not) {
+// In contrast, the modulus of a sheet of springs depends on the mesh.
+TEST(ClothMembrane, SpringsDependOnMesh) {
   Params params = sheet_of({.warp = 1000, .weft = 1000, .shear = 200});
   params.fabric.law = Law::kSprings;
   const double squares =

@@ -5,7 +5,8 @@
 namespace turgor::cloth {
 namespace {
 
-TEST(ClothWind, a_plate_across_the_wind_feels_the_pressure_of_the_formula) {
+// The force of wind on a plate is that of the formula for pressure and drag.
+TEST(ClothWind, PlateForceMatchesFormula) {
   const Model model = must_build(flat_sheet(21), {});
   State state = make_state(model);
   for (const Vec3d wind : {Vec3d{0, 0, 7}, Vec3d{5, 0, 0}, Vec3d{0, 4, -3}}) {
@@ -23,7 +24,8 @@ TEST(ClothWind, a_plate_across_the_wind_feels_the_pressure_of_the_formula) {
   }
 }
 
-TEST(ClothWind, a_sheet_falls_in_still_air_at_the_speed_where_drag_is_its_weight) {
+// A sheet in still air reaches the speed at which drag balances its weight.
+TEST(ClothWind, TerminalVelocity) {
   const Model model = must_build(flat_sheet(11), {.damping = {.motion = 0}});
   State state = make_state(model);
   Inputs inputs{.gravity = {0, 0, -9.81}};
@@ -32,7 +34,8 @@ TEST(ClothWind, a_sheet_falls_in_still_air_at_the_speed_where_drag_is_its_weight
   for (const std::size_t v : {0u, 60u, 120u}) EXPECT_NEAR(-state.v.z[v] / terminal, 1, 0.01);
 }
 
-TEST(ClothWind, gusts_have_their_strength_no_divergence_and_travel_with_the_wind) {
+// Gusts have the given strength and no divergence, and move with the wind.
+TEST(ClothWind, GustsAreDivergenceFreeAndAdvected) {
   const Air air{.velocity = {5, 0, 0}, .gusts = 0.3, .seed = 4};
   const Gusts now = gusts_at(air, 1);
   double sum2 = 0, mean = 0;
@@ -59,7 +62,8 @@ TEST(ClothWind, gusts_have_their_strength_no_divergence_and_travel_with_the_wind
   EXPECT_NEAR(norm(later - air_velocity(now, at)), 0, 1e-3);
 }
 
-TEST(ClothWind, a_seed_makes_the_same_gusts_again_and_another_makes_others) {
+// A seed determines the gusts.
+TEST(ClothWind, SeedDeterminesGusts) {
   Air air{.velocity = {5, 0, 0}, .gusts = 0.3, .seed = 4};
   const Vec3 at{1, 2, 3}, u = air_velocity(gusts_at(air, 2), at);
   EXPECT_EQ(air_velocity(gusts_at(air, 2), at), u);

@@ -1,4 +1,4 @@
-// Obstacles that bear a sheet, solved together with it.
+// Contacts with obstacles that are solved implicitly together with the sheet.
 #include "turgor/models/cloth/solver/implicit_contact.hpp"
 
 #include <memory>
@@ -6,6 +6,7 @@
 #include "tests/models/cloth/meshes.hpp"
 #include "tests/models/cloth/sheets.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"
+#include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/models/cloth/contact/obstacle.hpp"
 
 namespace turgor::cloth {
@@ -14,12 +15,12 @@ namespace {
 constexpr double kGravity = 9.81;
 
 Params solved(bool self = false) {
-  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kBlocks, .sweeps = 200}};
+  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kTwoLevel, .sweeps = 200}};
   params.collision = {.self = self, .thickness = 0.004};
   return params;
 }
 
-/// Shortest and longest edge by their lengths at rest, and area by that at rest.
+/// Shortest and longest edge relative to the rest length, and area relative to the rest area.
 struct Shape {
   double shortest = 9, longest = 0, area = 0;
 };
@@ -28,13 +29,13 @@ Shape shape_of(const Model& model, const State& state) {
   double rest = 0;
   for (const Int3 t : model.triangles) {
     const auto now = [&](int k) { return Vec3d(state.x[std::size_t(t[k])]); };
-    const auto then = [&](int k) { return Vec3d(model.x_rest[std::size_t(t[k])]); };
+    const auto at_rest = [&](int k) { return Vec3d(model.x_rest[std::size_t(t[k])]); };
     for (int k = 0; k < 3; k++) {
-      const double ratio = norm(now(k) - now((k + 1) % 3)) / norm(then(k) - then((k + 1) % 3));
+      const double ratio = norm(now(k) - now((k + 1) % 3)) / norm(at_rest(k) - at_rest((k + 1) % 3));
       shape.shortest = std::min(shape.shortest, ratio), shape.longest = std::max(shape.longest, ratio);
     }
     shape.area += norm(cross(now(1) - now(0), now(2) - now(0)));
-    rest += norm(cross(then(1) - then(0), then(2) - then(0)));
+    rest += norm(cross(at_rest(1) - at_rest(0), at_rest(2) - at_rest(0)));
   }
   shape.area /= rest;
   return shape;
@@ -44,9 +45,9 @@ struct Falling {
   Model model;
   State state;
   Inputs inputs;
-  std::unique_ptr<const contact::Shape> ball;  // that the obstacle refers to
+  std::unique_ptr<const contact::Shape> ball;  // referenced by the obstacle
 };
-/// A sheet of 0.3 m that begins 15 mm above a ball, a little beside its middle.
+/// A sheet of 0.3 m that starts 15 mm above a ball, slightly off its center.
 Falling sheet_over_ball(Pattern pattern, double cell, double ball, const Params& params) {
   TriMesh mesh = rectangle(pattern, -0.15, 0.15, 0.3, cell);
   for (Vec3& x : mesh.vertices) x += Vec3{0.004f, -0.145f, Real(ball + 0.015)};
@@ -65,7 +66,8 @@ double total_energy(const Model& model, const State& state, const Inputs& inputs
   return e.elastic + e.kinetic + e.potential;
 }
 
-TEST(ClothBearing, a_sheet_that_falls_over_a_small_ball_stays_smooth_loses_energy_and_is_borne) {
+// A sheet that falls over a small ball stays smooth, loses energy and is carried by the ball.
+TEST(ClothImplicitContact, DrapeOverBallIsSmooth) {
   struct Fall {
     Pattern pattern;
     double cell, ball, density, stiffness;
@@ -76,31 +78,32 @@ TEST(ClothBearing, a_sheet_that_falls_over_a_small_ball_stays_smooth_loses_energ
     Params params = solved();
     params.fabric.density = density, params.fabric.warp = params.fabric.weft = stiffness;
     auto [model, state, inputs, shape] = sheet_over_ball(pattern, cell, ball, params);
-    double before = INFINITY, borne = 0;
+    double before = INFINITY, load = 0;
     for (int n = 1; n <= 100; n++) {
       ASSERT_TRUE(step(Exec(2), model, state, inputs, kFrame).finite);
-      if (n > 80) borne += obstacle_load(state, 0, {}).impulse.z / kFrame / 20;
+      if (n > 80) load += obstacle_load(state, 0, {}).impulse.z / kFrame / 20;
       if (n % 20 != 0) continue;
       const Shape now = shape_of(model, state);
       EXPECT_NEAR(now.area, 1, 0.01) << cell << " m, frame " << n;
       EXPECT_GT(now.shortest, 0.9) << cell << " m, frame " << n;
       EXPECT_LT(now.longest, 1.12) << cell << " m, frame " << n;
-      const double now_has = total_energy(model, state, inputs);
-      EXPECT_LT(now_has, before) << cell << " m, frame " << n;
-      before = now_has;
+      const double now_energy = total_energy(model, state, inputs);
+      EXPECT_LT(now_energy, before) << cell << " m, frame " << n;
+      before = now_energy;
     }
-    EXPECT_NEAR(borne / (model.total_mass * -kGravity), 1, 0.05) << cell;
+    EXPECT_NEAR(load / (model.total_mass * -kGravity), 1, 0.05) << cell;
   }
 }
 
-TEST(ClothBearing, a_sheet_that_lands_fast_on_something_small_is_hardly_stretched_by_the_landing) {
+// A fast landing on a small ball stretches edges by less than 10 %.
+TEST(ClothImplicitContact, FastLandingBoundsStretch) {
   struct Landing {
     Pattern pattern;
     double cell, ball, speed, stiffness;
     bool self;
   };
-  // Half a cell a step and more: a step that takes turned edges for straight ones stretches these to 1.29 …
-  // 1.46.
+  // Half a cell per step and more: without the rotation of edges in the step, they would be stretched to 1.29
+  // … 1.46.
   for (const auto& [pattern, cell, ball, speed, stiffness, self] :
        {Landing{Pattern::kAlternating, 0.01, 0.05, 0.6, 1000, false},
         Landing{Pattern::kEquilateral, 0.01, 0.04, 0.6, 3000, false},
@@ -117,14 +120,15 @@ TEST(ClothBearing, a_sheet_that_lands_fast_on_something_small_is_hardly_stretche
       pushed -= obstacle_load(state, 0, {}).impulse.z;
     }
     EXPECT_LT(longest, 1.1) << cell << " m, " << speed << " m/s";
-    EXPECT_GT(pushed, 0.2 * model.total_mass * speed) << "N·s: it has landed";
+    EXPECT_GT(pushed, 0.2 * model.total_mass * speed) << "N·s: the ball carries the landing";
   }
 }
 
-TEST(ClothBearing, where_a_sheet_folds_onto_itself_it_is_no_longer_and_nothing_is_gained_by_it) {
+// Self-contact of a draped sheet adds no energy, stretches edges by less than 5 % and has no crossings.
+TEST(ClothImplicitContact, SelfContactLosesEnergy) {
   struct Fold {
     Pattern pattern;
-    double cell, ball, density, stiffness, thickness;  // the last in cells
+    double cell, ball, density, stiffness, thickness;  // thickness in cells
   };
   for (const auto& [pattern, cell, ball, density, stiffness, thickness] :
        {Fold{Pattern::kAlternating, 0.014, 0.04, 0.15, 1000, 0.7},
@@ -134,20 +138,20 @@ TEST(ClothBearing, where_a_sheet_folds_onto_itself_it_is_no_longer_and_nothing_i
     params.fabric.density = density, params.fabric.warp = params.fabric.weft = stiffness;
     params.collision.thickness = thickness * cell;
     auto [model, state, inputs, shape] = sheet_over_ball(pattern, cell, ball, params);
-    double before = INFINITY, borne = 0;
+    double before = INFINITY, load = 0;
     int pressed = 0;
     for (int n = 1; n <= 80; n++) {
       ASSERT_TRUE(step(Exec(2), model, state, inputs, kFrame).finite);
       for (const Contact& c : state.contacts.list) pressed += n > 40 && c.obstacle < 0 && c.impulse > 0;
-      if (n > 70) borne += obstacle_load(state, 0, {}).impulse.z / kFrame / 10;
+      if (n > 70) load += obstacle_load(state, 0, {}).impulse.z / kFrame / 10;
       if (n % 10 != 0) continue;
       const Shape now = shape_of(model, state);
       EXPECT_LT(now.longest, 1.05) << cell << " m, frame " << n;
-      const double now_has = total_energy(model, state, inputs);
-      EXPECT_LT(now_has, before) << cell << " m, frame " << n;
-      before = now_has;
+      const double now_energy = total_energy(model, state, inputs);
+      EXPECT_LT(now_energy, before) << cell << " m, frame " << n;
+      before = now_energy;
     }
-    EXPECT_NEAR(borne / (model.total_mass * -kGravity), 1, 0.05) << cell;
+    EXPECT_NEAR(load / (model.total_mass * -kGravity), 1, 0.05) << cell;
     if (thickness > 0.5) {
       EXPECT_GT(pressed, 40) << cell << ": layers press each other";
     }
@@ -157,8 +161,9 @@ TEST(ClothBearing, where_a_sheet_folds_onto_itself_it_is_no_longer_and_nothing_i
   }
 }
 
-TEST(ClothBearing, a_sheet_on_a_slope_stays_below_the_angle_of_friction_and_slides_above_it_as_coulomb_says) {
-  constexpr double kSlope = 0.35;  // rad: its tangent is 0.365
+// A sheet rests on a slope below the friction angle and slides above it as Coulomb's law predicts.
+TEST(ClothImplicitContact, SlopeFollowsCoulomb) {
+  constexpr double kSlope = 0.35;  // [rad], its tangent is 0.365
   for (const double friction : {0.5, 0.38, 0.3, 0.1, 0.0}) {
     Params params = solved();
     params.damping.motion = 0;
@@ -169,24 +174,25 @@ TEST(ClothBearing, a_sheet_on_a_slope_stays_below_the_angle_of_friction_and_slid
     inputs.gravity = Vec3d{std::sin(kSlope), 0, -std::cos(kSlope)} * kGravity;
     inputs.obstacles.push_back(plane_obstacle({0, 0, -0.002}, {0, 0, 1}));
     inputs.obstacles.back().friction = friction;
-    const auto place = [&] { return double(state.x.x[std::size_t(model.count / 2)]); };
+    const auto position = [&] { return double(state.x.x[std::size_t(model.count / 2)]); };
     for (int n = 0; n < 30; n++) step(Exec(1), model, state, inputs, kFrame);
-    const double start = place(), speed = momentum(model, state).x / model.total_mass;
+    const double start = position(), speed = momentum(model, state).x / model.total_mass;
     for (int n = 0; n < 30; n++) step(Exec(1), model, state, inputs, kFrame);
     const double faster = momentum(model, state).x / model.total_mass - speed;
     const double expected =
         std::max(0.0, kGravity * (std::sin(kSlope) - friction * std::cos(kSlope))) * 30 * kFrame;
     EXPECT_NEAR(faster, expected, 0.02 * expected + 0.005) << friction;
     if (expected == 0) {
-      EXPECT_LT(place() - start, 1e-4) << friction << ": m in half a second";
+      EXPECT_LT(position() - start, 1e-4) << friction << ": m in half a second";
     }
   }
 }
 
-/// A sheet of 0.2 × 0.1 m that is held all around, with a ball that goes down into it and stays.
+/// A sheet of 0.2 × 0.1 m, held along its border, with a ball that presses into it and stays.
 struct Pressed {
-  double tool = 0, holds = 0;  // force of the sheet on the ball, of the holds beyond its weight; upwards [N]
-  double change = 0;           // of the first in the last ten frames [N]
+  double tool = 0,
+         holds = 0;   // force of the sheet on the ball; force of the holds minus the weight; upward [N]
+  double change = 0;  // change of `tool` in the last ten frames [N]
 };
 Pressed press(Pattern pattern, double cell, double radius, double depth, double seconds) {
   Params params = solved(true);
@@ -203,8 +209,9 @@ Pressed press(Pattern pattern, double cell, double radius, double depth, double 
   }
   const contact::Shape shape = contact::Sphere{radius};
   const auto at = [&](int frame) {
-    const double part = std::min(1.0, frame * kFrame / seconds);
-    return contact::Pose{.position = {0.103, 0.052, (radius + 0.01) * (1 - part) + (radius - depth) * part}};
+    const double fraction = std::min(1.0, frame * kFrame / seconds);
+    return contact::Pose{
+        .position = {0.103, 0.052, (radius + 0.01) * (1 - fraction) + (radius - depth) * fraction}};
   };
   Pressed pressed;
   for (int n = 0; n < 120; n++) {
@@ -221,7 +228,8 @@ Pressed press(Pattern pattern, double cell, double radius, double depth, double 
   return pressed;
 }
 
-TEST(ClothBearing, what_a_ball_feels_of_a_taut_sheet_is_what_the_holds_take_and_keeps_still) {
+// The force on a ball in a taut sheet balances the forces of the holds and is constant at rest.
+TEST(ClothImplicitContact, BallForceBalancesHolds) {
   struct Case {
     Pattern pattern;
     double cell, radius, depth, seconds;
@@ -234,11 +242,12 @@ TEST(ClothBearing, what_a_ball_feels_of_a_taut_sheet_is_what_the_holds_take_and_
     const Pressed found = press(pattern, cell, radius, depth, seconds);
     EXPECT_GT(found.tool, 0.5) << name(pattern) << ", N";
     EXPECT_NEAR(found.tool / found.holds, 1, 0.005) << name(pattern) << ": " << found.tool << " N";
-    EXPECT_LT(found.change, 0.005 * found.tool) << name(pattern) << ": N from frame to frame";
+    EXPECT_LT(found.change, 0.005 * found.tool) << name(pattern) << ": N per frame";
   }
 }
 
-TEST(ClothBearing, equal_bits_on_1_2_and_8_threads) {
+// One, two and eight threads give the same bits.
+TEST(ClothImplicitContact, EqualBitsOnAnyThreads) {
   std::uint64_t expected = 0;
   for (const int threads : {1, 2, 8}) {
     const Model model = must_build(rectangle(Pattern::kRandom, -0.1, 0.1, 0.2, 0.01), solved(true));

@@ -28,10 +28,10 @@ std::vector<HalfSpring> half_springs(const Model& model) {
   return list;
 }
 
-/// Force of the spring on its first end, places in double precision.
+/// Force of the spring on its first end in double precision.
 Vec3d spring_force(Vec3d d, const HalfSpring& s) { return d * (s.stiffness * (1 - s.rest / norm(d))); }
 
-/// The block J_ab of theory: k [ n nᵀ + max(0, 1 − L0/L) (I − n nᵀ) ].
+/// Block J_ab of the theory: k [ n nᵀ + max(0, 1 − L0/L) (I − n nᵀ) ].
 Eigen::Matrix3d block(Vec3d d, const HalfSpring& s) {
   const Eigen::Vector3d n(d.x / norm(d), d.y / norm(d), d.z / norm(d));
   const Eigen::Matrix3d nn = n * n.transpose();
@@ -43,7 +43,7 @@ struct DirectSystem {
   Eigen::VectorXd b;
 };
 
-/// (M (1 + h α) − s J) Δv = h f + s J v − h α M v, held vertices left out of the unknowns by unit rows.
+/// (M (1 + h α) − s J) Δv = h f + s J v − h α M v; held vertices are eliminated by unit rows.
 DirectSystem direct_system(const Model& model, const State& state, const Inputs& inputs, double h) {
   const int n = model.count;
   const double alpha = h * model.params.damping.motion, s = h * h + h * model.params.damping.stretch;
@@ -94,7 +94,7 @@ double difference(const Eigen::VectorXd& exact, const Vectors& change) {
   return largest / exact.cwiseAbs().maxCoeff();
 }
 
-/// A crumpled piece of soft cloth that moves, one corner held and drawn away.
+/// A crumpled moving sheet of soft cloth; one corner is held and pulled away.
 struct Crumpled {
   Model model;
   State state;
@@ -112,7 +112,8 @@ Crumpled crumpled(int n = 12) {
   return c;
 }
 
-TEST(ClothSystem, the_derivative_of_a_stretched_spring_is_that_of_finite_differences) {
+// The derivative of a stretched spring matches finite differences.
+TEST(ClothSystem, SpringDerivativeMatchesDifferences) {
   const HalfSpring spring{0, 1, 0.01, 30};
   for (const Vec3d d : {Vec3d{0.012, 0, 0}, Vec3d{0.008, 0.009, -0.003}, Vec3d{0.02, -0.01, 0.04}}) {
     const Eigen::Matrix3d j = block(d, spring);
@@ -125,7 +126,8 @@ TEST(ClothSystem, the_derivative_of_a_stretched_spring_is_that_of_finite_differe
   }
 }
 
-TEST(ClothSystem, forces_and_matrix_are_those_of_the_theory) {
+// The right-hand side matches a double-precision reference.
+TEST(ClothSystem, RightSideMatchesReference) {
   Crumpled c = crumpled();
   const Exec exec(2);
   assemble(exec, c.model, c.state, c.inputs, kFrame);
@@ -138,7 +140,8 @@ TEST(ClothSystem, forces_and_matrix_are_those_of_the_theory) {
   EXPECT_LT(largest / direct.b.cwiseAbs().maxCoeff(), 1e-6);
 }
 
-TEST(ClothSystem, sweeps_run_to_convergence_equal_a_direct_sparse_solve) {
+// Converged Jacobi sweeps match a direct sparse solve.
+TEST(ClothSystem, ConvergedSweepsMatchDirectSolve) {
   for (const double h : {0.001, kFrame}) {
     Crumpled c = crumpled();
     const Exec exec(2);
@@ -150,7 +153,8 @@ TEST(ClothSystem, sweeps_run_to_convergence_equal_a_direct_sparse_solve) {
   }
 }
 
-TEST(ClothSystem, conjugate_gradients_solve_the_same_system) {
+// Conjugate gradients match a direct sparse solve.
+TEST(ClothSystem, ConjugateGradientsMatchDirectSolve) {
   Crumpled c = crumpled();
   const Exec exec(2);
   c.inputs.measure_residual = true;
@@ -171,7 +175,8 @@ double residual_after(State state, const Model& model, Method method, int sweeps
   return residual(exec, model, state);
 }
 
-TEST(ClothSystem, chebyshev_leaves_less_than_jacobi_on_a_flag_in_the_wind) {
+// On a flag in the wind, Chebyshev sweeps have a smaller residual than Jacobi sweeps.
+TEST(ClothSystem, ChebyshevBeatsJacobiOnFlag) {
   Params params{.fabric = {.law = Law::kSprings, .warp = 50, .weft = 50, .shear = 10, .bend = 1}};
   params.collision.self = false;
   const Model model = must_build(flat_sheet(40, 0.02), params);
@@ -192,7 +197,8 @@ TEST(ClothSystem, chebyshev_leaves_less_than_jacobi_on_a_flag_in_the_wind) {
             residual_after(state, model, Method::kChebyshev, 127));
 }
 
-TEST(ClothSystem, what_falls_freely_falls_by_gravity_after_one_sweep) {
+// A sheet in free fall gains g h of speed after one sweep.
+TEST(ClothSystem, FreeFallNeedsOneSweep) {
   Params params;
   params.damping = {0, 0};
   const Model model = must_build(flat_sheet(10), params);

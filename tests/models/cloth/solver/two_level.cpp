@@ -9,10 +9,10 @@
 namespace turgor::cloth {
 namespace {
 
-/// A square of a metre, held at its first column, that falls for half a second.
+/// A square of a meter, held at its first column, that falls for a quarter of a second.
 struct Falling {
-  int most = 0;  // iterations of a step
-  double left = 0;
+  int most_iterations = 0;  // largest number of iterations of a step
+  double residual = 0;
 };
 Falling fall(int cells, Method method) {
   Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = method, .sweeps = 3000}};
@@ -24,24 +24,26 @@ Falling fall(int cells, Method method) {
   Falling falling;
   for (int n = 0; n < 15; n++) {
     const StepReport report = step(Exec(2), model, state, in_vacuum(), kFrame);
-    falling.most = std::max(falling.most, report.iterations);
-    falling.left = std::max(falling.left, report.residual);
+    falling.most_iterations = std::max(falling.most_iterations, report.iterations);
+    falling.residual = std::max(falling.residual, report.residual);
   }
   return falling;
 }
 
-TEST(ClothBlocks, iterations_hardly_grow_with_the_mesh) {
-  const Falling coarse = fall(20, Method::kBlocks), fine = fall(80, Method::kBlocks);
+// Iterations of the two-level preconditioner hardly grow with the mesh.
+TEST(ClothTwoLevel, IterationsHardlyGrowWithMesh) {
+  const Falling coarse = fall(20, Method::kTwoLevel), fine = fall(80, Method::kTwoLevel);
   const Falling alone = fall(80, Method::kConjugateGradients);
-  EXPECT_LT(coarse.left, 0.0101);
-  EXPECT_LT(fine.left, 0.0101);
-  EXPECT_LT(fine.most, 2.2 * coarse.most) << coarse.most;
-  EXPECT_LT(fine.most, 0.2 * alone.most) << alone.most;
+  EXPECT_LT(coarse.residual, 0.0101);
+  EXPECT_LT(fine.residual, 0.0101);
+  EXPECT_LT(fine.most_iterations, 2.2 * coarse.most_iterations) << coarse.most_iterations;
+  EXPECT_LT(fine.most_iterations, 0.2 * alone.most_iterations) << alone.most_iterations;
 }
 
-TEST(ClothBlocks, they_solve_the_same_system_as_conjugate_gradients_alone) {
+// The preconditioned solver has the solution of plain conjugate gradients.
+TEST(ClothTwoLevel, MatchesPlainConjugateGradients) {
   Params params{.fabric = {.law = Law::kSheet},
-                .solver = {.method = Method::kBlocks, .sweeps = 400, .tolerance = 0}};
+                .solver = {.method = Method::kTwoLevel, .sweeps = 400, .tolerance = 0}};
   params.collision.self = false;
   const Model model = must_build(rectangle(Pattern::kRandom, 0, 0.2, 0.1, 0.01), params);
   State state = make_state(model);
@@ -55,16 +57,16 @@ TEST(ClothBlocks, they_solve_the_same_system_as_conjugate_gradients_alone) {
   for (const bool blocks : {false, true}) {
     start_change(Exec(1), model, state, kFrame);
     solve_by_conjugate_gradients(Exec(1), model, state,
-                                 {.iterations = 400, .residual = 1e-6, .blocks = blocks});
+                                 {.iterations = 400, .residual = 1e-6, .two_level = blocks});
     EXPECT_LT(state.system.residual, 1e-5);
     found[blocks] = state.system.change;
   }
-  double size = 0, off = 0;
+  double size = 0, error = 0;
   for (std::size_t v = 0; v < std::size_t(model.count); v++) {
     size = std::max(size, double(norm(found[0][v])));
-    off = std::max(off, double(norm(found[1][v] - found[0][v])));
+    error = std::max(error, double(norm(found[1][v] - found[0][v])));
   }
-  EXPECT_LT(off / size, 1e-4);
+  EXPECT_LT(error / size, 1e-4);
 }
 
 bool are_a_pair(const Blocks& blocks, int a, int b) {
@@ -74,8 +76,9 @@ bool are_a_pair(const Blocks& blocks, int a, int b) {
   return std::binary_search(begin, end, std::min(a, b));
 }
 
-TEST(ClothBlocks, springs_of_folds_join_blocks_that_no_edge_joins) {
-  Params params{.fabric = {.law = Law::kSprings, .bend = 1}, .solver = {.method = Method::kBlocks}};
+// Bending springs join blocks that no edge joins.
+TEST(ClothTwoLevel, BendingSpringsJoinBlocks) {
+  Params params{.fabric = {.law = Law::kSprings, .bend = 1}, .solver = {.method = Method::kTwoLevel}};
   params.collision.self = false;
   const Model folds = must_build(make_sheet({.columns = 60, .rows = 60}), params);
   params.fabric.bend = 0;
@@ -95,12 +98,12 @@ TEST(ClothBlocks, springs_of_folds_join_blocks_that_no_edge_joins) {
   }
 }
 
-/// Sag of a strip of a metre whose ends hang 0.8 m apart, of a catenary's, and the pull at an end.
+/// Sag and end force of a strip of a meter whose ends are 0.8 m apart, relative to those of a catenary.
 struct Hanging {
   double sag = 0, pull = 0;
 };
 Hanging hang(double cell) {
-  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kBlocks, .sweeps = 200}};
+  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kTwoLevel, .sweeps = 200}};
   params.damping.motion = 3;
   params.collision.self = false;
   const int cells = int(std::lround(1 / cell));
@@ -129,7 +132,8 @@ Hanging hang(double cell) {
           norm(pull) / (weight * scale * std::cosh(0.4 / scale))};
 }
 
-TEST(ClothBlocks, a_strip_hangs_as_a_catenary_in_cells_of_any_size) {
+// A strip hangs as a catenary for any cell size.
+TEST(ClothTwoLevel, StripHangsAsCatenary) {
   for (const double cell : {0.02, 0.01, 0.005}) {
     const Hanging found = hang(cell);
     EXPECT_NEAR(found.sag, 1, 0.01) << cell;
@@ -137,10 +141,11 @@ TEST(ClothBlocks, a_strip_hangs_as_a_catenary_in_cells_of_any_size) {
   }
 }
 
-TEST(ClothBlocks, what_holds_a_hanging_sheet_takes_its_weight_to_a_thousandth) {
+// The holds of a hanging sheet carry its weight within 0.1 %.
+TEST(ClothTwoLevel, HoldsCarryWeight) {
   for (const Pattern pattern : {Pattern::kDiagonal, Pattern::kRandom})
     for (const double cell : {0.02, 0.01}) {
-      Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kBlocks, .sweeps = 200}};
+      Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kTwoLevel, .sweeps = 200}};
       params.damping.motion = 2;
       params.collision.self = false;
       const TriMesh mesh = rectangle(pattern, 0, 0.2, 0.2, cell);

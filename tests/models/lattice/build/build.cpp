@@ -4,14 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 namespace {
 
 const Exec kExec(2);
 
-/// A lying cylinder along k with a lung inside, a bone, fat around, and a table underneath that does not
-/// touch it.
+/// A cylinder along k with a lung, a bone and fat, above a table that it does not touch.
 CtVolume body_on_table(Int3 size) {
   CtVolume ct{{.size = size, .spacing = {1e-3, 1e-3, 1e-3}}, {}};
   for (int k = 0; k < size.z; k++)
@@ -29,7 +29,8 @@ CtVolume body_on_table(Int3 size) {
   return ct;
 }
 
-TEST(lattice_body, nodes_are_the_corners_of_the_blocks_as_in_the_paper) {
+// Nodes are the corners of the blocks of voxels, as in the paper.
+TEST(LatticeBuild, NodesAreBlockCorners) {
   const CtVolume ct{{.size = {512, 512, 300}, .spacing = {1, 1, 1}}, {}};
   CtVolume small = body_on_table({64, 64, 30});
   const BodyNodes nodes = classify(kExec, small, nullptr, {}).value();
@@ -38,15 +39,17 @@ TEST(lattice_body, nodes_are_the_corners_of_the_blocks_as_in_the_paper) {
   EXPECT_NEAR(nodes.grid.origin.x, -0.5e-3, 1e-12);
 }
 
-TEST(lattice_body, hu_is_the_mean_of_the_block_around_a_node) {
+// The HU of a node is the mean of the block around it.
+TEST(LatticeBuild, NodeHuIsBlockMean) {
   CtVolume ct = body_on_table({64, 64, 32});
   for (std::size_t n = 0; n < ct.samples.size(); n++) ct.samples[n] = std::int16_t(n % 64 * 10);  // 10 i
   const BodyNodes nodes = classify(kExec, ct, nullptr, {}).value();
-  for (int i = 1; i < 16; i++)  // node i sits at voxel 4 i − 1/2
+  for (int i = 1; i < 16; i++)  // node i is at voxel 4 i − 1/2
     EXPECT_EQ(nodes.hu[sample_index(nodes.grid, i, 5, 3)], 40 * i - 5);
 }
 
-TEST(lattice_body, the_table_and_the_air_go_the_lung_stays_and_bone_is_fixed) {
+// Table and air are removed, the lung remains, and bone is fixed.
+TEST(LatticeBuild, ClassifiesTissues) {
   Params params;
   params.block = {2, 2, 2};
   const CtVolume ct = body_on_table({64, 64, 30});
@@ -62,7 +65,8 @@ TEST(lattice_body, the_table_and_the_air_go_the_lung_stays_and_bone_is_fixed) {
     EXPECT_EQ(nodes.fixed[n] != 0, nodes.tissue[n] == Tissue::kBone);
 }
 
-TEST(lattice_body, labels_set_the_stiffness) {
+// Labels set the Young's modulus.
+TEST(LatticeBuild, LabelsSetStiffness) {
   Params params;
   params.block = {2, 2, 2};
   params.tissue.young_of_label[5] = 3210;
@@ -76,15 +80,17 @@ TEST(lattice_body, labels_set_the_stiffness) {
   EXPECT_EQ(nodes.young[sample_index(nodes.grid, 16, 11, 7)], float(params.tissue.muscle));
 }
 
-TEST(lattice_body, a_ct_of_air_is_refused) {
+// A CT that contains only air is rejected.
+TEST(LatticeBuild, RejectsCtOfAir) {
   const CtVolume air{{.size = {16, 16, 16}, .spacing = {1e-3, 1e-3, 1e-3}},
                      std::vector<std::int16_t>(16 * 16 * 16, kAirHu)};
   const auto model = build(kExec, air, {}, {});
   ASSERT_FALSE(model);
-  EXPECT_NE(model.error().message.find("nothing but air"), std::string::npos);
+  EXPECT_NE(model.error().message.find("contains only air"), std::string::npos);
 }
 
-TEST(lattice_body, a_ct_without_outside_air_has_no_skin_and_says_so) {
+// A CT without air outside the body has no skin and is rejected.
+TEST(LatticeBuild, RejectsCtWithoutSkin) {
   const CtVolume full{{.size = {16, 16, 16}, .spacing = {1e-3, 1e-3, 1e-3}},
                       std::vector<std::int16_t>(16 * 16 * 16, 40)};
   const auto model = build(kExec, full, {}, {});
@@ -92,7 +98,8 @@ TEST(lattice_body, a_ct_without_outside_air_has_no_skin_and_says_so) {
   EXPECT_NE(model.error().message.find("no skin"), std::string::npos);
 }
 
-TEST(lattice_body, memory_stays_below_80_bytes_a_node) {
+// A model and its state need at most 80 bytes per node.
+TEST(LatticeBuild, MemoryPerNodeIsBounded) {
   CtVolume ct = body_on_table({64, 64, 64});
   CtVolume large{{.size = {256, 256, 128}, .spacing = {1e-3, 1e-3, 1e-3}}, {}};
   for (int k = 0; k < 128; k++)
@@ -103,10 +110,10 @@ TEST(lattice_body, memory_stays_below_80_bytes_a_node) {
   const Model model = build(kExec, large, {}, params).value();
   const State state = make_state(model);
   EXPECT_LE(double(memory_bytes(model, state)) / node_count(model.lattice), 80.0)
-      << "of which a quarter is skin, laid out for vectors";
+      << "a quarter of it is skin, laid out for vector units";
 }
 
-/// The same scan with its axes stored in another order: index p[n] of it leads along axis order[n].
+/// The same scan with its axes stored in another order: index p[n] runs along axis order[n].
 CtVolume stored_as(const CtVolume& ct, std::array<int, 3> order) {
   CtVolume out{.grid = ct.grid, .samples = std::vector<std::int16_t>(ct.samples.size())};
   for (int n = 0; n < 3; n++) {
@@ -123,12 +130,13 @@ CtVolume stored_as(const CtVolume& ct, std::array<int, 3> order) {
   return out;
 }
 
-TEST(lattice_body, ends_are_those_at_head_and_feet_however_a_scan_is_stored) {
+// fix_ends fixes the ends at head and feet for any order of the scan's axes.
+TEST(LatticeBuild, FixedEndsIgnoreAxisOrder) {
   Params params;
   params.block = {2, 2, 2};
   params.fix_ends = true;
   CtVolume axial = body_on_table({64, 64, 48});
-  for (int k = 0; k < 48; k++)  // the table is longer than a hand, and only just touches the back
+  for (int k = 0; k < 48; k++)  // the table is longer than a hand and only just touches the back
     for (int i = 0; i < 64; i++)
       for (int j = 48; j < 51; j++) axial.at(i, j, k) = 100;
   axial.grid.spacing = {3e-3, 3e-3, 3e-3};
@@ -137,7 +145,7 @@ TEST(lattice_body, ends_are_those_at_head_and_feet_however_a_scan_is_stored) {
   for (std::size_t n = 0; n < expected.fixed.size(); n++)
     ends += is_body(expected.tissue[n]) && expected.fixed[n], gas += expected.tissue[n] == Tissue::kGas;
   EXPECT_GT(ends, 100);
-  EXPECT_GT(gas, 100) << "a lung that the ends of the scan cut open";
+  EXPECT_GT(gas, 100) << "a lung that is open at the ends of the scan";
   for (const std::array<int, 3> order : {std::array{0, 2, 1}, {2, 0, 1}, {1, 2, 0}, {1, 0, 2}}) {
     const BodyNodes nodes = classify(kExec, stored_as(axial, order), nullptr, params).value();
     long tissue = 0, fixed = 0;

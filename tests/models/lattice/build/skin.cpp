@@ -9,6 +9,7 @@
 
 #include "tests/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/model/colors.hpp"
 
 namespace turgor::lattice {
@@ -16,8 +17,7 @@ namespace {
 
 const Exec kExec(2);
 
-/// A body from a shape: hu where inside(point) else air; nodes a millimetre apart, the grid centred on the
-/// origin.
+/// A body from a shape: tissue inside, air elsewhere; nodes 1 mm apart, the grid centered at the origin.
 BodyNodes shape_nodes(Int3 size, const std::function<bool(Vec3d)>& inside) {
   BodyNodes nodes;
   nodes.grid = {.size = size, .spacing = {1e-3, 1e-3, 1e-3}};
@@ -34,7 +34,8 @@ BodyNodes shape_nodes(Int3 size, const std::function<bool(Vec3d)>& inside) {
   return nodes;
 }
 
-TEST(lattice_skin, the_skin_of_a_ball_is_closed_and_faces_outward) {
+// The skin of a ball is closed and faces outward.
+TEST(LatticeSkin, BallSkinIsClosedAndOutward) {
   const BodyNodes nodes = shape_nodes({31, 31, 31}, [](Vec3d p) { return norm(p) < 0.0102; });
   const Model model = assemble(kExec, nodes, nullptr, {}).value();
   std::map<std::pair<int, int>, int> edges;  // directed
@@ -50,27 +51,28 @@ TEST(lattice_skin, the_skin_of_a_ball_is_closed_and_faces_outward) {
   for (const auto& [edge, count] : edges)
     EXPECT_EQ(count, (edges[{edge.second, edge.first}])) << "every edge is shared";
   const double ball = 4.0 / 3 * M_PI * std::pow(0.0102, 3);
-  EXPECT_GT(six_volumes / 6, 0.7 * ball) << "positive: outward; smaller than the ball by up to a step";
+  EXPECT_GT(six_volumes / 6, 0.7 * ball) << "positive: outward; smaller than the ball by up to a cell";
   EXPECT_LT(six_volumes / 6, ball);
 }
 
-/// Area of the skin, and the sum of the forces by which the tissue answers its tension.
+/// Area of the skin, and the sum of the prestress forces that balance its tension.
 struct SkinSums {
   double area = 0, pull = 0;
 };
 SkinSums sums_of(const Model& model) {
   SkinSums sums;
   for (const SkinTriangle& t : model.skin.triangles) sums.area += double(t.area);
-  for (const Vec3 f : model.skin.pull) sums.pull += norm(Vec3d(f));
+  for (const Vec3 f : model.skin.prestress_force) sums.pull += norm(Vec3d(f));
   return sums;
 }
 
-TEST(lattice_skin, a_ball_has_its_area_and_laplace_s_pressure_without_the_stairs_of_the_lattice) {
+// A ball's skin has the area of a sphere and Laplace's pressure, in spite of the staircase of the lattice.
+TEST(LatticeSkin, BallAreaAndLaplacePressure) {
   for (const double radius : {0.0102, 0.0147, 0.0206}) {
     const int size = 2 * int(radius / 1e-3) + 9;
     const BodyNodes nodes = shape_nodes({size, size, size}, [&](Vec3d p) { return norm(p) < radius; });
     const Model model = assemble(kExec, nodes, nullptr, {}).value();
-    double mean = 0, corners = 0;  // distance of the skin's nodes from the middle [m]
+    double mean = 0, corners = 0;  // mean distance of the skin's nodes from the center [m]
     for (const SkinTriangle& t : model.skin.triangles)
       for (int c = 0; c < 3; c++)
         mean += norm(point_at(model.grid, Vec3d(slot_node(model.lattice, t.vertex[c])))), corners++;
@@ -82,8 +84,9 @@ TEST(lattice_skin, a_ball_has_its_area_and_laplace_s_pressure_without_the_stairs
   }
 }
 
-TEST(lattice_skin, a_plane_across_the_lattice_hardly_pulls) {
-  // Of stairs every edge pulls with T a length: the way up and the way down of each step.
+// The skin of an oblique plane has hardly any prestress force.
+TEST(LatticeSkin, ObliquePlaneHasSmallPrestress) {
+  // Reference: a staircase surface, on which every edge pulls with T per length, up and down each step.
   for (const Vec3d normal : {Vec3d{0, 0.1, 1}, Vec3d{0.2, 0, 1}, Vec3d{0.3, 0.25, 1}}) {
     const BodyNodes nodes =
         shape_nodes({49, 49, 25}, [&](Vec3d p) { return dot(p, normal) < 1e-5 && p.z > -0.0115; });
@@ -92,7 +95,7 @@ TEST(lattice_skin, a_plane_across_the_lattice_hardly_pulls) {
     for (std::size_t n = 0; n < model.skin.nodes.size(); n++) {
       const Int3 p = slot_node(model.lattice, model.skin.nodes[n]);
       if (std::min(p.x, p.y) < 12 || std::max(p.x, p.y) > 36 || p.z < 4) continue;
-      pull += norm(Vec3d(model.skin.pull[n])), area += 1e-6;
+      pull += norm(Vec3d(model.skin.prestress_force[n])), area += 1e-6;
     }
     const double stairs =
         2 * model.params.skin.tension_along * (std::abs(normal.x) + std::abs(normal.y)) / 1e-3 * area;  // N
@@ -113,7 +116,8 @@ void expect_batches_without_shared_nodes(const Skin& skin) {
   }
 }
 
-TEST(lattice_skin, batches_hold_every_triangle_once_and_no_two_that_share_a_node) {
+// Batches have every triangle once, and no two triangles of a batch share a node.
+TEST(LatticeSkin, BatchesShareNoNodes) {
   const BodyNodes nodes =
       shape_nodes({41, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
   const Model model = assemble(kExec, nodes, nullptr, {}).value();
@@ -123,8 +127,9 @@ TEST(lattice_skin, batches_hold_every_triangle_once_and_no_two_that_share_a_node
       << "mean fill";
 }
 
-TEST(lattice_skin,
-     a_group_of_a_color_holds_the_skin_of_cells_that_share_no_node_and_all_groups_hold_it_once) {
+// Groups of a color have the skin of cells without common nodes; all groups together have every triangle
+// once.
+TEST(LatticeSkin, ColorGroupsShareNoNodes) {
   const BodyNodes nodes =
       shape_nodes({42, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
   Params params;
@@ -157,7 +162,8 @@ TEST(lattice_skin,
   EXPECT_EQ(sorted(skin), sorted(slabs.skin));
 }
 
-TEST(lattice_skin, a_sheet_one_node_thick_is_covered_once) {
+// A sheet one node thick has one layer of skin.
+TEST(LatticeSkin, ThinSheetIsCoveredOnce) {
   const BodyNodes nodes = shape_nodes({9, 9, 5}, [](Vec3d p) { return std::abs(p.z) < 1e-4; });
   const Model model = assemble(kExec, nodes, nullptr, {}).value();
   std::set<std::set<int>> seen;
@@ -166,12 +172,13 @@ TEST(lattice_skin, a_sheet_one_node_thick_is_covered_once) {
   EXPECT_EQ(model.skin.triangles.size(), 2u * 8 * 8);
 }
 
-TEST(lattice_skin, a_tense_body_stays_as_the_ct_shows_it) {
+// A body under tense skin is at rest in the shape of the CT.
+TEST(LatticeSkin, TenseBodyStartsAtRest) {
   for (const SkinLaw law : {SkinLaw::kArea, SkinLaw::kFiber}) {
     Params params;
     params.skin.law = law;
     params.skin.tension_along = params.skin.tension_across =
-        5;  // a centimetre of soft tissue carries no more
+        5;  // the most that a centimeter of soft tissue carries
     const BodyNodes nodes = shape_nodes({31, 31, 31}, [](Vec3d p) { return norm(p) < 0.0102; });
     const Model model = assemble(kExec, nodes, nullptr, params).value();
     State state = make_state(model);
@@ -180,7 +187,8 @@ TEST(lattice_skin, a_tense_body_stays_as_the_ct_shows_it) {
   }
 }
 
-TEST(lattice_skin, images_of_unit_vectors_are_unit_vectors_at_rest) {
+// The fiber frame of every triangle is orthonormal at rest.
+TEST(LatticeSkin, FiberFrameIsOrthonormal) {
   Params params;
   params.skin.direction = {0.6, 0.8, 0.3};
   const BodyNodes nodes = shape_nodes({31, 31, 31}, [](Vec3d p) { return norm(p) < 0.0102; });
@@ -195,11 +203,13 @@ TEST(lattice_skin, images_of_unit_vectors_are_unit_vectors_at_rest) {
     EXPECT_NEAR(norm(along), 1, 1e-3);
     EXPECT_NEAR(norm(across), 1, 1e-3);
     EXPECT_NEAR(dot(along, across), 0, 1e-3);
-    EXPECT_GE(dot(along, params.skin.direction), -1e-3) << "along is the direction, laid into the triangle";
+    EXPECT_GE(dot(along, params.skin.direction), -1e-3)
+        << "`along` is the direction projected on the triangle";
   }
 }
 
-TEST(lattice_skin, a_field_of_lines_turns_the_fibers) {
+// A field of tension lines sets the direction of the fibers.
+TEST(LatticeSkin, LineFieldSetsFibers) {
   const BodyNodes nodes = shape_nodes({9, 9, 5}, [](Vec3d p) { return p.z < 1e-4; });
   VectorVolume lines{{.size = {2, 1, 1}, .spacing = {4e-3, 1, 1}, .origin = {-2e-3, 0, 0}},
                      {{1, 0, 0}, {0, 1, 0}}};
@@ -215,36 +225,38 @@ TEST(lattice_skin, a_field_of_lines_turns_the_fibers) {
   }
 }
 
-/// Force that holds the two halves of a flat sheet of skin together, per length of the line between them
-/// [N/m], across the x axis or the y axis: from energies alone, the work of a small stretch.
+/// Force per length between the two halves of a flat sheet of skin, across the x axis or the y axis [N/m]. It
+/// follows from energies alone, as the work of a small stretch.
 double tension_of(const SkinParams& skin, bool along_x, double field_turn) {
   constexpr int kN = 13;
   constexpr double kStep = 0.002, kStretch = 2e-3;
   Params params;
   params.skin = skin;
   params.skin.direction = {std::cos(field_turn), std::sin(field_turn), 0};
-  const Model model = block_model({.size = {kN, kN, 1}, .step = kStep, .young = 1e-3}, params);
+  const Model model = block_model({.size = {kN, kN, 1}, .spacing = kStep, .young = 1e-3}, params);
   double energies[2];
   for (const int side : {0, 1}) {
     State state = make_state(model);
     for (int j = 0; j < kN; j++)
       for (int i = 0; i < kN; i++) {
         const Real shift = Real((side ? kStretch : -kStretch) * kStep * (along_x ? i : j));
-        state.u.set(std::size_t(node_slot(model.lattice, i, j, 0)),
-                    along_x ? Vec3{shift, 0, 0} : Vec3{0, shift, 0});
+        state.motion.u.set(std::size_t(node_slot(model.lattice, i, j, 0)),
+                           along_x ? Vec3{shift, 0, 0} : Vec3{0, shift, 0});
       }
     energies[side] = energy(kExec, model, state);
   }
-  double pull = 0;  // the tissue's prestress has no part in the skin's own tension
-  for (std::size_t at = 0; at < model.skin.pull.size(); at++) {
+  double pull = 0;  // subtracts the work of the tissue's prestress
+  for (std::size_t at = 0; at < model.skin.prestress_force.size(); at++) {
     const Int3 p = slot_node(model.lattice, model.skin.nodes[at]);
-    pull += double(along_x ? model.skin.pull[at].x : model.skin.pull[at].y) * kStep * (along_x ? p.x : p.y);
+    pull += double(along_x ? model.skin.prestress_force[at].x : model.skin.prestress_force[at].y) * kStep *
+            (along_x ? p.x : p.y);
   }
   const double side = (kN - 1) * kStep;
   return ((energies[1] - energies[0]) / (2 * kStretch) - pull) / (side * side);
 }
 
-TEST(lattice_skin, skin_in_the_ct_bears_the_tension_that_was_asked_for) {
+// The skin has the requested tension in the CT, for both laws.
+TEST(LatticeSkin, HasRequestedTension) {
   for (const double amplification : {0.0, 0.5, 1.0, 2.0, 8.0})
     for (const auto& [along, across] : {std::pair{45.0, 45.0}, {60.0, 30.0}, {10.0, 150.0}, {0.0, 20.0}}) {
       const SkinParams fiber{
@@ -262,13 +274,14 @@ TEST(lattice_skin, skin_in_the_ct_bears_the_tension_that_was_asked_for) {
     }
 }
 
-// A sheet under tension T with a slit of length 2a opens to an ellipse 4 T a / E wide in the middle, E the
-// membrane's modulus. For an orthotropic one without transverse contraction, E is K / √((1 + K/2G) / 2).
+// A sheet under tension T with a slit of length 2a opens to an ellipse of width 4 T a / E, with E the modulus
+// of the membrane. For an orthotropic membrane without transverse contraction, E is K / √((1 + K/2G) / 2).
 // [Westergaard 1939; Sih, Paris, Irwin 1965]
-TEST(lattice_skin, a_slit_in_a_tense_sheet_opens_as_a_crack_in_an_elastic_plane) {
+// A slit in a tense sheet opens as a crack in an elastic plane.
+TEST(LatticeSkin, SlitOpensAsElasticCrack) {
   constexpr int kN = 91;
   constexpr double kStep = 0.001, kTension = 6, kStiffness = 300, kShear = 100;
-  Block block{.size = {kN, kN, 1}, .step = kStep, .young = 0.5};
+  Block block{.size = {kN, kN, 1}, .spacing = kStep, .young = 0.5};
   block.is_fixed = [](Int3 p) { return p.x == 0 || p.y == 0 || p.x == kN - 1 || p.y == kN - 1; };
   Params params;
   params.skin = {.tension_along = kTension,
@@ -291,7 +304,7 @@ TEST(lattice_skin, a_slit_in_a_tense_sheet_opens_as_a_crack_in_an_elastic_plane)
     EXPECT_NEAR(wound.gape_max, expected, 0.12 * expected) << "half length " << a << " m";
     for (const GapePoint& point : wound.profile) {
       const double x = (point.along - a) / a;
-      if (std::abs(x) > 0.85) continue;  // at the ends of the slit the lattice is too coarse
+      if (std::abs(x) > 0.85) continue;  // the lattice is too coarse at the ends of the slit
       EXPECT_NEAR(point.gape, wound.gape_max * std::sqrt(1 - x * x), 0.12 * wound.gape_max) << "at " << x;
     }
   }

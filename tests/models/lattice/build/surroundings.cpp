@@ -13,9 +13,9 @@ namespace {
 
 const Int3 kSize{240, 200, 60};
 constexpr double kSpacing = 1e-3;  // [m]
-constexpr double kBack = 120;      // of the body, as voxels along j
+constexpr double kBack = 120;      // back of the body, voxels along j
 
-/// A CT of 1 mm voxels: what is `dense(x, y, z)` is tissue.
+/// A CT of 1 mm voxels with tissue where `dense(x, y, z)`.
 CtVolume painted(const std::function<bool(double, double, double)>& dense) {
   CtVolume ct{{.size = kSize, .spacing = {kSpacing, kSpacing, kSpacing}, .origin = {}, .axes = {}}, {}};
   for (int k = 0; k < kSize.z; k++)
@@ -24,7 +24,7 @@ CtVolume painted(const std::function<bool(double, double, double)>& dense) {
   return ct;
 }
 
-/// An oval body that lies on its back, flat on a stretch of 60 mm.
+/// An oval body on its back, flat over 60 mm.
 bool in_body(double x, double y) {
   const double u = (x - 120) / 90, v = (y - 70) / 55;
   return u * u + v * v < 1 && y < kBack;
@@ -36,7 +36,7 @@ BodyNodes nodes_at(const CtVolume& ct, int step) {
   return classify(Exec(2), ct, nullptr, params).value();
 }
 
-/// Nodes of the body at depths [from, to) along j [mm].
+/// Number of body nodes at depths [from, to) along j [mm].
 std::size_t count_nodes(const BodyNodes& nodes, double from, double to) {
   std::size_t count = 0;
   for (std::size_t n = 0; n < nodes.tissue.size(); n++) {
@@ -49,13 +49,14 @@ std::size_t count_nodes(const BodyNodes& nodes, double from, double to) {
 
 struct Table {
   const char* name;
-  double gap, sheet, thickness;  // to the back; of its shell; in all [mm]
+  double gap, sheet, thickness;  // distance to the back, thickness of the shell, total thickness [mm]
 };
 
 class BehindTheBody : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Surroundings, BehindTheBody, ::testing::Values(3, 6, 8, 10));
 
-TEST_P(BehindTheBody, NoNodeLiesInATableNearIt) {
+// No node lies in a table near the body.
+TEST_P(BehindTheBody, NearTableHasNoNodes) {
   const CtVolume alone = painted([](double x, double y, double) { return in_body(x, y); });
   const std::size_t nodes_alone = count_nodes(nodes_at(alone, GetParam()), 0, 1e3);
   for (const Table& table : {Table{"a sheet", 2, 2, 2}, Table{"a box", 2, 2, 25}, Table{"near", 4, 2, 25},
@@ -68,13 +69,14 @@ TEST_P(BehindTheBody, NoNodeLiesInATableNearIt) {
     const CtVolume ct = painted([&](double x, double y, double) { return in_body(x, y) || in_table(x, y); });
     const BodyNodes nodes = nodes_at(ct, GetParam());
     EXPECT_EQ(count_nodes(nodes, kBack + table.gap + 0.5 * GetParam(), 1e3), 0u) << table.name;
-    const double kept =
-        double(count_nodes(nodes, 0, 1e3));  // a little of the rim goes with a table 2 mm away
-    EXPECT_NEAR(kept, double(nodes_alone), 0.004 * double(nodes_alone)) << table.name;
+    const double remaining =
+        double(count_nodes(nodes, 0, 1e3));  // some of the rim is removed with a table 2 mm away
+    EXPECT_NEAR(remaining, double(nodes_alone), 0.004 * double(nodes_alone)) << table.name;
   }
 }
 
-TEST_P(BehindTheBody, NoNodeLiesInASheetThatTouchesIt) {
+// No node lies in a sheet that touches the body.
+TEST_P(BehindTheBody, TouchingSheetHasNoNodes) {
   const CtVolume ct = painted([](double x, double y, double) {
     return in_body(x, y) || (y >= kBack && y < kBack + 2 && x > 5 && x < 235);
   });
@@ -82,32 +84,35 @@ TEST_P(BehindTheBody, NoNodeLiesInASheetThatTouchesIt) {
   EXPECT_EQ(count_nodes(nodes, kBack + 2, 1e3), 0u);
 }
 
-TEST(Surroundings, EarsAndFingersStay) {
-  const auto finger = [](double x, double y, double z) {  // 60 mm long, 5 mm thick, out of the body's front
+// Thin parts of the body, such as ears and fingers, do not count as surroundings.
+TEST(Surroundings, EarsAndFingersRemain) {
+  const auto finger = [](double x, double y, double z) {  // 60 mm long, 5 mm thick, at the body's front
     return std::abs(x - 120) < 2.5 && std::abs(z - 30) < 2.5 && y < 20 && y > -40;
   };
   const auto moved_body = [](double x, double y) { return in_body(x, y - 60); };
   const CtVolume ct =
       painted([&](double x, double y, double z) { return moved_body(x, y) || finger(x, y - 60, z); });
-  const Surroundings beside = find_beside_body(Exec(2), ct, -449);
+  const Surroundings beside = find_surroundings(Exec(2), ct, -449);
   EXPECT_EQ(std::count(beside.mask.begin(), beside.mask.end(), 1), 0);
 }
 
-TEST(Surroundings, VesselsOfALungAreOfTheBody) {
+// The vessels of a lung belong to the body.
+TEST(Surroundings, LungVesselsBelongToBody) {
   const CtVolume ct = painted([](double x, double y, double z) {
     const double u = (x - 120) / 75, v = (y - 65) / 40;
     const bool in_lung = u * u + v * v < 1;
     const bool in_vessel = std::hypot(y - 65, z - 30) < 1.5;  // 150 mm long
     return in_body(x, y) && (!in_lung || in_vessel);
   });
-  const Surroundings beside = find_beside_body(Exec(2), ct, -449);
+  const Surroundings beside = find_surroundings(Exec(2), ct, -449);
   EXPECT_EQ(std::count(beside.mask.begin(), beside.mask.end(), 1), 0);
 }
 
-TEST(Surroundings, IsTheSameOnAnyNumberOfThreads) {
+// One and four threads find the same surroundings.
+TEST(Surroundings, EqualMaskOnAnyThreads) {
   const CtVolume ct =
       painted([](double x, double y, double) { return in_body(x, y) || (y > 123 && y < 126); });
-  const Surroundings one = find_beside_body(Exec(1), ct, -449), four = find_beside_body(Exec(4), ct, -449);
+  const Surroundings one = find_surroundings(Exec(1), ct, -449), four = find_surroundings(Exec(4), ct, -449);
   EXPECT_GT(std::count(one.mask.begin(), one.mask.end(), 1), 0);
   EXPECT_EQ(one.mask, four.mask);
   EXPECT_EQ(one.row_mask, four.row_mask);

@@ -1,5 +1,4 @@
-// What goes between nodes and the corners of a coarse space, run by run, and by the weights of one node after
-// the other.
+// Transfer between nodes and the corners of a coarse space by runs, against the weights of each node.
 #include "turgor/models/lattice/coarse/prolongation.hpp"
 
 #include <random>
@@ -15,14 +14,14 @@ namespace {
 
 const Exec kTwo(2);
 
-struct Any {
+struct RandomVectors {
   std::mt19937 random{11};
   std::uniform_real_distribution<double> number{-1, 1};
 
   Vec3 vec() { return {Real(number(random)), Real(number(random)), Real(number(random))}; }
 };
 
-/// A block with a wound aslant, and its space.
+/// A block with an oblique wound, and its coarse space.
 struct Space {
   Wounded wounded{0.4, 0.3, 70, solid_params(5, 4, 45)};
   const Model& model = wounded.model;
@@ -32,11 +31,11 @@ struct Space {
     scatter(model, state, 0.0005);
     EXPECT_TRUE(prepare_coarse_space(model, state, {}, 1.0 / 60));
   }
-  const CoarseSpace& space() const { return *state.coarse; }
+  const CoarseSpace& space() const { return *state.workspace.coarse; }
   std::size_t rows() const { return space().row_begin.size() - 1; }
-  /// How much a node or copy, which lies at a slot, goes with a row.
+  /// Weight of a row for a node or virtual node at a slot.
   double weight(std::size_t node, int slot, std::size_t row) const {
-    const int to = space().follows[node];
+    const int to = space().interpolation[node];
     if (to == CoarseSpace::kFixed) return 0;
     if (to < 0) return row == std::size_t(-2 - to);
     const CoarseBlock& block = space().blocks[std::size_t(to)];
@@ -47,29 +46,31 @@ struct Space {
   }
 };
 
-TEST(lattice_coarse_follow, runs_hold_every_node_that_follows_once_and_in_order) {
+// Runs have every interpolated node once and in order.
+TEST(Prolongation, RunsCoverNodesInOrder) {
   const Space s;
   const auto slots = std::size_t(slot_count(s.model.lattice));
   std::vector<int> found(slots, CoarseSpace::kFixed);
   int last = -1, by_itself = 0;
-  for (const FollowRun& run : s.space().runs) {
+  for (const ProlongationRun& run : s.space().runs) {
     EXPECT_GT(run.slot, last);
     EXPECT_EQ(slot_node(s.model.lattice, run.slot), run.first);
-    for (int n = 0; n < run.count; n++) found[std::size_t(run.slot + n)] = run.to;
-    last = run.slot + run.count - 1, by_itself += run.to < 0;
+    for (int n = 0; n < run.count; n++) found[std::size_t(run.slot + n)] = run.source;
+    last = run.slot + run.count - 1, by_itself += run.source < 0;
   }
-  EXPECT_GT(by_itself, 10) << "beside the blade's ends";
-  EXPECT_TRUE(std::equal(found.begin(), found.end(), s.space().follows.begin()));
+  EXPECT_GT(by_itself, 10) << "near the blade's ends";
+  EXPECT_TRUE(std::equal(found.begin(), found.end(), s.space().interpolation.begin()));
 }
 
-TEST(lattice_coarse_follow, corners_get_of_the_forces_at_nodes_what_their_weights_say) {
+// Restriction sums the forces at nodes with their weights.
+TEST(Prolongation, RestrictionMatchesWeights) {
   const Space s;
-  Any any;
+  RandomVectors random;
   VecField forces;
   forces.resize(s.model.inverse_mass.size());
-  for (std::size_t n = 0; n < forces.x.size(); n++) forces.set(n, any.vec());
+  for (std::size_t n = 0; n < forces.x.size(); n++) forces.set(n, random.vec());
   std::vector<Vec3d> sums(s.rows());
-  for (int k = 0; k < s.model.lattice.size.z; k++) add_to_corners(s.space(), k, {forces}, sums);
+  for (int k = 0; k < s.model.lattice.size.z; k++) restrict_layer(s.space(), k, {forces}, sums);
   for (std::size_t row = 0; row < s.rows(); row++) {
     Vec3d sum;
     for (std::size_t n = 0; n < forces.x.size(); n++) sum += Vec3d(forces[n]) * s.weight(n, int(n), row);
@@ -77,27 +78,31 @@ TEST(lattice_coarse_follow, corners_get_of_the_forces_at_nodes_what_their_weight
   }
 }
 
-TEST(lattice_coarse_follow, nodes_and_copies_go_where_the_corners_around_them_do) {
+// Nodes and virtual nodes move by the weighted corrections of their corners.
+TEST(Prolongation, NodesFollowCorners) {
   Space s;
-  Any any;
-  std::vector<Vec3> ways(s.rows());
-  for (Vec3& way : ways) way = any.vec() * Real(0.001);
+  RandomVectors random;
+  std::vector<Vec3> corrections(s.rows());
+  for (Vec3& displacement : corrections) displacement = random.vec() * Real(0.001);
   const State before = s.state;
-  move_followers(kTwo, s.model, s.state, ways);
-  const auto sought = [&](std::size_t node, int slot) {
-    Vec3d way;
-    for (std::size_t row = 0; row < s.rows(); row++) way += Vec3d(ways[row]) * s.weight(node, slot, row);
-    return way;
+  prolongate(kTwo, s.model, s.state, corrections);
+  const auto expected = [&](std::size_t node, int slot) {
+    Vec3d displacement;
+    for (std::size_t row = 0; row < s.rows(); row++)
+      displacement += Vec3d(corrections[row]) * s.weight(node, slot, row);
+    return displacement;
   };
-  for (std::size_t n = 0; n < before.u.x.size(); n++)
-    EXPECT_LT(norm(Vec3d(s.state.u[n] - before.u[n]) - sought(n, int(n))), 1e-8) << "slot " << n;
+  for (std::size_t n = 0; n < before.motion.u.x.size(); n++)
+    EXPECT_LT(norm(Vec3d(s.state.motion.u[n] - before.motion.u[n]) - expected(n, int(n))), 1e-8)
+        << "slot " << n;
   const int slots = slot_count(s.model.lattice);
-  EXPECT_GT(s.state.parts.virtual_nodes.size(), 10u);
-  for (const ElementNode& copy : s.state.parts.virtual_nodes) {
+  EXPECT_GT(s.state.cut_elements.virtual_nodes.size(), 10u);
+  for (const ElementNode& copy : s.state.cut_elements.virtual_nodes) {
     const auto c = std::size_t(copy.corner - slots);
-    const VirtualNodeShift &from = before.virtual_nodes[c], &to = s.state.virtual_nodes[c];
-    const Vec3d way{double(to.x) - from.x, double(to.y) - from.y, double(to.z) - from.z};
-    EXPECT_LT(norm(way - sought(std::size_t(copy.corner), copy.slot)), 1e-8) << "copy " << c;
+    const VirtualNodeDisplacement &from = before.motion.virtual_u[c], &to = s.state.motion.virtual_u[c];
+    const Vec3d displacement{double(to.x) - from.x, double(to.y) - from.y, double(to.z) - from.z};
+    EXPECT_LT(norm(displacement - expected(std::size_t(copy.corner), copy.slot)), 1e-8)
+        << "virtual node " << c;
   }
 }
 

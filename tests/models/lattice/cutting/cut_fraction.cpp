@@ -1,4 +1,4 @@
-// How far into a cell a blade went, and what that does to a wound.
+// The cut fraction of partially cut cells, and its effect on wounds.
 #include "turgor/models/lattice/cutting/cut_fraction.hpp"
 
 #include <cmath>
@@ -13,39 +13,41 @@ namespace {
 
 constexpr double kStep = 0.004;
 
-/// 17 × 17 × 7 nodes, held at its sides and below; the fine lattice halves its cells.
+/// 17 × 17 × 7 nodes, fixed at the sides and the bottom; the fine lattice halves the cells.
 Model small_block(Params params) {
   constexpr int kN = 17;
   params.block = {2, 2, 2};
   return block_model(
       {.size = {kN, kN, 7},
-       .step = kStep,
+       .spacing = kStep,
        .young = 5e3,
        .is_fixed = [](Int3 p) { return p.x == 0 || p.y == 0 || p.z == 0 || p.x == kN - 1 || p.y == kN - 1; }},
       params);
 }
-/// A place on its skin [steps].
+/// Position on the skin, arguments in cells.
 Vec3d on_skin(double x, double y) { return {x * kStep, y * kStep, 6 * kStep}; }
 
-/// Shares of the tips in cells of one layer, largest and smallest.
+/// Cut fractions at the crack tips of selected cells, smallest and largest.
 struct Found {
   double least = 1, most = 0;
   int count = 0;
 };
-template <class Wanted>
-Found shares_where(const Model& model, const State& state, const Wanted& wanted) {
-  const Fragments pieces = make_fragments(model, state);
+template <class Selected>
+Found fractions_where(const Model& model, const State& state, const Selected& selected) {
+  const Fragments fragments = make_fragments(model, state.cuts);
   Found found;
-  for (const CutCell& cell : pieces.cells)
+  for (const CutCell& cell : fragments.cells)
     for (int t = cell.first_tip; t < cell.first_tip + cell.tip_count; t++) {
-      if (!wanted(slot_node(model.lattice, cell.slot))) continue;
-      const double share = cut_fraction(state, pieces, cell, pieces.tips[std::size_t(t)]);
-      found.least = std::min(found.least, share), found.most = std::max(found.most, share), found.count++;
+      if (!selected(slot_node(model.lattice, cell.slot))) continue;
+      const double fraction = cut_fraction(state.cuts, fragments, cell, fragments.tips[std::size_t(t)]);
+      found.least = std::min(found.least, fraction), found.most = std::max(found.most, fraction),
+      found.count++;
     }
   return found;
 }
 
-TEST(lattice_crossed_lines, the_share_of_a_cell_that_a_blade_went_through_is_that_of_its_section) {
+// The cut fraction of a cell is the cut area of its section for blades along the axes.
+TEST(CutFraction, MatchesAxisAlignedSection) {
   const Model model = small_block(solid_params(5, 4, 45));
   for (const double end : {0.1, 0.3, 0.55, 0.8, 0.95})
     for (const bool turned : {false, true}) {
@@ -55,11 +57,11 @@ TEST(lattice_crossed_lines, the_share_of_a_cell_that_a_blade_went_through_is_tha
       const BladePath path =
           lay_blade(model, state, {.from = from, .to = to, .depth = (2 + end) * kStep}).value();
       cut_edges(model, state, path, 0, 1, 0);
-      const Found last = shares_where(
+      const Found last = fractions_where(
           model, state, [&](Int3 cell) { return cell.z == 5 && (turned ? cell.y : cell.x) == 10; });
       EXPECT_EQ(last.count, 1);
       EXPECT_NEAR(last.most, end, 1.0 / kLineGrid) << "of the section, at its end";
-      const Found bottom = shares_where(model, state, [&](Int3 cell) {
+      const Found bottom = fractions_where(model, state, [&](Int3 cell) {
         const int along = turned ? cell.y : cell.x;
         return cell.z == 3 && along > 4 && along < 9;
       });
@@ -69,9 +71,11 @@ TEST(lattice_crossed_lines, the_share_of_a_cell_that_a_blade_went_through_is_tha
     }
 }
 
-TEST(lattice_crossed_lines, of_a_section_aslant_the_share_is_the_part_that_the_blade_reached) {
+// The cut fraction of an oblique section is the area that the blade has reached.
+TEST(CutFraction, MatchesObliqueSection) {
   const Model model = small_block(solid_params(5, 4, 45));
-  constexpr double kSlope = 0.45, kEnters = 3.5 + 2.8 / kSlope;  // the blade goes into cells with y = 8 here
+  constexpr double kSlope = 0.45,
+                   kEnters = 3.5 + 2.8 / kSlope;  // from this x on, the blade is in cells with y = 8
   static_assert(kEnters > 9.7 && kEnters < 9.75);
   for (const double x : {9.15, 9.45, 9.6, 9.95}) {
     State state = make_state(model);
@@ -80,11 +84,11 @@ TEST(lattice_crossed_lines, of_a_section_aslant_the_share_is_the_part_that_the_b
             .value();
     cut_edges(model, state, path, 0, 1, 0);
     const int y = x > kEnters ? 8 : 7;
-    const double share = x > kEnters ? (x - kEnters) / (10 - kEnters) : (x - 9) / (kEnters - 9);
+    const double fraction = x > kEnters ? (x - kEnters) / (10 - kEnters) : (x - 9) / (kEnters - 9);
     const Found found =
-        shares_where(model, state, [y](Int3 cell) { return cell.z == 5 && cell.x == 9 && cell.y == y; });
+        fractions_where(model, state, [y](Int3 cell) { return cell.z == 5 && cell.x == 9 && cell.y == y; });
     ASSERT_EQ(found.count, 1) << "blade to x = " << x;
-    EXPECT_NEAR(found.most, share, 0.2) << "of the section, blade to x = " << x;
+    EXPECT_NEAR(found.most, fraction, 0.2) << "of the section, blade to x = " << x;
   }
 }
 
@@ -100,18 +104,19 @@ double settled_gape(double length) {
   return measure_wound(model, state, path, 0).gape_max;
 }
 
-TEST(lattice_crossed_lines, a_wound_grows_as_its_blade_goes_on_in_a_cell) {
-  double last = settled_gape(7.1);  // both ends go from 0.05 to 0.25 into the last cells
+// A wound grows continuously while the blade advances within a cell.
+TEST(CutFraction, WoundGrowsWithinCell) {
+  double last = settled_gape(7.1);  // both ends move from 0.05 to 0.25 of the last cells
   for (const double length : {7.3, 7.5}) {
     const double gape = settled_gape(length);
-    EXPECT_GT(gape, last * 1.01) << "m, blade of " << length << " steps";
-    EXPECT_LT(gape, last * 1.06) << "m, blade of " << length << " steps";
+    EXPECT_GT(gape, last * 1.01) << "m, blade of " << length << " cells";
+    EXPECT_LT(gape, last * 1.06) << "m, blade of " << length << " cells";
     last = gape;
   }
 }
 
-/// A cut through nodes, and one that begins in the skin and ends on it, `aside` steps beside nodes; gapes of
-/// both.
+/// Gapes of a T: a cut through nodes, and one that starts in the skin and ends on the first, `aside` cells
+/// beside nodes.
 std::array<double, 2> gapes_of_t(double aside) {
   const Model model = small_block(solid_params(10, 4, 45));
   State state = make_state(model);
@@ -128,21 +133,23 @@ std::array<double, 2> gapes_of_t(double aside) {
   return {measure_wound(model, state, across, 0).gape_max, measure_wound(model, state, upright, 1).gape_max};
 }
 
-TEST(lattice_crossed_lines, a_t_gapes_alike_on_both_sides_of_nodes_that_its_stem_goes_through) {
+// The gape of a T is continuous as its stem moves across nodes.
+TEST(CutFraction, GapeIsContinuousAcrossNodes) {
   const auto beside = gapes_of_t(0.05);
   for (const double aside : {-2e-3, -2e-4, 0.0, 2e-4, 2e-3}) {
     const auto gapes = gapes_of_t(aside);
-    std::printf("%+.4f steps aside: %.3f and %.3f mm\n", aside, 1e3 * gapes[0], 1e3 * gapes[1]);
-    EXPECT_NEAR(gapes[0], beside[0], 0.03 * beside[0]) << aside << " steps aside";
-    EXPECT_NEAR(gapes[1], beside[1], 0.03 * beside[1]) << aside << " steps aside";
+    std::printf("%+.4f cells aside: %.3f and %.3f mm\n", aside, 1e3 * gapes[0], 1e3 * gapes[1]);
+    EXPECT_NEAR(gapes[0], beside[0], 0.03 * beside[0]) << aside << " cells aside";
+    EXPECT_NEAR(gapes[1], beside[1], 0.03 * beside[1]) << aside << " cells aside";
   }
 }
 
-TEST(lattice_crossed_lines, a_blade_that_creeps_on_wakes_what_sleeps_around_it) {
+// A blade that advances within a cell wakes the sleeping rows around it.
+TEST(CutFraction, AdvancingBladeWakesRows) {
   Params params = solid_params(5, 4, 45);
   double gapes[2];
   for (const bool sleeps : {false, true}) {
-    params.solver.sleep = sleeps ? 1e-3 : 0;
+    params.solver.sleep_speed = sleeps ? 1e-3 : 0;
     const Model model = small_block(params);
     State state = make_state(model);
     const BladePath path =
@@ -150,11 +157,11 @@ TEST(lattice_crossed_lines, a_blade_that_creeps_on_wakes_what_sleeps_around_it) 
     int most = 0;
     double done = 0;
     for (const double to : {6.15 / 7, 6.3 / 7}) {  // from 0.55 to 0.7 of a cell: no edge lies between
-      const std::size_t edges = state.cut_edges.size();
-      const int lines = state.cut_sample_count;
+      const std::size_t edges = state.cuts.edges.size();
+      const int lines = state.cuts.sample_count;
       cut_edges(model, state, path, done, to, 0);
-      EXPECT_EQ(state.cut_edges.size() == edges, done > 0);
-      EXPECT_GT(state.cut_sample_count, lines);
+      EXPECT_EQ(state.cuts.edges.size() == edges, done > 0);
+      EXPECT_GT(state.cuts.sample_count, lines);
       done = to;
       for (int n = 0; n < 200; n++) {
         const StepReport report = step(Exec(2), model, state, {}, 1.0 / 60);

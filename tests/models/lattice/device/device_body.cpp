@@ -1,11 +1,11 @@
-// Whole steps by the loops that a GPU runs, in any order, against steps of the CPU by colours.
+// Whole steps by the device kernels, in any order, against steps of the CPU by colors.
 #include "turgor/models/lattice/device/device_body.hpp"
 
 #include <cmath>
 #include <random>
 #include <set>
 
-#include "tests/models/host_side.hpp"
+#include "tests/models/host_backend.hpp"
 #include "tests/models/lattice/cut_block.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
@@ -18,7 +18,7 @@ constexpr double kDt = 1.0 / 60;
 #ifdef TURGOR_SAME_BITS
 constexpr bool kSameBits = true;
 #else
-constexpr bool kSameBits = false;  // lanes and threads may fuse other multiplications with additions
+constexpr bool kSameBits = false;  // lanes and threads may contract different products
 #endif
 
 struct Variant {
@@ -27,10 +27,10 @@ struct Variant {
   SkinLaw skin = SkinLaw::kFiber;
   bool volumes = false;
   Int3 size{13, 11, 9};
-  bool coarse = false;  // then without contacts, for which there is none
+  bool coarse = false;  // without contacts, which the coarse space does not support
 };
 
-/// Tissue unlike from node to node, so that whoever takes one for another is found.
+/// Tissue that differs from node to node, so that a mixed-up index is detected.
 void mix_tissue(Model& model) {
   std::mt19937 random(5);
   std::uniform_real_distribution<Real> by(Real(0.5), 1);
@@ -38,7 +38,7 @@ void mix_tissue(Model& model) {
   for (Real& root : model.root_stiffness) root *= by(random);
 }
 
-/// A block whose second blade is laid while it runs and cuts before its fourth and its fifth step.
+/// A block whose second blade is laid after the first step and cuts before the fourth and the fifth one.
 struct Scene {
   CutBlock block;
   std::vector<NodeContact> contacts;
@@ -63,19 +63,19 @@ struct Scene {
   }
 };
 
-struct Went {
+struct Outcome {
   State state;
   std::vector<NodeContact> contacts;
   StepReport report;
 };
 
-/// On the CPU, or where `there` says.
-Went six_steps(const Variant& v,
-               const std::function<std::shared_ptr<BodyBackend>(const Model&)>& there = {}) {
+/// On the CPU, or on the backend that `put` returns.
+Outcome six_steps(const Variant& v,
+                  const std::function<std::shared_ptr<BodyBackend>(const Model&)>& put = {}) {
   Scene scene(v);
   const Model& model = scene.block.model;
   DeviceState state = std::move(scene.block.state);
-  if (there) state.step_on(there(model));
+  if (put) state.use_backend(put(model));
   StepReport report;
   BladePath path;
   for (int n = 0; n < 6; n++) {
@@ -90,49 +90,51 @@ Went six_steps(const Variant& v,
   return {*state, scene.contacts, report};
 }
 
-void expect_like(const Model& model, const Went& there, const Went& here) {
-  const Apart found = apart(model, there.state, here.state);
+void expect_near(const Model& model, const Outcome& device, const Outcome& host) {
+  const StateDifference found = state_difference(model, device.state, host.state);
   EXPECT_GT(found.largest, 1e-3) << "m";
   EXPECT_LT(found.most, 2e-5 * found.largest) << "m";
-  EXPECT_EQ(there.state.time, here.state.time);
-  EXPECT_NEAR(there.state.fastest, here.state.fastest, 1e-4f * here.state.fastest) << "m/s";
-  ASSERT_EQ(there.state.virtual_nodes.size(), here.state.virtual_nodes.size());
-  for (std::size_t c = 0; c < here.state.virtual_nodes.size(); c++)
-    EXPECT_NEAR(there.state.virtual_nodes[c].z, here.state.virtual_nodes[c].z, 2e-5 * found.largest)
-        << "m, copy " << c;
+  EXPECT_EQ(device.state.motion.time, host.state.motion.time);
+  EXPECT_NEAR(device.state.motion.fastest, host.state.motion.fastest, 1e-4f * host.state.motion.fastest)
+      << "m/s";
+  ASSERT_EQ(device.state.motion.virtual_u.size(), host.state.motion.virtual_u.size());
+  for (std::size_t c = 0; c < host.state.motion.virtual_u.size(); c++)
+    EXPECT_NEAR(device.state.motion.virtual_u[c].z, host.state.motion.virtual_u[c].z, 2e-5 * found.largest)
+        << "m, virtual node " << c;
   Real hardest = 0;
-  for (const NodeContact& c : here.contacts) hardest = std::max(hardest, norm(c.force));
-  for (std::size_t c = 0; c < here.contacts.size(); c++)
-    EXPECT_LT(norm(there.contacts[c].force - here.contacts[c].force), 1e-3f * hardest) << "N";
-  const Residual &a = there.report.residual, &b = here.report.residual;
+  for (const NodeContact& c : host.contacts) hardest = std::max(hardest, norm(c.force));
+  for (std::size_t c = 0; c < host.contacts.size(); c++)
+    EXPECT_LT(norm(device.contacts[c].force - host.contacts[c].force), 1e-3f * hardest) << "N";
+  const Residual &a = device.report.residual, &b = host.report.residual;
   EXPECT_NEAR(a.before, b.before, 1e-3 * b.before) << "N";
   EXPECT_NEAR(a.rms, b.rms, 1e-3 * b.rms) << "N";
   EXPECT_NEAR(a.largest, b.largest, 1e-3 * b.largest) << "N";
 }
 
-void expect_steps_like_the_cpu_s(const Variant& v) {
+void expect_steps_match_cpu(const Variant& v) {
   const Model model = Scene(v).block.model;
-  const Went here = six_steps(v);
-  EXPECT_EQ(here.state.virtual_nodes.empty(), v.law == TissueLaw::kSprings);
-  EXPECT_EQ(here.report.residual.rms > 0, v.method == Method::kVbd);
+  const Outcome host = six_steps(v);
+  EXPECT_EQ(host.state.motion.virtual_u.empty(), v.law == TissueLaw::kSprings);
+  EXPECT_EQ(host.report.residual.rms > 0, v.method == Method::kVbd);
   std::set<std::uint64_t> hashes;
-  for (const auto there :
-       {put_on_host<ThreadedRun<1>>, put_on_host<ThreadedRun<2>>, put_on_host<ThreadedRun<8>>,
-        put_on_host<SeededRun<1>>, put_on_host<SeededRun<2>>}) {
-    const Went went = six_steps(v, there);
-    expect_like(model, went, here);
-    hashes.insert(state_hash(model, went.state));
+  for (const auto put : {put_on_host<ThreadedRun<1>>, put_on_host<ThreadedRun<2>>,
+                         put_on_host<ThreadedRun<8>>, put_on_host<SeededRun<1>>, put_on_host<SeededRun<2>>}) {
+    const Outcome outcome = six_steps(v, put);
+    expect_near(model, outcome, host);
+    hashes.insert(state_hash(model, outcome.state));
   }
-  if (kSameBits && !v.coarse) hashes.insert(state_hash(model, here.state));
+  if (kSameBits && !v.coarse) hashes.insert(state_hash(model, host.state));
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(lattice_body_on, steps_of_pbd_go_in_any_order_as_on_the_cpu) {
-  expect_steps_like_the_cpu_s({.method = Method::kPbd, .volumes = true});
-  expect_steps_like_the_cpu_s({.method = Method::kPbd, .size = {20, 12, 7}});
+// PBD steps match the CPU in any order of the loops.
+TEST(DeviceBody, PbdMatchesCpuInAnyOrder) {
+  expect_steps_match_cpu({.method = Method::kPbd, .volumes = true});
+  expect_steps_match_cpu({.method = Method::kPbd, .size = {20, 12, 7}});
 }
 
-TEST(lattice_body_on, a_ct_s_nodes_are_of_few_kinds_and_each_is_of_its_own) {
+// The nodes of a CT have few kinds, and the table of kinds reproduces every node's mass and stiffness.
+TEST(DeviceBody, NodeKindsReproduceNodes) {
   const CtVolume ct = make_phantom(
       kOne, {.kind = PhantomKind::kHead, .size = {64, 64, 60}, .spacing = {0.004, 0.004, 0.005}});
   for (const Int3 block : {Int3{1, 1, 1}, Int3{3, 2, 1}}) {
@@ -142,7 +144,7 @@ TEST(lattice_body_on, a_ct_s_nodes_are_of_few_kinds_and_each_is_of_its_own) {
                                .skin = {.law = SkinLaw::kArea},
                                .solver = {.method = Method::kPbd, .ordering = Ordering::kColors}})
                             .value();
-    const PbdOrdering ordering = pbd_schedule(model);
+    const PbdOrdering ordering = pbd_ordering(model);
     ASSERT_EQ(ordering.kind.size(), model.inverse_mass.size());
     EXPECT_LT(ordering.kinds.size(), std::size_t(std::min(2000, model.body_nodes / 10)));
     for (std::size_t s = 0; s < ordering.kind.size(); s++) {
@@ -153,26 +155,28 @@ TEST(lattice_body_on, a_ct_s_nodes_are_of_few_kinds_and_each_is_of_its_own) {
   }
 }
 
-TEST(lattice_body_on, steps_of_descent_with_springs_go_in_any_order_as_on_the_cpu) {
-  expect_steps_like_the_cpu_s({.method = Method::kVbd, .volumes = true});
-  expect_steps_like_the_cpu_s({.method = Method::kVbd, .skin = SkinLaw::kArea, .size = {20, 12, 7}});
+// VBD steps of springs match the CPU in any order of the loops.
+TEST(DeviceBody, VbdOfSpringsMatchesCpuInAnyOrder) {
+  expect_steps_match_cpu({.method = Method::kVbd, .volumes = true});
+  expect_steps_match_cpu({.method = Method::kVbd, .skin = SkinLaw::kArea, .size = {20, 12, 7}});
 }
 
-TEST(lattice_body_on, steps_of_descent_with_solid_tissue_go_in_any_order_as_on_the_cpu) {
-  expect_steps_like_the_cpu_s({.method = Method::kVbd, .law = TissueLaw::kSolid, .skin = SkinLaw::kArea});
-  expect_steps_like_the_cpu_s({.method = Method::kVbd, .law = TissueLaw::kSolid, .size = {20, 12, 7}});
+// VBD steps of solid tissue match the CPU in any order of the loops.
+TEST(DeviceBody, VbdOfSolidMatchesCpuInAnyOrder) {
+  expect_steps_match_cpu({.method = Method::kVbd, .law = TissueLaw::kSolid, .skin = SkinLaw::kArea});
+  expect_steps_match_cpu({.method = Method::kVbd, .law = TissueLaw::kSolid, .size = {20, 12, 7}});
 }
 
-TEST(lattice_body_on, steps_with_a_coarse_space_go_in_any_order_as_on_the_cpu) {
-  expect_steps_like_the_cpu_s(
+// Steps with a coarse space match the CPU in any order of the loops.
+TEST(DeviceBody, CoarseSpaceMatchesCpuInAnyOrder) {
+  expect_steps_match_cpu(
       {.method = Method::kVbd, .law = TissueLaw::kSolid, .skin = SkinLaw::kArea, .coarse = true});
-  expect_steps_like_the_cpu_s(
+  expect_steps_match_cpu(
       {.method = Method::kVbd, .law = TissueLaw::kSolid, .size = {20, 12, 7}, .coarse = true});
 }
 
-/// Displacement that one step from there leaves, with velocities like this and nobody held, or somebody.
-State one_step(bool held, Real speed,
-               const std::function<std::shared_ptr<BodyBackend>(const Model&)>& there) {
+/// State after one step from given speeds, of a fixed or a free body.
+State one_step(bool held, Real speed, const std::function<std::shared_ptr<BodyBackend>(const Model&)>& put) {
   Params params;
   params.solver = {.ordering = Ordering::kColors};
   const Model model =
@@ -181,60 +185,63 @@ State one_step(bool held, Real speed,
   for (int k = 1; k < 7; k++)
     for (int j = 0; j < 8; j++)
       for (int i = 0; i < 9; i++)
-        begin.v.set(std::size_t(node_slot(model.lattice, i, j, k)), {i % 2 ? speed : -speed, 0, 0});
-  begin.fastest = speed;
+        begin.motion.v.set(std::size_t(node_slot(model.lattice, i, j, k)), {i % 2 ? speed : -speed, 0, 0});
+  begin.motion.fastest = speed;
   DeviceState state = std::move(begin);
-  if (there) state.step_on(there(model));
+  if (put) state.use_backend(put(model));
   EXPECT_TRUE(state.step(kOne, model, {.gravity = {0, 0, -9.81}}, kDt).finite);
   return *state;
 }
 
-TEST(lattice_body_on, wild_bodies_begin_at_rest_and_what_nothing_holds_falls_there_too) {
+// The predictors of fast bodies and of free bodies match the CPU.
+TEST(DeviceBody, FastAndFreeBodiesMatchCpu) {
   const Model model = block_model({.size = {9, 8, 7}}, {});
   for (const bool held : {true, false})
     for (const Real speed : {0.01f, 0.2f}) {
-      const State here = one_step(held, speed, {}), there = one_step(held, speed, put_on_host<SeededRun<3>>);
-      const Apart found = apart(model, there, here);
+      const State host = one_step(held, speed, {}), device = one_step(held, speed, put_on_host<SeededRun<3>>);
+      const StateDifference found = state_difference(model, device, host);
       EXPECT_GT(found.largest, 1e-5) << "m, held " << held << ", " << speed << " m/s";
       EXPECT_LT(found.most, 2e-5 * found.largest) << "m, held " << held << ", " << speed << " m/s";
     }
 }
 
-TEST(lattice_body_on, a_step_that_is_not_finite_is_undone) {
+// A step that is not finite is undone.
+TEST(DeviceBody, NonFiniteStepIsUndone) {
   for (const Variant& v :
        {Variant{.method = Method::kPbd}, Variant{.method = Method::kVbd, .law = TissueLaw::kSolid}}) {
     Scene scene(v);
     const Model& model = scene.block.model;
     const State before = scene.block.state;
     DeviceState state = std::move(scene.block.state);
-    state.step_on(put_on_host<SeededRun<1>>(model));
+    state.use_backend(put_on_host<SeededRun<1>>(model));
     const double nan = std::nan("");
     EXPECT_FALSE(state.step(kOne, model, {.gravity = {0, 0, nan}}, kDt).finite);
-    EXPECT_EQ(state->u.x, before.u.x);
-    EXPECT_EQ(state->u.z, before.u.z);
-    EXPECT_EQ(state->time, before.time);
-    for (std::size_t c = 0; c < before.virtual_nodes.size(); c++)
-      EXPECT_EQ(state->virtual_nodes[c].z, before.virtual_nodes[c].z);
-    for (std::size_t s = 0; s < before.v.x.size(); s++) ASSERT_EQ(state->v.x[s], 0) << s;
+    EXPECT_EQ(state->motion.u.x, before.motion.u.x);
+    EXPECT_EQ(state->motion.u.z, before.motion.u.z);
+    EXPECT_EQ(state->motion.time, before.motion.time);
+    for (std::size_t c = 0; c < before.motion.virtual_u.size(); c++)
+      EXPECT_EQ(state->motion.virtual_u[c].z, before.motion.virtual_u[c].z);
+    for (std::size_t s = 0; s < before.motion.v.x.size(); s++) ASSERT_EQ(state->motion.v.x[s], 0) << s;
   }
 }
 
-TEST(lattice_body_on, skin_under_another_tension_pulls_there_as_it_does_here) {
-  const auto end = [](bool there) {
+// A changed tension of the skin acts on the device as on the CPU.
+TEST(DeviceBody, ChangedTensionMatchesCpu) {
+  const auto end = [](bool device) {
     Scene scene({.method = Method::kVbd, .law = TissueLaw::kSolid});
     Model model = scene.block.model;
     DeviceState state = std::move(scene.block.state);
-    if (there) state.step_on(put_on_host<SeededRun<1>>(model));
+    if (device) state.use_backend(put_on_host<SeededRun<1>>(model));
     for (const double tension : {45.0, 20.0}) {
       model.params.skin.tension_along = tension;
-      measure_pull(kOne, model, model.skin);
+      measure_prestress(kOne, model, model.skin);
       for (int n = 0; n < 3; n++) EXPECT_TRUE(state.step(kOne, model, {}, kDt).finite);
     }
     return std::pair(model, *state);
   };
-  const auto [model, here] = end(false);
-  const State there = end(true).second;
-  const Apart found = apart(model, there, here);
+  const auto [model, host] = end(false);
+  const State device = end(true).second;
+  const StateDifference found = state_difference(model, device, host);
   EXPECT_LT(found.most, 2e-5 * found.largest) << "m";
 }
 

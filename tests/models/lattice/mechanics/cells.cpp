@@ -1,4 +1,4 @@
-// Bodies of solid cells in motion: under weight, at large strains, turned inside out and cut.
+// Bodies of solid cells in motion: under their weight, at large strains, inverted and cut.
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -44,8 +44,8 @@ double mean_of_end(const Model& model, const std::function<double(Int3)>& u) {
 double settled_end(const Model& model, const Inputs& inputs, double rate, double seconds, int axis) {
   State state = make_state(model);
   for (int n = 0; n < seconds * rate; n++) step(Exec(2), model, state, inputs, 1 / rate);
-  return mean_of_end(model,
-                     [&](Int3 p) { return double(state.u[std::size_t(node_slot(model.lattice, p))][axis]); });
+  return mean_of_end(
+      model, [&](Int3 p) { return double(state.motion.u[std::size_t(node_slot(model.lattice, p))][axis]); });
 }
 
 /// The same for small displacements, solved directly.
@@ -64,7 +64,7 @@ double linear_end(const Model& model, Vec3d gravity, int axis) {
         const double w = double(model.inverse_mass[std::size_t(node_slot(model.lattice, a))]);
         for (int r = 0; r < 3; r++) {
           weight[3 * index(a) + r] = w > 0 ? gravity[r] / w : 0;
-          if (w == 0) entries.emplace_back(3 * index(a) + r, 3 * index(a) + r, 1e12);  // held
+          if (w == 0) entries.emplace_back(3 * index(a) + r, 3 * index(a) + r, 1e12);  // fixed
         }
         if (i + 1 == size.x || j + 1 == size.y || k + 1 == size.z) continue;
         for (int p = 0; p < 24; p++)
@@ -78,7 +78,8 @@ double linear_end(const Model& model, Vec3d gravity, int axis) {
   return mean_of_end(model, [&](Int3 p) { return u[3 * index(p) + axis]; });
 }
 
-TEST(lattice_cells, a_held_bar_sags_by_its_weight_whatever_the_sweeps_the_frame_rate_and_the_direction) {
+// A cantilever sags by its weight for any number of sweeps, frame rate and direction.
+TEST(LatticeCells, BarSagIndependentOfSolver) {
   struct Case {
     int axis, sweeps;
     double rate, seconds, poisson;
@@ -99,14 +100,15 @@ TEST(lattice_cells, a_held_bar_sags_by_its_weight_whatever_the_sweeps_the_frame_
   }
 }
 
-TEST(lattice_cells, a_slender_bar_sags_as_a_beam_with_shear_does) {
+// A slender bar sags as a Timoshenko beam.
+TEST(LatticeCells, SlenderBarMatchesTimoshenko) {
   const Int3 size{31, 6, 6};
   for (const double poisson : {0.3, 0.45}) {
     const Model model = cantilever(5, poisson, size);
     const double h = 0.004, length = 30 * h, area = 25 * h * h, inertia = std::pow(5 * h, 4) / 12;
-    const double weight = 9.81 * 1000 * 36 * h * h;  // N/m: nodes weigh a whole cell each
+    const double weight = 9.81 * 1000 * 36 * h * h;  // N/m: every node has the mass of a whole cell
     const double shape = 10 * (1 + poisson) / (12 + 11 * poisson), shear = 2e5 / (2 * (1 + poisson));
-    const double beyond = weight * h / 2;  // N: what the last nodes weigh beyond the bar's end
+    const double beyond = weight * h / 2;  // N: weight of the last nodes beyond the bar's end
     const double beam = (weight * length / 8 + beyond / 3) * std::pow(length, 3) / (2e5 * inertia) +
                         (weight * length / 2 + beyond) * length / (shape * shear * area);
     const double found = -linear_end(model, {0, 0, -9.81}, 2);
@@ -115,17 +117,19 @@ TEST(lattice_cells, a_slender_bar_sags_as_a_beam_with_shear_does) {
   }
 }
 
-TEST(lattice_cells, gravity_bends_a_bar_as_the_same_weight_on_every_node_does) {
+// Gravity bends a bar as equal loads on its nodes do.
+TEST(LatticeCells, GravityEqualsNodalLoads) {
   const Model model = cantilever(5, 0.3, {21, 6, 6});
   std::vector<NodeLoad> loads;
   for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
     if (const Real w = model.inverse_mass[s]; w > 0) loads.push_back({int(s), {0, 0, Real(-9.81) / w}});
   const double weight = settled_end(model, {.gravity = {0, 0, -9.81}}, 60, 8, 2);
-  EXPECT_LT(weight, -5e-3) << "m: far from small";
+  EXPECT_LT(weight, -5e-3) << "m: a large displacement";
   EXPECT_NEAR(weight, settled_end(model, {.loads = loads}, 60, 8, 2), 0.001 * std::abs(weight));
 }
 
-TEST(lattice_cells, few_sweeps_of_nearly_incompressible_tissue_never_blow_up) {
+// Few sweeps of nearly incompressible tissue are stable.
+TEST(LatticeCells, FewSweepsAreStable) {
   for (const double poisson : {0.45, 0.49})
     for (const int sweeps : {2, 3, 4, 5, 7}) {
       const Model model = cantilever(sweeps, poisson, {15, 5, 6});
@@ -138,7 +142,7 @@ TEST(lattice_cells, few_sweeps_of_nearly_incompressible_tissue_never_blow_up) {
 
 // ------------------------------------------------------------ large strains
 
-/// A block with a stair on its top, so that it has whole cells, and edges that no whole cell holds.
+/// A block with a step on its top, so that it has whole cells and also edges outside of whole cells.
 Model stepped_block(double poisson, int sweeps, bool skin = false) {
   const Int3 size{9, 8, 8};
   Block block{.size = size, .young = 1e4, .skin_on_top = true, .is_fixed = [](Int3 p) { return p.z == 0; }};
@@ -154,7 +158,7 @@ Model stepped_block(double poisson, int sweeps, bool skin = false) {
   return assemble(kOne, nodes, nullptr, params).value();
 }
 
-/// A displacement that looks random, up to `size` along each axis [m].
+/// A pseudorandom displacement of up to `size` along each axis [m].
 void scatter(const Model& model, State& state, double size) {
   std::uint32_t seed = 7;
   const auto next = [&] {
@@ -165,86 +169,91 @@ void scatter(const Model& model, State& state, double size) {
     for (int j = 0; j < model.lattice.size.y; j++)
       for (int i = 0; i < model.lattice.size.x; i++) {
         const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        if (model.inverse_mass[slot] > 0) state.u.set(slot, {next(), next(), next()});
+        if (model.inverse_mass[slot] > 0) state.motion.u.set(slot, {next(), next(), next()});
       }
 }
 
-TEST(lattice_cells, what_is_turned_inside_out_comes_back) {
+// Inverted cells recover the rest shape.
+TEST(LatticeCells, InvertedCellsRecover) {
   for (const double poisson : {0.3, 0.45}) {
     const Block block{
         .size = {7, 6, 7}, .young = 1e4, .skin_on_top = false, .is_fixed = [](Int3 p) { return p.z == 0; }};
     const Model model = block_model(block, solid_params(10, poisson));
     State state = make_state(model);
-    scatter(model, state, 0.012);  // three steps, either way
+    scatter(model, state, 0.012);  // three cells in either direction
     EXPECT_GT(energy(kOne, model, state), 1e-2) << "J";
     for (int n = 0; n < 600; n++) EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
     double farthest = 0;
     for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-      if (model.inverse_mass[s] > 0) farthest = std::max(farthest, double(norm(state.u[s])));
-    EXPECT_LT(farthest, 1e-5) << "m, v " << poisson << "; left over " << energy(kOne, model, state) << " J";
+      if (model.inverse_mass[s] > 0) farthest = std::max(farthest, double(norm(state.motion.u[s])));
+    EXPECT_LT(farthest, 1e-5) << "m, v " << poisson << "; remaining energy " << energy(kOne, model, state)
+                              << " J";
   }
 }
 
-TEST(lattice_cells, what_is_shot_off_its_holds_comes_back_whatever_the_sweeps) {
+// A body that is launched from its fixed nodes returns to rest for any number of sweeps.
+TEST(LatticeCells, FastBodyReturnsToRest) {
   for (const int sweeps : {2, 5, 20}) {
     const Block block{
         .size = {7, 6, 7}, .young = 1e4, .skin_on_top = false, .is_fixed = [](Int3 p) { return p.z == 0; }};
     const Model model = block_model(block, solid_params(sweeps, 0.45));
     State state = make_state(model);
-    const Vec3 shot{3, 0, 8};  // m/s, 36 steps in a frame
+    const Vec3 shot{3, 0, 8};  // m/s, 36 cells per frame
     for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-      if (model.inverse_mass[s] > 0) state.v.set(s, shot);
-    state.fastest = norm(shot);
+      if (model.inverse_mass[s] > 0) state.motion.v.set(s, shot);
+    state.motion.fastest = norm(shot);
     double worst = 0, farthest = 0;
     for (int n = 0; n < 180; n++) {
       EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
       farthest = 0;
       for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-        farthest = std::max(farthest, double(norm(state.u[s])));
+        farthest = std::max(farthest, double(norm(state.motion.u[s])));
       worst = std::max(worst, farthest);
     }
-    EXPECT_LT(worst, 0.2) << "m, " << sweeps << " sweeps: little more than one frame of it";
+    EXPECT_LT(worst, 0.2) << "m, " << sweeps << " sweeps: little more than the motion of one frame";
     EXPECT_LT(farthest, 0.001) << "m after three seconds, " << sweeps << " sweeps";
   }
 }
 
-TEST(lattice_cells, the_residual_is_the_gradient_of_the_step_energy_of_cells_springs_and_cuts) {
+// The residual is the gradient of the step energy for cells, springs and cuts.
+TEST(LatticeCells, ResidualIsEnergyGradient) {
   const Model model = stepped_block(0.45, 5);
   for (const bool cut : {false, true})
     for (const Int3 node : {Int3{3, 3, 3}, {2, 1, 7}, {4, 4, 6}, {8, 7, 6}}) {
       State state = make_state(model);
       if (cut) {
-        for (std::size_t s = 0; s < state.cut.size(); s += 5) state.cut[s] = 0x15;
-        std::fill(state.row_cut.begin(), state.row_cut.end(), std::uint8_t(1));
+        for (std::size_t s = 0; s < state.cuts.cut.size(); s += 5) state.cuts.cut[s] = 0x15;
+        std::fill(state.cuts.row_cut.begin(), state.cuts.row_cut.end(), std::uint8_t(1));
       }
       const auto slot = std::size_t(node_slot(model.lattice, node));
-      Model alone = model;  // of which one node moves
+      Model alone = model;  // only one node may move
       for (std::size_t s = 0; s < alone.inverse_mass.size(); s++)
         if (s != slot) alone.inverse_mass[s] = 0;
       alone.free_nodes = 1;
-      if (!(model.inverse_mass[slot] > 0)) continue;  // no body here
+      if (!(model.inverse_mass[slot] > 0)) continue;  // not a free node
       scatter(model, state, 0.002);
-      state.u_before = state.u;
+      state.motion.u_before = state.motion.u;
       Vec3d gradient;
-      const Vec3 place = state.u[slot];
+      const Vec3 position = state.motion.u[slot];
       for (int axis = 0; axis < 3; axis++) {
         double energies[2];
         for (const int side : {0, 1}) {
-          Vec3 moved = place;
+          Vec3 moved = position;
           moved[axis] += (side ? 1 : -1) * 1e-5f;
-          state.u.set(slot, moved);
+          state.motion.u.set(slot, moved);
           energies[side] = step_energy(kOne, alone, state, {}, kDt);
         }
         gradient[axis] = (energies[1] - energies[0]) / 2e-5;
       }
-      state.u.set(slot, place);
+      state.motion.u.set(slot, position);
       EXPECT_NEAR(measure_residual(kOne, alone, state, {}, kDt).largest, norm(gradient),
                   0.005 * norm(gradient))
           << "N at " << node.x << node.y << node.z << (cut ? ", cut" : "");
     }
 }
 
-TEST(lattice_cells, descent_never_raises_the_energy_of_its_step) {
+// VBD sweeps never raise the energy of the step.
+TEST(LatticeCells, VbdNeverRaisesEnergy) {
   for (const double poisson : {0.0, 0.49}) {
     const Model model = stepped_block(poisson, 5, true);
     State state = make_state(model);
@@ -261,13 +270,15 @@ TEST(lattice_cells, descent_never_raises_the_energy_of_its_step) {
   }
 }
 
-TEST(lattice_cells, the_rest_state_is_a_fixed_point) {
+// The rest state is a fixed point.
+TEST(LatticeCells, RestStateIsFixedPoint) {
   const Model model = stepped_block(0.49, 5);
   State state = make_state(model);
   EXPECT_LT(step(kOne, model, state, {}, kDt).largest_speed, 1e-6) << "m/s";
 }
 
-TEST(lattice_cells, equal_bits_on_1_2_and_8_threads_and_again_with_a_cut) {
+// One, two and eight threads give the same bits, repeatedly and with a cut.
+TEST(LatticeCells, EqualBitsOnAnyThreads) {
   std::set<std::uint64_t> hashes;
   for (const int threads : {1, 2, 8, 8}) {
     const Model model = stepped_block(0.45, 5, true);
@@ -282,9 +293,9 @@ TEST(lattice_cells, equal_bits_on_1_2_and_8_threads_and_again_with_a_cut) {
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(lattice_cells, a_cell_with_a_cut_edge_carries_nothing_across_and_no_node_hangs_on_nothing) {
-  // A bar cut through between two planes of nodes: its far part is not pulled by its near one, and holds
-  // together.
+// A cell with cut edges transfers no force across the cut, and its nodes stay connected on either side.
+TEST(LatticeCells, CutEdgesTransferNoForce) {
+  // A bar is cut between two planes of nodes: its far half is not pulled by the near one and stays connected.
   const Block block{.size = {9, 4, 4}, .young = 1e4, .skin_on_top = false, .is_fixed = [](Int3 p) {
                       return p.x == 0 || p.x == 8;
                     }};
@@ -294,21 +305,22 @@ TEST(lattice_cells, a_cell_with_a_cut_edge_carries_nothing_across_and_no_node_ha
     for (int j = 0; j < 4; j++)
       for (int f = 0; f < kFamilyCount; f++)
         if (kFamilies[std::size_t(f)].x == 1)
-          state.cut[std::size_t(node_slot(model.lattice, 4, j, k))] |= std::uint8_t(1u << f);
-  std::fill(state.row_cut.begin(), state.row_cut.end(), std::uint8_t(1));
+          state.cuts.cut[std::size_t(node_slot(model.lattice, 4, j, k))] |= std::uint8_t(1u << f);
+  std::fill(state.cuts.row_cut.begin(), state.cuts.row_cut.end(), std::uint8_t(1));
   for (int k = 0; k < 4; k++)
-    for (int j = 0; j < 4; j++) state.u.set(std::size_t(node_slot(model.lattice, 8, j, k)), {0.004f, 0, 0});
+    for (int j = 0; j < 4; j++)
+      state.motion.u.set(std::size_t(node_slot(model.lattice, 8, j, k)), {0.004f, 0, 0});
   for (int n = 0; n < 120; n++) EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
   for (int i = 1; i < 8; i++)
-    EXPECT_NEAR(state.u[std::size_t(node_slot(model.lattice, i, 1, 2))].x, i <= 4 ? 0.0 : 0.004, 1e-5)
+    EXPECT_NEAR(state.motion.u[std::size_t(node_slot(model.lattice, i, 1, 2))].x, i <= 4 ? 0.0 : 0.004, 1e-5)
         << "m, layer " << i;
 }
 
-/// The largest gape of one straight cut through tense skin, settled [m].
+/// Largest gape at rest of a straight cut through tense skin [m].
 double gape(const TissueParams& tissue, int sweeps) {
   constexpr int kN = 33;
   constexpr double kStep = 0.004;
-  Block block{.size = {kN, kN, 9}, .step = kStep, .young = 5e3};
+  Block block{.size = {kN, kN, 9}, .spacing = kStep, .young = 5e3};
   block.is_fixed = [](Int3 p) { return p.z == 0 || p.x == 0 || p.y == 0 || p.x == kN - 1 || p.y == kN - 1; };
   Params params;
   params.tissue = tissue;
@@ -324,7 +336,8 @@ double gape(const TissueParams& tissue, int sweeps) {
   return measure_wound(model, state, path, 0).gape_max;
 }
 
-TEST(lattice_cells, a_wound_opens_about_as_far_as_in_springs_that_keep_their_volume_whatever_the_sweeps) {
+// A wound gapes about as far as with springs and volume constraints, for any number of sweeps.
+TEST(LatticeCells, WoundGapeNearsThatOfSprings) {
   const double springs = gape({.volume = 2}, 10);
   const TissueParams solid{.law = TissueLaw::kSolid, .poisson = 0.43};
   const double few = gape(solid, 5), many = gape(solid, 20);

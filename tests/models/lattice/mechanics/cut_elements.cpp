@@ -1,4 +1,4 @@
-// Cells and skin that a blade parted go on bearing what they bore, each side for itself.
+// Cells and skin that a blade divided keep their stiffness on each side.
 #include "turgor/models/lattice/mechanics/cut_elements.hpp"
 
 #include <cmath>
@@ -18,10 +18,10 @@ namespace {
 
 const Exec kOne(1);
 
-/// What a bar of 13 × 5 × 5 nodes stores, of ½ E A δ²/L, when its ends are held δ apart: cut through from end
-/// to end by an upright blade `aside` steps from its side, at an angle to it; 0 = not at all.
+/// Energy of a bar of 13 × 5 × 5 nodes whose ends are held δ apart, relative to ½ E A δ²/L. An upright blade
+/// cuts it from end to end, `aside` cells from its side and at an angle; `aside` = 0 means no cut.
 double stored(double aside, double degrees) {
-  constexpr double kStep = 0.004, kWay = 0.001, kLength = 12 * kStep, kYoung = 1e4;
+  constexpr double kStep = 0.004, kStretch = 0.001, kLength = 12 * kStep, kYoung = 1e4;
   const Block block{
       .size = {13, 5, 5}, .young = kYoung, .is_fixed = [](Int3 p) { return p.x == 0 || p.x == 12; }};
   Params params = solid_params(20, 8, 1e-4);
@@ -34,17 +34,17 @@ double stored(double aside, double degrees) {
     const Incision blade{
         .from = {0, y, 4 * kStep}, .to = {kLength, y + slope * kLength, 4 * kStep}, .depth = 0.03};
     EXPECT_GT(cut_edges(model, state, lay_blade(model, state, blade).value(), 0, 1, 0), 40);
-    EXPECT_GT(state.parts.virtual_nodes.size(), 50u);
+    EXPECT_GT(state.cut_elements.virtual_nodes.size(), 50u);
   }
   for (int j = 0; j < 5; j++)
     for (int k = 0; k < 5; k++)
-      state.u.set(std::size_t(node_slot(model.lattice, 12, j, k)), {Real(kWay), 0, 0});
+      state.motion.u.set(std::size_t(node_slot(model.lattice, 12, j, k)), {Real(kStretch), 0, 0});
   for (int n = 0; n < 100; n++) EXPECT_TRUE(step(kOne, model, state, {}, 1.0 / 60).finite);
-  return energy(kOne, model, state) / (0.5 * kYoung * 16 * kStep * kStep * kWay * kWay / kLength);
+  return energy(kOne, model, state) / (0.5 * kYoung * 16 * kStep * kStep * kStretch * kStretch / kLength);
 }
 
-/// Two bars side by side, of widths that go from a to b and from 4 − a to 4 − b: each is as stiff as the mean
-/// of its compliance.
+/// Two bars side by side with widths from a to b and from 4 − a to 4 − b. The stiffness of each follows from
+/// its mean compliance.
 double of_tapered_bars(double a, double b) {
   const auto stiffness = [](double from, double to) {
     return std::abs(to - from) > 1e-6 ? (to - from) / std::log(to / from) : from;
@@ -52,15 +52,17 @@ double of_tapered_bars(double a, double b) {
   return (stiffness(a, b) + stiffness(4 - a, 4 - b)) / 4;
 }
 
-TEST(lattice_parts, a_bar_that_is_split_along_its_length_is_as_stiff_as_both_its_parts) {
+// A bar that is split along its length has the stiffness of its two halves.
+TEST(CutElements, SplitBarKeepsStiffness) {
   EXPECT_NEAR(stored(0, 0), 1, 0.01) << "of E A/L";
   for (const double aside : {1.5, 1.7, 2.05, 3.9})
-    EXPECT_NEAR(stored(aside, 0), 1, 0.01) << "cut " << aside << " steps aside";
+    EXPECT_NEAR(stored(aside, 0), 1, 0.01) << "cut " << aside << " cells aside";
   const double end = 0.6 + 12 * std::tan(10 * std::numbers::pi / 180);
-  EXPECT_NEAR(stored(0.6, 10), of_tapered_bars(0.6, end), 0.05) << "cut aslant";
+  EXPECT_NEAR(stored(0.6, 10), of_tapered_bars(0.6, end), 0.05) << "oblique cut";
 }
 
-TEST(lattice_parts, a_wound_gapes_alike_wherever_its_blade_lies_in_the_cells_and_whichever_way) {
+// A wound gapes alike for any position and direction of its blade in the cells.
+TEST(CutElements, GapeIndependentOfBladeInCell) {
   Params params = solid_params(10, 4, 45);
   params.tissue.poisson = 0.45;
   double least = 1, most = 0;
@@ -75,36 +77,40 @@ TEST(lattice_parts, a_wound_gapes_alike_wherever_its_blade_lies_in_the_cells_and
   EXPECT_LT(most - least, 0.06 * most) << "m";
 }
 
-TEST(lattice_parts, forces_on_copies_are_the_gradient_of_the_energy) {
+// Forces at virtual nodes are the negative gradient of the energy.
+TEST(CutElements, VirtualNodeForcesAreGradient) {
   Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
   const Model& model = wounded.model;
   State& state = wounded.state;
   scatter(model, state, 0.0005);
   const CutElementForces forces(model, state);
-  ASSERT_GT(state.parts.virtual_nodes.size(), 20u);
-  for (std::size_t n = 0; n < state.parts.virtual_nodes.size(); n += 7) {
-    const ElementNode& node = state.parts.virtual_nodes[n];
-    VirtualNodeShift& at = state.virtual_nodes[std::size_t(node.corner - slot_count(model.lattice))];
-    const VirtualNodeShift place = at;
+  ASSERT_GT(state.cut_elements.virtual_nodes.size(), 20u);
+  for (std::size_t n = 0; n < state.cut_elements.virtual_nodes.size(); n += 7) {
+    const ElementNode& node = state.cut_elements.virtual_nodes[n];
+    VirtualNodeDisplacement& at =
+        state.motion.virtual_u[std::size_t(node.corner - slot_count(model.lattice))];
+    const VirtualNodeDisplacement initial = at;
     const Vec3d force(forces.gather(node).f);
     Vec3d gradient;
-    for (Real VirtualNodeShift::*axis : {&VirtualNodeShift::x, &VirtualNodeShift::y, &VirtualNodeShift::z}) {
+    for (Real VirtualNodeDisplacement::*axis :
+         {&VirtualNodeDisplacement::x, &VirtualNodeDisplacement::y, &VirtualNodeDisplacement::z}) {
       double energies[2];
       for (const int side : {0, 1}) {
-        at = place;
+        at = initial;
         at.*axis += side ? 1e-5f : -1e-5f;
         energies[side] = energy(kOne, model, state);
       }
-      at = place;
-      gradient[axis == &VirtualNodeShift::x   ? 0
-               : axis == &VirtualNodeShift::y ? 1
-                                              : 2] = (energies[1] - energies[0]) / 2e-5;
+      at = initial;
+      gradient[axis == &VirtualNodeDisplacement::x   ? 0
+               : axis == &VirtualNodeDisplacement::y ? 1
+                                                     : 2] = (energies[1] - energies[0]) / 2e-5;
     }
-    EXPECT_LT(norm(gradient + force), 0.01 * norm(gradient) + 1e-6) << "N, copy " << n;
+    EXPECT_LT(norm(gradient + force), 0.01 * norm(gradient) + 1e-6) << "N, virtual node " << n;
   }
 }
 
-TEST(lattice_parts, descent_never_raises_the_energy_of_a_step_with_a_wound) {
+// VBD sweeps never raise the energy of a step with a wound.
+TEST(CutElements, VbdNeverRaisesEnergy) {
   for (const Ordering ordering : {Ordering::kSlabs, Ordering::kColors}) {
     Params params = solid_params(5, 4, 45);
     params.solver.ordering = ordering;
@@ -116,24 +122,26 @@ TEST(lattice_parts, descent_never_raises_the_energy_of_a_step_with_a_wound) {
       sweep_vbd(kOne, wounded.model, wounded.state, {}, 1.0 / 60,
                 sweep % 2 ? Order::kBackward : Order::kForward);
       const double after = step_energy(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
-      EXPECT_LE(after, before * (1 + 1e-6)) << "J, sweep " << sweep << ", schedule " << int(ordering);
+      EXPECT_LE(after, before * (1 + 1e-6)) << "J, sweep " << sweep << ", ordering " << int(ordering);
       before = after;
     }
   }
 }
 
-/// The nodes of one element; it would show were two of them of one colour, copies of a node as that node.
+/// Nodes of one element must differ in color; a virtual node has the color of its node.
 void expect_different_colors(const Wounded& wounded, std::span<const int> corners, const char* what) {
   const Lattice& l = wounded.model.lattice;
   std::set<int> colors;
   for (const int corner : corners) {
     int slot = corner;
-    if (corner >= slot_count(l)) slot = wounded.state.parts.places[std::size_t(corner - slot_count(l))].first;
+    if (corner >= slot_count(l))
+      slot = wounded.state.cut_elements.virtual_node_keys[std::size_t(corner - slot_count(l))].first;
     EXPECT_TRUE(colors.insert(color_of(slot_node(l, slot))).second) << what << ", corner " << corner;
   }
 }
 
-TEST(lattice_parts, no_two_nodes_or_copies_of_a_color_share_a_cell_a_triangle_or_a_part_of_one) {
+// No two nodes or virtual nodes of a color share a cell, a triangle or a cut element.
+TEST(CutElements, ElementNodesDifferInColor) {
   for (const double degrees : {20.0, 75.0}) {
     const Wounded wounded(0.3, 0.5, degrees, solid_params(5, 4, 45));
     const Lattice& l = wounded.model.lattice;
@@ -147,18 +155,19 @@ TEST(lattice_parts, no_two_nodes_or_copies_of_a_color_share_a_cell_a_triangle_or
     }
     for (const SkinTriangle& t : wounded.model.skin.triangles)
       expect_different_colors(wounded, std::array{t.vertex.x, t.vertex.y, t.vertex.z}, "skin");
-    for (const CutCellElement& part : wounded.state.parts.cells)
-      expect_different_colors(wounded, part.corner, "part of a cell");
-    for (const CutSkinElement& part : wounded.state.parts.skin)
-      expect_different_colors(wounded, std::array{part.corner.x, part.corner.y, part.corner.z},
-                              "part of skin");
+    for (const CutCellElement& element : wounded.state.cut_elements.cells)
+      expect_different_colors(wounded, element.corner, "element of a cut cell");
+    for (const CutSkinElement& element : wounded.state.cut_elements.skin)
+      expect_different_colors(wounded, std::array{element.corner.x, element.corner.y, element.corner.z},
+                              "element of cut skin");
     EXPECT_GT(whole, 3000);
-    EXPECT_GT(wounded.state.parts.cells.size(), 50u);
-    EXPECT_GT(wounded.state.parts.skin.size(), 10u);
+    EXPECT_GT(wounded.state.cut_elements.cells.size(), 50u);
+    EXPECT_GT(wounded.state.cut_elements.skin.size(), 10u);
   }
 }
 
-TEST(lattice_parts, a_wound_in_solid_tissue_has_the_same_bits_in_any_order_within_a_color) {
+// A wound has the same bits for any order of updates within a color.
+TEST(CutElements, AnyOrderWithinColorEqualBits) {
   Params params = solid_params(5, 4, 45);
   params.solver.ordering = Ordering::kColors;
   std::set<std::uint64_t> hashes;
@@ -179,7 +188,8 @@ TEST(lattice_parts, a_wound_in_solid_tissue_has_the_same_bits_in_any_order_withi
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(lattice_parts, a_wound_comes_to_rest_alike_by_colors_and_by_slabs) {
+// A wound has the same gape at rest by colors and by slabs.
+TEST(CutElements, RestingWoundMatchesAcrossOrderings) {
   for (const auto& [aside, degrees] : {std::pair{0.3, 20.0}, {0.2, 110.0}}) {
     double gape[2];
     for (const Ordering ordering : {Ordering::kSlabs, Ordering::kColors}) {
@@ -190,13 +200,14 @@ TEST(lattice_parts, a_wound_comes_to_rest_alike_by_colors_and_by_slabs) {
       for (int n = 0; n < 60; n++) step(Exec(2), wounded.model, wounded.state, {}, 1.0 / 30);
       gape[int(ordering)] = measure_wound(wounded.model, wounded.state, wounded.path, 0).gape_max;
     }
-    std::printf("%.1f aside, %3.0f degrees: %.4f mm by slabs, %.4f mm by colours\n", aside, degrees,
+    std::printf("%.1f aside, %3.0f degrees: %.4f mm by slabs, %.4f mm by colors\n", aside, degrees,
                 1e3 * gape[0], 1e3 * gape[1]);
     EXPECT_NEAR(gape[1], gape[0], 1e-3 * gape[0]) << "m";
   }
 }
 
-TEST(lattice_parts, a_blade_that_moves_leaves_the_wound_that_one_at_once_does) {
+// A moving blade leaves the same wound as an instant cut.
+TEST(CutElements, MovingBladeMatchesInstantCut) {
   const Params params = solid_params(10, 4, 45);
   Wounded at_once(0.3, 0.5, 20, params), moving(0.3, 0.5, 20, params);
   State state = make_state(moving.model);
@@ -205,8 +216,8 @@ TEST(lattice_parts, a_blade_that_moves_leaves_the_wound_that_one_at_once_does) {
     if (n < 20) cut_edges(moving.model, state, moving.path, n / 20.0, (n + 1) / 20.0, 0);
     EXPECT_TRUE(step(kOne, moving.model, state, {}, 1.0 / 30).finite);
   }
-  EXPECT_EQ(state.parts.cells.size(), at_once.state.parts.cells.size());
-  EXPECT_EQ(state.virtual_nodes.size(), at_once.state.virtual_nodes.size());
+  EXPECT_EQ(state.cut_elements.cells.size(), at_once.state.cut_elements.cells.size());
+  EXPECT_EQ(state.motion.virtual_u.size(), at_once.state.motion.virtual_u.size());
   const double once = measure_wound(at_once.model, at_once.state, at_once.path, 0).gape_max;
   EXPECT_NEAR(measure_wound(moving.model, state, moving.path, 0).gape_max, once, 0.01 * once) << "m";
 }
@@ -221,7 +232,8 @@ std::vector<double> course(Wounded wounded, int frames) {
   return gapes;
 }
 
-TEST(lattice_parts, a_wound_goes_its_way_with_five_sweeps_as_with_hundreds) {
+// With the coarse correction, a wound opens with five sweeps as with hundreds without it.
+TEST(CutElements, FiveSweepsFollowConvergedWound) {
   for (const auto& [aside, degrees] : {std::pair{0.3, 20.0}, {0.2, 110.0}}) {
     Params many = solid_params(200, 1.2, 45), few = solid_params(5, 1.2, 45);
     many.tissue.poisson = few.tissue.poisson = 0.45, many.solver.coarse = false;
@@ -242,7 +254,8 @@ TEST(lattice_parts, a_wound_goes_its_way_with_five_sweeps_as_with_hundreds) {
   }
 }
 
-TEST(lattice_parts, a_wound_comes_to_rest_where_sweeps_alone_bring_it) {
+// The coarse correction does not change the gape at rest.
+TEST(CutElements, CoarseCorrectionKeepsRestState) {
   double gapes[2];
   for (const bool coarse : {false, true}) {
     Params params = solid_params(5, 4, 45);
@@ -254,7 +267,8 @@ TEST(lattice_parts, a_wound_comes_to_rest_where_sweeps_alone_bring_it) {
   EXPECT_NEAR(gapes[1], gapes[0], 1e-4 * gapes[0]) << "m";
 }
 
-TEST(lattice_parts, forces_left_over_cell_by_cell_are_those_node_by_node) {
+// The residual summed by cells equals that summed by nodes.
+TEST(CutElements, ResidualByCellsMatchesNodes) {
   Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
   const Model& model = wounded.model;
   State& state = wounded.state;
@@ -267,36 +281,39 @@ TEST(lattice_parts, forces_left_over_cell_by_cell_are_those_node_by_node) {
     for (int s = row_slot(model.lattice, 0, k); s < row_slot(model.lattice, Wounded::kN, k); s++)
       if (model.inverse_mass[std::size_t(s)] > 0) sum2 += dot(Vec3d(forces[s]), Vec3d(forces[s]));
   };
-  find_left_over(kOne, model, state, *state.coarse, inputs, 1.0 / 60, state.residual_forces, see);
-  for (const ElementNode& copy : state.parts.virtual_nodes) {
+  visit_residual_forces(kOne, model, state, *state.workspace.coarse, inputs, 1.0 / 60,
+                        state.workspace.residual, see);
+  for (const ElementNode& copy : state.cut_elements.virtual_nodes) {
     if (model.inverse_mass[std::size_t(copy.slot)] == 0) continue;
-    const VirtualNodeShift& f =
-        state.residual_forces.virtual_nodes[std::size_t(copy.corner - slot_count(model.lattice))];
+    const VirtualNodeDisplacement& f =
+        state.workspace.residual.virtual_nodes[std::size_t(copy.corner - slot_count(model.lattice))];
     sum2 += dot(Vec3d{f.x, f.y, f.z}, Vec3d{f.x, f.y, f.z});
   }
   const double rms = measure_residual(kOne, model, state, inputs, 1.0 / 60).rms;
   EXPECT_NEAR(std::sqrt(sum2 / model.free_nodes), rms, 1e-4 * rms) << "N";
 }
 
-TEST(lattice_parts, solving_for_the_smooth_part_never_raises_the_energy_of_a_step) {
-  for (const double way : {1e-5, 5e-4, 4e-3}) {
+// The coarse correction never raises the energy of the step.
+TEST(CutElements, CorrectionNeverRaisesEnergy) {
+  for (const double amplitude : {1e-5, 5e-4, 4e-3}) {
     Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
     const Model& model = wounded.model;
     State& state = wounded.state;
-    scatter(model, state, way);
+    scatter(model, state, amplitude);
     predict(kOne, model, state, {}, 1.0 / 60);
     ASSERT_TRUE(prepare_coarse_space(model, state, {}, 1.0 / 60));
     double before = step_energy(kOne, model, state, {}, 1.0 / 60);
     for (int n = 0; n < 4; n++) {
       apply_coarse_correction(kOne, model, state, {}, 1.0 / 60);
       const double after = step_energy(kOne, model, state, {}, 1.0 / 60);
-      EXPECT_LE(after, before * (1 + 1e-6)) << "J, thrown " << way << " m";
+      EXPECT_LE(after, before * (1 + 1e-6)) << "J, amplitude " << amplitude << " m";
       before = after;
     }
   }
 }
 
-TEST(lattice_parts, a_wound_has_equal_bits_on_1_2_and_8_threads) {
+// A wound has the same bits on one, two and eight threads.
+TEST(CutElements, EqualBitsOnAnyThreads) {
   std::uint64_t hashes[3];
   for (int n = 0; n < 3; n++) {
     Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
@@ -308,27 +325,28 @@ TEST(lattice_parts, a_wound_has_equal_bits_on_1_2_and_8_threads) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
-TEST(lattice_parts, a_space_is_made_for_a_cut_and_not_for_rounded_times_or_parts_of_frames) {
+// A coarse space is reused for rounded or shorter time steps, and rebuilt for longer ones.
+TEST(CutElements, SpaceIsReusedForShorterSteps) {
   Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
   const auto space_after = [&](double dt) {
     step(kOne, wounded.model, wounded.state, {}, dt);
-    return wounded.state.coarse.get();
+    return wounded.state.workspace.coarse.get();
   };
   const CoarseSpace* first = space_after(1.0 / 60);
   EXPECT_NE(first, nullptr);
   EXPECT_EQ(space_after(8.0 / 60 - 7.0 / 60), first);
   EXPECT_EQ(space_after(1.0 / 180), first) << "a third of a frame";
   EXPECT_EQ(space_after(1.0 / 60), first);
-  const std::shared_ptr<const CoarseSpace> kept = wounded.state.coarse;
+  const std::shared_ptr<const CoarseSpace> kept = wounded.state.workspace.coarse;
   EXPECT_NE(space_after(1.0 / 30), first);
 }
 
-/// How many spaces are made in some steps that begin when a part of a path is cut.
-struct Makings {
+/// Counts the coarse spaces built during some steps after a section of the path was cut.
+struct SpaceCounter {
   Wounded wounded;
-  std::shared_ptr<const CoarseSpace> last;  // kept, so that no other has its address
+  std::shared_ptr<const CoarseSpace> last;  // retained, so that no other space has its address
 
-  Makings() : wounded(0.3, 0.5, 20, solid_params(5, 4, 45)) {
+  SpaceCounter() : wounded(0.3, 0.5, 20, solid_params(5, 4, 45)) {
     wounded.state = make_state(wounded.model);
     steps(3);
   }
@@ -336,8 +354,8 @@ struct Makings {
     int made = 0;
     for (int n = 0; n < count; n++) {
       step(kOne, wounded.model, wounded.state, {.gravity = gravity}, 1.0 / 60);
-      made += wounded.state.coarse != last;
-      last = wounded.state.coarse;
+      made += wounded.state.workspace.coarse != last;
+      last = wounded.state.workspace.coarse;
     }
     return made;
   }
@@ -347,36 +365,40 @@ struct Makings {
   }
 };
 
-TEST(lattice_parts, a_body_at_rest_makes_no_space_before_something_moves_it) {
-  Makings makings;
-  EXPECT_EQ(makings.steps(3), 0);
-  EXPECT_EQ(makings.last, nullptr);
-  EXPECT_EQ(makings.steps(1, {0, 0, -9}), 1) << "gravity";
-  EXPECT_EQ(makings.steps(3), 0) << "and it goes on to move";
+// A body at rest builds no coarse space before it moves.
+TEST(CutElements, RestingBodyBuildsNoSpace) {
+  SpaceCounter counter;
+  EXPECT_EQ(counter.steps(3), 0);
+  EXPECT_EQ(counter.last, nullptr);
+  EXPECT_EQ(counter.steps(1, {0, 0, -9}), 1) << "gravity";
+  EXPECT_EQ(counter.steps(3), 0) << "while it keeps moving";
 }
 
-TEST(lattice_parts, a_moving_blade_makes_one_space_when_it_is_through_and_none_on_its_way) {
-  for (const int steps_a_cut : {1, 3}) {
-    Makings moving;
-    int on_its_way = 0;
-    for (int n = 0; n < 9; n++) on_its_way += moving.cut(n / 10.0, (n + 1) / 10.0, steps_a_cut);
-    EXPECT_EQ(on_its_way, 0);
-    EXPECT_EQ(moving.cut(0.9, 1, 1), 1) << "in the step in which it is through";
+// A moving blade builds no coarse space before the cut is complete, and then one.
+TEST(CutElements, MovingBladeBuildsOneSpaceAtEnd) {
+  for (const int steps_per_cut : {1, 3}) {
+    SpaceCounter moving;
+    int before_the_end = 0;
+    for (int n = 0; n < 9; n++) before_the_end += moving.cut(n / 10.0, (n + 1) / 10.0, steps_per_cut);
+    EXPECT_EQ(before_the_end, 0);
+    EXPECT_EQ(moving.cut(0.9, 1, 1), 1) << "in the step that completes the cut";
     EXPECT_EQ(moving.steps(12), 0);
   }
 }
 
-TEST(lattice_parts, a_wound_cut_at_once_has_a_space_in_its_first_step) {
-  Makings at_once;
+// An instant cut builds one coarse space in its first step.
+TEST(CutElements, InstantCutBuildsSpaceInFirstStep) {
+  SpaceCounter at_once;
   EXPECT_EQ(at_once.cut(0, 1, 1), 1);
   EXPECT_EQ(at_once.steps(12), 0);
 }
 
-TEST(lattice_parts, a_blade_that_stops_halfway_has_a_space_soon) {
-  Makings stopped;
+// A blade that stops halfway gets a coarse space within a few steps.
+TEST(CutElements, StoppedBladeBuildsSpaceSoon) {
+  SpaceCounter stopped;
   EXPECT_EQ(stopped.cut(0, 0.5, 4), 0);
   EXPECT_EQ(stopped.steps(8), 1);
-  EXPECT_EQ(stopped.cut(0.5, 1, 1), 1) << "and one when it goes on to the end";
+  EXPECT_EQ(stopped.cut(0.5, 1, 1), 1) << "and one when the cut is completed";
 }
 
 }  // namespace

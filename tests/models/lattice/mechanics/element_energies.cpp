@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "turgor/models/lattice/lattice.hpp"
+
 namespace turgor::lattice {
 namespace {
 
@@ -44,7 +46,8 @@ double amplified(double s, double r, double beta) {
   return s * s / 2 + (s > 0 ? beta * s * s * s / (3 * r) : 0);
 }
 
-TEST(lattice_kernels, spring_force_is_minus_the_gradient) {
+// The force of a spring is the negative gradient of its energy; its matrix is positive definite.
+TEST(ElementEnergies, SpringForceIsGradient) {
   Random random;
   for (int n = 0; n < 200; n++) {
     const Vec3d a = random.point(), b = random.point();
@@ -57,7 +60,8 @@ TEST(lattice_kernels, spring_force_is_minus_the_gradient) {
   }
 }
 
-TEST(lattice_kernels, volume_gradients_are_those_of_the_volume) {
+// Volume gradients match finite differences of the volume.
+TEST(ElementEnergies, VolumeGradients) {
   Random random;
   for (int n = 0; n < 200; n++) {
     const Vec3d a = random.point(), b = random.point(), c = random.point(), d = random.point();
@@ -73,7 +77,8 @@ TEST(lattice_kernels, volume_gradients_are_those_of_the_volume) {
   }
 }
 
-TEST(lattice_kernels, area_skin_force_is_minus_the_gradient_and_corners_sum_to_zero) {
+// Forces of area skin are the negative gradient of its energy and sum to zero.
+TEST(ElementEnergies, AreaSkinForceIsGradient) {
   Random random;
   for (int n = 0; n < 200; n++) {
     const Vec3d x[3] = {random.point(), random.point(), random.point()};
@@ -99,7 +104,8 @@ TEST(lattice_kernels, area_skin_force_is_minus_the_gradient_and_corners_sum_to_z
   }
 }
 
-TEST(lattice_kernels, fiber_skin_force_is_minus_the_gradient_and_corners_sum_to_zero) {
+// Forces of fiber skin are the negative gradient of its energy and sum to zero.
+TEST(ElementEnergies, FiberSkinForceIsGradient) {
   Random random;
   for (int n = 0; n < 200; n++) {
     SkinTriangle t{};
@@ -138,7 +144,8 @@ TEST(lattice_kernels, fiber_skin_force_is_minus_the_gradient_and_corners_sum_to_
   }
 }
 
-TEST(lattice_kernels, skin_projection_restores_the_area_to_second_order) {
+// The projection of skin restores the area to second order.
+TEST(ElementEnergies, SkinProjectionRestoresArea) {
   Random random;
   for (int n = 0; n < 100; n++) {
     const Vec3d corner[3] = {random.point(), random.point(), random.point()};
@@ -155,7 +162,8 @@ TEST(lattice_kernels, skin_projection_restores_the_area_to_second_order) {
   }
 }
 
-TEST(lattice_kernels, projections_keep_linear_and_angular_momentum_of_equal_masses) {
+// Projections conserve the linear and angular momentum of equal masses.
+TEST(ElementEnergies, ProjectionsConserveMomentum) {
   Random random;
   for (int n = 0; n < 100; n++) {
     const Vec3 before[3] = {Vec3(random.point()), Vec3(random.point()), Vec3(random.point())};
@@ -178,7 +186,8 @@ TEST(lattice_kernels, projections_keep_linear_and_angular_momentum_of_equal_mass
   }
 }
 
-TEST(lattice_kernels, a_newton_step_of_a_fixed_node_does_not_move_it) {
+// A Newton step does not move a fixed node.
+TEST(ElementEnergies, NewtonStepKeepsFixedNode) {
   NodeSystem s;
   add_spring(s, {1, 2, 3}, 1, 1e6f);
   const Vec3 moved = newton_step(s, {0, 0, 0}, 0);

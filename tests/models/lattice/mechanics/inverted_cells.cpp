@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/block_body.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 namespace {
 
-/// A block of 5 × 4 × 3 cells whose points are where `place` takes them.
-template <class Place>
-InvertedCells folded_in(const Place& place) {
+/// A block of 5 × 4 × 3 cells whose nodes move to `position(rest position)`.
+template <class Position>
+InvertedCells inverted_after(const Position& position) {
   Params params;
   params.skin.enabled = false;
   const Model model = block_model({.size = {6, 5, 4}, .skin_on_top = false}, params);
@@ -20,25 +21,29 @@ InvertedCells folded_in(const Place& place) {
     for (int j = 0; j < 5; j++)
       for (int i = 0; i < 6; i++) {
         const Vec3 x = rest_position(model.lattice, {i, j, k});
-        state.u.set(std::size_t(node_slot(model.lattice, {i, j, k})), place(x) - x);
+        state.motion.u.set(std::size_t(node_slot(model.lattice, {i, j, k})), position(x) - x);
       }
-  return find_folded_cells(Exec(2), model, state);
+  return find_inverted_cells(Exec(2), model, state);
 }
 
-TEST(lattice_folded, a_mirrored_block_has_all_its_cells_folded_and_a_turned_one_none) {
-  EXPECT_EQ(folded_in([](Vec3 x) { return Vec3{-x.x, x.y, x.z}; }).count, 5 * 4 * 3);
-  EXPECT_EQ(folded_in([](Vec3 x) { return Vec3{-x.x, -x.y, x.z}; }).count, 0);
-  EXPECT_EQ(folded_in([](Vec3 x) { return Vec3{x.z, x.x, x.y}; }).count, 0);
+// A reflected block has all cells inverted, a rotated one has none.
+TEST(InvertedCells, ReflectionInvertsAllRotationNone) {
+  EXPECT_EQ(inverted_after([](Vec3 x) { return Vec3{-x.x, x.y, x.z}; }).count, 5 * 4 * 3);
+  EXPECT_EQ(inverted_after([](Vec3 x) { return Vec3{-x.x, -x.y, x.z}; }).count, 0);
+  EXPECT_EQ(inverted_after([](Vec3 x) { return Vec3{x.z, x.x, x.y}; }).count, 0);
 }
 
-TEST(lattice_folded, where_a_layer_is_pushed_through_the_next_its_cells_are_found) {
+// A layer that is pushed through the next one is found.
+TEST(InvertedCells, FindsLayerPushedThrough) {
   const auto through = [](Vec3 x) { return x.z > 0.011f ? Vec3{x.x, x.y, x.z - 0.009f} : x; };
-  const InvertedCells folded = folded_in(through);  // 4 mm cells: the topmost nodes, 12 mm high, go to 3 mm
-  EXPECT_EQ(folded.count, 5 * 4);
-  EXPECT_EQ(folded.first, (Int3{0, 0, 2}));
+  const InvertedCells inverted =
+      inverted_after(through);  // 4 mm cells: the top nodes move from 12 mm to 3 mm height
+  EXPECT_EQ(inverted.count, 5 * 4);
+  EXPECT_EQ(inverted.first, (Int3{0, 0, 2}));
 }
 
-TEST(lattice_folded, a_cut_says_how_many_cells_lie_below_it) {
+// cells_below counts the cells below a cut, zero outside of the body.
+TEST(InvertedCells, CellsBelowCut) {
   const Model model = block_model({.size = {20, 20, 9}}, {});
   const Vec3d down{0, 0, -1};
   for (const auto& [height, cells] : {std::pair{0.032, 6.0}, {0.010, 2.5}, {0.004, 1.0}}) {

@@ -1,4 +1,4 @@
-// The law of solid tissue: alike in every direction, in endless bodies and in bars.
+// The law of solid tissue is isotropic, in infinite bodies and in bars.
 #include <cmath>
 #include <cstdio>
 
@@ -19,9 +19,9 @@ const std::vector<Int3> kDirections = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1}, {1, 1,
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;  // strains xx, yy, zz, yz, xz, xy (angles) to stresses
 
-/// The stiffness of an endless body of the law's cells: a uniform strain is at rest there, for every node
-/// sees the same. By differences of the energy.
-Matrix6 endless(const CellMatrix& matrix) {
+/// Stiffness of an infinite body of the law's cells, by differences of the energy. A uniform strain is at
+/// rest by symmetry.
+Matrix6 infinite_body(const CellMatrix& matrix) {
   const auto moved = [](int strain) {
     constexpr int kPair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
     Eigen::Matrix<double, 24, 1> u = Eigen::Matrix<double, 24, 1>::Zero();
@@ -38,7 +38,7 @@ Matrix6 endless(const CellMatrix& matrix) {
   return c;
 }
 
-Matrix6 endless_springs(double volume) {
+Matrix6 infinite_springs(double volume) {
   const Vec3 step{1, 1, 1};
   const auto rows = homogenized_stiffness(step, calibrate_springs(step, volume), volume);
   Matrix6 c;
@@ -47,30 +47,31 @@ Matrix6 endless_springs(double volume) {
   return c;
 }
 
-/// n m symmetric, as a stress; as a strain its last three count twice.
+/// Symmetric dyad n m as a stress; as a strain, its last three components count twice.
 Eigen::Matrix<double, 6, 1> dyad(Vec3d n, Vec3d m) {
   Eigen::Matrix<double, 6, 1> v;
   v << n.x * m.x, n.y * m.y, n.z * m.z, 0.5 * (n.y * m.z + n.z * m.y), 0.5 * (n.x * m.z + n.z * m.x),
       0.5 * (n.x * m.y + n.y * m.x);
   return v;
 }
-/// What a bar along n answers with when it is stretched.
+/// Young's modulus along n.
 double young_along(const Matrix6& c, Vec3d n) { return 1 / dyad(n, n).dot(c.inverse() * dyad(n, n)); }
-/// What answers when the planes across n slide along m.
+/// Shear modulus for planes across n sliding along m.
 double shear_along(const Matrix6& c, Vec3d n, Vec3d m) {
   return 0.25 / dyad(n, m).dot(c.inverse() * dyad(n, m));
 }
 
-/// Two directions across n and each other.
+/// Two directions orthogonal to n and to each other.
 std::pair<Vec3d, Vec3d> across(Vec3d n) {
   const Vec3d aside = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
   const Vec3d m = normalized(aside - n * dot(aside, n));
   return {m, cross(n, m)};
 }
 
-TEST(lattice_solid, an_endless_body_answers_with_e_and_g_in_thirteen_directions) {
+// An infinite body has E and G in thirteen directions.
+TEST(LatticeSolid, InfiniteBodyIsIsotropic) {
   for (const double poisson : {0.0, 0.3, 0.45, 0.49}) {
-    const Matrix6 c = endless(solid_matrix(1, poisson));
+    const Matrix6 c = infinite_body(solid_matrix(1, poisson));
     const double shear = 0.5 / (1 + poisson);
     for (const Int3 direction : kDirections) {
       const Vec3d n = normalized(Vec3d(direction));
@@ -82,8 +83,8 @@ TEST(lattice_solid, an_endless_body_answers_with_e_and_g_in_thirteen_directions)
   }
 }
 
-/// What a cube of cells stores when its surface is moved as that of an endless bar, bent or twisted, in parts
-/// of what the bar stores there. Its second moment is the same around every axis.
+/// Energy of a cube of cells whose surface moves as in an infinite bent or twisted bar, relative to that of
+/// the bar. The cube's second moment is the same about every axis.
 double cube_of_bar(int n, const CellMatrix& matrix, double poisson, Vec3d along, Vec3d up, bool twisted) {
   CellBody cube;
   for (int k = 0; k < n; k++)
@@ -105,7 +106,8 @@ double cube_of_bar(int n, const CellMatrix& matrix, double poisson, Vec3d along,
   return held_energies(cube, matrix, {field}, held)[0] / bar;
 }
 
-TEST(lattice_solid, four_cells_bend_and_twist_within_8_percent_in_thirteen_directions) {
+// A cube of four cells has E I and G J within 8 % in thirteen directions.
+TEST(LatticeSolid, FourCellsBendAndTwist) {
   for (const double poisson : {0.0, 0.3, 0.45})
     for (const Int3 direction : kDirections) {
       const CellMatrix matrix = solid_matrix(1, poisson);
@@ -120,14 +122,16 @@ TEST(lattice_solid, four_cells_bend_and_twist_within_8_percent_in_thirteen_direc
     }
 }
 
-TEST(lattice_solid, a_table_by_direction_of_both_laws_and_of_tetrahedra) {
+// Prints the moduli of springs, volume constraints, cells and tetrahedra by direction; springs alone are
+// anisotropic.
+TEST(LatticeSolid, TableOfModuliByDirection) {
   constexpr double kPoisson = 0.45;
-  const Matrix6 springs = endless_springs(0), volumes = endless_springs(2);
+  const Matrix6 springs = infinite_springs(0), volumes = infinite_springs(2);
   const CellMatrix cells = solid_matrix(1, kPoisson), kuhn = kuhn_matrix(1, kPoisson, false),
                    mirrored = kuhn_matrix(1, kPoisson, true);
-  const Matrix6 solid = endless(cells);
-  std::printf("E/E asked, G/G asked; E I and G J of 4 cells\n%10s %14s %14s %29s %15s %15s\n", "along",
-              "springs", "with volumes", "cells", "Kuhn", "mirrored");
+  const Matrix6 solid = infinite_body(cells);
+  std::printf("E and G relative to the material; E I and G J of 4 cells\n%10s %14s %14s %29s %15s %15s\n",
+              "along", "springs", "with volumes", "cells", "Kuhn", "mirrored");
   double least = 9, most = 0;
   for (const Int3 d : kDirections) {
     const Vec3d n = normalized(Vec3d(d));
@@ -143,7 +147,7 @@ TEST(lattice_solid, a_table_by_direction_of_both_laws_and_of_tetrahedra) {
     std::printf("\n");
     least = std::min(least, young_along(springs, n)), most = std::max(most, young_along(springs, n));
   }
-  EXPECT_GT(most / least, 1.3) << "springs alone are not alike in every direction";
+  EXPECT_GT(most / least, 1.3) << "springs alone are not isotropic";
 }
 
 // ------------------------------------------------------------ bars with free sides
@@ -153,7 +157,7 @@ struct Bar {
   Vec3d along, across, third;
 };
 
-/// The cells whose middles lie in a bar of `thick` by `thick` by `length` cells along a direction.
+/// The cells whose centers lie in a bar of `thick` × `thick` × `length` cells along a direction.
 Bar bar_along(Int3 direction, double thick, double length) {
   Bar bar;
   bar.along = normalized(Vec3d(direction));
@@ -172,15 +176,15 @@ Bar bar_along(Int3 direction, double thick, double length) {
   return bar;
 }
 
-/// Its ends are pulled apart, and bent against each other in either plane.
+/// Displacement fields of the bar's ends: stretch, and bending in either plane.
 std::vector<std::function<Vec3d(Vec3d)>> ends_moved(const Bar& bar) {
   const auto sign = [along = bar.along](Vec3d x) { return dot(x, along) > 0 ? 1.0 : -1.0; };
   const auto turned = [=](Vec3d axis) { return [=](Vec3d x) { return cross(axis, x) * sign(x); }; };
   return {[=, along = bar.along](Vec3d x) { return along * sign(x); }, turned(bar.third), turned(bar.across)};
 }
 
-/// What a piece of a bar far from its ends answers with, in parts of E A, E I and E I: two bars of different
-/// length, so that what their ends do falls out. A and I are those of the cells, stairs and all.
+/// Stiffness of a bar far from its ends relative to E A, E I and E I. Two bars of different length eliminate
+/// the effect of the ends. A and I are those of the cells, including the staircase surface.
 std::array<double, 3> bar_stiffness(Int3 direction, double thick, double poisson) {
   const double pitch = norm(Vec3d(direction)), more = 2 * std::round(6 / pitch) * pitch;
   const Bar bars[2] = {bar_along(direction, thick, 14), bar_along(direction, thick, 14 + more)};
@@ -191,9 +195,9 @@ std::array<double, 3> bar_stiffness(Int3 direction, double thick, double poisson
     energies[n] = held_energies(bars[n].body, matrix, ends_moved(bars[n]));
     for (const Int3 c : bars[n].body.cells) {
       const Vec3d x = Vec3d(c) + Vec3d{0.5, 0.5, 0.5};
-      const double part = (n == 1 ? 1 : -1) / more;
-      moment[0] += part, moment[1] += part * (std::pow(dot(x, bars[n].across), 2) + 1.0 / 12);
-      moment[2] += part * (std::pow(dot(x, bars[n].third), 2) + 1.0 / 12);
+      const double share = (n == 1 ? 1 : -1) / more;
+      moment[0] += share, moment[1] += share * (std::pow(dot(x, bars[n].across), 2) + 1.0 / 12);
+      moment[2] += share * (std::pow(dot(x, bars[n].third), 2) + 1.0 / 12);
     }
   }
   std::array<double, 3> found{};
@@ -201,7 +205,8 @@ std::array<double, 3> bar_stiffness(Int3 direction, double thick, double poisson
   return found;
 }
 
-TEST(lattice_solid, a_bar_four_cells_thick_has_e_a_and_e_i_along_axes_and_face_diagonals) {
+// A bar of four cells has E A and E I along axes and face diagonals.
+TEST(LatticeSolid, BarsAlongAxesAndFaceDiagonals) {
   for (const double poisson : {0.3, 0.49})
     for (const Int3 direction : {Int3{1, 0, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, -1}}) {
       const auto [stretch, bend, aside] = bar_stiffness(direction, 4.3, poisson);
@@ -213,13 +218,14 @@ TEST(lattice_solid, a_bar_four_cells_thick_has_e_a_and_e_i_along_axes_and_face_d
     }
 }
 
-TEST(lattice_solid, a_bar_along_a_body_diagonal_all_stairs_has_nearly_e_a_and_loses_its_stairs_when_bent) {
+// A bar along a body diagonal nearly has E A; its staircase surface reduces the bending stiffness.
+TEST(LatticeSolid, BarAlongBodyDiagonal) {
   const auto [stretch, bend, aside] = bar_stiffness({1, 1, 1}, 6, 0.3);
   std::printf("along 1 1 1: E A %.3f, E I %.3f and %.3f\n", stretch, bend, aside);
   EXPECT_NEAR(stretch, 1, 0.08);
-  for (const double part : {bend, aside}) {
-    EXPECT_LT(part, 1) << "stairs carry less than a plane side";
-    EXPECT_GT(part, 0.83);
+  for (const double ratio : {bend, aside}) {
+    EXPECT_LT(ratio, 1) << "a staircase carries less than a plane side";
+    EXPECT_GT(ratio, 0.83);
   }
 }
 

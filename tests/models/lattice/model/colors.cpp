@@ -1,4 +1,4 @@
-// Sweeps by colours: nothing of a pass depends on anything else of it, so that threads of a GPU may do it.
+// Sweeps by colors: the updates of a pass are independent, so that GPU threads may run them in any order.
 #include "turgor/models/lattice/model/colors.hpp"
 
 #include <algorithm>
@@ -19,12 +19,13 @@ namespace {
 const Exec kOne(1);
 constexpr double kDt = 1.0 / 60;
 
-TEST(lattice_colors, no_two_cells_of_a_color_touch_the_same_node) {
+// No two cells of a color share a node.
+TEST(LatticeColors, CellsOfColorShareNoNodes) {
   for (const Int3 size : {Int3{9, 8, 7}, {12, 5, 4}, {2, 2, 2}, {33, 3, 6}})
     for (int color = 0; color < kColorCount; color++) {
       const Lattice l = make_lattice(size, {1, 1, 1});
       const ColorRows rows(size, color);
-      std::set<int> touched;  // by edges and tetrahedra of the cells, beyond the border too
+      std::set<int> touched;  // by edges and tetrahedra of the cells, also beyond the border
       for (std::size_t n = 0; n < rows.count(); n++) {
         const auto [parity, j, k] = rows[n];
         for (int i = parity; i < size.x; i += 2) {
@@ -40,7 +41,8 @@ TEST(lattice_colors, no_two_cells_of_a_color_touch_the_same_node) {
     }
 }
 
-TEST(lattice_colors, the_half_rows_of_all_colors_are_every_node_once) {
+// The half rows of all colors cover every node once.
+TEST(LatticeColors, HalfRowsCoverNodesOnce) {
   const Int3 size{13, 6, 5};
   std::set<std::array<int, 3>> seen;
   for (int color = 0; color < kColorCount; color++) {
@@ -53,7 +55,8 @@ TEST(lattice_colors, the_half_rows_of_all_colors_are_every_node_once) {
   EXPECT_EQ(seen.size(), std::size_t(2 * size.y * size.z));
 }
 
-TEST(lattice_colors, any_order_within_a_color_gives_the_same_bits) {
+// Any order of updates within a color gives the same bits.
+TEST(LatticeColors, AnyOrderWithinColorEqualBits) {
   for (const Method method : {Method::kPbd, Method::kVbd}) {
     std::set<std::uint64_t> hashes;
     const auto hash_after = [&](const auto& sweep) {
@@ -75,7 +78,7 @@ TEST(lattice_colors, any_order_within_a_color_gives_the_same_bits) {
   }
 }
 
-/// Forces of a plate that presses all of a block's top by a millimetre, at rest [N].
+/// Force at rest of a plate that presses the whole top of a block by 1 mm [N].
 double plate_force(Ordering ordering, TissueLaw law) {
   const Int3 size{9, 12, 7};
   Params params;
@@ -97,10 +100,11 @@ double plate_force(Ordering ordering, TissueLaw law) {
   return force;
 }
 
-TEST(lattice_colors, a_plate_on_nodes_is_borne_alike_by_slabs_and_by_colors) {
+// The force on a plate is the same by slabs and by colors.
+TEST(LatticeColors, PlateForceMatchesSlabs) {
   for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
     const double slabs = plate_force(Ordering::kSlabs, law), colors = plate_force(Ordering::kColors, law);
-    std::printf("  law %d: %.5f N by slabs, %.5f N by colours\n", int(law), slabs, colors);
+    std::printf("  law %d: %.5f N by slabs, %.5f N by colors\n", int(law), slabs, colors);
     EXPECT_GT(slabs, 0.1) << "N";
     EXPECT_NEAR(colors, slabs, 1e-3 * slabs) << "N, law " << int(law);
   }

@@ -1,8 +1,9 @@
-// What is swept: where there are nodes that can move, and nothing else.
+// Sweeps visit the nodes that can move and nothing else.
 #include <gtest/gtest.h>
 
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -11,7 +12,7 @@ namespace {
 const Exec kTwo(2);
 constexpr double kDt = 1.0 / 60;
 
-/// A torso with its lungs, bones and all the air around it.
+/// A torso with its lungs and bones in air.
 Model torso(Method method, TissueLaw law) {
   PhantomParams phantom = default_phantom(PhantomKind::kTorso);
   phantom.size = {128, 128, 75};
@@ -34,10 +35,11 @@ std::uint64_t hash_after_a_cut(const Model& model) {
   return state_hash(model, state);
 }
 
-TEST(lattice_runs, every_node_that_can_move_is_in_a_run_and_every_group_of_a_run_has_one) {
+// Every free node is in exactly one run, and every group of a run has a free node.
+TEST(LatticeRuns, CoverFreeNodesExactly) {
   const Model model = torso(Method::kVbd, TissueLaw::kSprings);
   std::vector<int> covered(model.inverse_mass.size(), 0);
-  for (const auto& run : model.moving.all)
+  for (const auto& run : model.free_runs.all)
     for (int group = run.begin; group < run.begin + run.count; group += kGroup) {
       bool any = false;
       for (int s = group; s < group + kGroup; s++)
@@ -53,24 +55,26 @@ TEST(lattice_runs, every_node_that_can_move_is_in_a_run_and_every_group_of_a_run
   }
 }
 
-TEST(lattice_runs, of_a_torso_in_its_air_less_than_two_thirds_are_swept) {
+// Less than two thirds of a torso's lattice are swept.
+TEST(LatticeRuns, SweepLessThanTwoThirdsOfTorso) {
   for (const Method method : {Method::kVbd, Method::kPbd}) {
     const Model model = torso(method, TissueLaw::kSprings);
-    EXPECT_LT(slots_in(model.moving), 0.6 * node_count(model.lattice));
-    EXPECT_LT(slots_in(model.joining), 0.66 * node_count(model.lattice));
-    EXPECT_GE(int(slots_in(model.moving)), model.free_nodes);
+    EXPECT_LT(slots_in(model.free_runs), 0.6 * node_count(model.lattice));
+    EXPECT_LT(slots_in(model.constraint_runs), 0.66 * node_count(model.lattice));
+    EXPECT_GE(int(slots_in(model.free_runs)), model.free_nodes);
   }
 }
 
-TEST(lattice_runs, sweeping_air_and_bone_as_well_changes_no_bit) {
+// Sweeping air and bone too changes no bit.
+TEST(LatticeRuns, SweepingAllNodesEqualBits) {
   const auto all = [](int) { return true; };
   for (const auto& [method, law] : {std::pair{Method::kVbd, TissueLaw::kSprings},
                                     {Method::kVbd, TissueLaw::kSolid},
                                     {Method::kPbd, TissueLaw::kSprings}}) {
     Model model = torso(method, law);
     const std::uint64_t hash = hash_after_a_cut(model);
-    model.moving = find_runs(model.lattice, all);
-    model.joining = find_runs(model.lattice, all);
+    model.free_runs = find_runs(model.lattice, all);
+    model.constraint_runs = find_runs(model.lattice, all);
     EXPECT_EQ(hash_after_a_cut(model), hash) << "method " << int(method) << ", law " << int(law);
   }
 }

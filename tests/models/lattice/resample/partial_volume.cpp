@@ -1,10 +1,11 @@
-// The blur of the skin in a deformed CT: it goes with the skin, and what lies beside the body stays.
+// Partial volume of the skin in a deformed CT: it moves with the skin, and the surroundings stay.
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/ct_body.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/resample/resample.hpp"
 
 namespace turgor::lattice {
@@ -12,7 +13,8 @@ namespace {
 
 const Exec kExec(1);
 
-TEST(lattice_fringe, a_blurred_body_at_rest_is_its_ct_bit_for_bit) {
+// The deformed CT of a blurred body at rest equals its CT bit for bit.
+TEST(PartialVolume, BodyAtRestEqualsCt) {
   for (const Int3 block : {Int3{1, 1, 1}, {2, 2, 2}, {4, 4, 4}, {3, 5, 2}}) {
     const CtVolume ct = blurred_ball_ct(33, 11.3, true);
     const Model model = body_of(ct, block);
@@ -21,7 +23,8 @@ TEST(lattice_fringe, a_blurred_body_at_rest_is_its_ct_bit_for_bit) {
   }
 }
 
-TEST(lattice_fringe, a_move_by_whole_voxels_takes_the_blur_of_the_skin_along) {
+// A displacement by whole voxels moves the blur of the skin too.
+TEST(PartialVolume, BlurMovesWithSkin) {
   for (const int block : {1, 2, 3, 4, 5})
     for (const Int3 by : {Int3{3, -5, 2}, {0, 0, -1}, {-7, 6, 4}}) {
       const CtVolume ct = blurred_ball_ct(48, 14.4, false);
@@ -35,7 +38,8 @@ TEST(lattice_fringe, a_move_by_whole_voxels_takes_the_blur_of_the_skin_along) {
     }
 }
 
-TEST(lattice_fringe, what_lies_beside_the_body_stays_when_its_skin_moves) {
+// The surroundings stay when the skin moves.
+TEST(PartialVolume, SurroundingsStay) {
   CtVolume ct = blurred_ball_ct(48, 12.4, true);
   for_voxels(ct.grid, [&](Int3 p) {  // a table
     if (p.y > 38 && p.y < 42) ct.at(p.x, p.y, p.z) = std::int16_t(-300 + p.x);
@@ -52,32 +56,34 @@ TEST(lattice_fringe, what_lies_beside_the_body_stays_when_its_skin_moves) {
   }
 }
 
-TEST(lattice_fringe, a_thin_cover_three_voxels_from_skin_that_hardly_moves_stays_or_goes_with_it) {
+// A thin cover three voxels from slowly moving skin either stays or moves with it.
+TEST(PartialVolume, ThinCoverStaysOrMovesWithSkin) {
   CtVolume ct = blurred_ball_ct(48, 12.4, false);
-  for_voxels(ct.grid, [&](Int3 p) {  // a table, whose cover is no denser than blurred skin
+  for_voxels(ct.grid, [&](Int3 p) {  // a table whose cover is no denser than blurred skin
     if (p.y >= 39 && p.y < 42) ct.at(p.x, p.y, p.z) = p.y == 39 ? -600 : -150;
   });
   const Model model = body_of(ct, {2, 2, 2});
-  for (const double by : {0.3, -0.4, -0.9}) {  // voxels, to the table and away
+  for (const double by : {0.3, -0.4, -0.9}) {  // voxels, toward the table and away from it
     State state = make_state(model);
     move(model, state, [&](Vec3d) { return Vec3d{0, by * kVoxel, 0}; });
     const ResampledCt result = resample_ct(kExec, model, state, ct, ct.grid);
-    long wrong = 0, gone_along = 0;
+    long wrong = 0, moved_along = 0;
     for_voxels(ct.grid, [&](Int3 p) {
       if (p.y != 39) return;
       const double from = ct.at(p.x, p.y + (by < 0 ? 1 : -1), p.z), stayed = ct.at(p.x, p.y, p.z),
-                   went = stayed + std::abs(by) * (from - stayed);
+                   moved = stayed + std::abs(by) * (from - stayed);
       const double found = result.ct.at(p.x, p.y, p.z);
-      gone_along += std::abs(found - went) < 2;
-      wrong += std::abs(found - stayed) > 0 && std::abs(found - went) >= 2;
+      moved_along += std::abs(found - moved) < 2;
+      wrong += std::abs(found - stayed) > 0 && std::abs(found - moved) >= 2;
     });
     EXPECT_EQ(wrong, 0) << by << " voxels";
-    EXPECT_LT(gone_along, 200) << "of 2304: what is near the ball's top";
+    EXPECT_LT(moved_along, 200) << "of 2304: near the ball's top";
   }
 }
 
-TEST(lattice_fringe, the_mouth_of_a_wound_is_air_without_a_film_of_skin) {
-  // A block whose top is blurred over three voxels, parted to both sides and pulled open.
+// The opening of a wound is air without a film of skin.
+TEST(PartialVolume, WoundOpeningIsAir) {
+  // A block whose top is blurred over three voxels, cut and pulled open to both sides.
   CtVolume ct = make_ct({48, 64, 40}, [](Vec3d p) { return p.z < 28; });
   const std::int16_t blur[] = {-150, -420, -650, -820, -930};
   for (const int block : {2, 4})
@@ -93,7 +99,7 @@ TEST(lattice_fringe, the_mouth_of_a_wound_is_air_without_a_film_of_skin) {
       const ResampledCt result = resample_ct(kExec, model, state, ct, ct.grid);
       long film = 0, skin = 0;
       for_voxels(ct.grid, [&](Int3 p) {
-        const int aside = p.y < 31 ? 30 - p.y : p.y - 31;  // the lips are 6 voxels aside
+        const int aside = p.y < 31 ? 30 - p.y : p.y - 31;  // the lips are 6 voxels away
         if (aside < 3) film += result.ct.at(p.x, p.y, p.z) > kAirHu;
         const Int3 before{p.x, p.y < 31 ? p.y + 6 : p.y - 6, p.z};
         if (aside > 8 && aside < 20 && p.z >= first)

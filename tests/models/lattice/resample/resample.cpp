@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/ct_body.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/resample/deformed_body.hpp"
 
 namespace turgor::lattice {
@@ -13,19 +14,21 @@ namespace {
 
 const Exec kExec(1);
 
-TEST(lattice_resample, a_body_at_rest_is_its_ct) {
+// The deformed CT of a body at rest equals its CT.
+TEST(LatticeResample, BodyAtRestEqualsCt) {
   for (const Int3 block : {Int3{4, 4, 4}, {3, 5, 2}, {7, 4, 6}}) {
     const CtVolume ct = ball_ct(41, 15);
     const Model model = body_of(ct, block);
     const ResampledCt result = resample_ct(kExec, model, make_state(model), ct, ct.grid);
     EXPECT_TRUE(result.ct.samples == ct.samples);
-    EXPECT_EQ(result.report.folds, 0);
+    EXPECT_EQ(result.report.inverted_tets, 0);
     EXPECT_EQ(result.report.overlaps, 0);
     EXPECT_NEAR(result.report.mass_error, 0, 1e-12);
   }
 }
 
-TEST(lattice_resample, a_move_by_whole_voxels_moves_the_ct) {
+// A displacement by whole voxels shifts the CT.
+TEST(LatticeResample, WholeVoxelShiftMovesCt) {
   const CtVolume ct = ball_ct(48, 14);
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
@@ -38,26 +41,28 @@ TEST(lattice_resample, a_move_by_whole_voxels_moves_the_ct) {
   EXPECT_NEAR(result.report.mass_error, 0, 1e-12);
 }
 
-TEST(lattice_resample, a_turned_output_grid_shows_the_same_body) {
+// An output grid with swapped axes shows the same body.
+TEST(LatticeResample, PermutedOutputGrid) {
   const CtVolume ct = ball_ct(40, 14);
   const Model model = body_of(ct, {4, 4, 4});
-  Grid turned = ct.grid;  // i and j swapped: a mirrored frame
+  Grid turned = ct.grid;  // i and j swapped: a left-handed frame
   turned.axes = {{ct.grid.axes.column[1], ct.grid.axes.column[0], ct.grid.axes.column[2]}};
   const ResampledCt result = resample_ct(kExec, model, make_state(model), ct, turned);
   long wrong = 0;
   for_voxels(ct.grid, [&](Int3 p) { wrong += result.ct.at(p.y, p.x, p.z) != ct.at(p.x, p.y, p.z); });
   EXPECT_EQ(wrong, 0);
-  EXPECT_EQ(result.report.folds, 0);
+  EXPECT_EQ(result.report.inverted_tets, 0);
 }
 
-TEST(lattice_resample, a_resized_grid_covers_the_same_extent) {
+// A resized grid has the same extent, and its voxels are means.
+TEST(LatticeResample, ResizedGridKeepsExtent) {
   const CtVolume ct = ball_ct(40, 14);
   const Grid half = resized(ct.grid, {20, 10, 40});
   EXPECT_NEAR(norm(point_at(half, {-0.5, -0.5, -0.5}) - point_at(ct.grid, {-0.5, -0.5, -0.5})), 0, 1e-15);
   EXPECT_NEAR(norm(point_at(half, {19.5, 9.5, 39.5}) - point_at(ct.grid, {39.5, 39.5, 39.5})), 0, 1e-15);
   const Model model = body_of(ct, {4, 4, 4});
   const ResampledCt result = resample_ct(kExec, model, make_state(model), ct, resized(ct.grid, {20, 20, 20}));
-  // A voxel of two is the mean of its eight, rounded.
+  // A voxel of twice the size is the mean of its eight voxels, rounded.
   for_voxels(result.ct.grid, [&](Int3 p) {
     double sum = 0;
     for (int c = 0; c < 8; c++) sum += ct.at(2 * p.x + (c & 1), 2 * p.y + (c >> 1 & 1), 2 * p.z + (c >> 2));
@@ -66,7 +71,8 @@ TEST(lattice_resample, a_resized_grid_covers_the_same_extent) {
   EXPECT_NEAR(result.report.mass_error, 0, 0.01);
 }
 
-TEST(lattice_resample, a_uniform_stretch_conserves_mass_when_asked_to) {
+// A uniform stretch conserves the mass if requested.
+TEST(LatticeResample, StretchConservesMassOnRequest) {
   const CtVolume ct = ball_ct(64, 20);
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
@@ -83,7 +89,8 @@ TEST(lattice_resample, a_uniform_stretch_conserves_mass_when_asked_to) {
   EXPECT_EQ(jacobian.at(0, 0, 0), 1);
 }
 
-TEST(lattice_resample, the_displacement_field_leads_back_to_the_ct) {
+// The displacement field points back to the CT, and is zero outside of the body.
+TEST(LatticeResample, DisplacementFieldPointsToCt) {
   CtVolume ct = ball_ct(40, 14);
   ct.grid.axes = {{Vec3d{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}};
   const Model model = body_of(ct, {4, 4, 4});
@@ -95,12 +102,12 @@ TEST(lattice_resample, the_displacement_field_leads_back_to_the_ct) {
   EXPECT_EQ(field.at(1, 1, 1), Vec3{});
 }
 
-// Where every node is, found without the code under test.
-struct Placed {
+// Deformed positions of the nodes, computed without the code under test.
+struct DeformedNodes {
   const Model& model;
   std::vector<std::optional<Vec3d>> voxel;  // by slot: tissue, or air beside tissue
 
-  Placed(const Model& m, const State& state) : model(m), voxel(m.tissue.size()) {
+  DeformedNodes(const Model& m, const State& state) : model(m), voxel(m.tissue.size()) {
     const Int3 size = m.lattice.size;
     for (int k = 0; k < size.z; k++)
       for (int j = 0; j < size.y; j++)
@@ -111,24 +118,25 @@ struct Placed {
           const auto is_tissue = [&](Int3 q) {
             return contains(m.lattice, q) && is_body(m.tissue[std::size_t(node_slot(m.lattice, q))]);
           };
-          const auto u = [&](Int3 q) { return Vec3d(state.u[std::size_t(node_slot(m.lattice, q))]); };
+          const auto u = [&](Int3 q) { return Vec3d(state.motion.u[std::size_t(node_slot(m.lattice, q))]); };
           if (is_tissue(p)) {
             sum = u(p), count = 1;
           } else {
-            Vec3d sums[3];  // along axes, other edges of the lattice and none of them
+            Vec3d sums[3];  // along axes, along other lattice edges, and along other diagonals
             int counts[3] = {};
             for (int n = 0; n < 27; n++) {
-              const Int3 way{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-              if (!is_tissue(p + way)) continue;
-              const bool is_edge = family_of(way) >= 0 || family_of(-way) >= 0,
-                         is_axis = std::abs(way.x) + std::abs(way.y) + std::abs(way.z) == 1;
-              if (is_edge) beside_sum += u(p + way), beside_count++;
-              if (!is_tissue(p + way + way)) continue;
-              // As far again as from the node behind to the next, but no less than at rest.
-              const Vec3d rest = hadamard(Vec3d(-way), m.grid.spacing);
-              const Vec3d now = rest + u(p + way) - u(p + way + way);
+              const Int3 offset{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+              if (!is_tissue(p + offset)) continue;
+              const bool is_edge = family_of(offset) >= 0 || family_of(-offset) >= 0,
+                         is_axis = std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z) == 1;
+              if (is_edge) beside_sum += u(p + offset), beside_count++;
+              if (!is_tissue(p + offset + offset)) continue;
+              // Linear extrapolation from the last two nodes, but no shorter than at rest.
+              const Vec3d rest = hadamard(Vec3d(-offset), m.grid.spacing);
+              const Vec3d now = rest + u(p + offset) - u(p + offset + offset);
               const std::size_t kind = is_axis ? 0 : is_edge ? 1 : 2;
-              sums[kind] += u(p + way) + now * std::max(1.0, norm(rest) / norm(now)) - rest, counts[kind]++;
+              sums[kind] += u(p + offset) + now * std::max(1.0, norm(rest) / norm(now)) - rest,
+                  counts[kind]++;
             }
             for (int kind = 0; kind < 3 && count == 0; kind++) {
               if (kind == 2 && beside_count == 0) break;
@@ -143,13 +151,14 @@ struct Placed {
   }
 };
 
-TEST(lattice_resample, every_voxel_comes_from_the_one_tetrahedron_that_holds_it) {
+// Every voxel comes from the one tetrahedron that contains it.
+TEST(LatticeResample, VoxelsComeFromTheirTetrahedron) {
   const CtVolume ct = ball_ct(32, 11);
   const Model model = body_of(ct, {4, 4, 4});
   for (const double phase : {0.3, 1.7, 2.9}) {
     State state = make_state(model);
     move(model, state, [&](Vec3d p) { return wobble(p, 0.0025, 0.03, phase); });
-    const Placed placed(model, state);
+    const DeformedNodes deformed(model, state);
     std::vector<int> holders(sample_count(ct.grid)), unsure(holders.size()), visits(holders.size());
     std::vector<Vec3d> origin(holders.size());
     const Int3 size = model.lattice.size;
@@ -162,8 +171,8 @@ TEST(lattice_resample, every_voxel_comes_from_the_one_tetrahedron_that_holds_it)
         for (int n = 0; n < 4; n++) {
           const auto slot = std::size_t(node_slot(model.lattice, cell + tet[std::size_t(n)]));
           tissue |= is_body(model.tissue[slot]);
-          known &= placed.voxel[slot].has_value();
-          if (known) x[n] = *placed.voxel[slot];
+          known &= deformed.voxel[slot].has_value();
+          if (known) x[n] = *deformed.voxel[slot];
         }
         if (!tissue) continue;
         const Mat3d back = inverse({{x[1] - x[0], x[2] - x[0], x[3] - x[0]}});
@@ -175,7 +184,7 @@ TEST(lattice_resample, every_voxel_comes_from_the_one_tetrahedron_that_holds_it)
               const Vec3d w = back * (Vec3d{double(i), double(j), double(k)} - x[0]);
               const double least = std::min({w.x, w.y, w.z, 1 - w.x - w.y - w.z});
               const std::size_t v = sample_index(ct.grid, i, j, k);
-              unsure[v] |= std::abs(least) < 2e-3;  // so near a face that the fixed point may decide
+              unsure[v] |= std::abs(least) < 2e-3;  // so close to a face that fixed-point rounding may decide
               if (least <= 0) continue;
               holders[v]++;
               origin[v] = hadamard(Vec3d(cell + tet[0]) + Vec3d(tet[1] - tet[0]) * w.x +
@@ -208,8 +217,9 @@ TEST(lattice_resample, every_voxel_comes_from_the_one_tetrahedron_that_holds_it)
   }
 }
 
-TEST(lattice_resample, inside_a_moved_body_no_voxel_is_missed_even_on_faces) {
-  // Moves by half and quarter voxels put many centres exactly on faces and edges.
+// Every voxel inside a deformed body is visited exactly once, also on faces of tetrahedra.
+TEST(LatticeResample, NoVoxelIsMissedOnFaces) {
+  // Displacements by half and quarter voxels put many centers exactly on faces and edges.
   const CtVolume ct = make_ct({40, 40, 40}, [](Vec3d) { return true; });
   const Model model = body_of(ct, {4, 4, 4});
   for (const double by : {0.25, 0.5, 0.75}) {
@@ -234,43 +244,46 @@ TEST(lattice_resample, inside_a_moved_body_no_voxel_is_missed_even_on_faces) {
   }
 }
 
-TEST(lattice_resample, any_number_of_threads_gives_the_same_bits) {
+// One, two and eight threads give the same bits.
+TEST(LatticeResample, EqualBitsOnAnyThreads) {
   const CtVolume ct = ball_ct(48, 18);
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
-  move(model, state, [](Vec3d p) { return wobble(p, 0.012, 0.03, 0.4); });  // strong enough to fold
+  move(model, state, [](Vec3d p) { return wobble(p, 0.012, 0.03, 0.4); });  // strong enough to invert cells
   const ResampledCt one = resample_ct(Exec(1), model, state, ct, ct.grid);
-  EXPECT_GT(one.report.folds, 0);
+  EXPECT_GT(one.report.inverted_tets, 0);
   EXPECT_GT(one.report.overlaps, 0);
   for (const int threads : {2, 8}) {
     const ResampledCt many = resample_ct(Exec(threads), model, state, ct, ct.grid);
     EXPECT_TRUE(many.ct.samples == one.ct.samples) << threads;
-    EXPECT_EQ(many.report.folds, one.report.folds);
+    EXPECT_EQ(many.report.inverted_tets, one.report.inverted_tets);
     EXPECT_EQ(many.report.overlaps, one.report.overlaps);
     EXPECT_EQ(many.report.mass_error, one.report.mass_error);
   }
 }
 
-TEST(lattice_resample, a_tetrahedron_inside_out_is_counted_once) {
+// Every inverted tetrahedron is counted once.
+TEST(LatticeResample, InvertedTetrahedraAreCountedOnce) {
   const CtVolume ct = make_ct({32, 32, 32}, [](Vec3d) { return true; });
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
-  // One inner node pushed through its neighbours along k, over several slabs of the output.
-  state.u.set(std::size_t(node_slot(model.lattice, 4, 4, 4)), {0, 0, 0.009f});
+  // One inner node is pushed through its neighbors along k, across several slabs of the output.
+  state.motion.u.set(std::size_t(node_slot(model.lattice, 4, 4, 4)), {0, 0, 0.009f});
   long expected = 0;
   for (int c = 0; c < 8; c++)
     for (const auto& tet : kKuhnTets) {
       Vec3 x[4];
       for (int n = 0; n < 4; n++)
-        x[n] =
-            position(model, state, Int3{3 + (c & 1), 3 + (c >> 1 & 1), 3 + (c >> 2)} + tet[std::size_t(n)]);
+        x[n] = position(model, state.motion,
+                        Int3{3 + (c & 1), 3 + (c >> 1 & 1), 3 + (c >> 2)} + tet[std::size_t(n)]);
       expected += dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) <= 0;
     }
   EXPECT_GT(expected, 0);
-  EXPECT_EQ(resample_ct(kExec, model, state, ct, ct.grid).report.folds, expected);
+  EXPECT_EQ(resample_ct(kExec, model, state, ct, ct.grid).report.inverted_tets, expected);
 }
 
-TEST(lattice_resample, a_closed_cut_is_invisible) {
+// A closed cut does not change the CT.
+TEST(LatticeResample, ClosedCutIsInvisible) {
   const CtVolume ct = ball_ct(40, 15);
   const Model model = body_of(ct, {4, 4, 4});
   for (const double at : {0.0193, 0.020, 0.0217}) {
@@ -283,7 +296,8 @@ TEST(lattice_resample, a_closed_cut_is_invisible) {
   }
 }
 
-TEST(lattice_resample, an_open_cut_shows_air_between_two_whole_lips) {
+// An open cut shows air between two intact lips.
+TEST(LatticeResample, OpenCutShowsAirBetweenLips) {
   const CtVolume ct = ball_ct(48, 15);
   const Model model = body_of(ct, {4, 4, 4});
   for (const double at : {0.0233, 0.024, 0.0257}) {
@@ -292,7 +306,7 @@ TEST(lattice_resample, an_open_cut_shows_air_between_two_whole_lips) {
     const Int3 by{0, 6, 1};
     move(model, state, [&](Vec3d p) { return p.y >= at ? Vec3d(by) * kVoxel : Vec3d{}; });
     const ResampledCt result = resample_ct(kExec, model, state, ct, ct.grid);
-    const auto is_moved = [&](Int3 p) { return (p.y + 0.5) * kVoxel >= at; };  // by where it lay in the CT
+    const auto is_moved = [&](Int3 p) { return (p.y + 0.5) * kVoxel >= at; };  // by its position in the CT
     long wrong = 0, wrong_inside = 0, tissue = 0, gap = 0;
     for_voxels(ct.grid, [&](Int3 p) {
       std::int16_t expected = kAirHu;
@@ -306,13 +320,14 @@ TEST(lattice_resample, an_open_cut_shows_air_between_two_whole_lips) {
     });
     EXPECT_GT(gap, 2000);
     EXPECT_EQ(wrong_inside, 0) << "cut at " << at;
-    // A tetrahedron with one node of tissue knows no cut: the rim of a lip may go with the other one.
+    // A tetrahedron with one tissue node ignores cuts: the rim of a lip may move with the other lip.
     EXPECT_LT(double(wrong), 0.04 * double(tissue)) << "cut at " << at;
     EXPECT_NEAR(result.report.mass_error, 0, 1e-12);
   }
 }
 
-TEST(lattice_resample, a_wound_that_ends_inside_the_body_loses_no_tissue) {
+// A wound that ends inside the body loses no tissue.
+TEST(LatticeResample, InnerWoundLosesNoTissue) {
   const CtVolume ct =
       make_ct({64, 64, 40}, [](Vec3d p) { return p.x > 5 && p.x < 58 && p.y > 5 && p.y < 58 && p.z < 30; });
   const Model model = body_of(ct, {4, 4, 4});
@@ -328,14 +343,15 @@ TEST(lattice_resample, a_wound_that_ends_inside_the_body_loses_no_tissue) {
   move(model, state, [&](Vec3d p) { return Vec3d{0, p.y >= at ? opening(p) : -opening(p), 0}; });
   const ResampledCt result = resample_ct(kExec, model, state, ct, ct.grid, {.conserve_mass = true});
   EXPECT_NEAR(result.report.mass_error, 0, 0.01);
-  EXPECT_EQ(result.report.folds, 0);
-  EXPECT_LT(result.report.overlaps, 40) << "the lips' ghosts hardly meet";
+  EXPECT_EQ(result.report.inverted_tets, 0);
+  EXPECT_LT(result.report.overlaps, 40) << "the ghosts of the lips hardly overlap";
   EXPECT_EQ(result.ct.at(31, 31, 28), kAirHu) << "in the wound";
-  EXPECT_NE(result.ct.at(31, 37, 27), kAirHu) << "beside it";
-  EXPECT_NE(result.ct.at(31, 31, 14), kAirHu) << "below it";
+  EXPECT_NE(result.ct.at(31, 37, 27), kAirHu) << "beside the wound";
+  EXPECT_NE(result.ct.at(31, 31, 14), kAirHu) << "below the wound";
 }
 
-TEST(lattice_resample, removed_nodes_become_air) {
+// Removed nodes become air.
+TEST(LatticeResample, RemovedNodesBecomeAir) {
   const CtVolume ct = make_ct({40, 40, 40}, [](Vec3d p) { return p.z < 30; });
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
@@ -343,7 +359,7 @@ TEST(lattice_resample, removed_nodes_become_air) {
     for (int j = 4; j < 7; j++)
       for (int i = 4; i < 7; i++) {
         const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        if (is_body(model.tissue[slot])) state.removed[slot] = 1, state.removed_nodes++;
+        if (is_body(model.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
       }
   const ResampledCt result = resample_ct(kExec, model, state, ct, ct.grid);
   EXPECT_EQ(result.ct.at(20, 20, 22), kAirHu);
@@ -353,7 +369,7 @@ TEST(lattice_resample, removed_nodes_become_air) {
   for_voxels(ct.grid,
              [&](Int3 p) { air += result.ct.at(p.x, p.y, p.z) == kAirHu && ct.at(p.x, p.y, p.z) != kAirHu; });
   EXPECT_NEAR(double(air), 12 * 12 * 12, 0.35 * 12 * 12 * 12);
-  EXPECT_NEAR(result.report.mass_error, 0, 1e-12) << "what was removed is not missed";
+  EXPECT_NEAR(result.report.mass_error, 0, 1e-12) << "removed tissue does not count as an error";
 }
 
 }  // namespace

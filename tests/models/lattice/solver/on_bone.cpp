@@ -1,15 +1,16 @@
-// Tissue on bone that is held: the bone begins where the CT shows it, between the nodes.
+// Tissue on fixed bone: the bone begins between the nodes, where the CT shows it.
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/ct_body.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 namespace {
 
-constexpr int kWide = 42;  // steps: the middle of a layer does not feel its rim
+constexpr int kWide = 42;  // cells: wide enough that the rim does not affect the center
 
-/// A layer of fat on bone, both as wide as the CT but for its rim; which axis is its normal, and how many
-/// steps of fat there are.
+/// A layer of fat on bone, both as wide as the CT except for its rim, with the normal along `axis` and
+/// `steps` cells of fat.
 Model layer_on_bone(int axis, int steps, Int3 block, double poisson) {
   Int3 size{kWide, kWide, kWide};
   size[axis] = steps + 4;
@@ -31,7 +32,7 @@ Model layer_on_bone(int axis, int steps, Int3 block, double poisson) {
   return build(Exec(2), ct, {}, params).value();
 }
 
-/// The nodes in the middle of the layer: the outermost of fat, and the first that is held.
+/// Nodes at the center of the layer: the outermost one of fat, and the first fixed one.
 struct Column {
   int front = 0, held = 0;
 };
@@ -47,10 +48,10 @@ Column middle_column(const Model& model, int axis) {
   return column;
 }
 
-/// How far the middle of its front comes to rest under a pressure [m].
+/// Displacement at rest of the front's center under a pressure [m].
 double settled(const Model& model, int axis, int front, double pressure) {
   const Lattice& l = model.lattice;
-  const double area = l.step.x * l.step.y * l.step.z / l.step[axis];
+  const double area = l.spacing.x * l.spacing.y * l.spacing.z / l.spacing[axis];
   std::vector<NodeLoad> loads;
   int middle = -1;
   for (int b = 0; b < kWide; b++)
@@ -66,21 +67,22 @@ double settled(const Model& model, int axis, int front, double pressure) {
     }
   State state = make_state(model);
   for (int n = 0; n < 60; n++) step(Exec(2), model, state, {.loads = loads}, 1.0 / 60);
-  return double(state.u[std::size_t(middle)][axis]);
+  return double(state.motion.u[std::size_t(middle)][axis]);
 }
 
-TEST(lattice_on_bone, a_wide_layer_gives_way_by_its_thickness_in_the_ct_in_every_direction) {
+// A wide layer on bone yields by its thickness in the CT, in every direction.
+TEST(LatticeOnBone, WideLayerYieldsByItsThickness) {
   struct Case {
     int axis, steps;
     Int3 block;
-    double poisson, pressure;  // [1], [Pa], less than 0 pulls
+    double poisson, pressure;  // [1], [Pa], negative pressure pulls
   };
   for (const Case& c :
        {Case{0, 4, {1, 1, 1}, 0.4, 50}, Case{1, 3, {2, 1, 1}, 0.3, -60}, Case{2, 4, {1, 1, 2}, 0.25, 40}}) {
     const Model model = layer_on_bone(c.axis, c.steps, c.block, c.poisson);
     const Column column = middle_column(model, c.axis);
-    ASSERT_EQ(column.held, c.steps + 1) << "where fat ends and bone begins";
-    const double thickness = (column.held - column.front) * double(model.lattice.step[c.axis]);
+    ASSERT_EQ(column.held, c.steps + 1) << "boundary between fat and bone";
+    const double thickness = (column.held - column.front) * double(model.lattice.spacing[c.axis]);
     const double modulus =
         model.params.tissue.fat * (1 - c.poisson) / ((1 + c.poisson) * (1 - 2 * c.poisson));
     const double expected = c.pressure * thickness / modulus;

@@ -1,4 +1,4 @@
-// Rows that stand still are not swept, and nothing that is measured tells.
+// Rows at rest are not swept, and measurements do not change.
 #include "turgor/models/lattice/solver/sleep.hpp"
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include "tests/models/lattice/block_body.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -23,11 +24,11 @@ bool is_side(Int3 p, Int3 size) {
 
 Model tense_block(Int3 size, double sleep, TissueLaw law = TissueLaw::kSprings,
                   Ordering ordering = Ordering::kSlabs) {
-  Block block{.size = size, .step = kStep};
+  Block block{.size = size, .spacing = kStep};
   block.is_fixed = [size](Int3 p) { return is_side(p, size); };
   Params params;
   params.tissue.law = law;
-  params.solver.sleep = sleep, params.solver.ordering = ordering;
+  params.solver.sleep_speed = sleep, params.solver.ordering = ordering;
   params.solver.sweeps = 6;
   return block_model(block, params);
 }
@@ -36,7 +37,7 @@ struct Cut {
   State state;
   BladePath path;
 };
-/// A cut of six steps along x in the middle of a block, as wide as `size.y` is, from `from` on.
+/// A cut of six cells along x in the middle of the block's width, starting at `from`.
 Cut cut_block(const Model& model, int from) {
   const Int3 size = model.lattice.size;
   Cut cut{make_state(model), {}};
@@ -47,14 +48,15 @@ Cut cut_block(const Model& model, int from) {
   return cut;
 }
 
-/// Rows awake after a time [s].
+/// Number of rows awake after a time [s].
 int awake_after(const Model& model, State& state, double seconds, const Inputs& inputs = {}) {
   StepReport report;
   for (double t = 0; t < seconds; t += kDt) report = step(Exec(2), model, state, inputs, kDt);
   return report.rows - report.rows_asleep;
 }
 
-TEST(lattice_sleep, the_settled_wound_is_that_of_a_body_that_never_sleeps) {
+// A settled wound is that of a body that never sleeps.
+TEST(LatticeSleep, SettledWoundMatchesAwakeBody) {
   for (const auto& [law, ordering] : {std::pair{TissueLaw::kSprings, Ordering::kSlabs},
                                       {TissueLaw::kSolid, Ordering::kSlabs},
                                       {TissueLaw::kSprings, Ordering::kColors}}) {
@@ -71,18 +73,18 @@ TEST(lattice_sleep, the_settled_wound_is_that_of_a_body_that_never_sleeps) {
   }
 }
 
-/// Gapes by frame of a cut aslant to the lattice, and the rows that are awake at last.
-struct Way {
+/// Gapes by frame of an oblique cut, and the number of rows awake at the end.
+struct SlantedCut {
   std::vector<double> gape;
   int awake = 0;
 };
-Way way_of_a_slanted_cut(double step, double sleep) {
+SlantedCut open_slanted_cut(double step, double sleep) {
   const int n = int(std::lround(0.096 / step)) + 1, layers = int(std::lround(0.024 / step)) + 1;
-  Block block{.size = {n, n, layers}, .step = step};
+  Block block{.size = {n, n, layers}, .spacing = step};
   block.is_fixed = [size = block.size](Int3 p) { return is_side(p, size); };
   Params params;
   params.tissue.law = TissueLaw::kSolid;
-  params.solver = {.sweeps = 5, .damping = 1.2, .sleep = sleep};
+  params.solver = {.sweeps = 5, .damping = 1.2, .sleep_speed = sleep};
   const Model model = block_model(block, params);
   State state = make_state(model);
   const Vec3d middle{(n / 2 + 0.3) * step, (n / 2 - 0.2) * step, 0.024},
@@ -90,47 +92,51 @@ Way way_of_a_slanted_cut(double step, double sleep) {
   const BladePath path =
       lay_blade(model, state, {.from = middle - half, .to = middle + half, .depth = 0.012}).value();
   cut_edges(model, state, path, 0, 1, 0);
-  Way way;
+  SlantedCut sleeping;
   for (int frame = 0; frame < 160; frame++) {
     const StepReport report = lattice::step(Exec(2), model, state, {}, kDt);
-    way.awake = report.rows - report.rows_asleep;
-    way.gape.push_back(measure_wound(model, state, path, 0).gape_max);
+    sleeping.awake = report.rows - report.rows_asleep;
+    sleeping.gape.push_back(measure_wound(model, state, path, 0).gape_max);
   }
-  return way;
+  return sleeping;
 }
 
-TEST(lattice_sleep, with_a_coarse_space_sleepers_follow_and_a_wound_opens_as_in_a_body_that_never_sleeps) {
+// With a coarse space, sleeping rows follow, and a wound opens as in a body that never sleeps.
+TEST(LatticeSleep, CoarseSpaceMovesSleepingRows) {
   for (const auto& [step, sleep] : {std::pair{0.004, 3e-4}, {0.003, 1e-3}}) {
-    const Way wakeful = way_of_a_slanted_cut(step, 0), way = way_of_a_slanted_cut(step, sleep);
-    EXPECT_EQ(way.awake, 0) << "step " << step;
+    const SlantedCut wakeful = open_slanted_cut(step, 0), sleeping = open_slanted_cut(step, sleep);
+    EXPECT_EQ(sleeping.awake, 0) << "step " << step;
     const double gape = wakeful.gape.back();
     EXPECT_GT(gape, 3e-3);
-    EXPECT_NEAR(way.gape.back(), gape, 1e-3 * gape) << "step " << step;
+    EXPECT_NEAR(sleeping.gape.back(), gape, 1e-3 * gape) << "step " << step;
     double farthest = 0;
-    for (std::size_t n = 0; n < way.gape.size(); n++)
-      farthest = std::max(farthest, std::abs(way.gape[n] - wakeful.gape[n]) / gape);
-    EXPECT_LT(farthest, 0.01) << "on its way, step " << step;
+    for (std::size_t n = 0; n < sleeping.gape.size(); n++)
+      farthest = std::max(farthest, std::abs(sleeping.gape[n] - wakeful.gape[n]) / gape);
+    EXPECT_LT(farthest, 0.01) << "at any frame, cell size " << step;
   }
 }
 
-TEST(lattice_sleep, a_cut_in_a_body_of_twice_the_nodes_wakes_as_many_rows) {
+// A cut wakes the same number of rows in a body with twice the nodes.
+TEST(LatticeSleep, WokenRowsIndependentOfBodySize) {
   int awake[2];
   for (const int times : {1, 2}) {
     const Model model = tense_block({25, 100 * times, 9}, 1e-3);
     State state = make_state(model);
     EXPECT_EQ(awake_after(model, state, 1), 0) << "at rest as the CT shows it";
     Cut cut = cut_block(model, 9);
-    state.cut = cut.state.cut, state.cut_edges = cut.state.cut_edges, state.row_cut = cut.state.row_cut;
-    state.skin_cut = cut.state.skin_cut;
+    state.cuts.cut = cut.state.cuts.cut, state.cuts.edges = cut.state.cuts.edges,
+    state.cuts.row_cut = cut.state.cuts.row_cut;
+    state.cuts.skin_cut = cut.state.cuts.skin_cut;
     int most = 0;
     for (int n = 0; n < 60; n++) most = std::max(most, awake_after(model, state, kDt));
     EXPECT_GT(measure_wound(model, state, cut.path, 0).gape_max, 0.5e-3);
     awake[times > 1] = most;
   }
-  EXPECT_EQ(awake[1], awake[0]) << "rows awake at most";
+  EXPECT_EQ(awake[1], awake[0]) << "largest number of rows awake";
 }
 
-TEST(lattice_sleep, a_load_or_a_contact_on_a_sleeping_body_moves_it_as_one_that_is_awake) {
+// A load or a contact moves a sleeping body as one that is awake.
+TEST(LatticeSleep, LoadsAndContactsWakeBody) {
   for (const auto& [law, pressed] : {std::pair{TissueLaw::kSprings, false},
                                      {TissueLaw::kSprings, true},
                                      {TissueLaw::kSolid, false},
@@ -149,7 +155,7 @@ TEST(lattice_sleep, a_load_or_a_contact_on_a_sleeping_body_moves_it_as_one_that_
       else
         inputs.loads = loads;
       awake_after(model, state, 6, inputs);
-      moved[sleeps] = state.u[std::size_t(slot)];
+      moved[sleeps] = state.motion.u[std::size_t(slot)];
     }
     EXPECT_GT(norm(moved[0]), 0.2e-3);
     EXPECT_LT(norm(moved[1] - moved[0]), 1e-3 * norm(moved[0]))
@@ -157,20 +163,20 @@ TEST(lattice_sleep, a_load_or_a_contact_on_a_sleeping_body_moves_it_as_one_that_
   }
 }
 
-/// A torso of the phantom, curved and with steps of its surface, under tension that is not alike in all
-/// directions.
+/// A phantom torso, curved and with a staircase surface, under anisotropic tension.
 Model tense_torso(double sleep, TissueLaw law, SkinLaw skin) {
   PhantomParams phantom = default_phantom(PhantomKind::kTorso);
   phantom.size = {64, 64, 38}, phantom.spacing *= 8;
   Params params;
   params.tissue.law = law;
-  params.solver.sleep = sleep;
+  params.solver.sleep_speed = sleep;
   params.skin.law = skin;
   params.skin.tension_along = 130, params.skin.tension_across = 25, params.skin.direction = {1, 0.4, 0.7};
   return build(Exec(2), make_phantom(Exec(2), phantom), {}, params).value();
 }
 
-TEST(lattice_sleep, a_body_to_which_nothing_has_happened_is_at_rest_and_begins_asleep) {
+// An undisturbed body is at rest and starts asleep.
+TEST(LatticeSleep, UndisturbedBodyStartsAsleep) {
   for (const auto& [law, skin] : {std::pair{TissueLaw::kSprings, SkinLaw::kFiber},
                                   {TissueLaw::kSolid, SkinLaw::kFiber},
                                   {TissueLaw::kSolid, SkinLaw::kArea}}) {
@@ -179,8 +185,8 @@ TEST(lattice_sleep, a_body_to_which_nothing_has_happened_is_at_rest_and_begins_a
     double fastest = 0, farthest = 0;
     for (int n = 0; n < 120; n++)
       fastest = std::max(fastest, double(step(Exec(2), wakeful, awake, {}, kDt).largest_speed));
-    for (std::size_t s = 0; s < awake.u.x.size(); s++)
-      farthest = std::max(farthest, double(norm(awake.u[s])));
+    for (std::size_t s = 0; s < awake.motion.u.x.size(); s++)
+      farthest = std::max(farthest, double(norm(awake.motion.u[s])));
     EXPECT_LT(fastest, 0.1 * kSleep) << "law " << int(law);
     EXPECT_LT(farthest, kSleep * kDt) << "in two seconds, law " << int(law);
     const StepReport report = step(Exec(2), model, state, {}, kDt);
@@ -189,18 +195,19 @@ TEST(lattice_sleep, a_body_to_which_nothing_has_happened_is_at_rest_and_begins_a
   }
 }
 
-TEST(lattice_sleep, a_body_that_has_been_moved_begins_awake) {
+// A body that has been moved starts awake.
+TEST(LatticeSleep, MovedBodyStartsAwake) {
   for (const bool is_fast : {false, true}) {
     const Model model = tense_block({9, 9, 9}, kSleep);
     State state = make_state(model);
-    VecField& field = is_fast ? state.v : state.u;
+    VecField& field = is_fast ? state.motion.v : state.motion.u;
     field.set(std::size_t(node_slot(model.lattice, 4, 4, 4)), {0, 0, 1e-5f});
     EXPECT_EQ(awake_after(model, state, kDt), 7 * 8) << "is fast " << is_fast;
   }
 }
 
-TEST(lattice_sleep,
-     a_wound_cut_into_a_body_that_has_slept_from_the_beginning_is_that_of_one_that_never_sleeps) {
+// A wound in a body that was asleep from the start is that of a body that never sleeps.
+TEST(LatticeSleep, CutOfSleepingBodyMatchesAwakeBody) {
   for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
     double gape[2];
     for (const bool sleeps : {false, true}) {
@@ -211,11 +218,11 @@ TEST(lattice_sleep,
       const BladePath path =
           lay_blade(model, state, {.from = from, .to = from + Vec3d{0.03, 0.02, 0}, .depth = 0.013}).value();
       int most = 0;
-      for (int n = 0; n < 20; n++) {  // a blade on its way
+      for (int n = 0; n < 20; n++) {  // a moving blade
         cut_edges(model, state, path, n / 20.0, (n + 1) / 20.0, 0);
         most = std::max(most, awake_after(model, state, kDt));
       }
-      EXPECT_EQ(most > 20, sleeps) << "rows awake at most: " << most;
+      EXPECT_EQ(most > 20, sleeps) << "largest number of rows awake: " << most;
       EXPECT_EQ(awake_after(model, state, 5), 0);
       gape[sleeps] = measure_wound(model, state, path, 0).gape_max;
     }
@@ -224,7 +231,8 @@ TEST(lattice_sleep,
   }
 }
 
-TEST(lattice_sleep, new_gravity_wakes_all) {
+// A change of gravity wakes all rows.
+TEST(LatticeSleep, ChangedGravityWakesAllRows) {
   const Model model = tense_block({9, 9, 9}, kSleep);
   State state = make_state(model);
   EXPECT_EQ(awake_after(model, state, 1), 0);
@@ -232,7 +240,8 @@ TEST(lattice_sleep, new_gravity_wakes_all) {
   EXPECT_GT(awake_after(model, state, 0.2, {.gravity = {0, 0, -9.81}}), 0);
 }
 
-TEST(lattice_sleep, tissue_that_leaves_the_body_wakes_what_it_held) {
+// Removed tissue wakes its neighbors.
+TEST(LatticeSleep, RemovedTissueWakesNeighbors) {
   double gape[2];
   for (const bool sleeps : {false, true}) {
     const Model model = tense_block({21, 21, 8}, sleeps ? kSleep : 0);
@@ -250,11 +259,12 @@ TEST(lattice_sleep, tissue_that_leaves_the_body_wakes_what_it_held) {
   EXPECT_NEAR(gape[1], gape[0], 1e-2 * gape[0]);
 }
 
-TEST(lattice_sleep, what_swings_does_not_fall_asleep_where_it_turns) {
-  Block block{.size = {5, 5, 25}, .step = kStep, .young = 2e4, .skin_on_top = false};
+// A swinging body does not fall asleep at its turning points.
+TEST(LatticeSleep, SwingingBodyStaysAwake) {
+  Block block{.size = {5, 5, 25}, .spacing = kStep, .young = 2e4, .skin_on_top = false};
   block.is_fixed = [](Int3 p) { return p.z == 0; };
   Params params;
-  params.solver = {.sweeps = 20, .damping = 0, .sleep = kSleep};
+  params.solver = {.sweeps = 20, .damping = 0, .sleep_speed = kSleep};
   const Model model = block_model(block, params);
   State state = make_state(model);
   for (int n = 0; n < 120; n++) {
@@ -263,7 +273,8 @@ TEST(lattice_sleep, what_swings_does_not_fall_asleep_where_it_turns) {
   }
 }
 
-TEST(lattice_sleep, equal_bits_on_1_2_and_8_threads_and_again) {
+// One, two and eight threads give the same bits, repeatedly.
+TEST(LatticeSleep, EqualBitsOnAnyThreads) {
   for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
     std::set<std::uint64_t> hashes;
     int asleep = 0;
@@ -278,26 +289,28 @@ TEST(lattice_sleep, equal_bits_on_1_2_and_8_threads_and_again) {
   }
 }
 
-TEST(lattice_sleep, who_sleeps_is_part_of_the_state) {
+// The hash of a state includes its sleeping rows.
+TEST(LatticeSleep, HashIncludesSleep) {
   const Model model = tense_block({9, 9, 9}, kSleep);
   State a = make_state(model);
   awake_after(model, a, 0.05);
   State b = a;
   EXPECT_EQ(state_hash(model, a), state_hash(model, b));
-  b.sleep.still[b.sleep.still.size() / 2]++;
+  b.sleep.still_steps[b.sleep.still_steps.size() / 2]++;
   EXPECT_NE(state_hash(model, a), state_hash(model, b));
 }
 
-TEST(lattice_sleep, new_gravity_moves_a_body_whose_coarse_space_sleeps_as_one_that_is_awake) {
+// A change of gravity moves a body with a sleeping coarse space as one that is awake.
+TEST(LatticeSleep, ChangedGravityWakesCoarseSpace) {
   double sag[2];
   for (const bool sleeps : {false, true}) {
     const Model model = tense_block({13, 25, 13}, sleeps ? 1e-4 : 0, TissueLaw::kSolid);
     State state = make_state(model);
     const Vec3d weak{0, 0, -1}, strong{0.5, 0, -9.81};
     EXPECT_EQ(awake_after(model, state, 6, {.gravity = weak}), 0);
-    EXPECT_EQ(state.sleep.coarse_still >= kStillSteps, sleeps);
+    EXPECT_EQ(state.sleep.coarse_still_steps >= kStillSteps, sleeps);
     awake_after(model, state, 4, {.gravity = strong});
-    sag[sleeps] = double(state.u[std::size_t(node_slot(model.lattice, 6, 12, 12))].z);
+    sag[sleeps] = double(state.motion.u[std::size_t(node_slot(model.lattice, 6, 12, 12))].z);
   }
   EXPECT_LT(sag[0], -0.1e-3);
   EXPECT_NEAR(sag[1], sag[0], 2e-3 * std::abs(sag[0]));

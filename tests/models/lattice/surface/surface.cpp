@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/ct_body.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface/surface_assembly.hpp"
 
 namespace turgor::lattice {
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double kPi = 3.141592653589793;
 
-/// A CT whose values fall off smoothly through the skin, as a scanner's do, so that the surface can be exact.
+/// A CT with a smooth transition at the skin, as of a scanner, so that the surface can be exact.
 CtVolume soft_ball(int n, double radius) {
   CtVolume ct = ball_ct(n, radius);
   const double middle = 0.5 * (n - 1);
@@ -26,7 +27,7 @@ CtVolume soft_ball(int n, double radius) {
   return ct;
 }
 
-/// A slab of tissue below air, wider than the scan: its sides and its bottom are where the scan ends.
+/// A slab of tissue below air, wider than the scan: the scan ends at its sides and its bottom.
 CtVolume slab_ct() {
   return make_ct({64, 64, 32}, [](Vec3d p) { return p.z < 22; });
 }
@@ -47,8 +48,8 @@ Measured measure(const TriMesh& mesh, int begin, int end) {
 }
 Measured measure(const TriMesh& mesh) { return measure(mesh, 0, int(mesh.triangles.size())); }
 
-/// How often edges are not matched by exactly one in the other direction, once vertices with the same `name`
-/// are one.
+/// Number of edges that are not matched by exactly one reverse edge, if vertices with the same `name` are
+/// merged.
 template <class Name>
 long open_edges(const BodySurface& surface, const Name& name) {
   using Key = decltype(name(0));
@@ -65,20 +66,20 @@ long open_edges(const BodySurface& surface, const Name& name) {
   return open;
 }
 
-/// A vertex's place in the CT and the node that carries it: the same for the copies that skin, caps and walls
-/// have.
-auto carried_place(const BodySurface& surface) {
+/// Rest position and node of a vertex: equal for the coincident vertices of skin, caps and walls.
+auto embedding_key(const BodySurface& surface) {
   return [&surface](int v) {
     const Vec3 x = surface.rest[std::size_t(v)];
     return std::array<double, 4>{x.x, x.y, x.z, double(surface.slot[std::size_t(v)])};
   };
 }
 
-TEST(lattice_surface, a_ball_has_its_area_and_volume) {
+// The surface of a ball has its area and volume within 2 %.
+TEST(LatticeSurface, BallAreaAndVolume) {
   const double radius = 30;
   const Model model = body_of(soft_ball(96, radius), {4, 4, 4});
   const State state = make_state(model);
-  const BodySurface surface = build_surface(model, state);
+  const BodySurface surface = build_surface(model, state.cuts);
   const Measured m = measure(deformed_surface(model, state, surface, Shown::kNothing));
   const double r = radius * kVoxel;
   EXPECT_NEAR(m.area / (4 * kPi * r * r), 1, 0.02);
@@ -86,13 +87,14 @@ TEST(lattice_surface, a_ball_has_its_area_and_volume) {
   EXPECT_EQ(surface.skin_triangles, int(surface.triangles.size()));
 }
 
-TEST(lattice_surface, any_number_of_threads_finds_the_same_points_in_the_same_order) {
+// Any number of threads finds the same points in the same order.
+TEST(LatticeSurface, EqualOnAnyThreads) {
   const CtVolume ct = soft_ball(64, 20);
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
-  const BodySurface one = build_surface(model, state, &ct, Extent::kAll, Exec(1));
+  const BodySurface one = build_surface(model, state.cuts, &ct, Extent::kAll, Exec(1));
   for (const int threads : {2, 3, 8}) {
-    const BodySurface many = build_surface(model, state, &ct, Extent::kAll, Exec(threads));
+    const BodySurface many = build_surface(model, state.cuts, &ct, Extent::kAll, Exec(threads));
     EXPECT_EQ(many.triangles, one.triangles);
     EXPECT_EQ(many.rest, one.rest);
     EXPECT_EQ(many.slot, one.slot);
@@ -100,36 +102,38 @@ TEST(lattice_surface, any_number_of_threads_finds_the_same_points_in_the_same_or
   EXPECT_GT(one.triangles.size(), 1000u);
 }
 
-TEST(lattice_surface, made_again_from_what_is_known_it_is_the_one_made_from_nothing) {
+// A surface that is rebuilt with a cache equals one built without it.
+TEST(LatticeSurface, CacheMatchesFullBuild) {
   const CtVolume ct = slab_ct();
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
-  detail::KnownSlabs known;
-  const auto is_the_same = [&](const char* when) {
-    const BodySurface again = build_surface(model, state, &ct, Extent::kAll, Exec(2), &known),
-                      nothing_known = build_surface(model, state, &ct, Extent::kAll, Exec(2));
-    EXPECT_EQ(again.triangles, nothing_known.triangles) << when;
-    EXPECT_EQ(again.rest, nothing_known.rest) << when;
-    EXPECT_EQ(again.slot, nothing_known.slot) << when;
-    EXPECT_EQ(again.twin, nothing_known.twin) << when;
-    EXPECT_EQ(again.skin_triangles, nothing_known.skin_triangles) << when;
+  detail::SurfaceCache cache;
+  const auto expect_same = [&](const char* when) {
+    const BodySurface again = build_surface(model, state.cuts, &ct, Extent::kAll, Exec(2), &cache),
+                      uncached = build_surface(model, state.cuts, &ct, Extent::kAll, Exec(2));
+    EXPECT_EQ(again.triangles, uncached.triangles) << when;
+    EXPECT_EQ(again.rest, uncached.rest) << when;
+    EXPECT_EQ(again.slot, uncached.slot) << when;
+    EXPECT_EQ(again.twin, uncached.twin) << when;
+    EXPECT_EQ(again.skin_triangles, uncached.skin_triangles) << when;
     return again.triangles.size();
   };
-  const std::size_t whole = is_the_same("whole");
+  const std::size_t whole = expect_same("whole");
   cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.018 && std::abs(p.x - 0.032) < 0.013; });
-  const std::size_t scratched = is_the_same("cut in its upper layers");
+  const std::size_t scratched = expect_same("cut in its upper layers");
   EXPECT_GT(scratched, whole);
   cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.008 && std::abs(p.x - 0.032) < 0.02; });
-  EXPECT_GT(is_the_same("cut deeper"), scratched);
-  for (int i = 4; i < 8; i++) state.removed[std::size_t(node_slot(model.lattice, i, 4, 1))] = 1;
-  is_the_same("with nodes removed near its bottom");
-  std::fill(state.removed.begin(), state.removed.end(), std::uint8_t(0));
-  is_the_same("with these back");
+  EXPECT_GT(expect_same("cut deeper"), scratched);
+  for (int i = 4; i < 8; i++) state.cuts.removed[std::size_t(node_slot(model.lattice, i, 4, 1))] = 1;
+  expect_same("with nodes removed near its bottom");
+  std::fill(state.cuts.removed.begin(), state.cuts.removed.end(), std::uint8_t(0));
+  expect_same("with these nodes restored");
 }
 
-TEST(lattice_surface, a_ball_is_watertight_and_has_no_holes) {
+// The surface of a ball is watertight and has Euler characteristic 2.
+TEST(LatticeSurface, BallIsWatertight) {
   const Model model = body_of(soft_ball(64, 20), {4, 4, 4});
-  const BodySurface surface = build_surface(model, make_state(model));
+  const BodySurface surface = build_surface(model, make_state(model).cuts);
   std::map<std::pair<int, int>, int> edges;
   for (const Int3 t : surface.triangles)
     for (int n = 0; n < 3; n++) edges[{t[n], t[(n + 1) % 3]}]++;
@@ -141,14 +145,15 @@ TEST(lattice_surface, a_ball_is_watertight_and_has_no_holes) {
       << "Euler";
 }
 
-TEST(lattice_surface, normals_point_out_and_turn_with_the_patient) {
+// Normals point outward for any axes of the CT.
+TEST(LatticeSurface, NormalsPointOutward) {
   CtVolume ct = soft_ball(48, 15);
   for (const Mat3d& axes :
        {Mat3d{}, Mat3d{{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}, Mat3d{{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}}}) {
     ct.grid.axes = axes;
     const Model model = body_of(ct, {4, 4, 4});
     const State state = make_state(model);
-    const TriMesh mesh = deformed_surface(model, state, build_surface(model, state), Shown::kNothing);
+    const TriMesh mesh = deformed_surface(model, state, build_surface(model, state.cuts), Shown::kNothing);
     const Vec3d middle = point_at(ct.grid, {23.5, 23.5, 23.5});
     for (std::size_t v = 0; v < mesh.vertices.size(); v++)
       ASSERT_GT(dot(Vec3d(mesh.normals[v]), normalized(Vec3d(mesh.vertices[v]) - middle)), 0.9);
@@ -156,32 +161,34 @@ TEST(lattice_surface, normals_point_out_and_turn_with_the_patient) {
   }
 }
 
-TEST(lattice_surface, where_the_scan_ends_the_surface_is_capped) {
+// The surface is capped where the scan ends.
+TEST(LatticeSurface, CappedAtEndOfScan) {
   const Model model = body_of(slab_ct(), {4, 4, 4});
   const State state = make_state(model);
-  const BodySurface surface = build_surface(model, state);
-  EXPECT_EQ(open_edges(surface, carried_place(surface)), 0);
+  const BodySurface surface = build_surface(model, state.cuts);
+  EXPECT_EQ(open_edges(surface, embedding_key(surface)), 0);
   const Measured m = measure(deformed_surface(model, state, surface, Shown::kNothing));
   EXPECT_NEAR(m.volume / (64 * 64 * 22 * 1e-9), 1, 0.02);
   EXPECT_NEAR(m.area / ((2 * 64 * 64 + 4 * 64 * 22) * 1e-6), 1, 0.02);
 }
 
-TEST(lattice_surface, a_closed_cut_changes_nothing) {
+// A closed cut keeps the skin's area, the volume and the normals.
+TEST(LatticeSurface, ClosedCutKeepsSkinAndVolume) {
   const Model model = body_of(slab_ct(), {4, 4, 4});
   State state = make_state(model);
-  const BodySurface whole = build_surface(model, state);
+  const BodySurface whole = build_surface(model, state.cuts);
   const TriMesh before = deformed_surface(model, state, whole, Shown::kNothing);
   cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.012 && std::abs(p.x - 0.032) < 0.013; });
-  const BodySurface cut = build_surface(model, state);
+  const BodySurface cut = build_surface(model, state.cuts);
   const TriMesh after = deformed_surface(model, state, cut, Shown::kNothing);
 
-  EXPECT_EQ(open_edges(cut, carried_place(cut)), 0) << "closed through the walls";
+  EXPECT_EQ(open_edges(cut, embedding_key(cut)), 0) << "closed through the walls";
   const Measured skin = measure(before), skin_after = measure(after, 0, cut.skin_triangles);
   EXPECT_NEAR(skin_after.area / skin.area, 1, 1e-5);
   EXPECT_NEAR(measure(after).volume / skin.volume, 1, 1e-5);
   const Measured walls = measure(after, cut.skin_triangles, int(cut.triangles.size()));
-  EXPECT_NEAR(walls.volume / skin.volume, 0, 1e-5) << "the two walls lie on each other";
-  // The cut's line lies on the old skin and is lit like it.
+  EXPECT_NEAR(walls.volume / skin.volume, 0, 1e-5) << "the two walls coincide";
+  // The edge of the cut lies on the old skin and has its normals.
   long lips = 0;
   for (std::size_t v = 0; v < cut.rest.size(); v++) {
     if (cut.twin[v] < 0) continue;
@@ -194,15 +201,16 @@ TEST(lattice_surface, a_closed_cut_changes_nothing) {
   EXPECT_GT(lips, 20);
 }
 
-TEST(lattice_surface, an_open_cut_has_two_lips_and_walls_between) {
+// An open cut has two lips and walls between them.
+TEST(LatticeSurface, OpenCutHasLipsAndWalls) {
   const Model model = body_of(slab_ct(), {4, 4, 4});
   const double at = 0.0323, bottom = 0.0102, gape = 0.005;
   State state = make_state(model);
   cut_across_y(model, state, at, [&](Vec3d p) { return p.z > bottom; });  // from end to end of the scan
   move(model, state, [&](Vec3d p) { return Vec3d{0, p.y >= at ? gape : 0, 0}; });
-  const BodySurface surface = build_surface(model, state);
+  const BodySurface surface = build_surface(model, state.cuts);
   const TriMesh mesh = deformed_surface(model, state, surface, Shown::kDisplacement);
-  EXPECT_EQ(open_edges(surface, carried_place(surface)), 0);
+  EXPECT_EQ(open_edges(surface, embedding_key(surface)), 0);
 
   long lips = 0;
   for (std::size_t v = 0; v < surface.rest.size(); v++) {
@@ -212,7 +220,7 @@ TEST(lattice_surface, an_open_cut_has_two_lips_and_walls_between) {
     EXPECT_NEAR(norm(mesh.vertices[v] - mesh.vertices[std::size_t(twin)]), gape, 2e-5);
   }
   EXPECT_GT(lips, 20);
-  // Each wall is about as deep as the cut: the front is at most a step below it.
+  // Each wall is about as deep as the cut: its lower edge is at most a cell deeper.
   const double depth = 0.022 - bottom, length = 0.064;
   double side[2] = {0, 0};
   for (int n = surface.skin_triangles; n < int(surface.triangles.size()); n++) {
@@ -225,15 +233,16 @@ TEST(lattice_surface, an_open_cut_has_two_lips_and_walls_between) {
   for (const double area : side) EXPECT_NEAR(area / (depth * length), 1, 0.25);
 }
 
-TEST(lattice_surface, two_halves_cut_apart_are_both_whole) {
+// Two separated halves have closed surfaces.
+TEST(LatticeSurface, SeparatedHalvesAreClosed) {
   const double radius = 30;
   const Model model = body_of(soft_ball(96, radius), {4, 4, 4});
   for (const double at : {0.0491, 0.048, 0.0509}) {
     State state = make_state(model);
     cut_across_y(model, state, at, [](Vec3d) { return true; });
     move(model, state, [&](Vec3d p) { return Vec3d{0, p.y >= at ? 0.01 : -0.01, 0}; });
-    const BodySurface surface = build_surface(model, state);
-    EXPECT_EQ(open_edges(surface, [&](int v) { return carried_place(surface)(v); }), 0);
+    const BodySurface surface = build_surface(model, state.cuts);
+    EXPECT_EQ(open_edges(surface, [&](int v) { return embedding_key(surface)(v); }), 0);
     const TriMesh mesh = deformed_surface(model, state, surface, Shown::kNothing);
     const double r = radius * kVoxel, c = at - 0.048;
     EXPECT_NEAR(measure(mesh).volume / (4.0 / 3 * kPi * r * r * r), 1, 0.02);
@@ -242,35 +251,38 @@ TEST(lattice_surface, two_halves_cut_apart_are_both_whole) {
   }
 }
 
-TEST(lattice_surface, stretch_and_displacement_follow_a_uniform_stretch) {
+// The scalars for stretch and displacement are those of a uniform stretch.
+TEST(LatticeSurface, ScalarsOfUniformStretch) {
   const Model model = body_of(soft_ball(64, 20), {4, 4, 4});
   State state = make_state(model);
   move(model, state, [](Vec3d p) { return (p - Vec3d{0.032, 0.032, 0.032}) * 0.1; });
-  const BodySurface surface = build_surface(model, state);
+  const BodySurface surface = build_surface(model, state.cuts);
   for (const float s : deformed_surface(model, state, surface, Shown::kStretch).scalars)
     ASSERT_NEAR(s, 0.21, 0.01);
   const TriMesh mesh = deformed_surface(model, state, surface, Shown::kDisplacement);
   for (const float d : mesh.scalars) ASSERT_NEAR(d, 0.1 * 0.02, 1e-4);
 }
 
-TEST(lattice_surface, nothing_is_carried_by_air_or_by_what_was_removed) {
+// No vertex follows air or removed nodes.
+TEST(LatticeSurface, NoVertexFollowsAirOrRemovedNodes) {
   const Model model = body_of(slab_ct(), {4, 4, 4});
   State state = make_state(model);
   for (int k = 4; k < model.lattice.size.z; k++)
     for (int i = 5; i < 12; i++) {
       const auto slot = std::size_t(node_slot(model.lattice, i, 8, k));
-      if (is_body(model.tissue[slot])) state.removed[slot] = 1, state.removed_nodes++;
+      if (is_body(model.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
     }
-  const BodySurface surface = build_surface(model, state);
-  EXPECT_EQ(open_edges(surface, carried_place(surface)), 0);
-  EXPECT_LT(surface.skin_triangles, int(surface.triangles.size())) << "what the gap lays bare is wall";
+  const BodySurface surface = build_surface(model, state.cuts);
+  EXPECT_EQ(open_edges(surface, embedding_key(surface)), 0);
+  EXPECT_LT(surface.skin_triangles, int(surface.triangles.size())) << "the exposed faces are walls";
   for (const int slot : surface.slot) {
     ASSERT_TRUE(is_body(model.tissue[std::size_t(slot)]));
-    ASSERT_FALSE(state.removed[std::size_t(slot)]);
+    ASSERT_FALSE(state.cuts.removed[std::size_t(slot)]);
   }
 }
 
-TEST(lattice_surface, any_pattern_of_cuts_leaves_the_surface_closed) {
+// Any pattern of cuts leaves the surface closed.
+TEST(LatticeSurface, AnyCutPatternStaysClosed) {
   const Model model = body_of(soft_ball(20, 6.5), {4, 4, 4});
   const FineLattice fine = fine_lattice(model);
   std::uint32_t random = 12345;
@@ -285,21 +297,22 @@ TEST(lattice_surface, any_pattern_of_cuts_leaves_the_surface_closed) {
             if (!contains(fine, Int3{i, j, k} + kFamilies[std::size_t(f)])) continue;
             CutEdge edge = cut_edge_at(fine, {i, j, k}, f);
             edge.fraction = Real(0.1 + 0.8 * double(random >> 8 & 255) / 255);
-            state.cut_edges.push_back(edge);
+            state.cuts.edges.push_back(edge);
           }
-    const BodySurface surface = build_surface(model, state);
-    // Where three cuts meet in one face, both neighbours leave its middle out; everything else is matched.
-    ASSERT_EQ(open_edges(surface, carried_place(surface)), 0) << "trial " << trial;
+    const BodySurface surface = build_surface(model, state.cuts);
+    // If three cuts meet in a face, both neighbors omit its center; all other edges are matched.
+    ASSERT_EQ(open_edges(surface, embedding_key(surface)), 0) << "trial " << trial;
   }
 }
 
-TEST(lattice_surface, rest_points_lead_into_the_ct) {
+// Rest points of the walls are positions of the cut in the CT.
+TEST(LatticeSurface, RestPointsLieInCt) {
   const CtVolume ct = slab_ct();
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
   cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.01; });
   move(model, state, [](Vec3d) { return Vec3d{0.1, 0.1, 0.1}; });
-  const BodySurface surface = build_surface(model, state);
+  const BodySurface surface = build_surface(model, state.cuts);
   const std::vector<Vec3d> points = rest_points(model, surface);
   for (int n = surface.skin_triangles; n < int(surface.triangles.size()); n++) {
     const Vec3d index = index_at(ct.grid, points[std::size_t(surface.triangles[std::size_t(n)].x)]);

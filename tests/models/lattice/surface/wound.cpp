@@ -1,6 +1,6 @@
-// The reference scene: a block of 48×48×10 nodes, 4 mm apart, 5 kPa, sides and bottom fixed, skin on top, one
-// straight cut of 15 steps, 2.5 steps deep. What an independent program finds: area law 36.8 mm; fibre
-// law 12.0, 7.2 and 17.5 mm.
+// Reference scene: a block of 48×48×10 nodes, 4 mm apart, 5 kPa, sides and bottom fixed, skin on top, one
+// straight cut of 15 cells, 2.5 cells deep. Results of an independent program: area law 36.8 mm; fiber law
+// 12.0, 7.2 and 17.5 mm.
 #include <cmath>
 #include <cstdio>
 #include <tuple>
@@ -9,6 +9,7 @@
 
 #include "tests/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -16,15 +17,15 @@ namespace {
 constexpr int kN = 48, kDepthNodes = 10, kCutSteps = 15;
 constexpr double kStep = 0.004;
 
-/// The reference gives skin by the stretch at which it would rest, r = 1 − T/K with an amplification of 2;
-/// this is the tension that such skin bears in the CT.
+/// Tension in the CT of the reference's skin, which is given by its rest stretch r = 1 − T/K with an
+/// amplification of 2.
 double tension_of(SkinLaw law, double reference) {
   const double e = reference / 300, r = 1 - e;
   return law == SkinLaw::kFiber ? 300 * e * (1 + 2 * e / r) : 300 * e / r * (1 + 2 * e / r);
 }
 
 Model reference_model(SkinLaw law, double along, double across, int sweeps) {
-  Block block{.size = {kN, kN, kDepthNodes}, .step = kStep, .young = 5e3};
+  Block block{.size = {kN, kN, kDepthNodes}, .spacing = kStep, .young = 5e3};
   block.is_fixed = [](Int3 p) { return p.z == 0 || p.x == 0 || p.y == 0 || p.x == kN - 1 || p.y == kN - 1; };
   Params params;
   params.skin = {.law = law,
@@ -40,7 +41,8 @@ Model reference_model(SkinLaw law, double along, double across, int sweeps) {
   // everywhere.
   for (std::size_t f = 0; f < kFamilyCount; f++)
     model.spring_scale[f] = Real(0.4 * kStep * kStep / double(model.rest_length[f]));
-  // Its skin lies in its outermost nodes; so shall the drawn one, where lips are measured.
+  // The reference's skin lies in the outermost nodes, so the drawn skin, where lips are measured, is moved to
+  // them.
   for (int j = 0; j < kN; j++)
     for (int i = 0; i < kN; i++)
       model.hu[std::size_t(node_slot(model.lattice, i, j, kDepthNodes - 1))] =
@@ -49,7 +51,7 @@ Model reference_model(SkinLaw law, double along, double across, int sweeps) {
 }
 
 struct Settled {
-  double largest_gape;  // as the reference measures it: straight across, at the skin [m]
+  double largest_gape;  // at the skin, perpendicular to the cut, as in the reference [m]
   Wound wound;
 };
 
@@ -58,8 +60,7 @@ Settled settle(const Model& model, double seconds) {
   State state = make_state(model);
   const double y = (kN / 2 - 0.5) * kStep, x = (kN / 2 - kCutSteps / 2 - 0.5) * kStep,
                z = (kDepthNodes - 1) * kStep;
-  // The reference leaves edges alone that only touch the blade's border; so does a blade that is a hair
-  // smaller.
+  // The reference does not cut edges that only touch the blade's border, so the blade is slightly smaller.
   constexpr double kHair = 0.01 * kStep;
   const Incision incision{
       .from = {x + kHair, y, z}, .to = {x + kCutSteps * kStep - kHair, y, z}, .depth = 2.5 * kStep - kHair};
@@ -68,14 +69,15 @@ Settled settle(const Model& model, double seconds) {
   for (int frame = 0; frame < seconds * 60; frame++) step(exec, model, state, {}, 1.0 / 60);
   Settled settled{0, measure_wound(model, state, path, 0)};
   for (int i = 0; i < kN; i++) {
-    const Vec3 a = position(model, state, {i, kN / 2 - 1, kDepthNodes - 1});
-    const Vec3 b = position(model, state, {i, kN / 2, kDepthNodes - 1});
+    const Vec3 a = position(model, state.motion, {i, kN / 2 - 1, kDepthNodes - 1});
+    const Vec3 b = position(model, state.motion, {i, kN / 2, kDepthNodes - 1});
     settled.largest_gape = std::max(settled.largest_gape, double(b.y - a.y) - kStep);
   }
   return settled;
 }
 
-TEST(lattice_wound, area_skin_gapes_as_the_reference_whatever_the_sweeps) {
+// Area skin gapes as the reference for any number of sweeps.
+TEST(LatticeWound, AreaSkinMatchesReference) {
   for (const int sweeps : {5, 20, 100}) {
     const Settled settled = settle(reference_model(SkinLaw::kArea, 45, 45, sweeps), 3);
     std::printf("  %3d sweeps: %.2f mm\n", sweeps, settled.largest_gape * 1e3);
@@ -83,7 +85,8 @@ TEST(lattice_wound, area_skin_gapes_as_the_reference_whatever_the_sweeps) {
   }
 }
 
-TEST(lattice_wound, fiber_skin_gapes_as_the_reference_and_least_along_the_lines) {
+// Fiber skin gapes as the reference, least along the tension lines.
+TEST(LatticeWound, FiberSkinMatchesReference) {
   struct Case {
     double along, across, gape;
   };
@@ -101,24 +104,25 @@ TEST(lattice_wound, fiber_skin_gapes_as_the_reference_and_least_along_the_lines)
   }
 }
 
-TEST(lattice_wound, skin_gapes_as_the_reference_by_colors_too) {
+// Sweeps by colors match the reference too.
+TEST(LatticeWound, ColorsMatchReference) {
   for (const auto& [law, along, across, sweeps, gape] :
        {std::tuple{SkinLaw::kArea, 45.0, 45.0, 20, 0.0368}, {SkinLaw::kFiber, 60.0, 30.0, 5, 0.0072}}) {
     Model model = reference_model(law, along, across, sweeps);
-    model.params.solver.ordering = Ordering::kColors;  // descent's model is that of slabs
+    model.params.solver.ordering = Ordering::kColors;  // the VBD model is that of slabs
     const Settled settled = settle(model, 3);
     std::printf("  law %d, %3d sweeps: %.2f mm\n", int(law), sweeps, settled.largest_gape * 1e3);
     EXPECT_NEAR(settled.largest_gape, gape, 0.02 * gape) << "law " << int(law);
   }
 }
 
-/// A tense block whose skin faces an axis or away from it, with a cut along one of the two others.
+/// A tense block whose skin faces along an axis or against it, with a cut along one of the two other axes.
 struct Lying {
   int up;
   bool away, across;
 };
 
-/// Air above, fixed sides and bottom, `size` with the depth last.
+/// Air above, sides and bottom fixed; the last component of `size` is the depth.
 BodyNodes lying_block(Int3 size, const Lying& lying) {
   const int axes[3] = {(lying.up + 1) % 3, (lying.up + 2) % 3, lying.up};
   BodyNodes nodes;
@@ -139,7 +143,7 @@ BodyNodes lying_block(Int3 size, const Lying& lying) {
   return nodes;
 }
 
-/// How far lips go in a second by projections, which never come to rest [m].
+/// Displacement of the lips after a second of projections, which do not come to rest [m].
 double lips_by_projections(Ordering ordering, Int3 size, const Lying& lying) {
   Params params;
   params.solver = {.method = Method::kPbd, .ordering = ordering};
@@ -161,7 +165,8 @@ double lips_by_projections(Ordering ordering, Int3 size, const Lying& lying) {
   return measure_wound(model, state, path, 0).edge_displacement;
 }
 
-TEST(lattice_wound, projections_by_colors_move_lips_alike_whichever_way_a_body_lies_and_by_slabs_do_not) {
+// With PBD by colors, lips open alike for any orientation of the body; by slabs they do not.
+TEST(LatticeWound, PbdByColorsIsIsotropic) {
   double least[2] = {1, 1}, most[2] = {};
   for (const Lying& lying : {Lying{0, false, false},
                              {0, true, true},
@@ -172,37 +177,39 @@ TEST(lattice_wound, projections_by_colors_move_lips_alike_whichever_way_a_body_l
     for (const Ordering ordering : {Ordering::kSlabs, Ordering::kColors}) {
       const double lips = lips_by_projections(ordering, {25, 29, 8}, lying);
       std::printf("  skin faces %d%s, cut %d: %.3f mm by %s\n", lying.up, lying.away ? " away" : "",
-                  lying.across, 1e3 * lips, ordering == Ordering::kSlabs ? "slabs" : "colours");
+                  lying.across, 1e3 * lips, ordering == Ordering::kSlabs ? "slabs" : "colors");
       least[int(ordering)] = std::min(least[int(ordering)], lips);
       most[int(ordering)] = std::max(most[int(ordering)], lips);
     }
-  EXPECT_LT(most[1], 1.15 * least[1]) << "m, colours";
-  EXPECT_GT(most[0], 1.3 * least[0]) << "m, slabs, as docs/models/lattice.md says";
+  EXPECT_LT(most[1], 1.15 * least[1]) << "m, colors";
+  EXPECT_GT(most[0], 1.3 * least[0]) << "m, slabs, see docs/models/lattice.md";
 }
 
-TEST(lattice_wound, a_blade_off_the_body_is_told_where_the_body_is) {
+// The error for a blade off the body states the extent of the body and its nearest point.
+TEST(LatticeWound, BladeOffBody_ReportsBodyExtent) {
   const Model model = reference_model(SkinLaw::kFiber, 45, 45, 1);
-  const auto off =
+  const auto outside =
       lay_blade(model, make_state(model), {.name = "a", .from = {0.1, 0.1, 0.536}, .to = {0.14, 0.1, 0.536}});
-  ASSERT_FALSE(off);
-  const std::string& message = off.error().message;
-  for (const char* part :
-       {"of (0.1, 0.1, 0.536) m", "the body lies between (0, 0, 0.036) m and (0.188, 0.188, 0.036) m",
+  ASSERT_FALSE(outside);
+  const std::string& message = outside.error().message;
+  for (const char* text :
+       {"of (0.1, 0.1, 0.536) m", "the body is between (0, 0, 0.036) m and (0.188, 0.188, 0.036) m",
         "its nearest point, (0.1, 0.1, 0.036) m, is 0.5 m away"})
-    EXPECT_NE(message.find(part), std::string::npos) << part << " is not in: " << message;
+    EXPECT_NE(message.find(text), std::string::npos) << text << " is not in: " << message;
 }
 
-TEST(lattice_wound, a_blade_without_skin_or_length_is_refused) {
+// A blade without length, or with an end off the skin, is rejected.
+TEST(LatticeWound, RejectsBladeWithoutSkinOrLength) {
   const Model model = reference_model(SkinLaw::kFiber, 45, 45, 1);
   const State state = make_state(model);
   const Vec3d on{0.1, 0.1, 0.036};
   const auto no_length = lay_blade(model, state, {.name = "a", .from = on, .to = on});
   ASSERT_FALSE(no_length);
   EXPECT_NE(no_length.error().message.find("same point"), std::string::npos);
-  const auto off = lay_blade(model, state, {.name = "a", .from = on, .to = {0.5, 0.1, 0.036}});
-  ASSERT_FALSE(off);
-  EXPECT_NE(off.error().message.find("no skin within 0.1 m of (0.19, 0.1, 0.036) m"), std::string::npos)
-      << off.error().message;
+  const auto outside = lay_blade(model, state, {.name = "a", .from = on, .to = {0.5, 0.1, 0.036}});
+  ASSERT_FALSE(outside);
+  EXPECT_NE(outside.error().message.find("no skin within 0.1 m of (0.19, 0.1, 0.036) m"), std::string::npos)
+      << outside.error().message;
 }
 
 }  // namespace

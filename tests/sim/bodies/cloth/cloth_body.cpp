@@ -24,7 +24,7 @@ box = [[-0.001, -1, 0], [0.001, 1, 3]]
 path = [[0, 0, 0, 0], [0.5, 0, 0, 0.1]]
 end = 0.5
 [body.flag.obstacle.ball]
-sphere = { centre = [0.15, 0.15, 1.1], radius = 0.1 }
+sphere = { center = [0.15, 0.15, 1.1], radius = 0.1 }
 friction = 0.1
 )";
 
@@ -41,7 +41,8 @@ std::string error_of(const std::vector<std::string>& overrides) {
   return world ? "no error" : world.error().message;
 }
 
-TEST(ClothScene, a_scene_says_all_about_a_cloth) {
+// The keys of a scene reach the parameters of a cloth.
+TEST(ClothBody, SceneKeysReachParameters) {
   const Scene scene = must_parse(kFlag);
   ASSERT_EQ(scene.cloth_bodies.size(), 1u);
   const ClothScene& flag = scene.cloth_bodies[0];
@@ -54,7 +55,8 @@ TEST(ClothScene, a_scene_says_all_about_a_cloth) {
   EXPECT_EQ(std::get<BallScene>(flag.obstacles[0].shape).radius, 0.1);
 }
 
-TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
+// Errors in a cloth scene name the key and its location in the file.
+TEST(ClothBody, ErrorsNameSourceLocation) {
   EXPECT_NE(error_of({"body.flag.fabric.weft=-1"}).find("body.flag.fabric.weft: expected"),
             std::string::npos);
   EXPECT_NE(
@@ -65,11 +67,10 @@ TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
   EXPECT_NE(error_of({"body.flag.sheet.up=[1,0,0]"}).find("the two sides span no area"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.wind.turns=[[1,0,0,0],[0.5,1,0,0]]"}).find("ascending"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.obstacle.ball.skin=torso"}).find("skin is not a key"), std::string::npos);
-  EXPECT_NE(
-      error_of({"body.flag.hold.pole.box=[[5,5,5],[6,6,6]]"})
-          .find("hold.pole: no vertex of the cloth lies in the box; the body lies between (0, 0, 1) m and "
-                "(0.3, 0, 1.2) m; its nearest point, (0.3, 0, 1.2) m, is"),
-      std::string::npos);
+  EXPECT_NE(error_of({"body.flag.hold.pole.box=[[5,5,5],[6,6,6]]"})
+                .find("hold.pole: no vertex of the cloth is in the box; the body is between (0, 0, 1) m and "
+                      "(0.3, 0, 1.2) m; its nearest point, (0.3, 0, 1.2) m, is"),
+            std::string::npos);
   EXPECT_NE(
       error_of({"body.flag.hold.pole.vertices=[999]"}).find("expected vertices from 0 to 175, found 999"),
       std::string::npos);
@@ -78,22 +79,25 @@ TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
   EXPECT_NE(error_of({"body.flag.clor=1"}).find("clor"), std::string::npos);
 }
 
-TEST(ClothScene, what_a_gpu_does_not_do_of_cloth_is_refused_by_its_key) {
+// Cloth solvers that do not run on a GPU are refused with a message that names the key.
+TEST(ClothBody, RejectsKeysUnsupportedOnGpu) {
   const std::string gpu = "world.device=gpu";
   const auto expect = [](const std::vector<std::string>& overrides, const std::string& sentence) {
     const std::string error = error_of(overrides);
     EXPECT_NE(error.find(sentence), std::string::npos) << error;
   };
   expect({gpu, "body.flag.solver.method=blocks"},
-         "body.flag.solver: on device = \"gpu\" sweeps alone solve cloth: set solver.method = \"chebyshev\"");
+         "body.flag.solver: on device = \"gpu\" cloth is solved by sweeps only: set solver.method = "
+         "\"chebyshev\"");
   expect({"body.flag.device=gpu", "body.flag.solver.method=conjugate gradients"},
          "flag.toml:9:10: body.flag.solver: on device = \"gpu\"");
   EXPECT_EQ(error_of({gpu, "body.flag.device=cpu"}), "no error");
 }
 
-TEST(ClothScene, without_a_gpu_it_is_said_which_is_missing) {
-  if (const Result<Gpu> gpu = open_gpu(); gpu) GTEST_SKIP() << "there is one, " << gpu->name;
-  for (const char* thickness : {"0.018", "0.004"}) {  // with obstacles, and in large triangles, too
+// Without a GPU, cloth with device = "gpu" is refused with a message.
+TEST(ClothBody, ReportsMissingGpu) {
+  if (const Result<Gpu> gpu = open_gpu(); gpu) GTEST_SKIP() << "this machine has a GPU: " << gpu->name;
+  for (const char* thickness : {"0.018", "0.004"}) {  // with obstacles, and also in large triangles
     const Scene scene =
         must_parse(kFlag, {"world.device=gpu", "body.flag.collision.thickness=" + std::string(thickness)});
     const Result<World> world = load_world(Exec(1), scene);
@@ -103,7 +107,8 @@ TEST(ClothScene, without_a_gpu_it_is_said_which_is_missing) {
   }
 }
 
-TEST(ClothScene, an_obstacle_is_another_body_by_its_name) {
+// An obstacle of a cloth is another body of the scene, given by its name.
+TEST(ClothBody, ObstacleNamesOtherBody) {
   const std::string bodies = R"(
 [body.pad]
 model = "sfem"
@@ -131,17 +136,19 @@ body = )";
                       "\"lattice\", \"sfem\" or \"rhombus\"; did you mean liver?"),
             std::string::npos)
       << error("\"livr\"");
-  EXPECT_NE(error("\"flag\"").find("has no body flag with model"), std::string::npos) << "not on itself";
+  EXPECT_NE(error("\"flag\"").find("has no body flag with model"), std::string::npos)
+      << "a cloth is no obstacle of itself";
   EXPECT_NE(error("3").find("body.flag.obstacle.under.body"), std::string::npos);
 }
 
-TEST(ClothScene, holds_follow_their_path_and_let_go_and_the_wind_turns) {
+// Holds follow their path and release at their end; the wind changes at its turns.
+TEST(ClothBody, HoldsFollowPathAndRelease) {
   const Scene scene = must_parse(kFlag);
   const Exec exec(2);
   Result<World> world = load_world(exec, scene);
   ASSERT_TRUE(world) << world.error().message;
   ClothBody& flag = world->cloth_bodies[0];
-  const auto corner = [&flag] { return flag.state->x[std::size_t(flag.model.place[0])]; };
+  const auto corner = [&flag] { return flag.state->x[std::size_t(flag.model.model_vertex[0])]; };
   for (int frame = 0; frame < 29; frame++) ASSERT_TRUE(step(exec, *world, frame == 20));
   EXPECT_NEAR(corner().z, 1 + 0.1 * 29 / 30, 1e-5);
   EXPECT_EQ(flag.air.velocity, (Vec3d{0, 5, 0}));
@@ -157,7 +164,9 @@ TEST(ClothScene, holds_follow_their_path_and_let_go_and_the_wind_turns) {
   EXPECT_EQ(report.at("snapshots").size(), 1u);
 }
 
-TEST(ClothScene, a_ball_seizes_what_is_in_it_and_says_what_lifting_it_takes) {
+// A ball hold grips the vertices in it and reports the weight of the lifted sheet; an empty hold is warned
+// of.
+TEST(ClothBody, BallHoldReportsLiftingForce) {
   const std::string text = R"(
 [world]
 gravity = [0, 0, -9.81]
@@ -170,11 +179,11 @@ wind = { density = 0 }
 [body.sheet.obstacle.floor]
 plane = { through = [0, 0, 0] }
 [body.sheet.hold.grip]
-ball = { centre = [0.1, 0.1, 0], radius = 0.015 }
+ball = { center = [0.1, 0.1, 0], radius = 0.015 }
 start = 0.5
 path = [[0.5, 0, 0, 0], [2, 0, 0, 0.5]]
 [body.sheet.hold.nothing]
-ball = { centre = [1, 1, 1], radius = 0.015 }
+ball = { center = [1, 1, 1], radius = 0.015 }
 )";
   const Exec exec(1);
   Result<World> world = load_world(exec, must_parse(text));
@@ -182,17 +191,17 @@ ball = { centre = [1, 1, 1], radius = 0.015 }
   for (int frame = 0; frame < 300; frame++) ASSERT_TRUE(step(exec, *world));
   const ClothBody& sheet = world->cloth_bodies[0];
   const ClothHold& grip = sheet.holds[0];
-  EXPECT_EQ(grip.vertices.size(), 9u) << "of a grid of 10 mm";
-  EXPECT_EQ(norm(grip.force[20]), 0) << "before it takes hold";
+  EXPECT_EQ(grip.vertices.size(), 9u) << "on a grid of 10 mm";
+  EXPECT_EQ(norm(grip.force[20]), 0) << "before the start of the hold";
   const double weight = sheet.model.total_mass * 9.81;
   Vec3d mean;
   for (std::size_t n = 270; n < 300; n++) mean += grip.force[n] / 30.0;
-  EXPECT_NEAR(mean.z, weight, 0.02 * weight) << "N: all of the sheet hangs";
+  EXPECT_NEAR(mean.z, weight, 0.02 * weight) << "N: the whole sheet is lifted";
   const std::vector<std::string> warnings = cloth_warnings(*world);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(
       warnings[0],
-      "sheet: hold.nothing: no vertex of the cloth was in its ball at 0 s: it holds nothing; the body lies "
+      "sheet: hold.nothing: no vertex of the cloth was in its ball at 0 s: the hold is empty; the body is "
       "between (0, 0, 0.01) m and (0.2, 0.2, 0.01) m; its nearest point, (0.2, 0.2, 0.01) m, is 1.5 m away");
   const Json report = report_body({exec, *world, Measures()}, ClothScene(), sheet, {BodyKind::kCloth, 0});
   EXPECT_NEAR(report.at("holds")[0].at("force_N")[2].get<double>(), weight, 0.02 * weight);
@@ -200,10 +209,12 @@ ball = { centre = [1, 1, 1], radius = 0.015 }
             std::string::npos);
 }
 
-TEST(ClothScene, a_real_garment_hangs_from_its_shoulders) {
+// A real garment hangs from its shoulders without intersecting itself.
+TEST(ClothBody, RealGarmentHangsWithoutCrossing) {
   const std::filesystem::path file =
       std::filesystem::path(TURGOR_SOURCE_DIR) / "../shared/data/mesh/tshirt.obj";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
+  if (!std::filesystem::exists(file))
+    GTEST_SKIP() << file << " is absent: real data is not part of the project";
   const Scene scene = must_parse(R"(
 [world]
 gravity = [0, 0, -9.81]

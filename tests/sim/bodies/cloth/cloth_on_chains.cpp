@@ -1,4 +1,4 @@
-// A sheet that lies on rhombus chains: both sides of the weight, and the dent.
+// A sheet on rhombus chains: the weight on both bodies, and the dent.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,12 +13,14 @@ namespace {
 
 using namespace test;
 
-/// On chains with the shape of the pad.
+/// Rhombus chains with the surface of the pad.
 std::string on_chains() {
   return std::string(kPad) + "[body.chains]\nmodel = \"rhombus\"\nsurface_of = \"pad\"\n" + kSheetOnPad;
 }
 
-TEST(cloth_on_chains, chains_bear_the_sheets_weight_and_sink_as_a_half_space_under_an_even_square) {
+// Chains carry the sheet's weight and sink like an elastic half-space under a uniform square load
+// (Boussinesq).
+TEST(ClothOnChains, HeavySheetMatchesHalfSpace) {
   const std::string finer = "body.pad.block={ size = [0.06, 0.06, 0.03], count = [13, 11, 4] }";
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{}, {finer}, {"body.sheet.fabric.density=5"}}) {
@@ -29,11 +31,10 @@ TEST(cloth_on_chains, chains_bear_the_sheets_weight_and_sink_as_a_half_space_und
     const RhombusBody& chains = world.rhombus_bodies[0];
     const ClothBody& sheet = world.cloth_bodies[0];
     const double weight = sheet.model.total_mass * kGravity, pressure = weight / (0.06 * 0.06);
-    EXPECT_NEAR(mean_of_last(sheet.obstacles[0].force, 60).z, -weight, 0.01 * weight)
-        << "N, the cloth's side";
-    const Vec3d haptic = total_force(chains.cloth);
-    EXPECT_NEAR(haptic.z, -weight, 0.01 * weight) << "N, the chains' side";
-    EXPECT_LT(std::hypot(haptic.x, haptic.y), 0.01 * weight);
+    EXPECT_NEAR(mean_of_last(sheet.obstacles[0].force, 60).z, -weight, 0.01 * weight) << "N, on the cloth";
+    const Vec3d body_force = total_force(chains.cloth);
+    EXPECT_NEAR(body_force.z, -weight, 0.01 * weight) << "N, on the chains";
+    EXPECT_LT(std::hypot(body_force.x, body_force.y), 0.01 * weight);
     double most = 0;
     for (const Vec3d u : chains.state.displacement) most = std::max(most, -u.z);
     const double expected = 1.1222 * pressure * 0.06 / (5.4e3 / 0.75);
@@ -41,16 +42,17 @@ TEST(cloth_on_chains, chains_bear_the_sheets_weight_and_sink_as_a_half_space_und
   }
 }
 
-TEST(cloth_on_chains, a_liver_of_chains_bears_a_drape_however_it_lies) {
-  struct Lie {
+// A liver of chains carries a drape's weight in two orientations.
+TEST(ClothOnChains, LiverCarriesDrape) {
+  struct Setup {
     const char *gravity, *sheet, *tissue;
     int down;
   };
   for (const auto& [gravity, sheet, tissue, down] :
-       {Lie{"[0, 9.81, 0]", "corner = [-0.05, -0.075, -0.04], side = [0, 0, 0.08], up = [0.1, 0, 0]", "liver",
-            1},
-        Lie{"[0, 0, -9.81]", "corner = [-0.04, -0.04, 0.055], side = [0.08, 0, 0], up = [0, 0.08, 0]",
-            "liver-porcine", 2}}) {
+       {Setup{"[0, 9.81, 0]", "corner = [-0.05, -0.075, -0.04], side = [0, 0, 0.08], up = [0.1, 0, 0]",
+              "liver", 1},
+        Setup{"[0, 0, -9.81]", "corner = [-0.04, -0.04, 0.055], side = [0.08, 0, 0], up = [0, 0.08, 0]",
+              "liver-porcine", 2}}) {
     World world = must_load(fmt::format(R"(
 [world]
 gravity = {}
@@ -62,7 +64,7 @@ tissue = "{}"
 model = "cloth"
 sheet = {{ {}, columns = 15, rows = 17 }}
 fabric = {{ density = 1, warp = 100, weft = 100 }}
-solver = {{ method = "blocks" }}
+solver = {{ method = "two_level" }}
 collision = {{ self = false, thickness = 0.003 }}
 wind = {{ density = 0 }}
 damping = {{ motion = 3 }}
@@ -72,17 +74,19 @@ friction = 1
 )",
                                         gravity, tissue, sheet));
     run(world, 180);
-    Vec3d haptic;
-    for (int n = 0; n < 60; n++) run(world, 1), haptic += total_force(world.rhombus_bodies[0].cloth) / 60.0;
+    Vec3d body_force;
+    for (int n = 0; n < 60; n++)
+      run(world, 1), body_force += total_force(world.rhombus_bodies[0].cloth) / 60.0;
     const double weight = world.cloth_bodies[0].model.total_mass * kGravity, sign = down == 1 ? 1 : -1;
-    const Vec3d pushed = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
-    EXPECT_NEAR(sign * pushed[down], weight, 0.01 * weight);
-    EXPECT_NEAR(norm(pushed), weight, 0.01 * weight);
-    EXPECT_NEAR(norm(haptic - pushed), 0, 0.01 * weight);
+    const Vec3d cloth_force = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
+    EXPECT_NEAR(sign * cloth_force[down], weight, 0.01 * weight);
+    EXPECT_NEAR(norm(cloth_force), weight, 0.01 * weight);
+    EXPECT_NEAR(norm(body_force - cloth_force), 0, 0.01 * weight);
   }
 }
 
-TEST(cloth_on_chains, cloth_lies_in_the_dent_that_a_tool_makes_in_rhombus_chains) {
+// Cloth follows the dent that a tool presses into rhombus chains.
+TEST(ClothOnChains, ClothFollowsToolDent) {
   World world = must_load(R"(
 [world]
 gravity = [0, 0, -9.81]

@@ -1,4 +1,4 @@
-// A sheet that lies on a lattice: both sides of the weight, and how far the body gives way.
+// A sheet on a lattice: the weight on both bodies, and the settlement.
 #include <cmath>
 #include <set>
 
@@ -31,7 +31,8 @@ body = "fat"
                      overrides, exec);
 }
 
-/// How far the front of the block's middle has gone, and its first height above fixed nodes [m].
+/// Mean displacement of the front nodes in the block's middle, and their initial height above fixed nodes
+/// [m].
 struct FatUnderSheet {
   double down = 0, height = 0;
 };
@@ -47,15 +48,15 @@ FatUnderSheet middle_of(const LatticeBody& body) {
       const auto slot = [&](int j) { return std::size_t(node_slot(model.lattice, i, j, k)); };
       while (!lattice::is_body(model.tissue[slot(front)])) front++;
       for (fixed = front; model.inverse_mass[slot(fixed)] > 0;) fixed++;
-      found.down += dot(model.grid.axes * Vec3d(body.state->u[slot(front)]), Vec3d{0, 1, 0});
+      found.down += dot(model.grid.axes * Vec3d(body.state->motion.u[slot(front)]), Vec3d{0, 1, 0});
       found.height += (fixed - front) * model.grid.spacing.y;
       count++;
     }
   return {found.down / count, found.height / count};
 }
 
-TEST(cloth_on_lattice,
-     a_lattice_bears_the_sheets_weight_and_sinks_by_pressure_times_height_over_its_modulus) {
+// A lattice carries the sheet's weight and sinks between the free and the laterally held column.
+TEST(ClothOnLattice, HeavySheetMatchesColumn) {
   const Exec exec(2);
   World world = sheet_on_lattice(test::fresh_folder(), exec, {"body.sheet.solver.method=blocks"});
   double most = 0, late_least = 1, late_most = 0;
@@ -67,10 +68,10 @@ TEST(cloth_on_lattice,
   }
   const double pressure = 10 * kGravity, weight = pressure * 0.128 * 0.128;
   const ClothBody& sheet = world.cloth_bodies[0];
-  EXPECT_NEAR(mean_of_last(sheet.obstacles[0].force, 60).y, weight, 0.01 * weight) << "N, the cloth's side";
-  EXPECT_NEAR(total_force(world.lattice_bodies[0].cloth).y, weight, 0.01 * weight) << "N, the body's side";
-  // Held below and 1.6 times as wide as high on each side: between the moduli of a free column, E, and of one
-  // whose sides are held, 1.2 E for Poisson's ratio of 1/4.
+  EXPECT_NEAR(mean_of_last(sheet.obstacles[0].force, 60).y, weight, 0.01 * weight) << "N, on the cloth";
+  EXPECT_NEAR(total_force(world.lattice_bodies[0].cloth).y, weight, 0.01 * weight) << "N, on the body";
+  // The block is fixed below and 1.6 times as wide as high. Its modulus lies between E of a free column and
+  // 1.2 E of a laterally held one (Poisson's ratio 1/4).
   const double column = pressure * middle_of(world.lattice_bodies[0]).height / 5e3;
   EXPECT_GT(late_least, 0.95 * column / 1.2) << "m, of " << column;
   EXPECT_LT(late_most, 1.05 * column) << "m";
@@ -78,7 +79,8 @@ TEST(cloth_on_lattice,
   EXPECT_LT(most, 2 * column) << "m";
 }
 
-TEST(cloth_on_lattice, equal_bits_of_a_sheet_on_a_lattice_on_1_2_and_8_threads) {
+// A sheet on a lattice has the same bits on 1, 2 and 8 threads.
+TEST(ClothOnLattice, EqualBitsOnAnyThreads) {
   const auto folder = test::fresh_folder();
   std::set<std::uint64_t> hashes;
   for (const int threads : {1, 2, 8}) {
@@ -91,24 +93,25 @@ TEST(cloth_on_lattice, equal_bits_of_a_sheet_on_a_lattice_on_1_2_and_8_threads) 
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-/// In place of a GPU: the host, in a shuffled order.
-TEST(cloth_on_lattice, a_sheet_and_a_lattice_that_step_elsewhere_press_each_other_as_they_do_here) {
-  const auto run_on = [](bool elsewhere) {
+// A sheet and a lattice on a backend exchange the same forces as on the host. The backend is the host with
+// shuffled order.
+TEST(ClothOnLattice, BackendMatchesHost) {
+  const auto run_on = [](bool on_backend) {
     World world =
         sheet_on_lattice(test::fresh_folder(), Exec(1),
-                         {"body.fat.solver={ schedule = \"colours\", coarse = false }",
-                          "body.sheet.obstacle.peg.sphere={ centre = [0, -0.03, 0.01], radius = 0.012 }"});
+                         {"body.fat.solver={ ordering = \"colors\", coarse = false }",
+                          "body.sheet.obstacle.peg.sphere={ center = [0, -0.03, 0.01], radius = 0.012 }"});
     LatticeBody& fat = world.lattice_bodies[0];
     ClothBody& sheet = world.cloth_bodies[0];
-    if (elsewhere) {
-      fat.state.step_on(lattice::put_on_host<lattice::SeededRun<1>>(fat.model));
-      sheet.state.step_on(cloth::put_on_host<lattice::SeededRun<2>>(sheet.model));
+    if (on_backend) {
+      fat.state.use_backend(lattice::put_on_host<lattice::SeededRun<1>>(fat.model));
+      sheet.state.use_backend(cloth::put_on_host<lattice::SeededRun<2>>(sheet.model));
     }
     run(world, 12);
     return world;
   };
-  const World here = run_on(false), there = run_on(true);
-  const ClothBody &a = here.cloth_bodies[0], &b = there.cloth_bodies[0];
+  const World host = run_on(false), device = run_on(true);
+  const ClothBody &a = host.cloth_bodies[0], &b = device.cloth_bodies[0];
   for (std::size_t o = 0; o < 2; o++) {
     EXPECT_GT(norm(a.obstacles[o].force[11]), 0.01) << "N of " << a.obstacles[o].name;
     for (const std::size_t n : {2, 5, 11})
@@ -116,11 +119,12 @@ TEST(cloth_on_lattice, a_sheet_and_a_lattice_that_step_elsewhere_press_each_othe
                 1e-2 * norm(a.obstacles[o].force[n]) + 1e-6)
           << "N of " << a.obstacles[o].name << " in frame " << n;
   }
-  const Vec3d borne = total_force(here.lattice_bodies[0].cloth);
-  EXPECT_LT(norm(total_force(there.lattice_bodies[0].cloth) - borne), 1e-2 * norm(borne)) << "N";
+  const Vec3d host_force = total_force(host.lattice_bodies[0].cloth);
+  EXPECT_LT(norm(total_force(device.lattice_bodies[0].cloth) - host_force), 1e-2 * norm(host_force)) << "N";
 }
 
-TEST(cloth_on_lattice, a_lattice_that_floats_gets_the_momentum_of_what_it_feels) {
+// The momentum of a floating lattice equals the impulse of the sheet.
+TEST(ClothOnLattice, FloatingLatticeGainsMomentum) {
   World world =
       sheet_on_lattice(test::fresh_folder(), Exec(1),
                        {"body.fat.fixed=none", "body.fat.solver={ sweeps = 200, damping = 0 }",
@@ -129,7 +133,8 @@ TEST(cloth_on_lattice, a_lattice_that_floats_gets_the_momentum_of_what_it_feels)
   const auto momentum = [&fat] {  // [kg·m/s]
     Vec3d sum;
     for (std::size_t s = 0; s < fat.model.inverse_mass.size(); s++)
-      if (fat.model.inverse_mass[s] > 0) sum += Vec3d(fat.state->v[s]) / double(fat.model.inverse_mass[s]);
+      if (fat.model.inverse_mass[s] > 0)
+        sum += Vec3d(fat.state->motion.v[s]) / double(fat.model.inverse_mass[s]);
     return fat.model.grid.axes * sum;
   };
   double given = 0;
@@ -138,7 +143,7 @@ TEST(cloth_on_lattice, a_lattice_that_floats_gets_the_momentum_of_what_it_feels)
     run(world, 1);
     EXPECT_NEAR(momentum().y, given, 0.02 * given + 1e-6) << "kg·m/s, frame " << n;
   }
-  EXPECT_GT(given, 0.2) << "of the weight of 1.6 N in half a second";
+  EXPECT_GT(given, 0.2) << "N·s: half a second of a weight of 1.6 N";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Scenes of cloth on other bodies, and how tests run them.
+// Scenes of cloth on other bodies, and helpers that run them.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace turgor::test {
 
 constexpr double kGravity = 9.81;  // [m/s²]
 
-/// A block of 60 × 60 × 30 mm of 5 kPa that stands on its bottom, "pad".
+/// A block "pad" of 60 × 60 × 30 mm and 5 kPa, fixed at its bottom.
 inline constexpr const char* kPad = R"(
 [world]
 gravity = [0, 0, -9.81]
@@ -27,7 +27,7 @@ precision = "double"
 cache = false
 )";
 
-/// A heavy sheet that covers it, 3 mm above.
+/// A heavy sheet that covers the pad, 3 mm above it.
 inline constexpr const char* kSheetOnPad = R"(
 [body.sheet]
 model = "cloth"
@@ -45,8 +45,8 @@ inline World must_load_scene(const Scene& scene, const Exec& exec = Exec(1)) {
   return std::move(*world);
 }
 
-/// 40 mm of fat on bone, "fat", which gravity presses from the front (+y); its tissue and what else there is
-/// follow. The CT is written into the folder.
+/// 40 mm of fat on bone, "fat", with gravity towards +y, from the front. `rest` adds its tissue and other
+/// tables. The CT is written into the folder.
 inline World fat_on_bone(const std::filesystem::path& folder, const std::string& rest,
                          const std::vector<std::string>& overrides = {}, const Exec& exec = Exec(1)) {
   EXPECT_TRUE(write_ct(folder / "block.nii", block_ct()));

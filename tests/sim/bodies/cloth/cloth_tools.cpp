@@ -1,4 +1,4 @@
-// Tools that touch cloth, and cloth that they feel.
+// Tools on cloth and their forces.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-/// A sheet of 0.2 m with its first column held, in cells of 10 mm.
+/// A sheet of 0.2 m with its first column held; cells are 10 mm.
 constexpr const char* kSheet = R"(
 [world]
 gravity = [0, 0, -9.81]
@@ -23,7 +23,7 @@ frame_rate = 60
 model = "cloth"
 sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0.1, 0], columns = 20, rows = 10 }
 fabric = { law = "sheet", density = 0.3 }
-solver = { method = "blocks", sweeps = 200 }
+solver = { method = "two_level", sweeps = 200 }
 damping = { motion = 4 }
 collision = { thickness = 0.008 }
 wind = { density = 0 }
@@ -38,14 +38,14 @@ std::string error_of(const std::string& text, const std::vector<std::string>& ov
   return world ? "no error" : world.error().message;
 }
 
-/// What a tool felt, in the mean of the last frames [N].
-Vec3d haptic(const World& world, std::size_t frames) {
+/// Mean tool force of the last frames [N].
+Vec3d tool_force(const World& world, std::size_t frames) {
   std::vector<Vec3d> forces;
   for (const ForceSample& s : world.tools[0].samples) forces.push_back(Vec3d(s.force));
   return mean_of_last(forces, frames);
 }
 
-Vec3d taken_by_holds(const World& world, std::size_t frames) {
+Vec3d force_of_holds(const World& world, std::size_t frames) {
   Vec3d sum;
   for (const ClothHold& hold : world.cloth_bodies[0].holds) sum += mean_of_last(hold.force, frames);
   return sum;
@@ -58,7 +58,8 @@ double longest_edge(const World& world) {
   return cloth::largest_stretch(body.model, body.state);
 }
 
-TEST(ClothTools, a_ball_and_a_rod_that_a_hand_holds_still_bear_what_the_holds_do_not) {
+// A fixed ball or rod carries the weight that the holds do not carry.
+TEST(ClothTools, ToolsAndHoldsShareWeight) {
   struct Case {
     const char *shape, *turn;
     std::vector<std::string> more;
@@ -75,16 +76,16 @@ TEST(ClothTools, a_ball_and_a_rod_that_a_hand_holds_still_bear_what_the_holds_do
                   more);
     run(world, 150);
     const double weight = weight_of(world);
-    const Vec3d tool = haptic(world, 30), hold = taken_by_holds(world, 30);
+    const Vec3d tool = tool_force(world, 30), hold = force_of_holds(world, 30);
     EXPECT_LT(tool.z, -0.3 * weight) << shape;
     EXPECT_NEAR((hold.z - tool.z) / weight, 1, 0.02) << shape;
-    EXPECT_NEAR((hold.x - tool.x) / weight, 0, 0.02) << shape << ": they pull at each other";
+    EXPECT_NEAR((hold.x - tool.x) / weight, 0, 0.02) << shape << ": equal and opposite";
     EXPECT_NEAR((hold.y - tool.y) / weight, 0, 0.02) << shape;
     EXPECT_LT(longest_edge(world), 1.05) << shape;
   }
 }
 
-/// Held all around; a ball of 4 mm, smaller than a cell, is pressed 20 mm into its middle.
+/// Held on all sides; a ball of 4 mm, smaller than a cell, is pressed 20 mm into its middle.
 constexpr const char* kFrame = R"(
 [body.sheet.hold.around]
 box = [[0.199, -1, -1], [0.201, 1, 1]]
@@ -94,9 +95,10 @@ box = [[-1, -0.001, -1], [1, 0.001, 1]]
 box = [[-1, 0.099, -1], [1, 0.101, 1]]
 )";
 
-TEST(ClothTools, a_ball_smaller_than_a_cell_and_fast_does_not_pass_and_its_push_is_that_of_the_frame) {
+// A fast ball smaller than a cell does not pass the sheet, and its force equals that of the holds.
+TEST(ClothTools, SmallFastBallDoesNotPass) {
   for (const char* law : {"sheet", "springs"})
-    for (const char* seconds : {"0.5", "0.02"}) {  // the way of 40 mm
+    for (const char* seconds : {"0.5", "0.02"}) {  // duration of a displacement of 40 mm
       World world =
           must_load(std::string(kSheet) + kFrame +
                         "[tool.ball]\nbody = \"sheet\"\nshape = { sphere = 0.004 }\npath = [[0, 0.103, "
@@ -109,20 +111,21 @@ TEST(ClothTools, a_ball_smaller_than_a_cell_and_fast_does_not_pass_and_its_push_
       for (std::size_t v = 0; v < std::size_t(sheet.model.count); v++)
         lowest = std::min(lowest, double(sheet.state->x.z[v]));
       EXPECT_LT(lowest, -0.012) << seconds;
-      const double tool = haptic(world, 20).z;
-      EXPECT_GT(tool, 0.5) << "N: it is pushed back";
-      EXPECT_NEAR((taken_by_holds(world, 20).z - weight_of(world)) / tool, 1, 0.02)
+      const double tool = tool_force(world, 20).z;
+      EXPECT_GT(tool, 0.5) << "N: the tool is pushed back";
+      EXPECT_NEAR((force_of_holds(world, 20).z - weight_of(world)) / tool, 1, 0.02)
           << law << ", action and reaction; " << seconds;
     }
 }
 
-TEST(ClothTools, a_ball_that_is_drawn_over_a_sheet_rubs_it_by_coulomb_s_ratio) {
+// The friction of a ball that slides over a sheet has Coulomb's ratio to the normal force.
+TEST(ClothTools, SlidingBallObeysCoulomb) {
   struct Case {
     const char* path;
     double friction;
-    Vec3d way;
+    Vec3d direction;
   };
-  for (const auto& [path, friction, way] :
+  for (const auto& [path, friction, direction] :
        {Case{"[[0, 0.06, 0.05, 0.02], [0.3, 0.06, 0.05, 0.008], [0.9, 0.14, 0.05, 0.008]]", 0.25, {1, 0, 0}},
         Case{"[[0, 0.12, 0.075, 0.02], [0.3, 0.12, 0.075, 0.01], [0.9, 0.08, 0.025, 0.01]]",
              0.6,
@@ -141,11 +144,12 @@ TEST(ClothTools, a_ball_that_is_drawn_over_a_sheet_rubs_it_by_coulomb_s_ratio) {
       }
     }
     EXPECT_NEAR(friction_impulse / push, friction, 0.02 * friction);
-    EXPECT_LT(dot(haptic(world, 18), way), 0) << "against its way";
+    EXPECT_LT(dot(tool_force(world, 18), direction), 0) << "opposite to the motion";
   }
 }
 
-TEST(ClothTools, a_ball_that_rises_under_a_sheet_takes_from_the_table_what_it_lifts) {
+// A ball that rises under a sheet takes over the weight that leaves the table.
+TEST(ClothTools, RisingBallUnloadsTable) {
   World world =
       must_load(std::string(kSheet) +
                     "[body.sheet.obstacle.table]\nplane = { through = [0, 0, -0.002] }\nfriction = 0.5\n"
@@ -153,13 +157,14 @@ TEST(ClothTools, a_ball_that_rises_under_a_sheet_takes_from_the_table_what_it_li
                     "path = [[0, 0.11, 0.045, -0.02], [0.5, 0.11, 0.045, 0.03]]\n",
                 {"body.sheet.hold.left.end=0.01", "body.sheet.fabric.density=0.6"});
   run(world, 150);
-  const double weight = weight_of(world), tool = haptic(world, 30).z,
+  const double weight = weight_of(world), tool = tool_force(world, 30).z,
                table = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 30).z;
-  EXPECT_LT(tool, -0.2 * weight) << "N: it lifts";
+  EXPECT_LT(tool, -0.2 * weight) << "N: the ball lifts";
   EXPECT_NEAR((tool + table) / -weight, 1, 0.02) << tool << " N and " << table << " N";
 }
 
-TEST(ClothTools, a_rod_that_pushes_a_hanging_sheet_aside_feels_what_its_holds_are_pulled_aside_by) {
+// A rod that pushes a hanging sheet has the same lateral force as the holds.
+TEST(ClothTools, RodForceEqualsHolds) {
   World world =
       must_load(std::string(kSheet) +
                     "[tool.rod]\nbody = \"sheet\"\nfriction = 0.3\nshape = { capsule = "
@@ -169,13 +174,14 @@ TEST(ClothTools, a_rod_that_pushes_a_hanging_sheet_aside_feels_what_its_holds_ar
                  "11, rows = 15 }",
                  "body.sheet.hold.left.box=[[-1, -1, -0.001], [1, 1, 0.001]]"});
   run(world, 140);
-  const Vec3d tool = haptic(world, 20), hold = taken_by_holds(world, 20);
-  EXPECT_GT(tool.x, 0.02 * weight_of(world)) << "N: it is pushed back";
+  const Vec3d tool = tool_force(world, 20), hold = force_of_holds(world, 20);
+  EXPECT_GT(tool.x, 0.02 * weight_of(world)) << "N: the tool is pushed back";
   EXPECT_NEAR(hold.x / tool.x, 1, 0.02);
   EXPECT_NEAR((hold.z - tool.z) / weight_of(world), 1, 0.02);
 }
 
-TEST(ClothTools, what_a_tool_feels_has_the_same_bits_on_any_number_of_threads) {
+// The tool force has the same bits on 1, 2 and 8 threads.
+TEST(ClothTools, EqualBitsOnAnyThreads) {
   std::uint64_t expected = 0;
   for (const int threads : {1, 2, 8}) {
     World world = must_load(std::string(kSheet) +
@@ -193,7 +199,7 @@ constexpr const char* kSheetOnPad = R"(
 model = "cloth"
 sheet = { corner = [0, 0, 0.033], side = [0.06, 0, 0], up = [0, 0.06, 0], columns = 12, rows = 12 }
 fabric = { law = "sheet", density = 0.3, warp = 20, weft = 20, shear = 5 }
-solver = { method = "blocks" }
+solver = { method = "two_level" }
 collision = { thickness = 0.004 }
 damping = { motion = 2 }
 wind = { density = 0 }
@@ -201,10 +207,11 @@ wind = { density = 0 }
 body = "pad"
 )";
 
-TEST(ClothTools, a_finger_on_a_sheet_presses_the_organ_below_about_as_without_the_sheet) {
+// A finger that presses an SFEM body through a sheet has about the force without the sheet.
+TEST(ClothTools, PressThroughSheetOnSfem) {
   const std::string path =
       "friction = 0.3\npath = [[0, 0.03, 0.03, 0.045], [0.5, 0.03, 0.03, 0.040], [1.0, 0.03, 0.03, 0.036]]\n";
-  // The gaps of sheet and pad, 2 mm each, make the finger thicker.
+  // The gaps of sheet and pad, 2 mm each, enlarge the finger.
   const std::vector<std::string> tissue{"body.pad.poisson=0.3"};
   World bare = must_load(
       std::string(kPad) + "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.012 }\n" + path, tissue);
@@ -213,24 +220,25 @@ TEST(ClothTools, a_finger_on_a_sheet_presses_the_organ_below_about_as_without_th
                           tissue);
   run(bare, 70), run(world, 150);
   const double expected = bare.tools[0].samples.back().force.z, weight = weight_of(world);
-  const Vec3d tool = haptic(world, 60), pad = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
+  const Vec3d tool = tool_force(world, 60), pad = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
   EXPECT_GT(expected, 0.3) << "N";
-  EXPECT_NEAR(tool.z, expected, 0.1 * expected) << "N, without the sheet, which spreads the push";
-  EXPECT_NEAR(-pad.z, tool.z + weight, 0.02 * tool.z) << "N: the pad bears finger and sheet";
+  EXPECT_NEAR(tool.z, expected, 0.1 * expected) << "N, without the sheet, which spreads the load";
+  EXPECT_NEAR(-pad.z, tool.z + weight, 0.02 * tool.z) << "N: the pad carries finger and sheet";
   const SfemBody& body = world.sfem_bodies[0];
   double sunk = 0;
   for (const Vec3d& u : body.press->displacement) sunk = std::min(sunk, u.z);
-  EXPECT_LT(sunk, -0.004) << "m: the pad has given way";
+  EXPECT_LT(sunk, -0.004) << "m: the pad is pressed down";
 }
 
-TEST(ClothTools, a_finger_on_a_sheet_presses_the_lattice_below) {
+// A finger presses a lattice through a sheet, and the lattice carries the finger and the sheet.
+TEST(ClothTools, PressThroughSheetOnLattice) {
   World world = fat_on_bone(test::fresh_folder(), R"(
 tissue = { fat = 5e3 }
 [body.sheet]
 model = "cloth"
 sheet = { corner = [-0.032, -0.022, -0.032], side = [0, 0, 0.064], up = [0.064, 0, 0], columns = 13, rows = 13 }
 fabric = { law = "sheet", density = 1, warp = 20, weft = 20, shear = 5 }
-solver = { method = "blocks" }
+solver = { method = "two_level" }
 collision = { self = false, thickness = 0.004 }
 damping = { motion = 2 }
 wind = { density = 0 }
@@ -242,18 +250,19 @@ shape = { sphere = 0.012 }
 path = [[0, 0, -0.05, 0], [0.5, 0, -0.037, 0], [1.2, 0, -0.033, 0]]
 )");
   run(world, 150);
-  const Vec3d tool = haptic(world, 60), fat = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
-  EXPECT_LT(tool.y, -0.05) << "N: it is pushed back";
+  const Vec3d tool = tool_force(world, 60), fat = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
+  EXPECT_LT(tool.y, -0.05) << "N: the tool is pushed back";
   EXPECT_NEAR(fat.y, weight_of(world) - tool.y, 0.02 * fat.y) << "N";
   EXPECT_LT(longest_edge(world), 1.3);
 }
 
-TEST(ClothTools, a_finger_on_a_sheet_presses_the_chains_below_about_as_without_the_sheet) {
+// A finger that presses rhombus chains through a sheet has about the force without the sheet.
+TEST(ClothTools, PressThroughSheetOnChains) {
   const std::string chains = std::string(kPad) + "[body.chains]\nmodel = \"rhombus\"\nsurface_of = \"pad\"\n";
   for (const auto& [at, depth] : {std::pair{0.03, 0.003}, {0.026, 0.005}}) {
     const std::string path =
         fmt::format("path = [[0, {0}, 0.03, 0.045], [0.6, {0}, 0.03, {1}]]\n", at, 0.042 - depth);
-    // What a finger presses is 6 mm wide. The gaps of sheet and chains, 2 mm each, make the finger thicker.
+    // The contact of the finger is 6 mm wide. The gaps of sheet and chains, 2 mm each, enlarge the finger.
     const std::string fine = "body.pad.block={ size = [0.06, 0.06, 0.03], count = [20, 20, 4] }";
     World bare =
         must_load(chains + "[tool.finger]\nbody = \"chains\"\nshape = { sphere = 0.012 }\n" + path, {fine});
@@ -262,14 +271,16 @@ TEST(ClothTools, a_finger_on_a_sheet_presses_the_chains_below_about_as_without_t
         {fine, "body.sheet.obstacle.pad.body=chains", "body.sheet.fabric.density=0.1"});
     run(bare, 40), run(world, 80);
     const double expected = bare.tools[0].samples.back().force.z, weight = weight_of(world);
-    const Vec3d tool = haptic(world, 30), body = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 30);
+    const Vec3d tool = tool_force(world, 30),
+                body = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 30);
     EXPECT_GT(expected, 0.15) << "N";
-    EXPECT_NEAR(tool.z, expected, 0.3 * expected) << "N: the sheet, and cells of 3 mm, spread the push";
-    EXPECT_NEAR(-body.z, tool.z + weight, 0.02 * tool.z) << "N: the chains bear finger and sheet";
+    EXPECT_NEAR(tool.z, expected, 0.3 * expected) << "N: the sheet and cells of 3 mm spread the load";
+    EXPECT_NEAR(-body.z, tool.z + weight, 0.02 * tool.z) << "N: the chains carry finger and sheet";
   }
 }
 
-TEST(ClothTools, forceps_are_refused) {
+// Forceps are refused on cloth.
+TEST(ClothTools, RejectsForceps) {
   EXPECT_NE(
       error_of(std::string(kSheet) + "[tool.jaws]\nbody = \"sheet\"\nshape = { forceps = \"phantom\" }\n"
                                      "path = [[0, 0.1, 0.05, 0.02]]\n")
@@ -277,12 +288,13 @@ TEST(ClothTools, forceps_are_refused) {
       std::string::npos);
 }
 
-TEST(ClothTools, sweeps_which_know_no_force_in_what_is_taut_are_refused_with_the_setting_that_can) {
+// Tools require the two-level solver; sweeps are refused with a message that names it.
+TEST(ClothTools, RejectsSweepSolvers) {
   const std::string error = error_of(std::string(kSheet) +
                                          "[tool.ball]\nbody = \"sheet\"\nshape = { sphere = 0.01 }\n"
                                          "path = [[0, 0.1, 0.05, 0.02]]\n",
                                      {"body.sheet.solver.method=chebyshev"});
-  EXPECT_NE(error.find("solver.method = \"blocks\""), std::string::npos) << error;
+  EXPECT_NE(error.find("solver.method = \"two_level\""), std::string::npos) << error;
   EXPECT_NE(error.find("tool.ball"), std::string::npos) << error;
 }
 

@@ -1,13 +1,13 @@
-#include "turgor/sim/bodies/lattice/keep_label.hpp"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "turgor/sim/bodies/lattice/crop_to_label.hpp"
+
 namespace turgor {
 namespace {
 
-/// 20×16×12 voxels of 2 mm at 40 HU, turned a little and far from the origin.
+/// 20×16×12 voxels of 2 mm at 40 HU, slightly rotated and far from the origin.
 CtVolume full_ct() {
   CtVolume ct;
   ct.grid.size = {20, 16, 12};
@@ -18,7 +18,7 @@ CtVolume full_ct() {
   return ct;
 }
 
-/// Label 5 in a box, and in one voxel apart from it.
+/// Label 5 in a box, and in one separate voxel.
 LabelVolume box_labels(const Grid& grid, Int3 low, Int3 high) {
   LabelVolume labels;
   labels.grid = grid;
@@ -30,46 +30,49 @@ LabelVolume box_labels(const Grid& grid, Int3 low, Int3 high) {
   return labels;
 }
 
-long kept_count(const CtVolume& ct) {
+long tissue_voxels(const CtVolume& ct) {
   return std::count(ct.samples.begin(), ct.samples.end(), std::int16_t(40));
 }
 
-TEST(KeepLabel, TheLargestPartIsLeftInAirAndStaysWhereItWas) {
+// The largest component remains in air at its position in the patient; a separate voxel is noted.
+TEST(KeepLabel, KeepsLargestComponentInPlace) {
   CtVolume ct = full_ct();
   const Grid before = ct.grid;
   std::vector<std::string> notes;
-  ASSERT_TRUE(keep_label(Exec(2), box_labels(ct.grid, {8, 5, 4}, {13, 9, 7}), 5, {2, 2, 2}, ct, notes));
+  ASSERT_TRUE(crop_to_label(Exec(2), box_labels(ct.grid, {8, 5, 4}, {13, 9, 7}), 5, {2, 2, 2}, ct, notes));
   EXPECT_EQ(ct.grid.size, (Int3{9, 8, 7}));
-  EXPECT_EQ(kept_count(ct), 5 * 4 * 3);
+  EXPECT_EQ(tissue_voxels(ct), 5 * 4 * 3);
   EXPECT_EQ(ct.at(2, 2, 2), 40);
   EXPECT_EQ(ct.at(1, 2, 2), kAirHu);
   EXPECT_LT(norm(point_at(ct.grid, {2, 2, 2}) - point_at(before, {8, 5, 4})), 1e-12) << "m";
-  EXPECT_EQ(notes.size(), 1u) << "the voxel apart";
+  EXPECT_EQ(notes.size(), 1u) << "the separate voxel";
 }
 
-TEST(KeepLabel, LabelsOnAnotherGridAreFoundByPlace) {
+// Labels on another grid select voxels by their position.
+TEST(KeepLabel, AcceptsLabelsOnOtherGrid) {
   CtVolume ct = full_ct();
-  Grid fine = ct.grid;  // half as wide, from half a voxel earlier: the same box of the patient
+  Grid fine = ct.grid;  // half the spacing, from half a voxel earlier: the same box of the patient
   fine.size = fine.size * 2;
   fine.spacing = fine.spacing * 0.5;
   fine.origin = point_at(ct.grid, {-0.25, -0.25, -0.25});
   std::vector<std::string> notes;
-  ASSERT_TRUE(keep_label(Exec(1), box_labels(fine, {16, 10, 8}, {26, 18, 14}), 5, {0, 0, 0}, ct, notes));
+  ASSERT_TRUE(crop_to_label(Exec(1), box_labels(fine, {16, 10, 8}, {26, 18, 14}), 5, {0, 0, 0}, ct, notes));
   EXPECT_EQ(ct.grid.size, (Int3{5, 4, 3}));
-  EXPECT_EQ(kept_count(ct), 5 * 4 * 3);
+  EXPECT_EQ(tissue_voxels(ct), 5 * 4 * 3);
 }
 
-TEST(KeepLabel, SaysWhatIsWrong) {
+// Missing labels and labels outside of the CT are errors.
+TEST(KeepLabel, ReportsErrors) {
   CtVolume ct = full_ct();
   std::vector<std::string> notes;
   const LabelVolume labels = box_labels(ct.grid, {8, 5, 4}, {13, 9, 7});
-  EXPECT_NE(keep_label(Exec(1), labels, 7, {}, ct, notes)
+  EXPECT_NE(crop_to_label(Exec(1), labels, 7, {}, ct, notes)
                 .error()
                 .message.find("label 7 is not in the segmentation"),
             std::string::npos);
-  LabelVolume elsewhere = labels;
-  elsewhere.grid.origin = {9, 9, 9};
-  EXPECT_NE(keep_label(Exec(1), elsewhere, 5, {}, ct, notes).error().message.find("lies outside the CT"),
+  LabelVolume outside = labels;
+  outside.grid.origin = {9, 9, 9};
+  EXPECT_NE(crop_to_label(Exec(1), outside, 5, {}, ct, notes).error().message.find("lies outside the CT"),
             std::string::npos);
 }
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/models/host_side.hpp"
+#include "tests/models/host_backend.hpp"
 #include "tests/sim/block_scene.hpp"
 #include "turgor/sim/pressed.hpp"
 #include "turgor/sim/report/report.hpp"
@@ -32,30 +32,32 @@ Scene touched_scene(const std::filesystem::path& folder, const std::string& moti
 }
 const char* kPress = "press = { at_fraction = [0.5, 0, 0.5], depth = 0.006, start = 0.1, duration = 0.3 }\n";
 
-TEST(LatticeBody, APressIsFeltOnceAFrameAndPushesTheToolOut) {
+// A press yields one force per frame, which pushes the tool out; the drawn surface lies on the tool.
+TEST(LatticeSceneBody, PressPushesToolOut) {
   World world = block_world(Exec(2), touched_scene(fresh_folder(), kPress));
   std::vector<Pressed> all = make_pressed(world);
   for (int frame = 0; frame < 50; frame++) {
     ASSERT_TRUE(step(Exec(2), world));
-    look_at_pressed(Exec(2), world, all);
+    update_pressed(Exec(2), world, all);
   }
   const TouchLog& samples = world.tools[0].samples;
   ASSERT_EQ(samples.size(), 50u);
   const auto at = [&](double time) { return samples[std::size_t(std::lround(time * 50)) - 1]; };
-  EXPECT_EQ(norm(at(0.1).force), 0) << "before it touches";
-  EXPECT_LT(at(0.5).force.y, -0.1) << "N: towards the front, from where it came";
+  EXPECT_EQ(norm(at(0.1).force), 0) << "before contact";
+  EXPECT_LT(at(0.5).force.y, -0.1) << "N: towards the front";
   EXPECT_NEAR(at(0.5).depth, 0.006, 0.0005) << "m";
   EXPECT_GT(at(0.5).contacts, 3);
-  EXPECT_EQ(norm(at(0.98).force), 0) << "after it has gone";
+  EXPECT_EQ(norm(at(0.98).force), 0) << "after the release";
   const Pressed& pressed = pressed_body(all, {BodyKind::kLattice, 0});
   EXPECT_EQ(pressed.body.rest.size(), pressed.body.displacement.size());
   float deepest = 0;
   for (const Vec3 u : pressed.body.displacement) deepest = std::max(deepest, u.y);
-  EXPECT_NEAR(deepest, 0.006, 0.001) << "m: the surface that is drawn is where the tool is";
+  EXPECT_NEAR(deepest, 0.006, 0.001) << "m: the drawn surface lies on the tool";
   EXPECT_NEAR(pressed.force, norm(at(pressed.time).force), 1e-12) << "N";
 }
 
-TEST(LatticeBody, AGraspPullsTheSurfaceOut) {
+// A grasp pulls the surface out and releases it.
+TEST(LatticeSceneBody, GraspPullsSurface) {
   const char* grasp =
       "grasp = { at_fraction = [0.5, 0, 0.5], depth = 0.003, pull = 0.01, duration = 0.2, hold = 0.1 }\n";
   World world = block_world(Exec(2), touched_scene(fresh_folder(), grasp));
@@ -65,19 +67,20 @@ TEST(LatticeBody, AGraspPullsTheSurfaceOut) {
     pulled = std::max(pulled, world.tools[0].samples.back().force.y);
   }
   EXPECT_GT(pulled, 0.1) << "N: back into the body";
-  EXPECT_EQ(norm(world.tools[0].samples.back().force), 0) << "N: let go";
+  EXPECT_EQ(norm(world.tools[0].samples.back().force), 0) << "N: released";
 }
 
-TEST(LatticeBody, AFastToolIsFollowedInParts) {
+// A tool that moves 17 mm in a frame does not pass through the body.
+TEST(LatticeSceneBody, FastToolIsSubstepped) {
   const char* fast =
       "path = [[0, 0, -0.06, 0], [0.2, 0, -0.06, 0], [0.24, 0, -0.026, 0], [1, 0, -0.026, 0]]\n";
   World world = block_world(Exec(2), touched_scene(fresh_folder(), fast));
-  for (int frame = 0; frame < 30; frame++) ASSERT_TRUE(step(Exec(2), world));  // 17 mm in one of them
+  for (int frame = 0; frame < 30; frame++) ASSERT_TRUE(step(Exec(2), world));  // one of them moves 17 mm
   EXPECT_LT(world.tools[0].samples.back().force.y, -0.1) << "N: pushed out to the front, not through";
   EXPECT_LT(world.lattice_bodies[0].forces[0].largest_penetration, 1e-4) << "m";
 }
 
-/// Pressed, and cut after 0.3 s.
+/// A press, and a cut after 0.3 s.
 Scene cut_scene(const std::filesystem::path& folder, const std::string& solver = "") {
   const std::string cut =
       "skin = { tension = 5 }\n[incision.cut]\nbody = \"block\"\nfrom = [0.002, -0.02, -0.03]\n"
@@ -92,7 +95,8 @@ Scene cut_scene(const std::filesystem::path& folder, const std::string& solver =
   return *scene;
 }
 
-TEST(LatticeBody, EqualBitsOn1And2ThreadsAndACutOnTheWay) {
+// A press with a cut has the same bits on 1 and 2 threads.
+TEST(LatticeSceneBody, EqualBitsOnAnyThreads) {
   const Scene scene = cut_scene(fresh_folder());
   std::set<double> forces;
   std::set<std::uint64_t> hashes;
@@ -108,51 +112,52 @@ TEST(LatticeBody, EqualBitsOn1And2ThreadsAndACutOnTheWay) {
   EXPECT_GT(*forces.begin(), 0.01) << "N";
 }
 
-/// In place of a GPU: the host, in a shuffled order.
-TEST(LatticeBody, OneThatStepsElsewhereIsPressedAndCutAsItIsHere) {
-  const Scene scene = cut_scene(fresh_folder(), "solver = { schedule = \"colours\" }\n");
-  const auto run = [&](bool elsewhere) {
+// A lattice on a backend is pressed and cut as on the host. The backend is the host with shuffled order.
+TEST(LatticeSceneBody, BackendMatchesHost) {
+  const Scene scene = cut_scene(fresh_folder(), "solver = { ordering = \"colors\" }\n");
+  const auto run = [&](bool on_backend) {
     World world = block_world(Exec(2), scene);
     LatticeBody& body = world.lattice_bodies[0];
     body.model.params.solver.coarse = false;
-    if (elsewhere) body.state.step_on(lattice::put_on_host<lattice::SeededRun<1>>(body.model));
+    if (on_backend) body.state.use_backend(lattice::put_on_host<lattice::SeededRun<1>>(body.model));
     for (int frame = 0; frame < 20; frame++) EXPECT_TRUE(step(Exec(2), world));
     World copy = copy_of(world);
     for (int frame = 0; frame < 5; frame++) EXPECT_TRUE(step(Exec(2), world));
     for (int frame = 0; frame < 5; frame++) EXPECT_TRUE(step(Exec(2), copy));
-    EXPECT_EQ(state_hash(copy), state_hash(world)) << "elsewhere " << elsewhere;
+    EXPECT_EQ(state_hash(copy), state_hash(world)) << "on a backend: " << on_backend;
     EXPECT_GT(world.cuts[0].edges, 0);
     return world;
   };
-  const World here = run(false), there = run(true);
-  const lattice::State &a = here.lattice_bodies[0].state, &b = there.lattice_bodies[0].state;
+  const World host = run(false), device = run(true);
+  const lattice::State &a = host.lattice_bodies[0].state, &b = device.lattice_bodies[0].state;
   double most = 0, largest = 0;
-  for (std::size_t s = 0; s < a.u.x.size(); s++) {
-    most = std::max(most, double(norm(a.u[s] - b.u[s])));
-    largest = std::max(largest, double(norm(a.u[s])));
+  for (std::size_t s = 0; s < a.motion.u.x.size(); s++) {
+    most = std::max(most, double(norm(a.motion.u[s] - b.motion.u[s])));
+    largest = std::max(largest, double(norm(a.motion.u[s])));
   }
   EXPECT_GT(largest, 1e-3) << "m";
   EXPECT_LT(most, 1e-3 * largest) << "m: fused multiply-adds may differ";
-  ASSERT_EQ(a.virtual_nodes.size(), b.virtual_nodes.size());
-  EXPECT_GT(a.virtual_nodes.size(), 0u);
-  const Vec3d force = here.tools[0].samples.back().force;
+  ASSERT_EQ(a.motion.virtual_u.size(), b.motion.virtual_u.size());
+  EXPECT_GT(a.motion.virtual_u.size(), 0u);
+  const Vec3d force = host.tools[0].samples.back().force;
   EXPECT_GT(norm(force), 0.01) << "N";
-  EXPECT_LT(norm(there.tools[0].samples.back().force - force), 1e-3 * norm(force)) << "N";
+  EXPECT_LT(norm(device.tools[0].samples.back().force - force), 1e-3 * norm(force)) << "N";
 }
 
-TEST(LatticeBody, ABoxThatHoldsNothingIsToldWhereTheBodyIs) {
+// The error for an empty box of fixed nodes has the bounds of the body.
+TEST(LatticeSceneBody, EmptyFixedBoxNamesBodyBounds) {
   const std::filesystem::path folder = test::fresh_folder();
   const Scene scene = block_scene(folder, {"body.block.fixed={ box = [[1, 0, 0], [1.1, 0.1, 0.1]] }"});
   const Result<World> world = load_world(Exec(2), scene);
   ASSERT_FALSE(world);
-  EXPECT_NE(
-      world.error().message.find("body.block: fixed: nothing of the body lies in the box from (1, 0, 0) m "
-                                 "to (1.1, 0.1, 0.1) m; the body lies between ("),
-      std::string::npos)
+  EXPECT_NE(world.error().message.find("body.block: fixed: the box from (1, 0, 0) m to (1.1, 0.1, 0.1) m "
+                                       "contains no vertex of the body; the body is between ("),
+            std::string::npos)
       << world.error().message;
 }
 
-TEST(LatticeBody, OneLabelAloneIsHeldAtASideOfItsBox) {
+// A body of one label is cropped to it and fixed at a side of its box.
+TEST(LatticeSceneBody, LabelIsFixedAtSideOfItsBox) {
   Result<Scene> scene = parse_scene(
       "[body.liver]\nmodel = \"lattice\"\nct = { phantom = \"torso\", size = [64, 64, 40], spacing_mm = "
       "[6.3, 6.3, 7.6] }\n"
@@ -165,7 +170,7 @@ TEST(LatticeBody, OneLabelAloneIsHeldAtASideOfItsBox) {
   const auto tissue =
       std::count_if(body.ct.samples.begin(), body.ct.samples.end(), [](auto hu) { return hu > -449; });
   EXPECT_NEAR(double(tissue) * voxel, 1.4e-3, 0.4e-3) << "m³: a liver";
-  EXPECT_LT(body.ct.grid.size.x, 50) << "the CT is cut down to it";
+  EXPECT_LT(body.ct.grid.size.x, 50) << "the CT is cropped to the label";
   const Box box = body_box(body.model);
   const Int3 size = body.model.lattice.size;
   for (int k = 0; k < size.z; k++)

@@ -1,5 +1,5 @@
-// Between the lips of a wound there is no skin: a triangle of the drawn surface lies on one side of a blade,
-// also where the CT's skin lies beyond the lattice's tissue, which is then all on the other side.
+// Drawn skin at a wound. A triangle lies on one side of the blade, even if the CT's skin lies beyond the
+// lattice's tissue and all nodes are on the other side.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 namespace turgor {
 namespace {
 
-/// A torso whose nodes are its voxels, cut across at a height, in fractions of its box.
+/// A torso with one node per voxel, cut across at a height in fractions of its box.
 LatticeBody cut_torso(double height, double bow) {
   const auto folder = test::fresh_folder();
   test::write(folder / "scene.toml",
@@ -28,22 +28,23 @@ LatticeBody cut_torso(double height, double bow) {
 }
 
 void expect_no_bridge(const LatticeBody& body) {
-  const lattice::BodySurface surface = build_surface(body.model, *body.state, &body.ct);
-  const auto apart = [&](int a, int b) {
+  const lattice::BodySurface surface = build_surface(body.model, body.state.cuts(), &body.ct);
+  const auto lip_distance = [&](int a, int b) {
     return norm(Vec3d(vertex_displacement(body.model, *body.state, surface, a) -
                       vertex_displacement(body.model, *body.state, surface, b)));
   };
   double gape = 0, most = 0;
-  for (const lattice::Lip& lip : surface.lips) gape = std::max(gape, apart(lip.left, lip.right));
+  for (const lattice::Lip& lip : surface.lips) gape = std::max(gape, lip_distance(lip.left, lip.right));
   for (int t = 0; t < surface.skin_triangles; t++) {
     const Int3 v = surface.triangles[std::size_t(t)];
-    for (int c = 0; c < 3; c++) most = std::max(most, apart(v[c], v[(c + 1) % 3]));
+    for (int c = 0; c < 3; c++) most = std::max(most, lip_distance(v[c], v[(c + 1) % 3]));
   }
   EXPECT_GT(gape, 0.008);
   EXPECT_LT(most, 0.55 * gape) << "m, the largest stretch of a triangle's side";
 }
 
-TEST(LatticeSkinOfCuts, NoneBridgesAWoundWhereTheCtsSkinLiesBeyondTheNodes) {
+// No triangle bridges a wound, even if the CT's skin lies beyond the nodes.
+TEST(SkinOfCuts, NoTriangleBridgesWound) {
   for (const double height : {0.45, 0.5}) {
     SCOPED_TRACE(height);
     expect_no_bridge(cut_torso(height, 0));

@@ -1,5 +1,5 @@
-// A ball of tissue made from its surface and pressed to a place that the mesh does not know of: what a coarse
-// mesh's sides do to the depth and to the force.
+// A ball of tissue, meshed from its surface and pressed at a point unrelated to the mesh. The test bounds the
+// error of a coarse mesh in depth and force.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRadius = 0.05, kTool = 0.015, kDeep = 0.004;  // [m]
 
-/// One press from above at right angles to a direction's tilt about y [rad].
+/// One press along the surface normal that is tilted about y [rad].
 std::string ball_scene_text(double size, double tilt) {
   const Vec3d outward{std::sin(tilt), 0, std::cos(tilt)};
   const Vec3d from = outward * (kRadius + kTool + 0.0005), to = outward * (kRadius + kTool - kDeep);
@@ -39,7 +39,8 @@ ForceSample pressed(double size, double tilt) {
   return world.tools[0].samples.back();
 }
 
-TEST(CurvedBall, ACoarseMeshIsPressedAsDeepAsTheToolWentAndAnswersAsAFineOne) {
+// A coarse ball has the tool's depth and the force of a fine mesh.
+TEST(CurvedBall, CoarseMeshMatchesFineForce) {
   for (const double tilt : {0.0, 0.6}) {
     const double fine = norm(pressed(0.0135, tilt).force);
     for (const double size : {0.03, 0.02}) {

@@ -35,7 +35,8 @@ sfem::Model computed(sfem::Precision precision = sfem::Precision::kSingle) {
   return model;
 }
 
-TEST(GreenCache, WhatIsReadIsWhatWasWrittenToTheBit) {
+// A cache file is read back bit for bit.
+TEST(GreenCache, RoundTripKeepsBits) {
   const fs::path file = test::fresh_folder() / "deep" / "green.h5";
   for (const auto precision : {sfem::Precision::kSingle, sfem::Precision::kDouble}) {
     const sfem::Model model = computed(precision);
@@ -49,40 +50,44 @@ TEST(GreenCache, WhatIsReadIsWhatWasWrittenToTheBit) {
   EXPECT_EQ(test::names_in(file.parent_path()), std::set<std::string>{"green.h5"});
 }
 
-TEST(GreenCache, OnAFullDiskNothingIsKeptAndTheEarlierFileStays) {
+// On a full disk the write fails and the earlier file remains.
+TEST(GreenCache, FullDiskKeepsEarlierFile) {
   const fs::path folder = test::fresh_folder(), file = folder / "green.h5";
   const sfem::Model model = computed();
   test::write(file, "earlier");
   for (const rlim_t bytes : {100, 3000, 30000})
     EXPECT_TRUE(test::on_a_small_disk(bytes, [&] {
-      const Status kept = write_green(file, model);
-      return !kept && kept.error().message.find("cannot") != std::string::npos;
+      const Status written = write_green(file, model);
+      return !written && written.error().message.find("cannot") != std::string::npos;
     })) << bytes;
   EXPECT_EQ(test::bytes_of(file), "earlier");
   EXPECT_EQ(test::names_in(folder), std::set<std::string>{"green.h5"});
 }
 
-TEST(GreenCache, NoFileIsNoReasonForANote) {
+// A missing cache file adds no note.
+TEST(GreenCache, MissingFileAddsNoNote) {
   sfem::Model model = built();
   const CachedGreen cached = read_green(test::fresh_folder() / "none.h5", model);
   EXPECT_FALSE(cached.found);
   EXPECT_EQ(cached.note, "");
 }
 
-TEST(GreenCache, TheCacheOfAnotherBodyIsNamedAndNotUsed) {
+// The cache of another body is named and not used.
+TEST(GreenCache, RejectsOtherBody) {
   const fs::path file = test::fresh_folder() / "green.h5";
   const sfem::Model model = computed();
   ASSERT_TRUE(write_green(file, model));
   sfem::Model stiffer = built(2e4);
   const CachedGreen cached = read_green(file, stiffer);
   EXPECT_FALSE(cached.found);
-  EXPECT_EQ(cached.note, file.string() + ": it belongs to another body: expected content " +
+  EXPECT_EQ(cached.note, file.string() + ": it is of another body: expected content " +
                              hash_text(sfem::content_hash(stiffer)) + ", found " +
-                             hash_text(sfem::content_hash(model)) + "; computed anew");
+                             hash_text(sfem::content_hash(model)) + "; recomputed");
   EXPECT_TRUE(stiffer.green.single_values.empty());
 }
 
-TEST(GreenCache, ForeignFilesAreNamed) {
+// Foreign files are named and not used.
+TEST(GreenCache, RejectsForeignFiles) {
   const fs::path file = test::fresh_folder() / "green.h5";
   sfem::Model model = built();
   ASSERT_TRUE(write_file(file, "not at all"));
@@ -96,7 +101,8 @@ TEST(GreenCache, ForeignFilesAreNamed) {
   EXPECT_NE(read_green(file, model).note.find("found another HDF5 file"), std::string::npos);
 }
 
-TEST(GreenCache, DamagedAndCutOffFilesAreNeverUsed) {
+// Truncated files and files with a changed byte are never used.
+TEST(GreenCache, RejectsDamagedFiles) {
   const fs::path file = test::fresh_folder() / "green.h5";
   ASSERT_TRUE(write_green(file, computed()));
   const std::string whole = read_file(file).value();
@@ -120,7 +126,8 @@ TEST(GreenCache, DamagedAndCutOffFilesAreNeverUsed) {
   EXPECT_EQ(noted, 119);
 }
 
-TEST(GreenCache, HundredsOfMutationsAnywhereInTheFileNeverGiveWrongValuesNorEndTheProgram) {
+// Random mutations of a file never yield wrong values and never crash.
+TEST(GreenCache, MutationsNeverYieldWrongValues) {
   const fs::path file = test::fresh_folder() / "green.h5";
   const sfem::Model right = computed();
   ASSERT_TRUE(write_green(file, right, "scene.toml: body.x"));
@@ -130,7 +137,7 @@ TEST(GreenCache, HundredsOfMutationsAnywhereInTheFileNeverGiveWrongValuesNorEndT
   for (int n = 0; n < 400; n++) {
     std::string bytes = whole;
     const std::size_t header =
-        std::min<std::size_t>(whole.size(), 4096);  // half of them where HDF5 keeps its books
+        std::min<std::size_t>(whole.size(), 4096);  // half of them in the metadata of HDF5
     for (std::size_t k = 0; k <= up_to(6); k++) bytes[up_to(n % 2 ? header : bytes.size())] = char(random());
     if (n % 10 == 0) bytes.resize(up_to(bytes.size()));
     ASSERT_TRUE(write_file(file, bytes));
@@ -145,12 +152,13 @@ TEST(GreenCache, HundredsOfMutationsAnywhereInTheFileNeverGiveWrongValuesNorEndT
   }
 }
 
-TEST(GreenCache, FoldersLinksAndForeignFilesAreNamedAndLeftAlone) {
+// Folders, links and foreign files in the cache folder are listed and never removed.
+TEST(GreenCache, KeepsFoldersLinksAndForeignFiles) {
   const fs::path folder = test::fresh_folder();
   const sfem::Model model = computed();
   const fs::path ours = folder / "green-0123456789abcdef.h5", other = folder / "green-0000000000000000.h5";
   ASSERT_TRUE(write_green(ours, model, "scene.toml:3: body.x"));
-  fs::create_directory(other);  // a folder in place of the file
+  fs::create_directory(other);  // a folder with the name of a cache file
   ASSERT_TRUE(write_file(folder / "green-1111111111111111.h5", "not at all"));  // damaged
   ASSERT_TRUE(write_file(folder / "thesis.txt", "work"));                       // foreign
   ASSERT_TRUE(write_file(folder / "elsewhere", "precious"));
@@ -172,7 +180,8 @@ TEST(GreenCache, FoldersLinksAndForeignFilesAreNamedAndLeftAlone) {
   EXPECT_FALSE(list_cache(folder / "thesis.txt"));
 }
 
-TEST(GreenCache, WhatWasNotUsedForLongestGoesAndNeverTheFileJustUsed) {
+// Trimming removes the least recently used files and never the current one.
+TEST(GreenCache, TrimRemovesLeastRecentlyUsed) {
   const fs::path folder = test::fresh_folder();
   const sfem::Model model = computed();
   std::vector<fs::path> files;
@@ -183,18 +192,19 @@ TEST(GreenCache, WhatWasNotUsedForLongestGoesAndNeverTheFileJustUsed) {
                         fs::file_time_type::clock::now() - std::chrono::hours(10 - int(files.size())));
   }
   sfem::Model again = built();
-  ASSERT_TRUE(read_green(files[0], again).found);  // the oldest is used now
+  ASSERT_TRUE(read_green(files[0], again).found);  // marks the oldest as used
   const std::uintmax_t one = fs::file_size(files[0]);
   const std::vector<CacheFile> removed = trim_cache(folder, 2 * one, files[1]);
   ASSERT_EQ(removed.size(), 2u);
-  EXPECT_EQ(removed[0].file, files[2]) << "the oldest but the one to be kept";
+  EXPECT_EQ(removed[0].file, files[2]) << "the oldest except the current file";
   EXPECT_EQ(removed[1].file, files[3]);
   EXPECT_TRUE(fs::exists(files[0]) && fs::exists(files[1]));
   EXPECT_EQ(trim_cache(folder, 0, files[1]).size(), 1u);
-  EXPECT_TRUE(fs::exists(files[1])) << "alone above the limit, it stays";
+  EXPECT_TRUE(fs::exists(files[1])) << "the current file stays even above the limit";
 }
 
-TEST(GreenCache, ARunKeepsTheCacheWithinTheLimitAndALimitThatIsNoneIsNamed) {
+// A run keeps the cache below its limit; invalid limits are refused.
+TEST(GreenCache, RunRespectsLimit) {
   const fs::path folder = test::fresh_folder();
   const Exec exec(1);
   setenv("TURGOR_CACHE_LIMIT", "0.000001", 1);
@@ -202,7 +212,7 @@ TEST(GreenCache, ARunKeepsTheCacheWithinTheLimitAndALimitThatIsNoneIsNamed) {
   const World second = test::sfem_world(exec, test::body_scene(folder, "", {"body.pad.young=6e3"}));
   EXPECT_EQ(test::names_in(folder / "cache").size(), 1u);
   ASSERT_FALSE(second.sfem_bodies[0].facts.notes.empty());
-  EXPECT_NE(second.sfem_bodies[0].facts.notes[0].find("1 files of"), std::string::npos);
+  EXPECT_NE(second.sfem_bodies[0].facts.notes[0].find("1 least recently used files of"), std::string::npos);
   EXPECT_TRUE(fs::exists(second.sfem_bodies[0].facts.cache_file));
   for (const char* text : {"many", "-1", "nan", "1e300", "3 GB"}) {
     setenv("TURGOR_CACHE_LIMIT", text, 1);
@@ -212,7 +222,8 @@ TEST(GreenCache, ARunKeepsTheCacheWithinTheLimitAndALimitThatIsNoneIsNamed) {
   EXPECT_EQ(*cache_limit(), std::uintmax_t(10e9));
 }
 
-TEST(GreenCache, ValuesThatAreWholeButWrongAreFoundByTheBody) {
+// Wrong values with valid checksums are detected against the body.
+TEST(GreenCache, DetectsWrongValues) {
   const fs::path file = test::fresh_folder() / "green.h5";
   sfem::Model model = computed();
   model.green.single_values[model.green.single_values.size() / 2] *= 1.01f;  // the file's checksums agree
@@ -220,10 +231,11 @@ TEST(GreenCache, ValuesThatAreWholeButWrongAreFoundByTheBody) {
   sfem::Model again = built();
   const CachedGreen cached = read_green(file, again);
   EXPECT_FALSE(cached.found);
-  EXPECT_NE(cached.note.find("computed anew"), std::string::npos) << cached.note;
+  EXPECT_NE(cached.note.find("recomputed"), std::string::npos) << cached.note;
 }
 
-TEST(GreenCache, AWorldComputesOnceAndRebuildsWhatIsDamaged) {
+// A world reads its cache and recomputes a damaged file.
+TEST(GreenCache, WorldRebuildsDamagedFile) {
   const fs::path folder = test::fresh_folder();
   const Scene scene = test::body_scene(folder);
   const Exec exec(1);
@@ -236,7 +248,7 @@ TEST(GreenCache, AWorldComputesOnceAndRebuildsWhatIsDamaged) {
   const World third = test::sfem_world(exec, scene);
   EXPECT_FALSE(third.sfem_bodies[0].facts.from_cache);
   ASSERT_EQ(third.sfem_bodies[0].facts.notes.size(), 1u);
-  EXPECT_NE(third.sfem_bodies[0].facts.notes[0].find("computed anew"), std::string::npos);
+  EXPECT_NE(third.sfem_bodies[0].facts.notes[0].find("recomputed"), std::string::npos);
   EXPECT_TRUE(test::sfem_world(exec, scene).sfem_bodies[0].facts.from_cache);
 }
 

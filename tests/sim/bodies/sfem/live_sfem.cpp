@@ -1,4 +1,4 @@
-// A hand on a thread of its own, while another one makes the frames.
+// A haptic thread, while another thread computes the frames.
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -10,17 +10,16 @@
 namespace turgor {
 namespace {
 
-/// The force on a tool after it has done what its path says until `end`, ticked by a thread that waits for
-/// nobody.
+/// Forces on a tool that follows its path until `end`, ticked by a thread that never blocks.
 struct LiveHand {
   const SfemBody& body;
   contact::SfemTouch& touch;
   contact::SfemExchange& exchange;
-  TouchingTool tool;  // its own
+  TouchingTool tool;  // a copy
   TouchLog log;
-  double steepest = 0;  // [N a tick]
+  double steepest = 0;  // [N per tick]
   std::atomic<bool> done = false;
-  // However slow the machine: the hand is at most a frame ahead of the frames, and they never of the hand.
+  // On a slow machine, too, the hand is at most one frame ahead, and the frames are never ahead of the hand.
   std::atomic<long> ticks = 0, frames = 0;
 
   void run(double end) {
@@ -29,7 +28,7 @@ struct LiveHand {
     Vec3d before;
     for (long i = 1; double(i) * kTick <= end; i++) {
       const contact::ToolCommand command = next_command(tool, double(i) * kTick);
-      contact::tick(touch, exchange, std::span(&command, 1), kTick, readings);
+      contact::tick_with_exchange(touch, exchange, std::span(&command, 1), kTick, readings);
       log.append(sample_of(double(i) * kTick, command, readings[0]));
       if (i > 1) steepest = std::max(steepest, norm(readings[0].force - before));
       before = readings[0].force;
@@ -47,7 +46,7 @@ void expect_like_offline(const std::string& keys, const std::vector<std::string>
   std::vector<Pressed> pressed = make_pressed(offline);
   for (int frame = 0; frame < 18; frame++) {
     ASSERT_TRUE(step(Exec(1), offline));
-    look_at_pressed(Exec(1), offline, pressed);
+    update_pressed(Exec(1), offline, pressed);
   }
 
   SfemBody& body = live.sfem_bodies[0];
@@ -70,30 +69,33 @@ void expect_like_offline(const std::string& keys, const std::vector<std::string>
   haptic_thread.join();
   make_frame(Exec(1), body, kEnd, kFrame, exchange);
 
-  ASSERT_EQ(hand.log.size(), 300u) << "no tick is left out";
+  ASSERT_EQ(hand.log.size(), 300u) << "no tick is skipped";
   EXPECT_EQ(hand.log.missed(), 0u);
   EXPECT_EQ(pictures, hand.frames);
-  EXPECT_GE(body.touch.taken, 2) << "the patch followed";
+  EXPECT_GE(body.touch.patch_number, 2) << "the patch followed";
   const auto &samples = offline.tools[0].samples, &haptic = hand.log;
   const double largest = pressed[0].force;
   double off = 0;
   for (std::size_t i = 0; i < 295; i++) off = std::max(off, norm(samples[i].force - haptic[i].force));
   std::printf("%ld patches, %ld frames; largest %.4f N, apart by up to %.4f N, %.4f N a tick\n",
-              body.touch.taken, long(hand.frames), largest, off, hand.steepest);
-  // Patches come when they are ready, not at a tick that is fixed in advance: one that comes a frame later
-  // finds the tool beyond the old one. Its jump is blended in, by no more than this in a tick.
+              body.touch.patch_number, long(hand.frames), largest, off, hand.steepest);
+  // Patches start when they are ready, not at a fixed tick. If one starts a frame late, the tool is beyond
+  // the old one. Its jump is blended in, by at most this much per tick.
   EXPECT_LT(off, 0.4 * largest);
   EXPECT_LT(hand.steepest, 0.1 * largest + contact::FollowParams().largest_step);
-  EXPECT_LE(body.patches.size(), std::size_t(body.touch.taken) + 1);
+  EXPECT_LE(body.patches.size(), std::size_t(body.touch.patch_number) + 1);
 }
 
-TEST(LiveSfem, a_hand_on_its_own_thread_feels_what_a_run_feels) { expect_like_offline("", {}); }
+// A haptic thread receives the forces of an offline run.
+TEST(LiveSfem, HapticThreadMatchesOfflineRun) { expect_like_offline("", {}); }
 
-TEST(LiveSfem, also_while_another_thread_turns_the_body_and_fetches_columns) {
+// This also holds while another thread updates rotations and computes columns on demand.
+TEST(LiveSfem, HapticThreadMatchesRotatingBody) {
   expect_like_offline("rotations = true\n", {"body.pad.memory=0.004"});
 }
 
-TEST(LiveSfem, a_patch_that_nobody_holds_any_more_is_let_go) {
+// Patches that are no longer in use are freed.
+TEST(LiveSfem, UnusedPatchesAreFreed) {
   World world = test::sfem_world(Exec(1), test::body_scene(test::fresh_folder()));
   for (int frame = 0; frame < 18; frame++) ASSERT_TRUE(step(Exec(1), world));
   const SfemBody& body = world.sfem_bodies[0];

@@ -16,13 +16,15 @@ int held_count(const HeldBy& held) {
   return std::accumulate(fixed.begin(), fixed.end(), 0);
 }
 
-TEST(OrganBody, SidesHoldATenthOfTheBoxOrWhatIsAskedFor) {
+// A side fixes the nodes within the given fraction of the box.
+TEST(MakeBody, SidesFixRequestedDepth) {
   EXPECT_EQ(held_count({.sides = {Side::kFeet}, .depth = 0}), 11 * 11);
   EXPECT_EQ(held_count({.sides = {Side::kBack}, .depth = 0.1}), 2 * 11 * 6);
   EXPECT_EQ(held_count({.sides = {Side::kLeft, Side::kRight}, .depth = 0}), 2 * 11 * 6);
 }
 
-TEST(OrganBody, ABoxHoldsWhatIsInIt) {
+// A box fixes the nodes in it, in meters or in fractions.
+TEST(MakeBody, BoxFixesContainedNodes) {
   HeldBy held;
   held.box = {{{-1, -1, -1}, {0.0251, 1, 1}}};
   EXPECT_EQ(held_count(held), 3 * 11 * 6);
@@ -31,7 +33,8 @@ TEST(OrganBody, ABoxHoldsWhatIsInIt) {
   EXPECT_EQ(held_count(held), 11 * 6);
 }
 
-TEST(OrganBody, LabelsAndSpheresBecomeMaterials) {
+// Labels and spheres become materials of the body.
+TEST(MakeBody, LabelsAndSpheresBecomeMaterials) {
   SolidMesh mesh = block();
   mesh.regions.assign(element_count(mesh), 5);
   mesh.regions[7] = 200;
@@ -51,24 +54,26 @@ TEST(OrganBody, LabelsAndSpheresBecomeMaterials) {
   EXPECT_NEAR(norm(body->inclusions[0].center - Vec3d{0.05, 0.05, 0.025}), 0, 1e-12);
 }
 
-TEST(OrganBody, MaterialsThatNoElementHasAreErrors) {
+// Materials without elements are errors.
+TEST(MakeBody, RejectsMaterialsWithoutElements) {
   SolidMesh mesh = block();
   mesh.regions.assign(element_count(mesh), 5);
   SfemScene scene;
-  scene.place = "s.toml:3:1: body.b";
+  scene.source_location = "s.toml:3:1: body.b";
   scene.inside = {{"nodule", 200, {4e4, 0.4}}};
   EXPECT_EQ(make_body(mesh, scene).error().message,
-            "s.toml:3:1: body.b.inside.nodule: no element has the label 200; there are: 5");
+            "s.toml:3:1: body.b.inside.nodule: no element has the label 200; known labels: 5");
   scene.inside.clear();
   scene.inclusions = {
       {.name = "far", .center = {1, 1, 1}, .by_fraction = false, .radius = 0.01, .material = {1, 0.3}}};
-  EXPECT_NE(make_body(mesh, scene).error().message.find("body.b.inclusion.far: no element has its middle in"),
+  EXPECT_NE(make_body(mesh, scene).error().message.find("body.b.inclusion.far: no element has its center in"),
             std::string::npos);
 }
 
-TEST(OrganBody, AnInclusionOffTheBodyIsToldWhereTheBodyIs) {
+// The error for an inclusion outside of the body has the bounds of the body.
+TEST(MakeBody, OutsideInclusionNamesBodyBounds) {
   SfemScene scene;
-  scene.place = "s.toml:3:1: body.b";
+  scene.source_location = "s.toml:3:1: body.b";
   scene.inclusions = {{.name = "far",
                        .center = {0.05, 0.05, 0.35},
                        .by_fraction = false,
@@ -76,29 +81,31 @@ TEST(OrganBody, AnInclusionOffTheBodyIsToldWhereTheBodyIs) {
                        .material = {1, 0.3}}};
   const Result<sfem::Body> body = make_body(block(), scene);
   ASSERT_FALSE(body);
-  EXPECT_NE(
-      body.error().message.find("; the body lies between (0, 0, 0) m and (0.1, 0.1, 0.05) m; its nearest "
-                                "point, (0.05, 0.05, 0.05) m, is 0.3 m away"),
-      std::string::npos)
+  EXPECT_NE(body.error().message.find("; the body is between (0, 0, 0) m and (0.1, 0.1, 0.05) m; its nearest "
+                                      "point, (0.05, 0.05, 0.05) m, is 0.3 m away"),
+            std::string::npos)
       << body.error().message;
 }
 
-TEST(OrganBody, ABoxThatHoldsNothingIsToldWhereTheBodyIs) {
+// The error for an empty box of fixed nodes has the bounds of the body.
+TEST(MakeBody, EmptyFixedBoxNamesBodyBounds) {
   SfemScene scene;
-  scene.place = "s.toml:3:1: body.b";
+  scene.source_location = "s.toml:3:1: body.b";
   scene.fixed.box = {{{0, 0, 0.2}, {0.1, 0.1, 0.3}}};
   const Result<sfem::Body> body = make_body(block(), scene);
   ASSERT_FALSE(body);
   EXPECT_EQ(
       body.error().message,
-      "s.toml:3:1: body.b: fixed: nothing of the body lies in the box from (0, 0, 0.2) m to (0.1, 0.1, 0.3) "
-      "m; the body lies between (0, 0, 0) m and (0.1, 0.1, 0.05) m; its nearest point, (0.05, 0.05, 0.05) "
+      "s.toml:3:1: body.b: fixed: the box from (0, 0, 0.2) m to (0.1, 0.1, 0.3) m contains no vertex of "
+      "the body; the body is between (0, 0, 0) m and (0.1, 0.1, 0.05) m; its nearest point, (0.05, 0.05, "
+      "0.05) "
       "m, is 0.2 m away");
   scene.fixed = {.sides = {Side::kFeet}, .depth = 0};
   EXPECT_TRUE(make_body(block(), scene));
 }
 
-TEST(OrganBody, TetrahedraGetMiddlesOfTheirEdgesWhereElementsAreQuadraticAndHexahedraStayAsTheyAre) {
+// Quadratic elements add mid-edge nodes to tetrahedra and leave hexahedra unchanged.
+TEST(MakeBody, QuadraticAddsMidNodesToTetrahedra) {
   SfemScene scene;
   scene.elements = Elements::kQuadratic;
   EXPECT_EQ(make_body(block(), scene)->mesh.corners, 8);

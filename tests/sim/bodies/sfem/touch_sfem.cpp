@@ -31,14 +31,15 @@ BodySnapshot shown_now(const Exec& exec, const World& world) {
   return snapshot;
 }
 
-/// That its tool felt [N].
+/// Largest force on the tool [N].
 double largest_force(const World& world) {
   double largest = 0;
   for (const ForceSample& s : world.tools[0].samples) largest = std::max(largest, norm(s.force));
   return largest;
 }
 
-TEST(TouchOrgan, TicksAreMillisecondsWhateverTheFrameRate) {
+// Ticks are milliseconds at any frame rate.
+TEST(TouchSfem, TicksAreMilliseconds) {
   const auto folder = test::fresh_folder();
   for (const char* rate : {"60", "77", "1000"}) {
     const World world = run_world(
@@ -51,7 +52,8 @@ TEST(TouchOrgan, TicksAreMillisecondsWhateverTheFrameRate) {
   }
 }
 
-TEST(TouchOrgan, ForceStartsAtTheSurfaceGrowsWithDepthAndEndsAboveIt) {
+// The force starts at the surface, grows with depth and vanishes above it.
+TEST(TouchSfem, ForceGrowsWithDepth) {
   const World world = run_world(Exec(1), body_scene(test::fresh_folder()));
   const auto& samples = world.tools[0].samples;
   double before = 0, largest = 0;
@@ -66,16 +68,17 @@ TEST(TouchOrgan, ForceStartsAtTheSurfaceGrowsWithDepthAndEndsAboveIt) {
     largest = std::max(largest, s.depth);
   }
   EXPECT_NEAR(largest, 0.003, 1e-4);
-  // Hertz says 0.101 N for a ball of 6 mm pressed by 3 mm; the mesh is coarse, with a patch of 3.75 mm.
+  // Hertz predicts 0.101 N for a ball of 6 mm pressed by 3 mm; the mesh is coarse, with a patch of 3.75 mm.
   EXPECT_NEAR(before, 0.1, 0.03);
   EXPECT_GT(world.sfem_bodies[0].rebuilds.size(), 1u) << "the patch follows";
 }
 
-TEST(TouchOrgan, APatchIsTakenThreeTicksAfterItIsWantedAndTicksGoOnMeanwhile) {
+// A new patch starts a fixed number of ticks after its request, and no tick is skipped.
+TEST(TouchSfem, NewPatchStartsAfterFixedTicks) {
   World world = sfem_world(Exec(1), body_scene(test::fresh_folder()));
   SfemBody& body = world.sfem_bodies[0];
   touch_body(Exec(1), body, world.tools, 0, 0.1);  // pressed
-  body.centers[0].x += 0.02;                       // far from where it touches
+  body.centers[0].x += 0.02;                       // far from the contact
   const std::size_t before = body.rebuilds.size(), ticks = world.tools[0].samples.size();
   touch_body(Exec(1), body, world.tools, 0.1, 0.11);
   ASSERT_EQ(body.rebuilds.size(), before + 1);
@@ -84,11 +87,12 @@ TEST(TouchOrgan, APatchIsTakenThreeTicksAfterItIsWantedAndTicksGoOnMeanwhile) {
   ASSERT_EQ(samples.size(), ticks + 10);
   for (std::size_t i = ticks; i < samples.size(); i++) {
     EXPECT_EQ(samples[i].new_patch, i == ticks + std::size_t(kPatchTicks));
-    EXPECT_GT(norm(samples[i].force), 0.05) << "no tick is left out";
+    EXPECT_GT(norm(samples[i].force), 0.05) << "no tick is skipped";
   }
 }
 
-TEST(TouchOrgan, TheSameBitsOnOneTwoAndEightThreads) {
+// The world has the same bits on 1, 2 and 8 threads.
+TEST(TouchSfem, EqualBitsOnAnyThreads) {
   const auto folder = test::fresh_folder();
   std::set<std::uint64_t> hashes;
   for (const int threads : {1, 2, 8})
@@ -96,12 +100,13 @@ TEST(TouchOrgan, TheSameBitsOnOneTwoAndEightThreads) {
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(TouchOrgan, ColumnsOnDemandFeelLikeAllOfThem) {
+// Columns computed on demand yield the forces of the full matrix.
+TEST(TouchSfem, ColumnsOnDemandMatchDense) {
   const auto folder = test::fresh_folder();
   const World dense = run_world(Exec(1), body_scene(folder, "", {"body.pad.cache=false"}));
   const World demand = run_world(Exec(1), body_scene(folder, "", {"body.pad.memory=0.004"}));
   ASSERT_TRUE(demand.sfem_bodies[0].facts.on_demand);
-  EXPECT_NE(demand.sfem_bodies[0].facts.notes[0].find("their columns are computed where the tools are"),
+  EXPECT_NE(demand.sfem_bodies[0].facts.notes[0].find("their columns are computed on demand at the tools"),
             std::string::npos);
   const auto &a = dense.tools[0].samples, &b = demand.tools[0].samples;
   ASSERT_EQ(a.size(), b.size());
@@ -112,7 +117,8 @@ TEST(TouchOrgan, ColumnsOnDemandFeelLikeAllOfThem) {
 /// Force at the end of the press, when the tool has just stopped [N].
 double pressed_force(const World& world) { return norm(world.tools[0].samples[99].force); }
 
-TEST(TouchOrgan, ViscousTissueResistsAFastPressAndThenRelaxes) {
+// Viscous tissue resists a fast press and then relaxes.
+TEST(TouchSfem, ViscousTissueRelaxes) {
   const auto folder = test::fresh_folder();
   const World elastic = run_world(Exec(1), body_scene(folder, "", {"world.duration=0.15"}));
   const World viscous = run_world(
@@ -120,14 +126,15 @@ TEST(TouchOrgan, ViscousTissueResistsAFastPressAndThenRelaxes) {
   EXPECT_GT(pressed_force(viscous), 1.2 * pressed_force(elastic));
   EXPECT_LT(pressed_force(viscous), 2 * pressed_force(elastic));
   EXPECT_LT(norm(viscous.tools[0].samples.back().force), 0.9 * pressed_force(viscous));
-  // The surface that is shown lies where the patch does: the coarse part has the memory, too.
+  // The displayed surface lies on the patch: the coarse solution has the viscous history, too.
   const BodySnapshot surface = shown_now(Exec(1), viscous);
   double lowest = 0;
   for (const Vec3 u : surface.displacement) lowest = std::min(lowest, double(u.z));
   EXPECT_NEAR(lowest, -0.003, 3e-4);
 }
 
-TEST(TouchOrgan, CorrectedRotationsChangeASmallPressLittle) {
+// Corotation changes the force of a small press only slightly.
+TEST(TouchSfem, RotationsChangeSmallPressLittle) {
   const auto folder = test::fresh_folder();
   const World plain = run_world(Exec(1), body_scene(folder, "", {"world.duration=0.15"}));
   const World turned = run_world(Exec(1), body_scene(folder, "rotations = true\n", {"world.duration=0.15"}));
@@ -137,7 +144,8 @@ TEST(TouchOrgan, CorrectedRotationsChangeASmallPressLittle) {
   EXPECT_NEAR(pressed_force(turned), pressed_force(plain), 0.25 * pressed_force(plain));
 }
 
-TEST(TouchOrgan, WhatIsHeldIsPulledWithTheTool) {
+// Held tissue is pulled with the tool until its release.
+TEST(TouchSfem, HeldTissueIsPulled) {
   const auto folder = test::fresh_folder();
   std::string text = test::sfem_scene_text("cache = false\n");
   const std::size_t press = text.find("press = {"), end = text.find('\n', press);
@@ -151,10 +159,11 @@ TEST(TouchOrgan, WhatIsHeldIsPulledWithTheTool) {
   const auto& samples = world.tools[0].samples;
   EXPECT_GT(samples[99].force.z, 0.01) << "pressed";
   EXPECT_LT(samples[299].force.z, -0.01) << "pulled";
-  EXPECT_LT(norm(samples.back().force), 1e-3) << "let go";
+  EXPECT_LT(norm(samples.back().force), 1e-3) << "released";
 }
 
-TEST(TouchOrgan, TheShownSurfaceIsClosedAndLiesOnTheTool) {
+// The displayed surface is closed and lies on the tool.
+TEST(TouchSfem, SurfaceIsClosedAndLiesOnTool) {
   const Exec exec(1);
   const Scene scene = body_scene(test::fresh_folder(), "", {"world.duration=0.12"});
   const World world = run_world(exec, scene);
@@ -167,18 +176,19 @@ TEST(TouchOrgan, TheShownSurfaceIsClosedAndLiesOnTheTool) {
     EXPECT_EQ(count, 1);
     open += !edges.contains({edge.second, edge.first});
   }
-  // Where the patch ends, a coarse edge meets the parts of it: those do not close, all others do.
+  // At the border of the patch, a coarse edge meets its refined edges. Those do not match, all others do.
   EXPECT_LT(open, int(edges.size()) / 6);
   const contact::ToolPose& pose = world.sfem_bodies[0].now.poses[0];
   double nearest = 1;
   for (std::size_t v = 0; v < surface.rest.size(); v++)
     nearest = std::min(nearest, norm(Vec3d(surface.rest[v] + surface.displacement[v]) - pose.pose.position));
-  EXPECT_NEAR(nearest, 0.006, 1e-4) << "no vertex is inside of the ball, some touch it";
+  EXPECT_NEAR(nearest, 0.006, 1e-4) << "no vertex is inside the ball, some touch it";
 }
 
-TEST(TouchOrgan, AFinerSurfaceIsCarriedAlong) {
+// A finer embedded surface follows the body and its patch.
+TEST(TouchSfem, EmbeddedSurfaceFollows) {
   const auto folder = test::fresh_folder();
-  // The pad's own top as two triangles a square of 2.5 mm.
+  // The pad's own top as two triangles per square of 2.5 mm.
   std::string obj;
   for (int j = 0; j <= 24; j++)
     for (int i = 0; i <= 24; i++)
@@ -203,10 +213,10 @@ TEST(TouchOrgan, AFinerSurfaceIsCarriedAlong) {
     deepest_inside = std::max(deepest_inside, 0.006 - norm(x - ball));
   }
   EXPECT_NEAR(lowest, -0.003, 5e-4) << "the dent is as deep as the press";
-  EXPECT_LT(deepest_inside, 1e-3) << "and follows the patch around the ball";
+  EXPECT_LT(deepest_inside, 1e-3) << "the surface follows the patch around the ball";
 }
 
-/// Twelve frames with a snapshot at the start, in the middle and at the end.
+/// Twelve frames with snapshots at the start, in the middle and at the end.
 struct Recorded {
   WorldSnapshot snapshot;
   std::vector<Pressed> pressed;
@@ -219,7 +229,7 @@ void record(const Exec& exec, const std::filesystem::path& file, const Scene& sc
   for (int frame = 0; frame <= 12; frame++) {
     if (frame > 0) {
       ASSERT_TRUE(step(exec, world));
-      look_at_pressed(exec, world, recorded.pressed);
+      update_pressed(exec, world, recorded.pressed);
     }
     if (frame % 6 != 0) continue;
     show(exec, world, recorded.snapshot);
@@ -228,7 +238,8 @@ void record(const Exec& exec, const std::filesystem::path& file, const Scene& sc
   ASSERT_TRUE(writer->finish(world, recorded.snapshot, recorded.pressed, "{}"));
 }
 
-TEST(TouchOrgan, ARecordingGivesSurfacesAndForcesBackToTheBit) {
+// A recording restores surfaces and forces bit for bit.
+TEST(TouchSfem, RecordingRestoresBits) {
   const auto folder = test::fresh_folder();
   const Exec exec(1);
   const Scene scene = body_scene(folder, "", {"world.duration=0.2"});
@@ -264,7 +275,8 @@ TEST(TouchOrgan, ARecordingGivesSurfacesAndForcesBackToTheBit) {
   }
 }
 
-TEST(TouchOrgan, ForcesAreATableWithAColumnForEveryName) {
+// The table of forces has one column for every name.
+TEST(TouchSfem, ForceTableHasColumnPerName) {
   const auto folder = test::fresh_folder();
   const World world = run_world(Exec(1), body_scene(folder, "", {"world.duration=0.05"}));
   ASSERT_TRUE(write_forces(folder / "f.csv", world.tools));
@@ -276,10 +288,11 @@ TEST(TouchOrgan, ForcesAreATableWithAColumnForEveryName) {
     columns = rows == 0 ? count : columns;
     EXPECT_EQ(count, columns) << line;
   }
-  EXPECT_EQ(rows, 2 + world.tools[0].samples.size()) << "names, and where it is before the first tick";
+  EXPECT_EQ(rows, 2 + world.tools[0].samples.size()) << "column names and the initial pose";
 }
 
-TEST(TouchOrgan, AToolWiderThanTheOrganIsRefused) {
+// A tool wider than the body is refused.
+TEST(TouchSfem, RejectsToolWiderThanBody) {
   const auto folder = test::fresh_folder();
   const Result<World> world = load_world(Exec(1), body_scene(folder, "", {"tool.finger.shape.sphere=0.05"}));
   ASSERT_FALSE(world);
@@ -288,7 +301,8 @@ TEST(TouchOrgan, AToolWiderThanTheOrganIsRefused) {
       << world.error().message;
 }
 
-TEST(TouchOrgan, NearlyIncompressibleAveragedTetrahedraAreFeltOrRefusedNeverTheEndOfTheProgram) {
+// Nearly incompressible averaged tetrahedra yield a plausible force or an error, never a crash.
+TEST(TouchSfem, NearlyIncompressibleNeverCrashes) {
   const auto folder = test::fresh_folder();
   const SolidMesh tets = tetrahedralize(hex_block({0.06, 0.06, 0.03}, {8, 8, 4}));
   ASSERT_TRUE(write_msh(folder / "pad.msh", tets));
@@ -310,7 +324,8 @@ TEST(TouchOrgan, NearlyIncompressibleAveragedTetrahedraAreFeltOrRefusedNeverTheE
   }
 }
 
-TEST(TouchOrgan, APatchBeyondTheMemoryIsRefusedBeforeItIsBuiltWithAdvice) {
+// A patch larger than the memory limit is refused before it is built, with advice.
+TEST(TouchSfem, RejectsPatchBeyondMemory) {
   const auto folder = test::fresh_folder();
   const Result<World> world =
       load_world(Exec(1), body_scene(folder, "patch = { radius = 0.06, refinement = 4 }\nmemory = 0.3\n",
@@ -322,43 +337,46 @@ TEST(TouchOrgan, APatchBeyondTheMemoryIsRefusedBeforeItIsBuiltWithAdvice) {
     EXPECT_NE(world.error().message.find(words), std::string::npos) << world.error().message;
 }
 
-TEST(TouchOrgan, APatchThatCannotFollowLeavesTheOneBeforeAndIsWarnedOf) {
+// If a patch cannot follow, the previous one remains in use and a warning is given.
+TEST(TouchSfem, RejectedPatchKeepsPrevious) {
   World world = sfem_world(Exec(1), body_scene(test::fresh_folder()));
   SfemBody& body = world.sfem_bodies[0];
   touch_body(Exec(1), body, world.tools, 0, 0.1);
   const std::vector<int> elements = body.touch.patch->elements;
   body.patch_memory = 1000;
-  body.centers[0].x += 0.02;  // far from where it touches
+  body.centers[0].x += 0.02;  // far from the contact
   touch_body(Exec(1), body, world.tools, 0.1, 0.11);
   EXPECT_EQ(body.touch.patch->elements, elements);
-  EXPECT_EQ(body.kept_patches, 1) << "tried once, not in every tick";
-  EXPECT_GT(norm(world.tools[0].samples.back().force), 0.05) << "the force goes on";
+  EXPECT_EQ(body.rejected_patches, 1) << "tried once, not in every tick";
+  EXPECT_GT(norm(world.tools[0].samples.back().force), 0.05) << "the force continues";
   const std::vector<std::string> warnings = touch_warnings(world);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(
-      warnings[0].find("pad: the patch did not follow the tools 1 times, the one before stayed: a patch of "),
-      std::string::npos)
+  EXPECT_NE(warnings[0].find(
+                "pad: the patch did not follow the tools 1 times, the previous one stayed: a patch of "),
+            std::string::npos)
       << warnings[0];
 }
 
-TEST(TouchOrgan, TheCostOfAPatchIsKnownWithinAFactorOfThree) {
+// The estimated memory of a patch is between the actual one and four times of it.
+TEST(TouchSfem, PatchCostIsEstimated) {
   const World world = sfem_world(Exec(1), body_scene(test::fresh_folder()));
   const SfemBody& body = world.sfem_bodies[0];
   const sfem::PatchCost cost =
       sfem::patch_cost(body.model, body.touch.patch->elements, body.refinement, body.centers);
   EXPECT_EQ(cost.local_nodes, std::size_t(body.touch.patch->local_nodes));
   EXPECT_EQ(cost.points, body.touch.patch->points.size());
-  double kept = double(body.touch.patch->compliance.size()) * 8;
+  double stored_bytes = double(body.touch.patch->compliance.size()) * 8;
   for (const sfem::PatchLevel& level : body.touch.patch->levels)
-    kept += double(level.motion.size() + level.compliance.size()) * 8;
+    stored_bytes += double(level.motion.size() + level.compliance.size()) * 8;
   const auto& system = std::get<0>(body.touch.patch->system);
-  kept +=
+  stored_bytes +=
       4 * double(system.factor.size() + system.coupling.size() + system.green.size() + system.change.size());
-  EXPECT_GT(cost.bytes, kept);
-  EXPECT_LT(cost.bytes, 4 * kept);
+  EXPECT_GT(cost.bytes, stored_bytes);
+  EXPECT_LT(cost.bytes, 4 * stored_bytes);
 }
 
-TEST(TouchOrgan, TheReportHoldsForcesInNewtonsAndTimes) {
+// The report has the forces in newtons and the times of all ticks.
+TEST(TouchSfem, ReportHasForcesAndTimes) {
   const Exec exec(1);
   const Scene scene = body_scene(test::fresh_folder(), "", {"world.duration=0.2"});
   World world = sfem_world(exec, scene);
@@ -368,7 +386,7 @@ TEST(TouchOrgan, TheReportHoldsForcesInNewtonsAndTimes) {
   const Json report = simulation_report(exec, scene, world, measures, {});
   EXPECT_EQ(report["bodies"][0]["mesh"]["vertices"], 9 * 9 * 5);
   EXPECT_EQ(report["tools"][0]["shape"], "sphere of 6 mm");
-  // Of all ticks, not only of those that end a frame.
+  // The maximum is over all ticks, not only over those that end a frame.
   EXPECT_GE(report["tools"][0]["force_max_N"].get<double>(), measures.pressed[0].force - 1e-6);
   const auto tick = std::size_t(std::floor(measures.pressed[0].time / kTick + 1e-9));
   EXPECT_EQ(measures.pressed[0].force, norm(world.tools[0].samples[tick - 1].force));

@@ -1,5 +1,5 @@
-// A wide tool pressed deep: more points touch than a tick solves for one by one. What clusters of points make
-// of the force is compared with what all points make of it, on the same patch.
+// A wide tool pressed deep: more points touch than a tick solves one by one. The force of clusters is
+// compared with the force of all points on the same patch.
 #include <cmath>
 #include <cstdio>
 
@@ -20,7 +20,7 @@ const std::string kBlock =
     "0.45\n";
 /// Soft above stiff.
 const std::string kLayers =
-    kBlock + "inclusion = { deep = { centre = [0.025, 0.025, -0.08], radius = 0.095, young = 2e4 } }\n";
+    kBlock + "inclusion = { deep = { center = [0.025, 0.025, -0.08], radius = 0.095, young = 2e4 } }\n";
 
 World pressed_world(const std::string& body, int refinement, double depth, int contacts) {
   const std::string text = "[world]\nduration = 0.5\n[body.pad]\nmodel = \"sfem\"\ncache = false\n" + body +
@@ -39,8 +39,8 @@ World pressed_world(const std::string& body, int refinement, double depth, int c
 
 double force_of(const World& world) { return norm(world.sfem_bodies[0].now.forces[0].force); }
 
-/// The default and all points, at every refinement: forces within 3 % of each other. From one refinement to
-/// the next a coarse body softens by some percent, while smaller facets touch more: half is lost by neither.
+/// The default and all points, at every refinement: forces within 3 % of each other. With each refinement a
+/// coarse body softens by some percent, while smaller facets add contacts. Neither halves the force.
 void expect_no_force_lost(const std::string& body, double depth, int finest) {
   double before = 0;
   for (int r = 1; r <= finest; r++) {
@@ -56,26 +56,29 @@ void expect_no_force_lost(const std::string& body, double depth, int finest) {
         percentile(ticks, 0.5) * 1e3, percentile(ticks, 0.9) * 1e3);
     std::fflush(stdout);
     EXPECT_EQ(a.dropped, 0);
-    EXPECT_EQ(a.level, 0) << "all points have room";
+    EXPECT_EQ(a.level, 0) << "all points are within the capacity";
     EXPECT_EQ(f.dropped, 0);
     EXPECT_NEAR(force_of(few), force_of(all), 0.03 * force_of(all)) << depth << " m, r = " << r;
-    EXPECT_GT(force_of(few), 0.93 * before) << "no force is lost to a finer patch; it may be a little softer";
+    EXPECT_GT(force_of(few), 0.93 * before) << "a finer patch loses no force; it may be slightly softer";
     before = force_of(few);
     for (const World* world : {&all, &few}) EXPECT_EQ(world->tools[0].limits.dropped_ticks, 0);
   }
 }
 
-TEST(WideContact, NoForceIsLostOnABlockHoweverManyPointsTouch) {
+// On a block, clusters of contact points keep the force of all points.
+TEST(WideContact, BlockKeepsForce) {
   expect_no_force_lost(kBlock, 0.003, 4);
   expect_no_force_lost(kBlock, 0.006, 4);
 }
 
-TEST(WideContact, NoForceIsLostOnLayers) {
+// On layers, clusters of contact points keep the force of all points.
+TEST(WideContact, LayersKeepForce) {
   expect_no_force_lost(kLayers, 0.003, 3);
   expect_no_force_lost(kLayers, 0.006, 3);
 }
 
-TEST(WideContact, NoForceIsLostOnALiver) {
+// On a real liver, clusters of contact points keep the force of all points.
+TEST(WideContact, LiverKeepsForce) {
   const fs::path liver = fs::path(TURGOR_SOURCE_DIR) / "../shared/data/mesh/liver.msh";
   if (!fs::exists(liver))
     GTEST_SKIP() << liver.string() << " is absent: real data is not part of the project";
@@ -84,7 +87,8 @@ TEST(WideContact, NoForceIsLostOnALiver) {
   expect_no_force_lost(body, 0.003, 4);
 }
 
-TEST(WideContact, TheForceHasNoStepWhereClustersTakeOver) {
+// The force is continuous when clusters replace single points.
+TEST(WideContact, ClusteringKeepsForceContinuous) {
   const World world = pressed_world(kBlock, 3, 0.006, 16);
   const auto& samples = world.tools[0].samples;
   EXPECT_GE(world.tools[0].limits.coarsest, 1);
@@ -97,11 +101,12 @@ TEST(WideContact, TheForceHasNoStepWhereClustersTakeOver) {
   EXPECT_LT(steepest, 0.08 * largest);
 }
 
-TEST(WideContact, WhatFindsNoRoomIsCountedAndWarnedOf) {
+// Contacts beyond the capacity are counted, and a warning is given.
+TEST(WideContact, DroppedContactsAreReported) {
   World world = pressed_world(kBlock, 2, 0.003, 8);
   SfemBody& body = world.sfem_bodies[0];
   sfem::Patch patch = *body.touch.patch;
-  patch.levels.clear();  // as on a patch whose clusters are still too many
+  patch.levels.clear();  // as on a patch with too many clusters
   body.touch.patch = std::make_shared<const sfem::Patch>(std::move(patch));
   body.touch.state = contact::make_touch_state(*body.touch.patch, 1, {.capacity = 8});
   touch_body(Exec(1), body, world.tools, 0.06, 0.08);
@@ -109,24 +114,26 @@ TEST(WideContact, WhatFindsNoRoomIsCountedAndWarnedOf) {
   EXPECT_GT(world.tools[0].limits.dropped_most, 1);
   const std::vector<std::string> warnings = touch_warnings(world);
   ASSERT_FALSE(warnings.empty());
-  EXPECT_NE(warnings[0].find("its force is too small there; raise contacts of the body"), std::string::npos)
+  EXPECT_NE(warnings[0].find("its force is too small then; raise contacts of the body"), std::string::npos)
       << warnings[0];
 }
 
-/// A ball of 8 mm that is pressed 1 mm covers 2.8 mm, of cells of 4.2 mm.
-TEST(WideContact, elements_that_are_too_large_for_what_a_tool_covers_are_told_with_what_would_do) {
-  const auto told = [](int refinement, double depth) {
-    const std::vector<std::string> sentences = coarse_presses(pressed_world(kBlock, refinement, depth, 64));
+// A warning about coarse elements suggests a sufficient refinement. A ball of 8 mm pressed 1 mm covers 2.8
+// mm; cells are 4.2 mm.
+TEST(WideContact, CoarseElementsSuggestRefinement) {
+  const auto warning_at = [](int refinement, double depth) {
+    const std::vector<std::string> sentences =
+        force_error_warnings(pressed_world(kBlock, refinement, depth, 64));
     return sentences.empty() ? std::string() : sentences[0];
   };
-  const std::string coarse = told(1, 0.001);
-  EXPECT_NE(coarse.find("in 1 parts"), std::string::npos) << coarse;
-  EXPECT_NE(coarse.find("a radius of 2.83 mm"), std::string::npos) << coarse;
+  const std::string coarse = warning_at(1, 0.001);
+  EXPECT_NE(coarse.find("into 1 segments"), std::string::npos) << coarse;
+  EXPECT_NE(coarse.find("a contact radius of 2.83 mm"), std::string::npos) << coarse;
   const std::size_t at = coarse.find("patch.refinement = ");
   ASSERT_NE(at, std::string::npos) << coarse;
   const int enough = coarse[at + 19] - '0';
-  EXPECT_EQ(told(enough, 0.001), "");
-  EXPECT_NE(told(enough - 1, 0.001), "");
+  EXPECT_EQ(warning_at(enough, 0.001), "");
+  EXPECT_NE(warning_at(enough - 1, 0.001), "");
 }
 
 }  // namespace

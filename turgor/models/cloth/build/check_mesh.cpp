@@ -5,8 +5,12 @@
 #include <numbers>
 #include <span>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/number_text.hpp"
 #include "turgor/geometry/surface_edges.hpp"
+#include "turgor/models/cloth/contact/spatial_hash.hpp"
+#include "turgor/models/cloth/model/contacts.hpp"
 
 namespace turgor::cloth {
 
@@ -14,14 +18,14 @@ namespace {
 
 bool is_finite(Vec3 x) { return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z); }
 
-/// Height over the longest side, in multiples of that side.
+/// Height over the longest side, relative to that side.
 double slenderness(Vec3d a, Vec3d b, Vec3d c) {
   const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
   return longest2 > 0 ? norm(cross(b - a, c - a)) / longest2 : 0;
 }
 
 Status check_triangles(const TriMesh& mesh) {
-  constexpr double kFlat = 1e-6;  // where single precision cannot tell the height from nothing
+  constexpr double kFlat = 1e-6;  // relative height below the resolution of single precision
   std::vector<int> flat;
   for (std::size_t t = 0; t < mesh.triangles.size(); t++) {
     const auto [a, b, c] = mesh.triangles[t];
@@ -29,7 +33,7 @@ Status check_triangles(const TriMesh& mesh) {
     if (!(slenderness(at(a), at(b), at(c)) > kFlat)) flat.push_back(int(t));
   }
   if (flat.empty()) return Done{};
-  return Error{"a triangle must have an area, not so " + named("triangle", "triangles", flat)};
+  return Error{"expected triangles with an area, found none in " + named("triangle", "triangles", flat)};
 }
 
 }  // namespace
@@ -46,6 +50,7 @@ std::string named(const std::string& one, const std::string& many, const std::ve
 Status check_mesh(const TriMesh& mesh) {
   const std::size_t count = mesh.vertices.size();
   if (mesh.triangles.empty()) return Error{"the mesh has no triangle"};
+  // vertices of triangles
   std::vector<std::uint8_t> used(count, 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); t++)
     for (int corner = 0; corner < 3; corner++) {
@@ -55,17 +60,18 @@ Status check_mesh(const TriMesh& mesh) {
                      ", expected 0 to " + std::to_string(count - 1)};
       used[std::size_t(v)] = 1;
     }
+  // invalid vertices
   std::vector<int> strange, unused;
   for (std::size_t v = 0; v < count; v++) {
     if (!is_finite(mesh.vertices[v])) strange.push_back(int(v));
     if (!used[v]) unused.push_back(int(v));
   }
   if (!strange.empty())
-    return Error{"coordinates must be finite numbers, not so those of " +
-                 named("vertex", "vertices", strange)};
+    return Error{"expected finite coordinates, found others in " + named("vertex", "vertices", strange)};
   if (!unused.empty())
-    return Error{"a vertex must belong to a triangle, or it has no mass: not so " +
-                 named("vertex", "vertices", unused)};
+    return Error{
+        "expected every vertex in a triangle, since it has no mass otherwise; found no triangle of " +
+        named("vertex", "vertices", unused)};
   return check_triangles(mesh);
 }
 
@@ -77,6 +83,7 @@ Status check_params(const Params& params) {
     const char* unit;
   };
   const auto& [fabric, damping, solver, collision, weld] = params;
+  // ranges of numbers
   for (const auto& [name, value, may_be_zero, unit] :
        {Number{"density", fabric.density, false, " kg/m²"}, Number{"warp", fabric.warp, false, " N/m"},
         Number{"weft", fabric.weft, false, " N/m"}, Number{"shear", fabric.shear, true, " N/m"},
@@ -91,6 +98,7 @@ Status check_params(const Params& params) {
     if (!std::isfinite(value) || value < 0 || (value == 0 && !may_be_zero))
       return Error{std::string(name) + ": expected a number " + (may_be_zero ? "not below" : "above") + " 0" +
                    unit + ", found " + number_text(value)};
+  // other conditions
   if (!(fabric.poisson * fabric.poisson * fabric.weft < fabric.warp))
     return Error{"poisson: expected less than " + number_text(std::sqrt(fabric.warp / fabric.weft)) +
                  ", the root of warp over weft, found " + number_text(fabric.poisson)};
@@ -105,7 +113,7 @@ namespace {
 
 struct FoundEdges {
   int count = 0;
-  std::string where;  // "(5-6, 8-9, …)"
+  std::string where;  // list such as "(5-6, 8-9, …)"
 };
 template <class Is>
 FoundEdges find_edges(const TriMesh& mesh, const Is& is) {
@@ -121,7 +129,7 @@ FoundEdges find_edges(const TriMesh& mesh, const Is& is) {
   return found;
 }
 
-/// From an edge to the third corner of a triangle beside it, at right angles to the edge.
+/// Unit vector from an edge to the third corner of a triangle, perpendicular to the edge.
 Vec3d away_from(const TriMesh& mesh, const EdgeUse& edge) {
   const auto at = [&](int v) { return Vec3d(mesh.vertices[std::size_t(v)]); };
   const Vec3d along = normalized(at(edge.b) - at(edge.a));
@@ -145,17 +153,20 @@ std::string folded_edges(const TriMesh& mesh) {
     return edge.size() == 2 && norm(away_from(mesh, edge[0]) - away_from(mesh, edge[1])) < kDegree;
   });
   if (folded.count == 0) return "";
-  return (folded.count == 1 ? std::string("1 edge lies") : std::to_string(folded.count) + " edges lie") +
+  return (folded.count == 1 ? std::string("1 edge is") : std::to_string(folded.count) + " edges are") +
          " folded flat " + folded.where;
 }
 
 TriMesh welded(const TriMesh& mesh, double distance, std::vector<int>& vertex) {
+  TURGOR_CHECK(distance > 0, "vertices merge within a distance");
+  // spatial hash
   const int count = int(mesh.vertices.size());
   Vectors points;
   points.resize(std::size_t(count));
   for (int v = 0; v < count; v++) points.set(std::size_t(v), mesh.vertices[std::size_t(v)]);
   SpatialHash near;
   sort_points(Exec(1), points, count, Real(2.1 * distance), near);
+  // each vertex joins the near one with the smallest number
   TriMesh result;
   vertex.assign(std::size_t(count), -1);
   for (int v = 0; v < count; v++) {
@@ -169,6 +180,9 @@ TriMesh welded(const TriMesh& mesh, double distance, std::vector<int>& vertex) {
     vertex[std::size_t(v)] = int(result.vertices.size());
     result.vertices.push_back(p);
   }
+  TURGOR_CHECK(all_indices(vertex, result.vertices.size()),
+               "every vertex is kept or merged into one before it");
+  // triangles that keep their area
   for (const auto [a, b, c] : mesh.triangles) {
     const Int3 t{vertex[std::size_t(a)], vertex[std::size_t(b)], vertex[std::size_t(c)]};
     if (t.x != t.y && t.y != t.z && t.z != t.x) result.triangles.push_back(t);

@@ -1,14 +1,14 @@
-// Layers of a garment that lie nearer to each other than its thickness before anything moves: their vertices
-// are never in contact, and pass through each other unseen.
+// Layers of a garment that are closer than the thickness at rest. Their vertices are excluded from contact,
+// so they may pass through each other.
 #pragma once
 
 #include "turgor/geometry/tri_mesh.hpp"
-#include "turgor/models/cloth/contact/contact.hpp"
+#include "turgor/models/cloth/model/mesh_tables.hpp"
 
 namespace turgor::cloth {
 
-/// How many vertices lie, at rest, nearer than the thickness [m] to one that is farther than three
-/// thicknesses away along the mesh's edges. `near`: pairs i < j that are adjacent or nearer.
+/// Number of vertices that are closer than the thickness [m] at rest to a vertex more than three thicknesses
+/// away along edges. `near`: pairs i < j that are adjacent or closer than the thickness.
 int vertices_near_other_layers(const TriMesh& mesh, const NeighborLists& near, double thickness);
 
 }  // namespace turgor::cloth

@@ -1,5 +1,5 @@
-// An order of vertices in which those that springs join are near each other in memory: part by part, and in a
-// part as in the mesh when that is good enough, else by distance from an end [Cuthill, McKee 1969].
+// Numbering of vertices by connected component, with neighbors near each other in memory. Within a component
+// it is that of the mesh if good enough, else by distance from an end [Cuthill, McKee 1969].
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 namespace turgor::cloth {
 
 struct Numbering {
-  std::vector<int> order;       // old numbers, in the new order
-  std::vector<int> part_begin;  // in the new order, and the end
+  std::vector<int> order;            // old numbers in the new order
+  std::vector<int> component_begin;  // first vertex of each component in the new order, and the end
 };
 Numbering number_vertices(const std::vector<Spring>& springs, int count);
 

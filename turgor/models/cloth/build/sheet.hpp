@@ -1,12 +1,13 @@
-// Rectangles of triangles, to be cloth.
+// Rectangular triangle meshes.
 #pragma once
 
 #include "turgor/geometry/tri_mesh.hpp"
 
 namespace turgor::cloth {
 
-/// Spanned by two sides from a corner, `columns` × `rows` rectangles, each split in two from its
-/// corner nearest to the sheet's. Vertices are numbered along `side`, then along `up`.
+/// Rectangle spanned by `side` and `up` from `corner`, with `columns` × `rows` cells. Each cell is split
+/// along the diagonal from its corner nearest to `corner`. Vertices are numbered along `side`, then along
+/// `up`.
 struct Sheet {
   Vec3d corner, side{1, 0, 0}, up{0, 1, 0};  // [m]
   int columns = 50, rows = 50;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/disjoint_sets.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/surface_check.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
@@ -13,30 +15,32 @@ namespace {
 
 constexpr std::size_t kGrain = 64;  // batches
 
-/// Displacements from where the cloth was to where it wants to be.
-void set_motion(const Exec& exec, State& state) {
+/// Displacements from the beginning of the step to the uncorrected end.
+void set_displacements(const Exec& exec, const State& state, const CcdMotion& motion) {
   parallel_for(
       exec, state.x.size() / std::size_t(kLanes),
       [&](std::size_t batch) {
         const std::size_t i = batch * std::size_t(kLanes);
-        store(state.system.force, i, load(state.x, i) - load(state.system.before, i));
+        store<Lanes>(motion.displacement, i, load(state.x, i) - load<Lanes>(motion.start, i));
       },
       kGrain);
 }
 
-bool crosses_itself(const Exec& exec, const Model& model, const Vectors& x) {
+bool intersects_itself(const Exec& exec, const Model& model, ConstVectorsView x) {
   TriMesh mesh{.triangles = model.triangles};
   for (int v = 0; v < model.count; v++) mesh.vertices.push_back(x[std::size_t(v)]);
   return !crossing_triangles(exec, mesh).empty();
 }
 
-/// What meets, directly or through others, becomes one zone, named by its smallest member.
+/// Joins colliding pairs to zones; a zone is identified by its smallest member.
 void join_zones(CcdWorkspace& ccd) {
   auto &in_impact_zone = ccd.in_impact_zone, &zone = ccd.zone;
+  // vertices of all pairs
   in_impact_zone.clear();
   for (const CcdPair& m : ccd.ccd_pairs)
     in_impact_zone.insert(in_impact_zone.end(), m.vertex.begin(), m.vertex.end());
   sort_unique(in_impact_zone);
+  // union of the vertices of each pair
   zone.resize(in_impact_zone.size());
   for (std::size_t n = 0; n < zone.size(); n++) zone[n] = int(n);
   const auto index = [&](int v) {
@@ -44,19 +48,24 @@ void join_zones(CcdWorkspace& ccd) {
   };
   for (const CcdPair& m : ccd.ccd_pairs)
     for (std::size_t k = 1; k < 4; k++) join_sets(zone, index(m.vertex[0]), index(m.vertex[k]));
+  // representative of each vertex
   for (std::size_t n = 0; n < zone.size(); n++) zone[n] = root_of(zone, int(n));
+  TURGOR_CHECK(all_indices(zone, zone.size()), "a zone is named by one of its vertices");
 }
 
 struct ZoneMotion {
-  double mass = 0;  // [kg]
-  Vec3d way, v;     // displacement and velocity [m] [m/s]
+  double mass = 0;        // [kg]
+  Vec3d displacement, v;  // displacement and velocity [m] [m/s]
   bool is_held = false;
 };
 
-/// The mean motion of each zone: momentum is kept. Where vertices are held, only these count.
-std::vector<ZoneMotion> zone_motions(const Model& model, const State& state) {
+/// Mean displacement and velocity of each zone, which keeps momentum. If a zone has held vertices, only these
+/// count.
+std::vector<ZoneMotion> zone_motions(const Model& model, const State& state, const CcdMotion& motion) {
   const CcdWorkspace& ccd = state.ccd;
+  TURGOR_CHECK(ccd.zone.size() == ccd.in_impact_zone.size(), "every vertex of an impact zone has a zone");
   std::vector<ZoneMotion> motions(ccd.in_impact_zone.size());
+  // sums over the vertices of each zone
   for (std::size_t n = 0; n < ccd.in_impact_zone.size(); n++) {
     const auto v = std::size_t(ccd.in_impact_zone[n]);
     ZoneMotion& zone = motions[std::size_t(ccd.zone[n])];
@@ -65,41 +74,49 @@ std::vector<ZoneMotion> zone_motions(const Model& model, const State& state) {
     if (is_held && !zone.is_held) zone = {.is_held = true};
     const double mass = double(model.mass[v]);
     zone.mass += mass;
-    zone.way += (Vec3d(state.x[v]) - Vec3d(state.system.before[v])) * mass;
+    zone.displacement += (Vec3d(state.x[v]) - Vec3d(motion.start[v])) * mass;
     zone.v += Vec3d(state.v[v]) * mass;
   }
+  // means
   for (ZoneMotion& zone : motions)
-    if (zone.mass > 0) zone.way *= 1 / zone.mass, zone.v *= 1 / zone.mass;
+    if (zone.mass > 0) zone.displacement *= 1 / zone.mass, zone.v *= 1 / zone.mass;
   return motions;
 }
 
 }  // namespace
 
 int resolve_ccd(const Exec& exec, const Model& model, State& state) {
-  constexpr int kPatience = 30;
+  // a cloth with intersections is left alone, and tested again later
+  constexpr int kStepsBetweenChecks = 30;
   CcdWorkspace& ccd = state.ccd;
-  if (ccd.steps_to_look == 0)
-    ccd.steps_to_look = crosses_itself(exec, model, state.system.before) ? kPatience : -1;
-  if (ccd.steps_to_look > 0) {
-    ccd.steps_to_look--;
+  TURGOR_CHECK(state.x.size() == model.mass.size(), "positions are on the host");
+  const CcdMotion motion = ccd_motion(view(model, state));
+  if (ccd.steps_until_check == 0)
+    ccd.steps_until_check = intersects_itself(exec, model, motion.start) ? kStepsBetweenChecks : -1;
+  if (ccd.steps_until_check > 0) {
+    ccd.steps_until_check--;
     return 0;
   }
-  System& system = state.system;
+  // uncorrected motion
   ccd.ccd_pairs.clear(), ccd.in_impact_zone.clear(), ccd.zone.clear();
-  set_motion(exec, state);
+  set_displacements(exec, state, motion);
   std::vector<ZoneMotion> motions;
+  // impact zones grow until no new pair collides
   for (bool all = true;; all = false) {
     measure_triangles(exec, model, state);
-    place_boxes(exec, model, state);
+    build_boxes(exec, model, state);
     if (!find_ccd_pairs(exec, model, state, all)) break;
     join_zones(ccd);
-    motions = zone_motions(model, state);
+    motions = zone_motions(model, state, motion);
     for (std::size_t n = 0; n < ccd.in_impact_zone.size(); n++)
-      system.force.set(std::size_t(ccd.in_impact_zone[n]), Vec3(motions[std::size_t(ccd.zone[n])].way));
+      motion.displacement.set(std::size_t(ccd.in_impact_zone[n]),
+                              Vec3(motions[std::size_t(ccd.zone[n])].displacement));
   }
+  TURGOR_CHECK(motions.size() == ccd.in_impact_zone.size(), "every vertex of an impact zone has a motion");
+  // corrected positions and velocities
   for (std::size_t n = 0; n < ccd.in_impact_zone.size(); n++) {
     const auto v = std::size_t(ccd.in_impact_zone[n]);
-    state.x.set(v, system.before[v] + system.force[v]);
+    state.x.set(v, motion.start[v] + motion.displacement[v]);
     if (state.free_mass[v] > 0) state.v.set(v, Vec3(motions[std::size_t(ccd.zone[n])].v));
   }
   return int(ccd.in_impact_zone.size());

@@ -1,40 +1,32 @@
-// What keeps a cloth from passing through itself, at any speed: the motion of a step is looked at as a whole
-// before it counts. Vertices, triangles and edges that would meet on their way move as one in that step, so
-// that a cloth that begins without crossings never has any. Contacts keep layers apart by the thickness; this
-// is for what escapes them.
+// Continuous collision detection (CCD) of a cloth with itself. The whole motion of a step is checked before
+// it is accepted. Vertices, triangles and edges that would collide form an impact zone, which moves rigidly
+// by translation in that step. A cloth that starts without intersections never has any, at any speed.
+// Contacts keep layers apart by the thickness; CCD catches what escapes them. Algorithm and limits:
+// docs/models/cloth.md.
 #pragma once
-
-#include <array>
-#include <compare>
-#include <vector>
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/vec.hpp"
 #include "turgor/models/cloth/ccd/ccd_motion.hpp"
+#include "turgor/models/cloth/model/ccd_workspace.hpp"
 
 namespace turgor::cloth {
 
 struct Model;
 struct State;
 
-/// Places at the begin of a step and displacements in it, of a batch of vertices or of many batches.
-struct MotionBox {
-  Vec3 low, high;    // [m]
-  Vec3 least, most;  // displacement [m]
-  Real reach = 0;    // vertices farther apart cannot have meeting triangles or edges [m]
-};
-
-/// Two edges that cross have ends nearer than √½ of the longer one; a point of a triangle is nearer to a
-/// corner.
+/// Reach of primitives: intersecting edges have ends nearer than √½ of the longer edge, and a point of a
+/// triangle is nearer than that to a corner.
 TURGOR_HD inline Real reach_of(Real longest2) { return std::sqrt(Real(0.50001) * longest2); }
 
+/// Bounds of two boxes together.
 TURGOR_HD inline MotionBox around(const MotionBox& a, const MotionBox& b) {
   return {min(a.low, b.low), max(a.high, b.high), min(a.least, b.least), max(a.most, b.most),
           larger(a.reach, b.reach)};
 }
 
-/// Whether anything in a and b may come nearer than the reach, seen along each axis.
-TURGOR_HD inline bool may_meet(const MotionBox& a, const MotionBox& b) {
+/// Tests each axis: false if no points of a and b can come within the reach.
+TURGOR_HD inline bool may_collide(const MotionBox& a, const MotionBox& b) {
   const Real reach = larger(a.reach, b.reach);
   for (int k = 0; k < 3; k++) {
     const Real low = b.low[k] - a.high[k] - reach + smaller(b.least[k] - a.most[k], 0);
@@ -44,40 +36,19 @@ TURGOR_HD inline bool may_meet(const MotionBox& a, const MotionBox& b) {
   return true;
 }
 
-/// A vertex and a triangle, or two edges (first and second, third and fourth vertex), that would meet.
-struct CcdPair {
-  std::array<int, 4> vertex;
-  bool are_edges = false;
-
-  auto operator<=>(const CcdPair&) const = default;
-};
-
-/// Room to work in.
-struct CcdWorkspace {
-  std::vector<MotionBox> boxes;             // of 32 vertices each, of pairs of these, …, of all
-  std::vector<std::size_t> level_begin;     // first box of each level, and the end
-  std::vector<std::vector<CcdPair>> found;  // by piece, while looking
-  std::vector<CcdPair> ccd_pairs;           // of the latest step
-  std::vector<CcdPair> met;  // of earlier ones, those that are near and pushed apart, ascending
-  int steps_to_look = 0;     // until crossings are counted; -1 = there are none and never will be
-  std::vector<int> in_impact_zone, zone;  // vertices in meetings, ascending, and what moves as one [index]
-  std::vector<char> is_changed;           // by vertex: something around it moves in another way than before
-};
-
-/// The motion in State::system: `before` = places at the begin of the step, `force` = displacements [m].
-/// Sets `inverse[0].x` = the longest edge of each vertex's triangles, squared [m²], and `inverse[0].y` = 2
-/// where all their normals stay within 30° of one direction all the time, 1 where within 45°, else 0.
+/// Measures the motion of the triangles: CcdMotion::normal, longest2 and flatness from start and
+/// displacement.
 void measure_triangles(const Exec& exec, const Model& model, State& state);
 
-/// Boxes of the motion; measure_triangles comes first.
-void place_boxes(const Exec& exec, const Model& model, State& state);
+/// Builds the tree of motion boxes; measure_triangles must run first.
+void build_boxes(const Exec& exec, const Model& model, State& state);
 
-/// Adds what would meet to Crossing::meetings; all vertices are looked at when `all`, else those that
-/// were caught or have neighbours that were. False: nothing does, but for what moves as one already.
+/// Appends colliding pairs to CcdWorkspace::ccd_pairs. `all`: tests all vertices; else those of impact zones
+/// and their neighbors. False: there are no new pairs.
 bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool all);
 
-/// Takes a step from System::before to State::x back where the cloth would pass through itself. Returns how
-/// many vertices were not let go where they wanted. A cloth that crosses itself at the begin is left alone
+/// Changes a step from System::previous to State::x such that the cloth does not pass through itself. Returns
+/// the number of vertices in impact zones. A cloth that intersects itself at the beginning is left alone
 /// until it is free.
 int resolve_ccd(const Exec& exec, const Model& model, State& state);
 

@@ -1,13 +1,15 @@
-// Where triangles or edges could meet in a step: boxes that hold places and displacements of sixteen vertices
-// each, in a tree, lead to pairs of vertices that come near; around these, all is tested.
+// Search of CCD on the host. A tree of motion boxes yields pairs of vertices that come near each other; all
+// triangles and edges around such pairs are tested.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <tuple>
 #include <unordered_map>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/ccd/ccd.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
@@ -15,15 +17,18 @@ namespace {
 
 constexpr auto kLane = std::size_t(kLanes);
 constexpr std::size_t kLeaf = 2 * kLane;  // vertices in the smallest boxes
-constexpr std::size_t kPiece = 4;         // such boxes that are looked at as one piece
+constexpr std::size_t kChunkSize = 4;     // leaves of a chunk
 
 std::size_t leaves_of(const Model& model) { return (std::size_t(model.count) + kLeaf - 1) / kLeaf; }
 
-MotionBox box_of_batch(const Model& model, const System& system, std::size_t begin) {
+/// Motion box of sixteen vertices.
+MotionBox box_of_batch(const Model& model, const CcdMotion& motion, std::size_t begin) {
+  TURGOR_CHECK(begin < std::size_t(model.count), "a batch has a vertex");
   const int count = std::min(kLanes, model.count - int(begin));
   float numbers[7][kLanes];
-  const Lanes3 x = load(system.before, begin), d = load(system.force, begin);
-  const Lanes fields[7] = {x.x, x.y, x.z, d.x, d.y, d.z, load_lanes(&system.inverse[0].x[begin])};
+  const Lanes3 x = load<Lanes>(motion.start, begin), d = load<Lanes>(motion.displacement, begin);
+  const Lanes fields[7] = {x.x, x.y, x.z, d.x, d.y, d.z, load_lanes(&motion.longest2[begin])};
+  // range of each number
   float low[7], high[7];
   for (int f = 0; f < 7; f++) {
     store_lanes(numbers[f], fields[f]);
@@ -37,14 +42,14 @@ MotionBox box_of_batch(const Model& model, const System& system, std::size_t beg
           reach_of(high[6])};
 }
 
-MotionBox box_of_leaf(const Model& model, const System& system, std::size_t leaf) {
+MotionBox box_of_leaf(const Model& model, const CcdMotion& motion, std::size_t leaf) {
   const std::size_t begin = leaf * kLeaf, second = begin + kLane;
-  const MotionBox box = box_of_batch(model, system, begin);
+  const MotionBox box = box_of_batch(model, motion, begin);
   if (second >= std::size_t(model.count)) return box;
-  return around(box, box_of_batch(model, system, second));
+  return around(box, box_of_batch(model, motion, second));
 }
 
-/// A vertex with the triangles around it.
+/// Vertex with its incident triangles and neighbors.
 struct Star {
   int vertex = -1;
   std::vector<Int3> triangles;
@@ -59,9 +64,9 @@ struct Star {
   bool has(int v) const { return std::find(neighbors.begin(), neighbors.end(), v) != neighbors.end(); }
 };
 
-/// Triangles are in the order of their smallest vertices: those of v itself and of smaller ones that springs
-/// join to it.
+/// Collects the star of v. Triangles are stored with their smallest vertex, which is v or a smaller neighbor.
 void gather_star(const Model& model, int v, Star& star) {
+  TURGOR_CHECK(is_index(v, std::size_t(model.count)), "a star is around a vertex");
   if (star.vertex == v) return;
   star.vertex = v;
   star.triangles.clear(), star.neighbors.clear();
@@ -84,17 +89,17 @@ void gather_star(const Model& model, int v, Star& star) {
   add_from(v);
 }
 
-/// What moves as one already, or will because of what was found.
-struct Joined {
+/// Vertices that move together: those of present zones, and those of pairs found in this search (union-find).
+struct ZoneUnion {
   const CcdWorkspace& ccd;
-  std::unordered_map<int, int> into;
+  std::unordered_map<int, int> parent;
 
   int root(int v) const {
     const auto& [in_impact_zone, zone] = std::tie(ccd.in_impact_zone, ccd.zone);
     const auto at = std::lower_bound(in_impact_zone.begin(), in_impact_zone.end(), v);
     if (at != in_impact_zone.end() && *at == v)
       v = in_impact_zone[std::size_t(zone[std::size_t(at - in_impact_zone.begin())])];
-    for (auto next = into.find(v); next != into.end(); next = into.find(v)) v = next->second;
+    for (auto next = parent.find(v); next != parent.end(); next = parent.find(v)) v = next->second;
     return v;
   }
   bool are_one(const std::array<int, 4>& v) const {
@@ -103,27 +108,27 @@ struct Joined {
   }
   void join(const std::array<int, 4>& v) {
     for (std::size_t k = 1; k < 4; k++)
-      if (const int a = root(v[0]), b = root(v[k]); a != b) into[std::max(a, b)] = std::min(a, b);
+      if (const int a = root(v[0]), b = root(v[k]); a != b) parent[std::max(a, b)] = std::min(a, b);
   }
 };
 
 struct FindCcdPairs {
   const Model& model;
   const State& state;
-  const System& system;
+  CcdMotion motion;
   double thickness;
-  bool all;  // pairs of vertices are looked at
+  bool all;  // all pairs are visited
   std::vector<CcdPair>& found;
-  Joined joined{state.ccd};
-  Ways ways{view(system.before), view(system.force), view(model.x_rest), thickness};
+  ZoneUnion zones{state.ccd};
+  LinearMotion linear{motion.start, motion.displacement, view(model.x_rest), thickness};
   Star mine{}, other{};
 
-  Vec3d place(int v) const { return ways.place(v); }
-  Vec3d way(int v) const { return ways.way(v); }
-  Real flatness(int v) const { return system.inverse[0].y[std::size_t(v)]; }
+  Vec3d position(int v) const { return linear.position(v); }
+  Vec3d displacement(int v) const { return linear.displacement(v); }
+  Real flatness(int v) const { return motion.flatness[v]; }
 
-  /// i < j in one triangle that has no smaller vertex: finds most edges at little cost.
-  bool are_joined(int i, int j) const {
+  /// True for i < j in a triangle whose smallest vertex is i. A cheap test that finds most edges.
+  bool share_triangle(int i, int j) const {
     for (int t = model.triangle_begin[std::size_t(i)]; t < model.triangle_begin[std::size_t(i) + 1]; t++) {
       const Int3& corners = model.triangles[std::size_t(t)];
       if (corners.x == j || corners.y == j || corners.z == j) return true;
@@ -131,8 +136,9 @@ struct FindCcdPairs {
     return false;
   }
 
-  /// Adjacent vertices whose normals stay within 45°, so within 90° of a triangle they share: all around them
-  /// unfolds onto its plane. So it does within 30° with a neighbour in common.
+  /// True if the stars unfold onto a plane and so cannot collide. Either the vertices are adjacent and their
+  /// normals stay within 45°, hence within 90° of a shared triangle. Or they have a common neighbor and
+  /// normals stay within 30°.
   bool unfold() const {
     const Real flattest = std::min(flatness(mine.vertex), flatness(other.vertex));
     if (mine.has(other.vertex)) return flattest >= 1;
@@ -144,53 +150,56 @@ struct FindCcdPairs {
 
   Vec3d normal(const Star& star) const {
     Vec3d sum;
-    for (const Int3& t : star.triangles) sum += cross(place(t.y) - place(t.x), place(t.z) - place(t.x));
+    for (const Int3& t : star.triangles)
+      sum += cross(position(t.y) - position(t.x), position(t.z) - position(t.x));
     return sum;
   }
-  /// How far along n the star reaches, at most, on its way from where its vertex is.
-  double extent(const Star& star, Vec3d n, Vec3d origin, Vec3d drift) const {
+  /// Largest extent of a star along n during the motion, relative to a moving origin.
+  double extent(const Star& star, Vec3d n, Vec3d origin, Vec3d origin_motion) const {
     double most = -INFINITY;
     const auto take = [&](int v) {
-      const double at = dot(n, place(v) - origin);
-      most = std::max({most, at, at + dot(n, way(v) - drift)});
+      const double at = dot(n, position(v) - origin);
+      most = std::max({most, at, at + dot(n, displacement(v) - origin_motion)});
     };
     take(star.vertex);
     for (const int v : star.neighbors) take(v);
     return most;
   }
-  /// Most layers that lie on each other are parted by a plane across the normal of one of them.
-  bool are_parted() const {
-    const Vec3d origin = place(mine.vertex), drift = way(mine.vertex);
+  /// True if a plane normal to one of the stars separates them during the motion, as for most stacked layers.
+  bool are_separated() const {
+    const Vec3d origin = position(mine.vertex), origin_motion = displacement(mine.vertex);
     for (const Star* star : {&mine, &other}) {
       Vec3d n = normal(*star);
       const double length = norm(n);
       if (!(length > 0)) continue;
-      n *= (dot(n, place(other.vertex) - origin) < 0 ? -1 : 1) / length;
-      if (extent(mine, n, origin, drift) + extent(other, -n, origin, drift) < -kClosest * thickness)
+      n *= (dot(n, position(other.vertex) - origin) < 0 ? -1 : 1) / length;
+      if (extent(mine, n, origin, origin_motion) + extent(other, -n, origin, origin_motion) <
+          -kClosest * thickness)
         return true;
     }
     return false;
   }
 
+  /// Tests a vertex and a triangle, or two edges, and stores the pair if it collides.
   void test(const std::array<int, 4>& v, bool are_edges) {
-    const Ways::Four four = ways.four(v, are_edges);
-    if (!ways.may_meet(four)) return;
-    if (!found.empty() && joined.are_one(v)) return;
-    if (!ways.meet(four, v)) return;
+    const LinearMotion::PrimitivePair primitives = linear.primitives(v, are_edges);
+    if (!linear.may_collide(primitives)) return;
+    if (!found.empty() && zones.are_one(v)) return;
+    if (!linear.collide(primitives, v)) return;
     found.push_back({v, are_edges});
-    joined.join(v);
+    zones.join(v);
   }
 
-  /// Whether these vertices are visited together for sure.
+  /// True if this pair of vertices is certainly visited.
   bool are_visited(int i, int j) const {
     if (!all) return false;
-    const Vec3d e = place(j) - place(i), f = way(j) - way(i);
+    const Vec3d e = position(j) - position(i), f = displacement(j) - displacement(i);
     const double when = std::clamp(-dot(e, f) / std::max(dot(f, f), 1e-30), 0.0, 1.0);
     const Vec3d nearest = e + f * when;
-    const auto longest2 = [&](int v) { return double(system.inverse[0].x[std::size_t(v)]); };
+    const auto longest2 = [&](int v) { return double(motion.longest2[v]); };
     return dot(nearest, nearest) < 0.49 * std::max(longest2(i), longest2(j));
   }
-  /// Things that have several pairs of near vertices are tested with the first pair only.
+  /// Tests a primitive pair that several near vertices share with the first of these only.
   bool is_first(int v, const Int3& t, int corner) const {
     for (int k = 0; k < 3; k++)
       if (t[k] < corner && are_visited(v, t[k])) return false;
@@ -204,9 +213,11 @@ struct FindCcdPairs {
   }
 
   void operator()(int i, int j) {
-    if (flatness(i) >= 1 && flatness(j) >= 1 && are_joined(i, j)) return;
+    // flat or separated stars cannot collide
+    if (flatness(i) >= 1 && flatness(j) >= 1 && share_triangle(i, j)) return;
     gather_star(model, i, mine), gather_star(model, j, other);
-    if (unfold() || are_parted()) return;
+    if (unfold() || are_separated()) return;
+    // vertices with triangles, then edges with edges
     for (const Int3& t : other.triangles)
       if (t.x != i && t.y != i && t.z != i && is_first(i, t, j)) test({i, t.x, t.y, t.z}, false);
     for (const Int3& t : mine.triangles)
@@ -217,25 +228,27 @@ struct FindCcdPairs {
   }
 };
 
-/// Pairs of vertices i < j of two leaves that come within reach on their way.
+/// Calls visit(i, j) for vertices i < j of two leaves that come within reach in the motion.
 template <class Visit>
-void visit_pairs(const Model& model, const System& system, std::size_t a, std::size_t b, const MotionBox& box,
-                 const Visit& visit) {
+void visit_pairs(const Model& model, const CcdMotion& motion, std::size_t a, std::size_t b,
+                 const MotionBox& box, const Visit& visit) {
   const int a_end = std::min(int((a + 1) * kLeaf), model.count),
             b_end = std::min(int((b + 1) * kLeaf), model.count);
   for (int i = int(a * kLeaf); i < a_end; i++) {
     const auto v = std::size_t(i);
-    const Vec3 x = system.before[v], d = system.force[v];
-    const Real mine2 = system.inverse[0].x[v];
-    if (!may_meet({x, x, d, d, reach_of(mine2)}, box)) continue;
+    const Vec3 x = motion.start[v], d = motion.displacement[v];
+    const Real mine2 = motion.longest2[v];
+    // vertex against the box of the leaf
+    if (!may_collide({x, x, d, d, reach_of(mine2)}, box)) continue;
     for (int begin = int(b * kLeaf); begin < b_end; begin += kLanes) {
       const auto w = std::size_t(begin);
-      const Lanes3 xb = load(system.before, w), db = load(system.force, w);
+      const Lanes3 xb = load<Lanes>(motion.start, w), db = load<Lanes>(motion.displacement, w);
+      // smallest distance in the motion
       const Lanes3 e{xb.x - x.x, xb.y - x.y, xb.z - x.z}, f{db.x - d.x, db.y - d.y, db.z - d.z};
       const Lanes when =
           smaller(larger(-dot(e, f) / larger(dot(f, f), all_lanes(1e-30f)), all_lanes(0)), all_lanes(1));
       const Lanes3 nearest = e + f * when;
-      const Lanes longest2 = larger(load_lanes(&system.inverse[0].x[w]), all_lanes(mine2));
+      const Lanes longest2 = larger(load_lanes(&motion.longest2[w]), all_lanes(mine2));
       unsigned hits = lanes_below(dot(nearest, nearest) - longest2 * 0.50001f, 0);
       for (; hits != 0; hits &= hits - 1) {
         const int j = begin + std::countr_zero(hits);
@@ -245,32 +258,34 @@ void visit_pairs(const Model& model, const System& system, std::size_t a, std::s
   }
 }
 
-/// Calls visit(b) for the leaves from `first` on whose boxes may meet that of leaf a.
+/// Calls visit(b) for the leaves from `first` on whose boxes may collide with that of leaf a.
 template <class Visit>
 void visit_boxes(const CcdWorkspace& ccd, std::size_t a, std::size_t first, const Visit& visit) {
   struct Node {
     std::size_t level, index;
   };
-  std::array<Node, 64> stack;  // deeper than any tree of halves
+  std::array<Node, 64> stack;  // exceeds the depth of a binary tree
   std::size_t depth = 0;
   stack[depth++] = {ccd.level_begin.size() - 2, 0};
+  TURGOR_CHECK(ccd.level_begin.size() >= 2 && a < ccd.boxes.size(), "every leaf has a box");
   const MotionBox mine = ccd.boxes[a];
   while (depth > 0) {
     const auto [level, index] = stack[--depth];
     if ((index + 1) << level <= first) continue;
-    if (!may_meet(mine, ccd.boxes[ccd.level_begin[level] + index])) continue;
+    if (!may_collide(mine, ccd.boxes[ccd.level_begin[level] + index])) continue;
     if (level == 0) {
       visit(index);
       continue;
     }
+    TURGOR_CHECK(depth + 2 <= stack.size(), "the stack holds a path to a leaf");
     const std::size_t below = ccd.level_begin[level] - ccd.level_begin[level - 1];
     if (2 * index + 1 < below) stack[depth++] = {level - 1, 2 * index + 1};
     stack[depth++] = {level - 1, 2 * index};
   }
 }
 
-/// Marks the vertices around which something moves in another way: what is caught, and its neighbours. What a
-/// caught vertex meets may lie nearer to a neighbour than to itself.
+/// Marks vertices whose surroundings move differently: those of impact zones and their neighbors. A primitive
+/// that collides with such a vertex may be nearer to its neighbor.
 void mark_changed(const Model& model, CcdWorkspace& ccd) {
   ccd.is_changed.assign(leaves_of(model) * kLeaf, 0);
   Star star;
@@ -288,7 +303,8 @@ bool any_changed(const CcdWorkspace& ccd, std::size_t leaf) {
 
 }  // namespace
 
-void place_boxes(const Exec& exec, const Model& model, State& state) {
+void build_boxes(const Exec& exec, const Model& model, State& state) {
+  // levels of the tree
   auto& boxes = state.ccd.boxes;
   auto& level_begin = state.ccd.level_begin;
   level_begin.assign(1, 0);
@@ -297,9 +313,11 @@ void place_boxes(const Exec& exec, const Model& model, State& state) {
     if (size == 1) break;
   }
   boxes.resize(level_begin.back());
+  // boxes of the leaves
+  const CcdMotion motion = ccd_motion(view(model, state));
   parallel_for(
-      exec, level_begin[1], [&](std::size_t leaf) { boxes[leaf] = box_of_leaf(model, state.system, leaf); },
-      64);
+      exec, level_begin[1], [&](std::size_t leaf) { boxes[leaf] = box_of_leaf(model, motion, leaf); }, 64);
+  // boxes of the upper levels
   for (std::size_t level = 1; level + 1 < level_begin.size(); level++) {
     const std::size_t below = level_begin[level - 1], begin = level_begin[level];
     parallel_for(
@@ -314,24 +332,30 @@ void place_boxes(const Exec& exec, const Model& model, State& state) {
 
 bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool all) {
   CcdWorkspace& ccd = state.ccd;
+  TURGOR_CHECK(!ccd.level_begin.empty() && ccd.boxes.size() == ccd.level_begin.back(),
+               "the boxes of all levels are built");
+  const CcdMotion motion = ccd_motion(view(model, state));
   const std::size_t count = leaves_of(model);
-  ccd.found.resize((count + kPiece - 1) / kPiece);
+  // chunks of leaves
+  ccd.chunk_pairs.resize((count + kChunkSize - 1) / kChunkSize);
   if (!all) mark_changed(model, ccd);
-  parallel_for(exec, ccd.found.size(), [&](std::size_t piece) {
-    ccd.found[piece].clear();
-    FindCcdPairs find{model, state, state.system, model.params.collision.thickness, all, ccd.found[piece]};
-    for (std::size_t a = piece * kPiece; a < std::min((piece + 1) * kPiece, count); a++) {
+  parallel_for(exec, ccd.chunk_pairs.size(), [&](std::size_t chunk) {
+    ccd.chunk_pairs[chunk].clear();
+    FindCcdPairs find{model, state, motion, model.params.collision.thickness, all, ccd.chunk_pairs[chunk]};
+    for (std::size_t a = chunk * kChunkSize; a < std::min((chunk + 1) * kChunkSize, count); a++) {
       if (!all && !any_changed(ccd, a)) continue;
       visit_boxes(ccd, a, all ? a : 0, [&](std::size_t b) {
-        if (!all && b < a && any_changed(ccd, b)) return;  // b looks at a
-        visit_pairs(model, state.system, a, b, ccd.boxes[b], [&](int i, int j) {
+        if (!all && b < a && any_changed(ccd, b)) return;  // b visits a
+        visit_pairs(model, motion, a, b, ccd.boxes[b], [&](int i, int j) {
           if (all || ccd.is_changed[std::size_t(i)] || ccd.is_changed[std::size_t(j)]) find(i, j);
         });
       });
     }
   });
+  // new pairs in the order of the chunks
   const std::size_t before = ccd.ccd_pairs.size();
-  for (const auto& found : ccd.found) ccd.ccd_pairs.insert(ccd.ccd_pairs.end(), found.begin(), found.end());
+  for (const auto& found : ccd.chunk_pairs)
+    ccd.ccd_pairs.insert(ccd.ccd_pairs.end(), found.begin(), found.end());
   return ccd.ccd_pairs.size() > before;
 }
 

@@ -1,32 +1,38 @@
-// Most of a cloth is smooth: where normals stay near one direction, a vertex and its neighbours unfold onto a
-// plane all the time, and need not be looked at closely.
+// Flatness of a cloth for CCD. If normals around a vertex stay near one direction, its surroundings unfold
+// onto a plane during the whole motion and need no collision tests.
 #include "turgor/models/cloth/ccd/ccd_flatness.hpp"
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/ccd/ccd.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
 namespace {
 
+/// Normals, longest edges and flatness of a chunk of vertices.
 struct MeasureChunk {
   const Model& model;
-  System& system;
+  CcdMotion motion;
+  std::size_t size;  // padded number of vertices
 
-  /// Calls visit(corners, count, triangles) for the chunk's triangles, sixteen at a time.
+  /// Calls visit(corners, count, triangles) for the triangles of the chunk, sixteen at a time.
   template <class Visit>
   void for_sixteen(std::size_t chunk, const Visit& visit) const {
     const ChunkTriangles& chunks = model.chunk_triangles;
     for (int n = chunks.begin[chunk]; n < chunks.begin[chunk + 1]; n += kLanes) {
       const int count = std::min(kLanes, chunks.begin[chunk + 1] - n);
+      // corners; missing triangles repeat the last
       int corners[3][kLanes];
       for (int l = 0; l < kLanes; l++) {
         const int t = chunks.triangle[std::size_t(n + std::min(l, count - 1))];
         for (int k = 0; k < 3; k++) corners[k][l] = model.triangles[std::size_t(t)][k];
       }
-      const Vectors &x = system.before, &d = system.force;
+      // sides and their changes
+      const VectorsView x = motion.start, d = motion.displacement;
       const Lanes3 xa = gather(x, corners[0]), da = gather(d, corners[0]);
       visit(corners, count,
             moving_triangle<Lanes>(gather(x, corners[1]) - xa, gather(x, corners[2]) - xa,
@@ -35,24 +41,26 @@ struct MeasureChunk {
   }
 
   void operator()(std::size_t chunk) const {
-    const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, system.force.size());
-    Vectors &up = system.inverse[1], &out = system.inverse[0];
-    for (std::size_t v = begin; v < end; v++) up.set(v, {}), out.x[v] = 0, out.y[v] = 2;
+    const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, size);
+    const VectorsView axis = motion.normal;
+    for (std::size_t v = begin; v < end; v++) axis.set(v, {}), motion.longest2[v] = 0, motion.flatness[v] = 2;
     const auto is_mine = [&](int v) { return std::size_t(v) >= begin && std::size_t(v) < end; };
+    // sums of normals and longest edges
     for_sixteen(chunk, [&](const auto& corners, int count, const MovingTriangle<Lanes>& t) {
       for (int l = 0; l < count; l++)
         for (const auto& corner : corners) {
           const int v = corner[l];
           if (!is_mine(v)) continue;
-          up.add(std::size_t(v), {t.normal[0].x[l], t.normal[0].y[l], t.normal[0].z[l]});
-          out.x[std::size_t(v)] = std::max(out.x[std::size_t(v)], t.longest2[l]);
+          axis.add(std::size_t(v), {t.normal[0].x[l], t.normal[0].y[l], t.normal[0].z[l]});
+          motion.longest2[v] = std::max(motion.longest2[v], t.longest2[l]);
         }
     });
+    // flatness
     for_sixteen(chunk, [&](const auto& corners, int count, const MovingTriangle<Lanes>& t) {
       for (const auto& corner : corners) {
-        int mine[kLanes];  // others write to the other chunks
+        int mine[kLanes];  // vertices of other chunks are written by these
         for (int l = 0; l < kLanes; l++) mine[l] = is_mine(corner[l]) ? corner[l] : int(begin);
-        const Lanes3 u = gather(up, mine);
+        const Lanes3 u = gather(axis, mine);
         unsigned narrow = 0xffff, wide = 0xffff;
         for (const Lanes3& n : t.normal) {
           narrow &= lanes_below(outside_of(n, u, kNarrow), 0);
@@ -60,7 +68,7 @@ struct MeasureChunk {
         }
         for (int l = 0; l < count; l++)
           if ((narrow >> l & 1) == 0 && is_mine(corner[l])) {
-            Real& flatness = out.y[std::size_t(corner[l])];
+            Real& flatness = motion.flatness[corner[l]];
             flatness = std::min(flatness, Real(wide >> l & 1));
           }
       }
@@ -71,7 +79,10 @@ struct MeasureChunk {
 }  // namespace
 
 void measure_triangles(const Exec& exec, const Model& model, State& state) {
-  parallel_for(exec, model.chunk_triangles.begin.size() - 1, MeasureChunk{model, state.system});
+  TURGOR_CHECK(is_csr(model.chunk_triangles.begin, model.chunk_triangles.triangle.size()),
+               "chunks cover their triangles");
+  parallel_for(exec, model.chunk_triangles.begin.size() - 1,
+               MeasureChunk{model, ccd_motion(view(model, state)), state.x.size()});
 }
 
 }  // namespace turgor::cloth

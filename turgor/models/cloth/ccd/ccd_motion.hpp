@@ -1,5 +1,5 @@
-// A vertex and a triangle, or two edges, on straight ways: the time is gone through in steps in which a plane
-// between them shows that they cannot meet (conservative advancement), so nothing is missed at any speed.
+// Collision test of a vertex and a triangle, or of two edges, in linear motion. Conservative advancement:
+// time advances in steps in which a separating plane excludes a collision, so nothing is missed at any speed.
 #pragma once
 
 #include <algorithm>
@@ -7,13 +7,26 @@
 #include <cmath>
 
 #include "turgor/geometry/triangle_point.hpp"
-#include "turgor/models/cloth/device/sheet_view.hpp"
+#include "turgor/models/cloth/model/sheet_view.hpp"
 
 namespace turgor::cloth {
 
-constexpr double kClosest = 0.02;  // thicknesses that are left between what would meet
+/// Motion of a step as CCD sees it. The arrays are those of System, which are unused after the solution;
+/// separate arrays would add 44 bytes to each vertex.
+struct CcdMotion {
+  VectorsView start;         // positions at the beginning of the step [m]
+  VectorsView displacement;  // in the step [m]
+  VectorsView normal;        // sum of the normals of incident triangles at the beginning of the step [m²]
+  Real* longest2;            // longest edge of incident triangles, squared [m²]
+  Real* flatness;            // 2: incident normals stay within 30° of one direction; 1: within 45°; else 0
+};
+TURGOR_HD inline CcdMotion ccd_motion(const SheetView& sheet) {
+  return {sheet.previous, sheet.force, sheet.inverse[1], sheet.inverse[0].x, sheet.inverse[0].y};
+}
 
-/// From the second thing to the first, where they are nearest [m].
+constexpr double kClosest = 0.02;  // smallest distance that CCD leaves, relative to the thickness
+
+/// Vector between the nearest points of two edges, from the second to the first [m].
 TURGOR_HD inline Vec3d between_edges(const std::array<Vec3d, 4>& x) {
   const Vec3d p = x[1] - x[0], q = x[3] - x[2], r = x[0] - x[2];
   const double pp = dot(p, p), pq = dot(p, q), qq = dot(q, q), pr = dot(p, r), qr = dot(q, r);
@@ -27,65 +40,74 @@ TURGOR_HD inline Vec3d between_edges(const std::array<Vec3d, 4>& x) {
   return r + p * s - q * t;
 }
 
+/// Vector between the nearest points, from the triangle to the vertex or from the second edge to the first
+/// [m].
 TURGOR_HD inline Vec3d between(const std::array<Vec3d, 4>& x, bool are_edges) {
-  return are_edges ? between_edges(x) : x[0] - nearest_on_triangle(x[0], x[1], x[2], x[3]).place;
+  return are_edges ? between_edges(x) : x[0] - nearest_on_triangle(x[0], x[1], x[2], x[3]).position;
 }
 
-/// Of a vertex and a triangle or of two edges [m].
+/// Distance of a vertex and a triangle, or of two edges [m].
 TURGOR_HD inline double gap_between(const std::array<Vec3d, 4>& x, bool are_edges) {
   return norm(between(x, are_edges));
 }
 
-/// Whether these come too near on the straight way from x to x + d [m].
+/// Conservative advancement. With gap g and normal n of the nearest points at time s, the primitives cannot
+/// come nearer than `least` before s + (g − least)/c, where c is the largest closing speed of their vertices
+/// along n. True if they come nearer than `least` in the motion from x to x + d [m].
 TURGOR_HD inline bool comes_too_near(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d,
                                      bool are_edges, double thickness) {
   constexpr int kSteps = 64;
   const double closest = kClosest * thickness;
   std::array<Vec3d, 4> y = x;
-  double done = 0, least = 0;
+  double time = 0, least = 0;
   for (int step = 0; step < kSteps; step++) {
-    const Vec3d way = between(y, are_edges);
-    const double gap = norm(way);
-    // What is nearer already may come nearer still, but not without end.
+    // gap and normal
+    const Vec3d offset = between(y, are_edges);
+    const double gap = norm(offset);
+    // Primitives that are nearer already may approach further, within limits.
     if (step == 0) least = std::min(gap, std::clamp(gap / 2, closest / 16, closest));
     if (!(gap > 0)) return true;
-    const Vec3d n = way / gap;
+    const Vec3d n = offset / gap;
+    // largest closing speed along the normal
     const double first = are_edges ? std::min(dot(n, d[0]), dot(n, d[1])) : dot(n, d[0]);
     double second = std::max(dot(n, d[2]), dot(n, d[3]));
     if (!are_edges) second = std::max(second, dot(n, d[1]));
     const double closing = second - first;
-    if (gap - closing * (1 - done) >= least) return false;
-    const double room = gap - least;
-    if (room <= 0.02 * least) return true;
-    done += room / closing;
-    for (std::size_t k = 0; k < 4; k++) y[k] = x[k] + d[k] * done;
+    // safe advance
+    if (gap - closing * (1 - time) >= least) return false;
+    const double advance = gap - least;
+    if (advance <= 0.02 * least) return true;
+    time += advance / closing;
+    for (std::size_t k = 0; k < 4; k++) y[k] = x[k] + d[k] * time;
   }
   return true;
 }
 
-/// Things on their ways through a step, and whether they meet there.
-struct Ways {
-  ConstVectorsView x, d, x_rest;  // places, displacements, places at rest [m]
+/// Linear motion of the vertices in a step, and its collision tests.
+struct LinearMotion {
+  ConstVectorsView x, d, x_rest;  // positions, displacements, rest positions [m]
   double thickness;               // [m]
 
-  TURGOR_HD Vec3d place(int v) const { return Vec3d(x[std::size_t(v)]); }
-  TURGOR_HD Vec3d way(int v) const { return Vec3d(d[std::size_t(v)]); }
+  TURGOR_HD Vec3d position(int v) const { return Vec3d(x[std::size_t(v)]); }
+  TURGOR_HD Vec3d displacement(int v) const { return Vec3d(d[std::size_t(v)]); }
 
-  /// A vertex and a triangle, or two edges, on their ways as the first vertex sees them.
-  struct Four {
+  /// Vertex and triangle, or two edges, with displacements relative to the first vertex.
+  struct PrimitivePair {
     std::array<Vec3d, 4> x, d;
     bool are_edges;
   };
-  TURGOR_HD Four four(const std::array<int, 4>& v, bool are_edges) const {
-    Four f{{}, {}, are_edges};
-    for (std::size_t k = 0; k < 4; k++) f.x[k] = place(v[k]), f.d[k] = way(v[k]) - way(v[0]);
+  TURGOR_HD PrimitivePair primitives(const std::array<int, 4>& v, bool are_edges) const {
+    PrimitivePair f{{}, {}, are_edges};
+    for (std::size_t k = 0; k < 4; k++)
+      f.x[k] = position(v[k]), f.d[k] = displacement(v[k]) - displacement(v[0]);
     return f;
   }
-  /// False: they move as one, or a plane across one of the axes parts them all the way.
-  TURGOR_HD bool may_meet(const Four& f) const {
+  /// False: they move rigidly together, or an axis separates them during the whole motion.
+  TURGOR_HD bool may_collide(const PrimitivePair& f) const {
     bool moves_as_one = true;
     for (std::size_t k = 0; k < 4; k++) moves_as_one = moves_as_one && f.d[k] == Vec3d{};
     if (moves_as_one) return false;
+    // bounds of both primitives along each axis
     const double margin = kClosest * thickness;
     const int first = f.are_edges ? 2 : 1;
     for (int k = 0; k < 3; k++) {
@@ -100,8 +122,8 @@ struct Ways {
     }
     return true;
   }
-  /// Seams that are not closed touch at rest: nothing keeps them apart.
-  TURGOR_HD bool meet(const Four& f, const std::array<int, 4>& v) const {
+  /// Collision test. Primitives that touch at rest, such as open seams, are excluded.
+  TURGOR_HD bool collide(const PrimitivePair& f, const std::array<int, 4>& v) const {
     if (!comes_too_near(f.x, f.d, f.are_edges, thickness)) return false;
     std::array<Vec3d, 4> rest;
     for (std::size_t k = 0; k < 4; k++) rest[k] = Vec3d(x_rest[std::size_t(v[k])]);

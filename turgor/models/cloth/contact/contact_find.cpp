@@ -1,8 +1,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/models/cloth/contact/contact_kernels.hpp"
 #include "turgor/models/cloth/contact/obstacle_kernels.hpp"
+#include "turgor/models/cloth/contact/spatial_hash.hpp"
+#include "turgor/models/cloth/model/contacts.hpp"
 
 namespace turgor::cloth {
 
@@ -13,7 +18,7 @@ constexpr std::size_t kGrain = 8;  // chunks of vertices
 struct FindPairs {
   const State& state;
   PairsView pairs;
-  Look look;
+  ContactPhase phase;
   Real reach;
 
   void operator()(int i, std::vector<Contact>& found) const {
@@ -21,7 +26,7 @@ struct FindPairs {
     visit_near(state.spatial_hash, pairs.x[std::size_t(i)], reach, [&](int j, Vec3 xj) {
       if (j <= i) return;
       Contact contact;
-      if (pairs.touch(i, mine, j, xj, look, contact) && !is_implicit_already(state, contact, look))
+      if (pairs.touch(i, mine, j, xj, phase, contact) && !is_implicit_already(state, contact, phase))
         found.push_back(contact);
     });
   }
@@ -30,7 +35,7 @@ struct FindPairs {
 struct FindObstacles {
   FacingView facing;
   const std::vector<Obstacle>& obstacles;
-  bool between;  // is anything so small that it could pass between vertices?
+  bool between;  // any obstacle may pass between vertices
 
   void operator()(int i, std::vector<Contact>& found) const {
     const auto obstacle = [&](int o) -> const ObstacleView& { return obstacles[std::size_t(o)]; };
@@ -40,40 +45,48 @@ struct FindObstacles {
   }
 };
 
-/// Contacts with obstacles, as they were solved with the sheet, that press or would with the velocities now.
-void add_borne(State& state, Real dt) {
+/// Adds implicit contacts that press, or approach with the current velocities.
+void add_implicit_contacts(State& state, Real dt) {
   for (const Contact& c : state.implicit_contacts.contacts.list) {
     Vec3 v;
     for (std::size_t k = 0; k < 4; k++)
       if (c.vertex[k] >= 0) v += state.v[std::size_t(c.vertex[k])] * c.weight[k];
-    const Real closing = -dt * dot(v - c.drift, c.normal);
-    if (c.impulse > 0 || c.room < closing) state.contacts.list.push_back(c);
+    const Real closing = -dt * dot(v - c.obstacle_velocity, c.normal);
+    if (c.impulse > 0 || c.gap < closing) state.contacts.list.push_back(c);
   }
 }
 
 }  // namespace
 
-bool is_implicit_already(const State& state, const Contact& contact, Look look) {
-  return look == Look::kActual && find_old(state.implicit_contacts.contacts, contact);
+bool is_implicit_already(const State& state, const Contact& contact, ContactPhase phase) {
+  return phase == ContactPhase::kActual && find_previous(state.implicit_contacts.contacts, contact);
 }
 
-void find_step_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, Look look,
-                        double dt, std::vector<std::vector<Contact>>& found) {
+void find_step_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                        ContactPhase phase, double dt, std::vector<std::vector<Contact>>& found) {
+  TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
+  // chunks and search distance
   const Collision& params = model.params.collision;
   const std::size_t chunks = (std::size_t(model.count) + kChunk - 1) / kChunk;
-  const std::size_t pieces = params.self ? coarse_pieces(model) : 0;
-  found.resize(chunks + pieces + 1);
-  const Real thickness = Real(params.thickness), least = look == Look::kPredicted ? 1 + kSurprise : Real(1.1);
+  const std::size_t large = params.self ? large_chunks(model) : 0;
+  found.resize(chunks + large + 1);
+  const Real thickness = Real(params.thickness),
+             least = phase == ContactPhase::kPredicted ? 1 + kPredictionMargin : Real(1.1);
   const Real reach = reach_in_step(thickness, least, state.largest_speed, Real(dt));
-  const FindPairs pairs{state, pairs_view(model, state, dt), look, reach};
+  TURGOR_CHECK(reach >= thickness, "contacts are sought at least within the thickness");
+  // searches of vertices and of obstacles
+  const FindPairs pairs{state, pairs_view(model, state, dt), phase, reach};
   const FindObstacles obstacles{facing_view(model, state, dt), inputs.obstacles,
                                 any_between(inputs.obstacles)};
-  const bool is_whole = look == Look::kPredicted || !uses_gradients(model.params.solver.method);
+  const bool is_whole =
+      phase == ContactPhase::kPredicted || !uses_conjugate_gradients(model.params.solver.method);
   const bool others = is_whole && !inputs.obstacles.empty();
+  // spatial hash
   if (params.self) {
-    const Real coarse = model.coarse.triangles.empty() ? 0 : model.coarse.longest / 2;
-    sort_points(exec, state.x, model.count, std::max(Real(2.02) * reach, coarse), state.spatial_hash);
+    const Real large_cell = model.large.triangles.empty() ? 0 : model.large.longest / 2;
+    sort_points(exec, state.x, model.count, std::max(Real(2.02) * reach, large_cell), state.spatial_hash);
   }
+  // vertices
   parallel_for(
       exec, chunks,
       [&](std::size_t chunk) {
@@ -85,18 +98,20 @@ void find_step_contacts(const Exec& exec, const Model& model, State& state, cons
         }
       },
       kGrain);
-  if (pieces > 0)
-    find_coarse_contacts(exec, model, state, look, reach, dt, std::span(found).subspan(chunks, pieces));
+  // large primitives, and pairs of earlier CCD
+  if (large > 0)
+    find_large_contacts(exec, model, state, phase, reach, dt, std::span(found).subspan(chunks, large));
   found.back().clear();
-  if (params.self && is_whole) find_met_contacts(model, state, look, dt, found.back());
+  if (params.self && is_whole) find_ccd_contacts(model, state, phase, dt, found.back());
 }
 
 void find_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  TURGOR_CHECK(std::isfinite(state.largest_speed), "contacts are sought at finite speeds");
   Contacts& contacts = state.contacts;
-  find_step_contacts(exec, model, state, inputs, Look::kActual, dt, contacts.found);
+  find_step_contacts(exec, model, state, inputs, ContactPhase::kActual, dt, contacts.candidates);
   contacts.list.clear();
-  add_borne(state, Real(dt));
-  for (const auto& found : contacts.found)
+  add_implicit_contacts(state, Real(dt));
+  for (const auto& found : contacts.candidates)
     contacts.list.insert(contacts.list.end(), found.begin(), found.end());
   link_contacts(model, state, contacts);
 }

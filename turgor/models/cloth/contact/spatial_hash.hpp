@@ -1,7 +1,7 @@
-// Points sorted into cells by hashing, so that all points near a place are found, and no pair is missed. The
-// paper's two grids, shifted by half a cell, miss pairs; here a cell is at least twice as large as the reach,
-// and the eight cells around a point hold everything within its reach. Cells that follow one another along x
-// have buckets that do so too: eight cells are four runs of memory, looked at sixteen points at a time.
+// Spatial hash: points sorted into hashed cells. The paper's two shifted grids miss pairs, so a cell is
+// at least twice the reach, and the eight cells around a point contain all points within reach. Cells
+// adjacent along x have adjacent buckets: eight cells are four runs of memory, tested sixteen points at a
+// time.
 #pragma once
 
 #include <algorithm>
@@ -11,34 +11,26 @@
 #include <vector>
 
 #include "turgor/core/exec.hpp"
+#include "turgor/models/cloth/model/contacts.hpp"
 #include "turgor/models/cloth/model/vectors.hpp"
 
 namespace turgor::cloth {
 
-struct SpatialHash {
-  Real cell = 0;  // its side [m]
-  std::uint32_t mask = 0;
-  std::vector<int> begin;        // of each bucket, and the end
-  std::vector<int> bucket;       // of each point
-  std::vector<int> index;        // points by bucket
-  aligned_vector<Real> x, y, z;  // places by bucket, and a batch to spare [m]
-};
-
-/// Sorts the first `count` points. `cell` is more than twice the largest reach that is asked for.
+/// Sorts the first `count` points. `cell` must exceed twice the largest reach of a query.
 void sort_points(const Exec& exec, const Vectors& points, int count, Real cell, SpatialHash& near);
 
 TURGOR_HD inline int cell_of(Real x, Real inverse_cell) {
-  constexpr Real kFar = 1e9f;  // an int holds it; points beyond share the last cell
+  constexpr Real kFar = 1e9f;  // fits an int; points beyond share the last cell
   return int(std::floor(smaller(larger(x * inverse_cell, -kFar), kFar)));
 }
-/// Of the cell (0, cy, cz); cell cx is cx further on.
+/// Bucket of the cell (0, cy, cz); cell cx is cx buckets further.
 TURGOR_HD inline std::uint32_t row_bucket(int cy, int cz) {
   const std::uint32_t h = std::uint32_t(cy) * 0x9e3779b1u ^ std::uint32_t(cz) * 0x85ebca77u;
   return (h ^ h >> 15) * 0x2c1b3c6du;
 }
 
-/// Calls visit(point, place) for the sorted points [from, to) that pass, sixteen at a time; `passes` is given
-/// which is the first of them.
+/// Calls visit(point, position) for the sorted points [from, to) that pass. `passes` gets sixteen positions
+/// and the index of the first, and returns a bit for each.
 template <class Passes, class Visit>
 void visit_run(const SpatialHash& near, int from, int to, const Passes& passes, const Visit& visit) {
   for (int n = from; n < to; n += kLanes) {
@@ -52,34 +44,36 @@ void visit_run(const SpatialHash& near, int from, int to, const Passes& passes, 
   }
 }
 
-/// The cells that a box has a part in.
+/// Cells that overlap a box.
 struct CellBox {
   Int3 low, high;
 
   TURGOR_HD CellBox(Real inverse_cell, Vec3 a, Vec3 b)
       : low(cell_of(a.x, inverse_cell), cell_of(a.y, inverse_cell), cell_of(a.z, inverse_cell)),
         high(cell_of(b.x, inverse_cell), cell_of(b.y, inverse_cell), cell_of(b.z, inverse_cell)) {}
-  /// Are they so many that all points are looked at, bucket by bucket?
+  /// True if the cells outnumber the buckets, so that all points are tested bucket by bucket.
   TURGOR_HD bool is_all(std::uint32_t mask) const {
     const auto count = [](int from, int to) { return double(to) - from + 1; };
     return count(low.x, high.x) * count(low.y, high.y) * count(low.z, high.z) > double(mask);
   }
 };
 
-/// Calls visit(from, to, is_own) for runs of sorted points in which all of a box are; is_own(place) says
-/// which of them belong there: buckets have points of other cells, too.
+/// Calls visit(from, to, is_own) for runs of sorted points that contain all points of a box. is_own(position)
+/// rejects points of other cells in the same buckets.
 template <class Visit>
 TURGOR_HD inline void visit_runs(Real cell, std::uint32_t mask, const int* begin, int count, Vec3 low,
                                  Vec3 high, const Visit& visit) {
+  // cells of the box
   const Real inverse = 1 / cell;
   const CellBox cells(inverse, low, high);
   if (cells.is_all(mask)) return visit(0, count, [](Vec3) { return true; });
   const int x0 = cells.low.x, x1 = cells.high.x;
   for (int cz = cells.low.z; cz <= cells.high.z; cz++)
     for (int cy = cells.low.y; cy <= cells.high.y; cy++) {
-      const auto is_own = [&](Vec3 p) {  // other rows have some of the same buckets
+      const auto is_own = [&](Vec3 p) {  // other rows may share buckets
         return cell_of(p.y, inverse) == cy && cell_of(p.z, inverse) == cz;
       };
+      // buckets of a row of cells, which may wrap around
       const std::uint32_t first = (row_bucket(cy, cz) + std::uint32_t(x0)) & mask,
                           last = first + std::uint32_t(x1 - x0);
       visit(begin[first], begin[(last < mask ? last : mask) + 1], is_own);
@@ -87,8 +81,8 @@ TURGOR_HD inline void visit_runs(Real cell, std::uint32_t mask, const int* begin
     }
 }
 
-/// Calls visit(point, place) once for every point that passes. `passes` takes sixteen places, and where they
-/// are among the sorted ones, and returns a bit for each; no point outside of the box may pass.
+/// Calls visit(point, position) once for every point that passes. `passes` gets sixteen positions and the
+/// index of the first, and returns a bit for each. No point outside the box may pass.
 template <class Passes, class Visit>
 void visit_box(const SpatialHash& near, Vec3 low, Vec3 high, const Passes& passes, const Visit& visit) {
   visit_runs(near.cell, near.mask, near.begin.data(), int(near.index.size()), low, high,
@@ -99,7 +93,7 @@ void visit_box(const SpatialHash& near, Vec3 low, Vec3 high, const Passes& passe
              });
 }
 
-/// Calls visit(point, place) once for every point within `reach` of p, which is less than half a cell.
+/// Calls visit(point, position) once for every point within `reach` of p; reach must be below half a cell.
 template <class Visit>
 void visit_near(const SpatialHash& near, Vec3 p, Real reach, const Visit& visit) {
   const Real half = near.cell / 2, reach2 = reach * reach;

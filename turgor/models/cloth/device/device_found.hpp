@@ -1,16 +1,16 @@
-// Where threads put the contacts that they find: every one goes through what it looks at twice, to count them
-// and, when the counts are summed up, to put them in their places.
+// Output of contacts by threads. Each thread runs its search twice: to count its contacts, and after a prefix
+// sum of the counts, to write them.
 #pragma once
 
 #include "turgor/models/cloth/contact/contact.hpp"
 
 namespace turgor::cloth {
 
-struct Found {
-  int* count;     // of each thread; in the second pass where its first one goes, and the end
+struct ContactOutput {
+  int* count;     // per thread: count in the first pass, offset in the second; and the end
   Contact* list;  // null in the first pass
 
-  /// visit(take) calls take(contact) for all of thread n.
+  /// visit(take) must call take(contact) for all contacts of thread n.
   template <class Visit>
   TURGOR_HD void operator()(std::size_t n, const Visit& visit) const {
     int found = 0;

@@ -1,43 +1,43 @@
-// What does not change of a sheet on one side of a bus or the other: its rows, its triangles, and which of
-// them are around each vertex.
+// Constant data of a sheet on the device: rows, triangles, and the triangles around each vertex.
 #pragma once
 
 #include <span>
 
 #include "turgor/core/device_arrays.hpp"
 #include "turgor/models/cloth/forces/membrane_tension.hpp"
+#include "turgor/models/cloth/model/mesh_tables.hpp"
 
 namespace turgor::cloth {
 
-/// Of no length: nobody looks at it.
+/// Pointer to the data, or null if empty.
 template <class Array>
 auto* data_or_null(const Array& array) {
   return array.size() > 0 ? array.data() : nullptr;
 }
 
-template <class Side>
+template <class Backend>
 struct DeviceRows {
-  typename Side::template Array<int> slot_begin, first, gathered;
-  typename Side::template Array<Real> rest, stiffness, bend;
+  typename Backend::template Array<int> slot_begin, first, gathered;
+  typename Backend::template Array<Real> rest, stiffness, bend;
 
-  DeviceRows(DeviceAllocator<Side>& rooms, const Rows& rows)
-      : slot_begin(rooms.copy(rows.slot_begin)),
-        first(rooms.copy(rows.first)),
-        gathered(rooms.copy(rows.gathered)),
-        rest(rooms.copy(rows.rest)),
-        stiffness(rooms.copy(rows.stiffness)),
-        bend(rooms.copy(rows.bend)) {}
+  DeviceRows(DeviceAllocator<Backend>& allocator, const Rows& rows)
+      : slot_begin(allocator.copy(rows.slot_begin)),
+        first(allocator.copy(rows.first)),
+        gathered(allocator.copy(rows.gathered)),
+        rest(allocator.copy(rows.rest)),
+        stiffness(allocator.copy(rows.stiffness)),
+        bend(allocator.copy(rows.bend)) {}
   RowsView view() const {
     return {data_or_null(slot_begin), data_or_null(first),     data_or_null(gathered),
             data_or_null(rest),       data_or_null(stiffness), data_or_null(bend)};
   }
 };
 
-/// The triangles of each vertex, and what the membrane knows of them.
-template <class Side>
+/// Triangles around each vertex, and their membrane data.
+template <class Backend>
 struct DeviceTriangles {
   template <class T>
-  using Array = typename Side::template Array<T>;
+  using Array = typename Backend::template Array<T>;
 
   Array<Int3> corners;
   Array<int> begin, item;  // by vertex, ascending
@@ -46,17 +46,17 @@ struct DeviceTriangles {
   Array<std::array<std::uint8_t, 6>> slot;
   Array<std::array<std::uint16_t, 6>> wide_slot;
 
-  DeviceTriangles(DeviceAllocator<Side>& rooms, const Model& m)
-      : DeviceTriangles(rooms, m, lists_around(m.triangles, m.mass.size())) {}
-  DeviceTriangles(DeviceAllocator<Side>& rooms, const Model& m, const NeighborLists& lists)
-      : corners(rooms.copy(m.triangles)),
-        begin(rooms.copy(lists.begin)),
-        item(rooms.copy(lists.item)),
+  DeviceTriangles(DeviceAllocator<Backend>& allocator, const Model& m)
+      : DeviceTriangles(allocator, m, lists_around(m.triangles, m.mass.size())) {}
+  DeviceTriangles(DeviceAllocator<Backend>& allocator, const Model& m, const NeighborLists& lists)
+      : corners(allocator.copy(m.triangles)),
+        begin(allocator.copy(lists.begin)),
+        item(allocator.copy(lists.item)),
         law(m.membrane.law),
-        second{rooms.copy(m.membrane.second[0]), rooms.copy(m.membrane.second[1])},
-        third{rooms.copy(m.membrane.third[0]), rooms.copy(m.membrane.third[1])},
-        slot(rooms.copy(m.membrane.slot)),
-        wide_slot(rooms.copy(m.membrane.wide_slot)) {}
+        second{allocator.copy(m.membrane.second[0]), allocator.copy(m.membrane.second[1])},
+        third{allocator.copy(m.membrane.third[0]), allocator.copy(m.membrane.third[1])},
+        slot(allocator.copy(m.membrane.slot)),
+        wide_slot(allocator.copy(m.membrane.wide_slot)) {}
 
   static NeighborLists lists_around(std::span<const Int3> triangles, std::size_t size) {
     NeighborLists lists;

@@ -1,5 +1,5 @@
-// Obstacles of a sheet on one side of a bus or the other: planes and rigid shapes go over in every step,
-// surfaces when they are others than in the step before.
+// Obstacles of a sheet on the device. Planes and rigid shapes are uploaded in every step, surfaces only when
+// they change.
 #pragma once
 
 #include <memory>
@@ -13,11 +13,11 @@
 
 namespace turgor::cloth {
 
-/// What an obstacle points to, there.
-template <class Side>
+/// Device memory of one obstacle's shape.
+template <class Backend>
 class DeviceShape {
  public:
-  /// The same shape with pointers of that side.
+  /// Uploads a shape; returns it with device pointers.
   ObstacleShape put(const Obstacle& obstacle) {
     ObstacleShape shape = obstacle.shape;
     if (shape.kind == ObstacleShape::Kind::kSurface) put(obstacle.moving, shape.surface);
@@ -29,9 +29,9 @@ class DeviceShape {
   void put(const std::shared_ptr<const MovingSurface>& moving, SurfaceShape& shape) {
     if (moving != moving_) {
       const TriangleTree& tree = moving->tree;
-      nodes_.put(tree.boxes.nodes), items_.put(tree.boxes.items);
-      vertices_.put(tree.vertices), triangles_.put(tree.triangles);
-      normals_.put(moving->normals), velocities_.put(moving->velocities);
+      nodes_.assign(tree.boxes.nodes), items_.assign(tree.boxes.items);
+      vertices_.assign(tree.vertices), triangles_.assign(tree.triangles);
+      normals_.assign(moving->normals), velocities_.assign(moving->velocities);
       moving_ = moving;
     }
     shape.boxes.nodes = nodes_.data(), shape.boxes.items = items_.data();
@@ -41,25 +41,25 @@ class DeviceShape {
   }
   void put(RigidShape& shape) {
     if (shape.grid.nodes == nullptr) return;
-    grid_.put({shape.grid.nodes, shape.grid.count()});
-    tips_.put({shape.tips, std::size_t(shape.tip_count)});
+    grid_.assign({shape.grid.nodes, shape.grid.count()});
+    tips_.assign({shape.tips, std::size_t(shape.tip_count)});
     shape.grid.nodes = grid_.data(), shape.tips = tips_.data();
   }
 
-  std::shared_ptr<const MovingSurface> moving_;  // whose these are
-  DeviceList<Side, BoxTree::Node> nodes_;
-  DeviceList<Side, int> items_;
-  DeviceList<Side, Vec3d> vertices_, tips_;
-  DeviceList<Side, Int3> triangles_;
-  DeviceList<Side, Vec3> normals_, velocities_;
-  DeviceList<Side, DistanceNode> grid_;
+  std::shared_ptr<const MovingSurface> moving_;  // surface whose data are uploaded
+  DeviceList<Backend, BoxTree::Node> nodes_;
+  DeviceList<Backend, int> items_;
+  DeviceList<Backend, Vec3d> vertices_, tips_;
+  DeviceList<Backend, Int3> triangles_;
+  DeviceList<Backend, Vec3> normals_, velocities_;
+  DeviceList<Backend, DistanceNode> grid_;
 };
 
-/// Those of a step.
+/// Obstacles of a step.
 struct ObstaclesView {
   const ObstacleView* list;
   int count;
-  bool between;  // may any pass between vertices?
+  bool between;  // any may pass between vertices
 
   template <class Take>
   TURGOR_HD void visit(const FacingView& facing, int i, const Take& take) const {
@@ -69,7 +69,7 @@ struct ObstaclesView {
   }
 };
 
-template <class Side>
+template <class Backend>
 class DeviceObstacles {
  public:
   ObstaclesView put(std::span<const Obstacle> obstacles) {
@@ -79,20 +79,20 @@ class DeviceObstacles {
       views_.push_back(obstacles[o]);
       views_.back().shape = shapes_[o].put(obstacles[o]);
     }
-    list_.put(views_);
+    list_.assign(views_);
     return {list_.data(), int(views_.size()), any_between(obstacles)};
   }
-  /// Model::triangle_begin, for what may pass between vertices.
+  /// Model::triangle_begin on the device, needed by obstacles that may pass between vertices.
   const int* triangle_begin(const Model& model) {
-    if (triangle_begin_.count == 0) triangle_begin_.put(model.triangle_begin);
+    if (triangle_begin_.count == 0) triangle_begin_.assign(model.triangle_begin);
     return triangle_begin_.data();
   }
 
  private:
-  std::vector<DeviceShape<Side>> shapes_;  // of each
+  std::vector<DeviceShape<Backend>> shapes_;  // one per obstacle
   std::vector<ObstacleView> views_;
-  DeviceList<Side, ObstacleView> list_;
-  DeviceList<Side, int> triangle_begin_;
+  DeviceList<Backend, ObstacleView> list_;
+  DeviceList<Backend, int> triangle_begin_;
 };
 
 }  // namespace turgor::cloth

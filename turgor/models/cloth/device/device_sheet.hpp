@@ -1,105 +1,121 @@
-// A sheet on one side of a bus or the other: its model and one state in arrays of that side, and its steps by
-// that side's run: those of step.cpp by sweeps. A side is GpuSide (gpu_sheet.cu); tests have one that is the
-// host, in a shuffled order. Nothing goes over or back but what is told to.
+// Sheet on the device: model and one state in device arrays, and the steps of step.cpp by sweeps. Backend is
+// GpuBackend (gpu_sheet.cu); tests use one that runs on the host in shuffled order. Only explicit calls
+// transfer data.
 #pragma once
 
 #include <bit>
 #include <cmath>
 #include <span>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/models/cloth/ccd/ccd.hpp"
+#include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/models/cloth/device/device_ccd.hpp"
 #include "turgor/models/cloth/device/device_components.hpp"
 #include "turgor/models/cloth/device/device_contacts.hpp"
 #include "turgor/models/cloth/device/device_mesh.hpp"
 #include "turgor/models/cloth/device/device_state.hpp"
+#include "turgor/models/cloth/forces/wind.hpp"
+#include "turgor/models/cloth/model/contacts.hpp"
 #include "turgor/models/cloth/solver/motion_kernels.hpp"
 
 namespace turgor::cloth {
 
-template <class Side>
+template <class Backend>
 class DeviceSheet final : public SheetBackend {
  public:
-  DeviceSheet(const Model& m, DeviceAllocator<Side>& rooms)
-      : rows_(rooms, m.rows),
-        far_(rooms, m.far_rows),
-        spare_(rooms.copy(m.spare)),
-        x_rest_(rooms, m.mass.size()),
-        triangles_(rooms, m),
-        parts_(rooms, m),
-        x_(rooms, m.mass.size()),
-        v_(rooms, m.mass.size()),
-        last_x_(rooms, last_size(m)),
-        last_v_(rooms, last_size(m)),
-        free_mass_(rooms.copy(m.mass)),
-        along_(rooms.template room<Real>(m.rows.stiffness.size())),
-        across_(rooms.template room<Real>(m.rows.stiffness.size())),
-        force_(rooms, m.mass.size()),
-        inverse_{{rooms, m.mass.size()}, {rooms, m.mass.size()}},
-        change_(rooms, m.mass.size()),
-        before_(rooms, m.mass.size()),
-        air_{{rooms, m.mass.size()}, {rooms, m.mass.size()}},
-        squares_(rooms.template room<LeftSquares>((m.mass.size() + kSquaresAtOnce - 1) / kSquaresAtOnce)),
-        largest_(rooms.template room<std::uint32_t>(1)),
-        contacts_(rooms, m),
-        guard_(rooms, m) {
-    if (rooms.all_allocated) x_rest_.upload(m.x_rest), parts_.keep(m, {});
+  DeviceSheet(const Model& m, DeviceAllocator<Backend>& allocator)
+      : rows_(allocator, m.rows),
+        far_(allocator, m.far_rows),
+        extra_diagonal_(allocator.copy(m.extra_diagonal)),
+        x_rest_(allocator, m.mass.size()),
+        triangles_(allocator, m),
+        components_(allocator, m),
+        x_(allocator, m.mass.size()),
+        v_(allocator, m.mass.size()),
+        history_x_(allocator, history_size(m)),
+        history_v_(allocator, history_size(m)),
+        free_mass_(allocator.copy(m.mass)),
+        along_(allocator.template allocate<Real>(m.rows.stiffness.size())),
+        across_(allocator.template allocate<Real>(m.rows.stiffness.size())),
+        force_(allocator, m.mass.size()),
+        inverse_{{allocator, m.mass.size()}, {allocator, m.mass.size()}},
+        change_(allocator, m.mass.size()),
+        previous_(allocator, m.mass.size()),
+        air_{{allocator, m.mass.size()}, {allocator, m.mass.size()}},
+        squares_(allocator.template allocate<ResidualSquares>((m.mass.size() + kSquaresAtOnce - 1) /
+                                                              kSquaresAtOnce)),
+        largest_(allocator.template allocate<std::uint32_t>(1)),
+        contacts_(allocator, m),
+        ccd_(allocator, m) {
+    if (allocator.all_allocated) x_rest_.upload(m.x_rest), components_.set_held(m, {});
   }
 
-  void put_state(const Model&, const State& state) override {
+  void upload_state(const Model&, const State& state) override {
+    TURGOR_CHECK(state.x.size() == size() && state.v.size() == size(),
+                 "a state has the vertices of its model");
     x_.upload(state.x), v_.upload(state.v);
-    if (state.last.dt > 0) last_x_.upload(state.last.x), last_v_.upload(state.last.v);
-    contacts_.put(run_, state.contacts);
+    if (state.history.dt > 0) history_x_.upload(state.history.x), history_v_.upload(state.history.v);
+    contacts_.upload(run_, state.contacts);
   }
-  void get_state(State& state) const override {
+  void download_state(State& state) const override {
     x_.download(state.x), v_.download(state.v);
-    contacts_.get(state.contacts);
-    if (last_x_.x.size() == 0) return;
-    for (Vectors* last : {&state.last.x, &state.last.v}) last->resize(last_x_.x.size());
-    last_x_.download(state.last.x), last_v_.download(state.last.v);
+    contacts_.download(state.contacts);
+    if (history_x_.x.size() == 0) return;
+    for (Vectors* last : {&state.history.x, &state.history.v}) last->resize(history_x_.x.size());
+    history_x_.download(state.history.x), history_v_.download(state.history.v);
   }
 
   StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                   double frame) override {
+    TURGOR_CHECK(is_step_length(frame), "a step has a positive length");
+    // held vertices and predictor
     const Solver& solver = model.params.solver;
     take_holds(model, state);
-    const double dt = state.impulse_time = lead_on(solver, state, frame);
+    const double dt = state.impulse_time = predict_bdf2(solver, state, frame);
+    // velocity change of the linear system
     assemble(model, state, inputs, dt);
     solve(model, dt);
     StepReport report;
     if (inputs.measure_residual) report.residual = residual();
+    // new velocities
     run_(size(), ChangeVelocities<Real>{cloth::view(v_), cloth::view(change_)});
     if (solver.strain_limit > 0)
       for (int pass = 0; pass < kStrainPasses; pass++) {
         run_(size(), LimitStrain<Real>{view(), cloth::strain_limit(model), Real(dt)});
-        std::swap(v_, before_);
+        std::swap(v_, previous_);
       }
     state.largest_speed = report.largest_speed = largest_speed();
+    // contact impulses
     const bool self = model.params.collision.self;
     if (!self && inputs.obstacles.empty())
-      contacts_.forget();
+      contacts_.clear();
     else if (std::isfinite(state.largest_speed)) {
       find_contacts(model, state, inputs, dt);
       report.contacts = int(contacts_.count());
       report.contact_iterations = contacts_.solve_velocities(run_, model, view(), dt);
       state.largest_speed = report.largest_speed = largest_speed();
     }
+    // a state that is not finite is undone
     report.finite = std::isfinite(state.largest_speed);
     if (!report.finite) {
-      lay_to_rest(state);
+      restore_last_state(state);
       return report;
     }
+    // motion, position impulses and CCD
     const bool two_steps = solver.integrator == Integrator::kBdf2;
-    run_(size(), Move<Real>{cloth::view(x_), cloth::view(v_), cloth::view(two_steps ? last_x_ : x_),
-                            cloth::view(before_), Real(dt)});
-    run_(holds_.count, PlaceHolds{view(), holds_.data()});
-    contacts_.solve_places(run_, model, view(), dt);
-    if (self) report.in_impact_zone = guard(exec, model, state);
+    run_(size(), Move<Real>{cloth::view(x_), cloth::view(v_), cloth::view(two_steps ? history_x_ : x_),
+                            cloth::view(previous_), Real(dt)});
+    run_(holds_.count, MoveHolds{view(), holds_.data()});
+    contacts_.solve_positions(run_, model, view(), dt);
+    if (self) report.in_impact_zone = run_ccd(exec, model, state);
     state.time += frame;
     return report;
   }
 
  private:
-  static std::size_t last_size(const Model& m) {
+  static std::size_t history_size(const Model& m) {
     return m.params.solver.integrator == Integrator::kBdf2 ? m.mass.size() : 0;
   }
   std::size_t size() const { return free_mass_.size(); }
@@ -107,7 +123,7 @@ class DeviceSheet final : public SheetBackend {
     return {.size = size(),
             .rows = rows_.view(),
             .far = far_.view(),
-            .spare = data_or_null(spare_),
+            .extra_diagonal = data_or_null(extra_diagonal_),
             .x_rest = cloth::view(x_rest_),
             .x = cloth::view(x_),
             .v = cloth::view(v_),
@@ -117,110 +133,115 @@ class DeviceSheet final : public SheetBackend {
             .force = cloth::view(force_),
             .inverse = {cloth::view(inverse_[0]), cloth::view(inverse_[1])},
             .change = cloth::view(change_),
-            .before = cloth::view(before_),
+            .previous = cloth::view(previous_),
             .air = {cloth::view(air_[0]), cloth::view(air_[1])},
-            .square = square_};
+            .stiffness_factor = stiffness_factor_};
   }
 
-  /// Their goals in every step; masses and parts when others are held.
+  /// Uploads goals in every step; masses and components only when other vertices are held.
   void take_holds(const Model& model, const State& state) {
-    holds_.put(state.holds);
+    holds_.assign(state.holds);
     std::vector<int> held;
     for (const Hold& hold : state.holds) held.push_back(hold.vertex);
     if (held == held_) return;
     held_ = std::move(held);
     free_mass_.upload(state.free_mass);
-    parts_.keep(model, state.holds);
+    components_.set_held(model, state.holds);
   }
 
-  /// Returns the time of the step.
-  double lead_on(const Solver& solver, State& state, double frame) {
+  /// BDF2 predictor (step.cpp). Returns the step of backward Euler.
+  double predict_bdf2(const Solver& solver, State& state, double frame) {
     if (solver.integrator != Integrator::kBdf2) return frame;
-    const bool leads = state.last.dt == frame;
-    state.last.dt = frame;
-    run_(size(), LeadOn<Real>{cloth::view(x_), cloth::view(last_x_), leads});
-    run_(size(), LeadOn<Real>{cloth::view(v_), cloth::view(last_v_), leads});
-    return leads ? frame * 2 / 3 : frame;
+    const bool has_history = state.history.dt == frame;
+    state.history.dt = frame;
+    run_(size(), PredictBdf2<Real>{cloth::view(x_), cloth::view(history_x_), has_history});
+    run_(size(), PredictBdf2<Real>{cloth::view(v_), cloth::view(history_v_), has_history});
+    return has_history ? frame * 2 / 3 : frame;
   }
 
   void assemble(const Model& model, const State& state, const Inputs& inputs, double dt) {
+    // factors of mass and stiffness
     const Damping& damping = model.params.damping;
     const Air& air = inputs.air;
     has_air_ = air.density > 0;
-    keep_ = Real(1 + dt * damping.motion), square_ = Real(dt * dt + dt * damping.stretch);
+    mass_factor_ = Real(1 + dt * damping.motion), stiffness_factor_ = Real(dt * dt + dt * damping.stretch);
+    // wind
     if (has_air_) {
       run_(size(),
            AirAt<Real>{cloth::view(x_), cloth::view(change_), gusts_at(air, state.time), is_steady(air)});
-      const Sails all =
-          sails(air, dt, triangles_.corners.data(), cloth::view(x_), cloth::view(v_), cloth::view(change_),
-                cloth::view(force_), cloth::view(inverse_[0]), cloth::view(inverse_[1]));
+      const WindTriangles all = wind_triangles(air, dt, triangles_.corners.data(), cloth::view(x_),
+                                               cloth::view(v_), cloth::view(change_), cloth::view(force_),
+                                               cloth::view(inverse_[0]), cloth::view(inverse_[1]));
       run_(size(), BlowVertex{all, triangles_.around()});
-      parts_.sum_drag(run_, view());
+      components_.sum_drag(run_, view());
     }
+    // forces and matrix
     if (model.params.fabric.law == Law::kSheet)
       run_(size(), TensionsAround{view(), triangles_.view(), triangles_.around()});
     run_(size(), AssembleRow<Real>{view(), Vec3(inputs.gravity), Real(dt), Real(dt * damping.motion),
                                    has_air_, inputs.measure_residual});
+    // warm start and held vertices
     contacts_.add_impulses(run_, view());
     run_(holds_.count, AimHolds{view(), holds_.data(), Real(dt)});
   }
 
   void solve(const Model& model, double dt) {
     const Solver& solver = model.params.solver;
-    parts_.start(run_, view(), 1 + dt * model.params.damping.motion, has_air_);
+    components_.start(run_, view(), 1 + dt * model.params.damping.motion, has_air_);
     run_(holds_.count, StartHolds{view(), holds_.data()});
-    go_through_sweeps(
+    run_sweeps(
         solver.method == Method::kChebyshev, solver.sweeps,
         [&](Real omega) {
           run_(size(), SweepRow<Real>{view(), omega});
-          std::swap(change_, before_);
+          std::swap(change_, previous_);
         },
         [&] {
-          run_(size(), CopyVectors{cloth::view(change_), cloth::view(before_)});
+          run_(size(), CopyVectors{cloth::view(change_), cloth::view(previous_)});
         });
   }
 
   double residual() {
-    run_(squares_.size(), SumSquares{view(), keep_, squares_.data()});
-    std::vector<LeftSquares> sums(squares_.size());
+    run_(squares_.size(), SumSquares{view(), mass_factor_, squares_.data()});
+    std::vector<ResidualSquares> sums(squares_.size());
     squares_.download(sums);
-    LeftSquares all;
-    for (const LeftSquares& sum : sums) all.force += sum.force, all.left += sum.left;
-    return all.force > 0 ? std::sqrt(all.left / all.force) : 0;
+    ResidualSquares all;
+    for (const ResidualSquares& sum : sums) all.force += sum.force, all.residual += sum.residual;
+    return all.force > 0 ? std::sqrt(all.residual / all.force) : 0;
   }
 
-  /// What would have met in steps before is looked for on this side of the bus: there is hardly any.
+  /// Handles pairs of earlier CCD on the host, since they are rare.
   void find_contacts(const Model& model, State& state, const Inputs& inputs, double dt) {
-    std::vector<Contact> met;
-    if (!state.ccd.met.empty() || !state.ccd.ccd_pairs.empty()) {
-      bring(state.x, x_), bring(state.v, v_), bring(state.system.change, change_);
-      contacts_.get(state.contacts);
-      find_met_contacts(model, state, Look::kActual, dt, met);
-      forget(state);
+    std::vector<Contact> ccd_contacts;
+    if (!state.ccd.recent_pairs.empty() || !state.ccd.ccd_pairs.empty()) {
+      download(state.x, x_), download(state.v, v_), download(state.system.change, change_);
+      contacts_.download(state.contacts);
+      find_ccd_contacts(model, state, ContactPhase::kActual, dt, ccd_contacts);
+      clear_host(state);
     }
     contacts_.find(run_, model, view(), triangles_.corners.data(), inputs.obstacles, state.largest_speed, dt,
-                   met);
+                   ccd_contacts);
   }
 
-  /// avoid_crossings, on this side of the bus, where anything would meet.
-  int guard(const Exec& exec, const Model& model, State& state) {
+  /// Runs CCD; if anything collides, resolve_ccd on the host.
+  int run_ccd(const Exec& exec, const Model& model, State& state) {
     CcdWorkspace& ccd = state.ccd;
-    if (ccd.steps_to_look < 0 && !guard_.would_meet(run_, view(), triangles_.corners.data(),
-                                                    triangles_.around(), model.params.collision.thickness)) {
+    if (ccd.steps_until_check < 0 &&
+        !ccd_.any_collision(run_, view(), triangles_.corners.data(), triangles_.around(),
+                            model.params.collision.thickness)) {
       ccd.ccd_pairs.clear(), ccd.in_impact_zone.clear(), ccd.zone.clear();
       return 0;
     }
-    bring(state.x, x_), bring(state.v, v_), bring(state.system.before, before_);
+    download(state.x, x_), download(state.v, v_), download(state.system.previous, previous_);
     const int in_impact_zone = resolve_ccd(exec, model, state);
     if (in_impact_zone > 0) x_.upload(state.x), v_.upload(state.v);
-    forget(state);
+    clear_host(state);
     return in_impact_zone;
   }
-  static void bring(Vectors& here, const DeviceVectors<Side>& there) {
-    here.resize(there.x.size());
-    there.download(here);
+  static void download(Vectors& host, const DeviceVectors<Backend>& device) {
+    host.resize(device.x.size());
+    device.download(host);
   }
-  static void forget(State& state) { state.x.resize(0), state.v.resize(0); }
+  static void clear_host(State& state) { state.x.resize(0), state.v.resize(0); }
 
   Real largest_speed() {
     std::uint32_t bits = 0;
@@ -230,30 +251,30 @@ class DeviceSheet final : public SheetBackend {
     return std::sqrt(std::bit_cast<Real>(bits));
   }
 
-  void lay_to_rest(State& state) {
+  void restore_last_state(State& state) {
     run_(size(), ClearVectors{cloth::view(v_)});
-    if (state.last.dt > 0) run_(size(), CopyVectors{cloth::view(last_x_), cloth::view(x_)});
-    state.last.dt = 0;
+    if (state.history.dt > 0) run_(size(), CopyVectors{cloth::view(history_x_), cloth::view(x_)});
+    state.history.dt = 0;
     state.largest_speed = 0;
-    contacts_.forget();
+    contacts_.clear();
   }
 
-  typename Side::Run run_{};
-  DeviceRows<Side> rows_, far_;
-  typename Side::template Array<Real> spare_;
-  DeviceVectors<Side> x_rest_;
-  DeviceTriangles<Side> triangles_;
-  DeviceComponents<Side> parts_;
-  DeviceVectors<Side> x_, v_, last_x_, last_v_;
-  typename Side::template Array<Real> free_mass_, along_, across_;
-  DeviceVectors<Side> force_, inverse_[2], change_, before_, air_[2];
-  typename Side::template Array<LeftSquares> squares_;
-  typename Side::template Array<std::uint32_t> largest_;
-  DeviceContacts<Side> contacts_;
-  DeviceCcd<Side> guard_;
-  DeviceList<Side, Hold> holds_;
+  typename Backend::Run run_{};
+  DeviceRows<Backend> rows_, far_;
+  typename Backend::template Array<Real> extra_diagonal_;
+  DeviceVectors<Backend> x_rest_;
+  DeviceTriangles<Backend> triangles_;
+  DeviceComponents<Backend> components_;
+  DeviceVectors<Backend> x_, v_, history_x_, history_v_;
+  typename Backend::template Array<Real> free_mass_, along_, across_;
+  DeviceVectors<Backend> force_, inverse_[2], change_, previous_, air_[2];
+  typename Backend::template Array<ResidualSquares> squares_;
+  typename Backend::template Array<std::uint32_t> largest_;
+  DeviceContacts<Backend> contacts_;
+  DeviceCcd<Backend> ccd_;
+  DeviceList<Backend, Hold> holds_;
   std::vector<int> held_;  // vertices
-  Real square_ = 0, keep_ = 1;
+  Real stiffness_factor_ = 0, mass_factor_ = 1;
   bool has_air_ = false;
 };
 

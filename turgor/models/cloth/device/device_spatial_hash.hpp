@@ -1,30 +1,29 @@
-// Points sorted into cells on one side of a bus or the other, by the same hashing as on the CPU and in its
-// order (spatial_hash.hpp).
+// Spatial hash on the device, with the hash function and the order of the host (spatial_hash.hpp).
 #pragma once
 
 #include <bit>
 
 #include "turgor/core/device_lists.hpp"
 #include "turgor/models/cloth/contact/spatial_hash.hpp"
-#include "turgor/models/cloth/device/sheet_view.hpp"
+#include "turgor/models/cloth/model/sheet_view.hpp"
 
 namespace turgor::cloth {
 
-template <class Side>
-VectorsView view(const DeviceVectors<Side>& a) {
+template <class Backend>
+VectorsView view(const DeviceVectors<Backend>& a) {
   return {a.x.data(), a.y.data(), a.z.data()};
 }
 
-/// NearPoints there.
+/// SpatialHash on the device.
 struct NearView {
   Real cell;
   std::uint32_t mask;
   const int *begin, *index;
   int count;
-  VectorsView at;  // places by bucket [m]
+  VectorsView at;  // positions by bucket [m]
 
   TURGOR_HD bool is_all(Vec3 low, Vec3 high) const { return CellBox(1 / cell, low, high).is_all(mask); }
-  /// Calls take(point, place) for all points of a box, and some beside it.
+  /// Calls take(point, position) for all points of a box, and some outside it.
   template <class Take>
   TURGOR_HD void visit(Vec3 low, Vec3 high, const Take& take) const {
     visit_runs(cell, mask, begin, count, low, high, [&](int from, int to, const auto& is_own) {
@@ -43,19 +42,19 @@ struct BucketOf {
     return int((row + std::uint32_t(cell_of(x.x[i], inverse_cell))) & mask);
   }
 };
-struct PlaceSorted {
+struct GatherSorted {
   NearView near;
   ConstVectorsView x;
 
   TURGOR_HD void operator()(std::size_t n) const { near.at.set(n, x[std::size_t(near.index[n])]); }
 };
 
-template <class Side>
+template <class Backend>
 class DeviceSpatialHash {
  public:
-  DeviceSpatialHash(DeviceAllocator<Side>& rooms, std::size_t count) : sorted_(rooms, count) {}
+  DeviceSpatialHash(DeviceAllocator<Backend>& allocator, std::size_t count) : sorted_(allocator, count) {}
 
-  /// sort_points, of as many as there is room for.
+  /// sort_points for the allocated number of points.
   template <class Run>
   NearView sort(const Run& run, ConstVectorsView points, Real cell) {
     const std::size_t count = sorted_.x.size();
@@ -64,13 +63,13 @@ class DeviceSpatialHash {
     of_bucket_.make(run, buckets, count, BucketOf{points, 1 / cell, mask});
     const NearView near{cell,       mask,         of_bucket_.begin.data(), of_bucket_.item.data(),
                         int(count), view(sorted_)};
-    run(count, PlaceSorted{near, points});
+    run(count, GatherSorted{near, points});
     return near;
   }
 
  private:
-  DeviceVectors<Side> sorted_;
-  DeviceLists<Side> of_bucket_;
+  DeviceVectors<Backend> sorted_;
+  DeviceLists<Backend> of_bucket_;
 };
 
 }  // namespace turgor::cloth

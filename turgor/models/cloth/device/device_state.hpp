@@ -1,33 +1,33 @@
-// A State and where it is (core/mirrored_state.hpp): while it steps on a GPU its places and velocities here
-// are empty. Holds and times are always here.
+// State that may live on the device (core/mirrored_state.hpp). While it does, positions and velocities on the
+// host are empty; holds and times are always on the host.
 #pragma once
 
 #include "turgor/core/mirrored_state.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/step.hpp"
 
 namespace turgor::cloth {
 
-/// Places and velocities of a state that is away.
-struct AwayStorage {
-  Vectors x, v, last_x, last_v;
+/// Positions and velocities that are set aside while the state is on the device.
+struct DeviceStateStorage {
+  Vectors x, v, history_x, history_v;
 
   void swap(State& state) {
     std::swap(x, state.x), std::swap(v, state.v);
-    std::swap(last_x, state.last.x), std::swap(last_v, state.last.v);
+    std::swap(history_x, state.history.x), std::swap(history_v, state.history.v);
   }
 };
 struct SheetBackend;
-using MirroredState = Mirrored<State, SheetBackend, AwayStorage>;
+using MirroredState = Mirrored<State, SheetBackend, DeviceStateStorage>;
 
-/// A sheet on the other side of a bus (device_sheet.hpp): its model, and one state at a time.
+/// Sheet on the device (device_sheet.hpp): its model, and one state at a time.
 struct SheetBackend : BackendOf<MirroredState> {
   virtual ~SheetBackend() = default;
 
-  /// What changes, but for holds and times.
-  virtual void put_state(const Model& model, const State& state) = 0;
-  virtual void get_state(State& state) const = 0;
-  /// Of the state that is there, with the holds and times of this one. The model is the one that was put; its
-  /// sweeps, damping, friction and strain limit may be others since.
+  /// Uploads all that a step changes, except holds and times.
+  virtual void upload_state(const Model& model, const State& state) = 0;
+  virtual void download_state(State& state) const = 0;
+  /// Steps the state on the device, with holds and times of `state`. The model must be the uploaded one;
+  /// sweeps, damping, friction and strain limit may have changed.
   virtual StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                           double frame) = 0;
 };
@@ -38,7 +38,7 @@ class DeviceState : public DeviceStateOf<MirroredState> {
 
   StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double frame);
 
-  /// What the functions of these names do (cloth.hpp).
+  /// As the functions of the same names (hold.hpp).
   Status hold(const Model& model, int mesh_vertex);
   Status move_hold(const Model& model, int mesh_vertex, Vec3 goal);
   Status release(const Model& model, int mesh_vertex);

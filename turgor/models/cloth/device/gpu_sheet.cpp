@@ -3,8 +3,8 @@
 namespace turgor::cloth {
 
 Missing why_not_on_gpu(const Params& params) {
-  if (uses_gradients(params.solver.method))
-    return {"solver", "sweeps alone solve cloth: set solver.method = \"chebyshev\" or \"jacobi\""};
+  if (uses_conjugate_gradients(params.solver.method))
+    return {"solver", "cloth is solved by sweeps only: set solver.method = \"chebyshev\" or \"jacobi\""};
   return {};
 }
 

@@ -5,11 +5,11 @@
 namespace turgor::cloth {
 
 Result<std::shared_ptr<SheetBackend>> put(const Gpu& gpu, const Model& model) {
-  TURGOR_ASSERT(why_not_on_gpu(model.params).key.empty(), "asked before by why_not_on_gpu");
-  DeviceAllocator<GpuSide> rooms;
-  std::shared_ptr<SheetBackend> sheet = std::make_shared<DeviceSheet<GpuSide>>(model, rooms);
-  if (rooms.all_allocated) return sheet;
-  return no_room("the cloth", rooms.bytes, gpu);
+  TURGOR_ASSERT(why_not_on_gpu(model.params).key.empty(), "callers check why_not_on_gpu first");
+  DeviceAllocator<GpuBackend> allocator;
+  std::shared_ptr<SheetBackend> sheet = std::make_shared<DeviceSheet<GpuBackend>>(model, allocator);
+  if (allocator.all_allocated) return sheet;
+  return out_of_memory("the cloth", allocator.bytes, gpu);
 }
 
 }  // namespace turgor::cloth

@@ -1,4 +1,4 @@
-// A sheet on a GPU: either law, solved by sweeps, in the wind, with holds, out of itself and of obstacles.
+// Sheet on a GPU: both laws, sweeps, wind, holds, self-collision and obstacles.
 #pragma once
 
 #include <memory>
@@ -9,13 +9,13 @@
 
 namespace turgor::cloth {
 
-/// What of these a GPU does not do: a group of a scene's keys, and a sentence; both empty = it does all.
+/// Unsupported feature: group of scene keys, and a sentence; both empty if all is supported.
 struct Missing {
   std::string key, why;
 };
 Missing why_not_on_gpu(const Params& params);
 
-/// Copies the model over, for KeptState::step_on. Error: the memory that it needs and that there is.
+/// Uploads the model, for DeviceState::use_backend. Error: needed and available memory.
 Result<std::shared_ptr<SheetBackend>> put(const Gpu& gpu, const Model& model);
 
 }  // namespace turgor::cloth

@@ -1,4 +1,4 @@
-// In place of gpu_sheet.cu where there is no nvcc: open_gpu has no Gpu to give, so nothing comes here.
+// Replaces gpu_sheet.cu in builds without nvcc. open_gpu returns no Gpu then, so this is not reached.
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
 
 namespace turgor::cloth {

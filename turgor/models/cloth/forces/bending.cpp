@@ -4,21 +4,22 @@
 #include <array>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/forces/membrane.hpp"
 #include "turgor/models/cloth/forces/springs.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
 namespace {
 
-/// A fold: how the slope across an edge changes, as a sum over four vertices, times half of its length, as a
-/// tensor along warp and weft.
+/// Contribution of an edge to the curvature: the change of slope J_e as a linear form of four vertices, and
+/// the tensor ½ |e| n_e n_eᵀ along warp and weft.
 struct Fold {
-  std::array<int, 4> vertex;     // of the edge, then facing it
-  std::array<double, 4> weight;  // of the change of slope [1/m]
-  std::array<double, 3> tensor;  // n nᵀ: warp, weft, √2 both, times half of the edge's length [m]
+  std::array<int, 4> vertex;     // ends of the edge, then the facing corners
+  std::array<double, 4> weight;  // coefficients of J_e [1/m]
+  std::array<double, 3> tensor;  // ½ |e| n nᵀ: warp, weft, √2 warp-weft [m]
 };
 
 struct Sheets {
@@ -29,7 +30,7 @@ struct Sheets {
   int facing(const EdgeUse& use) const {
     return mesh.triangles[std::size_t(use.triangle)][(use.side + 2) % 3];
   }
-  /// Of a triangle of an edge, turned so that the first and the second of them lie alike.
+  /// Normal of the n-th triangle of an edge, oriented like that of the first.
   Vec3d normal(std::span<const EdgeUse> edge, std::size_t n) const {
     const auto [a, b, c] = mesh.triangles[std::size_t(edge[n].triangle)];
     const bool is_turned = n > 0 && edge[n].forward == edge[0].forward;
@@ -37,43 +38,53 @@ struct Sheets {
   }
 };
 
-/// Edges of two triangles that are not folded back at rest: those of a seam turn freely.
+/// Edges of two triangles that are not folded by more than 90° at rest resist bending. Those of a seam turn
+/// freely.
 bool bends(const Sheets& sheets, std::span<const EdgeUse> edge) {
   return edge.size() == 2 && sheets.facing(edge[0]) != sheets.facing(edge[1]) &&
          dot(sheets.normal(edge, 0), sheets.normal(edge, 1)) > 0;
 }
 
+/// J_e = Σ w_k · x_k: with u_p, u_q the heights of the facing corners over the edge and a_p, a_q their foot
+/// points (0 at a, 1 at b), w = (−(1−a_p)/u_p − (1−a_q)/u_q, −a_p/u_p − a_q/u_q, 1/u_p, 1/u_q).
 Fold fold_at(const Sheets& sheets, std::span<const EdgeUse> edge) {
   const int a = edge[0].a, b = edge[0].b, p = sheets.facing(edge[0]), q = sheets.facing(edge[1]);
-  const Vec3d way = sheets.at(b) - sheets.at(a), along = normalized(way);
-  const double length = norm(way);
+  // heights and foot points of the facing corners
+  const Vec3d side = sheets.at(b) - sheets.at(a), along = normalized(side);
+  const double length = norm(side);
+  TURGOR_CHECK(length > 0, "a folded edge has a length");
   const Vec3d to_p = sheets.at(p) - sheets.at(a), to_q = sheets.at(q) - sheets.at(a);
   const double up = norm(cross(to_p, along)), uq = norm(cross(to_q, along));
   const double ap = dot(to_p, along) / length, aq = dot(to_q, along) / length;
-  double x = 0, y = 0;  // the edge by warp and weft, seen from both sides
+  double x = 0, y = 0;  // direction of the edge along warp and weft, averaged over both triangles
   for (std::size_t n = 0; n < 2; n++) {
     const Weave weave = weave_at(sheets.fabric.direction, sheets.normal(edge, n));
     x += dot(along, weave.warp), y += dot(along, weave.weft);
   }
   const double size = std::hypot(x, y);
   x /= size, y /= size;
+  TURGOR_CHECK(up > 0 && uq > 0, "the triangles of a fold have areas");
   return {{a, b, p, q},
           {-(1 - ap) / up - (1 - aq) / uq, -ap / up - aq / uq, 1 / up, 1 / uq},
           {y * y * length / 2, x * x * length / 2, -std::sqrt(2.0) * x * y * length / 2}};
 }
 
-/// Voronoi's part of each vertex, and in obtuse triangles half for the obtuse corner [Meyer et al. 2003]:
-/// with these, a bent sheet has the same curvature at every vertex, however many triangles meet there.
+/// Voronoi areas of the vertices. An obtuse triangle gives half of its area to the obtuse corner and a
+/// quarter to each other [Meyer et al. 2003]. With these areas a bent sheet has the same curvature at
+/// vertices of any valence.
 std::vector<double> vertex_areas(const Sheets& sheets) {
   std::vector<double> areas(sheets.mesh.vertices.size(), 0);
   for (const Int3 t : sheets.mesh.triangles) {
-    double square[3], cotangent[3];  // of the side that faces a corner, and of its angle
+    double square[3],
+        cotangent[3];  // squared length of the side facing each corner, and cotangent of its angle
     const double area = norm(cross(sheets.at(t.y) - sheets.at(t.x), sheets.at(t.z) - sheets.at(t.x))) / 2;
     for (int k = 0; k < 3; k++) {
       const Vec3d side = sheets.at(t[(k + 2) % 3]) - sheets.at(t[(k + 1) % 3]);
       square[k] = dot(side, side);
     }
+    // cotangents from the law of cosines
     const double sum = square[0] + square[1] + square[2];
+    TURGOR_CHECK(area > 0, "a triangle has an area");
     for (int k = 0; k < 3; k++) cotangent[k] = (sum - 2 * square[k]) / (4 * area);
     const bool is_obtuse = std::min({cotangent[0], cotangent[1], cotangent[2]}) < 0;
     for (int k = 0; k < 3; k++) {
@@ -85,12 +96,14 @@ std::vector<double> vertex_areas(const Sheets& sheets) {
   return areas;
 }
 
-/// The curvature at a vertex as sums over the vertices around it [1/m²]: warp, weft, √2 both.
+/// Curvature tensor at a vertex as a linear form of positions [1/m²]: coefficients of warp, weft, √2
+/// warp-weft per vertex.
 struct Curvature {
   int vertex = 0;
   std::array<double, 3> weight{};
 };
 std::vector<Curvature> curvature(const std::vector<Fold>& folds, std::span<const int> around, double area) {
+  TURGOR_CHECK(area > 0, "a vertex has an area");
   std::vector<Curvature> sums;
   for (const int f : around) {
     const Fold& fold = folds[std::size_t(f)];
@@ -110,6 +123,7 @@ std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric) {
   const double warp = fabric.rigidity_warp, weft = fabric.rigidity_weft;
   std::vector<Spring> springs;
   if (warp == 0 && weft == 0) return springs;
+  // folds of all edges, and the folds around each vertex
   const Sheets sheets{mesh, fabric};
   std::vector<Fold> folds;
   std::vector<std::vector<int>> around(mesh.vertices.size());
@@ -119,6 +133,7 @@ std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric) {
     for (const int v : {edge[0].a, edge[0].b}) around[std::size_t(v)].push_back(int(folds.size()));
     folds.push_back(fold_at(sheets, edge));
   });
+  // pair weights −A_i H_i : B H_i of each vertex
   const std::vector<double> areas = vertex_areas(sheets);
   const double rigidity[3] = {warp, weft, std::sqrt(warp * weft)};
   for (std::size_t v = 0; v < around.size(); v++) {
@@ -135,9 +150,9 @@ std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric) {
   return springs;
 }
 
-// |Q| summed over a row bounds its eigenvalues, so half of that is enough of a diagonal for Jacobi's method.
-// A row's own entry is the sum of the weights.
-std::vector<double> lacking_weight(const std::vector<Spring>& springs, int count) {
+// The sum of |Q| over a row bounds its eigenvalues, and half of it is a sufficient diagonal for Jacobi's
+// method. The diagonal entry of a row is the sum of its weights.
+std::vector<double> missing_diagonal(const std::vector<Spring>& springs, int count) {
   std::vector<double> sum(std::size_t(count), 0), size(std::size_t(count), 0);
   for (const Spring& s : springs)
     for (const int v : {s.a, s.b})

@@ -1,6 +1,11 @@
-// Bending rigidity of a sheet on any triangles: the second derivative of the surface is averaged around every
-// vertex from the folds of its edges, and B times its square integrated. With the shape at rest unrolled flat
-// that is a quadratic form of the places, whose weights never change. Equations: docs/models/cloth.md.
+// Bending of a sheet, independent of its triangulation. The curvature tensor H_i at a vertex is the area
+// average of the folds of its edges, and the energy is
+//
+//   E = Σ_i ½ A_i H_i : B H_i,     H_i = 1/A_i Σ_{e∋i} ½ |e| J_e n_e n_eᵀ
+//
+// with A_i the vertex area, B the rigidities, J_e the change of slope across edge e and n_e its in-plane
+// normal. With rest triangles unrolled into the plane, J_e is a constant linear form of four positions. So E
+// is quadratic, and its weights never change [isometric bending: Bergou et al. 2006].
 #pragma once
 
 #include <vector>
@@ -12,12 +17,12 @@ namespace turgor::cloth {
 
 struct Fabric;
 
-/// One weight for every two vertices that bending couples: Spring::bend, the force on one over the way to the
-/// other, negative between those farther apart [N/m].
+/// Weights of all vertex pairs that bending couples, in Spring::bend: the force on i is Σ_j w_ij (x_j − x_i)
+/// [N/m]. Pairs farther apart have negative weights.
 std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric);
 
-/// What Jacobi's diagonal needs beyond the sum of a row to outweigh it: half of what rows of both signs lack
-/// [N/m], by vertex.
-std::vector<double> lacking_weight(const std::vector<Spring>& springs, int count);
+/// Diagonal per vertex that Jacobi's method needs beyond the sum of its row [N/m]. Rows with entries of both
+/// signs are not diagonally dominant; half of the deficit is enough.
+std::vector<double> missing_diagonal(const std::vector<Spring>& springs, int count);
 
 }  // namespace turgor::cloth

@@ -1,12 +1,13 @@
-// The tensions of one triangle's sides (membrane.hpp): of sixteen triangles at once, of one a thread of a
-// GPU, and in double precision, which T says.
+// Side tensions of one triangle (membrane.hpp). T selects sixteen triangles at once, one per GPU thread, or
+// double precision.
 #pragma once
 
 #include <cmath>
 
-#include "turgor/models/cloth/device/sheet_view.hpp"
 #include "turgor/models/cloth/forces/membrane.hpp"
 #include "turgor/models/cloth/forces/wind_kernels.hpp"
+#include "turgor/models/cloth/model/mesh_tables.hpp"
+#include "turgor/models/cloth/model/sheet_view.hpp"
 
 namespace turgor::cloth::tension {
 
@@ -18,30 +19,31 @@ inline double all_of(double, double value) { return value; }
 TURGOR_HD inline Real all_of(Real, double value) { return Real(value); }
 inline Lanes all_of(Lanes, double value) { return all_lanes(float(value)); }
 
-/// A symmetric 2×2 matrix, along warp and weft.
+/// Symmetric 2×2 matrix along warp and weft.
 template <class T>
 struct Plane {
   T warp, weft, both;
 };
 
-/// The shape functions' gradients in one triangle (or sixteen).
+/// Gradients of the shape functions of the second and third corner [1/m].
 template <class T>
 struct Slopes {
   T second[2], third[2];
 };
 
-/// FᵀF of the sides from the first corner to the second and the third.
+/// C = FᵀF = Σ_ij ∇N_i ∇N_jᵀ (x_i·x_j), from the sides p and q to the second and third corner.
 template <class T, class V>
 TURGOR_HD inline Plane<T> squared_stretch(const Slopes<T>& g, V p, V q) {
   const T pp = dot(p, p), pq = dot(p, q), qq = dot(q, q);
-  const auto part = [&](int i, int j) {
+  const auto entry = [&](int i, int j) {
     return g.second[i] * g.second[j] * pp + (g.second[i] * g.third[j] + g.third[i] * g.second[j]) * pq +
            g.third[i] * g.third[j] * qq;
   };
-  return {part(0, 0), part(1, 1), part(0, 1)};
+  return {entry(0, 0), entry(1, 1), entry(0, 1)};
 }
 
-/// U of U² = C. Flat triangles have the root of nearly nothing instead.
+/// U = √C by Cayley and Hamilton: U = (C + √det C · I)/√(tr C + 2 √det C). The determinant is bounded below,
+/// so degenerate triangles give finite values.
 template <class T>
 TURGOR_HD inline Plane<T> stretch(const Plane<T>& c) {
   const T least = all_of(c.warp, 1e-6);
@@ -52,10 +54,11 @@ TURGOR_HD inline Plane<T> stretch(const Plane<T>& c) {
 
 template <class T>
 struct Stress {
-  Plane<T> conjugate;  // to FᵀF/2: the symmetric S with (S U + U S)/2 = D (U − 1) [N/m]
-  T energy;            // per area at rest [J/m²]
+  Plane<T> conjugate;  // symmetric S with (S U + U S)/2 = D (U − 1), conjugate to FᵀF/2 [N/m]
+  T energy;            // per rest area [J/m²]
 };
 
+/// Stress S and energy density ½ (U − 1) : D (U − 1) from the stretch U.
 template <class T>
 TURGOR_HD inline Stress<T> stress(const MembraneLaw& m, const Plane<T>& u) {
   const T one = all_of(u.warp, 1), e1 = u.warp - one, e2 = u.weft - one;
@@ -71,11 +74,12 @@ TURGOR_HD inline Stress<T> stress(const MembraneLaw& m, const Plane<T>& u) {
 
 template <class T>
 struct Sides {
-  T side[3];  // tensions [N/m]
+  T side[3];  // tensions, force over length [N/m]
   T energy;   // [J]
 };
 
-/// Side i j pulls with −A ∇N_iᵀ S ∇N_j times its length.
+/// Tensions of the sides: τ_ij = −A ∇N_iᵀ S ∇N_j. The force on i along side i j is τ_ij (x_j − x_i). A is the
+/// rest area, recovered from the gradients.
 template <class T, class V>
 TURGOR_HD inline Sides<T> tensions(const MembraneLaw& m, const Slopes<T>& g, V p, V q) {
   const Stress<T> s = stress(m, stretch(squared_stretch(g, p, q)));
@@ -93,15 +97,15 @@ TURGOR_HD inline Sides<T> tensions(const MembraneLaw& m, const Slopes<T>& g, V p
 
 namespace turgor::cloth {
 
-/// The triangles of a sheet; null with springs.
+/// Triangles of a sheet; null for springs.
 struct MembraneView {
   MembraneLaw law;
   const Int3* triangles;
   const Real *second[2], *third[2];
   const std::array<std::uint8_t, 6>* slot;
-  const std::array<std::uint16_t, 6>* wide_slot;  // instead of them, or null
+  const std::array<std::uint16_t, 6>* wide_slot;  // instead of `slot`; else null
 
-  /// Where side n / 2 of a triangle is among the entries of vertex i, which is its first or its second end.
+  /// Entry of side n / 2 of a triangle in the rows of vertex i, its first or second end.
   TURGOR_HD std::size_t entry(const SheetView& sheet, std::size_t i, int triangle, int n) const {
     const auto k = std::size_t(n);
     const int at = wide_slot != nullptr ? int(wide_slot[triangle][k]) : int(slot[triangle][k]);
@@ -117,15 +121,17 @@ inline MembraneView view(const Membrane& m, const std::vector<Int3>& triangles) 
           m.wide_slot.empty() ? nullptr : m.wide_slot.data()};
 }
 
-/// The tensions around a vertex, by all of its triangles: what find_tensions makes, for a thread a vertex.
+/// Tensions around a vertex from all its triangles, like find_tensions. For one thread per vertex.
 struct TensionsAround {
   SheetView sheet;
   MembraneView membrane;
   TrianglesAround around;
 
   TURGOR_HD void operator()(std::size_t v) const {
+    // cleared entries
     for (int slot = sheet.rows.begin(v); slot < sheet.rows.end(v); slot++)
       sheet.across[entry_of<Real>(slot, v)] = 0;
+    // tensions of incident triangles
     for (int n = around.begin[v]; n < around.begin[v + 1]; n++) {
       const int t = around.item[n];
       const Int3 corner = membrane.triangles[t];

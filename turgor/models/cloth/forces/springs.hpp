@@ -1,19 +1,19 @@
-// The springs of a triangle mesh: one along each edge, one across each edge between the corners that face it.
-// Their stiffness follows from that of the fabric, so that a sheet answers a pull the same way however its
-// triangles lie.
+// Springs of a triangle mesh: one along each edge, one across it between the facing corners. Their stiffness
+// follows from the fabric, so that a sheet has the same stiffness for any orientation of its triangles.
+// Equations: docs/models/cloth.md.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
-/// In the mesh's numbering, by their first vertex.
+/// Springs in the numbering of the mesh, ascending by their vertices.
 std::vector<Spring> make_springs(const TriMesh& mesh, const Fabric& fabric);
 
-/// Springs between the same two vertices become one; ascending by these.
+/// Merges springs between the same two vertices and sorts them by these.
 void merge(std::vector<Spring>& springs);
 
 }  // namespace turgor::cloth

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <random>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/forces/wind_kernels.hpp"
+#include "turgor/models/cloth/model/mesh_tables.hpp"
 
 namespace turgor::cloth {
 
@@ -12,7 +15,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// In [0, 1), the same on every machine.
+/// Random number in [0, 1), the same on every machine.
 double next_fraction(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }
 
 Vec3d next_direction(std::mt19937_64& random) {
@@ -21,20 +24,21 @@ Vec3d next_direction(std::mt19937_64& random) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// Each triangle once for all of its corners in a chunk.
+/// Wind load of a chunk of vertices; each triangle is evaluated once for all its corners in the chunk.
 struct BlowChunk {
-  Sails sails;
+  WindTriangles wind_triangles;
   const ChunkTriangles& chunks;
   std::size_t size;
 
   void operator()(std::size_t chunk) const {
     const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, size);
-    for (std::size_t i = begin; i < end; i++) sails.clear(i);
+    for (std::size_t i = begin; i < end; i++) wind_triangles.clear(i);
     for (int n = chunks.begin[chunk]; n < chunks.begin[chunk + 1]; n++) {
-      const Int3 t = sails.triangles[chunks.triangle[std::size_t(n)]];
-      const TriangleLoad load = sails.load_of(t);
+      const Int3 t = wind_triangles.triangles[chunks.triangle[std::size_t(n)]];
+      const TriangleLoad load = wind_triangles.triangle_load(t);
       for (int k = 0; k < 3; k++)
-        if (const auto corner = std::size_t(t[k]); corner >= begin && corner < end) sails.add(corner, load);
+        if (const auto corner = std::size_t(t[k]); corner >= begin && corner < end)
+          wind_triangles.add(corner, load);
     }
   }
 };
@@ -42,16 +46,18 @@ struct BlowChunk {
 }  // namespace
 
 Gusts gusts_at(const Air& air, double time) {
+  // amplitude of the waves
   Gusts gusts{.waves = {}, .mean = Vec3(air.velocity)};
   std::mt19937_64 random(air.seed);
   const std::size_t count = gusts.waves.size();
   const double sigma = air.gusts * norm(air.velocity) * std::sqrt(3.0 / double(count));
+  // random directions, wavelengths from gust_length to an eighth of it
   for (std::size_t w = 0; w < count; w++) {
     const double length = air.gust_length * std::pow(0.125, double(w) / double(count - 1));
     const Vec3d number = next_direction(random) / length;
     const Vec3d sideways = cross(number, next_direction(random));
     const double start = next_fraction(random), turns = start - dot(number, air.velocity) * time;
-    // Σ over waves of mean |velocity|²/2 is three times the variance of a component.
+    // The sum of the mean squares |velocity|²/2 over the waves is three times the variance of a component.
     gusts.waves[w] = {Vec3(number), Vec3(normalized(sideways) * (sigma * std::sqrt(2.0))),
                       Real(turns - std::floor(turns))};
   }
@@ -63,12 +69,14 @@ Vec3 air_velocity(const Gusts& gusts, Vec3 x) {
 }
 
 ChunkTriangles triangles_by_chunk(std::span<const Int3> triangles, std::size_t padded_count) {
+  // triangles of each chunk
   std::vector<std::vector<int>> lists((padded_count + kChunk - 1) / kChunk);
   for (std::size_t t = 0; t < triangles.size(); t++)
     for (int corner = 0; corner < 3; corner++) {
       std::vector<int>& list = lists[std::size_t(triangles[t][corner]) / kChunk];
       if (list.empty() || list.back() != int(t)) list.push_back(int(t));
     }
+  // concatenated lists
   ChunkTriangles chunks;
   chunks.begin.push_back(0);
   for (const auto& list : lists) {
@@ -81,10 +89,14 @@ ChunkTriangles triangles_by_chunk(std::span<const Int3> triangles, std::size_t p
 
 void blow(const Exec& exec, const Air& air, double time, double dt, std::span<const Int3> triangles,
           const ChunkTriangles& chunks, const Vectors& x, const Vectors& v, Vectors& scratch, AirLoad out) {
+  TURGOR_CHECK(v.size() == x.size() && scratch.size() == x.size(), "every vertex has a velocity");
+  TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
+  // air velocity at the vertices
   parallel_for(exec, x.size() / std::size_t(kLanes),
                AirAt<Lanes>{view(x), view(scratch), gusts_at(air, time), is_steady(air)}, 64);
-  const Sails all = sails(air, dt, triangles.data(), view(x), view(v), view(scratch), view(out.impulse),
-                          view(out.diagonal), view(out.off_diagonal));
+  // loads of the triangles
+  const WindTriangles all = wind_triangles(air, dt, triangles.data(), view(x), view(v), view(scratch),
+                                           view(out.impulse), view(out.diagonal), view(out.off_diagonal));
   parallel_for(exec, chunks.begin.size() - 1, BlowChunk{all, chunks, x.size()});
 }
 

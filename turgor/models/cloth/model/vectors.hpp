@@ -1,4 +1,4 @@
-// Three numbers a vertex, each in an array of its own, padded to whole batches.
+// Vectors per vertex as structure of arrays, padded to whole batches of sixteen, with 3×3 symmetric matrices.
 #pragma once
 
 #include <type_traits>
@@ -9,7 +9,7 @@
 
 namespace turgor::cloth {
 
-/// What fills whole batches of sixteen.
+/// `count` rounded up to whole batches of sixteen.
 constexpr std::size_t padded(std::size_t count) {
   return (count + std::size_t(kLanes) - 1) / std::size_t(kLanes) * std::size_t(kLanes);
 }
@@ -34,11 +34,11 @@ inline Lanes3 gather(const Vectors& a, const int* index) {
   return {gather_lanes(a.x.data(), index), gather_lanes(a.y.data(), index), gather_lanes(a.z.data(), index)};
 }
 
-/// Three numbers of sixteen vertices (T = Lanes), or of one (T = Real).
+/// Vector of sixteen vertices (T = Lanes) or of one (T = Real).
 template <class T>
 using Three = std::conditional_t<std::is_same_v<T, Lanes>, Lanes3, Vec3>;
 
-/// A symmetric 3×3 matrix by its diagonal and xy, xz, yz.
+/// Symmetric 3×3 matrix as its diagonal and xy, xz, yz.
 template <class T>
 struct Symmetric {
   Three<T> diagonal, off;
@@ -51,7 +51,8 @@ TURGOR_HD inline Three<T> operator*(const Symmetric<T>& m, Three<T> a) {
           m.off.x * a.x + m.diagonal.y * a.y + m.off.z * a.z,
           m.off.y * a.x + m.off.z * a.y + m.diagonal.z * a.z};
 }
-/// Of a positive definite one. Scaled first, so that small masses do not vanish in products of three.
+/// Inverse of a positive definite matrix. It is scaled first, so that products of three small masses do not
+/// underflow.
 template <class T>
 TURGOR_HD inline Symmetric<T> inverse(Symmetric<T> m) {
   const T scale = 1 / (m.diagonal.x + m.diagonal.y + m.diagonal.z);

@@ -1,81 +1,82 @@
-// What a GPU needs beside the loops of the CPU: sums over the parts of a sheet that nothing holds, which
-// begin a step with the velocity that their total force gives them, and what holds do.
+// Kernels for the device only: sums over the components of a sheet without held vertices, whose initial
+// velocity change follows from their total force; held vertices; residual.
 #pragma once
 
 #include "turgor/core/atomic_max.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 #include "turgor/models/cloth/solver/system_kernels.hpp"
 
 namespace turgor::cloth {
 
-/// Vertices of one part that one thread sums up.
-struct PartPiece {
+/// Vertices of a component that one thread sums.
+struct ComponentChunk {
   int begin, end;
 };
-/// The pieces of a part, and its mass; 0 = it is held [kg].
-struct WholePart {
+/// Chunks of a component, and its mass; 0 = held [kg].
+struct ComponentInfo {
   int begin, end;
   double mass;
 };
-struct PartSum {
+struct ComponentSum {
   Vec3d force;      // h f̃ [N·s]
-  double drag = 0;  // of the air [kg]
+  double drag = 0;  // of the wind [kg]
 };
 
-/// System::drag, as long as the diagonal of the air alone is there.
+/// Sum of the wind's diagonal, for System::drag. Must run while `diagonal` has the wind only.
 struct SumDrag {
-  const PartPiece* pieces;
+  const ComponentChunk* chunks;
   ConstVectorsView diagonal;
-  PartSum* sums;
+  ComponentSum* sums;
 
   TURGOR_HD void operator()(std::size_t p) const {
     double sum = 0;
-    for (int i = pieces[p].begin; i < pieces[p].end; i++)
+    for (int i = chunks[p].begin; i < chunks[p].end; i++)
       sum += double(diagonal.x[i] + diagonal.y[i] + diagonal.z[i]);
     sums[p].drag = sum;
   }
 };
 struct SumForce {
-  const PartPiece* pieces;
+  const ComponentChunk* chunks;
   ConstVectorsView force;
-  PartSum* sums;
+  ComponentSum* sums;
 
   TURGOR_HD void operator()(std::size_t p) const {
     Vec3d sum;
-    for (int i = pieces[p].begin; i < pieces[p].end; i++) sum += Vec3d(force[std::size_t(i)]);
+    for (int i = chunks[p].begin; i < chunks[p].end; i++) sum += Vec3d(force[std::size_t(i)]);
     sums[p].force = sum;
   }
 };
-/// The velocity of each part as a whole; none where it is held.
-struct FindPartVelocity {
-  const WholePart* parts;
-  const PartSum* sums;
-  double masses;  // by how much damping of motion makes them larger [1]
+/// Rigid velocity change of each component from its total force; 0 if held.
+struct FindComponentVelocity {
+  const ComponentInfo* components;
+  const ComponentSum* sums;
+  double mass_factor;  // 1 + h α, the factor of the mass in W [1]
   bool has_air;
   Vec3* velocity;
 
   TURGOR_HD void operator()(std::size_t p) const {
-    const WholePart part = parts[p];
+    const ComponentInfo component = components[p];
     velocity[p] = {};
-    if (!(part.mass > 0)) return;
-    PartSum all;
-    for (int n = part.begin; n < part.end; n++) all.force += sums[n].force, all.drag += sums[n].drag;
-    velocity[p] = Vec3(all.force / (part.mass * masses + (has_air ? all.drag : 0)));
+    if (!(component.mass > 0)) return;
+    ComponentSum all;
+    for (int n = component.begin; n < component.end; n++)
+      all.force += sums[n].force, all.drag += sums[n].drag;
+    velocity[p] = Vec3(all.force / (component.mass * mass_factor + (has_air ? all.drag : 0)));
   }
 };
 
-/// What sweeps begin with.
+/// Initial guess of the sweeps.
 struct StartChange {
   SheetView sheet;
-  const int* part_of;    // -1 = fills the last batch
-  const Vec3* velocity;  // of parts, or null
+  const int* component_of;  // -1 = padding
+  const Vec3* velocity;     // of components, or null
 
   TURGOR_HD void operator()(std::size_t v) const {
-    const Vec3 all = velocity != nullptr && part_of[v] >= 0 ? velocity[part_of[v]] : Vec3{};
-    sheet.change.set(v, all), sheet.before.set(v, all);
+    const Vec3 all = velocity != nullptr && component_of[v] >= 0 ? velocity[component_of[v]] : Vec3{};
+    sheet.change.set(v, all), sheet.previous.set(v, all);
   }
 };
-/// Held vertices change their velocities as they are told.
+/// Velocity change of held vertices, which reaches their goals.
 struct AimHolds {
   SheetView sheet;
   const Hold* holds;
@@ -86,16 +87,18 @@ struct AimHolds {
     sheet.force.set(v, (holds[n].goal - sheet.x[v]) / dt - sheet.v[v]);
   }
 };
+/// Initial guess of held vertices.
 struct StartHolds {
   SheetView sheet;
   const Hold* holds;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const auto v = std::size_t(holds[n].vertex);
-    sheet.change.set(v, sheet.force[v]), sheet.before.set(v, sheet.force[v]);
+    sheet.change.set(v, sheet.force[v]), sheet.previous.set(v, sheet.force[v]);
   }
 };
-struct PlaceHolds {
+/// Moves held vertices to their goals exactly.
+struct MoveHolds {
   SheetView sheet;
   const Hold* holds;
 
@@ -114,7 +117,7 @@ struct ClearVectors {
   TURGOR_HD void operator()(std::size_t v) const { of.set(v, {}); }
 };
 
-/// Bits of the largest |v|² [m²/s²].
+/// Bit pattern of the largest |v|² [m²/s²].
 struct FindLargestSpeed {
   ConstVectorsView v;
   std::uint32_t* largest;
@@ -122,25 +125,25 @@ struct FindLargestSpeed {
   TURGOR_HD void operator()(std::size_t i) const { atomic_max(*largest, magnitude_bits(dot(v[i], v[i]))); }
 };
 
-/// Squares of the force and of what is left of it, over the free vertices [N²·s²].
-struct LeftSquares {
-  double force = 0, left = 0;
+/// Squared norms of force and residual over the free vertices [N²·s²].
+struct ResidualSquares {
+  double force = 0, residual = 0;
 };
-constexpr std::size_t kSquaresAtOnce = 256;  // vertices that one thread sums up
+constexpr std::size_t kSquaresAtOnce = 256;  // vertices that one thread sums
 struct SumSquares {
   SheetView sheet;
-  Real keep;  // System::keep
-  LeftSquares* sums;
+  Real mass_factor;  // System::mass_factor
+  ResidualSquares* sums;
 
   TURGOR_HD void operator()(std::size_t p) const {
     const std::size_t begin = p * kSquaresAtOnce;
     const std::size_t end = begin + kSquaresAtOnce < sheet.size ? begin + kSquaresAtOnce : sheet.size;
-    LeftSquares sum;
+    ResidualSquares sum;
     for (std::size_t i = begin; i < end; i++) {
       const Vec3 force = sheet.force[i] * is_free<Real>(sheet, i);
-      const Vec3 left =
-          residual_forces<Real>(sheet, keep, sheet.change, sheet.force[i], i, [](Vec3 a) { return a; });
-      sum.force += double(dot(force, force)), sum.left += double(dot(left, left));
+      const Vec3 r = residual_forces<Real>(sheet, mass_factor, sheet.change, sheet.force[i], i,
+                                           [](Vec3 a) { return a; });
+      sum.force += double(dot(force, force)), sum.residual += double(dot(r, r));
     }
     sums[p] = sum;
   }

@@ -1,17 +1,19 @@
-// Conjugate gradients on the same system, preconditioned with the same diagonal blocks: the reference that
-// sweeps are compared with. Sums are made in pieces that do not depend on the number of threads.
+// Conjugate gradients on the system of the sweeps, preconditioned with its diagonal blocks and optionally the
+// coarse correction of two_level.hpp. Sums are made in chunks that do not depend on the number of threads.
 #include <algorithm>
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/cloth/solver/implicit_contact.hpp"
 #include "turgor/models/cloth/solver/system.hpp"
 #include "turgor/models/cloth/solver/system_kernels.hpp"
+#include "turgor/models/cloth/solver/two_level.hpp"
 
 namespace turgor::cloth {
 
 namespace {
 
-constexpr std::size_t kPiece = 64;  // batches that are summed at once
+constexpr std::size_t kChunkSize = 64;  // batches of a chunk
 
 double lane_sum(Lanes a) {
   double sum = 0;
@@ -19,35 +21,35 @@ double lane_sum(Lanes a) {
   return sum;
 }
 
-/// Σ over batches of visit(first vertex) in a fixed order.
+/// Sum of visit(first vertex) over batches, in a fixed order.
 template <class Visit>
 double sum_batches(const Exec& exec, const Model& model, const Visit& visit) {
   const std::size_t batches = batch_count(model.rows);
-  std::vector<double> pieces((batches + kPiece - 1) / kPiece);
-  parallel_for(exec, pieces.size(), [&](std::size_t p) {
-    for (std::size_t b = p * kPiece; b < std::min((p + 1) * kPiece, batches); b++)
-      pieces[p] += lane_sum(visit(b * std::size_t(kLanes)));
+  std::vector<double> chunks((batches + kChunkSize - 1) / kChunkSize);
+  parallel_for(exec, chunks.size(), [&](std::size_t p) {
+    for (std::size_t b = p * kChunkSize; b < std::min((p + 1) * kChunkSize, batches); b++)
+      chunks[p] += lane_sum(visit(b * std::size_t(kLanes)));
   });
   double sum = 0;
-  for (const double piece : pieces) sum += piece;
+  for (const double chunk : chunks) sum += chunk;
   return sum;
 }
 
-/// force − W a and what bears the sheet, of the vertices from i on; 0 for held ones.
+/// force − W a with contact terms, for the sixteen vertices from i on; 0 for held ones.
 Lanes3 residual_forces(const SheetView& sheet, const State& state, const Vectors& a, Lanes3 force,
                        std::size_t i, bool with_loads = true) {
-  return residual_forces<Lanes>(sheet, state.system.keep, view(a), force, i, [&](Lanes3 sum) {
+  return residual_forces<Lanes>(sheet, state.system.mass_factor, view(a), force, i, [&](Lanes3 sum) {
     return state.implicit_contacts.touches(i) ? sum + implicit_contact_terms(state, a, with_loads, i) : sum;
   });
 }
 
-/// The square of a residual at the vertices from i on. Where obstacles bear the sheet it is weighed by what
-/// the diagonal makes of it, so that stiff directions count for as little as they move.
+/// Squared norm of a residual for the sixteen vertices from i on. With implicit contacts it is weighted by
+/// the inverse diagonal, so that stiff directions count as little as they move.
 Lanes square(const SheetView& sheet, const State& state, Lanes3 r, std::size_t i) {
   return dot(r, state.implicit_contacts.contacts.list.empty() ? r : inverse_diagonal<Lanes>(sheet, i) * r);
 }
 
-/// The same of the force on the free vertices.
+/// Squared norm of the force on the free vertices.
 double square_of_force(const Exec& exec, const Model& model, const SheetView& sheet, const State& state) {
   return sum_batches(exec, model, [&](std::size_t i) {
     return square(sheet, state, load<Lanes>(sheet.force, i) * is_free<Lanes>(sheet, i), i);
@@ -61,55 +63,64 @@ double residual(const Exec& exec, const Model& model, State& state) {
   const SheetView sheet = view(model, state);
   TURGOR_ASSERT(system.air[0].size() > 0, "assemble was not told to measure the residual");
   const double force2 = square_of_force(exec, model, sheet, state);
-  const double left2 = sum_batches(exec, model, [&](std::size_t i) {
+  const double residual2 = sum_batches(exec, model, [&](std::size_t i) {
     return square(sheet, state, residual_forces(sheet, state, system.change, load(system.force, i), i), i);
   });
-  return force2 > 0 ? std::sqrt(left2 / force2) : 0;
+  return force2 > 0 ? std::sqrt(residual2 / force2) : 0;
 }
 
 namespace {
 
-/// z = what the preconditioner makes of r, in System::before; returns r · z.
-double precondition(const Exec& exec, const Model& model, State& state, bool by_blocks) {
+/// Preconditioner: z = D⁻¹ r, plus the coarse correction; z is stored in System::previous. Returns r · z.
+double precondition(const Exec& exec, const Model& model, State& state, bool two_level) {
   System& system = state.system;
   const SheetView sheet = view(model, state);
-  Vectors& z = system.before;
+  Vectors& z = system.previous;
   const auto diagonal = [&](std::size_t i) {
-    const Lanes3 r = load(system.left, i), answer = inverse_diagonal<Lanes>(sheet, i) * r;
-    store(z, i, answer);
-    return dot(r, answer);
+    const Lanes3 r = load(system.residual_vector, i), z_i = inverse_diagonal<Lanes>(sheet, i) * r;
+    store(z, i, z_i);
+    return dot(r, z_i);
   };
-  if (!by_blocks) return sum_batches(exec, model, diagonal);
+  if (!two_level) return sum_batches(exec, model, diagonal);
   sum_batches(exec, model, diagonal);
-  system.blocks.add_answer(exec, model, state, system.left, z);
-  return sum_batches(exec, model, [&](std::size_t i) { return dot(load(system.left, i), load(z, i)); });
+  add_coarse_correction(exec, model, state, system.two_level, system.residual_vector, z);
+  return sum_batches(exec, model,
+                     [&](std::size_t i) { return dot(load(system.residual_vector, i), load(z, i)); });
 }
 
 }  // namespace
 
-void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state, const Stop& stop) {
+void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state,
+                                  const StopCriterion& stop) {
+  // initial residual
   System& system = state.system;
-  Vectors &r = system.left, &p = system.search, &q = system.image, &z = system.before;
+  TURGOR_CHECK(system.change.size() == state.x.size(), "every vertex has a change of velocity");
+  Vectors &r = system.residual_vector, &p = system.search, &q = system.image, &z = system.previous;
   for (Vectors* field : {&r, &p, &q}) field->resize(system.change.size());
   const SheetView sheet = view(model, state);
-  double left2 = sum_batches(exec, model, [&](std::size_t i) {
-    const Lanes3 left = residual_forces(sheet, state, system.change, load(system.force, i), i);
-    store(r, i, left);
-    return square(sheet, state, left, i);
+  double residual2 = sum_batches(exec, model, [&](std::size_t i) {
+    const Lanes3 r_i = residual_forces(sheet, state, system.change, load(system.force, i), i);
+    store(r, i, r_i);
+    return square(sheet, state, r_i, i);
   });
+  // tolerance and preconditioner
   const double force2 = square_of_force(exec, model, sheet, state);
+  TURGOR_CHECK(stop.iterations >= 1, "a solution takes at least one iteration");
   const double enough = stop.residual * stop.residual * force2;
-  const bool by_blocks = stop.blocks && left2 > enough && system.blocks.factor(exec, model, state);
-  double rz = precondition(exec, model, state, by_blocks), beta = 0;
+  const bool two_level =
+      stop.two_level && residual2 > enough && factor_coarse_system(exec, model, state, system.two_level);
+  double rz = precondition(exec, model, state, two_level), beta = 0;
   int n = 0;
-  for (; n < stop.iterations && rz > 0 && left2 > enough; n++) {
+  for (; n < stop.iterations && rz > 0 && residual2 > enough; n++) {
+    // search direction
     parallel_for(
         exec, batch_count(model.rows),
         [&](std::size_t batch) {
           const std::size_t i = batch * std::size_t(kLanes);
           store(p, i, n == 0 ? load(z, i) : load(z, i) + load(p, i) * all_lanes(float(beta)));
         },
-        kPiece);
+        kChunkSize);
+    // matrix product
     const double pq = sum_batches(exec, model, [&](std::size_t i) {
       const Lanes3 zero{};
       const Lanes3 image = zero - residual_forces(sheet, state, p, zero, i, false);
@@ -117,18 +128,20 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
       return dot(load(p, i), image);
     });
     if (!(pq > 0)) break;
+    // step along the direction
     const Lanes alpha = all_lanes(float(rz / pq));
-    left2 = sum_batches(exec, model, [&](std::size_t i) {
-      const Lanes3 left = load(r, i) - load(q, i) * alpha;
+    residual2 = sum_batches(exec, model, [&](std::size_t i) {
+      const Lanes3 r_i = load(r, i) - load(q, i) * alpha;
       store(system.change, i, load(system.change, i) + load(p, i) * alpha);
-      store(r, i, left);
-      return square(sheet, state, left, i);
+      store(r, i, r_i);
+      return square(sheet, state, r_i, i);
     });
-    if (!(left2 > enough)) continue;
-    const double next = precondition(exec, model, state, by_blocks);
+    // next preconditioned residual
+    if (!(residual2 > enough)) continue;
+    const double next = precondition(exec, model, state, two_level);
     beta = next / rz, rz = next;
   }
-  system.iterations = n, system.residual = force2 == 0 ? 0 : std::sqrt(left2 / force2);
+  system.iterations = n, system.residual = force2 == 0 ? 0 : std::sqrt(residual2 / force2);
 }
 
 }  // namespace turgor::cloth

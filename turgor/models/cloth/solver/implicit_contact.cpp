@@ -4,18 +4,24 @@
 #include <cmath>
 #include <limits>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/models/cloth/contact/contact.hpp"
+#include "turgor/models/cloth/model/contacts.hpp"
 #include "turgor/models/cloth/solver/system.hpp"
 
 namespace turgor::cloth {
 
 namespace {
 
-constexpr double kFirmness = 50;     // of a contact, in multiples of what resists it in its vertices alone
-constexpr double kOwnFirmness = 20;  // of one between layers, where firmer ones take more iterations
-constexpr double kWrong = 0.01;      // of all friction, that a step may have too much or too little
-constexpr Real kGive = Real(0.02);   // of the thickness, that a closed contact may give way in a step
+constexpr double kContactStiffness = 50;  // contact stiffness relative to the resistance of its vertices
+constexpr double kSelfContactStiffness =
+    20;  // the same for self-contacts, where higher values need more iterations
+constexpr double kFrictionTolerance = 0.01;  // error of friction allowed in a step, relative to all friction
+constexpr Real kPenetrationTolerance =
+    Real(0.02);  // penetration of a closed contact allowed in a step, relative to the thickness
 
-/// Σ of weights times a field.
+/// Weighted sum of a field at the vertices of a contact.
 Vec3 weighted(const Contact& c, const Vectors& field) {
   Vec3 sum;
   for (std::size_t k = 0; k < 4; k++)
@@ -23,14 +29,15 @@ Vec3 weighted(const Contact& c, const Vectors& field) {
   return sum;
 }
 
-/// Symmetric: xx yy zz xy xz yz.
+/// Product with a symmetric matrix: xx yy zz xy xz yz.
 Vec3d times(const std::array<double, 6>& m, Vec3d a) {
   return {m[0] * a.x + m[3] * a.y + m[4] * a.z, m[3] * a.x + m[1] * a.y + m[5] * a.z,
           m[4] * a.x + m[5] * a.y + m[2] * a.z};
 }
 
-/// The inverse of M + k n nᵀ, from that of M [Sherman, Morrison].
-void stiffen(std::array<double, 6>& inverse, Vec3d n, double k) {
+/// Updates the inverse of M to that of M + k n nᵀ [Sherman, Morrison].
+void add_rank_one(std::array<double, 6>& inverse, Vec3d n, double k) {
+  TURGOR_CHECK(!(k < 0), "contacts are not negatively stiff");
   const Vec3d a = times(inverse, n);
   const double s = k / (1 + k * dot(a, n));
   inverse[0] -= s * a.x * a.x, inverse[1] -= s * a.y * a.y, inverse[2] -= s * a.z * a.z;
@@ -42,59 +49,71 @@ std::array<double, 6> diagonal_inverse(const System& system, std::size_t v) {
   return {d.x, d.y, d.z, o.x, o.y, o.z};
 }
 
-/// Normal velocity that uses up the room of a contact in the step.
-Real least_speed(const Contact& c, const ImplicitContact& a, double dt) {
-  return dot(c.drift, c.normal) + a.out - std::max(c.room, Real(0)) / Real(dt);
+/// Normal velocity u_min that uses up the gap of a contact in the step [m/s].
+Real min_normal_speed(const Contact& c, const ImplicitContact& a, double dt) {
+  return dot(c.obstacle_velocity, c.normal) + a.separation_speed - std::max(c.gap, Real(0)) / Real(dt);
 }
 
-Vec3 across(const Contact& c, Vec3 u) { return u - c.drift - c.normal * dot(u - c.drift, c.normal); }
+/// Tangential component of a velocity relative to the obstacle.
+Vec3 across(const Contact& c, Vec3 u) {
+  return u - c.obstacle_velocity - c.normal * dot(u - c.obstacle_velocity, c.normal);
+}
 
-/// What rubs while it slides is as large as Coulomb says at the speed it slides with, and falls with it
-/// [lagged diffusivity: Kačanov]; what sticks begins with what it had. `u` is the latest known velocity.
-void set_answer(const Contact& c, const State& state, double dt, bool is_closed, bool slips, Vec3 u,
-                ImplicitContact& a) {
+/// Sets the terms of a contact for the next solution. A sliding contact has the tangential stiffness μ
+/// λ/|u_t|, with u the latest known velocity, so that its friction is Coulomb's at that speed [lagged
+/// diffusivity: Kačanov]. A sticking one starts from its friction impulse.
+void set_terms(const Contact& c, const State& state, double dt, bool is_closed, bool slips, Vec3 u,
+               ImplicitContact& a) {
+  // open contact
   a.normal_stiffness = a.tangential_stiffness = 0, a.load = {};
   if (!is_closed) return;
+  // stick or slip
   const Vec3 aside = across(c, u);
   const Real limit = c.friction * c.impulse, speed = norm(aside);
-  const bool moves = a.stick * speed > limit;
-  a.normal_stiffness = a.stiff, a.held = moves ? Vec3{} : c.friction_impulse;
+  const bool slides = a.stick_stiffness * speed > limit;
+  a.normal_stiffness = a.closed_stiffness, a.stick_impulse = slides ? Vec3{} : c.friction_impulse;
   a.tangential_stiffness = limit == 0                                     ? 0
-                           : moves                                        ? limit / speed
+                           : slides                                       ? limit / speed
                            : slips && dot(aside, c.friction_impulse) <= 0 ? 0
-                                                                          : a.stick;
+                                                                          : a.stick_stiffness;
+  // impulse at zero velocity change
   const Vec3 before = weighted(c, state.v);
-  a.load = c.normal * (c.impulse + a.normal_stiffness * (least_speed(c, a, dt) - dot(before, c.normal))) +
-           a.held - across(c, before) * a.tangential_stiffness;
+  a.load =
+      c.normal * (c.impulse + a.normal_stiffness * (min_normal_speed(c, a, dt) - dot(before, c.normal))) +
+      a.stick_impulse - across(c, before) * a.tangential_stiffness;
 }
 
-/// Diagonal blocks with what contacts add to them.
-void stiffen_diagonal(State& state) {
+/// Adds the contacts to the inverse diagonal blocks of their vertices.
+void update_diagonal(State& state) {
   const Contacts& contacts = state.implicit_contacts.contacts;
+  TURGOR_CHECK(state.implicit_contacts.inverse.size() == contacts.touched.size(),
+               "every touched vertex has a diagonal");
   for (std::size_t n = 0; n < contacts.touched.size(); n++) {
     const auto v = std::size_t(contacts.touched[n]);
     if (state.free_mass[v] == 0) continue;
+    // rank-one updates of the inverse by each contact: normal, then two tangents
     std::array<double, 6> inverse = state.implicit_contacts.inverse[n];
     for (int m = contacts.begin[v]; m < contacts.begin[v + 1]; m++) {
       const auto item = std::size_t(contacts.item[std::size_t(m)]);
       const Contact& c = contacts.list[item / 4];
-      const ImplicitContact& a = state.implicit_contacts.answer[item / 4];
+      const ImplicitContact& a = state.implicit_contacts.terms[item / 4];
       const double w = double(c.weight[item % 4]);
       const Vec3d normal(c.normal);
-      if (a.normal_stiffness > 0) stiffen(inverse, normal, w * w * double(a.normal_stiffness));
+      if (a.normal_stiffness > 0) add_rank_one(inverse, normal, w * w * double(a.normal_stiffness));
       if (!(a.tangential_stiffness > 0)) continue;
       const Vec3d aside = std::abs(normal.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
       const Vec3d t = normalized(cross(normal, aside));
-      for (const Vec3d aside_too : {t, cross(normal, t)})
-        stiffen(inverse, aside_too, w * w * double(a.tangential_stiffness));
+      for (const Vec3d tangent : {t, cross(normal, t)})
+        add_rank_one(inverse, tangent, w * w * double(a.tangential_stiffness));
     }
     state.system.inverse[0].set(v, Vec3(Vec3d{inverse[0], inverse[1], inverse[2]}));
     state.system.inverse[1].set(v, Vec3(Vec3d{inverse[3], inverse[4], inverse[5]}));
   }
 }
 
-/// What a contact's vertices alone have against its normal, by their blocks on the diagonal [kg]. Of layers
-/// of the cloth every vertex is split among its contacts, so that together these are no firmer than one.
+/// Resistance of a contact's vertices to its normal [kg]: 1 / (n · Σ m w² D⁻¹ n) with the diagonal blocks D.
+/// For self-contacts m is the number of contacts of a vertex, so that together these are no stiffer than one;
+/// else 1.
 double resistance(const Contact& c, const State& state) {
   const std::vector<int>& begin = state.implicit_contacts.contacts.begin;
   double mobility = 0;
@@ -108,12 +127,13 @@ double resistance(const Contact& c, const State& state) {
   return mobility > 0 ? 1 / mobility : 0;
 }
 
-/// Does an obstacle press the cloth there, or will it?
+/// True if an obstacle presses the cloth at this contact, or will in the step.
 bool presses(const Contact& c, const State& state, double dt) {
-  return c.obstacle >= 0 && (c.impulse > 0 || dot(weighted(c, state.v), c.normal) < least_speed(c, {}, dt));
+  return c.obstacle >= 0 &&
+         (c.impulse > 0 || dot(weighted(c, state.v), c.normal) < min_normal_speed(c, {}, dt));
 }
 
-/// Which vertices are pressed by several obstacles.
+/// Marks vertices that are pressed by several obstacles.
 std::vector<char> squeezed_vertices(const State& state, double dt) {
   const Contacts& contacts = state.implicit_contacts.contacts;
   std::vector<char> squeezed(contacts.begin.size(), 0);
@@ -129,43 +149,48 @@ std::vector<char> squeezed_vertices(const State& state, double dt) {
   return squeezed;
 }
 
-/// Contacts with an obstacle, and those of them where another one presses as well.
+/// Number of pressing contacts of an obstacle, and of those with another obstacle pressing too.
 struct Pressing {
-  int all = 0, in_impact_zone = 0;
+  int all = 0, squeezed = 0;
 };
 
-/// A cloth between a tool and a body cannot be freed by moving it: what is too near shows that their forces
-/// lack something. The body gives way to these a frame later; by a stiffness beyond its own it would be
-/// thrown away and come back.
+/// Softens contacts of cloth that is squeezed between two obstacles, such as a tool and a body. The cloth
+/// cannot move out of both, and penetration shows that their forces are too small. The body yields to these a
+/// frame later, so contacts must not be stiffer than the body: it would bounce.
 void soften_squeezed(const Inputs& inputs, double dt, State& state) {
-  constexpr Real kLedOut = Real(0.25);  // of what is too near, in a step
+  constexpr Real kSeparationRate = Real(0.25);  // fraction of the penetration that a step removes
+  // squeezed vertices
   std::vector<Contact>& list = state.implicit_contacts.contacts.list;
   const std::vector<char> squeezed = squeezed_vertices(state, dt);
-  const auto is_caught = [&squeezed](const Contact& c) {
+  const auto is_squeezed = [&squeezed](const Contact& c) {
     return std::any_of(c.vertex.begin(), c.vertex.end(),
                        [&](int v) { return v >= 0 && squeezed[std::size_t(v)] != 0; });
   };
+  // pressing contacts of each obstacle
   std::vector<Pressing> pressing(inputs.obstacles.size());
   for (const Contact& c : list)
     if (presses(c, state, dt)) {
+      TURGOR_CHECK(is_index(c.obstacle, pressing.size()), "a contact is with an obstacle of the step");
       Pressing& counts = pressing[std::size_t(c.obstacle)];
-      counts.all++, counts.in_impact_zone += is_caught(c);
+      counts.all++, counts.squeezed += is_squeezed(c);
     }
-  bool any_yields = false;
+  bool any_compliant = false;
   for (std::size_t o = 0; o < pressing.size(); o++)
-    any_yields = any_yields || (pressing[o].in_impact_zone > 0 && inputs.obstacles[o].compliance > 0);
-  for (std::size_t n = 0; n < list.size() && any_yields; n++) {
+    any_compliant = any_compliant || (pressing[o].squeezed > 0 && inputs.obstacles[o].compliance > 0);
+  // compliance of the body in series with the contacts
+  for (std::size_t n = 0; n < list.size() && any_compliant; n++) {
     Contact& c = list[n];
-    ImplicitContact& a = state.implicit_contacts.answer[n];
-    if (c.obstacle < 0 || !(a.stiff > 0)) continue;
-    const auto [all, in_impact_zone] = pressing[std::size_t(c.obstacle)];
-    const double yields = inputs.obstacles[std::size_t(c.obstacle)].compliance / (dt * dt);
-    const bool gives_way = is_caught(c);
-    if (gives_way) a.out = kLedOut * std::max(-c.room, Real(0)) / Real(dt);
-    if (in_impact_zone == 0 || yields == 0) continue;
-    a.stick = Real(1 / (1 / double(a.stick) + yields * all));
-    a.stiff = Real(1 / (1 / double(a.stiff) + yields * (gives_way ? in_impact_zone : all)));
-    if (gives_way) c.plane = std::numeric_limits<Real>::lowest();  // its places are left to the body
+    ImplicitContact& a = state.implicit_contacts.terms[n];
+    if (c.obstacle < 0 || !(a.closed_stiffness > 0)) continue;
+    const auto [all, squeezed_count] = pressing[std::size_t(c.obstacle)];
+    const double compliance = inputs.obstacles[std::size_t(c.obstacle)].compliance / (dt * dt);
+    const bool is_between = is_squeezed(c);
+    if (is_between) a.separation_speed = kSeparationRate * std::max(-c.gap, Real(0)) / Real(dt);
+    if (squeezed_count == 0 || compliance == 0) continue;
+    a.stick_stiffness = Real(1 / (1 / double(a.stick_stiffness) + compliance * all));
+    a.closed_stiffness =
+        Real(1 / (1 / double(a.closed_stiffness) + compliance * (is_between ? squeezed_count : all)));
+    if (is_between) c.plane = std::numeric_limits<Real>::lowest();  // no position impulse: the body yields
   }
 }
 
@@ -173,73 +198,86 @@ void soften_squeezed(const Inputs& inputs, double dt, State& state) {
 
 void find_implicit_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                             double dt) {
+  TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
   ImplicitContacts& implicit_contacts = state.implicit_contacts;
-  find_step_contacts(exec, model, state, inputs, Look::kPredicted, dt, implicit_contacts.contacts.found);
+  // predicted contacts
+  find_step_contacts(exec, model, state, inputs, ContactPhase::kPredicted, dt,
+                     implicit_contacts.contacts.candidates);
   std::vector<Contact>& list = implicit_contacts.contacts.list;
   list.clear();
-  for (const auto& found : implicit_contacts.contacts.found)
+  for (const auto& found : implicit_contacts.contacts.candidates)
     list.insert(list.end(), found.begin(), found.end());
   link_contacts(model, state, implicit_contacts.contacts);
-  implicit_contacts.answer.assign(list.size(), {});
+  // terms with their stiffness
+  implicit_contacts.terms.assign(list.size(), {});
   implicit_contacts.inverse.clear();
   for (const int v : implicit_contacts.contacts.touched)
     implicit_contacts.inverse.push_back(diagonal_inverse(state.system, std::size_t(v)));
   for (std::size_t n = 0; n < list.size(); n++)
-    implicit_contacts.answer[n].stiff = implicit_contacts.answer[n].stick =
-        Real((list[n].obstacle < 0 ? kOwnFirmness : kFirmness) * resistance(list[n], state));
+    implicit_contacts.terms[n].closed_stiffness = implicit_contacts.terms[n].stick_stiffness =
+        Real((list[n].obstacle < 0 ? kSelfContactStiffness : kContactStiffness) * resistance(list[n], state));
   if (inputs.obstacles.size() > 1 && !list.empty()) soften_squeezed(inputs, dt, state);
+  // initial active set: warm-started or closing contacts
   for (std::size_t n = 0; n < list.size(); n++) {
     Contact& c = list[n];
-    ImplicitContact& answer = implicit_contacts.answer[n];
+    ImplicitContact& terms = implicit_contacts.terms[n];
     c.is_implicit = true;
     const Vec3 u = weighted(c, state.v);
-    const bool closes = dot(u, c.normal) < least_speed(c, answer, dt);
+    const bool closes = dot(u, c.normal) < min_normal_speed(c, terms, dt);
     const bool slips = norm(c.friction_impulse) >= Real(0.999) * c.friction * c.impulse;
-    set_answer(c, state, dt, c.impulse > 0 || closes, slips, u, answer);
+    set_terms(c, state, dt, c.impulse > 0 || closes, slips, u, terms);
   }
-  if (!list.empty()) stiffen_diagonal(state);
+  if (!list.empty()) update_diagonal(state);
 }
 
-void stiffen_bearing(State& state) {
+void add_contacts_to_diagonal(State& state) {
   ImplicitContacts& implicit_contacts = state.implicit_contacts;
   for (std::size_t n = 0; n < implicit_contacts.contacts.touched.size(); n++)
     implicit_contacts.inverse[n] =
         diagonal_inverse(state.system, std::size_t(implicit_contacts.contacts.touched[n]));
-  stiffen_diagonal(state);
+  update_diagonal(state);
 }
 
 bool update_active_set(const Model& model, State& state, double dt) {
+  TURGOR_CHECK(state.implicit_contacts.terms.size() == state.implicit_contacts.contacts.list.size(),
+               "every contact has its terms");
   ImplicitContacts& implicit_contacts = state.implicit_contacts;
-  const Real give = kGive * Real(model.params.collision.thickness / dt);
-  bool is_other = false;
-  double wrong = 0, all = 0;  // friction [N·s]
-  for (std::size_t n = 0; n < implicit_contacts.answer.size(); n++) {
+  const Real tolerance = kPenetrationTolerance * Real(model.params.collision.thickness / dt);
+  bool has_changed = false;
+  double friction_error = 0, all = 0;  // error of friction, and all friction [N·s]
+  for (std::size_t n = 0; n < implicit_contacts.terms.size(); n++) {
     Contact& c = implicit_contacts.contacts.list[n];
-    ImplicitContact& a = implicit_contacts.answer[n];
+    ImplicitContact& a = implicit_contacts.terms[n];
     const bool was_closed = a.normal_stiffness > 0;
+    // velocity of the solution, and its violation of the gap
     const Vec3 u = weighted(c, state.v) + weighted(c, state.system.change);
-    const Real lack = least_speed(c, a, dt) - dot(u, c.normal);
-    bool is_closed = lack > give, slips = false;
+    const Real violation = min_normal_speed(c, a, dt) - dot(u, c.normal);
+    bool is_closed = violation > tolerance, slips = false;
+    // augmented impulse, cut to Coulomb's cone
     if (was_closed) {
-      c.impulse += a.normal_stiffness * lack;
+      c.impulse += a.normal_stiffness * violation;
       is_closed = c.impulse > 0;
-      c.friction_impulse = a.held - across(c, u) * a.tangential_stiffness;
+      c.friction_impulse = a.stick_impulse - across(c, u) * a.tangential_stiffness;
       const Real limit = c.friction * std::max(c.impulse, Real(0)), size = norm(c.friction_impulse);
       slips = size > Real(0.999) * limit;
-      const bool moves = a.tangential_stiffness < a.stick;
-      wrong += double(moves ? std::abs(size - limit) : std::max(Real(0), size - limit)), all += double(limit);
+      const bool slides = a.tangential_stiffness < a.stick_stiffness;
+      friction_error += double(slides ? std::abs(size - limit) : std::max(Real(0), size - limit)),
+          all += double(limit);
       if (size > limit) c.friction_impulse *= limit / size;
-      is_other = is_other || lack > give;
+      has_changed = has_changed || violation > tolerance;
     }
+    // new state of the contact
     if (!is_closed) c.impulse = 0, c.friction_impulse = {};
-    is_other = is_other || is_closed != was_closed;
-    set_answer(c, state, dt, is_closed, slips, u, a);
+    has_changed = has_changed || is_closed != was_closed;
+    set_terms(c, state, dt, is_closed, slips, u, a);
   }
-  is_other = is_other || wrong > kWrong * all;
-  if (is_other) stiffen_diagonal(state);
-  return is_other;
+  // total error of friction
+  has_changed = has_changed || friction_error > kFrictionTolerance * all;
+  if (has_changed) update_diagonal(state);
+  return has_changed;
 }
 
+/// P of each closed contact is −K u, plus the load, distributed by the weights.
 Lanes3 implicit_contact_terms(const State& state, const Vectors& a, bool with_loads, std::size_t i) {
   const Contacts& contacts = state.implicit_contacts.contacts;
   Lanes3 sum{};
@@ -248,13 +286,15 @@ Lanes3 implicit_contact_terms(const State& state, const Vectors& a, bool with_lo
     for (int m = contacts.begin[v]; m < contacts.begin[v + 1]; m++) {
       const auto item = std::size_t(contacts.item[std::size_t(m)]);
       const Contact& c = contacts.list[item / 4];
-      const ImplicitContact& answer = state.implicit_contacts.answer[item / 4];
-      if (!(answer.normal_stiffness > 0)) continue;
+      const ImplicitContact& terms = state.implicit_contacts.terms[item / 4];
+      if (!(terms.normal_stiffness > 0)) continue;
+      // impulse of the contact
       const Vec3 u = weighted(c, a);
-      Vec3 impulse = -u * answer.tangential_stiffness -
-                     c.normal * ((answer.normal_stiffness - answer.tangential_stiffness) * dot(u, c.normal));
-      if (with_loads) impulse += answer.load;
+      Vec3 impulse = -u * terms.tangential_stiffness -
+                     c.normal * ((terms.normal_stiffness - terms.tangential_stiffness) * dot(u, c.normal));
+      if (with_loads) impulse += terms.load;
       impulse *= c.weight[item % 4];
+      // sum in the lane of the vertex
       const std::size_t l = v - i;
       sum.x[l] += impulse.x, sum.y[l] += impulse.y, sum.z[l] += impulse.z;
     }

@@ -1,22 +1,22 @@
-// Velocities and places in a step: what is done to every vertex, in any order.
+// Kernels for velocities and positions in a step. Each handles one vertex (or sixteen), in any order.
 #pragma once
 
-#include "turgor/models/cloth/device/sheet_view.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/sheet_view.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
-/// Of the two-step formula (step.cpp): from the step before and this one to where both lead.
+/// BDF2 predictor (step.cpp): x₁ + (x₁ − x₀)/3. `before` becomes x₁.
 template <class T>
-struct LeadOn {
+struct PredictBdf2 {
   VectorsView now, before;
-  bool leads;  // else this one alone is known
+  bool has_history;  // false: `now` stays, for lack of a history
 
   TURGOR_HD void operator()(std::size_t n) const {
     const std::size_t i = n * kAtOnce<T>;
     const Three<T> one = load<T>(now, i), zero = load<T>(before, i);
     store<T>(before, i, one);
-    if (leads) store<T>(now, i, one + (one - zero) * all_of<T>(1.0f / 3));
+    if (has_history) store<T>(now, i, one + (one - zero) * all_of<T>(1.0f / 3));
   }
 };
 
@@ -34,14 +34,15 @@ struct ChangeVelocities {
 constexpr int kStrainPasses = 12;
 inline Real strain_limit(const Model& model) { return Real(1 + model.params.solver.strain_limit); }
 
-/// Springs that would be longer than `limit` times their rest length: the velocities without what makes them
-/// so go into `before`.
+/// One Jacobi pass of the strain limit |d| ≤ limit · L₀ with d the vector of a spring at the end of the step.
+/// The correction of a spring is (|d| − limit L₀) n / h, split between its free ends; a vertex takes the mean
+/// over its long springs. New velocities go to System::previous.
 template <class T>
 struct LimitStrain {
   SheetView s;
   Real limit, h;  // [1] [s]
 
-  /// A sheet's rows do not keep them.
+  /// Rest length of a spring; the rows of a sheet do not store it.
   TURGOR_HD T rest_length(std::size_t i, int slot) const {
     if (s.rows.rest != nullptr) return load<T>(s.rows.rest, entry_of<T>(slot, i));
     const Three<T> d = neighbors<T>(s.rows, s.x_rest, slot, i) - load<T>(s.x_rest, i);
@@ -50,6 +51,7 @@ struct LimitStrain {
   TURGOR_HD void operator()(std::size_t n) const {
     const std::size_t i = n * kAtOnce<T>;
     const RowsView& rows = s.rows;
+    // excess of each spring
     const Three<T> x = load<T>(s.x, i), v = load<T>(s.v, i);
     const T mass = load<T>(s.free_mass, i);
     const T zero = all_of<T>(0), one = all_of<T>(1);
@@ -63,16 +65,17 @@ struct LimitStrain {
       const T counts = load<T>(rows.stiffness, entry_of<T>(slot, i)) > 0 ? one : zero;
       const T is_long = excess > 0 ? counts : zero;
       const T other = neighbors<T>(rows, s.free_mass, slot, i);
-      const T part = other > 0 ? all_of<T>(0.5f) : one;  // a held neighbour does nothing
-      change = change + d * (is_long * excess * part / h);
+      const T fraction = other > 0 ? all_of<T>(0.5f) : one;  // a held neighbor does not move
+      change = change + d * (is_long * excess * fraction / h);
       springs = springs + is_long;
     }
+    // mean of the corrections
     const T share = mass > 0 ? one / larger(springs, one) : zero;
-    store<T>(s.before, i, v + change * share);
+    store<T>(s.previous, i, v + change * share);
   }
 };
 
-/// Places from where the step began, which go into `before`.
+/// Moves positions by v dt; `before` becomes `from`, the positions at the beginning of the step.
 template <class T>
 struct Move {
   VectorsView x;
@@ -82,9 +85,9 @@ struct Move {
 
   TURGOR_HD void operator()(std::size_t n) const {
     const std::size_t i = n * kAtOnce<T>;
-    const Three<T> place = load<T>(x, i);
+    const Three<T> position = load<T>(x, i);
     store<T>(before, i, load<T>(from, i));
-    store<T>(x, i, place + load<T>(v, i) * all_of<T>(dt));
+    store<T>(x, i, position + load<T>(v, i) * all_of<T>(dt));
   }
 };
 

@@ -1,9 +1,10 @@
-// A step is linear: what turns an edge, it takes for nothing, however far, and a sheet that lands fast on
-// something small would be as much too long a step later as its edges were turned. Where obstacles stop it,
-// such a step is solved again around where it leads [Newton].
+// Relinearization. A linear step ignores the rotation of edges, so a sheet that lands fast on a small object
+// has edges that are too long after it. If obstacles stop the sheet, the step is solved again around its
+// result [Newton].
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/cloth/solver/system.hpp"
 
 namespace turgor::cloth {
@@ -12,29 +13,33 @@ namespace {
 
 constexpr std::size_t kGrain = 16;  // batches
 
-/// How much longer edges become on a way than its beginning says, at most, of their length at rest [1].
-Real turned_by(const Model& model, const Vectors& from, const Vectors& to) {
+/// Largest error of linearization: length of an edge after the motion minus its projection onto the initial
+/// direction, relative to the rest length [1].
+Real linearization_error(const Model& model, const Vectors& from, const Vectors& to) {
   const Rows& rows = model.rows;
   Lanes most{};
+  // excess of each edge over its linear prediction
   for (std::size_t batch = 0; batch < batch_count(rows); batch++) {
     const std::size_t i = batch * std::size_t(kLanes);
     const Lanes3 x = load(from, i), y = load(to, i), z = load(model.x_rest, i);
     for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++) {
       const Lanes3 e = load_neighbors(rows, from, s) - x, after = load_neighbors(rows, to, s) - y;
       const Lanes length = square_root(larger(dot(e, e), all_lanes(1e-20f)));
-      const Lanes said = dot(e, after) / length, is = square_root(dot(after, after));
+      const Lanes projected = dot(e, after) / length, length_after = square_root(dot(after, after));
       const Lanes3 at_rest = load_neighbors(rows, model.x_rest, s) - z;
-      const Lanes rest2 = dot(at_rest, at_rest), more = is - larger(said, -said);
+      const Lanes rest2 = dot(at_rest, at_rest), more = length_after - larger(projected, -projected);
       most = larger(most, rest2 > 0 ? more / square_root(rest2) : all_lanes(0));
     }
   }
+  // largest of the lanes
   Real largest = 0;
   for (int l = 0; l < kLanes; l++) largest = std::max(largest, most[l]);
   return largest;
 }
 
-/// Where the solution leads in the step.
-void lead(const Exec& exec, const Vectors& x, const Vectors& v, const Vectors& change, Real dt, Vectors& to) {
+/// Positions at the end of the step that the solution predicts.
+void predict_positions(const Exec& exec, const Vectors& x, const Vectors& v, const Vectors& change, Real dt,
+                       Vectors& to) {
   to.resize(x.size());
   parallel_for(
       exec, x.size() / std::size_t(kLanes),
@@ -45,31 +50,35 @@ void lead(const Exec& exec, const Vectors& x, const Vectors& v, const Vectors& c
       kGrain);
 }
 
-// Around a change c of velocities, force F at places x' = x + h (v + c), and J there:
-// (M − s J) Δ = h F + s J u with u = v − h²/s (v + c), as s = h² + h·damping and h² of it is measured from
-// x'. What resists velocities themselves (air, damping of motion) is then told of u, and is owed v − u.
+// System around a velocity change c, with force F and J at x' = x + h (v + c):
+//
+//   (M − s J) Δ = h F + s J u,     u = v − h²/s (v + c)
+//
+// since s = h² + h β, and h² of it is measured from x'. Terms that resist velocities (wind, damping of
+// motion) are assembled with u, so their force is corrected by v − u.
 void assemble_around(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
                      const Vectors& v, const Vectors& change) {
   System& system = state.system;
-  const Real part = Real(dt * dt) / system.square, rate = system.keep - 1;
-  for (std::size_t i = 0; i < v.size(); i++) state.v.set(i, v[i] - (v[i] + change[i]) * part);
+  TURGOR_CHECK(system.stiffness_factor > 0, "the system was assembled before");
+  const Real ratio = Real(dt * dt) / system.stiffness_factor, motion_damping = system.mass_factor - 1;
+  for (std::size_t i = 0; i < v.size(); i++) state.v.set(i, v[i] - (v[i] + change[i]) * ratio);
   assemble(exec, model, state, inputs, dt);
   parallel_for(
       exec, v.size() / std::size_t(kLanes),
       [&](std::size_t batch) {
         const std::size_t i = batch * std::size_t(kLanes);
-        const Lanes3 owed = load(state.v, i) - load(v, i);
+        const Lanes3 correction = load(state.v, i) - load(v, i);
         const LanesMatrix air{load(system.air[0], i), load(system.air[1], i)};
         const Lanes mass = load_lanes(&state.free_mass[i]);
         store(system.force, i,
-              load(system.force, i) +
-                  (owed * (mass * rate) + air * owed) * (mass > 0 ? all_lanes(1) : all_lanes(0)));
+              load(system.force, i) + (correction * (mass * motion_damping) + air * correction) *
+                                          (mass > 0 ? all_lanes(1) : all_lanes(0)));
       },
       kGrain);
 }
 
-/// Between a tool and a body that gives way a frame later, contacts are soft (implicit_contact.cpp), and a
-/// sheet that is led out of there step by step turns as they let it.
+/// True if cloth may be squeezed between a tool and a body that yields a frame later. Its contacts are soft
+/// (implicit_contact.cpp), and the sheet may rotate freely as they remove the penetration.
 bool may_be_squeezed(const Inputs& inputs) {
   return inputs.obstacles.size() > 1 && std::any_of(inputs.obstacles.begin(), inputs.obstacles.end(),
                                                     [](const Obstacle& o) { return o.compliance > 0; });
@@ -77,27 +86,30 @@ bool may_be_squeezed(const Inputs& inputs) {
 
 }  // namespace
 
-void solve_what_turned(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
-  constexpr int kMost = 4;
-  constexpr Real kTurned = Real(0.005);
+void relinearize(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  constexpr int kMaxIterations = 4;
+  constexpr Real kErrorLimit = Real(0.005);
+  // no contacts, or small rotation: one solution is enough
   if (state.implicit_contacts.contacts.list.empty() || may_be_squeezed(inputs)) return;
   System& system = state.system;
-  Vectors ahead, x, v;
-  lead(exec, state.x, state.v, system.change, Real(dt), ahead);
-  if (turned_by(model, state.x, ahead) < kTurned) return;
+  Vectors predicted, x, v;
+  predict_positions(exec, state.x, state.v, system.change, Real(dt), predicted);
+  if (linearization_error(model, state.x, predicted) < kErrorLimit) return;
+  // Newton iterations around the predicted positions
   x = state.x, v = state.v;
   int iterations = system.iterations;
-  for (int n = 0; n < kMost; n++) {
+  for (int n = 0; n < kMaxIterations; n++) {
     const Vectors change = system.change;
-    state.x = ahead;
+    state.x = predicted;
     assemble_around(exec, model, state, inputs, dt, v, change);
     state.v = v, system.change = change;
-    stiffen_bearing(state);
-    solve_with_bearing(exec, model, state, dt);
+    add_contacts_to_diagonal(state);
+    solve_with_implicit_contacts(exec, model, state, dt);
     iterations += system.iterations;
-    lead(exec, x, v, system.change, Real(dt), ahead);
-    if (turned_by(model, state.x, ahead) < kTurned) break;
+    predict_positions(exec, x, v, system.change, Real(dt), predicted);
+    if (linearization_error(model, state.x, predicted) < kErrorLimit) break;
   }
+  // positions at the beginning of the step
   state.x = x, system.iterations = iterations;
 }
 

@@ -8,7 +8,7 @@ void limit_strain(const Exec& exec, const Model& model, State& state, double dt)
   for (int pass = 0; pass < kStrainPasses; pass++) {
     parallel_for(exec, batch_count(model.rows),
                  LimitStrain<Lanes>{view(model, state), strain_limit(model), Real(dt)}, 16);
-    std::swap(state.v, state.system.before);
+    std::swap(state.v, state.system.previous);
   }
 }
 

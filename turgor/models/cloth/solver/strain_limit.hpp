@@ -1,12 +1,13 @@
-// Cloth hardly stretches: springs that would be longer than the limit after a step lose the part of the
-// velocities that makes them so.
+// Strain limit for springs: after a step, springs longer than the limit lose the velocity that lengthens
+// them.
 #pragma once
 
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
-/// Changes velocities, all springs at once and each vertex by the mean of what its springs ask.
+/// Changes velocities in Jacobi passes over all springs; each vertex takes the mean correction of its
+/// springs.
 void limit_strain(const Exec& exec, const Model& model, State& state, double dt);
 
 }  // namespace turgor::cloth

@@ -3,6 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/models/cloth/forces/membrane.hpp"
+#include "turgor/models/cloth/forces/wind.hpp"
+#include "turgor/models/cloth/model/contacts.hpp"
+#include "turgor/models/cloth/solver/implicit_contact.hpp"
 #include "turgor/models/cloth/solver/system_kernels.hpp"
 
 namespace turgor::cloth {
@@ -11,7 +17,8 @@ namespace {
 
 constexpr std::size_t kGrain = 16;  // batches
 
-/// Impulses of contacts: known from the step before, so that what lies still need not find them again.
+/// Adds the contact impulses of the step before (warm start), so that a sheet at rest need not find them
+/// again.
 void add_contact_impulses(State& state) {
   for (const Contact& c : state.contacts.list) {
     if (!(c.impulse > 0)) continue;
@@ -24,28 +31,30 @@ void add_contact_impulses(State& state) {
   }
 }
 
+/// Velocity change of held vertices, which reaches their goals.
 void aim_holds(State& state, Real dt) {
+  TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
   for (const Hold& hold : state.holds) {
     const auto v = std::size_t(hold.vertex);
     state.system.force.set(v, (hold.goal - state.x[v]) / dt - state.v[v]);
   }
 }
 
-/// Sums over the vertices of a part, in pieces that are always the same.
+/// Sum over the vertices of a component, in chunks that do not depend on the number of threads.
 template <class Term>
-auto part_sum(const Exec& exec, int begin, int end, const Term& term) {
-  constexpr int kPiece = 4096;
-  std::vector<decltype(term(0))> pieces(std::size_t((end - begin + kPiece - 1) / kPiece));
-  parallel_for(exec, pieces.size(), [&](std::size_t p) {
-    const int from = begin + int(p) * kPiece;
-    for (int v = from; v < std::min(from + kPiece, end); v++) pieces[p] += term(std::size_t(v));
+auto component_sum(const Exec& exec, int begin, int end, const Term& term) {
+  constexpr int kChunkSize = 4096;
+  std::vector<decltype(term(0))> chunks(std::size_t((end - begin + kChunkSize - 1) / kChunkSize));
+  parallel_for(exec, chunks.size(), [&](std::size_t p) {
+    const int from = begin + int(p) * kChunkSize;
+    for (int v = from; v < std::min(from + kChunkSize, end); v++) chunks[p] += term(std::size_t(v));
   });
   decltype(term(0)) sum{};
-  for (const auto piece : pieces) sum += piece;
+  for (const auto chunk : chunks) sum += chunk;
   return sum;
 }
 
-struct IsPartHeld {
+struct IsComponentHeld {
   const std::vector<Hold>& holds;
 
   bool operator()(int begin, int end) const {
@@ -57,60 +66,49 @@ struct IsPartHeld {
 
 }  // namespace
 
-SheetView view(const Model& model, State& state) {
-  System& system = state.system;
-  return {.size = state.x.size(),
-          .rows = view(model.rows),
-          .far = view(model.far_rows),
-          .spare = model.spare.empty() ? nullptr : model.spare.data(),
-          .x_rest = view(model.x_rest),
-          .x = view(state.x),
-          .v = view(state.v),
-          .free_mass = state.free_mass.data(),
-          .along = system.along.data(),
-          .across = system.across.data(),
-          .force = view(system.force),
-          .inverse = {view(system.inverse[0]), view(system.inverse[1])},
-          .change = view(system.change),
-          .before = view(system.before),
-          .air = {view(system.air[0]), view(system.air[1])},
-          .square = system.square};
-}
-
 void assemble(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  // wind load and its drag on free components
   System& system = state.system;
   const bool has_air = inputs.air.density > 0;
-  const bool keeps_air = inputs.measure_residual || uses_gradients(model.params.solver.method);
+  const bool keeps_air = inputs.measure_residual || uses_conjugate_gradients(model.params.solver.method);
   if (keeps_air)
     for (Vectors& air : system.air) air.resize(state.x.size());
-  system.drag.assign(model.part_begin.size() - 1, 0);
+  TURGOR_CHECK(is_csr(model.component_begin, std::size_t(model.count)), "components cover all vertices");
+  system.drag.assign(model.component_begin.size() - 1, 0);
   if (has_air) {
     blow(exec, inputs.air, state.time, dt, model.triangles, model.chunk_triangles, state.x, state.v,
          system.change, {system.force, system.inverse[0], system.inverse[1]});
     for (std::size_t p = 0; p < system.drag.size(); p++)
-      if (!IsPartHeld{state.holds}(model.part_begin[p], model.part_begin[p + 1]))
-        system.drag[p] = part_sum(exec, model.part_begin[p], model.part_begin[p + 1], [&](std::size_t v) {
-          return double(system.inverse[0].x[v] + system.inverse[0].y[v] + system.inverse[0].z[v]);
-        });
+      if (!IsComponentHeld{state.holds}(model.component_begin[p], model.component_begin[p + 1]))
+        system.drag[p] =
+            component_sum(exec, model.component_begin[p], model.component_begin[p + 1], [&](std::size_t v) {
+              return double(system.inverse[0].x[v] + system.inverse[0].y[v] + system.inverse[0].z[v]);
+            });
   }
+  // forces, matrix entries and inverse diagonal
   const Damping& damping = model.params.damping;
-  system.keep = Real(1 + dt * damping.motion), system.square = Real(dt * dt + dt * damping.stretch);
+  system.mass_factor = Real(1 + dt * damping.motion),
+  system.stiffness_factor = Real(dt * dt + dt * damping.stretch);
   if (model.params.fabric.law == Law::kSheet) find_tensions(exec, model, state);
   parallel_for(exec, batch_count(model.rows),
                AssembleRow<Lanes>{view(model, state), Vec3(inputs.gravity), Real(dt),
                                   Real(dt * damping.motion), has_air, keeps_air},
                kGrain);
-  if (!uses_gradients(model.params.solver.method)) add_contact_impulses(state);  // else: implicit_contact.hpp
+  if (!uses_conjugate_gradients(model.params.solver.method))
+    add_contact_impulses(state);  // else implicit_contact.cpp does
   aim_holds(state, Real(dt));
 }
 
-void move_free_parts(const Exec& exec, const Model& model, State& state, const Vectors& force, double dt) {
+void move_free_components(const Exec& exec, const Model& model, State& state, const Vectors& force,
+                          double dt) {
   System& system = state.system;
-  for (std::size_t p = 0; p + 1 < model.part_begin.size(); p++) {
-    const int begin = model.part_begin[p], end = model.part_begin[p + 1];
-    if (IsPartHeld{state.holds}(begin, end)) continue;
-    const double mass = part_sum(exec, begin, end, [&](std::size_t v) { return double(model.mass[v]); });
-    const Vec3d sum = part_sum(exec, begin, end, [&](std::size_t v) { return Vec3d(force[v]); });
+  TURGOR_CHECK(system.drag.size() + 1 == model.component_begin.size(), "every component has a drag");
+  for (std::size_t p = 0; p + 1 < model.component_begin.size(); p++) {
+    const int begin = model.component_begin[p], end = model.component_begin[p + 1];
+    if (IsComponentHeld{state.holds}(begin, end)) continue;
+    const double mass = component_sum(exec, begin, end, [&](std::size_t v) { return double(model.mass[v]); });
+    const Vec3d sum = component_sum(exec, begin, end, [&](std::size_t v) { return Vec3d(force[v]); });
+    TURGOR_CHECK(mass > 0, "a component has a mass");
     const Vec3 all(sum / (mass * (1 + dt * model.params.damping.motion) + system.drag[p]));
     for (auto v = std::size_t(begin); v < std::size_t(end); v++) system.change.add(v, all);
   }
@@ -120,51 +118,55 @@ void start_change(const Exec& exec, const Model& model, State& state, double dt)
   System& system = state.system;
   const std::size_t count = system.change.size();
   for (std::size_t v = 0; v < count; v++) system.change.set(v, {});
-  move_free_parts(exec, model, state, system.force, dt);
-  for (std::size_t v = 0; v < count; v++) system.before.set(v, system.change[v]);
+  move_free_components(exec, model, state, system.force, dt);
+  for (std::size_t v = 0; v < count; v++) system.previous.set(v, system.change[v]);
   for (const Hold& hold : state.holds) {
     const auto v = std::size_t(hold.vertex);
-    system.change.set(v, system.force[v]), system.before.set(v, system.force[v]);
+    system.change.set(v, system.force[v]), system.previous.set(v, system.force[v]);
   }
 }
 
 void sweep(const Exec& exec, const Model& model, State& state, Real omega) {
   parallel_for(exec, batch_count(model.rows), SweepRow<Lanes>{view(model, state), omega}, kGrain);
-  std::swap(state.system.change, state.system.before);
+  std::swap(state.system.change, state.system.previous);
 }
 
 void solve_by_sweeps(const Exec& exec, const Model& model, State& state, Method method, int sweeps) {
-  go_through_sweeps(
+  run_sweeps(
       method == Method::kChebyshev, sweeps, [&](Real omega) { sweep(exec, model, state, omega); },
-      [&] { state.system.before = state.system.change; });
+      [&] { state.system.previous = state.system.change; });
 }
 
-// What is left of stiff forces would be much of the force of a contact: there is less left of them.
-void solve_with_bearing(const Exec& exec, const Model& model, State& state, double dt) {
+// With contacts, residual forces of the sheet would be a large share of contact forces, so the tolerance is a
+// tenth.
+void solve_with_implicit_contacts(const Exec& exec, const Model& model, State& state, double dt) {
+  // stop criterion and number of rounds
   constexpr int kRounds = 4, kSqueezedRounds = 10;
   constexpr double kCare = 0.1;
   const Solver& solver = model.params.solver;
   const bool is_implicit = !state.implicit_contacts.contacts.list.empty();
-  const Stop stop{solver.sweeps, solver.tolerance * (is_implicit ? kCare : 1),
-                  solver.method == Method::kBlocks};
-  const auto& answers = state.implicit_contacts.answer;
-  const bool is_squeezed =
-      std::any_of(answers.begin(), answers.end(), [](const ImplicitContact& a) { return a.out > 0; });
+  const StopCriterion stop{solver.sweeps, solver.tolerance * (is_implicit ? kCare : 1),
+                           solver.method == Method::kTwoLevel};
+  const auto& terms = state.implicit_contacts.terms;
+  const bool is_squeezed = std::any_of(terms.begin(), terms.end(),
+                                       [](const ImplicitContact& a) { return a.separation_speed > 0; });
+  // solutions with a fixed active set
   int iterations = 0;
   for (int round = 0; round < (is_squeezed ? kSqueezedRounds : kRounds); round++) {
     solve_by_conjugate_gradients(exec, model, state, stop);
     iterations += state.system.iterations;
     if (!is_implicit || !update_active_set(model, state, dt)) break;
   }
+  // residual momentum of free components
   state.system.iterations = iterations;
-  if (!is_implicit) move_free_parts(exec, model, state, state.system.left, dt);
+  if (!is_implicit) move_free_components(exec, model, state, state.system.residual_vector, dt);
 }
 
 void solve_change(const Exec& exec, const Model& model, State& state, double dt) {
   const Solver& solver = model.params.solver;
   start_change(exec, model, state, dt);
-  if (uses_gradients(solver.method)) {
-    solve_with_bearing(exec, model, state, dt);
+  if (uses_conjugate_gradients(solver.method)) {
+    solve_with_implicit_contacts(exec, model, state, dt);
   } else {
     solve_by_sweeps(exec, model, state, solver.method, solver.sweeps);
   }

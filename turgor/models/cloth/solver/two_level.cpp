@@ -7,20 +7,23 @@
 #include <numeric>
 #include <set>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
-#include "turgor/models/cloth/model/cloth.hpp"
+#include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
 namespace {
 
-constexpr int kRigid = 6;  // three ways, three turns
+constexpr int kRigid = 6;  // rigid modes of a block: three translations, three rotations
 
-/// Halves a list of vertices across its longer side until the pieces are small.
+/// Bisects a list of vertices across its longest extent until the blocks are small.
 void halve(const Vectors& x, std::vector<int>::iterator from, std::vector<int>::iterator to, int largest,
-           std::vector<std::vector<int>>& pieces) {
+           std::vector<std::vector<int>>& lists) {
+  TURGOR_CHECK(from < to && largest >= 1, "a block has vertices");
   if (to - from <= largest) {
-    pieces.emplace_back(from, to);
+    lists.emplace_back(from, to);
     return;
   }
   Vec3 low = x[std::size_t(*from)], high = low;
@@ -32,12 +35,11 @@ void halve(const Vectors& x, std::vector<int>::iterator from, std::vector<int>::
     const Real xa = x[std::size_t(a)][axis], xb = x[std::size_t(b)][axis];
     return xa != xb ? xa < xb : a < b;
   });
-  halve(x, from, middle, largest, pieces);
-  halve(x, middle, to, largest, pieces);
+  halve(x, from, middle, largest, lists);
+  halve(x, middle, to, largest, lists);
 }
 
-/// Calls visit(vertex, neighbour) for both ends of every spring: of edges, and of folds where springs resist
-/// them.
+/// Calls visit(vertex, neighbor) for both ends of every spring, including springs across edges.
 template <class Visit>
 void for_each_neighbor(const Rows& rows, const Visit& visit) {
   for (std::size_t batch = 0; batch < batch_count(rows); batch++)
@@ -47,42 +49,44 @@ void for_each_neighbor(const Rows& rows, const Visit& visit) {
           visit(int(batch) * kLanes + l, neighbor(rows, s, l));
 }
 
-/// Both the blocks and what is in them grow with the square root of the cloth, and the iterations hardly.
+/// Vertices of a block. Number and size of blocks both grow with the square root of the cloth, and iterations
+/// hardly grow.
 int block_size(int count) { return std::max(12, int(0.8 * std::sqrt(double(count)))); }
 
 using Block = std::array<double, kRigid * kRigid>;
 
-/// (I, −[r]×)ᵀ B (I, −[q]×), rows by the ways and turns of the first block.
+/// Galerkin coupling of two vertices: (I, −[r]×)ᵀ B (I, −[q]×), rows by the translations and rotations of the
+/// first block.
 void add_coupling(const double (&b)[3][3], Vec3d r, Vec3d q, double sign, Block& sum) {
   double left[kRigid][3];
   for (int k = 0; k < 3; k++) {
     const Vec3d column{b[0][k], b[1][k], b[2][k]};
-    const Vec3d turn = cross(r, column);
-    for (int d = 0; d < 3; d++) left[d][k] = column[d], left[3 + d][k] = turn[d];
+    const Vec3d moment = cross(r, column);
+    for (int d = 0; d < 3; d++) left[d][k] = column[d], left[3 + d][k] = moment[d];
   }
-  for (int d = 0; d < kRigid; d++) {  // left · (I, −[q]×): the row's cross product
+  for (int d = 0; d < kRigid; d++) {  // times (I, −[q]×): cross product of the row
     const Vec3d row{left[d][0], left[d][1], left[d][2]};
-    const Vec3d turn = cross(q, row);
+    const Vec3d moment = cross(q, row);
     double* out = &sum[std::size_t(d * kRigid)];
-    for (int k = 0; k < 3; k++) out[k] += sign * row[k], out[3 + k] += sign * turn[k];
+    for (int k = 0; k < 3; k++) out[k] += sign * row[k], out[3 + k] += sign * moment[k];
   }
 }
 
-/// Calls visit(own weight, contact, how it answers) for the closed contacts of a vertex.
+/// Calls visit(own weight, contact, its terms) for the closed contacts of a vertex.
 template <class Visit>
-void for_each_bearing(const State& state, std::size_t v, const Visit& visit) {
+void for_each_closed_contact(const State& state, std::size_t v, const Visit& visit) {
   const Contacts& contacts = state.implicit_contacts.contacts;
   if (contacts.begin.empty()) return;
   for (int m = contacts.begin[v]; m < contacts.begin[v + 1]; m++) {
     const auto item = std::size_t(contacts.item[std::size_t(m)]);
-    const ImplicitContact& answer = state.implicit_contacts.answer[item / 4];
-    if (answer.normal_stiffness > 0)
-      visit(double(contacts.list[item / 4].weight[item % 4]), contacts.list[item / 4], answer);
+    const ImplicitContact& terms = state.implicit_contacts.terms[item / 4];
+    if (terms.normal_stiffness > 0)
+      visit(double(contacts.list[item / 4].weight[item % 4]), contacts.list[item / 4], terms);
   }
 }
 
-/// d += f (firm n nᵀ + grip (1 − n nᵀ)).
-void add_answer_matrix(const Contact& c, const ImplicitContact& a, double f, double (&d)[3][3]) {
+/// d += f (k_n n nᵀ + k_t (I − n nᵀ)).
+void add_contact_stiffness(const Contact& c, const ImplicitContact& a, double f, double (&d)[3][3]) {
   const Vec3d n(c.normal);
   for (int p = 0; p < 3; p++)
     for (int q = 0; q < 3; q++)
@@ -93,24 +97,27 @@ void add_answer_matrix(const Contact& c, const ImplicitContact& a, double f, dou
 }  // namespace
 
 Blocks make_blocks(const Model& model) {
+  // blocks of each component
   Blocks blocks;
-  std::vector<std::vector<int>> pieces;
+  std::vector<std::vector<int>> lists;
   const int size = block_size(model.count);
-  for (std::size_t p = 0; p + 1 < model.part_begin.size(); p++) {
-    std::vector<int> part(std::size_t(model.part_begin[p + 1] - model.part_begin[p]));
-    std::iota(part.begin(), part.end(), model.part_begin[p]);
-    halve(model.x_rest, part.begin(), part.end(), size, pieces);
+  for (std::size_t p = 0; p + 1 < model.component_begin.size(); p++) {
+    std::vector<int> component(std::size_t(model.component_begin[p + 1] - model.component_begin[p]));
+    std::iota(component.begin(), component.end(), model.component_begin[p]);
+    halve(model.x_rest, component.begin(), component.end(), size, lists);
   }
+  // block of each vertex
   blocks.of.resize(std::size_t(model.count));
   blocks.begin.push_back(0);
-  for (std::size_t n = 0; n < pieces.size(); n++) {
-    std::sort(pieces[n].begin(), pieces[n].end());
-    for (const int v : pieces[n]) blocks.of[std::size_t(v)] = int(n);
-    blocks.vertex.insert(blocks.vertex.end(), pieces[n].begin(), pieces[n].end());
+  for (std::size_t n = 0; n < lists.size(); n++) {
+    std::sort(lists[n].begin(), lists[n].end());
+    for (const int v : lists[n]) blocks.of[std::size_t(v)] = int(n);
+    blocks.vertex.insert(blocks.vertex.end(), lists[n].begin(), lists[n].end());
     blocks.begin.push_back(int(blocks.vertex.size()));
   }
-  std::vector<std::set<int>> touched(pieces.size());
-  for (std::size_t n = 0; n < pieces.size(); n++) touched[n].insert(int(n));
+  // pairs of adjacent blocks
+  std::vector<std::set<int>> touched(lists.size());
+  for (std::size_t n = 0; n < lists.size(); n++) touched[n].insert(int(n));
   for_each_neighbor(model.rows, [&](int i, int j) {
     const int a = blocks.of[std::size_t(i)], b = blocks.of[std::size_t(j)];
     touched[std::size_t(std::max(a, b))].insert(std::min(a, b));
@@ -120,30 +127,34 @@ Blocks make_blocks(const Model& model) {
     blocks.pair.insert(blocks.pair.end(), list.begin(), list.end());
     blocks.pair_begin.push_back(int(blocks.pair.size()));
   }
+  TURGOR_CHECK(is_permutation(blocks.vertex, std::size_t(model.count)), "every vertex is in one block");
   return blocks;
 }
 
-struct TwoLevelSystem::Parts {
-  std::vector<std::array<int, 2>> touching;  // blocks, the larger first, that only contacts join, ascending
-  std::vector<int> pair_begin, pair;         // as of Blocks, with these
-  std::vector<Vec3d> center;                 // of each block's vertices [m]
-  std::vector<Block> coupling;               // by pair
-  Eigen::SparseMatrix<double> matrix;        // lower triangle
-  std::vector<int> entry;                    // of each value: 36 · pair + place
+struct TwoLevelSystem::Storage {
+  std::vector<std::array<int, 2>>
+      touching;                        // pairs of blocks joined by contacts only, the larger first, ascending
+  std::vector<int> pair_begin, pair;   // as in Blocks, with these
+  std::vector<Vec3d> center;           // of each block's vertices [m]
+  std::vector<Block> coupling;         // by pair
+  Eigen::SparseMatrix<double> matrix;  // lower triangle
+  std::vector<int> entry;              // of each value: 36 · pair + position in the block
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
-  Eigen::VectorXd load, answer;
+  Eigen::VectorXd load, solution;
 
-  void lay_out(const Blocks& blocks, std::vector<std::array<int, 2>> by_contacts);
-  void couple(const Model& model, const State& state, int block);
+  /// Sparsity pattern for the given contact pairs.
+  void set_pattern(const Blocks& blocks, std::vector<std::array<int, 2>> by_contacts);
+  /// Values of the pairs of one block.
+  void set_values(const Model& model, const State& state, int block);
 };
 
-/// Pairs of blocks that closed contacts join and no edge does.
+/// Pairs of blocks joined by closed contacts but by no edge.
 std::vector<std::array<int, 2>> touching_blocks(const Blocks& blocks,
                                                 const ImplicitContacts& implicit_contacts) {
   std::vector<std::array<int, 2>> pairs;
-  for (std::size_t n = 0; n < implicit_contacts.answer.size(); n++) {
+  for (std::size_t n = 0; n < implicit_contacts.terms.size(); n++) {
     const Contact& c = implicit_contacts.contacts.list[n];
-    if (c.obstacle >= 0 || !(implicit_contacts.answer[n].normal_stiffness > 0)) continue;
+    if (c.obstacle >= 0 || !(implicit_contacts.terms[n].normal_stiffness > 0)) continue;
     for (const int i : c.vertex)
       for (const int j : c.vertex) {
         if (i < 0 || j < 0 || blocks.of[std::size_t(i)] <= blocks.of[std::size_t(j)]) continue;
@@ -157,8 +168,9 @@ std::vector<std::array<int, 2>> touching_blocks(const Blocks& blocks,
   return pairs;
 }
 
-void TwoLevelSystem::Parts::lay_out(const Blocks& blocks, std::vector<std::array<int, 2>> by_contacts) {
+void TwoLevelSystem::Storage::set_pattern(const Blocks& blocks, std::vector<std::array<int, 2>> by_contacts) {
   const int count = int(blocks.begin.size()) - 1;
+  // pairs of blocks, with those of contacts
   touching = std::move(by_contacts);
   pair.clear(), pair_begin.assign(1, 0), entry.clear();
   auto joined = touching.begin();
@@ -170,149 +182,175 @@ void TwoLevelSystem::Parts::lay_out(const Blocks& blocks, std::vector<std::array
     std::sort(pair.begin() + from, pair.end());
     pair_begin.push_back(int(pair.size()));
   }
-  std::vector<Eigen::Triplet<double>> places;
+  // entries of the lower triangle, each marked with its index in `coupling`
+  std::vector<Eigen::Triplet<double>> entries;
   for (int a = 0; a < count; a++)
     for (int n = pair_begin[std::size_t(a)]; n < pair_begin[std::size_t(a) + 1]; n++)
       for (int r = 0; r < kRigid; r++)
         for (int c = 0; c < kRigid; c++) {
           const int row = kRigid * a + r, column = kRigid * pair[std::size_t(n)] + c;
-          if (row >= column) places.emplace_back(row, column, double(kRigid * kRigid * n + kRigid * r + c));
+          if (row >= column) entries.emplace_back(row, column, double(kRigid * kRigid * n + kRigid * r + c));
         }
   matrix.resize(kRigid * count, kRigid * count);
-  matrix.setFromTriplets(places.begin(), places.end());
+  matrix.setFromTriplets(entries.begin(), entries.end());
   for (int n = 0; n < matrix.nonZeros(); n++) entry.push_back(int(matrix.valuePtr()[n]));
   for (int n = 0; n < matrix.nonZeros(); n++) matrix.valuePtr()[n] = 1;
+  // symbolic factorization and sizes
   factor.analyzePattern(matrix);
   coupling.resize(pair.size());
   center.resize(std::size_t(count));
-  load.resize(kRigid * count), answer.resize(kRigid * count);
+  load.resize(kRigid * count), solution.resize(kRigid * count);
 }
 
-void TwoLevelSystem::Parts::couple(const Model& model, const State& state, int block) {
+void TwoLevelSystem::Storage::set_values(const Model& model, const State& state, int block) {
   const Blocks& blocks = model.blocks;
   const Rows& rows = model.rows;
   const System& system = state.system;
   const auto a = std::size_t(block);
   const int first = pair_begin[a], last = pair_begin[a + 1];
   for (int n = first; n < last; n++) coupling[std::size_t(n)].fill(0);
-  Block& own = coupling[std::size_t(last - 1)];  // the block itself is the largest of its pairs
+  TURGOR_CHECK(last > first && pair[std::size_t(last - 1)] == block,
+               "the last pair of a block is the block itself");
+  Block& own = coupling[std::size_t(last - 1)];  // last, since the block itself is the largest of its pairs
   for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
     const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
+    // diagonal block of a vertex: mass and wind
     if (state.free_mass[i] == 0) continue;
     const Vec3d x(state.x[i]), r = x - center[a];
-    const double mass = double(state.free_mass[i]) * double(system.keep);
+    const double mass = double(state.free_mass[i]) * double(system.mass_factor);
     double d[3][3] = {{mass, 0, 0}, {0, mass, 0}, {0, 0, mass}};
     for (int k = 0; k < 3; k++) d[k][k] += double(system.air[0][i][k]);
     const Vec3d off(system.air[1][i]);
     d[0][1] += off.x, d[1][0] += off.x, d[0][2] += off.y, d[2][0] += off.y, d[1][2] += off.z,
         d[2][1] += off.z;
-    for_each_bearing(state, i, [&](double w, const Contact& c, const ImplicitContact& its) {
-      add_answer_matrix(c, its, w * w, d);
+    // contacts
+    for_each_closed_contact(state, i, [&](double w, const Contact& c, const ImplicitContact& terms) {
+      add_contact_stiffness(c, terms, w * w, d);
       for (std::size_t k = 0; k < 4; k++) {
         if (c.vertex[k] < 0 || c.vertex[k] == int(i)) continue;
         const auto j = std::size_t(c.vertex[k]);
         if (blocks.of[j] > block || state.free_mass[j] == 0) continue;
         const auto other = std::size_t(blocks.of[j]);
         const auto pair_at = std::lower_bound(pair.begin() + first, pair.begin() + last, int(other));
+        TURGOR_CHECK(pair_at != pair.begin() + last && *pair_at == int(other),
+                     "blocks that touch are a pair");
         double b[3][3] = {};
-        add_answer_matrix(c, its, w * double(c.weight[k]), b);
+        add_contact_stiffness(c, terms, w * double(c.weight[k]), b);
         add_coupling(b, r, Vec3d(state.x[j]) - center[other], 1,
                      coupling[std::size_t(pair_at - pair.begin())]);
       }
     });
-    double turn[3][3] = {};  // by sides within the block
+    double rotational[3][3] = {};  // rotational stiffness of sides within the block
+    // springs to neighbors
     const std::size_t batch = i / std::size_t(kLanes), l = i % std::size_t(kLanes);
     for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++) {
       const std::size_t e = std::size_t(s) * std::size_t(kLanes) + l;
       if (!(rows.stiffness[e] > 0)) continue;
       const auto j = std::size_t(neighbor(rows, s, int(l)));
       const double along = double(system.along[e]), across = std::max(0.0, double(system.across[e]));
-      const Vec3d way = Vec3d(state.x[j]) - x;
+      const Vec3d offset = Vec3d(state.x[j]) - x;
       if (blocks.of[j] == block && state.free_mass[j] > 0) {
-        const double half = across / 2, square = half * dot(way, way);
+        const double half = across / 2, square = half * dot(offset, offset);
         for (int p = 0; p < 3; p++)
-          for (int q = 0; q < 3; q++) turn[p][q] += (p == q ? square : 0) - half * way[p] * way[q];
+          for (int q = 0; q < 3; q++)
+            rotational[p][q] += (p == q ? square : 0) - half * offset[p] * offset[q];
         continue;
       }
       double b[3][3];
       for (int p = 0; p < 3; p++)
-        for (int q = 0; q < 3; q++) b[p][q] = along * way[p] * way[q] + (p == q ? across : 0);
+        for (int q = 0; q < 3; q++) b[p][q] = along * offset[p] * offset[q] + (p == q ? across : 0);
       for (int p = 0; p < 3; p++)
         for (int q = 0; q < 3; q++) d[p][q] += b[p][q];
       if (blocks.of[j] >= block || state.free_mass[j] == 0) continue;
       const auto other = std::size_t(blocks.of[j]);
       const auto pair_at = std::lower_bound(pair.begin() + first, pair.begin() + last, int(other));
+      TURGOR_CHECK(pair_at != pair.begin() + last && *pair_at == int(other), "adjacent blocks are a pair");
       add_coupling(b, r, Vec3d(state.x[j]) - center[other], -1,
                    coupling[std::size_t(pair_at - pair.begin())]);
     }
+    // own block
     add_coupling(d, r, r, 1, own);
     for (int p = 0; p < 3; p++)
-      for (int q = 0; q < 3; q++) own[std::size_t(kRigid * (3 + p) + 3 + q)] += turn[p][q];
+      for (int q = 0; q < 3; q++) own[std::size_t(kRigid * (3 + p) + 3 + q)] += rotational[p][q];
   }
-  // What has no mass, and what cannot be turned, being on one line, stays.
-  double ways = 0, turns = 0;
-  for (int k = 0; k < 3; k++) ways += own[std::size_t(7 * k)], turns += own[std::size_t(7 * (3 + k))];
+  // Modes without mass, and rotations about the line of collinear vertices, are fixed.
+  double translations = 0, rotations = 0;
+  for (int k = 0; k < 3; k++)
+    translations += own[std::size_t(7 * k)], rotations += own[std::size_t(7 * (3 + k))];
   for (int k = 0; k < 3; k++) {
-    own[std::size_t(7 * k)] += ways > 0 ? 0 : 1;
-    own[std::size_t(7 * (3 + k))] += turns > 0 ? 1e-6 * turns : 1;
+    own[std::size_t(7 * k)] += translations > 0 ? 0 : 1;
+    own[std::size_t(7 * (3 + k))] += rotations > 0 ? 1e-6 * rotations : 1;
   }
 }
 
 TwoLevelSystem::TwoLevelSystem() = default;
 TwoLevelSystem::~TwoLevelSystem() = default;
 TwoLevelSystem::TwoLevelSystem(const TwoLevelSystem&) {}
-TwoLevelSystem& TwoLevelSystem::operator=(const TwoLevelSystem&) { return parts_.reset(), *this; }
+TwoLevelSystem& TwoLevelSystem::operator=(const TwoLevelSystem&) { return storage.reset(), *this; }
 
-bool TwoLevelSystem::factor(const Exec& exec, const Model& model, const State& state) {
+bool factor_coarse_system(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system) {
   const Blocks& blocks = model.blocks;
+  // pattern
   std::vector<std::array<int, 2>> touching = touching_blocks(blocks, state.implicit_contacts);
-  const bool is_new = !parts_;
-  if (is_new) parts_ = std::make_unique<Parts>();
-  if (is_new || touching != parts_->touching) parts_->lay_out(blocks, std::move(touching));
+  const bool is_new = !system.storage;
+  if (is_new) system.storage = std::make_unique<TwoLevelSystem::Storage>();
+  if (is_new || touching != system.storage->touching)
+    system.storage->set_pattern(blocks, std::move(touching));
   const std::size_t count = blocks.begin.size() - 1;
+  // centers of the blocks
   parallel_for(exec, count, [&](std::size_t a) {
     Vec3d sum;
     for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++)
       sum += Vec3d(state.x[std::size_t(blocks.vertex[std::size_t(m)])]);
-    parts_->center[a] = sum / double(blocks.begin[a + 1] - blocks.begin[a]);
+    TURGOR_CHECK(blocks.begin[a + 1] > blocks.begin[a], "a block has vertices");
+    system.storage->center[a] = sum / double(blocks.begin[a + 1] - blocks.begin[a]);
   });
-  parallel_for(exec, count, [&](std::size_t a) { parts_->couple(model, state, int(a)); });
-  const double* values = parts_->coupling.empty() ? nullptr : parts_->coupling[0].data();
-  for (std::size_t n = 0; n < parts_->entry.size(); n++)
-    parts_->matrix.valuePtr()[n] = values[parts_->entry[n]];
-  parts_->factor.factorize(parts_->matrix);
-  return parts_->factor.info() == Eigen::Success;
+  // coarse operator and its factor
+  parallel_for(exec, count, [&](std::size_t a) { system.storage->set_values(model, state, int(a)); });
+  const double* values = system.storage->coupling.empty() ? nullptr : system.storage->coupling[0].data();
+  for (std::size_t n = 0; n < system.storage->entry.size(); n++)
+    system.storage->matrix.valuePtr()[n] = values[system.storage->entry[n]];
+  system.storage->factor.factorize(system.storage->matrix);
+  return system.storage->factor.info() == Eigen::Success;
 }
 
-void TwoLevelSystem::add_answer(const Exec& exec, const Model& model, const State& state, const Vectors& r,
-                                Vectors& z) {
+void add_coarse_correction(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system,
+                           const Vectors& r, Vectors& z) {
+  TURGOR_ASSERT(system.storage != nullptr, "the coarse system was factored");
   const Blocks& blocks = model.blocks;
   const std::size_t count = blocks.begin.size() - 1;
+  TURGOR_CHECK(r.size() == z.size(), "a residual and a correction are of the same cloth");
+  // restriction: total force and moment of each block
   parallel_for(exec, count, [&](std::size_t a) {
-    Vec3d way, turn;
+    Vec3d force, moment;
     for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
       const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
       if (state.free_mass[i] == 0) continue;
       const Vec3d f(r[i]);
-      way += f, turn += cross(Vec3d(state.x[i]) - parts_->center[a], f);
+      force += f, moment += cross(Vec3d(state.x[i]) - system.storage->center[a], f);
     }
     for (int k = 0; k < 3; k++)
-      parts_->load[kRigid * int(a) + k] = way[k], parts_->load[kRigid * int(a) + 3 + k] = turn[k];
+      system.storage->load[kRigid * int(a) + k] = force[k],
+                                             system.storage->load[kRigid * int(a) + 3 + k] = moment[k];
   });
-  parts_->answer = parts_->factor.solve(parts_->load);
+  // coarse solution
+  system.storage->solution = system.storage->factor.solve(system.storage->load);
+  // prolongation: rigid motion of each block
   parallel_for(exec, count, [&](std::size_t a) {
-    const double* y = parts_->answer.data() + kRigid * int(a);
-    const Vec3d way{y[0], y[1], y[2]}, turn{y[3], y[4], y[5]};
+    const double* y = system.storage->solution.data() + kRigid * int(a);
+    const Vec3d translation{y[0], y[1], y[2]}, rotation{y[3], y[4], y[5]};
     for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
       const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
-      if (state.free_mass[i] > 0) z.add(i, Vec3(way + cross(turn, Vec3d(state.x[i]) - parts_->center[a])));
+      if (state.free_mass[i] > 0)
+        z.add(i, Vec3(translation + cross(rotation, Vec3d(state.x[i]) - system.storage->center[a])));
     }
   });
 }
 
-std::size_t TwoLevelSystem::bytes() const {
-  if (!parts_) return 0;
-  return parts_->coupling.size() * sizeof(Block) + 12 * std::size_t(parts_->matrix.nonZeros()) * 6;
+std::size_t coarse_system_bytes(const TwoLevelSystem& system) {
+  if (!system.storage) return 0;
+  return system.storage->coupling.size() * sizeof(Block) +
+         12 * std::size_t(system.storage->matrix.nonZeros()) * 6;
 }
 
 }  // namespace turgor::cloth

@@ -1,13 +1,12 @@
-// A coarse view of a cloth for its solver: blocks of neighbouring vertices that move as rigid bodies. Sweeps
-// and conjugate gradients carry news by one edge an iteration; what whole blocks do to each other is solved
-// at once, by a sparse Cholesky factor that is made anew in each step [two-level additive Schwarz: Dryja,
+// Two-level preconditioner. Blocks of adjacent vertices move as rigid bodies, and the Galerkin operator of
+// these motions is factored (LDLᵀ) in each step. Sweeps and plain conjugate gradients spread corrections by
+// one edge an iteration; the coarse correction acts on the whole sheet [two-level additive Schwarz: Dryja,
 // Widlund 1987; rigid modes: Vaněk, Mandel, Brezina 1996].
 #pragma once
 
-#include <memory>
-#include <vector>
-
 #include "turgor/core/exec.hpp"
+#include "turgor/models/cloth/model/mesh_tables.hpp"
+#include "turgor/models/cloth/model/two_level_system.hpp"
 #include "turgor/models/cloth/model/vectors.hpp"
 
 namespace turgor::cloth {
@@ -15,32 +14,14 @@ namespace turgor::cloth {
 struct Model;
 struct State;
 
-/// What does not change: whose vertices belong together.
-struct Blocks {
-  std::vector<int> of;             // block of each vertex
-  std::vector<int> begin, vertex;  // vertices of each block, and the end
-  std::vector<int> pair_begin;     // of each block, and the end: itself and the smaller blocks it touches,
-  std::vector<int> pair;           // ascending
-};
+/// Partition of the vertices into blocks of about 0.8 √n.
 Blocks make_blocks(const Model& model);
 
-/// The matrix of the blocks in one step, and its factor. A copy begins without one.
-class TwoLevelSystem {
- public:
-  TwoLevelSystem();
-  ~TwoLevelSystem();
-  TwoLevelSystem(const TwoLevelSystem&);
-  TwoLevelSystem& operator=(const TwoLevelSystem&);
-
-  /// From a system that was assembled. False: it could not be factored.
-  bool factor(const Exec& exec, const Model& model, const State& state);
-  /// Adds what the blocks answer to r to z.
-  void add_answer(const Exec& exec, const Model& model, const State& state, const Vectors& r, Vectors& z);
-  std::size_t bytes() const;
-
- private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
-};
+/// Assembles and factors the coarse operator of an assembled system. False: it could not be factored.
+bool factor_coarse_system(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system);
+/// Adds the coarse correction R (Rᵀ W R)⁻¹ Rᵀ r to z, R the rigid motions of the blocks.
+void add_coarse_correction(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system,
+                           const Vectors& r, Vectors& z);
+std::size_t coarse_system_bytes(const TwoLevelSystem& system);
 
 }  // namespace turgor::cloth

@@ -1,5 +1,4 @@
-// Bodies of the lattice made node by node, for tests and validation: a block of one tissue, with air above it
-// when it shall have skin.
+// Block of one tissue, made node by node for tests and validation. With skin, it has a layer of air above.
 #pragma once
 
 #include <functional>
@@ -10,21 +9,23 @@ namespace turgor::lattice {
 
 struct Block {
   Int3 size;                // nodes of tissue
-  double step = 0.004;      // [m]
+  double spacing = 0.004;   // [m]
   double young = 5e3;       // [Pa]
   bool skin_on_top = true;  // a layer of outside air above
   std::function<bool(Int3)> is_fixed = [](Int3) { return false; };
 };
 
 inline BodyNodes block_nodes(const Block& block) {
+  // grid and constant fields
   BodyNodes nodes;
   nodes.grid.size = block.size + Int3{0, 0, block.skin_on_top ? 1 : 0};
-  nodes.grid.spacing = {block.step, block.step, block.step};
+  nodes.grid.spacing = {block.spacing, block.spacing, block.spacing};
   const std::size_t count = sample_count(nodes.grid);
   nodes.hu.assign(count, 0);
   nodes.tissue.assign(count, Tissue::kMuscle);
   nodes.young.assign(count, float(block.young));
   nodes.fixed.assign(count, 0);
+  // air above, fixed nodes
   for (int k = 0; k < nodes.grid.size.z; k++)
     for (int j = 0; j < nodes.grid.size.y; j++)
       for (int i = 0; i < nodes.grid.size.x; i++) {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <string>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+
 namespace turgor::lattice {
 
 namespace {
@@ -11,51 +14,56 @@ namespace {
 struct Range {
   int begin, end;
 };
-/// The voxels around node `i`, which sits between two voxels.
+/// Voxels around node `i`, which is between two voxels.
 Range block_range(int i, int block, int voxels) {
+  TURGOR_CHECK(block > 0 && voxels > 0, "a block has at least one voxel");
   const int reach = (block + 1) / 2;
   return {std::clamp(i * block - reach, 0, voxels - 1), std::clamp(i * block + reach, 1, voxels)};
 }
 
-/// Adds a row of voxels, those beside the body as air.
-void add_row(const std::int16_t* row, const std::uint8_t* beside, int cell, double air_max,
+/// Adds a row of voxels to the sums; surroundings count as air.
+void add_row(const std::int16_t* row, const std::uint8_t* surroundings, int cell, double air_max,
              std::vector<int>& sums) {
   for (std::size_t i = 0; i < sums.size(); i++)
-    sums[i] += beside[i / std::size_t(cell)] && row[i] >= air_max ? kAirHu : row[i];
+    sums[i] += surroundings[i / std::size_t(cell)] && row[i] >= air_max ? kAirHu : row[i];
 }
 
-/// Means over blocks, one layer of nodes: sums over j and k first, as whole rows.
+/// Block means of one layer of nodes. Whole rows are summed over j and k first.
 struct AverageLayer {
-  const CtPart& ct;
-  const Surroundings& beside;
+  const CtSlab& ct;
+  const Surroundings& surroundings;
   double air_max;
   Int3 block;
   const Grid& nodes;
-  int first;  // layer
+  int first;  // first layer
   std::int16_t* hu;
 
   void operator()(std::size_t layer) const {
+    // rows of voxels of the layer
     const Int3 voxels = ct.whole.size;
     const int nx = voxels.x;
     std::vector<int> sums(static_cast<std::size_t>(nx));
     const Range ks = block_range(first + int(layer), block.z, voxels.z);
     for (int j = 0; j < nodes.size.y; j++) {
       const Range js = block_range(j, block.y, voxels.y);
+      // sums over j and k
       std::fill(sums.begin(), sums.end(), 0);
       for (int vk = ks.begin; vk < ks.end; vk++)
         for (int vj = js.begin; vj < js.end; vj++) {
           const std::int16_t* row = ct.row(vj, vk);
-          if (beside.has_row(vj, vk)) {
-            add_row(row, beside.row(vj, vk), beside.cell.x, air_max, sums);
+          if (surroundings.has_row(vj, vk)) {
+            add_row(row, surroundings.row(vj, vk), surroundings.cell.x, air_max, sums);
             continue;
           }
           for (int vi = 0; vi < nx; vi++) sums[std::size_t(vi)] += row[vi];
         }
+      // means over i
       const int rows = (ks.end - ks.begin) * (js.end - js.begin);
       for (int i = 0; i < nodes.size.x; i++) {
         const Range is = block_range(i, block.x, nx);
         long sum = 0;
         for (int vi = is.begin; vi < is.end; vi++) sum += sums[std::size_t(vi)];
+        TURGOR_CHECK(rows > 0 && is.end > is.begin, "a mean is over at least one voxel");
         const double mean = double(sum) / (double(rows) * (is.end - is.begin));
         hu[sample_index(nodes, i, j, int(layer))] = std::int16_t(std::lround(mean));
       }
@@ -63,8 +71,8 @@ struct AverageLayer {
   }
 };
 
-/// Visits all nodes reachable from `seeds` over axis neighbours for which `enter(index)` is true; enter must
-/// mark what it accepts.
+/// Visits all nodes reachable over axis neighbors for which `enter(index)` is true. `stack` holds the seeds;
+/// `enter` must mark accepted nodes. Returns the number of visited nodes.
 template <class Enter>
 std::size_t flood(const Grid& grid, std::vector<std::size_t>& stack, const Enter& enter) {
   const std::size_t strides[3] = {1, std::size_t(grid.size.x),
@@ -74,6 +82,7 @@ std::size_t flood(const Grid& grid, std::vector<std::size_t>& stack, const Enter
     const std::size_t n = stack.back();
     stack.pop_back();
     visited++;
+    // neighbors
     const Int3 p{int(n % strides[1]), int(n / strides[1]) % grid.size.y, int(n / strides[2])};
     for (int axis = 0; axis < 3; axis++) {
       if (p[axis] > 0 && enter(n - strides[axis])) stack.push_back(n - strides[axis]);
@@ -83,11 +92,13 @@ std::size_t flood(const Grid& grid, std::vector<std::size_t>& stack, const Enter
   return visited;
 }
 
-/// 1 where air is connected to the four sides of the scan. Not to its ends: there lungs and bowel are cut
-/// open.
+/// 1 = air connected to the four sides of the scan. The ends do not count, because lungs and bowel are cut
+/// open there.
 std::vector<std::uint8_t> outside_air(const BodyNodes& nodes, double air_max) {
+  TURGOR_CHECK(nodes.hu.size() == sample_count(nodes.grid), "every node has a mean CT value");
   const Int3 size = nodes.grid.size;
   std::vector<std::uint8_t> outside(nodes.hu.size());
+  // seeds at the four sides
   const auto enter = [&](std::size_t n) {
     if (outside[n] || nodes.hu[n] >= air_max) return false;
     outside[n] = 1;
@@ -100,12 +111,14 @@ std::vector<std::uint8_t> outside_air(const BodyNodes& nodes, double air_max) {
       for (int i = 0; i < size.x; i++)
         if (is_at_end({i, j, k}, size, across) || is_at_end({i, j, k}, size, other))
           if (const std::size_t n = sample_index(nodes.grid, i, j, k); enter(n)) stack.push_back(n);
+  // flood fill
   flood(nodes.grid, stack, enter);
   return outside;
 }
 
-/// Marks as outside all but the largest connected component of the rest. Returns the size of that one.
+/// Marks everything except the largest connected component as outside. Returns the size of that component.
 std::size_t keep_largest(const Grid& grid, std::vector<std::uint8_t>& outside) {
+  // components
   std::vector<int> component(outside.size(), 0);
   int count = 0, largest = 0;
   std::size_t largest_size = 0;
@@ -121,6 +134,8 @@ std::size_t keep_largest(const Grid& grid, std::vector<std::uint8_t>& outside) {
     });
     if (size > largest_size) largest_size = size, largest = count;
   }
+  // all others become outside
+  TURGOR_CHECK(all_indices(component, std::size_t(count) + 1), "labels of components lie below their count");
   for (std::size_t n = 0; n < outside.size(); n++) outside[n] = component[n] != largest || largest == 0;
   return largest_size;
 }
@@ -131,8 +146,8 @@ Tissue tissue_of(double hu, const TissueParams& params) {
   return hu < params.bone_min ? Tissue::kMuscle : Tissue::kBone;
 }
 
-/// A bone that never moves only shows in the springs to its neighbours; twice muscle makes those about as
-/// stiff as half a spring of tissue on a rigid wall.
+/// Young's modulus of a tissue. Fixed bone only affects the springs to its neighbors; twice muscle makes them
+/// about as stiff as half a spring of tissue on a rigid wall.
 float young_of(Tissue tissue, const Params& params) {
   switch (tissue) {
     case Tissue::kOutside:
@@ -158,6 +173,7 @@ int label_at(const LabelVolume& labels, Vec3d point) {
 }  // namespace
 
 Grid node_grid(const Grid& ct, Int3 block) {
+  TURGOR_ASSERT(block.x > 0 && block.y > 0 && block.z > 0, "a block has at least one voxel");
   const auto nodes = [](int voxels, int b) { return (voxels + b - 1) / b + 1; };
   const Vec3d b(block);
   return {.size = {nodes(ct.size.x, block.x), nodes(ct.size.y, block.y), nodes(ct.size.z, block.z)},
@@ -171,20 +187,26 @@ Layers slices_around(const Grid& ct, Int3 block, Layers layers) {
           block_range(layers.end - 1, block.z, ct.size.z).end};
 }
 
-std::vector<std::int16_t> average_blocks(const Exec& exec, const CtPart& ct, const Surroundings& beside,
+std::vector<std::int16_t> average_blocks(const Exec& exec, const CtSlab& ct, const Surroundings& surroundings,
                                          const Params& params, const Grid& nodes, Layers layers) {
+  TURGOR_CHECK(layers.begin >= 0 && layers.begin <= layers.end && layers.end <= nodes.size.z,
+               "the layers belong to the body");
   const auto count = std::size_t(layers.end - layers.begin);
   std::vector<std::int16_t> hu(count * std::size_t(nodes.size.x) * std::size_t(nodes.size.y));
-  parallel_for(exec, count,
-               AverageLayer{ct, beside, params.tissue.air_max, params.block, nodes, layers.begin, hu.data()});
+  parallel_for(
+      exec, count,
+      AverageLayer{ct, surroundings, params.tissue.air_max, params.block, nodes, layers.begin, hu.data()});
   return hu;
 }
 
-void name_tissues(const Exec& exec, const std::vector<std::uint8_t>& outside, const Params& params, int first,
-                  int count, BodyNodes& nodes) {
+void classify_tissues(const Exec& exec, const std::vector<std::uint8_t>& outside, const Params& params,
+                      int first, int count, BodyNodes& nodes) {
+  TURGOR_CHECK(outside.size() == sample_count(nodes.grid) && nodes.hu.size() == outside.size(),
+               "every node has a mask and a mean CT value");
   const Int3 size = nodes.grid.size, whole{size.x, size.y, count};
   const std::size_t all = sample_count(nodes.grid);
   nodes.tissue.resize(all), nodes.young.resize(all), nodes.fixed.resize(all);
+  TURGOR_CHECK(first >= 0 && first + size.z <= count, "the layers belong to the body");
   const int along = long_axis(nodes.grid);
   parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
     for (int j = 0; j < size.y; j++)
@@ -205,27 +227,31 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
   nodes.grid = node_grid(ct.grid, params.block);
   const Int3 size = nodes.grid.size;
   const std::size_t count = sample_count(nodes.grid);
-  constexpr std::size_t kMostNodes = std::size_t(1) << 29;  // slots are counted in int
+  constexpr std::size_t kMostNodes = std::size_t(1) << 29;  // slots are int
   if (count > kMostNodes)
     return Error{"a lattice of " + std::to_string(count) + " nodes is too large: expected at most " +
                  std::to_string(kMostNodes) + ", choose a larger block"};
-  const Surroundings beside = find_beside_body(exec, ct, params.tissue.air_max);
-  nodes.hu = average_blocks(exec, ct, beside, params, nodes.grid, {0, size.z});
+  // Hounsfield units of the nodes
+  const Surroundings surroundings = find_surroundings(exec, ct, params.tissue.air_max);
+  nodes.hu = average_blocks(exec, ct, surroundings, params, nodes.grid, {0, size.z});
 
+  // body
   std::vector<std::uint8_t> outside = outside_air(nodes, params.tissue.air_max);
   if (keep_largest(nodes.grid, outside) == 0)
-    return Error{"the CT holds nothing but air: expected voxels above " +
+    return Error{"the CT contains only air: expected voxels above " +
                  std::to_string(int(params.tissue.air_max)) + " HU"};
 
-  name_tissues(exec, outside, params, 0, size.z, nodes);
-  const auto place = [&](std::size_t n) {
+  // tissues
+  classify_tissues(exec, outside, params, 0, size.z, nodes);
+  const auto node_of = [&](std::size_t n) {
     return Int3{int(n % std::size_t(size.x)), int(n / std::size_t(size.x)) % size.y,
                 int(n / (std::size_t(size.x) * std::size_t(size.y)))};
   };
+  // moduli by label
   if (labels != nullptr)
     for (std::size_t n = 0; n < count; n++) {
       if (outside[n]) continue;
-      const Vec3d point = point_at(nodes.grid, Vec3d(place(n)));
+      const Vec3d point = point_at(nodes.grid, Vec3d(node_of(n)));
       const auto found = params.tissue.young_of_label.find(label_at(*labels, point));
       if (found != params.tissue.young_of_label.end()) nodes.young[n] = float(found->second);
     }

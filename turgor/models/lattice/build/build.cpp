@@ -1,8 +1,9 @@
-// Building the model and the first state.
+// Assembly of a model from its nodes: storage, springs or cells, skin.
 #include <cmath>
 #include <string>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/build/body_nodes.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
 #include "turgor/models/lattice/build/springs.hpp"
@@ -12,14 +13,14 @@ namespace turgor::lattice {
 
 namespace {
 
-/// What the paper takes for stiffness: the density, normalised to [0, 1]. [STC 4.2]
+/// Stiffness of the paper: the density, normalized to [0, 1]. [STC 4.2]
 double density_stiffness(double hu, const Params& params) {
   const TissueParams& t = params.tissue;
   return params.solver.pbd_stiffness * std::clamp((hu - t.air_max) / (t.bone_min - t.air_max), 0.05, 1.0);
 }
 
-/// One layer of nodes from the plain order into slots.
-struct PlaceLayer {
+/// Copies one layer of nodes to its slots.
+struct StoreLayer {
   const BodyNodes& nodes;
   const Params& params;
   Model& model;
@@ -36,7 +37,7 @@ struct PlaceLayer {
         model.hu[slot] = nodes.hu[n];
         if (!is_body(nodes.tissue[n])) continue;
         const double density =
-            std::max(50.0, 1000.0 + nodes.hu[n]);  // water = 1000; gas keeps a little mass [kg/m³]
+            std::max(50.0, 1000.0 + nodes.hu[n]);  // water = 1000; gas keeps a small mass [kg/m³]
         model.inverse_mass[slot] = nodes.fixed[n] ? Real(0) : Real(1 / (density * volume));
         model.root_stiffness[slot] =
             Real(std::sqrt(pbd ? density_stiffness(nodes.hu[n], params) : nodes.young[n]));
@@ -44,8 +45,8 @@ struct PlaceLayer {
   }
 };
 
-/// Is the slot's node body, and does it share a cell, whose lowest node it is, with a node that can move?
-bool joins_what_moves(const Model& model, int slot) {
+/// True if the node of a slot is body, and its cell (as lowest node) contains a free node.
+bool shares_cell_with_free_node(const Model& model, int slot) {
   if (!is_body(model.tissue[std::size_t(slot)])) return false;
   const int parity = slot % row_stride(model.lattice) >= model.lattice.half;
   for (int x = 0; x < 2; x++)
@@ -60,6 +61,11 @@ bool joins_what_moves(const Model& model, int slot) {
 
 Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVolume* lines,
                        const Params& params) {
+  TURGOR_ASSERT(nodes.tissue.size() == sample_count(nodes.grid) && nodes.hu.size() == nodes.tissue.size(),
+                "every node has a tissue and a CT value");
+  TURGOR_ASSERT(nodes.young.size() == nodes.tissue.size() && nodes.fixed.size() == nodes.tissue.size(),
+                "every node has a modulus and a mark");
+  // storage
   Model model{.params = params,
               .grid = nodes.grid,
               .lattice = make_lattice(nodes.grid.size, Vec3(nodes.grid.spacing)),
@@ -70,17 +76,22 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   model.root_stiffness.assign(slots, 0);
   model.tissue.assign(slots, Tissue::kOutside);
   model.hu.assign(slots, kAirHu);
-  parallel_for(exec, std::size_t(nodes.grid.size.z), PlaceLayer{nodes, params, model});
+  parallel_for(exec, std::size_t(nodes.grid.size.z), StoreLayer{nodes, params, model});
 
-  model.moving =
+  TURGOR_CHECK(all_finite(model.inverse_mass) && all_finite(model.root_stiffness),
+               "masses and moduli are finite");
+  // free nodes and active constraints
+  model.free_runs =
       find_runs(model.lattice, [&](int slot) { return model.inverse_mass[std::size_t(slot)] > 0; });
   if (params.solver.method == Method::kPbd)
-    model.joining = find_runs(model.lattice, [&](int slot) { return joins_what_moves(model, slot); });
+    model.constraint_runs =
+        find_runs(model.lattice, [&](int slot) { return shares_cell_with_free_node(model, slot); });
 
-  const Vec3 h = model.lattice.step;
+  // springs, volumes or cells
+  const Vec3 h = model.lattice.spacing;
   const bool pbd = params.solver.method == Method::kPbd;
   const bool solid = params.tissue.law == TissueLaw::kSolid;
-  TURGOR_ASSERT(!(solid && pbd), "projections know springs alone");
+  TURGOR_ASSERT(!(solid && pbd), "PBD supports only springs");
   const double volume = solid ? 0 : params.tissue.volume;
   model.spring_scale = calibrate_springs(h, volume);
   for (std::size_t f = 0; f < kFamilyCount; f++) {
@@ -91,10 +102,12 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   model.volume_scale = Real(pbd ? params.solver.pbd_volume : volume);
   if (solid) build_cells(exec, model);
 
+  // counts
   for (std::size_t n = 0; n < nodes.tissue.size(); n++) {
     model.body_nodes += is_body(nodes.tissue[n]);
     model.free_nodes += is_body(nodes.tissue[n]) && !nodes.fixed[n];
   }
+  // skin
   if (params.skin.enabled) {
     detect_skin(exec, lines, nodes.join_skin, model);
     if (model.skin.triangles.empty() && nodes.owned.end == 0)
@@ -102,23 +115,6 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
                    std::to_string(model.body_nodes) + " body nodes"};
   }
   return model;
-}
-
-Result<Model> build(const Exec& exec, const CtVolume& ct, const BodyFields& fields, const Params& params) {
-  Result<BodyNodes> nodes = classify(exec, ct, fields.labels, params);
-  if (!nodes) return nodes.error();
-  return assemble(exec, *nodes, fields.lines, params);
-}
-
-State make_state(const Model& model) {
-  State state;
-  const auto slots = std::size_t(slot_count(model.lattice));
-  for (VecField* field : {&state.u, &state.u_before, &state.v}) field->resize(slots);
-  state.cut.assign(slots, 0);
-  state.removed.assign(slots, 0);
-  state.row_cut.assign(slots / std::size_t(row_stride(model.lattice)), 0);
-  state.skin_cut.assign(model.skin.triangles.size(), 0);
-  return state;
 }
 
 }  // namespace turgor::lattice

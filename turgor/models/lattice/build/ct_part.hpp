@@ -1,23 +1,27 @@
-// Slices of a CT, or all of them: what a process has read that makes a part of a body.
+// Some slices of a CT, or all of them: the input of one process of a distributed body.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/geometry/volume.hpp"
 
 namespace turgor::lattice {
 
-struct CtPart {
+struct CtSlab {
   const Grid& whole;
-  int first = 0;                          // slice of the whole that the samples begin with
+  int first = 0;                          // first slice of the samples
   std::span<const std::int16_t> samples;  // whole slices [HU]
 
-  CtPart(const CtVolume& ct) : whole(ct.grid), samples(ct.samples) {}
-  CtPart(const Grid& grid, int begin, std::span<const std::int16_t> values)
+  CtSlab(const CtVolume& ct) : whole(ct.grid), samples(ct.samples) {}
+  CtSlab(const Grid& grid, int begin, std::span<const std::int16_t> values)
       : whole(grid), first(begin), samples(values) {}
-  /// Of the row of voxels (j, k) of the whole.
+  /// Row (j, k) of voxels of the whole CT.
   const std::int16_t* row(int j, int k) const {
+    TURGOR_CHECK(
+        k >= first && sample_index(whole, 0, j, k - first) + std::size_t(whole.size.x) <= samples.size(),
+        "the row belongs to the slab");
     return samples.data() + sample_index(whole, 0, j, k - first);
   }
 };

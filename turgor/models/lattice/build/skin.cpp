@@ -5,23 +5,28 @@
 #include <map>
 #include <tuple>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/build/skin_surface.hpp"
 #include "turgor/models/lattice/mechanics/skin_forces.hpp"
+#include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/model/colors.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// Corners of a face of a tetrahedron, counter-clockwise seen from the corner opposite to it.
+/// Corners of a tetrahedron's face, counter-clockwise as seen from the opposite corner.
 constexpr std::array<std::array<int, 3>, 4> kFaceTowards = {{{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
-/// The skin of one layer of cells: every tetrahedron with exactly one corner outside gives the triangle of
-/// the others.
+/// Skin of one layer of cells: each tetrahedron with exactly one corner outside contributes the opposite
+/// triangle.
 void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
+  TURGOR_CHECK(k >= 0 && k + 1 < model.lattice.size.z, "a layer of cells lies between two layers of nodes");
   const Lattice& l = model.lattice;
   for (int j = 0; j + 1 < l.size.y; j++)
     for (int i = 0; i + 1 < l.size.x; i++) {
+      // corners outside
       int outside_count = 0;
       bool outside[8];
       for (int c = 0; c < 8; c++) {
@@ -30,6 +35,7 @@ void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
         outside_count += outside[c];
       }
       if (outside_count == 0 || outside_count > 5) continue;
+      // tetrahedra with one corner outside
       for (const auto& tet : kKuhnTets) {
         int air = -1, count = 0;
         for (int c = 0; c < 4; c++) {
@@ -47,7 +53,7 @@ void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
     }
 }
 
-/// A triangle that two tetrahedra found from both sides of a sheet is kept once.
+/// Removes duplicates: triangles that two tetrahedra found from both sides of a sheet.
 void drop_doubles(std::vector<std::vector<Int3>>& layers) {
   struct Key {
     int a, b, c, layer, index;
@@ -55,6 +61,7 @@ void drop_doubles(std::vector<std::vector<Int3>>& layers) {
       return std::tie(a, b, c, layer, index) < std::tie(o.a, o.b, o.c, o.layer, o.index);
     }
   };
+  // sort triangles by their nodes
   std::vector<Key> keys;
   for (std::size_t k = 0; k < layers.size(); k++)
     for (std::size_t t = 0; t < layers[k].size(); t++) {
@@ -63,6 +70,7 @@ void drop_doubles(std::vector<std::vector<Int3>>& layers) {
       keys.push_back({v[0], v[1], v[2], int(k), int(t)});
     }
   std::sort(keys.begin(), keys.end());
+  // remove duplicates
   for (std::size_t n = 1; n < keys.size(); n++) {
     const Key &a = keys[n - 1], &b = keys[n];
     if (a.a == b.a && a.b == b.b && a.c == b.c) layers[std::size_t(b.layer)][std::size_t(b.index)].x = -1;
@@ -70,18 +78,19 @@ void drop_doubles(std::vector<std::vector<Int3>>& layers) {
   for (auto& layer : layers) std::erase_if(layer, [](Int3 t) { return t.x < 0; });
 }
 
-/// Orders the triangles of layer `k` in batches of up to kSkinLanes that share no node, each from near the
-/// front of what is left, so that its nodes are still in the cache. In the paper's words, grouping. [STC 4.3]
+/// Orders the triangles of layer `k` in batches of up to kSkinLanes that share no node (grouping in the
+/// paper). Each batch takes triangles near the front of the remaining ones, so that its nodes stay in the
+/// cache. [STC 4.3]
 std::vector<int> order_in_batches(const Lattice& l, int k, std::vector<Int3>& triangles) {
   constexpr std::size_t kLookAhead = 128;
   const int first = row_slot(l, -1, k);
   std::vector<int> taken(std::size_t(2 * layer_stride(l)),
-                         0);  // by node of layers k and k + 1: the batch that has it
-  std::vector<Int3> left = std::move(triangles), skipped;
+                         0);  // by node of layers k and k + 1: the last batch that contains it
+  std::vector<Int3> remaining = std::move(triangles), skipped;
   std::vector<int> sizes;
   triangles.clear();
   std::size_t at = 0;
-  while (at < left.size() || !skipped.empty()) {
+  while (at < remaining.size() || !skipped.empty()) {
     const int batch = int(sizes.size()) + 1;
     int size = 0;
     const auto take = [&](Int3 t) {
@@ -92,15 +101,18 @@ std::vector<int> order_in_batches(const Lattice& l, int k, std::vector<Int3>& tr
       size++;
       return true;
     };
+    // skipped triangles first, then a limited look-ahead
     std::erase_if(skipped, [&](Int3 t) { return size < kSkinLanes && take(t); });
-    for (; at < left.size() && size < kSkinLanes && skipped.size() < kLookAhead; at++)
-      if (!take(left[at])) skipped.push_back(left[at]);
+    for (; at < remaining.size() && size < kSkinLanes && skipped.size() < kLookAhead; at++)
+      if (!take(remaining[at])) skipped.push_back(remaining[at]);
     sizes.push_back(size);
   }
+  TURGOR_CHECK(std::all_of(sizes.begin(), sizes.end(), [](int s) { return s > 0 && s <= kSkinLanes; }),
+               "a batch has 1 to kSkinLanes triangles");
   return sizes;
 }
 
-/// The triangles of all layers by the layer and the colour of their cells: group 4 k + p of Skin.
+/// Triangles of all layers by layer and color of their cells: group 4 k + p of Skin.
 std::vector<std::vector<Int3>> group_by_colors(const Lattice& l,
                                                const std::vector<std::vector<Int3>>& layers) {
   std::vector<std::vector<Int3>> groups(4 * layers.size());
@@ -112,15 +124,18 @@ std::vector<std::vector<Int3>> group_by_colors(const Lattice& l,
   return groups;
 }
 
-/// Orders triangles of one colour: first one of each cell, then the second of each that has one, and so on,
-/// the cells with most in front. Cells share no node, so a batch is up to kSkinLanes of one round.
+/// Orders triangles of one color in rounds: first one triangle per cell, then the second of each cell that
+/// has one, and so on. Cells with most triangles come first. Cells of a color share no node, so a batch is up
+/// to kSkinLanes triangles of one round.
 std::vector<int> order_in_rounds(const Lattice& l, std::vector<Int3>& triangles) {
+  // triangles by cell, most first
   std::map<int, std::vector<Int3>> by_cell;
   for (const Int3 t : triangles) by_cell[node_slot(l, cell_of(l, t))].push_back(t);
   std::vector<std::vector<Int3>> cells;
   for (auto& [slot, of_cell] : by_cell) cells.push_back(std::move(of_cell));
   std::stable_sort(cells.begin(), cells.end(),
                    [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  // rounds
   std::vector<int> sizes;
   triangles.clear();
   for (std::size_t round = 0; !cells.empty() && round < cells[0].size(); round++)
@@ -129,6 +144,8 @@ std::vector<int> order_in_rounds(const Lattice& l, std::vector<Int3>& triangles)
       triangles.push_back(cells[c][round]);
       sizes.back()++;
     }
+  TURGOR_CHECK(std::all_of(sizes.begin(), sizes.end(), [](int s) { return s > 0 && s <= kSkinLanes; }),
+               "a batch has 1 to kSkinLanes triangles");
   return sizes;
 }
 
@@ -140,21 +157,25 @@ Vec3d lines_at(const VectorVolume& lines, Vec3d point) {
   return Vec3d(lines.at(p.x, p.y, p.z));
 }
 
-/// Area and the coefficients of F d for d along and across the lines, from the rest positions.
+/// Computes area, edges and the coefficients of F d (SkinTriangle) from rest positions.
 void measure_triangle(const Vec3d (&x)[3], Vec3d line, SkinTriangle& triangle) {
   const Vec3d e1 = x[1] - x[0], e2 = x[2] - x[0], n = cross(e1, e2), normal = normalized(n);
+  // axes in the triangle
   Vec3d along = line - normal * dot(normal, line);
   if (norm(along) < 1e-6 * norm(line) || norm(line) == 0)
-    along = e1;  // lines straight into the skin: any direction
+    along = e1;  // lines normal to the skin: any direction
   along = normalized(along);
   const Vec3d across = cross(normal, along);
+  // edges in these axes
   const double a = dot(e1, along), b = dot(e2, along), c = dot(e1, across), d = dot(e2, across),
                det = a * d - b * c;
   triangle.edge1 = Vec3(e1);
   triangle.edge2 = Vec3(e2);
   triangle.area = Real(0.5 * norm(n));
+  TURGOR_CHECK(det != 0, "a skin triangle has an area in the CT");
   const double inverse[2][2] = {{d / det, -b / det},
-                                {-c / det, a / det}};  // of (e1 e2) in the frame (along, across)
+                                {-c / det, a / det}};  // of (e1 e2) in the axes (along, across)
+  // coefficients
   for (int q = 0; q < 2; q++) {
     triangle.along[q + 1] = Real(inverse[q][0]);
     triangle.across[q + 1] = Real(inverse[q][1]);
@@ -165,25 +186,28 @@ void measure_triangle(const Vec3d (&x)[3], Vec3d line, SkinTriangle& triangle) {
 
 struct MeasureTriangle {
   const Model& model;
-  const SkinPlaces& places;
+  const SmoothedSkin& rest;
   const VectorVolume* lines;
   SkinTriangle* triangles;
-  Vec3* given;  // null without lines
+  Vec3* given;  // by triangle: lines; null without
 
   void operator()(std::size_t t) const {
     SkinTriangle& triangle = triangles[t];
     const TissueParams& tissue = model.params.tissue;
+    // means over the corners
     Vec3d x[3], center;
     double hu = 0;
     for (int c = 0; c < 3; c++) {
-      x[c] = places.of(number_in_body(model.lattice, slot_node(model.lattice, triangle.vertex[c])));
+      x[c] = rest.of(number_in_body(model.lattice, slot_node(model.lattice, triangle.vertex[c])));
       center += x[c] / 3;
       hu += model.hu[std::size_t(triangle.vertex[c])] / 3.0;
     }
+    // direction of the lines
     const Vec3d patient = model.grid.origin + model.grid.axes * center;
     const Vec3d line = inverse(model.grid.axes) *
                        (lines != nullptr ? lines_at(*lines, patient) : model.params.skin.direction);
     if (given != nullptr) given[t] = Vec3(line);
+    // geometry and stiffness
     measure_triangle(x, line, triangle);
     triangle.stiffness =
         Real(std::clamp((hu - tissue.air_max) / (tissue.bone_min - tissue.air_max), 0.05, 1.0));
@@ -194,29 +218,35 @@ struct Corner {
   int slot, triangle, corner;
 };
 
-/// Lane `i` of these is that corner.
+/// Stores a corner in lane `i`.
 void set_lane(const Skin& skin, const Corner& corner, int i, SkinCorners& lanes) {
+  TURGOR_CHECK(is_index(corner.triangle, skin.triangles.size()) && corner.corner >= 0 && corner.corner < 3,
+               "a lane is the corner of a triangle");
   const SkinTriangle& t = skin.triangles[std::size_t(corner.triangle)];
-  const Vec3 places[3] = {{}, t.edge1, t.edge2};
+  const Vec3 rest[3] = {{}, t.edge1, t.edge2};
   lanes.triangle[i] = corner.triangle, lanes.area[i] = t.area;
   for (int q = 0; q < 3; q++) {
     const int vertex = (corner.corner + q) % 3;
     lanes.vertex[q][i] = t.vertex[vertex];
     lanes.along[q][i] = t.along[vertex], lanes.across[q][i] = t.across[vertex];
-    const Vec3 edge = places[vertex] - places[corner.corner];
+    const Vec3 edge = rest[vertex] - rest[corner.corner];
     for (int axis = 0; axis < 3 && q > 0; axis++) lanes.edge[q - 1][axis][i] = edge[axis];
   }
 }
 
-/// The corners of each half row side by side.
+/// Packs the corners of each half row into lanes.
 void lay_out_corners(const std::vector<Corner>& corners, Skin& skin) {
+  TURGOR_CHECK(is_csr(skin.corner_begin, corners.size()) && is_csr(skin.row_begin, skin.nodes.size()),
+               "the offsets of rows and nodes cover all corners");
   const auto begin_of = [&](std::size_t row) {
     return std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row])]);
   };
+  // number of batches
   std::size_t count = 0;
   for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++)
     count += (begin_of(row + 1) - begin_of(row) + kSkinLanes - 1) / kSkinLanes;
   skin.corners.reserve(count);
+  // batches by half row
   skin.lanes_begin = {0};
   for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++) {
     const std::size_t begin = begin_of(row), end = begin_of(row + 1);
@@ -229,7 +259,7 @@ void lay_out_corners(const std::vector<Corner>& corners, Skin& skin) {
   }
 }
 
-/// The triangles of each batch side by side.
+/// Packs the triangles of each batch into lanes.
 void lay_out_batches(Skin& skin) {
   for (std::size_t b = 0; b + 1 < skin.batch_begin.size(); b++) {
     SkinBatch& batch = skin.batches.emplace_back();
@@ -246,12 +276,14 @@ void lay_out_batches(Skin& skin) {
 }
 
 std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
+  // corners by slot
   std::vector<Corner> entries;
   for (int t = 0; t < int(skin.triangles.size()); t++)
     for (int c = 0; c < 3; c++) entries.push_back({skin.triangles[std::size_t(t)].vertex[c], t, c});
   std::sort(entries.begin(), entries.end(), [](const Corner& a, const Corner& b) {
     return std::tie(a.slot, a.triangle) < std::tie(b.slot, b.triangle);
   });
+  // ranges by node and half row
   skin.row_begin.assign(std::size_t(slot_count(lattice) / lattice.half + 1), 0);
   for (std::size_t c = 0; c < entries.size(); c++) {
     const Corner& e = entries[c];
@@ -263,11 +295,12 @@ std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
   }
   skin.corner_begin.push_back(int(entries.size()));
   for (std::size_t r = 1; r < skin.row_begin.size(); r++) skin.row_begin[r] += skin.row_begin[r - 1];
+  TURGOR_CHECK(is_sorted_unique(skin.nodes), "the nodes of the skin ascend");
   return entries;
 }
 
-/// Where skin lies, made of the triangles of own cells, which are in the order of their layers.
-SkinPlaces find_places(const Exec& exec, const Model& model, const JoinSkin& join_skin) {
+/// Smoothed skin from the triangles of owned cells, which are in the order of layers.
+SmoothedSkin smooth_skin(const Exec& exec, const Model& model, const JoinSkin& join_skin) {
   const Lattice& l = model.lattice;
   std::vector<SkinNodes> all;
   for (const SkinTriangle& t : model.skin.triangles) {
@@ -282,29 +315,13 @@ SkinPlaces find_places(const Exec& exec, const Model& model, const JoinSkin& joi
 
 }  // namespace
 
-Int3 cell_of(const Lattice& l, Int3 triangle) {
-  Int3 low = l.size - Int3{2, 2, 2};
-  for (int c = 0; c < 3; c++) low = min(low, slot_node(l, triangle[c]));
-  return low;
-}
-
-std::span<const SkinTriangle> skin_of_cells(const Model& model, Layers cells) {
-  const Skin& skin = model.skin;
-  if (skin.triangles.empty()) return {};
-  const auto layers = std::size_t(model.lattice.size.z - 1), groups = (skin.layer_begin.size() - 1) / layers;
-  const auto first_of = [&](int layer) {
-    return std::size_t(
-        skin.batch_begin[std::size_t(skin.layer_begin[std::min(std::size_t(layer), layers) * groups])]);
-  };
-  const std::size_t first = first_of(cells.begin);
-  return std::span(skin.triangles).subspan(first, first_of(cells.end) - first);
-}
-
 void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model) {
   Skin& skin = model.skin;
+  // triangles by layer
   std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
   parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
   drop_doubles(layers);
+  // batches
   const SolverParams& solver = model.params.solver;
   const bool in_rounds = solver.method == Method::kPbd && solver.ordering == Ordering::kColors;
   if (in_rounds) layers = group_by_colors(model.lattice, layers);
@@ -313,6 +330,7 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& jo
     sizes[k] = in_rounds ? order_in_rounds(model.lattice, layers[k])
                          : order_in_batches(model.lattice, int(k), layers[k]);
   });
+  // list of triangles and batches
   skin.batch_begin = {0};
   for (std::size_t k = 0; k < layers.size(); k++) {
     skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
@@ -321,32 +339,33 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& jo
   }
   skin.triangles.shrink_to_fit();
   skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
+  // geometry
+  TURGOR_CHECK(is_csr(skin.batch_begin, skin.triangles.size()), "the batches cover all triangles");
+  TURGOR_CHECK(is_csr(skin.layer_begin, skin.batch_begin.size() - 1), "the layers cover all batches");
   if (lines != nullptr) skin.lines.resize(skin.triangles.size());
-  const SkinPlaces places = find_places(exec, model, join_skin);
+  const SmoothedSkin rest = smooth_skin(exec, model, join_skin);
   parallel_for(
       exec, skin.triangles.size(),
-      MeasureTriangle{model, places, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr},
-      1024);
+      MeasureTriangle{model, rest, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr}, 1024);
+  // lanes
   const std::vector<Corner> corners = collect_corners(model.lattice, skin);
   if (model.params.solver.method == Method::kPbd) return lay_out_batches(skin);
   lay_out_corners(corners, skin);
-  measure_pull(exec, model, skin);
+  TURGOR_CHECK(is_csr(skin.lanes_begin, skin.corners.size()), "the half rows cover all lanes");
+  measure_prestress(exec, model, skin);
 }
 
-Edge edge_between(const Lattice& lattice, int a, int b) {
-  const Int3 from = slot_node(lattice, a), to = slot_node(lattice, b), offset = to - from;
-  if (const int family = family_of(offset); family >= 0) return {a, family};
-  return {b, family_of(-offset)};
-}
-
-/// The CT shows a body at rest under its skin's tension. So whatever the skin pulls at a node there, curved
-/// skin inward and the steps of the lattice every way, is answered by the tissue's own prestress, and stays
-/// answered when the skin is cut.
-void measure_pull(const Exec& exec, const Model& model, Skin& skin) {
+/// Computes the skin forces at rest. The CT shows a body at rest under skin tension, so the tissue's
+/// prestress balances any skin force in it. Such forces come from curvature and from stairs of the lattice.
+/// The prestress remains after the skin is cut.
+void measure_prestress(const Exec& exec, const Model& model, Skin& skin) {
+  TURGOR_CHECK(!skin.row_begin.empty(), "prestress acts on a body with skin");
   const SkinForces forces(model);
+  // undeformed body
   std::vector<Real> still(model.inverse_mass.size(), 0);
   const NodeArrays nodes{still.data(), still.data(), still.data(), nullptr, nullptr, nullptr};
-  skin.pull.assign(skin.nodes.size(), {});
+  // sum over the corners at each node
+  skin.prestress_force.assign(skin.nodes.size(), {});
   parallel_for(
       exec, skin.row_begin.size() - 1,
       [&](std::size_t row) {
@@ -357,21 +376,10 @@ void measure_pull(const Exec& exec, const Model& model, Skin& skin) {
             const int lane = (c - first) % kSkinLanes;
             const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes;
             if (lane == 0) forces.gather(skin.corners[std::size_t(lanes)], nodes, systems);
-            skin.pull[at] += systems.get(lane).f;
+            skin.prestress_force[at] += systems.get(lane).f;
           }
       },
       64);
-}
-
-void cut_skin(const Model& model, State& state) {
-  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
-    const Int3 v = model.skin.triangles[t].vertex;
-    if (!state.row_cut[std::size_t(v.x / row_stride(model.lattice))]) continue;
-    for (int c = 0; c < 3; c++) {
-      const Edge edge = edge_between(model.lattice, v[c], v[(c + 1) % 3]);
-      if (state.cut[std::size_t(edge.slot)] >> edge.family & 1) state.skin_cut[t] = 1;
-    }
-  }
 }
 
 }  // namespace turgor::lattice

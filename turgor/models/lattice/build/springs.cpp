@@ -1,21 +1,24 @@
 #include "turgor/models/lattice/build/springs.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
+
+#include "turgor/core/assert.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Weights = std::array<double, kFamilyCount>;  // spring = weight · E · cell volume / length²
+using Weights = std::array<double, kFamilyCount>;  // spring stiffness = weight · E · cell volume / length²
 
-Vec3d edge(Vec3d step, int family) { return hadamard(step, Vec3d(kFamilies[std::size_t(family)])); }
+Vec3d edge(Vec3d spacing, int family) { return hadamard(spacing, Vec3d(kFamilies[std::size_t(family)])); }
 
-Matrix6 stiffness(Vec3d step, const Weights& weights, double volume) {
+Matrix6 stiffness(Vec3d spacing, const Weights& weights, double volume) {
   Matrix6 c = Matrix6::Zero();
   c.topLeftCorner<3, 3>().setConstant(volume);
   for (int f = 0; f < kFamilyCount; f++) {
-    const Vec3d n = normalized(edge(step, f));
+    const Vec3d n = normalized(edge(spacing, f));
     Eigen::Matrix<double, 6, 1> nn;
     nn << n.x * n.x, n.y * n.y, n.z * n.z, n.y * n.z, n.x * n.z, n.x * n.y;
     c += weights[std::size_t(f)] * nn * nn.transpose();
@@ -25,13 +28,15 @@ Matrix6 stiffness(Vec3d step, const Weights& weights, double volume) {
 
 }  // namespace
 
-// Uniaxial tension asks for the compliance matrix, shear between plates for the stiffness matrix. Six of the
-// seven weights are found by scaling each by the root of what it lacks, again and again; the body diagonal
-// keeps its share.
-std::array<Real, kFamilyCount> calibrate_springs(Vec3 step, double volume) {
+// Uniaxial tension depends on the compliance matrix, and shear between plates on the stiffness matrix. A
+// fixed-point iteration scales six of the seven weights by the square root of their error; the body diagonal
+// keeps its weight.
+std::array<Real, kFamilyCount> calibrate_springs(Vec3 spacing, double volume) {
   constexpr double kShear = 0.4, kDiagonal = 0.6;
   constexpr std::array<int, 3> kFaceOfShear = {5, 4, 3};  // families in the planes yz, xz, xy
-  const Vec3d h(step);
+  TURGOR_CHECK(spacing.x > 0 && spacing.y > 0 && spacing.z > 0, "a cell has a volume");
+  const Vec3d h(spacing);
+  // fixed-point iteration
   Weights weights{1, 1, 1, 1, 1, 1, kDiagonal};
   for (int round = 0; round < 200; round++) {
     const Matrix6 c = stiffness(h, weights, volume), compliance = c.inverse();
@@ -40,18 +45,21 @@ std::array<Real, kFamilyCount> calibrate_springs(Vec3 step, double volume) {
       weights[std::size_t(kFaceOfShear[std::size_t(axis)])] *= std::sqrt(kShear / c(3 + axis, 3 + axis));
     }
   }
+  // stiffness from weights
   std::array<Real, kFamilyCount> scale{};
   for (int f = 0; f < kFamilyCount; f++) {
     const Vec3d e = edge(h, f);
     scale[std::size_t(f)] = Real(weights[std::size_t(f)] * h.x * h.y * h.z / dot(e, e));
   }
+  TURGOR_CHECK(std::all_of(scale.begin(), scale.end(), [](Real s) { return s > 0; }),
+               "calibrated springs have a positive stiffness");
   return scale;
 }
 
-std::array<std::array<double, 6>, 6> homogenized_stiffness(Vec3 step,
+std::array<std::array<double, 6>, 6> homogenized_stiffness(Vec3 spacing,
                                                            const std::array<Real, kFamilyCount>& spring_scale,
                                                            double volume) {
-  const Vec3d h(step);
+  const Vec3d h(spacing);
   Weights weights{};
   for (int f = 0; f < kFamilyCount; f++) {
     const Vec3d e = edge(h, f);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/geometry/dilate.hpp"
 #include "turgor/geometry/row_components.hpp"
 
@@ -11,26 +13,28 @@ namespace turgor::lattice {
 
 namespace {
 
-constexpr double kCell = 3e-3;   // side of a cell, if voxels are smaller [m]
-constexpr double kLength = 0.1;  // of what does not belong to the body, at least [m]
+constexpr double kCell = 3e-3;   // side of a cell, unless voxels are larger [m]
+constexpr double kLength = 0.1;  // least length of foreign objects [m]
 
 using Mask = std::vector<std::uint8_t>;
 
-/// Densest and least dense voxel of every cell against a bound.
+/// Pools one layer of cells: least and largest voxel against a bound.
 struct PoolLayer {
-  const CtPart& ct;
+  const CtSlab& ct;
   DenseCells& cells;
   std::int16_t bound;
   int begin;
 
   void operator()(std::size_t at) const {
+    TURGOR_CHECK(is_index(at + std::size_t(begin), std::size_t(cells.size.z)),
+                 "the layer belongs to the cells");
     const std::size_t layer = at + std::size_t(begin);
     const Int3 n = ct.whole.size, c = cells.cell;
-    std::vector<std::int16_t> extremes(
-        2 * static_cast<std::size_t>(n.x));  // of every column of this row of cells
+    std::vector<std::int16_t> extremes(2 * static_cast<std::size_t>(n.x));  // by column of this row of cells
     std::int16_t *least = extremes.data(), *most = least + n.x;
     const int k0 = int(layer) * c.z, k1 = std::min(k0 + c.z, n.z);
     for (int row = 0; row < cells.size.y; row++) {
+      // extremes by column
       std::fill_n(least, n.x, std::int16_t(32767));
       std::fill_n(most, n.x, std::int16_t(-32768));
       for (int k = k0; k < k1; k++)
@@ -40,6 +44,7 @@ struct PoolLayer {
           for (int i = 0; i < n.x; i++)
             least[i] = std::min(least[i], hu[i]), most[i] = std::max(most[i], hu[i]);
         }
+      // extremes by cell
       const std::size_t first =
           (layer * std::size_t(cells.size.y) + std::size_t(row)) * std::size_t(cells.size.x);
       for (int i = 0; i < cells.size.x; i++) {
@@ -51,20 +56,22 @@ struct PoolLayer {
   }
 };
 
-/// The largest part of the cells that are dense throughout: any gap of a voxel ends it, and so does a sheet
-/// thinner than a cell.
+/// Largest component of fully dense cells. A gap of one voxel separates components, and a sheet thinner than
+/// a cell is not part of one.
 Mask core_of(const Mask& dense, Int3 size) {
-  const RowComponents parts = row_components(dense, size);
+  TURGOR_CHECK(dense.size() == std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z),
+               "every cell has a mark");
+  const RowComponents components = row_components(dense, size);
   Mask core(dense.size());
-  const int largest = parts.largest();
-  for (const CellRun& run : parts.runs)
-    if (run.part == largest)
+  const int largest = components.largest();
+  for (const CellRun& run : components.runs)
+    if (run.component == largest)
       std::fill_n(core.begin() + ((std::ptrdiff_t(run.k) * size.y + run.j) * size.x + run.begin),
                   run.end - run.begin, std::uint8_t(1));
   return core;
 }
 
-/// First and last core cell along the two axes across the scan: what lies beyond is seen from a side of it.
+/// First and last core cell along the two axes across the scan. Cells beyond them are visible from a side.
 class Silhouette {
  public:
   Silhouette(const Mask& core, Int3 size, int along) : size_(size), views_{(along + 1) % 3, (along + 2) % 3} {
@@ -107,26 +114,32 @@ class Silhouette {
   std::array<std::vector<Extent>, 2> extents_;
 };
 
-/// Which parts are long, and for the greater part beyond the body's silhouette.
-std::vector<std::uint8_t> strange_parts(const RowComponents& parts, const Silhouette& silhouette,
-                                        Vec3d side) {
-  struct Seen {
+/// Marks components that are long and mostly beyond the silhouette of the body.
+std::vector<std::uint8_t> foreign_components(const RowComponents& components, const Silhouette& silhouette,
+                                             Vec3d side) {
+  struct Bounds {
     Int3 low{1 << 30, 1 << 30, 1 << 30}, high{};
     std::size_t beyond = 0;
   };
-  std::vector<Seen> seen(parts.sizes.size());
-  for (const CellRun& run : parts.runs) {
-    Seen& s = seen[std::size_t(run.part)];
+  TURGOR_CHECK(std::all_of(components.runs.begin(), components.runs.end(),
+                           [&](const CellRun& r) { return is_index(r.component, components.sizes.size()); }),
+               "labels of components lie below their count");
+  // bounds and cells beyond the silhouette
+  std::vector<Bounds> bounds(components.sizes.size());
+  for (const CellRun& run : components.runs) {
+    Bounds& s = bounds[std::size_t(run.component)];
     s.low = min(s.low, Int3{run.begin, run.j, run.k});
     s.high = max(s.high, Int3{run.end, run.j + 1, run.k + 1});
     for (int i = run.begin; i < run.end; i++) s.beyond += silhouette.is_beyond({i, run.j, run.k});
   }
-  std::vector<std::uint8_t> strange(seen.size());
-  for (std::size_t p = 0; p < seen.size(); p++) {
-    const Vec3d length = hadamard(Vec3d(seen[p].high - seen[p].low), side);
-    strange[p] = std::max({length.x, length.y, length.z}) >= kLength && 2 * seen[p].beyond > parts.sizes[p];
+  // long components beyond it
+  std::vector<std::uint8_t> is_foreign(bounds.size());
+  for (std::size_t p = 0; p < bounds.size(); p++) {
+    const Vec3d length = hadamard(Vec3d(bounds[p].high - bounds[p].low), side);
+    is_foreign[p] =
+        std::max({length.x, length.y, length.z}) >= kLength && 2 * bounds[p].beyond > components.sizes[p];
   }
-  return strange;
+  return is_foreign;
 }
 
 }  // namespace
@@ -142,37 +155,41 @@ DenseCells make_dense_cells(const Grid& ct) {
   return cells;
 }
 
-void pool_cells(const Exec& exec, const CtPart& ct, double air_max, Layers layers, DenseCells& cells) {
+void pool_cells(const Exec& exec, const CtSlab& ct, double air_max, Layers layers, DenseCells& cells) {
   const auto bound = std::int16_t(std::clamp(std::ceil(air_max), -32768.0, 32767.0));
   parallel_for(exec, std::size_t(layers.end - layers.begin), PoolLayer{ct, cells, bound, layers.begin});
 }
 
-Surroundings find_beside_body(const Exec& exec, const CtVolume& ct, double air_max) {
+Surroundings find_surroundings(const Exec& exec, const CtVolume& ct, double air_max) {
   DenseCells cells = make_dense_cells(ct.grid);
   pool_cells(exec, ct, air_max, {0, cells.size.z}, cells);
-  return find_beside_body(exec, ct.grid, cells);
+  return find_surroundings(exec, ct.grid, cells);
 }
 
-Surroundings find_beside_body(const Exec& exec, const Grid& ct, const DenseCells& cells) {
+Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCells& cells) {
   Surroundings found{.cell = cells.cell, .size = cells.size, .mask = {}, .row_mask = {}};
   const Int3 size = found.size;
   const Mask &any = cells.any, &all = cells.all;
   const std::size_t count = any.size();
+  // core of the body
+  TURGOR_CHECK(cells.all.size() == count, "every cell has both marks");
   const Mask core = core_of(all, size);
   Mask near_core = core;
   dilate(exec, near_core, size, 1);
+  // dense components outside the core
   Mask rest(count);
   for (std::size_t n = 0; n < count; n++) rest[n] = any[n] & std::uint8_t(1 - near_core[n]);
-  const RowComponents parts = row_components(rest, size);
-  const std::vector<std::uint8_t> strange =
-      strange_parts(parts, Silhouette(core, size, long_axis(ct)), hadamard(ct.spacing, Vec3d(found.cell)));
+  const RowComponents components = row_components(rest, size);
+  const std::vector<std::uint8_t> is_foreign = foreign_components(
+      components, Silhouette(core, size, long_axis(ct)), hadamard(ct.spacing, Vec3d(found.cell)));
+  // mask of the foreign components
   found.mask.assign(count, 0);
   found.row_mask.assign(std::size_t(size.y) * std::size_t(size.z), 0);
-  for (const CellRun& run : parts.runs)
-    if (strange[std::size_t(run.part)])
+  for (const CellRun& run : components.runs)
+    if (is_foreign[std::size_t(run.component)])
       std::fill_n(found.mask.begin() + ((std::ptrdiff_t(run.k) * size.y + run.j) * size.x + run.begin),
                   run.end - run.begin, std::uint8_t(1));
-  // Where it touches the body's rim, it takes the rim's cells that are not the body's core.
+  // Cells next to a foreign component are masked too, unless they are in the core.
   dilate(exec, found.mask, size, 1);
   for (std::size_t n = 0; n < count; n++) {
     found.mask[n] = found.mask[n] & any[n] & std::uint8_t(1 - core[n]);

@@ -1,8 +1,8 @@
-// The step of the smooth part (coarse_correction.hpp) as loops over plain pointers: a thread a node finds the
-// force that is left over and goes the way at the end; in between are sums, of few terms a thread, in an
-// order that follows from the space alone. The factors of the stiffness come as their inverses, whose rows
-// need not wait for each other. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU
-// correct_smooth_part is faster and means the same.
+// Kernels of the coarse correction on plain pointers (coarse_correction.hpp). The residual and the
+// prolongation use one thread per node. The sums between them have few terms per thread, in an order fixed by
+// the space. The factor is stored as inverse matrices, whose rows can be multiplied in parallel. The same
+// source runs on the CPU (CpuRun, ShuffledRun) and on a GPU. On a CPU, apply_coarse_correction is faster and
+// gives the same result up to rounding.
 #pragma once
 
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
@@ -10,75 +10,77 @@
 
 namespace turgor::lattice {
 
-/// As many nodes, or terms of a sum, are added up by one thread.
-constexpr int kAddedTogether = 64;
+/// Largest number of nodes, or of terms of a sum, that one thread adds.
+constexpr int kTermsPerThread = 64;
 
 struct SparseTerm {
   int column = 0;
   float value = 0;
 };
-/// A sparse matrix by rows, each of them in pieces of at most kAddedTogether terms.
+/// Sparse matrix by rows; each row is split into segments of at most kTermsPerThread terms.
 struct SparseRows {
   std::vector<SparseTerm> terms;
-  std::vector<int> piece_begin{0};  // in `terms`, and the end
-  std::vector<int> row_begin{0};    // in pieces, and the end
+  std::vector<int> segment_begin{0};  // by segment, and the end: indices into `terms`
+  std::vector<int> row_begin{0};      // by row, and the end: indices of segments
 };
 struct SparseView {
   const SparseTerm* terms;
-  const int *piece_begin, *row_begin;
-  int pieces, rows;
+  const int *segment_begin, *row_begin;
+  int segments, rows;
 };
 
-/// Nodes and copies that follow one block.
-struct Stretch {
-  int block = 0, begin = 0, end = 0;  // CoarseLists::followers
+/// Nodes and virtual nodes that are interpolated from the same block.
+struct Chunk {
+  int block = 0, begin = 0, end = 0;  // range of CoarseLists::fine_nodes
 };
 
-/// A coarse space as the loops want it.
+/// Coarse space as index lists and sparse matrices for the kernels.
 struct CoarseLists {
-  std::vector<CoarseBlock> blocks;  // of the space; then, for nodes by themselves, blocks with one corner
-  std::vector<int> followers;       // slots, or slot_count + number of a copy, block by block
-  std::vector<Stretch> stretches;   // of at most kAddedTogether followers
+  std::vector<CoarseBlock>
+      blocks;  // blocks of the space, then one pseudo-block per row, whose corners are all that row
+  std::vector<int> fine_nodes;  // by block: slots, or slot_count + index of a virtual node
+  std::vector<Chunk> chunks;    // each with at most kTermsPerThread nodes
   std::vector<int> slot_of_virtual_node;
-  SparseRows to_unknowns;  // from eight corners of every stretch
-  SparseRows lower;        // L⁻¹, from the numbers of unknowns to those of the factor
-  SparseRows upper;        // and back: Lᵀ⁻¹ D⁻¹ [m/N]
-  SparseRows to_corners;   // from unknowns
+  SparseRows to_unknowns;  // restriction from the eight corners of every chunk to unknowns
+  SparseRows lower;        // L⁻¹, from unknowns to rows of the factor
+  SparseRows upper;        // L⁻ᵀ D⁻¹, from rows of the factor to unknowns [m/N]
+  SparseRows to_corners;   // prolongation from unknowns to corners
 };
-CoarseLists coarse_lists(const Model& model, const State& state, const CoarseSpace& space);
+CoarseLists coarse_lists(const Model& model, const CutElements& elements, std::size_t virtual_nodes,
+                         const CoarseSpace& space);
 
-/// How far the way is gone.
-struct CoarseSearch {
-  double slope = 0;  // where it begins [J]
-  Real part = 0;     // of the way, in the next move
+/// State of the secant search for the step length.
+struct SecantSearch {
+  double slope = 0;      // residual · correction before the correction [J]
+  Real step_length = 0;  // fraction of the correction that the next ProlongateNode adds
 };
 
-/// The lists on one side of the bus, and room to work in.
+/// Pointers to lists and workspaces in host or device memory.
 struct CoarseView {
   Lattice lattice;
   const CoarseBlock* blocks;
-  const int *followers, *slot_of_virtual_node;
-  const Stretch* stretches;
-  int stretch_count;
+  const int *fine_nodes, *slot_of_virtual_node;
+  const Chunk* chunks;
+  int chunk_count;
   SparseView to_unknowns, lower, upper, to_corners;
-  Vec3 *forces, *virtual_node_forces;  // by slot, by copy [N]
-  double* corner_sums;                 // three numbers each, by stretch and corner [N]
-  double* piece_sums;                  // three numbers a piece, of whichever matrix has the most
-  double *wanted, *halfway, *way;      // three numbers an unknown [N], [N], [m]
-  double* slopes;                      // by SumSlope
-  float* corners;                      // three numbers a corner [m]
-  CoarseSearch* search;                // one
+  Vec3 *forces, *virtual_node_forces;  // residual by slot, and by virtual node [N]
+  double* corner_sums;                 // three components per chunk and corner [N]
+  double* segment_sums;  // workspace of a matrix product: three components per segment of the largest matrix
+  double *restricted_residual, *intermediate, *correction;  // three components per unknown [N] [N] [m]
+  double* slopes;                                           // partial sums of SumSlope, one per thread [J]
+  float* corners;        // displacement of corners, three components each [m]
+  SecantSearch* search;  // a single object
 
   TURGOR_HD int numbers() const { return lower.rows; }
   TURGOR_HD int slots() const { return slot_count(lattice); }
-  /// Where a follower is between the corners of its block.
-  TURGOR_HD Vec3 place(const Stretch& stretch, int node) const {
+  /// Local coordinates of a node in the block of its chunk.
+  TURGOR_HD Vec3 position(const Chunk& chunk, int node) const {
     const int slot = node < slots() ? node : slot_of_virtual_node[node - slots()];
-    return place_in_block(blocks[stretch.block], slot_node(lattice, slot));
+    return position_in_block(blocks[chunk.block], slot_node(lattice, slot));
   }
 };
 
-// ---------------------------------------------------------------- forces that are left over
+// ---------------------------------------------------------------- residual forces
 
 template <Elements kElements>
 struct ComputeResidual {
@@ -98,46 +100,47 @@ struct ComputeVirtualNodeResidual {
   Vec3* forces;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const ElementNode& copy = v.virtual_nodes[n];
-    forces[copy.corner - v.body.slots] = v.parts.gather(copy).f;
+    const ElementNode& virtual_node = v.virtual_nodes[n];
+    forces[virtual_node.corner - v.body.slots] = v.cut_elements.gather(virtual_node).f;
   }
 };
 
-// ---------------------------------------------------------------- between nodes and unknowns
+// ---------------------------------------------------------------- restriction and prolongation
 
-/// What a stretch asks of one corner of its block.
-struct SumStretch {
+/// Restricts the residual of a chunk to one corner of its block.
+struct RestrictChunk {
   CoarseView c;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const Stretch stretch = c.stretches[n / 8];
+    const Chunk chunk = c.chunks[n / 8];
     Vec3 sum;
-    for (int f = stretch.begin; f < stretch.end; f++) {
-      const int node = c.followers[f];
+    for (int f = chunk.begin; f < chunk.end; f++) {
+      const int node = c.fine_nodes[f];
       const Vec3 force = node < c.slots() ? c.forces[node] : c.virtual_node_forces[node - c.slots()];
-      sum += force * corner_weight(c.place(stretch, node), int(n % 8));
+      sum += force * corner_weight(c.position(chunk, node), int(n % 8));
     }
     for (int axis = 0; axis < 3; axis++) c.corner_sums[3 * n + std::size_t(axis)] = double(sum[axis]);
   }
 };
 
-/// A matrix times a vector of which every entry is kWidth numbers: first its pieces, then its rows of pieces.
+/// Matrix–vector product for vectors with kWidth components per entry: first sums of segments, then sums of
+/// rows.
 template <std::size_t kWidth>
-struct MultiplyPiece {
+struct MultiplySegment {
   SparseView matrix;
   const double* in;
   double* out;
 
   TURGOR_HD void operator()(std::size_t n) const {
     double sum[kWidth] = {};
-    for (int t = matrix.piece_begin[n]; t < matrix.piece_begin[n + 1]; t++)
+    for (int t = matrix.segment_begin[n]; t < matrix.segment_begin[n + 1]; t++)
       for (std::size_t i = 0; i < kWidth; i++)
         sum[i] += double(matrix.terms[t].value) * in[kWidth * std::size_t(matrix.terms[t].column) + i];
     for (std::size_t i = 0; i < kWidth; i++) out[kWidth * n + i] = sum[i];
   }
 };
 template <std::size_t kWidth, class Out>
-struct AddFragments {
+struct SumSegments {
   SparseView matrix;
   const double* in;
   Out* out;
@@ -150,52 +153,56 @@ struct AddFragments {
   }
 };
 template <std::size_t kWidth, class Run, class Out>
-void multiply_with(const Run& run, const SparseView& matrix, const double* in, double* piece_sums, Out* out) {
-  run(std::size_t(matrix.pieces), MultiplyPiece<kWidth>{matrix, in, piece_sums});
-  run(std::size_t(matrix.rows), AddFragments<kWidth, Out>{matrix, piece_sums, out});
+void multiply_with(const Run& run, const SparseView& matrix, const double* in, double* segment_sums,
+                   Out* out) {
+  run(std::size_t(matrix.segments), MultiplySegment<kWidth>{matrix, in, segment_sums});
+  run(std::size_t(matrix.rows), SumSegments<kWidth, Out>{matrix, segment_sums, out});
 }
 
-/// Nodes and copies go the part of the way that is sought.
-struct MoveFollower {
+/// Adds SecantSearch::step_length times the prolongated correction to a node or virtual node.
+struct ProlongateNode {
   CoarseView c;
   NodeArrays nodes;
-  VirtualNodeShift* virtual_nodes;
+  VirtualNodeDisplacement* virtual_nodes;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const Stretch stretch = c.stretches[n / kAddedTogether];
-    const int f = stretch.begin + int(n % kAddedTogether);
-    if (f >= stretch.end || c.search->part == 0) return;
-    const int node = c.followers[f];
-    const Vec3 place = c.place(stretch, node);
-    Vec3 way;
+    const Chunk chunk = c.chunks[n / kTermsPerThread];
+    const int f = chunk.begin + int(n % kTermsPerThread);
+    if (f >= chunk.end || c.search->step_length == 0) return;
+    // interpolated correction
+    const int node = c.fine_nodes[f];
+    const Vec3 position = c.position(chunk, node);
+    Vec3 correction;
     for (int corner = 0; corner < 8; corner++) {
-      const float* at = c.corners + 3 * c.blocks[stretch.block].corner[std::size_t(corner)];
-      way += Vec3{at[0], at[1], at[2]} * corner_weight(place, corner);
+      const float* at = c.corners + 3 * c.blocks[chunk.block].corner[std::size_t(corner)];
+      correction += Vec3{at[0], at[1], at[2]} * corner_weight(position, corner);
     }
-    way = way * c.search->part;
+    correction = correction * c.search->step_length;
+    // add to the node or virtual node
     if (node < c.slots()) {
-      nodes.ux[node] += way.x, nodes.uy[node] += way.y, nodes.uz[node] += way.z;
+      nodes.ux[node] += correction.x, nodes.uy[node] += correction.y, nodes.uz[node] += correction.z;
     } else {
-      VirtualNodeShift& copy = virtual_nodes[node - c.slots()];
-      copy = {copy.x + way.x, copy.y + way.y, copy.z + way.z};
+      VirtualNodeDisplacement& virtual_node = virtual_nodes[node - c.slots()];
+      virtual_node = {virtual_node.x + correction.x, virtual_node.y + correction.y,
+                      virtual_node.z + correction.z};
     }
   }
 };
 
-// ---------------------------------------------------------------- how far
+// ---------------------------------------------------------------- step length
 
-/// What the forces do along some of the way.
+/// Partial sum of restricted residual · correction.
 struct SumSlope {
   CoarseView c;
 
   TURGOR_HD static int count(const CoarseView& c) {
-    return (c.numbers() + kAddedTogether - 1) / kAddedTogether;
+    return (c.numbers() + kTermsPerThread - 1) / kTermsPerThread;
   }
   TURGOR_HD void operator()(std::size_t n) const {
-    const int begin = int(n) * kAddedTogether,
-              end = begin + kAddedTogether < c.numbers() ? begin + kAddedTogether : c.numbers();
+    const int begin = int(n) * kTermsPerThread,
+              end = begin + kTermsPerThread < c.numbers() ? begin + kTermsPerThread : c.numbers();
     double sum = 0;
-    for (int i = begin; i < end; i++) sum += c.wanted[i] * c.way[i];
+    for (int i = begin; i < end; i++) sum += c.restricted_residual[i] * c.correction[i];
     c.slopes[n] = sum;
   }
   TURGOR_HD static double all(const CoarseView& c) {
@@ -204,7 +211,7 @@ struct SumSlope {
     return sum;
   }
 };
-/// All of the way first, where it leads down.
+/// Stores the slope. Selects the full correction if it is a descent direction, otherwise none.
 struct BeginSearch {
   CoarseView c;
   TURGOR_HD void operator()(std::size_t) const {
@@ -212,39 +219,43 @@ struct BeginSearch {
     *c.search = {slope, slope > 0 ? Real(1) : Real(0)};
   }
 };
-/// And from there to where the slope is nil.
+/// Computes the step from the full correction to the secant step length.
 struct EndSearch {
   CoarseView c;
   TURGOR_HD void operator()(std::size_t) const {
     const double slope = c.search->slope;
-    if (slope > 0) c.search->part = Real(part_of_way(slope, SumSlope::all(c)) - 1);
+    if (slope > 0) c.search->step_length = Real(secant_step_length(slope, SumSlope::all(c)) - 1);
   }
 };
 
+/// Computes the residual at nodes and virtual nodes, and restricts it to the unknowns.
 template <class Run>
-void find_wanted_with(const Run& run, const VbdView& v, const CoarseView& c) {
+void restrict_residual_with(const Run& run, const VbdView& v, const CoarseView& c) {
   with_elements(v, [&](auto of) { run(v.body.count(), ComputeResidual<of()>{v, c.forces}); });
-  run(std::size_t(v.virtual_nodes_of.begin[kColorCount]),
+  run(std::size_t(v.virtual_nodes_of_color.begin[kColorCount]),
       ComputeVirtualNodeResidual{v, c.virtual_node_forces});
-  run(8 * std::size_t(c.stretch_count), SumStretch{c});
-  multiply_with<3>(run, c.to_unknowns, c.corner_sums, c.piece_sums, c.wanted);
+  run(8 * std::size_t(c.chunk_count), RestrictChunk{c});
+  multiply_with<3>(run, c.to_unknowns, c.corner_sums, c.segment_sums, c.restricted_residual);
 }
-/// correct_smooth_part.
+/// apply_coarse_correction with kernels.
 template <class Run>
-void correct_smooth_part_with(const Run& run, const VbdView& v, const CoarseView& c) {
-  const MoveFollower move{c, v.body.nodes, v.parts.virtual_nodes};
-  const std::size_t followers = std::size_t(c.stretch_count) * kAddedTogether;
-  find_wanted_with(run, v, c);
-  multiply_with<1>(run, c.lower, c.wanted, c.piece_sums, c.halfway);
-  multiply_with<1>(run, c.upper, c.halfway, c.piece_sums, c.way);
-  multiply_with<3>(run, c.to_corners, c.way, c.piece_sums, c.corners);
+void apply_coarse_correction_with(const Run& run, const VbdView& v, const CoarseView& c) {
+  const ProlongateNode move{c, v.body.nodes, v.cut_elements.virtual_nodes};
+  const std::size_t fine_nodes = std::size_t(c.chunk_count) * kTermsPerThread;
+  // coarse solution
+  restrict_residual_with(run, v, c);
+  multiply_with<1>(run, c.lower, c.restricted_residual, c.segment_sums, c.intermediate);
+  multiply_with<1>(run, c.upper, c.intermediate, c.segment_sums, c.correction);
+  multiply_with<3>(run, c.to_corners, c.correction, c.segment_sums, c.corners);
+  // full step
   run(std::size_t(SumSlope::count(c)), SumSlope{c});
   run(1, BeginSearch{c});
-  run(followers, move);
-  find_wanted_with(run, v, c);
+  run(fine_nodes, move);
+  // secant step length
+  restrict_residual_with(run, v, c);
   run(std::size_t(SumSlope::count(c)), SumSlope{c});
   run(1, EndSearch{c});
-  run(followers, move);
+  run(fine_nodes, move);
 }
 
 }  // namespace turgor::lattice

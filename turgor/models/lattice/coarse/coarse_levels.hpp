@@ -1,5 +1,5 @@
-// The levels that a coarse space is made of: grains are what holds together in a block, first cells and parts
-// of cells, then blocks of two of these a side.
+// Levels of the coarse space by aggregation. An aggregate is connected tissue in one block. On the finest
+// level it is a cell or a cut-cell element; on each next level blocks have twice the side length.
 #pragma once
 
 #include <span>
@@ -9,40 +9,44 @@
 
 namespace turgor::lattice {
 
-/// What holds together in one block of a level.
+/// Connected tissue in one block of a level.
 struct Aggregate {
-  Int3 low;                     // in steps of its level
-  std::array<int, 8> corner{};  // nodes of its level
-  int parent = -1;              // grain of the next level
-  bool is_parted = false;       // a blade went through it: its nodes are unknowns themselves
+  Int3 low;                     // lowest corner of the block, in block side lengths of its level
+  std::array<int, 8> corner{};  // its eight corners: indices into CoarseLevel::position
+  int parent = -1;              // index of the aggregate that contains it on the next level
+  bool is_cut = false;          // true if a blade crossed it: its nodes are unknowns
 };
 
 struct CoarseLevel {
   std::vector<Aggregate> aggregates;
-  std::vector<Int3> place;      // of the nodes, in steps of the level
-  std::vector<int> lies_begin;  // by node, in lies_in: the grains of the next level that it lies in
-  std::vector<int> lies_in;
+  std::vector<Int3> position;         // of the level's nodes, in block side lengths of the level
+  std::vector<int> membership_begin;  // by node, and the end: indices into `memberships`, which lists the
+                                      // next level's aggregates that contain the node
+  std::vector<int> memberships;
 };
 
-/// Joins grains to blocks of two a side: as many to a block as parts of it hold together.
+/// Builds the next coarser level. A coarse block combines two blocks per side and has one aggregate per
+/// connected component. Also sets the parents and memberships of `fine`.
 CoarseLevel coarsen(CoarseLevel& fine);
 
-/// The cells and parts of cells of a body, as they are cut; a node is a slot, or slot_count + number of a
-/// copy.
+/// Finest level: whole cells and cut-cell elements. Its nodes are slots, and slot_count + index for virtual
+/// nodes.
 struct FineCells {
   CoarseLevel level;
-  std::vector<Real> young;     // of the grains [Pa]
-  std::vector<int> copy_slot;  // by copy: the node that it is one of, −1 = bears nothing
+  std::vector<Real> young;  // Young's modulus of each aggregate [Pa]
+  std::vector<int>
+      virtual_node_slot;  // slot of each virtual node's lattice node; −1 = virtual node without elements
 };
-FineCells find_cells(const Model& model, const State& state);
+FineCells find_fine_cells(const Model& model, const State& state);
 
-/// The largest block around a grain that no blade went through.
-Leaf leaf_above(std::span<const CoarseLevel> levels, int level, int grain);
+/// Largest uncut aggregate that contains a given aggregate. The default AggregateIndex if the aggregate
+/// itself is cut.
+AggregateIndex leaf_above(std::span<const CoarseLevel> levels, int level, int aggregate);
 
-/// Adds the stiffness of cells, loose edges, skin and inertia in the space, and factors it.
-void factor_coarse_space(const Model& model, const State& state, std::span<const CoarseLevel> levels,
-                         const FineCells& cells, CoarseSpace& space);
-/// The other end of an edge.
-int end_of(const Lattice& lattice, const LooseEdge& edge);
+/// Assembles and factors the Galerkin operator of cells, loose edges, skin and inertia.
+void assemble_coarse_operator(const Model& model, const State& state, std::span<const CoarseLevel> levels,
+                              const FineCells& cells, CoarseSpace& space);
+/// Slot at the other end of an edge.
+int end_of(const Lattice& lattice, const UncoveredEdge& edge);
 
 }  // namespace turgor::lattice

@@ -1,33 +1,35 @@
 #include "turgor/models/lattice/coarse/prolongation.hpp"
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/exec.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// Half a row in a block: what is trilinear there is linear in the place along x.
+/// Half row in a block. A trilinear function is linear along it.
 struct RowInBlock {
   const CoarseBlock& block;
-  Real from, per_step;       // place of the first node, unclamped, and from node to node
-  std::array<Real, 4> side;  // weight of the corners 2 n and 2 n + 1 together
+  Real from, per_step;       // unclamped local coordinate of the first node; step per node
+  std::array<Real, 4> side;  // common weight of corners 2 n and 2 n + 1
 
-  RowInBlock(const CoarseSpace& space, const FollowRun& run)
-      : block(space.blocks[std::size_t(run.to)]),
+  RowInBlock(const CoarseSpace& space, const ProlongationRun& run)
+      : block(space.blocks[std::size_t(run.source)]),
         from(Real(run.first.x - block.low.x) / Real(block.size)),
         per_step(2 / Real(block.size)) {
-    const Vec3 at = place_in_block(block, run.first);
+    const Vec3 at = position_in_block(block, run.first);
     side = {(1 - at.y) * (1 - at.z), at.y * (1 - at.z), (1 - at.y) * at.z, at.y * at.z};
   }
-  Real place(int n) const { return std::min(Real(1), std::max(Real(0), from + Real(n) * per_step)); }
+  Real coordinate(int n) const { return std::min(Real(1), std::max(Real(0), from + Real(n) * per_step)); }
 };
 
-/// What forces do to the corners of their block.
-void add_row(const RowInBlock& row, const FollowRun& run, LayerForces forces, Vec3d* sums) {
+/// Adds the forces of a run to the corners of its block.
+void add_row(const RowInBlock& row, const ProlongationRun& run, LayerForces forces, Vec3d* sums) {
+  TURGOR_CHECK(run.count > 0, "a run has at least one node");
   Vec3 all, far;
   for (int n = 0; n < run.count; n++) {
     const Vec3 f = forces[run.slot + n];
-    all += f, far += f * row.place(n);
+    all += f, far += f * row.coordinate(n);
   }
   const Vec3 near = all - far;
   for (std::size_t c = 0; c < 4; c++) {
@@ -36,7 +38,7 @@ void add_row(const RowInBlock& row, const FollowRun& run, LayerForces forces, Ve
   }
 }
 
-void move_row(const RowInBlock& row, const FollowRun& run, std::span<const Vec3> corners, VecField& u) {
+void move_row(const RowInBlock& row, const ProlongationRun& run, std::span<const Vec3> corners, VecField& u) {
   Vec3 near, far;
   for (std::size_t c = 0; c < 4; c++) {
     near += corners[std::size_t(row.block.corner[2 * c])] * row.side[c];
@@ -46,91 +48,100 @@ void move_row(const RowInBlock& row, const FollowRun& run, std::span<const Vec3>
   Real *x = u.x.data() + run.slot, *y = u.y.data() + run.slot, *z = u.z.data() + run.slot;
   TURGOR_LANES
   for (int n = 0; n < run.count; n++) {
-    const Vec3 way = near + slope * row.place(n);
-    x[n] += way.x, y[n] += way.y, z[n] += way.z;
+    const Vec3 displacement = near + slope * row.coordinate(n);
+    x[n] += displacement.x, y[n] += displacement.y, z[n] += displacement.z;
   }
 }
 
-/// Calls visit(block, weights, copy) or visit(row, copy) for the copies that follow the unknowns.
+/// Calls of_block(block, weights, virtual_node) or of_row(row, virtual_node) for the interpolated virtual
+/// nodes.
 template <class OfBlock, class OfRow>
-void for_copies(const Model& model, const State& state, const CoarseSpace& space, const OfBlock& of_block,
-                const OfRow& of_row) {
+void for_virtual_nodes(const Model& model, const State& state, const CoarseSpace& space,
+                       const OfBlock& of_block, const OfRow& of_row) {
   const int slots = slot_count(model.lattice);
-  for (const ElementNode& copy : state.parts.virtual_nodes) {
-    const int to = space.follows[std::size_t(copy.corner)];
-    if (to >= 0) {
-      const CoarseBlock& block = space.blocks[std::size_t(to)];
-      of_block(block, corner_weights(block, slot_node(model.lattice, copy.slot)), copy.corner - slots);
-    } else if (to != CoarseSpace::kFixed) {
-      of_row(-2 - to, copy.corner - slots);
+  for (const ElementNode& virtual_node : state.cut_elements.virtual_nodes) {
+    const int source = space.interpolation[std::size_t(virtual_node.corner)];
+    if (source >= 0) {
+      const CoarseBlock& block = space.blocks[std::size_t(source)];
+      of_block(block, corner_weights(block, slot_node(model.lattice, virtual_node.slot)),
+               virtual_node.corner - slots);
+    } else if (source != CoarseSpace::kFixed) {
+      of_row(-2 - source, virtual_node.corner - slots);
     }
   }
 }
 
 }  // namespace
 
-std::vector<FollowRun> find_follow_runs(const Lattice& l, std::span<const int> follows) {
-  std::vector<FollowRun> runs;
+std::vector<ProlongationRun> find_prolongation_runs(const Lattice& l, std::span<const int> interpolation) {
+  TURGOR_CHECK(interpolation.size() >= std::size_t(slot_count(l)), "every node has an interpolation");
+  std::vector<ProlongationRun> runs;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int parity = 0; parity < 2; parity++) {
         const int first = row_slot(l, j, k) + parity * l.half;
         for (int n = 0; n < half_count(l, parity); n++) {
-          const int to = follows[std::size_t(first + n)];
-          if (to == CoarseSpace::kFixed) continue;
-          const bool joins = n > 0 && to >= 0 && to == follows[std::size_t(first + n - 1)];
-          if (joins)
+          const int source = interpolation[std::size_t(first + n)];
+          if (source == CoarseSpace::kFixed) continue;
+          // extend the last run, or begin one
+          const bool extends = n > 0 && source >= 0 && source == interpolation[std::size_t(first + n - 1)];
+          if (extends)
             runs.back().count++;
           else
-            runs.push_back({.first = {2 * n + parity, j, k}, .slot = first + n, .count = 1, .to = to});
+            runs.push_back(
+                {.first = {2 * n + parity, j, k}, .slot = first + n, .count = 1, .source = source});
         }
       }
   return runs;
 }
 
-void add_to_corners(const CoarseSpace& space, int k, LayerForces forces, std::span<Vec3d> sums) {
-  for (const FollowRun& run : space.runs_of(k))
-    if (run.to >= 0)
+void restrict_layer(const CoarseSpace& space, int k, LayerForces forces, std::span<Vec3d> sums) {
+  TURGOR_CHECK(sums.size() + 1 == space.row_begin.size(), "every row of the space has a sum");
+  for (const ProlongationRun& run : space.runs_of(k))
+    if (run.source >= 0)
       add_row({space, run}, run, forces, sums.data());
     else
-      sums[std::size_t(-2 - run.to)] += Vec3d(forces[run.slot]);
+      sums[std::size_t(-2 - run.source)] += Vec3d(forces[run.slot]);
 }
 
-void add_copies_to_corners(const Model& model, const State& state, std::span<Vec3d> sums) {
+void restrict_virtual_nodes(const Model& model, const State& state, std::span<Vec3d> sums) {
   const auto force = [&](int c) {
-    const VirtualNodeShift& f = state.residual_forces.virtual_nodes[std::size_t(c)];
+    const VirtualNodeDisplacement& f = state.workspace.residual.virtual_nodes[std::size_t(c)];
     return Vec3d{f.x, f.y, f.z};
   };
-  for_copies(
-      model, state, *state.coarse,
-      [&](const CoarseBlock& block, const std::array<float, 8>& w, int copy) {
-        for (std::size_t c = 0; c < 8; c++) sums[std::size_t(block.corner[c])] += force(copy) * double(w[c]);
+  for_virtual_nodes(
+      model, state, *state.workspace.coarse,
+      [&](const CoarseBlock& block, const std::array<float, 8>& w, int virtual_node) {
+        for (std::size_t c = 0; c < 8; c++)
+          sums[std::size_t(block.corner[c])] += force(virtual_node) * double(w[c]);
       },
-      [&](int row, int copy) { sums[std::size_t(row)] += force(copy); });
+      [&](int row, int virtual_node) { sums[std::size_t(row)] += force(virtual_node); });
 }
 
-void move_followers(const Exec& exec, const Model& model, State& state, std::span<const Vec3> corners) {
-  const CoarseSpace& space = *state.coarse;
+void prolongate(const Exec& exec, const Model& model, State& state, std::span<const Vec3> corners) {
+  const CoarseSpace& space = *state.workspace.coarse;
+  TURGOR_CHECK(corners.size() + 1 == space.row_begin.size(), "every row of the space has a displacement");
   parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
-    for (const FollowRun& run : space.runs_of(int(k)))
-      if (run.to >= 0)
-        move_row({space, run}, run, corners, state.u);
+    for (const ProlongationRun& run : space.runs_of(int(k)))
+      if (run.source >= 0)
+        move_row({space, run}, run, corners, state.motion.u);
       else
-        state.u.set(std::size_t(run.slot),
-                    state.u[std::size_t(run.slot)] + corners[std::size_t(-2 - run.to)]);
+        state.motion.u.set(std::size_t(run.slot),
+                           state.motion.u[std::size_t(run.slot)] + corners[std::size_t(-2 - run.source)]);
   });
-  const auto move_copy = [&](int c, Vec3 way) {
-    VirtualNodeShift& copy = state.virtual_nodes[std::size_t(c)];
-    copy = {copy.x + way.x, copy.y + way.y, copy.z + way.z};
+  const auto move_virtual_node = [&](int c, Vec3 displacement) {
+    VirtualNodeDisplacement& virtual_node = state.motion.virtual_u[std::size_t(c)];
+    virtual_node = {virtual_node.x + displacement.x, virtual_node.y + displacement.y,
+                    virtual_node.z + displacement.z};
   };
-  for_copies(
+  for_virtual_nodes(
       model, state, space,
-      [&](const CoarseBlock& block, const std::array<float, 8>& w, int copy) {
-        Vec3 way;
-        for (std::size_t c = 0; c < 8; c++) way += corners[std::size_t(block.corner[c])] * w[c];
-        move_copy(copy, way);
+      [&](const CoarseBlock& block, const std::array<float, 8>& w, int virtual_node) {
+        Vec3 displacement;
+        for (std::size_t c = 0; c < 8; c++) displacement += corners[std::size_t(block.corner[c])] * w[c];
+        move_virtual_node(virtual_node, displacement);
       },
-      [&](int row, int copy) { move_copy(copy, corners[std::size_t(row)]); });
+      [&](int row, int virtual_node) { move_virtual_node(virtual_node, corners[std::size_t(row)]); });
 }
 
 }  // namespace turgor::lattice

@@ -1,20 +1,22 @@
-// Between the nodes of a body and the corners of its coarse space: what forces on nodes and copies do to
-// corners, and how nodes and copies go where corners do. Nodes of half a row that follow one block differ in
-// one of their three weights alone, so they are worked on together.
+// Restriction of nodal forces to the corners of the coarse space, and prolongation of corner displacements to
+// nodes and virtual nodes. Nodes of a half row in one block differ only in their x weight, so they are
+// processed together.
 #pragma once
 
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
 
 namespace turgor::lattice {
 
-/// What follows the unknowns in all layers, in the order of slots. `follows`: CoarseSpace::follows.
-std::vector<FollowRun> find_follow_runs(const Lattice& lattice, std::span<const int> follows);
+/// Runs of interpolated nodes in all layers, in slot order. `interpolation`: CoarseSpace::interpolation.
+std::vector<ProlongationRun> find_prolongation_runs(const Lattice& lattice,
+                                                    std::span<const int> interpolation);
 
-/// Adds the forces at the nodes of a layer to those at rows of CoarseSpace::row_begin [N].
-void add_to_corners(const CoarseSpace& space, int k, LayerForces forces, std::span<Vec3d> sums);
-/// And those at copies, State::left_over.
-void add_copies_to_corners(const Model& model, const State& state, std::span<Vec3d> sums);
-/// Nodes and copies go where rows of CoarseSpace::row_begin do [m].
-void move_followers(const Exec& exec, const Model& model, State& state, std::span<const Vec3> corners);
+/// Restriction: adds the forces at the nodes of layer `k` to the forces at rows of CoarseSpace [N].
+void restrict_layer(const CoarseSpace& space, int k, LayerForces forces, std::span<Vec3d> sums);
+/// Restriction: adds the residual at virtual nodes (State::workspace) to the forces at rows of CoarseSpace
+/// [N].
+void restrict_virtual_nodes(const Model& model, const State& state, std::span<Vec3d> sums);
+/// Prolongation: displaces nodes and virtual nodes by the displacements of the rows of CoarseSpace [m].
+void prolongate(const Exec& exec, const Model& model, State& state, std::span<const Vec3> corners);
 
 }  // namespace turgor::lattice

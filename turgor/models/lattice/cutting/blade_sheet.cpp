@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+
 namespace turgor::lattice {
 
 namespace {
@@ -23,20 +26,27 @@ void add_triangle(BladeSheet& sheet, const std::array<Vec3d, 3>& corner, const s
 
 }  // namespace
 
-BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double hair) {
+BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double epsilon) {
   const std::size_t count = path.skin.size();
-  std::vector<std::array<Vec3d, 3>> rulings(count);  // above the skin, on it, the edge
+  TURGOR_CHECK(path.into.size() == count && count >= 2,
+               "a path has at least two points, each with a direction");
+  TURGOR_CHECK(std::all_of(path.into.begin(), path.into.end(), [](Vec3d d) { return is_unit(d); }),
+               "directions into the body are unit vectors");
+  // rulings of the sheet, one per point of the path
+  std::vector<std::array<Vec3d, 3>> rulings(count);  // each: above the skin, on the skin, at the blade's edge
   std::vector<double> along(count);
   for (std::size_t n = 0; n < count; n++) {
-    const Vec3d down = path.into[n] + across_at(path, n) * std::tan(tilt);  // one deep for one along it
-    const double ahead = n == 0 ? -hair : n + 1 == count ? hair : 0;        // what it only touches is cut
-    const Vec3d point = path.skin[n] - across_at(path, n) * hair + line_at(path, n) * ahead;
-    rulings[n] = {point - down * margin, point, point + down * (path.depth + hair)};
+    const Vec3d down = path.into[n] + across_at(path, n) * std::tan(tilt);  // displacement per unit of depth
+    // extend the sheet at both ends, so that edges through an end are cut
+    const double ahead = n == 0 ? -epsilon : n + 1 == count ? epsilon : 0;
+    const Vec3d point = path.skin[n] - across_at(path, n) * epsilon + tangent_at(path, n) * ahead;
+    rulings[n] = {point - down * margin, point, point + down * (path.depth + epsilon)};
     if (n > 0) along[n] = along[n - 1] + norm(path.skin[n] - path.skin[n - 1]);
   }
+  // triangles between neighboring rulings
   BladeSheet sheet;
   for (std::size_t n = 1; n < count; n++)
-    for (std::size_t strip = 0; strip < 2; strip++) {  // two, so that the curve on the skin lies in the sheet
+    for (std::size_t strip = 0; strip < 2; strip++) {  // above and below the skin
       const Vec3d a = rulings[n - 1][strip], b = rulings[n - 1][strip + 1], c = rulings[n][strip],
                   d = rulings[n][strip + 1];
       add_triangle(sheet, {a, b, c}, {along[n - 1], along[n - 1], along[n]});
@@ -53,7 +63,7 @@ void add_strip(BladeSheet& sheet, const std::array<Vec3d, 4>& corner, double alo
 
 std::optional<SheetCrossing> cross_sheet(const BladeSheet& sheet, std::span<const int> triangles, Vec3d a,
                                          Vec3d b) {
-  constexpr double kSlack = 1e-9;  // of a triangle: a way through a side meets both triangles that have it
+  constexpr double kSlack = 1e-9;  // relative size; a shared side belongs to both triangles
   for (const int index : triangles) {
     const SheetTriangle& t = sheet.triangles[std::size_t(index)];
     const double side_a = dot(t.normal, a - t.corner), side_b = dot(t.normal, b - t.corner);

@@ -1,4 +1,4 @@
-// The surface that a blade sweeps, as triangles, and where edges of a body cross it.
+// Triangulated surface swept by a blade, and its intersections with the edges of a body.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ namespace turgor::lattice {
 
 struct SheetTriangle {
   Vec3d corner, side1, side2;  // [m]
-  Vec3d normal;                // towards the right side of the blade
-  double along[3];             // of its corners, on the path [m]
+  Vec3d normal;                // points to the blade's right side
+  double along[3];             // arc length along the path, per corner [m]
   Box box;
 };
 
@@ -23,15 +23,17 @@ struct BladeSheet {
   Box box;
 };
 
-/// From `margin` above the skin down to the blade's edge. `tilt` from `into`, towards the right seen from
-/// outside [radians]. A hair aside and a hair larger, so that nothing regular lies in it or ends with it.
-BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double hair);
+/// Sweeps the blade from `margin` above the skin down to its edge. `tilt` is the angle from `into`, positive
+/// to the right seen from outside [radians]. The sheet is shifted to the left and extended by `epsilon`, so
+/// that no node of a regular lattice lies exactly in it or on its border.
+BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double epsilon);
 
-/// Adds a strip between two lines: from the first two corners, further on, to the last two, which lie beside
-/// them. `along` is that of all of it [m].
+/// Adds two triangles between the segments corner[0]–corner[1] and corner[2]–corner[3]. All their corners get
+/// the arc length `along` [m].
 void add_strip(BladeSheet& sheet, const std::array<Vec3d, 4>& corner, double along);
 
-/// Where the way from `a` to `b` crosses one of the triangles.
+/// Intersection of the segment from `a` to `b` with the sheet: `fraction` of the segment, arc length `along`
+/// the path [m], and whether b lies to the right.
 struct SheetCrossing {
   double fraction = 0, along = 0;
   bool rightward = false;
@@ -39,11 +41,11 @@ struct SheetCrossing {
 std::optional<SheetCrossing> cross_sheet(const BladeSheet& sheet, std::span<const int> triangles, Vec3d a,
                                          Vec3d b);
 
-/// The triangles whose boxes meet this one.
+/// Indices of the triangles whose bounding boxes overlap `box`.
 void triangles_near(const BladeSheet& sheet, const Box& box, std::vector<int>& found);
 
-/// All edges of the body that the sheet crosses, for BladePath::edges and fine_edges; those that are cut
-/// already are left out.
+/// Finds all edges of the body that cross the sheet, for BladePath::edges, fine_edges and lines. Edges that
+/// are already cut are omitted.
 void find_edges(const Model& model, const State& state, const BladeSheet& sheet, const HaloExchange* halo,
                 BladePath& path);
 

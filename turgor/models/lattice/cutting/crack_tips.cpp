@@ -3,36 +3,39 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/cutting/fragment_view.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// Calls visit(edge, where it is cut, the way across to the right) for the cut edges of the cells around one.
+/// Calls visit(edge, cut position, edge vector pointing to the right) for the cut edges in the 27 cells
+/// around a cell.
 template <class Visit>
-void for_cuts_around(const State& state, const Fragments& pieces, const EdgesOfCells& edges, Int3 cell,
+void for_cuts_around(const Cuts& cuts, const Fragments& fragments, const CutEdgesByCell& edges, Int3 cell,
                      int incision, const Visit& visit) {
-  const FineLattice& f = pieces.fine;
+  const FineLattice& f = fragments.fine;
   const Int3 low = max(cell - Int3{1, 1, 1}, Int3{0, 0, 0}),
              high = min(cell + Int3{1, 1, 1}, f.cells.size - Int3{2, 2, 2});
   for (int k = low.z; k <= high.z; k++)
     for (int j = low.y; j <= high.y; j++)
       for (int i = low.x; i <= high.x; i++) {
-        const int index = pieces.cell_index.find(std::uint64_t(node_slot(f.cells, i, j, k)));
+        const int index = fragments.cell_index.find(std::uint64_t(node_slot(f.cells, i, j, k)));
         auto at = std::lower_bound(edges.pairs.begin(), edges.pairs.end(), std::pair(index, -1));
         for (; index >= 0 && at != edges.pairs.end() && at->first == index; ++at) {
-          const CutEdge& edge = state.cut_edges[std::size_t(at->second)];
+          const CutEdge& edge = cuts.edges[std::size_t(at->second)];
           if (incision >= 0 && edge.incision != incision) continue;
           const Int3 a = fine_node(f, edge), b = a + kFamilies[edge.family];
-          const Vec3d from = lattice_index(f, a), way = lattice_index(f, b) - from;
-          visit(edge, from + way * double(edge.fraction), edge.rightward ? way : -way);
+          const Vec3d from = lattice_index(f, a), direction = lattice_index(f, b) - from;
+          visit(edge, from + direction * double(edge.fraction), edge.rightward ? direction : -direction);
         }
       }
 }
 
-/// The direction of the least spread.
-Vec3d least_way(const Eigen::Matrix3d& spread) {
+/// Eigenvector of the smallest eigenvalue of a covariance matrix.
+Vec3d least_spread_direction(const Eigen::Matrix3d& spread) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
   const Eigen::Vector3d n = solver.eigenvectors().col(0);
   return {n[0], n[1], n[2]};
@@ -40,43 +43,49 @@ Vec3d least_way(const Eigen::Matrix3d& spread) {
 
 }  // namespace
 
-Vec3d flattest_way(const std::vector<Vec3d>& places) {
+Vec3d flattest_direction(const std::vector<Vec3d>& positions) {
   Vec3d center;
-  for (const Vec3d place : places) center += place / double(places.size());
+  TURGOR_CHECK(!positions.empty(), "a plane is fitted to at least one point");
+  for (const Vec3d position : positions) center += position / double(positions.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Vec3d place : places) {
-    const Eigen::Vector3d d(place.x - center.x, place.y - center.y, place.z - center.z);
+  for (const Vec3d position : positions) {
+    const Eigen::Vector3d d(position.x - center.x, position.y - center.y, position.z - center.z);
     spread += d * d.transpose();
   }
-  return least_way(spread);
+  return least_spread_direction(spread);
 }
 
-bool has_cut_edge(const State& state, const Lattice& lattice, int slot) {
-  return has_cut_edge(state.cut.data(), lattice, slot);
+bool has_cut_edge(const Cuts& cuts, const Lattice& lattice, int slot) {
+  return has_cut_edge(cuts.cut.data(), lattice, slot);
 }
 
-std::optional<CrackTipPlane> fit_tip(const State& state, const Fragments& pieces, const EdgesOfCells& edges,
-                                     const CutCell& cell, int incision) {
-  const Int3 corner = slot_node(pieces.fine.cells, cell.slot);
-  const Vec3d middle = Vec3d(in_body(pieces.fine.cells, corner)) + Vec3d{0.5, 0.5, 0.5};
+std::optional<CrackTipPlane> fit_crack_tip_plane(const Cuts& cuts, const Fragments& fragments,
+                                                 const CutEdgesByCell& edges, const CutCell& cell,
+                                                 int incision) {
+  const Int3 corner = slot_node(fragments.fine.cells, cell.slot);
+  // weighted center and mean edge vector; the weights decay with distance from the cell center
+  const Vec3d middle = Vec3d(in_body(fragments.fine.cells, corner)) + Vec3d{0.5, 0.5, 0.5};
   double total = 0;
   Vec3d center, right;
-  const auto weight_at = [&](Vec3d place) {
-    const Vec3d apart = place - middle;
-    return 1 / ((1 + dot(apart, apart)) * (1 + dot(apart, apart)));
+  const auto weight_at = [&](Vec3d position) {
+    const Vec3d offset = position - middle;
+    return 1 / ((1 + dot(offset, offset)) * (1 + dot(offset, offset)));
   };
-  for_cuts_around(state, pieces, edges, corner, incision, [&](const CutEdge&, Vec3d place, Vec3d way) {
-    const double weight = weight_at(place);
-    total += weight, center += place * weight, right += way * weight;
-  });
+  for_cuts_around(cuts, fragments, edges, corner, incision,
+                  [&](const CutEdge&, Vec3d position, Vec3d direction) {
+                    const double weight = weight_at(position);
+                    total += weight, center += position * weight, right += direction * weight;
+                  });
+  // covariance; its smallest eigenvector is the normal
   if (!(total > 0)) return {};
   center = center / total;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for_cuts_around(state, pieces, edges, corner, incision, [&](const CutEdge&, Vec3d place, Vec3d) {
-    const Eigen::Vector3d d(place.x - center.x, place.y - center.y, place.z - center.z);
-    spread += weight_at(place) * d * d.transpose();
+  for_cuts_around(cuts, fragments, edges, corner, incision, [&](const CutEdge&, Vec3d position, Vec3d) {
+    const Eigen::Vector3d d(position.x - center.x, position.y - center.y, position.z - center.z);
+    spread += weight_at(position) * d * d.transpose();
   });
-  const Vec3d normal = least_way(spread);
+  const Vec3d normal = least_spread_direction(spread);
+  TURGOR_CHECK(is_unit(normal), "the normal of a crack tip is a unit vector");
   return CrackTipPlane{center, dot(normal, right) < 0 ? -normal : normal};
 }
 

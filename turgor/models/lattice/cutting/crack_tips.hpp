@@ -1,6 +1,6 @@
-// Cells that a blade enters and does not part: there the two sides of the cut are those of a plane through
-// it, so that a wound tapers to where the blade ended and not to the last cell that it went all the way
-// through.
+// Crack tips: cells that a blade entered but did not separate. Such a cell is split by a plane, which is
+// fitted to the cut edges in and around it. The wound then tapers to the end of the blade. Without this split
+// it would end at the last separated cell.
 #pragma once
 
 #include <optional>
@@ -9,18 +9,20 @@
 
 namespace turgor::lattice {
 
-/// Which cut edges lie in which cell.
-struct EdgesOfCells {
-  std::vector<std::pair<int, int>> pairs;  // cell, edge; in order
+/// Incidence of cut edges and cells.
+struct CutEdgesByCell {
+  std::vector<std::pair<int, int>> pairs;  // (index of cell, index of cut edge), sorted
 };
 
-/// Is an edge of the lattice between two corners of this cell cut?
-bool has_cut_edge(const State& state, const Lattice& lattice, int slot);
+/// True if a lattice edge between two corners of this cell is cut.
+bool has_cut_edge(const Cuts& cuts, const Lattice& lattice, int slot);
 
-/// Across the plane that places lie nearest to, a unit vector.
-Vec3d flattest_way(const std::vector<Vec3d>& places);
-/// Of one incision, or of all (-1).
-std::optional<CrackTipPlane> fit_tip(const State& state, const Fragments& pieces, const EdgesOfCells& edges,
-                                     const CutCell& cell, int incision = -1);
+/// Unit normal of the best-fitting plane through positions: the direction of least variance.
+Vec3d flattest_direction(const std::vector<Vec3d>& positions);
+/// Weighted least-squares plane through the cut points in and around a cell. It uses one incision, or all if
+/// `incision` is -1. Empty without cut points.
+std::optional<CrackTipPlane> fit_crack_tip_plane(const Cuts& cuts, const Fragments& fragments,
+                                                 const CutEdgesByCell& edges, const CutCell& cell,
+                                                 int incision = -1);
 
 }  // namespace turgor::lattice

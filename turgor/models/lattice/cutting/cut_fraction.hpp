@@ -1,5 +1,6 @@
-// How much of a cell a blade went through: of lines through the cell, a regular grid of them along each axis,
-// those that it crossed. Finer than the fine lattice, so that a wound grows as its blade does.
+// Cut fraction at a crack tip: the fraction of the cell's section that the blade has cut, estimated by
+// sampling. A regular grid of lines runs through the cell along each axis. The lines that a blade crossed are
+// counted. The samples are finer than the fine lattice, so a wound grows continuously with its blade.
 #pragma once
 
 #include "turgor/models/lattice/cutting/fragments.hpp"
@@ -9,7 +10,7 @@ namespace turgor::lattice {
 
 constexpr int kLineGrid = 8, kLines = kLineGrid * kLineGrid;
 
-/// Where a line along an axis enters its cell, in coordinates of the cell from 0 to 1.
+/// Start of a sample line on the lower face of its cell, in cell coordinates from 0 to 1.
 constexpr Vec3d line_start(int axis, int line) {
   Vec3d at;
   const int column = line % kLineGrid, row = line / kLineGrid;
@@ -18,11 +19,12 @@ constexpr Vec3d line_start(int axis, int line) {
   return at;
 }
 
-/// Adds the lines that a blade crosses between two places of its path [m], and wakes what sleeps there.
+/// Marks the sample lines that a blade crosses between two arc lengths of its path [m], and wakes sleeping
+/// rows around them.
 void mark_cut_samples(const Model& model, State& state, const BladePath& path, double begin, double end,
                       int incision);
 
-/// What share of the plane between the two pieces of a tip its blade went through, in [0, 1].
-double cut_fraction(const State& state, const Fragments& pieces, const CutCell& cell, const CrackTip& tip);
+/// Fraction of the plane between the two fragments of a crack tip that the blade has cut, in [0, 1].
+double cut_fraction(const Cuts& cuts, const Fragments& fragments, const CutCell& cell, const CrackTip& tip);
 
 }  // namespace turgor::lattice

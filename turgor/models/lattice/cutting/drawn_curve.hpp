@@ -1,5 +1,5 @@
-// The curve that a blade is drawn along, before it is laid on the skin, and where it meets blades that were
-// there before: what they cut has moved since, while their wounds opened.
+// Curve of an incision as drawn, before it is laid on the skin, and its junctions with earlier incisions. An
+// earlier wound has opened, so the tissue at its cut has moved.
 #pragma once
 
 #include <algorithm>
@@ -8,27 +8,30 @@
 
 namespace turgor::lattice {
 
-inline double smallest_step(const Lattice& l) { return std::min({l.step.x, l.step.y, l.step.z}); }
+inline double smallest_spacing(const Lattice& l) { return std::min({l.spacing.x, l.spacing.y, l.spacing.z}); }
 
-/// What an incision goes through, lattice frame [m]; two make a straight line.
+/// Control points of an incision, lattice frame [m]. Two points make a straight line.
 std::vector<Vec3d> drawn_points(const Model& model, const Incision& incision);
-/// The smooth curve through them, as points about half a step apart [m]. The same first and last point close
-/// it.
+/// Smooth curve through the control points, sampled about every half cell [m]. Equal first and last points
+/// close it.
 std::vector<Vec3d> drawn_curve(const Model& model, const Incision& incision);
 
-/// The line from the skin downwards that an earlier blade cut, where the tissue is now; empty: none is met.
-struct MetLine {
-  static constexpr int kAbove = 4;  // places above the skin
-  double step = 0;                  // between depths [m]
-  Vec3d end;                        // on the skin, where it was met [m]
-  std::vector<Vec3d> places;        // at an end of the cut a little back, within it [m]
+/// Line along an earlier cut, from above the skin downwards, at current positions of the tissue. Empty if the
+/// curve meets no earlier cut.
+struct JunctionLine {
+  static constexpr int kAbove = 4;  // number of points above the skin
+  double step = 0;                  // distance in depth between points [m]
+  Vec3d end;                        // end point of the new curve, on the skin [m]
+  std::vector<Vec3d> points;        // points on the earlier cut [m]
 };
-/// Ends of a curve that were drawn on the curve of a laid blade go where the tissue is that this one cut, or
-/// will cut, there; the curve beside them bends to them. `others` as of Inputs.
-std::array<MetLine, 2> meet_laid_blades(const Model& model, const State& state,
-                                        std::span<const LaidBlade> laid, const HaloExchange* halo,
-                                        std::vector<Vec3d>& curve);
-/// Adds what lies between the ends of a path and the lines that they meet, at every depth. `tilt` [radians].
-void join_sheet(const BladePath& path, const std::array<MetLine, 2>& met, double tilt, BladeSheet& sheet);
+/// Joins the ends of a curve to earlier incisions. An end that was drawn on a laid blade's curve moves to the
+/// tissue which that blade cut. The curve bends near this end. `halo` as in Inputs.
+std::array<JunctionLine, 2> join_laid_blades(const Model& model, const State& state,
+                                             std::span<const LaidBlade> laid, const HaloExchange* halo,
+                                             std::vector<Vec3d>& curve);
+/// Adds strips of the sheet between each end of a path and its junction line, at every depth. `tilt` is in
+/// radians.
+void join_sheet(const BladePath& path, const std::array<JunctionLine, 2>& met, double tilt,
+                BladeSheet& sheet);
 
 }  // namespace turgor::lattice

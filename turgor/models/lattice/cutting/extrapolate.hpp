@@ -1,8 +1,7 @@
-// Where air beside the body goes: with the tissue beside it. Pure functions, for the CPU and for threads of a
-// GPU.
+// Extrapolation of the displacement field from tissue into adjacent air. Pure functions for host and device.
 #pragma once
 
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/model/state.hpp"
 
 namespace turgor::lattice {
 
@@ -14,14 +13,15 @@ struct MeanVec {
   TURGOR_HD Vec3 mean() const { return sum / Real(count); }
 };
 
-/// Step n of 27 to what is around a node; 13 is none.
-TURGOR_HD inline Int3 way_around(int n) { return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1}; }
-/// Does an edge lead that way, up or down?
-TURGOR_HD inline bool is_edge_way(Int3 way) {
-  return (way.x >= 0 && way.y >= 0 && way.z >= 0) || (way.x <= 0 && way.y <= 0 && way.z <= 0);
+/// Offset n of the 27 offsets in the box around a node; 13 is the node itself.
+TURGOR_HD inline Int3 box_offset(int n) { return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1}; }
+/// True if the offset is an edge of the lattice, in either direction.
+TURGOR_HD inline bool is_edge_offset(Int3 offset) {
+  return (offset.x >= 0 && offset.y >= 0 && offset.z >= 0) ||
+         (offset.x <= 0 && offset.y <= 0 && offset.z <= 0);
 }
 
-/// Of the tissue within two steps.
+/// Mean displacement of the tissue within two cells of a node; zero without tissue.
 template <class Body>
 TURGOR_HD Vec3 mean_of_box(const Lattice& l, const Body& body, Int3 node) {
   MeanVec mean;
@@ -34,44 +34,53 @@ TURGOR_HD Vec3 mean_of_box(const Lattice& l, const Body& body, Int3 node) {
   return mean.count > 0 ? mean.mean() : Vec3{};
 }
 
-/// Where the line from one node through the next leads after as long a way again. Tissue that is pressed
-/// shorter between them is not drawn shorter beyond: there it bears nothing, and tools find it as thick as it
-/// was.
-TURGOR_HD inline Vec3 extrapolate(Vec3 behind, Vec3 here, Vec3 way) {
-  const Vec3 now = way + (here - behind);
-  const Real length = norm(way), length_now = norm(now);
-  return length_now < length && length_now > 0 ? here + now * (length / length_now) - way : here + now - way;
+/// Linear extrapolation of displacement, 2 near_u − far_u, by one more `offset` beyond the nearer of two
+/// nodes. If their distance is shorter than at rest, the extrapolated distance is the rest length instead.
+/// Tissue beyond the outermost node bears no load, so compression must not continue into it. Tools then find
+/// it at its rest thickness.
+TURGOR_HD inline Vec3 extrapolate(Vec3 far_u, Vec3 near_u, Vec3 offset) {
+  const Vec3 now = offset + (near_u - far_u);
+  const Real length = norm(offset), length_now = norm(now);
+  return length_now < length && length_now > 0 ? near_u + now * (length / length_now) - offset
+                                               : near_u + now - offset;
 }
 
-/// What the tissue beside an air node suggests for its displacement, on average: it goes on along the line
-/// through a neighbour from the node behind that, where there is one and no blade went between them; if not
-/// along an axis, along another edge or across a cell; else it is that of the neighbours, or of the tissue
-/// within two steps. `body` has is_solid(slot), u(slot) and is_parted(beside, behind, way), of neighbours of
-/// which the first is the way from the node.
+/// Extrapolated displacement of an air node: mean over the first nonempty of these groups of tissue nodes.
+///
+///   1. extrapolation from two nodes in line along an axis, with no blade between them
+///   2. the same along another lattice edge
+///   3. the same across a cell
+///   4. displacements of neighbors along lattice edges, then across cells
+///   5. displacements of all tissue within two cells
+///
+/// `body` has is_solid(slot), u(slot) and is_separated(near, far, offset), with `offset` pointing from the
+/// air node to `near`.
 template <class Body>
 TURGOR_HD Vec3 extrapolate_from_neighbors(const Lattice& l, const Body& body, int slot) {
   const int parity = slot_node(l, slot).x & 1;
-  MeanVec along_axis, along_edge, across_cell, beside_edge, beside_cell;
+  MeanVec along_axis, along_edge, across_cell, near_edge, near_cell;
+  // tissue neighbors, and the tissue behind them in the same direction
   for (int n = 0; n < 27; n++) {
-    const Int3 way = way_around(n);
-    const int beside = slot + slot_offset(l, way, parity);
-    if (n == 13 || !body.is_solid(beside)) continue;
-    const Vec3 here = body.u(beside);
-    const bool is_edge = is_edge_way(way);
-    (is_edge ? beside_edge : beside_cell).add(here);
-    const int behind = beside + slot_offset(l, way, (parity + way.x) & 1);
-    if (!body.is_solid(behind) || body.is_parted(beside, behind, way)) continue;
-    const bool is_axis = way.x * way.x + way.y * way.y + way.z * way.z == 1;
+    const Int3 offset = box_offset(n);
+    const int near = slot + slot_offset(l, offset, parity);
+    if (n == 13 || !body.is_solid(near)) continue;
+    const Vec3 near_u = body.u(near);
+    const bool is_edge = is_edge_offset(offset);
+    (is_edge ? near_edge : near_cell).add(near_u);
+    const int far = near + slot_offset(l, offset, (parity + offset.x) & 1);
+    if (!body.is_solid(far) || body.is_separated(near, far, offset)) continue;
+    const bool is_axis = offset.x * offset.x + offset.y * offset.y + offset.z * offset.z == 1;
     (is_axis   ? along_axis
      : is_edge ? along_edge
                : across_cell)
-        .add(extrapolate(body.u(behind), here, -hadamard(l.step, Vec3(way))));
+        .add(extrapolate(body.u(far), near_u, -hadamard(l.spacing, Vec3(offset))));
   }
+  // first nonempty group
   if (along_axis.count > 0) return along_axis.mean();
   if (along_edge.count > 0) return along_edge.mean();
   if (across_cell.count > 0) return across_cell.mean();
-  if (beside_edge.count > 0) return beside_edge.mean();
-  if (beside_cell.count > 0) return beside_cell.mean();
+  if (near_edge.count > 0) return near_edge.mean();
+  if (near_cell.count > 0) return near_cell.mean();
   return mean_of_box(l, body, slot_node(l, slot));
 }
 

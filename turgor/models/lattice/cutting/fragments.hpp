@@ -1,148 +1,153 @@
-// What the cells of a cut body fall apart into. Along a blade's surface the edges of the fine lattice are
-// cut; the tissue of a cell that still holds together inside it is a piece. A node is there once for every
-// part of the tissue around it: as itself for the part it lies in, as a copy for each other one [virtual
-// nodes: Molino, Bao and Fedkiw 2004; Sifakis, Der and Fedkiw 2007; Wang, Jiang, Schroeder and Teran 2014].
-// So the displacement of any point is trilinear in the eight corners of its piece: drawing, measuring and
-// resampling ask for nothing else.
+// Fragments of cut cells by the virtual node algorithm [Molino, Bao and Fedkiw 2004; Sifakis, Der and Fedkiw
+// 2007; Wang, Jiang, Schroeder and Teran 2014].
+//
+// Blades cut edges of the fine lattice. A fragment is a connected component of a cell's tissue along uncut
+// fine edges. The fragments around a node form groups that are connected across cell faces. The group that
+// contains the node keeps it; every other group gets a virtual node. The displacement of any point is then
+// trilinear in the eight corners of its fragment.
 #pragma once
 
 #include <array>
 #include <span>
 #include <vector>
 
+#include "turgor/core/key_index.hpp"
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
-#include "turgor/models/lattice/key_index.hpp"
 
 namespace turgor::lattice {
 
-/// The tissue of one cell that holds together. A corner is a slot of the lattice, or slot_count + number of a
-/// copy.
+/// Connected tissue of one cell. A corner is a slot of the lattice, or slot_count + index of a virtual node.
 struct Fragment {
-  int cell = 0;             // index into Pieces::cells
-  std::uint64_t place = 0;  // fine node of its tissue with the lowest index
-  bool thin = false;        // it has no area in any face of its cell
+  int cell = 0;                   // index into Fragments::cells
+  std::uint64_t lowest_node = 0;  // lowest fine-node index of its tissue
+  bool thin = false;              // no area in any face of its cell
   std::array<int, 8> corner{};
 };
 
-/// A cell near a cut.
+/// Cell with a cut edge, or a neighbor of such a cell.
 struct CutCell {
-  int slot = 0;  // of its lowest node
+  int slot = 0;  // of the cell's lowest node
   int first_fragment = 0, fragment_count = 0;
-  std::size_t places = 0;            // its first in Pieces::label and Pieces::cut
-  bool is_cut = false;               // an edge in it is cut; else it is beside such a cell
-  int first_tip = 0, tip_count = 0;  // Pieces::tips
+  std::size_t first_sub_index = 0;   // first index in Fragments::label and Fragments::cut
+  bool is_cut = false;               // true: an edge in it is cut; false: only a neighbor's is
+  int first_tip = 0, tip_count = 0;  // Fragments::tips
   int first_ghost = 0, ghost_count = 0;
 };
 
-/// A plane through what is cut in and around a cell, by least squares; negative on the blades' left side.
+/// Least-squares plane through the cut points in and around a cell. The signed distance is negative on the
+/// blade's left side.
 struct CrackTipPlane {
-  Vec3d center, normal;  // [steps of the lattice]
+  Vec3d center, normal;  // [cells]
 
-  double at(Vec3d place) const { return dot(place - center, normal); }
+  double signed_distance(Vec3d position) const { return dot(position - center, normal); }
 };
-/// What a blade entered and did not part: two pieces of a cell, to both sides of a plane.
+/// Crack tip: a blade entered a cell without separating it, and a plane splits it into two fragments.
 struct CrackTip {
   CrackTipPlane plane;
-  int left = 0, right = 0;    // of the cell's pieces
-  std::uint8_t incision = 0;  // of the scene
+  int left = 0, right = 0;    // indices among the cell's fragments
+  std::uint8_t incision = 0;  // index of the scene's incision
 };
 
-/// Where the CT's skin lies beyond the lattice's, a cell may have places on a side of a blade where it has no
-/// tissue. They go with the tissue on their side, a piece of a cell beside it, on whose trilinear
-/// displacement goes on into the cell: a guest.
+/// Ghost fragment. Where the skin of the CT lies outside the lattice's tissue, one side of a blade in a cell
+/// may contain fine nodes but no tissue. These fine nodes belong to a fragment of a neighboring cell on their
+/// side. Its trilinear displacement is extrapolated into this cell.
 struct GhostFragment {
-  int slot = 0;             // of the cell's lowest node
-  int cell = 0, piece = 0;  // whose it is: index into Pieces::cells, and which of its pieces
+  int slot = 0;                // of the cell's lowest node
+  int cell = 0, fragment = 0;  // owner: index into Fragments::cells, and fragment in that cell
 };
 
-/// A copy of a node. One that bears tissue has a displacement of its own (State::copies). Others go where the
-/// tissue on their side leads: Σ weight · displacement of `sources`.
+/// Virtual node. With unknowns, it has a displacement of its own (Motion::virtual_u). Otherwise its
+/// displacement is a linear combination of corner displacements, Σ weight · u(corner) over its fit terms.
 struct VirtualNode {
-  int slot = 0;                     // of the node
-  std::uint64_t place = 0;          // fine node of its tissue with the lowest index
-  int first = 0, source_count = 0;  // sources
-  bool bears = false;
+  int slot = 0;                        // of the original node
+  std::uint64_t lowest_node = 0;       // lowest fine-node index of its tissue
+  int first_term = 0, term_count = 0;  // in Fragments::fit_terms
+  bool has_unknowns = false;
 };
 struct FitTerm {
-  int corner = 0;  // of a piece
+  int corner = 0;  // as in Fragment::corner
   Real weight = 0;
 };
 
 struct Fragments {
   FineLattice fine;
-  std::vector<CutCell> cells;         // slots ascend
-  KeyIndex cell_index;                // of a slot: index into cells
-  std::vector<Fragment> pieces;       // cell by cell
-  std::vector<GhostFragment> ghosts;  // cell by cell
-  // By place of a cell: which of its pieces; -2 - n: its guest n; -1: nothing on its own side of the blades.
+  std::vector<CutCell> cells;         // ascending slots
+  KeyIndex cell_index;                // from slot to index into cells
+  std::vector<Fragment> all;          // grouped by cell
+  std::vector<GhostFragment> ghosts;  // grouped by cell
+  // fragment of each sub-lattice node, cell by cell; -2 - n: ghost n; -1: no tissue on its side of the blades
   std::vector<std::int16_t> label;
-  std::vector<std::uint8_t> cut;  // by place: bit f = the edge of family f that starts there is cut
+  std::vector<std::uint8_t> cut;  // by sub-lattice node: bit f = the edge of family f from this node is cut
   std::vector<VirtualNode> virtual_nodes;
-  std::vector<FitTerm> sources;
-  std::vector<CrackTip> tips;  // cell by cell
-  KeyIndex edge_index;         // of a fine edge's key: index into State::cut_edges
-  std::size_t version = 0;     // cut_version of the state that they were made of
+  std::vector<FitTerm> fit_terms;
+  std::vector<CrackTip> tips;  // grouped by cell
+  KeyIndex edge_index;         // from fine-edge key to index into Cuts::edges
+  std::size_t version = 0;     // cut_version of the cuts that these fragments follow from
 };
 
-Fragments make_fragments(const Model& model, const State& state);
+Fragments make_fragments(const Model& model, const Cuts& cuts);
 
-/// The cell near a cut that this slot is the lowest node of; null for others.
-inline const CutCell* find_cell(const Fragments& pieces, int slot) {
-  const int index = pieces.cell_index.find(std::uint64_t(slot));
-  return index < 0 ? nullptr : &pieces.cells[std::size_t(index)];
+/// Cut cell with this lowest slot; null if the cell is not near a cut.
+inline const CutCell* find_cell(const Fragments& fragments, int slot) {
+  const int index = fragments.cell_index.find(std::uint64_t(slot));
+  return index < 0 ? nullptr : &fragments.cells[std::size_t(index)];
 }
-/// The cut edge between two neighbouring fine nodes, null when it is whole; and where it is cut, from `a` on.
+/// Cut on the edge between two neighboring fine nodes, as a fraction of the edge from `a`. `edge` is null if
+/// the edge is not cut.
 struct Crossing {
   const CutEdge* edge = nullptr;
   Real fraction = 0;
-  bool rightward = false;  // from a to b
+  bool rightward = false;  // true: the edge from a to b leads to the blade's right side
 };
-Crossing crossing(const Fragments& pieces, const State& state, Int3 a, Int3 b);
+Crossing crossing(const Fragments& fragments, const Cuts& cuts, Int3 a, Int3 b);
 
-/// The piece of a place of a cell, from Pieces::label, guests after its own; the first one where there is
-/// none on its own side; -1 in air without any.
-TURGOR_HD inline int piece_of(const std::int16_t* label, const CutCell& cell, int place) {
-  const int piece = label[cell.places + std::size_t(place)];
-  if (piece < -1) return cell.fragment_count - 2 - piece;
-  return piece < 0 && cell.fragment_count > 0 ? 0 : piece;
+/// Index in its cell of the fragment of a sub-lattice node, read from Fragments::label. Ghosts are numbered
+/// after the cell's own fragments. Nodes without a label get the first fragment, or -1 if the cell has none.
+TURGOR_HD inline int fragment_of(const std::int16_t* label, const CutCell& cell, int sub_node) {
+  const int fragment = label[cell.first_sub_index + std::size_t(sub_node)];
+  if (fragment < -1) return cell.fragment_count - 2 - fragment;
+  return fragment < 0 && cell.fragment_count > 0 ? 0 : fragment;
 }
-/// Which piece of its cell, or guest after its own, holds a point, from its coordinates in the cell, 0 to 1;
-/// -1 where there is none.
-int fragment_at(const Fragments& pieces, const State& state, const CutCell& cell, Vec3 at);
+/// Index in its cell of the fragment that contains a point. Ghosts are numbered after the cell's own
+/// fragments; -1 if the cell has neither. `at` is in cell coordinates, 0 to 1.
+int fragment_at(const Fragments& fragments, const Cuts& cuts, const CutCell& cell, Vec3 at);
 
-/// How much tissue a fine node is, by the nodes of the lattice: positive inside, linear between nodes through
-/// the threshold of air [HU].
-Real node_level(const Model& model, const State& state, int slot);
+/// Level-set value of a node [HU]: HU minus the air threshold, positive in the body. The sign follows the
+/// node's tissue class, and the magnitude is at least 4 HU. Gas in the body gets 500 HU, a removed node -500
+/// HU.
+Real node_level(const Model& model, const Cuts& cuts, int slot);
 
-/// Has a corner a displacement that is solved for: a node of tissue, or a copy that bears some?
-inline bool is_borne(const Model& model, const State& state, const Fragments& pieces, int corner) {
-  const int slots = slot_count(pieces.fine.cells);
-  return corner < slots ? is_solid(model, state, corner)
-                        : pieces.virtual_nodes[std::size_t(corner - slots)].bears;
+/// True if the displacement of a corner is solved for: a tissue node, or a virtual node with unknowns.
+inline bool has_unknowns(const Model& model, const Cuts& cuts, const Fragments& fragments, int corner) {
+  const int slots = slot_count(fragments.fine.cells);
+  return corner < slots ? is_solid(model, cuts, corner)
+                        : fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns;
 }
-/// Displacement of a corner of a piece: of a node, of a copy, or of air beside the body, which follows it
-/// [m].
-Vec3 corner_displacement(const Model& model, const State& state, const Fragments& pieces, int corner);
+/// Displacement of a fragment corner [m]: a node, a virtual node, or an air node, which is extrapolated from
+/// tissue.
+Vec3 corner_displacement(const Model& model, const State& state, const Fragments& fragments, int corner);
 
-/// The nodes that it is found from, added to a list.
-void add_nodes_behind(const Model& model, const State& state, const Fragments& pieces, int corner,
-                      std::vector<int>& nodes);
+/// Appends the nodes that determine the displacement of a corner. `virtual_u` is Motion::virtual_u. Only its
+/// size is used, because virtual nodes with unknowns depend on no node.
+void add_support_nodes(const Model& model, const Cuts& cuts,
+                       std::span<const VirtualNodeDisplacement> virtual_u, const Fragments& fragments,
+                       int corner, std::vector<int>& nodes);
 
-/// Displacement of a corner of the cell that a guest is in, 0 to 7, as that of the guest's own cell goes on
-/// [m].
-Vec3 ghost_displacement(const Model& model, const State& state, const Fragments& pieces, int ghost,
+/// Displacement of corner 0 to 7 of the cell that contains a ghost [m]. It is extrapolated from the cell that
+/// owns the ghost.
+Vec3 ghost_displacement(const Model& model, const State& state, const Fragments& fragments, int ghost,
                         int corner);
 
-/// A cell that is not drawn as a whole: it is in pieces, which do not all go with its own nodes, or nodes of
-/// it left the body.
+/// Cell that is rasterized fragment by fragment. It has several fragments, ghosts, virtual nodes or removed
+/// nodes.
 struct SpecialCell {
   int slot = 0;
-  int cut = -1;  // index into Pieces::cells; -1: one piece
+  int cut = -1;  // index into Fragments::cells; -1: a single fragment
 };
-/// Slots ascend.
-std::vector<SpecialCell> special_cells(const Model& model, const State& state, const Fragments& pieces);
+/// Special cells with ascending slots.
+std::vector<SpecialCell> special_cells(const Model& model, const Cuts& cuts, const Fragments& fragments);
 
-/// The corners of a piece of a cell that is its own, or of a whole cell when `piece` is -1.
-std::array<int, 8> corners_of(const Model& model, const Fragments& pieces, int slot, int piece);
+/// Corners of one of a cell's own fragments. If `fragment` is -1, the nodes of the cell.
+std::array<int, 8> corners_of(const Model& model, const Fragments& fragments, int slot, int fragment);
 
 }  // namespace turgor::lattice

@@ -7,79 +7,85 @@
 #include <optional>
 #include <span>
 
-#include "turgor/geometry/where_is.hpp"
-#include "turgor/models/lattice/build/skin.hpp"
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/core/key_index.hpp"
+#include "turgor/geometry/body_location.hpp"
 #include "turgor/models/lattice/cutting/blade_sheet.hpp"
 #include "turgor/models/lattice/cutting/cut_fraction.hpp"
+#include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/cutting/drawn_curve.hpp"
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
-#include "turgor/models/lattice/key_index.hpp"
-#include "turgor/models/lattice/mechanics/cut_elements.hpp"
+#include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/model/halo.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-constexpr double kReach = 0.1;  // how far from the given line the skin may be [m]
+constexpr double kMaxSkinDistance = 0.1;  // largest distance of the skin from the drawn line [m]
 
-Vec3d skin_corner(const Model& model, const State& state, const SkinTriangle& t, int corner) {
-  return Vec3d(position(model, state, slot_node(model.lattice, t.vertex[corner])));
+Vec3d skin_corner(const Model& model, const Motion& motion, const SkinTriangle& t, int corner) {
+  return Vec3d(position(model, motion, slot_node(model.lattice, t.vertex[corner])));
 }
 
-double largest_step(const Lattice& l) { return std::max({l.step.x, l.step.y, l.step.z}); }
-/// So far around a point skin has a say in which way is into the body [m].
-double reach_of_directions(const Lattice& l) { return std::max(0.01, 3 * largest_step(l)); }
+double largest_spacing(const Lattice& l) { return std::max({l.spacing.x, l.spacing.y, l.spacing.z}); }
+/// Radius of the skin around a point whose mean normal gives the direction into the body [m].
+double reach_of_directions(const Lattice& l) { return std::max(0.01, 3 * largest_spacing(l)); }
 
-/// Into the body: against the mean normal of the skin around the point of it that is nearest to `point`, at
-/// right angles to `line`.
+/// Direction into the body: the negative mean normal of the skin around the skin vertex nearest to `point`,
+/// made orthogonal to `line`. `around` is the radius [m].
 Vec3d direction_into(const SkinNow& skin, Vec3d point, Vec3d line, double around) {
+  // nearest skin vertex
   double nearest = std::numeric_limits<double>::max();
   Vec3d center;
   for (const auto& corner : skin)
     if (norm(corner[0] - point) < nearest) nearest = norm(corner[0] - point), center = corner[0];
+  // area-weighted mean normal
   Vec3d normal;
   for (const auto& [a, b, c] : skin)
     if (!(norm(a - center) > around)) normal += cross(b - a, c - a);
   return normalized(line * dot(normal, line) - normal);
 }
 
-/// How far along `direction` from `origin` a line meets a triangle; NaN when it does not. [Möller, Trumbore
-/// 1997]
+/// Distance along `direction` at which a line meets a triangle; NaN if it does not. [Möller, Trumbore 1997]
 double meet(Vec3d origin, Vec3d direction, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d e1 = b - a, e2 = c - a, p = cross(direction, e2);
   const double det = dot(e1, p);
   if (det == 0) return std::numeric_limits<double>::quiet_NaN();
   const Vec3d s = origin - a, q = cross(s, e1);
   const double u = dot(s, p) / det, v = dot(direction, q) / det;
-  constexpr double kSlack = 1e-9;  // of the triangle: a line through an edge meets both sides of it
+  constexpr double kSlack = 1e-9;  // relative size; a shared edge belongs to both triangles
   const bool inside = u >= -kSlack && v >= -kSlack && u + v <= 1 + kSlack;
   return inside ? dot(e2, q) / det : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// The skin's corners, patient frame [m].
-std::vector<Vec3d> skin_points(const Model& model, const State& state) {
+/// Vertices of the skin, patient frame [m].
+std::vector<Vec3d> skin_points(const Model& model, const Motion& motion) {
   std::vector<Vec3d> points;
   for (const SkinTriangle& t : model.skin.triangles)
     for (int corner = 0; corner < 3; corner++)
-      points.push_back(model.grid.origin + model.grid.axes * skin_corner(model, state, t, corner));
+      points.push_back(model.grid.origin + model.grid.axes * skin_corner(model, motion, t, corner));
   return points;
 }
 
-std::string off_skin(const Model& model, const State& state, const std::string& place, Vec3d point) {
+std::string off_skin(const Model& model, const Motion& motion, const std::string& prefix, Vec3d point) {
   const Vec3d patient = model.grid.origin + model.grid.axes * point;
-  return place + "no skin within " + number_text(kReach) + " m of " + place_text(patient) +
-         ": expected a line on the skin; " + where_is(skin_points(model, state), patient);
+  return prefix + "no skin within " + number_text(kMaxSkinDistance) + " m of " + position_text(patient) +
+         ": expected a line on the skin; " + describe_location(skin_points(model, motion), patient);
 }
 
 Vec3d tangent(const std::vector<Vec3d>& points, std::size_t n) {
+  TURGOR_CHECK(n < points.size(), "a tangent is at a point of the curve");
   return normalized(points[std::min(n + 1, points.size() - 1)] - points[n > 0 ? n - 1 : 0]);
 }
 
-/// Into the body at every point of a curve: found every centimetre, blended between; one for a straight line.
+/// Direction into the body at every point of a curve: computed every centimeter and interpolated. A straight
+/// line has the same direction everywhere.
 std::vector<Vec3d> directions_into(const Lattice& lattice, const SkinNow& skin,
                                    const std::vector<Vec3d>& curve, bool straight) {
-  constexpr double kApart = 0.01;
+  constexpr double kSampleSpacing = 0.01;
+  TURGOR_ASSERT(curve.size() >= 2, "a curve has at least two points");
   const double around = reach_of_directions(lattice);
   std::vector<Vec3d> into(curve.size());
   if (straight) {
@@ -88,8 +94,9 @@ std::vector<Vec3d> directions_into(const Lattice& lattice, const SkinNow& skin,
     std::fill(into.begin(), into.end(), direction_into(skin, middle, line, around));
     return into;
   }
+  // compute every centimeter, interpolate between
   const double spacing = norm(curve[1] - curve[0]);
-  const auto stride = std::size_t(std::max(1.0, kApart / std::max(spacing, 1e-6)));
+  const auto stride = std::size_t(std::max(1.0, kSampleSpacing / std::max(spacing, 1e-6)));
   for (std::size_t n = 0; n < curve.size(); n += stride) {
     const std::size_t next = std::min(n + stride, curve.size() - 1);
     const Vec3d a = n > 0 ? into[n] : direction_into(skin, curve[n], tangent(curve, n), around);
@@ -97,6 +104,7 @@ std::vector<Vec3d> directions_into(const Lattice& lattice, const SkinNow& skin,
     for (std::size_t m = n; m <= next; m++)
       into[m] = normalized(a + (b - a) * (next > n ? double(m - n) / double(next - n) : 0));
   }
+  // orthogonal to the curve
   for (std::size_t n = 0; n < curve.size(); n++) {
     const Vec3d line = tangent(curve, n);
     into[n] = normalized(into[n] - line * dot(into[n], line));
@@ -104,8 +112,8 @@ std::vector<Vec3d> directions_into(const Lattice& lattice, const SkinNow& skin,
   return into;
 }
 
-/// The stairs of the lattice's skin are none of the blade's: mean over a step and a half to both sides.
-std::vector<double> without_stairs(const std::vector<double>& offset) {
+/// Moving average over one and a half cells on both sides. It removes the steps of the lattice's skin.
+std::vector<double> smooth_offsets(const std::vector<double>& offset) {
   constexpr std::size_t kReachPoints = 3;
   std::vector<double> smooth(offset.size());
   for (std::size_t n = 0; n < offset.size(); n++) {
@@ -115,65 +123,73 @@ std::vector<double> without_stairs(const std::vector<double>& offset) {
   return smooth;
 }
 
-/// The skin within reach of what is asked of it: where the blade meets it, and which way it faces around
-/// there.
-SkinNow skin_near(const Model& model, const State& state, const std::vector<Vec3d>& curve,
+/// Skin triangles near a curve, for projecting the curve onto the skin and for mean normals.
+SkinNow skin_near(const Model& model, const Motion& motion, const std::vector<Vec3d>& curve,
                   const HaloExchange* halo) {
   Box box = box_around(curve);
-  const double reach = kReach + reach_of_directions(model.lattice) + 3 * largest_step(model.lattice);
+  const double reach =
+      kMaxSkinDistance + reach_of_directions(model.lattice) + 3 * largest_spacing(model.lattice);
   box.low -= Vec3d{reach, reach, reach}, box.high += Vec3d{reach, reach, reach};
   SkinNow near;
+  // skin of the owned layers, then of all processes
   for (const SkinTriangle& t : skin_of_cells(model, model.owned))
-    if (const Vec3d a = skin_corner(model, state, t, 0); squared_distance(box, a) == 0)
-      near.push_back({a, skin_corner(model, state, t, 1), skin_corner(model, state, t, 2)});
+    if (const Vec3d a = skin_corner(model, motion, t, 0); squared_distance(box, a) == 0)
+      near.push_back({a, skin_corner(model, motion, t, 1), skin_corner(model, motion, t, 2)});
   if (halo) halo->join_skin(near);
   return near;
 }
 
-/// How far along `into` the skin nearest to a point is. A hair's breadth beside it, so that no line runs
-/// through the corners of a regular lattice: on the other side where the body ends.
-std::optional<double> way_to_skin(const SkinNow& skin, Vec3d point, Vec3d into, Vec3d hair) {
-  for (const Vec3d origin : {point - hair, point + hair}) {
+/// Signed distance to the nearest skin along `into`. The ray is shifted by `epsilon` to avoid corners of a
+/// regular lattice. If it misses the skin, it is shifted to the other side.
+std::optional<double> distance_to_skin(const SkinNow& skin, Vec3d point, Vec3d into, Vec3d epsilon) {
+  for (const Vec3d origin : {point - epsilon, point + epsilon}) {
     std::optional<double> best;
     for (const auto& [a, b, c] : skin)
-      if (const double t = meet(origin, into, a, b, c); std::abs(t) < std::abs(best.value_or(kReach)))
+      if (const double t = meet(origin, into, a, b, c);
+          std::abs(t) < std::abs(best.value_or(kMaxSkinDistance)))
         best = t;
     if (best) return best;
   }
   return {};
 }
 
-void cut_edge(const Model& model, State& state, int slot, int family) {
-  state.cut[std::size_t(slot)] |= std::uint8_t(1u << family);
-  mark_rows(model, state, slot);
+void cut_edge(const Model& model, Cuts& cuts, int slot, int family) {
+  TURGOR_CHECK(is_index(slot, cuts.cut.size()) && is_index(family, kFamilyCount),
+               "an edge starts at a slot and belongs to one of the seven families");
+  cuts.cut[std::size_t(slot)] |= std::uint8_t(1u << family);
+  mark_rows(model, cuts, slot);
 }
 
-/// The fine edges that the blade comes by, unless another blade was there before.
-void cut_fine_edges(const Model& model, State& state, const BladePath& path, double begin, double end,
+/// Cuts the pending fine edges that the blade reaches, except those that are already cut.
+void cut_fine_edges(const Model& model, Cuts& cuts, const BladePath& path, double begin, double end,
                     int incision) {
+  TURGOR_ASSERT(is_index(incision, 256), "the index of an incision is below 256");
   const FineLattice f = fine_lattice(model);
-  KeyIndex known;
+  KeyIndex cut_already;
   const auto key = [&](const CutEdge& e) { return fine_edge_key(f, fine_node(f, e), e.family); };
-  for (const CutEdge& edge : state.cut_edges) known.find_or_add(key(edge));
+  for (const CutEdge& edge : cuts.edges) cut_already.find_or_add(key(edge));
   for (CutEdge edge : path.fine_edges) {
-    if (double(edge.along) < begin || double(edge.along) >= end || known.find(key(edge)) >= 0) continue;
+    if (double(edge.along) < begin || double(edge.along) >= end || cut_already.find(key(edge)) >= 0) continue;
     edge.incision = std::uint8_t(incision);
-    state.cut_edges.push_back(edge);
+    cuts.edges.push_back(edge);
   }
 }
 
-/// Skin on a path of one region's width.
-struct Place {
-  double along, aside, under;  // from the start of the cut, from its line, below the skin [m]
+/// Coordinates of a point relative to the path of a static region.
+struct RegionPosition {
+  double along, across, depth;  // arc length, distance to the right, depth below the skin [m]
 };
-Place place_on(const BladePath& path, Vec3d point) {
+RegionPosition region_position(const BladePath& path, Vec3d point) {
+  TURGOR_ASSERT(!path.skin.empty() && path.into.size() == path.skin.size(),
+                "every point of a path has a direction");
+  // nearest point of the path, measured perpendicular to `into`
   std::size_t nearest = 0;
   for (std::size_t n = 0; n < path.skin.size(); n++)
     if (norm(cross(point - path.skin[n], path.into[n])) <
         norm(cross(point - path.skin[nearest], path.into[nearest])))
       nearest = n;
   const Vec3d away = point - path.skin[nearest];
-  double along = dot(away, line_at(path, nearest));
+  double along = dot(away, tangent_at(path, nearest));
   for (std::size_t n = 0; n < nearest; n++) along += norm(path.skin[n + 1] - path.skin[n]);
   return {along, dot(away, across_at(path, nearest)), dot(away, path.into[nearest])};
 }
@@ -186,7 +202,7 @@ double path_length(const BladePath& path) {
   return length;
 }
 
-PathPlace place_along(const BladePath& path, double along) {
+PathPosition position_along(const BladePath& path, double along) {
   for (std::size_t n = 0; n + 1 < path.skin.size(); n++) {
     const double length = norm(path.skin[n + 1] - path.skin[n]);
     if (along <= length || n + 2 == path.skin.size())
@@ -197,11 +213,12 @@ PathPlace place_along(const BladePath& path, double along) {
 }
 
 Vec3d across_at(const BladePath& path, std::size_t n) {
+  TURGOR_CHECK(n < path.into.size(), "a direction is at a point of the path");
   return normalized(cross(path.into[n], tangent(path.skin, n)));
 }
-Vec3d line_at(const BladePath& path, std::size_t n) { return cross(across_at(path, n), path.into[n]); }
+Vec3d tangent_at(const BladePath& path, std::size_t n) { return cross(across_at(path, n), path.into[n]); }
 
-Vec3d mean_into(const BladePath& path) {
+Vec3d mean_inward(const BladePath& path) {
   Vec3d sum;
   for (const Vec3d d : path.into) sum += d;
   return normalized(sum);
@@ -209,22 +226,26 @@ Vec3d mean_into(const BladePath& path) {
 
 Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision,
                             const HaloExchange* halo, std::span<const LaidBlade> laid) {
+  // validate the drawn points
   const std::vector<Vec3d> points = drawn_points(model, incision);
   const bool straight = points.size() == 2;
-  const std::string place = "incision '" + incision.name + "': ";
+  const std::string prefix = "incision '" + incision.name + "': ";
   for (std::size_t n = 1; n < points.size(); n++)
     if (!(norm(points[n] - points[n - 1]) > 0))
-      return Error{place +
+      return Error{prefix +
                    (straight ? "from and to are the same point" : "two points of its path are the same") +
                    ": expected a line on the skin"};
-  if (!model.params.skin.enabled) return Error{place + "the body has no skin to cut: expected skin to be on"};
+  if (!model.params.skin.enabled)
+    return Error{prefix + "the body has no skin to cut: expected skin to be on"};
 
-  const double step = smallest_step(model.lattice);
+  // drawn curve, joined to earlier incisions
+  const double step = smallest_spacing(model.lattice);
   std::vector<Vec3d> curve = drawn_curve(model, incision);
-  std::array<MetLine, 2> met;
-  if (incision.width == 0) met = meet_laid_blades(model, state, laid, halo, curve);
-  const SkinNow near = skin_near(model, state, curve, halo);
-  if (near.empty()) return Error{off_skin(model, state, place, curve[0])};
+  std::array<JunctionLine, 2> met;
+  if (incision.width == 0) met = join_laid_blades(model, state, laid, halo, curve);
+  // skin near the curve
+  const SkinNow near = skin_near(model, state.motion, curve, halo);
+  if (near.empty()) return Error{off_skin(model, state.motion, prefix, curve[0])};
   BladePath path{.skin = curve,
                  .into = directions_into(model.lattice, near, curve, straight),
                  .depth = incision.depth,
@@ -232,18 +253,20 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
                  .edges = {},
                  .fine_edges = {},
                  .lines = {}};
+  // project the curve onto the skin
   std::vector<double> offset;
   for (std::size_t n = 0; n < curve.size(); n++) {
     if (norm(path.into[n]) == 0)
-      return Error{place + "the skin there has no direction: expected it to face out of the body"};
+      return Error{prefix + "the skin has no normal near the blade: expected it to face out of the body"};
     const std::optional<double> found =
-        way_to_skin(near, curve[n], path.into[n], across_at(path, n) * (1e-4 * step));
-    if (!found) return Error{off_skin(model, state, place, curve[n])};
+        distance_to_skin(near, curve[n], path.into[n], across_at(path, n) * (1e-4 * step));
+    if (!found) return Error{off_skin(model, state.motion, prefix, curve[n])};
     offset.push_back(*found);
   }
-  offset = without_stairs(offset);
+  offset = smooth_offsets(offset);
   for (std::size_t n = 0; n < curve.size(); n++) path.skin[n] += path.into[n] * offset[n];
-  const double margin = 2 * largest_step(model.lattice), tilt = incision.tilt * std::numbers::pi / 180;
+  // swept surface and the edges it crosses
+  const double margin = 2 * largest_spacing(model.lattice), tilt = incision.tilt * std::numbers::pi / 180;
   if (incision.width > 0) return path;
   BladeSheet sheet = sweep_blade(path, tilt, margin, 1e-4 * step);
   join_sheet(path, met, tilt, sheet);
@@ -252,51 +275,59 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
 }
 
 int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end, int incision,
-              const DownloadNodes& bring) {
+              const DownloadNodes& download) {
   constexpr double kFar = std::numeric_limits<double>::max();
+  TURGOR_ASSERT(begin <= end, "a blade cuts from the lower to the higher fraction");
   const double length = path_length(path);
-  state.blades_on.set(std::uint8_t(incision), end < 1);
+  state.cuts.active_blades.set(std::uint8_t(incision), end < 1);
   begin = begin > 0 ? begin * length : -kFar, end = end < 1 ? end * length : kFar;
   int count = 0;
+  // lattice edges that the blade reaches
   for (const PendingEdgeCut& edge : path.edges) {
     if (double(edge.along) < begin || double(edge.along) >= end) continue;
-    if (state.cut[std::size_t(edge.slot)] >> edge.family & 1) continue;
-    cut_edge(model, state, edge.slot, edge.family);
+    if (state.cuts.cut[std::size_t(edge.slot)] >> edge.family & 1) continue;
+    cut_edge(model, state.cuts, edge.slot, edge.family);
     count++;
   }
-  const std::size_t before = cut_version(state);
-  cut_fine_edges(model, state, path, begin, end, incision);
+  // fine edges and sample lines that the blade reaches
+  const std::size_t before = cut_version(state.cuts);
+  cut_fine_edges(model, state.cuts, path, begin, end, incision);
   mark_cut_samples(model, state, path, begin, end, incision);
-  if (count > 0) cut_skin(model, state);
-  if (count > 0 || cut_version(state) > before) build_cut_elements(model, state, bring);
+  // update skin and cut-cell elements
+  if (count > 0) cut_skin(model, state.cuts);
+  if (count > 0 || cut_version(state.cuts) > before) build_cut_elements(model, state, download);
   return count;
 }
 
 int cut_region(const Model& model, State& state, const BladePath& path) {
   const Lattice& l = model.lattice;
-  const double length = path_length(path), margin = 2 * largest_step(l);
+  const double length = path_length(path), margin = 2 * largest_spacing(l);
   int count = 0;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int i = 0; i < l.size.x; i++) {
         const Int3 node{i, j, k};
+        // nodes inside the region
         const auto slot = std::size_t(node_slot(l, node));
-        if (!is_body(model.tissue[slot]) || state.removed[slot]) continue;
-        const Place place = place_on(path, Vec3d(position(model, state, node)));
-        if (std::abs(place.aside) > 0.5 * path.width) continue;
-        if (place.along < 0 || place.along > length || place.under < -margin || place.under > path.depth)
+        if (!is_body(model.tissue[slot]) || state.cuts.removed[slot]) continue;
+        const RegionPosition position_in_region =
+            region_position(path, Vec3d(position(model, state.motion, node)));
+        if (std::abs(position_in_region.across) > 0.5 * path.width) continue;
+        if (position_in_region.along < 0 || position_in_region.along > length ||
+            position_in_region.depth < -margin || position_in_region.depth > path.depth)
           continue;
-        state.removed[slot] = 1;
+        // remove the node and cut its edges
+        state.cuts.removed[slot] = 1;
         count++;
         for (int f = 0; f < kFamilyCount; f++)
           for (const Int3 lower : {node, node - kFamilies[std::size_t(f)]})
             if (contains(l, lower) && contains(l, lower + kFamilies[std::size_t(f)]) &&
                 is_body(model.tissue[std::size_t(node_slot(l, lower))]))
-              cut_edge(model, state, node_slot(l, lower), f);
+              cut_edge(model, state.cuts, node_slot(l, lower), f);
       }
-  state.removed_nodes += count;
-  state.sleep.still.clear();  // everybody is awake
-  if (count > 0) cut_skin(model, state);
+  state.cuts.removed_nodes += count;
+  state.sleep.still_steps.clear();  // wakes all rows
+  if (count > 0) cut_skin(model, state.cuts);
   if (count > 0) build_cut_elements(model, state);
   return count;
 }

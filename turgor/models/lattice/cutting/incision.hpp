@@ -1,103 +1,112 @@
-// Cutting: a blade is drawn along a curve on the skin, and every edge of the lattice, and of the fine
-// lattice, that crosses the surface it sweeps is cut. Measures of the wound that opens.
+// Incisions. A blade follows a curve on the skin and sweeps a surface. Every edge of the lattice and of the
+// fine lattice that crosses this surface is cut. The measures of the open wound are also declared in this
+// file.
 #pragma once
 
 #include <span>
 #include <string>
 
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/core/exec.hpp"
+#include "turgor/core/result.hpp"
+#include "turgor/models/lattice/model/state.hpp"
 
 namespace turgor::lattice {
+
+struct HaloExchange;
 
 struct Incision {
   std::string name;
   Vec3d from, to;  // on or near the skin, patient frame [m]
-  std::vector<Vec3d>
-      path;             // instead: what a smooth curve goes through; the same first and last point close it
+  // control points of a smooth curve that replaces from and to; equal first and last points close it
+  std::vector<Vec3d> path;
   double depth = 0.01;  // below the skin [m]
-  double tilt = 0;  // of the blade from upright, its edge to the right of its way seen from outside [degrees]
-  double start = 0;     // when the blade starts [s]
-  double duration = 0;  // how long it takes from one end to the other; 0 = at once [s]
-  double width = 0;  // 0 = cut edges; else the paper's static region of this width, which leaves the body [m]
+  double tilt = 0;   // angle of the blade from upright [degrees]; positive if its edge lies to the right of
+                     // the cutting direction, seen from outside
+  double start = 0;  // time at which the blade starts [s]
+  double duration = 0;  // time from the start of the path to its end; 0 = instantaneous [s]
+  // 0 = edges are cut; otherwise width of the region whose nodes are removed [Jeon et al. 2025] [m]
+  double width = 0;
 };
 
-/// An edge of the lattice that a blade will cut when it comes by.
+/// Pending cut of a lattice edge. It is cut when the blade reaches the arc length `along`.
 struct PendingEdgeCut {
   int slot = 0;
   std::uint8_t family = 0;
-  Real along = 0;  // [m]
+  Real along = 0;  // arc length on the path [m]
 };
 
-/// A line through a cell that a blade will cross when it comes by (cut_fraction.hpp).
+/// Pending cut of a sample line through a cell (cut_fraction.hpp).
 struct PendingSampleCut {
   int slot = 0;  // of the cell's lowest node
   std::uint8_t axis = 0, line = 0;
-  Real along = 0;  // [m]
+  Real along = 0;  // arc length on the path [m]
 };
 
-/// The blade's path laid on the skin as it is when the blade starts, followed while it moves.
+/// Path of a blade on the skin, fixed when the blade starts.
 struct BladePath {
-  std::vector<Vec3d>
-      skin;  // points on it from one end to the other, about half a step apart, lattice frame [m]
-  std::vector<Vec3d> into;      // at each: unit, into the body, at right angles to the path
+  std::vector<Vec3d> skin;      // points on the skin about half a cell apart, lattice frame [m]
+  std::vector<Vec3d> into;      // per point: unit vector into the body, orthogonal to the path
   double depth = 0, width = 0;  // [m]
 
-  // All that the blade will cut: the tissue as it lies when it is set on the skin. What the wound does to the
-  // tissue ahead of the blade does not bend the cut: else it would leave bridges and islands.
+  // All pending cuts, found when the blade is laid on the skin. The opening wound deforms the tissue ahead of
+  // the blade, and a later search in the deformed tissue would leave bridges and islands.
   std::vector<PendingEdgeCut> edges;
   std::vector<CutEdge> fine_edges;
   std::vector<PendingSampleCut> lines;
 };
 
-/// A blade that was laid before in the same body. One whose end is drawn on its curve meets it in the tissue.
+/// Blade that was laid earlier in the same body. A later blade whose end is drawn on its curve joins its cut.
 struct LaidBlade {
   const Incision& drawn;
   const BladePath& path;
 };
 
-/// Lays the path on the skin. Error: no skin there, or an incision without length. `others` as of Inputs.
+/// Lays a path on the skin and finds its pending cuts. Errors: two equal points, a body without skin, no skin
+/// near the path, or skin without a normal. `halo` as in Inputs.
 Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision,
                             const HaloExchange* halo = nullptr, std::span<const LaidBlade> laid = {});
-/// Cuts what lies between two fractions of the path's length, and returns how many edges of the lattice it
-/// cut. Of where nodes are it asks beside the blade alone.
+/// Cuts all pending edges between two fractions of the path's length. Returns the number of lattice edges
+/// cut. Downloads only the node positions that new virtual nodes need.
 int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end, int incision,
-              const DownloadNodes& bring = {});
-/// The paper's static incision: nodes within `width`/2 of the blade leave the body. Returns how many.
+              const DownloadNodes& download = {});
+/// Static incision [Jeon et al. 2025]: removes nodes within `width`/2 of the blade. Returns their number.
 int cut_region(const Model& model, State& state, const BladePath& path);
 
 double path_length(const BladePath& path);
-/// Which point of the path is this far along it: index and rest, 0 to 1.
-struct PathPlace {
-  std::size_t n = 0;
-  double rest = 0;
+/// Position on a path: segment index and fraction in the segment, 0 to 1.
+struct PathPosition {
+  std::size_t segment = 0;
+  double fraction = 0;
 };
-PathPlace place_along(const BladePath& path, double along);
-/// Unit vectors at a point of the path: along it, and across it, to its right seen from outside.
-Vec3d line_at(const BladePath& path, std::size_t n);
+PathPosition position_along(const BladePath& path, double along);
+/// Unit vectors at point n of the path: tangent, and direction to the right seen from outside.
+Vec3d tangent_at(const BladePath& path, std::size_t n);
 Vec3d across_at(const BladePath& path, std::size_t n);
-/// Into the body, the mean along the path.
-Vec3d mean_into(const BladePath& path);
+/// Mean direction into the body along the path.
+Vec3d mean_inward(const BladePath& path);
 
 struct GapePoint {
-  double along = 0;  // distance along the cut [m]
+  double along = 0;  // arc length along the cut [m]
   double gape = 0;   // [m]
 };
 struct Wound {
   double length = 0;                   // of the cut skin [m]
   double gape_max = 0, gape_mean = 0;  // opening across the cut [m]
   double opening_area = 0;             // [m²]
-  double edge_displacement = 0;        // largest movement of a lip since the CT [m]
+  double edge_displacement = 0;        // largest displacement of a lip from its position in the CT [m]
   std::vector<GapePoint> profile;
 };
 
 struct BodySurface;
-/// Between the lips of the cut as they are drawn; a removed region between the nodes of skin beside it.
+/// Measures the wound between the lips of the drawn surface. After cut_region, the lips are the skin nodes
+/// next to the removed region.
 Wound measure_wound(const Model& model, const State& state, const BodySurface& surface, const BladePath& path,
                     int incision);
-/// The same for a surface of its own.
+/// The same, with a surface built for this call.
 Wound measure_wound(const Model& model, const State& state, const BladePath& path, int incision);
-/// The nodes whose displacements it looks at, ascending: they follow from the cuts.
-std::vector<int> nodes_beside(const Model& model, const State& state, const BodySurface& surface,
-                              const BladePath& path, int incision);
+/// Nodes whose displacements determine the wound measures, ascending. They depend only on the cuts.
+std::vector<int> wound_support_nodes(const Model& model, const Cuts& cuts,
+                                     std::span<const VirtualNodeDisplacement> virtual_u,
+                                     const BodySurface& surface, const BladePath& path, int incision);
 
 }  // namespace turgor::lattice

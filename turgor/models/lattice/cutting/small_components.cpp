@@ -4,53 +4,60 @@
 #include <map>
 #include <numeric>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/disjoint_sets.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/cutting/fragment_view.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// Which part each piece belongs to: pieces with a corner in common are of one.
-std::vector<int> parts_of(const Fragments& pieces) {
-  std::vector<int> part(pieces.pieces.size());
-  std::iota(part.begin(), part.end(), 0);
-  std::vector<std::pair<int, int>> of_corner;  // corner, piece
-  for (int p = 0; p < int(part.size()); p++)
-    for (const int corner : pieces.pieces[std::size_t(p)].corner) of_corner.emplace_back(corner, p);
+/// Component of each fragment. Fragments with a common corner are connected.
+std::vector<int> components_of(const Fragments& fragments) {
+  std::vector<int> component(fragments.all.size());
+  std::iota(component.begin(), component.end(), 0);
+  std::vector<std::pair<int, int>> of_corner;  // corner, fragment
+  for (int p = 0; p < int(component.size()); p++)
+    for (const int corner : fragments.all[std::size_t(p)].corner) of_corner.emplace_back(corner, p);
   std::sort(of_corner.begin(), of_corner.end());
+  // join consecutive fragments with the same corner
   for (std::size_t n = 1; n < of_corner.size(); n++)
     if (of_corner[n].first == of_corner[n - 1].first)
-      join_sets(part, of_corner[n - 1].second, of_corner[n].second);
-  for (int p = 0; p < int(part.size()); p++) part[std::size_t(p)] = root_of(part, p);
-  return part;
+      join_sets(component, of_corner[n - 1].second, of_corner[n].second);
+  for (int p = 0; p < int(component.size()); p++) component[std::size_t(p)] = root_of(component, p);
+  return component;
 }
 
-/// One cell, by places.
+/// Labels of one cell by sub-lattice node.
 struct CellLabels {
-  const Fragments& pieces;
+  const Fragments& fragments;
   const CutCell& cell;
 
-  int at(Int3 p) const { return pieces.label[cell.places + std::size_t(place_in_cell(pieces.fine, p))]; }
-  /// Fine cells that are all of one piece, by piece.
+  int at(Int3 p) const {
+    return fragments.label[cell.first_sub_index + std::size_t(sub_index(fragments.fine, p))];
+  }
+  /// Counts the sub-cells that lie in one fragment and have no cut edge, per fragment.
   void count_whole(std::vector<int>& whole) const {
-    const std::uint8_t* cut = &pieces.cut[cell.places];
-    for_places(pieces.fine, [&](Int3 p) {
-      if (!in_cell(pieces.fine, p + Int3{1, 1, 1}) || at(p) < 0) return;
+    const std::uint8_t* cut = &fragments.cut[cell.first_sub_index];
+    for_sub_nodes(fragments.fine, [&](Int3 p) {
+      if (!in_cell(fragments.fine, p + Int3{1, 1, 1}) || at(p) < 0) return;
       for (int n = 0; n < 8; n++) {
         const Int3 q = p + cell_corner(n);
-        if (at(q) != at(p) || cut[place_in_cell(pieces.fine, q)] & edges_from(n)) return;
+        if (at(q) != at(p) || cut[sub_index(fragments.fine, q)] & edges_from(n)) return;
       }
       whole[std::size_t(cell.first_fragment + at(p))]++;
     });
   }
 };
 
-/// Who a crumb goes with: by ways across a blade and back, which lead to its own side, and across only.
+/// Votes of a small component for the component that absorbs it: one vote per path over cut edges. A path
+/// across a blade and back ends on the side where it began. Such paths decide; paths that cross the blade
+/// only once count if there are none.
 struct Votes {
-  std::map<int, int> own_side, across;  // by part
+  std::map<int, int> own_side, across;  // number of votes, by component
 
-  int part() const {
+  int winner() const {
     const auto most = [](const std::map<int, int>& votes) {
       return std::max_element(votes.begin(), votes.end(),
                               [](const auto& a, const auto& b) { return a.second < b.second; })
@@ -62,101 +69,113 @@ struct Votes {
 
 struct SmallComponents {
   const FragmentView view;
-  const Fragments& pieces;
-  const std::vector<int>& part;                         // by piece
-  const std::vector<std::uint8_t>& is_small_component;  // by piece
-  std::map<int, Votes> votes;                           // by part
+  const Fragments& fragments;
+  const std::vector<int>& component;                    // by fragment
+  const std::vector<std::uint8_t>& is_small_component;  // by fragment
+  std::map<int, Votes> votes;                           // by component
 
-  /// Calls visit(neighbour in the cell, crossing) for the cut edges at a place of a cell.
+  /// Calls visit(neighbor in the cell, crossing) for the cut edges at a sub-lattice node.
   template <class Visit>
   void for_cut(const CutCell& cell, Int3 p, const Visit& visit) const {
-    const FineLattice& f = pieces.fine;
+    const FineLattice& f = fragments.fine;
     const Int3 first = first_of_cell(f, slot_node(f.cells, cell.slot));
     for (const Int3 family : kFamilies)
-      for (const Int3 way : {family, -family})
-        if (in_cell(f, p + way))
-          if (const Crossing cut = crossing(view, first + p, first + p + way); cut.edge) visit(p + way, cut);
+      for (const Int3 offset : {family, -family})
+        if (in_cell(f, p + offset))
+          if (const Crossing cut = crossing(view, first + p, first + p + offset); cut.edge)
+            visit(p + offset, cut);
   }
   void count(const CutCell& cell) {
-    const CellLabels labels{pieces, cell};
+    // components that are not small receive votes
+    const CellLabels labels{fragments, cell};
     const auto fragment_at = [&](Int3 p) {
       return labels.at(p) < 0 ? -1 : cell.first_fragment + labels.at(p);
     };
     const auto add = [&](std::map<int, int>& into, Int3 p) {
-      if (const int piece = fragment_at(p); piece >= 0 && !is_small_component[std::size_t(piece)])
-        into[part[std::size_t(piece)]]++;
+      if (const int fragment = fragment_at(p); fragment >= 0 && !is_small_component[std::size_t(fragment)])
+        into[component[std::size_t(fragment)]]++;
     };
-    for_places(pieces.fine, [&](Int3 p) {
-      const int piece = fragment_at(p);
-      if (piece < 0 || !is_small_component[std::size_t(piece)]) return;
-      Votes& mine = votes[part[std::size_t(piece)]];
-      for_cut(cell, p, [&](Int3 beside, const Crossing& out) {
-        add(mine.across, beside);
-        for_cut(cell, beside, [&](Int3 back, const Crossing& in) {
+    // votes along paths from each fine node of a small component
+    for_sub_nodes(fragments.fine, [&](Int3 p) {
+      const int fragment = fragment_at(p);
+      if (fragment < 0 || !is_small_component[std::size_t(fragment)]) return;
+      Votes& own_votes = votes[component[std::size_t(fragment)]];
+      for_cut(cell, p, [&](Int3 across_cut, const Crossing& out) {
+        add(own_votes.across, across_cut);
+        for_cut(cell, across_cut, [&](Int3 back, const Crossing& in) {
           if (in.edge->incision == out.edge->incision && in.rightward != out.rightward)
-            add(mine.own_side, back);
+            add(own_votes.own_side, back);
         });
       });
     });
   }
-  /// The piece of the part that a crumb goes with, in a cell; -1: there is none.
-  int host(const CutCell& cell, int crumb) const {
-    const auto found = votes.find(part[std::size_t(crumb)]);
-    const int wanted = found == votes.end() ? -1 : found->second.part();
+  /// Fragment of the absorbing component in the same cell, or -1.
+  int absorbing_fragment(const CutCell& cell, int fragment) const {
+    TURGOR_CHECK(is_index(fragment, component.size()), "a fragment has a component");
+    const auto found = votes.find(component[std::size_t(fragment)]);
+    const int wanted = found == votes.end() ? -1 : found->second.winner();
     for (int p = cell.first_fragment; p < cell.first_fragment + cell.fragment_count; p++)
-      if (part[std::size_t(p)] == wanted) return p;
+      if (component[std::size_t(p)] == wanted) return p;
     return -1;
   }
 };
 
-void forget_unused_copies(Fragments& out) {
+void remove_unused_virtual_nodes(Fragments& out) {
   const int slots = slot_count(out.fine.cells);
+  // mark used virtual nodes
   std::vector<int> number(out.virtual_nodes.size(), -1);
-  for (const Fragment& piece : out.pieces)
-    for (const int corner : piece.corner)
+  for (const Fragment& fragment : out.all)
+    for (const int corner : fragment.corner)
       if (corner >= slots) number[std::size_t(corner - slots)] = 0;
+  // compact the list
   std::size_t count = 0;
   for (std::size_t c = 0; c < number.size(); c++)
     if (number[c] == 0) number[c] = int(count), out.virtual_nodes[count++] = out.virtual_nodes[c];
   out.virtual_nodes.resize(count);
-  for (Fragment& piece : out.pieces)
-    for (int& corner : piece.corner)
+  // renumber corners
+  for (Fragment& fragment : out.all)
+    for (int& corner : fragment.corner)
       if (corner >= slots) corner = slots + number[std::size_t(corner - slots)];
 }
 
 }  // namespace
 
-void merge_small_components(const State& state, Fragments& out) {
-  const std::vector<int> part = parts_of(out);
-  std::vector<int> whole(out.pieces.size());
+void merge_small_components(const Cuts& cuts, Fragments& out) {
+  // whole sub-cells of each component
+  const std::vector<int> component = components_of(out);
+  std::vector<int> whole(out.all.size());
   for (const CutCell& cell : out.cells) CellLabels{out, cell}.count_whole(whole);
-  std::vector<int> of_part(out.pieces.size());
-  for (std::size_t p = 0; p < part.size(); p++) of_part[std::size_t(part[p])] += whole[p];
-  const int least = out.fine.parts.x * out.fine.parts.y * out.fine.parts.z;
-  std::vector<std::uint8_t> is_small_component(out.pieces.size());
+  std::vector<int> whole_in_component(out.all.size());
+  for (std::size_t p = 0; p < component.size(); p++)
+    whole_in_component[std::size_t(component[p])] += whole[p];
+  // a component with fewer whole sub-cells than one cell is small
+  const int least = out.fine.subdivisions.x * out.fine.subdivisions.y * out.fine.subdivisions.z;
+  std::vector<std::uint8_t> is_small_component(out.all.size());
   bool any = false;
-  for (std::size_t p = 0; p < part.size(); p++)
-    any |= is_small_component[p] = of_part[std::size_t(part[p])] < least;
+  for (std::size_t p = 0; p < component.size(); p++)
+    any |= is_small_component[p] = whole_in_component[std::size_t(component[p])] < least;
   if (!any) return;
-  SmallComponents crumbs{.view = view(out, state),
-                         .pieces = out,
-                         .part = part,
-                         .is_small_component = is_small_component,
-                         .votes = {}};
-  for (const CutCell& cell : out.cells) crumbs.count(cell);
-  std::map<int, int> instead;  // of a crumb's corners
+  // votes for absorbing components
+  SmallComponents small{.view = view(out, cuts),
+                        .fragments = out,
+                        .component = component,
+                        .is_small_component = is_small_component,
+                        .votes = {}};
+  for (const CutCell& cell : out.cells) small.count(cell);
+  std::map<int, int> replacement;  // corner of a small component → corner that replaces it
   for (const CutCell& cell : out.cells)
     for (int p = cell.first_fragment; p < cell.first_fragment + cell.fragment_count; p++)
       if (is_small_component[std::size_t(p)])
-        if (const int host = crumbs.host(cell, p); host >= 0)
+        if (const int absorbing = small.absorbing_fragment(cell, p); absorbing >= 0)
           for (std::size_t c = 0; c < 8; c++)
-            instead.try_emplace(out.pieces[std::size_t(p)].corner[c],
-                                out.pieces[std::size_t(host)].corner[c]);
-  for (std::size_t p = 0; p < part.size(); p++)
+            replacement.try_emplace(out.all[std::size_t(p)].corner[c],
+                                    out.all[std::size_t(absorbing)].corner[c]);
+  // replace corners
+  for (std::size_t p = 0; p < component.size(); p++)
     if (is_small_component[p])
-      for (int& corner : out.pieces[p].corner)
-        if (const auto found = instead.find(corner); found != instead.end()) corner = found->second;
-  forget_unused_copies(out);
+      for (int& corner : out.all[p].corner)
+        if (const auto found = replacement.find(corner); found != replacement.end()) corner = found->second;
+  remove_unused_virtual_nodes(out);
 }
 
 }  // namespace turgor::lattice

@@ -1,14 +1,14 @@
-// Crumbs: where blades come near each other, fine nodes between them may hang on nothing, though the tissue
-// there is the tip of something larger. A part that is nowhere thicker than a fine cell, or smaller than a
-// cell, is no island: it goes with the tissue beside it.
+// Agglomeration of small components. Blades that are close to each other can isolate a few fine nodes between
+// them, although these belong to the tip of a larger piece of tissue. A component is small if it has fewer
+// whole sub-cells than one cell. It is merged into a neighboring component.
 #pragma once
 
 #include "turgor/models/lattice/cutting/fragments.hpp"
 
 namespace turgor::lattice {
 
-/// After make_copies: gives crumbs the corners of a larger part in their cells, if possible of one on the
-/// same side of the blades, and forgets the copies that nothing has then.
-void merge_small_components(const State& state, Fragments& out);
+/// Gives fragments of small components the corners of a larger component in their cell, preferably one on the
+/// same side of the blades. Removes virtual nodes that are then unused. Requires make_virtual_nodes.
+void merge_small_components(const Cuts& cuts, Fragments& out);
 
 }  // namespace turgor::lattice

@@ -5,23 +5,25 @@
 #include <bit>
 #include <limits>
 
-#include "turgor/models/lattice/mechanics/cut_elements.hpp"
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/models/lattice/cutting/cut_topology.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-constexpr double kReach = 3;  // of a fit [steps]
-constexpr int kRounds = 4;    // of the search, a cell each
-constexpr std::size_t kEnough = 4;
+constexpr double kFitRadius = 3;  // radius of a fit [cells]
+constexpr int kMaxRounds = 4;     // of the search; each reaches one cell farther
+constexpr std::size_t kMinNodes = 4;
 
-/// Which pieces have a corner: pairs in order.
+/// Incidence of corners and fragments.
 struct FragmentsOfCorner {
-  std::vector<std::pair<int, int>> pairs;  // corner, piece
+  std::vector<std::pair<int, int>> pairs;  // corner, fragment; sorted
 
-  explicit FragmentsOfCorner(const Fragments& pieces) {
-    for (int p = 0; p < int(pieces.pieces.size()); p++)
-      for (const int corner : pieces.pieces[std::size_t(p)].corner) pairs.emplace_back(corner, p);
+  explicit FragmentsOfCorner(const Fragments& fragments) {
+    for (int p = 0; p < int(fragments.all.size()); p++)
+      for (const int corner : fragments.all[std::size_t(p)].corner) pairs.emplace_back(corner, p);
     std::sort(pairs.begin(), pairs.end());
   }
   template <class Visit>
@@ -31,155 +33,181 @@ struct FragmentsOfCorner {
   }
 };
 
-/// Nodes of tissue that are joined to a copy, nearest in cells first: two rounds, more where that finds too
-/// few.
-std::vector<int> joined_nodes(const Model& model, const State& state, const Fragments& pieces,
-                              const FragmentsOfCorner& pieces_of, int copy) {
-  const int slots = slot_count(pieces.fine.cells);
-  std::vector<int> seen{copy}, nodes;
+/// Tissue nodes that are connected to a virtual node through fragments, in the order of rounds. At least two
+/// rounds are searched, and more if they find too few nodes.
+std::vector<int> connected_nodes(const Model& model, const Cuts& cuts, const Fragments& fragments,
+                                 const FragmentsOfCorner& fragments_of, int virtual_node) {
+  const int slots = slot_count(fragments.fine.cells);
+  std::vector<int> seen{virtual_node}, nodes;
   std::size_t begin = 0;
-  for (int round = 0; round < kRounds && (round < 2 || nodes.size() < kEnough); round++) {
+  for (int round = 0; round < kMaxRounds && (round < 2 || nodes.size() < kMinNodes); round++) {
     const std::size_t end = seen.size();
+    // corners of all fragments that contain a corner of the last round
     for (; begin < end; begin++)
-      pieces_of(seen[begin], [&](int p) {
-        for (const int corner : pieces.pieces[std::size_t(p)].corner)
+      fragments_of(seen[begin], [&](int p) {
+        for (const int corner : fragments.all[std::size_t(p)].corner)
           if (std::find(seen.begin(), seen.end(), corner) == seen.end()) seen.push_back(corner);
       });
     nodes.clear();
     for (const int corner : seen)
-      if (corner < slots && is_solid(model, state, corner)) nodes.push_back(corner);
+      if (corner < slots && is_solid(model, cuts, corner)) nodes.push_back(corner);
   }
   return nodes;
 }
 
-/// The weights that a linear fit gives to the nodes, for its value at `place`. A direction in which there are
-/// no nodes has no gradient.
-std::vector<double> fit_weights(const std::vector<Vec3d>& nodes, Vec3d place) {
+/// Weights of the nodes in a linear moving-least-squares fit, evaluated at `position`.
+///
+///   w_n (1/W + gᵀ (x_n − c)),  g = A⁻¹ (x − c),  A = Σ w_n (x_n − c)(x_n − c)ᵀ,  W = Σ w_n
+///
+/// c is the weighted center. A is regularized, so a direction without nodes has zero gradient. [Lancaster and
+/// Salkauskas 1981]
+std::vector<double> fit_weights(const std::vector<Vec3d>& nodes, Vec3d position) {
   std::vector<double> weight(nodes.size());
   double total = 0;
   Vec3d center;
+  // distance weights w and center c
   for (std::size_t n = 0; n < nodes.size(); n++) {
-    const Vec3d apart = nodes[n] - place;
-    const double fade = std::max(0.01, 1 - dot(apart, apart) / (kReach * kReach));
+    const Vec3d offset = nodes[n] - position;
+    const double fade = std::max(0.01, 1 - dot(offset, offset) / (kFitRadius * kFitRadius));
     weight[n] = fade * fade;
     total += weight[n];
     center += nodes[n] * weight[n];
   }
   center = center / total;
+  // moment matrix A
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   const auto column = [](Vec3d d) { return Eigen::Vector3d(d.x, d.y, d.z); };
   for (std::size_t n = 0; n < nodes.size(); n++)
     normal += weight[n] * column(nodes[n] - center) * column(nodes[n] - center).transpose();
   normal.diagonal().array() += 1e-3 * normal.trace() + 1e-9;
-  const Eigen::Vector3d way = normal.inverse() * column(place - center);
-  for (std::size_t n = 0; n < nodes.size(); n++) weight[n] *= 1 / total + way.dot(column(nodes[n] - center));
+  // weights of the linear fit at `position`
+  const Eigen::Vector3d gradient = normal.inverse() * column(position - center);
+  for (std::size_t n = 0; n < nodes.size(); n++)
+    weight[n] *= 1 / total + gradient.dot(column(nodes[n] - center));
+  TURGOR_CHECK(sums_to_one(weight, 1e-5), "the weights of a fit sum to one");
   return weight;
 }
 
-/// The blade beside a copy: a plane through what is cut in and around the first cut cell that has it. Cells
-/// are asked once.
-struct BladesBeside {
-  const State& state;
-  const Fragments& pieces;
-  const EdgesOfCells& edges;
+/// Blade plane next to a virtual node, fitted in and around its first cut cell. It is computed once per cell.
+struct AdjacentBlades {
+  const Cuts& cuts;
+  const Fragments& fragments;
+  const CutEdgesByCell& edges;
   std::vector<std::optional<CrackTipPlane>> plane;  // by cell
-  std::vector<std::uint8_t> known;
+  std::vector<std::uint8_t> is_known;
 
-  BladesBeside(const State& s, const Fragments& p, const EdgesOfCells& e)
-      : state(s), pieces(p), edges(e), plane(p.cells.size()), known(p.cells.size()) {}
+  AdjacentBlades(const Cuts& c, const Fragments& p, const CutEdgesByCell& e)
+      : cuts(c), fragments(p), edges(e), plane(p.cells.size()), is_known(p.cells.size()) {}
 
-  std::optional<CrackTipPlane> operator()(const FragmentsOfCorner& pieces_of, int copy) {
+  std::optional<CrackTipPlane> operator()(const FragmentsOfCorner& fragments_of, int virtual_node) {
+    // first cut cell of its fragments
     int cell = -1;
-    pieces_of(copy, [&](int p) {
-      const int c = pieces.pieces[std::size_t(p)].cell;
-      if (cell < 0 && pieces.cells[std::size_t(c)].is_cut) cell = c;
+    fragments_of(virtual_node, [&](int p) {
+      const int c = fragments.all[std::size_t(p)].cell;
+      if (cell < 0 && fragments.cells[std::size_t(c)].is_cut) cell = c;
     });
     if (cell < 0) return {};
     const auto c = std::size_t(cell);
-    if (!known[c]) plane[c] = fit_tip(state, pieces, edges, pieces.cells[c]), known[c] = 1;
+    if (!is_known[c])
+      plane[c] = fit_crack_tip_plane(cuts, fragments, edges, fragments.cells[c]), is_known[c] = 1;
     return plane[c];
   }
 };
 
-/// The place that a copy takes its displacement from: itself, or, across the blade, as far from the blade as
-/// the nearest nodes on its own side.
-Vec3d place_on_own_side(const CrackTipPlane& blade, const std::vector<Vec3d>& nodes, Vec3d place) {
+/// Position at which the fit is evaluated. If the blade lies between the nodes and the position, the position
+/// is projected back along the normal, to the distance of the nearest nodes.
+Vec3d project_to_own_side(const CrackTipPlane& blade, const std::vector<Vec3d>& nodes, Vec3d position) {
+  // side of the nodes, and their smallest distance to the blade
   double side = 0, least = std::numeric_limits<double>::max();
-  for (const Vec3d node : nodes) side += blade.at(node);
+  for (const Vec3d node : nodes) side += blade.signed_distance(node);
   for (const Vec3d node : nodes)
-    if (blade.at(node) * side > 0) least = std::min(least, std::abs(blade.at(node)));
-  const double own = side > 0 ? least : -least, at = blade.at(place);
-  return (at - own) * side < 0 ? place + blade.normal * (own - at) : place;
+    if (blade.signed_distance(node) * side > 0)
+      least = std::min(least, std::abs(blade.signed_distance(node)));
+  const double own = side > 0 ? least : -least, at = blade.signed_distance(position);
+  return (at - own) * side < 0 ? position + blade.normal * (own - at) : position;
 }
 
-/// Corners of tissue beside a copy of a node of air, in its own pieces: along an edge of the lattice where
-/// there are such, else across a face or a cell.
-std::vector<int> tissue_beside(const Model& model, const State& state, const Fragments& pieces,
-                               const FragmentsOfCorner& pieces_of, int copy) {
-  const int slots = slot_count(pieces.fine.cells);
-  std::array<std::vector<int>, 3> beside;
-  pieces_of(copy, [&](int p) {
-    const auto& corners = pieces.pieces[std::size_t(p)].corner;
-    const auto at = unsigned(std::find(corners.begin(), corners.end(), copy) - corners.begin());
+/// Tissue corners next to a virtual node of air, in its own fragments: those that differ along one axis, else
+/// along two, else along three.
+std::vector<int> adjacent_tissue(const Model& model, const Cuts& cuts, const Fragments& fragments,
+                                 const FragmentsOfCorner& fragments_of, int virtual_node) {
+  const int slots = slot_count(fragments.fine.cells);
+  std::array<std::vector<int>, 3> adjacent;
+  // corners by the number of axes along which they differ
+  fragments_of(virtual_node, [&](int p) {
+    const auto& corners = fragments.all[std::size_t(p)].corner;
+    const auto at = unsigned(std::find(corners.begin(), corners.end(), virtual_node) - corners.begin());
+    TURGOR_CHECK(at < 8, "a virtual node is a corner of the fragments around it");
     for (unsigned c = 0; c < 8; c++) {
       const int corner = corners[c];
-      const int slot = corner < slots ? corner : pieces.virtual_nodes[std::size_t(corner - slots)].slot;
-      if (c == at || !is_solid(model, state, slot)) continue;
-      std::vector<int>& found = beside[std::size_t(std::popcount(c ^ at) - 1)];
+      const int slot = corner < slots ? corner : fragments.virtual_nodes[std::size_t(corner - slots)].slot;
+      if (c == at || !is_solid(model, cuts, slot)) continue;
+      std::vector<int>& found = adjacent[std::size_t(std::popcount(c ^ at) - 1)];
       if (std::find(found.begin(), found.end(), corner) == found.end()) found.push_back(corner);
     }
   });
-  for (auto& found : beside)
+  for (auto& found : adjacent)
     if (!found.empty()) return found;
   return {};
 }
 
-/// Skin goes with its nodes: air beside them has their mean displacement.
-void follow_tissue(const std::vector<int>& corners, Fragments& pieces) {
-  const int slots = slot_count(pieces.fine.cells);
+/// Gives a virtual node of air the mean displacement of adjacent corners, so that the skin moves with its
+/// nodes.
+void copy_mean_of_corners(const std::vector<int>& corners, Fragments& fragments) {
+  const int slots = slot_count(fragments.fine.cells);
+  TURGOR_ASSERT(!corners.empty(), "a mean is over at least one corner");
   const Real share = Real(1) / Real(corners.size());
   for (const int corner : corners) {
-    if (corner < slots || pieces.virtual_nodes[std::size_t(corner - slots)].bears) {
-      pieces.sources.push_back({corner, share});
+    // a corner that is a node, or a virtual node with unknowns
+    if (corner < slots || fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns) {
+      fragments.fit_terms.push_back({corner, share});
       continue;
     }
-    const VirtualNode copy = pieces.virtual_nodes[std::size_t(corner - slots)];
-    for (int s = copy.first; s < copy.first + copy.source_count; s++) {
-      const FitTerm source = pieces.sources[std::size_t(s)];
-      pieces.sources.push_back({source.corner, source.weight * share});
+    // a corner that is a fitted virtual node: its terms
+    const VirtualNode virtual_node = fragments.virtual_nodes[std::size_t(corner - slots)];
+    for (int s = virtual_node.first_term; s < virtual_node.first_term + virtual_node.term_count; s++) {
+      const FitTerm term = fragments.fit_terms[std::size_t(s)];
+      fragments.fit_terms.push_back({term.corner, term.weight * share});
     }
   }
 }
 
 }  // namespace
 
-void find_sources(const Model& model, const State& state, const EdgesOfCells& edges, Fragments& pieces) {
-  const int slots = slot_count(pieces.fine.cells);
-  const FragmentsOfCorner pieces_of(pieces);
-  BladesBeside blades(state, pieces, edges);
-  const auto place_of = [&l = pieces.fine.cells](int slot) { return Vec3d(in_body(l, slot_node(l, slot))); };
-  const auto fit = [&](int corner, int slot) {
-    const std::vector<int> nodes = joined_nodes(model, state, pieces, pieces_of, corner);
-    std::vector<Vec3d> places;
-    for (const int node : nodes) places.push_back(place_of(node));
-    if (nodes.empty()) return;
-    Vec3d place = place_of(slot);
-    if (const auto blade = blades(pieces_of, corner)) place = place_on_own_side(*blade, places, place);
-    const std::vector<double> weights = fit_weights(places, place);
-    for (std::size_t n = 0; n < nodes.size(); n++) pieces.sources.push_back({nodes[n], Real(weights[n])});
+void fit_virtual_nodes(const Model& model, const Cuts& cuts, const CutEdgesByCell& edges,
+                       Fragments& fragments) {
+  const int slots = slot_count(fragments.fine.cells);
+  const FragmentsOfCorner fragments_of(fragments);
+  AdjacentBlades blades(cuts, fragments, edges);
+  const auto position_of = [&l = fragments.fine.cells](int slot) {
+    return Vec3d(in_body(l, slot_node(l, slot)));
   };
+  // fit to the connected nodes
+  const auto fit = [&](int corner, int slot) {
+    const std::vector<int> nodes = connected_nodes(model, cuts, fragments, fragments_of, corner);
+    std::vector<Vec3d> positions;
+    for (const int node : nodes) positions.push_back(position_of(node));
+    if (nodes.empty()) return;
+    Vec3d position = position_of(slot);
+    if (const auto blade = blades(fragments_of, corner))
+      position = project_to_own_side(*blade, positions, position);
+    const std::vector<double> weights = fit_weights(positions, position);
+    for (std::size_t n = 0; n < nodes.size(); n++)
+      fragments.fit_terms.push_back({nodes[n], Real(weights[n])});
+  };
+  // tissue first, because virtual nodes of air refer to those of tissue
   for (const bool tissue : {true, false}) {
-    if (!tissue) find_bearing(model, state, pieces);
-    for (std::size_t c = 0; c < pieces.virtual_nodes.size(); c++) {
-      VirtualNode& copy = pieces.virtual_nodes[c];
-      if (is_solid(model, state, copy.slot) != tissue) continue;
-      copy.first = int(pieces.sources.size());
+    if (!tissue) mark_virtual_nodes_with_unknowns(model, cuts, fragments);
+    for (std::size_t c = 0; c < fragments.virtual_nodes.size(); c++) {
+      VirtualNode& virtual_node = fragments.virtual_nodes[c];
+      if (is_solid(model, cuts, virtual_node.slot) != tissue) continue;
+      virtual_node.first_term = int(fragments.fit_terms.size());
       const int corner = slots + int(c);
-      const std::vector<int> beside =
-          tissue ? std::vector<int>{} : tissue_beside(model, state, pieces, pieces_of, corner);
-      if (!beside.empty()) follow_tissue(beside, pieces);
-      if (int(pieces.sources.size()) == copy.first) fit(corner, copy.slot);
-      copy.source_count = int(pieces.sources.size()) - copy.first;
+      const std::vector<int> adjacent =
+          tissue ? std::vector<int>{} : adjacent_tissue(model, cuts, fragments, fragments_of, corner);
+      if (!adjacent.empty()) copy_mean_of_corners(adjacent, fragments);
+      if (int(fragments.fit_terms.size()) == virtual_node.first_term) fit(corner, virtual_node.slot);
+      virtual_node.term_count = int(fragments.fit_terms.size()) - virtual_node.first_term;
     }
   }
 }

@@ -1,14 +1,18 @@
-// Where copies of nodes go: with the tissue on their side of the blade.
+// Virtual-node fit: displacements of virtual nodes without unknowns, extrapolated from the nodes on their
+// side of the blade.
 #pragma once
 
 #include "turgor/models/lattice/cutting/crack_tips.hpp"
 
 namespace turgor::lattice {
 
-/// Fills in the sources of all copies: the weights of a linear fit to the nodes near a copy, on its side
-/// [moving least squares, Lancaster and Salkauskas 1981]. Across a blade it does not go on: the last layer of
-/// nodes beside the blade carries what is left of the step up to it. (On a line it would go too far: a lip's
-/// nodes have moved by much more than those behind them.)
-void find_sources(const Model& model, const State& state, const EdgesOfCells& edges, Fragments& pieces);
+/// Computes the fit terms of all virtual nodes: weights of a linear fit to connected nodes nearby [moving
+/// least squares, Lancaster and Salkauskas 1981].
+///
+/// The fit is not extrapolated across the blade. The half cell between a lip's last nodes and the blade moves
+/// with these nodes instead. Linear extrapolation would overshoot, because the nodes of a lip move much more
+/// than those behind them.
+void fit_virtual_nodes(const Model& model, const Cuts& cuts, const CutEdgesByCell& edges,
+                       Fragments& fragments);
 
 }  // namespace turgor::lattice

@@ -1,13 +1,14 @@
-// Copies of the nodes beside a blade: one for every part of the tissue around a node but the one that it lies
-// in. Pieces of neighbouring cells are one part where they share area in a face.
+// Creation of virtual nodes next to a blade. Fragments of neighboring cells are connected if they share area
+// in a face. Each group of connected fragments around a node gets one virtual node, except the group that
+// contains the node. [Molino, Bao and Fedkiw 2004]
 #pragma once
 
 #include "turgor/models/lattice/cutting/fragments.hpp"
 
 namespace turgor::lattice {
 
-/// Makes Pieces::copies, but for their sources, and gives the pieces of all cells around cut ones their
-/// corners.
-void make_copies(Fragments& pieces);
+/// Creates Fragments::virtual_nodes without their fit terms, and sets the corners of the fragments that use
+/// them.
+void make_virtual_nodes(Fragments& fragments);
 
 }  // namespace turgor::lattice

@@ -1,13 +1,15 @@
-// A body on one side of a bus or the other: its model and one state in arrays of that side, and its steps by
-// that side's run. A side is GpuSide (gpu_body.cu); tests have one that is the host, in a shuffled order.
-// Nothing goes over or back but what is told to.
+// Body in device memory: a model, one state, and its steps. `Backend` provides arrays and a Run; it is
+// GpuBackend (gpu_body.cu), and in tests the host with a shuffled order of threads. Data is transferred only
+// by the methods named upload and download.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/device_arrays.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/device/device_coarse.hpp"
 #include "turgor/models/lattice/device/device_readback.hpp"
 #include "turgor/models/lattice/device/device_resampling.hpp"
@@ -17,44 +19,44 @@
 
 namespace turgor::lattice {
 
-/// What both solvers need.
-template <class Side>
+/// Arrays that both solvers need.
+template <class Backend>
 struct DeviceNodes {
   template <class T>
-  using Array = typename Side::template Array<T>;
+  using Array = typename Backend::template Array<T>;
 
   int half;
-  DeviceVectors<Side> u, u_before, v;
+  DeviceVectors<Backend> u, u_before, v;
   Array<Real> w, root;
   Array<std::uint8_t> cut, removed, skin_cut;
-  ColorBegin moving_of;
-  Array<int> moving;
+  ColorBegin free_groups_of_color;
+  Array<int> free_groups;
   Array<SkinTriangle> triangles;
-  Array<StepMarks> marks;
+  Array<StepSummary> summary;
 
-  DeviceNodes(DeviceAllocator<Side>& rooms, const Model& m)
+  DeviceNodes(DeviceAllocator<Backend>& allocator, const Model& m)
       : half(m.lattice.half),
-        u(rooms, m.inverse_mass.size()),
-        u_before(rooms, m.inverse_mass.size()),
-        v(rooms, m.inverse_mass.size()),
-        w(rooms.copy(m.inverse_mass)),
-        root(rooms.copy(m.root_stiffness)),
-        cut(rooms.template room<std::uint8_t>(m.inverse_mass.size())),
-        removed(rooms.template room<std::uint8_t>(m.inverse_mass.size())),
-        skin_cut(rooms.template room<std::uint8_t>(m.skin.triangles.size())),
-        moving(rooms.copy(groups(m, moving_of))),
-        triangles(rooms.copy(m.skin.triangles)),
-        marks(rooms.template room<StepMarks>(1)) {}
+        u(allocator, m.inverse_mass.size()),
+        u_before(allocator, m.inverse_mass.size()),
+        v(allocator, m.inverse_mass.size()),
+        w(allocator.copy(m.inverse_mass)),
+        root(allocator.copy(m.root_stiffness)),
+        cut(allocator.template allocate<std::uint8_t>(m.inverse_mass.size())),
+        removed(allocator.template allocate<std::uint8_t>(m.inverse_mass.size())),
+        skin_cut(allocator.template allocate<std::uint8_t>(m.skin.triangles.size())),
+        free_groups(allocator.copy(groups(m, free_groups_of_color))),
+        triangles(allocator.copy(m.skin.triangles)),
+        summary(allocator.template allocate<StepSummary>(1)) {}
 
   static std::vector<int> groups(const Model& m, ColorBegin& of) {
     std::vector<int> first;
-    of = groups_by_colors(m.lattice, m.moving, first);
+    of = groups_by_colors(m.lattice, m.free_runs, first);
     return first;
   }
-  void put_cuts(const State& state) {
-    cut.upload(state.cut), removed.upload(state.removed), skin_cut.upload(state.skin_cut);
+  void upload_cuts(const Cuts& cuts) {
+    cut.upload(cuts.cut), removed.upload(cuts.removed), skin_cut.upload(cuts.skin_cut);
   }
-  MovingNodes view() const {
+  FreeNodes view() const {
     return {.half = half,
             .slots = int(w.size()),
             .nodes = {u.x.data(), u.y.data(), u.z.data(), w.data(), root.data(), cut.data()},
@@ -65,100 +67,104 @@ struct DeviceNodes {
             .vy = v.y.data(),
             .vz = v.z.data(),
             .removed = removed.data(),
-            .moving = moving.data(),
-            .moving_count = int(moving.size()),
-            .marks = marks.data()};
+            .free_groups = free_groups.data(),
+            .free_group_count = int(free_groups.size()),
+            .summary = summary.data()};
   }
 };
 
-template <class Side>
+template <class Backend>
 struct DevicePbd {
   template <class T>
-  using Array = typename Side::template Array<T>;
+  using Array = typename Backend::template Array<T>;
 
   Array<NodeKind> kinds;
   Array<std::uint16_t> kind;
-  Array<int> joining, heads, next;
-  ColorBegin joining_of, heads_of;
+  Array<int> constraint_groups, heads, next;
+  ColorBegin constraint_groups_of_color, heads_of_color;
 
-  DevicePbd(DeviceAllocator<Side>& rooms, const PbdOrdering& ordering)
-      : kinds(rooms.copy(ordering.kinds)),
-        kind(rooms.copy(ordering.kind)),
-        joining(rooms.copy(ordering.joining)),
-        heads(rooms.copy(ordering.heads)),
-        next(rooms.copy(ordering.next)),
-        joining_of(ordering.joining_of),
-        heads_of(ordering.heads_of) {}
+  DevicePbd(DeviceAllocator<Backend>& allocator, const PbdOrdering& ordering)
+      : kinds(allocator.copy(ordering.kinds)),
+        kind(allocator.copy(ordering.kind)),
+        constraint_groups(allocator.copy(ordering.constraint_groups)),
+        heads(allocator.copy(ordering.heads)),
+        next(allocator.copy(ordering.next)),
+        constraint_groups_of_color(ordering.constraint_groups_of_color),
+        heads_of_color(ordering.heads_of_color) {}
 
-  PbdView view(const Model& model, const DeviceNodes<Side>& nodes) const {
+  PbdView view(const Model& model, const DeviceNodes<Backend>& nodes) const {
     return {.rules = pbd_rules(model),
             .body = nodes.view(),
             .kinds = kinds.data(),
             .kind = kind.data(),
-            .joining = joining.data(),
-            .joining_of = joining_of,
+            .constraint_groups = constraint_groups.data(),
+            .constraint_groups_of_color = constraint_groups_of_color,
             .triangles = nodes.triangles.data(),
             .skin_cut = nodes.skin_cut.data(),
             .next = next.data(),
             .heads = heads.data(),
-            .heads_of = heads_of};
+            .heads_of_color = heads_of_color};
   }
 };
 
-template <class Side>
+template <class Backend>
 struct DeviceVbd {
   template <class T>
-  using Array = typename Side::template Array<T>;
+  using Array = typename Backend::template Array<T>;
   template <class T>
-  using List = DeviceList<Side, T>;
+  using List = DeviceList<Backend, T>;
 
   Array<Real> young;
   Array<std::uint8_t> row_cut;
   Array<int> skin_nodes, corner_begin, row_begin, lanes_begin;
-  Array<Vec3> pull;
+  Array<Vec3> prestress_force;
   Array<SkinCorners> corners;
-  SkinParams pull_of;  // which skin
+  SkinParams uploaded_skin;  // skin parameters of the uploaded prestress
   List<CutCellElement> cells;
   List<CutSkinElement> cut_skin_elements;
-  List<NodeElement> uses;
+  List<NodeElementReference> references;
   List<ElementNode> element_nodes, virtual_nodes;
-  ColorBegin virtual_nodes_of;
-  List<VirtualNodeShift> shifts, shifts_before;
+  ColorBegin virtual_nodes_of_color;
+  List<VirtualNodeDisplacement> shifts, shifts_before;
   List<NodeContact> contacts;
-  List<PartOfResidual> residual;
+  List<ResidualSum> residual;
 
-  DeviceVbd(DeviceAllocator<Side>& rooms, const Model& m)
-      : young(rooms.copy(m.cell_young)),
-        row_cut(rooms.template room<std::uint8_t>(m.inverse_mass.size() / std::size_t(2 * m.lattice.half))),
-        skin_nodes(rooms.copy(m.skin.nodes)),
-        corner_begin(rooms.copy(m.skin.corner_begin)),
-        row_begin(rooms.copy(m.skin.row_begin)),
-        lanes_begin(rooms.copy(m.skin.lanes_begin)),
-        pull(rooms.copy(m.skin.pull)),
-        corners(rooms.copy(m.skin.corners)),
-        pull_of(m.params.skin) {}
+  DeviceVbd(DeviceAllocator<Backend>& allocator, const Model& m)
+      : young(allocator.copy(m.cell_young)),
+        row_cut(allocator.template allocate<std::uint8_t>(m.inverse_mass.size() /
+                                                          std::size_t(2 * m.lattice.half))),
+        skin_nodes(allocator.copy(m.skin.nodes)),
+        corner_begin(allocator.copy(m.skin.corner_begin)),
+        row_begin(allocator.copy(m.skin.row_begin)),
+        lanes_begin(allocator.copy(m.skin.lanes_begin)),
+        prestress_force(allocator.copy(m.skin.prestress_force)),
+        corners(allocator.copy(m.skin.corners)),
+        uploaded_skin(m.params.skin) {}
 
-  void put_cuts(const Model& model, const State& state) {
-    row_cut.upload(state.row_cut);
-    cells.put(state.parts.cells), cut_skin_elements.put(state.parts.skin), uses.put(state.parts.uses);
-    element_nodes.put(state.parts.nodes);
-    const VirtualNodeOrdering ordering = copy_schedule(model, state);
-    virtual_nodes.put(ordering.virtual_nodes), virtual_nodes_of = ordering.virtual_nodes_of;
-    shifts.put(state.virtual_nodes), shifts_before.put(state.virtual_nodes_before);
-    shifts_before.fit(state.virtual_nodes.size());
+  void upload_cuts(const Model& model, const Cuts& cuts, const CutElements& elements,
+                   std::span<const VirtualNodeDisplacement> virtual_u,
+                   std::span<const VirtualNodeDisplacement> virtual_u_before) {
+    row_cut.upload(cuts.row_cut);
+    cells.assign(elements.cells), cut_skin_elements.assign(elements.skin),
+        references.assign(elements.references);
+    element_nodes.assign(elements.nodes);
+    const VirtualNodeOrdering ordering = virtual_node_ordering(model, elements);
+    virtual_nodes.assign(ordering.virtual_nodes), virtual_nodes_of_color = ordering.virtual_nodes_of_color;
+    shifts.assign(virtual_u), shifts_before.assign(virtual_u_before);
+    shifts_before.resize(virtual_u.size());
   }
-  /// Skin may be under another tension than the one that was put.
-  void keep_pull(const Model& model) {
-    if (pull_of == model.params.skin) return;
-    pull.upload(model.skin.pull);
-    pull_of = model.params.skin;
+  /// Uploads the prestress force again if the skin parameters changed.
+  void update_prestress(const Model& model) {
+    if (uploaded_skin == model.params.skin) return;
+    prestress_force.upload(model.skin.prestress_force);
+    uploaded_skin = model.params.skin;
   }
-  VbdView view(const Model& model, const DeviceNodes<Side>& nodes, const Inputs& inputs, double dt) const {
-    const MovingNodes body = nodes.view();
+  VbdView view(const Model& model, const DeviceNodes<Backend>& nodes, const Inputs& inputs, double dt) const {
+    const FreeNodes body = nodes.view();
     const Vec3 fall = lattice_gravity(model, inputs) * Real(dt * dt);
-    return {.rules = descent_rules(model),
+    return {.rules = vbd_rules(model),
             .body = body,
-            .moving_of = nodes.moving_of,
+            .free_groups_of_color = nodes.free_groups_of_color,
             .inertia = Inertia(body, fall, Real(dt)),
             .young = model.params.tissue.law == TissueLaw::kSolid ? young.data() : nullptr,
             .row_cut = row_cut.data(),
@@ -166,105 +172,117 @@ struct DeviceVbd {
             .corner_begin = corner_begin.data(),
             .skin_row_begin = row_begin.data(),
             .lanes_begin = lanes_begin.data(),
-            .pull = pull.data(),
+            .prestress_force = prestress_force.data(),
             .corners = corners.data(),
             .skin_cut = nodes.skin_cut.data(),
-            .parts = {.nodes = body.nodes,
-                      .slots = body.slots,
-                      .virtual_nodes = shifts.data(),
-                      .cells = cells.data(),
-                      .cut_skin_elements = cut_skin_elements.data(),
-                      .uses = uses.data(),
-                      .triangles = nodes.triangles.data(),
-                      .solid = solid_law(model.lattice.step, model.params.tissue.poisson),
-                      .skin = SkinForces(model)},
+            .cut_elements = {.nodes = body.nodes,
+                             .slots = body.slots,
+                             .virtual_nodes = shifts.data(),
+                             .cells = cells.data(),
+                             .cut_skin_elements = cut_skin_elements.data(),
+                             .references = references.data(),
+                             .triangles = nodes.triangles.data(),
+                             .solid = solid_law(model.lattice.spacing, model.params.tissue.poisson),
+                             .skin = SkinForces(model)},
             .virtual_nodes_before = shifts_before.data(),
             .element_nodes = element_nodes.data(),
             .virtual_nodes = virtual_nodes.data(),
-            .part_node_count = int(element_nodes.count),
+            .element_node_count = int(element_nodes.count),
             .virtual_node_count = int(shifts.count),
-            .virtual_nodes_of = virtual_nodes_of,
+            .virtual_nodes_of_color = virtual_nodes_of_color,
             .contacts = contacts.data(),
             .contact_count = int(contacts.count),
             .residual = nullptr};
   }
 };
 
-template <class Side>
+template <class Backend>
 class DeviceBody final : public BodyBackend {
  public:
-  DeviceBody(const Model& model, DeviceAllocator<Side>& rooms, typename Side::Run run = {})
-      : run_(std::move(run)), nodes_(rooms, model) {
+  DeviceBody(const Model& model, DeviceAllocator<Backend>& allocator, typename Backend::Run run = {})
+      : run_(std::move(run)), nodes_(allocator, model) {
     if (model.params.solver.method == Method::kPbd)
-      pbd_.emplace(rooms, pbd_schedule(model));
+      pbd_.emplace(allocator, pbd_ordering(model));
     else
-      vbd_.emplace(rooms, model);
-    if (may_have_coarse_space(model)) coarse_.emplace(rooms, model);
+      vbd_.emplace(allocator, model);
+    if (supports_coarse_space(model)) coarse_.emplace(allocator, model);
   }
 
-  void put_state(const Model& model, const State& state) override {
-    nodes_.u.upload(state.u), nodes_.u_before.upload(state.u_before), nodes_.v.upload(state.v);
-    put_cuts(model, state);
+  void upload_state(const Model& model, const State& state) override {
+    const Motion& motion = state.motion;
+    nodes_.u.upload(motion.u), nodes_.u_before.upload(motion.u_before), nodes_.v.upload(motion.v);
+    upload_cuts(model, state.cuts, state.cut_elements, motion.virtual_u, motion.virtual_u_before);
+    TURGOR_CHECK(state.motion.u.x.size() == model.inverse_mass.size(),
+                 "positions are on the host before an upload");
   }
-  void put_cuts(const Model& model, const State& state) override {
-    nodes_.put_cuts(state);
+  void upload_cuts(const Model& model, const Cuts& cuts, const CutElements& elements,
+                   std::span<const VirtualNodeDisplacement> virtual_u,
+                   std::span<const VirtualNodeDisplacement> virtual_u_before) override {
+    nodes_.upload_cuts(cuts);
     resampled_.forget_cuts();
-    if (vbd_) vbd_->put_cuts(model, state);
+    if (vbd_) vbd_->upload_cuts(model, cuts, elements, virtual_u, virtual_u_before);
   }
-  void get_state(State& state) const override {
-    nodes_.u.download(state.u), nodes_.u_before.download(state.u_before), nodes_.v.download(state.v);
+  void download_state(State& state) const override {
+    Motion& motion = state.motion;
+    nodes_.u.download(motion.u), nodes_.u_before.download(motion.u_before), nodes_.v.download(motion.v);
     if (!vbd_) return;
-    state.virtual_nodes_before.resize(vbd_->shifts_before.count);
-    get_copies(state);
-    vbd_->shifts_before.room.download(state.virtual_nodes_before);
+    motion.virtual_u_before.resize(vbd_->shifts_before.count);
+    download_virtual_nodes(motion);
+    vbd_->shifts_before.array.download(motion.virtual_u_before);
   }
 
-  void get_nodes(std::span<const int> slots, State& state) override {
-    looked_at_.get(run_, nodes_.view(), slots, state);
+  void download_nodes(std::span<const int> slots, Motion& motion) override {
+    readback_.download_nodes(run_, nodes_.view(), slots, motion);
   }
-  void get_copies(State& state) const override {
-    if (vbd_) vbd_->shifts.room.download(state.virtual_nodes);
+  void download_virtual_nodes(Motion& motion) const override {
+    if (vbd_) vbd_->shifts.array.download(motion.virtual_u);
   }
-  std::vector<int> find_places(std::span<const SurfaceSample> places, std::uint64_t version,
-                               std::span<const Ball> balls) override {
-    return looked_at_.find(run_, nodes_.view().nodes, places, version, balls);
+  std::vector<int> find_samples(std::span<const SurfaceSample> samples, std::uint64_t version,
+                                std::span<const Ball> balls) override {
+    return readback_.find_samples(run_, nodes_.view().nodes, samples, version, balls);
   }
 
-  StepReport step(const Model& model, const State& known, bool smooth, const Inputs& inputs,
+  StepReport step(const Model& model, const CutElements& elements,
+                  const std::shared_ptr<const CoarseSpace>& coarse, Real fastest, const Inputs& inputs,
                   double dt) override {
-    put_loads(inputs.loads);
-    StepMarks marks;
-    nodes_.marks.upload({&marks, 1});
-    StepReport report = vbd_ ? step_descent(model, known, smooth, inputs, dt) : step_pbd(model, inputs, dt);
-    nodes_.marks.download({&marks, 1});
-    const Real speed2 = std::bit_cast<Real>(marks.largest);
+    // step with an empty summary
+    TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
+    upload_loads(inputs.loads);
+    StepSummary summary;
+    nodes_.summary.upload({&summary, 1});
+    StepReport report =
+        vbd_ ? step_vbd(model, elements, coarse, fastest, inputs, dt) : step_pbd(model, inputs, dt);
+    nodes_.summary.download({&summary, 1});
+    // finite: report the speed
+    const Real speed2 = std::bit_cast<Real>(summary.largest);
     if (std::isfinite(speed2)) {
       report.largest_speed = std::sqrt(speed2);
       return report;
     }
-    run_(std::size_t(nodes_.view().slots), GoBackSlot{nodes_.view()});
+    // not finite: restore the last state
+    run_(std::size_t(nodes_.view().slots), RestoreSlot{nodes_.view()});
     if (vbd_) {
       const VbdView view = vbd_->view(model, nodes_, inputs, dt);
-      run_(std::size_t(view.virtual_node_count), GoBackCopy{view});
+      run_(std::size_t(view.virtual_node_count), RestoreVirtualNode{view});
     }
     return {.finite = false};
   }
 
-  std::optional<DeviceResampled> resample(const Exec& exec, const Model& model, const State& cuts,
+  std::optional<DeviceResampled> resample(const Exec& exec, const Model& model, const Cuts& cuts,
                                           const CtVolume& ct, const Grid& grid,
                                           const ResampleOptions& options) override {
     std::optional<DeviceResampled> now =
-        resampled_.make(run_, exec, model, cuts, to_resample(), ct, grid, options);
+        resampled_.resample(run_, exec, model, cuts, to_resample(), ct, grid, options);
     if (!now) resampled_ = {};
     return now;
   }
-  bool get_displacement(const Model& model, const State& cuts, const Grid& grid,
-                        std::span<Vec3> samples) override {
-    return get_field(model, cuts, grid, DisplacementOfVoxel{model.grid, grid}, samples);
+  bool download_displacement(const Model& model, const Cuts& cuts, const Grid& grid,
+                             std::span<Vec3> samples) override {
+    return download_field(model, cuts, grid, DisplacementOfVoxel{model.grid, grid}, samples);
   }
-  bool get_jacobian(const Model& model, const State& cuts, const Grid& grid,
-                    std::span<float> samples) override {
-    return get_field(model, cuts, grid, JacobianOfVoxel{}, samples);
+  bool download_jacobian(const Model& model, const Cuts& cuts, const Grid& grid,
+                         std::span<float> samples) override {
+    return download_field(model, cuts, grid, JacobianOfVoxel{}, samples);
   }
 
  private:
@@ -274,21 +292,24 @@ class DeviceBody final : public BodyBackend {
     return body;
   }
   template <class Of, class Sample>
-  bool get_field(const Model& model, const State& cuts, const Grid& grid, const Of& of,
-                 std::span<Sample> samples) {
-    const bool made = resampled_.get_field(run_, model, cuts, to_resample(), grid, of, samples);
-    if (!made) resampled_ = {};
-    return made;
+  bool download_field(const Model& model, const Cuts& cuts, const Grid& grid, const Of& of,
+                      std::span<Sample> samples) {
+    const bool is_downloaded = resampled_.download_field(run_, model, cuts, to_resample(), grid, of, samples);
+    if (!is_downloaded) resampled_ = {};
+    return is_downloaded;
   }
-  void put_loads(std::span<const NodeLoad> loads) {
+  void upload_loads(std::span<const NodeLoad> loads) {
+    TURGOR_CHECK(std::all_of(loads.begin(), loads.end(),
+                             [&](const NodeLoad& l) { return is_index(l.slot, nodes_.w.size()); }),
+                 "loads act on slots of the lattice");
     std::vector<NodeLoad> by_slot(loads.begin(), loads.end());
     std::stable_sort(by_slot.begin(), by_slot.end(),
                      [](const NodeLoad& a, const NodeLoad& b) { return a.slot < b.slot; });
-    loads_.put(by_slot);
+    loads_.assign(by_slot);
   }
 
   StepReport step_pbd(const Model& model, const Inputs& inputs, double dt) {
-    TURGOR_ASSERT(inputs.contacts.empty(), "contacts press with newtons, which projections do not know");
+    TURGOR_ASSERT(inputs.contacts.empty(), "contacts need the VBD solver");
     run_together(run_, [&] {
       step_pbd_with(run_, pbd_->view(model, nodes_), loads_.values(), lattice_gravity(model, inputs),
                     model.params.solver, dt);
@@ -296,53 +317,62 @@ class DeviceBody final : public BodyBackend {
     return {};
   }
 
-  StepReport step_descent(const Model& model, const State& known, bool smooth, const Inputs& inputs,
-                          double dt) {
-    vbd_->keep_pull(model);
-    if (smooth) coarse_->put(model, known);
-    vbd_->contacts.put(inputs.contacts);
-    VbdView view = vbd_->view(model, nodes_, inputs, dt), ahead = view;
-    const auto parts = std::size_t(residuals_of_groups(view) + view.virtual_nodes_of.begin[kColorCount]);
+  StepReport step_vbd(const Model& model, const CutElements& elements,
+                      const std::shared_ptr<const CoarseSpace>& coarse, Real fastest, const Inputs& inputs,
+                      double dt) {
+    // upload inputs
+    TURGOR_CHECK(is_ascending(inputs.contacts, &NodeContact::slot), "the slots of contacts ascend");
+    TURGOR_CHECK(!coarse || coarse_, "a coarse correction needs a coarse space");
+    vbd_->update_prestress(model);
+    if (coarse) coarse_->upload(model, elements, vbd_->shifts.count, coarse);
+    vbd_->contacts.assign(inputs.contacts);
+    VbdView view = vbd_->view(model, nodes_, inputs, dt), predicted = view;
+    const auto sums = std::size_t(residuals_of_groups(view) + view.virtual_nodes_of_color.begin[kColorCount]);
+    // partial residuals before and after the sweeps
     if (inputs.measure_residual) {
-      vbd_->residual.fit(2 * parts);
-      ahead.residual = vbd_->residual.data(), view.residual = ahead.residual + parts;
+      vbd_->residual.resize(2 * sums);
+      predicted.residual = vbd_->residual.data(), view.residual = predicted.residual + sums;
     }
-    const Real wild = wild_from(model, Real(dt));
+    // relative speed of neighbors above which a held body starts the step from rest
+    const Real speed_limit = largest_relative_speed(model, Real(dt));
     const bool held = model.free_nodes < model.body_nodes;
+    // predictor, sweeps with coarse correction, velocities
     run_together(run_, [&] {
-      predict_descent_with(run_, view, loads_.values(), {held, held && 2 * known.fastest > wild ? wild : 0});
-      if (inputs.measure_residual) measure_residual_with(run_, ahead);
-      sweep_and_finish_descent_with(run_, view, model.params.solver, dt, [&] {
-        if (smooth) correct_smooth_part_with(run_, view, coarse_->view(model));
+      predict_vbd_with(run_, view, loads_.values(),
+                       {held, held && 2 * fastest > speed_limit ? speed_limit : 0});
+      if (inputs.measure_residual) measure_residual_with(run_, predicted);
+      sweep_and_finish_vbd_with(run_, view, model.params.solver, dt, [&] {
+        if (coarse) apply_coarse_correction_with(run_, view, coarse_->view(model));
       });
     });
+    // results
     StepReport report;
-    if (inputs.measure_residual) report.residual = residual(model, parts);
-    vbd_->contacts.room.download(inputs.contacts);
+    if (inputs.measure_residual) report.residual = residual(model, sums);
+    vbd_->contacts.array.download(inputs.contacts);
     return report;
   }
 
-  /// Before the sweeps and after them, of so many parts each.
+  /// Residual before and after the sweeps, from `count` partial sums each.
   Residual residual(const Model& model, std::size_t count) const {
-    std::vector<PartOfResidual> parts(2 * count);
-    vbd_->residual.room.download(parts);
-    PartOfResidual all[2];
-    for (std::size_t n = 0; n < parts.size(); n++) {
-      PartOfResidual& sum = all[n / count];
-      sum.largest2 = std::max(sum.largest2, parts[n].largest2), sum.sum2 += parts[n].sum2;
+    std::vector<ResidualSum> sums(2 * count);
+    vbd_->residual.array.download(sums);
+    ResidualSum all[2];
+    for (std::size_t n = 0; n < sums.size(); n++) {
+      ResidualSum& sum = all[n / count];
+      sum.largest2 = std::max(sum.largest2, sums[n].largest2), sum.sum2 += sums[n].sum2;
     }
     const auto rms = [&](double sum2) { return std::sqrt(sum2 / std::max(1, model.free_nodes)); };
     return {.largest = std::sqrt(all[1].largest2), .rms = rms(all[1].sum2), .before = rms(all[0].sum2)};
   }
 
-  typename Side::Run run_;
-  DeviceNodes<Side> nodes_;
-  std::optional<DevicePbd<Side>> pbd_;
-  std::optional<DeviceVbd<Side>> vbd_;
-  std::optional<DeviceCoarse<Side>> coarse_;
-  DeviceList<Side, NodeLoad> loads_;
-  DeviceReadback<Side> looked_at_;
-  DeviceResampling<Side> resampled_;
+  typename Backend::Run run_;
+  DeviceNodes<Backend> nodes_;
+  std::optional<DevicePbd<Backend>> pbd_;
+  std::optional<DeviceVbd<Backend>> vbd_;
+  std::optional<DeviceCoarse<Backend>> coarse_;
+  DeviceList<Backend, NodeLoad> loads_;
+  DeviceReadback<Backend> readback_;
+  DeviceResampling<Backend> resampled_;
 };
 
 }  // namespace turgor::lattice

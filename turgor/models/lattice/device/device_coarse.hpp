@@ -1,72 +1,78 @@
-// A coarse space on one side of a bus or the other: its lists, which go over when it was made anew, and room
-// for a step in it.
+// Coarse space in device memory: lists uploaded when the space was rebuilt, and workspaces of a step.
 #pragma once
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/device_arrays.hpp"
 #include "turgor/models/lattice/coarse/coarse_kernels.hpp"
 
 namespace turgor::lattice {
 
-template <class Side>
+template <class Backend>
 struct DeviceSparse {
-  DeviceList<Side, SparseTerm> terms;
-  DeviceList<Side, int> piece_begin, row_begin;
+  DeviceList<Backend, SparseTerm> terms;
+  DeviceList<Backend, int> segment_begin, row_begin;
 
-  void put(const SparseRows& rows) {
-    terms.put(rows.terms), piece_begin.put(rows.piece_begin), row_begin.put(rows.row_begin);
+  void assign(const SparseRows& rows) {
+    terms.assign(rows.terms), segment_begin.assign(rows.segment_begin), row_begin.assign(rows.row_begin);
   }
-  int pieces() const { return int(piece_begin.count) - 1; }
+  int segments() const { return int(segment_begin.count) - 1; }
   SparseView view() const {
-    return {terms.data(), piece_begin.data(), row_begin.data(), pieces(), int(row_begin.count) - 1};
+    return {terms.data(), segment_begin.data(), row_begin.data(), segments(), int(row_begin.count) - 1};
   }
 };
 
-template <class Side>
+template <class Backend>
 struct DeviceCoarse {
   template <class T>
-  using List = DeviceList<Side, T>;
+  using List = DeviceList<Backend, T>;
 
-  std::shared_ptr<const CoarseSpace> space;  // whose lists these are
+  std::shared_ptr<const CoarseSpace> space;  // owner of the uploaded lists
   List<CoarseBlock> blocks;
-  List<int> followers, slot_of_virtual_node;
-  List<Stretch> stretches;
-  DeviceSparse<Side> to_unknowns, lower, upper, to_corners;
+  List<int> fine_nodes, slot_of_virtual_node;
+  List<Chunk> chunks;
+  DeviceSparse<Backend> to_unknowns, lower, upper, to_corners;
   List<Vec3> forces, virtual_node_forces;
-  List<double> corner_sums, piece_sums, wanted, halfway, way, slopes;
+  List<double> corner_sums, segment_sums, restricted_residual, intermediate, correction, slopes;
   List<float> corners;
-  List<CoarseSearch> search;
+  List<SecantSearch> search;
 
-  /// What there is one of for every node is asked for at once.
-  DeviceCoarse(DeviceAllocator<Side>& rooms, const Model& m) {
-    forces.room = rooms.template room<Vec3>(m.inverse_mass.size());
-    followers.room = rooms.template room<int>(std::size_t(m.free_nodes));
+  /// Allocates the per-node arrays.
+  DeviceCoarse(DeviceAllocator<Backend>& allocator, const Model& m) {
+    forces.array = allocator.template allocate<Vec3>(m.inverse_mass.size());
+    fine_nodes.array = allocator.template allocate<int>(std::size_t(m.free_nodes));
   }
 
-  void put(const Model& model, const State& known) {
-    if (space == known.coarse) return;
-    space = known.coarse;
-    const CoarseLists lists = coarse_lists(model, known, *space);
-    blocks.put(lists.blocks), followers.put(lists.followers),
-        slot_of_virtual_node.put(lists.slot_of_virtual_node);
-    stretches.put(lists.stretches);
-    to_unknowns.put(lists.to_unknowns), lower.put(lists.lower), upper.put(lists.upper);
-    to_corners.put(lists.to_corners);
-    forces.fit(model.inverse_mass.size()), virtual_node_forces.fit(known.virtual_nodes.size());
-    corner_sums.fit(24 * stretches.count);
-    const int most = std::max({to_unknowns.pieces(), lower.pieces(), upper.pieces(), to_corners.pieces()});
-    piece_sums.fit(3 * std::size_t(most));
-    const auto numbers = 3 * std::size_t(space->unknowns);
-    wanted.fit(numbers), halfway.fit(numbers), way.fit(numbers), slopes.fit(numbers);
-    corners.fit(3 * (space->row_begin.size() - 1));
-    search.fit(1);
+  void upload(const Model& model, const CutElements& elements, std::size_t virtual_nodes,
+              const std::shared_ptr<const CoarseSpace>& now) {
+    TURGOR_ASSERT(now != nullptr, "a coarse correction needs a coarse space");
+    if (space == now) return;
+    space = now;
+    // lists
+    const CoarseLists lists = coarse_lists(model, elements, virtual_nodes, *space);
+    blocks.assign(lists.blocks), fine_nodes.assign(lists.fine_nodes),
+        slot_of_virtual_node.assign(lists.slot_of_virtual_node);
+    chunks.assign(lists.chunks);
+    to_unknowns.assign(lists.to_unknowns), lower.assign(lists.lower), upper.assign(lists.upper);
+    to_corners.assign(lists.to_corners);
+    // workspaces
+    forces.resize(model.inverse_mass.size()), virtual_node_forces.resize(virtual_nodes);
+    corner_sums.resize(24 * chunks.count);
+    const int most =
+        std::max({to_unknowns.segments(), lower.segments(), upper.segments(), to_corners.segments()});
+    segment_sums.resize(3 * std::size_t(most));
+    const auto unknowns = 3 * std::size_t(space->unknowns);
+    restricted_residual.resize(unknowns), intermediate.resize(unknowns), correction.resize(unknowns),
+        slopes.resize(unknowns);
+    corners.resize(3 * (space->row_begin.size() - 1));
+    search.resize(1);
   }
   CoarseView view(const Model& model) const {
     return {.lattice = model.lattice,
             .blocks = blocks.data(),
-            .followers = followers.data(),
+            .fine_nodes = fine_nodes.data(),
             .slot_of_virtual_node = slot_of_virtual_node.data(),
-            .stretches = stretches.data(),
-            .stretch_count = int(stretches.count),
+            .chunks = chunks.data(),
+            .chunk_count = int(chunks.count),
             .to_unknowns = to_unknowns.view(),
             .lower = lower.view(),
             .upper = upper.view(),
@@ -74,10 +80,10 @@ struct DeviceCoarse {
             .forces = forces.data(),
             .virtual_node_forces = virtual_node_forces.data(),
             .corner_sums = corner_sums.data(),
-            .piece_sums = piece_sums.data(),
-            .wanted = wanted.data(),
-            .halfway = halfway.data(),
-            .way = way.data(),
+            .segment_sums = segment_sums.data(),
+            .restricted_residual = restricted_residual.data(),
+            .intermediate = intermediate.data(),
+            .correction = correction.data(),
             .slopes = slopes.data(),
             .corners = corners.data(),
             .search = search.data()};

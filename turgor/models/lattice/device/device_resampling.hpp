@@ -1,5 +1,4 @@
-// The deformed CT and its fields on one side of the bus (device_body.hpp): what they need there beside the
-// body, from when they are first asked for.
+// Resampled CT and voxel fields in device memory (device_body.hpp). Their arrays are allocated on first use.
 #pragma once
 
 #include <optional>
@@ -14,26 +13,26 @@
 
 namespace turgor::lattice {
 
-/// A body that is there.
+/// Body in device memory.
 struct BodyToResample {
   NodeArrays nodes;
   const std::uint8_t* removed;
-  const VirtualNodeShift* shifts;  // State::copies
+  const VirtualNodeDisplacement* shifts;  // Motion::virtual_u
   std::size_t shift_count;
 };
 
-/// The pieces of a cut body, as they are after the last cut.
-template <class Side>
+/// Fragments of a cut body, as of its last cut.
+template <class Backend>
 struct DeviceFragments {
   template <class T>
-  using List = DeviceList<Side, T>;
+  using List = DeviceList<Backend, T>;
 
   FineLattice fine{};
-  bool known = false;
+  bool is_current = false;
   List<CutCell> cells;
-  List<Fragment> pieces;
+  List<Fragment> all;
   List<VirtualNode> virtual_nodes;
-  List<FitTerm> sources;
+  List<FitTerm> fit_terms;
   List<GhostFragment> ghosts;
   List<std::int16_t> label;
   List<KeyEntry> edge_index;
@@ -41,28 +40,30 @@ struct DeviceFragments {
   List<SpecialCell> special;
   List<std::uint8_t> is_special;  // by slot
 
-  bool put(const Model& model, const State& cuts) {
+  bool upload(const Model& model, const Cuts& cuts) {
     const Fragments now = make_fragments(model, cuts);
     fine = now.fine;
     const std::vector<SpecialCell> cells_now = special_cells(model, cuts, now);
-    known = cells.holds(now.cells) && pieces.holds(now.pieces) && virtual_nodes.holds(now.virtual_nodes) &&
-            sources.holds(now.sources) && ghosts.holds(now.ghosts) && label.holds(now.label) &&
-            edge_index.holds(now.edge_index.entries()) && edges.holds(cuts.cut_edges) &&
-            special.holds(cells_now) && is_special.fits(cells_now.empty() ? 0 : model.tissue.size());
-    return known;
+    is_current = cells.try_assign(now.cells) && all.try_assign(now.all) &&
+                 virtual_nodes.try_assign(now.virtual_nodes) && fit_terms.try_assign(now.fit_terms) &&
+                 ghosts.try_assign(now.ghosts) && label.try_assign(now.label) &&
+                 edge_index.try_assign(now.edge_index.entries()) && edges.try_assign(cuts.edges) &&
+                 special.try_assign(cells_now) &&
+                 is_special.try_resize(cells_now.empty() ? 0 : model.tissue.size());
+    return is_current;
   }
-  ResampleCuts view(const State& cuts, const BodyToResample& body) const {
-    return {.pieces = {.fine = fine,
-                       .cells = cells.data(),
-                       .pieces = pieces.data(),
-                       .virtual_nodes = virtual_nodes.data(),
-                       .sources = sources.data(),
-                       .ghosts = ghosts.data(),
-                       .first_ghost_place = slot_count(fine.cells) + int(virtual_nodes.count),
-                       .label = label.data(),
-                       .edge_index = {edge_index.data(), edge_index.count},
-                       .edges = edges.data(),
-                       .shifts = body.shift_count == virtual_nodes.count ? body.shifts : nullptr},
+  ResampleCuts view(const Cuts& cuts, const BodyToResample& body) const {
+    return {.fragments = {.fine = fine,
+                          .cells = cells.data(),
+                          .all = all.data(),
+                          .virtual_nodes = virtual_nodes.data(),
+                          .fit_terms = fit_terms.data(),
+                          .ghosts = ghosts.data(),
+                          .first_ghost_position = slot_count(fine.cells) + int(virtual_nodes.count),
+                          .label = label.data(),
+                          .edge_index = {edge_index.data(), edge_index.count},
+                          .edges = edges.data(),
+                          .shifts = body.shift_count == virtual_nodes.count ? body.shifts : nullptr},
             .virtual_node_count = int(virtual_nodes.count),
             .ghost_count = int(ghosts.count),
             .special = special.data(),
@@ -72,26 +73,26 @@ struct DeviceFragments {
   }
 };
 
-/// What lies beside the body in the CT, and where the CT shows the body on a grid.
-template <class Side>
+/// Surroundings of the body in the CT, and the rest body on a grid.
+template <class Backend>
 struct DeviceSurroundings {
   template <class T>
-  using List = DeviceList<Side, T>;
+  using List = DeviceList<Backend, T>;
 
-  List<std::uint8_t> marks, mask, row_mask;  // of RestBody, of BesideBody
-  Int3 cell, size;                           // of BesideBody
+  List<std::uint8_t> marks, mask, row_mask;  // of RestBody; of Surroundings
+  Int3 cell, size;                           // of Surroundings
   List<std::uint8_t> rest, near_rest;        // by voxel
-  Grid known;                                // whose voxels these are
+  Grid marked_grid;                          // grid of these voxels
 
-  bool put(const Exec& exec, const Model& model, const CtVolume& ct) {
+  bool upload(const Exec& exec, const Model& model, const CtVolume& ct) {
     if (marks.count > 0) return true;
     const RestFrame frame = rest_frame(model, ct.grid);
-    const Surroundings beside = find_beside_body(exec, ct, model.params.tissue.air_max);
-    cell = beside.cell, size = beside.size;
-    return mask.holds(beside.mask) && row_mask.holds(beside.row_mask) &&
-           marks.holds(RestBody(exec, model, frame.first_node, frame.cell_size).marks());
+    const Surroundings surroundings = find_surroundings(exec, ct, model.params.tissue.air_max);
+    cell = surroundings.cell, size = surroundings.size;
+    return mask.try_assign(surroundings.mask) && row_mask.try_assign(surroundings.row_mask) &&
+           marks.try_assign(RestBody(exec, model, frame.first_node, frame.cell_size).marks());
   }
-  bool fits(std::size_t voxels) { return rest.fits(voxels) && near_rest.fits(voxels); }
+  bool resize(std::size_t voxels) { return rest.try_resize(voxels) && near_rest.try_resize(voxels); }
   PartialVolumeView view(const Model& model, const ResampleView& body, const CtVolume& ct,
                          const Grid& grid) const {
     const RestFrame frame = rest_frame(model, ct.grid);
@@ -101,145 +102,151 @@ struct DeviceSurroundings {
                                .per_cell = {1 / side.x, 1 / side.y, 1 / side.z},
                                .marks = marks.data()};
     PartialVolumeView f{.v = body,
-                        .value = voxel_beside(ct, model.params.tissue.air_max, grid, at_rest,
-                                              {cell, size, mask.data(), row_mask.data()}),
+                        .value = outside_voxel(ct, model.params.tissue.air_max, grid, at_rest,
+                                               {cell, size, mask.data(), row_mask.data()}),
                         .rest = rest.data(),
                         .near_rest = near_rest.data(),
-                        .reach = reach_in(grid, ct.grid)};
+                        .reach = blur_reach(grid, ct.grid)};
     f.value.sample = body.sample;
     return f;
   }
-  /// The marks by voxel are those of this grid.
-  bool knows(const Grid& grid) const {
-    return known.size == grid.size && known.spacing == grid.spacing && known.origin == grid.origin &&
-           known.axes == grid.axes;
+  /// True if the marks are those of this grid.
+  bool is_marked_for(const Grid& grid) const {
+    return marked_grid.size == grid.size && marked_grid.spacing == grid.spacing &&
+           marked_grid.origin == grid.origin && marked_grid.axes == grid.axes;
   }
 };
 
-template <class Side>
+template <class Backend>
 struct DeviceSampleArray final : DeviceSamples {
-  typename Side::template Array<std::int16_t> room;
+  typename Backend::template Array<std::int16_t> array;
 
-  explicit DeviceSampleArray(std::size_t count) : room(count) {}
-  const std::int16_t* data() const override { return room.data(); }
-  void get(std::span<std::int16_t> samples) const override { room.download(samples); }
+  explicit DeviceSampleArray(std::size_t count) : array(count) {}
+  const std::int16_t* data() const override { return array.data(); }
+  void download(std::span<std::int16_t> samples) const override { array.download(samples); }
 };
 
-template <class Side>
+template <class Backend>
 class DeviceResampling {
  public:
-  /// Pieces are not those of the state that is there.
-  void forget_cuts() { pieces_.known = knows_mass_ = false; }
+  /// Marks the fragments and the rest mass as outdated.
+  void forget_cuts() { fragments_.is_current = is_mass_current_ = false; }
 
-  /// resample_ct. `cuts`: what blades did to the state that is there; its places are not looked at. Nothing
-  /// where there is no room, or no stiffness.
+  /// resample_ct on the device. Of `cuts` only the cut topology is read, not positions. Empty if device
+  /// memory is short, or if the body has no stiffness.
   template <class Run>
-  std::optional<DeviceResampled> make(const Run& run, const Exec& exec, const Model& model, const State& cuts,
-                                      const BodyToResample& body, const CtVolume& ct, const Grid& grid,
-                                      const ResampleOptions& options) {
-    const bool beside = options.keep_surroundings;
-    if (!fits(model, cuts, grid) || !teleports(ct)) return {};
-    const auto out = std::make_shared<DeviceSampleArray<Side>>(sample_count(grid));
-    if (!out->room.is_allocated()) return {};
-    if (beside && !(beside_.put(exec, model, ct) && beside_.fits(sample_count(grid)))) return {};
-    if (!std::exchange(knows_mass_, true)) rest_mass_ = rest_mass(exec, model, cuts, ct);
+  std::optional<DeviceResampled> resample(const Run& run, const Exec& exec, const Model& model,
+                                          const Cuts& cuts, const BodyToResample& body, const CtVolume& ct,
+                                          const Grid& grid, const ResampleOptions& options) {
+    const bool surroundings = options.keep_surroundings;
+    if (!fits(model, cuts, grid) || !upload_ct(ct)) return {};
+    // memory
+    const auto out = std::make_shared<DeviceSampleArray<Backend>>(sample_count(grid));
+    if (!out->array.is_allocated()) return {};
+    if (surroundings && !(surroundings_.upload(exec, model, ct) && surroundings_.resize(sample_count(grid))))
+      return {};
+    if (!std::exchange(is_mass_current_, true)) rest_mass_ = rest_mass(exec, model, cuts, ct);
+    // rest mass on the host, once per cut
     ResampleView view = this->view(run, model, cuts, body, grid);
     view.rest = rest_frame(model, ct.grid);
-    view.sample = Sampler(ct_.data(), ct.grid.size);
+    // tissue, then the outside of the body
+    view.sample = CtSampler(ct_.data(), ct.grid.size);
     view.conserve_mass = options.conserve_mass;
-    view.out = out->room.data();
+    view.out = out->array.data();
     resample_with(run, view);
-    if (beside) fill_beside(run, model, view, ct, grid);
+    if (surroundings) fill_outside(run, model, view, ct, grid);
     return DeviceResampled{grid, out, report(grid)};
   }
-  /// A field of deformed_fields.hpp, made there and brought here. False where there is no room.
+  /// Computes a field of deformed_fields.hpp and downloads it. Returns false if device memory is short.
   template <class Run, class Of, class Sample>
-  bool get_field(const Run& run, const Model& model, const State& cuts, const BodyToResample& body,
-                 const Grid& grid, const Of& of, std::span<Sample> samples) {
+  bool download_field(const Run& run, const Model& model, const Cuts& cuts, const BodyToResample& body,
+                      const Grid& grid, const Of& of, std::span<Sample> samples) {
     List<Sample> field;
-    if (!fits(model, cuts, grid) || !field.fits(samples.size())) return false;
+    if (!fits(model, cuts, grid) || !field.try_resize(samples.size())) return false;
     const ResampleView view = this->view(run, model, cuts, body, grid);
     claim_with(run, view);
     fill_field_with(run, view, of, field.data());
-    field.room.download(samples);
+    field.array.download(samples);
     return true;
   }
 
  private:
   template <class T>
-  using List = DeviceList<Side, T>;
+  using List = DeviceList<Backend, T>;
 
-  /// For whatever is asked of the voxels of a grid. Is it known whose they are?
-  bool fits(const Model& model, const State& cuts, const Grid& grid) {
+  /// Allocates the arrays for a grid. Returns false if memory is short or tissue cannot be identified.
+  bool fits(const Model& model, const Cuts& cuts, const Grid& grid) {
     const auto nodes = std::size_t(node_count(model.lattice));
-    if (nodes > ResampleView::kBeside / ResampleView::kClaims) return false;
+    if (nodes > ResampleView::kPartialVolume / ResampleView::kClaims) return false;
     if (model.params.solver.method == Method::kPbd && model.params.solver.pbd_stiffness == 0)
-      return false;  // tissue is known by its stiffness
-    if (!pieces_.known && !pieces_.put(model, cuts)) return false;
-    const std::size_t corners = model.tissue.size() + pieces_.virtual_nodes.count + 8 * pieces_.ghosts.count;
-    return place_.fits(corners) && owner_.fits(sample_count(grid)) && moved_.fits(1) &&
-           counts_.fits(kCountParts);
+      return false;  // tissue is identified by its stiffness
+    if (!fragments_.is_current && !fragments_.upload(model, cuts)) return false;
+    const std::size_t corners =
+        model.tissue.size() + fragments_.virtual_nodes.count + 8 * fragments_.ghosts.count;
+    return position_.try_resize(corners) && owner_.try_resize(sample_count(grid)) && moved_.try_resize(1) &&
+           counts_.try_resize(kCounterCount);
   }
-  bool teleports(const CtVolume& ct) { return ct_.count > 0 || ct_.holds(ct.samples); }
-  /// In nodes, and without a CT to sample. Chooses the fixed point by how far the body has moved.
+  bool upload_ct(const CtVolume& ct) { return ct_.count > 0 || ct_.try_assign(ct.samples); }
+  /// View in units of nodes and without a CT. Chooses the fixed point from the largest displacements.
   template <class Run>
-  ResampleView view(const Run& run, const Model& model, const State& cuts, const BodyToResample& body,
+  ResampleView view(const Run& run, const Model& model, const Cuts& cuts, const BodyToResample& body,
                     const Grid& grid) {
     const VoxelCoordinates to = voxel_coordinates(model, grid);
     ResampleView view{.lattice = model.lattice,
                       .nodes = body.nodes,
-                      .cuts = pieces_.view(cuts, body),
+                      .cuts = fragments_.view(cuts, body),
                       .moved = moved_.data(),
                       .counts = counts_.data(),
                       .conserve_mass = false,
-                      .to_ratio = 0,
+                      .volume_scale = 0,
                       .voxel_coordinates = to,
-                      .window = {.low = {0, 0, 0}, .high = grid.size, .handed = handed(to)},
-                      .rest = kInNodes,
-                      .place = place_.data(),
+                      .window = {.low = {0, 0, 0}, .high = grid.size, .handedness = handedness(to)},
+                      .rest = kNodeUnits,
+                      .position = position_.data(),
                       .owner = owner_.data(),
-                      .sample = Sampler(nullptr, {1, 1, 1}),
+                      .sample = CtSampler(nullptr, {1, 1, 1}),
                       .out = nullptr};
+    // largest displacements
     MovedBits moved;
-    moved_.room.upload({&moved, 1});
-    counts_.room.upload(std::vector<ResampleCounts>(kCountParts));
+    moved_.array.upload({&moved, 1});
+    counts_.array.upload(std::vector<ResampleCounts>(kCounterCount));
     run(std::size_t(node_count(view.lattice)), FindMoved{view});
-    moved_.room.download({&moved, 1});
+    moved_.array.download({&moved, 1});
     view.window.bits = view.voxel_coordinates.bits = finest_bits(to, moved.low(), moved.high());
-    view.to_ratio = volume_ratio(model, grid, view.window.bits);
+    view.volume_scale = volume_ratio(model, grid, view.window.bits);
     return view;
   }
   template <class Run>
-  void fill_beside(const Run& run, const Model& model, const ResampleView& view, const CtVolume& ct,
-                   const Grid& grid) {
-    const PartialVolumeView partial_volume = beside_.view(model, view, ct, grid);
-    if (!beside_.knows(grid)) mark_rest_with(run, partial_volume);
-    beside_.known = grid;
-    fill_beside_with(run, partial_volume);
+  void fill_outside(const Run& run, const Model& model, const ResampleView& view, const CtVolume& ct,
+                    const Grid& grid) {
+    const PartialVolumeView partial_volume = surroundings_.view(model, view, ct, grid);
+    if (!surroundings_.is_marked_for(grid)) mark_rest_with(run, partial_volume);
+    surroundings_.marked_grid = grid;
+    fill_outside_with(run, partial_volume);
   }
   ResampleReport report(const Grid& grid) const {
-    std::vector<ResampleCounts> parts(kCountParts);
-    counts_.room.download(parts);
+    std::vector<ResampleCounts> counters(kCounterCount);
+    counts_.array.download(counters);
     ResampleCounts all;
-    for (const ResampleCounts& part : parts) {
-      all.folds += part.folds, all.claims += part.claims;
-      all.covered += part.covered, all.mass += part.mass;
+    for (const ResampleCounts& counter : counters) {
+      all.inverted_tets += counter.inverted_tets, all.claims += counter.claims;
+      all.covered += counter.covered, all.mass += counter.mass;
     }
     const double mass = double(std::int64_t(all.mass)) * sample_volume(grid);
     return {.mass_error = rest_mass_ > 0 ? (mass - rest_mass_) / rest_mass_ : 0,
-            .folds = long(all.folds),
+            .inverted_tets = long(all.inverted_tets),
             .overlaps = long(all.claims - all.covered)};
   }
 
-  DeviceFragments<Side> pieces_;
-  DeviceSurroundings<Side> beside_;
+  DeviceFragments<Backend> fragments_;
+  DeviceSurroundings<Backend> surroundings_;
   List<std::int16_t> ct_;
-  List<Int3> place_;
+  List<Int3> position_;
   List<std::uint32_t> owner_;
   List<MovedBits> moved_;
   List<ResampleCounts> counts_;
-  bool knows_mass_ = false;  // of the body as it is cut:
-  double rest_mass_ = 0;     // in the CT [HU m³]
+  bool is_mass_current_ = false;  // rest mass of the current cuts
+  double rest_mass_ = 0;          // in the CT [HU m³]
 };
 
 }  // namespace turgor::lattice

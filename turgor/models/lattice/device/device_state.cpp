@@ -2,60 +2,72 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// What is there is this state, as it is.
-void put_over(const Model& model, const std::shared_ptr<MirroredState>& kept) {
-  claim(kept);
-  if (kept->changed == Changed::kAll) kept->there->put_state(model, kept->state);
-  if (kept->changed == Changed::kPart) kept->there->put_cuts(model, kept->state);
-  kept->changed = Changed::kNothing;
+/// Makes this state current on the device.
+void upload_changes(const Model& model, const std::shared_ptr<MirroredState>& mirrored) {
+  claim_backend(mirrored);
+  if (mirrored->changed == Changed::kAll) mirrored->backend->upload_state(model, mirrored->host_state);
+  if (mirrored->changed == Changed::kPartial) {
+    const State& state = mirrored->host_state;
+    mirrored->backend->upload_cuts(model, state.cuts, state.cut_elements, state.motion.virtual_u,
+                                   state.motion.virtual_u_before);
+  }
+  mirrored->changed = Changed::kNothing;
 }
 
-/// Are the state's numbers there as well, whether or not they came back?
-bool is_allocated(const std::shared_ptr<MirroredState>& kept) {
-  return kept->there->whose.lock() == kept && kept->changed == Changed::kNothing;
+/// True if the device holds this state's current values, downloaded or not.
+bool is_current_on_device(const std::shared_ptr<MirroredState>& mirrored) {
+  return mirrored->backend->owner.lock() == mirrored && mirrored->changed == Changed::kNothing;
 }
 
 }  // namespace
 
-std::size_t DeviceState::cuts() const { return cut_version(kept_->state); }
-
-std::vector<int> DeviceState::places_in(std::span<const SurfaceSample> places, std::uint64_t version,
-                                        std::span<const Ball> balls) const {
-  if (!kept_->there) return lattice::places_in(places, kept_->state, balls);
-  const std::lock_guard lock(kept_->there->in_use);
-  return kept_->away ? kept_->there->find_places(places, version, balls)
-                     : lattice::places_in(places, kept_->state, balls);
+std::vector<int> DeviceState::samples_in_balls(std::span<const SurfaceSample> samples, std::uint64_t version,
+                                               std::span<const Ball> balls) const {
+  if (!mirrored_->backend) return lattice::samples_in_balls(samples, mirrored_->host_state.motion, balls);
+  const std::lock_guard lock(mirrored_->backend->mutex);
+  return mirrored_->is_on_device ? mirrored_->backend->find_samples(samples, version, balls)
+                                 : lattice::samples_in_balls(samples, mirrored_->host_state.motion, balls);
 }
 
 StepReport DeviceState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {
-  if (!kept_->there) return lattice::step(exec, model, kept_->state, inputs, dt);
-  const std::lock_guard lock(kept_->there->in_use);
-  put_over(model, kept_);
-  kept_->go();
-  State& state = kept_->state;
-  const bool smooth = prepare_coarse_space(model, state, inputs, dt);
-  const StepReport report = kept_->there->step(model, state, smooth, inputs, dt);
-  state.fastest = report.largest_speed;
-  if (report.finite) state.time += dt;
-  kept_->update_views();
+  TURGOR_ASSERT(is_step_length(dt), "a step has a positive length");
+  if (!mirrored_->backend) return lattice::step(exec, model, mirrored_->host_state, inputs, dt);
+  // upload changes of the host
+  const std::lock_guard lock(mirrored_->backend->mutex);
+  upload_changes(model, mirrored_);
+  mirrored_->move_to_device();
+  // step on the device
+  State& state = mirrored_->host_state;
+  const bool use_coarse_space = prepare_coarse_space(model, state, inputs, dt);
+  const StepReport report =
+      mirrored_->backend->step(model, state.cut_elements, use_coarse_space ? state.workspace.coarse : nullptr,
+                               state.motion.fastest, inputs, dt);
+  // update the host's time and fastest speed
+  state.motion.fastest = report.largest_speed;
+  if (report.finite) state.motion.time += dt;
+  mirrored_->download_if_watched();
   return report;
 }
 
-std::optional<DeviceResampled> DeviceState::resample_there(const Exec& exec, const Model& model,
-                                                           const CtVolume& ct, const Grid& grid,
-                                                           const ResampleOptions& options) const {
-  if (!kept_->there) return {};
+std::optional<DeviceResampled> DeviceState::resample_on_device(const Exec& exec, const Model& model,
+                                                               const CtVolume& ct, const Grid& grid,
+                                                               const ResampleOptions& options) const {
+  if (!mirrored_->backend) return {};
   const Timer timer;
-  const std::lock_guard lock(kept_->there->in_use);
-  if (!is_allocated(kept_)) return {};
-  std::optional<DeviceResampled> now = kept_->there->resample(exec, model, kept_->state, ct, grid, options);
+  const std::lock_guard lock(mirrored_->backend->mutex);
+  if (!is_current_on_device(mirrored_)) return {};
+  std::optional<DeviceResampled> now =
+      mirrored_->backend->resample(exec, model, mirrored_->host_state.cuts, ct, grid, options);
   if (now) now->report.seconds = timer.seconds();
   return now;
 }
@@ -63,69 +75,74 @@ std::optional<DeviceResampled> DeviceState::resample_there(const Exec& exec, con
 ResampledCt DeviceState::resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
                                   const ResampleOptions& options) const {
   const Timer timer;
-  const auto there = resample_there(exec, model, ct, grid, options);
-  if (!there) return resample_ct(exec, model, here(), ct, grid, options);
-  ResampledCt now{.ct = {.grid = there->grid, .samples = {}}, .report = there->report};
+  const auto on_device = resample_on_device(exec, model, ct, grid, options);
+  if (!on_device) return resample_ct(exec, model, host(), ct, grid, options);
+  ResampledCt now{.ct = {.grid = on_device->grid, .samples = {}}, .report = on_device->report};
   now.ct.samples.resize(sample_count(grid));
-  there->samples->get(now.ct.samples);
+  on_device->samples->download(now.ct.samples);
   now.report.seconds = timer.seconds();
   return now;
 }
 
-/// False: it is here, or there is no room there.
+/// Returns false if the state is not current on the device, or if device memory is short.
 template <class Get>
-bool DeviceState::get_from_there(const Get& get) const {
-  if (!kept_->there) return false;
-  const std::lock_guard lock(kept_->there->in_use);
-  return is_allocated(kept_) && get(*kept_->there);
+bool DeviceState::download_from_device(const Get& get) const {
+  if (!mirrored_->backend) return false;
+  const std::lock_guard lock(mirrored_->backend->mutex);
+  return is_current_on_device(mirrored_) && get(*mirrored_->backend);
 }
 
 VectorVolume DeviceState::resample_displacement(const Exec& exec, const Model& model,
                                                 const Grid& grid) const {
   VectorVolume field{.grid = grid, .samples = std::vector<Vec3>(sample_count(grid))};
-  if (get_from_there([&](BodyBackend& there) {
-        return there.get_displacement(model, kept_->state, grid, field.samples);
+  if (download_from_device([&](BodyBackend& backend) {
+        return backend.download_displacement(model, mirrored_->host_state.cuts, grid, field.samples);
       }))
     return field;
-  return lattice::resample_displacement(exec, model, here(), grid);
+  return lattice::resample_displacement(exec, model, host(), grid);
 }
 
 ScalarVolume DeviceState::resample_jacobian(const Exec& exec, const Model& model, const Grid& grid) const {
   ScalarVolume field{.grid = grid, .samples = std::vector<float>(sample_count(grid))};
-  if (get_from_there(
-          [&](BodyBackend& there) { return there.get_jacobian(model, kept_->state, grid, field.samples); }))
+  if (download_from_device([&](BodyBackend& backend) {
+        return backend.download_jacobian(model, mirrored_->host_state.cuts, grid, field.samples);
+      }))
     return field;
-  return lattice::resample_jacobian(exec, model, here(), grid);
+  return lattice::resample_jacobian(exec, model, host(), grid);
 }
 
 template <class Cut>
 int DeviceState::cut_with(State& state, const Cut& cut) {
-  const std::size_t before = cut_version(state);
+  const std::size_t before = cut_version(state.cuts);
   const int count = cut(state);
-  if (count > 0 || cut_version(state) != before) kept_->changed = std::max(kept_->changed, Changed::kPart);
+  if (count > 0 || cut_version(state.cuts) != before)
+    mirrored_->changed = std::max(mirrored_->changed, Changed::kPartial);
   return count;
 }
 
-/// A state that is away stays there: copies of nodes come back, and the nodes where new ones are made; what
-/// the blade changed goes over at once.
+/// A state on the device is not moved to the host. Virtual nodes are downloaded, and the nodes from which new
+/// ones are interpolated. The cut topology is uploaded at once.
 int DeviceState::cut_edges(const Model& model, const BladePath& path, double begin, double end,
                            int incision) {
-  const auto cut = [&](const DownloadNodes& bring) {
-    return cut_with(kept_->state, [&](State& state) {
-      return lattice::cut_edges(model, state, path, begin, end, incision, bring);
+  const auto cut = [&](const DownloadNodes& download) {
+    return cut_with(mirrored_->host_state, [&](State& state) {
+      return lattice::cut_edges(model, state, path, begin, end, incision, download);
     });
   };
-  if (!kept_->there) return cut({});
-  const std::lock_guard lock(kept_->there->in_use);
-  if (!kept_->away) return cut({});
-  const Borrowed some(*kept_, {}, true);
-  const int count = cut([&](std::span<const int> nodes) { kept_->there->get_nodes(nodes, kept_->state); });
-  put_over(model, kept_);
+  if (!mirrored_->backend) return cut({});
+  const std::lock_guard lock(mirrored_->backend->mutex);
+  if (!mirrored_->is_on_device) return cut({});
+  const DownloadedNodes downloaded(*mirrored_, {}, true);
+  const int count = cut([&](std::span<const int> nodes) {
+    mirrored_->backend->download_nodes(nodes, mirrored_->host_state.motion);
+  });
+  upload_changes(model, mirrored_);
   return count;
 }
 
 int DeviceState::cut_region(const Model& model, const BladePath& path) {
-  return cut_with(kept_->on_host(), [&](State& state) { return lattice::cut_region(model, state, path); });
+  return cut_with(mirrored_->on_host(),
+                  [&](State& state) { return lattice::cut_region(model, state, path); });
 }
 
 }  // namespace turgor::lattice

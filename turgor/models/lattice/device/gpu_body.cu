@@ -4,13 +4,13 @@
 
 namespace turgor::lattice {
 
-Result<std::shared_ptr<BodyBackend>> put(const Gpu& gpu, const Model& model, Frames frames) {
-  TURGOR_ASSERT(runs_on_gpu(model.params), "asked before by runs_on_gpu");
-  DeviceAllocator<GpuSide> rooms;
-  std::shared_ptr<BodyBackend> body =
-      std::make_shared<DeviceBody<GpuSide>>(model, rooms, GpuRun{.one_by_one = frames == Frames::kOneByOne});
-  if (rooms.all_allocated) return body;
-  return no_room("the body", rooms.bytes, gpu);
+Result<std::shared_ptr<BodyBackend>> upload_model(const Gpu& gpu, const Model& model, Frames frames) {
+  TURGOR_ASSERT(runs_on_gpu(model.params), "callers check runs_on_gpu");
+  DeviceAllocator<GpuBackend> allocator;
+  std::shared_ptr<BodyBackend> body = std::make_shared<DeviceBody<GpuBackend>>(
+      model, allocator, GpuRun{.one_by_one = frames == Frames::kOneByOne});
+  if (allocator.all_allocated) return body;
+  return out_of_memory("the body", allocator.bytes, gpu);
 }
 
 }  // namespace turgor::lattice

@@ -1,5 +1,5 @@
-// A lattice on a GPU: either solver by colours, with skin, volumes or solid cells, cuts, loads and contacts,
-// and the coarse space. Nobody sleeps there, whatever solver.sleep allows.
+// Lattice body on a GPU: both solvers by colors, with skin, volumes or solid cells, cuts, loads, contacts and
+// the coarse space. Rows never sleep on a GPU; solver.sleep is ignored.
 #pragma once
 
 #include <memory>
@@ -9,12 +9,13 @@
 
 namespace turgor::lattice {
 
-/// Can a GPU step this?
+/// True if a GPU can step bodies with these parameters.
 inline bool runs_on_gpu(const Params& params) { return params.solver.ordering == Ordering::kColors; }
-/// Are the kernels of a frame told to the GPU as one graph, or one by one? The latter is for comparison.
+/// Launch of a frame's kernels as CUDA graphs, or one by one for comparison.
 enum class Frames { kAsGraphs, kOneByOne };
-/// Copies the model over, for KeptState::step_on. Error: the memory that it needs and that there is.
-Result<std::shared_ptr<BodyBackend>> put(const Gpu& gpu, const Model& model,
-                                         Frames frames = Frames::kAsGraphs);
+/// Uploads the model, for DeviceState::use_backend. Error: out of memory, with the required and the available
+/// amount.
+Result<std::shared_ptr<BodyBackend>> upload_model(const Gpu& gpu, const Model& model,
+                                                  Frames frames = Frames::kAsGraphs);
 
 }  // namespace turgor::lattice

@@ -1,6 +1,6 @@
-// The cells of a lattice of solid tissue. A cell is whole when its eight corners are body and none of its
-// nineteen edges is cut; whole cells are solid. An edge that no whole cell holds, at a step of the surface or
-// beside two cuts, is a spring, so that no node hangs on nothing.
+// Cells of solid tissue. A cell is whole if its eight corners are body and none of its nineteen edges is cut;
+// whole cells are solid elements. An edge that no whole cell contains is loose: it becomes a spring, so that
+// no node is without elements. Loose edges occur at stairs of the surface and next to two cuts.
 #pragma once
 
 #include "turgor/models/lattice/mechanics/node_systems.hpp"
@@ -10,10 +10,10 @@
 
 namespace turgor::lattice {
 
-/// Young's modulus of the cells, and what is around each group of slots.
+/// Fills Model::cell_young and Model::incident_elements.
 void build_cells(const Exec& exec, Model& model);
 
-/// The edges of family f that start at corner n and stay in the cell, as bits.
+/// Bits of the edge families that start at corner n and stay in the cell.
 constexpr std::uint8_t edges_from_corner(int n) {
   std::uint8_t bits = 0;
   for (int f = 0; f < kFamilyCount; f++) {
@@ -23,7 +23,7 @@ constexpr std::uint8_t edges_from_corner(int n) {
   return bits;
 }
 
-/// The same of a corner that is not known before, where the table of families is not at hand: on a GPU.
+/// edges_from_corner for a corner known at run time. It needs no table of families, which a GPU lacks.
 constexpr std::uint8_t edges_from(int n) {
   constexpr std::uint64_t kEdges = [] {
     std::uint64_t all = 0;
@@ -33,32 +33,32 @@ constexpr std::uint8_t edges_from(int n) {
   return std::uint8_t(kEdges >> 8 * n);
 }
 
-/// Does a cell hold both its corner n and the node at `offset` from it?
-constexpr bool cell_holds(int n, Int3 offset) {
+/// True if a cell contains both its corner n and the node at `offset` from that corner.
+constexpr bool cell_contains(int n, Int3 offset) {
   const Int3 end = cell_corner(n) + offset;
   return end.x >= 0 && end.y >= 0 && end.z >= 0 && end.x <= 1 && end.y <= 1 && end.z <= 1;
 }
 
-/// Is a cell, known by its lowest node, whole and not parted as the body is cut now?
-bool is_whole_now(const Model& model, const State& state, Int3 cell);
-/// Does a whole cell, or its parts, hold the edge from a node along `offset`?
-bool is_held_now(const Model& model, const State& state, Int3 node, Int3 offset);
+/// True if a cell, given by its lowest node, is whole and uncut in this state.
+bool is_whole_cell(const Model& model, const Cuts& cuts, Int3 cell);
+/// True if a whole cell or cut elements of a cell contain the edge from a node along `offset`.
+bool is_edge_covered(const Model& model, const Cuts& cuts, Int3 node, Int3 offset);
 
-/// The twenty-seven nodes of the eight cells around a node, by 1 + offset.
+/// The 27 nodes of the eight cells around a node, indexed by 1 + offset.
 constexpr int kBlockNodes = 27;
 constexpr int block_index(Int3 offset) { return offset.x + 1 + 3 * (offset.y + 1) + 9 * (offset.z + 1); }
 struct NodeBlock {
-  int offset[kBlockNodes];  // in slots
+  int offset[kBlockNodes];  // [slots]
 };
 NodeBlock node_block(const Lattice& lattice, int parity);
 
-/// What the cells, and the springs where there are no whole ones, ask of the nodes of [slot, slot + count).
-/// Writes whole vectors, of which the last lanes are not used.
+/// Gathers forces and Hessians of cells and loose edges for the nodes of [slot, slot + count). It writes
+/// whole vectors; the last lanes are unused.
 struct SolidRow {
   const Model& model;
   const std::uint8_t* row_cut;
   NodeArrays nodes;
-  const Real* young;  // of cells
+  const Real* young;  // of cells, Model::cell_young
   SolidLaw law;
   NodeBlock block[2];
   Neighbors neighbors[2];

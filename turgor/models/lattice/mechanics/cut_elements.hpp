@@ -1,74 +1,69 @@
-// The mechanics of cells and skin that a blade parted: every piece (fragments.hpp) keeps its share of the
-// cell's tissue, as an element on its own corners, of which copies of nodes are unknowns like the nodes
-// themselves. Rows of the lattice know nothing of them but that the cell is no longer whole.
+// Forces of cut-cell and cut-skin elements. Each fragment of a cut cell is an element with the fragment's
+// share of the modulus. Its corners are nodes or virtual nodes, and virtual nodes are unknowns like nodes.
+// Topology of the elements is in cutting/cut_topology.hpp. [Molino et al. 2004; Wang et al. 2014]
 #pragma once
 
 #include <span>
 
-#include "turgor/models/lattice/cutting/fragments.hpp"
 #include "turgor/models/lattice/mechanics/skin_forces.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 
 namespace turgor::lattice {
 
-/// Which copies bear tissue: corners of pieces of cells that were whole, whose other corners lead to nodes.
-void find_bearing(const Model& model, const State& state, Fragments& pieces);
-
-/// Makes State::parts anew after a cut. Copies that were there before stay where they are, new ones go where
-/// the tissue on their side leads: of no other nodes is it asked where they are.
-void build_cut_elements(const Model& model, State& state, const DownloadNodes& bring = {});
-
-/// Tells the rows beside a slot that something near them is cut.
-void mark_rows(const Model& model, State& state, int slot);
-
-/// What parts ask of one of the nodes and copies that they hang on, by plain pointers.
+/// Cut elements as plain pointers, for host and device.
 struct CutElementView {
   NodeArrays nodes;
   int slots;
-  VirtualNodeShift* virtual_nodes;
+  VirtualNodeDisplacement* virtual_nodes;
   const CutCellElement* cells;
   const CutSkinElement* cut_skin_elements;
-  const NodeElement* uses;
+  const NodeElementReference* references;
   const SkinTriangle* triangles;
   SolidLaw solid;
   SkinForces skin;
 
   TURGOR_HD Vec3 u(int corner) const {
     if (corner < slots) return nodes.u(corner);
-    const VirtualNodeShift& c = virtual_nodes[corner - slots];
+    const VirtualNodeDisplacement& c = virtual_nodes[corner - slots];
     return {c.x, c.y, c.z};
   }
+  /// Force and Hessian of all cut elements at one of their nodes.
   TURGOR_HD NodeSystem gather(const ElementNode& node) const;
-  /// Moves a copy to the minimum of what its parts ask. It weighs nothing.
-  TURGOR_HD void solve(const ElementNode& copy) const;
+  /// Moves a virtual node to the minimum of the energy of its elements. A virtual node has no mass.
+  TURGOR_HD void solve(const ElementNode& virtual_node) const;
 
  private:
-  TURGOR_HD NodeSystem skin_part(const CutSkinElement& part, int at) const;
+  TURGOR_HD NodeSystem skin_element(const CutSkinElement& element, int at) const;
 };
 
-/// What parts ask of the nodes and copies that they hang on.
+/// Cut elements of a state on the host.
 struct CutElementForces {
   NodeArrays nodes;
-  const CutElements& parts;
-  CutElementView elements;
+  const CutElements& cut_elements;
+  CutElementView view;
 
   CutElementForces(const Model& m, State& s);
-  NodeSystem gather(const ElementNode& node) const { return elements.gather(node); }
-  /// The nodes among [slot, slot + count), the copies of these; the copies of layer k.
+  NodeSystem gather(const ElementNode& node) const { return view.gather(node); }
+  /// Element nodes with slots in [slot, slot + count); virtual nodes of these slots; virtual nodes of layer
+  /// k.
   std::span<const ElementNode> nodes_of(int slot, int count) const;
   std::span<const ElementNode> virtual_nodes_of(int slot, int count) const;
   std::span<const ElementNode> virtual_nodes_of(int k) const;
-  void solve(const ElementNode& copy) const { elements.solve(copy); }
+  void solve(const ElementNode& virtual_node) const { view.solve(virtual_node); }
 };
 
-/// What a part of skin asks of its corner `at`.
-TURGOR_HD inline NodeSystem CutElementView::skin_part(const CutSkinElement& part, int at) const {
-  const SkinTriangle& t = triangles[part.triangle];
-  const Vec3 places[3] = {{}, t.edge1, t.edge2};
+/// Force and Hessian of a cut-skin element at its corner `at`: those of the whole triangle times the area
+/// share.
+TURGOR_HD inline NodeSystem CutElementView::skin_element(const CutSkinElement& element, int at) const {
+  const SkinTriangle& t = triangles[element.triangle];
+  // deformed edges from the corner
+  const Vec3 rest_position[3] = {{}, t.edge1, t.edge2};
   const int b = (at + 1) % 3, c = (at + 2) % 3;
-  const Vec3 here = u(part.corner[at]) + places[at];
-  const Vec3 edge1 = u(part.corner[b]) + places[b] - here, edge2 = u(part.corner[c]) + places[c] - here;
+  const Vec3 x0 = u(element.corner[at]) + rest_position[at];
+  const Vec3 edge1 = u(element.corner[b]) + rest_position[b] - x0,
+             edge2 = u(element.corner[c]) + rest_position[c] - x0;
+  // law of the whole triangle
   NodeSystem s;
   if (skin.law == SkinLaw::kFiber) {
     add_skin_fiber(s, edge1, edge2, {t.along[at], t.along[b], t.along[c]},
@@ -77,40 +72,45 @@ TURGOR_HD inline NodeSystem CutElementView::skin_part(const CutSkinElement& part
     const Real rest = skin.rest_ratio * t.area;
     add_skin_area(s, {}, edge1, edge2, rest, skin.stiffness / rest, skin.amplification);
   }
-  s.f = s.f * part.share;
-  for (Real* entry : {&s.xx, &s.yy, &s.zz, &s.xy, &s.xz, &s.yz}) *entry *= part.share;
+  // share
+  s.f = s.f * element.share;
+  for (Real* entry : {&s.xx, &s.yy, &s.zz, &s.xy, &s.xz, &s.yz}) *entry *= element.share;
   return s;
 }
 
 TURGOR_HD inline NodeSystem CutElementView::gather(const ElementNode& node) const {
   NodeSystem s;
-  s.f -= node.pull;
-  const Vec3 here = u(node.corner);
+  s.f -= node.prestress_force;
+  const Vec3 x0 = u(node.corner);
   for (int n = node.first; n < node.first + node.count; n++) {
-    const NodeElement use = uses[n];
-    if (use.part < 0) {
-      add(s, skin_part(cut_skin_elements[-1 - use.part], use.at));
+    // cut-skin element
+    const NodeElementReference reference = references[n];
+    if (reference.element < 0) {
+      add(s, skin_element(cut_skin_elements[-1 - reference.element], reference.at));
       continue;
     }
-    const CutCellElement& cell = cells[use.part];
+    // cut-cell element
+    const CutCellElement& cell = cells[reference.element];
     Vec3 d[kCellCorners];
-    for (int c = 0; c < kCellCorners; c++) d[c] = u(cell.corner[std::size_t(c)]) - here;
-    add_cell(s, cell_gradient(d, use.at, solid.slope), use.at, solid, cell.young);
+    for (int c = 0; c < kCellCorners; c++) d[c] = u(cell.corner[std::size_t(c)]) - x0;
+    add_cell(s, cell_gradient(d, reference.at, solid.slope), reference.at, solid, cell.young);
   }
   return s;
 }
 
-TURGOR_HD inline void CutElementView::solve(const ElementNode& copy) const {
-  constexpr Real kWeightless = 1e3f;  // mobility, by stiffness
-  VirtualNodeShift& at = virtual_nodes[copy.corner - slots];
-  if (nodes.w[copy.slot] == 0) {
-    const Vec3 held = nodes.u(copy.slot);
+TURGOR_HD inline void CutElementView::solve(const ElementNode& virtual_node) const {
+  constexpr Real kWeightless = 1e3f;  // h²/m times the stiffness; large, so that inertia is negligible
+  VirtualNodeDisplacement& at = virtual_nodes[virtual_node.corner - slots];
+  // fixed node: the virtual node follows it
+  if (nodes.w[virtual_node.slot] == 0) {
+    const Vec3 held = nodes.u(virtual_node.slot);
     at = {held.x, held.y, held.z};
     return;
   }
-  const NodeSystem s = gather(copy);
-  const Vec3 way = newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3));
-  at = {at.x + way.x, at.y + way.y, at.z + way.z};
+  // Newton step
+  const NodeSystem s = gather(virtual_node);
+  const Vec3 du = newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3));
+  at = {at.x + du.x, at.y + du.y, at.z + du.z};
 }
 
 }  // namespace turgor::lattice

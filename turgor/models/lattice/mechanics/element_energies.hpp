@@ -1,39 +1,42 @@
-// The mathematics of one element: a spring, a tetrahedron's volume, a triangle of skin. Everything is a pure
-// function of a few numbers, for CPU lanes and GPU threads alike. Derivations, and what differs from the
-// paper: docs/models/lattice.md.
+// Energies and constraints of single elements: spring, volume of a tetrahedron, skin triangle. All are pure
+// functions of a few numbers, for CPU lanes and GPU threads. docs/models/lattice.md has the derivations and
+// the differences from the paper.
 #pragma once
 
 #include <cmath>
 
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/core/assert.hpp"
+#include "turgor/core/config.hpp"
+#include "turgor/geometry/lattice.hpp"
+#include "turgor/models/lattice/model/params.hpp"
 
 namespace turgor::lattice {
 
 TURGOR_HD inline Real positive(Real a) { return a > 0 ? a : 0; }
-/// A divisor that may be zero only where the quotient does not matter. Branches would keep loops from being
-/// SIMD.
+/// Divisor that is zero only where the quotient is unused. A branch would prevent SIMD.
 TURGOR_HD inline Real nonzero(Real a) { return a > Real(1e-30) ? a : Real(1e-30); }
 TURGOR_HD inline Real square_root(Real a) { return __builtin_sqrtf(a); }
 
-/// What a tetrahedron takes from its corners' root stiffness: the product over the cell's diagonal, nothing
-/// when a corner is no body.
+/// Factor of a tetrahedron's stiffness: the product of the root stiffnesses at the ends of the cell's
+/// diagonal, 0 if a corner is not body.
 TURGOR_HD inline Real tet_stiffness(Real diagonal_a, Real diagonal_b, Real corner_a, Real corner_b,
                                     Real corner_c) {
   const bool whole = (corner_a > 0) & (corner_b > 0) & (corner_c > 0);
   return whole ? diagonal_a * diagonal_b : 0;
 }
 
-// ---------------------------------------------------------------- pbd: projections
-// -------------------------------
+// ---------------------------------------------------------------- PBD: projections
 
-/// How far the ends of a spring move along d = b − a: a by +wa·s·d, b by −wb·s·d. [Müller 2007, eq. 10]
+/// Projects the spring constraint C = |d| − rest with d = b − a. Returns s: a moves by +wa s d, b by −wb s d.
+///   s = k (|d| − rest) / ((wa + wb) |d|)      k: stiffness in [0, 1], w: inverse masses
+/// [Müller et al. 2007, eq. 10]
 TURGOR_HD inline Real project_spring(Vec3 d, Real rest, Real stiffness, Real wa, Real wb) {
   const Real length = square_root(dot(d, d));
   return stiffness * (length - rest) / nonzero((wa + wb) * length);
 }
 
-/// Gradients of the volume of (0, e1, e2, e3) by its last three corners, in sixths; the first has minus their
-/// sum.
+/// Gradients of 6 V with respect to the last three corners of the tetrahedron (0, e1, e2, e3). The gradient
+/// of the first corner is minus their sum.
 struct VolumeGradients {
   Vec3 g1, g2, g3;
 };
@@ -41,7 +44,10 @@ TURGOR_HD inline VolumeGradients volume_gradients(Vec3 e1, Vec3 e2, Vec3 e3) {
   return {cross(e2, e3), cross(e3, e1), cross(e1, e2)};
 }
 
-/// Corner i moves by w_i · s · gradient_i (gradients in sixths). [Müller 2007, eq. 8]
+/// Projects the volume constraint C = 6 (V − V_rest). Returns s: corner i moves by w_i s ∇_i with ∇_i the
+/// gradient of 6 V.
+///   s = −k C / Σ w_i |∇_i|²      k: stiffness in [0, 1]
+/// [Müller et al. 2007, eq. 8]
 TURGOR_HD inline Real project_volume(Vec3 e1, const VolumeGradients& g, Real rest_volume, Real stiffness,
                                      Real w0, Real w1, Real w2, Real w3) {
   const Vec3 g0 = g.g1 + g.g2 + g.g3;
@@ -50,14 +56,15 @@ TURGOR_HD inline Real project_volume(Vec3 e1, const VolumeGradients& g, Real res
   return -stiffness * change / nonzero(sum);
 }
 
-/// How far the three corners of a triangle move.
+/// Position corrections of the corners of a triangle [m].
 struct SkinShift {
   Vec3 a, b, c;
 };
 
-/// The skin tension constraint C = A − A_rest, k·F_amp at most 1; w are the inverse masses. [STC Algorithm 1,
-/// corrected] A gradient is the opposite side times the normal, half; so |∇i|² is a quarter of that side
-/// squared.
+/// Projects the skin tension constraint C = A − A_rest; w are the inverse masses.
+///   ∇_i = ½ (opposite side) × n/|n|,  n = (b − a) × (c − a)      so |∇_i|² = ¼ (opposite side)²
+///   Δx_i = −k w_i C ∇_i / Σ w_j |∇_j|²,  k = min(1, k₀ (1 + β max(0, C)/A_rest))
+/// [STC Algorithm 1, corrected]
 TURGOR_HD inline SkinShift project_skin(Vec3 a, Vec3 b, Vec3 c, Vec3 w, Real rest_area, Real stiffness,
                                         Real amplification) {
   const Vec3 side_a = b - c, side_b = c - a, side_c = a - b;
@@ -71,11 +78,10 @@ TURGOR_HD inline SkinShift project_skin(Vec3 a, Vec3 b, Vec3 c, Vec3 w, Real res
   return {cross(side_a, n) * (s * w.x), cross(side_b, n) * (s * w.y), cross(side_c, n) * (s * w.z)};
 }
 
-// ---------------------------------------------------------------- descent: force and stiffness at one node
-// --------
+// ---------------------------------------------------------------- VBD: force and Hessian at one node
 
-/// Minus the gradient of the energy by one node's place [N], and its second derivative kept positive definite
-/// [N/m].
+/// Force f = −∂E/∂x [N] and Hessian ∂²E/∂x² [N/m] of the energy at one node. The Hessian is projected to be
+/// positive semidefinite.
 struct NodeSystem {
   Vec3 f;
   Real xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
@@ -92,7 +98,10 @@ TURGOR_HD inline void add_outer(NodeSystem& s, Vec3 g, Real k) {
 }
 TURGOR_HD inline void add_isotropic(NodeSystem& s, Real k) { s.xx += k, s.yy += k, s.zz += k; }
 
-/// ½ k (|d| − rest)² with d from this node to the other.
+/// Spring with stiffness k; d leads from this node to the other one, l = |d|, n = d/l.
+///   E = ½ k (l − rest)²
+///   f = k (l − rest) n
+///   H = k n nᵀ + k max(0, 1 − rest/l) (I − n nᵀ)      clamped: no negative lateral stiffness
 TURGOR_HD inline void add_spring(NodeSystem& s, Vec3 d, Real rest, Real k) {
   const Real inverse_length = 1 / square_root(dot(d, d)), stretch = 1 - rest * inverse_length;
   const Real lateral = k * positive(stretch);
@@ -101,14 +110,21 @@ TURGOR_HD inline void add_spring(NodeSystem& s, Vec3 d, Real rest, Real k) {
   add_isotropic(s, lateral);
 }
 
-/// ½ κ V₀ (V/V₀ − 1)², g = gradient of V at this node; `stiffness` = κ/V₀, `change` = V − V₀.
+/// Volume energy of a tetrahedron; g = ∂V/∂x at this node, `stiffness` = κ/V₀, `change` = V − V₀.
+///   E = ½ κ V₀ (V/V₀ − 1)²
+///   f = −κ/V₀ (V − V₀) g
+///   H = κ/V₀ g gᵀ      exact: V is linear in one corner
 TURGOR_HD inline void add_volume(NodeSystem& s, Vec3 g, Real stiffness, Real change) {
   s.f -= g * (stiffness * change);
   add_outer(s, g, stiffness);
 }
 
-/// A membrane that resists area, ½ K (A − A_rest)²/A_rest, seen from corner a. `stiffness` = K/A_rest. [STC
-/// eq. 3]
+/// Skin triangle that resists area, at its corner a; `stiffness` = K/A_rest, s = A − A_rest.
+///   E = K/A_rest (½ s² + β max(0, s)³/(3 A_rest))
+///   g = ∂A/∂a = ½ (b − c) × u,  u: unit normal
+///   f = −k s g,  k = K/A_rest (1 + β max(0, s)/A_rest)
+///   H = k g gᵀ + k max(0, s) |b − c|²/(4 A) u uᵀ      with k held constant
+/// [STC eq. 3]
 TURGOR_HD inline void add_skin_area(NodeSystem& s, Vec3 a, Vec3 b, Vec3 c, Real rest_area, Real stiffness,
                                     Real amplification) {
   const Vec3 n = cross(b - a, c - a);
@@ -119,16 +135,19 @@ TURGOR_HD inline void add_skin_area(NodeSystem& s, Vec3 a, Vec3 b, Vec3 c, Real 
   const Real k = degenerate ? 0 : stiffness * (1 + amplification * growth);
   s.f -= g * (k * change);
   add_outer(s, g, k);
-  // A taut membrane resists sideways: without this term the sweeps diverge.
+  // lateral stiffness of a taut membrane; without it the sweeps diverge
   add_outer(s, u, k * positive(change) * dot(opposite, opposite) * (Real(0.5) * inverse));
 }
 
-/// What the fibre law needs besides the triangle; `rest` is the stretch at which the skin would rest.
+/// Constants of the fiber law. `rest` is the stretch at which a fiber has no tension.
 struct FiberLaw {
   Real rest_along, rest_across, stiffness, shear, amplification;  // [1] [1] [N/m] [N/m] [1]
 };
 
-/// ½ K A₀ (|g| − rest)² with g = F d, seen from a corner whose coefficient in g is c.
+/// Fiber with g = F d, l = |g|, s = l − rest, at a corner whose coefficient in g is c; `stiffness` = K A₀.
+///   E = K A₀ (½ s² + β max(0, s)³/(3 rest))
+///   f = −k c s g/l,  k = K A₀ (1 + β max(0, s)/rest)
+///   H = k c² (g gᵀ/l² + max(0, s)/l (I − g gᵀ/l²))      with k held constant
 TURGOR_HD inline void add_fiber(NodeSystem& s, Vec3 g, Real c, Real rest, Real stiffness,
                                 Real amplification) {
   const Real length = square_root(dot(g, g)), strain = length - rest, steeper = amplification / rest;
@@ -140,13 +159,18 @@ TURGOR_HD inline void add_fiber(NodeSystem& s, Vec3 g, Real c, Real rest, Real s
   add_isotropic(s, lateral);
 }
 
-/// Skin with fibres along Langer's lines, seen from its first corner; `edge1` and `edge2` lead from there to
-/// the others, `along` and `across` are coefficients in that order. [docs/models/lattice.md, fibre law]
+/// Fiber law of skin: fibers along and across Langer's lines, and shear between them. f = F d_along and g = F
+/// d_across; the result is at the first corner. `edge1` and `edge2` lead from it to the others; `along` and
+/// `across` are the coefficients in that order.
+///   E = E_fiber(f) + E_fiber(g) + ½ G A₀ (f · g)²      G: law.shear
+/// [docs/models/lattice.md, fiber law]
 TURGOR_HD inline void add_skin_fiber(NodeSystem& s, Vec3 edge1, Vec3 edge2, Vec3 along, Vec3 across,
                                      Real area, const FiberLaw& law) {
   const Vec3 f = edge1 * along.y + edge2 * along.z, g = edge1 * across.y + edge2 * across.z;
+  // fibers
   add_fiber(s, f, along.x, law.rest_along, law.stiffness * area, law.amplification);
   add_fiber(s, g, across.x, law.rest_across, law.stiffness * area, law.amplification);
+  // shear
   const Vec3 sheared = f * across.x + g * along.x;
   s.f -= sheared * (law.shear * area * dot(f, g));
   add_outer(s, sheared, law.shear * area);
@@ -156,13 +180,13 @@ TURGOR_HD inline void add_skin_fiber(NodeSystem& s, Vec3 edge1, Vec3 edge2, Vec3
 struct CornerForces {
   Vec3 on[3];
 };
-/// What fibres bear for being stretched, g = F d [N/m] by the area.
+/// Derivative ∂E/∂g of the fiber energy (add_fiber), for `stiffness` = K A₀.
 TURGOR_HD inline Vec3 fiber_stress(Vec3 g, Real rest, Real stiffness, Real amplification) {
   const Real length = square_root(dot(g, g)), strain = length - rest, steeper = amplification / rest;
   const Real inverse_length = length > 0 ? 1 / nonzero(length) : 0;
   return g * (stiffness * (1 + steeper * positive(strain)) * strain * inverse_length);
 }
-/// The forces of add_skin_fibre, at all three corners at once.
+/// Forces of add_skin_fiber at all three corners.
 TURGOR_HD inline CornerForces skin_fiber_forces(Vec3 edge1, Vec3 edge2, Vec3 along, Vec3 across, Real area,
                                                 const FiberLaw& law) {
   const Vec3 f = edge1 * along.y + edge2 * along.z, g = edge1 * across.y + edge2 * across.z;
@@ -171,7 +195,7 @@ TURGOR_HD inline CornerForces skin_fiber_forces(Vec3 edge1, Vec3 edge2, Vec3 alo
   const Vec3 q = fiber_stress(g, law.rest_across, law.stiffness * area, law.amplification) + f * sheared;
   return {{p * -along.x - q * across.x, p * -along.y - q * across.y, p * -along.z - q * across.z}};
 }
-/// And those of add_skin_area.
+/// Forces of add_skin_area at all three corners.
 TURGOR_HD inline CornerForces skin_area_forces(Vec3 edge1, Vec3 edge2, Real rest_area, Real stiffness,
                                                Real amplification) {
   const Vec3 n = cross(edge1, edge2);
@@ -183,7 +207,8 @@ TURGOR_HD inline CornerForces skin_area_forces(Vec3 edge1, Vec3 edge2, Real rest
   return {{cross(edge1 - edge2, u), cross(edge2, u), cross(-edge1, u)}};
 }
 
-/// Newton's step of one node: (1 + c H) x = y-part + c f with c = h²·w, so that a fixed node (c = 0) stays.
+/// Newton step of one node in implicit Euler.
+///   (I + c H) Δx = (y − x) + c f,  c = h² w      `to_inertial` = y − x; a fixed node (c = 0) stays
 TURGOR_HD inline Vec3 newton_step(const NodeSystem& s, Vec3 to_inertial, Real c) {
   const Real a = 1 + c * s.xx, d = 1 + c * s.yy, f = 1 + c * s.zz, b = c * s.xy, e = c * s.xz, g = c * s.yz;
   const Vec3 r = to_inertial + s.f * c;
@@ -195,17 +220,18 @@ TURGOR_HD inline Vec3 newton_step(const NodeSystem& s, Vec3 to_inertial, Real c)
          inverse_determinant;
 }
 
-// ---------------------------------------------------------------- what skin weighs in both solvers
-// -------------
+// ---------------------------------------------------------------- rest lengths of skin, both solvers
 
-/// Stretch of fibres at rest, 1 in the CT, such that they bear the tension T there: the root r of
-/// K (1 − r)(1 + β (1 − r)/r) = T.
+/// Rest stretch r of fibers (1 in the CT) such that they have the tension T in the CT. r is the root of
+///   K (1 − r) (1 + β (1 − r)/r) = T
 inline Real fiber_rest(double tension, const SkinParams& skin) {
+  TURGOR_CHECK(skin.stiffness > 0, "skin with tension has a stiffness");
   const double t = tension / skin.stiffness, half = 1 + t;
   return Real(1 - 2 * t / (half + std::sqrt(half * half + 4 * (skin.amplification - 1) * t)));
 }
-/// Rest area relative to that in the CT, likewise: with s = (1 − r)/r the root of K s (1 + β s) = T, the mean
-/// of both tensions.
+/// Rest area over the area in the CT, r, for the mean T of both tensions. With s = (1 − r)/r, s is the root
+/// of
+///   K s (1 + β s) = T
 inline Real rest_area_ratio(const SkinParams& skin) {
   const double t = 0.5 * (skin.tension_along + skin.tension_across) / skin.stiffness;
   return Real(1 / (1 + 2 * t / (1 + std::sqrt(1 + 4 * skin.amplification * t))));

@@ -1,21 +1,22 @@
-// Cells that are turned inside out: nothing that is drawn or measured there means anything.
+// Inverted cells. Pictures and measures are meaningless in them.
 #pragma once
 
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/core/exec.hpp"
+#include "turgor/models/lattice/model/state.hpp"
 
 namespace turgor::lattice {
 
 struct InvertedCells {
   int count = 0;
-  Int3 first;  // the lowest node of one of them
+  Int3 first;  // lowest node of one of them
 };
 
-/// Cells of body, without a cut edge, whose volume at the middle is negative.
-InvertedCells find_folded_cells(const Exec& exec, const Model& model, const State& state);
+/// Counts uncut body cells whose volume at the center is negative.
+InvertedCells find_inverted_cells(const Exec& exec, const Model& model, const State& state);
 
-/// How far tissue goes on below the bottom of a cut, in lattice steps and up to `most`: the least along the
-/// line from `from` to `to`, which lies at the bottom of the cut, towards `into` (lattice frame, unit). The
-/// body is that of the CT.
+/// Depth of tissue below the bottom of a cut, in cells, at most `most`: the minimum along the line
+/// `from`–`to` at the bottom of the cut, in the direction `into` (lattice frame, unit). It uses the body in
+/// the CT.
 double cells_below(const Model& model, Vec3d from, Vec3d to, Vec3d into, double most);
 
 }  // namespace turgor::lattice

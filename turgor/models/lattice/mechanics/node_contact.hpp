@@ -1,76 +1,81 @@
-// Contacts in the system of one node, by the augmented Lagrangian: every sweep sees a penalty around the
-// force that the sweep before found, so that the force converges to the one that just keeps the node out,
-// whatever the penalty's stiffness. [Hestenes 1969; Giles, Diaz and Yuksel 2025 for descent]
+// Contacts of one node by the augmented Lagrangian. Each sweep uses a penalty around the force of the
+// previous sweep. The force converges to the one that just keeps the node outside, for any penalty stiffness.
+// [Hestenes 1969; Giles, Diaz, Yuksel 2025 for VBD]
 #pragma once
 
 #include <algorithm>
 #include <span>
 
 #include "turgor/models/lattice/mechanics/element_energies.hpp"
+#include "turgor/models/lattice/model/inputs.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 
 namespace turgor::lattice {
 
-/// How many times as stiff as the node itself a contact is. More finds a contact's force in fewer sweeps,
-/// less lets neighbours in contact share theirs sooner.
+/// Stiffness of a contact over the stiffness of its node. A larger value finds the force in fewer sweeps; a
+/// smaller one lets neighbors in contact share the load sooner.
 constexpr Real kContactStiffness = 10;
 
-/// What a contact does to its node at one displacement.
+/// Contact force and stiffness at one displacement.
 struct ContactForce {
   Vec3 force;       // on the node [N]
   Real along = 0;   // stiffness along the normal [N/m]
-  Real across = 0;  // and across it [N/m]
+  Real across = 0;  // stiffness across the normal [N/m]
 };
 
-/// Never pulling, and friction inside its cone: the trial force of a penalty, projected. With `touches` the
-/// normal part stays linear, for the node's own system: there it may pull, so that what was pushed too far
-/// comes back.
-TURGOR_HD inline ContactForce contact_force(const NodeContact& c, Vec3 u, bool touches = false) {
+/// Contact force: the trial force λ + k (target − u), projected to λ_n ≥ 0 and the friction cone |λ_t| ≤ μ
+/// λ_n. `active` keeps the normal part linear for the system of the node itself. It may pull there, which
+/// corrects an overshoot.
+TURGOR_HD inline ContactForce contact_force(const NodeContact& c, Vec3 u, bool active = false) {
+  // trial force
   const Vec3 trial = c.force + (c.target - u) * c.stiffness;
   if (c.is_held) return {trial, c.stiffness, c.stiffness};
-  const Real pressing = dot(trial, c.normal);
-  if (!(pressing > 0) && !touches) return {};
-  const Vec3 rubbing = trial - c.normal * pressing;
-  const Real most = c.friction * positive(pressing), length = norm(rubbing);
-  const Real part = length > most ? most / length : 1;
-  return {c.normal * pressing + rubbing * part, c.stiffness, c.stiffness * part};
+  const Real normal_force = dot(trial, c.normal);
+  // normal part
+  if (!(normal_force > 0) && !active) return {};
+  const Vec3 tangential = trial - c.normal * normal_force;
+  // Coulomb cone
+  const Real most = c.friction * positive(normal_force), length = norm(tangential);
+  const Real cone_scale = length > most ? most / length : 1;
+  return {c.normal * normal_force + tangential * cone_scale, c.stiffness, c.stiffness * cone_scale};
 }
 
-/// Did it push in the last sweep?
-TURGOR_HD inline bool bears(const NodeContact& c) { return dot(c.force, c.normal) > 0; }
-/// Does the node touch in this sweep: because it did in the last one, or because it would go in without the
-/// contact?
-TURGOR_HD inline bool touches(const NodeContact& c, Vec3 u_without) {
-  return bears(c) || dot(c.target - u_without, c.normal) > 0;
+/// True if the contact pushed in the last sweep.
+TURGOR_HD inline bool was_active(const NodeContact& c) { return dot(c.force, c.normal) > 0; }
+/// True if the contact is active in this sweep: it pushed in the last one, or the node would penetrate
+/// without it.
+TURGOR_HD inline bool is_active(const NodeContact& c, Vec3 u_without) {
+  return was_active(c) || dot(c.target - u_without, c.normal) > 0;
 }
 
-/// Of the place that touches [m].
+/// Displacement of the contact point [m].
 TURGOR_HD inline Vec3 contact_displacement(const NodeContact& c, const NodeArrays& n) {
   const Vec3 own = n.u(c.slot);
   return c.other < 0 ? own : (own + n.u(c.other)) * Real(0.5);
 }
 
-/// Adds the contacts of one node to its system. They are equally stiff, and share what one alone would have.
-/// Whether one alone touches is told by where the node would go without it; beside others, by whether it
-/// bears, for what those hold out it would pull back in. `mobility`: h² w [m/N].
-TURGOR_HD inline void press_node(std::span<NodeContact> touched, const NodeArrays& n, Vec3 to_inertial,
-                                 Real mobility, NodeSystem& s) {
-  const Real share = kContactStiffness / Real(touched.size());
+/// Adds the contacts of one node to its system. They share the stiffness of a single contact. A single
+/// contact is active if the node would penetrate without it. One of several is active only if it pushed
+/// before: the others hold the node, and it would pull back. `mobility`: h² w [m/N].
+TURGOR_HD inline void add_contacts(std::span<NodeContact> node_contacts, const NodeArrays& n,
+                                   Vec3 to_inertial, Real mobility, NodeSystem& s) {
+  const Real share = kContactStiffness / Real(node_contacts.size());
   const Real stiffness = share * ((s.xx + s.yy + s.zz) / 3 + 1 / mobility);
   const Vec3 without = newton_step(s, to_inertial, mobility);
-  for (NodeContact& c : touched) {
+  for (NodeContact& c : node_contacts) {
     c.stiffness = stiffness;
-    const Real part = c.other < 0 ? Real(1) : Real(0.5);  // of the node's step that the place goes along
+    const Real weight =
+        c.other < 0 ? Real(1) : Real(0.5);  // displacement of the contact point over that of the node
     const Vec3 u = contact_displacement(c, n);
-    const bool is_allocated = touched.size() == 1 ? touches(c, u + without * part) : bears(c);
-    const ContactForce pushed = contact_force(c, u, is_allocated);
-    s.f += pushed.force;
-    add_outer(s, c.normal, (pushed.along - pushed.across) * part);
-    add_isotropic(s, pushed.across * part);
+    const bool active = node_contacts.size() == 1 ? is_active(c, u + without * weight) : was_active(c);
+    const ContactForce contact = contact_force(c, u, active);
+    s.f += contact.force;
+    add_outer(s, c.normal, (contact.along - contact.across) * weight);
+    add_isotropic(s, contact.across * weight);
   }
 }
 
-/// The contacts of the nodes of [slot, slot + count).
+/// Contacts of the nodes in [slot, slot + count).
 inline std::span<NodeContact> contacts_of(std::span<NodeContact> all, int slot, int count) {
   const auto at = [&](int s) {
     return std::lower_bound(all.begin(), all.end(), s,

@@ -1,6 +1,5 @@
-// What the springs, the tetrahedra and the cells around one node ask of it: the body of loops over lanes of a
-// CPU, and of a thread of a GPU. What a blade went through, the caller knows, of many nodes at once or of
-// one.
+// Forces and Hessians of springs, tetrahedra and cells around one node. The functions are loop bodies for CPU
+// lanes and for one GPU thread. The caller supplies the cut state of edges, tetrahedra and cells.
 #pragma once
 
 #include <type_traits>
@@ -12,47 +11,50 @@
 
 namespace turgor::lattice {
 
-/// Calls f(t) for every one of kTetsAround. For nvcc t is a constant, so that what is looked up with it stays
-/// in registers; the CPU's compilers make vectors of a loop, and not of calls.
+/// Calls f(t) for all of kIncidentTets. With nvcc t is a compile-time constant, so that table lookups stay in
+/// registers. CPU compilers vectorize a loop but not such calls.
 template <class F>
-[[gnu::always_inline]] TURGOR_HD inline void for_each_tet_around(const F& f) {
+[[gnu::always_inline]] TURGOR_HD inline void for_each_incident_tet(const F& f) {
 #ifdef __CUDACC__
   [&]<std::size_t... kTets>(std::index_sequence<kTets...>) {
     (f(std::integral_constant<std::size_t, kTets>{}), ...);
   }
-  (std::make_index_sequence<kTetsAround.size()>{});
+  (std::make_index_sequence<kIncidentTets.size()>{});
 #else
   TURGOR_UNROLL
-  for (std::size_t t = 0; t < kTetsAround.size(); t++) f(t);
+  for (std::size_t t = 0; t < kIncidentTets.size(); t++) f(t);
 #endif
 }
 template <std::size_t kTet>
-TURGOR_HD constexpr TetAround tet_around(std::integral_constant<std::size_t, kTet>) {
-  constexpr TetAround around = kTetsAround[kTet];
-  return around;
+TURGOR_HD constexpr IncidentTet incident_tet(std::integral_constant<std::size_t, kTet>) {
+  constexpr IncidentTet stencil = kIncidentTets[kTet];
+  return stencil;
 }
-constexpr const TetAround& tet_around(std::size_t t) { return kTetsAround[t]; }
+constexpr const IncidentTet& incident_tet(std::size_t t) { return kIncidentTets[t]; }
 
-/// Springs and volumes around node a. Distances to the neighbours are computed once and serve both.
-/// `spring(e)` and `tet(t)`: 1 where no blade went through, or 0; t as for_each_tet_around has it.
+/// Springs and volumes around node a. Both use the same edge vectors. `spring(e)` and `tet(t)` are 1 for
+/// uncut elements and 0 for cut ones; t is the argument of for_each_incident_tet.
 template <bool kWithVolumes, class Spring, class Tet>
-[[gnu::always_inline]] TURGOR_HD inline NodeSystem springs_around(const NodeArrays& n,
-                                                                  const Neighbors& around, Real rest_volume,
-                                                                  Real volume_scale, int a,
-                                                                  const Spring& spring, const Tet& tet) {
+[[gnu::always_inline]] TURGOR_HD inline NodeSystem incident_springs(const NodeArrays& n,
+                                                                    const Neighbors& stencil,
+                                                                    Real rest_volume, Real volume_scale,
+                                                                    int a, const Spring& spring,
+                                                                    const Tet& tet) {
   NodeSystem s;
+  // springs
   Vec3 d[kNeighborCount];
   Real root[kNeighborCount];
   TURGOR_UNROLL
   for (int e = 0; e < kNeighborCount; e++) {
-    const int b = a + around.offset[e];
-    d[e] = around.edge[e] + (n.u(b) - n.u(a));
+    const int b = a + stencil.offset[e];
+    d[e] = stencil.edge[e] + (n.u(b) - n.u(a));
     root[e] = n.root[b];
-    add_spring(s, d[e], around.rest[e], around.scale[e] * n.root[a] * root[e] * spring(e));
+    add_spring(s, d[e], stencil.rest[e], stencil.scale[e] * n.root[a] * root[e] * spring(e));
   }
+  // volumes
   if constexpr (kWithVolumes) {
-    for_each_tet_around([&](auto t) {
-      const TetAround& at = tet_around(t);
+    for_each_incident_tet([&](auto t) {
+      const IncidentTet& at = incident_tet(t);
       const auto root_of = [&](int neighbor) { return neighbor < 0 ? n.root[a] : root[neighbor]; };
       Real k = tet_stiffness(root_of(at.far[0]), root_of(at.far[1]), root[at.corner[0]], root[at.corner[1]],
                              root[at.corner[2]]);
@@ -66,11 +68,11 @@ template <bool kWithVolumes, class Spring, class Tet>
   return s;
 }
 
-/// The eight cells around node a, which is corner n of cell n; `young(n)`: of what is whole [Pa].
+/// Solid cells around node a, which is corner n of cell n. `young(n)`: modulus of a whole cell, else 0 [Pa].
 template <class Young>
-[[gnu::always_inline]] TURGOR_HD inline NodeSystem cells_around(const NodeArrays& n, const SolidLaw& law,
-                                                                const NodeBlock& block, int a,
-                                                                const Young& young) {
+[[gnu::always_inline]] TURGOR_HD inline NodeSystem incident_cells(const NodeArrays& n, const SolidLaw& law,
+                                                                  const NodeBlock& block, int a,
+                                                                  const Young& young) {
   NodeSystem s;
   Vec3 u[kBlockNodes];
   TURGOR_UNROLL
@@ -85,16 +87,17 @@ template <class Young>
   return s;
 }
 
-/// The edges of node a that no whole cell holds; `stiffness(e)`: 0 for others [N/m].
+/// Loose edges of node a. `stiffness(e)`: 0 for other edges [N/m].
 template <class Stiffness>
 [[gnu::always_inline]] TURGOR_HD inline void add_loose_edges(NodeSystem& s, const NodeArrays& n,
-                                                             const Neighbors& around, int a,
+                                                             const Neighbors& stencil, int a,
                                                              const Stiffness& stiffness) {
   TURGOR_UNROLL
   for (int e = 0; e < kNeighborCount; e++) {
     const Real k = stiffness(e);
-    const Real there = k > 0 ? Real(1) : Real(0);  // slots without a node lie still, wherever this one goes
-    add_spring(s, around.edge[e] + (n.u(a + around.offset[e]) - n.u(a)) * there, around.rest[e], k);
+    const Real present =
+        k > 0 ? Real(1) : Real(0);  // empty slots have no displacement; d must not depend on them
+    add_spring(s, stencil.edge[e] + (n.u(a + stencil.offset[e]) - n.u(a)) * present, stencil.rest[e], k);
   }
 }
 

@@ -1,11 +1,11 @@
-// The systems of many nodes, an array per number: what a half row gathers before its nodes move.
+// Systems of many nodes as a structure of arrays: the buffer that a half row gathers before its nodes move.
 #pragma once
 
 #include "turgor/models/lattice/mechanics/element_energies.hpp"
 
 namespace turgor::lattice {
 
-constexpr int kLanes = 256;  // nodes done at once; longer half rows are done in pieces
+constexpr int kLanes = 256;  // nodes per chunk; longer half rows are split
 
 template <int kCount>
 struct Systems {

@@ -1,5 +1,7 @@
 #include "turgor/models/lattice/mechanics/solid.hpp"
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::lattice {
 
 namespace {
@@ -12,45 +14,50 @@ Moduli moduli(double poisson) {
   return {4.0 / 3 * mu, lambda + 5.0 / 6 * mu};
 }
 
-/// κ/E: what a twisted bar of cells lacks at their middles, G θ² h²/6 for two shapes of q = θ h²/4; a bent
-/// one lacks more, E instead of G, of which a bar of n cells feels 1/n².
-double hourglass_modulus(Vec3d step, double poisson) { return 2 / (1 + poisson) / dot(step, step); }
+/// Hourglass modulus κ/E. A twisted bar of cells lacks the energy G θ² h²/6 at the centers, for two modes
+/// with q = θ h²/4. A bent bar lacks more, since E replaces G. In a bar of n cells, this matters only by
+/// 1/n².
+double hourglass_modulus(Vec3d spacing, double poisson) { return 2 / (1 + poisson) / dot(spacing, spacing); }
 
 }  // namespace
 
-SolidLaw solid_law(Vec3 step, double poisson) {
+SolidLaw solid_law(Vec3 spacing, double poisson) {
+  TURGOR_CHECK(poisson >= 0 && poisson < 0.5, "Poisson's ratio is from 0 to below 0.5");
   const Moduli m = moduli(poisson);
-  const double volume = double(step.x) * step.y * step.z;
-  return {.slope = {Real(0.25) / step.x, Real(0.25) / step.y, Real(0.25) / step.z},
+  const double volume = double(spacing.x) * spacing.y * spacing.z;
+  return {.slope = {Real(0.25) / spacing.x, Real(0.25) / spacing.y, Real(0.25) / spacing.z},
           .shear = Real(volume * m.shear),
           .bulk = Real(volume * m.bulk),
-          .hourglass = Real(volume * hourglass_modulus(Vec3d(step), poisson) / 8)};
+          .hourglass = Real(volume * hourglass_modulus(Vec3d(spacing), poisson) / 8)};
 }
 
-double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 step, double poisson) {
+double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson) {
   const Moduli m = moduli(poisson);
-  const Vec3d h(step);
+  const Vec3d h(spacing);
+  // deformation gradient and mean displacement
   Mat3d f;
   Vec3d mean;
   for (int n = 0; n < kCellCorners; n++) {
-    const Vec3d side(corner_side(n));
+    const Vec3d side(corner_sign(n));
     mean += u[n] / 8;
     for (int axis = 0; axis < 3; axis++) f.column[axis] += u[n] * (side[axis] / (4 * h[axis]));
   }
-  double bent = 0;
+  // hourglass displacements
+  double hourglass = 0;
   for (int n = 0; n < kCellCorners; n++) {
-    const Vec3d side(corner_side(n)), place = hadamard(side, h) * 0.5;
-    const Vec3d beyond = u[n] + place - mean - f * place;
-    bent += dot(beyond, beyond);
+    const Vec3d side(corner_sign(n)), corner_position = hadamard(side, h) * 0.5;
+    const Vec3d hourglass_displacement = u[n] + corner_position - mean - f * corner_position;
+    hourglass += dot(hourglass_displacement, hourglass_displacement);
   }
+  // Neo-Hookean energy at the center
   const auto& [x, y, z] = f.column;
   const double square = dot(x, x) + dot(y, y) + dot(z, z), growth = dot(x, cross(y, z));
-  const double rest = 1 + 0.75 * m.shear / m.bulk;  // α: where the volume term rests, so that F = 1 does
+  const double rest = 1 + 0.75 * m.shear / m.bulk;  // α: offset of J such that F = I is at rest
   const auto middle = [&](double i, double j) {
     return 0.5 * (m.shear * (i - 3 - std::log(i + 1)) + m.bulk * (j - rest) * (j - rest));
   };
   const double volume = h.x * h.y * h.z;
-  return volume * (middle(square, growth) - middle(3, 1) + hourglass_modulus(h, poisson) * bent / 16);
+  return volume * (middle(square, growth) - middle(3, 1) + hourglass_modulus(h, poisson) * hourglass / 16);
 }
 
 }  // namespace turgor::lattice

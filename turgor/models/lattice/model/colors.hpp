@@ -1,9 +1,9 @@
-// The schedule "colours": a sweep is eight passes, one for each parity of (i, j, k). No two nodes of a colour
-// are corners of one cell, of one triangle of skin, or of one part of either beside a blade; no two cells of
-// a colour share a node. So everything of a pass may be done at once and in any order, and gives the same
-// bits. Springs alone would do with four colours, (i + j + k) mod 4; a solid cell joins all eight corners.
-// With eight, half a row of the storage has one colour: neighbours in memory are done together by lanes and
-// by threads of a GPU, and one rule serves both laws and both solvers.
+// Coloring of the lattice: a sweep is eight passes, one per parity of (i, j, k). No two nodes of a color are
+// corners of one cell, one skin triangle or one cut element. No two cells of a color share a node. All work
+// of a pass can run at once and in any order, with the same bits. Springs alone need only four colors, (i + j
+// + k) mod 4; a solid cell couples all eight corners. With eight colors a half row has one color: SIMD lanes
+// and GPU threads process neighbors in memory together. The same rule serves both tissue laws and both
+// solvers.
 #pragma once
 
 #include "turgor/core/run.hpp"
@@ -12,14 +12,14 @@
 namespace turgor::lattice {
 
 constexpr int kColorCount = 8;
-/// Of a node; of a cell, by its lowest node.
+/// Color of a node, or of a cell by its lowest node.
 TURGOR_HD constexpr int color_of(Int3 node) { return (node.x & 1) | (node.y & 1) << 1 | (node.z & 1) << 2; }
 
 struct HalfRow {
   int parity, j, k;  // parity of i
 };
 
-/// The half rows of one colour, layer by layer.
+/// Half rows of one color, layer by layer.
 struct ColorRows {
   int color, in_layer, layers;
 
@@ -32,11 +32,11 @@ struct ColorRows {
   }
 };
 
-/// What is done when, by colour c: entries [begin[c], begin[c + 1]).
+/// Ranges by color: color c has entries [begin[c], begin[c + 1]).
 struct ColorBegin {
   int begin[kColorCount + 1] = {};
 };
-/// Appends the first slots of the groups of runs, colour by colour.
+/// Appends the first slot of each group of the runs, color by color.
 ColorBegin groups_by_colors(const Lattice& lattice, const Runs& runs, std::vector<int>& groups);
 
 /// Calls kernel(half_row).
@@ -48,19 +48,12 @@ struct OnHalfRow {
   void operator()(std::size_t n) const { kernel(rows[n]); }
 };
 
-/// One pass. A layer's half rows stay on one thread: vectors at the end of a row read, though they do not use
-/// it, what lies behind it, which may be a row that is done at the same time.
+/// One pass. Half rows of a layer stay on one thread: full vectors at the end of a row read (but do not use)
+/// the slots behind it, and these may belong to a row of the same pass.
 template <class Run, class Kernel>
 void run_half_rows(const Run& run, Int3 size, int color, const Kernel& kernel) {
   const ColorRows rows(size, color);
   run(rows.count(), OnHalfRow<Kernel>{kernel, rows}, std::size_t(rows.in_layer));
 }
-
-/// What sweep_pbd and sweep_descent do if the parameters ask for colours, by any run.
-template <class Run>
-void sweep_pbd_by_colors(const Run& run, const Model& model, State& state);
-template <class Run>
-void sweep_vbd_by_colors(const Run& run, const Model& model, State& state, const Inputs& inputs, double dt,
-                         Order order = Order::kForward);
 
 }  // namespace turgor::lattice

@@ -1,7 +1,7 @@
-// One body in several processes (docs/one-huge-body.md). Each holds a run of layers, its own (Model::own),
-// and beside them copies of others' that its own ones read. Own layers begin with a multiple of four, so that
-// slabs and their phases are those of the whole body. What a process must hear from the others is asked for
-// here; who holds the whole body has no others.
+// Halo exchange of one body across several processes (docs/distributed-bodies.md). Each process owns a range
+// of layers (Model::owned) and stores ghost layers that its own layers read. Owned layers begin at a multiple
+// of four, so that slabs and phases are those of the whole body. A process with the whole body needs no
+// exchange.
 #pragma once
 
 #include <algorithm>
@@ -10,33 +10,34 @@
 #include <functional>
 #include <vector>
 
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/model/model.hpp"
 
 namespace turgor::lattice {
 
 struct BladePath;
-/// Triangles of skin as they lie now, along the lattice's axes [m].
+/// Deformed skin triangles, along the axes of the lattice [m].
 using SkinNow = std::vector<std::array<Vec3d, 3>>;
 
-/// Every process calls these in the same order.
+/// Collective operations: every process calls them in the same order.
 struct HaloExchange {
-  /// After phase 0 or 1 of a sweep: the layers at the ends of the own ones are told and heard.
+  /// After phase 0 or 1 of a sweep: exchanges the boundary layers of the owned range.
   std::function<void(int phase)> after_phase;
-  /// Before a cut and after it: everything held of other layers becomes what it is there.
+  /// Before and after a cut: updates all ghost layers from their owners.
   std::function<void()> refresh;
+  /// Maximum over all processes.
   std::function<std::uint32_t(std::uint32_t)> largest;
-  /// Own ones become those of all, in the order of layers.
+  /// Gathers the owned values of all processes in the order of layers.
   std::function<void(std::vector<double>&)> join_numbers;
   std::function<void(SkinNow&)> join_skin;
-  /// BladePath::edges and fine_edges, of which those stay that lie in layers that are held here.
+  /// Gathers BladePath::edges and fine_edges, and keeps the edges in layers of this process.
   std::function<void(BladePath&)> join_edges;
 };
 
-/// Slabs come in pairs, an even one and an odd one; own layers are whole pairs, but for the body's last ones.
+/// Layers in a pair of an even and an odd slab. Owned ranges are whole pairs, except at the end of the body.
 constexpr int kPairLayers = 4;
 
-/// The layers whose nodes are predicted and get their velocity here: the own ones, and those of others that a
-/// sweep of these reads or moves.
+/// Layers whose nodes this process predicts and whose velocities it computes: the owned layers, and the ghost
+/// layers that their sweep reads or moves.
 inline Layers moved_layers(const Model& model) {
   const bool reads_below = model.params.solver.method == Method::kVbd;
   return {std::max(model.owned.begin - int(reads_below), 0),

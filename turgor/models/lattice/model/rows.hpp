@@ -1,5 +1,4 @@
-// The rows of a lattice as the sweeps see them: plain pointers, and constant offsets between the ends of
-// edges.
+// Rows of the lattice for the sweeps: plain pointers, and constant offsets between the ends of edges.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +6,13 @@
 #include <cstdint>
 #include <functional>
 
+#include "turgor/core/exec.hpp"
 #include "turgor/models/lattice/model/halo.hpp"
+#include "turgor/models/lattice/model/state.hpp"
 
 namespace turgor::lattice {
 
-/// Displacements and what goes with them, one value a slot.
+/// Displacement, inverse mass, root stiffness and cut bits by slot.
 struct NodeArrays {
   Real *ux, *uy, *uz;
   const Real *w, *root;
@@ -21,18 +22,14 @@ struct NodeArrays {
 };
 
 inline NodeArrays node_arrays(const Model& model, State& state) {
-  return {state.u.x.data(),
-          state.u.y.data(),
-          state.u.z.data(),
-          model.inverse_mass.data(),
-          model.root_stiffness.data(),
-          state.cut.data()};
+  return {state.motion.u.x.data(),   state.motion.u.y.data(),     state.motion.u.z.data(),
+          model.inverse_mass.data(), model.root_stiffness.data(), state.cuts.cut.data()};
 }
 
 /// Rest vectors of the seven families [m].
 inline std::array<Vec3, kFamilyCount> rest_edges(const Lattice& lattice) {
   std::array<Vec3, kFamilyCount> edges;
-  for (std::size_t f = 0; f < kFamilyCount; f++) edges[f] = hadamard(lattice.step, Vec3(kFamilies[f]));
+  for (std::size_t f = 0; f < kFamilyCount; f++) edges[f] = hadamard(lattice.spacing, Vec3(kFamilies[f]));
   return edges;
 }
 
@@ -43,10 +40,10 @@ void for_layers(const Exec& exec, Layers layers, const Kernel& kernel) {
                [&](std::size_t n) { kernel(std::size_t(layers.begin) + n); });
 }
 
-/// Sweeps run over slabs of layers: first all even slabs at once, then all odd ones. Within a slab, in order.
-/// Two slabs of one phase never touch the same node, whatever the number of threads. `layers` are node layers
-/// or cell layers and begin with an even slab. Backward, everything is done in the opposite order. Whoever
-/// has only a part of a body hears of the end of each phase.
+/// Order of a sweep. A sweep processes all even slabs of layers at once, then all odd slabs; layers of a slab
+/// run in order. Two slabs of one phase never share a node, so the result does not depend on the number of
+/// threads. `layers` are node or cell layers and begin with an even slab. Backward reverses the whole order.
+/// With a halo, boundary layers are exchanged after each phase.
 enum class Order { kForward, kBackward };
 constexpr int kSlabLayers = 2;
 constexpr int slab_count(Layers layers) {
@@ -57,8 +54,8 @@ template <class SweepLayer>
 void sweep_slabs(const Exec& exec, Layers layers, const SweepLayer& sweep_layer, Order order,
                  const HaloExchange* halo) {
   const bool backward = order == Order::kBackward;
-  for (int turn = 0; turn < 2; turn++) {
-    const int phase = backward ? 1 - turn : turn;
+  for (int pass = 0; pass < 2; pass++) {
+    const int phase = backward ? 1 - pass : pass;
     parallel_for(exec, std::size_t((slab_count(layers) + 1 - phase) / 2), [&](std::size_t n) {
       const int begin = layers.begin + (2 * int(n) + phase) * kSlabLayers,
                 end = std::min(begin + kSlabLayers, layers.end);

@@ -1,20 +1,22 @@
 #include "turgor/models/lattice/resample/deformed_body.hpp"
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::lattice {
 
 namespace {
 
-/// Of the tissue.
+/// Finest fixed point for the tissue's displacements.
 int finest_bits_of(const DeformedBody& body) {
-  const VecField& u = body.state.u;
+  const VecField& u = body.state.motion.u;
   Vec3 low, high;
   for (std::size_t s = 0; s < body.solid.size(); s++)
     if (body.solid[s]) low = min(low, u[s]), high = max(high, u[s]);
   return finest_bits(body.voxel_coordinates, low, high);
 }
 
-/// One layer of nodes: their places, which cells above them hold tissue, and the bounds of each row.
-struct PlaceLayer {
+/// Processes one layer of nodes: positions, cells above them that hold tissue, bounds of each row.
+struct LocateLayer {
   DeformedBody& body;
   std::vector<DeformedBody::Bounds>& node_rows;
 
@@ -27,17 +29,19 @@ struct PlaceLayer {
       for (int i = 0; i < l.size.x; i++) {
         const Int3 node{i, j, int(layer)};
         const int slot = node_slot(l, node), parity = i & 1;
+        // cells with tissue at rest
         int cell = 0;
         for (int c = 0; c < 8; c++)
           cell |= int(tissue[std::size_t(slot + slot_offset(l, cell_corner(c), parity))]);
         const bool inside = i + 1 < l.size.x && j + 1 < l.size.y && int(layer) + 1 < l.size.z;
         body.cells[std::size_t(slot)] = cell != 0 && inside ? Cell::kPlain : Cell::kEmpty;
 
+        // positions of tissue and adjacent air
         if (!solid[std::size_t(slot)] && !is_beside_tissue(slot, parity)) continue;
-        const Vec3 u = corner_displacement(body.model, body.state, body.pieces, slot);
-        const Int3 place = body.voxel_coordinates(node, u);
-        body.place[std::size_t(slot)] = place;
-        bounds.low = std::min(bounds.low, place.z), bounds.high = std::max(bounds.high, place.z);
+        const Vec3 u = corner_displacement(body.model, body.state, body.fragments, slot);
+        const Int3 position = body.voxel_coordinates(node, u);
+        body.position[std::size_t(slot)] = position;
+        bounds.low = std::min(bounds.low, position.z), bounds.high = std::max(bounds.high, position.z);
       }
     }
   }
@@ -45,36 +49,38 @@ struct PlaceLayer {
   bool is_beside_tissue(int slot, int parity) const {
     const Lattice& l = body.model.lattice;
     bool found = false;
-    for (const Int3 offset : kFamilies)
-      for (const Int3 way : {offset, -offset})
-        found |= body.solid[std::size_t(slot + slot_offset(l, way, parity))] != 0;
+    for (const Int3 family : kFamilies)
+      for (const Int3 offset : {family, -family})
+        found |= body.solid[std::size_t(slot + slot_offset(l, offset, parity))] != 0;
     return found;
   }
 };
 
-/// Copies and corners of guests may lie beyond the nodes of their row.
-void bound_copies(DeformedBody& body) {
+/// Extends the bounds of rows by virtual nodes and ghost corners, which may lie beyond the nodes.
+void bound_virtual_nodes(DeformedBody& body) {
   const int slots = slot_count(body.model.lattice);
-  for (const Fragment& piece : body.pieces.pieces) {
-    const Int3 cell = slot_node(body.model.lattice, body.pieces.cells[std::size_t(piece.cell)].slot);
+  // virtual nodes of fragments
+  for (const Fragment& fragment : body.fragments.all) {
+    const Int3 cell = slot_node(body.model.lattice, body.fragments.cells[std::size_t(fragment.cell)].slot);
     DeformedBody::Bounds& row =
         body.rows[std::size_t(cell.z) * std::size_t(body.model.lattice.size.y - 1) + std::size_t(cell.y)];
-    for (const int corner : piece.corner)
-      if (const int z = body.place[std::size_t(corner)].z; corner >= slots)
+    for (const int corner : fragment.corner)
+      if (const int z = body.position[std::size_t(corner)].z; corner >= slots)
         row.low = std::min(row.low, z), row.high = std::max(row.high, z);
   }
-  for (std::size_t g = 0; g < body.pieces.ghosts.size(); g++) {
-    const Int3 cell = slot_node(body.model.lattice, body.pieces.ghosts[g].slot);
+  // corners of ghosts
+  for (std::size_t g = 0; g < body.fragments.ghosts.size(); g++) {
+    const Int3 cell = slot_node(body.model.lattice, body.fragments.ghosts[g].slot);
     DeformedBody::Bounds& row =
         body.rows[std::size_t(cell.z) * std::size_t(body.model.lattice.size.y - 1) + std::size_t(cell.y)];
     for (std::size_t c = 0; c < 8; c++) {
-      const int z = body.place[std::size_t(slots) + body.pieces.virtual_nodes.size() + 8 * g + c].z;
+      const int z = body.position[std::size_t(slots) + body.fragments.virtual_nodes.size() + 8 * g + c].z;
       row.low = std::min(row.low, z), row.high = std::max(row.high, z);
     }
   }
 }
 
-/// Rows of cells from rows of nodes.
+/// Bounds of rows of cells from those of rows of nodes.
 void bound_rows(DeformedBody& body, const std::vector<DeformedBody::Bounds>& node_rows) {
   const Lattice& l = body.model.lattice;
   for (int k = 0; k + 1 < l.size.z; k++)
@@ -95,43 +101,49 @@ void bound_rows(DeformedBody& body, const std::vector<DeformedBody::Bounds>& nod
 DeformedBody deform_body(const Exec& exec, const Model& model, const State& state, const Grid& out) {
   DeformedBody body{.model = model,
                     .state = state,
-                    .pieces = make_fragments(model, state),
+                    .fragments = make_fragments(model, state.cuts),
                     .solid = {},
                     .out = out,
                     .window = {.low = {0, 0, 0}, .high = out.size},
                     .voxel_coordinates = voxel_coordinates(model, out),
-                    .place = {},
+                    .position = {},
                     .cells = {},
                     .rows = {}};
+  // tissue and fixed point
   body.solid.resize(model.tissue.size());
-  for (std::size_t s = 0; s < body.solid.size(); s++) body.solid[s] = is_solid(model, state, int(s));
-  body.window.handed = handed(body.voxel_coordinates);
+  for (std::size_t s = 0; s < body.solid.size(); s++) body.solid[s] = is_solid(model, state.cuts, int(s));
+  body.window.handedness = handedness(body.voxel_coordinates);
   body.window.bits = body.voxel_coordinates.bits = finest_bits_of(body);
 
+  TURGOR_CHECK(state.motion.u.x.size() == model.tissue.size(),
+               "positions are on the host while the body is resampled");
   const Lattice& l = model.lattice;
   const std::size_t slots = model.tissue.size();
-  const std::size_t ghosts = body.pieces.ghosts.size();
-  body.place.resize(std::size_t(slot_count(l)) + body.pieces.virtual_nodes.size() + 8 * ghosts);
+  // positions of nodes, virtual nodes and ghost corners
+  const std::size_t ghosts = body.fragments.ghosts.size();
+  body.position.resize(std::size_t(slot_count(l)) + body.fragments.virtual_nodes.size() + 8 * ghosts);
   body.cells.resize(slots);
   std::vector<DeformedBody::Bounds> node_rows(std::size_t(l.size.y) * std::size_t(l.size.z));
-  parallel_for(exec, std::size_t(l.size.z), PlaceLayer{body, node_rows});
-  for (std::size_t c = 0; c < body.pieces.virtual_nodes.size(); c++) {
+  parallel_for(exec, std::size_t(l.size.z), LocateLayer{body, node_rows});
+  for (std::size_t c = 0; c < body.fragments.virtual_nodes.size(); c++) {
     const int corner = slot_count(l) + int(c);
-    body.place[std::size_t(corner)] =
-        body.voxel_coordinates(slot_node(l, body.pieces.virtual_nodes[c].slot),
-                               corner_displacement(model, state, body.pieces, corner));
+    body.position[std::size_t(corner)] =
+        body.voxel_coordinates(slot_node(l, body.fragments.virtual_nodes[c].slot),
+                               corner_displacement(model, state, body.fragments, corner));
   }
-  Int3* ghost_place = body.place.data() + slot_count(l) + body.pieces.virtual_nodes.size();
+  Int3* ghost_position = body.position.data() + slot_count(l) + body.fragments.virtual_nodes.size();
   for (std::size_t n = 0; n < 8 * ghosts; n++) {
     const int c = int(n % 8);
-    ghost_place[n] = body.voxel_coordinates(slot_node(l, body.pieces.ghosts[n / 8].slot) + cell_corner(c),
-                                            ghost_displacement(model, state, body.pieces, int(n / 8), c));
+    ghost_position[n] =
+        body.voxel_coordinates(slot_node(l, body.fragments.ghosts[n / 8].slot) + cell_corner(c),
+                               ghost_displacement(model, state, body.fragments, int(n / 8), c));
   }
-  for (const SpecialCell& special : special_cells(model, state, body.pieces))
+  // special cells and bounds
+  for (const SpecialCell& special : special_cells(model, state.cuts, body.fragments))
     if (Cell& cell = body.cells[std::size_t(special.slot)]; cell == Cell::kPlain) cell = Cell::kSpecial;
   body.rows.resize(std::size_t(l.size.y - 1) * std::size_t(l.size.z - 1));
   bound_rows(body, node_rows);
-  bound_copies(body);
+  bound_virtual_nodes(body);
   return body;
 }
 

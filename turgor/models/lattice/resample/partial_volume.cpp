@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/geometry/dilate.hpp"
 #include "turgor/models/lattice/resample/deformed_body.hpp"
 
@@ -14,24 +15,24 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-/// The 26 neighbours of a voxel, those across faces first, then across edges.
+/// Offsets of the 26 neighbors of a voxel: faces first, then edges, then corners.
 std::array<Int3, 26> neighbors_by_distance() {
-  std::array<Int3, 26> ways;
+  std::array<Int3, 26> offsets;
   std::size_t count = 0;
   for (int distance = 1; distance <= 3; distance++)
     for (int n = 0; n < 27; n++) {
-      const Int3 way{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      if (std::abs(way.x) + std::abs(way.y) + std::abs(way.z) == distance) ways[count++] = way;
+      const Int3 offset{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      if (std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z) == distance) offsets[count++] = offset;
     }
-  return ways;
+  return offsets;
 }
 
-/// A tile of a slab, and the voxels around it that its fringe may come from.
+/// Tile of a slab with a margin for its partial volume.
 struct Window {
-  static constexpr int kTile = 32;  // along x and y
+  static constexpr int kTile = 32;  // voxels along x and y
 
-  Int3 begin, end;  // the tile
-  Int3 low, size;   // with what is around it
+  Int3 begin, end;  // tile
+  Int3 low, size;   // tile with its margin
 
   Window(const Grid& out, Int3 tile, int reach)
       : begin(hadamard(tile, {kTile, kTile, kVoxelLayers})),
@@ -54,7 +55,7 @@ struct Window {
   std::size_t count() const { return std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z); }
 };
 
-/// Have all rows of a box this mark?
+/// True if all voxels of a box have this mark.
 bool is_all(std::span<const std::uint8_t> mask, const Grid& grid, Int3 begin, Int3 end, std::uint8_t mark) {
   for (int k = begin.z; k < end.z; k++)
     for (int j = begin.y; j < end.y; j++) {
@@ -68,7 +69,7 @@ bool comes_before(const RimVoxel& a, const RimVoxel& b) {
   return std::tie(a.voxel.z, a.voxel.y, a.voxel.x) < std::tie(b.voxel.z, b.voxel.y, b.voxel.x);
 }
 
-/// Those of a row from a voxel on, before `end`.
+/// Rim voxels of a row from `from` up to i = `end`.
 std::span<const RimVoxel> rim_of_row(const PartialVolumeInputs& inputs, Int3 from, int end) {
   const std::vector<RimVoxel>& rim = inputs.rim[std::size_t(from.z / kVoxelLayers)];
   const auto first = std::lower_bound(rim.begin(), rim.end(), RimVoxel{from, {}}, comes_before);
@@ -76,15 +77,16 @@ std::span<const RimVoxel> rim_of_row(const PartialVolumeInputs& inputs, Int3 fro
   return {first, last};
 }
 
-/// Which voxel of the rim the air near it goes with: by voxel of the window, −1 = none.
+/// Source in the rim of each voxel of partial volume in a window; -1 = none.
 struct PartialVolume {
   const Window& window;
   std::vector<Vec3> shifts;
   std::vector<int> source;
-  Mask beyond;  // by voxel of the window: farther than the fringe is wide
+  Mask beyond;  // by voxel of the window: farther from the skin than the blur
 
   PartialVolume(const PartialVolumeInputs& inputs, const Grid& out, const Window& w, int reach)
       : window(w), source(w.count(), -1), beyond(w.count()) {
+    // rim voxels of the window
     std::vector<std::size_t> ring;
     for (int k = w.low.z; k < w.low.z + w.size.z; k++)
       for (int j = w.low.y; j < w.low.y + w.size.y; j++)
@@ -93,8 +95,9 @@ struct PartialVolume {
           shifts.push_back(rim.shift);
           ring.push_back(window.index(rim.voxel));
         }
+    // rings of partial volume, then rings beyond the blur
     for (int n = 0; n < reach; n++) ring = grow(inputs, out, ring);
-    for (int n = 0; n < kBeyond; n++) {
+    for (int n = 0; n < kExtraRings; n++) {
       ring = grow(inputs, out, ring);
       for (const std::size_t at : ring) beyond[at] = 1;
     }
@@ -102,58 +105,62 @@ struct PartialVolume {
 
   NearSkin near(std::size_t n) const {
     if (source[n] < 0) return {.is_beyond = beyond[n] != 0};
-    return {.is_allocated = true, .is_beyond = beyond[n] != 0, .shift = shifts[std::size_t(source[n])]};
+    return {.is_found = true, .is_beyond = beyond[n] != 0, .shift = shifts[std::size_t(source[n])]};
   }
 
-  /// The voxels beside a ring that neither tissue nor an earlier ring has. Each goes with its nearest
-  /// neighbour.
+  /// Grows a ring by one voxel into voxels that neither tissue nor an earlier ring covers. Each takes the
+  /// source of its nearest neighbor.
   std::vector<std::size_t> grow(const PartialVolumeInputs& inputs, const Grid& out,
                                 const std::vector<std::size_t>& ring) {
-    static const std::array<Int3, 26> kWays = neighbors_by_distance();
+    static const std::array<Int3, 26> kOffsets = neighbors_by_distance();
     constexpr int kNext = -2;
+    // voxels of the next ring
     std::vector<std::size_t> next;
     for (const std::size_t from : ring)
-      for (const Int3 way : kWays) {
-        const Int3 p = window.voxel(from) + way;
+      for (const Int3 offset : kOffsets) {
+        const Int3 p = window.voxel(from) + offset;
         if (!window.contains(p) || source[window.index(p)] != -1) continue;
         if (inputs.covered[sample_index(out, p.x, p.y, p.z)]) continue;
         source[window.index(p)] = kNext;
         next.push_back(window.index(p));
       }
+    // sources, from the previous rings only
     std::vector<int> found;
     for (const std::size_t at : next)
-      for (const Int3 way : kWays) {
-        const Int3 p = window.voxel(at) + way;
+      for (const Int3 offset : kOffsets) {
+        const Int3 p = window.voxel(at) + offset;
         if (!window.contains(p) || source[window.index(p)] < 0) continue;
         found.push_back(source[window.index(p)]);
         break;
       }
+    TURGOR_CHECK(found.size() == next.size(), "every new voxel has a neighbor with a source");
     for (std::size_t n = 0; n < next.size(); n++) source[next[n]] = found[n];
     return next;
   }
 };
 
-/// Which voxels of a window showed body in the CT.
-Mask body_at_rest(const RestBody& body, const PlaceInCt& place, const Window& window) {
+/// Mask of the voxels of a window that show body at rest.
+Mask body_at_rest(const RestBody& body, const OutputToCt& to_ct, const Window& window) {
   Mask rest(window.count());
   std::size_t n = 0;
   const Int3 high = window.low + window.size;
   for (int k = window.low.z; k < high.z; k++)
     for (int j = window.low.y; j < high.y; j++) {
-      const Vec3d first = place({0, j, k});
-      for (int i = window.low.x; i < high.x; i++) rest[n++] = body.holds(place.in_row(first, i));
+      const Vec3d first = to_ct({0, j, k});
+      for (int i = window.low.x; i < high.x; i++) rest[n++] = body.holds(to_ct.in_row(first, i));
     }
   return rest;
 }
 
-/// Neither was there body in the CT nor is there any now.
-bool is_untouched(const PartialVolumeInputs& inputs, const Grid& out, const PlaceInCt& place,
+/// True if a window shows no body, at rest and now.
+bool is_untouched(const PartialVolumeInputs& inputs, const Grid& out, const OutputToCt& to_ct,
                   const Window& window) {
   const Int3 end = window.low + window.size, last = end - Int3{1, 1, 1};
   if (!is_all(inputs.covered, out, window.low, end, 0)) return false;
-  Vec3d low = place(window.low), high = low;
+  // bounds of the window in the CT
+  Vec3d low = to_ct(window.low), high = low;
   for (int corner = 1; corner < 8; corner++) {
-    const Vec3d at = place({corner & 1 ? last.x : window.low.x, corner & 2 ? last.y : window.low.y,
+    const Vec3d at = to_ct({corner & 1 ? last.x : window.low.x, corner & 2 ? last.y : window.low.y,
                             corner & 4 ? last.z : window.low.z});
     low = min(low, at), high = max(high, at);
   }
@@ -162,11 +169,11 @@ bool is_untouched(const PartialVolumeInputs& inputs, const Grid& out, const Plac
 
 }  // namespace
 
-int reach_in(const Grid& out, const Grid& ct) {
+int blur_reach(const Grid& out, const Grid& ct) {
   double reach = 1;
   for (int axis = 0; axis < 3; axis++)
     reach = std::max(reach, std::ceil(kBlur * ct.spacing[axis] / out.spacing[axis] - 1e-6));
-  return int(std::min(reach, double(kMostReach)));
+  return int(std::min(reach, double(kMaxReach)));
 }
 
 RestBody::RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d cell_size)
@@ -175,7 +182,8 @@ RestBody::RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d
       per_cell_{1 / cell_size.x, 1 / cell_size.y, 1 / cell_size.z},
       marks_(model.tissue.size()) {
   const Lattice& l = model.lattice;
-  const Int3 last = l.size - Int3{2, 2, 2};  // cell
+  const Int3 last = l.size - Int3{2, 2, 2};  // last cell
+  // kinds of nodes and cells
   parallel_for(exec, std::size_t(l.size.z), [&](std::size_t k) {
     for (int j = 0; j < l.size.y; j++)
       for (int i = 0; i < l.size.x; i++) {
@@ -189,6 +197,7 @@ RestBody::RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d
         marks_[slot] = mark;
       }
   });
+  // cells next to rim cells
   for (int k = 0; k <= last.z; k++)
     for (int j = 0; j <= last.y; j++)
       for (int i = 0; i <= last.x; i++) {
@@ -216,18 +225,18 @@ bool RestBody::is_air(Vec3d low, Vec3d high) const {
   return true;
 }
 
-PlaceInCt::PlaceInCt(const Grid& out, const Grid& ct) {
+OutputToCt::OutputToCt(const Grid& out, const Grid& ct) {
   const auto at = [&](Int3 p) { return index_at(ct, point_at(out, Vec3d(p))); };
   first = at({0, 0, 0});
   step = {{at({1, 0, 0}) - first, at({0, 1, 0}) - first, at({0, 0, 1}) - first}};
 }
 
-VoxelBeside voxel_beside(const CtVolume& ct, double air_max, const Grid& out, const RestBodyView& rest,
-                         const BesideView& beside) {
+OutsideVoxel outside_voxel(const CtVolume& ct, double air_max, const Grid& out, const RestBodyView& rest,
+                           const SurroundingsView& surroundings) {
   return {.rest = rest,
-          .beside = beside,
-          .place = PlaceInCt(out, ct.grid),
-          .sample = Sampler(ct),
+          .surroundings = surroundings,
+          .to_ct = OutputToCt(out, ct.grid),
+          .sample = CtSampler(ct),
           .size = ct.grid.size,
           .same = same_grid(out, ct.grid),
           .dense = std::int16_t(std::ceil(air_max))};
@@ -243,52 +252,55 @@ void keep_rim(const Grid& out, std::span<const std::uint8_t> covered, std::vecto
 
 namespace {
 
-void fill_surroundings(const PartialVolumeInputs& inputs, const PlaceInCt& place, const Window& tile,
+void fill_surroundings(const PartialVolumeInputs& inputs, const OutputToCt& to_ct, const Window& tile,
                        CtVolume& out) {
-  const Sampler sample(inputs.ct);
+  const CtSampler sample(inputs.ct);
   const bool same = same_grid(out.grid, inputs.ct.grid);
   for (int k = tile.begin.z; k < tile.end.z; k++)
     for (int j = tile.begin.y; j < tile.end.y; j++) {
       const std::size_t row = sample_index(out.grid, 0, j, k);
       for (int i = tile.begin.x; i < tile.end.x; i++)
         out.samples[row + std::size_t(i)] = same ? inputs.ct.samples[row + std::size_t(i)]
-                                                 : std::int16_t(std::lrint(sample(Vec3(place({i, j, k})))));
+                                                 : std::int16_t(std::lrint(sample(Vec3(to_ct({i, j, k})))));
     }
 }
 
-void fill_tile(const PartialVolumeInputs& inputs, const PlaceInCt& place, const Window& window, int reach,
+void fill_tile(const PartialVolumeInputs& inputs, const OutputToCt& to_ct, const Window& window, int reach,
                CtVolume& out) {
   const PartialVolume partial_volume(inputs, out.grid, window, reach);
-  const Mask rest = body_at_rest(inputs.rest, place, window);
+  // voxels that show body at rest, and those near them
+  const Mask rest = body_at_rest(inputs.rest, to_ct, window);
   Mask near_rest = rest;
   dilate(Exec(1), near_rest, window.size, reach);
 
-  const VoxelBeside value_at = voxel_beside(inputs.ct, inputs.model.params.tissue.air_max, out.grid,
-                                            inputs.rest.view(), view(inputs.beside));
+  // values of the voxels without tissue
+  const OutsideVoxel value_at = outside_voxel(inputs.ct, inputs.model.params.tissue.air_max, out.grid,
+                                              inputs.rest.view(), view(inputs.surroundings));
   for (int k = window.begin.z; k < window.end.z; k++)
     for (int j = window.begin.y; j < window.end.y; j++)
       for (int i = window.begin.x; i < window.end.x; i++) {
         const std::size_t voxel = sample_index(out.grid, i, j, k);
         if (inputs.covered[voxel]) continue;
         const std::size_t n = window.index({i, j, k});
-        const WasBody was{rest[n] != 0, near_rest[n] != 0};
+        const RestCoverage was{rest[n] != 0, near_rest[n] != 0};
         out.samples[voxel] = value_at({i, j, k}, voxel, was, partial_volume.near(n));
       }
 }
 
 }  // namespace
 
-void fill_beside_body(const PartialVolumeInputs& inputs, int slab, CtVolume& out) {
-  const int reach = reach_in(out.grid, inputs.ct.grid);
-  const PlaceInCt place(out.grid, inputs.ct.grid);
+void fill_outside_body(const PartialVolumeInputs& inputs, int slab, CtVolume& out) {
+  TURGOR_CHECK(inputs.covered.size() == out.samples.size(), "every voxel of the output has a mark");
+  const int reach = blur_reach(out.grid, inputs.ct.grid);
+  const OutputToCt to_ct(out.grid, inputs.ct.grid);
   for (int y = 0; y * Window::kTile < out.grid.size.y; y++)
     for (int x = 0; x * Window::kTile < out.grid.size.x; x++) {
-      const Window tile(out.grid, {x, y, slab}, reach + kBeyond);
+      const Window tile(out.grid, {x, y, slab}, reach + kExtraRings);
       if (is_all(inputs.covered, out.grid, tile.begin, tile.end, 1)) continue;
-      if (is_untouched(inputs, out.grid, place, tile))
-        fill_surroundings(inputs, place, tile, out);
+      if (is_untouched(inputs, out.grid, to_ct, tile))
+        fill_surroundings(inputs, to_ct, tile, out);
       else
-        fill_tile(inputs, place, tile, reach, out);
+        fill_tile(inputs, to_ct, tile, reach, out);
     }
 }
 

@@ -1,6 +1,6 @@
-// What lies beside the body in its deformed CT, as loops over plain pointers after those of
-// resample_kernels.hpp: the same numbers as fill_beside_body, in any order. Fringe grows from the skin by a
-// voxel a pass; a voxel keeps the way back to the voxel of tissue that it goes with.
+// Kernels for the voxels outside the deformed body. They run after those of resample_kernels.hpp and give the
+// same numbers as fill_outside_body, in any order. Partial volume grows from the skin by one voxel per pass.
+// Each voxel stores the offset to its source voxel of tissue.
 #pragma once
 
 #include "turgor/models/lattice/resample/partial_volume_voxel.hpp"
@@ -8,54 +8,59 @@
 
 namespace turgor::lattice {
 
-/// A voxel of fringe in a word: the pass that it was reached in, and the way to its skin.
+/// Voxel of partial volume packed into a word: pass in which it was reached, and offset to its source.
 struct PartialVolumeSource {
   static constexpr int kBits = 6, kMiddle = 1 << (kBits - 1), kMask = (1 << kBits) - 1;
-  static_assert(kMostReach + kBeyond < kMiddle);
+  static_assert(kMaxReach + kExtraRings < kMiddle);
 
   int pass = 0;
-  Int3 way;
+  Int3 offset;
 
   TURGOR_HD std::uint32_t word() const {
-    const Int3 w = way + Int3{kMiddle, kMiddle, kMiddle};
-    return ResampleView::kBeside | std::uint32_t(pass << 3 * kBits | w.z << 2 * kBits | w.y << kBits | w.x);
+    const Int3 w = offset + Int3{kMiddle, kMiddle, kMiddle};
+    return ResampleView::kPartialVolume |
+           std::uint32_t(pass << 3 * kBits | w.z << 2 * kBits | w.y << kBits | w.x);
   }
   static TURGOR_HD PartialVolumeSource of(std::uint32_t word) {
-    const int w = int(word & ~ResampleView::kBeside);
+    const int w = int(word & ~ResampleView::kPartialVolume);
     PartialVolumeSource found;
     found.pass = w >> 3 * kBits;
-    found.way = Int3{w & kMask, w >> kBits & kMask, w >> 2 * kBits & kMask} - Int3{kMiddle, kMiddle, kMiddle};
+    found.offset =
+        Int3{w & kMask, w >> kBits & kMask, w >> 2 * kBits & kMask} - Int3{kMiddle, kMiddle, kMiddle};
     return found;
   }
 };
 
 struct PartialVolumeView {
   ResampleView v;
-  VoxelBeside value;
-  std::uint8_t* rest;  // by voxel: bit 0, its place showed body in the CT; bit 1, one within reach along x, y
-  std::uint8_t* near_rest;  // by voxel: one within reach did; before that, one within reach along x
-  int reach;                // of the fringe [voxels]
+  OutsideVoxel value;
+  std::uint8_t*
+      rest;  // by voxel: bit 0, it shows body at rest; bit 1, a voxel within reach along x and y does
+  std::uint8_t* near_rest;  // by voxel: a voxel within reach does; before that, one within reach along x
+  int reach;                // width of the partial volume [voxels]
 };
 
-/// A voxel's own place in the CT: body?
+/// Marks voxels that show body at rest.
 struct MarkRest {
   PartialVolumeView f;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const Int3 p = f.v.voxel(n);
-    f.rest[n] = f.value.rest.holds(f.value.place.in_row(f.value.place({0, p.y, p.z}), p.x));
+    f.rest[n] = f.value.rest.holds(f.value.to_ct.in_row(f.value.to_ct({0, p.y, p.z}), p.x));
   }
 };
-/// One axis of the box around it.
+/// Dilates the marks along one axis.
 template <int kAxis>
 struct SpreadRest {
   PartialVolumeView f;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const Int3 p = f.v.voxel(n), size = f.v.window.high;
+    // input of this axis
     const std::uint8_t* from = kAxis == 1 ? f.near_rest : f.rest;
     const std::uint8_t bit = kAxis == 2 ? 2 : 1;
     const auto x = std::ptrdiff_t(size.x), step = kAxis == 0 ? 1 : kAxis == 1 ? x : x * size.y;
+    // voxels within reach along the axis
     const int last = size[kAxis] - 1 - p[kAxis];
     const int down = p[kAxis] < f.reach ? p[kAxis] : f.reach, up = last < f.reach ? last : f.reach;
     std::uint8_t any = 0;
@@ -68,30 +73,30 @@ struct SpreadRest {
   }
 };
 
-/// The voxels that one pass reaches: each goes with its nearest neighbour, across faces first, then across
-/// edges.
+/// Grows the partial volume by one voxel. Each new voxel takes the source of its nearest neighbor: faces
+/// first, then edges, then corners.
 struct GrowPartialVolume {
   PartialVolumeView f;
-  int pass;  // from 1 on
+  int pass;  // from 1
 
   TURGOR_HD void operator()(std::size_t n) const {
-    if (shared_load(f.v.owner[n]) != ResampleView::kNobody) return;
+    if (shared_load(f.v.owner[n]) != ResampleView::kUnclaimed) return;
     const Int3 p = f.v.voxel(n), last = f.v.window.high - Int3{1, 1, 1};
     for (int distance = 1; distance <= 3; distance++)
       for (int around = 0; around < 27; around++) {
-        const Int3 way = way_around(around), other = p + way;
-        if (dot(way, way) != distance || !(other == min(max(other, Int3{0, 0, 0}), last))) continue;
+        const Int3 offset = box_offset(around), other = p + offset;
+        if (dot(offset, offset) != distance || !(other == min(max(other, Int3{0, 0, 0}), last))) continue;
         PartialVolumeSource found;
         if (!is_source(shared_load(f.v.owner[f.v.voxel_index(other)]), found)) continue;
-        found.pass = pass, found.way = way + found.way;
+        found.pass = pass, found.offset = offset + found.offset;
         shared_store(f.v.owner[n], found.word());
         return;
       }
   }
-  /// Tissue near the CT's air, or what an earlier pass reached.
+  /// True for tissue near the CT's air, and for voxels that an earlier pass reached.
   TURGOR_HD bool is_source(std::uint32_t owner, PartialVolumeSource& found) const {
-    if (owner == ResampleView::kNobody) return false;
-    if (owner < ResampleView::kBeside)
+    if (owner == ResampleView::kUnclaimed) return false;
+    if (owner < ResampleView::kPartialVolume)
       return f.value.rest.is_near_air(f.v.node(owner / ResampleView::kClaims));
     found = PartialVolumeSource::of(owner);
     return found.pass < pass;
@@ -99,32 +104,34 @@ struct GrowPartialVolume {
 };
 
 template <Cells kCells>
-struct FillBeside {
+struct FillOutside {
   PartialVolumeView f;
 
+  // displacement of the nearest skin
   TURGOR_HD void operator()(std::size_t n) const {
     const std::uint32_t owner = f.v.owner[n];
-    if (owner < ResampleView::kBeside) return;
+    if (owner < ResampleView::kPartialVolume) return;
     const Int3 p = f.v.voxel(n);
     NearSkin skin;
-    if (owner != ResampleView::kNobody) {
+    if (owner != ResampleView::kUnclaimed) {
       const PartialVolumeSource found = PartialVolumeSource::of(owner);
-      const Int3 from = p + found.way;
+      const Int3 from = p + found.offset;
       const FindTissue<kCells> find{f.v};
-      const std::uint32_t owner_there = f.v.owner[f.v.voxel_index(from)];
-      if (!find.has(owner_there)) return;
-      const TissueAt tissue = find(owner_there, from);
-      skin = {.is_allocated = true,
+      const std::uint32_t source_owner = f.v.owner[f.v.voxel_index(from)];
+      if (!find.has(source_owner)) return;
+      const TissueAt tissue = find(source_owner, from);
+      skin = {.is_found = true,
               .is_beyond = found.pass > f.reach,
-              .shift = rim_shift(f.value.place, from, tissue.place)};
+              .shift = rim_shift(f.value.to_ct, from, tissue.rest)};
     } else if (kCells == Cells::kSpecial) {
+      // value of the voxel
       return;
     }
-    f.v.out[n] = f.value(p, n, WasBody{(f.rest[n] & 1) != 0, f.near_rest[n] != 0}, skin);
+    f.v.out[n] = f.value(p, n, RestCoverage{(f.rest[n] & 1) != 0, f.near_rest[n] != 0}, skin);
   }
 };
 
-/// Where the CT showed body: it does not change while the body moves.
+/// Marks the rest body on the grid. It does not depend on the deformation.
 template <class Run>
 void mark_rest_with(const Run& run, const PartialVolumeView& f) {
   run(f.v.voxel_count(), MarkRest{f});
@@ -132,12 +139,13 @@ void mark_rest_with(const Run& run, const PartialVolumeView& f) {
   run(f.v.voxel_count(), SpreadRest<1>{f});
   run(f.v.voxel_count(), SpreadRest<2>{f});
 }
-/// Fills what resample_with left.
+/// Fills the voxels that resample_with left.
 template <class Run>
-void fill_beside_with(const Run& run, const PartialVolumeView& f) {
-  for (int pass = 1; pass <= f.reach + kBeyond; pass++) run(f.v.voxel_count(), GrowPartialVolume{f, pass});
-  run(f.v.voxel_count(), FillBeside<Cells::kWhole>{f});
-  if (f.v.is_cut()) run(f.v.voxel_count(), FillBeside<Cells::kSpecial>{f});
+void fill_outside_with(const Run& run, const PartialVolumeView& f) {
+  for (int pass = 1; pass <= f.reach + kExtraRings; pass++)
+    run(f.v.voxel_count(), GrowPartialVolume{f, pass});
+  run(f.v.voxel_count(), FillOutside<Cells::kWhole>{f});
+  if (f.v.is_cut()) run(f.v.voxel_count(), FillOutside<Cells::kSpecial>{f});
 }
 
 }  // namespace turgor::lattice

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "turgor/core/timing.hpp"
-#include "turgor/models/lattice/resample/ct_sampler.hpp"
+#include "turgor/geometry/ct_sampler.hpp"
 #include "turgor/models/lattice/resample/deformed_body.hpp"
 #include "turgor/models/lattice/resample/deformed_fields.hpp"
 #include "turgor/models/lattice/resample/partial_volume.hpp"
@@ -16,24 +16,24 @@ namespace turgor::lattice {
 namespace {
 
 struct CtWriter {
-  Sampler sample;
+  CtSampler sample;
   CtVolume& out;
   ResampleOptions options;
   const RestBody& rest;
-  PlaceInCt place;
-  std::int64_t mass = 0;           // Σ HU + 1000 over the voxels of the body
-  std::vector<RimVoxel> rim = {};  // that fringe may go with
+  OutputToCt to_ct;
+  std::int64_t mass = 0;           // Σ (HU + 1000) over the voxels of the body
+  std::vector<RimVoxel> rim = {};  // possible sources of partial volume
 
   void tissue(Int3 cell, std::size_t voxel, Int3 p, Vec3 at, float ratio) {
     float value = sample(at);
     if (options.conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
-    out.samples[voxel] = to_hu(value);
+    out.samples[voxel] = round_to_hu(value);
     mass += out.samples[voxel] - kAirHu;
-    if (options.keep_surroundings && rest.is_near_air(cell)) rim.push_back({p, rim_shift(place, p, at)});
+    if (options.keep_surroundings && rest.is_near_air(cell)) rim.push_back({p, rim_shift(to_ct, p, at)});
   }
 };
 
-/// `Of`: of deformed_fields.hpp.
+/// `Of` is a field of deformed_fields.hpp.
 template <class Of, class Sample>
 struct FieldWriter {
   Of of;
@@ -43,15 +43,15 @@ struct FieldWriter {
 };
 
 struct Counts {
-  long folds = 0, overlaps = 0;
+  long inverted_tets = 0, overlaps = 0;
 };
 
-/// One slab of output layers; `writer` is the slab's own. Marks what it covers.
+/// Resamples one slab of output layers with its own writer. Marks the voxels that it covers.
 template <class Writer>
 Counts resample_slab(const DeformedBody& body, int slab, const RestFrame& rest, Writer& writer,
                      std::vector<std::uint8_t>& covered) {
   Counts counts;
-  counts.folds = walk_slab(body, slab, rest, [&](Int3 cell, Int3 p, Vec3 at, float ratio) {
+  counts.inverted_tets = walk_slab(body, slab, rest, [&](Int3 cell, Int3 p, Vec3 at, float ratio) {
     const std::size_t voxel = sample_index(body.out, p.x, p.y, p.z);
     counts.overlaps += covered[voxel];
     if (covered[voxel]) return;
@@ -61,7 +61,7 @@ Counts resample_slab(const DeformedBody& body, int slab, const RestFrame& rest, 
   return counts;
 }
 
-/// All slabs, each with its own copy of `writer`, and the voxels that they cover.
+/// Result of all slabs: a writer for each, and the voxels that they cover.
 template <class Writer>
 struct Resampled {
   std::vector<Writer> slabs;
@@ -78,33 +78,40 @@ Resampled<Writer> resample_with(const Exec& exec, const DeformedBody& body, cons
   parallel_for(exec, slabs, [&](std::size_t s) {
     counts[s] = resample_slab(body, int(s), rest, all.slabs[s], all.covered);
   });
-  for (const Counts& c : counts) all.counts.folds += c.folds, all.counts.overlaps += c.overlaps;
+  for (const Counts& c : counts)
+    all.counts.inverted_tets += c.inverted_tets, all.counts.overlaps += c.overlaps;
   return all;
 }
 
-/// What no tissue covers: as it was but for the fringe, or air.
+/// Fills the voxels without tissue: partial volume and surroundings, or air.
 void fill_rest(const Exec& exec, const Model& model, const CtVolume& ct, const RestBody& rest,
                Resampled<CtWriter>& tissue, CtVolume& out) {
   if (tissue.slabs.empty()) return;
+  // air only
   if (!tissue.slabs[0].options.keep_surroundings) {
     for (std::size_t v = 0; v < out.samples.size(); v++)
       if (!tissue.covered[v]) out.samples[v] = kAirHu;
     return;
   }
+  // rims, then partial volume and surroundings
   std::vector<std::vector<RimVoxel>> rim;
   for (CtWriter& slab : tissue.slabs) rim.push_back(std::move(slab.rim));
   parallel_for(exec, rim.size(), [&](std::size_t s) { keep_rim(out.grid, tissue.covered, rim[s]); });
-  const Surroundings beside = find_beside_body(exec, ct, model.params.tissue.air_max);
-  const PartialVolumeInputs inputs{
-      .model = model, .ct = ct, .rest = rest, .beside = beside, .covered = tissue.covered, .rim = rim};
-  parallel_for(exec, rim.size(), [&](std::size_t s) { fill_beside_body(inputs, int(s), out); });
+  const Surroundings surroundings = find_surroundings(exec, ct, model.params.tissue.air_max);
+  const PartialVolumeInputs inputs{.model = model,
+                                   .ct = ct,
+                                   .rest = rest,
+                                   .surroundings = surroundings,
+                                   .covered = tissue.covered,
+                                   .rim = rim};
+  parallel_for(exec, rim.size(), [&](std::size_t s) { fill_outside_body(inputs, int(s), out); });
 }
 
 template <class Sample, class Of>
 std::vector<Sample> resample_field(const Exec& exec, const Model& model, const State& state, const Grid& out,
                                    const Of& of) {
   std::vector<Sample> samples(sample_count(out), Of::outside());
-  resample_with(exec, deform_body(exec, model, state, out), kInNodes, FieldWriter<Of, Sample>{of, samples});
+  resample_with(exec, deform_body(exec, model, state, out), kNodeUnits, FieldWriter<Of, Sample>{of, samples});
   return samples;
 }
 
@@ -122,6 +129,7 @@ Grid resized(const Grid& grid, Int3 size) {
 ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state, const CtVolume& ct,
                         const Grid& out, const ResampleOptions& options) {
   const Timer timer;
+  // tissue
   const RestFrame rest = rest_frame(model, ct.grid);
   ResampledCt result;
   result.ct.grid = out;
@@ -129,19 +137,21 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
   const DeformedBody body = deform_body(exec, model, state, out);
   const RestBody at_rest(exec, model, rest.first_node, rest.cell_size);
   Resampled<CtWriter> tissue = resample_with(exec, body, rest,
-                                             CtWriter{.sample = Sampler(ct),
+                                             CtWriter{.sample = CtSampler(ct),
                                                       .out = result.ct,
                                                       .options = options,
                                                       .rest = at_rest,
-                                                      .place = PlaceInCt(out, ct.grid)});
+                                                      .to_ct = OutputToCt(out, ct.grid)});
+  // outside of the body
   fill_rest(exec, model, ct, at_rest, tissue, result.ct);
+  // mass error
   double mass = 0;
   for (const CtWriter& slab : tissue.slabs) mass += double(slab.mass);
   mass *= sample_volume(out);
-  const double before = rest_mass(exec, model, state, ct);
+  const double before = rest_mass(exec, model, state.cuts, ct);
   result.report = {.seconds = timer.seconds(),
                    .mass_error = before > 0 ? (mass - before) / before : 0,
-                   .folds = tissue.counts.folds,
+                   .inverted_tets = tissue.counts.inverted_tets,
                    .overlaps = tissue.counts.overlaps};
   return result;
 }

@@ -1,17 +1,16 @@
-// A body and a grid for its deformed CT, as plain pointers on one side of the bus, and what is counted on the
-// way.
+// Body and output grid as plain pointers in host or device memory, and the counters of a resampling.
 #pragma once
 
 #include <bit>
 
+#include "turgor/geometry/ct_sampler.hpp"
 #include "turgor/models/lattice/cutting/fragment_view.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
-#include "turgor/models/lattice/resample/ct_sampler.hpp"
 #include "turgor/models/lattice/resample/voxel_coordinates.hpp"
 
 namespace turgor::lattice {
 
-/// How far nodes of tissue have moved, as bits of positive numbers: along each axis, and against it [m].
+/// Largest displacements of tissue nodes along each axis and against it, as bits of nonnegative floats [m].
 struct MovedBits {
   std::uint32_t along[3] = {}, against[3] = {};
 
@@ -22,51 +21,51 @@ struct MovedBits {
   }
 };
 
-/// What cuts made of a body.
+/// Cut topology of a body.
 struct ResampleCuts {
-  FragmentView pieces;
+  FragmentView fragments;
   int virtual_node_count, ghost_count;
-  const SpecialCell* special;  // slots ascend
+  const SpecialCell* special;  // ascending slots
   int special_count;
-  std::uint8_t* is_special;     // by slot of a cell's lowest node; null where no cell is
-  const std::uint8_t* removed;  // by slot; null where nothing is
+  std::uint8_t* is_special;     // by slot of a cell's lowest node; null if no cell is special
+  const std::uint8_t* removed;  // by slot; null if no node is removed
 };
 
-/// What is counted of a deformed CT. Many of these, each for some of the threads: one place of memory takes
-/// few atomics a nanosecond.
+/// Counters of a resampling. Threads are spread over many of them, because atomics on one address are slow.
 struct ResampleCounts {
-  std::uint64_t folds = 0, claims = 0, covered = 0;  // tetrahedra; voxels, by each that claims them; voxels
-  std::uint64_t mass = 0;  // Σ HU + 1000 over the voxels of the body, as two's complement
+  std::uint64_t inverted_tets = 0, claims = 0,
+                covered = 0;  // inverted tetrahedra; claims of voxels; covered voxels
+  std::uint64_t mass = 0;     // Σ (HU + 1000) over the voxels of the body, as two's complement
 };
-constexpr std::size_t kCountParts = 256;
+constexpr std::size_t kCounterCount = 256;
 
-/// A body on one side of the bus, and a grid for it.
+/// Body and output grid.
 struct ResampleView {
   Lattice lattice;
   NodeArrays nodes;
   ResampleCuts cuts;
-  MovedBits* moved;        // one
-  ResampleCounts* counts;  // kCountParts
+  MovedBits* moved;        // a single one
+  ResampleCounts* counts;  // kCounterCount of them
   bool conserve_mass;
-  double to_ratio;  // volume now over volume in the CT = det · to_ratio
+  double volume_scale;  // volume ratio, now over rest, = det · volume_scale
   VoxelCoordinates voxel_coordinates;
   RasterWindow window;
   RestFrame rest;
-  Int3* place;           // by slot, where there is tissue or tissue beside, then of copies and guests [units]
-  std::uint32_t* owner;  // by voxel: kNobody, or kClaims · number of the cell + claim, less the earlier; from
-                         // kBeside on: partial_volume_kernels.hpp
-  Sampler sample;     // of the CT
-  std::int16_t* out;  // by voxel [HU]
+  Int3* position;  // by slot for tissue and adjacent air, then virtual nodes, then ghost corners [units]
+  std::uint32_t* owner;  // by voxel: kUnclaimed, or the lowest kClaims · cell number + tetrahedron; values
+                         // from kPartialVolume on are defined in partial_volume_kernels.hpp
+  CtSampler sample;      // of the CT
+  std::int16_t* out;     // by voxel [HU]
 
-  /// Claims are a whole cell's six tetrahedra, or 0 for whatever is in a special one.
-  static constexpr std::uint32_t kNobody = 0xffffffffu, kBeside = 0x80000000u, kClaims = 6;
+  /// Claims of a cell: one per tetrahedron of a whole cell; 0 for all of a special cell.
+  static constexpr std::uint32_t kUnclaimed = 0xffffffffu, kPartialVolume = 0x80000000u, kClaims = 6;
 
   TURGOR_HD bool is_solid(int slot) const {
     return nodes.root[slot] > 0 && (cuts.removed == nullptr || cuts.removed[slot] == 0);
   }
   TURGOR_HD Vec3 u(int slot) const { return nodes.u(slot); }
-  TURGOR_HD bool is_parted(int beside, int behind, Int3 way) const {
-    return lattice::is_parted(nodes.cut, lattice, beside, behind, way);
+  TURGOR_HD bool is_separated(int near, int far, Int3 offset) const {
+    return lattice::is_separated(nodes.cut, lattice, near, far, offset);
   }
   TURGOR_HD bool is_cut() const { return cuts.is_special != nullptr; }
   TURGOR_HD bool is_special(int slot) const { return is_cut() && cuts.is_special[slot] != 0; }
@@ -78,7 +77,7 @@ struct ResampleView {
     return (std::size_t(p.z) * std::size_t(window.high.y) + std::size_t(p.y)) * std::size_t(window.high.x) +
            std::size_t(p.x);
   }
-  TURGOR_HD ResampleCounts& count(std::size_t n) const { return counts[n % kCountParts]; }
+  TURGOR_HD ResampleCounts& count(std::size_t n) const { return counts[n % kCounterCount]; }
   TURGOR_HD std::size_t voxel_count() const {
     return std::size_t(window.high.x) * std::size_t(window.high.y) * std::size_t(window.high.z);
   }
@@ -86,16 +85,16 @@ struct ResampleView {
     const auto x = std::size_t(window.high.x), y = std::size_t(window.high.y);
     return {int(n % x), int(n / x % y), int(n / (x * y))};
   }
-  /// A whole cell's tetrahedron. Is there tissue at a corner?
+  /// Voxel coordinates of a whole cell's tetrahedron. Sets `solid` if a corner is tissue.
   TURGOR_HD std::array<Int3, 4> corners(Int3 cell, const std::array<Int3, 4>& nodes_of_tet,
                                         bool& solid) const {
     const int slot = node_slot(lattice, cell), parity = cell.x & 1;
-    std::array<Int3, 4> places;
+    std::array<Int3, 4> positions;
     for (std::size_t n = 0; n < 4; n++) {
       const int corner = slot + slot_offset(lattice, nodes_of_tet[n], parity);
-      places[n] = place[corner], solid |= is_solid(corner);
+      positions[n] = position[corner], solid |= is_solid(corner);
     }
-    return places;
+    return positions;
   }
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/cutting/fragment_view.hpp"
 
 namespace turgor::lattice {
@@ -17,10 +18,10 @@ Int3 block_of(Vec3d cell_size) {
   return block;
 }
 
-/// Σ HU + 1000 of the cells above one layer of nodes.
+/// Σ (HU + 1000) of the cells above one layer of nodes.
 struct LayerMass {
   const Model& model;
-  const State& state;
+  const Cuts& cuts;
   const CtVolume& ct;
   Int3 block;
   std::vector<std::int64_t>& layer_mass;
@@ -29,12 +30,12 @@ struct LayerMass {
     const Lattice& l = model.lattice;
     std::int64_t mass = 0;
     for (int j = 0; j + 1 < l.size.y; j++) {
-      int begin = 0;  // of a run of cells that are drawn whole
+      int begin = 0;  // first cell of a run of whole cells
       for (int i = 0; i + 1 < l.size.x; i++) {
         const Int3 cell{i, j, int(layer)};
         const std::array<int, 8> slots = cell_slots(l, node_slot(l, cell), i & 1);
         if (is_whole(slots)) continue;
-        mass += box_mass({begin, j, cell.z}, {i, j + 1, cell.z + 1}) + part_mass(cell, slots);
+        mass += box_mass({begin, j, cell.z}, {i, j + 1, cell.z + 1}) + partial_mass(cell, slots);
         begin = i + 1;
       }
       mass += box_mass({begin, j, int(layer)}, {l.size.x - 1, j + 1, int(layer) + 1});
@@ -42,13 +43,13 @@ struct LayerMass {
     layer_mass[layer] = mass;
   }
 
-  bool is_solid(int slot) const { return lattice::is_solid(model, state, slot); }
-  /// All six tetrahedra have the cell's first and last corner.
+  bool is_solid(int slot) const { return lattice::is_solid(model, cuts, slot); }
+  /// True if all six tetrahedra are tissue; each contains the first and the last corner of the cell.
   bool is_whole(const std::array<int, 8>& slots) const {
     if (!is_solid(slots[0]) && !is_solid(slots[7])) return false;
-    if (state.removed_nodes == 0) return true;
+    if (cuts.removed_nodes == 0) return true;
     return std::none_of(slots.begin(), slots.end(),
-                        [&](int slot) { return state.removed[std::size_t(slot)] != 0; });
+                        [&](int slot) { return cuts.removed[std::size_t(slot)] != 0; });
   }
 
   std::int64_t box_mass(Int3 low, Int3 high) const {
@@ -64,10 +65,11 @@ struct LayerMass {
     return mass;
   }
 
-  std::int64_t part_mass(Int3 cell, const std::array<int, 8>& slots) const {
+  std::int64_t partial_mass(Int3 cell, const std::array<int, 8>& slots) const {
     if (std::none_of(slots.begin(), slots.end(), [&](int slot) { return is_solid(slot); })) return 0;
     const Int3 from = hadamard(cell, block), to = min(from + block, ct.grid.size);
     std::int64_t mass = 0;
+    // voxels whose centers are tissue
     for (int k = from.z; k < to.z; k++)
       for (int j = from.y; j < to.y; j++)
         for (int i = from.x; i < to.x; i++) {
@@ -84,13 +86,13 @@ struct LayerMass {
     const std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, tet);
     const std::array<float, 4> weight = path_weights(tet, in_cell);
     bool any = false;
-    float gone = 0;
+    float removed_weight = 0;
     for (std::size_t n = 0; n < 4; n++) {
       const int slot = slots[std::size_t(nodes[n].x + 2 * nodes[n].y + 4 * nodes[n].z)];
       any |= is_solid(slot);
-      if (state.removed[std::size_t(slot)]) gone += weight[n];
+      if (cuts.removed[std::size_t(slot)]) removed_weight += weight[n];
     }
-    return any && !(gone > 0.5f);
+    return any && !(removed_weight > 0.5f);
   }
 };
 
@@ -102,10 +104,10 @@ RestFrame rest_frame(const Model& model, const Grid& ct) {
           .cell_size = {step.x / voxel.x, step.y / voxel.y, step.z / voxel.z}};
 }
 
-double rest_mass(const Exec& exec, const Model& model, const State& state, const CtVolume& ct) {
+double rest_mass(const Exec& exec, const Model& model, const Cuts& cuts, const CtVolume& ct) {
   const Int3 block = block_of(rest_frame(model, ct.grid).cell_size);
   std::vector<std::int64_t> layer_mass(std::size_t(model.lattice.size.z - 1));
-  parallel_for(exec, layer_mass.size(), LayerMass{model, state, ct, block, layer_mass});
+  parallel_for(exec, layer_mass.size(), LayerMass{model, cuts, ct, block, layer_mass});
   double mass = 0;
   for (const std::int64_t m : layer_mass) mass += double(m);
   return mass * sample_volume(ct.grid);

@@ -1,15 +1,16 @@
-// The body in its CT: where its cells lie there, and what it weighs.
+// Rest frame and rest mass of a body in its CT.
 #pragma once
 
-#include "turgor/models/lattice/lattice.hpp"
-#include "turgor/models/lattice/resample/raster.hpp"
+#include "turgor/core/exec.hpp"
+#include "turgor/geometry/kuhn_raster.hpp"
+#include "turgor/models/lattice/model/state.hpp"
 
 namespace turgor::lattice {
 
-/// In voxels of the CT that the body was built from.
+/// Rest frame in voxels of the CT that the body was built from.
 RestFrame rest_frame(const Model& model, const Grid& ct);
-/// Σ (HU + 1000) · volume over the body in the CT, less what left it: the voxels of all tetrahedra that are
-/// drawn [HU m³].
-double rest_mass(const Exec& exec, const Model& model, const State& state, const CtVolume& ct);
+/// Rest mass Σ (HU + 1000) · volume without removed tissue [HU m³]. It includes the same tetrahedra as the
+/// resampling.
+double rest_mass(const Exec& exec, const Model& model, const Cuts& cuts, const CtVolume& ct);
 
 }  // namespace turgor::lattice

@@ -1,24 +1,24 @@
-// Where nodes lie among the voxels of a grid, in fractions of a voxel: whole numbers, so that rasterising is
-// exact (raster.hpp).
+// Fixed-point voxel coordinates of nodes: integers in fractions of a voxel, so that rasterization is exact
+// (kuhn_raster.hpp).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
 #include "turgor/geometry/grid.hpp"
-#include "turgor/models/lattice/lattice.hpp"
-#include "turgor/models/lattice/resample/raster.hpp"
+#include "turgor/geometry/kuhn_raster.hpp"
+#include "turgor/models/lattice/model/state.hpp"
 
 namespace turgor::lattice {
 
 struct VoxelCoordinates {
   Vec3d spacing;  // of the nodes [m]
-  Mat3d to_out;   // lattice frame [m] to voxels
-  Vec3d origin;   // the first node [voxels]
+  Mat3d to_out;   // from lattice frame [m] to voxels
+  Vec3d origin;   // first node [voxels]
   int bits = 10;  // RasterWindow::bits
 
   TURGOR_HD Int3 operator()(Int3 node, Vec3 displacement) const {
-    constexpr double kFarthest = 30000;  // beyond any grid [voxels]
+    constexpr double kFarthest = 30000;  // clamp, beyond any grid [voxels]
     const Vec3d x = hadamard(Vec3d(node), spacing) + Vec3d(displacement);
     const Vec3d at = min(max(origin + to_out * x, Vec3d{-kFarthest, -kFarthest, -kFarthest}),
                          Vec3d{kFarthest, kFarthest, kFarthest}) *
@@ -35,18 +35,19 @@ inline VoxelCoordinates voxel_coordinates(const Model& model, const Grid& out) {
     column = {column.x / out.spacing.x, column.y / out.spacing.y, column.z / out.spacing.z};
   return to;
 }
-/// -1 when voxel axes are mirrored against the lattice's.
-inline double handed(const VoxelCoordinates& to) { return determinant(to.to_out) < 0 ? -1 : 1; }
+/// -1 if the voxel axes are mirrored against the lattice axes.
+inline double handedness(const VoxelCoordinates& to) { return determinant(to.to_out) < 0 ? -1 : 1; }
 
-/// A placed tetrahedron's volume now over that in the CT is its det times this.
+/// Volume ratio, deformed over rest, of a tetrahedron with det = 1 [1/units³].
 inline double volume_ratio(const Model& model, const Grid& out, int bits) {
   const double units = double(1 << bits);
   return sample_volume(out) / sample_volume(model.grid) / (units * units * units);
 }
 
-/// The finest fixed point in which no tetrahedron is too large for exact arithmetic: no two nodes of a cell
-/// move apart by more than the range [low, high] of all displacements, 0 among them.
+/// Finest fixed point in which no tetrahedron exceeds the range of exact arithmetic. No two nodes of a cell
+/// move apart by more than the range [low, high] of all displacements, including 0.
 inline int finest_bits(const VoxelCoordinates& to, Vec3 low, Vec3 high) {
+  // largest extent of a cell [voxels]
   const Vec3d reach = to.spacing + Vec3d(high - low) * 3.0;
   double extent = 0;
   for (int row = 0; row < 3; row++) {

@@ -1,4 +1,4 @@
-// What can move in a step: where in memory it is, and where its inertia leads.
+// Inertial positions of nodes, and iteration over chunks of free nodes.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace turgor::lattice {
 
-/// Where inertia and gravity lead: y = u_before + h v + h² g.
+/// Inertial displacement y = u_before + h v + h² g.
 struct Inertia {
   const Real *bx, *by, *bz, *vx, *vy, *vz, *w;
   const std::uint8_t* removed;
@@ -18,18 +18,18 @@ struct Inertia {
   Real dt;
 
   Inertia(const Model& model, const State& s, const Inputs& inputs, double step)
-      : bx(s.u_before.x.data()),
-        by(s.u_before.y.data()),
-        bz(s.u_before.z.data()),
-        vx(s.v.x.data()),
-        vy(s.v.y.data()),
-        vz(s.v.z.data()),
+      : bx(s.motion.u_before.x.data()),
+        by(s.motion.u_before.y.data()),
+        bz(s.motion.u_before.z.data()),
+        vx(s.motion.v.x.data()),
+        vy(s.motion.v.y.data()),
+        vz(s.motion.v.z.data()),
         w(model.inverse_mass.data()),
-        removed(s.removed.data()),
+        removed(s.cuts.removed.data()),
         fall(lattice_gravity(model, inputs) * Real(step * step)),
         dt(Real(step)) {}
-  /// On either side of the bus.
-  Inertia(const MovingNodes& n, Vec3 falls, Real step)
+  /// From pointers, on host or device.
+  Inertia(const FreeNodes& n, Vec3 falls, Real step)
       : bx(n.bx),
         by(n.by),
         bz(n.bz),
@@ -41,7 +41,7 @@ struct Inertia {
         fall(falls),
         dt(step) {}
 
-  /// 1 where there is a node that can move, or 0.
+  /// 1 for free nodes, else 0.
   TURGOR_HD Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }
   TURGOR_HD Vec3 operator()(int s) const { return at(s, moves(s)); }
   TURGOR_HD Vec3 at(int s, Real moves) const {
@@ -50,27 +50,27 @@ struct Inertia {
   }
 };
 
-/// Calls body(parity, slot, count) on pieces of half a row that can move.
+/// Calls body(parity, slot, count) for chunks of free nodes of a half row.
 template <class Body>
-void for_each_piece_of(const Model& model, int parity, int j, int k, const Body& body) {
+void for_each_chunk_of_half_row(const Model& model, int parity, int j, int k, const Body& body) {
   const Lattice& l = model.lattice;
-  for (const Run run : model.moving.of_half_row(row_slot(l, j, k) / l.half + parity))
+  for (const Run run : model.free_runs.of_half_row(row_slot(l, j, k) / l.half + parity))
     for (int begin = 0; begin < run.count; begin += kLanes)
       body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
 }
 
-/// Calls body(parity, slot, count) on pieces of all half rows of a layer that can move and are awake, in
-/// order or against it.
+/// Calls body(parity, slot, count) for chunks of free nodes in all awake rows of a layer, forward or
+/// backward.
 template <class Body>
-void for_each_piece(const Model& model, const std::uint8_t* awake, int k, const Body& body,
+void for_each_chunk(const Model& model, const std::uint8_t* awake, int k, const Body& body,
                     Order order = Order::kForward) {
   const Lattice& l = model.lattice;
   const bool backward = order == Order::kBackward;
   for (int row = 0; row < l.size.y; row++)
-    for (int turn = 0; turn < 2; turn++) {
-      const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - turn : turn;
+    for (int pass = 0; pass < 2; pass++) {
+      const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - pass : pass;
       if (awake != nullptr && !awake[row_of(model, row_slot(l, j, k))]) continue;
-      for_each_piece_of(model, parity, j, k, body);
+      for_each_chunk_of_half_row(model, parity, j, k, body);
     }
 }
 

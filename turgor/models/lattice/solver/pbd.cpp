@@ -1,6 +1,8 @@
-// Position-based dynamics on the lattice, as in the paper: springs, then volumes if asked for, then skin. A
-// layer of cells is done row by row; both ends of an edge family are contiguous runs of nodes without a node
-// in common, so lanes never meet.
+// Position-based dynamics on the lattice, as in the paper: springs, optional volumes, then skin. A layer of
+// cells is processed row by row. Both ends of an edge family are contiguous runs without a common node, so
+// SIMD lanes never conflict.
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/model/colors.hpp"
 #include "turgor/models/lattice/solver/projections.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
@@ -9,10 +11,10 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Calls body.template lanes<width>(begin) on [0, count): whole vectors, as compilers make them of loops of
-/// constant length, then half a one, then what is left at the end of a row.
+/// Calls body.template lanes<width>(begin) on [0, count): full vectors (loops of constant length vectorize),
+/// half a vector, then single slots at the end of a row.
 template <class Body>
-void in_vectors(int count, const Body& body) {
+void for_vector_widths(int count, const Body& body) {
   int i = 0;
   for (; i + 16 <= count; i += 16) body.template lanes<16>(i);
   if (i + kGroup <= count) body.template lanes<kGroup>(i), i += kGroup;
@@ -33,8 +35,8 @@ struct EdgeRun {
   }
 };
 
-/// Where something is to be projected in the halves of a row. No run goes beyond a half's last node: the slot
-/// behind it may be the first of the other half.
+/// Runs of a row that take part in projections. A run ends at the last node of its half row, because the next
+/// slot may belong to the other half.
 struct RowRuns {
   int j, k;
   std::span<const Run> of[2];
@@ -44,7 +46,7 @@ struct RowRuns {
     const Lattice& l = model.lattice;
     const int row = row_slot(l, j, k);
     for (int parity = 0; parity < 2; parity++) {
-      of[parity] = model.joining.of_half_row(row / l.half + parity);
+      of[parity] = model.constraint_runs.of_half_row(row / l.half + parity);
       end[parity] = row + parity * l.half + half_count(l, parity);
     }
   }
@@ -55,7 +57,7 @@ struct RowRuns {
   }
 };
 
-/// All edges whose lower end is in a row, or in half of it, then the tetrahedra of the row of cells there.
+/// Projects all edges whose lower end is in a row or half row, then the tetrahedra of its cells.
 struct SweepRow {
   const Model& model;
   NodeArrays nodes;
@@ -63,9 +65,9 @@ struct SweepRow {
   std::array<Vec3, kFamilyCount> edges;
 
   SweepRow(const Model& m, State& s)
-      : model(m), nodes(node_arrays(m, s)), row_cut(s.row_cut.data()), edges(rest_edges(m.lattice)) {}
+      : model(m), nodes(node_arrays(m, s)), row_cut(s.cuts.row_cut.data()), edges(rest_edges(m.lattice)) {}
 
-  /// In so many halves, from the first parity on.
+  /// Projects kHalves half rows, from parity `first` on.
   template <bool kWithCuts, int kHalves>
   void project_family(int f, const RowRuns& row, int first) const {
     const Lattice& l = model.lattice;
@@ -75,13 +77,16 @@ struct SweepRow {
     const Real rest = model.rest_length[std::size_t(f)];
     for (int parity = first; parity < first + kHalves; parity++)
       row.for_each(parity, [&](int a, int count) {
-        in_vectors(count, EdgeRun<kWithCuts>{nodes, a, a + slot_offset(l, offset, parity), edge, rest, f});
+        for_vector_widths(count,
+                          EdgeRun<kWithCuts>{nodes, a, a + slot_offset(l, offset, parity), edge, rest, f});
       });
   }
 
   template <bool kWithCuts, int kHalves>
   void sweep(const RowRuns& row, int first) const {
+    // springs
     for (int f = 0; f < kFamilyCount; f++) project_family<kWithCuts, kHalves>(f, row, first);
+    // volumes
     const Lattice& l = model.lattice;
     if (model.volume_scale <= 0 || row.j + 1 >= l.size.y || row.k + 1 >= l.size.z) return;
     for (const auto& tet : kKuhnTets)
@@ -96,8 +101,7 @@ struct SweepRow {
     if (row.of[0].empty() && row.of[1].empty()) return;
     is_cut(j, k) ? sweep<true, 2>(row, 0) : sweep<false, 2>(row, 0);
   }
-  /// Cells of one colour share no node: one after the other, or one kind of edge after the other, is the
-  /// same.
+  /// Cells of one color share no node. So the order of cells and edge families does not matter.
   void operator()(HalfRow half) const {
     const RowRuns row(model, half.j, half.k);
     if (row.of[half.parity].empty()) return;
@@ -108,9 +112,9 @@ struct SweepRow {
   }
 };
 
-/// A batch of skin triangles on its way through the projection: one lane each.
+/// Batch of skin triangles during projection, one per lane.
 struct SkinLanes {
-  alignas(64) Real x[9][kSkinLanes];  // of corner c along axis a, x[3 c + a]: displacement, then shift
+  alignas(64) Real x[9][kSkinLanes];  // x[3 c + a]: corner c, axis a; displacement, then its correction [m]
   alignas(64) Real w[3][kSkinLanes];
 
   void fetch(const SkinBatch& batch, const NodeArrays& n) {
@@ -125,11 +129,13 @@ struct SkinLanes {
   void project(const SkinBatch& batch, Real ratio, Real amplification) {
     TURGOR_LANES
     for (int i = 0; i < kSkinLanes; i++) {
+      // deformed edges
       const auto edge = [&](int q) {
         const auto& rest = batch.edge[q - 1];
         return Vec3{rest[0][i] + (x[3 * q][i] - x[0][i]), rest[1][i] + (x[3 * q + 1][i] - x[1][i]),
                     rest[2][i] + (x[3 * q + 2][i] - x[2][i])};
       };
+      // corrections
       const SkinShift shift = project_skin({0, 0, 0}, edge(1), edge(2), {w[0][i], w[1][i], w[2][i]},
                                            ratio * batch.area[i], batch.stiffness[i], amplification);
       x[0][i] = shift.a.x, x[1][i] = shift.a.y, x[2][i] = shift.a.z;
@@ -139,8 +145,8 @@ struct SkinLanes {
   }
 };
 
-/// Projects batch after batch of a group of skin: corners into lanes, all lanes at once, shifts back to the
-/// corners.
+/// Projects the batches of a group of skin: gather corners into lanes, project all lanes, add corrections to
+/// the nodes.
 struct ProjectSkin {
   const Skin& skin;
   const std::uint8_t* skin_cut;
@@ -149,12 +155,13 @@ struct ProjectSkin {
 
   ProjectSkin(const Model& model, State& state)
       : skin(model.skin),
-        skin_cut(state.skin_cut.data()),
+        skin_cut(state.cuts.skin_cut.data()),
         n(node_arrays(model, state)),
         ratio(rest_area_ratio(model.params.skin)),
         amplification(Real(model.params.skin.amplification)) {}
 
   void operator()(int group) const {
+    TURGOR_CHECK(is_index(group + 1, skin.layer_begin.size()), "a group of skin triangles is in a layer");
     SkinLanes lanes;
     const auto at = std::size_t(group);
     for (auto b = std::size_t(skin.layer_begin[at]); b < std::size_t(skin.layer_begin[at + 1]); b++) {
@@ -166,6 +173,7 @@ struct ProjectSkin {
   }
 
   void add(const SkinLanes& lanes, const SkinBatch& batch, int begin, int count) const {
+    TURGOR_CHECK(count <= kSkinLanes, "a batch has at most one triangle a lane");
     for (int i = 0; i < count; i++) {
       if (skin_cut[begin + i]) continue;
       for (int q = 0; q < 3; q++) {
@@ -177,7 +185,7 @@ struct ProjectSkin {
   }
 };
 
-/// The skin of one colour, by the layer.
+/// Skin of one color, by layer.
 struct ProjectSkinOfColor {
   const ProjectSkin& skin;
   int color;
@@ -213,6 +221,7 @@ template void sweep_pbd_by_colors(const CpuRun&, const Model&, State&);
 template void sweep_pbd_by_colors(const ShuffledRun&, const Model&, State&);
 
 void sweep_pbd(const Exec& exec, const Model& model, State& state, const HaloExchange* halo) {
+  TURGOR_CHECK(state.motion.u.x.size() >= model.inverse_mass.size(), "positions are on the host");
   if (model.params.solver.ordering == Ordering::kColors)
     return sweep_pbd_by_colors(CpuRun{exec}, model, state);
   sweep_pbd_by_slabs(exec, model, state, halo);

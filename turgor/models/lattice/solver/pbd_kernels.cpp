@@ -6,14 +6,14 @@
 #include <utility>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/models/lattice/build/skin.hpp"
+#include "turgor/models/lattice/mechanics/skin_queries.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// The rounds of a group of skin (order_in_rounds): triangle c of a round is of the same cell as triangle c
-/// of the next one.
+/// Links the skin triangles of each cell in a group. The group is ordered in rounds (order_in_rounds):
+/// triangle c of a round is in the same cell as triangle c of the next round.
 void add_skin_cells(const Model& model, int group, PbdOrdering& ordering) {
   const Skin& skin = model.skin;
   const auto cell = [&](int t) {
@@ -21,7 +21,7 @@ void add_skin_cells(const Model& model, int group, PbdOrdering& ordering) {
   };
   const int first = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group)])],
             end = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group) + 1])];
-  std::map<int, int> last;  // by cell: its triangle that has none behind it
+  std::map<int, int> last;  // by cell: its last triangle so far
   for (int t = first; t < end; t++) {
     const auto [at, is_first] = last.try_emplace(cell(t), t);
     if (is_first)
@@ -31,19 +31,19 @@ void add_skin_cells(const Model& model, int group, PbdOrdering& ordering) {
   }
 }
 
-/// The kinds of nodes there are, and each node's.
+/// Collects the kinds of nodes and the kind of each node.
 void find_kinds(const Model& model, PbdOrdering& ordering) {
   const std::size_t slots = model.inverse_mass.size();
   std::unordered_map<std::uint64_t, std::uint16_t> known;
   ordering.kind.resize(slots);
   for (std::size_t s = 0; s < slots; s++) {
-    const NodeKind is{model.inverse_mass[s], model.root_stiffness[s]};
+    const NodeKind node_kind{model.inverse_mass[s], model.root_stiffness[s]};
     const auto [at, is_new] =
-        known.try_emplace(std::bit_cast<std::uint64_t>(is), std::uint16_t(ordering.kinds.size()));
-    if (is_new) ordering.kinds.push_back(is);
+        known.try_emplace(std::bit_cast<std::uint64_t>(node_kind), std::uint16_t(ordering.kinds.size()));
+    if (is_new) ordering.kinds.push_back(node_kind);
     ordering.kind[s] = at->second;
   }
-  TURGOR_ASSERT(ordering.kinds.size() <= 65536, "nodes are of more kinds than a CT has values");
+  TURGOR_ASSERT(ordering.kinds.size() <= 65536, "a body has at most 65536 kinds of nodes");
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ void find_kinds(const Model& model, PbdOrdering& ordering) {
 CellTet cell_tet(const Lattice& l, int parity, const std::array<Int3, 4>& tet) {
   CellTet out{};
   for (std::size_t c = 0; c < 4; c++) out.offset[c] = slot_offset(l, tet[c], parity);
-  const auto rest = [&](std::size_t c) { return hadamard(l.step, Vec3(tet[c] - tet[0])); };
+  const auto rest = [&](std::size_t c) { return hadamard(l.spacing, Vec3(tet[c] - tet[0])); };
   out.e1 = rest(1), out.e2 = rest(2), out.e3 = rest(3);
   int e = 0;
   for (std::size_t p = 0; p < 4; p++)
@@ -63,17 +63,18 @@ CellTet cell_tet(const Lattice& l, int parity, const std::array<Int3, 4>& tet) {
   return out;
 }
 
-PbdOrdering pbd_schedule(const Model& model) {
+PbdOrdering pbd_ordering(const Model& model) {
   PbdOrdering ordering;
   find_kinds(model, ordering);
-  ordering.joining_of = groups_by_colors(model.lattice, model.joining, ordering.joining);
+  ordering.constraint_groups_of_color =
+      groups_by_colors(model.lattice, model.constraint_runs, ordering.constraint_groups);
   ordering.next.assign(model.skin.triangles.size(), -1);
   const int layers = model.skin.layer_begin.empty() ? 0 : model.lattice.size.z - 1;
   for (int color = 0; color < kColorCount; color++) {
-    ordering.heads_of.begin[color] = int(ordering.heads.size());
+    ordering.heads_of_color.begin[color] = int(ordering.heads.size());
     for (int k = color >> 2; k < layers; k += 2) add_skin_cells(model, 4 * k + (color & 3), ordering);
   }
-  ordering.heads_of.begin[kColorCount] = int(ordering.heads.size());
+  ordering.heads_of_color.begin[kColorCount] = int(ordering.heads.size());
   return ordering;
 }
 
@@ -82,10 +83,12 @@ PbdRules pbd_rules(const Model& model) {
   PbdRules rules{.rest_volume = model.volume_scale > 0 ? model.rest_volume : 0,
                  .skin_ratio = rest_area_ratio(model.params.skin),
                  .skin_amplification = Real(model.params.skin.amplification)};
+  // springs
   for (std::size_t f = 0; f < kFamilyCount; f++) {
-    rules.edge[f] = hadamard(l.step, Vec3(kFamilies[f]));
+    rules.edge[f] = hadamard(l.spacing, Vec3(kFamilies[f]));
     rules.rest[f] = model.rest_length[f];
   }
+  // corners and tetrahedra
   for (int parity = 0; parity < 2; parity++)
     for (int c = 0; c < kCellCorners; c++)
       rules.corner_offset[parity][c] = slot_offset(l, cell_corner(c), parity);

@@ -1,6 +1,5 @@
-// A step of position-based dynamics by colours, as loops over plain pointers: a thread a cell, a thread a
-// node. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU step() is faster and means
-// the same.
+// Kernels of a colored PBD step on plain pointers: one thread per cell or node. The same source runs on the
+// CPU (CpuRun, ShuffledRun) and on a GPU. On a CPU, step() is faster and gives the same result.
 #pragma once
 
 #include <utility>
@@ -11,68 +10,68 @@
 
 namespace turgor::lattice {
 
-/// Everything that does not change, by value.
+/// Constants of the kernels, passed by value.
 struct PbdRules {
   int corner_offset[2][kCellCorners];   // by the parity of i, from the cell's lowest node [slots]
   Vec3 edge[kFamilyCount];              // rest vectors [m]
   Real rest[kFamilyCount];              // [m]
-  Vec3 tet_edge[6][3];                  // from a tetrahedron's first corner to its others, at rest [m]
+  Vec3 tet_edge[6][3];                  // rest edges from a tetrahedron's first corner to its others [m]
   Real rest_volume;                     // [m³]; 0: volumes are not projected
-  Real skin_ratio, skin_amplification;  // rest area by that in the CT [1]; β [1]
+  Real skin_ratio, skin_amplification;  // rest area over area in the CT [1]; β [1]
 };
 
-/// What a node weighs and how stiff it is: of a CT's millions of nodes all are of a few thousand kinds, and
-/// eight passes a sweep read two bytes of each instead of eight.
+/// Mass and stiffness of a node. The millions of nodes of a CT have a few thousand kinds. The eight passes of
+/// a sweep read two bytes per node instead of eight.
 struct alignas(8) NodeKind {
-  Real w, root;  // inverse mass [1/kg], root of its stiffness in [0, 1]
+  Real w, root;  // inverse mass [1/kg]; root stiffness in [0, 1]
 
   friend bool operator==(NodeKind, NodeKind) = default;
 };
 
 struct PbdOrdering {
   std::vector<NodeKind> kinds;
-  std::vector<std::uint16_t> kind;  // by slot
-  std::vector<int> joining;  // first slots of groups whose cells hold something that can move, by colours
-  std::vector<int> heads;    // the first triangle of each cell with skin, by colours
-  std::vector<int> next;     // by triangle: another one of its cell, or -1
-  ColorBegin joining_of, heads_of;
+  std::vector<std::uint16_t> kind;     // by slot: index into `kinds`
+  std::vector<int> constraint_groups;  // first slots of groups with active constraints, by color
+  std::vector<int> heads;              // first skin triangle of each cell, by color
+  std::vector<int> next;               // by triangle: next one of its cell, or -1
+  ColorBegin constraint_groups_of_color, heads_of_color;
 };
 
-/// A body on one side of the bus, for pbd.
+/// Body on host or device, for PBD.
 struct PbdView {
   PbdRules rules;
-  MovingNodes body;
-  const NodeKind* kinds;  // PbdSchedule
+  FreeNodes body;
+  const NodeKind* kinds;  // PbdOrdering
   const std::uint16_t* kind;
-  const int* joining;
-  ColorBegin joining_of;
+  const int* constraint_groups;
+  ColorBegin constraint_groups_of_color;
   const SkinTriangle* triangles;
   const std::uint8_t* skin_cut;  // by triangle
   const int *next, *heads;
-  ColorBegin heads_of;
+  ColorBegin heads_of_color;
 };
 
 PbdRules pbd_rules(const Model& model);
-PbdOrdering pbd_schedule(const Model& model);
+PbdOrdering pbd_ordering(const Model& model);
 
-/// A cell's corners, x + 2 y + 4 z, while its elements are projected one after the other: fetched once and
-/// put back once. What an element is, is a constant, so that for nvcc all of it stays in registers.
-struct CornersOfCell {
+/// Corners of a cell (x + 2 y + 4 z) during the projection of its elements: loaded once and stored once.
+/// Elements are template arguments, so that nvcc keeps all of it in registers.
+struct CellCorners {
   const PbdRules& rules;
-  const std::uint8_t* cut;  // of the corners' slots, by `at`
+  const std::uint8_t* cut;  // by slot
   int at[kCellCorners];
   Vec3 u[kCellCorners];
-  NodeKind is[kCellCorners];
+  NodeKind kind[kCellCorners];
 
-  TURGOR_HD CornersOfCell(const PbdView& v, int s) : rules(v.rules), cut(v.body.nodes.cut) {
+  TURGOR_HD CellCorners(const PbdView& v, int s) : rules(v.rules), cut(v.body.nodes.cut) {
     const int parity = s / v.body.half & 1;
     TURGOR_UNROLL
     for (int c = 0; c < kCellCorners; c++) {
       at[c] = s + rules.corner_offset[parity][c];
-      u[c] = v.body.nodes.u(at[c]), is[c] = v.kinds[v.kind[at[c]]];
+      u[c] = v.body.nodes.u(at[c]), kind[c] = v.kinds[v.kind[at[c]]];
     }
   }
-  TURGOR_HD void put_back(const NodeArrays& n) const {
+  TURGOR_HD void store(const NodeArrays& n) const {
     TURGOR_UNROLL
     for (int c = 0; c < kCellCorners; c++) n.ux[at[c]] = u[c].x, n.uy[at[c]] = u[c].y, n.uz[at[c]] = u[c].z;
   }
@@ -81,9 +80,9 @@ struct CornersOfCell {
   TURGOR_HD void project_edge() {
     constexpr int b = corner_of(kFamilies[kFamily]);
     const Vec3 d = rules.edge[kFamily] + (u[b] - u[0]);
-    const Real stiffness = cut[at[0]] >> kFamily & 1 ? 0 : is[0].root * is[b].root;
-    const Real s = project_spring(d, rules.rest[kFamily], stiffness, is[0].w, is[b].w);
-    u[0] += d * (s * is[0].w), u[b] -= d * (s * is[b].w);
+    const Real stiffness = cut[at[0]] >> kFamily & 1 ? 0 : kind[0].root * kind[b].root;
+    const Real s = project_spring(d, rules.rest[kFamily], stiffness, kind[0].w, kind[b].w);
+    u[0] += d * (s * kind[0].w), u[b] -= d * (s * kind[b].w);
   }
   template <std::size_t... kFamily>
   TURGOR_HD void project_edges(std::index_sequence<kFamily...>) {
@@ -93,15 +92,15 @@ struct CornersOfCell {
   template <std::size_t kTet>
   TURGOR_HD bool is_cut() const {
     constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
-    const auto parted = [&]<std::size_t kP, std::size_t kQ>() {
-      constexpr Int3 way = tet[kQ] - tet[kP];
-      constexpr bool forward = family_of(way) >= 0;
-      constexpr int lower = corner_of(tet[forward ? kP : kQ]), family = family_of(forward ? way : -way);
+    const auto is_edge_cut = [&]<std::size_t kP, std::size_t kQ>() {
+      constexpr Int3 offset = tet[kQ] - tet[kP];
+      constexpr bool forward = family_of(offset) >= 0;
+      constexpr int lower = corner_of(tet[forward ? kP : kQ]), family = family_of(forward ? offset : -offset);
       return cut[at[lower]] >> family & 1;
     };
-    return parted.template operator()<0, 1>() | parted.template operator()<0, 2>() |
-           parted.template operator()<0, 3>() | parted.template operator()<1, 2>() |
-           parted.template operator()<1, 3>() | parted.template operator()<2, 3>();
+    return is_edge_cut.template operator()<0, 1>() | is_edge_cut.template operator()<0, 2>() |
+           is_edge_cut.template operator()<0, 3>() | is_edge_cut.template operator()<1, 2>() |
+           is_edge_cut.template operator()<1, 3>() | is_edge_cut.template operator()<2, 3>();
   }
   template <std::size_t kTet>
   TURGOR_HD void project_tet() {
@@ -109,12 +108,12 @@ struct CornersOfCell {
     constexpr int a = corner_of(tet[0]), b = corner_of(tet[1]), c = corner_of(tet[2]), d = corner_of(tet[3]);
     const Vec3 e1 = rules.tet_edge[kTet][0] + (u[b] - u[a]), e2 = rules.tet_edge[kTet][1] + (u[c] - u[a]),
                e3 = rules.tet_edge[kTet][2] + (u[d] - u[a]);
-    const Real whole = tet_stiffness(is[a].root, is[d].root, is[b].root, is[c].root, is[d].root);
+    const Real whole = tet_stiffness(kind[a].root, kind[d].root, kind[b].root, kind[c].root, kind[d].root);
     const VolumeGradients g = volume_gradients(e1, e2, e3);
-    const Real s = project_volume(e1, g, rules.rest_volume, is_cut<kTet>() ? 0 : whole, is[a].w, is[b].w,
-                                  is[c].w, is[d].w);
-    u[a] -= (g.g1 + g.g2 + g.g3) * (s * is[a].w);
-    u[b] += g.g1 * (s * is[b].w), u[c] += g.g2 * (s * is[c].w), u[d] += g.g3 * (s * is[d].w);
+    const Real s = project_volume(e1, g, rules.rest_volume, is_cut<kTet>() ? 0 : whole, kind[a].w, kind[b].w,
+                                  kind[c].w, kind[d].w);
+    u[a] -= (g.g1 + g.g2 + g.g3) * (s * kind[a].w);
+    u[b] += g.g1 * (s * kind[b].w), u[c] += g.g2 * (s * kind[c].w), u[d] += g.g3 * (s * kind[d].w);
   }
   template <std::size_t... kTet>
   TURGOR_HD void project_tets(std::index_sequence<kTet...>) {
@@ -122,24 +121,23 @@ struct CornersOfCell {
   }
 };
 
-/// The edges of a cell, and its tetrahedra.
+/// Projects the edges of a cell, then its tetrahedra.
 template <bool kWithVolumes>
 struct ProjectCell {
   PbdView v;
   int begin;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const int s = v.joining[std::size_t(begin) + n / kGroup] + int(n % kGroup);
-    if (!(v.kinds[v.kind[s]].root > 0))
-      return;  // behind the end of a row, too: there is somebody else's node
-    CornersOfCell cell(v, s);
+    const int s = v.constraint_groups[std::size_t(begin) + n / kGroup] + int(n % kGroup);
+    if (!(v.kinds[v.kind[s]].root > 0)) return;  // no node, or an unused slot at the end of a row
+    CellCorners cell(v, s);
     cell.project_edges(std::make_index_sequence<kFamilyCount>{});
     if constexpr (kWithVolumes) cell.project_tets(std::make_index_sequence<kKuhnTets.size()>{});
-    cell.put_back(v.body.nodes);
+    cell.store(v.body.nodes);
   }
 };
 
-/// The skin of a cell, one triangle after the other.
+/// Projects the skin of a cell, one triangle after the other.
 struct ProjectSkinCell {
   PbdView v;
   int begin;
@@ -150,9 +148,9 @@ struct ProjectSkinCell {
   }
   TURGOR_HD void project(const SkinTriangle& t) const {
     const auto [a, b, c] = t.vertex;
-    const Vec3 here = v.body.nodes.u(a);
+    const Vec3 u0 = v.body.nodes.u(a);
     const SkinShift shift =
-        project_skin({0, 0, 0}, t.edge1 + (v.body.nodes.u(b) - here), t.edge2 + (v.body.nodes.u(c) - here),
+        project_skin({0, 0, 0}, t.edge1 + (v.body.nodes.u(b) - u0), t.edge2 + (v.body.nodes.u(c) - u0),
                      {v.body.nodes.w[a], v.body.nodes.w[b], v.body.nodes.w[c]}, v.rules.skin_ratio * t.area,
                      t.stiffness, v.rules.skin_amplification);
     move(a, shift.a), move(b, shift.b), move(c, shift.c);
@@ -162,11 +160,11 @@ struct ProjectSkinCell {
   }
 };
 
-/// One sweep.
+/// One colored sweep.
 template <class Run>
 void sweep_pbd_with(const Run& run, const PbdView& v) {
   for (int c = 0; c < kColorCount; c++) {
-    const int *cells = v.joining_of.begin + c, *skin = v.heads_of.begin + c;
+    const int *cells = v.constraint_groups_of_color.begin + c, *skin = v.heads_of_color.begin + c;
     const std::size_t slots = std::size_t(cells[1] - cells[0]) * kGroup;
     if (v.rules.rest_volume > 0)
       run(slots, ProjectCell<true>{v, cells[0]});
@@ -176,8 +174,8 @@ void sweep_pbd_with(const Run& run, const PbdView& v) {
   }
 }
 
-/// What a step does to the view's arrays; the marks must be fresh. `loads` are on the same side, their slots
-/// ascend.
+/// One PBD step on the arrays of the view. The summary must be reset before. `loads` are in the same memory
+/// as the view; their slots ascend.
 template <class Run>
 void step_pbd_with(const Run& run, const PbdView& v, std::span<const NodeLoad> loads, Vec3 gravity,
                    const SolverParams& solver, double step) {

@@ -1,5 +1,5 @@
-// Projections of runs of edges and tetrahedra whose ends are contiguous in memory: of sixteen at once by
-// lanes of a CPU, of one by a thread of a GPU. No two elements of a call share a node.
+// Projections of runs of edges and tetrahedra whose corners are contiguous in memory: sixteen at once in CPU
+// lanes, or one per GPU thread. No two elements of a call share a node.
 #pragma once
 
 #include "turgor/models/lattice/mechanics/element_energies.hpp"
@@ -7,7 +7,8 @@
 
 namespace turgor::lattice {
 
-/// `width` edges of one family between two runs of nodes; a and b are the first slots of the runs.
+/// Projects kWidth edges of one family between two runs of nodes; a and b are the first slots. Formula:
+/// project_spring.
 template <bool kWithCuts, int kWidth>
 TURGOR_HD inline void project_edges(const NodeArrays& n, int a, int b, Vec3 edge, Real rest, int family) {
   Real* __restrict ax = n.ux + a, * __restrict ay = n.uy + a, * __restrict az = n.uz + a;
@@ -18,8 +19,10 @@ TURGOR_HD inline void project_edges(const NodeArrays& n, int a, int b, Vec3 edge
   TURGOR_LANES
   for (int i = 0; i < kWidth; i++) {
     const Vec3 d{ex + (bx[i] - ax[i]), ey + (by[i] - ay[i]), ez + (bz[i] - az[i])};
+    // stiffness, 0 for cut edges
     Real stiffness = ra[i] * rb[i];
     if constexpr (kWithCuts) stiffness = cut[i] >> family & 1 ? 0 : stiffness;
+    // corrections
     const Real s = project_spring(d, rest, stiffness, wa[i], wb[i]);
     const Real sa = s * wa[i], sb = s * wb[i];
     ax[i] += sa * d.x, ay[i] += sa * d.y, az[i] += sa * d.z;
@@ -27,7 +30,7 @@ TURGOR_HD inline void project_edges(const NodeArrays& n, int a, int b, Vec3 edge
   }
 }
 
-/// One of the six tetrahedra of cells whose i has one parity, from the slot of the cell's lowest node.
+/// One of the six tetrahedra of a cell with one parity of i, relative to the slot of the cell's lowest node.
 struct CellTet {
   int offset[4];    // of the corners [slots]
   Vec3 e1, e2, e3;  // rest edges from the first corner [m]
@@ -37,10 +40,11 @@ struct CellTet {
 };
 CellTet cell_tet(const Lattice& lattice, int parity, const std::array<Int3, 4>& tet);
 
-/// Of `count` cells in a row.
+/// Projects one tetrahedron of each of `count` cells in a row. Formula: project_volume.
 template <bool kWithCuts>
 TURGOR_HD inline void project_volumes(const NodeArrays& n, const CellTet& tet, int first, int count,
                                       Real rest_volume) {
+  // corners
   const int a = first + tet.offset[0], b = first + tet.offset[1], c = first + tet.offset[2],
             d = first + tet.offset[3];
   Real* __restrict ax = n.ux + a, * __restrict ay = n.uy + a, * __restrict az = n.uz + a;
@@ -52,6 +56,7 @@ TURGOR_HD inline void project_volumes(const NodeArrays& n, const CellTet& tet, i
   const auto [e1x, e1y, e1z] = tet.e1;
   const auto [e2x, e2y, e2z] = tet.e2;
   const auto [e3x, e3y, e3z] = tet.e3;
+  // projections
   TURGOR_LANES
   for (int i = 0; i < count; i++) {
     const Vec3 e1{e1x + (bx[i] - ax[i]), e1y + (by[i] - ay[i]), e1z + (bz[i] - az[i])};

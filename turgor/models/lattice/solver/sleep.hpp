@@ -1,50 +1,53 @@
-// Rows that sleep: a row near which nothing has gone faster than Params::solver.sleep for a few steps is not
-// swept until something near it moves, is cut, touched or loaded, or gravity changes. What a row does depends
-// on what rows did in sweeps before, never on when a thread came to them. Descent only.
-// A body that lies as the CT shows it, and to which nothing has happened yet, begins asleep.
-// Without a coarse space sleepers stand still. With one they follow the smooth part of the motion, without
-// inertia, and wake when it takes them further. What is smooth leaves something undone in every row, so they
-// are looked at, that is swept for a step, ever more rarely; and a coarse space is solved as rarely when all
-// rows sleep.
+// Sleep of rows (VBD only). A row sleeps after a few steps in which no node near it was faster than
+// SolverParams::sleep_speed. It wakes when something near it moves, is cut, touched or loaded, or when
+// gravity changes. Sleep depends only on previous sweeps, never on the timing of threads.
+//
+// A body in its initial state starts asleep. Without a coarse space, sleeping rows stand still. With one,
+// they follow the coarse correction without inertia, and wake when it moves them farther. Coarse corrections
+// leave a residual in every row. So sleeping rows are swept in probe steps, which become rarer with age. The
+// coarse space is solved as rarely when all rows sleep.
 #pragma once
 
 #include <bit>
 
+#include "turgor/models/lattice/model/inputs.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 
 namespace turgor::lattice {
 
-/// So many steps in a row of nothing near that moves, and a row sleeps: at the turning point of a swing all
-/// stands still, but not for long.
+/// Steps without motion nearby after which a row sleeps. A few are needed: at the turning point of an
+/// oscillation everything stands still for a moment.
 constexpr int kStillSteps = 8;
-inline bool sleeps(std::uint8_t still) { return still >= kStillSteps; }
-/// One that is carried is looked at after 16, 32, 64 and 128 steps, and after every 128 from then on.
-inline bool is_probe_step(std::uint8_t still) { return still > kStillSteps && std::has_single_bit(still); }
+inline bool sleeps(std::uint8_t still_steps) { return still_steps >= kStillSteps; }
+/// True in probe steps: at ages 16, 32, 64 and 128, then every 128 steps.
+inline bool is_probe_step(std::uint8_t still_steps) {
+  return still_steps > kStillSteps && std::has_single_bit(still_steps);
+}
 
 inline bool can_sleep(const Model& model) {
-  return model.params.solver.sleep > 0 && model.params.solver.method == Method::kVbd;
+  return model.params.solver.sleep_speed > 0 && model.params.solver.method == Method::kVbd;
 }
-/// Rows are counted in the storage's order, its border among them.
+/// Row of the storage that contains a slot, border rows included.
 inline int row_of(const Model& model, int slot) { return slot / row_stride(model.lattice); }
 
-/// Calls visit(row) for a row and those up to `reach` beside it, of the storage's or not.
+/// Calls visit(row) for a row and its neighbors up to `reach`, inside the storage or not.
 template <class Visit>
-void for_each_row_beside(const Lattice& l, int row, int reach, const Visit& visit) {
+void for_each_neighbor_row(const Lattice& l, int row, int reach, const Visit& visit) {
   for (int k = -reach; k <= reach; k++)
     for (int j = -reach; j <= reach; j++) visit(row + k * (l.size.y + 2) + j);
 }
 
-/// Wakes the rows up to `reach` around a slot.
+/// Wakes the rows within `reach` of a slot.
 void wake_around(const Model& model, State& state, int slot, int reach);
-/// Who is awake when a step begins: all but the sleepers, and those near cuts, loads and contacts. `coarse`:
-/// there is a coarse space that the step can use.
+/// Determines the awake rows of a step: all rows that do not sleep, and rows near cuts, loads and contacts.
+/// `coarse`: the step has a coarse space.
 void wake_rows(const Model& model, State& state, const Inputs& inputs, bool coarse);
-/// After a sweep: wakes those beside what has moved in it, for the next.
-void spread_motion(const Model& model, State& state);
-/// At the end of a step: lays down rows near which nothing has moved for long enough, at rest where they are.
-void lay_down_rows(const Exec& exec, const Model& model, State& state, double dt, bool coarse);
-/// Notes in the report how many rows can move, and how many of these sleep after the step. When all do, so
-/// will the coarse space.
-void count_sleepers(const Model& model, State& state, StepReport& report);
+/// After a sweep: wakes the neighbors of rows that moved, for the next sweep.
+void wake_neighbors(const Model& model, State& state);
+/// At the end of a step: puts rows to sleep, at rest, if nothing near them moved for long enough.
+void put_rows_to_sleep(const Exec& exec, const Model& model, State& state, double dt, bool coarse);
+/// Reports the rows with free nodes and the sleeping ones among them. Ages the coarse space if all rows
+/// sleep.
+void count_sleeping_rows(const Model& model, State& state, StepReport& report);
 
 }  // namespace turgor::lattice

@@ -1,105 +1,105 @@
-// What both solvers do to every node before and after their sweeps, as loops over plain pointers: a thread a
-// node. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU step() is faster and means
-// the same.
+// Kernels of both solvers before and after their sweeps: one thread per node, on plain pointers. The same
+// source runs on the CPU (CpuRun, ShuffledRun) and on a GPU. On a CPU, step() is faster and gives the same
+// result.
 #pragma once
 
 #include <cmath>
 
 #include "turgor/core/atomic_max.hpp"
+#include "turgor/models/lattice/model/inputs.hpp"
 #include "turgor/models/lattice/model/neighbors.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 
 namespace turgor::lattice {
 
-/// What a step leaves behind beside the state.
-struct StepMarks {
-  std::uint32_t largest = 0;  // bits of the largest |v|² [m²/s²]
-  std::uint32_t wild = 0;     // 1 = velocities lead some neighbours too far apart
+/// Results of a step besides the state.
+struct StepSummary {
+  std::uint32_t largest = 0;             // bits of the largest |v|² [m²/s²]
+  std::uint32_t velocities_diverge = 0;  // 1 = velocities move neighbors too far apart
 };
 
-/// The nodes of a body on one side of the bus. Pointers are to arrays by slot unless another count is given.
-struct MovingNodes {
+/// Nodes of a body on host or device. Pointers are to arrays by slot unless another count is given.
+struct FreeNodes {
   int half, slots;  // Lattice::half
   NodeArrays nodes;
   Real *bx, *by, *bz, *vx, *vy, *vz;  // u_before [m], velocity [m/s]
   const std::uint8_t* removed;
-  const int* moving;  // first slots of groups in which something can move
-  int moving_count;
-  StepMarks* marks;  // one
+  const int* free_groups;  // first slots of groups that contain free nodes
+  int free_group_count;
+  StepSummary* summary;  // one entry
 
-  TURGOR_HD std::size_t count() const { return std::size_t(moving_count) * kGroup; }
-  TURGOR_HD int slot(std::size_t n) const { return moving[n / kGroup] + int(n % kGroup); }
+  TURGOR_HD std::size_t count() const { return std::size_t(free_group_count) * kGroup; }
+  TURGOR_HD int slot(std::size_t n) const { return free_groups[n / kGroup] + int(n % kGroup); }
   TURGOR_HD bool moves(int s) const { return nodes.w[s] > 0 && !removed[s]; }
   TURGOR_HD Vec3 v(int s) const { return {vx[s], vy[s], vz[s]}; }
 };
 
-/// How far neighbours may go apart or together in a step by their velocities, in lattice steps, if descent is
-/// to begin where those lead: from farther off few sweeps do not come back, and what they leave of the way
-/// moves the body on.
-constexpr Real kTameWay = 0.5;
+/// Largest motion of neighbors relative to each other in a step, in cells, for a start with h v. From farther
+/// off few sweeps do not recover, and their residual keeps the body in motion.
+constexpr Real kLargestRelativeMotion = 0.5;
 
-/// Do velocities lead neighbours that no blade parted farther than that?
-struct FindWild {
-  MovingNodes n;
-  Neighbors neighbors[2];  // by the parity of i
-  Real most;               // difference of velocities [m/s]
+/// Detects uncut neighbors whose velocities exceed that motion.
+struct FindDivergingNeighbors {
+  FreeNodes n;
+  Neighbors neighbors[2];  // by parity of i
+  Real most;               // velocity difference [m/s]
 
   TURGOR_HD bool is_solid(int s) const { return n.nodes.root[s] > 0 && !n.removed[s]; }
-  /// Seen from the faster end.
-  TURGOR_HD bool is_wild(int s) const {
+  /// Test at the faster end of an edge.
+  TURGOR_HD bool diverges(int s) const {
     const Vec3 v = n.v(s);
     if (!(4 * dot(v, v) > most * most) || !is_solid(s)) return false;
-    const Neighbors& around = neighbors[s / n.half & 1];
+    const Neighbors& stencil = neighbors[s / n.half & 1];
     for (int e = 0; e < kNeighborCount; e++) {
-      const int other = s + around.offset[e], lower = e % 2 == 0 ? s : other;
+      const int other = s + stencil.offset[e], lower = e % 2 == 0 ? s : other;
       if (n.nodes.cut[lower] >> e / 2 & 1 || !is_solid(other)) continue;
       if (const Vec3 apart = n.v(other) - v; dot(apart, apart) > most * most) return true;
     }
     return false;
   }
   TURGOR_HD void operator()(std::size_t at) const {
-    if (is_wild(n.slot(at))) atomic_max(n.marks->wild, 1);
+    if (diverges(n.slot(at))) atomic_max(n.summary->velocities_diverge, 1);
   }
 };
-/// On a CPU, of the body itself; without groups and marks.
-inline MovingNodes moving_nodes(const Model& model, State& state) {
+/// Nodes of a state on the host; without groups and summary.
+inline FreeNodes host_free_nodes(const Model& model, State& state) {
   return {.half = model.lattice.half,
           .slots = int(model.inverse_mass.size()),
           .nodes = node_arrays(model, state),
-          .bx = state.u_before.x.data(),
-          .by = state.u_before.y.data(),
-          .bz = state.u_before.z.data(),
-          .vx = state.v.x.data(),
-          .vy = state.v.y.data(),
-          .vz = state.v.z.data(),
-          .removed = state.removed.data()};
+          .bx = state.motion.u_before.x.data(),
+          .by = state.motion.u_before.y.data(),
+          .bz = state.motion.u_before.z.data(),
+          .vx = state.motion.v.x.data(),
+          .vy = state.motion.v.y.data(),
+          .vz = state.motion.v.z.data(),
+          .removed = state.cuts.removed.data()};
 }
-/// Difference of velocities from which on a step of `dt` leads too far [m/s].
-inline Real wild_from(const Model& model, Real dt) {
-  const Vec3 step = model.lattice.step;
-  return kTameWay * std::min({step.x, step.y, step.z}) / dt;
+/// Velocity difference of neighbors above which a step of `dt` starts from rest [m/s].
+inline Real largest_relative_speed(const Model& model, Real dt) {
+  const Vec3 spacing = model.lattice.spacing;
+  return kLargestRelativeMotion * std::min({spacing.x, spacing.y, spacing.z}) / dt;
 }
 
-/// u_before = u; u to where inertia and gravity lead.
+/// Predictor: u_before = u, then u += h v + h² g.
 struct PredictNode {
-  MovingNodes n;
+  FreeNodes n;
   Vec3 fall;  // h² g, or 0 [m]
   Real dt;
 
   TURGOR_HD void operator()(std::size_t at) const {
     const int s = n.slot(at);
     const bool moves = n.moves(s);
-    const Real way = n.marks->wild ? 0 : dt;
+    const Real velocity_step = n.summary->velocities_diverge ? 0 : dt;
     n.bx[s] = n.nodes.ux[s], n.by[s] = n.nodes.uy[s], n.bz[s] = n.nodes.uz[s];
-    n.nodes.ux[s] += moves ? way * n.vx[s] + fall.x : 0;
-    n.nodes.uy[s] += moves ? way * n.vy[s] + fall.y : 0;
-    n.nodes.uz[s] += moves ? way * n.vz[s] + fall.z : 0;
+    n.nodes.ux[s] += moves ? velocity_step * n.vx[s] + fall.x : 0;
+    n.nodes.uy[s] += moves ? velocity_step * n.vy[s] + fall.y : 0;
+    n.nodes.uz[s] += moves ? velocity_step * n.vz[s] + fall.z : 0;
   }
 };
 
-/// v += h w f, for all loads of one node by the thread of the first. Their slots ascend.
+/// Loads: v += h w f. The thread of the first load of a node adds all loads of that node. Slots ascend.
 struct AddLoad {
-  MovingNodes n;
+  FreeNodes n;
   const NodeLoad* loads;
   int count;
   Real dt;
@@ -114,9 +114,9 @@ struct AddLoad {
   }
 };
 
-/// v = (u − u_before)/h, damped.
+/// Velocities: v = (u − u_before)/h with damping.
 struct FinishNode {
-  MovingNodes n;
+  FreeNodes n;
   Real scale;  // exp(−damping h)/h [1/s]
 
   TURGOR_HD void operator()(std::size_t at) const {
@@ -124,25 +124,25 @@ struct FinishNode {
     const Vec3 speed{(n.nodes.ux[s] - n.bx[s]) * scale, (n.nodes.uy[s] - n.by[s]) * scale,
                      (n.nodes.uz[s] - n.bz[s]) * scale};
     n.vx[s] = speed.x, n.vy[s] = speed.y, n.vz[s] = speed.z;
-    atomic_max(n.marks->largest, magnitude_bits(dot(speed, speed)));
+    atomic_max(n.summary->largest, magnitude_bits(dot(speed, speed)));
   }
 };
 
-/// To where the step began, at rest. Projections leave what is not finite in nodes that are held and in slots
-/// without a node, too.
-struct GoBackSlot {
-  MovingNodes n;
+/// Restores the displacement before the step, at rest. Projections may also leave non-finite values in fixed
+/// nodes and in empty slots.
+struct RestoreSlot {
+  FreeNodes n;
 
   TURGOR_HD void operator()(std::size_t s) const {
-    const auto go_back = [moves = n.nodes.w[s] > 0](Real& u, Real before) {
+    const auto restore = [moves = n.nodes.w[s] > 0](Real& u, Real before) {
       if (moves || !(u - u == 0)) u = before;
     };
-    go_back(n.nodes.ux[s], n.bx[s]), go_back(n.nodes.uy[s], n.by[s]), go_back(n.nodes.uz[s], n.bz[s]);
+    restore(n.nodes.ux[s], n.bx[s]), restore(n.nodes.uy[s], n.by[s]), restore(n.nodes.uz[s], n.bz[s]);
     n.vx[s] = n.vy[s] = n.vz[s] = 0;
   }
 };
 
-/// Damping and the length of the step [1/s].
+/// Damping over the time step, exp(−damping h)/h [1/s].
 inline Real speed_scale(const SolverParams& solver, double dt) {
   return Real(std::exp(-solver.damping * dt) / dt);
 }

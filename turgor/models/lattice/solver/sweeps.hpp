@@ -1,41 +1,48 @@
-// The parts of a step: predict, sweeps of one solver or the other, finish. step() strings them together;
-// tests and benches look at them one by one.
+// Phases of a step: predict, sweeps of PBD or VBD, finish. step() runs them in order; tests and benches call
+// them one by one.
 #pragma once
 
+#include "turgor/models/lattice/model/inputs.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 
 namespace turgor::lattice {
 
-/// Remembers u and moves it to where the sweeps begin: y = u + h v + h² g for pbd and for bodies that nothing
-/// holds. What is held begins without h² g, for few sweeps cannot carry it back. Loads become a part of v.
+/// Stores u in u_before and moves u to the starting point of the sweeps. For PBD and for bodies without fixed
+/// nodes it is y = u + h v + h² g. Other bodies start without h² g, because few sweeps cannot recover it.
+/// Loads are added to v.
 void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
-/// One sweep of projections over springs, volumes and skin. [Müller 2007; STC]
+/// One PBD sweep over springs, volumes and skin. [Müller et al. 2007; STC]
 void sweep_pbd(const Exec& exec, const Model& model, State& state, const HaloExchange* halo = nullptr);
-/// One sweep of vertex block descent: every node takes one Newton step. [Chen et al. 2024] Solid tissue takes
-/// the second half of its sweeps backward: then what they leave of an error is a symmetric part of it,
-/// between none and all, and never feeds the motion that inertia carries on. Forward sweeps alone do, from ν
-/// = 0.45 on.
+/// One VBD sweep: each node takes one Newton step. [Chen et al. 2024] Solid tissue runs the second half of
+/// its sweeps backward. The remaining error is then a symmetric part of the initial one, between none and
+/// all, and never feeds the motion that inertia carries on. With forward sweeps only, it does from ν = 0.45
+/// on.
 void sweep_vbd(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
                Order order = Order::kForward);
-/// Which way a sweep of descent goes.
+/// Direction of a VBD sweep.
 inline Order sweep_order(bool solid, int sweep, int sweeps) {
   return solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward;
 }
-/// Is it the first that goes backward?
-inline bool is_turn(bool solid, int sweep, int sweeps) {
+/// True for the first backward sweep.
+inline bool is_first_backward_sweep(bool solid, int sweep, int sweeps) {
   return sweep > 0 && sweep_order(solid, sweep, sweeps) != sweep_order(solid, sweep - 1, sweeps);
 }
-/// Velocities from the way gone, damped; or everything back if a number is not finite.
+
+/// Colored sweeps of sweep_pbd and sweep_vbd, with any run (core/run.hpp).
+template <class Run>
+void sweep_pbd_by_colors(const Run& run, const Model& model, State& state);
+template <class Run>
+void sweep_vbd_by_colors(const Run& run, const Model& model, State& state, const Inputs& inputs, double dt,
+                         Order order = Order::kForward);
+
+/// Computes velocities (u − u_before)/h with damping. Restores the last state if a value is not finite.
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt,
                   const HaloExchange* halo = nullptr);
 
-/// The gradient of what implicit Euler minimises, between predict and finish.
+/// Gradient of the energy that implicit Euler minimizes, between predict and finish.
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
                           double dt);
-/// That energy itself: ½ Σ m/h² |u − y|² + elastic [J], between predict and finish.
-double step_energy(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
-
-/// Gravity along the lattice's axes.
+/// Gravity along the axes of the lattice [m/s²].
 Vec3 lattice_gravity(const Model& model, const Inputs& inputs);
 
 }  // namespace turgor::lattice

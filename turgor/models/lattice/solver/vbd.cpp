@@ -1,7 +1,7 @@
-// Vertex block descent on the lattice (Chen et al. 2024): each node in turn moves to the minimum of the
-// quadratic that its springs, volumes and skin, and its own inertia, make of the step's energy. Nodes of a
-// half row have no edge in common, so a half row is done at once: forces and stiffnesses into a buffer as
-// SIMD, skin node by node, one Newton step as SIMD.
+// Vertex block descent on the lattice (Chen et al. 2024). Each node in turn takes one Newton step on the
+// energy of the time step: inertia, springs, volumes or cells, and skin. Nodes of a half row share no edge,
+// so a half row is processed at once. Forces and Hessians are gathered into a buffer with SIMD, skin is added
+// by node, and the Newton steps use SIMD.
 #include <algorithm>
 #include <bit>
 #include <vector>
@@ -24,59 +24,59 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Which springs and tetrahedra around sixteen nodes no blade went through: 1 or 0. Numbers of one size, or
-/// loops over them become vectors of four.
+/// Factors of springs and tetrahedra around sixteen nodes: 1 = uncut, 0 = cut. All numbers have one size;
+/// otherwise loops vectorize only four wide.
 struct Uncut {
   Real spring[kNeighborCount][kSpareSlots], tet[24][kSpareSlots];
 };
-void find_uncut(const NodeArrays& n, const Neighbors& around, int slot, bool with_volumes, Uncut& out) {
+void find_uncut(const NodeArrays& n, const Neighbors& stencil, int slot, bool with_volumes, Uncut& out) {
   for (int e = 0; e < kNeighborCount; e++) {
-    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : around.offset[e]);
+    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : stencil.offset[e]);
     for (int i = 0; i < kSpareSlots; i++) out.spring[e][i] = cut[i] >> e / 2 & 1 ? 0 : 1;
   }
   for (std::size_t t = 0; t < 24 && with_volumes; t++) {
     int any[kSpareSlots] = {};
-    for (const EdgeAround edge : kTetsAround[t].edge) {
-      const std::uint8_t* cut = n.cut + slot + (edge.lower < 0 ? 0 : around.offset[edge.lower]);
+    for (const IncidentEdge edge : kIncidentTets[t].edge) {
+      const std::uint8_t* cut = n.cut + slot + (edge.lower < 0 ? 0 : stencil.offset[edge.lower]);
       for (int i = 0; i < kSpareSlots; i++) any[i] |= cut[i] >> edge.family & 1;
     }
     for (int i = 0; i < kSpareSlots; i++) out.tet[t][i] = any[i] ? 0 : 1;
   }
 }
 
-/// Springs and volumes around the nodes of [slot, slot + kSpareSlots).
+/// Gathers springs and volumes around the nodes of [slot, slot + kSpareSlots).
 template <bool kWithCuts, bool kWithVolumes>
-void gather_elements(const NodeArrays& n, const Neighbors& around, Real rest_volume, Real volume_scale,
+void gather_elements(const NodeArrays& n, const Neighbors& stencil, Real rest_volume, Real volume_scale,
                      int slot, int begin, SystemBuffer& __restrict out) {
   Uncut uncut;
-  if constexpr (kWithCuts) find_uncut(n, around, slot, kWithVolumes, uncut);
+  if constexpr (kWithCuts) find_uncut(n, stencil, slot, kWithVolumes, uncut);
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++) {
     const auto spring = [&](int e) { return kWithCuts ? uncut.spring[e][i] : Real(1); };
     const auto tet = [&](std::size_t t) { return kWithCuts ? uncut.tet[t][i] : Real(1); };
     out.set(begin + i,
-            springs_around<kWithVolumes>(n, around, rest_volume, volume_scale, slot + i, spring, tet));
+            incident_springs<kWithVolumes>(n, stencil, rest_volume, volume_scale, slot + i, spring, tet));
   }
 }
 
-/// Everything a half row is asked for, without inertia.
-struct GatherRow {
+/// Gathers forces and Hessians of all elements for nodes of a half row, without inertia.
+struct GatherSystems {
   const Model& model;
   const State& state;
   NodeArrays nodes;
   Neighbors neighbors[2];
   SolidRow solid;
   SkinForces skin;
-  CutElementForces parts;
+  CutElementForces cut_elements;
 
-  GatherRow(const Model& m, State& s)
+  GatherSystems(const Model& m, State& s)
       : model(m),
         state(s),
         nodes(node_arrays(m, s)),
         neighbors{neighbors_of(m, 0), neighbors_of(m, 1)},
         solid(m, s),
         skin(m),
-        parts(m, s) {}
+        cut_elements(m, s) {}
 
   template <bool kWithCuts>
   void springs(int parity, int slot, int count, SystemBuffer& out) const {
@@ -88,45 +88,49 @@ struct GatherRow {
 
   void add_skin(int slot, int count, SystemBuffer& out) const {
     for_skin_nodes(
-        model, state, nodes, skin, slot, count, [&](int at) { return out.get(at - slot); },
+        model, state.cuts, nodes, skin, slot, count, [&](int at) { return out.get(at - slot); },
         [&](int at, const NodeSystem& s) { out.set(at - slot, s); });
   }
 
   void operator()(int parity, int slot, int count, SystemBuffer& out) const {
+    // springs or cells
     if (model.params.tissue.law == TissueLaw::kSolid)
       solid.gather(parity, slot, count, out);
-    else if (state.row_cut[std::size_t(slot / row_stride(model.lattice))])
+    else if (state.cuts.row_cut[std::size_t(slot / row_stride(model.lattice))])
       springs<true>(parity, slot, count, out);
     else
       springs<false>(parity, slot, count, out);
+    // skin
     if (!model.skin.triangles.empty()) add_skin(slot, count, out);
-    for (const ElementNode& node : parts.nodes_of(slot, count)) {
+    // cut elements
+    for (const ElementNode& node : cut_elements.nodes_of(slot, count)) {
       NodeSystem s = out.get(node.slot - slot);
-      add(s, parts.gather(node));
+      add(s, cut_elements.gather(node));
       out.set(node.slot - slot, s);
     }
   }
 };
 
-/// Moves the nodes of a layer, or of half a row, and their copies.
-struct Descend {
-  const GatherRow& gather;
+/// Moves the nodes and virtual nodes of a layer or half row.
+struct VbdSweep {
+  const GatherSystems& gather;
   const Inertia& inertia;
   std::span<NodeContact> contacts;
   Order order;
   Sleep& sleep;
-  Real way2;  // square of how far a node goes in a step without waking others [m²]; negative: none sleeps
+  Real wake_distance2;  // squared displacement per step above which a row wakes its neighbors [m²]; negative:
+                        // no sleep
 
-  bool sleeps() const { return way2 >= 0; }
+  bool sleeps() const { return wake_distance2 >= 0; }
 
   void operator()(int k) const {
     SystemBuffer buffer;
-    const std::span<const ElementNode> virtual_nodes = gather.parts.virtual_nodes_of(k);
-    if (order == Order::kBackward) solve_copies(virtual_nodes);
-    for_each_piece(
+    const std::span<const ElementNode> virtual_nodes = gather.cut_elements.virtual_nodes_of(k);
+    if (order == Order::kBackward) solve_virtual_nodes(virtual_nodes);
+    for_each_chunk(
         gather.model, sleeps() ? sleep.awake.data() : nullptr, k,
-        [&](int parity, int slot, int count) { move_nodes(parity, slot, count, buffer); }, order);
-    if (order == Order::kForward) solve_copies(virtual_nodes);
+        [&](int parity, int slot, int count) { update_nodes(parity, slot, count, buffer); }, order);
+    if (order == Order::kForward) solve_virtual_nodes(virtual_nodes);
   }
 
   void operator()(HalfRow row) const {
@@ -134,37 +138,48 @@ struct Descend {
     const int first = row_slot(l, row.j, row.k) + row.parity * l.half;
     if (sleeps() && !sleep.awake[std::size_t(row_of(gather.model, first))]) return;
     SystemBuffer buffer;
-    for_each_piece_of(gather.model, row.parity, row.j, row.k,
-                      [&](int parity, int slot, int count) { move_nodes(parity, slot, count, buffer); });
-    solve_copies(gather.parts.virtual_nodes_of(first, l.half));
+    for_each_chunk_of_half_row(gather.model, row.parity, row.j, row.k, [&](int parity, int slot, int count) {
+      update_nodes(parity, slot, count, buffer);
+    });
+    solve_virtual_nodes(gather.cut_elements.virtual_nodes_of(first, l.half));
   }
 
-  void move_nodes(int parity, int slot, int count, SystemBuffer& buffer) const {
+  void update_nodes(int parity, int slot, int count, SystemBuffer& buffer) const {
+    // forces and Hessians
     gather(parity, slot, count, buffer);
-    const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
-    if (!touched.empty()) press(touched, slot, buffer);
+    // contacts
+    const std::span<NodeContact> node_contacts = contacts_of(contacts, slot, count);
+    if (!node_contacts.empty()) add_contacts_of_nodes(node_contacts, slot, buffer);
+    // Newton steps
     solve(slot, count, buffer);
-    for (NodeContact& c : touched) c.force = contact_force(c, contact_displacement(c, gather.nodes)).force;
+    // contact forces
+    for (NodeContact& c : node_contacts)
+      c.force = contact_force(c, contact_displacement(c, gather.nodes)).force;
+    // wake neighbors
     if (sleeps() && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
   }
 
-  /// After the nodes of their layer, or before them backward: those of other slabs stand still then.
-  void solve_copies(std::span<const ElementNode> virtual_nodes) const {
+  /// Virtual nodes follow the nodes of their layer, or precede them in a backward sweep. Those of other slabs
+  /// of the phase do not change meanwhile.
+  void solve_virtual_nodes(std::span<const ElementNode> virtual_nodes) const {
     for (std::size_t n = 0; n < virtual_nodes.size(); n++) {
-      const ElementNode& copy = virtual_nodes[order == Order::kForward ? n : virtual_nodes.size() - 1 - n];
-      if (!sleeps() || sleep.awake[std::size_t(row_of(gather.model, copy.slot))]) gather.parts.solve(copy);
+      const ElementNode& virtual_node =
+          virtual_nodes[order == Order::kForward ? n : virtual_nodes.size() - 1 - n];
+      if (!sleeps() || sleep.awake[std::size_t(row_of(gather.model, virtual_node.slot))])
+        gather.cut_elements.solve(virtual_node);
     }
   }
 
   /// Adds contacts to the systems of their nodes.
-  void press(std::span<NodeContact> touched, int slot, SystemBuffer& buffer) const {
-    for (std::size_t begin = 0, end = 0; begin < touched.size(); begin = end) {
-      while (end < touched.size() && touched[end].slot == touched[begin].slot) end++;
-      const int at = touched[begin].slot - slot;
+  void add_contacts_of_nodes(std::span<NodeContact> node_contacts, int slot, SystemBuffer& buffer) const {
+    for (std::size_t begin = 0, end = 0; begin < node_contacts.size(); begin = end) {
+      while (end < node_contacts.size() && node_contacts[end].slot == node_contacts[begin].slot) end++;
+      const int at = node_contacts[begin].slot - slot;
       NodeSystem system = buffer.get(at);
-      const int node = touched[begin].slot;
-      press_node(touched.subspan(begin, end - begin), gather.nodes, inertia(node) - gather.nodes.u(node),
-                 inertia.dt * inertia.dt * gather.nodes.w[node], system);
+      const int node = node_contacts[begin].slot;
+      add_contacts(node_contacts.subspan(begin, end - begin), gather.nodes,
+                   inertia(node) - gather.nodes.u(node), inertia.dt * inertia.dt * gather.nodes.w[node],
+                   system);
       buffer.set(at, system);
     }
   }
@@ -180,7 +195,7 @@ struct Descend {
     const NodeArrays& n = gather.nodes;
     const int slot = first + begin;
     Real* __restrict ux = n.ux + slot, * __restrict uy = n.uy + slot, * __restrict uz = n.uz + slot;
-    const Inertia y = inertia;  // a copy that the stores below cannot reach
+    const Inertia y = inertia;  // local copy, so that stores cannot alias it
     Real moves[kWidth];
     for (int i = 0; i < kWidth; i++) moves[i] = y.moves(slot + i);
     TURGOR_LANES
@@ -191,7 +206,8 @@ struct Descend {
     }
   }
 
-  /// Bit patterns of positive numbers are in order, and those of not-a-number come last.
+  /// True if a node moved farther than the wake distance. Bit patterns of positive numbers are ordered, and
+  /// NaN is the largest.
   bool has_moved(int slot, int count) const {
     const NodeArrays& n = gather.nodes;
     std::uint32_t found = 0;
@@ -200,22 +216,23 @@ struct Descend {
       const std::uint32_t bits = std::bit_cast<std::uint32_t>(x * x + y * y + z * z) & 0x7fffffffu;
       found = bits > found ? bits : found;
     }
-    return found > std::bit_cast<std::uint32_t>(way2);
+    return found > std::bit_cast<std::uint32_t>(wake_distance2);
   }
 };
 
-/// Calls sweep(descend).
+/// Calls sweep(rows) with the kernel of a sweep, and handles sleep.
 template <class Sweep>
-void prepare_descent(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
-                     const Sweep& sweep) {
-  const GatherRow gather(model, state);
+void with_vbd_sweep(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
+                    const Sweep& sweep) {
+  const GatherSystems gather(model, state);
   const Inertia inertia(model, state, inputs, dt);
-  // Tests and benches sweep outside of steps, where nobody has been woken.
+  // tests and benches sweep outside of steps, before wake_rows
   const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
-  const Real way = Real(model.params.solver.sleep * dt);
+  const Real wake_distance = Real(model.params.solver.sleep_speed * dt);
   if (sleeps) std::fill(state.sleep.moved.begin(), state.sleep.moved.end(), std::uint8_t(0));
-  sweep(Descend{gather, inertia, inputs.contacts, order, state.sleep, sleeps ? way * way : Real(-1)});
-  if (sleeps) spread_motion(model, state);
+  sweep(VbdSweep{gather, inertia, inputs.contacts, order, state.sleep,
+                 sleeps ? wake_distance * wake_distance : Real(-1)});
+  if (sleeps) wake_neighbors(model, state);
 }
 
 }  // namespace
@@ -223,10 +240,9 @@ void prepare_descent(const Model& model, State& state, const Inputs& inputs, dou
 template <class Run>
 void sweep_vbd_by_colors(const Run& run, const Model& model, State& state, const Inputs& inputs, double dt,
                          Order order) {
-  prepare_descent(model, state, inputs, dt, order, [&](const Descend& descend) {
-    for (int turn = 0; turn < kColorCount; turn++)
-      run_half_rows(run, model.lattice.size, order == Order::kBackward ? kColorCount - 1 - turn : turn,
-                    descend);
+  with_vbd_sweep(model, state, inputs, dt, order, [&](const VbdSweep& rows) {
+    for (int pass = 0; pass < kColorCount; pass++)
+      run_half_rows(run, model.lattice.size, order == Order::kBackward ? kColorCount - 1 - pass : pass, rows);
   });
 }
 template void sweep_vbd_by_colors(const CpuRun&, const Model&, State&, const Inputs&, double, Order);
@@ -236,19 +252,18 @@ void sweep_vbd(const Exec& exec, const Model& model, State& state, const Inputs&
                Order order) {
   if (model.params.solver.ordering == Ordering::kColors)
     return sweep_vbd_by_colors(CpuRun{exec}, model, state, inputs, dt, order);
-  prepare_descent(model, state, inputs, dt, order, [&](const Descend& descend) {
-    sweep_slabs(exec, model.owned, descend, order, inputs.halo);
-  });
+  with_vbd_sweep(model, state, inputs, dt, order,
+                 [&](const VbdSweep& rows) { sweep_slabs(exec, model.owned, rows, order, inputs.halo); });
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
                           double dt) {
-  TURGOR_ASSERT(model.params.solver.method == Method::kVbd, "stiffness must be in pascals to measure forces");
-  const GatherRow gather(model,
-                         const_cast<State&>(state));  // node_arrays has one type for readers and writers
+  TURGOR_ASSERT(model.params.solver.method == Method::kVbd, "only VBD has a residual");
+  const GatherSystems gather(model,
+                             const_cast<State&>(state));  // node_arrays has one type for reading and writing
   const Inertia inertia(model, state, inputs, dt);
-  std::vector<double> layers(2 *
-                             std::size_t(model.owned.end - model.owned.begin));  // largest and sum of squares
+  std::vector<double> layers(
+      2 * std::size_t(model.owned.end - model.owned.begin));  // by layer: maximum and sum of squares
   for_layers(exec, model.owned, [&](std::size_t k) {
     SystemBuffer buffer;
     double* layer = &layers[2 * (k - std::size_t(model.owned.begin))];
@@ -256,10 +271,12 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
       layer[0] = std::max(layer[0], dot(force, force));
       layer[1] += dot(force, force);
     };
-    for (const ElementNode& copy : gather.parts.virtual_nodes_of(int(k)))
-      if (gather.nodes.w[copy.slot] > 0) add_force(Vec3d(gather.parts.gather(copy).f));
-    for_each_piece(model, nullptr, int(k), [&](int parity, int slot, int count) {
+    for (const ElementNode& virtual_node : gather.cut_elements.virtual_nodes_of(int(k)))
+      if (gather.nodes.w[virtual_node.slot] > 0) add_force(Vec3d(gather.cut_elements.gather(virtual_node).f));
+    // virtual nodes
+    for_each_chunk(model, nullptr, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
+      // elements, contacts and inertia of nodes
       for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
         NodeSystem s = buffer.get(c.slot - slot);
         s.f += c.force;
@@ -268,14 +285,15 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
       TURGOR_LANES
       for (int i = 0; i < count; i++) {
         const Real w = gather.nodes.w[slot + i];
-        if (w == 0 || state.removed[std::size_t(slot + i)]) continue;
-        const Vec3d lack(inertia(slot + i) - gather.nodes.u(slot + i));
-        add_force(Vec3d(buffer.get(i).f) + lack / (double(w) * dt * dt));
+        if (w == 0 || state.cuts.removed[std::size_t(slot + i)]) continue;
+        const Vec3d inertial_offset(inertia(slot + i) - gather.nodes.u(slot + i));
+        add_force(Vec3d(buffer.get(i).f) + inertial_offset / (double(w) * dt * dt));
       }
     });
   });
   if (inputs.halo) inputs.halo->join_numbers(layers);
   double largest2 = 0, sum2 = 0;
+  // sum over layers and processes
   for (std::size_t n = 0; n < layers.size(); n += 2)
     largest2 = std::max(largest2, layers[n]), sum2 += layers[n + 1];
   return {.largest = std::sqrt(largest2), .rms = std::sqrt(sum2 / std::max(1, model.free_nodes))};

@@ -6,51 +6,54 @@ namespace turgor::lattice {
 
 namespace {
 
-/// What the nodes around a place are, of those that have a share in it.
+/// Kinds of the nodes with nonzero interpolation weight at a point.
 struct Support {
   bool body = false, air = false,
-       opaque = false;  // opaque: gas or removed tissue, of which a CT says nothing
+       opaque = false;  // gas or removed tissue: a CT does not show its surface
 
   void add(Support other) { body |= other.body, air |= other.air, opaque |= other.opaque; }
 };
 
 }  // namespace
 
-CtLevelSet::CtLevelSet(const Model& model, const State& state, const FineLattice& fine, const CtVolume* ct)
-    : model_(model), state_(state), fine_(fine) {
+CtLevelSet::CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& fine, const CtVolume* ct)
+    : model_(model), cuts_(cuts), fine_(fine) {
   if (ct == nullptr) return;
   sampler_.emplace(*ct);
   first_ = index_at(ct->grid, model.grid.origin);
   for (int axis = 0; axis < 3; axis++) cell_size_[axis] = model.grid.spacing[axis] / ct->grid.spacing[axis];
 }
 
-Real CtLevelSet::sample(Vec3d place) const {
-  const Vec3d voxel = first_ + hadamard(place, cell_size_);
+Real CtLevelSet::sample(Vec3d position) const {
+  const Vec3d voxel = first_ + hadamard(position, cell_size_);
   return (*sampler_)(Vec3(voxel)) - Real(model_.params.tissue.air_max);
 }
 
 CellLevels CtLevelSet::operator()(int slot) const {
   const Int3 cell = slot_node(fine_.cells, slot);
-  std::array<Real, 8> level, beyond{};  // of the nodes, and what they are beyond a CT that says otherwise
+  std::array<Real, 8> level, beyond{};  // level of each node, and its difference from a CT of opposite sign
   std::array<Support, 8> corner;
   Support all;
+  // levels of the corners, and corrections where the CT contradicts them
   for (int c = 0; c < 8; c++) {
     const Int3 offset = cell_corner(c);
     const int node = slot + slot_offset(fine_.cells, offset, cell.x & 1);
     const auto n = std::size_t(c), s = std::size_t(node);
-    level[n] = node_level(model_, state_, node);
+    level[n] = node_level(model_, cuts_, node);
     const bool gas = is_body(model_.tissue[s]) && Real(model_.hu[s]) < Real(model_.params.tissue.air_max);
-    corner[n] = {level[n] > 0, level[n] <= 0, gas || state_.removed[s] != 0};
+    corner[n] = {level[n] > 0, level[n] <= 0, gas || cuts_.removed[s] != 0};
     all.add(corner[n]);
     if (!sampler_) continue;
-    const Real there = sample(Vec3d(cell + offset));
-    if ((there > 0) != (level[n] > 0)) beyond[n] = level[n] - there;
+    const Real sampled = sample(Vec3d(cell + offset));
+    if ((sampled > 0) != (level[n] > 0)) beyond[n] = level[n] - sampled;
   }
+  // the CT locates the skin in cells with body and air
   const bool sees_skin = sampler_ && all.body && all.air;
   CellLevels out;
-  for_places(fine_, [&](Int3 p) {
-    const Vec3 at{Real(p.x) / Real(fine_.parts.x), Real(p.y) / Real(fine_.parts.y),
-                  Real(p.z) / Real(fine_.parts.z)};
+  for_sub_nodes(fine_, [&](Int3 p) {
+    const Vec3 at{Real(p.x) / Real(fine_.subdivisions.x), Real(p.y) / Real(fine_.subdivisions.y),
+                  Real(p.z) / Real(fine_.subdivisions.z)};
+    // trilinear level and correction
     const auto weight = trilinear(at);
     Support support;
     Real value = 0, correction = 0;
@@ -59,12 +62,14 @@ CellLevels CtLevelSet::operator()(int slot) const {
       support.add(corner[c]);
       value += weight[c] * level[c], correction += weight[c] * beyond[c];
     }
+    // corrected CT level, unless no node at this point has its sign
     if (sees_skin && !support.opaque) {
       const Real seen = sample(Vec3d(cell) + Vec3d(at)) + correction;
       if (seen > 0 ? support.body : support.air) value = seen;
     }
+    // keep away from zero
     if (value > -1 && value < 1) value = value < 0 ? Real(-1) : Real(1);
-    out.at[std::size_t(place_in_cell(fine_, p))] = value;
+    out.at[std::size_t(sub_index(fine_, p))] = value;
   });
   return out;
 }

@@ -1,36 +1,39 @@
-// Where the skin is between the nodes of the lattice: the level of the CT at the nodes of the fine lattice.
+// CT level set: the level of the CT at the nodes of the fine lattice. Its zero set is the skin between the
+// nodes of the lattice.
 #pragma once
 
 #include <optional>
 
+#include "turgor/geometry/ct_sampler.hpp"
 #include "turgor/models/lattice/cutting/fragments.hpp"
-#include "turgor/models/lattice/resample/ct_sampler.hpp"
 
 namespace turgor::lattice {
 
-/// Levels at the places of a cell: tissue where they are positive, linear through the skin [HU].
+/// Levels at the sub-lattice nodes of a cell: positive in tissue, linear through the skin [HU].
 struct CellLevels {
-  std::array<Real, kMostPlaces> at;
+  std::array<Real, kMaxSubNodes> at;
 };
 
 class CtLevelSet {
  public:
-  /// `ct` may be null: then levels are the nodes' own.
-  CtLevelSet(const Model& model, const State& state, const FineLattice& fine, const CtVolume* ct);
-  /// Nodes of the body are tissue and nodes of air are air, as they were told apart by the means of their
-  /// blocks; around both the level is the CT's. Where it says otherwise than a node, what the node is beyond
-  /// it fades out towards the next ones, so that nothing jumps and a table beside the body is air. Beside gas
-  /// in the body and what was removed, nodes decide.
+  /// If `ct` is null, the levels are those of the nodes.
+  CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& fine, const CtVolume* ct);
+  /// Levels of a cell, by the slot of its lowest node.
+  ///
+  /// Nodes keep their class, body or air, which was derived from block means; around them the level is the
+  /// CT's. If the CT contradicts a node, the difference is added and fades out towards the neighboring nodes.
+  /// So the level is continuous, and a table next to the body is air. Next to gas in the body and removed
+  /// tissue, the nodes' own levels are used.
   CellLevels operator()(int slot) const;
 
  private:
-  Real sample(Vec3d place) const;
+  Real sample(Vec3d position) const;
 
   const Model& model_;
-  const State& state_;
+  const Cuts& cuts_;
   const FineLattice& fine_;
-  std::optional<Sampler> sampler_;
-  Vec3d first_, cell_size_;  // of the nodes among the voxels
+  std::optional<CtSampler> sampler_;
+  Vec3d first_, cell_size_;  // of the nodes, in voxels
 };
 
 }  // namespace turgor::lattice

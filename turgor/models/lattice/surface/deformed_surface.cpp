@@ -1,7 +1,9 @@
-// Where the drawn surface is now: every vertex goes with its piece.
+// Deformation of the drawn surface: every vertex is embedded in its fragment.
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 
@@ -9,35 +11,37 @@ namespace turgor::lattice {
 
 namespace {
 
-/// see(vertex, corner, weight), for the corners that a vertex goes with.
+/// Calls see(vertex, corner, weight) for the corners that a vertex is interpolated from.
 template <class See>
 void for_corners(const Model& model, const BodySurface& surface, const See& see) {
-  const Vec3 h = model.lattice.step;
+  const Vec3 h = model.lattice.spacing;
   for (std::size_t v = 0; v < surface.rest.size(); v++) {
-    const Carrier& carrier = surface.carrier[v];
-    const auto corners = corners_of(model, surface.pieces, carrier.cell, carrier.piece);
+    const EmbeddingCell& embedding = surface.embedding[v];
+    const auto corners = corners_of(model, surface.fragments, embedding.cell, embedding.fragment);
     const Vec3 at = surface.rest[v];
     const auto weight =
-        trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} - Vec3(slot_node(model.lattice, carrier.cell)));
+        trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} - Vec3(slot_node(model.lattice, embedding.cell)));
     for (std::size_t c = 0; c < 8; c++)
       if (weight[c] != 0) see(v, corners[c], weight[c]);
   }
 }
-/// None of them is known yet.
+/// Table of all corners, initialized to -1.
 std::vector<int> corner_table(const Model& model, const BodySurface& surface) {
-  return std::vector<int>(std::size_t(slot_count(model.lattice)) + surface.pieces.virtual_nodes.size(), -1);
+  return std::vector<int>(std::size_t(slot_count(model.lattice)) + surface.fragments.virtual_nodes.size(),
+                          -1);
 }
 
-/// Displacement of every vertex, lattice frame [m]. Corners are asked for once each.
+/// Displacement of every vertex, lattice frame [m]. Each corner is evaluated once.
 std::vector<Vec3> displacements(const Model& model, const State& state, const BodySurface& surface) {
-  std::vector<int> known = corner_table(model, surface);
+  TURGOR_CHECK(surface.embedding.size() == surface.rest.size(), "every vertex is embedded in a cell");
+  std::vector<int> index_of_corner = corner_table(model, surface);
   std::vector<Vec3> corner_u;
   std::vector<Vec3> result(surface.rest.size());
   for_corners(model, surface, [&](std::size_t v, int corner, Real weight) {
-    int& index = known[std::size_t(corner)];
+    int& index = index_of_corner[std::size_t(corner)];
     if (index < 0) {
       index = int(corner_u.size());
-      corner_u.push_back(corner_displacement(model, state, surface.pieces, corner));
+      corner_u.push_back(corner_displacement(model, state, surface.fragments, corner));
     }
     result[v] += corner_u[std::size_t(index)] * weight;
   });
@@ -49,8 +53,8 @@ Vec3 area_vector(const std::vector<Vec3>& x, Int3 t) {
   return cross(x[std::size_t(t.y)] - a, x[std::size_t(t.z)] - a);
 }
 
-/// Sums of the area vectors around each vertex. Slivers beside a lip may lie turned over by a hair: a vertex
-/// that has hardly any other triangles takes those around its neighbours as well.
+/// Sum of the area vectors around each vertex. Slivers next to a lip may be inverted by rounding. A vertex
+/// with hardly any other triangles adds the sums of its neighbors.
 std::vector<Vec3> area_around(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
   const Real sliver = Real(0.04) * step * step;
   std::vector<Vec3> own(x.size());
@@ -64,8 +68,10 @@ std::vector<Vec3> area_around(const BodySurface& surface, const std::vector<Vec3
   return sums;
 }
 
-/// Area-weighted; the two lips of a cut that is hardly open share theirs, so that it does not show.
+/// Area-weighted vertex normals. The two lips of an almost closed cut share theirs, so that the cut is
+/// invisible.
 std::vector<Vec3> smooth_normals(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+  TURGOR_CHECK(surface.twin.size() == x.size() && step > 0, "every vertex has a twin or a mark");
   const std::vector<Vec3> sums = area_around(surface, x, step);
   std::vector<Vec3> normals = sums;
   for (std::size_t v = 0; v < x.size(); v++) {
@@ -78,31 +84,37 @@ std::vector<Vec3> smooth_normals(const BodySurface& surface, const std::vector<V
   return normals;
 }
 
-/// Area now over area in the CT, less one, of the skin around each vertex. Triangles that a cut has torn open
-/// had no area.
+/// Area ratio A / A_CT − 1 of the skin around each vertex. Triangles opened by a cut have no rest area and
+/// are left out.
 std::vector<float> stretches(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+  TURGOR_CHECK(std::size_t(surface.skin_triangles) <= surface.triangles.size(), "the skin is listed first");
+  // sum areas of the triangles around each vertex
   std::vector<float> now(x.size()), rest(x.size());
   for (int n = 0; n < surface.skin_triangles; n++) {
     const Int3 t = surface.triangles[std::size_t(n)];
     const float area_rest = norm(area_vector(surface.rest, t)), area_now = norm(area_vector(x, t));
+    // skip degenerate triangles
     if (area_rest < 1e-5f * step * step) continue;
     for (int corner = 0; corner < 3; corner++) {
       rest[std::size_t(t[corner])] += area_rest;
       now[std::size_t(t[corner])] += area_now;
     }
   }
+  // relative change of area
   for (std::size_t v = 0; v < x.size(); v++) now[v] = rest[v] > 0 ? now[v] / rest[v] - 1 : 0;
   return now;
 }
 
 }  // namespace
 
-std::vector<int> nodes_behind(const Model& model, const State& state, const BodySurface& surface) {
-  std::vector<int> known = corner_table(model, surface), nodes;
+std::vector<int> support_nodes(const Model& model, const Cuts& cuts,
+                               std::span<const VirtualNodeDisplacement> virtual_u,
+                               const BodySurface& surface) {
+  std::vector<int> index_of_corner = corner_table(model, surface), nodes;
   for_corners(model, surface, [&](std::size_t, int corner, Real) {
-    if (int& seen = known[std::size_t(corner)]; seen < 0) {
+    if (int& seen = index_of_corner[std::size_t(corner)]; seen < 0) {
       seen = 1;
-      add_nodes_behind(model, state, surface.pieces, corner, nodes);
+      add_support_nodes(model, cuts, virtual_u, surface.fragments, corner, nodes);
     }
   });
   sort_unique(nodes);
@@ -110,11 +122,13 @@ std::vector<int> nodes_behind(const Model& model, const State& state, const Body
 }
 
 TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown) {
+  // displaced vertices
   const std::vector<Vec3> u = displacements(model, state, surface);
   std::vector<Vec3> x(u.size());
   for (std::size_t v = 0; v < x.size(); v++) x[v] = surface.rest[v] + u[v];
 
-  const Real step = std::min({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z});
+  // normals and scalars
+  const Real step = std::min({model.lattice.spacing.x, model.lattice.spacing.y, model.lattice.spacing.z});
   TriMesh mesh{.vertices = {},
                .triangles = surface.triangles,
                .normals = smooth_normals(surface, x, step),
@@ -123,11 +137,12 @@ TriMesh deformed_surface(const Model& model, const State& state, const BodySurfa
   if (shown == Shown::kDisplacement)
     for (const Vec3 d : u) mesh.scalars.push_back(norm(d));
 
+  // to the patient frame
   const Mat3d& axes = model.grid.axes;
   mesh.vertices.reserve(x.size());
   for (const Vec3 p : x) mesh.vertices.push_back(Vec3(model.grid.origin + axes * Vec3d(p)));
   for (Vec3& n : mesh.normals) n = Vec3(axes * Vec3d(n));
-  if (determinant(axes) < 0)  // mirrored: what was counter-clockwise is not
+  if (determinant(axes) < 0)  // mirrored axes reverse the orientation
     for (Int3& t : mesh.triangles) std::swap(t.y, t.z);
   return mesh;
 }

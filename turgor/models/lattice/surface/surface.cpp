@@ -12,39 +12,39 @@ namespace turgor::lattice {
 namespace {
 
 using detail::kFirstCap;
-using detail::KnownPoints;
-using detail::KnownSlabs;
 using detail::kSkin;
 using detail::kWall;
 using detail::Points;
+using detail::SlabPoints;
+using detail::SurfaceCache;
 using detail::SurfacePoint;
 
-/// One cell in hand.
-struct CellInHand {
-  Int3 cell, first;  // its first fine node
+/// Cell that is being meshed.
+struct CurrentCell {
+  Int3 cell, first;  // cell and its first fine node
   int slot = 0;
   CellLevels level;
-  const CutCell* cut = nullptr;  // near a cut
+  const CutCell* cut = nullptr;  // null: not near a cut
   bool has_removed = false;
 };
 
-/// One tetrahedron of the cell in hand.
+/// Tetrahedron of the current cell.
 struct Tet : FineTet {
-  int kind = 0;                   // index into kKuhnTets
-  std::array<int, 4> place = {};  // of its nodes in the cell
+  int kind = 0;                      // index into kKuhnTets
+  std::array<int, 4> sub_node = {};  // sub-lattice indices of its nodes
   TetPattern pattern = {};
   bool any_cut = false, any_removed = false;
 };
 
 struct Builder {
   const Model& model;
-  const State& state;
+  const Cuts& cuts;
   const CtLevelSet& level;
-  const Fragments& pieces;
-  KnownPoints known;
-  CellInHand in_hand;
+  const Fragments& fragments;
+  SlabPoints output;
+  CurrentCell current;
 
-  const FineLattice& fine() const { return pieces.fine; }
+  const FineLattice& fine() const { return fragments.fine; }
 };
 
 std::uint8_t border_of(const FineLattice& f, Int3 p) {
@@ -61,69 +61,74 @@ std::uint64_t key_of(const Tet& tet, TetPoint p) {
     const Int3 d = tet.nodes[std::size_t(corner)] - tet.nodes[std::size_t(p.i)];
     return std::uint64_t((d.x + 1) + 3 * (d.y + 1) + 9 * (d.z + 1));
   };
-  const std::uint64_t own = is_middle(p) ? std::uint64_t(tet.kind) : 7;  // middles belong to one tetrahedron
+  const std::uint64_t own =
+      is_middle(p) ? std::uint64_t(tet.kind) : 7;  // middle points are not shared between tetrahedra
   return ((tet.index[std::size_t(p.i)] * 27 + offset(p.j)) * 27 + offset(p.b)) * 8 + own;
 }
 
-/// What carries points beside a corner of a tetrahedron.
-Carrier carrier_of(const Builder& builder, const Tet& tet, std::size_t corner) {
-  const CellInHand& c = builder.in_hand;
+/// Cell and fragment in which points near a corner are embedded.
+EmbeddingCell embedding_of(const Builder& builder, const Tet& tet, std::size_t corner) {
+  const CurrentCell& c = builder.current;
   if (c.cut == nullptr) return {c.slot, -1};
-  const Fragments& pieces = builder.pieces;
-  const int piece = piece_of(pieces.label.data(), *c.cut, tet.place[corner]);
-  if (piece < c.cut->fragment_count) return {c.slot, piece};
-  const GhostFragment& ghost = pieces.ghosts[std::size_t(c.cut->first_ghost + piece - c.cut->fragment_count)];
-  return {pieces.cells[std::size_t(ghost.cell)].slot, ghost.piece};
+  const Fragments& fragments = builder.fragments;
+  const int fragment = fragment_of(fragments.label.data(), *c.cut, tet.sub_node[corner]);
+  if (fragment < c.cut->fragment_count) return {c.slot, fragment};
+  const GhostFragment& ghost =
+      fragments.ghosts[std::size_t(c.cut->first_ghost + fragment - c.cut->fragment_count)];
+  return {fragments.cells[std::size_t(ghost.cell)].slot, ghost.fragment};
 }
 
 int point_index(Builder& builder, const Tet& tet, TetPoint p) {
+  // find or create the point
   const std::uint64_t key = key_of(tet, p);
-  const int point = builder.known.index.find_or_add(key);
-  if (std::size_t(point) == builder.known.keys.size()) {
-    builder.known.keys.push_back(key);
+  const int point = builder.output.index.find_or_add(key);
+  if (std::size_t(point) == builder.output.keys.size()) {
+    builder.output.keys.push_back(key);
     const auto i = std::size_t(p.i), b = std::size_t(p.b);
     SurfacePoint made;
-    made.place = place_of(tet, p);
-    made.carrier = carrier_of(builder, tet, i);
+    made.position = position_of(tet, p);
+    made.embedding = embedding_of(builder, tet, i);
     made.border = border_of(builder.fine(), tet.nodes[i]) & border_of(builder.fine(), tet.nodes[b]);
     made.is_skin = is_skin_point(p);
-    builder.known.points.all.push_back(made);
+    builder.output.points.all.push_back(made);
   }
-  builder.known.points.all[std::size_t(point)].kept |= builder.in_hand.cut != nullptr;
+  // a point near a cut is not merged
+  builder.output.points.all[std::size_t(point)].is_near_cut |= builder.current.cut != nullptr;
   return point;
 }
 
-/// A fan; a quadrangle is cut along its shorter diagonal.
-void add_polygon(Builder& builder, const Tet& tet, const TetPolygon& polygon, int part) {
+/// Adds a polygon as a triangle fan. A quadrangle is split along its shorter diagonal.
+void add_polygon(Builder& builder, const Tet& tet, const TetPolygon& polygon, int group) {
   std::array<int, 16> p;
   for (int n = 0; n < polygon.count; n++) p[std::size_t(n)] = point_index(builder, tet, polygon.at(n));
   const auto distance = [&](std::size_t a, std::size_t b) {
-    return norm(builder.known.points.all[std::size_t(p[a])].place -
-                builder.known.points.all[std::size_t(p[b])].place);
+    return norm(builder.output.points.all[std::size_t(p[a])].position -
+                builder.output.points.all[std::size_t(p[b])].position);
   };
   if (polygon.count == 4 && distance(1, 3) < distance(0, 2))
     std::rotate(p.begin(), p.begin() + 1, p.begin() + 4);
-  auto& triangles = builder.known.points.triangles[std::size_t(part)];
+  auto& triangles = builder.output.points.triangles[std::size_t(group)];
   for (int n = 2; n < polygon.count; n++)
     triangles.push_back({p[0], p[std::size_t(n - 1)], p[std::size_t(n)]});
 }
 
-void add_polygons(Builder& builder, const Tet& tet, const TetPolygons& polygons, int part) {
-  for (int n = 0; n < polygons.count; n++) add_polygon(builder, tet, polygons.polygons[std::size_t(n)], part);
+void add_polygons(Builder& builder, const Tet& tet, const TetPolygons& polygons, int group) {
+  for (int n = 0; n < polygons.count; n++)
+    add_polygon(builder, tet, polygons.polygons[std::size_t(n)], group);
 }
 
-/// Where the skin's outline goes through a cut: two points of two lips.
+/// Adds a lip where the outline of the skin crosses a cut: a pair of points, one on each side.
 void add_lips(Builder& builder, const Tet& tet, const TetPolygon& outline) {
   for (int n = 0; n < outline.count; n++) {
     const TetPoint from = outline.at(n), to = outline.at(n + 1);
     if (from.i == to.i || !tet.pattern.cut[std::size_t(from.i)][std::size_t(to.i)]) continue;
-    const int here = point_index(builder, tet, clip_point(from.i, to.i, from.b)),
-              there = point_index(builder, tet, clip_point(to.i, from.i, from.b));
+    const int from_side = point_index(builder, tet, clip_point(from.i, to.i, from.b)),
+              to_side = point_index(builder, tet, clip_point(to.i, from.i, from.b));
     const Clip clip = clip_between(tet, from.i, to.i, from.b);
-    builder.known.points.lips.push_back({.left = clip.rightward ? here : there,
-                                         .right = clip.rightward ? there : here,
-                                         .incision = clip.incision,
-                                         .along = Real(clip.along)});
+    builder.output.points.lips.push_back({.left = clip.rightward ? from_side : to_side,
+                                          .right = clip.rightward ? to_side : from_side,
+                                          .incision = clip.incision,
+                                          .along = Real(clip.along)});
   }
 }
 
@@ -137,114 +142,122 @@ void add_caps(Builder& builder, const Tet& tet) {
   }
 }
 
-/// Is the edge between two corners of a tetrahedron cut?
+/// True if the edge between two corners of a tetrahedron is cut.
 bool is_cut(const Builder& builder, const Tet& tet, std::size_t a, std::size_t b) {
-  const CutCell* cell = builder.in_hand.cut;
+  const CutCell* cell = builder.current.cut;
   if (cell == nullptr || !cell->is_cut) return false;
   const int family = family_of(tet.nodes[b] - tet.nodes[a]);
   const std::size_t lower = family >= 0 ? a : b;
   const int bit = family >= 0 ? family : family_of(tet.nodes[a] - tet.nodes[b]);
-  return builder.pieces.cut[cell->places + std::size_t(tet.place[lower])] >> bit & 1;
+  return builder.fragments.cut[cell->first_sub_index + std::size_t(tet.sub_node[lower])] >> bit & 1;
 }
 
-/// Is the lattice's node nearest to a fine node a removed one?
+/// True if the lattice node nearest to a fine node is removed.
 bool is_removed(const Builder& builder, Int3 node) {
   const Vec3d at = lattice_index(builder.fine(), node);
   const Int3 nearest{int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))};
-  return builder.state.removed[std::size_t(node_slot(builder.fine().cells, nearest))] != 0;
+  return builder.cuts.removed[std::size_t(node_slot(builder.fine().cells, nearest))] != 0;
 }
 
 void add_tet(Builder& builder, Int3 local, int kind) {
   const FineLattice& f = builder.fine();
-  const CellInHand& c = builder.in_hand;
-  Tet tet{{.pieces = builder.pieces, .state = builder.state, .is_near_cut = c.cut != nullptr}, kind};
+  const CurrentCell& c = builder.current;
+  // levels of the corners
+  Tet tet{{.fragments = builder.fragments, .cuts = builder.cuts, .is_near_cut = c.cut != nullptr}, kind};
   int solids = 0, border = 0;
   for (std::size_t n = 0; n < 4; n++) {
     const Int3 at = local + kKuhnTets[std::size_t(kind)][n];
     tet.nodes[n] = c.first + at;
-    tet.place[n] = place_in_cell(f, at);
+    tet.sub_node[n] = sub_index(f, at);
     tet.index[n] = fine_index(f, tet.nodes[n]);
-    tet.level[n] = double(c.level.at[std::size_t(tet.place[n])]);
+    tet.level[n] = double(c.level.at[std::size_t(tet.sub_node[n])]);
     tet.pattern.solid[n] = tet.level[n] > 0;
     if (!tet.pattern.solid[n] && c.has_removed) tet.any_removed |= is_removed(builder, tet.nodes[n]);
     solids += tet.pattern.solid[n];
     border |= border_of(f, tet.nodes[n]);
   }
   if (solids == 0) return;
+  // cut edges between solid corners
   for (std::size_t a = 0; a < 4; a++)
     for (std::size_t b = 0; b < a; b++) {
       const bool cut = tet.pattern.solid[a] && tet.pattern.solid[b] && is_cut(builder, tet, a, b);
       tet.pattern.cut[a][b] = tet.pattern.cut[b][a] = cut;
       tet.any_cut |= cut;
     }
+  // skin and lips
   if (solids < 4) {
     TetPolygon outline;
     const TetPolygons skin = skin_polygons(tet.pattern, outline);
     add_polygons(builder, tet, skin, tet.any_removed ? kWall : kSkin);
     if (tet.any_cut) add_lips(builder, tet, outline);
   }
+  // caps at the border of the scan, and walls of cuts
   if (border) add_caps(builder, tet);
   if (tet.any_cut) add_polygons(builder, tet, wall_polygons(tet.pattern), kWall);
 }
 
-/// Parts of a cell that are not all air and not all whole tissue.
+/// Meshes the sub-cells of a cell that contain the surface.
 void add_cell(Builder& builder, bool border) {
   const FineLattice& f = builder.fine();
-  const CellInHand& c = builder.in_hand;
-  const std::uint8_t* cut = c.cut && c.cut->is_cut ? &builder.pieces.cut[c.cut->places] : nullptr;
-  for (int z = 0; z < f.parts.z; z++)
-    for (int y = 0; y < f.parts.y; y++)
-      for (int x = 0; x < f.parts.x; x++) {
+  const CurrentCell& c = builder.current;
+  const std::uint8_t* cut = c.cut && c.cut->is_cut ? &builder.fragments.cut[c.cut->first_sub_index] : nullptr;
+  // skip sub-cells of air, and of uncut tissue away from the border
+  for (int z = 0; z < f.subdivisions.z; z++)
+    for (int y = 0; y < f.subdivisions.y; y++)
+      for (int x = 0; x < f.subdivisions.x; x++) {
         int solids = 0;
         bool any_cut = false;
         for (int n = 0; n < 8; n++) {
-          const int place = place_in_cell(f, {x + (n & 1), y + (n >> 1 & 1), z + (n >> 2)});
-          solids += c.level.at[std::size_t(place)] > 0;
-          any_cut |= cut != nullptr && cut[place] != 0;
+          const int sub_node = sub_index(f, {x + (n & 1), y + (n >> 1 & 1), z + (n >> 2)});
+          solids += c.level.at[std::size_t(sub_node)] > 0;
+          any_cut |= cut != nullptr && cut[sub_node] != 0;
         }
         if (solids == 0 || (solids == 8 && !border && !any_cut)) continue;
         for (int t = 0; t < 6; t++) add_tet(builder, {x, y, z}, t);
       }
 }
 
-/// A cell, unless it is all air or all whole tissue.
-void look_at_cell(Builder& builder, Int3 cell) {
+/// Meshes a cell unless it is all air or all uncut tissue.
+void mesh_cell(Builder& builder, Int3 cell) {
   const Lattice& l = builder.fine().cells;
-  CellInHand& c = builder.in_hand;
+  // corners
+  CurrentCell& c = builder.current;
   c.cell = cell, c.slot = node_slot(l, cell), c.first = first_of_cell(builder.fine(), cell);
   int solids = 0;
   c.has_removed = false;
   for (int n = 0; n < 8; n++) {
     const int slot = c.slot + slot_offset(l, cell_corner(n), cell.x & 1);
-    solids += is_solid(builder.model, builder.state, slot);
-    c.has_removed |= builder.state.removed[std::size_t(slot)] != 0;
+    solids += is_solid(builder.model, builder.cuts, slot);
+    c.has_removed |= builder.cuts.removed[std::size_t(slot)] != 0;
   }
   const bool border = cell.x == 0 || cell.y == 0 || cell.z == 0 || cell.x + 2 == l.size.x ||
                       cell.y + 2 == l.size.y || cell.z + 2 == l.size.z;
-  c.cut = find_cell(builder.pieces, c.slot);
+  // its level set
+  c.cut = find_cell(builder.fragments, c.slot);
   if (solids == 0 || (solids == 8 && !border && !(c.cut && c.cut->is_cut))) return;
   c.level = builder.level(c.slot);
   add_cell(builder, border);
 }
 
-/// Layers of cells that one thread looks at: thin, so that what it must find again stays near.
+/// Layers of cells per task. A thin slab keeps the index of points in the cache.
 constexpr int kSlab = 4;
 
-void look_at_slab(Builder& builder, int slab) {
+void mesh_slab(Builder& builder, int slab) {
   const Int3 size = builder.model.lattice.size;
   for (int k = slab * kSlab; k < std::min((slab + 1) * kSlab, size.z - 1); k++)
     for (int j = 0; j + 1 < size.y; j++)
-      for (int i = 0; i + 1 < size.x; i++) look_at_cell(builder, {i, j, k});
+      for (int i = 0; i + 1 < size.x; i++) mesh_cell(builder, {i, j, k});
 }
 
-/// Is nothing cut or removed in a slab?
+/// Flags of the slabs in which nothing is cut or removed.
 std::vector<std::uint8_t> whole_slabs(const Builder& builder, std::size_t count) {
   const Lattice& l = builder.model.lattice;
   std::vector<std::uint8_t> whole(count, 1);
-  for (const CutCell& cell : builder.pieces.cells) whole[std::size_t(slot_node(l, cell.slot).z / kSlab)] = 0;
+  for (const CutCell& cell : builder.fragments.cells)
+    whole[std::size_t(slot_node(l, cell.slot).z / kSlab)] = 0;
   for (std::size_t s = 0; s < count; s++) {
-    const int top = std::min(int(s + 1) * kSlab, l.size.z - 1);  // the last layer of its nodes
-    const auto removed = builder.state.removed.begin();
+    const int top = std::min(int(s + 1) * kSlab, l.size.z - 1);  // last layer of its nodes
+    const auto removed = builder.cuts.removed.begin();
     const auto begin = removed + node_slot(l, 0, 0, int(s) * kSlab),
                end = removed + node_slot(l, 0, 0, top + 1);
     if (std::any_of(begin, end, [](auto is) { return is != 0; })) whole[s] = 0;
@@ -252,38 +265,43 @@ std::vector<std::uint8_t> whole_slabs(const Builder& builder, std::size_t count)
   return whole;
 }
 
-/// The same numbers in the same order for any number of threads, and with whatever is known.
-Points look_at_all(const Exec& exec, const Builder& nothing, KnownSlabs& known) {
-  const auto count = std::size_t((nothing.model.lattice.size.z - 1 + kSlab - 1) / kSlab);
-  known.slabs.resize(count), known.is_whole.resize(count);
-  const std::vector<std::uint8_t> is_whole = whole_slabs(nothing, count);
+/// Meshes all slabs. Points have the same numbers for any number of threads, with or without a cache.
+Points mesh_all(const Exec& exec, const Builder& prototype, SurfaceCache& cache) {
+  const auto count = std::size_t((prototype.model.lattice.size.z - 1 + kSlab - 1) / kSlab);
+  cache.slabs.resize(count), cache.is_whole.resize(count);
+  const std::vector<std::uint8_t> is_whole = whole_slabs(prototype, count);
+  // reuse slabs that were and are uncut
   parallel_for(exec, count, [&](std::size_t s) {
-    if (is_whole[s] && known.is_whole[s]) return;
-    Builder builder = nothing;
-    look_at_slab(builder, int(s));
-    known.slabs[s] = std::move(builder.known);
+    if (is_whole[s] && cache.is_whole[s]) return;
+    Builder builder = prototype;
+    mesh_slab(builder, int(s));
+    cache.slabs[s] = std::move(builder.output);
   });
-  known.is_whole = is_whole;
-  return detail::joined(known.slabs);
+  cache.is_whole = is_whole;
+  return detail::concatenate_slabs(cache.slabs);
 }
 
 }  // namespace
 
-BodySurface build_surface(const Model& model, const State& state, const CtVolume* ct, Extent extent,
-                          const Exec& exec, KnownSlabs* known) {
+BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* ct, Extent extent,
+                          const Exec& exec, SurfaceCache* cache) {
   BodySurface surface;
-  surface.pieces = make_fragments(model, state);
-  const CtLevelSet level(model, state, surface.pieces.fine, ct);
-  Builder builder{
-      .model = model, .state = state, .level = level, .pieces = surface.pieces, .known = {}, .in_hand = {}};
+  surface.fragments = make_fragments(model, cuts);
+  const CtLevelSet level(model, cuts, surface.fragments.fine, ct);
+  Builder builder{.model = model,
+                  .cuts = cuts,
+                  .level = level,
+                  .fragments = surface.fragments,
+                  .output = {},
+                  .current = {}};
   if (extent == Extent::kAll) {
-    KnownSlabs nothing;
-    builder.known.points = look_at_all(exec, builder, known ? *known : nothing);
+    SurfaceCache prototype;
+    builder.output.points = mesh_all(exec, builder, cache ? *cache : prototype);
   } else {
-    for (const CutCell& cell : surface.pieces.cells)
-      look_at_cell(builder, slot_node(model.lattice, cell.slot));
+    for (const CutCell& cell : surface.fragments.cells)
+      mesh_cell(builder, slot_node(model.lattice, cell.slot));
   }
-  detail::take_points(model, state, builder.known.points, surface);
+  detail::assemble_surface(model, cuts, builder.output.points, surface);
   return surface;
 }
 

@@ -1,4 +1,4 @@
-// Places of the surface that tools touch, and which of them come near.
+// Samples of the surface for tool contact, and the samples inside given balls.
 #pragma once
 
 #include <span>
@@ -6,22 +6,22 @@
 
 #include "turgor/core/config.hpp"
 #include "turgor/core/vec.hpp"
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/model/state.hpp"
 
 namespace turgor::lattice {
 
 struct SurfaceSample {
-  int slot = 0;       // of the node that carries it
-  Vec3d rest;         // as in the CT, lattice frame [m]
-  bool wall = false;  // of a cut
-  int other = -1;     // of a neighbour that carries it as well, and has a place of its own there
+  int slot = 0;       // node that moves the sample
+  Vec3d rest;         // rest position, lattice frame [m]
+  bool wall = false;  // on the wall of a cut
+  int other = -1;     // neighbor that moves it as well, and has a coincident sample of its own; -1 = none
 };
 
-/// The mean of a field at a place. `field(slot)`: a Vec3.
+/// Mean of a field over the nodes of a sample. field(slot) returns a Vec3.
 template <class Field>
-TURGOR_HD inline Vec3d mean_at(const SurfaceSample& place, const Field& field) {
-  const Vec3d own(field(place.slot));
-  return place.other < 0 ? own : (own + Vec3d(field(place.other))) * 0.5;
+TURGOR_HD inline Vec3d mean_at(const SurfaceSample& sample, const Field& field) {
+  const Vec3d own(field(sample.slot));
+  return sample.other < 0 ? own : (own + Vec3d(field(sample.other))) * 0.5;
 }
 
 struct Ball {
@@ -29,14 +29,14 @@ struct Ball {
   double radius = 0;  // [m]
 };
 
-/// Is a point inside?
+/// True if the point is inside the ball.
 TURGOR_HD inline bool contains(const Ball& ball, Vec3d x) {
   const Vec3d apart = x - ball.center;
   return dot(apart, apart) < ball.radius * ball.radius;
 }
 
-/// Those that are inside any of the balls where the body is now, ascending.
-std::vector<int> places_in(std::span<const SurfaceSample> places, const State& state,
-                           std::span<const Ball> balls);
+/// Indices of the samples whose current positions are inside any of the balls, ascending.
+std::vector<int> samples_in_balls(std::span<const SurfaceSample> samples, const Motion& motion,
+                                  std::span<const Ball> balls);
 
 }  // namespace turgor::lattice

@@ -1,7 +1,9 @@
-// Measures of a wound: how far the two lips of a cut have gone apart.
+// Wound measures: opening between the two lips of a cut.
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
@@ -10,17 +12,17 @@ namespace turgor::lattice {
 
 namespace {
 
-/// A place where both lips lay on each other.
+/// Pair of points on the two lips that coincided at rest.
 struct LipPair {
-  double along;  // where on the cut [m]
+  double along;  // arc length along the cut [m]
   double gape;   // opening across the cut since the CT [m]
-  double moved;  // the larger displacement of the two [m]
+  double moved;  // larger displacement of the two [m]
 };
 
 Vec3d across_along(const BladePath& path, double along) {
-  const PathPlace at = place_along(path, along);
-  const std::size_t next = std::min(at.n + 1, path.skin.size() - 1);
-  return normalized(across_at(path, at.n) * (1 - at.rest) + across_at(path, next) * at.rest);
+  const PathPosition at = position_along(path, along);
+  const std::size_t next = std::min(at.segment + 1, path.skin.size() - 1);
+  return normalized(across_at(path, at.segment) * (1 - at.fraction) + across_at(path, next) * at.fraction);
 }
 
 std::vector<LipPair> drawn_lips(const Model& model, const State& state, const BodySurface& surface,
@@ -37,27 +39,31 @@ std::vector<LipPair> drawn_lips(const Model& model, const State& state, const Bo
   return pairs;
 }
 
-/// A node of skin beside a removed region, as the region's path sees it.
-struct Beside {
+/// Skin node at the border of a removed region, in coordinates of the region's path.
+struct RegionLipNode {
   double along, across;
   int slot;
 };
-std::vector<Beside> skin_beside(const Model& model, const State& state, const BladePath& path) {
+std::vector<RegionLipNode> region_lip_nodes(const Model& model, const Cuts& cuts, const BladePath& path) {
+  TURGOR_CHECK(!path.skin.empty(), "a path has points");
   const Vec3d line = normalized(path.skin.back() - path.skin.front()), across = across_at(path, 0);
   const double length = norm(path.skin.back() - path.skin.front()),
-               step = double(std::max({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z}));
-  std::vector<Beside> found;
+               step = double(
+                   std::max({model.lattice.spacing.x, model.lattice.spacing.y, model.lattice.spacing.z}));
+  std::vector<RegionLipNode> found;
   for (const int slot : model.skin.nodes) {
-    if (state.removed[std::size_t(slot)]) continue;
+    if (cuts.removed[std::size_t(slot)]) continue;
     const Int3 node = slot_node(model.lattice, slot);
-    bool beside = false;
+    // nodes with a removed neighbor
+    bool is_at_region = false;
     for (const Int3 f : kFamilies)
-      for (const Int3 way : {f, -f})
-        beside |= contains(model.lattice, node + way) &&
-                  state.removed[std::size_t(node_slot(model.lattice, node + way))] != 0;
-    if (!beside) continue;
+      for (const Int3 offset : {f, -f})
+        is_at_region |= contains(model.lattice, node + offset) &&
+                        cuts.removed[std::size_t(node_slot(model.lattice, node + offset))] != 0;
+    if (!is_at_region) continue;
+    // near the region
     const Vec3d away = Vec3d(rest_position(model.lattice, node)) - path.skin.front();
-    const Beside lip{dot(away, line), dot(away, across), slot};
+    const RegionLipNode lip{dot(away, line), dot(away, across), slot};
     if (lip.along > -2 * step && lip.along < length + 2 * step &&
         std::abs(lip.across) < path.width / 2 + 2 * step)
       found.push_back(lip);
@@ -65,16 +71,19 @@ std::vector<Beside> skin_beside(const Model& model, const State& state, const Bl
   return found;
 }
 
-/// Lips of a removed region: skin nodes beside it, each paired with the nearest one along the cut on the
-/// other side.
+/// Lips of a removed region: skin nodes at its border. Each node on one side is paired with the nearest one
+/// along the cut on the other side.
 std::vector<LipPair> region_lips(const Model& model, const State& state, const BladePath& path) {
-  std::vector<Beside> sides[2];
-  for (const Beside& lip : skin_beside(model, state, path)) sides[lip.across >= 0].push_back(lip);
+  std::vector<RegionLipNode> sides[2];
+  // nodes on each side of the cut
+  for (const RegionLipNode& lip : region_lip_nodes(model, state.cuts, path))
+    sides[lip.across >= 0].push_back(lip);
   std::vector<LipPair> pairs;
-  const auto u = [&](const Beside& lip) { return Vec3d(state.u[std::size_t(lip.slot)]); };
-  for (const Beside& lip : sides[1]) {
-    const auto nearest =
-        std::min_element(sides[0].begin(), sides[0].end(), [&](const Beside& a, const Beside& b) {
+  const auto u = [&](const RegionLipNode& lip) { return Vec3d(state.motion.u[std::size_t(lip.slot)]); };
+  // pairs of nearest nodes along the cut
+  for (const RegionLipNode& lip : sides[1]) {
+    const auto nearest = std::min_element(
+        sides[0].begin(), sides[0].end(), [&](const RegionLipNode& a, const RegionLipNode& b) {
           return std::abs(a.along - lip.along) < std::abs(b.along - lip.along);
         });
     if (nearest == sides[0].end()) continue;
@@ -85,14 +94,17 @@ std::vector<LipPair> region_lips(const Model& model, const State& state, const B
   return pairs;
 }
 
-/// Means over bins of about a step of the lattice along the cut.
+/// Profile of means over bins of about one cell along the cut.
 void add_profile(const Model& model, const std::vector<LipPair>& pairs, Wound& wound) {
+  TURGOR_CHECK(!pairs.empty() && is_ascending(pairs, &LipPair::along), "pairs ascend along the cut");
   const double begin = pairs.front().along, end = pairs.back().along;
-  const double span = end > begin ? end - begin : 1;  // a single pair has none
-  const double step = double(std::max({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z}));
+  const double span = end > begin ? end - begin : 1;  // nonzero for a single pair
+  const double step =
+      double(std::max({model.lattice.spacing.x, model.lattice.spacing.y, model.lattice.spacing.z}));
   const int bins = std::max(1, int((end - begin) / step));
   std::vector<GapePoint> sums(static_cast<std::size_t>(bins));
   std::vector<int> counts(static_cast<std::size_t>(bins), 0);
+  // sums per bin
   for (const LipPair& pair : pairs) {
     const auto bin = std::size_t(std::clamp(int(bins * (pair.along - begin) / span), 0, bins - 1));
     sums[bin].along += pair.along;
@@ -100,6 +112,7 @@ void add_profile(const Model& model, const std::vector<LipPair>& pairs, Wound& w
     counts[bin]++;
     wound.edge_displacement = std::max(wound.edge_displacement, pair.moved);
   }
+  // means
   for (std::size_t b = 0; b < sums.size(); b++)
     if (counts[b] > 0) wound.profile.push_back({sums[b].along / counts[b], sums[b].gape / counts[b]});
   wound.length = end - begin;
@@ -108,8 +121,10 @@ void add_profile(const Model& model, const std::vector<LipPair>& pairs, Wound& w
 Wound wound_of(const Model& model, std::vector<LipPair> pairs) {
   Wound wound;
   if (pairs.empty()) return wound;
+  // profile along the cut
   std::sort(pairs.begin(), pairs.end(), [](const LipPair& a, const LipPair& b) { return a.along < b.along; });
   add_profile(model, pairs, wound);
+  // largest gape, and area by the trapezoidal rule
   for (std::size_t n = 0; n < wound.profile.size(); n++) {
     const GapePoint& point = wound.profile[n];
     wound.gape_max = n == 0 ? point.gape : std::max(wound.gape_max, point.gape);
@@ -130,21 +145,24 @@ Wound measure_wound(const Model& model, const State& state, const BodySurface& s
                                         : drawn_lips(model, state, surface, path, incision));
 }
 
-std::vector<int> nodes_beside(const Model& model, const State& state, const BodySurface& surface,
-                              const BladePath& path, int incision) {
+std::vector<int> wound_support_nodes(const Model& model, const Cuts& cuts,
+                                     std::span<const VirtualNodeDisplacement> virtual_u,
+                                     const BodySurface& surface, const BladePath& path, int incision) {
   std::vector<int> nodes;
   if (path.width > 0)
-    for (const Beside& lip : skin_beside(model, state, path)) nodes.push_back(lip.slot);
+    for (const RegionLipNode& lip : region_lip_nodes(model, cuts, path)) nodes.push_back(lip.slot);
   else
     for (const Lip& lip : surface.lips)
       if (lip.incision == incision)
-        for (const int v : {lip.left, lip.right}) add_nodes_behind(model, state, surface, v, nodes);
+        for (const int v : {lip.left, lip.right})
+          add_support_nodes(model, cuts, virtual_u, surface, v, nodes);
   sort_unique(nodes);
   return nodes;
 }
 
 Wound measure_wound(const Model& model, const State& state, const BladePath& path, int incision) {
-  return measure_wound(model, state, build_surface(model, state, nullptr, Extent::kCuts), path, incision);
+  return measure_wound(model, state, build_surface(model, state.cuts, nullptr, Extent::kCuts), path,
+                       incision);
 }
 
 }  // namespace turgor::lattice

@@ -1,5 +1,4 @@
-// A cloth of the scene while it is simulated: the model, what holds it, what it lies on, and what is
-// measured.
+// Cloth body of a running world: model, holds, obstacles and measurements.
 #pragma once
 
 #include <memory>
@@ -23,44 +22,44 @@ namespace turgor {
 
 struct World;
 
-/// Vertices of the mesh that are held now and then.
+/// Vertices held during an interval.
 struct ClothHold {
   HoldScene scene;
-  std::vector<int> vertices;  // of the mesh
-  std::vector<Vec3> places;   // where they were when they were seized [m]
+  std::vector<int> vertices;    // indices in the mesh
+  std::vector<Vec3> positions;  // when they were grasped [m]
   bool is_held = false;
-  std::string missed;        // where the cloth was when nothing of it was in the ball: a sentence
-  std::vector<Vec3d> force;  // that it takes, by frame [N]
+  std::string missed;        // location of the cloth if its ball contained no vertex: a sentence
+  std::vector<Vec3d> force;  // on the hold, by frame [N]
 };
 
-/// What the cloth stays out of.
+/// Obstacle of a cloth.
 struct ClothObstacle {
   std::string name;
   double friction = 0, gap = 0;     // [1] [m]
-  std::optional<PlaneScene> plane;  // one of these four
+  std::optional<PlaneScene> plane;  // exactly one of plane, shape, surface and support
   std::optional<contact::Shape> shape;
   contact::Pose pose;  // of `shape`
   std::shared_ptr<const cloth::MovingSurface> surface;
   std::optional<ClothSupport> support;
-  TriMesh snapshot;          // to be drawn; of bodies, nothing
-  std::vector<Vec3d> force;  // of the cloth on it, by frame [N]
+  TriMesh mesh;              // for drawing; empty for bodies
+  std::vector<Vec3d> force;  // of the cloth on the obstacle, by frame [N]
 };
 
-/// One frame.
+/// Measurements of one frame.
 struct ClothSample {
   double time = 0;           // [s]
   double seconds = 0;        // wall time of the step
   double largest_speed = 0;  // [m/s]
-  double residual = -1;      // of the linear system; -1 = was not measured [1]
+  double residual = -1;      // of the linear system; -1 = not measured [1]
   int iterations = 0;        // of conjugate gradients
-  bool is_snapshot = false;  // what follows was measured
+  bool is_snapshot = false;  // true if energy and stretch were measured
   double energy = 0;         // elastic and kinetic [J]
-  double stretch = 0;        // longest spring [1]
+  double stretch = 0;        // of the longest spring [1]
   int contacts = 0;
 };
 
 struct ClothBody : FrameTouchedBody {
-  std::vector<Int3> triangles;  // of the mesh, as the scene gives it
+  std::vector<Int3> triangles;  // of the mesh as given by the scene
   cloth::Model model;
   cloth::DeviceState state;
   cloth::Air air;
@@ -71,37 +70,37 @@ struct ClothBody : FrameTouchedBody {
   std::vector<std::string> notes;
   double build_seconds = 0;
 
-  // When tools touch it:
+  // used if tools touch the cloth
   std::vector<Vec3d> rest;           // vertices of the mesh at rest [m]
-  std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two below
+  std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two arrays below
   std::vector<contact::Pose> poses;
   std::vector<contact::ToolForce> forces;
 };
 
-/// Error: a file that cannot be read, a mesh that is no cloth, a held vertex that is not there.
+/// Error: unreadable file, invalid mesh, or a held vertex that does not exist.
 Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, const World& world);
 inline const std::vector<std::string>& notes(const ClothBody& body) { return body.notes; }
 
 void make_rest_surface(ClothBody& body);
 inline RestSurface rest_surface(const ClothBody& body) { return {body.rest, body.triangles}; }
 Status begin_body(const Exec& exec, ClothBody& body, const ClothScene& scene, const World& world);
-/// From the next frame on, Coulomb's coefficient of tool `t` of its tool_indices.
+/// Sets Coulomb's coefficient of tool `t` of tool_indices, from the next frame on.
 inline void set_friction(ClothBody& body, std::size_t t, double friction) {
   body.tools[t].friction = friction;
 }
-/// No cloth lies on it by its name.
-inline void press_body(const Exec&, ClothBody&, const ClothPush&, double) {}
-/// Tool `t` of its tool_indices.
+/// Cloth cannot be a named obstacle of another cloth.
+inline void press_body(const Exec&, ClothBody&, const ClothForces&, double) {}
+/// State of tool `t` of tool_indices.
 inline ToolNow tool_now(const ClothBody& body, std::size_t t, const World&) {
   return {body.poses[t], body.forces[t].force, 0};
 }
 
-/// One frame, after the bodies it lies on. Every tool gets a sample.
+/// Steps one frame, after the bodies below the cloth. Every tool gets a sample.
 void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput& input, FrameReport& report);
 std::uint64_t state_hash(const ClothBody& body, std::uint64_t seed);
 
 inline Look look_of(const ClothBody&) { return Look::kCloth; }
-/// In the model's numbering.
+/// In the model's vertex order.
 void show(const Exec& exec, const ClothBody& body, BodySnapshot& out);
 
 }  // namespace turgor

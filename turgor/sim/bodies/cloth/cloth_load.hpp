@@ -1,7 +1,7 @@
-// The force of all cloth on one body. Cloth and body move by turns, frame by frame: the cloth is stopped by
-// where the body went, and the body feels in the next frame what that took. A body without inertia would
-// answer a cloth that lies on it by swinging higher each frame where the cloth makes it sink by more than
-// g h²/4; so a body takes over a part of what changed, the smaller the softer it is (docs/models/cloth.md).
+// Force of all cloth on one body, in a staggered coupling: the cloth collides with the body's present
+// surface, and the body receives the contact forces in the next frame. For a body without inertia this
+// oscillates with growing amplitude if the cloth sinks by more than g h²/4 per frame. Changes of the force
+// are therefore under-relaxed, the more the softer the body is (docs/models/cloth.md).
 #pragma once
 
 #include <span>
@@ -12,27 +12,29 @@
 namespace turgor {
 
 struct ClothLoad {
-  std::vector<contact::VertexForce> force;  // that the body feels, ascending by vertex (a lattice's by slot)
-  double part = 0.1;  // of a change of the force that it takes over in a frame [1]; nothing known = little
-  Vec3d answer;       // how far such forces along x, y and z move the body at most, by their sum [m/N]
-  int axis = 0;       // whose answer is looked at next
+  std::vector<contact::VertexForce>
+      force;  // relaxed force on the body, ascending by vertex (by slot for a lattice)
+  double relaxation =
+      0.1;  // under-relaxation of changes of the force per frame [1]; small until compliances are known
+  Vec3d compliance;   // largest displacement per sum of forces along x, y and z [m/N]
+  int next_axis = 0;  // axis whose compliance is measured next
 };
 
-/// What all cloth did to a body in a frame.
-struct ClothPush {
-  std::vector<contact::VertexForce> force;  // on its vertices, in any order
-  double mass = 0;                          // of the cloths that touch it [kg]
+/// Forces of all cloth on a body in a frame.
+struct ClothForces {
+  std::vector<contact::VertexForce> force;  // on its vertices, unordered
+  double mass = 0;                          // of all cloth in contact with it [kg]
 };
 
-/// Takes over a part of what changed.
-void take_over(const ClothPush& push, ClothLoad& load);
-/// The load's forces, as large as they are, but along an axis.
+/// Relaxes the load toward the forces of the latest frame.
+void relax_toward(const ClothForces& forces, ClothLoad& load);
+/// Forces of the same magnitudes along an axis.
 std::vector<contact::VertexForce> forces_along(const ClothLoad& load, int axis);
-/// Chooses the part for the next frame by the answers, when all three are known.
-void choose_part(double mass, double dt, ClothLoad& load);
+/// Sets the relaxation for the next frame, once all three compliances are known.
+void choose_relaxation(double mass, double dt, ClothLoad& load);
 
-/// Of all forces together, and of their sizes [N].
+/// Sum of all forces, and of their magnitudes [N].
 Vec3d total_force(const ClothLoad& load);
-double sum_of_sizes(const ClothLoad& load);
+double sum_of_norms(const ClothLoad& load);
 
 }  // namespace turgor

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -9,45 +11,49 @@ namespace turgor {
 
 namespace {
 
-/// The vertices that a body's triangles use; the triangles then count in them.
+/// Collects the vertices of a body's triangles and renumbers the triangles.
 void use_vertices(const std::vector<Int3>& triangles, ClothSupport& support) {
+  TURGOR_CHECK(support.carrier.empty() && support.triangles.empty(),
+               "the vertices of a support are listed once");
   for (const Int3 t : triangles) support.carrier.insert(support.carrier.end(), {t.x, t.y, t.z});
   sort_unique(support.carrier);
-  const auto place = [&](int v) {
+  const auto index_of = [&](int v) {
     return int(std::lower_bound(support.carrier.begin(), support.carrier.end(), v) - support.carrier.begin());
   };
-  for (const Int3 t : triangles) support.triangles.push_back({place(t.x), place(t.y), place(t.z)});
+  for (const Int3 t : triangles) support.triangles.push_back({index_of(t.x), index_of(t.y), index_of(t.z)});
 }
 
-/// At rest plus a displacement of every vertex of the body.
+/// Rest positions plus displacements of the support's vertices.
 std::vector<Vec3> displaced(const ClothSupport& support, const std::vector<Vec3d>& rest,
                             const std::vector<Vec3d>& displacement) {
-  std::vector<Vec3> places;
+  TURGOR_CHECK(displacement.size() == rest.size(), "every vertex has a displacement");
+  std::vector<Vec3> positions;
   for (const int v : support.carrier)
-    places.push_back(Vec3(rest[std::size_t(v)] + displacement[std::size_t(v)]));
-  return places;
+    positions.push_back(Vec3(rest[std::size_t(v)] + displacement[std::size_t(v)]));
+  return positions;
 }
 
-std::vector<Vec3> places_now(const Exec&, LatticeBody& body, ClothSupport& support) {
-  keep_surface(body);
+std::vector<Vec3> surface_positions(const Exec&, LatticeBody& body, ClothSupport& support) {
+  refresh_surface(body);
   support.carrier = body.surface.slot, support.triangles = body.surface.triangles;
   return lattice::deformed_surface(body.model, body.state, body.surface, lattice::Shown::kNothing).vertices;
 }
 
-std::vector<Vec3> places_now(const Exec& exec, SfemBody& body, ClothSupport& support) {
+std::vector<Vec3> surface_positions(const Exec& exec, SfemBody& body, ClothSupport& support) {
   if (support.carrier.empty()) use_vertices(body.model.surface.triangles, support);
   return displaced(support, body.model.body.mesh.vertices, coarse_displacements(exec, body));
 }
 
-std::vector<Vec3> places_now(const Exec&, RhombusBody& body, ClothSupport& support) {
+std::vector<Vec3> surface_positions(const Exec&, RhombusBody& body, ClothSupport& support) {
   if (support.carrier.empty()) use_vertices(body.model.surface.triangles, support);
   return displaced(support, body.model.surface.vertices, body.state.displacement);
 }
 
-/// Bodies that tools can touch can be lain on.
-std::vector<Vec3> places_now(const Exec& exec, ClothSupport& support, World& world) {
+/// Bodies that tools can touch can support cloth.
+std::vector<Vec3> surface_positions(const Exec& exec, ClothSupport& support, World& world) {
   return visit_body(world, support.body, [&](auto& body) -> std::vector<Vec3> {
-    if constexpr (requires { places_now(exec, body, support); }) return places_now(exec, body, support);
+    if constexpr (requires { surface_positions(exec, body, support); })
+      return surface_positions(exec, body, support);
     return {};
   });
 }
@@ -61,15 +67,18 @@ std::vector<lattice::NodeLoad> node_loads(const LatticeBody& body) {
   return loads;
 }
 
-void follow_body(const Exec& exec, ClothSupport& support, World& world) {
-  std::vector<Vec3> now = places_now(exec, support, world);
-  const bool comparable = support.places.size() == now.size();
-  const TriMesh from{.vertices = comparable ? support.places : now, .triangles = support.triangles};
+void update_support(const Exec& exec, ClothSupport& support, World& world) {
+  TURGOR_CHECK(is_step_length(world.dt), "a frame has a positive length");
+  std::vector<Vec3> now = surface_positions(exec, support, world);
+  const bool comparable = support.positions.size() == now.size();
+  const TriMesh from{.vertices = comparable ? support.positions : now, .triangles = support.triangles};
   support.moving = cloth::moving_surface(from, comparable ? now : std::vector<Vec3>(), world.dt);
-  support.places = std::move(now);
+  support.positions = std::move(now);
 }
 
-void note_force(const cloth::State& state, int obstacle, double dt, ClothSupport& support) {
+void record_force(const cloth::State& state, int obstacle, double dt, ClothSupport& support) {
+  TURGOR_ASSERT(support.moving != nullptr, "a support moves before its forces are recorded");
+  TURGOR_CHECK(is_step_length(dt), "impulses become forces over a step of positive length");
   std::vector<Vec3d> impulse(support.carrier.size());
   cloth::add_surface_impulses(state, obstacle, *support.moving, dt, impulse);
   support.force.clear();
@@ -77,31 +86,40 @@ void note_force(const cloth::State& state, int obstacle, double dt, ClothSupport
     if (impulse[v] != Vec3d{}) support.force.push_back({support.carrier[v], impulse[v] / dt});
 }
 
-ClothPush push_on(const World& world, BodyId body) {
-  ClothPush push;
+ClothForces cloth_forces_on(const World& world, BodyId body) {
+  ClothForces forces;
   for (const ClothBody& cloth : world.cloth_bodies) {
     bool touches = false;
     for (const ClothObstacle& obstacle : cloth.obstacles) {
       if (!obstacle.support || obstacle.support->body != body) continue;
       const auto& force = obstacle.support->force;
-      push.force.insert(push.force.end(), force.begin(), force.end());
+      forces.force.insert(forces.force.end(), force.begin(), force.end());
       touches = touches || !force.empty();
     }
-    if (touches) push.mass += cloth.model.total_mass;
+    if (touches) forces.mass += cloth.model.total_mass;
   }
-  return push;
+  return forces;
 }
 
-/// A node that a change of the force accelerates moves by w f h² at most: its neighbours hold it back.
-void press_body(const Exec&, LatticeBody& body, const ClothPush& push, double dt) {
+/// Compliance of a lattice. A node accelerated by a force f moves by at most w f h², since its neighbors
+/// restrain it.
+void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, double dt) {
+  TURGOR_CHECK(std::all_of(forces.force.begin(), forces.force.end(),
+                           [&](const contact::VertexForce& f) {
+                             return is_index(f.vertex, body.model.inverse_mass.size());
+                           }),
+               "cloth presses slots of the lattice");
+  // relax the load toward the new forces
   ClothLoad& load = body.cloth;
-  take_over(push, load);
+  relax_toward(forces, load);
+  // compliance from the largest acceleration
   double largest = 0;
   for (const auto& [slot, f] : load.force)
     largest = std::max(largest, norm(f) * double(body.model.inverse_mass[std::size_t(slot)]));
-  const double sum = sum_of_sizes(load), answer = sum > 0 ? largest * dt * dt / sum : 0;
-  load.answer = {answer, answer, answer};
-  choose_part(push.mass, dt, load);
+  const double sum = sum_of_norms(load), compliance = sum > 0 ? largest * dt * dt / sum : 0;
+  load.compliance = {compliance, compliance, compliance};
+  // relaxation for the cloth's mass
+  choose_relaxation(forces.mass, dt, load);
 }
 
 }  // namespace turgor

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/geometry/where_is.hpp"
+#include "turgor/geometry/body_location.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
@@ -24,8 +26,9 @@ Result<TriMesh> read_garment_file(const GarmentFile& garment, std::vector<std::s
   return mesh;
 }
 
-/// Columns with the z axis along a direction.
+/// Axes whose z axis is a given direction.
 Mat3d axes_along(Vec3d z) {
+  TURGOR_CHECK(is_unit(z), "an axis is a unit vector");
   const Vec3d aside = std::abs(z.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
   const Vec3d y = normalized(cross(z, aside));
   return {{cross(y, z), y, z}};
@@ -37,7 +40,7 @@ TriMesh placed(TriMesh mesh, const contact::Pose& pose) {
   return mesh;
 }
 
-/// A square around a place, to be drawn.
+/// Square around a point, for drawing.
 TriMesh shown_plane(const PlaneScene& plane, double size) {
   const Mat3d axes = axes_along(normalized(plane.normal));
   const Vec3d side = axes.column[0] * size, up = axes.column[1] * size;
@@ -50,23 +53,23 @@ Result<ClothObstacle> load_obstacle(const ObstacleScene& scene, ClothBody& body)
   ClothObstacle obstacle{.name = scene.name, .friction = scene.friction, .gap = scene.gap};
   if (const auto* plane = std::get_if<PlaneScene>(&scene.shape)) {
     obstacle.plane = *plane;
-    obstacle.snapshot = shown_plane(*plane, 1.5 * std::sqrt(body.model.area));
+    obstacle.mesh = shown_plane(*plane, 1.5 * std::sqrt(body.model.area));
   } else if (const auto* ball = std::get_if<BallScene>(&scene.shape)) {
     obstacle.shape = contact::Sphere{ball->radius};
     obstacle.pose.position = ball->center;
-    obstacle.snapshot = placed(capsule_mesh(ball->radius, 0), obstacle.pose);
+    obstacle.mesh = placed(capsule_mesh(ball->radius, 0), obstacle.pose);
   } else if (const auto* rod = std::get_if<RodScene>(&scene.shape)) {
     const Vec3d along = rod->to - rod->from;
     obstacle.shape = contact::Capsule{rod->radius, norm(along) / 2};
     obstacle.pose = {(rod->from + rod->to) * 0.5,
                      axes_along(norm(along) > 0 ? normalized(along) : Vec3d{0, 0, 1})};
-    obstacle.snapshot = placed(capsule_mesh(rod->radius, norm(along) / 2), obstacle.pose);
+    obstacle.mesh = placed(capsule_mesh(rod->radius, norm(along) / 2), obstacle.pose);
   } else if (const auto* file = std::get_if<GarmentFile>(&scene.shape)) {
     Result<TriMesh> mesh = read_garment_file(*file, body.notes);
     if (!mesh) return mesh.error();
     obstacle.surface = cloth::moving_surface(*mesh, {}, 0);
     mesh->normals = vertex_normals(*mesh);
-    obstacle.snapshot = std::move(*mesh);
+    obstacle.mesh = std::move(*mesh);
   } else {
     obstacle.support.emplace().body = std::get<BodyId>(scene.shape);
   }
@@ -85,24 +88,25 @@ Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh, const c
     if (max(min(x, high), low) == x) hold.vertices.push_back(v);
   }
   if (hold.vertices.empty() && !scene.ball)
-    return Error{fmt::format("hold.{}: no vertex of the cloth lies in the box; {}", scene.name,
-                             where_is(std::vector<Vec3d>(mesh.vertices.begin(), mesh.vertices.end()),
-                                      ((*scene.box)[0] + (*scene.box)[1]) * 0.5))};
-  // Once each, though several may have been welded into one.
-  const auto place = [&model](int v) { return model.place[std::size_t(v)]; };
-  std::sort(hold.vertices.begin(), hold.vertices.end(), [&](int a, int b) { return place(a) < place(b); });
+    return Error{fmt::format("hold.{}: no vertex of the cloth is in the box; {}", scene.name,
+                             describe_location(std::vector<Vec3d>(mesh.vertices.begin(), mesh.vertices.end()),
+                                               ((*scene.box)[0] + (*scene.box)[1]) * 0.5))};
+  // unique vertices, since several may have been merged
+  const auto model_vertex = [&model](int v) { return model.model_vertex[std::size_t(v)]; };
+  std::sort(hold.vertices.begin(), hold.vertices.end(),
+            [&](int a, int b) { return model_vertex(a) < model_vertex(b); });
   hold.vertices.erase(std::unique(hold.vertices.begin(), hold.vertices.end(),
-                                  [&](int a, int b) { return place(a) == place(b); }),
+                                  [&](int a, int b) { return model_vertex(a) == model_vertex(b); }),
                       hold.vertices.end());
   return hold;
 }
 
-Status put_on_gpu(ClothBody& body) {
+Status upload_to_gpu(ClothBody& body) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) return Error{"device = \"gpu\": " + gpu.error().message};
-  Result<std::shared_ptr<cloth::SheetBackend>> there = put(*gpu, body.model);
-  if (!there) return Error{"device = \"gpu\": " + there.error().message};
-  body.state.step_on(std::move(*there));
+  Result<std::shared_ptr<cloth::SheetBackend>> backend = put(*gpu, body.model);
+  if (!backend) return Error{"device = \"gpu\": " + backend.error().message};
+  body.state.use_backend(std::move(*backend));
   body.notes.push_back("steps on " + gpu->name);
   return Done{};
 }
@@ -113,7 +117,7 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
   ClothBody body;
   body.name = scene.name, body.air = scene.air, body.turns = scene.turns;
   const auto failed = [&](const Error& error) {
-    return Error{fmt::format("{}: {}", scene.place, error.message)};
+    return Error{fmt::format("{}: {}", scene.source_location, error.message)};
   };
   const Timer timer;
   TriMesh mesh;
@@ -140,26 +144,31 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
     body.obstacles.push_back(std::move(*obstacle));
   }
   body.triangles = std::move(mesh.triangles);
-  body.usual_force = 1e-3 * std::sqrt(body.model.params.fabric.warp * body.model.params.fabric.weft);
+  body.typical_force = 1e-3 * std::sqrt(body.model.params.fabric.warp * body.model.params.fabric.weft);
   body.build_seconds = timer.seconds();
   if (scene.device == Device::kGpu && loading.purpose == Purpose::kSimulate)
-    if (const Status there = put_on_gpu(body); !there) return failed(there.error());
+    if (const Status uploaded = upload_to_gpu(body); !uploaded) return failed(uploaded.error());
   return body;
 }
 
 void make_rest_surface(ClothBody& body) {
+  TURGOR_CHECK(all_indices(body.model.model_vertex, body.model.x_rest.size()),
+               "vertices of the mesh are vertices of the model");
   body.rest.clear();
-  for (const int v : body.model.place) body.rest.emplace_back(body.model.x_rest[std::size_t(v)]);
+  for (const int v : body.model.model_vertex) body.rest.emplace_back(body.model.x_rest[std::size_t(v)]);
 }
 
 Status begin_body(const Exec&, ClothBody& body, const ClothScene& scene, const World& world) {
   for (const int t : body.tool_indices) {
+    TURGOR_CHECK(is_index(t, world.tools.size()), "a body is touched by tools of its world");
     const TouchingTool& tool = world.tools[std::size_t(t)];
+    // reject forceps
     if (tool.forceps)
       return Error{
-          fmt::format("{}: {}: forceps do not grasp cloth: give the tool another shape, and let a hold "
-                      "with a ball seize the cloth",
-                      scene.place, tool.name)};
+          fmt::format("{}: {}: forceps do not grasp cloth: give the tool another shape, and grasp "
+                      "the cloth with a hold that has a ball",
+                      scene.source_location, tool.name)};
+    // register the tool at its initial pose
     body.tools.push_back(tool.tool);
     body.poses.push_back(command_at(tool, 0).pose);
   }

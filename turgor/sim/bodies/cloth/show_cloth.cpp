@@ -1,4 +1,5 @@
-// What is seen of a cloth, and its hash.
+// Snapshot and hash of a cloth body.
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 
@@ -14,9 +15,10 @@ void show(const Exec&, const ClothBody& body, BodySnapshot& out) {
   out.x = now.vertices, out.normals = now.normals, out.triangles = now.triangles;
   out.wall_begin = out.triangles.size();
   out.displacement = cloth::displacements(body.model, body.state);
+  TURGOR_CHECK(out.displacement.size() == out.x.size(), "every vertex has a displacement");
   out.rest.resize(out.x.size());
   for (std::size_t v = 0; v < out.x.size(); v++) {
-    out.rest[v] = body.model.x_rest[std::size_t(body.model.place[v])];
+    out.rest[v] = body.model.x_rest[std::size_t(body.model.model_vertex[v])];
     const Vec3d rest(out.rest[v]);
     out.box = v == 0 ? Box{rest, rest} : Box{min(out.box.low, rest), max(out.box.high, rest)};
   }

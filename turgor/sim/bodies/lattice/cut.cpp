@@ -6,16 +6,18 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/model/halo.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// Where a ray from `point` along an axis of the patient frame first meets the body; `point` when it does
-/// not.
+/// First intersection of a ray from `point` with the body; `point` if it misses.
 Vec3d first_body_point(const lattice::Model& model, Vec3d point, Vec3d direction, double length) {
   const Grid& grid = model.grid;
+  TURGOR_CHECK(is_unit(direction), "the direction of a search is a unit vector");
   const double stride = 0.5 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
   for (double t = 0; t <= length; t += stride) {
     const Vec3d index = index_at(grid, point + direction * t);
@@ -39,7 +41,7 @@ Vec3d placed_point(const lattice::Model& model, const Box& box, Vec3d fraction) 
   return point;
 }
 
-/// The part of the path that the blade passes in this frame.
+/// Interval of the path that the blade cuts in this frame.
 double blade_fraction(const Cut& cut, double time) {
   if (time < cut.blade.start || (cut.blade.duration > 0 && time == cut.blade.start)) return 0;
   return cut.blade.duration > 0 ? std::min(1.0, (time - cut.blade.start) / cut.blade.duration) : 1;
@@ -48,9 +50,11 @@ double blade_fraction(const Cut& cut, double time) {
 }  // namespace
 
 Box body_box(const lattice::Model& model) {
+  // start with an empty box
   constexpr double kFar = std::numeric_limits<double>::max();
   Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
   const Int3 size = model.lattice.size;
+  // extend the box by all body nodes
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
@@ -58,10 +62,12 @@ Box body_box(const lattice::Model& model) {
         const Vec3d point = point_at(model.grid, {double(i), double(j), double(k)});
         box = {min(box.low, point), max(box.high, point)};
       }
+  TURGOR_CHECK(box.low.x <= box.high.x && box.low.y <= box.high.y && box.low.z <= box.high.z,
+               "a body has nodes");
   return box;
 }
 
-lattice::Incision placed_blade(const lattice::Model& model, const lattice::Incision& fractions) {
+lattice::Incision blade_from_fractions(const lattice::Model& model, const lattice::Incision& fractions) {
   const Box box = body_box(model);
   lattice::Incision blade = fractions;
   blade.from = placed_point(model, box, fractions.from);
@@ -73,14 +79,15 @@ lattice::Incision placed_blade(const lattice::Model& model, const lattice::Incis
 Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body) {
   Cut cut;
   cut.body = scene.body;
-  cut.blade = scene.by_fraction ? placed_blade(body.model, scene.blade) : scene.blade;
+  cut.blade = scene.by_fraction ? blade_from_fractions(body.model, scene.blade) : scene.blade;
   const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
-  if (!trial) return Error{fmt::format("{}: {}", scene.place, trial.error().message)};
+  if (!trial) return Error{fmt::format("{}: {}", scene.source_location, trial.error().message)};
   return cut;
 }
 
 Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double time,
                      const lattice::HaloExchange* halo) {
+  TURGOR_ASSERT(is_index(index, cuts.size()), "the blade of a cut advances");
   Cut& cut = cuts[std::size_t(index)];
   const double fraction = blade_fraction(cut, time);
   if (fraction <= cut.done) return Done{};
@@ -96,6 +103,7 @@ Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double t
   }
   if (cut.blade.width == 0)
     cut.edges += body.state.cut_edges(body.model, *cut.path, cut.done, fraction, index);
+  TURGOR_CHECK(fraction <= 1, "a blade ends with its path");
   cut.done = fraction;
   if (halo) halo->refresh();
   return Done{};

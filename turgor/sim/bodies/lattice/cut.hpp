@@ -1,4 +1,4 @@
-// The cuts of a scene while they happen: blades that go through lattices, frame by frame.
+// Cuts of a running world: blades that advance through lattices frame by frame.
 #pragma once
 
 #include <optional>
@@ -13,27 +13,27 @@
 
 namespace turgor {
 
-/// An incision of the scene while it happens.
+/// Incision in progress.
 struct Cut {
   lattice::Incision blade;
   int body = 0;                            // index into World::lattice_bodies
-  std::optional<lattice::BladePath> path;  // laid when the blade starts
-  double done = 0;                         // fraction of the path that is cut
+  std::optional<lattice::BladePath> path;  // computed when the blade starts
+  double done = 0;                         // finished fraction of the path
   int edges = 0;                           // edges cut, or nodes removed by a static region
 };
 
-/// Tries the blade on the body at rest. Error: it finds no skin; names the scene's place.
+/// Tests the blade on the body at rest. Error: no skin below it; the message has the source location.
 Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body);
 
-/// Moves the blade of one of a world's cuts to where it is at a time [s]. `index`: which, as cut edges
-/// remember. Error: the blade found no skin any more. `others` as of lattice::Inputs.
+/// Advances the blade of a cut to its position at a time [s]. `index`: number of the cut in cut edges. Error:
+/// the blade left the skin. `halo` as in lattice::Inputs.
 Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double time,
                      const lattice::HaloExchange* halo = nullptr);
 
 /// Smallest box around the nodes of a body, along the axes of the patient frame [m].
 Box body_box(const lattice::Model& model);
-/// A cut given in fractions of the body's box, in metres. A fraction that is exactly 0 or 1 means the body's
-/// own surface seen from that side of the box, not the box's face.
-lattice::Incision placed_blade(const lattice::Model& model, const lattice::Incision& fractions);
+/// Cut in meters from fractions of the body's box. A fraction of exactly 0 or 1 means the body's surface seen
+/// from that side of the box.
+lattice::Incision blade_from_fractions(const lattice::Model& model, const lattice::Incision& fractions);
 
 }  // namespace turgor

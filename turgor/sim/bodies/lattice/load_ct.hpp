@@ -1,4 +1,4 @@
-// The CT of a body: read from a patient's files, or made as a phantom.
+// CT of a body: from a patient's files, or from a phantom.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,13 @@ namespace turgor {
 
 struct LoadedCt {
   CtVolume volume;
-  std::optional<LabelVolume> labels;  // phantoms know their own anatomy
-  std::vector<std::string> notes;     // what was left out while reading
+  std::optional<LabelVolume> labels;  // of a phantom
+  std::vector<std::string> notes;     // notes of the reader
   DicomOrigin origin;                 // of a DICOM series
 };
 Result<LoadedCt> load_ct(const Exec& exec, const CtSource& source, const Progress& progress = {});
 
-/// Equal for equal samples on equal grids.
+/// Hash of samples and grid.
 std::uint64_t content_hash(const CtVolume& ct);
 
 }  // namespace turgor

@@ -1,6 +1,6 @@
-// Stiffness over the surface of a body of finite elements, for chains that lie on it: an organ is softer than
-// a half space where it is thin or far from what holds it, and stiffer beside that. Its Green's functions say
-// by how much.
+// Stiffness over the surface of a finite-element body, for rhombus chains on it. An organ is softer than a
+// half space where it is thin or far from its fixed vertices, and stiffer near them; its Green's functions
+// give the ratio.
 #pragma once
 
 #include <vector>
@@ -12,23 +12,23 @@
 
 namespace turgor {
 
-/// The surface of a solid, and which of its vertices it is made of.
-struct SurfacePart {
+/// Boundary surface of a solid, with the solid's vertex indices.
+struct SolidBoundary {
   rhombus::Body body;
-  std::vector<int> vertices;  // of the solid, by vertex of the surface
+  std::vector<int> vertices;  // vertex of the solid for each surface vertex
 };
-SurfacePart surface_part(const sfem::Model& model);
+SolidBoundary solid_boundary(const sfem::Model& model);
 
-/// The radius at which a ball of this one touches tissue that it presses by a third of it [m].
+/// Contact radius of a ball of radius `tip` pressed in by a third of it [m].
 inline double usual_contact(double tip) { return 0.6 * tip; }
 
-/// At each vertex of that surface: how many times as stiff the body is as a half space of its first material,
-/// under a disc of this radius. Two edges around, elements know how far a body moves as a whole, not what is
-/// next to a touch: what the body gives more than a half space would under Hertz's pressure there is added
-/// to what a half space gives under the disc. Between 1/50 and 50; that much where it is held. Error:
-/// Green's functions are there for some columns only.
+/// Ratio of the body's stiffness to that of a half space of its first material, under a disc, at each surface
+/// vertex. Within two edges of a contact, elements resolve the motion of the whole body but not the local
+/// indentation. The difference between body and half space under Hertz's pressure is therefore added to the
+/// half space's displacement under the disc. Clamped to 1/50 … 50; 50 at fixed vertices. Error: Green's
+/// functions exist for some columns only.
 Result<std::vector<double>> elastic_stiffness(const Exec& exec, const sfem::Model& model,
-                                              const SurfacePart& part, const rhombus::Surface& surface,
+                                              const SolidBoundary& boundary, const rhombus::Surface& surface,
                                               double disc);
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// Cloth on a body of chains: what it weighs moves every vertex, as it does a half space as soft as the chain.
+// Forces of cloth on a body of chains: they displace all vertices like a half space of the chain's stiffness.
 #include <algorithm>
 
 #include "turgor/models/rhombus/spread.hpp"
@@ -8,9 +8,9 @@ namespace turgor {
 
 namespace {
 
-// Between a tool and chains a sheet's force may come back 1.4 times as large a frame later, whatever the
-// sheet weighs: a part p of it stays bounded while p (1 + 1.4) < 2.
-constexpr double kMostTaken = 0.25;
+// Between a tool and chains, the force of a sheet may return up to 1.4 times as large one frame later, for
+// any mass. A relaxation p is stable for p (1 + 1.4) < 2.
+constexpr double kLargestRelaxation = 0.25;
 
 std::vector<rhombus::Load> loads_of(std::span<const contact::VertexForce> forces) {
   std::vector<rhombus::Load> loads;
@@ -20,16 +20,16 @@ std::vector<rhombus::Load> loads_of(std::span<const contact::VertexForce> forces
 
 }  // namespace
 
-void press_body(const Exec& exec, RhombusBody& body, const ClothPush& push, double dt) {
+void press_body(const Exec& exec, RhombusBody& body, const ClothForces& push, double dt) {
   if (push.force.empty() && body.state.carried.empty()) return;
-  take_over(push, body.cloth);
+  relax_toward(push, body.cloth);
   const std::vector<rhombus::Load> loads = loads_of(body.cloth.force);
   rhombus::displacements_of(exec, body.model, loads, body.state.carried);
-  const double sum = sum_of_sizes(body.cloth),
-               answer = sum > 0 ? rhombus::farthest_move(exec, body.model, loads) / sum : 0;
-  body.cloth.answer = {answer, answer, answer};
-  choose_part(push.mass, dt, body.cloth);
-  body.cloth.part = std::min(body.cloth.part, kMostTaken);
+  const double sum = sum_of_norms(body.cloth),
+               compliance = sum > 0 ? rhombus::farthest_move(exec, body.model, loads) / sum : 0;
+  body.cloth.compliance = {compliance, compliance, compliance};
+  choose_relaxation(push.mass, dt, body.cloth);
+  body.cloth.relaxation = std::min(body.cloth.relaxation, kLargestRelaxation);
 }
 
 }  // namespace turgor

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/io/ct.hpp"
@@ -18,7 +20,7 @@ namespace turgor {
 
 namespace {
 
-constexpr double kJumpWay = 1e-5;  // forces are compared over so much of a tool's way [m]
+constexpr double kJumpWay = 1e-5;  // tool displacement over which force jumps are measured [m]
 
 rhombus::Body body_of(const TriMesh& mesh) {
   rhombus::Body body{.vertices = {}, .triangles = mesh.triangles, .stiffness = {}};
@@ -31,9 +33,10 @@ Result<rhombus::Body> load_shape(const RhombusSource& source, const std::vector<
   if (const auto* liver = std::get_if<PhantomLiverSurface>(&source))
     return body_of(phantom_liver(liver->detail));
   if (const auto* other = std::get_if<SurfaceOfBody>(&source)) {
-    SurfacePart part = surface_part(bodies[std::size_t(other->body)].model);
-    made.mesh_vertex = std::move(part.vertices);
-    return std::move(part.body);
+    TURGOR_CHECK(is_index(other->body, bodies.size()), "the surface is that of a body of the world");
+    SolidBoundary boundary = solid_boundary(bodies[std::size_t(other->body)].model);
+    made.mesh_vertex = std::move(boundary.vertices);
+    return std::move(boundary.body);
   }
   const SurfaceFile& file = std::get<SurfaceFile>(source);
   Result<ReadSurface> read = read_surface(file.file, file.scale);
@@ -43,7 +46,7 @@ Result<rhombus::Body> load_shape(const RhombusSource& source, const std::vector<
   return body_of(read->mesh);
 }
 
-/// Where a chain's tool touches; a chain that knows none is as wide as a unit [m].
+/// Contact radius of a chain; half a unit's width for chains without tip [m].
 double contact_radius(const rhombus::Model& model) {
   const double tip = model.params.chain.tip;
   return tip > 0 ? usual_contact(tip) : 0.5 * rhombus::unit_width(model.chain);
@@ -55,7 +58,7 @@ Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScen
   const rhombus::Surface& surface = body.surface;
   if (const auto* by_body = std::get_if<ElasticStiffness>(&scene.source)) {
     const sfem::Model& model = bodies[std::size_t(by_body->body)].model;
-    return elastic_stiffness(exec, model, surface_part(model), surface, contact_radius(body));
+    return elastic_stiffness(exec, model, solid_boundary(model), surface, contact_radius(body));
   }
   if (const auto* by_ct = std::get_if<CtStiffness>(&scene.source)) {
     const Result<LoadedCt> ct = load_ct(exec, by_ct->ct, begin_work(begin, "reading"));
@@ -85,8 +88,9 @@ double enclosed_volume(const rhombus::Surface& s) {
   return sum;
 }
 
-/// How far the force jumps for a small way of the tool and its jaws.
+/// Largest force jump for a small displacement of the tool or its jaws.
 void measure_jump(RhombusBody& body, std::size_t t, const ForceSample& before, const ForceSample& now) {
+  TURGOR_CHECK(is_index(t, body.openings.size()), "every tool has an opening");
   const double opening = body.touch.inputs[t].opening;
   const double moved = norm(now.position - before.position) + std::abs(opening - body.openings[t]);
   const double jump = norm(now.force - before.force) * std::min(1.0, kJumpWay / std::max(moved, 1e-12));
@@ -105,23 +109,28 @@ void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, Touch
 }
 
 Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene, const World& world) {
+  // facts that drawing needs
   RhombusBody body;
   body.name = scene.name;
   const Result<rhombus::Chain> chain = rhombus::build_chain(scene.params.chain);
-  body.usual_force = chain ? rhombus::force_of_depth(*chain, 0.01) : 1;
+  body.typical_force = chain ? rhombus::force_of_depth(*chain, 0.01) : 1;
   if (loading.purpose == Purpose::kDraw) return body;
+  // model of the shape alone
   Result<rhombus::Body> shape = load_shape(scene.source, world.sfem_bodies, body);
-  if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};
+  if (!shape) return Error{fmt::format("{}: {}", scene.source_location, shape.error().message)};
   const Timer building;
   Result<rhombus::Model> model = rhombus::build(*shape, scene.params);
-  if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
+  if (!model) return Error{fmt::format("{}: {}", scene.source_location, model.error().message)};
+  // rebuild with the elastic stiffness of each vertex
   if (scene.stiffness) {
     Result<std::vector<double>> stiffness =
         load_stiffness(loading.exec, *scene.stiffness, world.sfem_bodies, *model, loading.begin, body.notes);
-    if (!stiffness) return Error{fmt::format("{}.stiffness: {}", scene.place, stiffness.error().message)};
+    if (!stiffness)
+      return Error{fmt::format("{}.stiffness: {}", scene.source_location, stiffness.error().message)};
     shape->stiffness = std::move(*stiffness);
     model = rhombus::build(std::move(*shape), scene.params);
   }
+  // store model and facts
   body.model = std::move(*model);
   body.build_seconds = building.seconds();
   body.volume = enclosed_volume(body.model.surface);
@@ -133,16 +142,20 @@ RestSurface rest_surface(const RhombusBody& body) {
 }
 
 Status begin_body(const Exec&, RhombusBody& body, const RhombusScene&, const World& world) {
+  // check the number of tools
   if (body.tool_indices.size() > std::size_t(rhombus::kMaxTouches))
-    return Error{fmt::format("{}: expected at most {} tools that touch it, found {}", body.name,
-                             rhombus::kMaxTouches, body.tool_indices.size())};
+    return Error{fmt::format("{}: expected at most {} tools on it, found {}", body.name, rhombus::kMaxTouches,
+                             body.tool_indices.size())};
+  // tips and initial poses
   std::vector<contact::RhombusTip> tips;
   std::vector<contact::Pose> poses;
   for (const int t : body.tool_indices) {
+    TURGOR_CHECK(is_index(t, world.tools.size()), "a body is touched by tools of its world");
     const TouchingTool& tool = world.tools[std::size_t(t)];
     tips.push_back(contact::rhombus_tip(tool.tool.shape, tool.forceps));
     poses.push_back(command_at(tool, 0).pose);
   }
+  // initial state and first snapshot
   body.state = rhombus::make_state(body.model, tips.size());
   body.touch = contact::make_rhombus_touch(std::move(tips), poses);
   contact::publish(body.touch, body.now);
@@ -152,39 +165,46 @@ Status begin_body(const Exec&, RhombusBody& body, const RhombusScene&, const Wor
 
 void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from, double to) {
   if (body.tool_indices.empty()) return;
+  // storage of one tick
   std::vector<contact::ToolCommand> commands(body.tool_indices.size());
   std::vector<contact::ToolReading> readings(commands.size());
   const auto tool_of = [&](std::size_t t) -> TouchingTool& {
     return tools[std::size_t(body.tool_indices[t])];
   };
+  // ticks in this interval
+  TURGOR_CHECK(to >= from, "ticks do not run backwards");
   const long first = std::lround(std::floor(from / kTick + 1e-9)) + 1;
   const long last = std::lround(std::floor(to / kTick + 1e-9));
   for (long tick = first; tick <= last; tick++) {
     const double time = double(tick) * kTick;
+    // one tick for all tools
     for (std::size_t t = 0; t < commands.size(); t++) commands[t] = next_command(tool_of(t), time);
     const Timer timer;
-    contact::tick(body.model, body.touch, commands, kTick, readings);
+    contact::tick_rhombus_touch(body.model, body.touch, commands, kTick, readings);
     const double seconds = timer.seconds();
+    // log forces
     for (std::size_t t = 0; t < commands.size(); t++) {
       ForceSample sample = sample_of(time, commands[t], readings[t]);
       sample.tick_seconds = float(seconds);
       log_tick(body, t, sample, tool_of(t));
     }
   }
+  // publish the last tick
   contact::publish(body.touch, body.now);
-  take_touched(body);
+  read_touch_snapshot(body);
 }
 
 void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& /*tools*/) {
-  body.haptic = std::make_unique<latest<contact::RhombusTouchedNow>>();
+  body.haptic = std::make_unique<latest<contact::RhombusTouchSnapshot>>();
   contact::prepare(body.touch, *body.haptic);
 }
 
 void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings) {
-  contact::tick(body.model, body.touch, *body.haptic, commands, dt, readings);
+  TURGOR_ASSERT(body.haptic, "a haptic thread is prepared before its ticks");
+  contact::tick_and_publish(body.model, body.touch, *body.haptic, commands, dt, readings);
 }
 
-void take_touched(RhombusBody& body) { body.state.touches = body.now.touches; }
+void read_touch_snapshot(RhombusBody& body) { body.state.touches = body.now.touches; }
 
 }  // namespace turgor

@@ -1,4 +1,4 @@
-// A body of the rhombus model while tools touch it.
+// Body of the rhombus model in a running world.
 #pragma once
 
 #include <memory>
@@ -23,47 +23,47 @@ struct World;
 
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
-  contact::RhombusTouch touch;                       // who ticks owns this
-  boxed<latest<contact::RhombusTouchedNow>> haptic;  // while a haptic thread ticks: what it leaves
-  contact::RhombusTouchedNow now;  // what it left for the frame; one for each of tool_indices
-  rhombus::State state;            // of the frame: the surface as it was shown last
-  ClothLoad cloth;                 // what lies on it
-  std::vector<int> mesh_vertex;    // in the mesh of the body whose surface it is; empty = its own
+  contact::RhombusTouch touch;                          // owned by the ticking thread
+  boxed<latest<contact::RhombusTouchSnapshot>> haptic;  // with a haptic thread: its latest touch state
+  contact::RhombusTouchSnapshot now;                    // latest touch state; one for each of tool_indices
+  rhombus::State state;          // of the frame thread: the surface of the latest snapshot
+  ClothLoad cloth;               // load of cloth
+  std::vector<int> mesh_vertex;  // index in the mesh of the body that owns the surface; empty = own mesh
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
-  double pressed_volume = 0;       // the most that was pressed in after a frame [m³]
+  double pressed_volume = 0;       // largest indented volume at the end of a frame [m³]
   std::vector<double> openings;    // of the tools' jaws in the last tick [m]
-  double jump = 0;                 // largest of a force per 10 µm that a tool and its jaws move [N]
+  double jump = 0;                 // largest force jump per 10 µm of tool or jaw displacement [N]
   double jump_at = 0;              // [s]
-  std::vector<std::string> notes;  // what was left out while reading
+  std::vector<std::string> notes;  // notes of readers
 };
 
-/// Without its tools; its surface may be that of a body that the world has. Error: names the scene's place.
+/// Body without tools; its surface may be that of an sfem body of `world`. Error: has the source location.
 Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene, const World& world);
 inline const std::vector<std::string>& notes(const RhombusBody& body) { return body.notes; }
 
-/// The surface that tools touch.
+/// Surface for contact.
 RestSurface rest_surface(const RhombusBody& body);
-inline void make_rest_surface(RhombusBody&) {}  // it is there
-/// Error: more tools than the model takes.
+inline void make_rest_surface(RhombusBody&) {}  // exists already
+/// Error: more tools than the model supports.
 Status begin_body(const Exec& exec, RhombusBody& body, const RhombusScene& scene, const World& world);
 
-/// The ticks of a frame, and where that leaves the surface.
+/// Runs the ticks of a frame, then updates the surface.
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input,
                FrameReport& report);
-/// Feels what cloth does to it, from the next frame on.
-void press_body(const Exec& exec, RhombusBody& body, const ClothPush& push, double dt);
+/// Applies forces of cloth, from the next frame on.
+void press_body(const Exec& exec, RhombusBody& body, const ClothForces& push, double dt);
 std::uint64_t state_hash(const RhombusBody& body, std::uint64_t seed);
-/// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick. Ends with
-/// take_touched, as who ticks and who makes frames are one here.
+/// Runs the ticks between two times [s]; a tick ends at every multiple of kTick. Includes
+/// read_touch_snapshot, since ticks and frames share a thread here.
 void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from, double to);
-/// Keeps the last tick of tool `t` of its tool_indices.
+/// Logs the last tick of tool `t` of tool_indices.
 void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool);
-/// The frame takes what ticks left: body.now was just filled.
-void take_touched(RhombusBody& body);
+/// Processes the touch state, after body.now was filled.
+void read_touch_snapshot(RhombusBody& body);
 
-/// For a haptic thread, and for who does again what it did: see sim/live/exchanges.hpp. A tick needs nothing
-/// of the frame.
+/// Functions for a haptic thread and for replays: see sim/live/exchanges.hpp. Ticks need no input from
+/// frames.
 void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& tools);
 void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings);
@@ -72,12 +72,12 @@ inline FrameInputs frame_inputs(const RhombusBody& body, std::size_t) {
   return {std::int32_t(body.now.ticks), 0};
 }
 inline void end_haptics(RhombusBody& body) { body.haptic.reset(); }
-inline void keep_frame(RhombusBody&) {}
-inline void give_frame(RhombusBody&, std::size_t, TickInputs) {}
+inline void queue_frame_output(RhombusBody&) {}
+inline void replay_frame_output(RhombusBody&, std::size_t, TickInputs) {}
 inline void expect_patch(RhombusBody&, bool) {}
-inline void set_friction(RhombusBody&, std::size_t, double) {}  // chains know none
+inline void set_friction(RhombusBody&, std::size_t, double) {}  // chains have no friction
 
-/// Tool `t` of its tool_indices.
+/// State of tool `t` of tool_indices.
 ToolNow tool_now(const RhombusBody& body, std::size_t t, const World& world);
 inline Look look_of(const RhombusBody&) { return Look::kFlesh; }
 void show(const Exec& exec, const RhombusBody& body, BodySnapshot& out);

@@ -1,7 +1,9 @@
-// A frame of a rhombus body: its ticks, where they leave the surface, and what is seen of it.
+// Frame of a rhombus body: its ticks, surface update and snapshot.
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -9,7 +11,7 @@ namespace turgor {
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input, FrameReport&) {
   if (body.haptic) {
     body.now = body.haptic->read();
-    take_touched(body);
+    read_touch_snapshot(body);
   } else {
     touch_body(body, world.tools, input.from, input.to);
   }
@@ -23,11 +25,13 @@ std::uint64_t state_hash(const RhombusBody& body, std::uint64_t seed) {
 }
 
 ToolNow tool_now(const RhombusBody& body, std::size_t t, const World&) {
+  TURGOR_CHECK(is_index(t, body.now.poses.size()), "every tool has a pose");
   return {body.now.poses[t], body.now.forces[t].force, body.now.inputs[t].opening};
 }
 
 void show(const Exec&, const RhombusBody& body, BodySnapshot& out) {
   const std::vector<Vec3d>& rest = body.model.surface.vertices;
+  TURGOR_CHECK(body.state.displacement.size() == rest.size(), "every vertex has a displacement");
   out.triangles = body.model.surface.triangles;
   out.mesh_vertex = body.mesh_vertex;
   out.wall_begin = out.triangles.size();
@@ -36,7 +40,7 @@ void show(const Exec&, const RhombusBody& body, BodySnapshot& out) {
     out.rest[v] = Vec3(rest[v]);
     out.displacement[v] = Vec3(body.state.displacement[v]);
   }
-  place_vertices(out);
+  update_vertices(out);
 }
 
 }  // namespace turgor

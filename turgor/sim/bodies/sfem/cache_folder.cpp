@@ -1,5 +1,4 @@
-// A folder of Green's functions as a whole: what is in it, and how it stays within its limit
-// (green_cache.hpp).
+// Folder of cached Green's functions: listing and size limit (green_cache.hpp).
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -24,13 +23,13 @@ bool is_our_name(const fs::path& file) {
   return std::regex_match(file.filename().string(), name);
 }
 
-/// A link is nobody's: what it points to may be anything.
+/// Symbolic links count as foreign files.
 bool is_plain_file(const fs::path& file) {
   std::error_code error;
   return fs::symlink_status(file, error).type() == fs::file_type::regular;
 }
 
-/// False when it is not a file of ours.
+/// False for foreign files.
 bool read_entry(const fs::path& path, CacheFile& entry) {
   if (!is_our_name(path) || !is_plain_file(path)) return false;
   const Result<Hdf5File> file = Hdf5File::open(path);
@@ -81,10 +80,12 @@ Result<std::uintmax_t> cache_limit() {
 
 std::vector<CacheFile> trim_cache(const fs::path& folder, std::uintmax_t limit, const fs::path& keep) {
   std::vector<CacheFile> removed;
+  // total size
   const Result<CacheFolder> found = list_cache(folder);
   if (!found) return removed;
   std::uintmax_t bytes = 0;
   for (const CacheFile& file : found->files) bytes += file.bytes;
+  // remove files until the limit holds
   for (const CacheFile& file : found->files) {
     if (bytes <= limit) break;
     std::error_code error;

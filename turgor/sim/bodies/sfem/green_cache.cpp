@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/io/files/hdf5_file.hpp"
@@ -28,19 +29,22 @@ Status read_into(const Hdf5File& file, const char* name, std::size_t count, std:
   return Done{};
 }
 
-/// The values, as they are in the file; sfem::check_green says whether they are right.
+/// Values as stored; sfem::check_green verifies them.
 Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model) {
+  // check the format
   const Result<Hdf5File> file = Hdf5File::open(path);
   if (!file) return file.error();
   const Result<std::string> format = file->read_text("/format");
   if (!format || *format != kGreenFormat)
     return Error{fmt::format("{}: expected \"{}\", found {}", path.string(), kGreenFormat,
                              format ? "\"" + *format + "\"" : std::string("another HDF5 file"))};
+  // check that the file belongs to this body
   std::vector<std::uint64_t> content, sum;
   if (const Status s = read_into(*file, "/content_hash", 1, content); !s) return s.error();
   if (content[0] != sfem::content_hash(model))
-    return Error{fmt::format("{}: it belongs to another body: expected content {}, found {}", path.string(),
+    return Error{fmt::format("{}: it is of another body: expected content {}, found {}", path.string(),
                              hash_text(sfem::content_hash(model)), hash_text(content[0]))};
+  // read the values in the model's precision
   sfem::Green green;
   green.nodes = model.green.nodes, green.surface_count = model.green.surface_count;
   green.slot = model.green.slot;
@@ -49,6 +53,7 @@ Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model) 
                           ? read_into(*file, "/values", count, green.single_values)
                           : read_into(*file, "/values", count, green.double_values);
   if (!read) return read.error();
+  // read the columns for verification
   const Result<std::size_t> checks = file->count("/check/vertices", kMostChecks);
   if (!checks) return checks.error();
   if (const Status s = read_into(*file, "/check/vertices", *checks, green.check.vertices); !s)
@@ -56,6 +61,7 @@ Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model) 
   const std::size_t check_values = 9 * *checks * model.vertex.size();
   if (const Status s = read_into(*file, "/check/values", check_values, green.check.values); !s)
     return s.error();
+  // read the checksum
   if (const Status s = read_into(*file, "/checksum", 1, sum); !s) return s.error();
   green.checksum = sum[0];
   return green;
@@ -66,6 +72,8 @@ Status write_values(const fs::path& path, const sfem::Model& model, const std::s
   if (!file) return file.error();
   const sfem::Green& green = model.green;
   const std::size_t columns = 3 * green.nodes.size();
+  TURGOR_CHECK(green.single_values.size() + green.double_values.size() == columns * columns,
+               "every column of a written store is computed");
   Status status = file->write_text("/format", kGreenFormat);
   if (status) status = file->write_text("/what_for", what_for);
   const auto write = [&]<class T>(const char* name, const std::vector<T>& values, std::size_t width) {
@@ -101,15 +109,15 @@ CachedGreen read_green(const fs::path& path, sfem::Model& model) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return {};
   Result<sfem::Green> green = read_values(path, model);
-  if (!green) return {false, green.error().message + "; computed anew"};
+  if (!green) return {false, green.error().message + "; recomputed"};
   std::swap(model.green, *green);
   const Status checked = sfem::check_green(model);
   if (checked) {
-    fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);  // used now
+    fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);  // marks the file as used
     return {true, ""};
   }
   std::swap(model.green, *green);
-  return {false, fmt::format("{}: {}; computed anew", path.string(), checked.error().message)};
+  return {false, fmt::format("{}: {}; recomputed", path.string(), checked.error().message)};
 }
 
 Status write_green(const fs::path& path, const sfem::Model& model, const std::string& what_for) {
@@ -120,7 +128,7 @@ Status write_green(const fs::path& path, const sfem::Model& model, const std::st
   if (const Status status = write_values(partial.path(), model, what_for); !status) return status;
   return partial.keep([&]() -> Status {
     if (rename(partial.path().c_str(), path.c_str()) == 0) return Done{};
-    return Error{fmt::format("{}: cannot give the file its name: {}", path.string(), std::strerror(errno))};
+    return Error{fmt::format("{}: cannot rename the file: {}", path.string(), std::strerror(errno))};
   });
 }
 

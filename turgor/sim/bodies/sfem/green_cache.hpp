@@ -1,7 +1,7 @@
-// Green's functions kept between runs: an HDF5 file whose name and content carry the hash of exactly what
-// they depend on (mesh, materials, fixed vertices, kept vertices, formulation, precision). What is read is
-// checked before it is used; a file that is damaged, cut short or of something else is named and never used.
-// A folder holds no more than its limit: what was not used for longest goes.
+// Cache of Green's functions between runs: HDF5 files whose name and content include the hash of all inputs
+// (mesh, materials, fixed vertices, kept vertices, formulation, precision). Data are verified before use;
+// damaged or foreign files are reported and not used. Each folder has a size limit; the least recently used
+// files are removed.
 #pragma once
 
 #include <cstdint>
@@ -14,44 +14,45 @@
 
 namespace turgor {
 
-/// The file for a content hash, in this folder or, when that is empty, in the user's cache folder
-/// ($XDG_CACHE_HOME/turgor, else ~/.cache/turgor). Empty when there is no such folder.
+/// File for a content hash in this folder, or if it is empty in the user's cache folder
+/// ($XDG_CACHE_HOME/turgor, else ~/.cache/turgor). Empty if there is no such folder.
 std::filesystem::path green_cache_file(const std::filesystem::path& folder, std::uint64_t content_hash);
 
 struct CachedGreen {
-  bool found = false;  // the model has its Green's functions now
-  std::string note;    // why a file that is there was not used: a sentence
+  bool found = false;  // true if the model has its Green's functions
+  std::string note;    // why an existing file was not used: a sentence
 };
-/// Fills Model::green from the file. A file that is not there is no reason for a note.
+/// Fills Model::green from the file. A missing file gives no note.
 CachedGreen read_green(const std::filesystem::path& file, sfem::Model& model);
 
-/// Written beside and renamed. `what_for`: what a listing says of it, such as the body's place in its scene.
+/// Writes a temporary file and renames it. `what_for`: description in listings, such as the source location
+/// of the body.
 Status write_green(const std::filesystem::path& file, const sfem::Model& model,
                    const std::string& what_for = "");
 
-/// The user's cache folder, see green_cache_file. Empty when there is none.
+/// Cache folder of the user, see green_cache_file; empty if there is none.
 std::filesystem::path user_cache_folder();
 
-/// A file of Green's functions, by its name and by what is in it.
+/// Metadata of a cached file.
 struct CacheFile {
   std::filesystem::path file;
   std::uintmax_t bytes = 0;
-  std::filesystem::file_time_type used;  // last read or written
-  std::string what_for;                  // empty = not said
+  std::filesystem::file_time_type used;  // last read or write
+  std::string what_for;                  // empty = unknown
 };
 struct CacheFolder {
-  std::vector<CacheFile> files;  // longest unused first
+  std::vector<CacheFile> files;  // least recently used first
   std::vector<std::filesystem::path>
-      foreign;  // all else: damaged, links, folders, of other programs; left alone
+      foreign;  // other files, which are left alone: damaged ones, links, folders, files of other programs
 };
-/// A folder that is not there is empty. Error: it cannot be read.
+/// Lists a folder; a missing folder is empty. Error: not readable.
 Result<CacheFolder> list_cache(const std::filesystem::path& folder);
 
-/// Of all files in a folder [bytes]: $TURGOR_CACHE_LIMIT in GB, else 10. Error: it is no number of GB.
+/// Limit of a folder [bytes]: $TURGOR_CACHE_LIMIT in GB, else 10. Error: not a number of GB.
 Result<std::uintmax_t> cache_limit();
 
-/// Removes what was not used for longest until the rest is within the limit, but never `keep`. Returns what
-/// was removed; a file that cannot be is left.
+/// Removes least recently used files until the rest is within the limit, never `keep`. Returns the removed
+/// files; files that cannot be removed are skipped.
 std::vector<CacheFile> trim_cache(const std::filesystem::path& folder, std::uintmax_t limit,
                                   const std::filesystem::path& keep = {});
 

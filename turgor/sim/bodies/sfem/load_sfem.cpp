@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/gpu.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/hex_block.hpp"
@@ -23,7 +24,7 @@ namespace turgor {
 
 namespace {
 
-constexpr double kLeastPatchMemory = 0.25;  // a patch may take this, however little a scene allows [GB]
+constexpr double kLeastPatchMemory = 0.25;  // memory that a patch may always use [GB]
 
 void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
   notes.insert(notes.end(), more.begin(), more.end());
@@ -58,10 +59,11 @@ Result<OrganMesh> from_labels(const Exec& exec, const LabeledOrgan& source,
     if (!read) return read.error();
     labels = std::move(read->labels);
   }
-  std::vector<int> wanted{source.label};
-  for (const InsideScene& part : inside) wanted.push_back(part.label);
+  TURGOR_CHECK(source.label >= 0, "a label file holds labels from 0");
+  std::vector<int> selected{source.label};
+  for (const InsideScene& region : inside) selected.push_back(region.label);
   Result<OrganMesh> made =
-      mesh_of_labels(exec, labels, wanted, source.resolution, begin_work(begin, "meshing"), sides);
+      mesh_of_labels(exec, labels, selected, source.resolution, begin_work(begin, "meshing"), sides);
   const std::string name = source.phantom ? "the phantom" : source.file.string();
   if (!made) return Error{fmt::format("{}: {}", name, made.error().message)};
   if (!source.label_note.empty()) made->notes.push_back(source.label_note);
@@ -98,20 +100,22 @@ std::string memory_text(double bytes) {
   return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
-/// Columns on demand: the store does not fit, the factor does.
+/// Columns on demand: the store exceeds the memory limit, the factor does not.
 Status prepare_on_demand(const Exec& exec, const SfemScene& scene, SfemBody& body, const BeginWork& begin) {
+  // check that the factor fits
   const sfem::GreenCost& cost = body.facts.cost;
   if (double(cost.factor_bytes) > scene.memory * 1e9)
     return Error{
-        fmt::format("{}: the body's factor alone takes {}, allowed are {} GB: raise body.{}.memory, or take "
+        fmt::format("{}: the body's factor alone takes {}, the limit is {} GB: raise body.{}.memory, or use "
                     "a coarser mesh",
-                    scene.place, memory_text(double(cost.factor_bytes)), scene.memory, scene.name)};
+                    scene.source_location, memory_text(double(cost.factor_bytes)), scene.memory, scene.name)};
+  // note the reason
   body.facts.on_demand = true;
-  body.facts.notes.push_back(
-      fmt::format("all Green's functions would take {}, allowed are {} GB: their columns are computed where "
-                  "the tools are; "
-                  "more memory or a coarser mesh makes following faster",
-                  memory_text(double(cost.store_bytes)), scene.memory));
+  body.facts.notes.push_back(fmt::format(
+      "all Green's functions would take {}, the limit is {} GB: their columns are computed on demand at "
+      "the tools; more memory or a coarser mesh makes patches faster",
+      memory_text(double(cost.store_bytes)), scene.memory));
+  // factorize
   return sfem::prepare_columns(
       exec, body.model,
       begin_work(begin, "factor",
@@ -132,21 +136,22 @@ Status compute_and_keep(const Exec& exec, const SfemScene& scene, const std::fil
   std::optional<Gpu> gpu;
   if (scene.device == Device::kGpu) {
     const Result<Gpu> found = open_gpu();
-    if (!found) return Error{fmt::format("{}: device = \"gpu\": {}", scene.place, found.error().message)};
+    if (!found)
+      return Error{fmt::format("{}: device = \"gpu\": {}", scene.source_location, found.error().message)};
     gpu = *found;
     body.facts.notes.push_back("Green's functions were computed on " + gpu->name);
   }
   if (const Status status = sfem::compute_green(exec, body.model, std::size_t(scene.memory * 1e9), progress,
                                                 gpu ? &*gpu : nullptr);
       !status)
-    return Error{fmt::format("{}: {}", scene.place, status.error().message)};
+    return Error{fmt::format("{}: {}", scene.source_location, status.error().message)};
   if (cache.empty()) return Done{};
-  const Status kept = write_green(cache, body.model, scene.place);
+  const Status kept = write_green(cache, body.model, scene.source_location);
   if (!kept) body.facts.notes.push_back("not cached: " + kept.error().message);
   return Done{};
 }
 
-/// What was not used for longest goes when the cache has grown beyond its limit.
+/// Removes least recently used files from a cache that exceeds its limit.
 void keep_within_limit(const std::filesystem::path& cache, std::vector<std::string>& notes) {
   const Result<std::uintmax_t> limit = cache_limit();
   if (!limit) return notes.push_back(limit.error().message + "; the cache is not trimmed");
@@ -155,24 +160,28 @@ void keep_within_limit(const std::filesystem::path& cache, std::vector<std::stri
   double bytes = 0;
   for (const CacheFile& file : removed) bytes += double(file.bytes);
   notes.push_back(fmt::format(
-      "{}: {} files of {} that were not used for longest were removed: the limit is {} "
+      "{}: {} least recently used files of {} were removed: the limit is {} "
       "(TURGOR_CACHE_LIMIT, in GB)",
       cache.parent_path().string(), removed.size(), memory_text(bytes), memory_text(double(*limit))));
 }
 
 Status prepare_green(const Exec& exec, const SfemScene& scene, SfemBody& body, const BeginWork& begin) {
+  // cost and identity
   const Timer timer;
   body.facts.cost = sfem::green_cost(body.model);
   body.facts.content_hash = sfem::content_hash(body.model);
   const auto& cost = body.facts.cost;
+  // fall back to columns on demand
   if (double(cost.store_bytes + cost.factor_bytes) > scene.memory * 1e9) {
     const Status status = prepare_on_demand(exec, scene, body, begin);
     body.facts.green_seconds = timer.seconds();
     return status;
   }
+  // locate the cache file
   const std::filesystem::path cache =
       scene.cached ? green_cache_file(scene.cache, body.facts.content_hash) : std::filesystem::path();
   body.facts.cache_file = cache.string();
+  // read from the cache, or compute and store
   Status status = Done{};
   CachedGreen cached = cache.empty() ? CachedGreen{} : read_green(cache, body.model);
   if (!cached.note.empty()) body.facts.notes.push_back(cached.note);
@@ -185,24 +194,27 @@ Status prepare_green(const Exec& exec, const SfemScene& scene, SfemBody& body, c
 
 Status load_seen(const Exec& exec, const SfemScene& scene, SfemBody& body) {
   if (scene.seen.empty()) return Done{};
+  // read the surface
   Result<ReadSurface> read = read_surface(scene.seen, scene.seen_scale);
-  if (!read) return Error{fmt::format("{}.seen: {}", scene.place, read.error().message)};
+  if (!read) return Error{fmt::format("{}.seen: {}", scene.source_location, read.error().message)};
   append(body.facts.notes, read->notes);
   turn_up(read->mesh.vertices, scene.seen_up);
+  // embed it into the mesh
   const SolidMesh& mesh = body.model.body.mesh;
-  body.seen = SeenSurface{embed(exec, read->mesh, mesh.corners == 10 ? linear_parts(mesh) : mesh),
+  body.seen = SeenSurface{embed(exec, read->mesh, mesh.corners == 10 ? linear_subdivision(mesh) : mesh),
                           read->mesh.triangles};
+  // reject a surface that does not match the body
   const double edge = longest_edge(mesh);
   if (body.seen->embedding.farthest_outside > 3 * edge)
     return Error{
         fmt::format("{}.seen: {}: a vertex is {:.4g} m away from the body, whose longest edge is {:.4g} "
                     "m; expected a surface of the same body (seen_scale?)",
-                    scene.place, scene.seen.string(), body.seen->embedding.farthest_outside, edge)};
+                    scene.source_location, scene.seen.string(), body.seen->embedding.farthest_outside, edge)};
   return Done{};
 }
 
-/// Small quadratic elements have nodes as close as a patch makes those of large ones, and a patch of them
-/// would have thousands.
+/// Default refinement. Nodes of small quadratic elements are as dense as those of a refined patch of large
+/// ones, whose refinement would have thousands of nodes.
 int usual_refinement(const SfemBody& body) {
   const SolidMesh& mesh = body.model.body.mesh;
   std::vector<int> all(element_count(mesh));
@@ -220,32 +232,39 @@ Status prepare_turning(const Exec& exec, SfemBody& body, const BeginWork& begin)
 
 Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const World&) {
   const auto& [exec, begin, purpose] = loading;
+  // facts that drawing needs
   SfemBody body;
   body.name = scene.name;
-  body.usual_force = scene.material.young * 1e-4;
+  body.typical_force = scene.material.young * 1e-4;
   if (purpose == Purpose::kDraw) return body;
+  // shape and mesh quality
   const Timer shaping;
   Result<OrganMesh> shape = load_shape(exec, scene, begin);
-  if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};
+  if (!shape) return Error{fmt::format("{}: {}", scene.source_location, shape.error().message)};
   body.facts.notes = std::move(shape->notes);
   body.facts.input_volume = shape->input_volume;
   if (shape->mesh.corners != 8) body.facts.quality = measure_quality(corner_tetrahedra(shape->mesh));
   body.facts.volume = volume(shape->mesh);
+  // materials
   Result<sfem::Body> elastic = make_body(std::move(shape->mesh), scene);
   if (!elastic) return elastic.error();
   body.facts.shape_seconds = shaping.seconds();
 
+  // elastic model
   const sfem::Params params{scene.formulation, scene.precision, scene.patch.radius};
   Result<sfem::Model> model = sfem::build(exec, std::move(*elastic), params);
-  if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
+  if (!model) return Error{fmt::format("{}: {}", scene.source_location, model.error().message)};
   body.model = std::move(*model);
-  body.inside = inner_parts(scene, body.model.body);
+  body.inside = inner_regions(scene, body.model.body);
   body.follow.radius = scene.patch.radius;
+  // Green's functions, visible surface and rotations
   if (const Status status = prepare_green(exec, scene, body, begin); !status) return status.error();
   if (const Status status = load_seen(exec, scene, body); !status) return status.error();
   if (scene.rotations)
     if (const Status status = prepare_turning(exec, body, begin); !status) return status.error();
+  // patch parameters
   body.refinement = scene.patch.refinement == kByElements ? usual_refinement(body) : scene.patch.refinement;
+  TURGOR_CHECK(body.refinement >= 1, "the elements of a patch are divided at least once");
   body.contacts = scene.contacts;
   body.patch_memory = std::size_t(std::max(scene.memory, kLeastPatchMemory) * 1e9);
   body.follow.hysteresis = scene.patch.hysteresis;

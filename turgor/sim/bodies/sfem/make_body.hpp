@@ -1,5 +1,4 @@
-// Which vertices of a body are held, and which elements are of which material: what a scene says about a
-// body, said to its mesh.
+// Applies fixed regions and materials of a scene to a mesh.
 #pragma once
 
 #include <span>
@@ -11,13 +10,13 @@
 
 namespace turgor {
 
-/// 1 for every point that is held, of a body whose box is that around the points.
+/// 1 for every fixed point of a body whose box is that around the points.
 std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldBy& held);
-/// Error: `held` names a box, and holds none of the points; says where they are.
+/// Error: `held` is a box without points; the message has the extent of the points.
 Status check_held(std::span<const Vec3d> points, const HeldBy& held, const std::vector<std::uint8_t>& fixed);
 
-/// The mesh with its materials and what holds it. Error: an `inside` whose label no element has (the message
-/// says which there are), or an inclusion that no element lies in.
+/// Mesh with materials and fixed vertices. Error: an `inside` label without elements (the message lists
+/// existing labels), or an inclusion without elements.
 Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene);
 
 }  // namespace turgor

@@ -22,6 +22,7 @@ PatchWorker::~PatchWorker() {
 
 void PatchWorker::begin(Build build) {
   TURGOR_ASSERT(!is_busy_, "a worker builds one patch at a time");
+  TURGOR_ASSERT(build != nullptr, "a worker has work");
   is_busy_ = true;
   {
     const std::lock_guard lock(mutex_);
@@ -46,6 +47,7 @@ BuiltPatch PatchWorker::finish() {
   TURGOR_ASSERT(is_busy_, "a patch is finished after it was begun");
   settle();
   const std::lock_guard lock(mutex_);
+  TURGOR_CHECK(built_.has_value(), "a settled worker has built its patch");
   BuiltPatch built = std::move(*built_);
   built_.reset();
   is_busy_ = false;

@@ -1,4 +1,4 @@
-// Builds patches on a thread of its own, one at a time, as long as it lives.
+// Thread that builds patches, one at a time.
 #pragma once
 
 #include <condition_variable>
@@ -15,30 +15,30 @@ namespace turgor {
 
 struct BuiltPatch {
   Result<std::shared_ptr<const sfem::Patch>> patch;
-  double seconds = 0;  // wall time of building it
+  double seconds = 0;  // wall time of building
 };
 
-/// For the frame's thread alone; a haptic thread never sees it.
+/// Used by the frame thread only, never by the haptic thread.
 class PatchWorker {
  public:
   using Build = std::function<BuiltPatch()>;
 
   PatchWorker() = default;
-  /// Waits until what the other builds is there: both have it.
+  /// Waits for the patch of `other`; both then hold it.
   PatchWorker(const PatchWorker& other);
   PatchWorker& operator=(const PatchWorker&) = delete;
-  /// Waits for what is being built.
+  /// Waits for the patch under construction.
   ~PatchWorker();
 
-  /// Nothing else was begun, or it was finished.
+  /// Requires that no other patch is under construction.
   void begin(Build build);
-  /// Is there a patch that was begun and not yet finished?
+  /// True while a patch was begun and not finished.
   bool is_busy() const { return is_busy_; }
-  /// Is it ready, so that finish does not wait?
+  /// True if finish would not wait.
   bool is_ready();
-  /// Waits for what was begun, if anything was: from here on nobody reads what it is built from.
+  /// Waits for the patch under construction; afterwards no thread reads its input.
   void settle() const;
-  /// What was begun; waits for it.
+  /// Returns the patch; waits for it.
   BuiltPatch finish();
 
  private:
@@ -49,7 +49,7 @@ class PatchWorker {
   Build build_;
   std::optional<BuiltPatch> built_;
   bool is_busy_ = false, ends_ = false;
-  std::thread thread_;  // from the first begin on
+  std::thread thread_;  // runs from the first begin on
 };
 
 }  // namespace turgor

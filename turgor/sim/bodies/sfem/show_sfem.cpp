@@ -1,9 +1,10 @@
-// The surface of a body as pictures show it. Outside the patch it is the coarse one, inside it is the
-// patch's; a finer surface of the scene hangs on the coarse elements and, inside the patch, follows that.
+// Drawn surface of a body: the patch's surface inside the patch, the coarse one outside. A finer surface of
+// the scene is embedded in the coarse elements, and inside the patch follows its displacement.
 #include <algorithm>
 #include <array>
 #include <map>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/geometry/rounded.hpp"
 #include "turgor/models/sfem/green.hpp"
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
@@ -19,8 +20,9 @@ std::vector<double> flat(std::span<const Vec3d> vectors) {
   return values;
 }
 
-/// The vertex of the mesh at which each point of the patch lies; -1 = between vertices.
+/// Mesh vertex of each patch point; -1 = between vertices.
 std::vector<int> vertices_of_points(const SfemBody& body) {
+  // vertices of the patch elements by rest position
   std::map<std::array<double, 3>, int> vertex_at;
   const std::vector<Vec3d>& x = body.model.body.mesh.vertices;
   for (const int e : body.now.patch->elements)
@@ -28,6 +30,7 @@ std::vector<int> vertices_of_points(const SfemBody& body) {
       const Vec3d p = x[std::size_t(v)];
       vertex_at[{p.x, p.y, p.z}] = v;
     }
+  // look up the patch points
   std::vector<int> vertices;
   for (const sfem::PatchPoint& point : body.now.patch->points) {
     const auto found = vertex_at.find({point.x.x, point.x.y, point.x.z});
@@ -42,22 +45,24 @@ int add_vertex(Vec3d rest, int mesh_vertex, BodySnapshot& surface) {
   return int(surface.rest.size()) - 1;
 }
 
-/// Vertices of the mesh's surface, ascending; returns the place of each vertex of the mesh, -1 = inside.
+/// Adds the surface vertices of the mesh, ascending; returns their index for each mesh vertex, -1 = inside.
 std::vector<int> add_mesh_vertices(const sfem::Model& model, BodySnapshot& surface) {
   const std::vector<Vec3d>& x = model.body.mesh.vertices;
-  std::vector<int> place(x.size(), -1);
+  std::vector<int> index_of(x.size(), -1);
   for (const Int3 t : model.surface.triangles)
-    for (const int v : {t.x, t.y, t.z}) place[std::size_t(v)] = 0;
+    for (const int v : {t.x, t.y, t.z}) index_of[std::size_t(v)] = 0;
   for (std::size_t v = 0; v < x.size(); v++)
-    if (place[v] == 0) place[v] = add_vertex(x[v], int(v), surface);
-  return place;
+    if (index_of[v] == 0) index_of[v] = add_vertex(x[v], int(v), surface);
+  return index_of;
 }
 
-/// The coarse surface with the patch in place of the triangles it covers. First come the vertices of the
-/// mesh, the same at every moment, then those that the patch has besides.
+/// Coarse surface whose covered triangles are replaced by the patch. Vertices of the mesh come first and are
+/// the same at all times; additional patch vertices follow.
 void join_surface(const SfemBody& body, const std::vector<Vec3d>& coarse, const std::vector<float>& pressure,
                   BodySnapshot& surface) {
   const SolidMesh& mesh = body.model.body.mesh;
+  TURGOR_CHECK(coarse.size() == mesh.vertices.size() && pressure.size() == body.now.patch->points.size(),
+               "every vertex has a displacement, and every point a pressure");
   surface.rest.clear(), surface.displacement.clear(), surface.pressure.clear(), surface.triangles.clear();
   surface.mesh_vertex.clear();
   const std::vector<int> shown_vertex = add_mesh_vertices(body.model, surface);
@@ -89,15 +94,14 @@ void join_surface(const SfemBody& body, const std::vector<Vec3d>& coarse, const 
   }
 }
 
-/// What a place near the patch has that the coarse functions do not say: the nearest point of the patch's
-/// surface tells.
-struct PatchPlace {
+/// Nearest point of the patch's surface with barycentric weights.
+struct PatchLocation {
   Int3 point;
   Vec3d weight;
   double distance = 0;  // [m]
 };
-PatchPlace nearest_in_patch(const sfem::Patch& patch, Vec3d x) {
-  PatchPlace best{.point = {}, .weight = {}, .distance = 1e300};
+PatchLocation nearest_in_patch(const sfem::Patch& patch, Vec3d x) {
+  PatchLocation best{.point = {}, .weight = {}, .distance = 1e300};
   for (const Int3 t : patch.triangles) {
     const Vec3d a = patch.points[std::size_t(t.x)].x, b = patch.points[std::size_t(t.y)].x,
                 c = patch.points[std::size_t(t.z)].x;
@@ -118,13 +122,12 @@ double longest_edge(const sfem::Patch& patch) {
 }
 
 template <class Of>
-auto interpolated(const PatchPlace& place, const Of& of) {
-  return of(place.point.x) * place.weight.x + of(place.point.y) * place.weight.y +
-         of(place.point.z) * place.weight.z;
+auto interpolated(const PatchLocation& at, const Of& of) {
+  return of(at.point.x) * at.weight.x + of(at.point.y) * at.weight.y + of(at.point.z) * at.weight.z;
 }
 
-/// The part of a point's displacement that the coarse functions do not have [m].
-Vec3d fine_part(const SfemBody& body, const std::vector<Vec3d>& coarse, int p) {
+/// Displacement of a point that the coarse functions do not represent [m].
+Vec3d fine_displacement(const SfemBody& body, const std::vector<Vec3d>& coarse, int p) {
   const sfem::PatchPoint& point = body.now.patch->points[std::size_t(p)];
   Vec3d u = body.now.x[std::size_t(p)] - point.x;
   for (int s = 0; s < point.supports; s++) {
@@ -134,19 +137,22 @@ Vec3d fine_part(const SfemBody& body, const std::vector<Vec3d>& coarse, int p) {
   return u;
 }
 
-/// The finer surface: carried by the coarse elements, and near the patch by what that adds.
+/// Finer surface: interpolated in the coarse elements, plus the fine displacement near the patch.
 void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
                    const std::vector<float>& pressure, BodySnapshot& surface) {
+  TURGOR_CHECK(coarse.size() == body.model.body.mesh.vertices.size() &&
+                   pressure.size() == body.now.patch->points.size(),
+               "every vertex has a displacement, and every point a pressure");
   const Embedding& embedding = body.seen->embedding;
   const std::size_t count = embedding.rest.size();
   surface.rest = embedding.rest;
   surface.triangles = body.seen->triangles;
-  surface.mesh_vertex.clear();  // the numbers are those of its file
+  surface.mesh_vertex.clear();  // vertex numbers are those of its file
   std::vector<Vec3> moved(count);
   move(embedding, coarse, moved);
   surface.displacement.resize(count);
   surface.pressure.assign(count, 0);
-  // The two surfaces differ by less than the coarse one's triangles are large; farther is another side.
+  // the surfaces differ by less than the coarse triangle size; farther points are on another side
   const double reach = longest_edge(*body.now.patch);
   std::vector<std::uint8_t> near_patch(body.model.body.mesh.vertices.size(), 0);
   for (const int v : body.now.patch->coarse) near_patch[std::size_t(v)] = 1;
@@ -155,41 +161,42 @@ void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec
     const int* corners = &embedding.nodes[v * std::size_t(embedding.corners)];
     if (std::any_of(corners, corners + embedding.corners,
                     [&](int node) { return near_patch[std::size_t(node)] != 0; })) {
-      const PatchPlace place = nearest_in_patch(*body.now.patch, Vec3d(embedding.rest[v]));
-      if (place.distance < reach) {
-        u += interpolated(place, [&](int p) { return fine_part(body, coarse, p); });
+      const PatchLocation nearest = nearest_in_patch(*body.now.patch, Vec3d(embedding.rest[v]));
+      if (nearest.distance < reach) {
+        u += interpolated(nearest, [&](int p) { return fine_displacement(body, coarse, p); });
         surface.pressure[v] =
-            float(interpolated(place, [&](int p) { return double(pressure[std::size_t(p)]); }));
+            float(interpolated(nearest, [&](int p) { return double(pressure[std::size_t(p)]); }));
       }
     }
     surface.displacement[v] = Vec3(u);
   });
 }
 
-/// Of the contacts, at every point of the patch [Pa].
+/// Contact pressure at every point of the patch [Pa].
 void find_pressure(const SfemBody& body, std::vector<double>& pressure) {
+  TURGOR_CHECK(pressure.size() == body.now.force.size(), "every point has a pressure");
   contact::PatchSurface surface;
   contact::measure_surface(*body.now.patch, surface);
   contact::contact_pressure(surface, body.now.force, pressure);
-  for (double& one : pressure) one *= body.now.stiffer;
+  for (double& one : pressure) one *= body.now.stiffness_scale;
 }
 
-/// Where its points lie now.
+/// Present positions.
 void show_patch(const SfemBody& body, TriMesh& patch) {
   patch.triangles = body.now.patch->triangles;
   patch.vertices.clear();
   for (const Vec3d x : body.now.x) patch.vertices.emplace_back(x);
 }
 
-/// Where they lie now. What is deeper than Green's functions are kept does not move. A part of few elements
-/// is shown round.
+/// Present positions of inclusions. Vertices below the kept Green's functions do not move. Regions of few
+/// elements are drawn smoothed.
 void show_inside(const SfemBody& body, const std::vector<Vec3d>& coarse, TriMesh& inside) {
   constexpr std::size_t kFew = 200;  // triangles
   inside.vertices.clear(), inside.triangles.clear();
-  for (const InnerPart& part : body.inside) {
+  for (const InnerRegion& region : body.inside) {
     TriMesh now;
-    now.triangles = part.triangles;
-    for (const int v : part.vertices)
+    now.triangles = region.triangles;
+    for (const int v : region.vertices)
       now.vertices.emplace_back(body.model.body.mesh.vertices[std::size_t(v)] + coarse[std::size_t(v)]);
     if (now.triangles.size() <= kFew) now = rounded(now);
     const int first = int(inside.vertices.size());
@@ -199,9 +206,10 @@ void show_inside(const SfemBody& body, const std::vector<Vec3d>& coarse, TriMesh
   inside.normals = vertex_normals(inside);
 }
 
-/// Of a kept node below the surface.
+/// Displacement of a kept node below the surface.
 Vec3d inner_displacement(const sfem::Model& model, int slot, const std::vector<int>& from,
                          const std::vector<Vec3d>& forces) {
+  TURGOR_CHECK(from.size() == forces.size(), "every loaded vertex has a force");
   Vec3d u;
   for (std::size_t f = 0; f < from.size(); f++) {
     if (model.free_node[std::size_t(from[f])] < 0) continue;
@@ -215,13 +223,13 @@ Vec3d inner_displacement(const sfem::Model& model, int slot, const std::vector<i
   return u;
 }
 
-/// The kept nodes below the surface that a picture shows: a finer surface hangs on all of them, and parts of
-/// another material have their own.
+/// Kept nodes below the surface that a snapshot needs: all of them for a finer surface, else those of
+/// inclusions.
 std::vector<int> shown_inner_slots(const SfemBody& body) {
   const sfem::Green& green = body.model.green;
   std::vector<std::uint8_t> snapshot(green.nodes.size(), body.seen ? 1 : 0);
-  for (const InnerPart& part : body.inside)
-    for (const int v : part.vertices)
+  for (const InnerRegion& region : body.inside)
+    for (const int v : region.vertices)
       if (const int slot = green.slot[std::size_t(v)]; slot >= 0) snapshot[std::size_t(slot)] = 1;
   std::vector<int> slots;
   for (std::size_t n = green.surface_count; n < snapshot.size(); n++)
@@ -233,6 +241,8 @@ std::vector<int> shown_inner_slots(const SfemBody& body) {
 
 std::vector<Vec3d> coarse_displacements(const Exec& exec, const SfemBody& body) {
   std::vector<Vec3d> displacement = displacements(exec, body, coarse_forces_now(body));
+  TURGOR_CHECK(body.free.before.size() <= displacement.size(),
+               "free motion is that of the vertices of the mesh");
   for (std::size_t v = 0; v < body.free.before.size(); v++) displacement[v] += body.free.before[v];
   return displacement;
 }
@@ -258,9 +268,10 @@ std::vector<Vec3d> displacements(const Exec& exec, const SfemBody& body,
 
 std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
   if (body.now.poses.empty()) return {};
-  // From viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ.
+  // viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ
   const double p = body.now.stiffening;
   const std::vector<double> f = sfem::coarse_forces(*body.now.patch, flat(body.now.force));
+  TURGOR_CHECK(f.size() == 3 * body.now.patch->coarse.size(), "three numbers a coarse vertex");
   std::map<int, Vec3d> forces;
   for (std::size_t c = 0; c < body.now.patch->coarse.size(); c++)
     forces[body.now.patch->coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
@@ -273,17 +284,22 @@ std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
 }
 
 void show(const Exec& exec, const SfemBody& body, BodySnapshot& out) {
+  TURGOR_ASSERT(body.now.patch != nullptr, "a snapshot of a touch has a patch");
+  // displacement of the whole body
   std::vector<Vec3d> coarse(body.model.body.mesh.vertices.size());
   if (!body.now.poses.empty() || body.press) coarse = coarse_displacements(exec, body);
+  // contact pressure at patch points
   std::vector<double> pressure(body.now.patch->points.size());
   if (!body.now.poses.empty()) find_pressure(body, pressure);
   const std::vector<float> shown_pressure(pressure.begin(), pressure.end());
+  // visible surface, or mesh surface joined with the patch
   if (body.seen)
     carry_surface(exec, body, coarse, shown_pressure, out);
   else
     join_surface(body, coarse, shown_pressure, out);
+  // patch and inner regions
   out.wall_begin = out.triangles.size();
-  place_vertices(out);
+  update_vertices(out);
   show_patch(body, out.patch);
   show_inside(body, coarse, out.inside);
 }

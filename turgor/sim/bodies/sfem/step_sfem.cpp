@@ -1,4 +1,4 @@
-// A frame of an sfem body: its ticks, and what is slower than them.
+// Frame of an sfem body: its ticks, then slower corrections.
 #include <span>
 
 #include <fmt/format.h>
@@ -9,14 +9,14 @@
 namespace turgor {
 
 Status begin_body(const Exec& exec, SfemBody& body, const SfemScene& scene, const World& world) {
-  const Status begun = begin_touch(exec, body, world.tools, {scene.viscosity, scene.viscous_time});
-  return begun ? begun : Error{fmt::format("{}.patch: {}", scene.place, begun.error().message)};
+  const Status status = begin_touch(exec, body, world.tools, {scene.viscosity, scene.viscous_time});
+  return status ? status : Error{fmt::format("{}.patch: {}", scene.source_location, status.error().message)};
 }
 
 void step_body(const Exec& exec, SfemBody& body, World& world, const FrameInput& input, FrameReport&) {
   if (body.haptic) return make_frame(exec, body, input.to, input.to - input.from, body.haptic->exchange);
   touch_body(exec, body, world.tools, input.from, input.to);
-  turn_body(exec, body);
+  correct_rotations(exec, body);
 }
 
 std::uint64_t state_hash(const SfemBody& body, std::uint64_t seed) {

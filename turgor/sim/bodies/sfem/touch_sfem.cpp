@@ -3,6 +3,8 @@
 #include <optional>
 #include <utility>
 
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
@@ -22,15 +24,20 @@ void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, To
 Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
                    const contact::Viscosity& viscosity) {
   if (body.tool_indices.empty()) return Done{};
+
+  // tools at their initial poses
   std::vector<contact::Tool> shapes;
   std::vector<contact::Pose> poses;
   const RestSurface surface{body.model.body.mesh.vertices, body.model.surface.triangles};
   for (const int t : body.tool_indices) {
+    TURGOR_CHECK(is_index(t, tools.size()), "a body is touched by tools of its world");
     const TouchingTool& tool = tools[std::size_t(t)];
     shapes.push_back(tool.tool);
     poses.push_back(command_at(tool, 0).pose);
-    body.centers.push_back(place_on_surface(surface, poses.back().position, false, body.follow.radius).point);
+    body.centers.push_back(sample_surface(surface, poses.back().position, false, body.follow.radius).point);
   }
+
+  // first patch and touch state
   Result<std::shared_ptr<const sfem::Patch>> patch = first_patch(exec, body);
   if (!patch) return patch.error();
   body.touch = contact::make_sfem_touch(std::move(*patch), std::move(shapes), poses,
@@ -43,24 +50,34 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
 
 void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& tools, double from, double to) {
   if (body.tool_indices.empty()) return;
+  TURGOR_CHECK(to >= from, "ticks do not run backwards");
   std::vector<contact::ToolCommand> commands(body.tool_indices.size());
   std::vector<contact::ToolReading> readings(commands.size());
   const auto tool_of = [&](std::size_t t) -> TouchingTool& {
     return tools[std::size_t(body.tool_indices[t])];
   };
+
+  // ticks of this frame
   const long first = std::lround(std::floor(from / kTick + 1e-9)) + 1;
   const long last = std::lround(std::floor(to / kTick + 1e-9));
-  const long patch_ticks = std::min(kPatchTicks, last - first);  // a patch is wanted and taken within a frame
+  const long patch_ticks =
+      std::min(kPatchTicks, last - first);  // a patch is requested and used within one frame
   std::optional<NextPatch> next;
-  contact::take_frame(body.touch, body.free.now, last - first + 1);
+  contact::take_free_motion(body.touch, body.free.now, last - first + 1);
+
+  // commands
   for (long tick = first; tick <= last; tick++) {
     const double time = double(tick) * kTick;
     for (std::size_t t = 0; t < commands.size(); t++) commands[t] = next_command(tool_of(t), time);
+
+    // patch
     bool new_patch = false;
     if (!next && tick + patch_ticks <= last) next = follow_tools(exec, body, commands, tick + patch_ticks);
     if (next && next->due == tick) new_patch = take_next_patch(body, *next, time), next.reset();
+
+    // tick and log
     const Timer timer;
-    contact::tick(body.touch, commands, kTick, readings);
+    contact::tick_sfem_touch(body.touch, commands, kTick, readings);
     const double seconds = timer.seconds();
     for (std::size_t t = 0; t < commands.size(); t++) {
       ForceSample sample = sample_of(time, commands[t], readings[t]);
@@ -68,26 +85,32 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
       log_tick(body, t, sample, tool_of(t));
     }
   }
+
+  // results for the frame
   contact::publish(body.touch, body.now);
-  take_touched(body);
+  read_touch_snapshot(body);
 }
 
-void take_touched(SfemBody& body) {
-  if (const auto taken = std::size_t(body.now.taken); taken > 0 && taken <= body.rebuilds.size())
+void read_touch_snapshot(SfemBody& body) {
+  TURGOR_CHECK(body.now.patch_number >= 0, "patches are counted from 1");
+  if (const auto taken = std::size_t(body.now.patch_number); taken > 0 && taken <= body.rebuilds.size())
     body.rebuilds[taken - 1].force_jump = body.now.force_jump;
 }
 
 void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
                 contact::SfemExchange& exchange) {
   if (body.tool_indices.empty()) return;
+
+  TURGOR_CHECK(is_step_length(frame_dt), "a frame has a positive length");
+  // results of the ticks
   body.now = exchange.touched.read();
-  take_touched(body);
-  turn_body(exec, body);
+  read_touch_snapshot(body);
+  correct_rotations(exec, body);
   contact::FreeMotion& motion = exchange.motion.writing();
   motion.to = body.free.now;
   motion.ticks = std::max(1l, std::lround(frame_dt / kTick));
-  motion.number = ++body.free.told;
-  motion.stiffer = body.stiffer, motion.friction = body.friction;
+  motion.number = ++body.free.number;
+  motion.stiffness_scale = body.stiffness_scale, motion.friction = body.friction;
   exchange.motion.publish();
   offer_patch(exec, body, time, exchange.patches);
 }

@@ -1,0 +1,403 @@
+#include "turgor/models/lattice/cutting/cut_topology.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/core/sort_unique.hpp"
+#include "turgor/geometry/kuhn_raster.hpp"
+#include "turgor/models/lattice/cutting/crack_tips.hpp"
+#include "turgor/models/lattice/cutting/cut_fraction.hpp"
+#include "turgor/models/lattice/mechanics/cells.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+bool has_cut_elements(const Model& model) {
+  return model.params.tissue.law == TissueLaw::kSolid && model.params.solver.method == Method::kVbd;
+}
+
+/// True if cut elements replace a cell: it was whole, is now cut or has a virtual node, and no node is
+/// removed.
+bool is_cut_cell(const Model& model, const Cuts& cuts, const Fragments& fragments, const CutCell& cell) {
+  if (!(model.cell_young[std::size_t(cell.slot)] > 0)) return false;
+  // several fragments, a cut edge, or a virtual node, and no removed node
+  bool other = cell.fragment_count > 1 || has_cut_edge(cuts, model.lattice, cell.slot), removed = false;
+  const int parity = slot_node(model.lattice, cell.slot).x & 1;
+  for (int n = 0; n < kCellCorners; n++) {
+    const int slot = cell.slot + slot_offset(model.lattice, cell_corner(n), parity);
+    removed |= cuts.removed[std::size_t(slot)] != 0;
+    for (int p = cell.first_fragment; p < cell.first_fragment + cell.fragment_count; p++)
+      other |= fragments.all[std::size_t(p)].corner[std::size_t(n)] != slot;
+  }
+  return other && !removed;
+}
+
+/// True if a fragment can be an element: each corner is a tissue node, or a virtual node of a tissue node
+/// with a fit. Other fragments are too small for an element.
+bool can_be_element(const Model& model, const Cuts& cuts, const Fragments& fragments,
+                    const Fragment& fragment) {
+  const int slots = slot_count(model.lattice);
+  return std::all_of(fragment.corner.begin(), fragment.corner.end(), [&](int corner) {
+    if (corner < slots) return is_solid(model, cuts, corner);
+    const VirtualNode& virtual_node = fragments.virtual_nodes[std::size_t(corner - slots)];
+    return is_solid(model, cuts, virtual_node.slot) && virtual_node.term_count > 0;
+  });
+}
+
+/// Calls visit(cell, fragment) for all fragments of cut cells that can be elements.
+template <class Visit>
+void for_each_element_fragment(const Model& model, const Cuts& cuts, const Fragments& fragments,
+                               const Visit& visit) {
+  for (const CutCell& cell : fragments.cells) {
+    if (!is_cut_cell(model, cuts, fragments, cell)) continue;
+    for (int p = 0; p < cell.fragment_count; p++)
+      if (can_be_element(model, cuts, fragments, fragments.all[std::size_t(cell.first_fragment + p)]))
+        visit(cell, p);
+  }
+}
+
+/// Total length of each fragment of a cell along one axis, and the number of crossings between fragments. The
+/// unit is a fine edge.
+struct Lengths {
+  std::vector<double> of;
+  double crossings = 0;
+};
+Lengths lengths_along(const Fragments& fragments, const Cuts& cuts, const CutCell& cell, int axis) {
+  // fine edges along the axis; lines on a face of the cell count half, lines on its edges a quarter
+  const FineLattice& f = fragments.fine;
+  const Int3 first = first_of_cell(f, slot_node(f.cells, cell.slot)),
+             direction = kFamilies[std::size_t(axis)];
+  Lengths found{.of = std::vector<double>(std::size_t(cell.fragment_count))};
+  const auto label = [&](Int3 p) {
+    return fragments.label[cell.first_sub_index + std::size_t(sub_index(f, p))];
+  };
+  for_sub_nodes(f, [&](Int3 p) {
+    if (!in_cell(f, p + direction)) return;
+    double weight = 1;
+    for (int side = 0; side < 3; side++)
+      if (side != axis && (p[side] == 0 || p[side] == f.subdivisions[side])) weight *= 0.5;
+    // each fine edge: divided at its cut
+    const int a = label(p), b = label(p + direction);
+    double fraction = 0.5;
+    if (a != b) {
+      found.crossings += weight;
+      if (const Crossing cut = crossing(fragments, cuts, first + p, first + p + direction); cut.edge)
+        fraction = double(cut.fraction);
+    }
+    TURGOR_CHECK(a < cell.fragment_count && b < cell.fragment_count,
+                 "labels of fragments lie below their count");
+    if (a >= 0) found.of[std::size_t(a)] += weight * fraction;
+    if (b >= 0) found.of[std::size_t(b)] += weight * (1 - fraction);
+  });
+  return found;
+}
+
+/// Fraction of tissue that still bridges a crack tip, (1 − q)⁴/(1 + 10 q), from the cut fraction q. It is
+/// less than the uncut fraction 1 − q, since tissue is bent and stretched most at the end of a blade. The
+/// constants were chosen for gapes closest to those of finite elements (docs/models/cutting.md).
+double bridge(double cut_samples) {
+  TURGOR_CHECK(cut_samples >= 0 && cut_samples <= 1, "a cut fraction is from 0 to 1");
+  const double left = (1 - cut_samples) * (1 - cut_samples);
+  return left * left / (1 + 10 * cut_samples);
+}
+
+/// Volume fractions of the fragments of a cut cell. They are measured along the axis with most crossings
+/// between fragments.
+struct Shares {
+  std::vector<Real> of;       // by fragment: fraction of the cell's volume
+  std::vector<Real> parted;   // by fragment: fraction of its volume in its own element
+  std::vector<Real> bridges;  // by crack tip: fraction of both fragments' volume in the bridge element
+};
+Shares shares_of(const Fragments& fragments, const Cuts& cuts, const CutCell& cell) {
+  // axis with most crossings
+  Lengths best = lengths_along(fragments, cuts, cell, 0);
+  for (int axis = 1; axis < 3; axis++)
+    if (Lengths found = lengths_along(fragments, cuts, cell, axis); found.crossings > best.crossings)
+      best = std::move(found);
+  // fractions of the fragments
+  constexpr double kLeast = 1e-3;
+  double sum = 0;
+  for (double& length : best.of) length = std::max(length, kLeast), sum += length;
+  Shares shares;
+  for (const double length : best.of) shares.of.push_back(Real(length / sum));
+  // bridges at crack tips
+  shares.parted.assign(best.of.size(), 1);
+  for (int t = cell.first_tip; t < cell.first_tip + cell.tip_count; t++) {
+    const CrackTip& tip = fragments.tips[std::size_t(t)];
+    const double cut_samples = cut_fraction(cuts, fragments, cell, tip);
+    shares.bridges.push_back(Real(std::min(1 - kLeast, bridge(cut_samples))));
+    for (const int fragment : {tip.left, tip.right})
+      shares.parted[std::size_t(fragment)] = 1 - shares.bridges.back();
+  }
+  TURGOR_CHECK(sums_to_one(shares.of, 1e-4), "the shares of a cell sum to one");
+  return shares;
+}
+/// Volume fractions by cell, computed at the first request.
+struct VolumeFractionCache {
+  const Fragments& fragments;
+  const Cuts& cuts;
+  std::vector<std::optional<Shares>> known;
+
+  VolumeFractionCache(const Fragments& p, const Cuts& c) : fragments(p), cuts(c), known(p.cells.size()) {}
+  const Shares& operator()(const CutCell& cell) {
+    std::optional<Shares>& found = known[std::size_t(&cell - fragments.cells.data())];
+    if (!found) found = shares_of(fragments, cuts, cell);
+    return *found;
+  }
+};
+
+/// Corners of the bridge element at a crack tip. Each corner is taken from the fragment on its side of the
+/// plane. If one of the fragments cannot be an element, the nodes of the cell are used.
+std::array<int, 8> bridge_corners(const Model& model, const Cuts& cuts, const Fragments& fragments,
+                                  const CutCell& cell, const CrackTip& tip) {
+  const auto fragment_of = [&](int n) -> const Fragment& {
+    return fragments.all[std::size_t(cell.first_fragment + n)];
+  };
+  if (!can_be_element(model, cuts, fragments, fragment_of(tip.left)) ||
+      !can_be_element(model, cuts, fragments, fragment_of(tip.right)))
+    return corners_of(model, fragments, cell.slot, -1);
+  const Vec3d low(in_body(fragments.fine.cells, slot_node(fragments.fine.cells, cell.slot)));
+  std::array<int, 8> corners;
+  for (int n = 0; n < kCellCorners; n++)
+    corners[std::size_t(n)] =
+        fragment_of(tip.plane.signed_distance(low + Vec3d(cell_corner(n))) >= 0 ? tip.right : tip.left)
+            .corner[std::size_t(n)];
+  return corners;
+}
+
+void add_cells(const Model& model, State& state, const Fragments& fragments,
+               VolumeFractionCache& cached_shares) {
+  // once per cell: mark it as cut, and add bridges
+  int last = -1;
+  for_each_element_fragment(model, state.cuts, fragments, [&](const CutCell& cell, int fragment) {
+    const Real young = model.cell_young[std::size_t(cell.slot)];
+    const Shares& shares = cached_shares(cell);
+    if (cell.slot != last) {
+      last = cell.slot;
+      state.cuts.cut[std::size_t(cell.slot)] |= kCutCell;
+      mark_rows(model, state.cuts, cell.slot);
+      for (int t = 0; t < cell.tip_count; t++) {
+        const CrackTip& tip = fragments.tips[std::size_t(cell.first_tip + t)];
+        const Real both = shares.of[std::size_t(tip.left)] + shares.of[std::size_t(tip.right)];
+        state.cut_elements.cells.push_back({bridge_corners(model, state.cuts, fragments, cell, tip),
+                                            young * shares.bridges[std::size_t(t)] * both});
+      }
+    }
+    // element of the fragment
+    const auto p = std::size_t(fragment);
+    state.cut_elements.cells.push_back({fragments.all[std::size_t(cell.first_fragment + fragment)].corner,
+                                        young * shares.parted[p] * shares.of[p]});
+  });
+}
+
+/// Number of sample points of a skin triangle in each fragment of its cell.
+std::vector<int> count_points(const Fragments& fragments, const Cuts& cuts, const CutCell& cell,
+                              const Vec3 (&corner)[3], int subdivisions) {
+  std::vector<int> count(std::size_t(cell.fragment_count));
+  const auto add = [&](Real a, Real b) {
+    const Vec3 at = corner[0] + (corner[1] - corner[0]) * a + (corner[2] - corner[0]) * b;
+    const int fragment = fragment_at(fragments, cuts, cell, at);
+    if (fragment >= 0)
+      count[fragment < cell.fragment_count ? std::size_t(fragment)
+                                           : 0]++;  // sample points in ghosts count for the first fragment
+  };
+  const Real size = Real(1) / Real(subdivisions);
+  for (int i = 0; i < subdivisions; i++)
+    for (int j = 0; i + j < subdivisions; j++) {
+      add((Real(i) + Real(1) / 3) * size, (Real(j) + Real(1) / 3) * size);
+      if (i + j + 1 < subdivisions) add((Real(i) + Real(2) / 3) * size, (Real(j) + Real(2) / 3) * size);
+    }
+  return count;
+}
+
+void add_skin_elements(const Model& model, State& state, const Fragments& fragments,
+                       VolumeFractionCache& cached_shares, int t) {
+  constexpr int kSubdivisions = 8;
+  // cell of the triangle
+  const Lattice& l = model.lattice;
+  Int3 node[3], low = l.size - Int3{2, 2, 2};
+  for (int c = 0; c < 3; c++) {
+    node[c] = slot_node(l, model.skin.triangles[std::size_t(t)].vertex[c]);
+    low = min(low, node[c]);
+  }
+  const CutCell* cell = find_cell(fragments, node_slot(l, low));
+  if (cell == nullptr) return;
+  // sample points of the triangle in each fragment
+  const Vec3 local[3] = {Vec3(node[0] - low), Vec3(node[1] - low), Vec3(node[2] - low)};
+  const std::vector<int> count = count_points(fragments, state.cuts, *cell, local, kSubdivisions);
+  const Shares& shares = cached_shares(*cell);
+  const auto add = [&](const std::array<int, 8>& corners, Real share) {
+    CutSkinElement element{.triangle = t, .corner = {}, .share = share};
+    bool has_all_unknowns = element.share > 0;
+    for (int c = 0; c < 3; c++) {
+      const Int3 at = node[c] - low;
+      element.corner[c] = corners[std::size_t(corner_of(at))];
+      has_all_unknowns = has_all_unknowns && has_unknowns(model, state.cuts, fragments, element.corner[c]);
+    }
+    if (has_all_unknowns) state.cut_elements.skin.push_back(element);
+  };
+  const auto share = [&](int fragment) {
+    return Real(count[std::size_t(fragment)]) / (kSubdivisions * kSubdivisions);
+  };
+  // bridges at crack tips
+  for (int b = 0; b < cell->tip_count; b++) {
+    const CrackTip& tip = fragments.tips[std::size_t(cell->first_tip + b)];
+    add(bridge_corners(model, state.cuts, fragments, *cell, tip),
+        shares.bridges[std::size_t(b)] * (share(tip.left) + share(tip.right)));
+  }
+  // fragments
+  for (int p = 0; p < cell->fragment_count; p++)
+    add(fragments.all[std::size_t(cell->first_fragment + p)].corner,
+        shares.parted[std::size_t(p)] * share(p));
+}
+
+/// Moves prestress from skin nodes to their virtual nodes, in proportion to skin area.
+void share_prestress(const Model& model, CutElements& elements) {
+  const Skin& skin = model.skin;
+  const int slots = slot_count(model.lattice);
+  TURGOR_CHECK(is_ascending(elements.nodes, &ElementNode::slot), "element nodes ascend by slot");
+  for (ElementNode& virtual_node : elements.virtual_nodes) {
+    // skin at the node
+    const auto at = std::size_t(std::lower_bound(skin.nodes.begin(), skin.nodes.end(), virtual_node.slot) -
+                                skin.nodes.begin());
+    if (at == skin.nodes.size() || skin.nodes[at] != virtual_node.slot) continue;
+    const auto row = std::size_t(virtual_node.slot / model.lattice.half);
+    const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+    // skin area of the node in the CT, and of its virtual node
+    double whole = 0, own = 0;
+    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++)
+      whole += double(skin.corners[std::size_t(skin.lanes_begin[row] + (c - first) / kSkinLanes)]
+                          .area[(c - first) % kSkinLanes]);
+    for (int u = virtual_node.first; u < virtual_node.first + virtual_node.count; u++)
+      if (const int s = -1 - elements.references[std::size_t(u)].element; s >= 0)
+        own += double(elements.skin[std::size_t(s)].share) *
+               skin.triangles[std::size_t(elements.skin[std::size_t(s)].triangle)].area;
+    // prestress of the virtual node, taken from the node
+    TURGOR_CHECK(whole > 0, "skin at a node has an area in the CT");
+    virtual_node.prestress_force = skin.prestress_force[at] * Real(own / whole);
+    const auto node = std::lower_bound(elements.nodes.begin(), elements.nodes.end(), virtual_node.slot,
+                                       [](const ElementNode& n, int slot) { return n.slot < slot; });
+    if (node != elements.nodes.end() && node->corner == virtual_node.slot && virtual_node.slot < slots)
+      node->prestress_force -= virtual_node.prestress_force;
+  }
+}
+
+/// Collects the nodes and virtual nodes of all elements, and the references from each node to its elements.
+void add_nodes(const Model& model, const Fragments& fragments, CutElements& elements) {
+  const int slots = slot_count(model.lattice);
+  // references, sorted by node
+  std::vector<std::pair<int, NodeElementReference>> references;
+  for (std::size_t p = 0; p < elements.cells.size(); p++)
+    for (int n = 0; n < kCellCorners; n++)
+      references.push_back({elements.cells[p].corner[std::size_t(n)], {int(p), n}});
+  for (std::size_t s = 0; s < elements.skin.size(); s++)
+    for (int n = 0; n < 3; n++) references.push_back({elements.skin[s].corner[n], {-1 - int(s), n}});
+  std::stable_sort(references.begin(), references.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  // nodes
+  for (const auto& [corner, reference] : references) {
+    auto& list = corner < slots ? elements.nodes : elements.virtual_nodes;
+    if (list.empty() || list.back().corner != corner)
+      list.push_back(
+          {.corner = corner,
+           .slot = corner < slots ? corner : fragments.virtual_nodes[std::size_t(corner - slots)].slot,
+           .first = int(elements.references.size())});
+    list.back().count++;
+    elements.references.push_back(reference);
+  }
+  // first virtual node of each layer
+  TURGOR_CHECK(is_ascending(elements.virtual_nodes, &ElementNode::slot), "virtual nodes ascend by slot");
+  for (int k = 0; k <= model.lattice.size.z; k++)
+    elements.layer_begin.push_back(
+        int(std::lower_bound(elements.virtual_nodes.begin(), elements.virtual_nodes.end(),
+                             row_slot(model.lattice, -1, k),
+                             [](const ElementNode& n, int slot) { return n.slot < slot; }) -
+            elements.virtual_nodes.begin()));
+}
+
+/// Sets the displacements of virtual nodes after a cut. Those from before the cut keep theirs; they are
+/// matched by slot and lowest fine node. New ones are evaluated from their fit.
+void update_virtual_nodes(const Model& model, State& state, const Fragments& fragments,
+                          const DownloadNodes& download) {
+  // virtual nodes from before the cut
+  const std::vector<VirtualNodeDisplacement> before = std::exchange(state.motion.virtual_u, {});
+  std::vector<VirtualNodeDisplacement> now(fragments.virtual_nodes.size());
+  const auto key = [](const VirtualNode& c) { return std::pair(c.slot, c.lowest_node); };
+  const std::vector<std::pair<int, std::uint64_t>> known =
+      std::exchange(state.cut_elements.virtual_node_keys, {});
+  TURGOR_CHECK(is_ascending(known, [](const std::pair<int, std::uint64_t>& k) { return k.first; }),
+               "keys of virtual nodes ascend by slot");
+  const auto corner = [&](std::size_t virtual_node) { return slot_count(model.lattice) + int(virtual_node); };
+  std::vector<std::size_t> fresh;
+  for (std::size_t c = 0; c < fragments.virtual_nodes.size(); c++) {
+    const auto at = std::find(std::lower_bound(known.begin(), known.end(),
+                                               std::pair(fragments.virtual_nodes[c].slot, std::uint64_t(0))),
+                              known.end(), key(fragments.virtual_nodes[c]));
+    state.cut_elements.virtual_node_keys.push_back(key(fragments.virtual_nodes[c]));
+    if (at != known.end() && before.size() == known.size())
+      now[c] = before[std::size_t(at - known.begin())];
+    else
+      fresh.push_back(c);
+  }
+  // download the nodes that determine new virtual nodes
+  if (download && !fresh.empty()) {
+    std::vector<int> support;
+    for (const std::size_t c : fresh)
+      add_support_nodes(model, state.cuts, state.motion.virtual_u, fragments, corner(c), support);
+    sort_unique(support);
+    download(support);
+  }
+  // displacements of new virtual nodes
+  for (const std::size_t c : fresh) {
+    const Vec3 u = corner_displacement(model, state, fragments, corner(c));
+    now[c] = {u.x, u.y, u.z};
+  }
+  state.motion.virtual_u = state.motion.virtual_u_before = std::move(now);
+}
+
+}  // namespace
+
+void mark_rows(const Model& model, Cuts& cuts, int slot) {
+  TURGOR_CHECK(is_index(slot, model.tissue.size()), "an edge starts at a slot of the lattice");
+  const int stride = row_stride(model.lattice), layer = layer_stride(model.lattice);
+  for (int dk = -1; dk <= 1; dk++)
+    for (int dj = -1; dj <= 1; dj++)
+      cuts.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
+}
+
+void mark_virtual_nodes_with_unknowns(const Model& model, const Cuts& cuts, Fragments& fragments) {
+  if (!has_cut_elements(model)) return;
+  const int slots = slot_count(model.lattice);
+  for_each_element_fragment(model, cuts, fragments, [&](const CutCell& cell, int fragment) {
+    for (const int corner : fragments.all[std::size_t(cell.first_fragment + fragment)].corner)
+      if (corner >= slots) fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns = true;
+  });
+}
+
+void build_cut_elements(const Model& model, State& state, const DownloadNodes& download) {
+  if (!has_cut_elements(model) || state.cuts.edges.empty()) return;
+  // fragments and their virtual nodes
+  const Fragments fragments = make_fragments(model, state.cuts);
+  TURGOR_CHECK(fragments.version == cut_version(state.cuts), "the fragments are those of the current cuts");
+  update_virtual_nodes(model, state, fragments, download);
+  // rebuild cut cells and skin elements
+  CutElements& elements = state.cut_elements;
+  elements = {.virtual_node_keys = std::move(elements.virtual_node_keys)};
+  VolumeFractionCache cached_shares(fragments, state.cuts);
+  add_cells(model, state, fragments, cached_shares);
+  for (std::size_t t = 0; t < state.cuts.skin_cut.size(); t++)
+    if (state.cuts.skin_cut[t]) add_skin_elements(model, state, fragments, cached_shares, int(t));
+  // virtual nodes and their layers
+  add_nodes(model, fragments, elements);
+  TURGOR_CHECK(is_csr(elements.layer_begin, elements.virtual_nodes.size()),
+               "the layers cover all virtual nodes");
+  // prestress of the cut skin
+  if (!model.skin.prestress_force.empty()) share_prestress(model, elements);
+}
+
+}  // namespace turgor::lattice

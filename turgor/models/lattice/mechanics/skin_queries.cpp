@@ -1,0 +1,47 @@
+#include "turgor/models/lattice/mechanics/skin_queries.hpp"
+
+#include <algorithm>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor::lattice {
+
+Int3 cell_of(const Lattice& l, Int3 triangle) {
+  Int3 low = l.size - Int3{2, 2, 2};
+  for (int c = 0; c < 3; c++) low = min(low, slot_node(l, triangle[c]));
+  return low;
+}
+
+std::span<const SkinTriangle> skin_of_cells(const Model& model, Layers cells) {
+  const Skin& skin = model.skin;
+  if (skin.triangles.empty()) return {};
+  const auto layers = std::size_t(model.lattice.size.z - 1), groups = (skin.layer_begin.size() - 1) / layers;
+  TURGOR_CHECK(groups > 0 && (skin.layer_begin.size() - 1) % layers == 0,
+               "every layer has the same number of groups");
+  const auto first_of = [&](int layer) {
+    return std::size_t(
+        skin.batch_begin[std::size_t(skin.layer_begin[std::min(std::size_t(layer), layers) * groups])]);
+  };
+  const std::size_t first = first_of(cells.begin);
+  return std::span(skin.triangles).subspan(first, first_of(cells.end) - first);
+}
+
+Edge edge_between(const Lattice& lattice, int a, int b) {
+  const Int3 from = slot_node(lattice, a), to = slot_node(lattice, b), offset = to - from;
+  if (const int family = family_of(offset); family >= 0) return {a, family};
+  return {b, family_of(-offset)};
+}
+
+void cut_skin(const Model& model, Cuts& cuts) {
+  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
+    const Int3 v = model.skin.triangles[t].vertex;
+    if (!cuts.row_cut[std::size_t(v.x / row_stride(model.lattice))]) continue;
+    for (int c = 0; c < 3; c++) {
+      const Edge edge = edge_between(model.lattice, v[c], v[(c + 1) % 3]);
+      if (cuts.cut[std::size_t(edge.slot)] >> edge.family & 1) cuts.skin_cut[t] = 1;
+      TURGOR_CHECK(edge.family >= 0, "the corners of a skin triangle are neighbors");
+    }
+  }
+}
+
+}  // namespace turgor::lattice

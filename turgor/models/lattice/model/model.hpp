@@ -1,0 +1,104 @@
+// Constant data of a lattice body: masses, moduli, runs of free nodes and skin triangles. Data that changes
+// in a step is in state.hpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "turgor/core/aligned.hpp"
+#include "turgor/geometry/lattice.hpp"
+#include "turgor/geometry/volume.hpp"
+#include "turgor/models/lattice/model/params.hpp"
+#include "turgor/models/lattice/model/runs.hpp"
+
+namespace turgor::lattice {
+
+/// Material of a node. Outside is air around the body; gas is air inside it (lungs, bowel).
+enum class Tissue : std::uint8_t { kOutside, kGas, kFat, kMuscle, kBone };
+inline bool is_body(Tissue t) { return t != Tissue::kOutside; }
+
+/// Skin triangle. F d = Σ along[q] x[vertex[q]] is the image of the unit vector d along Langer's lines;
+/// `across` holds the coefficients of the perpendicular direction.
+struct SkinTriangle {
+  Int3 vertex;        // slots, counter-clockwise seen from outside
+  Vec3 edge1, edge2;  // at rest, from the first corner to the others [m]
+  Real area;          // in the CT [m²]
+  Real along[3];      // [1/m]
+  Real across[3];     // [1/m]
+  Real stiffness;     // PBD: from the density of the nodes, in [0, 1]
+};
+
+/// Triangles per batch, one SIMD lane each. Lanes after the last triangle repeat the first one.
+constexpr int kSkinLanes = 16;
+
+/// PBD: batch of triangles without a common node.
+struct SkinBatch {
+  int vertex[3][kSkinLanes];    // slots
+  Real edge[2][3][kSkinLanes];  // SkinTriangle::edge1, edge2 by axis [m]
+  Real area[kSkinLanes];        // [m²]
+  Real stiffness[kSkinLanes];   // in [0, 1]
+};
+
+/// VBD: corners of triangles, each relative to its own node.
+struct SkinCorners {
+  int triangle[kSkinLanes];
+  int vertex[3][kSkinLanes];    // slots, the node itself first
+  Real edge[2][3][kSkinLanes];  // from that node to the others, by axis [m]
+  Real along[3][kSkinLanes],
+      across[3][kSkinLanes];  // SkinTriangle::along and across, in the order of `vertex` [1/m]
+  Real area[kSkinLanes];      // [m²]
+};
+
+/// All skin triangles, sorted by cell layer. Each layer is split into batches whose triangles share no node.
+/// Batch b holds triangles [batch_begin[b], batch_begin[b + 1]). Layer k holds batches [layer_begin[k],
+/// layer_begin[k + 1]). PBD with colors splits each layer into four groups by the parities of i and j of the
+/// cells: group 4 k + p with p = 0 to 3.
+struct Skin {
+  std::vector<SkinTriangle> triangles;
+  std::vector<Vec3> lines;                    // by triangle, lattice frame; empty: SkinParams::direction
+  std::vector<int> batch_begin, layer_begin;  // empty without skin
+  std::vector<SkinBatch> batches;             // PBD
+  // Corners of triangles by node; nodes are in slot order. row_begin and lanes_begin have one entry per half
+  // row. Corner c of a half row whose first corner is b uses lane (c − b) % kSkinLanes of corners[lanes_begin
+  // + (c − b) / kSkinLanes].
+  std::vector<int> nodes;  // slots
+  std::vector<Vec3>
+      prestress_force;  // VBD: skin force at each node in the CT, balanced by prestress of the tissue [N]
+  std::vector<int> corner_begin;     // nodes.size() + 1
+  std::vector<int> row_begin;        // 2 · rows + 1, indices into nodes
+  std::vector<SkinCorners> corners;  // VBD
+  std::vector<int> lanes_begin;      // VBD: 2 · rows + 1
+};
+
+/// Elements around a group of slots: none, whole cells only, or springs as well.
+enum class IncidentElements : std::uint8_t { kNothing, kCells, kSprings };
+
+/// Layers [begin, end) of nodes, or of the cells above these nodes.
+struct Layers {
+  int begin = 0, end = 0;
+};
+
+/// Constant data of a body.
+struct Model {
+  Params params;
+  Grid grid;                            // of the nodes, patient frame
+  Lattice lattice;                      // storage of the nodes
+  Layers owned;                         // layers of this process; all without MPI (halo.hpp)
+  aligned_vector<Real> inverse_mass;    // by slot; 0 = fixed or no node [1/kg]
+  aligned_vector<Real> root_stiffness;  // by slot; an edge has the product of both ends [√Pa; PBD: 1]
+  aligned_vector<Tissue> tissue;        // by slot
+  aligned_vector<std::int16_t> hu;      // by slot, mean of the voxel block [HU]
+  std::array<Real, kFamilyCount> rest_length{};   // [m]
+  std::array<Real, kFamilyCount> spring_scale{};  // spring stiffness = scale · root · root [m]
+  Real rest_volume = 0;                           // of a tetrahedron [m³]
+  Real volume_scale = 0;                          // volume stiffness = scale · mean root² [1]
+  aligned_vector<Real> cell_young;  // solid: by slot of a cell's lowest node; 0 = not a whole cell [Pa]
+  std::vector<IncidentElements> incident_elements;  // solid: by group of slots, uncut
+  Runs free_runs;                                   // slots of free nodes
+  Runs constraint_runs;  // PBD: slots of nodes whose edges or tetrahedra contain a free node
+  Skin skin;
+  int body_nodes = 0, free_nodes = 0;
+};
+
+}  // namespace turgor::lattice

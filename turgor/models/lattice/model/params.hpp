@@ -1,0 +1,62 @@
+// Parameters of the lattice model: tissue law, skin law and solver. docs/scene.md describes the same values
+// for scene files. The parameters do not depend on a body.
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "turgor/core/vec.hpp"
+
+namespace turgor::lattice {
+
+enum class Method : std::uint8_t { kPbd, kVbd };
+/// Order of a sweep: slabs of layers, or colors (colors.hpp).
+enum class Ordering : std::uint8_t { kSlabs, kColors };
+enum class SkinLaw : std::uint8_t { kArea, kFiber };
+/// Springs along the edges as in the paper, or isotropic solid cells (solid.hpp).
+enum class TissueLaw : std::uint8_t { kSprings, kSolid };
+struct SkinParams {
+  bool enabled = true;
+  SkinLaw law = SkinLaw::kFiber;
+  double tension_along = 45;   // tension along Langer's lines; the area law uses the mean of both [N/m]
+  double tension_across = 45;  // tension across the lines [N/m]
+  double stiffness = 300;      // membrane stiffness in both directions [N/m]
+  double shear = 100;          // fiber law only [N/m]
+  double amplification = 2;    // stiffening with stretch, β of the paper [1]
+  Vec3d direction{1, 0, 0};    // Langer's lines, patient frame; may leave the skin surface
+
+  friend bool operator==(const SkinParams&, const SkinParams&) = default;
+};
+
+struct TissueParams {
+  TissueLaw law = TissueLaw::kSprings;
+  double gas = 1e3, fat = 5e3, muscle = 2e4, bone = 1e7;  // Young's modulus [Pa]
+  double air_max = -449;                                  // air below this value [HU]
+  double fat_max = -30;                                   // fat below this value [HU]
+  double bone_min = 200;                                  // bone above this value [HU]
+  double volume = 0;      // springs: bulk modulus of the volume energy over Young's modulus [1]
+  double poisson = 0.45;  // solid: Poisson's ratio, 0 to 0.49 [1]
+  std::map<int, double> young_of_label;  // Young's modulus by label of a segmentation [Pa]
+};
+
+struct SolverParams {
+  Method method = Method::kVbd;
+  Ordering ordering = Ordering::kSlabs;
+  int sweeps = 5;
+  double damping = 1.2;      // velocities decay by exp(-damping·t) [1/s]
+  double pbd_stiffness = 1;  // PBD: factor of the density-based stiffness, in [0, 1] [1]
+  bool pbd_volume = false;   // PBD: also project the volumes of tetrahedra
+  bool coarse = true;        // VBD with solid tissue: coarse correction
+  double sleep_speed = 0;    // VBD: slower rows sleep; 0 disables sleep [m/s]
+};
+
+struct Params {
+  Int3 block{4, 4, 4};  // voxels per cell of the lattice
+  bool fix_bone = true;
+  bool fix_ends = false;  // fixes the end layers of the scan (head and feet)
+  TissueParams tissue;
+  SkinParams skin;
+  SolverParams solver;
+};
+
+}  // namespace turgor::lattice

@@ -1,0 +1,137 @@
+#include "turgor/pictures/picture_items.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turgor/sim/tools/tool_mesh.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr Rgb kFlesh{158, 68, 56}, kSkin{224, 172, 145}, kWall{166, 58, 50}, kCloth{92, 134, 176},
+    kObstacle{188, 180, 168}, kTool{176, 190, 204}, kArrow{250, 204, 70}, kInside{236, 214, 150};
+
+std::string newtons(double force) {
+  return force < 0.1 ? fmt::format("{:.0f} mN", force * 1e3) : fmt::format("{:.2f} N", force);
+}
+
+/// Arrow from the end of the tool in the direction of the force on it.
+void add_arrow(const ToolSnapshot& tool, const TriMesh& mesh, ArrowScale arrows, Vec3d eye,
+               PictureItems& items) {
+  const double force = norm(tool.force);
+  if (!(force > 1e-3 * arrows.force)) return;
+  const Vec3d direction = tool.force / force;
+  double beyond = 0;
+  for (const Vec3 x : mesh.vertices) beyond = std::max(beyond, dot(Vec3d(x) - tool.pose.position, direction));
+  const double length = arrows.length * std::clamp(force / arrows.force, 0.25, kLongestArrow);
+  const double thickness = 0.06 * arrows.length;
+  Vec3d tail = tool.pose.position + direction * beyond;
+  const bool pulls = dot(direction, tool.pose.axes.column[2]) < -0.5;
+  if (pulls) {  // drawn beside the tool as seen by the camera, because tool and body would hide it
+    const Vec3d beside = normalized(cross(direction, eye - tool.pose.position));
+    tail = tool.pose.position - direction * length - beside * (0.4 * arrows.length);
+  }
+  items.add(arrow_mesh(tail, tail + direction * length, thickness), kArrow);
+  const Vec3d end = pulls ? tail - direction * (2 * thickness) : tail + direction * (length + 2 * thickness);
+  items.labels.push_back({end, newtons(force)});
+}
+
+/// Duplicates triangles for both sides, for renderers with one-sided lighting.
+TriMesh two_sided(TriMesh mesh) {
+  const int count = int(mesh.vertices.size());
+  const std::size_t triangles = mesh.triangles.size();
+  mesh.vertices.insert(mesh.vertices.end(), mesh.vertices.begin(), mesh.vertices.begin() + count);
+  mesh.scalars.insert(mesh.scalars.end(), mesh.scalars.begin(), mesh.scalars.end());
+  for (int v = 0; v < count; v++) mesh.normals.push_back(-mesh.normals[std::size_t(v)]);
+  for (std::size_t t = 0; t < triangles; t++) {
+    const auto [a, b, c] = mesh.triangles[t];
+    mesh.triangles.push_back({a + count, c + count, b + count});
+  }
+  return mesh;
+}
+
+Rgb color_of(Look look) { return look == Look::kSkin ? kSkin : look == Look::kCloth ? kCloth : kFlesh; }
+
+/// Cloth is drawn in its own color if the world has tissue, whose displacements are millimeters.
+bool is_beside_tissue(const BodySnapshot& body, const WorldSnapshot& snapshot) {
+  return body.look == Look::kCloth &&
+         std::any_of(snapshot.bodies.begin(), snapshot.bodies.end(),
+                     [](const BodySnapshot& other) { return other.look != Look::kCloth; });
+}
+
+}  // namespace
+
+std::vector<float> shown_values(const BodySnapshot& body, SkinColor color) {
+  if (color == SkinColor::kStretch) return body.stretch;
+  if (color == SkinColor::kPressure) return body.pressure;
+  std::vector<float> lengths;
+  if (color == SkinColor::kDisplacement)
+    for (const Vec3 u : body.displacement) lengths.push_back(norm(u));
+  return lengths;
+}
+
+TriMesh shown_mesh(const BodySnapshot& body) {
+  return {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
+}
+
+void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items) {
+  if (body.triangles.empty()) return;
+  TriMesh surface = shown_mesh(body);
+  surface.scalars = shown_values(body, color);
+  if (surface.scalars.empty()) scale = nullptr;
+  if (body.wall_begin < body.triangles.size()) {
+    const auto split = std::ptrdiff_t(body.wall_begin);
+    TriMesh walls = surface;
+    walls.triangles.erase(walls.triangles.begin(), walls.triangles.begin() + split);
+    surface.triangles.resize(body.wall_begin);
+    items.add(std::move(walls), kWall);
+    items.items.back().closed = true;
+  }
+  if (body.look == Look::kCloth) surface = two_sided(std::move(surface));
+  items.add(std::move(surface), color_of(body.look), scale);
+  items.items.back().closed = true;
+  if (scale || body.inside.triangles.empty()) return;  // it would hide the colors above it
+  items.add(body.inside, kInside);
+  items.items.back().see_through = items.items.back().closed = true;
+}
+
+TriMesh posed_mesh(const ToolSnapshot& tool) {
+  TriMesh mesh = tool.mesh;
+  for (Vec3& x : mesh.vertices) x = Vec3(contact::to_world(tool.pose, Vec3d(x)));
+  for (Vec3& n : mesh.normals) n = Vec3(tool.pose.axes * Vec3d(n));
+  return mesh;
+}
+
+void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureItems& items) {
+  add_arrow(tool, items.add(posed_mesh(tool), kTool), arrows, eye, items);
+}
+
+void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
+               PictureItems& items) {
+  for (const BodySnapshot& body : snapshot.bodies)
+    is_beside_tissue(body, snapshot) ? add_body(body, SkinColor::kNone, nullptr, items)
+                                     : add_body(body, color, scale, items);
+  for (const ToolSnapshot& tool : snapshot.tools) {
+    const BodySnapshot& body = body_snapshot(snapshot, tool.body);
+    add_tool(tool, {body.typical_force, 0.2 * norm(body.box.high - body.box.low)}, eye, items);
+  }
+  for (const TriMesh& obstacle : snapshot.obstacles) items.add(obstacle, kObstacle);
+}
+
+void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image) {
+  const CameraFrame frame = camera_frame(camera);
+  for (const PictureLabel& label : labels) {
+    const Vec3d from_eye = label.position - camera.eye;
+    const double depth = -dot(from_eye, frame.back), half = depth * frame.tan_half;
+    if (!(depth > 0)) continue;
+    const double x = dot(from_eye, frame.right) / half, y = dot(from_eye, frame.up) / half;
+    draw_text(image, label.text, int(0.5 * (image.width + x * image.height)),
+              int(0.5 * image.height * (1 - y)),
+              {.size = std::max(15, image.height / 30), .align = Align::kCenter, .halo = true});
+  }
+}
+
+}  // namespace turgor

@@ -1,0 +1,60 @@
+// Items of one picture: meshes with their colors, and labels at positions. All data comes from a
+// WorldSnapshot; outputs.cpp draws them.
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/snapshot.hpp"
+#include "turgor/view/draw.hpp"
+
+namespace turgor {
+
+/// Text beside a position.
+struct PictureLabel {
+  Vec3d position;  // [m]
+  std::string text;
+};
+
+struct PictureItems {
+  std::deque<TriMesh> meshes;  // a deque, because items point to them
+  std::vector<RenderItem> items;
+  std::vector<PictureLabel> labels;
+
+  const TriMesh& add(TriMesh mesh, Rgb color, const ColorScale* scale = nullptr) {
+    meshes.push_back(std::move(mesh));
+    items.push_back({&meshes.back(), color, scale, nullptr});
+    return meshes.back();
+  }
+};
+
+/// Length scale of force arrows.
+struct ArrowScale {
+  double force = 1;  // force of an arrow of length `length` [N]
+  double length =
+      0;  // [m]; the longest arrow has kLongestArrow times this length, the shortest a quarter of it
+};
+constexpr double kLongestArrow = 1.5;
+
+/// Quantity at every vertex that a color shows: displacement [m], stretch [1] or pressure [Pa]. Empty if the
+/// body does not have it.
+std::vector<float> shown_values(const BodySnapshot& body, SkinColor color);
+/// A body's surface with its normals.
+TriMesh shown_mesh(const BodySnapshot& body);
+/// A tool's surface at its current pose.
+TriMesh posed_mesh(const ToolSnapshot& tool);
+
+/// A surface in its natural look, or colored by the scale if the body has the quantity.
+void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items);
+/// A tool, and an arrow with the force on it in newtons, placed so that the eye [m] sees it.
+void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureItems& items);
+/// All bodies, their tools, and obstacles under cloth.
+void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
+               PictureItems& items);
+
+/// Draws the labels at positions that the camera sees.
+void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image);
+
+}  // namespace turgor

@@ -1,0 +1,144 @@
+// Loads a lattice body: CT and labels, crop to one label, model and state; uploads it if it steps on a GPU.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/geometry/reorient.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/sim/bodies/lattice/crop_to_label.hpp"
+#include "turgor/sim/bodies/lattice/cut.hpp"
+#include "turgor/sim/bodies/lattice/lattice_body.hpp"
+#include "turgor/sim/bodies/lattice/load_ct.hpp"
+#include "turgor/sim/bodies/lattice/upload_lattice.hpp"
+#include "turgor/sim/bodies/sfem/make_body.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// Additional volumes of the same patient.
+struct ReadFields {
+  std::optional<LabelVolume> labels;
+  std::optional<VectorVolume> lines;
+};
+Result<ReadFields> read_fields(const LatticeScene& scene, const Grid& ct,
+                               std::optional<LabelVolume> phantom_labels) {
+  ReadFields fields{std::move(phantom_labels), std::nullopt};
+  if (scene.given_labels) {
+    fields.labels = on_grid(*scene.given_labels, ct);
+    if (!fields.labels)
+      return Error{"labels: expected a segmentation on the grid of the CT, found another grid"};
+  } else if (!scene.labels.empty()) {
+    Result<LabelFile> read = read_labels_of(scene.labels, ct);
+    if (!read) return read.error();
+    fields.labels = std::move(read->labels);
+  }
+  if (!scene.direction_field.empty()) {
+    Result<VectorVolume> read = read_vectors(scene.direction_field);
+    if (!read) return read.error();
+    fields.lines = std::move(*read);
+  }
+  return fields;
+}
+
+/// Fixes the held nodes of the body.
+Status fix_nodes(const HeldBy& held, lattice::BodyNodes& nodes) {
+  // nodes of the body
+  std::vector<Vec3d> points;
+  std::vector<std::size_t> indices;
+  for (int k = 0; k < nodes.grid.size.z; k++)
+    for (int j = 0; j < nodes.grid.size.y; j++)
+      for (int i = 0; i < nodes.grid.size.x; i++) {
+        const std::size_t n = sample_index(nodes.grid, i, j, k);
+        if (!lattice::is_body(nodes.tissue[n])) continue;
+        points.push_back(point_at(nodes.grid, Vec3d(Int3{i, j, k})));
+        indices.push_back(n);
+      }
+
+  // fix those in the region
+  const std::vector<std::uint8_t> fixed = held_points(points, held);
+  TURGOR_CHECK(fixed.size() == points.size(), "every node has a mark");
+  for (std::size_t p = 0; p < points.size(); p++) nodes.fixed[indices[p]] |= fixed[p];
+  return check_held(points, held, fixed);
+}
+
+/// Classifies the CT's nodes, fixes the held ones, and assembles the model.
+Result<lattice::Model> build_model(const Exec& exec, const LatticeScene& scene, Int3 block,
+                                   const CtVolume& ct, const ReadFields& fields) {
+  lattice::Params params = scene.params;
+  params.block = block;
+  const bool stiffness_by_label = fields.labels && !params.tissue.young_of_label.empty();
+  Result<lattice::BodyNodes> nodes =
+      lattice::classify(exec, ct, stiffness_by_label ? &*fields.labels : nullptr, params);
+  if (!nodes) return nodes.error();
+  if (scene.held)
+    if (const Status held = fix_nodes(*scene.held, *nodes); !held) return held.error();
+  return lattice::assemble(exec, *nodes, fields.lines ? &*fields.lines : nullptr, params);
+}
+
+/// Body without tools, on the host.
+Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Progress& progress) {
+  LatticeBody body;
+  body.name = scene.name;
+  body.has_gravity = scene.has_gravity;
+
+  // CT and labels
+  const Timer reading;
+  Result<LoadedCt> ct = load_ct(exec, scene.ct, progress);
+  if (!ct) return ct.error();
+  body.ct = std::move(ct->volume);
+  body.notes = std::move(ct->notes);
+  body.ct_origin = std::move(ct->origin);
+  if (!scene.label_note.empty()) body.notes.push_back(scene.label_note);
+  const Result<ReadFields> fields = read_fields(scene, body.ct.grid, std::move(ct->labels));
+  if (!fields) return fields.error();
+  const Int3 block = block_of(scene, body.ct.grid);
+
+  // crop to one label
+  if (scene.only > 0) {
+    const Int3 margin{2 * block.x, 2 * block.y, 2 * block.z};  // air around the surface
+    const Status kept = crop_to_label(exec, *fields->labels, scene.only, margin, body.ct, body.notes);
+    if (!kept) return kept.error();
+  }
+  body.ct_hash = content_hash(body.ct);
+  body.read_seconds = reading.seconds();
+
+  // model and state
+  const Timer building;
+  Result<lattice::Model> model = build_model(exec, scene, block, body.ct, *fields);
+  if (!model) return model.error();
+  body.model = std::move(*model);
+  body.state = lattice::make_state(body.model);
+  body.build_seconds = building.seconds();
+  body.box = body_box(body.model);
+  body.typical_force = scene.params.tissue.muscle * 1e-4;
+  return body;
+}
+
+}  // namespace
+
+Int3 block_of(const LatticeScene& scene, const Grid& ct) {
+  if (!(scene.spacing > 0)) return scene.params.block;
+  const auto voxels = [&scene](double spacing) {
+    return int(std::clamp(std::round(scene.spacing / spacing), 1.0, 64.0));
+  };
+  return {voxels(ct.spacing.x), voxels(ct.spacing.y), voxels(ct.spacing.z)};
+}
+
+Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene, const World&) {
+  Result<LatticeBody> body = load(loading.exec, scene, begin_work(loading.begin, "reading"));
+  if (!body) return Error{fmt::format("{}: {}", scene.source_location, body.error().message)};
+  if (scene.device == Device::kGpu && loading.purpose == Purpose::kSimulate)
+    if (const Status backend = upload_to_gpu(*body); !backend)
+      return Error{fmt::format("{}: {}", scene.source_location, backend.error().message)};
+  return body;
+}
+
+}  // namespace turgor

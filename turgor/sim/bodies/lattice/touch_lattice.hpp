@@ -1,0 +1,31 @@
+// Tools on a lattice body during a frame: poses, contacts, forces and samples. Contacts are found once a
+// substep; haptic ticks use their planes until the next frame.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/sim/tools/touched_body.hpp"
+
+namespace turgor {
+
+struct LatticeBody;
+
+/// Sets all tools to their commands at a time [s].
+void set_poses(LatticeBody& body, const std::vector<TouchingTool>& tools, double time);
+/// Moves teleported tools to their start of this step; `from`: its time [s].
+void teleport_tools(LatticeBody& body, const std::vector<TouchingTool>& tools, double from);
+/// Number of substeps in each of which no tool moves farther than half of its tip radius, at most 8.
+int substep_count(LatticeBody& body, const std::vector<TouchingTool>& tools, double from, double to);
+
+/// Contacts at the present poses, for a step of `dt` [s]. They are valid until the next call.
+std::span<lattice::NodeContact> find_tool_contacts(LatticeBody& body, double dt);
+/// Reads the tools' forces of the last step.
+void read_tool_forces(LatticeBody& body);
+/// Appends a sample to the log of every tool; `seconds`: wall time of the step.
+void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, double time, double seconds);
+/// Publishes contact planes for the ticks until the next frame.
+void publish_contacts(LatticeBody& body);
+
+}  // namespace turgor

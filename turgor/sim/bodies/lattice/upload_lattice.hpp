@@ -1,0 +1,13 @@
+// Upload of a lattice body to the GPU, whose kernels then step it.
+#pragma once
+
+#include "turgor/core/result.hpp"
+
+namespace turgor {
+
+struct LatticeBody;
+
+/// Uploads model and state, and notes the device. Error: no GPU, or one that cannot step this model.
+Status upload_to_gpu(LatticeBody& body);
+
+}  // namespace turgor

@@ -1,0 +1,87 @@
+#include "turgor/sim/live/handle_requests.hpp"
+
+#include <utility>
+#include <variant>
+
+#include "turgor/sim/live/change_world.hpp"
+#include "turgor/sim/live/session_thread.hpp"
+
+namespace turgor {
+
+namespace {
+
+void handle(const PaceRequest& request, SessionThread& session) {
+  SessionStatus& next = session.next;
+  next.plays = request.plays, next.pace = request.pace;
+  if (next.plays) next.error.clear();
+  if (session.live.world) set_pace(session);
+}
+
+void handle(const StepRequest&, SessionThread& session) {
+  if (session.live.world && !session.next.plays) begin_single_step(session);
+}
+
+void handle(const ResetRequest&, SessionThread& session) { session.due.load = true; }
+
+/// Reads the file again, also after a failed reading.
+void handle(const ReloadRequest&, SessionThread& session) {
+  SessionSource& source = session.source;
+  if (source.scene) source.file.overrides = source.scene->overrides;
+  source.scene.reset();
+  session.due.load = true;
+}
+
+void handle(const OpenRequest& request, SessionThread& session) {
+  session.source = {request, nullptr};
+  session.due.load = true;
+}
+
+void handle(const CtRequest& request, SessionThread& session) {
+  if (!session.live.world) return;
+  update_ct(session.exec, *session.live.world, request.targets, SessionStatus::kMostSamples, session.ct);
+  session.next.ct = session.ct.ct;
+}
+
+/// Applies a cut, a wind or a changed value to the world. Reports the reason if that is impossible.
+template <class AnyRequest>
+void apply(const AnyRequest& request, SessionThread& session) {
+  if (!session.live.world) return;
+  World& world = *session.live.world;
+  const Status status = apply_request(session.exec, request, session.source.scene, world);
+  session.next.error = status ? "" : status.error().message;
+  if (!status) return;
+  session.record.requests.push_back({world.frame, request});
+  session.next.scene = session.source.scene;
+}
+
+void handle(const CutRequest& request, SessionThread& session) { apply(request, session); }
+
+void handle(const WindRequest& request, SessionThread& session) { apply(request, session); }
+
+/// Changes the world. Without a world, changes the scene that is loaded next.
+void handle(const ChangeRequest& request, SessionThread& session) {
+  if (session.live.world) return apply(request, session);
+  std::shared_ptr<const Scene>& scene = session.source.scene;
+  if (!scene) return;
+  Result<Scene> changed = with_change(*scene, request.key, request.value);
+  session.next.error = changed ? "" : changed.error().message;
+  if (changed) session.next.scene = scene = std::make_shared<const Scene>(std::move(*changed));
+}
+
+void handle(const SaveRequest& request, SessionThread& session) {
+  if (session.live.world) session.due.save = request.file;
+}
+
+bool has_due_work(const DueWork& due) { return due.load || due.save || due.step; }
+
+}  // namespace
+
+void handle_requests(SessionThread& session) {
+  while (!session.batch.empty() && !has_due_work(session.due)) {
+    const Request request = std::move(session.batch.front());
+    session.batch.pop_front();
+    std::visit([&session](const auto& one) { handle(one, session); }, request);
+  }
+}
+
+}  // namespace turgor
