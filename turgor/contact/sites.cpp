@@ -141,7 +141,7 @@ void find_clusters(Search& s) {
 /// Site at a position in a triangle, carried by the corners of nonzero weight. False for a single corner,
 /// because that is a point.
 bool make_site(const Int3& corners, Vec3d weights, Site& site) {
-  TURGOR_CHECK(!is_finite_value(weights) || sums_to_one(weights),
+  TURGOR_CHECK(!is_finite(weights) || sums_to_one(weights),
                "the weights of a position in a triangle sum to one");
   int count = 0;
   for (int corner = 0; corner < 3; corner++) {

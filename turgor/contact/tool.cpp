@@ -43,8 +43,7 @@ bool is_valid(const Pose& pose) {
   for (const double error : {dot(a, a) - 1, dot(b, b) - 1, dot(c, c) - 1, dot(a, b), dot(b, c), dot(c, a),
                              determinant(pose.axes) - 1})
     if (!(std::abs(error) < kSlack)) return false;
-  const Vec3d& x = pose.position;
-  return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z);
+  return is_finite(pose.position);
 }
 
 ShapeDistance distance(const Shape& shape, Vec3d x) {

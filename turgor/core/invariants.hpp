@@ -70,17 +70,15 @@ bool is_sorted_unique(const List& list, const Key& key = {}) {
          }) == std::end(list);
 }
 
-/// True if a number, or each component of a vector, is finite.
-inline bool is_finite_value(double value) { return std::isfinite(value); }
-template <class T>
-bool is_finite_value(const Vec<T>& value) {
-  return std::isfinite(value.x) && std::isfinite(value.y) && std::isfinite(value.z);
-}
 /// True if all numbers or vectors of a list are finite.
 template <class List>
 bool all_finite(const List& list) {
-  return std::all_of(std::begin(list), std::end(list),
-                     [](const auto& value) { return is_finite_value(value); });
+  return std::all_of(std::begin(list), std::end(list), [](const auto& value) {
+    if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(value)>>)
+      return std::isfinite(value);
+    else
+      return is_finite(value);
+  });
 }
 
 /// True if the weights sum to one within a tolerance: a list, or the components of a vector.

@@ -62,6 +62,11 @@ template <class T>
 TURGOR_HD constexpr Vec<T> cross(Vec<T> a, Vec<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+/// True if every component is finite. For the host only.
+template <class T>
+bool is_finite(const Vec<T>& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 template <class T>
 TURGOR_HD T norm(Vec<T> a) {
   return std::sqrt(dot(a, a));

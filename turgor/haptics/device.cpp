@@ -9,8 +9,6 @@ namespace turgor::haptics {
 
 namespace {
 
-bool is_finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 Vec3d no_longer_than(double limit, Vec3d v) {
   TURGOR_CHECK(limit >= 0, "the limit of a force is not negative");
   const double length = norm(v);

@@ -12,8 +12,6 @@ namespace turgor::rhombus {
 
 namespace {
 
-bool is_finite(Vec3d x) { return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z); }
-
 Status check_numbers(const Surface& s) {
   if (s.triangles.empty()) return Error{"the surface has no triangles"};
   const int count = int(s.vertices.size());

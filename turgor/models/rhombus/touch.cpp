@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kAtRest = 1e-7;  // distance at which the surface counts as recovered [m]
 
-bool is_finite(Vec3d x) { return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z); }
-
 bool is_valid(const TouchInput& in) {
   for (const Vec3d axis : in.axes.column)
     if (!is_finite(axis)) return false;

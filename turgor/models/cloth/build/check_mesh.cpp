@@ -16,8 +16,6 @@ namespace turgor::cloth {
 
 namespace {
 
-bool is_finite(Vec3 x) { return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z); }
-
 /// Height over the longest side, relative to that side.
 double slenderness(Vec3d a, Vec3d b, Vec3d c) {
   const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
