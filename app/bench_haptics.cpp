@@ -53,7 +53,7 @@ nlohmann::ordered_json to_json(const haptics::Spread& s) {
 nlohmann::ordered_json to_json(const HapticLoopRow& row) {
   const TimingReport& r = row.report;
   return {{"model", name_of(row.model)},
-          {"rate_asked_hz", r.target_rate},
+          {"target_rate_hz", r.target_rate},
           {"rate_hz", r.rate},
           {"ticks", r.ticks},
           {"missed", r.missed},

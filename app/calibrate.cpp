@@ -136,7 +136,7 @@ Json to_json(const CalibrateOptions& options, const Given& given, const rhombus:
           {"version", program_version()},
           {"input", options.input.string()},
           {"points", given.curve.size()},
-          {"stiffness_of_place", given.stiffness},
+          {"relative_stiffness", given.stiffness},
           {"normal_N_per_m", p.normal},
           {"tangential_N_per_m", p.tangential},
           {"decay", p.decay},

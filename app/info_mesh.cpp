@@ -72,7 +72,7 @@ Json describe_solid(const std::string& path, double scale) {
             {"kind", mesh.corners == 4 ? "tetrahedra" : "hexahedra"},
             {"vertices", mesh.vertices.size()},
             {"elements", element_count(mesh)},
-            {"parts", 1 + *std::max_element(components.begin(), components.end())},
+            {"components", 1 + *std::max_element(components.begin(), components.end())},
             {"surface_triangles", surface(mesh).triangles.size()},
             {"inverted_repaired", read.inverted}};
   add_box(mesh.vertices, json);
@@ -149,8 +149,8 @@ void print_mesh(const Json& json) {
   print_row("format", json["format"].get<std::string>());
   print_row("elements", fmt::format("{} {}, {} vertices", json["elements"].get<std::size_t>(),
                                     json["kind"].get<std::string>(), json["vertices"].get<std::size_t>()));
-  if (json.contains("parts"))
-    print_row("components", fmt::format("{}, surface of {} triangles", json["parts"].get<int>(),
+  if (json.contains("components"))
+    print_row("components", fmt::format("{}, surface of {} triangles", json["components"].get<int>(),
                                         json["surface_triangles"].get<std::size_t>()));
   print_row("from", point_text(json, "box_from_m"));
   print_row("to", point_text(json, "box_to_m"));

@@ -45,7 +45,7 @@ ordered_json report_of(const std::vector<ElementsRow>& rows) {
                     {"factor_bytes", row.factor_bytes},
                     {"mean_error", row.mean},
                     {"worst_error", row.worst},
-                    {"said_error", row.expected_error}});
+                    {"expected_error", row.expected_error}});
   }
   return json;
 }

@@ -23,7 +23,7 @@ elseif(TURGOR_CUDA AND NOT TURGOR_CUDA STREQUAL "AUTO")
   message(FATAL_ERROR "TURGOR_CUDA=${TURGOR_CUDA} needs nvcc 12 or newer and cudart_static; found ${TURGOR_NVCC}, version ${nvcc_version}")
 endif()
 
-set(nvcc_flags -std=c++20 -O3 --expt-relaxed-constexpr -ftz=true -Werror cross-execution-space-call -Xcompiler -fPIC
+set(nvcc_flags -std=c++20 -O3 --expt-relaxed-constexpr -ftz=true -Werror cross-execution-space-call -Xcompiler -fPIC,-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=
     -gencode arch=compute_75,code=compute_75)
 if(TURGOR_SAME_BITS)
   list(APPEND nvcc_flags -fmad=false)

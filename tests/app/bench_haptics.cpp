@@ -60,11 +60,11 @@ TEST(BenchHaptics, TimesLoopsAgainstEmptyLoop) {
   ASSERT_EQ(loops.size(), 6u);
   for (const json& loop : loops) {
     EXPECT_GT(loop["ticks"].get<double>() + loop["missed"].get<double>(),
-              0.15 * loop["rate_asked_hz"].get<double>());
+              0.15 * loop["target_rate_hz"].get<double>());
     EXPECT_GT(loop["jitter_empty"]["max_us"].get<double>(), 0);
   }
   EXPECT_EQ(loops[5]["model"], "rhombus");
-  EXPECT_EQ(loops[5]["rate_asked_hz"], 4000);
+  EXPECT_EQ(loops[5]["target_rate_hz"], 4000);
 }
 
 // Two outputs with the same file name are refused.

@@ -87,7 +87,7 @@ TEST(InfoCommand, DescribesSolidMesh) {
   const nlohmann::json json = read_json(folder / "out.json");
   EXPECT_EQ(json["kind"], "tetrahedra");
   EXPECT_EQ(json["inverted_repaired"], 1);
-  EXPECT_EQ(json["parts"], 1);
+  EXPECT_EQ(json["components"], 1);
   EXPECT_EQ(json["surface_triangles"], 6);
   EXPECT_NEAR(json["volume_m3"].get<double>(), 1e-6 / 3, 1e-18);
 }

@@ -1,4 +1,4 @@
-# cmake -DBUILD=build/release -DCONSUMER=tests/install -DIO=ON -P run.cmake
+# cmake -DBUILD=build/release -DCONSUMER=tests/install -DSOURCE=$PWD -DIO=ON -P run.cmake
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -13,6 +13,17 @@ if(SANITIZE)
   set(flags -DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE})
 endif()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${folder}/prefix)
+
+# Installed files name no folder of the machine that built them.
+file(GLOB_RECURSE installed ${folder}/prefix/*)
+foreach(file IN LISTS installed)
+  string(REPLACE "." "\\." pattern "${SOURCE}/")
+  file(STRINGS ${file} found REGEX "${pattern}" LIMIT_COUNT 1)
+  if(found)
+    message(FATAL_ERROR "${file}: expected no path of the source tree, found ${found}")
+  endif()
+endforeach()
+
 run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${folder}/build -G Ninja -DCMAKE_PREFIX_PATH=${folder}/prefix -DWITH_IO=${IO} ${flags})
 run(${CMAKE_COMMAND} --build ${folder}/build)
 run(${folder}/build/press)
