@@ -183,6 +183,23 @@ TEST(SolidFiles, FlatTetrahedronIsNamed) {
   EXPECT_REFUSED(read_text(text), "expected tetrahedra with a volume, found 1 flat: 8");
 }
 
+// An element listed twice is rejected with both numbers, also if its corners are in another order.
+TEST(SolidFiles, RepeatedElementsAreNamed) {
+  std::string text = gmsh_2();
+  text.replace(text.find("$Elements\n3"), 11, "$Elements\n4\n9 4 3 7 1 0 30 20 70 40");
+  EXPECT_REFUSED(read_text(text), "/mesh",
+                 "expected every element once, found 1 of 3 tetrahedra with the corners of another: 8 "
+                 "repeats 9");
+  const fs::path folder = fresh_folder();
+  SolidMesh twice = hex_block({1, 1, 1}, {2, 2, 2});
+  const std::vector<int> once = twice.elements;
+  twice.elements.insert(twice.elements.end(), once.begin(), once.end());
+  ASSERT_TRUE(write_msh(folder / "mesh", twice));
+  EXPECT_REFUSED(read_solid(folder / "mesh"),
+                 "found 8 of 16 hexahedra with the corners of another: 9 repeats 1, 10 repeats 2",
+                 "and 3 more");
+}
+
 // Errors for damaged files state file, position, expected and found values.
 TEST(SolidFiles, DamageIsLocated) {
   const Damage table[] = {

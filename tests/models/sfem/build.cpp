@@ -66,6 +66,14 @@ TEST(SfemBuild, RejectsMissingOrInvalidElements) {
   EXPECT_TRUE(contains(refusal(body), "vertex number 13"));
 }
 
+// A body that lists an element twice is rejected with both numbers.
+TEST(SfemBuild, RejectsRepeatedElements) {
+  Body body = held_block();
+  const std::vector<int> second(body.mesh.elements.begin() + 8, body.mesh.elements.begin() + 16);
+  body.mesh.elements.insert(body.mesh.elements.end(), second.begin(), second.end());
+  EXPECT_TRUE(contains(refusal(body), "element 8, which repeats element 1")) << refusal(body);
+}
+
 // The error names elements with zero or negative volume.
 TEST(SfemBuild, NamesElementsWithoutVolume) {
   Body body = held_block();

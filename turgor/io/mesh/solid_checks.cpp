@@ -1,4 +1,5 @@
-// Converts the elements of a file to a valid mesh: nodes by index, elements correctly oriented, none flat.
+// Converts the elements of a file to a valid mesh: nodes by index, elements correctly oriented, none flat,
+// none listed twice.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/geometry/repeated_elements.hpp"
 #include "turgor/io/mesh/solid_formats.hpp"
 
 namespace turgor::io {
@@ -117,6 +119,20 @@ std::size_t drop_unused(const FoundSolid& found, double scale, SolidMesh& mesh) 
   return found.nodes.size() - mesh.vertices.size();
 }
 
+/// Error if an element is listed twice. Both copies would weigh, and their faces would not be on the surface.
+Status check_repeated(const fs::path& path, const SolidMesh& mesh, const std::vector<std::int64_t>& ids) {
+  constexpr std::size_t kShown = 5;
+  const std::vector<RepeatedElement> repeated = repeated_elements(mesh);
+  if (repeated.empty()) return Done{};
+  std::string text;
+  for (std::size_t i = 0; i < std::min(repeated.size(), kShown); i++)
+    text += fmt::format("{}{} repeats {}", i > 0 ? ", " : "", ids[repeated[i].again], ids[repeated[i].first]);
+  if (repeated.size() > kShown) text += fmt::format(" and {} more", repeated.size() - kShown);
+  return Error{
+      fmt::format("{}: expected every element once, found {} of {} {} with the corners of another: {}",
+                  path.string(), repeated.size(), ids.size(), plural(mesh.corners), text)};
+}
+
 /// Mirrors an element by exchanging two corners of a tetrahedron, or bottom and top of a hexahedron.
 void turn(SolidMesh& mesh, std::size_t e) {
   const auto corner = mesh.elements.begin() + std::ptrdiff_t(e) * mesh.corners;
@@ -222,6 +238,7 @@ Result<ReadSolid> finish_solid(const fs::path& path, const FoundSolid& found, do
   if (!wrong.twisted.empty())
     return Error{fmt::format("{}: expected convex hexahedra, found {} inverted at a corner: {}",
                              path.string(), wrong.twisted.size(), some(wrong.twisted))};
+  if (Status done = check_repeated(path, read.mesh, elements.ids); !done) return done.error();
   read.inverted = wrong.turned.size();
   add_notes(found, wrong, unused, read);
   return read;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/geometry/repeated_elements.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
 namespace turgor::sfem {
@@ -103,6 +104,15 @@ Status check_volumes(const SolidMesh& mesh) {
   if (!flat.empty())
     return Error{"an element must have a volume, but it is zero in " + named("element", flat)};
   return Done{};
+}
+
+Status check_repeated(const SolidMesh& mesh) {
+  const std::vector<RepeatedElement> repeated = repeated_elements(mesh);
+  if (repeated.empty()) return Done{};
+  const auto [first, again] = repeated[0];
+  return Error{"an element must be listed once, but " + std::to_string(repeated.size()) +
+               " have the corners of another: the first is element " + std::to_string(again) +
+               ", which repeats element " + std::to_string(first)};
 }
 
 Status check_materials(const Body& body) {
@@ -222,6 +232,7 @@ Status check_body(const Body& body) {
   if (const Status s = check_arrays(body); !s) return s;
   if (const Status s = check_vertices(body.mesh); !s) return s;
   if (const Status s = check_volumes(body.mesh); !s) return s;
+  if (const Status s = check_repeated(body.mesh); !s) return s;
   if (const Status s = check_materials(body); !s) return s;
   if (const Status s = check_inclusions(body); !s) return s;
   return check_held(body);

@@ -6,8 +6,8 @@
 
 namespace turgor::sfem {
 
-/// Error: arrays of inconsistent sizes, an element without volume, an invalid material, a body or a connected
-/// component that the fixed vertices do not hold.
+/// Error: arrays of inconsistent sizes, an element without volume or listed twice, an invalid material, a
+/// body or a connected component that the fixed vertices do not hold.
 Status check_body(const Body& body);
 
 }  // namespace turgor::sfem

@@ -1,0 +1,60 @@
+#include "turgor/geometry/repeated_elements.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+
+namespace turgor {
+
+namespace {
+
+/// First vertex with the same coordinates, for every vertex.
+std::vector<int> first_coincident(const std::vector<Vec3d>& vertices) {
+  std::vector<int> order(vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](int v) {
+    const Vec3d x = vertices[std::size_t(v)];
+    return std::tuple(x.x, x.y, x.z);
+  };
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
+  std::vector<int> first(vertices.size());
+  for (std::size_t i = 0; i < order.size(); i++) {
+    const bool is_same = i > 0 && key(order[i]) == key(order[i - 1]);
+    first[std::size_t(order[i])] = is_same ? first[std::size_t(order[i - 1])] : order[i];
+  }
+  return first;
+}
+
+using Corners = std::array<int, 8>;  // sorted; unused entries are -1
+
+}  // namespace
+
+std::vector<RepeatedElement> repeated_elements(const SolidMesh& mesh) {
+  const std::vector<int> first = first_coincident(mesh.vertices);
+  const std::size_t corners = mesh.corners == 8 ? 8 : 4;  // the midside nodes follow from the corners
+  std::vector<Corners> keys(element_count(mesh));
+  for (std::size_t e = 0; e < keys.size(); e++) {
+    keys[e].fill(-1);
+    for (std::size_t c = 0; c < corners; c++) keys[e][c] = first[std::size_t(element(mesh, e)[c])];
+    std::sort(keys[e].begin(), keys[e].end());
+  }
+  std::vector<std::size_t> order(keys.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
+  });
+  std::vector<RepeatedElement> repeated;
+  std::size_t start = 0;  // of the current group of equal elements
+  for (std::size_t i = 1; i < order.size(); i++) {
+    if (keys[order[i]] != keys[order[start]])
+      start = i;
+    else
+      repeated.push_back({order[start], order[i]});
+  }
+  std::sort(repeated.begin(), repeated.end(), [](auto& a, auto& b) { return a.again < b.again; });
+  return repeated;
+}
+
+}  // namespace turgor
