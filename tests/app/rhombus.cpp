@@ -63,6 +63,23 @@ TEST(RhombusRun, CalibratesMeasuredCurve) {
   EXPECT_GT(bytes_of(folder / "fit" / "curve.csv").size(), 200u);
 }
 
+// A table that no chain can follow ends with a message that names it, and leaves no folder.
+TEST(RhombusRun, UnfitTablesLeaveNoFolder) {
+  const fs::path folder = fresh_folder();
+  write(folder / "falls.csv", "depth_mm,force_N\n0,400\n4.5,1.7\n5,2\n5.5,2.3\n6,2.6\n7,2.8\n8,3\n");
+  write(folder / "huge.csv", "0.0001 1e300\n0.002 1e300\n0.003 1e301\n0.004 1e302\n0.005 1e303\n");
+  const std::pair<const char*, const char*> table[] = {
+      {"falls.csv",
+       "falls.csv: point 0 of the force-depth curve: expected no force at a depth of 0, found 400 N"},
+      {"huge.csv", "huge.csv: point 0 of the force-depth curve: expected a force of at most 1e+06 N"}};
+  for (const auto& [name, expected] : table) {
+    const Ended ended = run_program(std::string("calibrate ") + name + " --out results/fit", folder);
+    EXPECT_EQ(ended.code, 2) << ended.printed;
+    EXPECT_NE(ended.printed.find(expected), std::string::npos) << ended.printed;
+    EXPECT_TRUE(!fs::exists(folder / "results") || fs::is_empty(folder / "results")) << name;
+  }
+}
+
 // Wrong inputs end with a message that says what was expected.
 TEST(RhombusRun, WrongInputsEndWithMessage) {
   const fs::path folder = fresh_folder();

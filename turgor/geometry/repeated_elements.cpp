@@ -42,9 +42,8 @@ std::vector<RepeatedElement> repeated_elements(const SolidMesh& mesh) {
   }
   std::vector<std::size_t> order(keys.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
-  });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
   std::vector<RepeatedElement> repeated;
   std::size_t start = 0;  // of the current group of equal elements
   for (std::size_t i = 1; i < order.size(); i++) {

@@ -63,5 +63,52 @@ TEST(RhombusCalibrate, RejectsUselessCurves) {
   EXPECT_NE(message({{1e-3, std::nan("")}}), "fitted");
 }
 
+// A force at depth 0, and depths, forces and stiffnesses outside the range of chains are rejected.
+TEST(RhombusCalibrate, RejectsCurvesOutOfRange) {
+  const auto message = [](std::vector<CurvePoint> curve) {
+    const Result<Fit> fit = calibrate(curve, {.tip = 0.005});
+    return fit ? std::string("fitted") : fit.error().message;
+  };
+  EXPECT_EQ(message({{0, 400}, {4.5e-3, 1.7}, {5e-3, 2}, {5.5e-3, 2.3}, {6e-3, 2.6}, {7e-3, 2.8}, {8e-3, 3}}),
+            "point 0 of the force-depth curve: expected no force at a depth of 0, found 400 N, more than a "
+            "tenth of the largest force at other depths, 3 N");
+  EXPECT_EQ(message({{1e-4, 1e300}, {2e-3, 1e300}, {3e-3, 1e301}, {4e-3, 1e302}, {5e-3, 1e303}}),
+            "point 0 of the force-depth curve: expected a force of at most 1e+06 N, found 1e+300 N");
+  EXPECT_EQ(
+      message({{0, 0}, {4.5, 1.7}, {5, 2}, {5.5, 2.3}, {6, 2.6}}),
+      "point 1 of the force-depth curve: expected a depth of at most 1 m, found 4.5 m; a column in mm is "
+      "named depth_mm");
+  EXPECT_EQ(message({{1e-6, 400}, {4.5e-3, 1.7}, {5e-3, 2}, {5.5e-3, 2.3}, {6e-3, 2.6}}),
+            "the force-depth curve: expected a stiffness from 1e-06 to 1e+06 N/m, found 400 N at 1e-06 m");
+  EXPECT_EQ(message({{1e-3, 1e-12}, {2e-3, 2e-12}, {3e-3, 3e-12}, {4e-3, 4e-12}}),
+            "the force-depth curve: expected a stiffness from 1e-06 to 1e+06 N/m, found 4e-12 N at 0.004 m");
+}
+
+// Curves of any shape and magnitude within the range are fitted or rejected; parameters are finite.
+TEST(RhombusCalibrate, AnyCurveInRangeGivesFiniteFit) {
+  const double depths[] = {1e-300, 1e-12, 1e-6, 1e-3, 5e-3, 1};
+  const double forces[] = {1e-308, 1e-12, 1e-3, 1, 400, 1e6};
+  unsigned random = 1;
+  const auto pick = [&](const double(&values)[6]) {
+    random = random * 1664525u + 1013904223u;
+    return values[(random >> 16) % 6];
+  };
+  int fitted = 0;
+  for (int n = 0; n < 8; n++) {
+    std::vector<CurvePoint> curve;
+    for (int i = 0; i < 5; i++) {
+      const double sign = i == 4 && n % 2 ? -1 : 1;
+      curve.push_back({sign * pick(depths), sign * pick(forces)});
+    }
+    const Result<Fit> fit = calibrate(curve, {.tip = n % 3 ? 0.005 : 0});
+    if (!fit) continue;
+    fitted++;
+    EXPECT_TRUE(std::isfinite(fit->rms) && std::isfinite(fit->largest)) << "curve " << n;
+    EXPECT_TRUE(build_chain(fit->params)) << "curve " << n;
+  }
+  std::printf("%d of 8 curves fitted\n", fitted);
+  EXPECT_GT(fitted, 1);
+}
+
 }  // namespace
 }  // namespace turgor::rhombus

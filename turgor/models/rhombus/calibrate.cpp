@@ -16,6 +16,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAngles[2] = {2 * kDegree, 88 * kDegree}, kDecays[2] = {0.2, 30};
 constexpr double kStiffness[2] = {1e-6, 1e6};  // [N/m]
+constexpr double kMostDepth = 1;               // [m]
+constexpr double kContactForce = 0.1;          // accepted at depth 0, relative to the largest force [1]
 
 using Unknowns = Eigen::Vector4d;  // unbounded: see to_params
 
@@ -92,6 +94,7 @@ Unknowns minimize(Problem& problem, Unknowns x) {
       step *= std::min(
           1.0,
           2 / step.cwiseAbs().maxCoeff());  // limits steps towards the interval's ends, which are at infinity
+      if (!step.allFinite()) return x;
       const Eigen::VectorXd next = problem.residual(x + step);
       better = next.squaredNorm() < r.squaredNorm();
       damping *= better ? 0.3 : 4;
@@ -105,23 +108,53 @@ Unknowns minimize(Problem& problem, Unknowns x) {
   return x;
 }
 
+/// Point with the largest force among those with a depth.
+const CurvePoint& strongest_point(std::span<const CurvePoint> curve) {
+  const auto force = [](const CurvePoint& p) { return p.depth == 0 ? -1 : std::abs(p.force); };
+  return *std::max_element(curve.begin(), curve.end(), [&](auto& a, auto& b) { return force(a) < force(b); });
+}
+
+/// Error: a point outside the range of chains, or a force against its depth.
+Status check_point(const CurvePoint& point) {
+  const auto [depth, force] = point;
+  if (!std::isfinite(depth) || !std::isfinite(force)) return Error{"a depth or a force is not finite"};
+  if (std::abs(depth) > kMostDepth)
+    return Error{"expected a depth of at most " + number_text(kMostDepth) + " m, found " +
+                 number_text(depth) + " m; a column in mm is named depth_mm"};
+  if (std::abs(force) > kMostForce)
+    return Error{"expected a force of at most " + number_text(kMostForce) + " N, found " +
+                 number_text(force) + " N"};
+  if (depth * force < 0)
+    return Error{"expected a force that resists, found " + number_text(force) + " N at " +
+                 number_text(depth) + " m"};
+  return Done{};
+}
+
 Status check(std::span<const CurvePoint> curve) {
+  // points
+  const auto at = [](std::size_t i) { return "point " + std::to_string(i) + " of the force-depth curve: "; };
   int useful = 0;
   for (std::size_t i = 0; i < curve.size(); i++) {
-    // finite points with a force against the depth
-    const auto [depth, force] = curve[i];
-    const std::string prefix = "point " + std::to_string(i) + " of the force-depth curve: ";
-    if (!std::isfinite(depth) || !std::isfinite(force))
-      return Error{prefix + "a depth or a force is not finite"};
-    if (depth * force < 0)
-      return Error{prefix + "expected a force that resists, found " + number_text(force) + " N at " +
-                   number_text(depth) + " m"};
-    useful += depth != 0 && force != 0;
+    if (const Status good = check_point(curve[i]); !good) return Error{at(i) + good.error().message};
+    useful += curve[i].depth != 0 && curve[i].force != 0;
   }
-  // enough points
   if (useful < 4)
     return Error{"the force-depth curve: expected at least 4 points with a depth and a force, found " +
                  std::to_string(useful)};
+  // no force before the contact
+  const CurvePoint& strongest = strongest_point(curve);
+  const double bearable = kContactForce * std::abs(strongest.force);
+  for (std::size_t i = 0; i < curve.size(); i++)
+    if (curve[i].depth == 0 && std::abs(curve[i].force) > bearable)
+      return Error{at(i) + "expected no force at a depth of 0, found " + number_text(curve[i].force) +
+                   " N, more than a tenth of the largest force at other depths, " +
+                   number_text(std::abs(strongest.force)) + " N"};
+  // stiffness
+  const double secant = strongest.force / strongest.depth;
+  if (!(secant >= kStiffness[0] && secant <= kStiffness[1]))
+    return Error{"the force-depth curve: expected a stiffness from " + number_text(kStiffness[0]) + " to " +
+                 number_text(kStiffness[1]) + " N/m, found " + number_text(strongest.force) + " N at " +
+                 number_text(strongest.depth) + " m"};
   return Done{};
 }
 
@@ -132,8 +165,7 @@ Result<Fit> calibrate(std::span<const CurvePoint> curve, const ChainParams& star
   if (const auto chain = build_chain(start); !chain) return chain.error();
   Problem problem{curve, start};
   // strongest point of the curve, for scaling
-  const CurvePoint& strongest = *std::max_element(
-      curve.begin(), curve.end(), [](auto& a, auto& b) { return std::abs(a.force) < std::abs(b.force); });
+  const CurvePoint& strongest = strongest_point(curve);
   problem.peak = std::abs(strongest.force);
   const double secant = strongest.force / strongest.depth;
   Unknowns best;
@@ -153,6 +185,8 @@ Result<Fit> calibrate(std::span<const CurvePoint> curve, const ChainParams& star
         const double squares = problem.residual(found).squaredNorm();
         if (squares < least) least = squares, best = found;
       }
+  if (!std::isfinite(least))
+    return Error{"the force-depth curve: no chain fits it, its residual is not finite"};
   const Eigen::VectorXd r = problem.residual(best);
   return Fit{to_params(best, start), std::sqrt(r.squaredNorm() / double(r.size())), r.cwiseAbs().maxCoeff(),
              problem.evaluations};

@@ -29,7 +29,8 @@ struct Fit {
 /// Least squares of the relative residuals by Levenberg and Marquardt over k_N, k_T1, β and θ, from several
 /// starting points. All stay positive, with β in [0.2, 30] and θ in [2°, 88°]. Other parameters are those of
 /// `start`, with `tip` the radius of the pressing ball. Error: fewer than four points off the origin, values
-/// that are not finite, a force opposite to its depth, or no force at all.
+/// that are not finite, a force opposite to its depth, no force at all, a force at depth 0 above a tenth of
+/// the largest, depths above 1 m, forces above kMostForce, or a stiffness outside 1e-6 to 1e6 N/m.
 Result<Fit> calibrate(std::span<const CurvePoint> curve, const ChainParams& start);
 
 }  // namespace turgor::rhombus
