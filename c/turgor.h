@@ -63,7 +63,7 @@ typedef struct tg_world_def {
   const char* folder;            /* base of relative paths in `text`; null = the current folder */
   const char* const* overrides;  /* key=value */
   size_t override_count;
-  int32_t threads;               /* 0 = one per core */
+  int32_t threads;               /* up to 1024; 0 = one per core */
   tg_progress progress;          /* may be null */
   void* progress_context;
   const tg_volume* volumes;      /* volume_count elements */

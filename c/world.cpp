@@ -2,7 +2,9 @@
 
 #include "c/sized.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/core/thread_limit.hpp"
 #include "turgor/geometry/reorient.hpp"
+#include "turgor/io/volume/volume_file.hpp"
 #include "turgor/sim/world_state.hpp"
 
 namespace turgor::c {
@@ -45,6 +47,7 @@ CtVolume volume_of(const tg_volume& given) {
     for (int b = 0; b < 3; b++)
       expect(std::abs(square.column[a][b] - (a == b)) < 1e-3, "expected orthonormal axes of a volume");
   }
+  required(io::check_grid(std::string("the volume of ") + given.body, ct.grid));
   ct.samples.assign(given.hu, given.hu + sample_count(ct.grid));
   return right_handed(std::move(ct));
 }
@@ -124,7 +127,7 @@ tg_status tg_world_create(const tg_world_def* given, tg_world** world) {
     expect(world != nullptr, "expected a pointer to a world, found null");
     *world = nullptr;
     const tg_world_def def = taken(given, default_def());
-    expect(def.threads >= 0, "expected a number of threads of at least 0 (one per core)");
+    if (const Status sound = check_threads(def.threads); !sound) throw Misuse(sound.error().message);
     auto made = std::make_unique<tg_world>(def.threads);
     made->scene = std::make_shared<const Scene>(scene_of(def));
     made->world = std::make_unique<World>(required(load_world(made->exec, *made->scene, begin_of(def))));

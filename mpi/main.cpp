@@ -12,6 +12,7 @@
 #include "app/commands.hpp"
 #include "mpi/run.hpp"
 #include "mpi/scene.hpp"
+#include "turgor/core/thread_limit.hpp"
 #include "turgor/sim/report/report.hpp"
 
 namespace {
@@ -70,7 +71,7 @@ int command_line(const Ranks& ranks, int argc, char** argv) {
   command->add_option("-o,--out", options.out, "Folder for the results (default: out/SCENE)");
   turgor::add_set_option(*command, options.overrides);
   command->add_option("--threads", options.threads, "Threads of each process (default: 1); 0 = one per core")
-      ->check(CLI::Range(0, 1024));
+      ->check(CLI::Range(0, turgor::kMostThreads));
   command->add_flag("-q,--quiet", options.quiet, "Print nothing on success");
   try {
     program.parse(argc, argv);

@@ -8,6 +8,7 @@
 
 #include "bindings.hpp"
 #include "progress.hpp"
+#include "turgor/core/thread_limit.hpp"
 #include "turgor/pictures/run_scene.hpp"
 
 namespace turgor {
@@ -33,6 +34,7 @@ bool continue_after(const nb::object& on_frame, const PyProgress& reporter, cons
 std::string run_to_json(const fs::path& file, const std::optional<std::string>& text,
                         const std::vector<std::string>& overrides, const fs::path& out, bool force,
                         int threads, nb::object on_frame, nb::object progress) {
+  required(check_threads(threads));
   const Scene scene = required(text ? parse_scene(*text, file, overrides) : read_scene(file, overrides));
   PyProgress reporter(std::move(progress));
   const RunOptions options{.out = out, .foreign = force ? Foreign::kRemove : Foreign::kRefuse, .live = {}};

@@ -13,7 +13,9 @@
 #include "bindings.hpp"
 #include "progress.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/core/thread_limit.hpp"
 #include "turgor/geometry/reorient.hpp"
+#include "turgor/io/volume/volume_file.hpp"
 #include "turgor/sim/report/report.hpp"
 
 namespace turgor {
@@ -44,6 +46,7 @@ std::map<std::string, std::shared_ptr<const Volume<T>>> volumes_of(
     volume.grid.size = {int(samples.shape(2)), int(samples.shape(1)), int(samples.shape(0))};
     volume.grid.spacing = vec_of(spacing), volume.grid.origin = vec_of(origin);
     volume.grid.axes = {{vec_of(axes, 0, 3), vec_of(axes, 1, 3), vec_of(axes, 2, 3)}};
+    required(io::check_grid("the volume of " + name, volume.grid));
     volume.samples.assign(samples.data(), samples.data() + samples.size());
     volumes[name] = std::make_shared<const Volume<T>>(right_handed(std::move(volume)));
   }
@@ -54,6 +57,7 @@ void init_world(PyWorld* self, const fs::path& file, const std::optional<std::st
                 const std::vector<std::string>& overrides, int threads, bool keeps_forces,
                 const std::map<std::string, GivenVolume<std::int16_t>>& volumes,
                 const std::map<std::string, GivenVolume<std::uint16_t>>& labels, nb::object progress) {
+  required(check_threads(threads));
   Scene scene = required(text ? parse_scene(*text, file, overrides) : read_scene(file, overrides));
   required(set_volumes({volumes_of(volumes), volumes_of(labels)}, scene));
   PyProgress reporter(std::move(progress));

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/thread_limit.hpp"
 #include "turgor/sim/tools/tool_path.hpp"
 
 namespace turgor {
@@ -24,6 +25,12 @@ Status set_volumes_of(const std::map<std::string, T>& volumes, Scene& scene, con
           fmt::format("{}: expected a body with model = \"lattice\" for the volume, found none", name)};
   }
   return Done{};
+}
+
+/// Throws Refused for a number of threads that no run can have.
+Exec checked_exec(int threads) {
+  required(check_threads(threads));
+  return Exec(threads);
 }
 
 /// Command from seven numbers. Error: numbers that are not finite, or a zero quaternion.
@@ -58,14 +65,16 @@ PyWorld::Entered::Entered(PyWorld& world) : world_(world) {
 }
 
 PyWorld::PyWorld(Scene scene, int threads, bool keeps_forces, const BeginWork& begin)
-    : exec_(threads), scene_(std::make_shared<const Scene>(std::move(scene))), keeps_forces_(keeps_forces) {
+    : exec_(checked_exec(threads)),
+      scene_(std::make_shared<const Scene>(std::move(scene))),
+      keeps_forces_(keeps_forces) {
   world_ = std::make_unique<World>(required(load_world(exec_, *scene_, begin)));
   measures_ = make_measures(*world_);
   limit_logs();
 }
 
 PyWorld::PyWorld(PyWorld& other, int threads)
-    : exec_(threads == 0 ? other.exec_ : Exec(threads)),
+    : exec_(threads == 0 ? other.exec_ : checked_exec(threads)),
       scene_(other.scene_),
       keeps_forces_(other.keeps_forces_),
       driven_(other.driven_),
@@ -168,7 +177,7 @@ void tick_worlds(const std::vector<PyWorld*>& worlds, std::size_t ticks, std::si
     }
   };
   // not parallel_for, which flushes denormal numbers to zero: results must not depend on the other worlds
-  const std::size_t count = std::min(worlds.size(), std::size_t(Exec(threads).threads()));
+  const std::size_t count = std::min(worlds.size(), std::size_t(checked_exec(threads).threads()));
   std::vector<std::thread> others;
   for (std::size_t n = 1; n < count; n++) others.emplace_back(work);
   work();

@@ -38,7 +38,7 @@ class World(_turgor.World):
         text are relative to `folder`, those in a file to the file. In a dict, a Volume or a Mesh may replace a file name.
     set: keys of the scene to override, as {"body.liver.young": 5e3}; None removes a key.
     volumes, labels: Volumes by body, instead of the files of `ct` and `labels`.
-    threads: 0 = one per core; results do not depend on it.
+    threads: up to 1024; 0 = one per core; results do not depend on it.
     keeps_forces: False: forces() stays empty, which limits the memory of long runs.
     progress: callback progress(label, fraction) during loading; True prints it.
 

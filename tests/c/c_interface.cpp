@@ -242,9 +242,29 @@ TEST(CInterface, CutChangesTopologyOfVolume) {
   std::vector<std::int32_t> triangles(std::size_t(after.triangles) * 3);
   ASSERT_EQ(tg_body_triangles(c.world, 0, triangles.data(), triangles.size(), nullptr), TG_OK);
   EXPECT_EQ(*std::max_element(triangles.begin(), triangles.end()), after.vertices - 1);
+  volume.origin[1] = 1e308;
+  tg_world* far = nullptr;
+  EXPECT_EQ(tg_world_create(&def, &far), TG_ERROR);
+  EXPECT_NE(std::string(tg_error()).find("the volume of block: expected samples within 1e+09 m"),
+            std::string::npos)
+      << tg_error();
+  volume.origin[1] = 0;
   volume.body = "nobody";
   tg_world* world = nullptr;
   EXPECT_EQ(tg_world_create(&def, &world), TG_ERROR);
+}
+
+// A number of threads that no machine has is the caller's error, not a crash.
+TEST(CInterface, RejectsThreadsOutOfRange) {
+  for (const std::int32_t threads : {-1, 1025, 5000, 2147483647}) {
+    tg_world_def def = def_of(kPad);
+    def.threads = threads;
+    tg_world* world = nullptr;
+    EXPECT_EQ(tg_world_create(&def, &world), TG_MISUSE);
+    EXPECT_EQ(world, nullptr);
+    EXPECT_EQ(std::string(tg_error()),
+              fmt::format("expected a number of threads from 0 (one per core) to 1024, found {}", threads));
+  }
 }
 
 // A copy of a world continues to the same bits as the original.

@@ -137,6 +137,31 @@ TEST(Ct, LeftHandedAxesBecomeRightHanded) {
   }
 }
 
+// A volume whose samples are farther than 1e9 m from the patient is rejected in every format.
+TEST(Ct, RejectsDistantOrigin) {
+  const std::filesystem::path folder = fresh_folder();
+  const std::string fields[][2] = {
+      {"far.nrrd",
+       "NRRD0004\ntype: uchar\ndimension: 3\nspace: LPS\nsizes: 2 2 2\nspace directions: (1,0,0) (0,1,0) "
+       "(0,0,1)\nencoding: raw\nspace origin: (1e308,0,0)\n\n12345678"},
+      {"wide.nrrd",
+       "NRRD0004\ntype: uchar\ndimension: 3\nspace: LPS\nsizes: 2 2 2\nspace directions: (1,0,0) (0,1,0) "
+       "(0,0,1e100)\nencoding: raw\nspace origin: (0,0,0)\n\n12345678"},
+      {"far.mha",
+       "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = 2 2 2\nElementType = MET_UCHAR\n"
+       "Offset = 0 1e308 0\nElementDataFile = LOCAL\n12345678"}};
+  for (const auto& [name, bytes] : fields) {
+    write(folder / name, bytes);
+    EXPECT_REFUSED(read_ct(kExec, folder / name), name.c_str(), "expected samples within 1e+09 m");
+    EXPECT_REFUSED(read_labels(folder / name), name.c_str(), "expected samples within 1e+09 m");
+    EXPECT_REFUSED(read_ct_grid(folder / name), name.c_str(), "expected samples within 1e+09 m");
+  }
+  CtVolume ct = make_ct();
+  ct.grid.origin.z = 1e30;
+  ASSERT_TRUE(write_ct(folder / "far.nii", ct));
+  EXPECT_REFUSED(read_ct(kExec, folder / "far.nii"), "far.nii", "expected samples within 1e+09 m");
+}
+
 std::string segmentation(const std::string& keys, const char* sizes = "2 2 2", const char* dimension = "3",
                          const char* directions = "(1,0,0) (0,1,0) (0,0,1)", std::size_t count = 8) {
   std::string samples;

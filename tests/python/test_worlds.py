@@ -295,6 +295,21 @@ class Values(unittest.TestCase):
         with self.assertRaisesRegex(turgor.Error, "missing"):
             turgor.World(self.scene(volume), volumes={"missing": volume})
 
+    # A volume far from the patient is rejected with the name of its body.
+    def test_distant_volume_is_rejected(self):
+        volume = turgor.Volume(self.phantom(), (2e-3, 2e-3, 3e-3), (0, 1e308, 0))
+        with self.assertRaisesRegex(turgor.Error, r"the volume of block: expected samples within 1e\+09 m"):
+            turgor.World(self.scene(volume))
+
+    # Numbers of threads that no machine has are rejected.
+    def test_thread_numbers_out_of_range_are_rejected(self):
+        world = turgor.World(text=PAD, threads=1)
+        for threads in (-1, 1025, 100000):
+            for call in (lambda: turgor.World(text=PAD, threads=threads), lambda: world.copy(threads), lambda: turgor.run(text=PAD, threads=threads),
+                         lambda: turgor.tick_all([world], sliding(1)[None], threads=threads)):
+                with self.assertRaisesRegex(turgor.Error, f"threads from 0 .one per core. to 1024, found {threads}"):
+                    call()
+
     # Meshes from arrays become bodies.
     def test_mesh_from_arrays(self):
         corners = np.array([[x, y, z] for z in (0, 0.03) for y in (0, 0.05) for x in (0, 0.05)])

@@ -10,6 +10,7 @@
 
 #include "turgor/geometry/hounsfield.hpp"
 #include "turgor/io/files/file_cursor.hpp"
+#include "turgor/io/volume/volume_file.hpp"
 
 namespace turgor {
 
@@ -172,6 +173,7 @@ Result<CtFile> read_dicom(const Exec& exec, const fs::path& path, const ReadOpti
   const Grid grid = leans ? straight_grid(volume->grid, volume->shift) : volume->grid;
   if (std::int64_t(sample_count(grid)) > std::int64_t{1} << 33)
     return Error{fmt::format("{}: more samples than the largest volume of 2^33", path.string())};
+  if (Status checked = check_grid(path, grid); !checked) return checked.error();
   // samples
   CtFile file;
   file.ct = {volume->grid, std::vector<std::int16_t>(sample_count(volume->grid))};

@@ -10,6 +10,7 @@
 #include "turgor/io/dicom/dicom.hpp"
 #include "turgor/io/files/header_text.hpp"
 #include "turgor/io/files/input_file.hpp"
+#include "turgor/io/volume/volume_file.hpp"
 
 namespace turgor::io {
 
@@ -244,6 +245,7 @@ Result<LabelFile> read_segmentation(const fs::path& file) {
   if (!seg) return seg.error();
   const Result<Grid> grid = grid_of(file, *seg);
   if (!grid) return grid.error();
+  if (const Status checked = check_grid(file, *grid); !checked) return checked.error();
   if (const Status straight = check_straight(file, *seg, *grid); !straight) return straight.error();
   LabelVolume labels{*grid, std::vector<std::uint16_t>(sample_count(*grid))};
   if (const Status filled = fill_labels(file, *seg, labels); !filled) return filled.error();

@@ -45,7 +45,8 @@ Result<RawVolume> read_volume_samples(const std::filesystem::path& path, const V
 /// Slices [begin, end) alone. Further error: a compressed file.
 Result<RawVolume> read_volume_slices(const std::filesystem::path& path, const VolumeHeader& header, int begin,
                                      int end);
-/// Checks that the spacing is positive and the axes are orthogonal.
+/// Checks that the spacing is positive, the axes are orthogonal, and all corners are within 1e9 m of the
+/// frame's origin.
 Status check_grid(const std::filesystem::path& path, const Grid& grid);
 
 // The three formats, into an open file; write_volume_file calls them.
