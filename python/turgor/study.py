@@ -26,6 +26,7 @@ import json
 import math
 import os
 import pathlib
+import stat
 import subprocess
 import sys
 import time
@@ -124,31 +125,60 @@ def _content(value, folder):
     return value
 
 
+def _text_of(file):
+    """Text of a file. Raises Error for a folder, a pipe or a device, which could be read without end."""
+    _check_is_file(file)
+    try:
+        return pathlib.Path(file).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise Error(f"{file}: expected text in UTF-8, found other bytes: {error}") from error
+
+
+def _check_is_file(file):
+    mode = pathlib.Path(file).stat().st_mode
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "a pipe" if stat.S_ISFIFO(mode) else "a device"
+        raise Error(f"{file}: expected a file, found {kind}")
+
+
 class Study:
     """A validated study file. Raises Error for an invalid one."""
 
     def __init__(self, file):
         self.file = pathlib.Path(file)
         try:
-            text = tomllib.loads(self.file.read_text(encoding="utf-8"))
+            text = tomllib.loads(_text_of(self.file))
+            self._check_tables(text)
             study = text["study"]
             self.scene = self.file.parent / study["scene"]
             self.vary, self.measure, self.run = text["vary"], text["measure"], text.get("run", {})
             self.design = study["design"]
             rows = self._designed()
             cases = self._cases(study.get("cases"))
-            scene = tomllib.loads(self.scene.read_text(encoding="utf-8"))
+            scene_text = _text_of(self.scene)
+            scene = tomllib.loads(scene_text)
         except (OSError, tomllib.TOMLDecodeError) as error:
             raise Error(f"{self.file}: {error}") from error
         except KeyError as error:
             raise Error(f"{self.file}: expected a key {error}, found none") from error
-        fixed = {"version": __version__, "scene": _content(scene, self.scene.parent), "text": self.scene.read_text(encoding="utf-8"),
+        fixed = {"version": __version__, "scene": _content(scene, self.scene.parent), "text": scene_text,
                  "measure": self.measure}
         self.case_count = len(cases)
         self.members = [{"set": {**case, **row}, "case": number} for number, case in enumerate(cases) for row in rows]
         for member in self.members:
             of = {**fixed, "set": member["set"], "files": _content(member["set"], self.file.parent)}
             member["key"] = hashlib.sha256(json.dumps(of, sort_keys=True).encode()).hexdigest()[:24]
+
+    def _check_tables(self, text):
+        """Checks that the sections, the design and the varied keys are tables."""
+        found = {name: text[name] for name in ("study", "vary", "measure", "run") if name in text}
+        if isinstance(text.get("study"), dict) and "design" in text["study"]:
+            found["study.design"] = text["study"]["design"]
+        if isinstance(text.get("vary"), dict):
+            found.update({f"vary.{key}": spec for key, spec in text["vary"].items()})
+        for name, value in found.items():
+            if not isinstance(value, dict):
+                raise Error(f"{self.file}: {name}: expected a table, found {value!r:.60}")
 
     def _designed(self):
         kind = self.design["kind"]
@@ -172,6 +202,7 @@ class Study:
     def _cases(self, table):
         if table is None:
             return [{}]
+        _check_is_file(self.file.parent / table)
         with open(self.file.parent / table, newline="", encoding="utf-8") as rows:
             return [{key: self._path(value) for key, value in row.items()} for row in csv.DictReader(rows)]
 
@@ -256,10 +287,22 @@ def _file_of(member, folder):
 
 
 def _row(file):
+    """Row of a member; None if it is missing or cut short. Raises Error for content that no member writes."""
     try:
-        return json.loads(pathlib.Path(file).read_text(encoding="utf-8"))
+        _check_is_file(file)
+    except OSError:
+        return None
+    try:
+        row = json.loads(pathlib.Path(file).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
+    if not isinstance(row, dict):
+        raise Error(f"{file}: expected the row of a member, a JSON object, found {type(row).__name__}; remove it to run the member again")
+    measured = row.get("measured")
+    numbers = isinstance(measured, dict) and all(isinstance(value, (int, float)) for value in measured.values())
+    if not numbers and not isinstance(row.get("failed"), str):
+        raise Error(f"{file}: expected measured numbers or a failure, found {', '.join(row) or 'nothing'}; remove it to run the member again")
+    return row
 
 
 # The study

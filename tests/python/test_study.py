@@ -122,6 +122,50 @@ class Studies(unittest.TestCase):
         run_study(folder / "study.toml", folder / "whole", jobs=2)
         self.assertEqual(table_of(folder / "out"), table_of(folder / "whole"))
 
+    # Files of members that no member writes get a sentence with their name, and nothing waits for a pipe.
+    def test_foreign_member_files_are_explained(self):
+        folder = folder_with(young="{ values = [4e3] }")
+        members = folder / "out/members"
+        run_study(folder / "study.toml", folder / "out", jobs=2)
+        file = sorted(members.glob("*.json"))[0]
+
+        def expect_refusal(sentence):
+            with self.assertRaisesRegex(turgor.Error, f"{file.name}: {sentence}"):
+                run_study(folder / "study.toml", folder / "out")
+
+        for content in ("[1, 2]", "3", "null", '"text"'):
+            file.write_text(content)
+            expect_refusal("expected the row of a member, a JSON object, found")
+        for content in ("{}", '{"measured": 3}', '{"measured": {"force": "x"}}'):
+            file.write_text(content)
+            expect_refusal("expected measured numbers or a failure, found")
+        file.unlink()
+        file.mkdir()
+        expect_refusal("expected a file, found a folder")
+        file.rmdir()
+        os.mkfifo(file)
+        expect_refusal("expected a file, found a pipe")
+        file.unlink()
+        self.assertEqual(run_study(folder / "study.toml", folder / "out")["failed"], [])
+
+    # Values, folders and pipes in positions of tables and files of a study get a sentence.
+    def test_foreign_study_files_are_explained(self):
+        folder = folder_with()
+        text = (folder / "study.toml").read_text()
+        changes = {
+            "study: expected a table": "study = 3\n[vary]\n[measure]\n",
+            "study.design: expected a table": text.replace('{ kind = "grid" }', "3"),
+            "vary.body.pad.young: expected a table": text.replace("{ values = [2e3, 4e3, 8e3] }", "7"),
+        }
+        for sentence, changed in changes.items():
+            (folder / "study.toml").write_text(changed)
+            with self.assertRaisesRegex(turgor.Error, sentence):
+                run_study(folder / "study.toml", folder / "out")
+        (folder / "study.toml").write_text(text.replace("pad.toml", "pipe.toml"))
+        os.mkfifo(folder / "pipe.toml")
+        with self.assertRaisesRegex(turgor.Error, "pipe.toml: expected a file, found a pipe"):
+            run_study(folder / "study.toml", folder / "out")
+
     # Errors in a study file give an error message.
     def test_study_errors_are_explained(self):
         for design, sentence in (('{ kind = "spiral" }', "grid, lhs, saltelli"), ('{ count = 3 }', "kind")):
