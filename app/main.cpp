@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "app/commands.hpp"
+#include "turgor/core/thread_limit.hpp"
 #include "turgor/io/files/unfinished.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/scene/nearest_name.hpp"
@@ -62,6 +63,14 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   return word + " is not a command" + turgor::suggestion(word, names);
 }
 
+/// "FILE: " of the command's first argument, such as the scene of run; empty without one.
+std::string input_of(const CLI::App& program) {
+  for (const CLI::App* command : program.get_subcommands())
+    for (const CLI::Option* option : command->get_options())
+      if (option->get_positional() && option->count() > 0) return option->results().front() + ": ";
+  return {};
+}
+
 /// Runs the command line and returns the exit code.
 int run(int argc, char** argv) {
   CLI::App program{
@@ -79,7 +88,7 @@ int run(int argc, char** argv) {
   program.set_help_all_flag("--help-all", "Print the help of all commands");
   turgor::Global global;
   program.add_option("--threads", global.threads, "Threads to use; 0 = one per core")
-      ->check(CLI::Range(0, 1024));
+      ->check(CLI::Range(0, turgor::kMostThreads));
   program.fallthrough();
   turgor::add_run_command(program, global);
   turgor::add_replay_command(program, global);
@@ -108,7 +117,7 @@ int run(int argc, char** argv) {
   } catch (const std::system_error& error) {  // fmt::print
     return fail_to_print(error.code().value());
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory; a larger block or a smaller CT needs less");
+    return fail(input_of(program) + "not enough memory; a larger block or a smaller CT needs less");
   } catch (const std::exception& error) {
     return fail(error.what());
   }

@@ -1,5 +1,6 @@
 // Failed writes. The program ends with a message and an exit code, and earlier files stay unchanged.
 #include <csignal>
+#include <cstring>
 
 #include "tests/app/program.hpp"
 
@@ -166,6 +167,28 @@ TEST_F(FilesOut, NonFiniteRunKeepsResults) {
   EXPECT_NE(report["warnings"].dump().find("the next step was not finite"), std::string::npos);
   EXPECT_FALSE(report["pictures"].empty());
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers reserve terabytes
+// Too little memory for a file, or for a scene, is reported with its name.
+TEST_F(FilesOut, TooLittleMemoryNamesFile) {
+  const auto printed = [&](const std::string& arguments) {
+    const Ended ended =
+        run_shell("ulimit -v 600000 && '" TURGOR_PROGRAM "' --threads 1 " + arguments, folder);
+    EXPECT_EQ(ended.code, 2) << ended.printed;
+    return ended.printed;
+  };
+  std::string stl(84, '\0');
+  const std::uint32_t triangles = 14000000;
+  std::memcpy(stl.data() + 80, &triangles, sizeof triangles);
+  write(folder / "huge.stl", stl);
+  fs::resize_file(folder / "huge.stl", 84 + std::uintmax_t(50) * triangles);  // sparse
+  EXPECT_NE(printed("info huge.stl").find("huge.stl: cannot be read: not enough memory"), std::string::npos);
+  write(folder / "huge.toml",
+        "[body.b]\nmodel = \"sfem\"\ncache = false\nblock = { size = [1, 1, 1], count = [200, 200, 200] }\n");
+  EXPECT_NE(printed("run huge.toml -q --out huge").find("huge.toml: not enough memory"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "huge"));
+}
+#endif
 
 // Two outputs with the same file name are refused with a message that names both keys.
 TEST_F(FilesOut, RejectsOutputsWithEqualNames) {

@@ -13,6 +13,7 @@
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/dicom/dicom.hpp"
 #include "turgor/io/files/input_file.hpp"
+#include "turgor/io/files/within_memory.hpp"
 #include "turgor/io/volume/volume_file.hpp"
 
 namespace turgor {
@@ -89,9 +90,7 @@ Error no_label(const fs::path& path, const RawVolume& raw, std::size_t at) {
                       path.string(), at % nx, at / nx % ny, at / nx / ny, value)};
 }
 
-}  // namespace
-
-Result<CtFile> read_ct(const Exec& exec, const fs::path& path, const ReadOptions& options) {
+Result<CtFile> read_any_ct(const Exec& exec, const fs::path& path, const ReadOptions& options) {
   std::error_code failed;
   if (fs::is_directory(path, failed)) return io::read_dicom(exec, path, options);
   if (Status input = io::check_input(path); !input) return input.error();
@@ -105,8 +104,6 @@ Result<CtFile> read_ct(const Exec& exec, const fs::path& path, const ReadOptions
   if (options.progress) options.progress(1);
   return file;
 }
-
-namespace {
 
 Result<io::VolumeHeader> header_of_slices(const fs::path& path) {
   if (Status input = io::check_input(path); !input) return input.error();
@@ -127,6 +124,10 @@ Result<io::VolumeHeader> header_of_slices(const fs::path& path) {
 }
 
 }  // namespace
+
+Result<CtFile> read_ct(const Exec& exec, const fs::path& path, const ReadOptions& options) {
+  return io::within_memory(path, [&] { return read_any_ct(exec, path, options); });
+}
 
 Result<Grid> read_ct_grid(const fs::path& path) {
   const Result<io::VolumeHeader> header = header_of_slices(path);
@@ -168,7 +169,9 @@ Result<LabelFile> read_labels_of(const fs::path& path, const Grid& ct) {
   return read;
 }
 
-Result<LabelFile> read_labels(const fs::path& path) {
+namespace {
+
+Result<LabelFile> read_any_labels(const fs::path& path) {
   if (Status input = io::check_input(path); !input) return input.error();
   if (io::is_dicom(path)) return io::read_segmentation(path);
   const Result<RawVolume> raw = read_raw(path, 1);
@@ -184,7 +187,7 @@ Result<LabelFile> read_labels(const fs::path& path) {
   return file;
 }
 
-Result<VectorVolume> read_vectors(const fs::path& path) {
+Result<VectorVolume> read_any_vectors(const fs::path& path) {
   const Result<RawVolume> raw = read_raw(path, 3);
   if (!raw) return raw.error();
   VectorVolume vectors{raw->grid, std::vector<Vec3>(raw->value_count() / 3)};
@@ -194,6 +197,16 @@ Result<VectorVolume> read_vectors(const fs::path& path) {
       vectors.samples[i] = {value(3 * i), value(3 * i + 1), value(3 * i + 2)};
   });
   return right_handed(std::move(vectors));
+}
+
+}  // namespace
+
+Result<LabelFile> read_labels(const fs::path& path) {
+  return io::within_memory(path, [&] { return read_any_labels(path); });
+}
+
+Result<VectorVolume> read_vectors(const fs::path& path) {
+  return io::within_memory(path, [&] { return read_any_vectors(path); });
 }
 
 Status write_ct(const fs::path& path, const CtVolume& ct) {

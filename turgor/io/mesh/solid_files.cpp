@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/files/file.hpp"
+#include "turgor/io/files/within_memory.hpp"
 #include "turgor/io/mesh/mesh_bytes.hpp"
 #include "turgor/io/mesh/solid_formats.hpp"
 #include "turgor/io/mesh/surface_formats.hpp"
@@ -65,11 +66,13 @@ SolidFormat solid_format(std::string_view head) {
 
 Result<ReadSolid> read_solid(const fs::path& path, double scale) {
   TURGOR_ASSERT(scale > 0, "a scale is positive");
-  const Result<std::string> bytes = io::read_mesh_bytes(path);
-  if (!bytes) return bytes.error();
-  const Result<io::FoundSolid> found = io::parse_solid(path, *bytes);
-  if (!found) return found.error();
-  return io::finish_solid(path, *found, scale);
+  return io::within_memory(path, [&]() -> Result<ReadSolid> {
+    const Result<std::string> bytes = io::read_mesh_bytes(path);
+    if (!bytes) return bytes.error();
+    const Result<io::FoundSolid> found = io::parse_solid(path, *bytes);
+    if (!found) return found.error();
+    return io::finish_solid(path, *found, scale);
+  });
 }
 
 bool is_solid_file(const fs::path& path) {

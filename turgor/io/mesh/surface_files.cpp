@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/files/within_memory.hpp"
 #include "turgor/io/mesh/mesh_bytes.hpp"
 #include "turgor/io/mesh/surface_formats.hpp"
 
@@ -108,16 +109,18 @@ SurfaceFormat surface_format(const fs::path& path, std::string_view head, std::u
 
 Result<ReadSurface> read_surface(const fs::path& path, double scale) {
   TURGOR_ASSERT(scale > 0, "a scale is positive");
-  const Result<std::string> bytes = io::read_mesh_bytes(path);
-  if (!bytes) return bytes.error();
-  const Result<io::FoundSurface> found = io::parse_surface(path, *bytes);
-  if (!found) return found.error();
-  Result<ReadSurface> read = io::finish_surface(path, *found, scale);
-  if (read && io::says_ras(*bytes))
-    read->notes.push_back(
-        "the file declares RAS, but bodies are in LPS; its coordinates were used unchanged, with the signs "
-        "of x and y of RAS");
-  return read;
+  return io::within_memory(path, [&]() -> Result<ReadSurface> {
+    const Result<std::string> bytes = io::read_mesh_bytes(path);
+    if (!bytes) return bytes.error();
+    const Result<io::FoundSurface> found = io::parse_surface(path, *bytes);
+    if (!found) return found.error();
+    Result<ReadSurface> read = io::finish_surface(path, *found, scale);
+    if (read && io::says_ras(*bytes))
+      read->notes.push_back(
+          "the file declares RAS, but bodies are in LPS; its coordinates were used unchanged, with the signs "
+          "of x and y of RAS");
+    return read;
+  });
 }
 
 bool is_surface_file(const fs::path& path) {

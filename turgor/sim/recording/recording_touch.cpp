@@ -165,7 +165,7 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
   const bool sound = read_inside(reading, surface.inside) && outer && (known == 0 || known == count) &&
                      (numbers == 0 || numbers == count) && is_finite(rest) && is_finite(displacement);
   if (!reading.status()) return reading.status().error();
-  if (!sound) return Error{fmt::format("{}: the surface is damaged", group)};
+  if (!sound) return Error{fmt::format("{}: {}: the surface is damaged", file.path().string(), group)};
   surface.mesh_vertex.assign(mesh_vertex.begin(), mesh_vertex.end());
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
   surface.triangles = *outer;
