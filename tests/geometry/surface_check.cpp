@@ -96,6 +96,25 @@ TEST(SurfaceCheck, KeepsCavityDropsSecondBody) {
   EXPECT_NE(checked->notes[0].find("1 smaller component "), std::string::npos) << checked->notes[0];
 }
 
+// Overlap notes name crossing and nested bodies; separate bodies and cavities have none.
+TEST(SurfaceCheck, OverlapNotesNameCrossingAndNestedBodies) {
+  const TriMesh box = test::box_surface({1, 1, 1});
+  const TriMesh ball = test::sphere_surface({0.5, 0.5, 0.5}, 0.2, 2);
+  TriMesh cavity = ball;
+  for (Int3& t : cavity.triangles) std::swap(t.x, t.y);
+  const auto notes = [](const TriMesh& mesh) { return overlap_notes(Exec(2), mesh); };
+  EXPECT_TRUE(notes(box).empty());
+  EXPECT_TRUE(notes(joined(box, cavity)).empty());
+  EXPECT_TRUE(notes(joined(box, test::sphere_surface({3, 0, 0}, 0.1, 1))).empty());
+  const auto nested = notes(joined(box, ball));
+  ASSERT_EQ(nested.size(), 1u);
+  EXPECT_NE(nested[0].find("1 component of the surface with "), std::string::npos) << nested[0];
+  EXPECT_NE(nested[0].find("lies inside another one"), std::string::npos) << nested[0];
+  const auto crossing = notes(joined(box, test::sphere_surface({1, 0.45, 0.55}, 0.2, 2)));
+  ASSERT_GE(crossing.size(), 1u);
+  EXPECT_EQ(crossing[0].find("the surface crosses itself: "), 0u) << crossing[0];
+}
+
 // A vertex pushed through the opposite side makes triangles cross.
 TEST(SurfaceCheck, DetectsSelfIntersection) {
   TriMesh ball = test::sphere_surface({}, 1, 2);

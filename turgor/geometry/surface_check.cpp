@@ -125,15 +125,44 @@ CheckedSurface largest_body(const TriMesh& surface) {
   return result;
 }
 
+/// "the surface crosses itself: 12 pairs of triangles, the first at 1 2 3 mm".
+std::string crossings_text(const TriMesh& surface, const std::vector<std::pair<int, int>>& pairs) {
+  const int vertex = surface.triangles[std::size_t(pairs[0].first)].x;
+  return "the surface crosses itself: " + std::to_string(pairs.size()) +
+         (pairs.size() == 1 ? " pair" : " pairs") + " of triangles, the first at " +
+         position_text(Vec3d(surface.vertices[std::size_t(vertex)]));
+}
+
 void note_crossings(const Exec& exec, CheckedSurface& body) {
   const auto pairs = crossing_triangles(exec, body.mesh);
   body.crossings = pairs.size();
   if (pairs.empty()) return;
-  const int vertex = body.mesh.triangles[std::size_t(pairs[0].first)].x;
-  body.notes.push_back("the surface crosses itself: " + std::to_string(pairs.size()) +
-                       (pairs.size() == 1 ? " pair" : " pairs") + " of triangles, the first at " +
-                       position_text(Vec3d(body.mesh.vertices[std::size_t(vertex)])) +
-                       "; the inside is defined by the winding number");
+  body.notes.push_back(crossings_text(body.mesh, pairs) + "; the inside is defined by the winding number");
+}
+
+/// Components with a positive volume whose first vertex is inside another such component.
+struct Nested {
+  std::size_t count = 0;
+  double volume = 0;  // [m³]
+};
+
+Nested nested_components(const TriMesh& surface) {
+  // bodies without their cavities
+  std::vector<std::vector<Int3>> bodies;
+  for (std::vector<Int3>& component : connected_triangles(surface))
+    if (enclosed_volume(surface, component) > 0) bodies.push_back(std::move(component));
+  if (bodies.size() < 2) return {};
+  // those inside another one
+  std::vector<char> is_nested(bodies.size(), 0);
+  for (std::size_t i = 0; i < bodies.size(); i++) {
+    const SignedDistance outer = distance_to_surface({.vertices = surface.vertices, .triangles = bodies[i]});
+    for (std::size_t j = 0; j < bodies.size(); j++)
+      if (j != i && outer.at(Vec3d(surface.vertices[std::size_t(bodies[j][0].x)])) < 0) is_nested[j] = 1;
+  }
+  Nested nested;
+  for (std::size_t j = 0; j < bodies.size(); j++)
+    if (is_nested[j]) nested.count++, nested.volume += enclosed_volume(surface, bodies[j]);
+  return nested;
 }
 
 }  // namespace
@@ -150,6 +179,20 @@ Result<CheckedSurface> check_surface(const Exec& exec, const TriMesh& surface) {
   if (!(body.volume > 0)) return Error{"the surface encloses no volume"};
   note_crossings(exec, body);
   return body;
+}
+
+std::vector<std::string> overlap_notes(const Exec& exec, const TriMesh& surface) {
+  std::vector<std::string> notes;
+  const auto pairs = crossing_triangles(exec, surface);
+  if (!pairs.empty())
+    notes.push_back(crossings_text(surface, pairs) + "; tools also touch what lies inside the body there");
+  const Nested nested = nested_components(surface);
+  if (nested.count > 0)
+    notes.push_back(std::to_string(nested.count) + (nested.count == 1 ? " component" : " components") +
+                    " of the surface with " + number_text(nested.volume * 1e6) +
+                    (nested.count == 1 ? " mL lies" : " mL lie") +
+                    " inside another one: tools also touch what lies inside the body there");
+  return notes;
 }
 
 }  // namespace turgor

@@ -23,6 +23,10 @@ struct CheckedSurface {
 /// (counted from 0 in the order of `surface`) and position.
 Result<CheckedSurface> check_surface(const Exec& exec, const TriMesh& surface);
 
+/// Sentences about triangles that cross each other, and about components inside others that are no cavities.
+/// Empty for a surface that separates inside from outside once. Edges must have two triangles each.
+std::vector<std::string> overlap_notes(const Exec& exec, const TriMesh& surface);
+
 /// Pairs of triangles (lower number first, ascending) where an edge of one passes through the other.
 /// Neighbors that share an edge are skipped.
 std::vector<std::pair<int, int>> crossing_triangles(const Exec& exec, const TriMesh& surface);

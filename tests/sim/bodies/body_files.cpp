@@ -92,6 +92,29 @@ TEST(BodyFiles, SolidMeshUpAxisIsApplied) {
   }
 }
 
+// A chain body of a file with nested components has a note, as an sfem body has.
+TEST(BodyFiles, NestedChainBodyIsNoted) {
+  const fs::path folder = fresh_folder();
+  TriMesh liver = phantom_liver(0.3);
+  liver.normals.clear();
+  const auto notes = [&](const TriMesh& mesh) {
+    EXPECT_TRUE(write_obj(folder / "liver.obj", mesh));
+    const Result<World> world = load(folder, "[body.c]\nmodel = \"rhombus\"\nsurface = \"liver.obj\"\n");
+    EXPECT_TRUE(world) << world.error().message;
+    return world ? world->rhombus_bodies[0].notes : std::vector<std::string>{};
+  };
+  EXPECT_TRUE(notes(liver).empty());
+  Vec3 center;
+  for (const Vec3 x : liver.vertices) center += x * (1.0f / float(liver.vertices.size()));
+  TriMesh nested = liver;
+  for (const Vec3 x : liver.vertices) nested.vertices.push_back(center + 0.2f * (x - center));
+  const int count = int(liver.vertices.size());
+  for (const Int3 t : liver.triangles) nested.triangles.push_back({t.x + count, t.y + count, t.z + count});
+  const std::vector<std::string> found = notes(nested);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find("inside another one"), std::string::npos) << found[0];
+}
+
 // An up key without a file or with an unknown axis is refused.
 TEST(BodyFiles, RejectsInvalidUpAxis) {
   const auto message = [](const std::string& text) {

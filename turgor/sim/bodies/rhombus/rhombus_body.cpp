@@ -9,6 +9,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
+#include "turgor/geometry/surface_check.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/models/rhombus/surface_stiffness.hpp"
@@ -79,6 +80,12 @@ Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScen
   return rhombus::stiffness_below(surface, scene.depth, rhombus::factor_of_labels(labels, by_label.factors));
 }
 
+TriMesh mesh_of(const rhombus::Surface& s) {
+  TriMesh mesh{.vertices = {}, .triangles = s.triangles};
+  for (const Vec3d x : s.vertices) mesh.vertices.push_back(Vec3(x));
+  return mesh;
+}
+
 double enclosed_volume(const rhombus::Surface& s) {
   double sum = 0;
   for (const Int3 t : s.triangles) {
@@ -121,6 +128,11 @@ Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene,
   const Timer building;
   Result<rhombus::Model> model = rhombus::build(*shape, scene.params);
   if (!model) return Error{fmt::format("{}: {}", scene.source_location, model.error().message)};
+  // components of a file that overlap
+  if (std::holds_alternative<SurfaceFile>(scene.source)) {
+    const std::vector<std::string> overlaps = overlap_notes(loading.exec, mesh_of(model->surface));
+    body.notes.insert(body.notes.end(), overlaps.begin(), overlaps.end());
+  }
   // rebuild with the elastic stiffness of each vertex
   if (scene.stiffness) {
     Result<std::vector<double>> stiffness =
