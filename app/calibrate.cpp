@@ -149,6 +149,13 @@ Json to_json(const CalibrateOptions& options, const Given& given, const rhombus:
           {"accepted", fit.largest <= kAccepted}};
 }
 
+/// "3.2 %"; far beyond any fit, a bound.
+std::string percent_text(double error) {
+  constexpr double kMost = 10;
+  return error > kMost ? fmt::format("more than {:.0f} %", 100 * kMost)
+                       : fmt::format("{:.1f} %", 100 * error);
+}
+
 void print(const Given& given, const rhombus::Fit& fit, const fs::path& out) {
   const rhombus::ChainParams& p = fit.params;
   const double degrees = p.angle * 180 / std::numbers::pi;
@@ -160,10 +167,11 @@ void print(const Given& given, const rhombus::Fit& fit, const fs::path& out) {
   fmt::print(
       "k_N {:.5g} N/m, k_T1 {:.5g} N/m, beta {:.4g}, theta {:.4g} degrees, side {:.4g} mm, for a tip of "
       "{:.4g} mm\n"
-      "residual relative to the force: largest {:.1f} %, root mean square {:.1f} % ({})\n\n"
+      "residual relative to the force: largest {}, root mean square {} ({})\n\n"
       "In a scene:\n  chain = {{ normal = {:.6g}, tangential = {:.6g}, decay = {:.6g}, angle = {:.6g}, "
       "side = {:.6g}, stiffening = {:.6g}, tip = {:.6g} }}\n\nboth curves and the residual   {}\n",
-      p.normal, p.tangential, p.decay, degrees, p.side * 1e3, p.tip * 1e3, 100 * fit.largest, 100 * fit.rms,
+      p.normal, p.tangential, p.decay, degrees, p.side * 1e3, p.tip * 1e3, percent_text(fit.largest),
+      percent_text(fit.rms),
       fit.largest <= kAccepted ? "within 10 %" : "more than 10 %: another side may fit better", p.normal,
       p.tangential, p.decay, degrees, p.side, p.stiffening, p.tip, out.string());
 }

@@ -44,10 +44,12 @@ std::string force_error_warning(const World& world, const TouchingTool& tool) {
   const std::string advice = finer > 0 ? fmt::format("patch.refinement = {} reduces that below", finer)
                                        : std::string("a finer mesh reduces that below");
   return fmt::format(
-      "{}: the expected force error is up to {:.0f} %: element edges under it are {:.3g} mm, split into {} "
+      "{}: the expected force error is {} %: element edges under it are {:.3g} mm, split into {} "
       "segments, for a contact radius of {:.3g} mm; {} {:.0f} %",
-      tool.name, 100 * error, 1e3 * touched->edge, touched->refinement, 1e3 * touched->contact, advice,
-      100 * kMuch);
+      tool.name,
+      error > kForceUnknown ? fmt::format("more than {:.0f}", 100 * kForceUnknown)
+                            : fmt::format("up to {:.0f}", 100 * error),
+      1e3 * touched->edge, touched->refinement, 1e3 * touched->contact, advice, 100 * kMuch);
 }
 
 }  // namespace

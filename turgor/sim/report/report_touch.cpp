@@ -210,7 +210,9 @@ ToolInput tool_input(const ToolScene& scene, const TouchingTool& tool, const Wor
 
 Json expected_force_error(const ToolInput& t) {
   const auto touched = touched_elements(t.world, t.tool);
-  return touched ? Json(sfem::expected_error(*touched)) : absent();
+  if (!touched) return absent();
+  const double error = sfem::expected_error(*touched);
+  return error <= kForceUnknown ? Json(error) : Json();
 }
 
 using T = ToolInput;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/format.h>
+
 #include "tests/sim/sfem_scene_text.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/report/force_error.hpp"
@@ -28,7 +30,7 @@ World pressed_world(const std::string& body, int refinement, double depth, int c
                            "\npatch = { radius = 0.01, refinement = " + std::to_string(refinement) +
                            " }\n[tool.ball]\nbody = \"pad\"\nshape = { sphere = 0.008 }\n"
                            "press = { at_fraction = [0.5, 0.5, 1], depth = " +
-                           std::to_string(depth) + ", start = 0, duration = 0.05, hold = 0.05 }\n";
+                           fmt::format("{:g}", depth) + ", start = 0, duration = 0.05, hold = 0.05 }\n";
   const Result<Scene> scene = parse_scene(text, fs::path("s.toml"));
   EXPECT_TRUE(scene) << scene.error().message;
   Result<World> world = load_world(Exec(2), *scene);
@@ -126,6 +128,8 @@ TEST(WideContact, CoarseElementsSuggestRefinement) {
         force_error_warnings(pressed_world(kBlock, refinement, depth, 64));
     return sentences.empty() ? std::string() : sentences[0];
   };
+  EXPECT_NE(warning_at(1, 1e-9).find("the expected force error is more than 100 %"), std::string::npos)
+      << warning_at(1, 1e-9);
   const std::string coarse = warning_at(1, 0.001);
   EXPECT_NE(coarse.find("into 1 segments"), std::string::npos) << coarse;
   EXPECT_NE(coarse.find("a contact radius of 2.83 mm"), std::string::npos) << coarse;
