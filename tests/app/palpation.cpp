@@ -187,7 +187,7 @@ TEST(Palpation, WrongInputsEndWithMessage) {
       {"flat.toml", "flat.msh"},
       {"gone.toml", "gone.msh"},
       {"good.toml --set body.pad.poisson=0.5", "--set body.pad.poisson: expected below 0.5"},
-      {"good.toml --set body.pad.young=-3", "expected a number above 0 [Pa], found -3"},
+      {"good.toml --set body.pad.young=-3", "expected a number from 0.001 to 1e+12 [Pa], found -3"},
       {"label.toml", "99"},
       {"good.toml --set tool.finger.shape.sphere=0.2", "the tool is 0.4 m wide, the body pad 0.06 m"},
       {"good.toml --set tool.finger.body=paddy",

@@ -56,6 +56,11 @@ TEST(SceneRhombus, ErrorsNameLocation) {
   EXPECT_NE(error_of(std::string(kLiver) + "tissue = \"livr\"\n").find("found \"livr\""), std::string::npos);
   EXPECT_NE(error_of(std::string(kLiver) + "chain = { angle = 90 }\n").find("s.toml:4:"), std::string::npos);
   EXPECT_NE(error_of(std::string(kLiver) + "chain = { normal = -1 }\n").find("found -1"), std::string::npos);
+  for (const char* key : {"normal", "tangential"})
+    EXPECT_NE(error_of(std::string(kLiver) + "chain = { " + key + " = 1e300 }\n")
+                  .find("expected a number from 1e-06 to 1000000 [N/m], found 1e+300"),
+              std::string::npos)
+        << key;
   EXPECT_NE(error_of(std::string(kLiver) + "bulgy = 1\n").find("did you mean bulge?"), std::string::npos);
   EXPECT_NE(error_of(std::string(kLiver) + "stiffness = { labels = \"s.nii\", factors = { nodul = 2 } }\n")
                 .find("did you mean nodule?"),
@@ -64,7 +69,7 @@ TEST(SceneRhombus, ErrorsNameLocation) {
        {"1", "[]", "[[40, 1], [40, 2]]", "[[40]]", "[[40, 0]]", "[40, 1]", "{ nodule = 8 }"})
     EXPECT_NE(error_of(std::string(kLiver) +
                        "stiffness = { ct = { phantom = \"torso\" }, factors = " + factors + " }\n")
-                  .find("expected pairs [HU, factor above 0]"),
+                  .find("expected pairs [HU, factor from 1e-6 to 1e6]"),
               std::string::npos)
         << factors;
   EXPECT_NE(

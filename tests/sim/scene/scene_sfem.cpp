@@ -113,6 +113,9 @@ TEST(SceneSfem, ErrorsNameLocation) {
   const struct {
     std::string text, words;
   } cases[] = {
+      {small("block = { size = [1, 1, 1], count = [1, 1, 1] }\nyoung = 1e100"),
+       "body.b.young: expected a number from 0.001 to 1e+12 [Pa], found 1e+100"},
+      {small("block = { size = [1e-300, 1, 1], count = [1, 1, 1] }"), ", which is 0 in single precision"},
       {small("young = 1"), "s.toml:1:1: body.b: mesh or surface or labels or block is missing"},
       {small("mesh = \"a.msh\"\nsurface = \"b.obj\""), "a body has one shape: either mesh or surface"},
       {small("labels = \"s.nii\""), "label is missing: the label of the body"},

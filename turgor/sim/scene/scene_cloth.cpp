@@ -9,6 +9,7 @@ namespace turgor {
 namespace {
 
 const Allowed kPosition = within(-100, 100, "m");
+const Allowed kStiffness = within(1e-12, 1e30, "N/m");  // a step that is not finite is undone and reported
 
 GarmentFile read_garment(SceneTable& table) {
   GarmentFile garment;
@@ -42,8 +43,8 @@ void read_fabric(SceneTable table, cloth::Fabric& fabric) {
                          "paper");
   // keys with limits
   table.read("density", fabric.density, positive("kg/m²"), "mass per area");
-  table.read("warp", fabric.warp, positive("N/m"), "stiffness along the warp");
-  table.read("weft", fabric.weft, positive("N/m"), "stiffness along the weft");
+  table.read("warp", fabric.warp, kStiffness, "stiffness along the warp");
+  table.read("weft", fabric.weft, kStiffness, "stiffness along the weft");
   table.read("shear", fabric.shear, not_negative("N/m"),
              "sheet: force per width and shear angle; springs: stiffness on the bias");
   table.read("poisson", fabric.poisson, within(0, 10),

@@ -10,21 +10,33 @@
 
 namespace turgor {
 
-/// Allowed numbers, and their unit in error messages.
+/// Allowed numbers, and their unit in error messages. Numbers whose magnitude single precision rounds to 0 or
+/// to infinity are never allowed.
 struct Allowed {
   double low = -std::numeric_limits<double>::max(), high = std::numeric_limits<double>::max();
   bool open = false;  // true if the limits themselves are excluded
   const char* unit = "";
 };
-inline Allowed any_number(const char* unit) { return {.unit = unit}; }
-inline Allowed positive(const char* unit) { return {.low = 0, .open = true, .unit = unit}; }
-inline Allowed not_negative(const char* unit) { return {.low = 0, .unit = unit}; }
+
+/// Largest magnitude of a number without a narrower range, and the reciprocal of the smallest. Products of
+/// three such numbers, as in the determinant of a stiffness, fit in single precision (1e-38 to 3e38).
+constexpr double kMostCarried = 1e12;
+
+inline Allowed any_number(const char* unit) {
+  return {.low = -kMostCarried, .high = kMostCarried, .unit = unit};
+}
+inline Allowed positive(const char* unit) {
+  return {.low = 1 / kMostCarried, .high = kMostCarried, .unit = unit};
+}
+inline Allowed not_negative(const char* unit) { return {.low = 0, .high = kMostCarried, .unit = unit}; }
 inline Allowed within(double low, double high, const char* unit = "") {
   return {.low = low, .high = high, .unit = unit};
 }
 inline Allowed inside(double low, double high, const char* unit = "") {
   return {.low = low, .high = high, .open = true, .unit = unit};
 }
+/// Young's moduli. Compliances of bodies of any size fit in single precision with them.
+inline Allowed modulus() { return within(1e-3, kMostCarried, "Pa"); }
 /// "from 0 to 1", "above 0"; empty without limits.
 std::string limits_text(const Allowed& allowed);
 

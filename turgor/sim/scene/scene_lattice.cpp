@@ -91,7 +91,7 @@ void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::Tiss
   SceneTable table = tissue.table("labels");
   for (const std::string& name : table.keys()) {
     double young = 0;
-    table.read(name, young, positive("Pa"), "Young's modulus of this label");
+    table.read(name, young, modulus(), "Young's modulus of this label");
     const int label = find_label(table, name, name, labels);
     if (label > 0 && young > 0) params.young_of_label[label] = young;
   }
@@ -101,7 +101,7 @@ void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::Tiss
 void read_young(SceneTable& tissue, lattice::TissueParams& params) {
   double young = 0;
   tissue.read(
-      "young", young, positive("Pa"),
+      "young", young, modulus(),
       {"one Young's modulus for gas, fat, muscle and bone; a tissue with its own key keeps its own", "none"});
   if (young > 0) params.gas = params.fat = params.muscle = params.bone = young;
 }
@@ -132,10 +132,10 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
   SceneTable tissue = body.table("tissue");
   // stiffness per tissue, thresholds of CT values
   read_young(tissue, params);
-  tissue.read("gas", params.gas, positive("Pa"), "Young's modulus of gas inside the body");
-  tissue.read("fat", params.fat, positive("Pa"), "of fat");
-  tissue.read("muscle", params.muscle, positive("Pa"), "of muscle and organs");
-  tissue.read("bone", params.bone, positive("Pa"), "of bone that is not fixed");
+  tissue.read("gas", params.gas, modulus(), "Young's modulus of gas inside the body");
+  tissue.read("fat", params.fat, modulus(), "of fat");
+  tissue.read("muscle", params.muscle, modulus(), "of muscle and organs");
+  tissue.read("bone", params.bone, modulus(), "of bone that is not fixed");
   tissue.read("air_max", params.air_max, within(-1024, 3071, "HU"), "below is air");
   tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"), "below is fat");
   tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"), "above is bone");

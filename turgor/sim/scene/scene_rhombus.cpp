@@ -12,6 +12,9 @@ namespace turgor {
 
 namespace {
 
+const Allowed kUnitStiffness = within(1e-6, 1e6, "N/m");  // calibrate finds no other
+const Allowed kFactor = within(1e-6, 1e6);                // of the stiffness
+
 RhombusSource read_source(SceneTable& body, const Scene& scene) {
   // exactly one source is allowed
   const std::vector<std::string> kinds = {"surface", "surface_of"};
@@ -59,8 +62,8 @@ void read_tissue(SceneTable& body, RhombusScene& scene) {
 /// Chain parameters that replace those of the tissue.
 void read_chain(SceneTable table, rhombus::ChainParams& chain) {
   // stiffness of the units
-  table.read("normal", chain.normal, positive("N/m"), {"k_N of every unit", "the tissue's"});
-  table.read("tangential", chain.tangential, positive("N/m"), {"k_T of the first unit", "the tissue's"});
+  table.read("normal", chain.normal, kUnitStiffness, {"k_N of every unit", "the tissue's"});
+  table.read("tangential", chain.tangential, kUnitStiffness, {"k_T of the first unit", "the tissue's"});
   table.read("decay", chain.decay, positive(""),
              {"β: k_T grows by e^(1/β) from unit to unit", "the tissue's"});
   // rest geometry; the scene gives degrees
@@ -96,7 +99,7 @@ LabelStiffness read_label_stiffness(SceneTable& table) {
   SceneTable factors = table.table("factors");
   for (const std::string& name : factors.keys()) {
     double factor = 1;
-    factors.read(name, factor, positive(""), "stiffness factor of this label");
+    factors.read(name, factor, kFactor, "stiffness factor of this label");
     stiffness.factors[find_label(factors, name, name, names)] = factor;
   }
   stiffness.label_note = names.note;
@@ -105,7 +108,7 @@ LabelStiffness read_label_stiffness(SceneTable& table) {
 }
 
 CtStiffness read_ct_stiffness(SceneTable& table) {
-  const std::string expected = "pairs [HU, factor above 0], ascending, as [[-100, 0.5], [40, 1]]";
+  const std::string expected = "pairs [HU, factor from 1e-6 to 1e6], ascending, as [[-100, 0.5], [40, 1]]";
   CtStiffness stiffness{read_ct_source(table), {}};
   const toml::node* pairs = table.find("factors");
   if (!pairs) return stiffness;
@@ -116,7 +119,8 @@ CtStiffness read_ct_stiffness(SceneTable& table) {
     const std::vector<double> v = table.numbers("factors", pair, any_number("HU or 1"));
     if (v.empty()) return stiffness;  // a problem was added
     const bool ascends = stiffness.factors.empty() || v[0] > stiffness.factors.rbegin()->first;
-    if (v.size() != 2 || !ascends || v[1] <= 0) return table.fail_value("factors", pair, expected), stiffness;
+    if (v.size() != 2 || !ascends || v[1] < kFactor.low || v[1] > kFactor.high)
+      return table.fail_value("factors", pair, expected), stiffness;
     stiffness.factors[v[0]] = v[1];
   }
   return stiffness;

@@ -93,7 +93,7 @@ UpAxis up_of(const SolidSource& source) {
 }
 
 void read_material(SceneTable& table, sfem::Material& material) {
-  table.read("young", material.young, positive("Pa"), "Young's modulus");
+  table.read("young", material.young, modulus(), "Young's modulus");
   const toml::node* node = table.find("poisson");
   table.describe("poisson", "", number_text(material.poisson).c_str(), "Poisson's ratio", inside(-1, 0.5));
   if (!node) return;

@@ -16,11 +16,24 @@ std::string with_unit(const Allowed& allowed) {
   return *allowed.unit ? fmt::format("{} [{}]", text, allowed.unit) : text;
 }
 
+/// True if single precision holds the number, with its full number of digits.
+bool fits_single(double value) {
+  const double size = std::abs(value);
+  return size == 0 ||
+         (size >= std::numeric_limits<float>::min() && size <= std::numeric_limits<float>::max());
+}
+
 bool allows(const Allowed& allowed, double value) {
   TURGOR_CHECK(allowed.low <= allowed.high, "a range has its lower limit first");
-  if (!std::isfinite(value)) return false;
+  if (!fits_single(value)) return false;
   return allowed.open ? value > allowed.low && value < allowed.high
                       : value >= allowed.low && value <= allowed.high;
+}
+
+/// Reason for refusing a number between 0 and the smallest one of single precision; empty otherwise.
+std::string if_too_small(std::optional<double> value) {
+  const bool is_small = value && *value != 0 && std::abs(*value) < std::numeric_limits<float>::min();
+  return is_small ? ", which is 0 in single precision" : "";
 }
 
 /// Hint for a length that was probably given in millimeters; empty otherwise.
@@ -46,10 +59,14 @@ std::string text_of(const Vec<T>& v) {
 
 std::string limits_text(const Allowed& allowed) {
   constexpr double kNone = std::numeric_limits<double>::max();
+  const auto text = [](double limit) {
+    return std::abs(limit) < 1e10 ? fmt::format("{}", limit) : fmt::format("{:g}", limit);
+  };
   if (allowed.low > -kNone && allowed.high < kNone)
-    return allowed.open ? fmt::format("between {} and {}", allowed.low, allowed.high)
-                        : fmt::format("from {} to {}", allowed.low, allowed.high);
-  if (allowed.low > -kNone) return fmt::format("{} {}", allowed.open ? "above" : "of at least", allowed.low);
+    return allowed.open ? fmt::format("between {} and {}", text(allowed.low), text(allowed.high))
+                        : fmt::format("from {} to {}", text(allowed.low), text(allowed.high));
+  if (allowed.low > -kNone)
+    return fmt::format("{} {}", allowed.open ? "above" : "of at least", text(allowed.low));
   return "";
 }
 
@@ -113,8 +130,8 @@ void SceneTable::fail_number(std::string_view key, const toml::node& node, const
                              const Allowed& allowed) {
   const auto number = node.is_number() ? node.value<double>() : std::nullopt;
   problems_.add(path_of(key), node,
-                fmt::format("expected {}{}, found {}{}", expected, with_unit(allowed), turgor::describe(node),
-                            if_in_mm(allowed, number)));
+                fmt::format("expected {}{}, found {}{}{}", expected, with_unit(allowed),
+                            turgor::describe(node), if_in_mm(allowed, number), if_too_small(number)));
 }
 
 void SceneTable::read(std::string_view key, double& value, const Allowed& allowed, Meaning meaning) {
