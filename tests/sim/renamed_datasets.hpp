@@ -1,4 +1,4 @@
-// Recordings with the dataset names of an earlier format.
+// Recordings with the dataset names of an earlier format, or with other numbers.
 #pragma once
 
 #include <filesystem>
@@ -20,6 +20,38 @@ bool copy_numbers(const Hdf5File& from, Hdf5File& to, const std::string& path, c
   return values && bool(to.write<T>(new_path, *values));
 }
 
+/// Copies one dataset, whatever its values are.
+inline bool copy_dataset(const Hdf5File& from, Hdf5File& to, const std::string& path,
+                         const std::string& new_path) {
+  if (const Result<std::string> text = from.read_text(path); text)
+    return bool(to.write_text(new_path, *text));
+  return copy_numbers<float>(from, to, path, new_path) || copy_numbers<double>(from, to, path, new_path) ||
+         copy_numbers<std::uint8_t>(from, to, path, new_path) ||
+         copy_numbers<std::int32_t>(from, to, path, new_path) ||
+         copy_numbers<std::uint64_t>(from, to, path, new_path);
+}
+
+/// Writes a copy of an HDF5 file in which one dataset of doubles has a changed value.
+inline void write_with_number(const std::filesystem::path& from, const std::filesystem::path& to,
+                              const std::string& changed, std::size_t index, double value) {
+  const Result<Hdf5File> source = Hdf5File::open(from);
+  Result<Hdf5File> target = Hdf5File::create(to);
+  ASSERT_TRUE(source && target);
+  for (const std::string& path : source->datasets()) {
+    if (path != changed) {
+      EXPECT_TRUE(copy_dataset(*source, *target, path, path)) << path;
+      continue;
+    }
+    const Result<std::size_t> count = source->count(path, std::size_t(1) << 24);
+    ASSERT_TRUE(count && index < *count) << path;
+    Result<std::vector<double>> values = source->read<double>(path, *count);
+    ASSERT_TRUE(values) << path;
+    (*values)[index] = value;
+    EXPECT_TRUE(target->write<double>(path, *values));
+  }
+  EXPECT_TRUE(target->close());
+}
+
 /// Writes a copy of an HDF5 file with other names of datasets (last component of the path) and another
 /// /format. Returns the number of different names that were replaced.
 inline int write_with_names(const std::filesystem::path& from, const std::filesystem::path& to,
@@ -33,13 +65,8 @@ inline int write_with_names(const std::filesystem::path& from, const std::filesy
     const auto name = names.find(path.substr(name_begin));
     if (name != names.end()) replaced[name->first]++;
     const std::string new_path = name == names.end() ? path : path.substr(0, name_begin) + name->second;
-    const Result<std::string> text = source->read_text(path);
-    const bool copied = text ? bool(target->write_text(new_path, path == "/format" ? format : *text))
-                             : copy_numbers<float>(*source, *target, path, new_path) ||
-                                   copy_numbers<double>(*source, *target, path, new_path) ||
-                                   copy_numbers<std::uint8_t>(*source, *target, path, new_path) ||
-                                   copy_numbers<std::int32_t>(*source, *target, path, new_path) ||
-                                   copy_numbers<std::uint64_t>(*source, *target, path, new_path);
+    const bool copied = path == "/format" ? bool(target->write_text(new_path, format))
+                                          : copy_dataset(*source, *target, path, new_path);
     EXPECT_TRUE(copied) << path;
   }
   EXPECT_TRUE(target->close());

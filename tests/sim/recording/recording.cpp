@@ -1,6 +1,7 @@
 #include "turgor/sim/recording/recording.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "tests/sim/block_scene.hpp"
@@ -173,6 +174,38 @@ TEST(Recording, DamagedFilesNeverCrash) {
     errors += !read_all();
   }
   EXPECT_GE(errors, 19 + 190);
+}
+
+// A blade path with a vector that is no unit vector, or with a number that is not finite, is refused by name.
+TEST(Recording, RefusesDamagedBladePath) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(folder);
+  const World recorded = record_block(folder, scene);
+  const std::string name = recorded.cuts[0].blade.name;
+  const auto error_with = [&](const std::string& dataset, double value) -> std::string {
+    const fs::path file = folder / "damaged.h5";
+    test::write_with_number(folder / "r.h5", file, dataset, 1, value);
+    const Result<Recording> recording = Recording::open(file);
+    if (!recording) return "not opened: " + recording.error().message;
+    World world = test::block_world(Exec(1), scene);
+    WorldSnapshot snapshot;
+    const Status restored = recording->restore(Exec(1), 1, world, snapshot);
+    return restored ? "" : restored.error().message;
+  };
+  const Result<Hdf5File> file = Hdf5File::open(folder / "r.h5");
+  ASSERT_TRUE(file);
+  std::string group;
+  for (const std::string& path : file->datasets())
+    if (path.ends_with("/cuts/" + name + "/into")) group = path.substr(0, path.rfind('/'));
+  ASSERT_FALSE(group.empty());
+  EXPECT_EQ(error_with(group + "/progress", 0.01), "");
+  for (const double value : {2.0, 0.5, 1e300, std::nan("")}) {
+    const std::string error = error_with(group + "/into", value);
+    EXPECT_NE(error.find("damaged.h5"), std::string::npos) << error;
+    EXPECT_NE(error.find(group + "/into: row 1: expected a unit vector"), std::string::npos) << error;
+  }
+  const std::string error = error_with(group + "/path", std::nan(""));
+  EXPECT_NE(error.find(group + "/path: row 1: expected finite numbers"), std::string::npos) << error;
 }
 
 // Recordings with the dataset names of format 6 restore the same state.

@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 constexpr const char *kRecordingFormat = "turgor recording 7",
                      *kOldFormat = "turgor recording 6";  // the same with the names of renamed_datasets.hpp
 constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
+constexpr double kUnitError = 1e-6;  // of the length of a unit vector
 
 std::vector<int> body_slots(const lattice::Model& model) {
   std::vector<int> slots;
@@ -277,6 +278,7 @@ Status Recording::check_world(const World& world) const {
   return Done{};
 }
 
+/// Path and progress of a cut. Drawing and measuring rely on the unit vectors.
 Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   // datasets
   Reading reading(file_, fmt::format("{}/cuts/{}/", group, cut.blade.name));
@@ -284,6 +286,7 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   const auto points = reading.array<double>("path", values);
   const auto into = reading.array<double>("into", values);
   const auto progress = reading.array<double>("progress", 3);
+  if (values % 3 != 0) reading.fail("path", "expected three numbers a point");
   if (!reading.status()) return reading.status();
 
   // progress
@@ -296,7 +299,14 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   for (std::size_t i = 0; i + 2 < values; i += 3) {
     path.skin.push_back({points[i], points[i + 1], points[i + 2]});
     path.into.push_back({into[i], into[i + 1], into[i + 2]});
+    if (!std::isfinite(dot(path.skin.back(), path.skin.back())))
+      reading.fail("path", fmt::format("row {}: expected finite numbers", i / 3 + 1));
+    if (const double length = norm(path.into.back()); !(std::abs(length - 1) <= kUnitError))
+      reading.fail("into", fmt::format("row {}: expected a unit vector into the body, found one of length "
+                                       "{:.6g}",
+                                       i / 3 + 1, length));
   }
+  if (!reading.status()) return reading.status();
   path.depth = progress[0], path.width = cut.blade.width;
   cut.path = std::move(path);
   return Done{};
