@@ -8,6 +8,7 @@
 #include "app/bench_sfem.hpp"
 #include "app/bench_skin_tension.hpp"
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "turgor/io/files/file.hpp"
 
 namespace turgor {
@@ -69,60 +70,60 @@ ordered_json to_json(const SkinTensionBench& bench) {
 }
 
 void print(const SkinTensionBench& bench) {
-  fmt::print(
+  print_plain(
       "Skin tension, 5 sweeps a frame, medians. Paper: RTX 3090. This machine: 1 and {} threads, copies "
       "{:.1f} GB/s, dense products {:.0f} Gflop/s.\n\n",
       bench.threads, bench.copy_bandwidth * 1e-9, bench.arithmetic_rate * 1e-9);
-  fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", "frame [ms]", "nodes", "skin",
-             "paper without -> with", "1 thread", fmt::format("{} threads", bench.threads));
+  print_plain("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", "frame [ms]", "nodes", "skin",
+              "paper without -> with", "1 thread", fmt::format("{} threads", bench.threads));
   const auto frames = [](const SkinTensionTimes& t) {
     return fmt::format("{:7.2f} -> {:7.2f} {:+4.1f}%", t.frame_without, t.frame_with,
                        100 * (t.frame_with / t.frame_without - 1));
   };
   for (const SkinTensionRow& r : bench.rows)
-    fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", r.name,
-               fmt::format("{}x{}x{}", r.nodes.x, r.nodes.y, r.nodes.z), r.skin_triangles, frames(r.paper),
-               frames(r.one_thread), frames(r.all_threads));
-  fmt::print("\n{:<11}{:>20}{:>20}{:>12}{:>14}{:>10}\n", "", "grouping paper[ms]", "grouping turgor[ms]",
-             "vs paper", "CT->body[s]", "B/node");
+    print_plain("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", r.name,
+                fmt::format("{}x{}x{}", r.nodes.x, r.nodes.y, r.nodes.z), r.skin_triangles, frames(r.paper),
+                frames(r.one_thread), frames(r.all_threads));
+  print_plain("\n{:<11}{:>20}{:>20}{:>12}{:>14}{:>10}\n", "", "grouping paper[ms]", "grouping turgor[ms]",
+              "vs paper", "CT->body[s]", "B/node");
   for (const SkinTensionRow& r : bench.rows)
-    fmt::print("{:<11}{:>20}{:>20}{:>12}{:>14.2f}{:>10.1f}\n", r.name,
-               fmt::format("{:.0f} -> {:.0f}", r.paper.grouping_without, r.paper.grouping_with),
-               fmt::format("{:.0f} -> {:.0f}", r.all_threads.grouping_without, r.all_threads.grouping_with),
-               fmt::format("{:.1f} %", 100 * r.all_threads.grouping_with / r.paper.grouping_with),
-               r.body_seconds, r.bytes_per_node);
-  fmt::print("\n{:<11}{:>40}{:>40}\n", "sweep", "pbd: vs copy, vs dense product",
-             "vbd: vs copy, vs dense product");
+    print_plain("{:<11}{:>20}{:>20}{:>12}{:>14.2f}{:>10.1f}\n", r.name,
+                fmt::format("{:.0f} -> {:.0f}", r.paper.grouping_without, r.paper.grouping_with),
+                fmt::format("{:.0f} -> {:.0f}", r.all_threads.grouping_without, r.all_threads.grouping_with),
+                fmt::format("{:.1f} %", 100 * r.all_threads.grouping_with / r.paper.grouping_with),
+                r.body_seconds, r.bytes_per_node);
+  print_plain("\n{:<11}{:>40}{:>40}\n", "sweep", "pbd: vs copy, vs dense product",
+              "vbd: vs copy, vs dense product");
   for (const SkinTensionRow& r : bench.rows)
-    fmt::print("{:<11}{:>40}{:>40}\n", r.name,
-               fmt::format("{:.2f}, {:.2f}", r.bandwidth_fraction, r.arithmetic_fraction),
-               fmt::format("{:.2f}, {:.2f}", r.vbd_bandwidth_fraction, r.vbd_arithmetic_fraction));
-  fmt::print("\nGPU: {}\n{:<11}{:>40}{:>40}\n", bench.gpu, "frame [ms]", "pbd: slabs, colors, GPU (no graph)",
-             "vbd: slabs, colors, GPU (no graph)");
+    print_plain("{:<11}{:>40}{:>40}\n", r.name,
+                fmt::format("{:.2f}, {:.2f}", r.bandwidth_fraction, r.arithmetic_fraction),
+                fmt::format("{:.2f}, {:.2f}", r.vbd_bandwidth_fraction, r.vbd_arithmetic_fraction));
+  print_plain("\nGPU: {}\n{:<11}{:>40}{:>40}\n", bench.gpu, "frame [ms]",
+              "pbd: slabs, colors, GPU (no graph)", "vbd: slabs, colors, GPU (no graph)");
   const auto by_ordering = [](const OrderingTimes& t) {
     return fmt::format("{:.1f}, {:.1f}, {}", t.slabs, t.colors,
                        t.gpu > 0 ? fmt::format("{:.2f} ({:.2f})", t.gpu, t.gpu_one_by_one) : "-");
   };
   for (const SkinTensionRow& r : bench.rows)
-    fmt::print("{:<11}{:>40}{:>40}\n", r.name, by_ordering(r.pbd_frames), by_ordering(r.vbd_frames));
-  fmt::print("\n{:<11}{:>24}{:>26}{:>26}{:>28}\n", "", "vbd frame 1T/all[ms]", "residual pbd/vbd[N]",
-             "resample half/full[ms]", "growth: ns a node, pbd/vbd");
+    print_plain("{:<11}{:>40}{:>40}\n", r.name, by_ordering(r.pbd_frames), by_ordering(r.vbd_frames));
+  print_plain("\n{:<11}{:>24}{:>26}{:>26}{:>28}\n", "", "vbd frame 1T/all[ms]", "residual pbd/vbd[N]",
+              "resample half/full[ms]", "growth: ns a node, pbd/vbd");
   for (const SkinTensionRow& r : bench.rows) {
     const double nodes = double(r.nodes.x) * r.nodes.y * r.nodes.z;
-    fmt::print(
+    print_plain(
         "{:<11}{:>24}{:>26}{:>26}{:>28}\n", r.name,
         fmt::format("{:.1f} / {:.1f}", r.vbd_frame_one, r.vbd_frame),
         fmt::format("{:.2e} / {:.2e}", r.residual_pbd, r.residual_vbd),
         fmt::format("{:.0f} / {:.0f}", r.resample_half, r.resample_full),
         fmt::format("{:.1f} / {:.1f}", 1e6 * r.all_threads.frame_with / nodes, 1e6 * r.vbd_frame / nodes));
   }
-  fmt::print(
+  print_plain(
       "\nA bar of {} tetrahedra, springs and volumes, 5 sweeps: {:.2f} ms on 1 thread, {:.2f} ms on {}.\n",
       bench.bar_tets, bench.bar_frame_one, bench.bar_frame, bench.threads);
-  fmt::print("\nGrowth: frames in the second after the same cut, vbd.\n{:>10}{:>16}{:>16}{:>14}\n", "nodes",
-             "no sleep[ms]", "with sleep[ms]", "rows asleep");
+  print_plain("\nGrowth: frames in the second after the same cut, vbd.\n{:>10}{:>16}{:>16}{:>14}\n", "nodes",
+              "no sleep[ms]", "with sleep[ms]", "rows asleep");
   for (const GrowthRow& g : bench.growth)
-    fmt::print("{:>10}{:>16.2f}{:>16.2f}{:>14.2f}\n", g.nodes, g.awake_ms, g.ms, g.asleep);
+    print_plain("{:>10}{:>16.2f}{:>16.2f}{:>14.2f}\n", g.nodes, g.awake_ms, g.ms, g.asleep);
 }
 
 void check_file(const std::string& path) {

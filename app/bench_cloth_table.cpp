@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/bench_cloth.hpp"
+#include "app/print.hpp"
 
 namespace turgor {
 
@@ -10,20 +11,20 @@ namespace {
 using nlohmann::ordered_json;
 
 void print_frames(const ClothBench& bench) {
-  fmt::print(
+  print_plain(
       "A flag in gusts, springs along and across edges, 8 sweeps, medians [ms]; 1 and {} threads, copies "
       "{:.1f} GB/s.\n\n{:>9} {:>19} {:>22} {:>10} {:>9} {:>9} {:>9} {:>11}\n",
       bench.threads, bench.copy_bandwidth * 1e-9, "vertices", "no self-collision", "with self-collision",
       "ns/vertex", "contacts", "B/vertex", "sweep", "vs copy");
   for (const ClothFrameRow& r : bench.frames)
-    fmt::print("{:>9} {:>19} {:>22} {:>10.0f} {:>9.2f} {:>9.0f} {:>9.3f} {:>11.2f}\n", r.vertices,
-               fmt::format("{:.2f} / {:.2f}", r.single_one, r.alone),
-               fmt::format("{:.2f} / {:.2f}", r.self_one, r.self), r.self * 1e6 / r.vertices,
-               r.contacts_per_vertex, r.bytes_per_vertex, r.sweep, r.bandwidth_fraction);
-  fmt::print("\nGPU: {}\n", bench.gpu);
+    print_plain("{:>9} {:>19} {:>22} {:>10.0f} {:>9.2f} {:>9.0f} {:>9.3f} {:>11.2f}\n", r.vertices,
+                fmt::format("{:.2f} / {:.2f}", r.single_one, r.alone),
+                fmt::format("{:.2f} / {:.2f}", r.self_one, r.self), r.self * 1e6 / r.vertices,
+                r.contacts_per_vertex, r.bytes_per_vertex, r.sweep, r.bandwidth_fraction);
+  print_plain("\nGPU: {}\n", bench.gpu);
   for (const ClothFrameRow& r : bench.frames)
-    if (r.gpu_alone > 0) fmt::print("{:>9} {:>19.3f} {:>22.3f}\n", r.vertices, r.gpu_alone, r.gpu_self);
-  fmt::print(
+    if (r.gpu_alone > 0) print_plain("{:>9} {:>19.3f} {:>22.3f}\n", r.vertices, r.gpu_alone, r.gpu_self);
+  print_plain(
       "\nOther engines on 2 cores of an EPYC (Zen 4), one step with 5 iterations; the work is not the same:\n"
       "  Jolt 5.5, edges + shear, no self-collision      10 000: 1.64 / 1.10    90 000: 15.3 / 10.2\n"
       "  Jolt, with dihedral bending                      10 000:  6.2 / 3.8     90 000: 62 / 36–59\n"
@@ -36,7 +37,7 @@ void print_frames(const ClothBench& bench) {
 
 void print(const ClothBench& bench) {
   print_frames(bench);
-  fmt::print(
+  print_plain(
       "\nA sheet of {} vertices over a ball on a table: {:.2f} / {:.2f} ms, {:.2f} contacts a vertex; "
       "distance of layers "
       "at "
@@ -44,8 +45,8 @@ void print(const ClothBench& bench) {
       bench.drape.vertices, bench.drape.one, bench.drape.all, bench.drape.contacts_per_vertex,
       bench.drape.smallest_distance);
   for (const ClothSolverRow& r : bench.solvers)
-    fmt::print("  {:<20} {:>6} sweeps {:>9.2f} ms   residual {:.4f}\n", r.method,
-               r.sweeps > 0 ? std::to_string(r.sweeps) : "> 8192", r.ms, r.residual);
+    print_plain("  {:<20} {:>6} sweeps {:>9.2f} ms   residual {:.4f}\n", r.method,
+                r.sweeps > 0 ? std::to_string(r.sweeps) : "> 8192", r.ms, r.residual);
 }
 
 std::string to_json_text(const ClothBench& bench) {

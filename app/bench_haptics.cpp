@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/print.hpp"
+
 namespace turgor {
 
 namespace {
@@ -110,7 +112,7 @@ HapticsBench bench_haptics(const Exec& exec, double seconds, const Progress& pro
 
 void print(const HapticsBench& bench) {
   if (!bench.loops.empty())
-    fmt::print(
+    print_plain(
         "Haptic loops with a simulated arm, times in microseconds. Jitter: difference of a period from the "
         "target,\nbeside the jitter of an empty loop at the same time.\n\n"
         "{:>9}{:>9}{:>10}{:>8}{:>7} |{:>8}{:>7}{:>8}{:>8} |{:>9}{:>7}{:>8}{:>8} |{:>9}{:>7}{:>8} |{:>9}\n",
@@ -118,7 +120,7 @@ void print(const HapticsBench& bench) {
         "empty:", "99 %", "99.9 %", "max", "compute", "99 %", "max", "latency");
   for (const HapticLoopRow& row : bench.loops) {
     const TimingReport &r = row.report, &e = row.empty;
-    fmt::print(
+    print_plain(
         "{:>9.0f}{:>9}{:>10.1f}{:>8}{:>7} |{:>8.1f}{:>7.0f}{:>8.0f}{:>8.0f} |{:>9.1f}{:>7.0f}{:>8.0f}"
         "{:>8.0f} |{:>9.2f}{:>7.2f}{:>8.1f} |{:>9.0f}\n",
         r.target_rate, name_of(row.model), r.rate, r.missed, e.missed, 1e6 * r.jitter.p50, 1e6 * r.jitter.p99,
@@ -127,30 +129,30 @@ void print(const HapticsBench& bench) {
         1e6 * r.compute.largest, 1e6 * r.latency.p50);
   }
   if (!bench.loops.empty())
-    for (const std::string& note : bench.loops.back().notes) fmt::print("  {}\n", note);
+    for (const std::string& note : bench.loops.back().notes) print_plain("  {}\n", note);
 
   const haptics::VirtualArm& arm = bench.trial.arm;
-  fmt::print(
+  print_plain(
       "\nThe stiffest stable wall [N/m] for an arm of {} kg, {} N.s/m, {} N, encoder {:.0f} um, "
       "held by "
       "a hand of {} kg, {} N.s/m, {} N/m;\nfrom {:.0f} to {:.0f} N/m.\n\n{:<28}{:>11} |",
       arm.mass, arm.viscous, arm.coulomb, 1e6 * arm.encoder, bench.trial.hand_mass, bench.trial.hand_damping,
       bench.trial.hand_stiffness, bench.stiffness.front(), bench.stiffness.back(), "physics", "controller");
-  for (const double b : bench.damping) fmt::print("{:>7}", fmt::format("B={:g}", b));
-  fmt::print("\n");
+  for (const double b : bench.damping) print_plain("{:>7}", fmt::format("B={:g}", b));
+  print_plain("\n");
   for (const ZWidthMap& map : bench.maps) {
-    fmt::print("{:<28}{:>11} |", map.name, map.controller ? "yes" : "no");
-    for (std::size_t b = 0; b < bench.damping.size(); b++) fmt::print("{:>7.0f}", stiffest(bench, map, b));
-    fmt::print("\n");
+    print_plain("{:<28}{:>11} |", map.name, map.controller ? "yes" : "no");
+    for (std::size_t b = 0; b < bench.damping.size(); b++) print_plain("{:>7.0f}", stiffest(bench, map, b));
+    print_plain("\n");
   }
   const double hand = arm.viscous + bench.trial.hand_damping;
-  fmt::print("{:<28}{:>11} |", "passive: Colgate, 1 kHz", "");
+  print_plain("{:<28}{:>11} |", "passive: Colgate, 1 kHz", "");
   for (const double b : bench.damping)
-    fmt::print("{:>7.0f}", std::max(0.0, haptics::colgate_stiffness(arm.viscous, b, 1 / arm.rate)));
-  fmt::print("\n{:<28}{:>11} |", "rest: (b + B) 2/T, 1 kHz", "");
+    print_plain("{:>7.0f}", std::max(0.0, haptics::colgate_stiffness(arm.viscous, b, 1 / arm.rate)));
+  print_plain("\n{:<28}{:>11} |", "rest: (b + B) 2/T, 1 kHz", "");
   for (const double b : bench.damping)
-    fmt::print("{:>7.0f}", haptics::resting_stiffness(hand, b, 1 / arm.rate));
-  fmt::print("\n");
+    print_plain("{:>7.0f}", haptics::resting_stiffness(hand, b, 1 / arm.rate));
+  print_plain("\n");
 }
 
 std::string to_json_text(const HapticsBench& bench) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/print.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
@@ -102,18 +103,18 @@ std::vector<RhombusRow> bench_rhombus(const Progress& progress) {
 }
 
 void print(const std::vector<RhombusRow>& rows) {
-  fmt::print(
+  print_plain(
       "A ball of 5 mm slides over a liver at a depth of 8 to 10 mm; one thread, medians.\n\n"
       "{:>9}{:>10}{:>8}{:>12}{:>10}{:>13}{:>15}{:>13}{:>18}\n",
       "vertices", "triangles", "moved", "force[us]", "99 %[us]", "picture[ms]", "volume kept[ms]",
       "sliding[ms]", "jump/10 um[mN]");
   for (const RhombusRow& r : rows)
-    fmt::print("{:>9}{:>10}{:>8}{:>12.2f}{:>10.2f}{:>13.3f}{:>15.3f}{:>13.3f}{:>18.4f}\n", r.vertices,
-               r.triangles, r.moved, r.force * kMicro, r.force_99 * kMicro, r.picture * kMilli,
-               r.bulging * kMilli, r.sliding * kMilli, r.jump * 1e3);
-  fmt::print("{:>9}{:>10}{:>8}{:>12}{:>10}{:>13}   the paper: force < 1 ms, picture 52 ms, Core 2, 2 GHz\n",
-             3116, 6228, "-", "< 1000", "-", 52);
-  fmt::print(
+    print_plain("{:>9}{:>10}{:>8}{:>12.2f}{:>10.2f}{:>13.3f}{:>15.3f}{:>13.3f}{:>18.4f}\n", r.vertices,
+                r.triangles, r.moved, r.force * kMicro, r.force_99 * kMicro, r.picture * kMilli,
+                r.bulging * kMilli, r.sliding * kMilli, r.jump * 1e3);
+  print_plain("{:>9}{:>10}{:>8}{:>12}{:>10}{:>13}   the paper: force < 1 ms, picture 52 ms, Core 2, 2 GHz\n",
+              3116, 6228, "-", "< 1000", "-", 52);
+  print_plain(
       "\nLargest force {:.4f} N. Picture per moved vertex: {:.1f} ns at the smallest size, {:.1f} ns at "
       "the largest.\n",
       rows[0].strongest, 1e9 * rows.front().picture / rows.front().moved,

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/bench_sfem.hpp"
+#include "app/print.hpp"
 
 namespace turgor {
 
@@ -14,30 +15,30 @@ constexpr double kMicro = 1e6, kMilli = 1e3, kMega = 1e-6;
 }  // namespace
 
 void print(const SfemBench& bench) {
-  fmt::print(
+  print_plain(
       "A body under a fingertip, medians. {} threads for Green's functions and the surface, one for ticks "
       "and "
       "patches.\nOne thread: dense product {:.1f} Gflop/s, matrix-vector product {:.1f} "
       "GB/s.\n",
       bench.threads, bench.dense_flops * 1e-9, bench.gemv_bandwidth * 1e-9);
-  fmt::print("\n{:>8}{:>14}{:>12}{:>12}{:>22}\n", "nodes", "Green's [s]", "factor[MB]", "store[MB]",
-             "vs dense product");
+  print_plain("\n{:>8}{:>14}{:>12}{:>12}{:>22}\n", "nodes", "Green's [s]", "factor[MB]", "store[MB]",
+              "vs dense product");
   for (const PrecomputeRow& r : bench.precompute)
-    fmt::print("{:>8}{:>14.2f}{:>12.0f}{:>12.0f}{:>22.2f}\n", r.nodes, r.seconds, r.factor_bytes * kMega,
-               r.store_bytes * kMega, r.flops_fraction);
-  fmt::print("{:>8}{:>14.2f}   SOFA's precomputed compliance, measured on another machine\n", 1024, 32.0);
-  fmt::print("\n{:>10}{:>10}{:>12}{:>12}{:>12}\n", "contacts", "points", "tick[us]", "99 %[us]", "max[us]");
+    print_plain("{:>8}{:>14.2f}{:>12.0f}{:>12.0f}{:>22.2f}\n", r.nodes, r.seconds, r.factor_bytes * kMega,
+                r.store_bytes * kMega, r.flops_fraction);
+  print_plain("{:>8}{:>14.2f}   SOFA's precomputed compliance, measured on another machine\n", 1024, 32.0);
+  print_plain("\n{:>10}{:>10}{:>12}{:>12}{:>12}\n", "contacts", "points", "tick[us]", "99 %[us]", "max[us]");
   for (const TickRow& r : bench.ticks)
-    fmt::print("{:>10}{:>10}{:>12.1f}{:>12.1f}{:>12.1f}\n", r.contacts, r.points, r.p50 * kMicro,
-               r.p99 * kMicro, r.largest * kMicro);
-  fmt::print("{:>10}{:>10}{:>12.0f}   SOFA's precomputed compliance at 60 rows, another machine\n", 20, "-",
-             4900.0);
-  fmt::print("\n{:>12}{:>14}{:>10}{:>14}   the paper's plate, 2x2 elements superposed\n", "refinement",
-             "local nodes", "points", "patch[ms]");
+    print_plain("{:>10}{:>10}{:>12.1f}{:>12.1f}{:>12.1f}\n", r.contacts, r.points, r.p50 * kMicro,
+                r.p99 * kMicro, r.largest * kMicro);
+  print_plain("{:>10}{:>10}{:>12.0f}   SOFA's precomputed compliance at 60 rows, another machine\n", 20, "-",
+              4900.0);
+  print_plain("\n{:>12}{:>14}{:>10}{:>14}   the paper's plate, 2x2 elements superposed\n", "refinement",
+              "local nodes", "points", "patch[ms]");
   for (const PatchRow& r : bench.patches)
-    fmt::print("{:>12}{:>14}{:>10}{:>14.3f}\n", r.refinement, r.local_nodes, r.points, r.seconds * kMilli);
-  fmt::print("\nThe surface of {} vertices: {:.2f} ms, {:.2f} of a matrix-vector product of that size.\n",
-             bench.surface.vertices, bench.surface.seconds * kMilli, bench.surface.bandwidth_fraction);
+    print_plain("{:>12}{:>14}{:>10}{:>14.3f}\n", r.refinement, r.local_nodes, r.points, r.seconds * kMilli);
+  print_plain("\nThe surface of {} vertices: {:.2f} ms, {:.2f} of a matrix-vector product of that size.\n",
+              bench.surface.vertices, bench.surface.seconds * kMilli, bench.surface.bandwidth_fraction);
 }
 
 std::string to_json_text(const SfemBench& bench) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 
 namespace turgor {
@@ -32,16 +33,16 @@ void print_files(const fs::path& folder, const CacheFolder& found) {
   double bytes = 0;
   for (const CacheFile& file : found.files) {
     bytes += double(file.bytes);
-    fmt::print("  {}  {:9.1f} MB  used {}  {}\n", file.file.filename().string(), double(file.bytes) * 1e-6,
-               day(file.used), file.what_for.empty() ? "unknown body" : file.what_for);
+    print_plain("  {}  {:9.1f} MB  used {}  {}\n", file.file.filename().string(), double(file.bytes) * 1e-6,
+                day(file.used), file.what_for.empty() ? "unknown body" : file.what_for);
   }
-  fmt::print("{}: {} files, {:.1f} MB; the limit is {:.1f} GB (TURGOR_CACHE_LIMIT)\n", folder.string(),
-             found.files.size(), bytes * 1e-6, double(required(cache_limit())) * 1e-9);
+  print_plain("{}: {} files, {:.1f} MB; the limit is {:.1f} GB (TURGOR_CACHE_LIMIT)\n", folder.string(),
+              found.files.size(), bytes * 1e-6, double(required(cache_limit())) * 1e-9);
 }
 
 void clear(const fs::path& folder, const CacheFolder& found) {
   const std::size_t removed = trim_cache(folder, 0).size();
-  fmt::print("{}: {} files removed\n", folder.string(), removed);
+  print_plain("{}: {} files removed\n", folder.string(), removed);
   if (removed < found.files.size())
     throw Failure{
         2, fmt::format("{}: {} files could not be removed", folder.string(), found.files.size() - removed)};
@@ -56,7 +57,7 @@ void run_cache(const CacheOptions& options) {
   else
     print_files(folder, found);
   for (const fs::path& file : found.foreign)
-    fmt::print("  kept, not a complete cache file: {}\n", file.filename().string());
+    print_plain("  kept, not a complete cache file: {}\n", file.filename().string());
 }
 
 }  // namespace

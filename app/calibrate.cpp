@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/print.hpp"
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/io/files/file.hpp"
@@ -160,11 +161,11 @@ void print(const Given& given, const rhombus::Fit& fit, const fs::path& out) {
   const rhombus::ChainParams& p = fit.params;
   const double degrees = p.angle * 180 / std::numbers::pi;
   if (given.stiffness != 1)
-    fmt::print(
+    print_plain(
         "the body is {:.3g} times as stiff as a half space at this point: forces are divided by that, "
         "use the chain with stiffness = {{ body = ... }}\n",
         given.stiffness);
-  fmt::print(
+  print_plain(
       "k_N {:.5g} N/m, k_T1 {:.5g} N/m, beta {:.4g}, theta {:.4g} degrees, side {:.4g} mm, for a tip of "
       "{:.4g} mm\n"
       "residual relative to the force: largest {}, root mean square {} ({})\n\n"

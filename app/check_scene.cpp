@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/report/amount.hpp"
 #include "turgor/sim/report/plausibility.hpp"
@@ -45,11 +46,11 @@ std::string wall_time(double seconds) { return amount(1e9 * seconds, {"ns", "ns"
 void print_bodies(const WorldSnapshot& snapshot) {
   for (const BodySnapshot& body : snapshot.bodies) {
     const Vec3d size = (body.box.high - body.box.low) * 1e3;
-    fmt::print("  {:<12} {:<8} {:.0f} x {:.0f} x {:.0f} mm, {} surface triangles\n", body.name,
-               model_name(body.id.kind), size.x, size.y, size.z, body.triangles.size());
+    print_plain("  {:<12} {:<8} {:.0f} x {:.0f} x {:.0f} mm, {} surface triangles\n", body.name,
+                model_name(body.id.kind), size.x, size.y, size.z, body.triangles.size());
   }
   for (const ToolSnapshot& tool : snapshot.tools)
-    fmt::print("  {:<12} tool     on {}\n", tool.name, body_snapshot(snapshot, tool.body).name);
+    print_plain("  {:<12} tool     on {}\n", tool.name, body_snapshot(snapshot, tool.body).name);
 }
 
 }  // namespace
@@ -60,17 +61,17 @@ void check_scene(const Exec& exec, const Scene& scene) {
   const double load = loading.seconds();
   WorldSnapshot snapshot;
   show(exec, world, snapshot);
-  fmt::print("{}: valid\n", scene.file.string());
+  print_plain("{}: valid\n", scene.file.string());
   print_bodies(snapshot);
   std::vector<std::string> plausibility_warnings = notes_of(world);
   for (std::string& warning : odd_sizes(snapshot)) plausibility_warnings.push_back(std::move(warning));
   const double frame = frame_seconds(exec, scene, world);
   const int frames = frame_count(scene);
-  fmt::print("  loading      {}\n", wall_time(load));
-  fmt::print("  memory       {}\n", amount(memory_taken(), {"bytes", "bytes"}));
-  fmt::print("  simulating   {} frames of about {}: about {}, and pictures\n", frames, wall_time(frame),
-             wall_time(frame * frames));
-  for (const std::string& warning : plausibility_warnings) fmt::print("warning: {}\n", warning);
+  print_plain("  loading      {}\n", wall_time(load));
+  print_plain("  memory       {}\n", amount(memory_taken(), {"bytes", "bytes"}));
+  print_plain("  simulating   {} frames of about {}: about {}, and pictures\n", frames, wall_time(frame),
+              wall_time(frame * frames));
+  for (const std::string& warning : plausibility_warnings) print_plain("warning: {}\n", warning);
 }
 
 }  // namespace turgor

@@ -2,13 +2,13 @@
 // callback does the work of the command and throws Failure with a sentence on errors.
 #pragma once
 
-#include <cstdio>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "app/print.hpp"
 #include "turgor/core/result.hpp"
 
 namespace turgor {
@@ -21,9 +21,7 @@ struct Global {
 constexpr int kNotFinite = 3;  // exit code: a simulation ended early because of non-finite numbers
 
 /// Prints a remark on standard error; the command continues.
-inline void note(const std::string& sentence) {
-  std::fprintf(stderr, "turgor: note: %s\n", sentence.c_str());
-}
+inline void note(const std::string& sentence) { print_message("turgor: note", sentence); }
 
 /// Thrown by the callback of a command; main prints the message after "turgor: " and exits with the code.
 struct Failure {

@@ -7,14 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
-#include "turgor/core/one_line.hpp"
+#include "app/print.hpp"
 #include "turgor/io/files/file.hpp"
+#include "turgor/sim/report/report.hpp"
 
 namespace turgor {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using haptics::DeviceListing;
 
 Json describe(const std::vector<DeviceListing>& listings) {
@@ -26,11 +26,10 @@ Json describe(const std::vector<DeviceListing>& listings) {
 }
 
 void print_devices(const std::vector<DeviceListing>& listings) {
-  fmt::print("  {:<12} {:<10} {}\n", "driver", "connected", "devices");
+  print_plain("  {:<12} {:<10} {}\n", "driver", "connected", "devices");
   for (const DeviceListing& l : listings) {
     const std::string connected = l.connected.empty() ? "-" : fmt::format("{}", fmt::join(l.connected, ", "));
-    fmt::print("  {:<12} {:<10} {}\n  {:<12} {:<10} {}\n", l.driver, on_one_line(connected), l.devices, "",
-               "", on_one_line(l.note));
+    print_plain("  {:<12} {:<10} {}\n  {:<12} {:<10} {}\n", l.driver, connected, l.devices, "", "", l.note);
   }
 }
 
@@ -39,7 +38,7 @@ void run_devices(const haptics::DeviceOptions& options, const std::string& json)
   const std::vector<DeviceListing> listings = haptics::list_devices(options);
   print_devices(listings);
   if (json.empty()) return;
-  const std::string text = describe(listings).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string text = json_text(describe(listings), 2) + "\n";
   required(write_file(json, text));
 }
 

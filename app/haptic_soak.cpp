@@ -9,6 +9,7 @@
 
 #include "app/empty_loop.hpp"
 #include "app/haptic_loops.hpp"
+#include "app/print.hpp"
 #include "turgor/sim/live/live_run.hpp"
 #include "turgor/sim/tools/press_path.hpp"
 
@@ -73,8 +74,8 @@ nlohmann::ordered_json to_json(const haptics::TimingReport& r) {
 }
 
 void print_row(const char* name, const haptics::TimingReport& r) {
-  fmt::print("{:<18}{:>10}{:>9} |{:>8.1f}{:>8.0f}{:>8.0f}{:>9.0f}\n", name, r.ticks, r.missed,
-             1e6 * r.jitter.p50, 1e6 * r.jitter.p99, 1e6 * r.jitter.p999, 1e6 * r.jitter.largest);
+  print_plain("{:<18}{:>10}{:>9} |{:>8.1f}{:>8.0f}{:>8.0f}{:>9.0f}\n", name, r.ticks, r.missed,
+              1e6 * r.jitter.p50, 1e6 * r.jitter.p99, 1e6 * r.jitter.p999, 1e6 * r.jitter.largest);
 }
 
 }  // namespace
@@ -102,16 +103,16 @@ Result<HapticSoak> soak_haptics(double minutes, const Progress& progress) {
 }
 
 void print(const HapticSoak& soak) {
-  fmt::print("{:<18}{:>10}{:>9} |{:>8}{:>8}{:>8}{:>9}   [us]\n", "", "ticks", "missed", "jitter", "99 %",
-             "99.9 %", "max");
+  print_plain("{:<18}{:>10}{:>9} |{:>8}{:>8}{:>8}{:>9}   [us]\n", "", "ticks", "missed", "jitter", "99 %",
+              "99.9 %", "max");
   print_row("touched liver", soak.report);
   print_row("empty loop", soak.empty);
-  fmt::print(
+  print_plain(
       "\nafter {:.0f} s: drift {:.2f} ms, memory {:.1f} MB ({:+.2f} MB since startup), {} of {} frames "
       "late, largest force {:.2f} N\n",
       soak.report.seconds, 1e3 * soak.drift, 1e-6 * soak.resident,
       1e-6 * (soak.resident - soak.resident_before), soak.frames_late, soak.frames, soak.largest_force);
-  for (const std::string& note : soak.notes) fmt::print("  {}\n", note);
+  for (const std::string& note : soak.notes) print_plain("  {}\n", note);
 }
 
 std::string to_json_text(const HapticSoak& soak) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "turgor/io/ct.hpp"
 
 namespace turgor {
@@ -26,7 +27,7 @@ void run_import(const ImportOptions& options, const Global& global) {
   for (const std::string& note : file.notes) turgor::note(note);
   required(write_ct(options.output, file.ct));
   const Int3 size = file.ct.grid.size;
-  fmt::print("{}: {} x {} x {} samples from {}\n", options.output, size.x, size.y, size.z, file.format);
+  print_plain("{}: {} x {} x {} samples from {}\n", options.output, size.x, size.y, size.z, file.format);
 }
 
 }  // namespace

@@ -6,17 +6,17 @@
 
 #include "app/commands.hpp"
 #include "app/info_mesh.hpp"
+#include "app/print.hpp"
 #include "turgor/geometry/label_measures.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/io/volume/organ_names.hpp"
+#include "turgor/sim/report/report.hpp"
 
 namespace turgor {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct InfoOptions {
   std::string path, labels, series, json;
@@ -88,9 +88,11 @@ std::string format_triple(const Json& v, int digits) {
 }
 
 void print(const Json& json) {
-  const auto row = [](const char* name, const std::string& text) { fmt::print("  {:<12} {}\n", name, text); };
+  const auto row = [](const char* name, const std::string& text) {
+    print_plain("  {:<12} {}\n", name, text);
+  };
   const auto text = [&](const char* key) { return json.value(key, std::string{}); };
-  fmt::print("{}\n", text("path"));
+  print_plain("{}\n", text("path"));
   row("format", fmt::format("{}, {} {}", text("format"), json["files"].get<int>(),
                             json["files"] == 1 ? "file" : "files"));
   for (const char* field : {"patient", "study", "series", "modality"})
@@ -116,13 +118,13 @@ void print(const Json& json) {
 }
 
 void print_labels(const Json& labels) {
-  fmt::print("\n  {:>5} {:<22} {:>9} {:>10} {:>8}  {:<26} {}\n", "label", "name", "voxels", "mL", "mean HU",
-             "centroid RAS [mm]", "centroid LPS [mm]");
+  print_plain("\n  {:>5} {:<22} {:>9} {:>10} {:>8}  {:<26} {}\n", "label", "name", "voxels", "mL", "mean HU",
+              "centroid RAS [mm]", "centroid LPS [mm]");
   for (const Json& m : labels)
-    fmt::print("  {:>5} {:<22} {:>9} {:>10.3f} {:>8.2f}  {:<26} {}\n", m["label"].get<int>(),
-               m["name"].get<std::string>(), m["voxels"].get<std::size_t>(), m["volume_ml"].get<double>(),
-               m["mean_hu"].get<double>(), format_triple(m["centroid_ras_mm"], 2),
-               format_triple(m["centroid_lps_mm"], 2));
+    print_plain("  {:>5} {:<22} {:>9} {:>10.3f} {:>8.2f}  {:<26} {}\n", m["label"].get<int>(),
+                m["name"].get<std::string>(), m["voxels"].get<std::size_t>(), m["volume_ml"].get<double>(),
+                m["mean_hu"].get<double>(), format_triple(m["centroid_ras_mm"], 2),
+                format_triple(m["centroid_lps_mm"], 2));
 }
 
 /// Lists the DICOM series of a folder that is not a readable volume, for the error message.
@@ -171,7 +173,7 @@ void run_info(const InfoOptions& options, const Global& global) {
   const Json json =
       is_mesh_file(options.path) ? inform_about_mesh(options, exec) : inform_about_ct(options, exec);
   if (options.json.empty()) return;
-  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string text = json_text(json, 2) + "\n";
   required(write_file(options.json, text));
 }
 

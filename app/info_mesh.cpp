@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/surface_check.hpp"
 #include "turgor/io/mesh/solid_files.hpp"
@@ -119,7 +120,7 @@ Json describe_surface(const Exec& exec, const std::string& path, double scale) {
   return json;
 }
 
-void print_row(const char* name, const std::string& text) { fmt::print("  {:<12} {}\n", name, text); }
+void print_row(const char* name, const std::string& text) { print_plain("  {:<12} {}\n", name, text); }
 
 std::string point_text(const Json& json, const char* key) {
   const Json& v = json[key];
@@ -145,7 +146,7 @@ Json describe_mesh(const Exec& exec, const std::string& path, double scale) {
 
 void print_mesh(const Json& json) {
   const auto number = [&](const char* key) { return json[key].get<double>(); };
-  fmt::print("{}\n", json["path"].get<std::string>());
+  print_plain("{}\n", json["path"].get<std::string>());
   print_row("format", json["format"].get<std::string>());
   print_row("elements", fmt::format("{} {}, {} vertices", json["elements"].get<std::size_t>(),
                                     json["kind"].get<std::string>(), json["vertices"].get<std::size_t>()));

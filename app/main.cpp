@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "turgor/core/thread_limit.hpp"
 #include "turgor/io/files/unfinished.hpp"
 #include "turgor/sim/report/report.hpp"
@@ -25,7 +26,7 @@
 namespace {
 
 int fail(const std::string& message) {
-  std::fprintf(stderr, "turgor: %s\n", message.c_str());
+  turgor::print_message("turgor", message);
   return 2;
 }
 
@@ -102,7 +103,7 @@ int run(int argc, char** argv) {
   turgor::add_calibrate_command(program, global);
   turgor::add_cache_command(program);
   turgor::add_devices_command(program);
-  if (argc < 2) return fmt::print("{}", program.help()), 0;
+  if (argc < 2) return turgor::print_text(program.help()), 0;
   if (const std::string message = unknown_command(program, argc, argv); !message.empty())
     return fail(message);
   try {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/organ_mesh.hpp"
 #include "turgor/io/ct.hpp"
@@ -69,18 +70,18 @@ void print_regions(const SolidMesh& mesh) {
     double sum = 0;
     for (std::size_t e = 0; e < element_count(mesh); e++)
       if (region(mesh, e) == label) count++, sum += volume(mesh, e);
-    fmt::print("  region {}: {} tetrahedra, {:.4g} mL\n", label, count, sum * 1e6);
+    print_plain("  region {}: {} tetrahedra, {:.4g} mL\n", label, count, sum * 1e6);
   }
 }
 
 void print_mesh(const OrganMesh& body, const MeshOptions& options) {
   const MeshQuality quality = measure_quality(body.mesh);
-  fmt::print("{}: {} vertices, {} tetrahedra\n", options.output, body.mesh.vertices.size(),
-             element_count(body.mesh));
-  fmt::print("  volume {:.4g} mL, input {:.4g} mL ({:+.2f} %)\n", quality.volume * 1e6,
-             body.input_volume * 1e6, (quality.volume / body.input_volume - 1) * 100);
-  fmt::print("  dihedral angles {:.1f} to {:.1f} degrees\n", quality.min_dihedral, quality.max_dihedral);
-  fmt::print("  edges {:.3g} to {:.3g} mm\n", quality.shortest_edge * 1e3, quality.longest_edge * 1e3);
+  print_plain("{}: {} vertices, {} tetrahedra\n", options.output, body.mesh.vertices.size(),
+              element_count(body.mesh));
+  print_plain("  volume {:.4g} mL, input {:.4g} mL ({:+.2f} %)\n", quality.volume * 1e6,
+              body.input_volume * 1e6, (quality.volume / body.input_volume - 1) * 100);
+  print_plain("  dihedral angles {:.1f} to {:.1f} degrees\n", quality.min_dihedral, quality.max_dihedral);
+  print_plain("  edges {:.3g} to {:.3g} mm\n", quality.shortest_edge * 1e3, quality.longest_edge * 1e3);
   if (options.labels.size() > 1) print_regions(body.mesh);
 }
 

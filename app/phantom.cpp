@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/io/files/file.hpp"
@@ -83,8 +84,8 @@ void run_surface(const PhantomOptions& options) {
   required(check_file_goal(options.output));
   const TriMesh mesh = options.kind == "liver" ? phantom_liver(options.detail) : phantom_forceps();
   required(write_obj(options.output, mesh));
-  fmt::print("{}: {} of {} vertices and {} triangles\n", options.output, options.kind, mesh.vertices.size(),
-             mesh.triangles.size());
+  print_plain("{}: {} of {} vertices and {} triangles\n", options.output, options.kind, mesh.vertices.size(),
+              mesh.triangles.size());
 }
 
 void run_phantom(const PhantomOptions& options, const Global& global) {
@@ -99,9 +100,9 @@ void run_phantom(const PhantomOptions& options, const Global& global) {
   const CtVolume ct = make_with_bar(params, exec, options.labels.empty() ? nullptr : &labels);
   required(write_phantom(options, ct, exec));
   if (!options.labels.empty()) required(write_labels(options.labels, labels));
-  fmt::print("{}: {} of {} x {} x {} samples, {:.4g} x {:.4g} x {:.4g} mm\n", options.output, options.kind,
-             params.size.x, params.size.y, params.size.z, params.spacing.x * 1e3, params.spacing.y * 1e3,
-             params.spacing.z * 1e3);
+  print_plain("{}: {} of {} x {} x {} samples, {:.4g} x {:.4g} x {:.4g} mm\n", options.output, options.kind,
+              params.size.x, params.size.y, params.size.z, params.spacing.x * 1e3, params.spacing.y * 1e3,
+              params.spacing.z * 1e3);
 }
 
 }  // namespace

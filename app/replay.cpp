@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/pictures/run_scene.hpp"
@@ -37,7 +38,7 @@ void replay(const Exec& exec, const ReplayOptions& options) {
   const RunOptions goal{.out = out, .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse};
   const Json report = required(replay_haptic_run(exec, options.file, goal, callbacks));
   bar.reset();
-  if (!options.quiet) fmt::print("{}", summary_text(report, required(resolved_goal(out))));
+  if (!options.quiet) print_text(summary_text(report, required(resolved_goal(out))));
   const Json& haptic = report.at("haptic_replay");
   const bool same = haptic.at("same_bits").get<bool>();
   const std::string outcome =
@@ -45,7 +46,7 @@ void replay(const Exec& exec, const ReplayOptions& options) {
                   haptic.at("ticks").get<long>(), same ? "the same" : "a different",
                   haptic.at("state_hash").get<std::string>());
   if (!same) throw Failure{kNotFinite, outcome + ": another machine, compiler or version rounds differently"};
-  fmt::print("{}\n", outcome);
+  print_plain("{}\n", outcome);
 }
 
 }  // namespace

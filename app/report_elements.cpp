@@ -2,19 +2,21 @@
 
 #include <fmt/format.h>
 
+#include "app/print.hpp"
+
 namespace turgor {
 
 using nlohmann::ordered_json;
 
 ordered_json report_of(const std::vector<LayerRow>& rows) {
-  fmt::print(
+  print_plain(
       "\nA layer bonded to its base, quadratic elements: force [N]\n  "
       "{:<12}{:>14}{:>6}{:>9}{:>14}{:>14}{:>10}\n",
       "indenter", "radius/height", "ν", "points", "Hayes", "turgor", "error");
   ordered_json json = ordered_json::array();
   for (const LayerRow& row : rows) {
-    fmt::print("  {:<12}{:>14.2f}{:>6.2f}{:>9}{:>14.6f}{:>14.6f}{:>9.1f}%\n", row.indenter, row.ratio,
-               row.poisson, row.points, row.hayes, row.found, 100 * (row.found / row.hayes - 1));
+    print_plain("  {:<12}{:>14.2f}{:>6.2f}{:>9}{:>14.6f}{:>14.6f}{:>9.1f}%\n", row.indenter, row.ratio,
+                row.poisson, row.points, row.hayes, row.found, 100 * (row.found / row.hayes - 1));
     json.push_back({{"indenter", row.indenter},
                     {"radius_to_height", row.ratio},
                     {"poisson", row.poisson},
@@ -25,16 +27,16 @@ ordered_json report_of(const std::vector<LayerRow>& rows) {
 }
 
 ordered_json report_of(const std::vector<ElementsRow>& rows) {
-  fmt::print(
+  print_plain(
       "\nElement types on organs, three presses each: error of the force against quadratic elements cut in "
       "eight\n"
       "  {:<16}{:>6}  {:<38}{:>8}{:>12}{:>12}{:>12}{:>9}{:>9}{:>9}\n",
       "organ", "ν", "elements", "nodes", "Gflop", "store [MB]", "factor [MB]", "mean", "worst", "expected");
   ordered_json json = ordered_json::array();
   for (const ElementsRow& row : rows) {
-    fmt::print("  {:<16}{:>6.2f}  {:<38}{:>8}{:>12.2f}{:>12.0f}{:>12.1f}{:>8.1f}%{:>8.1f}%{:>8.1f}%\n",
-               row.organ, row.poisson, row.elements, row.nodes, row.flops * 1e-9, row.store_bytes * 1e-6,
-               row.factor_bytes * 1e-6, 100 * row.mean, 100 * row.worst, 100 * row.expected_error);
+    print_plain("  {:<16}{:>6.2f}  {:<38}{:>8}{:>12.2f}{:>12.0f}{:>12.1f}{:>8.1f}%{:>8.1f}%{:>8.1f}%\n",
+                row.organ, row.poisson, row.elements, row.nodes, row.flops * 1e-9, row.store_bytes * 1e-6,
+                row.factor_bytes * 1e-6, 100 * row.mean, 100 * row.worst, 100 * row.expected_error);
     json.push_back({{"organ", row.organ},
                     {"tetrahedra", row.tetrahedra},
                     {"poisson", row.poisson},

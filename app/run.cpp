@@ -10,6 +10,7 @@
 
 #include "app/check_scene.hpp"
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/pictures/run_scene.hpp"
@@ -33,7 +34,7 @@ struct CommandOptions {
 Progress progress_lines(const std::string& label) {
   return [label, last = std::make_shared<std::atomic<int>>(-1)](double fraction) {
     const int percent = int(100 * fraction);
-    if (last->exchange(percent) != percent) fmt::print(stderr, "{} {:.2f}\n", label, fraction);
+    if (last->exchange(percent) != percent) fmt::print(stderr, "{} {:.2f}\n", on_one_line(label), fraction);
   };
 }
 
@@ -46,7 +47,7 @@ RunCallbacks make_callbacks(const CommandOptions& options, std::optional<Progres
   if (options.quiet || options.tells_progress) return callbacks;
   callbacks.begin = [&bar](const std::string& label, const std::string& sentence) {
     bar.reset();
-    if (!sentence.empty()) fmt::print("{}\n", sentence);
+    if (!sentence.empty()) print_plain("{}\n", sentence);
     bar.emplace(label);
     return bar->callback();
   };
@@ -73,7 +74,7 @@ void run(const Exec& exec, const CommandOptions& options) {
           ? required(run_scene(exec, required(read_scene(options.scene, options.overrides)), goal, callbacks))
           : required(replay_recording(exec, options.replay, options.overrides, goal, callbacks));
   bar.reset();
-  if (!options.quiet) fmt::print("{}", summary_text(report, goal_of(options, report)));
+  if (!options.quiet) print_text(summary_text(report, goal_of(options, report)));
   if (options.replay.empty() && !report.value("finite", true))
     throw Failure{kNotFinite,
                   fmt::format("{}: {}", options.scene.string(), report.at("stopped").get<std::string>())};

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/print.hpp"
 #include "app/report_elements.hpp"
 #include "app/result_folder.hpp"
 #include "app/validate_sfem.hpp"
@@ -38,12 +39,12 @@ void write_plot(const Plot& plot, const fs::path& folder, const std::string& fil
 }
 
 ordered_json report_plate(const std::vector<PlateRow>& rows) {
-  fmt::print("The paper's plate, top center pressed 3 mm: reaction [N]\n  {:<40}{:>12}{:>14}{:>14}{:>12}\n",
-             "mesh", "local nodes", "independent", "turgor", "relative");
+  print_plain("The paper's plate, top center pressed 3 mm: reaction [N]\n  {:<40}{:>12}{:>14}{:>14}{:>12}\n",
+              "mesh", "local nodes", "independent", "turgor", "relative");
   ordered_json json = ordered_json::array();
   for (const PlateRow& row : rows) {
-    fmt::print("  {:<40}{:>12}{:>14.6f}{:>14.6f}{:>12.1e}\n", row.mesh, row.local_nodes, row.expected,
-               row.found, row.found / row.expected - 1);
+    print_plain("  {:<40}{:>12}{:>14.6f}{:>14.6f}{:>12.1e}\n", row.mesh, row.local_nodes, row.expected,
+                row.found, row.found / row.expected - 1);
     json.push_back({{"mesh", row.mesh},
                     {"local_nodes", row.local_nodes},
                     {"independent_n", row.expected},
@@ -53,7 +54,7 @@ ordered_json report_plate(const std::vector<PlateRow>& rows) {
 }
 
 ordered_json report_hertz(const HertzResult& hertz, const fs::path& folder) {
-  fmt::print(
+  print_plain(
       "\nHertz: a rigid sphere of {:.0f} mm on a block of E = {:.0f} Pa, ν = {}; {} nodes, {} local\n"
       "  {:>10}{:>12}{:>14}{:>10}{:>16}{:>10}\n",
       1e3 * hertz.radius, hertz.young, hertz.poisson, hertz.nodes, hertz.local_nodes, "depth [mm]",
@@ -62,9 +63,9 @@ ordered_json report_hertz(const HertzResult& hertz, const fs::path& folder) {
   Plot plot{"A sphere on a half space", "depth [mm]", "force [N]", {}, false};
   Curve formula{"Hertz", {}}, with{"with the patch", {}}, without{"without", {}};
   for (const HertzRow& row : hertz.rows) {
-    fmt::print("  {:>10.2f}{:>12.6f}{:>14.6f}{:>9.1f}%{:>16.6f}{:>9.1f}%\n", 1e3 * row.depth, row.hertz,
-               row.patched, error_percent(row.patched, row.hertz), row.unpatched,
-               error_percent(row.unpatched, row.hertz));
+    print_plain("  {:>10.2f}{:>12.6f}{:>14.6f}{:>9.1f}%{:>16.6f}{:>9.1f}%\n", 1e3 * row.depth, row.hertz,
+                row.patched, error_percent(row.patched, row.hertz), row.unpatched,
+                error_percent(row.unpatched, row.hertz));
     formula.points.emplace_back(1e3 * row.depth, row.hertz);
     with.points.emplace_back(1e3 * row.depth, row.patched);
     without.points.emplace_back(1e3 * row.depth, row.unpatched);
@@ -82,7 +83,7 @@ ordered_json report_refinement(const std::vector<RefinementRow>& rows, const fs:
   const auto last_global =
       std::find_if(rows.rbegin(), rows.rend(), [](const auto& row) { return row.global; });
   const double reference = last_global->force_of_depth.back().second;
-  fmt::print(
+  print_plain(
       "\nLocal against global refinement: a sphere of 10 mm pressed 3 mm into a block of 80 x 80 x 40 mm\n"
       "  {:<26}{:>8}{:>8}{:>12}{:>14}{:>16}{:>12}\n",
       "mesh", "nodes", "local", "force [N]", "vs finest", "Green's [s]", "patch [ms]");
@@ -98,8 +99,8 @@ ordered_json report_refinement(const std::vector<RefinementRow>& rows, const fs:
   int coarsest = rows.front().nodes;
   for (const RefinementRow& row : rows) {
     const double force = row.force_of_depth.back().second;
-    fmt::print("  {:<26}{:>8}{:>8}{:>12.5f}{:>13.1f}%{:>16.2f}{:>12.2f}\n", row.mesh, row.nodes,
-               row.local_nodes, force, error_percent(force, reference), row.precompute, 1e3 * row.rebuild);
+    print_plain("  {:<26}{:>8}{:>8}{:>12.5f}{:>13.1f}%{:>16.2f}{:>12.2f}\n", row.mesh, row.nodes,
+                row.local_nodes, force, error_percent(force, reference), row.precompute, 1e3 * row.rebuild);
     Curve curve{row.mesh, {}};
     for (const auto& [d, f] : row.force_of_depth) curve.points.emplace_back(1e3 * d, f);
     curves.curves.push_back(curve);
@@ -164,7 +165,7 @@ Peak find_peak(const NoduleResult& result, const NoduleMap& map) {
 }
 
 ordered_json report_nodule(const NoduleResult& result, const fs::path& folder) {
-  fmt::print(
+  print_plain(
       "\nA nodule of {:.0f} mm, its center {:.0f} mm below the surface at ({:.1f}, {:.1f}) mm: force 3 mm "
       "deep\n"
       "  {:<24}{:>8}{:>22}{:>12}{:>22}\n",
@@ -183,9 +184,9 @@ ordered_json report_nodule(const NoduleResult& result, const fs::path& folder) {
     for (std::size_t i = 0; i < map.force.size(); i++)
       difference += std::abs(map.force[i] - fine.force[i]), sum += fine.force[i];
     const Peak peak = find_peak(result, map);
-    fmt::print("  {:<24}{:>8}{:>22}{:>11.0f}%{:>21.1f}%\n", map.mesh, map.nodes,
-               fmt::format("({:.1f}, {:.1f})", 1e3 * peak.x, 1e3 * peak.y), 100 * peak.contrast,
-               100 * difference / sum);
+    print_plain("  {:<24}{:>8}{:>22}{:>11.0f}%{:>21.1f}%\n", map.mesh, map.nodes,
+                fmt::format("({:.1f}, {:.1f})", 1e3 * peak.x, 1e3 * peak.y), 100 * peak.contrast,
+                100 * difference / sum);
     images.push_back(draw_map(result, map, scale));
     captions.push_back(map.mesh);
     json.push_back({{"mesh", map.mesh},
@@ -292,7 +293,7 @@ std::vector<Figure> figures_of(const Exec& exec, const std::string& model, bool 
 /// Runs one validation and writes its folder; returns the names of figures beyond their bounds.
 std::vector<std::string> validate(const Exec& exec, const Validation& validation, const fs::path& out,
                                   const ValidateOptions& options) {
-  fmt::print("validate {}: {}\n", validation.model, options.quick ? validation.quick_cost : validation.cost);
+  print_plain("validate {}: {}\n", validation.model, options.quick ? validation.quick_cost : validation.cost);
   std::fflush(stdout);
   OutputFolder folder = open_result_folder(out, options.force);
   ordered_json report{{"program", "turgor"},
@@ -305,10 +306,10 @@ std::vector<std::string> validate(const Exec& exec, const Validation& validation
   report["figures"] = to_json(figures);
   report["missed"] = missed;
   print_figures(figures);
-  required(write_file(folder.path() / kReportFile, report.dump(1) + "\n"));
+  required(write_file(folder.path() / kReportFile, json_text(report) + "\n"));
   commit_results(folder);
-  fmt::print("{} figures, {} beyond their bounds   {}\n\n", figures.size(), missed.size(),
-             folder.goal().string());
+  print_plain("{} figures, {} beyond their bounds   {}\n\n", figures.size(), missed.size(),
+              folder.goal().string());
   return missed;
 }
 

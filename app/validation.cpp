@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "app/print.hpp"
+
 namespace turgor {
 
 Figure near_figure(const std::string& name, const std::string& against, double found, double expected,
@@ -22,7 +24,7 @@ void print_figures(const std::vector<Figure>& figures) {
     const std::string bound = f.low < -1e300 ? fmt::format("at most {:.7g}", f.high)
                                              : fmt::format("{:.7g} to {:.7g}", f.low, f.high);
     const char* verdict = !is_missed(f) ? "kept" : f.known_limit ? "missed (known limit)" : "MISSED";
-    fmt::print("  {:<68} {:>11.7g} {} ({}; {}): {}\n", f.name, f.found, f.unit, bound, f.against, verdict);
+    print_plain("  {:<68} {:>11.7g} {} ({}; {}): {}\n", f.name, f.found, f.unit, bound, f.against, verdict);
   }
 }
 

@@ -4,8 +4,10 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "c/turgor.h"
+#include "turgor/core/plain_text.hpp"
 #include "turgor/core/result.hpp"
 
 namespace turgor::c {
@@ -14,7 +16,7 @@ struct Misuse : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 struct Refused : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  explicit Refused(std::string_view sentence) : std::runtime_error(plain_text(sentence)) {}
 };
 /// Failed assertion of the library.
 struct Broken : std::runtime_error {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "mpi/run.hpp"
 #include "mpi/scene.hpp"
 #include "turgor/core/thread_limit.hpp"
@@ -28,17 +29,19 @@ struct Options {
 };
 
 int fail(const Ranks& ranks, const std::string& message) {
-  if (ranks.rank == 0) std::fprintf(stderr, "turgor_mpi: %s\n", message.c_str());
+  if (ranks.rank == 0) turgor::print_message("turgor_mpi", message);
   return 2;
 }
 
 void print_summary(const Json& report, const std::filesystem::path& out) {
-  fmt::print("{}: {} frames, {} processes, state_hash {}\n", out.string(), report["frames"].get<int>(),
-             report["processes"].size(), report["state_hash"].get<std::string>());
+  turgor::print_plain("{}: {} frames, {} processes, state_hash {}\n", out.string(),
+                      report["frames"].get<int>(), report["processes"].size(),
+                      report["state_hash"].get<std::string>());
   for (const Json& p : report["processes"])
-    fmt::print("  layers {:>4} to {:>4}: {:.0f} MB, {:.2f} s, of which exchange {:.2f} s\n",
-               p["layers"][0].get<int>(), p["layers"][1].get<int>(), p["memory_bytes"].get<double>() / 1e6,
-               p["steps_s"].get<double>(), p["exchange_s"].get<double>());
+    turgor::print_plain("  layers {:>4} to {:>4}: {:.0f} MB, {:.2f} s, of which exchange {:.2f} s\n",
+                        p["layers"][0].get<int>(), p["layers"][1].get<int>(),
+                        p["memory_bytes"].get<double>() / 1e6, p["steps_s"].get<double>(),
+                        p["exchange_s"].get<double>());
 }
 
 /// Runs the simulation and returns the exit code.
@@ -92,7 +95,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "turgor_mpi: rank %d: not enough memory; with more processes each needs less\n",
                  ranks.rank);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "turgor_mpi: rank %d: %s\n", ranks.rank, error.what());
+    turgor::print_message(fmt::format("turgor_mpi: rank {}", ranks.rank), error.what());
   }
   end_all(2);
 }

@@ -194,7 +194,7 @@ Result<Json> run(const Exec& exec, const Ranks& ranks, const Scene& scene, const
   const Json report = report_of(running, subdomain);
   Status committed = Done{};
   if (folder->folder) {
-    committed = write_file(folder->path / kReportFile, report.dump(2) + "\n");
+    committed = write_file(folder->path / kReportFile, json_text(report, 2) + "\n");
     if (committed) committed = folder->folder->commit();
   }
   if (const Status all = agree(ranks, committed); !all) return all.error();

@@ -3,12 +3,14 @@
 
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include "turgor/core/plain_text.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/core/vec.hpp"
 
@@ -18,7 +20,7 @@ namespace nb = nanobind;
 
 /// Becomes turgor.Error with the message.
 struct Refused : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  explicit Refused(std::string_view sentence) : std::runtime_error(plain_text(sentence)) {}
 };
 
 template <class T>

@@ -156,7 +156,7 @@ TEST_F(Video, FfmpegFailuresAreExplained) {
       {"kill -SEGV $$", "it crashed (Segmentation fault)"},
       {"kill -KILL $$", "it was killed, perhaps because the machine's memory ran out"},
       {"exit 3", "it ended with status 3"},
-      {"printf '\\033[31mno\\007 codec\\n' >&2; exit 1", "ffmpeg failed:  [31mno  codec"},
+      {"printf '\\033[31mno\\007 codec\\n' >&2; exit 1", "ffmpeg failed: \uFFFD[31mno\uFFFD codec"},
       {"echo garbage > video.mp4", "its output is not a video"},
       {"exit 0", "its output is not a video"},
       {"cat; exit 4", "it ended with status 4"}};

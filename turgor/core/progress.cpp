@@ -5,9 +5,12 @@
 
 #include <unistd.h>
 
+#include "turgor/core/plain_text.hpp"
+
 namespace turgor {
 
-ProgressBar::ProgressBar(std::string label) : label_(std::move(label)), shown_(isatty(STDERR_FILENO) == 1) {}
+ProgressBar::ProgressBar(std::string label)
+    : label_(on_one_line(label)), shown_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressBar::~ProgressBar() {
   if (shown_ && last_tenth_ >= 0) std::fprintf(stderr, "\r\033[K");

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "turgor/core/one_line.hpp"
+#include "turgor/core/plain_text.hpp"
 #include "turgor/io/files/child.hpp"
 
 namespace turgor {

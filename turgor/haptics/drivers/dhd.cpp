@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/core/one_line.hpp"
+#include "turgor/core/plain_text.hpp"
 #include "turgor/haptics/drivers/readings.hpp"
 
 namespace turgor::haptics {

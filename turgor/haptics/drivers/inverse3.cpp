@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/core/one_line.hpp"
+#include "turgor/core/plain_text.hpp"
 #include "turgor/haptics/drivers/inverse3_link.hpp"
 #include "turgor/haptics/drivers/readings.hpp"
 #include "turgor/haptics/rotation.hpp"

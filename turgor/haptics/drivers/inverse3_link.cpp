@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/core/one_line.hpp"
+#include "turgor/core/plain_text.hpp"
 #include "turgor/core/timing.hpp"
 
 namespace turgor::haptics {

@@ -6,8 +6,7 @@
 
 namespace turgor {
 
-/// Escaped `text` for element content and for quoted attributes. Bytes that are not UTF-8, and control
-/// characters except tab and line end, become U+FFFD because XML forbids them.
+/// Escaped plain_text for element content and for quoted attributes.
 std::string xml_text(std::string_view text);
 
 }  // namespace turgor

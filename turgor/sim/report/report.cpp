@@ -8,6 +8,7 @@
 #include <sys/utsname.h>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/core/plain_text.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_compare.hpp"
@@ -86,6 +87,19 @@ Json timing_report(const Measures& measures, const RunFacts& facts) {
   return json;
 }
 
+/// Copy with plain_text in every key and text.
+Json plain_json(const Json& json) {
+  if (json.is_string()) return plain_text(json.get_ref<const std::string&>());
+  if (!json.is_structured()) return json;
+  Json plain = json.is_array() ? Json::array() : Json::object();
+  for (const auto& [key, value] : json.items())
+    if (json.is_array())
+      plain.push_back(plain_json(value));
+    else
+      plain[plain_text(key)] = plain_json(value);
+  return plain;
+}
+
 Json scene_report(const Scene& scene) {
   return {{"file", scene.file.string()},
           {"overrides", scene.overrides},
@@ -138,9 +152,7 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"scene_text", scene.text}};
 }
 
-std::string json_text(const Json& report, int indent) {
-  return report.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
+std::string json_text(const Json& report, int indent) { return plain_json(report).dump(indent); }
 
 Json bodies_of(const Json& report, BodyKind kind) {
   Json bodies = Json::array();

@@ -62,7 +62,7 @@ Json bodies_of(const Json& report, BodyKind kind);
 /// Adds pictures, files, the deformed CT and warnings.
 void add_outputs(Json& report, const RunFacts& facts);
 
-/// Text of a report; invalid UTF-8 in file names is replaced.
+/// Text of a report, with plain_text in every key and value.
 std::string json_text(const Json& report, int indent = 1);
 /// Standalone page with embedded pictures of `folder` and curves. `motion` is HTML for the 3D view of the
 /// run.

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/core/one_line.hpp"
+#include "turgor/core/plain_text.hpp"
 #include "turgor/sim/scene/name.hpp"
 
 namespace turgor {
