@@ -34,7 +34,7 @@ import tomllib
 
 import numpy as np
 
-from ._turgor import Error, __version__, instructions
+from ._turgor import Error, __version__, instructions, plain_text
 
 KINDS = ("grid", "lhs", "saltelli")
 
@@ -324,14 +324,23 @@ def _report(study, rows):
     return report
 
 
+def _cell(value):
+    """Cell of a CSV table. A text that a spreadsheet would take for a formula starts with an apostrophe; a number keeps its sign."""
+    if isinstance(value, (int, float)):
+        return repr(value)
+    text = plain_text(str(value))
+    if text.startswith(("=", "+", "-", "@", "\t")):
+        text = "'" + text
+    return '"' + text.replace('"', '""') + '"'
+
+
 def _gather(study, folder, rows):
     keys = list(dict.fromkeys(key for member in study.members for key in member["set"]))
     lines = [[*keys, *study.measure, "failed"]]
     for member, row in zip(study.members, rows):
         measured = (row or {}).get("measured", {})
         lines.append([*(member["set"].get(key, "") for key in keys), *(measured.get(name, "") for name in study.measure), (row or {}).get("failed", "")])
-    quoted = lambda cell: repr(cell) if isinstance(cell, (int, float)) else '"' + str(cell).replace('"', '""') + '"'
-    _write(folder / "table.csv", "".join(",".join(map(quoted, line)) + "\n" for line in lines))
+    _write(folder / "table.csv", "".join(",".join(map(_cell, line)) + "\n" for line in lines))
     report = _report(study, rows)
     _write(folder / "report.json", json.dumps(report, indent=1))
     return report
@@ -374,11 +383,11 @@ def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, c
 def _print(report):
     print(f"{report['members']} members, {len(report['failed'])} failed, {report['core_hours']:.3g} core hours")
     for name, one in report["measures"].items():
-        print(f"{name}: mean {one.get('mean', math.nan):.4g}, sd {one.get('sd', math.nan):.3g}")
+        print(f"{plain_text(name)}: mean {one.get('mean', math.nan):.4g}, sd {one.get('sd', math.nan):.3g}")
         for key, s in one.get("sobol", {}).items():
-            print(f"  {key}: first {s['first']:.2f} ± {s['first_95']:.2f}, total {s['total']:.2f} ± {s['total_95']:.2f}")
+            print(f"  {plain_text(key)}: first {s['first']:.2f} ± {s['first_95']:.2f}, total {s['total']:.2f} ± {s['total_95']:.2f}")
     for one in report["failed"][:10]:
-        print(f"failed: {one['failed']}")
+        print(plain_text(f"failed: {one['failed']}"))
 
 
 def _part(text):
@@ -403,9 +412,9 @@ def main(arguments=None):
             return 0
         if not options.study:
             parser.error("expected a study")
-        report = run_study(options.study, options.out, options.jobs, options.part, lambda sentence: print(sentence, file=sys.stderr), options.cluster)
+        report = run_study(options.study, options.out, options.jobs, options.part, lambda sentence: print(plain_text(sentence), file=sys.stderr), options.cluster)
     except Error as error:
-        print(f"turgor: {error}", file=sys.stderr)
+        print(plain_text(f"turgor: {error}"), file=sys.stderr)
         return 2
     if report is None:
         print("this share is done; other shares are missing")

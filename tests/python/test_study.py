@@ -198,6 +198,25 @@ class Studies(unittest.TestCase):
             self.assertTrue(-9.81 < gravity[2] < 0)
             self.assertGreater(float(row["force"]), 0.001)
 
+    # Cells that a spreadsheet would run as formulas are texts, and numbers stay numbers.
+    def test_table_cells_are_no_formulas(self):
+        from turgor.study import _cell
+        for text in ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "=cmd|' /C calc'!A0"):
+            self.assertEqual(_cell(text), '"\'' + text + '"')
+        self.assertEqual([_cell(value) for value in (-1.5, 3, 1e-9)], ["-1.5", "3", "1e-09"])
+        self.assertEqual(_cell('a "b"'), '"a ""b"""')
+        self.assertNotIn("\x1b", _cell("\x1b[2J"))
+        folder = folder_with()
+        cases = "body.pad.young,tool.finger.force\n=2e3,+x\n"
+        (folder / "cases.csv").write_text(cases)
+        text = (folder / "study.toml").read_text().replace("[vary]", 'cases = "cases.csv"\n[vary]')
+        (folder / "study.toml").write_text(text.replace('"body.pad.young" = { values = [2e3, 4e3, 8e3] }\n', ""))
+        run_study(folder / "study.toml", folder / "out", jobs=2)
+        for row in table_of(folder / "out"):
+            self.assertEqual(row["body.pad.young"], "'=2e3")
+            self.assertTrue(row["failed"])
+            self.assertFalse(any(cell.startswith(("=", "+", "@")) for cell in row.values()), row)
+
     # The report contains the Sobol indices of the varied parameters.
     def test_report_has_sobol_indices(self):
         folder = folder_with('{ kind = "saltelli", count = 4, seed = 1 }', "{ uniform = [2e3, 8e3] }")
