@@ -64,6 +64,8 @@ class DiskLog {
   }
   ~DiskLog() = default;
 
+  /// Sets the largest number of entries; all of them are in memory.
+  void limit(std::size_t most) { most_ = most; }
   /// Sets the largest number of entries. Afterwards append neither allocates nor writes, and save keeps
   /// `in_memory` entries in memory.
   void limit_memory(std::size_t most, std::size_t in_memory);

@@ -146,7 +146,11 @@ TEST(HapticRecording, AllModelsReplayExactly) {
   EXPECT_EQ(replayed_hash(run, 3), run.hash);
 
   HapticRecording other = run;
-  other.tools[0].ticks[other.tools[0].ticks.size() / 2].command.pose.position.z -= 1e-6;
+  other.tools[0].ticks = {};
+  for (HapticTick tick : run.tools[0].ticks) {
+    if (other.tools[0].ticks.size() == run.tools[0].ticks.size() / 2) tick.command.pose.position.z -= 1e-6;
+    other.tools[0].ticks.append(tick);
+  }
   EXPECT_NE(replayed_hash(other, 1), run.hash) << "a micrometer in one tick changes the run";
   other = run, other.requests.pop_back();
   EXPECT_NE(replayed_hash(other, 1), run.hash) << "without the requested tension";
@@ -217,7 +221,7 @@ TEST(HapticRecording, RejectsDamagedFiles) {
   refused(wrong);
   wrong = run, wrong.tools[0].frames.pop_back();
   refused(wrong);
-  wrong = run, wrong.tools[0].ticks[0].step = -1;
+  wrong = run, wrong.tools[0].ticks = {{.time = 0.001, .step = -1}, {.time = 0.002, .step = 0.001}};
   refused(wrong);
   EXPECT_FALSE(write_haptic_recording(file, {})) << "an empty recording";
   EXPECT_FALSE(write_haptic_recording(folder / "nowhere" / "haptic.h5", run));

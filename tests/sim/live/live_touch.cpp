@@ -126,6 +126,48 @@ path = [[0, 0.05, 0.05, 0.02], [0.3, 0.05, 0.05, 0.001]]
   EXPECT_NEAR(norm(live->tools[0].samples.back().force), expected, 0.1 * expected);
 }
 
+// Ticks beyond those in memory are on disk; the recording has all of them, in its file too.
+TEST(LiveTouch, LongRecordingIsOnDisk) {
+  World world = four_kinds({"world.duration=3"});
+  PathDevice device(world.tools[kBall]);
+  std::vector<HeldTool> held(1);
+  held[0] = {.tool = kBall, .hand = {.device = &device}};
+  auto live = LiveTouch::start(
+      world, held, {.loop = {.priority = 0, .lock_memory = false}, .longest = 3600, .in_memory = 512});
+  ASSERT_TRUE(live) << live.error().message;
+  for (int frame = 0; frame < 80; frame++) {
+    ASSERT_TRUE(step(Exec(1), world));
+    (*live)->record_frame_inputs();
+    (*live)->wait_for_frame();
+  }
+  (*live)->stop();
+  const Result<HapticRecording> run = (*live)->haptic_recording();
+  ASSERT_TRUE(run) << run.error().message;
+
+  // every tick is in the log, in the recording and in the recording's file
+  const std::filesystem::path file = fresh_folder() / "haptic.h5";
+  ASSERT_TRUE(write_haptic_recording(file, *run));
+  const Result<HapticRecording> read = read_haptic_recording(file);
+  ASSERT_TRUE(read) << read.error().message;
+  for (const int t : {kBall, kFinger, kTip}) {
+    const TouchLog& samples = world.tools[std::size_t(t)].samples;
+    const DiskLog<HapticTick>&ticks = run->tools[std::size_t(t)].ticks,
+          &stored = read->tools[std::size_t(t)].ticks;
+    EXPECT_GT(ticks.size(), 1000u);
+    EXPECT_EQ(ticks.in_memory(), 512u);
+    ASSERT_EQ(samples.size(), ticks.size());
+    ASSERT_EQ(stored.size(), ticks.size());
+    for (std::size_t n = 0; n < ticks.size(); n++) {
+      ASSERT_EQ(samples[n].time, ticks[n].time);
+      ASSERT_NEAR(ticks[n].time, 1e-3 * double(n + 1), 1e-9);
+      ASSERT_EQ(samples[n].position, ticks[n].command.pose.position);
+      ASSERT_EQ(stored[n].time, ticks[n].time);
+      ASSERT_EQ(stored[n].command.pose.position, ticks[n].command.pose.position);
+      ASSERT_EQ(stored[n].inputs_used.frame, ticks[n].inputs_used.frame);
+    }
+  }
+}
+
 // Frames follow the clock, and the world runs offline again after the end.
 TEST(LiveTouch, FramesFollowClock) {
   World world = four_kinds();

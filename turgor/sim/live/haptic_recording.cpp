@@ -1,5 +1,6 @@
 #include "turgor/sim/live/haptic_recording.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -21,6 +22,7 @@ constexpr const char *kHapticFormat = "turgor haptic recording 2",
                      *kOldFormat = "turgor felt run 1";  // renamed_datasets.hpp; check_words: ok
 constexpr std::size_t kMostTools = 1000, kMostFrames = std::size_t(1) << 24, kMostLines = 1000;
 constexpr std::size_t kNumbers = 16;  // numbers per tick: time, step, position, three axes, grip, hold
+constexpr std::size_t kRowsAtOnce = 8192;
 constexpr const char* kTickUnits = "s, s, m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1";
 
 Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
@@ -80,18 +82,13 @@ Result<std::vector<RecordedRequest>> requests_of(const std::string& text) {
   }
 }
 
-std::vector<double> rows_of(const std::vector<HapticTick>& ticks) {
-  std::vector<double> rows;
-  rows.reserve(kNumbers * ticks.size());
-  for (const HapticTick& tick : ticks) {
-    const contact::Pose& pose = tick.command.pose;
-    rows.insert(rows.end(), {tick.time, tick.step});
-    for (const Vec3d v : {pose.position, pose.axes.column[0], pose.axes.column[1], pose.axes.column[2]})
-      rows.insert(rows.end(), {v.x, v.y, v.z});
-    rows.insert(rows.end(), {tick.command.grip, double(tick.command.hold)});
-  }
-  TURGOR_CHECK(rows.size() == kNumbers * ticks.size(), "every tick has kNumbers numbers");
-  return rows;
+void append_row(const HapticTick& tick, std::vector<double>& rows) {
+  const contact::Pose& pose = tick.command.pose;
+  rows.insert(rows.end(), {tick.time, tick.step});
+  for (const Vec3d v : {pose.position, pose.axes.column[0], pose.axes.column[1], pose.axes.column[2]})
+    rows.insert(rows.end(), {v.x, v.y, v.z});
+  rows.insert(rows.end(), {tick.command.grip, double(tick.command.hold)});
+  TURGOR_CHECK(rows.size() % kNumbers == 0, "every tick has kNumbers numbers");
 }
 
 HapticTick tick_of(std::span<const double> row) {
@@ -105,18 +102,33 @@ HapticTick tick_of(std::span<const double> row) {
           .inputs_used = {}};
 }
 
+/// Writes ticks in blocks, so that an hour of them needs no more memory than a few seconds.
+Status write_ticks(Hdf5File& file, const std::string& group, const DiskLog<HapticTick>& ticks) {
+  Status status = Done{};
+  std::size_t next = 0;
+  do {
+    // one block
+    const std::size_t end = std::min(next + kRowsAtOnce, ticks.size());
+    std::vector<double> rows;
+    std::vector<std::int32_t> inputs;
+    for (; next < end; next++) {
+      append_row(ticks[next], rows);
+      inputs.insert(inputs.end(), {ticks[next].inputs_used.frame, ticks[next].inputs_used.patch});
+    }
+    // at the end of both datasets
+    status = file.append<double>(group + "ticks", rows, kNumbers);
+    if (status) status = file.append<std::int32_t>(group + "tick_inputs", inputs, 2);
+  } while (next < ticks.size() && status);
+  return status ? file.write_attribute(group + "ticks", "unit", kTickUnits) : status;
+}
+
 Status write_tool(Hdf5File& file, std::size_t n, const HapticTool& tool) {
-  std::vector<std::int32_t> ticks, frames;
-  for (const HapticTick& tick : tool.ticks)
-    ticks.insert(ticks.end(), {tick.inputs_used.frame, tick.inputs_used.patch});
+  const std::string group = fmt::format("/tools/{:05}/", n);
+  if (const Status written = write_ticks(file, group, tool.ticks); !written) return written;
+  std::vector<std::int32_t> frames;
   for (const FrameInputs& inputs_used : tool.frames)
     frames.insert(frames.end(), {inputs_used.ticks, inputs_used.patches});
-  return Writing(file, fmt::format("/tools/{:05}/", n))
-      .text("name", tool.name)
-      .array("ticks", rows_of(tool.ticks), kNumbers, kTickUnits)
-      .array("tick_inputs", ticks, 2)
-      .array("frame_inputs", frames, 2)
-      .status();
+  return Writing(file, group).text("name", tool.name).array("frame_inputs", frames, 2).status();
 }
 
 bool is_sound(const HapticTick& tick) {
@@ -141,9 +153,10 @@ Result<HapticTool> read_tool(const Hdf5File& file, std::size_t n) {
   // ticks with their inputs
   HapticTool tool{.name = *name, .ticks = {}, .frames = {}};
   for (std::size_t i = 0; i < ticks; i++) {
-    HapticTick& tick = tool.ticks.emplace_back(tick_of(std::span(rows).subspan(kNumbers * i, kNumbers)));
+    HapticTick tick = tick_of(std::span(rows).subspan(kNumbers * i, kNumbers));
     tick.inputs_used = {tick_inputs[2 * i], tick_inputs[2 * i + 1]};
     if (!is_sound(tick)) return Error{fmt::format("{}ticks: row {} is invalid", reading.group(), i + 1)};
+    tool.ticks.append(tick);
   }
 
   // frames with their inputs

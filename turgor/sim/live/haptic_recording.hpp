@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "turgor/contact/tool_io.hpp"
+#include "turgor/core/disk_log.hpp"
 #include "turgor/sim/live/requests.hpp"
 #include "turgor/sim/live/tick_inputs.hpp"
 
@@ -22,7 +23,7 @@ struct HapticTick {
 /// Recording of one tool of World::tools.
 struct HapticTool {
   std::string name;
-  std::vector<HapticTick> ticks;
+  DiskLog<HapticTick> ticks;  // those of a long session are on disk
   std::vector<FrameInputs> frames;
 };
 

@@ -33,7 +33,10 @@ void log_body(LiveTicks& ticks, const TickedBody& ticked, Body& body) {
     TickedTool& tool = ticks.order[slot];
     log_tick(body, t, sample_of(time_of(ticks), ticks.commands[slot], ticks.readings[slot]),
              ticks.tools[std::size_t(tool.index)]);
-    if (tool.rows.size() < tool.rows.capacity()) tool.rows.push_back({ticks.step, tick_inputs(body, t)});
+    tool.recorded.append({.time = time_of(ticks),
+                          .step = ticks.step,
+                          .command = ticks.commands[slot],
+                          .inputs_used = tick_inputs(body, t)});
   }
 }
 
@@ -112,11 +115,11 @@ void tick_tools(LiveTicks& ticks, std::span<const contact::ToolCommand> hands,
   publish_status(ticks);
 }
 
-void add_tool(int index, const std::vector<HeldTool>& held, std::size_t most, LiveTicks& ticks) {
+void add_tool(int index, const std::vector<HeldTool>& held, RecordLimits limits, LiveTicks& ticks) {
   TURGOR_CHECK(is_index(index, ticks.tools.size()), "a ticked tool is a tool of the world");
   TickedTool& ticked = ticks.order.emplace_back();
   ticked.index = index;
-  ticked.rows.reserve(most);
+  ticked.recorded.limit_memory(limits.most, limits.in_memory);
   const auto holder =
       std::find_if(held.begin(), held.end(), [index](const HeldTool& h) { return h.tool == index; });
   if (holder == held.end()) return;
@@ -127,19 +130,19 @@ void add_tool(int index, const std::vector<HeldTool>& held, std::size_t most, Li
 
 }  // namespace
 
-void prepare_ticks(World& world, const std::vector<HeldTool>& held, std::size_t most, LiveTicks& ticks) {
+void prepare_ticks(World& world, const std::vector<HeldTool>& held, RecordLimits limits, LiveTicks& ticks) {
   // copy of the tools with bounded logs
   ticks.world = &world;
   ticks.start_time = time_of(world);
   ticks.tools = world.tools;
-  for (TouchingTool& tool : ticks.tools) tool.samples.preallocate(most);
+  for (TouchingTool& tool : ticks.tools) tool.samples.preallocate(limits.most, limits.in_memory);
 
   // bodies and their tools
   for_each_touched(world, [&](BodyId id, auto& body) {
     if (body.tool_indices.empty()) return;
     begin_haptics(body, world.tools);
     ticks.bodies.push_back({id, ticks.order.size(), body.tool_indices.size()});
-    for (const int tool : body.tool_indices) add_tool(tool, held, most, ticks);
+    for (const int tool : body.tool_indices) add_tool(tool, held, limits, ticks);
   });
   ticks.commands.resize(ticks.order.size());
   ticks.readings.resize(ticks.order.size());
@@ -147,6 +150,11 @@ void prepare_ticks(World& world, const std::vector<HeldTool>& held, std::size_t 
     ticks.haptic.write(std::vector<HapticStatus>(world.tools.size()));
     ticks.haptic.read();
   }
+}
+
+void save_ticks(LiveTicks& ticks) {
+  for (TouchingTool& tool : ticks.tools) tool.samples.save();
+  for (TickedTool& tool : ticks.order) tool.recorded.save();
 }
 
 void tick_all(void* context, std::span<const contact::ToolCommand> hands, double /*dt*/,

@@ -17,19 +17,13 @@ struct TickedBody {
   std::size_t first = 0, count = 0;  // range in LiveTicks::order
 };
 
-/// Data of a tick that the tool's log does not contain.
-struct TickRow {
-  double step = 0;  // [s]
-  TickInputs inputs_used;
-};
-
 /// A tool in the haptic thread.
 struct TickedTool {
   int index = 0;                                 // index into World::tools
   int hand = -1;                                 // index of the device that holds it; -1: moved by its path
   const std::atomic<bool>* is_driven = nullptr;  // see HeldTool::is_driven
   bool has_grip = false;
-  std::vector<TickRow> rows;  // one per logged sample
+  DiskLog<HapticTick> recorded;  // one per logged sample
   bool has_previous =
       false;  // true after the first tick; `pose`, `force` and `torque` are then those of the previous tick
   contact::Pose pose;
@@ -56,9 +50,15 @@ struct LiveTicks {
   latest<std::vector<HapticStatus>> haptic;  // indexed as World::tools
 };
 
-/// Prepares the ticks of all touched bodies and assigns tools to devices. Later ticks do not allocate. At
-/// most `most` ticks are recorded.
-void prepare_ticks(World& world, const std::vector<HeldTool>& held, std::size_t most, LiveTicks& ticks);
+/// Largest number of recorded ticks, and of those in memory.
+struct RecordLimits {
+  std::size_t most = 0, in_memory = 0;
+};
+
+/// Prepares the ticks of all touched bodies and assigns tools to devices. Later ticks do not allocate.
+void prepare_ticks(World& world, const std::vector<HeldTool>& held, RecordLimits limits, LiveTicks& ticks);
+/// Moves older recorded ticks to disk; frame thread.
+void save_ticks(LiveTicks& ticks);
 
 /// haptics::ToolTick; `context` points to a LiveTicks.
 void tick_all(void* context, std::span<const contact::ToolCommand> hands, double dt,

@@ -59,7 +59,7 @@ Result<std::unique_ptr<LiveTouch>> LiveTouch::start(World& world, const std::vec
   ticks.period = ticks.step = 1 / params.loop.rate;
   const auto most = std::min(kMostTicks, std::size_t(std::ceil(params.longest / ticks.period)) + 1);
   impl->most = most;
-  prepare_ticks(world, held, most, ticks);
+  prepare_ticks(world, held, {most, params.in_memory}, ticks);
   impl->frames.resize(ticks.order.size());
 
   // haptic loop
@@ -84,6 +84,7 @@ void LiveTouch::record_frame_inputs() {
           if (p.frames[ticked.first + t].size() < p.most)
             p.frames[ticked.first + t].push_back(frame_inputs(body, t));
     });
+  save_ticks(p.ticks);
 }
 
 double LiveTouch::wait_for_frame() { return impl_->clock.wait(impl_->world.frame); }
@@ -130,14 +131,8 @@ HapticTool LiveTouch::Impl::recorded_tool(std::size_t slot) const {
   TURGOR_CHECK(is_index(slot, ticks.order.size()), "a recorded tool was ticked");
   const TickedTool& ticked = ticks.order[slot];
   const TouchingTool& tool = world.tools[std::size_t(ticked.index)];
-  HapticTool haptic{.name = tool.name, .ticks = {}, .frames = frames[slot]};
-  TURGOR_CHECK(ticked.rows.size() <= tool.samples.size(), "every recorded tick has a sample");
-  for (std::size_t n = 0; n < ticked.rows.size(); n++)
-    haptic.ticks.push_back({.time = tool.samples[n].time,
-                            .step = ticked.rows[n].step,
-                            .command = command_of(tool.samples[n]),
-                            .inputs_used = ticked.rows[n].inputs_used});
-  return haptic;
+  TURGOR_CHECK(ticked.recorded.size() <= tool.samples.size(), "every recorded tick has a sample");
+  return {.name = tool.name, .ticks = ticked.recorded, .frames = frames[slot]};
 }
 
 Result<HapticRecording> LiveTouch::haptic_recording() {
@@ -158,7 +153,7 @@ Result<HapticRecording> LiveTouch::haptic_recording() {
     const auto tool = std::size_t(p.ticks.order[slot].index);
     TURGOR_CHECK(is_index(tool, run.tools.size()), "a ticked tool is a tool of the world");
     run.tools[tool] = p.recorded_tool(slot);
-    is_whole = is_whole && p.world.tools[tool].samples.missed() == 0 &&
+    is_whole = is_whole && p.ticks.order[slot].recorded.missed() == 0 &&
                run.tools[tool].frames.size() == std::size_t(run.frames);
   }
 

@@ -17,6 +17,7 @@
 #include "turgor/haptics/loop.hpp"
 #include "turgor/sim/live/frame_clock.hpp"
 #include "turgor/sim/live/haptic_recording.hpp"
+#include "turgor/sim/tools/touch_log.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -38,7 +39,8 @@ struct HapticStatus {
 
 struct LiveParams {
   haptics::LoopParams loop;
-  double longest = 600;  // limit of the recorded time; later ticks are not recorded [s]
+  double longest = 600;                    // limit of the recorded time; later ticks are not recorded [s]
+  std::size_t in_memory = kTicksInMemory;  // recorded ticks of a tool in memory; the others are on disk
 };
 
 class LiveTouch {
@@ -50,7 +52,7 @@ class LiveTouch {
   LiveTouch(const LiveTouch&) = delete;
   LiveTouch& operator=(const LiveTouch&) = delete;
 
-  /// After every frame: records the inputs that the frame used.
+  /// After every frame: records the inputs that the frame used, and moves recorded ticks to disk.
   void record_frame_inputs();
   /// After a frame: waits until its due time. Returns the delay [s]; it is about 0 for a frame in time.
   double wait_for_frame();

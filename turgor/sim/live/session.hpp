@@ -64,7 +64,7 @@ struct SessionStatus {
 struct SessionParams {
   int threads = 0;  // number of threads for physics; 0 = one per core
   haptics::LoopParams loop;
-  double longest = 120;  // limit of the recorded time [s]
+  double longest = 3600;  // limit of the recorded time [s]
 };
 
 class Session {

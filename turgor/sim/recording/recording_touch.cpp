@@ -248,16 +248,31 @@ Status read_state(const SnapshotIn& in, RhombusBody& body, BodyId id) {
   return read_tools(in, body, body_snapshot(in.snapshot, id));
 }
 
+namespace {
+
+/// Writes ticks in blocks: those of a long session are on disk and do not fit in memory.
+Status write_ticks(Hdf5File& file, const TouchingTool& tool) {
+  constexpr std::size_t kRowsAtOnce = 4096;
+  const std::string name = fmt::format("/tools/{}/ticks", tool.name);
+  std::vector<double> rows;
+  append(rows, tool.samples.start());
+  Status status = Done{};
+  for (std::size_t n = 0; n < tool.samples.size() && status; n++) {
+    append(rows, tool.samples[n]);
+    if (rows.size() < kSample * kRowsAtOnce) continue;
+    status = file.append<double>(name, rows, kSample);
+    rows.clear();
+  }
+  if (status) status = file.append<double>(name, rows, kSample);
+  return status ? file.write_attribute(name, "unit", kSampleUnits) : status;
+}
+
+}  // namespace
+
 Status write_touch(Hdf5File& file, const World& world, const WorldSnapshot& snapshot,
                    const std::vector<Pressed>& pressed) {
   for (const TouchingTool& tool : world.tools) {
-    std::vector<double> rows;
-    append(rows, tool.samples.start());
-    for (const ForceSample& sample : tool.samples) append(rows, sample);
-    const Status status = Writing(file, fmt::format("/tools/{}/", tool.name))
-                              .array("ticks", rows, kSample, kSampleUnits)
-                              .status();
-    if (!status) return status;
+    if (const Status status = write_ticks(file, tool); !status) return status;
   }
   Status status = Done{};
   for_each_touched(world, [&](BodyId id, const auto& body) {

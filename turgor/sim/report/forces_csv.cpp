@@ -52,14 +52,25 @@ void append_row(const std::string& tool, const ForceSample& s, std::string& text
 }  // namespace
 
 Status write_forces(const std::filesystem::path& path, const std::vector<TouchingTool>& tools) {
+  // header
+  Result<FileWriter> file = FileWriter::create(path);
+  if (!file) return file.error();
   std::string text = fmt::format("tool,{}", fmt::join(hand_columns(), ","));
   for (const Quantity<F>& column : kFelt) text += "," + full_key(column.key, column.unit);
   text += "\n";
+  // rows, in blocks: the ticks of a long session do not fit in memory
+  constexpr std::size_t kBytesAtOnce = 1 << 20;
   for (const TouchingTool& tool : tools) {
     append_row(tool.name, tool.samples.start(), text);
-    for (const ForceSample& s : tool.samples) append_row(tool.name, s, text);
+    for (const ForceSample& s : tool.samples) {
+      append_row(tool.name, s, text);
+      if (text.size() < kBytesAtOnce) continue;
+      file->write(text);
+      text.clear();
+    }
   }
-  return write_file(path, text);
+  file->write(text);
+  return file->commit();
 }
 
 }  // namespace turgor

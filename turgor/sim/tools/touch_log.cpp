@@ -19,18 +19,13 @@ contact::ToolCommand command_of(const ForceSample& sample) {
   return {.pose = {sample.position, sample.axes}, .grip = sample.grip, .hold = sample.hold};
 }
 
-void TouchLog::preallocate(std::size_t most) {
-  most_ = most;
-  samples_.reserve(most);
+void TouchLog::preallocate(std::size_t most, std::size_t in_memory) {
+  samples_.limit_memory(most, in_memory);
 }
 
 void TouchLog::append(ForceSample sample) {
-  if (samples_.size() >= most_) {
-    missed_++;
-    return;
-  }
   if (!samples_.empty()) sample.path = back().path + norm(sample.position - back().position);
-  samples_.push_back(sample);
+  samples_.append(sample);
 }
 
 }  // namespace turgor

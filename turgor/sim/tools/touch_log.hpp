@@ -1,16 +1,17 @@
 // Log of a tool, tick by tick: whole commands and readings, so that the hand motion can be replayed
-// (hand.hpp). A full log only counts further samples.
+// (hand.hpp). A live log keeps its newest samples in memory and the others on disk (core/disk_log.hpp).
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "turgor/contact/tool_io.hpp"
+#include "turgor/core/disk_log.hpp"
 
 namespace turgor {
 
-constexpr double kTick = 1e-3;                            // of the haptic loop [s]
-constexpr std::size_t kMostTicks = std::size_t(1) << 22;  // limit of a log: 70 minutes
+constexpr double kTick = 1e-3;                                // of the haptic loop [s]
+constexpr std::size_t kMostTicks = std::size_t(1) << 22;      // limit of a log: 70 minutes
+constexpr std::size_t kTicksInMemory = std::size_t(1) << 16;  // of a live log: a minute
 
 /// One tick of one tool.
 struct ForceSample {
@@ -32,16 +33,19 @@ contact::ToolCommand command_of(const ForceSample& sample);
 
 class TouchLog {
  public:
+  TouchLog() { samples_.limit(kMostTicks); }
   /// Pose before the first tick.
   void start(const contact::ToolCommand& command) { start_ = sample_of(0, command, {}); }
   const ForceSample& start() const { return start_; }
 
-  /// Reserves memory for `most` samples, the new limit, so that append does not allocate on the haptic
-  /// thread.
-  void preallocate(std::size_t most);
+  /// Prepares for `most` samples, the new limit, with at most `in_memory` of them in memory. Append then does
+  /// not allocate on the haptic thread.
+  void preallocate(std::size_t most, std::size_t in_memory = kTicksInMemory);
   /// Sets ForceSample::path. A full log only counts the sample.
   void append(ForceSample sample);
-  std::size_t missed() const { return missed_; }
+  /// Moves older samples to disk; frame thread.
+  void save() { samples_.save(); }
+  std::size_t missed() const { return samples_.missed(); }
 
   auto begin() const { return samples_.begin(); }
   auto end() const { return samples_.end(); }
@@ -52,8 +56,7 @@ class TouchLog {
 
  private:
   ForceSample start_;
-  std::vector<ForceSample> samples_;
-  std::size_t most_ = kMostTicks, missed_ = 0;
+  DiskLog<ForceSample> samples_;
 };
 
 }  // namespace turgor
