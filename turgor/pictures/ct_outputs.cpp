@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/ct.hpp"
-#include "turgor/models/lattice/resample/resample.hpp"
+#include "turgor/models/lattice/resample/image_mass.hpp"
 #include "turgor/pictures/deformed_volume.hpp"
 #include "turgor/pictures/outputs.hpp"
 #include "turgor/view/sample.hpp"
@@ -152,7 +152,7 @@ Status write_fields(const LatticeBody& body, const Grid& grid, Outputs& outputs)
   const OutputScene& output = outputs.scene->output;
   if (!output.displacement.empty()) {
     const std::string file = file_of(outputs, body, output.displacement);
-    const VectorVolume field = body.state.resample_displacement(*outputs.exec, body.model, grid);
+    const VectorVolume field = lattice::resample_warp(*outputs.exec, body.model, body.state, grid);
     if (const Status status = write_displacement(outputs.folder / file, field); !status) return status;
     outputs.facts.files.push_back(file);
   }
@@ -170,14 +170,17 @@ bool is_cut(const World& world, std::size_t body) {
                      [body](const Cut& cut) { return std::size_t(cut.body) == body && cut.path; });
 }
 
-/// The whole deformed CT, as a scan would show it.
-Result<CtVolume> deformed_ct(const LatticeBody& body, const Grid& grid, Outputs& outputs) {
+/// The whole deformed CT, as a scan would show it. `rest`: the body without displacements.
+Result<CtVolume> deformed_ct(const LatticeBody& body, lattice::State rest, const Grid& grid,
+                             Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   lattice::ResampledCt now =
       body.state.resample(*outputs.exec, body.model, body.ct, grid, {.conserve_mass = output.conserve_mass});
   const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
+  rest.cuts = body.state.cuts();
+  const double mass_error = lattice::image_mass_error(*outputs.exec, body.model, rest, body.ct, now.ct);
   outputs.facts.deformed.push_back(
-      {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.inverted_tets});
+      {body.name, file, grid.size, now.report.seconds, mass_error, now.report.inverted_tets});
   outputs.facts.drawing_seconds += now.report.seconds;
   if (!file.empty())
     if (const Status status = write_deformed(body, now.ct, file, outputs); !status) return status.error();
@@ -195,7 +198,7 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
       return status;
   const bool sections = output.sections && is_cut(world, index);
   if (output.deformed_ct.empty() && !(sections && output.all_pictures)) return Done{};
-  const Result<CtVolume> now = deformed_ct(body, grid, outputs);
+  const Result<CtVolume> now = deformed_ct(body, outputs.at_rest[index], grid, outputs);
   if (!now) return now.error();
   if (!sections) return Done{};
   const Result<Window> window = window_preset(output.window);

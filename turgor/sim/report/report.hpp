@@ -31,7 +31,7 @@ struct DeformedCtReport {
   std::string body, file;
   Int3 size;
   double seconds = 0;
-  double mass_error = 0;  // of Σ (HU + 1000) · volume [1]
+  double mass_error = 0;  // of Σ (HU + 1000) · volume over the CT, relative to the body [1]
   long folds = 0;         // inverted tetrahedra
 };
 

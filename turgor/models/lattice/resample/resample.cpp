@@ -10,6 +10,7 @@
 #include "turgor/models/lattice/resample/deformed_fields.hpp"
 #include "turgor/models/lattice/resample/partial_volume.hpp"
 #include "turgor/models/lattice/resample/rest_mass.hpp"
+#include "turgor/models/lattice/resample/warp_outside.hpp"
 
 namespace turgor::lattice {
 
@@ -160,6 +161,16 @@ VectorVolume resample_displacement(const Exec& exec, const Model& model, const S
                                    const Grid& out) {
   const DisplacementOfVoxel of{model.grid, out};
   return {.grid = out, .samples = resample_field<Vec3>(exec, model, state, out, of)};
+}
+
+VectorVolume resample_warp(const Exec& exec, const Model& model, const State& state, const Grid& out) {
+  using Writer = FieldWriter<DisplacementOfVoxel, Vec3>;
+  VectorVolume field{.grid = out, .samples = std::vector<Vec3>(sample_count(out))};
+  const Writer writer{{model.grid, out}, field.samples};
+  const std::vector<std::uint8_t> covered =
+      resample_with(exec, deform_body(exec, model, state, out), kNodeUnits, writer).covered;
+  fill_warp_outside(exec, model, covered, field);
+  return field;
 }
 
 ScalarVolume resample_jacobian(const Exec& exec, const Model& model, const State& state, const Grid& out) {

@@ -14,8 +14,8 @@ struct ResampleOptions {
 
 struct ResampleReport {
   double seconds = 0;
-  double mass_error = 0;   // relative error of Σ (HU + 1000) · volume over the body, output against input;
-                           // meaningful if the output holds the whole body
+  double mass_error = 0;   // relative error of Σ (HU + 1000) · volume over the voxels of tissue, output
+                           // against input. It lacks the partial volume, which image_mass_error includes.
   long inverted_tets = 0;  // inverted tetrahedra, which are left out
   long overlaps = 0;       // voxels claimed by more than one tetrahedron; the first in lattice order has them
 };
@@ -34,8 +34,10 @@ Grid resized(const Grid& grid, Int3 size);
 ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state, const CtVolume& ct,
                         const Grid& out, const ResampleOptions& options = {});
 /// Displacement from each voxel to the rest position of its tissue, patient frame [m]; zero outside the body.
-/// This is ITK's displacement field transform.
 VectorVolume resample_displacement(const Exec& exec, const Model& model, const State& state, const Grid& out);
+/// The same, continued outside the body (warp_outside.hpp): ITK's displacement field transform. A warp of the
+/// CT with it is the deformed CT, except for tables and clothing that the body covers or leaves.
+VectorVolume resample_warp(const Exec& exec, const Model& model, const State& state, const Grid& out);
 /// Volume ratio of each voxel, deformed over rest; 1 outside the body.
 ScalarVolume resample_jacobian(const Exec& exec, const Model& model, const State& state, const Grid& out);
 
