@@ -25,11 +25,11 @@ TEST(RhombusTip, ForceScalesWithRadiusSquared) {
 // The force is the derivative of the energy.
 TEST(RhombusTip, ForceIsEnergyDerivative) {
   const Chain chain = *build_chain(kTissue);
-  for (const double radius : {0.003, 0.005, 0.02}) {
+  for (const double radius : {0.0002, 0.003, 0.005, 0.02}) {
     const Tip tip = tip_on(chain, radius);
-    for (const double fraction : {-3.0, -0.8, -0.1, 0.001, 0.03, 0.4, 1.3, 2.5}) {
+    for (const double fraction : {-3.0, -0.8, -0.1, 0.001, 0.03, 0.4, 1.3, 2.0, 2.05, 2.5, 4.3, 9.0}) {
       const double depth = fraction * radius, d = 1e-4 * std::abs(depth);
-      const auto work = [&](double x) { return tip_energy(chain, tip, chain_force(chain, tip, x)); };
+      const auto work = [&](double x) { return tip_energy(chain, tip, x, chain_force(chain, tip, x)); };
       const double slope = (work(depth + d) - work(depth - d)) / (2 * d);
       EXPECT_NEAR(slope / force_of_tip(chain, tip, depth), 1, 1e-4) << fraction;
     }
@@ -71,11 +71,28 @@ TEST(RhombusTip, PaperChainIgnoresTipRadius) {
       EXPECT_EQ(force_of_tip(paper, tip_on(paper, radius), depth), force_of_depth(paper, depth));
 }
 
-// A tip of zero radius has the force of the smallest radius.
+// A tip of zero radius has the force of the smallest radius: 0.1 mm that presses, 0.5 mm that holds.
 TEST(RhombusTip, SharpTipHasMinimumRadius) {
   const Chain chain = *build_chain(kTissue);
-  EXPECT_EQ(force_of_tip(chain, tip_on(chain, 0), 0.003), force_of_tip(chain, tip_on(chain, 5e-4), 0.003));
-  EXPECT_GT(force_of_tip(chain, tip_on(chain, 0), 0.003), 0);
+  const Tip sharp = tip_on(chain, 0);
+  EXPECT_EQ(force_of_tip(chain, sharp, 5e-4), force_of_tip(chain, tip_on(chain, 1e-4), 5e-4));
+  EXPECT_EQ(force_of_tip(chain, sharp, -0.003), force_of_tip(chain, tip_on(chain, 5e-4), -0.003));
+  EXPECT_GT(force_of_tip(chain, sharp, 5e-4), 0);
+}
+
+// The force and its slope have no step where the chain begins to grow, at two radii.
+TEST(RhombusTip, ForceIsSmoothAtTwoRadii) {
+  const Chain chain = *build_chain(kTissue);
+  const Tip tip = tip_on(chain, 0.004);
+  double before = force_of_tip(chain, tip, 0.0075), slope_before = 0;
+  for (double depth = 0.00751; depth < 0.0085; depth += 1e-5) {
+    const double force = force_of_tip(chain, tip, depth), slope = (force - before) / 1e-5;
+    EXPECT_GT(slope, 0) << depth;
+    if (slope_before > 0) {
+      EXPECT_NEAR(slope / slope_before, 1, 0.03) << depth;
+    }
+    before = force, slope_before = slope;
+  }
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ struct Problem {
     double guess = 0;
     for (std::size_t i = 0; i < curve.size(); i++) {
       guess = chain_force(chain, tip, curve[i].depth, guess);
-      const double found = tip_force(tip, curve[i].depth, guess);
+      const double found = tip_force(chain, tip, curve[i].depth, guess);
       r[Eigen::Index(i)] = (found - curve[i].force) / std::max(std::abs(curve[i].force), kFitFloor * peak);
     }
     return r;

@@ -32,6 +32,7 @@ struct MovingTouch {
   const GeodesicField* distances;
   MoveComponents components;
   ChainShape depth, drag;
+  double scale = 1;        // of the chains
   double width = 0;        // of a unit [m]
   double half_fold = 0;    // half the length of the surface between the jaws when they closed [m]
   double ring_center = 0;  // position of the bulge's crest [units]
@@ -52,7 +53,8 @@ MovingTouch make_moving_touch(const Model& model, const ToolTouch& t) {
   TURGOR_CHECK(is_unit(t.foot.normal), "the normal at a touch is a unit vector");
   m.depth = shape_of_force(model.chain, t.depth_force);
   m.drag = shape_of_force(model.chain, -t.drag_force);
-  m.width = unit_width(model.chain) * t.tip.scale;
+  m.scale = scale_at(t.tip, t.depth_whole);
+  m.width = unit_width(model.chain) * m.scale;
   m.ring_center = 2 + 2 * mean_index(m.depth);
   // held tissue
   if (!t.holding) return m;
@@ -99,7 +101,7 @@ Vec3d chain_move(const MovingTouch& m, Vec3d x, double distance) {
   // dent: along the normal and outwards
   const ShapePoint dent = shape_at(m.depth, s);
   const Vec3d outwards = normalized(from_foot - normal * dot(from_foot, normal));
-  Vec3d move = outwards * (dent.outward * t.tip.scale * t.depth_fraction);
+  Vec3d move = outwards * (dent.outward * m.scale * t.depth_fraction);
   if (m.depth.units > 0) move -= normal * (dent.depth / m.depth.depth[0] * m.components.depth);
   // drag along the surface
   if (m.drag.units > 0)
@@ -255,8 +257,9 @@ double energy(const Model& model, const State& state) {
   double sum = 0;
   for (const ToolTouch& t : state.touches) {
     if (!(dot(t.moved, t.moved) > 0)) continue;
-    const double own = tip_energy(model.chain, t.tip, t.depth_force) * t.depth_fraction * t.depth_fraction +
-                       tip_energy(model.chain, t.tip, -t.drag_force) * t.drag_fraction * t.drag_fraction;
+    const double own =
+        tip_energy(model.chain, t.tip, t.depth_whole, t.depth_force) * t.depth_fraction * t.depth_fraction +
+        tip_energy(model.chain, t.tip, t.drag_whole, -t.drag_force) * t.drag_fraction * t.drag_fraction;
     sum += stiffness_at(model, t.foot.at) * own + 0.5 * dot(t.elastic, t.moved - t.demand);
   }
   return sum;

@@ -7,10 +7,33 @@
 
 namespace turgor::rhombus {
 
+namespace {
+
+// Disc depths in radii of the disc. From kGrows, which is Sneddon's at two radii, the chain grows with the
+// disc, so that no chain is deeper than kGrows + kGrowsWithin.
+constexpr double kGrows = 1.6104, kGrowsWithin = 0.2;
+
+/// Depth of the chain under a disc of a given depth, both in radii, and its derivative. Its curvature is
+/// continuous, so the stiffness of the tip has no step.
+struct BoundedDepth {
+  double depth = 0, slope = 1;
+};
+BoundedDepth bounded_depth(double disc) {
+  if (disc <= kGrows) return {disc, 1};
+  const double beyond = (disc - kGrows) / kGrowsWithin, root = std::sqrt(1 + beyond * beyond);
+  return {kGrows + kGrowsWithin * beyond / root, 1 / (root * root * root)};
+}
+
+bool grows(const Tip& tip, double depth) {
+  return tip.radius > 0 && depth > 0 && disc_depth(tip, depth).depth > kGrows * tip.radius;
+}
+
+}  // namespace
+
 Tip tip_on(const Chain& chain, double radius) {
   if (chain.params.tip == 0) return {};
-  const double effective_radius = std::max(radius, kSharpestTip);
-  return {effective_radius, effective_radius / chain.params.tip};
+  const double pressing = std::max(radius, kSharpestTip), holding = std::max(radius, kSharpestHold);
+  return {pressing, pressing / chain.params.tip, holding / chain.params.tip};
 }
 
 DiscDepth disc_depth(const Tip& tip, double depth) {
@@ -25,9 +48,40 @@ DiscDepth disc_depth(const Tip& tip, double depth) {
   return {depth * root, root * (1 + 0.25 * growth)};
 }
 
+// A disc on a half space has the energy E* R u². A chain of scale s at the depth x has it for s³ x² = s₀ u²,
+// with s₀ the scale of the tip.
+double scale_at(const Tip& tip, double depth) {
+  if (!(depth > 0)) return tip.hold_scale;
+  if (!grows(tip, depth)) return tip.scale;
+  const double disc = disc_depth(tip, depth).depth / tip.radius;
+  return tip.scale * std::cbrt(std::pow(disc / bounded_depth(disc).depth, 2));
+}
+
 double chain_force(const Chain& chain, const Tip& tip, double depth, double guess) {
-  TURGOR_CHECK(tip.scale > 0, "the scale of a tip is positive");
-  return force_of_depth(chain, disc_depth(tip, depth).depth / tip.scale, guess);
+  TURGOR_CHECK(tip.scale > 0 && tip.hold_scale > 0, "the scale of a tip is positive");
+  if (!(depth > 0)) return force_of_depth(chain, depth / tip.hold_scale, guess);
+  const double disc = disc_depth(tip, depth).depth;
+  if (!grows(tip, depth)) return force_of_depth(chain, disc / tip.scale, guess);
+  return force_of_depth(chain, bounded_depth(disc / tip.radius).depth * chain.params.tip, guess);
+}
+
+// The derivative of the energy s³ e(x) by the tip's depth, with x = g(x₀), x₀ = u/s₀ and s³ = s₀³ (x₀/x)²
+double tip_force(const Chain& chain, const Tip& tip, double depth, double chain_force) {
+  if (!(depth > 0)) return tip.hold_scale * tip.hold_scale * chain_force;
+  const DiscDepth disc = disc_depth(tip, depth);
+  const double scale2 = tip.scale * tip.scale;
+  if (!grows(tip, depth)) return scale2 * chain_force * disc.slope;
+  // chain of a larger disc
+  const BoundedDepth bounded = bounded_depth(disc.depth / tip.radius);
+  const double free = disc.depth / tip.scale, x = bounded.depth * chain.params.tip;
+  const double twice_energy = 2 * chain_energy(chain, chain_force), growth = free / x;
+  return scale2 * disc.slope * growth *
+         (twice_energy / x + growth * bounded.slope * (chain_force - twice_energy / x));
+}
+
+double tip_energy(const Chain& chain, const Tip& tip, double depth, double chain_force) {
+  const double scale = scale_at(tip, depth);
+  return scale * scale * scale * chain_energy(chain, chain_force);
 }
 
 double depth_of_tip(const Chain& chain, const Tip& tip, double force) {

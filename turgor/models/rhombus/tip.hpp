@@ -11,19 +11,28 @@
 // Sneddon's rigid sphere [Sneddon 1965], at first touch that of Hertz. When pulled, tools hold what they
 // touch: u = d. A chain without a tip is that of the paper, which has no tools: every tool meets the chain
 // itself.
+//
+// Units meet their stops soon below a depth of two radii. From there on the chain grows with the depth, to
+// that of a larger disc with the same energy. On a half space every such chain gives the same force, so the
+// force stays that of Sneddon's sphere, and a sharp tip needs no short chain.
 #pragma once
 
 #include "turgor/models/rhombus/chain.hpp"
 
 namespace turgor::rhombus {
 
-/// Smallest effective tip radius. The model is not valid for sharper tips [m].
-constexpr double kSharpestTip = 5e-4;
+/// Smallest effective radius of a tip that presses, and of one that holds. The model is not valid for sharper
+/// tips [m].
+constexpr double kSharpestTip = 1e-4, kSharpestHold = 5e-4;
+/// Largest valid depth of a press, in radii of the tip.
+constexpr double kDeepestPress = 6;
 
 /// A ball on a chain.
 struct Tip {
-  double radius = 0;  // 0: a tool that meets the chain itself [m]
-  double scale = 1;   // of the chain's lengths and stiffnesses, relative to its parameters
+  double radius = 0;      // 0: a tool that meets the chain itself [m]
+  double scale = 1;       // of the chain's lengths and stiffnesses in a press down to two radii, relative to
+                          // its parameters
+  double hold_scale = 1;  // likewise, of tissue that is pulled
 };
 Tip tip_on(const Chain& chain, double radius);
 
@@ -35,19 +44,18 @@ struct DiscDepth {
 /// Depth of the disc. The resulting force is within 1 % of Sneddon's sphere up to a depth of six radii.
 DiscDepth disc_depth(const Tip& tip, double depth);
 
+/// Scale of the chain at a depth of the tip.
+double scale_at(const Tip& tip, double depth);
+
 /// Unscaled force of the chain at this depth of the tip: the argument of shape_of_force and chain_energy [N].
 double chain_force(const Chain& chain, const Tip& tip, double depth, double guess = 0);
 
-/// Force on the tip [N] and energy [J] for a chain force.
-inline double tip_force(const Tip& tip, double depth, double chain_force) {
-  return tip.scale * tip.scale * chain_force * disc_depth(tip, depth).slope;
-}
-inline double tip_energy(const Chain& chain, const Tip& tip, double chain_force) {
-  return tip.scale * tip.scale * tip.scale * chain_energy(chain, chain_force);
-}
+/// Force on the tip [N] and energy [J] for the chain's force at this depth.
+double tip_force(const Chain& chain, const Tip& tip, double depth, double chain_force);
+double tip_energy(const Chain& chain, const Tip& tip, double depth, double chain_force);
 /// Force on the tip at a depth [N].
 inline double force_of_tip(const Chain& chain, const Tip& tip, double depth) {
-  return tip_force(tip, depth, chain_force(chain, tip, depth));
+  return tip_force(chain, tip, depth, chain_force(chain, tip, depth));
 }
 
 /// Depth of a pressed tip under a force of 0 or more [m].

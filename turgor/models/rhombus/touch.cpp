@@ -95,10 +95,13 @@ Weights influence_matrix(const Model& model, std::span<const ToolTouch* const> a
   const auto n = Eigen::Index(active.size());
   Weights w = Weights::Identity(n, n);
   std::array<ChainShape, kMaxTouches> shapes;
+  std::array<double, kMaxTouches> scale{};
   // shape of each chain alone
-  for (std::size_t k = 0; k < active.size(); k++)
-    shapes[k] =
-        shape_of_force(model.chain, chain_force(model.chain, active[k]->tip, norm(active[k]->demand)));
+  for (std::size_t k = 0; k < active.size(); k++) {
+    const double depth = norm(active[k]->demand);
+    shapes[k] = shape_of_force(model.chain, chain_force(model.chain, active[k]->tip, depth));
+    scale[k] = scale_at(active[k]->tip, depth);
+  }
   for (Eigen::Index a = 0; a < n; a++)
     for (Eigen::Index b = 0; b < a; b++) {
       const FootPoint &p = active[std::size_t(a)]->foot, &q = active[std::size_t(b)]->foot;
@@ -106,7 +109,7 @@ Weights influence_matrix(const Model& model, std::span<const ToolTouch* const> a
       const double units = norm(p.at.position - q.at.position) / unit_width(model.chain);
       const auto fraction = [&](Eigen::Index k) {
         const ChainShape& shape = shapes[std::size_t(k)];
-        return shape_at(shape, units / active[std::size_t(k)]->tip.scale).depth / shape.depth[0];
+        return shape_at(shape, units / scale[std::size_t(k)]).depth / shape.depth[0];
       };
       // less for different normals
       const double alike = std::max(0.0, dot(p.normal, q.normal));
@@ -179,14 +182,15 @@ Vec3d elastic_force(const Model& model, ToolTouch& t) {
   t.depth_force = chain_force(model.chain, t.tip, depth.whole, t.depth_force);
   t.drag_force = -chain_force(model.chain, t.tip, -drag.whole, -t.drag_force);
   t.depth_fraction = depth.fraction, t.drag_fraction = drag.fraction;
+  t.depth_whole = depth.whole, t.drag_whole = -drag.whole;
   // force on the tool, scaled by the stiffness at the foot point
-  Vec3d force = t.foot.normal * (tip_force(t.tip, depth.whole, t.depth_force) * depth.fraction) -
-                moved.along * (tip_force(t.tip, -drag.whole, t.drag_force) * drag.fraction);
+  Vec3d force = t.foot.normal * (tip_force(model.chain, t.tip, depth.whole, t.depth_force) * depth.fraction) -
+                moved.along * (tip_force(model.chain, t.tip, -drag.whole, t.drag_force) * drag.fraction);
   force *= stiffness_at(model, t.foot.at);
   // variable stiffness
   if (!model.stiffness.empty() && !t.holding)
     force -= stiffness_gradient_at(model, t.foot) *
-             (tip_energy(model.chain, t.tip, t.depth_force) * depth.fraction);
+             (tip_energy(model.chain, t.tip, depth.whole, t.depth_force) * depth.fraction);
   return force;
 }
 
@@ -201,13 +205,13 @@ TouchForce release_slipped(ToolTouch& t) {
   t.touching = t.holding = t.lagging = false;
   t.closed_empty = true;
   t.demand = t.moved = t.elastic = t.remembered = {};
-  t.depth_force = t.drag_force = t.depth_fraction = t.drag_fraction = 0;
+  t.depth_force = t.drag_force = t.depth_fraction = t.drag_fraction = t.depth_whole = t.drag_whole = 0;
   return {.slipped = true};
 }
 
 /// Force of closed jaws on the fold between them, as an even disc [N].
 double squeeze_force(const Model& model, const ToolTouch& t) {
-  const double scale = t.tip.scale, pressed = 0.5 * t.held_opening * t.closing;
+  const double scale = t.tip.hold_scale, pressed = 0.5 * t.held_opening * t.closing;
   return stiffness_at(model, t.foot.at) * scale * scale * force_of_depth(model.chain, pressed / scale);
 }
 
@@ -232,6 +236,7 @@ TouchForce compute_force(const Model& model, ToolTouch& t, const TouchInput& in,
   t.touching = dot(out.force, out.force) > 0;
   out.touching = t.touching;
   out.yielding = t.touching && !bears;
+  out.too_deep = t.touching && t.tip.radius > 0 && t.depth_whole > kDeepestPress * t.tip.radius;
   out.units = depth_of_force(model.chain, t.depth_force).units;
   if (t.holding) out.squeeze = std::min(model.params.tear, squeeze_force(model, t));
   TURGOR_CHECK(is_finite(out.force), "the force on a tool is finite");
