@@ -123,10 +123,10 @@ void fill_warp_outside(const Exec& exec, const Model& model, std::span<const std
   const Mat3d to_lattice = inverse(model.grid.axes);
   each_voxel([&](std::size_t v, Int3 p) {
     if (!wanted[v]) return;
-    const Vec3d here = body.to_node(p);
+    const Vec3d node = body.to_node(p);
     const Vec3 moved = skin.voxel[v] < 0 ? Vec3{} : tissue[std::size_t(skin.voxel[v])];
     const Vec3d local = to_lattice * Vec3d(moved), step = model.grid.spacing;
-    const Vec3d rest = here + Vec3d{local.x / step.x, local.y / step.y, local.z / step.z};
+    const Vec3d rest = node + Vec3d{local.x / step.x, local.y / step.y, local.z / step.z};
     // with the skin, unless tissue was there; else to air
     if (skin.voxel[v] >= 0 && !body.is_deep(rest, model.params.block)) {
       field.samples[v] = moved;
