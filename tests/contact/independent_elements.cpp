@@ -65,7 +65,8 @@ Matrix stiffness_of(const sfem::Body& body) {
     const int* tet = &body.mesh.elements[4 * e];
     // gradients of the shape functions: rows of the inverse of [1 x y z]
     Eigen::Matrix4d corners;
-    for (int c = 0; c < 4; c++) corners.row(c) << 1, eigen(body.mesh.vertices[std::size_t(tet[c])]).transpose();
+    for (int c = 0; c < 4; c++)
+      corners.row(c) << 1, eigen(body.mesh.vertices[std::size_t(tet[c])]).transpose();
     const double volume = std::abs(corners.determinant()) / 6;
     const Eigen::Matrix<double, 3, 4> gradient = corners.inverse().bottomRows<3>();
     const sfem::Material& m = body.materials[std::size_t(body.material[e])];
@@ -74,8 +75,8 @@ Matrix stiffness_of(const sfem::Body& body) {
     for (int a = 0; a < 4; a++)
       for (int b = 0; b < 4; b++) {
         const Eigen::Vector3d p = gradient.col(a), q = gradient.col(b);
-        const Eigen::Matrix3d block =
-            volume * (lambda * p * q.transpose() + mu * q * p.transpose() + mu * p.dot(q) * Eigen::Matrix3d::Identity());
+        const Eigen::Matrix3d block = volume * (lambda * p * q.transpose() + mu * q * p.transpose() +
+                                                mu * p.dot(q) * Eigen::Matrix3d::Identity());
         for (int i = 0; i < 3; i++)
           for (int j = 0; j < 3; j++) terms.emplace_back(3 * tet[a] + i, 3 * tet[b] + j, block(i, j));
       }
@@ -94,7 +95,8 @@ Eigen::VectorXd solved(const sfem::Body& body, const Matrix& k, const Eigen::Vec
   Eigen::VectorXd right = force;
   for (Eigen::Index column = 0; column < k.outerSize(); column++)
     for (Matrix::InnerIterator term(k, column); term; ++term)
-      if (!is_fixed(term.row()) && !is_fixed(term.col())) terms.emplace_back(term.row(), term.col(), term.value());
+      if (!is_fixed(term.row()) && !is_fixed(term.col()))
+        terms.emplace_back(term.row(), term.col(), term.value());
   for (Eigen::Index row = 0; row < k.rows(); row++)
     if (is_fixed(row)) terms.emplace_back(row, row, 1), right[row] = 0;
   Matrix free(k.rows(), k.cols());

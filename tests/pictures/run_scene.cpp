@@ -25,8 +25,8 @@ Json physics(Json report) {
                           "warnings", "scene_text", "deformed_ct"})
     report.erase(key);
   const auto is_time = [](const std::string& key) {
-    return key.ends_with("_s") && key != "force_max_at_s" && key != "slipped_at_s" && key != "jump_at_s" &&
-           key != "simulated_s";
+    return key.ends_with("_s") && key != "force_max_at_s" && key != "slipped_at_s" &&
+           key != "passed_surface_at_s" && key != "jump_at_s" && key != "simulated_s";
   };
   for (const char* list : {"bodies", "costs", "tools"})
     for (Json& one : report[list]) {

@@ -1,7 +1,7 @@
 // Depth of a tool in the undeformed patch.
-#include <algorithm>
 #include <limits>
 
+#include "turgor/contact/tips.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/core/assert.hpp"
 
@@ -36,16 +36,9 @@ double height_at_rest(const sfem::Patch& patch, const PatchSurface& surface, Vec
 
 double depth_at_rest(const sfem::Patch& patch, const PatchSurface& surface, const Shape& shape,
                      const Pose& pose) {
+  TURGOR_CHECK(tip_count(shape) > 0, "a shape has at least one test point");
   constexpr int kMaxTips = 16;  // of a mesh tool
-  const int tips = tip_count(shape), stride = std::max(1, tips / kMaxTips);
-  TURGOR_CHECK(tips > 0, "a shape has at least one test point");
-  double deepest = 0;
-  for (int n = 0; n < tips; n += stride) {
-    const Vec3d position = tip(shape, n);
-    const double radius = -distance(shape, position).distance;  // of a ball around it within the tool
-    deepest = std::max(deepest, radius - height_at_rest(patch, surface, to_world(pose, position)));
-  }
-  return deepest;
+  return depth_below(shape, pose, kMaxTips, [&](Vec3d x) { return height_at_rest(patch, surface, x); });
 }
 
 }  // namespace turgor::contact

@@ -12,6 +12,7 @@
 #include "turgor/sim/report/force_error.hpp"
 #include "turgor/sim/report/inclusion_marks.hpp"
 #include "turgor/sim/report/missed_body.hpp"
+#include "turgor/sim/report/passed_surface.hpp"
 #include "turgor/sim/report/report_compare.hpp"
 #include "turgor/sim/report/section.hpp"
 
@@ -192,12 +193,18 @@ struct ToolInput {
   int contacts = 0;
   double depth = 0;  // [m]
   bool beyond = false;
+  std::optional<SurfacePassage> passage;
   std::vector<double>
       tick_seconds;  // without ticks that take a new patch, which belong to the patch's report
 };
 
 ToolInput tool_input(const ToolScene& scene, const TouchingTool& tool, const World& world) {
-  ToolInput input{.scene = scene, .tool = tool, .world = world, .most = {}, .tick_seconds = {}};
+  ToolInput input{.scene = scene,
+                  .tool = tool,
+                  .world = world,
+                  .most = {},
+                  .passage = surface_passage(world, tool),
+                  .tick_seconds = {}};
   for (const ForceSample& s : tool.samples) {
     if (norm(s.force) > norm(input.most.force)) input.most = s;
     input.contacts = std::max(input.contacts, s.contacts);
@@ -241,6 +248,10 @@ const Quantity<T> kTool[] = {
     {"slipped_at", kSeconds, "", [](const T& t) -> Json { return t.tool.limits.slipped_at; }, kInReport},
     {"yielding_ticks", kCount, "", [](const T& t) -> Json { return t.tool.limits.yielding_ticks; },
      kInReport},
+    {"too_deep_ticks", kCount, "", [](const T& t) -> Json { return t.tool.limits.too_deep_ticks; },
+     kInReport},
+    {"passed_surface_at", kSeconds, "passed through the surface, or jumped, at",
+     [](const T& t) -> Json { return t.passage ? Json(t.passage->time) : absent(); }},
     {"force_every", kMilliseconds, "interval of forces",
      [](const T& t) -> Json { return force_interval(t.world, t.tool.body); }},
     {"ticks", kCount, "forces", [](const T& t) -> Json { return t.tool.samples.size(); }},
@@ -289,6 +300,12 @@ void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
         fmt::format("{}: for {} ms its force reached the body's tear and was clamped; "
                     "larger forces are not modeled",
                     tool.name, limits.yielding_ticks));
+  // press beyond the depth for which the chain is valid
+  if (limits.too_deep_ticks > 0)
+    warnings.push_back(
+        fmt::format("{}: for {} ms it was pressed deeper than {:g} radii of its tip, where rhombus chains "
+                    "are not valid; press less deep, or use a larger tip",
+                    tool.name, limits.too_deep_ticks, rhombus::kDeepestPress));
 }
 
 }  // namespace
@@ -337,7 +354,10 @@ std::vector<std::string> touch_warnings(const World& world) {
   // tools
   for (const TouchingTool& tool : world.tools) {
     for (const std::string& note : tool.notes) warnings.push_back(tool.name + ": " + note);
-    if (const std::string off = missed_body_note(world, tool); !off.empty()) warnings.push_back(off);
+    if (const std::string passed = passed_surface_note(world, tool); !passed.empty())
+      warnings.push_back(passed);
+    else if (const std::string off = missed_body_note(world, tool); !off.empty())
+      warnings.push_back(off);
     add_limits(tool, warnings);
   }
   for (const TouchingTool& tool : world.tools)

@@ -20,10 +20,12 @@ struct ForceLimits {
   int coarsest = 0;      // coarsest level of contact sites (contact::Site::level); 0 = every vertex is a site
   int dropped_most = 0;  // most touched vertices without a site in a tick
   int dropped_ticks = 0;
-  int unsolved_ticks = 0;  // ticks whose contact solver did not converge
-  int slips = 0;           // grasped tissue slipped out
-  double slipped_at = 0;   // time of the first slip [s]
-  int yielding_ticks = 0;  // ticks with a force above the tissue's limit
+  int unsolved_ticks = 0;           // ticks whose contact solver did not converge
+  int slips = 0;                    // grasped tissue slipped out
+  double slipped_at = 0;            // time of the first slip [s]
+  int yielding_ticks = 0;           // ticks with a force above the tissue's limit
+  int too_deep_ticks = 0;           // ticks with a press deeper than the model is valid for
+  std::optional<double> passed_at;  // time at which it was first found below the present surface [s]
 };
 
 /// A tool of a running world.

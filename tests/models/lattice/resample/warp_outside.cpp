@@ -75,8 +75,8 @@ TEST(WarpOutside, ItkWarpEqualsDeformedCt) {
     const Moved moved = moved_by(blurred_ball_ct(52, 15.3, false), displacement);
     const long tissue_only = different_voxels(moved.ct, moved.tissue_only, moved.now);
     const long different = different_voxels(moved.ct, moved.warp, moved.now);
-    std::printf("voxels in which ITK's warp differs: %ld, with the field of the tissue alone %ld\n", different,
-                tissue_only);
+    std::printf("voxels in which ITK's warp differs: %ld, with the field of the tissue alone %ld\n",
+                different, tissue_only);
     EXPECT_GT(tissue_only, 500) << "the body left them, and the warp shows it there still";
     EXPECT_LE(different, 5);
   }
@@ -97,7 +97,8 @@ TEST(WarpOutside, WoundIsAir) {
   const CtVolume now = resample_ct(kExec, model, state, ct, ct.grid).ct;
   const VectorVolume warp = resample_warp(kExec, model, state, ct.grid);
   long air = 0;
-  for_voxels(ct.grid, [&](Int3 p) { air += now.at(p.x, p.y, p.z) == kAirHu && ct.at(p.x, p.y, p.z) != kAirHu; });
+  for_voxels(ct.grid,
+             [&](Int3 p) { air += now.at(p.x, p.y, p.z) == kAirHu && ct.at(p.x, p.y, p.z) != kAirHu; });
   EXPECT_GT(air, 1000) << "voxels of the wound";
   const long different = different_voxels(ct, warp, now);
   std::printf("wound of %ld voxels: ITK's warp differs in %ld\n", air, different);
@@ -134,7 +135,9 @@ TEST(WarpOutside, MassErrorIsThatOfImage) {
   const CtVolume ct = blurred_ball_ct(52, 15.3, false);
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
-  move(model, state, [](Vec3d p) { return Vec3d{0, 0.06 * (p.x - 0.026), 0} + Vec3d{0.4, 0.3, 0.2} * kVoxel; });
+  move(model, state, [](Vec3d p) {
+    return Vec3d{0, 0.06 * (p.x - 0.026), 0} + Vec3d{0.4, 0.3, 0.2} * kVoxel;
+  });
   const ResampledCt now = resample_ct(kExec, model, state, ct, ct.grid);
   const double error = image_mass_error(kExec, model, make_state(model), ct, now.ct);
   EXPECT_NEAR(error, mass_of(now.ct) / mass_of(ct) - 1, 1e-4) << "nothing but the body is in the image";

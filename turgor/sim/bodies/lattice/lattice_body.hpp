@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "turgor/contact/lattice_touch.hpp"
+#include "turgor/geometry/signed_distance.hpp"
 #include "turgor/geometry/volume.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/device/device_state.hpp"
@@ -42,6 +43,7 @@ struct LatticeBody : FrameTouchedBody {
   lattice::BodySurface surface;  // with the present cuts
   std::vector<Vec3d> rest;       // of its vertices, patient frame [m]
   std::size_t surface_cuts = 0;  // cut version of `surface`
+  SignedDistance rest_skin;      // to the surface at rest without cuts, patient frame
   contact::LatticeTouch touch;
   std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two arrays below
   std::vector<contact::ToolPose> poses;

@@ -42,6 +42,7 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
     report.largest_speed = std::max(report.largest_speed, fastest);
     read_tool_forces(body);
   }
+  if (report.finite) note_passed_tools(body, tools, to);
   record_step(body, tools, to, timer.seconds());
   return report;
 }

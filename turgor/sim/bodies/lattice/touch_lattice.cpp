@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "turgor/contact/tips.hpp"
 #include "turgor/contact/touch_tick.hpp"
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 #include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/world.hpp"
@@ -13,24 +16,33 @@ namespace turgor {
 
 namespace {
 
-/// Penetration depth of a tool into the surface at rest [m], sampled at corners, edge midpoints and centroids
-/// of triangles.
+/// Depth of a tool's deepest point below the surface at rest; 0 = above it [m].
 double depth_at_rest(const LatticeBody& body, const contact::Tool& tool, const contact::Pose& pose) {
-  TURGOR_CHECK(body.rest.size() == body.surface.rest.size(),
-               "every vertex of the surface has a rest position");
-  const double near = contact::bounding_radius(tool.shape);
-  double deepest = 0;
-  const auto read_nodes = [&](Vec3d x) {
-    if (const Vec3d d = x - pose.position; dot(d, d) < near * near)
-      deepest = std::max(deepest, -contact::distance(tool.shape, pose, x).distance);
-  };
-  for (const Int3 t : body.surface.triangles) {
-    const Vec3d a = body.rest[std::size_t(t.x)], b = body.rest[std::size_t(t.y)],
-                c = body.rest[std::size_t(t.z)];
-    for (const Vec3d x : {a, b, c, (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5, (a + b + c) / 3})
-      read_nodes(x);
-  }
-  return deepest;
+  const SignedDistance& skin = body.rest_skin;
+  if (!skin.at) return 0;
+  const double reach = 2 * contact::bounding_radius(tool.shape);
+  const Box box{skin.low - Vec3d{reach, reach, reach}, skin.high + Vec3d{reach, reach, reach}};
+  return contact::depth_below(tool.shape, pose, contact::kAllTips,
+                              [&](Vec3d x) { return squared_distance(box, x) > 0 ? reach : skin.at(x); });
+}
+
+/// Surface at the end of the last step.
+TriMesh present_surface(const LatticeBody& body) {
+  std::vector<int> nodes;
+  if (body.state.is_on_device())
+    nodes = lattice::support_nodes(body.model, body.state.cuts(), body.state.virtual_u(), body.surface);
+  return body.state.read_wound_nodes(nodes, [&](const lattice::State& state) {
+    return lattice::deformed_surface(body.model, state, body.surface, lattice::Shown::kNothing);
+  });
+}
+
+/// True if a test point of the tool is deeper than `depth` below a surface.
+bool is_below(const SignedDistance& surface, const contact::Tool& tool, const contact::Pose& pose,
+              double depth) {
+  bool below = false;
+  contact::visit_tips(tool.shape, pose, contact::kAllTips,
+                      [&](Vec3d point, double) { below = below || surface.at(point) < -depth; });
+  return below;
 }
 
 /// Nodes that carry the contact samples of the last step.
@@ -38,6 +50,12 @@ std::vector<int> touched_nodes(const LatticeBody& body) {
   std::vector<int> samples;
   for (const contact::LatticeContact& contact : body.touch.contacts) samples.push_back(contact.sample);
   return nodes_of(body.touch, samples);
+}
+
+std::vector<Vec3> rest_vertices(const LatticeBody& body) {
+  std::vector<Vec3> vertices;
+  for (const Vec3d x : body.rest) vertices.push_back(Vec3(x));
+  return vertices;
 }
 
 void make_surface(LatticeBody& body) {
@@ -64,6 +82,9 @@ Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const Wor
   body.forces.resize(body.tools.size());
   set_poses(body, tools, 0);
   body.touch = contact::make_lattice_touch(body.model, body.state.cuts(), body.surface, body.poses);
+  if (!body.surface.triangles.empty())
+    body.rest_skin =
+        distance_to_surface({.vertices = rest_vertices(body), .triangles = body.surface.triangles});
   return Done{};
 }
 
@@ -115,12 +136,28 @@ void read_tool_forces(LatticeBody& body) {
   });
 }
 
+// Contact keeps the skin out of a tool within about one spacing, the distance between its samples.
+void note_passed_tools(const LatticeBody& body, std::vector<TouchingTool>& tools, double time) {
+  const Vec3 h = body.model.lattice.spacing;
+  const double reach = double(std::max({h.x, h.y, h.z}));
+  std::optional<SignedDistance> now;
+  for (std::size_t t = 0; t < body.tools.size(); t++) {
+    // the present surface is made only for a tool below the surface at rest
+    std::optional<double>& passed_at = tools[std::size_t(body.tool_indices[t])].limits.passed_at;
+    const contact::Tool& tool = body.tools[t];
+    const contact::Pose& pose = body.poses[t].pose;
+    if (passed_at || !body.rest_skin.at || !is_below(body.rest_skin, tool, pose, 0)) continue;
+    if (!now) now = distance_to_surface(present_surface(body));
+    if (is_below(*now, tool, pose, reach)) passed_at = time;
+  }
+}
+
 void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, double time, double seconds) {
   TURGOR_CHECK(body.forces.size() == body.tool_indices.size(), "one force a tool");
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     const contact::ToolForce& haptic = body.forces[t];
     contact::ToolReading reading{.force = haptic.force, .torque = haptic.torque, .contacts = haptic.contacts};
-    if (haptic.contacts > 0) reading.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
+    reading.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
     ForceSample sample = sample_of(time, {.pose = body.poses[t].pose, .hold = body.poses[t].hold}, reading);
     sample.tick_seconds = float(seconds);
     tools[std::size_t(body.tool_indices[t])].samples.append(sample);

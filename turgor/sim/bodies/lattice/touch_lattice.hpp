@@ -23,6 +23,8 @@ int substep_count(LatticeBody& body, const std::vector<TouchingTool>& tools, dou
 std::span<lattice::NodeContact> find_tool_contacts(LatticeBody& body, double dt);
 /// Reads the tools' forces of the last step.
 void read_tool_forces(LatticeBody& body);
+/// Records the time at which a tool is first farther below the present surface than contact lets it.
+void note_passed_tools(const LatticeBody& body, std::vector<TouchingTool>& tools, double time);
 /// Appends a sample to the log of every tool; `seconds`: wall time of the step.
 void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, double time, double seconds);
 /// Publishes contact planes for the ticks until the next frame.

@@ -95,6 +95,15 @@ double enclosed_volume(const rhombus::Surface& s) {
   return sum;
 }
 
+/// Adds a note if a tip is sharper than the model's sharpest one.
+void note_sharp_tip(double radius, const std::string& tool, RhombusBody& body) {
+  if (body.model.params.chain.tip == 0 || radius >= rhombus::kSharpestTip) return;
+  body.notes.push_back(
+      fmt::format("{}: its tip of {:.3g} mm acts as one of {:.3g} mm, the sharpest one of "
+                  "rhombus chains: the force is too large",
+                  tool, 1e3 * radius, 1e3 * rhombus::kSharpestTip));
+}
+
 /// Largest force jump for a small displacement of the tool or its jaws.
 void measure_jump(RhombusBody& body, std::size_t t, const ForceSample& before, const ForceSample& now) {
   TURGOR_CHECK(is_index(t, body.openings.size()), "every tool has an opening");
@@ -110,6 +119,7 @@ void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, Touch
   const rhombus::TouchForce& haptic = body.touch.forces[t];
   if (haptic.slipped && tool.limits.slips++ == 0) tool.limits.slipped_at = sample.time;
   tool.limits.yielding_ticks += haptic.yielding;
+  tool.limits.too_deep_ticks += haptic.too_deep;
   if (!tool.samples.empty()) measure_jump(body, t, tool.samples.back(), sample);
   body.openings[t] = body.touch.inputs[t].opening;
   tool.samples.append(sample);
@@ -165,6 +175,7 @@ Status begin_body(const Exec&, RhombusBody& body, const RhombusScene&, const Wor
     TURGOR_CHECK(is_index(t, world.tools.size()), "a body is touched by tools of its world");
     const TouchingTool& tool = world.tools[std::size_t(t)];
     tips.push_back(contact::rhombus_tip(tool.tool.shape, tool.forceps));
+    note_sharp_tip(tips.back().radius, tool.name, body);
     poses.push_back(command_at(tool, 0).pose);
   }
   // initial state and first snapshot

@@ -1,0 +1,103 @@
+#include "turgor/sim/report/passed_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "turgor/contact/tips.hpp"
+#include "turgor/geometry/box.hpp"
+#include "turgor/geometry/signed_distance.hpp"
+
+namespace turgor {
+
+namespace {
+
+// Motion in a step, in radii of the tip, that all models resolve: 8 substeps of half a radius.
+constexpr double kResolvedRadii = 4;
+constexpr double kMostPoints = 2000;  // limit of sampled points of a step's path
+constexpr int kMaxTips = 16;          // of a mesh tool
+
+/// Surface of a body at rest.
+struct RestBody {
+  SignedDistance distance;
+  double size = 0;  // diagonal of its box [m]
+};
+std::optional<RestBody> rest_body(const World& world, BodyId id) {
+  const RestSurface rest = rest_surface(world, id);
+  if (rest.triangles.empty() || id.kind == BodyKind::kCloth) return {};
+  TriMesh mesh{.triangles = {rest.triangles.begin(), rest.triangles.end()}};
+  for (const Vec3d x : rest.vertices) mesh.vertices.push_back(Vec3(x));
+  RestBody body{distance_to_surface(mesh), 0};
+  body.size = norm(body.distance.high - body.distance.low);
+  return body;
+}
+
+/// True if the tool gets deeper on a straight path than at its start by more than its tip's radius.
+bool goes_deeper(const RestBody& body, const contact::Shape& shape, const ForceSample& from,
+                 const ForceSample& to) {
+  // depth below the surface at rest, 0 far from it
+  const SignedDistance& skin = body.distance;
+  const double reach = 2 * contact::bounding_radius(shape);
+  const Box box{skin.low - Vec3d{reach, reach, reach}, skin.high + Vec3d{reach, reach, reach}};
+  const auto depth = [&](Vec3d position) {
+    return contact::depth_below(shape, {position, to.axes}, kMaxTips,
+                                [&](Vec3d x) { return squared_distance(box, x) > 0 ? reach : skin.at(x); });
+  };
+
+  // points of the path
+  const double limit = depth(from.position) + contact::tip_radius(shape);
+  const double moved = norm(to.position - from.position);
+  const int points = int(std::ceil(std::min(moved / contact::tip_radius(shape), kMostPoints)));
+  for (int p = 1; p <= points; p++)
+    if (depth(from.position + (to.position - from.position) * (double(p) / points)) > limit) return true;
+  return false;
+}
+
+/// True for a sample at the pose that the scene commands. A hand's jump is a teleport, which moves nothing.
+bool is_commanded(const TouchingTool& tool, const ForceSample& sample) {
+  return norm(command_at(tool, sample.time).pose.position - sample.position) < 1e-9;
+}
+
+}  // namespace
+
+std::optional<SurfacePassage> surface_passage(const World& world, const TouchingTool& tool) {
+  // jumps of the path that the models do not resolve
+  const double far = kResolvedRadii * contact::tip_radius(tool.tool.shape);
+  std::optional<RestBody> body;
+  const ForceSample* before = &tool.samples.start();
+  for (const ForceSample& now : tool.samples) {
+    const ForceSample& last = *std::exchange(before, &now);
+    const SurfacePassage step{now.time, norm(now.position - last.position), now.time - last.time};
+    if (tool.limits.passed_at && *tool.limits.passed_at < now.time) break;
+    if (!(step.moved > far) || !is_commanded(tool, last) || !is_commanded(tool, now)) continue;
+    if (!body && !(body = rest_body(world, tool.body))) break;
+    // jumps out of or into contact, through the body, or farther than its size
+    if (last.contacts > 0 || now.contacts > 0 || step.moved > body->size ||
+        goes_deeper(*body, tool.tool.shape, last, now))
+      return step;
+  }
+
+  // passages without a jump, found within the run
+  if (!tool.limits.passed_at) return {};
+  return SurfacePassage{*tool.limits.passed_at, 0, 0};
+}
+
+std::string passed_surface_note(const World& world, const TouchingTool& tool) {
+  const std::optional<SurfacePassage> passage = surface_passage(world, tool);
+  if (!passage) return {};
+  const std::string& body = touched_body(world, tool.body).name;
+  if (passage->moved > 0)
+    return fmt::format(
+        "{}: it moved {:.4g} mm within {:.3g} ms at {:.3f} s, farther than its contact with {} resolves: it "
+        "passed through the surface or lost contact, and its forces from then on are not valid; a slower "
+        "tool or a higher frame rate resolves its motion",
+        tool.name, 1e3 * passage->moved, 1e3 * passage->within, passage->time, body);
+  return fmt::format(
+      "{}: it passed through the surface of {} at {:.3f} s: its forces from then on are not valid; a slower "
+      "or wider tool, a smaller depth or a finer mesh keeps its contact",
+      tool.name, body, passage->time);
+}
+
+}  // namespace turgor
