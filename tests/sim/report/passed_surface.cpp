@@ -27,10 +27,11 @@ std::vector<std::string> pads(const std::filesystem::path& folder) {
 
 /// The world of a pad after half a second with a ball of this radius [m].
 World world_of(const std::string& body, const std::string& motion, double radius = 0.008) {
-  const Result<Scene> scene = parse_scene("[world]\nduration = 0.5\nframe_rate = 60\ngravity = [0, 0, 0]\n" +
-                                              body + "[tool.finger]\nbody = \"pad\"\nshape = { sphere = " +
-                                              std::to_string(radius) + " }\n" + motion + "\n",
-                                          "s.toml");
+  const Result<Scene> scene =
+      parse_scene("[world]\nduration = 0.5\nframe_rate = 60\ngravity = [0, 0, 0]\n" + body +
+                      "[tool.finger]\nbody = \"pad\"\nshape = { sphere = " + std::to_string(radius) + " }\n" +
+                      motion + "\n",
+                  "s.toml");
   EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
   World world = sfem_world(Exec(2), *scene);
   for (int frame = 0; frame < 30; frame++) EXPECT_TRUE(step(Exec(2), world));
@@ -41,7 +42,8 @@ const char* kAtFront = "press = { at_fraction = [0.5, 0, 0.5], start = 0.1, ";
 
 // A tool that shoots through a lattice within two frames causes a warning and has a depth.
 TEST(PassedSurface, ShotThroughLatticeIsReported) {
-  const World world = world_of(pads(fresh_folder())[0], std::string(kAtFront) + "depth = 0.3, duration = 0.03 }");
+  const World world =
+      world_of(pads(fresh_folder())[0], std::string(kAtFront) + "depth = 0.3, duration = 0.03 }");
   const std::optional<SurfacePassage> passage = surface_passage(world, world.tools[0]);
   ASSERT_TRUE(passage);
   EXPECT_NEAR(passage->time, 0.117, 0.02) << "s";
@@ -52,11 +54,31 @@ TEST(PassedSurface, ShotThroughLatticeIsReported) {
   EXPECT_NE(warnings[0].find("farther than its contact with pad resolves"), std::string::npos) << warnings[0];
 }
 
+// A tool whose every step is resolved, but that loses its contact on the other side, is reported.
+TEST(PassedSurface, ToolOutOnOtherSideIsReported) {
+  const Result<Scene> scene = parse_scene(
+      "[world]\nduration = 0.2\nframe_rate = 240\ngravity = [0, 0, 0]\n[body.torso]\nmodel = \"lattice\"\n"
+      "ct = { phantom = \"torso\", size = [40, 32, 20], spacing_mm = [10, 10, 12] }\nblock = 1\n"
+      "fixed = [\"bone\", \"ends\"]\n[tool.f]\nbody = \"torso\"\nshape = { sphere = 0.02 }\n"
+      "press = { at_fraction = [0.5, 0, 0.5], depth = 0.999, duration = 0.1 }\n",
+      "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  World world = sfem_world(Exec(2), *scene);
+  for (int frame = 0; frame < 48; frame++) ASSERT_TRUE(step(Exec(2), world));
+  const std::optional<SurfacePassage> passage = surface_passage(world, world.tools[0]);
+  ASSERT_TRUE(passage);
+  EXPECT_EQ(passage->moved, 0) << "no step is longer than contact resolves";
+  const std::vector<std::string> warnings = touch_warnings(world);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(warnings[0].starts_with("f: it passed through the surface of torso at ")) << warnings[0];
+}
+
 // Every model reports a tool that a path moves by ten meters in a thousandth of a second.
 TEST(PassedSurface, EveryModelReportsJumpOfPath) {
   for (const std::string& body : pads(fresh_folder())) {
-    const World world = world_of(body, "path = [[0, 0.01, -0.2, 0.01], [0.2, 0.01, -0.2, 0.01], [0.201, 0.01, "
-                                       "9.8, 0.01]]");
+    const World world = world_of(body,
+                                 "path = [[0, 0.01, -0.2, 0.01], [0.2, 0.01, -0.2, 0.01], [0.201, 0.01, "
+                                 "9.8, 0.01]]");
     const std::vector<std::string> warnings = touch_warnings(world);
     ASSERT_EQ(warnings.size(), 1u) << body;
     EXPECT_TRUE(warnings[0].starts_with("finger: it moved 1e+04 mm within ")) << warnings[0];
@@ -89,8 +111,7 @@ TEST(PassedSurface, SmallBallThroughLatticeIsReported) {
 // A press with a quick retreat is no passage in any model.
 TEST(PassedSurface, PressAndRetreat_NoPassage) {
   for (const std::string& body : pads(fresh_folder()))
-    for (const char* motion :
-         {"depth = 0.006, duration = 0.2 }", "depth = 0.012, duration = 0.15 }"}) {
+    for (const char* motion : {"depth = 0.006, duration = 0.2 }", "depth = 0.012, duration = 0.15 }"}) {
       const World world = world_of(body, kAtFront + std::string(motion));
       EXPECT_FALSE(surface_passage(world, world.tools[0])) << body << motion;
       EXPECT_GT(world.tools[0].samples.size(), 0u);
@@ -99,7 +120,8 @@ TEST(PassedSurface, PressAndRetreat_NoPassage) {
 
 // The depth of a lattice's tool is that of its lowest point below the skin at rest, however deep it is.
 TEST(PassedSurface, DepthIsThatOfLowestPoint) {
-  const World world = world_of(pads(fresh_folder())[0], std::string(kAtFront) + "depth = 0.02, duration = 0.2 }");
+  const World world =
+      world_of(pads(fresh_folder())[0], std::string(kAtFront) + "depth = 0.02, duration = 0.2 }");
   double deepest = 0;
   for (const ForceSample& sample : world.tools[0].samples) deepest = std::max(deepest, sample.depth);
   EXPECT_NEAR(deepest, 0.02, 0.001) << "m: more than the ball's diameter below the skin";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -55,6 +56,51 @@ bool goes_deeper(const RestBody& body, const contact::Shape& shape, const ForceS
   return false;
 }
 
+/// The test point of a tool that is lowest above the surface at rest.
+struct LowestTip {
+  Vec3d point;
+  double height = std::numeric_limits<double>::infinity();  // negative inside [m]
+};
+LowestTip lowest_tip(const RestBody& body, const contact::Shape& shape, const ForceSample& sample) {
+  LowestTip lowest;
+  contact::visit_tips(shape, {sample.position, sample.axes}, kMaxTips, [&](Vec3d point, double) {
+    if (const double height = body.distance.at(point); height < lowest.height) lowest = {point, height};
+  });
+  return lowest;
+}
+
+/// Direction away from the body at a point outside, unit.
+Vec3d away_from(const RestBody& body, Vec3d point) {
+  constexpr double kStep = 1e-5;  // [m]
+  Vec3d away;
+  for (int axis = 0; axis < 3; axis++) {
+    Vec3d step;
+    step[axis] = kStep;
+    away[axis] = body.distance.at(point + step) - body.distance.at(point - step);
+  }
+  return normalized(away);
+}
+
+/// Follows a tool through the body at rest. A tool has passed through if it left on the side opposite to that
+/// of its entry and touches nothing there. A tool that bends a flap is on the other side too, in contact.
+class Crossing {
+ public:
+  bool is_passed(const RestBody& body, const contact::Shape& shape, const ForceSample& sample) {
+    const LowestTip tip = lowest_tip(body, shape, sample);
+    const bool was_inside = std::exchange(inside_, tip.height < 0);
+    if (inside_) is_opposite_ = false;
+    if (inside_ && !was_inside && last_) entry_ = away_from(body, last_->point);
+    if (was_inside && !inside_) is_opposite_ = entry_ && dot(*entry_, away_from(body, tip.point)) < 0;
+    last_ = tip;
+    return is_opposite_ && sample.contacts == 0;
+  }
+
+ private:
+  bool inside_ = false, is_opposite_ = false;
+  std::optional<LowestTip> last_;
+  std::optional<Vec3d> entry_;  // away from the body where it entered
+};
+
 /// True for a sample at the pose that the scene commands. A hand's jump is a teleport, which moves nothing.
 bool is_commanded(const TouchingTool& tool, const ForceSample& sample) {
   return norm(command_at(tool, sample.time).pose.position - sample.position) < 1e-9;
@@ -66,11 +112,19 @@ std::optional<SurfacePassage> surface_passage(const World& world, const Touching
   // jumps of the path that the models do not resolve
   const double far = kResolvedRadii * contact::tip_radius(tool.tool.shape);
   std::optional<RestBody> body;
+  // the tip was within the body at rest at all
+  const bool is_deep = std::any_of(tool.samples.begin(), tool.samples.end(), [&](const ForceSample& sample) {
+    return sample.depth > contact::tip_radius(tool.tool.shape);
+  });
+  if (is_deep) body = rest_body(world, tool.body);
+  Crossing crossing;
   const ForceSample* before = &tool.samples.start();
   for (const ForceSample& now : tool.samples) {
     const ForceSample& last = *std::exchange(before, &now);
     const SurfacePassage step{now.time, norm(now.position - last.position), now.time - last.time};
     if (tool.limits.passed_at && *tool.limits.passed_at < now.time) break;
+    const bool passed = is_deep && body && crossing.is_passed(*body, tool.tool.shape, now);
+    if (passed && is_commanded(tool, now) && !(step.moved > far)) return SurfacePassage{now.time, 0, 0};
     if (!(step.moved > far) || !is_commanded(tool, last) || !is_commanded(tool, now)) continue;
     if (!body && !(body = rest_body(world, tool.body))) break;
     // jumps out of or into contact, through the body, or farther than its size
@@ -79,7 +133,7 @@ std::optional<SurfacePassage> surface_passage(const World& world, const Touching
       return step;
   }
 
-  // passages without a jump, found within the run
+  // passages between the samples of the surface, found within the run
   if (!tool.limits.passed_at) return {};
   return SurfacePassage{*tool.limits.passed_at, 0, 0};
 }

@@ -29,8 +29,8 @@ World pressed(const std::string& radius, const std::string& depth) {
 TEST(RhombusPressRange, SharpAndDeepPressesMatchSneddon) {
   for (const auto& [radius, depth] : {std::pair{"0.0003", "0.001"}, {"0.0017", "0.0085"}}) {
     const World world = pressed(radius, depth);
-    const double expected = rhombus::sneddon_force(rhombus::contact_modulus(12.5e3, 0.5), std::stod(radius),
-                                                   std::stod(depth));
+    const double expected =
+        rhombus::sneddon_force(rhombus::contact_modulus(12.5e3, 0.5), std::stod(radius), std::stod(depth));
     EXPECT_NEAR(norm(world.tools[0].samples.back().force) / expected, 1, 0.05) << radius;
     EXPECT_TRUE(touch_warnings(world).empty()) << radius;
     EXPECT_TRUE(notes_of(world).empty()) << radius;
