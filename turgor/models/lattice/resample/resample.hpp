@@ -36,7 +36,8 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
 /// Displacement from each voxel to the rest position of its tissue, patient frame [m]; zero outside the body.
 VectorVolume resample_displacement(const Exec& exec, const Model& model, const State& state, const Grid& out);
 /// The same, continued outside the body (warp_outside.hpp): ITK's displacement field transform. A warp of the
-/// CT with it is the deformed CT, except for tables and clothing that the body covers or leaves.
+/// CT with it is the deformed CT, except for tables and clothing that the body covers or leaves, and for the
+/// noise of air.
 VectorVolume resample_warp(const Exec& exec, const Model& model, const State& state, const Grid& out);
 /// Volume ratio of each voxel, deformed over rest; 1 outside the body.
 ScalarVolume resample_jacobian(const Exec& exec, const Model& model, const State& state, const Grid& out);
