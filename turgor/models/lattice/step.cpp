@@ -3,6 +3,7 @@
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
+#include "turgor/models/lattice/solver/step_sequence.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -38,57 +39,67 @@ StepPlan prepare_step(const Model& model, State& state, const Inputs& inputs, do
   return plan;
 }
 
-void run_pbd_sweeps(const Exec& exec, const Model& model, State& state, const Inputs& inputs) {
-  for (int sweep = 0; sweep < model.params.solver.sweeps; sweep++) sweep_pbd(exec, model, state, inputs.halo);
-}
+/// Phases of a step on the host (step_sequence.hpp).
+struct HostStep {
+  const Exec& exec;
+  const Model& model;
+  State& state;
+  const Inputs& inputs;
+  double dt;
+  StepPlan plan;
+  StepReport report = {};
+  Residual residual = {};
+  bool is_slow = false;  // the first correction moved no unknown by more than sleep_speed · dt
 
-/// VBD sweeps with a coarse correction before the first backward sweep, and another one after the last sweep.
-/// If the body can sleep, the second correction is skipped when the first moved no unknown by more than
-/// sleep_speed · dt.
-void run_vbd_sweeps(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
-                    const StepPlan& plan) {
-  const SolverParams& solver = model.params.solver;
-  const bool solid = model.params.tissue.law == TissueLaw::kSolid;
-  bool is_slow = false;
-  for (int sweep = 0; sweep < solver.sweeps; sweep++) {
-    if (plan.corrects && is_first_backward_sweep(solid, sweep, solver.sweeps))
-      is_slow = apply_coarse_correction(exec, model, state, inputs, dt) <= solver.sleep_speed * dt;
-    sweep_vbd(exec, model, state, inputs, dt, sweep_order(solid, sweep, solver.sweeps));
+  void add_loads() { lattice::add_loads(model, state, inputs, dt); }
+  void move_to_start() { lattice::move_to_start(exec, model, state, inputs, dt); }
+  void sweep() { sweep_pbd(exec, model, state, inputs.halo); }
+  void sweep(Order order) { sweep_vbd(exec, model, state, inputs, dt, order); }
+  void correct_between() {
+    if (plan.corrects)
+      is_slow =
+          apply_coarse_correction(exec, model, state, inputs, dt) <= model.params.solver.sleep_speed * dt;
   }
-  if (plan.corrects && !(plan.may_sleep && is_slow)) apply_coarse_correction(exec, model, state, inputs, dt);
-}
+  /// A body that can sleep skips the second correction after a slow first one.
+  void correct_after() {
+    if (plan.corrects && !(plan.may_sleep && is_slow))
+      apply_coarse_correction(exec, model, state, inputs, dt);
+  }
+  void measure_residual_before() {
+    if (plan.measures) residual.before = measure_residual(exec, model, state, inputs, dt).rms;
+  }
+  void measure_residual_after() {
+    if (!plan.measures) return;
+    const double before = residual.before;
+    residual = measure_residual(exec, model, state, inputs, dt);
+    residual.before = before;
+  }
+  /// Velocities; restores the last state if one is not finite.
+  void finish() {
+    report = lattice::finish(exec, model, state, dt, inputs.halo);
+    report.residual = residual;
+  }
+};
 
 }  // namespace
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   check_contacts(model, inputs.contacts);
-  const StepPlan plan = prepare_step(model, state, inputs, dt);
+  HostStep body{exec, model, state, inputs, dt, prepare_step(model, state, inputs, dt)};
 
-  // predictor
-  predict(exec, model, state, inputs, dt);
-  const double before = plan.measures ? measure_residual(exec, model, state, inputs, dt).rms : 0;
-
-  // sweeps
-  if (model.params.solver.method == Method::kPbd)
-    run_pbd_sweeps(exec, model, state, inputs);
+  // predictor, sweeps, velocities
+  const SolverParams& solver = model.params.solver;
+  if (solver.method == Method::kPbd)
+    step_pbd(body, solver.sweeps);
   else
-    run_vbd_sweeps(exec, model, state, inputs, dt, plan);
-
-  // residual
-  Residual residual;
-  if (plan.measures) residual = measure_residual(exec, model, state, inputs, dt);
-  residual.before = before;
-
-  // velocities; restores the last state if one is not finite
-  StepReport report = finish(exec, model, state, dt, inputs.halo);
-  report.residual = residual;
+    step_vbd(body, model.params.tissue.law == TissueLaw::kSolid, solver.sweeps);
 
   // sleep
-  if (plan.may_sleep && report.finite) {
-    put_rows_to_sleep(exec, model, state, dt, plan.has_coarse_space);
-    count_sleeping_rows(model, state, report);
+  if (body.plan.may_sleep && body.report.finite) {
+    put_rows_to_sleep(exec, model, state, dt, body.plan.has_coarse_space);
+    count_sleeping_rows(model, state, body.report);
   }
-  return report;
+  return body.report;
 }
 
 }  // namespace turgor::lattice

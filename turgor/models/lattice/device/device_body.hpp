@@ -15,6 +15,7 @@
 #include "turgor/models/lattice/device/device_resampling.hpp"
 #include "turgor/models/lattice/device/device_state.hpp"
 #include "turgor/models/lattice/solver/pbd_kernels.hpp"
+#include "turgor/models/lattice/solver/step_sequence.hpp"
 #include "turgor/models/lattice/solver/vbd_kernels.hpp"
 
 namespace turgor::lattice {
@@ -308,11 +309,17 @@ class DeviceBody final : public BodyBackend {
     loads_.assign(by_slot);
   }
 
+  NodeKernels<typename Backend::Run> node_kernels(const Model& model, double dt) const {
+    return {run_, nodes_.view(), loads_.values(), dt, speed_scale(model.params.solver, dt)};
+  }
+
   StepReport step_pbd(const Model& model, const Inputs& inputs, double dt) {
     TURGOR_ASSERT(inputs.contacts.empty(), "contacts need the VBD solver");
     run_together(run_, [&] {
-      step_pbd_with(run_, pbd_->view(model, nodes_), loads_.values(), lattice_gravity(model, inputs),
-                    model.params.solver, dt);
+      const PbdView view = pbd_->view(model, nodes_);
+      lattice::step_pbd(
+          PbdKernels<typename Backend::Run>{node_kernels(model, dt), view, lattice_gravity(model, inputs)},
+          model.params.solver.sweeps);
     });
     return {};
   }
@@ -326,24 +333,25 @@ class DeviceBody final : public BodyBackend {
     vbd_->update_prestress(model);
     if (coarse) coarse_->upload(model, elements, vbd_->shifts.count, coarse);
     vbd_->contacts.assign(inputs.contacts);
-    VbdView view = vbd_->view(model, nodes_, inputs, dt), predicted = view;
+    VbdView view = vbd_->view(model, nodes_, inputs, dt);
     const auto sums = std::size_t(residuals_of_groups(view) + view.virtual_nodes_of_color.begin[kColorCount]);
     // partial residuals before and after the sweeps
-    if (inputs.measure_residual) {
-      vbd_->residual.resize(2 * sums);
-      predicted.residual = vbd_->residual.data(), view.residual = predicted.residual + sums;
-    }
+    if (inputs.measure_residual) vbd_->residual.resize(2 * sums);
+    ResidualSum* before = inputs.measure_residual ? vbd_->residual.data() : nullptr;
+    view.residual = inputs.measure_residual ? before + sums : nullptr;
     // relative speed of neighbors above which a held body starts the step from rest
     const Real speed_limit = largest_relative_speed(model, Real(dt));
     const bool held = model.free_nodes < model.body_nodes;
     // predictor, sweeps with coarse correction, velocities
+    const auto correct = [&] {
+      if (coarse) apply_coarse_correction_with(run_, view, coarse_->view(model));
+    };
     run_together(run_, [&] {
-      predict_vbd_with(run_, view, loads_.values(),
-                       {held, held && 2 * fastest > speed_limit ? speed_limit : 0});
-      if (inputs.measure_residual) measure_residual_with(run_, predicted);
-      sweep_and_finish_vbd_with(run_, view, model.params.solver, dt, [&] {
-        if (coarse) apply_coarse_correction_with(run_, view, coarse_->view(model));
-      });
+      lattice::step_vbd(
+          VbdKernels<typename Backend::Run, decltype(correct)>{
+              node_kernels(model, dt), view, before, held,
+              held && 2 * fastest > speed_limit ? speed_limit : 0, correct},
+          model.params.tissue.law == TissueLaw::kSolid, model.params.solver.sweeps);
     });
     // results
     StepReport report;

@@ -174,17 +174,18 @@ void sweep_pbd_with(const Run& run, const PbdView& v) {
   }
 }
 
-/// One PBD step on the arrays of the view. The summary must be reset before. `loads` are in the same memory
-/// as the view; their slots ascend.
+/// Phases of a PBD step (step_sequence.hpp) on the arrays of the view.
 template <class Run>
-void step_pbd_with(const Run& run, const PbdView& v, std::span<const NodeLoad> loads, Vec3 gravity,
-                   const SolverParams& solver, double step) {
-  const Real dt = Real(step);
-  run(loads.size(), AddLoad{v.body, loads.data(), int(loads.size()), dt});
-  run(v.body.count(),
-      PredictNode{v.body, {dt * dt * gravity.x, dt * dt * gravity.y, dt * dt * gravity.z}, dt});
-  for (int sweep = 0; sweep < solver.sweeps; sweep++) sweep_pbd_with(run, v);
-  run(v.body.count(), FinishNode{v.body, speed_scale(solver, step)});
-}
+struct PbdKernels : NodeKernels<Run> {
+  const PbdView& view;
+  Vec3 gravity;
+
+  void move_to_start() const {
+    const Real h = Real(this->dt);
+    const Vec3 fall{h * h * gravity.x, h * h * gravity.y, h * h * gravity.z};
+    this->run(view.body.count(), PredictNode{view.body, fall, h});
+  }
+  void sweep() const { sweep_pbd_with(this->run, view); }
+};
 
 }  // namespace turgor::lattice

@@ -42,95 +42,49 @@ bool velocities_diverge(const Exec& exec, const Model& model, State& state, Real
   return halo ? halo->largest(found.load()) != 0 : found.load();
 }
 
+/// Predictor for the nodes of a layer.
 struct PredictLayer {
   const Model& model;
-  State& state;
-  Vec3 gravity;
-  Real dt;
-  bool keeps_velocity;  // false: starts from rest, because velocities diverge
+  const State& state;
+  PredictNode node;
+  Real velocity_step;  // h, or 0 for a start from rest [s]
 
   void operator()(std::size_t k) const {
-    const Real velocity_step = keeps_velocity ? dt : 0;
-    // displacement along one axis
-    const auto advance = [&](Run run, Real* __restrict u, Real* __restrict before, const Real* __restrict v,
-                             Real g) {
-      const Real* w = model.inverse_mass.data();
-      const std::uint8_t* removed = state.cuts.removed.data();
-      for (int s = run.begin; s < run.begin + run.count; s++) {
-        before[s] = u[s];
-        u[s] += w[s] > 0 && !removed[s] ? velocity_step * v[s] + g : 0;
-      }
-    };
     for_each_run(model, state, int(k), [&](Run run) {
-      advance(run, state.motion.u.x.data(), state.motion.u_before.x.data(), state.motion.v.x.data(),
-              dt * dt * gravity.x);
-      advance(run, state.motion.u.y.data(), state.motion.u_before.y.data(), state.motion.v.y.data(),
-              dt * dt * gravity.y);
-      advance(run, state.motion.u.z.data(), state.motion.u_before.z.data(), state.motion.v.z.data(),
-              dt * dt * gravity.z);
+      const PredictNode local = node;  // local copy, so that stores cannot alias it
+      const Real step = velocity_step;
+      TURGOR_LANES
+      for (int s = run.begin; s < run.begin + run.count; s++) local.predict(s, step);
     });
   }
 };
 
-/// Adds loads to velocities: y = u + h (v + h w f). The sweeps need no further treatment of loads.
-void add_loads(const Model& model, State& state, std::span<const NodeLoad> loads, Real dt) {
-  for (const NodeLoad& load : loads) {
-    TURGOR_ASSERT(load.slot >= 0 && std::size_t(load.slot) < model.inverse_mass.size(),
-                  "loads act on slots of the lattice");
-    const auto slot = std::size_t(load.slot);
-    if (!state.cuts.removed[slot])
-      state.motion.v.set(slot, state.motion.v[slot] + load.force * (dt * model.inverse_mass[slot]));
-  }
-}
-
-/// v = (u − u_before)/h with damping, and the largest |v|². The maximum is taken of bit patterns: those of
-/// positive numbers are ordered, and NaN is the largest.
+/// Velocities of the nodes of a layer, and the largest |v|². Bit patterns of positive numbers are ordered,
+/// and NaN is the largest.
 struct FinishLayer {
   const Model& model;
-  State& state;
-  Real scale;
-  std::atomic<std::uint32_t>& largest;
-
-  std::uint32_t largest_of(Run run) const {
-    std::uint32_t found = 0;
-    const Real *vx = state.motion.v.x.data(), *vy = state.motion.v.y.data(), *vz = state.motion.v.z.data();
-    for (int s = run.begin; s < run.begin + run.count; s++) {
-      const Real speed2 = vx[s] * vx[s] + vy[s] * vy[s] + vz[s] * vz[s];
-      const std::uint32_t bits = std::bit_cast<std::uint32_t>(speed2) & 0x7fffffffu;
-      found = bits > found ? bits : found;
-    }
-    return found;
-  }
+  const State& state;
+  FinishNode node;
+  std::uint32_t& largest;
 
   void operator()(std::size_t k) const {
-    // velocity along one axis
-    const auto velocity = [&](Run run, Real* __restrict v, const Real* __restrict u,
-                              const Real* __restrict before) {
-      for (int s = run.begin; s < run.begin + run.count; s++) v[s] = (u[s] - before[s]) * scale;
-    };
     std::uint32_t found = 0;
     for_each_run(model, state, int(k), [&](Run run) {
-      velocity(run, state.motion.v.x.data(), state.motion.u.x.data(), state.motion.u_before.x.data());
-      velocity(run, state.motion.v.y.data(), state.motion.u.y.data(), state.motion.u_before.y.data());
-      velocity(run, state.motion.v.z.data(), state.motion.u.z.data(), state.motion.u_before.z.data());
-      found = std::max(found, largest_of(run));
+      const FinishNode local = node;  // local copy, so that stores cannot alias it
+      TURGOR_LANES
+      for (int s = run.begin; s < run.begin + run.count; s++) {
+        const std::uint32_t bits = local.finish(s);
+        found = bits > found ? bits : found;
+      }
     });
-    // maximum over layers
-    std::uint32_t seen = largest.load();
-    while (seen < found && !largest.compare_exchange_weak(seen, found)) {
-    }
+    atomic_max(largest, found);
   }
 };
 
-/// Restores the last finite state, at rest. u is changed in place, so that views of it stay valid.
-/// Projections may also leave non-finite values in fixed nodes and in empty slots.
+/// Restores the last finite state, at rest.
 void restore_last_state(const Model& model, State& state) {
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++) {
-    const Vec3 u = state.motion.u[s];
-    if (model.inverse_mass[s] > 0 || !std::isfinite(u.x + u.y + u.z))
-      state.motion.u.set(s, state.motion.u_before[s]);
-    state.motion.v.set(s, {});
-  }
+  const RestoreSlot restore{host_free_nodes(model, state)};
+  for (std::size_t s = 0; s < model.inverse_mass.size(); s++) restore(s);
   state.motion.virtual_u = state.motion.virtual_u_before;
   state.motion.fastest = 0;
   state.sleep.still_steps.clear();  // all rows are awake
@@ -142,27 +96,40 @@ Vec3 lattice_gravity(const Model& model, const Inputs& inputs) {
   return Vec3(inverse(model.grid.axes) * inputs.gravity);
 }
 
-void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
-  // PBD only takes forces through the predictor, so it starts with gravity and loads. VBD has them in its
-  // energy and starts without. Otherwise weight that few sweeps cannot carry to the fixed nodes, or a large
-  // load on a light node, would invert cells, and springs do not recover from that. A free body falls as a
-  // whole.
+void add_loads(const Model& model, State& state, const Inputs& inputs, double dt) {
+  const AddLoad by{host_free_nodes(model, state), nullptr, 0, Real(dt)};
+  for (const NodeLoad& load : inputs.loads) {
+    TURGOR_ASSERT(load.slot >= 0 && std::size_t(load.slot) < model.inverse_mass.size(),
+                  "loads act on slots of the lattice");
+    if (!state.cuts.removed[std::size_t(load.slot)]) by.add(load);
+  }
+}
+
+void move_to_start(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                   double time_step) {
+  // PBD and free bodies start with gravity; bodies whose velocities diverge start from rest
   const bool pbd = model.params.solver.method == Method::kPbd, held = model.free_nodes < model.body_nodes;
-  // state before the step
+  const Real dt = Real(time_step);
+  const Vec3 g = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
+  const bool keeps_velocity = pbd || !held || !velocities_diverge(exec, model, state, dt, inputs.halo);
+  // state before the step, and starting point of the sweeps
   state.motion.virtual_u_before = state.motion.virtual_u;
-  // starting point of the sweeps
-  if (pbd) add_loads(model, state, inputs.loads, Real(dt));
-  const Vec3 fall = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
-  const bool keeps_velocity = pbd || !held || !velocities_diverge(exec, model, state, Real(dt), inputs.halo);
-  for_layers(exec, moved_layers(model), PredictLayer{model, state, fall, Real(dt), keeps_velocity});
-  if (!pbd) add_loads(model, state, inputs.loads, Real(dt));
+  const PredictNode node{host_free_nodes(model, state), {dt * dt * g.x, dt * dt * g.y, dt * dt * g.z}, dt};
+  for_layers(exec, moved_layers(model), PredictLayer{model, state, node, keeps_velocity ? dt : 0});
+}
+
+void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  const bool pbd = model.params.solver.method == Method::kPbd;
+  if (pbd) add_loads(model, state, inputs, dt);
+  move_to_start(exec, model, state, inputs, dt);
+  if (!pbd) add_loads(model, state, inputs, dt);
 }
 
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt, const HaloExchange* halo) {
-  std::atomic<std::uint32_t> largest{0};
-  const Real scale = speed_scale(model.params.solver, dt);
-  for_layers(exec, moved_layers(model), FinishLayer{model, state, scale, largest});
-  const Real speed2 = std::bit_cast<Real>(halo ? halo->largest(largest.load()) : largest.load());
+  std::uint32_t largest = 0;
+  const FinishNode node{host_free_nodes(model, state), speed_scale(model.params.solver, dt)};
+  for_layers(exec, moved_layers(model), FinishLayer{model, state, node, largest});
+  const Real speed2 = std::bit_cast<Real>(halo ? halo->largest(largest) : largest);
   if (std::isfinite(speed2)) {
     state.motion.time += dt;
     state.motion.fastest = std::sqrt(speed2);

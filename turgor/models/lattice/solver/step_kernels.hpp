@@ -1,6 +1,5 @@
-// Kernels of both solvers before and after their sweeps: one thread per node, on plain pointers. The same
-// source runs on the CPU (CpuRun, ShuffledRun) and on a GPU. On a CPU, step() is faster and gives the same
-// result.
+// Phases of both solvers before and after their sweeps: one call per node, on plain pointers. The host calls
+// them for runs of nodes (predict_finish.cpp), a device for one node per thread.
 #pragma once
 
 #include <cmath>
@@ -30,7 +29,7 @@ struct FreeNodes {
 
   TURGOR_HD std::size_t count() const { return std::size_t(free_group_count) * kGroup; }
   TURGOR_HD int slot(std::size_t n) const { return free_groups[n / kGroup] + int(n % kGroup); }
-  TURGOR_HD bool moves(int s) const { return nodes.w[s] > 0 && !removed[s]; }
+  TURGOR_HD bool moves(int s) const { return (nodes.w[s] > 0) & (removed[s] == 0); }
   TURGOR_HD Vec3 v(int s) const { return {vx[s], vy[s], vz[s]}; }
 };
 
@@ -86,14 +85,15 @@ struct PredictNode {
   Vec3 fall;  // h² g, or 0 [m]
   Real dt;
 
-  TURGOR_HD void operator()(std::size_t at) const {
-    const int s = n.slot(at);
+  TURGOR_HD void predict(int s, Real velocity_step) const {
     const bool moves = n.moves(s);
-    const Real velocity_step = n.summary->velocities_diverge ? 0 : dt;
     n.bx[s] = n.nodes.ux[s], n.by[s] = n.nodes.uy[s], n.bz[s] = n.nodes.uz[s];
     n.nodes.ux[s] += moves ? velocity_step * n.vx[s] + fall.x : 0;
     n.nodes.uy[s] += moves ? velocity_step * n.vy[s] + fall.y : 0;
     n.nodes.uz[s] += moves ? velocity_step * n.vz[s] + fall.z : 0;
+  }
+  TURGOR_HD void operator()(std::size_t at) const {
+    predict(n.slot(at), n.summary->velocities_diverge ? 0 : dt);
   }
 };
 
@@ -104,28 +104,30 @@ struct AddLoad {
   int count;
   Real dt;
 
-  TURGOR_HD void operator()(std::size_t at) const {
-    int l = int(at);
-    const int s = loads[l].slot;
-    if ((l > 0 && loads[l - 1].slot == s) || n.removed[s]) return;
-    Vec3 v = n.v(s);
-    for (; l < count && loads[l].slot == s; l++) v = v + loads[l].force * (dt * n.nodes.w[s]);
+  TURGOR_HD void add(const NodeLoad& load) const {
+    const int s = load.slot;
+    const Vec3 v = n.v(s) + load.force * (dt * n.nodes.w[s]);
     n.vx[s] = v.x, n.vy[s] = v.y, n.vz[s] = v.z;
+  }
+  TURGOR_HD void operator()(std::size_t at) const {
+    const int first = int(at), s = loads[first].slot;
+    if ((first > 0 && loads[first - 1].slot == s) || n.removed[s]) return;
+    for (int l = first; l < count && loads[l].slot == s; l++) add(loads[l]);
   }
 };
 
-/// Velocities: v = (u − u_before)/h with damping.
+/// Velocities: v = (u − u_before)/h with damping. `finish` returns the bits of |v|².
 struct FinishNode {
   FreeNodes n;
   Real scale;  // exp(−damping h)/h [1/s]
 
-  TURGOR_HD void operator()(std::size_t at) const {
-    const int s = n.slot(at);
+  TURGOR_HD std::uint32_t finish(int s) const {
     const Vec3 speed{(n.nodes.ux[s] - n.bx[s]) * scale, (n.nodes.uy[s] - n.by[s]) * scale,
                      (n.nodes.uz[s] - n.bz[s]) * scale};
     n.vx[s] = speed.x, n.vy[s] = speed.y, n.vz[s] = speed.z;
-    atomic_max(n.summary->largest, magnitude_bits(dot(speed, speed)));
+    return magnitude_bits(dot(speed, speed));
   }
+  TURGOR_HD void operator()(std::size_t at) const { atomic_max(n.summary->largest, finish(n.slot(at))); }
 };
 
 /// Restores the displacement before the step, at rest. Projections may also leave non-finite values in fixed
@@ -146,5 +148,19 @@ struct RestoreSlot {
 inline Real speed_scale(const SolverParams& solver, double dt) {
   return Real(std::exp(-solver.damping * dt) / dt);
 }
+
+/// Phases of a step (step_sequence.hpp) that both solvers share, by kernels. The summary must be reset
+/// before. `loads` are in the same memory as the nodes; their slots ascend.
+template <class Run>
+struct NodeKernels {
+  const Run& run;
+  FreeNodes nodes;
+  std::span<const NodeLoad> loads;
+  double dt;
+  Real scale;  // speed_scale
+
+  void add_loads() const { run(loads.size(), AddLoad{nodes, loads.data(), int(loads.size()), Real(dt)}); }
+  void finish() const { run(nodes.count(), FinishNode{nodes, scale}); }
+};
 
 }  // namespace turgor::lattice

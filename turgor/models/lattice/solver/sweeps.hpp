@@ -1,5 +1,5 @@
-// Phases of a step: predict, sweeps of PBD or VBD, finish. step() runs them in order; tests and benches call
-// them one by one.
+// Phases of a step on the host: predictor, sweeps of PBD or VBD, velocities. step_sequence.hpp has their
+// order; tests and benches call them one by one.
 #pragma once
 
 #include "turgor/models/lattice/model/inputs.hpp"
@@ -7,9 +7,14 @@
 
 namespace turgor::lattice {
 
+/// Adds loads to velocities: v += h w f. The sweeps need no further treatment of loads.
+void add_loads(const Model& model, State& state, const Inputs& inputs, double dt);
 /// Stores u in u_before and moves u to the starting point of the sweeps. For PBD and for bodies without fixed
-/// nodes it is y = u + h v + h² g. Other bodies start without h² g, because few sweeps cannot recover it.
-/// Loads are added to v.
+/// nodes it is y = u + h v + h² g. Other bodies start without h² g, because few sweeps cannot carry weight to
+/// the fixed nodes: it would invert cells, and springs do not recover from that.
+void move_to_start(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+/// Both in the order of the method. PBD takes forces only through the starting point, so loads come first.
+/// VBD has them in its energy and starts without; a large load on a light node would invert cells.
 void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 /// One PBD sweep over springs, volumes and skin. [Müller et al. 2007; STC]
 void sweep_pbd(const Exec& exec, const Model& model, State& state, const HaloExchange* halo = nullptr);
@@ -19,15 +24,6 @@ void sweep_pbd(const Exec& exec, const Model& model, State& state, const HaloExc
 /// on.
 void sweep_vbd(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
                Order order = Order::kForward);
-/// Direction of a VBD sweep.
-inline Order sweep_order(bool solid, int sweep, int sweeps) {
-  return solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward;
-}
-/// True for the first backward sweep.
-inline bool is_first_backward_sweep(bool solid, int sweep, int sweeps) {
-  return sweep > 0 && sweep_order(solid, sweep, sweeps) != sweep_order(solid, sweep - 1, sweeps);
-}
-
 /// Colored sweeps of sweep_pbd and sweep_vbd, with any run (core/run.hpp).
 template <class Run>
 void sweep_pbd_by_colors(const Run& run, const Model& model, State& state);

@@ -304,40 +304,39 @@ void sweep_vbd_with(const Run& run, const VbdView& v, Order order) {
 }
 template <class Run>
 void measure_residual_with(const Run& run, const VbdView& v) {
+  if (v.residual == nullptr) return;
   with_elements(v, [&](auto of) { run(std::size_t(residuals_of_groups(v)), GroupResidual<of()>{v}); });
   run(std::size_t(v.virtual_nodes_of_color.begin[kColorCount]), VirtualNodeResidual{v});
 }
 
-/// Start of a VBD step; depends on the body and its speed.
-struct VbdStart {
-  bool held = true;  // the body has fixed nodes: start without gravity
-  Real diverging_speed =
-      0;  // relative speed of neighbors above which the step starts from rest [m/s]; 0: no test
-};
-
-/// Predictor on the arrays of the view. The summary must be reset before. `loads` are in the same memory as
-/// the view; their slots ascend.
-template <class Run>
-void predict_vbd_with(const Run& run, const VbdView& v, std::span<const NodeLoad> loads, VbdStart start) {
-  const Real dt = v.inertia.dt;
-  run(std::size_t(v.virtual_node_count), SaveVirtualNode{v});
-  if (start.diverging_speed > 0)
-    run(v.body.count(),
-        FindDivergingNeighbors{v.body, {v.rules.neighbors[0], v.rules.neighbors[1]}, start.diverging_speed});
-  run(v.body.count(), PredictNode{v.body, start.held ? Vec3{} : v.inertia.fall, dt});
-  run(loads.size(), AddLoad{v.body, loads.data(), int(loads.size()), dt});
-}
-/// Sweeps, residual and velocities. `correct` applies the coarse correction.
+/// Phases of a VBD step (step_sequence.hpp) on the arrays of the view. `correct` applies the coarse
+/// correction, if there is one.
 template <class Run, class Correct>
-void sweep_and_finish_vbd_with(const Run& run, const VbdView& v, const SolverParams& solver, double dt,
-                               const Correct& correct) {
-  for (int sweep = 0; sweep < solver.sweeps; sweep++) {
-    if (is_first_backward_sweep(v.young != nullptr, sweep, solver.sweeps)) correct();
-    sweep_vbd_with(run, v, sweep_order(v.young != nullptr, sweep, solver.sweeps));
+struct VbdKernels : NodeKernels<Run> {
+  const VbdView& view;
+  ResidualSum* residual_before;  // as VbdView::residual
+  bool held;                     // the body has fixed nodes: start without gravity
+  Real
+      diverging_speed;  // relative speed of neighbors above which the step starts from rest [m/s]; 0: no test
+  Correct correct;
+
+  void move_to_start() const {
+    const FreeNodes& body = view.body;
+    this->run(std::size_t(view.virtual_node_count), SaveVirtualNode{view});
+    if (diverging_speed > 0)
+      this->run(body.count(), FindDivergingNeighbors{
+                                  body, {view.rules.neighbors[0], view.rules.neighbors[1]}, diverging_speed});
+    this->run(body.count(), PredictNode{body, held ? Vec3{} : view.inertia.fall, view.inertia.dt});
   }
-  correct();
-  if (v.residual != nullptr) measure_residual_with(run, v);
-  run(v.body.count(), FinishNode{v.body, speed_scale(solver, dt)});
-}
+  void sweep(Order order) const { sweep_vbd_with(this->run, view, order); }
+  void correct_between() const { correct(); }
+  void correct_after() const { correct(); }
+  void measure_residual_before() const {
+    VbdView predicted = view;
+    predicted.residual = residual_before;
+    measure_residual_with(this->run, predicted);
+  }
+  void measure_residual_after() const { measure_residual_with(this->run, view); }
+};
 
 }  // namespace turgor::lattice

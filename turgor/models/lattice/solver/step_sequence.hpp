@@ -1,0 +1,43 @@
+// Order of the phases in a step, for a body on the host (step.cpp) and for one on a device (pbd_kernels.hpp,
+// vbd_kernels.hpp). `Body` has a member function for each phase.
+#pragma once
+
+#include "turgor/models/lattice/model/rows.hpp"
+
+namespace turgor::lattice {
+
+/// Direction of a VBD sweep.
+inline Order sweep_order(bool solid, int sweep, int sweeps) {
+  return solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward;
+}
+/// True for the first backward sweep.
+inline bool is_first_backward_sweep(bool solid, int sweep, int sweeps) {
+  return sweep > 0 && sweep_order(solid, sweep, sweeps) != sweep_order(solid, sweep - 1, sweeps);
+}
+
+/// One step of PBD: loads, starting point, sweeps, velocities. [Müller et al. 2007]
+template <class Body>
+void step_pbd(Body&& body, int sweeps) {
+  body.add_loads();
+  body.move_to_start();
+  for (int sweep = 0; sweep < sweeps; sweep++) body.sweep();
+  body.finish();
+}
+
+/// One step of VBD. The first coarse correction is before the first backward sweep, so only solid tissue has
+/// it; the second one is after the last sweep. [Chen et al. 2024]
+template <class Body>
+void step_vbd(Body&& body, bool solid, int sweeps) {
+  body.move_to_start();
+  body.add_loads();
+  body.measure_residual_before();
+  for (int sweep = 0; sweep < sweeps; sweep++) {
+    if (is_first_backward_sweep(solid, sweep, sweeps)) body.correct_between();
+    body.sweep(sweep_order(solid, sweep, sweeps));
+  }
+  body.correct_after();
+  body.measure_residual_after();
+  body.finish();
+}
+
+}  // namespace turgor::lattice
