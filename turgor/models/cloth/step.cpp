@@ -13,6 +13,7 @@
 #include "turgor/models/cloth/solver/motion_kernels.hpp"
 #include "turgor/models/cloth/solver/strain_limit.hpp"
 #include "turgor/models/cloth/solver/system.hpp"
+#include "turgor/models/cloth/step_sequence.hpp"
 
 namespace turgor::cloth {
 
@@ -61,44 +62,6 @@ double predict_bdf2(const Exec& exec, State& state, double dt) {
 
 bool uses_bdf2(const Model& model) { return model.params.solver.integrator == Integrator::kBdf2; }
 
-/// Solves the linear system for the velocity change. Conjugate gradients also find implicit contacts before
-/// the solution, and relinearize after it.
-void solve_velocity_change(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                           double dt) {
-  const bool is_implicit = uses_conjugate_gradients(model.params.solver.method);
-  if (is_implicit) find_implicit_contacts(exec, model, state, inputs, dt);
-  solve_change(exec, model, state, dt);
-  if (is_implicit) relinearize(exec, model, state, inputs, dt);
-}
-
-/// Reports the residual of the linear system, and the iterations of conjugate gradients.
-void report_solution(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                     StepReport& report) {
-  if (uses_conjugate_gradients(model.params.solver.method))
-    report.iterations = state.system.iterations, report.residual = state.system.residual;
-  else if (inputs.measure_residual)
-    report.residual = residual(exec, model, state);
-}
-
-/// Adds the velocity change and limits the strain of springs.
-void update_velocities(const Exec& exec, const Model& model, State& state, double dt) {
-  for_batches(exec, state, ChangeVelocities<Lanes>{view(state.v), view(state.system.change)});
-  if (model.params.solver.strain_limit > 0) limit_strain(exec, model, state, dt);
-  state.largest_speed = largest_speed(exec, state);
-  if (uses_conjugate_gradients(model.params.solver.method) && !std::isfinite(state.system.residual))
-    state.largest_speed = NAN;  // a system that was not solved undoes the step
-}
-
-/// Finds contacts and solves their impulses. Returns the number of iterations.
-int solve_contact_impulses(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                           double dt) {
-  if (!std::isfinite(state.largest_speed)) return 0;
-  find_contacts(exec, model, state, inputs, dt);
-  const int iterations = solve_velocities(exec, model, state, dt);
-  state.largest_speed = largest_speed(exec, state);
-  return iterations;
-}
-
 /// Restores the positions before the step with zero velocities, and clears contacts and history. Without BDF2
 /// a failed step has not changed the positions.
 void restore_last_state(State& state) {
@@ -123,35 +86,75 @@ void move(const Exec& exec, const Model& model, State& state, Real dt) {
   for (const Hold& hold : state.holds) state.x.set(std::size_t(hold.vertex), hold.goal);
 }
 
+/// Phases of a step on the host (step_sequence.hpp).
+struct HostStep {
+  const Exec& exec;
+  const Model& model;
+  State& state;
+  const Inputs& inputs;
+  double frame, dt = 0;  // [s]; dt is shorter with BDF2
+  StepReport report = {};
+
+  bool uses_cg() const { return uses_conjugate_gradients(model.params.solver.method); }
+
+  void predict() { dt = state.impulse_time = uses_bdf2(model) ? predict_bdf2(exec, state, frame) : frame; }
+  void assemble() { cloth::assemble(exec, model, state, inputs, dt); }
+  void start_change() { cloth::start_change(exec, model, state, dt); }
+
+  // sweeps
+  void sweep() {
+    solve_by_sweeps(exec, model, state, model.params.solver.method, model.params.solver.sweeps);
+  }
+  void measure_residual() {
+    if (inputs.measure_residual) report.residual = residual(exec, model, state);
+  }
+
+  // conjugate gradients
+  void find_implicit_contacts() { cloth::find_implicit_contacts(exec, model, state, inputs, dt); }
+  void solve_with_implicit_contacts() { cloth::solve_with_implicit_contacts(exec, model, state, dt); }
+  void relinearize() {
+    cloth::relinearize(exec, model, state, inputs, dt);
+    report.iterations = state.system.iterations, report.residual = state.system.residual;
+  }
+
+  // velocities
+  void change_velocities() {
+    for_batches(exec, state, ChangeVelocities<Lanes>{view(state.v), view(state.system.change)});
+  }
+  void limit_strain() {
+    if (model.params.solver.strain_limit > 0) cloth::limit_strain(exec, model, state, dt);
+    state.largest_speed = largest_speed(exec, state);
+    if (uses_cg() && !std::isfinite(state.system.residual))
+      state.largest_speed = NAN;  // a system that was not solved undoes the step
+  }
+  void solve_contact_impulses() {
+    if (is_finite()) {
+      find_contacts(exec, model, state, inputs, dt);
+      report.contact_iterations = solve_velocities(exec, model, state, dt);
+      state.largest_speed = largest_speed(exec, state);
+    }
+    report.finite = is_finite(), report.largest_speed = state.largest_speed;
+    report.contacts = int(state.contacts.list.size());
+  }
+  bool is_finite() const { return std::isfinite(state.largest_speed); }
+  void undo() { restore_last_state(state); }
+
+  // positions
+  void move() { cloth::move(exec, model, state, Real(dt)); }
+  void solve_positions() { cloth::solve_positions(exec, model, state, dt); }
+  void resolve_ccd() {
+    if (model.params.collision.self) report.in_impact_zone = cloth::resolve_ccd(exec, model, state);
+    state.time += frame;
+  }
+};
+
 }  // namespace
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double frame) {
   TURGOR_CHECK(is_step_length(frame), "a step has a positive length");
-  StepReport report;
-  const double dt = state.impulse_time = uses_bdf2(model) ? predict_bdf2(exec, state, frame) : frame;
-
-  // velocities
-  assemble(exec, model, state, inputs, dt);
-  solve_velocity_change(exec, model, state, inputs, dt);
-  report_solution(exec, model, state, inputs, report);
-  update_velocities(exec, model, state, dt);
-  report.contact_iterations = solve_contact_impulses(exec, model, state, inputs, dt);
-
-  // undo the step if a velocity is not finite
-  report.finite = std::isfinite(state.largest_speed);
-  report.largest_speed = state.largest_speed;
-  report.contacts = int(state.contacts.list.size());
-  if (!report.finite) {
-    restore_last_state(state);
-    return report;
-  }
-
-  // positions
-  move(exec, model, state, Real(dt));
-  solve_positions(exec, model, state, dt);
-  if (model.params.collision.self) report.in_impact_zone = resolve_ccd(exec, model, state);
-  state.time += frame;
-  return report;
+  HostStep sheet{exec, model, state, inputs, frame};
+  sheet.uses_cg() ? step_cg(sheet) : step_sweeps(sheet);
+  return sheet.report;
 }
 
 }  // namespace turgor::cloth

@@ -19,6 +19,7 @@
 #include "turgor/models/cloth/forces/wind.hpp"
 #include "turgor/models/cloth/model/contacts.hpp"
 #include "turgor/models/cloth/solver/motion_kernels.hpp"
+#include "turgor/models/cloth/step_sequence.hpp"
 
 namespace turgor::cloth {
 
@@ -70,51 +71,60 @@ class DeviceSheet final : public SheetBackend {
   StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                   double frame) override {
     TURGOR_CHECK(is_step_length(frame), "a step has a positive length");
-    // held vertices and predictor
-    const Solver& solver = model.params.solver;
-    take_holds(model, state);
-    const double dt = state.impulse_time = predict_bdf2(solver, state, frame);
-    // velocity change of the linear system
-    assemble(model, state, inputs, dt);
-    solve(model, dt);
-    StepReport report;
-    if (inputs.measure_residual) report.residual = residual();
-    // new velocities
-    run_(size(), ChangeVelocities<Real>{cloth::view(v_), cloth::view(change_)});
-    if (solver.strain_limit > 0)
-      for (int pass = 0; pass < kStrainPasses; pass++) {
-        run_(size(), LimitStrain<Real>{view(), cloth::strain_limit(model), Real(dt)});
-        std::swap(v_, previous_);
-      }
-    state.largest_speed = report.largest_speed = largest_speed();
-    // contact impulses
-    const bool self = model.params.collision.self;
-    if (!self && inputs.obstacles.empty())
-      contacts_.clear();
-    else if (std::isfinite(state.largest_speed)) {
-      find_contacts(model, state, inputs, dt);
-      report.contacts = int(contacts_.count());
-      report.contact_iterations = contacts_.solve_velocities(run_, model, view(), dt);
-      state.largest_speed = report.largest_speed = largest_speed();
-    }
-    // a state that is not finite is undone
-    report.finite = std::isfinite(state.largest_speed);
-    if (!report.finite) {
-      restore_last_state(state);
-      return report;
-    }
-    // motion, position impulses and CCD
-    const bool two_steps = solver.integrator == Integrator::kBdf2;
-    run_(size(), Move<Real>{cloth::view(x_), cloth::view(v_), cloth::view(two_steps ? history_x_ : x_),
-                            cloth::view(previous_), Real(dt)});
-    run_(holds_.count, MoveHolds{view(), holds_.data()});
-    contacts_.solve_positions(run_, model, view(), dt);
-    if (self) report.in_impact_zone = run_ccd(exec, model, state);
-    state.time += frame;
-    return report;
+    Step step{*this, exec, model, state, inputs, frame};
+    step_sweeps(step);
+    return step.report;
   }
 
  private:
+  /// Phases of a step (step_sequence.hpp).
+  struct Step {
+    DeviceSheet& sheet;
+    const Exec& exec;
+    const Model& model;
+    State& state;
+    const Inputs& inputs;
+    double frame, dt = 0;  // [s]; dt is shorter with BDF2
+    StepReport report = {};
+
+    void predict() {
+      sheet.take_holds(model, state);
+      dt = state.impulse_time = sheet.predict_bdf2(model.params.solver, state, frame);
+    }
+    void assemble() { sheet.assemble(model, state, inputs, dt); }
+    void start_change() { sheet.start_change(model, dt); }
+    void sweep() { sheet.sweep(model.params.solver); }
+    void measure_residual() {
+      if (inputs.measure_residual) report.residual = sheet.residual();
+    }
+    void change_velocities() {
+      sheet.run_(sheet.size(), ChangeVelocities<Real>{cloth::view(sheet.v_), cloth::view(sheet.change_)});
+    }
+    void limit_strain() {
+      if (model.params.solver.strain_limit > 0) sheet.limit_strain(model, dt);
+      state.largest_speed = report.largest_speed = sheet.largest_speed();
+    }
+    void solve_contact_impulses() {
+      if (!model.params.collision.self && inputs.obstacles.empty()) {
+        sheet.contacts_.clear();
+      } else if (is_finite()) {
+        sheet.find_contacts(model, state, inputs, dt);
+        report.contacts = int(sheet.contacts_.count());
+        report.contact_iterations = sheet.contacts_.solve_velocities(sheet.run_, model, sheet.view(), dt);
+        state.largest_speed = report.largest_speed = sheet.largest_speed();
+      }
+      report.finite = is_finite();
+    }
+    bool is_finite() const { return std::isfinite(state.largest_speed); }
+    void undo() { sheet.restore_last_state(state); }
+    void move() { sheet.move(model, dt); }
+    void solve_positions() { sheet.contacts_.solve_positions(sheet.run_, model, sheet.view(), dt); }
+    void resolve_ccd() {
+      if (model.params.collision.self) report.in_impact_zone = sheet.run_ccd(exec, model, state);
+      state.time += frame;
+    }
+  };
+
   static std::size_t history_size(const Model& m) {
     return m.params.solver.integrator == Integrator::kBdf2 ? m.mass.size() : 0;
   }
@@ -185,10 +195,11 @@ class DeviceSheet final : public SheetBackend {
     run_(holds_.count, AimHolds{view(), holds_.data(), Real(dt)});
   }
 
-  void solve(const Model& model, double dt) {
-    const Solver& solver = model.params.solver;
+  void start_change(const Model& model, double dt) {
     components_.start(run_, view(), 1 + dt * model.params.damping.motion, has_air_);
     run_(holds_.count, StartHolds{view(), holds_.data()});
+  }
+  void sweep(const Solver& solver) {
     run_sweeps(
         solver.method == Method::kChebyshev, solver.sweeps,
         [&](Real omega) {
@@ -198,6 +209,18 @@ class DeviceSheet final : public SheetBackend {
         [&] {
           run_(size(), CopyVectors{cloth::view(change_), cloth::view(previous_)});
         });
+  }
+  void limit_strain(const Model& model, double dt) {
+    for (int pass = 0; pass < kStrainPasses; pass++) {
+      run_(size(), LimitStrain<Real>{view(), cloth::strain_limit(model), Real(dt)});
+      std::swap(v_, previous_);
+    }
+  }
+  void move(const Model& model, double dt) {
+    const bool two_steps = model.params.solver.integrator == Integrator::kBdf2;
+    run_(size(), Move<Real>{cloth::view(x_), cloth::view(v_), cloth::view(two_steps ? history_x_ : x_),
+                            cloth::view(previous_), Real(dt)});
+    run_(holds_.count, MoveHolds{view(), holds_.data()});
   }
 
   double residual() {

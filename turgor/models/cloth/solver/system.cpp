@@ -162,14 +162,4 @@ void solve_with_implicit_contacts(const Exec& exec, const Model& model, State& s
   if (!is_implicit) move_free_components(exec, model, state, state.system.residual_vector, dt);
 }
 
-void solve_change(const Exec& exec, const Model& model, State& state, double dt) {
-  const Solver& solver = model.params.solver;
-  start_change(exec, model, state, dt);
-  if (uses_conjugate_gradients(solver.method)) {
-    solve_with_implicit_contacts(exec, model, state, dt);
-  } else {
-    solve_by_sweeps(exec, model, state, solver.method, solver.sweeps);
-  }
-}
-
 }  // namespace turgor::cloth

@@ -11,9 +11,6 @@ namespace turgor::cloth {
 /// the contact impulses of the step before. Held vertices get the velocity change that reaches their goals.
 void assemble(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 
-/// Solves for System::change with the method of Solver.
-void solve_change(const Exec& exec, const Model& model, State& state, double dt);
-
 /// Repeats the solution around its result while edges rotate far and obstacles stop the sheet
 /// (relinearization.cpp).
 void relinearize(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);

@@ -1,0 +1,44 @@
+// Order of the phases in a step, for a sheet on the host (step.cpp) and for one on a device
+// (device_sheet.hpp). `Sheet` has a member function for each phase.
+#pragma once
+
+namespace turgor::cloth {
+
+/// End of a step: contact impulses, motion, CCD. A state that is not finite is undone.
+template <class Sheet>
+void finish_step(Sheet& sheet) {
+  sheet.solve_contact_impulses();
+  if (!sheet.is_finite()) return sheet.undo();
+  sheet.move();
+  sheet.solve_positions();
+  sheet.resolve_ccd();
+}
+
+/// One step whose linear system is solved by sweeps of Jacobi's method.
+template <class Sheet>
+void step_sweeps(Sheet&& sheet) {
+  sheet.predict();
+  sheet.assemble();
+  sheet.start_change();
+  sheet.sweep();
+  sheet.measure_residual();
+  sheet.change_velocities();
+  sheet.limit_strain();
+  finish_step(sheet);
+}
+
+/// One step whose linear system is solved by conjugate gradients with implicit contacts.
+template <class Sheet>
+void step_cg(Sheet&& sheet) {
+  sheet.predict();
+  sheet.assemble();
+  sheet.find_implicit_contacts();
+  sheet.start_change();
+  sheet.solve_with_implicit_contacts();
+  sheet.relinearize();
+  sheet.change_velocities();
+  sheet.limit_strain();
+  finish_step(sheet);
+}
+
+}  // namespace turgor::cloth
