@@ -52,14 +52,8 @@ CellTet cell_tet(const Lattice& l, int parity, const std::array<Int3, 4>& tet) {
   CellTet out{};
   for (std::size_t c = 0; c < 4; c++) out.offset[c] = slot_offset(l, tet[c], parity);
   const auto rest = [&](std::size_t c) { return hadamard(l.spacing, Vec3(tet[c] - tet[0])); };
-  out.e1 = rest(1), out.e2 = rest(2), out.e3 = rest(3);
-  int e = 0;
-  for (std::size_t p = 0; p < 4; p++)
-    for (std::size_t q = p + 1; q < 4; q++, e++) {
-      const Int3 offset = tet[q] - tet[p];
-      const bool forward = family_of(offset) >= 0;
-      out.edge[e] = {int(forward ? p : q), family_of(forward ? offset : -offset)};
-    }
+  out.rest = {rest(1), rest(2), rest(3)};
+  out.edge = tet_edges(tet);
   return out;
 }
 
@@ -92,10 +86,7 @@ PbdRules pbd_rules(const Model& model) {
   for (int parity = 0; parity < 2; parity++)
     for (int c = 0; c < kCellCorners; c++)
       rules.corner_offset[parity][c] = slot_offset(l, cell_corner(c), parity);
-  for (std::size_t t = 0; t < kKuhnTets.size(); t++) {
-    const CellTet tet = cell_tet(l, 0, kKuhnTets[t]);
-    rules.tet_edge[t][0] = tet.e1, rules.tet_edge[t][1] = tet.e2, rules.tet_edge[t][2] = tet.e3;
-  }
+  for (std::size_t t = 0; t < kKuhnTets.size(); t++) rules.tet[t] = cell_tet(l, 0, kKuhnTets[t]).rest;
   return rules;
 }
 

@@ -12,10 +12,10 @@ namespace turgor::lattice {
 
 /// Constants of the kernels, passed by value.
 struct PbdRules {
-  int corner_offset[2][kCellCorners];   // by the parity of i, from the cell's lowest node [slots]
-  Vec3 edge[kFamilyCount];              // rest vectors [m]
-  Real rest[kFamilyCount];              // [m]
-  Vec3 tet_edge[6][3];                  // rest edges from a tetrahedron's first corner to its others [m]
+  int corner_offset[2][kCellCorners];  // by the parity of i, from the cell's lowest node [slots]
+  Vec3 edge[kFamilyCount];             // rest vectors [m]
+  Real rest[kFamilyCount];             // [m]
+  TetRest tet[6];
   Real rest_volume;                     // [m³]; 0: volumes are not projected
   Real skin_ratio, skin_amplification;  // rest area over area in the CT [1]; β [1]
 };
@@ -79,41 +79,34 @@ struct CellCorners {
   template <std::size_t kFamily>
   TURGOR_HD void project_edge() {
     constexpr int b = corner_of(kFamilies[kFamily]);
-    const Vec3 d = rules.edge[kFamily] + (u[b] - u[0]);
     const Real stiffness = cut[at[0]] >> kFamily & 1 ? 0 : kind[0].root * kind[b].root;
-    const Real s = project_spring(d, rules.rest[kFamily], stiffness, kind[0].w, kind[b].w);
-    u[0] += d * (s * kind[0].w), u[b] -= d * (s * kind[b].w);
+    lattice::project_edge(u[0], u[b], kind[0].w, kind[b].w, rules.edge[kFamily], rules.rest[kFamily],
+                          stiffness);
   }
   template <std::size_t... kFamily>
   TURGOR_HD void project_edges(std::index_sequence<kFamily...>) {
     (project_edge<kFamily>(), ...);
   }
 
-  template <std::size_t kTet>
-  TURGOR_HD bool is_cut() const {
+  template <std::size_t kTet, std::size_t kEdge>
+  TURGOR_HD bool is_edge_cut() const {
     constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
-    const auto is_edge_cut = [&]<std::size_t kP, std::size_t kQ>() {
-      constexpr Int3 offset = tet[kQ] - tet[kP];
-      constexpr bool forward = family_of(offset) >= 0;
-      constexpr int lower = corner_of(tet[forward ? kP : kQ]), family = family_of(forward ? offset : -offset);
-      return cut[at[lower]] >> family & 1;
-    };
-    return is_edge_cut.template operator()<0, 1>() | is_edge_cut.template operator()<0, 2>() |
-           is_edge_cut.template operator()<0, 3>() | is_edge_cut.template operator()<1, 2>() |
-           is_edge_cut.template operator()<1, 3>() | is_edge_cut.template operator()<2, 3>();
+    constexpr TetEdge edge = tet_edges(tet)[kEdge];
+    constexpr int lower = corner_of(tet[edge.corner]);
+    return cut[at[lower]] >> edge.family & 1;
+  }
+  template <std::size_t kTet, std::size_t... kEdge>
+  TURGOR_HD bool is_cut(std::index_sequence<kEdge...>) const {
+    return (is_edge_cut<kTet, kEdge>() | ...);
   }
   template <std::size_t kTet>
   TURGOR_HD void project_tet() {
     constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
     constexpr int a = corner_of(tet[0]), b = corner_of(tet[1]), c = corner_of(tet[2]), d = corner_of(tet[3]);
-    const Vec3 e1 = rules.tet_edge[kTet][0] + (u[b] - u[a]), e2 = rules.tet_edge[kTet][1] + (u[c] - u[a]),
-               e3 = rules.tet_edge[kTet][2] + (u[d] - u[a]);
     const Real whole = tet_stiffness(kind[a].root, kind[d].root, kind[b].root, kind[c].root, kind[d].root);
-    const VolumeGradients g = volume_gradients(e1, e2, e3);
-    const Real s = project_volume(e1, g, rules.rest_volume, is_cut<kTet>() ? 0 : whole, kind[a].w, kind[b].w,
-                                  kind[c].w, kind[d].w);
-    u[a] -= (g.g1 + g.g2 + g.g3) * (s * kind[a].w);
-    u[b] += g.g1 * (s * kind[b].w), u[c] += g.g2 * (s * kind[c].w), u[d] += g.g3 * (s * kind[d].w);
+    const Real stiffness = is_cut<kTet>(std::make_index_sequence<6>{}) ? 0 : whole;
+    lattice::project_tet(u[a], u[b], u[c], u[d], kind[a].w, kind[b].w, kind[c].w, kind[d].w, rules.tet[kTet],
+                         rules.rest_volume, stiffness);
   }
   template <std::size_t... kTet>
   TURGOR_HD void project_tets(std::index_sequence<kTet...>) {
