@@ -77,18 +77,12 @@ struct WholeCells {
 void find_whole_cells(const NodeArrays& n, const NodeBlock& block, int slot, IncidentCells& cells,
                       WholeCells& out) {
   for (int at = 0; at < kCellCorners; at++) {
-    // cut edges in cell `at`
-    std::uint8_t bits[kSpareSlots] = {};
-    const std::uint8_t* lowest = n.cut + slot + block.offset[block_index(cell_corner(0) - cell_corner(at))];
-    for (int c = 0; c < kCellCorners; c++) {
-      const std::uint8_t* cut = n.cut + slot + block.offset[block_index(cell_corner(c) - cell_corner(at))];
-      for (int i = 0; i < kSpareSlots; i++) bits[i] |= cut[i] & edges_from_corner(c);
-    }
-    // moduli
+    std::uint8_t cut_edges[kSpareSlots];
+    for (int i = 0; i < kSpareSlots; i++) cut_edges[i] = cut_edges_of_cell(n.cut, block, slot + i, at);
+    const std::uint8_t* lowest = n.cut + corner_slot(block, slot, at, 0);
     for (int i = 0; i < kSpareSlots; i++) {
-      const bool is_cut_cell = lowest[i] & kCutCell;
-      out.young[at][i] = bits[i] || is_cut_cell ? 0 : cells.young[at][i];
-      out.covers[at][i] = bits[i] && !is_cut_cell ? 0 : cells.young[at][i];
+      const CellModulus cell = cell_modulus(cells.young[at][i], cut_edges[i], lowest[i]);
+      out.young[at][i] = cell.young, out.covers[at][i] = cell.covers;
     }
     cells.young[at] = out.young[at], cells.covers[at] = out.covers[at];
   }
@@ -100,20 +94,14 @@ struct UncoveredEdges {
 };
 void find_loose_edges(const NodeArrays& n, const Neighbors& stencil, const IncidentCells& cells, int slot,
                       UncoveredEdges& out) {
-  const Real* root = n.root + slot;
   for (int e = 0; e < kNeighborCount; e++) {
-    const int b = stencil.offset[e];
-    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : b);
-    // cells that cover edge e
-    Real covered[kSpareSlots] = {};
+    Real covered[kSpareSlots] = {};  // by the cells that contain edge e
     for (int at = 0; at < kCellCorners; at++)
       for (int i = 0; i < kSpareSlots && cell_contains(at, neighbor_offset(e)); i++)
         covered[i] += cells.covers[at][i];
-    // stiffness of loose edges
-    for (int i = 0; i < kSpareSlots; i++) {
-      const bool loose = (covered[i] <= 0) & ((cut[i] >> e / 2 & 1) == 0);
-      out.spring[e][i] = loose ? stencil.scale[e] * root[i] * root[b + i] : 0;
-    }
+    const std::uint8_t* cut = n.cut + slot + lower_end(stencil, e);
+    for (int i = 0; i < kSpareSlots; i++)
+      out.spring[e][i] = loose_stiffness(n, stencil, slot + i, e, cut[i], covered[i]);
   }
 }
 

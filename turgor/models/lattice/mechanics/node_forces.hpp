@@ -1,5 +1,6 @@
-// Forces and Hessians of springs, tetrahedra and cells around one node. The functions are loop bodies for CPU
-// lanes and for one GPU thread. The caller supplies the cut state of edges, tetrahedra and cells.
+// Forces and Hessians of springs, tetrahedra and cells around one node, and their cut states. The functions
+// are loop bodies for CPU lanes and for one GPU thread. CPU loops find the cut states first, because loops
+// over numbers of different sizes vectorize only four wide.
 #pragma once
 
 #include <type_traits>
@@ -31,6 +32,47 @@ TURGOR_HD constexpr IncidentTet incident_tet(std::integral_constant<std::size_t,
   return stencil;
 }
 constexpr const IncidentTet& incident_tet(std::size_t t) { return kIncidentTets[t]; }
+
+/// Lower end of edge e of a node, relative to the node; that of an edge of a tetrahedron around it [slots].
+TURGOR_HD inline int lower_end(const Neighbors& stencil, int e) { return e % 2 == 0 ? 0 : stencil.offset[e]; }
+TURGOR_HD inline int lower_end(const Neighbors& stencil, IncidentEdge edge) {
+  return edge.lower < 0 ? 0 : stencil.offset[edge.lower];
+}
+/// 1 if the edge of a family is cut, else 0. `bits`: Cuts::cut of its lower end.
+TURGOR_HD inline int is_cut(std::uint8_t bits, int family) { return bits >> family & 1; }
+
+/// Slot of corner c of the cell whose corner `at` is node s.
+TURGOR_HD inline int corner_slot(const NodeBlock& block, int s, int at, int c) {
+  return s + block.offset[block_index(cell_corner(c) - cell_corner(at))];
+}
+/// Cut edges in the cell whose corner `at` is node s; 0 if none is cut.
+[[gnu::always_inline]] TURGOR_HD inline std::uint8_t cut_edges_of_cell(const std::uint8_t* cut,
+                                                                       const NodeBlock& block, int s,
+                                                                       int at) {
+  std::uint8_t bits = 0;
+  TURGOR_UNROLL
+  for (int c = 0; c < kCellCorners; c++)
+    bits = std::uint8_t(bits | (cut[corner_slot(block, s, at, c)] & edges_from(c)));
+  return bits;
+}
+/// Modulus of a cell, 0 if it is cut; and the same to find loose edges. Cut cells with cut elements also
+/// cover their edges.
+struct CellModulus {
+  Real young, covers;  // [Pa]
+};
+/// `cut_edges`: of the cell; `lowest`: Cuts::cut of its lowest node.
+TURGOR_HD inline CellModulus cell_modulus(Real whole, int cut_edges, int lowest) {
+  const bool is_cut_cell = (lowest & kCutCell) != 0;
+  return {cut_edges != 0 || is_cut_cell ? 0 : whole, cut_edges != 0 && !is_cut_cell ? 0 : whole};
+}
+/// Stiffness of edge e of node s as a spring; 0 if it is cut, or if a cell covers it. `covered`: sum of
+/// CellModulus::covers over its cells; `lower_bits`: Cuts::cut of its lower end [N/m].
+[[gnu::always_inline]] TURGOR_HD inline Real loose_stiffness(const NodeArrays& n, const Neighbors& stencil,
+                                                             int s, int e, std::uint8_t lower_bits,
+                                                             Real covered) {
+  const bool loose = (covered <= 0) & (is_cut(lower_bits, e / 2) == 0);
+  return loose ? stencil.scale[e] * n.root[s] * n.root[s + stencil.offset[e]] : 0;
+}
 
 /// Springs and volumes around node a. Both use the same edge vectors. `spring(e)` and `tet(t)` are 1 for
 /// uncut elements and 0 for cut ones; t is the argument of for_each_incident_tet.

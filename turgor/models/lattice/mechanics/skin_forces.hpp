@@ -60,31 +60,48 @@ struct SkinForces {
                       TriangleForces& out) const;
 };
 
+/// Corners of skin by node, as plain pointers for host and device (Skin, Cuts::skin_cut).
+struct SkinView {
+  const int *nodes, *corner_begin, *row_begin, *lanes_begin;  // null without skin
+  const Vec3* prestress_force;
+  const SkinCorners* corners;
+  const std::uint8_t* skin_cut;  // by triangle
+};
+inline SkinView view(const Skin& skin, const Cuts& cuts) {
+  return {skin.nodes.data(),       skin.corner_begin.data(),    skin.row_begin.data(),
+          skin.lanes_begin.data(), skin.prestress_force.data(), skin.corners.data(),
+          cuts.skin_cut.data()};
+}
+
+/// Adds prestress and the uncut triangles of skin node `at` of a half row. `system_of(batch, lane)`: system
+/// of a corner.
+template <class SystemOf>
+TURGOR_HD inline void add_skin_corners(const SkinView& v, int row, int at, NodeSystem& s,
+                                       const SystemOf& system_of) {
+  s.f -= v.prestress_force[at];
+  const int first = v.corner_begin[v.row_begin[row]];
+  for (int c = v.corner_begin[at]; c < v.corner_begin[at + 1]; c++) {
+    const int batch = v.lanes_begin[row] + (c - first) / kSkinLanes, lane = (c - first) % kSkinLanes;
+    if (!v.skin_cut[v.corners[batch].triangle[lane]]) add(s, system_of(batch, lane));
+  }
+}
+
 /// Adds skin and prestress at the nodes of [slot, slot + count): store(node, load(node) + system).
 template <class Load, class Store>
 void for_skin_nodes(const Model& model, const Cuts& cuts, const NodeArrays& n, const SkinForces& forces,
                     int slot, int count, const Load& load, const Store& store) {
-  const Skin& skin = model.skin;
-  const auto row = std::size_t(slot / model.lattice.half);
-  // first skin node of the range
-  const int *nodes = skin.nodes.data(), *end = nodes + skin.row_begin[row + 1];
-  const int* node = std::lower_bound(nodes + skin.row_begin[row], end, slot);
-  if (node == end || *node >= slot + count) return;
-  const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+  const SkinView skin = view(model.skin, cuts);
+  const int row = slot / model.lattice.half;
   CornerSystems systems;
   int gathered = -1;  // index of the batch in `systems`
+  const int* end = skin.nodes + skin.row_begin[row + 1];
+  const int* node = std::lower_bound(skin.nodes + skin.row_begin[row], end, slot);
   for (; node != end && *node < slot + count; node++) {
-    const auto at = std::size_t(node - nodes);
-    // prestress
     NodeSystem s = load(*node);
-    s.f -= skin.prestress_force[at];
-    // triangles around the node
-    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
-      const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes, lane = (c - first) % kSkinLanes;
-      const SkinCorners& corners = skin.corners[std::size_t(lanes)];
-      if (lanes != gathered) forces.gather(corners, n, systems), gathered = lanes;
-      if (!cuts.skin_cut[std::size_t(corners.triangle[lane])]) add(s, systems.get(lane));
-    }
+    add_skin_corners(skin, row, int(node - skin.nodes), s, [&](int batch, int lane) {
+      if (batch != gathered) forces.gather(skin.corners[batch], n, systems), gathered = batch;
+      return systems.get(lane);
+    });
     store(*node, s);
   }
 }

@@ -31,14 +31,14 @@ struct Uncut {
 };
 void find_uncut(const NodeArrays& n, const Neighbors& stencil, int slot, bool with_volumes, Uncut& out) {
   for (int e = 0; e < kNeighborCount; e++) {
-    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : stencil.offset[e]);
-    for (int i = 0; i < kSpareSlots; i++) out.spring[e][i] = cut[i] >> e / 2 & 1 ? 0 : 1;
+    const std::uint8_t* cut = n.cut + slot + lower_end(stencil, e);
+    for (int i = 0; i < kSpareSlots; i++) out.spring[e][i] = is_cut(cut[i], e / 2) ? 0 : 1;
   }
   for (std::size_t t = 0; t < 24 && with_volumes; t++) {
     int any[kSpareSlots] = {};
     for (const IncidentEdge edge : kIncidentTets[t].edge) {
-      const std::uint8_t* cut = n.cut + slot + (edge.lower < 0 ? 0 : stencil.offset[edge.lower]);
-      for (int i = 0; i < kSpareSlots; i++) any[i] |= cut[i] >> edge.family & 1;
+      const std::uint8_t* cut = n.cut + slot + lower_end(stencil, edge);
+      for (int i = 0; i < kSpareSlots; i++) any[i] |= is_cut(cut[i], edge.family);
     }
     for (int i = 0; i < kSpareSlots; i++) out.tet[t][i] = any[i] ? 0 : 1;
   }

@@ -11,11 +11,9 @@ VbdRules vbd_rules(const Model& model) {
                  .solid = solid_law(l.spacing, model.params.tissue.poisson),
                  .rest_volume = model.rest_volume,
                  .volume_scale = model.volume_scale};
-  for (int n = 0; n < kCellCorners; n++) {
-    rules.edges_from[n] = edges_from_corner(n);
+  for (int n = 0; n < kCellCorners; n++)
     for (int e = 0; e < kNeighborCount; e++)
       if (cell_contains(n, neighbor_offset(e))) rules.covering_cells[e] |= std::uint8_t(1u << n);
-  }
   return rules;
 }
 

@@ -18,7 +18,6 @@ struct VbdRules {
   Neighbors neighbors[2];  // by parity of i
   NodeBlock block[2];
   std::uint8_t covering_cells[kNeighborCount];  // bit n: the cell whose corner n is the node contains edge e
-  std::uint8_t edges_from[kCellCorners];        // edges_from_corner
   SolidLaw solid;
   Real rest_volume, volume_scale;
 };
@@ -42,10 +41,7 @@ struct VbdView {
   Inertia inertia;
   const Real* young;            // Model::cell_young; null with springs
   const std::uint8_t* row_cut;  // by row
-  const int *skin_nodes, *corner_begin, *skin_row_begin, *lanes_begin;  // of Skin; null without skin
-  const Vec3* prestress_force;
-  const SkinCorners* corners;
-  const std::uint8_t* skin_cut;  // by triangle
+  SkinView skin;
   CutElementView cut_elements;
   VirtualNodeDisplacement* virtual_nodes_before;     // as many as virtual nodes
   const ElementNode *element_nodes, *virtual_nodes;  // slots ascend; VirtualNodeOrdering
@@ -111,25 +107,22 @@ struct NodeForces {
     else
       system = spring_system(s, parity, cut);
     // skin and cut elements
-    if (v.skin_nodes != nullptr) add_skin(s, system);
+    if (v.skin.nodes != nullptr) add_skin(s, system);
     if (cut) add_cut_elements(s, system);
     return system;
   }
 
-  TURGOR_HD bool is_cut(int lower, int family) const { return v.body.nodes.cut[lower] >> family & 1; }
-  TURGOR_HD bool is_edge_cut(int s, const Neighbors& stencil, int e) const {
-    return is_cut(e % 2 == 0 ? s : s + stencil.offset[e], e / 2);
-  }
-
   TURGOR_HD NodeSystem spring_system(int s, int parity, bool cut) const {
     const Neighbors& stencil = v.rules.neighbors[parity];
-    const auto spring = [&](int e) { return cut && is_edge_cut(s, stencil, e) ? Real(0) : Real(1); };
+    const std::uint8_t* bits = v.body.nodes.cut;
+    const auto spring = [&](int e) {
+      return cut && is_cut(bits[s + lower_end(stencil, e)], e / 2) ? Real(0) : Real(1);
+    };
     const auto tet = [&](auto t) {
-      const IncidentTet& at = incident_tet(t);
-      bool any = false;
+      int any = 0;
       if (cut)
-        for (const IncidentEdge edge : at.edge)
-          any |= is_cut(edge.lower < 0 ? s : s + stencil.offset[edge.lower], edge.family);
+        for (const IncidentEdge edge : incident_tet(t).edge)
+          any |= is_cut(bits[s + lower_end(stencil, edge)], edge.family);
       return any ? Real(0) : Real(1);
     };
     return incident_springs<kElements == Elements::kSpringsAndVolumes>(
@@ -141,17 +134,13 @@ struct NodeForces {
     const Neighbors& stencil = v.rules.neighbors[parity];
     // moduli of the incident cells, 0 in cut cells
     Real young[kCellCorners], covers[kCellCorners];
+    const std::uint8_t* bits = v.body.nodes.cut;
     for (int at = 0; at < kCellCorners; at++) {
-      const auto corner = [&](int c) {
-        return s + block.offset[block_index(cell_corner(c) - cell_corner(at))];
-      };
-      young[at] = covers[at] = v.young[corner(0)];
+      const int lowest = corner_slot(block, s, at, 0);
+      young[at] = covers[at] = v.young[lowest];
       if (!cut) continue;
-      int bits = 0;
-      for (int c = 0; c < kCellCorners; c++) bits |= v.body.nodes.cut[corner(c)] & v.rules.edges_from[c];
-      const bool is_cut_cell = v.body.nodes.cut[corner(0)] & kCutCell;
-      if (bits || is_cut_cell) young[at] = 0;
-      if (bits && !is_cut_cell) covers[at] = 0;
+      const CellModulus cell = cell_modulus(young[at], cut_edges_of_cell(bits, block, s, at), bits[lowest]);
+      young[at] = cell.young, covers[at] = cell.covers;
     }
     // forces of cells and loose edges
     NodeSystem system =
@@ -160,29 +149,18 @@ struct NodeForces {
       Real covered_by = 0;
       for (int at = 0; at < kCellCorners; at++)
         if (v.rules.covering_cells[e] >> at & 1) covered_by += covers[at];
-      const bool loose = covered_by <= 0 && !is_edge_cut(s, stencil, e);
-      return loose ? stencil.scale[e] * v.body.nodes.root[s] * v.body.nodes.root[s + stencil.offset[e]]
-                   : Real(0);
+      return loose_stiffness(v.body.nodes, stencil, s, e, bits[s + lower_end(stencil, e)], covered_by);
     });
     return system;
   }
 
   TURGOR_HD void add_skin(int s, NodeSystem& system) const {
-    // corners of skin at the node
-    const int row = s / v.body.half, first_node = v.skin_row_begin[row],
-              count = v.skin_row_begin[row + 1] - first_node;
-    const int at =
-        first_node + first_of_slot(v.skin_nodes + first_node, count, s, [](int slot) { return slot; });
-    if (at == first_node + count || v.skin_nodes[at] != s) return;
-    const int first = v.corner_begin[first_node];
-    // prestress and triangles
-    system.f -= v.prestress_force[at];
-    for (int c = v.corner_begin[at]; c < v.corner_begin[at + 1]; c++) {
-      const SkinCorners& lanes = v.corners[v.lanes_begin[row] + (c - first) / kSkinLanes];
-      const int lane = (c - first) % kSkinLanes;
-      if (!v.skin_cut[lanes.triangle[lane]])
-        add(system, v.cut_elements.skin.gather(lanes, lane, v.body.nodes));
-    }
+    const int row = s / v.body.half, first = v.skin.row_begin[row], count = v.skin.row_begin[row + 1] - first;
+    const int at = first + first_of_slot(v.skin.nodes + first, count, s, [](int slot) { return slot; });
+    if (at == first + count || v.skin.nodes[at] != s) return;
+    add_skin_corners(v.skin, row, at, system, [&](int batch, int lane) {
+      return v.cut_elements.skin.gather(v.skin.corners[batch], lane, v.body.nodes);
+    });
   }
 
   TURGOR_HD void add_cut_elements(int s, NodeSystem& system) const {
