@@ -22,7 +22,6 @@ struct LocateLayer {
 
   void operator()(std::size_t layer) const {
     const Lattice& l = body.model.lattice;
-    const auto& solid = body.solid;
     const auto& tissue = body.model.tissue;
     for (int j = 0; j < l.size.y; j++) {
       DeformedBody::Bounds& bounds = node_rows[layer * std::size_t(l.size.y) + std::size_t(j)];
@@ -37,22 +36,13 @@ struct LocateLayer {
         body.cells[std::size_t(slot)] = cell != 0 && inside ? Cell::kPlain : Cell::kEmpty;
 
         // positions of tissue and adjacent air
-        if (!solid[std::size_t(slot)] && !is_beside_tissue(slot, parity)) continue;
+        if (!body.is_solid(slot) && !is_beside_tissue(l, body, slot, parity)) continue;
         const Vec3 u = corner_displacement(body.model, body.state, body.fragments, slot);
         const Int3 position = body.voxel_coordinates(node, u);
         body.position[std::size_t(slot)] = position;
         bounds.low = std::min(bounds.low, position.z), bounds.high = std::max(bounds.high, position.z);
       }
     }
-  }
-
-  bool is_beside_tissue(int slot, int parity) const {
-    const Lattice& l = body.model.lattice;
-    bool found = false;
-    for (const Int3 family : kFamilies)
-      for (const Int3 offset : {family, -family})
-        found |= body.solid[std::size_t(slot + slot_offset(l, offset, parity))] != 0;
-    return found;
   }
 };
 

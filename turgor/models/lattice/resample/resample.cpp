@@ -26,9 +26,7 @@ struct CtWriter {
   std::vector<RimVoxel> rim = {};  // possible sources of partial volume
 
   void tissue(Int3 cell, std::size_t voxel, Int3 p, Vec3 at, float ratio) {
-    float value = sample(at);
-    if (options.conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
-    out.samples[voxel] = round_to_hu(value);
+    out.samples[voxel] = deformed_hu(sample(at), ratio, options.conserve_mass);
     mass += out.samples[voxel] - kAirHu;
     if (options.keep_surroundings && rest.is_near_air(cell)) rim.push_back({p, rim_shift(to_ct, p, at)});
   }

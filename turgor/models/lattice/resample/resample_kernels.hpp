@@ -9,6 +9,7 @@
 
 #include "turgor/core/atomic_max.hpp"
 #include "turgor/models/lattice/resample/resample_view.hpp"
+#include "turgor/models/lattice/resample/tet_walk.hpp"
 
 namespace turgor::lattice {
 
@@ -34,15 +35,8 @@ struct LocateNode {
     const int slot = node_slot(v.lattice, node);
     if (v.is_solid(slot))
       v.position[slot] = v.voxel_coordinates(node, v.u(slot));
-    else if (is_beside_tissue(slot, node.x & 1))
+    else if (is_beside_tissue(v.lattice, v, slot, node.x & 1))
       v.position[slot] = v.voxel_coordinates(node, extrapolate_from_neighbors(v.lattice, v, slot));
-  }
-  TURGOR_HD bool is_beside_tissue(int slot, int parity) const {
-    bool found = false;
-    for (int n = 0; n < 27; n++)
-      if (const Int3 offset = box_offset(n); n != 13 && is_edge_offset(offset))
-        found |= v.is_solid(slot + slot_offset(v.lattice, offset, parity));
-    return found;
   }
 };
 
@@ -99,93 +93,38 @@ struct ClaimVoxels {
   TURGOR_HD void operator()(std::size_t n) const {
     const Int3 cell = v.node(n), beyond = v.lattice.size - Int3{1, 1, 1};
     if (cell.x >= beyond.x || cell.y >= beyond.y || cell.z >= beyond.z) return;
-    if (v.is_special(node_slot(v.lattice, cell))) return;
+    const int slot = node_slot(v.lattice, cell);
+    if (v.is_special(slot)) return;
+    const std::array<int, 8> slots = cell_slots(v.lattice, slot, cell.x & 1);
     ClaimCounts counts;
-    claim<0>(n, cell, counts), claim<1>(n, cell, counts), claim<2>(n, cell, counts);
-    claim<3>(n, cell, counts), claim<4>(n, cell, counts), claim<5>(n, cell, counts);
+    claim<0>(n, cell, slots, counts), claim<1>(n, cell, slots, counts), claim<2>(n, cell, slots, counts);
+    claim<3>(n, cell, slots, counts), claim<4>(n, cell, slots, counts), claim<5>(n, cell, slots, counts);
     counts.add_to(v.count(n));
   }
+  /// The lowest claim owns a voxel.
   template <int kTet>
-  TURGOR_HD void claim(std::size_t n, Int3 cell, ClaimCounts& counts) const {
-    constexpr std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, kTet);
-    // deformed tetrahedron
-    bool solid = false;
-    const std::array<Int3, 4> positions = v.corners(cell, nodes, solid);
-    if (!solid) return;
-    const DeformedTet tet = deform_tet<kTet>(positions, v.window.handedness);
-    if (!(tet.det > 0)) {
-      counts.inverted_tets++;
-      return;
-    }
-    // the lowest claim owns a voxel
-    visit_voxels<kTet>(tet, v.window, v.rest, cell, [&](Int3 voxel, Vec3) {
+  TURGOR_HD void claim(std::size_t n, Int3 cell, const std::array<int, 8>& slots, ClaimCounts& counts) const {
+    TetWalk walk{v.window, v.rest, v.volume_scale};
+    const auto visit = [&](Int3 voxel, Vec3, float) {
       counts.claims++;
       atomic_min(v.owner[v.voxel_index(voxel)], std::uint32_t(ResampleView::kClaims * n + kTet));
-    });
+    };
+    walk_tet_of_cell<kTet>(walk, v, cell, slots, slots, visit, [](Vec3) { return true; });
+    counts.inverted_tets += walk.inverted_tets;
   }
 };
 
 /// Calls visit(voxel, rest position, volume ratio) for the voxels of a window covered by the fragments of a
-/// special cell. The order is by fragment, then by tetrahedron.
-template <class Visit>
-struct WalkSpecial {
-  const ResampleView& v;
-  RasterWindow window;
-  const Visit& visit;
-  std::uint32_t inverted_tets = 0;
-
-  TURGOR_HD void operator()(const SpecialCell& special) {
-    const Int3 cell = slot_node(v.lattice, special.slot);
-    const std::array<int, 8> slots = cell_slots(v.lattice, special.slot, cell.x & 1);
-    const FragmentView& fragments = v.cuts.fragments;
-    const CutCell* cut = special.cut < 0 ? nullptr : &fragments.cells[special.cut];
-    FragmentFilter keep{.fragments = fragments,
-                        .removed = v.cuts.removed,
-                        .cut = cut,
-                        .fragment = 0,
-                        .first = v.rest.first_node + hadamard(Vec3d(cell), v.rest.cell_size),
-                        .size = v.rest.cell_size,
-                        .slots = slots};
-    const int count = cut ? cut->fragment_count + cut->ghost_count : 1;
-    for (int p = 0; p < count; p++) {
-      keep.fragment = p;
-      const std::uint32_t inverted_before = inverted_tets;
-      const std::array<int, 8> corners = cut ? position_indices(fragments, *cut, p) : slots;
-      walk<0>(cell, slots, corners, keep), walk<1>(cell, slots, corners, keep);
-      walk<2>(cell, slots, corners, keep), walk<3>(cell, slots, corners, keep);
-      walk<4>(cell, slots, corners, keep), walk<5>(cell, slots, corners, keep);
-      if (cut && p >= cut->fragment_count)
-        inverted_tets = inverted_before;  // a ghost is no tissue of this cell
-    }
-  }
-  template <int kTet>
-  TURGOR_HD void walk(Int3 cell, const std::array<int, 8>& slots, const std::array<int, 8>& corners,
-                      const FragmentFilter& keep) {
-    constexpr std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, kTet);
-    constexpr std::size_t at[4] = {0, std::size_t(nodes[1].x + 2 * nodes[1].y + 4 * nodes[1].z),
-                                   std::size_t(nodes[2].x + 2 * nodes[2].y + 4 * nodes[2].z), 7};
-    if (!v.is_solid(slots[at[0]]) && !v.is_solid(slots[at[1]]) && !v.is_solid(slots[at[2]]) &&
-        !v.is_solid(slots[at[3]]))
-      return;
-    const DeformedTet tet = deform_tet<kTet>({v.position[corners[at[0]]], v.position[corners[at[1]]],
-                                              v.position[corners[at[2]]], v.position[corners[at[3]]]},
-                                             window.handedness);
-    if (!(tet.det > 0)) {
-      inverted_tets++;
-      return;
-    }
-    const auto ratio = float(tet.det * v.volume_scale);
-    visit_voxels<kTet>(tet, window, v.rest, cell, [&](Int3 voxel, Vec3 rest) {
-      if (keep(rest)) visit(voxel, rest, ratio);
-    });
-  }
-};
-/// Returns the number of inverted tetrahedra.
+/// special cell. The order is by fragment, then by tetrahedron. Returns the number of inverted tetrahedra.
 template <class Visit>
 TURGOR_HD std::uint32_t walk_special_cell(const ResampleView& v, const RasterWindow& window,
                                           const SpecialCell& special, const Visit& visit) {
-  WalkSpecial<Visit> walk{v, window, visit};
-  walk(special);
+  const Int3 cell = slot_node(v.lattice, special.slot);
+  const FragmentView& fragments = v.cuts.fragments;
+  TetWalk walk{window, v.rest, v.volume_scale};
+  walk_special_cell(walk, v, fragments, v.cuts.removed,
+                    special.cut < 0 ? nullptr : &fragments.cells[special.cut], cell,
+                    cell_slots(v.lattice, special.slot, cell.x & 1), visit);
   return walk.inverted_tets;
 }
 
@@ -279,9 +218,7 @@ struct FillVoxel {
     }
   }
   TURGOR_HD std::int16_t value(TissueAt tissue) const {
-    float value = v.sample(tissue.rest);
-    if (v.conserve_mass) value = (value - kAirHu) / tissue.ratio + kAirHu;
-    return round_to_hu(value);
+    return deformed_hu(v.sample(tissue.rest), tissue.ratio, v.conserve_mass);
   }
 };
 
