@@ -1,14 +1,15 @@
 #include "turgor/models/cloth/step.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/atomic_max.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/ccd/ccd.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
+#include "turgor/models/cloth/solver/component_kernels.hpp"
 #include "turgor/models/cloth/solver/implicit_contact.hpp"
 #include "turgor/models/cloth/solver/motion_kernels.hpp"
 #include "turgor/models/cloth/solver/strain_limit.hpp"
@@ -26,22 +27,19 @@ void for_batches(const Exec& exec, const State& state, const Loop& loop) {
   parallel_for(exec, state.v.size() / std::size_t(kLanes), loop, kGrain);
 }
 
-/// Largest speed [m/s]; not finite if any velocity is not. Bit patterns of nonnegative floats are ordered
-/// like their values, and those of infinity and NaN are above all finite ones.
+/// Largest speed [m/s]; not finite if any velocity is not. Bits of infinity and NaN are above all finite
+/// ones.
 Real largest_speed(const Exec& exec, const State& state) {
-  std::atomic<std::uint32_t> largest{0};
+  std::uint32_t largest = 0;
   exec.run_ranges(state.v.size(), kGrain * std::size_t(kLanes), [&](std::size_t begin, std::size_t end) {
     std::uint32_t found = 0;
     for (std::size_t i = begin; i < end; i++) {
-      const Vec3 v = state.v[i];
-      const std::uint32_t bits = std::bit_cast<std::uint32_t>(dot(v, v)) & 0x7fffffffu;
+      const std::uint32_t bits = magnitude_bits(dot(state.v[i], state.v[i]));
       found = bits > found ? bits : found;
     }
-    std::uint32_t seen = largest.load();
-    while (seen < found && !largest.compare_exchange_weak(seen, found)) {
-    }
+    atomic_max(largest, found);
   });
-  return std::sqrt(std::bit_cast<Real>(largest.load()));
+  return std::sqrt(std::bit_cast<Real>(largest));
 }
 
 /// BDF2 predictor. With the last state x₁ and the one before it x₀, BDF2 requires
@@ -83,7 +81,8 @@ void move(const Exec& exec, const Model& model, State& state, Real dt) {
                "held vertices are of the cloth");
   for_batches(exec, state,
               Move<Lanes>{view(state.x), view(state.v), view(from), view(state.system.previous), dt});
-  for (const Hold& hold : state.holds) state.x.set(std::size_t(hold.vertex), hold.goal);
+  const MoveHolds move_holds{view(model, state), state.holds.data()};
+  for (std::size_t n = 0; n < state.holds.size(); n++) move_holds(n);
 }
 
 /// Phases of a step on the host (step_sequence.hpp).

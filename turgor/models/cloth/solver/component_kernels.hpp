@@ -1,5 +1,5 @@
 // Kernels for the device only: sums over the components of a sheet without held vertices, whose initial
-// velocity change follows from their total force; held vertices; residual.
+// velocity change follows from their total force; residual. The host also calls those of held vertices.
 #pragma once
 
 #include "turgor/core/atomic_max.hpp"

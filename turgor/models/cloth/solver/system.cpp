@@ -8,6 +8,7 @@
 #include "turgor/models/cloth/forces/membrane.hpp"
 #include "turgor/models/cloth/forces/wind.hpp"
 #include "turgor/models/cloth/model/contacts.hpp"
+#include "turgor/models/cloth/solver/component_kernels.hpp"
 #include "turgor/models/cloth/solver/implicit_contact.hpp"
 #include "turgor/models/cloth/solver/system_kernels.hpp"
 
@@ -32,12 +33,10 @@ void add_contact_impulses(State& state) {
 }
 
 /// Velocity change of held vertices, which reaches their goals.
-void aim_holds(State& state, Real dt) {
+void aim_holds(const Model& model, State& state, Real dt) {
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
-  for (const Hold& hold : state.holds) {
-    const auto v = std::size_t(hold.vertex);
-    state.system.force.set(v, (hold.goal - state.x[v]) / dt - state.v[v]);
-  }
+  const AimHolds aim{view(model, state), state.holds.data(), dt};
+  for (std::size_t n = 0; n < state.holds.size(); n++) aim(n);
 }
 
 /// Sum over the vertices of a component, in chunks that do not depend on the number of threads.
@@ -96,7 +95,7 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
                kGrain);
   if (!uses_conjugate_gradients(model.params.solver.method))
     add_contact_impulses(state);  // else implicit_contact.cpp does
-  aim_holds(state, Real(dt));
+  aim_holds(model, state, Real(dt));
 }
 
 void move_free_components(const Exec& exec, const Model& model, State& state, const Vectors& force,
@@ -120,10 +119,8 @@ void start_change(const Exec& exec, const Model& model, State& state, double dt)
   for (std::size_t v = 0; v < count; v++) system.change.set(v, {});
   move_free_components(exec, model, state, system.force, dt);
   for (std::size_t v = 0; v < count; v++) system.previous.set(v, system.change[v]);
-  for (const Hold& hold : state.holds) {
-    const auto v = std::size_t(hold.vertex);
-    system.change.set(v, system.force[v]), system.previous.set(v, system.force[v]);
-  }
+  const StartHolds start{view(model, state), state.holds.data()};
+  for (std::size_t n = 0; n < state.holds.size(); n++) start(n);
 }
 
 void sweep(const Exec& exec, const Model& model, State& state, Real omega) {

@@ -1,6 +1,6 @@
-// Walk over the voxels of deformed tetrahedra, for a slab of voxel layers on the host (deformed_body.hpp) and for
-// one cell per GPU thread (resample_kernels.hpp). A `Body` has is_solid(slot) and, in `position`, the voxel
-// coordinates of nodes, virtual nodes and ghost corners.
+// Walk over the voxels of deformed tetrahedra, for a slab of voxel layers on the host (deformed_body.hpp) and
+// for one cell per GPU thread (resample_kernels.hpp). A `Body` has is_solid(slot) and, in `position`, the
+// voxel coordinates of nodes, virtual nodes and ghost corners.
 #pragma once
 
 #include <limits>

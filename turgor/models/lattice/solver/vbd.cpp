@@ -213,7 +213,7 @@ struct VbdSweep {
     std::uint32_t found = 0;
     for (int s = slot; s < slot + count; s++) {
       const Real x = n.ux[s] - inertia.bx[s], y = n.uy[s] - inertia.by[s], z = n.uz[s] - inertia.bz[s];
-      const std::uint32_t bits = std::bit_cast<std::uint32_t>(x * x + y * y + z * z) & 0x7fffffffu;
+      const std::uint32_t bits = magnitude_bits(x * x + y * y + z * z);
       found = bits > found ? bits : found;
     }
     return found > std::bit_cast<std::uint32_t>(wake_distance2);
