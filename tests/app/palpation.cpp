@@ -14,8 +14,9 @@ const char* kCache = "cache = \"kept\"\n";
 // A run writes forces, pictures, meshes, a recording and a report.
 TEST(Palpation, RunWritesAllOutputs) {
   const fs::path folder = fresh_folder();
-  write(folder / "s.toml", sfem_scene_text(kCache));
-  const Ended ended = run_program("run s.toml --out out --set output.pictures=all", folder);
+  write(folder / "s.toml", sfem_scene_text());
+  const Ended ended =
+      run_program("run s.toml --out out --set output.pictures=all --set body.pad.cache=kept", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   EXPECT_NE(ended.printed.find("pad: 324 free nodes; Green's functions between"), std::string::npos)
       << ended.printed;
@@ -30,6 +31,18 @@ TEST(Palpation, RunWritesAllOutputs) {
   EXPECT_FALSE(report["bodies"][0]["green"]["from_cache"].get<bool>());
   EXPECT_EQ(report["bodies"].size(), 1u);
   EXPECT_EQ(report["bodies"][0]["model"], "sfem");
+}
+
+// A scene that chooses a cache outside the user's folder is refused, and no folder is made.
+TEST(Palpation, SceneChoosesNoForeignCache) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", sfem_scene_text("cache = \"" + (folder / "foreign").string() + "\"\n"));
+  const Ended ended = run_program("run s.toml -q --out out", folder);
+  EXPECT_EQ(ended.code, 2) << ended.printed;
+  EXPECT_NE(ended.printed.find("body.pad.cache: expected a folder below the user's cache folder"),
+            std::string::npos)
+      << ended.printed;
+  EXPECT_EQ(names_in(folder).size(), 1u) << "the scene only";
 }
 
 // Surfaces in millimeters and RAS coordinates equal those in meters and LPS.

@@ -1,9 +1,12 @@
 #include "turgor/sim/scene/scene_sfem.hpp"
 
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "tests/sim/scene/scene_error.hpp"
 #include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/scene/scene_cache.hpp"
 
 namespace turgor {
 namespace {
@@ -85,7 +88,7 @@ TEST(SceneSfem, KeysReachFields) {
   EXPECT_EQ(liver.viscosity, 0.5);
   EXPECT_EQ(liver.viscous_time, 0.3);
   EXPECT_EQ(liver.memory, 2);
-  EXPECT_EQ(liver.cache, "/data/kept");
+  EXPECT_EQ(liver.cache, std::filesystem::weakly_canonical(user_cache_folder()) / "kept");
   EXPECT_EQ(liver.seen, "/data/fine.obj");
   EXPECT_EQ(liver.seen_scale, 0.001);
   EXPECT_EQ(liver.elements, Elements::kLinear) << "default if a formulation is given";
@@ -149,6 +152,40 @@ TEST(SceneSfem, ErrorsNameLocation) {
   for (const auto& c : cases)
     EXPECT_NE(error_of(c.text).find(c.words), std::string::npos)
         << c.text << "\nfound:    " << error_of(c.text) << "\nexpected: " << c.words;
+}
+
+// A scene chooses a cache below the user's cache folder only; an override may choose any folder.
+TEST(SceneSfem, CacheStaysBelowUsersFolder) {
+  const std::filesystem::path user = std::filesystem::weakly_canonical(user_cache_folder());
+  const auto cache = [](const std::string& value) {
+    return small("mesh = \"a.msh\"\ncache = \"" + value + "\"");
+  };
+  for (const char* outside : {"/any/where", "..", "liver/../../other", "/"})
+    EXPECT_NE(
+        error_of(cache(outside)).find("s.toml:4:9: body.b.cache: expected a folder below the user's cache"),
+        std::string::npos)
+        << outside << ": " << error_of(cache(outside));
+  for (const std::string& inside : {std::string("liver"), std::string("a/../b"), (user / "liver").string()}) {
+    const Result<Scene> scene = parse_scene(cache(inside), "s.toml");
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->sfem_bodies[0].cache, (user / inside).lexically_normal());
+  }
+  const Result<Scene> chosen = parse_scene(cache("liver"), "s.toml", {"body.b.cache=/any/where"});
+  ASSERT_TRUE(chosen) << chosen.error().message;
+  EXPECT_EQ(chosen->sfem_bodies[0].cache, "/any/where");
+}
+
+// A recording that names another folder, in its scene or its overrides, gets the user's cache and a note.
+TEST(SceneSfem, RecordingKeepsToUsersCache) {
+  const std::string plain = small("mesh = \"a.msh\""), outside = small("mesh = \"a.msh\"\ncache = \"/any\"");
+  for (const auto& [text, overrides] : {std::pair(plain, std::vector<std::string>{"body.b.cache=/any"}),
+                                        std::pair(outside, std::vector<std::string>{})}) {
+    const Result<Scene> scene = parse_scene(text, "s.toml", overrides, "/recorded");
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_TRUE(scene->sfem_bodies[0].cache.empty());
+    ASSERT_EQ(scene->notes.size(), 1u);
+    EXPECT_NE(scene->notes[0].find("folder /any is not below the user's cache folder"), std::string::npos);
+  }
 }
 
 // Overrides do not create tools.

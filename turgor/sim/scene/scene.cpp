@@ -312,6 +312,7 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
   // readers
   read_scene_table(SceneTable(root, "", problems), scene);
   if (!problems.problems.empty()) return all_of(problems);
+  scene.notes.insert(scene.notes.end(), problems.notes.begin(), problems.notes.end());
   return scene;
 }
 

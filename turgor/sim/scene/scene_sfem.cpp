@@ -197,15 +197,15 @@ void read_patch(SceneTable& body, PatchScene& patch) {
 }
 
 void read_cache(SceneTable& body, SfemScene& scene) {
+  constexpr const char* kMeaning =
+      "folder below the user's cache folder in which Green's functions are cached between runs; `--set` may "
+      "choose any folder; `false`: no cache";
   const toml::node* node = body.find("cache");
-  body.describe("cache", "", "the user's cache folder",
-                "folder in which Green's functions are cached between runs; `false`: no cache");
+  body.describe("cache", "", "the user's cache folder", kMeaning);
   if (node && node->is_boolean())
     scene.cached = node->as_boolean()->get();
   else
-    body.read_path("cache", scene.cache,
-                   {"folder in which Green's functions are cached between runs; `false`: no cache",
-                    "the user's cache folder"});
+    body.read_cache_folder("cache", scene.cache, {kMeaning, "the user's cache folder"});
 }
 
 }  // namespace

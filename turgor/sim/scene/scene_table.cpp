@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/plain_text.hpp"
 #include "turgor/sim/scene/name.hpp"
+#include "turgor/sim/scene/scene_cache.hpp"
 
 namespace turgor {
 
@@ -219,6 +220,34 @@ void SceneTable::read_path(std::string_view key, std::filesystem::path& value, M
   std::error_code ignored;
   const bool is_in_current = problems_.override_folder.empty() || std::filesystem::exists(text, ignored);
   value = (!overridden ? problems_.folder : is_in_current ? "" : problems_.override_folder) / text;
+}
+
+void SceneTable::read_cache_folder(std::string_view key, std::filesystem::path& value, Meaning meaning) {
+  std::filesystem::path given;
+  read_path(key, given, meaning);
+  if (given.empty()) return;
+
+  // the command line may choose any folder; the overrides of a recording are another person's
+  const std::string path = path_of(key);
+  const bool is_recorded = !problems_.override_folder.empty();
+  if (!problems_.override_of(path).empty() && !is_recorded) {
+    value = given;
+    return;
+  }
+
+  // a scene or a recording chooses below the user's cache folder
+  const toml::node* node = find(key);
+  const Result<std::filesystem::path> allowed =
+      cache_folder_of_scene(node->is_string() ? std::filesystem::path(node->as_string()->get()) : given);
+  if (allowed)
+    value = *allowed;
+  else if (is_recorded)
+    problems_.notes.push_back(on_one_line(
+        fmt::format("{}: the recording's folder {} is not below the user's cache folder, which is "
+                    "used instead",
+                    path, given.string())));
+  else
+    fail_value(key, *node, allowed.error().message);
 }
 
 void SceneTable::read_choice(std::string_view key, std::string& value,

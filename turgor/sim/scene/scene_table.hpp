@@ -26,13 +26,15 @@ struct SceneProblems {
   std::string file;
   std::filesystem::path folder;                  // base of relative paths in the file
   std::map<std::string, std::string> overrides;  // dotted key -> text given to --set
-  std::filesystem::path override_folder;  // base of relative paths in overrides; empty = the current folder
+  /// Base of relative paths in the overrides of a recording; empty = the current folder and no recording.
+  std::filesystem::path override_folder;
   struct Problem {
     unsigned line;
     std::string message;
     friend auto operator<=>(const Problem&, const Problem&) = default;
   };
   std::set<Problem> problems;
+  std::vector<std::string> notes;  // for the user: values that were replaced
   bool lists_keys = false;
   std::vector<SceneKey> keys;
 
@@ -60,6 +62,9 @@ class SceneTable {
   void read(std::string_view key, Int3& value, const Allowed& allowed, Meaning meaning);
   /// File name. Relative names are relative to the scene's folder, or with --set to the current folder.
   void read_path(std::string_view key, std::filesystem::path& value, Meaning meaning);
+  /// Folder of a cache, which a scene may choose only below the user's cache folder (scene_cache.hpp). With
+  /// --set it is any folder. A recording that chooses another folder gets the user's, and a note.
+  void read_cache_folder(std::string_view key, std::filesystem::path& value, Meaning meaning);
   template <class T>
   void read_choice(std::string_view key, T& value, const std::vector<std::pair<std::string, T>>& choices,
                    Meaning meaning);

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -92,12 +91,6 @@ Status write_values(const fs::path& path, const sfem::Model& model, const std::s
 }
 
 }  // namespace
-
-fs::path user_cache_folder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "turgor";
-  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "turgor";
-  return {};
-}
 
 fs::path green_cache_file(const fs::path& folder, std::uint64_t content_hash) {
   std::error_code ignored;

@@ -11,6 +11,7 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/models/sfem/sfem.hpp"
+#include "turgor/sim/scene/scene_cache.hpp"
 
 namespace turgor {
 
@@ -29,9 +30,6 @@ CachedGreen read_green(const std::filesystem::path& file, sfem::Model& model);
 /// of the body.
 Status write_green(const std::filesystem::path& file, const sfem::Model& model,
                    const std::string& what_for = "");
-
-/// Cache folder of the user, see green_cache_file; empty if there is none.
-std::filesystem::path user_cache_folder();
 
 /// Metadata of a cached file.
 struct CacheFile {
