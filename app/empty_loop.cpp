@@ -2,12 +2,16 @@
 
 #include <cmath>
 
+#include "app/commands.hpp"
+#include "turgor/core/start_thread.hpp"
 #include "turgor/haptics/real_time.hpp"
 
 namespace turgor {
 
 EmptyLoop::EmptyLoop(double rate, int priority)
-    : rate_(rate), priority_(priority), thread_([this] { run(); }) {}
+    : rate_(rate),
+      priority_(priority),
+      thread_(required(start_thread("the empty loop", [this] { run(); }))) {}
 
 void EmptyLoop::run() {
   if (priority_ > 0) (void)haptics::set_real_time_priority(priority_);

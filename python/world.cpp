@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/start_thread.hpp"
 #include "turgor/core/thread_limit.hpp"
 #include "turgor/sim/tools/tool_path.hpp"
 
@@ -179,7 +180,8 @@ void tick_worlds(const std::vector<PyWorld*>& worlds, std::size_t ticks, std::si
   // not parallel_for, which flushes denormal numbers to zero: results must not depend on the other worlds
   const std::size_t count = std::min(worlds.size(), std::size_t(checked_exec(threads).threads()));
   std::vector<std::thread> others;
-  for (std::size_t n = 1; n < count; n++) others.emplace_back(work);
+  for (std::size_t n = 1; n < count; n++)
+    if (Result<std::thread> other = start_thread("a world", work)) others.push_back(std::move(*other));
   work();
   for (std::thread& other : others) other.join();
   for (const std::exception_ptr& failure : failures)

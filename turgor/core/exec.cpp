@@ -11,6 +11,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include "turgor/core/flush_denormals.hpp"
+#include "turgor/core/start_thread.hpp"
 
 namespace turgor {
 
@@ -28,8 +29,10 @@ struct Exec::Arena {
   tbb::task_arena arena;
 };
 
+// A system that refuses some of the threads gives fewer; oneTBB would end the process.
 Exec::Exec(int threads)
-    : threads_(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
+    : threads_(startable_threads(
+          threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())))) {
   if (threads_ == 1) return;
   allow_many_threads();
   arena_ = std::make_shared<Arena>(threads_);
@@ -50,7 +53,8 @@ void spread(Arena&, int threads, std::size_t count, std::size_t grain, const Bod
       run(begin, std::min(begin + grain, count));
   };
   std::vector<std::thread> others;
-  for (int n = 1; n < threads; n++) others.emplace_back(work);
+  for (int n = 1; n < threads; n++)
+    if (Result<std::thread> other = start_thread("a loop", work)) others.push_back(std::move(*other));
   work();
   for (std::thread& other : others) other.join();
 }

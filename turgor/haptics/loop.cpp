@@ -9,6 +9,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/flush_denormals.hpp"
+#include "turgor/core/start_thread.hpp"
 #include "turgor/haptics/real_time.hpp"
 #include "turgor/haptics/ticker.hpp"
 
@@ -124,7 +125,9 @@ Status Loop::Thread::begin(const std::vector<Hand>& hands) {
   if (params.lock_memory) no_lock = lock_memory(), locked = no_lock.empty();
   // start the device's thread or our own
   if (pacer) return begin_calls();
-  own = std::thread([this] { run(); });
+  Result<std::thread> started = start_thread("the haptic loop", [this] { run(); });
+  if (!started) return started.error();
+  own = std::move(*started);
   began.wait(false);
   return Done{};
 }

@@ -61,7 +61,8 @@ struct HandStatus {
 
 class Loop {
  public:
-  /// Starts ticking. Error: no device, a device that cannot start, or an invalid rate.
+  /// Starts ticking. Error: no device, a device or a thread that cannot start, or an
+  /// invalid rate.
   static Result<std::unique_ptr<Loop>> start(const std::vector<Hand>& hands, ToolTick tick, void* context,
                                              const LoopParams& params = {});
   ~Loop();  // stops

@@ -1,19 +1,30 @@
 #include "turgor/window/ct_pictures.hpp"
 
 #include <chrono>
+#include <system_error>
 
 namespace turgor {
 
 namespace {
 
+/// True for a deferred picture too, which get() draws.
 bool is_ready(const std::future<Result<Image>>& image) {
-  return image.valid() && image.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  return image.valid() && image.wait_for(std::chrono::seconds(0)) != std::future_status::timeout;
+}
+
+/// Draws in a thread, or if the system refuses one in the caller of get().
+template <class Draw>
+std::future<Result<Image>> begin_drawing(const Draw& draw) {
+  try {
+    return std::async(std::launch::async, draw);
+  } catch (const std::system_error&) {
+    return std::async(std::launch::deferred, draw);
+  }
 }
 
 void begin(const VolumeRequest& request, int coarseness, VolumePicture& picture) {
   picture.request = request, picture.coarseness = coarseness;
-  picture.coming = std::async(std::launch::async, [request, coarseness, exec = picture.exec,
-                                                   &pictures = picture.pictures] {
+  picture.coming = begin_drawing([request, coarseness, exec = picture.exec, &pictures = picture.pictures] {
     return draw_deformed(exec, *request.ct, pictures, request.preset, request.camera,
                          std::max(1, request.width / coarseness), std::max(1, request.height / coarseness));
   });

@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/one_line.hpp"
 #include "turgor/core/plain_text.hpp"
+#include "turgor/core/start_thread.hpp"
 #include "turgor/haptics/drivers/inverse3_link.hpp"
 #include "turgor/haptics/drivers/readings.hpp"
 #include "turgor/haptics/rotation.hpp"
@@ -67,7 +69,9 @@ Status Inverse3::open() {
   spec_ = spec_of(link_->arm(), link_->id());
   wanted_.write({});
   publish();
-  thread_ = std::thread([this] { serve(); });
+  Result<std::thread> started = start_thread("the driver inverse3", [this] { serve(); });
+  if (!started) return link_.reset(), set_trouble(started.error().message), started.error();
+  thread_ = std::move(*started);
   return Done{};
 }
 

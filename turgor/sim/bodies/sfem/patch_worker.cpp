@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/start_thread.hpp"
 
 namespace turgor {
 
@@ -24,11 +25,22 @@ void PatchWorker::begin(Build build) {
   TURGOR_ASSERT(!is_busy_, "a worker builds one patch at a time");
   TURGOR_ASSERT(build != nullptr, "a worker has work");
   is_busy_ = true;
+  // start the thread; without one the caller builds
+  if (!thread_.joinable()) {
+    Result<std::thread> started = start_thread("the patch worker", [this] { work(); });
+    if (!started) {
+      BuiltPatch built = build();
+      const std::lock_guard lock(mutex_);
+      built_ = std::move(built);
+      return;
+    }
+    thread_ = std::move(*started);
+  }
+  // hand over the work
   {
     const std::lock_guard lock(mutex_);
     build_ = std::move(build);
   }
-  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   changed_.notify_all();
 }
 

@@ -30,7 +30,7 @@ class PatchWorker {
   /// Waits for the patch under construction.
   ~PatchWorker();
 
-  /// Requires that no other patch is under construction.
+  /// Requires that no other patch is under construction. If the system refuses a thread, the caller builds.
   void begin(Build build);
   /// True while a patch was begun and not finished.
   bool is_busy() const { return is_busy_; }

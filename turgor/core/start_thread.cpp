@@ -1,0 +1,30 @@
+#include "turgor/core/start_thread.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+namespace turgor {
+
+int startable_threads(int wanted) {
+  static std::mutex mutex;
+  static int known = 1;  // largest number that was started at once
+  const std::lock_guard lock(mutex);
+  if (wanted <= known) return wanted;
+
+  // all of them wait until the last one has started
+  std::vector<std::thread> started;
+  std::mutex gate;
+  std::unique_lock closed(gate);
+  while (int(started.size()) + 1 < wanted) {
+    Result<std::thread> thread = start_thread("a loop", [&gate] { const std::lock_guard wait(gate); });
+    if (!thread) break;
+    started.push_back(std::move(*thread));
+  }
+  closed.unlock();
+  for (std::thread& thread : started) thread.join();
+  known = std::max(known, int(started.size()) + 1);
+  return std::min(wanted, known);
+}
+
+}  // namespace turgor
