@@ -22,6 +22,7 @@
 #include "turgor/io/files/unfinished.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/scene/nearest_name.hpp"
+#include "turgor/view/drawing_process.hpp"
 
 namespace {
 
@@ -84,7 +85,7 @@ int run(int argc, char** argv) {
       "For help on a command: turgor COMMAND --help\n"
       "Exit codes: 0 success; 2 an error, explained by a message; 3 a simulation stopped early because it\n"
       "was not finite (earlier results are written), or a figure of validate is beyond its bound;\n"
-      "130 interrupted, no files remain.");
+      "130 interrupted: unfinished files are removed, and the message names complete ones.");
   program.set_version_flag("--version", "turgor " + turgor::program_version());
   program.set_help_all_flag("--help-all", "Print the help of all commands");
   turgor::Global global;
@@ -127,7 +128,10 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  constexpr const char* kDraws = "draw-meshes";  // the child process of a run that draws its pictures
+  if (argc == 2 && std::string(argv[1]) == kDraws) return turgor::serve_drawings();
   hold_standard_streams();
+  turgor::set_drawing_program({.arguments = {"/proc/self/exe", kDraws}});
   turgor::remove_unfinished_when_interrupted();
   return end_with(run(argc, argv));
 }

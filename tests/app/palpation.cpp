@@ -45,6 +45,39 @@ TEST(Palpation, SceneChoosesNoForeignCache) {
   EXPECT_EQ(names_in(folder).size(), 1u) << "the scene only";
 }
 
+// With little memory OpenGL fails, and the run keeps its results: only pictures are missing, with a warning.
+TEST(Palpation, LittleMemoryCostsOnlyPictures) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", sfem_scene_text("cache = false\n"));
+  int without_pictures = 0;
+  for (const char* kilobytes : {"350000", "400000", "450000", "500000", "600000"}) {
+    const Ended ended = run_program("run s.toml -q --threads 1 --force --out out", folder,
+                                    std::string("ulimit -v ") + kilobytes);
+    ASSERT_EQ(ended.code, 0) << kilobytes << " kB: " << ended.printed;
+    const json report = report_in(folder / "out");
+    EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0.05);
+    EXPECT_TRUE(fs::exists(folder / "out" / "recording.h5") && fs::exists(folder / "out" / "forces.csv"));
+    const bool warns =
+        report["warnings"].dump().find("no pictures of surfaces: cannot draw") != std::string::npos;
+    EXPECT_EQ(warns, !fs::exists(folder / "out" / "pad-near.png"))
+        << kilobytes << " kB: " << report["warnings"];
+    without_pictures += warns;
+  }
+  EXPECT_GT(without_pictures, 0) << "expected a limit below the need of OpenGL";
+}
+
+// With few processes the run keeps its results too; it starts fewer threads and no process that draws.
+TEST(Palpation, FewProcessesCostOnlyPictures) {
+  if (geteuid() == 0) GTEST_SKIP() << "the limit of processes does not hold for root";
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", sfem_scene_text("cache = false\n"));
+  const Ended ended =
+      run_shell("prlimit --nproc=1 '" TURGOR_PROGRAM "' run s.toml -q --threads 8 --out out", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(report_in(folder / "out")["warnings"].dump().find("no pictures of surfaces: cannot draw"),
+            std::string::npos);
+}
+
 // Surfaces in millimeters and RAS coordinates equal those in meters and LPS.
 TEST(Palpation, MillimetersAndRasKeepSurface) {
   const fs::path folder = fresh_folder();

@@ -3,15 +3,14 @@
 #include <algorithm>
 
 #include "turgor/view/annotate.hpp"
+#include "turgor/view/drawing_process.hpp"
 #include "turgor/view/gl_context.hpp"
 #include "turgor/view/mesh_drawing.hpp"
 
 namespace turgor {
 
-namespace {
-
-Result<Image> draw_scene(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
-                         RenderQuality quality) {
+Result<Image> draw_in_process(const std::vector<RenderItem>& items, const Camera& camera, int width,
+                              int height, RenderQuality quality) {
   const Result<CurrentGl> gl = hold_gl();
   if (!gl) return gl.error();
   static const Result<MeshPrograms> programs = link_mesh_programs();  // guarded by holding the context
@@ -23,6 +22,8 @@ Result<Image> draw_scene(const std::vector<RenderItem>& items, const Camera& cam
   if (!drawn) return drawn.error();
   return read_pixels(width, height);
 }
+
+namespace {
 
 void draw_legends(Image& image, const std::vector<RenderItem>& items) {
   std::vector<const ColorScale*> drawn;
@@ -46,7 +47,8 @@ Result<Image> draw_meshes(const std::vector<RenderItem>& items, const Camera& ca
                   "an item with a scale has one scalar per vertex");
     TURGOR_ASSERT(!item.colors || item.colors->size() == count, "one color per vertex");
   }
-  Result<Image> image = draw_scene(items, camera, width, height, quality);
+  Result<Image> image = has_drawing_program() ? draw_in_child(items, camera, width, height, quality)
+                                              : draw_in_process(items, camera, width, height, quality);
   if (image) draw_legends(*image, items);
   return image;
 }

@@ -26,8 +26,14 @@ struct RenderItem {
 };
 
 /// Both sides of every triangle are drawn. Missing normals are computed. Scalars that are NaN show the item's
-/// color. Error: OpenGL or EGL is missing on this machine, or failed; the message names the call.
+/// color. OpenGL runs in a child process if the program has one (drawing_process.hpp). Error: OpenGL or EGL
+/// is missing on this machine, or failed; the message names the call. Or the child ended; the message says
+/// how.
 Result<Image> draw_meshes(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
                           RenderQuality quality = RenderQuality::kFull);
+
+/// The same in this process, and without legends.
+Result<Image> draw_in_process(const std::vector<RenderItem>& items, const Camera& camera, int width,
+                              int height, RenderQuality quality);
 
 }  // namespace turgor

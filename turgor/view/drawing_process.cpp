@@ -1,0 +1,387 @@
+#include "turgor/view/drawing_process.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace turgor {
+
+namespace {
+
+// Limits of the child. Drivers reserve more addresses than they use, so the limit is on private memory.
+constexpr rlim_t kMostMemory = rlim_t(16) << 30, kLargestFile = rlim_t(1) << 30;  // [bytes]
+
+/// Message between parent and child, which are the same program: plain values and vectors of them.
+class Message {
+ public:
+  Message() = default;
+  explicit Message(std::string bytes) : bytes_(std::move(bytes)) {}
+  const std::string& bytes() const { return bytes_; }
+
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <class T>
+  void put(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    put(std::uint64_t(values.size()));
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  }
+
+  // These return false, and leave the value, if the message is too short.
+  template <class T>
+  bool take(T& value) {
+    if (bytes_.size() - at_ < sizeof value) return false;
+    std::memcpy(&value, bytes_.data() + at_, sizeof value);
+    at_ += sizeof value;
+    return true;
+  }
+  template <class T>
+  bool take(std::vector<T>& values) {
+    std::uint64_t count = 0;
+    if (!take(count) || (bytes_.size() - at_) / sizeof(T) < count) return false;
+    values.resize(std::size_t(count));
+    std::memcpy(static_cast<void*>(values.data()), bytes_.data() + at_, values.size() * sizeof(T));
+    at_ += values.size() * sizeof(T);
+    return true;
+  }
+
+ private:
+  std::string bytes_;
+  std::size_t at_ = 0;
+};
+
+/// An item with the data that its pointers refer to.
+struct OwnedItem {
+  TriMesh mesh;
+  ColorScale scale;
+  std::vector<Rgb> colors;
+  RenderItem item;
+  bool has_scale = false, has_colors = false;
+};
+
+/// A picture as the child needs it.
+struct DrawingRequest {
+  Camera camera;
+  int width = 0, height = 0;
+  RenderQuality quality = RenderQuality::kFull;
+  std::vector<OwnedItem> items;
+};
+
+Message request_of(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
+                   RenderQuality quality) {
+  Message message;
+  message.put(camera), message.put(width), message.put(height), message.put(quality);
+  message.put(std::uint64_t(items.size()));
+  for (const RenderItem& item : items) {
+    const TriMesh& mesh = *item.mesh;
+    message.put(mesh.vertices), message.put(mesh.triangles), message.put(mesh.normals);
+    message.put(mesh.scalars);
+    message.put(item.color), message.put(item.see_through), message.put(item.closed);
+    message.put(item.scale != nullptr);
+    if (item.scale) message.put(item.scale->low), message.put(item.scale->high);
+    message.put(item.colors != nullptr);
+    if (item.colors) message.put(*item.colors);
+  }
+  return message;
+}
+
+bool take_item(Message& message, OwnedItem& owned) {
+  TriMesh& mesh = owned.mesh;
+  RenderItem& item = owned.item;
+  bool good = message.take(mesh.vertices) && message.take(mesh.triangles) && message.take(mesh.normals) &&
+              message.take(mesh.scalars) && message.take(item.color) && message.take(item.see_through) &&
+              message.take(item.closed) && message.take(owned.has_scale);
+  if (good && owned.has_scale) good = message.take(owned.scale.low) && message.take(owned.scale.high);
+  good = good && message.take(owned.has_colors);
+  return good && (!owned.has_colors || message.take(owned.colors));
+}
+
+std::optional<DrawingRequest> take_request(Message& message) {
+  DrawingRequest request;
+  std::uint64_t count = 0;
+  if (!message.take(request.camera) || !message.take(request.width) || !message.take(request.height) ||
+      !message.take(request.quality) || !message.take(count))
+    return std::nullopt;
+  for (std::uint64_t i = 0; i < count; i++)
+    if (!take_item(message, request.items.emplace_back())) return std::nullopt;
+  return request;
+}
+
+Result<Image> draw(const DrawingRequest& request) {
+  std::vector<RenderItem> items;
+  for (const OwnedItem& owned : request.items) {
+    items.push_back(owned.item);
+    items.back().mesh = &owned.mesh;
+    if (owned.has_scale) items.back().scale = &owned.scale;
+    if (owned.has_colors) items.back().colors = &owned.colors;
+  }
+  return draw_in_process(items, request.camera, request.width, request.height, request.quality);
+}
+
+/// Waits until the socket can be read or written, at most until `end`.
+bool wait_for_socket(int socket, short event, std::chrono::steady_clock::time_point end) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+  pollfd waited{socket, event, 0};
+  const int ready = poll(&waited, 1, int(std::clamp<std::int64_t>(left.count(), 0, 1 << 30)));
+  return ready > 0 || (ready < 0 && errno == EINTR);
+}
+
+enum class Sent { kDone, kEnded, kTooLong };
+
+/// Moves all bytes through the socket; `move` sends or receives some.
+template <class Move>
+Sent move_all(int socket, short event, std::size_t size, double seconds, const Move& move) {
+  using Clock = std::chrono::steady_clock;
+  const auto patience = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  Clock::time_point end = Clock::now() + patience;
+  for (std::size_t at = 0; at < size;) {
+    if (!wait_for_socket(socket, event, end)) return Sent::kTooLong;
+    const ssize_t moved = move(at);
+    if (moved == 0 || (moved < 0 && errno != EINTR && errno != EAGAIN)) return Sent::kEnded;
+    if (moved > 0) at += std::size_t(moved), end = Clock::now() + patience;
+  }
+  return Sent::kDone;
+}
+
+Sent send_bytes(int socket, const char* bytes, std::size_t size, double seconds) {
+  return move_all(socket, POLLOUT, size, seconds, [&](std::size_t at) {
+    return send(socket, bytes + at, size - at, MSG_NOSIGNAL | MSG_DONTWAIT);
+  });
+}
+
+Sent receive_bytes(int socket, char* bytes, std::size_t size, double seconds) {
+  return move_all(socket, POLLIN, size, seconds,
+                  [&](std::size_t at) { return recv(socket, bytes + at, size - at, MSG_DONTWAIT); });
+}
+
+/// Sends the number of bytes, then the bytes.
+Sent send_message(int socket, const Message& message, double seconds) {
+  const std::uint64_t size = message.bytes().size();
+  const Sent sent = send_bytes(socket, reinterpret_cast<const char*>(&size), sizeof size, seconds);
+  return sent == Sent::kDone ? send_bytes(socket, message.bytes().data(), size, seconds) : sent;
+}
+
+Sent receive_message(int socket, Message& message, double seconds) {
+  std::uint64_t size = 0;
+  Sent received = receive_bytes(socket, reinterpret_cast<char*>(&size), sizeof size, seconds);
+  if (received != Sent::kDone) return received;
+  std::string bytes(std::size_t(size), '\0');
+  received = receive_bytes(socket, bytes.data(), bytes.size(), seconds);
+  if (received == Sent::kDone) message = Message(std::move(bytes));
+  return received;
+}
+
+/// A started child; the destructor stops it.
+class DrawingChild {
+ public:
+  static Result<std::unique_ptr<DrawingChild>> start(const std::vector<std::string>& arguments);
+  DrawingChild(const DrawingChild&) = delete;
+  DrawingChild& operator=(const DrawingChild&) = delete;
+  ~DrawingChild() { stop(); }
+
+  int socket() const { return socket_; }
+  /// Kills it and describes its end, if it ended before: "crashed (Segmentation fault)".
+  std::string stop();
+
+ private:
+  DrawingChild(int socket, pid_t id) : socket_(socket), id_(id) {}
+  int socket_;
+  pid_t id_;
+};
+
+Error not_started(int reason) {
+  return {fmt::format("cannot draw: the process that draws cannot be started: {}", std::strerror(reason))};
+}
+
+Result<std::unique_ptr<DrawingChild>> DrawingChild::start(const std::vector<std::string>& arguments) {
+  // its standard input is a socket, its outputs are dropped
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return not_started(errno);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&files, stream, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
+
+  // its signals have their defaults, and a keyboard's interrupt goes to the parent only
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none, all;
+  sigemptyset(&none), sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+
+  // start it
+  std::vector<char*> pointers;
+  for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
+  pointers.push_back(nullptr);
+  pid_t id = -1;
+  const int failed = posix_spawn(&id, pointers[0], &files, &attributes, pointers.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  close(ends[1]);
+  if (failed == 0) return std::unique_ptr<DrawingChild>(new DrawingChild(ends[0], id));
+  close(ends[0]);
+  return not_started(failed);
+}
+
+std::string DrawingChild::stop() {
+  if (id_ <= 0) return "";
+  close(std::exchange(socket_, -1));
+  // a child that crashed may need some time to end
+  int status = 0;
+  pid_t ended = 0;
+  for (int tries = 0; tries < 50 && ended == 0; tries++) {
+    ended = waitpid(id_, &status, WNOHANG);
+    if (ended == 0) usleep(2000);
+  }
+  const bool by_itself = ended == id_;
+  if (ended == 0) kill(id_, SIGKILL), waitpid(id_, &status, 0);
+  id_ = -1;
+  if (by_itself && WIFSIGNALED(status)) return fmt::format("crashed ({})", strsignal(WTERMSIG(status)));
+  return by_itself ? fmt::format("ended with status {}", WEXITSTATUS(status)) : "closed its socket";
+}
+
+/// The program's child; one caller at a time.
+struct Drawing {
+  std::mutex mutex;
+  DrawingProgram program;
+  std::unique_ptr<DrawingChild> child;
+};
+Drawing& the_drawing() {
+  static Drawing drawing;
+  return drawing;
+}
+
+/// Ends the child and describes the failure.
+Error failed_drawing(Drawing& drawing, Sent sent) {
+  const std::string end = drawing.child->stop();
+  drawing.child.reset();
+  if (sent == Sent::kTooLong)
+    return {
+        fmt::format("cannot draw: the process that draws gave no picture for {:g} s and was stopped; are "
+                    "memory or processes limited (ulimit -v, ulimit -u)?",
+                    drawing.program.patience)};
+  return {
+      fmt::format("cannot draw: the process that draws {}; are memory or processes limited (ulimit -v, "
+                  "ulimit -u)?",
+                  end)};
+}
+
+void lower_limit(__rlimit_resource_t resource, rlim_t most) {
+  rlimit limit{};
+  if (getrlimit(resource, &limit) != 0) return;
+  limit.rlim_cur = std::min(limit.rlim_cur, most), limit.rlim_max = std::min(limit.rlim_max, most);
+  setrlimit(resource, &limit);
+}
+
+Result<Image> draw_asked(Message& asked) {
+  try {
+    const std::optional<DrawingRequest> request = take_request(asked);
+    return request ? draw(*request) : Error{"cannot draw: a damaged request"};
+  } catch (const std::bad_alloc&) {
+    return Error{"cannot draw: not enough memory"};
+  }
+}
+
+/// The answer: the pixels, or the error's text.
+Message answer_to(Message& asked) {
+  const Result<Image> image = draw_asked(asked);
+  Message answer;
+  answer.put(bool(image));
+  if (image)
+    answer.put(image->pixels);
+  else
+    answer.put(std::vector<char>(image.error().message.begin(), image.error().message.end()));
+  return answer;
+}
+
+}  // namespace
+
+void set_drawing_program(DrawingProgram program) {
+  Drawing& drawing = the_drawing();
+  const std::lock_guard lock(drawing.mutex);
+  drawing.child.reset();
+  drawing.program = std::move(program);
+}
+
+bool has_drawing_program() {
+  Drawing& drawing = the_drawing();
+  const std::lock_guard lock(drawing.mutex);
+  return !drawing.program.arguments.empty();
+}
+
+Result<Image> draw_in_child(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
+                            RenderQuality quality) {
+  // start the child
+  Drawing& drawing = the_drawing();
+  const std::lock_guard lock(drawing.mutex);
+  if (!drawing.child) {
+    Result<std::unique_ptr<DrawingChild>> child = DrawingChild::start(drawing.program.arguments);
+    if (!child) return child.error();
+    drawing.child = std::move(*child);
+  }
+
+  // ask and wait
+  const double patience = drawing.program.patience;
+  Message answer;
+  Sent sent =
+      send_message(drawing.child->socket(), request_of(items, camera, width, height, quality), patience);
+  if (sent == Sent::kDone) sent = receive_message(drawing.child->socket(), answer, patience);
+  if (sent != Sent::kDone) return failed_drawing(drawing, sent);
+
+  // read the answer
+  bool drawn = false;
+  std::vector<char> text;
+  Image image{width, height, {}};
+  if (answer.take(drawn) && drawn && answer.take(image.pixels) &&
+      image.pixels.size() == std::size_t(width) * std::size_t(height))
+    return image;
+  if (!drawn && answer.take(text)) return Error{std::string(text.begin(), text.end())};
+  return failed_drawing(drawing, Sent::kEnded);
+}
+
+int serve_drawings() {
+  // end with the parent, and with less than its rights
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  lower_limit(RLIMIT_CORE, 0);
+  lower_limit(RLIMIT_DATA, kMostMemory);
+  lower_limit(RLIMIT_FSIZE, kLargestFile);
+
+  // draw until the socket closes
+  constexpr double kAnyTime = 1e9;  // [s]
+  Message asked;
+  while (receive_message(STDIN_FILENO, asked, kAnyTime) == Sent::kDone)
+    if (send_message(STDIN_FILENO, answer_to(asked), kAnyTime) != Sent::kDone) return 1;
+  return 0;
+}
+
+}  // namespace turgor
