@@ -51,6 +51,9 @@ void clear(const fs::path& folder, const CacheFolder& found) {
 void run_cache(const CacheOptions& options) {
   const fs::path folder = options.folder.empty() ? user_cache_folder() : fs::path(options.folder);
   if (folder.empty()) throw Failure{2, "no cache folder: neither XDG_CACHE_HOME nor HOME is set"};
+  if (options.clear)
+    if (const std::size_t leftovers = remove_cache_leftovers(folder).size(); leftovers > 0)
+      fmt::print("{}: {} unfinished files of killed programs removed\n", folder.string(), leftovers);
   const CacheFolder found = required(list_cache(folder));
   if (options.clear)
     clear(folder, found);
@@ -66,7 +69,7 @@ void add_cache_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("cache", "List or clear the files cached between runs");
   auto options = std::make_shared<CacheOptions>();
   command->add_option("--folder", options->folder,
-                      "Use this folder instead of the user's, as body.NAME.cache does");
+                      "Use this folder instead of the user's, as --set body.NAME.cache does");
   command->add_flag("--clear", options->clear, "Remove the cache files; other files stay");
   command->footer("Examples:\n  turgor cache\n  turgor cache --clear");
   command->callback([options] { run_cache(*options); });

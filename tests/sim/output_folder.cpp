@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -285,6 +286,27 @@ TEST(OutputFolder, InterruptRemovesPartialFiles) {
     EXPECT_EQ(WEXITSTATUS(status), 130);
     EXPECT_EQ(text_of(goal / kReportFile), "first");
     EXPECT_EQ(names_in(root), std::set<std::string>{"out"});
+  }
+}
+
+// An interrupt after the results are complete names them.
+TEST(OutputFolder, InterruptNamesCompleteResults) {
+  const fs::path root = fresh_folder(), goal = root / "out", printed = root / "printed";
+  for (const bool complete : {false, true}) {
+    const int status = signal_while(
+        [&] {
+          if (complete) leave_output(goal, "first");
+          const int file = open(printed.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+          dup2(file, STDERR_FILENO);
+        },
+        SIGTERM);
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 130);
+    EXPECT_EQ(fs::exists(goal), complete);
+    EXPECT_EQ(text_of(printed).find("interrupted; complete: " + goal.string() + ";") != std::string::npos,
+              complete)
+        << text_of(printed);
+    EXPECT_EQ(text_of(printed).find("earlier results are unchanged") == std::string::npos, complete);
   }
 }
 

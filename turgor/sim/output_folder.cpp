@@ -148,6 +148,7 @@ Result<OutputFolder> OutputFolder::create(const fs::path& requested, Foreign for
   OutputFolder folder(*goal, std::move(made), std::move(*removed_foreign));
   if (!fs::create_directory(folder.path(), error))
     return Error{fmt::format("{}: cannot make the folder: {}", folder.path().string(), error.message())};
+  folder.partial_.hold();
   return folder;
 }
 
@@ -180,13 +181,13 @@ Status OutputFolder::replace_goal() {
 
 Status OutputFolder::commit() {
   Status status = write_manifest(path());
-  const Status moved = partial_.keep([&]() -> Status {
+  const Status moved = partial_.keep([&]() -> Result<fs::path> {
     if (status) status = replace_goal();
-    if (status) return Done{};
+    if (status) return goal_;
     const fs::path aside = free_name(goal_, "results");  // keeps the results under another name
-    if (rename(path().c_str(), aside.c_str()) != 0) return status;
+    if (rename(path().c_str(), aside.c_str()) != 0) return status.error();
     status = Error{fmt::format("{}; the results are in {}", status.error().message, aside.string())};
-    return Done{};
+    return aside;
   });
   return status ? moved : status;
 }

@@ -1,6 +1,12 @@
 #include "turgor/io/files/file.hpp"
 
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/folders.hpp"
@@ -172,6 +178,75 @@ TEST(File, NextWriteRemovesStaleTemporary) {
   EXPECT_EQ(names_in(folder).size(), 1u);
   ASSERT_TRUE(write_file(file, "whole"));
   EXPECT_EQ(names_in(folder), std::set<std::string>{"a.txt"});
+}
+
+// The temporary file of a killed program is removed while that is a zombie.
+TEST(File, ZombieOwnsNoTemporary) {
+  const fs::path folder = fresh_folder(), file = folder / "a.txt";
+  const pid_t child = fork();
+  if (child == 0) {
+    Result<FileWriter> half = FileWriter::create(file);
+    raise(SIGKILL);
+  }
+  siginfo_t ended{};
+  ASSERT_EQ(waitid(P_PID, id_t(child), &ended, WEXITED | WNOWAIT), 0);  // it stays a zombie
+  EXPECT_EQ(names_in(folder).size(), 1u);
+  ASSERT_TRUE(write_file(file, "whole"));
+  EXPECT_EQ(names_in(folder), std::set<std::string>{"a.txt"});
+  waitpid(child, nullptr, 0);
+}
+
+/// Id of a child that waits until it is killed.
+pid_t waiting_child() {
+  const pid_t child = fork();
+  if (child == 0) {
+    pause();
+    _exit(0);
+  }
+  return child;
+}
+
+void end_child(pid_t child) {
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+}
+
+// A process that started after the last change of a temporary file does not own it, whatever its id.
+TEST(File, LaterProcessOwnsNoTemporary) {
+  const fs::path folder = fresh_folder(), file = folder / "a.txt";
+  const auto temporary = [&](pid_t id) { return folder / (".a.txt.partial-" + std::to_string(id) + "-0"); };
+  const auto is_left = [&](pid_t id) {
+    const std::vector<fs::path> all = leftovers_beside(file, "partial");
+    return std::find(all.begin(), all.end(), temporary(id)) != all.end();
+  };
+  const pid_t earlier = waiting_child();
+  constexpr int kIds = 2000;  // other programs take some of them
+  for (int n = 0; n < kIds; n++) write(temporary(earlier + n), "half");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1300));
+  const pid_t later = waiting_child();
+  EXPECT_FALSE(is_left(earlier)) << "the owner runs";
+  const bool reached = fs::exists(temporary(later));
+  EXPECT_EQ(is_left(later), reached);
+  end_child(earlier), end_child(later);
+  EXPECT_TRUE(is_left(earlier)) << "the owner has ended";
+  if (!reached) GTEST_SKIP() << "the system gave an id far away";
+}
+
+// A locked temporary file is kept even if no process has its id, as with owners in other containers.
+TEST(File, LockedTemporaryIsKept) {
+  const fs::path folder = fresh_folder(), file = folder / "a.txt";
+  const pid_t ended = waiting_child();
+  end_child(ended);
+  const fs::path other = folder / (".a.txt.partial-" + std::to_string(ended) + "-0");
+  Unfinished held(file);
+  write(held.path(), "half");
+  held.hold();
+  fs::rename(held.path(), other);
+  EXPECT_TRUE(leftovers_beside(file, "partial").empty());
+  EXPECT_TRUE(leftovers_in(folder).empty());
+  { const Unfinished ends(std::move(held)); }
+  EXPECT_EQ(leftovers_beside(file, "partial"), std::vector<fs::path>{other});
+  EXPECT_EQ(leftovers_in(folder), std::vector<fs::path>{other});
 }
 
 // Two writers of one file do not mix their contents; the later commit wins.

@@ -266,11 +266,12 @@ Status write_dicom(const Exec& exec, const fs::path& target, const CtVolume& ct,
   Unfinished partial(*folder);
   if (!fs::create_directory(partial.path(), failed))
     return Error{fmt::format("{}: cannot be created: {}", target.string(), failed.message())};
+  partial.hold();
   const Series series{ct, origin, content_hash(ct, origin)};
   if (Status written = write_slices(exec, partial.path(), series, progress); !written)
     return Error{fmt::format("{}: {}", target.string(), written.error().message)};
-  return partial.keep([&]() -> Status {
-    if (rename(partial.path().c_str(), folder->c_str()) == 0) return Done{};
+  return partial.keep([&]() -> Result<fs::path> {
+    if (rename(partial.path().c_str(), folder->c_str()) == 0) return *folder;
     return Error{fmt::format("{}: cannot be renamed: {}", target.string(), std::strerror(errno))};
   });
 }

@@ -60,6 +60,7 @@ Result<FileWriter> FileWriter::create(const fs::path& path) {
     file.descriptor_ = open(file.partial_->path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   }
   if (file.descriptor_ < 0) return file.error(errno);
+  if (file.partial_) file.partial_->hold();
   if (exists && file.partial_)
     fchmod(file.descriptor_, earlier.st_mode & 07777);  // keeps the permissions of the replaced file
   return file;
@@ -95,9 +96,9 @@ Status FileWriter::commit() {
   if (close(std::exchange(descriptor_, -1)) != 0 && failure_ == 0) failure_ = errno;
   if (failure_ != 0) return error(failure_);
   if (!partial_) return Done{};
-  return partial_->keep([this]() -> Status {
+  return partial_->keep([this]() -> Result<fs::path> {
     if (rename(partial_->path().c_str(), goal_.c_str()) != 0) return error(errno);
-    return Done{};
+    return goal_;
   });
 }
 

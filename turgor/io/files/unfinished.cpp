@@ -6,11 +6,15 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <mutex>
-#include <thread>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include "turgor/core/start_thread.hpp"
 
 namespace turgor {
 
@@ -18,11 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Paths that a signal must remove. The lock is held to create, rename or remove one.
+/// Paths that a signal must remove, and those that this process has completed. The lock is held to create,
+/// rename or remove one.
 struct Open {
   std::mutex mutex;
   std::vector<fs::path> paths;
+  std::vector<fs::path> complete;  // the newest kMostNamed
 };
+constexpr std::size_t kMostNamed = 3;
 Open& open_now() {
   static Open* open = new Open;  // never destroyed: the signal thread outlives main
   return *open;
@@ -41,7 +48,68 @@ pid_t owner_of(const std::string& name, const std::string& prefix) {
   return error == std::errc() && (end == last || *end == '-') ? pid : 0;
 }
 
-bool is_alive(pid_t pid) { return kill(pid, 0) == 0 || errno != ESRCH; }
+/// Seconds of a clock of the system.
+double seconds_of(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+/// Fields of /proc/PID/stat.
+struct ProcessState {
+  char state = 0;       // 'Z' for a zombie
+  double started = -1;  // since the machine started [s]
+};
+
+/// Error: there is no such process, or no /proc.
+Result<ProcessState> process_state(pid_t pid) {
+  FILE* file = std::fopen(fmt::format("/proc/{}/stat", pid).c_str(), "re");
+  if (!file) return Error{"no such process"};
+  char text[1024] = {};
+  const std::size_t size = std::fread(text, 1, sizeof text - 1, file);
+  std::fclose(file);
+  // the program's name, in parentheses, may contain any character
+  const std::string_view line(text, size);
+  const std::size_t end = line.rfind(')');
+  ProcessState process;
+  unsigned long long ticks = 0;
+  constexpr const char* kFields =  // the state is field 3, the start is field 22
+      " %c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %*u %*u %*d %*d %*d %*d %*d %*d %llu";
+  if (end == line.npos || std::sscanf(text + end + 1, kFields, &process.state, &ticks) != 2)
+    return Error{"unknown fields"};
+  process.started = double(ticks) / double(sysconf(_SC_CLK_TCK));
+  return process;
+}
+
+/// True if a process with this id runs and started before `changed`, the time of a file's last change.
+bool has_run_since(pid_t pid, double changed) {
+  if (kill(pid, 0) != 0 && errno == ESRCH) return false;
+  const Result<ProcessState> process = process_state(pid);
+  if (!process) return true;  // no /proc: any process with the id counts
+  if (process->state == 'Z' || process->state == 'X') return false;
+  constexpr double kClockError = 1;  // [s]
+  const double started = seconds_of(CLOCK_REALTIME) - seconds_of(CLOCK_BOOTTIME) + process->started;
+  return started <= changed + kClockError;
+}
+
+struct flock whole_file(short type) {
+  struct flock range {};
+  range.l_type = type, range.l_whence = SEEK_SET;
+  return range;
+}
+
+/// True if no process holds the lock, and the owner has ended. The owner counts too, because a file is
+/// created before it is locked, and some file systems have no locks.
+bool is_abandoned(const fs::path& path, pid_t owner) {
+  struct stat found {};
+  if (lstat(path.c_str(), &found) != 0) return false;
+  const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+  struct flock other = whole_file(F_WRLCK);
+  const bool locked = file >= 0 && fcntl(file, F_OFD_GETLK, &other) == 0 && other.l_type != F_UNLCK;
+  if (file >= 0) close(file);
+  return !locked &&
+         !has_run_since(owner, double(found.st_ctim.tv_sec) + 1e-9 * double(found.st_ctim.tv_nsec));
+}
 
 bool is_inside(const fs::path& path, const fs::path& folder) {
   const std::string inner = path.string(), outer = folder.string() + "/";
@@ -56,7 +124,16 @@ bool is_inside(const fs::path& path, const fs::path& folder) {
   for (const fs::path& path : open.paths)
     for (int i = 0; i < kTries && fs::exists(fs::symlink_status(path, error)); i++)
       fs::remove_all(path, error);
-  std::fputs("\nturgor: interrupted; unfinished files were removed, earlier results are unchanged\n", stderr);
+  if (open.complete.empty()) {
+    std::fputs("\nturgor: interrupted; unfinished files were removed, earlier results are unchanged\n",
+               stderr);
+  } else {
+    std::vector<std::string> names;
+    for (const fs::path& path : open.complete) names.push_back(path.string());
+    const std::string named = fmt::format("{}", fmt::join(names, ", "));
+    std::fprintf(stderr, "\nturgor: interrupted; complete: %s; unfinished files were removed\n",
+                 named.c_str());
+  }
   _exit(130);
 }
 
@@ -78,7 +155,8 @@ Unfinished::Unfinished(const fs::path& goal) {
   open.paths.push_back(path_);
 }
 
-Unfinished::Unfinished(Unfinished&& other) noexcept : path_(std::exchange(other.path_, fs::path())) {}
+Unfinished::Unfinished(Unfinished&& other) noexcept
+    : path_(std::exchange(other.path_, fs::path())), lock_(std::exchange(other.lock_, -1)) {}
 
 Unfinished::~Unfinished() {
   if (path_.empty()) return;
@@ -86,13 +164,36 @@ Unfinished::~Unfinished() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
   std::erase(open_now().paths, path_);
+  let_go();
 }
 
-Status Unfinished::keep(const std::function<Status()>& give_name) {
-  const std::lock_guard lock(open_now().mutex);
-  if (Status named = give_name(); !named) return named;
-  std::erase(open_now().paths, path_);
+void Unfinished::hold() {
+  // a shared lock needs no right to write, which folders do not give
+  lock_ = open(path_.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  struct flock shared = whole_file(F_RDLCK);
+  if (lock_ >= 0 && fcntl(lock_, F_OFD_SETLK, &shared) != 0) let_go();  // the process id must suffice
+}
+
+void Unfinished::let_go() {
+  if (lock_ >= 0) close(lock_);
+  lock_ = -1;
+}
+
+Status Unfinished::keep(const std::function<Result<fs::path>()>& give_name) {
+  Open& open = open_now();
+  const std::lock_guard lock(open.mutex);
+  const Result<fs::path> name = give_name();
+  if (!name) return name.error();
+  std::erase(open.paths, path_);
   path_.clear();
+  let_go();
+  // files inside an unfinished folder are not complete before the folder is
+  const bool inside = std::any_of(open.paths.begin(), open.paths.end(),
+                                  [&](const fs::path& folder) { return is_inside(*name, folder); });
+  if (inside) return Done{};
+  std::erase(open.complete, *name);
+  open.complete.push_back(*name);
+  if (open.complete.size() > kMostNamed) open.complete.erase(open.complete.begin());
   return Done{};
 }
 
@@ -115,8 +216,22 @@ std::vector<fs::path> leftovers_beside(const fs::path& goal, const std::string& 
   std::error_code ignored;
   for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored))
     if (const pid_t owner = owner_of(entry->path().filename().string(), prefix);
-        owner > 0 && !is_alive(owner))
+        owner > 0 && is_abandoned(entry->path(), owner))
       leftovers.push_back(entry->path());
+  return leftovers;
+}
+
+std::vector<fs::path> leftovers_in(const fs::path& folder) {
+  constexpr const char* kMark = ".partial-";
+  std::vector<fs::path> leftovers;
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored)) {
+    const std::string name = entry->path().filename().string();
+    const std::size_t mark = name.rfind(kMark);
+    if (!name.starts_with('.') || mark == name.npos) continue;
+    const pid_t owner = owner_of(name, name.substr(0, mark) + kMark);
+    if (owner > 0 && is_abandoned(entry->path(), owner)) leftovers.push_back(entry->path());
+  }
   return leftovers;
 }
 
@@ -125,6 +240,10 @@ fs::path hidden_beside(const fs::path& goal, const std::string& kind) {
 }
 
 void remove_unfinished_when_interrupted() {
+  {
+    const std::lock_guard lock(open_now().mutex);
+    open_now().complete.clear();  // what another program completed before it became this one by a fork
+  }
   // An empty handler instead of SIG_IGN: child programs then start with the default action.
   for (const int signal : {SIGPIPE, SIGXFSZ}) {
     struct sigaction now {};
@@ -141,11 +260,15 @@ void remove_unfinished_when_interrupted() {
     if (!ignored) sigaddset(&signals, signal);
   }
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::thread([signals] {
+  Result<std::thread> waiting = start_thread("the signals", [signals] {
     int signal = 0;
     while (sigwait(&signals, &signal) != 0) continue;
     remove_all_and_exit();
-  }).detach();
+  });
+  if (waiting)
+    waiting->detach();
+  else  // signals end the program, and the next one removes its unfinished files
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
 }  // namespace turgor

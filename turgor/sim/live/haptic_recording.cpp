@@ -247,9 +247,10 @@ Result<Scene> scene_of(const HapticRecording& run) {
 
 namespace {
 
-Status write_into(const fs::path& path, const HapticRecording& run) {
-  Result<Hdf5File> file = Hdf5File::create(path);
+Status write_into(Unfinished& partial, const HapticRecording& run) {
+  Result<Hdf5File> file = Hdf5File::create(partial.path());
   if (!file) return file.error();
+  partial.hold();
   // write scene, requests and counts
   Status status = Writing(*file, "/")
                       .text("format", kHapticFormat)
@@ -272,13 +273,13 @@ Status write_into(const fs::path& path, const HapticRecording& run) {
 Status write_haptic_recording(const fs::path& path, const HapticRecording& run) {
   if (run.frames < 1) return Error{"no haptic recording: no frame was simulated yet"};
   Unfinished partial(path);
-  if (const Status written = write_into(partial.path(), run); !written)
+  if (const Status written = write_into(partial, run); !written)
     return Error{fmt::format("{}: the haptic recording cannot be written", path.string())};
-  return partial.keep([&]() -> Status {
+  return partial.keep([&]() -> Result<fs::path> {
     std::error_code failed;
     fs::rename(partial.path(), path, failed);
     if (failed) return Error{fmt::format("{}: {}", path.string(), failed.message())};
-    return Done{};
+    return path;
   });
 }
 

@@ -4,6 +4,9 @@
 #include <cstdlib>
 #include <random>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include "tests/sim/sfem_scene_text.hpp"
 #include "tests/small_disk.hpp"
 #include "turgor/core/hash.hpp"
@@ -220,6 +223,21 @@ TEST(GreenCache, RunRespectsLimit) {
   }
   unsetenv("TURGOR_CACHE_LIMIT");
   EXPECT_EQ(*cache_limit(), std::uintmax_t(10e9));
+}
+
+// Unfinished files of ended programs are removed; those of running ones and foreign ones stay.
+TEST(GreenCache, RemovesLeftoversOfKilled) {
+  const fs::path folder = test::fresh_folder();
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  waitpid(child, nullptr, 0);
+  const auto name = [](pid_t id) {
+    return ".green-0123456789abcdef.h5.partial-" + std::to_string(id) + "-0";
+  };
+  for (const std::string& file : {name(child), name(getpid()), ".other.partial-" + std::to_string(child)})
+    test::write(folder / file, "half");
+  EXPECT_EQ(remove_cache_leftovers(folder), std::vector<fs::path>{folder / name(child)});
+  EXPECT_EQ(test::names_in(folder).size(), 2u);
 }
 
 // Wrong values with valid checksums are detected against the body.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/files/hdf5_file.hpp"
+#include "turgor/io/files/unfinished.hpp"
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 
 namespace turgor {
@@ -92,6 +93,18 @@ std::vector<CacheFile> trim_cache(const fs::path& folder, std::uintmax_t limit, 
     if (file.file.filename() == keep.filename() || !fs::remove(file.file, error)) continue;
     bytes -= file.bytes;
     removed.push_back(file);
+  }
+  return removed;
+}
+
+std::vector<fs::path> remove_cache_leftovers(const fs::path& folder) {
+  std::vector<fs::path> removed;
+  std::error_code error;
+  for (const fs::path& leftover : leftovers_in(folder)) {
+    const std::string name = leftover.filename().string();
+    const std::string target = name.substr(1, name.find(".partial-") - 1);
+    if (is_our_name(target) && is_plain_file(leftover) && fs::remove(leftover, error))
+      removed.push_back(leftover);
   }
   return removed;
 }

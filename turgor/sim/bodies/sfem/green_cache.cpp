@@ -66,9 +66,10 @@ Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model) 
   return green;
 }
 
-Status write_values(const fs::path& path, const sfem::Model& model, const std::string& what_for) {
-  Result<Hdf5File> file = Hdf5File::create(path);
+Status write_values(Unfinished& partial, const sfem::Model& model, const std::string& what_for) {
+  Result<Hdf5File> file = Hdf5File::create(partial.path());
   if (!file) return file.error();
+  partial.hold();
   const sfem::Green& green = model.green;
   const std::size_t columns = 3 * green.nodes.size();
   TURGOR_CHECK(green.single_values.size() + green.double_values.size() == columns * columns,
@@ -118,9 +119,9 @@ Status write_green(const fs::path& path, const sfem::Model& model, const std::st
   fs::create_directories(path.parent_path(), error);
   if (const Status goal = check_file_goal(path); !goal) return goal;
   Unfinished partial(path);
-  if (const Status status = write_values(partial.path(), model, what_for); !status) return status;
-  return partial.keep([&]() -> Status {
-    if (rename(partial.path().c_str(), path.c_str()) == 0) return Done{};
+  if (const Status status = write_values(partial, model, what_for); !status) return status;
+  return partial.keep([&]() -> Result<fs::path> {
+    if (rename(partial.path().c_str(), path.c_str()) == 0) return path;
     return Error{fmt::format("{}: cannot rename the file: {}", path.string(), std::strerror(errno))};
   });
 }

@@ -54,4 +54,7 @@ Result<std::uintmax_t> cache_limit();
 std::vector<CacheFile> trim_cache(const std::filesystem::path& folder, std::uintmax_t limit,
                                   const std::filesystem::path& keep = {});
 
+/// Removes unfinished files of killed programs; returns the removed ones.
+std::vector<std::filesystem::path> remove_cache_leftovers(const std::filesystem::path& folder);
+
 }  // namespace turgor
