@@ -26,15 +26,27 @@ struct MeshOptions {
   std::vector<std::string> labels;  // by number or by name
   double size = 0.008;              // [m]
   double scale = 1;
+  double most = MeshBound{}.elements;
 };
+
+/// Prints the forecast of a mesh that takes some time.
+MeshBound bound_of(const MeshOptions& options) {
+  constexpr double kNoticed = 2;  // [s]
+  return {options.most, [](const MeshForecast& forecast) {
+            if (forecast.seconds > kNoticed)
+              fmt::print(stderr, "about {:.2g} million tetrahedra, in about {:.0f} s\n",
+                         forecast.elements * 1e-6, forecast.seconds);
+          }};
+}
 
 OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
   if (!options.labels.empty())
     throw Failure{2, options.input + " is a surface; --label applies to segmentations"};
   const ReadSurface read = required(read_surface(options.input, options.scale));
   ProgressBar bar("meshing");
-  OrganMesh body =
-      required(mesh_of_surface(exec, read.mesh, options.size, bar.callback()), options.input + ": ");
+  OrganMesh body = required(
+      mesh_of_surface(exec, read.mesh, options.size, bar.callback(), Sides::kFlat, bound_of(options)),
+      options.input + ": ");
   body.notes.insert(body.notes.begin(), read.notes.begin(), read.notes.end());
   return body;
 }
@@ -55,7 +67,8 @@ OrganMesh mesh_labels(const MeshOptions& options, const Exec& exec) {
   if (options.scale != 1) throw Failure{2, "--scale applies to surfaces; a segmentation has its own units"};
   const std::vector<int> labels = label_numbers(options);
   ProgressBar bar("meshing");
-  return required(mesh_of_labels(exec, file.labels, labels, options.size, bar.callback()),
+  return required(mesh_of_labels(exec, file.labels, labels, options.size, bar.callback(), Sides::kFlat,
+                                 bound_of(options)),
                   options.input + ": ");
 }
 
@@ -113,6 +126,8 @@ void add_mesh_command(CLI::App& program, Global& global) {
                       "becomes a region");
   command->add_option("--size", options->size, "Approximate edge length [m] (default: 0.008)")
       ->check(number_within(1e-6, 100, "m"));
+  command->add_option("--most", options->most, "Limit of the expected number of tetrahedra (default: 1e7)")
+      ->check(number_within(1, 1e9, "1"));
   command->add_option("--scale", options->scale, "Meters per unit of a surface's file: 0.001 for mm")
       ->check(number_within(1e-12, 1e6, "m"));
   command->footer(

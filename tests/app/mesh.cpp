@@ -63,6 +63,32 @@ TEST(MeshCommand, FoldedSurfaceIsNoted) {
   EXPECT_NEAR(volume(read_good_mesh(folder / "liver.msh")) * 1e6, 39.27, 0.02 * 39.27);
 }
 
+// A body of 18.7 m is refused at once with a forecast, and so is a file of the kernel that never ends.
+TEST(MeshCommand, EndlessWorkIsRefused) {
+  const fs::path folder = fresh_folder();
+  std::string box;
+  for (const char* corner : {"0 0 0", "0 0 18.7", "0 18.7 0", "0 18.7 18.7", "18.7 0 0", "18.7 0 18.7",
+                             "18.7 18.7 0", "18.7 18.7 18.7"})
+    box += std::string("v ") + corner + "\n";
+  for (const char* face : {"1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"})
+    box += std::string("f ") + face + "\n";
+  write(folder / "box.obj", box);
+  const struct {
+    const char* arguments;
+    const char* words;
+  } cases[] = {
+      {"mesh box.obj --size 0.1 -o a.msh", "gives about 7.85e+07 tetrahedra; expected at most 1e+07, as "},
+      {"mesh box.obj --size 1 --most 1000 -o a.msh", "expected at most 1e+03, as "},
+      {"mesh /proc/kmsg -o a.msh", "/proc/kmsg: is a file of the kernel"},
+      {"info /proc/kmsg", "/proc/kmsg: is a file of the kernel"}};
+  for (const auto& c : cases) {
+    const Ended ended = run_shell(std::string("timeout 20 '" TURGOR_PROGRAM "' ") + c.arguments, folder);
+    EXPECT_EQ(ended.code, 2) << c.arguments << ": " << ended.printed;
+    EXPECT_NE(ended.printed.find(c.words), std::string::npos) << c.arguments << ": " << ended.printed;
+  }
+  EXPECT_EQ(names_in(folder), std::set<std::string>{"box.obj"});
+}
+
 // Inputs that cannot be meshed end with a message and leave no files.
 TEST(MeshCommand, ErrorsLeaveNoFiles) {
   const fs::path folder = fresh_folder();

@@ -6,6 +6,7 @@
 
 #include "tests/geometry/mesh_checks.hpp"
 #include "tests/geometry/shapes.hpp"
+#include "tests/refused.hpp"
 #include "turgor/geometry/label_measures.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/phantom.hpp"
@@ -112,6 +113,30 @@ TEST(OrganMesh, RejectsMillimeters) {
   ASSERT_FALSE(meshed);
   EXPECT_NE(meshed.error().message.find("Are the coordinates in meters"), std::string::npos)
       << meshed.error().message;
+}
+
+// The forecast comes before the work and is close to the number of elements.
+TEST(OrganMesh, ForecastPredictsElements) {
+  MeshForecast expected;
+  double done = -1, done_at_forecast = 1;
+  const Progress progress = [&](double fraction) { done = std::max(done, fraction); };
+  const MeshBound bound{
+      .begin = [&](const MeshForecast& forecast) { expected = forecast, done_at_forecast = done; }};
+  const auto organ = mesh_of_surface(Exec(1), test::sphere_surface({0.1, 0, 0}, 0.04, 4), 0.004, progress,
+                                     Sides::kFlat, bound);
+  ASSERT_TRUE(organ) << organ.error().message;
+  EXPECT_EQ(done_at_forecast, -1) << "before the work";
+  EXPECT_GE(done, 0.5);
+  EXPECT_NEAR(expected.elements / double(element_count(organ->mesh)), 1, 0.15);
+  EXPECT_GT(expected.seconds, 0);
+}
+
+// A mesh with more elements than its bound is refused before its distances are computed.
+TEST(OrganMesh, RefusesMoreThanBound) {
+  const MeshBound bound{.elements = 1000, .begin = [](const MeshForecast&) { ADD_FAILURE() << "it began"; }};
+  EXPECT_REFUSED(
+      mesh_of_surface(Exec(1), test::sphere_surface({0.1, 0, 0}, 0.04, 4), 0.004, {}, Sides::kFlat, bound),
+      "gives about", "tetrahedra; expected at most 1e+03, as ", " would suffice");
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/invariants.hpp"
 #include "turgor/core/number_text.hpp"
+#include "turgor/core/timing.hpp"
 #include "turgor/geometry/curve_sides.hpp"
 #include "turgor/geometry/labeled_component.hpp"
 #include "turgor/geometry/manifold.hpp"
@@ -43,6 +45,35 @@ Status check_size(const SignedDistance& shape, double volume, double size) {
                  mm(extent.z) + "): too small for a lattice of " + mm(size) + "; " +
                  mm(advised_size(volume)) + " would suffice"};
   return Done{};
+}
+
+/// The time is that of the distances, measured at points across the lattice, and of the elements.
+MeshForecast forecast(const Exec& exec, const SignedDistance& shape, const BccLattice& lattice,
+                      double volume) {
+  constexpr double kElementsPerCube = 12, kSecondsPerElement = 3e-6;  // measured on one core of 2024
+  constexpr std::int64_t kMeasured = 500;
+  MeshForecast forecast;
+  forecast.points = double(point_count(lattice));
+  forecast.elements = kElementsPerCube * volume / std::pow(lattice.size, 3);
+  const Timer timer;
+  const std::int64_t stride = std::max<std::int64_t>(1, point_count(lattice) / kMeasured);
+  std::int64_t measured = 0;
+  double sum = 0;
+  for (std::int64_t id = 0; id < point_count(lattice); id += stride, measured++)
+    sum += shape.at(place_of(lattice, point_of(lattice, id)));
+  TURGOR_CHECK(std::isfinite(sum), "a distance is finite");
+  forecast.seconds = timer.seconds() * forecast.points / double(measured) / exec.threads() +
+                     kSecondsPerElement * forecast.elements;
+  return forecast;
+}
+
+Status check_forecast(const MeshForecast& forecast, const MeshBound& bound, double volume, double size) {
+  if (forecast.elements <= bound.elements) return Done{};
+  const double coarser = size * std::cbrt(forecast.elements / bound.elements);
+  return Error{"a lattice of " + mm(size) + " in " + ml(volume) + " gives about " +
+               number_text(forecast.elements) + " tetrahedra; expected at most " +
+               number_text(bound.elements) + ", as " + mm(coarser) + " gives. " + mm(advised_size(volume)) +
+               " would suffice. Are the coordinates in meters?"};
 }
 
 double surface_area(const SolidMesh& mesh) {
@@ -120,11 +151,16 @@ Status note_result(const LargestComponent& component, double target, double size
 }
 
 Result<OrganMesh> mesh_of_shape(const Exec& exec, SignedDistance shape, double target, double size,
-                                std::vector<std::string> notes, Sides sides, const Progress& progress) {
+                                std::vector<std::string> notes, Sides sides, const Progress& progress,
+                                const MeshBound& bound) {
   if (Status suits = check_size(shape, target, size); !suits) return suits.error();
   const BccLattice lattice = lattice_around(shape, size, size / 2);
-  const LatticeSamples samples = sample(exec, std::move(shape), lattice);
-  if (progress) progress(0.5);
+  const MeshForecast expected = forecast(exec, shape, lattice, target);
+  if (Status fits = check_forecast(expected, bound, target, size); !fits) return fits.error();
+  if (bound.begin) bound.begin(expected);
+  const LatticeSamples samples = sample(exec, std::move(shape), lattice, [&progress](double done) {
+    if (progress) progress(0.5 * done);
+  });
   LargestComponent component = stuff_volume(exec, samples, target, sides, progress);
   if (Status noted = note_result(component, target, size, notes); !noted) return noted.error();
   return OrganMesh{std::move(component.mesh), target, std::move(notes)};
@@ -160,16 +196,16 @@ Status check_crossings(const Exec& exec, const CheckedSurface& body, const Signe
 }  // namespace
 
 Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, double size,
-                                  const Progress& progress, Sides sides) {
+                                  const Progress& progress, Sides sides, const MeshBound& bound) {
   Result<CheckedSurface> body = check_surface(exec, surface);
   if (!body) return body.error();
   SignedDistance shape = distance_to_surface(body->mesh);
   if (Status crossings = check_crossings(exec, *body, shape); !crossings) return crossings.error();
-  return mesh_of_shape(exec, std::move(shape), body->volume, size, body->notes, sides, progress);
+  return mesh_of_shape(exec, std::move(shape), body->volume, size, body->notes, sides, progress, bound);
 }
 
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> chosen,
-                                 double size, const Progress& progress, Sides sides) {
+                                 double size, const Progress& progress, Sides sides, const MeshBound& bound) {
   Result<LabeledComponent> component = largest_labeled_component(labels, chosen);
   if (!component) return component.error();
   // smooth away the voxel steps, and details below the lattice's resolution
@@ -178,7 +214,7 @@ Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, st
       std::max(0.75 * std::max({h.x, h.y, h.z}), (sides == Sides::kCurved ? 0.1 : 0.2) * size);
   Result<OrganMesh> organ =
       mesh_of_shape(exec, distance_to_voxels(exec, labels.grid, component->inside, smoothing),
-                    component->volume, size, component->notes, sides, progress);
+                    component->volume, size, component->notes, sides, progress, bound);
   if (organ) organ->mesh.regions = regions_of(organ->mesh, labels, chosen);
   return organ;
 }

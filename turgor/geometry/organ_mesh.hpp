@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,20 +22,35 @@ namespace turgor {
 /// which halves the edge length of the boundary polyhedron.
 enum class Sides : std::uint8_t { kFlat, kCurved };
 
+/// Expected cost of a mesh, before it is made.
+struct MeshForecast {
+  double points = 0;    // of the lattice
+  double elements = 0;  // tetrahedra
+  double seconds = 0;   // wall time, from a few measured distances
+};
+
+/// Limit of a mesh. `begin` is called with the forecast before the work starts.
+struct MeshBound {
+  double elements = 1e7;
+  std::function<void(const MeshForecast&)> begin;
+};
+
 struct OrganMesh {
   SolidMesh mesh;
   double input_volume = 0;         // of the largest component of the surface or of the labeled voxels [m³]
   std::vector<std::string> notes;  // what was dropped, reversed or doubtful: sentences
 };
 
-/// Tetrahedra of about this edge length [m] inside a closed surface. Error: as in surface_check.hpp, or a
-/// size that does not fit the surface.
+/// Tetrahedra of about this edge length [m] inside a closed surface. Error: as in surface_check.hpp, a
+/// size that does not fit the surface, or more elements than the bound.
 Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, double size,
-                                  const Progress& progress = {}, Sides sides = Sides::kFlat);
+                                  const Progress& progress = {}, Sides sides = Sides::kFlat,
+                                  const MeshBound& bound = {});
 
 /// The same inside all voxels with one of the labels, such as an organ and its nodules. Every element's
 /// region is the label at its centroid, or the first label if that is another one.
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> chosen,
-                                 double size, const Progress& progress = {}, Sides sides = Sides::kFlat);
+                                 double size, const Progress& progress = {}, Sides sides = Sides::kFlat,
+                                 const MeshBound& bound = {});
 
 }  // namespace turgor

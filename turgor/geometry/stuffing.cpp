@@ -197,15 +197,23 @@ BccLattice lattice_around(const SignedDistance& shape, double size, double margi
   return {shape.low - reach, size, {points(extent.x), points(extent.y), points(extent.z)}};
 }
 
-LatticeSamples sample(const Exec& exec, SignedDistance shape, const BccLattice& lattice) {
-  LatticeSamples samples{std::move(shape), lattice, std::vector<float>(std::size_t(point_count(lattice)))};
-  parallel_for(
-      exec, samples.distance.size(),
-      [&](std::size_t id) {
-        samples.distance[id] =
-            float(samples.shape.at(place_of(lattice, point_of(lattice, std::int64_t(id)))));
-      },
-      256);
+LatticeSamples sample(const Exec& exec, SignedDistance shape, const BccLattice& lattice,
+                      const Progress& progress) {
+  constexpr std::size_t kBlock = 1 << 18;  // points between two calls of progress
+  const std::size_t count = std::size_t(point_count(lattice));
+  LatticeSamples samples{std::move(shape), lattice, std::vector<float>(count)};
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t block = std::min(kBlock, count - begin);
+    parallel_for(
+        exec, block,
+        [&](std::size_t n) {
+          const std::size_t id = begin + n;
+          samples.distance[id] =
+              float(samples.shape.at(place_of(lattice, point_of(lattice, std::int64_t(id)))));
+        },
+        256);
+    if (progress) progress(double(begin + block) / double(count));
+  }
   return samples;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "turgor/core/exec.hpp"
+#include "turgor/core/progress.hpp"
 #include "turgor/geometry/bcc_lattice.hpp"
 #include "turgor/geometry/signed_distance.hpp"
 #include "turgor/geometry/solid_mesh.hpp"
@@ -24,7 +25,8 @@ struct LatticeSamples {
 
 /// Lattice with cubes of this size [m] that extends `margin` [m] and one cube beyond the shape.
 BccLattice lattice_around(const SignedDistance& shape, double size, double margin);
-LatticeSamples sample(const Exec& exec, SignedDistance shape, const BccLattice& lattice);
+LatticeSamples sample(const Exec& exec, SignedDistance shape, const BccLattice& lattice,
+                      const Progress& progress = {});
 
 /// Fills the inside of a shape (distance < level, with level below the lattice's margin) with tetrahedra
 /// whose edges are about as long as the lattice's cubes. The surface is a closed manifold with its vertices

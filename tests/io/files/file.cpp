@@ -249,6 +249,12 @@ TEST(File, LockedTemporaryIsKept) {
   EXPECT_EQ(leftovers_in(folder), std::vector<fs::path>{other});
 }
 
+// Files of the kernel look like plain ones and are refused, because reading some of them never ends.
+TEST(File, KernelFilesAreRefused) {
+  EXPECT_REFUSED(read_file("/proc/kmsg"), "/proc/kmsg: is a file of the kernel");
+  EXPECT_REFUSED(read_file("/proc/self/status"), "expected a file on a disk");
+}
+
 // Two writers of one file do not mix their contents; the later commit wins.
 TEST(File, ConcurrentWritersAreIndependent) {
   const fs::path folder = fresh_folder(), file = folder / "a.txt";

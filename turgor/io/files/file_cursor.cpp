@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/files/file.hpp"
+#include "turgor/io/files/input_file.hpp"
 
 namespace turgor::io {
 
@@ -184,8 +185,7 @@ std::size_t FileCursor::count(int bytes, ItemSize item, std::string_view what) {
 }
 
 std::string first_bytes(const fs::path& path) {
-  std::error_code failed;
-  if (!fs::is_regular_file(path, failed)) return {};
+  if (!check_input(path)) return {};
   std::string head(65536, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(head.data(), std::streamsize(head.size()));

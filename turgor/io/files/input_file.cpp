@@ -1,11 +1,15 @@
 #include "turgor/io/files/input_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/magic.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include "turgor/io/files/names.hpp"
@@ -32,6 +36,14 @@ Error cannot_open(const fs::path& path, int reason) {
   return {fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(reason))};
 }
 
+/// Files of the kernel, such as /proc/kmsg, look like plain ones, but reading them may wait for ever.
+bool is_of_kernel(const fs::path& path) {
+  struct statfs system {};
+  if (statfs(path.c_str(), &system) != 0) return false;
+  constexpr decltype(system.f_type) kPseudo[] = {PROC_SUPER_MAGIC, SYSFS_MAGIC, DEBUGFS_MAGIC, TRACEFS_MAGIC};
+  return std::find(std::begin(kPseudo), std::end(kPseudo), system.f_type) != std::end(kPseudo);
+}
+
 Status check(const fs::path& path, bool wants_folder) {
   struct stat found {};
   if (stat(path.c_str(), &found) != 0) {
@@ -43,6 +55,9 @@ Status check(const fs::path& path, bool wants_folder) {
   if (wants_folder ? !S_ISDIR(found.st_mode) : !S_ISREG(found.st_mode))
     return Error{fmt::format("{}: is {}; expected {}", path.string(), kind(found.st_mode),
                              wants_folder ? "a folder" : "a file")};
+  if (is_of_kernel(path))
+    return Error{fmt::format("{}: is a file of the kernel, which may never end; expected a file on a disk",
+                             path.string())};
   const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return cannot_open(path, errno);
   close(file);
