@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -64,8 +65,8 @@ Result<ChosenSlices> slices_in(const Exec& exec, const fs::path& folder, const R
   return chosen;
 }
 
-/// Groups of slices that are read one after the other: all frames of a deflated file, which is inflated once;
-/// otherwise single slices.
+/// Groups of slices that are read one after the other: all frames of a deflated file, which is inflated once,
+/// in the order of the file; otherwise single slices.
 std::vector<std::vector<std::size_t>> read_together(std::span<const DicomSlice* const> slices) {
   std::vector<std::vector<std::size_t>> together;
   std::map<fs::path, std::size_t> deflated;
@@ -74,6 +75,8 @@ std::vector<std::vector<std::size_t>> read_together(std::span<const DicomSlice* 
     if (is_new) together.emplace_back();
     together[is_new ? together.size() - 1 : deflated[slices[k]->file]].push_back(k);
   }
+  for (std::vector<std::size_t>& group : together)
+    std::ranges::sort(group, {}, [&](std::size_t k) { return slices[k]->pixel_offset; });
   return together;
 }
 
@@ -84,11 +87,10 @@ Result<ChangedSamples> read_plain(const Exec& exec, std::span<const DicomSlice* 
   const std::vector<std::vector<std::size_t>> together = read_together(slices);
   parallel_for(exec, together.size(), [&](std::size_t n) {
     const DicomSlice& first = *slices[together[n].front()];
-    Result<std::string> inflated{std::string()};
-    if (first.is_deflated) inflated = inflate_dataset(first.file, first.dataset_offset);
+    std::optional<InflatedStream> inflated;
+    if (first.is_deflated) inflated.emplace(deflated_dataset(first.file, first.dataset_offset));
     for (const std::size_t k : together[n]) {
-      read[k] = inflated ? read_plain_samples(*slices[k], *inflated, hu[k])
-                         : Error{fmt::format("{}: {}", first.file.string(), inflated.error().message)};
+      read[k] = read_plain_samples(*slices[k], inflated ? &*inflated : nullptr, hu[k]);
       if (progress) progress(double(++done) / double(slices.size()));
     }
   });

@@ -107,8 +107,8 @@ struct ChangedSamples {
   void operator+=(const ChangedSamples& other) { padding += other.padding, clamped += other.clamped; }
 };
 /// Hounsfield units of one uncompressed slice, columns fastest, as rows · columns samples. `inflated`: the
-/// inflated data set of a deflated file.
-Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::string_view inflated,
+/// data set of a deflated file, else null; its frames are read in the order of their offsets.
+Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, InflatedStream* inflated,
                                           std::span<std::int16_t> hu);
 /// The same for compressed slices of one size.
 Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const DicomSlice* const> slices,

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/files/deflate.hpp"
-
 namespace turgor::io {
 
 namespace {
@@ -17,7 +15,8 @@ constexpr std::uint32_t kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd 
                         kPixels = 0x7fe00010;
 constexpr int kDeepest = 12;
 constexpr std::size_t kMostElements = 4'000'000;
-constexpr std::size_t kLongestValue = 4096;  // longest value that is stored [bytes]
+constexpr std::size_t kLongestValue = 4096;                 // longest value that is stored [bytes]
+constexpr std::size_t kMostStored = std::size_t{64} << 20;  // of all stored values together [bytes]
 
 // Sequences and elements in them that are stored.
 constexpr std::uint32_t kShared = 0x52009229, kPerFrame = 0x52009230, kSegments = 0x00620002;
@@ -79,6 +78,12 @@ class Walk {
     return true;
   }
   std::string_view view(std::uint64_t from, std::size_t length) const { return file_.view(from, length); }
+  /// View of a value that will be stored. All of them together are bounded, because a few deflated bytes may
+  /// hold many.
+  std::string_view stored(std::uint64_t from, std::size_t length) {
+    if ((stored_ += length) <= kMostStored) return view(from, length);
+    return fail("the header is too large for an image"), std::string_view();
+  }
 
   /// Parses the items of a sequence, up to `end` or, if that is unknown, to the sequence's delimiter. Stored
   /// values of each item are added to `items`, if given.
@@ -162,7 +167,7 @@ class Walk {
     const std::uint64_t from = at;
     if (!skip(h) || !kept_ || h.length > kLongestValue) return;
     if (std::find(std::begin(kKept), std::end(kKept), h.tag) != std::end(kKept))
-      kept_->emplace(h.tag, view(from, h.length));
+      kept_->emplace(h.tag, stored(from, h.length));
   }
   static bool has_long_length(std::string_view vr) {
     for (const std::string_view known :
@@ -172,7 +177,7 @@ class Walk {
   }
   FileWindow& file_;
   std::uint64_t file_size_;
-  std::size_t headers_ = 0;
+  std::size_t headers_ = 0, stored_ = 0;
   DicomValues* kept_ = nullptr;  // of the current item
 };
 
@@ -238,7 +243,7 @@ void read_dataset(Walk& walk, bool is_explicit, bool is_encapsulated, DicomEleme
     }
     const std::uint64_t from = walk.at;
     walk.value(h, is_explicit, 0);
-    if (walk.problem.empty() && h.length <= kLongestValue) found.values[h.tag] = walk.view(from, h.length);
+    if (walk.problem.empty() && h.length <= kLongestValue) found.values[h.tag] = walk.stored(from, h.length);
   }
 }
 
@@ -246,11 +251,25 @@ void read_dataset(Walk& walk, bool is_explicit, bool is_encapsulated, DicomEleme
 constexpr std::string_view kStandard = "1.2.840.10008.1.2", kLittleEndian = "1.2.840.10008.1.2.1",
                            kBigEndian = "1.2.840.10008.1.2.2", kDeflated = "1.2.840.10008.1.2.1.99";
 
+/// Length of the inflated data set, found in constant memory before anything of it is stored.
+Result<std::uint64_t> inflated_size(const FileRange& range) {
+  constexpr std::uint64_t kMost = std::uint64_t{5} << 30;  // pixels have at most 4 GiB
+  InflatedStream stream(range);
+  stream.read(kMost, {});
+  char one = 0;
+  if (stream.read(stream.position(), {&one, 1}) > 0)
+    return Error{
+        fmt::format("corrupt DICOM file: its deflated data is longer than {:.1f} GB", double(kMost) * 1e-9)};
+  if (!stream.is_whole()) return Error{"truncated or corrupt DICOM file: its deflated data is damaged"};
+  return stream.position();
+}
+
 Status find_deflated(const std::filesystem::path& file, DicomElements& found) {
   found.is_deflated = true;
-  Result<std::string> bytes = inflate_dataset(file, found.dataset_offset);
-  if (!bytes) return bytes.error();
-  FileWindow window(std::move(*bytes));
+  const FileRange range = deflated_dataset(file, found.dataset_offset);
+  const Result<std::uint64_t> size = inflated_size(range);
+  if (!size) return size.error();
+  FileWindow window(range, *size);
   Walk walk(window);
   read_dataset(walk, true, false, found);
   if (!walk.problem.empty()) return Error{"truncated or corrupt DICOM file: " + walk.problem};
@@ -259,14 +278,10 @@ Status find_deflated(const std::filesystem::path& file, DicomElements& found) {
 
 }  // namespace
 
-Result<std::string> inflate_dataset(const std::filesystem::path& file, std::uint64_t dataset_offset) {
-  constexpr std::size_t kMost = std::size_t{1} << 31;
+FileRange deflated_dataset(const std::filesystem::path& file, std::uint64_t dataset_offset) {
   std::error_code failed;
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
-  const FileRange range{file, std::int64_t(dataset_offset), failed ? 0 : std::int64_t(size)};
-  std::optional<std::string> bytes = inflate_bare(range, kMost);
-  if (!bytes) return Error{"truncated or corrupt DICOM file: its deflated data is damaged"};
-  return std::move(*bytes);
+  return {file, std::int64_t(dataset_offset), failed ? 0 : std::int64_t(size)};
 }
 
 FileWindow::FileWindow(const std::filesystem::path& file) : file_(file), stream_(file, std::ios::binary) {
@@ -275,19 +290,42 @@ FileWindow::FileWindow(const std::filesystem::path& file) : file_(file), stream_
   size_ = failed ? 0 : size;
 }
 
+FileWindow::FileWindow(const FileRange& deflated, std::uint64_t inflated_size)
+    : deflated_(deflated), inflated_(std::in_place, deflated), size_(inflated_size) {}
+
 std::string_view FileWindow::view(std::uint64_t at, std::size_t length) {
   constexpr std::size_t kWindow = std::size_t{1} << 15;  // most headers are shorter
   if (length > size_ || at > size_ - length) return {};
   if (at < start_ || at + length > start_ + bytes_.size()) {
-    start_ = at;
-    bytes_.resize(std::size_t(std::min<std::uint64_t>(std::max(length, kWindow), size_ - at)));
-    stream_.clear();
-    stream_.seekg(std::streamoff(at));
-    stream_.read(bytes_.data(), std::streamsize(bytes_.size()));
-    bytes_.resize(std::size_t(std::max<std::streamsize>(stream_.gcount(), 0)));
-    if (bytes_.size() < length) return {};
+    const auto count = std::size_t(std::min<std::uint64_t>(std::max(length, kWindow), size_ - at));
+    if (inflated_)
+      load_inflated(at, count);
+    else
+      load(at, count);
+    if (start_ + bytes_.size() < at + length) return {};
   }
   return std::string_view(bytes_).substr(std::size_t(at - start_), length);
+}
+
+void FileWindow::load(std::uint64_t at, std::size_t count) {
+  start_ = at;
+  bytes_.resize(count);
+  stream_.clear();
+  stream_.seekg(std::streamoff(at));
+  stream_.read(bytes_.data(), std::streamsize(bytes_.size()));
+  bytes_.resize(std::size_t(std::max<std::streamsize>(stream_.gcount(), 0)));
+}
+
+/// The window keeps some bytes before `at`, because the parser returns to short values that it has passed.
+void FileWindow::load_inflated(std::uint64_t at, std::size_t count) {
+  constexpr std::uint64_t kBefore = 2 * kLongestValue;
+  if (at < start_) inflated_.emplace(deflated_), start_ = 0, bytes_.clear();
+  const std::uint64_t end = start_ + bytes_.size(), from = std::max(start_, at - std::min(at, kBefore));
+  bytes_.erase(0, std::size_t(std::min(from, end) - start_));
+  start_ = from;
+  const std::size_t kept = bytes_.size();
+  bytes_.resize(std::size_t(at + count - start_));
+  bytes_.resize(kept + inflated_->read(start_ + kept, std::span(bytes_).subspan(kept)));
 }
 
 Status find_elements(FileWindow& file, DicomElements& found) {

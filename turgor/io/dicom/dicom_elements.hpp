@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "turgor/core/result.hpp"
+#include "turgor/io/files/deflate.hpp"
 
 namespace turgor::io {
 
@@ -48,19 +50,24 @@ struct DicomElements {
 };
 
 /// View of a file that is read on demand: elements are skipped by their length, so that little of a large
-/// file is read. It may also view inflated data.
+/// file is read. It may also view the inflated data of a file, of which it holds one window.
 class FileWindow {
  public:
   explicit FileWindow(const std::filesystem::path& file);
-  explicit FileWindow(std::string inflated) : size_(inflated.size()), bytes_(std::move(inflated)) {}
+  FileWindow(const FileRange& deflated, std::uint64_t inflated_size);
   const std::filesystem::path& file() const { return file_; }
   std::uint64_t size() const { return size_; }
   /// Empty if the file ends before. Valid until the next call.
   std::string_view view(std::uint64_t at, std::size_t length);
 
  private:
+  void load(std::uint64_t at, std::size_t count);
+  void load_inflated(std::uint64_t at, std::size_t count);
+
   std::filesystem::path file_;
   std::ifstream stream_;
+  FileRange deflated_;                      // only of inflated data
+  std::optional<InflatedStream> inflated_;  // has been read up to the end of the window
   std::uint64_t size_ = 0, start_ = 0;
   std::string bytes_;
 };
@@ -68,7 +75,7 @@ class FileWindow {
 /// Elements before the first error stay in `found`. The error gives the reason and the offset; it names no
 /// file.
 Status find_elements(FileWindow& file, DicomElements& found);
-/// Inflated data set of a deflated file. The error names no file.
-Result<std::string> inflate_dataset(const std::filesystem::path& file, std::uint64_t dataset_offset);
+/// Deflated data set of a file: its range, from the end of the meta information on.
+FileRange deflated_dataset(const std::filesystem::path& file, std::uint64_t dataset_offset);
 
 }  // namespace turgor::io

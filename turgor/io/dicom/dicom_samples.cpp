@@ -58,11 +58,10 @@ ChangedSamples convert_to_hu(const DicomSlice& slice, const char* stored, std::s
 namespace {
 
 /// Stored bytes of a slice, as many as the file holds.
-std::vector<char> stored_bytes(const DicomSlice& slice, std::string_view inflated, std::size_t byte_count) {
+std::vector<char> stored_bytes(const DicomSlice& slice, InflatedStream* inflated, std::size_t byte_count) {
   std::vector<char> stored(byte_count);
-  if (slice.is_deflated) {
-    const std::size_t at = std::min<std::size_t>(slice.pixel_offset, inflated.size());
-    stored.resize(inflated.copy(stored.data(), byte_count, at));
+  if (inflated) {
+    stored.resize(inflated->read(slice.pixel_offset, stored));
     return stored;
   }
   std::ifstream stream(slice.file, std::ios::binary);
@@ -81,12 +80,13 @@ void swap_bytes(std::vector<char>& stored, int bits_allocated) {
 
 }  // namespace
 
-Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::string_view inflated,
+Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, InflatedStream* inflated,
                                           std::span<std::int16_t> hu) {
   const std::size_t byte_count = hu.size() * std::size_t(slice.bits_allocated) / 8;
-  std::vector<char> stored = stored_bytes(slice, inflated, byte_count);
+  std::vector<char> stored =
+      stored_bytes(slice, inflated, std::size_t(std::min<std::uint64_t>(byte_count, slice.pixel_length)));
   const std::size_t found = stored.size();
-  if (found < byte_count || slice.pixel_length < byte_count)
+  if (found < byte_count)
     return Error{fmt::format("{}: truncated or corrupt: {} bytes of pixels, expected {} ({} x {})",
                              slice.file.string(), found, byte_count, slice.columns, slice.rows)};
   if (slice.is_big_endian) swap_bytes(stored, slice.bits_allocated);

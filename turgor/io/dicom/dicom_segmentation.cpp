@@ -146,13 +146,13 @@ Result<Segmentation> read_frames(const fs::path& file) {
 }
 
 /// Pixels as stored in the file or in its inflated data; at most `byte_count` bytes.
-Result<std::string> plain_bytes(const fs::path& file, const DicomSlice& image, std::size_t byte_count) {
-  if (image.is_deflated) {
-    const Result<std::string> all = inflate_dataset(file, image.dataset_offset);
-    if (!all) return refusal(file, all.error().message);
-    return all->substr(std::min<std::size_t>(image.pixel_offset, all->size()), byte_count);
-  }
+std::string plain_bytes(const fs::path& file, const DicomSlice& image, std::size_t byte_count) {
   std::string bytes(byte_count, '\0');
+  if (image.is_deflated) {
+    InflatedStream inflated(deflated_dataset(file, image.dataset_offset));
+    bytes.resize(inflated.read(image.pixel_offset, bytes));
+    return bytes;
+  }
   std::ifstream stream(file, std::ios::binary);
   stream.seekg(std::streamoff(image.pixel_offset));
   stream.read(bytes.data(), std::streamsize(byte_count));
@@ -180,8 +180,9 @@ Result<std::string> bytes_of_frames(const fs::path& file, const Segmentation& se
   if (seg.image.is_compressed) return decoded_bytes(seg, area);
   const std::size_t samples = area * seg.frames.size(),
                     byte_count = seg.is_fractional ? samples : (samples + 7) / 8;
-  Result<std::string> bytes = plain_bytes(file, seg.image, byte_count);
-  if (!bytes || (seg.image.pixel_length >= byte_count && bytes->size() == byte_count)) return bytes;
+  if (seg.image.pixel_length >= byte_count)
+    if (std::string bytes = plain_bytes(file, seg.image, byte_count); bytes.size() == byte_count)
+      return bytes;
   return refusal(
       file,
       fmt::format("truncated or corrupt: {} bytes of pixels, expected {} ({} frames of {} x {})",
@@ -197,10 +198,9 @@ Error overlap(const fs::path& file, const Grid& grid, int one, int other, std::s
 }
 
 /// Fractions: a sample belongs to the segment with the largest fraction, if that is at least half.
-Status fill_labels(const fs::path& file, const Segmentation& seg, LabelVolume& labels) {
+Status fill_labels(const fs::path& file, const Segmentation& seg, const std::string& bytes,
+                   LabelVolume& labels) {
   const std::size_t area = std::size_t(labels.grid.size.x) * std::size_t(labels.grid.size.y);
-  const Result<std::string> bytes = bytes_of_frames(file, seg, area);
-  if (!bytes) return bytes.error();
   std::vector<std::uint8_t> taken(seg.is_fractional ? labels.samples.size() : 0);
   for (std::size_t f = 0; f < seg.frames.size(); f++) {
     const auto k = std::size_t(std::lround(index_at(labels.grid, *seg.frames[f].position * 1e-3).z));
@@ -208,10 +208,10 @@ Status fill_labels(const fs::path& file, const Segmentation& seg, LabelVolume& l
       const std::size_t at = f * area + n;
       std::uint16_t& label = labels.samples[k * area + n];
       if (seg.is_fractional) {
-        const auto share = std::uint8_t((*bytes)[at]);
+        const auto share = std::uint8_t(bytes[at]);
         if (2 * share < seg.most || share <= taken[k * area + n]) continue;
         taken[k * area + n] = share;
-      } else if (!((*bytes)[at / 8] >> (at % 8) & 1)) {
+      } else if (!(bytes[at / 8] >> (at % 8) & 1)) {
         continue;
       } else if (label != 0 && label != seg.segment[f]) {
         return overlap(file, labels.grid, label, seg.segment[f], k * area + n);
@@ -247,8 +247,12 @@ Result<LabelFile> read_segmentation(const fs::path& file) {
   if (!grid) return grid.error();
   if (const Status checked = check_grid(file, *grid); !checked) return checked.error();
   if (const Status straight = check_straight(file, *seg, *grid); !straight) return straight.error();
+  // the pixels first: memory for the volume is taken only if the file holds what its header promises
+  const Result<std::string> bytes =
+      bytes_of_frames(file, *seg, std::size_t(grid->size.x) * std::size_t(grid->size.y));
+  if (!bytes) return bytes.error();
   LabelVolume labels{*grid, std::vector<std::uint16_t>(sample_count(*grid))};
-  if (const Status filled = fill_labels(file, *seg, labels); !filled) return filled.error();
+  if (const Status filled = fill_labels(file, *seg, *bytes, labels); !filled) return filled.error();
   LabelFile read{right_handed(std::move(labels)), names_of(seg->elements), true, true};
   read.has_names = !read.names.empty();
   if (!read.has_names) read.names = usual_names();

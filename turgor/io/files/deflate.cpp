@@ -121,23 +121,49 @@ Inflated inflate(const FileRange& range, std::int64_t skip, std::span<std::byte>
   }
 }
 
-std::optional<std::string> inflate_bare(const FileRange& range, std::size_t most) {
-  constexpr std::size_t kBlock = std::size_t{1} << 18;
-  PackedBytes packed(range);
-  InflateStream stream(InflateStream::kBare);
-  std::string out;
-  for (;;) {
-    const bool has_input = packed.feed(stream.z);
-    const std::size_t done = out.size();
-    if (done > most) return std::nullopt;
-    out.resize(done + kBlock);
-    stream.z.next_out = reinterpret_cast<Bytef*>(out.data() + done);
-    stream.z.avail_out = uInt(kBlock);
-    const int state = ::inflate(&stream.z, Z_NO_FLUSH);
-    out.resize(out.size() - stream.z.avail_out);
-    if (state == Z_STREAM_END) return out;
-    if (state != Z_OK || (!has_input && out.size() == done)) return std::nullopt;
+struct InflatedStream::Data {
+  PackedBytes packed;
+  InflateStream stream{InflateStream::kBare};
+  std::uint64_t position = 0;
+  bool is_whole = false, is_damaged = false;
+
+  explicit Data(const FileRange& range) : packed(range) {}
+  /// Next bytes; fewer at the end of the stream or at damage.
+  std::size_t next(std::span<char> out) {
+    std::size_t done = 0;
+    while (done < out.size() && !is_whole && !is_damaged) {
+      constexpr std::size_t kMost = std::size_t{1} << 28;
+      const std::size_t free = std::min(out.size() - done, kMost);
+      const bool has_input = packed.feed(stream.z);
+      stream.z.next_out = reinterpret_cast<Bytef*>(out.data() + done);
+      stream.z.avail_out = uInt(free);
+      const int state = ::inflate(&stream.z, Z_NO_FLUSH);
+      const std::size_t count = free - stream.z.avail_out;
+      is_whole = state == Z_STREAM_END;
+      is_damaged = (state != Z_OK && !is_whole) || (!has_input && count == 0 && !is_whole);
+      done += count;
+    }
+    position += done;
+    return done;
   }
+};
+
+InflatedStream::InflatedStream(const FileRange& range) : data_(std::make_unique<Data>(range)) {}
+InflatedStream::InflatedStream(InflatedStream&&) noexcept = default;
+InflatedStream::~InflatedStream() = default;
+std::uint64_t InflatedStream::position() const { return data_->position; }
+bool InflatedStream::is_whole() const { return data_->is_whole; }
+
+std::size_t InflatedStream::read(std::uint64_t at, std::span<char> out) {
+  if (at < data_->position) return 0;
+  std::vector<char> skipped(std::size_t(std::min<std::uint64_t>(at - data_->position, 1 << 16)));
+  while (data_->position < at) {
+    const std::uint64_t rest = at - data_->position;
+    if (data_->next(std::span(skipped).first(std::size_t(std::min<std::uint64_t>(rest, skipped.size())))) ==
+        0)
+      return 0;
+  }
+  return data_->next(out);
 }
 
 void deflate(std::initializer_list<std::string_view> chunks, Deflate format,

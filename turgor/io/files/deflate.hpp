@@ -6,9 +6,8 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
-#include <optional>
+#include <memory>
 #include <span>
-#include <string>
 #include <string_view>
 
 namespace turgor::io {
@@ -34,8 +33,22 @@ struct Inflated {
 /// full. Bytes after the last stream are ignored.
 Inflated inflate(const FileRange& packed, std::int64_t skip, std::span<std::byte> out);
 
-/// Inflates a range with one raw deflate stream (no header or checksum), as in DICOM. Empty if it is damaged,
-/// truncated, or longer than `most` bytes.
-std::optional<std::string> inflate_bare(const FileRange& packed, std::size_t most);
+/// Raw deflate stream (no header or checksum), as in DICOM. It is read forward and takes the same memory
+/// whatever its length.
+class InflatedStream {
+ public:
+  explicit InflatedStream(const FileRange& packed);
+  InflatedStream(InflatedStream&&) noexcept;
+  ~InflatedStream();
+  /// Inflates up to `at` and fills `out` from there. Returns the number of bytes; it is smaller than
+  /// requested if the stream ends or is damaged, and 0 if `at` lies before position().
+  std::size_t read(std::uint64_t at, std::span<char> out);
+  std::uint64_t position() const;  // inflated bytes so far
+  bool is_whole() const;           // the stream has ended correctly
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
 
 }  // namespace turgor::io
