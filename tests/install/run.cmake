@@ -28,6 +28,11 @@ run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${folder}/build -G Ninja -DCMAKE_PREFIX_P
 run(${CMAKE_COMMAND} --build ${folder}/build)
 run(${folder}/build/press)
 if(IO)
+  # the program that the library starts is installed with it; without work it ends with status 2
+  execute_process(COMMAND ${folder}/prefix/bin/turgor-read RESULT_VARIABLE status ERROR_QUIET)
+  if(NOT status EQUAL 2)
+    message(FATAL_ERROR "turgor-read ended with ${status}, expected 2")
+  endif()
   run(${folder}/build/look)
   run(${folder}/build/feel)
 endif()

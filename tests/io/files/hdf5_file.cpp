@@ -1,6 +1,10 @@
 #include "turgor/io/files/hdf5_file.hpp"
 
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
 #include <numeric>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -79,6 +83,46 @@ TEST(Hdf5File, RejectsCyclicHeap) {
   EXPECT_NE(file.error().message.find("cyclic-heap.h5: the HDF5 file is damaged or cut short"),
             std::string::npos)
       << file.error().message;
+}
+
+// Threads that read one file at the same time all read it, and none waits for another's check.
+//
+// The check was a fork: it took over HDF5's lock as it was, waited for it forever, and after 20 s the file
+// counted as damaged.
+TEST(Hdf5File, ThreadsReadOneFile) {
+  const std::string path = test::fresh_folder() / "shared.h5";
+  const std::vector<float> values(1 << 18, 1.5f);
+  {
+    Result<Hdf5File> file = Hdf5File::create(path);
+    ASSERT_TRUE(file && file->write<float>("/values", values, 3));
+  }
+  std::atomic<int> read{0};
+  std::vector<std::thread> threads;
+  const auto begin = std::chrono::steady_clock::now();
+  for (int t = 0; t < 6; t++)
+    threads.emplace_back([&] {
+      for (int n = 0; n < 25; n++) {
+        const Result<Hdf5File> file = Hdf5File::open(path);
+        read += file && file->read<float>("/values", values.size());
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(read, 6 * 25);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(18));
+}
+
+// Without turgor-read a file is not opened, and the message says what is missing.
+TEST(Hdf5File, MissingReaderIsNamed) {
+  const std::string path = test::fresh_folder() / "some.h5";
+  ASSERT_TRUE(Hdf5File::create(path)->write_text("/text", "some"));
+  setenv("TURGOR_READ", "/no/such/turgor-read", 1);
+  const Result<Hdf5File> file = Hdf5File::open(path);
+  unsetenv("TURGOR_READ");
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().message, path +
+                                      ": cannot be checked: TURGOR_READ: expected the path of the program "
+                                      "turgor-read, found \"/no/such/turgor-read\"");
+  EXPECT_TRUE(Hdf5File::open(path));
 }
 
 }  // namespace

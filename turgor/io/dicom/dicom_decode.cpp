@@ -1,132 +1,130 @@
-// Decoding of compressed DICOM samples by GDCM in child processes. GDCM's codecs crash on some damaged
-// images, and a damaged file must give an error message instead of ending the program.
+// Decoding of compressed DICOM samples by turgor-read. GDCM's codecs crash on some damaged images, and a
+// damaged file must give an error message instead of ending the program. The processes share memory with this
+// one: it holds descriptions of the slices and their decoded bytes (decode_job.hpp).
 #include <algorithm>
-#include <atomic>
-#include <fstream>
+#include <cstring>
 #include <new>
 
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <gdcmImage.h>
-#include <gdcmSequenceOfFragments.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include "turgor/io/dicom/decode_job.hpp"
 #include "turgor/io/dicom/dicom.hpp"
-#include "turgor/io/files/child.hpp"
+#include "turgor/io/files/reader_program.hpp"
 
 namespace turgor::io {
 
 namespace {
-
-enum class Progressed : std::uint8_t { kWaiting, kWorking, kDone, kRefused };
 
 // A slice takes far less than a second; a codec that needs longer is in an endless loop.
 constexpr double kSecondsPerSlice = 60;
 // Damaged images make codecs request unlimited memory. The limit covers the decoding of one slice.
 constexpr std::size_t kCodecBytes = std::size_t{256} << 20, kBytesPerSample = 32;
 
-/// Memory that child processes share with this one.
+/// Memory that other programs share by a descriptor. None of them can change its size.
 class SharedMemory {
  public:
-  explicit SharedMemory(std::size_t size)
-      : size_(size), data_(mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {}
+  explicit SharedMemory(std::size_t size) : size_(size) {
+    rlimit most{};  // of a file; beyond it the process would get a signal
+    if (getrlimit(RLIMIT_FSIZE, &most) != 0 || size > most.rlim_cur) return;
+    file_ = memfd_create("turgor", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    if (file_ < 0 || ftruncate(file_, off_t(size)) != 0) return;
+    fcntl(file_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
+    data_ = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
+  }
   ~SharedMemory() {
     if (*this) munmap(data_, size_);
+    if (file_ >= 0) close(file_);
   }
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
   explicit operator bool() const { return data_ != MAP_FAILED; }
-  char* data() const { return static_cast<char*>(data_); }
+  std::byte* data() const { return static_cast<std::byte*>(data_); }
+  int file() const { return file_; }
 
  private:
   std::size_t size_;
-  void* data_;
+  int file_ = -1;
+  void* data_ = MAP_FAILED;
 };
 
-/// Result of a child for one slice, besides its samples.
-struct Decoded {
-  std::atomic<Progressed> state;
-  ChangedSamples changed;
-};
+/// Sizes and offsets of the shared memory.
+DecodeJob layout_of(std::span<const DicomSlice* const> slices, std::size_t slice_bytes) {
+  std::size_t texts = 0, fragments = 0;
+  for (const DicomSlice* s : slices) {
+    texts += s->file.native().size() + s->transfer_syntax.size() + 2;
+    fragments += s->fragments.size();
+  }
+  DecodeJob job;
+  job.slice_count = slices.size();
+  job.slice_bytes = slice_bytes;
+  job.fragments_at = sizeof(DecodeJob) + slices.size() * sizeof(DecodeSlice);
+  job.texts_at = job.fragments_at + fragments * sizeof(DecodeFragment);
+  job.pixels_at = (job.texts_at + texts + 63) / 64 * 64;
+  job.size = job.pixels_at + slices.size() * slice_bytes;
+  return job;
+}
+
+/// Describes the slices in shared memory.
+void write_job(std::span<const DicomSlice* const> slices, const DecodeJob& job, std::byte* data) {
+  std::size_t fragment_at = job.fragments_at, text_at = job.texts_at;
+  const auto put = [&](const std::string& text) {
+    std::memcpy(data + text_at, text.c_str(), text.size() + 1);
+    return std::exchange(text_at, text_at + text.size() + 1);
+  };
+  new (data) DecodeJob(job);
+  for (std::size_t k = 0; k < slices.size(); k++) {
+    const DicomSlice& s = *slices[k];
+    auto* slice = new (data + sizeof(DecodeJob) + k * sizeof(DecodeSlice)) DecodeSlice;
+    slice->columns = s.columns, slice->rows = s.rows;
+    slice->bits_allocated = s.bits_allocated, slice->bits_stored = s.bits_stored;
+    slice->is_signed = s.is_signed;
+    slice->file_at = put(s.file.native()), slice->syntax_at = put(s.transfer_syntax);
+    slice->fragments_at = fragment_at, slice->fragment_count = s.fragments.size();
+    for (const DicomFragment& piece : s.fragments) {
+      new (data + fragment_at) DecodeFragment{piece.offset, piece.length};
+      fragment_at += sizeof(DecodeFragment);
+    }
+  }
+}
 
 struct Work {
   std::span<const DicomSlice* const> slices;
-  std::size_t area;       // samples of a slice
-  std::int16_t* samples;  // shared, all slices in order
-  Decoded* decoded;       // shared, one per slice
+  const SharedMemory& memory;
+  std::span<DecodeSlice> decoded;  // shared
 };
 
-/// Compressed pixels in GDCM's type.
-gdcm::SmartPointer<gdcm::SequenceOfFragments> load_fragments(const DicomSlice& slice) {
-  gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = new gdcm::SequenceOfFragments;
-  std::ifstream stream(slice.file, std::ios::binary);
-  for (const DicomFragment& piece : slice.fragments) {
-    std::vector<char> bytes(piece.length);
-    stream.seekg(std::streamoff(piece.offset));
-    stream.read(bytes.data(), std::streamsize(piece.length));
-    gdcm::Fragment fragment;
-    fragment.SetByteValue(bytes.data(), std::uint32_t(piece.length));
-    sequence->AddFragment(fragment);
-  }
-  return sequence;
-}
-
-/// False if GDCM fails; it may also crash.
-bool decode(const DicomSlice& slice, std::span<std::int16_t> hu, ChangedSamples& changed) {
-  gdcm::Image image;
-  image.SetNumberOfDimensions(2);
-  image.SetDimension(0, unsigned(slice.columns));
-  image.SetDimension(1, unsigned(slice.rows));
-  const auto bits = [](int count) { return static_cast<unsigned short>(count); };
-  image.SetPixelFormat(gdcm::PixelFormat(1, bits(slice.bits_allocated), bits(slice.bits_stored),
-                                         bits(slice.bits_stored - 1), bits(slice.is_signed)));
-  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(slice.transfer_syntax.c_str()));
-  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
-  pixels.SetVR(gdcm::VR::OB);
-  pixels.SetValue(*load_fragments(slice));
-  image.SetDataElement(pixels);
-  const std::size_t byte_count = hu.size() * std::size_t(slice.bits_allocated) / 8;
-  if (image.GetBufferLength() != byte_count) return false;
-  std::vector<char> stored(byte_count);
-  if (!image.GetBuffer(stored.data())) return false;
-  changed = convert_to_hu(slice, stored.data(), hu);
-  return true;
-}
-
-/// Work of a child: every step-th slice.
-int decode_stripe(const Work& work, std::size_t first, std::size_t step) {
-  for (std::size_t k = first; k < work.slices.size(); k += step) {
-    Decoded& decoded = work.decoded[k];
-    decoded.state = Progressed::kWorking;
-    bool done = false;
-    try {
-      done = decode(*work.slices[k], std::span(work.samples + k * work.area, work.area), decoded.changed);
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (...) {
-    }
-    decoded.state = done ? Progressed::kDone : Progressed::kRefused;
-  }
-  return 0;
-}
-
-std::vector<ChildEnd> decode_all(const Work& work, std::size_t count, const ChildLimits& limits,
-                                 const Progress& progress) {
+/// Runs that many processes; each decodes every count-th slice.
+Result<std::vector<ChildEnd>> decode_all(const Work& work, std::size_t count, const ChildLimits& limits,
+                                         const Progress& progress) {
   std::vector<Child> children;
-  for (std::size_t c = 0; c < count; c++)
-    children.push_back(start_child([&, c] { return decode_stripe(work, c, count); }, limits));
-  return wait_for(children, limits, [&] {
-    const auto finished = [](const Decoded& d) { return d.state.load() >= Progressed::kDone; };
-    const auto done = double(std::count_if(work.decoded, work.decoded + work.slices.size(), finished));
+  for (std::size_t c = 0; c < count; c++) {
+    const Result<Child> child =
+        start_reader({"dicom", fmt::format("{}", c), fmt::format("{}", count)}, limits, work.memory.file());
+    if (!child) return child.error();  // the first one, so none runs
+    children.push_back(*child);
+  }
+  std::vector<ChildEnd> ends = wait_for(children, limits, [&] {
+    const auto finished = [](const DecodeSlice& d) { return d.state.load() >= Decoding::kDone; };
+    const auto done = double(std::ranges::count_if(work.decoded, finished));
     if (progress) progress(done / double(work.slices.size()));
     return done;
   });
+  for (ChildEnd& end : ends) {
+    const Result<ChildEnd> judged = end_of_reader(end);
+    if (!judged) return judged.error();
+    end = *judged;
+  }
+  return ends;
 }
 
 /// Reason why a slice has no samples.
-Error why_not(const DicomSlice& slice, Progressed state, const ChildEnd& end, const ChildLimits& limits) {
+Error why_not(const DicomSlice& slice, Decoding state, const ChildEnd& end, const ChildLimits& limits) {
   const std::string file = slice.file.string();
-  if (state == Progressed::kRefused || end)
+  if (state == Decoding::kRefused || end)
     return {fmt::format(
         "{}: damaged, or compressed in an unknown way: the pixels cannot be decoded (transfer syntax {})",
         file, slice.transfer_syntax)};
@@ -142,25 +140,37 @@ Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const Di
                                             std::span<const std::span<std::int16_t>> hu,
                                             const Progress& progress) {
   if (slices.empty()) return ChangedSamples{};
+  // shared memory with the descriptions; new memory is zero: all slices are waiting
   const std::size_t area = hu[0].size(), count = slices.size();
-  static_assert(std::atomic<Progressed>::is_always_lock_free);
-  const std::size_t table = count * sizeof(Decoded);  // first, because it needs alignment
-  const SharedMemory shared(table + count * area * sizeof(std::int16_t));
-  if (!shared)
+  const auto bytes_of = [&](const DicomSlice& s) { return area * std::size_t(s.bits_allocated) / 8; };
+  std::size_t slice_bytes = 0;
+  for (const DicomSlice* slice : slices) slice_bytes = std::max(slice_bytes, bytes_of(*slice));
+  const DecodeJob job = layout_of(slices, slice_bytes);
+  const SharedMemory memory(job.size);
+  if (!memory)
     return Error{fmt::format("{}: not enough memory to decode {} slices", slices[0]->file.string(), count)};
-  auto* samples = reinterpret_cast<std::int16_t*>(shared.data() + table);
-  auto* decoded = reinterpret_cast<Decoded*>(shared.data());
-  const Work work{slices, area, samples, decoded};  // new shared memory is zero: all slices are waiting
+  write_job(slices, job, memory.data());
+  const std::span decoded(reinterpret_cast<DecodeSlice*>(memory.data() + sizeof(DecodeJob)), count);
+
+  // decoding in other processes
   const std::size_t processes = std::min(count, std::size_t(exec.threads()));
   const ChildLimits limits{.seconds = kSecondsPerSlice, .memory = kCodecBytes + kBytesPerSample * area};
-  const std::vector<ChildEnd> ends = decode_all(work, processes, limits, progress);
+  const Result<std::vector<ChildEnd>> ends =
+      decode_all({slices, memory, decoded}, processes, limits, progress);
+  if (!ends)
+    return Error{fmt::format("{}: cannot be decoded: {}", slices[0]->file.string(), ends.error().message)};
+  for (std::size_t k = 0; k < count; k++)
+    if (const Decoding state = decoded[k].state; state != Decoding::kDone)
+      return why_not(*slices[k], state, (*ends)[k % processes], limits);
+
+  // Hounsfield units
+  std::vector<ChangedSamples> each(count);
+  parallel_for(exec, count, [&](std::size_t k) {
+    const std::byte* pixels = memory.data() + job.pixels_at + k * slice_bytes;
+    each[k] = convert_to_hu(*slices[k], reinterpret_cast<const char*>(pixels), hu[k]);
+  });
   ChangedSamples changed;
-  for (std::size_t k = 0; k < count; k++) {
-    const Progressed state = decoded[k].state;
-    if (state != Progressed::kDone) return why_not(*slices[k], state, ends[k % processes], limits);
-    std::copy_n(samples + k * area, area, hu[k].begin());
-    changed += decoded[k].changed;
-  }
+  for (const ChangedSamples& slice : each) changed += slice;
   return changed;
 }
 

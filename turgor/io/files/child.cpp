@@ -5,9 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
-#include <new>
 #include <thread>
 
 #include <fcntl.h>
@@ -21,7 +19,7 @@ namespace turgor::io {
 
 namespace {
 
-constexpr int kFailed = 255, kNoMemory = 254;
+constexpr int kFailed = 255;
 
 /// Blocks all signals until the child has reset its parent's handlers.
 class SignalsBlocked {
@@ -40,20 +38,12 @@ class SignalsBlocked {
 };
 
 void forget_signals() {
-  for (int signal = 1; signal < NSIG; signal++) std::signal(signal, SIG_DFL);
+  struct sigaction usual {};
+  usual.sa_handler = SIG_DFL;
+  for (int signal = 1; signal < NSIG; signal++) sigaction(signal, &usual, nullptr);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-}
-
-/// Address space of this process [bytes].
-rlim_t address_space() {
-  unsigned long long pages = 0;
-  FILE* file = std::fopen("/proc/self/statm", "r");
-  if (!file) return 0;
-  if (std::fscanf(file, "%llu", &pages) != 1) pages = 0;
-  std::fclose(file);
-  return rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE));
 }
 
 /// Lowers a limit of the process: a signal or an error at `most`, its end `grace` later.
@@ -65,9 +55,9 @@ void lower(__rlimit_resource_t what, rlim_t most, rlim_t grace = 0) {
   setrlimit(what, &limit);
 }
 
-void take_limits(rlim_t memory, const ChildLimits& limits) {
+void take_limits(const ChildLimits& limits) {
   lower(RLIMIT_CORE, 0);
-  lower(RLIMIT_AS, memory);
+  lower(RLIMIT_AS, limits.memory);
   lower(RLIMIT_CPU, rlim_t(std::ceil(limits.processor_seconds)), 5);
 }
 
@@ -84,19 +74,16 @@ void take_streams(const char* log) {
   redirect(STDERR_FILENO, log, O_WRONLY | O_CREAT | O_TRUNC);
 }
 
-/// The child's first steps.
-void become_child(pid_t parent, rlim_t memory, const ChildLimits& limits) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kFailed);  // the parent has ended already
-  setpgid(0, 0);                            // stopped together with its own children
-  forget_signals();
-  take_limits(memory, limits);
+/// The descriptors that a program gets: three streams, then `shared` as kSharedFile.
+void pass_descriptors(int shared) {
+  close_range(STDERR_FILENO + 1, ~0u, CLOSE_RANGE_CLOEXEC);
+  if (shared == kSharedFile) fcntl(shared, F_SETFD, 0);
+  if (shared >= 0 && shared != kSharedFile) dup2(shared, kSharedFile);
 }
 
-ChildEnd end_of(int status, bool is_ours) {
+ChildEnd end_of(int status) {
   if (WIFSIGNALED(status)) return {ChildEnd::Kind::kCrashed, WTERMSIG(status)};
-  const bool no_memory = is_ours && WEXITSTATUS(status) == kNoMemory;
-  return {no_memory ? ChildEnd::Kind::kOutOfMemory : ChildEnd::Kind::kExited, WEXITSTATUS(status)};
+  return {ChildEnd::Kind::kExited, WEXITSTATUS(status)};
 }
 
 /// Records how a child ended, if it has.
@@ -105,7 +92,7 @@ bool collect(const Child& child, ChildEnd& end, int flags) {
   pid_t found = 0;
   do found = waitpid(child.id, &status, flags);
   while (found < 0 && errno == EINTR);
-  if (found > 0) end = end_of(status, child.is_ours);
+  if (found > 0) end = end_of(status);
   if (found < 0) end = {ChildEnd::Kind::kNotStarted, errno};
   return found != 0;
 }
@@ -116,29 +103,43 @@ void stop(const Child& child, ChildEnd& end) {
   end.kind = ChildEnd::Kind::kTooLong;
 }
 
-[[noreturn]] void become_program(char* const* arguments, const std::filesystem::path& folder,
-                                 const std::string& log, int report) {
-  if (chdir(folder.c_str()) == 0) {
-    take_streams(log.c_str());
-    close_range(STDERR_FILENO + 1, ~0u, CLOSE_RANGE_CLOEXEC);
-    execvp(arguments[0], arguments);
-  }
+struct Starting {
+  char* const* arguments;
+  const char *folder, *log;
+  const ChildLimits& limits;
+  int shared, report;  // report: a pipe that carries errno if the program cannot be started
+  pid_t parent;
+};
+
+[[noreturn]] void give_up(int report) {
   const int error = errno;
-  if (write(report, &error, sizeof error) < 0) _exit(kNoMemory);
+  const auto written = write(report, &error, sizeof error);
+  (void)written;
   _exit(kFailed);
 }
 
-[[noreturn]] void become_worker(const std::function<int()>& work) {
-  take_streams("/dev/null");
-  close_range(STDERR_FILENO + 1, ~0u, 0);
-  int status = kFailed;
-  try {
-    status = work();
-  } catch (const std::bad_alloc&) {
-    status = kNoMemory;
-  } catch (...) {
-  }
-  _exit(status);
+/// The child's steps. It shares the memory of its parent, whose other threads run on, so it makes system
+/// calls only: no allocation, no lock, no library.
+[[noreturn]] void become_program(const Starting& start) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != start.parent) _exit(kFailed);  // the parent has ended already
+  setpgid(0, 0);                                  // stopped together with its own children
+  forget_signals();
+  take_limits(start.limits);
+  if (chdir(start.folder) != 0) give_up(start.report);
+  take_streams(start.log);
+  const int report = fcntl(start.report, F_DUPFD_CLOEXEC, kSharedFile + 1);  // not overwritten by `shared`
+  pass_descriptors(start.shared);
+  execvp(start.arguments[0], start.arguments);
+  give_up(report);
+}
+
+/// fork would copy the page tables of gigabytes and run the handlers that libraries have registered for it.
+[[gnu::noinline]] pid_t start(const Starting& starting) {
+  const pid_t id =
+      vfork();  // NOLINT(clang-analyzer-security.insecureAPI.vfork): the child makes system calls only
+  if (id == 0) become_program(starting);
+  return id;
 }
 
 }  // namespace
@@ -162,30 +163,16 @@ std::string describe(const ChildEnd& end, const ChildLimits& limits) {
   return fmt::format("it crashed ({})", strsignal(end.number));
 }
 
-Child start_child(const std::function<int()>& work, const ChildLimits& limits) {
-  const pid_t parent = getpid();
-  const rlim_t memory = address_space() + limits.memory;
-  const SignalsBlocked blocked;
-  const pid_t id = fork();
-  if (id != 0) return {id, id < 0 ? errno : 0, true};
-  become_child(parent, memory, limits);
-  become_worker(work);
-}
-
 Child start_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-                    const std::string& log, const ChildLimits& limits) {
+                    const std::string& log, const ChildLimits& limits, int shared) {
   std::vector<char*> pointers;
   for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
   pointers.push_back(nullptr);
   int ends[2];  // closed by a successful exec, else it carries errno
-  if (pipe2(ends, O_CLOEXEC) != 0) return {-1, errno, false};
-  const pid_t parent = getpid();
+  if (pipe2(ends, O_CLOEXEC) != 0) return {-1, errno};
   const SignalsBlocked blocked;
-  Child child{fork(), 0, false};
-  if (child.id == 0) {
-    become_child(parent, limits.memory, limits);
-    become_program(pointers.data(), folder, log, ends[1]);
-  }
+  Child child;
+  child.id = start({pointers.data(), folder.c_str(), log.c_str(), limits, shared, ends[1], getpid()});
   if (child.id < 0) child.error = errno;
   close(ends[1]);
   if (child.id > 0 && read(ends[0], &child.error, sizeof child.error) == sizeof child.error) {

@@ -1,5 +1,6 @@
-// Child processes for work that may crash, hang or exhaust memory, in this program's code or another program.
-// A child has limits, no input, and no open files or handlers of its parent. It ends with its parent.
+// Child processes for work that may crash, hang or exhaust memory. A child is always another program, started
+// by exec: a copy of a process with several threads may wait forever for a lock that one of them held. A
+// child has limits, no input, and no open files or handlers of its parent. It ends with its parent.
 #pragma once
 
 #include <filesystem>
@@ -15,14 +16,13 @@ namespace turgor::io {
 struct ChildLimits {
   double seconds = 60;                     // longest time without progress before it is killed [s]
   double processor_seconds = 24 * 3600.0;  // of all its threads together [s]
-  std::size_t memory = 2ull << 30;         // address space that the child may add to its parent's [bytes]
+  std::size_t memory = 2ull << 30;         // its address space [bytes]
 };
 
 /// A started process, or the reason why it did not start.
 struct Child {
   pid_t id = -1;
-  int error = 0;        // errno
-  bool is_ours = true;  // false: another program
+  int error = 0;  // errno
 };
 
 /// Result of a child process.
@@ -34,11 +34,12 @@ struct ChildEnd {
 /// Describes the end: "it crashed (Segmentation fault)", "it made no progress for 60 s and was stopped", …
 std::string describe(const ChildEnd& end, const ChildLimits& limits);
 
-/// Runs `work` in a fork of this process. Its result, 0 to 253, is the exit status; an exception gives 255.
-Child start_child(const std::function<int()>& work, const ChildLimits& limits);
-/// Runs a program of the PATH inside `folder`; its standard error is written to `log` in that folder.
+constexpr int kSharedFile = 3;  // descriptor of `shared` in a started program
+
+/// Runs a program of the PATH, or of a path with a slash, inside `folder`. Its standard error is written to
+/// `log` in that folder. `shared`: an open file that the program gets as kSharedFile; -1: none.
 Child start_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-                    const std::string& log, const ChildLimits& limits);
+                    const std::string& log, const ChildLimits& limits, int shared = -1);
 
 /// Waits for all children. `how_far` is called every few milliseconds; no child is stopped while its value
 /// grows.

@@ -7,8 +7,8 @@
 #include <hdf5.h>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/io/files/child.hpp"
 #include "turgor/io/files/input_file.hpp"
+#include "turgor/io/files/reader_program.hpp"
 
 namespace turgor {
 
@@ -81,41 +81,17 @@ void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_siz
   H5Pset_fletcher32(properties);
 }
 
-/// True if reading a dataset needs no more memory than its values and one chunk.
-bool is_sound(hid_t set) {
-  constexpr std::size_t kLargestChunk = std::size_t{64}
-                                        << 20;  // bytes; chunks of this program have one megabyte
-  const Handle layout(H5Dget_create_plist(set), H5Pclose), type(H5Dget_type(set), H5Tclose),
-      space(H5Dget_space(set), H5Sclose);
-  if (!layout.valid() || !type.valid() || !space.valid()) return false;
-  if (H5Pget_layout(layout) != H5D_CHUNKED) return true;
-  hsize_t chunk[H5S_MAX_RANK] = {}, found = 0;
-  std::size_t bytes = H5Tget_size(type);
-  for (int axis = H5Pget_chunk(layout, H5S_MAX_RANK, chunk) - 1; axis >= 0 && bytes <= kLargestChunk; axis--)
-    bytes *= std::min<hsize_t>(chunk[axis], kLargestChunk + 1);
-  return bytes <= kLargestChunk && H5Dget_num_chunks(set, space, &found) >= 0;
-}
-
-herr_t look_at(hid_t file, const char* name, const H5O_info_t* object, void*) {
-  if (object->type != H5O_TYPE_DATASET) return 0;
-  const Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-  return set.valid() && is_sound(set) ? 0 : -1;
-}
-
-/// Checks a file in a child process first. HDF5 loops forever, exhausts memory or crashes on some damaged
-/// files. The child walks through the whole content before this process opens the file.
-bool can_be_walked_through(const std::filesystem::path& path) {
-  const io::ChildLimits limits{.seconds = 20, .processor_seconds = 60, .memory = std::size_t{256} << 20};
-  const io::Child child = io::start_child(
-      [&path] {
-        const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-        if (!file.valid()) return 1;
-        return H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at, nullptr, H5O_INFO_BASIC) < 0 ? 1 : 0;
-      },
-      limits);
-  const io::ChildEnd end = io::wait_for({&child, 1}, limits)[0];
-  return bool(end) ||
-         end.kind == io::ChildEnd::Kind::kNotStarted;  // without a child process the check is skipped
+/// Has turgor-read walk through the file first. HDF5 loops forever, exhausts memory or crashes on some
+/// damaged files. False if the file is damaged.
+Result<bool> can_be_walked_through(const std::filesystem::path& path) {
+  const io::ChildLimits limits{.seconds = 120, .processor_seconds = 10, .memory = std::size_t{256} << 20};
+  const Result<io::Child> child = io::start_reader({"hdf5", path.string()}, limits);
+  if (!child) return Error{fmt::format("{}: cannot be checked: {}", path.string(), child.error().message)};
+  const Result<io::ChildEnd> end = io::end_of_reader(io::wait_for({&*child, 1}, limits)[0]);
+  if (!end) return Error{fmt::format("{}: cannot be checked: {}", path.string(), end.error().message)};
+  if (end->kind == io::ChildEnd::Kind::kTooLong)
+    return Error{fmt::format("{}: cannot be checked: {}", path.string(), describe(*end, limits))};
+  return bool(*end) || end->kind == io::ChildEnd::Kind::kNotStarted;  // no more processes: without a check
 }
 
 }  // namespace
@@ -148,8 +124,9 @@ Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
   if (Status input = io::check_input(path); (is_file || !exists) && !input) return input.error();
   if (!is_file || H5Fis_hdf5(path.c_str()) <= 0)
     return Error{fmt::format("{}: expected an HDF5 file, found something else", path.string())};
-  const bool sound = can_be_walked_through(path);
-  const hid_t id = sound ? H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
+  const Result<bool> sound = can_be_walked_through(path);
+  if (!sound) return sound.error();
+  const hid_t id = *sound ? H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
   if (id < 0) return Error{fmt::format("{}: the HDF5 file is damaged or cut short", path.string())};
   return Hdf5File(path, id);
 }

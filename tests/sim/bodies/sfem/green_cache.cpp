@@ -1,8 +1,12 @@
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <random>
+#include <thread>
+
+#include <sys/stat.h>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -268,6 +272,48 @@ TEST(GreenCache, WorldRebuildsDamagedFile) {
   ASSERT_EQ(third.sfem_bodies[0].facts.notes.size(), 1u);
   EXPECT_NE(third.sfem_bodies[0].facts.notes[0].find("recomputed"), std::string::npos);
   EXPECT_TRUE(test::sfem_world(exec, scene).sfem_bodies[0].facts.from_cache);
+}
+
+// Worlds that start in several threads all read a warm cache, and none rewrites it.
+TEST(GreenCache, WorldsInThreadsReadWarmCache) {
+  const Scene scene = test::body_scene(test::fresh_folder());
+  const fs::path file = test::sfem_world(Exec(1), scene).sfem_bodies[0].facts.cache_file;
+  const auto inode = [&] {
+    struct stat status {};
+    return stat(file.c_str(), &status) == 0 ? status.st_ino : 0;
+  };
+  const auto written = inode();
+  std::atomic<int> from_cache{0};
+  std::vector<std::thread> threads;
+  const auto begin = std::chrono::steady_clock::now();
+  for (int t = 0; t < 8; t++)
+    threads.emplace_back([&] {
+      for (int n = 0; n < 3; n++) {
+        const Result<World> world = load_world(Exec(1), scene);
+        from_cache += world && world->sfem_bodies[0].facts.from_cache;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(from_cache, 8 * 3);
+  EXPECT_EQ(inode(), written) << "the file was replaced";
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(18));
+}
+
+// Without turgor-read a world computes its functions, says so, and keeps the file.
+TEST(GreenCache, MissingReaderKeepsFile) {
+  const Scene scene = test::body_scene(test::fresh_folder());
+  const fs::path file = test::sfem_world(Exec(1), scene).sfem_bodies[0].facts.cache_file;
+  const std::string bytes = test::bytes_of(file);
+  const auto time = fs::last_write_time(file);
+  setenv("TURGOR_READ", "/no/such/turgor-read", 1);
+  const World world = test::sfem_world(Exec(1), scene);
+  unsetenv("TURGOR_READ");
+  EXPECT_FALSE(world.sfem_bodies[0].facts.from_cache);
+  ASSERT_EQ(world.sfem_bodies[0].facts.notes.size(), 1u);
+  EXPECT_NE(world.sfem_bodies[0].facts.notes[0].find("TURGOR_READ"), std::string::npos);
+  EXPECT_EQ(fs::last_write_time(file), time);
+  EXPECT_EQ(test::bytes_of(file), bytes);
+  EXPECT_TRUE(test::sfem_world(Exec(1), scene).sfem_bodies[0].facts.from_cache);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/io/files/hdf5_file.hpp"
+#include "turgor/io/files/reader_program.hpp"
 
 namespace turgor {
 
@@ -103,6 +104,8 @@ CachedGreen read_green(const fs::path& path, sfem::Model& model) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return {};
   Result<sfem::Green> green = read_values(path, model);
+  if (!green && !io::find_reader())
+    return {false, green.error().message + "; computed, the file is kept", true};
   if (!green) return {false, green.error().message + "; recomputed"};
   std::swap(model.green, *green);
   const Status checked = sfem::check_green(model);

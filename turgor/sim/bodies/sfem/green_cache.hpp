@@ -22,6 +22,7 @@ std::filesystem::path green_cache_file(const std::filesystem::path& folder, std:
 struct CachedGreen {
   bool found = false;  // true if the model has its Green's functions
   std::string note;    // why an existing file was not used: a sentence
+  bool keep = false;   // the file may be sound and could not be checked: it is not replaced
 };
 /// Fills Model::green from the file. A missing file gives no note.
 CachedGreen read_green(const std::filesystem::path& file, sfem::Model& model);

@@ -186,7 +186,8 @@ Status prepare_green(const Exec& exec, const SfemScene& scene, SfemBody& body, c
   CachedGreen cached = cache.empty() ? CachedGreen{} : read_green(cache, body.model);
   if (!cached.note.empty()) body.facts.notes.push_back(cached.note);
   body.facts.from_cache = cached.found;
-  if (!cached.found) status = compute_and_keep(exec, scene, cache, body, begin);
+  const std::filesystem::path goal = cached.keep ? std::filesystem::path() : cache;
+  if (!cached.found) status = compute_and_keep(exec, scene, goal, body, begin);
   if (!cached.found && !cache.empty() && status) keep_within_limit(cache, body.facts.notes);
   body.facts.green_seconds = timer.seconds();
   return status;
