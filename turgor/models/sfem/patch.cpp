@@ -1,6 +1,7 @@
 #include "turgor/models/sfem/patch.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <numeric>
@@ -12,6 +13,7 @@
 #include "turgor/models/sfem/elements.hpp"
 #include "turgor/models/sfem/patch_assembly.hpp"
 #include "turgor/models/sfem/patch_condense.hpp"
+#include "turgor/models/sfem/patch_interior.hpp"
 
 namespace turgor::sfem {
 
@@ -63,9 +65,16 @@ PatchUnknowns number_unknowns(const Model& model, std::span<const int> elements,
   const SolidMesh& mesh = model.body.mesh;
   const std::vector<int> taking_part =
       with_change ? changed_elements(model, elements) : std::vector<int>(elements.begin(), elements.end());
-  for (const int e : taking_part)
-    for (const int v : element(mesh, std::size_t(e)))
-      if (model.free_node[std::size_t(v)] >= 0) unknowns.coarse.push_back(v);
+  const bool is_refined = fine.parent.size() > elements.size();
+  if (!is_refined)  // the touched vertices suffice
+    for (const int node : touched) {
+      const FineNode& from = fine.nodes[std::size_t(node)];
+      unknowns.coarse.insert(unknowns.coarse.end(), from.coarse.begin(), from.coarse.begin() + from.supports);
+    }
+  else
+    for (const int e : taking_part)
+      for (const int v : element(mesh, std::size_t(e)))
+        if (model.free_node[std::size_t(v)] >= 0) unknowns.coarse.push_back(v);
   sort_unique(unknowns.coarse);
 
   unknowns.local.assign(fine.nodes.size(), -1);
@@ -142,17 +151,33 @@ std::vector<char> usable_elements(const Model& model) {
   return usable;
 }
 
-PatchCost cost_of(const PatchUnknowns& unknowns, std::size_t points, Precision precision) {
-  const double local = 3.0 * unknowns.local_count, coarse = 3.0 * double(unknowns.coarse.size()),
-               n = 3.0 * double(points);
+/// Nodes of the subdivision of one element.
+double nodes_of_element(int corners, int refinement) {
+  const double n = (corners == 10 ? 2 : 1) * refinement;
+  return corners == 8 ? std::pow(n + 1, 3) : (n + 1) * (n + 2) * (n + 3) / 6;
+}
+
+PatchCost cost_of(const Model& model, const PatchUnknowns& unknowns, std::size_t elements, int refinement,
+                  std::size_t points, Precision precision) {
+  // dense system of the functions that are not eliminated before
+  const bool reduces = has_free_interior(model, unknowns);
+  const double local = 3.0 * (unknowns.local_count - (reduces ? unknowns.first_touched : 0)),
+               coarse = 3.0 * double(unknowns.coarse.size()), n = 3.0 * double(points);
   const double number = precision == Precision::kSingle ? 4 : 8;
   const double system = 2 * local * local + 4 * local * coarse;  // K_L and S, K_LG, Ψ, Z
   const double green = 2 * coarse * coarse, surface = 4 * n * n;
   const double levels = 3 * n * n * 8;  // Ξ of the points, and of their clusters
-  return {.local_nodes = std::size_t(unknowns.local_count),
-          .points = points,
-          .bytes = number * (system + green + surface) + 8 * 3 * coarse * coarse + levels,
-          .flops = local * local * local / 3 + 2 * local * coarse * (local + coarse) + 2 * n * n * n};
+  PatchCost cost{.local_nodes = std::size_t(unknowns.local_count),
+                 .points = points,
+                 .bytes = number * (system + green + surface) + 8 * 3 * coarse * coarse + levels,
+                 .flops = local * local * local / 3 + 2 * local * coarse * (local + coarse) + 2 * n * n * n};
+  if (!reduces) return cost;
+  // elimination below the surface, before that: matrices of elements, fronts that grow to the whole surface
+  const double of_element = 3 * nodes_of_element(model.body.mesh.corners, refinement);
+  const double below = 3 * std::pow(unknowns.first_touched, 2.0 / 3), front = local + coarse + below;
+  cost.bytes = std::max(cost.bytes, 8 * (double(elements) * of_element * of_element + 2 * front * front));
+  cost.flops += double(elements) * std::pow(of_element, 3) / 3 + 2 * below * front * front;
+  return cost;
 }
 
 Error too_large(const PatchCost& cost, std::size_t elements, int refinement, std::size_t most_bytes) {
@@ -202,7 +227,7 @@ PatchCost patch_cost(const Model& model, std::span<const int> elements, int refi
   const std::vector<int> touched = nodes_of(touched_triangles(fine, touches));
   const bool with_change = refinement > 1 && changes_stiffness(model, elements, fine);
   const PatchUnknowns unknowns = number_unknowns(model, elements, fine, touched, with_change);
-  return cost_of(unknowns, touched.size(), model.params.precision);
+  return cost_of(model, unknowns, elements.size(), refinement, touched.size(), model.params.precision);
 }
 
 Result<Patch> build_patch(const Model& model, std::span<const int> elements, int refinement,
@@ -218,10 +243,15 @@ Result<Patch> build_patch(const Model& model, std::span<const int> elements, int
   patch.coarse = unknowns.coarse;
   patch.local_nodes = unknowns.local_count;
   make_points(fine, unknowns, touched, triangles, patch);
+  // functions below the surface are eliminated before the points are numbered
+  const int below = has_free_interior(model, unknowns) ? unknowns.first_touched : 0;
+  for (PatchPoint& point : patch.points)
+    if (point.local >= 0) point.local -= below;
+  patch.surface_nodes = unknowns.local_count - below;
   bool done = false;
   for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
     if (done || precision < model.params.precision) continue;
-    const PatchCost cost = cost_of(unknowns, touched.size(), precision);
+    const PatchCost cost = cost_of(model, unknowns, elements.size(), refinement, touched.size(), precision);
     if (cost.bytes > double(most_bytes)) return too_large(cost, elements.size(), refinement, most_bytes);
     done = precision == Precision::kSingle
                ? condense<float>(model, elements, fine, unknowns, with_change, patch)

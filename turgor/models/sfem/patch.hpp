@@ -49,6 +49,7 @@ struct Patch {
   std::vector<double> compliance;  // 3·points square, symmetric: displacement of all for a unit force [m/N]
   std::vector<PatchLevel> levels;  // coarser and coarser pressures on the points (patch_levels.hpp)
   int local_nodes = 0;             // fine nodes with a function of their own
+  int surface_nodes = 0;           // those whose functions are in `system`; others are eliminated before
   std::variant<CondensedSystem<float>, CondensedSystem<double>> system;
 };
 
@@ -68,7 +69,8 @@ PatchCost patch_cost(const Model& model, std::span<const int> elements, int refi
 
 /// Builds the patch over these elements. Its points are the connected parts of its outer surface nearest to
 /// the touches, or all of it without touches. Calculates in the precision of Model::green, or in double where
-/// single is not sufficient. Requires the columns of all vertices of the elements. Error: it would take more
+/// single is not sufficient. Requires the columns of all
+/// vertices of the elements; without refinement, of those on the surface. Error: it would take more
 /// than `most_bytes`, with advice; or the body is so nearly incompressible that double precision is not
 /// sufficient. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
 Result<Patch> build_patch(const Model& model, std::span<const int> elements, int refinement,

@@ -46,6 +46,7 @@ class PatchScatter {
     local_rows_ = local, coarse_rows_ = coarse;
   }
 
+  void begin_element(std::size_t) {}
   /// K_L alone: row a, column b.
   void add_local(int a, int b, const double* block, std::size_t stride) {
     const int row = unknowns_.local[std::size_t(a)], column = unknowns_.local[std::size_t(b)];
@@ -81,12 +82,88 @@ class PatchScatter {
   PatchMatrices<T> matrices_;
 };
 
+/// Collects the blocks of one coarse element after the other, each in a small matrix of its own. The change
+/// of the coarse stiffness is summed over all of them.
+template <std::size_t N>
+class PieceScatter {
+ public:
+  PieceScatter(const SolidMesh& mesh, const FineMesh& fine, const PatchUnknowns& unknowns, bool with_change)
+      : mesh_(mesh),
+        fine_(fine),
+        unknowns_(unknowns),
+        index_(mesh.vertices.size(), -1),
+        position_(std::size_t(unknowns.local_count) + unknowns.coarse.size(), -1),
+        with_change_(with_change) {
+    for (std::size_t i = 0; i < unknowns.coarse.size(); i++) index_[std::size_t(unknowns.coarse[i])] = int(i);
+    const std::size_t coarse = 3 * unknowns.coarse.size();
+    if (with_change) pieces_.change.assign(coarse * coarse, 0);
+  }
+
+  /// Numbers the functions of the coarse element to which fine element `f` belongs.
+  void begin_element(std::size_t f) {
+    PatchPiece& piece = pieces_.of_element.emplace_back();
+    const int parent = fine_.parent[f];
+    for (; f < fine_.parent.size() && fine_.parent[f] == parent; f++)
+      for (std::size_t c = 0; c < N; c++)
+        if (const int own = unknowns_.local[std::size_t(fine_.corners[N * f + c])]; own >= 0)
+          piece.functions.push_back(own);
+    for (const int v : element(mesh_, std::size_t(parent)))
+      if (const int coarse = index_[std::size_t(v)]; coarse >= 0)
+        piece.functions.push_back(unknowns_.local_count + coarse);
+    sort_unique(piece.functions);
+    for (std::size_t i = 0; i < piece.functions.size(); i++)
+      position_[std::size_t(piece.functions[i])] = int(i);
+    piece.values.assign(9 * piece.functions.size() * piece.functions.size(), 0);
+  }
+  void add_local(int a, int b, const double* block, std::size_t stride) {
+    const int row = unknowns_.local[std::size_t(a)], column = unknowns_.local[std::size_t(b)];
+    if (column >= 0 && column <= row) view().add(at(row), at(column), block, stride, 1);
+  }
+  void add_coarse_column(int a, int vertex, const double* block, std::size_t stride, double scale) {
+    const int column = index_[std::size_t(vertex)], local = unknowns_.local[std::size_t(a)];
+    if (column < 0) return;
+    // K_GL, in the lower half because coarse functions come last
+    if (local >= 0) {
+      std::array<double, 9> transposed{};
+      for (std::size_t i = 0; i < 9; i++) transposed[i] = block[i % 3 * stride + i / 3];
+      view().add(at(unknowns_.local_count + column), at(local), transposed.data(), 3, scale);
+    }
+    // change of the coarse stiffness
+    if (!with_change_) return;
+    const FineNode& row = fine_.nodes[std::size_t(a)];
+    for (std::size_t s = 0; s < std::size_t(row.supports); s++)
+      add_change(row.coarse[s], vertex, block, stride, scale * row.weight[s]);
+  }
+  void add_change(int vertex_row, int vertex_column, const double* block, std::size_t stride, double scale) {
+    const int row = index_[std::size_t(vertex_row)], column = index_[std::size_t(vertex_column)];
+    if (row >= 0 && column >= 0)
+      BlockView<double>{pieces_.change, 3 * unknowns_.coarse.size()}.add(row, column, block, stride, scale);
+  }
+  bool is_wanted(int a) const { return with_change_ || unknowns_.local[std::size_t(a)] >= 0; }
+  PatchPieces take() { return std::move(pieces_); }
+
+ private:
+  int at(int function) const { return position_[std::size_t(function)]; }
+  BlockView<double> view() {
+    PatchPiece& piece = pieces_.of_element.back();
+    return {piece.values, 3 * piece.functions.size()};
+  }
+
+  const SolidMesh& mesh_;
+  const FineMesh& fine_;
+  const PatchUnknowns& unknowns_;
+  std::vector<int> index_;     // of each vertex among the coarse unknowns
+  std::vector<int> position_;  // of each function in the present piece
+  bool with_change_;
+  PatchPieces pieces_;
+};
+
 /// Fine elements of one coarse element. K N, whose columns are the element's corners, is summed for the
 /// element before it is scattered to the corners.
-template <class T, std::size_t N>
+template <class Scatter, std::size_t N>
 class ElementScatter {
  public:
-  ElementScatter(const SolidMesh& mesh, const FineMesh& fine, PatchScatter<T>& scatter)
+  ElementScatter(const SolidMesh& mesh, const FineMesh& fine, Scatter& scatter)
       : mesh_(mesh), fine_(fine), scatter_(scatter), local_index_(fine.nodes.size(), -1) {}
 
   void begin(int e) { element_ = e, nodes_.clear(), rows_.clear(), weights_.clear(); }
@@ -138,7 +215,7 @@ class ElementScatter {
 
   const SolidMesh& mesh_;
   const FineMesh& fine_;
-  PatchScatter<T>& scatter_;
+  Scatter& scatter_;
   int element_ = -1;
   std::vector<int> local_index_;                 // of each fine node among those of this element
   std::vector<int> nodes_;                       // of this element
@@ -245,13 +322,13 @@ class PartStiffness {
   std::array<std::array<double, 9 * N * N>, kShapes> stiffness_;
 };
 
-template <std::size_t N, class T>
-void add_parts(const Model& model, const FineMesh& fine, const std::vector<int>& material,
-               PatchScatter<T>& scatter) {
+template <std::size_t N, class Scatter>
+void add_parts(const Model& model, const FineMesh& fine, const std::vector<int>& material, Scatter& scatter) {
   PartStiffness<N> stiffness(model, fine);
-  ElementScatter<T, N> of_element(model.body.mesh, fine, scatter);
+  ElementScatter<Scatter, N> of_element(model.body.mesh, fine, scatter);
   for (std::size_t f = 0; f < fine.parent.size(); f++) {
-    if (f == 0 || fine.parent[f] != fine.parent[f - 1]) of_element.begin(fine.parent[f]);
+    if (f == 0 || fine.parent[f] != fine.parent[f - 1])
+      of_element.begin(fine.parent[f]), scatter.begin_element(f);
     of_element.add(&fine.corners[N * f], stiffness(f, material[f]));
     if (f + 1 == fine.parent.size() || fine.parent[f + 1] != fine.parent[f]) of_element.end();
   }
@@ -275,9 +352,9 @@ void add_averaged_tets(const Exec& exec, const Model& model, const FineMesh& fin
 }
 
 /// Adds the stiffness of these coarse elements, as they are among themselves, to the change.
-template <class T>
+template <class Scatter>
 void add_coarse(const Exec& exec, const Model& model, const std::vector<int>& elements, double scale,
-                PatchScatter<T>& scatter) {
+                Scatter& scatter) {
   if (elements.empty()) return;
   SolidMesh mesh;
   mesh.corners = model.body.mesh.corners;
@@ -298,7 +375,25 @@ void add_coarse(const Exec& exec, const Model& model, const std::vector<int>& el
       scatter.add_change(vertices[a], vertices[std::size_t(k.column[i])], &k.value[9 * i], 3, scale);
 }
 
+template <std::size_t N>
+PatchPieces pieces_of(const Model& model, std::span<const int> elements, const FineMesh& fine,
+                      const PatchUnknowns& unknowns, bool with_change) {
+  PieceScatter<N> scatter(model.body.mesh, fine, unknowns, with_change);
+  add_parts<N>(model, fine, fine_materials(model, fine), scatter);
+  if (with_change) add_coarse(Exec(1), model, {elements.begin(), elements.end()}, -1, scatter);
+  return scatter.take();
+}
+
 }  // namespace
+
+PatchPieces assemble_pieces(const Model& model, std::span<const int> elements, const FineMesh& fine,
+                            const PatchUnknowns& unknowns, bool with_change) {
+  TURGOR_ASSERT(!averages_nodes(model.body.mesh, model.params.formulation),
+                "pieces are those of elements that do not couple across their faces");
+  if (model.body.mesh.corners == 8) return pieces_of<8>(model, elements, fine, unknowns, with_change);
+  if (model.body.mesh.corners == 10) return pieces_of<10>(model, elements, fine, unknowns, with_change);
+  return pieces_of<4>(model, elements, fine, unknowns, with_change);
+}
 
 bool changes_stiffness(const Model& model, std::span<const int> elements, const FineMesh& fine) {
   const SolidMesh& mesh = model.body.mesh;

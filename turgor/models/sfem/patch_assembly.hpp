@@ -37,4 +37,19 @@ template <class T>
 PatchMatrices<T> assemble_patch(const Model& model, std::span<const int> elements, const FineMesh& fine,
                                 const PatchUnknowns& unknowns, bool with_change);
 
+/// Stiffness between the functions of one coarse element: local ones, then coarse ones.
+struct PatchPiece {
+  std::vector<int> functions;  // ascending: index of a local function, or local_count + index of a coarse one
+  std::vector<double> values;  // column-major, lower half; zero between coarse functions
+};
+/// The same matrices, not yet summed over the coarse elements.
+struct PatchPieces {
+  std::vector<PatchPiece> of_element;
+  std::vector<double> change;  // as PatchMatrices::change
+};
+
+/// For elements that are not node-averaged, which would couple functions of different elements.
+PatchPieces assemble_pieces(const Model& model, std::span<const int> elements, const FineMesh& fine,
+                            const PatchUnknowns& unknowns, bool with_change);
+
 }  // namespace turgor::sfem

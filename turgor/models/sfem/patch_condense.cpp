@@ -4,9 +4,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/sfem/green.hpp"
+#include "turgor/models/sfem/patch_interior.hpp"
 
 namespace turgor::sfem {
 
@@ -130,7 +132,7 @@ template <class T>
 std::vector<double> coarse_forces_of(const Patch& patch, const CondensedSystem<T>& system,
                                      std::span<const double> forces) {
   using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
-  const Eigen::Index local = 3 * patch.local_nodes, coarse = 3 * Eigen::Index(patch.coarse.size());
+  const Eigen::Index local = 3 * patch.surface_nodes, coarse = 3 * Eigen::Index(patch.coarse.size());
   Vector on_local = Vector::Zero(local), on_coarse = Vector::Zero(coarse);
   for (std::size_t p = 0; p < patch.points.size(); p++) {
     const PatchPoint& point = patch.points[p];
@@ -156,9 +158,31 @@ std::vector<double> coarse_forces_of(const Patch& patch, const CondensedSystem<T
 }  // namespace
 
 template <class T>
+std::vector<T> rounded(const std::vector<double>& values) {
+  return {values.begin(), values.end()};
+}
+
+/// Matrices of the local functions. Where possible those below the surface are eliminated, and `unknowns` is
+/// numbered without them. None if rounding hides that the matrix is positive definite.
+template <class T>
+std::optional<PatchMatrices<T>> reduced(const Model& model, std::span<const int> elements,
+                                        const FineMesh& fine, bool with_change, PatchUnknowns& unknowns) {
+  if (!has_free_interior(model, unknowns))
+    return assemble_patch<T>(model, elements, fine, unknowns, with_change);
+  const auto matrices = without_interior(model, elements, fine, unknowns, with_change);
+  if (!matrices) return {};
+  unknowns.local_count -= unknowns.first_touched, unknowns.first_touched = 0;
+  return PatchMatrices<T>{rounded<T>(matrices->local), rounded<T>(matrices->coupling),
+                          rounded<T>(matrices->change)};
+}
+
+template <class T>
 bool condense(const Model& model, std::span<const int> elements, const FineMesh& fine,
-              const PatchUnknowns& unknowns, bool with_change, Patch& patch) {
-  PatchMatrices<T> matrices = assemble_patch<T>(model, elements, fine, unknowns, with_change);
+              const PatchUnknowns& all_unknowns, bool with_change, Patch& patch) {
+  PatchUnknowns unknowns = all_unknowns;
+  std::optional<PatchMatrices<T>> found = reduced<T>(model, elements, fine, with_change, unknowns);
+  if (!found) return false;
+  PatchMatrices<T>& matrices = *found;
   std::vector<int> position(unknowns.coarse.size(), -1), coarse;  // coarse functions that move the points
   for (const PatchPoint& point : patch.points)
     for (std::size_t s = 0; s < std::size_t(point.supports); s++)
