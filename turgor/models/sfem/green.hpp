@@ -67,6 +67,11 @@ FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<c
 /// Adds the columns to the model, between two ticks.
 void add_columns(Green& green, FetchedColumns fetched);
 
+/// Memory of columns on demand [bytes].
+std::size_t column_bytes(const Green& green);
+/// Removes columns on demand, except those of these vertices, ascending. Not beside a reader of the store.
+void keep_columns(Green& green, std::span<const int> vertices);
+
 /// Columns of Ξ over all free nodes, recomputed from the factor: three for each vertex, numbered as K's rows.
 CheckColumns full_columns(const Model& model, std::span<const int> vertices);
 /// Checksum of a dense store and its check columns.

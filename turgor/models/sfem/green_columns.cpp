@@ -78,6 +78,18 @@ void fetch_columns(const Exec& exec, Model& model, const std::vector<int>& verti
   add_columns(model.green, compute_columns(exec, model, vertices));
 }
 
+std::size_t column_bytes(const Green& green) {
+  std::size_t bytes = 0;
+  for (const std::vector<float>& column : green.columns) bytes += sizeof(float) * column.size();
+  return bytes;
+}
+
+void keep_columns(Green& green, std::span<const int> vertices) {
+  TURGOR_CHECK(is_sorted_unique(vertices), "vertices with columns ascend");
+  for (std::size_t slot = 0; slot < green.columns.size(); slot++)
+    if (!std::binary_search(vertices.begin(), vertices.end(), green.nodes[slot])) green.columns[slot] = {};
+}
+
 CheckColumns full_columns(const Model& model, std::span<const int> vertices) {
   const Elimination& plan = model.factor->plan;
   const std::vector<unsigned char> all(plan.supernodes.size(), 1);

@@ -145,7 +145,7 @@ const Quantity<B> kSfem[] = {
     {"memory", kBytes, "memory of the model",
      [](const B& b) -> Json { return sfem::memory_bytes(b.body.model); }},
     {"shape", kSeconds, "reading and meshing", [](const B& b) -> Json { return b.body.facts.shape_seconds; }},
-    {"patch.radius", kMillimeters, "", [](const B& b) -> Json { return b.scene.patch.radius; }, kInReport},
+    {"patch.radius", kMillimeters, "", [](const B& b) -> Json { return b.body.follow.radius; }, kInReport},
     {"patch.refinement", kCount, "", [](const B& b) -> Json { return b.body.refinement; }, kInReport},
     {"patch.local_nodes_most", kCount, "local nodes of the patch, most",
      [](const B& b) -> Json { return b.local_nodes; }, kEverywhere},

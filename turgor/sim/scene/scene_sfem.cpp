@@ -181,16 +181,19 @@ void read_patch(SceneTable& body, PatchScene& patch) {
   const toml::node* node = body.find("patch");
   body.describe("patch", "", "", "refined mesh around the tool, a table of the keys below; `false`: none");
   if (node && node->is_boolean()) {
-    if (!node->as_boolean()->get()) patch.refinement = 1;
+    if (!node->as_boolean()->get()) patch.refinement = 1, patch.radius_is_open = true;
     return;
   }
   // keys with limits
   SceneTable table = body.table("patch");
-  table.read("radius", patch.radius, inside(0, 1, "m"), "radius of the refined mesh around the tool");
+  patch.radius_is_open = !table.has("radius");
+  table.read("radius", patch.radius, inside(0, 1, "m"),
+             {"radius of the refined mesh around the tool",
+              "0.02; with quadratic elements, or where memory is short, chosen by the expected force error"});
   if (!table.has("refinement")) patch.refinement = kByElements;
   table.read("refinement", patch.refinement, within(1, 4),
              {"number of segments per edge; 1 = no refinement",
-              "2; 1 for quadratic elements with edges below half of `radius`"});
+              "2; for quadratic elements, chosen so that the expected force error is below 5 %"});
   table.read("hysteresis", patch.hysteresis, within(0, 1),
              "distance that the contact moves before the patch follows, relative to the radius");
   table.finish();
@@ -250,8 +253,9 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
   body.read(
       "memory", scene.memory, within(0.001, 1024, "GB"),
       "limit for Green's functions; beyond it, columns are computed on demand at the tools. Building a patch "
-      "has the same limit, at least 0.25 GB. A scene whose first patch exceeds it is refused; a later patch "
-      "that exceeds it is not built, the previous one stays, and the report says so");
+      "has the same limit, at least 0.25 GB. A first patch that fits is chosen, unless `patch` sets it; a "
+      "later "
+      "patch that exceeds it is not built, the previous one stays, and the report says so");
   body.read("contacts", scene.contacts, within(8, 512),
             "contact sites that a tick solves, all tools together. A tool that touches more vertices is "
             "represented by clusters of them, which costs accuracy (a few percent) but no time. The time "

@@ -78,6 +78,7 @@ struct InclusionScene {
 /// The superposed patch that follows the tools.
 struct PatchScene {
   double radius = 0.02;                                    // [m]
+  bool radius_is_open = false;                             // true if the scene does not set the radius
   int refinement = 2;                                      // 1 = none
   double hysteresis = contact::FollowParams{}.hysteresis;  // distance that the contact moves before the patch
                                                            // follows, relative to the radius [1]
@@ -101,7 +102,7 @@ struct SfemScene {
   bool rotations = false;
   double memory =
       4;  // limit for Green's functions, beyond which columns are computed on demand, and for a patch [GB]
-  int contacts = 32;            // contact sites solved per tick, all tools together
+  int contacts = 48;            // contact sites solved per tick, all tools together
   std::filesystem::path cache;  // a folder
   bool cached = true;
   std::filesystem::path seen;  // finer surface embedded in the body; may be empty

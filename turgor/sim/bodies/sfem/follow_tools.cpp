@@ -8,38 +8,44 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/models/sfem/patch_assembly.hpp"
+#include "turgor/models/sfem/green.hpp"
+#include "turgor/sim/bodies/sfem/choose_patch.hpp"
 
 namespace turgor {
 
 namespace {
 
+/// These vertices, those of the patches in use, and those that bear force now; ascending.
+std::vector<int> vertices_in_use(const SfemBody& body, std::vector<int> vertices) {
+  for (const auto& patch : body.patches)
+    vertices.insert(vertices.end(), patch->coarse.begin(), patch->coarse.end());
+  if (body.now.patch != nullptr)
+    for (const contact::VertexForce& force : coarse_forces_now(body)) vertices.push_back(force.vertex);
+  sort_unique(vertices);
+  return vertices;
+}
+
 /// Fetches Green's function columns for the next patches, with a store on demand. Error: together with the
 /// patch they exceed the memory limit.
 Status fetch_columns_near(const Exec& exec, SfemBody& body, std::span<const Vec3d> positions) {
   if (!body.facts.on_demand) return Done{};
-  const sfem::Model& model = body.model;
-  const auto elements_within = [&](double reach) { return sfem::patch_elements(model, positions, reach); };
-
-  // vertices of elements near the contacts
-  std::vector<int> vertices;
-  const std::vector<int> near = elements_within(body.follow.radius * (1 + body.follow.hysteresis));
-  for (const int e : sfem::changed_elements(model, near))
-    for (const int v : element(model.body.mesh, std::size_t(e))) vertices.push_back(v);
-  sort_unique(vertices);
-
-  // memory of their columns and of the patch
-  const double columns = 9.0 * double(vertices.size()) * double(model.green.nodes.size()) * sizeof(float);
-  const double patch =
-      sfem::patch_cost(model, elements_within(body.follow.radius), body.refinement, positions).bytes;
-  if (columns + patch > double(body.patch_memory))
+  // memory of the columns and of the patch
+  const double bytes = bytes_of_patch(body, positions);
+  if (bytes > double(body.patch_memory))
     return Error{
         fmt::format("a patch with the columns of Green's functions that it needs would take {:.3g} GB, "
                     "the limit is {:.3g} GB: use a smaller patch.radius, a lower patch.refinement or more "
                     "memory",
-                    (columns + patch) * 1e-9, double(body.patch_memory) * 1e-9)};
+                    bytes * 1e-9, double(body.patch_memory) * 1e-9)};
 
-  // fetch
+  // vertices of elements near the contacts
+  const std::vector<int> vertices = columns_of_patch(
+      body, elements_of_patch(body, positions, body.follow.radius * (1 + body.follow.hysteresis)));
+
+  // fetch; where columns of earlier patches would exceed the limit, forget them
+  if (const double held = double(sfem::column_bytes(body.model.green));
+      held + bytes > double(body.patch_memory))
+    sfem::keep_columns(body.model.green, vertices_in_use(body, vertices));
   sfem::fetch_columns(exec, body.model, vertices);
   return Done{};
 }
@@ -51,7 +57,7 @@ void reject_patch(SfemBody& body, const Error& why) {
 
 BuiltPatch build_patch_at(const SfemBody& body, const std::vector<Vec3d>& positions) {
   const Timer timer;
-  const std::vector<int> elements = sfem::patch_elements(body.model, positions, body.follow.radius);
+  const std::vector<int> elements = elements_of_patch(body, positions, body.follow.radius);
   Result<sfem::Patch> patch =
       sfem::build_patch(body.model, elements, body.refinement, positions, body.patch_memory);
   if (!patch) return {patch.error(), timer.seconds()};

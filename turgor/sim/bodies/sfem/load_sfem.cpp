@@ -1,7 +1,6 @@
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -15,7 +14,7 @@
 #include "turgor/io/ct.hpp"
 #include "turgor/io/mesh/solid_files.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
-#include "turgor/models/sfem/expected_error.hpp"
+#include "turgor/sim/bodies/sfem/choose_patch.hpp"
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
 #include "turgor/sim/scene/scene_sfem.hpp"
@@ -214,15 +213,6 @@ Status load_seen(const Exec& exec, const SfemScene& scene, SfemBody& body) {
   return Done{};
 }
 
-/// Default refinement. Nodes of small quadratic elements are as dense as those of a refined patch of large
-/// ones, whose refinement would have thousands of nodes.
-int usual_refinement(const SfemBody& body) {
-  const SolidMesh& mesh = body.model.body.mesh;
-  std::vector<int> all(element_count(mesh));
-  std::iota(all.begin(), all.end(), 0);
-  return mesh.corners == 10 && sfem::mean_edge(mesh, all) < body.follow.radius / 2 ? 1 : 2;
-}
-
 Status prepare_turning(const Exec& exec, SfemBody& body, const BeginWork& begin) {
   if (const Status s = sfem::factorize(exec, body.model, begin_work(begin, "factor")); !s) return s.error();
   body.turning = Turning{sfem::make_corotation(exec, body.model), sfem::make_rotation_state(body.model)};
@@ -252,7 +242,9 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   body.facts.shape_seconds = shaping.seconds();
 
   // elastic model
-  const sfem::Params params{scene.formulation, scene.precision, scene.patch.radius};
+  const double touch_depth =
+      scene.patch.radius_is_open ? usual_touch_depth(elastic->mesh) : scene.patch.radius;
+  const sfem::Params params{scene.formulation, scene.precision, touch_depth};
   Result<sfem::Model> model = sfem::build(exec, std::move(*elastic), params);
   if (!model) return Error{fmt::format("{}: {}", scene.source_location, model.error().message)};
   body.model = std::move(*model);
@@ -264,7 +256,9 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   if (scene.rotations)
     if (const Status status = prepare_turning(exec, body, begin); !status) return status.error();
   // patch parameters
-  body.refinement = scene.patch.refinement == kByElements ? usual_refinement(body) : scene.patch.refinement;
+  body.radius_is_open = scene.patch.radius_is_open;
+  body.refinement_is_open = scene.patch.refinement == kByElements;
+  if (!body.refinement_is_open) body.refinement = scene.patch.refinement;
   TURGOR_CHECK(body.refinement >= 1, "the elements of a patch are divided at least once");
   body.contacts = scene.contacts;
   body.patch_memory = std::size_t(std::max(scene.memory, kLeastPatchMemory) * 1e9);

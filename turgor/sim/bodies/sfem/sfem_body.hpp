@@ -99,8 +99,9 @@ struct SfemBody : TouchedBody {
   double stiffness_scale = 1;    // relative to the loaded stiffness
   std::vector<double> friction;  // of its tools; empty: unchanged
   int refinement = 2;
-  int contacts = 32;             // contact::TouchParams::capacity
-  std::size_t patch_memory = 0;  // limit of a patch [bytes]
+  bool radius_is_open = false, refinement_is_open = false;  // true: the scene leaves it to choose_patch
+  int contacts = 48;                                        // contact::TouchParams::capacity
+  std::size_t patch_memory = 0;                             // limit of a patch [bytes]
   contact::FollowParams follow;
   std::vector<Vec3d> centers;  // contact positions of the present patch [m]
   boxed<PatchWorker> worker;

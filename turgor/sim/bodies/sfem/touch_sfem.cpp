@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/sim/bodies/sfem/choose_patch.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
 #include "turgor/sim/tools/press_path.hpp"
@@ -38,6 +39,7 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
   }
 
   // first patch and touch state
+  choose_patch(body, tools);
   Result<std::shared_ptr<const sfem::Patch>> patch = first_patch(exec, body);
   if (!patch) return patch.error();
   body.touch = contact::make_sfem_touch(std::move(*patch), std::move(shapes), poses,
