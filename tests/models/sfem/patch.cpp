@@ -166,6 +166,24 @@ TEST(SfemPatch, MatchesMeshWithTiedHangingNodes) {
     }
 }
 
+// The dense system of a patch has the functions of the touched surface only.
+TEST(SfemPatch, DenseSystemHasSurfaceOnly) {
+  constexpr Vec3d kSize{0.048, 0.048, 0.024};
+  const Body body = block_of(with_corners(hex_block(kSize, {6, 6, 3}), 10), {3e3, 0.45},
+                             [](Vec3d x) { return x.z < 1e-9; });
+  const Model model = densely_solved(body, {.touch_depth = 0.02});
+  const std::vector<Vec3d> touch{{0.025, 0.023, kSize.z}};
+  const std::vector<int> elements = patch_elements(model, touch, 0.0125);
+  const Patch patch = build_patch(model, elements, 3, touch).value();
+  const auto surface = std::size_t(patch.surface_nodes);
+  EXPECT_LT(4 * patch.surface_nodes, patch.local_nodes);
+  EXPECT_EQ(std::get<0>(patch.system).factor.size(), 9 * surface * surface);
+  EXPECT_GT(patch.surface_nodes, 100);
+  // work: far below that of a dense factor of all local functions
+  const double dense = std::pow(3.0 * patch.local_nodes, 3) / 3;
+  EXPECT_LT(patch_cost(model, elements, 3, touch).flops, dense / 4);
+}
+
 // The equivalent coarse forces displace the rest of the body as the tied mesh does.
 TEST(SfemPatch, CoarseForcesMoveBodyAlike) {
   for (const PatchCase& c : kPatchCases) {
