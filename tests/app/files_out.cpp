@@ -165,6 +165,8 @@ TEST_F(FilesOut, NonFiniteRunKeepsResults) {
   EXPECT_NE(ended.printed.find("turgor: stiff.toml: stopped after "), std::string::npos) << ended.printed;
   const nlohmann::json report = report_in(folder / "out");
   EXPECT_NE(report["warnings"].dump().find("the next step was not finite"), std::string::npos);
+  EXPECT_NE(ended.printed.find("flag: a higher frame rate"), std::string::npos) << ended.printed;
+  EXPECT_EQ(ended.printed.find("skin tension"), std::string::npos) << "the scene has no skin";
   EXPECT_FALSE(report["pictures"].empty());
 }
 

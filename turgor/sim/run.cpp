@@ -4,6 +4,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/sim/undone_step.hpp"
 
 namespace turgor {
 
@@ -42,8 +43,8 @@ std::string reason_to_stop(const Running& run, const Scene& scene, bool finite) 
   if (!finite)
     return fmt::format(
         "stopped after {:.3f} s of {} s: the next step was not finite, the state before it "
-        "was kept; a smaller skin tension or a higher frame rate may help",
-        time_of(run.world), scene.duration);
+        "was kept; {}",
+        time_of(run.world), scene.duration, advice_for_undone_step(run.world));
   if (run.events.frame && !run.events.frame(run.world))
     return fmt::format("stopped after {:.3f} s of {} s, on request", time_of(run.world), scene.duration);
   return {};

@@ -417,6 +417,7 @@ wind = { velocity = [100, 0, 0] }
     return now.error.find("not finite") != std::string::npos;
   };
   EXPECT_TRUE(is_reported(session.now())) << session.now().error;
+  EXPECT_EQ(session.now().error.find("skin tension"), std::string::npos) << "the scene has no skin";
   session.request(ChangeRequest{"body.flag.wind.velocity", "[100, 0, 0]"});
   ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.error.empty(); }));
   session.request(StepRequest{});

@@ -8,6 +8,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/live/session_thread.hpp"
+#include "turgor/sim/undone_step.hpp"
 
 namespace turgor {
 
@@ -15,10 +16,8 @@ namespace {
 
 /// Error message for a step that was undone.
 std::string not_finite(const World& world) {
-  return fmt::format(
-      "the next step was not finite; the world is paused in its state at {:.3f} s (a smaller skin tension "
-      "or a higher frame rate may help)",
-      (world.frame - 1) * world.dt);
+  return fmt::format("the next step was not finite; the world is paused in its state at {:.3f} s ({})",
+                     (world.frame - 1) * world.dt, advice_for_undone_step(world));
 }
 
 void pause_with_error(SessionThread& session, const std::string& why) {

@@ -1,0 +1,13 @@
+// Text about a step that was not finite and was undone: which body it was, and what may help.
+#pragma once
+
+#include <string>
+
+namespace turgor {
+
+struct World;
+
+/// Advice after an undone step, such as "body c: a higher frame rate may help".
+std::string advice_for_undone_step(const World& world);
+
+}  // namespace turgor
