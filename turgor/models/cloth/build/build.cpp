@@ -17,6 +17,7 @@
 #include "turgor/models/cloth/contact/spatial_hash.hpp"
 #include "turgor/models/cloth/forces/bending.hpp"
 #include "turgor/models/cloth/forces/membrane.hpp"
+#include "turgor/models/cloth/forces/slivers.hpp"
 #include "turgor/models/cloth/forces/springs.hpp"
 #include "turgor/models/cloth/forces/wind.hpp"
 #include "turgor/models/cloth/model/contacts.hpp"
@@ -229,6 +230,14 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
                                               : ": each pair of their triangles resists folding"));
   std::vector<Spring> springs =
       is_sheet ? membrane_springs(mesh, params.fabric) : make_springs(mesh, params.fabric);
+  if (is_sheet) {
+    const std::vector<char> slivers = find_slivers(mesh);
+    if (const auto count = std::count(slivers.begin(), slivers.end(), char(1)); count > 0)
+      model.notes.push_back(
+          std::to_string(count) +
+          " triangles are thinner than a tenth of those around them: they are softened, and "
+          "their edges do not resist folding");
+  }
   if (params.collision.self)
     if (const std::string folded = folded_edges(mesh); !folded.empty())
       model.notes.push_back(folded +

@@ -7,6 +7,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/forces/membrane.hpp"
+#include "turgor/models/cloth/forces/slivers.hpp"
 #include "turgor/models/cloth/forces/springs.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
@@ -25,6 +26,7 @@ struct Fold {
 struct Sheets {
   const TriMesh& mesh;
   const Fabric& fabric;
+  std::vector<char> is_sliver;  // of each triangle
 
   Vec3d at(int v) const { return Vec3d(mesh.vertices[std::size_t(v)]); }
   int facing(const EdgeUse& use) const {
@@ -38,9 +40,11 @@ struct Sheets {
   }
 };
 
-/// Edges of two triangles that are not folded by more than 90° at rest resist bending. Those of a seam turn
-/// freely.
+/// Edges of two triangles that are not folded by more than 90° at rest resist bending. Those of a seam or a
+/// sliver turn freely.
 bool bends(const Sheets& sheets, std::span<const EdgeUse> edge) {
+  for (const EdgeUse& use : edge)
+    if (sheets.is_sliver[std::size_t(use.triangle)]) return false;
   return edge.size() == 2 && sheets.facing(edge[0]) != sheets.facing(edge[1]) &&
          dot(sheets.normal(edge, 0), sheets.normal(edge, 1)) > 0;
 }
@@ -124,7 +128,7 @@ std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric) {
   std::vector<Spring> springs;
   if (warp == 0 && weft == 0) return springs;
   // folds of all edges, and the folds around each vertex
-  const Sheets sheets{mesh, fabric};
+  const Sheets sheets{mesh, fabric, find_slivers(mesh)};
   std::vector<Fold> folds;
   std::vector<std::vector<int>> around(mesh.vertices.size());
   const std::vector<EdgeUse> uses = sorted_edges(mesh.triangles);

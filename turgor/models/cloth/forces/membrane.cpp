@@ -7,6 +7,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/forces/membrane_tension.hpp"
+#include "turgor/models/cloth/forces/slivers.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
@@ -77,6 +78,27 @@ MembraneLaw material(const Fabric& fabric) {
   return m;
 }
 
+/// Spring stiffness of the sides of every triangle, and the factor that softens slivers to it.
+struct SideStiffness {
+  std::vector<std::array<double, 3>> sides;  // [N/m]
+  std::vector<double> factor;                // [1]
+};
+SideStiffness find_side_stiffness(const MembraneLaw& m, const TriMesh& mesh, const Fabric& fabric) {
+  constexpr double kStiffest = 50;  // of a sliver's sides, relative to the fabric
+  const double limit = kStiffest * double(std::max({m.warp, m.weft, m.shear}));
+  const std::vector<char> is_sliver = find_slivers(mesh);
+  SideStiffness found;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t++) {
+    const Corners c = corners(mesh, mesh.triangles[t]);
+    std::array<double, 3> sides = side_stiffness(m, c, weave_at(fabric.direction, cross(c.p, c.q)));
+    const double stiffest = std::max({sides[0], sides[1], sides[2]});
+    const double factor = is_sliver[t] && stiffest > limit ? limit / stiffest : 1;
+    for (double& side : sides) side *= factor;
+    found.sides.push_back(sides), found.factor.push_back(factor);
+  }
+  return found;
+}
+
 /// Slot of `other` in the row of `vertex`, relative to the first of its batch.
 std::uint16_t slot_of(const Rows& rows, int vertex, int other) {
   const std::size_t batch = std::size_t(vertex) / std::size_t(kLanes),
@@ -121,7 +143,8 @@ struct TensionChunk {
     const tension::Slopes<Lanes> g{
         {gather_lanes(m.second[0].data(), item), gather_lanes(m.second[1].data(), item)},
         {gather_lanes(m.third[0].data(), item), gather_lanes(m.third[1].data(), item)}};
-    const tension::Sides<Lanes> found = tensions(m.law, g, gather(corner[1]) - a, gather(corner[2]) - a);
+    const tension::Sides<Lanes> found =
+        tensions(m.law, gather_lanes(m.area.data(), item), g, gather(corner[1]) - a, gather(corner[2]) - a);
     // scatter to the entries of this chunk
     for (int l = 0; l < count; l++)
       for (int side = 0; side < 3; side++) {
@@ -149,10 +172,13 @@ Weave weave_at(Vec3d direction, Vec3d normal) {
 Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
   Membrane m{.law = material(fabric)};
   const std::size_t count = mesh.triangles.size(), size = padded(count);
+  const std::vector<double> factor = find_side_stiffness(m.law, mesh, fabric).factor;
+  m.area.resize(size);
   for (int k = 0; k < 2; k++) m.second[k].resize(size), m.third[k].resize(size);
   for (std::size_t t = 0; t < count; t++) {
     const Corners c = corners(mesh, mesh.triangles[t]);
     const auto g = slopes_at_rest(c.p, c.q, weave_at(fabric.direction, cross(c.p, c.q)));
+    m.area[t] = Real(factor[t] * norm(cross(c.p, c.q)) / 2);
     for (std::size_t k = 0; k < 2; k++) m.second[k][t] = Real(g[0][k]), m.third[k][t] = Real(g[1][k]);
   }
   return m;
@@ -160,12 +186,8 @@ Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
 
 std::vector<Spring> membrane_springs(const TriMesh& mesh, const Fabric& fabric) {
   // stiffness of the sides of each triangle
-  const MembraneLaw m = material(fabric);
-  std::vector<std::array<double, 3>> stiffness;
-  for (const Int3 t : mesh.triangles) {
-    const Corners c = corners(mesh, t);
-    stiffness.push_back(side_stiffness(m, c, weave_at(fabric.direction, cross(c.p, c.q))));
-  }
+  const std::vector<std::array<double, 3>> stiffness =
+      find_side_stiffness(material(fabric), mesh, fabric).sides;
   // sum over the triangles of each edge
   std::vector<Spring> springs;
   const std::vector<EdgeUse> uses = sorted_edges(mesh.triangles);
@@ -215,7 +237,8 @@ TriangleTension triangle_tension(const Model& model, const State& state, std::si
   const auto at = [&state](int v) { return Vec3d(state.x[std::size_t(v)]); };
   const tension::Slopes<double> g{{double(m.second[0][triangle]), double(m.second[1][triangle])},
                                   {double(m.third[0][triangle]), double(m.third[1][triangle])}};
-  const tension::Sides<double> found = tensions(m.law, g, at(t.y) - at(t.x), at(t.z) - at(t.x));
+  const tension::Sides<double> found =
+      tensions(m.law, double(m.area[triangle]), g, at(t.y) - at(t.x), at(t.z) - at(t.x));
   return {{found.side[0], found.side[1], found.side[2]}, found.energy};
 }
 

@@ -31,15 +31,12 @@ struct Slopes {
   T second[2], third[2];
 };
 
-/// C = FᵀF = Σ_ij ∇N_i ∇N_jᵀ (x_i·x_j), from the sides p and q to the second and third corner.
+/// C = FᵀF with F = Σ_i x_i ∇N_iᵀ, from the sides p and q to the second and third corner. F comes first: in a
+/// thin triangle its large terms cancel, and in products of two gradients they would cancel twice.
 template <class T, class V>
 TURGOR_HD inline Plane<T> squared_stretch(const Slopes<T>& g, V p, V q) {
-  const T pp = dot(p, p), pq = dot(p, q), qq = dot(q, q);
-  const auto entry = [&](int i, int j) {
-    return g.second[i] * g.second[j] * pp + (g.second[i] * g.third[j] + g.third[i] * g.second[j]) * pq +
-           g.third[i] * g.third[j] * qq;
-  };
-  return {entry(0, 0), entry(1, 1), entry(0, 1)};
+  const V warp = p * g.second[0] + q * g.third[0], weft = p * g.second[1] + q * g.third[1];
+  return {dot(warp, warp), dot(weft, weft), dot(warp, weft)};
 }
 
 /// U = √C by Cayley and Hamilton: U = (C + √det C · I)/√(tr C + 2 √det C). The determinant is bounded below,
@@ -79,12 +76,10 @@ struct Sides {
 };
 
 /// Tensions of the sides: τ_ij = −A ∇N_iᵀ S ∇N_j. The force on i along side i j is τ_ij (x_j − x_i). A is the
-/// rest area, recovered from the gradients.
+/// rest area.
 template <class T, class V>
-TURGOR_HD inline Sides<T> tensions(const MembraneLaw& m, const Slopes<T>& g, V p, V q) {
+TURGOR_HD inline Sides<T> tensions(const MembraneLaw& m, T area, const Slopes<T>& g, V p, V q) {
   const Stress<T> s = stress(m, stretch(squared_stretch(g, p, q)));
-  const T twice = g.second[0] * g.third[1] - g.second[1] * g.third[0];
-  const T area = T(all_of(twice, 0.5)) / larger(twice, -twice);
   const T first[2] = {-g.second[0] - g.third[0], -g.second[1] - g.third[1]};
   const auto between = [&](const T(&a)[2], const T(&b)[2]) {
     return -area * (a[0] * (s.conjugate.warp * b[0] + s.conjugate.both * b[1]) +
@@ -101,6 +96,7 @@ namespace turgor::cloth {
 struct MembraneView {
   MembraneLaw law;
   const Int3* triangles;
+  const Real* area;
   const Real *second[2], *third[2];
   const std::array<std::uint8_t, 6>* slot;
   const std::array<std::uint16_t, 6>* wide_slot;  // instead of `slot`; else null
@@ -115,6 +111,7 @@ struct MembraneView {
 inline MembraneView view(const Membrane& m, const std::vector<Int3>& triangles) {
   return {m.law,
           triangles.data(),
+          m.area.data(),
           {m.second[0].data(), m.second[1].data()},
           {m.third[0].data(), m.third[1].data()},
           m.slot.data(),
@@ -139,7 +136,8 @@ struct TensionsAround {
       const tension::Slopes<Real> g{{membrane.second[0][t], membrane.second[1][t]},
                                     {membrane.third[0][t], membrane.third[1][t]}};
       const tension::Sides<Real> found =
-          tensions(membrane.law, g, sheet.x[std::size_t(corner.y)] - a, sheet.x[std::size_t(corner.z)] - a);
+          tensions(membrane.law, membrane.area[t], g, sheet.x[std::size_t(corner.y)] - a,
+                   sheet.x[std::size_t(corner.z)] - a);
       for (int side = 0; side < 3; side++)
         for (int end = 0; end < 2; end++)
           if (std::size_t(corner[(side + end) % 3]) == v)

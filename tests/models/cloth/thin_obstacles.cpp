@@ -1,0 +1,121 @@
+// Sheets that fall on rods and balls thinner than a cell, which vertices and edges may pass.
+#include <memory>
+#include <string>
+
+#include "tests/models/cloth/meshes.hpp"
+#include "tests/models/cloth/sheets.hpp"
+#include "turgor/contact/cloth_obstacle.hpp"
+
+namespace turgor::cloth {
+namespace {
+
+/// A square sheet in cells of 10 mm above a thin obstacle.
+struct ThinFall {
+  Model model;
+  State state;
+  Inputs inputs;
+  std::unique_ptr<const contact::Shape> shape;  // referenced by the obstacle
+};
+
+/// Moves every second vertex of the lower border inward by a hundredth of a millimeter, and adds the slivers
+/// that a triangulation of the hull would have there.
+void add_slivers(TriMesh& mesh, int columns) {
+  for (int c = 1; c < columns; c += 2) {
+    mesh.vertices[std::size_t(c)].y += 1e-5f;
+    mesh.triangles.push_back({c - 1, c + 1, c});
+  }
+}
+
+ThinFall fall_on(Pattern pattern, int cells, double height, contact::Shape shape, const contact::Pose& pose,
+                 double dt, double friction) {
+  constexpr double kCell = 0.01;
+  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kTwoLevel, .sweeps = 200}};
+  params.collision.thickness = 0.004;
+  const double side = kCell * cells;
+  TriMesh mesh = rectangle(pattern, -side / 2, side / 2, side, kCell);
+  if (pattern == Pattern::kRandom) add_slivers(mesh, cells);
+  for (Vec3& x : mesh.vertices) x += Vec3(Vec3d{0, -side / 2, height});
+  ThinFall fall{.model = must_build(mesh, params),
+                .state = {},
+                .inputs = {.gravity = {0, 0, -9.81}},
+                .shape = std::make_unique<const contact::Shape>(std::move(shape))};
+  fall.state = make_state(fall.model);
+  fall.inputs.obstacles.push_back(contact::cloth_obstacle(*fall.shape, pose, pose, dt));
+  fall.inputs.obstacles.back().friction = friction;
+  return fall;
+}
+
+/// Axes with z along a direction.
+Mat3d axes_along(Vec3d z) {
+  const Vec3d y = normalized(cross(z, std::abs(z.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+  return {{cross(y, z), y, z}};
+}
+
+/// Runs a fall. Speeds stay near those of a free fall. Edges stay below 2.5 times their length: a vertex that
+/// an obstacle passed is moved out by more than half of a short edge.
+void expect_calm(ThinFall& fall, double dt, int frames, const std::string& where) {
+  for (int n = 1; n <= frames; n++) {
+    const StepReport report = step(Exec(1), fall.model, fall.state, fall.inputs, dt);
+    const double speed = double(report.largest_speed), stretch = largest_stretch(fall.model, fall.state);
+    ASSERT_TRUE(report.finite) << where << ", frame " << n;
+    ASSERT_LT(speed, 1.5 * 9.81 * n * dt + 1) << where << ", frame " << n;
+    ASSERT_LT(stretch, 2.5) << where << ", frame " << n;
+  }
+}
+
+// A sheet of random cells that falls on a rod of 2 mm radius and slides off it stays finite.
+TEST(ClothThinObstacles, SheetFallsOnThinRod) {
+  for (const double rate : {60.0, 120.0})
+    for (const double friction : {0.0, 0.3}) {
+      const Vec3d from{-0.3, 0.01, 0}, to{0.3, 0.013, 0};
+      const contact::Pose pose{(from + to) * 0.5, axes_along(normalized(to - from))};
+      ThinFall fall = fall_on(Pattern::kRandom, 30, 0.06, contact::Capsule{0.002, norm(to - from) / 2}, pose,
+                              1 / rate, friction);
+      expect_calm(fall, 1 / rate, int(1.6 * rate),
+                  std::to_string(rate) + " Hz, friction " + std::to_string(friction));
+    }
+}
+
+// A rigid turn of a sheet with slivers gives no forces: their strain does not suffer from cancellation.
+TEST(ClothThinObstacles, TurnedSliversStayAtRest) {
+  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kTwoLevel, .sweeps = 200}};
+  params.collision.self = false;
+  TriMesh mesh = rectangle(Pattern::kAlternating, -0.1, 0.1, 0.2, 0.01);
+  add_slivers(mesh, 20);
+  const Model model = must_build(mesh, params);
+  ASSERT_EQ(model.notes.size(), 1u);
+  EXPECT_EQ(model.notes[0].find("10 triangles are thinner than a tenth"), 0u) << model.notes[0];
+  State state = make_state(model);
+  const Mat3d turn = axes_along(normalized(Vec3d{1, 2, 3}));
+  for (std::size_t v = 0; v < std::size_t(model.count); v++) state.x.set(v, Vec3(turn * Vec3d(state.x[v])));
+  double fastest = 0;
+  for (int n = 0; n < 10; n++) {
+    const StepReport report = step(Exec(1), model, state, in_vacuum(0), kFrame);
+    ASSERT_TRUE(report.finite);
+    fastest = std::max(fastest, double(report.largest_speed));
+  }
+  EXPECT_LT(fastest, 2e-4) << "m/s";
+}
+
+// Sheets that fall on random rods and balls thinner than a cell stay finite and calm.
+TEST(ClothThinObstacles, RandomThinObstaclesStayCalm) {
+  RandomNumbers next{11};
+  for (int n = 0; n < 40; n++) {
+    const double radius = 0.001 + 0.0015 * (1 + next()), rate = next() > 0 ? 60 : 120;
+    const double friction = std::max(0.0, 0.4 * next()), height = 0.02 + 0.03 * (1 + next());
+    const double dx = next(), dy = next(), dz = next(), x = next(), y = next();
+    const bool is_ball = next() > 0.5;
+    const contact::Shape shape = is_ball ? contact::Shape(contact::Sphere{radius})
+                                         : contact::Shape(contact::Capsule{radius, 0.1 + 0.08 * next()});
+    const Vec3d level = normalized(Vec3d{dx, dy, 0});
+    const contact::Pose pose{{0.03 * x, 0.03 * y, -0.01},
+                             axes_along(normalized(level + Vec3d{0, 0, 0.2 * dz}))};
+    ThinFall fall = fall_on(kPatterns[n % 7], 14, height + 0.05, shape, pose, 1 / rate, friction);
+    expect_calm(fall, 1 / rate, int(0.8 * rate),
+                std::to_string(n) + ": " + name(kPatterns[n % 7]) + ", radius " + std::to_string(radius) +
+                    ", friction " + std::to_string(friction));
+  }
+}
+
+}  // namespace
+}  // namespace turgor::cloth
