@@ -157,9 +157,11 @@ TEST_F(FilesOut, NonFiniteRunKeepsResults) {
   write(folder / "stiff.toml",
         "[world]\nduration = 0.5\nframe_rate = 20\n[body.flag]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, "
         "1], side = "
-        "[1.5, 0, 0], up = [0, 0, 1], columns = 10, rows = 8 }\nfabric = { density = 0.12, warp = 1e30, weft "
+        "[1.5, 0, 0], up = [0, 0, 1], columns = 10, rows = 8 }\nfabric = { law = \"springs\", density = "
+        "0.12, warp = 1e30, weft "
         "= 800, "
-        "shear = 150, bend = 2 }\nwind = { velocity = [100, 0, 0] }\n[output]\nvideo = false\n");
+        "shear = 150, bend = 2 }\nsolver = { method = \"sweeps\" }\nwind = { velocity = [100, 0, 0] "
+        "}\n[output]\nvideo = false\n");
   const Ended ended = run_program("run stiff.toml -q --out out", folder);
   EXPECT_EQ(ended.code, 3) << ended.printed;
   EXPECT_NE(ended.printed.find("turgor: stiff.toml: stopped after "), std::string::npos) << ended.printed;

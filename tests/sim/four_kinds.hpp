@@ -38,7 +38,8 @@ fixed = "bone"
 [body.sheet]
 model = "cloth"
 sheet = { corner = [0, 0, 0.032], side = [0.06, 0, 0], up = [0, 0.06, 0], columns = 12, rows = 12 }
-fabric = { density = 2 }
+fabric = { law = "springs", density = 2 }
+solver = { method = "sweeps" }
 collision = { thickness = 0.002 }
 [body.sheet.obstacle.pad]
 body = "pad"

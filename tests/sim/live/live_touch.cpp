@@ -106,6 +106,7 @@ gravity = [0, 0, 0]
 [body.sheet]
 model = "cloth"
 sheet = { corner = [0, 0, 0], side = [0.1, 0, 0], up = [0, 0.1, 0], columns = 10, rows = 10 }
+fabric = { law = "springs" }
 solver = { method = "two_level" }
 damping = { motion = 4 }
 collision = { thickness = 0.008 }

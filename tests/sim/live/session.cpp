@@ -191,6 +191,8 @@ gravity = [0, 0, -9.81]
 [body.flag]
 model = "cloth"
 sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0, 0.2], columns = 10, rows = 10 }
+fabric = { law = "springs" }
+solver = { method = "sweeps" }
 [body.flag.hold.edge]
 box = [[-0.01, -0.01, 0.19], [0.21, 0.01, 0.21]]
 )");
@@ -408,7 +410,8 @@ frame_rate = 20
 [body.flag]
 model = "cloth"
 sheet = { corner = [0, 0, 1], side = [1.5, 0, 0], up = [0, 0, 1], columns = 10, rows = 8 }
-fabric = { density = 0.12, warp = 1e30, weft = 800, shear = 150, bend = 2 }
+fabric = { law = "springs", density = 0.12, warp = 1e30, weft = 800, shear = 150, bend = 2 }
+solver = { method = "sweeps" }
 wind = { velocity = [100, 0, 0] }
 )");
   Session session(file, {}, kOneThread);

@@ -37,10 +37,10 @@ cloth::Sheet read_sheet(SceneTable table) {
 void read_fabric(SceneTable table, cloth::Fabric& fabric) {
   // constitutive law
   using cloth::Law;
-  fabric.law = Law::kSprings;
+  fabric.law = table.has("bend") && !table.has("law") ? Law::kSprings : Law::kSheet;  // as before the sheet
   table.read_choice<Law>("law", fabric.law, {{"sheet", Law::kSheet}, {"springs", Law::kSprings}},
                          "`\"sheet\"`: continuum law, independent of the mesh; `\"springs\"`: springs of the "
-                         "paper");
+                         "paper, whose stiffness depends on the mesh");
   // keys with limits
   table.read("density", fabric.density, positive("kg/m²"), "mass per area");
   table.read("warp", fabric.warp, kStiffness, "stiffness along the warp");
@@ -52,8 +52,10 @@ void read_fabric(SceneTable table, cloth::Fabric& fabric) {
   table.read("rigidity_warp", fabric.rigidity_warp, within(0, 1, "N·m"),
              "sheet only: bending moment per width and curvature of the warp");
   table.read("rigidity_weft", fabric.rigidity_weft, within(0, 1, "N·m"), "sheet only: the same for the weft");
-  table.read("bend", fabric.bend, not_negative("N/m"),
-             "springs only: stiffness of the springs across edges, which resist bending");
+  table.read(
+      "bend", fabric.bend, not_negative("N/m"),
+      "springs only: stiffness of the springs across edges, which resist bending. Without `law` it selects "
+      "the springs");
   // keys that the law does not support
   for (const char* key : {"poisson", "rigidity_warp", "rigidity_weft"})
     if (fabric.law == Law::kSprings && table.has(key)) table.fail(key, "this key needs law = \"sheet\"");
@@ -66,29 +68,31 @@ void read_fabric(SceneTable table, cloth::Fabric& fabric) {
   table.finish();
 }
 
-void read_solver(SceneTable table, cloth::Solver& solver) {
-  // integrator and method
+void read_solver(SceneTable table, Device device, cloth::Solver& solver) {
+  // integrator and method; a GPU has sweeps only
   using cloth::Integrator;
   using cloth::Method;
-  solver.method = Method::kChebyshev;
+  solver.method = device == Device::kGpu ? Method::kChebyshev : Method::kTwoLevel;
   table.read_choice<Integrator>("integrator", solver.integrator,
                                 {{"euler", Integrator::kEuler}, {"bdf2", Integrator::kBdf2}},
                                 "`\"euler\"`: implicit Euler, numerically damped; `\"bdf2\"`: second order, "
                                 "for cloth that swings freely");
   table.read_choice<Method>(
       "method", solver.method,
-      {{"jacobi", Method::kJacobi},
-       {"chebyshev", Method::kChebyshev},
+      {{"two_level", Method::kTwoLevel},
        {"conjugate gradients", Method::kConjugateGradients},
-       {"two_level", Method::kTwoLevel}},
-      "`\"two_level\"`: conjugate gradients with a two-level preconditioner; "
-      "`\"chebyshev\"` or `\"jacobi\"` sweeps; `\"conjugate gradients\"`: with a Jacobi "
-      "preconditioner");
+       {"sweeps", Method::kChebyshev},
+       {"chebyshev", Method::kChebyshev},
+       {"jacobi", Method::kJacobi}},
+      "`\"two_level\"`: conjugate gradients with a two-level preconditioner, until the residual is below "
+      "`tolerance`; `\"conjugate gradients\"`: with a Jacobi preconditioner; `\"sweeps\"` (or "
+      "`\"chebyshev\"`): Jacobi sweeps of the paper, accelerated; `\"jacobi\"`: not accelerated. The default "
+      "on a GPU is `\"sweeps\"`");
   // defaults depend on the method
-  if (cloth::uses_conjugate_gradients(solver.method)) solver.sweeps = 200;
+  solver.sweeps = cloth::uses_conjugate_gradients(solver.method) ? 200 : 16;
   // keys with limits
   table.read("sweeps", solver.sweeps, within(1, 10000),
-             "per frame; maximum iterations of conjugate gradients, whose default is 200");
+             "sweeps per frame, 16 by default; maximum iterations of conjugate gradients, 200 by default");
   table.read("tolerance", solver.tolerance, within(0, 1),
              "conjugate gradients stop at this relative residual force; 0 = never");
   table.read("strain_limit", solver.strain_limit, within(0, 10),
@@ -238,9 +242,7 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
 }
 
 /// Refuses parameters that the GPU backend does not support.
-void read_device(SceneTable& body, ClothScene& cloth) {
-  body.read_choice<Device>("device", cloth.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
-                           "device of this body; the default is `world.device`");
+void check_device(SceneTable& body, const ClothScene& cloth) {
   if (cloth.device != Device::kGpu) return;
   const auto [key, why] = cloth::why_not_on_gpu(cloth.params);
   if (!key.empty())
@@ -263,6 +265,11 @@ ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scen
   else
     cloth.source = read_garment(body);
 
+  // device, on which the default solver depends
+  cloth.device = scene.device;
+  body.read_choice<Device>("device", cloth.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
+                           "device of this body; the default is `world.device`");
+
   // material and solver
   read_fabric(body.table("fabric"), cloth.params.fabric);
   SceneTable damping = body.table("damping");
@@ -271,7 +278,7 @@ ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scen
   damping.read("stretch", cloth.params.damping.stretch, not_negative("s"),
                "damping by the rate of stretch, in multiples of stiffness");
   damping.finish();
-  read_solver(body.table("solver"), cloth.params.solver);
+  read_solver(body.table("solver"), cloth.device, cloth.params.solver);
   read_collision(body.table("collision"), cloth.params.collision);
   body.read("weld", cloth.params.weld, within(0, 1, "m"), "merges vertices closer than this");
   read_wind(body.table("wind"), cloth);
@@ -282,8 +289,7 @@ ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scen
   SceneTable obstacles = body.table("obstacle");
   for (const std::string& obstacle : obstacles.names())
     cloth.obstacles.push_back(read_obstacle(obstacles.named(obstacle), obstacle, scene));
-  cloth.device = scene.device;
-  read_device(body, cloth);
+  check_device(body, cloth);
   body.finish();
   return cloth;
 }

@@ -15,7 +15,7 @@ gravity = [0, 0, -9.81]
 [body.flag]
 model = "cloth"
 sheet = { corner = [0, 0, 1], side = [0.3, 0, 0], up = [0, 0, 0.2], columns = 15, rows = 10 }
-fabric = { density = 0.12, warp = 800 }
+fabric = { law = "springs", density = 0.12, warp = 800 }
 collision = { thickness = 0.018 }
 solver = { method = "jacobi", sweeps = 4 }
 wind = { velocity = [7, 0.5, 0], gusts = 0.3, turns = [[0.2, 0, 5, 0]] }
@@ -174,7 +174,8 @@ gravity = [0, 0, -9.81]
 model = "cloth"
 sheet = { corner = [0, 0, 0.01], side = [0.2, 0, 0], up = [0, 0.2, 0], columns = 20, rows = 20 }
 damping = { motion = 2 }
-solver = { sweeps = 48 }
+fabric = { law = "springs" }
+solver = { method = "sweeps", sweeps = 48 }
 wind = { density = 0 }
 [body.sheet.obstacle.floor]
 plane = { through = [0, 0, 0] }
@@ -223,6 +224,8 @@ model = "cloth"
 mesh = "x.obj"
 scale = 0.07
 up = "y"
+fabric = { law = "springs" }
+solver = { method = "sweeps" }
 collision = { thickness = 0.008 }
 [body.shirt.hold.shoulders]
 box = [[-1, -1, 0.83], [1, 1, 1]]

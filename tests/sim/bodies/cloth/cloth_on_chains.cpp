@@ -63,7 +63,7 @@ tissue = "{}"
 [body.sheet]
 model = "cloth"
 sheet = {{ {}, columns = 15, rows = 17 }}
-fabric = {{ density = 1, warp = 100, weft = 100 }}
+fabric = {{ law = "springs", density = 1, warp = 100, weft = 100 }}
 solver = {{ method = "two_level" }}
 collision = {{ self = false, thickness = 0.003 }}
 wind = {{ density = 0 }}
@@ -108,6 +108,8 @@ press = {{ at_fraction = [0.5, 0, 0.5], depth = 0.01, start = 1, duration = 0.3,
 [body.sheet]
 model = "cloth"
 sheet = {{ corner = [{}, {}, {}], side = [0, 0, 0.1], up = [0.1, 0, 0], columns = 20, rows = 20 }}
+fabric = {{ law = "springs" }}
+solver = {{ method = "sweeps" }}
 collision = {{ self = false, thickness = 0.002 }}
 wind = {{ density = 0 }}
 damping = {{ motion = 2 }}

@@ -22,7 +22,8 @@ tissue = { fat = 5e3, poisson = 0.25 }
 [body.sheet]
 model = "cloth"
 sheet = { corner = [-0.064, -0.022, -0.064], side = [0, 0, 0.128], up = [0.128, 0, 0], columns = 40, rows = 40 }
-fabric = { density = 10 }
+fabric = { law = "springs", density = 10 }
+solver = { method = "sweeps" }
 collision = { self = false, thickness = 0.0015 }
 wind = { density = 0 }
 [body.sheet.obstacle.fat]

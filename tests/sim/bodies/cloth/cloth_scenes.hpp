@@ -32,7 +32,8 @@ inline constexpr const char* kSheetOnPad = R"(
 [body.sheet]
 model = "cloth"
 sheet = { corner = [0, 0, 0.033], side = [0.06, 0, 0], up = [0, 0.06, 0], columns = 24, rows = 24 }
-fabric = { density = 10 }
+fabric = { law = "springs", density = 10 }
+solver = { method = "sweeps" }
 collision = { self = false, thickness = 0.001 }
 wind = { density = 0 }
 [body.sheet.obstacle.pad]

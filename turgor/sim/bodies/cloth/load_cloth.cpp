@@ -101,6 +101,21 @@ Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh, const c
   return hold;
 }
 
+/// Sentences about a law or a method whose results depend on the mesh.
+std::vector<std::string> notes_on_accuracy(const cloth::Params& params) {
+  std::vector<std::string> notes;
+  if (params.fabric.law == cloth::Law::kSprings)
+    notes.emplace_back(
+        "fabric.law = \"springs\": the mass-spring system of the paper, for its comparison; its stiffness "
+        "depends on the mesh, that of \"sheet\" does not");
+  if (!cloth::uses_conjugate_gradients(params.solver.method))
+    notes.push_back(
+        fmt::format("solver.method: {} sweeps a frame do not check the residual; fine or stiff cloth may sag "
+                    "too little, and \"two_level\" converges at any mesh",
+                    params.solver.sweeps));
+  return notes;
+}
+
 Status upload_to_gpu(ClothBody& body) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) return Error{"device = \"gpu\": " + gpu.error().message};
@@ -133,6 +148,7 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
   body.model = std::move(*model);
   body.state = cloth::make_state(body.model);
   body.notes.insert(body.notes.end(), body.model.notes.begin(), body.model.notes.end());
+  for (std::string& note : notes_on_accuracy(scene.params)) body.notes.push_back(std::move(note));
   for (const HoldScene& hold_scene : scene.holds) {
     Result<ClothHold> hold = load_hold(hold_scene, mesh, body.model);
     if (!hold) return failed(hold.error());
