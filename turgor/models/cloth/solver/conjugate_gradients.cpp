@@ -35,11 +35,12 @@ double sum_batches(const Exec& exec, const Model& model, const Visit& visit) {
   return sum;
 }
 
-/// force − W a with contact terms, for the sixteen vertices from i on; 0 for held ones.
+/// force − W a with contact terms, for the sixteen vertices from i on; 0 for held ones. find_impulses of `a`
+/// comes first.
 Lanes3 residual_forces(const SheetView& sheet, const State& state, const Vectors& a, Lanes3 force,
-                       std::size_t i, bool with_loads = true) {
+                       std::size_t i) {
   return residual_forces<Lanes>(sheet, state.system.mass_factor, view(a), force, i, [&](Lanes3 sum) {
-    return state.implicit_contacts.touches(i) ? sum + implicit_contact_terms(state, a, with_loads, i) : sum;
+    return state.implicit_contacts.touches(i) ? sum + implicit_contact_terms(state, i) : sum;
   });
 }
 
@@ -63,6 +64,7 @@ double residual(const Exec& exec, const Model& model, State& state) {
   const SheetView sheet = view(model, state);
   TURGOR_ASSERT(system.air[0].size() > 0, "assemble was not told to measure the residual");
   const double force2 = square_of_force(exec, model, sheet, state);
+  find_impulses(exec, state, system.change, true);
   const double residual2 = sum_batches(exec, model, [&](std::size_t i) {
     return square(sheet, state, residual_forces(sheet, state, system.change, load(system.force, i), i), i);
   });
@@ -98,6 +100,7 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
   Vectors &r = system.residual_vector, &p = system.search, &q = system.image, &z = system.previous;
   for (Vectors* field : {&r, &p, &q}) field->resize(system.change.size());
   const SheetView sheet = view(model, state);
+  find_impulses(exec, state, system.change, true);
   double residual2 = sum_batches(exec, model, [&](std::size_t i) {
     const Lanes3 r_i = residual_forces(sheet, state, system.change, load(system.force, i), i);
     store(r, i, r_i);
@@ -121,9 +124,10 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
         },
         kChunkSize);
     // matrix product
+    find_impulses(exec, state, p, false);
     const double pq = sum_batches(exec, model, [&](std::size_t i) {
       const Lanes3 zero{};
-      const Lanes3 image = zero - residual_forces(sheet, state, p, zero, i, false);
+      const Lanes3 image = zero - residual_forces(sheet, state, p, zero, i);
       store(q, i, image);
       return dot(load(p, i), image);
     });

@@ -277,27 +277,41 @@ bool update_active_set(const Model& model, State& state, double dt) {
   return has_changed;
 }
 
-/// P of each closed contact is −K u, plus the load, distributed by the weights.
-Lanes3 implicit_contact_terms(const State& state, const Vectors& a, bool with_loads, std::size_t i) {
+/// P of each closed contact is −K u, plus the load. It is found once, not once for each of its vertices.
+void find_impulses(const Exec& exec, State& state, const Vectors& a, bool with_loads) {
+  constexpr std::size_t kGrain = 256;
+  std::vector<Contact>& list = state.implicit_contacts.contacts.list;
+  parallel_for(
+      exec, list.size(),
+      [&](std::size_t n) {
+        Contact& c = list[n];
+        const ImplicitContact& terms = state.implicit_contacts.terms[n];
+        c.impulse_delta = {};
+        if (!(terms.normal_stiffness > 0)) return;
+        const Vec3 u = weighted(c, a);
+        c.impulse_delta =
+            -u * terms.tangential_stiffness -
+            c.normal * ((terms.normal_stiffness - terms.tangential_stiffness) * dot(u, c.normal));
+        if (with_loads) c.impulse_delta += terms.load;
+      },
+      kGrain);
+}
+
+Lanes3 implicit_contact_terms(const State& state, std::size_t i) {
   const Contacts& contacts = state.implicit_contacts.contacts;
   Lanes3 sum{};
   const std::size_t end = std::min(i + std::size_t(kLanes), contacts.begin.size() - 1);
-  for (std::size_t v = i; v < end; v++)
+  for (std::size_t v = i; v < end; v++) {
+    // shares of the vertex in its contacts
+    Vec3 total;
     for (int m = contacts.begin[v]; m < contacts.begin[v + 1]; m++) {
       const auto item = std::size_t(contacts.item[std::size_t(m)]);
       const Contact& c = contacts.list[item / 4];
-      const ImplicitContact& terms = state.implicit_contacts.terms[item / 4];
-      if (!(terms.normal_stiffness > 0)) continue;
-      // impulse of the contact
-      const Vec3 u = weighted(c, a);
-      Vec3 impulse = -u * terms.tangential_stiffness -
-                     c.normal * ((terms.normal_stiffness - terms.tangential_stiffness) * dot(u, c.normal));
-      if (with_loads) impulse += terms.load;
-      impulse *= c.weight[item % 4];
-      // sum in the lane of the vertex
-      const std::size_t l = v - i;
-      sum.x[l] += impulse.x, sum.y[l] += impulse.y, sum.z[l] += impulse.z;
+      total += c.impulse_delta * c.weight[item % 4];
     }
+    const std::size_t l = v - i;
+    sum.x[l] = total.x, sum.y[l] = total.y, sum.z[l] = total.z;
+  }
   return sum;
 }
 

@@ -24,7 +24,9 @@ void find_implicit_contacts(const Exec& exec, const Model& model, State& state, 
 /// changed, friction is wrong, or a contact penetrates too far.
 bool update_active_set(const Model& model, State& state, double dt);
 
-/// Contact terms of force − W a for the sixteen vertices from i on; without loads, of −W a.
-Lanes3 implicit_contact_terms(const State& state, const Vectors& a, bool with_loads, std::size_t i);
+/// Sets Contact::impulse_delta to the impulse of each contact in force − W a; without loads, in −W a.
+void find_impulses(const Exec& exec, State& state, const Vectors& a, bool with_loads);
+/// Sum of the impulses of find_impulses at the sixteen vertices from i on.
+Lanes3 implicit_contact_terms(const State& state, std::size_t i);
 
 }  // namespace turgor::cloth
