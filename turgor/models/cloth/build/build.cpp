@@ -235,7 +235,7 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
     if (const auto count = std::count(slivers.begin(), slivers.end(), char(1)); count > 0)
       model.notes.push_back(
           std::to_string(count) +
-          " triangles are thinner than a tenth of those around them: they are softened, and "
+          " triangles are thinner than a tenth of those around them: they carry no force, and "
           "their edges do not resist folding");
   }
   if (params.collision.self)

@@ -78,27 +78,6 @@ MembraneLaw material(const Fabric& fabric) {
   return m;
 }
 
-/// Spring stiffness of the sides of every triangle, and the factor that softens slivers to it.
-struct SideStiffness {
-  std::vector<std::array<double, 3>> sides;  // [N/m]
-  std::vector<double> factor;                // [1]
-};
-SideStiffness find_side_stiffness(const MembraneLaw& m, const TriMesh& mesh, const Fabric& fabric) {
-  constexpr double kStiffest = 50;  // of a sliver's sides, relative to the fabric
-  const double limit = kStiffest * double(std::max({m.warp, m.weft, m.shear}));
-  const std::vector<char> is_sliver = find_slivers(mesh);
-  SideStiffness found;
-  for (std::size_t t = 0; t < mesh.triangles.size(); t++) {
-    const Corners c = corners(mesh, mesh.triangles[t]);
-    std::array<double, 3> sides = side_stiffness(m, c, weave_at(fabric.direction, cross(c.p, c.q)));
-    const double stiffest = std::max({sides[0], sides[1], sides[2]});
-    const double factor = is_sliver[t] && stiffest > limit ? limit / stiffest : 1;
-    for (double& side : sides) side *= factor;
-    found.sides.push_back(sides), found.factor.push_back(factor);
-  }
-  return found;
-}
-
 /// Slot of `other` in the row of `vertex`, relative to the first of its batch.
 std::uint16_t slot_of(const Rows& rows, int vertex, int other) {
   const std::size_t batch = std::size_t(vertex) / std::size_t(kLanes),
@@ -172,13 +151,14 @@ Weave weave_at(Vec3d direction, Vec3d normal) {
 Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
   Membrane m{.law = material(fabric)};
   const std::size_t count = mesh.triangles.size(), size = padded(count);
-  const std::vector<double> factor = find_side_stiffness(m.law, mesh, fabric).factor;
+  const std::vector<char> is_sliver = find_slivers(mesh);
   m.area.resize(size);
   for (int k = 0; k < 2; k++) m.second[k].resize(size), m.third[k].resize(size);
   for (std::size_t t = 0; t < count; t++) {
     const Corners c = corners(mesh, mesh.triangles[t]);
     const auto g = slopes_at_rest(c.p, c.q, weave_at(fabric.direction, cross(c.p, c.q)));
-    m.area[t] = Real(factor[t] * norm(cross(c.p, c.q)) / 2);
+    if (is_sliver[t]) continue;  // no area and no gradients: no force
+    m.area[t] = Real(norm(cross(c.p, c.q)) / 2);
     for (std::size_t k = 0; k < 2; k++) m.second[k][t] = Real(g[0][k]), m.third[k][t] = Real(g[1][k]);
   }
   return m;
@@ -186,8 +166,14 @@ Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
 
 std::vector<Spring> membrane_springs(const TriMesh& mesh, const Fabric& fabric) {
   // stiffness of the sides of each triangle
-  const std::vector<std::array<double, 3>> stiffness =
-      find_side_stiffness(material(fabric), mesh, fabric).sides;
+  const MembraneLaw m = material(fabric);
+  const std::vector<char> is_sliver = find_slivers(mesh);
+  std::vector<std::array<double, 3>> stiffness;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t++) {
+    const Corners c = corners(mesh, mesh.triangles[t]);
+    const Weave weave = weave_at(fabric.direction, cross(c.p, c.q));
+    stiffness.push_back(is_sliver[t] ? std::array<double, 3>{} : side_stiffness(m, c, weave));
+  }
   // sum over the triangles of each edge
   std::vector<Spring> springs;
   const std::vector<EdgeUse> uses = sorted_edges(mesh.triangles);

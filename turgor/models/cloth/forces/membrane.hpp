@@ -35,7 +35,7 @@ Weave weave_at(Vec3d direction, Vec3d normal);
 Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric);
 
 /// Springs along all edges that are together at least as stiff as the membrane; the matrix of a step uses
-/// them. Rest lengths are not set. Slivers (slivers.hpp) are softened as in make_membrane.
+/// them. Rest lengths are not set. Slivers (slivers.hpp) have no stiffness.
 std::vector<Spring> membrane_springs(const TriMesh& mesh, const Fabric& fabric);
 
 /// Finds the entries of the triangles' sides in rows of the same numbering.

@@ -37,6 +37,14 @@ std::vector<char> find_slivers(const TriMesh& mesh) {
     }
     is_sliver[n] = heights[n] < kThin * around;
   }
+  // a vertex of slivers only needs them
+  std::vector<char> is_carried(mesh.vertices.size(), 0);
+  for (std::size_t n = 0; n < is_sliver.size(); n++)
+    for (int k = 0; k < 3; k++)
+      if (is_sliver[n] == 0) is_carried[std::size_t(mesh.triangles[n][k])] = 1;
+  for (std::size_t n = 0; n < is_sliver.size(); n++)
+    for (int k = 0; k < 3; k++)
+      if (is_carried[std::size_t(mesh.triangles[n][k])] == 0) is_sliver[n] = 0;
   return is_sliver;
 }
 
