@@ -42,7 +42,7 @@ struct DeviceTriangles {
   Array<Int3> corners;
   Array<int> begin, item;  // by vertex, ascending
   MembraneLaw law;
-  Array<Real> area, second[2], third[2];
+  Array<Real> second[2], third[2];
   Array<std::array<std::uint8_t, 6>> slot;
   Array<std::array<std::uint16_t, 6>> wide_slot;
 
@@ -53,7 +53,6 @@ struct DeviceTriangles {
         begin(allocator.copy(lists.begin)),
         item(allocator.copy(lists.item)),
         law(m.membrane.law),
-        area(allocator.copy(m.membrane.area)),
         second{allocator.copy(m.membrane.second[0]), allocator.copy(m.membrane.second[1])},
         third{allocator.copy(m.membrane.third[0]), allocator.copy(m.membrane.third[1])},
         slot(allocator.copy(m.membrane.slot)),
@@ -76,7 +75,6 @@ struct DeviceTriangles {
   MembraneView view() const {
     return {law,
             corners.data(),
-            area.data(),
             {second[0].data(), second[1].data()},
             {third[0].data(), third[1].data()},
             slot.data(),

@@ -122,8 +122,7 @@ struct TensionChunk {
     const tension::Slopes<Lanes> g{
         {gather_lanes(m.second[0].data(), item), gather_lanes(m.second[1].data(), item)},
         {gather_lanes(m.third[0].data(), item), gather_lanes(m.third[1].data(), item)}};
-    const tension::Sides<Lanes> found =
-        tensions(m.law, gather_lanes(m.area.data(), item), g, gather(corner[1]) - a, gather(corner[2]) - a);
+    const tension::Sides<Lanes> found = tensions(m.law, g, gather(corner[1]) - a, gather(corner[2]) - a);
     // scatter to the entries of this chunk
     for (int l = 0; l < count; l++)
       for (int side = 0; side < 3; side++) {
@@ -152,13 +151,11 @@ Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
   Membrane m{.law = material(fabric)};
   const std::size_t count = mesh.triangles.size(), size = padded(count);
   const std::vector<char> is_sliver = find_slivers(mesh);
-  m.area.resize(size);
   for (int k = 0; k < 2; k++) m.second[k].resize(size), m.third[k].resize(size);
   for (std::size_t t = 0; t < count; t++) {
     const Corners c = corners(mesh, mesh.triangles[t]);
     const auto g = slopes_at_rest(c.p, c.q, weave_at(fabric.direction, cross(c.p, c.q)));
-    if (is_sliver[t]) continue;  // no area and no gradients: no force
-    m.area[t] = Real(norm(cross(c.p, c.q)) / 2);
+    if (is_sliver[t]) continue;  // gradients of 0: no force
     for (std::size_t k = 0; k < 2; k++) m.second[k][t] = Real(g[0][k]), m.third[k][t] = Real(g[1][k]);
   }
   return m;
@@ -223,8 +220,7 @@ TriangleTension triangle_tension(const Model& model, const State& state, std::si
   const auto at = [&state](int v) { return Vec3d(state.x[std::size_t(v)]); };
   const tension::Slopes<double> g{{double(m.second[0][triangle]), double(m.second[1][triangle])},
                                   {double(m.third[0][triangle]), double(m.third[1][triangle])}};
-  const tension::Sides<double> found =
-      tensions(m.law, double(m.area[triangle]), g, at(t.y) - at(t.x), at(t.z) - at(t.x));
+  const tension::Sides<double> found = tensions(m.law, g, at(t.y) - at(t.x), at(t.z) - at(t.x));
   return {{found.side[0], found.side[1], found.side[2]}, found.energy};
 }
 

@@ -76,10 +76,12 @@ struct Sides {
 };
 
 /// Tensions of the sides: τ_ij = −A ∇N_iᵀ S ∇N_j. The force on i along side i j is τ_ij (x_j − x_i). A is the
-/// rest area.
+/// rest area, recovered from the gradients; those of slivers are 0, and so is their force.
 template <class T, class V>
-TURGOR_HD inline Sides<T> tensions(const MembraneLaw& m, T area, const Slopes<T>& g, V p, V q) {
+TURGOR_HD inline Sides<T> tensions(const MembraneLaw& m, const Slopes<T>& g, V p, V q) {
   const Stress<T> s = stress(m, stretch(squared_stretch(g, p, q)));
+  const T twice = g.second[0] * g.third[1] - g.second[1] * g.third[0], size = larger(twice, -twice);
+  const T area = size > 0 ? all_of(twice, 0.5) / size : all_of(twice, 0);
   const T first[2] = {-g.second[0] - g.third[0], -g.second[1] - g.third[1]};
   const auto between = [&](const T(&a)[2], const T(&b)[2]) {
     return -area * (a[0] * (s.conjugate.warp * b[0] + s.conjugate.both * b[1]) +
@@ -96,7 +98,6 @@ namespace turgor::cloth {
 struct MembraneView {
   MembraneLaw law;
   const Int3* triangles;
-  const Real* area;
   const Real *second[2], *third[2];
   const std::array<std::uint8_t, 6>* slot;
   const std::array<std::uint16_t, 6>* wide_slot;  // instead of `slot`; else null
@@ -111,7 +112,6 @@ struct MembraneView {
 inline MembraneView view(const Membrane& m, const std::vector<Int3>& triangles) {
   return {m.law,
           triangles.data(),
-          m.area.data(),
           {m.second[0].data(), m.second[1].data()},
           {m.third[0].data(), m.third[1].data()},
           m.slot.data(),
@@ -136,8 +136,7 @@ struct TensionsAround {
       const tension::Slopes<Real> g{{membrane.second[0][t], membrane.second[1][t]},
                                     {membrane.third[0][t], membrane.third[1][t]}};
       const tension::Sides<Real> found =
-          tensions(membrane.law, membrane.area[t], g, sheet.x[std::size_t(corner.y)] - a,
-                   sheet.x[std::size_t(corner.z)] - a);
+          tensions(membrane.law, g, sheet.x[std::size_t(corner.y)] - a, sheet.x[std::size_t(corner.z)] - a);
       for (int side = 0; side < 3; side++)
         for (int end = 0; end < 2; end++)
           if (std::size_t(corner[(side + end) % 3]) == v)

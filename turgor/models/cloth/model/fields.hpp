@@ -79,7 +79,6 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"far_gathered", ""}, m.far_rows.gathered);
   visit(Field{"far_bend", "N/m"}, m.far_rows.bend);
   visit(Field{"spare", "N/m", Axis::kVertex}, m.extra_diagonal);
-  visit(Field{"membrane_area", "m^2"}, m.membrane.area);
   visit(Field{"second_slope_warp", "1/m"}, m.membrane.second[0]);
   visit(Field{"second_slope_weft", "1/m"}, m.membrane.second[1]);
   visit(Field{"third_slope_warp", "1/m"}, m.membrane.third[0]);

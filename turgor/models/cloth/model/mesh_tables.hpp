@@ -20,7 +20,6 @@ struct MembraneLaw {
 /// Material law and rest triangles. Arrays are padded to whole batches of triangles.
 struct Membrane {
   MembraneLaw law;
-  aligned_vector<Real> area;  // at rest; 0 for slivers, which carry no force [m²]
   /// Gradients of the shape functions of the second and third corner, along warp and weft [1/m].
   aligned_vector<Real> second[2], third[2];
   /// Entries of a triangle's sides in the rows: slots of both end vertices of sides 0, 1 and 2, relative to
