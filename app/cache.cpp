@@ -53,7 +53,7 @@ void run_cache(const CacheOptions& options) {
   if (folder.empty()) throw Failure{2, "no cache folder: neither XDG_CACHE_HOME nor HOME is set"};
   if (options.clear)
     if (const std::size_t leftovers = remove_cache_leftovers(folder).size(); leftovers > 0)
-      fmt::print("{}: {} unfinished files of killed programs removed\n", folder.string(), leftovers);
+      print_plain("{}: {} unfinished files of killed programs removed\n", folder.string(), leftovers);
   const CacheFolder found = required(list_cache(folder));
   if (options.clear)
     clear(folder, found);

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/core/one_line.hpp"
 #include "turgor/core/plain_text.hpp"
 #include "turgor/core/start_thread.hpp"
 #include "turgor/haptics/drivers/inverse3_link.hpp"

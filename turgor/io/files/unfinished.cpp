@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "turgor/core/plain_text.hpp"
 #include "turgor/core/start_thread.hpp"
 
 namespace turgor {
@@ -132,7 +133,7 @@ bool is_inside(const fs::path& path, const fs::path& folder) {
     for (const fs::path& path : open.complete) names.push_back(path.string());
     const std::string named = fmt::format("{}", fmt::join(names, ", "));
     std::fprintf(stderr, "\nturgor: interrupted; complete: %s; unfinished files were removed\n",
-                 named.c_str());
+                 on_one_line(named).c_str());
   }
   _exit(130);
 }
