@@ -87,12 +87,12 @@ class HostileText : public testing::Test {
     }
   }
   /// Looks at the texts of a report as a program prints them.
-  void expect_plain_values(const nlohmann::json& json, const fs::path& file) {
-    if (json.is_string()) {
-      EXPECT_EQ(first_steering(json.get<std::string>()), "") << file;
+  void expect_plain_values(const nlohmann::json& text, const fs::path& file) {
+    if (text.is_string()) {
+      EXPECT_EQ(first_steering(text.get<std::string>()), "") << file;
     }
-    if (json.is_structured())
-      for (const auto& [key, value] : json.items()) {
+    if (text.is_structured())
+      for (const auto& [key, value] : text.items()) {
         EXPECT_EQ(first_steering(key), "") << file;
         expect_plain_values(value, file);
       }
@@ -208,7 +208,7 @@ TEST_F(HostileText, OfOptionsIsCleaned) {
                                    "replay ",
                                    "view --"})
     expect_plain(before + value);
-  ASSERT_EQ(expect_plain("run pad.toml --out " + value).code, 0);
+  ASSERT_EQ(expect_plain("run pad.toml --out run" + value).code, 0);  // `value` is the folder of the phantom
   EXPECT_EQ(run_shell("cp pad.toml " + value + ".toml", folder).code, 0);
   ASSERT_EQ(expect_plain("run " + value + ".toml --out named --set 'output.color=\"none\"'").code, 0);
   expect_plain_reports(folder / "named");

@@ -90,12 +90,15 @@ const char* kStill =
     "[world]\nduration = 0.02\nframe_rate = 50\n[output]\nvideo = false\n"
     "snapshots = { every = 0.02, size = [64, 64] }\n";
 
-// Vertex i of a cloth is vertex i of its mesh in every output file.
+// Vertex i of a cloth is vertex i of its mesh in every output file. Springs rest in the mesh; a sheet
+// unrolls.
 TEST(Numbering, ClothKeepsVertexOrder) {
   const fs::path folder = fresh_folder();
   const TriMesh given = shuffled_sheet();
   ASSERT_TRUE(write_obj(folder / "mine.obj", given));
-  write(folder / "s.toml", std::string(kStill) + "[body.sheet]\nmodel = \"cloth\"\nmesh = \"mine.obj\"\n");
+  write(folder / "s.toml", std::string(kStill) +
+                               "[body.sheet]\nmodel = \"cloth\"\nmesh = \"mine.obj\"\n"
+                               "fabric = { law = \"springs\" }\n");
   const Ended ended = run_program("run s.toml --out out", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   expect_same_positions(given, read_surface(folder / "out" / "sheet.obj")->mesh, 3e-6f);

@@ -91,7 +91,7 @@ TEST(Hdf5File, RejectsCyclicHeap) {
 // counted as damaged.
 TEST(Hdf5File, ThreadsReadOneFile) {
   const std::string path = test::fresh_folder() / "shared.h5";
-  const std::vector<float> values(1 << 18, 1.5f);
+  const std::vector<float> values(3 << 17, 1.5f);
   {
     Result<Hdf5File> file = Hdf5File::create(path);
     ASSERT_TRUE(file && file->write<float>("/values", values, 3));

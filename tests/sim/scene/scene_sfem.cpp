@@ -142,7 +142,7 @@ TEST(SceneSfem, ErrorsNameLocation) {
       {tool("body = \"b\"\nshape = { sphere = 1 }"),
        "path or press or grasp or hand is missing: how the tool moves"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [1, nan, 0, 0]]"),
-       "s.toml:9:27: tool.t.path: expected numbers [s and m], found nan"},
+       "s.toml:9:27: tool.t.path: expected numbers from -1e+12 to 1e+12 [s and m], found nan"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [0, 1, 0, 0]]"),
        "row 2 of the path: expected a time after that of the previous row"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npress = { depth = 0.1 }"), "at or at_fraction is missing"},

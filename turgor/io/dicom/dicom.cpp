@@ -29,11 +29,12 @@ struct ChosenSlices {
 
 /// A single file selects its series: its folder is read, and other series in it are ignored.
 Result<ChosenSlices> slices_beside(const Exec& exec, const fs::path& file, const Progress& progress) {
-  const DicomFile named = read_dicom_header(file);
+  const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+  // The header is read under the name that the folder lists, so that the scan does not read it again.
+  const DicomFile named = read_dicom_header(folder / file.filename());
   if (!named.slice)
     return Error{fmt::format("{}: {}; expected a slice of a CT", file.string(), named.problem)};
-  const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
-  Result<DicomFolder> found = scan_dicom(exec, folder, false, progress);
+  Result<DicomFolder> found = scan_dicom(exec, folder, false, progress, &named);
   if (!found) return found.error();
   ChosenSlices chosen;
   const std::string series = named.slice->series;

@@ -81,8 +81,9 @@ std::vector<double> decimal_numbers(std::string_view text);
 void read_geometry(const DicomValues& values, DicomSlice& slice);
 /// A signed or unsigned two-byte number.
 std::optional<int> short_integer(std::string_view value, bool is_signed, bool is_big_endian);
+/// Reads the headers of all files in a folder. `known`: one that has been read already, else null.
 Result<DicomFolder> scan_dicom(const Exec& exec, const std::filesystem::path& folder, bool recursive,
-                               const Progress& progress);
+                               const Progress& progress, const DicomFile* known = nullptr);
 /// Checks the other files of a folder. Error: one of them is a damaged slice of the chosen series, by its
 /// identifier or its name. All others give notes. The folder's `slices` are those of all series.
 Status judge_rest(const DicomFolder& folder, const std::string& series, std::vector<std::string>& notes);

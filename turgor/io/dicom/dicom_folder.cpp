@@ -110,13 +110,14 @@ std::string skipped_note(const std::vector<std::string>& names) {
 }  // namespace
 
 Result<DicomFolder> scan_dicom(const Exec& exec, const fs::path& folder, bool recursive,
-                               const Progress& progress) {
+                               const Progress& progress, const DicomFile* known) {
   const Result<Listed> listed = list_files(folder, recursive);
   if (!listed) return listed.error();
   std::vector<DicomFile> headers(listed->files.size());
   std::atomic<std::size_t> done{0};
   parallel_for(exec, headers.size(), [&](std::size_t i) {
-    headers[i] = read_dicom_header(listed->files[i]);
+    const fs::path& file = listed->files[i];
+    headers[i] = known && known->file == file ? *known : read_dicom_header(file);
     if (progress) progress(double(++done) / double(headers.size()));
   });
   DicomFolder found{.slices = {}, .rest = listed->rest, .file_count = headers.size()};

@@ -134,6 +134,7 @@ Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
 template <class T>
 Status Hdf5File::write(const std::string& name, std::span<const T> values, std::size_t columns,
                        Hdf5Packing packing) {
+  TURGOR_ASSERT(values.size() % columns == 0, "every row of a dataset is whole");
   const hsize_t shape[2] = {values.size() / columns, columns};
   const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links, 1);
@@ -183,6 +184,7 @@ bool add_rows(hid_t set, hid_t type, hsize_t rows, hsize_t columns, int axes, co
 
 template <class T>
 Status Hdf5File::append(const std::string& name, std::span<const T> values, std::size_t columns) {
+  TURGOR_ASSERT(values.size() % columns == 0, "every row of a dataset is whole");
   const hsize_t rows = values.size() / columns;
   const int axes = columns == 1 ? 1 : 2;
   Handle set(has(name) ? H5Dopen2(id_, name.c_str(), H5P_DEFAULT)

@@ -102,7 +102,9 @@ class Crossing {
 };
 
 /// True for a sample at the pose that the scene commands. A hand's jump is a teleport, which moves nothing.
+/// Tools that a host program moves have no path.
 bool is_commanded(const TouchingTool& tool, const ForceSample& sample) {
+  if (tool.hand.empty() && tool.path.rows.empty()) return false;
   return norm(command_at(tool, sample.time).pose.position - sample.position) < 1e-9;
 }
 

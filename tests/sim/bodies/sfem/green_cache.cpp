@@ -7,7 +7,6 @@
 #include <thread>
 
 #include <sys/stat.h>
-
 #include <sys/wait.h>
 #include <unistd.h>
 
