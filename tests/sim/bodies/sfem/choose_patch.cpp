@@ -40,21 +40,24 @@ struct Press {
   double poisson = 0.45;
   Vec3d at{0.0331, 0.0457, 0.04};     // [m]
   Vec3d to{0.0421, 0.0417, 0.04};     // [m]
-  double slide = 0;                   // duration [s]
+  double slide = 0;                   // duration [s]; 0: the ball stays over `at`
   std::string body = "memory = 0.6";  // keys; columns on demand save time
 };
 
 World pressed_world(const SolidMesh& mesh, const Press& press) {
   const auto folder = test::fresh_folder();
   EXPECT_TRUE(write_msh(folder / "block.msh", mesh));
+  const std::string slide = press.slide > 0 ? fmt::format(", to = [{}, {}, {}], slide = {}", press.to.x,
+                                                          press.to.y, press.to.z, press.slide)
+                                            : "";
   const std::string text = fmt::format(
       "[world]\nduration = {}\n[body.pad]\nmodel = \"sfem\"\nmesh = \"block.msh\"\nyoung = 3e3\npoisson = "
       "{}\n"
       "fixed = {{ sides = \"bottom\", depth = 0 }}\ncache = false\n{}\n[tool.finger]\nbody = \"pad\"\n"
-      "shape = {{ sphere = {} }}\nfriction = 0\npress = {{ at = [{}, {}, {}], to = [{}, {}, {}], depth = {}, "
-      "start = 0, duration = 0.05, hold = 0.05, slide = {} }}\n",
+      "shape = {{ sphere = {} }}\nfriction = 0\npress = {{ at = [{}, {}, {}], depth = {}, "
+      "start = 0, duration = 0.05, hold = 0.05{} }}\n",
       0.1 + press.slide, press.poisson, press.body, press.radius, press.at.x, press.at.y, press.at.z,
-      press.to.x, press.to.y, press.to.z, press.depth, press.slide);
+      press.depth, slide);
   const Result<Scene> scene = parse_scene(text, folder / "s.toml");
   EXPECT_TRUE(scene) << scene.error().message;
   Result<World> world = load_world(Exec(2), *scene);

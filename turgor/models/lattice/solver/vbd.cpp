@@ -133,7 +133,9 @@ struct VbdSweep {
     if (order == Order::kForward) solve_virtual_nodes(virtual_nodes);
   }
 
-  void operator()(HalfRow row) const {
+  /// Not inlined: every run then has the same bits. In a second copy of this code, the compiler may fuse
+  /// other products with their sums.
+  [[gnu::noinline]] void operator()(HalfRow row) const {
     const Lattice& l = gather.model.lattice;
     const int first = row_slot(l, row.j, row.k) + row.parity * l.half;
     if (sleeps() && !sleep.awake[std::size_t(row_of(gather.model, first))]) return;
