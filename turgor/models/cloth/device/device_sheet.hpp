@@ -189,7 +189,7 @@ class DeviceSheet final : public SheetBackend {
     if (model.params.fabric.law == Law::kSheet)
       run_(size(), TensionsAround{view(), triangles_.view(), triangles_.around()});
     run_(size(), AssembleRow<Real>{view(), Vec3(inputs.gravity), Real(dt), Real(dt * damping.motion),
-                                   has_air_, inputs.measure_residual});
+                                   has_air_, inputs.measure_residual, false});
     // warm start and held vertices
     contacts_.add_impulses(run_, view());
     run_(holds_.count, AimHolds{view(), holds_.data(), Real(dt)});

@@ -69,7 +69,8 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
   // wind load and its drag on free components
   System& system = state.system;
   const bool has_air = inputs.air.density > 0;
-  const bool keeps_air = inputs.measure_residual || uses_conjugate_gradients(model.params.solver.method);
+  const bool uses_cg = uses_conjugate_gradients(model.params.solver.method);
+  const bool keeps_air = inputs.measure_residual || uses_cg;
   if (keeps_air)
     for (Vectors& air : system.air) air.resize(state.x.size());
   TURGOR_CHECK(is_csr(model.component_begin, std::size_t(model.count)), "components cover all vertices");
@@ -91,10 +92,9 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
   if (model.params.fabric.law == Law::kSheet) find_tensions(exec, model, state);
   parallel_for(exec, batch_count(model.rows),
                AssembleRow<Lanes>{view(model, state), Vec3(inputs.gravity), Real(dt),
-                                  Real(dt * damping.motion), has_air, keeps_air},
+                                  Real(dt * damping.motion), has_air, keeps_air, uses_cg},
                kGrain);
-  if (!uses_conjugate_gradients(model.params.solver.method))
-    add_contact_impulses(state);  // else implicit_contact.cpp does
+  if (!uses_cg) add_contact_impulses(state);  // else implicit_contact.cpp does
   aim_holds(model, state, Real(dt));
 }
 

@@ -6,6 +6,28 @@
 
 namespace turgor::cloth {
 
+/// Smallest eigenvalue of a diagonal block that single precision resolves, relative to its trace.
+constexpr float kLeastEigenvalue = 1e-6f;
+
+/// Preconditioner for a diagonal block, from the factors L D Lᵀ. `least` bounds its eigenvalues from below. A
+/// block that is much stiffer in one direction than in another is shifted, so that rounding keeps the inverse
+/// positive definite. The cofactors of inverse() would cancel.
+template <class T>
+TURGOR_HD inline Symmetric<T> definite_inverse(Symmetric<T> m, T least) {
+  // scale to a trace of 1, and shift
+  const T scale = 1 / (m.diagonal.x + m.diagonal.y + m.diagonal.z), limit = all_of<T>(kLeastEigenvalue);
+  const T shift = larger(limit - least * scale, all_of<T>(0));
+  const auto [b, c, e] = m.off * scale;
+  // factors
+  const T d1 = m.diagonal.x * scale + shift, l21 = b / d1, l31 = c / d1;
+  const T d2 = larger(m.diagonal.y * scale + shift - b * l21, limit), l32 = (e - c * l21) / d2;
+  const T d3 = larger(m.diagonal.z * scale + shift - c * l31 - l32 * l32 * d2, limit);
+  // L⁻ᵀ D⁻¹ L⁻¹
+  const T i1 = scale / d1, i2 = scale / d2, i3 = scale / d3, w = l21 * l32 - l31;
+  return {Three<T>{i1 + l21 * l21 * i2 + w * w * i3, i2 + l32 * l32 * i3, i3},
+          Three<T>{-l21 * i2 - w * l32 * i3, w * i3, -l32 * i3}};
+}
+
 /// Assembles the row of a vertex: force with stretch damping, matrix entries, and inverse diagonal block.
 template <class T>
 struct AssembleRow {
@@ -13,11 +35,12 @@ struct AssembleRow {
   Vec3 gravity;
   Real dt, motion_damping;  // h [s]; h·motion damping [1]
   bool has_air, keeps_air;
+  bool preconditions;  // the inverse diagonal is a preconditioner of conjugate gradients
 
   /// Springs with the energy ½ k (L − L₀)²: force k (1 − L₀/L) e, and J = k [n nᵀ + max(0, 1 − L₀/L) (I − n
-  /// nᵀ)], with e the vector to the neighbor and n its direction.
+  /// nᵀ)], with e the vector to the neighbor and n its direction. `least` grows by the isotropic part of d.
   TURGOR_HD static void add_springs(const SheetView s, Real dt, std::size_t i, const Three<T>& x,
-                                    const Three<T>& v, T is_free, Three<T>& f, Symmetric<T>& d) {
+                                    const Three<T>& v, T is_free, Three<T>& f, Symmetric<T>& d, T& least) {
     const RowsView& rows = s.rows;
     for (int slot = rows.begin(i); slot < rows.end(i); slot++) {
       const std::size_t entry = entry_of<T>(slot, i);
@@ -32,15 +55,16 @@ struct AssembleRow {
       d.diagonal = d.diagonal + Three<T>{along * e.x * e.x + across, along * e.y * e.y + across,
                                          along * e.z * e.z + across};
       d.off = d.off + Three<T>{along * e.x * e.y, along * e.x * e.z, along * e.y * e.z};
+      least = least + across;
       store<T>(s.along, entry, along * is_free);
       store<T>(s.across, entry, across * is_free);
     }
   }
 
   /// Sheet: forces from the membrane tensions in `across`, τ e, and bending. J bounds the membrane stiffness
-  /// by springs along the edges. Compressed edges lose the transverse term.
+  /// by springs along the edges. Compressed edges lose the transverse term. `least` as in add_springs.
   TURGOR_HD static void add_sheet(const SheetView s, Real dt, std::size_t i, const Three<T>& x,
-                                  const Three<T>& v, T is_free, Three<T>& f, Symmetric<T>& d) {
+                                  const Three<T>& v, T is_free, Three<T>& f, Symmetric<T>& d, T& least) {
     const RowsView &rows = s.rows, &far = s.far;
     const T extra_diagonal = load<T>(s.extra_diagonal, i) * s.stiffness_factor;
     T sum = extra_diagonal;
@@ -65,6 +89,7 @@ struct AssembleRow {
       sum = sum + bend * s.stiffness_factor;
     }
     d.diagonal = d.diagonal + Three<T>{sum, sum, sum};
+    least = least + sum;
   }
 
   TURGOR_HD void operator()(std::size_t n) const {
@@ -73,8 +98,8 @@ struct AssembleRow {
     const Three<T> x = load<T>(sheet.x, i), v = load<T>(sheet.v, i);
     const T mass = load<T>(sheet.free_mass, i);
     const T is_free = cloth::is_free<T>(sheet, i);
-    Symmetric<T> d{{mass * (1 + motion_damping), mass * (1 + motion_damping), mass * (1 + motion_damping)},
-                   {}};
+    T least = mass * (1 + motion_damping);  // of the eigenvalues of d
+    Symmetric<T> d{{least, least, least}, {}};
     Three<T> f = Three<T>{mass * gravity.x, mass * gravity.y, mass * gravity.z} * all_of<T>(dt) -
                  v * (mass * motion_damping);
     // wind
@@ -87,12 +112,12 @@ struct AssembleRow {
     }
     // springs or sheet
     if (sheet.is_sheet())
-      add_sheet(sheet, dt, i, x, v, is_free, f, d);
+      add_sheet(sheet, dt, i, x, v, is_free, f, d, least);
     else
-      add_springs(sheet, dt, i, x, v, is_free, f, d);
+      add_springs(sheet, dt, i, x, v, is_free, f, d, least);
     const T is_held = 1 - is_free;  // row of a held vertex: its change is given
     d = {d.diagonal * is_free + Three<T>{is_held, is_held, is_held}, d.off * is_free};
-    const Symmetric<T> inverted = inverse(d);
+    const Symmetric<T> inverted = preconditions ? definite_inverse<T>(d, least + is_held) : inverse(d);
     store<T>(sheet.inverse[0], i, inverted.diagonal), store<T>(sheet.inverse[1], i, inverted.off);
     store<T>(sheet.force, i, f * is_free);
   }
