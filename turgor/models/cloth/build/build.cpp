@@ -127,13 +127,15 @@ NeighborLists excluded_pairs(const TriMesh& mesh, const Vectors& x_rest, double 
 
 /// Triangles with an edge above 1.5 thicknesses, and their edges. Vertex contacts keep two sheets apart if
 /// edges are about as long as the thickness: edges of √2 times that length that cross at their midpoints have
-/// ends one thickness apart.
-LargePrimitives find_large_primitives(const TriMesh& mesh, double thickness) {
+/// ends one thickness apart. Slivers collide with nothing.
+LargePrimitives find_large_primitives(const TriMesh& mesh, const Membrane& membrane, double thickness) {
   LargePrimitives large;
   const double limit = 1.5 * thickness;
   std::set<std::array<int, 2>> edges;
-  for (const Int3 t : mesh.triangles) {
+  for (std::size_t n = 0; n < mesh.triangles.size(); n++) {
     // longest edge
+    const Int3 t = mesh.triangles[n];
+    if (membrane.is_sliver(n)) continue;
     double longest = 0;
     for (int side = 0; side < 3; side++)
       longest = std::max(longest, norm(Vec3d(mesh.vertices[std::size_t(t[side])]) -
@@ -235,8 +237,8 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
     if (const auto count = std::count(slivers.begin(), slivers.end(), char(1)); count > 0)
       model.notes.push_back(
           std::to_string(count) +
-          " triangles are thinner than a tenth of those around them: they carry no force, and "
-          "their edges do not resist folding");
+          " triangles are thinner than a tenth of those around them: they carry no force, "
+          "their edges do not resist folding, and they pass through the cloth");
   }
   if (params.collision.self)
     if (const std::string folded = folded_edges(mesh); !folded.empty())
@@ -269,7 +271,7 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
   if (params.collision.self) {
     model.excluded = excluded_pairs(mesh, model.x_rest, params.collision.thickness);
     note_near_layers(mesh, model);
-    model.large = find_large_primitives(mesh, params.collision.thickness);
+    model.large = find_large_primitives(mesh, model.membrane, params.collision.thickness);
   }
   // blocks of the preconditioner
   if (params.solver.method == Method::kTwoLevel) model.blocks = make_blocks(model);

@@ -27,7 +27,9 @@ void set_displacements(const Exec& exec, const State& state, const CcdMotion& mo
 }
 
 bool intersects_itself(const Exec& exec, const Model& model, ConstVectorsView x) {
-  TriMesh mesh{.triangles = model.triangles};
+  TriMesh mesh;
+  for (std::size_t t = 0; t < model.triangles.size(); t++)
+    if (!model.membrane.is_sliver(t)) mesh.triangles.push_back(model.triangles[t]);
   for (int v = 0; v < model.count; v++) mesh.vertices.push_back(x[std::size_t(v)]);
   return !crossing_triangles(exec, mesh).empty();
 }

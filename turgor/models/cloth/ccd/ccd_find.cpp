@@ -49,7 +49,7 @@ MotionBox box_of_leaf(const Model& model, const CcdMotion& motion, std::size_t l
   return around(box, box_of_batch(model, motion, second));
 }
 
-/// Vertex with its incident triangles and neighbors.
+/// Vertex with its incident triangles, but for slivers, and its neighbors in these.
 struct Star {
   int vertex = -1;
   std::vector<Int3> triangles;
@@ -74,7 +74,8 @@ void gather_star(const Model& model, int v, Star& star) {
     for (int t = model.triangle_begin[std::size_t(smallest)];
          t < model.triangle_begin[std::size_t(smallest) + 1]; t++) {
       const Int3 corners = model.triangles[std::size_t(t)];
-      if (corners.x == v || corners.y == v || corners.z == v) star.add(corners);
+      if ((corners.x == v || corners.y == v || corners.z == v) && !model.membrane.is_sliver(std::size_t(t)))
+        star.add(corners);
     }
   };
   const Rows& rows = model.rows;

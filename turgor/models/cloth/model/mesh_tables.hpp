@@ -26,6 +26,13 @@ struct Membrane {
   /// the first slot of their batch.
   std::vector<std::array<std::uint8_t, 6>> slot;
   std::vector<std::array<std::uint16_t, 6>> wide_slot;  // instead, if a batch has more than 256 slots
+
+  /// True for a triangle without force (forces/slivers.hpp). Springs have no membrane, and no slivers.
+  bool is_sliver(std::size_t triangle) const {
+    const auto is_zero = [triangle](const aligned_vector<Real>& a) { return a[triangle] == 0; };
+    return !second[0].empty() && is_zero(second[0]) && is_zero(second[1]) && is_zero(third[0]) &&
+           is_zero(third[1]);
+  }
 };
 
 constexpr std::size_t kChunk =
