@@ -42,6 +42,8 @@ TEST(StartThreadDeathTest, LoopRunsWithFewerThreads) {
       testing::ExitedWithCode(0), "");
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)  // sanitizers need memory for a thread of their own
 // A thread that cannot start is an error with its purpose and the reason.
 TEST(StartThreadDeathTest, RefusedThreadIsAnError) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
@@ -54,6 +56,7 @@ TEST(StartThreadDeathTest, RefusedThreadIsAnError) {
       },
       testing::ExitedWithCode(0), "cannot start the thread of a test: Resource temporarily unavailable");
 }
+#endif
 
 // Without limits every wanted thread starts.
 TEST(StartThread, AllThreadsStart) {

@@ -146,10 +146,12 @@ std::optional<Candidate> best_of(SfemBody& body, const std::vector<Candidate>& c
 /// Sentence about a choice that differs from the usual one.
 std::string note_of(const SfemBody& body, const Candidate& chosen, double usual_bytes) {
   const double bytes = bytes_of_patch(body, body.centers);
+  // beyond 100 % the estimate only says that the force is wrong
+  const std::string error =
+      chosen.error > 1 ? "more than 100 %" : fmt::format("{:.1f} %", 100 * chosen.error);
   std::string note = fmt::format(
-      "the patch was chosen: radius {:.3g} mm, refinement {}; expected force error {:.1f} %, memory {:.3g} "
-      "GB",
-      1e3 * chosen.radius, chosen.refinement, 100 * chosen.error, bytes * 1e-9);
+      "the patch was chosen: radius {:.3g} mm, refinement {}; expected force error {}, memory {:.3g} GB",
+      1e3 * chosen.radius, chosen.refinement, error, bytes * 1e-9);
   if (usual_bytes > double(body.patch_memory))
     note += fmt::format("; a radius of {:.3g} mm would take {:.3g} GB, the limit is {:.3g} GB",
                         1e3 * kUsualRadius, usual_bytes * 1e-9, double(body.patch_memory) * 1e-9);
