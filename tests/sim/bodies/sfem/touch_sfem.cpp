@@ -393,7 +393,8 @@ TEST(TouchSfem, ReportHasForcesAndTimes) {
   const Vec3d of_tick = world.tools[0].samples[tick - 1].force;
   ASSERT_EQ(measures.pressed[0].tools.size(), 1u);
   EXPECT_EQ(measures.pressed[0].tools[0].force, of_tick) << "bit by bit";
-  // The compiler may fuse multiply and add in one copy of norm and not in another: up to 4 last places apart.
+  // The compiler may fuse multiply and add in one copy of norm and not in another: up to 4 units in the last
+  // digit apart.
   EXPECT_DOUBLE_EQ(measures.pressed[0].force, norm(of_tick));
   EXPECT_GE(report["tools"][0]["series"].size(), 190u);
   EXPECT_FALSE(report["scene"].contains("method"));

@@ -235,10 +235,9 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
   if (is_sheet) {
     const std::vector<char> slivers = find_slivers(mesh);
     if (const auto count = std::count(slivers.begin(), slivers.end(), char(1)); count > 0)
-      model.notes.push_back(
-          std::to_string(count) +
-          " triangles are thinner than a tenth of those around them: they carry no force, "
-          "their edges do not resist folding, and they pass through the cloth");
+      model.notes.push_back(std::to_string(count) +
+                            " triangles are thinner than a tenth of those around them: they carry no force, "
+                            "their edges do not resist folding, and they pass through the cloth");
   }
   if (params.collision.self)
     if (const std::string folded = folded_edges(mesh); !folded.empty())

@@ -49,7 +49,7 @@ MotionBox box_of_leaf(const Model& model, const CcdMotion& motion, std::size_t l
   return around(box, box_of_batch(model, motion, second));
 }
 
-/// Vertex with its incident triangles, but for slivers, and its neighbors in these.
+/// Vertex with its incident triangles, except slivers, and its neighbors in these.
 struct Star {
   int vertex = -1;
   std::vector<Int3> triangles;
