@@ -61,11 +61,11 @@ TEST(ClothOnLattice, HeavySheetMatchesColumn) {
   const Exec exec(2);
   World world = sheet_on_lattice(test::fresh_folder(), exec, {"body.sheet.solver.method=blocks"});
   double most = 0, late_least = 1, late_most = 0;
-  for (int n = 0; n < 280; n++) {
+  for (int n = 0; n < 360; n++) {
     run(world, 1, exec);
     const double down = middle_of(world.lattice_bodies[0]).down;
     most = std::max(most, down);
-    if (n >= 180) late_least = std::min(late_least, down), late_most = std::max(late_most, down);
+    if (n >= 260) late_least = std::min(late_least, down), late_most = std::max(late_most, down);
   }
   const double pressure = 10 * kGravity, weight = pressure * 0.128 * 0.128;
   const ClothBody& sheet = world.cloth_bodies[0];
