@@ -9,6 +9,7 @@
 
 #include "reader/sandbox.hpp"
 #include "reader/tasks.hpp"
+#include "turgor/io/files/child.hpp"
 #include "turgor/io/files/reader_protocol.hpp"
 
 namespace {
@@ -18,7 +19,6 @@ using namespace turgor;
 std::size_t number(const char* text) { return std::strtoull(text, nullptr, 10); }
 
 int run(int count, char** words) {
-  constexpr int kSharedFile = 3;
   if (count > 1 && std::atoi(words[1]) != io::kReaderProtocol) return io::kOtherProtocol;
   if (count == 5 && std::strcmp(words[3], "hdf5") == 0) {
     enter_sandbox(number(words[2]));
@@ -26,7 +26,7 @@ int run(int count, char** words) {
   }
   if (count == 6 && std::strcmp(words[3], "dicom") == 0) {
     enter_sandbox(number(words[2]));
-    return decode_dicom(kSharedFile, number(words[4]), number(words[5])) ? io::kSound : io::kUnsound;
+    return decode_dicom(io::kSharedFile, number(words[4]), number(words[5])) ? io::kSound : io::kUnsound;
   }
   std::fputs("turgor-read is started by turgor to read HDF5 and DICOM files; it has no use by itself\n",
              stderr);

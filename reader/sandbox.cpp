@@ -83,19 +83,11 @@ class Filter {
   }
   /// Allows a call if none of these bits is set in an argument.
   void allow_without(unsigned call, unsigned argument, unsigned bits) {
-    add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
-    load(unsigned(offsetof(seccomp_data, args) + 8 * argument));
-    add(BPF_JMP | BPF_JSET | BPF_K, bits, 0, 1);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    decide_by(call, argument, BPF_JSET, bits, SECCOMP_RET_ERRNO | EPERM, SECCOMP_RET_ALLOW);
   }
   /// Allows a call if an argument has this value.
   void allow_with(unsigned call, unsigned argument, unsigned value) {
-    add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
-    load(unsigned(offsetof(seccomp_data, args) + 8 * argument));
-    add(BPF_JMP | BPF_JEQ | BPF_K, value, 1, 0);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    decide_by(call, argument, BPF_JEQ, value, SECCOMP_RET_ALLOW, SECCOMP_RET_ERRNO | EPERM);
   }
   void install() {
     add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM);
@@ -108,6 +100,15 @@ class Filter {
     code_.push_back({static_cast<unsigned short>(code), if_true, if_false, value});
   }
   void load(unsigned offset) { add(BPF_LD | BPF_W | BPF_ABS, offset); }
+  /// Ends a call with one of two actions, by a test of an argument.
+  void decide_by(unsigned call, unsigned argument, unsigned test, unsigned value, unsigned if_true,
+                 unsigned if_false) {
+    add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
+    load(unsigned(offsetof(seccomp_data, args) + 8 * argument));
+    add(BPF_JMP | test | BPF_K, value, 0, 1);
+    add(BPF_RET | BPF_K, if_true);
+    add(BPF_RET | BPF_K, if_false);
+  }
   void unless_equal(unsigned value, unsigned action) {
     add(BPF_JMP | BPF_JEQ | BPF_K, value, 1, 0);
     add(BPF_RET | BPF_K, action);

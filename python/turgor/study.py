@@ -21,6 +21,7 @@ import argparse
 import concurrent.futures
 import csv
 import hashlib
+import io
 import itertools
 import json
 import math
@@ -202,9 +203,8 @@ class Study:
     def _cases(self, table):
         if table is None:
             return [{}]
-        _check_is_file(self.file.parent / table)
-        with open(self.file.parent / table, newline="", encoding="utf-8") as rows:
-            return [{key: self._path(value) for key, value in row.items()} for row in csv.DictReader(rows)]
+        rows = csv.DictReader(io.StringIO(_text_of(self.file.parent / table), newline=""))
+        return [{key: self._path(value) for key, value in row.items()} for row in rows]
 
     def _path(self, value):
         """Value of a cell: a number, or a file relative to the study."""
@@ -256,7 +256,7 @@ def _task(study, member, folder):
 
 def run_member(task):
     """Runs a member and writes its row, or a message on failure. If this process is killed, the member ends itself without a row."""
-    if "measured" in (_row(task["file"]) or {}):
+    if "measured" in (_row(task["file"], task["measure"]) or {}):
         return  # a cluster repeats tasks of lost machines
     if task["version"] != __version__:
         raise Error(f"{sys.prefix}: expected turgor {task['version']} as on the machine that the study was started on, found {__version__}")
@@ -271,7 +271,7 @@ def run_member(task):
 
 def leave_row(task, row):
     """Writes a row. A failure does not replace measurements, since another worker may have run the member of a lost one."""
-    if "measured" in row or "measured" not in (_row(task["file"]) or {}):
+    if "measured" in row or "measured" not in (_row(task["file"], task["measure"]) or {}):
         _write(pathlib.Path(task["file"]), json.dumps({**row, "set": task["set"]}))
 
 
@@ -286,8 +286,8 @@ def _file_of(member, folder):
     return folder / "members" / f"{member['key']}.json"
 
 
-def _row(file):
-    """Row of a member; None if it is missing or cut short. Raises Error for content that no member writes."""
+def _row(file, names):
+    """Row of a member with measurements of these names; None if it is missing or cut short. Raises Error for content that no member writes."""
     try:
         _check_is_file(file)
     except OSError:
@@ -299,8 +299,8 @@ def _row(file):
     if not isinstance(row, dict):
         raise Error(f"{file}: expected the row of a member, a JSON object, found {type(row).__name__}; remove it to run the member again")
     measured = row.get("measured")
-    numbers = isinstance(measured, dict) and all(isinstance(value, (int, float)) for value in measured.values())
-    if not numbers and not isinstance(row.get("failed"), str):
+    numbers = isinstance(measured, dict) and all(isinstance(measured.get(name), (int, float)) for name in names)
+    if not numbers and ("measured" in row or not isinstance(row.get("failed"), str)):
         raise Error(f"{file}: expected measured numbers or a failure, found {', '.join(row) or 'nothing'}; remove it to run the member again")
     return row
 
@@ -363,7 +363,7 @@ def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, c
     folder = pathlib.Path(out or pathlib.Path("out") / study.file.stem)
     (folder / "members").mkdir(parents=True, exist_ok=True)
     mine = list({m["key"]: m for m in study.members[part[0] - 1::part[1]]}.values())
-    missing = [_task(study, m, folder) for m in mine if "measured" not in (_row(_file_of(m, folder)) or {})]
+    missing = [_task(study, m, folder) for m in mine if "measured" not in (_row(_file_of(m, folder), study.measure) or {})]
     jobs = jobs or max(1, (os.cpu_count() or 1) // max(1, study.run.get("threads", 1)))
     if cluster:
         from .study_dask import run_on_dask
@@ -376,7 +376,7 @@ def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, c
         if done == 5 or done % 50 == 0:
             remaining = (time.perf_counter() - begin) / done * (len(missing) - done)
             tell(f"{done} of {len(missing)} members, about {remaining / 60:.1f} minutes remaining")
-    rows = [_row(_file_of(m, folder)) for m in study.members]
+    rows = [_row(_file_of(m, folder), study.measure) for m in study.members]
     return _gather(study, folder, rows) if all(rows) else None
 
 

@@ -136,7 +136,7 @@ class Studies(unittest.TestCase):
         for content in ("[1, 2]", "3", "null", '"text"'):
             file.write_text(content)
             expect_refusal("expected the row of a member, a JSON object, found")
-        for content in ("{}", '{"measured": 3}', '{"measured": {"force": "x"}}'):
+        for content in ("{}", '{"measured": {}}', '{"measured": 3, "failed": "x"}', '{"measured": 3}', '{"measured": {"force": "x"}}'):
             file.write_text(content)
             expect_refusal("expected measured numbers or a failure, found")
         file.unlink()

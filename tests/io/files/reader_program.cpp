@@ -59,11 +59,23 @@ TEST(ReaderProgram, RejectsOtherVersion) {
   for (const char* status : {"253", "2"}) {
     const fs::path program = script(status);
     setenv("TURGOR_READ", program.c_str(), 1);
-    const Result<Child> child = start_reader({"hdf5", "some.h5"}, {});
-    ASSERT_TRUE(child);
-    const Result<ChildEnd> end = end_of_reader(wait_for({&*child, 1}, {})[0]);
+    const Child child = start_reader(find_reader().value(), {"hdf5", "some.h5"}, {});
+    const Result<ChildEnd> end = end_of_reader(wait_for({&child, 1}, {})[0]);
     ASSERT_FALSE(end);
     EXPECT_EQ(end.error().message, program.string() + " is of another version of turgor");
+    unsetenv("TURGOR_READ");
+  }
+}
+
+// A status that turgor-read does not have, as of a program without its libraries, is no verdict on the file.
+TEST(ReaderProgram, ForeignStatusIsNoVerdict) {
+  for (const char* status : {"127", "255"}) {
+    const fs::path program = script(status);
+    setenv("TURGOR_READ", program.c_str(), 1);
+    const Child child = start_reader(find_reader().value(), {"hdf5", "some.h5"}, {});
+    const Result<ChildEnd> end = end_of_reader(wait_for({&child, 1}, {})[0]);
+    ASSERT_FALSE(end);
+    EXPECT_EQ(end.error().message, program.string() + " ended with status " + status);
     unsetenv("TURGOR_READ");
   }
 }
@@ -75,9 +87,8 @@ TEST(ReaderProgram, UnknownWorkIsRefused) {
                                                {"dicom", "0", "0"},
                                                {"dicom", "0", "1"},
                                                {"hdf5", "/no/file"}}) {
-    const Result<Child> child = start_reader(work, {});
-    ASSERT_TRUE(child);
-    const ChildEnd end = wait_for({&*child, 1}, {})[0];
+    const Child child = start_reader(find_reader().value(), work, {});
+    const ChildEnd end = wait_for({&child, 1}, {})[0];
     EXPECT_EQ(end.kind, ChildEnd::Kind::kExited);
     EXPECT_NE(end.number, 0);
   }
@@ -88,9 +99,8 @@ TEST(ReaderProgram, RunsWithoutRights) {
   const fs::path pipe = test::fresh_folder() / "pipe.h5";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   const ChildLimits limits{.seconds = 60, .memory = std::size_t{256} << 20};
-  const Result<Child> child = start_reader({"hdf5", pipe.string()}, limits);
-  ASSERT_TRUE(child);
-  const std::string folder = "/proc/" + std::to_string(child->id) + "/";
+  const Child child = start_reader(find_reader().value(), {"hdf5", pipe.string()}, limits);
+  const std::string folder = "/proc/" + std::to_string(child.id) + "/";
   usleep(100000);
   std::string status, most;
   for (int n = 0; n < 1000 && line_of(status, "NoNewPrivs:") != "NoNewPrivs:\t1"; n++) {
@@ -99,8 +109,8 @@ TEST(ReaderProgram, RunsWithoutRights) {
   }
   usleep(100000);
   status = test::bytes_of(folder + "status"), most = test::bytes_of(folder + "limits");
-  kill(child->id, SIGKILL);
-  EXPECT_EQ(wait_for({&*child, 1}, limits)[0].number, SIGKILL);
+  kill(child.id, SIGKILL);
+  EXPECT_EQ(wait_for({&child, 1}, limits)[0].number, SIGKILL);
   EXPECT_EQ(line_of(status, "NoNewPrivs:"), "NoNewPrivs:\t1") << status;
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_EQ(line_of(status, "Seccomp:"), "Seccomp:\t2") << status;

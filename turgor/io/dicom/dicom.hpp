@@ -107,6 +107,8 @@ struct ChangedSamples {
 
   void operator+=(const ChangedSamples& other) { padding += other.padding, clamped += other.clamped; }
 };
+/// Stored bytes of a slice's pixels, as many as the file holds. `inflated`: as below.
+std::string stored_bytes(const DicomSlice& slice, InflatedStream* inflated, std::size_t byte_count);
 /// Hounsfield units of one uncompressed slice, columns fastest, as rows · columns samples. `inflated`: the
 /// data set of a deflated file, else null; its frames are read in the order of their offsets.
 Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, InflatedStream* inflated,

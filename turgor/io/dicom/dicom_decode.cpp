@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -18,6 +19,8 @@
 namespace turgor::io {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 // A slice takes far less than a second; a codec that needs longer is in an endless loop.
 constexpr double kSecondsPerSlice = 60;
@@ -91,26 +94,19 @@ void write_job(std::span<const DicomSlice* const> slices, const DecodeJob& job, 
   }
 }
 
-struct Work {
-  std::span<const DicomSlice* const> slices;
-  const SharedMemory& memory;
-  std::span<DecodeSlice> decoded;  // shared
-};
-
-/// Runs that many processes; each decodes every count-th slice.
-Result<std::vector<ChildEnd>> decode_all(const Work& work, std::size_t count, const ChildLimits& limits,
-                                         const Progress& progress) {
+/// Runs that many processes; each decodes every count-th slice of the shared memory.
+Result<std::vector<ChildEnd>> decode_all(std::span<DecodeSlice> decoded, int shared, std::size_t count,
+                                         const ChildLimits& limits, const Progress& progress) {
+  const Result<fs::path> program = find_reader();
+  if (!program) return program.error();
   std::vector<Child> children;
-  for (std::size_t c = 0; c < count; c++) {
-    const Result<Child> child =
-        start_reader({"dicom", fmt::format("{}", c), fmt::format("{}", count)}, limits, work.memory.file());
-    if (!child) return child.error();  // the first one, so none runs
-    children.push_back(*child);
-  }
+  for (std::size_t c = 0; c < count; c++)
+    children.push_back(
+        start_reader(*program, {"dicom", fmt::format("{}", c), fmt::format("{}", count)}, limits, shared));
   std::vector<ChildEnd> ends = wait_for(children, limits, [&] {
     const auto finished = [](const DecodeSlice& d) { return d.state.load() >= Decoding::kDone; };
-    const auto done = double(std::ranges::count_if(work.decoded, finished));
-    if (progress) progress(done / double(work.slices.size()));
+    const auto done = double(std::ranges::count_if(decoded, finished));
+    if (progress) progress(done / double(decoded.size()));
     return done;
   });
   for (ChildEnd& end : ends) {
@@ -140,7 +136,7 @@ Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const Di
                                             std::span<const std::span<std::int16_t>> hu,
                                             const Progress& progress) {
   if (slices.empty()) return ChangedSamples{};
-  // shared memory with the descriptions; new memory is zero: all slices are waiting
+  // shared memory with the descriptions
   const std::size_t area = hu[0].size(), count = slices.size();
   const auto bytes_of = [&](const DicomSlice& s) { return area * std::size_t(s.bits_allocated) / 8; };
   std::size_t slice_bytes = 0;
@@ -155,8 +151,7 @@ Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const Di
   // decoding in other processes
   const std::size_t processes = std::min(count, std::size_t(exec.threads()));
   const ChildLimits limits{.seconds = kSecondsPerSlice, .memory = kCodecBytes + kBytesPerSample * area};
-  const Result<std::vector<ChildEnd>> ends =
-      decode_all({slices, memory, decoded}, processes, limits, progress);
+  const Result<std::vector<ChildEnd>> ends = decode_all(decoded, memory.file(), processes, limits, progress);
   if (!ends)
     return Error{fmt::format("{}: cannot be decoded: {}", slices[0]->file.string(), ends.error().message)};
   for (std::size_t k = 0; k < count; k++)

@@ -57,9 +57,17 @@ ChangedSamples convert_to_hu(const DicomSlice& slice, const char* stored, std::s
 
 namespace {
 
-/// Stored bytes of a slice, as many as the file holds.
-std::vector<char> stored_bytes(const DicomSlice& slice, InflatedStream* inflated, std::size_t byte_count) {
-  std::vector<char> stored(byte_count);
+/// Swaps bytes in words of two, also for one-byte samples. [PS3.5, 8.1.1 and annex A.3]
+void swap_bytes(std::string& stored, int bits_allocated) {
+  const std::size_t size = bits_allocated == 32 ? 4 : 2;
+  for (std::size_t at = 0; at + size <= stored.size(); at += size)
+    std::reverse(stored.begin() + std::ptrdiff_t(at), stored.begin() + std::ptrdiff_t(at + size));
+}
+
+}  // namespace
+
+std::string stored_bytes(const DicomSlice& slice, InflatedStream* inflated, std::size_t byte_count) {
+  std::string stored(byte_count, '\0');
   if (inflated) {
     stored.resize(inflated->read(slice.pixel_offset, stored));
     return stored;
@@ -71,19 +79,10 @@ std::vector<char> stored_bytes(const DicomSlice& slice, InflatedStream* inflated
   return stored;
 }
 
-/// Swaps bytes in words of two, also for one-byte samples. [PS3.5, 8.1.1 and annex A.3]
-void swap_bytes(std::vector<char>& stored, int bits_allocated) {
-  const std::size_t size = bits_allocated == 32 ? 4 : 2;
-  for (std::size_t at = 0; at + size <= stored.size(); at += size)
-    std::reverse(stored.begin() + std::ptrdiff_t(at), stored.begin() + std::ptrdiff_t(at + size));
-}
-
-}  // namespace
-
 Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, InflatedStream* inflated,
                                           std::span<std::int16_t> hu) {
   const std::size_t byte_count = hu.size() * std::size_t(slice.bits_allocated) / 8;
-  std::vector<char> stored =
+  std::string stored =
       stored_bytes(slice, inflated, std::size_t(std::min<std::uint64_t>(byte_count, slice.pixel_length)));
   const std::size_t found = stored.size();
   if (found < byte_count)

@@ -2,7 +2,7 @@
 // segment. [DICOM PS3.3, A.51, C.8.20]
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -145,19 +145,11 @@ Result<Segmentation> read_frames(const fs::path& file) {
   return seg;
 }
 
-/// Pixels as stored in the file or in its inflated data; at most `byte_count` bytes.
-std::string plain_bytes(const fs::path& file, const DicomSlice& image, std::size_t byte_count) {
-  std::string bytes(byte_count, '\0');
-  if (image.is_deflated) {
-    InflatedStream inflated(deflated_dataset(file, image.dataset_offset));
-    bytes.resize(inflated.read(image.pixel_offset, bytes));
-    return bytes;
-  }
-  std::ifstream stream(file, std::ios::binary);
-  stream.seekg(std::streamoff(image.pixel_offset));
-  stream.read(bytes.data(), std::streamsize(byte_count));
-  bytes.resize(std::size_t(std::max<std::streamsize>(stream.gcount(), 0)));
-  return bytes;
+/// Stored pixels of all frames; at most `byte_count` bytes.
+std::string plain_bytes(const DicomSlice& image, std::size_t byte_count) {
+  std::optional<InflatedStream> inflated;
+  if (image.is_deflated) inflated.emplace(deflated_dataset(image.file, image.dataset_offset));
+  return stored_bytes(image, inflated ? &*inflated : nullptr, byte_count);
 }
 
 /// Samples of all frames, one byte each.
@@ -181,8 +173,7 @@ Result<std::string> bytes_of_frames(const fs::path& file, const Segmentation& se
   const std::size_t samples = area * seg.frames.size(),
                     byte_count = seg.is_fractional ? samples : (samples + 7) / 8;
   if (seg.image.pixel_length >= byte_count)
-    if (std::string bytes = plain_bytes(file, seg.image, byte_count); bytes.size() == byte_count)
-      return bytes;
+    if (std::string bytes = plain_bytes(seg.image, byte_count); bytes.size() == byte_count) return bytes;
   return refusal(
       file,
       fmt::format("truncated or corrupt: {} bytes of pixels, expected {} ({} frames of {} x {})",

@@ -149,7 +149,6 @@ struct InflatedStream::Data {
 };
 
 InflatedStream::InflatedStream(const FileRange& range) : data_(std::make_unique<Data>(range)) {}
-InflatedStream::InflatedStream(InflatedStream&&) noexcept = default;
 InflatedStream::~InflatedStream() = default;
 std::uint64_t InflatedStream::position() const { return data_->position; }
 bool InflatedStream::is_whole() const { return data_->is_whole; }

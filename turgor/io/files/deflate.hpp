@@ -38,7 +38,6 @@ Inflated inflate(const FileRange& packed, std::int64_t skip, std::span<std::byte
 class InflatedStream {
  public:
   explicit InflatedStream(const FileRange& packed);
-  InflatedStream(InflatedStream&&) noexcept;
   ~InflatedStream();
   /// Inflates up to `at` and fills `out` from there. Returns the number of bytes; it is smaller than
   /// requested if the stream ends or is damaged, and 0 if `at` lies before position().

@@ -1,6 +1,7 @@
 #include "turgor/io/files/hdf5_file.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <utility>
 
 #include <fmt/format.h>
@@ -82,16 +83,21 @@ void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_siz
 }
 
 /// Has turgor-read walk through the file first. HDF5 loops forever, exhausts memory or crashes on some
-/// damaged files. False if the file is damaged.
+/// damaged files. False if the file is damaged. Error: turgor-read gave no verdict.
 Result<bool> can_be_walked_through(const std::filesystem::path& path) {
   const io::ChildLimits limits{.seconds = 120, .processor_seconds = 10, .memory = std::size_t{256} << 20};
-  const Result<io::Child> child = io::start_reader({"hdf5", path.string()}, limits);
-  if (!child) return Error{fmt::format("{}: cannot be checked: {}", path.string(), child.error().message)};
-  const Result<io::ChildEnd> end = io::end_of_reader(io::wait_for({&*child, 1}, limits)[0]);
+  const Result<std::filesystem::path> program = io::find_reader();
+  if (!program)
+    return Error{fmt::format("{}: cannot be checked: {}", path.string(), program.error().message)};
+  const io::Child child = io::start_reader(*program, {"hdf5", path.string()}, limits);
+  const Result<io::ChildEnd> end = io::end_of_reader(io::wait_for({&child, 1}, limits)[0]);
   if (!end) return Error{fmt::format("{}: cannot be checked: {}", path.string(), end.error().message)};
-  if (end->kind == io::ChildEnd::Kind::kTooLong)
+  // without a check if the system has no process to give
+  const bool is_refused = end->kind == io::ChildEnd::Kind::kNotStarted;
+  if (is_refused && (end->number == EAGAIN || end->number == ENOMEM || end->number == ECHILD)) return true;
+  if (is_refused || end->kind == io::ChildEnd::Kind::kTooLong)
     return Error{fmt::format("{}: cannot be checked: {}", path.string(), describe(*end, limits))};
-  return bool(*end) || end->kind == io::ChildEnd::Kind::kNotStarted;  // no more processes: without a check
+  return bool(*end);
 }
 
 }  // namespace
@@ -114,7 +120,7 @@ Result<Hdf5File> Hdf5File::create(const std::filesystem::path& path) {
   return Hdf5File(path, id);
 }
 
-Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
+Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path, bool* unchecked) {
   begin();
   std::error_code failed;
   const bool exists = std::filesystem::exists(path, failed);
@@ -125,6 +131,7 @@ Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
   if (!is_file || H5Fis_hdf5(path.c_str()) <= 0)
     return Error{fmt::format("{}: expected an HDF5 file, found something else", path.string())};
   const Result<bool> sound = can_be_walked_through(path);
+  if (unchecked) *unchecked = !sound;
   if (!sound) return sound.error();
   const hid_t id = *sound ? H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
   if (id < 0) return Error{fmt::format("{}: the HDF5 file is damaged or cut short", path.string())};

@@ -20,8 +20,9 @@ enum class Hdf5Packing : std::uint8_t { kCompressed, kPlain };
 class Hdf5File {
  public:
   static Result<Hdf5File> create(const std::filesystem::path& path);
-  /// Error: the file does not exist, is not HDF5, or is truncated.
-  static Result<Hdf5File> open(const std::filesystem::path& path);
+  /// Error: the file does not exist, is not HDF5, is damaged, or cannot be checked. `unchecked` becomes true
+  /// if it could not be checked, so that the file may be sound.
+  static Result<Hdf5File> open(const std::filesystem::path& path, bool* unchecked = nullptr);
   Hdf5File(Hdf5File&& other) noexcept;
   Hdf5File& operator=(Hdf5File&&) = delete;
   ~Hdf5File();

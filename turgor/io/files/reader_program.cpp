@@ -88,10 +88,9 @@ Result<fs::path> find_reader() {
                   kName, file_of_this_code().string())};
 }
 
-Result<Child> start_reader(const std::vector<std::string>& work, const ChildLimits& limits, int shared) {
-  const Result<fs::path> program = find_reader();
-  if (!program) return program.error();
-  std::vector<std::string> arguments{program->string(), std::to_string(kReaderProtocol),
+Child start_reader(const fs::path& program, const std::vector<std::string>& work, const ChildLimits& limits,
+                   int shared) {
+  std::vector<std::string> arguments{program.string(), std::to_string(kReaderProtocol),
                                      std::to_string(limits.memory)};
   arguments.insert(arguments.end(), work.begin(), work.end());
   ChildLimits own = limits;
@@ -102,9 +101,12 @@ Result<Child> start_reader(const std::vector<std::string>& work, const ChildLimi
 Result<ChildEnd> end_of_reader(ChildEnd end) {
   if (end.kind != ChildEnd::Kind::kExited) return end;
   if (end.number == kNoMemory) end.kind = ChildEnd::Kind::kOutOfMemory;
-  if (end.number != kOtherProtocol && end.number != kWrongUse) return end;
+  if (end.number == kSound || end.number == kUnsound || end.number == kNoMemory) return end;
   const Result<fs::path> program = find_reader();
-  return Error{fmt::format("{} is of another version of turgor", program ? program->string() : kName)};
+  const bool is_other = end.number == kOtherProtocol || end.number == kWrongUse;
+  return Error{
+      (program ? program->string() : kName) +
+      (is_other ? " is of another version of turgor" : fmt::format(" ended with status {}", end.number))};
 }
 
 }  // namespace turgor::io

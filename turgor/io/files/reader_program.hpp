@@ -17,10 +17,13 @@ namespace turgor::io {
 /// where it was expected.
 Result<std::filesystem::path> find_reader();
 
-/// Starts turgor-read (reader_protocol.hpp). `limits.memory` is what it may add to its own address space.
-Result<Child> start_reader(const std::vector<std::string>& work, const ChildLimits& limits, int shared = -1);
+/// Starts turgor-read (reader_protocol.hpp), found at `program`. `limits.memory` is what it may add to its
+/// own address space.
+Child start_reader(const std::filesystem::path& program, const std::vector<std::string>& work,
+                   const ChildLimits& limits, int shared = -1);
 
-/// The end of turgor-read with its exit status interpreted. Error: it is of another version.
+/// The end of turgor-read with its exit status interpreted. Error: the status is no verdict on the file, as
+/// of a program of another version or without its libraries.
 Result<ChildEnd> end_of_reader(ChildEnd end);
 
 }  // namespace turgor::io

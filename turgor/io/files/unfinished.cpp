@@ -62,10 +62,10 @@ struct ProcessState {
   double started = -1;  // since the machine started [s]
 };
 
-/// Error: there is no such process, or no /proc.
-Result<ProcessState> process_state(pid_t pid) {
+/// Nothing without such a process, or without /proc.
+std::optional<ProcessState> process_state(pid_t pid) {
   FILE* file = std::fopen(fmt::format("/proc/{}/stat", pid).c_str(), "re");
-  if (!file) return Error{"no such process"};
+  if (!file) return {};
   char text[1024] = {};
   const std::size_t size = std::fread(text, 1, sizeof text - 1, file);
   std::fclose(file);
@@ -76,8 +76,7 @@ Result<ProcessState> process_state(pid_t pid) {
   unsigned long long ticks = 0;
   constexpr const char* kFields =  // the state is field 3, the start is field 22
       " %c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %*u %*u %*d %*d %*d %*d %*d %*d %llu";
-  if (end == line.npos || std::sscanf(text + end + 1, kFields, &process.state, &ticks) != 2)
-    return Error{"unknown fields"};
+  if (end == line.npos || std::sscanf(text + end + 1, kFields, &process.state, &ticks) != 2) return {};
   process.started = double(ticks) / double(sysconf(_SC_CLK_TCK));
   return process;
 }
@@ -85,7 +84,7 @@ Result<ProcessState> process_state(pid_t pid) {
 /// True if a process with this id runs and started before `changed`, the time of a file's last change.
 bool has_run_since(pid_t pid, double changed) {
   if (kill(pid, 0) != 0 && errno == ESRCH) return false;
-  const Result<ProcessState> process = process_state(pid);
+  const std::optional<ProcessState> process = process_state(pid);
   if (!process) return true;  // no /proc: any process with the id counts
   if (process->state == 'Z' || process->state == 'X') return false;
   constexpr double kClockError = 1;  // [s]
@@ -110,6 +109,20 @@ bool is_abandoned(const fs::path& path, pid_t owner) {
   if (file >= 0) close(file);
   return !locked &&
          !has_run_since(owner, double(found.st_ctim.tv_sec) + 1e-9 * double(found.st_ctim.tv_nsec));
+}
+
+/// Abandoned files of a folder. prefix_of_name(name): what precedes the owner's process id in a name; "/" for
+/// other files.
+template <class PrefixOfName>
+std::vector<fs::path> leftovers(const fs::path& folder, const PrefixOfName& prefix_of_name) {
+  std::vector<fs::path> found;
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored)) {
+    const std::string name = entry->path().filename().string();
+    const pid_t owner = owner_of(name, prefix_of_name(name));
+    if (owner > 0 && is_abandoned(entry->path(), owner)) found.push_back(entry->path());
+  }
+  return found;
 }
 
 bool is_inside(const fs::path& path, const fs::path& folder) {
@@ -212,28 +225,15 @@ Result<fs::path> resolved_goal(const fs::path& goal) {
 
 std::vector<fs::path> leftovers_beside(const fs::path& goal, const std::string& kind) {
   const fs::path folder = goal.has_parent_path() ? goal.parent_path() : fs::path(".");
-  const std::string prefix = prefix_of(goal, kind);
-  std::vector<fs::path> leftovers;
-  std::error_code ignored;
-  for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored))
-    if (const pid_t owner = owner_of(entry->path().filename().string(), prefix);
-        owner > 0 && is_abandoned(entry->path(), owner))
-      leftovers.push_back(entry->path());
-  return leftovers;
+  return leftovers(folder, [prefix = prefix_of(goal, kind)](const std::string&) { return prefix; });
 }
 
 std::vector<fs::path> leftovers_in(const fs::path& folder) {
-  constexpr const char* kMark = ".partial-";
-  std::vector<fs::path> leftovers;
-  std::error_code ignored;
-  for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored)) {
-    const std::string name = entry->path().filename().string();
+  return leftovers(folder, [](const std::string& name) {
+    constexpr std::string_view kMark = ".partial-";
     const std::size_t mark = name.rfind(kMark);
-    if (!name.starts_with('.') || mark == name.npos) continue;
-    const pid_t owner = owner_of(name, name.substr(0, mark) + kMark);
-    if (owner > 0 && is_abandoned(entry->path(), owner)) leftovers.push_back(entry->path());
-  }
-  return leftovers;
+    return name.starts_with('.') && mark != name.npos ? name.substr(0, mark + kMark.size()) : "/";
+  });
 }
 
 fs::path hidden_beside(const fs::path& goal, const std::string& kind) {

@@ -60,13 +60,16 @@ class NodeIndex {
   std::vector<std::size_t> order_;  // by id; empty if ids are consecutive
 };
 
-/// A few of the element numbers: "3, 7, 12 and 40 more".
-std::string some(const std::vector<std::int64_t>& ids) {
+/// The first of a number of texts: "3, 7, 12, 20, 31 and 40 more".
+template <class TextOf>
+std::string some(std::size_t count, const TextOf& text_of) {
   constexpr std::size_t kShown = 5;
   std::string text;
-  for (std::size_t i = 0; i < std::min(ids.size(), kShown); i++)
-    text += fmt::format("{}{}", i > 0 ? ", " : "", ids[i]);
-  return ids.size() > kShown ? fmt::format("{} and {} more", text, ids.size() - kShown) : text;
+  for (std::size_t i = 0; i < std::min(count, kShown); i++) text += (i > 0 ? ", " : "") + text_of(i);
+  return count > kShown ? fmt::format("{} and {} more", text, count - kShown) : text;
+}
+std::string some(const std::vector<std::int64_t>& ids) {
+  return some(ids.size(), [&](std::size_t i) { return std::to_string(ids[i]); });
 }
 
 Status check_positions(const fs::path& path, const FoundSolid& found, const NodeIndex& index, double scale) {
@@ -121,13 +124,11 @@ std::size_t drop_unused(const FoundSolid& found, double scale, SolidMesh& mesh) 
 
 /// Error if an element is listed twice. Both copies would weigh, and their faces would not be on the surface.
 Status check_repeated(const fs::path& path, const SolidMesh& mesh, const std::vector<std::int64_t>& ids) {
-  constexpr std::size_t kShown = 5;
   const std::vector<RepeatedElement> repeated = repeated_elements(mesh);
   if (repeated.empty()) return Done{};
-  std::string text;
-  for (std::size_t i = 0; i < std::min(repeated.size(), kShown); i++)
-    text += fmt::format("{}{} repeats {}", i > 0 ? ", " : "", ids[repeated[i].again], ids[repeated[i].first]);
-  if (repeated.size() > kShown) text += fmt::format(" and {} more", repeated.size() - kShown);
+  const std::string text = some(repeated.size(), [&](std::size_t i) {
+    return fmt::format("{} repeats {}", ids[repeated[i].again], ids[repeated[i].first]);
+  });
   return Error{
       fmt::format("{}: expected every element once, found {} of {} {} with the corners of another: {}",
                   path.string(), repeated.size(), ids.size(), plural(mesh.corners), text)};

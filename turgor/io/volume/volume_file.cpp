@@ -1,18 +1,15 @@
 #include "turgor/io/volume/volume_file.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <new>
 
 #include <fmt/format.h>
 
+#include "turgor/io/mesh/solid_formats.hpp"
+
 namespace turgor::io {
 
 namespace fs = std::filesystem;
-
-namespace {
-constexpr double kFarthest = 1e9;  // of meshes, too [m]
-}
 
 Status check_grid(const fs::path& path, const Grid& grid) {
   for (int axis = 0; axis < 3; axis++) {
@@ -32,11 +29,11 @@ Status check_grid(const fs::path& path, const Grid& grid) {
   for (int c = 0; c < 8; c++) {
     const Vec3d p = point_at(grid, {c & 1 ? grid.size.x - 1.0 : 0.0, c & 2 ? grid.size.y - 1.0 : 0.0,
                                     c & 4 ? grid.size.z - 1.0 : 0.0});
-    if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kFarthest))
+    if (!is_valid_position(p))
       return Error{
-          fmt::format("{}: expected samples within {:g} m of the origin of the patient, found one at "
+          fmt::format("{}: expected samples within 1e+09 m of the origin of the patient, found one at "
                       "({:g}, {:g}, {:g}) m",
-                      path.string(), kFarthest, p.x, p.y, p.z)};
+                      path.string(), p.x, p.y, p.z)};
   }
   return Done{};
 }

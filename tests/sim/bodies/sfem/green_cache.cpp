@@ -315,5 +315,30 @@ TEST(GreenCache, MissingReaderKeepsFile) {
   EXPECT_TRUE(test::sfem_world(Exec(1), scene).sfem_bodies[0].facts.from_cache);
 }
 
+// A turgor-read that gives no verdict leaves a sound cached file as it is: another version, missing
+// libraries, no executable.
+TEST(GreenCache, ReaderWithoutVerdictKeepsFile) {
+  const Scene scene = test::body_scene(test::fresh_folder());
+  const fs::path file = test::sfem_world(Exec(1), scene).sfem_bodies[0].facts.cache_file;
+  const std::string bytes = test::bytes_of(file);
+  const auto time = fs::last_write_time(file);
+  for (const char* text : {"#!/bin/sh\nexit 253\n", "#!/bin/sh\nexit 127\n",
+                           "\x7f"
+                           "ELF"}) {
+    const fs::path program = test::fresh_folder() / "turgor-read";
+    test::write(program, text);
+    fs::permissions(program, fs::perms::owner_all);
+    setenv("TURGOR_READ", program.c_str(), 1);
+    const World world = test::sfem_world(Exec(1), scene);
+    unsetenv("TURGOR_READ");
+    EXPECT_FALSE(world.sfem_bodies[0].facts.from_cache) << text;
+    ASSERT_EQ(world.sfem_bodies[0].facts.notes.size(), 1u) << text;
+    EXPECT_NE(world.sfem_bodies[0].facts.notes[0].find("cannot be checked"), std::string::npos)
+        << world.sfem_bodies[0].facts.notes[0];
+    EXPECT_EQ(fs::last_write_time(file), time) << text;
+    EXPECT_EQ(test::bytes_of(file), bytes) << text;
+  }
+}
+
 }  // namespace
 }  // namespace turgor

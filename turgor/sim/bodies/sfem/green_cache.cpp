@@ -10,7 +10,6 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/io/files/hdf5_file.hpp"
-#include "turgor/io/files/reader_program.hpp"
 
 namespace turgor {
 
@@ -29,10 +28,10 @@ Status read_into(const Hdf5File& file, const char* name, std::size_t count, std:
   return Done{};
 }
 
-/// Values as stored; sfem::check_green verifies them.
-Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model) {
+/// Values as stored; sfem::check_green verifies them. `unchecked`: as in Hdf5File::open.
+Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model, bool& unchecked) {
   // check the format
-  const Result<Hdf5File> file = Hdf5File::open(path);
+  const Result<Hdf5File> file = Hdf5File::open(path, &unchecked);
   if (!file) return file.error();
   const Result<std::string> format = file->read_text("/format");
   if (!format || *format != kGreenFormat)
@@ -103,9 +102,9 @@ fs::path green_cache_file(const fs::path& folder, std::uint64_t content_hash) {
 CachedGreen read_green(const fs::path& path, sfem::Model& model) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return {};
-  Result<sfem::Green> green = read_values(path, model);
-  if (!green && !io::find_reader())
-    return {false, green.error().message + "; computed, the file is kept", true};
+  bool unchecked = false;
+  Result<sfem::Green> green = read_values(path, model, unchecked);
+  if (unchecked) return {false, green.error().message + "; computed, the file is kept", true};
   if (!green) return {false, green.error().message + "; recomputed"};
   std::swap(model.green, *green);
   const Status checked = sfem::check_green(model);
