@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include "app/commands.hpp"

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <fstream>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 

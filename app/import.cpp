@@ -1,8 +1,6 @@
 // `turgor import`: converts a CT of any readable format to one file.
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "app/commands.hpp"
 #include "app/print.hpp"
 #include "turgor/io/ct.hpp"

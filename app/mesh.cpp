@@ -34,8 +34,8 @@ MeshBound bound_of(const MeshOptions& options) {
   constexpr double kNoticed = 2;  // [s]
   return {options.most, [](const MeshForecast& forecast) {
             if (forecast.seconds > kNoticed)
-              fmt::print(stderr, "about {:.2g} million tetrahedra, in about {:.0f} s\n",
-                         forecast.elements * 1e-6, forecast.seconds);
+              print_plain(stderr, "about {:.2g} million tetrahedra, in about {:.0f} s\n",
+                          forecast.elements * 1e-6, forecast.seconds);
           }};
 }
 

@@ -1,4 +1,4 @@
-// Standard output and standard error of the programs. All text leaves here, cleaned by plain_text.
+// Standard output and standard error of the commands. Their text leaves here, cleaned by plain_text.
 #pragma once
 
 #include <cstdio>
@@ -30,6 +30,12 @@ Printed<T> printed(const T& value) {
 template <class... Args>
 void print_plain(fmt::format_string<Printed<Args>...> format, const Args&... args) {
   fmt::print(format, printed(args)...);
+}
+
+/// The same on a stream.
+template <class... Args>
+void print_plain(std::FILE* stream, fmt::format_string<Printed<Args>...> format, const Args&... args) {
+  fmt::print(stream, format, printed(args)...);
 }
 
 /// Prints several lines on standard output.

@@ -34,7 +34,7 @@ struct CommandOptions {
 Progress progress_lines(const std::string& label) {
   return [label, last = std::make_shared<std::atomic<int>>(-1)](double fraction) {
     const int percent = int(100 * fraction);
-    if (last->exchange(percent) != percent) fmt::print(stderr, "{} {:.2f}\n", on_one_line(label), fraction);
+    if (last->exchange(percent) != percent) print_plain(stderr, "{} {:.2f}\n", label, fraction);
   };
 }
 

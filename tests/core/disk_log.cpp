@@ -97,6 +97,20 @@ TEST(DiskLog, ShortLogNeedsNoDisk) {
   expect_numbers(log, 64);
 }
 
+// A log on disk that gets a limit which fits in memory is read back, and grows there.
+TEST(DiskLog, ShorterLimitReadsEntriesBack) {
+  DiskLog<Entry> log;
+  log.limit_memory(1000, 16);
+  for (std::size_t n = 0; n < 50; n++) log.append(entry(n)), log.save();
+  const DiskLog<Entry> before = log;
+  log.limit_memory(80, 128);
+  EXPECT_EQ(log.in_memory(), 50u);
+  for (std::size_t n = 50; n < 100; n++) log.append(entry(n)), log.save();
+  EXPECT_EQ(log.missed(), 20u);
+  expect_numbers(log, 80);
+  expect_numbers(before, 50);
+}
+
 // On a full disk the log keeps what it has and counts the rest.
 TEST(DiskLog, FullDiskLosesNoEarlierEntry) {
   EXPECT_TRUE(test::on_a_small_disk(100 * sizeof(Entry) + 7, [] {

@@ -62,8 +62,7 @@ std::vector<int> connected_components(const TriMesh& mesh) {
 Status check_jaw(const TriMesh& jaw, const char* which) {
   if (jaw.triangles.empty()) return Error{std::string(which) + " jaw has no triangles"};
   for (const Vec3 x : jaw.vertices)
-    if (!std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z))
-      return Error{std::string("a vertex of ") + which + " jaw is not finite"};
+    if (!is_finite(x)) return Error{std::string("a vertex of ") + which + " jaw is not finite"};
   return Done{};
 }
 

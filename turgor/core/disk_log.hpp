@@ -10,6 +10,7 @@
 #include <iterator>
 #include <memory>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "turgor/core/assert.hpp"
@@ -134,6 +135,8 @@ class DiskLog {
     std::size_t take() { return value.exchange(0); }
   };
 
+  /// Reads entries back from the disk, and makes room for all of them.
+  void keep_in_memory();
   const T* on_disk() const { return reinterpret_cast<const T*>(file_->bytes()); }
   bool write(std::size_t first, std::size_t end);
 
@@ -149,21 +152,26 @@ void DiskLog<T>::limit_memory(std::size_t most, std::size_t in_memory) {
   most_ = most;
   std::shared_ptr<TemporaryFile> file =
       most > in_memory ? TemporaryFile::create(most * sizeof(T)) : std::shared_ptr<TemporaryFile>();
-  if (!file) {  // all in memory
-    memory_.reserve(most);
-    return;
-  }
+  if (!file) return keep_in_memory();
 
   // entries of an earlier session go to disk, and the newest ones into the ring
   const std::size_t before = std::min(size(), most);
   std::vector<T> ring(in_memory);
   for (std::size_t n = 0; n < before; n++) {
-    const T& entry = (*this)[n];
-    if (!file->append(&entry, sizeof entry)) return memory_.reserve(most);
-    ring[n % in_memory] = entry;
+    ring[n % in_memory] = (*this)[n];
+    const bool is_full = (n + 1) % in_memory == 0 || n + 1 == before;
+    if (is_full && !file->append(ring.data(), (n % in_memory + 1) * sizeof(T))) return keep_in_memory();
   }
   memory_ = std::move(ring), file_ = std::move(file);
   count_.value = before, saved_.value = before;
+}
+
+template <class T>
+void DiskLog<T>::keep_in_memory() {
+  std::vector<T> all;
+  all.reserve(most_);
+  all.assign(begin(), end());
+  memory_ = std::move(all), file_.reset(), saved_.value = 0;
 }
 
 template <class T>

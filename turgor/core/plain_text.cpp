@@ -39,7 +39,7 @@ bool is_control(std::uint32_t code) {
 }
 
 /// Marks of bidirectional text [UAX 9], separators that some programs take for line ends, and non-characters.
-bool reorders(std::uint32_t code) {
+bool misleads(std::uint32_t code) {
   return code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x2028 && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069) || (code & 0xfffe) == 0xfffe;
 }
@@ -52,7 +52,7 @@ std::string plain_text(std::string_view text) {
   while (!text.empty()) {
     if (text.starts_with("\r\n")) text.remove_prefix(1);
     const Character first = first_character(text);
-    const bool shown = first.bytes > 0 && !is_control(first.code) && !reorders(first.code);
+    const bool shown = first.bytes > 0 && !is_control(first.code) && !misleads(first.code);
     plain += shown ? text.substr(0, first.bytes) : kUnknown;
     text.remove_prefix(std::max<std::size_t>(first.bytes, 1));
   }

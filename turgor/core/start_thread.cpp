@@ -14,6 +14,7 @@ int startable_threads(int wanted) {
 
   // all of them wait until the last one has started
   std::vector<std::thread> started;
+  started.reserve(std::size_t(wanted) - 1);
   std::mutex gate;
   std::unique_lock closed(gate);
   while (int(started.size()) + 1 < wanted) {

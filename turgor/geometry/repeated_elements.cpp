@@ -3,29 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <tuple>
+
+#include "turgor/geometry/weld.hpp"
 
 namespace turgor {
 
 namespace {
-
-/// First vertex with the same coordinates, for every vertex.
-std::vector<int> first_coincident(const std::vector<Vec3d>& vertices) {
-  std::vector<int> order(vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](int v) {
-    const Vec3d x = vertices[std::size_t(v)];
-    return std::tuple(x.x, x.y, x.z);
-  };
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
-  std::vector<int> first(vertices.size());
-  for (std::size_t i = 0; i < order.size(); i++) {
-    const bool is_same = i > 0 && key(order[i]) == key(order[i - 1]);
-    first[std::size_t(order[i])] = is_same ? first[std::size_t(order[i - 1])] : order[i];
-  }
-  return first;
-}
 
 using Corners = std::array<int, 8>;  // sorted; unused entries are -1
 

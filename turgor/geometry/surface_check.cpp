@@ -7,6 +7,7 @@
 
 #include "turgor/core/disjoint_sets.hpp"
 #include "turgor/core/number_text.hpp"
+#include "turgor/geometry/box.hpp"
 #include "turgor/geometry/signed_distance.hpp"
 #include "turgor/geometry/solid_mesh.hpp"
 #include "turgor/geometry/surface_edges.hpp"
@@ -155,9 +156,19 @@ Nested nested_components(const TriMesh& surface) {
   // those inside another one
   std::vector<char> is_nested(bodies.size(), 0);
   for (std::size_t i = 0; i < bodies.size(); i++) {
-    const SignedDistance outer = distance_to_surface({.vertices = surface.vertices, .triangles = bodies[i]});
+    // those whose first vertex is in its box, which are few
+    std::vector<Vec3d> corners;
+    for (const Int3 t : bodies[i])
+      for (int k = 0; k < 3; k++) corners.push_back(Vec3d(surface.vertices[std::size_t(t[k])]));
+    const Box box = box_around(corners);
+    std::vector<std::size_t> near;
+    const auto first = [&](std::size_t j) { return Vec3d(surface.vertices[std::size_t(bodies[j][0].x)]); };
     for (std::size_t j = 0; j < bodies.size(); j++)
-      if (j != i && outer.at(Vec3d(surface.vertices[std::size_t(bodies[j][0].x)])) < 0) is_nested[j] = 1;
+      if (j != i && squared_distance(box, first(j)) == 0) near.push_back(j);
+    if (near.empty()) continue;
+    const SignedDistance outer = distance_to_surface({.vertices = surface.vertices, .triangles = bodies[i]});
+    for (const std::size_t j : near)
+      if (outer.at(first(j)) < 0) is_nested[j] = 1;
   }
   Nested nested;
   for (std::size_t j = 0; j < bodies.size(); j++)
@@ -170,7 +181,7 @@ Nested nested_components(const TriMesh& surface) {
 Result<CheckedSurface> check_surface(const Exec& exec, const TriMesh& surface) {
   if (surface.triangles.empty()) return Error{"the surface has no triangles"};
   for (std::size_t v = 0; v < surface.vertices.size(); v++)
-    if (const Vec3 p = surface.vertices[v]; !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+    if (const Vec3 p = surface.vertices[v]; !is_finite(p))
       return Error{"vertex " + std::to_string(v) + " (counted from 0) has a coordinate that is not a number"};
   const TriMesh whole = welded(surface);
   if (whole.triangles.empty()) return Error{"all triangles of the surface are points or lines"};

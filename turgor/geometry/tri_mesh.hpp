@@ -1,6 +1,7 @@
 // Triangle mesh for drawing, files and contact. Normals and scalars are optional: empty, or one per vertex.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "turgor/core/vec.hpp"
@@ -13,6 +14,13 @@ struct TriMesh {
   std::vector<Vec3> normals;    // unit, outward
   std::vector<float> scalars;   // a quantity shown as color
 };
+
+/// Mesh of vertices in double precision, without normals.
+inline TriMesh mesh_of(std::span<const Vec3d> vertices, std::span<const Int3> triangles) {
+  TriMesh mesh{.triangles = {triangles.begin(), triangles.end()}};
+  for (const Vec3d x : vertices) mesh.vertices.push_back(Vec3(x));
+  return mesh;
+}
 
 /// Area-weighted vertex normals.
 inline std::vector<Vec3> vertex_normals(const TriMesh& mesh) {

@@ -6,12 +6,10 @@
 
 namespace turgor {
 
-namespace {
-
-/// First coincident vertex of every vertex.
-std::vector<int> first_coincident(const std::vector<Vec3>& x) {
+template <class T>
+std::vector<int> first_coincident(const std::vector<Vec<T>>& x) {
   const auto key = [&](int v) {
-    const Vec3 p = x[std::size_t(v)];
+    const Vec<T> p = x[std::size_t(v)];
     return std::tuple{p.x, p.y, p.z};
   };
   std::vector<int> order(x.size()), first(x.size());
@@ -23,8 +21,8 @@ std::vector<int> first_coincident(const std::vector<Vec3>& x) {
   }
   return first;
 }
-
-}  // namespace
+template std::vector<int> first_coincident(const std::vector<Vec<float>>&);
+template std::vector<int> first_coincident(const std::vector<Vec<double>>&);
 
 TriMesh welded(const TriMesh& surface) {
   const std::vector<int> first = first_coincident(surface.vertices);

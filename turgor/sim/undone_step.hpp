@@ -7,7 +7,8 @@ namespace turgor {
 
 struct World;
 
-/// Advice after an undone step, such as "body c: a higher frame rate may help".
+/// Advice after an undone step, such as "c: a higher frame rate or a smaller stiffness of its fabric may
+/// help".
 std::string advice_for_undone_step(const World& world);
 
 }  // namespace turgor

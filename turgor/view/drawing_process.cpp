@@ -22,6 +22,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "turgor/io/files/child.hpp"
+
 extern char** environ;
 
 namespace turgor {
@@ -184,10 +186,12 @@ Sent send_message(int socket, const Message& message, double seconds) {
   return sent == Sent::kDone ? send_bytes(socket, message.bytes().data(), size, seconds) : sent;
 }
 
-Sent receive_message(int socket, Message& message, double seconds) {
+/// A message of more than `most` bytes comes from a damaged process.
+Sent receive_message(int socket, Message& message, double seconds, std::uint64_t most) {
   std::uint64_t size = 0;
   Sent received = receive_bytes(socket, reinterpret_cast<char*>(&size), sizeof size, seconds);
   if (received != Sent::kDone) return received;
+  if (size > most) return Sent::kEnded;
   std::string bytes(std::size_t(size), '\0');
   received = receive_bytes(socket, bytes.data(), bytes.size(), seconds);
   if (received == Sent::kDone) message = Message(std::move(bytes));
@@ -295,13 +299,6 @@ Error failed_drawing(Drawing& drawing, Sent sent) {
                   end)};
 }
 
-void lower_limit(__rlimit_resource_t resource, rlim_t most) {
-  rlimit limit{};
-  if (getrlimit(resource, &limit) != 0) return;
-  limit.rlim_cur = std::min(limit.rlim_cur, most), limit.rlim_max = std::min(limit.rlim_max, most);
-  setrlimit(resource, &limit);
-}
-
 Result<Image> draw_asked(Message& asked) {
   try {
     const std::optional<DrawingRequest> request = take_request(asked);
@@ -354,7 +351,10 @@ Result<Image> draw_in_child(const std::vector<RenderItem>& items, const Camera& 
   Message answer;
   Sent sent =
       send_message(drawing.child->socket(), request_of(items, camera, width, height, quality), patience);
-  if (sent == Sent::kDone) sent = receive_message(drawing.child->socket(), answer, patience);
+  constexpr std::uint64_t kLongestText = 1 << 16;
+  const std::uint64_t most =
+      kLongestText + sizeof(Image::pixels[0]) * std::uint64_t(width) * std::uint64_t(height);
+  if (sent == Sent::kDone) sent = receive_message(drawing.child->socket(), answer, patience, most);
   if (sent != Sent::kDone) return failed_drawing(drawing, sent);
 
   // read the answer
@@ -372,14 +372,14 @@ int serve_drawings() {
   // end with the parent, and with less than its rights
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-  lower_limit(RLIMIT_CORE, 0);
-  lower_limit(RLIMIT_DATA, kMostMemory);
-  lower_limit(RLIMIT_FSIZE, kLargestFile);
+  io::lower_limit(RLIMIT_CORE, 0);
+  io::lower_limit(RLIMIT_DATA, kMostMemory);
+  io::lower_limit(RLIMIT_FSIZE, kLargestFile);
 
   // draw until the socket closes
   constexpr double kAnyTime = 1e9;  // [s]
   Message asked;
-  while (receive_message(STDIN_FILENO, asked, kAnyTime) == Sent::kDone)
+  while (receive_message(STDIN_FILENO, asked, kAnyTime, ~std::uint64_t{0}) == Sent::kDone)
     if (send_message(STDIN_FILENO, answer_to(asked), kAnyTime) != Sent::kDone) return 1;
   return 0;
 }

@@ -17,6 +17,14 @@
 
 namespace turgor::io {
 
+void lower_limit(int resource, unsigned long long most, unsigned long long grace) {
+  rlimit limit{};
+  if (getrlimit(__rlimit_resource_t(resource), &limit) != 0) return;
+  limit.rlim_cur = std::min(limit.rlim_cur, rlim_t(most));
+  limit.rlim_max = std::min(limit.rlim_max, rlim_t(most + grace));
+  setrlimit(__rlimit_resource_t(resource), &limit);
+}
+
 namespace {
 
 constexpr int kFailed = 255;
@@ -46,19 +54,10 @@ void forget_signals() {
   sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-/// Lowers a limit of the process: a signal or an error at `most`, its end `grace` later.
-void lower(__rlimit_resource_t what, rlim_t most, rlim_t grace = 0) {
-  rlimit limit{};
-  if (getrlimit(what, &limit) != 0) return;
-  limit.rlim_cur = std::min(limit.rlim_cur, most);
-  limit.rlim_max = std::min(limit.rlim_max, most + grace);
-  setrlimit(what, &limit);
-}
-
 void take_limits(const ChildLimits& limits) {
-  lower(RLIMIT_CORE, 0);
-  lower(RLIMIT_AS, limits.memory);
-  lower(RLIMIT_CPU, rlim_t(std::ceil(limits.processor_seconds)), 5);
+  lower_limit(RLIMIT_CORE, 0);
+  lower_limit(RLIMIT_AS, limits.memory);
+  lower_limit(RLIMIT_CPU, rlim_t(std::ceil(limits.processor_seconds)), 5);
 }
 
 void redirect(int stream, const char* file, int flags) {

@@ -13,6 +13,9 @@
 
 namespace turgor::io {
 
+/// Lowers a limit of this process (RLIMIT_…): a signal or an error at `most`, its end `grace` later.
+void lower_limit(int resource, unsigned long long most, unsigned long long grace = 0);
+
 struct ChildLimits {
   double seconds = 60;                     // longest time without progress before it is killed [s]
   double processor_seconds = 24 * 3600.0;  // of all its threads together [s]

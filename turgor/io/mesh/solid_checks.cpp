@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "turgor/geometry/repeated_elements.hpp"
+#include "turgor/io/files/valid_position.hpp"
 #include "turgor/io/mesh/solid_formats.hpp"
 
 namespace turgor::io {
@@ -199,11 +200,6 @@ void add_notes(const FoundSolid& found, const Wrong& wrong, std::size_t unused, 
 }
 
 }  // namespace
-
-bool is_valid_position(Vec3d x) {
-  constexpr double kFarthest = 1e9;  // [m]
-  return std::abs(x.x) < kFarthest && std::abs(x.y) < kFarthest && std::abs(x.z) < kFarthest;
-}
 
 void add_element(FoundSolid& found, ElementType type, std::int64_t id, std::int64_t region,
                  std::span<const std::int64_t> nodes) {

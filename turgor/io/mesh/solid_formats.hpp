@@ -61,7 +61,4 @@ Result<FoundSolid> parse_medit(const std::filesystem::path& path, std::string_vi
 /// `path` is either file of the pair .node and .ele; the other file is found beside it.
 Result<FoundSolid> parse_tetgen(const std::filesystem::path& path, std::string_view bytes);
 
-/// True if a position is finite and its coordinates are below 1e9 m.
-bool is_valid_position(Vec3d x);
-
 }  // namespace turgor::io

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "turgor/geometry/weld.hpp"
+#include "turgor/io/files/valid_position.hpp"
 #include "turgor/io/mesh/polygon.hpp"
-#include "turgor/io/mesh/solid_formats.hpp"
 #include "turgor/io/mesh/surface_formats.hpp"
 
 namespace turgor::io {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/mesh/solid_formats.hpp"
+#include "turgor/io/files/valid_position.hpp"
 
 namespace turgor::io {
 

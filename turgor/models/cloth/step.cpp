@@ -9,7 +9,6 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/ccd/ccd.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
-#include "turgor/models/cloth/solver/component_kernels.hpp"
 #include "turgor/models/cloth/solver/implicit_contact.hpp"
 #include "turgor/models/cloth/solver/motion_kernels.hpp"
 #include "turgor/models/cloth/solver/strain_limit.hpp"
@@ -81,8 +80,7 @@ void move(const Exec& exec, const Model& model, State& state, Real dt) {
                "held vertices are of the cloth");
   for_batches(exec, state,
               Move<Lanes>{view(state.x), view(state.v), view(from), view(state.system.previous), dt});
-  const MoveHolds move_holds{view(model, state), state.holds.data()};
-  for (std::size_t n = 0; n < state.holds.size(); n++) move_holds(n);
+  for_holds(state, MoveHolds{view(model, state), state.holds.data()});
 }
 
 /// Phases of a step on the host (step_sequence.hpp).
@@ -122,6 +120,8 @@ struct HostStep {
   }
   void limit_strain() {
     if (model.params.solver.strain_limit > 0) cloth::limit_strain(exec, model, state, dt);
+  }
+  void measure_speed() {
     state.largest_speed = largest_speed(exec, state);
     if (uses_cg() && !std::isfinite(state.system.residual))
       state.largest_speed = NAN;  // a system that was not solved undoes the step
@@ -143,8 +143,8 @@ struct HostStep {
   void solve_positions() { cloth::solve_positions(exec, model, state, dt); }
   void resolve_ccd() {
     if (model.params.collision.self) report.in_impact_zone = cloth::resolve_ccd(exec, model, state);
-    state.time += frame;
   }
+  void advance_time() { state.time += frame; }
 };
 
 }  // namespace

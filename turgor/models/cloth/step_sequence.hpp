@@ -4,14 +4,19 @@
 
 namespace turgor::cloth {
 
-/// End of a step: contact impulses, motion, CCD. A state that is not finite is undone.
+/// End of a step, after its linear system is solved: velocities, contact impulses, motion, CCD. A state that
+/// is not finite is undone.
 template <class Sheet>
 void finish_step(Sheet& sheet) {
+  sheet.change_velocities();
+  sheet.limit_strain();
+  sheet.measure_speed();
   sheet.solve_contact_impulses();
   if (!sheet.is_finite()) return sheet.undo();
   sheet.move();
   sheet.solve_positions();
   sheet.resolve_ccd();
+  sheet.advance_time();
 }
 
 /// One step whose linear system is solved by sweeps of Jacobi's method.
@@ -22,8 +27,6 @@ void step_sweeps(Sheet&& sheet) {
   sheet.start_change();
   sheet.sweep();
   sheet.measure_residual();
-  sheet.change_velocities();
-  sheet.limit_strain();
   finish_step(sheet);
 }
 
@@ -36,8 +39,6 @@ void step_cg(Sheet&& sheet) {
   sheet.start_change();
   sheet.solve_with_implicit_contacts();
   sheet.relinearize();
-  sheet.change_velocities();
-  sheet.limit_strain();
   finish_step(sheet);
 }
 

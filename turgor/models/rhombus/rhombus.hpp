@@ -100,7 +100,7 @@ struct ToolTouch {
   Vec3d remembered;           // viscous part of the force [N]
   double depth_force = 0, drag_force = 0;  // of the two chains, before sharing and scaling (tip.hpp) [N]
   double depth_fraction = 0, drag_fraction = 0;  // fractions that this tool bears, in [0, 1]
-  double depth_whole = 0, drag_whole = 0;        // depths of the tip for the two chains, by all tools [m]
+  double depth_whole = 0;                        // depth of the tip by all tools [m]
 
   Vec3d held_point;         // in the tool's frame [m]
   Mat3d held_axes;          // of the tool when it closed

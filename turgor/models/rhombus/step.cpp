@@ -259,7 +259,7 @@ double energy(const Model& model, const State& state) {
     if (!(dot(t.moved, t.moved) > 0)) continue;
     const double own =
         tip_energy(model.chain, t.tip, t.depth_whole, t.depth_force) * t.depth_fraction * t.depth_fraction +
-        tip_energy(model.chain, t.tip, t.drag_whole, -t.drag_force) * t.drag_fraction * t.drag_fraction;
+        tip_energy(model.chain, t.tip, 0, -t.drag_force) * t.drag_fraction * t.drag_fraction;
     sum += stiffness_at(model, t.foot.at) * own + 0.5 * dot(t.elastic, t.moved - t.demand);
   }
   return sum;

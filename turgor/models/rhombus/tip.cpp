@@ -24,9 +24,8 @@ BoundedDepth bounded_depth(double disc) {
   return {kGrows + kGrowsWithin * beyond / root, 1 / (root * root * root)};
 }
 
-bool grows(const Tip& tip, double depth) {
-  return tip.radius > 0 && depth > 0 && disc_depth(tip, depth).depth > kGrows * tip.radius;
-}
+/// True if the chain grows under a disc of this depth [m].
+bool grows(const Tip& tip, double disc) { return tip.radius > 0 && disc > kGrows * tip.radius; }
 
 }  // namespace
 
@@ -52,16 +51,17 @@ DiscDepth disc_depth(const Tip& tip, double depth) {
 // with s₀ the scale of the tip.
 double scale_at(const Tip& tip, double depth) {
   if (!(depth > 0)) return tip.hold_scale;
-  if (!grows(tip, depth)) return tip.scale;
-  const double disc = disc_depth(tip, depth).depth / tip.radius;
-  return tip.scale * std::cbrt(std::pow(disc / bounded_depth(disc).depth, 2));
+  const double disc = disc_depth(tip, depth).depth;
+  if (!grows(tip, disc)) return tip.scale;
+  const double radii = disc / tip.radius;
+  return tip.scale * std::cbrt(std::pow(radii / bounded_depth(radii).depth, 2));
 }
 
 double chain_force(const Chain& chain, const Tip& tip, double depth, double guess) {
   TURGOR_CHECK(tip.scale > 0 && tip.hold_scale > 0, "the scale of a tip is positive");
   if (!(depth > 0)) return force_of_depth(chain, depth / tip.hold_scale, guess);
   const double disc = disc_depth(tip, depth).depth;
-  if (!grows(tip, depth)) return force_of_depth(chain, disc / tip.scale, guess);
+  if (!grows(tip, disc)) return force_of_depth(chain, disc / tip.scale, guess);
   return force_of_depth(chain, bounded_depth(disc / tip.radius).depth * chain.params.tip, guess);
 }
 
@@ -70,7 +70,7 @@ double tip_force(const Chain& chain, const Tip& tip, double depth, double chain_
   if (!(depth > 0)) return tip.hold_scale * tip.hold_scale * chain_force;
   const DiscDepth disc = disc_depth(tip, depth);
   const double scale2 = tip.scale * tip.scale;
-  if (!grows(tip, depth)) return scale2 * chain_force * disc.slope;
+  if (!grows(tip, disc.depth)) return scale2 * chain_force * disc.slope;
   // chain of a larger disc
   const BoundedDepth bounded = bounded_depth(disc.depth / tip.radius);
   const double free = disc.depth / tip.scale, x = bounded.depth * chain.params.tip;

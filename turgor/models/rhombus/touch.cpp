@@ -182,10 +182,10 @@ Vec3d elastic_force(const Model& model, ToolTouch& t) {
   t.depth_force = chain_force(model.chain, t.tip, depth.whole, t.depth_force);
   t.drag_force = -chain_force(model.chain, t.tip, -drag.whole, -t.drag_force);
   t.depth_fraction = depth.fraction, t.drag_fraction = drag.fraction;
-  t.depth_whole = depth.whole, t.drag_whole = -drag.whole;
+  t.depth_whole = depth.whole;
   // force on the tool, scaled by the stiffness at the foot point
-  Vec3d force = t.foot.normal * (tip_force(model.chain, t.tip, depth.whole, t.depth_force) * depth.fraction) -
-                moved.along * (tip_force(model.chain, t.tip, -drag.whole, t.drag_force) * drag.fraction);
+  Vec3d force = t.foot.normal * (tip_force(model.chain, t.tip, depth.whole, t.depth_force) * depth.fraction) +
+                moved.along * (tip_force(model.chain, t.tip, -drag.whole, -t.drag_force) * drag.fraction);
   force *= stiffness_at(model, t.foot.at);
   // variable stiffness
   if (!model.stiffness.empty() && !t.holding)
@@ -205,7 +205,7 @@ TouchForce release_slipped(ToolTouch& t) {
   t.touching = t.holding = t.lagging = false;
   t.closed_empty = true;
   t.demand = t.moved = t.elastic = t.remembered = {};
-  t.depth_force = t.drag_force = t.depth_fraction = t.drag_fraction = t.depth_whole = t.drag_whole = 0;
+  t.depth_force = t.drag_force = t.depth_fraction = t.drag_fraction = t.depth_whole = 0;
   return {.slipped = true};
 }
 

@@ -54,7 +54,7 @@ Status check_vertices(const SolidMesh& mesh) {
   std::vector<int> bad;
   for (const int v : mesh.elements) {
     const Vec3d x = mesh.vertices[std::size_t(v)];
-    if (!std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z)) bad.push_back(v);
+    if (!is_finite(x)) bad.push_back(v);
   }
   sort_unique(bad);
   if (bad.empty()) return Done{};

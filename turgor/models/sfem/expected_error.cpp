@@ -49,6 +49,20 @@ double mean_edge(const SolidMesh& mesh, std::span<const int> elements) {
   return std::sqrt(sum / double(edges.size() * elements.size()));
 }
 
+TouchedElements touched_elements(const Model& model, std::span<const int> elements, int refinement,
+                                 double patch, double contact) {
+  TURGOR_ASSERT(!elements.empty(), "a touched patch has elements");
+  const std::vector<int>& material = model.body.material;
+  const std::size_t kind = material.empty() ? 0 : std::size_t(material[std::size_t(elements.front())]);
+  return {.corners = model.body.mesh.corners,
+          .formulation = model.params.formulation,
+          .poisson = model.body.materials[kind].poisson,
+          .edge = mean_edge(model.body.mesh, elements),
+          .refinement = refinement,
+          .patch = patch,
+          .contact = contact};
+}
+
 double expected_error(const TouchedElements& touched) {
   TURGOR_CHECK(touched.refinement >= 1, "an edge has at least one part");
   const double nodes = touched.edge / ((touched.corners == 10 ? 2 : 1) * touched.refinement);

@@ -22,6 +22,13 @@ struct TouchedElements {
   double patch = 0.02;    // its radius [m]
   double contact = 0;     // contact radius: √(tool radius · depth) [m]
 };
+/// Elements of a patch with this refinement and radius [m], under a contact of this radius [m]. The material
+/// is that of the first element.
+TouchedElements touched_elements(const Model& model, std::span<const int> elements, int refinement,
+                                 double patch, double contact);
+/// Largest relative error that has a meaning: above, the force is unknown. The estimate is a power of the
+/// edge relative to the contact, and tiny contacts would give thousands of millions of percent.
+constexpr double kForceUnknown = 1;
 /// Relative error of the force [1].
 double expected_error(const TouchedElements& touched);
 

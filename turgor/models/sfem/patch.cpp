@@ -63,18 +63,19 @@ PatchUnknowns number_unknowns(const Model& model, std::span<const int> elements,
                               const std::vector<int>& touched, bool with_change) {
   PatchUnknowns unknowns;
   const SolidMesh& mesh = model.body.mesh;
-  const std::vector<int> taking_part =
-      with_change ? changed_elements(model, elements) : std::vector<int>(elements.begin(), elements.end());
   const bool is_refined = fine.parent.size() > elements.size();
-  if (!is_refined)  // the touched vertices suffice
+  if (is_refined) {
+    const std::vector<int> coupled =
+        with_change ? changed_elements(model, elements) : std::vector<int>(elements.begin(), elements.end());
+    for (const int e : coupled)
+      for (const int v : element(mesh, std::size_t(e)))
+        if (model.free_node[std::size_t(v)] >= 0) unknowns.coarse.push_back(v);
+  } else {  // the touched vertices suffice
     for (const int node : touched) {
       const FineNode& from = fine.nodes[std::size_t(node)];
       unknowns.coarse.insert(unknowns.coarse.end(), from.coarse.begin(), from.coarse.begin() + from.supports);
     }
-  else
-    for (const int e : taking_part)
-      for (const int v : element(mesh, std::size_t(e)))
-        if (model.free_node[std::size_t(v)] >= 0) unknowns.coarse.push_back(v);
+  }
   sort_unique(unknowns.coarse);
 
   unknowns.local.assign(fine.nodes.size(), -1);

@@ -69,10 +69,10 @@ PatchCost patch_cost(const Model& model, std::span<const int> elements, int refi
 
 /// Builds the patch over these elements. Its points are the connected parts of its outer surface nearest to
 /// the touches, or all of it without touches. Calculates in the precision of Model::green, or in double where
-/// single is not sufficient. Requires the columns of all
-/// vertices of the elements; without refinement, of those on the surface. Error: it would take more
-/// than `most_bytes`, with advice; or the body is so nearly incompressible that double precision is not
-/// sufficient. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
+/// single is not sufficient. Requires the columns of all vertices of the elements; without refinement, of
+/// those on the surface. Error: it would take more than `most_bytes`, with advice; or the body is so nearly
+/// incompressible that double precision is not sufficient. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of
+/// docs/models/sfem.md]
 Result<Patch> build_patch(const Model& model, std::span<const int> elements, int refinement,
                           std::span<const Vec3d> touches = {}, std::size_t most_bytes = std::size_t(-1));
 

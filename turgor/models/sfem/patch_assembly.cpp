@@ -31,73 +31,92 @@ struct BlockView {
   }
 };
 
-/// Scatters blocks between fine nodes. u = N u_G + u_L, so a block between nodes a and b contributes to K_L,
-/// to K_LG for every coarse support of b, and, when requested, to Nᵀ K N for all pairs.
+/// The change of the coarse stiffness, Nᵀ K N for all pairs, as far as it is requested.
 template <class T>
-class PatchScatter {
+class ChangeScatter {
  public:
-  PatchScatter(const FineMesh& fine, const PatchUnknowns& unknowns, std::size_t vertices, bool with_change)
-      : fine_(fine), unknowns_(unknowns), index_(vertices, -1), with_change_(with_change) {
-    const std::size_t local = 3 * std::size_t(unknowns.local_count), coarse = 3 * unknowns.coarse.size();
+  ChangeScatter(const FineMesh& fine, const PatchUnknowns& unknowns, std::size_t vertices, bool with_change)
+      : fine_(fine), unknowns_(unknowns), with_change_(with_change), index_(vertices, -1) {
     for (std::size_t i = 0; i < unknowns.coarse.size(); i++) index_[std::size_t(unknowns.coarse[i])] = int(i);
-    matrices_.local.assign(local * local, 0);
-    matrices_.coupling.assign(local * coarse, 0);
-    if (with_change) matrices_.change.assign(coarse * coarse, 0);
-    local_rows_ = local, coarse_rows_ = coarse;
+    const std::size_t coarse = 3 * unknowns.coarse.size();
+    if (with_change) change_.assign(coarse * coarse, 0);
   }
 
-  void begin_element(std::size_t) {}
-  /// K_L alone: row a, column b.
-  void add_local(int a, int b, const double* block, std::size_t stride) {
-    const int row = unknowns_.local[std::size_t(a)], column = unknowns_.local[std::size_t(b)];
-    if (column >= 0 && column <= row)
-      BlockView<T>{matrices_.local, local_rows_}.add(row, column, block, stride, 1);
+  /// The change between two coarse vertices, which may be fixed.
+  void add_change(int vertex_row, int vertex_column, const double* block, std::size_t stride, double scale) {
+    const int row = coarse_index(vertex_row), column = coarse_index(vertex_column);
+    if (row >= 0 && column >= 0)
+      BlockView<T>{change_, 3 * unknowns_.coarse.size()}.add(row, column, block, stride, scale);
   }
-  /// Coupling of node a to a coarse vertex: K_LG, and the row's contribution to the change.
-  void add_coarse_column(int a, int vertex, const double* block, std::size_t stride, double scale) {
-    const int column = index_[std::size_t(vertex)], local = unknowns_.local[std::size_t(a)];
-    if (column < 0) return;
-    if (local >= 0) BlockView<T>{matrices_.coupling, local_rows_}.add(local, column, block, stride, scale);
+  /// True when any matrix needs the row of this node.
+  bool is_wanted(int a) const { return with_change_ || unknowns_.local[std::size_t(a)] >= 0; }
+
+ protected:
+  /// Index of a vertex among the coarse unknowns; -1 = none.
+  int coarse_index(int vertex) const { return index_[std::size_t(vertex)]; }
+  /// Adds the contribution of node a's row to the change.
+  void add_row_to_change(int a, int vertex, const double* block, std::size_t stride, double scale) {
     if (!with_change_) return;
     const FineNode& row = fine_.nodes[std::size_t(a)];
     for (std::size_t s = 0; s < std::size_t(row.supports); s++)
       add_change(row.coarse[s], vertex, block, stride, scale * row.weight[s]);
   }
-  /// The change between two coarse vertices, which may be fixed.
-  void add_change(int vertex_row, int vertex_column, const double* block, std::size_t stride, double scale) {
-    const int row = index_[std::size_t(vertex_row)], column = index_[std::size_t(vertex_column)];
-    if (row >= 0 && column >= 0)
-      BlockView<T>{matrices_.change, coarse_rows_}.add(row, column, block, stride, scale);
-  }
-  /// True when any matrix needs the row of this node.
-  bool is_wanted(int a) const { return with_change_ || unknowns_.local[std::size_t(a)] >= 0; }
-  PatchMatrices<T> take() { return std::move(matrices_); }
+  std::vector<T> take_change() { return std::move(change_); }
 
- private:
   const FineMesh& fine_;
   const PatchUnknowns& unknowns_;
-  std::vector<int> index_;  // of each vertex among the coarse unknowns
-  std::size_t local_rows_ = 0, coarse_rows_ = 0;
+
+ private:
   bool with_change_;
+  std::vector<int> index_;
+  std::vector<T> change_;
+};
+
+/// Scatters blocks between fine nodes. u = N u_G + u_L, so a block between nodes a and b contributes to K_L,
+/// to K_LG for every coarse support of b, and to the change.
+template <class T>
+class PatchScatter : public ChangeScatter<T> {
+ public:
+  PatchScatter(const FineMesh& fine, const PatchUnknowns& unknowns, std::size_t vertices, bool with_change)
+      : ChangeScatter<T>(fine, unknowns, vertices, with_change),
+        local_rows_(3 * std::size_t(unknowns.local_count)) {
+    matrices_.local.assign(local_rows_ * local_rows_, 0);
+    matrices_.coupling.assign(local_rows_ * 3 * unknowns.coarse.size(), 0);
+  }
+
+  void begin_element(std::size_t) {}
+  /// K_L alone: row a, column b.
+  void add_local(int a, int b, const double* block, std::size_t stride) {
+    const int row = this->unknowns_.local[std::size_t(a)], column = this->unknowns_.local[std::size_t(b)];
+    if (column >= 0 && column <= row)
+      BlockView<T>{matrices_.local, local_rows_}.add(row, column, block, stride, 1);
+  }
+  /// Coupling of node a to a coarse vertex: K_LG, and the row's contribution to the change.
+  void add_coarse_column(int a, int vertex, const double* block, std::size_t stride, double scale) {
+    const int column = this->coarse_index(vertex), local = this->unknowns_.local[std::size_t(a)];
+    if (column < 0) return;
+    if (local >= 0) BlockView<T>{matrices_.coupling, local_rows_}.add(local, column, block, stride, scale);
+    this->add_row_to_change(a, vertex, block, stride, scale);
+  }
+  PatchMatrices<T> take() {
+    matrices_.change = this->take_change();
+    return std::move(matrices_);
+  }
+
+ private:
+  std::size_t local_rows_;
   PatchMatrices<T> matrices_;
 };
 
 /// Collects the blocks of one coarse element after the other, each in a small matrix of its own. The change
 /// of the coarse stiffness is summed over all of them.
 template <std::size_t N>
-class PieceScatter {
+class PieceScatter : public ChangeScatter<double> {
  public:
   PieceScatter(const SolidMesh& mesh, const FineMesh& fine, const PatchUnknowns& unknowns, bool with_change)
-      : mesh_(mesh),
-        fine_(fine),
-        unknowns_(unknowns),
-        index_(mesh.vertices.size(), -1),
-        position_(std::size_t(unknowns.local_count) + unknowns.coarse.size(), -1),
-        with_change_(with_change) {
-    for (std::size_t i = 0; i < unknowns.coarse.size(); i++) index_[std::size_t(unknowns.coarse[i])] = int(i);
-    const std::size_t coarse = 3 * unknowns.coarse.size();
-    if (with_change) pieces_.change.assign(coarse * coarse, 0);
-  }
+      : ChangeScatter(fine, unknowns, mesh.vertices.size(), with_change),
+        mesh_(mesh),
+        position_(std::size_t(unknowns.local_count) + unknowns.coarse.size(), -1) {}
 
   /// Numbers the functions of the coarse element to which fine element `f` belongs.
   void begin_element(std::size_t f) {
@@ -108,7 +127,7 @@ class PieceScatter {
         if (const int own = unknowns_.local[std::size_t(fine_.corners[N * f + c])]; own >= 0)
           piece.functions.push_back(own);
     for (const int v : element(mesh_, std::size_t(parent)))
-      if (const int coarse = index_[std::size_t(v)]; coarse >= 0)
+      if (const int coarse = coarse_index(v); coarse >= 0)
         piece.functions.push_back(unknowns_.local_count + coarse);
     sort_unique(piece.functions);
     for (std::size_t i = 0; i < piece.functions.size(); i++)
@@ -120,7 +139,7 @@ class PieceScatter {
     if (column >= 0 && column <= row) view().add(at(row), at(column), block, stride, 1);
   }
   void add_coarse_column(int a, int vertex, const double* block, std::size_t stride, double scale) {
-    const int column = index_[std::size_t(vertex)], local = unknowns_.local[std::size_t(a)];
+    const int column = coarse_index(vertex), local = unknowns_.local[std::size_t(a)];
     if (column < 0) return;
     // K_GL, in the lower half because coarse functions come last
     if (local >= 0) {
@@ -128,19 +147,12 @@ class PieceScatter {
       for (std::size_t i = 0; i < 9; i++) transposed[i] = block[i % 3 * stride + i / 3];
       view().add(at(unknowns_.local_count + column), at(local), transposed.data(), 3, scale);
     }
-    // change of the coarse stiffness
-    if (!with_change_) return;
-    const FineNode& row = fine_.nodes[std::size_t(a)];
-    for (std::size_t s = 0; s < std::size_t(row.supports); s++)
-      add_change(row.coarse[s], vertex, block, stride, scale * row.weight[s]);
+    add_row_to_change(a, vertex, block, stride, scale);
   }
-  void add_change(int vertex_row, int vertex_column, const double* block, std::size_t stride, double scale) {
-    const int row = index_[std::size_t(vertex_row)], column = index_[std::size_t(vertex_column)];
-    if (row >= 0 && column >= 0)
-      BlockView<double>{pieces_.change, 3 * unknowns_.coarse.size()}.add(row, column, block, stride, scale);
+  PatchPieces take() {
+    pieces_.change = take_change();
+    return std::move(pieces_);
   }
-  bool is_wanted(int a) const { return with_change_ || unknowns_.local[std::size_t(a)] >= 0; }
-  PatchPieces take() { return std::move(pieces_); }
 
  private:
   int at(int function) const { return position_[std::size_t(function)]; }
@@ -150,11 +162,7 @@ class PieceScatter {
   }
 
   const SolidMesh& mesh_;
-  const FineMesh& fine_;
-  const PatchUnknowns& unknowns_;
-  std::vector<int> index_;     // of each vertex among the coarse unknowns
   std::vector<int> position_;  // of each function in the present piece
-  bool with_change_;
   PatchPieces pieces_;
 };
 

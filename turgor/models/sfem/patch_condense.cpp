@@ -155,8 +155,6 @@ std::vector<double> coarse_forces_of(const Patch& patch, const CondensedSystem<T
   return {on_coarse.data(), on_coarse.data() + coarse};
 }
 
-}  // namespace
-
 template <class T>
 std::vector<T> rounded(const std::vector<double>& values) {
   return {values.begin(), values.end()};
@@ -175,6 +173,8 @@ std::optional<PatchMatrices<T>> reduced(const Model& model, std::span<const int>
   return PatchMatrices<T>{rounded<T>(matrices->local), rounded<T>(matrices->coupling),
                           rounded<T>(matrices->change)};
 }
+
+}  // namespace
 
 template <class T>
 bool condense(const Model& model, std::span<const int> elements, const FineMesh& fine,

@@ -81,7 +81,7 @@ PatchPiece unite(Bisection& b, std::span<const PatchPiece> pieces) {
 }
 
 /// Piece of elements [first, last), bisected across their longest extent.
-PatchPiece eliminated(Bisection& b, std::size_t first, std::size_t last) {
+PatchPiece eliminate_range(Bisection& b, std::size_t first, std::size_t last) {
   TURGOR_CHECK(first < last && last <= b.elements.size(), "a range of elements is bisected");
   if (last - first == 1) {
     const PatchPiece own = std::exchange(b.pieces[std::size_t(b.elements[first])], {});
@@ -100,7 +100,7 @@ PatchPiece eliminated(Bisection& b, std::size_t first, std::size_t last) {
   std::sort(begin, end,
             [&](int p, int q) { return std::pair(center(p)[axis], p) < std::pair(center(q)[axis], q); });
   const std::size_t middle = first + (last - first) / 2;
-  const PatchPiece halves[] = {eliminated(b, first, middle), eliminated(b, middle, last)};
+  const PatchPiece halves[] = {eliminate_range(b, first, middle), eliminate_range(b, middle, last)};
   return unite(b, halves);
 }
 
@@ -128,7 +128,7 @@ std::optional<PatchMatrices<double>> without_interior(const Model& model, std::s
     b.elements.push_back(int(e));
     b.centers.push_back(centroid(model.body.mesh, std::size_t(elements[e])));
   }
-  const PatchPiece left = eliminated(b, 0, elements.size());
+  const PatchPiece left = eliminate_range(b, 0, elements.size());
   if (!b.is_definite) return {};
   // matrices of the functions that remain
   const std::size_t touched = 3 * std::size_t(unknowns.local_count - unknowns.first_touched);

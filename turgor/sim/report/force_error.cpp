@@ -47,8 +47,8 @@ std::string force_error_warning(const World& world, const TouchingTool& tool) {
       "{}: the expected force error is {} %: element edges under it are {:.3g} mm, split into {} "
       "segments, for a contact radius of {:.3g} mm; {} {:.0f} %",
       tool.name,
-      error > kForceUnknown ? fmt::format("more than {:.0f}", 100 * kForceUnknown)
-                            : fmt::format("up to {:.0f}", 100 * error),
+      error > sfem::kForceUnknown ? fmt::format("more than {:.0f}", 100 * sfem::kForceUnknown)
+                                  : fmt::format("up to {:.0f}", 100 * error),
       1e3 * touched->edge, touched->refinement, 1e3 * touched->contact, advice, 100 * kMuch);
 }
 
@@ -59,20 +59,9 @@ std::optional<sfem::TouchedElements> touched_elements(const World& world, const 
   const double radius = radius_of(tool.tool.shape), depth = deepest(tool);
   if (tool.body.kind != BodyKind::kSfem || depth <= 0 || radius <= 0) return {};
   const SfemBody& body = world.sfem_bodies[std::size_t(tool.body.index)];
-  const sfem::Model& model = body.model;
-  // material of the patch, from its first element
-  const std::span<const int> elements = body.now.patch->elements;
-  const std::vector<int>& material = model.body.material;
-  TURGOR_CHECK(!elements.empty(), "a touched patch has elements");
-  const std::size_t kind = material.empty() ? 0 : std::size_t(material[std::size_t(elements.front())]);
   // contact radius by Hertz: sqrt(radius * depth)
-  return sfem::TouchedElements{.corners = model.body.mesh.corners,
-                               .formulation = model.params.formulation,
-                               .poisson = model.body.materials[kind].poisson,
-                               .edge = sfem::mean_edge(model.body.mesh, elements),
-                               .refinement = body.refinement,
-                               .patch = body.follow.radius,
-                               .contact = std::sqrt(radius * depth)};
+  return sfem::touched_elements(body.model, body.now.patch->elements, body.refinement, body.follow.radius,
+                                std::sqrt(radius * depth));
 }
 
 std::vector<std::string> force_error_warnings(const World& world) {

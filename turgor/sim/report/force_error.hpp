@@ -14,10 +14,6 @@ namespace turgor {
 /// contact.
 std::optional<sfem::TouchedElements> touched_elements(const World& world, const TouchingTool& tool);
 
-/// Largest expected error that has a meaning: above, the force is unknown. The estimate is a power of the
-/// edge relative to the contact, and tiny contacts would give thousands of millions of percent.
-constexpr double kForceUnknown = 1;
-
 /// A warning for every tool whose expected force error exceeds 10 %.
 std::vector<std::string> force_error_warnings(const World& world);
 

@@ -28,9 +28,7 @@ struct RestBody {
 std::optional<RestBody> rest_body(const World& world, BodyId id) {
   const RestSurface rest = rest_surface(world, id);
   if (rest.triangles.empty() || id.kind == BodyKind::kCloth) return {};
-  TriMesh mesh{.triangles = {rest.triangles.begin(), rest.triangles.end()}};
-  for (const Vec3d x : rest.vertices) mesh.vertices.push_back(Vec3(x));
-  RestBody body{distance_to_surface(mesh), 0};
+  RestBody body{distance_to_surface(mesh_of(rest.vertices, rest.triangles)), 0};
   body.size = norm(body.distance.high - body.distance.low);
   return body;
 }
@@ -38,13 +36,8 @@ std::optional<RestBody> rest_body(const World& world, BodyId id) {
 /// True if the tool gets deeper on a straight path than at its start by more than its tip's radius.
 bool goes_deeper(const RestBody& body, const contact::Shape& shape, const ForceSample& from,
                  const ForceSample& to) {
-  // depth below the surface at rest, 0 far from it
-  const SignedDistance& skin = body.distance;
-  const double reach = 2 * contact::bounding_radius(shape);
-  const Box box{skin.low - Vec3d{reach, reach, reach}, skin.high + Vec3d{reach, reach, reach}};
   const auto depth = [&](Vec3d position) {
-    return contact::depth_below(shape, {position, to.axes}, kMaxTips,
-                                [&](Vec3d x) { return squared_distance(box, x) > 0 ? reach : skin.at(x); });
+    return contact::depth_in(body.distance, shape, {position, to.axes}, kMaxTips);
   };
 
   // points of the path
@@ -63,7 +56,7 @@ struct LowestTip {
 };
 LowestTip lowest_tip(const RestBody& body, const contact::Shape& shape, const ForceSample& sample) {
   LowestTip lowest;
-  contact::visit_tips(shape, {sample.position, sample.axes}, kMaxTips, [&](Vec3d point, double) {
+  contact::visit_tips(shape, {sample.position, sample.axes}, kMaxTips, [&](Vec3d point, Vec3d) {
     if (const double height = body.distance.at(point); height < lowest.height) lowest = {point, height};
   });
   return lowest;

@@ -219,7 +219,7 @@ Json expected_force_error(const ToolInput& t) {
   const auto touched = touched_elements(t.world, t.tool);
   if (!touched) return absent();
   const double error = sfem::expected_error(*touched);
-  return error <= kForceUnknown ? Json(error) : Json();
+  return error <= sfem::kForceUnknown ? Json(error) : Json();
 }
 
 using T = ToolInput;

@@ -20,15 +20,15 @@ struct Allowed {
 
 /// Largest magnitude of a number without a narrower range, and the reciprocal of the smallest. Products of
 /// three such numbers, as in the determinant of a stiffness, fit in single precision (1e-38 to 3e38).
-constexpr double kMostCarried = 1e12;
+constexpr double kLargestNumber = 1e12;
 
 inline Allowed any_number(const char* unit) {
-  return {.low = -kMostCarried, .high = kMostCarried, .unit = unit};
+  return {.low = -kLargestNumber, .high = kLargestNumber, .unit = unit};
 }
 inline Allowed positive(const char* unit) {
-  return {.low = 1 / kMostCarried, .high = kMostCarried, .unit = unit};
+  return {.low = 1 / kLargestNumber, .high = kLargestNumber, .unit = unit};
 }
-inline Allowed not_negative(const char* unit) { return {.low = 0, .high = kMostCarried, .unit = unit}; }
+inline Allowed not_negative(const char* unit) { return {.low = 0, .high = kLargestNumber, .unit = unit}; }
 inline Allowed within(double low, double high, const char* unit = "") {
   return {.low = low, .high = high, .unit = unit};
 }
@@ -36,8 +36,8 @@ inline Allowed inside(double low, double high, const char* unit = "") {
   return {.low = low, .high = high, .open = true, .unit = unit};
 }
 /// Young's moduli. Compliances of bodies of any size fit in single precision with them.
-inline Allowed modulus() { return within(1e-3, kMostCarried, "Pa"); }
-/// "from 0 to 1", "above 0"; empty without limits.
+inline Allowed modulus() { return within(1e-3, kLargestNumber, "Pa"); }
+/// "from 0 to 1", "between 0 and 1"; empty without limits.
 std::string limits_text(const Allowed& allowed);
 
 /// Meaning of a key, and its default if that is not the reader's initial value.

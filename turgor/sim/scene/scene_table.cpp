@@ -66,8 +66,6 @@ std::string limits_text(const Allowed& allowed) {
   if (allowed.low > -kNone && allowed.high < kNone)
     return allowed.open ? fmt::format("between {} and {}", text(allowed.low), text(allowed.high))
                         : fmt::format("from {} to {}", text(allowed.low), text(allowed.high));
-  if (allowed.low > -kNone)
-    return fmt::format("{} {}", allowed.open ? "above" : "of at least", text(allowed.low));
   return "";
 }
 

@@ -84,7 +84,7 @@ TEST(ChoosePatch, FineMeshGetsPatchThatFits) {
     World world = pressed_world(mesh, {.at = {0.031, 0.028, 0.03}, .body = keys});
     SfemBody& body = world.sfem_bodies[0];
     ASSERT_TRUE(body.facts.on_demand) << keys;
-    EXPECT_LE(bytes_of_patch(body, body.centers), 0.3e9) << keys;
+    EXPECT_LE(needs_of_patch(body, body.centers).bytes, 0.3e9) << keys;
     const double force = press_force(world);
     EXPECT_TRUE(force > 0.04 && force < 0.09) << keys << ": " << force;
     EXPECT_EQ(body.rejected_patches, 0) << body.rejection_reason;

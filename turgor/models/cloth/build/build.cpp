@@ -164,7 +164,8 @@ void make_sheet_rows(const TriMesh& mesh, std::vector<Spring> edges, Model& mode
     if (s.a > s.b) std::swap(s.a, s.b);
   std::sort(edges.begin(), edges.end(), before);
   // bending weights of edges and of other pairs
-  const std::vector<Spring> weights = bending_weights(mesh, model.params.fabric);
+  const std::vector<char> is_sliver = find_slivers(mesh);
+  const std::vector<Spring> weights = bending_weights(mesh, model.params.fabric, is_sliver);
   std::vector<Spring> far;
   for (const Spring& s : weights) {
     const auto edge = std::lower_bound(edges.begin(), edges.end(), s, before);
@@ -183,7 +184,7 @@ void make_sheet_rows(const TriMesh& mesh, std::vector<Spring> edges, Model& mode
   TURGOR_CHECK(missing.size() <= model.extra_diagonal.size(), "every vertex has a diagonal");
   for (std::size_t v = 0; v < missing.size(); v++) model.extra_diagonal[v] = Real(missing[v]);
   // membrane
-  model.membrane = make_membrane(mesh, model.params.fabric);
+  model.membrane = make_membrane(mesh, model.params.fabric, is_sliver);
   find_slots(mesh.triangles, model.rows, model.membrane);
 }
 
@@ -230,15 +231,13 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
   if (const std::string crowded = crowded_edges(mesh); !crowded.empty())
     model.notes.push_back(crowded + (is_sheet ? ": these edges do not resist folding"
                                               : ": each pair of their triangles resists folding"));
+  const std::vector<char> is_sliver = is_sheet ? find_slivers(mesh) : std::vector<char>();
   std::vector<Spring> springs =
-      is_sheet ? membrane_springs(mesh, params.fabric) : make_springs(mesh, params.fabric);
-  if (is_sheet) {
-    const std::vector<char> slivers = find_slivers(mesh);
-    if (const auto count = std::count(slivers.begin(), slivers.end(), char(1)); count > 0)
-      model.notes.push_back(std::to_string(count) +
-                            " triangles are thinner than a tenth of those around them: they carry no force, "
-                            "their edges do not resist folding, and they pass through the cloth");
-  }
+      is_sheet ? membrane_springs(mesh, params.fabric, is_sliver) : make_springs(mesh, params.fabric);
+  if (const auto count = std::count(is_sliver.begin(), is_sliver.end(), char(1)); count > 0)
+    model.notes.push_back(std::to_string(count) + (count == 1 ? " triangle is" : " triangles are") +
+                          " thinner than a tenth of those around: such triangles carry no force, their edges "
+                          "do not resist folding, and they pass through the cloth");
   if (params.collision.self)
     if (const std::string folded = folded_edges(mesh); !folded.empty())
       model.notes.push_back(folded +

@@ -102,8 +102,8 @@ class DeviceSheet final : public SheetBackend {
     }
     void limit_strain() {
       if (model.params.solver.strain_limit > 0) sheet.limit_strain(model, dt);
-      state.largest_speed = report.largest_speed = sheet.largest_speed();
     }
+    void measure_speed() { state.largest_speed = report.largest_speed = sheet.largest_speed(); }
     void solve_contact_impulses() {
       if (!model.params.collision.self && inputs.obstacles.empty()) {
         sheet.contacts_.clear();
@@ -121,8 +121,8 @@ class DeviceSheet final : public SheetBackend {
     void solve_positions() { sheet.contacts_.solve_positions(sheet.run_, model, sheet.view(), dt); }
     void resolve_ccd() {
       if (model.params.collision.self) report.in_impact_zone = sheet.run_ccd(exec, model, state);
-      state.time += frame;
     }
+    void advance_time() { state.time += frame; }
   };
 
   static std::size_t history_size(const Model& m) {

@@ -7,7 +7,6 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/forces/membrane.hpp"
-#include "turgor/models/cloth/forces/slivers.hpp"
 #include "turgor/models/cloth/forces/springs.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
@@ -26,7 +25,7 @@ struct Fold {
 struct Sheets {
   const TriMesh& mesh;
   const Fabric& fabric;
-  std::vector<char> is_sliver;  // of each triangle
+  std::span<const char> is_sliver;  // of each triangle
 
   Vec3d at(int v) const { return Vec3d(mesh.vertices[std::size_t(v)]); }
   int facing(const EdgeUse& use) const {
@@ -123,12 +122,14 @@ std::vector<Curvature> curvature(const std::vector<Fold>& folds, std::span<const
 
 }  // namespace
 
-std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric) {
+std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric,
+                                    std::span<const char> is_sliver) {
+  TURGOR_ASSERT(is_sliver.size() == mesh.triangles.size(), "every triangle is a sliver or not");
   const double warp = fabric.rigidity_warp, weft = fabric.rigidity_weft;
   std::vector<Spring> springs;
   if (warp == 0 && weft == 0) return springs;
   // folds of all edges, and the folds around each vertex
-  const Sheets sheets{mesh, fabric, find_slivers(mesh)};
+  const Sheets sheets{mesh, fabric, is_sliver};
   std::vector<Fold> folds;
   std::vector<std::vector<int>> around(mesh.vertices.size());
   const std::vector<EdgeUse> uses = sorted_edges(mesh.triangles);

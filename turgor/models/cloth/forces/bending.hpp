@@ -8,6 +8,7 @@
 // is quadratic, and its weights never change [isometric bending: Bergou et al. 2006].
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "turgor/geometry/tri_mesh.hpp"
@@ -18,8 +19,9 @@ namespace turgor::cloth {
 struct Fabric;
 
 /// Weights of all vertex pairs that bending couples, in Spring::bend: the force on i is Σ_j w_ij (x_j − x_i)
-/// [N/m]. Pairs farther apart have negative weights.
-std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric);
+/// [N/m]. Pairs farther apart have negative weights. `is_sliver`: of each triangle (slivers.hpp).
+std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric,
+                                    std::span<const char> is_sliver);
 
 /// Diagonal per vertex that Jacobi's method needs beyond the sum of its row [N/m]. Rows with entries of both
 /// signs are not diagonally dominant; half of the deficit is enough.

@@ -7,7 +7,6 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/forces/membrane_tension.hpp"
-#include "turgor/models/cloth/forces/slivers.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
@@ -147,10 +146,10 @@ Weave weave_at(Vec3d direction, Vec3d normal) {
   return {normalized(warp), cross(n, normalized(warp))};
 }
 
-Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
+Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric, std::span<const char> is_sliver) {
+  TURGOR_ASSERT(is_sliver.size() == mesh.triangles.size(), "every triangle is a sliver or not");
   Membrane m{.law = material(fabric)};
   const std::size_t count = mesh.triangles.size(), size = padded(count);
-  const std::vector<char> is_sliver = find_slivers(mesh);
   for (int k = 0; k < 2; k++) m.second[k].resize(size), m.third[k].resize(size);
   for (std::size_t t = 0; t < count; t++) {
     const Corners c = corners(mesh, mesh.triangles[t]);
@@ -161,10 +160,11 @@ Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
   return m;
 }
 
-std::vector<Spring> membrane_springs(const TriMesh& mesh, const Fabric& fabric) {
+std::vector<Spring> membrane_springs(const TriMesh& mesh, const Fabric& fabric,
+                                     std::span<const char> is_sliver) {
+  TURGOR_ASSERT(is_sliver.size() == mesh.triangles.size(), "every triangle is a sliver or not");
   // stiffness of the sides of each triangle
   const MembraneLaw m = material(fabric);
-  const std::vector<char> is_sliver = find_slivers(mesh);
   std::vector<std::array<double, 3>> stiffness;
   for (std::size_t t = 0; t < mesh.triangles.size(); t++) {
     const Corners c = corners(mesh, mesh.triangles[t]);

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "turgor/core/aligned.hpp"
@@ -31,12 +32,13 @@ struct Weave {
 };
 Weave weave_at(Vec3d direction, Vec3d normal);
 
-/// Membrane of a mesh at rest, without slots.
-Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric);
+/// Membrane of a mesh at rest, without slots. `is_sliver`: of each triangle (slivers.hpp).
+Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric, std::span<const char> is_sliver);
 
 /// Springs along all edges that are together at least as stiff as the membrane; the matrix of a step uses
-/// them. Rest lengths are not set. Slivers (slivers.hpp) have no stiffness.
-std::vector<Spring> membrane_springs(const TriMesh& mesh, const Fabric& fabric);
+/// them. Rest lengths are not set. Slivers have no stiffness.
+std::vector<Spring> membrane_springs(const TriMesh& mesh, const Fabric& fabric,
+                                     std::span<const char> is_sliver);
 
 /// Finds the entries of the triangles' sides in rows of the same numbering.
 void find_slots(const std::vector<Int3>& triangles, const Rows& rows, Membrane& membrane);

@@ -1,5 +1,5 @@
 // Kernels for the device only: sums over the components of a sheet without held vertices, whose initial
-// velocity change follows from their total force; residual. The host also calls those of held vertices.
+// velocity change follows from their total force; residual.
 #pragma once
 
 #include "turgor/core/atomic_max.hpp"
@@ -76,35 +76,6 @@ struct StartChange {
     sheet.change.set(v, all), sheet.previous.set(v, all);
   }
 };
-/// Velocity change of held vertices, which reaches their goals.
-struct AimHolds {
-  SheetView sheet;
-  const Hold* holds;
-  Real dt;
-
-  TURGOR_HD void operator()(std::size_t n) const {
-    const auto v = std::size_t(holds[n].vertex);
-    sheet.force.set(v, (holds[n].goal - sheet.x[v]) / dt - sheet.v[v]);
-  }
-};
-/// Initial guess of held vertices.
-struct StartHolds {
-  SheetView sheet;
-  const Hold* holds;
-
-  TURGOR_HD void operator()(std::size_t n) const {
-    const auto v = std::size_t(holds[n].vertex);
-    sheet.change.set(v, sheet.force[v]), sheet.previous.set(v, sheet.force[v]);
-  }
-};
-/// Moves held vertices to their goals exactly.
-struct MoveHolds {
-  SheetView sheet;
-  const Hold* holds;
-
-  TURGOR_HD void operator()(std::size_t n) const { sheet.x.set(std::size_t(holds[n].vertex), holds[n].goal); }
-};
-
 struct CopyVectors {
   ConstVectorsView from;
   VectorsView to;

@@ -106,8 +106,9 @@ void update_diagonal(State& state) {
       for (const Vec3d tangent : {t, cross(normal, t)})
         add_rank_one(inverse, tangent, w * w * double(a.tangential_stiffness));
     }
-    // rounding to single precision must keep it positive definite
-    const double floor = 2e-7 * (inverse[0] + inverse[1] + inverse[2]);
+    // the rounding of six entries to single precision must keep it positive definite
+    constexpr double kRounding = 2e-7;  // above three units in the last digit, relative to the trace
+    const double floor = kRounding * (inverse[0] + inverse[1] + inverse[2]);
     state.system.inverse[0].set(v, Vec3(Vec3d{inverse[0] + floor, inverse[1] + floor, inverse[2] + floor}));
     state.system.inverse[1].set(v, Vec3(Vec3d{inverse[3], inverse[4], inverse[5]}));
   }

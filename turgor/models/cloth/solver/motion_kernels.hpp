@@ -91,4 +91,39 @@ struct Move {
   }
 };
 
+/// Velocity change of held vertices, which reaches their goals.
+struct AimHolds {
+  SheetView sheet;
+  const Hold* holds;
+  Real dt;
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const auto v = std::size_t(holds[n].vertex);
+    sheet.force.set(v, (holds[n].goal - sheet.x[v]) / dt - sheet.v[v]);
+  }
+};
+/// Initial guess of held vertices.
+struct StartHolds {
+  SheetView sheet;
+  const Hold* holds;
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const auto v = std::size_t(holds[n].vertex);
+    sheet.change.set(v, sheet.force[v]), sheet.previous.set(v, sheet.force[v]);
+  }
+};
+/// Moves held vertices to their goals exactly.
+struct MoveHolds {
+  SheetView sheet;
+  const Hold* holds;
+
+  TURGOR_HD void operator()(std::size_t n) const { sheet.x.set(std::size_t(holds[n].vertex), holds[n].goal); }
+};
+
+/// Calls a kernel for every held vertex, on the host.
+template <class Kernel>
+void for_holds(const State& state, const Kernel& kernel) {
+  for (std::size_t n = 0; n < state.holds.size(); n++) kernel(n);
+}
+
 }  // namespace turgor::cloth

@@ -8,8 +8,8 @@
 #include "turgor/models/cloth/forces/membrane.hpp"
 #include "turgor/models/cloth/forces/wind.hpp"
 #include "turgor/models/cloth/model/contacts.hpp"
-#include "turgor/models/cloth/solver/component_kernels.hpp"
 #include "turgor/models/cloth/solver/implicit_contact.hpp"
+#include "turgor/models/cloth/solver/motion_kernels.hpp"
 #include "turgor/models/cloth/solver/system_kernels.hpp"
 
 namespace turgor::cloth {
@@ -35,8 +35,7 @@ void add_contact_impulses(State& state) {
 /// Velocity change of held vertices, which reaches their goals.
 void aim_holds(const Model& model, State& state, Real dt) {
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
-  const AimHolds aim{view(model, state), state.holds.data(), dt};
-  for (std::size_t n = 0; n < state.holds.size(); n++) aim(n);
+  for_holds(state, AimHolds{view(model, state), state.holds.data(), dt});
 }
 
 /// Sum over the vertices of a component, in chunks that do not depend on the number of threads.
@@ -119,8 +118,7 @@ void start_change(const Exec& exec, const Model& model, State& state, double dt)
   for (std::size_t v = 0; v < count; v++) system.change.set(v, {});
   move_free_components(exec, model, state, system.force, dt);
   for (std::size_t v = 0; v < count; v++) system.previous.set(v, system.change[v]);
-  const StartHolds start{view(model, state), state.holds.data()};
-  for (std::size_t n = 0; n < state.holds.size(); n++) start(n);
+  for_holds(state, StartHolds{view(model, state), state.holds.data()});
 }
 
 void sweep(const Exec& exec, const Model& model, State& state, Real omega) {

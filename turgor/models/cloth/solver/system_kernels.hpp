@@ -11,7 +11,8 @@ constexpr float kLeastEigenvalue = 1e-6f;
 
 /// Preconditioner for a diagonal block, from the factors L D Lᵀ. `least` bounds its eigenvalues from below. A
 /// block that is much stiffer in one direction than in another is shifted, so that rounding keeps the inverse
-/// positive definite. The cofactors of inverse() would cancel.
+/// positive definite. The cofactors of inverse() would cancel;
+/// the sweeps keep inverse(), whose bits they are validated with.
 template <class T>
 TURGOR_HD inline Symmetric<T> definite_inverse(Symmetric<T> m, T least) {
   // scale to a trace of 1, and shift
@@ -117,7 +118,8 @@ struct AssembleRow {
       add_springs(sheet, dt, i, x, v, is_free, f, d, least);
     const T is_held = 1 - is_free;  // row of a held vertex: its change is given
     d = {d.diagonal * is_free + Three<T>{is_held, is_held, is_held}, d.off * is_free};
-    const Symmetric<T> inverted = preconditions ? definite_inverse<T>(d, least + is_held) : inverse(d);
+    const Symmetric<T> inverted =
+        preconditions ? definite_inverse<T>(d, least * is_free + is_held) : inverse(d);
     store<T>(sheet.inverse[0], i, inverted.diagonal), store<T>(sheet.inverse[1], i, inverted.off);
     store<T>(sheet.force, i, f * is_free);
   }

@@ -336,9 +336,11 @@ class DeviceBody final : public BodyBackend {
     VbdView view = vbd_->view(model, nodes_, inputs, dt);
     const auto sums = std::size_t(residuals_of_groups(view) + view.virtual_nodes_of_color.begin[kColorCount]);
     // partial residuals before and after the sweeps
-    if (inputs.measure_residual) vbd_->residual.resize(2 * sums);
-    ResidualSum* before = inputs.measure_residual ? vbd_->residual.data() : nullptr;
-    view.residual = inputs.measure_residual ? before + sums : nullptr;
+    ResidualSum* before = nullptr;
+    if (inputs.measure_residual) {
+      vbd_->residual.resize(2 * sums);
+      before = vbd_->residual.data(), view.residual = before + sums;
+    }
     // relative speed of neighbors above which a held body starts the step from rest
     const Real speed_limit = largest_relative_speed(model, Real(dt));
     const bool held = model.free_nodes < model.body_nodes;

@@ -15,18 +15,6 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-/// Offsets of the 26 neighbors of a voxel: faces first, then edges, then corners.
-std::array<Int3, 26> neighbors_by_distance() {
-  std::array<Int3, 26> offsets;
-  std::size_t count = 0;
-  for (int distance = 1; distance <= 3; distance++)
-    for (int n = 0; n < 27; n++) {
-      const Int3 offset{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      if (std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z) == distance) offsets[count++] = offset;
-    }
-  return offsets;
-}
-
 /// Tile of a slab with a margin for its partial volume.
 struct Window {
   static constexpr int kTile = 32;  // voxels along x and y
@@ -168,6 +156,17 @@ bool is_untouched(const PartialVolumeInputs& inputs, const Grid& out, const Outp
 }
 
 }  // namespace
+
+std::array<Int3, 26> neighbors_by_distance() {
+  std::array<Int3, 26> offsets;
+  std::size_t count = 0;
+  for (int distance = 1; distance <= 3; distance++)
+    for (int n = 0; n < 27; n++) {
+      const Int3 offset{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      if (std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z) == distance) offsets[count++] = offset;
+    }
+  return offsets;
+}
 
 int blur_reach(const Grid& out, const Grid& ct) {
   double reach = 1;

@@ -2,6 +2,7 @@
 // the skin. Partial volume is the air that a scanner blurs the skin into.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,6 +10,9 @@
 #include "turgor/models/lattice/resample/partial_volume_voxel.hpp"
 
 namespace turgor::lattice {
+
+/// Offsets of the 26 neighbors of a voxel: faces first, then edges, then corners.
+std::array<Int3, 26> neighbors_by_distance();
 
 /// Body as shown in the CT at rest.
 class RestBody {

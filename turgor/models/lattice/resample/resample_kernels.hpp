@@ -198,8 +198,7 @@ struct FindTissue {
   template <int kTet>
   TURGOR_HD TissueAt locate(Int3 cell, Int3 voxel) const {
     constexpr std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, kTet);
-    bool solid = false;
-    const DeformedTet tet = deform_tet<kTet>(v.corners(cell, nodes, solid), v.window.handedness);
+    const DeformedTet tet = deform_tet<kTet>(v.corners(cell, nodes), v.window.handedness);
     return {VoxelToRest(tet, v.window.bits, v.rest, cell)(voxel), float(tet.det * v.volume_scale)};
   }
 };

@@ -85,15 +85,12 @@ struct ResampleView {
     const auto x = std::size_t(window.high.x), y = std::size_t(window.high.y);
     return {int(n % x), int(n / x % y), int(n / (x * y))};
   }
-  /// Voxel coordinates of a whole cell's tetrahedron. Sets `solid` if a corner is tissue.
-  TURGOR_HD std::array<Int3, 4> corners(Int3 cell, const std::array<Int3, 4>& nodes_of_tet,
-                                        bool& solid) const {
+  /// Voxel coordinates of a whole cell's tetrahedron.
+  TURGOR_HD std::array<Int3, 4> corners(Int3 cell, const std::array<Int3, 4>& nodes_of_tet) const {
     const int slot = node_slot(lattice, cell), parity = cell.x & 1;
     std::array<Int3, 4> positions;
-    for (std::size_t n = 0; n < 4; n++) {
-      const int corner = slot + slot_offset(lattice, nodes_of_tet[n], parity);
-      positions[n] = position[corner], solid |= is_solid(corner);
-    }
+    for (std::size_t n = 0; n < 4; n++)
+      positions[n] = position[slot + slot_offset(lattice, nodes_of_tet[n], parity)];
     return positions;
   }
 };

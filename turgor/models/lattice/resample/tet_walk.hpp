@@ -3,8 +3,9 @@
 // voxel coordinates of nodes, virtual nodes and ghost corners.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <limits>
-#include <utility>
 
 #include "turgor/geometry/ct_sampler.hpp"
 #include "turgor/models/lattice/cutting/fragment_view.hpp"

@@ -1,7 +1,6 @@
 #include "turgor/models/lattice/resample/warp_outside.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "turgor/geometry/dilate.hpp"
@@ -13,29 +12,13 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-/// Nearest source of each voxel, and the number of rings to it; -1 = none.
-struct Sources {
-  std::vector<int> voxel, rings;
-};
-
-/// Offsets of the 26 neighbors of a voxel: faces first, then edges, then corners.
-std::vector<Int3> neighbors_by_distance() {
-  std::vector<Int3> offsets;
-  for (int distance = 1; distance <= 3; distance++)
-    for (int n = 0; n < 27; n++) {
-      const Int3 offset{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      if (dot(offset, offset) == distance) offsets.push_back(offset);
-    }
-  return offsets;
-}
-
 /// Grows rings of voxels from all sources into voxels where `may_grow`, each with the source of its nearest
-/// neighbor. Ends when no voxel of `wanted` is without a source.
+/// neighbor. Ends when no voxel of `wanted` is without a source. Returns the source of each voxel, or -1.
 template <class MayGrow>
-Sources grow_sources(const Grid& grid, const Mask& is_source, const Mask& wanted, const MayGrow& may_grow) {
-  const std::vector<Int3> offsets = neighbors_by_distance();
-  const std::size_t count = sample_count(grid);
-  Sources found{std::vector<int>(count, -1), std::vector<int>(count, -1)};
+std::vector<int> grow_sources(const Grid& grid, const Mask& is_source, const Mask& wanted,
+                              const MayGrow& may_grow) {
+  const std::array<Int3, 26> offsets = neighbors_by_distance();
+  std::vector<int> source(sample_count(grid), -1);
   std::vector<Int3> ring, next;
   std::size_t missing = 0;
   // first ring: the sources
@@ -45,22 +28,22 @@ Sources grow_sources(const Grid& grid, const Mask& is_source, const Mask& wanted
         const std::size_t v = sample_index(grid, i, j, k);
         missing += wanted[v] && !is_source[v];
         if (!is_source[v]) continue;
-        found.voxel[v] = int(v), found.rings[v] = 0;
+        source[v] = int(v);
         ring.push_back({i, j, k});
       }
   // one ring after the other; nearer offsets of the whole ring come first
-  for (int rings = 1; missing > 0 && !ring.empty(); rings++, std::swap(ring, next), next.clear())
+  for (; missing > 0 && !ring.empty(); std::swap(ring, next), next.clear())
     for (const Int3 offset : offsets)
       for (const Int3 from : ring) {
         const Int3 p = from - offset;
         if (!contains(grid, p)) continue;
         const std::size_t v = sample_index(grid, p.x, p.y, p.z);
-        if (found.voxel[v] >= 0 || !may_grow(v)) continue;
-        found.voxel[v] = found.voxel[sample_index(grid, from.x, from.y, from.z)], found.rings[v] = rings;
+        if (source[v] >= 0 || !may_grow(v)) continue;
+        source[v] = source[sample_index(grid, from.x, from.y, from.z)];
         missing -= wanted[v];
         next.push_back(p);
       }
-  return found;
+  return source;
 }
 
 /// The body at rest on the grid of the field, in units of nodes.
@@ -116,22 +99,22 @@ void fill_warp_outside(const Exec& exec, const Model& model, std::span<const std
     air[v] = !near_rest[v];
   });
 
-  // the nearest skin, and the nearest air at rest
-  const Sources skin = grow_sources(grid, is_covered, wanted, [&](std::size_t v) { return !is_covered[v]; });
-  const Sources to_air = grow_sources(grid, air, wanted, [](std::size_t) { return true; });
-  const std::vector<Vec3> tissue = field.samples;
+  // the nearest skin, and the nearest air at rest; only voxels without tissue are written
+  const std::vector<int> skin =
+      grow_sources(grid, is_covered, wanted, [&](std::size_t v) { return !is_covered[v]; });
+  const std::vector<int> to_air = grow_sources(grid, air, wanted, [](std::size_t) { return true; });
   const Mat3d to_lattice = inverse(model.grid.axes);
   each_voxel([&](std::size_t v, Int3 p) {
     if (!wanted[v]) return;
     const Vec3d node = body.to_node(p);
-    const Vec3 moved = skin.voxel[v] < 0 ? Vec3{} : tissue[std::size_t(skin.voxel[v])];
+    const Vec3 moved = skin[v] < 0 ? Vec3{} : field.samples[std::size_t(skin[v])];
     const Vec3d local = to_lattice * Vec3d(moved), step = model.grid.spacing;
     const Vec3d rest = node + Vec3d{local.x / step.x, local.y / step.y, local.z / step.z};
     // with the skin, unless tissue was there; else to air
-    if (skin.voxel[v] >= 0 && !body.is_deep(rest, model.params.block)) {
+    if (skin[v] >= 0 && !body.is_deep(rest, model.params.block)) {
       field.samples[v] = moved;
-    } else if (near_rest[v] && to_air.voxel[v] >= 0) {
-      const auto n = std::size_t(to_air.voxel[v]);
+    } else if (near_rest[v] && to_air[v] >= 0) {
+      const auto n = std::size_t(to_air[v]);
       const auto x = std::size_t(grid.size.x), y = std::size_t(grid.size.y);
       const Vec3d source{double(n % x), double(n / x % y), double(n / (x * y))};
       field.samples[v] = Vec3(point_at(grid, source) - point_at(grid, Vec3d(p)));

@@ -1,5 +1,4 @@
 // First and last phase of a step: the predictor, and velocities from displacements.
-#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>

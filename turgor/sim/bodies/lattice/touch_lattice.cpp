@@ -7,6 +7,7 @@
 #include "turgor/contact/tips.hpp"
 #include "turgor/contact/touch_tick.hpp"
 #include "turgor/core/assert.hpp"
+#include "turgor/geometry/box.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 #include "turgor/sim/live/exchanges.hpp"
@@ -15,16 +16,6 @@
 namespace turgor {
 
 namespace {
-
-/// Depth of a tool's deepest point below the surface at rest; 0 = above it [m].
-double depth_at_rest(const LatticeBody& body, const contact::Tool& tool, const contact::Pose& pose) {
-  const SignedDistance& skin = body.rest_skin;
-  if (!skin.at) return 0;
-  const double reach = 2 * contact::bounding_radius(tool.shape);
-  const Box box{skin.low - Vec3d{reach, reach, reach}, skin.high + Vec3d{reach, reach, reach}};
-  return contact::depth_below(tool.shape, pose, contact::kAllTips,
-                              [&](Vec3d x) { return squared_distance(box, x) > 0 ? reach : skin.at(x); });
-}
 
 /// Surface at the end of the last step.
 TriMesh present_surface(const LatticeBody& body) {
@@ -39,9 +30,11 @@ TriMesh present_surface(const LatticeBody& body) {
 /// True if a test point of the tool is deeper than `depth` below a surface.
 bool is_below(const SignedDistance& surface, const contact::Tool& tool, const contact::Pose& pose,
               double depth) {
+  const Box box{surface.low, surface.high};
   bool below = false;
-  contact::visit_tips(tool.shape, pose, contact::kAllTips,
-                      [&](Vec3d point, double) { below = below || surface.at(point) < -depth; });
+  contact::visit_tips(tool.shape, pose, contact::kAllTips, [&](Vec3d point, Vec3d) {
+    below = below || (squared_distance(box, point) == 0 && surface.at(point) < -depth);
+  });
   return below;
 }
 
@@ -50,12 +43,6 @@ std::vector<int> touched_nodes(const LatticeBody& body) {
   std::vector<int> samples;
   for (const contact::LatticeContact& contact : body.touch.contacts) samples.push_back(contact.sample);
   return nodes_of(body.touch, samples);
-}
-
-std::vector<Vec3> rest_vertices(const LatticeBody& body) {
-  std::vector<Vec3> vertices;
-  for (const Vec3d x : body.rest) vertices.push_back(Vec3(x));
-  return vertices;
 }
 
 void make_surface(LatticeBody& body) {
@@ -83,8 +70,7 @@ Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const Wor
   set_poses(body, tools, 0);
   body.touch = contact::make_lattice_touch(body.model, body.state.cuts(), body.surface, body.poses);
   if (!body.surface.triangles.empty())
-    body.rest_skin =
-        distance_to_surface({.vertices = rest_vertices(body), .triangles = body.surface.triangles});
+    body.rest_skin = distance_to_surface(mesh_of(body.rest, body.surface.triangles));
   return Done{};
 }
 
@@ -157,7 +143,9 @@ void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, doub
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     const contact::ToolForce& haptic = body.forces[t];
     contact::ToolReading reading{.force = haptic.force, .torque = haptic.torque, .contacts = haptic.contacts};
-    reading.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
+    if (body.rest_skin.at)
+      reading.depth =
+          contact::depth_in(body.rest_skin, body.tools[t].shape, body.poses[t].pose, contact::kAllTips);
     ForceSample sample = sample_of(time, {.pose = body.poses[t].pose, .hold = body.poses[t].hold}, reading);
     sample.tick_seconds = float(seconds);
     tools[std::size_t(body.tool_indices[t])].samples.append(sample);

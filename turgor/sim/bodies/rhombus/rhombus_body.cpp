@@ -80,12 +80,6 @@ Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScen
   return rhombus::stiffness_below(surface, scene.depth, rhombus::factor_of_labels(labels, by_label.factors));
 }
 
-TriMesh mesh_of(const rhombus::Surface& s) {
-  TriMesh mesh{.vertices = {}, .triangles = s.triangles};
-  for (const Vec3d x : s.vertices) mesh.vertices.push_back(Vec3(x));
-  return mesh;
-}
-
 double enclosed_volume(const rhombus::Surface& s) {
   double sum = 0;
   for (const Int3 t : s.triangles) {
@@ -140,7 +134,8 @@ Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene,
   if (!model) return Error{fmt::format("{}: {}", scene.source_location, model.error().message)};
   // components of a file that overlap
   if (std::holds_alternative<SurfaceFile>(scene.source)) {
-    const std::vector<std::string> overlaps = overlap_notes(loading.exec, mesh_of(model->surface));
+    const std::vector<std::string> overlaps =
+        overlap_notes(loading.exec, mesh_of(model->surface.vertices, model->surface.triangles));
     body.notes.insert(body.notes.end(), overlaps.begin(), overlaps.end());
   }
   // rebuild with the elastic stiffness of each vertex

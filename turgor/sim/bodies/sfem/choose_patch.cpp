@@ -67,23 +67,8 @@ struct Candidate {
   double error = 0;          // expected, relative
 };
 
-/// Expected force error of the tool with the smallest contact.
-double error_of(const SfemBody& body, std::span<const int> elements, const Candidate& candidate,
-                double contact) {
-  const sfem::Model& model = body.model;
-  const std::vector<int>& material = model.body.material;
-  const std::size_t kind = material.empty() ? 0 : std::size_t(material[std::size_t(elements.front())]);
-  return sfem::expected_error({.corners = model.body.mesh.corners,
-                               .formulation = model.params.formulation,
-                               .poisson = model.body.materials[kind].poisson,
-                               .edge = sfem::mean_edge(model.body.mesh, elements),
-                               .refinement = candidate.refinement,
-                               .patch = candidate.radius,
-                               .contact = contact});
-}
-
 /// All candidates that cover the contact, the cheapest first.
-std::vector<Candidate> candidates_of(SfemBody& body, double contact, double reach) {
+std::vector<Candidate> candidates_of(const SfemBody& body, double contact, double reach) {
   constexpr std::array kRadii{0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0, 1.25, 1.5, 2.0};  // relative
   const double least = std::min(kUsualRadius, reach / (1 - std::min(body.follow.hysteresis, 0.5)));
   std::vector<Candidate> candidates;
@@ -95,7 +80,8 @@ std::vector<Candidate> candidates_of(SfemBody& body, double contact, double reac
     for (int r = 1; r <= kMostRefinement; r++) {
       if (!body.refinement_is_open && r != body.refinement) continue;
       Candidate candidate{radius, r, double(elements.size()) * r * r * r, 0};
-      candidate.error = error_of(body, elements, candidate, contact);
+      candidate.error =
+          sfem::expected_error(sfem::touched_elements(body.model, elements, r, radius, contact));
       candidates.push_back(candidate);
     }
     if (!body.radius_is_open) break;
@@ -116,7 +102,7 @@ void use(SfemBody& body, const Candidate& c) {
 
 bool fits(SfemBody& body, const Candidate& c) {
   use(body, c);
-  return bytes_of_patch(body, body.centers) <= double(body.patch_memory);
+  return needs_of_patch(body, body.centers).bytes <= double(body.patch_memory);
 }
 
 /// Best candidate: the usual one if it is accurate and small, else the cheapest accurate one, else the most
@@ -144,17 +130,18 @@ std::optional<Candidate> best_of(SfemBody& body, const std::vector<Candidate>& c
 }
 
 /// Sentence about a choice that differs from the usual one.
-std::string note_of(const SfemBody& body, const Candidate& chosen, double usual_bytes) {
-  const double bytes = bytes_of_patch(body, body.centers);
-  // beyond 100 % the estimate only says that the force is wrong
-  const std::string error =
-      chosen.error > 1 ? "more than 100 %" : fmt::format("{:.1f} %", 100 * chosen.error);
+std::string note_of(const SfemBody& body, const Candidate& chosen, const Candidate& usual,
+                    double usual_bytes) {
+  const double bytes = needs_of_patch(body, body.centers).bytes;
+  const std::string error = chosen.error > sfem::kForceUnknown
+                                ? fmt::format("more than {:.0f} %", 100 * sfem::kForceUnknown)
+                                : fmt::format("{:.1f} %", 100 * chosen.error);
   std::string note = fmt::format(
       "the patch was chosen: radius {:.3g} mm, refinement {}; expected force error {}, memory {:.3g} GB",
       1e3 * chosen.radius, chosen.refinement, error, bytes * 1e-9);
   if (usual_bytes > double(body.patch_memory))
     note += fmt::format("; a radius of {:.3g} mm would take {:.3g} GB, the limit is {:.3g} GB",
-                        1e3 * kUsualRadius, usual_bytes * 1e-9, double(body.patch_memory) * 1e-9);
+                        1e3 * usual.radius, usual_bytes * 1e-9, double(body.patch_memory) * 1e-9);
   return note;
 }
 
@@ -189,14 +176,16 @@ std::vector<int> columns_of_patch(const SfemBody& body, std::span<const int> ele
   return vertices;
 }
 
-double bytes_of_patch(const SfemBody& body, std::span<const Vec3d> centers) {
+PatchNeeds needs_of_patch(const SfemBody& body, std::span<const Vec3d> centers) {
   const double radius = body.follow.radius;
   const std::vector<int> elements = elements_of_patch(body, centers, radius);
-  double bytes = sfem::patch_cost(body.model, elements, body.refinement, centers).bytes;
-  if (!body.facts.on_demand) return bytes;
-  const std::vector<int> ahead =
+  PatchNeeds needs{sfem::patch_cost(body.model, elements, body.refinement, centers).bytes, {}};
+  if (!body.facts.on_demand) return needs;
+  // columns ahead of the tools
+  needs.columns =
       columns_of_patch(body, elements_of_patch(body, centers, radius * (1 + body.follow.hysteresis)));
-  return bytes + 9.0 * double(ahead.size()) * double(body.model.green.nodes.size()) * sizeof(float);
+  needs.bytes += 9.0 * double(needs.columns.size()) * double(body.model.green.nodes.size()) * sizeof(float);
+  return needs;
 }
 
 void choose_patch(SfemBody& body, const std::vector<TouchingTool>& tools) {
@@ -214,11 +203,12 @@ void choose_patch(SfemBody& body, const std::vector<TouchingTool>& tools) {
                   .refinement = body.refinement_is_open ? kUsualRefinement : body.refinement};
   const std::vector<Candidate> candidates = candidates_of(body, contact, reach);
   use(body, usual);
-  const double usual_bytes = bytes_of_patch(body, body.centers);
+  const double usual_bytes = needs_of_patch(body, body.centers).bytes;
   // choice
   const std::optional<Candidate> chosen = best_of(body, candidates);
   use(body, chosen.value_or(usual));
-  if (chosen && !is_usual(body, *chosen)) body.facts.notes.push_back(note_of(body, *chosen, usual_bytes));
+  if (chosen && !is_usual(body, *chosen))
+    body.facts.notes.push_back(note_of(body, *chosen, usual, usual_bytes));
 }
 
 }  // namespace turgor

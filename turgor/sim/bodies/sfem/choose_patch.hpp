@@ -17,8 +17,12 @@ double usual_touch_depth(const SolidMesh& mesh);
 std::vector<int> elements_of_patch(const SfemBody& body, std::span<const Vec3d> centers, double radius);
 /// Vertices whose columns of Green's functions a patch over these elements needs; ascending.
 std::vector<int> columns_of_patch(const SfemBody& body, std::span<const int> elements);
-/// Memory of a patch around these positions while it is built, and of the columns fetched for it [bytes].
-double bytes_of_patch(const SfemBody& body, std::span<const Vec3d> centers);
+/// Memory of a patch while it is built and of the columns fetched for it, with a store on demand.
+struct PatchNeeds {
+  double bytes = 0;
+  std::vector<int> columns;  // their vertices; ascending
+};
+PatchNeeds needs_of_patch(const SfemBody& body, std::span<const Vec3d> centers);
 
 /// Sets radius and refinement that the scene leaves open, from the tools at their initial positions, and
 /// notes a choice that differs from the usual one. Does nothing to a body whose scene sets both.

@@ -30,17 +30,13 @@ std::vector<int> vertices_in_use(const SfemBody& body, std::vector<int> vertices
 Status fetch_columns_near(const Exec& exec, SfemBody& body, std::span<const Vec3d> positions) {
   if (!body.facts.on_demand) return Done{};
   // memory of the columns and of the patch
-  const double bytes = bytes_of_patch(body, positions);
+  const auto [bytes, vertices] = needs_of_patch(body, positions);
   if (bytes > double(body.patch_memory))
     return Error{
         fmt::format("a patch with the columns of Green's functions that it needs would take {:.3g} GB, "
                     "the limit is {:.3g} GB: use a smaller patch.radius, a lower patch.refinement or more "
                     "memory",
                     bytes * 1e-9, double(body.patch_memory) * 1e-9)};
-
-  // vertices of elements near the contacts
-  const std::vector<int> vertices = columns_of_patch(
-      body, elements_of_patch(body, positions, body.follow.radius * (1 + body.follow.hysteresis)));
 
   // fetch; where columns of earlier patches would exceed the limit, forget them
   if (const double held = double(sfem::column_bytes(body.model.green));
