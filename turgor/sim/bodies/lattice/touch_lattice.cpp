@@ -128,11 +128,13 @@ void note_passed_tools(const LatticeBody& body, std::vector<TouchingTool>& tools
   const double reach = double(std::max({h.x, h.y, h.z}));
   std::optional<SignedDistance> now;
   for (std::size_t t = 0; t < body.tools.size(); t++) {
-    // the present surface is made only for a tool below the surface at rest
+    // the present surface takes as long as a step: it is made only for a tool that touches nothing below the
+    // surface at rest
     std::optional<double>& passed_at = tools[std::size_t(body.tool_indices[t])].limits.passed_at;
     const contact::Tool& tool = body.tools[t];
     const contact::Pose& pose = body.poses[t].pose;
-    if (passed_at || !body.rest_skin.at || !is_below(body.rest_skin, tool, pose, 0)) continue;
+    if (passed_at || body.forces[t].contacts > 0) continue;
+    if (!body.rest_skin.at || !is_below(body.rest_skin, tool, pose, 0)) continue;
     if (!now) now = distance_to_surface(present_surface(body));
     if (is_below(*now, tool, pose, reach)) passed_at = time;
   }
