@@ -15,7 +15,7 @@ const std::string kSteering =
     "31m\xe2\x80\xae\x9b"
     "5n\x08\x7fx\ry";
 
-/// First byte that a terminal would obey; empty if there is none.
+/// Text from the first byte that steers a terminal, escaped; empty without one.
 std::string first_steering(const std::string& text) {
   const auto context = [&](std::size_t at) { return testing::PrintToString(text.substr(at, 40)); };
   for (std::size_t i = 0; i < text.size(); i++) {

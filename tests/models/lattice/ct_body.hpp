@@ -64,6 +64,15 @@ inline Model body_of(const CtVolume& ct, Int3 block) {
   params.skin.enabled = false;
   return build(Exec(1), ct, {}, params).value();
 }
+/// Removes the body nodes [4, 7) × [4, 7) from layer 5 on.
+inline void remove_block(const Model& model, State& state) {
+  for (int k = 5; k < model.lattice.size.z; k++)
+    for (int j = 4; j < 7; j++)
+      for (int i = 4; i < 7; i++) {
+        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
+        if (is_body(model.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
+      }
+}
 
 /// Moves every node by `displacement(rest position in the lattice frame [m])`.
 inline void move(const Model& model, State& state, const std::function<Vec3d(Vec3d)>& displacement) {

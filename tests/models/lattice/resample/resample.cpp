@@ -355,12 +355,7 @@ TEST(LatticeResample, RemovedNodesBecomeAir) {
   const CtVolume ct = make_ct({40, 40, 40}, [](Vec3d p) { return p.z < 30; });
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
-  for (int k = 5; k < model.lattice.size.z; k++)
-    for (int j = 4; j < 7; j++)
-      for (int i = 4; i < 7; i++) {
-        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        if (is_body(model.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
-      }
+  remove_block(model, state);
   const ResampledCt result = resample_ct(kExec, model, state, ct, ct.grid);
   EXPECT_EQ(result.ct.at(20, 20, 22), kAirHu);
   EXPECT_EQ(result.ct.at(20, 20, 15), ct.at(20, 20, 15));

@@ -149,12 +149,7 @@ TEST(WarpOutside, RemovedTissueIsNoMassError) {
   const CtVolume ct = make_ct({40, 40, 40}, [](Vec3d p) { return p.z < 30; });
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
-  for (int k = 5; k < model.lattice.size.z; k++)
-    for (int j = 4; j < 7; j++)
-      for (int i = 4; i < 7; i++) {
-        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        if (is_body(model.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
-      }
+  remove_block(model, state);
   const CtVolume now = resample_ct(kExec, model, state, ct, ct.grid).ct;
   EXPECT_LT(mass_of(now), 0.99 * mass_of(ct));
   EXPECT_NEAR(image_mass_error(kExec, model, state, ct, now), 0, 1e-12);
