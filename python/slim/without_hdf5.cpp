@@ -16,7 +16,7 @@ Error without(const std::filesystem::path& path) {
 }  // namespace
 
 Result<Hdf5File> Hdf5File::create(const std::filesystem::path& path) { return without(path); }
-Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) { return without(path); }
+Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path, bool*) { return without(path); }
 
 // never called, needed for linking
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept

@@ -111,5 +111,26 @@ TEST(Simulate, SnapshotRateKeepsBits) {
   EXPECT_GT(seldom.gape, 1e-4);
 }
 
+// Every shipped scene takes its first steps.
+TEST(Simulate, ShippedScenesBegin) {
+  const Exec exec(2);
+  int count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(TURGOR_SOURCE_DIR "/scenes")) {
+    if (file.path().extension() != ".toml") continue;
+    Result<Scene> scene = read_scene(file.path());
+    ASSERT_TRUE(scene) << scene.error().message;
+    for (SfemScene& body : scene->sfem_bodies) body.cached = false;
+    Result<World> world = load_world(exec, *scene);
+    ASSERT_TRUE(world) << world.error().message;
+    RunEvents events;
+    events.frame = [](const World& now) { return now.frame < 3; };
+    const Result<Simulated> done = simulate(exec, *scene, *world, events);
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_TRUE(done->finite) << file.path() << ": " << done->stopped;
+    count++;
+  }
+  EXPECT_GE(count, 15);
+}
+
 }  // namespace
 }  // namespace turgor

@@ -56,6 +56,22 @@ TEST(ClothBending, ReferenceMatchesSmallDeflection) {
   EXPECT_NEAR(elastica_drop(0.1, 1, 1e-2), 1e-2 * 1e-3 / 8, 1e-9);  // w L⁴/8B
 }
 
+// Where the warp is normal to the cloth, the weaves of two triangles are opposite. With equal rigidities
+// their fold resists as for any other warp.
+TEST(ClothBending, OppositeWeavesBendAlike) {
+  const TriMesh fold{.vertices = {{0, 0, 0}, {0, 0, 1}, {0.1f, 1, 0.4f}, {0.1f, -1, 0.4f}},
+                     .triangles = {{0, 2, 1}, {0, 1, 3}}};
+  const std::vector<char> no_slivers(2, 0);
+  Fabric across{.law = Law::kSheet}, along{.law = Law::kSheet};
+  across.direction = {1, 0, 0}, along.direction = {0, 1, 0};
+  const std::vector<Spring> found = bending_weights(fold, across, no_slivers),
+                            expected = bending_weights(fold, along, no_slivers);
+  ASSERT_EQ(found.size(), expected.size());
+  ASSERT_FALSE(found.empty());
+  for (std::size_t n = 0; n < found.size(); n++)
+    EXPECT_NEAR(found[n].bend, expected[n].bend, 1e-6 * std::abs(expected[n].bend)) << n;
+}
+
 // The reference elastica satisfies Peirce's formula.
 TEST(ClothBending, ReferenceMatchesPeirce) {
   // For an angle of 41.5° from the clamp to the end, c is half the length: c³ ρ g = B.

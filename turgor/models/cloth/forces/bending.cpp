@@ -59,17 +59,16 @@ Fold fold_at(const Sheets& sheets, std::span<const EdgeUse> edge) {
   const Vec3d to_p = sheets.at(p) - sheets.at(a), to_q = sheets.at(q) - sheets.at(a);
   const double up = norm(cross(to_p, along)), uq = norm(cross(to_q, along));
   const double ap = dot(to_p, along) / length, aq = dot(to_q, along) / length;
-  double x = 0, y = 0;  // direction of the edge along warp and weft, averaged over both triangles
+  // mean tensor of both triangles: their weaves may be opposite, where the warp is normal to the cloth
+  std::array<double, 3> tensor{};
   for (std::size_t n = 0; n < 2; n++) {
     const Weave weave = weave_at(sheets.fabric.direction, sheets.normal(edge, n));
-    x += dot(along, weave.warp), y += dot(along, weave.weft);
+    const double x = dot(along, weave.warp), y = dot(along, weave.weft), quarter = length / 4;
+    tensor[0] += y * y * quarter, tensor[1] += x * x * quarter;
+    tensor[2] -= std::sqrt(2.0) * x * y * quarter;
   }
-  const double size = std::hypot(x, y);
-  x /= size, y /= size;
   TURGOR_CHECK(up > 0 && uq > 0, "the triangles of a fold have areas");
-  return {{a, b, p, q},
-          {-(1 - ap) / up - (1 - aq) / uq, -ap / up - aq / uq, 1 / up, 1 / uq},
-          {y * y * length / 2, x * x * length / 2, -std::sqrt(2.0) * x * y * length / 2}};
+  return {{a, b, p, q}, {-(1 - ap) / up - (1 - aq) / uq, -ap / up - aq / uq, 1 / up, 1 / uq}, tensor};
 }
 
 /// Voronoi areas of the vertices. An obtuse triangle gives half of its area to the obtuse corner and a
