@@ -29,12 +29,17 @@ Status Hdf5File::write(const std::string&, std::span<const T>, std::size_t, Hdf5
   return without(path_);
 }
 template <class T>
+Status Hdf5File::append(const std::string&, std::span<const T>, std::size_t) {
+  return without(path_);
+}
+template <class T>
 Result<std::vector<T>> Hdf5File::read(const std::string&, std::size_t) const {
   return without(path_);
 }
 
 #define TURGOR_WITHOUT(T)                                                                            \
   template Status Hdf5File::write(const std::string&, std::span<const T>, std::size_t, Hdf5Packing); \
+  template Status Hdf5File::append(const std::string&, std::span<const T>, std::size_t);             \
   template Result<std::vector<T>> Hdf5File::read(const std::string&, std::size_t) const;
 TURGOR_WITHOUT(float)
 TURGOR_WITHOUT(double)

@@ -11,8 +11,8 @@ constexpr float kLeastEigenvalue = 1e-6f;
 
 /// Preconditioner for a diagonal block, from the factors L D Lᵀ. `least` bounds its eigenvalues from below. A
 /// block that is much stiffer in one direction than in another is shifted, so that rounding keeps the inverse
-/// positive definite. The cofactors of inverse() would cancel; sweeps keep inverse(), whose bits their validation
-/// has.
+/// positive definite. The cofactors of inverse() would cancel; sweeps keep inverse(), whose bits their
+/// validation has.
 template <class T>
 TURGOR_HD inline Symmetric<T> definite_inverse(Symmetric<T> m, T least) {
   // scale to a trace of 1, and shift
