@@ -1,0 +1,121 @@
+// Cut of 70 mm in a live world, drawn by hand: wall time of a frame while the blade moves and after, and of
+// the drawn surface. The cut is the same in every body, so twice the body should cost the same for the cut
+// itself. TURGOR_BENCH_CT = a CT file replaces the phantoms.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/sim/live/mouse_tools.hpp"
+#include "turgor/sim/live/requests.hpp"
+#include "turgor/sim/snapshot.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace {
+
+using namespace turgor;
+
+constexpr double kBladeSeconds = 0.35;  // of 70 mm at the window's 0.2 m/s [s]
+
+/// Torso of this many voxels of 0.78 × 0.78 × 1 mm with elements of 6 mm, or the CT of the environment.
+std::string scene_text(Int3 voxels) {
+  const char* file = std::getenv("TURGOR_BENCH_CT");
+  const std::string ct =
+      file ? fmt::format("\"{}\"", file)
+           : fmt::format("{{ phantom = \"torso\", size = [{}, {}, {}], spacing_mm = [0.78, 0.78, 1.0] }}",
+                         voxels.x, voxels.y, voxels.z);
+  return "[world]\nduration = 2\n[body.torso]\nmodel = \"lattice\"\nct = " + ct +
+         "\nspacing = 0.006\nfixed = [\"bone\", \"ends\"]\nskin = { tension = 45, stiffness = 300 }\n"
+         "solver = { sleep_speed = 3e-4 }\n";
+}
+
+/// Curve of 70 mm along the body, as a hand draws it.
+CutRequest hand_drawn(const LatticeBody& body) {
+  constexpr int kPoints = 8;
+  lattice::Incision middle{.from = {0.5, 0, 0.55}, .to = {0.5, 0, 0.5}};
+  const Vec3d start = blade_from_fractions(body.model, middle).from;
+  CutRequest request{.blade = {.name = "hand", .depth = 0.01, .duration = kBladeSeconds}, .body = 0};
+  for (int n = 0; n < kPoints; n++) {
+    const double s = double(n) / (kPoints - 1);
+    request.blade.path.push_back(start + Vec3d{0.004 * std::sin(5 * s), 0, -0.07 * s});
+  }
+  request.blade.from = request.blade.path.front(), request.blade.to = request.blade.path.back();
+  return request;
+}
+
+struct FrameTimes {
+  std::vector<double> steps, shows;  // [s]
+
+  void add(const Exec& exec, World& world, WorldSnapshot& snapshot) {
+    const Timer stepping;
+    benchmark::DoNotOptimize(step(exec, world).value().seconds);
+    steps.push_back(stepping.seconds());
+    const Timer showing;
+    show(exec, world, snapshot);
+    shows.push_back(showing.seconds());
+  }
+};
+
+double milliseconds(std::vector<double> seconds, double quantile) {
+  std::sort(seconds.begin(), seconds.end());
+  return 1e3 * seconds[std::size_t(quantile * double(seconds.size() - 1))];
+}
+
+/// Largest displacement of the drawn surface [mm]: the opening of the wound.
+double opening(const WorldSnapshot& snapshot) {
+  float most = 0;
+  for (const Vec3 u : snapshot.bodies[0].displacement) most = std::max(most, norm(u));
+  return 1e3 * double(most);
+}
+
+void bench_live_cut(benchmark::State& state) {
+  const Exec exec(int(state.range(2)));
+  const Int3 voxels{int(state.range(0)), int(state.range(0)) * 4 / 5, int(state.range(1))};
+  const Scene scene = with_mouse_tools(parse_scene(scene_text(voxels), "bench.toml").value());
+  for (auto _ : state) {
+    // world at rest
+    World world = load_world(exec, scene).value();
+    WorldSnapshot snapshot;
+    FrameTimes before, during, after;
+    for (int frame = 0; frame < 30; frame++) before.add(exec, world, snapshot);
+
+    // cut
+    auto kept = std::make_shared<const Scene>(scene);
+    const Timer laying;
+    if (!apply_request(exec, hand_drawn(world.lattice_bodies[0]), kept, world)) state.SkipWithError("no cut");
+    const double lay = laying.seconds();
+    const Timer cutting;
+    const auto frames = int(std::ceil(kBladeSeconds / world.dt));
+    for (int frame = 0; frame <= frames; frame++) during.add(exec, world, snapshot);
+    state.SetIterationTime(cutting.seconds());
+
+    // open wound
+    for (int frame = 0; frame < 120; frame++) after.add(exec, world, snapshot);
+    state.counters["nodes"] = world.lattice_bodies[0].model.body_nodes;
+    state.counters["vertices"] = double(snapshot.bodies[0].x.size());
+    state.counters["lay_ms"] = 1e3 * lay;
+    state.counters["rest_ms"] = milliseconds(before.steps, 0.5);
+    state.counters["cut_ms"] = milliseconds(during.steps, 0.5);
+    state.counters["cut_most_ms"] = milliseconds(during.steps, 1);
+    state.counters["cut_show_ms"] = milliseconds(during.shows, 0.5);
+    state.counters["after_ms"] = milliseconds(after.steps, 0.5);
+    state.counters["after_show_ms"] = milliseconds(after.shows, 0.5);
+    state.counters["opening_mm"] = opening(snapshot);
+    state.counters["edges"] = world.cuts[0].edges;
+  }
+}
+BENCHMARK(bench_live_cut)
+    ->ArgsProduct({{512}, {150, 300}, {1, 2}})
+    ->ArgNames({"width", "length", "threads"})
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+BENCHMARK_MAIN();
