@@ -95,7 +95,7 @@ inline int components_of_surface(const Model& model, const State& state) {
   for (std::size_t v = 0; v < surface.rest.size(); v++) {
     const Vec3 x = surface.rest[v];
     const auto corners =
-        corners_of(model, surface.fragments, surface.embedding[v].cell, surface.embedding[v].fragment);
+        corners_of(model, *surface.fragments, surface.embedding[v].cell, surface.embedding[v].fragment);
     std::array<int, 12> key{int(std::lround(x.x * 1e7)), int(std::lround(x.y * 1e7)),
                             int(std::lround(x.z * 1e7)), surface.embedding[v].cell};
     std::copy(corners.begin(), corners.end(), key.begin() + 4);

@@ -116,7 +116,7 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
     // surface near the cut, rebuilt after changes
     lattice::BodySurface& near = measures.wound_surfaces[std::size_t(cut.body)];
     const lattice::Cuts& cuts = body.state.cuts();
-    if (near.fragments.version != cut_version(cuts))
+    if (!near.fragments || near.fragments->version != cut_version(cuts))
       near = build_surface(body.model, cuts, &body.ct, lattice::Extent::kCuts);
 
     // measures

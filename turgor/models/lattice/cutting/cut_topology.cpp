@@ -380,9 +380,10 @@ void mark_virtual_nodes_with_unknowns(const Model& model, const Cuts& cuts, Frag
 }
 
 void build_cut_elements(const Model& model, State& state, const DownloadNodes& download) {
+  store_fragments(model, state.cuts);
   if (!has_cut_elements(model) || state.cuts.edges.empty()) return;
-  // fragments and their virtual nodes
-  const Fragments fragments = make_fragments(model, state.cuts);
+  // virtual nodes of the fragments
+  const Fragments& fragments = *state.cuts.fragments;
   TURGOR_CHECK(fragments.version == cut_version(state.cuts), "the fragments are those of the current cuts");
   update_virtual_nodes(model, state, fragments, download);
   // rebuild cut cells and skin elements

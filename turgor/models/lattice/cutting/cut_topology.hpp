@@ -10,8 +10,9 @@ namespace turgor::lattice {
 /// Marks the virtual nodes that are unknowns: corners of fragments that become cut-cell elements.
 void mark_virtual_nodes_with_unknowns(const Model& model, const Cuts& cuts, Fragments& fragments);
 
-/// Rebuilds State::cut_elements after a cut. Virtual nodes from before the cut keep their displacements. New
-/// ones get the displacement of the tissue on their side. Only the nodes that determine it are downloaded.
+/// Rebuilds Cuts::fragments and State::cut_elements after a cut. Virtual nodes from before the cut keep their
+/// displacements. New ones get the displacement of the tissue on their side. Only the nodes that determine it
+/// are downloaded.
 void build_cut_elements(const Model& model, State& state, const DownloadNodes& download = {});
 
 /// Marks the rows around a slot as cut (Cuts::row_cut).

@@ -206,14 +206,14 @@ std::vector<Vec3d> drawn_curve(const Model& model, const Incision& incision) {
 std::array<JunctionLine, 2> join_laid_blades(const Model& model, const State& state,
                                              std::span<const LaidBlade> laid, const HaloExchange* halo,
                                              std::vector<Vec3d>& curve) {
-  std::optional<Fragments> fragments;
+  std::shared_ptr<const Fragments> fragments;
   std::array<JunctionLine, 2> met;
   // both ends: the start, then the start of the reversed curve
   for (JunctionLine& line : met) {
     for (const LaidBlade& blade : laid) {
       const std::optional<double> along = arc_length_on(model, blade, curve[0]);
       if (!along) continue;
-      if (!fragments) fragments = make_fragments(model, state.cuts);
+      if (!fragments) fragments = fragments_of(model, state.cuts);
       // first laid blade with this end on its curve
       const std::size_t n = position_along(blade.path, *along).segment;
       line = line_through(sample_earlier_cut(model, state, *fragments, blade, *along, halo), blade, n,

@@ -231,8 +231,8 @@ void find_edges(const Model& model, const State& state, const BladeSheet& sheet,
   LatticeEdges edges{model, state, sheet, path.edges, {}};
   for_range(range, last, edges);
   // fine edges and sample lines
-  const Fragments fragments = make_fragments(model, state.cuts);
-  FineEdges fine{model, state, fragments, sheet, path.fine_edges, path.lines, {}, {}, {}};
+  const std::shared_ptr<const Fragments> fragments = fragments_of(model, state.cuts);
+  FineEdges fine{model, state, *fragments, sheet, path.fine_edges, path.lines, {}, {}, {}};
   for_range(range, last - Int3{1, 1, 1}, fine);
   if (halo) halo->join_edges(path);
 }

@@ -356,4 +356,13 @@ Fragments make_fragments(const Model& model, const Cuts& cuts) {
   return out;
 }
 
+std::shared_ptr<const Fragments> fragments_of(const Model& model, const Cuts& cuts) {
+  if (cuts.fragments && cuts.fragments->version == cut_version(cuts)) return cuts.fragments;
+  return std::make_shared<const Fragments>(make_fragments(model, cuts));
+}
+
+void store_fragments(const Model& model, Cuts& cuts) {
+  cuts.fragments = std::make_shared<const Fragments>(make_fragments(model, cuts));
+}
+
 }  // namespace turgor::lattice

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -86,6 +87,10 @@ struct Fragments {
 };
 
 Fragments make_fragments(const Model& model, const Cuts& cuts);
+/// Fragments of these cuts: those stored with them, or new ones if the stored ones are of another version.
+std::shared_ptr<const Fragments> fragments_of(const Model& model, const Cuts& cuts);
+/// Computes the fragments of these cuts and stores them.
+void store_fragments(const Model& model, Cuts& cuts);
 
 /// Cut cell with this lowest slot; null if the cell is not near a cut.
 inline const CutCell* find_cell(const Fragments& fragments, int slot) {

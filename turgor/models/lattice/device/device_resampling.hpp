@@ -41,7 +41,8 @@ struct DeviceFragments {
   List<std::uint8_t> is_special;  // by slot
 
   bool upload(const Model& model, const Cuts& cuts) {
-    const Fragments now = make_fragments(model, cuts);
+    const std::shared_ptr<const Fragments> stored = fragments_of(model, cuts);
+    const Fragments& now = *stored;
     fine = now.fine;
     const std::vector<SpecialCell> cells_now = special_cells(model, cuts, now);
     is_current = cells.try_assign(now.cells) && all.try_assign(now.all) &&

@@ -92,6 +92,8 @@ struct Sleep {
 
 /// Space of the coarse correction (coarse_correction.hpp).
 struct CoarseSpace;
+/// Connected tissue of cut cells (fragments.hpp).
+struct Fragments;
 
 /// Workspace for residual forces along the axes of the lattice: two layers of nodes per chunk of layers, and
 /// all virtual nodes.
@@ -120,10 +122,11 @@ struct Cuts {
   std::vector<std::uint8_t> row_cut;     // by row: 1 = this row or a neighbor row has a cut edge
   std::vector<std::uint8_t> skin_cut;    // by skin triangle: 1 = no tension
   std::vector<CutEdge> edges;            // in the order of cutting
-  std::vector<CutFractionSamples> samples;  // by slot and incision
-  int sample_count = 0;                     // crossed lines in all samples
-  int removed_nodes = 0;                    // removed nodes in total
-  std::bitset<256> active_blades;           // by incision: the blade is still moving
+  std::vector<CutFractionSamples> samples;     // by slot and incision
+  int sample_count = 0;                        // crossed lines in all samples
+  int removed_nodes = 0;                       // removed nodes in total
+  std::bitset<256> active_blades;              // by incision: the blade is still moving
+  std::shared_ptr<const Fragments> fragments;  // derived from the cuts when a blade moves; see fragments_of
 };
 
 /// Coarse space and memory that steps reuse.

@@ -91,7 +91,7 @@ void bound_rows(DeformedBody& body, const std::vector<DeformedBody::Bounds>& nod
 DeformedBody deform_body(const Exec& exec, const Model& model, const State& state, const Grid& out) {
   DeformedBody body{.model = model,
                     .state = state,
-                    .fragments = make_fragments(model, state.cuts),
+                    .fragments = *fragments_of(model, state.cuts),
                     .solid = {},
                     .out = out,
                     .window = {.low = {0, 0, 0}, .high = out.size},

@@ -17,7 +17,7 @@ void for_corners(const Model& model, const BodySurface& surface, const See& see)
   const Vec3 h = model.lattice.spacing;
   for (std::size_t v = 0; v < surface.rest.size(); v++) {
     const EmbeddingCell& embedding = surface.embedding[v];
-    const auto corners = corners_of(model, surface.fragments, embedding.cell, embedding.fragment);
+    const auto corners = corners_of(model, *surface.fragments, embedding.cell, embedding.fragment);
     const Vec3 at = surface.rest[v];
     const auto weight =
         trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} - Vec3(slot_node(model.lattice, embedding.cell)));
@@ -27,7 +27,7 @@ void for_corners(const Model& model, const BodySurface& surface, const See& see)
 }
 /// Table of all corners, initialized to -1.
 std::vector<int> corner_table(const Model& model, const BodySurface& surface) {
-  return std::vector<int>(std::size_t(slot_count(model.lattice)) + surface.fragments.virtual_nodes.size(),
+  return std::vector<int>(std::size_t(slot_count(model.lattice)) + surface.fragments->virtual_nodes.size(),
                           -1);
 }
 
@@ -41,7 +41,7 @@ std::vector<Vec3> displacements(const Model& model, const State& state, const Bo
     int& index = index_of_corner[std::size_t(corner)];
     if (index < 0) {
       index = int(corner_u.size());
-      corner_u.push_back(corner_displacement(model, state, surface.fragments, corner));
+      corner_u.push_back(corner_displacement(model, state, *surface.fragments, corner));
     }
     result[v] += corner_u[std::size_t(index)] * weight;
   });
@@ -114,7 +114,7 @@ std::vector<int> support_nodes(const Model& model, const Cuts& cuts,
   for_corners(model, surface, [&](std::size_t, int corner, Real) {
     if (int& seen = index_of_corner[std::size_t(corner)]; seen < 0) {
       seen = 1;
-      add_support_nodes(model, cuts, virtual_u, surface.fragments, corner, nodes);
+      add_support_nodes(model, cuts, virtual_u, *surface.fragments, corner, nodes);
     }
   });
   sort_unique(nodes);

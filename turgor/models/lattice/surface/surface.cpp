@@ -286,19 +286,19 @@ Points mesh_all(const Exec& exec, const Builder& prototype, SurfaceCache& cache)
 BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* ct, Extent extent,
                           const Exec& exec, SurfaceCache* cache) {
   BodySurface surface;
-  surface.fragments = make_fragments(model, cuts);
-  const CtLevelSet level(model, cuts, surface.fragments.fine, ct);
+  surface.fragments = fragments_of(model, cuts);
+  const CtLevelSet level(model, cuts, surface.fragments->fine, ct);
   Builder builder{.model = model,
                   .cuts = cuts,
                   .level = level,
-                  .fragments = surface.fragments,
+                  .fragments = *surface.fragments,
                   .output = {},
                   .current = {}};
   if (extent == Extent::kAll) {
     SurfaceCache prototype;
     builder.output.points = mesh_all(exec, builder, cache ? *cache : prototype);
   } else {
-    for (const CutCell& cell : surface.fragments.cells)
+    for (const CutCell& cell : surface.fragments->cells)
       mesh_cell(builder, slot_node(model.lattice, cell.slot));
   }
   detail::assemble_surface(model, cuts, builder.output.points, surface);

@@ -3,6 +3,8 @@
 // a closed cut is invisible, and an open one has clean lips.
 #pragma once
 
+#include <memory>
+
 #include "turgor/core/exec.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
 #include "turgor/geometry/volume.hpp"
@@ -31,7 +33,7 @@ struct BodySurface {
   std::vector<Lip> lips;
   std::vector<Int3> triangles;  // skin with caps last, then walls
   int skin_triangles = 0;
-  Fragments fragments;  // in which the vertices are embedded
+  std::shared_ptr<const Fragments> fragments;  // in which the vertices are embedded; null: no surface yet
 };
 
 /// Scalar shown on the skin.

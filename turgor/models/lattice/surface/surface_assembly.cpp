@@ -170,7 +170,7 @@ void assemble_surface(const Model& model, const Cuts& cuts, const Points& points
   // nearest nodes
   for (std::size_t v = 0; v < surface.rest.size(); v++)
     surface.slot.push_back(
-        nearest_node(model, cuts, surface.fragments, surface.embedding[v], surface.rest[v]));
+        nearest_node(model, cuts, *surface.fragments, surface.embedding[v], surface.rest[v]));
 }
 
 }  // namespace turgor::lattice::detail
@@ -180,11 +180,11 @@ namespace turgor::lattice {
 Vec3 vertex_displacement(const Model& model, const State& state, const BodySurface& surface, int vertex) {
   const auto v = std::size_t(vertex);
   const auto corners =
-      corners_of(model, surface.fragments, surface.embedding[v].cell, surface.embedding[v].fragment);
+      corners_of(model, *surface.fragments, surface.embedding[v].cell, surface.embedding[v].fragment);
   const auto weight = trilinear(detail::cell_coordinates(model, surface.embedding[v], surface.rest[v]));
   Vec3 sum;
   for (std::size_t c = 0; c < 8; c++)
-    if (weight[c] != 0) sum += corner_displacement(model, state, surface.fragments, corners[c]) * weight[c];
+    if (weight[c] != 0) sum += corner_displacement(model, state, *surface.fragments, corners[c]) * weight[c];
   return sum;
 }
 
@@ -192,8 +192,8 @@ void add_support_nodes(const Model& model, const Cuts& cuts,
                        std::span<const VirtualNodeDisplacement> virtual_u, const BodySurface& surface,
                        int vertex, std::vector<int>& nodes) {
   const EmbeddingCell& embedding = surface.embedding[std::size_t(vertex)];
-  for (const int corner : corners_of(model, surface.fragments, embedding.cell, embedding.fragment))
-    add_support_nodes(model, cuts, virtual_u, surface.fragments, corner, nodes);
+  for (const int corner : corners_of(model, *surface.fragments, embedding.cell, embedding.fragment))
+    add_support_nodes(model, cuts, virtual_u, *surface.fragments, corner, nodes);
 }
 
 }  // namespace turgor::lattice
