@@ -261,9 +261,14 @@ void update_surface(LatticeTouch& touch, const lattice::Model& model, const latt
   std::erase_if(touch.samples,
                 // wall samples
                 [&](const LatticeSample& p) { return p.wall || is_detached(model, cuts, p); });
+  // new walls; the other samples are sorted already, except at the first call
+  if (!std::is_sorted(touch.samples.begin(), touch.samples.end(), comes_first))
+    std::sort(touch.samples.begin(), touch.samples.end(), comes_first);
+  const auto skin = std::ptrdiff_t(touch.samples.size());
   add_wall_samples(model, surface, touch.samples);
+  std::sort(touch.samples.begin() + skin, touch.samples.end(), comes_first);
+  std::inplace_merge(touch.samples.begin(), touch.samples.begin() + skin, touch.samples.end(), comes_first);
   // contacts keep their samples, or end
-  std::sort(touch.samples.begin(), touch.samples.end(), comes_first);
   std::erase_if(touch.contacts, [&](LatticeContact& contact) {
     const LatticeSample& was = before[std::size_t(contact.sample)];
     const auto now = std::lower_bound(touch.samples.begin(), touch.samples.end(), was, comes_first);

@@ -40,8 +40,8 @@ Status load_cuts(const Scene& scene, World& world) {
 
 Result<TouchingTool> make_tool(const Loading& loading, const ToolScene& scene, World& world) {
   if (loading.purpose == Purpose::kDraw) return load_tool_shape(scene);
-  visit_body(world, scene.body, [](auto& body) {
-    if constexpr (is_touched<decltype(body)>) make_rest_surface(body);
+  visit_body(world, scene.body, [&loading](auto& body) {
+    if constexpr (is_touched<decltype(body)>) make_rest_surface(loading.exec, body);
   });
   return load_tool(scene, touched_body(world, scene.body).name, rest_surface(world, scene.body));
 }

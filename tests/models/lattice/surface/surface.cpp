@@ -6,8 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/ct_body.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
-#include "turgor/models/lattice/surface/surface_assembly.hpp"
+#include "turgor/models/lattice/surface/surface_cache.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -128,6 +129,51 @@ TEST(LatticeSurface, CacheMatchesFullBuild) {
   expect_same("with nodes removed near its bottom");
   std::fill(state.cuts.removed.begin(), state.cuts.removed.end(), std::uint8_t(0));
   expect_same("with these nodes restored");
+}
+
+// While two blades move, a cached surface has the bits of one built at once, on any number of threads.
+TEST(LatticeSurface, CacheFollowsBlades) {
+  const CtVolume ct = soft_ball(48, 18);
+  Params params;
+  params.block = {3, 3, 4};
+  const Model model = build(Exec(1), ct, {}, params).value();
+  State state = make_state(model);
+  std::array<detail::SurfaceCache, 3> caches;
+  const auto expect_same = [&] {
+    const BodySurface direct = build_surface(model, state.cuts, &ct, Extent::kAll, Exec(1));
+    for (std::size_t n = 0; n < 3; n++) {
+      const Exec exec(std::array{1, 2, 8}[n]);
+      const BodySurface cached = build_surface(model, state.cuts, &ct, Extent::kAll, exec, &caches[n]);
+      ASSERT_EQ(cached.triangles, direct.triangles);
+      ASSERT_EQ(cached.rest, direct.rest);
+      ASSERT_EQ(cached.slot, direct.slot);
+      ASSERT_EQ(cached.twin, direct.twin);
+      ASSERT_EQ(cached.skin_triangles, direct.skin_triangles);
+      ASSERT_EQ(cached.lips.size(), direct.lips.size());
+      for (std::size_t v = 0; v < direct.rest.size(); v++) {
+        ASSERT_EQ(cached.embedding[v].cell, direct.embedding[v].cell);
+        ASSERT_EQ(cached.embedding[v].fragment, direct.embedding[v].fragment);
+      }
+    }
+  };
+  expect_same();
+  const auto on_skin = [&ct](double x, double y) {
+    return ct.grid.origin + (Vec3d{23.5, 23.5, 23.5} + Vec3d{x, y, std::sqrt(324 - x * x - y * y)}) * kVoxel;
+  };
+  const auto cut = [&](Vec3d from, Vec3d to, double tilt, int index) {
+    const BladePath path =
+        lay_blade(model, state, {.from = from, .to = to, .depth = 0.011, .tilt = tilt}).value();
+    double begin = 0;
+    for (const double end : {0.2, 0.21, 0.6, 1.0}) {
+      cut_edges(model, state, path, begin, end, index);
+      expect_same();
+      begin = end;
+    }
+  };
+  cut(on_skin(-11, 1), on_skin(10, -2), 0, 0);
+  cut(on_skin(1, 0), on_skin(3, 11), 35, 1);
+  remove_block(model, state);
+  expect_same();
 }
 
 // The surface of a ball is watertight and has Euler characteristic 2.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/surface/ct_level_set.hpp"
 #include "turgor/models/lattice/surface/surface_assembly.hpp"
+#include "turgor/models/lattice/surface/surface_cache.hpp"
 #include "turgor/models/lattice/surface/tet_points.hpp"
 
 namespace turgor::lattice {
@@ -14,9 +16,9 @@ namespace {
 using detail::kFirstCap;
 using detail::kSkin;
 using detail::kWall;
+using detail::MeshInput;
 using detail::Points;
 using detail::SlabPoints;
-using detail::SurfaceCache;
 using detail::SurfacePoint;
 
 /// Cell that is being meshed.
@@ -36,13 +38,9 @@ struct Tet : FineTet {
   bool any_cut = false, any_removed = false;
 };
 
-struct Builder {
-  const Model& model;
-  const Cuts& cuts;
-  const CtLevelSet& level;
-  const Fragments& fragments;
-  SlabPoints output;
-  CurrentCell current;
+struct Builder : MeshInput {
+  SlabPoints output = {};
+  CurrentCell current = {};
 
   const FineLattice& fine() const { return fragments.fine; }
 };
@@ -97,19 +95,27 @@ int point_index(Builder& builder, const Tet& tet, TetPoint p) {
   return point;
 }
 
+/// True if the diagonal between points 1 and 3 of a quadrangle is shorter than the other one. Next to cuts,
+/// the positions are those of this tetrahedron, so that they do not depend on the cells meshed before.
+bool is_second_diagonal_shorter(const Builder& builder, const Tet& tet, const TetPolygon& polygon,
+                                const std::array<int, 16>& index) {
+  const auto at = [&](std::size_t n) {
+    return builder.current.cut ? position_of(tet, polygon.at(int(n)))
+                               : builder.output.points.all[std::size_t(index[n])].position;
+  };
+  return norm(at(1) - at(3)) < norm(at(0) - at(2));
+}
+
 /// Adds a polygon as a triangle fan. A quadrangle is split along its shorter diagonal.
 void add_polygon(Builder& builder, const Tet& tet, const TetPolygon& polygon, int group) {
   std::array<int, 16> p;
   for (int n = 0; n < polygon.count; n++) p[std::size_t(n)] = point_index(builder, tet, polygon.at(n));
-  const auto distance = [&](std::size_t a, std::size_t b) {
-    return norm(builder.output.points.all[std::size_t(p[a])].position -
-                builder.output.points.all[std::size_t(p[b])].position);
-  };
-  if (polygon.count == 4 && distance(1, 3) < distance(0, 2))
+  if (polygon.count == 4 && is_second_diagonal_shorter(builder, tet, polygon, p))
     std::rotate(p.begin(), p.begin() + 1, p.begin() + 4);
   auto& triangles = builder.output.points.triangles[std::size_t(group)];
+  const int cell = detail::cell_index(builder.model.lattice, builder.current.cell);
   for (int n = 2; n < polygon.count; n++)
-    triangles.push_back({p[0], p[std::size_t(n - 1)], p[std::size_t(n)]});
+    triangles.push_back({{p[0], p[std::size_t(n - 1)], p[std::size_t(n)]}, cell});
 }
 
 void add_polygons(Builder& builder, const Tet& tet, const TetPolygons& polygons, int group) {
@@ -249,59 +255,41 @@ void mesh_slab(Builder& builder, int slab) {
       for (int i = 0; i + 1 < size.x; i++) mesh_cell(builder, {i, j, k});
 }
 
-/// Flags of the slabs in which nothing is cut or removed.
-std::vector<std::uint8_t> whole_slabs(const Builder& builder, std::size_t count) {
-  const Lattice& l = builder.model.lattice;
-  std::vector<std::uint8_t> whole(count, 1);
-  for (const CutCell& cell : builder.fragments.cells)
-    whole[std::size_t(slot_node(l, cell.slot).z / kSlab)] = 0;
-  for (std::size_t s = 0; s < count; s++) {
-    const int top = std::min(int(s + 1) * kSlab, l.size.z - 1);  // last layer of its nodes
-    const auto removed = builder.cuts.removed.begin();
-    const auto begin = removed + node_slot(l, 0, 0, int(s) * kSlab),
-               end = removed + node_slot(l, 0, 0, top + 1);
-    if (std::any_of(begin, end, [](auto is) { return is != 0; })) whole[s] = 0;
-  }
-  return whole;
-}
-
-/// Meshes all slabs. Points have the same numbers for any number of threads, with or without a cache.
-Points mesh_all(const Exec& exec, const Builder& prototype, SurfaceCache& cache) {
-  const auto count = std::size_t((prototype.model.lattice.size.z - 1 + kSlab - 1) / kSlab);
-  cache.slabs.resize(count), cache.is_whole.resize(count);
-  const std::vector<std::uint8_t> is_whole = whole_slabs(prototype, count);
-  // reuse slabs that were and are uncut
-  parallel_for(exec, count, [&](std::size_t s) {
-    if (is_whole[s] && cache.is_whole[s]) return;
-    Builder builder = prototype;
-    mesh_slab(builder, int(s));
-    cache.slabs[s] = std::move(builder.output);
-  });
-  cache.is_whole = is_whole;
-  return detail::concatenate_slabs(cache.slabs);
-}
-
 }  // namespace
 
+detail::Points detail::mesh_body(const Exec& exec, const MeshInput& input) {
+  std::vector<SlabPoints> slabs(std::size_t((input.model.lattice.size.z - 1 + kSlab - 1) / kSlab));
+  parallel_for(exec, slabs.size(), [&](std::size_t s) {
+    Builder builder{input};
+    mesh_slab(builder, int(s));
+    slabs[s] = std::move(builder.output);
+  });
+  return concatenate_slabs(slabs);
+}
+
+detail::SlabPoints detail::mesh_cell(const MeshInput& input, Int3 cell) {
+  Builder builder{input};
+  lattice::mesh_cell(builder, cell);
+  return std::move(builder.output);
+}
+
 BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* ct, Extent extent,
-                          const Exec& exec, SurfaceCache* cache) {
+                          const Exec& exec, detail::SurfaceCache* cache) {
+  TURGOR_CHECK(cache == nullptr || extent == Extent::kAll, "only whole surfaces are cached");
+  const std::shared_ptr<const Fragments> fragments = fragments_of(model, cuts);
+  const CtLevelSet level(model, cuts, fragments->fine, ct);
+  const MeshInput input{model, cuts, level, *fragments};
   BodySurface surface;
-  surface.fragments = fragments_of(model, cuts);
-  const CtLevelSet level(model, cuts, surface.fragments->fine, ct);
-  Builder builder{.model = model,
-                  .cuts = cuts,
-                  .level = level,
-                  .fragments = *surface.fragments,
-                  .output = {},
-                  .current = {}};
-  if (extent == Extent::kAll) {
-    SurfaceCache prototype;
-    builder.output.points = mesh_all(exec, builder, cache ? *cache : prototype);
+  if (cache) {
+    surface = detail::update_surface(exec, input, *cache);
+  } else if (extent == Extent::kAll) {
+    surface = detail::assemble_surface(input, detail::mesh_body(exec, input));
   } else {
-    for (const CutCell& cell : surface.fragments->cells)
-      mesh_cell(builder, slot_node(model.lattice, cell.slot));
+    Builder builder{input};
+    for (const CutCell& cell : fragments->cells) mesh_cell(builder, slot_node(model.lattice, cell.slot));
+    surface = detail::assemble_surface(input, builder.output.points);
   }
-  detail::assemble_surface(model, cuts, builder.output.points, surface);
+  surface.fragments = fragments;
   return surface;
 }
 

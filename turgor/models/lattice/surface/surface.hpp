@@ -41,7 +41,7 @@ enum class Shown : std::uint8_t { kNothing, kDisplacement, kStretch };
 /// Extent of the surface: all of it, or only cells near cuts.
 enum class Extent : std::uint8_t { kAll, kCuts };
 
-/// Meshed slabs of a body (surface_assembly.hpp).
+/// Meshed cells of a body (surface_cache.hpp).
 namespace detail {
 struct SurfaceCache;
 }

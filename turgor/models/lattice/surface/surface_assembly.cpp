@@ -21,18 +21,12 @@ Merged merge_points(const Model& model, const std::vector<SurfacePoint>& points)
   Merged merged;
   KeyIndex index;
   std::vector<int> of_key;
-  const Int3 size = model.lattice.size * 2;
   for (std::size_t n = 0; n < points.size(); n++) {
     const SurfacePoint& p = points[n];
     int into = -1;
     // points away from cuts share a merged point per box, border and kind
     if (!p.is_near_cut) {
-      const Vec3d scaled = p.position * kMergedPerStep;
-      const Int3 box{int(std::floor(scaled.x)), int(std::floor(scaled.y)), int(std::floor(scaled.z))};
-      const std::uint64_t at =
-          (std::uint64_t(box.z) * std::uint64_t(size.y) + std::uint64_t(box.y)) * std::uint64_t(size.x) +
-          std::uint64_t(box.x);
-      const int key = index.find_or_add((at * 64 + p.border) * 2 + p.is_skin);
+      const int key = index.find_or_add(merge_key(model, p));
       if (std::size_t(key) == of_key.size()) of_key.push_back(-1);
       into = of_key[std::size_t(key)];
       if (into < 0) of_key[std::size_t(key)] = int(merged.sum.size());
@@ -120,8 +114,8 @@ Points concatenate_slabs(const std::vector<SlabPoints>& slabs) {
     // renumber triangles and lips
     const auto in_all = [&number](int p) { return number[std::size_t(p)]; };
     for (std::size_t group = 0; group < all.triangles.size(); group++)
-      for (const Int3 t : slab.points.triangles[group])
-        all.triangles[group].push_back({in_all(t.x), in_all(t.y), in_all(t.z)});
+      for (const auto& [t, cell] : slab.points.triangles[group])
+        all.triangles[group].push_back({{in_all(t.x), in_all(t.y), in_all(t.z)}, cell});
     for (Lip lip : slab.points.lips) {
       lip.left = in_all(lip.left), lip.right = in_all(lip.right);
       all.lips.push_back(lip);
@@ -131,46 +125,84 @@ Points concatenate_slabs(const std::vector<SlabPoints>& slabs) {
   return all;
 }
 
-void assemble_surface(const Model& model, const Cuts& cuts, const Points& points, BodySurface& surface) {
-  const Merged merged = merge_points(model, points.all);
+Int3 merge_box(const SurfacePoint& point) {
+  const Vec3d scaled = point.position * kMergedPerStep;
+  return {int(std::floor(scaled.x)), int(std::floor(scaled.y)), int(std::floor(scaled.z))};
+}
+
+std::uint64_t merge_key(const Model& model, const SurfacePoint& point) {
+  const Int3 size = model.lattice.size * 2, box = merge_box(point);
+  const std::uint64_t at =
+      (std::uint64_t(box.z) * std::uint64_t(size.y) + std::uint64_t(box.y)) * std::uint64_t(size.x) +
+      std::uint64_t(box.x);
+  return (at * 64 + point.border) * 2 + point.is_skin;
+}
+
+MergedVertex separate_vertex(const MeshInput& input, const SurfacePoint& point) {
+  const Vec3 rest(hadamard(point.position, Vec3d(input.model.lattice.spacing)));
+  return {rest, point.embedding,
+          nearest_node(input.model, input.cuts, input.fragments, point.embedding, rest)};
+}
+
+MergedVertex merged_vertex(const MeshInput& input, Vec3d position) {
+  const Vec3 rest(hadamard(position, Vec3d(input.model.lattice.spacing)));
+  const EmbeddingCell embedding = containing_cell(input.model, position);
+  return {rest, embedding, nearest_node(input.model, input.cuts, input.fragments, embedding, rest)};
+}
+
+BodySurface separate_groups(const MergedSurface& merged) {
+  BodySurface surface;
+  std::vector<int> vertex(merged.vertices.size());
   // creates the vertex of a merged point
-  std::vector<int> vertex(merged.sum.size());
   const auto vertex_of = [&](int point) {
-    const auto into = std::size_t(merged.into[std::size_t(point)]);
-    int& v = vertex[into];
+    int& v = vertex[std::size_t(point)];
     if (v >= 0) return v;
     v = int(surface.rest.size());
-    const SurfacePoint& first = points.all[std::size_t(merged.first[into])];
-    const Vec3d position = merged.sum[into] / double(merged.count[into]);
-    surface.rest.push_back(Vec3(hadamard(position, Vec3d(model.lattice.spacing))));
-    surface.embedding.push_back(first.is_near_cut ? first.embedding : containing_cell(model, position));
+    const MergedVertex& made = merged.vertices[std::size_t(point)];
+    surface.rest.push_back(made.rest), surface.embedding.push_back(made.embedding);
+    surface.slot.push_back(made.slot);
     return v;
   };
   for (int group = 0; group < kSurfaceGroups; group++) {
     // triangles of each group, without degenerate ones
     std::fill(vertex.begin(), vertex.end(), -1);
-    for (const Int3 t : points.triangles[std::size_t(group)]) {
-      const int a = merged.into[std::size_t(t.x)], b = merged.into[std::size_t(t.y)],
-                c = merged.into[std::size_t(t.z)];
-      if (a == b || b == c || c == a) continue;
-      surface.triangles.push_back({vertex_of(t.x), vertex_of(t.y), vertex_of(t.z)});
-    }
+    for (const auto& [t, cell] : merged.triangles[std::size_t(group)])
+      if (t.x != t.y && t.y != t.z && t.z != t.x)
+        surface.triangles.push_back({vertex_of(t.x), vertex_of(t.y), vertex_of(t.z)});
     if (group != kWall) surface.skin_triangles = int(surface.triangles.size());
     surface.twin.resize(surface.rest.size(), -1);
     if (group != kSkin) continue;
     // lips of the skin
-    for (Lip lip : points.lips) {
-      lip.left = vertex[std::size_t(merged.into[std::size_t(lip.left)])];
-      lip.right = vertex[std::size_t(merged.into[std::size_t(lip.right)])];
+    for (Lip lip : merged.lips) {
+      lip.left = vertex[std::size_t(lip.left)], lip.right = vertex[std::size_t(lip.right)];
       if (lip.left < 0 || lip.right < 0) continue;
       if (surface.twin[std::size_t(lip.left)] != lip.right) surface.lips.push_back(lip);
       surface.twin[std::size_t(lip.left)] = lip.right, surface.twin[std::size_t(lip.right)] = lip.left;
     }
   }
-  // nearest nodes
-  for (std::size_t v = 0; v < surface.rest.size(); v++)
-    surface.slot.push_back(
-        nearest_node(model, cuts, *surface.fragments, surface.embedding[v], surface.rest[v]));
+  return surface;
+}
+
+BodySurface assemble_surface(const MeshInput& input, const Points& points) {
+  const Merged merged = merge_points(input.model, points.all);
+  const auto into = [&merged](int point) { return merged.into[std::size_t(point)]; };
+  MergedSurface surface;
+  // vertices
+  for (std::size_t m = 0; m < merged.sum.size(); m++) {
+    const SurfacePoint& first = points.all[std::size_t(merged.first[m])];
+    surface.vertices.push_back(first.is_near_cut
+                                   ? separate_vertex(input, first)
+                                   : merged_vertex(input, merged.sum[m] / double(merged.count[m])));
+  }
+  // triangles and lips
+  for (std::size_t group = 0; group < kSurfaceGroups; group++)
+    for (const auto& [t, cell] : points.triangles[group])
+      surface.triangles[group].push_back({{into(t.x), into(t.y), into(t.z)}, cell});
+  for (Lip lip : points.lips) {
+    lip.left = into(lip.left), lip.right = into(lip.right);
+    surface.lips.push_back(lip);
+  }
+  return separate_groups(surface);
 }
 
 }  // namespace turgor::lattice::detail

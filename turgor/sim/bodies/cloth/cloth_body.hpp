@@ -81,7 +81,7 @@ struct ClothBody : FrameTouchedBody {
 Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, const World& world);
 inline const std::vector<std::string>& notes(const ClothBody& body) { return body.notes; }
 
-void make_rest_surface(ClothBody& body);
+void make_rest_surface(const Exec& exec, ClothBody& body);
 inline RestSurface rest_surface(const ClothBody& body) { return {body.rest, body.triangles}; }
 Status begin_body(const Exec& exec, ClothBody& body, const ClothScene& scene, const World& world);
 /// Sets Coulomb's coefficient of tool `t` of tool_indices, from the next frame on.

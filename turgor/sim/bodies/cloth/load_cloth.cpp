@@ -167,7 +167,7 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
   return body;
 }
 
-void make_rest_surface(ClothBody& body) {
+void make_rest_surface(const Exec&, ClothBody& body) {
   TURGOR_CHECK(all_indices(body.model.model_vertex, body.model.x_rest.size()),
                "vertices of the mesh are vertices of the model");
   body.rest.clear();

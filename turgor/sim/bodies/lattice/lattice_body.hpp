@@ -12,7 +12,7 @@
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/device/device_state.hpp"
 #include "turgor/models/lattice/lattice.hpp"
-#include "turgor/models/lattice/surface/surface.hpp"
+#include "turgor/models/lattice/surface/surface_cache.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/frame.hpp"
 #include "turgor/sim/live/exchanges.hpp"
@@ -40,10 +40,11 @@ struct LatticeBody : FrameTouchedBody {
   ClothLoad cloth;                                   // by slot, patient frame
 
   // used if tools or cloth touch the body
-  lattice::BodySurface surface;  // with the present cuts
-  std::vector<Vec3d> rest;       // of its vertices, patient frame [m]
-  std::size_t surface_cuts = 0;  // cut version of `surface`
-  SignedDistance rest_skin;      // to the surface at rest without cuts, patient frame
+  lattice::BodySurface surface;          // with the present cuts
+  std::vector<Vec3d> rest;               // of its vertices, patient frame [m]
+  std::size_t surface_cuts = 0;          // cut version of `surface`
+  lattice::detail::SurfaceCache meshed;  // cells of `surface`
+  SignedDistance rest_skin;              // to the surface at rest without cuts, patient frame
   contact::LatticeTouch touch;
   std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two arrays below
   std::vector<contact::ToolPose> poses;
@@ -57,8 +58,8 @@ Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene,
 inline const std::vector<std::string>& notes(const LatticeBody& body) { return body.notes; }
 
 /// Builds the surface, and rebuilds it after cuts, so that wound walls can be touched.
-void refresh_surface(LatticeBody& body);
-inline void make_rest_surface(LatticeBody& body) { refresh_surface(body); }
+void refresh_surface(const Exec& exec, LatticeBody& body);
+inline void make_rest_surface(const Exec& exec, LatticeBody& body) { refresh_surface(exec, body); }
 inline RestSurface rest_surface(const LatticeBody& body) { return {body.rest, body.surface.triangles}; }
 Status begin_body(const Exec& exec, LatticeBody& body, const LatticeScene& scene, const World& world);
 

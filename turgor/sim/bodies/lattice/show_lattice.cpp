@@ -1,6 +1,6 @@
 // Snapshot of a lattice: its skin and wound walls.
 #include "turgor/core/assert.hpp"
-#include "turgor/models/lattice/surface/surface_assembly.hpp"
+#include "turgor/models/lattice/surface/surface_cache.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 
 namespace turgor {
@@ -11,7 +11,7 @@ namespace {
 struct KeptSkin {
   lattice::BodySurface surface;
   std::vector<Vec3d> rest;  // patient frame [m]
-  lattice::detail::SurfaceCache slabs;
+  lattice::detail::SurfaceCache cells;
   const lattice::Model* model = nullptr;
   std::size_t cuts = 0;  // cut version of the surface
 };
@@ -36,9 +36,9 @@ Skin skin_of(const Exec& exec, const LatticeBody& body, KeptSkin& skin) {
   const std::size_t cuts = cut_version(body.state.cuts());
   if (!body.rest.empty() && body.surface_cuts == cuts) return {body.surface, body.rest};
   if (skin.model != &body.model || skin.cuts != cuts) {
-    if (skin.model != &body.model) skin.slabs = {};
+    if (skin.model != &body.model) skin.cells = {};
     skin.surface = lattice::build_surface(body.model, body.state.cuts(), &body.ct, lattice::Extent::kAll,
-                                          exec, &skin.slabs);
+                                          exec, &skin.cells);
     skin.rest = lattice::rest_points(body.model, skin.surface);
     skin.model = &body.model, skin.cuts = cuts;
   }

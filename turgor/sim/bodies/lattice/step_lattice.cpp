@@ -24,7 +24,7 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
   TURGOR_CHECK(to > from, "a frame has a positive length");
   // surface and tools at the start
   const Timer timer;
-  refresh_surface(body);
+  refresh_surface(exec, body);
   teleport_tools(body, tools, from);
   const int substeps = substep_count(body, tools, from, to);
   lattice::StepReport report;

@@ -45,18 +45,19 @@ std::vector<int> touched_nodes(const LatticeBody& body) {
   return nodes_of(body.touch, samples);
 }
 
-void make_surface(LatticeBody& body) {
-  body.surface = lattice::build_surface(body.model, body.state.cuts(), &body.ct);
+void make_surface(const Exec& exec, LatticeBody& body) {
+  body.surface = lattice::build_surface(body.model, body.state.cuts(), &body.ct, lattice::Extent::kAll, exec,
+                                        &body.meshed);
   body.rest = lattice::rest_points(body.model, body.surface);
   body.surface_cuts = cut_version(body.state.cuts());
 }
 
 }  // namespace
 
-void refresh_surface(LatticeBody& body) {
+void refresh_surface(const Exec& exec, LatticeBody& body) {
   const bool made = !body.rest.empty();
   if (made && cut_version(body.state.cuts()) == body.surface_cuts) return;
-  make_surface(body);
+  make_surface(exec, body);
   if (made && !body.tools.empty())
     contact::update_surface(body.touch, body.model, body.state.cuts(), body.surface);
 }

@@ -44,7 +44,7 @@ inline const std::vector<std::string>& notes(const RhombusBody& body) { return b
 
 /// Surface for contact.
 RestSurface rest_surface(const RhombusBody& body);
-inline void make_rest_surface(RhombusBody&) {}  // exists already
+inline void make_rest_surface(const Exec&, RhombusBody&) {}  // exists already
 /// Error: more tools than the model supports.
 Status begin_body(const Exec& exec, RhombusBody& body, const RhombusScene& scene, const World& world);
 

@@ -17,7 +17,7 @@ inline const std::vector<std::string>& notes(const SfemBody& body) { return body
 
 /// Surface for contact.
 RestSurface rest_surface(const SfemBody& body);
-inline void make_rest_surface(SfemBody&) {}  // exists already
+inline void make_rest_surface(const Exec&, SfemBody&) {}  // exists already
 /// Error: see begin_touch; the message has the source location.
 Status begin_body(const Exec& exec, SfemBody& body, const SfemScene& scene, const World& world);
 
