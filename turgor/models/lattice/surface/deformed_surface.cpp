@@ -11,11 +11,14 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Calls see(vertex, corner, weight) for the corners that a vertex is interpolated from.
+constexpr std::size_t kGrain = 4096;  // vertices per task
+
+/// Calls see(vertex, corner, weight) for the corners that the vertices [begin, end) are interpolated from.
 template <class See>
-void for_corners(const Model& model, const BodySurface& surface, const See& see) {
+void for_corners(const Model& model, const BodySurface& surface, std::size_t begin, std::size_t end,
+                 const See& see) {
   const Vec3 h = model.lattice.spacing;
-  for (std::size_t v = 0; v < surface.rest.size(); v++) {
+  for (std::size_t v = begin; v < end; v++) {
     const EmbeddingCell& embedding = surface.embedding[v];
     const auto corners = corners_of(model, *surface.fragments, embedding.cell, embedding.fragment);
     const Vec3 at = surface.rest[v];
@@ -31,19 +34,23 @@ std::vector<int> corner_table(const Model& model, const BodySurface& surface) {
                           -1);
 }
 
-/// Displacement of every vertex, lattice frame [m]. Each corner is evaluated once.
-std::vector<Vec3> displacements(const Model& model, const State& state, const BodySurface& surface) {
+/// Displacement of every vertex, lattice frame [m]. Each thread evaluates each of its corners once.
+std::vector<Vec3> displacements(const Exec& exec, const Model& model, const State& state,
+                                const BodySurface& surface) {
   TURGOR_CHECK(surface.embedding.size() == surface.rest.size(), "every vertex is embedded in a cell");
-  std::vector<int> index_of_corner = corner_table(model, surface);
-  std::vector<Vec3> corner_u;
   std::vector<Vec3> result(surface.rest.size());
-  for_corners(model, surface, [&](std::size_t v, int corner, Real weight) {
-    int& index = index_of_corner[std::size_t(corner)];
-    if (index < 0) {
-      index = int(corner_u.size());
-      corner_u.push_back(corner_displacement(model, state, *surface.fragments, corner));
-    }
-    result[v] += corner_u[std::size_t(index)] * weight;
+  const auto grain = std::max(kGrain, result.size() / std::size_t(exec.threads()) + 1);
+  exec.run_ranges(result.size(), grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<int> index_of_corner = corner_table(model, surface);
+    std::vector<Vec3> corner_u;
+    for_corners(model, surface, begin, end, [&](std::size_t v, int corner, Real weight) {
+      int& index = index_of_corner[std::size_t(corner)];
+      if (index < 0) {
+        index = int(corner_u.size());
+        corner_u.push_back(corner_displacement(model, state, *surface.fragments, corner));
+      }
+      result[v] += corner_u[std::size_t(index)] * weight;
+    });
   });
   return result;
 }
@@ -53,46 +60,58 @@ Vec3 area_vector(const std::vector<Vec3>& x, Int3 t) {
   return cross(x[std::size_t(t.y)] - a, x[std::size_t(t.z)] - a);
 }
 
+/// Area vectors of all triangles, twice their area [m²].
+std::vector<Vec3> area_vectors(const Exec& exec, const BodySurface& surface, const std::vector<Vec3>& x) {
+  std::vector<Vec3> areas(surface.triangles.size());
+  parallel_for(
+      exec, areas.size(), [&](std::size_t t) { areas[t] = area_vector(x, surface.triangles[t]); }, kGrain);
+  return areas;
+}
+
 /// Sum of the area vectors around each vertex. Slivers next to a lip may be inverted by rounding. A vertex
 /// with hardly any other triangles adds the sums of its neighbors.
-std::vector<Vec3> area_around(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+std::vector<Vec3> area_around(const BodySurface& surface, const std::vector<Vec3>& areas, Real step) {
   const Real sliver = Real(0.04) * step * step;
-  std::vector<Vec3> own(x.size());
-  for (const Int3 t : surface.triangles)
-    for (int corner = 0; corner < 3; corner++) own[std::size_t(t[corner])] += area_vector(x, t);
+  std::vector<Vec3> own(surface.rest.size());
+  for (std::size_t t = 0; t < areas.size(); t++)
+    for (int corner = 0; corner < 3; corner++) own[std::size_t(surface.triangles[t][corner])] += areas[t];
+  std::vector<std::uint8_t> is_sliver(own.size());
+  for (std::size_t v = 0; v < own.size(); v++) is_sliver[v] = norm(own[v]) < sliver;
   std::vector<Vec3> sums = own;
   for (const Int3 t : surface.triangles)
     for (int corner = 0; corner < 3; corner++)
-      if (const auto v = std::size_t(t[corner]); norm(own[v]) < sliver)
+      if (const auto v = std::size_t(t[corner]); is_sliver[v])
         sums[v] += own[std::size_t(t[(corner + 1) % 3])] + own[std::size_t(t[(corner + 2) % 3])];
   return sums;
 }
 
 /// Area-weighted vertex normals. The two lips of an almost closed cut share theirs, so that the cut is
 /// invisible.
-std::vector<Vec3> smooth_normals(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+std::vector<Vec3> smooth_normals(const Exec& exec, const BodySurface& surface, const std::vector<Vec3>& x,
+                                 const std::vector<Vec3>& areas, Real step) {
   TURGOR_CHECK(surface.twin.size() == x.size() && step > 0, "every vertex has a twin or a mark");
-  const std::vector<Vec3> sums = area_around(surface, x, step);
+  const std::vector<Vec3> sums = area_around(surface, areas, step);
   std::vector<Vec3> normals = sums;
-  for (std::size_t v = 0; v < x.size(); v++) {
+  const auto smooth = [&](std::size_t v) {
     if (surface.twin[v] >= 0) {
       const auto twin = std::size_t(surface.twin[v]);
       normals[v] += sums[twin] * std::max(Real(0), 1 - norm(x[twin] - x[v]) / step);
     }
     normals[v] = normalized(normals[v]);
-  }
+  };
+  parallel_for(exec, x.size(), smooth, kGrain);
   return normals;
 }
 
 /// Area ratio A / A_CT − 1 of the skin around each vertex. Triangles opened by a cut have no rest area and
 /// are left out.
-std::vector<float> stretches(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+std::vector<float> stretches(const BodySurface& surface, const std::vector<Vec3>& areas, Real step) {
   TURGOR_CHECK(std::size_t(surface.skin_triangles) <= surface.triangles.size(), "the skin is listed first");
   // sum areas of the triangles around each vertex
-  std::vector<float> now(x.size()), rest(x.size());
+  std::vector<float> now(surface.rest.size()), rest(surface.rest.size());
   for (int n = 0; n < surface.skin_triangles; n++) {
     const Int3 t = surface.triangles[std::size_t(n)];
-    const float area_rest = norm(area_vector(surface.rest, t)), area_now = norm(area_vector(x, t));
+    const float area_rest = norm(area_vector(surface.rest, t)), area_now = norm(areas[std::size_t(n)]);
     // skip degenerate triangles
     if (area_rest < 1e-5f * step * step) continue;
     for (int corner = 0; corner < 3; corner++) {
@@ -101,7 +120,7 @@ std::vector<float> stretches(const BodySurface& surface, const std::vector<Vec3>
     }
   }
   // relative change of area
-  for (std::size_t v = 0; v < x.size(); v++) now[v] = rest[v] > 0 ? now[v] / rest[v] - 1 : 0;
+  for (std::size_t v = 0; v < now.size(); v++) now[v] = rest[v] > 0 ? now[v] / rest[v] - 1 : 0;
   return now;
 }
 
@@ -111,7 +130,7 @@ std::vector<int> support_nodes(const Model& model, const Cuts& cuts,
                                std::span<const VirtualNodeDisplacement> virtual_u,
                                const BodySurface& surface) {
   std::vector<int> index_of_corner = corner_table(model, surface), nodes;
-  for_corners(model, surface, [&](std::size_t, int corner, Real) {
+  for_corners(model, surface, 0, surface.rest.size(), [&](std::size_t, int corner, Real) {
     if (int& seen = index_of_corner[std::size_t(corner)]; seen < 0) {
       seen = 1;
       add_support_nodes(model, cuts, virtual_u, *surface.fragments, corner, nodes);
@@ -121,27 +140,32 @@ std::vector<int> support_nodes(const Model& model, const Cuts& cuts,
   return nodes;
 }
 
-TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown) {
+TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown,
+                         const Exec& exec) {
   // displaced vertices
-  const std::vector<Vec3> u = displacements(model, state, surface);
+  const std::vector<Vec3> u = displacements(exec, model, state, surface);
   std::vector<Vec3> x(u.size());
   for (std::size_t v = 0; v < x.size(); v++) x[v] = surface.rest[v] + u[v];
 
   // normals and scalars
   const Real step = std::min({model.lattice.spacing.x, model.lattice.spacing.y, model.lattice.spacing.z});
+  const std::vector<Vec3> areas = area_vectors(exec, surface, x);
   TriMesh mesh{.vertices = {},
                .triangles = surface.triangles,
-               .normals = smooth_normals(surface, x, step),
+               .normals = smooth_normals(exec, surface, x, areas, step),
                .scalars = {}};
-  if (shown == Shown::kStretch) mesh.scalars = stretches(surface, x, step);
+  if (shown == Shown::kStretch) mesh.scalars = stretches(surface, areas, step);
   if (shown == Shown::kDisplacement)
     for (const Vec3 d : u) mesh.scalars.push_back(norm(d));
 
   // to the patient frame
   const Mat3d& axes = model.grid.axes;
-  mesh.vertices.reserve(x.size());
-  for (const Vec3 p : x) mesh.vertices.push_back(Vec3(model.grid.origin + axes * Vec3d(p)));
-  for (Vec3& n : mesh.normals) n = Vec3(axes * Vec3d(n));
+  mesh.vertices.resize(x.size());
+  const auto to_patient = [&](std::size_t v) {
+    mesh.vertices[v] = Vec3(model.grid.origin + axes * Vec3d(x[v]));
+    mesh.normals[v] = Vec3(axes * Vec3d(mesh.normals[v]));
+  };
+  parallel_for(exec, x.size(), to_patient, kGrain);
   if (determinant(axes) < 0)  // mirrored axes reverse the orientation
     for (Int3& t : mesh.triangles) std::swap(t.y, t.z);
   return mesh;

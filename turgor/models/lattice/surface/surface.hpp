@@ -54,7 +54,8 @@ BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* 
                           detail::SurfaceCache* cache = nullptr);
 /// Deformed surface in the patient frame [m]. Normals are smooth; walls, caps and skin have separate ones.
 /// The scalar of each vertex is displacement [m], or the skin's area ratio A / A_CT − 1.
-TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown);
+TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown,
+                         const Exec& exec = Exec(1));
 /// Nodes whose displacements determine the deformed surface, ascending. They depend only on the cuts.
 std::vector<int> support_nodes(const Model& model, const Cuts& cuts,
                                std::span<const VirtualNodeDisplacement> virtual_u,

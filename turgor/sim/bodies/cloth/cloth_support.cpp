@@ -36,7 +36,8 @@ std::vector<Vec3> displaced(const ClothSupport& support, const std::vector<Vec3d
 std::vector<Vec3> surface_positions(const Exec& exec, LatticeBody& body, ClothSupport& support) {
   refresh_surface(exec, body);
   support.carrier = body.surface.slot, support.triangles = body.surface.triangles;
-  return lattice::deformed_surface(body.model, body.state, body.surface, lattice::Shown::kNothing).vertices;
+  return lattice::deformed_surface(body.model, body.state, body.surface, lattice::Shown::kNothing, exec)
+      .vertices;
 }
 
 std::vector<Vec3> surface_positions(const Exec& exec, SfemBody& body, ClothSupport& support) {

@@ -65,7 +65,7 @@ void show(const Exec& exec, const LatticeBody& body, BodySnapshot& out) {
   const Skin skin = skin_of(exec, body, cache.skin);
   const TriMesh now = body.state.read_wound_nodes(
       support_nodes(body, skin.surface, cache.behind), [&](const lattice::State& state) {
-        return lattice::deformed_surface(body.model, state, skin.surface, lattice::Shown::kStretch);
+        return lattice::deformed_surface(body.model, state, skin.surface, lattice::Shown::kStretch, exec);
       });
 
   // arrays of the snapshot
