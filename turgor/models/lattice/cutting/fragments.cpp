@@ -1,7 +1,9 @@
 #include "turgor/models/lattice/cutting/fragments.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
+#include <span>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -108,6 +110,13 @@ std::array<bool, kMaxSubNodes> solid_sub_nodes(const Model& model, const Cuts& c
   for (int c = 0; c < 8; c++)
     level[std::size_t(c)] = node_level(model, cuts, slot + slot_offset(f.cells, cell_corner(c), parity));
   std::array<bool, kMaxSubNodes> solid{};
+  // corners on one side of the skin
+  const auto above = std::count_if(level.begin(), level.end(), [](Real l) { return l > 0; });
+  if (above == 0) return solid;
+  if (above == 8) {
+    solid.fill(true);
+    return solid;
+  }
   // sign of the interpolated level
   for_sub_nodes(f, [&](Int3 p) {
     const auto weight = trilinear(Vec3{Real(p.x) / Real(f.subdivisions.x), Real(p.y) / Real(f.subdivisions.y),
@@ -148,6 +157,8 @@ int label_tissue(const CellSubLattice& sub_lattice, const std::array<bool, kMaxS
 
 /// Labels air like the nearest tissue on its side of the blades. Air without such tissue keeps -1.
 void label_air(const CellSubLattice& sub_lattice) {
+  const std::span labels(sub_lattice.label, std::size_t(sub_node_count(sub_lattice.fine)));
+  if (std::none_of(labels.begin(), labels.end(), [](std::int16_t label) { return label < 0; })) return;
   // breadth-first search from all labeled nodes
   std::vector<Int3> open;
   for_sub_nodes(sub_lattice.fine, [&](Int3 p) {
@@ -288,13 +299,21 @@ bool is_thin(const Fragments& fragments, const CutCell& cell, int fragment) {
   return !found;
 }
 
+/// True if all of a cell is tissue, and no edge in it is cut. It is then one fragment.
+bool is_one_fragment(const CutCell& cell, const FineLattice& f, const std::array<bool, kMaxSubNodes>& solid) {
+  return !cell.is_cut && std::all_of(solid.begin(), solid.begin() + sub_node_count(f), std::identity());
+}
+
 void make_cell_fragments(const Model& model, const Cuts& cuts, const CutEdgesByCell& edges, Fragments& out) {
   for (std::size_t c = 0; c < out.cells.size(); c++) {
     CutCell& cell = out.cells[c];
     const CellSubLattice sub_lattice(out, cell);
     // connected components of the tissue
     cell.first_fragment = int(out.all.size());
-    cell.fragment_count = label_tissue(sub_lattice, solid_sub_nodes(model, cuts, out.fine, cell.slot));
+    const std::array<bool, kMaxSubNodes> solid = solid_sub_nodes(model, cuts, out.fine, cell.slot);
+    const bool is_one = is_one_fragment(cell, out.fine, solid);
+    if (is_one) std::fill_n(sub_lattice.label, sub_node_count(out.fine), std::int16_t(0));
+    cell.fragment_count = is_one ? 1 : label_tissue(sub_lattice, solid);
     // split fragments at crack tips
     cell.first_tip = int(out.tips.size());
     const int found = cell.is_cut ? cell.fragment_count : 0;
@@ -304,9 +323,11 @@ void make_cell_fragments(const Model& model, const Cuts& cuts, const CutEdgesByC
     // list fragments; corners are the cell's own nodes until virtual nodes are made
     for (int p = 0; p < cell.fragment_count; p++) {
       const int parity = slot_node(out.fine.cells, cell.slot).x & 1;
+      const Int3 corner = slot_node(out.fine.cells, cell.slot);
       Fragment fragment{.cell = int(c),
-                        .lowest_node = lowest_node(out, cell, p),
-                        .thin = is_thin(out, cell, p),
+                        .lowest_node = is_one ? fine_index(out.fine, first_of_cell(out.fine, corner))
+                                              : lowest_node(out, cell, p),
+                        .thin = !is_one && is_thin(out, cell, p),
                         .corner = {}};
       for (int n = 0; n < 8; n++)
         fragment.corner[std::size_t(n)] = cell.slot + slot_offset(out.fine.cells, cell_corner(n), parity);
