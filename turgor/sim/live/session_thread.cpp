@@ -46,6 +46,16 @@ void publish(SessionThread& session) {
     add_to_mean(timer.seconds(), next.show_seconds);
   }
   session.published.publish();
+  session.published_at = std::chrono::steady_clock::now();
+}
+
+/// Publishes the state after a frame. While the world plays, a snapshot that no reader has taken yet is
+/// replaced at most 30 times per second, since drawing the surface takes as long as a step.
+void publish_frame(SessionThread& session) {
+  constexpr std::chrono::milliseconds kLongest(33);
+  const auto age = std::chrono::steady_clock::now() - session.published_at;
+  if (is_playing(session) && session.published.has_news() && age < kLongest) return;
+  publish(session);
 }
 
 /// Publishes the loading progress, at most twenty times per second. Any loading thread may call it, while the
@@ -137,7 +147,7 @@ void run_session(SessionThread& session) {
     save_if_due(session);
     if (!is_batch_done(session)) continue;
     play_frame(session);
-    publish(session);
+    publish_frame(session);
   }
   unload(session.live);
 }

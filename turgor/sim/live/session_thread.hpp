@@ -46,6 +46,7 @@ struct SessionThread {
   SessionCt ct = {};
   PaceMeter meter = {};
   ProgressReports progress = {};
+  std::chrono::steady_clock::time_point published_at = {};  // time of the latest snapshot for readers
   SessionStatus next =
       {};  // state for readers, without the snapshot, which is written directly to the reader's buffer
 };
