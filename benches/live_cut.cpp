@@ -2,17 +2,23 @@
 // the drawn surface. The cut is the same in every body, so twice the body should cost the same for the cut
 // itself. TURGOR_BENCH_CT = a CT file replaces the phantoms.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/live/mouse_tools.hpp"
 #include "turgor/sim/live/requests.hpp"
+#include "turgor/sim/live/session.hpp"
 #include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -73,7 +79,7 @@ double opening(const WorldSnapshot& snapshot) {
   return 1e3 * double(most);
 }
 
-void bench_live_cut(benchmark::State& state) {
+void bench_cut_frames(benchmark::State& state) {
   const Exec exec(int(state.range(2)));
   const Int3 voxels{int(state.range(0)), int(state.range(0)) * 4 / 5, int(state.range(1))};
   const Scene scene = with_mouse_tools(parse_scene(scene_text(voxels), "bench.toml").value());
@@ -109,8 +115,76 @@ void bench_live_cut(benchmark::State& state) {
     state.counters["edges"] = world.cuts[0].edges;
   }
 }
-BENCHMARK(bench_live_cut)
+BENCHMARK(bench_cut_frames)
     ->ArgsProduct({{512}, {150, 300}, {1, 2}})
+    ->ArgNames({"width", "length", "threads"})
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+
+/// Reads a session 60 times per second, as a window does, and counts new snapshots.
+struct Watcher {
+  Session& session;
+  int snapshots = 0, frame = -1;
+
+  /// Reads until the condition holds, at most `longest` [s]. Returns the wall time [s].
+  template <class Condition>
+  double read_until(const Condition& condition, double longest) {
+    const Timer timer;
+    for (; timer.seconds() < longest; std::this_thread::sleep_for(std::chrono::milliseconds(16))) {
+      const SessionStatus& now = session.now();
+      if (now.snapshot.frame != frame) snapshots++, frame = now.snapshot.frame;
+      if (condition(now)) break;
+    }
+    return timer.seconds();
+  }
+};
+
+/// Wall time of some seconds of the simulation in a session [s].
+struct Paced {
+  double pace = 0, snapshots = 0;  // [simulated s/s], [1/s]
+};
+Paced pace_of(Watcher& watcher, double simulated) {
+  const double begin = watcher.session.now().snapshot.time;
+  watcher.snapshots = 0;
+  const double wall = watcher.read_until(
+      [&](const SessionStatus& now) { return now.snapshot.time >= begin + simulated; }, 60);
+  return {(watcher.session.now().snapshot.time - begin) / wall, watcher.snapshots / wall};
+}
+
+void bench_cut_session(benchmark::State& state) {
+  const Int3 voxels{int(state.range(0)), int(state.range(0)) * 4 / 5, int(state.range(1))};
+  const auto file = std::filesystem::temp_directory_path() / fmt::format("turgor-bench-{}.toml", getpid());
+  std::ofstream(file) << scene_text(voxels);
+  const Scene scene = read_scene(file).value();
+  for (auto _ : state) {
+    const CutRequest request = hand_drawn(load_world(Exec(2), scene).value().lattice_bodies[0]);
+    Session session(file, {}, {.threads = int(state.range(2)), .loop = {}, .longest = 600});
+    Watcher watcher{session};
+    watcher.read_until([](const SessionStatus& now) { return now.snapshot.frame > 30; }, 300);
+
+    // blade
+    const std::uint64_t ticks = session.now().haptics.ticks;
+    session.request(request);
+    const Timer timer;
+    watcher.read_until([](const SessionStatus& now) { return !now.cuts.empty(); }, 10);
+    const Paced during = pace_of(watcher, kBladeSeconds);
+    state.SetIterationTime(timer.seconds());
+
+    // open wound
+    const Paced after = pace_of(watcher, 2);
+    const double open = opening(session.now().snapshot);
+    const double wall = timer.seconds();
+    state.counters["ticks/s"] = double(session.now().haptics.ticks - ticks) / wall;
+    pace_of(watcher, 4);
+    state.counters["pace_cut"] = during.pace, state.counters["pace_after"] = after.pace;
+    state.counters["shown_cut/s"] = during.snapshots, state.counters["shown_after/s"] = after.snapshots;
+    state.counters["open_2s"] = open / opening(session.now().snapshot);
+  }
+  std::filesystem::remove(file);
+}
+BENCHMARK(bench_cut_session)
+    ->ArgsProduct({{512}, {150, 300}, {2}})
     ->ArgNames({"width", "length", "threads"})
     ->Iterations(1)
     ->UseManualTime()
