@@ -188,6 +188,33 @@ TEST(ClothImplicitContact, SlopeFollowsCoulomb) {
   }
 }
 
+/// Iterations of a third of a second of a sheet that is held at one side and falls.
+int iterations_of_swing(const Params& params, const Inputs& inputs, bool* touches) {
+  const Model model = must_build(make_sheet({.up = {0, 0.5, 0}, .columns = 50, .rows = 25}), params);
+  State state = make_state(model);
+  for (int r = 0; r <= 25; r++) EXPECT_TRUE(hold(model, state, 51 * r));
+  int iterations = 0;
+  for (int n = 0; n < 20; n++) {
+    iterations += step(Exec(1), model, state, inputs, kFrame).iterations;
+    *touches = *touches || !state.implicit_contacts.contacts.list.empty();
+    for (const ImplicitContact& a : state.implicit_contacts.terms) EXPECT_EQ(a.normal_stiffness, 0);
+  }
+  return iterations;
+}
+
+// Contacts that stay open neither tighten the tolerance nor repeat a solution.
+TEST(ClothImplicitContact, OpenContactsCostNoIterations) {
+  Params params = solved();
+  bool touches = false, touches_alone = false;
+  const int alone = iterations_of_swing(params, in_vacuum(), &touches_alone);
+  Inputs inputs = in_vacuum();
+  inputs.obstacles.push_back(plane_obstacle({0, -0.015, 0}, {0, 1, 0}));
+  params.collision = {.self = true, .thickness = 0.0195};
+  EXPECT_LE(iterations_of_swing(params, inputs, &touches), 1.02 * alone);
+  EXPECT_TRUE(touches) << "there are open contacts";
+  EXPECT_FALSE(touches_alone);
+}
+
 /// A sheet of 0.2 × 0.1 m, held along its border, with a ball that presses into it and stays.
 struct Pressed {
   double tool = 0,

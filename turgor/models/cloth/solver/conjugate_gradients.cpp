@@ -44,16 +44,16 @@ Lanes3 residual_forces(const SheetView& sheet, const State& state, const Vectors
   });
 }
 
-/// Squared norm of a residual for the sixteen vertices from i on. With implicit contacts it is weighted by
-/// the inverse diagonal, so that stiff directions count as little as they move.
-Lanes square(const SheetView& sheet, const State& state, Lanes3 r, std::size_t i) {
-  return dot(r, state.implicit_contacts.contacts.list.empty() ? r : inverse_diagonal<Lanes>(sheet, i) * r);
+/// Squared norm of a residual for the sixteen vertices from i on. If it is weighted by the inverse diagonal,
+/// stiff directions count as little as they move.
+Lanes square(const SheetView& sheet, bool by_diagonal, Lanes3 r, std::size_t i) {
+  return dot(r, by_diagonal ? inverse_diagonal<Lanes>(sheet, i) * r : r);
 }
 
 /// Squared norm of the force on the free vertices.
-double square_of_force(const Exec& exec, const Model& model, const SheetView& sheet, const State& state) {
+double square_of_force(const Exec& exec, const Model& model, const SheetView& sheet, bool by_diagonal) {
   return sum_batches(exec, model, [&](std::size_t i) {
-    return square(sheet, state, load<Lanes>(sheet.force, i) * is_free<Lanes>(sheet, i), i);
+    return square(sheet, by_diagonal, load<Lanes>(sheet.force, i) * is_free<Lanes>(sheet, i), i);
   });
 }
 
@@ -63,10 +63,10 @@ double residual(const Exec& exec, const Model& model, State& state) {
   const System& system = state.system;
   const SheetView sheet = view(model, state);
   TURGOR_ASSERT(system.air[0].size() > 0, "assemble was not told to measure the residual");
-  const double force2 = square_of_force(exec, model, sheet, state);
+  const double force2 = square_of_force(exec, model, sheet, false);
   find_impulses(exec, state, system.change, true);
   const double residual2 = sum_batches(exec, model, [&](std::size_t i) {
-    return square(sheet, state, residual_forces(sheet, state, system.change, load(system.force, i), i), i);
+    return square(sheet, false, residual_forces(sheet, state, system.change, load(system.force, i), i), i);
   });
   return force2 > 0 ? std::sqrt(residual2 / force2) : 0;
 }
@@ -104,10 +104,10 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
   double residual2 = sum_batches(exec, model, [&](std::size_t i) {
     const Lanes3 r_i = residual_forces(sheet, state, system.change, load(system.force, i), i);
     store(r, i, r_i);
-    return square(sheet, state, r_i, i);
+    return square(sheet, stop.by_diagonal, r_i, i);
   });
   // tolerance and preconditioner
-  const double force2 = square_of_force(exec, model, sheet, state);
+  const double force2 = square_of_force(exec, model, sheet, stop.by_diagonal);
   TURGOR_CHECK(stop.iterations >= 1, "a solution takes at least one iteration");
   const double enough = stop.residual * stop.residual * force2;
   const bool two_level =
@@ -138,7 +138,7 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
       const Lanes3 r_i = load(r, i) - load(q, i) * alpha;
       store(system.change, i, load(system.change, i) + load(p, i) * alpha);
       store(r, i, r_i);
-      return square(sheet, state, r_i, i);
+      return square(sheet, stop.by_diagonal, r_i, i);
     });
     // next preconditioned residual
     if (!(residual2 > enough)) continue;

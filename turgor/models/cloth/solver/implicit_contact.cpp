@@ -280,6 +280,17 @@ bool update_active_set(const Model& model, State& state, double dt) {
   return has_changed;
 }
 
+bool any_closed(const ImplicitContacts& contacts) {
+  return std::any_of(contacts.terms.begin(), contacts.terms.end(),
+                     [](const ImplicitContact& a) { return a.normal_stiffness > 0; });
+}
+
+bool presses_obstacle(const ImplicitContacts& contacts) {
+  for (std::size_t n = 0; n < contacts.terms.size(); n++)
+    if (contacts.terms[n].normal_stiffness > 0 && contacts.contacts.list[n].obstacle >= 0) return true;
+  return false;
+}
+
 /// P of each closed contact is −K u, plus the load. It is found once, not once for each of its vertices.
 void find_impulses(const Exec& exec, State& state, const Vectors& a, bool with_loads) {
   constexpr std::size_t kGrain = 256;

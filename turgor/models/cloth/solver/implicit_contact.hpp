@@ -24,6 +24,10 @@ void find_implicit_contacts(const Exec& exec, const Model& model, State& state, 
 /// changed, friction is wrong, or a contact penetrates too far.
 bool update_active_set(const Model& model, State& state, double dt);
 
+/// True if any contact is closed, and if any contact with an obstacle is.
+bool any_closed(const ImplicitContacts& contacts);
+bool presses_obstacle(const ImplicitContacts& contacts);
+
 /// Sets Contact::impulse_delta to the impulse of each contact in force − W a; without loads, in −W a.
 void find_impulses(const Exec& exec, State& state, const Vectors& a, bool with_loads);
 /// Sum of the impulses of find_impulses at the sixteen vertices from i on.

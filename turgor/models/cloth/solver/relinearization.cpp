@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/cloth/solver/implicit_contact.hpp"
 #include "turgor/models/cloth/solver/system.hpp"
 
 namespace turgor::cloth {
@@ -89,8 +90,8 @@ bool may_be_squeezed(const Inputs& inputs) {
 void relinearize(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   constexpr int kMaxIterations = 4;
   constexpr Real kErrorLimit = Real(0.005);
-  // no contacts, or small rotation: one solution is enough
-  if (state.implicit_contacts.contacts.list.empty() || may_be_squeezed(inputs)) return;
+  // no obstacle stops the sheet, or small rotation: one solution is enough
+  if (!presses_obstacle(state.implicit_contacts) || may_be_squeezed(inputs)) return;
   System& system = state.system;
   Vectors predicted, x, v;
   predict_positions(exec, state.x, state.v, system.change, Real(dt), predicted);

@@ -33,6 +33,7 @@ struct StopCriterion {
   int iterations = 100;  // at most
   double residual = 0;   // sufficient |force − W change| / |force| [1]
   bool two_level = false;
+  bool by_diagonal = false;  // residual and force are measured with the inverse diagonal
 };
 /// Preconditioned conjugate gradients. Sets System::iterations and System::residual.
 void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state,
