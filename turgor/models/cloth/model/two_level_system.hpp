@@ -1,5 +1,5 @@
 // Storage of the two-level preconditioner: the coarse operator of one step and its factor
-// (solver/two_level.hpp). It is opaque, so that users of the model do not include Eigen.
+// (solver/two_level.hpp).
 #pragma once
 
 #include <memory>
@@ -16,6 +16,7 @@ struct TwoLevelSystem {
   TwoLevelSystem& operator=(const TwoLevelSystem&);
 
   std::unique_ptr<Storage> storage;
+  bool is_factored = false;  // for the system that was assembled last
 };
 
 }  // namespace turgor::cloth

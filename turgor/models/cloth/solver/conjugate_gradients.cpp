@@ -110,8 +110,8 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
   const double force2 = square_of_force(exec, model, sheet, stop.by_diagonal);
   TURGOR_CHECK(stop.iterations >= 1, "a solution takes at least one iteration");
   const double enough = stop.residual * stop.residual * force2;
-  const bool two_level =
-      stop.two_level && residual2 > enough && factor_coarse_system(exec, model, state, system.two_level);
+  const bool two_level = stop.two_level && residual2 > enough;
+  if (two_level && !system.two_level.is_factored) factor_coarse_system(exec, model, state, system.two_level);
   double rz = precondition(exec, model, state, two_level), beta = 0;
   int n = 0;
   for (; n < stop.iterations && rz > 0 && residual2 > enough; n++) {

@@ -18,6 +18,7 @@ constexpr double kContactStiffness = 50;  // contact stiffness relative to the r
 constexpr double kSelfContactStiffness =
     20;  // the same for self-contacts, where higher values need more iterations
 constexpr double kFrictionTolerance = 0.01;  // error of friction allowed in a step, relative to all friction
+constexpr double kTensionTolerance = 0.01;   // tension of contacts that open, relative to all normal impulses
 constexpr Real kPenetrationTolerance =
     Real(0.02);  // penetration of a closed contact allowed in a step, relative to the thickness
 
@@ -248,6 +249,8 @@ bool update_active_set(const Model& model, State& state, double dt) {
   const Real tolerance = kPenetrationTolerance * Real(model.params.collision.thickness / dt);
   bool has_changed = false;
   double friction_error = 0, all = 0;  // error of friction, and all friction [N·s]
+  double tension = 0,
+         all_pressure = 0;  // impulses of contacts that open, and of those that stay closed [N·s]
   for (std::size_t n = 0; n < implicit_contacts.terms.size(); n++) {
     Contact& c = implicit_contacts.contacts.list[n];
     ImplicitContact& a = implicit_contacts.terms[n];
@@ -260,6 +263,7 @@ bool update_active_set(const Model& model, State& state, double dt) {
     if (was_closed) {
       c.impulse += a.normal_stiffness * violation;
       is_closed = c.impulse > 0;
+      (is_closed ? all_pressure : tension) += std::abs(double(c.impulse));
       c.friction_impulse = a.stick_impulse - across(c, u) * a.tangential_stiffness;
       const Real limit = c.friction * std::max(c.impulse, Real(0)), size = norm(c.friction_impulse);
       slips = size > Real(0.999) * limit;
@@ -271,11 +275,12 @@ bool update_active_set(const Model& model, State& state, double dt) {
     }
     // new state of the contact
     if (!is_closed) c.impulse = 0, c.friction_impulse = {};
-    has_changed = has_changed || is_closed != was_closed;
+    has_changed = has_changed || (is_closed && !was_closed);
     set_terms(c, state, dt, is_closed, slips, u, a);
   }
-  // total error of friction
-  has_changed = has_changed || friction_error > kFrictionTolerance * all;
+  // total errors of friction and of pressure
+  has_changed =
+      has_changed || friction_error > kFrictionTolerance * all || tension > kTensionTolerance * all_pressure;
   if (has_changed) update_diagonal(state);
   return has_changed;
 }

@@ -20,14 +20,15 @@ constexpr std::size_t kGrain = 16;  // batches
 
 /// Adds the contact impulses of the step before (warm start), so that a sheet at rest need not find them
 /// again.
-void add_contact_impulses(State& state) {
-  for (const Contact& c : state.contacts.list) {
+void add_impulses(const Contacts& contacts, const aligned_vector<Real>& free_mass, Vectors& force) {
+  for (const Contact& c : contacts.list) {
     if (!(c.impulse > 0)) continue;
+    const Real factor = c.is_implicit ? 1 : c.warm_start;  // implicit ones have it already
     for (std::size_t k = 0; k < 4; k++) {
       if (c.vertex[k] < 0) continue;
       const auto v = std::size_t(c.vertex[k]);
-      if (state.free_mass[v] > 0)
-        state.system.force.add(v, (c.normal * c.impulse + c.friction_impulse) * (c.warm_start * c.weight[k]));
+      if (free_mass[v] > 0)
+        force.add(v, (c.normal * c.impulse + c.friction_impulse) * (factor * c.weight[k]));
     }
   }
 }
@@ -88,12 +89,13 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
   const Damping& damping = model.params.damping;
   system.mass_factor = Real(1 + dt * damping.motion),
   system.stiffness_factor = Real(dt * dt + dt * damping.stretch);
+  system.two_level.is_factored = false;
   if (model.params.fabric.law == Law::kSheet) find_tensions(exec, model, state);
   parallel_for(exec, batch_count(model.rows),
                AssembleRow<Lanes>{view(model, state), Vec3(inputs.gravity), Real(dt),
                                   Real(dt * damping.motion), has_air, keeps_air, uses_cg},
                kGrain);
-  if (!uses_cg) add_contact_impulses(state);  // else implicit_contact.cpp does
+  if (!uses_cg) add_impulses(state.contacts, state.free_mass, system.force);  // else they are implicit
   aim_holds(model, state, Real(dt));
 }
 
@@ -116,7 +118,9 @@ void start_change(const Exec& exec, const Model& model, State& state, double dt)
   System& system = state.system;
   const std::size_t count = system.change.size();
   for (std::size_t v = 0; v < count; v++) system.change.set(v, {});
-  move_free_components(exec, model, state, system.force, dt);
+  system.previous = system.force;
+  add_impulses(state.implicit_contacts.contacts, state.free_mass, system.previous);
+  move_free_components(exec, model, state, system.previous, dt);
   for (std::size_t v = 0; v < count; v++) system.previous.set(v, system.change[v]);
   for_holds(state, StartHolds{view(model, state), state.holds.data()});
 }

@@ -1,6 +1,5 @@
 #include "turgor/models/cloth/solver/two_level.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,12 +10,11 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/cloth/model/state.hpp"
+#include "turgor/models/cloth/solver/block_cholesky.hpp"
 
 namespace turgor::cloth {
 
 namespace {
-
-constexpr int kRigid = 6;  // rigid modes of a block: three translations, three rotations
 
 /// Bisects a list of vertices across its longest extent until the blocks are small.
 void halve(const Vectors& x, std::vector<int>::iterator from, std::vector<int>::iterator to, int largest,
@@ -49,25 +47,43 @@ void for_each_neighbor(const Rows& rows, const Visit& visit) {
           visit(int(batch) * kLanes + l, neighbor(rows, s, l));
 }
 
+/// Block of each vertex.
+std::vector<int> blocks_of(const Model& model, const std::vector<std::vector<int>>& lists) {
+  std::vector<int> of(std::size_t(model.count));
+  for (std::size_t n = 0; n < lists.size(); n++)
+    for (const int v : lists[n]) of[std::size_t(v)] = int(n);
+  return of;
+}
+
+/// Blocks that are joined to each block by a spring, ascending, without itself.
+std::vector<std::vector<int>> adjacent_blocks(const Model& model, const std::vector<int>& of) {
+  std::vector<std::set<int>> sets(of.empty() ? 0 : std::size_t(*std::max_element(of.begin(), of.end())) + 1);
+  for_each_neighbor(model.rows, [&](int i, int j) {
+    const int a = of[std::size_t(i)], b = of[std::size_t(j)];
+    if (a != b) sets[std::size_t(a)].insert(b);
+  });
+  std::vector<std::vector<int>> adjacent;
+  for (const std::set<int>& set : sets) adjacent.emplace_back(set.begin(), set.end());
+  return adjacent;
+}
+
 /// Vertices of a block. Number and size of blocks both grow with the square root of the cloth, and iterations
 /// hardly grow.
 int block_size(int count) { return std::max(12, int(0.8 * std::sqrt(double(count)))); }
 
-using Block = std::array<double, kRigid * kRigid>;
-
 /// Galerkin coupling of two vertices: (I, −[r]×)ᵀ B (I, −[q]×), rows by the translations and rotations of the
 /// first block.
 void add_coupling(const double (&b)[3][3], Vec3d r, Vec3d q, double sign, Block& sum) {
-  double left[kRigid][3];
+  double left[kRigidModes][3];
   for (int k = 0; k < 3; k++) {
     const Vec3d column{b[0][k], b[1][k], b[2][k]};
     const Vec3d moment = cross(r, column);
     for (int d = 0; d < 3; d++) left[d][k] = column[d], left[3 + d][k] = moment[d];
   }
-  for (int d = 0; d < kRigid; d++) {  // times (I, −[q]×): cross product of the row
+  for (int d = 0; d < kRigidModes; d++) {  // times (I, −[q]×): cross product of the row
     const Vec3d row{left[d][0], left[d][1], left[d][2]};
     const Vec3d moment = cross(q, row);
-    double* out = &sum[std::size_t(d * kRigid)];
+    double* out = &sum[std::size_t(d * kRigidModes)];
     for (int k = 0; k < 3; k++) out[k] += sign * row[k], out[3 + k] += sign * moment[k];
   }
 }
@@ -98,7 +114,6 @@ void add_contact_stiffness(const Contact& c, const ImplicitContact& a, double f,
 
 Blocks make_blocks(const Model& model) {
   // blocks of each component
-  Blocks blocks;
   std::vector<std::vector<int>> lists;
   const int size = block_size(model.count);
   for (std::size_t p = 0; p + 1 < model.component_begin.size(); p++) {
@@ -106,25 +121,25 @@ Blocks make_blocks(const Model& model) {
     std::iota(component.begin(), component.end(), model.component_begin[p]);
     halve(model.x_rest, component.begin(), component.end(), size, lists);
   }
-  // block of each vertex
-  blocks.of.resize(std::size_t(model.count));
+  // numbers in the order of elimination
+  std::vector<std::vector<int>> ordered;
+  for (const int n : elimination_order(adjacent_blocks(model, blocks_of(model, lists))))
+    ordered.push_back(std::move(lists[std::size_t(n)]));
+  Blocks blocks{.of = blocks_of(model, ordered)};
+  // vertices of each block
   blocks.begin.push_back(0);
-  for (std::size_t n = 0; n < lists.size(); n++) {
-    std::sort(lists[n].begin(), lists[n].end());
-    for (const int v : lists[n]) blocks.of[std::size_t(v)] = int(n);
-    blocks.vertex.insert(blocks.vertex.end(), lists[n].begin(), lists[n].end());
+  for (std::vector<int>& list : ordered) {
+    std::sort(list.begin(), list.end());
+    blocks.vertex.insert(blocks.vertex.end(), list.begin(), list.end());
     blocks.begin.push_back(int(blocks.vertex.size()));
   }
   // pairs of adjacent blocks
-  std::vector<std::set<int>> touched(lists.size());
-  for (std::size_t n = 0; n < lists.size(); n++) touched[n].insert(int(n));
-  for_each_neighbor(model.rows, [&](int i, int j) {
-    const int a = blocks.of[std::size_t(i)], b = blocks.of[std::size_t(j)];
-    touched[std::size_t(std::max(a, b))].insert(std::min(a, b));
-  });
   blocks.pair_begin.push_back(0);
-  for (const std::set<int>& list : touched) {
-    blocks.pair.insert(blocks.pair.end(), list.begin(), list.end());
+  const std::vector<std::vector<int>> adjacent = adjacent_blocks(model, blocks.of);
+  for (std::size_t n = 0; n < adjacent.size(); n++) {
+    std::copy_if(adjacent[n].begin(), adjacent[n].end(), std::back_inserter(blocks.pair),
+                 [&](int other) { return other < int(n); });
+    blocks.pair.push_back(int(n));
     blocks.pair_begin.push_back(int(blocks.pair.size()));
   }
   TURGOR_CHECK(is_permutation(blocks.vertex, std::size_t(model.count)), "every vertex is in one block");
@@ -133,14 +148,11 @@ Blocks make_blocks(const Model& model) {
 
 struct TwoLevelSystem::Storage {
   std::vector<std::array<int, 2>>
-      touching;                        // pairs of blocks joined by contacts only, the larger first, ascending
-  std::vector<int> pair_begin, pair;   // as in Blocks, with these
-  std::vector<Vec3d> center;           // of each block's vertices [m]
-  std::vector<Block> coupling;         // by pair
-  Eigen::SparseMatrix<double> matrix;  // lower triangle
-  std::vector<int> entry;              // of each value: 36 · pair + position in the block
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
-  Eigen::VectorXd load, solution;
+      touching;                       // pairs of blocks joined by contacts only, the larger first, ascending
+  std::vector<int> pair_begin, pair;  // as in Blocks, with these
+  std::vector<Vec3d> center;          // of each block's vertices [m]
+  std::vector<Block> coupling;        // by pair
+  BlockCholesky factor;
 
   /// Sparsity pattern for the given contact pairs.
   void set_pattern(const Blocks& blocks, std::vector<std::array<int, 2>> by_contacts);
@@ -172,7 +184,7 @@ void TwoLevelSystem::Storage::set_pattern(const Blocks& blocks, std::vector<std:
   const int count = int(blocks.begin.size()) - 1;
   // pairs of blocks, with those of contacts
   touching = std::move(by_contacts);
-  pair.clear(), pair_begin.assign(1, 0), entry.clear();
+  pair.clear(), pair_begin.assign(1, 0);
   auto joined = touching.begin();
   for (std::size_t a = 0; a < std::size_t(count); a++) {
     const auto from = std::ptrdiff_t(pair.size());
@@ -182,24 +194,10 @@ void TwoLevelSystem::Storage::set_pattern(const Blocks& blocks, std::vector<std:
     std::sort(pair.begin() + from, pair.end());
     pair_begin.push_back(int(pair.size()));
   }
-  // entries of the lower triangle, each marked with its index in `coupling`
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int a = 0; a < count; a++)
-    for (int n = pair_begin[std::size_t(a)]; n < pair_begin[std::size_t(a) + 1]; n++)
-      for (int r = 0; r < kRigid; r++)
-        for (int c = 0; c < kRigid; c++) {
-          const int row = kRigid * a + r, column = kRigid * pair[std::size_t(n)] + c;
-          if (row >= column) entries.emplace_back(row, column, double(kRigid * kRigid * n + kRigid * r + c));
-        }
-  matrix.resize(kRigid * count, kRigid * count);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  for (int n = 0; n < matrix.nonZeros(); n++) entry.push_back(int(matrix.valuePtr()[n]));
-  for (int n = 0; n < matrix.nonZeros(); n++) matrix.valuePtr()[n] = 1;
   // symbolic factorization and sizes
-  factor.analyzePattern(matrix);
+  analyze(pair_begin, pair, factor);
   coupling.resize(pair.size());
   center.resize(std::size_t(count));
-  load.resize(kRigid * count), solution.resize(kRigid * count);
 }
 
 void TwoLevelSystem::Storage::set_values(const Model& model, const State& state, int block) {
@@ -271,7 +269,7 @@ void TwoLevelSystem::Storage::set_values(const Model& model, const State& state,
     // own block
     add_coupling(d, r, r, 1, own);
     for (int p = 0; p < 3; p++)
-      for (int q = 0; q < 3; q++) own[std::size_t(kRigid * (3 + p) + 3 + q)] += rotational[p][q];
+      for (int q = 0; q < 3; q++) own[std::size_t(kRigidModes * (3 + p) + 3 + q)] += rotational[p][q];
   }
   // Modes without mass, and rotations about the line of collinear vertices, are fixed.
   double translations = 0, rotations = 0;
@@ -286,9 +284,12 @@ void TwoLevelSystem::Storage::set_values(const Model& model, const State& state,
 TwoLevelSystem::TwoLevelSystem() = default;
 TwoLevelSystem::~TwoLevelSystem() = default;
 TwoLevelSystem::TwoLevelSystem(const TwoLevelSystem&) {}
-TwoLevelSystem& TwoLevelSystem::operator=(const TwoLevelSystem&) { return storage.reset(), *this; }
+TwoLevelSystem& TwoLevelSystem::operator=(const TwoLevelSystem&) {
+  storage.reset(), is_factored = false;
+  return *this;
+}
 
-bool factor_coarse_system(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system) {
+void factor_coarse_system(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system) {
   const Blocks& blocks = model.blocks;
   // pattern
   std::vector<std::array<int, 2>> touching = touching_blocks(blocks, state.implicit_contacts);
@@ -307,11 +308,9 @@ bool factor_coarse_system(const Exec& exec, const Model& model, const State& sta
   });
   // coarse operator and its factor
   parallel_for(exec, count, [&](std::size_t a) { system.storage->set_values(model, state, int(a)); });
-  const double* values = system.storage->coupling.empty() ? nullptr : system.storage->coupling[0].data();
-  for (std::size_t n = 0; n < system.storage->entry.size(); n++)
-    system.storage->matrix.valuePtr()[n] = values[system.storage->entry[n]];
-  system.storage->factor.factorize(system.storage->matrix);
-  return system.storage->factor.info() == Eigen::Success;
+  factorize(system.storage->pair_begin, system.storage->pair, system.storage->coupling,
+            system.storage->factor);
+  system.is_factored = true;
 }
 
 void add_coarse_correction(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system,
@@ -319,6 +318,7 @@ void add_coarse_correction(const Exec& exec, const Model& model, const State& st
   TURGOR_ASSERT(system.storage != nullptr, "the coarse system was factored");
   const Blocks& blocks = model.blocks;
   const std::size_t count = blocks.begin.size() - 1;
+  std::vector<BlockColumn>& x = system.storage->factor.right_side;
   TURGOR_CHECK(r.size() == z.size(), "a residual and a correction are of the same cloth");
   // restriction: total force and moment of each block
   parallel_for(exec, count, [&](std::size_t a) {
@@ -329,16 +329,13 @@ void add_coarse_correction(const Exec& exec, const Model& model, const State& st
       const Vec3d f(r[i]);
       force += f, moment += cross(Vec3d(state.x[i]) - system.storage->center[a], f);
     }
-    for (int k = 0; k < 3; k++)
-      system.storage->load[kRigid * int(a) + k] = force[k],
-                                             system.storage->load[kRigid * int(a) + 3 + k] = moment[k];
+    x[a] = BlockColumn{force.x, force.y, force.z, moment.x, moment.y, moment.z};
   });
   // coarse solution
-  system.storage->solution = system.storage->factor.solve(system.storage->load);
+  solve(system.storage->factor);
   // prolongation: rigid motion of each block
   parallel_for(exec, count, [&](std::size_t a) {
-    const double* y = system.storage->solution.data() + kRigid * int(a);
-    const Vec3d translation{y[0], y[1], y[2]}, rotation{y[3], y[4], y[5]};
+    const Vec3d translation{x[a][0], x[a][1], x[a][2]}, rotation{x[a][3], x[a][4], x[a][5]};
     for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
       const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
       if (state.free_mass[i] > 0)
@@ -349,8 +346,9 @@ void add_coarse_correction(const Exec& exec, const Model& model, const State& st
 
 std::size_t coarse_system_bytes(const TwoLevelSystem& system) {
   if (!system.storage) return 0;
+  const BlockCholesky& factor = system.storage->factor;
   return system.storage->coupling.size() * sizeof(Block) +
-         12 * std::size_t(system.storage->matrix.nonZeros()) * 6;
+         (factor.below.size() + factor.inverse.size()) * sizeof(BlockColumns);
 }
 
 }  // namespace turgor::cloth

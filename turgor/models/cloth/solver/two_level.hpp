@@ -1,5 +1,5 @@
 // Two-level preconditioner. Blocks of adjacent vertices move as rigid bodies, and the Galerkin operator of
-// these motions is factored (LDLᵀ) in each step. Sweeps and plain conjugate gradients spread corrections by
+// these motions is factored in each step. Sweeps and plain conjugate gradients spread corrections by
 // one edge an iteration; the coarse correction acts on the whole sheet [two-level additive Schwarz: Dryja,
 // Widlund 1987; rigid modes: Vaněk, Mandel, Brezina 1996].
 #pragma once
@@ -17,8 +17,8 @@ struct State;
 /// Partition of the vertices into blocks of about 0.8 √n.
 Blocks make_blocks(const Model& model);
 
-/// Assembles and factors the coarse operator of an assembled system. False: it could not be factored.
-bool factor_coarse_system(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system);
+/// Assembles and factors the coarse operator of an assembled system.
+void factor_coarse_system(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system);
 /// Adds the coarse correction R (Rᵀ W R)⁻¹ Rᵀ r to z, R the rigid motions of the blocks.
 void add_coarse_correction(const Exec& exec, const Model& model, const State& state, TwoLevelSystem& system,
                            const Vectors& r, Vectors& z);
