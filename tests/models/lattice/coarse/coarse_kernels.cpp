@@ -45,7 +45,7 @@ struct OnHostBackend {
   double energy_after(const std::vector<double>& direction, Real fraction) {
     const CoarseView c = view();
     std::copy(direction.begin(), direction.end(), c.correction);
-    c.search->step_length = fraction;
+    c.search->change = fraction;
     multiply_with<3>(kShuffled, c.to_corners, c.correction, c.segment_sums, c.corners);
     kShuffled(std::size_t(c.chunk_count) * kTermsPerThread,
               ProlongateNode{c, body().body.nodes, body().cut_elements.virtual_nodes});
@@ -102,7 +102,7 @@ TEST(CoarseKernels, CorrectionNeverRaisesEnergy) {
   State& state = scene.wounded.state;
   double before = step_energy(kOne, scene.wounded.model, state, scene.inputs, kDt);
   for (int n = 0; n < 4; n++) {
-    apply_coarse_correction_with(kShuffled, scene.body(), scene.view());
+    correct_two_grid(CorrectionKernels<SeededRun<3>>{kShuffled, scene.body(), scene.view()});
     scene.nodes.u.download(state.motion.u), scene.vbd.shifts.array.download(state.motion.virtual_u);
     const double after = step_energy(kOne, scene.wounded.model, state, scene.inputs, kDt);
     EXPECT_LE(after, before * (1 + 1e-6)) << "J";

@@ -8,8 +8,10 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/coarse/coarse_levels.hpp"
 #include "turgor/models/lattice/coarse/prolongation.hpp"
+#include "turgor/models/lattice/coarse/secant_search.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/mechanics/cut_elements.hpp"
+#include "turgor/models/lattice/mechanics/node_forces.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/solver/inertia.hpp"
 
@@ -40,28 +42,25 @@ struct CellForces {
 
   /// Moduli of the whole cells; 0 for cut cells.
   template <int kWidth>
-  void find_young(int slot, const int (&corner)[kCellCorners], Real (&young)[kWidth]) const {
+  void find_young(const NodeBlock& block, int slot, Real (&young)[kWidth]) const {
     for (int i = 0; i < kWidth; i++) young[i] = model.cell_young[std::size_t(slot + i)];
     if (!state.cuts.row_cut[std::size_t(slot / row_stride(model.lattice))]) return;
-    // cells with a cut edge
-    std::uint8_t bits[kWidth] = {};
-    for (int i = 0; i < kWidth; i++) bits[i] = nodes.cut[slot + i] & kCutCell;
-    for (int c = 0; c < kCellCorners; c++)
-      for (int i = 0; i < kWidth; i++) bits[i] |= nodes.cut[slot + corner[c] + i] & edges_from_corner(c);
-    for (int i = 0; i < kWidth; i++) young[i] = bits[i] ? 0 : young[i];
+    for (int i = 0; i < kWidth; i++)
+      young[i] =
+          cell_modulus(young[i], cut_edges_of_cell(nodes.cut, block, slot + i, 0), nodes.cut[slot + i]).young;
   }
 
   template <int kWidth>
-  void add(int slot, int k, const int (&corners)[kCellCorners]) const {
+  void add(const NodeBlock& block, int slot, int k) const {
     // moduli
     Real young[kWidth];
-    find_young<kWidth>(slot, corners, young);
+    find_young<kWidth>(block, slot, young);
     // forces on the corners of each cell
     const SolidLaw by = law;
     const NodeArrays n = nodes;
     Real *fx = out.field.x.data(), *fy = out.field.y.data(), *fz = out.field.z.data();
     int corner[kCellCorners];
-    for (int c = 0; c < kCellCorners; c++) corner[c] = corners[c];
+    for (int c = 0; c < kCellCorners; c++) corner[c] = corner_slot(block, 0, 0, c);
     Real px[kCellCorners][kWidth], py[kCellCorners][kWidth], pz[kCellCorners][kWidth];
     TURGOR_LANES
     for (int i = 0; i < kWidth; i++) {
@@ -87,14 +86,13 @@ struct CellForces {
   void operator()(const Runs& cells, int k) const {
     const Lattice& l = model.lattice;
     for (int parity = 0; parity < 2; parity++) {
-      int corner[kCellCorners];
-      for (int c = 0; c < kCellCorners; c++) corner[c] = slot_offset(l, cell_corner(c), parity);
+      const NodeBlock block = node_block(l, parity);
       for (int j = 0; j + 1 < l.size.y; j++)
         for (const Run run : cells.of_half_row(row_slot(l, j, k) / l.half + parity)) {
           int begin = 0;
           for (; begin + 2 * kGroup <= run.count; begin += 2 * kGroup)
-            add<2 * kGroup>(run.begin + begin, k, corner);
-          if (begin < run.count) add<kGroup>(run.begin + begin, k, corner);
+            add<2 * kGroup>(block, run.begin + begin, k);
+          if (begin < run.count) add<kGroup>(block, run.begin + begin, k);
         }
     }
   }
@@ -106,17 +104,14 @@ void begin_layer(const Model& model, const Inertia& inertia, const Motion& motio
   const int shift = out.shift(k);
   for (auto* axis : {&out.field.x, &out.field.y, &out.field.z})
     std::fill_n(axis->begin() + shift + row_slot(l, -1, k), layer_stride(l), Real(0));
-  const Real per_h2 = 1 / (inertia.dt * inertia.dt);
   for_each_chunk(model, nullptr, k, [&](int, int slot, int count) {
     Real *fx = out.field.x.data(), *fy = out.field.y.data(), *fz = out.field.z.data();
     const Real *ux = motion.u.x.data(), *uy = motion.u.y.data(), *uz = motion.u.z.data();
     const Inertia y = inertia;
     TURGOR_LANES
     for (int s = slot; s < slot + count; s++) {
-      const Real m = y.moves(s) * per_h2 / nonzero(y.w[s]);
-      const Vec3 inertial_offset = y.at(s, 1) - Vec3{ux[s], uy[s], uz[s]};
-      fx[s + shift] = inertial_offset.x * m, fy[s + shift] = inertial_offset.y * m,
-             fz[s + shift] = inertial_offset.z * m;
+      const Vec3 f = y.force(s, {ux[s], uy[s], uz[s]});
+      fx[s + shift] = f.x, fy[s + shift] = f.y, fz[s + shift] = f.z;
     }
   });
 }
@@ -240,6 +235,25 @@ double largest_displacement(std::span<const double> displacements) {
   return most;
 }
 
+/// Phases of a correction on the host (secant_search.hpp).
+struct HostCorrection {
+  const Exec& exec;
+  const Model& model;
+  State& state;
+  const Inputs& inputs;
+  double dt;
+  std::vector<double> residual = {}, correction = {};  // three components per unknown [N] [m]
+  SecantSearch search = {};
+
+  void restrict_residual() { residual = lattice::restrict_residual(exec, model, state, inputs, dt); }
+  void solve() { correction = state.workspace.coarse->factor.solve(residual); }
+  void begin_search() { search.begin(work(residual, correction)); }
+  void prolongate() {
+    if (search.change != 0) add_prolongation(exec, model, state, correction, search.change);
+  }
+  void end_search() { search.end(work(residual, correction)); }
+};
+
 /// True if a blade may cut in the next steps. It counts as stopped after some steps without a cut.
 bool is_blade_active(State& state, std::size_t cuts) {
   constexpr int kStopped = 8;
@@ -325,18 +339,10 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
 
 double apply_coarse_correction(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                                double dt) {
-  const CoarseSpace& space = *state.workspace.coarse;
   TURGOR_ASSERT(state.workspace.coarse != nullptr, "a coarse correction needs a coarse space");
-  // coarse solution
-  const auto forces = [&] { return restrict_residual(exec, model, state, inputs, dt); };
-  const std::vector<double> before = forces(), correction = space.factor.solve(before);
-  const double slope = work(before, correction);
-  if (!(slope > 0)) return 0;
-  // full step, then secant step length
-  add_prolongation(exec, model, state, correction, 1);
-  const double step_length = secant_step_length(slope, work(forces(), correction));
-  add_prolongation(exec, model, state, correction, step_length - 1);
-  return step_length * largest_displacement(correction);
+  HostCorrection body{exec, model, state, inputs, dt};
+  correct_two_grid(body);
+  return body.search.step_length * largest_displacement(body.correction);
 }
 
 std::size_t memory_bytes(const CoarseSpace& space) {

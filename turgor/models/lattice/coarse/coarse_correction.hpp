@@ -46,6 +46,14 @@ TURGOR_HD inline float corner_weight(Vec3 position, int corner) {
               z = corner & 4 ? position.z : 1 - position.z;
   return x * (y * z);
 }
+/// Trilinear interpolation at a local position. `at_corner(row)`: displacement of a corner [m].
+template <class AtCorner>
+TURGOR_HD inline Vec3 interpolate(const CoarseBlock& block, Vec3 position, const AtCorner& at_corner) {
+  Vec3 displacement;
+  for (int c = 0; c < 8; c++)
+    displacement += at_corner(block.corner[std::size_t(c)]) * corner_weight(position, c);
+  return displacement;
+}
 inline std::array<float, 8> corner_weights(const CoarseBlock& block, Int3 node) {
   const Vec3 position = position_in_block(block, node);
   std::array<float, 8> weights;
@@ -140,14 +148,6 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
 /// Returns the largest displacement of an unknown [m].
 double apply_coarse_correction(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                                double dt);
-
-/// Secant step length from the slopes at step lengths 0 and 1, at most 1.5. Returns 0 if `after` is not
-/// finite.
-TURGOR_HD inline double secant_step_length(double before, double after) {
-  constexpr double kFarthest = 1.5;
-  if (!(after - after == 0)) return 0;
-  return before > after ? std::min(kFarthest, before / (before - after)) : kFarthest;
-}
 
 /// Memory of a space including its factor [bytes].
 std::size_t memory_bytes(const CoarseSpace& space);

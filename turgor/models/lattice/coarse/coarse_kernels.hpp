@@ -6,6 +6,7 @@
 #pragma once
 
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/lattice/coarse/secant_search.hpp"
 #include "turgor/models/lattice/solver/vbd_kernels.hpp"
 
 namespace turgor::lattice {
@@ -49,12 +50,6 @@ struct CoarseLists {
 CoarseLists coarse_lists(const Model& model, const CutElements& elements, std::size_t virtual_nodes,
                          const CoarseSpace& space);
 
-/// State of the secant search for the step length.
-struct SecantSearch {
-  double slope = 0;      // residual · correction before the correction [J]
-  Real step_length = 0;  // fraction of the correction that the next ProlongateNode adds
-};
-
 /// Pointers to lists and workspaces in host or device memory.
 struct CoarseView {
   Lattice lattice;
@@ -90,9 +85,7 @@ struct ComputeResidual {
   TURGOR_HD void operator()(std::size_t n) const {
     const int s = v.body.slot(n);
     if (!v.body.moves(s)) return;
-    const Real dt = v.inertia.dt;
-    forces[s] = NodeForces<kElements>{v}(s).f +
-                (v.inertia(s) - v.body.nodes.u(s)) * (1 / (dt * dt * v.body.nodes.w[s]));
+    forces[s] = NodeForces<kElements>{v}(s).f + v.inertia.force(s, v.body.nodes.u(s));
   }
 };
 struct ComputeVirtualNodeResidual {
@@ -159,7 +152,7 @@ void multiply_with(const Run& run, const SparseView& matrix, const double* in, d
   run(std::size_t(matrix.rows), SumSegments<kWidth, Out>{matrix, segment_sums, out});
 }
 
-/// Adds SecantSearch::step_length times the prolongated correction to a node or virtual node.
+/// Adds SecantSearch::change times the prolongated correction to a node or virtual node.
 struct ProlongateNode {
   CoarseView c;
   NodeArrays nodes;
@@ -168,24 +161,20 @@ struct ProlongateNode {
   TURGOR_HD void operator()(std::size_t n) const {
     const Chunk chunk = c.chunks[n / kTermsPerThread];
     const int f = chunk.begin + int(n % kTermsPerThread);
-    if (f >= chunk.end || c.search->step_length == 0) return;
+    if (f >= chunk.end || c.search->change == 0) return;
     // interpolated correction
     const int node = c.fine_nodes[f];
-    const Vec3 position = c.position(chunk, node);
-    Vec3 correction;
-    for (int corner = 0; corner < 8; corner++) {
-      const float* at = c.corners + 3 * c.blocks[chunk.block].corner[std::size_t(corner)];
-      correction += Vec3{at[0], at[1], at[2]} * corner_weight(position, corner);
-    }
-    correction = correction * c.search->step_length;
+    const auto at_row = [this](int row) {
+      const float* at = c.corners + 3 * row;
+      return Vec3{at[0], at[1], at[2]};
+    };
+    const Vec3 correction =
+        interpolate(c.blocks[chunk.block], c.position(chunk, node), at_row) * Real(c.search->change);
     // add to the node or virtual node
-    if (node < c.slots()) {
+    if (node < c.slots())
       nodes.ux[node] += correction.x, nodes.uy[node] += correction.y, nodes.uz[node] += correction.z;
-    } else {
-      VirtualNodeDisplacement& virtual_node = virtual_nodes[node - c.slots()];
-      virtual_node = {virtual_node.x + correction.x, virtual_node.y + correction.y,
-                      virtual_node.z + correction.z};
-    }
+    else
+      virtual_nodes[node - c.slots()].move(correction);
   }
 };
 
@@ -211,21 +200,13 @@ struct SumSlope {
     return sum;
   }
 };
-/// Stores the slope. Selects the full correction if it is a descent direction, otherwise none.
 struct BeginSearch {
   CoarseView c;
-  TURGOR_HD void operator()(std::size_t) const {
-    const double slope = SumSlope::all(c);
-    *c.search = {slope, slope > 0 ? Real(1) : Real(0)};
-  }
+  TURGOR_HD void operator()(std::size_t) const { c.search->begin(SumSlope::all(c)); }
 };
-/// Computes the step from the full correction to the secant step length.
 struct EndSearch {
   CoarseView c;
-  TURGOR_HD void operator()(std::size_t) const {
-    const double slope = c.search->slope;
-    if (slope > 0) c.search->step_length = Real(secant_step_length(slope, SumSlope::all(c)) - 1);
-  }
+  TURGOR_HD void operator()(std::size_t) const { c.search->end(SumSlope::all(c)); }
 };
 
 /// Computes the residual at nodes and virtual nodes, and restricts it to the unknowns.
@@ -237,25 +218,26 @@ void restrict_residual_with(const Run& run, const VbdView& v, const CoarseView& 
   run(8 * std::size_t(c.chunk_count), RestrictChunk{c});
   multiply_with<3>(run, c.to_unknowns, c.corner_sums, c.segment_sums, c.restricted_residual);
 }
-/// apply_coarse_correction with kernels.
+/// Phases of a correction (secant_search.hpp) by kernels.
 template <class Run>
-void apply_coarse_correction_with(const Run& run, const VbdView& v, const CoarseView& c) {
-  const ProlongateNode move{c, v.body.nodes, v.cut_elements.virtual_nodes};
-  const std::size_t fine_nodes = std::size_t(c.chunk_count) * kTermsPerThread;
-  // coarse solution
-  restrict_residual_with(run, v, c);
-  multiply_with<1>(run, c.lower, c.restricted_residual, c.segment_sums, c.intermediate);
-  multiply_with<1>(run, c.upper, c.intermediate, c.segment_sums, c.correction);
-  multiply_with<3>(run, c.to_corners, c.correction, c.segment_sums, c.corners);
-  // full step
-  run(std::size_t(SumSlope::count(c)), SumSlope{c});
-  run(1, BeginSearch{c});
-  run(fine_nodes, move);
-  // secant step length
-  restrict_residual_with(run, v, c);
-  run(std::size_t(SumSlope::count(c)), SumSlope{c});
-  run(1, EndSearch{c});
-  run(fine_nodes, move);
-}
+struct CorrectionKernels {
+  const Run& run;
+  const VbdView& v;
+  const CoarseView& c;
+
+  void restrict_residual() const { restrict_residual_with(run, v, c); }
+  void solve() const {
+    multiply_with<1>(run, c.lower, c.restricted_residual, c.segment_sums, c.intermediate);
+    multiply_with<1>(run, c.upper, c.intermediate, c.segment_sums, c.correction);
+    multiply_with<3>(run, c.to_corners, c.correction, c.segment_sums, c.corners);
+  }
+  void begin_search() const { sum_slope(), run(1, BeginSearch{c}); }
+  void end_search() const { sum_slope(), run(1, EndSearch{c}); }
+  void sum_slope() const { run(std::size_t(SumSlope::count(c)), SumSlope{c}); }
+  void prolongate() const {
+    run(std::size_t(c.chunk_count) * kTermsPerThread,
+        ProlongateNode{c, v.body.nodes, v.cut_elements.virtual_nodes});
+  }
+};
 
 }  // namespace turgor::lattice

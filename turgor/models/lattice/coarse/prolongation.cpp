@@ -53,7 +53,7 @@ void move_row(const RowInBlock& row, const ProlongationRun& run, std::span<const
   }
 }
 
-/// Calls of_block(block, weights, virtual_node) or of_row(row, virtual_node) for the interpolated virtual
+/// Calls of_block(block, position, virtual_node) or of_row(row, virtual_node) for the interpolated virtual
 /// nodes.
 template <class OfBlock, class OfRow>
 void for_virtual_nodes(const Model& model, const State& state, const CoarseSpace& space,
@@ -63,7 +63,7 @@ void for_virtual_nodes(const Model& model, const State& state, const CoarseSpace
     const int source = space.interpolation[std::size_t(virtual_node.corner)];
     if (source >= 0) {
       const CoarseBlock& block = space.blocks[std::size_t(source)];
-      of_block(block, corner_weights(block, slot_node(model.lattice, virtual_node.slot)),
+      of_block(block, position_in_block(block, slot_node(model.lattice, virtual_node.slot)),
                virtual_node.corner - slots);
     } else if (source != CoarseSpace::kFixed) {
       of_row(-2 - source, virtual_node.corner - slots);
@@ -111,9 +111,10 @@ void restrict_virtual_nodes(const Model& model, const State& state, std::span<Ve
   };
   for_virtual_nodes(
       model, state, *state.workspace.coarse,
-      [&](const CoarseBlock& block, const std::array<float, 8>& w, int virtual_node) {
-        for (std::size_t c = 0; c < 8; c++)
-          sums[std::size_t(block.corner[c])] += force(virtual_node) * double(w[c]);
+      [&](const CoarseBlock& block, Vec3 position, int virtual_node) {
+        for (int c = 0; c < 8; c++)
+          sums[std::size_t(block.corner[std::size_t(c)])] +=
+              force(virtual_node) * double(corner_weight(position, c));
       },
       [&](int row, int virtual_node) { sums[std::size_t(row)] += force(virtual_node); });
 }
@@ -129,19 +130,14 @@ void prolongate(const Exec& exec, const Model& model, State& state, std::span<co
         state.motion.u.set(std::size_t(run.slot),
                            state.motion.u[std::size_t(run.slot)] + corners[std::size_t(-2 - run.source)]);
   });
-  const auto move_virtual_node = [&](int c, Vec3 displacement) {
-    VirtualNodeDisplacement& virtual_node = state.motion.virtual_u[std::size_t(c)];
-    virtual_node = {virtual_node.x + displacement.x, virtual_node.y + displacement.y,
-                    virtual_node.z + displacement.z};
-  };
+  const auto at_row = [&](int row) { return corners[std::size_t(row)]; };
+  const auto move = [&](int c, Vec3 by) { state.motion.virtual_u[std::size_t(c)].move(by); };
   for_virtual_nodes(
       model, state, space,
-      [&](const CoarseBlock& block, const std::array<float, 8>& w, int virtual_node) {
-        Vec3 displacement;
-        for (std::size_t c = 0; c < 8; c++) displacement += corners[std::size_t(block.corner[c])] * w[c];
-        move_virtual_node(virtual_node, displacement);
+      [&](const CoarseBlock& block, Vec3 position, int virtual_node) {
+        move(virtual_node, interpolate(block, position, at_row));
       },
-      [&](int row, int virtual_node) { move_virtual_node(virtual_node, corners[std::size_t(row)]); });
+      [&](int row, int virtual_node) { move(virtual_node, at_row(row)); });
 }
 
 }  // namespace turgor::lattice

@@ -346,7 +346,8 @@ class DeviceBody final : public BodyBackend {
     const bool held = model.free_nodes < model.body_nodes;
     // predictor, sweeps with coarse correction, velocities
     const auto correct = [&] {
-      if (coarse) apply_coarse_correction_with(run_, view, coarse_->view(model));
+      if (coarse)
+        correct_two_grid(CorrectionKernels<typename Backend::Run>{run_, view, coarse_->view(model)});
     };
     run_together(run_, [&] {
       lattice::step_vbd(
@@ -367,12 +368,9 @@ class DeviceBody final : public BodyBackend {
     std::vector<ResidualSum> sums(2 * count);
     vbd_->residual.array.download(sums);
     ResidualSum all[2];
-    for (std::size_t n = 0; n < sums.size(); n++) {
-      ResidualSum& sum = all[n / count];
-      sum.largest2 = std::max(sum.largest2, sums[n].largest2), sum.sum2 += sums[n].sum2;
-    }
-    const auto rms = [&](double sum2) { return std::sqrt(sum2 / std::max(1, model.free_nodes)); };
-    return {.largest = std::sqrt(all[1].largest2), .rms = rms(all[1].sum2), .before = rms(all[0].sum2)};
+    for (std::size_t n = 0; n < sums.size(); n++) all[n / count].add(sums[n]);
+    const int nodes = model.free_nodes;
+    return {.largest = all[1].largest(), .rms = all[1].rms(nodes), .before = all[0].rms(nodes)};
   }
 
   typename Backend::Run run_;

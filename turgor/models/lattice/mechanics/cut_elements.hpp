@@ -109,8 +109,7 @@ TURGOR_HD inline void CutElementView::solve(const ElementNode& virtual_node) con
   }
   // Newton step
   const NodeSystem s = gather(virtual_node);
-  const Vec3 du = newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3));
-  at = {at.x + du.x, at.y + du.y, at.z + du.z};
+  at.move(newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3)));
 }
 
 }  // namespace turgor::lattice

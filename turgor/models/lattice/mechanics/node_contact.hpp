@@ -75,6 +75,11 @@ TURGOR_HD inline void add_contacts(std::span<NodeContact> node_contacts, const N
   }
 }
 
+/// Contact forces at the current displacements, after the nodes have moved.
+TURGOR_HD inline void update_forces(std::span<NodeContact> contacts, const NodeArrays& n) {
+  for (NodeContact& c : contacts) c.force = contact_force(c, contact_displacement(c, n)).force;
+}
+
 /// Contacts of the nodes in [slot, slot + count).
 inline std::span<NodeContact> contacts_of(std::span<NodeContact> all, int slot, int count) {
   const auto at = [&](int s) {

@@ -38,8 +38,6 @@ TURGOR_HD inline int lower_end(const Neighbors& stencil, int e) { return e % 2 =
 TURGOR_HD inline int lower_end(const Neighbors& stencil, IncidentEdge edge) {
   return edge.lower < 0 ? 0 : stencil.offset[edge.lower];
 }
-/// 1 if the edge of a family is cut, else 0. `bits`: Cuts::cut of its lower end.
-TURGOR_HD inline int is_cut(std::uint8_t bits, int family) { return bits >> family & 1; }
 
 /// Slot of corner c of the cell whose corner `at` is node s.
 TURGOR_HD inline int corner_slot(const NodeBlock& block, int s, int at, int c) {

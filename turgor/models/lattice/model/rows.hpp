@@ -26,6 +26,9 @@ inline NodeArrays node_arrays(const Model& model, State& state) {
           model.inverse_mass.data(), model.root_stiffness.data(), state.cuts.cut.data()};
 }
 
+/// 1 if the edge of a family is cut, else 0. `bits`: Cuts::cut of its lower end.
+TURGOR_HD inline int is_cut(std::uint8_t bits, int family) { return bits >> family & 1; }
+
 /// Rest vectors of the seven families [m].
 inline std::array<Vec3, kFamilyCount> rest_edges(const Lattice& lattice) {
   std::array<Vec3, kFamilyCount> edges;

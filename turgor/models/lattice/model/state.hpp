@@ -45,6 +45,8 @@ struct CutFractionSamples {
 /// Displacement of a virtual node (fragments.hpp), along the axes of the lattice [m].
 struct VirtualNodeDisplacement {
   Real x = 0, y = 0, z = 0;
+
+  TURGOR_HD void move(Vec3 by) { x += by.x, y += by.y, z += by.z; }
 };
 
 /// Cut-cell element: one fragment of a cell. A corner is a slot, or slot_count + index of a virtual node.

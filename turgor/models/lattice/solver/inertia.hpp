@@ -44,6 +44,11 @@ struct Inertia {
   /// 1 for free nodes, else 0.
   TURGOR_HD Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }
   TURGOR_HD Vec3 operator()(int s) const { return at(s, moves(s)); }
+  /// Inertial force m (y − u)/h² at displacement u; 0 at other nodes [N].
+  TURGOR_HD Vec3 force(int s, Vec3 u) const {
+    const Real m = moves(s) * (1 / (dt * dt)) / nonzero(w[s]);
+    return (at(s, 1) - u) * m;
+  }
   TURGOR_HD Vec3 at(int s, Real moves) const {
     return {bx[s] + moves * (dt * vx[s] + fall.x), by[s] + moves * (dt * vy[s] + fall.y),
             bz[s] + moves * (dt * vz[s] + fall.z)};

@@ -129,15 +129,13 @@ struct SkinLanes {
   void project(const SkinBatch& batch, Real ratio, Real amplification) {
     TURGOR_LANES
     for (int i = 0; i < kSkinLanes; i++) {
-      // deformed edges
       const auto edge = [&](int q) {
-        const auto& rest = batch.edge[q - 1];
-        return Vec3{rest[0][i] + (x[3 * q][i] - x[0][i]), rest[1][i] + (x[3 * q + 1][i] - x[1][i]),
-                    rest[2][i] + (x[3 * q + 2][i] - x[2][i])};
+        return Vec3{batch.edge[q][0][i], batch.edge[q][1][i], batch.edge[q][2][i]};
       };
-      // corrections
-      const SkinShift shift = project_skin({0, 0, 0}, edge(1), edge(2), {w[0][i], w[1][i], w[2][i]},
-                                           ratio * batch.area[i], batch.stiffness[i], amplification);
+      const auto u = [&](int q) { return Vec3{x[3 * q][i], x[3 * q + 1][i], x[3 * q + 2][i]}; };
+      const SkinShift shift =
+          project_skin_triangle({u(0), u(1), u(2)}, edge(0), edge(1), {w[0][i], w[1][i], w[2][i]},
+                                ratio * batch.area[i], batch.stiffness[i], amplification);
       x[0][i] = shift.a.x, x[1][i] = shift.a.y, x[2][i] = shift.a.z;
       x[3][i] = shift.b.x, x[4][i] = shift.b.y, x[5][i] = shift.b.z;
       x[6][i] = shift.c.x, x[7][i] = shift.c.y, x[8][i] = shift.c.z;

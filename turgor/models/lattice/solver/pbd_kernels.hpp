@@ -79,32 +79,22 @@ struct CellCorners {
   template <std::size_t kFamily>
   TURGOR_HD void project_edge() {
     constexpr int b = corner_of(kFamilies[kFamily]);
-    const Real stiffness = cut[at[0]] >> kFamily & 1 ? 0 : kind[0].root * kind[b].root;
     lattice::project_edge(u[0], u[b], kind[0].w, kind[b].w, rules.edge[kFamily], rules.rest[kFamily],
-                          stiffness);
+                          edge_stiffness(kind[0].root, kind[b].root, cut[at[0]], kFamily));
   }
   template <std::size_t... kFamily>
   TURGOR_HD void project_edges(std::index_sequence<kFamily...>) {
     (project_edge<kFamily>(), ...);
   }
 
-  template <std::size_t kTet, std::size_t kEdge>
-  TURGOR_HD bool is_edge_cut() const {
-    constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
-    constexpr TetEdge edge = tet_edges(tet)[kEdge];
-    constexpr int lower = corner_of(tet[edge.corner]);
-    return cut[at[lower]] >> edge.family & 1;
-  }
-  template <std::size_t kTet, std::size_t... kEdge>
-  TURGOR_HD bool is_cut(std::index_sequence<kEdge...>) const {
-    return (is_edge_cut<kTet, kEdge>() | ...);
-  }
   template <std::size_t kTet>
   TURGOR_HD void project_tet() {
     constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
+    constexpr std::array<TetEdge, 6> edges = tet_edges(tet);
     constexpr int a = corner_of(tet[0]), b = corner_of(tet[1]), c = corner_of(tet[2]), d = corner_of(tet[3]);
+    const int corner[4] = {a, b, c, d};
     const Real whole = tet_stiffness(kind[a].root, kind[d].root, kind[b].root, kind[c].root, kind[d].root);
-    const Real stiffness = is_cut<kTet>(std::make_index_sequence<6>{}) ? 0 : whole;
+    const Real stiffness = any_cut(edges, [&](int n) { return cut[at[corner[n]]]; }) ? 0 : whole;
     lattice::project_tet(u[a], u[b], u[c], u[d], kind[a].w, kind[b].w, kind[c].w, kind[d].w, rules.tet[kTet],
                          rules.rest_volume, stiffness);
   }
@@ -141,11 +131,10 @@ struct ProjectSkinCell {
   }
   TURGOR_HD void project(const SkinTriangle& t) const {
     const auto [a, b, c] = t.vertex;
-    const Vec3 u0 = v.body.nodes.u(a);
+    const NodeArrays& n = v.body.nodes;
     const SkinShift shift =
-        project_skin({0, 0, 0}, t.edge1 + (v.body.nodes.u(b) - u0), t.edge2 + (v.body.nodes.u(c) - u0),
-                     {v.body.nodes.w[a], v.body.nodes.w[b], v.body.nodes.w[c]}, v.rules.skin_ratio * t.area,
-                     t.stiffness, v.rules.skin_amplification);
+        project_skin_triangle({n.u(a), n.u(b), n.u(c)}, t.edge1, t.edge2, {n.w[a], n.w[b], n.w[c]},
+                              v.rules.skin_ratio * t.area, t.stiffness, v.rules.skin_amplification);
     move(a, shift.a), move(b, shift.b), move(c, shift.c);
   }
   TURGOR_HD void move(int s, Vec3 by) const {

@@ -7,6 +7,12 @@
 
 namespace turgor::lattice {
 
+/// Stiffness of an edge between nodes with these root stiffnesses; 0 if it is cut. `bits`: Cuts::cut of its
+/// lower end.
+TURGOR_HD inline Real edge_stiffness(Real root_a, Real root_b, std::uint8_t bits, int family) {
+  return is_cut(bits, family) ? 0 : root_a * root_b;
+}
+
 /// Projects an edge between displacements a and b. Formula: project_spring.
 [[gnu::always_inline]] TURGOR_HD inline void project_edge(Vec3& a, Vec3& b, Real wa, Real wb, Vec3 edge,
                                                           Real rest, Real stiffness) {
@@ -30,6 +36,14 @@ struct TetRest {
   b += g.g1 * (s * wb), c += g.g2 * (s * wc), d += g.g3 * (s * wd);
 }
 
+/// Corrections of a skin triangle with displacements u and rest edges from its first corner. Formula:
+/// project_skin.
+TURGOR_HD inline SkinShift project_skin_triangle(const Vec3 (&u)[3], Vec3 edge1, Vec3 edge2, Vec3 w,
+                                                 Real rest_area, Real stiffness, Real amplification) {
+  return project_skin(Vec3{}, edge1 + (u[1] - u[0]), edge2 + (u[2] - u[0]), w, rest_area, stiffness,
+                      amplification);
+}
+
 /// Edge of a tetrahedron: its lower end (a corner of the tetrahedron) and its family.
 struct TetEdge {
   int corner = 0, family = 0;
@@ -44,6 +58,15 @@ constexpr std::array<TetEdge, 6> tet_edges(const std::array<Int3, 4>& tet) {
       edges[e] = {int(forward ? p : q), family_of(forward ? offset : -offset)};
     }
   return edges;
+}
+/// 1 if an edge of a tetrahedron is cut, else 0. `bits_of(corner)`: Cuts::cut of a corner of the tetrahedron.
+template <class BitsOf>
+[[gnu::always_inline]] TURGOR_HD inline int any_cut(const std::array<TetEdge, 6>& edges,
+                                                    const BitsOf& bits_of) {
+  int any = 0;
+  TURGOR_UNROLL
+  for (std::size_t e = 0; e < 6; e++) any |= is_cut(bits_of(edges[e].corner), edges[e].family);
+  return any;
 }
 
 /// Pointers to the nodes of a run that begins at slot `first`.
@@ -68,9 +91,7 @@ void project_edges(const NodeArrays& nodes, int first, int other, Vec3 edge, Rea
   const Vec3 rest_edge = edge;  // local copy, so that stores cannot alias it
   TURGOR_LANES
   for (int i = 0; i < kWidth; i++) {
-    // stiffness, 0 for cut edges
-    Real stiffness = a.root[i] * b.root[i];
-    if constexpr (kWithCuts) stiffness = cut[i] >> family & 1 ? 0 : stiffness;
+    const Real stiffness = edge_stiffness(a.root[i], b.root[i], kWithCuts ? cut[i] : 0, family);
     Vec3 ua = a.u(i), ub = b.u(i);
     project_edge(ua, ub, a.w[i], b.w[i], rest_edge, rest, stiffness);
     a.set(i, ua), b.set(i, ub);
@@ -96,11 +117,8 @@ void project_volumes(const NodeArrays& n, const CellTet& tet, int first, int cou
   for (int i = 0; i < count; i++) {
     // stiffness, 0 for cut tetrahedra
     Real stiffness = tet_stiffness(a.root[i], d.root[i], b.root[i], c.root[i], d.root[i]);
-    if constexpr (kWithCuts) {
-      int any = 0;
-      for (const TetEdge& edge : tet.edge) any |= cut[tet.offset[edge.corner] + i] >> edge.family & 1;
-      stiffness = any ? 0 : stiffness;
-    }
+    if constexpr (kWithCuts)
+      stiffness = any_cut(tet.edge, [&](int corner) { return cut[tet.offset[corner] + i]; }) ? 0 : stiffness;
     Vec3 ua = a.u(i), ub = b.u(i), uc = c.u(i), ud = d.u(i);
     project_tet(ua, ub, uc, ud, a.w[i], b.w[i], c.w[i], d.w[i], rest, rest_volume, stiffness);
     a.set(i, ua), b.set(i, ub), c.set(i, uc), d.set(i, ud);

@@ -51,7 +51,7 @@ struct FindDivergingNeighbors {
     const Neighbors& stencil = neighbors[s / n.half & 1];
     for (int e = 0; e < kNeighborCount; e++) {
       const int other = s + stencil.offset[e], lower = e % 2 == 0 ? s : other;
-      if (n.nodes.cut[lower] >> e / 2 & 1 || !is_solid(other)) continue;
+      if (is_cut(n.nodes.cut[lower], e / 2) || !is_solid(other)) continue;
       if (const Vec3 apart = n.v(other) - v; dot(apart, apart) > most * most) return true;
     }
     return false;

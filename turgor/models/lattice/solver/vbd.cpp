@@ -17,6 +17,7 @@
 #include "turgor/models/lattice/model/neighbors.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 #include "turgor/models/lattice/solver/inertia.hpp"
+#include "turgor/models/lattice/solver/residual_sum.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
 
@@ -155,8 +156,7 @@ struct VbdSweep {
     // Newton steps
     solve(slot, count, buffer);
     // contact forces
-    for (NodeContact& c : node_contacts)
-      c.force = contact_force(c, contact_displacement(c, gather.nodes)).force;
+    update_forces(node_contacts, gather.nodes);
     // wake neighbors
     if (sleeps() && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
   }
@@ -264,21 +264,16 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
   const GatherSystems gather(model,
                              const_cast<State&>(state));  // node_arrays has one type for reading and writing
   const Inertia inertia(model, state, inputs, dt);
-  std::vector<double> layers(
-      2 * std::size_t(model.owned.end - model.owned.begin));  // by layer: maximum and sum of squares
+  std::vector<double> layers(2 * std::size_t(model.owned.end - model.owned.begin));  // ResidualSum by layer
   for_layers(exec, model.owned, [&](std::size_t k) {
     SystemBuffer buffer;
-    double* layer = &layers[2 * (k - std::size_t(model.owned.begin))];
-    const auto add_force = [layer](Vec3d force) {
-      layer[0] = std::max(layer[0], dot(force, force));
-      layer[1] += dot(force, force);
-    };
-    for (const ElementNode& virtual_node : gather.cut_elements.virtual_nodes_of(int(k)))
-      if (gather.nodes.w[virtual_node.slot] > 0) add_force(Vec3d(gather.cut_elements.gather(virtual_node).f));
+    ResidualSum sum;
     // virtual nodes
+    for (const ElementNode& virtual_node : gather.cut_elements.virtual_nodes_of(int(k)))
+      if (gather.nodes.w[virtual_node.slot] > 0) sum.add(Vec3d(gather.cut_elements.gather(virtual_node).f));
+    // elements, contacts and inertia of nodes
     for_each_chunk(model, nullptr, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
-      // elements, contacts and inertia of nodes
       for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
         NodeSystem s = buffer.get(c.slot - slot);
         s.f += c.force;
@@ -288,17 +283,17 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
       for (int i = 0; i < count; i++) {
         const Real w = gather.nodes.w[slot + i];
         if (w == 0 || state.cuts.removed[std::size_t(slot + i)]) continue;
-        const Vec3d inertial_offset(inertia(slot + i) - gather.nodes.u(slot + i));
-        add_force(Vec3d(buffer.get(i).f) + inertial_offset / (double(w) * dt * dt));
+        sum.add(residual_force(buffer.get(i).f, inertia(slot + i) - gather.nodes.u(slot + i), w, dt));
       }
     });
+    double* layer = &layers[2 * (k - std::size_t(model.owned.begin))];
+    layer[0] = sum.largest2, layer[1] = sum.sum2;
   });
-  if (inputs.halo) inputs.halo->join_numbers(layers);
-  double largest2 = 0, sum2 = 0;
   // sum over layers and processes
-  for (std::size_t n = 0; n < layers.size(); n += 2)
-    largest2 = std::max(largest2, layers[n]), sum2 += layers[n + 1];
-  return {.largest = std::sqrt(largest2), .rms = std::sqrt(sum2 / std::max(1, model.free_nodes))};
+  if (inputs.halo) inputs.halo->join_numbers(layers);
+  ResidualSum all;
+  for (std::size_t n = 0; n < layers.size(); n += 2) all.add({layers[n], layers[n + 1]});
+  return {.largest = all.largest(), .rms = all.rms(model.free_nodes)};
 }
 
 }  // namespace turgor::lattice

@@ -9,6 +9,7 @@
 #include "turgor/models/lattice/mechanics/node_forces.hpp"
 #include "turgor/models/lattice/model/colors.hpp"
 #include "turgor/models/lattice/solver/inertia.hpp"
+#include "turgor/models/lattice/solver/residual_sum.hpp"
 #include "turgor/models/lattice/solver/step_kernels.hpp"
 
 namespace turgor::lattice {
@@ -26,11 +27,6 @@ struct VbdRules {
 struct VirtualNodeOrdering {
   std::vector<ElementNode> virtual_nodes;
   ColorBegin virtual_nodes_of_color;
-};
-
-/// Residual of some nodes or virtual nodes.
-struct ResidualSum {
-  double largest2 = 0, sum2 = 0;  // [N²]
 };
 
 /// Body on host or device, for VBD. Pointers are to arrays by slot unless another count is given.
@@ -199,8 +195,7 @@ struct SolveNode {
     const Vec3 du = newton_step(system, to_inertial, mobility);
     v.body.nodes.ux[s] += du.x, v.body.nodes.uy[s] += du.y, v.body.nodes.uz[s] += du.z;
     // contact forces
-    for (NodeContact& c : node_contacts)
-      c.force = contact_force(c, contact_displacement(c, v.body.nodes)).force;
+    update_forces(node_contacts, v.body.nodes);
   }
 };
 
@@ -233,11 +228,6 @@ constexpr int kGroupsPerSum = 8;
 TURGOR_HD inline int residuals_of_groups(const VbdView& v) {
   return (v.body.free_group_count + kGroupsPerSum - 1) / kGroupsPerSum;
 }
-TURGOR_HD inline void add_residual(Vec3d force, ResidualSum& sum) {
-  const double squared = dot(force, force);
-  sum.largest2 = squared > sum.largest2 ? squared : sum.largest2;
-  sum.sum2 += squared;
-}
 /// Residual of the nodes of some groups. The host adds the sums in order.
 template <Elements kElements>
 struct GroupResidual {
@@ -248,14 +238,14 @@ struct GroupResidual {
     const std::size_t begin = n * kNodes, all = v.body.count();
     ResidualSum sum;
     for (std::size_t at = begin; at < all && at < begin + kNodes; at++)
-      if (const int s = v.body.slot(at); v.body.moves(s)) add_residual(residual_forces(s), sum);
+      if (const int s = v.body.slot(at); v.body.moves(s)) sum.add(residual_at(s));
     v.residual[n] = sum;
   }
-  TURGOR_HD Vec3d residual_forces(int s) const {
+  TURGOR_HD Vec3d residual_at(int s) const {
     NodeSystem system = NodeForces<kElements>{v}(s);
     for (const NodeContact& c : contacts_at(v, s)) system.f += c.force;
-    const double dt = double(v.inertia.dt);
-    return Vec3d(system.f) + Vec3d(v.inertia(s) - v.body.nodes.u(s)) / (double(v.body.nodes.w[s]) * dt * dt);
+    return residual_force(system.f, v.inertia(s) - v.body.nodes.u(s), v.body.nodes.w[s],
+                          double(v.inertia.dt));
   }
 };
 struct VirtualNodeResidual {
@@ -263,8 +253,7 @@ struct VirtualNodeResidual {
   TURGOR_HD void operator()(std::size_t n) const {
     const ElementNode& virtual_node = v.virtual_nodes[n];
     ResidualSum sum;
-    if (v.body.nodes.w[virtual_node.slot] > 0)
-      add_residual(Vec3d(v.cut_elements.gather(virtual_node).f), sum);
+    if (v.body.nodes.w[virtual_node.slot] > 0) sum.add(Vec3d(v.cut_elements.gather(virtual_node).f));
     v.residual[std::size_t(residuals_of_groups(v)) + n] = sum;
   }
 };
