@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
 struct CommandOptions {
   fs::path scene, out, replay;
   std::vector<std::string> overrides, required;
-  bool quiet = false, tells_progress = false, force = false, real_time = false, check = false;
+  bool quiet = false, tells_progress = false, force = false, real_time = false, check = false, resume = false;
+  double autosave = 60;  // [s]
   LiveOptions live;
 };
 
@@ -63,7 +64,11 @@ fs::path goal_of(const CommandOptions& options, const Json& report) {
 
 void run(const Exec& exec, const CommandOptions& options) {
   if (options.check) return check_scene(exec, required(read_scene(options.scene, options.overrides)));
-  RunOptions goal{.out = options.out, .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse};
+  RunOptions goal{.out = options.out,
+                  .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse,
+                  .live = std::nullopt,
+                  .autosave_interval = options.autosave,
+                  .resume = options.resume};
   if (options.real_time) goal.live = options.live;
   std::vector<Requirement> requirements;
   for (const std::string& text : options.required) requirements.push_back(required(read_requirement(text)));
@@ -96,6 +101,7 @@ void add_run_command(CLI::App& program, Global& global) {
       "body.torso.skin.tension=60\n"
       "  turgor run --replay out/incision/recording.h5 --set output.color=stretch --out out/again\n"
       "  turgor run scenes/drape.toml --check\n"
+      "  turgor run scenes/drape.toml --out out/drape --resume    after the same run was interrupted\n"
       "  turgor run scenes/palpation.toml --real-time --require \"haptics.missed<0.001\"\n"
       "docs/scene.md lists all keys of a scene.");
   command->add_option("scene", options->scene, "The scene, a TOML file");
@@ -106,6 +112,12 @@ void add_run_command(CLI::App& program, Global& global) {
       command->add_flag("--check", options->check,
                         "Load the scene, step a few frames and print the cost of a run; writes no files");
   check->excludes(command->get_option("--replay"));
+  CLI::Option* resume = command->add_flag(
+      "--resume", options->resume,
+      "Go on with an interrupted run of the same scene and folder, from its latest autosave");
+  CLI::Option* autosave = command->add_option("--autosave", options->autosave,
+                                              "Wall time between autosaves [s]; 0: none (default: 60)");
+  autosave->check(number_within(0, 86400, "s"));
   command->add_flag("--real-time", options->real_time,
                     "Run in real time with a haptic loop: a device controls a tool of the scene");
   CLI::Option* device = command->add_option(
@@ -124,6 +136,10 @@ void add_run_command(CLI::App& program, Global& global) {
   address->capture_default_str();
   for (CLI::Option* option : {device, tool, rate, file, address})
     option->needs(command->get_option("--real-time"));
+  for (const char* other : {"--replay", "--check", "--real-time"}) {
+    resume->excludes(command->get_option(other));
+    autosave->excludes(command->get_option(other));
+  }
   command
       ->add_option("--require", options->required,
                    "Condition on a number of report.json, such as \"haptics.missed<0.001\"; exit code 3 if "

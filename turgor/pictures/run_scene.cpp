@@ -7,6 +7,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/pictures/outputs.hpp"
+#include "turgor/pictures/run_autosave.hpp"
 #include "turgor/sim/live/haptic_replay.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/force_error.hpp"
@@ -50,7 +51,7 @@ Status check_inputs(const Scene& scene, const OutputFolder& folder) {
 Status complete(const Timer& total, Json& report, Outputs& outputs, OutputFolder& folder,
                 const RunCallbacks& callbacks) {
   const std::string motion = motion_of_page(outputs);
-  outputs.facts.total_seconds = total.seconds();
+  outputs.facts.total_seconds = outputs.facts.resumed_after + total.seconds();
   add_outputs(report, outputs.facts);
   Status status = write_file(folder.path() / "report.html", report_html(report, folder.path(), motion));
   if (status) status = write_file(folder.path() / kReportFile, json_text(report) + "\n");
@@ -72,7 +73,26 @@ struct FolderRun {
   std::unique_ptr<HapticReplay> replay;
   std::vector<ClothStretch> stretch;
   std::vector<WorldSnapshot> later;  // snapshots of a real-time run, whose pictures are drawn afterwards
+  std::optional<Autosave> autosave;
 };
+
+/// Saves the run if it is time. A run whose state cannot be saved goes on without.
+void autosave(FolderRun& run, const Timer& total, const Timer& simulation, const World& world,
+              const Simulated& simulated) {
+  if (!run.autosave->is_due()) return;
+  RunFacts& facts = run.outputs.facts;
+  const AddTime time(facts.file_seconds);
+  const Status saved =
+      run.autosave->save(world, {.simulated = const_cast<Simulated&>(simulated),  // save changes nothing
+                                 .outputs = run.outputs,
+                                 .stretch = run.stretch,
+                                 .snapshots = run.recording ? run.recording->snapshot_count() : 0,
+                                 .seconds = facts.resumed_after + total.seconds(),
+                                 .simulation_seconds = facts.simulation_seconds + simulation.seconds()});
+  if (saved) return;
+  run.autosave->stop();
+  facts.warnings.push_back("no further autosave: " + saved.error().message);
+}
 
 Status take_snapshot(FolderRun& run, const World& world, const WorldSnapshot& snapshot) {
   record_stretch(snapshot, run.stretch);
@@ -101,7 +121,7 @@ Status draw_later(FolderRun& run) {
   return status;
 }
 
-Result<Simulated> simulate_into(FolderRun& run) {
+Result<Simulated> simulate_into(FolderRun& run, const Timer& total, std::optional<Simulated> resumed) {
   RunEvents events;
   if (run.callbacks.begin) events.progress = run.callbacks.begin("simulating", "");
   events.frame = run.callbacks.frame;
@@ -126,11 +146,16 @@ Result<Simulated> simulate_into(FolderRun& run) {
   };
   if (!run.live) events.wants_picture = [&run](const World& w) { return wants_moment(w, run.outputs); };
   const Timer timer;
-  Result<Simulated> done = simulate(run.exec, run.scene, run.world, events);
+  if (run.autosave)
+    events.end_of_frame = [&](const World& world, const Simulated& simulated) -> Status {
+      autosave(run, total, timer, world, simulated);
+      return Done{};
+    };
+  Result<Simulated> done = simulate(run.exec, run.scene, run.world, events, std::move(resumed));
   if (run.live) run.live->touch->stop();
   if (run.replay) run.replay->end();
   if (!replayed) return replayed.error();
-  run.outputs.facts.simulation_seconds = timer.seconds();
+  run.outputs.facts.simulation_seconds += timer.seconds();
   return done;
 }
 
@@ -201,10 +226,48 @@ Status begin_touch(const RunOptions& options, std::optional<HapticRecording> hap
   return Done{};
 }
 
+/// Begins the recording, or continues that of the autosave.
+Status begin_recording(FolderRun& run, const UnfinishedRun* unfinished) {
+  if (!run.scene.output.recording) return Done{};
+  const fs::path file = run.folder / "recording.h5";
+  Result<RecordingWriter> writer = unfinished ? RecordingWriter::resume(file, unfinished->snapshots)
+                                              : RecordingWriter::create(file, run.scene, run.world);
+  if (!writer) return writer.error();
+  run.recording.emplace(std::move(*writer));
+  return Done{};
+}
+
+/// A run, and the autosave that it goes on from.
+struct RunStart {
+  const RunOptions& options;
+  std::optional<HapticRecording> haptic;
+  std::optional<SavedRun> saved;
+};
+
+/// Restores an autosave into the loaded world and the new outputs, and starts the next autosaves. Returns the
+/// result so far of a resumed run.
+Result<std::optional<Simulated>> begin_autosave(const fs::path& goal, RunStart& start, FolderRun& run) {
+  const bool can_save = !start.options.live && !start.haptic;
+  if (can_save)
+    run.autosave.emplace(start.saved ? std::move(start.saved->folder) : AutosaveFolder(goal),
+                         start.options.autosave_interval, run.scene, run.world);
+  if (!start.saved) {
+    if (const Status begun = begin_recording(run, nullptr); !begun) return begun.error();
+    return std::optional<Simulated>();
+  }
+  Simulated simulated;
+  UnfinishedRun unfinished{.simulated = simulated, .outputs = run.outputs, .stretch = run.stretch};
+  Status status = run.autosave->restore(run.exec, *start.saved, run.world, unfinished);
+  if (status) status = begin_recording(run, &unfinished);
+  if (!status) return status.error();
+  run.outputs.facts.resumed_after = unfinished.seconds;
+  run.outputs.facts.simulation_seconds = unfinished.simulation_seconds;
+  return std::optional(std::move(simulated));
+}
+
 /// Runs in the open folder.
 Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, OutputFolder& folder,
-                      const RunOptions& options, std::optional<HapticRecording> haptic,
-                      const RunCallbacks& callbacks) {
+                      RunStart start, const RunCallbacks& callbacks) {
   Result<World> world = load_world(exec, scene, callbacks.begin);
   if (!world) return world.error();
   WorldSnapshot first;
@@ -217,14 +280,12 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   if (scene.output.video && !has_ffmpeg())
     outputs->facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
   FolderRun run{folder.path(), exec,         scene, *world, *outputs, callbacks,
-                std::nullopt,  std::nullopt, {},    {},     {}};
-  if (scene.output.recording) {
-    Result<RecordingWriter> writer = RecordingWriter::create(folder.path() / "recording.h5", scene, *world);
-    if (!writer) return writer.error();
-    run.recording.emplace(std::move(*writer));
-  }
-  if (const Status begun = begin_touch(options, std::move(haptic), run); !begun) return begun.error();
-  const Result<Simulated> done = simulate_into(run);
+                std::nullopt,  std::nullopt, {},    {},     {},       std::nullopt};
+  Result<std::optional<Simulated>> resumed = begin_autosave(folder.goal(), start, run);
+  if (!resumed) return resumed.error();
+  if (const Status begun = begin_touch(start.options, std::move(start.haptic), run); !begun)
+    return begun.error();
+  const Result<Simulated> done = simulate_into(run, total, std::move(*resumed));
   if (!done) return done.error();
   Result<Json> report = report_of(run, *done);
   if (!report) return report.error();
@@ -233,6 +294,7 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   if (status) status = finish_outputs(*world, done->snapshot, done->measures.pressed, *outputs);
   outputs->facts.output_seconds = finishing.seconds();
   if (status) status = complete(total, *report, *outputs, folder, callbacks);
+  if (status && run.autosave) run.autosave->remove();
   return status ? report : status.error();
 }
 
@@ -268,6 +330,26 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
   return status ? Result<Json>(std::move(report)) : status.error();
 }
 
+/// Autosave of a killed run that this one resumes. Tells the user about one that it leaves.
+Result<std::optional<SavedRun>> saved_run(const OutputFolder& folder, const Scene& scene,
+                                          const RunOptions& options, const RunCallbacks& callbacks) {
+  if (!options.resume) {
+    const std::vector<fs::path> others = autosaves_beside(folder.goal());
+    if (!others.empty() && !options.live)
+      tell(callbacks,
+           fmt::format("{}: an earlier run was interrupted; --resume goes on with it until this one is "
+                       "complete",
+                       others[0].string()));
+    return std::optional<SavedRun>();
+  }
+  Result<std::optional<SavedRun>> saved = find_saved_run(folder.goal(), scene);
+  if (!saved) return saved;
+  tell(callbacks, *saved ? fmt::format("resuming at {:.3f} s of {} s", (*saved)->time, scene.duration)
+                         : fmt::format("{}: no autosave of an interrupted run: starting at the beginning",
+                                       folder.goal().string()));
+  return saved;
+}
+
 }  // namespace
 
 fs::path default_folder(const fs::path& scene_file, bool is_replay) {
@@ -280,7 +362,9 @@ Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& o
   Result<OutputFolder> folder = open_folder(scene, false, options, callbacks);
   if (!folder) return folder.error();
   if (const Status status = check_inputs(scene, *folder); !status) return status.error();
-  return run_into(exec, scene, total, *folder, options, std::nullopt, callbacks);
+  Result<std::optional<SavedRun>> saved = saved_run(*folder, scene, options, callbacks);
+  if (!saved) return saved.error();
+  return run_into(exec, scene, total, *folder, {options, std::nullopt, std::move(*saved)}, callbacks);
 }
 
 Result<Json> replay_haptic_run(const Exec& exec, const fs::path& file, const RunOptions& options,
@@ -295,7 +379,7 @@ Result<Json> replay_haptic_run(const Exec& exec, const fs::path& file, const Run
   Status status = check_inputs(*scene, *folder);
   if (status) status = folder->check_input(file);
   if (!status) return status.error();
-  return run_into(exec, *scene, total, *folder, options, std::move(*haptic), callbacks);
+  return run_into(exec, *scene, total, *folder, {options, std::move(*haptic), std::nullopt}, callbacks);
 }
 
 Result<Json> replay_recording(const Exec& exec, const fs::path& file,

@@ -25,6 +25,8 @@ struct RunOptions {
   std::filesystem::path out;  // empty: default_folder
   Foreign foreign = Foreign::kRefuse;
   std::optional<LiveOptions> live;  // in real time, with a haptic device
+  double autosave_interval = 0;     // wall time between autosaves, not in real time; 0 = none [s]
+  bool resume = false;              // goes on from the autosave of a killed run, if there is one
 };
 
 /// Callbacks of a run; any may be empty.
@@ -39,7 +41,8 @@ struct RunCallbacks {
 std::filesystem::path default_folder(const std::filesystem::path& scene_file, bool is_replay);
 
 /// Loads, simulates, measures, draws and writes; returns the report. A run that ended early has "stopped", a
-/// sentence, and "finite" false if its numbers were the reason. After an error no folder remains.
+/// sentence, and "finite" false if its numbers were the reason. After an error no folder remains, but an
+/// autosave does.
 Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& options,
                        const RunCallbacks& callbacks = {});
 

@@ -52,14 +52,17 @@ std::string reason_to_stop(const Running& run, const Scene& scene, bool finite) 
 
 }  // namespace
 
-Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events) {
+Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events,
+                           std::optional<Simulated> resumed) {
   // initial state
-  Running run{exec, world, events, {}};
-  run.result.measures = make_measures(world);
-  if (const Status first = take_snapshot(run); !first) return first.error();
+  Running run{exec, world, events, resumed ? std::move(*resumed) : Simulated()};
+  if (!resumed) {
+    run.result.measures = make_measures(world);
+    if (const Status first = take_snapshot(run); !first) return first.error();
+  }
   const int frames = frame_count(scene);
   TURGOR_CHECK(frames >= 1, "a run has at least one frame");
-  for (int frame = 1; frame <= frames && run.result.stopped.empty(); frame++) {
+  for (int frame = world.frame + 1; frame <= frames && run.result.stopped.empty(); frame++) {
     // step and measure
     const bool planned = is_snapshot(scene, frame);
     const Result<FrameReport> report = step(exec, world, planned);
@@ -72,6 +75,7 @@ Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, c
     const bool stops = !run.result.stopped.empty();
     Status status = stops ? Status(Done{}) : take_picture(run);
     if (status && (planned || stops)) status = take_snapshot(run);
+    if (status && !stops && events.end_of_frame) status = events.end_of_frame(world, run.result);
     if (!status) return status.error();
     if (events.progress) events.progress(double(frame) / frames);
   }

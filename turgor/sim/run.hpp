@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "turgor/core/exec.hpp"
@@ -16,6 +17,8 @@
 
 namespace turgor {
 
+struct Simulated;
+
 /// Callbacks; each may be empty.
 struct RunEvents {
   Progress progress;
@@ -24,6 +27,7 @@ struct RunEvents {
       snapshot;                                         // first, last, and at the scene's interval
   std::function<Status(const WorldSnapshot&)> picture;  // after frames for which wants_picture is true
   std::function<bool(const World&)> wants_picture;
+  std::function<Status(const World&, const Simulated&)> end_of_frame;  // after everything else of a frame
 };
 
 /// Result of a run, besides the world.
@@ -35,7 +39,9 @@ struct Simulated {
   bool finite = true;       // false: the next step was not finite, the state before it was kept
 };
 
-/// Simulates a loaded world to the end of the scene. Error: of a step, or of a callback.
-Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events = {});
+/// Simulates a loaded world to the end of the scene. A world that was restored after some frames comes with
+/// the result so far. Error: of a step, or of a callback.
+Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events = {},
+                           std::optional<Simulated> resumed = {});
 
 }  // namespace turgor

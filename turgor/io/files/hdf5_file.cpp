@@ -138,6 +138,13 @@ Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path, bool* uncheck
   return Hdf5File(path, id);
 }
 
+Result<Hdf5File> Hdf5File::open_to_write(const std::filesystem::path& path) {
+  if (const Result<Hdf5File> checked = open(path); !checked) return checked.error();
+  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  if (id < 0) return Error{fmt::format("{}: the HDF5 file cannot be continued", path.string())};
+  return Hdf5File(path, id);
+}
+
 template <class T>
 Status Hdf5File::write(const std::string& name, std::span<const T> values, std::size_t columns,
                        Hdf5Packing packing) {

@@ -23,6 +23,8 @@ class Hdf5File {
   /// Error: the file does not exist, is not HDF5, is damaged, or cannot be checked. `unchecked` becomes true
   /// if it could not be checked, so that the file may be sound.
   static Result<Hdf5File> open(const std::filesystem::path& path, bool* unchecked = nullptr);
+  /// Opens a file that was flushed or closed, to write more into it. Error: as open.
+  static Result<Hdf5File> open_to_write(const std::filesystem::path& path);
   Hdf5File(Hdf5File&& other) noexcept;
   Hdf5File& operator=(Hdf5File&&) = delete;
   ~Hdf5File();

@@ -29,6 +29,7 @@ struct Open {
   std::mutex mutex;
   std::vector<fs::path> paths;
   std::vector<fs::path> complete;  // the newest kMostNamed
+  std::string sentence;            // say_when_interrupted
 };
 constexpr std::size_t kMostNamed = 3;
 Open& open_now() {
@@ -138,15 +139,17 @@ bool is_inside(const fs::path& path, const fs::path& folder) {
   for (const fs::path& path : open.paths)
     for (int i = 0; i < kTries && fs::exists(fs::symlink_status(path, error)); i++)
       fs::remove_all(path, error);
+  const std::string besides = open.sentence.empty() ? "" : "; " + on_one_line(open.sentence);
   if (open.complete.empty()) {
-    std::fputs("\nturgor: interrupted; unfinished files were removed, earlier results are unchanged\n",
-               stderr);
+    std::fprintf(stderr,
+                 "\nturgor: interrupted; unfinished files were removed, earlier results are unchanged%s\n",
+                 besides.c_str());
   } else {
     std::vector<std::string> names;
     for (const fs::path& path : open.complete) names.push_back(path.string());
     const std::string named = fmt::format("{}", fmt::join(names, ", "));
-    std::fprintf(stderr, "\nturgor: interrupted; complete: %s; unfinished files were removed\n",
-                 on_one_line(named).c_str());
+    std::fprintf(stderr, "\nturgor: interrupted; complete: %s; unfinished files were removed%s\n",
+                 on_one_line(named).c_str(), besides.c_str());
   }
   _exit(130);
 }
@@ -238,6 +241,11 @@ std::vector<fs::path> leftovers_in(const fs::path& folder) {
 
 fs::path hidden_beside(const fs::path& goal, const std::string& kind) {
   return goal.parent_path() / fmt::format("{}{}", prefix_of(goal, kind), getpid());
+}
+
+void say_when_interrupted(std::string sentence) {
+  const std::lock_guard lock(open_now().mutex);
+  open_now().sentence = std::move(sentence);
 }
 
 void remove_unfinished_when_interrupted() {

@@ -47,6 +47,9 @@ std::vector<std::filesystem::path> leftovers_in(const std::filesystem::path& fol
 /// Hidden name beside a target that contains this process id: ".NAME.KIND-PID".
 std::filesystem::path hidden_beside(const std::filesystem::path& goal, const std::string& kind);
 
+/// Sentence that an interrupted program prints besides, such as how to go on; empty = none.
+void say_when_interrupted(std::string sentence);
+
 /// From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT, unless they are ignored, remove unfinished files and end
 /// the program with code 130 and a sentence that names what is complete. SIGPIPE and SIGXFSZ become write
 /// errors. Must be called before other threads start, because they inherit the signal mask.

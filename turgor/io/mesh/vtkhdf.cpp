@@ -52,6 +52,13 @@ Result<VtkHdfSeries> VtkHdfSeries::create(const std::filesystem::path& path, Mes
   return VtkHdfSeries(std::move(*file), space);
 }
 
+Result<VtkHdfSeries> VtkHdfSeries::resume(const std::filesystem::path& path, MeshSpace space,
+                                          VtkHdfProgress progress) {
+  Result<Hdf5File> file = Hdf5File::open_to_write(path);
+  if (!file) return file.error();
+  return VtkHdfSeries(std::move(*file), space, std::move(progress));
+}
+
 Status VtkHdfSeries::add(double time, const TriMesh& mesh, const std::vector<VertexField>& fields) {
   constexpr std::uint8_t kVtkTriangle = 5;
   std::vector<std::int64_t> corners;
@@ -76,7 +83,7 @@ Status VtkHdfSeries::add_points(double time, const std::vector<Vec3>& points,
 
 Status VtkHdfSeries::add_cells(const std::vector<std::int64_t>& corners, int each, std::uint8_t type,
                                std::size_t points) {
-  if (parts_ > 0 && corners == corners_ && part_points_ == std::int64_t(points)) return Done{};
+  if (now_.blocks > 0 && corners == now_.corners && now_.block_points == std::int64_t(points)) return Done{};
   const auto cells = std::int64_t(corners.size()) / each;
   std::vector<std::int64_t> ends(std::size_t(cells) + 1);
   for (std::size_t c = 0; c < ends.size(); c++) ends[c] = std::int64_t(c) * each;
@@ -88,19 +95,19 @@ Status VtkHdfSeries::add_cells(const std::vector<std::int64_t>& corners, int eac
   out.append<std::int64_t>("Connectivity", corners);
   out.append<std::int64_t>("Offsets", ends);
   out.append<std::uint8_t>("Types", types);
-  corners_ = corners;
-  parts_++, cells_ += cells, part_cells_ = cells, ids_ += std::int64_t(corners.size()),
-                             part_points_ = std::int64_t(points);
+  now_.corners = corners;
+  now_.blocks++, now_.cells += cells, now_.block_cells = cells, now_.ids += std::int64_t(corners.size()),
+                                      now_.block_points = std::int64_t(points);
   return out.status;
 }
 
 Status VtkHdfSeries::add_fields(const std::vector<VertexField>& fields, std::size_t points) {
-  if (!fields_) {
-    fields_ = fields;
-    for (VertexField& field : *fields_) field.values = {};
+  if (!now_.fields) {
+    now_.fields = fields;
+    for (VertexField& field : *now_.fields) field.values = {};
   }
   Writing out{file_};
-  for (const VertexField& known : *fields_) {
+  for (const VertexField& known : *now_.fields) {
     const auto now = std::find_if(fields.begin(), fields.end(),
                                   [&](const VertexField& field) { return field.name == known.name; });
     const std::size_t count = points * std::size_t(known.components);
@@ -111,7 +118,7 @@ Status VtkHdfSeries::add_fields(const std::vector<VertexField>& fields, std::siz
     }
     const std::string name = link_name(io::name_in_space(known, space_));
     out.append<float>("PointData/" + name, values, std::size_t(known.components));
-    out.append("Steps/PointDataOffsets/" + name, points_);
+    out.append("Steps/PointDataOffsets/" + name, now_.points);
   }
   return out.status;
 }
@@ -122,18 +129,18 @@ Status VtkHdfSeries::add_step(double time, const std::vector<Vec3>& positions,
   Writing out{file_};
   out.append<float>("Points", flat(io::in_space(positions, space_)), 3);
   out.append<double>("Steps/Values", {&time, 1});
-  out.append("Steps/PartOffsets", parts_ - 1);
+  out.append("Steps/PartOffsets", now_.blocks - 1);
   out.append("Steps/NumberOfParts", 1);
-  out.append("Steps/PointOffsets", points_);
-  out.append("Steps/CellOffsets", cells_ - part_cells_);
-  out.append("Steps/ConnectivityIdOffsets", ids_ - std::int64_t(corners_.size()));
-  points_ += std::int64_t(positions.size());
-  steps_++;
+  out.append("Steps/PointOffsets", now_.points);
+  out.append("Steps/CellOffsets", now_.cells - now_.block_cells);
+  out.append("Steps/ConnectivityIdOffsets", now_.ids - std::int64_t(now_.corners.size()));
+  now_.points += std::int64_t(positions.size());
+  now_.steps++;
   return out.status;
 }
 
 Status VtkHdfSeries::close() {
-  Status status = file_.write_attribute(kSteps, "NSteps", std::span<const std::int64_t>(&steps_, 1));
+  Status status = file_.write_attribute(kSteps, "NSteps", std::span<const std::int64_t>(&now_.steps, 1));
   if (!status) return status;
   return file_.close();
 }

@@ -12,32 +12,45 @@
 
 namespace turgor {
 
+/// Content of a series so far.
+struct VtkHdfProgress {
+  std::optional<std::vector<VertexField>> fields;  // of the first step, without values
+  std::vector<std::int64_t> corners;               // of the latest cells
+  std::int64_t steps = 0, blocks = 0;              // a block, VTKHDF's part, counts its cells and points once
+  std::int64_t points = 0, block_points = 0;       // in all steps, and in the latest block
+  std::int64_t cells = 0, block_cells = 0;         // in all blocks, and in the latest
+  std::int64_t ids = 0;                            // corners of cells in all blocks
+};
+
 class VtkHdfSeries {
  public:
   static Result<VtkHdfSeries> create(const std::filesystem::path& path, MeshSpace space = {});
+
+  /// Continues a flushed file that has this content.
+  static Result<VtkHdfSeries> resume(const std::filesystem::path& path, MeshSpace space,
+                                     VtkHdfProgress progress);
 
   /// Adds a step [s]. The first step defines the fields: a field that is missing later has no values, and a
   /// new one is ignored.
   Status add(double time, const TriMesh& mesh, const std::vector<VertexField>& fields);
   /// The same for points without a surface.
   Status add_points(double time, const std::vector<Vec3>& points, const std::vector<VertexField>& fields);
+  const VtkHdfProgress& progress() const { return now_; }
+  /// Data written so far survives a crash of the program.
+  Status flush() { return file_.flush(); }
   /// Closes the file; it cannot be used afterwards.
   Status close();
 
  private:
-  VtkHdfSeries(Hdf5File file, MeshSpace space) : file_(std::move(file)), space_(space) {}
+  VtkHdfSeries(Hdf5File file, MeshSpace space, VtkHdfProgress now = {})
+      : file_(std::move(file)), space_(space), now_(std::move(now)) {}
   Status add_cells(const std::vector<std::int64_t>& corners, int each, std::uint8_t type, std::size_t points);
   Status add_fields(const std::vector<VertexField>& fields, std::size_t points);
   Status add_step(double time, const std::vector<Vec3>& positions, const std::vector<VertexField>& fields);
 
   Hdf5File file_;
   MeshSpace space_;
-  std::optional<std::vector<VertexField>> fields_;  // of the first step, without values
-  std::vector<std::int64_t> corners_;               // of the latest cells
-  std::int64_t steps_ = 0, parts_ = 0;         // so far; cells and points are counted once per VTKHDF part
-  std::int64_t points_ = 0, part_points_ = 0;  // in all steps, and in the latest VTKHDF part
-  std::int64_t cells_ = 0, part_cells_ = 0;    // in all VTKHDF parts, and in the latest
-  std::int64_t ids_ = 0;                       // corners of cells in all VTKHDF parts
+  VtkHdfProgress now_;
 };
 
 }  // namespace turgor

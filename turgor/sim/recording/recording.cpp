@@ -171,6 +171,12 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
   return RecordingWriter(std::move(*file));
 }
 
+Result<RecordingWriter> RecordingWriter::resume(const fs::path& path, int snapshots) {
+  Result<Hdf5File> file = Hdf5File::open_to_write(path);
+  if (!file) return file.error();
+  return RecordingWriter(std::move(*file), snapshots);
+}
+
 Status RecordingWriter::add_snapshot(const World& world, const WorldSnapshot& snapshot) {
   // time
   const std::string group = snapshot_group(snapshots_++);

@@ -21,18 +21,22 @@ class RecordingWriter {
  public:
   static Result<RecordingWriter> create(const std::filesystem::path& path, const Scene& scene,
                                         const World& world);
+  /// Continues a recording of `snapshots` snapshots that was not finished.
+  static Result<RecordingWriter> resume(const std::filesystem::path& path, int snapshots);
   /// Appends a snapshot of the present world.
   Status add_snapshot(const World& world, const WorldSnapshot& snapshot);
+  int snapshot_count() const { return snapshots_; }
   /// Writes the logs of all tools, the bodies under their largest forces, and the run's report as JSON; call
   /// last.
   Status finish(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
                 const std::string& report);
 
  private:
-  explicit RecordingWriter(Hdf5File file) : file_(std::move(file)) {}
+  explicit RecordingWriter(Hdf5File file, int snapshots = 0)
+      : file_(std::move(file)), snapshots_(snapshots) {}
 
   Hdf5File file_;
-  int snapshots_ = 0;
+  int snapshots_;
 };
 
 /// Reader of a recording.

@@ -76,6 +76,9 @@ const Quantity<RunFacts> kOutputTiming[] = {
     {"files", kSeconds, "writing files", [](const RunFacts& f) -> Json { return f.file_seconds; },
      kInSummary},
     {"output", kSeconds, "", [](const RunFacts& f) -> Json { return f.output_seconds; }, kInReport},
+    {"resumed_after", kSeconds, "before it was resumed",
+     [](const RunFacts& f) -> Json { return f.resumed_after > 0 ? Json(f.resumed_after) : absent(); },
+     kInSummary},
     {"total", kSeconds, "total", [](const RunFacts& f) -> Json { return f.total_seconds; }, kInSummary},
 };
 

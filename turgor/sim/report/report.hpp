@@ -40,6 +40,7 @@ struct RunFacts {
   double load_seconds = 0, simulation_seconds = 0, output_seconds = 0, total_seconds = 0;
   double drawing_seconds = 0;  // included in the last three: drawing and resampling of pictures
   double file_seconds = 0;     // writing files
+  double resumed_after = 0;    // wall time of a killed run that this one continues [s]
   std::vector<ReportPicture> pictures;
   std::string more_pictures;       // command for pictures that were not drawn; empty = all were drawn
   std::vector<std::string> files;  // other files

@@ -1,0 +1,238 @@
+// transfer() of the states of all models and of their contacts. Every member of a state is stored, also
+// workspaces whose content a later step may read. Exceptions are named. The lists follow the order of the
+// members.
+#pragma once
+
+#include <memory>
+
+#include "turgor/contact/lattice_touch.hpp"
+#include "turgor/contact/rhombus_touch.hpp"
+#include "turgor/contact/sfem_touch.hpp"
+#include "turgor/core/assert.hpp"
+#include "turgor/models/cloth/model/state.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
+#include "turgor/models/rhombus/rhombus.hpp"
+#include "turgor/models/sfem/rotation.hpp"
+#include "turgor/sim/autosave/transfer.hpp"
+
+namespace turgor {
+
+// Lattice ------------------------------------------------------------------------------------------
+
+template <class File>
+void transfer(File& file, lattice::VecField& field) {
+  auto& [x, y, z] = field;
+  transfer_all(file, x, y, z);
+}
+template <class File>
+void transfer(File& file, lattice::CutElements& elements) {
+  auto& [cells, skin, nodes, virtual_nodes, layer_begin, references, keys] = elements;
+  transfer_all(file, cells, skin, nodes, virtual_nodes, layer_begin, references, keys);
+}
+template <class File>
+void transfer(File& file, lattice::Sleep& sleep) {
+  auto& [still, awake, moved, cuts, gravity, moved_by_coarse, coarse_still] = sleep;
+  transfer_all(file, still, awake, moved, cuts, gravity, moved_by_coarse, coarse_still);
+}
+template <class File>
+void transfer(File& file, lattice::ResidualWorkspace& workspace) {
+  auto& [layers, virtual_nodes] = workspace;
+  transfer_all(file, layers, virtual_nodes);
+}
+template <class File>
+void transfer(File& file, lattice::Motion& motion) {
+  auto& [time, u, u_before, v, fastest, virtual_u, virtual_before] = motion;
+  transfer_all(file, time, u, u_before, v, fastest, virtual_u, virtual_before);
+}
+template <class File>
+void transfer(File& file, lattice::Cuts& cuts) {
+  auto& [cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, blades] = cuts;
+  transfer_all(file, cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, blades);
+}
+/// Without the coarse space, which the reader builds again (transfer_body).
+template <class File>
+void transfer(File& file, lattice::Workspace& workspace) {
+  auto& [coarse, residual, cuts_before, steps_since_cut] = workspace;
+  transfer_all(file, residual, cuts_before, steps_since_cut);
+}
+template <class File>
+void transfer(File& file, lattice::State& state) {
+  auto& [motion, cuts, elements, sleep, workspace] = state;
+  transfer_all(file, motion, cuts, elements, sleep, workspace);
+}
+/// A table of keys with their numbers 0, 1, 2, …
+template <class File>
+void transfer(File& file, KeyIndex& index) {
+  std::vector<std::uint64_t> keys(index.size());
+  for (const KeyEntry& entry : index.entries())
+    if (entry.value >= 0) keys[std::size_t(entry.value)] = entry.key;
+  transfer(file, keys);
+  if constexpr (File::kReads) {
+    index = {};
+    for (const std::uint64_t key : keys) index.find_or_add(key);
+  }
+}
+template <class File>
+void transfer(File& file, lattice::Fragments& fragments) {
+  auto& [fine, cells, cell_index, all, ghosts, label, cut, virtual_nodes, terms, tips, edge_index, version] =
+      fragments;
+  transfer_all(file, fine, cells, cell_index, all, ghosts, label, cut, virtual_nodes, terms, tips, edge_index,
+               version);
+}
+template <class File>
+void transfer(File& file, lattice::BodySurface& surface) {
+  auto& [rest, embedding, slot, twin, lips, triangles, skin_triangles, fragments] = surface;
+  transfer_all(file, rest, embedding, slot, twin, lips, triangles, skin_triangles, fragments);
+}
+template <class File>
+void transfer(File& file, lattice::BladePath& path) {
+  auto& [skin, into, depth, width, edges, fine_edges, lines] = path;
+  transfer_all(file, skin, into, depth, width, edges, fine_edges, lines);
+}
+template <class File>
+void transfer(File& file, lattice::Wound& wound) {
+  auto& [length, gape_max, gape_mean, opening_area, edge_displacement, profile] = wound;
+  transfer_all(file, length, gape_max, gape_mean, opening_area, edge_displacement, profile);
+}
+template <class File>
+void transfer(File& file, contact::LatticeTouch& touch) {
+  auto& [samples, version, contacts, poses, nodes] = touch;
+  transfer_all(file, samples, version, contacts, poses, nodes);
+}
+
+// Cloth --------------------------------------------------------------------------------------------
+
+template <class File>
+void transfer(File& file, cloth::Vectors& vectors) {
+  auto& [x, y, z] = vectors;
+  transfer_all(file, x, y, z);
+}
+template <class File>
+void transfer(File& file, cloth::SpatialHash& hash) {
+  auto& [cell, mask, begin, bucket, index, x, y, z] = hash;
+  transfer_all(file, cell, mask, begin, bucket, index, x, y, z);
+}
+template <class File>
+void transfer(File& file, cloth::Contacts& contacts) {
+  auto& [list, begin, item, touched, candidates, midpoint_hash, midpoints, longest_half] = contacts;
+  transfer_all(file, list, begin, item, touched, candidates, midpoint_hash, midpoints, longest_half);
+}
+template <class File>
+void transfer(File& file, cloth::ImplicitContacts& implicit) {
+  auto& [contacts, terms, inverse] = implicit;
+  transfer_all(file, contacts, terms, inverse);
+}
+template <class File>
+void transfer(File& file, cloth::CcdWorkspace& ccd) {
+  auto& [boxes, level_begin, chunk_pairs, pairs, recent, steps_until_check, in_zone, zone, is_changed] = ccd;
+  transfer_all(file, boxes, level_begin, chunk_pairs, pairs, recent, steps_until_check, in_zone, zone,
+               is_changed);
+}
+/// Without the two-level system, which every step builds again.
+template <class File>
+void transfer(File& file, cloth::System& system) {
+  auto& [along, across, force, inverse, change, previous, search, image, residual_vector, air, stiffness,
+         mass, drag, two_level, iterations, residual] = system;
+  transfer_all(file, along, across, force, inverse[0], inverse[1], change, previous, search, image,
+               residual_vector, air[0], air[1], stiffness, mass, drag, iterations, residual);
+}
+template <class File>
+void transfer(File& file, cloth::Bdf2History& history) {
+  auto& [dt, x, v] = history;
+  transfer_all(file, dt, x, v);
+}
+template <class File>
+void transfer(File& file, cloth::State& state) {
+  auto& [time, impulse_time, history, x, v, free_mass, holds, system, contacts, implicit, hash, ccd, speed] =
+      state;
+  transfer_all(file, time, impulse_time, history, x, v, free_mass, holds, system, contacts, implicit, hash,
+               ccd, speed);
+}
+
+// sfem ---------------------------------------------------------------------------------------------
+
+template <class File>
+void transfer(File& file, sfem::PatchLevel& level) {
+  auto& [cluster, first, points, share, motion, compliance] = level;
+  transfer_all(file, cluster, first, points, share, motion, compliance);
+}
+template <class File, class T>
+void transfer(File& file, sfem::CondensedSystem<T>& system) {
+  auto& [factor, coupling, green, change] = system;
+  transfer_all(file, factor, coupling, green, change);
+}
+template <class File>
+void transfer(File& file, sfem::Patch& patch) {
+  auto& [elements, coarse, points, triangles, compliance, levels, local_nodes, surface_nodes, system] = patch;
+  transfer_all(file, elements, coarse, points, triangles, compliance, levels, local_nodes, surface_nodes,
+               system);
+}
+template <class File>
+void transfer(File& file, sfem::RoundHistory& history) {
+  auto& [moves, changes, u, step] = history;
+  transfer_all(file, moves, changes, u, step);
+}
+template <class File>
+void transfer(File& file, sfem::RotationState& state) {
+  auto& [displacement, free, rotation, u, forces, history, idle] = state;
+  transfer_all(file, displacement, free, rotation, u, forces, history, idle);
+}
+template <class File>
+void transfer(File& file, contact::PatchSurface& surface) {
+  auto& [normal, area, softness, border, largest_softness] = surface;
+  transfer_all(file, normal, area, softness, border, largest_softness);
+}
+template <class File>
+void transfer(File& file, contact::ViscousHistory& history) {
+  auto& [v, phi, far, far_fraction] = history;
+  transfer_all(file, v, phi, far, far_fraction);
+}
+template <class File>
+void transfer(File& file, contact::FrictionalContactProblem& problem) {
+  auto& [count, held, stride, compliance, separation, force, normal, friction, state, laws, saved, matrix,
+         column, rhs, row] = problem;
+  transfer_all(file, count, held, stride, compliance, separation, force, normal, friction, state, laws, saved,
+               matrix, column, rhs, row);
+}
+template <class File>
+void transfer(File& file, contact::PatchMatch& match) {
+  auto& [from_order, to_order, new_point, old_point, offset, history, forces] = match;
+  transfer_all(file, from_order, to_order, new_point, old_point, offset, history, forces);
+}
+template <class File>
+void transfer(File& file, contact::TouchState& state) {
+  auto& [params, surface, x, u, outward, force, offset, history, sites, held, tools, jumps, poses, forces,
+         solution, problem, new_sites, match] = state;
+  transfer_all(file, params, surface, x, u, outward, force, offset, history, sites, held, tools, jumps, poses,
+               forces, solution, problem, new_sites, match);
+}
+template <class File>
+void transfer(File& file, contact::FreeMotionInterpolation& free) {
+  auto& [moves, from, to, ticks, done] = free;
+  transfer_all(file, moves, from, to, ticks, done);
+}
+
+// Rhombus ------------------------------------------------------------------------------------------
+
+template <class File>
+void transfer(File& file, rhombus::GeodesicField& field) {
+  auto& [distance, reached, source, radius, front] = field;
+  transfer_all(file, distance, reached, source, radius, front);
+}
+template <class File>
+void transfer(File& file, rhombus::State& state) {
+  auto& [touches, displacement, moved, distances, carried, ring, listed] = state;
+  transfer_all(file, touches, displacement, moved, distances, carried, ring, listed);
+}
+template <class File>
+void transfer(File& file, contact::RhombusTouch& touch) {
+  auto& [tips, touches, poses, inputs, forces, ticks] = touch;
+  transfer_all(file, tips, touches, poses, inputs, forces, ticks);
+}
+template <class File>
+void transfer(File& file, contact::RhombusTouchSnapshot& snapshot) {
+  auto& [touches, poses, inputs, forces, ticks] = snapshot;
+  transfer_all(file, touches, poses, inputs, forces, ticks);
+}
+
+}  // namespace turgor

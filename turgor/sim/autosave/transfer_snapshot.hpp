@@ -1,0 +1,50 @@
+// transfer() of snapshots and measures.
+#pragma once
+
+#include "turgor/sim/autosave/transfer_models.hpp"
+#include "turgor/sim/report/measures.hpp"
+#include "turgor/sim/snapshot.hpp"
+
+namespace turgor {
+
+template <class File>
+void transfer(File& file, TriMesh& mesh) {
+  auto& [vertices, triangles, normals, scalars] = mesh;
+  transfer_all(file, vertices, triangles, normals, scalars);
+}
+/// Without the cache, which show() fills again.
+template <class File>
+void transfer(File& file, BodySnapshot& body) {
+  auto& [id, name, look, rest, displacement, x, normals, pressure, stretch, triangles, mesh_vertex, patch,
+         inside, wall_begin, box, typical_force, seconds, cache] = body;
+  transfer_all(file, id, name, look, rest, displacement, x, normals, pressure, stretch, triangles,
+               mesh_vertex, patch, inside, wall_begin, box, typical_force, seconds);
+  if constexpr (File::kReads) cache.reset();
+}
+template <class File>
+void transfer(File& file, ToolSnapshot& tool) {
+  auto& [name, body, pose, force, opening, size, has_jaws, mesh] = tool;
+  transfer_all(file, name, body, pose, force, opening, size, has_jaws, mesh);
+}
+template <class File>
+void transfer(File& file, WorldSnapshot& snapshot) {
+  auto& [time, frame, bodies, tools, obstacles] = snapshot;
+  transfer_all(file, time, frame, bodies, tools, obstacles);
+}
+template <class File>
+void transfer(File& file, Pressed& pressed) {
+  auto& [id, force, time, body, tools, surface_seconds] = pressed;
+  transfer_all(file, id, force, time, body, tools, surface_seconds);
+}
+template <class File>
+void transfer(File& file, CutMeasures& cut) {
+  auto& [name, body, edges, region, depth, width, tension, series, wound] = cut;
+  transfer_all(file, name, body, edges, region, depth, width, tension, series, wound);
+}
+template <class File>
+void transfer(File& file, Measures& measures) {
+  auto& [cuts, wound_surfaces, pressed, solver, frame_seconds] = measures;
+  transfer_all(file, cuts, wound_surfaces, pressed, solver, frame_seconds);
+}
+
+}  // namespace turgor

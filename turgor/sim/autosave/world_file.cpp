@@ -1,0 +1,245 @@
+#include "turgor/sim/autosave/world_file.hpp"
+
+#include <algorithm>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/core/hash.hpp"
+#include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/sfem/green.hpp"
+#include "turgor/sim/autosave/transfer_snapshot.hpp"
+
+namespace turgor {
+
+namespace {
+
+using SharedPatch = std::shared_ptr<const sfem::Patch>;
+
+/// A state file with the patches that it refers to: those of the loaded world, then those stored in it.
+template <class Stream>
+struct WorldFile {
+  static constexpr bool kReads = Stream::kReads;
+
+  Stream& stream;
+  std::vector<SharedPatch> patches;
+
+  void bytes(void* data, std::size_t size) { stream.bytes(data, size); }
+  void number(std::uint64_t value) { stream.number(value); }
+  std::size_t count(std::size_t size) { return stream.count(size); }
+  void fail() { stream.fail(); }
+};
+
+/// A patch is stored where it is met first, and as its number afterwards.
+template <class File>
+void transfer(File& file, SharedPatch& patch) {
+  std::vector<SharedPatch>& known = file.patches;
+  constexpr std::uint64_t kNone = std::uint64_t(-1);
+  const auto found = patch ? std::find(known.begin(), known.end(), patch) : known.end();
+  std::uint64_t number = patch ? std::uint64_t(found - known.begin()) : kNone;
+  transfer(file, number);
+  if constexpr (File::kReads) {
+    patch.reset();
+    if (number == kNone) return;
+    if (number > known.size()) return file.fail();
+    if (number < known.size()) {
+      patch = known[number];
+      return;
+    }
+    const auto read = std::make_shared<sfem::Patch>();
+    transfer(file, *read);
+    known.push_back(patch = read);
+  } else if (patch && found == known.end()) {
+    transfer(file, const_cast<sfem::Patch&>(*patch));  // a writer changes nothing
+    known.push_back(patch);
+  }
+}
+
+template <class File>
+void transfer(File& file, ClothLoad& load) {
+  auto& [force, relaxation, compliance, next_axis] = load;
+  transfer_all(file, force, relaxation, compliance, next_axis);
+}
+/// Without the shapes of the tools, which the scene gives.
+template <class File>
+void transfer(File& file, contact::SfemTouch& touch) {
+  auto& [patch, tools, follow, stiffness_scale, state, free, patch_number, motion_number, ticks, handover,
+         poses, forces] = touch;
+  transfer_all(file, patch, follow, stiffness_scale, state, free, patch_number, motion_number, ticks,
+               handover, poses, forces);
+}
+template <class File>
+void transfer(File& file, contact::SfemTouchSnapshot& now) {
+  auto& [patch, patch_number, ticks, force_jump, x, force, history, stiffening, stiffness_scale, poses,
+         forces, centers] = now;
+  transfer_all(file, patch, patch_number, ticks, force_jump, x, force, history, stiffening, stiffness_scale,
+               poses, forces, centers);
+}
+/// Without the stiffness matrices of the loaded body.
+template <class File>
+void transfer(File& file, Turning& turning) {
+  auto& [corotation, state, frames, unconverged, largest_residual] = turning;
+  transfer_all(file, state, frames, unconverged, largest_residual);
+}
+template <class File>
+void transfer(File& file, ClothPress& press) {
+  auto& [load, displacement] = press;
+  transfer_all(file, load, displacement);
+}
+template <class File>
+void transfer(File& file, FreeDisplacement& free) {
+  auto& [before, now, number] = free;
+  transfer_all(file, before, now, number);
+}
+/// An optional member that loading has made; a state does not make or remove it.
+template <class File, class T>
+void transfer_made(File& file, std::optional<T>& value) {
+  if (value) transfer(file, *value);
+}
+
+template <class File>
+void transfer_body(File& file, SfemBody& body) {
+  TURGOR_ASSERT(!body.haptic && (!body.worker || !body.worker->is_busy()),
+                "a state is written between two frames without a haptic thread");
+  transfer_made(file, body.turning);
+  transfer_made(file, body.press);
+  transfer_all(file, body.free, body.stiffness_scale, body.friction, body.refinement, body.radius_is_open,
+               body.refinement_is_open, body.contacts, body.patch_memory, body.follow, body.centers,
+               body.patches, body.now, body.touch, body.built_patches, body.patch_is_ready, body.rebuilds,
+               body.rejected_patches, body.rejection_reason);
+}
+
+template <class File>
+void transfer_body(File& file, RhombusBody& body) {
+  transfer_all(file, body.touch, body.now, body.state, body.cloth, body.pressed_volume, body.openings,
+               body.jump, body.jump_at);
+}
+
+/// The coarse space is built again for its time step. It depends on nothing else but the model and the cuts;
+/// with later cuts the next step builds another one.
+template <class File>
+void transfer_coarse_space(File& file, const lattice::Model& model, lattice::State& state) {
+  std::shared_ptr<const lattice::CoarseSpace>& coarse = state.workspace.coarse;
+  std::optional<std::pair<std::size_t, double>> built;
+  if (coarse) built = {coarse->version, coarse->dt};
+  transfer(file, built);
+  if constexpr (File::kReads) {
+    coarse.reset();
+    if (!built) return;
+    lattice::CoarseSpace space = *lattice::make_coarse_space(model, state, built->second);
+    space.version = built->first;
+    coarse = std::make_shared<const lattice::CoarseSpace>(std::move(space));
+  }
+}
+
+/// Host state of a body for this direction.
+template <class File, class DeviceState>
+typename DeviceState::State& state_of_body(DeviceState& state) {
+  if constexpr (File::kReads) return state.change();
+  return const_cast<typename DeviceState::State&>(state.host());
+}
+
+template <class File>
+void transfer_body(File& file, LatticeBody& body) {
+  lattice::State& state = state_of_body<File>(body.state);
+  transfer(file, state);
+  transfer_coarse_space(file, body.model, state);
+  transfer_all(file, body.last_displacement, body.row_steps, body.row_steps_asleep, body.cloth, body.surface,
+               body.rest, body.surface_cuts, body.touch, body.poses, body.forces);
+}
+
+template <class File>
+void transfer_body(File& file, ClothBody& body) {
+  transfer(file, state_of_body<File>(body.state));
+  transfer_all(file, body.air.velocity, body.samples, body.poses, body.forces);
+  for (ClothHold& hold : body.holds)
+    transfer_all(file, hold.vertices, hold.positions, hold.is_held, hold.missed, hold.force);
+  for (ClothObstacle& obstacle : body.obstacles) {
+    transfer(file, obstacle.force);
+    if (obstacle.support) transfer_all(file, obstacle.support->positions, obstacle.support->force);
+  }
+}
+
+/// The path of each sample is summed again while reading.
+template <class File>
+void transfer(File& file, TouchLog& log) {
+  std::uint64_t count = log.size();
+  transfer(file, count);
+  for (std::uint64_t n = 0; n < count; n++) {
+    ForceSample sample;
+    if constexpr (!File::kReads) sample = log[n];
+    transfer(file, sample);
+    if constexpr (File::kReads) {
+      if (!file.stream.is_sound()) return;
+      log.append(sample);
+    }
+  }
+}
+
+template <class File>
+void transfer_world(File& file, World& world) {
+  transfer(file, world.frame);
+  for_each_body(world, [&](BodyId, auto& body) { transfer_body(file, body); });
+  for (Cut& cut : world.cuts) transfer_all(file, cut.path, cut.done, cut.edges);
+  for (TouchingTool& tool : world.tools) transfer_all(file, tool.grip, tool.samples, tool.limits);
+}
+
+/// With a store on demand: fetches the columns of Green's functions for patches and forces of the state.
+void fetch_columns_in_use(const Exec& exec, SfemBody& body) {
+  if (!body.facts.on_demand) return;
+  std::vector<int> vertices;
+  for (const SharedPatch& patch : body.patches)
+    if (patch) vertices.insert(vertices.end(), patch->coarse.begin(), patch->coarse.end());
+  if (body.now.patch)
+    for (const contact::VertexForce& force : coarse_forces_now(body)) vertices.push_back(force.vertex);
+  sort_unique(vertices);
+  sfem::fetch_columns(exec, body.model, vertices);
+}
+
+std::vector<SharedPatch> locked(const LoadedPatches& loaded) {
+  std::vector<SharedPatch> patches;
+  for (const auto& patch : loaded.patches) patches.push_back(patch.lock());
+  return patches;
+}
+
+}  // namespace
+
+LoadedPatches loaded_patches(const World& world) {
+  LoadedPatches loaded;
+  for (const SfemBody& body : world.sfem_bodies) loaded.patches.push_back(body.touch.patch);
+  return loaded;
+}
+
+std::uint64_t loaded_hash(const World& world) {
+  std::uint64_t hash = state_hash(world);
+  const auto add = [&hash](std::uint64_t more) { hash = hash_bytes(&more, sizeof more, hash); };
+  for (const LatticeBody& body : world.lattice_bodies) add(body.ct_hash);
+  for (const SfemBody& body : world.sfem_bodies)
+    add(hash_values(std::span<const Vec3d>(body.model.body.mesh.vertices)));
+  for (const RhombusBody& body : world.rhombus_bodies)
+    add(hash_values(std::span<const Vec3d>(rest_surface(body).vertices)));
+  for (const ClothBody& body : world.cloth_bodies) add(std::uint64_t(body.model.count));
+  return hash;
+}
+
+void write_world(StateWriter& file, const World& world, const LoadedPatches& loaded) {
+  WorldFile<StateWriter> out{file, locked(loaded)};
+  transfer_world(out, const_cast<World&>(world));  // a writer changes nothing
+}
+
+void read_world(const Exec& exec, StateReader& file, const LoadedPatches& loaded, World& world) {
+  WorldFile<StateReader> in{file, locked(loaded)};
+  transfer_world(in, world);
+  if (!file.is_sound()) return;
+  for (SfemBody& body : world.sfem_bodies) fetch_columns_in_use(exec, body);
+}
+
+void write_measures(StateWriter& file, const Measures& measures) {
+  transfer(file, const_cast<Measures&>(measures));
+}
+void read_measures(StateReader& file, Measures& measures) { transfer(file, measures); }
+void write_snapshot(StateWriter& file, const WorldSnapshot& snapshot) {
+  transfer(file, const_cast<WorldSnapshot&>(snapshot));
+}
+void read_snapshot(StateReader& file, WorldSnapshot& snapshot) { transfer(file, snapshot); }
+
+}  // namespace turgor
