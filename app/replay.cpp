@@ -40,6 +40,11 @@ void replay(const Exec& exec, const ReplayOptions& options) {
   bar.reset();
   if (!options.quiet) print_text(summary_text(report, required(resolved_goal(out))));
   const Json& haptic = report.at("haptic_replay");
+  if (!haptic.contains("same_bits")) {
+    print_plain("{} frames and {} ticks; the run was interrupted, so there is no state to compare with\n",
+                haptic.at("frames").get<int>(), haptic.at("ticks").get<long>());
+    return;
+  }
   const bool same = haptic.at("same_bits").get<bool>();
   const std::string outcome =
       fmt::format("{} frames and {} ticks gave {} state {}", haptic.at("frames").get<int>(),
@@ -59,6 +64,7 @@ void add_replay_command(CLI::App& program, Global& global) {
       "Examples:\n"
       "  turgor replay out/palpation/haptic.h5      of turgor run --real-time\n"
       "  turgor replay out/view/palpation-1.h5    of turgor view, key H\n"
+      "  turgor replay out/palpation.haptic-log   the log of an interrupted run\n"
       "Exit code 3: the state has other bits. turgor run --replay redraws a recording.");
   command->add_option("file", options->file, "The haptic recording, an .h5 file")->required();
   command->add_option("-o,--out", options->out, "Folder for the results (default: out/NAME-replay)");

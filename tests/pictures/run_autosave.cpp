@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 constexpr double kEveryFrame = 1e-9;  // interval of autosaves [s]
 
 Scene resumed_scene(const fs::path& folder) {
-  return test::four_kinds_scene(
-      folder, {"output.vtkhdf=true", "output.snapshots={ every = 0.06, size = [64, 64] }"});
+  return test::four_kinds_scene(folder,
+                                {"output.vtkhdf=true", "output.snapshots={ every = 0.06, size = [64, 64] }"});
 }
 
 /// Runs in another process, which SIGKILL ends in this frame, after the autosave of the frame before it.
@@ -28,7 +28,8 @@ void run_killed(const Scene& scene, const fs::path& out, int frame, bool resume 
   if (child == 0) {
     RunCallbacks callbacks;
     callbacks.frame = [frame](const World& world) { return world.frame < frame || raise(SIGKILL) != 0; };
-    (void)run_scene(Exec(2), scene, {.out = out, .autosave_interval = kEveryFrame, .resume = resume}, callbacks);
+    (void)run_scene(Exec(2), scene, {.out = out, .autosave_interval = kEveryFrame, .resume = resume},
+                    callbacks);
     _exit(1);
   }
   int status = 0;
@@ -56,7 +57,8 @@ std::string values_of(const Hdf5File& file, const std::string& name) {
   const std::size_t count = file.count(name, std::size_t(1) << 30).value();
   std::string bytes;
   const auto add = [&](const auto& values) {
-    if (values) bytes.assign(reinterpret_cast<const char*>(values->data()), values->size() * sizeof((*values)[0]));
+    if (values)
+      bytes.assign(reinterpret_cast<const char*>(values->data()), values->size() * sizeof((*values)[0]));
     return bool(values);
   };
   if (add(file.read<float>(name, count)) || add(file.read<double>(name, count)) ||
@@ -93,7 +95,8 @@ Json without_wall_times(Json report) {
     return key == "patch_seconds" || key.find("p50") != key.npos || key.find("p99") != key.npos ||
            key == "tick_max_us" || key == "build_s" || key == "read_s" || key.ends_with("_seconds") ||
            key == "seconds" || key == "patch" || key == "green" || key == "shape_s" || key == "deformed_ct" ||
-           key.find("surface_ms") != key.npos || key.find("frame_ms") != key.npos || key.find("step_m") != key.npos;
+           key.find("surface_ms") != key.npos || key.find("frame_ms") != key.npos ||
+           key.find("step_m") != key.npos;
   };
   const std::function<void(Json&)> clean = [&](Json& json) {
     if (json.is_object())
@@ -106,8 +109,8 @@ Json without_wall_times(Json report) {
   return report;
 }
 
-// A run that is killed twice, while a blade cuts, and resumed on another number of threads ends with the bits of an
-// unbroken run: state, report, recording, meshes and pictures.
+// A run that is killed twice, while a blade cuts, and resumed on another number of threads ends with the bits
+// of an unbroken run: state, report, recording, meshes and pictures.
 TEST(RunAutosave, ResumedRunHasSameBits) {
   const fs::path folder = test::fresh_folder();
   const Scene scene = resumed_scene(folder);
@@ -117,7 +120,8 @@ TEST(RunAutosave, ResumedRunHasSameBits) {
   std::vector<std::string> notes;
   RunCallbacks callbacks;
   callbacks.note = [&](const std::string& sentence) { notes.push_back(sentence); };
-  const Result<Json> broken = run_scene(Exec(1), scene, {.out = folder / "broken", .resume = true}, callbacks);
+  const Result<Json> broken =
+      run_scene(Exec(1), scene, {.out = folder / "broken", .resume = true}, callbacks);
   ASSERT_TRUE(broken) << broken.error().message;
   ASSERT_FALSE(notes.empty());
   EXPECT_EQ(notes[0], "resuming at 0.160 s of 0.3 s");
@@ -141,8 +145,8 @@ TEST(RunAutosave, ResumedRunHasSameBits) {
   EXPECT_GT(compared, 20);
 }
 
-// Without an autosave a resumed run starts at the beginning; a run without --resume leaves an autosave until it is
-// complete.
+// Without an autosave a resumed run starts at the beginning; a run without --resume leaves an autosave until
+// it is complete.
 TEST(RunAutosave, RunWithoutResumeStartsAgain) {
   const fs::path folder = test::fresh_folder();
   const Scene scene = resumed_scene(folder);

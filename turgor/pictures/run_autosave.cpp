@@ -99,6 +99,28 @@ Result<std::optional<SavedRun>> find_saved_run(const fs::path& goal, const Scene
   return std::optional<SavedRun>({std::move(**folder), std::move(*state), header.time, header.loaded_hash});
 }
 
+Result<std::optional<SavedRun>> choose_saved_run(const fs::path& goal, const Scene& scene, bool resume,
+                                                 const std::function<void(const std::string&)>& note) {
+  const auto tell_if = [&](bool condition, const std::string& sentence) {
+    if (condition && note) note(sentence);
+  };
+  if (!resume) {
+    const std::vector<fs::path> others = autosaves_beside(goal);
+    tell_if(!others.empty(),
+            fmt::format("{}: an earlier run was interrupted; --resume goes on with it until this "
+                        "one is complete",
+                        goal.string()));
+    return std::optional<SavedRun>();
+  }
+  Result<std::optional<SavedRun>> saved = find_saved_run(goal, scene);
+  if (!saved) return saved;
+  tell_if(bool(*saved),
+          fmt::format("resuming at {:.3f} s of {} s", *saved ? (*saved)->time : 0, scene.duration));
+  tell_if(!*saved,
+          fmt::format("{}: no autosave of an interrupted run: starting at the beginning", goal.string()));
+  return saved;
+}
+
 Autosave::Autosave(AutosaveFolder folder, double interval, const Scene& scene, const World& loaded)
     : folder_(std::move(folder)),
       interval_(interval),
@@ -155,6 +177,11 @@ Status Autosave::write_state(const World& world, UnfinishedRun& run) {
   transfer_series(*file, series);
   const Status closed = file->close();
   return closed ? folder_.replace_state() : closed;
+}
+
+void Autosave::remove() {
+  folder_.remove_all();
+  say_when_interrupted("");
 }
 
 Status Autosave::save(const World& world, UnfinishedRun run) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,11 @@ struct SavedRun {
 /// another scene or version.
 Result<std::optional<SavedRun>> find_saved_run(const std::filesystem::path& goal, const Scene& scene);
 
+/// The same if a run resumes. Otherwise, and without an autosave, it tells so by a note.
+Result<std::optional<SavedRun>> choose_saved_run(const std::filesystem::path& goal, const Scene& scene,
+                                                 bool resume,
+                                                 const std::function<void(const std::string&)>& note);
+
 class Autosave {
  public:
   /// Saves about every `interval` seconds of wall time, 0 = never. From 1 s on, saves take at most a
@@ -55,7 +61,7 @@ class Autosave {
   /// Stops saving, after an error.
   void stop() { interval_ = 0; }
   /// Removes all autosaves of this goal, when the results are complete.
-  void remove() { folder_.remove_all(); }
+  void remove();
 
  private:
   Status write_state(const World& world, UnfinishedRun& run);

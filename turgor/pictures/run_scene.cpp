@@ -36,7 +36,9 @@ Result<OutputFolder> open_folder(const Scene& scene, bool is_replay, const RunOp
                                  const RunCallbacks& callbacks) {
   Result<OutputFolder> folder = OutputFolder::create(
       options.out.empty() ? default_folder(scene.file, is_replay) : options.out, options.foreign);
-  if (folder) tell(callbacks, removed_foreign_note(*folder));
+  if (!folder) return folder;
+  tell(callbacks, removed_foreign_note(*folder));
+  for (const std::string& sentence : keep_haptic_logs(folder->goal())) tell(callbacks, sentence);
   return folder;
 }
 
@@ -159,14 +161,15 @@ Result<Simulated> simulate_into(FolderRun& run, const Timer& total, std::optiona
   return done;
 }
 
-/// Report of a replayed haptic run.
+/// Report of a replayed haptic run. A killed one has no state to compare with.
 Json haptic_report(const HapticRecording& haptic, const World& world) {
   std::size_t ticks = 0;
   for (const HapticTool& tool : haptic.tools) ticks += tool.ticks.size();
-  return {{"frames", haptic.frames},
-          {"ticks", ticks},
-          {"state_hash", hash_text(haptic.hash)},
-          {"same_bits", state_hash(world) == haptic.hash}};
+  Json json{{"frames", haptic.frames}, {"ticks", ticks}};
+  if (!haptic.has_hash) return json;
+  json["state_hash"] = hash_text(haptic.hash);
+  json["same_bits"] = state_hash(world) == haptic.hash;
+  return json;
 }
 
 /// Writes the data for `turgor replay`.
@@ -212,11 +215,13 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
 
 /// Chooses the motion of the tools: a haptic device, a haptic recording, or, if neither is given, their
 /// paths.
-Status begin_touch(const RunOptions& options, std::optional<HapticRecording> haptic, FolderRun& run) {
+Status begin_touch(const RunOptions& options, std::optional<HapticRecording> haptic, const fs::path& goal,
+                   FolderRun& run) {
   if (options.live) {
     Result<LiveRun> live = start_live(run.world, *options.live, run.scene.duration);
     if (!live) return live.error();
     run.live.emplace(std::move(*live));
+    run.live->touch->begin_log(goal, run.scene);
   }
   if (haptic) {
     Result<std::unique_ptr<HapticReplay>> replay = HapticReplay::begin(run.world, std::move(*haptic));
@@ -283,7 +288,7 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
                 std::nullopt,  std::nullopt, {},    {},     {},       std::nullopt};
   Result<std::optional<Simulated>> resumed = begin_autosave(folder.goal(), start, run);
   if (!resumed) return resumed.error();
-  if (const Status begun = begin_touch(start.options, std::move(start.haptic), run); !begun)
+  if (const Status begun = begin_touch(start.options, std::move(start.haptic), folder.goal(), run); !begun)
     return begun.error();
   const Result<Simulated> done = simulate_into(run, total, std::move(*resumed));
   if (!done) return done.error();
@@ -295,6 +300,7 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   outputs->facts.output_seconds = finishing.seconds();
   if (status) status = complete(total, *report, *outputs, folder, callbacks);
   if (status && run.autosave) run.autosave->remove();
+  if (status && run.live) run.live->touch->log()->remove();
   return status ? report : status.error();
 }
 
@@ -330,26 +336,6 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
   return status ? Result<Json>(std::move(report)) : status.error();
 }
 
-/// Autosave of a killed run that this one resumes. Tells the user about one that it leaves.
-Result<std::optional<SavedRun>> saved_run(const OutputFolder& folder, const Scene& scene,
-                                          const RunOptions& options, const RunCallbacks& callbacks) {
-  if (!options.resume) {
-    const std::vector<fs::path> others = autosaves_beside(folder.goal());
-    if (!others.empty() && !options.live)
-      tell(callbacks,
-           fmt::format("{}: an earlier run was interrupted; --resume goes on with it until this one is "
-                       "complete",
-                       others[0].string()));
-    return std::optional<SavedRun>();
-  }
-  Result<std::optional<SavedRun>> saved = find_saved_run(folder.goal(), scene);
-  if (!saved) return saved;
-  tell(callbacks, *saved ? fmt::format("resuming at {:.3f} s of {} s", (*saved)->time, scene.duration)
-                         : fmt::format("{}: no autosave of an interrupted run: starting at the beginning",
-                                       folder.goal().string()));
-  return saved;
-}
-
 }  // namespace
 
 fs::path default_folder(const fs::path& scene_file, bool is_replay) {
@@ -362,7 +348,8 @@ Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& o
   Result<OutputFolder> folder = open_folder(scene, false, options, callbacks);
   if (!folder) return folder.error();
   if (const Status status = check_inputs(scene, *folder); !status) return status.error();
-  Result<std::optional<SavedRun>> saved = saved_run(*folder, scene, options, callbacks);
+  Result<std::optional<SavedRun>> saved =
+      choose_saved_run(folder->goal(), scene, options.resume, callbacks.note);
   if (!saved) return saved.error();
   return run_into(exec, scene, total, *folder, {options, std::nullopt, std::move(*saved)}, callbacks);
 }

@@ -17,21 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Unused name next to the goal: "out.kept", "out.kept-2", …
-fs::path free_name(const fs::path& goal, const char* kind) {
-  std::error_code ignored;
-  for (int n = 1;; n++) {
-    const std::string number = n == 1 ? "" : fmt::format("-{}", n);
-    fs::path name = goal.parent_path() / fmt::format("{}.{}{}", goal.filename().string(), kind, number);
-    if (!fs::exists(fs::symlink_status(name, ignored))) return name;
-  }
-}
-
 /// Removes earlier results. Returns the folder of remaining foreign files, empty if there are none.
 fs::path remove_earlier(const fs::path& earlier, const fs::path& goal,
                         const std::vector<std::string>& removed_foreign) {
   if (remove_ours(earlier, removed_foreign)) return {};
-  const fs::path kept = free_name(goal, "kept");
+  const fs::path kept = unused_name_beside(goal, "kept");
   return rename(earlier.c_str(), kept.c_str()) == 0 ? kept : earlier;
 }
 
@@ -184,7 +174,7 @@ Status OutputFolder::commit() {
   const Status moved = partial_.keep([&]() -> Result<fs::path> {
     if (status) status = replace_goal();
     if (status) return goal_;
-    const fs::path aside = free_name(goal_, "results");  // keeps the results under another name
+    const fs::path aside = unused_name_beside(goal_, "results");  // keeps the results under another name
     if (rename(path().c_str(), aside.c_str()) != 0) return status.error();
     status = Error{fmt::format("{}; the results are in {}", status.error().message, aside.string())};
     return aside;

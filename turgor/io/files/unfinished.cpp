@@ -243,6 +243,15 @@ fs::path hidden_beside(const fs::path& goal, const std::string& kind) {
   return goal.parent_path() / fmt::format("{}{}", prefix_of(goal, kind), getpid());
 }
 
+fs::path unused_name_beside(const fs::path& goal, const std::string& kind) {
+  std::error_code ignored;
+  for (int n = 1;; n++) {
+    const std::string number = n == 1 ? "" : fmt::format("-{}", n);
+    fs::path name = goal.parent_path() / fmt::format("{}.{}{}", goal.filename().string(), kind, number);
+    if (!fs::exists(fs::symlink_status(name, ignored))) return name;
+  }
+}
+
 void say_when_interrupted(std::string sentence) {
   const std::lock_guard lock(open_now().mutex);
   open_now().sentence = std::move(sentence);

@@ -47,6 +47,9 @@ std::vector<std::filesystem::path> leftovers_in(const std::filesystem::path& fol
 /// Hidden name beside a target that contains this process id: ".NAME.KIND-PID".
 std::filesystem::path hidden_beside(const std::filesystem::path& goal, const std::string& kind);
 
+/// Unused visible name beside a target: "NAME.KIND", "NAME.KIND-2", …
+std::filesystem::path unused_name_beside(const std::filesystem::path& goal, const std::string& kind);
+
 /// Sentence that an interrupted program prints besides, such as how to go on; empty = none.
 void say_when_interrupted(std::string sentence);
 

@@ -7,6 +7,8 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/io/files/unfinished.hpp"
+#include "turgor/sim/live/haptic_log.hpp"
+#include "turgor/sim/live/haptic_rows.hpp"
 #include "turgor/sim/live/mouse_tools.hpp"
 #include "turgor/sim/recording/recording_arrays.hpp"
 #include "turgor/sim/report/json_numbers.hpp"
@@ -21,7 +23,6 @@ namespace fs = std::filesystem;
 constexpr const char *kHapticFormat = "turgor haptic recording 2",
                      *kOldFormat = "turgor felt run 1";  // renamed_datasets.hpp; check_words: ok
 constexpr std::size_t kMostTools = 1000, kMostFrames = std::size_t(1) << 24, kMostLines = 1000;
-constexpr std::size_t kNumbers = 16;  // numbers per tick: time, step, position, three axes, grip, hold
 constexpr std::size_t kRowsAtOnce = 8192;
 constexpr const char* kTickUnits = "s, s, m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1";
 
@@ -82,26 +83,6 @@ Result<std::vector<RecordedRequest>> requests_of(const std::string& text) {
   }
 }
 
-void append_row(const HapticTick& tick, std::vector<double>& rows) {
-  const contact::Pose& pose = tick.command.pose;
-  rows.insert(rows.end(), {tick.time, tick.step});
-  for (const Vec3d v : {pose.position, pose.axes.column[0], pose.axes.column[1], pose.axes.column[2]})
-    rows.insert(rows.end(), {v.x, v.y, v.z});
-  rows.insert(rows.end(), {tick.command.grip, double(tick.command.hold)});
-  TURGOR_CHECK(rows.size() % kNumbers == 0, "every tick has kNumbers numbers");
-}
-
-HapticTick tick_of(std::span<const double> row) {
-  TURGOR_CHECK(row.size() == kNumbers, "every tick has kNumbers numbers");
-  const auto vector = [&row](std::size_t at) { return Vec3d{row[at], row[at + 1], row[at + 2]}; };
-  return {.time = row[0],
-          .step = row[1],
-          .command = {.pose = {vector(2), {{vector(5), vector(8), vector(11)}}},
-                      .grip = row[14],
-                      .hold = row[15] != 0},
-          .inputs_used = {}};
-}
-
 /// Writes ticks in blocks, so that an hour of them needs no more memory than a few seconds.
 Status write_ticks(Hdf5File& file, const std::string& group, const DiskLog<HapticTick>& ticks) {
   Status status = Done{};
@@ -116,7 +97,7 @@ Status write_ticks(Hdf5File& file, const std::string& group, const DiskLog<Hapti
       inputs.insert(inputs.end(), {ticks[next].inputs_used.frame, ticks[next].inputs_used.patch});
     }
     // at the end of both datasets
-    status = file.append<double>(group + "ticks", rows, kNumbers);
+    status = file.append<double>(group + "ticks", rows, kHapticNumbers);
     if (status) status = file.append<std::int32_t>(group + "tick_inputs", inputs, 2);
   } while (next < ticks.size() && status);
   return status ? file.write_attribute(group + "ticks", "unit", kTickUnits) : status;
@@ -131,11 +112,6 @@ Status write_tool(Hdf5File& file, std::size_t n, const HapticTool& tool) {
   return Writing(file, group).text("name", tool.name).array("frame_inputs", frames, 2).status();
 }
 
-bool is_sound(const HapticTick& tick) {
-  return std::isfinite(tick.time) && tick.step > 0 && tick.step <= 1 && tick.command.grip >= 0 &&
-         tick.command.grip <= 1;
-}
-
 /// Recording of a tool. It has no ticks if the tool touches no body.
 Result<HapticTool> read_tool(const Hdf5File& file, std::size_t n) {
   Reading reading(file, fmt::format("/tools/{:05}/", n));
@@ -143,7 +119,7 @@ Result<HapticTool> read_tool(const Hdf5File& file, std::size_t n) {
   // datasets
   const std::size_t ticks = reading.count("tick_inputs", 2 * kMostTicks) / 2;
   const std::size_t frames = reading.count("frame_inputs", 2 * kMostFrames) / 2;
-  const auto rows = reading.array<double>("ticks", kNumbers * ticks);
+  const auto rows = reading.array<double>("ticks", kHapticNumbers * ticks);
   const auto tick_inputs = reading.array<std::int32_t>("tick_inputs", 2 * ticks);
   const auto frame_inputs = reading.array<std::int32_t>("frame_inputs", 2 * frames);
   const Result<std::string> name = file.read_text(reading.group() + "name");
@@ -153,7 +129,7 @@ Result<HapticTool> read_tool(const Hdf5File& file, std::size_t n) {
   // ticks with their inputs
   HapticTool tool{.name = *name, .ticks = {}, .frames = {}};
   for (std::size_t i = 0; i < ticks; i++) {
-    HapticTick tick = tick_of(std::span(rows).subspan(kNumbers * i, kNumbers));
+    HapticTick tick = tick_of_row(std::span(rows).subspan(kHapticNumbers * i, kHapticNumbers));
     tick.inputs_used = {tick_inputs[2 * i], tick_inputs[2 * i + 1]};
     if (!is_sound(tick)) return Error{fmt::format("{}ticks: row {} is invalid", reading.group(), i + 1)};
     tool.ticks.append(tick);
@@ -284,6 +260,11 @@ Status write_haptic_recording(const fs::path& path, const HapticRecording& run) 
 }
 
 Result<HapticRecording> read_haptic_recording(const fs::path& path) {
+  if (is_haptic_log(path)) {
+    Result<HapticRecording> run = read_haptic_log(path);
+    const Status sound = run ? check_lengths(*run) : Status(Done{});
+    return sound ? run : Error{fmt::format("{}: {}", path.string(), sound.error().message)};
+  }
   const Result<Hdf5File> file = Hdf5File::open(path);
   if (!file) return file.error();
   const Result<std::string> format = file->read_text("/format");

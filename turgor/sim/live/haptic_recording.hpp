@@ -42,6 +42,7 @@ struct HapticRecording {
   std::vector<HapticTool> tools;
   std::vector<RecordedRequest> requests;
   std::uint64_t hash = 0;  // state_hash of the world after the last frame
+  bool has_hash = true;    // false: the run was killed (haptic_log.hpp)
 };
 
 /// Stores a scene as it was before any request.
@@ -51,7 +52,7 @@ Result<Scene> scene_of(const HapticRecording& run);
 
 /// Writes an HDF5 file.
 Status write_haptic_recording(const std::filesystem::path& path, const HapticRecording& run);
-/// Error: missing or damaged file, or another format.
+/// Reads such a file, or the log of a killed run. Error: missing or damaged file, or another format.
 Result<HapticRecording> read_haptic_recording(const std::filesystem::path& path);
 
 }  // namespace turgor

@@ -39,8 +39,10 @@ struct LiveTouch::Impl {
   std::size_t most = 0;                          // largest number of recorded ticks, and of frames
   std::vector<std::vector<FrameInputs>> frames;  // inputs of every frame, for each entry of LiveTicks::order
   bool stopped = false;
+  std::optional<HapticLogWriter> log;
 
   void end_bodies();
+  void log_frame();
   void pause_ticks();
   HapticTool recorded_tool(std::size_t slot) const;
 };
@@ -74,6 +76,27 @@ Result<std::unique_ptr<LiveTouch>> LiveTouch::start(World& world, const std::vec
   return std::unique_ptr<LiveTouch>(new LiveTouch(std::move(impl)));
 }
 
+void LiveTouch::begin_log(const std::filesystem::path& goal, const Scene& scene) {
+  Impl& p = *impl_;
+  HapticRecording run;
+  set_scene(scene, false, run);
+  std::vector<int> ticked;
+  for (const TouchingTool& tool : p.world.tools)
+    run.tools.push_back({.name = tool.name, .ticks = {}, .frames = {}});
+  for (const TickedTool& tool : p.ticks.order) ticked.push_back(tool.index);
+  p.log.emplace(goal, run, ticked);
+}
+
+HapticLogWriter* LiveTouch::log() { return impl_->log ? &*impl_->log : nullptr; }
+
+/// Adds the latest frame to the log.
+void LiveTouch::Impl::log_frame() {
+  std::vector<LoggedTool> tools;
+  for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
+    tools.push_back({&ticks.order[slot].recorded, frames[slot].back()});
+  log->add_frame(tools);
+}
+
 void LiveTouch::record_frame_inputs() {
   Impl& p = *impl_;
   TURGOR_CHECK(p.frames.size() == p.ticks.order.size(), "every ticked tool has a list of frames");
@@ -84,6 +107,7 @@ void LiveTouch::record_frame_inputs() {
           if (p.frames[ticked.first + t].size() < p.most)
             p.frames[ticked.first + t].push_back(frame_inputs(body, t));
     });
+  if (p.log && p.first_frame == 0) p.log_frame();
   save_ticks(p.ticks);
 }
 

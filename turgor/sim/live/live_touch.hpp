@@ -16,6 +16,7 @@
 #include "turgor/core/result.hpp"
 #include "turgor/haptics/loop.hpp"
 #include "turgor/sim/live/frame_clock.hpp"
+#include "turgor/sim/live/haptic_log.hpp"
 #include "turgor/sim/live/haptic_recording.hpp"
 #include "turgor/sim/tools/touch_log.hpp"
 #include "turgor/sim/world.hpp"
@@ -52,6 +53,8 @@ class LiveTouch {
   LiveTouch(const LiveTouch&) = delete;
   LiveTouch& operator=(const LiveTouch&) = delete;
 
+  /// Begins a log beside these results, before the first frame.
+  void begin_log(const std::filesystem::path& goal, const Scene& scene);
   /// After every frame: records the inputs that the frame used, and moves recorded ticks to disk.
   void record_frame_inputs();
   /// After a frame: waits until its due time. Returns the delay [s]; it is about 0 for a frame in time.
@@ -68,6 +71,9 @@ class LiveTouch {
 
   /// Status of every tool in the newest tick, indexed as World::tools; for one reader thread.
   const std::vector<HapticStatus>& haptic();
+
+  /// Log of begin_log; null without one.
+  HapticLogWriter* log();
 
   const haptics::TimingReport& timing();
   FrameTiming frames() const;
