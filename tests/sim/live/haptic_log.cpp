@@ -68,7 +68,9 @@ TEST(HapticLog, ReadsUnfinishedLog) {
   const auto frames_of = [&](const std::string& bytes) {
     std::ofstream(file, std::ios::binary) << bytes;
     const Result<HapticRecording> log = read_haptic_recording(file);
-    if (!log) EXPECT_NE(log.error().message.find(file.string()), std::string::npos) << log.error().message;
+    if (!log) {
+      EXPECT_NE(log.error().message.find(file.string()), std::string::npos) << log.error().message;
+    }
     return log ? log->frames : 0;
   };
   const int all = frames_of(whole);
