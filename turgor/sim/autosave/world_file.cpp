@@ -90,19 +90,12 @@ void transfer(File& file, FreeDisplacement& free) {
   auto& [before, now, number] = free;
   transfer_all(file, before, now, number);
 }
-/// An optional member that loading has made; a state does not make or remove it.
-template <class File, class T>
-void transfer_made(File& file, std::optional<T>& value) {
-  if (value) transfer(file, *value);
-}
-
 template <class File>
 void transfer_body(File& file, SfemBody& body) {
   TURGOR_ASSERT(!body.haptic && (!body.worker || !body.worker->is_busy()),
                 "a state is written between two frames without a haptic thread");
-  transfer_made(file, body.turning);
-  transfer_made(file, body.press);
-  transfer_all(file, body.free, body.stiffness_scale, body.friction, body.refinement, body.radius_is_open,
+  if (body.turning) transfer(file, *body.turning);  // made by loading
+  transfer_all(file, body.press, body.free, body.stiffness_scale, body.friction, body.refinement, body.radius_is_open,
                body.refinement_is_open, body.contacts, body.patch_memory, body.follow, body.centers,
                body.patches, body.now, body.touch, body.built_patches, body.patch_is_ready, body.rebuilds,
                body.rejected_patches, body.rejection_reason);
