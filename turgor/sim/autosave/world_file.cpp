@@ -95,10 +95,10 @@ void transfer_body(File& file, SfemBody& body) {
   TURGOR_ASSERT(!body.haptic && (!body.worker || !body.worker->is_busy()),
                 "a state is written between two frames without a haptic thread");
   if (body.turning) transfer(file, *body.turning);  // made by loading
-  transfer_all(file, body.press, body.free, body.stiffness_scale, body.friction, body.refinement, body.radius_is_open,
-               body.refinement_is_open, body.contacts, body.patch_memory, body.follow, body.centers,
-               body.patches, body.now, body.touch, body.built_patches, body.patch_is_ready, body.rebuilds,
-               body.rejected_patches, body.rejection_reason);
+  transfer_all(file, body.press, body.free, body.stiffness_scale, body.friction, body.refinement,
+               body.radius_is_open, body.refinement_is_open, body.contacts, body.patch_memory, body.follow,
+               body.centers, body.patches, body.now, body.touch, body.built_patches, body.patch_is_ready,
+               body.rebuilds, body.rejected_patches, body.rejection_reason);
 }
 
 template <class File>
