@@ -35,7 +35,7 @@ class World(_turgor.World):
     """A scene during simulation.
 
     scene: a TOML file, or a dict of its tables. Use text=... for the text of a scene instead. Relative paths in a dict or a
-        text are relative to `folder`, those in a file to the file. In a dict, a Volume or a Mesh may replace a file name.
+    text are relative to `folder`, those in a file to the file. In a dict, a Volume or a Mesh may replace a file name.
     set: keys of the scene to override, as {"body.liver.young": 5e3}; None removes a key.
     volumes, labels: Volumes by body, instead of the files of `ct` and `labels`.
     threads: up to 1024; 0 = one per core; results do not depend on it.
