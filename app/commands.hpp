@@ -69,6 +69,7 @@ void add_validate_command(CLI::App& program, Global& global);
 void add_calibrate_command(CLI::App& program, Global& global);
 void add_cache_command(CLI::App& program);
 void add_devices_command(CLI::App& program);
+void add_tissues_command(CLI::App& program);
 void add_replay_command(CLI::App& program, Global& global);
 void add_view_command(CLI::App& program, Global& global);
 

@@ -104,6 +104,7 @@ int run(int argc, char** argv) {
   turgor::add_calibrate_command(program, global);
   turgor::add_cache_command(program);
   turgor::add_devices_command(program);
+  turgor::add_tissues_command(program);
   if (argc < 2) return turgor::print_text(program.help()), 0;
   if (const std::string message = unknown_command(program, argc, argv); !message.empty())
     return fail(message);

@@ -16,21 +16,21 @@ ChainParams chain_of_modulus(double young) {
 }
 
 std::span<const Tissue> tissues() {
-  // name, source, Young's modulus [Pa], chain
+  // name, source, Young's modulus [Pa], chain, species, test
   static const std::array<Tissue, 6> kTissues{{
       {"liver",
        "human, shear modulus 1.8 kPa in the table of Physics in Medicine and Biology 64 (2019) 225001", 5.4e3,
-       chain_of_modulus(5.4e3)},
+       chain_of_modulus(5.4e3), "human", "shear modulus of a table of published values"},
       {"liver-porcine", "Samur, Sedef, Basdogan, Avtan, Duzgun 2007 (Medical Image Analysis 11, 361)", 12.5e3,
-       chain_of_modulus(12.5e3)},
+       chain_of_modulus(12.5e3), "pig", "indentation"},
       {"breast-fat", "Samani, Zubovits, Plewes 2007 (Physics in Medicine and Biology 52, 1565)", 3.25e3,
-       chain_of_modulus(3.25e3)},
+       chain_of_modulus(3.25e3), "human", "indentation of excised tissue"},
       {"breast-gland", "Samani, Zubovits, Plewes 2007 (Physics in Medicine and Biology 52, 1565)", 3.24e3,
-       chain_of_modulus(3.24e3)},
+       chain_of_modulus(3.24e3), "human", "indentation of excised tissue"},
       {"fibroadenoma", "Samani, Zubovits, Plewes 2007 (Physics in Medicine and Biology 52, 1565)", 6.41e3,
-       chain_of_modulus(6.41e3)},
+       chain_of_modulus(6.41e3), "human", "indentation of excised tissue"},
       {"zhang-2010", "liver of Zhang, Song, Sun, Zou 2010, after Cui, Song, Wu 2007 (ICMA, 2753)", 0,
-       ChainParams{}},
+       ChainParams{}, "not stated", "parameters as printed"},
   }};
   return kTissues;
 }

@@ -16,6 +16,8 @@ struct Tissue {
   const char* source;
   double young = 0;  // 0: the source gives the parameters themselves [Pa]
   ChainParams chain;
+  const char* species = "";
+  const char* test = "";
 };
 
 /// All tissues, the measured human liver first.

@@ -47,6 +47,25 @@ std::string quantity_table(const Json& items, const char* heading, const std::ve
   return table + "</table></div>\n";
 }
 
+std::string item_table(const Json& items, const char* heading, const std::vector<Caption>& captions) {
+  // header: one column per quantity
+  std::vector<std::string> cells = {heading};
+  for (const Caption& caption : captions)
+    if (caption.shown_in & kInTable) cells.push_back(with_unit(caption));
+  std::string table = "<div class=\"scroll\"><table>" + table_row(cells, "th");
+  // one row per item
+  for (const Json& item : items) {
+    cells = {name_of(item)};
+    for (const Caption& caption : captions) {
+      if (!(caption.shown_in & kInTable)) continue;
+      const Json* value = find(item, caption.key);
+      cells.push_back(value ? html_value(*value) : "–");
+    }
+    table += table_row(cells, "td");
+  }
+  return table + "</table></div>\n";
+}
+
 std::string quantity_figures(const Json& items, const std::vector<Caption>& captions) {
   std::string html;
   for (const Json& item : items)

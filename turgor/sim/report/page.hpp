@@ -17,6 +17,8 @@ std::string table_row(const std::vector<std::string>& cells, const char* tag);
 
 /// Table with a row per quantity and a column per item; rows without values are omitted.
 std::string quantity_table(const Json& items, const char* heading, const std::vector<Caption>& captions);
+/// Table with a row per item and a column per quantity.
+std::string item_table(const Json& items, const char* heading, const std::vector<Caption>& captions);
 /// Key figures of the quantities that have one.
 std::string quantity_figures(const Json& items, const std::vector<Caption>& captions);
 

@@ -90,6 +90,30 @@ Json timing_report(const Measures& measures, const RunFacts& facts) {
   return json;
 }
 
+struct TissueInput {
+  std::string body;
+  const TissueRow& row;
+};
+/// Laws of the bodies, their values, and the source of each value.
+const Quantity<TissueInput> kTissue[] = {
+    {"name", kNone, "", [](const TissueInput& t) -> Json { return t.body + ": " + t.row.component; },
+     kInReport},
+    {"law", kNone, "law", [](const TissueInput& t) -> Json { return t.row.law; }},
+    {"values", kNone, "values", [](const TissueInput& t) -> Json { return t.row.values; }},
+    {"source", kNone, "source", [](const TissueInput& t) -> Json { return t.row.source; }},
+};
+
+Json tissue_report(const Scene& scene, const World& world) {
+  Json rows = Json::array();
+  for_each_kind(scene, world, [&](BodyKind, const auto& scenes, const auto&) {
+    for (const auto& body : scenes)
+      if constexpr (requires { body.tissues; })
+        for (const TissueRow& row : body.tissues)
+          rows.push_back(values_of(kTissue, TissueInput{body.name, row}));
+  });
+  return rows;
+}
+
 /// Copy with plain_text in every key and text.
 Json plain_json(const Json& json) {
   if (json.is_string()) return plain_text(json.get_ref<const std::string&>());
@@ -148,6 +172,7 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"tools", tools},
           {"profiles", profile_report(measures)},
           {"costs", cost_report(world, measures)},
+          {"tissues", tissue_report(scene, world)},
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},
@@ -175,6 +200,11 @@ void add_outputs(Json& report, const RunFacts& facts) {
   report["files"] = facts.files;
   report["warnings"] = facts.warnings;
   report["timing"].update(values_of(kOutputTiming, facts));
+}
+
+Section tissue_section() {
+  return {"Tissues", "component", [](const Json& report) { return items_of(report, "tissues"); },
+          captions_of(kTissue), true};
 }
 
 Section timing_section() {

@@ -197,7 +197,8 @@ std::string tables(const Json& report) {
   for (const Section& section : report_sections())
     if (const Json items = section.items(report); *section.heading && !items.empty())
       html += fmt::format("<h2>{}</h2>\n", section.heading) +
-              page::quantity_table(items, section.item, section.captions);
+              (section.item_per_row ? page::item_table : page::quantity_table)(items, section.item,
+                                                                               section.captions);
   return html;
 }
 

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "turgor/core/timing.hpp"
-#include "turgor/models/rhombus/tissues.hpp"
 #include "turgor/sim/report/section.hpp"
+#include "turgor/sim/scene/tissue_presets.hpp"
 
 namespace turgor {
 
@@ -33,7 +33,7 @@ const Quantity<R> kRhombus[] = {
     {"tissue", kNone, "tissue", [](const R& r) -> Json { return r.scene.tissue; }},
     {"tissue_source", kNone, "",
      [](const R& r) -> Json {
-       const rhombus::Tissue* tissue = rhombus::find_tissue(r.scene.tissue);
+       const TissuePreset* tissue = find_preset(r.scene.tissue, PresetKind::kChain);
        return tissue ? tissue->source : "";
      },
      kInReport},

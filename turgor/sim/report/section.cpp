@@ -3,10 +3,10 @@
 namespace turgor {
 
 const std::vector<Section>& report_sections() {
-  static const std::vector<Section> kSections{wound_section(),   deformed_section(), lattice_section(),
-                                              tool_section(),    cost_section(),     sfem_section(),
-                                              rhombus_section(), obstacle_section(), hold_section(),
-                                              cloth_section(),   haptics_section(),  timing_section()};
+  static const std::vector<Section> kSections{
+      wound_section(),   deformed_section(), lattice_section(),  tool_section(), cost_section(),
+      sfem_section(),    rhombus_section(),  obstacle_section(), hold_section(), cloth_section(),
+      haptics_section(), tissue_section(),   timing_section()};
   return kSections;
 }
 

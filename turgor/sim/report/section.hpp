@@ -12,6 +12,7 @@ struct Section {
   const char* item;                   // kind of a column, such as "wound"
   Json (*items)(const Json& report);  // empty if the report has none
   std::vector<Caption> captions;
+  bool item_per_row = false;  // a row per item, for items that are mostly text
 };
 
 /// Value of a report's key; an empty array if it is missing.
@@ -29,7 +30,8 @@ Section obstacle_section();  // report_cloth.cpp
 Section hold_section();
 Section cloth_section();
 Section haptics_section();  // sim/live/report_haptics.cpp
-Section timing_section();   // report.cpp
+Section tissue_section();   // report.cpp
+Section timing_section();
 
 /// All sections, in the order of a report.
 const std::vector<Section>& report_sections();

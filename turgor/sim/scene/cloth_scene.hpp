@@ -16,6 +16,7 @@
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 #include "turgor/sim/scene/device.hpp"
+#include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
 
@@ -71,6 +72,7 @@ struct ClothScene {
   std::variant<cloth::Sheet, GarmentFile> source;
   Device device = Device::kCpu;
   cloth::Params params;
+  std::vector<TissueRow> tissues;  // laws and values with their source, for the report
   cloth::Air air;
   std::vector<WindTurn> turns;
   std::vector<HoldScene> holds;

@@ -7,10 +7,12 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/scene/ct_source.hpp"
+#include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
 
@@ -56,8 +58,9 @@ struct RhombusScene {
   std::string name;
   std::string source_location;  // "scene.toml:7:1: body.liver", for errors found later
   RhombusSource source;
-  std::string tissue;  // name in rhombus/tissues.hpp, source of the chain
+  std::string tissue;  // name of a preset, source of the chain
   rhombus::Params params;
+  std::vector<TissueRow> tissues;  // laws and values with their source, for the report
   std::optional<StiffnessScene> stiffness;
 };
 

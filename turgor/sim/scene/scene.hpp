@@ -19,6 +19,7 @@
 #include "turgor/sim/scene/device.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
+#include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
 
@@ -38,6 +39,7 @@ struct LatticeScene {
   bool has_gravity = true;
   Device device = Device::kCpu;  // from the scene
   lattice::Params params;
+  std::vector<TissueRow> tissues;  // laws and values with their source, for the report
 };
 
 /// [incision.NAME]. `from` and `to` are in meters, or in fractions of the box around the body.

@@ -2,6 +2,7 @@
 
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
+#include "turgor/sim/scene/scene_tissue.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
@@ -34,7 +35,48 @@ cloth::Sheet read_sheet(SceneTable table) {
   return sheet;
 }
 
-void read_fabric(SceneTable table, cloth::Fabric& fabric) {
+/// Sets the values of a preset.
+void apply(const TissuePreset* preset, cloth::Fabric& fabric) {
+  const std::pair<const char*, double*> values[] = {{"density", &fabric.density},
+                                                    {"warp", &fabric.warp},
+                                                    {"weft", &fabric.weft},
+                                                    {"shear", &fabric.shear},
+                                                    {"poisson", &fabric.poisson},
+                                                    {"rigidity_warp", &fabric.rigidity_warp},
+                                                    {"rigidity_weft", &fabric.rigidity_weft}};
+  for (const auto& [key, value] : values) *value = value_or(preset, key, *value);
+}
+
+TissueRow row_of(SceneTable& table, const cloth::Fabric& fabric, const TissuePreset* preset) {
+  const auto value = [&](const char* key, double number, const char* unit) -> LawValue {
+    return {key, number, unit, table.has(key)};
+  };
+  const LawValue density = value("density", fabric.density, "kg/m²"),
+                 warp = value("warp", fabric.warp, "N/m"), weft = value("weft", fabric.weft, "N/m"),
+                 shear = value("shear", fabric.shear, "N/m");
+  if (fabric.law == cloth::Law::kSprings)
+    return tissue_row("fabric", "springs", preset,
+                      {density, warp, weft, shear, value("bend", fabric.bend, "N/m")});
+  return tissue_row("fabric", "sheet", preset,
+                    {density, warp, weft, shear, value("poisson", fabric.poisson, "1"),
+                     value("rigidity_warp", fabric.rigidity_warp, "N·m"),
+                     value("rigidity_weft", fabric.rigidity_weft, "N·m")});
+}
+
+const TissuePreset* read_fabric_preset(SceneTable& body, SceneTable& table) {
+  const TissuePreset* preset =
+      read_preset(table, "preset", PresetKind::kFabric,
+                  "a preset of `turgor tissues`: sets the keys of the fabric that are not given; short form: "
+                  "`fabric = \"black-denim\"`");
+  const toml::node* node = body.find("fabric");
+  return node && node->is_string() ? preset_of(body, "fabric", PresetKind::kFabric) : preset;
+}
+
+void read_fabric(SceneTable& body, cloth::Fabric& fabric, std::vector<TissueRow>& rows) {
+  // values of a preset come first; given keys replace them
+  SceneTable table = body.table_or_text("fabric");
+  const TissuePreset* preset = read_fabric_preset(body, table);
+  apply(preset, fabric);
   // constitutive law
   using cloth::Law;
   fabric.law = table.has("bend") && !table.has("law") ? Law::kSprings : Law::kSheet;  // as before the sheet
@@ -66,6 +108,7 @@ void read_fabric(SceneTable table, cloth::Fabric& fabric) {
   // warp direction
   table.read("direction", fabric.direction, any_number(""), "direction of the warp, in the rest mesh");
   table.finish();
+  rows.push_back(row_of(table, fabric, preset));
 }
 
 void read_solver(SceneTable table, Device device, cloth::Solver& solver) {
@@ -271,7 +314,7 @@ ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scen
                            "device of this body; the default is `world.device`");
 
   // material and solver
-  read_fabric(body.table("fabric"), cloth.params.fabric);
+  read_fabric(body, cloth.params.fabric, cloth.tissues);
   SceneTable damping = body.table("damping");
   damping.read("motion", cloth.params.damping.motion, not_negative("1/s"),
                "velocities decay by exp(−motion · t)");

@@ -5,6 +5,7 @@
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
+#include "turgor/sim/scene/scene_tissue.hpp"
 
 namespace turgor {
 
@@ -128,8 +129,44 @@ void read_law(SceneTable& tissue, lattice::TissueParams& params) {
     tissue.fail("poisson", "springs have no Poisson's ratio: set law = \"solid\", or set volume");
 }
 
-void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params) {
-  SceneTable tissue = body.table("tissue");
+/// Preset of a table, or of the short form `tissue = "liver"`.
+const TissuePreset* read_preset_of(SceneTable& body, const char* key, SceneTable& table, PresetKind kind) {
+  const TissuePreset* preset = read_preset(
+      table, "preset", kind,
+      kind == PresetKind::kSkin
+          ? "a preset of `turgor tissues`: sets the keys of the skin that are not given; short form: `skin = "
+            "\"skin-upper-arm\"`"
+          : "a preset of `turgor tissues` for gas, fat, muscle and bone: sets the keys that are not given; "
+            "short form: `tissue = \"liver\"`");
+  const toml::node* node = body.find(key);
+  return node && node->is_string() ? preset_of(body, key, kind) : preset;
+}
+
+/// Rows of the report: the modulus of every tissue, then those of labels.
+void add_tissue_rows(SceneTable& tissue, const lattice::TissueParams& params, const TissuePreset* preset,
+                     std::vector<TissueRow>& rows) {
+  const char* law = params.law == TissueLaw::kSolid ? "solid" : "springs";
+  const bool young = tissue.has("young");
+  const std::pair<const char*, double> moduli[] = {
+      {"gas", params.gas}, {"fat", params.fat}, {"muscle", params.muscle}, {"bone", params.bone}};
+  for (const auto& [component, modulus] : moduli)
+    rows.push_back(
+        tissue_row(component, law, preset, {{"young", modulus, "Pa", young || tissue.has(component)}}));
+  if (params.law == TissueLaw::kSolid)
+    rows.push_back(
+        tissue_row("all tissue", law, preset, {{"poisson", params.poisson, "1", tissue.has("poisson")}}));
+  for (const auto& [label, modulus] : params.young_of_label)
+    rows.push_back(
+        tissue_row(fmt::format("label {}", label), law, nullptr, {{"young", modulus, "Pa", true}}));
+}
+
+void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params,
+                 std::vector<TissueRow>& rows) {
+  // a preset for all tissues
+  SceneTable tissue = body.table_or_text("tissue");
+  const TissuePreset* preset = read_preset_of(body, "tissue", tissue, PresetKind::kSolid);
+  for (double* modulus : {&params.gas, &params.fat, &params.muscle, &params.bone})
+    *modulus = value_or(preset, "young", *modulus);
   // stiffness per tissue, thresholds of CT values
   read_young(tissue, params);
   tissue.read("gas", params.gas, modulus(), "Young's modulus of gas inside the body");
@@ -149,6 +186,7 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
   if (!params.young_of_label.empty() && !has_labels(body))
     tissue.fail("labels", "stiffness by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
   tissue.finish();
+  add_tissue_rows(tissue, params, preset, rows);
 }
 
 void read_tension(SceneTable& table, lattice::SkinParams& skin) {
@@ -156,7 +194,7 @@ void read_tension(SceneTable& table, lattice::SkinParams& skin) {
   const toml::node* node = table.find("tension");
   table.describe("tension", "N/m", "45",
                  "a number, or `[along, across]` Langer's lines: the skin's tension in the CT; less than the "
-                 "stiffness",
+                 "stiffness. Measured tension of living skin is 6 to 138 N/m",
                  not_negative("N/m"));
   if (!node) return;
   // one number: isotropic tension
@@ -174,7 +212,8 @@ void read_tension(SceneTable& table, lattice::SkinParams& skin) {
   if (tension.size() == 2) skin.tension_along = tension[0], skin.tension_across = tension[1];
 }
 
-void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::path& field) {
+void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::path& field,
+               std::vector<TissueRow>& rows) {
   // short form: true or false
   const toml::node* node = body.find("skin");
   if (node && node->is_boolean()) {
@@ -182,7 +221,10 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
     return;
   }
   // keys with limits
-  SceneTable table = body.table("skin");
+  SceneTable table = body.table_or_text("skin");
+  const TissuePreset* preset = read_preset_of(body, "skin", table, PresetKind::kSkin);
+  skin.tension_along = value_or(preset, "tension", skin.tension_along);
+  skin.tension_across = value_or(preset, "tension", skin.tension_across);
   table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fiber", SkinLaw::kFiber}},
                              "`\"fiber\"`: directional, with Langer's lines; `\"area\"`: the paper's");
   read_tension(table, skin);
@@ -197,6 +239,16 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
     table.fail("tension", fmt::format("expected less than the skin's stiffness, {} N/m, found {} N/m",
                                       skin.stiffness, most));
   table.finish();
+  const char* law = skin.law == SkinLaw::kFiber ? "fiber" : "area";
+  const bool has_tension = table.has("tension");
+  rows.push_back(tissue_row("skin, across Langer's lines", law, preset,
+                            {{"tension", skin.tension_across, "N/m", has_tension}}, kSkinDefaults));
+  rows.push_back(tissue_row("skin", law, preset,
+                            {{"tension", skin.tension_along, "N/m", has_tension},
+                             {"stiffness", skin.stiffness, "N/m", table.has("stiffness")},
+                             {"shear", skin.shear, "N/m", table.has("shear")},
+                             {"amplification", skin.amplification, "1", table.has("amplification")}},
+                            kSkinDefaults));
 }
 
 void read_solver(SceneTable& body, lattice::SolverParams& solver) {
@@ -272,11 +324,11 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
   read_solver(body, scene.params.solver);
   const bool projects = scene.params.solver.method == Method::kPbd;
   scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;
-  read_tissue(body, labels, scene.params.tissue);
+  read_tissue(body, labels, scene.params.tissue, scene.tissues);
   scene.label_note = labels.note;
 
   // skin
-  read_skin(body, scene.params.skin, scene.direction_field);
+  read_skin(body, scene.params.skin, scene.direction_field, scene.tissues);
   const bool fiber = scene.params.skin.enabled && scene.params.skin.law == SkinLaw::kFiber;
   if (projects && fiber)
     body.fail(body.has("skin") ? "skin" : "solver",

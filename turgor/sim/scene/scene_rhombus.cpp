@@ -6,6 +6,7 @@
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
+#include "turgor/sim/scene/scene_tissue.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
@@ -48,15 +49,46 @@ RhombusSource read_source(SceneTable& body, const Scene& scene) {
   return surface;
 }
 
-void read_tissue(SceneTable& body, RhombusScene& scene) {
-  std::vector<std::string> names;
-  for (const rhombus::Tissue& tissue : rhombus::tissues()) names.push_back(tissue.name);
-  scene.tissue = names[0];
-  body.read_choice(
-      "tissue", scene.tissue, names,
-      "source of the chain's parameters: `\"liver\"` (human, as measured), `\"liver-porcine\"`, "
-      "`\"breast-fat\"`, `\"breast-gland\"`, `\"fibroadenoma\"`, or `\"zhang-2010\"`, the paper's liver");
-  if (const rhombus::Tissue* tissue = rhombus::find_tissue(scene.tissue)) scene.params.chain = tissue->chain;
+/// Chain of the tissue's preset, and its viscosity. Returns the preset.
+const TissuePreset& read_tissue(SceneTable& body, RhombusScene& scene) {
+  const TissuePreset* named = read_preset(
+      body, "tissue", PresetKind::kChain,
+      {"source of the chain's parameters, a preset of `turgor tissues`: `\"liver\"` (human, as measured), "
+       "`\"liver-porcine\"`, `\"breast-fat\"`, …, or `\"zhang-2010\"`, the paper's liver",
+       "`\"liver\"`"});
+  const TissuePreset& preset = named ? *named : *find_preset(rhombus::tissues()[0].name, PresetKind::kChain);
+  scene.tissue = preset.name;
+
+  // chains as printed, or fitted to the modulus
+  const rhombus::Tissue* printed = rhombus::find_tissue(preset.name);
+  scene.params.chain = printed ? printed->chain : rhombus::chain_of_modulus(value_or(&preset, "young", 0));
+  if (const double share = value_or(&preset, "viscosity.share", 0); share > 0) {
+    scene.params.viscosity.stiffening = share / (1 - share);
+    scene.params.viscosity.time = value_or(&preset, "viscosity.time", scene.params.viscosity.time);
+  }
+  return preset;
+}
+
+/// Rows of the report: the modulus or the printed chain, and the chain as it is used.
+void add_rows(SceneTable& body, const TissuePreset& preset, RhombusScene& scene) {
+  const rhombus::ChainParams& chain = scene.params.chain;
+  SceneTable given = body.table("chain"), viscosity = body.table("viscosity");
+  if (preset.kind == PresetKind::kSolid)
+    scene.tissues.push_back(
+        tissue_row("tissue", "linear", &preset, {{"young", value_or(&preset, "young", 0), "Pa", false}}));
+  scene.tissues.push_back(
+      tissue_row("chain", "rhombus chain", preset.kind == PresetKind::kChain ? &preset : nullptr,
+                 {{"chain.normal", chain.normal, "N/m", given.has("normal")},
+                  {"chain.tangential", chain.tangential, "N/m", given.has("tangential")},
+                  {"chain.decay", chain.decay, "1", given.has("decay")},
+                  {"chain.angle", chain.angle * 180 / std::numbers::pi, "degrees", given.has("angle")},
+                  {"chain.side", chain.side, "m", given.has("side")}},
+                 "chain fitted to the modulus of the tissue"));
+  if (const double ratio = scene.params.viscosity.stiffening; ratio > 0)
+    scene.tissues.push_back(
+        tissue_row("viscosity", "one Prony pair", &preset,
+                   {{"viscosity.share", ratio / (1 + ratio), "1", viscosity.has("ratio")},
+                    {"viscosity.time", scene.params.viscosity.time, "s", viscosity.has("time")}}));
 }
 
 /// Chain parameters that replace those of the tissue.
@@ -173,7 +205,7 @@ RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const 
   body.begin_group("rhombus");
   made.name = name, made.source_location = body.location();
   made.source = read_source(body, scene);
-  read_tissue(body, made);
+  const TissuePreset& preset = read_tissue(body, made);
   read_chain(body.table("chain"), made.params.chain);
   // response of the tissue
   body.read("bulge", made.params.bulge, within(0, 1),
@@ -189,6 +221,7 @@ RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const 
                  "the instantaneous stiffness is 1 + ratio times the static one");
   viscosity.read("time", made.params.viscosity.time, inside(0, 1000, "s"), "relaxation time of that");
   viscosity.finish();
+  add_rows(body, preset, made);
   // optional variation of stiffness
   if (body.has("stiffness")) made.stiffness = read_stiffness(body.table("stiffness"), scene, made.source);
   body.finish();

@@ -4,6 +4,7 @@
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
+#include "turgor/sim/scene/scene_tissue.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
@@ -92,7 +93,10 @@ UpAxis up_of(const SolidSource& source) {
   return UpAxis::kZ;
 }
 
-void read_material(SceneTable& table, sfem::Material& material) {
+constexpr const char* kTissueMeaning =
+    "a preset of `turgor tissues`, such as `\"liver\"`: sets the keys of the material that are not given";
+
+void read_young_and_poisson(SceneTable& table, sfem::Material& material) {
   table.read("young", material.young, modulus(), "Young's modulus");
   const toml::node* node = table.find("poisson");
   table.describe("poisson", "", number_text(material.poisson).c_str(), "Poisson's ratio", inside(-1, 0.5));
@@ -104,6 +108,18 @@ void read_material(SceneTable& table, sfem::Material& material) {
                                "is nearly incompressible), found {}",
                                *value));
   table.read("poisson", material.poisson, inside(-1, 0.5), "Poisson's ratio");
+}
+
+/// Material from a preset and its own keys, and its row in the report. Returns the preset or null.
+const TissuePreset* read_material(SceneTable& table, const std::string& component, sfem::Material& material,
+                                  std::vector<TissueRow>& rows) {
+  const TissuePreset* preset = read_preset(table, "tissue", PresetKind::kSolid, kTissueMeaning);
+  material.young = value_or(preset, "young", material.young);
+  read_young_and_poisson(table, material);
+  rows.push_back(tissue_row(component, "linear", preset,
+                            {{"young", material.young, "Pa", table.has("young")},
+                             {"poisson", material.poisson, "1", table.has("poisson")}}));
+  return preset;
 }
 
 /// Element order. Elements with a formulation are linear, and so are hexahedra.
@@ -140,7 +156,8 @@ bool read_position(SceneTable& table, const std::string& key, Vec3d& position) {
   return table.has(by_fraction);
 }
 
-std::vector<InsideScene> read_inside(SceneTable& body, const sfem::Material& around, SceneLabels& labels) {
+std::vector<InsideScene> read_inside(SceneTable& body, const sfem::Material& around, SceneLabels& labels,
+                                     std::vector<TissueRow>& rows) {
   std::vector<InsideScene> regions;
   SceneTable table = body.table("inside");
   for (const std::string& name : table.names()) {
@@ -151,14 +168,15 @@ std::vector<InsideScene> read_inside(SceneTable& body, const sfem::Material& aro
     read_label(inner, "label", labels, region.label,
                "elements with this label, a number or a name, have another material; `young` and `poisson` "
                "default to those of the body");
-    read_material(inner, region.material);
+    read_material(inner, "inside." + name, region.material, rows);
     inner.finish();
     regions.push_back(region);
   }
   return regions;
 }
 
-std::vector<InclusionScene> read_inclusions(SceneTable& body, const sfem::Material& around) {
+std::vector<InclusionScene> read_inclusions(SceneTable& body, const sfem::Material& around,
+                                            std::vector<TissueRow>& rows) {
   std::vector<InclusionScene> inclusions;
   SceneTable table = body.table("inclusion");
   for (const std::string& name : table.names()) {
@@ -169,7 +187,7 @@ std::vector<InclusionScene> read_inclusions(SceneTable& body, const sfem::Materi
     // keys with limits
     inclusion.by_fraction = read_position(inner, "center", inclusion.center);
     inner.read("radius", inclusion.radius, inside(0, 10, "m"), "radius of a sphere of another material");
-    read_material(inner, inclusion.material);
+    read_material(inner, "inclusion." + name, inclusion.material, rows);
     inner.finish();
     inclusions.push_back(inclusion);
   }
@@ -199,6 +217,25 @@ void read_patch(SceneTable& body, PatchScene& patch) {
   table.finish();
 }
 
+/// Viscosity from the tissue's preset and its own keys. A relaxing share g of the stress has the ratio
+/// g / (1 - g).
+void read_viscosity(SceneTable table, const TissuePreset* tissue, SfemScene& scene) {
+  if (const double share = value_or(tissue, "viscosity.share", 0); share > 0) {
+    scene.viscosity = share / (1 - share);
+    scene.viscous_time = value_or(tissue, "viscosity.time", scene.viscous_time);
+  }
+  table.read("ratio", scene.viscosity, within(0, 100),
+             "the instantaneous stiffness is 1 + ratio times the static one");
+  table.read("time", scene.viscous_time, inside(0, 1000, "s"), "relaxation time of that");
+  table.finish();
+  if (scene.viscosity == 0) return;
+  const bool has_pair = tissue && find_value(*tissue, "viscosity.share");
+  const double share = scene.viscosity / (1 + scene.viscosity);
+  scene.tissues.push_back(tissue_row("viscosity", "one Prony pair", has_pair ? tissue : nullptr,
+                                     {{"viscosity.share", share, "1", table.has("ratio")},
+                                      {"viscosity.time", scene.viscous_time, "s", table.has("time")}}));
+}
+
 void read_cache(SceneTable& body, SfemScene& scene) {
   constexpr const char* kMeaning =
       "folder below the user's cache folder in which Green's functions are cached between runs; `--set` may "
@@ -222,10 +259,10 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
   // shape and materials
   SceneLabels labels = scene_labels(body);
   scene.source = read_source(body, labels);
-  read_material(body, scene.material);
-  scene.inside = read_inside(body, scene.material, labels);
+  const TissuePreset* tissue = read_material(body, "body", scene.material, scene.tissues);
+  scene.inside = read_inside(body, scene.material, labels, scene.tissues);
   if (auto* organ = std::get_if<LabeledOrgan>(&scene.source)) organ->label_note = labels.note;
-  scene.inclusions = read_inclusions(body, scene.material);
+  scene.inclusions = read_inclusions(body, scene.material, scene.tissues);
 
   // fixed vertices and elements
   scene.fixed = read_held(body);
@@ -241,11 +278,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
 
   // patch and time behavior
   read_patch(body, scene.patch);
-  SceneTable viscosity = body.table("viscosity");
-  viscosity.read("ratio", scene.viscosity, within(0, 100),
-                 "the instantaneous stiffness is 1 + ratio times the static one");
-  viscosity.read("time", scene.viscous_time, inside(0, 1000, "s"), "relaxation time of that");
-  viscosity.finish();
+  read_viscosity(body.table("viscosity"), tissue, scene);
 
   // memory and cache
   body.read("rotations", scene.rotations,

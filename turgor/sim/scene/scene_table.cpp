@@ -295,6 +295,14 @@ SceneTable SceneTable::inner(std::string_view key, std::string_view listed_as) {
   return made;
 }
 SceneTable SceneTable::table(std::string_view key) { return inner(key, key); }
+SceneTable SceneTable::table_or_text(std::string_view key) {
+  static const toml::table kEmpty;
+  const toml::node* node = find(key);
+  if (!node || !node->is_string()) return inner(key, key);
+  SceneTable made(kEmpty, path_of(key), problems_);
+  made.group_ = group_, made.group_path_ = fmt::format("{}{}.", group_path_, key);
+  return made;
+}
 SceneTable SceneTable::named(std::string_view name) { return inner(name, "NAME"); }
 
 std::vector<std::string> SceneTable::keys() const {

@@ -78,6 +78,8 @@ class SceneTable {
                 const Allowed& allowed = {});
   /// Table inside this one; empty if missing.
   SceneTable table(std::string_view key);
+  /// The same for a table whose short form is a text; empty if the value is one.
+  SceneTable table_or_text(std::string_view key);
   /// The same for a table with a user-defined name; the list of keys shows "NAME".
   SceneTable named(std::string_view name);
   /// Starts a new group in the list of keys.

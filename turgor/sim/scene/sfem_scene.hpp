@@ -15,6 +15,7 @@
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 #include "turgor/sim/scene/device.hpp"
+#include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
 
@@ -90,6 +91,7 @@ struct SfemScene {
   std::string source_location;  // "scene.toml:7:1: body.liver", for errors found later
   SolidSource source;
   sfem::Material material;
+  std::vector<TissueRow> tissues;  // laws and values with their source, for the report
   std::vector<InsideScene> inside;
   std::vector<InclusionScene> inclusions;
   HeldBy fixed;
