@@ -31,8 +31,9 @@ struct PatchScene {
   }
   Handover take(sfem::Patch next) {
     TransferredHistory history;
-    if (!state.history.v.empty())
-      history = {std::vector<Vec3d>(next.points.size()), coarse_history(state.history, patch)};
+    for (int pair = 0; pair < state.history.count; pair++)
+      history.pairs.push_back(
+          {std::vector<Vec3d>(next.points.size()), coarse_history(state.history, pair, patch)});
     const Handover handover = take_patch(state, patch, next, kBall, history);
     patch = std::move(next);
     return handover;
@@ -149,16 +150,18 @@ TEST(PatchFollow, TouchedPositionIsContactCenter) {
 
 // A handover keeps the force and the history of a viscous material.
 TEST(PatchFollow, HandoverKeepsViscousHistory) {
-  PatchScene m({.capacity = 64, .viscosity = {.stiffening = 1, .time = 0.2}});
+  PatchScene m({.capacity = 64, .viscosity = {{{{0.6, 0.2}, {0.4, 2}, {}}}}});
   for (int i = 0; i < 100; i++) m.press(at(0, 1e-5 * i));
   m.settle(at(0, 1e-3));
   const Vec3d before = m.forces[0].force;
   const Handover handover = m.take(m.patch);
   EXPECT_LT(handover.force_jump, 1e-5 * norm(before));
-  EXPECT_FALSE(m.state.history.far.empty());
-  Vec3d total;
-  for (const VertexForce& f : m.state.history.far) total += f.force;
-  EXPECT_LT(total.z, 0) << "the history has the press";
+  for (std::size_t pair = 0; pair < 2; pair++) {
+    EXPECT_FALSE(m.state.history.pairs[pair].far.empty());
+    Vec3d total;
+    for (const VertexForce& f : m.state.history.pairs[pair].far) total += f.force;
+    EXPECT_LT(total.z, 0) << "the history has the press";
+  }
 }
 
 /// A block of soft tissue on a fixed floor, whose patch follows a sliding ball.
@@ -166,9 +169,9 @@ struct Block {
   sfem::Model model;
   FollowParams params{.radius = 12e-3, .hysteresis = 0.35, .blend_time = 0.03, .largest_step = 2e-3};
   std::vector<Vec3d> centers{{-15e-3, 0, 0}};
-  Viscosity viscosity;
+  Prony viscosity;
 
-  explicit Block(const Viscosity& with) : viscosity(with) {
+  explicit Block(const Prony& with) : viscosity(with) {
     sfem::Body body;
     body.mesh = hex_block({60e-3, 40e-3, 20e-3}, {12, 8, 4});
     for (Vec3d& x : body.mesh.vertices) x += Vec3d{-30e-3, -20e-3, -20e-3};
@@ -205,7 +208,7 @@ SlideReport slide_over(Block& block) {
     if (must_follow(block.params, block.centers, positions)) {
       sfem::Patch next = block.patch_at(positions);
       TransferredHistory history;
-      if (block.viscosity.stiffening > 0)
+      if (pair_count(block.viscosity) > 0)
         history = transferred_history(block.model, state.history, patch, next);
       const Handover handover = take_patch(state, patch, next, kBall, history);
       EXPECT_GT(handover.shared_points, 20);
@@ -234,7 +237,7 @@ SlideReport slide_over(Block& block) {
 
 // The haptic force of a sliding ball stays continuous while the patch is rebuilt.
 TEST(PatchFollow, SlidingBallHasContinuousForce) {
-  for (const Viscosity& viscosity : {Viscosity{}, Viscosity{.stiffening = 1, .time = 0.1}}) {
+  for (const Prony& viscosity : {Prony{}, Prony{{{{0.6, 0.1}, {0.4, 1}, {}}}}}) {
     Block block(viscosity);
     const SlideReport report = slide_over(block);
     EXPECT_GE(report.handovers, 5);

@@ -42,7 +42,7 @@ Pose pose_above(double x, double depth) { return {{x, 1e-3, kRadius - depth}, {}
 SfemTouch touched(double stiffening = 0) {
   const std::vector<Pose> poses{pose_above(-10e-3, -1e-3)};
   return make_sfem_touch(patch_at({-10e-3, 0, 0}), kBall, poses,
-                         {.touch = {.viscosity = {.stiffening = stiffening, .time = 0.1}},
+                         {.touch = {.viscosity = one_pair(stiffening, 0.1)},
                           .follow = kFollow,
                           .vertex_count = block().body.mesh.vertices.size()});
 }

@@ -279,7 +279,7 @@ TEST(Touch, OffsetMovesSurface) {
 // A tick allocates no memory.
 TEST(Touch, TicksAllocateNothing) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}, {Capsule{1e-3, 3e-3}, 0.3}},
-                {.capacity = 32, .viscosity = {.stiffening = 1, .time = 0.1}});
+                {.capacity = 32, .viscosity = one_pair(1, 0.1)});
   std::vector<ToolPose> poses(2);
   std::size_t counted = 0;
   for (int i = 0; i < 400; i++) {
@@ -330,7 +330,7 @@ TEST(Touch, ClustersMatchAllPoints) {
 TEST(Touch, EqualPathsGiveEqualBits) {
   std::vector<Vec3d> forces[2];
   for (auto& list : forces) {
-    Touched scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.viscosity = {.stiffening = 1, .time = 0.1}});
+    Touched scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.viscosity = one_pair(1, 0.1)});
     for (int i = 0; i < 300; i++)
       list.push_back(scene.press(above(1e-5 * i, 2e-6 * i, 1e-3 * std::sin(0.03 * i))).force);
   }

@@ -12,7 +12,7 @@ namespace {
 /// Ticks with smooth drags, jumps, rotations, non-finite poses and grasps. Returns the largest force.
 double fuzz(std::vector<Tool> tools, int ticks) {
   const std::size_t count = tools.size();
-  Touched scene({.side = 9}, std::move(tools), {.viscosity = {.stiffening = 2, .time = 0.05}});
+  Touched scene({.side = 9}, std::move(tools), {.viscosity = one_pair(2, 0.05)});
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(-1, 1);
   const auto random_vector = [&] { return Vec3d{number(random), number(random), number(random)}; };

@@ -130,17 +130,22 @@ void move_site(const sfem::Patch& from, const sfem::Patch& to, TouchState& state
 /// Transfers the viscous memory: unchanged at shared points, elsewhere from the forces on the coarse body.
 void move_history(const TransferredHistory& transferred, TouchState& state) {
   ViscousHistory& h = state.history;
-  if (h.v.empty()) return;
-  TURGOR_ASSERT(transferred.v.size() == state.match.old_point.size(),
+  if (h.count == 0) return;
+  TURGOR_ASSERT(transferred.pairs.size() == std::size_t(h.count),
                 "viscous memory is transferred with a viscous material");
-  h.far.assign(transferred.far.begin(), transferred.far.end());
-  h.far_fraction = 1;
+  h.far_factor = ViscousHistory::kNoDecay;
   std::vector<Vec3d>& next = state.match.history;
-  next.assign(transferred.v.begin(), transferred.v.end());
-  for (std::size_t i = 0; i < next.size(); i++)
-    if (const int old = state.match.old_point[i]; old >= 0) next[i] = h.v[std::size_t(old)];
-  std::swap(h.v, next);
-  h.phi.assign(h.v.size(), {});
+  for (std::size_t k = 0; k < transferred.pairs.size(); k++) {
+    const TransferredHistory::Pair& from = transferred.pairs[k];
+    TURGOR_ASSERT(from.v.size() == state.match.old_point.size(), "a memory of every point");
+    PairHistory& pair = h.pairs[k];
+    pair.far.assign(from.far.begin(), from.far.end());
+    next.assign(from.v.begin(), from.v.end());
+    for (std::size_t i = 0; i < next.size(); i++)
+      if (const int old = state.match.old_point[i]; old >= 0) next[i] = pair.v[std::size_t(old)];
+    std::swap(pair.v, next);
+    pair.phi.assign(pair.v.size(), {});
+  }
 }
 
 void move_offset(TouchState& state) {
@@ -200,9 +205,12 @@ bool must_follow(const FollowParams& params, std::span<const Vec3d> centers,
 
 TransferredHistory transferred_history(const sfem::Model& model, const ViscousHistory& history,
                                        const sfem::Patch& from, const sfem::Patch& to) {
-  if (history.v.empty()) return {};
-  TransferredHistory transferred{.v = {}, .far = coarse_history(history, from)};
-  transferred.v = displacements(model, transferred.far, to);
+  TransferredHistory transferred;
+  for (int pair = 0; pair < history.count; pair++) {
+    std::vector<VertexForce> far = coarse_history(history, pair, from);
+    std::vector<Vec3d> v = displacements(model, far, to);
+    transferred.pairs.push_back({.v = std::move(v), .far = std::move(far)});
+  }
   return transferred;
 }
 

@@ -44,11 +44,14 @@ struct Handover {
   int shared_points = 0;   // number of points that are in both patches
 };
 
-/// Viscous memory as forces on coarse vertices, prepared for the next patch. Both members are empty for
-/// elastic material.
+/// Viscous memory as forces on coarse vertices, prepared for the next patch. Empty for elastic
+/// material.
 struct TransferredHistory {
-  std::vector<Vec3d> v;          // displacement of the new patch's points under `far` [m]
-  std::vector<VertexForce> far;  // coarse_history of the old patch
+  struct Pair {
+    std::vector<Vec3d> v;          // displacement of the new patch's points under `far` [m]
+    std::vector<VertexForce> far;  // coarse_history of the old patch
+  };
+  std::vector<Pair> pairs;  // those in use
 };
 /// Viscous memory of `from`, evaluated at the points of `to`.
 TransferredHistory transferred_history(const sfem::Model& model, const ViscousHistory& history,

@@ -60,7 +60,8 @@ SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<
   SfemTouch touch{.patch = std::move(patch), .tools = std::move(tools), .follow = params.follow};
   const std::size_t spare = 2 * touch.patch->points.size() + 64;  // later patches have about the same size
   touch.state = make_touch_state(*touch.patch, touch.tools.size(), params.touch, spare);
-  if (params.touch.viscosity.stiffening > 0) touch.state.history.far.reserve(params.vertex_count);
+  for (std::size_t i = 0; i < std::size_t(touch.state.history.count); i++)
+    touch.state.history.pairs[i].far.reserve(params.vertex_count);
   touch.free.from.resize(params.vertex_count);
   touch.free.to.resize(params.vertex_count);
   for (const Pose& pose : poses) touch.poses.push_back({pose, false});
@@ -115,7 +116,7 @@ void publish(const SfemTouch& touch, SfemTouchSnapshot& now) {
   now.x = touch.state.x;
   now.force = touch.state.force;
   now.history = touch.state.history;
-  now.stiffening = touch.state.params.viscosity.stiffening;
+  now.viscosity = touch.state.params.viscosity;
   now.stiffness_scale = touch.stiffness_scale;
   // tools, with forces scaled to the body's stiffness
   now.poses = touch.poses;
@@ -129,9 +130,11 @@ void publish(const SfemTouch& touch, SfemTouchSnapshot& now) {
 
 void reserve_like(const SfemTouch& touch, SfemTouchSnapshot& now) {
   for (auto* points : {&now.x, &now.force}) points->reserve(touch.state.x.capacity());
-  if (!touch.state.history.v.empty())
-    for (auto* points : {&now.history.v, &now.history.phi}) points->reserve(touch.state.x.capacity());
-  now.history.far.reserve(touch.state.history.far.capacity());
+  for (std::size_t i = 0; i < std::size_t(touch.state.history.count); i++) {
+    PairHistory& pair = now.history.pairs[i];
+    for (auto* points : {&pair.v, &pair.phi}) points->reserve(touch.state.x.capacity());
+    pair.far.reserve(touch.state.history.pairs[i].far.capacity());
+  }
   publish(touch, now);
 }
 

@@ -82,7 +82,7 @@ struct SfemTouchSnapshot {
   std::vector<Vec3d> x,
       force;  // of the patch's points: position [m], and force at a stiffness_scale of 1 [N]
   ViscousHistory history;
-  double stiffening = 0;       // Viscosity::stiffening
+  Prony viscosity;
   double stiffness_scale = 1;  // see SfemTouch
   std::vector<ToolPose> poses;
   std::vector<ToolForce> forces;

@@ -60,11 +60,11 @@ Block block_between(const sfem::Patch& patch, const Site& row, const Site& colum
 void fill_compliance(Tick& tick) {
   TURGOR_CHECK(3 * tick.state.new_sites.size() <= std::size_t(tick.state.problem.stride),
                "contact sites fit the allocated capacity");
-  TURGOR_CHECK(tick.viscous.p >= 0, "a viscous body is at least as stiff as an elastic one");
+  TURGOR_CHECK(tick.viscous.total >= 0, "a viscous body is at least as stiff as an elastic one");
   FrictionalContactProblem& problem = tick.state.problem;
   const std::vector<Site>& sites = tick.state.new_sites;
   const auto stride = std::size_t(problem.stride);
-  const double scale = 1 / (1 + tick.viscous.p);
+  const double scale = 1 / (1 + tick.viscous.total);
   // A small compliance of each site itself. Without it, two tools that squeeze one point have no finite
   // solution, and many sites in one triangle have several.
   const double own = tick.state.params.tool_softness * scale * tick.state.surface.largest_softness;
@@ -83,8 +83,8 @@ void fill_compliance(Tick& tick) {
 /// Position of a point without any force of this tick.
 Vec3d free_position(const Tick& tick, std::size_t point) {
   const Vec3d x = tick.patch.points[point].x + tick.state.offset[point];
-  if (tick.viscous.p == 0) return x;
-  return x + tick.viscous.p / (1 + tick.viscous.p) * tick.state.history.v[point];
+  if (tick.viscous.count == 0) return x;
+  return x + remembered_displacement(tick.viscous, tick.state.history, point);
 }
 
 /// Separation of a site from its tool without contact forces. Along the normal it is the gap to the tool's

@@ -43,8 +43,7 @@ void solve_substep(Tick& tick, double dt) {
   std::swap(tick.state.sites, tick.state.new_sites);
   // displacements and viscous memory
   move_points(tick.patch, tick.viscous, tick.state);
-  if (!tick.state.history.v.empty())
-    remember(tick.viscous, tick.state.u, tick.state.force, tick.state.history);
+  if (tick.viscous.count > 0) remember(tick.viscous, tick.state.u, tick.state.force, tick.state.history);
   // friction's memory and poses
   move_anchors(tick);
   remember_poses(tick);
@@ -105,11 +104,11 @@ TouchState make_touch_state(const sfem::Patch& patch, std::size_t tool_count, co
   state.offset.assign(n, {});
   move_points(patch, {}, state);
   // viscous memory
-  if (params.viscosity.stiffening > 0) {
-    for (auto* points : {&state.history.v, &state.history.phi, &state.match.history})
-      points->reserve(max_points);
-    state.history.v.assign(n, {});
-    state.history.phi.assign(n, {});
+  state.history.count = pair_count(params.viscosity);
+  if (state.history.count > 0) state.match.history.reserve(max_points);
+  for (std::size_t i = 0; i < std::size_t(state.history.count); i++) {
+    PairHistory& pair = state.history.pairs[i];
+    for (auto* points : {&pair.v, &pair.phi}) points->reserve(max_points), points->assign(n, {});
   }
   // tools
   state.tools.resize(tool_count);
@@ -144,11 +143,11 @@ void solve_touch_tick(const sfem::Patch& patch, TouchState& state, std::span<con
   for (std::size_t t = 0; t < tools.size(); t++) state.poses[t] = poses[t], state.forces[t] = forces[t];
 }
 
-// u = (Ξ f + p' v)/(1 + p'), with f the forces of sites on points and Ξ the patch's compliance
+// u = (Ξ f + Σ pᵢ' vᵢ)/(1 + P), with f the forces of sites on points and Ξ the patch's compliance
 void move_points(const sfem::Patch& patch, const ViscousTick& viscous, TouchState& state) {
   const std::size_t n = patch.points.size();
   TURGOR_CHECK(state.offset.size() == n, "every point of the patch has an offset");
-  const double p = viscous.p, scale = 1 / (1 + p);
+  const double scale = 1 / (1 + viscous.total);
   const auto add_forces = [&](bool clusters) {
     for (const Site& site : state.sites)
       if ((site.level > 0) == clusters)
@@ -157,10 +156,10 @@ void move_points(const sfem::Patch& patch, const ViscousTick& viscous, TouchStat
   // forces of point sites
   state.force.assign(n, {});
   add_forces(false);
-  // viscous part p' v
+  // viscous component
   state.u.assign(n, {});
-  if (p > 0)
-    for (std::size_t i = 0; i < n; i++) state.u[i] = p * scale * state.history.v[i];
+  if (viscous.count > 0)
+    for (std::size_t i = 0; i < n; i++) state.u[i] = remembered_displacement(viscous, state.history, i);
   // Ξ f of points, then of clusters
   for (std::size_t point = 0; point < n; point++)
     if (!(state.force[point] == Vec3d{}))

@@ -50,7 +50,7 @@ struct TouchParams {
   int capacity = 32;  // largest number of sites of all tools together; wide contacts use clusters of points
   double tool_softness =
       1e-5;  // compliance added to every site, relative to the softest point's compliance [1]
-  Viscosity viscosity;
+  Prony viscosity;
   // Limits the solver to half a millisecond if the contact jams and all sites are in use. The result is then
   // that of the last sweep, which satisfies the friction law at every site.
   FrictionalContactParams solver{.newton_steps = 6};
@@ -77,7 +77,7 @@ struct RemainingJump {
 struct PatchMatch {
   std::vector<int> from_order, to_order;  // point indices sorted by PatchPoint::key
   std::vector<int> new_point, old_point;  // index of the same point in the other patch; -1 = none
-  std::vector<Vec3d> offset, history;     // TouchState::offset and ViscousHistory::v of the new patch [m]
+  std::vector<Vec3d> offset, history;     // TouchState::offset and PairHistory::v of the new patch [m]
   std::vector<ToolForce> forces;          // on the old patch
 };
 

@@ -9,31 +9,73 @@
 
 namespace turgor::contact {
 
-ViscousTick viscous_tick(const Viscosity& viscosity, double dt) {
-  if (viscosity.stiffening <= 0) return {};
-  TURGOR_CHECK(viscosity.time > 0 && dt >= 0, "a viscous material has a positive relaxation time");
-  const double a = dt / viscosity.time;
-  return {a, viscosity.stiffening / (1 + a)};
+ViscousTick viscous_tick(const Prony& viscosity, double dt) {
+  ViscousTick tick{.count = pair_count(viscosity)};
+  for (std::size_t i = 0; i < std::size_t(tick.count); i++) {
+    const PronyPair& pair = viscosity.pairs[i];
+    TURGOR_CHECK(pair.time > 0 && dt >= 0, "a viscous material has a positive relaxation time");
+    tick.a[i] = dt / pair.time;
+    tick.p[i] = pair.ratio / (1 + tick.a[i]);
+    tick.total += tick.p[i];
+  }
+  return tick;
 }
+
+Vec3d remembered_displacement(const ViscousTick& tick, const ViscousHistory& history, std::size_t point) {
+  Vec3d sum;
+  for (std::size_t i = 0; i < std::size_t(tick.count); i++)
+    sum += tick.p[i] / (1 + tick.total) * history.pairs[i].v[point];
+  return sum;
+}
+
+namespace {
+
+/// Factors of far memory after a tick without force: φᵢ⁺ = (φᵢ + aᵢ Σ pⱼ' φⱼ/(1 + P))/(1 + aᵢ).
+void decay_far(const ViscousTick& tick, ViscousHistory& history) {
+  const auto before = history.far_factor;
+  const auto count = std::size_t(tick.count);
+  for (std::size_t i = 0; i < count; i++)
+    for (std::size_t k = 0; k < count; k++) {
+      double sum = 0;
+      for (std::size_t j = 0; j < count; j++) {
+        const double shared = tick.a[i] * tick.p[j] / (1 + tick.total), own = i == j ? 1 : 0;
+        sum += (own + shared) / (1 + tick.a[i]) * before[j][k];
+      }
+      history.far_factor[i][k] = sum;
+    }
+}
+
+}  // namespace
 
 void remember(const ViscousTick& tick, std::span<const Vec3d> u, std::span<const Vec3d> f,
               ViscousHistory& history) {
-  TURGOR_CHECK(u.size() == f.size() && history.v.size() == u.size() && history.phi.size() == u.size(),
+  TURGOR_CHECK(u.size() == f.size() && history.count == tick.count,
                "every point has a displacement, a force and a viscous memory");
-  const double a = tick.a, p = tick.p;
-  for (std::size_t i = 0; i < u.size(); i++) {
-    history.v[i] = (history.v[i] + a * u[i]) / (1 + a);
-    history.phi[i] = (history.phi[i] + a / (1 + p) * (f[i] + p * history.phi[i])) / (1 + a);
+  const auto count = std::size_t(tick.count);
+  for (std::size_t n = 0; n < u.size(); n++) {
+    // force of the whole memory, before any pair changes
+    Vec3d force = f[n];
+    for (std::size_t i = 0; i < count; i++) force += tick.p[i] * history.pairs[i].phi[n];
+    for (std::size_t i = 0; i < count; i++) {
+      PairHistory& pair = history.pairs[i];
+      const double a = tick.a[i];
+      pair.v[n] = (pair.v[n] + a * u[n]) / (1 + a);
+      pair.phi[n] = (pair.phi[n] + a / (1 + tick.total) * force) / (1 + a);
+    }
   }
-  history.far_fraction *= (1 + a * p / (1 + p)) / (1 + a);
+  decay_far(tick, history);
 }
 
-std::vector<VertexForce> coarse_history(const ViscousHistory& history, const sfem::Patch& patch) {
+std::vector<VertexForce> coarse_history(const ViscousHistory& history, int pair, const sfem::Patch& patch) {
+  TURGOR_CHECK(is_index(pair, std::size_t(history.count)), "the pair is in use");
+  const auto own = std::size_t(pair);
   std::map<int, Vec3d> sum;
-  for (const auto& [vertex, force] : history.far) sum[vertex] += history.far_fraction * force;
+  for (std::size_t j = 0; j < std::size_t(history.count); j++)
+    for (const auto& [vertex, force] : history.pairs[j].far)
+      sum[vertex] += history.far_factor[own][j] * force;
   // memory on the patch's points, restricted to coarse vertices
   std::vector<double> forces;
-  for (const Vec3d f : history.phi) forces.insert(forces.end(), {f.x, f.y, f.z});
+  for (const Vec3d f : history.pairs[own].phi) forces.insert(forces.end(), {f.x, f.y, f.z});
   const std::vector<double> coarse = sfem::coarse_forces(patch, forces);
   TURGOR_CHECK(coarse.size() == 3 * patch.coarse.size(), "three numbers a coarse vertex");
   for (std::size_t i = 0; i < patch.coarse.size(); i++)

@@ -262,7 +262,7 @@ TEST(RhombusStep, RejectsInvalidBodies) {
   soft.stiffness.resize(10);
   EXPECT_EQ(message(soft), "stiffness: expected one number for each of the 162 vertices, found 10");
   EXPECT_EQ(message(body, {.bulge = 1.5}), "bulge: expected a fraction from 0 to 1, found 1.5");
-  EXPECT_EQ(message(body, {.viscosity = {1, 0}}), "relaxation time: expected more than 0 s, found 0");
+  EXPECT_EQ(message(body, {.viscosity = one_pair(1, 0)}), "relaxation time: expected more than 0 s, found 0");
   EXPECT_NE(message(body, {.chain = {.angle = 2}}), "built");
 }
 

@@ -36,10 +36,10 @@ struct Grasp {
 TEST(RhombusTear, RandomGraspsAreBounded) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> fraction(0, 1), sign(-1, 1);
-  const Model models[] = {model_of({.chain = tissues()[0].chain}),
-                          model_of({.chain = find_tissue("liver-porcine")->chain}),
-                          model_of({.chain = kStiff}), model_of({}),
-                          model_of({.chain = chain_of_modulus(4e4), .viscosity = {2, 0.05}, .tear = 5})};
+  const Model models[] = {
+      model_of({.chain = tissues()[0].chain}), model_of({.chain = find_tissue("liver-porcine")->chain}),
+      model_of({.chain = kStiff}), model_of({}),
+      model_of({.chain = chain_of_modulus(4e4), .viscosity = one_pair(2, 0.05), .tear = 5})};
   State state = make_state(models[0], 1);  // all models have the same surface
   int slips = 0;
   double strongest = 0, steepest = 0;

@@ -228,7 +228,7 @@ TEST(RhombusTouch, ToolInDeeperDentHasNoForce) {
 
 // A fast press on viscous tissue is stiffer, and its force relaxes exponentially.
 TEST(RhombusTouch, ViscousForceRelaxes) {
-  const Model elastic = slab_model(), viscous = slab_model({.viscosity = {1.5, 0.2}});
+  const Model elastic = slab_model(), viscous = slab_model({.viscosity = one_pair(1.5, 0.2)});
   State a = make_state(elastic, 1), b = make_state(viscous, 1);
   const TouchInput input = ball({0, 0, kRadius - 0.005});
   const double rest = tick(elastic, a, input).force.z, fast = tick(viscous, b, input).force.z;
@@ -240,9 +240,39 @@ TEST(RhombusTouch, ViscousForceRelaxes) {
   EXPECT_NEAR(at / rest, 1, 1e-6);
 }
 
+// Three pairs follow the convolution of the elastic force's history within 1 %, after ramps of three
+// durations.
+TEST(RhombusTouch, ThreePairsMatchRampAndHold) {
+  const Prony law{{{{0.8, 0.1}, {0.5, 1}, {0.3, 10}}}};
+  const Model elastic = slab_model(), viscous = slab_model({.viscosity = law});
+  for (const double ramp : {0.05, 0.5, 5.0}) {
+    State a = make_state(elastic, 1), b = make_state(viscous, 1);
+    const int ticks = int(std::lround(ramp * 1000));
+    std::vector<double> rises;  // of the elastic force in every tick [N]
+    double before = 0, peak = 0;
+    for (int i = 1; i <= 5 * ticks; i++) {
+      const TouchInput input = ball({0, 0, kRadius - 0.005 * std::min(1.0, double(i) / ticks)});
+      const double rest = tick(elastic, a, input).force.z, now = tick(viscous, b, input).force.z;
+      rises.push_back(rest - before), before = rest;
+      if (i % ticks != 0) continue;
+      // σ(t) = Σ rise (1 + Σ pᵢ exp(−(t − s)/τᵢ)), each rise at the middle of its tick
+      double exact = 0;
+      for (std::size_t n = 0; n < rises.size(); n++) {
+        double factor = 1;
+        for (const PronyPair& pair : law.pairs)
+          factor += pair.ratio * std::exp(-1e-3 * (i - double(n) - 0.5) / pair.time);
+        exact += factor * rises[n];
+      }
+      peak = std::max(peak, exact);
+      EXPECT_NEAR(now, exact, 0.01 * peak) << ramp << " s, tick " << i;
+    }
+    EXPECT_GT(peak, 1.2 * before) << "the peak relaxes";
+  }
+}
+
 // Viscous tissue dissipates energy and recovers its shape.
 TEST(RhombusTouch, ViscousTissueRecoversAndDissipates) {
-  const Model model = slab_model({.viscosity = {1.5, 0.2}});
+  const Model model = slab_model({.viscosity = one_pair(1.5, 0.2)});
   State state = make_state(model, 1);
   const Exec exec(1);
   double work = 0, remaining = 0;
@@ -264,7 +294,7 @@ TEST(RhombusTouch, ViscousTissueRecoversAndDissipates) {
 
 // Random paths of three tools stay finite for 100 000 ticks.
 TEST(RhombusTouch, RandomPathsStayFinite) {
-  Params params{.bulge = 0.7, .viscosity = {0.8, 0.05}};
+  Params params{.bulge = 0.7, .viscosity = one_pair(0.8, 0.05)};
   const Model model = sphere_model(params);
   State state = make_state(model, 3);
   const Exec exec(1);

@@ -38,7 +38,7 @@ grasp = { at_fraction = [0.5, 0.5, 1], pull = 0.012 }
   EXPECT_NEAR(liver.params.chain.angle, 0.5235988, 1e-6) << "from the key";
   EXPECT_EQ(liver.params.chain.side, 0.004);
   EXPECT_EQ(liver.params.bulge, 0.4);
-  EXPECT_EQ(liver.params.viscosity.stiffening, 0.5);
+  EXPECT_EQ(liver.params.viscosity, one_pair(0.5, 0.2));
   const auto& stiffness = std::get<LabelStiffness>(liver.stiffness->source);
   EXPECT_EQ(stiffness.factors.at(5), 2);
   EXPECT_EQ(stiffness.factors.size(), 2u);

@@ -85,8 +85,7 @@ TEST(SceneSfem, KeysReachFields) {
   EXPECT_EQ(liver.precision, sfem::Precision::kDouble);
   EXPECT_EQ(liver.patch.radius, 0.03);
   EXPECT_EQ(liver.patch.refinement, 3);
-  EXPECT_EQ(liver.viscosity, 0.5);
-  EXPECT_EQ(liver.viscous_time, 0.3);
+  EXPECT_EQ(liver.viscosity, one_pair(0.5, 0.3));
   EXPECT_EQ(liver.memory, 2);
   EXPECT_EQ(liver.cache, std::filesystem::weakly_canonical(user_cache_folder()) / "kept");
   EXPECT_EQ(liver.seen, "/data/fine.obj");

@@ -30,13 +30,14 @@ const TissueRow* find_row(const std::vector<TissueRow>& rows, const std::string&
 TEST(SceneTissue, SfemTakesPreset) {
   const SfemScene fat = scene_of(kSfem, "tissue = \"fat\"\n").sfem_bodies[0];
   EXPECT_DOUBLE_EQ(fat.material.young, 1590);
-  EXPECT_DOUBLE_EQ(fat.viscosity, 0.39 / 0.61);
-  EXPECT_EQ(fat.viscous_time, 700);
+  EXPECT_DOUBLE_EQ(fat.viscosity.pairs[0].ratio, 0.39 / 0.61);
+  EXPECT_EQ(fat.viscosity.pairs[0].time, 700);
+  EXPECT_EQ(pair_count(fat.viscosity), 1);
   const SfemScene given =
       scene_of(kSfem, "tissue = \"fat\"\nyoung = 2e3\nviscosity = { ratio = 0, time = 3 }\n").sfem_bodies[0];
   EXPECT_EQ(given.material.young, 2000);
-  EXPECT_EQ(given.viscosity, 0);
-  EXPECT_EQ(given.viscous_time, 3);
+  EXPECT_EQ(pair_count(given.viscosity), 0);
+  EXPECT_EQ(given.viscosity.pairs[0].time, 3);
   const SfemScene nodule = scene_of(kSfem,
                                     "tissue = \"liver\"\ninclusion.n = { center = [0, 0, 0], tissue = "
                                     "\"fibroadenoma\" }\n")
@@ -70,10 +71,10 @@ TEST(SceneTissue, RhombusTakesAnySolid) {
   const auto body = [](const std::string& lines) { return scene_of(kRhombus, lines).rhombus_bodies[0]; };
   EXPECT_DOUBLE_EQ(body("tissue = \"muscle-thigh\"\n").params.chain.normal,
                    rhombus::chain_of_modulus(49750).normal);
-  EXPECT_EQ(body("tissue = \"fat\"\n").params.viscosity.time, 700);
+  EXPECT_EQ(body("tissue = \"fat\"\n").params.viscosity.pairs[0].time, 700);
   EXPECT_EQ(body("").tissue, "liver");
   EXPECT_EQ(body("").params.chain.normal, rhombus::tissues()[0].chain.normal);
-  EXPECT_EQ(body("").params.viscosity.stiffening, 0);
+  EXPECT_EQ(body("").params.viscosity.pairs[0].ratio, 0);
 }
 
 // A fabric preset sets the values of a sheet; given keys win.

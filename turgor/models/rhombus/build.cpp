@@ -18,11 +18,12 @@ Status check(const Body& body, const Params& params) {
     return Error{"the force at which tissue tears: expected more than 0 N, found " +
                  number_text(params.tear)};
   // viscosity
-  const Viscosity& viscosity = params.viscosity;
-  if (!(viscosity.stiffening >= 0 && std::isfinite(viscosity.stiffening)))
-    return Error{"viscous stiffening: expected 0 or more, found " + number_text(viscosity.stiffening)};
-  if (!(viscosity.time > 0 && std::isfinite(viscosity.time)))
-    return Error{"relaxation time: expected more than 0 s, found " + number_text(viscosity.time)};
+  for (const PronyPair& pair : params.viscosity.pairs) {
+    if (!(pair.ratio >= 0 && std::isfinite(pair.ratio)))
+      return Error{"viscous stiffening: expected 0 or more, found " + number_text(pair.ratio)};
+    if (!(pair.time > 0 && std::isfinite(pair.time)))
+      return Error{"relaxation time: expected more than 0 s, found " + number_text(pair.time)};
+  }
   // stiffness of the vertices
   if (!body.stiffness.empty() && body.stiffness.size() != body.vertices.size())
     return Error{"stiffness: expected one number for each of the " + std::to_string(body.vertices.size()) +

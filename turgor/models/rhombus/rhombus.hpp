@@ -9,6 +9,7 @@
 //   displacements_of  distributed loads such as cloth                         (spread.hpp)
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
+#include "turgor/models/prony.hpp"
 #include "turgor/models/rhombus/chain.hpp"
 #include "turgor/models/rhombus/foot_point.hpp"
 #include "turgor/models/rhombus/geodesic.hpp"
@@ -24,17 +26,12 @@
 
 namespace turgor::rhombus {
 
-/// Viscosity of the chain. All units relax alike, and so does the chain: a fast press meets (1 + stiffening)
-/// times the long-term force.
-struct Viscosity {
-  double stiffening = 0;  // 0 = elastic [1]
-  double time = 0.1;      // of relaxation [s]
-};
-
 struct Params {
   ChainParams chain;
   double bulge = 0;  // fraction of the pressed-in volume that rises around the press, in [0, 1]
-  Viscosity viscosity;
+  // All units relax alike, and so does the chain: a fast press meets (1 + total_ratio) times the long-term
+  // force.
+  Prony viscosity;
   // Largest force [N]. Beyond it held tissue slips out of the tool, and pressed tissue yields. Chains have no
   // limit of their own: their stiffness grows by growth_bound a newton.
   double tear = 30;
@@ -97,7 +94,7 @@ struct ToolTouch {
   Vec3d demand;               // displacement of the touched point required by the tool [m]
   Vec3d moved;                // displacement by this tool's own chains, without that of its neighbors [m]
   Vec3d elastic;              // force on the tool without viscosity [N]
-  Vec3d remembered;           // viscous part of the force [N]
+  std::array<Vec3d, kMostPronyPairs> remembered{};  // viscous force of each pair [N]
   double depth_force = 0, drag_force = 0;  // of the two chains, before sharing and scaling (tip.hpp) [N]
   double depth_fraction = 0, drag_fraction = 0;  // fractions that this tool bears, in [0, 1]
   double depth_whole = 0;                        // depth of the tip by all tools [m]

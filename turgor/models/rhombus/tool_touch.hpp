@@ -40,15 +40,20 @@ inline SharedMove shared_move(double moved, double demand) {
   return size > 0 ? SharedMove{std::copysign(size, moved), std::abs(moved) / size} : SharedMove{};
 }
 
-/// Maxwell branch over a tick, exact for forces that change linearly in time.
+/// Maxwell branch of a pair over a tick, exact for forces that change linearly in time.
 struct ViscousStep {
   double kept = 1;   // decay factor of the viscous force
   double taken = 0;  // factor of the elastic force's change
 };
-inline ViscousStep viscous_step(const Viscosity& viscosity, double dt) {
-  TURGOR_CHECK(viscosity.time > 0 && dt >= 0, "tissue relaxes in a positive time");
-  const double a = dt / viscosity.time;
-  return {std::exp(-a), a > 0 ? viscosity.stiffening * -std::expm1(-a) / a : viscosity.stiffening};
+inline ViscousStep viscous_step(const PronyPair& pair, double dt) {
+  TURGOR_CHECK(pair.time > 0 && dt >= 0, "tissue relaxes in a positive time");
+  const double a = dt / pair.time;
+  return {std::exp(-a), a > 0 ? pair.ratio * -std::expm1(-a) / a : pair.ratio};
+}
+
+/// Viscous force of all pairs [N].
+inline Vec3d remembered_force(const ToolTouch& t) {
+  return t.remembered[0] + t.remembered[1] + t.remembered[2];
 }
 
 }  // namespace turgor::rhombus

@@ -46,13 +46,17 @@ void follow_hold(ToolTouch& t, const TouchInput& in) {
 /// Depth at which the surface behind a fast retreating tool would bear no force, because viscosity delays its
 /// recovery [m]. The total force is zero there:
 ///
-///     f_el (1 + taken) = taken f_el,0 − kept f_v
+///     f_el (1 + Σ taken) = Σ (taken f_el,0 − kept f_v)
 double lagging_depth(const Model& model, const ToolTouch& t, double dt) {
-  if (model.params.viscosity.stiffening == 0) return 0;
-  const ViscousStep step = viscous_step(model.params.viscosity, dt);
-  const double elastic =
-      (step.taken * dot(t.elastic, t.foot.normal) - step.kept * dot(t.remembered, t.foot.normal)) /
-      (1 + step.taken);
+  const int pairs = pair_count(model.params.viscosity);
+  if (pairs == 0) return 0;
+  double taken = 0, force = 0;
+  for (std::size_t i = 0; i < std::size_t(pairs); i++) {
+    const ViscousStep step = viscous_step(model.params.viscosity.pairs[i], dt);
+    taken += step.taken;
+    force += step.taken * dot(t.elastic, t.foot.normal) - step.kept * dot(t.remembered[i], t.foot.normal);
+  }
+  const double elastic = force / (1 + taken);
   if (elastic <= 0) return 0;
   const double depth = depth_of_tip(model.chain, t.tip, elastic / stiffness_at(model, t.foot.at));
   return depth > kAtRest ? depth : 0;
@@ -195,8 +199,10 @@ Vec3d elastic_force(const Model& model, ToolTouch& t) {
 }
 
 void remember(const Model& model, ToolTouch& t, Vec3d elastic, double dt) {
-  const ViscousStep step = viscous_step(model.params.viscosity, dt);
-  t.remembered = t.remembered * step.kept + (elastic - t.elastic) * step.taken;
+  for (std::size_t i = 0; i < t.remembered.size(); i++) {
+    const ViscousStep step = viscous_step(model.params.viscosity.pairs[i], dt);
+    t.remembered[i] = t.remembered[i] * step.kept + (elastic - t.elastic) * step.taken;
+  }
   t.elastic = elastic;
 }
 
@@ -204,7 +210,8 @@ void remember(const Model& model, ToolTouch& t, Vec3d elastic, double dt) {
 TouchForce release_slipped(ToolTouch& t) {
   t.touching = t.holding = t.lagging = false;
   t.closed_empty = true;
-  t.demand = t.moved = t.elastic = t.remembered = {};
+  t.demand = t.moved = t.elastic = {};
+  t.remembered = {};
   t.depth_force = t.drag_force = t.depth_fraction = t.drag_fraction = t.depth_whole = 0;
   return {.slipped = true};
 }
@@ -218,18 +225,18 @@ double squeeze_force(const Model& model, const ToolTouch& t) {
 TouchForce compute_force(const Model& model, ToolTouch& t, const TouchInput& in, double dt) {
   // elastic and viscous force
   remember(model, t, elastic_force(model, t), dt);
-  const double size = norm(t.elastic + t.remembered);
+  const double size = norm(t.elastic + remembered_force(t));
   const bool bears = size <= model.params.tear;
   // limit of the tissue: held tissue slips, pressed tissue yields
   if (!bears && t.holding) return release_slipped(t);
   if (!bears) {
     const double cap = std::isfinite(size) ? model.params.tear / size : 0;
     t.elastic = cap > 0 ? t.elastic * cap : Vec3d{};
-    t.remembered = cap > 0 ? t.remembered * cap : Vec3d{};
+    for (Vec3d& pair : t.remembered) pair = cap > 0 ? pair * cap : Vec3d{};
   }
   // force on the tool; a pressing tool is never pulled
   TouchForce out{
-      .force = t.elastic + t.remembered, .depth = -dot(t.moved, t.foot.normal), .holding = t.holding};
+      .force = t.elastic + remembered_force(t), .depth = -dot(t.moved, t.foot.normal), .holding = t.holding};
   const bool reaches = pressed_depth(t.foot, in) > 0 && !t.lagging;
   if (!t.holding && (!reaches || dot(out.force, t.foot.normal) <= 0)) out.force = {};
   // state

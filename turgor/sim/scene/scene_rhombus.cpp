@@ -6,7 +6,7 @@
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
-#include "turgor/sim/scene/scene_tissue.hpp"
+#include "turgor/sim/scene/scene_prony.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
@@ -62,17 +62,14 @@ const TissuePreset& read_tissue(SceneTable& body, RhombusScene& scene) {
   // chains as printed, or fitted to the modulus
   const rhombus::Tissue* printed = rhombus::find_tissue(preset.name);
   scene.params.chain = printed ? printed->chain : rhombus::chain_of_modulus(value_or(&preset, "young", 0));
-  if (const double share = value_or(&preset, "viscosity.share", 0); share > 0) {
-    scene.params.viscosity.stiffening = share / (1 - share);
-    scene.params.viscosity.time = value_or(&preset, "viscosity.time", scene.params.viscosity.time);
-  }
+  scene.params.viscosity = prony_of(&preset, scene.params.viscosity);
   return preset;
 }
 
 /// Rows of the report: the modulus or the printed chain, and the chain as it is used.
 void add_rows(SceneTable& body, const TissuePreset& preset, RhombusScene& scene) {
   const rhombus::ChainParams& chain = scene.params.chain;
-  SceneTable given = body.table("chain"), viscosity = body.table("viscosity");
+  SceneTable given = body.table("chain");
   if (preset.kind == PresetKind::kSolid)
     scene.tissues.push_back(
         tissue_row("tissue", "linear", &preset, {{"young", value_or(&preset, "young", 0), "Pa", false}}));
@@ -84,11 +81,6 @@ void add_rows(SceneTable& body, const TissuePreset& preset, RhombusScene& scene)
                   {"chain.angle", chain.angle * 180 / std::numbers::pi, "degrees", given.has("angle")},
                   {"chain.side", chain.side, "m", given.has("side")}},
                  "chain fitted to the modulus of the tissue"));
-  if (const double ratio = scene.params.viscosity.stiffening; ratio > 0)
-    scene.tissues.push_back(
-        tissue_row("viscosity", "one Prony pair", &preset,
-                   {{"viscosity.share", ratio / (1 + ratio), "1", viscosity.has("ratio")},
-                    {"viscosity.time", scene.params.viscosity.time, "s", viscosity.has("time")}}));
 }
 
 /// Chain parameters that replace those of the tissue.
@@ -216,12 +208,8 @@ RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const 
       "until they open again, and the force of a press is clamped. The report warns of it. Chains alone "
       "have no such limit");
   // viscosity
-  SceneTable viscosity = body.table("viscosity");
-  viscosity.read("ratio", made.params.viscosity.stiffening, within(0, 100),
-                 "the instantaneous stiffness is 1 + ratio times the static one");
-  viscosity.read("time", made.params.viscosity.time, inside(0, 1000, "s"), "relaxation time of that");
-  viscosity.finish();
   add_rows(body, preset, made);
+  read_viscosity(body.table("viscosity"), &preset, made.params.viscosity, made.tissues);
   // optional variation of stiffness
   if (body.has("stiffness")) made.stiffness = read_stiffness(body.table("stiffness"), scene, made.source);
   body.finish();

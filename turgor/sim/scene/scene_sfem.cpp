@@ -4,7 +4,7 @@
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
-#include "turgor/sim/scene/scene_tissue.hpp"
+#include "turgor/sim/scene/scene_prony.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
@@ -217,25 +217,6 @@ void read_patch(SceneTable& body, PatchScene& patch) {
   table.finish();
 }
 
-/// Viscosity from the tissue's preset and its own keys. A relaxing share g of the stress has the ratio
-/// g / (1 - g).
-void read_viscosity(SceneTable table, const TissuePreset* tissue, SfemScene& scene) {
-  if (const double share = value_or(tissue, "viscosity.share", 0); share > 0) {
-    scene.viscosity = share / (1 - share);
-    scene.viscous_time = value_or(tissue, "viscosity.time", scene.viscous_time);
-  }
-  table.read("ratio", scene.viscosity, within(0, 100),
-             "the instantaneous stiffness is 1 + ratio times the static one");
-  table.read("time", scene.viscous_time, inside(0, 1000, "s"), "relaxation time of that");
-  table.finish();
-  if (scene.viscosity == 0) return;
-  const bool has_pair = tissue && find_value(*tissue, "viscosity.share");
-  const double share = scene.viscosity / (1 + scene.viscosity);
-  scene.tissues.push_back(tissue_row("viscosity", "one Prony pair", has_pair ? tissue : nullptr,
-                                     {{"viscosity.share", share, "1", table.has("ratio")},
-                                      {"viscosity.time", scene.viscous_time, "s", table.has("time")}}));
-}
-
 void read_cache(SceneTable& body, SfemScene& scene) {
   constexpr const char* kMeaning =
       "folder below the user's cache folder in which Green's functions are cached between runs; `--set` may "
@@ -278,7 +259,8 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
 
   // patch and time behavior
   read_patch(body, scene.patch);
-  read_viscosity(body.table("viscosity"), tissue, scene);
+  scene.viscosity = prony_of(tissue, scene.viscosity);
+  read_viscosity(body.table("viscosity"), tissue, scene.viscosity, scene.tissues);
 
   // memory and cache
   body.read("rotations", scene.rotations,

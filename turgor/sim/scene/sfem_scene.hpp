@@ -99,8 +99,7 @@ struct SfemScene {
   sfem::Formulation formulation = sfem::Formulation::kStandard;
   sfem::Precision precision = sfem::Precision::kSingle;
   PatchScene patch;
-  double viscosity = 0;       // increase of the instantaneous stiffness [1]
-  double viscous_time = 0.5;  // relaxation time [s]
+  Prony viscosity = one_pair(0, 0.5);
   bool rotations = false;
   double memory =
       4;  // limit for Green's functions, beyond which columns are computed on demand, and for a patch [GB]

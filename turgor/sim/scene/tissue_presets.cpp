@@ -61,9 +61,7 @@ void add_soft_solids(std::vector<TissuePreset>& list) {
       {"fat",
        PresetKind::kSolid,
        "neo-Hookean, one Prony pair",
-       {young_kpa(1.59, 0.66, 2.52),
-        {"viscosity.share", 0.39, "1", 0.36, 0.42},
-        {"viscosity.time", 700, "s", 445, 955}},
+       {young_kpa(1.59, 0.66, 2.52), {"g1", 0.39, "1", 0.36, 0.42}, {"tau1", 700, "s", 445, 955}},
        "magnetic resonance images and inverse finite elements; E = 3 μ of the stated μ = 0.53 ± 0.31 kPa",
        "pig",
        "Sims et al. 2010"});

@@ -122,7 +122,7 @@ struct SfemBody : TouchedBody {
 /// Builds the patch at the initial tool positions, and all data for ticks. Error: the patch exceeds
 /// SfemBody::patch_memory, or has invalid numbers.
 Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
-                   const contact::Viscosity& viscosity);
+                   const Prony& viscosity);
 /// Runs the ticks between two times [s]; a tick ends at every multiple of kTick. Includes take_free_motion
 /// and read_touch_snapshot, since ticks and frames share a thread here.
 void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& tools, double from, double to);

@@ -268,16 +268,19 @@ std::vector<Vec3d> displacements(const Exec& exec, const SfemBody& body,
 
 std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
   if (body.now.poses.empty()) return {};
-  // viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ
-  const double p = body.now.stiffening;
+  // viscosity.hpp: u = (Ξ f + Σ pᵢ vᵢ)/(1 + Σ pᵢ) after a tick, vᵢ = Ξ φᵢ
+  const double p = total_ratio(body.now.viscosity);
   const std::vector<double> f = sfem::coarse_forces(*body.now.patch, flat(body.now.force));
   TURGOR_CHECK(f.size() == 3 * body.now.patch->coarse.size(), "three numbers a coarse vertex");
   std::map<int, Vec3d> forces;
   for (std::size_t c = 0; c < body.now.patch->coarse.size(); c++)
     forces[body.now.patch->coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
-  if (p > 0)
-    for (const contact::VertexForce& remembered : contact::coarse_history(body.now.history, *body.now.patch))
-      forces[remembered.vertex] += remembered.force * (p / (1 + p));
+  for (int pair = 0; pair < body.now.history.count; pair++) {
+    const double own = body.now.viscosity.pairs[std::size_t(pair)].ratio / (1 + p);
+    for (const contact::VertexForce& remembered :
+         contact::coarse_history(body.now.history, pair, *body.now.patch))
+      forces[remembered.vertex] += remembered.force * own;
+  }
   std::vector<contact::VertexForce> list;
   for (const auto& [vertex, force] : forces) list.push_back({vertex, force});
   return list;

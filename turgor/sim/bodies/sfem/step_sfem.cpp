@@ -9,7 +9,7 @@
 namespace turgor {
 
 Status begin_body(const Exec& exec, SfemBody& body, const SfemScene& scene, const World& world) {
-  const Status status = begin_touch(exec, body, world.tools, {scene.viscosity, scene.viscous_time});
+  const Status status = begin_touch(exec, body, world.tools, scene.viscosity);
   return status ? status : Error{fmt::format("{}.patch: {}", scene.source_location, status.error().message)};
 }
 

@@ -23,7 +23,7 @@ void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, To
 }
 
 Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
-                   const contact::Viscosity& viscosity) {
+                   const Prony& viscosity) {
   if (body.tool_indices.empty()) return Done{};
 
   // tools at their initial poses
