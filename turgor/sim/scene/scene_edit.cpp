@@ -138,6 +138,13 @@ Result<std::string> with_values(const std::string& text, const std::filesystem::
 
 std::string incisions_text(const Scene& scene, std::span<const lattice::Incision> cuts) {
   const auto vector_text = [](Vec3d x) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", x.x, x.y, x.z); };
+  const auto path_text = [&vector_text](const lattice::Incision& cut) {
+    if (cut.path.empty())
+      return fmt::format("from = {}\nto = {}\n", vector_text(cut.from), vector_text(cut.to));
+    std::string points;
+    for (const Vec3d x : cut.path) points += (points.empty() ? "" : ", ") + vector_text(x);
+    return fmt::format("path = [{}]\n", points);
+  };
   std::string text;
   int number = 1;
   for (const lattice::Incision& cut : cuts) {
@@ -147,10 +154,9 @@ std::string incisions_text(const Scene& scene, std::span<const lattice::Incision
     };
     while (std::any_of(scene.incisions.begin(), scene.incisions.end(), is_taken)) number++;
     // write the incision as a scene table
-    text += fmt::format(
-        "\n[incision.hand-{}]\nbody = \"{}\"\nfrom = {}\nto = {}\ndepth = {:.6g}\nstart = 0\nduration = "
-        "{:.6g}\n",
-        number++, cut.name, vector_text(cut.from), vector_text(cut.to), cut.depth, cut.duration);
+    text +=
+        fmt::format("\n[incision.hand-{}]\nbody = \"{}\"\n{}depth = {:.6g}\nstart = 0\nduration = {:.6g}\n",
+                    number++, cut.name, path_text(cut), cut.depth, cut.duration);
   }
   return text;
 }

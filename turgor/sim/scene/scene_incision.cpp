@@ -1,5 +1,6 @@
 #include "turgor/sim/scene/scene_incision.hpp"
 
+#include "turgor/sim/scene/markups.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 
 namespace turgor {
@@ -33,6 +34,16 @@ std::vector<Vec3d> read_points(SceneTable& table, std::string_view key, const Al
   return points;
 }
 
+/// Path of a cut from a file of 3D Slicer. It replaces every other path of the cut.
+void read_markups(SceneTable& table, const std::filesystem::path& file, lattice::Incision& blade) {
+  for (const char* replaced : {"from", "to", "path", "from_fraction", "to_fraction", "path_fraction"})
+    table.find(replaced);  // known, and not read
+  const Result<Markup> markup = read_markup(file);
+  if (!markup) return table.fail("markups", markup.error().message);
+  blade.from = markup->points.front(), blade.to = markup->points.back();
+  blade.path = markup->is_line ? std::vector<Vec3d>() : markup->points;
+}
+
 /// Path of a cut, in meters or in fractions of the body's box.
 void read_cut_path(SceneTable& table, IncisionScene& incision) {
   const bool fractions = incision.by_fraction, curve = table.has("path") || table.has("path_fraction");
@@ -53,9 +64,9 @@ void read_cut_path(SceneTable& table, IncisionScene& incision) {
   }
 
   // a straight cut
-  table.require(
-      fractions ? std::vector<std::string>{from} : std::vector<std::string>{"from", "from_fraction", "path"},
-      fractions ? "the start of the cut, 0 to 1 along the body's box" : "the start of the cut");
+  table.require(fractions ? std::vector<std::string>{from}
+                          : std::vector<std::string>{"from", "from_fraction", "path", "markups"},
+                fractions ? "the start of the cut, 0 to 1 along the body's box" : "the start of the cut");
   table.require(fractions ? std::vector<std::string>{to} : std::vector<std::string>{"to", "to_fraction"},
                 fractions ? "the end of the cut, 0 to 1 along the body's box" : "the end of the cut");
   if (fractions) {
@@ -94,13 +105,23 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
       within(-100, 100, "m"));
   table.describe("path_fraction", "", "none", "the same in fractions of the body's box, as `from_fraction`",
                  within(0, 1));
-  if (incision.by_fraction && meters)
+  std::filesystem::path markups;
+  table.read_path(
+      "markups", markups,
+      {"a line or curve of 3D Slicer (`.mrk.json`) in the patient frame of the CT, instead of all "
+       "other paths of the cut",
+       "none"});
+  if (!markups.empty()) {
+    incision.by_fraction = false;
+    read_markups(table, markups, blade);
+  } else if (incision.by_fraction && meters) {
     table.fail(table.has("from") ? "from"
                : table.has("to") ? "to"
                                  : "path",
                "a cut is given either in meters or in fractions, not in both");
-  else
+  } else {
     read_cut_path(table, incision);
+  }
   // keys with limits
   table.read("depth", blade.depth, inside(0, 1, "m"), "depth below the skin");
   table.read(
