@@ -126,11 +126,18 @@ std::string why_not_live(const Scene& scene, const SceneKey& key) {
   return "the world depends on it";
 }
 
-Result<Scene> with_change(const Scene& scene, const std::string& key, const std::string& value) {
+std::optional<std::string> override_of(const std::vector<std::string>& overrides, const std::string& key) {
+  for (auto one = overrides.rbegin(); one != overrides.rend(); ++one)
+    if (one->starts_with(key + "=")) return one->substr(key.size() + 1);
+  return std::nullopt;
+}
+
+Result<Scene> with_change(const Scene& scene, const std::string& key,
+                          const std::optional<std::string>& value) {
   std::vector<std::string> overrides = scene.overrides;
   const std::string prefix = key + "=";
   std::erase_if(overrides, [&prefix](const std::string& one) { return one.starts_with(prefix); });
-  overrides.push_back(prefix + value);
+  if (value) overrides.push_back(prefix + *value);
   return parse_scene(scene.text, scene.file, overrides);
 }
 

@@ -21,18 +21,23 @@ void handle(const StepRequest&, SessionThread& session) {
   if (session.live.world && !session.next.plays) begin_single_step(session);
 }
 
-void handle(const ResetRequest&, SessionThread& session) { session.due.load = true; }
+bool has_source(const SessionThread& session) { return !session.source.file.file.empty(); }
+
+void handle(const ResetRequest&, SessionThread& session) { session.due.load = has_source(session); }
 
 /// Reads the file again, also after a failed reading.
 void handle(const ReloadRequest&, SessionThread& session) {
   SessionSource& source = session.source;
   if (source.scene) source.file.overrides = source.scene->overrides;
   source.scene.reset();
-  session.due.load = true;
+  session.history = {};
+  session.due.load = has_source(session);
 }
 
 void handle(const OpenRequest& request, SessionThread& session) {
   session.source = {request, nullptr};
+  session.next.plays = session.params.plays;
+  session.history = {};
   session.due.load = true;
 }
 
@@ -44,23 +49,57 @@ void handle(const CtRequest& request, SessionThread& session) {
 
 /// Applies a cut, a wind or a changed value to the world. Reports the reason if that is impossible.
 template <class AnyRequest>
-void apply(const AnyRequest& request, SessionThread& session) {
-  if (!session.live.world) return;
+bool apply(const AnyRequest& request, SessionThread& session) {
+  if (!session.live.world) return false;
   World& world = *session.live.world;
   const Status status = apply_request(session.exec, request, session.source.scene, world);
   session.next.error = status ? "" : status.error().message;
-  if (!status) return;
+  if (!status) return false;
   session.record.requests.push_back({world.frame, request});
   session.next.scene = session.source.scene;
+  return true;
 }
 
-void handle(const CutRequest& request, SessionThread& session) { apply(request, session); }
+void handle(const CutRequest& request, SessionThread& session) {
+  if (apply(request, session)) add_edit({request, UndoCutRequest{}}, session.history);
+}
 
 void handle(const WindRequest& request, SessionThread& session) { apply(request, session); }
 
+/// After a cut was taken back, data computed from the cuts are computed again.
+void forget_cut_data(SessionThread& session) {
+  session.ct = {};
+  session.next.ct.reset();
+  session.next.undone_cuts++;
+}
+
+/// Applies one direction of an edit, and moves it to the other list.
+void move_edit(std::vector<Edit>& from, std::vector<Edit>& to, bool undoes, SessionThread& session) {
+  if (from.empty()) return;
+  const Edit edit = from.back();
+  const bool applied =
+      std::visit([&session](const auto& one) { return apply(one, session); }, undoes ? edit.undo : edit.redo);
+  if (!applied) return;
+  if (undoes && std::holds_alternative<UndoCutRequest>(edit.undo)) forget_cut_data(session);
+  from.pop_back();
+  to.push_back(edit);
+}
+
+void handle(const UndoRequest&, SessionThread& session) {
+  move_edit(session.history.done, session.history.undone, true, session);
+}
+
+void handle(const RedoRequest&, SessionThread& session) {
+  move_edit(session.history.undone, session.history.done, false, session);
+}
+
 /// Changes the world. Without a world, changes the scene that is loaded next.
 void handle(const ChangeRequest& request, SessionThread& session) {
-  if (session.live.world) return apply(request, session);
+  if (session.live.world) {
+    const ChangeRequest before{request.key, override_of(session.source.scene->overrides, request.key)};
+    if (apply(request, session)) add_edit({request, before}, session.history);
+    return;
+  }
   std::shared_ptr<const Scene>& scene = session.source.scene;
   if (!scene) return;
   Result<Scene> changed = with_change(*scene, request.key, request.value);

@@ -42,7 +42,12 @@ Json json_of(const CutRequest& request) {
 Json json_of(const WindRequest& request) {
   return {{"wind", request.body}, {"velocity", json_of(request.velocity)}};
 }
-Json json_of(const ChangeRequest& request) { return {{"change", request.key}, {"value", request.value}}; }
+Json json_of(const ChangeRequest& request) {
+  Json json = {{"change", request.key}};
+  if (request.value) json["value"] = *request.value;
+  return json;
+}
+Json json_of(const UndoCutRequest&) { return {{"undo_cut", true}}; }
 
 CutRequest cut_of(const Json& json) {
   CutRequest request{.blade = {.name = json.at("name").get<std::string>(),
@@ -59,7 +64,10 @@ CutRequest cut_of(const Json& json) {
 WorldRequest request_of(const Json& json) {
   if (json.contains("cut")) return cut_of(json);
   if (json.contains("wind")) return WindRequest{json.at("wind").get<int>(), vector_of(json.at("velocity"))};
-  return ChangeRequest{json.at("change").get<std::string>(), json.at("value").get<std::string>()};
+  if (json.contains("undo_cut")) return UndoCutRequest{};
+  ChangeRequest change{json.at("change").get<std::string>(), std::nullopt};
+  if (json.contains("value")) change.value = json.at("value").get<std::string>();
+  return change;
 }
 
 std::string requests_text(const std::vector<RecordedRequest>& requests) {

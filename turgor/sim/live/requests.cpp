@@ -2,6 +2,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/sim/live/change_world.hpp"
+#include "turgor/sim/live/undo_cut.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -16,6 +17,7 @@ Status apply_request(const Exec&, const CutRequest& request, std::shared_ptr<con
   constexpr std::size_t kMostCuts = 255;  // a cut edge stores its incision in a byte
   if (!trial) return Error{"no cut: " + trial.error().message};
   if (world.cuts.size() == kMostCuts) return Error{"no cut: a world holds at most 255"};
+  cut.before = state_before_cut(world, body);
   world.cuts.push_back(std::move(cut));
   return Done{};
 }
@@ -36,6 +38,12 @@ Status apply_request(const Exec& exec, const ChangeRequest& request, std::shared
   change_world(exec, *scene, *changed, world);
   scene = std::make_shared<const Scene>(std::move(*changed));
   return Done{};
+}
+
+Status apply_request(const Exec&, const UndoCutRequest&, std::shared_ptr<const Scene>& scene, World& world) {
+  TURGOR_ASSERT(scene != nullptr, "cuts by requests follow those of a scene");
+  if (world.cuts.size() <= scene->incisions.size()) return Error{"no undo: there is no cut by hand"};
+  return undo_last_cut(world);
 }
 
 }  // namespace turgor

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -23,12 +24,15 @@ struct WindRequest {
   int body = 0;    // index into World::cloth_bodies
   Vec3d velocity;  // [m/s]
 };
-/// Sets a scene key. The change acts immediately if possible (change_world.hpp), otherwise after the next
-/// reset.
+/// Sets a scene key, or without a value removes the override of the key, so that the scene's text counts. The
+/// change acts immediately if possible (change_world.hpp), otherwise after the next reset.
 struct ChangeRequest {
-  std::string key, value;
+  std::string key;
+  std::optional<std::string> value;
 };
-using WorldRequest = std::variant<CutRequest, WindRequest, ChangeRequest>;
+/// Takes back the latest cut that was made by a request: its body returns to its state before the cut.
+struct UndoCutRequest {};
+using WorldRequest = std::variant<CutRequest, WindRequest, ChangeRequest, UndoCutRequest>;
 
 /// Applies a request. On error the world is unchanged.
 Status apply_request(const Exec& exec, const CutRequest& request, std::shared_ptr<const Scene>& scene,
@@ -36,6 +40,8 @@ Status apply_request(const Exec& exec, const CutRequest& request, std::shared_pt
 Status apply_request(const Exec& exec, const WindRequest& request, std::shared_ptr<const Scene>& scene,
                      World& world);
 Status apply_request(const Exec& exec, const ChangeRequest& request, std::shared_ptr<const Scene>& scene,
+                     World& world);
+Status apply_request(const Exec& exec, const UndoCutRequest& request, std::shared_ptr<const Scene>& scene,
                      World& world);
 
 }  // namespace turgor

@@ -13,6 +13,7 @@
 #include "turgor/core/latest.hpp"
 #include "turgor/haptics/mouse_device.hpp"
 #include "turgor/sim/deformed_ct.hpp"
+#include "turgor/sim/live/cut_results.hpp"
 #include "turgor/sim/live/live_touch.hpp"
 #include "turgor/sim/live/session_requests.hpp"
 #include "turgor/sim/snapshot.hpp"
@@ -33,7 +34,7 @@ struct HapticSample {
 
 /// State of a session for readers.
 struct SessionStatus {
-  enum class Phase : std::uint8_t { kLoading, kReady, kFailed };
+  enum class Phase : std::uint8_t { kLoading, kReady, kFailed, kEmpty };  // empty: no scene was opened yet
   Phase phase = Phase::kLoading;
   int world = 0;  // number of worlds loaded so far; a new number invalidates indices into the previous world
   std::string doing;                   // present loading task
@@ -43,6 +44,7 @@ struct SessionStatus {
   WorldSnapshot snapshot;
   std::vector<MouseTool> mouse;
   std::vector<lattice::Incision> cuts;            // cuts by requests; `name` is that of the cut body
+  CutResult cut_result;                           // of the latest of `cuts`
   std::vector<std::vector<HapticSample>> haptic;  // of every tool, newest last, at most kMaxHapticSamples
   double pace = 1;                                // requested simulated seconds per second
   bool plays = true;
@@ -55,6 +57,8 @@ struct SessionStatus {
       ct;  // deformed CT of the first lattice, computed at the latest CtRequest; null: not requested
   std::vector<std::string> notes;  // warnings and notes of loading
   std::string saved;               // message about the latest SaveRequest
+  std::string undo, redo;  // cut or change that the next UndoRequest or RedoRequest concerns, or empty
+  int undone_cuts = 0;     // cuts that were taken back since the world was loaded
 
   static constexpr std::size_t kMaxHapticSamples = 900;
   static constexpr int kMostSamples =
@@ -65,10 +69,12 @@ struct SessionParams {
   int threads = 0;  // number of threads for physics; 0 = one per core
   haptics::LoopParams loop;
   double longest = 3600;  // limit of the recorded time [s]
+  bool plays = true;      // false: an opened scene is paused until a PaceRequest
 };
 
 class Session {
  public:
+  /// An empty `file` opens no scene: the session waits for an OpenRequest.
   Session(const std::filesystem::path& file, std::vector<std::string> overrides, const SessionParams& params);
   ~Session();  // ends the thread after the current frame or loading step
   Session(const Session&) = delete;

@@ -35,8 +35,10 @@ struct CtRequest {  // computes the deformed CT: see SessionStatus::ct
 struct SaveRequest {
   std::filesystem::path file;
 };
-using Request = std::variant<PaceRequest, StepRequest, ResetRequest, ReloadRequest, OpenRequest, CutRequest,
-                             WindRequest, CtRequest, ChangeRequest, SaveRequest>;
+struct UndoRequest {};  // takes back the latest cut or change (edit_history.hpp)
+struct RedoRequest {};  // repeats what was taken back last
+using Request = std::variant<UndoRequest, RedoRequest, PaceRequest, StepRequest, ResetRequest, ReloadRequest,
+                             OpenRequest, CutRequest, WindRequest, CtRequest, ChangeRequest, SaveRequest>;
 
 /// Requests that the session's thread has not taken yet.
 class RequestQueue {

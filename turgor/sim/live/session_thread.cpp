@@ -31,11 +31,16 @@ void publish(SessionThread& session) {
   SessionWorld& live = session.live;
   if (live.touch) next.haptics = live.touch->timing();
   if (live.world) next.cuts = interactive_cuts(*session.source.scene, *live.world);
+  if (live.world)
+    update_cut_result(session.exec, *live.world, session.source.scene->incisions.size(),
+                      session.cut_measuring, next.cut_result);
+  next.undo = undo_text(session.history), next.redo = redo_text(session.history);
   next.frames = live.touch ? live.touch->frames() : live.clock ? live.clock->timing() : FrameTiming();
 
   // copy into the reader's buffer, whose snapshot is kept
   SessionStatus& out = session.published.writing();
-  WorldSnapshot snapshot = out.world == next.world ? std::move(out.snapshot) : WorldSnapshot();
+  const bool is_kept = out.world == next.world && out.undone_cuts == next.undone_cuts;
+  WorldSnapshot snapshot = is_kept ? std::move(out.snapshot) : WorldSnapshot();
   out = next;
   out.snapshot = std::move(snapshot);
 
@@ -97,6 +102,7 @@ Status load_source(SessionThread& session) {
 void load(SessionThread& session) {
   unload(session.live);
   session.ct = {};
+  forget_cuts(session.history);
 
   // new state, which keeps the pace
   SessionStatus& next = session.next;
@@ -139,7 +145,11 @@ bool wait(SessionThread& session) {
 }  // namespace
 
 void run_session(SessionThread& session) {
-  load(session);
+  session.next.plays = session.params.plays;
+  if (session.source.file.file.empty())
+    session.next.phase = SessionStatus::Phase::kEmpty, publish(session);
+  else
+    load(session);
   while (wait(session)) {
     step_if_due(session);
     handle_requests(session);

@@ -10,6 +10,7 @@
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/latest.hpp"
+#include "turgor/sim/live/edit_history.hpp"
 #include "turgor/sim/live/session.hpp"
 #include "turgor/sim/live/session_ct.hpp"
 #include "turgor/sim/live/session_frames.hpp"
@@ -43,6 +44,8 @@ struct SessionThread {
   DueWork due = {};
   SessionWorld live = {};
   SessionRecord record = {};
+  EditHistory history = {};
+  CutMeasuring cut_measuring = {};
   SessionCt ct = {};
   PaceMeter meter = {};
   ProgressReports progress = {};

@@ -1,0 +1,59 @@
+#include "turgor/sim/live/edit_history.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace turgor {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostEdits = 200;
+
+bool is_cut(const Edit& edit) { return std::holds_alternative<CutRequest>(edit.redo); }
+
+/// True if both change the same key.
+bool is_same_key(const Edit& a, const Edit& b) {
+  const auto *one = std::get_if<ChangeRequest>(&a.redo), *other = std::get_if<ChangeRequest>(&b.redo);
+  return one && other && one->key == other->key;
+}
+
+std::string text_of(const std::vector<Edit>& edits) {
+  if (edits.empty()) return {};
+  if (const auto* change = std::get_if<ChangeRequest>(&edits.back().redo)) return change->key;
+  const auto* cut = std::get_if<CutRequest>(&edits.back().redo);
+  if (!cut) return {};
+  const lattice::Incision& blade = cut->blade;
+  double length = norm(blade.to - blade.from);
+  if (!blade.path.empty()) length = 0;
+  for (std::size_t n = 1; n < blade.path.size(); n++) length += norm(blade.path[n] - blade.path[n - 1]);
+  return fmt::format("cut of {:.0f} mm", 1e3 * length);
+}
+
+}  // namespace
+
+void add_edit(Edit edit, EditHistory& history) {
+  constexpr auto kOneEdit = std::chrono::milliseconds(1000);  // longest pause within one edit
+  const Clock::time_point now = Clock::now();
+  const bool continues = !history.done.empty() && history.undone.empty() &&
+                         is_same_key(history.done.back(), edit) && now - history.latest < kOneEdit;
+  history.undone.clear(), history.latest = now;
+  if (continues) {
+    history.done.back().redo = std::move(edit.redo);
+    return;
+  }
+  history.done.push_back(std::move(edit));
+  if (history.done.size() > kMostEdits) history.done.erase(history.done.begin());
+}
+
+void forget_cuts(EditHistory& history) {
+  std::erase_if(history.done, is_cut);
+  std::erase_if(history.undone, is_cut);
+}
+
+std::string undo_text(const EditHistory& history) { return text_of(history.done); }
+std::string redo_text(const EditHistory& history) { return text_of(history.undone); }
+
+}  // namespace turgor

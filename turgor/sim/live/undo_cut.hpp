@@ -1,0 +1,23 @@
+// Undo of cuts: a copy of the body's state from before a cut is kept with the cut.
+#pragma once
+
+#include <memory>
+
+#include "turgor/core/result.hpp"
+#include "turgor/models/lattice/model/state.hpp"
+
+namespace turgor {
+
+struct LatticeBody;
+struct World;
+
+/// Copy of the body's state for a cut that is about to start. Older copies are dropped, so that all of them
+/// need at most kCopiedBytes. Null: the state alone is larger.
+std::shared_ptr<const lattice::State> state_before_cut(World& world, const LatticeBody& body);
+constexpr std::size_t kCopiedBytes = std::size_t(1) << 30;
+
+/// Removes the latest cut and restores its body. Positions and velocities are those from before the cut; the
+/// body settles from there. Error: its copy was dropped.
+Status undo_last_cut(World& world);
+
+}  // namespace turgor
