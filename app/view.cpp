@@ -11,12 +11,15 @@ namespace turgor {
 namespace {
 
 #ifdef TURGOR_HAS_WINDOW
-void view(const WindowOptions& options) { required(view_scene(options)); }
+void view(WindowOptions options) {
+  options.settings = settings_file();
+  options.session.plays = false;
+  required(view_scene(options));
+}
 #else
 struct WindowOptions {
   std::filesystem::path scene, out;
   std::vector<std::string> overrides;
-  int width = 960, height = 720;
   struct {
     int threads = 0;
   } session;
@@ -38,10 +41,12 @@ void add_view_command(CLI::App& program, Global& global) {
       program.add_subcommand("view", "Simulate a scene in a window: view, press, cut and edit it");
   command->footer(
       "Examples:\n"
+      "  turgor view\n"
       "  turgor view scenes/palpation.toml\n"
       "  turgor view scenes/incision.toml --set body.torso.ct=patient.nii.gz\n"
       "Press ? in the window for the mouse and key bindings; docs/window.md is a tour.");
-  command->add_option("scene", options->scene, "The scene, a TOML file")->required();
+  command->add_option("scene", options->scene,
+                      "The scene, a TOML file; without it the window shows a gallery");
   add_set_option(*command, options->overrides);
   command->add_option("-o,--out", options->out, "Folder for pictures and videos (default: out/view)");
   command->callback([options, &global] {

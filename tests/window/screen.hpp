@@ -48,7 +48,7 @@ class Screen {
       dup2(nowhere, STDOUT_FILENO);
       prctl(PR_SET_PDEATHSIG, SIGTERM);  // ends with the tests, however they end
       const std::string to = std::to_string(ends[1]);
-      execlp("Xvfb", "Xvfb", "-displayfd", to.c_str(), "-screen", "0", "1024x800x24", "-noreset", "-nolisten",
+      execlp("Xvfb", "Xvfb", "-displayfd", to.c_str(), "-screen", "0", "1400x900x24", "-noreset", "-nolisten",
              "tcp", nullptr);
       _exit(127);
     }

@@ -49,7 +49,7 @@ TEST_F(WindowFilesTest, DroppedFileIsOpenedAndFramed) {
   EXPECT_EQ(now().snapshot.bodies[0].name, "block");
   const Box box = box_of(now().snapshot);
   for (int i = 0; i < 8; i++) {
-    const auto seen = project(window_->viewer().camera, corner(box, i), double(kWidth) / kHeight);
+    const auto seen = project(window_->viewer().camera, corner(box, i), window_->viewer().area.aspect());
     ASSERT_TRUE(seen);
     EXPECT_LE(std::max(std::abs(seen->x), std::abs(seen->y)), 1.01);
   }
@@ -82,7 +82,7 @@ TEST_F(WindowFilesTest, OpenedFileIsFramed) {
     draw_for(0.1);
     const Box box = box_of(now().snapshot);
     for (int i = 0; i < 8; i++) {
-      const auto seen = project(window_->viewer().camera, corner(box, i), double(kWidth) / kHeight);
+      const auto seen = project(window_->viewer().camera, corner(box, i), window_->viewer().area.aspect());
       ASSERT_TRUE(seen) << "around " << around;
       EXPECT_LE(std::max(std::abs(seen->x), std::abs(seen->y)), 1.01) << "around " << around;
     }

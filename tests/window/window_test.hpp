@@ -32,6 +32,11 @@ class WindowTest : public testing::Test {
 
   void open(const fs::path& scene, const std::vector<std::string>& overrides = {}) {
     WindowOptions options{.scene = scene, .overrides = overrides, .out = folder_ / "out"};
+    options.width = kWidth, options.height = kHeight;
+    open_with(options);
+  }
+
+  void open_with(WindowOptions options) {
     options.session = {.threads = 1, .loop = {.priority = 0, .lock_memory = false}, .longest = 60};
     Result<std::unique_ptr<SceneWindow>> opened = SceneWindow::open(options);
     ASSERT_TRUE(opened) << opened.error().message;
@@ -60,8 +65,10 @@ class WindowTest : public testing::Test {
 
   /// Screen position of a point, as arguments of xdotool.
   std::string pixel(Vec3d point) {
-    const auto seen = project(window_->viewer().camera, point, double(kWidth) / kHeight);
-    return fmt::format("{:.0f} {:.0f}", 0.5 * (1 + seen->x) * kWidth, 0.5 * (1 - seen->y) * kHeight);
+    const Area& area = window_->viewer().area;
+    const auto seen = project(window_->viewer().camera, point, area.aspect());
+    return fmt::format("{:.0f} {:.0f}", area.x + 0.5 * (1 + seen->x) * area.width,
+                       area.y + 0.5 * (1 - seen->y) * area.height);
   }
   void type(const std::string& keys) { hand("key " + keys), draw_for(0.1); }
 

@@ -1,6 +1,10 @@
+#include <algorithm>
+#include <string_view>
+
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "turgor/window/appearance.hpp"
 #include "turgor/window/panels.hpp"
 
 namespace turgor {
@@ -9,9 +13,7 @@ namespace {
 
 /// A button with the effect of a key.
 void key_button(Viewer& viewer, const char* label, const char* key) {
-  if (ImGui::Button(label))
-    for (const KeyHelp& entry : key_table())
-      if (std::string_view(entry.name) == key) return entry.act(viewer);
+  if (ImGui::Button(label)) act(viewer, key);
 }
 
 void show_running(Viewer& viewer) {
@@ -39,6 +41,24 @@ void show_mouse(Viewer& viewer) {
   if (viewer.touching) ImGui::Text("%.1f mm deep", 1e3 * viewer.touching->depth);
 }
 
+/// Depth, progress and result of cuts.
+void show_cut(Viewer& viewer) {
+  if (viewer.mode == MouseMode::kCut) {
+    auto depth = float(1e3 * viewer.cut_depth);
+    if (ImGui::SliderFloat("depth", &depth, float(1e3 * kLeastDepth), float(1e3 * kMostDepth), "%.0f mm",
+                           ImGuiSliderFlags_Logarithmic))
+      viewer.cut_depth = std::clamp(1e-3 * double(depth), kLeastDepth, kMostDepth);
+  }
+  const CutResult& result = viewer.now->cut_result;
+  if (result.cut < 0) return;
+  if (!result.is_measured) {
+    ImGui::ProgressBar(float(result.done), {-1, 0},
+                       fmt::format("cutting {:.0f} %", 100 * result.done).c_str());
+    return;
+  }
+  ImGui::TextWrapped("%s", cut_text(result).c_str());
+}
+
 void show_display(Viewer& viewer) {
   static constexpr const char* kNames[] = {"natural", "displacement", "area strain", "pressure"};
   if (viewer.now->scene && ImGui::BeginCombo("##color", kNames[int(viewer.display.color)])) {
@@ -55,50 +75,62 @@ void show_display(Viewer& viewer) {
   }
 }
 
+/// Heading of a group, and its table.
+void begin_group(const char* name) {
+  ImGui::Spacing();
+  ImGui::TextColored(success_color(), "%s", name);
+  ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingStretchProp);
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, 8.5f * ImGui::GetFontSize());
+  ImGui::TableSetupColumn("sentence");
+}
+void help_row(const char* name, const char* sentence) {
+  ImGui::TableNextColumn(), ImGui::TextWrapped("%s", name);
+  ImGui::TableNextColumn(), ImGui::TextWrapped("%s", sentence);
+}
+
 }  // namespace
 
+std::string cut_text(const CutResult& result) {
+  return fmt::format("last cut: {:.1f} mm long, {:.1f} mm deep, gapes {:.1f} mm (mean {:.1f} mm)",
+                     1e3 * result.length, 1e3 * result.depth, 1e3 * result.gape_max, 1e3 * result.gape_mean);
+}
+
 void show_controls(Viewer& viewer) {
-  if (!viewer.panels.controls) return;
-  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  if (!ImGui::Begin("Turgor", nullptr, ImGuiWindowFlags_AlwaysAutoResize)) return ImGui::End();
   show_running(viewer);
   ImGui::Separator();
   show_mouse(viewer);
+  show_cut(viewer);
   ImGui::Separator();
   show_display(viewer);
   ImGui::Separator();
   key_button(viewer, "Picture", "P");
   ImGui::SameLine();
   key_button(viewer, viewer.wants_video ? "End video" : "Video", "V");
-  ImGui::SameLine();
-  key_button(viewer, "Save scene", "S");
-  ImGui::SameLine();
-  key_button(viewer, "Save haptics", "H");
-  ImGui::SameLine();
-  key_button(viewer, "?", "?");
-  ImGui::Checkbox("curves", &viewer.panels.curves);
-  ImGui::SameLine();
-  ImGui::Checkbox("parameters", &viewer.panels.parameters);
-  if (viewer.now->scene && !viewer.now->scene->lattice_bodies.empty()) {
-    ImGui::SameLine();
-    ImGui::Checkbox("CT", &viewer.panels.ct);
-  }
-  ImGui::End();
 }
 
 void show_help(Viewer& viewer) {
   if (!viewer.panels.help) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
-  if (!ImGui::Begin("Mouse and keys", &viewer.panels.help, ImGuiWindowFlags_AlwaysAutoResize))
+  ImGui::SetNextWindowSize({std::min(0.95f * size.x, 58 * ImGui::GetFontSize()), 0}, ImGuiCond_Appearing);
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {size.x, 0.95f * size.y});
+  if (!ImGui::Begin("Mouse and keys", &viewer.panels.help, ImGuiWindowFlags_NoSavedSettings))
     return ImGui::End();
-  if (ImGui::BeginTable("help", 2)) {
-    const auto row = [](const char* name, const char* sentence) {
-      ImGui::TableNextColumn(), ImGui::TextUnformatted(name);
-      ImGui::TableNextColumn(), ImGui::TextUnformatted(sentence);
-    };
-    for (const MouseHelp& entry : mouse_table()) row(entry.name, entry.sentence);
-    for (const KeyHelp& entry : key_table()) row(entry.name, entry.sentence);
+  if (ImGui::BeginTable("groups", 2)) {
+    ImGui::TableNextColumn();
+    begin_group("Mouse on the picture");
+    for (const MouseHelp& entry : mouse_table()) help_row(entry.name, entry.sentence);
+    const char* group = "";
+    const std::span<const KeyHelp> keys = key_table();
+    for (std::size_t n = 0; n < keys.size(); n++) {
+      if (keys[n].group != group) {
+        ImGui::EndTable();
+        if (n > 0 && std::string_view(keys[n].group) == "View") ImGui::TableNextColumn();
+        begin_group(group = keys[n].group);
+      }
+      help_row(keys[n].name, keys[n].sentence);
+    }
+    ImGui::EndTable();
     ImGui::EndTable();
   }
   ImGui::End();

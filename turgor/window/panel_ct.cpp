@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <imgui.h>
 
 #include "turgor/view/transfer.hpp"
@@ -18,33 +20,27 @@ void choose(const char* name, const std::vector<std::string>& names, std::string
 void show_image(const ShownImage& image) {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): ImGui keeps OpenGL's number as a pointer
   const auto texture = reinterpret_cast<ImTextureID>(std::intptr_t(image.texture));
-  ImGui::Image(texture, {float(image.width), float(image.height)});
+  const float fit = std::min(1.0f, ImGui::GetContentRegionAvail().x / float(std::max(1, image.width)));
+  ImGui::Image(texture, {fit * float(image.width), fit * float(image.height)});
 }
 
 }  // namespace
 
 void show_ct(Viewer& viewer, Sections& sections) {
   const SessionStatus& now = *viewer.now;
-  if (!viewer.panels.ct || !now.scene || now.scene->lattice_bodies.empty()) return;
-  ImGui::SetNextWindowPos({8, 300}, ImGuiCond_FirstUseEver);
-  if (!ImGui::Begin("Deformed CT", &viewer.panels.ct, ImGuiWindowFlags_AlwaysAutoResize)) return ImGui::End();
   ImGui::Checkbox("volume rendering", &viewer.display.volume);
-  ImGui::SetNextItemWidth(140);
+  const float width = 0.6f * ImGui::GetContentRegionAvail().x;
+  ImGui::SetNextItemWidth(width);
   choose("tissue", volume_presets(), viewer.display.preset);
-  ImGui::SetNextItemWidth(140);
+  ImGui::SetNextItemWidth(width);
   choose("window", known_windows(), viewer.display.window);
   if (now.ct && !now.ct->ct.samples.empty()) {
     const Box box = bounding_box(now.ct->ct.grid);
     const Vec3d point = viewer.touched.value_or((box.low + box.high) * 0.5);
     renew(now.ct, point, viewer.display.window, sections);
-    for (const ShownImage& image : sections.images) {
-      show_image(image);
-      ImGui::SameLine();
-    }
-    ImGui::NewLine();
-    ImGui::TextUnformatted("axial, coronal and sagittal, through the last touch or cut");
+    for (const ShownImage& image : sections.images) show_image(image);
+    ImGui::TextWrapped("axial, coronal and sagittal, through the last touch or cut");
   }
-  ImGui::End();
 }
 
 }  // namespace turgor

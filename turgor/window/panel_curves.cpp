@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "turgor/window/appearance.hpp"
 #include "turgor/window/panels.hpp"
 
 namespace turgor {
 
 namespace {
-
-constexpr ImU32 kAxis = IM_COL32(120, 125, 132, 255), kCurve = IM_COL32(250, 204, 70, 255),
-                kInk = IM_COL32(215, 218, 222, 255);
 
 /// Smallest number of the form 1, 2 or 5 times a power of ten that is not below `value`.
 double round_above(double value) {
@@ -25,26 +23,28 @@ double round_above(double value) {
 /// Plots a curve over its whole x range, from 0 upwards (negative values are drawn on the axis), with labels
 /// at the ends of the axes.
 void plot(const char* name, const std::vector<ImVec2>& points, const char* x_unit, const char* y_unit) {
-  const ImVec2 corner = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, 92};
+  const float text = ImGui::GetTextLineHeight();
+  const ImVec2 corner = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, 6 * text};
   ImGui::Dummy(size);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const ImVec2 low{corner.x, corner.y + size.y - 16}, high{corner.x + size.x, corner.y + 16};
-  draw.AddLine(low, {high.x, low.y}, kAxis);
-  draw.AddLine(low, {low.x, high.y}, kAxis);
+  const ImVec2 low{corner.x, corner.y + size.y - text - 1}, high{corner.x + size.x, corner.y + text + 1};
+  const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
+  draw.AddLine(low, {high.x, low.y}, axis_color());
+  draw.AddLine(low, {low.x, high.y}, axis_color());
   float x_low = 1e30f, x_high = -1e30f, y_most = 0;
   for (const ImVec2 p : points)
     x_low = std::min(x_low, p.x), x_high = std::max(x_high, p.x), y_most = std::max(y_most, p.y);
   const float y_high = float(round_above(y_most));
-  draw.AddText(corner, kInk, fmt::format("{}   to {:.3g} {}", name, y_high, y_unit).c_str());
+  draw.AddText(corner, ink, fmt::format("{}   to {:.3g} {}", name, y_high, y_unit).c_str());
   if (points.empty() || !(x_high > x_low)) return;
   std::vector<ImVec2> line;
   for (const ImVec2 p : points)
     line.push_back({low.x + (p.x - x_low) / (x_high - x_low) * (high.x - low.x),
                     low.y + std::max(0.0f, p.y) / y_high * (high.y - low.y)});
-  draw.AddPolyline(line.data(), int(line.size()), kCurve, 0, 1.5f);
-  draw.AddText({low.x, low.y + 1}, kInk, fmt::format("{:.3g}", x_low).c_str());
+  draw.AddPolyline(line.data(), int(line.size()), curve_color(), 0, 1.5f);
+  draw.AddText({low.x, low.y + 1}, ink, fmt::format("{:.3g}", x_low).c_str());
   const std::string right = fmt::format("{:.3g} {}", x_high, x_unit);
-  draw.AddText({high.x - ImGui::CalcTextSize(right.c_str()).x, low.y + 1}, kInk, right.c_str());
+  draw.AddText({high.x - ImGui::CalcTextSize(right.c_str()).x, low.y + 1}, ink, right.c_str());
 }
 
 void show_tool(const std::string& name, const std::vector<HapticSample>& haptic) {
@@ -66,14 +66,9 @@ void show_curves(const Viewer& viewer) {
   const SessionStatus& now = *viewer.now;
   const bool any =
       std::any_of(now.haptic.begin(), now.haptic.end(), [](const auto& haptic) { return !haptic.empty(); });
-  if (!viewer.panels.curves || !any) return;
-  const float right = ImGui::GetIO().DisplaySize.x;
-  ImGui::SetNextWindowPos({right - 8, 8}, ImGuiCond_FirstUseEver, {1, 0});
-  ImGui::SetNextWindowSize({270, 0}, ImGuiCond_FirstUseEver);
-  if (!ImGui::Begin("Haptic forces")) return ImGui::End();
+  if (!any) return ImGui::TextWrapped("no tool has touched a body yet");
   for (std::size_t t = 0; t < now.haptic.size() && t < now.snapshot.tools.size(); t++)
     if (!now.haptic[t].empty()) show_tool(now.snapshot.tools[t].name, now.haptic[t]);
-  ImGui::End();
 }
 
 }  // namespace turgor

@@ -9,13 +9,15 @@ namespace {
 
 constexpr ImU32 kInk = IM_COL32(236, 239, 242, 255), kShade = IM_COL32(0, 0, 0, 160),
                 kLine = IM_COL32(255, 90, 70, 255), kWind = IM_COL32(120, 190, 255, 255),
-                kPatch = IM_COL32(60, 220, 200, 200);
+                kPatch = IM_COL32(60, 220, 200, 200), kBlade = IM_COL32(255, 90, 70, 70),
+                kBladeEdge = IM_COL32(255, 160, 140, 200);
 
 std::optional<ImVec2> pixel_of(const Viewer& viewer, Vec3d point) {
-  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const Area& area = viewer.area;
   const auto position = project(viewer.camera, point, viewer.aspect);
   if (!position) return std::nullopt;
-  return ImVec2{float(0.5 * (1 + position->x)) * size.x, float(0.5 * (1 - position->y)) * size.y};
+  return ImVec2{float(area.x + 0.5 * (1 + position->x) * area.width),
+                float(area.y + 0.5 * (1 - position->y) * area.height)};
 }
 
 void write(ImDrawList& draw, ImVec2 at, const std::string& text) {
@@ -30,6 +32,26 @@ void draw_line(ImDrawList& draw, const Viewer& viewer, const DrawnLine& line, Im
   draw.AddCircleFilled(*to, 5, color);
 }
 
+/// The line on the skin, and below it the edge of the blade.
+void draw_cut(ImDrawList& draw, const Viewer& viewer, const DrawnLine& line) {
+  const Vec3d below = line.on_skin.outward * -viewer.cut_depth;
+  for (const SkinLine::Piece& piece : line.on_skin.pieces) {
+    const auto from = pixel_of(viewer, piece.from), to = pixel_of(viewer, piece.to);
+    const auto low_from = pixel_of(viewer, piece.from + below), low_to = pixel_of(viewer, piece.to + below);
+    if (!from || !to || !low_from || !low_to) continue;
+    const ImVec2 wall[] = {*from, *to, *low_to, *low_from};
+    draw.AddConvexPolyFilled(wall, 4, kBlade);
+    draw.AddLine(*low_from, *low_to, kBladeEdge, 1.5f);
+    draw.AddLine(*from, *to, kLine, 3);
+  }
+  if (line.on_skin.pieces.empty()) draw_line(draw, viewer, line, kLine);
+  const auto end = pixel_of(viewer, line.to);
+  if (!end) return;
+  draw.AddCircleFilled(*end, 5, kLine);
+  write(draw, {end->x + 10, end->y - 8},
+        fmt::format("{:.0f} mm, {:.0f} mm deep", 1e3 * line.on_skin.length, 1e3 * viewer.cut_depth));
+}
+
 /// Draws edges of the triangles that face the eye.
 void draw_patch(ImDrawList& draw, const Viewer& viewer, const TriMesh& patch) {
   std::vector<std::optional<ImVec2>> pixels;
@@ -42,11 +64,11 @@ void draw_patch(ImDrawList& draw, const Viewer& viewer, const TriMesh& patch) {
   }
 }
 
-void draw_legend(ImDrawList& draw, const ColorScale& scale) {
+void draw_legend(ImDrawList& draw, const Area& area, const ColorScale& scale) {
   constexpr int kSteps = 32;
   constexpr float kWidth = 16, kHeight = 180;
-  const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const ImVec2 corner{size.x - 100, size.y - kHeight - 90};
+  const ImVec2 end{float(area.x + area.width), float(area.y + area.height)};
+  const ImVec2 corner{end.x - 100, end.y - kHeight - 30};
   for (int n = 0; n < kSteps; n++) {
     const Rgb c = map_color(1 - (float(n) + 0.5f) / kSteps);
     const float top = corner.y + kHeight * float(n) / kSteps;
@@ -57,20 +79,24 @@ void draw_legend(ImDrawList& draw, const ColorScale& scale) {
   write(draw, {corner.x + kWidth + 6, corner.y + kHeight - 8},
         fmt::format("{:.3g}", scale.low * scale.factor));
   const float width = ImGui::CalcTextSize(scale.label.c_str()).x;
-  write(draw, {size.x - width - 12, corner.y - 30}, scale.label);
+  write(draw, {end.x - width - 12, corner.y - 30}, scale.label);
 }
 
 }  // namespace
 
 void show_marks(const Viewer& viewer, const WorldPicture& picture) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const Area& area = viewer.area;
+  draw.PushClipRect({float(area.x), float(area.y)},
+                    {float(area.x + area.width), float(area.y + area.height)});
   for (const PictureLabel& label : picture.labels)
     if (const auto at = pixel_of(viewer, label.position)) write(draw, *at, label.text);
   if (viewer.display.patch)
     for (const BodySnapshot& body : viewer.now->snapshot.bodies) draw_patch(draw, viewer, body.patch);
-  if (viewer.cut) draw_line(draw, viewer, *viewer.cut, kLine);
+  if (viewer.cut) draw_cut(draw, viewer, *viewer.cut);
   if (viewer.wind) draw_line(draw, viewer, *viewer.wind, kWind);
-  if (picture.has_scale) draw_legend(draw, picture.scale);
+  if (picture.has_scale) draw_legend(draw, area, picture.scale);
+  draw.PopClipRect();
 }
 
 }  // namespace turgor

@@ -35,18 +35,38 @@ bool is_offered(const SceneKey& key) {
 
 }  // namespace
 
-ParameterList list_parameters(const Scene& scene) {
+ParameterList list_parameters(const Scene& scene, const std::vector<std::string>& opened) {
   ParameterList list;
   for (SceneKey& key : scene_keys(scene.text, scene.file)) {
     if (!is_offered(key)) continue;
     const std::string given = scene_value(scene, key.path), text = given.empty() ? key.fallback : given;
-    Parameter parameter{.key = key, .waits = why_not_live(scene, key)};
+    Parameter parameter{
+        .key = key, .waits = why_not_live(scene, key), .opened = override_of(opened, key.path)};
+    parameter.is_changed = override_of(scene.overrides, key.path) != parameter.opened;
     parameter.count = numbers_of(text, parameter.value);
     if (parameter.count != 1 && parameter.count != 3) continue;
     list.push_back(std::move(parameter));
   }
   std::stable_partition(list.begin(), list.end(), [](const Parameter& one) { return one.waits.empty(); });
   return list;
+}
+
+std::string owner_of(const Parameter& parameter) {
+  const std::string& path = parameter.key.path;
+  const std::size_t first = path.find('.');
+  if (first == path.npos || path.starts_with("world.")) return path.substr(0, first);
+  return path.substr(0, path.find('.', first + 1));
+}
+
+std::string unit_and_range(const Parameter& parameter) {
+  std::string text = parameter.key.unit;
+  const Allowed& allowed = parameter.key.allowed;
+  const bool is_bounded = allowed.low > -kLargestNumber || allowed.high < kLargestNumber;
+  const std::string limits = !is_bounded                     ? "any number"
+                             : allowed.high < kLargestNumber ? limits_text(allowed)
+                             : allowed.low > 0               ? "above 0"
+                                                             : "0 or more";
+  return text.empty() ? limits : text + ", " + limits;
 }
 
 std::string value_text(const Parameter& parameter) {

@@ -6,14 +6,20 @@ namespace turgor {
 
 namespace {
 
-/// Distance along the ray to the triangle, or empty. [Möller, Trumbore 1997]
-std::optional<double> ray_distance(const SightRay& ray, Vec3d a, Vec3d b, Vec3d c) {
+/// Intersection of a ray with a triangle.
+struct Hit {
+  double distance;              // along the ray [m]
+  std::array<double, 3> share;  // barycentric coordinates
+};
+
+/// Empty if the ray misses. [Möller, Trumbore 1997]
+std::optional<Hit> hit_of(const SightRay& ray, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d ab = b - a, ac = c - a, p = cross(ray.direction, ac), s = ray.from - a, q = cross(s, ab);
   const double volume = dot(ab, p);
   if (volume == 0) return std::nullopt;
   const double u = dot(s, p) / volume, v = dot(ray.direction, q) / volume, t = dot(ac, q) / volume;
   if (u < 0 || v < 0 || u + v > 1 || !(t > 0)) return std::nullopt;
-  return t;
+  return Hit{t, {1 - u - v, u, v}};
 }
 
 }  // namespace
@@ -21,14 +27,17 @@ std::optional<double> ray_distance(const SightRay& ray, Vec3d a, Vec3d b, Vec3d 
 std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3> triangles,
                                    const SightRay& ray) {
   std::optional<Picked> nearest;
-  for (const Int3 t : triangles) {
+  for (std::size_t n = 0; n < triangles.size(); n++) {
+    const Int3 t = triangles[n];
     const Vec3d a(x[std::size_t(t.x)]), b(x[std::size_t(t.y)]), c(x[std::size_t(t.z)]);
-    const std::optional<double> distance = ray_distance(ray, a, b, c);
-    if (!distance || (nearest && *distance >= nearest->distance)) continue;
+    const std::optional<Hit> hit = hit_of(ray, a, b, c);
+    if (!hit || (nearest && hit->distance >= nearest->distance)) continue;
     nearest = Picked{.body = 0,
-                     .point = ray.from + ray.direction * *distance,
+                     .point = ray.from + ray.direction * hit->distance,
                      .normal = normalized(cross(b - a, c - a)),
-                     .distance = *distance};
+                     .distance = hit->distance,
+                     .triangle = n,
+                     .share = hit->share};
   }
   return nearest;
 }

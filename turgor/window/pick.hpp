@@ -1,6 +1,7 @@
 // Picking of the surface under the cursor.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 
@@ -10,9 +11,11 @@
 namespace turgor {
 
 struct Picked {
-  std::size_t body = 0;  // index in WorldSnapshot::bodies
-  Vec3d point, normal;   // point on the surface; unit outward normal [m]
-  double distance = 0;   // from the eye [m]
+  std::size_t body = 0;              // index in WorldSnapshot::bodies
+  Vec3d point, normal;               // point on the surface; unit outward normal [m]
+  double distance = 0;               // from the eye [m]
+  std::size_t triangle = 0;          // of the surface
+  std::array<double, 3> share = {};  // barycentric coordinates in it
 };
 
 /// First triangle of a surface on a ray, from either side; the caller sets `body`.

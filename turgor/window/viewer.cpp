@@ -8,6 +8,10 @@
 
 namespace turgor {
 
+ScreenPosition screen_position(const Area& area, double x, double y) {
+  return {2 * (x - area.x) / area.width - 1, 1 - 2 * (y - area.y) / area.height};
+}
+
 void meet_world(Viewer& viewer) {
   viewer.touching.reset(), viewer.touched.reset(), viewer.cut.reset(), viewer.wind.reset();
   viewer.draws_on_device = true;
@@ -15,7 +19,7 @@ void meet_world(Viewer& viewer) {
   const Box box = box_of(viewer.now->snapshot);
   const bool first = viewer.framed_file != scene.file;
   viewer.framed = viewer.now->world, viewer.framed_file = scene.file;
-  viewer.parameters = list_parameters(scene);
+  if (first) meet_document(viewer), viewer.cut_depth = usual_depth(scene);
   const std::vector<SkinColor> colors = known_colors(scene);
   if (std::find(colors.begin(), colors.end(), viewer.display.color) == colors.end())
     viewer.display.color = SkinColor::kNone;
@@ -32,15 +36,15 @@ Box box_of(const WorldSnapshot& snapshot) {
   return corners.empty() ? Box{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}} : box_around(corners);
 }
 
-void open_file(Viewer& viewer, const std::filesystem::path& file) {
-  viewer.session.request(OpenRequest{.file = file, .overrides = {}});
-  viewer.message = "opening " + file.string();
+bool press_key(Viewer& viewer, int key, Chord chord) {
+  for (const KeyHelp& entry : key_table())
+    if (entry.key == key && entry.chord == chord) return entry.act(viewer), true;
+  return false;
 }
 
-bool press_key(Viewer& viewer, int key, bool /*shift*/) {
+void act(Viewer& viewer, std::string_view key_name) {
   for (const KeyHelp& entry : key_table())
-    if (entry.key == key) return entry.act(viewer), true;
-  return false;
+    if (entry.name == key_name) return entry.act(viewer);
 }
 
 }  // namespace turgor

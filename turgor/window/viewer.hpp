@@ -7,12 +7,16 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "turgor/sim/live/session.hpp"
 #include "turgor/view/mesh_drawing.hpp"
+#include "turgor/window/cut_preview.hpp"
+#include "turgor/window/file_dialog.hpp"
 #include "turgor/window/parameters.hpp"
 #include "turgor/window/pick.hpp"
+#include "turgor/window/settings.hpp"
 
 namespace turgor {
 
@@ -44,23 +48,48 @@ struct Touching {
 /// A line that is being drawn on a body, or the wind over it.
 struct DrawnLine {
   std::size_t body = 0;
-  Vec3d from, to;  // [m]
+  Vec3d from, to;                // [m]
+  Vec3d from_normal, to_normal;  // of a cut: unit, outward
+  SkinLine on_skin;              // of a cut
 };
 
-/// Optional panels.
-struct Panels {
-  bool help = false, controls = true, parameters = false, curves = true, ct = false;
+/// Rectangle of the window, from its top left corner [units of window coordinates].
+struct Area {
+  double x = 0, y = 0, width = 1, height = 1;
+  double aspect() const { return width / height; }
+};
+/// Position of a point of the window in the picture.
+ScreenPosition screen_position(const Area& area, double x, double y);
+
+/// Action that would lose unsaved cuts or changes, and waits for the answer to a question.
+enum class Leaving : std::uint8_t { kNothing, kQuit, kOpen, kRestart };
+
+/// The scene file of a viewer, its dialog, and what was saved of it.
+struct Document {
+  FileDialog dialog;
+  std::filesystem::path file;  // that Save writes; empty: the scene's own
+  bool is_example = false;     // from the gallery: Save asks for a name
+  std::string text;            // of the file, as written last; empty: as read by the session
+  std::vector<std::string> opened_overrides, saved_overrides;
+  std::string saved_cuts;  // as incisions_text
+  Leaving leaving = Leaving::kNothing;
+  std::filesystem::path next;    // to open after the question
+  bool next_is_example = false;  // likewise
 };
 
 struct Viewer {
   Session& session;
   const SessionStatus* now = nullptr;  // newest snapshot; set once per picture
-  double aspect = 4.0 / 3;
+  Area area;                           // of the picture; panels cover the rest of the window
+  double aspect = 4.0 / 3;             // of `area`
+  // heights of the menu and of the line below the picture, as last drawn [units of window coordinates]
+  double menu_height = 0, status_height = 0;
   Camera camera;
   int framed = 0;                     // number of the last world that the viewer adopted
   std::filesystem::path framed_file;  // its scene, for which the camera was set
   MouseMode mode = MouseMode::kTouch;
   Display display;
+  Settings settings;  // without the panels, which are in `panels`
   Panels panels;
   ScreenPosition cursor;
   int teleports = 0;  // see MouseHand::put
@@ -68,9 +97,17 @@ struct Viewer {
   std::optional<Touching> touching;
   std::optional<Vec3d> touched;  // position of the last touch or cut, to focus on
   std::optional<DrawnLine> cut, wind;
+  double cut_depth = 0.01;           // of cuts by hand below the skin [m]
+  std::string clipboard;             // text for the system's clipboard; empty: none
   std::optional<int> camera_button;  // button that moves the camera while held: 0 turns, 1 shifts
   ParameterList parameters;
+  std::shared_ptr<const Scene> listed;  // scene of `parameters`
+  std::string parameter_filter;         // text that shown parameters contain
+  Document document;
+  bool shows_gallery = false;
   std::string message;  // last status message
+  std::string failure;  // last message about a failure; a status message that equals it is shown in red
+  bool records_picture_only = false;  // pictures and videos without the panels
   bool wants_picture = false, wants_video = false, wants_felt = false, ends = false;
   std::string saved;                               // SessionStatus::saved, as last reported
   double drawn_per_second = 0;                     // pictures [1/s]
@@ -85,8 +122,9 @@ void press_button(Viewer& viewer, int button, bool shift);
 void release_button(Viewer& viewer);
 void move_cursor(Viewer& viewer, ScreenPosition position);
 void scroll(Viewer& viewer, double notches);
-bool press_key(Viewer& viewer, int key, bool shift);
-void open_file(Viewer& viewer, const std::filesystem::path& file);
+/// Modifiers of a key. Plain keys ignore Shift.
+enum class Chord : std::uint8_t { kPlain, kControl, kControlShift };
+bool press_key(Viewer& viewer, int key, Chord chord);
 
 /// Called once per picture: reads the session's snapshot and moves the tool.
 void look(Viewer& viewer);
@@ -97,22 +135,55 @@ void meet_world(Viewer& viewer);
 /// Box of all bodies [m].
 Box box_of(const WorldSnapshot& snapshot);
 
-/// Description of a key: for press_key and for the help.
+/// Description of a key: for press_key, for menus and for the help.
 struct KeyHelp {
+  const char* group;
   int key;
   const char *name, *sentence;
   void (*act)(Viewer&);
+  Chord chord = Chord::kPlain;
 };
 std::span<const KeyHelp> key_table();
 /// Description of a mouse action.
 struct MouseHelp {
   const char *name, *sentence;
 };
+/// Acts as the key with this name.
+void act(Viewer& viewer, std::string_view key_name);
 std::span<const MouseHelp> mouse_table();
 
 /// Quantities that can color the surfaces of a scene.
 std::vector<SkinColor> known_colors(const Scene& scene);
-/// Saves beside the scene's file, under an unused name; returns a status message.
-std::string save_scene(const Viewer& viewer);
+/// Cuts (viewer_cut.cpp). The first two need a cut that is being drawn.
+void update_preview(Viewer& viewer, Vec3d normal);
+void end_cut(Viewer& viewer);
+/// Cuts the nearest lattice along a line or curve of 3D Slicer.
+void cut_along_markup(Viewer& viewer, const std::filesystem::path& file);
+/// Depth of the scene's first incision, or the default [m].
+double usual_depth(const Scene& scene);
+constexpr double kLeastDepth = 0.001, kMostDepth = 0.1;  // of cuts by hand [m]
+/// Position of a picked point at rest [m]; empty if the body does not have it.
+std::optional<Vec3d> rest_point(const WorldSnapshot& snapshot, const Picked& picked);
+/// Copies the point under the cursor to the clipboard, in scene coordinates.
+void copy_point(Viewer& viewer);
+
+/// Files (viewer_files.cpp). Opening, quitting and restarting ask first if that loses cuts or changes.
+void open_file(Viewer& viewer, const std::filesystem::path& file);
+void open_example(Viewer& viewer, const std::filesystem::path& file);
+void quit(Viewer& viewer);
+void restart(Viewer& viewer);
+/// True if there are cuts or changes that no file has.
+bool has_unsaved_edits(const Viewer& viewer);
+/// Does what a question about unsaved edits was about.
+void leave(Viewer& viewer);
+/// Saves to the document's file, or opens the dialog for an example.
+void save(Viewer& viewer);
+void save_as(Viewer& viewer, const std::filesystem::path& file);
+/// Saves beside the scene's file, under an unused name.
+void save_copy(Viewer& viewer);
+void show_open_dialog(Viewer& viewer);
+void show_save_dialog(Viewer& viewer);
+/// Adopts a newly opened scene.
+void meet_document(Viewer& viewer);
 
 }  // namespace turgor

@@ -6,8 +6,6 @@
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
-#include "turgor/io/files/file.hpp"
-#include "turgor/sim/scene/scene_edit.hpp"
 #include "turgor/window/viewer.hpp"
 
 namespace turgor {
@@ -72,60 +70,94 @@ void toggle_wires(Viewer& viewer) {
   style = style == MeshStyle::kSurface ? MeshStyle::kWires : MeshStyle::kSurface;
 }
 
-void reset(Viewer& viewer) {
-  viewer.session.request(ResetRequest{});
-  viewer.message = "restarted";
-}
-
+/// Reads the file again, which is another one after Save as.
 void reload(Viewer& viewer) {
-  viewer.session.request(ReloadRequest{});
-  viewer.message = "scene file reloaded";
+  if (viewer.document.file.empty()) {
+    viewer.session.request(ReloadRequest{});
+    viewer.message = "scene file reloaded";
+  } else {
+    open_file(viewer, viewer.document.file);
+  }
 }
 
-void save(Viewer& viewer) { viewer.message = save_scene(viewer); }
+/// Leaves what is open or under way, one thing at a time; it never closes the window.
+void leave_mode(Viewer& viewer) {
+  if (viewer.document.leaving != Leaving::kNothing)
+    viewer.document.leaving = Leaving::kNothing;
+  else if (viewer.document.dialog.is_open)
+    viewer.document.dialog.is_open = false;
+  else if (viewer.panels.help)
+    viewer.panels.help = false;
+  else if (viewer.cut)
+    viewer.cut.reset(), viewer.message = "no cut";
+  else if (viewer.touching)
+    release_button(viewer);
+  else
+    viewer.mode = MouseMode::kTouch;
+}
+
+void undo(Viewer& viewer) {
+  if (!viewer.now) return;
+  viewer.message = viewer.now->undo.empty() ? "nothing to undo" : "undone: " + viewer.now->undo;
+  viewer.session.request(UndoRequest{});
+}
+
+void redo(Viewer& viewer) {
+  if (!viewer.now) return;
+  viewer.message = viewer.now->redo.empty() ? "nothing to redo" : "repeated: " + viewer.now->redo;
+  viewer.session.request(RedoRequest{});
+}
+
+constexpr const char *kFile = "File", *kEdit = "Edit", *kTime = "Time", *kMouse = "Mouse", *kView = "View",
+                     *kOutput = "Pictures and recordings";
 
 constexpr KeyHelp kKeys[] = {
-    {GLFW_KEY_SPACE, "Space", "play or pause",
+    {kFile, GLFW_KEY_O, "Ctrl+O", "open a scene", show_open_dialog, Chord::kControl},
+    {kFile, GLFW_KEY_S, "Ctrl+S", "save the scene with its cuts and changes", save, Chord::kControl},
+    {kFile, GLFW_KEY_S, "Ctrl+Shift+S", "save under another name", show_save_dialog, Chord::kControlShift},
+    {kFile, GLFW_KEY_S, "S", "save a numbered copy beside the scene", save_copy},
+    {kFile, GLFW_KEY_R, "R", "reload the scene file", reload},
+    {kFile, GLFW_KEY_Q, "Ctrl+Q", "quit", quit, Chord::kControl},
+    {kEdit, GLFW_KEY_Z, "Ctrl+Z", "undo a cut or a change", undo, Chord::kControl},
+    {kEdit, GLFW_KEY_Z, "Ctrl+Shift+Z", "redo", redo, Chord::kControlShift},
+    {kEdit, GLFW_KEY_Y, "Ctrl+Y", "redo", redo, Chord::kControl},
+    {kEdit, GLFW_KEY_C, "Ctrl+C", "copy the point under the cursor at rest, in scene coordinates", copy_point,
+     Chord::kControl},
+    {kTime, GLFW_KEY_SPACE, "Space", "play or pause",
      [](Viewer& v) {
        if (v.now) set_pace(v, !v.now->plays, v.now->pace);
      }},
-    {GLFW_KEY_PERIOD, ".", "advance one frame while paused",
+    {kTime, GLFW_KEY_PERIOD, ".", "advance one frame while paused",
      [](Viewer& v) { v.session.request(StepRequest{}); }},
-    {GLFW_KEY_BACKSPACE, "Backspace", "restart with the changed parameters", reset},
-    {GLFW_KEY_R, "R", "reload the scene file", reload},
-    {GLFW_KEY_MINUS, "-", "half speed", change_pace<-1>},
-    {GLFW_KEY_EQUAL, "+", "double speed", change_pace<1>},
-    {GLFW_KEY_T, "T", "mouse mode: touch", set_mode<MouseMode::kTouch>},
-    {GLFW_KEY_G, "G", "mouse mode: grab (as with Shift)", set_mode<MouseMode::kGrab>},
-    {GLFW_KEY_C, "C", "mouse mode: cut skin", set_mode<MouseMode::kCut>},
-    {GLFW_KEY_W, "W", "mouse mode: wind on cloth", set_mode<MouseMode::kWind>},
-    {GLFW_KEY_1, "1", "view from the front", look_from<StandardView::kFront>},
-    {GLFW_KEY_2, "2", "view from the back", look_from<StandardView::kBack>},
-    {GLFW_KEY_3, "3", "view from the patient's right", look_from<StandardView::kRight>},
-    {GLFW_KEY_4, "4", "view from the patient's left", look_from<StandardView::kLeft>},
-    {GLFW_KEY_5, "5", "view from the head", look_from<StandardView::kHead>},
-    {GLFW_KEY_6, "6", "view from the feet", look_from<StandardView::kFeet>},
-    {GLFW_KEY_0, "0", "view the whole scene", look_at_all},
-    {GLFW_KEY_F, "F", "orbit around the last touch, or the point under the cursor", focus},
-    {GLFW_KEY_D, "D", "next color quantity", next_color},
-    {GLFW_KEY_L, "L", "surface or wireframe", toggle_wires},
-    {GLFW_KEY_U, "U", "show the fine patch that follows the tools (sfem)",
+    {kTime, GLFW_KEY_BACKSPACE, "Backspace", "restart with the changed parameters", restart},
+    {kTime, GLFW_KEY_MINUS, "-", "half speed", change_pace<-1>},
+    {kTime, GLFW_KEY_EQUAL, "+", "double speed", change_pace<1>},
+    {kMouse, GLFW_KEY_T, "T", "touch", set_mode<MouseMode::kTouch>},
+    {kMouse, GLFW_KEY_G, "G", "grab (as with Shift)", set_mode<MouseMode::kGrab>},
+    {kMouse, GLFW_KEY_C, "C", "cut skin", set_mode<MouseMode::kCut>},
+    {kMouse, GLFW_KEY_W, "W", "wind on cloth", set_mode<MouseMode::kWind>},
+    {kMouse, GLFW_KEY_ESCAPE, "Esc", "leave a mode, a line or a dialog", leave_mode},
+    {kView, GLFW_KEY_1, "1", "from the front", look_from<StandardView::kFront>},
+    {kView, GLFW_KEY_2, "2", "from the back", look_from<StandardView::kBack>},
+    {kView, GLFW_KEY_3, "3", "from the patient's right", look_from<StandardView::kRight>},
+    {kView, GLFW_KEY_4, "4", "from the patient's left", look_from<StandardView::kLeft>},
+    {kView, GLFW_KEY_5, "5", "from the head", look_from<StandardView::kHead>},
+    {kView, GLFW_KEY_6, "6", "from the feet", look_from<StandardView::kFeet>},
+    {kView, GLFW_KEY_0, "0", "the whole scene", look_at_all},
+    {kView, GLFW_KEY_F, "F", "orbit around the last touch, or the point under the cursor", focus},
+    {kView, GLFW_KEY_D, "D", "next color quantity", next_color},
+    {kView, GLFW_KEY_L, "L", "surface or wireframe", toggle_wires},
+    {kView, GLFW_KEY_U, "U", "fine patch that follows the tools (sfem)",
      [](Viewer& v) { v.display.patch = !v.display.patch; }},
-    {GLFW_KEY_X, "X", "deformed CT: sections, volume rendering",
+    {kView, GLFW_KEY_X, "X", "deformed CT: sections, volume rendering",
      [](Viewer& v) { v.panels.ct = !v.panels.ct; }},
-    {GLFW_KEY_P, "P", "save a picture", [](Viewer& v) { v.wants_picture = true; }},
-    {GLFW_KEY_V, "V", "start or stop a video", [](Viewer& v) { v.wants_video = !v.wants_video; }},
-    {GLFW_KEY_H, "H", "save the haptic recording (for turgor replay)",
-     [](Viewer& v) { v.wants_felt = true; }},
-    {GLFW_KEY_S, "S", "save the scene with its changes", save},
-    {GLFW_KEY_TAB, "Tab", "show or hide the panels",
+    {kView, GLFW_KEY_TAB, "Tab", "show or hide the side panel",
      [](Viewer& v) { v.panels.controls = !v.panels.controls; }},
-    {GLFW_KEY_SLASH, "?", "show or hide this help", [](Viewer& v) { v.panels.help = !v.panels.help; }},
-    {GLFW_KEY_ESCAPE, "Esc", "close the help, then the window",
-     [](Viewer& v) {
-       v.ends = !v.panels.help;
-       v.panels.help = false;
-     }},
+    {kView, GLFW_KEY_SLASH, "?", "show or hide this help", [](Viewer& v) { v.panels.help = !v.panels.help; }},
+    {kOutput, GLFW_KEY_P, "P", "save a picture", [](Viewer& v) { v.wants_picture = true; }},
+    {kOutput, GLFW_KEY_V, "V", "start or stop a video", [](Viewer& v) { v.wants_video = !v.wants_video; }},
+    {kOutput, GLFW_KEY_H, "H", "save the haptic recording (for turgor replay)",
+     [](Viewer& v) { v.wants_felt = true; }},
 };
 
 }  // namespace
@@ -137,19 +169,6 @@ std::vector<SkinColor> known_colors(const Scene& scene) {
   if (!scene.lattice_bodies.empty()) colors.push_back(SkinColor::kStretch);
   if (!scene.sfem_bodies.empty()) colors.push_back(SkinColor::kPressure);
   return colors;
-}
-
-std::string save_scene(const Viewer& viewer) {
-  if (!viewer.now || !viewer.now->scene) return "nothing to save: no scene is loaded";
-  const Scene& scene = *viewer.now->scene;
-  Result<std::string> text = with_values(scene.text, scene.file, scene.overrides);
-  if (!text) return text.error().message;
-  *text += incisions_text(scene, viewer.now->cuts);
-  std::filesystem::path path;
-  for (int n = 1; path.empty() || std::filesystem::exists(path); n++)
-    path = scene.file.parent_path() / fmt::format("{}-{}.toml", scene.file.stem().string(), n);
-  if (const Status written = write_file(path, *text); !written) return written.error().message;
-  return "saved " + path.string();
 }
 
 }  // namespace turgor

@@ -87,26 +87,9 @@ void move_touch(Viewer& viewer) {
 /// Begins a line on a body of this kind at the cursor.
 bool begin_line(Viewer& viewer, const Picked& picked, BodyKind kind, std::optional<DrawnLine>& line) {
   if (viewer.now->snapshot.bodies[picked.body].id.kind != kind) return false;
-  line = DrawnLine{picked.body, picked.point, picked.point};
+  const Vec3d normal = towards_eye(picked.normal, ray_at_cursor(viewer));
+  line = DrawnLine{picked.body, picked.point, picked.point, normal, normal, {}};
   return true;
-}
-
-void end_cut(Viewer& viewer) {
-  const DrawnLine line = *viewer.cut;
-  viewer.cut.reset();
-  const BodySnapshot& body = viewer.now->snapshot.bodies[line.body];
-  if (norm(line.to - line.from) < 0.005) {
-    viewer.message = "no cut: expected a line of 5 mm or more";
-    return;
-  }
-  lattice::Incision blade{.name = "hand", .from = line.from, .to = line.to};
-  for (const IncisionScene& incision : viewer.now->scene->incisions)
-    if (incision.body == body.id.index) blade.depth = incision.blade.depth;
-  blade.duration = std::clamp(norm(line.to - line.from) / 0.2, 0.1, 1.0);
-  viewer.session.request(CutRequest{.blade = blade, .body = body.id.index});
-  viewer.touched = (line.from + line.to) * 0.5;
-  viewer.message =
-      fmt::format("a cut of {:.0f} mm, {:.0f} mm deep", 1e3 * norm(line.to - line.from), 1e3 * blade.depth);
 }
 
 void blow(Viewer& viewer) {
@@ -156,11 +139,11 @@ constexpr MouseHelp kMouse[] = {
     {"left on a body",
      "press with the body's tool, and slide; on cloth without a tool: wind; in cut mode: cut skin"},
     {"Shift + left on a body", "grab and pull; forceps close"},
-    {"wheel while pressing", "change the depth"},
+    {"wheel while pressing or drawing a cut", "change the depth"},
     {"left off the bodies, or right", "orbit"},
     {"middle, or Shift + right", "pan"},
     {"wheel", "zoom to the cursor"},
-    {"drop a file on the window", "open that scene"},
+    {"drop a file on the window", "open that scene; cut along a .mrk.json of 3D Slicer"},
 };
 
 }  // namespace
@@ -192,7 +175,8 @@ void move_cursor(Viewer& viewer, ScreenPosition position) {
   if (viewer.cut) {
     if (const auto found = pick(viewer.now->snapshot, ray_at_cursor(viewer));
         found && found->body == viewer.cut->body)
-      viewer.cut->to = found->point;
+      viewer.cut->to = found->point,
+      update_preview(viewer, towards_eye(found->normal, ray_at_cursor(viewer)));
   } else if (viewer.wind) {
     viewer.wind->to = in_plane(viewer.camera, ray_at_cursor(viewer), viewer.wind->from);
     blow(viewer);
@@ -206,6 +190,10 @@ void move_cursor(Viewer& viewer, ScreenPosition position) {
 }
 
 void scroll(Viewer& viewer, double notches) {
+  if (viewer.cut) {
+    viewer.cut_depth = std::clamp(viewer.cut_depth + 0.001 * notches, kLeastDepth, kMostDepth);
+    return;
+  }
   if (viewer.touching) {
     Touching& touching = *viewer.touching;
     touching.depth =

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <thread>
 
@@ -12,7 +13,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "turgor/view/text.hpp"
+#include "turgor/window/appearance.hpp"
 #include "turgor/window/film.hpp"
 #include "turgor/window/panels.hpp"
 #include "turgor/window/picture.hpp"
@@ -50,20 +51,32 @@ struct PixelSize {
   int width = 0, height = 0;
 };
 
-void copy_to_window(GLuint framebuffer, PixelSize from, bool from_top, PixelSize to) {
+/// Rectangle of the framebuffer, from its lower left corner [pixels].
+struct PixelArea {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+void copy_to_window(GLuint framebuffer, PixelSize from, bool from_top, PixelArea to) {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
   const bool same_size = from.width == to.width && from.height == to.height;
-  glBlitFramebuffer(0, from_top ? from.height : 0, from.width, from_top ? 0 : from.height, 0, 0, to.width,
-                    to.height, GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
+  glBlitFramebuffer(0, from_top ? from.height : 0, from.width, from_top ? 0 : from.height, to.x, to.y,
+                    to.x + to.width, to.y + to.height, GL_COLOR_BUFFER_BIT,
+                    same_size ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-void set_fonts() {
-  static constexpr ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x209F, 0};
-  ImGuiIO& io = ImGui::GetIO();
-  const std::string file = font_file();
-  if (!file.empty()) io.Fonts->AddFontFromFileTTF(file.c_str(), 15, nullptr, kLetters);
+/// Monitor scale and framebuffer scale of a window. `wanted` replaces the monitor's; 0: as it is.
+WindowScale scale_of(GLFWwindow* window, float wanted) {
+  WindowScale scale;
+  float ignored = 1;
+  glfwGetWindowContentScale(window, &scale.monitor, &ignored);
+  int width = 0, height = 0, pixels = 0;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &pixels, &height);
+  if (width > 0 && pixels > 0) scale.framebuffer = float(pixels) / float(width);
+  if (wanted > 0) scale.monitor = wanted;
+  return scale;
 }
 
 }  // namespace
@@ -78,13 +91,26 @@ struct SceneWindow::Impl {
   std::optional<VolumePicture> volume;
   std::optional<Sections> sections;
   std::vector<std::function<void()>> events;  // in order of arrival
+  Settings settings;                          // as read
+  Appearance appearance;                      // as set
+  WindowScale scale;                          // as set
+  std::string trouble;                        // error of the settings' file
   DrawnState drawn;
   Clock::time_point changed = Clock::now(), latest = Clock::now();
   Film film;
+  GalleryPictures gallery;
+  std::string title;  // as shown
 
   ~Impl();
   Status begin();
+  Status open_window();
+  void keep_settings();
   void listen();
+  void set_style();
+  void set_title();
+  std::string name_of_pictures() const;
+  void set_area();
+  PixelArea picture_area() const;
   void handle_events();
   void draw_surfaces(int width, int height);
   void draw_picture();
@@ -92,22 +118,33 @@ struct SceneWindow::Impl {
   void save_pictures();
   void save_haptics();
   void keep_rate();
-  ScreenPosition screen_position(double x, double y) const;
   Image read() const;
 };
 
 SceneWindow::Impl::~Impl() {
+  if (viewer) keep_settings();
+  const std::string name = viewer ? name_of_pictures() : "";
   session.reset();  // ends its threads
-  if (!film.frames.empty()) (void)end_film(options.out, options.scene.stem().string(), film);
+  if (!film.frames.empty()) (void)end_film(options.out, name, film);
   if (window) glfwMakeContextCurrent(window);
-  picture.reset(), volume.reset(), sections.reset();
+  picture.reset(), volume.reset(), sections.reset(), gallery = {};
   if (has_imgui) ImGui_ImplOpenGL3_Shutdown(), ImGui_ImplGlfw_Shutdown(), ImGui::DestroyContext();
   if (window) glfwDestroyWindow(window);
   glfwTerminate();
 }
 
-Status SceneWindow::Impl::begin() {
+/// Opens the window with its OpenGL context, at its remembered size.
+Status SceneWindow::Impl::open_window() {
   glfwSetErrorCallback([](int, const char* sentence) { glfw_trouble() = sentence; });
+  Result<Settings> read = options.settings.empty() ? Settings() : read_settings(options.settings);
+  if (read)
+    settings = *read;
+  else
+    trouble = read.error().message;
+  std::error_code ignored;
+  const bool is_remembered = options.width > 0 || std::filesystem::exists(options.settings, ignored);
+  if (options.width > 0 && options.height > 0)
+    settings.width = options.width, settings.height = options.height;
   const auto no_window = [&] {
     return Error{
         fmt::format("no window: {}; without a display, turgor run {} simulates the scene and draws pictures",
@@ -117,11 +154,16 @@ Status SceneWindow::Impl::begin() {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-  const std::string title = "Turgor – " + options.scene.filename().string();
-  window = glfwCreateWindow(options.width, options.height, title.c_str(), nullptr, nullptr);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, is_remembered ? GLFW_FALSE : GLFW_TRUE);
+  window = glfwCreateWindow(settings.width, settings.height, "Turgor", nullptr, nullptr);
   if (!window) return no_window();
   glfwMakeContextCurrent(window);
   glfwSwapInterval(1);
+  return Done{};
+}
+
+Status SceneWindow::Impl::begin() {
+  if (const Status opened = open_window(); !opened) return opened;
   Result<WorldPicture> made = make_world_picture();
   if (!made) return made.error();
   picture.emplace(std::move(*made)), volume.emplace(), sections.emplace();
@@ -129,18 +171,57 @@ Status SceneWindow::Impl::begin() {
   ImGui::CreateContext();
   has_imgui = true;
   ImGui::GetIO().IniFilename = nullptr;
-  set_fonts();
   ImGui_ImplGlfw_InitForOpenGL(window, true);  // chains the callbacks of listen()
   ImGui_ImplOpenGL3_Init("#version 330 core");
   session.emplace(options.scene, options.overrides, options.session);
   viewer.emplace(Viewer{.session = *session});
+  viewer->settings = settings, viewer->panels = settings.panels, viewer->message = viewer->failure = trouble;
+  if (options.scene.empty())
+    viewer->shows_gallery = true;
+  else
+    add_recent(options.scene, viewer->settings);
   return Done{};
 }
 
-ScreenPosition SceneWindow::Impl::screen_position(double x, double y) const {
+void SceneWindow::Impl::keep_settings() {
+  if (options.settings.empty()) return;
+  Settings& kept = viewer->settings;
+  kept.panels = viewer->panels;
+  if (!glfwGetWindowAttrib(window, GLFW_MAXIMIZED)) glfwGetWindowSize(window, &kept.width, &kept.height);
+  (void)write_settings(options.settings, kept);  // the window closes and cannot show a message
+}
+
+/// Makes the font again if the theme, the size of text or the monitor changed.
+void SceneWindow::Impl::set_style() {
+  const WindowScale now = scale_of(window, options.scale);
+  if (now == scale && viewer->settings.appearance == appearance) return;
+  scale = now, appearance = viewer->settings.appearance;
+  set_appearance(appearance, scale);
+  ImGui_ImplOpenGL3_DestroyFontsTexture();  // made again by the next frame
+}
+
+/// Sets the rectangle of the picture beside the side panel, above the status line.
+void SceneWindow::Impl::set_area() {
   int width = 1, height = 1;
   glfwGetWindowSize(window, &width, &height);
-  return {2 * x / std::max(1, width) - 1, 1 - 2 * y / std::max(1, height)};
+  const double side = viewer->panels.controls ? double(viewer->panels.side_width * scale.units()) : 0;
+  Area& area = viewer->area;
+  area = {.x = std::min(side, width - 1.0), .y = std::min(viewer->menu_height, height - 1.0)};
+  area.width = std::max(1.0, width - area.x);
+  area.height = std::max(1.0, height - area.y - viewer->status_height);
+  viewer->aspect = area.aspect();
+}
+
+PixelArea SceneWindow::Impl::picture_area() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window, &width, &height);
+  const Area& area = viewer->area;
+  const double f = double(scale.framebuffer);
+  const auto pixels = [f](double units) { return int(std::lround(units * f)); };
+  PixelArea to{.x = pixels(area.x), .y = height - pixels(area.y + area.height)};
+  to.width = std::max(0, std::min(width - to.x, pixels(area.width)));
+  to.height = std::max(0, std::min(height - to.y, pixels(area.height)));
+  return to;
 }
 
 /// Events are queued until it is known whether a panel is under the cursor.
@@ -151,7 +232,7 @@ void SceneWindow::Impl::listen() {
   };
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
     Impl& p = impl_of(w);
-    p.events.push_back([&p, x, y] { move_cursor(*p.viewer, p.screen_position(x, y)); });
+    p.events.push_back([&p, x, y] { move_cursor(*p.viewer, screen_position(p.viewer->area, x, y)); });
   });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
     Impl& p = impl_of(w);
@@ -170,8 +251,12 @@ void SceneWindow::Impl::listen() {
     Impl& p = impl_of(w);
     const bool again = action == GLFW_REPEAT && key == GLFW_KEY_PERIOD;  // while held, frame by frame
     if (action != GLFW_PRESS && !again) return;
-    p.events.push_back([&p, key, mods] {
-      if (!ImGui::GetIO().WantTextInput) press_key(*p.viewer, key, mods & GLFW_MOD_SHIFT);
+    const Chord chord = !(mods & GLFW_MOD_CONTROL) ? Chord::kPlain
+                        : (mods & GLFW_MOD_SHIFT)  ? Chord::kControlShift
+                                                   : Chord::kControl;
+    p.events.push_back([&p, key, chord] {
+      const bool types = ImGui::GetIO().WantTextInput && chord == Chord::kPlain && key != GLFW_KEY_ESCAPE;
+      if (!types) press_key(*p.viewer, key, chord);
     });
   });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** files) {
@@ -201,13 +286,13 @@ void SceneWindow::Impl::draw_surfaces(int width, int height) {
   constexpr double kRest = 0.25;  // delay before the full quality is used [s]
   if (!changes && !(seconds_since(changed) > kRest && can_be_refined(*picture))) return;
   const Status status = draw_world(*viewer, changes, width, height, *picture);
-  if (!status) viewer->message = status.error().message;
+  if (!status) viewer->message = viewer->failure = status.error().message;
   drawn = current;
 }
 
 void SceneWindow::Impl::draw_picture() {
-  int width = 0, height = 0;
-  glfwGetFramebufferSize(window, &width, &height);
+  const PixelArea area = picture_area();
+  const int width = area.width, height = area.height;
   if (width < 1 || height < 1) return;
   const SessionStatus& now = *viewer->now;
   const bool is_allocated = now.phase == SessionStatus::Phase::kReady && !now.snapshot.bodies.empty();
@@ -215,26 +300,48 @@ void SceneWindow::Impl::draw_picture() {
   if (is_allocated && !shows_volume) draw_surfaces(width, height);
   if (shows_volume && (viewer->draws_on_device || !now.ct->device)) {
     const Status status = renew({now.ct, viewer->display.preset, viewer->camera, width, height}, *volume);
-    if (!status) viewer->message = status.error().message, viewer->draws_on_device = false;
+    if (!status) viewer->message = viewer->failure = status.error().message, viewer->draws_on_device = false;
   }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glClearColor(0.03f, 0.04f, 0.05f, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   const ShownImage& image = volume->image;  // rows from the top
   if (shows_volume && image.framebuffer)
-    copy_to_window(image.framebuffer, {image.width, image.height}, true, {width, height});
+    copy_to_window(image.framebuffer, {image.width, image.height}, true, area);
   else if (picture->framebuffer)
-    copy_to_window(picture->framebuffer, {picture->width, picture->height}, false, {width, height});
+    copy_to_window(picture->framebuffer, {picture->width, picture->height}, false, area);
+}
+
+/// File name of the scene, with a star if it has unsaved edits.
+void SceneWindow::Impl::set_title() {
+  const SessionStatus& now = *viewer->now;
+  const Document& document = viewer->document;
+  std::string name = "Turgor";
+  if (now.scene)
+    name = (document.file.empty() ? now.scene->file : document.file).filename().string() +
+           (has_unsaved_edits(*viewer) ? "* – Turgor" : " – Turgor");
+  if (name == title) return;
+  title = name;
+  glfwSetWindowTitle(window, title.c_str());
+}
+
+std::string SceneWindow::Impl::name_of_pictures() const {
+  const bool has_scene = viewer->now && viewer->now->scene;
+  const std::string name = (has_scene ? viewer->now->scene->file : options.scene).stem().string();
+  return name.empty() ? "turgor" : name;
 }
 
 void SceneWindow::Impl::draw_panels() {
+  show_menu(*viewer);
   show_marks(*viewer, *picture);
-  show_controls(*viewer);
-  show_parameters(*viewer);
-  show_ct(*viewer, *sections);
-  show_curves(*viewer);
+  show_side_panel(*viewer, *sections, scale.units());
   show_status(*viewer);
+  show_cube(*viewer);
+  show_start(*viewer);
+  show_gallery(*viewer, gallery);
   show_help(*viewer);
+  show_file_dialog(*viewer);
+  show_question(*viewer);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
@@ -243,14 +350,23 @@ Image SceneWindow::Impl::read() const {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window, &width, &height);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  return read_pixels(std::max(1, width), std::max(1, height));
+  Image image = read_pixels(std::max(1, width), std::max(1, height));
+  if (!viewer->records_picture_only) return image;
+  const PixelArea area = picture_area();
+  const int top = height - area.y - area.height;
+  Image picture_only = make_image(area.width, area.height);
+  for (int y = 0; y < area.height; y++)
+    for (int x = 0; x < area.width; x++) picture_only.at(x, y) = image.at(area.x + x, top + y);
+  return picture_only;
 }
 
 void SceneWindow::Impl::save_pictures() {
-  const std::string name = options.scene.stem().string();
+  const std::string name = name_of_pictures();
   if (viewer->wants_picture) viewer->message = save_picture(read(), options.out, name);
   viewer->wants_picture = false;
   if (viewer->wants_felt) save_haptics();
+  if (!viewer->clipboard.empty()) glfwSetClipboardString(window, viewer->clipboard.c_str());
+  viewer->clipboard.clear();
   if (viewer->wants_video && is_due(film)) viewer->message = add_to_film(read(), options.out, film);
   if (!viewer->wants_video && !film.frames.empty()) viewer->message = end_film(options.out, name, film);
 }
@@ -259,7 +375,7 @@ void SceneWindow::Impl::save_pictures() {
 void SceneWindow::Impl::save_haptics() {
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
-  session->request(SaveRequest{free_name(options.out, options.scene.stem().string() + "-haptic", ".h5")});
+  session->request(SaveRequest{free_name(options.out, name_of_pictures() + "-haptic", ".h5")});
   viewer->wants_felt = false;
 }
 
@@ -286,10 +402,10 @@ Result<std::unique_ptr<SceneWindow>> SceneWindow::open(const WindowOptions& opti
 bool SceneWindow::draw() {
   Impl& p = *impl_;
   glfwPollEvents();
-  if (glfwWindowShouldClose(p.window) || p.viewer->ends) return false;
-  int width = 1, height = 1;
-  glfwGetWindowSize(p.window, &width, &height);
-  p.viewer->aspect = double(std::max(1, width)) / std::max(1, height);
+  if (glfwWindowShouldClose(p.window)) glfwSetWindowShouldClose(p.window, GLFW_FALSE), quit(*p.viewer);
+  if (p.viewer->ends) return false;
+  p.set_style();
+  p.set_area();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
@@ -297,6 +413,7 @@ bool SceneWindow::draw() {
   p.handle_events();
   p.draw_picture();
   p.draw_panels();
+  p.set_title();
   p.save_pictures();
   glfwSwapBuffers(p.window);
   p.keep_rate();

@@ -17,7 +17,9 @@ struct WindowOptions {
   std::filesystem::path scene;
   std::vector<std::string> overrides;
   std::filesystem::path out = "out/view";  // for pictures and videos
-  int width = 960, height = 720;           // [pixels]
+  int width = 0, height = 0;               // of the window; 0: as remembered [pixels]
+  float scale = 0;                         // of text and panels; 0: that of the monitor
+  std::filesystem::path settings;          // file of remembered settings; empty: nothing is remembered
   SessionParams session;
 };
 

@@ -37,4 +37,22 @@ Result<std::vector<std::uint8_t>> encode_png(const Image& image) {
   return bytes;
 }
 
+Result<Image> read_png(const std::filesystem::path& path) {
+  const Result<std::string> bytes = read_file(path);
+  if (!bytes) return bytes.error();
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  const auto fail = [&](const char* why) {
+    png_image_free(&header);
+    return Error{fmt::format("{}: expected a PNG picture: {}", path.string(), why)};
+  };
+  if (!png_image_begin_read_from_memory(&header, bytes->data(), bytes->size())) return fail(header.message);
+  constexpr png_uint_32 kMostPixels = 4096;
+  if (header.width > kMostPixels || header.height > kMostPixels) return fail("it is too large");
+  header.format = PNG_FORMAT_RGB;
+  Image image = make_image(int(header.width), int(header.height));
+  if (!png_image_finish_read(&header, nullptr, image.pixels.data(), 0, nullptr)) return fail(header.message);
+  return image;
+}
+
 }  // namespace turgor

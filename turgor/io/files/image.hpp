@@ -29,5 +29,7 @@ inline Image make_image(int width, int height, Rgb fill = {}) {
 /// Uses a fast compression: a fifth of the time of the best one, whose files are three quarters as large.
 Status write_png(const std::filesystem::path& path, const Image& image);
 Result<std::vector<std::uint8_t>> encode_png(const Image& image);
+/// Picture of a file of this program. Error: no PNG, or more than 4096 pixels along a side.
+Result<Image> read_png(const std::filesystem::path& path);
 
 }  // namespace turgor

@@ -1,0 +1,36 @@
+#include "turgor/window/gallery.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "turgor/io/files/image.hpp"
+
+namespace turgor {
+namespace {
+
+// Every scene of the program has a title, a sentence and a picture.
+TEST(Gallery, ScenesHaveTitleSentenceAndPicture) {
+  const std::vector<GalleryScene> scenes = list_scenes(scene_folder());
+  EXPECT_GT(scenes.size(), 10u);
+  EXPECT_TRUE(std::is_sorted(scenes.begin(), scenes.end(),
+                             [](const GalleryScene& a, const GalleryScene& b) { return a.title < b.title; }));
+  for (const GalleryScene& scene : scenes) {
+    EXPECT_FALSE(scene.sentence.empty()) << scene.file;
+    const Result<Image> picture = read_png(scene.picture);
+    ASSERT_TRUE(picture) << picture.error().message;
+    EXPECT_EQ(picture->width, 400) << scene.file;
+    EXPECT_EQ(picture->height, 240) << scene.file;
+  }
+}
+
+// Titles come from file names, sentences from the first comment without the line about own data.
+TEST(Gallery, TitlesAndSentences) {
+  EXPECT_EQ(title_of("sheet-on-liver"), "Sheet on liver");
+  EXPECT_EQ(first_comment("# A liver.\n# It is soft.\n# Your own patient: x\n[world]\n"),
+            "A liver. It is soft.");
+  EXPECT_EQ(first_comment("[world]\n# no\n"), "");
+}
+
+}  // namespace
+}  // namespace turgor
