@@ -38,6 +38,7 @@ Status check_body(const LatticeScene& body) {
         "need one direction of Langer's lines: expected skin.direction"},
        {body.held.has_value(), "fixed",
         "can fix only bone and the ends: expected \"bone\", \"ends\" or \"none\""},
+       {body.stiffness_scale != 1, "stiffness_scale", "take moduli from `tissue`: expected 1"},
        {!body.ct.series.empty(), "series", "read slices of one file: expected no series of DICOM"}});
 }
 

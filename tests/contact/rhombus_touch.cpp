@@ -53,6 +53,7 @@ TEST(RhombusToolTouch, TicksAllocateNothing) {
   const rhombus::Model model = liver();
   Hands hands(model);
   RhombusTouch touch = touched(hands);
+  latest<RhombusStiffness> stiffness;
   latest<RhombusTouchSnapshot> touched_now;
   prepare(touch, touched_now);
   std::vector<ToolReading> readings(2);
@@ -60,8 +61,8 @@ TEST(RhombusToolTouch, TicksAllocateNothing) {
   double pressed = 0, pulled = 0, squeezed = 0;
   for (int i = 1; i < 4000; i++) {
     const auto commands = hands.next(i);
-    counted +=
-        test::allocations_of([&] { tick_and_publish(model, touch, touched_now, commands, kTick, readings); });
+    counted += test::allocations_of(
+        [&] { tick_and_publish(model, touch, stiffness, touched_now, commands, kTick, readings); });
     const double along = dot(readings[0].force, hands.at.normal);
     pressed = std::max(pressed, along), pulled = std::max(pulled, -along);
     squeezed = std::max(squeezed, readings[0].squeeze);

@@ -63,6 +63,7 @@ void tick_rhombus_touch(const rhombus::Model& model, RhombusTouch& touch,
                 "one command and one reading a tool");
   for (std::size_t t = 0; t < commands.size(); t++) {
     touch.poses[t] = commands[t].pose;
+    touch.touches[t].stiffness_scale = touch.stiffness.scale;
     touch.inputs[t] = touch_input(touch.tips[t], commands[t].pose, commands[t].grip);
   }
   rhombus::solve_touches(model, touch.touches, touch.inputs, dt, touch.forces);
@@ -79,8 +80,10 @@ void publish(const RhombusTouch& touch, RhombusTouchSnapshot& now) {
   now.ticks = touch.ticks;
 }
 
-void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTouchSnapshot>& touched,
-                      std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings) {
+void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusStiffness>& stiffness,
+                      latest<RhombusTouchSnapshot>& touched, std::span<const ToolCommand> commands, double dt,
+                      std::span<ToolReading> readings) {
+  if (stiffness.has_news()) touch.stiffness = stiffness.read();
   tick_rhombus_touch(model, touch, commands, dt, readings);
   publish(touch, touched.writing());
   touched.publish();

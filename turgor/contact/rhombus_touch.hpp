@@ -1,6 +1,6 @@
 // Haptic touch of a rhombus body: the state owned by the haptic thread, and the snapshot that it publishes
-// for the frame. Corresponds to sfem_touch.hpp. The frame sends no data, because a tick needs only the
-// constant surface at rest.
+// for the frame. Corresponds to sfem_touch.hpp. The frame sends only the stiffness, because a tick needs
+// only the constant surface at rest.
 #pragma once
 
 #include <optional>
@@ -24,6 +24,12 @@ struct RhombusTip {
 RhombusTip rhombus_tip(const Shape& shape, const std::optional<Forceps>& forceps);
 rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double grip);
 
+/// Stiffness of the body relative to its model, published by the frame after a change.
+struct RhombusStiffness {
+  double scale = 1;  // [1]
+  long number = 0;   // of changes so far
+};
+
 /// State owned by the haptic thread.
 struct RhombusTouch {
   std::vector<RhombusTip> tips;  // one per tool, like all vectors below
@@ -32,6 +38,7 @@ struct RhombusTouch {
   std::vector<rhombus::TouchInput> inputs;
   std::vector<rhombus::TouchForce> forces;  // with more detail than ToolReading
   long ticks = 0;                           // number of ticks so far
+  RhombusStiffness stiffness;               // latest, as published by the frame
 };
 RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses);
 
@@ -54,8 +61,9 @@ void publish(const RhombusTouch& touch, RhombusTouchSnapshot& now);
 
 /// Tick of the haptic thread that also publishes a snapshot for the frame thread. Does not allocate or wait
 /// if prepare() was called before the threads started.
-void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTouchSnapshot>& touched,
-                      std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings);
+void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusStiffness>& stiffness,
+                      latest<RhombusTouchSnapshot>& touched, std::span<const ToolCommand> commands, double dt,
+                      std::span<ToolReading> readings);
 void prepare(const RhombusTouch& touch, latest<RhombusTouchSnapshot>& touched);
 
 }  // namespace turgor::contact

@@ -64,7 +64,7 @@ TEST(Markups, ClosedCurveEndsAtItsFirstPoint) {
   EXPECT_EQ(closed->points.front(), closed->points.back());
 }
 
-// Errors name the file, the place and what was found.
+// Errors name the file, the location and what was found.
 TEST(Markups, ErrorsNamePlaceAndValue) {
   EXPECT_EQ(error_of("{"), "cut.mrk.json: expected JSON of 3D Slicer's Markups, found other text");
   EXPECT_EQ(error_of("{}"), "cut.mrk.json: markups: expected a list, found nothing");

@@ -98,6 +98,7 @@ struct ToolTouch {
   double depth_force = 0, drag_force = 0;  // of the two chains, before sharing and scaling (tip.hpp) [N]
   double depth_fraction = 0, drag_fraction = 0;  // fractions that this tool bears, in [0, 1]
   double depth_whole = 0;                        // depth of the tip by all tools [m]
+  double stiffness_scale = 1;                    // of the body, relative to its model [1]
 
   Vec3d held_point;         // in the tool's frame [m]
   Mat3d held_axes;          // of the tool when it closed
@@ -152,5 +153,9 @@ std::uint64_t state_hash(const State& state);
 
 /// Stiffness at a point of the surface, relative to the chain's.
 double stiffness_at(const Model& model, const TrianglePoint& at);
+/// Stiffness that a touch meets, relative to the chain's: at its foot point, times the scale of the body.
+inline double stiffness_of(const Model& model, const ToolTouch& t) {
+  return t.stiffness_scale * stiffness_at(model, t.foot.at);
+}
 
 }  // namespace turgor::rhombus

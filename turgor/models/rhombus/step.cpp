@@ -260,7 +260,7 @@ double energy(const Model& model, const State& state) {
     const double own =
         tip_energy(model.chain, t.tip, t.depth_whole, t.depth_force) * t.depth_fraction * t.depth_fraction +
         tip_energy(model.chain, t.tip, 0, -t.drag_force) * t.drag_fraction * t.drag_fraction;
-    sum += stiffness_at(model, t.foot.at) * own + 0.5 * dot(t.elastic, t.moved - t.demand);
+    sum += stiffness_of(model, t) * own + 0.5 * dot(t.elastic, t.moved - t.demand);
   }
   return sum;
 }

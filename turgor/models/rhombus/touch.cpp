@@ -58,7 +58,7 @@ double lagging_depth(const Model& model, const ToolTouch& t, double dt) {
   }
   const double elastic = force / (1 + taken);
   if (elastic <= 0) return 0;
-  const double depth = depth_of_tip(model.chain, t.tip, elastic / stiffness_at(model, t.foot.at));
+  const double depth = depth_of_tip(model.chain, t.tip, elastic / stiffness_of(model, t));
   return depth > kAtRest ? depth : 0;
 }
 
@@ -190,10 +190,10 @@ Vec3d elastic_force(const Model& model, ToolTouch& t) {
   // force on the tool, scaled by the stiffness at the foot point
   Vec3d force = t.foot.normal * (tip_force(model.chain, t.tip, depth.whole, t.depth_force) * depth.fraction) +
                 moved.along * (tip_force(model.chain, t.tip, -drag.whole, -t.drag_force) * drag.fraction);
-  force *= stiffness_at(model, t.foot.at);
+  force *= stiffness_of(model, t);
   // variable stiffness
   if (!model.stiffness.empty() && !t.holding)
-    force -= stiffness_gradient_at(model, t.foot) *
+    force -= stiffness_gradient_at(model, t.foot) * t.stiffness_scale *
              (tip_energy(model.chain, t.tip, depth.whole, t.depth_force) * depth.fraction);
   return force;
 }
@@ -219,7 +219,7 @@ TouchForce release_slipped(ToolTouch& t) {
 /// Force of closed jaws on the fold between them, as an even disc [N].
 double squeeze_force(const Model& model, const ToolTouch& t) {
   const double scale = t.tip.hold_scale, pressed = 0.5 * t.held_opening * t.closing;
-  return stiffness_at(model, t.foot.at) * scale * scale * force_of_depth(model.chain, pressed / scale);
+  return stiffness_of(model, t) * scale * scale * force_of_depth(model.chain, pressed / scale);
 }
 
 TouchForce compute_force(const Model& model, ToolTouch& t, const TouchInput& in, double dt) {

@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/cloth/build/scale_stiffness.hpp"
+#include "turgor/models/lattice/build/scale_stiffness.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
 
 namespace turgor {
@@ -32,6 +34,10 @@ constexpr std::string_view kLive[][2] = {
     {"cloth", "damping.stretch"},
     {"cloth", "collision.friction"},
     {"sfem", "young"},
+    {"sfem", "stiffness_scale"},
+    {"lattice", "stiffness_scale"},
+    {"rhombus", "stiffness_scale"},
+    {"cloth", "stiffness_scale"},
     {"tool", "friction"},
 };
 
@@ -76,6 +82,9 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   const bool has_pull = !body.model.skin.prestress_force.empty();
   if (has_pull) lattice::measure_prestress(exec, body.model, body.model.skin);
   body.state.change().sleep = {};  // wakes all rows
+  if (scene.stiffness_scale == body.stiffness_scale || scene.device == Device::kGpu) return;
+  lattice::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model, body.state.change());
+  body.stiffness_scale = scene.stiffness_scale;
 }
 
 void change_wind(const ClothScene& before, const ClothScene& scene, ClothBody& body) {
@@ -88,12 +97,22 @@ void change_body(const Exec&, const ClothScene& scene, ClothBody& body) {
   params.solver.sweeps = scene.params.solver.sweeps;
   params.solver.strain_limit = scene.params.solver.strain_limit;
   params.collision.friction = scene.params.collision.friction;
+  if (scene.stiffness_scale == body.stiffness_scale || scene.device == Device::kGpu) return;
+  cloth::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model);
+  body.stiffness_scale = scene.stiffness_scale;
 }
 
 /// All forces of a linear body scale with its stiffness; the shape under a given press stays.
 void change_body(const Exec&, const SfemScene& scene, SfemBody& body) {
   TURGOR_CHECK(!body.model.body.materials.empty(), "a body has a material");
-  body.stiffness_scale = scene.material.young / body.model.body.materials[0].young;
+  const double young = body.model.body.materials[0].young;  // of the loaded body
+  const bool has_one_material = scene.inside.empty() && scene.inclusions.empty();
+  body.stiffness_scale = scene.stiffness_scale * (has_one_material ? scene.material.young / young : 1);
+}
+
+/// Ticks get the stiffness with the next frame.
+void change_body(const Exec&, const RhombusScene& scene, RhombusBody& body) {
+  body.stiffness_scale = scene.stiffness_scale;
 }
 
 void change_tools(const Scene& scene, World& world) {
@@ -105,9 +124,15 @@ void change_tools(const Scene& scene, World& world) {
   });
 }
 
-/// The other models are ticked by the haptic thread and stay unchanged.
-template <class BodyScene, class Body>
-void change_body(const Exec&, const BodyScene&, Body&) {}
+/// Reason why the stiffness of a body cannot change in a running world; null if it can.
+const char* why_not_scaled(const Scene& scene, const SceneKey& key) {
+  const LatticeScene* lattice = key.group == "lattice" ? find_named(scene.lattice_bodies, key) : nullptr;
+  if (lattice && lattice->params.solver.method == lattice::Method::kPbd) return "projections have no moduli";
+  const ClothScene* cloth = key.group == "cloth" ? find_named(scene.cloth_bodies, key) : nullptr;
+  const bool is_on_gpu =
+      (lattice && lattice->device == Device::kGpu) || (cloth && cloth->device == Device::kGpu);
+  return is_on_gpu ? "the GPU has a copy of the model" : nullptr;
+}
 
 }  // namespace
 
@@ -115,6 +140,7 @@ std::string why_not_live(const Scene& scene, const SceneKey& key) {
   const SfemScene* sfem = key.group == "sfem" ? find_named(scene.sfem_bodies, key) : nullptr;
   if (sfem && key.key == "young" && !(sfem->inside.empty() && sfem->inclusions.empty()))
     return "Green's functions depend on the ratio of its materials";
+  if (key.key == "stiffness_scale" && why_not_scaled(scene, key)) return why_not_scaled(scene, key);
   const ToolScene* tool = key.group == "tool" ? find_named(scene.tools, key) : nullptr;
   if (tool && key.key == "friction" && tool->body.kind == BodyKind::kRhombus)
     return "chains have no friction";

@@ -40,51 +40,51 @@ bool is_path(const json& markup) {
 }
 
 /// Factors from the file's coordinates to LPS in meters.
-Result<Vec3d> scale_of(const json& markup, const std::string& place) {
+Result<Vec3d> scale_of(const json& markup, const std::string& where) {
   const json& system = member(markup, "coordinateSystem");
   const bool is_lps = system.is_null() || system == "LPS";
   const bool is_ras = system == "RAS";
   if (!is_lps && !is_ras)
     return Error{
-        fmt::format("{}.coordinateSystem: expected \"LPS\" or \"RAS\", found {}", place, kind_of(system))};
+        fmt::format("{}.coordinateSystem: expected \"LPS\" or \"RAS\", found {}", where, kind_of(system))};
   const json& units = member(markup, "coordinateUnits");  // a text, or the list of a DICOM code
   const json& unit = units.is_array() && !units.empty() ? units[0] : units;
   const double meters = unit.is_null() || unit == "mm" ? 1e-3 : unit == "cm" ? 1e-2 : unit == "m" ? 1.0 : 0;
   if (meters == 0)
     return Error{
-        fmt::format("{}.coordinateUnits: expected \"mm\", \"cm\" or \"m\", found {}", place, kind_of(unit))};
+        fmt::format("{}.coordinateUnits: expected \"mm\", \"cm\" or \"m\", found {}", where, kind_of(unit))};
   const double flip = is_ras ? -meters : meters;
   return Vec3d{flip, flip, meters};
 }
 
-/// True if Slicer has a position for the point, and not only a place in the list.
+/// True if Slicer has a position for the point, and not only an entry in the list.
 bool is_defined(const json& point) {
   const json& status = member(point, "positionStatus");
   return status.is_null() || status == "defined";
 }
 
-Result<Vec3d> position_of(const json& point, const std::string& place) {
+Result<Vec3d> position_of(const json& point, const std::string& where) {
   const json& position = member(point, "position");
   const auto is_number = [](const json& x) { return x.is_number() && std::isfinite(x.get<double>()); };
   if (!position.is_array() || position.size() != 3 ||
       !std::all_of(position.begin(), position.end(), is_number))
-    return Error{fmt::format("{}.position: expected [x, y, z], found {}", place, kind_of(position))};
+    return Error{fmt::format("{}.position: expected [x, y, z], found {}", where, kind_of(position))};
   return Vec3d{position[0].get<double>(), position[1].get<double>(), position[2].get<double>()};
 }
 
-Result<Markup> markup_of(const json& markup, const std::string& place) {
-  const Result<Vec3d> scale = scale_of(markup, place);
+Result<Markup> markup_of(const json& markup, const std::string& where) {
+  const Result<Vec3d> scale = scale_of(markup, where);
   if (!scale) return scale.error();
   const json& points = member(markup, "controlPoints");
   if (!points.is_array() || points.size() > kMostPoints)
-    return Error{fmt::format("{}.controlPoints: expected a list of at most {} points, found {}", place,
+    return Error{fmt::format("{}.controlPoints: expected a list of at most {} points, found {}", where,
                              kMostPoints, kind_of(points))};
 
   // positions, without repetitions
   Markup read{.points = {}, .is_line = member(markup, "type") == "Line"};
   for (std::size_t n = 0; n < points.size(); n++) {
     if (!is_defined(points[n])) continue;
-    const std::string at = fmt::format("{}.controlPoints[{}]", place, n);
+    const std::string at = fmt::format("{}.controlPoints[{}]", where, n);
     const Result<Vec3d> position = position_of(points[n], at);
     if (!position) return position.error();
     const Vec3d x = hadamard(*position, *scale);
@@ -100,10 +100,10 @@ Result<Markup> markup_of(const json& markup, const std::string& place) {
   const std::size_t fewest = is_closed ? 4 : 2;
   if (read.points.size() < fewest)
     return Error{fmt::format("{}.controlPoints: expected {} points or more at different positions, found {}",
-                             place, is_closed ? 3 : 2,
+                             where, is_closed ? 3 : 2,
                              read.points.size() - (is_closed && read.points.size() > 1))};
   if (read.is_line && read.points.size() != 2)
-    return Error{fmt::format("{}.controlPoints: expected the 2 points of a line, found {}", place,
+    return Error{fmt::format("{}.controlPoints: expected the 2 points of a line, found {}", where,
                              read.points.size())};
   return read;
 }

@@ -21,7 +21,7 @@ struct Markup {
 bool is_markups_file(const std::filesystem::path& file);
 
 /// Reads the only line, curve or closed curve of a file. The first point of a closed curve is also its last.
-/// Error: file, place, expected and found value.
+/// Error: file, location, expected and found value.
 Result<Markup> read_markup(const std::filesystem::path& file);
 /// The same for text in memory; `file` is used in errors.
 Result<Markup> parse_markup(std::string_view text, const std::filesystem::path& file);

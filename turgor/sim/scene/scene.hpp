@@ -37,6 +37,7 @@ struct LatticeScene {
   int only = 0;  // label whose largest component is the body, the rest becomes air; 0 = all tissue
   std::optional<HeldBy> held;  // additional fixed nodes, besides those of params
   bool has_gravity = true;
+  double stiffness_scale = 1;    // of all moduli of the tissue [1]
   Device device = Device::kCpu;  // from the scene
   lattice::Params params;
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report

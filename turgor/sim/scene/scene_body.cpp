@@ -41,4 +41,10 @@ BodyId read_body(SceneTable& table, std::string_view key, const Scene& scene,
   return {};
 }
 
+void read_stiffness_scale(SceneTable& body, double& scale) {
+  body.read(
+      "stiffness_scale", scale, within(0.01, 100),
+      "factor of all stiffnesses of the body, inclusions too; a slider of the window changes it at once");
+}
+
 }  // namespace turgor

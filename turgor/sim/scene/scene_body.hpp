@@ -13,4 +13,7 @@ namespace turgor {
 BodyId read_body(SceneTable& table, std::string_view key, const Scene& scene,
                  std::initializer_list<BodyKind> kinds);
 
+/// Reads `stiffness_scale`, which bodies of every model have.
+void read_stiffness_scale(SceneTable& body, double& scale);
+
 }  // namespace turgor

@@ -315,6 +315,7 @@ ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scen
 
   // material and solver
   read_fabric(body, cloth.params.fabric, cloth.tissues);
+  read_stiffness_scale(body, cloth.stiffness_scale);
   SceneTable damping = body.table("damping");
   damping.read("motion", cloth.params.damping.motion, not_negative("1/s"),
                "velocities decay by exp(−motion · t)");

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
@@ -325,6 +326,9 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
   const bool projects = scene.params.solver.method == Method::kPbd;
   scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;
   read_tissue(body, labels, scene.params.tissue, scene.tissues);
+  read_stiffness_scale(body, scene.stiffness_scale);
+  if (projects && scene.stiffness_scale != 1)
+    body.fail("stiffness_scale", "solver.method = \"pbd\" has no moduli to scale; expected 1");
   scene.label_note = labels.note;
 
   // skin

@@ -200,6 +200,7 @@ RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const 
   const TissuePreset& preset = read_tissue(body, made);
   read_chain(body.table("chain"), made.params.chain);
   // response of the tissue
+  read_stiffness_scale(body, made.stiffness_scale);
   body.read("bulge", made.params.bulge, within(0, 1),
             "fraction of the indented volume that rises around the contact");
   body.read(

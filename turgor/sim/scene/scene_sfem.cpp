@@ -1,6 +1,7 @@
 #include "turgor/sim/scene/scene_sfem.hpp"
 
 #include "turgor/core/number_text.hpp"
+#include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
@@ -241,6 +242,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
   SceneLabels labels = scene_labels(body);
   scene.source = read_source(body, labels);
   const TissuePreset* tissue = read_material(body, "body", scene.material, scene.tissues);
+  read_stiffness_scale(body, scene.stiffness_scale);
   scene.inside = read_inside(body, scene.material, labels, scene.tissues);
   if (auto* organ = std::get_if<LabeledOrgan>(&scene.source)) organ->label_note = labels.note;
   scene.inclusions = read_inclusions(body, scene.material, scene.tissues);

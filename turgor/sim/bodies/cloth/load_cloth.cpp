@@ -7,6 +7,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/body_location.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
+#include "turgor/models/cloth/build/scale_stiffness.hpp"
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
@@ -146,6 +147,8 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
   Result<cloth::Model> model = cloth::build(loading.exec, mesh, scene.params);
   if (!model) return failed(model.error());
   body.model = std::move(*model);
+  if (scene.stiffness_scale != 1) cloth::scale_stiffness(scene.stiffness_scale, body.model);
+  body.stiffness_scale = scene.stiffness_scale;
   body.state = cloth::make_state(body.model);
   body.notes.insert(body.notes.end(), body.model.notes.begin(), body.model.notes.end());
   for (std::string& note : notes_on_accuracy(scene.params)) body.notes.push_back(std::move(note));

@@ -35,6 +35,7 @@ struct LatticeBody : FrameTouchedBody {
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // notes of the CT's reader
   bool has_gravity = true;
+  double stiffness_scale = 1;                        // of the model, relative to the scene's tissue
   double last_displacement = 0;                      // bound for all nodes in the last frame [m]
   std::int64_t row_steps = 0, row_steps_asleep = 0;  // sums over all steps: movable rows, and sleeping rows
   ClothLoad cloth;                                   // by slot, patient frame

@@ -12,6 +12,7 @@
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/build/scale_stiffness.hpp"
 #include "turgor/sim/bodies/lattice/crop_to_label.hpp"
 #include "turgor/sim/bodies/lattice/cut.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
@@ -115,7 +116,10 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   Result<lattice::Model> model = build_model(exec, scene, block, body.ct, *fields);
   if (!model) return model.error();
   body.model = std::move(*model);
-  body.state = lattice::make_state(body.model);
+  lattice::State state = lattice::make_state(body.model);
+  if (scene.stiffness_scale != 1) lattice::scale_stiffness(scene.stiffness_scale, body.model, state);
+  body.stiffness_scale = scene.stiffness_scale;
+  body.state = std::move(state);
   body.build_seconds = building.seconds();
   body.box = body_box(body.model);
   body.typical_force = scene.params.tissue.muscle * 1e-4;

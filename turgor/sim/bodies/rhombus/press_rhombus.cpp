@@ -12,9 +12,10 @@ namespace {
 // any mass. A relaxation p is stable for p (1 + 1.4) < 2.
 constexpr double kLargestRelaxation = 0.25;
 
-std::vector<rhombus::Load> loads_of(std::span<const contact::VertexForce> forces) {
+/// Forces on a body of the model's stiffness that give the same displacement.
+std::vector<rhombus::Load> loads_of(std::span<const contact::VertexForce> forces, double stiffness_scale) {
   std::vector<rhombus::Load> loads;
-  for (const auto& [vertex, force] : forces) loads.push_back({vertex, force});
+  for (const auto& [vertex, force] : forces) loads.push_back({vertex, force / stiffness_scale});
   return loads;
 }
 
@@ -23,7 +24,7 @@ std::vector<rhombus::Load> loads_of(std::span<const contact::VertexForce> forces
 void press_body(const Exec& exec, RhombusBody& body, const ClothForces& push, double dt) {
   if (push.force.empty() && body.state.carried.empty()) return;
   relax_toward(push, body.cloth);
-  const std::vector<rhombus::Load> loads = loads_of(body.cloth.force);
+  const std::vector<rhombus::Load> loads = loads_of(body.cloth.force, body.stiffness_scale);
   rhombus::displacements_of(exec, body.model, loads, body.state.carried);
   const double sum = sum_of_norms(body.cloth),
                compliance = sum > 0 ? rhombus::farthest_move(exec, body.model, loads) / sum : 0;

@@ -149,6 +149,7 @@ Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene,
   }
   // store model and facts
   body.model = std::move(*model);
+  body.stiffness_scale = scene.stiffness_scale;
   body.build_seconds = building.seconds();
   body.volume = enclosed_volume(body.model.surface);
   return body;
@@ -178,6 +179,7 @@ Status begin_body(const Exec&, RhombusBody& body, const RhombusScene&, const Wor
   body.touch = contact::make_rhombus_touch(std::move(tips), poses);
   contact::publish(body.touch, body.now);
   body.openings.resize(body.tool_indices.size());
+  publish_stiffness(body);
   return Done{};
 }
 
@@ -213,14 +215,34 @@ void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from
 }
 
 void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& /*tools*/) {
-  body.haptic = std::make_unique<latest<contact::RhombusTouchSnapshot>>();
-  contact::prepare(body.touch, *body.haptic);
+  body.haptic = std::make_unique<RhombusHaptics>();
+  contact::prepare(body.touch, body.haptic->touched);
 }
 
 void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings) {
   TURGOR_ASSERT(body.haptic, "a haptic thread is prepared before its ticks");
-  contact::tick_and_publish(body.model, body.touch, *body.haptic, commands, dt, readings);
+  contact::tick_and_publish(body.model, body.touch, body.haptic->stiffness, body.haptic->touched, commands,
+                            dt, readings);
+}
+
+void publish_stiffness(RhombusBody& body) {
+  if (body.published.scale == body.stiffness_scale) return;
+  body.published = {body.stiffness_scale, body.published.number + 1};
+  if (body.haptic)
+    body.haptic->stiffness.write(body.published);
+  else
+    body.touch.stiffness = body.published;
+}
+
+void queue_frame_output(RhombusBody& body) {
+  TURGOR_ASSERT(body.haptic, "a replay has a haptic exchange");
+  body.haptic->changes.push(body.haptic->stiffness);
+}
+
+void replay_frame_output(RhombusBody& body, std::size_t /*t*/, TickInputs inputs_used) {
+  TURGOR_ASSERT(body.haptic, "a replay has a haptic exchange");
+  body.haptic->changes.release(inputs_used.frame, body.haptic->stiffness);
 }
 
 void read_touch_snapshot(RhombusBody& body) { body.state.touches = body.now.touches; }

@@ -21,13 +21,22 @@ namespace turgor {
 
 struct World;
 
+/// Exchange with a haptic thread, and a queue of a replay (sim/live/exchanges.hpp).
+struct RhombusHaptics {
+  latest<contact::RhombusStiffness> stiffness;    // from the frame
+  latest<contact::RhombusTouchSnapshot> touched;  // from the haptic thread
+  ReplayQueue<contact::RhombusStiffness> changes;
+};
+
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
-  contact::RhombusTouch touch;                          // owned by the ticking thread
-  boxed<latest<contact::RhombusTouchSnapshot>> haptic;  // with a haptic thread: its latest touch state
-  contact::RhombusTouchSnapshot now;                    // latest touch state; one for each of tool_indices
-  rhombus::State state;          // of the frame thread: the surface of the latest snapshot
-  ClothLoad cloth;               // load of cloth
+  contact::RhombusTouch touch;          // owned by the ticking thread
+  boxed<RhombusHaptics> haptic;         // with a haptic thread
+  double stiffness_scale = 1;           // relative to the model; owned by the frame thread
+  contact::RhombusStiffness published;  // stiffness that the haptic thread was sent last
+  contact::RhombusTouchSnapshot now;    // latest touch state; one for each of tool_indices
+  rhombus::State state;                 // of the frame thread: the surface of the latest snapshot
+  ClothLoad cloth;                      // load of cloth
   std::vector<int> mesh_vertex;  // index in the mesh of the body that owns the surface; empty = own mesh
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
@@ -62,18 +71,22 @@ void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, Touch
 /// Processes the touch state, after body.now was filled.
 void read_touch_snapshot(RhombusBody& body);
 
-/// Functions for a haptic thread and for replays: see sim/live/exchanges.hpp. Ticks need no input from
-/// frames.
+/// Functions for a haptic thread and for replays: see sim/live/exchanges.hpp. The only input that ticks need
+/// from frames is a changed stiffness.
 void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& tools);
 void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings);
-inline TickInputs tick_inputs(const RhombusBody&, std::size_t) { return {}; }
+inline TickInputs tick_inputs(const RhombusBody& body, std::size_t) {
+  return {std::int32_t(body.touch.stiffness.number), 0};
+}
 inline FrameInputs frame_inputs(const RhombusBody& body, std::size_t) {
   return {std::int32_t(body.now.ticks), 0};
 }
 inline void end_haptics(RhombusBody& body) { body.haptic.reset(); }
-inline void queue_frame_output(RhombusBody&) {}
-inline void replay_frame_output(RhombusBody&, std::size_t, TickInputs) {}
+void queue_frame_output(RhombusBody& body);
+void replay_frame_output(RhombusBody& body, std::size_t t, TickInputs inputs_used);
+/// Sends a changed stiffness to the ticks, once per frame.
+void publish_stiffness(RhombusBody& body);
 inline void expect_patch(RhombusBody&, bool) {}
 inline void set_friction(RhombusBody&, std::size_t, double) {}  // chains have no friction
 

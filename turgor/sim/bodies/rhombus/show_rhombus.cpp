@@ -9,8 +9,9 @@
 namespace turgor {
 
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input, FrameReport&) {
+  publish_stiffness(body);
   if (body.haptic) {
-    body.now = body.haptic->read();
+    body.now = body.haptic->touched.read();
     read_touch_snapshot(body);
   } else {
     touch_body(body, world.tools, input.from, input.to);

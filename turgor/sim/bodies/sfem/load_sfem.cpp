@@ -248,6 +248,7 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   Result<sfem::Model> model = sfem::build(exec, std::move(*elastic), params);
   if (!model) return Error{fmt::format("{}: {}", scene.source_location, model.error().message)};
   body.model = std::move(*model);
+  body.stiffness_scale = scene.stiffness_scale;
   body.inside = inner_regions(scene, body.model.body);
   body.follow.radius = scene.patch.radius;
   // Green's functions, visible surface and rotations

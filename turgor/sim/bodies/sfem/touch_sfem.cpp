@@ -46,6 +46,7 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
                                         {.touch = {.capacity = body.contacts, .viscosity = viscosity},
                                          .follow = body.follow,
                                          .vertex_count = body.model.body.mesh.vertices.size()});
+  body.touch.stiffness_scale = body.stiffness_scale;
   contact::publish(body.touch, body.now);
   return Done{};
 }
