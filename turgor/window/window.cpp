@@ -148,7 +148,7 @@ Status SceneWindow::Impl::open_window() {
   const auto no_window = [&] {
     return Error{
         fmt::format("no window: {}; without a display, turgor run {} simulates the scene and draws pictures",
-                    glfw_trouble(), options.scene.string())};
+                    glfw_trouble(), options.scene.empty() ? "SCENE" : options.scene.string())};
   };
   if (!glfwInit()) return no_window();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -255,8 +255,10 @@ void SceneWindow::Impl::listen() {
                         : (mods & GLFW_MOD_SHIFT)  ? Chord::kControlShift
                                                    : Chord::kControl;
     p.events.push_back([&p, key, chord] {
-      const bool types = ImGui::GetIO().WantTextInput && chord == Chord::kPlain && key != GLFW_KEY_ESCAPE;
-      if (!types) press_key(*p.viewer, key, chord);
+      const Document& document = p.viewer->document;
+      const bool is_asked = document.dialog.is_open || document.leaving != Leaving::kNothing;
+      if (key == GLFW_KEY_ESCAPE || !(ImGui::GetIO().WantTextInput || is_asked))
+        press_key(*p.viewer, key, chord);
     });
   });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** files) {
