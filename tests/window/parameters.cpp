@@ -87,6 +87,23 @@ TEST(Parameters, ChangedValueIsAcceptedByScene) {
   }
 }
 
+// Every parameter has a range, and a value that differs from the opened one can be reset.
+TEST(Parameters, RangeOwnerAndReset) {
+  const std::vector<std::string> opened = {"body.torso.skin.tension=75"};
+  const ParameterList list = list_parameters(scene({"body.torso.skin.tension=80"}), opened);
+  const Parameter& tension = find(list, "body.torso.skin.tension");
+  EXPECT_TRUE(tension.is_changed);
+  EXPECT_EQ(tension.opened, "75");
+  EXPECT_EQ(owner_of(tension), "body.torso");
+  EXPECT_EQ(unit_and_range(tension), "N/m, 0 or more");
+  const Parameter& fat = find(list, "body.torso.tissue.fat");
+  EXPECT_FALSE(fat.is_changed);
+  EXPECT_EQ(unit_and_range(fat), "Pa, 0.001 or more");
+  EXPECT_EQ(owner_of(find(list, "world.gravity")), "world");
+  EXPECT_EQ(unit_and_range(find(list, "body.torso.stiffness_scale")), "from 0.01 to 100");
+  for (const Parameter& one : list) EXPECT_FALSE(unit_and_range(one).empty()) << one.key.path;
+}
+
 // Values are clamped to their limits and kept away from rejected ones.
 TEST(Parameters, ValuesAreClampedToLimits) {
   EXPECT_EQ(limited(within(0, 10), 12), 10);

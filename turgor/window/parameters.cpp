@@ -62,10 +62,11 @@ std::string unit_and_range(const Parameter& parameter) {
   std::string text = parameter.key.unit;
   const Allowed& allowed = parameter.key.allowed;
   const bool is_bounded = allowed.low > -kLargestNumber || allowed.high < kLargestNumber;
-  const std::string limits = !is_bounded                     ? "any number"
-                             : allowed.high < kLargestNumber ? limits_text(allowed)
-                             : allowed.low > 0               ? "above 0"
-                                                             : "0 or more";
+  std::string limits = "any number";
+  if (is_bounded && allowed.high < kLargestNumber)
+    limits = limits_text(allowed);
+  else if (is_bounded)
+    limits = allowed.low > 0 && allowed.low < 1e-6 ? "above 0" : fmt::format("{:g} or more", allowed.low);
   return text.empty() ? limits : text + ", " + limits;
 }
 
