@@ -3,20 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <thread>
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "turgor/window/appearance.hpp"
-#include "turgor/window/film.hpp"
-#include "turgor/window/panels.hpp"
-#include "turgor/window/picture.hpp"
+#include "turgor/window/window_impl.hpp"
 
 namespace turgor {
 
@@ -33,14 +27,6 @@ std::string& glfw_trouble() {
   return sentence;
 }
 
-/// State of the last drawing; another value requires a new picture.
-struct DrawnState {
-  int world = -1, frame = -1, width = 0, height = 0;
-  Camera camera;
-  SkinColor color = SkinColor::kNone;
-  MeshStyle style = MeshStyle::kSurface;
-};
-
 bool same(const DrawnState& a, const DrawnState& b) {
   return a.world == b.world && a.frame == b.frame && a.width == b.width && a.height == b.height &&
          a.camera.eye == b.camera.eye && a.camera.target == b.camera.target && a.color == b.color &&
@@ -49,11 +35,6 @@ bool same(const DrawnState& a, const DrawnState& b) {
 
 struct PixelSize {
   int width = 0, height = 0;
-};
-
-/// Rectangle of the framebuffer, from its lower left corner [pixels].
-struct PixelArea {
-  int x = 0, y = 0, width = 0, height = 0;
 };
 
 void copy_to_window(GLuint framebuffer, PixelSize from, bool from_top, PixelArea to) {
@@ -80,46 +61,6 @@ WindowScale scale_of(GLFWwindow* window, float wanted) {
 }
 
 }  // namespace
-
-struct SceneWindow::Impl {
-  WindowOptions options;
-  GLFWwindow* window = nullptr;
-  bool has_imgui = false;
-  std::optional<Session> session;
-  std::optional<Viewer> viewer;
-  std::optional<WorldPicture> picture;
-  std::optional<VolumePicture> volume;
-  std::optional<Sections> sections;
-  std::vector<std::function<void()>> events;  // in order of arrival
-  Settings settings;                          // as read
-  Appearance appearance;                      // as set
-  WindowScale scale;                          // as set
-  std::string trouble;                        // error of the settings' file
-  DrawnState drawn;
-  Clock::time_point changed = Clock::now(), latest = Clock::now();
-  Film film;
-  GalleryPictures gallery;
-  std::string title;  // as shown
-
-  ~Impl();
-  Status begin();
-  Status open_window();
-  void keep_settings();
-  void listen();
-  void set_style();
-  void set_title();
-  std::string name_of_pictures() const;
-  void set_area();
-  PixelArea picture_area() const;
-  void handle_events();
-  void draw_surfaces(int width, int height);
-  void draw_picture();
-  void draw_panels();
-  void save_pictures();
-  void save_haptics();
-  void keep_rate();
-  Image read() const;
-};
 
 SceneWindow::Impl::~Impl() {
   if (viewer) keep_settings();
@@ -224,55 +165,6 @@ PixelArea SceneWindow::Impl::picture_area() const {
   return to;
 }
 
-/// Events are queued until it is known whether a panel is under the cursor.
-void SceneWindow::Impl::listen() {
-  glfwSetWindowUserPointer(window, this);
-  static const auto impl_of = [](GLFWwindow* w) -> Impl& {
-    return *static_cast<Impl*>(glfwGetWindowUserPointer(w));
-  };
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-    Impl& p = impl_of(w);
-    p.events.push_back([&p, x, y] { move_cursor(*p.viewer, screen_position(p.viewer->area, x, y)); });
-  });
-  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
-    Impl& p = impl_of(w);
-    p.events.push_back([&p, button, action, mods] {
-      if (action == GLFW_RELEASE) return release_button(*p.viewer);
-      if (!ImGui::GetIO().WantCaptureMouse) press_button(*p.viewer, button, mods & GLFW_MOD_SHIFT);
-    });
-  });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double notches) {
-    Impl& p = impl_of(w);
-    p.events.push_back([&p, notches] {
-      if (!ImGui::GetIO().WantCaptureMouse) scroll(*p.viewer, notches);
-    });
-  });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-    Impl& p = impl_of(w);
-    const bool again = action == GLFW_REPEAT && key == GLFW_KEY_PERIOD;  // while held, frame by frame
-    if (action != GLFW_PRESS && !again) return;
-    const Chord chord = !(mods & GLFW_MOD_CONTROL) ? Chord::kPlain
-                        : (mods & GLFW_MOD_SHIFT)  ? Chord::kControlShift
-                                                   : Chord::kControl;
-    p.events.push_back([&p, key, chord] {
-      const Document& document = p.viewer->document;
-      const bool is_asked = document.dialog.is_open || document.leaving != Leaving::kNothing;
-      if (key == GLFW_KEY_ESCAPE || !(ImGui::GetIO().WantTextInput || is_asked))
-        press_key(*p.viewer, key, chord);
-    });
-  });
-  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** files) {
-    Impl& p = impl_of(w);
-    if (count > 0) p.events.push_back([&p, file = std::string(files[0])] { open_file(*p.viewer, file); });
-  });
-}
-
-void SceneWindow::Impl::handle_events() {
-  std::vector<std::function<void()>> now;
-  now.swap(events);
-  for (const auto& event : now) event();
-}
-
 /// Draws again if anything changed, with full quality at rest.
 void SceneWindow::Impl::draw_surfaces(int width, int height) {
   const SessionStatus& now = *viewer->now;
@@ -327,12 +219,6 @@ void SceneWindow::Impl::set_title() {
   glfwSetWindowTitle(window, title.c_str());
 }
 
-std::string SceneWindow::Impl::name_of_pictures() const {
-  const bool has_scene = viewer->now && viewer->now->scene;
-  const std::string name = (has_scene ? viewer->now->scene->file : options.scene).stem().string();
-  return name.empty() ? "turgor" : name;
-}
-
 void SceneWindow::Impl::draw_panels() {
   show_menu(*viewer);
   show_marks(*viewer, *picture);
@@ -346,39 +232,6 @@ void SceneWindow::Impl::draw_panels() {
   show_question(*viewer);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-}
-
-Image SceneWindow::Impl::read() const {
-  int width = 0, height = 0;
-  glfwGetFramebufferSize(window, &width, &height);
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  Image image = read_pixels(std::max(1, width), std::max(1, height));
-  if (!viewer->records_picture_only) return image;
-  const PixelArea area = picture_area();
-  const int top = height - area.y - area.height;
-  Image picture_only = make_image(area.width, area.height);
-  for (int y = 0; y < area.height; y++)
-    for (int x = 0; x < area.width; x++) picture_only.at(x, y) = image.at(area.x + x, top + y);
-  return picture_only;
-}
-
-void SceneWindow::Impl::save_pictures() {
-  const std::string name = name_of_pictures();
-  if (viewer->wants_picture) viewer->message = save_picture(read(), options.out, name);
-  viewer->wants_picture = false;
-  if (viewer->wants_felt) save_haptics();
-  if (!viewer->clipboard.empty()) glfwSetClipboardString(window, viewer->clipboard.c_str());
-  viewer->clipboard.clear();
-  if (viewer->wants_video && is_due(film)) viewer->message = add_to_film(read(), options.out, film);
-  if (!viewer->wants_video && !film.frames.empty()) viewer->message = end_film(options.out, name, film);
-}
-
-/// The session saves; its result is reported later.
-void SceneWindow::Impl::save_haptics() {
-  std::error_code ignored;
-  std::filesystem::create_directories(options.out, ignored);
-  session->request(SaveRequest{free_name(options.out, name_of_pictures() + "-haptic", ".h5")});
-  viewer->wants_felt = false;
 }
 
 /// Limits the rate to that of a screen, if swapping buffers does not wait.
