@@ -44,9 +44,11 @@ void transfer(File& file, lattice::Motion& motion) {
   auto& [time, u, u_before, v, fastest, virtual_u, virtual_before] = motion;
   transfer_all(file, time, u, u_before, v, fastest, virtual_u, virtual_before);
 }
+/// Without the fragments, which fragments_of computes again.
 template <class File>
 void transfer(File& file, lattice::Cuts& cuts) {
-  auto& [cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, blades] = cuts;
+  auto& [cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, blades, fragments] =
+      cuts;
   transfer_all(file, cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, blades);
 }
 /// Without the coarse space, which the reader builds again (transfer_body).
@@ -78,6 +80,19 @@ void transfer(File& file, lattice::Fragments& fragments) {
       fragments;
   transfer_all(file, fine, cells, cell_index, all, ghosts, label, cut, virtual_nodes, terms, tips, edge_index,
                version);
+}
+template <class File>
+void transfer(File& file, std::shared_ptr<const lattice::Fragments>& shared) {
+  bool has_value = shared != nullptr;
+  transfer(file, has_value);
+  if (!has_value) {
+    shared = nullptr;
+    return;
+  }
+  lattice::Fragments fragments;
+  if constexpr (!File::kReads) fragments = *shared;
+  transfer(file, fragments);
+  if constexpr (File::kReads) shared = std::make_shared<const lattice::Fragments>(std::move(fragments));
 }
 template <class File>
 void transfer(File& file, lattice::BodySurface& surface) {
@@ -183,9 +198,15 @@ void transfer(File& file, contact::PatchSurface& surface) {
   transfer_all(file, normal, area, softness, border, largest_softness);
 }
 template <class File>
+void transfer(File& file, contact::PairHistory& pair) {
+  auto& [v, phi, far] = pair;
+  transfer_all(file, v, phi, far);
+}
+template <class File>
 void transfer(File& file, contact::ViscousHistory& history) {
-  auto& [v, phi, far, far_fraction] = history;
-  transfer_all(file, v, phi, far, far_fraction);
+  auto& [pairs, count, far_factor] = history;
+  for (contact::PairHistory& pair : pairs) transfer(file, pair);
+  transfer_all(file, count, far_factor);
 }
 template <class File>
 void transfer(File& file, contact::FrictionalContactProblem& problem) {
@@ -226,8 +247,8 @@ void transfer(File& file, rhombus::State& state) {
 }
 template <class File>
 void transfer(File& file, contact::RhombusTouch& touch) {
-  auto& [tips, touches, poses, inputs, forces, ticks] = touch;
-  transfer_all(file, tips, touches, poses, inputs, forces, ticks);
+  auto& [tips, touches, poses, inputs, forces, ticks, stiffness] = touch;
+  transfer_all(file, tips, touches, poses, inputs, forces, ticks, stiffness);
 }
 template <class File>
 void transfer(File& file, contact::RhombusTouchSnapshot& snapshot) {

@@ -12,7 +12,7 @@ namespace {
 const lattice::BodySurface& surface_of(const Exec& exec, const LatticeBody& body, CutMeasuring& measuring) {
   const lattice::Cuts& cuts = body.state.cuts();
   if (!body.rest.empty() && body.surface_cuts == cut_version(cuts)) return body.surface;
-  if (measuring.near.fragments.version != cut_version(cuts))
+  if (!measuring.near.fragments || measuring.near.fragments->version != cut_version(cuts))
     measuring.near = build_surface(body.model, cuts, &body.ct, lattice::Extent::kCuts, exec);
   return measuring.near;
 }
