@@ -7,7 +7,7 @@
 
 #include "mpi/outside.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/build/partial_cells.hpp"
 
 namespace turgor::mpi {
 
@@ -52,11 +52,28 @@ std::vector<Value> held_layers(const Ranks& ranks, const Shares& shares, const G
   return held;
 }
 
-/// Result of the slices read by this process: means of its own layers.
+/// Result of the slices read by this process, for its own layers.
 struct OwnedMeans {
   std::vector<std::int16_t> hu;
+  std::vector<lattice::CellVoxels> cells;  // by lowest node; empty without partial cells
   std::int64_t voxels = 0;
 };
+
+/// Voxels of the cells above the owned layers of nodes.
+std::vector<lattice::CellVoxels> count_owned(const Exec& exec, const CtSlab& slab,
+                                             const lattice::Surroundings& surroundings,
+                                             const lattice::Params& params, const Grid& nodes, Layers owned) {
+  const std::size_t layer = std::size_t(nodes.size.x) * std::size_t(nodes.size.y);
+  std::vector<lattice::CellVoxels> cells(layer * std::size_t(owned.end - owned.begin));
+  parallel_for(exec, std::size_t(owned.end - owned.begin), [&](std::size_t k) {
+    for (int j = 0; j < nodes.size.y; j++)
+      for (int i = 0; i < nodes.size.x; i++)
+        cells[k * layer + std::size_t(j) * std::size_t(nodes.size.x) + std::size_t(i)] =
+            lattice::count_voxels(slab, surroundings, params.tissue.air_max, params.block,
+                                  {i, j, owned.begin + int(k)});
+  });
+  return cells;
+}
 Result<OwnedMeans> read_owned(const Exec& exec, const Ranks& ranks, const LatticeScene& scene, const Grid& ct,
                               const Share& share, const lattice::Params& params, const Grid& nodes) {
   DenseCells cells = lattice::make_dense_cells(ct);
@@ -66,6 +83,8 @@ Result<OwnedMeans> read_owned(const Exec& exec, const Ranks& ranks, const Lattic
     slices.begin = std::min(slices.begin, owned.begin * cells.cell.z);
     slices.end = std::max(slices.end, std::min(owned.end * cells.cell.z, ct.size.z));
   }
+  if (lattice::has_partial_cells(params))
+    slices.end = std::max(slices.end, std::min(share.owned.end * params.block.z, ct.size.z));
   const Result<std::vector<std::int16_t>> samples = slices_of(exec, scene.ct, slices);
   if (const Status read = agree(ranks, samples ? Status(Done{}) : Status(samples.error())); !read)
     return read.error();
@@ -73,8 +92,56 @@ Result<OwnedMeans> read_owned(const Exec& exec, const Ranks& ranks, const Lattic
   lattice::pool_cells(exec, slab, params.tissue.air_max, owned, cells);
   join_cells(ranks, owned, cells);
   const lattice::Surroundings surroundings = lattice::find_surroundings(exec, ct, cells);
-  return OwnedMeans{lattice::average_blocks(exec, slab, surroundings, params, nodes, share.owned),
-                    std::int64_t(samples->size())};
+  OwnedMeans means{.hu = lattice::average_blocks(exec, slab, surroundings, params, nodes, share.owned),
+                   .cells = {},
+                   .voxels = std::int64_t(samples->size())};
+  if (lattice::has_partial_cells(params))
+    means.cells = count_owned(exec, slab, surroundings, params, nodes, share.owned);
+  return means;
+}
+
+/// Nodes of the held layers of this process with their tissues.
+BodyNodes classify_held(const Exec& exec, const Ranks& ranks, const Shares& shares, const Grid& whole,
+                        const OwnedMeans& means, const std::vector<std::uint8_t>& outside,
+                        const lattice::Params& params) {
+  const Share& share = shares.of[std::size_t(ranks.rank)];
+  BodyNodes nodes;
+  nodes.grid = whole;
+  nodes.grid.size.z = share.held.end - share.held.begin;
+  nodes.first = share.held.begin;
+  nodes.owned = {share.owned.begin - nodes.first, share.owned.end - nodes.first};
+  nodes.hu = held_layers(ranks, shares, whole, means.hu);
+  lattice::classify_tissues(exec, held_layers(ranks, shares, whole, outside), params, nodes.first,
+                            whole.size.z, nodes);
+  return nodes;
+}
+
+/// Finds the partial cells of the owned layers, from more layers than a process holds, and fetches those of
+/// the halo from their owners.
+void find_held_partial_cells(const Exec& exec, const Ranks& ranks, const Shares& shares, const Grid& whole,
+                             const OwnedMeans& means, const std::vector<std::uint8_t>& outside,
+                             const lattice::Params& params, BodyNodes& nodes) {
+  // layers that determine the partial cells of owned layers
+  Shares wide = shares;
+  for (Share& s : wide.of)
+    s.held = {std::max(0, s.owned.begin - lattice::kLayersForPartialCells),
+              std::min(shares.layers, s.owned.end + lattice::kLayersForPartialCells)};
+  BodyNodes around = classify_held(exec, ranks, wide, whole, means, outside, params);
+  const std::vector<lattice::CellVoxels> voxels = held_layers(ranks, wide, whole, means.cells);
+  lattice::find_partial_cells(
+      exec,
+      [&](Int3 cell) { return voxels[sample_index(around.grid, cell.x, cell.y, cell.z - around.first)]; },
+      params.block, around);
+  // owned layers of every process
+  const std::size_t layer = std::size_t(whole.size.x) * std::size_t(whole.size.y);
+  const auto held = [&](const auto& values) {
+    using Value = std::decay_t<decltype(values[0])>;
+    return held_layers(ranks, shares, whole,
+                       std::vector<Value>(values.begin() + std::ptrdiff_t(layer) * around.owned.begin,
+                                          values.begin() + std::ptrdiff_t(layer) * around.owned.end));
+  };
+  nodes.fill = {held(around.fill.fraction), held(around.fill.center)};
+  nodes.young = held(around.young);
 }
 
 std::int64_t own_count(const Grid& nodes, Layers owned, const auto& counts_node) {
@@ -140,15 +207,10 @@ Result<LoadedSubdomain> load_subdomain(const Exec& exec, const Ranks& ranks, con
     return located(
         fmt::format("the CT contains only air: expected voxels above {} HU", int(params.tissue.air_max)));
 
-  BodyNodes nodes;
-  nodes.grid = loaded.nodes;
-  nodes.grid.size.z = share.held.end - share.held.begin;
-  nodes.first = share.held.begin;
-  nodes.owned = {share.owned.begin - nodes.first, share.owned.end - nodes.first};
+  BodyNodes nodes = classify_held(exec, ranks, loaded.shares, loaded.nodes, *means, outside, params);
   nodes.join_skin = [&ranks](std::vector<lattice::SkinNodes>& skin) { skin = join(ranks, skin); };
-  nodes.hu = held_layers(ranks, loaded.shares, loaded.nodes, means->hu);
-  lattice::classify_tissues(exec, held_layers(ranks, loaded.shares, loaded.nodes, outside), params,
-                            nodes.first, loaded.nodes.size.z, nodes);
+  if (lattice::has_partial_cells(params))
+    find_held_partial_cells(exec, ranks, loaded.shares, loaded.nodes, *means, outside, params, nodes);
   Result<lattice::Model> model = lattice::assemble(exec, nodes, nullptr, params);
   if (!model) return located(model.error().message);
   loaded.body.name = scene.name;

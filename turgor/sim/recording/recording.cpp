@@ -24,10 +24,10 @@ constexpr const char *kRecordingFormat = "turgor recording 7",
 constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
 constexpr double kUnitError = 1e-6;  // of the length of a unit vector
 
-std::vector<int> body_slots(const lattice::Model& model) {
+std::vector<int> node_slots(const lattice::Model& model) {
   std::vector<int> slots;
-  for (std::size_t s = 0; s < model.tissue.size(); s++)
-    if (lattice::is_body(model.tissue[s])) slots.push_back(int(s));
+  for (int s = 0; s < slot_count(model.lattice); s++)
+    if (has_node(model, s)) slots.push_back(s);
   return slots;
 }
 
@@ -54,9 +54,9 @@ std::vector<double> flat(const std::vector<Vec3d>& points) {
 Status write_body(Hdf5File& file, const LatticeBody& body) {
   const lattice::Model& model = body.model;
   const Grid& grid = model.grid;
-  // rest positions of body nodes
+  // rest positions of the nodes
   std::vector<float> rest;
-  for (const int slot : body_slots(model)) {
+  for (const int slot : node_slots(model)) {
     const Int3 node = slot_node(model.lattice, slot);
     const Vec3 p(point_at(grid, {double(node.x), double(node.y), double(node.z)}));
     rest.insert(rest.end(), {p.x, p.y, p.z});
@@ -75,7 +75,7 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
 
 Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
   Writing writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name));
-  write_fields(writing, *body.state, {Axis::kSlot, body_slots(body.model)});
+  write_fields(writing, *body.state, {Axis::kSlot, node_slots(body.model)});
   std::vector<float> virtual_nodes;
   for (const lattice::VirtualNodeDisplacement& c : body.state->motion.virtual_u)
     virtual_nodes.insert(virtual_nodes.end(), {c.x, c.y, c.z});
@@ -119,9 +119,19 @@ void read_virtual_nodes(const SnapshotIn& in, const LatticeBody& body, std::size
   }
 }
 
+/// Slots of the nodes in a recording. Those made before partial cells existed have no rim nodes.
+std::vector<int> recorded_slots(const SnapshotIn& in, const LatticeBody& body) {
+  std::vector<int> slots = node_slots(body.model);
+  const std::string path = stored_path(in.file, fmt::format("/bodies/{}/rest_points", body.name));
+  const Result<std::size_t> found = in.file.count(path, 3 * slots.size());
+  if (found && *found < 3 * slots.size())
+    std::erase_if(slots, [&](int s) { return !lattice::is_body(body.model.tissue[std::size_t(s)]); });
+  return slots;
+}
+
 Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
   // fields and virtual nodes
-  const std::vector<int> slots = body_slots(body.model);
+  const std::vector<int> slots = recorded_slots(in, body);
   lattice::State state = lattice::make_state(body.model);
   Reading reading(in.file, fmt::format("{}/bodies/{}/", in.group, body.name));
   const Int3 subdivisions = lattice::fine_lattice(body.model).subdivisions;

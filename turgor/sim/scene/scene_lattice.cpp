@@ -118,6 +118,10 @@ void read_law(SceneTable& tissue, lattice::TissueParams& params) {
   tissue.read("poisson", params.poisson, within(0, 0.49),
               "solid only: Poisson's ratio; use 10 or more sweeps from 0.45 on");
   tissue.read(
+      "partial_cells", params.partial_cells,
+      "solid only: cells that the body fills in part bear in proportion; `false` ends the body at its "
+      "outermost nodes");
+  tissue.read(
       "volume", params.volume, within(0, 100),
       "springs and vbd only: bulk stiffness of an added volume energy, in multiples of Young's modulus");
   // keys that the law does not support
@@ -126,6 +130,8 @@ void read_law(SceneTable& tissue, lattice::TissueParams& params) {
     tissue.fail("volume",
                 "solid tissue, the default, keeps its volume by tissue.poisson; volume belongs to law = "
                 "\"springs\": set that law, or remove volume");
+  if (!solid && tissue.has("partial_cells"))
+    tissue.fail("partial_cells", "springs join whole nodes: set law = \"solid\", or remove partial_cells");
   if (!solid && tissue.has("poisson"))
     tissue.fail("poisson", "springs have no Poisson's ratio: set law = \"solid\", or set volume");
 }

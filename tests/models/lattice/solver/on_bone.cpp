@@ -60,7 +60,7 @@ double settled(const Model& model, int axis, int front, double pressure) {
       p[axis] = front, p[(axis + 1) % 3] = a, p[(axis + 2) % 3] = b;
       const int slot = node_slot(l, p);
       if (a == kWide / 2 && b == kWide / 2) middle = slot;
-      if (!(model.inverse_mass[std::size_t(slot)] > 0)) continue;
+      if (!is_body(model.tissue[std::size_t(slot)])) continue;
       Vec3 force;
       force[axis] = Real(pressure * area);
       loads.push_back({slot, force});

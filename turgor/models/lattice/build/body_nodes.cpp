@@ -6,6 +6,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/models/lattice/build/partial_cells.hpp"
 
 namespace turgor::lattice {
 
@@ -255,6 +256,16 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
       const auto found = params.tissue.young_of_label.find(label_at(*labels, point));
       if (found != params.tissue.young_of_label.end()) nodes.young[n] = float(found->second);
     }
+  // partial cells at the surface
+  if (has_partial_cells(params)) {
+    const CtSlab slab(ct);
+    find_partial_cells(
+        exec,
+        [&](Int3 cell) {
+          return count_voxels(slab, surroundings, params.tissue.air_max, params.block, cell);
+        },
+        params.block, nodes);
+  }
   return nodes;
 }
 

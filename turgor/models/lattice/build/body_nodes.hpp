@@ -7,6 +7,7 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/models/lattice/build/surroundings.hpp"
+#include "turgor/models/lattice/mechanics/cells.hpp"
 
 namespace turgor::lattice {
 
@@ -20,8 +21,9 @@ struct BodyNodes {
   Grid grid;
   std::vector<std::int16_t> hu;  // mean of the block around the node [HU]
   std::vector<Tissue> tissue;
-  std::vector<float> young;         // Young's modulus; 0 outside [Pa]
+  std::vector<float> young;         // Young's modulus; outside: 0, or that of a rim node [Pa]
   std::vector<std::uint8_t> fixed;  // 1 = fixed
+  CellFill fill;                    // of cells at the surface (partial_cells.hpp)
 
   // Only for a process with some layers of a body (halo.hpp): number of layers of the body before it, and its
   // owned layers. `grid` has the size of these layers and the origin of the whole. Empty: the whole body.
@@ -29,6 +31,11 @@ struct BodyNodes {
   Layers owned;
   JoinSkin join_skin;
 };
+
+/// True if cells at the surface bear in proportion to their filled part: solid tissue, unless switched off.
+inline bool has_partial_cells(const Params& params) {
+  return params.tissue.law == TissueLaw::kSolid && params.tissue.partial_cells;
+}
 
 // Steps of classify, for a process with some slices of a CT:
 /// Grid of the nodes of a CT: one node at each corner of the voxel blocks.

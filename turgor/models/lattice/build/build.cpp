@@ -5,6 +5,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/build/partial_cells.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
 #include "turgor/models/lattice/build/springs.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
@@ -22,6 +23,7 @@ double density_stiffness(double hu, const Params& params) {
 /// Copies one layer of nodes to its slots.
 struct StoreLayer {
   const BodyNodes& nodes;
+  const std::vector<std::uint8_t>& fixed;
   const Params& params;
   Model& model;
 
@@ -35,12 +37,15 @@ struct StoreLayer {
         const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
         model.tissue[slot] = nodes.tissue[n];
         model.hu[slot] = nodes.hu[n];
-        if (!is_body(nodes.tissue[n])) continue;
-        const double density =
-            std::max(50.0, 1000.0 + nodes.hu[n]);  // water = 1000; gas keeps a small mass [kg/m³]
-        model.inverse_mass[slot] = nodes.fixed[n] ? Real(0) : Real(1 / (density * volume));
+        const bool is_rim = !is_body(nodes.tissue[n]) && nodes.young[n] > 0;
+        if (!is_body(nodes.tissue[n]) && !is_rim) continue;
+        // water = 1000; gas keeps a small mass, a rim node that of the body in its block [kg/m³]
+        const double density = std::max(is_rim ? 10.0 : 50.0, 1000.0 + nodes.hu[n]);
+        model.inverse_mass[slot] = fixed[n] ? Real(0) : Real(1 / (density * volume));
         model.root_stiffness[slot] =
             Real(std::sqrt(pbd ? density_stiffness(nodes.hu[n], params) : nodes.young[n]));
+        // loose edges to a rim node have the share of the body in its block
+        if (is_rim) model.root_stiffness[slot] *= Real(std::sqrt(std::min(1.0, density / 1000)));
       }
   }
 };
@@ -76,7 +81,8 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   model.root_stiffness.assign(slots, 0);
   model.tissue.assign(slots, Tissue::kOutside);
   model.hu.assign(slots, kAirHu);
-  parallel_for(exec, std::size_t(nodes.grid.size.z), StoreLayer{nodes, params, model});
+  const std::vector<std::uint8_t> fixed = fixed_with_rim(exec, nodes);
+  parallel_for(exec, std::size_t(nodes.grid.size.z), StoreLayer{nodes, fixed, params, model});
 
   TURGOR_CHECK(all_finite(model.inverse_mass) && all_finite(model.root_stiffness),
                "masses and moduli are finite");
@@ -100,7 +106,7 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   }
   model.rest_volume = h.x * h.y * h.z / 6;
   model.volume_scale = Real(pbd ? params.solver.pbd_volume : volume);
-  if (solid) build_cells(exec, model);
+  if (solid) build_cells(exec, nodes.fill, model);
 
   // counts
   for (std::size_t n = 0; n < nodes.tissue.size(); n++) {

@@ -50,29 +50,56 @@ struct CellForces {
           cell_modulus(young[i], cut_edges_of_cell(nodes.cut, block, slot + i, 0), nodes.cut[slot + i]).young;
   }
 
+  /// True if the filled part of one of the cells has its center elsewhere.
+  bool has_partial_cell(int slot, int width) const {
+    if (model.cell_center.empty()) return false;
+    std::uint32_t any = 0;
+    for (int i = 0; i < width; i++) any |= model.cell_center[std::size_t(slot + i)];
+    return any != 0;
+  }
+
   template <int kWidth>
   void add(const NodeBlock& block, int slot, int k) const {
     // moduli
     Real young[kWidth];
     find_young<kWidth>(block, slot, young);
     // forces on the corners of each cell
+    const bool partial = has_partial_cell(slot, kWidth);
+    const std::uint32_t* center = partial ? model.cell_center.data() : nullptr;
     const SolidLaw by = law;
     const NodeArrays n = nodes;
     Real *fx = out.field.x.data(), *fy = out.field.y.data(), *fz = out.field.z.data();
     int corner[kCellCorners];
     for (int c = 0; c < kCellCorners; c++) corner[c] = corner_slot(block, 0, 0, c);
     Real px[kCellCorners][kWidth], py[kCellCorners][kWidth], pz[kCellCorners][kWidth];
-    TURGOR_LANES
-    for (int i = 0; i < kWidth; i++) {
-      const int a = slot + i;
-      Vec3 d[kCellCorners];
+    if (!partial) {
+      TURGOR_LANES
+      for (int i = 0; i < kWidth; i++) {
+        const int a = slot + i;
+        Vec3 d[kCellCorners];
 #pragma GCC unroll 8
-      for (int c = 0; c < kCellCorners; c++) d[c] = n.u(a + corner[c]) - n.u(a);
-      const CellStress stress = cell_stress(d, by, young[i]);
+        for (int c = 0; c < kCellCorners; c++) d[c] = n.u(a + corner[c]) - n.u(a);
+        const CellStress stress = cell_stress(d, by, young[i]);
 #pragma GCC unroll 8
-      for (int c = 0; c < kCellCorners; c++) {
-        const Vec3 f = corner_force(stress, d[c], c);
-        px[c][i] = f.x, py[c][i] = f.y, pz[c][i] = f.z;
+        for (int c = 0; c < kCellCorners; c++) {
+          const Vec3 f = corner_force(stress, d[c], c);
+          px[c][i] = f.x, py[c][i] = f.y, pz[c][i] = f.z;
+        }
+      }
+    } else {
+      TURGOR_LANES
+      for (int i = 0; i < kWidth; i++) {
+        const int a = slot + i;
+        const Vec3 point = CellCenter{center[a]}.in_half_cells();
+        Vec3 d[kCellCorners];
+#pragma GCC unroll 8
+        for (int c = 0; c < kCellCorners; c++) d[c] = n.u(a + corner[c]) - n.u(a);
+        const CellStress stress = cell_stress_at(d, by, young[i], point);
+#pragma GCC unroll 8
+        for (int c = 0; c < kCellCorners; c++) {
+          const Vec3 f = corner_force_at(stress, d[c], c, point);
+          px[c][i] = f.x, py[c][i] = f.y, pz[c][i] = f.z;
+        }
       }
     }
     // add to the nodes

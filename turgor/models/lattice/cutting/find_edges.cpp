@@ -19,7 +19,7 @@ Real largest_squared_displacement(const Model& model, const Motion& motion, cons
   Real farthest = 0;
   for (int s = row_slot(model.lattice, -1, model.owned.begin);
        s < row_slot(model.lattice, -1, model.owned.end); s++)
-    if (const auto n = std::size_t(s); is_body(model.tissue[n]))
+    if (const auto n = std::size_t(s); has_node(model, s))
       farthest = std::max(farthest, dot(motion.u[n], motion.u[n]));
   return halo ? std::bit_cast<Real>(halo->largest(std::bit_cast<std::uint32_t>(farthest))) : farthest;
 }
@@ -51,7 +51,7 @@ void for_range(const Range& range, Int3 last, Visit&& visit) {
 
 Box box_of(Vec3d a, Vec3d b) { return {min(a, b), max(a, b)}; }
 
-/// Search among lattice edges between tissue nodes.
+/// Search among lattice edges between nodes of the body and its rim.
 struct LatticeEdges {
   const Model& model;
   const State& state;
@@ -59,16 +59,18 @@ struct LatticeEdges {
   std::vector<PendingEdgeCut>& found;
   std::vector<int> near;
 
+  bool bears(int slot) const { return has_node(model, slot) && state.cuts.removed[std::size_t(slot)] == 0; }
+
   void operator()(Int3 node) {
     const Lattice& l = model.lattice;
     const int slot = node_slot(l, node);
-    if (!is_solid(model, state.cuts, slot)) return;
-    // whole edges to tissue nodes of each family
+    if (!bears(slot)) return;
+    // whole edges to nodes of each family
     const Vec3d a(position(model, state.motion, node));
     for (int f = 0; f < kFamilyCount; f++) {
       const Int3 other = node + kFamilies[std::size_t(f)];
       if (!contains(l, other) || state.cuts.cut[std::size_t(slot)] >> f & 1) continue;
-      if (!is_solid(model, state.cuts, node_slot(l, other))) continue;
+      if (!bears(node_slot(l, other))) continue;
       const Vec3d b(position(model, state.motion, other));
       triangles_near(sheet, box_of(a, b), near);
       if (const auto hit = cross_sheet(sheet, near, a, b))

@@ -343,8 +343,8 @@ Real node_level(const Model& model, const Cuts& cuts, int slot) {
   const auto s = std::size_t(slot);
   TURGOR_CHECK(is_index(slot, model.hu.size()), "a node is a slot of the lattice");
   const Real beyond = Real(model.hu[s]) - Real(model.params.tissue.air_max);
-  if (cuts.removed[s]) return -kGas;
   if (!is_body(model.tissue[s])) return std::min(beyond, -kLeast);
+  if (cuts.removed[s]) return -kGas;
   return beyond < 0 ? kGas : std::max(beyond, kLeast);
 }
 

@@ -309,7 +309,7 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
         const Int3 node{i, j, k};
         // nodes inside the region
         const auto slot = std::size_t(node_slot(l, node));
-        if (!is_body(model.tissue[slot]) || state.cuts.removed[slot]) continue;
+        if (!has_node(model, int(slot)) || state.cuts.removed[slot]) continue;
         const RegionPosition position_in_region =
             region_position(path, Vec3d(position(model, state.motion, node)));
         if (std::abs(position_in_region.across) > 0.5 * path.width) continue;
@@ -322,7 +322,7 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
         for (int f = 0; f < kFamilyCount; f++)
           for (const Int3 lower : {node, node - kFamilies[std::size_t(f)]})
             if (contains(l, lower) && contains(l, lower + kFamilies[std::size_t(f)]) &&
-                is_body(model.tissue[std::size_t(node_slot(l, lower))]))
+                has_node(model, node_slot(l, lower)))
               cut_edge(model, state.cuts, node_slot(l, lower), f);
       }
   state.cuts.removed_nodes += count;

@@ -116,6 +116,7 @@ struct DeviceVbd {
   using List = DeviceList<Backend, T>;
 
   Array<Real> young;
+  Array<std::uint32_t> center;
   Array<std::uint8_t> row_cut;
   Array<int> skin_nodes, corner_begin, row_begin, lanes_begin;
   Array<Vec3> prestress_force;
@@ -132,6 +133,7 @@ struct DeviceVbd {
 
   DeviceVbd(DeviceAllocator<Backend>& allocator, const Model& m)
       : young(allocator.copy(m.cell_young)),
+        center(allocator.copy(m.cell_center)),
         row_cut(allocator.template allocate<std::uint8_t>(m.inverse_mass.size() /
                                                           std::size_t(2 * m.lattice.half))),
         skin_nodes(allocator.copy(m.skin.nodes)),
@@ -168,6 +170,7 @@ struct DeviceVbd {
             .free_groups_of_color = nodes.free_groups_of_color,
             .inertia = Inertia(body, fall, Real(dt)),
             .young = model.params.tissue.law == TissueLaw::kSolid ? young.data() : nullptr,
+            .center = center.size() > 0 ? center.data() : nullptr,
             .row_cut = row_cut.data(),
             .skin = {.nodes = skin_nodes.size() > 0 ? skin_nodes.data() : nullptr,
                      .corner_begin = corner_begin.data(),

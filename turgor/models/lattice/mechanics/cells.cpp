@@ -11,19 +11,22 @@ namespace turgor::lattice {
 namespace {
 
 /// Young's modulus of a cell: the geometric mean over its corners, as for an edge over its ends. If some
-/// corners are fixed, only free corners count, so that fixed bone begins at its nodes. 0 if a corner is not
-/// body [Pa].
-Real cell_young(const Model& model, Int3 corner) {
+/// corners are fixed, only free corners count, so that fixed bone begins at its nodes. Rim nodes do not
+/// count, since their stiffness is that of the tissue around them. 0 if no corner is body, or if a corner is
+/// not and there are no partial cells [Pa].
+Real cell_young(const Model& model, Int3 corner, bool partial) {
   double all = 1, moving = 1;
-  int count = 0;
+  int body = 0, count = 0;
   for (int n = 0; n < kCellCorners; n++) {
     const auto slot = std::size_t(node_slot(model.lattice, corner + cell_corner(n)));
+    if (!is_body(model.tissue[slot])) continue;
     const double root = model.root_stiffness[slot];
-    all *= root;
+    body++, all *= root;
     if (model.inverse_mass[slot] > 0) moving *= root, count++;
   }
-  if (all == 0 || count == 0 || count == kCellCorners) return Real(std::sqrt(std::sqrt(all)));
-  return Real(std::pow(moving, 2.0 / count));
+  if (body == 0 || (body < kCellCorners && !partial)) return 0;
+  if (body == kCellCorners && (count == 0 || count == kCellCorners)) return Real(std::sqrt(std::sqrt(all)));
+  return Real(count == 0 ? std::pow(all, 2.0 / body) : std::pow(moving, 2.0 / count));
 }
 
 bool is_whole(const Model& model, Int3 corner) {
@@ -31,14 +34,14 @@ bool is_whole(const Model& model, Int3 corner) {
          model.cell_young[std::size_t(node_slot(model.lattice, corner))] > 0;
 }
 
-/// True if an edge at this body node is in no whole cell.
+/// True if an edge at this node is in no whole cell.
 bool has_loose_edge(const Model& model, Int3 node) {
   bool whole[kCellCorners];
   for (int n = 0; n < kCellCorners; n++) whole[n] = is_whole(model, node - cell_corner(n));
   for (int e = 0; e < kNeighborCount; e++) {
     const Int3 offset = neighbor_offset(e), other = node + offset;
     if (!contains(model.lattice, other)) continue;
-    if (!is_body(model.tissue[std::size_t(node_slot(model.lattice, other))])) continue;
+    if (!has_node(model, node_slot(model.lattice, other))) continue;
     bool covered = false;
     for (int n = 0; n < kCellCorners; n++) covered |= whole[n] && cell_contains(n, offset);
     if (!covered) return true;
@@ -46,18 +49,30 @@ bool has_loose_edge(const Model& model, Int3 node) {
   return false;
 }
 
+/// True if a cell around this node has the center of its filled part elsewhere.
+bool has_partial_cell(const Model& model, Int3 node) {
+  if (model.cell_center.empty()) return false;
+  for (int n = 0; n < kCellCorners; n++)
+    if (const Int3 cell = node - cell_corner(n);
+        contains(model.lattice, cell) && model.cell_center[std::size_t(node_slot(model.lattice, cell))] != 0)
+      return true;
+  return false;
+}
+
 void mark_group(const Model& model, Int3 node, std::vector<IncidentElements>& incident_elements) {
   const int slot = node_slot(model.lattice, node);
-  if (!is_body(model.tissue[std::size_t(slot)])) return;
+  if (!has_node(model, slot)) return;
   IncidentElements& group = incident_elements[std::size_t(slot / kGroup)];
-  group =
-      std::max(group, has_loose_edge(model, node) ? IncidentElements::kSprings : IncidentElements::kCells);
+  group = std::max(group, has_loose_edge(model, node)     ? IncidentElements::kSprings
+                          : has_partial_cell(model, node) ? IncidentElements::kPartialCells
+                                                          : IncidentElements::kCells);
 }
 
 /// Moduli of the cells around sixteen nodes. A node is corner n of cell n.
 struct IncidentCells {
-  const Real* young[kCellCorners];   // of whole cells [Pa]
-  const Real* covers[kCellCorners];  // positive: the edges of the cell are not loose
+  const Real* young[kCellCorners];            // of whole cells [Pa]
+  const Real* covers[kCellCorners];           // positive: the edges of the cell are not loose
+  const std::uint32_t* center[kCellCorners];  // CellCenter; null if all cells are full
 };
 
 void gather_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& block,
@@ -66,6 +81,16 @@ void gather_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& b
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++)
     out.set(begin + i, incident_cells(n, law, block, slot + i, [&](int at) { return cells.young[at][i]; }));
+}
+/// The same with cells that are filled in part.
+void gather_partial_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& block,
+                          const IncidentCells& cells, int slot, int begin, SystemBuffer& __restrict out) {
+  const SolidLaw law = solid;
+  TURGOR_LANES
+  for (int i = 0; i < kSpareSlots; i++)
+    out.set(begin + i, incident_cells(
+                           n, law, block, slot + i, [&](int at) { return cells.young[at][i]; },
+                           [&](int at) { return CellCenter{cells.center[at][i]}; }));
 }
 
 /// Uncut cells around sixteen nodes, and cells that cover their edges. Cut cells with cut elements also cover
@@ -116,17 +141,26 @@ void add_springs(const NodeArrays& n, const Neighbors& stencil, const UncoveredE
 }
 
 /// Gathers all elements around the nodes of [slot, slot + kSpareSlots) into the buffer from `begin` on.
-void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool with_cuts, bool with_springs,
-                    SystemBuffer& out) {
+/// `found`: elements around these nodes in the uncut body.
+void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool with_cuts,
+                    IncidentElements found, SystemBuffer& out) {
+  const bool with_springs = with_cuts || found == IncidentElements::kSprings;
+  const bool with_partial = row.center != nullptr && found >= IncidentElements::kPartialCells;
   const NodeBlock& block = row.block[parity];
   // moduli of the incident cells, 0 in cut cells
   IncidentCells cells;
-  for (int at = 0; at < kCellCorners; at++)
-    cells.young[at] = cells.covers[at] = row.young + slot + block.offset[block_index(-cell_corner(at))];
+  for (int at = 0; at < kCellCorners; at++) {
+    const int lowest = slot + block.offset[block_index(-cell_corner(at))];
+    cells.young[at] = cells.covers[at] = row.young + lowest;
+    cells.center[at] = with_partial ? row.center + lowest : nullptr;
+  }
   WholeCells whole;
   if (with_cuts) find_whole_cells(row.nodes, block, slot, cells, whole);
   // forces of cells
-  gather_cells(row.nodes, row.law, block, cells, slot, begin, out);
+  if (with_partial)
+    gather_partial_cells(row.nodes, row.law, block, cells, slot, begin, out);
+  else
+    gather_cells(row.nodes, row.law, block, cells, slot, begin, out);
   if (!with_springs) return;
   // forces of loose edges
   UncoveredEdges loose;
@@ -145,7 +179,7 @@ NodeBlock node_block(const Lattice& lattice, int parity) {
   return block;
 }
 
-void build_cells(const Exec& exec, Model& model) {
+void build_cells(const Exec& exec, const CellFill& fill, Model& model) {
   const Lattice& l = model.lattice;
   const std::size_t slots = model.inverse_mass.size();
   TURGOR_CHECK(slots % kGroup == 0, "half rows are whole numbers of groups");
@@ -157,8 +191,20 @@ void build_cells(const Exec& exec, Model& model) {
         for (int i = 0; i < size.x; i++) visit(Int3{i, j, int(k)});
     });
   };
-  for_each(l.size - Int3{1, 1, 1},
-           [&](Int3 p) { model.cell_young[std::size_t(node_slot(l, p))] = cell_young(model, p); });
+  const bool partial = !fill.fraction.empty();
+  if (partial) model.cell_center.assign(slots, 0);
+  TURGOR_CHECK(!partial || (fill.fraction.size() == sample_count(model.grid) &&
+                            fill.center.size() == fill.fraction.size()),
+               "every cell has a filled fraction and a center");
+  for_each(l.size - Int3{1, 1, 1}, [&](Int3 p) {
+    const auto slot = std::size_t(node_slot(l, p));
+    const Real young = cell_young(model, p, partial);
+    model.cell_young[slot] = young;
+    if (!partial) return;
+    const std::size_t n = sample_index(model.grid, p.x, p.y, p.z);
+    model.cell_young[slot] = young * fill.fraction[n];
+    if (young > 0 && fill.fraction[n] > 0) model.cell_center[slot] = fill.center[n].bits;
+  });
   for_each(l.size, [&](Int3 p) { mark_group(model, p, model.incident_elements); });
 }
 
@@ -185,6 +231,7 @@ SolidRow::SolidRow(const Model& m, State& s)
       row_cut(s.cuts.row_cut.data()),
       nodes(node_arrays(m, s)),
       young(m.cell_young.data()),
+      center(m.cell_center.empty() ? nullptr : m.cell_center.data()),
       law(solid_law(m.lattice.spacing, m.params.tissue.poisson)),
       block{node_block(m.lattice, 0), node_block(m.lattice, 1)},
       neighbors{neighbors_of(m, 0), neighbors_of(m, 1)} {}
@@ -202,8 +249,7 @@ void SolidRow::gather(int parity, int slot, int count, SystemBuffer& out) const 
     if (found == IncidentElements::kNothing)
       for (int i = begin; i < begin + kSpareSlots; i++) out.set(i, {});
     else
-      gather_sixteen(*this, parity, slot + begin, begin, cut, cut || found == IncidentElements::kSprings,
-                     out);
+      gather_sixteen(*this, parity, slot + begin, begin, cut, found, out);
   }
 }
 

@@ -10,8 +10,14 @@
 
 namespace turgor::lattice {
 
-/// Fills Model::cell_young and Model::incident_elements.
-void build_cells(const Exec& exec, Model& model);
+/// Filled part of every cell, by its lowest node, i fastest. Empty: a cell is full if its corners are body.
+struct CellFill {
+  std::vector<float> fraction;  // filled fraction, with the tiny fractions of neighbors; 0 = no element [1]
+  std::vector<CellCenter> center;  // of the filled part
+};
+
+/// Fills Model::cell_young, Model::cell_center and Model::incident_elements.
+void build_cells(const Exec& exec, const CellFill& fill, Model& model);
 
 /// Bits of the edge families that start at corner n and stay in the cell.
 constexpr std::uint8_t edges_from_corner(int n) {
@@ -58,7 +64,8 @@ struct SolidRow {
   const Model& model;
   const std::uint8_t* row_cut;
   NodeArrays nodes;
-  const Real* young;  // of cells, Model::cell_young
+  const Real* young;            // of cells, Model::cell_young
+  const std::uint32_t* center;  // Model::cell_center; null without partial cells
   SolidLaw law;
   NodeBlock block[2];
   Neighbors neighbors[2];

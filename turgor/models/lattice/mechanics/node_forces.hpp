@@ -108,11 +108,13 @@ template <bool kWithVolumes, class Spring, class Tet>
   return s;
 }
 
-/// Solid cells around node a, which is corner n of cell n. `young(n)`: modulus of a whole cell, else 0 [Pa].
-template <class Young>
-[[gnu::always_inline]] TURGOR_HD inline NodeSystem incident_cells(const NodeArrays& n, const SolidLaw& law,
-                                                                  const NodeBlock& block, int a,
-                                                                  const Young& young) {
+/// Solid cells around node a, which is corner n of cell n. `young(n)`: modulus of a whole cell, else 0 [Pa];
+/// `center(n)`: its CellCenter, or NoCenters if all cells are full.
+struct NoCenters {};
+template <class Young, class Center = NoCenters>
+[[gnu::always_inline]] TURGOR_HD inline NodeSystem incident_cells(
+    const NodeArrays& n, const SolidLaw& law, const NodeBlock& block, int a, const Young& young,
+    [[maybe_unused]] const Center& center = {}) {
   NodeSystem s;
   Vec3 u[kBlockNodes];
   TURGOR_UNROLL
@@ -122,7 +124,13 @@ template <class Young>
     Vec3 d[kCellCorners];
     TURGOR_UNROLL
     for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
-    add_cell(s, cell_gradient(d, at, law.slope), at, law, young(at));
+    if constexpr (std::is_same_v<Center, NoCenters>) {
+      add_cell(s, cell_gradient(d, at, law.slope), at, law, young(at));
+    } else {
+      const Vec3 point = center(at).in_half_cells();
+      add_cell(s, cell_gradient_at(d, at, law.slope, point), shape_gradient(at, law.slope, point), law,
+               young(at));
+    }
   }
   return s;
 }

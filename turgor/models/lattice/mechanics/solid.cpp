@@ -1,5 +1,8 @@
 #include "turgor/models/lattice/mechanics/solid.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "turgor/core/assert.hpp"
 
 namespace turgor::lattice {
@@ -31,7 +34,16 @@ SolidLaw solid_law(Vec3 spacing, double poisson) {
           .hourglass = Real(volume * hourglass_modulus(Vec3d(spacing), poisson) / 8)};
 }
 
-double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson) {
+CellCenter packed_center(Vec3d at) {
+  std::uint32_t bits = 0;
+  for (int axis = 0; axis < 3; axis++) {
+    const auto steps = int(std::lround(std::clamp(at[axis], -1.0, 1.0) * 512));
+    bits |= (std::uint32_t(std::clamp(steps, -512, 511)) & 1023u) << (10 * axis);
+  }
+  return {bits};
+}
+
+double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson, Vec3d point) {
   const Moduli m = moduli(poisson);
   const Vec3d h(spacing);
   // deformation gradient and mean displacement
@@ -49,7 +61,17 @@ double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson)
     const Vec3d hourglass_displacement = u[n] + corner_position - mean - f * corner_position;
     hourglass += dot(hourglass_displacement, hourglass_displacement);
   }
-  // Neo-Hookean energy at the center
+  // deformation gradient at the center of the filled part
+  if (norm(point) > 0) {
+    f = Mat3d{};
+    for (int n = 0; n < kCellCorners; n++) {
+      const Vec3d side(corner_sign(n)), factor = Vec3d{1, 1, 1} + hadamard(side, point);
+      f.column[0] += u[n] * (side.x / (4 * h.x) * factor.y * factor.z);
+      f.column[1] += u[n] * (side.y / (4 * h.y) * factor.z * factor.x);
+      f.column[2] += u[n] * (side.z / (4 * h.z) * factor.x * factor.y);
+    }
+  }
+  // Neo-Hookean energy at this point
   const auto& [x, y, z] = f.column;
   const double square = dot(x, x) + dot(y, y) + dot(z, z), growth = dot(x, cross(y, z));
   const double rest = 1 + 0.75 * m.shear / m.bulk;  // α: offset of J such that F = I is at rest

@@ -20,6 +20,20 @@ struct SolidLaw {
 /// Uses Lamé's moduli µ and λ for a Poisson's ratio in [0, 0.5): µ' = 4/3 µ, λ' = λ + 5/6 µ.
 SolidLaw solid_law(Vec3 spacing, double poisson);
 
+/// Center of the filled part of a cell: its coordinates from the cell's center in half cells, each in [-1,
+/// 1). Ten bits an axis; 0 is the center of the cell.
+struct CellCenter {
+  std::uint32_t bits = 0;
+
+  static constexpr Real kUnit = Real(1) / 512;  // [half cells]
+  TURGOR_HD Vec3 in_half_cells() const {
+    return {Real(std::int32_t(bits << 22) >> 22) * kUnit, Real(std::int32_t(bits << 12) >> 22) * kUnit,
+            Real(std::int32_t(bits << 2) >> 22) * kUnit};
+  }
+};
+/// `at`: in half cells; coordinates outside of [-1, 1) become the nearest inside.
+CellCenter packed_center(Vec3d at);
+
 /// Displacement gradient of a cell at its center, by columns, and the hourglass displacement of one corner.
 struct CellGradient {
   Vec3 x, y, z;                 // du/dx, du/dy, du/dz [1]
@@ -36,8 +50,39 @@ TURGOR_HD inline CellGradient cell_gradient(const Vec3 (&d)[kCellCorners], int a
   return {x * slope.x, y * slope.y, z * slope.z, plane * Real(-0.125)};
 }
 
-/// Adds a solid cell with E = `young` at its corner `at`. F = I + ∇u, g: gradient of the corner's shape
-/// function.
+/// Gradient of the shape function of a corner at a point of the cell, in half cells from the center [1/m].
+TURGOR_HD inline Vec3 shape_gradient(int corner, Vec3 slope, Vec3 point) {
+  const Int3 side = corner_sign(corner);
+  const Real sx = Real(side.x), sy = Real(side.y), sz = Real(side.z);
+  const Real fx = 1 + sx * point.x, fy = 1 + sy * point.y, fz = 1 + sz * point.z;
+  return {sx * slope.x * fy * fz, sy * slope.y * fz * fx, sz * slope.z * fx * fy};
+}
+
+/// Differences of the corners that ∇u at the center does not contain, by pairs of axes and for all three [m].
+struct CellTwists {
+  Vec3 xy, xz, yz, xyz;
+};
+TURGOR_HD inline CellTwists cell_twists(const Vec3 (&d)[kCellCorners]) {
+  const Vec3 low = (d[0] - d[1]) - (d[2] - d[3]), high = (d[4] - d[5]) - (d[6] - d[7]);
+  return {low + high, (d[0] - d[1]) + (d[2] - d[3]) - ((d[4] - d[5]) + (d[6] - d[7])),
+          (d[0] + d[1]) - (d[2] + d[3]) - ((d[4] + d[5]) - (d[6] + d[7])), high - low};
+}
+
+/// cell_gradient at a point, in half cells from the center; the hourglass displacement stays that of the
+/// center.
+TURGOR_HD inline CellGradient cell_gradient_at(const Vec3 (&d)[kCellCorners], int at, Vec3 slope,
+                                               Vec3 point) {
+  CellGradient u = cell_gradient(d, at, slope);
+  const CellTwists t = cell_twists(d);
+  u.x += (t.xy * point.y + t.xz * point.z + t.xyz * (point.y * point.z)) * slope.x;
+  u.y += (t.xy * point.x + t.yz * point.z + t.xyz * (point.x * point.z)) * slope.y;
+  u.z += (t.xz * point.x + t.yz * point.y + t.xyz * (point.x * point.y)) * slope.z;
+  return u;
+}
+
+/// Adds a solid cell with E = `young` at a corner. F = I + ∇u, g: gradient of the corner's shape function at
+/// the same point as ∇u. A cell that is filled in part has the filled fraction in `young`, and its point is
+/// the center of the filled part (finite cell method with one point a cell [Parvizian et al. 2007]).
 ///   Ψ = ½ µ' (I_C − 3) + ½ λ' (J − α)² − ½ µ' ln(I_C + 1),  α = 1 + ¾ µ'/λ'      [Smith et al. 2018]
 ///   P = µ' (1 − 1/(I_C + 1)) F + λ' (J − α) cof F
 ///   f = −V P g − V κ/8 q      q: hourglass displacement
@@ -45,7 +90,7 @@ TURGOR_HD inline CellGradient cell_gradient(const Vec3 (&d)[kCellCorners], int a
 /// H is exact for Ψ and positive definite, since J is linear in the position of one corner. P is evaluated as
 /// µ' (s F + ¾ (F − cof F)) + λ' (J − 1) cof F with s = ¼ (I_C − 3)/(I_C + 1). This form has no cancellation
 /// for small ∇u.
-TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, int at, const SolidLaw& law,
+TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, Vec3 g, const SolidLaw& law,
                                Real young) {
   // invariants of ∇u
   const Vec3 cx = cross(u.y, u.z), cy = cross(u.z, u.x), cz = cross(u.x, u.y);
@@ -55,8 +100,6 @@ TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, int at, con
   const Real inverse = 1 / (4 + stretch), beyond = Real(0.25) * stretch * inverse;
 
   // F g and cof(F) g
-  const Int3 side = corner_sign(at);
-  const Vec3 g{Real(side.x) * law.slope.x, Real(side.y) * law.slope.y, Real(side.z) * law.slope.z};
   const Vec3 du_g = u.x * g.x + u.y * g.y + u.z * g.z;  // (F − I) g
   const Vec3 dcof_g =
       g * trace - Vec3{dot(u.x, g), dot(u.y, g), dot(u.z, g)} + cx * g.x + cy * g.y + cz * g.z;
@@ -70,6 +113,13 @@ TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, int at, con
   add_outer(s, fg, 2 * shear * inverse * inverse);
   add_outer(s, cg, bulk);
 }
+/// The same with ∇u at the center, for corner `at`.
+TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, int at, const SolidLaw& law,
+                               Real young) {
+  const Int3 side = corner_sign(at);
+  add_cell(s, u, Vec3{Real(side.x) * law.slope.x, Real(side.y) * law.slope.y, Real(side.z) * law.slope.z},
+           law, young);
+}
 
 /// Stress of the same cell, in the form that corner_force uses for each corner.
 struct CellStress {
@@ -78,15 +128,9 @@ struct CellStress {
   Vec3 mean, along[3];  // eight times the mean displacement; its differences by axis [m]
   Real hourglass;       // [N/m]
 };
-/// `d`: displacements of the corners relative to any one of them [m]. Formulas: add_cell.
-[[gnu::always_inline]] TURGOR_HD inline CellStress cell_stress(const Vec3 (&d)[kCellCorners],
-                                                               const SolidLaw& law, Real young) {
-  // ∇u
-  const Vec3 sum0 = d[0] + d[1], sum1 = d[2] + d[3], sum2 = d[4] + d[5], sum3 = d[6] + d[7];
-  const Vec3 low = sum0 + sum1, high = sum2 + sum3, z = high - low;
-  const Vec3 x = (d[1] - d[0]) + (d[3] - d[2]) + ((d[5] - d[4]) + (d[7] - d[6]));
-  const Vec3 y = (sum1 - sum0) + (sum3 - sum2);
-  const Vec3 ux = x * law.slope.x, uy = y * law.slope.y, uz = z * law.slope.z;
+/// Stress for ∇u by columns; the members for the hourglass forces stay zero. Formulas: add_cell.
+[[gnu::always_inline]] TURGOR_HD inline CellStress stress_of(Vec3 ux, Vec3 uy, Vec3 uz, const SolidLaw& law,
+                                                             Real young) {
   // invariants
   const Vec3 cx = cross(uy, uz), cy = cross(uz, ux), cz = cross(ux, uy);
   const Real trace = ux.x + uy.y + uz.z;
@@ -102,18 +146,51 @@ struct CellStress {
   const Vec3 px = ux * sides + (ux - dcof_x) * skew + dcof_x * bulk + Vec3{sides + bulk, 0, 0},
              py = uy * sides + (uy - dcof_y) * skew + dcof_y * bulk + Vec3{0, sides + bulk, 0},
              pz = uz * sides + (uz - dcof_z) * skew + dcof_z * bulk + Vec3{0, 0, sides + bulk};
-  return {px * -law.slope.x, py * -law.slope.y, pz * -law.slope.z,
-          low + high,        {x, y, z},         young * law.hourglass};
+  return {px * -law.slope.x, py * -law.slope.y, pz * -law.slope.z, {}, {}, young * law.hourglass};
+}
+/// `d`: displacements of the corners relative to any one of them [m].
+[[gnu::always_inline]] TURGOR_HD inline CellStress cell_stress(const Vec3 (&d)[kCellCorners],
+                                                               const SolidLaw& law, Real young) {
+  const Vec3 sum0 = d[0] + d[1], sum1 = d[2] + d[3], sum2 = d[4] + d[5], sum3 = d[6] + d[7];
+  const Vec3 low = sum0 + sum1, high = sum2 + sum3, z = high - low;
+  const Vec3 x = (d[1] - d[0]) + (d[3] - d[2]) + ((d[5] - d[4]) + (d[7] - d[6]));
+  const Vec3 y = (sum1 - sum0) + (sum3 - sum2);
+  CellStress s = stress_of(x * law.slope.x, y * law.slope.y, z * law.slope.z, law, young);
+  s.mean = low + high, s.along[0] = x, s.along[1] = y, s.along[2] = z;
+  return s;
+}
+/// Hourglass force on a corner with displacement d [N].
+[[gnu::always_inline]] TURGOR_HD inline Vec3 hourglass_force(const CellStress& s, Vec3 d, Int3 side) {
+  const Vec3 plane =
+      s.mean + s.along[0] * Real(side.x) + s.along[1] * Real(side.y) + s.along[2] * Real(side.z);
+  return (plane * Real(0.125) - d) * s.hourglass;
 }
 /// Force on a corner with displacement d [N].
 [[gnu::always_inline]] TURGOR_HD inline Vec3 corner_force(const CellStress& s, Vec3 d, int corner) {
   const Int3 side = corner_sign(corner);
-  const Real x = Real(side.x), y = Real(side.y), z = Real(side.z);
-  const Vec3 plane = s.mean + s.along[0] * x + s.along[1] * y + s.along[2] * z;
-  return s.x * x + s.y * y + s.z * z + (plane * Real(0.125) - d) * s.hourglass;
+  return s.x * Real(side.x) + s.y * Real(side.y) + s.z * Real(side.z) + hourglass_force(s, d, side);
 }
 
-/// Energy of the same cell per unit of Young's modulus, from the definition; 0 at rest [m³].
-double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson);
+/// cell_stress and corner_force of a cell whose filled part has its center at `point`, in half cells.
+[[gnu::always_inline]] TURGOR_HD inline CellStress cell_stress_at(const Vec3 (&d)[kCellCorners],
+                                                                  const SolidLaw& law, Real young,
+                                                                  Vec3 point) {
+  const CellGradient u = cell_gradient_at(d, 0, law.slope, point);
+  CellStress s = stress_of(u.x, u.y, u.z, law, young);
+  const Vec3 sum0 = d[0] + d[1], sum1 = d[2] + d[3], sum2 = d[4] + d[5], sum3 = d[6] + d[7];
+  s.mean = (sum0 + sum1) + (sum2 + sum3);
+  s.along[0] = (d[1] - d[0]) + (d[3] - d[2]) + ((d[5] - d[4]) + (d[7] - d[6]));
+  s.along[1] = (sum1 - sum0) + (sum3 - sum2), s.along[2] = (sum2 + sum3) - (sum0 + sum1);
+  return s;
+}
+[[gnu::always_inline]] TURGOR_HD inline Vec3 corner_force_at(const CellStress& s, Vec3 d, int corner,
+                                                             Vec3 point) {
+  const Vec3 g = shape_gradient(corner, {1, 1, 1}, point);
+  return s.x * g.x + s.y * g.y + s.z * g.z + hourglass_force(s, d, corner_sign(corner));
+}
+
+/// Energy of the same cell per unit of Young's modulus, from the definition; 0 at rest [m³]. `point`: center
+/// of the filled part, in half cells.
+double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson, Vec3d point = {});
 
 }  // namespace turgor::lattice

@@ -53,6 +53,7 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"tissue", "", Axis::kSlot}, m.tissue);
   visit(Field{"hu", "HU", Axis::kSlot}, m.hu);
   visit(Field{"cell_young", "Pa", Axis::kSlot}, m.cell_young);
+  visit(Field{"cell_center", "", Axis::kSlot}, m.cell_center);
   visit(Field{"around", "", Axis::kSlot}, m.incident_elements);
   visit(Field{"moving", ""}, m.free_runs.all);
   visit(Field{"moving_begin", "", Axis::kRow}, m.free_runs.row_begin);

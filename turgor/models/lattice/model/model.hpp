@@ -71,8 +71,8 @@ struct Skin {
   std::vector<int> lanes_begin;      // VBD: 2 · rows + 1
 };
 
-/// Elements around a group of slots: none, whole cells only, or springs as well.
-enum class IncidentElements : std::uint8_t { kNothing, kCells, kSprings };
+/// Elements around a group of slots: none, full cells only, partial cells as well, or springs as well.
+enum class IncidentElements : std::uint8_t { kNothing, kCells, kPartialCells, kSprings };
 
 /// Layers [begin, end) of nodes, or of the cells above these nodes.
 struct Layers {
@@ -93,12 +93,18 @@ struct Model {
   std::array<Real, kFamilyCount> spring_scale{};  // spring stiffness = scale · root · root [m]
   Real rest_volume = 0;                           // of a tetrahedron [m³]
   Real volume_scale = 0;                          // volume stiffness = scale · mean root² [1]
-  aligned_vector<Real> cell_young;  // solid: by slot of a cell's lowest node; 0 = not a whole cell [Pa]
+  // Solid, by slot of a cell's lowest node; without partial cells `cell_center` is empty.
+  aligned_vector<Real> cell_young;  // Young's modulus times the filled fraction; 0 = not a whole cell [Pa]
+  aligned_vector<std::uint32_t> cell_center;        // center of the filled part (CellCenter)
   std::vector<IncidentElements> incident_elements;  // solid: by group of slots, uncut
   Runs free_runs;                                   // slots of free nodes
   Runs constraint_runs;  // PBD: slots of nodes whose edges or tetrahedra contain a free node
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };
+
+/// True if a slot has a node: a node of the body, or a rim node, which is outside but a corner of a partial
+/// cell (build/partial_cells.hpp).
+inline bool has_node(const Model& model, int slot) { return model.root_stiffness[std::size_t(slot)] > 0; }
 
 }  // namespace turgor::lattice

@@ -36,8 +36,10 @@ struct LayerEnergy {
     Vec3d u[kCellCorners];
     for (int n = 0; n < kCellCorners; n++)
       u[n] = Vec3d(state.motion.u[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))]);
-    return double(model.cell_young[std::size_t(node_slot(model.lattice, corner))]) *
-           cell_energy(u, model.lattice.spacing, model.params.tissue.poisson);
+    const auto slot = std::size_t(node_slot(model.lattice, corner));
+    const CellCenter center{model.cell_center.empty() ? 0 : model.cell_center[slot]};
+    return double(model.cell_young[slot]) *
+           cell_energy(u, model.lattice.spacing, model.params.tissue.poisson, Vec3d(center.in_half_cells()));
   }
 
   double springs(Int3 a) const {

@@ -36,6 +36,7 @@ struct VbdView {
   ColorBegin free_groups_of_color;
   Inertia inertia;
   const Real* young;            // Model::cell_young; null with springs
+  const std::uint32_t* center;  // Model::cell_center; null without partial cells
   const std::uint8_t* row_cut;  // by row
   SkinView skin;
   CutElementView cut_elements;
@@ -139,8 +140,11 @@ struct NodeForces {
       young[at] = cell.young, covers[at] = cell.covers;
     }
     // forces of cells and loose edges
-    NodeSystem system =
-        incident_cells(v.body.nodes, v.rules.solid, block, s, [&](int at) { return young[at]; });
+    const auto young_of = [&](int at) { return young[at]; };
+    const auto center_of = [&](int at) { return CellCenter{v.center[corner_slot(block, s, at, 0)]}; };
+    NodeSystem system = v.center == nullptr
+                            ? incident_cells(v.body.nodes, v.rules.solid, block, s, young_of)
+                            : incident_cells(v.body.nodes, v.rules.solid, block, s, young_of, center_of);
     add_loose_edges(system, v.body.nodes, stencil, s, [&](int e) {
       Real covered_by = 0;
       for (int at = 0; at < kCellCorners; at++)

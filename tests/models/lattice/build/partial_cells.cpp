@@ -1,0 +1,250 @@
+#include "turgor/models/lattice/build/partial_cells.hpp"
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/mechanics/solid.hpp"
+#include "turgor/models/lattice/solver/energy.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+const Exec kExec(2);
+constexpr double kYoung = 2e4, kPoisson = 0.45, kVoxel = 1e-3;
+
+/// A bar of side × side × length in a CT: its middle, and its axes (width, height, length).
+struct Bar {
+  double side, length;  // [m]
+  Vec3d middle;
+  Mat3d axes;
+
+  Vec3d local(Vec3d x) const {
+    const Vec3d d = x - middle;
+    return {dot(d, axes.column[0]), dot(d, axes.column[1]), dot(d, axes.column[2])};
+  }
+  double volume() const { return side * side * length; }
+};
+
+/// Axes with the last one along `direction`, turned about it.
+Mat3d axes_along(Vec3d direction, double turn) {
+  const Vec3d c = normalized(direction),
+              a = normalized(cross(c, std::abs(c.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})),
+              b = cross(c, a);
+  Mat3d axes;
+  axes.column[0] = a * std::cos(turn) + b * std::sin(turn);
+  axes.column[1] = cross(c, axes.column[0]);
+  axes.column[2] = c;
+  return axes;
+}
+
+/// CT of a bar of water in air whose middle is `offset` steps from a node.
+struct Scan {
+  CtVolume ct;
+  Bar bar;
+};
+Scan scan_bar(int side, int length, int block, Vec3d direction, double turn, Vec3d offset) {
+  Scan scan;
+  scan.bar = {
+      .side = side * kVoxel, .length = length * kVoxel, .middle = {}, .axes = axes_along(direction, turn)};
+  Int3 nodes;
+  for (int axis = 0; axis < 3; axis++) {
+    double reach = 0;
+    for (int c = 0; c < 3; c++)
+      reach += std::abs(scan.bar.axes.column[c][axis]) * 0.5 * (c == 2 ? length : side);
+    nodes[axis] = int(std::ceil(reach / block)) + 3;
+    scan.ct.grid.size[axis] = 2 * nodes[axis] * block;
+    scan.bar.middle[axis] = (nodes[axis] + offset[axis]) * block * kVoxel;
+  }
+  scan.ct.grid.spacing = {kVoxel, kVoxel, kVoxel};
+  const Int3 size = scan.ct.grid.size;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const Vec3d at = scan.bar.local(Vec3d{i + 0.5, j + 0.5, k + 0.5} * kVoxel);
+        const bool in = std::abs(at.x) <= scan.bar.side / 2 && std::abs(at.y) <= scan.bar.side / 2 &&
+                        std::abs(at.z) <= scan.bar.length / 2;
+        scan.ct.samples.push_back(in ? std::int16_t(0) : kAirHu);
+      }
+  return scan;
+}
+
+/// `clamped`: nodes within one and a half steps of the ends are fixed.
+Model bar_model(const Scan& scan, int block, bool partial = true, bool clamped = false) {
+  Params params;
+  params.block = {block, block, block};
+  params.skin.enabled = false;
+  params.tissue.law = TissueLaw::kSolid;
+  params.tissue.poisson = kPoisson;
+  params.tissue.partial_cells = partial;
+  params.tissue.fat = params.tissue.muscle = kYoung;
+  params.solver = {.sweeps = 20, .damping = 20};
+  BodyNodes nodes = classify(kExec, scan.ct, nullptr, params).value();
+  const Int3 size = nodes.grid.size;
+  for (int k = 0; k < size.z && clamped; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const Vec3d at = scan.bar.local(hadamard(Vec3d(Int3{i, j, k}), nodes.grid.spacing));
+        if (std::abs(at.z) > 0.5 * scan.bar.length - 1.5 * block * kVoxel)
+          nodes.fixed[sample_index(nodes.grid, i, j, k)] = 1;
+      }
+  return assemble(kExec, nodes, nullptr, params).value();
+}
+
+/// Energy of a displacement that is prescribed at fixed nodes and initial elsewhere, in the bar's axes, after
+/// `steps` steps of 1/60 s [J].
+template <class Displacement>
+double energy_of(const Model& model, const Bar& bar, int steps, const Displacement& displacement) {
+  State state = make_state(model);
+  for (int s = 0; s < slot_count(model.lattice); s++) {
+    if (!has_node(model, s)) continue;
+    const Vec3d u = displacement(bar.local(Vec3d(rest_position(model.lattice, slot_node(model.lattice, s)))));
+    state.motion.u.set(std::size_t(s), Vec3(bar.axes * u));
+  }
+  for (int n = 0; n < steps; n++) step(kExec, model, state, {}, 1.0 / 60);
+  return energy(kExec, model, state);
+}
+
+struct Stiffness {
+  double axial, bend;  // relative to the bar's
+};
+/// Energies of uniaxial tension and of pure bending, whose exact fields leave the sides free of load.
+Stiffness stiffness_of(const Model& model, const Bar& bar, int steps = 0) {
+  constexpr double kStrain = 1e-4;
+  const double tension = energy_of(model, bar, steps, [](Vec3d p) {
+    return Vec3d{-kPoisson * p.x, -kPoisson * p.y, p.z} * kStrain;
+  });
+  const double curvature = 2 * kStrain / bar.side;
+  const double bending = energy_of(model, bar, steps, [&](Vec3d p) {
+    return Vec3d{-kPoisson * p.x * p.y, -0.5 * p.z * p.z - 0.5 * kPoisson * (p.y * p.y - p.x * p.x),
+                 p.z * p.y} *
+           curvature;
+  });
+  const double inertia = std::pow(bar.side, 4) / 12;
+  return {tension / (0.5 * kYoung * kStrain * kStrain * bar.volume()),
+          bending / (0.5 * kYoung * inertia * curvature * curvature * bar.length)};
+}
+
+const std::array<Vec3d, 6> kDirections = {
+    {{0, 0, 1}, {1, 0, 0}, {1, 1, 0}, {0.3, 0.2, 0.93}, {1, 1, 1}, {-0.5, 0.7, 0.4}}};
+
+// A bar of four or eight steps is as stiff as in theory, in any direction and wherever it lies between the
+// nodes.
+TEST(LatticePartialCells, BarsMatchTheoryInAnyDirection) {
+  for (const int block : {4, 2}) {
+    const double tolerance = block == 4 ? 0.10 : 0.05;
+    int tenth = 0;
+    for (const Vec3d direction : kDirections) {
+      const Vec3d offset = Vec3d{0.1, 0.3, 0.7} * double(tenth++);
+      const Scan scan =
+          scan_bar(16, 64, block, direction, 0.3 * tenth, offset - Vec3d{1, 1, 1} * std::floor(offset.x));
+      const Stiffness found = stiffness_of(bar_model(scan, block, true, true), scan.bar, 10);
+      EXPECT_NEAR(found.axial, 1, tolerance) << "block " << block << ", direction " << tenth;
+      EXPECT_NEAR(found.bend, 1, tolerance) << "block " << block << ", direction " << tenth;
+    }
+  }
+}
+
+// Along the axes the stiffness does not depend on the position between the nodes.
+TEST(LatticePartialCells, OffsetsInTenthsOfAStepAgree) {
+  for (int tenth = 0; tenth < 10; tenth++) {
+    const double offset = 0.1 * tenth;
+    const Scan scan = scan_bar(16, 64, 4, {0, 0, 1}, 0, {offset, offset, offset});
+    const Stiffness found = stiffness_of(bar_model(scan, 4), scan.bar);
+
+    EXPECT_NEAR(found.axial, 1, 0.05) << "offset " << offset;
+    EXPECT_NEAR(found.bend, 1, 0.10) << "offset " << offset;
+  }
+}
+
+// The same bar that ends at its outermost nodes is far too soft: the test above can fail.
+TEST(LatticePartialCells, WholeCellsAloneAreTooSoft) {
+  const Scan scan = scan_bar(16, 64, 4, {0, 0, 1}, 0, {0.5, 0.5, 0.5});
+  EXPECT_LT(stiffness_of(bar_model(scan, 4, false), scan.bar).bend, 0.7);
+}
+
+// The mass of the nodes is that of the voxels.
+TEST(LatticePartialCells, MassIsThatOfTheVoxels) {
+  const Scan scan = scan_bar(16, 64, 4, {-0.5, 0.7, 0.4}, 0.2, {0.2, 0.6, 0.4});
+  const Model model = bar_model(scan, 4);
+  double mass = 0, voxels = 0;
+  for (const Real w : model.inverse_mass)
+    if (w > 0) mass += 1 / double(w);
+  for (const std::int16_t hu : scan.ct.samples) voxels += hu + 1000;
+  EXPECT_NEAR(mass, voxels * std::pow(kVoxel, 3), 0.01 * mass);
+}
+
+/// Displacements of a cell's corners from a seed [m].
+std::array<Vec3, 8> random_displacements(int seed) {
+  std::mt19937 random(static_cast<unsigned>(seed));
+  std::uniform_real_distribution<float> value(-0.3f, 0.3f);
+  std::array<Vec3, 8> u;
+  for (Vec3& d : u) d = {value(random), value(random), value(random)};
+  return u;
+}
+
+// The forces of a partial cell are the derivatives of its energy.
+TEST(LatticePartialCells, ForcesMatchEnergyDerivative) {
+  const Vec3 spacing{1, 1.25f, 0.8f};
+  const SolidLaw law = solid_law(spacing, kPoisson);
+  const CellCenter center = packed_center({0.5, -0.75, 0.3});
+  const Vec3 point = center.in_half_cells();
+  EXPECT_NEAR(point.x, 0.5, 1.0 / 512);
+  EXPECT_NEAR(point.y, -0.75, 1.0 / 512);
+  EXPECT_NEAR(point.z, 0.3, 1.0 / 512);
+  for (int seed = 0; seed < 5; seed++) {
+    const std::array<Vec3, 8> u = random_displacements(seed);
+    for (int corner = 0; corner < 8; corner++) {
+      // force by both ways
+      Vec3 d[8];
+      for (std::size_t c = 0; c < 8; c++) d[c] = u[c] - u[std::size_t(corner)];
+      NodeSystem s;
+      add_cell(s, cell_gradient_at(d, corner, law.slope, point), shape_gradient(corner, law.slope, point),
+               law, 1);
+      const Vec3 f = corner_force_at(cell_stress_at(d, law, 1, point), d[corner], corner, point);
+      // derivative of the energy
+      for (int axis = 0; axis < 3; axis++) {
+        Vec3d moved[8];
+        for (std::size_t c = 0; c < 8; c++) moved[c] = Vec3d(u[c]);
+        const double h = 1e-5;
+        moved[corner][axis] += h;
+        const double above = cell_energy(moved, spacing, kPoisson, Vec3d(point));
+        moved[corner][axis] -= 2 * h;
+        const double below = cell_energy(moved, spacing, kPoisson, Vec3d(point));
+        const double expected = -(above - below) / (2 * h);
+        EXPECT_NEAR(s.f[axis], expected, 2e-4 * (1 + std::abs(expected)));
+        EXPECT_NEAR(f[axis], expected, 2e-4 * (1 + std::abs(expected)));
+      }
+    }
+  }
+}
+
+// A rim node is fixed if the body nodes next to it are.
+TEST(LatticePartialCells, RimOfFixedNodesIsFixed) {
+  const Scan scan = scan_bar(16, 64, 4, {0, 0, 1}, 0.4, {0.3, 0.1, 0.6});
+  const Model model = bar_model(scan, 4, true, true);
+  int fixed = 0, free = 0;
+  for (int s = 0; s < slot_count(model.lattice); s++) {
+    if (!has_node(model, s) || is_body(model.tissue[std::size_t(s)])) continue;
+    const Vec3d at = scan.bar.local(Vec3d(rest_position(model.lattice, slot_node(model.lattice, s))));
+    const bool is_fixed = model.inverse_mass[std::size_t(s)] == 0;
+    // steps from the end of the fixed nodes
+    const double beyond = (std::abs(at.z) - 0.5 * scan.bar.length) / (4 * kVoxel) + 1.5;
+    if (beyond > 0.8) {
+      EXPECT_TRUE(is_fixed);
+      fixed++;
+    }
+    if (beyond < -0.8) {
+      EXPECT_FALSE(is_fixed);
+      free++;
+    }
+  }
+  EXPECT_GT(fixed, 5);
+  EXPECT_GT(free, 10);
+}
+
+}  // namespace
+}  // namespace turgor::lattice
