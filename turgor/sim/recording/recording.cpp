@@ -146,8 +146,10 @@ Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
   for (const lattice::CutEdge& edge : state.cuts.edges)
     if (!is_edge(in.world, body.model, edge))
       return Error{fmt::format("{}: {}: a cut edge is not in the body", in.path, in.group)};
-  state.cuts.removed_nodes =
-      int(std::count(state.cuts.removed.begin(), state.cuts.removed.end(), std::uint8_t(1)));
+  state.cuts.removed_nodes = 0;
+  for (const int slot : slots)
+    if (state.cuts.removed[std::size_t(slot)] && lattice::is_body(body.model.tissue[std::size_t(slot)]))
+      state.cuts.removed_nodes++;
   state.motion.time = time_of(in.world);
   body.state.change() = std::move(state);
 

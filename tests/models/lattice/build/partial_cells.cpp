@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/lattice/solver/energy.hpp"
@@ -244,6 +245,32 @@ TEST(LatticePartialCells, RimOfFixedNodesIsFixed) {
   }
   EXPECT_GT(fixed, 5);
   EXPECT_GT(free, 10);
+}
+
+// Where all cells around a rim node are cut, the rim node is removed; others stay.
+TEST(LatticePartialCells, RimWithoutCellsIsRemoved) {
+  const Scan scan = scan_bar(16, 64, 4, {0, 0, 1}, 0, {0.3, 0.1, 0.6});
+  const Model model = bar_model(scan, 4);
+  State state = make_state(model);
+  const int half = model.lattice.size.z / 2;
+  for (int s = 0; s < slot_count(model.lattice); s++)
+    if (has_node(model, s) && slot_node(model.lattice, s).z >= half) {
+      state.cuts.cut[std::size_t(s)] |= 0x7f;
+      mark_rows(model, state.cuts, s);
+    }
+  remove_loose_rim(model, state.cuts);
+  int removed = 0, kept = 0;
+  for (int s = 0; s < slot_count(model.lattice); s++) {
+    const bool is_removed = state.cuts.removed[std::size_t(s)] != 0;
+    if (!is_rim(model, s)) EXPECT_FALSE(is_removed);
+    if (!is_rim(model, s)) continue;
+    const int z = slot_node(model.lattice, s).z;
+    if (z > half) EXPECT_TRUE(is_removed) << z;
+    if (z < half) EXPECT_FALSE(is_removed) << z;
+    removed += is_removed, kept += !is_removed;
+  }
+  EXPECT_GT(removed, 10);
+  EXPECT_GT(kept, 10);
 }
 
 }  // namespace

@@ -42,10 +42,9 @@ struct StoreLayer {
         // water = 1000; gas keeps a small mass, a rim node that of the body in its block [kg/m³]
         const double density = std::max(is_rim ? 10.0 : 50.0, 1000.0 + nodes.hu[n]);
         model.inverse_mass[slot] = fixed[n] ? Real(0) : Real(1 / (density * volume));
-        model.root_stiffness[slot] =
-            Real(std::sqrt(pbd ? density_stiffness(nodes.hu[n], params) : nodes.young[n]));
-        // loose edges to a rim node have the share of the body in its block
-        if (is_rim) model.root_stiffness[slot] *= Real(std::sqrt(std::min(1.0, density / 1000)));
+        if (!is_rim)
+          model.root_stiffness[slot] =
+              Real(std::sqrt(pbd ? density_stiffness(nodes.hu[n], params) : nodes.young[n]));
       }
   }
 };

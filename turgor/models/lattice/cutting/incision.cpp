@@ -296,6 +296,7 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
   // update skin and cut-cell elements
   if (count > 0) cut_skin(model, state.cuts);
   if (count > 0 || cut_version(state.cuts) > before) build_cut_elements(model, state, download);
+  if (count > 0) remove_loose_rim(model, state.cuts);
   return count;
 }
 
@@ -309,7 +310,7 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
         const Int3 node{i, j, k};
         // nodes inside the region
         const auto slot = std::size_t(node_slot(l, node));
-        if (!has_node(model, int(slot)) || state.cuts.removed[slot]) continue;
+        if (!is_body(model.tissue[slot]) || state.cuts.removed[slot]) continue;
         const RegionPosition position_in_region =
             region_position(path, Vec3d(position(model, state.motion, node)));
         if (std::abs(position_in_region.across) > 0.5 * path.width) continue;
@@ -329,6 +330,7 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
   state.sleep.still_steps.clear();  // wakes all rows
   if (count > 0) cut_skin(model, state.cuts);
   if (count > 0) build_cut_elements(model, state);
+  if (count > 0) remove_loose_rim(model, state.cuts);
   return count;
 }
 

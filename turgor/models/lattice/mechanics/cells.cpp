@@ -34,14 +34,14 @@ bool is_whole(const Model& model, Int3 corner) {
          model.cell_young[std::size_t(node_slot(model.lattice, corner))] > 0;
 }
 
-/// True if an edge at this node is in no whole cell.
+/// True if an edge at this body node is in no whole cell.
 bool has_loose_edge(const Model& model, Int3 node) {
   bool whole[kCellCorners];
   for (int n = 0; n < kCellCorners; n++) whole[n] = is_whole(model, node - cell_corner(n));
   for (int e = 0; e < kNeighborCount; e++) {
     const Int3 offset = neighbor_offset(e), other = node + offset;
     if (!contains(model.lattice, other)) continue;
-    if (!has_node(model, node_slot(model.lattice, other))) continue;
+    if (!is_body(model.tissue[std::size_t(node_slot(model.lattice, other))])) continue;
     bool covered = false;
     for (int n = 0; n < kCellCorners; n++) covered |= whole[n] && cell_contains(n, offset);
     if (!covered) return true;
@@ -63,7 +63,8 @@ void mark_group(const Model& model, Int3 node, std::vector<IncidentElements>& in
   const int slot = node_slot(model.lattice, node);
   if (!has_node(model, slot)) return;
   IncidentElements& group = incident_elements[std::size_t(slot / kGroup)];
-  group = std::max(group, has_loose_edge(model, node)     ? IncidentElements::kSprings
+  const bool loose = is_body(model.tissue[std::size_t(slot)]) && has_loose_edge(model, node);
+  group = std::max(group, loose                           ? IncidentElements::kSprings
                           : has_partial_cell(model, node) ? IncidentElements::kPartialCells
                                                           : IncidentElements::kCells);
 }

@@ -103,8 +103,14 @@ struct Model {
   int body_nodes = 0, free_nodes = 0;
 };
 
-/// True if a slot has a node: a node of the body, or a rim node, which is outside but a corner of a partial
-/// cell (build/partial_cells.hpp).
-inline bool has_node(const Model& model, int slot) { return model.root_stiffness[std::size_t(slot)] > 0; }
+/// True for a rim node: a node outside that is a corner of a partial cell (build/partial_cells.hpp). Rim
+/// nodes have no springs. Those that are fixed count as outside.
+inline bool is_rim(const Model& model, int slot) {
+  return !is_body(model.tissue[std::size_t(slot)]) && model.inverse_mass[std::size_t(slot)] > 0;
+}
+/// True if a slot has a node of the body or of its rim.
+inline bool has_node(const Model& model, int slot) {
+  return is_body(model.tissue[std::size_t(slot)]) || is_rim(model, slot);
+}
 
 }  // namespace turgor::lattice
