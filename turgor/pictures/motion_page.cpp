@@ -5,14 +5,20 @@
 #include <fmt/format.h>
 
 #include "turgor/io/files/file.hpp"
+#include "turgor/io/files/shipped_file.hpp"
 #include "turgor/pictures/motion.hpp"
 
 namespace turgor {
 
 namespace {
 
-constexpr const char* kThree = "/usr/share/javascript/three/three.min.js";
-constexpr const char* kControls = "/usr/share/javascript/three/examples/js/controls/OrbitControls.js";
+std::filesystem::path three_js() {
+  return shipped_file("three.min.js", {"/usr/share/javascript/three/three.min.js"});
+}
+std::filesystem::path orbit_controls() {
+  return shipped_file("OrbitControls.js",
+                      {"/usr/share/javascript/three/examples/js/controls/OrbitControls.js"});
+}
 
 constexpr const char* kCanvas = R"(<h2>3D view</h2>
 <style>
@@ -189,11 +195,11 @@ constexpr const char* kScript = R"js(
 
 }  // namespace
 
-bool has_motion_view() { return std::filesystem::exists(kThree) && std::filesystem::exists(kControls); }
+bool has_motion_view() { return !three_js().empty() && !orbit_controls().empty(); }
 
 std::string motion_html(const std::string& json) {
   if (json.empty()) return {};
-  const Result<std::string> three = read_file(kThree), controls = read_file(kControls);
+  const Result<std::string> three = read_file(three_js()), controls = read_file(orbit_controls());
   if (!three || !controls) return {};
   return std::string(kCanvas) + "<script>" + *three + "</script>\n<script>" + *controls +
          "</script>\n<script>const motion = " + json + ";\n" + kScript + "</script>\n";

@@ -10,6 +10,7 @@
 #include <ft2build.h>
 #include FT_FREETYPE_H
 
+#include "turgor/io/files/shipped_file.hpp"
 #include "turgor/view/built_in_font.hpp"
 
 namespace turgor {
@@ -23,13 +24,11 @@ using Face = std::unique_ptr<FT_FaceRec_, decltype(&FT_Done_Face)>;
 
 std::string font_file() {
   if (const char* chosen = std::getenv("TURGOR_FONT")) return chosen;
-  for (const char* folder : {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/dejavu-sans-fonts",
-                             "/usr/share/fonts/TTF", "/usr/share/fonts/dejavu", "/usr/local/share/fonts"}) {
-    const std::filesystem::path path = std::filesystem::path(folder) / "DejaVuSans.ttf";
-    std::error_code ignored;
-    if (std::filesystem::exists(path, ignored)) return path;
-  }
-  return {};
+  return shipped_file(
+      "DejaVuSans.ttf",
+      {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+       "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/dejavu/DejaVuSans.ttf",
+       "/usr/local/share/fonts/DejaVuSans.ttf"});
 }
 
 namespace {
