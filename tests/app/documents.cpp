@@ -92,6 +92,49 @@ TEST(Documents, EveryRunPassesCheck) {
   EXPECT_GT(done.size(), 12u);
 }
 
+/// The first block after a heading of a page, without the marks of code.
+std::string block_after(const fs::path& page, const std::string& heading) {
+  const std::string text = test::bytes_of(page), mark = "```\n";
+  const std::size_t begin = text.find(mark, text.find(heading));
+  EXPECT_NE(begin, text.npos) << page << ": no block after '" << heading << "'";
+  const std::size_t first = begin + mark.size();
+  return text.substr(first, text.find("```", first) - first);
+}
+
+// The hand of docs/devices.md begins outside the liver and presses it.
+TEST(Documents, HandOfDevicesPressesLiver) {
+  const fs::path folder = folder_of_a_reader();
+  write(folder / "poses.csv",
+        block_after(fs::path(TURGOR_SOURCE_DIR) / "docs/devices.md", "## A hand from a file (`replay`)"));
+  const Ended ended = run_program(
+      "run scenes/palpation.toml --real-time --device replay --device-file poses.csv --out o -q "
+      "--set world.duration=1.2 --set body.liver.resolution=0.02",
+      folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const nlohmann::json tool = report_in(folder / "o")["tools"][0];
+  EXPECT_EQ(tool["series"][0][1], 0) << "the first force [N]: the hand begins outside";
+  EXPECT_GT(tool["force_max_N"].get<double>(), 0.1);
+}
+
+// The cut of docs/from-your-ct-to-a-report.md lies on the skin of the phantom, where the page says, and
+// opens.
+TEST(Documents, CutInMetersReplacesFractions) {
+  const fs::path folder = folder_of_a_reader();
+  for (const Command& command :
+       commands_in(fs::path(TURGOR_SOURCE_DIR) / "docs/from-your-ct-to-a-report.md")) {
+    if (command.arguments.find("midline.from=") == command.arguments.npos) continue;
+    const Ended ended = run_program(command.arguments +
+                                        " --set body.torso.ct=patient.nii.gz --set world.duration=0.8 --set "
+                                        "body.torso.spacing=0.013 -q --out o",
+                                    folder);
+    ASSERT_EQ(ended.code, 0) << ended.printed;
+    const nlohmann::json wound = report_in(folder / "o")["wounds"][0];
+    EXPECT_NEAR(wound["length_mm"].get<double>(), 100, 20) << "from z = 0.05 to -0.05 m";
+    return;
+  }
+  ADD_FAILURE() << "the page has no cut in meters";
+}
+
 // Every option in the documents and scenes appears in the help of its command.
 TEST(Documents, EveryOptionExists) {
   const fs::path folder = fresh_folder();

@@ -60,6 +60,41 @@ TEST(SceneOverrides, RejectInvalidOverrides) {
             "\"3 world.x=4\"");
 }
 
+// A pair of overrides replaces the pair of the scene that says the same in other terms; half a pair does not.
+TEST(SceneOverrides, PairReplacesFractions) {
+  const std::string text =
+      kPhantom +
+      "spacing = 0.004\n[incision.cut]\nbody = \"torso\"\nfrom_fraction = [0.5, 0, 0.6]\n"
+      "to_fraction = [0.5, 0, 0.2]\ndepth = 0.01\n";
+  const Result<Scene> meters = parse_scene(
+      text, "s.toml", {"incision.cut.from=[0.02, -0.11, 0.05]", "incision.cut.to=[0.02, -0.11, 0.15]"});
+  ASSERT_TRUE(meters) << meters.error().message;
+  EXPECT_FALSE(meters->incisions[0].by_fraction);
+  EXPECT_EQ(meters->incisions[0].blade.from, (Vec3d{0.02, -0.11, 0.05}));
+  EXPECT_EQ(meters->incisions[0].blade.to, (Vec3d{0.02, -0.11, 0.15}));
+  const Result<Scene> curve = parse_scene(text, "s.toml", {"incision.cut.path=[[0, 0, 0], [0, 0, 0.1]]"});
+  ASSERT_TRUE(curve) << curve.error().message;
+  EXPECT_EQ(curve->incisions[0].blade.path.size(), 2u);
+  const Result<Scene> block = parse_scene(text, "s.toml", {"body.torso.block=3"});
+  ASSERT_TRUE(block) << block.error().message;
+  EXPECT_EQ(block->lattice_bodies[0].spacing, 0);
+  const std::string half = error_of(text, {"incision.cut.from=[0, 0, 0]"});
+  EXPECT_NE(half.find("either in meters or in fractions"), half.npos) << half;
+  EXPECT_EQ(half.find('\n'), half.npos) << "one mistake, one message: " << half;
+}
+
+// An unknown model has one message, although nothing of the body can be read.
+TEST(SceneOverrides, UnknownModelHasOneMessage) {
+  const std::string text =
+      kPhantom +
+      "spacing = 0.004\n[incision.cut]\nbody = \"torso\"\nfrom = [0, 0, 0]\nto = [0, 0, 1]\ndepth = 0.01\n";
+  for (const char* model : {"body.torso.model=sfm", "body.torso.model=", "body.torso.model=3"}) {
+    const std::string error = error_of(text, {model});
+    EXPECT_NE(error.find("model"), error.npos) << error;
+    EXPECT_EQ(error.find('\n'), error.npos) << error;
+  }
+}
+
 // An override without a value removes its key.
 TEST(SceneOverrides, EmptyValueRemovesKey) {
   const std::string text = kPhantom + "labels = \"seg.nii\"\n[output]\nwindow = \"bone\"\n";

@@ -10,6 +10,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/io/files/input_file.hpp"
 #include "turgor/sim/scene/name.hpp"
+#include "turgor/sim/scene/scene_alternatives.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
 #include "turgor/sim/scene/scene_incision.hpp"
@@ -142,19 +143,30 @@ void read_world(SceneTable world, Scene& scene) {
   world.finish();
 }
 
-void read_bodies(SceneTable bodies, Scene& scene) {
+/// Model of a body; empty, and a problem, if it is missing or unknown.
+std::string read_model(SceneTable& body) {
+  std::string model;
+  if (!body.has("model"))
+    body.fail("model", "model is missing: \"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
+  body.read_choice("model", model, {"lattice", "sfem", "rhombus", "cloth"},
+                   {"`\"lattice\"`: a body from a CT, for cutting and contact; `\"sfem\"`: a finite-element "
+                    "solid for haptic contact; `\"rhombus\"`: a surface for contact and forceps; `\"cloth\"`",
+                    "required"});
+  return model;
+}
+
+/// False if a body has no known model: what refers to it cannot be read then.
+bool read_bodies(SceneTable bodies, Scene& scene) {
+  bool are_known = true;
   std::vector<std::pair<std::string, SceneTable>> rhombi,
       cloths;  // read last, since they may refer to others
   for (const std::string& name : bodies.names()) {
     // sfem and lattice bodies
     SceneTable body = bodies.table(name);
     body.begin_group("body");
-    std::string model = "lattice";
-    body.require({"model"}, "\"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
-    body.read_choice(
-        "model", model, {"lattice", "sfem", "rhombus", "cloth"},
-        "`\"lattice\"`: a body from a CT, for cutting and contact; `\"sfem\"`: a finite-element "
-        "solid for haptic contact; `\"rhombus\"`: a surface for contact and forceps; `\"cloth\"`");
+    const std::string model = read_model(body);
+    are_known = are_known && !model.empty();
+    if (model.empty()) continue;
     if (model == "sfem")
       scene.sfem_bodies.push_back(read_sfem_scene(body, name, scene.device));
     else if (model == "rhombus")
@@ -166,10 +178,12 @@ void read_bodies(SceneTable bodies, Scene& scene) {
   }
 
   // bodies that refer to others
+  if (!are_known) return false;
   for (const auto& [name, body] : rhombi)
     scene.rhombus_bodies.push_back(read_rhombus_scene(body, name, scene));
   for (const auto& [name, body] : cloths) scene.cloth_bodies.push_back(read_cloth_scene(body, name, scene));
   bodies.finish();
+  return true;
 }
 
 void read_incisions(SceneTable incisions, Scene& scene) {
@@ -229,7 +243,7 @@ void check_amounts(SceneTable& root, const Scene& scene) {
 void read_scene_table(SceneTable root, Scene& scene) {
   root.require({"body"}, "a scene needs at least one body, as in [body.torso]");
   read_world(root.table("world"), scene);
-  read_bodies(root.table("body"), scene);
+  if (!read_bodies(root.table("body"), scene)) return;
   read_incisions(root.table("incision"), scene);
   read_tools(root.table("tool"), scene);
   read_cameras(root.table("camera"), scene);
@@ -307,6 +321,7 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
   for (const std::string& override_text : overrides)
     if (const Status applied = apply_override(root, override_text, problems, scene.notes); !applied)
       return applied.error();
+  replace_alternatives(root, problems);
   for (const RenamedUse& use : rename_old_names(root, problems)) scene.notes.push_back(use.note);
 
   // readers

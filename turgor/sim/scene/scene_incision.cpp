@@ -115,10 +115,15 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
     incision.by_fraction = false;
     read_markups(table, markups, blade);
   } else if (incision.by_fraction && meters) {
-    table.fail(table.has("from") ? "from"
-               : table.has("to") ? "to"
-                                 : "path",
-               "a cut is given either in meters or in fractions, not in both");
+    // all keys of the path are known, so that one mistake has one message
+    for (const char* key : {"from", "to", "path", "from_fraction", "to_fraction", "path_fraction"})
+      table.find(key);
+    table.fail(
+        table.has("from") ? "from"
+        : table.has("to") ? "to"
+                          : "path",
+        "a cut is given either in meters or in fractions, not in both; from and to together, given with "
+        "--set, replace the fractions of the scene");
   } else {
     read_cut_path(table, incision);
   }
