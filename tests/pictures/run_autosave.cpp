@@ -156,7 +156,7 @@ TEST(RunAutosave, ResumedRunHasSameBits) {
   EXPECT_GT(compared, 20);
 }
 
-// The same for a finger that drags over an organ, which turns its elements, builds patches on the way and
+// The same for a finger that drags over an organ, which turns its elements, builds patches as it moves and
 // computes Green's functions on demand, and for cloth of second order with implicit contacts.
 TEST(RunAutosave, PatchesAndHistoryAreResumed) {
   const fs::path folder = test::fresh_folder();
