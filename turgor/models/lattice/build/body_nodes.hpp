@@ -32,9 +32,9 @@ struct BodyNodes {
   JoinSkin join_skin;
 };
 
-/// True if cells at the surface bear in proportion to their filled part: solid tissue, unless switched off.
+/// True if cells at the surface bear in proportion to their filled part (TissueParams::partial_cells).
 inline bool has_partial_cells(const Params& params) {
-  return params.tissue.law == TissueLaw::kSolid && params.tissue.partial_cells;
+  return params.tissue.law == TissueLaw::kSolid && params.tissue.partial_cells.value_or(!params.skin.enabled);
 }
 
 // Steps of classify, for a process with some slices of a CT:
