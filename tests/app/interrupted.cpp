@@ -9,9 +9,10 @@ using namespace test;
 /// Starts the program in the background, waits until a file is not empty, and ends it by a signal.
 Ended run_and_kill(const std::string& arguments, const std::string& file, const std::string& signal,
                    const fs::path& folder) {
+  // after a semicolon: the shell stays in the folder, and $! is the program itself
   return run_shell(
-      "'" TURGOR_PROGRAM "' " + arguments + " & p=$!; n=0; while [ ! -s " + file +
-          " ] && kill -0 $p && [ $n -lt 600 ]; do sleep 0.1; n=$((n+1)); done; sleep 0.5; kill -" + signal +
+      "true; '" TURGOR_PROGRAM "' " + arguments + " & p=$!; n=0; while [ ! -s " + file +
+          " ] && kill -0 $p && [ $n -lt 600 ]; do sleep 0.1; n=$((n+1)); done; sleep 0.2; kill -" + signal +
           " $p; wait $p",
       folder);
 }
@@ -28,7 +29,7 @@ std::vector<std::string> hidden_in(const fs::path& folder) {
 TEST(Interrupted, RunGoesOnFromAutosave) {
   const fs::path folder = fresh_folder();
   write(folder / "torso.toml", small_scene());
-  const std::string longer = "run torso.toml -q --set world.duration=4 --set output.snapshots.every=1 ";
+  const std::string longer = "run torso.toml -q --set world.duration=8 --set output.snapshots.every=2 ";
   const Ended killed =
       run_and_kill(longer + "--out o --autosave 0.01", ".o.autosave-*/state", "TERM", folder);
   EXPECT_NE(killed.printed.find("--resume goes on at"), std::string::npos) << killed.printed;

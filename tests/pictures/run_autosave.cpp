@@ -164,8 +164,9 @@ TEST(RunAutosave, PatchesAndHistoryAreResumed) {
       folder,
       {"tool.finger.press=", "tool.finger.path=[[0, 0.012, 0.03, 0.034], [0.3, 0.05, 0.03, 0.034]]",
        "body.pad.patch={ radius = 0.008, refinement = 2 }", "body.pad.memory=0.001",
-       "body.pad.rotations=true", "body.pad.viscosity={ ratio = 0.5, time = 0.1 }", "body.sheet.fabric.law=sheet",
-       "body.sheet.solver={ method = 'two_level', integrator = 'bdf2' }", "body.sheet.collision.self=true"});
+       "body.pad.rotations=true", "body.pad.viscosity={ ratio = 0.5, time = 0.1 }",
+       "body.sheet.fabric.law=sheet", "body.sheet.solver={ method = 'two_level', integrator = 'bdf2' }",
+       "body.sheet.collision.self=true"});
   run_killed(scene, folder / "broken", 10);
   const Result<Json> broken = run_scene(Exec(1), scene, {.out = folder / "broken", .resume = true}),
                      whole = run_scene(Exec(2), scene, {.out = folder / "whole"});
