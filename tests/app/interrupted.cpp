@@ -11,7 +11,7 @@ Ended run_and_kill(const std::string& arguments, const std::string& file, const 
                    const fs::path& folder) {
   // after a semicolon: the shell stays in the folder, and $! is the program itself
   return run_shell(
-      "true; '" TURGOR_PROGRAM "' " + arguments + " & p=$!; n=0; while [ ! -s " + file +
+      "true; '" TURGOR_PROGRAM "' " + arguments + " 2>&1 & p=$!; n=0; while [ ! -s " + file +
           " ] && kill -0 $p && [ $n -lt 600 ]; do sleep 0.1; n=$((n+1)); done; sleep 0.2; kill -" + signal +
           " $p; wait $p",
       folder);
