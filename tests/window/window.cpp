@@ -246,8 +246,8 @@ TEST_F(WindowTest, VolumeRefinesWhenCameraRests) {
   EXPECT_TRUE(until(320)) << "at rest again";
 }
 
-// The window can be resized during a press, and Escape closes it.
-TEST_F(WindowTest, ResizesWhilePressedEscapeCloses) {
+// The window can be resized during a press, and Ctrl+Q closes it.
+TEST_F(WindowTest, ResizesWhilePressedQuitCloses) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
   hand("mousemove " + pixel(facing(window_->viewer())) + " mousedown 1");
@@ -260,7 +260,7 @@ TEST_F(WindowTest, ResizesWhilePressedEscapeCloses) {
   EXPECT_NEAR(window_->viewer().aspect, area.aspect(), 1e-9);
   type("p");
   EXPECT_EQ(read_picture(folder_ / "out" / "liver-1.png").width, 700);
-  hand("mouseup 1 key Escape");
+  hand("mouseup 1 key ctrl+q");
   EXPECT_FALSE(draw_until([](const SessionStatus&) { return false; }, 5))
       << "draw() reports that the window is closed";
   EXPECT_TRUE(window_->viewer().ends);

@@ -138,7 +138,7 @@ void SceneWindow::Impl::set_style() {
   if (now == scale && viewer->settings.appearance == appearance) return;
   scale = now, appearance = viewer->settings.appearance;
   set_appearance(appearance, scale);
-  ImGui_ImplOpenGL3_DestroyFontsTexture();  // made again by the next frame
+  ImGui_ImplOpenGL3_DestroyDeviceObjects();  // the next frame makes them again, with the new font
 }
 
 /// Sets the rectangle of the picture beside the side panel, above the status line.

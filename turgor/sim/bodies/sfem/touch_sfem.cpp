@@ -67,6 +67,7 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
       std::min(kPatchTicks, last - first);  // a patch is requested and used within one frame
   std::optional<NextPatch> next;
   contact::take_free_motion(body.touch, body.free.now, last - first + 1);
+  body.touch.stiffness_scale = body.stiffness_scale;
 
   // commands
   for (long tick = first; tick <= last; tick++) {
