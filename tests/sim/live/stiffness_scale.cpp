@@ -9,17 +9,17 @@
 namespace turgor {
 namespace {
 
-const Exec kExec(1);
+const Exec kOneExec(1);
 
 World loaded(const std::vector<std::string>& overrides) {
   const Scene scene = test::four_kinds_scene(test::fresh_folder(), overrides);
-  Result<World> world = load_world(kExec, scene);
+  Result<World> world = load_world(kOneExec, scene);
   EXPECT_TRUE(world) << world.error().message;
   return std::move(*world);
 }
 
-void step_frames(World& world, int frames) {
-  for (int n = 0; n < frames; n++) ASSERT_TRUE(step(kExec, world));
+void run_frames(World& world, int frames) {
+  for (int n = 0; n < frames; n++) ASSERT_TRUE(step(kOneExec, world));
 }
 
 const std::vector<std::string> kScaled = {"body.pad.stiffness_scale=4", "body.liver.stiffness_scale=4",
@@ -32,10 +32,10 @@ TEST(StiffnessScale, ChangedBodyEqualsLoadedBody) {
   for (const std::string& one : kScaled) {
     const std::size_t equals = one.find('=');
     ASSERT_TRUE(
-        apply_request(kExec, ChangeRequest{one.substr(0, equals), one.substr(equals + 1)}, scene, changed));
+        apply_request(kOneExec, ChangeRequest{one.substr(0, equals), one.substr(equals + 1)}, scene, changed));
   }
   World scaled = loaded(kScaled), plain = loaded({});
-  step_frames(changed, 8), step_frames(scaled, 8), step_frames(plain, 8);
+  run_frames(changed, 8), run_frames(scaled, 8), run_frames(plain, 8);
   EXPECT_EQ(state_hash(changed), state_hash(scaled));
   EXPECT_NE(state_hash(changed), state_hash(plain));
 }
@@ -53,7 +53,7 @@ TEST(StiffnessScale, PressForceScales) {
   std::vector<std::string> with = kScaled;
   with.insert(with.end(), no_cloth.begin(), no_cloth.end());
   World plain = loaded(no_cloth), scaled = loaded(with);
-  step_frames(plain, 8), step_frames(scaled, 8);
+  run_frames(plain, 8), run_frames(scaled, 8);
   for (const int tool : {test::kFinger, test::kBall}) {
     const double force = largest_force(plain, tool);
     EXPECT_GT(force, 0.01) << "N";
@@ -93,7 +93,7 @@ TEST(StiffnessScale, SheetLawScales) {
       "[world]\n[body.a]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, 0], side = [0.1, 0, 0], "
       "up = [0, 0.1, 0], columns = 6, rows = 6 }\n";
   const auto model_of = [&text](const std::vector<std::string>& overrides) {
-    Result<World> world = load_world(kExec, *parse_scene(text, "a.toml", overrides));
+    Result<World> world = load_world(kOneExec, *parse_scene(text, "a.toml", overrides));
     EXPECT_TRUE(world) << world.error().message;
     return std::move(world->cloth_bodies[0].model);
   };

@@ -27,7 +27,7 @@ std::string point(const std::string& position, const std::string& status = "defi
 }
 const std::string kThree = point("[10, -20, 30]") + "," + point("[40, -20, 30]") + "," + point("[40, 5, 30]");
 
-std::string error_of(const std::string& text) {
+std::string markup_error(const std::string& text) {
   const Result<Markup> markup = parse_markup(text, "cut.mrk.json");
   return markup ? "no error" : markup.error().message;
 }
@@ -66,20 +66,20 @@ TEST(Markups, ClosedCurveEndsAtItsFirstPoint) {
 
 // Errors name the file, the location and what was found.
 TEST(Markups, ErrorsNamePlaceAndValue) {
-  EXPECT_EQ(error_of("{"), "cut.mrk.json: expected JSON of 3D Slicer's Markups, found other text");
-  EXPECT_EQ(error_of("{}"), "cut.mrk.json: markups: expected a list, found nothing");
-  EXPECT_NE(error_of(markups_text("Fiducial", kThree)).find("expected one Line"), std::string::npos);
-  EXPECT_NE(error_of(markups_text("Line", kThree)).find("expected the 2 points of a line, found 3"),
+  EXPECT_EQ(markup_error("{"), "cut.mrk.json: expected JSON of 3D Slicer's Markups, found other text");
+  EXPECT_EQ(markup_error("{}"), "cut.mrk.json: markups: expected a list, found nothing");
+  EXPECT_NE(markup_error(markups_text("Fiducial", kThree)).find("expected one Line"), std::string::npos);
+  EXPECT_NE(markup_error(markups_text("Line", kThree)).find("expected the 2 points of a line, found 3"),
             std::string::npos);
-  EXPECT_NE(error_of(markups_text("Curve", point("[1, 2, 3]"))).find("2 points or more"), std::string::npos);
-  EXPECT_NE(error_of(markups_text("Curve", kThree + "," + point("[1, \"a\", 3]"))).find("controlPoints[3]"),
+  EXPECT_NE(markup_error(markups_text("Curve", point("[1, 2, 3]"))).find("2 points or more"), std::string::npos);
+  EXPECT_NE(markup_error(markups_text("Curve", kThree + "," + point("[1, \"a\", 3]"))).find("controlPoints[3]"),
             std::string::npos);
-  EXPECT_NE(error_of(markups_text("Curve", kThree, "XYZ")).find("coordinateSystem"), std::string::npos);
-  EXPECT_NE(error_of(markups_text("Curve", kThree, "LPS", "\"furlong\"")).find("coordinateUnits"),
+  EXPECT_NE(markup_error(markups_text("Curve", kThree, "XYZ")).find("coordinateSystem"), std::string::npos);
+  EXPECT_NE(markup_error(markups_text("Curve", kThree, "LPS", "\"furlong\"")).find("coordinateUnits"),
             std::string::npos);
 }
 
-constexpr const char* kScene = R"([world]
+constexpr const char* kCutScene = R"([world]
 [body.torso]
 model = "lattice"
 ct = { phantom = "torso" }
@@ -92,7 +92,7 @@ TEST(Markups, SceneAndOverrideTakeCutFromFile) {
   const fs::path folder = test::fresh_folder();
   std::ofstream(folder / "cut.mrk.json") << markups_text("Curve", kThree);
   const Result<Scene> named =
-      parse_scene(std::string(kScene) + "markups = \"cut.mrk.json\"\n", folder / "s.toml");
+      parse_scene(std::string(kCutScene) + "markups = \"cut.mrk.json\"\n", folder / "s.toml");
   ASSERT_TRUE(named) << named.error().message;
   ASSERT_EQ(named->incisions[0].blade.path.size(), 3u);
   EXPECT_LT(norm(named->incisions[0].blade.from - Vec3d{0.01, -0.02, 0.03}), 1e-12);
@@ -100,7 +100,7 @@ TEST(Markups, SceneAndOverrideTakeCutFromFile) {
   std::ofstream(folder / "line.mrk.json")
       << markups_text("Line", point("[10, -20, 30]") + "," + point("[40, -20, 30]"));
   const Result<Scene> replaced =
-      parse_scene(std::string(kScene) + "path_fraction = [[0, 0, 0], [1, 1, 1], [1, 0, 0]]\n",
+      parse_scene(std::string(kCutScene) + "path_fraction = [[0, 0, 0], [1, 1, 1], [1, 0, 0]]\n",
                   folder / "s.toml", {"incision.midline.markups=" + (folder / "line.mrk.json").string()});
   ASSERT_TRUE(replaced) << replaced.error().message;
   EXPECT_FALSE(replaced->incisions[0].by_fraction);
@@ -111,7 +111,7 @@ TEST(Markups, SceneAndOverrideTakeCutFromFile) {
 // A missing file is an error at the key.
 TEST(Markups, MissingFileIsReportedAtKey) {
   const Result<Scene> scene =
-      parse_scene(std::string(kScene) + "markups = \"none.mrk.json\"\n", "/none/s.toml");
+      parse_scene(std::string(kCutScene) + "markups = \"none.mrk.json\"\n", "/none/s.toml");
   ASSERT_FALSE(scene);
   EXPECT_NE(scene.error().message.find("s.toml:7:"), std::string::npos) << scene.error().message;
   EXPECT_NE(scene.error().message.find("none.mrk.json"), std::string::npos);
