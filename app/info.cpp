@@ -1,4 +1,5 @@
 // `turgor info`: describes a CT file and a segmentation of it. Meshes are in info_mesh.cpp.
+#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/io/files/file.hpp"
+#include "turgor/io/mesh/unit_question.hpp"
 #include "turgor/io/volume/organ_names.hpp"
 #include "turgor/sim/report/report.hpp"
 
@@ -155,6 +157,11 @@ Json inform_about_mesh(const InfoOptions& options, const Exec& exec) {
     throw Failure{2, fmt::format("{}: --labels and --series apply to CTs; this is a mesh", options.path)};
   Json json = describe_mesh(exec, options.path, options.scale);
   print_mesh(json);
+  double size = 0;  // largest extent [m]
+  for (std::size_t axis = 0; axis < 3; axis++)
+    size = std::max(size, json["box_to_m"][axis].get<double>() - json["box_from_m"][axis].get<double>());
+  if (const std::string question = unit_question(size); !question.empty() && options.scale == 1)
+    print_plain("warning: {}\n", question);
   return json;
 }
 

@@ -19,7 +19,8 @@ namespace turgor {
 /// A closed surface from a file.
 struct SurfaceFile {
   std::filesystem::path file;
-  double scale = 1;        // meters per unit of the file
+  double scale = 1;  // meters per unit of the file
+  bool is_scale_given = false;
   UpAxis up = UpAxis::kZ;  // the file's axis that points to the head
 };
 /// Phantom liver with edges divided by `detail`.

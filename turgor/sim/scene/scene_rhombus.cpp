@@ -45,6 +45,7 @@ RhombusSource read_source(SceneTable& body, const Scene& scene) {
                  {"a closed surface (OBJ, STL, PLY, VTP, VTK), or `{ phantom = \"liver\" }`",
                   "required, or `surface_of`"});
   body.read("scale", surface.scale, inside(0, 1e6, "m"), "meters per unit of the file of `surface`");
+  surface.is_scale_given = body.has("scale");
   read_up(body, "up", surface.up);
   return surface;
 }

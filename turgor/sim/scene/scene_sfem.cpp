@@ -72,6 +72,7 @@ SolidSource read_source(SceneTable& body, SceneLabels& labels) {
                    {"or a closed surface, filled with tetrahedra: OBJ, STL, PLY, VTP, VTK", "none"});
     body.read("scale", surface.scale, kScale,
               "with `mesh` and `surface`: meters per unit of the file; 0.001 for a file in mm");
+    surface.is_scale_given = body.has("scale");
     read_up(body, "up", surface.up);
     body.read("resolution", surface.resolution, kResolution,
               "with `surface` and `labels`: about the edge length of the tetrahedra");
@@ -84,6 +85,7 @@ SolidSource read_source(SceneTable& body, SceneLabels& labels) {
                   "one of `mesh`, `surface`, `labels`, `block`"});
   body.read("scale", solid.scale, kScale,
             "with `mesh` and `surface`: meters per unit of the file; 0.001 for a file in mm");
+  solid.is_scale_given = body.has("scale");
   read_up(body, "up", solid.up);
   return solid;
 }

@@ -22,13 +22,15 @@ namespace turgor {
 /// A file of tetrahedra or hexahedra.
 struct SolidFile {
   std::filesystem::path file;
-  double scale = 1;        // meters per unit of the file
+  double scale = 1;  // meters per unit of the file
+  bool is_scale_given = false;
   UpAxis up = UpAxis::kZ;  // the file's axis that points to the head
 };
 /// Closed surface that is meshed with tetrahedra.
 struct ClosedSurface {
   std::filesystem::path file;
-  double scale = 1;           // meters per unit of the file
+  double scale = 1;  // meters per unit of the file
+  bool is_scale_given = false;
   UpAxis up = UpAxis::kZ;     // the file's axis that points to the head
   double resolution = 0.012;  // edge of the tetrahedral lattice [m]
 };

@@ -12,6 +12,7 @@
 #include "turgor/geometry/surface_check.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
+#include "turgor/io/mesh/unit_question.hpp"
 #include "turgor/models/rhombus/surface_stiffness.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/rhombus/elastic_stiffness.hpp"
@@ -42,6 +43,8 @@ Result<rhombus::Body> load_shape(const RhombusSource& source, const std::vector<
   const SurfaceFile& file = std::get<SurfaceFile>(source);
   Result<ReadSurface> read = read_surface(file.file, file.scale);
   if (!read) return read.error();
+  if (const Status unit = check_unit(file.file, read->mesh.vertices, file.is_scale_given); !unit)
+    return unit.error();
   made.notes = read->notes;
   turn_up(read->mesh.vertices, file.up);
   return body_of(read->mesh);

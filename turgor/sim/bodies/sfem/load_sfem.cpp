@@ -14,6 +14,7 @@
 #include "turgor/io/ct.hpp"
 #include "turgor/io/mesh/solid_files.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
+#include "turgor/io/mesh/unit_question.hpp"
 #include "turgor/sim/bodies/sfem/choose_patch.hpp"
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
@@ -32,6 +33,8 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
 Result<OrganMesh> from_solid_file(const SolidFile& source) {
   Result<ReadSolid> read = read_solid(source.file, source.scale);
   if (!read) return read.error();
+  if (const Status unit = check_unit(source.file, read->mesh.vertices, source.is_scale_given); !unit)
+    return unit.error();
   turn_up(read->mesh.vertices, source.up);
   return OrganMesh{.mesh = std::move(read->mesh), .notes = std::move(read->notes)};
 }
@@ -40,6 +43,8 @@ Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, Si
                                const BeginWork& begin) {
   Result<ReadSurface> read = read_surface(source.file, source.scale);
   if (!read) return read.error();
+  if (const Status unit = check_unit(source.file, read->mesh.vertices, source.is_scale_given); !unit)
+    return unit.error();
   turn_up(read->mesh.vertices, source.up);
   Result<OrganMesh> made =
       mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"), sides);
