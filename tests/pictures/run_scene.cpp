@@ -19,10 +19,11 @@ Json must_run(const Scene& scene, const fs::path& out, const RunCallbacks& callb
   return report ? *report : Json();
 }
 
-/// The physics of a report: without wall times, values that only snapshots sample, and pictures.
+/// The physics of a report: without wall times, values that only snapshots sample (and the verdict made of
+/// them), the text of the scene, and pictures.
 Json physics(Json report) {
   for (const char* key : {"timing", "machine", "pictures", "more_pictures", "files", "solver", "scene",
-                          "warnings", "scene_text", "deformed_ct"})
+                          "warnings", "verdict", "parameters", "scene_text", "deformed_ct"})
     report.erase(key);
   const auto is_time = [](const std::string& key) {
     return key.ends_with("_s") && key != "force_max_at_s" && key != "slipped_at_s" &&

@@ -39,9 +39,27 @@ TEST(LatticeWarnings, BladeInAirIsMovedToSkin) {
 // A cut nearly through the body causes a warning with the number of cells below it.
 TEST(LatticeWarnings, DeepCutReportsRemainingCells) {
   const std::vector<std::string> warnings = warnings_with({"incision.cut.depth=0.055"});
-  ASSERT_EQ(warnings.size(), 1u);
+  ASSERT_EQ(warnings.size(), 2u) << "cells below the cut, and bone";
   EXPECT_NE(warnings[0].find("cells of body below the cut, expected at least 3 cells"), std::string::npos)
       << warnings[0];
+}
+
+// A blade that meets bone is said, with the depth of the bone: fat ends 40 mm below the front of the block,
+// at y = 18 mm, and the skin of the lattice is at most a spacing inside it.
+TEST(LatticeWarnings, BladeInBoneStatesDepth) {
+  const std::vector<std::string> warnings = warnings_with({"incision.cut.depth=0.045"});
+  const auto bone = std::find_if(warnings.begin(), warnings.end(),
+                                 [](const std::string& text) { return text.find("bone") != text.npos; });
+  ASSERT_NE(bone, warnings.end());
+  double x = 0, y = 0, z = 0, depth = 0;
+  ASSERT_EQ(std::sscanf(bone->c_str(), "incision 'cut': the blade meets bone at (%lf, %lf, %lf) m, %lf mm",
+                        &x, &y, &z, &depth),
+            4)
+      << *bone;
+  EXPECT_NEAR(y, 0.018, 0.003);
+  EXPECT_NEAR(depth, 36, 5);
+  for (const std::string& text : warnings_with({"incision.cut.depth=0.025"}))
+    EXPECT_EQ(text.find("bone"), text.npos) << text;
 }
 
 // Inverted cells are counted.

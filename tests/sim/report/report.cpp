@@ -17,7 +17,8 @@ struct BlockRun {
 BlockRun block_run() {
   BlockRun run;
   const Exec exec(1);
-  const Scene scene = test::block_scene(run.folder, {"output.window=bone"});
+  const Scene scene =
+      test::block_scene(run.folder, {"output.window=bone", "body.block.skin.tension=[60, 30]"});
   World world = test::block_world(exec, scene);
   Measures measures = make_measures(world);
   for (int frame = 1; frame <= 10; frame++)
@@ -52,6 +53,48 @@ TEST(Report, HasMeasuresWithUnits) {
   EXPECT_EQ(report["state_hash"].get<std::string>().size(), 16u);
   EXPECT_EQ(report["warnings"][0], "something & else");
   EXPECT_EQ(Json::parse(report.dump()), report);
+}
+
+// Skin whose tension is equal both ways has no angle to Langer's lines.
+TEST(Report, EqualTensionHasNoAngle) {
+  const Exec exec(1);
+  const Scene scene = test::block_scene(test::fresh_folder());
+  World world = test::block_world(exec, scene);
+  Measures measures = make_measures(world);
+  for (int frame = 1; frame <= 10; frame++)
+    measure_frame(exec, world, step(exec, world, true).value(), true, measures);
+  const Json wound = simulation_report(exec, scene, world, measures, {})["wounds"][0];
+  EXPECT_FALSE(wound.contains("angle_to_lines_deg"));
+  EXPECT_NEAR(wound["tension_across_cut_N_per_m"].get<double>(), 45, 1e-9);
+}
+
+// The page begins with the verdict; times are at its end; quantities without a value have no card.
+TEST(Report, PageBeginsWithVerdictAndEndsWithTime) {
+  BlockRun run = block_run();
+  run.report["tools"] = {{{"name", "finger"}, {"tick_p50_us", Json()}, {"force_max_N", 1.5}}};
+  const std::string html = report_html(run.report, run.folder);
+  const auto at = [&html](const char* text) { return html.find(text); };
+  ASSERT_NE(at("<p class=\"verdict\">The wound"), std::string::npos);
+  EXPECT_LT(at("class=\"verdict\""), at("class=\"warning\""));
+  EXPECT_LT(at("class=\"warning\""), at("<h2>Measures</h2>"));
+  EXPECT_LT(at("<h2>Measures</h2>"), at("<h2>Parameters</h2>"));
+  EXPECT_LT(at("<h2>Parameters</h2>"), at("<h2>Solver</h2>"));
+  EXPECT_LT(at("<h2>Solver</h2>"), at("<h2>Time</h2>"));
+  EXPECT_LT(at("<h2>Time</h2>"), at("frame (median)"));
+  EXPECT_NE(at("largest force on finger"), std::string::npos);
+  EXPECT_EQ(at("time per force of finger"), std::string::npos);
+  EXPECT_NE(at("body.block.skin.tension"), std::string::npos);
+  EXPECT_NE(at("@page { size: A4;"), std::string::npos);
+}
+
+// The expected error of a gape grows with the square of spacing over depth: 8 mm over 24 mm here.
+TEST(Report, GapeErrorFollowsSpacing) {
+  const Scene scene = test::block_scene(test::fresh_folder());
+  const World world = test::block_world(Exec(1), scene);
+  const lattice::Model& model = world.lattice_bodies[0].model;
+  EXPECT_NEAR(expected_gape_error(model, 0.024), 0.94 / 9, 1e-6);
+  EXPECT_NEAR(expected_gape_error(model, 0.048), 0.94 / 36, 1e-6);
+  EXPECT_LT(expected_gape_error(model, 0.012), 0) << "fewer than two spacings of depth";
 }
 
 // The page is one file that embeds its pictures and curves.

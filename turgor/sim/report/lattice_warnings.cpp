@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "turgor/geometry/body_location.hpp"
+#include "turgor/geometry/ct_sampler.hpp"
 #include "turgor/models/lattice/mechanics/inverted_cells.hpp"
 
 namespace turgor {
@@ -65,6 +67,39 @@ void warn_about_blade(const Cut& cut, const Model& model, std::vector<std::strin
         kCellsBelow));
 }
 
+/// First bone that a blade meets.
+struct BoneUnderBlade {
+  Vec3d point;       // patient frame [m]
+  double depth = 0;  // below the skin [m]
+};
+
+/// The shallowest bone of the CT between the skin and the bottom of the cut; empty without bone.
+std::optional<BoneUnderBlade> bone_under_blade(const LatticeBody& body, const lattice::BladePath& path) {
+  const Grid& grid = body.ct.grid;
+  const CtSampler sample(body.ct);
+  const double step = 0.5 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  std::optional<BoneUnderBlade> first;
+  for (std::size_t n = 0; n < path.skin.size(); n++)
+    for (double depth = 0; depth <= (first ? first->depth - step : path.depth); depth += step) {
+      const Vec3d point = in_patient(body.model, path.skin[n] + path.into[n] * depth);
+      if (double(sample(Vec3(index_at(grid, point)))) < body.model.params.tissue.bone_min) continue;
+      first = {point, depth};
+      break;
+    }
+  return first;
+}
+
+void warn_about_bone(const Cut& cut, const LatticeBody& body, std::vector<std::string>& warnings) {
+  const std::optional<BoneUnderBlade> bone = bone_under_blade(body, *cut.path);
+  if (!bone) return;
+  Vec3d point = bone->point;
+  for (int axis = 0; axis < 3; axis++) point[axis] = 1e-4 * std::round(1e4 * point[axis]) + 0.0;
+  warnings.push_back(
+      fmt::format("incision '{}': the blade meets bone at {}, {:.1f} mm below the skin, and cuts through it: "
+                  "a smaller depth or another position stays in soft tissue",
+                  cut.blade.name, position_text(point), 1e3 * bone->depth));
+}
+
 void warn_of_inverted_cells(const Exec& exec, const LatticeBody& body, std::vector<std::string>& warnings) {
   const lattice::InvertedCells inverted = lattice::find_inverted_cells(exec, body.model, body.state);
   if (inverted.count == 0) return;
@@ -81,7 +116,11 @@ void warn_of_inverted_cells(const Exec& exec, const LatticeBody& body, std::vect
 std::vector<std::string> lattice_warnings(const Exec& exec, const World& world) {
   std::vector<std::string> warnings;
   for (const Cut& cut : world.cuts)
-    if (cut.path) warn_about_blade(cut, world.lattice_bodies[std::size_t(cut.body)].model, warnings);
+    if (cut.path) {
+      const LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
+      warn_about_blade(cut, body.model, warnings);
+      warn_about_bone(cut, body, warnings);
+    }
   for (const LatticeBody& body : world.lattice_bodies) warn_of_inverted_cells(exec, body, warnings);
   return warnings;
 }

@@ -75,6 +75,7 @@ CutTension cut_tension(const lattice::Model& model, const lattice::BladePath& pa
   tension.angle = std::acos(std::sqrt(along)) * 180 / std::numbers::pi;
 
   // tension in directions of the cut
+  tension.is_directional = skin.law != lattice::SkinLaw::kArea && skin.tension_along != skin.tension_across;
   if (skin.law == lattice::SkinLaw::kArea) {
     tension.opening = tension.lengthwise = 0.5 * (skin.tension_along + skin.tension_across);
   } else {
@@ -82,6 +83,14 @@ CutTension cut_tension(const lattice::Model& model, const lattice::BladePath& pa
     tension.lengthwise = skin.tension_along * along + skin.tension_across * (1 - along);
   }
   return tension;
+}
+
+double expected_gape_error(const lattice::Model& model, double depth) {
+  constexpr double kFactor = 0.94, kLargestRatio = 0.5;
+  const Vec3 spacing = model.lattice.spacing;
+  const double ratio = double(std::max({spacing.x, spacing.y, spacing.z})) / depth;
+  if (model.params.tissue.law != lattice::TissueLaw::kSolid || !(ratio <= kLargestRatio)) return -1;
+  return kFactor * ratio * ratio;
 }
 
 Measures make_measures(const World& world) {
@@ -109,7 +118,10 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
     if (!cut.path) continue;
     const LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
     CutMeasures& m = measures.cuts[c];
-    if (m.series.empty()) m.tension = cut_tension(body.model, *cut.path);
+    if (m.series.empty()) {
+      m.tension = cut_tension(body.model, *cut.path);
+      m.gape_error = m.region ? -1 : expected_gape_error(body.model, m.depth);
+    }
     m.edges = cut.edges;
     measures.wound_surfaces.resize(world.lattice_bodies.size());
 

@@ -12,10 +12,15 @@ namespace turgor {
 
 /// Skin tension at a cut, mean over the cut.
 struct CutTension {
-  double angle = 0;       // between the cut and Langer's lines, 0…90 [degrees]
-  double opening = 0;     // tension across the cut, which opens it [N/m]
-  double lengthwise = 0;  // tension along the cut [N/m]
+  double angle = 0;             // between the cut and Langer's lines, 0…90 [degrees]
+  double opening = 0;           // tension across the cut, which opens it [N/m]
+  double lengthwise = 0;        // tension along the cut [N/m]
+  bool is_directional = false;  // tension along Langer's lines differs from that across
 };
+/// Expected relative error of a gape from the lattice spacing: 0.94 (spacing / depth)². It bounds the errors
+/// of cuts in any orientation, with 2.5 to 5 spacings of depth (docs/validation.md, Wounds). Negative for
+/// tissue laws without such measurements, and below 2 spacings of depth.
+double expected_gape_error(const lattice::Model& model, double depth);
 CutTension cut_tension(const lattice::Model& model, const lattice::BladePath& path);
 
 struct WoundSample {
@@ -30,6 +35,7 @@ struct CutMeasures {
   bool region = false;
   double depth = 0, width = 0;  // as in the scene [m]
   CutTension tension;
+  double gape_error = -1;           // expected from the lattice spacing, relative; -1 = unknown
   std::vector<WoundSample> series;  // one per frame since the blade started
   lattice::Wound wound;             // at the end
 };

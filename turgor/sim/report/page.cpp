@@ -39,8 +39,9 @@ std::string quantity_table(const Json& items, const char* heading, const std::ve
     bool any = false;
     for (const Json& item : items) {
       const Json* value = find(item, caption.key);
-      any = any || value;
-      cells.push_back(value ? html_value(*value) : "–");
+      const bool known = value && !value->is_null();
+      any = any || known;
+      cells.push_back(known ? html_value(*value) : "–");
     }
     if (any) table += table_row(cells, "td");
   }
@@ -66,12 +67,14 @@ std::string item_table(const Json& items, const char* heading, const std::vector
   return table + "</table></div>\n";
 }
 
-std::string quantity_figures(const Json& items, const std::vector<Caption>& captions) {
+std::string quantity_figures(const Json& items, const std::vector<Caption>& captions, Figures which) {
+  const auto is_time = [](std::string_view unit) { return unit == "ms" || unit == "µs"; };
   std::string html;
   for (const Json& item : items)
     for (const Caption& caption : captions) {
       const Json* value = find(item, caption.key);
-      if (!caption.figure.empty() && value)
+      if (!caption.figure.empty() && value && !value->is_null() &&
+          is_time(caption.unit.text) == (which == Figures::kTimes))
         html += key_figure(xml_text(amount(*value, caption.unit)),
                            fmt::format(fmt::runtime(caption.figure), name_of(item)));
     }

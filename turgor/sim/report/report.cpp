@@ -1,6 +1,7 @@
 #include "turgor/sim/report/report.hpp"
 
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <numeric>
 #include <thread>
@@ -16,6 +17,7 @@
 #include "turgor/sim/report/report_rhombus.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/report/section.hpp"
+#include "turgor/sim/report/verdict.hpp"
 
 namespace turgor {
 
@@ -82,11 +84,21 @@ const Quantity<RunFacts> kOutputTiming[] = {
     {"total", kSeconds, "total", [](const RunFacts& f) -> Json { return f.total_seconds; }, kInSummary},
 };
 
+/// Local date, as 2026-11-25.
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  char text[16] = "";
+  if (localtime_r(&now, &local)) std::strftime(text, sizeof text, "%Y-%m-%d", &local);
+  return text;
+}
+
 Json timing_report(const Measures& measures, const RunFacts& facts) {
   Json json = values_of(kTiming, Timing{measures, facts}), series = Json::array();
   for (const double seconds : measures.frame_seconds)
     series.push_back(rounded(seconds * kMilliseconds.scale));
   json["frame_ms"] = series;
+  json["date"] = today();
   return json;
 }
 
@@ -134,6 +146,13 @@ Json scene_report(const Scene& scene) {
           {"frame_rate_per_s", scene.frame_rate}};
 }
 
+Json parameter_report(const Scene& scene) {
+  Json parameters = Json::array();
+  for (const SceneParameter& p : scene.parameters)
+    parameters.push_back({{"key", p.key}, {"value", p.value}, {"unit", p.unit}, {"source", p.source}});
+  return parameters;
+}
+
 }  // namespace
 
 std::string program_version() { return TURGOR_VERSION; }
@@ -177,6 +196,7 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},
           {"state_hash", hash_text(state_hash(world))},
+          {"parameters", parameter_report(scene)},
           {"scene_text", scene.text}};
 }
 
@@ -199,6 +219,7 @@ void add_outputs(Json& report, const RunFacts& facts) {
   report["more_pictures"] = facts.more_pictures;
   report["files"] = facts.files;
   report["warnings"] = facts.warnings;
+  report["verdict"] = verdict_of(report);
   report["timing"].update(values_of(kOutputTiming, facts));
 }
 

@@ -249,7 +249,7 @@ Section hold_section() {
 }
 Section cloth_section() {
   return {"Cloth", "cloth", [](const Json& report) { return bodies_of(report, BodyKind::kCloth); },
-          captions_of(kCloth)};
+          captions_of(kCloth), true};
 }
 
 std::vector<std::string> cloth_warnings(const World& world) {
@@ -273,8 +273,7 @@ std::string cloth_curves(const Json& report) {
   // empty plots
   constexpr SeriesKeys kForceSeries{"series_columns", "series"},
       kStepSeries = kForceSeries, kSnapshotSeries{"snapshot_columns", "snapshots"};
-  Plot step{"Wall time of a step", "time [s]", "time [ms]", {}},
-      contacts{"Contacts", "time [s]", "contacts", {}},
+  Plot contacts{"Contacts", "time [s]", "contacts", {}},
       energy{"Elastic and kinetic energy", "time [s]", "energy [J]", {}},
       residual{"Residual of the linear system", "time [s]", "|b - W dv| / |b|", {}},
       force{"Force on the supports of cloth", "time [s]", "force [N]", {}},
@@ -282,7 +281,6 @@ std::string cloth_curves(const Json& report) {
   // one curve per cloth, obstacle and hold
   for (const Json& cloth : cloths) {
     const std::string name = cloth.at("name").get<std::string>();
-    step.curves.push_back(curve_of(name, cloth, kStepSeries, "time_s", "step_ms"));
     contacts.curves.push_back(curve_of(name, cloth, kStepSeries, "time_s", "contacts"));
     energy.curves.push_back(curve_of(name, cloth, kSnapshotSeries, "time_s", "energy_J"));
     residual.curves.push_back(curve_of(name, cloth, kSnapshotSeries, "time_s", "residual_relative"));
@@ -295,7 +293,7 @@ std::string cloth_curves(const Json& report) {
   }
   // assemble the section
   return "<h2>Cloth over time</h2>\n<div class=\"grid\">" + plot_html(force) + plot_html(hold) +
-         plot_html(energy) + plot_html(contacts) + plot_html(step) + plot_html(residual) + "</div>\n";
+         plot_html(energy) + plot_html(contacts) + plot_html(residual) + "</div>\n";
 }
 
 }  // namespace page

@@ -22,62 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using page::curve_of, page::plot_html, page::key_figure, page::html_value;
 
-constexpr const char* kPageHead = R"(<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Turgor: {0}</title>
-<style>
-:root {{ color-scheme: light dark; --ground: #fbfaf8; --card: #ffffff; --ink: #22262b; --soft: #6b737d; --line: #e3e1dc; --accent: #b4502f; }}
-@media (prefers-color-scheme: dark) {{
-  :root {{ --ground: #14171a; --card: #1c2024; --ink: #e8e6e1; --soft: #98a1ab; --line: #2f353b; --accent: #f0936f; }} }}
-* {{ box-sizing: border-box; }}
-body {{ margin: 0; background: var(--ground); color: var(--ink); font: 16px/1.55 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }}
-main {{ max-width: 1080px; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }}
-h1 {{ font-size: 1.9rem; margin: 0; letter-spacing: -0.01em; }} h2 {{ font-size: 1.2rem; margin: 2.6rem 0 0.8rem; }}
-.soft {{ color: var(--soft); }} .warning {{ border-left: 4px solid var(--accent); padding: 0.4rem 0.9rem; background: var(--card); }}
-.figures {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 0.8rem; margin: 1.6rem 0; }}
-.figures div, figure, .plot {{ background: var(--card); border: 1px solid var(--line); border-radius: 10px; }}
-.figures div {{ padding: 0.8rem 1rem; }} .figures b {{ display: block; font-size: 1.5rem; font-variant-numeric: tabular-nums; }}
-.figures span {{ color: var(--soft); font-size: 0.85rem; }}
-.grid {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 1rem; }} .grid > * {{ min-width: 0; }}
-figure {{ margin: 0; overflow: hidden; }} figure.large {{ grid-column: 1 / -1; }} figure img, figure video {{ display: block; width: 100%; height: auto; }}
-figcaption {{ padding: 0.55rem 0.9rem; font-size: 0.88rem; color: var(--soft); }}
-.plot-read {{ font-weight: 600; paint-order: stroke; stroke: var(--card); stroke-width: 4px; }}
-.plot {{ padding: 0.6rem; overflow-x: auto; }} .plot svg {{ width: 100%; min-width: 460px; height: auto; display: block; }}
-.scroll {{ overflow-x: auto; }}
-table {{ border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: 0.93rem; }}
-th, td {{ text-align: right; padding: 0.4rem 0.7rem; border-bottom: 1px solid var(--line); }} th:first-child, td:first-child {{ text-align: left; }}
-th {{ font-weight: 600; color: var(--soft); }}
-pre {{ background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 1rem; overflow-x: auto; font-size: 0.85rem; }}
-code {{ font-family: ui-monospace, "DejaVu Sans Mono", monospace; }}
-</style></head><body><main>
-)";
-
-/// Script that shows the values of the curve nearest to the mouse.
-constexpr const char* kReadPlots = R"js(<script>
-for (const plot of document.querySelectorAll('.turgor-plot')) {
-  const area = plot.querySelector('.plot-area'), curves = [...plot.querySelectorAll('.plot-curve')];
-  if (!area || curves.length === 0) continue;
-  const number = (name) => Number(area.getAttribute(name)), pair = (name) => area.getAttribute(name).split(' ').map(Number);
-  const [x0, x1] = pair('data-x'), [y0, y1] = pair('data-y'), powers = area.getAttribute('data-powers') === 'yes';
-  const points = curves.flatMap((curve) => curve.getAttribute('d').slice(1).split('L').map((p) => [...p.split(' ').map(Number), curve]));
-  const make = (name) => plot.appendChild(document.createElementNS('http://www.w3.org/2000/svg', name)), dot = make('circle'), text = make('text');
-  dot.setAttribute('r', 4), dot.style.display = text.style.display = 'none', text.setAttribute('class', 'plot-read');
-  plot.addEventListener('pointermove', (event) => {
-    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(plot.getScreenCTM().inverse());
-    const far = (p) => 4 * Math.abs(p[0] - at.x) + Math.abs(p[1] - at.y), near = points.reduce((a, b) => (far(b) < far(a) ? b : a));
-    const x = x0 + (near[0] - number('x')) / number('width') * (x1 - x0);
-    const level = y1 - (near[1] - number('y')) / number('height') * (y1 - y0), y = powers ? 10 ** level : level;
-    const right = near[0] > number('x') + 0.6 * number('width');
-    dot.setAttribute('cx', near[0]), dot.setAttribute('cy', near[1]), dot.setAttribute('fill', near[2].getAttribute('stroke'));
-    text.setAttribute('x', near[0] + (right ? -8 : 8)), text.setAttribute('y', Math.max(number('y') + 14, near[1] - 8));
-    text.setAttribute('text-anchor', right ? 'end' : 'start');
-    text.textContent = Number(x.toPrecision(4)) + ', ' + Number(y.toPrecision(4)), dot.style.display = text.style.display = '';
-  });
-  plot.addEventListener('pointerleave', () => { dot.style.display = text.style.display = 'none'; });
-}
-</script>
-)js";
-
 std::string pictures(const Json& report, const fs::path& folder) {
   std::string html = "<div class=\"grid\">\n";
   // embed each readable picture
@@ -165,69 +109,63 @@ std::string curves(const Json& report) {
   for (Curve& curve : residual.curves)
     std::erase_if(curve.points, [](const auto& p) { return !(p.second > 0); });
 
-  // frames
-  Plot frames{"Wall time of a frame", "frame", "time [ms]", {{"frame", {}}}};
-  const Json& times = report.at("timing").at("frame_ms");
-  for (std::size_t f = 0; f < times.size(); f++)
-    frames.curves[0].points.emplace_back(double(f + 1), times[f].get<double>());
-
   // page
   std::string html;
   if (!report.at("wounds").empty())
     html += "<h2>Wounds</h2>\n<div class=\"grid\">" + plot_html(gape) + plot_html(profile) + "</div>\n";
   html += page::touch_curves(report) + page::cloth_curves(report);
   if (bodies_of(report, BodyKind::kLattice).empty()) return html;
-  return html + "<h2>Solver</h2>\n<div class=\"grid\">" + plot_html(residual) + plot_html(frames) +
-         "</div>\n";
+  return html + "<h2>Solver</h2>\n<div class=\"grid\">" + plot_html(residual) + "</div>\n";
 }
 
 std::string key_figures(const Json& report) {
   std::string html = "<div class=\"figures\">";
   for (const Section& section : report_sections())
-    html += page::quantity_figures(section.items(report), section.captions);
-  const auto seconds = [&](const char* key) { return html_value(report.at("timing").value(key, Json())); };
-  html += key_figure(html_value(report.at("simulated_s")) + " s",
-                     fmt::format("simulated in {} s, drawn in {} s, written in {} s", seconds("physics_s"),
-                                 seconds("drawing_s"), seconds("files_s")));
-  return html + "</div>\n";
+    html += page::quantity_figures(section.items(report), section.captions, page::Figures::kResults);
+  return html + key_figure(html_value(report.at("simulated_s")) + " s", "simulated") + "</div>\n";
 }
 
+std::string table_of(const Json& report, const Section& section) {
+  const Json items = section.items(report);
+  if (!*section.heading || items.empty()) return "";
+  return fmt::format("<h2>{}</h2>\n", section.heading) +
+         (section.item_per_row ? page::item_table : page::quantity_table)(items, section.item,
+                                                                          section.captions);
+}
+
+/// Measures of wounds beside the parameters, then the tables of bodies and tools.
 std::string tables(const Json& report) {
-  std::string html;
-  for (const Section& section : report_sections())
-    if (const Json items = section.items(report); *section.heading && !items.empty())
-      html += fmt::format("<h2>{}</h2>\n", section.heading) +
-              (section.item_per_row ? page::item_table : page::quantity_table)(items, section.item,
-                                                                               section.captions);
-  return html;
+  std::string first, others;
+  for (const Section& section : report_sections()) {
+    const bool is_result = section.is_result && first.empty();
+    (is_result ? first : others) += table_of(report, section);
+  }
+  const std::string parameters = page::parameter_table(report);
+  return "<div class=\"beside\"><div>" + first + "</div><div>" + parameters + "</div></div>\n" + others;
 }
 
 }  // namespace
 
 std::string report_html(const Json& report, const fs::path& folder, const std::string& motion) {
-  // head
-  const Json &scene = report.at("scene"), &machine = report.at("machine");
+  // answer
+  const Json& scene = report.at("scene");
   const std::string name = xml_text(fs::path(scene.at("file").get<std::string>()).stem().string());
-  std::string html = fmt::format(fmt::runtime(kPageHead), name);
-  html +=
-      fmt::format("<h1>{}</h1>\n<p class=\"soft\">{:g} frames a second; {} threads on {}; turgor {}</p>\n",
-                  name, scene.at("frame_rate_per_s").get<double>(), html_value(machine.at("threads")),
-                  html_value(machine.at("processor")), html_value(report.at("version")));
+  std::string html = page::page_head(name) + "<h1>" + name + "</h1>\n" + page::verdict_html(report);
   for (const Json& warning : report.at("warnings"))
     html += "<p class=\"warning\">" + html_value(warning) + "</p>\n";
-
-  // sections
   html += key_figures(report);
-  html += motion + pictures(report, folder) + videos(report, folder);
-  html += curves(report);
-  html += tables(report) + files(report);
 
-  // scene
+  // results
+  html += motion + pictures(report, folder) + videos(report, folder);
+  html += tables(report) + curves(report);
+
+  // time, files and scene
+  html += page::time_section(report) + files(report);
   html += "<h2>Scene</h2>\n<pre><code>" + xml_text(report.at("scene_text").get<std::string>()) +
           "</code></pre>\n";
   for (const Json& text : scene.at("overrides"))
     html += "<p><code>--set " + html_value(text) + "</code></p>\n";
-  return html + kReadPlots + "</main></body></html>\n";
+  return html + page::page_end();
 }
 
 }  // namespace turgor

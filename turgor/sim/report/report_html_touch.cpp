@@ -31,14 +31,6 @@ void keep_touching(Plot& plot) {
     std::erase_if(curve.points, [](const auto& point) { return !(point.first > 0); });
 }
 
-Plot rebuild_plot(const Json& bodies) {
-  Plot plot{"Building a patch", "time [s]", "wall time [ms]", {}};
-  for (const Json& body : bodies)
-    plot.curves.push_back(
-        curve_of(body.at("name").get<std::string>(), body.at("patch"), {}, "time_s", "rebuild_ms"));
-  return plot;
-}
-
 Plot profile_plot(const Json& profiles) {
   Plot plot{"Displacement under the largest force",
             "distance from the deepest point [mm]",
@@ -69,8 +61,7 @@ std::string touch_curves(const Json& report) {
                                         tools, "from_mm", "to_mm")) +
          plot_html(depth) +
          plot_html(tool_plot(tools, "Contacts", "time [s]", "contact sites", "time_s", "contacts")) +
-         plot_html(profile_plot(report.value("profiles", Json::array()))) +
-         plot_html(rebuild_plot(bodies_of(report, BodyKind::kSfem))) + "</div>\n";
+         plot_html(profile_plot(report.value("profiles", Json::array()))) + "</div>\n";
 }
 
 }  // namespace turgor::page

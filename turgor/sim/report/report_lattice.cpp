@@ -1,6 +1,9 @@
 #include "turgor/sim/report/report_lattice.hpp"
 
+#include <cstdint>
+
 #include "turgor/core/hash.hpp"
+#include "turgor/core/plain_text.hpp"
 #include "turgor/sim/report/section.hpp"
 
 namespace turgor {
@@ -18,12 +21,27 @@ struct LatticeInput {
   std::size_t bytes;
 };
 
+/// Text of a DICOM element of the study; absent if the CT has none.
+Json dicom_text(const LatticeInput& l, std::uint32_t tag) {
+  const auto found = l.body.ct_origin.elements.find(tag);
+  std::string text = found == l.body.ct_origin.elements.end() ? "" : found->second;
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) text.pop_back();
+  return text.empty() ? absent() : Json(plain_text(text));
+}
+
 const Quantity<LatticeInput> kLattice[] = {
     {"name", kNone, "", [](const LatticeInput& l) -> Json { return l.body.name; }, kInReport},
     {"model", kNone, "", [](const LatticeInput&) -> Json { return model_name(BodyKind::kLattice); },
      kInReport},
     {"ct.source", kNone, "source",
      [](const LatticeInput& l) -> Json { return l.scene.ct.phantom ? "phantom" : l.scene.ct.file.string(); }},
+    {"ct.patient", kNone, "", [](const LatticeInput& l) { return dicom_text(l, 0x00100010); }, kInReport},
+    {"ct.patient_id", kNone, "", [](const LatticeInput& l) { return dicom_text(l, 0x00100020); }, kInReport},
+    {"ct.study", kNone, "", [](const LatticeInput& l) { return dicom_text(l, 0x00081030); }, kInReport},
+    {"ct.study_date", kNone, "", [](const LatticeInput& l) { return dicom_text(l, 0x00080020); }, kInReport},
+    {"ct.series", kNone, "",
+     [](const LatticeInput& l) { return l.body.ct_series.empty() ? absent() : Json(l.body.ct_series); },
+     kInReport},
     {"ct.size", kNone, "", [](const LatticeInput& l) { return of_size(l.body.ct.grid.size); }, kInReport},
     {"ct.spacing_mm", kNone, "", [](const LatticeInput& l) { return of_mm(l.body.ct.grid.spacing); },
      kInReport},
@@ -78,7 +96,8 @@ const Quantity<C> kWound[] = {
     {"body", kNone, "", [](const C& c) -> Json { return c.body; }, kInReport},
     {"kind", kNone, "", [](const C& c) -> Json { return c.region ? "region" : "edges"; }, kInReport},
     {"angle_to_lines", kDegrees, "angle to Langer's lines",
-     [](const C& c) -> Json { return c.tension.angle; }, kEverywhere},
+     [](const C& c) -> Json { return c.tension.is_directional ? Json(c.tension.angle) : absent(); },
+     kEverywhere},
     {"tension_across_cut", kTension, "skin tension across the cut",
      [](const C& c) -> Json { return c.tension.opening; }, kEverywhere},
     {"tension_along_cut", kTension, "skin tension along the cut",
@@ -89,6 +108,8 @@ const Quantity<C> kWound[] = {
      kEverywhere},
     {"gape_max", kMillimeters, "gape, largest", [](const C& c) -> Json { return c.wound.gape_max; },
      kEverywhere, "gape of {}"},
+    {"gape_error_expected", kPercent, "… expected error from the spacing",
+     [](const C& c) -> Json { return c.gape_error >= 0 ? Json(c.gape_error) : absent(); }, kEverywhere},
     {"gape_mean", kMillimeters, "gape, mean", [](const C& c) -> Json { return c.wound.gape_mean; },
      kEverywhere},
     {"opening_area", kSquareMillimeters, "opening area",
@@ -177,7 +198,7 @@ Json deformed_report(const DeformedCtReport& deformed) { return values_of(kDefor
 
 Section wound_section() {
   return {"Measures", "wound", [](const Json& report) { return items_of(report, "wounds"); },
-          captions_of(kWound)};
+          captions_of(kWound), true};
 }
 Section lattice_section() {
   return {"Lattices", "body", [](const Json& report) { return bodies_of(report, BodyKind::kLattice); },

@@ -327,7 +327,8 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
 }
 
 Section tool_section() {
-  return {"Tools", "tool", [](const Json& report) { return items_of(report, "tools"); }, captions_of(kTool)};
+  return {"Tools", "tool", [](const Json& report) { return items_of(report, "tools"); }, captions_of(kTool),
+          true};
 }
 Section sfem_section() {
   return {"Bodies of finite elements", "body",

@@ -13,6 +13,7 @@ struct Section {
   Json (*items)(const Json& report);  // empty if the report has none
   std::vector<Caption> captions;
   bool item_per_row = false;  // a row per item, for items that are mostly text
+  bool is_result = false;     // shown first, beside the parameters
 };
 
 /// Value of a report's key; an empty array if it is missing.

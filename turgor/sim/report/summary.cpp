@@ -34,6 +34,8 @@ std::string item_text(const Section& section, const Json& item) {
 
 std::string summary_text(const Json& report, const std::filesystem::path& folder) {
   std::string text;
+  for (const Json& sentence : report.value("verdict", Json::array()))
+    text += sentence.get<std::string>() + "\n";
   for (const Section& section : report_sections())
     for (const Json& item : section.items(report)) text += item_text(section, item);
   for (const Json& warning : report.at("warnings"))

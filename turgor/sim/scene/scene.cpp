@@ -16,6 +16,7 @@
 #include "turgor/sim/scene/scene_incision.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
 #include "turgor/sim/scene/scene_output.hpp"
+#include "turgor/sim/scene/scene_parameters.hpp"
 #include "turgor/sim/scene/scene_renamed.hpp"
 #include "turgor/sim/scene/scene_rhombus.hpp"
 #include "turgor/sim/scene/scene_sfem.hpp"
@@ -300,6 +301,7 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
   SceneProblems problems;
   problems.file = file.string(), problems.folder = file.parent_path();
   problems.override_folder = override_folder;
+  problems.lists_keys = true;
 
   // TOML
   toml::table root;
@@ -328,6 +330,7 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
   read_scene_table(SceneTable(root, "", problems), scene);
   if (!problems.problems.empty()) return all_of(problems);
   scene.notes.insert(scene.notes.end(), problems.notes.begin(), problems.notes.end());
+  scene.parameters = scene_parameters(root, problems);
   return scene;
 }
 

@@ -83,14 +83,21 @@ struct CameraScene {
   double angle = 30;            // vertical field of view [degrees]
 };
 
+/// Value of a key as a report shows it.
+struct SceneParameter {
+  std::string key, value, unit;  // "body.torso.skin.tension", "45", "N/m"
+  std::string source;            // "scene, line 7", "--set KEY" or "default"
+};
+
 struct Scene {
   std::filesystem::path file;
-  std::string text;                    // of the file
-  std::vector<std::string> overrides;  // key=value
-  std::vector<std::string> notes;      // for the user: old names that the text or an override has
-  Vec3d gravity;                       // patient frame [m/s²]
-  double duration = 2;                 // [s]
-  double frame_rate = 60;              // steps per second [1/s]
+  std::string text;                        // of the file
+  std::vector<std::string> overrides;      // key=value
+  std::vector<std::string> notes;          // for the user: old names that the text or an override has
+  std::vector<SceneParameter> parameters;  // with defaults
+  Vec3d gravity;                           // patient frame [m/s²]
+  double duration = 2;                     // [s]
+  double frame_rate = 60;                  // steps per second [1/s]
   Device device = Device::kCpu;
   std::vector<LatticeScene> lattice_bodies;
   std::vector<IncisionScene> incisions;

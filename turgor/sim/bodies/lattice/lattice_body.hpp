@@ -29,6 +29,7 @@ struct LatticeBody : FrameTouchedBody {
   CtVolume ct;
   std::uint64_t ct_hash = 0;  // of the CT's samples and grid
   DicomOrigin ct_origin;      // of a DICOM series
+  std::string ct_series;      // its description
   lattice::Model model;
   lattice::DeviceState state;  // on the host or on a GPU
   Box box;                     // around its nodes in the CT, patient frame [m]

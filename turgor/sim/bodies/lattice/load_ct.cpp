@@ -7,7 +7,7 @@
 namespace turgor {
 
 Result<LoadedCt> load_ct(const Exec& exec, const CtSource& source, const Progress& progress) {
-  if (source.given) return LoadedCt{*source.given, std::nullopt, {}, {}};
+  if (source.given) return LoadedCt{*source.given, std::nullopt, {}, {}, {}};
   if (source.phantom) {
     LoadedCt loaded;
     LabelVolume labels;
@@ -17,7 +17,8 @@ Result<LoadedCt> load_ct(const Exec& exec, const CtSource& source, const Progres
   }
   Result<CtFile> file = read_ct(exec, source.file, {source.series, progress});
   if (!file) return file.error();
-  return LoadedCt{std::move(file->ct), std::nullopt, std::move(file->notes), std::move(file->origin)};
+  return LoadedCt{std::move(file->ct), std::nullopt, std::move(file->notes), std::move(file->origin),
+                  std::move(file->series)};
 }
 
 std::uint64_t content_hash(const CtVolume& ct) {

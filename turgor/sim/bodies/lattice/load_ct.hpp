@@ -20,6 +20,7 @@ struct LoadedCt {
   std::optional<LabelVolume> labels;  // of a phantom
   std::vector<std::string> notes;     // notes of the reader
   DicomOrigin origin;                 // of a DICOM series
+  std::string series;                 // its description
 };
 Result<LoadedCt> load_ct(const Exec& exec, const CtSource& source, const Progress& progress = {});
 

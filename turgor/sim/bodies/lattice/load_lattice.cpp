@@ -96,7 +96,7 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   if (!ct) return ct.error();
   body.ct = std::move(ct->volume);
   body.notes = std::move(ct->notes);
-  body.ct_origin = std::move(ct->origin);
+  body.ct_origin = std::move(ct->origin), body.ct_series = std::move(ct->series);
   if (!scene.label_note.empty()) body.notes.push_back(scene.label_note);
   const Result<ReadFields> fields = read_fields(scene, body.ct.grid, std::move(ct->labels));
   if (!fields) return fields.error();
