@@ -4,7 +4,7 @@ namespace turgor {
 
 namespace {
 
-std::vector<std::string> names_of(PresetKind kind) {
+std::vector<std::string> preset_names(PresetKind kind) {
   std::vector<std::string> names;
   for (const TissuePreset& preset : tissue_presets())
     if (find_preset(preset.name, kind) == &preset) names.push_back(preset.name);
@@ -28,7 +28,7 @@ const TissuePreset* preset_of(SceneTable& table, const char* key, PresetKind kin
   if (const TissuePreset* preset = find_preset(name, kind)) return preset;
 
   // a near name, or the command that lists all
-  const std::string nearest = nearest_name(name, names_of(kind));
+  const std::string nearest = nearest_name(name, preset_names(kind));
   table.fail_value(key, *node,
                    fmt::format("the name of a {} of `turgor tissues`{}", family,
                                nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest)));
