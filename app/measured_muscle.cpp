@@ -1,0 +1,155 @@
+// Muscle under unconfined compression: ramp to 30 % and hold, along and across the fibers (Van Loocke et
+// al.). Laws at a point of the material, fitted at 1 %/s, predict 0.5 %/s. Two elastic stresses are relaxed
+// by three Prony pairs: the linear one, which sfem bodies have, and the exponential one.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "app/least_squares.hpp"
+#include "app/measured_table.hpp"
+#include "turgor/models/prony.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr const char* kMuscleSource = "Van Loocke et al.";
+constexpr double kFinal = 0.3;  // compression that is held [1]
+
+struct StressPoint {
+  double time, stress;  // [s], compressive Cauchy stress [kPa]
+};
+// quoted points of the published curves
+constexpr StressPoint kAlongSlow[] = {
+    {0.06966, 0.007628}, {17.74, 0.1242}, {32.33, 0.297},  {43.02, 0.5002}, {51.32, 0.8388}, {55.7, 1.067},
+    {58.33, 1.256},      {59.99, 1.435},  {60.61, 1.343},  {73.52, 0.9706}, {102.6, 0.8114}, {144.7, 0.702},
+    {187.6, 0.6475},     {215.5, 0.6178}, {254.5, 0.5861}, {292.2, 0.5594}, {314, 0.5542},   {352.5, 0.5313}};
+constexpr StressPoint kAlongFast[] = {
+    {0.6165, 0.01738}, {10.28, 0.1774}, {16.24, 0.3483}, {20.76, 0.5234}, {24.93, 0.833},  {26.89, 1.048},
+    {28.59, 1.253},    {29.82, 1.436},  {30.45, 1.393},  {35.18, 1.062},  {52.7, 0.849},   {85.34, 0.7227},
+    {127.4, 0.6578},   {155.8, 0.6189}, {193.6, 0.5879}, {232, 0.5578},   {274.5, 0.5433}, {328.4, 0.5202}};
+constexpr StressPoint kAcrossSlow[] = {
+    {0.2517, 0.008979}, {19.96, 0.2032}, {34, 0.4445},   {42.86, 0.7073}, {47.4, 0.8949},  {53.18, 1.169},
+    {56.5, 1.449},      {59.19, 1.729},  {59.62, 1.662}, {66.9, 1.446},   {85.04, 1.298},  {107.1, 1.207},
+    {138.5, 1.137},     {206.3, 1.039},  {245, 1.017},   {274.7, 0.9897}, {313.5, 0.9655}, {356.2, 0.9449}};
+constexpr StressPoint kAcrossFast[] = {
+    {0.72, 0.01083}, {7.843, 0.2129}, {16.47, 0.5494}, {20.45, 0.783},  {23.46, 1.036}, {25.72, 1.285},
+    {28.32, 1.603},  {29.59, 1.838},  {30.01, 1.746},  {37.13, 1.419},  {54.6, 1.246},  {97.27, 1.093},
+    {130.4, 1.04},   {171.7, 0.9805}, {206.8, 0.9477}, {252.8, 0.9113}, {283, 0.8969},  {324.8, 0.8811}};
+
+/// Second Piola-Kirchhoff stress of a law at a stretch, in compression and per unit of its modulus.
+///   linear        σ = ε, ε = 1 − λ
+///   exponential   σ = exp(b (I₁ − 3)) (1/λ − λ²), I₁ = λ² + 2/λ, incompressible
+/// Both: S = σ/λ².
+struct ElasticStress {
+  bool is_exponential;
+  double b;  // [1]
+
+  double operator()(double stretch) const {
+    if (!is_exponential) return (1 - stretch) / (stretch * stretch);
+    const double invariant = stretch * stretch + 2 / stretch - 3;
+    return std::exp(b * invariant) * (1 / stretch - stretch * stretch) / (stretch * stretch);
+  }
+};
+
+/// Cauchy stress at the points' times: the elastic part, then that of each relaxation time with share 1.
+///   H ← a H + γ (S_new − S_old),  a = exp(−h/τ),  γ = (1 − a) τ/h
+std::vector<std::vector<double>> stress_columns(const ElasticStress& law,
+                                                const std::array<double, kMostPronyPairs>& times, double rate,
+                                                std::span<const StressPoint> points) {
+  constexpr double kStep = 0.05;  // [s]
+  std::vector<std::vector<double>> columns(1 + times.size());
+  std::array<double, kMostPronyPairs> history{};
+  double time = 0, elastic = 0, stretch = 1;
+  for (const StressPoint& point : points) {
+    while (time < point.time) {
+      const double h = std::min(kStep, point.time - time);
+      time += h;
+      stretch = 1 - std::min(rate * time, kFinal);
+      const double next = law(stretch);
+      for (std::size_t i = 0; i < times.size(); i++) {
+        const double a = std::exp(-h / times[i]);
+        history[i] = a * history[i] + (1 - a) * times[i] / h * (next - elastic);
+      }
+      elastic = next;
+    }
+    columns[0].push_back(stretch * stretch * elastic);
+    for (std::size_t i = 0; i < times.size(); i++) columns[1 + i].push_back(stretch * stretch * history[i]);
+  }
+  return columns;
+}
+
+/// A law with its fitted values.
+struct FittedMuscle {
+  ElasticStress law;
+  std::array<double, kMostPronyPairs> times{};  // [s]
+  std::vector<double> moduli;                   // static one, then one per time [kPa]
+};
+
+FittedMuscle fit_muscle(bool is_exponential, double rate, std::span<const StressPoint> points) {
+  std::vector<double> measured;
+  for (const StressPoint& point : points) measured.push_back(point.stress);
+  // b and the logarithms of the times enter nonlinearly, the moduli linearly
+  const auto of = [&](const std::vector<double>& x) {
+    FittedMuscle made{{is_exponential, x[3]}, {std::exp(x[0]), std::exp(x[1]), std::exp(x[2])}, {}};
+    return made;
+  };
+  const auto error = [&](const std::vector<double>& x) {
+    if (std::abs(x[3]) > 20 || *std::max_element(x.begin(), x.begin() + 3) > 8) return 1e9;
+    const FittedMuscle made = of(x);
+    return fit_non_negative(stress_columns(made.law, made.times, rate, points), measured).squared_error;
+  };
+  FittedMuscle fitted = of(minimize(error, {std::log(2.0), std::log(20.0), std::log(200.0), 2}, 0.5, 400));
+  fitted.moduli =
+      fit_non_negative(stress_columns(fitted.law, fitted.times, rate, points), measured).coefficients;
+  return fitted;
+}
+
+std::vector<double> predict(const FittedMuscle& muscle, double rate, std::span<const StressPoint> points) {
+  const std::vector<std::vector<double>> columns = stress_columns(muscle.law, muscle.times, rate, points);
+  std::vector<double> stress(points.size(), 0);
+  for (std::size_t j = 0; j < columns.size(); j++)
+    for (std::size_t n = 0; n < stress.size(); n++) stress[n] += muscle.moduli[j] * columns[j][n];
+  return stress;
+}
+
+/// Rows and the curve of one direction and law: fitted at 1 %/s, predicted at 0.5 %/s.
+void add_direction(const char* direction, bool is_exponential, std::span<const StressPoint> fast,
+                   std::span<const StressPoint> slow, MeasuredResult& result) {
+  const FittedMuscle muscle = fit_muscle(is_exponential, 0.01, fast);
+  const std::vector<double> predicted = predict(muscle, 0.005, slow);
+  const char* law = is_exponential ? "exponential" : "linear";
+  // curve with a band of 5 % of the peak
+  double peak = 0;
+  for (const StressPoint& point : slow) peak = std::max(peak, point.stress);
+  MeasuredCurve curve{fmt::format("muscle-{}-{}.svg", direction, law),
+                      fmt::format("Muscle {} the fibers at 0.5 %/s, {} law, three pairs", direction, law),
+                      "time [s]",
+                      "stress [kPa]",
+                      {}};
+  for (std::size_t n = 0; n < slow.size(); n++)
+    curve.points.push_back({slow[n].time, slow[n].stress, 0.05 * peak, predicted[n]});
+  // peak, end of the hold, all points
+  const std::string name = fmt::format("muscle {} the fibers, {} law: ", direction, law);
+  constexpr std::size_t kPeak = 7;  // the last point of the ramp
+  result.rows.push_back(
+      band_row(name + "peak", kMuscleSource, "kPa", slow[kPeak].stress, 0.05 * peak, predicted[kPeak]));
+  result.rows.push_back(band_row(name + "end of the hold", kMuscleSource, "kPa", slow.back().stress,
+                                 0.05 * peak, predicted.back()));
+  result.rows.push_back({name + "rms over the peak", kMuscleSource, "1", 0, 0, 0.05, relative_rms(curve)});
+  result.curves.push_back(std::move(curve));
+}
+
+}  // namespace
+
+void add_muscle(MeasuredResult& result) {
+  for (const bool is_exponential : {false, true}) {
+    add_direction("along", is_exponential, kAlongFast, kAlongSlow, result);
+    add_direction("across", is_exponential, kAcrossFast, kAcrossSlow, result);
+  }
+}
+
+}  // namespace turgor

@@ -1,0 +1,75 @@
+#include "app/validate_measured.hpp"
+
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "app/measured_table.hpp"
+#include "app/print.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/sim/report/plot.hpp"
+
+namespace turgor {
+
+namespace {
+
+void print_rows(const std::vector<MeasuredRow>& rows) {
+  print_plain("  {:<66} {:>10} {:>24} {:>11} {:<4} {}\n", "quantity", "measured", "[band]", "predicted", "",
+              "inside?");
+  for (const MeasuredRow& row : rows)
+    print_plain("  {:<66} {:>10.4g} {:>24} {:>11.4g} {:<4} {}\n", row.name, row.measured,
+                fmt::format("[{:.4g} to {:.4g}]", row.low, row.high), row.predicted,
+                row.unit == "1" ? "" : row.unit, is_inside(row) ? "yes" : "NO");
+}
+
+nlohmann::ordered_json json_of(const std::vector<MeasuredRow>& rows) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const MeasuredRow& row : rows)
+    json.push_back({{"name", row.name},
+                    {"source", row.source},
+                    {"unit", row.unit},
+                    {"measured", row.measured},
+                    {"low", row.low},
+                    {"high", row.high},
+                    {"predicted", row.predicted},
+                    {"inside", is_inside(row)}});
+  return json;
+}
+
+/// The band's two borders, the measured and the predicted curve.
+Plot plot_of(const MeasuredCurve& curve) {
+  Plot plot{curve.title,
+            curve.x_label,
+            curve.y_label,
+            {{"band, low", {}}, {"band, high", {}}, {"measured", {}}, {"predicted", {}}}};
+  for (const auto& [x, measured, half, predicted] : curve.points) {
+    const double values[] = {measured - half, measured + half, measured, predicted};
+    for (std::size_t n = 0; n < plot.curves.size(); n++) plot.curves[n].points.emplace_back(x, values[n]);
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::vector<Figure> validate_measured(const Exec& exec, bool quick, const std::filesystem::path& folder,
+                                      nlohmann::ordered_json& report) {
+  // predictions
+  MeasuredResult result;
+  add_muscle(result);
+  add_skin_sheet(result);
+  add_cantilever(exec, quick, result);
+  add_silicones(exec, quick, result);
+
+  // table and curves
+  print_rows(result.rows);
+  for (const MeasuredCurve& curve : result.curves)
+    required(write_file(folder / curve.file, plot_svg_file(plot_of(curve))));
+  report["rows"] = json_of(result.rows);
+
+  // figures
+  std::vector<Figure> figures;
+  for (const MeasuredRow& row : result.rows)
+    figures.push_back({row.name, row.source, row.unit, row.predicted, row.low, row.high});
+  return figures;
+}
+
+}  // namespace turgor
