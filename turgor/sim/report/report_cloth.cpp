@@ -248,8 +248,12 @@ Section hold_section() {
           captions_of(kHold)};
 }
 Section cloth_section() {
-  return {"Cloth", "cloth", [](const Json& report) { return bodies_of(report, BodyKind::kCloth); },
-          captions_of(kCloth), true};
+  return {"Cloth",
+          "cloth",
+          [](const Json& report) { return bodies_of(report, BodyKind::kCloth); },
+          captions_of(kCloth),
+          false,
+          true};
 }
 
 std::vector<std::string> cloth_warnings(const World& world) {

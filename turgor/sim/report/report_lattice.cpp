@@ -197,8 +197,8 @@ Json solver_report(const Measures& measures) {
 Json deformed_report(const DeformedCtReport& deformed) { return values_of(kDeformed, deformed); }
 
 Section wound_section() {
-  return {"Measures", "wound", [](const Json& report) { return items_of(report, "wounds"); },
-          captions_of(kWound), true};
+  return {"Measures",          "wound", [](const Json& report) { return items_of(report, "wounds"); },
+          captions_of(kWound), false,   true};
 }
 Section lattice_section() {
   return {"Lattices", "body", [](const Json& report) { return bodies_of(report, BodyKind::kLattice); },
