@@ -3,8 +3,6 @@
 #include <chrono>
 #include <fstream>
 
-#include <fmt/format.h>
-
 #include "tests/sim/four_kinds.hpp"
 #include "tests/sim/live/watched_session.hpp"
 #include "turgor/core/timing.hpp"
@@ -159,51 +157,6 @@ TEST(Session, CutOpensWoundUntilReset) {
   EXPECT_TRUE(wait_until(session, [&](const SessionStatus& now) {
     return now.phase == Phase::kReady && now.world > world && walls(now) == 0 && now.snapshot.frame < 20;
   }));
-}
-
-// The surface of a wound that was cut in a live session is that of a run of the same cut.
-TEST(Session, LiveWoundEqualsRun) {
-  const fs::path folder = fresh_folder();
-  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
-  const std::string with_cut = test::block_scene_text("block.nii");
-  const std::size_t begin = with_cut.find("[incision.cut]"), end = with_cut.find("[output]");
-  const std::string no_cut = with_cut.substr(0, begin) + with_cut.substr(end);
-  const auto pause = [](Session& session) {
-    session.request(PaceRequest{.plays = false, .pace = 1});
-    return wait_until(session, [](const SessionStatus& now) { return !now.plays; });
-  };
-
-  // cut live
-  Session session(written(folder, "live.toml", no_cut), {}, {.threads = 2, .loop = kOneThread.loop});
-  ASSERT_TRUE(wait_for_world(session, 3) && pause(session)) << session.now().error;
-  const double start = session.now().snapshot.time;
-  session.request(CutRequest{.blade = {.name = "cut",
-                                       .from = {0.002, -0.02, -0.03},
-                                       .to = {0.002, -0.02, 0.03},
-                                       .depth = 0.012,
-                                       .duration = 0.2},
-                             .body = 0});
-  session.request(PaceRequest{});
-  ASSERT_TRUE(wait_until(session, [&](const SessionStatus& now) { return now.snapshot.time > start + 0.5; }));
-  ASSERT_TRUE(pause(session));
-  const WorldSnapshot& paused = session.now().snapshot;
-  const BodySnapshot& live = paused.bodies[0];
-
-  // the same cut in a run
-  const Scene scene = parse_scene(with_cut, folder / "run.toml",
-                                  {fmt::format("incision.cut.start={:.17g}", start),
-                                   "incision.cut.duration=0.2", "world.duration=60"})
-                          .value();
-  const Exec exec(1);
-  World world = load_world(exec, scene).value();
-  for (int frame = 0; frame < paused.frame; frame++) ASSERT_TRUE(step(exec, world));
-  WorldSnapshot run;
-  show(exec, world, run);
-  EXPECT_EQ(live.triangles, run.bodies[0].triangles);
-  EXPECT_EQ(live.rest, run.bodies[0].rest);
-  EXPECT_EQ(live.x, run.bodies[0].x);
-  EXPECT_EQ(live.normals, run.bodies[0].normals);
-  EXPECT_GT(live.triangles.size(), live.wall_begin) << "the wound has walls";
 }
 
 // A cut that misses the body is reported, and the world continues.
