@@ -38,8 +38,8 @@ void transfer(File& file, Pressed& pressed) {
 }
 template <class File>
 void transfer(File& file, CutMeasures& cut) {
-  auto& [name, body, edges, region, depth, width, tension, series, wound] = cut;
-  transfer_all(file, name, body, edges, region, depth, width, tension, series, wound);
+  auto& [name, body, edges, region, depth, width, tension, gape_error, series, wound] = cut;
+  transfer_all(file, name, body, edges, region, depth, width, tension, gape_error, series, wound);
 }
 template <class File>
 void transfer(File& file, Measures& measures) {
