@@ -38,7 +38,7 @@ TEST(Quantity, RowYieldsKeyTableAndFigure) {
   EXPECT_NE(table.find("<td>width [mm]</td><td>12.3</td><td>4.00</td>"), std::string::npos) << table;
   EXPECT_NE(table.find("<td>stitches</td><td>5</td><td>2</td>"), std::string::npos) << table;
   EXPECT_NE(table.find("<td>healed at [s]</td><td>–</td><td>3600</td>"), std::string::npos) << table;
-  const std::string figures = page::quantity_figures(json, captions);
+  const std::string figures = page::quantity_figures(json, captions, page::Figures::kResults);
   EXPECT_NE(figures.find("<b>12.3 mm</b><span>width of left</span>"), std::string::npos) << figures;
 }
 
