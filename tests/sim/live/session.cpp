@@ -193,7 +193,9 @@ TEST(Session, LiveWoundEqualsFrames) {
   auto scene = std::make_shared<const Scene>(with_mouse_tools(read_scene(file).value()));
   World world = load_world(exec, *scene).value();
   while (world.frame < paused.frame) {
-    if (world.frame == first) ASSERT_TRUE(apply_request(exec, request, scene, world));
+    if (world.frame == first) {
+      ASSERT_TRUE(apply_request(exec, request, scene, world));
+    }
     ASSERT_TRUE(step(exec, world));
   }
   WorldSnapshot frames;

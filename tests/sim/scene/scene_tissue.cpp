@@ -12,8 +12,9 @@ namespace {
 using test::error_of;
 
 constexpr const char* kLattice = "[body.b]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\n";
-constexpr const char* kSfem = "[body.b]\nmodel = \"sfem\"\nblock = { size = [1, 1, 1], count = [2, 2, 2] }\n";
-constexpr const char* kRhombus = "[body.b]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\" }\n";
+constexpr const char* kTissueOfSfem =
+    "[body.b]\nmodel = \"sfem\"\nblock = { size = [1, 1, 1], count = [2, 2, 2] }\n";
+constexpr const char* kTissueOfRhombus = "[body.b]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\" }\n";
 constexpr const char* kCloth = "[body.b]\nmodel = \"cloth\"\nsheet = { side = [1, 0, 0], up = [0, 1, 0] }\n";
 
 Scene scene_of(const char* base, const std::string& lines, const std::vector<std::string>& overrides = {}) {
@@ -28,17 +29,18 @@ const TissueRow* find_row(const std::vector<TissueRow>& rows, const std::string&
 
 // A preset sets the modulus and the viscosity of an sfem body; given keys win.
 TEST(SceneTissue, SfemTakesPreset) {
-  const SfemScene fat = scene_of(kSfem, "tissue = \"fat\"\n").sfem_bodies[0];
+  const SfemScene fat = scene_of(kTissueOfSfem, "tissue = \"fat\"\n").sfem_bodies[0];
   EXPECT_DOUBLE_EQ(fat.material.young, 1590);
   EXPECT_DOUBLE_EQ(fat.viscosity.pairs[0].ratio, 0.39 / 0.61);
   EXPECT_EQ(fat.viscosity.pairs[0].time, 700);
   EXPECT_EQ(pair_count(fat.viscosity), 1);
   const SfemScene given =
-      scene_of(kSfem, "tissue = \"fat\"\nyoung = 2e3\nviscosity = { ratio = 0, time = 3 }\n").sfem_bodies[0];
+      scene_of(kTissueOfSfem, "tissue = \"fat\"\nyoung = 2e3\nviscosity = { ratio = 0, time = 3 }\n")
+          .sfem_bodies[0];
   EXPECT_EQ(given.material.young, 2000);
   EXPECT_EQ(pair_count(given.viscosity), 0);
   EXPECT_EQ(given.viscosity.pairs[0].time, 3);
-  const SfemScene nodule = scene_of(kSfem,
+  const SfemScene nodule = scene_of(kTissueOfSfem,
                                     "tissue = \"liver\"\ninclusion.n = { center = [0, 0, 0], tissue = "
                                     "\"fibroadenoma\" }\n")
                                .sfem_bodies[0];
@@ -68,7 +70,9 @@ TEST(SceneTissue, LatticeTakesPreset) {
 
 // Chains of a preset are fitted to its modulus; the default is unchanged.
 TEST(SceneTissue, RhombusTakesAnySolid) {
-  const auto body = [](const std::string& lines) { return scene_of(kRhombus, lines).rhombus_bodies[0]; };
+  const auto body = [](const std::string& lines) {
+    return scene_of(kTissueOfRhombus, lines).rhombus_bodies[0];
+  };
   EXPECT_DOUBLE_EQ(body("tissue = \"muscle-thigh\"\n").params.chain.normal,
                    rhombus::chain_of_modulus(49750).normal);
   EXPECT_EQ(body("tissue = \"fat\"\n").params.viscosity.pairs[0].time, 700);
@@ -90,7 +94,7 @@ TEST(SceneTissue, ClothTakesFabric) {
 
 // Unknown names, names of another kind and other values are errors that name the key and suggest a name.
 TEST(SceneTissue, ErrorsSuggestNames) {
-  for (const char* base : {kLattice, kSfem, kRhombus}) {
+  for (const char* base : {kLattice, kTissueOfSfem, kTissueOfRhombus}) {
     const std::string message = error_of(base + std::string("tissue = \"livre\"\n"));
     EXPECT_NE(message.find("s.toml:4:"), std::string::npos) << message;
     EXPECT_NE(message.find("body.b.tissue: expected the name of a tissue of `turgor tissues` (did you mean "
@@ -98,9 +102,10 @@ TEST(SceneTissue, ErrorsSuggestNames) {
               std::string::npos)
         << message;
   }
-  EXPECT_NE(error_of(kSfem + std::string("tissue = \"skin-upper-arm\"\n")).find("found \"skin-upper-arm\""),
-            std::string::npos);
-  EXPECT_NE(error_of(kSfem + std::string("tissue = 3\n")).find("expected the name of a tissue"),
+  EXPECT_NE(
+      error_of(kTissueOfSfem + std::string("tissue = \"skin-upper-arm\"\n")).find("found \"skin-upper-arm\""),
+      std::string::npos);
+  EXPECT_NE(error_of(kTissueOfSfem + std::string("tissue = 3\n")).find("expected the name of a tissue"),
             std::string::npos);
   EXPECT_NE(error_of(kLattice + std::string("tissue = 3\n")).find("expected a table"), std::string::npos);
   EXPECT_NE(error_of(kLattice + std::string("skin = \"skin-uper-arm\"\n")).find("skin-upper-arm"),
@@ -111,7 +116,7 @@ TEST(SceneTissue, ErrorsSuggestNames) {
 
 // Every row states whether a value is given, of a preset or a default, and cites the source.
 TEST(SceneTissue, RowsStateSources) {
-  const SfemScene liver = scene_of(kSfem, "tissue = \"liver\"\n").sfem_bodies[0];
+  const SfemScene liver = scene_of(kTissueOfSfem, "tissue = \"liver\"\n").sfem_bodies[0];
   const TissueRow* body = find_row(liver.tissues, "body");
   ASSERT_TRUE(body);
   EXPECT_EQ(body->law, "linear");
