@@ -117,12 +117,10 @@ void read_law(SceneTable& tissue, lattice::TissueParams& params) {
       "default with `pbd`");
   tissue.read("poisson", params.poisson, within(0, 0.49),
               "solid only: Poisson's ratio; use 10 or more sweeps from 0.45 on");
-  bool partial = true;
   tissue.read(
-      "partial_cells", partial,
-      "solid only: cells that the body fills in part bear in proportion; without this key only if the "
-      "body has no skin, which acts on the outermost nodes");
-  if (tissue.has("partial_cells")) params.partial_cells = partial;
+      "partial_cells", params.partial_cells,
+      "solid only: cells that the body fills in part bear in proportion, for bodies that their weight "
+      "bends; presses then take up to 13 % more force, and wounds gape less");
   tissue.read(
       "volume", params.volume, within(0, 100),
       "springs and vbd only: bulk stiffness of an added volume energy, in multiples of Young's modulus");

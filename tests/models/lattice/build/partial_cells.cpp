@@ -101,7 +101,8 @@ template <class Displacement>
 double energy_of(const Model& model, const Bar& bar, int steps, const Displacement& displacement) {
   State state = make_state(model);
   for (int s = 0; s < slot_count(model.lattice); s++) {
-    if (!has_node(model, s)) continue;
+    const Int3 node = slot_node(model.lattice, s);
+    if (!contains(model.lattice, node) || node_slot(model.lattice, node) != s) continue;
     const Vec3d u = displacement(bar.local(Vec3d(rest_position(model.lattice, slot_node(model.lattice, s)))));
     state.motion.u.set(std::size_t(s), Vec3(bar.axes * u));
   }
@@ -227,10 +228,17 @@ TEST(LatticePartialCells, ForcesMatchEnergyDerivative) {
 TEST(LatticePartialCells, RimOfFixedNodesIsFixed) {
   const Scan scan = scan_bar(16, 64, 4, {0, 0, 1}, 0.4, {0.3, 0.1, 0.6});
   const Model model = bar_model(scan, 4, true, true);
+  const State state = make_state(model);
   int fixed = 0, free = 0;
   for (int s = 0; s < slot_count(model.lattice); s++) {
-    if (!has_node(model, s) || is_body(model.tissue[std::size_t(s)])) continue;
-    const Vec3d at = scan.bar.local(Vec3d(rest_position(model.lattice, slot_node(model.lattice, s))));
+    const Int3 node = slot_node(model.lattice, s);
+    if (!contains(model.lattice, node) || node_slot(model.lattice, node) != s) continue;
+    if (is_body(model.tissue[std::size_t(s)])) continue;
+    bool is_corner = false;
+    for (int n = 0; n < kCellCorners; n++)
+      is_corner = is_corner || is_whole_cell(model, state.cuts, node - cell_corner(n));
+    if (!is_corner) continue;
+    const Vec3d at = scan.bar.local(Vec3d(rest_position(model.lattice, node)));
     const bool is_fixed = model.inverse_mass[std::size_t(s)] == 0;
     // steps from the end of the fixed nodes
     const double beyond = (std::abs(at.z) - 0.5 * scan.bar.length) / (4 * kVoxel) + 1.5;

@@ -34,7 +34,7 @@ struct BodyNodes {
 
 /// True if cells at the surface bear in proportion to their filled part (TissueParams::partial_cells).
 inline bool has_partial_cells(const Params& params) {
-  return params.tissue.law == TissueLaw::kSolid && params.tissue.partial_cells.value_or(!params.skin.enabled);
+  return params.tissue.law == TissueLaw::kSolid && params.tissue.partial_cells;
 }
 
 // Steps of classify, for a process with some slices of a CT:

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 
 #include "turgor/core/vec.hpp"
 
@@ -37,9 +36,9 @@ struct TissueParams {
   double bone_min = 200;                                  // bone above this value [HU]
   double volume = 0;          // springs: bulk modulus of the volume energy over Young's modulus [1]
   double poisson = 0.45;      // solid: Poisson's ratio, 0 to 0.49 [1]
-  // Solid: cells that the body fills in part bear in proportion. Empty: if the body has no skin, since the
-  // skin acts on the outermost body nodes and partial cells would hold it from outside.
-  std::optional<bool> partial_cells;
+  // Solid: cells that the body fills in part bear in proportion. Off by default, since skin and contacts act on
+  // the outermost body nodes, which partial cells then hold from outside.
+  bool partial_cells = false;
   std::map<int, double> young_of_label;  // Young's modulus by label of a segmentation [Pa]
 };
 
