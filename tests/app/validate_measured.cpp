@@ -7,8 +7,8 @@ namespace {
 using nlohmann::json;
 using namespace test;
 
-// Every row has a measured value inside its band; a prediction outside is a miss, printed and reflected in the
-// exit code.
+// Every row has a measured value inside its band; a prediction outside is a miss, printed and reflected in
+// the exit code.
 TEST(ValidateMeasuredCommand, MissesArePrinted) {
   const fs::path folder = fresh_folder();
   const Ended ended = run_program("validate measured --quick --out measured", folder);

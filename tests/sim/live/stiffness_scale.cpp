@@ -31,8 +31,8 @@ TEST(StiffnessScale, ChangedBodyEqualsLoadedBody) {
   World changed = loaded({});
   for (const std::string& one : kScaled) {
     const std::size_t equals = one.find('=');
-    ASSERT_TRUE(
-        apply_request(kOneExec, ChangeRequest{one.substr(0, equals), one.substr(equals + 1)}, scene, changed));
+    ASSERT_TRUE(apply_request(kOneExec, ChangeRequest{one.substr(0, equals), one.substr(equals + 1)}, scene,
+                              changed));
   }
   World scaled = loaded(kScaled), plain = loaded({});
   run_frames(changed, 8), run_frames(scaled, 8), run_frames(plain, 8);

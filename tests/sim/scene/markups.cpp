@@ -71,9 +71,11 @@ TEST(Markups, ErrorsNamePlaceAndValue) {
   EXPECT_NE(markup_error(markups_text("Fiducial", kThree)).find("expected one Line"), std::string::npos);
   EXPECT_NE(markup_error(markups_text("Line", kThree)).find("expected the 2 points of a line, found 3"),
             std::string::npos);
-  EXPECT_NE(markup_error(markups_text("Curve", point("[1, 2, 3]"))).find("2 points or more"), std::string::npos);
-  EXPECT_NE(markup_error(markups_text("Curve", kThree + "," + point("[1, \"a\", 3]"))).find("controlPoints[3]"),
+  EXPECT_NE(markup_error(markups_text("Curve", point("[1, 2, 3]"))).find("2 points or more"),
             std::string::npos);
+  EXPECT_NE(
+      markup_error(markups_text("Curve", kThree + "," + point("[1, \"a\", 3]"))).find("controlPoints[3]"),
+      std::string::npos);
   EXPECT_NE(markup_error(markups_text("Curve", kThree, "XYZ")).find("coordinateSystem"), std::string::npos);
   EXPECT_NE(markup_error(markups_text("Curve", kThree, "LPS", "\"furlong\"")).find("coordinateUnits"),
             std::string::npos);

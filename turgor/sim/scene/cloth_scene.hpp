@@ -73,7 +73,7 @@ struct ClothScene {
   Device device = Device::kCpu;
   cloth::Params params;
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report
-  double stiffness_scale = 1;  // of membrane, springs and bending [1]
+  double stiffness_scale = 1;      // of membrane, springs and bending [1]
   cloth::Air air;
   std::vector<WindTurn> turns;
   std::vector<HoldScene> holds;

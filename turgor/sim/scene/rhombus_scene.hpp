@@ -62,7 +62,7 @@ struct RhombusScene {
   std::string tissue;  // name of a preset, source of the chain
   rhombus::Params params;
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report
-  double stiffness_scale = 1;  // of all stiffnesses [1]
+  double stiffness_scale = 1;      // of all stiffnesses [1]
   std::optional<StiffnessScene> stiffness;
 };
 

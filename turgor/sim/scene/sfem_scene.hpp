@@ -94,7 +94,7 @@ struct SfemScene {
   SolidSource source;
   sfem::Material material;
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report
-  double stiffness_scale = 1;  // of all moduli [1]
+  double stiffness_scale = 1;      // of all moduli [1]
   std::vector<InsideScene> inside;
   std::vector<InclusionScene> inclusions;
   HeldBy fixed;

@@ -1,17 +1,18 @@
 #include "turgor/models/cloth/solver/block_cholesky.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include <gtest/gtest.h>
 
 #include "tests/models/cloth/storm.hpp"
 
 namespace turgor::cloth {
 namespace {
 
-/// Matrix with 2 a aᵀ on the diagonals of a pair and a aᵀ between, for each pair of neighbors in a square grid.
+/// Matrix with 2 a aᵀ on the diagonals of a pair and a aᵀ between, for each pair of neighbors in a square
+/// grid.
 struct GridMatrix {
   std::vector<int> pair_begin{0}, pair;
   std::vector<Block> blocks;

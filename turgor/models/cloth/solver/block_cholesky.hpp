@@ -21,10 +21,10 @@ using BlockColumns = std::array<BlockColumn, kRigidModes>;
 
 /// Factor of a matrix. Entries of L are stored by column, the diagonal block as its inverse.
 struct BlockCholesky {
-  std::vector<int> begin, row;           // rows below the diagonal of each column, ascending
-  std::vector<BlockColumns> below;       // L_ij of each of these rows
-  std::vector<BlockColumns> inverse;     // L_jj⁻¹ of each column
-  std::vector<BlockColumn> right_side;   // of a solution; the result is in its position
+  std::vector<int> begin, row;          // rows below the diagonal of each column, ascending
+  std::vector<BlockColumns> below;      // L_ij of each of these rows
+  std::vector<BlockColumns> inverse;    // L_jj⁻¹ of each column
+  std::vector<BlockColumn> right_side;  // of a solution; the result is in its position
 };
 
 /// Order of elimination with small fill: a block with the fewest neighbors comes first [minimum degree: Rose
@@ -35,8 +35,8 @@ std::vector<int> elimination_order(std::vector<std::vector<int>> neighbors);
 /// pair_begin[a + 1] − 1, of which the last is (a, a) and the others are below the diagonal, ascending.
 void analyze(std::span<const int> pair_begin, std::span<const int> pair, BlockCholesky& factor);
 
-/// Factors the matrix with these blocks, in the order of `pair`. A pivot that is not positive, from rounding, is
-/// replaced by the diagonal of the matrix, so the factor is always that of a positive matrix.
+/// Factors the matrix with these blocks, in the order of `pair`. A pivot that is not positive, from rounding,
+/// is replaced by the diagonal of the matrix, so the factor is always that of a positive matrix.
 void factorize(std::span<const int> pair_begin, std::span<const int> pair, std::span<const Block> matrix,
                BlockCholesky& factor);
 

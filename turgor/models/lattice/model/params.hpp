@@ -34,10 +34,10 @@ struct TissueParams {
   double air_max = -449;                                  // air below this value [HU]
   double fat_max = -30;                                   // fat below this value [HU]
   double bone_min = 200;                                  // bone above this value [HU]
-  double volume = 0;          // springs: bulk modulus of the volume energy over Young's modulus [1]
-  double poisson = 0.45;      // solid: Poisson's ratio, 0 to 0.49 [1]
-  // Solid: cells that the body fills in part bear in proportion. Off by default, since skin and contacts act on
-  // the outermost body nodes, which partial cells then hold from outside.
+  double volume = 0;      // springs: bulk modulus of the volume energy over Young's modulus [1]
+  double poisson = 0.45;  // solid: Poisson's ratio, 0 to 0.49 [1]
+  // Solid: cells that the body fills in part bear in proportion. Off by default, since skin and contacts act
+  // on the outermost body nodes, which partial cells then hold from outside.
   bool partial_cells = false;
   std::map<int, double> young_of_label;  // Young's modulus by label of a segmentation [Pa]
 };
