@@ -13,11 +13,12 @@ TEST(ViewCommand, MissingDisplayEndsWithMessage) {
   EXPECT_EQ(std::count(ended.printed.begin(), ended.printed.end(), '\n'), 1) << ended.printed;
 }
 
-// The command requires a scene.
-TEST(ViewCommand, RequiresScene) {
-  const test::Ended ended = test::run_program("view", test::fresh_folder());
+// Without a scene the command opens the gallery, which needs a display too.
+TEST(ViewCommand, GalleryNeedsDisplay) {
+  const test::Ended ended = test::run_program("view", test::fresh_folder(), "unset DISPLAY WAYLAND_DISPLAY");
   EXPECT_EQ(ended.code, 2);
-  EXPECT_NE(ended.printed.find("scene is required"), std::string::npos) << ended.printed;
+  EXPECT_NE(ended.printed.find("no window: "), std::string::npos) << ended.printed;
+  EXPECT_NE(ended.printed.find("turgor run SCENE"), std::string::npos) << ended.printed;
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TEST_F(DocumentsTest, EscapeLeavesModesAndNeverQuits) {
   EXPECT_EQ(viewer().mode, MouseMode::kTouch);
   EXPECT_FALSE(viewer().ends);
   EXPECT_TRUE(now().cuts.empty());
-  type("ctrl+q");
+  hand("key ctrl+q");
   EXPECT_FALSE(draw_until([](const SessionStatus&) { return false; }, 2))
       << "without edits it closes at once";
 }

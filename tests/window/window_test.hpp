@@ -37,7 +37,9 @@ class WindowTest : public testing::Test {
   }
 
   void open_with(WindowOptions options) {
+    const bool plays = options.session.plays;
     options.session = {.threads = 1, .loop = {.priority = 0, .lock_memory = false}, .longest = 60};
+    options.session.plays = plays;
     Result<std::unique_ptr<SceneWindow>> opened = SceneWindow::open(options);
     ASSERT_TRUE(opened) << opened.error().message;
     window_ = std::move(*opened);

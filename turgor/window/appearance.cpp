@@ -11,6 +11,8 @@ namespace {
 
 bool is_light() { return ImGui::GetStyleColorVec4(ImGuiCol_WindowBg).x > 0.5f; }
 
+}  // namespace
+
 void set_font(float text_size, WindowScale scale) {
   static constexpr ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x22FF, 0};
   ImGuiIO& io = ImGui::GetIO();
@@ -25,8 +27,6 @@ void set_font(float text_size, WindowScale scale) {
   io.FontGlobalScale = 1 / scale.framebuffer;
 }
 
-}  // namespace
-
 void set_appearance(const Appearance& appearance, WindowScale scale) {
   ImGuiStyle& style = ImGui::GetStyle();
   style = ImGuiStyle();
@@ -38,7 +38,6 @@ void set_appearance(const Appearance& appearance, WindowScale scale) {
   style.FramePadding = {7, 4}, style.ItemSpacing = {8, 6}, style.WindowPadding = {10, 10};
   style.ScaleAllSizes(scale.units() * appearance.text_size / Appearance().text_size);
   style.Colors[ImGuiCol_WindowBg].w = 1;
-  set_font(appearance.text_size, scale);
 }
 
 ImVec4 failure_color() { return is_light() ? ImVec4{0.75f, 0.05f, 0, 1} : ImVec4{1, 0.45f, 0.35f, 1}; }

@@ -16,8 +16,10 @@ struct WindowScale {
   bool operator==(const WindowScale&) const = default;
 };
 
-/// Sets the style and the font. The font's texture must be made again.
+/// Sets colors and sizes of the style.
 void set_appearance(const Appearance& appearance, WindowScale scale);
+/// Sets the font. Its texture must be made again.
+void set_font(float text_size, WindowScale scale);
 
 /// Colors of text in the present theme.
 ImVec4 failure_color();

@@ -132,12 +132,17 @@ void SceneWindow::Impl::keep_settings() {
   (void)write_settings(options.settings, kept);  // the window closes and cannot show a message
 }
 
-/// Makes the font again if the theme, the size of text or the monitor changed.
+/// Sets the theme, and makes the font again if the size of text or the monitor changed.
 void SceneWindow::Impl::set_style() {
   const WindowScale now = scale_of(window, options.scale);
   if (now == scale && viewer->settings.appearance == appearance) return;
+  const bool has_new_font =
+      !(now == scale) || viewer->settings.appearance.text_size != appearance.text_size || !has_font;
   scale = now, appearance = viewer->settings.appearance;
   set_appearance(appearance, scale);
+  if (!has_new_font) return;
+  has_font = true;
+  set_font(appearance.text_size, scale);
   ImGui_ImplOpenGL3_DestroyDeviceObjects();  // the next frame makes them again, with the new font
 }
 

@@ -44,8 +44,9 @@ struct SceneWindow::Impl {
   std::vector<std::function<void()>> events;  // in order of arrival
   Settings settings;                          // as read
   Appearance appearance;                      // as set
-  WindowScale scale;                          // as set
-  std::string trouble;                        // error of the settings' file
+  bool has_font = false;
+  WindowScale scale;    // as set
+  std::string trouble;  // error of the settings' file
   DrawnState drawn;
   std::chrono::steady_clock::time_point changed = std::chrono::steady_clock::now(), latest = changed;
   Film film;
