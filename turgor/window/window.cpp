@@ -135,7 +135,7 @@ void SceneWindow::Impl::keep_settings() {
 /// Sets the theme, and makes the font again if the size of text or the monitor changed.
 void SceneWindow::Impl::set_style() {
   const WindowScale now = scale_of(window, options.scale);
-  if (now == scale && viewer->settings.appearance == appearance) return;
+  if (has_font && now == scale && viewer->settings.appearance == appearance) return;
   const bool has_new_font =
       !(now == scale) || viewer->settings.appearance.text_size != appearance.text_size || !has_font;
   scale = now, appearance = viewer->settings.appearance;
