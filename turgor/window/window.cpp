@@ -281,6 +281,7 @@ bool SceneWindow::draw() {
 }
 
 Image SceneWindow::picture() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);  // whose buffer is chosen next
   glReadBuffer(GL_FRONT);
   Image image = impl_->read();
   glReadBuffer(GL_BACK);

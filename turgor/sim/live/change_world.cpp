@@ -69,6 +69,10 @@ const auto* find_named(const Bodies& bodies, const SceneKey& key) {
   return found == bodies.end() ? nullptr : &*found;
 }
 
+/// A model without an overload below has no parameters that change while it runs.
+template <class BodyScene, class Body>
+void change_body(const Exec&, const BodyScene&, Body&) {}
+
 void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body) {
   body.has_gravity = scene.has_gravity;
   lattice::Params& params = body.model.params;

@@ -18,7 +18,7 @@ constexpr double kContactStiffness = 50;  // contact stiffness relative to the r
 constexpr double kSelfContactStiffness =
     20;  // the same for self-contacts, where higher values need more iterations
 constexpr double kFrictionTolerance = 0.01;  // error of friction allowed in a step, relative to all friction
-constexpr double kTensionTolerance = 0.003;  // tension of contacts that open, relative to all normal impulses
+constexpr double kTensionTolerance = 0.01;   // tension of contacts that open, relative to all normal impulses
 constexpr Real kPenetrationTolerance =
     Real(0.02);  // penetration of a closed contact allowed in a step, relative to the thickness
 

@@ -137,11 +137,11 @@ void solve_by_sweeps(const Exec& exec, const Model& model, State& state, Method 
 }
 
 // Residual forces of the sheet would be a large share of the forces on obstacles, so the tolerance of a sheet
-// that presses one is a tenth. Without closed contacts one solution is enough.
+// that presses one is a thirtieth. Without closed contacts one solution is enough.
 void solve_with_implicit_contacts(const Exec& exec, const Model& model, State& state, double dt) {
   // stop criterion and number of rounds
   constexpr int kRounds = 4, kSqueezedRounds = 10;
-  constexpr double kCare = 0.1;
+  constexpr double kCare = 0.03;
   const Solver& solver = model.params.solver;
   const auto& terms = state.implicit_contacts.terms;
   const bool is_squeezed = std::any_of(terms.begin(), terms.end(),
