@@ -36,7 +36,7 @@ struct SavedRun {
   std::uint64_t loaded_hash = 0;  // of the world after loading
 };
 
-/// Newest autosave of an ended run with this goal; empty if there is none. Error: it is damaged, or of
+/// Newest autosave of an ended run with this goal; empty if no autosave exists. Error: it is damaged, or of
 /// another scene or version.
 Result<std::optional<SavedRun>> find_saved_run(const std::filesystem::path& goal, const Scene& scene);
 

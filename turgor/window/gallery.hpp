@@ -14,7 +14,7 @@ struct GalleryScene {
 };
 
 /// Folder of the scenes: $TURGOR_SCENES, or `scenes` in the current folder, in a folder above the program, or
-/// in its share/turgor. Empty if there is none.
+/// in its share/turgor. Empty if no such folder exists.
 std::filesystem::path scene_folder();
 
 /// All scenes of a folder, by name.

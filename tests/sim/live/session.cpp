@@ -6,7 +6,6 @@
 #include "tests/sim/four_kinds.hpp"
 #include "tests/sim/live/watched_session.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/sim/live/mouse_tools.hpp"
 
 namespace turgor {
 namespace {
@@ -158,53 +157,6 @@ TEST(Session, CutOpensWoundUntilReset) {
   EXPECT_TRUE(wait_until(session, [&](const SessionStatus& now) {
     return now.phase == Phase::kReady && now.world > world && walls(now) == 0 && now.snapshot.frame < 20;
   }));
-}
-
-// The surface of a wound that was cut in a live session is that of the same frames without a clock.
-TEST(Session, LiveWoundEqualsFrames) {
-  const fs::path folder = fresh_folder();
-  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
-  const std::string with_cut = test::block_scene_text("block.nii");
-  const std::size_t begin = with_cut.find("[incision.cut]"), end = with_cut.find("[output]");
-  const fs::path file = written(folder, "block.toml", with_cut.substr(0, begin) + with_cut.substr(end));
-  const CutRequest request{.blade = {.name = "cut",
-                                     .from = {0.002, -0.02, -0.03},
-                                     .to = {0.002, -0.02, 0.03},
-                                     .depth = 0.012,
-                                     .duration = 0.2},
-                           .body = 0};
-  const auto pause = [](Session& session) {
-    session.request(PaceRequest{.plays = false, .pace = 1});
-    return wait_until(session, [](const SessionStatus& now) { return !now.plays; });
-  };
-
-  // cut live
-  Session session(file, {}, {.threads = 2, .loop = kOneThread.loop});
-  ASSERT_TRUE(wait_for_world(session, 3) && pause(session)) << session.now().error;
-  const int first = session.now().snapshot.frame;
-  session.request(request), session.request(PaceRequest{});
-  ASSERT_TRUE(wait_until(session, [&](const SessionStatus& now) { return now.snapshot.frame > first + 25; }));
-  ASSERT_TRUE(pause(session));
-  const WorldSnapshot& paused = session.now().snapshot;
-  const BodySnapshot& live = paused.bodies[0];
-
-  // the same frames
-  const Exec exec(1);
-  auto scene = std::make_shared<const Scene>(with_mouse_tools(read_scene(file).value()));
-  World world = load_world(exec, *scene).value();
-  while (world.frame < paused.frame) {
-    if (world.frame == first) {
-      ASSERT_TRUE(apply_request(exec, request, scene, world));
-    }
-    ASSERT_TRUE(step(exec, world));
-  }
-  WorldSnapshot frames;
-  show(exec, world, frames);
-  EXPECT_TRUE(live.triangles == frames.bodies[0].triangles);
-  EXPECT_TRUE(live.rest == frames.bodies[0].rest);
-  EXPECT_TRUE(live.x == frames.bodies[0].x);
-  EXPECT_TRUE(live.normals == frames.bodies[0].normals);
-  EXPECT_GT(live.triangles.size(), live.wall_begin) << "the wound has walls";
 }
 
 // A cut that misses the body is reported, and the world continues.

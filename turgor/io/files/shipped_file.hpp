@@ -7,7 +7,7 @@
 namespace turgor {
 
 /// First existing file of `system`, else ../share/turgor/`name` relative to the running program, if its owner
-/// is the program's owner or root. Empty if there is none.
+/// is the program's owner or root. Empty if no such file exists.
 std::filesystem::path shipped_file(const std::filesystem::path& name,
                                    std::initializer_list<std::filesystem::path> system);
 

@@ -26,8 +26,8 @@ class AutosaveFolder {
  public:
   /// Chooses a name; creates nothing yet.
   explicit AutosaveFolder(const std::filesystem::path& goal);
-  /// Takes over the newest autosave of an ended run; empty if there is none. Error: it cannot be renamed, or
-  /// it belongs to another user.
+  /// Takes over the newest autosave of an ended run; empty if no autosave exists. Error: it cannot be
+  /// renamed, or it belongs to another user.
   static Result<std::optional<AutosaveFolder>> take_over(const std::filesystem::path& goal);
   AutosaveFolder(AutosaveFolder&& other) noexcept;
   AutosaveFolder& operator=(AutosaveFolder&&) = delete;

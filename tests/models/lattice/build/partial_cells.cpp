@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "turgor/models/lattice/cutting/cut_topology.hpp"
+#include "turgor/models/lattice/cutting/loose_rim.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/lattice/solver/energy.hpp"
@@ -255,7 +256,7 @@ TEST(LatticePartialCells, RimOfFixedNodesIsFixed) {
   EXPECT_GT(free, 10);
 }
 
-// Where all cells around a rim node are cut, the rim node is removed; others stay.
+// A rim node is removed if all cells around it are cut; others stay.
 TEST(LatticePartialCells, RimWithoutCellsIsRemoved) {
   const Scan scan = scan_bar(16, 64, 4, {0, 0, 1}, 0, {0.3, 0.1, 0.6});
   const Model model = bar_model(scan, 4);

@@ -81,11 +81,11 @@ struct CellSearch {
 /// A cell near the surface.
 struct NearSurface {
   Int3 cell;
-  CellVoxels voxels;  // with those of cells that were aggregated to it
+  CellVoxels voxels;    // with those of cells that were aggregated to it
+  double fraction = 0;  // filled by its own voxels [1]
   bool is_kept = false;
-
-  double fraction() const { return voxels.all > 0 ? double(voxels.body) / double(voxels.all) : 0; }
 };
+double filled_fraction(const CellVoxels& v) { return v.all > 0 ? double(v.body) / double(v.all) : 0; }
 
 /// Cells near the surface in lattice order.
 std::vector<NearSurface> find_near_surface(const Exec& exec, const VoxelsOfCell& voxels,
@@ -99,7 +99,8 @@ std::vector<NearSurface> find_near_surface(const Exec& exec, const VoxelsOfCell&
         const Int3 cell{i, j, int(k)};
         if (!search.may_be_partial(cell)) continue;
         NearSurface found{cell, voxels(cell + Int3{0, 0, nodes.first})};
-        found.is_kept = search.is_full(cell) || found.fraction() >= kLeastFraction;
+        found.fraction = filled_fraction(found.voxels);
+        found.is_kept = search.is_full(cell) || found.fraction >= kLeastFraction;
         layers[k].push_back(found);
       }
   });
@@ -119,7 +120,7 @@ int find_cell(const std::vector<NearSurface>& cells, const Grid& grid, Int3 cell
 /// Gives the voxels of cells that are not kept to the nearest kept neighbor, among equals the fullest.
 void aggregate_tiny(const BodyNodes& nodes, Int3 block, std::vector<NearSurface>& cells) {
   const CellSearch search{nodes};
-  for (const NearSurface& tiny : std::vector<NearSurface>(cells)) {
+  for (const NearSurface& tiny : cells) {
     if (tiny.is_kept || tiny.voxels.body == 0) continue;
     // target
     int best = -1, distance = 0;
@@ -130,8 +131,7 @@ void aggregate_tiny(const BodyNodes& nodes, Int3 block, std::vector<NearSurface>
       if (!search.is_cell(tiny.cell + o)) continue;
       const int at = find_cell(cells, nodes.grid, tiny.cell + o);
       if (at < 0 || !cells[std::size_t(at)].is_kept) continue;
-      const CellVoxels& v = cells[std::size_t(at)].voxels;
-      if (const double f = v.all > 0 ? double(v.body) / double(v.all) : 0; f > fullest)
+      if (const double f = cells[std::size_t(at)].fraction; f > fullest)
         best = at, distance = squared(o), offset = o, fullest = f;
     }
     if (best < 0) continue;
@@ -195,7 +195,8 @@ void find_partial_cells(const Exec& exec, const VoxelsOfCell& voxels, Int3 block
         if (!search.is_full({i, j, k})) nodes.fill.fraction[sample_index(nodes.grid, i, j, k)] = 0;
   for (const NearSurface& near : cells) {
     const std::size_t n = sample_index(nodes.grid, near.cell.x, near.cell.y, near.cell.z);
-    nodes.fill.fraction[n] = near.is_kept ? float(std::max(near.fraction(), kLeastFraction)) : 0.0f;
+    nodes.fill.fraction[n] =
+        near.is_kept ? float(std::max(filled_fraction(near.voxels), kLeastFraction)) : 0.0f;
     if (near.is_kept) nodes.fill.center[n] = center_of(near.voxels, block);
   }
   TURGOR_CHECK(all_finite(nodes.fill.fraction), "filled fractions are finite");

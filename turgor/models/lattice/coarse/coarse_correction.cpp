@@ -60,46 +60,47 @@ struct CellForces {
 
   template <int kWidth>
   void add(const NodeBlock& block, int slot, int k) const {
+    if (has_partial_cell(slot, kWidth))
+      add_cells<kWidth, true>(block, slot, k);
+    else
+      add_cells<kWidth, false>(block, slot, k);
+  }
+
+  template <int kWidth, bool kPartial>
+  void add_cells(const NodeBlock& block, int slot, int k) const {
     // moduli
     Real young[kWidth];
     find_young<kWidth>(block, slot, young);
     // forces on the corners of each cell
-    const bool partial = has_partial_cell(slot, kWidth);
-    const std::uint32_t* center = partial ? model.cell_center.data() : nullptr;
+    [[maybe_unused]] const std::uint32_t* center = model.cell_center.data();
     const SolidLaw by = law;
     const NodeArrays n = nodes;
     Real *fx = out.field.x.data(), *fy = out.field.y.data(), *fz = out.field.z.data();
     int corner[kCellCorners];
     for (int c = 0; c < kCellCorners; c++) corner[c] = corner_slot(block, 0, 0, c);
     Real px[kCellCorners][kWidth], py[kCellCorners][kWidth], pz[kCellCorners][kWidth];
-    if (!partial) {
-      TURGOR_LANES
-      for (int i = 0; i < kWidth; i++) {
-        const int a = slot + i;
-        Vec3 d[kCellCorners];
+    TURGOR_LANES
+    for (int i = 0; i < kWidth; i++) {
+      const int a = slot + i;
+      Vec3 d[kCellCorners];
 #pragma GCC unroll 8
-        for (int c = 0; c < kCellCorners; c++) d[c] = n.u(a + corner[c]) - n.u(a);
-        const CellStress stress = cell_stress(d, by, young[i]);
-#pragma GCC unroll 8
-        for (int c = 0; c < kCellCorners; c++) {
-          const Vec3 f = corner_force(stress, d[c], c);
-          px[c][i] = f.x, py[c][i] = f.y, pz[c][i] = f.z;
-        }
+      for (int c = 0; c < kCellCorners; c++) d[c] = n.u(a + corner[c]) - n.u(a);
+      [[maybe_unused]] Vec3 point;
+      CellStress stress;
+      if constexpr (kPartial) {
+        point = CellCenter{center[a]}.in_half_cells();
+        stress = cell_stress_at(d, by, young[i], point);
+      } else {
+        stress = cell_stress(d, by, young[i]);
       }
-    } else {
-      TURGOR_LANES
-      for (int i = 0; i < kWidth; i++) {
-        const int a = slot + i;
-        const Vec3 point = CellCenter{center[a]}.in_half_cells();
-        Vec3 d[kCellCorners];
 #pragma GCC unroll 8
-        for (int c = 0; c < kCellCorners; c++) d[c] = n.u(a + corner[c]) - n.u(a);
-        const CellStress stress = cell_stress_at(d, by, young[i], point);
-#pragma GCC unroll 8
-        for (int c = 0; c < kCellCorners; c++) {
-          const Vec3 f = corner_force_at(stress, d[c], c, point);
-          px[c][i] = f.x, py[c][i] = f.y, pz[c][i] = f.z;
-        }
+      for (int c = 0; c < kCellCorners; c++) {
+        Vec3 f;
+        if constexpr (kPartial)
+          f = corner_force_at(stress, d[c], c, point);
+        else
+          f = corner_force(stress, d[c], c);
+        px[c][i] = f.x, py[c][i] = f.y, pz[c][i] = f.z;
       }
     }
     // add to the nodes

@@ -15,9 +15,6 @@ void mark_virtual_nodes_with_unknowns(const Model& model, const Cuts& cuts, Frag
 /// are downloaded.
 void build_cut_elements(const Model& model, State& state, const DownloadNodes& download = {});
 
-/// Removes the rim nodes around which no whole cell is left, since nothing would hold them.
-void remove_loose_rim(const Model& model, Cuts& cuts);
-
 /// Marks the rows around a slot as cut (Cuts::row_cut).
 void mark_rows(const Model& model, Cuts& cuts, int slot);
 

@@ -16,6 +16,7 @@
 #include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/cutting/drawn_curve.hpp"
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
+#include "turgor/models/lattice/cutting/loose_rim.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/model/halo.hpp"
 

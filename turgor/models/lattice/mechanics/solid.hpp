@@ -34,6 +34,18 @@ struct CellCenter {
 /// `at`: in half cells; coordinates outside of [-1, 1) become the nearest inside.
 CellCenter packed_center(Vec3d at);
 
+/// Eight times the mean displacement of the corners, and the differences of the far and near corners of each
+/// axis [m].
+struct CornerSums {
+  Vec3 mean, x, y, z;
+};
+[[gnu::always_inline]] TURGOR_HD inline CornerSums corner_sums(const Vec3 (&d)[kCellCorners]) {
+  const Vec3 sum0 = d[0] + d[1], sum1 = d[2] + d[3], sum2 = d[4] + d[5], sum3 = d[6] + d[7];
+  const Vec3 low = sum0 + sum1, high = sum2 + sum3;
+  return {low + high, (d[1] - d[0]) + (d[3] - d[2]) + ((d[5] - d[4]) + (d[7] - d[6])),
+          (sum1 - sum0) + (sum3 - sum2), high - low};
+}
+
 /// Displacement gradient of a cell at its center, by columns, and the hourglass displacement of one corner.
 struct CellGradient {
   Vec3 x, y, z;                 // du/dx, du/dy, du/dz [1]
@@ -42,11 +54,9 @@ struct CellGradient {
 
 /// `d`: displacements of the corners relative to corner `at` [m].
 TURGOR_HD inline CellGradient cell_gradient(const Vec3 (&d)[kCellCorners], int at, Vec3 slope) {
-  const Vec3 sum0 = d[0] + d[1], sum1 = d[2] + d[3], sum2 = d[4] + d[5], sum3 = d[6] + d[7];
-  const Vec3 x = (d[1] - d[0]) + (d[3] - d[2]) + ((d[5] - d[4]) + (d[7] - d[6]));
-  const Vec3 y = (sum1 - sum0) + (sum3 - sum2), low = sum0 + sum1, high = sum2 + sum3, z = high - low;
+  const auto [mean, x, y, z] = corner_sums(d);
   const Int3 side = corner_sign(at);
-  const Vec3 plane = (low + high) + x * Real(side.x) + y * Real(side.y) + z * Real(side.z);
+  const Vec3 plane = mean + x * Real(side.x) + y * Real(side.y) + z * Real(side.z);
   return {x * slope.x, y * slope.y, z * slope.z, plane * Real(-0.125)};
 }
 
@@ -125,10 +135,10 @@ TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, int at, con
 struct CellStress {
   Vec3 x, y,
       z;  // force on a corner at the far end of each axis, −V P/(4 spacing); opposite at the near end [N]
-  Vec3 mean, along[3];  // eight times the mean displacement; its differences by axis [m]
-  Real hourglass;       // [N/m]
+  CornerSums sums;  // for the hourglass forces [m]
+  Real hourglass;   // [N/m]
 };
-/// Stress for ∇u by columns; the members for the hourglass forces stay zero. Formulas: add_cell.
+/// Stress for ∇u by columns; the sums for the hourglass forces stay zero. Formulas: add_cell.
 [[gnu::always_inline]] TURGOR_HD inline CellStress stress_of(Vec3 ux, Vec3 uy, Vec3 uz, const SolidLaw& law,
                                                              Real young) {
   // invariants
@@ -146,23 +156,20 @@ struct CellStress {
   const Vec3 px = ux * sides + (ux - dcof_x) * skew + dcof_x * bulk + Vec3{sides + bulk, 0, 0},
              py = uy * sides + (uy - dcof_y) * skew + dcof_y * bulk + Vec3{0, sides + bulk, 0},
              pz = uz * sides + (uz - dcof_z) * skew + dcof_z * bulk + Vec3{0, 0, sides + bulk};
-  return {px * -law.slope.x, py * -law.slope.y, pz * -law.slope.z, {}, {}, young * law.hourglass};
+  return {px * -law.slope.x, py * -law.slope.y, pz * -law.slope.z, {}, young * law.hourglass};
 }
 /// `d`: displacements of the corners relative to any one of them [m].
 [[gnu::always_inline]] TURGOR_HD inline CellStress cell_stress(const Vec3 (&d)[kCellCorners],
                                                                const SolidLaw& law, Real young) {
-  const Vec3 sum0 = d[0] + d[1], sum1 = d[2] + d[3], sum2 = d[4] + d[5], sum3 = d[6] + d[7];
-  const Vec3 low = sum0 + sum1, high = sum2 + sum3, z = high - low;
-  const Vec3 x = (d[1] - d[0]) + (d[3] - d[2]) + ((d[5] - d[4]) + (d[7] - d[6]));
-  const Vec3 y = (sum1 - sum0) + (sum3 - sum2);
-  CellStress s = stress_of(x * law.slope.x, y * law.slope.y, z * law.slope.z, law, young);
-  s.mean = low + high, s.along[0] = x, s.along[1] = y, s.along[2] = z;
+  const CornerSums sums = corner_sums(d);
+  CellStress s = stress_of(sums.x * law.slope.x, sums.y * law.slope.y, sums.z * law.slope.z, law, young);
+  s.sums = sums;
   return s;
 }
 /// Hourglass force on a corner with displacement d [N].
 [[gnu::always_inline]] TURGOR_HD inline Vec3 hourglass_force(const CellStress& s, Vec3 d, Int3 side) {
   const Vec3 plane =
-      s.mean + s.along[0] * Real(side.x) + s.along[1] * Real(side.y) + s.along[2] * Real(side.z);
+      s.sums.mean + s.sums.x * Real(side.x) + s.sums.y * Real(side.y) + s.sums.z * Real(side.z);
   return (plane * Real(0.125) - d) * s.hourglass;
 }
 /// Force on a corner with displacement d [N].
@@ -177,10 +184,7 @@ struct CellStress {
                                                                   Vec3 point) {
   const CellGradient u = cell_gradient_at(d, 0, law.slope, point);
   CellStress s = stress_of(u.x, u.y, u.z, law, young);
-  const Vec3 sum0 = d[0] + d[1], sum1 = d[2] + d[3], sum2 = d[4] + d[5], sum3 = d[6] + d[7];
-  s.mean = (sum0 + sum1) + (sum2 + sum3);
-  s.along[0] = (d[1] - d[0]) + (d[3] - d[2]) + ((d[5] - d[4]) + (d[7] - d[6]));
-  s.along[1] = (sum1 - sum0) + (sum3 - sum2), s.along[2] = (sum2 + sum3) - (sum0 + sum1);
+  s.sums = corner_sums(d);
   return s;
 }
 [[gnu::always_inline]] TURGOR_HD inline Vec3 corner_force_at(const CellStress& s, Vec3 d, int corner,
