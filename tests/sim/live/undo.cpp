@@ -69,6 +69,24 @@ TEST(Undo, CutIsTakenBackExactly) {
   EXPECT_EQ(world->lattice_bodies[0].state.host().cuts.edges.size(), edges) << "the same cut again";
 }
 
+// Another cut that the blade made after the request of the one taken back is made again.
+TEST(Undo, EarlierCutIsMadeAgain) {
+  auto scene = std::make_shared<const Scene>(read_scene(block_file()).value());
+  World alone = load_world(kExec, *scene).value(), world = load_world(kExec, *scene).value();
+  ASSERT_TRUE(apply_request(kExec, cut_at(0.01), scene, alone));
+  step_frames(alone, 10);
+  const auto edges = alone.lattice_bodies[0].state.host().cuts.edges.size();
+  ASSERT_TRUE(apply_request(kExec, cut_at(0.01), scene, world));
+  ASSERT_TRUE(apply_request(kExec, cut_at(-0.01), scene, world));
+  step_frames(world, 10);
+  EXPECT_GT(world.lattice_bodies[0].state.host().cuts.edges.size(), edges);
+  ASSERT_TRUE(apply_request(kExec, UndoCutRequest{}, scene, world));
+  step_frames(world, 10);
+  ASSERT_EQ(world.cuts.size(), 1u);
+  EXPECT_EQ(world.cuts[0].edges, alone.cuts[0].edges);
+  EXPECT_EQ(world.lattice_bodies[0].state.host().cuts.edges.size(), edges);
+}
+
 // Cuts of the scene are no edits.
 TEST(Undo, CutOfSceneStays) {
   const Result<Scene> read = parse_scene(

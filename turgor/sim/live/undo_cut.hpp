@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "turgor/core/result.hpp"
 #include "turgor/models/lattice/model/state.hpp"
@@ -11,13 +12,27 @@ namespace turgor {
 struct LatticeBody;
 struct World;
 
+/// Progress of another cut when a cut starts.
+struct CutProgress {
+  bool has_path = false;
+  double done = 0;  // as Cut
+  int edges = 0;
+};
+/// A body before a cut, and the progress of all earlier cuts of the world, in their order.
+struct BeforeCut {
+  lattice::State state;
+  double stiffness_scale = 1;  // of the body
+  std::vector<CutProgress> cuts;
+};
+
 /// Copy of the body's state for a cut that is about to start. Older copies are dropped, so that all of them
 /// need at most kCopiedBytes. Null: the state alone is larger.
-std::shared_ptr<const lattice::State> state_before_cut(World& world, const LatticeBody& body);
+std::shared_ptr<const BeforeCut> state_before_cut(World& world, const LatticeBody& body);
 constexpr std::size_t kCopiedBytes = std::size_t(1) << 30;
 
 /// Removes the latest cut and restores its body. Positions and velocities are those from before the cut; the
-/// body settles from there. Error: its copy was dropped.
+/// body settles from there. Blades of earlier cuts that moved meanwhile cut again in the next frame. Error:
+/// its copy was dropped.
 Status undo_last_cut(World& world);
 
 }  // namespace turgor

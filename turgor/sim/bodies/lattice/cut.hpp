@@ -14,14 +14,16 @@
 
 namespace turgor {
 
+struct BeforeCut;
+
 /// Incision in progress.
 struct Cut {
   lattice::Incision blade;
-  int body = 0;                                  // index into World::lattice_bodies
-  std::optional<lattice::BladePath> path;        // computed when the blade starts
-  double done = 0;                               // finished fraction of the path
-  int edges = 0;                                 // edges cut, or nodes removed by a static region
-  std::shared_ptr<const lattice::State> before;  // of the body, to undo the cut (live/undo_cut.hpp); or null
+  int body = 0;                             // index into World::lattice_bodies
+  std::optional<lattice::BladePath> path;   // computed when the blade starts
+  double done = 0;                          // finished fraction of the path
+  int edges = 0;                            // edges cut, or nodes removed by a static region
+  std::shared_ptr<const BeforeCut> before;  // to undo the cut (live/undo_cut.hpp); or null
 };
 
 /// Tests the blade on the body at rest. Error: no skin below it; the message has the source location.
