@@ -118,6 +118,33 @@ TEST_F(DocumentsTest, ForeignChangeIsNotOverwritten) {
   EXPECT_EQ(read_scene(folder_ / "block.toml")->incisions.size(), 0u);
 }
 
+// A restart after Save reads the saved cuts, so that the next Save keeps them.
+TEST_F(DocumentsTest, RestartAfterSaveKeepsCuts) {
+  open(block(folder_));
+  ASSERT_TRUE(wait_for_world());
+  cut_block();
+  const int world = now().world;
+  type("ctrl+s");
+  EXPECT_EQ(read_scene(folder_ / "block.toml")->incisions.size(), 1u) << viewer().message;
+  type("BackSpace");
+  ASSERT_TRUE(draw_until(
+      [&](const SessionStatus& n) { return n.world > world && n.phase == SessionStatus::Phase::kReady; }));
+  EXPECT_EQ(now().scene->incisions.size(), 1u) << "the cut is of the scene";
+  type("ctrl+s");
+  EXPECT_EQ(read_scene(folder_ / "block.toml")->incisions.size(), 1u) << viewer().message;
+}
+
+// Save as does not overwrite another file.
+TEST_F(DocumentsTest, SaveAsKeepsOtherFiles) {
+  open(block(folder_));
+  ASSERT_TRUE(wait_for_world());
+  std::ofstream(folder_ / "other.toml") << "# precious\n";
+  save_new(viewer(), folder_ / "other.toml");
+  EXPECT_NE(viewer().message.find("exists already"), std::string::npos) << viewer().message;
+  save_new(viewer(), folder_ / "block.toml");
+  EXPECT_EQ(viewer().message.find("not saved"), std::string::npos) << "its own file";
+}
+
 // A copy in another folder finds the files of the scene.
 TEST_F(DocumentsTest, SavedElsewhereFindsItsFiles) {
   open(block(folder_));

@@ -79,7 +79,7 @@ void show_file_dialog(Viewer& viewer) {
   ImGui::SameLine();
   if (ImGui::Button("Cancel")) dialog.is_open = false;
   if (is_confirmed)
-    if (const auto file = confirm(dialog)) opens ? open_file(viewer, *file) : save_as(viewer, *file);
+    if (const auto file = confirm(dialog)) opens ? open_file(viewer, *file) : save_new(viewer, *file);
   if (!dialog.is_open) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
@@ -90,7 +90,7 @@ void show_question(Viewer& viewer) {
   if (document.leaving != Leaving::kNothing && !ImGui::IsPopupOpen(kTitle)) ImGui::OpenPopup(kTitle);
   center_next_window({});
   if (!ImGui::BeginPopupModal(kTitle, nullptr, kModal | ImGuiWindowFlags_AlwaysAutoResize)) return;
-  ImGui::TextUnformatted(document.leaving == Leaving::kRestart
+  ImGui::TextUnformatted(document.leaving == Leaving::kRestart || document.leaving == Leaving::kReload
                              ? "A restart removes the cuts that you made. Save them first?"
                              : "The scene has cuts or changes that are not saved. Save them first?");
   ImGui::Spacing();

@@ -62,7 +62,7 @@ struct Area {
 ScreenPosition screen_position(const Area& area, double x, double y);
 
 /// Action that would lose unsaved cuts or changes, and waits for the answer to a question.
-enum class Leaving : std::uint8_t { kNothing, kQuit, kOpen, kRestart };
+enum class Leaving : std::uint8_t { kNothing, kQuit, kOpen, kRestart, kReload };
 
 /// The scene file of a viewer, its dialog, and what was saved of it.
 struct Document {
@@ -172,6 +172,8 @@ void open_file(Viewer& viewer, const std::filesystem::path& file);
 void open_example(Viewer& viewer, const std::filesystem::path& file);
 void quit(Viewer& viewer);
 void restart(Viewer& viewer);
+/// Reads the scene file again.
+void reload(Viewer& viewer);
 /// True if there are cuts or changes that no file has.
 bool has_unsaved_edits(const Viewer& viewer);
 /// Does what a question about unsaved edits was about.
@@ -179,6 +181,8 @@ void leave(Viewer& viewer);
 /// Saves to the document's file, or opens the dialog for an example.
 void save(Viewer& viewer);
 void save_as(Viewer& viewer, const std::filesystem::path& file);
+/// Save as, but not over another existing file.
+void save_new(Viewer& viewer, const std::filesystem::path& file);
 /// Saves beside the scene's file, under an unused name.
 void save_copy(Viewer& viewer);
 void show_open_dialog(Viewer& viewer);

@@ -22,7 +22,12 @@ bool has_scene(const Viewer& viewer) { return viewer.now && viewer.now->scene; }
 std::string cuts_text(const Viewer& viewer) { return incisions_text(*viewer.now->scene, viewer.now->cuts); }
 
 bool has_unsaved_cuts(const Viewer& viewer) {
-  return has_scene(viewer) && !viewer.now->cuts.empty() && cuts_text(viewer) != viewer.document.saved_cuts;
+  return has_scene(viewer) && cuts_text(viewer) != viewer.document.saved_cuts;
+}
+
+fs::path normal(const fs::path& file) {
+  std::error_code ignored;
+  return fs::absolute(file, ignored).lexically_normal();
 }
 
 /// File that Save writes.
@@ -59,11 +64,8 @@ Result<std::string> text_with_edits(const Viewer& viewer, bool moves) {
 
 /// Writes the scene to a file. Error: the text would be no valid scene.
 Status write_scene(Viewer& viewer, const fs::path& file) {
-  std::error_code ignored;
-  const auto folder = [&ignored](const fs::path& of) {
-    return fs::absolute(of, ignored).lexically_normal().parent_path();
-  };
-  const bool moves = has_scene(viewer) && folder(file) != folder(viewer.now->scene->file);
+  const bool moves =
+      has_scene(viewer) && normal(file).parent_path() != normal(viewer.now->scene->file).parent_path();
   const Result<std::string> text = text_with_edits(viewer, moves);
   if (!text) return text.error();
   const Result<Scene> sound = parse_scene(*text, file);
@@ -80,6 +82,27 @@ bool is_changed_elsewhere(const Viewer& viewer, const fs::path& file) {
   const Document& document = viewer.document;
   const Result<std::string> text = read_file(file);
   return text && *text != (document.text.empty() ? viewer.now->scene->text : document.text);
+}
+
+void open_next(Viewer& viewer) {
+  Document& document = viewer.document;
+  viewer.session.request(OpenRequest{.file = document.next, .overrides = {}});
+  viewer.message = "opening " + document.next.string();
+  viewer.framed_file.clear(), viewer.shows_gallery = false;
+  document.file.clear(), document.text.clear(), document.is_example = document.next_is_example;
+  add_recent(document.next, viewer.settings);
+}
+
+/// Reads the scene's file again, which is another one after Save as.
+void read_again(Viewer& viewer) {
+  Document& document = viewer.document;
+  if (!document.file.empty()) {
+    document.next = document.file, document.next_is_example = false;
+    return open_next(viewer);
+  }
+  viewer.session.request(ReloadRequest{});
+  viewer.message = "scene file reloaded";
+  document.text.clear(), document.saved_cuts.clear();
 }
 
 void ask_or_leave(Viewer& viewer, Leaving leaving, bool asks) {
@@ -108,7 +131,13 @@ void open_example(Viewer& viewer, const fs::path& file) {
 void quit(Viewer& viewer) { ask_or_leave(viewer, Leaving::kQuit, has_unsaved_edits(viewer)); }
 
 /// Changes survive a restart, cuts do not.
-void restart(Viewer& viewer) { ask_or_leave(viewer, Leaving::kRestart, has_unsaved_cuts(viewer)); }
+void restart(Viewer& viewer) {
+  ask_or_leave(viewer, Leaving::kRestart, has_unsaved_cuts(viewer) && !viewer.now->cuts.empty());
+}
+
+void reload(Viewer& viewer) {
+  ask_or_leave(viewer, Leaving::kReload, has_unsaved_cuts(viewer) && !viewer.now->cuts.empty());
+}
 
 void leave(Viewer& viewer) {
   Document& document = viewer.document;
@@ -119,15 +148,15 @@ void leave(Viewer& viewer) {
       viewer.ends = true;
       return;
     case Leaving::kRestart:
+      // a saved file has the cuts that were made since it was read
+      if (!document.text.empty()) return read_again(viewer);
       viewer.session.request(ResetRequest{});
       viewer.message = "restarted";
       return;
+    case Leaving::kReload:
+      return read_again(viewer);
     case Leaving::kOpen:
-      viewer.session.request(OpenRequest{.file = document.next, .overrides = {}});
-      viewer.message = "opening " + document.next.string();
-      viewer.framed_file.clear(), viewer.shows_gallery = false;
-      document.file.clear(), document.text.clear(), document.is_example = document.next_is_example;
-      add_recent(document.next, viewer.settings);
+      open_next(viewer);
   }
 }
 
@@ -152,9 +181,19 @@ void save_as(Viewer& viewer, const fs::path& file) {
   const Status written = write_scene(viewer, file);
   if (!written) return void(viewer.message = viewer.failure = written.error().message);
   viewer.message = "saved " + file.string();
-  if (file != viewer.now->scene->file) viewer.document.file = file;
+  viewer.document.file = normal(file) == normal(viewer.now->scene->file) ? fs::path() : file;
   viewer.document.is_example = false;
   add_recent(file, viewer.settings);
+}
+
+void save_new(Viewer& viewer, const fs::path& file) {
+  std::error_code ignored;
+  const bool is_own =
+      has_scene(viewer) && !viewer.document.is_example && normal(file) == normal(file_of(viewer));
+  if (!is_own && fs::exists(file, ignored))
+    return void(viewer.message = viewer.failure =
+                    "not saved: " + file.string() + " exists already; choose another name");
+  save_as(viewer, file);
 }
 
 void save_copy(Viewer& viewer) {

@@ -70,16 +70,6 @@ void toggle_wires(Viewer& viewer) {
   style = style == MeshStyle::kSurface ? MeshStyle::kWires : MeshStyle::kSurface;
 }
 
-/// Reads the file again, which is another one after Save as.
-void reload(Viewer& viewer) {
-  if (viewer.document.file.empty()) {
-    viewer.session.request(ReloadRequest{});
-    viewer.message = "scene file reloaded";
-  } else {
-    open_file(viewer, viewer.document.file);
-  }
-}
-
 /// Leaves what is open or under way, one thing at a time; it never closes the window.
 void leave_mode(Viewer& viewer) {
   if (viewer.document.leaving != Leaving::kNothing)
