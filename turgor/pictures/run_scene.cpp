@@ -264,6 +264,7 @@ Result<std::optional<Simulated>> begin_autosave(const fs::path& goal, RunStart& 
   UnfinishedRun unfinished{.simulated = simulated, .outputs = run.outputs, .stretch = run.stretch};
   Status status = run.autosave->restore(run.exec, *start.saved, run.world, unfinished);
   if (status) status = begin_recording(run, &unfinished);
+  start.saved.reset();  // the file is as large as the world
   if (!status) return status.error();
   run.outputs.facts.resumed_after = unfinished.seconds;
   run.outputs.facts.simulation_seconds = unfinished.simulation_seconds;

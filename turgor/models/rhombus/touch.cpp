@@ -199,7 +199,7 @@ Vec3d elastic_force(const Model& model, ToolTouch& t) {
 }
 
 void remember(const Model& model, ToolTouch& t, Vec3d elastic, double dt) {
-  for (std::size_t i = 0; i < t.remembered.size(); i++) {
+  for (std::size_t i = 0; i < std::size_t(pair_count(model.params.viscosity)); i++) {
     const ViscousStep step = viscous_step(model.params.viscosity.pairs[i], dt);
     t.remembered[i] = t.remembered[i] * step.kept + (elastic - t.elastic) * step.taken;
   }

@@ -226,13 +226,4 @@ void read_world(const Exec& exec, StateReader& file, const LoadedPatches& loaded
   for (SfemBody& body : world.sfem_bodies) fetch_columns_in_use(exec, body);
 }
 
-void write_measures(StateWriter& file, const Measures& measures) {
-  transfer(file, const_cast<Measures&>(measures));
-}
-void read_measures(StateReader& file, Measures& measures) { transfer(file, measures); }
-void write_snapshot(StateWriter& file, const WorldSnapshot& snapshot) {
-  transfer(file, const_cast<WorldSnapshot&>(snapshot));
-}
-void read_snapshot(StateReader& file, WorldSnapshot& snapshot) { transfer(file, snapshot); }
-
 }  // namespace turgor

@@ -25,9 +25,4 @@ void write_world(StateWriter& file, const World& world, const LoadedPatches& loa
 /// Reads it into a loaded world of the same scene. The reader tells whether it was sound.
 void read_world(const Exec& exec, StateReader& file, const LoadedPatches& loaded, World& world);
 
-void write_measures(StateWriter& file, const Measures& measures);
-void read_measures(StateReader& file, Measures& measures);
-void write_snapshot(StateWriter& file, const WorldSnapshot& snapshot);
-void read_snapshot(StateReader& file, WorldSnapshot& snapshot);
-
 }  // namespace turgor

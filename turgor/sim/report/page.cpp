@@ -60,7 +60,7 @@ std::string item_table(const Json& items, const char* heading, const std::vector
     for (const Caption& caption : captions) {
       if (!(caption.shown_in & kInTable)) continue;
       const Json* value = find(item, caption.key);
-      cells.push_back(value ? html_value(*value) : "–");
+      cells.push_back(value && !value->is_null() ? html_value(*value) : "–");
     }
     table += table_row(cells, "td");
   }

@@ -18,7 +18,8 @@ struct Alternatives {
 
 const std::vector<Alternatives>& all_alternatives() {
   static const std::vector<Alternatives> kAll{
-      {"incision", {{"from", "to"}, {"path"}, {"from_fraction", "to_fraction"}, {"path_fraction"}}},
+      {"incision",
+       {{"from", "to"}, {"path"}, {"from_fraction", "to_fraction"}, {"path_fraction"}, {"markups"}}},
       {"body", {{"spacing"}, {"block"}}},
   };
   return kAll;

@@ -344,7 +344,7 @@ Real node_level(const Model& model, const Cuts& cuts, int slot) {
   TURGOR_CHECK(is_index(slot, model.hu.size()), "a node is a slot of the lattice");
   const Real beyond = Real(model.hu[s]) - Real(model.params.tissue.air_max);
   if (!is_body(model.tissue[s])) return std::min(beyond, -kLeast);
-  if (cuts.removed[s]) return -kGas;
+  if (is_removed_tissue(model, cuts, slot)) return -kGas;
   return beyond < 0 ? kGas : std::max(beyond, kLeast);
 }
 

@@ -156,6 +156,11 @@ using DownloadNodes = std::function<void(std::span<const int>)>;
 inline Vec3 position(const Model& model, const Motion& motion, Int3 node) {
   return rest_position(model.lattice, node) + motion.u[std::size_t(node_slot(model.lattice, node))];
 }
+/// True if a node of the body is removed. Rim nodes that a cut has loosened are removed too, but were no
+/// tissue.
+inline bool is_removed_tissue(const Model& model, const Cuts& cuts, int slot) {
+  return is_body(model.tissue[std::size_t(slot)]) && cuts.removed[std::size_t(slot)] != 0;
+}
 /// True if a node is tissue: neither outside nor removed.
 inline bool is_solid(const Model& model, const Cuts& cuts, int slot) {
   return model.tissue[std::size_t(slot)] != Tissue::kOutside && cuts.removed[std::size_t(slot)] == 0;

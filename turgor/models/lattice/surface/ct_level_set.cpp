@@ -41,7 +41,7 @@ CellLevels CtLevelSet::operator()(int slot) const {
     const auto n = std::size_t(c), s = std::size_t(node);
     level[n] = node_level(model_, cuts_, node);
     const bool gas = is_body(model_.tissue[s]) && Real(model_.hu[s]) < Real(model_.params.tissue.air_max);
-    corner[n] = {level[n] > 0, level[n] <= 0, gas || cuts_.removed[s] != 0};
+    corner[n] = {level[n] > 0, level[n] <= 0, gas || is_removed_tissue(model_, cuts_, node)};
     all.add(corner[n]);
     if (!sampler_) continue;
     const Real sampled = sample(Vec3d(cell + offset));

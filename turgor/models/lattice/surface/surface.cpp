@@ -162,7 +162,7 @@ bool is_cut(const Builder& builder, const Tet& tet, std::size_t a, std::size_t b
 bool is_removed(const Builder& builder, Int3 node) {
   const Vec3d at = lattice_index(builder.fine(), node);
   const Int3 nearest{int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))};
-  return builder.cuts.removed[std::size_t(node_slot(builder.fine().cells, nearest))] != 0;
+  return is_removed_tissue(builder.model, builder.cuts, node_slot(builder.fine().cells, nearest));
 }
 
 void add_tet(Builder& builder, Int3 local, int kind) {
@@ -234,7 +234,7 @@ void mesh_cell(Builder& builder, Int3 cell) {
   for (int n = 0; n < 8; n++) {
     const int slot = c.slot + slot_offset(l, cell_corner(n), cell.x & 1);
     solids += is_solid(builder.model, builder.cuts, slot);
-    c.has_removed |= builder.cuts.removed[std::size_t(slot)] != 0;
+    c.has_removed |= is_removed_tissue(builder.model, builder.cuts, slot);
   }
   const bool border = cell.x == 0 || cell.y == 0 || cell.z == 0 || cell.x + 2 == l.size.x ||
                       cell.y + 2 == l.size.y || cell.z + 2 == l.size.z;

@@ -59,7 +59,7 @@ std::vector<RegionLipNode> region_lip_nodes(const Model& model, const Cuts& cuts
     for (const Int3 f : kFamilies)
       for (const Int3 offset : {f, -f})
         is_at_region |= contains(model.lattice, node + offset) &&
-                        cuts.removed[std::size_t(node_slot(model.lattice, node + offset))] != 0;
+                        is_removed_tissue(model, cuts, node_slot(model.lattice, node + offset));
     if (!is_at_region) continue;
     // near the region
     const Vec3d away = Vec3d(rest_position(model.lattice, node)) - path.skin.front();
