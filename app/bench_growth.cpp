@@ -29,7 +29,7 @@ Model tense_block(Int3 size, double sleep) {
 double frame_after_cut(const Exec& exec, const Model& model, double& asleep) {
   State state = make_state(model);
   for (int n = 0; n < 10; n++) lattice::step(exec, model, state, {}, kDt);
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   const int middle = size.x / 2;
   const Vec3d from{(middle - 0.5) * kBlockSpacing, 0.1, (size.z - 2) * kBlockSpacing};
   const auto path =
@@ -55,7 +55,7 @@ std::vector<GrowthRow> bench_growth(const Exec& exec) {
     double none = 0;
     row.awake_ms = frame_after_cut(exec, tense_block(size, 0), none);
     const Model model = tense_block(size, kSleep);
-    row.nodes = model.body_nodes;
+    row.nodes = model.anatomy.body_nodes;
     row.ms = frame_after_cut(exec, model, row.asleep);
     rows.push_back(row);
   }

@@ -142,13 +142,14 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
   {
     const Model without = lattice::assemble(exec, nodes, nullptr, solver_params(Method::kPbd, false)).value();
     const Model with = lattice::assemble(exec, nodes, nullptr, pbd).value();
-    row.skin_triangles = with.skin.triangles.size();
-    row.bytes_per_node = double(lattice::memory_bytes(with, make_state(with))) / node_count(with.lattice);
+    row.skin_triangles = with.anatomy.skin.triangles.size();
+    row.bytes_per_node =
+        double(lattice::memory_bytes(with, make_state(with))) / node_count(with.anatomy.lattice);
     row.one_thread = measure_pbd(one, nodes, without, with);
     row.all_threads = measure_pbd(exec, nodes, without, with);
     State state = make_state(without);
     const double sweep_ms = median_ms(kFrames, [&] { lattice::sweep_pbd(exec, without, state); });
-    set_fractions(limits, double(slots_in(without.constraint_runs)), sweep_ms, kPbdBytes, kPbdFlops,
+    set_fractions(limits, double(slots_in(without.pbd.constraint_runs)), sweep_ms, kPbdBytes, kPbdFlops,
                   row.bandwidth_fraction, row.arithmetic_fraction);
   }
   row.pbd_frames = measure_orderings(exec, nodes, pbd);
@@ -161,7 +162,7 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
     const Model without = lattice::assemble(exec, nodes, nullptr, solver_params(Method::kVbd, false)).value();
     State state = make_state(without);
     const double sweep_ms = median_ms(kFrames, [&] { lattice::sweep_vbd(exec, without, state, {}, kDt); });
-    set_fractions(limits, double(slots_in(without.free_runs)), sweep_ms, kVbdBytes, kVbdFlops,
+    set_fractions(limits, double(slots_in(without.anatomy.free_runs)), sweep_ms, kVbdBytes, kVbdFlops,
                   row.vbd_bandwidth_fraction, row.vbd_arithmetic_fraction);
   }
   Params area = pbd;

@@ -82,7 +82,7 @@ double compressed_bar(const Exec& exec, double young) {
     for (int i = 0; i < kWide; i++) shares += share(i) * share(j);
   for (int j = 0; j < kWide; j++)
     for (int i = 0; i < kWide; i++)
-      loads.push_back({node_slot(model.lattice, {i, j, kLong - 1}),
+      loads.push_back({node_slot(model.anatomy.lattice, {i, j, kLong - 1}),
                        Vec3{0, 0, Real(-force * share(i) * share(j) / shares)}});
   std::sort(loads.begin(), loads.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
   lattice::State state = make_state(model);
@@ -92,7 +92,7 @@ double compressed_bar(const Exec& exec, double young) {
     double sum = 0;
     for (int j = 0; j < kWide; j++)
       for (int i = 0; i < kWide; i++)
-        sum += double(state.motion.u[std::size_t(node_slot(model.lattice, {i, j, k}))].z);
+        sum += double(state.motion.u[std::size_t(node_slot(model.anatomy.lattice, {i, j, k}))].z);
     return sum / (kWide * kWide);
   };
   const int low = kLong / 5, high = 4 * kLong / 5;

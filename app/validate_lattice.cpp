@@ -36,11 +36,11 @@ Model bar(int axis, int n, int m, double young, const lattice::SolverParams& sol
 
 template <class Visit>
 void visit_end(const Model& model, int axis, const Visit& visit) {
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++)
-        if (const Int3 p{i, j, k}; p[axis] == size[axis] - 1) visit(node_slot(model.lattice, p));
+        if (const Int3 p{i, j, k}; p[axis] == size[axis] - 1) visit(node_slot(model.anatomy.lattice, p));
 }
 
 /// Mean displacement of the free end along an axis after `frames` frames [m].
@@ -91,8 +91,8 @@ double sag_by_gravity(const Exec& exec, int along, int across) {
   std::vector<lattice::NodeLoad> loads;
   Vec3d gravity;
   gravity[across] = -9.81;
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-    if (const Real w = model.inverse_mass[s]; w > 0) loads.push_back({int(s), Vec3(gravity) / w});
+  for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
+    if (const Real w = model.anatomy.inverse_mass[s]; w > 0) loads.push_back({int(s), Vec3(gravity) / w});
   const double by_gravity = settled_end(exec, model, {.gravity = gravity}, along, across, 300);
   return by_gravity / settled_end(exec, model, {.loads = loads}, along, across, 300);
 }
@@ -113,14 +113,14 @@ double skin_tension(double along, double across, bool along_x) {
       for (int i = 0; i < kN; i++) {
         Vec3 u;
         u[axis] = Real((side ? kStretch : -kStretch) * kSheet * (along_x ? i : j));
-        state.motion.u.set(std::size_t(node_slot(model.lattice, i, j, 0)), u);
+        state.motion.u.set(std::size_t(node_slot(model.anatomy.lattice, i, j, 0)), u);
       }
     energies[side] = lattice::energy(Exec(1), model, state);
   }
   double prestress = 0;
-  for (std::size_t at = 0; at < model.skin.prestress_force.size(); at++) {
-    const Int3 p = slot_node(model.lattice, model.skin.nodes[at]);
-    prestress += double(model.skin.prestress_force[at][axis]) * kSheet * p[axis];
+  for (std::size_t at = 0; at < model.prestress_force.size(); at++) {
+    const Int3 p = slot_node(model.anatomy.lattice, model.anatomy.skin.nodes[at]);
+    prestress += double(model.prestress_force[at][axis]) * kSheet * p[axis];
   }
   const double side = (kN - 1) * kSheet;
   return ((energies[1] - energies[0]) / (2 * kStretch) - prestress) / (side * side) /

@@ -42,12 +42,12 @@ Scene make_scene(int n) {
   params.solver.ordering = Ordering::kColors;
   s.model = build(Exec(2), s.ct, {}, params).value();
   s.state = make_state(s.model);
-  const Int3 size = s.model.lattice.size;
+  const Int3 size = s.model.anatomy.lattice.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++)
         s.state.motion.u.set(
-            std::size_t(node_slot(s.model.lattice, i, j, k)),
+            std::size_t(node_slot(s.model.anatomy.lattice, i, j, k)),
             {Real(0.01 * std::sin(9.0 * j / size.y)), Real(0.01 * std::cos(8.0 * k / size.z)),
              Real(0.005 * std::sin(9.0 * i / size.x))});
   s.camera = {.eye = {0.6, -0.7, 0.4}, .target = {0.18, 0.18, 0.18}};

@@ -99,12 +99,12 @@ void print_machine(const char* kind, const std::string& name, double copy, doubl
 /// `one_by_one`: time with single kernel launches instead of a graph; 0 on the CPU.
 void print_frame(const char* kind, const Body& body, const Kind& of, const Model& model, double ms,
                  double one_by_one, double copy) {
-  const auto slots = double(slots_in(model.free_runs));
+  const auto slots = double(slots_in(model.anatomy.free_runs));
   const int sweeps = model.params.solver.sweeps;
   const Cost gpu_cost = cost_of_frame(of, true, sweeps);
   const Cost cost = kind == std::string_view("gpu") ? gpu_cost : cost_of_frame(of, false, sweeps);
   std::printf(R"({"machine": "%s", "body": "%s", "frame": "%s", )", kind, body.name, of.name);
-  std::printf(R"("nodes": %d, "slots": %.0f, )", model.body_nodes, slots);
+  std::printf(R"("nodes": %d, "slots": %.0f, )", model.anatomy.body_nodes, slots);
   std::printf(R"("ms": %.4g, "ms_one_by_one": %.4g, )", ms, one_by_one);
   std::printf(R"("bytes_a_slot": %.0f, "operations_a_slot": %.0f, )", cost.bytes, cost.operations);
   std::printf(R"("bytes_a_slot_on_a_gpu": %.0f, )", gpu_cost.bytes);

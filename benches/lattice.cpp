@@ -37,11 +37,11 @@ void sweep(benchmark::State& bench, Method method, bool skin, const TissueParams
       sweep_pbd(exec, model, state);
     else
       sweep_vbd(exec, model, state, inputs, kDt);
-  const auto nodes = double(node_count(model.lattice));
+  const auto nodes = double(node_count(model.anatomy.lattice));
   bench.counters["nodes"] = nodes;
   bench.counters["edges/s"] = benchmark::Counter((method == Method::kPbd ? 7 : 14) * nodes,
                                                  benchmark::Counter::kIsIterationInvariantRate);
-  bench.SetBytesProcessed(bench.iterations() * std::int64_t(kSweepBytes * slot_count(model.lattice)));
+  bench.SetBytesProcessed(bench.iterations() * std::int64_t(kSweepBytes * slot_count(model.anatomy.lattice)));
 }
 
 void pbd_sweep(benchmark::State& bench) { sweep(bench, Method::kPbd, false); }
@@ -100,7 +100,7 @@ void torso_frame(benchmark::State& bench, const TissueParams& tissue) {
   const Model model = build(exec, make_phantom(exec, phantom), {}, params).value();
   State state = make_state(model);
   for (auto _ : bench) step(exec, model, state, {}, kDt);
-  bench.counters["nodes"] = double(model.body_nodes);
+  bench.counters["nodes"] = double(model.anatomy.body_nodes);
 }
 void torso_frame_of_springs(benchmark::State& bench) { torso_frame(bench, {}); }
 void torso_frame_with_volumes(benchmark::State& bench) { torso_frame(bench, {.volume = 2}); }

@@ -102,7 +102,7 @@ void bench_cut_frames(benchmark::State& state) {
 
     // open wound
     for (int frame = 0; frame < 120; frame++) after.add(exec, world, snapshot);
-    state.counters["nodes"] = world.lattice_bodies[0].model.body_nodes;
+    state.counters["nodes"] = world.lattice_bodies[0].model.anatomy.body_nodes;
     state.counters["vertices"] = double(snapshot.bodies[0].x.size());
     state.counters["lay_ms"] = 1e3 * lay;
     state.counters["rest_ms"] = milliseconds(before.steps, 0.5);

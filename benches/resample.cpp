@@ -37,10 +37,10 @@ const Scene& scene() {
     params.skin.enabled = false;
     Model model = build(Exec(2), ct, {}, params).value();
     State state = make_state(model);
-    for (int k = 0; k < model.lattice.size.z; k++)
-      for (int j = 0; j < model.lattice.size.y; j++)
-        for (int i = 0; i < model.lattice.size.x; i++)
-          state.motion.u.set(std::size_t(node_slot(model.lattice, i, j, k)),
+    for (int k = 0; k < model.anatomy.lattice.size.z; k++)
+      for (int j = 0; j < model.anatomy.lattice.size.y; j++)
+        for (int i = 0; i < model.anatomy.lattice.size.x; i++)
+          state.motion.u.set(std::size_t(node_slot(model.anatomy.lattice, i, j, k)),
                              {Real(0.01 * std::sin(0.05 * j)), Real(0.01 * std::cos(0.06 * k)),
                               Real(0.005 * std::sin(0.07 * i))});
     return Scene{std::move(ct), std::move(model), std::move(state)};

@@ -33,15 +33,15 @@ std::string header(const Grid& nodes) {
 
 /// Displacements of one layer [mm], i fastest.
 std::vector<Vec3> layer_in_mm(const Subdomain& subdomain, int layer) {
-  const Lattice& l = subdomain.model.lattice;
+  const Lattice& l = subdomain.model.anatomy.lattice;
   std::vector<Vec3> values;
   for (int j = 0; j < l.size.y; j++)
     for (int i = 0; i < l.size.x; i++) {
       const int slot = node_slot(l, i, j, layer);
       const bool solid = lattice::is_solid(subdomain.model, subdomain.state.cuts, slot);
-      values.push_back(
-          solid ? Vec3(subdomain.model.grid.axes * (Vec3d(subdomain.state.motion.u[std::size_t(slot)]) * 1e3))
-                : Vec3{});
+      values.push_back(solid ? Vec3(subdomain.model.anatomy.grid.axes *
+                                    (Vec3d(subdomain.state.motion.u[std::size_t(slot)]) * 1e3))
+                             : Vec3{});
     }
   return values;
 }
@@ -60,12 +60,12 @@ Status write_displacement(const Subdomain& subdomain, const Grid& nodes,
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (file < 0) return failure();
   Status status = Done{};
-  for (int k = subdomain.model.owned.begin; k < subdomain.model.owned.end && status; k++) {
+  for (int k = subdomain.model.anatomy.owned.begin; k < subdomain.model.anatomy.owned.end && status; k++) {
     const std::vector<Vec3> values = layer_in_mm(subdomain, k);
     const std::size_t size = values.size() * sizeof(Vec3);
     const auto* bytes = reinterpret_cast<const char*>(values.data());
     for (std::size_t done = 0; done < size && status;) {
-      const auto at = off_t(std::size_t(k + subdomain.model.lattice.first) * size + done);
+      const auto at = off_t(std::size_t(k + subdomain.model.anatomy.lattice.first) * size + done);
       const ssize_t count = pwrite(file, bytes + done, size - done, at);
       if (count > 0)
         done += std::size_t(count);

@@ -18,8 +18,9 @@ using lattice::BladePath, lattice::VirtualNodeDisplacement, lattice::CutEdge, la
 std::span<VirtualNodeDisplacement> virtual_nodes_of(const Subdomain& subdomain, Layers local) {
   const auto& keys = subdomain.state.cut_elements.virtual_node_keys;
   const auto first = [&](int layer) {
-    return std::lower_bound(keys.begin(), keys.end(),
-                            std::pair(row_slot(subdomain.model.lattice, -1, layer), std::uint64_t(0))) -
+    return std::lower_bound(
+               keys.begin(), keys.end(),
+               std::pair(row_slot(subdomain.model.anatomy.lattice, -1, layer), std::uint64_t(0))) -
            keys.begin();
   };
   const auto begin = std::size_t(first(local.begin));
@@ -28,8 +29,8 @@ std::span<VirtualNodeDisplacement> virtual_nodes_of(const Subdomain& subdomain, 
 
 /// Packs one layer as a message.
 std::vector<Real> packed(const Subdomain& subdomain, int layer) {
-  const auto size = std::size_t(layer_stride(subdomain.model.lattice));
-  const int first = row_slot(subdomain.model.lattice, -1, layer);
+  const auto size = std::size_t(layer_stride(subdomain.model.anatomy.lattice));
+  const int first = row_slot(subdomain.model.anatomy.lattice, -1, layer);
   std::vector<Real> message;
   message.reserve(3 * size);
   for (const auto* u :
@@ -40,8 +41,8 @@ std::vector<Real> packed(const Subdomain& subdomain, int layer) {
   return message;
 }
 void unpack(const std::vector<Real>& message, const Subdomain& subdomain, int layer) {
-  const std::ptrdiff_t size = layer_stride(subdomain.model.lattice);
-  const int first = row_slot(subdomain.model.lattice, -1, layer);
+  const std::ptrdiff_t size = layer_stride(subdomain.model.anatomy.lattice);
+  const int first = row_slot(subdomain.model.anatomy.lattice, -1, layer);
   auto from = message.begin();
   for (auto* u : {&subdomain.state.motion.u.x, &subdomain.state.motion.u.y, &subdomain.state.motion.u.z}) {
     std::copy_n(from, size, u->begin() + first);
@@ -73,7 +74,7 @@ void pass_layers(Subdomain& subdomain, int to, int sent, int from, int received)
 }
 
 void after_phase(Subdomain& subdomain, int phase) {
-  const Layers owned = subdomain.model.owned;
+  const Layers owned = subdomain.model.anatomy.owned;
   const int rank = subdomain.ranks.rank;
   if (phase == 0) return pass_layers(subdomain, rank - 1, owned.begin, rank + 1, owned.end);
   const int last = subdomain.model.params.solver.method == lattice::Method::kPbd ? 0 : 1;  // below the border
@@ -93,9 +94,9 @@ struct GlobalOffsets {
 };
 GlobalOffsets global_offsets(const Subdomain& subdomain) {
   const lattice::FineLattice fine = lattice::fine_lattice(subdomain.model);
-  const int first = subdomain.model.lattice.first;
+  const int first = subdomain.model.anatomy.lattice.first;
   return {
-      std::int64_t(layer_stride(subdomain.model.lattice)) * first,
+      std::int64_t(layer_stride(subdomain.model.anatomy.lattice)) * first,
       std::uint64_t(fine.size.x) * std::uint64_t(fine.size.y) * std::uint64_t(fine.subdivisions.z * first)};
 }
 
@@ -103,14 +104,14 @@ void refresh_virtual_nodes(Subdomain& subdomain) {
   lattice::State& state = subdomain.state;
   const GlobalOffsets first = global_offsets(subdomain);
   std::vector<GlobalVirtualNode> owned;
-  for (const VirtualNodeDisplacement& shift : virtual_nodes_of(subdomain, subdomain.model.owned)) {
+  for (const VirtualNodeDisplacement& shift : virtual_nodes_of(subdomain, subdomain.model.anatomy.owned)) {
     const auto& [slot, key] =
         state.cut_elements.virtual_node_keys[std::size_t(&shift - state.motion.virtual_u.data())];
     owned.push_back({slot + first.slot, key + first.key, shift});
   }
   for (const GlobalVirtualNode& global : join(subdomain.ranks, owned)) {
     const std::int64_t slot = global.slot - first.slot;
-    if (slot < 0 || slot >= slot_count(subdomain.model.lattice)) continue;
+    if (slot < 0 || slot >= slot_count(subdomain.model.anatomy.lattice)) continue;
     const auto& keys = state.cut_elements.virtual_node_keys;
     const auto same =
         std::find(std::lower_bound(keys.begin(), keys.end(), std::pair(int(slot), std::uint64_t(0))),
@@ -122,7 +123,7 @@ void refresh_virtual_nodes(Subdomain& subdomain) {
 /// Asserts that both neighbors hold the same virtual nodes of a shared layer, since sweeps send them without
 /// keys.
 void check_virtual_nodes(Subdomain& subdomain) {
-  const Layers owned = subdomain.model.owned;
+  const Layers owned = subdomain.model.anatomy.owned;
   const auto count = [&](int layer) {
     return std::int64_t(virtual_nodes_of(subdomain, {layer, layer + 1}).size());
   };
@@ -139,8 +140,8 @@ void check_virtual_nodes(Subdomain& subdomain) {
 }
 
 void refresh(Subdomain& subdomain) {
-  const std::size_t size = std::size_t(layer_stride(subdomain.model.lattice));
-  const std::size_t first = std::size_t(row_slot(subdomain.model.lattice, -1, 0));
+  const std::size_t size = std::size_t(layer_stride(subdomain.model.anatomy.lattice));
+  const std::size_t first = std::size_t(row_slot(subdomain.model.anatomy.lattice, -1, 0));
   for (auto* field : {&subdomain.state.motion.u, &subdomain.state.motion.v})
     for (auto* values : {&field->x, &field->y, &field->z})
       fetch_layers(subdomain.ranks, subdomain.shares, values->data() + first, size);
@@ -159,16 +160,16 @@ struct GlobalEdge {
 template <class Edge>
 void join_edges(const Subdomain& subdomain, int layers, std::vector<Edge>& edges) {
   const lattice::Model& model = subdomain.model;
-  const int stride = layer_stride(model.lattice), border = row_slot(model.lattice, -1, 0);
+  const int stride = layer_stride(model.anatomy.lattice), border = row_slot(model.anatomy.lattice, -1, 0);
   std::vector<GlobalEdge<Edge>> owned;
   for (Edge edge : edges) {
     const int layer = (edge.slot - border) / stride;
     edge.slot -= border + layer * stride;
-    owned.push_back({layer + model.lattice.first, edge});
+    owned.push_back({layer + model.anatomy.lattice.first, edge});
   }
   edges.clear();
   for (const GlobalEdge<Edge>& global : join(subdomain.ranks, owned)) {
-    const int layer = global.layer - model.lattice.first;
+    const int layer = global.layer - model.anatomy.lattice.first;
     if (layer < 0 || layer >= layers) continue;
     edges.push_back(global.edge);
     edges.back().slot += border + layer * stride;
@@ -192,7 +193,7 @@ lattice::HaloExchange halo_exchange_of(Subdomain& subdomain) {
           .join_skin = [&subdomain](lattice::SkinNow& skin) { skin = join(subdomain.ranks, skin); },
           .join_edges =
               [&subdomain](BladePath& path) {
-                const int layers = subdomain.model.lattice.size.z;
+                const int layers = subdomain.model.anatomy.lattice.size.z;
                 join_edges(subdomain, layers, path.edges);
                 join_edges(subdomain, layers - 1, path.fine_edges);  // counted by cells
                 join_edges(subdomain, layers - 1, path.lines);
@@ -200,7 +201,7 @@ lattice::HaloExchange halo_exchange_of(Subdomain& subdomain) {
 }
 
 std::vector<VirtualNodeDisplacement> all_virtual_nodes(const Subdomain& subdomain) {
-  const std::span<VirtualNodeDisplacement> owned = virtual_nodes_of(subdomain, subdomain.model.owned);
+  const std::span<VirtualNodeDisplacement> owned = virtual_nodes_of(subdomain, subdomain.model.anatomy.owned);
   return join(subdomain.ranks, std::vector<VirtualNodeDisplacement>(owned.begin(), owned.end()));
 }
 

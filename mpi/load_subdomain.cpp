@@ -162,8 +162,8 @@ Status set_global_counts(const LatticeScene& scene, const BodyNodes& nodes, Load
     return Error{
         fmt::format("{}: a body of {} nodes is too large: expected at most {}, choose a larger block",
                     scene.source_location, loaded.body_nodes, std::numeric_limits<int>::max())};
-  model.body_nodes = int(loaded.body_nodes), model.free_nodes = int(loaded.free_nodes);
-  const bool has_skin = largest(std::uint32_t(!model.skin.triangles.empty())) != 0;
+  model.anatomy.body_nodes = int(loaded.body_nodes), model.anatomy.free_nodes = int(loaded.free_nodes);
+  const bool has_skin = largest(std::uint32_t(!model.anatomy.skin.triangles.empty())) != 0;
   if (model.params.skin.enabled && !has_skin)
     return Error{
         fmt::format("{}: the body has no skin: expected a boundary to outside air, found none in {} "

@@ -98,8 +98,8 @@ std::int64_t peak_memory() {
 double largest_displacement(const Subdomain& subdomain) {
   const lattice::Model& model = subdomain.model;
   Real farthest = 0;
-  for (int s = row_slot(model.lattice, -1, model.owned.begin);
-       s < row_slot(model.lattice, -1, model.owned.end); s++)
+  for (int s = row_slot(model.anatomy.lattice, -1, model.anatomy.owned.begin);
+       s < row_slot(model.anatomy.lattice, -1, model.anatomy.owned.end); s++)
     if (const auto n = std::size_t(s); lattice::is_solid(model, subdomain.state.cuts, s))
       farthest = std::max(farthest, dot(subdomain.state.motion.u[n], subdomain.state.motion.u[n]));
   return std::sqrt(double(std::bit_cast<Real>(largest(std::bit_cast<std::uint32_t>(farthest)))));
@@ -108,8 +108,8 @@ double largest_displacement(const Subdomain& subdomain) {
 std::int64_t cut_edge_count(const Subdomain& subdomain) {
   const lattice::Model& model = subdomain.model;
   std::int64_t count = 0;
-  for (int s = row_slot(model.lattice, -1, model.owned.begin);
-       s < row_slot(model.lattice, -1, model.owned.end); s++)
+  for (int s = row_slot(model.anatomy.lattice, -1, model.anatomy.owned.begin);
+       s < row_slot(model.anatomy.lattice, -1, model.anatomy.owned.end); s++)
     count += std::popcount(unsigned(subdomain.state.cuts.cut[std::size_t(s)] & ~lattice::kCutCell));
   return sum(count);
 }

@@ -89,7 +89,7 @@ void bind_live(nb::module_& module) {
           "u",
           [](const LiveBody& l) {
             LatticeBody& body = lattice_of(l, "u");
-            return of_nodes(l.body, body.model.lattice, body.state.watch().motion.u);
+            return of_nodes(l.body, body.model.anatomy.lattice, body.state.watch().motion.u);
           },
           "lattice: displacements [k, j, parity, i // 2] along the lattice's axes [m]; in rows with an odd "
           "number of nodes the last odd entry is unused")
@@ -97,7 +97,7 @@ void bind_live(nb::module_& module) {
           "v",
           [](const LiveBody& l) {
             LatticeBody& body = lattice_of(l, "v");
-            return of_nodes(l.body, body.model.lattice, body.state.watch().motion.v);
+            return of_nodes(l.body, body.model.anatomy.lattice, body.state.watch().motion.v);
           },
           "lattice: velocities, in the same layout [m/s]")
       .def_prop_ro(

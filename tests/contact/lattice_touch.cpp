@@ -75,9 +75,9 @@ double reaction(const Pressed& block) {
   constexpr Real kShift = 2e-5f;
   for (const int side : {0, 1}) {
     State state = block.state;
-    for (int j = 0; j < block.model.lattice.size.y; j++)
-      for (int i = 0; i < block.model.lattice.size.x; i++)
-        state.motion.u.set(std::size_t(node_slot(block.model.lattice, i, j, 0)),
+    for (int j = 0; j < block.model.anatomy.lattice.size.y; j++)
+      for (int i = 0; i < block.model.anatomy.lattice.size.x; i++)
+        state.motion.u.set(std::size_t(node_slot(block.model.anatomy.lattice, i, j, 0)),
                            {0, 0, side ? kShift : -kShift});
     energies[side] = lattice::energy(Exec(2), block.model, state);
   }
@@ -272,7 +272,7 @@ TEST(LatticeTouch, RotatedBodyRotatesForce) {
   Pressed rotated(size, 0.004, 10, {Sphere{0.01}, 0.4}, middle(size, 0.004, 1));
   const Mat3d rotation{{{0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6}}};
   const Vec3d shift{0.1, -0.3, 0.7};
-  rotated.model.grid.axes = rotation, rotated.model.grid.origin = shift;
+  rotated.model.anatomy.grid.axes = rotation, rotated.model.anatomy.grid.origin = shift;
   const auto in_patient = [&](Vec3d x) { return shift + rotation * x; };
   const Vec3d start = middle(size, 0.004, plain.top + 0.01), end = start + Vec3d{0.003, 0.001, -0.003};
   plain.at[0].pose.position = start;
@@ -365,8 +365,8 @@ TEST(LatticeTouch, SampleNodesDifferInColor) {
   for (const LatticeSample& sample :
        make_lattice_touch(block.model, block.state.cuts, surface, block.at).samples) {
     if (sample.other < 0) continue;
-    EXPECT_NE(lattice::color_of(slot_node(block.model.lattice, sample.slot)),
-              lattice::color_of(slot_node(block.model.lattice, sample.other)));
+    EXPECT_NE(lattice::color_of(slot_node(block.model.anatomy.lattice, sample.slot)),
+              lattice::color_of(slot_node(block.model.anatomy.lattice, sample.other)));
     between++;
   }
   EXPECT_GT(between, 100);

@@ -85,7 +85,7 @@ struct Tissue {
     model = lattice::block_model(
         {.size = size, .spacing = step, .young = kYoung, .is_fixed = [](Int3 p) { return p.z == 0; }},
         params);
-    model.grid.axes = axes, model.grid.origin = origin;
+    model.anatomy.grid.axes = axes, model.anatomy.grid.origin = origin;
     state = lattice::make_state(model);
     surface = lattice::build_surface(model, state.cuts);
     double top = 0;

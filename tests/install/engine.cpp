@@ -20,6 +20,6 @@ int main() {
   for (int frame = 0; frame < 60; frame++)
     lattice::step(exec, *model, state, {.gravity = {0, 0, -9.81}}, 1.0 / 60);
   const double sag = -lattice::position(*model, state.motion, {6, 6, 2}).z + 2 * 4e-3;
-  std::printf("%d nodes, the underside sags by %.2f mm\n", model->body_nodes, sag * 1e3);
+  std::printf("%d nodes, the underside sags by %.2f mm\n", model->anatomy.body_nodes, sag * 1e3);
   return sag > 0 ? 0 : 1;
 }

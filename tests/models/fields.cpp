@@ -54,7 +54,7 @@ int check_hash(const Model& model, const State& rest, std::size_t entry) {
 // A lattice field enters the hash exactly if it is declared as hashed.
 TEST(Fields, LatticeHashCoversDeclaredFields) {
   const lattice::Model model = lattice::block_model({.size = {5, 4, 3}}, {});
-  const int slot = node_slot(model.lattice, {2, 1, 1});
+  const int slot = node_slot(model.anatomy.lattice, {2, 1, 1});
   EXPECT_EQ(check_hash(model, lattice::make_state(model), std::size_t(slot)), 4);
 }
 

@@ -100,8 +100,8 @@ void expect_the_same(const std::string& scene, std::initializer_list<int> proces
     const nlohmann::json report = report_of(folder);
     EXPECT_EQ(report["state_hash"], hash_text(alone.hash)) << count << " processes";
     EXPECT_EQ(report["virtual_nodes"], state.motion.virtual_u.size());
-    EXPECT_EQ(report["body_nodes"], alone.world.lattice_bodies[0].model.body_nodes);
-    EXPECT_EQ(report["free_nodes"], alone.world.lattice_bodies[0].model.free_nodes);
+    EXPECT_EQ(report["body_nodes"], alone.world.lattice_bodies[0].model.anatomy.body_nodes);
+    EXPECT_EQ(report["free_nodes"], alone.world.lattice_bodies[0].model.anatomy.free_nodes);
     EXPECT_EQ(report["processes"].size(), std::size_t(count));
   }
 }
@@ -147,12 +147,12 @@ TEST(OneBody, WritesNodeDisplacements) {
   const VectorVolume found = read_vectors(folder.path / "out" / "displacement.mhd").value();
   const lattice::Model& model = alone.world.lattice_bodies[0].model;
   const lattice::State& state = alone.world.lattice_bodies[0].state;
-  ASSERT_TRUE(same_grid(found.grid, model.grid));
+  ASSERT_TRUE(same_grid(found.grid, model.anatomy.grid));
   double largest = 0;
-  for (int k = 0; k < model.grid.size.z; k++)
-    for (int j = 0; j < model.grid.size.y; j++)
-      for (int i = 0; i < model.grid.size.x; i++) {
-        const int slot = node_slot(model.lattice, i, j, k);
+  for (int k = 0; k < model.anatomy.grid.size.z; k++)
+    for (int j = 0; j < model.anatomy.grid.size.y; j++)
+      for (int i = 0; i < model.anatomy.grid.size.x; i++) {
+        const int slot = node_slot(model.anatomy.lattice, i, j, k);
         const Vec3 expected =
             lattice::is_solid(model, state.cuts, slot) ? state.motion.u[std::size_t(slot)] * 1e3f : Vec3{};
         ASSERT_LT(norm(found.at(i, j, k) - expected), 1e-6f) << i << " " << j << " " << k;

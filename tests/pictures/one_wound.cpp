@@ -25,10 +25,10 @@ struct Station {
   Vec3d point, line, across, into;
 };
 Station middle_of(const LatticeBody& body, const lattice::BladePath& path) {
-  const Grid& grid = body.model.grid;
-  const std::size_t n = path.skin.size() / 2;
-  return {grid.origin + grid.axes * path.skin[n], grid.axes * tangent_at(path, n),
-          grid.axes * across_at(path, n), grid.axes * path.into[n]};
+  const Grid& grid = body.model.anatomy.grid;
+  const std::size_t n = path.points.size() / 2;
+  return {grid.origin + grid.axes * path.points[n], grid.axes * tangent_at(path, n),
+          grid.axes * across_at(path, n), grid.axes * path.inward[n]};
 }
 
 /// Lateral positions of the two lips, and their depths below the station's point [m].
@@ -140,9 +140,9 @@ void expect_one_wound(const Scene& scene, const fs::path& folder) {
   WorldSnapshot seen;
   show(exec, *world, seen);
   const BodySnapshot& snapshot = seen.bodies[0];
-  const std::size_t n = path.skin.size() / 2;
+  const std::size_t n = path.points.size() / 2;
   double along = 0;
-  for (std::size_t m = 0; m < n; m++) along += norm(path.skin[m + 1] - path.skin[m]);
+  for (std::size_t m = 0; m < n; m++) along += norm(path.points[m + 1] - path.points[m]);
   const double report = gape_of_report(done->measures.cuts[0].wound, along);
   ASSERT_TRUE(write_obj(folder / "body.obj", shown_mesh(snapshot)));
   const Lips mesh = lips_of_mesh(folder / "body.obj", snapshot.wall_begin, at),
@@ -161,10 +161,10 @@ void expect_one_wound(const Scene& scene, const fs::path& folder) {
 /// Distance of a position in the CT from the curve of the blade, seen along the blade [m].
 double distance_to_curve(const lattice::BladePath& path, Vec3d x) {
   std::size_t nearest = 0;
-  const auto aside = [&](std::size_t n) { return norm(cross(x - path.skin[n], path.into[n])); };
-  for (std::size_t n = 0; n < path.skin.size(); n++)
+  const auto aside = [&](std::size_t n) { return norm(cross(x - path.points[n], path.inward[n])); };
+  for (std::size_t n = 0; n < path.points.size(); n++)
     if (aside(n) < aside(nearest)) nearest = n;
-  return std::abs(dot(x - path.skin[nearest], across_at(path, nearest)));
+  return std::abs(dot(x - path.points[nearest], across_at(path, nearest)));
 }
 
 const char* kCurveS = "[[0.5, 0, 0.6], [0.55, 0, 0.53], [0.45, 0, 0.43], [0.5, 0, 0.36]]";

@@ -51,7 +51,8 @@ TEST(PretendedGpuScenes, RetractionMatchesHost) {
   EXPECT_GT(largest, 0.2) << "N";
   EXPECT_LT(difference, 0.01 * largest) << "N";
 
-  const std::size_t state = 9 * sizeof(Real) * host.world.lattice_bodies.at(0).model.inverse_mass.size();
+  const std::size_t state =
+      9 * sizeof(Real) * host.world.lattice_bodies.at(0).model.anatomy.inverse_mass.size();
   const auto most = [&](int begin, int end) {
     return *std::max_element(device.downloaded.begin() + begin, device.downloaded.begin() + end);
   };

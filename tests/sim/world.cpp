@@ -66,7 +66,7 @@ TEST(World, FractionsSelectSurface) {
   lattice::Incision fractions;
   fractions.from = {0.5, 0, 0.25}, fractions.to = {0.5, 0, 0.75};
   const lattice::Incision blade = blade_from_fractions(model, fractions);
-  EXPECT_NEAR(blade.from.y, box.low.y, model.grid.spacing.y);
+  EXPECT_NEAR(blade.from.y, box.low.y, model.anatomy.grid.spacing.y);
   EXPECT_NEAR(blade.from.z, 0.75 * box.low.z + 0.25 * box.high.z, 1e-9);
   EXPECT_NEAR(blade.to.x, 0.5 * (box.low.x + box.high.x), 1e-9);
   EXPECT_TRUE(lattice::lay_blade(model, world.lattice_bodies[0].state, blade));

@@ -108,7 +108,7 @@ void leave_frames(FrictionalContactProblem& p) {
 double sweep(FrictionalContactProblem& p) {
   double largest = 0;
   for (int i = p.held; i < p.count; i++) {
-    SiteLaw& law = p.laws[std::size_t(i)];
+    SiteCompliance& law = p.laws[std::size_t(i)];
     // exact solution of the site
     const Vec3d force = read_site(p.force, i);
     const SiteSolution solution =

@@ -23,9 +23,9 @@ namespace turgor::contact {
 
 enum class SiteState : std::uint8_t { kOpen, kStick, kSlip, kHeld };
 
-/// Law of one site in a frame whose first axis is the normal: c = b + D λ, with D the site's own block of C.
-/// The 2×2 matrix S = D_tt − D_tn D_nt / D_nn is the tangential compliance while c_n = 0.
-struct SiteLaw {
+/// Compliance of one site in a frame whose first axis is the normal: c = b + D λ, with D the site's own block
+/// of C. The 2×2 matrix S = D_tt − D_tn D_nt / D_nn is the tangential compliance while c_n = 0.
+struct SiteCompliance {
   Mat3d axes;        // normal, two tangents
   Mat3d d, inverse;  // D [m/N] and D⁻¹
   double s[2];       // eigenvalues of S [m/N]
@@ -47,7 +47,7 @@ struct FrictionalContactProblem {
   std::vector<SiteState> state;       // of the solution
 
   // workspace of solve()
-  std::vector<SiteLaw> laws;
+  std::vector<SiteCompliance> laws;
   std::vector<double> saved_force;
   aligned_vector<double> newton_matrix;  // column-major, the same stride
   aligned_vector<double> newton_column;
@@ -81,7 +81,7 @@ struct SiteSolution {
   SiteState state = SiteState::kOpen;
 };
 /// Law of a site from its block D, symmetric and positive definite, in the frame of `axes`.
-SiteLaw make_law(const Mat3d& axes, const Mat3d& d);
-SiteSolution solve_site(SiteLaw& law, Vec3d b, double friction);
+SiteCompliance make_law(const Mat3d& axes, const Mat3d& d);
+SiteSolution solve_site(SiteCompliance& law, Vec3d b, double friction);
 
 }  // namespace turgor::contact

@@ -42,7 +42,7 @@ struct Slide {
   }
 };
 
-Slide make_slide(const SiteLaw& law, Vec3d b, double friction) {
+Slide make_slide(const SiteCompliance& law, Vec3d b, double friction) {
   const Vec2 e{law.axis[0], law.axis[1]}, f{-e.y, e.x};
   const double nn = law.d.column[0].x;
   const Vec2 tn{law.d.column[0].y / nn, law.d.column[0].z / nn};
@@ -57,7 +57,7 @@ Slide make_slide(const SiteLaw& law, Vec3d b, double friction) {
 /// Force on the friction cone, where cone_margin is 0. It is outside of the cone at α = 0, because the site
 /// does not stick, and inside for large α, where only the normal force remains. Newton steps, with bisection
 /// when they leave the bracket.
-Vec3d solve_slide(SiteLaw& law, const Slide& slide) {
+Vec3d solve_slide(SiteCompliance& law, const Slide& slide) {
   double low = 0, high = HUGE_VAL, alpha = law.slip;
   TURGOR_CHECK(slide.friction > 0 && law.slip >= 0,
                "a site slides with friction, in the direction of its force");
@@ -85,9 +85,9 @@ Vec3d solve_slide(SiteLaw& law, const Slide& slide) {
 
 }  // namespace
 
-SiteLaw make_law(const Mat3d& axes, const Mat3d& d) {
+SiteCompliance make_law(const Mat3d& axes, const Mat3d& d) {
   TURGOR_CHECK(d.column[0].x > 0, "the compliance of a contact site is positive");
-  SiteLaw law{.axes = axes, .d = d, .inverse = inverse(d)};
+  SiteCompliance law{.axes = axes, .d = d, .inverse = inverse(d)};
   const auto& [n, y, z] = d.column;
   const double a = y.y - y.x * y.x / n.x, b = y.z - y.x * z.x / n.x, c = z.z - z.x * z.x / n.x;
   const Vec2 e = first_axis(a, b, c);
@@ -97,7 +97,7 @@ SiteLaw make_law(const Mat3d& axes, const Mat3d& d) {
   return law;
 }
 
-SiteSolution solve_site(SiteLaw& law, Vec3d b, double friction) {
+SiteSolution solve_site(SiteCompliance& law, Vec3d b, double friction) {
   // open
   if (b.x >= 0) return {};
   // frictionless

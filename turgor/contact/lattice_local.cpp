@@ -48,7 +48,8 @@ ContactPoint contact_point(const lattice::Model& model, const lattice::Motion& m
   const Vec3d x = sample_position(motion, point);
   const Pose& pose = touch.poses[std::size_t(contact.tool)].pose;
   const ShapeDistance d = distance(tool.shape, pose, x);
-  return {model.grid.origin + model.grid.axes * x, model.grid.axes * -d.normal, d.distance};
+  return {model.anatomy.grid.origin + model.anatomy.grid.axes * x, model.anatomy.grid.axes * -d.normal,
+          d.distance};
 }
 
 void add(const ContactPoint& point, const LatticeContact& contact, int node, double stiffness,
@@ -89,7 +90,7 @@ LocalContact local_contact(const lattice::Model& model, const lattice::Motion& m
                        .origin = pose.pose.position,
                        .force = force,
                        .friction = tool.friction};
-  const Vec3 h = model.lattice.spacing;
+  const Vec3 h = model.anatomy.lattice.spacing;
   contact.reach = 2 * double(std::max({h.x, h.y, h.z}));
   if (norm(sum.normal) > 0) contact.normal = normalized(sum.normal);
   if (sum.weight > 0) contact.arm = sum.point / sum.weight - contact.origin;

@@ -20,8 +20,8 @@ namespace {
 bool is_outermost(const lattice::Model& model, Int3 node) {
   for (int n = 0; n < lattice::kNeighborCount; n++) {
     const Int3 other = node + lattice::neighbor_offset(n);
-    if (!contains(model.lattice, other)) return true;
-    if (!is_body(model.tissue[std::size_t(node_slot(model.lattice, other))])) return true;
+    if (!contains(model.anatomy.lattice, other)) return true;
+    if (!is_body(model.anatomy.tissue[std::size_t(node_slot(model.anatomy.lattice, other))])) return true;
   }
   return false;
 }
@@ -34,15 +34,15 @@ struct NodeSkinPoint {
 };
 std::vector<NodeSkinPoint> skin_points_of_nodes(const lattice::Model& model, const TriangleTree& skin) {
   std::vector<NodeSkinPoint> skin_points;
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
         // outermost nodes of the body
         const Int3 node{i, j, k};
-        const int slot = node_slot(model.lattice, node);
-        if (!is_body(model.tissue[std::size_t(slot)]) || !is_outermost(model, node)) continue;
-        const Vec3d rest(rest_position(model.lattice, node));
+        const int slot = node_slot(model.anatomy.lattice, node);
+        if (!is_body(model.anatomy.tissue[std::size_t(slot)]) || !is_outermost(model, node)) continue;
+        const Vec3d rest(rest_position(model.anatomy.lattice, node));
         skin_points.push_back({slot, node, nearest_point(skin, rest).position});
       }
   std::sort(skin_points.begin(), skin_points.end(),
@@ -55,14 +55,14 @@ std::vector<NodeSkinPoint> skin_points_of_nodes(const lattice::Model& model, con
 void add_samples_between(const lattice::Model& model, const TriangleTree& skin,
                          const std::vector<NodeSkinPoint>& skin_points, std::vector<LatticeSample>& samples) {
   TURGOR_CHECK(is_sorted_unique(skin_points, &NodeSkinPoint::slot), "skin points ascend by node");
-  const Vec3 h = model.lattice.spacing;
+  const Vec3 h = model.anatomy.lattice.spacing;
   const double nearest = 0.5 * double(std::min({h.x, h.y, h.z}));
   for (const NodeSkinPoint& point : skin_points)
     for (const Int3 family : kFamilies) {
       // neighbor of the same surface
       const Int3 node = point.node + family;
-      if (!contains(model.lattice, node)) continue;
-      const int slot = node_slot(model.lattice, node);
+      if (!contains(model.anatomy.lattice, node)) continue;
+      const int slot = node_slot(model.anatomy.lattice, node);
       const auto other = std::lower_bound(skin_points.begin(), skin_points.end(), slot,
                                           [](const NodeSkinPoint& f, int sought) { return f.slot < sought; });
       if (other == skin_points.end() || other->slot != slot) continue;
@@ -90,8 +90,9 @@ std::vector<LatticeSample> skin_samples(const lattice::Model& model, const latti
   const std::vector<NodeSkinPoint> skin_points = skin_points_of_nodes(model, skin);
   for (const NodeSkinPoint& point : skin_points) samples.push_back({point.slot, point.position});
   add_samples_between(model, skin, skin_points, samples);
-  std::erase_if(samples,
-                [&](const LatticeSample& p) { return !(model.inverse_mass[std::size_t(p.slot)] > 0); });
+  std::erase_if(samples, [&](const LatticeSample& p) {
+    return !(model.anatomy.inverse_mass[std::size_t(p.slot)] > 0);
+  });
   return samples;
 }
 
@@ -100,7 +101,8 @@ bool is_detached(const lattice::Model& model, const lattice::Cuts& cuts, const L
   const auto removed = [&](int slot) { return cuts.removed[std::size_t(slot)] != 0; };
   if (removed(sample.slot)) return true;
   if (sample.other < 0) return false;
-  const Int3 displacement = slot_node(model.lattice, sample.other) - slot_node(model.lattice, sample.slot);
+  const Int3 displacement =
+      slot_node(model.anatomy.lattice, sample.other) - slot_node(model.anatomy.lattice, sample.slot);
   const bool up = family_of(displacement) >= 0;
   const int family = up ? family_of(displacement) : family_of(-displacement);
   const int lower = up ? sample.slot : sample.other;
@@ -123,7 +125,7 @@ void add_wall_samples(const lattice::Model& model, const lattice::BodySurface& s
     Vec3d sum;
     for (; end < walls.size() && slot(walls[end]) == slot(walls[begin]); end++)
       sum += Vec3d(surface.rest[std::size_t(walls[end])]);
-    if (model.inverse_mass[std::size_t(slot(walls[begin]))] > 0)
+    if (model.anatomy.inverse_mass[std::size_t(slot(walls[begin]))] > 0)
       samples.push_back({slot(walls[begin]), sum / double(end - begin), true});
   }
 }
@@ -147,7 +149,7 @@ std::vector<ToolPose> in_lattice(const Grid& grid, std::span<const ToolPose> pos
 
 /// Distance from a tool within which samples become contacts [m].
 double contact_reach(const lattice::Model& model) {
-  const Vec3 h = model.lattice.spacing;
+  const Vec3 h = model.anatomy.lattice.spacing;
   return std::max({h.x, h.y, h.z});
 }
 /// Balls that contain the path of each tool from its last pose to the new one [lattice frame].
@@ -247,7 +249,7 @@ LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::Cuts
                                 const lattice::BodySurface& surface, std::span<const ToolPose> poses) {
   LatticeTouch touch;
   touch.samples = skin_samples(model, surface);
-  for (const ToolPose& pose : poses) touch.poses.push_back(in_lattice(model.grid, pose));
+  for (const ToolPose& pose : poses) touch.poses.push_back(in_lattice(model.anatomy.grid, pose));
   update_surface(touch, model, cuts, surface);
   return touch;
 }
@@ -279,20 +281,22 @@ void update_surface(LatticeTouch& touch, const lattice::Model& model, const latt
 
 void teleport_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose) {
   TURGOR_ASSERT(is_index(tool, touch.poses.size()), "a teleported tool belongs to the touch");
-  touch.poses[std::size_t(tool)] = in_lattice(model.grid, pose);
+  touch.poses[std::size_t(tool)] = in_lattice(model.anatomy.grid, pose);
   std::erase_if(touch.contacts, [tool](const LatticeContact& contact) { return contact.tool == tool; });
 }
 
 std::vector<int> samples_near(const lattice::Model& model, const lattice::DeviceState& state,
                               const LatticeTouch& touch, std::span<const Tool> tools,
                               std::span<const ToolPose> poses) {
-  const std::vector<lattice::Ball> balls = balls_around(model, touch, tools, in_lattice(model.grid, poses));
+  const std::vector<lattice::Ball> balls =
+      balls_around(model, touch, tools, in_lattice(model.anatomy.grid, poses));
   return with_contact_samples(touch, state.samples_in_balls(touch.samples, touch.version, balls));
 }
 std::vector<int> samples_near(const lattice::Model& model, const lattice::Motion& motion,
                               const LatticeTouch& touch, std::span<const Tool> tools,
                               std::span<const ToolPose> poses) {
-  const std::vector<lattice::Ball> balls = balls_around(model, touch, tools, in_lattice(model.grid, poses));
+  const std::vector<lattice::Ball> balls =
+      balls_around(model, touch, tools, in_lattice(model.anatomy.grid, poses));
   return with_contact_samples(touch, samples_in_balls(touch.samples, motion, balls));
 }
 
@@ -312,9 +316,9 @@ std::span<lattice::NodeContact> find_contacts(const lattice::Model& model, const
                                               std::span<const ToolPose> poses, double dt,
                                               std::span<const int> near) {
   TURGOR_ASSERT(is_step_length(dt), "contacts are found for a step of positive length");
-  TURGOR_CHECK(motion.u.x.size() == model.inverse_mass.size(),
+  TURGOR_CHECK(motion.u.x.size() == model.anatomy.inverse_mass.size(),
                "positions are on the host while contacts are found");
-  std::vector<ToolPose> to = in_lattice(model.grid, poses);
+  std::vector<ToolPose> to = in_lattice(model.anatomy.grid, poses);
   const std::vector<lattice::Ball> balls = balls_around(model, touch, tools, to);
   std::vector<ToolStep> steps;
   for (std::size_t t = 0; t < tools.size(); t++) steps.push_back({tools[t], touch.poses[t], to[t], balls[t]});
@@ -349,7 +353,8 @@ void read_forces(const lattice::Model& model, const lattice::Motion& motion, Lat
     // sum in the patient frame
     if (!contact.is_held && tangential > double(node.friction) * normal_force * (1 - 1e-4))
       tool_force.sliding++;
-    const Vec3d on_tool = model.grid.axes * -force, arm = model.grid.axes * (x - pose.position);
+    const Vec3d on_tool = model.anatomy.grid.axes * -force,
+                arm = model.anatomy.grid.axes * (x - pose.position);
     tool_force.force += on_tool;
     tool_force.torque += cross(arm, on_tool);
   }

@@ -22,9 +22,9 @@ struct CutLocation {
   double length, depth;  // [m]
 };
 CutLocation location_of(const Grid& grid, const lattice::BladePath& path) {
-  const Vec3d middle = path.skin[path.skin.size() / 2];
-  const std::size_t n = path.skin.size() / 2;
-  return {grid.origin + grid.axes * middle, grid.axes * tangent_at(path, n), grid.axes * path.into[n],
+  const Vec3d middle = path.points[path.points.size() / 2];
+  const std::size_t n = path.points.size() / 2;
+  return {grid.origin + grid.axes * middle, grid.axes * tangent_at(path, n), grid.axes * path.inward[n],
           path_length(path), path.depth};
 }
 
@@ -71,7 +71,7 @@ CtVolume sampled(const CtVolume& ct, const Grid& grid) {
 
 /// Close-up sections across the cut, before and after.
 Status add_close_sections(const LatticeBody& body, const Cut& cut, Window window, Outputs& outputs) {
-  const CutLocation location = location_of(body.model.grid, *cut.path);
+  const CutLocation location = location_of(body.model.anatomy.grid, *cut.path);
   const Plane plane = plane_across(location.line);
   const double side = std::max(0.06, 6 * location.depth);
   const Vec3d middle = location.middle + location.into * (0.25 * side);
@@ -92,7 +92,7 @@ Status add_close_sections(const LatticeBody& body, const Cut& cut, Window window
 
 Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut, Window window,
                     Outputs& outputs) {
-  const CutLocation location = location_of(body.model.grid, *cut.path);
+  const CutLocation location = location_of(body.model.anatomy.grid, *cut.path);
   const Vec3d point = location.middle + location.into * (0.5 * location.depth);
   constexpr int kHeight = 420;
   const auto three = [&](const CtVolume& ct) {

@@ -20,9 +20,9 @@ Box grown(Box box, double margin) {
 /// View of a cut from outside and slightly from below, with its line vertical or horizontal as in the
 /// patient.
 SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::BladePath& path, double aspect) {
-  const Grid& grid = world.lattice_bodies[std::size_t(cut.body)].model.grid;
-  Box box{to_patient(grid, path.skin.front()), to_patient(grid, path.skin.front())};
-  for (const Vec3d p : path.skin)
+  const Grid& grid = world.lattice_bodies[std::size_t(cut.body)].model.anatomy.grid;
+  Box box{to_patient(grid, path.points.front()), to_patient(grid, path.points.front())};
+  for (const Vec3d p : path.points)
     box = {min(box.low, to_patient(grid, p)), max(box.high, to_patient(grid, p))};
   const double length = norm(box.high - box.low);
   const Vec3d outward = -(grid.axes * mean_inward(path));
@@ -133,7 +133,7 @@ Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& wor
     const auto body = std::size_t(cut.body);
     const auto path = lattice::lay_blade(world.lattice_bodies[body].model, at_rest[body], cut.blade);
     if (!path) return path.error();
-    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * mean_inward(*path));
+    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.anatomy.grid.axes * mean_inward(*path));
     cuts.push_back(view_of_cut(world, cut, *path, aspect));
   }
   std::vector<SurfaceView> views{view_of_bodies(world, snapshot, outward, aspect)};

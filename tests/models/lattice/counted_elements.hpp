@@ -50,14 +50,14 @@ void for_nodes(Int3 size, const Visit& visit) {
 /// Connected by edges that are not cut.
 inline int components_of_nodes(const Model& model, const State& state) {
   JoinedKeys<int> nodes;
-  for_nodes(model.lattice.size, [&](Int3 a) {
-    const int slot = node_slot(model.lattice, a);
+  for_nodes(model.anatomy.lattice.size, [&](Int3 a) {
+    const int slot = node_slot(model.anatomy.lattice, a);
     if (!is_solid(model, state.cuts, slot)) return;
     const int current = nodes.of(slot);
     for (std::size_t f = 0; f < kFamilyCount; f++) {
       const Int3 b = a + kFamilies[f];
-      if (!contains(model.lattice, b) || state.cuts.cut[std::size_t(slot)] >> f & 1) continue;
-      const int other = node_slot(model.lattice, b);
+      if (!contains(model.anatomy.lattice, b) || state.cuts.cut[std::size_t(slot)] >> f & 1) continue;
+      const int other = node_slot(model.anatomy.lattice, b);
       if (is_solid(model, state.cuts, other)) nodes.joined.join(current, nodes.of(other));
     }
   });
@@ -68,13 +68,13 @@ inline int components_of_nodes(const Model& model, const State& state) {
 inline int components_of_fragments(const Model& model, const State& state) {
   const Fragments fragments = make_fragments(model, state.cuts);
   JoinedKeys<int> corners;
-  for_nodes(model.lattice.size - Int3{1, 1, 1}, [&](Int3 cell) {
-    const int slot = node_slot(model.lattice, cell);
+  for_nodes(model.anatomy.lattice.size - Int3{1, 1, 1}, [&](Int3 cell) {
+    const int slot = node_slot(model.anatomy.lattice, cell);
     const CutCell* cut = find_cell(fragments, slot);
     for (int p = 0; p < (cut ? cut->fragment_count : 1); p++) {
       const auto own = corners_of(model, fragments, slot, cut ? p : -1);
       const auto is_tissue = [&](int c) {
-        const int nodes = slot_count(model.lattice);
+        const int nodes = slot_count(model.anatomy.lattice);
         return is_solid(model, state.cuts,
                         c < nodes ? c : fragments.virtual_nodes[std::size_t(c - nodes)].slot);
       };

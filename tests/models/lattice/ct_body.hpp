@@ -66,23 +66,24 @@ inline Model body_of(const CtVolume& ct, Int3 block) {
 }
 /// Removes the body nodes [4, 7) × [4, 7) from layer 5 on.
 inline void remove_block(const Model& model, State& state) {
-  for (int k = 5; k < model.lattice.size.z; k++)
+  for (int k = 5; k < model.anatomy.lattice.size.z; k++)
     for (int j = 4; j < 7; j++)
       for (int i = 4; i < 7; i++) {
-        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        if (is_body(model.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
+        const auto slot = std::size_t(node_slot(model.anatomy.lattice, i, j, k));
+        if (is_body(model.anatomy.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
       }
 }
 
 /// Moves every node by `displacement(rest position in the lattice frame [m])`.
 inline void move(const Model& model, State& state, const std::function<Vec3d(Vec3d)>& displacement) {
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
-        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        if (!is_body(model.tissue[slot])) continue;
-        state.motion.u.set(slot, Vec3(displacement(hadamard(Vec3d(Int3{i, j, k}), model.grid.spacing))));
+        const auto slot = std::size_t(node_slot(model.anatomy.lattice, i, j, k));
+        if (!is_body(model.anatomy.tissue[slot])) continue;
+        state.motion.u.set(slot,
+                           Vec3(displacement(hadamard(Vec3d(Int3{i, j, k}), model.anatomy.grid.spacing))));
       }
 }
 
@@ -90,7 +91,7 @@ inline void move(const Model& model, State& state, const std::function<Vec3d(Vec
 /// [m]. Returns the number of cut lattice edges.
 inline int cut_across_y(const Model& model, State& state, double at,
                         const std::function<bool(Vec3d)>& reaches) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   const FineLattice fine = fine_lattice(model);
   const auto crossing = [&](Vec3d x, Vec3d y) {  // or NaN
     const double fraction = (at - x.y) / (y.y - x.y);
@@ -104,8 +105,8 @@ inline int cut_across_y(const Model& model, State& state, double at,
         for (std::size_t f = 0; f < kFamilyCount; f++) {
           const Int3 a{i, j, k}, b = a + kFamilies[f];
           if (!solid(a) || !solid(b)) continue;
-          if (std::isnan(
-                  crossing(hadamard(Vec3d(a), model.grid.spacing), hadamard(Vec3d(b), model.grid.spacing))))
+          if (std::isnan(crossing(hadamard(Vec3d(a), model.anatomy.grid.spacing),
+                                  hadamard(Vec3d(b), model.anatomy.grid.spacing))))
             continue;
           state.cuts.cut[std::size_t(node_slot(l, a))] |= std::uint8_t(1u << f);
           count++;
@@ -116,8 +117,8 @@ inline int cut_across_y(const Model& model, State& state, double at,
         for (int f = 0; f < kFamilyCount; f++) {
           const Int3 a{i, j, k}, b = a + kFamilies[std::size_t(f)];
           if (!contains(fine, b)) continue;
-          const Vec3d x = hadamard(lattice_index(fine, a), model.grid.spacing);
-          const double fraction = crossing(x, hadamard(lattice_index(fine, b), model.grid.spacing));
+          const Vec3d x = hadamard(lattice_index(fine, a), model.anatomy.grid.spacing);
+          const double fraction = crossing(x, hadamard(lattice_index(fine, b), model.anatomy.grid.spacing));
           if (std::isnan(fraction)) continue;
           CutEdge edge = cut_edge_at(fine, a, f);
           edge.fraction = Real(fraction), edge.rightward = true;

@@ -33,7 +33,7 @@ inline CutBlock cut_block(Method method, Int3 size = {13, 11, 9}, bool volumes =
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++)
         if (!is_side({i, j, k}))
-          block.state.motion.u.set(std::size_t(node_slot(block.model.lattice, i, j, k)),
+          block.state.motion.u.set(std::size_t(node_slot(block.model.anatomy.lattice, i, j, k)),
                                    {wave(i, j), wave(j, k), wave(k, i)});
   const double y = 0.004 * (size.y / 2 + 0.5), z = 0.004 * (size.z - 1);
   const BladePath path =
@@ -48,7 +48,7 @@ struct StateDifference {
 };
 inline StateDifference state_difference(const Model& model, const State& a, const State& b) {
   StateDifference found;
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++) {
+  for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++) {
     found.most = std::max(found.most, norm(Vec3d(a.motion.u[s]) - Vec3d(b.motion.u[s])));
     found.largest = std::max(found.largest, norm(Vec3d(a.motion.u[s])));
   }
@@ -57,16 +57,16 @@ inline StateDifference state_difference(const Model& model, const State& a, cons
 
 /// Contacts of a finger on some nodes of the top, and one contact between two nodes.
 inline std::vector<NodeContact> finger(const Model& model) {
-  const int z = model.lattice.size.z - 2;  // a layer of air above
+  const int z = model.anatomy.lattice.size.z - 2;  // a layer of air above
   std::vector<NodeContact> contacts;
   for (int i = 3; i < 8; i++)
-    contacts.push_back({.slot = node_slot(model.lattice, i, 4, z),
+    contacts.push_back({.slot = node_slot(model.anatomy.lattice, i, 4, z),
                         .normal = {0, 0, -1},
                         .target = {0, 0, -2e-3f},
                         .friction = 0.3f,
                         .is_held = i == 5});
   contacts.push_back(contacts[0]);
-  contacts.back().other = node_slot(model.lattice, 4, 4, z);
+  contacts.back().other = node_slot(model.anatomy.lattice, 4, 4, z);
   std::stable_sort(contacts.begin(), contacts.end(),
                    [](const NodeContact& a, const NodeContact& b) { return a.slot < b.slot; });
   return contacts;

@@ -37,7 +37,7 @@ Pushed pushed_block(Params params, double push = 1e-3) {
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++)
         if (!is_border({i, j, k}, size))
-          p.state.motion.u.set(std::size_t(node_slot(p.model.lattice, i, j, k)),
+          p.state.motion.u.set(std::size_t(node_slot(p.model.anatomy.lattice, i, j, k)),
                                {wave(i, j), wave(j, k), wave(k, i)});
   return p;
 }
@@ -103,7 +103,7 @@ TEST(LatticeStep, ResidualIsEnergyGradient) {
   params.tissue.volume = 3;
   auto [model, state] = pushed_block(params, 0);
   // One skin node is loaded and displaced; its force follows from energies alone.
-  const auto slot = std::size_t(node_slot(model.lattice, 6, 5, 8));
+  const auto slot = std::size_t(node_slot(model.anatomy.lattice, 6, 5, 8));
   const NodeLoad loads[] = {{int(slot), {2e-3f, 1e-3f, -3e-3f}}};
   const Inputs inputs{.gravity = {1, -2, -9.81}, .loads = loads};
   predict(kOne, model, state, inputs, kDt);
@@ -146,7 +146,7 @@ TEST(LatticeStep, EqualBitsOnAnyThreads) {
       std::set<std::uint64_t> hashes;
       for (const int threads : {1, 2, 8, 8}) {
         auto [model, state] = cut_block(method, ordering);
-        const NodeLoad loads[] = {{node_slot(model.lattice, 5, 4, 8), {1e-3f, 0, -2e-3f}}};
+        const NodeLoad loads[] = {{node_slot(model.anatomy.lattice, 5, 4, 8), {1e-3f, 0, -2e-3f}}};
         const Inputs inputs{.gravity = {0, 0, -9.81}, .loads = loads};
         for (int n = 0; n < 5; n++) step(Exec(threads), model, state, inputs, kDt);
         hashes.insert(state_hash(model, state));
@@ -180,11 +180,12 @@ TEST(LatticeStep, PbdConservesMomentumOfFreeBody) {
   const Model model = block_model({.size = {9, 8, 7}, .skin_on_top = false}, params);
   State state = make_state(model);
   for (int i = 0; i < 9; i++)
-    state.motion.v.set(std::size_t(node_slot(model.lattice, i, 3, 3)), {0.1f, -0.2f, 0.3f});
+    state.motion.v.set(std::size_t(node_slot(model.anatomy.lattice, i, 3, 3)), {0.1f, -0.2f, 0.3f});
   const auto momentum = [&] {
     Vec3d sum;
-    for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-      if (model.inverse_mass[s] > 0) sum += Vec3d(state.motion.v[s]) / double(model.inverse_mass[s]);
+    for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
+      if (model.anatomy.inverse_mass[s] > 0)
+        sum += Vec3d(state.motion.v[s]) / double(model.anatomy.inverse_mass[s]);
     return sum;
   };
   const Vec3d before = momentum();
@@ -207,7 +208,7 @@ TEST(LatticeStep, LoadedNodeAcceleratesByForceOverMass) {
     const Model model =
         block_model({.size = size, .young = 1e-6, .skin_on_top = false}, params);  // nearly no stiffness
     State state = make_state(model);
-    const int slot = node_slot(model.lattice, 4, 3, 3);
+    const int slot = node_slot(model.anatomy.lattice, 4, 3, 3);
     for (std::size_t edge = 0; edge < state.cuts.cut.size(); edge++)
       state.cuts.cut[edge] = 0x7f;  // isolates every node
     std::fill(state.cuts.row_cut.begin(), state.cuts.row_cut.end(), std::uint8_t(1));
@@ -217,7 +218,8 @@ TEST(LatticeStep, LoadedNodeAcceleratesByForceOverMass) {
     const Vec3d expected = Vec3d(force) * (kDt / node_mass(0.004));
     const Vec3d found(state.motion.v[std::size_t(slot)]);
     EXPECT_LT(norm(found - expected), 1e-5 * norm(expected)) << "m/s, method " << int(method);
-    EXPECT_EQ(norm(state.motion.v[std::size_t(node_slot(model.lattice, 5, 3, 3))]), 0) << "its neighbor";
+    EXPECT_EQ(norm(state.motion.v[std::size_t(node_slot(model.anatomy.lattice, 5, 3, 3))]), 0)
+        << "its neighbor";
   }
 }
 
@@ -230,7 +232,7 @@ TEST(LatticeStep, LoadsChangeMomentumByTheirSum) {
   const Int3 size{9, 8, 7};
   const Model model = block_model({.size = size, .young = 20, .skin_on_top = false},
                                   params);  // soft, so that sweeps reach the whole body soon
-  const auto slot = [&](Int3 p) { return node_slot(model.lattice, p); };
+  const auto slot = [&](Int3 p) { return node_slot(model.anatomy.lattice, p); };
   const std::vector<NodeLoad> balanced = {{slot({0, 0, 0}), {1e-5f, 2e-5f, 0}},
                                           {slot({8, 7, 6}), {1e-5f, -5e-5f, 0}},
                                           {slot({4, 4, 3}), {-2e-5f, 3e-5f, 0}}};
@@ -240,8 +242,9 @@ TEST(LatticeStep, LoadsChangeMomentumByTheirSum) {
     State state = make_state(model);
     for (int n = 0; n < 5; n++) step(kOne, model, state, {.loads = loads}, kDt);
     Vec3d momentum;
-    for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-      if (model.inverse_mass[s] > 0) momentum += Vec3d(state.motion.v[s]) / double(model.inverse_mass[s]);
+    for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
+      if (model.anatomy.inverse_mass[s] > 0)
+        momentum += Vec3d(state.motion.v[s]) / double(model.anatomy.inverse_mass[s]);
     EXPECT_LT(norm(momentum - sum * (5 * kDt)), 0.01 * 3e-5 * 5 * kDt) << momentum.z << " kg m/s";
   }
 }
@@ -260,7 +263,8 @@ TEST(LatticeStep, LoadedBarFollowsHooke) {
   std::vector<NodeLoad> loads;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
-      loads.push_back({node_slot(model.lattice, size.x - 1, j, k), {Real(force / (size.y * size.z)), 0, 0}});
+      loads.push_back(
+          {node_slot(model.anatomy.lattice, size.x - 1, j, k), {Real(force / (size.y * size.z)), 0, 0}});
   State state = make_state(model);
   for (int n = 0; n < 300; n++) step(Exec(2), model, state, {.loads = loads}, kDt);
   double stretch = 0;
@@ -288,17 +292,17 @@ Model cantilever(int sweeps, Int3 size) {
 double settled_end(const Model& model, const Inputs& inputs, double rate, double seconds, int axis) {
   State state = make_state(model);
   for (int n = 0; n < seconds * rate; n++) step(Exec(2), model, state, inputs, 1 / rate);
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   double sum = 0;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
-      sum += double(state.motion.u[std::size_t(node_slot(model.lattice, size.x - 1, j, k))][axis]);
+      sum += double(state.motion.u[std::size_t(node_slot(model.anatomy.lattice, size.x - 1, j, k))][axis]);
   return sum / (size.y * size.z);
 }
 
 /// The same by the stiffness matrix of the springs for small displacements, solved directly.
 double linear_end(const Model& model, Vec3d gravity, int axis) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   const auto index = [&](Int3 p) { return 3 * (p.x + l.size.x * (p.y + l.size.y * p.z)); };
   std::vector<Eigen::Triplet<double>> entries;
   const int count = 3 * l.size.x * l.size.y * l.size.z;
@@ -308,7 +312,8 @@ double linear_end(const Model& model, Vec3d gravity, int axis) {
       for (int i = 0; i < l.size.x; i++) {
         const Int3 a{i, j, k};
         const auto slot = std::size_t(node_slot(l, a));
-        const double w = double(model.inverse_mass[slot]), root = double(model.root_stiffness[slot]);
+        const double w = double(model.anatomy.inverse_mass[slot]),
+                     root = double(model.springs.root_stiffness[slot]);
         for (int r = 0; r < 3; r++) {
           weight[index(a) + r] = w > 0 ? gravity[r] / w : 0;
           if (w == 0) entries.emplace_back(index(a) + r, index(a) + r, 1e12);  // fixed
@@ -317,8 +322,8 @@ double linear_end(const Model& model, Vec3d gravity, int axis) {
           const Int3 b = a + kFamilies[f];
           if (!contains(l, b)) continue;
           const Vec3d n = normalized(Vec3d(rest_position(l, b) - rest_position(l, a)));
-          const double stiffness = double(model.spring_scale[f]) * root *
-                                   double(model.root_stiffness[std::size_t(node_slot(l, b))]);
+          const double stiffness = double(model.springs.scale[f]) * root *
+                                   double(model.springs.root_stiffness[std::size_t(node_slot(l, b))]);
           for (int r = 0; r < 3; r++)
             for (int c = 0; c < 3; c++)
               for (const auto& [p, q, sign] : {std::tuple{a, a, 1}, {b, b, 1}, {a, b, -1}, {b, a, -1}})
@@ -356,8 +361,9 @@ TEST(LatticeStep, BarSagIndependentOfSolver) {
 TEST(LatticeStep, GravityEqualsNodalLoads) {
   const Model model = cantilever(5, {25, 6, 6});
   std::vector<NodeLoad> loads;
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-    if (const Real w = model.inverse_mass[s]; w > 0) loads.push_back({int(s), {0, 0, Real(-9.81) / w}});
+  for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
+    if (const Real w = model.anatomy.inverse_mass[s]; w > 0)
+      loads.push_back({int(s), {0, 0, Real(-9.81) / w}});
   const double weight = settled_end(model, {.gravity = {0, 0, -9.81}}, 60, 8, 2);
   EXPECT_LT(weight, -5e-3) << "m: a large displacement";
   EXPECT_NEAR(weight, settled_end(model, {.loads = loads}, 60, 8, 2), 0.001 * std::abs(weight));
@@ -372,7 +378,7 @@ TEST(LatticeStep, FreeBodyFallsFreely) {
     const Model model = block_model({.size = {9, 8, 7}, .young = 2e5, .skin_on_top = false}, params);
     State state = make_state(model);
     for (int n = 0; n < 30; n++) step(kOne, model, state, {.gravity = {3, 0, -9.81}}, kDt);
-    const Vec3 v = state.motion.v[std::size_t(node_slot(model.lattice, 4, 3, 3))];
+    const Vec3 v = state.motion.v[std::size_t(node_slot(model.anatomy.lattice, 4, 3, 3))];
     EXPECT_NEAR(v.z, -9.81 * 30 * kDt, 1e-3) << "m/s, " << sweeps << " sweeps";
     EXPECT_NEAR(v.x, 3 * 30 * kDt, 1e-3);
   }

@@ -50,8 +50,8 @@ struct Wounded {
 inline void scatter(const Model& model, State& state, double amplitude) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> any(-float(amplitude), float(amplitude));
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-    if (model.inverse_mass[s] > 0) state.motion.u.set(s, {any(random), any(random), any(random)});
+  for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
+    if (model.anatomy.inverse_mass[s] > 0) state.motion.u.set(s, {any(random), any(random), any(random)});
   for (VirtualNodeDisplacement& c : state.motion.virtual_u) c = {any(random), any(random), any(random)};
   state.motion.u_before = state.motion.u;
 }

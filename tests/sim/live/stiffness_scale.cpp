@@ -71,8 +71,9 @@ TEST(StiffnessScale, ModelsHaveScaledModuli) {
               "body.sheet.fabric.shear=800", "body.sheet.fabric.bend=80"});
   const World plain = loaded({"body.sheet.fabric.warp=1000", "body.sheet.fabric.weft=1000",
                               "body.sheet.fabric.shear=200", "body.sheet.fabric.bend=20"});
-  const auto &a = scaled.lattice_bodies[0].model.cell_young, &b = stiff.lattice_bodies[0].model.cell_young,
-             &c = plain.lattice_bodies[0].model.cell_young;
+  const auto &a = scaled.lattice_bodies[0].model.anatomy.cell_young,
+             &b = stiff.lattice_bodies[0].model.anatomy.cell_young,
+             &c = plain.lattice_bodies[0].model.anatomy.cell_young;
   ASSERT_EQ(a.size(), b.size());
   int cells = 0;
   for (std::size_t n = 0; n < a.size(); n++) {

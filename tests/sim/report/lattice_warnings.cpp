@@ -67,7 +67,7 @@ TEST(LatticeWarnings, CountsInvertedCells) {
   const Scene scene = test::block_scene(test::fresh_folder());
   World world = test::block_world(kExec, scene);
   LatticeBody& body = world.lattice_bodies[0];
-  const Lattice& l = body.model.lattice;
+  const Lattice& l = body.model.anatomy.lattice;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int i = 0; i < l.size.x; i++)

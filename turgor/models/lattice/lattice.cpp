@@ -17,12 +17,12 @@ Result<Model> build(const Exec& exec, const CtVolume& ct, const BodyFields& fiel
 
 State make_state(const Model& model) {
   State state;
-  const auto slots = std::size_t(slot_count(model.lattice));
+  const auto slots = std::size_t(slot_count(model.anatomy.lattice));
   for (VecField* field : {&state.motion.u, &state.motion.u_before, &state.motion.v}) field->resize(slots);
   state.cuts.cut.assign(slots, 0);
   state.cuts.removed.assign(slots, 0);
-  state.cuts.row_cut.assign(slots / std::size_t(row_stride(model.lattice)), 0);
-  state.cuts.skin_cut.assign(model.skin.triangles.size(), 0);
+  state.cuts.row_cut.assign(slots / std::size_t(row_stride(model.anatomy.lattice)), 0);
+  state.cuts.skin_cut.assign(model.anatomy.skin.triangles.size(), 0);
   return state;
 }
 
@@ -31,8 +31,8 @@ std::size_t memory_bytes(const Model& model, const State& state) {
 }
 
 std::uint64_t hash_of_layers(const Model& model, const State& state, std::uint64_t hash) {
-  const Lattice& l = model.lattice;
-  for (int k = model.owned.begin; k < model.owned.end; k++)
+  const Lattice& l = model.anatomy.lattice;
+  for (int k = model.anatomy.owned.begin; k < model.anatomy.owned.end; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int parity = 0; parity < 2; parity++)
         hash = hash_of_fields(state, std::size_t(row_slot(l, j, k) + parity * l.half),

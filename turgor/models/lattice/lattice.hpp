@@ -3,8 +3,8 @@
 // position-based dynamics as in the paper, and vertex block descent (Chen et al. 2024). The stiffness of the
 // VBD solution does not depend on the number of sweeps.
 //
-// Displacements, velocities and forces are along the axes of the lattice. Model::grid.axes rotates them into
-// the patient frame.
+// Displacements, velocities and forces are along the axes of the lattice. Anatomy::grid.axes rotates them
+// into the patient frame.
 #pragma once
 
 #include <cstdint>

@@ -16,7 +16,7 @@ void check_contacts(const Model& model, std::span<const NodeContact> contacts) {
   for (std::size_t c = 0; c < contacts.size(); c++) {
     const auto slot = std::size_t(contacts[c].slot);
     TURGOR_ASSERT(c == 0 || contacts[c - 1].slot <= contacts[c].slot, "the slots of contacts ascend");
-    TURGOR_ASSERT(slot < model.inverse_mass.size() && model.inverse_mass[slot] > 0,
+    TURGOR_ASSERT(slot < model.anatomy.inverse_mass.size() && model.anatomy.inverse_mass[slot] > 0,
                   "contacts act on free nodes");
   }
 }

@@ -83,8 +83,8 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   params.skin.stiffness = scene.params.skin.stiffness;
   params.skin.shear = scene.params.skin.shear;
   params.skin.amplification = scene.params.skin.amplification;
-  const bool has_pull = !body.model.skin.prestress_force.empty();
-  if (has_pull) lattice::measure_prestress(exec, body.model, body.model.skin);
+  const bool has_pull = !body.model.prestress_force.empty();
+  if (has_pull) body.model.prestress_force = lattice::measure_prestress(exec, body.model);
   body.state.change().sleep = {};  // wakes all rows
   if (scene.stiffness_scale == body.stiffness_scale || scene.device == Device::kGpu) return;
   lattice::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model, body.state.change());

@@ -26,7 +26,7 @@ constexpr double kUnitError = 1e-6;  // of the length of a unit vector
 
 std::vector<int> node_slots(const lattice::Model& model) {
   std::vector<int> slots;
-  for (int s = 0; s < slot_count(model.lattice); s++)
+  for (int s = 0; s < slot_count(model.anatomy.lattice); s++)
     if (has_node(model, s)) slots.push_back(s);
   return slots;
 }
@@ -53,11 +53,11 @@ std::vector<double> flat(const std::vector<Vec3d>& points) {
 
 Status write_body(Hdf5File& file, const LatticeBody& body) {
   const lattice::Model& model = body.model;
-  const Grid& grid = model.grid;
+  const Grid& grid = model.anatomy.grid;
   // rest positions of the nodes
   std::vector<float> rest;
   for (const int slot : node_slots(model)) {
-    const Int3 node = slot_node(model.lattice, slot);
+    const Int3 node = slot_node(model.anatomy.lattice, slot);
     const Vec3 p(point_at(grid, {double(node.x), double(node.y), double(node.z)}));
     rest.insert(rest.end(), {p.x, p.y, p.z});
   }
@@ -68,7 +68,7 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
       .array("lattice_origin", flat({grid.origin}), 1, "m")
       .array("lattice_spacing", flat({grid.spacing}), 1, "m")
       .array("lattice_axes", flat({grid.axes.column[0], grid.axes.column[1], grid.axes.column[2]}), 3)
-      .array<std::uint64_t>("skin_triangles", {model.skin.triangles.size()})
+      .array<std::uint64_t>("skin_triangles", {model.anatomy.skin.triangles.size()})
       .array("rest_points", rest, 3, "m")
       .status();
 }
@@ -85,21 +85,22 @@ Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
 
 Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
   const lattice::BladePath path = cut.path.value_or(lattice::BladePath{});
-  TURGOR_CHECK(path.into.size() == path.skin.size(), "every point of a path has a direction");
+  TURGOR_CHECK(path.inward.size() == path.points.size(), "every point of a path has a direction");
   return Writing(file, fmt::format("{}/cuts/{}/", group, cut.blade.name))
-      .array("path", flat(path.skin), 3, "m")
-      .array("into", flat(path.into), 3)
+      .array("path", flat(path.points), 3, "m")
+      .array("into", flat(path.inward), 3)
       .array<double>("progress", {path.depth, cut.done, double(cut.edges)}, 1, "m, 1, 1")
       .status();
 }
 
 /// True if the lattice has such an edge.
 bool is_edge(const World& world, const lattice::Model& model, const lattice::CutEdge& edge) {
-  if (edge.slot < 0 || edge.slot >= slot_count(model.lattice) || edge.family >= kFamilyCount) return false;
+  if (edge.slot < 0 || edge.slot >= slot_count(model.anatomy.lattice) || edge.family >= kFamilyCount)
+    return false;
   if (edge.incision >= world.cuts.size() || !(edge.fraction >= 0 && edge.fraction <= 1)) return false;
-  const Int3 cell = slot_node(model.lattice, edge.slot);
-  if (!contains(model.lattice, cell) || node_slot(model.lattice, cell) != edge.slot || edge.sub_index < 0 ||
-      edge.sub_index >= 8 * 8 * 8 || !std::isfinite(edge.along))
+  const Int3 cell = slot_node(model.anatomy.lattice, edge.slot);
+  if (!contains(model.anatomy.lattice, cell) || node_slot(model.anatomy.lattice, cell) != edge.slot ||
+      edge.sub_index < 0 || edge.sub_index >= 8 * 8 * 8 || !std::isfinite(edge.along))
     return false;
   const lattice::FineLattice fine = lattice::fine_lattice(model);
   const Int3 node = fine_node(fine, edge);
@@ -125,7 +126,7 @@ std::vector<int> recorded_slots(const SnapshotIn& in, const LatticeBody& body) {
   const std::string path = stored_path(in.file, fmt::format("/bodies/{}/rest_points", body.name));
   const Result<std::size_t> found = in.file.count(path, 3 * slots.size());
   if (found && *found < 3 * slots.size())
-    std::erase_if(slots, [&](int s) { return !lattice::is_body(body.model.tissue[std::size_t(s)]); });
+    std::erase_if(slots, [&](int s) { return !lattice::is_body(body.model.anatomy.tissue[std::size_t(s)]); });
   return slots;
 }
 
@@ -148,7 +149,8 @@ Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
       return Error{fmt::format("{}: {}: a cut edge is not in the body", in.path, in.group)};
   state.cuts.removed_nodes = 0;
   for (const int slot : slots)
-    if (state.cuts.removed[std::size_t(slot)] && lattice::is_body(body.model.tissue[std::size_t(slot)]))
+    if (state.cuts.removed[std::size_t(slot)] &&
+        lattice::is_body(body.model.anatomy.tissue[std::size_t(slot)]))
       state.cuts.removed_nodes++;
   state.motion.time = time_of(in.world);
   body.state.change() = std::move(state);
@@ -286,12 +288,12 @@ Status Recording::check_world(const World& world) const {
           fmt::format("{}: body.{} was recorded on another CT: expected content {}, found {}; name the right "
                       "one by --set body.{}.ct=FILE",
                       path_.string(), body.name, hash_text(hash[0]), hash_text(body.ct_hash), body.name)};
-    if (triangles[0] != body.model.skin.triangles.size() ||
-        Int3{size[0], size[1], size[2]} != body.model.grid.size)
+    if (triangles[0] != body.model.anatomy.skin.triangles.size() ||
+        Int3{size[0], size[1], size[2]} != body.model.anatomy.grid.size)
       return Error{
           fmt::format("{}: body.{} differs from the recorded body: expected {} skin triangles, "
                       "found {}",
-                      path_.string(), body.name, triangles[0], body.model.skin.triangles.size())};
+                      path_.string(), body.name, triangles[0], body.model.anatomy.skin.triangles.size())};
   }
   return Done{};
 }
@@ -315,11 +317,11 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   // path
   lattice::BladePath path;
   for (std::size_t i = 0; i + 2 < values; i += 3) {
-    path.skin.push_back({points[i], points[i + 1], points[i + 2]});
-    path.into.push_back({into[i], into[i + 1], into[i + 2]});
-    if (!std::isfinite(dot(path.skin.back(), path.skin.back())))
+    path.points.push_back({points[i], points[i + 1], points[i + 2]});
+    path.inward.push_back({into[i], into[i + 1], into[i + 2]});
+    if (!std::isfinite(dot(path.points.back(), path.points.back())))
       reading.fail("path", fmt::format("row {}: expected finite numbers", i / 3 + 1));
-    if (const double length = norm(path.into.back()); !(std::abs(length - 1) <= kUnitError))
+    if (const double length = norm(path.inward.back()); !(std::abs(length - 1) <= kUnitError))
       reading.fail("into", fmt::format("row {}: expected a unit vector into the body, found one of length "
                                        "{:.6g}",
                                        i / 3 + 1, length));

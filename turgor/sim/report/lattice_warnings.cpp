@@ -21,12 +21,14 @@ using lattice::Model;
 constexpr double kOffSkin = 0.005;
 constexpr double kCellsBelow = 3;  // required below a cut
 
-Vec3d in_patient(const Model& model, Vec3d x) { return model.grid.origin + model.grid.axes * x; }
+Vec3d in_patient(const Model& model, Vec3d x) {
+  return model.anatomy.grid.origin + model.anatomy.grid.axes * x;
+}
 
 /// Distance from a point of the scene to the blade's path on the skin [m].
 double off_skin(const Model& model, const lattice::BladePath& path, Vec3d point) {
   double nearest = std::numeric_limits<double>::max();
-  for (const Vec3d x : path.skin) nearest = std::min(nearest, norm(in_patient(model, x) - point));
+  for (const Vec3d x : path.points) nearest = std::min(nearest, norm(in_patient(model, x) - point));
   return nearest;
 }
 
@@ -43,21 +45,21 @@ void warn_about_blade(const Cut& cut, const Model& model, std::vector<std::strin
 
   // distance of the blade from the given positions
   const double from = off_skin(model, path, cut.blade.from), to = off_skin(model, path, cut.blade.to);
-  const Vec3 step = model.lattice.spacing;
+  const Vec3 step = model.anatomy.lattice.spacing;
   if (std::max(from, to) > kOffSkin + double(std::max({step.x, step.y, step.z})))
     warnings.push_back(fmt::format(
         "incision '{}': its ends, {} and {}, are {:.0f} and {:.0f} mm off the skin: the blade was moved to "
         "the "
         "skin between {} and {}",
         cut.blade.name, position_text(cut.blade.from), position_text(cut.blade.to), 1e3 * from, 1e3 * to,
-        patient_position_text(model, path.skin.front()), patient_position_text(model, path.skin.back())));
+        patient_position_text(model, path.points.front()), patient_position_text(model, path.points.back())));
 
   // cells below the cut
   double below = kCellsBelow;
-  for (std::size_t n = 0; n + 1 < path.skin.size(); n++)
-    below = std::min(below, lattice::cells_below(model, path.skin[n] + path.into[n] * path.depth,
-                                                 path.skin[n + 1] + path.into[n + 1] * path.depth,
-                                                 path.into[n], kCellsBelow));
+  for (std::size_t n = 0; n + 1 < path.points.size(); n++)
+    below = std::min(below, lattice::cells_below(model, path.points[n] + path.inward[n] * path.depth,
+                                                 path.points[n + 1] + path.inward[n + 1] * path.depth,
+                                                 path.inward[n], kCellsBelow));
   if (below < kCellsBelow)
     warnings.push_back(fmt::format(
         "incision '{}': {} of body below the cut, expected at least {:.0f} cells: the support of its bottom "
@@ -79,9 +81,9 @@ std::optional<BoneUnderBlade> bone_under_blade(const LatticeBody& body, const la
   const CtSampler sample(body.ct);
   const double step = 0.5 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
   std::optional<BoneUnderBlade> first;
-  for (std::size_t n = 0; n < path.skin.size(); n++)
+  for (std::size_t n = 0; n < path.points.size(); n++)
     for (double depth = 0; depth <= (first ? first->depth - step : path.depth); depth += step) {
-      const Vec3d point = in_patient(body.model, path.skin[n] + path.into[n] * depth);
+      const Vec3d point = in_patient(body.model, path.points[n] + path.inward[n] * depth);
       if (double(sample(Vec3(index_at(grid, point)))) < body.model.params.tissue.bone_min) continue;
       first = {point, depth};
       break;

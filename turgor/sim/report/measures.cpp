@@ -21,15 +21,15 @@ struct AverageSkin {
 AverageSkin average_skin(const lattice::Model& model, Vec3d point, double reach) {
   AverageSkin around;
   TURGOR_CHECK(reach > 0, "a mean is over an area");
-  const Vec3d everywhere = inverse(model.grid.axes) * model.params.skin.direction;
-  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
-    const lattice::SkinTriangle& triangle = model.skin.triangles[t];
-    const Vec3d a(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex.x)));
+  const Vec3d everywhere = inverse(model.anatomy.grid.axes) * model.params.skin.direction;
+  for (std::size_t t = 0; t < model.anatomy.skin.triangles.size(); t++) {
+    const lattice::SkinTriangle& triangle = model.anatomy.skin.triangles[t];
+    const Vec3d a(rest_position(model.anatomy.lattice, slot_node(model.anatomy.lattice, triangle.vertex.x)));
     const Vec3d e1(triangle.edge1), e2(triangle.edge2);
     const Vec3d away = a + (e1 + e2) / 3 - point;
     const double weight = 1 - dot(away, away) / (reach * reach);
     if (weight <= 0) continue;
-    const Vec3d line = model.skin.lines.empty() ? everywhere : Vec3d(model.skin.lines[t]);
+    const Vec3d line = model.anatomy.skin.lines.empty() ? everywhere : Vec3d(model.anatomy.skin.lines[t]);
     around.normal += cross(e1, e2) * weight;
     around.lines += line * (dot(line, around.lines) < 0 ? -weight : weight);  // lines have no sign
   }
@@ -48,11 +48,11 @@ std::optional<double> cosine_to_lines(const AverageSkin& skin, Vec3d across) {
 
 /// Mean along a cut of cos² of the angle to Langer's lines; independent of the sign of the lines.
 std::optional<double> mean_cos2_to_lines(const lattice::Model& model, const lattice::BladePath& path) {
-  const Vec3 step = model.lattice.spacing;
+  const Vec3 step = model.anatomy.lattice.spacing;
   const double reach = std::max(0.01, 3.0 * std::max({step.x, step.y, step.z}));
   double sum = 0, count = 0;
-  for (std::size_t n = 0; n < path.skin.size(); n++)
-    if (const auto cosine = cosine_to_lines(average_skin(model, path.skin[n], reach), across_at(path, n)))
+  for (std::size_t n = 0; n < path.points.size(); n++)
+    if (const auto cosine = cosine_to_lines(average_skin(model, path.points[n], reach), across_at(path, n)))
       sum += *cosine * *cosine, count++;
   if (count == 0) return std::nullopt;
   return std::clamp(sum / count, 0.0, 1.0);
@@ -87,7 +87,7 @@ CutTension cut_tension(const lattice::Model& model, const lattice::BladePath& pa
 
 double expected_gape_error(const lattice::Model& model, double depth) {
   constexpr double kFactor = 0.94, kLargestRatio = 0.5;
-  const Vec3 spacing = model.lattice.spacing;
+  const Vec3 spacing = model.anatomy.lattice.spacing;
   const double ratio = double(std::max({spacing.x, spacing.y, spacing.z})) / depth;
   if (model.params.tissue.law != lattice::TissueLaw::kSolid || !(ratio <= kLargestRatio)) return -1;
   return kFactor * ratio * ratio;

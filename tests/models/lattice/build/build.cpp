@@ -109,7 +109,7 @@ TEST(LatticeBuild, MemoryPerNodeIsBounded) {
   params.block = {2, 2, 2};
   const Model model = build(kExec, large, {}, params).value();
   const State state = make_state(model);
-  EXPECT_LE(double(memory_bytes(model, state)) / node_count(model.lattice), 80.0)
+  EXPECT_LE(double(memory_bytes(model, state)) / node_count(model.anatomy.lattice), 80.0)
       << "a quarter of it is skin, laid out for vector units";
 }
 

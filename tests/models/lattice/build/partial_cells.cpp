@@ -101,10 +101,11 @@ Model bar_model(const Scan& scan, int block, bool partial = true, bool clamped =
 template <class Displacement>
 double energy_of(const Model& model, const Bar& bar, int steps, const Displacement& displacement) {
   State state = make_state(model);
-  for (int s = 0; s < slot_count(model.lattice); s++) {
-    const Int3 node = slot_node(model.lattice, s);
-    if (!contains(model.lattice, node) || node_slot(model.lattice, node) != s) continue;
-    const Vec3d u = displacement(bar.local(Vec3d(rest_position(model.lattice, slot_node(model.lattice, s)))));
+  for (int s = 0; s < slot_count(model.anatomy.lattice); s++) {
+    const Int3 node = slot_node(model.anatomy.lattice, s);
+    if (!contains(model.anatomy.lattice, node) || node_slot(model.anatomy.lattice, node) != s) continue;
+    const Vec3d u = displacement(
+        bar.local(Vec3d(rest_position(model.anatomy.lattice, slot_node(model.anatomy.lattice, s)))));
     state.motion.u.set(std::size_t(s), Vec3(bar.axes * u));
   }
   for (int n = 0; n < steps; n++) step(kExec, model, state, {}, 1.0 / 60);
@@ -174,7 +175,7 @@ TEST(LatticePartialCells, MassIsThatOfTheVoxels) {
   const Scan scan = scan_bar(16, 64, 4, {-0.5, 0.7, 0.4}, 0.2, {0.2, 0.6, 0.4});
   const Model model = bar_model(scan, 4);
   double mass = 0, voxels = 0;
-  for (const Real w : model.inverse_mass)
+  for (const Real w : model.anatomy.inverse_mass)
     if (w > 0) mass += 1 / double(w);
   for (const std::int16_t hu : scan.ct.samples) voxels += hu + 1000;
   EXPECT_NEAR(mass, voxels * std::pow(kVoxel, 3), 0.01 * mass);
@@ -231,16 +232,16 @@ TEST(LatticePartialCells, RimOfFixedNodesIsFixed) {
   const Model model = bar_model(scan, 4, true, true);
   const State state = make_state(model);
   int fixed = 0, free = 0;
-  for (int s = 0; s < slot_count(model.lattice); s++) {
-    const Int3 node = slot_node(model.lattice, s);
-    if (!contains(model.lattice, node) || node_slot(model.lattice, node) != s) continue;
-    if (is_body(model.tissue[std::size_t(s)])) continue;
+  for (int s = 0; s < slot_count(model.anatomy.lattice); s++) {
+    const Int3 node = slot_node(model.anatomy.lattice, s);
+    if (!contains(model.anatomy.lattice, node) || node_slot(model.anatomy.lattice, node) != s) continue;
+    if (is_body(model.anatomy.tissue[std::size_t(s)])) continue;
     bool is_corner = false;
     for (int n = 0; n < kCellCorners; n++)
       is_corner = is_corner || is_whole_cell(model, state.cuts, node - cell_corner(n));
     if (!is_corner) continue;
-    const Vec3d at = scan.bar.local(Vec3d(rest_position(model.lattice, node)));
-    const bool is_fixed = model.inverse_mass[std::size_t(s)] == 0;
+    const Vec3d at = scan.bar.local(Vec3d(rest_position(model.anatomy.lattice, node)));
+    const bool is_fixed = model.anatomy.inverse_mass[std::size_t(s)] == 0;
     // steps from the end of the fixed nodes
     const double beyond = (std::abs(at.z) - 0.5 * scan.bar.length) / (4 * kVoxel) + 1.5;
     if (beyond > 0.8) {
@@ -261,21 +262,21 @@ TEST(LatticePartialCells, RimWithoutCellsIsRemoved) {
   const Scan scan = scan_bar(16, 64, 4, {0, 0, 1}, 0, {0.3, 0.1, 0.6});
   const Model model = bar_model(scan, 4);
   State state = make_state(model);
-  const int half = model.lattice.size.z / 2;
-  for (int s = 0; s < slot_count(model.lattice); s++)
-    if (has_node(model, s) && slot_node(model.lattice, s).z >= half) {
+  const int half = model.anatomy.lattice.size.z / 2;
+  for (int s = 0; s < slot_count(model.anatomy.lattice); s++)
+    if (has_node(model, s) && slot_node(model.anatomy.lattice, s).z >= half) {
       state.cuts.cut[std::size_t(s)] |= 0x7f;
       mark_rows(model, state.cuts, s);
     }
   remove_loose_rim(model, state.cuts);
   int removed = 0, kept = 0;
-  for (int s = 0; s < slot_count(model.lattice); s++) {
+  for (int s = 0; s < slot_count(model.anatomy.lattice); s++) {
     const bool is_removed = state.cuts.removed[std::size_t(s)] != 0;
     if (!is_rim(model, s)) {
       EXPECT_FALSE(is_removed);
       continue;
     }
-    const int z = slot_node(model.lattice, s).z;
+    const int z = slot_node(model.anatomy.lattice, s).z;
     if (z != half) {
       EXPECT_EQ(is_removed, z > half) << z;
     }

@@ -40,11 +40,11 @@ TEST(LatticeSkin, BallSkinIsClosedAndOutward) {
   const Model model = assemble(kExec, nodes, nullptr, {}).value();
   std::map<std::pair<int, int>, int> edges;  // directed
   double six_volumes = 0;
-  for (const SkinTriangle& t : model.skin.triangles) {
+  for (const SkinTriangle& t : model.anatomy.skin.triangles) {
     Vec3d x[3];
     for (int c = 0; c < 3; c++) {
       edges[{t.vertex[c], t.vertex[(c + 1) % 3]}]++;
-      x[c] = point_at(model.grid, Vec3d(slot_node(model.lattice, t.vertex[c])));
+      x[c] = point_at(model.anatomy.grid, Vec3d(slot_node(model.anatomy.lattice, t.vertex[c])));
     }
     six_volumes += dot(x[0], cross(x[1], x[2]));
   }
@@ -61,8 +61,8 @@ struct SkinSums {
 };
 SkinSums sums_of(const Model& model) {
   SkinSums sums;
-  for (const SkinTriangle& t : model.skin.triangles) sums.area += double(t.area);
-  for (const Vec3 f : model.skin.prestress_force) sums.pull += norm(Vec3d(f));
+  for (const SkinTriangle& t : model.anatomy.skin.triangles) sums.area += double(t.area);
+  for (const Vec3 f : model.prestress_force) sums.pull += norm(Vec3d(f));
   return sums;
 }
 
@@ -73,9 +73,10 @@ TEST(LatticeSkin, BallAreaAndLaplacePressure) {
     const BodyNodes nodes = shape_nodes({size, size, size}, [&](Vec3d p) { return norm(p) < radius; });
     const Model model = assemble(kExec, nodes, nullptr, {}).value();
     double mean = 0, corners = 0;  // mean distance of the skin's nodes from the center [m]
-    for (const SkinTriangle& t : model.skin.triangles)
+    for (const SkinTriangle& t : model.anatomy.skin.triangles)
       for (int c = 0; c < 3; c++)
-        mean += norm(point_at(model.grid, Vec3d(slot_node(model.lattice, t.vertex[c])))), corners++;
+        mean += norm(point_at(model.anatomy.grid, Vec3d(slot_node(model.anatomy.lattice, t.vertex[c])))),
+            corners++;
     mean /= corners;
     const SkinSums sums = sums_of(model);
     const double tension = model.params.skin.tension_along, area = 4 * M_PI * mean * mean;
@@ -92,10 +93,10 @@ TEST(LatticeSkin, ObliquePlaneHasSmallPrestress) {
         shape_nodes({49, 49, 25}, [&](Vec3d p) { return dot(p, normal) < 1e-5 && p.z > -0.0115; });
     const Model model = assemble(kExec, nodes, nullptr, {}).value();
     double pull = 0, area = 0;
-    for (std::size_t n = 0; n < model.skin.nodes.size(); n++) {
-      const Int3 p = slot_node(model.lattice, model.skin.nodes[n]);
+    for (std::size_t n = 0; n < model.anatomy.skin.nodes.size(); n++) {
+      const Int3 p = slot_node(model.anatomy.lattice, model.anatomy.skin.nodes[n]);
       if (std::min(p.x, p.y) < 12 || std::max(p.x, p.y) > 36 || p.z < 4) continue;
-      pull += norm(Vec3d(model.skin.prestress_force[n])), area += 1e-6;
+      pull += norm(Vec3d(model.prestress_force[n])), area += 1e-6;
     }
     const double stairs =
         2 * model.params.skin.tension_along * (std::abs(normal.x) + std::abs(normal.y)) / 1e-3 * area;  // N
@@ -121,7 +122,7 @@ TEST(LatticeSkin, BatchesShareNoNodes) {
   const BodyNodes nodes =
       shape_nodes({41, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
   const Model model = assemble(kExec, nodes, nullptr, {}).value();
-  const Skin& skin = model.skin;
+  const Skin& skin = model.anatomy.skin;
   expect_batches_without_shared_nodes(skin);
   EXPECT_GT(double(skin.triangles.size()) / double(skin.batch_begin.size() - 1), 0.7 * kSkinLanes)
       << "mean fill";
@@ -136,17 +137,17 @@ TEST(LatticeSkin, ColorGroupsShareNoNodes) {
   params.skin.law = SkinLaw::kArea;
   params.solver = {.method = Method::kPbd, .ordering = Ordering::kColors};
   const Model model = assemble(kExec, nodes, nullptr, params).value();
-  const Skin& skin = model.skin;
+  const Skin& skin = model.anatomy.skin;
   expect_batches_without_shared_nodes(skin);
-  ASSERT_EQ(skin.layer_begin.size(), std::size_t(4 * (model.lattice.size.z - 1) + 1));
-  for (int group = 0; group < 4 * (model.lattice.size.z - 1); group++) {
+  ASSERT_EQ(skin.layer_begin.size(), std::size_t(4 * (model.anatomy.lattice.size.z - 1) + 1));
+  for (int group = 0; group < 4 * (model.anatomy.lattice.size.z - 1); group++) {
     std::map<int, Int3> cell_of_node;
     const int first = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group)])],
               end = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group) + 1])];
     for (int t = first; t < end; t++) {
       const Int3 v = skin.triangles[std::size_t(t)].vertex;
-      Int3 cell = model.lattice.size - Int3{2, 2, 2};
-      for (int c = 0; c < 3; c++) cell = min(cell, slot_node(model.lattice, v[c]));
+      Int3 cell = model.anatomy.lattice.size - Int3{2, 2, 2};
+      for (int c = 0; c < 3; c++) cell = min(cell, slot_node(model.anatomy.lattice, v[c]));
       EXPECT_EQ(color_of(cell), (group & 3) | (group / 4 & 1) << 2);
       for (int c = 0; c < 3; c++)
         EXPECT_EQ(cell_of_node.emplace(v[c], cell).first->second, cell) << "node " << v[c] << " of two cells";
@@ -158,8 +159,8 @@ TEST(LatticeSkin, ColorGroupsShareNoNodes) {
     for (const SkinTriangle& t : of.triangles) all.insert({t.vertex.x, t.vertex.y, t.vertex.z});
     return all;
   };
-  EXPECT_EQ(skin.triangles.size(), slabs.skin.triangles.size());
-  EXPECT_EQ(sorted(skin), sorted(slabs.skin));
+  EXPECT_EQ(skin.triangles.size(), slabs.anatomy.skin.triangles.size());
+  EXPECT_EQ(sorted(skin), sorted(slabs.anatomy.skin));
 }
 
 // A sheet one node thick has one layer of skin.
@@ -167,9 +168,9 @@ TEST(LatticeSkin, ThinSheetIsCoveredOnce) {
   const BodyNodes nodes = shape_nodes({9, 9, 5}, [](Vec3d p) { return std::abs(p.z) < 1e-4; });
   const Model model = assemble(kExec, nodes, nullptr, {}).value();
   std::set<std::set<int>> seen;
-  for (const SkinTriangle& t : model.skin.triangles)
+  for (const SkinTriangle& t : model.anatomy.skin.triangles)
     EXPECT_TRUE(seen.insert({t.vertex.x, t.vertex.y, t.vertex.z}).second);
-  EXPECT_EQ(model.skin.triangles.size(), 2u * 8 * 8);
+  EXPECT_EQ(model.anatomy.skin.triangles.size(), 2u * 8 * 8);
 }
 
 // A body under tense skin is at rest in the shape of the CT.
@@ -193,7 +194,7 @@ TEST(LatticeSkin, FiberFrameIsOrthonormal) {
   params.skin.direction = {0.6, 0.8, 0.3};
   const BodyNodes nodes = shape_nodes({31, 31, 31}, [](Vec3d p) { return norm(p) < 0.0102; });
   const Model model = assemble(kExec, nodes, nullptr, params).value();
-  for (const SkinTriangle& t : model.skin.triangles) {
+  for (const SkinTriangle& t : model.anatomy.skin.triangles) {
     Vec3d along, across;
     for (int c = 0; c < 3; c++) {
       const Vec3d x = c == 0 ? Vec3d{} : Vec3d(c == 1 ? t.edge1 : t.edge2);
@@ -214,12 +215,12 @@ TEST(LatticeSkin, LineFieldSetsFibers) {
   VectorVolume lines{{.size = {2, 1, 1}, .spacing = {4e-3, 1, 1}, .origin = {-2e-3, 0, 0}},
                      {{1, 0, 0}, {0, 1, 0}}};
   const Model model = assemble(kExec, nodes, &lines, {}).value();
-  for (const SkinTriangle& t : model.skin.triangles) {
+  for (const SkinTriangle& t : model.anatomy.skin.triangles) {
     Vec3d along, center;
     for (int c = 0; c < 3; c++) {
-      const Vec3d x(rest_position(model.lattice, slot_node(model.lattice, t.vertex[c])));
+      const Vec3d x(rest_position(model.anatomy.lattice, slot_node(model.anatomy.lattice, t.vertex[c])));
       along += x * double(t.along[c]);
-      center += point_at(model.grid, Vec3d(slot_node(model.lattice, t.vertex[c]))) / 3;
+      center += point_at(model.anatomy.grid, Vec3d(slot_node(model.anatomy.lattice, t.vertex[c]))) / 3;
     }
     EXPECT_NEAR(std::abs(center.x < 0 ? along.x : along.y), 1, 1e-3) << "at x = " << center.x;
   }
@@ -240,15 +241,15 @@ double tension_of(const SkinParams& skin, bool along_x, double field_turn) {
     for (int j = 0; j < kN; j++)
       for (int i = 0; i < kN; i++) {
         const Real shift = Real((side ? kStretch : -kStretch) * kStep * (along_x ? i : j));
-        state.motion.u.set(std::size_t(node_slot(model.lattice, i, j, 0)),
+        state.motion.u.set(std::size_t(node_slot(model.anatomy.lattice, i, j, 0)),
                            along_x ? Vec3{shift, 0, 0} : Vec3{0, shift, 0});
       }
     energies[side] = energy(kExec, model, state);
   }
   double pull = 0;  // subtracts the work of the tissue's prestress
-  for (std::size_t at = 0; at < model.skin.prestress_force.size(); at++) {
-    const Int3 p = slot_node(model.lattice, model.skin.nodes[at]);
-    pull += double(along_x ? model.skin.prestress_force[at].x : model.skin.prestress_force[at].y) * kStep *
+  for (std::size_t at = 0; at < model.prestress_force.size(); at++) {
+    const Int3 p = slot_node(model.anatomy.lattice, model.anatomy.skin.nodes[at]);
+    pull += double(along_x ? model.prestress_force[at].x : model.prestress_force[at].y) * kStep *
             (along_x ? p.x : p.y);
   }
   const double side = (kN - 1) * kStep;

@@ -179,13 +179,15 @@ struct Column {
     for (int j = 0; j < kSize.y; j++)
       for (int i = 0; i < kSize.x; i++) {
         const double x = i % (kSize.x - 1) ? 1 : 0.5, y = j % (kSize.y - 1) ? 1 : 0.5;
-        sum -= x * y * double(state->motion.u.z[std::size_t(node_slot(model.lattice, i, j, kSize.z - 1))]);
+        sum -= x * y *
+               double(state->motion.u.z[std::size_t(node_slot(model.anatomy.lattice, i, j, kSize.z - 1))]);
       }
     return sum / ((kSize.x - 1) * (kSize.y - 1));
   }
   /// Every layer of cells carries the nodes above it.
   double expected(double gravity) const {
-    const double mass = 1 / double(model.inverse_mass[std::size_t(node_slot(model.lattice, 2, 2, 12))]);
+    const double mass =
+        1 / double(model.anatomy.inverse_mass[std::size_t(node_slot(model.anatomy.lattice, 2, 2, 12))]);
     const double layer = mass * kSize.x * kSize.y * gravity,
                  area = (kSize.x - 1) * (kSize.y - 1) * kStep * kStep;
     double sag = 0;
@@ -222,7 +224,7 @@ TEST(CoarseKernels, SpaceIsUploadedOnce) {
   state.step(kOne, wounded.model, {}, kDt);
   const CoarseLists lists = coarse_lists(wounded.model, state->cut_elements, state->motion.virtual_u.size(),
                                          *state->workspace.coarse);
-  EXPECT_GE(lists.fine_nodes.size(), std::size_t(wounded.model.free_nodes));
+  EXPECT_GE(lists.fine_nodes.size(), std::size_t(wounded.model.anatomy.free_nodes));
   Transfers::uploaded = Transfers::downloaded = 0;
   for (int n = 0; n < 3; n++) state.step(kOne, wounded.model, {}, kDt);
   EXPECT_EQ(Transfers::uploaded, 3 * sizeof(StepSummary)) << "bytes";

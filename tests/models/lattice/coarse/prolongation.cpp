@@ -39,7 +39,7 @@ struct Space {
     if (to == CoarseSpace::kFixed) return 0;
     if (to < 0) return row == std::size_t(-2 - to);
     const CoarseBlock& block = space().blocks[std::size_t(to)];
-    const auto weights = corner_weights(block, slot_node(model.lattice, slot));
+    const auto weights = corner_weights(block, slot_node(model.anatomy.lattice, slot));
     double sum = 0;
     for (std::size_t c = 0; c < 8; c++) sum += std::size_t(block.corner[c]) == row ? double(weights[c]) : 0;
     return sum;
@@ -49,12 +49,12 @@ struct Space {
 // Runs have every interpolated node once and in order.
 TEST(Prolongation, RunsCoverNodesInOrder) {
   const Space s;
-  const auto slots = std::size_t(slot_count(s.model.lattice));
+  const auto slots = std::size_t(slot_count(s.model.anatomy.lattice));
   std::vector<int> found(slots, CoarseSpace::kFixed);
   int last = -1, by_itself = 0;
   for (const ProlongationRun& run : s.space().runs) {
     EXPECT_GT(run.slot, last);
-    EXPECT_EQ(slot_node(s.model.lattice, run.slot), run.first);
+    EXPECT_EQ(slot_node(s.model.anatomy.lattice, run.slot), run.first);
     for (int n = 0; n < run.count; n++) found[std::size_t(run.slot + n)] = run.source;
     last = run.slot + run.count - 1, by_itself += run.source < 0;
   }
@@ -67,10 +67,10 @@ TEST(Prolongation, RestrictionMatchesWeights) {
   const Space s;
   RandomVectors random;
   VecField forces;
-  forces.resize(s.model.inverse_mass.size());
+  forces.resize(s.model.anatomy.inverse_mass.size());
   for (std::size_t n = 0; n < forces.x.size(); n++) forces.set(n, random.vec());
   std::vector<Vec3d> sums(s.rows());
-  for (int k = 0; k < s.model.lattice.size.z; k++) restrict_layer(s.space(), k, {forces}, sums);
+  for (int k = 0; k < s.model.anatomy.lattice.size.z; k++) restrict_layer(s.space(), k, {forces}, sums);
   for (std::size_t row = 0; row < s.rows(); row++) {
     Vec3d sum;
     for (std::size_t n = 0; n < forces.x.size(); n++) sum += Vec3d(forces[n]) * s.weight(n, int(n), row);
@@ -95,7 +95,7 @@ TEST(Prolongation, NodesFollowCorners) {
   for (std::size_t n = 0; n < before.motion.u.x.size(); n++)
     EXPECT_LT(norm(Vec3d(s.state.motion.u[n] - before.motion.u[n]) - expected(n, int(n))), 1e-8)
         << "slot " << n;
-  const int slots = slot_count(s.model.lattice);
+  const int slots = slot_count(s.model.anatomy.lattice);
   EXPECT_GT(s.state.cut_elements.virtual_nodes.size(), 10u);
   for (const ElementNode& copy : s.state.cut_elements.virtual_nodes) {
     const auto c = std::size_t(copy.corner - slots);

@@ -38,7 +38,7 @@ Found fractions_where(const Model& model, const State& state, const Selected& se
   Found found;
   for (const CutCell& cell : fragments.cells)
     for (int t = cell.first_tip; t < cell.first_tip + cell.tip_count; t++) {
-      if (!selected(slot_node(model.lattice, cell.slot))) continue;
+      if (!selected(slot_node(model.anatomy.lattice, cell.slot))) continue;
       const double fraction = cut_fraction(state.cuts, fragments, cell, fragments.tips[std::size_t(t)]);
       found.least = std::min(found.least, fraction), found.most = std::max(found.most, fraction),
       found.count++;

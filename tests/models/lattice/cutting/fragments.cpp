@@ -30,7 +30,8 @@ struct Blade {
 void cut(const Model& model, State& state, const Blade& blade, int index) {
   Incision incision{
       .name = "blade", .from = {}, .to = {}, .path = blade.path, .depth = blade.depth, .tilt = blade.tilt};
-  for (Vec3d& p : incision.path) p.z = (model.lattice.size.z - 2) * double(model.lattice.spacing.z);
+  for (Vec3d& p : incision.path)
+    p.z = (model.anatomy.lattice.size.z - 2) * double(model.anatomy.lattice.spacing.z);
   if (incision.path.size() == 2)
     incision.from = incision.path[0], incision.to = incision.path[1], incision.path.clear();
   const Result<BladePath> path = lay_blade(model, state, incision);

@@ -32,8 +32,8 @@ struct OpenBall {
   }
   /// Signed distance of a CT position to the right of the blade, lattice frame [m].
   double right_of_blade(Vec3d x) const {
-    const std::size_t n = path.skin.size() / 2;
-    return dot(x - path.skin[n], across_at(path, n));
+    const std::size_t n = path.points.size() / 2;
+    return dot(x - path.points[n], across_at(path, n));
   }
 };
 
@@ -80,17 +80,18 @@ TEST(GhostFragments, VoxelsMoveWithTheirSide) {
     ASSERT_GT(wound.gape_max, 2e-3);
     const VectorVolume back =
         resample_displacement(Exec(2), ball.model, ball.state, resized(ball.ct.grid, ball.ct.grid.size * 2));
-    const Mat3d to_lattice = inverse(ball.model.grid.axes);
-    const std::size_t middle = ball.path.skin.size() / 2;
+    const Mat3d to_lattice = inverse(ball.model.anatomy.grid.axes);
+    const std::size_t middle = ball.path.points.size() / 2;
     int examined = 0, wrong = 0;
     for (int k = 0; k < back.grid.size.z; k++)
       for (int j = 0; j < back.grid.size.y; j++)
         for (int i = 0; i < back.grid.size.x; i++) {
           const Vec3d d(back.samples[sample_index(back.grid, i, j, k)]);
           if (norm(d) == 0) continue;
-          const Vec3d now = to_lattice * (point_at(back.grid, Vec3d(Int3{i, j, k})) - ball.model.grid.origin),
+          const Vec3d now = to_lattice *
+                            (point_at(back.grid, Vec3d(Int3{i, j, k})) - ball.model.anatomy.grid.origin),
                       moved = -(to_lattice * d), rest = now - moved;
-          const Vec3d from_middle = rest - ball.path.skin[middle];
+          const Vec3d from_middle = rest - ball.path.points[middle];
           const double aside = ball.right_of_blade(rest);
           if (norm(from_middle) > 7e-3 || std::abs(aside) > 3e-3 || std::abs(aside) < kLip) continue;
           examined++;

@@ -31,7 +31,7 @@ struct Laid {
 };
 
 void cut(const Model& model, State& state, std::vector<Vec3d> points, Laid& laid) {
-  for (Vec3d& p : points) p.z = (model.lattice.size.z - 2) * double(model.lattice.spacing.z);
+  for (Vec3d& p : points) p.z = (model.anatomy.lattice.size.z - 2) * double(model.anatomy.lattice.spacing.z);
   Incision incision{.name = "blade", .from = {}, .to = {}, .path = points, .depth = kDeep};
   if (points.size() == 2) incision.from = points[0], incision.to = points[1], incision.path.clear();
   std::vector<LaidBlade> before;

@@ -34,8 +34,8 @@ struct Variant {
 void mix_tissue(Model& model) {
   std::mt19937 random(5);
   std::uniform_real_distribution<Real> by(Real(0.5), 1);
-  for (Real& w : model.inverse_mass) w *= by(random);
-  for (Real& root : model.root_stiffness) root *= by(random);
+  for (Real& w : model.anatomy.inverse_mass) w *= by(random);
+  for (Real& root : model.springs.root_stiffness) root *= by(random);
 }
 
 /// A block whose second blade is laid after the first step and cuts before the fourth and the fifth one.
@@ -47,7 +47,7 @@ struct Scene {
   explicit Scene(const Variant& v) : block(cut_block(v.method, v.size, v.volumes, v.law, v.skin)) {
     block.model.params.solver.coarse = v.coarse;
     mix_tissue(block.model);
-    const Lattice& l = block.model.lattice;
+    const Lattice& l = block.model.anatomy.lattice;
     const int top = l.size.z - 2;
     if (v.method == Method::kVbd && !v.coarse) contacts = finger(block.model);
     for (const int i : {9, 4, 9})
@@ -145,12 +145,12 @@ TEST(DeviceBody, NodeKindsReproduceNodes) {
                                .solver = {.method = Method::kPbd, .ordering = Ordering::kColors}})
                             .value();
     const PbdOrdering ordering = pbd_ordering(model);
-    ASSERT_EQ(ordering.kind.size(), model.inverse_mass.size());
-    EXPECT_LT(ordering.kinds.size(), std::size_t(std::min(2000, model.body_nodes / 10)));
+    ASSERT_EQ(ordering.kind.size(), model.anatomy.inverse_mass.size());
+    EXPECT_LT(ordering.kinds.size(), std::size_t(std::min(2000, model.anatomy.body_nodes / 10)));
     for (std::size_t s = 0; s < ordering.kind.size(); s++) {
       const NodeKind is = ordering.kinds.at(ordering.kind[s]);
-      ASSERT_EQ(is.w, model.inverse_mass[s]) << s;
-      ASSERT_EQ(is.root, model.root_stiffness[s]) << s;
+      ASSERT_EQ(is.w, model.anatomy.inverse_mass[s]) << s;
+      ASSERT_EQ(is.root, model.springs.root_stiffness[s]) << s;
     }
   }
 }
@@ -185,7 +185,8 @@ State one_step(bool held, Real speed, const std::function<std::shared_ptr<BodyBa
   for (int k = 1; k < 7; k++)
     for (int j = 0; j < 8; j++)
       for (int i = 0; i < 9; i++)
-        begin.motion.v.set(std::size_t(node_slot(model.lattice, i, j, k)), {i % 2 ? speed : -speed, 0, 0});
+        begin.motion.v.set(std::size_t(node_slot(model.anatomy.lattice, i, j, k)),
+                           {i % 2 ? speed : -speed, 0, 0});
   begin.motion.fastest = speed;
   DeviceState state = std::move(begin);
   if (put) state.use_backend(put(model));
@@ -234,7 +235,7 @@ TEST(DeviceBody, ChangedTensionMatchesCpu) {
     if (device) state.use_backend(put_on_host<SeededRun<1>>(model));
     for (const double tension : {45.0, 20.0}) {
       model.params.skin.tension_along = tension;
-      measure_prestress(kOne, model, model.skin);
+      model.prestress_force = measure_prestress(kOne, model);
       for (int n = 0; n < 3; n++) EXPECT_TRUE(state.step(kOne, model, {}, kDt).finite);
     }
     return std::pair(model, *state);

@@ -25,7 +25,7 @@ struct OnDevice {
     state.use_backend(put_on_host<SeededRun<1>>(model));
   }
   void step() { EXPECT_TRUE(state.step(kOne, model, {.gravity = {1, 0, -9.81}}, kDt).finite); }
-  std::size_t vector_bytes() const { return 3 * sizeof(Real) * model.inverse_mass.size(); }
+  std::size_t vector_bytes() const { return 3 * sizeof(Real) * model.anatomy.inverse_mass.size(); }
 };
 
 // Frames whose state is not read download a summary only; a read downloads the state once.
@@ -48,7 +48,7 @@ TEST(DeviceState, StepInvalidatesHostReference) {
   OnDevice device;
   device.step();
   const State& before = device.state.host();
-  EXPECT_EQ(before.motion.u.x.size(), device.model.inverse_mass.size());
+  EXPECT_EQ(before.motion.u.x.size(), device.model.anatomy.inverse_mass.size());
   device.step();
   EXPECT_EQ(before.motion.u.x.size(), 0u);
   EXPECT_EQ(before.motion.v.z.size(), 0u);
@@ -93,8 +93,8 @@ TEST(DeviceState, CutUploadsOnlyChanges) {
           elements.references.size() * sizeof(NodeElementReference) +
           (elements.nodes.size() + elements.virtual_nodes.size()) * sizeof(ElementNode) +
           2 * device.state.virtual_u().size() * sizeof(VirtualNodeDisplacement);
-      EXPECT_GE(Transfers::uploaded, 2 * device.model.inverse_mass.size()) << "two bytes per slot";
-      EXPECT_LE(Transfers::uploaded, 2 * device.model.inverse_mass.size() +
+      EXPECT_GE(Transfers::uploaded, 2 * device.model.anatomy.inverse_mass.size()) << "two bytes per slot";
+      EXPECT_LE(Transfers::uploaded, 2 * device.model.anatomy.inverse_mass.size() +
                                          device.state.cuts().row_cut.size() +
                                          device.state.cuts().skin_cut.size() + follows + nodes * sizeof(int));
       Transfers::uploaded = 0;
@@ -110,7 +110,7 @@ TEST(DeviceState, HostWritesAreUploaded) {
   device.step();
   CutBlock host = cut_block(Method::kVbd, {13, 11, 9}, false);
   host.state = device.state.host();
-  const auto slot = std::size_t(node_slot(host.model.lattice, 6, 5, 4));
+  const auto slot = std::size_t(node_slot(host.model.anatomy.lattice, 6, 5, 4));
   host.state.motion.u.set(slot, {1e-3f, 0, 0});
   device.state.change().motion.u.set(slot, {1e-3f, 0, 0});
   device.step();
@@ -146,7 +146,7 @@ TEST(DeviceState, WatchedViewsAreSynchronized) {
   device.step(), alone.step();
   const State& now = alone.state.host();
   EXPECT_TRUE(std::equal(now.motion.u.x.begin(), now.motion.u.x.end(), u));
-  const auto slot = std::size_t(node_slot(device.model.lattice, 6, 5, 4));
+  const auto slot = std::size_t(node_slot(device.model.anatomy.lattice, 6, 5, 4));
   const_cast<Real*>(u)[slot] += 1e-3f, alone.state.change().motion.u.x[slot] += 1e-3f;
   device.step(), alone.step();
   EXPECT_EQ(state_hash(device.model, device.state), state_hash(alone.model, alone.state));
@@ -262,11 +262,12 @@ TEST(DeviceState, OtherNodesAreNotRead) {
 // The device finds the same surface samples in balls as a brute-force search.
 TEST(DeviceState, SamplesInBallsMatchBruteForce) {
   OnDevice device;
-  const Vec3 h = device.model.lattice.spacing;
+  const Vec3 h = device.model.anatomy.lattice.spacing;
   std::vector<SurfaceSample> samples;
-  for (int s = 0; s < slot_count(device.model.lattice); s += 3)
-    if (is_body(device.model.tissue[std::size_t(s)])) {
-      const Vec3d rest(rest_position(device.model.lattice, slot_node(device.model.lattice, s)));
+  for (int s = 0; s < slot_count(device.model.anatomy.lattice); s += 3)
+    if (is_body(device.model.anatomy.tissue[std::size_t(s)])) {
+      const Vec3d rest(
+          rest_position(device.model.anatomy.lattice, slot_node(device.model.anatomy.lattice, s)));
       samples.push_back({s, rest + Vec3d{0.3 * double(h.x), 0, 0}, false, s % 2 == 0 ? s + 1 : -1});
     }
   std::vector<Ball> balls;

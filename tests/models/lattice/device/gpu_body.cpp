@@ -19,7 +19,7 @@ State end_of(const Gpu* gpu, Method method, TissueLaw law, bool coarse = false) 
   if (gpu != nullptr) state.use_backend(upload_model(*gpu, block.model).value());
   std::vector<NodeContact> contacts;
   if (method == Method::kVbd && !coarse) contacts = finger(block.model);
-  const NodeLoad load{.slot = node_slot(block.model.lattice, 9, 6, 8), .force = {1e-3f, 0, 5e-3f}};
+  const NodeLoad load{.slot = node_slot(block.model.anatomy.lattice, 9, 6, 8), .force = {1e-3f, 0, 5e-3f}};
   const Inputs inputs{
       .gravity = {1, 0, -9.81}, .measure_residual = true, .loads = {&load, 1}, .contacts = contacts};
   for (int n = 0; n < 3; n++) {
@@ -69,7 +69,8 @@ TEST(GpuLattice, GraphsMatchSingleKernels) {
     DeviceState state = std::move(block.state);
     state.use_backend(upload_model(*gpu, block.model, frames).value());
     for (int n = 0; n < 8; n++) {
-      const NodeLoad load{.slot = node_slot(block.model.lattice, 9, 6, 8), .force = {1e-3f, 0, 5e-3f}};
+      const NodeLoad load{.slot = node_slot(block.model.anatomy.lattice, 9, 6, 8),
+                          .force = {1e-3f, 0, 5e-3f}};
       const Inputs inputs{
           .gravity = {n < 2 ? 0.0 : 1.0, 0, -9.81},  // changes: one load less, shorter steps, a blade
           .measure_residual = n > 6,

@@ -34,7 +34,7 @@ Model cantilever(int sweeps, double poisson, Int3 size) {
 }
 
 double mean_of_end(const Model& model, const std::function<double(Int3)>& u) {
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   double sum = 0;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++) sum += u({size.x - 1, j, k});
@@ -44,13 +44,14 @@ double mean_of_end(const Model& model, const std::function<double(Int3)>& u) {
 double settled_end(const Model& model, const Inputs& inputs, double rate, double seconds, int axis) {
   State state = make_state(model);
   for (int n = 0; n < seconds * rate; n++) step(Exec(2), model, state, inputs, 1 / rate);
-  return mean_of_end(
-      model, [&](Int3 p) { return double(state.motion.u[std::size_t(node_slot(model.lattice, p))][axis]); });
+  return mean_of_end(model, [&](Int3 p) {
+    return double(state.motion.u[std::size_t(node_slot(model.anatomy.lattice, p))][axis]);
+  });
 }
 
 /// The same for small displacements, solved directly.
 double linear_end(const Model& model, Vec3d gravity, int axis) {
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   const auto index = [&](Int3 p) { return p.x + size.x * (p.y + size.y * p.z); };
   CellBody body{0.004, {}, {}};
   const CellMatrix matrix = solid_matrix(0.004, model.params.tissue.poisson) * 2e5;
@@ -61,7 +62,7 @@ double linear_end(const Model& model, Vec3d gravity, int axis) {
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
         const Int3 a{i, j, k};
-        const double w = double(model.inverse_mass[std::size_t(node_slot(model.lattice, a))]);
+        const double w = double(model.anatomy.inverse_mass[std::size_t(node_slot(model.anatomy.lattice, a))]);
         for (int r = 0; r < 3; r++) {
           weight[3 * index(a) + r] = w > 0 ? gravity[r] / w : 0;
           if (w == 0) entries.emplace_back(3 * index(a) + r, 3 * index(a) + r, 1e12);  // fixed
@@ -121,8 +122,9 @@ TEST(LatticeCells, SlenderBarMatchesTimoshenko) {
 TEST(LatticeCells, GravityEqualsNodalLoads) {
   const Model model = cantilever(5, 0.3, {21, 6, 6});
   std::vector<NodeLoad> loads;
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-    if (const Real w = model.inverse_mass[s]; w > 0) loads.push_back({int(s), {0, 0, Real(-9.81) / w}});
+  for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
+    if (const Real w = model.anatomy.inverse_mass[s]; w > 0)
+      loads.push_back({int(s), {0, 0, Real(-9.81) / w}});
   const double weight = settled_end(model, {.gravity = {0, 0, -9.81}}, 60, 8, 2);
   EXPECT_LT(weight, -5e-3) << "m: a large displacement";
   EXPECT_NEAR(weight, settled_end(model, {.loads = loads}, 60, 8, 2), 0.001 * std::abs(weight));
@@ -165,11 +167,11 @@ void scatter(const Model& model, State& state, double size) {
     seed = seed * 1664525u + 1013904223u;
     return Real(size * (double(seed >> 8) / double(1 << 23) - 1));
   };
-  for (int k = 0; k < model.lattice.size.z; k++)
-    for (int j = 0; j < model.lattice.size.y; j++)
-      for (int i = 0; i < model.lattice.size.x; i++) {
-        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        if (model.inverse_mass[slot] > 0) state.motion.u.set(slot, {next(), next(), next()});
+  for (int k = 0; k < model.anatomy.lattice.size.z; k++)
+    for (int j = 0; j < model.anatomy.lattice.size.y; j++)
+      for (int i = 0; i < model.anatomy.lattice.size.x; i++) {
+        const auto slot = std::size_t(node_slot(model.anatomy.lattice, i, j, k));
+        if (model.anatomy.inverse_mass[slot] > 0) state.motion.u.set(slot, {next(), next(), next()});
       }
 }
 
@@ -184,8 +186,8 @@ TEST(LatticeCells, InvertedCellsRecover) {
     EXPECT_GT(energy(kOne, model, state), 1e-2) << "J";
     for (int n = 0; n < 600; n++) EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
     double farthest = 0;
-    for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-      if (model.inverse_mass[s] > 0) farthest = std::max(farthest, double(norm(state.motion.u[s])));
+    for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
+      if (model.anatomy.inverse_mass[s] > 0) farthest = std::max(farthest, double(norm(state.motion.u[s])));
     EXPECT_LT(farthest, 1e-5) << "m, v " << poisson << "; remaining energy " << energy(kOne, model, state)
                               << " J";
   }
@@ -199,14 +201,14 @@ TEST(LatticeCells, FastBodyReturnsToRest) {
     const Model model = block_model(block, solid_params(sweeps, 0.45));
     State state = make_state(model);
     const Vec3 shot{3, 0, 8};  // m/s, 36 cells per frame
-    for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-      if (model.inverse_mass[s] > 0) state.motion.v.set(s, shot);
+    for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
+      if (model.anatomy.inverse_mass[s] > 0) state.motion.v.set(s, shot);
     state.motion.fastest = norm(shot);
     double worst = 0, farthest = 0;
     for (int n = 0; n < 180; n++) {
       EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
       farthest = 0;
-      for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+      for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++)
         farthest = std::max(farthest, double(norm(state.motion.u[s])));
       worst = std::max(worst, farthest);
     }
@@ -225,12 +227,12 @@ TEST(LatticeCells, ResidualIsEnergyGradient) {
         for (std::size_t s = 0; s < state.cuts.cut.size(); s += 5) state.cuts.cut[s] = 0x15;
         std::fill(state.cuts.row_cut.begin(), state.cuts.row_cut.end(), std::uint8_t(1));
       }
-      const auto slot = std::size_t(node_slot(model.lattice, node));
+      const auto slot = std::size_t(node_slot(model.anatomy.lattice, node));
       Model alone = model;  // only one node may move
-      for (std::size_t s = 0; s < alone.inverse_mass.size(); s++)
-        if (s != slot) alone.inverse_mass[s] = 0;
-      alone.free_nodes = 1;
-      if (!(model.inverse_mass[slot] > 0)) continue;  // not a free node
+      for (std::size_t s = 0; s < alone.anatomy.inverse_mass.size(); s++)
+        if (s != slot) alone.anatomy.inverse_mass[s] = 0;
+      alone.anatomy.free_nodes = 1;
+      if (!(model.anatomy.inverse_mass[slot] > 0)) continue;  // not a free node
       scatter(model, state, 0.002);
       state.motion.u_before = state.motion.u;
       Vec3d gradient;
@@ -305,14 +307,15 @@ TEST(LatticeCells, CutEdgesTransferNoForce) {
     for (int j = 0; j < 4; j++)
       for (int f = 0; f < kFamilyCount; f++)
         if (kFamilies[std::size_t(f)].x == 1)
-          state.cuts.cut[std::size_t(node_slot(model.lattice, 4, j, k))] |= std::uint8_t(1u << f);
+          state.cuts.cut[std::size_t(node_slot(model.anatomy.lattice, 4, j, k))] |= std::uint8_t(1u << f);
   std::fill(state.cuts.row_cut.begin(), state.cuts.row_cut.end(), std::uint8_t(1));
   for (int k = 0; k < 4; k++)
     for (int j = 0; j < 4; j++)
-      state.motion.u.set(std::size_t(node_slot(model.lattice, 8, j, k)), {0.004f, 0, 0});
+      state.motion.u.set(std::size_t(node_slot(model.anatomy.lattice, 8, j, k)), {0.004f, 0, 0});
   for (int n = 0; n < 120; n++) EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
   for (int i = 1; i < 8; i++)
-    EXPECT_NEAR(state.motion.u[std::size_t(node_slot(model.lattice, i, 1, 2))].x, i <= 4 ? 0.0 : 0.004, 1e-5)
+    EXPECT_NEAR(state.motion.u[std::size_t(node_slot(model.anatomy.lattice, i, 1, 2))].x,
+                i <= 4 ? 0.0 : 0.004, 1e-5)
         << "m, layer " << i;
 }
 

@@ -38,7 +38,7 @@ double stored(double aside, double degrees) {
   }
   for (int j = 0; j < 5; j++)
     for (int k = 0; k < 5; k++)
-      state.motion.u.set(std::size_t(node_slot(model.lattice, 12, j, k)), {Real(kStretch), 0, 0});
+      state.motion.u.set(std::size_t(node_slot(model.anatomy.lattice, 12, j, k)), {Real(kStretch), 0, 0});
   for (int n = 0; n < 100; n++) EXPECT_TRUE(step(kOne, model, state, {}, 1.0 / 60).finite);
   return energy(kOne, model, state) / (0.5 * kYoung * 16 * kStep * kStep * kStretch * kStretch / kLength);
 }
@@ -88,7 +88,7 @@ TEST(CutElements, VirtualNodeForcesAreGradient) {
   for (std::size_t n = 0; n < state.cut_elements.virtual_nodes.size(); n += 7) {
     const ElementNode& node = state.cut_elements.virtual_nodes[n];
     VirtualNodeDisplacement& at =
-        state.motion.virtual_u[std::size_t(node.corner - slot_count(model.lattice))];
+        state.motion.virtual_u[std::size_t(node.corner - slot_count(model.anatomy.lattice))];
     const VirtualNodeDisplacement initial = at;
     const Vec3d force(forces.gather(node).f);
     Vec3d gradient;
@@ -130,7 +130,7 @@ TEST(CutElements, VbdNeverRaisesEnergy) {
 
 /// Nodes of one element must differ in color; a virtual node has the color of its node.
 void expect_different_colors(const Wounded& wounded, std::span<const int> corners, const char* what) {
-  const Lattice& l = wounded.model.lattice;
+  const Lattice& l = wounded.model.anatomy.lattice;
   std::set<int> colors;
   for (const int corner : corners) {
     int slot = corner;
@@ -144,16 +144,16 @@ void expect_different_colors(const Wounded& wounded, std::span<const int> corner
 TEST(CutElements, ElementNodesDifferInColor) {
   for (const double degrees : {20.0, 75.0}) {
     const Wounded wounded(0.3, 0.5, degrees, solid_params(5, 4, 45));
-    const Lattice& l = wounded.model.lattice;
+    const Lattice& l = wounded.model.anatomy.lattice;
     int whole = 0;
-    for (std::size_t slot = 0; slot < wounded.model.cell_young.size(); slot++) {
-      if (wounded.model.cell_young[slot] <= 0) continue;
+    for (std::size_t slot = 0; slot < wounded.model.anatomy.cell_young.size(); slot++) {
+      if (wounded.model.anatomy.cell_young[slot] <= 0) continue;
       int corners[kCellCorners];
       for (int n = 0; n < kCellCorners; n++)
         corners[n] = node_slot(l, slot_node(l, int(slot)) + cell_corner(n));
       expect_different_colors(wounded, corners, "a cell"), whole++;
     }
-    for (const SkinTriangle& t : wounded.model.skin.triangles)
+    for (const SkinTriangle& t : wounded.model.anatomy.skin.triangles)
       expect_different_colors(wounded, std::array{t.vertex.x, t.vertex.y, t.vertex.z}, "skin");
     for (const CutCellElement& element : wounded.state.cut_elements.cells)
       expect_different_colors(wounded, element.corner, "element of a cut cell");
@@ -278,19 +278,20 @@ TEST(CutElements, ResidualByCellsMatchesNodes) {
   ASSERT_TRUE(prepare_coarse_space(model, state, inputs, 1.0 / 60));
   double sum2 = 0;
   const auto see = [&](int, int k, LayerForces forces) {
-    for (int s = row_slot(model.lattice, 0, k); s < row_slot(model.lattice, Wounded::kN, k); s++)
-      if (model.inverse_mass[std::size_t(s)] > 0) sum2 += dot(Vec3d(forces[s]), Vec3d(forces[s]));
+    for (int s = row_slot(model.anatomy.lattice, 0, k); s < row_slot(model.anatomy.lattice, Wounded::kN, k);
+         s++)
+      if (model.anatomy.inverse_mass[std::size_t(s)] > 0) sum2 += dot(Vec3d(forces[s]), Vec3d(forces[s]));
   };
   visit_residual_forces(kOne, model, state, *state.workspace.coarse, inputs, 1.0 / 60,
                         state.workspace.residual, see);
   for (const ElementNode& copy : state.cut_elements.virtual_nodes) {
-    if (model.inverse_mass[std::size_t(copy.slot)] == 0) continue;
+    if (model.anatomy.inverse_mass[std::size_t(copy.slot)] == 0) continue;
     const VirtualNodeDisplacement& f =
-        state.workspace.residual.virtual_nodes[std::size_t(copy.corner - slot_count(model.lattice))];
+        state.workspace.residual.virtual_nodes[std::size_t(copy.corner - slot_count(model.anatomy.lattice))];
     sum2 += dot(Vec3d{f.x, f.y, f.z}, Vec3d{f.x, f.y, f.z});
   }
   const double rms = measure_residual(kOne, model, state, inputs, 1.0 / 60).rms;
-  EXPECT_NEAR(std::sqrt(sum2 / model.free_nodes), rms, 1e-4 * rms) << "N";
+  EXPECT_NEAR(std::sqrt(sum2 / model.anatomy.free_nodes), rms, 1e-4 * rms) << "N";
 }
 
 // The coarse correction never raises the energy of the step.

@@ -20,8 +20,8 @@ InvertedCells inverted_after(const Position& position) {
   for (int k = 0; k < 4; k++)
     for (int j = 0; j < 5; j++)
       for (int i = 0; i < 6; i++) {
-        const Vec3 x = rest_position(model.lattice, {i, j, k});
-        state.motion.u.set(std::size_t(node_slot(model.lattice, {i, j, k})), position(x) - x);
+        const Vec3 x = rest_position(model.anatomy.lattice, {i, j, k});
+        state.motion.u.set(std::size_t(node_slot(model.anatomy.lattice, {i, j, k})), position(x) - x);
       }
   return find_inverted_cells(Exec(2), model, state);
 }

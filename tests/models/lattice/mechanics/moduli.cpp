@@ -12,12 +12,12 @@ namespace {
 double settled_energy(Model& model, Vec3 face_shift) {
   model.params.solver = {.sweeps = 20, .damping = 8};
   State state = make_state(model);
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
         const Real fraction = Real(i) / Real(size.x - 1);
-        state.motion.u.set(std::size_t(node_slot(model.lattice, i, j, k)), face_shift * fraction);
+        state.motion.u.set(std::size_t(node_slot(model.anatomy.lattice, i, j, k)), face_shift * fraction);
       }
   for (int n = 0; n < 150; n++) step(Exec(2), model, state, {}, 1.0 / 60);
   return energy(Exec(1), model, state);

@@ -88,7 +88,7 @@ double plate_force(Ordering ordering, TissueLaw law) {
   std::vector<NodeContact> contacts;
   for (int j = 0; j < size.y; j++)
     for (int i = 0; i < size.x; i++)
-      contacts.push_back({.slot = node_slot(model.lattice, i, j, size.z - 1),
+      contacts.push_back({.slot = node_slot(model.anatomy.lattice, i, j, size.z - 1),
                           .normal = {0, 0, -1},
                           .target = {0, 0, -1e-3f}});
   std::sort(contacts.begin(), contacts.end(),

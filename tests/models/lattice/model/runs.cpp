@@ -27,8 +27,8 @@ Model torso(Method method, TissueLaw law) {
 
 std::uint64_t hash_after_a_cut(const Model& model) {
   State state = make_state(model);
-  const Vec3d middle = point_at(model.grid, Vec3d(model.lattice.size) * 0.5);
-  const Vec3d front{middle.x, model.grid.origin.y, middle.z};
+  const Vec3d middle = point_at(model.anatomy.grid, Vec3d(model.anatomy.lattice.size) * 0.5);
+  const Vec3d front{middle.x, model.anatomy.grid.origin.y, middle.z};
   const BladePath path = lay_blade(model, state, {.from = front, .to = front + Vec3d{0, 0, 0.1}}).value();
   EXPECT_GT(cut_edges(model, state, path, 0, 1, 0), 10);
   for (int n = 0; n < 5; n++) step(kTwo, model, state, {.gravity = {0, 9.81, 0}}, kDt);
@@ -38,18 +38,18 @@ std::uint64_t hash_after_a_cut(const Model& model) {
 // Every free node is in exactly one run, and every group of a run has a free node.
 TEST(LatticeRuns, CoverFreeNodesExactly) {
   const Model model = torso(Method::kVbd, TissueLaw::kSprings);
-  std::vector<int> covered(model.inverse_mass.size(), 0);
-  for (const auto& run : model.free_runs.all)
+  std::vector<int> covered(model.anatomy.inverse_mass.size(), 0);
+  for (const auto& run : model.anatomy.free_runs.all)
     for (int group = run.begin; group < run.begin + run.count; group += kGroup) {
       bool any = false;
       for (int s = group; s < group + kGroup; s++)
-        covered[std::size_t(s)]++, any |= model.inverse_mass[std::size_t(s)] > 0;
+        covered[std::size_t(s)]++, any |= model.anatomy.inverse_mass[std::size_t(s)] > 0;
       EXPECT_TRUE(any) << "slot " << group;
-      EXPECT_EQ(group % model.lattice.half % kGroup, 0);
+      EXPECT_EQ(group % model.anatomy.lattice.half % kGroup, 0);
     }
   for (std::size_t s = 0; s < covered.size(); s++) {
     ASSERT_LE(covered[s], 1);
-    if (model.inverse_mass[s] > 0) {
+    if (model.anatomy.inverse_mass[s] > 0) {
       ASSERT_EQ(covered[s], 1) << "slot " << s;
     }
   }
@@ -59,9 +59,9 @@ TEST(LatticeRuns, CoverFreeNodesExactly) {
 TEST(LatticeRuns, SweepLessThanTwoThirdsOfTorso) {
   for (const Method method : {Method::kVbd, Method::kPbd}) {
     const Model model = torso(method, TissueLaw::kSprings);
-    EXPECT_LT(slots_in(model.free_runs), 0.6 * node_count(model.lattice));
-    EXPECT_LT(slots_in(model.constraint_runs), 0.66 * node_count(model.lattice));
-    EXPECT_GE(int(slots_in(model.free_runs)), model.free_nodes);
+    EXPECT_LT(slots_in(model.anatomy.free_runs), 0.6 * node_count(model.anatomy.lattice));
+    EXPECT_LT(slots_in(model.pbd.constraint_runs), 0.66 * node_count(model.anatomy.lattice));
+    EXPECT_GE(int(slots_in(model.anatomy.free_runs)), model.anatomy.free_nodes);
   }
 }
 
@@ -73,8 +73,8 @@ TEST(LatticeRuns, SweepingAllNodesEqualBits) {
                                     {Method::kPbd, TissueLaw::kSprings}}) {
     Model model = torso(method, law);
     const std::uint64_t hash = hash_after_a_cut(model);
-    model.free_runs = find_runs(model.lattice, all);
-    model.constraint_runs = find_runs(model.lattice, all);
+    model.anatomy.free_runs = find_runs(model.anatomy.lattice, all);
+    model.pbd.constraint_runs = find_runs(model.anatomy.lattice, all);
     EXPECT_EQ(hash_after_a_cut(model), hash) << "method " << int(method) << ", law " << int(law);
   }
 }

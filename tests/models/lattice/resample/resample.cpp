@@ -107,8 +107,8 @@ struct DeformedNodes {
   const Model& model;
   std::vector<std::optional<Vec3d>> voxel;  // by slot: tissue, or air beside tissue
 
-  DeformedNodes(const Model& m, const State& state) : model(m), voxel(m.tissue.size()) {
-    const Int3 size = m.lattice.size;
+  DeformedNodes(const Model& m, const State& state) : model(m), voxel(m.anatomy.tissue.size()) {
+    const Int3 size = m.anatomy.lattice.size;
     for (int k = 0; k < size.z; k++)
       for (int j = 0; j < size.y; j++)
         for (int i = 0; i < size.x; i++) {
@@ -116,9 +116,12 @@ struct DeformedNodes {
           int count = 0, beside_count = 0;
           const Int3 p{i, j, k};
           const auto is_tissue = [&](Int3 q) {
-            return contains(m.lattice, q) && is_body(m.tissue[std::size_t(node_slot(m.lattice, q))]);
+            return contains(m.anatomy.lattice, q) &&
+                   is_body(m.anatomy.tissue[std::size_t(node_slot(m.anatomy.lattice, q))]);
           };
-          const auto u = [&](Int3 q) { return Vec3d(state.motion.u[std::size_t(node_slot(m.lattice, q))]); };
+          const auto u = [&](Int3 q) {
+            return Vec3d(state.motion.u[std::size_t(node_slot(m.anatomy.lattice, q))]);
+          };
           if (is_tissue(p)) {
             sum = u(p), count = 1;
           } else {
@@ -132,7 +135,7 @@ struct DeformedNodes {
               if (is_edge) beside_sum += u(p + offset), beside_count++;
               if (!is_tissue(p + offset + offset)) continue;
               // Linear extrapolation from the last two nodes, but no shorter than at rest.
-              const Vec3d rest = hadamard(Vec3d(-offset), m.grid.spacing);
+              const Vec3d rest = hadamard(Vec3d(-offset), m.anatomy.grid.spacing);
               const Vec3d now = rest + u(p + offset) - u(p + offset + offset);
               const std::size_t kind = is_axis ? 0 : is_edge ? 1 : 2;
               sums[kind] += u(p + offset) + now * std::max(1.0, norm(rest) / norm(now)) - rest,
@@ -145,8 +148,9 @@ struct DeformedNodes {
             if (count == 0) sum = beside_sum, count = beside_count;
           }
           if (count > 0)
-            voxel[std::size_t(node_slot(m.lattice, p))] =
-                (hadamard(Vec3d(p), m.grid.spacing) + sum / double(count)) / kVoxel - Vec3d{0.5, 0.5, 0.5};
+            voxel[std::size_t(node_slot(m.anatomy.lattice, p))] =
+                (hadamard(Vec3d(p), m.anatomy.grid.spacing) + sum / double(count)) / kVoxel -
+                Vec3d{0.5, 0.5, 0.5};
         }
   }
 };
@@ -161,7 +165,7 @@ TEST(LatticeResample, VoxelsComeFromTheirTetrahedron) {
     const DeformedNodes deformed(model, state);
     std::vector<int> holders(sample_count(ct.grid)), unsure(holders.size()), visits(holders.size());
     std::vector<Vec3d> origin(holders.size());
-    const Int3 size = model.lattice.size;
+    const Int3 size = model.anatomy.lattice.size;
     Grid cells;
     cells.size = size - Int3{1, 1, 1};
     for_voxels(cells, [&](Int3 cell) {
@@ -169,8 +173,8 @@ TEST(LatticeResample, VoxelsComeFromTheirTetrahedron) {
         Vec3d x[4];
         bool tissue = false, known = true;
         for (int n = 0; n < 4; n++) {
-          const auto slot = std::size_t(node_slot(model.lattice, cell + tet[std::size_t(n)]));
-          tissue |= is_body(model.tissue[slot]);
+          const auto slot = std::size_t(node_slot(model.anatomy.lattice, cell + tet[std::size_t(n)]));
+          tissue |= is_body(model.anatomy.tissue[slot]);
           known &= deformed.voxel[slot].has_value();
           if (known) x[n] = *deformed.voxel[slot];
         }
@@ -268,7 +272,7 @@ TEST(LatticeResample, InvertedTetrahedraAreCountedOnce) {
   const Model model = body_of(ct, {4, 4, 4});
   State state = make_state(model);
   // One inner node is pushed through its neighbors along k, across several slabs of the output.
-  state.motion.u.set(std::size_t(node_slot(model.lattice, 4, 4, 4)), {0, 0, 0.009f});
+  state.motion.u.set(std::size_t(node_slot(model.anatomy.lattice, 4, 4, 4)), {0, 0, 0.009f});
   long expected = 0;
   for (int c = 0; c < 8; c++)
     for (const auto& tet : kKuhnTets) {

@@ -143,7 +143,7 @@ TEST(ResampleKernels, DeviceStateDownloadsCtOnly) {
   EXPECT_LE(compared(now, fetched).other, 8) << "voxels: fused multiply-adds round differently";
   EXPECT_EQ(state.resample(kExec, model, ct, ct.grid, kAlone).ct.samples, now.samples)
       << "on the host and on the device";
-  state.change().motion.u.x[std::size_t(node_slot(model.lattice, 5, 5, 5))] += 1e-4f;
+  state.change().motion.u.x[std::size_t(node_slot(model.anatomy.lattice, 5, 5, 5))] += 1e-4f;
   EXPECT_EQ(state.resample(kExec, model, ct, ct.grid, kAlone).ct.samples,
             resample_ct(kExec, model, state, ct, ct.grid, kAlone).ct.samples)
       << "on the host only";
@@ -264,7 +264,7 @@ TEST(ResampleKernels, OnlyRequestedFieldIsDownloaded) {
     ASSERT_LT(norm(u.samples[v] - u_host.samples[v]), 1e-8) << "m, voxel " << v;
     ASSERT_NEAR(ratio.samples[v], ratio_host.samples[v], 1e-6) << "voxel " << v;
   }
-  state.change().motion.u.x[std::size_t(node_slot(ball.model.lattice, 5, 5, 5))] += 1e-4f;
+  state.change().motion.u.x[std::size_t(node_slot(ball.model.anatomy.lattice, 5, 5, 5))] += 1e-4f;
   EXPECT_EQ(state.resample_displacement(kExec, ball.model, ball.ct.grid).samples,
             resample_displacement(kExec, ball.model, state, ball.ct.grid).samples)
       << "on the host only";

@@ -40,17 +40,17 @@ Column middle_column(const Model& model, int axis) {
   const auto slot = [&](int at) {
     Int3 p{kWide / 2, kWide / 2, kWide / 2};
     p[axis] = at;
-    return std::size_t(node_slot(model.lattice, p));
+    return std::size_t(node_slot(model.anatomy.lattice, p));
   };
   Column column;
-  while (!is_body(model.tissue[slot(column.front)])) column.front++;
-  for (column.held = column.front; model.inverse_mass[slot(column.held)] > 0;) column.held++;
+  while (!is_body(model.anatomy.tissue[slot(column.front)])) column.front++;
+  for (column.held = column.front; model.anatomy.inverse_mass[slot(column.held)] > 0;) column.held++;
   return column;
 }
 
 /// Displacement at rest of the front's center under a pressure [m].
 double settled(const Model& model, int axis, int front, double pressure) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   const double area = l.spacing.x * l.spacing.y * l.spacing.z / l.spacing[axis];
   std::vector<NodeLoad> loads;
   int middle = -1;
@@ -60,7 +60,7 @@ double settled(const Model& model, int axis, int front, double pressure) {
       p[axis] = front, p[(axis + 1) % 3] = a, p[(axis + 2) % 3] = b;
       const int slot = node_slot(l, p);
       if (a == kWide / 2 && b == kWide / 2) middle = slot;
-      if (!is_body(model.tissue[std::size_t(slot)])) continue;
+      if (!is_body(model.anatomy.tissue[std::size_t(slot)])) continue;
       Vec3 force;
       force[axis] = Real(pressure * area);
       loads.push_back({slot, force});
@@ -82,7 +82,7 @@ TEST(LatticeOnBone, WideLayerYieldsByItsThickness) {
     const Model model = layer_on_bone(c.axis, c.steps, c.block, c.poisson);
     const Column column = middle_column(model, c.axis);
     ASSERT_EQ(column.held, c.steps + 1) << "boundary between fat and bone";
-    const double thickness = (column.held - column.front) * double(model.lattice.spacing[c.axis]);
+    const double thickness = (column.held - column.front) * double(model.anatomy.lattice.spacing[c.axis]);
     const double modulus =
         model.params.tissue.fat * (1 - c.poisson) / ((1 + c.poisson) * (1 - 2 * c.poisson));
     const double expected = c.pressure * thickness / modulus;

@@ -39,7 +39,7 @@ struct Cut {
 };
 /// A cut of six cells along x in the middle of the block's width, starting at `from`.
 Cut cut_block(const Model& model, int from) {
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   Cut cut{make_state(model), {}};
   const double y = (size.y / 2 - 0.5) * kStep, x = (from - 0.5) * kStep, z = (size.z - 2) * kStep;
   cut.path =
@@ -146,7 +146,7 @@ TEST(LatticeSleep, LoadsAndContactsWakeBody) {
       const Model model = tense_block({13, 13, 9}, sleeps ? kSleep : 0, law);
       State state = make_state(model);
       awake_after(model, state, 1);
-      const int slot = node_slot(model.lattice, 6, 6, 8);
+      const int slot = node_slot(model.anatomy.lattice, 6, 6, 8);
       const NodeLoad loads[] = {{slot, {0.02f, 0, -0.05f}}};
       NodeContact contacts[] = {{.slot = slot, .normal = {0, 0, -1}, .target = {0, 0, -1e-3f}}};
       Inputs inputs;
@@ -201,7 +201,7 @@ TEST(LatticeSleep, MovedBodyStartsAwake) {
     const Model model = tense_block({9, 9, 9}, kSleep);
     State state = make_state(model);
     VecField& field = is_fast ? state.motion.v : state.motion.u;
-    field.set(std::size_t(node_slot(model.lattice, 4, 4, 4)), {0, 0, 1e-5f});
+    field.set(std::size_t(node_slot(model.anatomy.lattice, 4, 4, 4)), {0, 0, 1e-5f});
     EXPECT_EQ(awake_after(model, state, kDt), 7 * 8) << "is fast " << is_fast;
   }
 }
@@ -310,7 +310,7 @@ TEST(LatticeSleep, ChangedGravityWakesCoarseSpace) {
     EXPECT_EQ(awake_after(model, state, 6, {.gravity = weak}), 0);
     EXPECT_EQ(state.sleep.coarse_still_steps >= kStillSteps, sleeps);
     awake_after(model, state, 4, {.gravity = strong});
-    sag[sleeps] = double(state.motion.u[std::size_t(node_slot(model.lattice, 6, 12, 12))].z);
+    sag[sleeps] = double(state.motion.u[std::size_t(node_slot(model.anatomy.lattice, 6, 12, 12))].z);
   }
   EXPECT_LT(sag[0], -0.1e-3);
   EXPECT_NEAR(sag[1], sag[0], 2e-3 * std::abs(sag[0]));

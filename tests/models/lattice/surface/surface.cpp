@@ -125,7 +125,7 @@ TEST(LatticeSurface, CacheMatchesFullBuild) {
   EXPECT_GT(scratched, whole);
   cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.008 && std::abs(p.x - 0.032) < 0.02; });
   EXPECT_GT(expect_same("cut deeper"), scratched);
-  for (int i = 4; i < 8; i++) state.cuts.removed[std::size_t(node_slot(model.lattice, i, 4, 1))] = 1;
+  for (int i = 4; i < 8; i++) state.cuts.removed[std::size_t(node_slot(model.anatomy.lattice, i, 4, 1))] = 1;
   expect_same("with nodes removed near its bottom");
   std::fill(state.cuts.removed.begin(), state.cuts.removed.end(), std::uint8_t(0));
   expect_same("with these nodes restored");
@@ -313,16 +313,16 @@ TEST(LatticeSurface, ScalarsOfUniformStretch) {
 TEST(LatticeSurface, NoVertexFollowsAirOrRemovedNodes) {
   const Model model = body_of(slab_ct(), {4, 4, 4});
   State state = make_state(model);
-  for (int k = 4; k < model.lattice.size.z; k++)
+  for (int k = 4; k < model.anatomy.lattice.size.z; k++)
     for (int i = 5; i < 12; i++) {
-      const auto slot = std::size_t(node_slot(model.lattice, i, 8, k));
-      if (is_body(model.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
+      const auto slot = std::size_t(node_slot(model.anatomy.lattice, i, 8, k));
+      if (is_body(model.anatomy.tissue[slot])) state.cuts.removed[slot] = 1, state.cuts.removed_nodes++;
     }
   const BodySurface surface = build_surface(model, state.cuts);
   EXPECT_EQ(open_edges(surface, embedding_key(surface)), 0);
   EXPECT_LT(surface.skin_triangles, int(surface.triangles.size())) << "the exposed faces are walls";
   for (const int slot : surface.slot) {
-    ASSERT_TRUE(is_body(model.tissue[std::size_t(slot)]));
+    ASSERT_TRUE(is_body(model.anatomy.tissue[std::size_t(slot)]));
     ASSERT_FALSE(state.cuts.removed[std::size_t(slot)]);
   }
 }

@@ -40,12 +40,12 @@ Model reference_model(SkinLaw law, double along, double across, int sweeps) {
   // The reference has springs of 0.4 E h / √(number of axes) instead of calibrated ones, and 1000 kg/m³
   // everywhere.
   for (std::size_t f = 0; f < kFamilyCount; f++)
-    model.spring_scale[f] = Real(0.4 * kStep * kStep / double(model.rest_length[f]));
+    model.springs.scale[f] = Real(0.4 * kStep * kStep / double(model.springs.rest_length[f]));
   // The reference's skin lies in the outermost nodes, so the drawn skin, where lips are measured, is moved to
   // them.
   for (int j = 0; j < kN; j++)
     for (int i = 0; i < kN; i++)
-      model.hu[std::size_t(node_slot(model.lattice, i, j, kDepthNodes - 1))] =
+      model.anatomy.hu[std::size_t(node_slot(model.anatomy.lattice, i, j, kDepthNodes - 1))] =
           std::int16_t(params.tissue.air_max);
   return model;
 }

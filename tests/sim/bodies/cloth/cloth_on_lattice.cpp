@@ -41,16 +41,16 @@ FatUnderSheet middle_of(const LatticeBody& body) {
   const lattice::Model& model = body.model;
   FatUnderSheet found;
   int count = 0;
-  for (int i = 0; i < model.lattice.size.x; i++)
-    for (int k = 0; k < model.lattice.size.z; k++) {
-      const Vec3d x = point_at(model.grid, {double(i), 0, double(k)});
+  for (int i = 0; i < model.anatomy.lattice.size.x; i++)
+    for (int k = 0; k < model.anatomy.lattice.size.z; k++) {
+      const Vec3d x = point_at(model.anatomy.grid, {double(i), 0, double(k)});
       if (std::max(std::abs(x.x), std::abs(x.z)) > 0.025) continue;
       int front = 0, fixed = 0;
-      const auto slot = [&](int j) { return std::size_t(node_slot(model.lattice, i, j, k)); };
-      while (!lattice::is_body(model.tissue[slot(front)])) front++;
-      for (fixed = front; model.inverse_mass[slot(fixed)] > 0;) fixed++;
-      found.down += dot(model.grid.axes * Vec3d(body.state->motion.u[slot(front)]), Vec3d{0, 1, 0});
-      found.height += (fixed - front) * model.grid.spacing.y;
+      const auto slot = [&](int j) { return std::size_t(node_slot(model.anatomy.lattice, i, j, k)); };
+      while (!lattice::is_body(model.anatomy.tissue[slot(front)])) front++;
+      for (fixed = front; model.anatomy.inverse_mass[slot(fixed)] > 0;) fixed++;
+      found.down += dot(model.anatomy.grid.axes * Vec3d(body.state->motion.u[slot(front)]), Vec3d{0, 1, 0});
+      found.height += (fixed - front) * model.anatomy.grid.spacing.y;
       count++;
     }
   return {found.down / count, found.height / count};
@@ -134,10 +134,10 @@ TEST(ClothOnLattice, FloatingLatticeGainsMomentum) {
   const LatticeBody& fat = world.lattice_bodies[0];
   const auto momentum = [&fat] {  // [kg·m/s]
     Vec3d sum;
-    for (std::size_t s = 0; s < fat.model.inverse_mass.size(); s++)
-      if (fat.model.inverse_mass[s] > 0)
-        sum += Vec3d(fat.state->motion.v[s]) / double(fat.model.inverse_mass[s]);
-    return fat.model.grid.axes * sum;
+    for (std::size_t s = 0; s < fat.model.anatomy.inverse_mass.size(); s++)
+      if (fat.model.anatomy.inverse_mass[s] > 0)
+        sum += Vec3d(fat.state->motion.v[s]) / double(fat.model.anatomy.inverse_mass[s]);
+    return fat.model.anatomy.grid.axes * sum;
   };
   double given = 0;
   for (int n = 0; n < 30; n++) {

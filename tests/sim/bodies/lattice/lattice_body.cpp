@@ -172,15 +172,15 @@ TEST(LatticeSceneBody, LabelIsFixedAtSideOfItsBox) {
   EXPECT_NEAR(double(tissue) * voxel, 1.4e-3, 0.4e-3) << "m³: a liver";
   EXPECT_LT(body.ct.grid.size.x, 50) << "the CT is cropped to the label";
   const Box box = body_box(body.model);
-  const Int3 size = body.model.lattice.size;
+  const Int3 size = body.model.anatomy.lattice.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
-        const auto slot = std::size_t(node_slot(body.model.lattice, i, j, k));
-        if (!lattice::is_body(body.model.tissue[slot])) continue;
-        const double y = point_at(body.model.grid, {double(i), double(j), double(k)}).y;
+        const auto slot = std::size_t(node_slot(body.model.anatomy.lattice, i, j, k));
+        if (!lattice::is_body(body.model.anatomy.tissue[slot])) continue;
+        const double y = point_at(body.model.anatomy.grid, {double(i), double(j), double(k)}).y;
         const bool behind = y >= box.high.y - 0.3 * (box.high.y - box.low.y) - 1e-9;
-        ASSERT_EQ(body.model.inverse_mass[slot] == 0, behind) << "y = " << y << " m";
+        ASSERT_EQ(body.model.anatomy.inverse_mass[slot] == 0, behind) << "y = " << y << " m";
       }
 }
 

@@ -34,16 +34,16 @@ struct StoreLayer {
     for (int j = 0; j < nodes.grid.size.y; j++)
       for (int i = 0; i < nodes.grid.size.x; i++) {
         const std::size_t n = sample_index(nodes.grid, i, j, k);
-        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        model.tissue[slot] = nodes.tissue[n];
-        model.hu[slot] = nodes.hu[n];
+        const auto slot = std::size_t(node_slot(model.anatomy.lattice, i, j, k));
+        model.anatomy.tissue[slot] = nodes.tissue[n];
+        model.anatomy.hu[slot] = nodes.hu[n];
         const bool is_rim = !is_body(nodes.tissue[n]) && nodes.young[n] > 0;
         if (!is_body(nodes.tissue[n]) && !is_rim) continue;
         // water = 1000; gas keeps a small mass, a rim node that of the body in its block [kg/m³]
         const double density = std::max(is_rim ? 10.0 : 50.0, 1000.0 + nodes.hu[n]);
-        model.inverse_mass[slot] = fixed[n] ? Real(0) : Real(1 / (density * volume));
+        model.anatomy.inverse_mass[slot] = fixed[n] ? Real(0) : Real(1 / (density * volume));
         if (!is_rim)
-          model.root_stiffness[slot] =
+          model.springs.root_stiffness[slot] =
               Real(std::sqrt(pbd ? density_stiffness(nodes.hu[n], params) : nodes.young[n]));
       }
   }
@@ -51,12 +51,13 @@ struct StoreLayer {
 
 /// True if the node of a slot is body, and its cell (as lowest node) contains a free node.
 bool shares_cell_with_free_node(const Model& model, int slot) {
-  if (!is_body(model.tissue[std::size_t(slot)])) return false;
-  const int parity = slot % row_stride(model.lattice) >= model.lattice.half;
+  if (!is_body(model.anatomy.tissue[std::size_t(slot)])) return false;
+  const int parity = slot % row_stride(model.anatomy.lattice) >= model.anatomy.lattice.half;
   for (int x = 0; x < 2; x++)
     for (int y = 0; y < 2; y++)
       for (int z = 0; z < 2; z++)
-        if (model.inverse_mass[std::size_t(slot + slot_offset(model.lattice, {x, y, z}, parity))] > 0)
+        if (model.anatomy
+                .inverse_mass[std::size_t(slot + slot_offset(model.anatomy.lattice, {x, y, z}, parity))] > 0)
           return true;
   return false;
 }
@@ -71,53 +72,53 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
                 "every node has a modulus and a mark");
   // storage
   Model model{.params = params,
-              .grid = nodes.grid,
-              .lattice = make_lattice(nodes.grid.size, Vec3(nodes.grid.spacing)),
-              .owned = nodes.owned.end > 0 ? nodes.owned : Layers{0, nodes.grid.size.z}};
-  model.lattice.first = nodes.first;
-  const auto slots = std::size_t(slot_count(model.lattice));
-  model.inverse_mass.assign(slots, 0);
-  model.root_stiffness.assign(slots, 0);
-  model.tissue.assign(slots, Tissue::kOutside);
-  model.hu.assign(slots, kAirHu);
+              .anatomy = {.grid = nodes.grid,
+                          .lattice = make_lattice(nodes.grid.size, Vec3(nodes.grid.spacing)),
+                          .owned = nodes.owned.end > 0 ? nodes.owned : Layers{0, nodes.grid.size.z}}};
+  model.anatomy.lattice.first = nodes.first;
+  const auto slots = std::size_t(slot_count(model.anatomy.lattice));
+  model.anatomy.inverse_mass.assign(slots, 0);
+  model.springs.root_stiffness.assign(slots, 0);
+  model.anatomy.tissue.assign(slots, Tissue::kOutside);
+  model.anatomy.hu.assign(slots, kAirHu);
   const std::vector<std::uint8_t> fixed = fixed_with_rim(exec, nodes);
   parallel_for(exec, std::size_t(nodes.grid.size.z), StoreLayer{nodes, fixed, params, model});
 
-  TURGOR_CHECK(all_finite(model.inverse_mass) && all_finite(model.root_stiffness),
+  TURGOR_CHECK(all_finite(model.anatomy.inverse_mass) && all_finite(model.springs.root_stiffness),
                "masses and moduli are finite");
   // free nodes and active constraints
-  model.free_runs =
-      find_runs(model.lattice, [&](int slot) { return model.inverse_mass[std::size_t(slot)] > 0; });
+  model.anatomy.free_runs = find_runs(
+      model.anatomy.lattice, [&](int slot) { return model.anatomy.inverse_mass[std::size_t(slot)] > 0; });
   if (params.solver.method == Method::kPbd)
-    model.constraint_runs =
-        find_runs(model.lattice, [&](int slot) { return shares_cell_with_free_node(model, slot); });
+    model.pbd.constraint_runs =
+        find_runs(model.anatomy.lattice, [&](int slot) { return shares_cell_with_free_node(model, slot); });
 
   // springs, volumes or cells
-  const Vec3 h = model.lattice.spacing;
+  const Vec3 h = model.anatomy.lattice.spacing;
   const bool pbd = params.solver.method == Method::kPbd;
   const bool solid = params.tissue.law == TissueLaw::kSolid;
   TURGOR_ASSERT(!(solid && pbd), "PBD supports only springs");
   const double volume = solid ? 0 : params.tissue.volume;
-  model.spring_scale = calibrate_springs(h, volume);
+  model.springs.scale = calibrate_springs(h, volume);
   for (std::size_t f = 0; f < kFamilyCount; f++) {
-    model.rest_length[f] = norm(hadamard(h, Vec3(kFamilies[f])));
-    if (pbd) model.spring_scale[f] = 1;
+    model.springs.rest_length[f] = norm(hadamard(h, Vec3(kFamilies[f])));
+    if (pbd) model.springs.scale[f] = 1;
   }
-  model.rest_volume = h.x * h.y * h.z / 6;
-  model.volume_scale = Real(pbd ? params.solver.pbd_volume : volume);
+  model.springs.rest_volume = h.x * h.y * h.z / 6;
+  model.springs.volume_scale = Real(pbd ? params.solver.pbd_volume : volume);
   if (solid) build_cells(exec, nodes.fill, model);
 
   // counts
   for (std::size_t n = 0; n < nodes.tissue.size(); n++) {
-    model.body_nodes += is_body(nodes.tissue[n]);
-    model.free_nodes += is_body(nodes.tissue[n]) && !nodes.fixed[n];
+    model.anatomy.body_nodes += is_body(nodes.tissue[n]);
+    model.anatomy.free_nodes += is_body(nodes.tissue[n]) && !nodes.fixed[n];
   }
   // skin
   if (params.skin.enabled) {
     detect_skin(exec, lines, nodes.join_skin, model);
-    if (model.skin.triangles.empty() && nodes.owned.end == 0)
+    if (model.anatomy.skin.triangles.empty() && nodes.owned.end == 0)
       return Error{"the body has no skin: expected a boundary to outside air, found none in " +
-                   std::to_string(model.body_nodes) + " body nodes"};
+                   std::to_string(model.anatomy.body_nodes) + " body nodes"};
   }
   return model;
 }

@@ -9,8 +9,8 @@ namespace turgor::lattice {
 void scale_stiffness(double factor, Model& model, State& state) {
   TURGOR_ASSERT(factor > 0, "a body is stiff");
   const Real root = Real(std::sqrt(factor));
-  for (Real& r : model.root_stiffness) r *= root;
-  for (Real& young : model.cell_young) young *= Real(factor);
+  for (Real& r : model.springs.root_stiffness) r *= root;
+  for (Real& young : model.anatomy.cell_young) young *= Real(factor);
   for (CutCellElement& element : state.cut_elements.cells) element.young *= Real(factor);
   state.workspace.coarse.reset();  // its operator has the former moduli
   state.sleep = {};                // wakes all rows

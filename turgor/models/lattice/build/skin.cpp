@@ -22,8 +22,9 @@ constexpr std::array<std::array<int, 3>, 4> kFaceTowards = {{{1, 3, 2}, {0, 2, 3
 /// Skin of one layer of cells: each tetrahedron with exactly one corner outside contributes the opposite
 /// triangle.
 void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
-  TURGOR_CHECK(k >= 0 && k + 1 < model.lattice.size.z, "a layer of cells lies between two layers of nodes");
-  const Lattice& l = model.lattice;
+  TURGOR_CHECK(k >= 0 && k + 1 < model.anatomy.lattice.size.z,
+               "a layer of cells lies between two layers of nodes");
+  const Lattice& l = model.anatomy.lattice;
   for (int j = 0; j + 1 < l.size.y; j++)
     for (int i = 0; i + 1 < l.size.x; i++) {
       // corners outside
@@ -31,7 +32,7 @@ void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
       bool outside[8];
       for (int c = 0; c < 8; c++) {
         const int slot = node_slot(l, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
-        outside[c] = !is_body(model.tissue[std::size_t(slot)]);
+        outside[c] = !is_body(model.anatomy.tissue[std::size_t(slot)]);
         outside_count += outside[c];
       }
       if (outside_count == 0 || outside_count > 5) continue;
@@ -198,13 +199,14 @@ struct MeasureTriangle {
     Vec3d x[3], center;
     double hu = 0;
     for (int c = 0; c < 3; c++) {
-      x[c] = rest.of(number_in_body(model.lattice, slot_node(model.lattice, triangle.vertex[c])));
+      x[c] = rest.of(
+          number_in_body(model.anatomy.lattice, slot_node(model.anatomy.lattice, triangle.vertex[c])));
       center += x[c] / 3;
-      hu += model.hu[std::size_t(triangle.vertex[c])] / 3.0;
+      hu += model.anatomy.hu[std::size_t(triangle.vertex[c])] / 3.0;
     }
     // direction of the lines
-    const Vec3d patient = model.grid.origin + model.grid.axes * center;
-    const Vec3d line = inverse(model.grid.axes) *
+    const Vec3d patient = model.anatomy.grid.origin + model.anatomy.grid.axes * center;
+    const Vec3d line = inverse(model.anatomy.grid.axes) *
                        (lines != nullptr ? lines_at(*lines, patient) : model.params.skin.direction);
     if (given != nullptr) given[t] = Vec3(line);
     // geometry and stiffness
@@ -235,34 +237,38 @@ void set_lane(const Skin& skin, const Corner& corner, int i, SkinCorners& lanes)
 }
 
 /// Packs the corners of each half row into lanes.
-void lay_out_corners(const std::vector<Corner>& corners, Skin& skin) {
-  TURGOR_CHECK(is_csr(skin.corner_begin, corners.size()) && is_csr(skin.row_begin, skin.nodes.size()),
+void lay_out_corners(const std::vector<Corner>& corners, const Skin& skin, VbdTables& vbd) {
+  // ranges by node
+  for (std::size_t c = 0; c < corners.size(); c++)
+    if (c == 0 || corners[c].slot != corners[c - 1].slot) vbd.corner_begin.push_back(int(c));
+  vbd.corner_begin.push_back(int(corners.size()));
+  TURGOR_CHECK(is_csr(vbd.corner_begin, corners.size()) && is_csr(skin.row_begin, skin.nodes.size()),
                "the offsets of rows and nodes cover all corners");
   const auto begin_of = [&](std::size_t row) {
-    return std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row])]);
+    return std::size_t(vbd.corner_begin[std::size_t(skin.row_begin[row])]);
   };
   // number of batches
   std::size_t count = 0;
   for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++)
     count += (begin_of(row + 1) - begin_of(row) + kSkinLanes - 1) / kSkinLanes;
-  skin.corners.reserve(count);
+  vbd.corners.reserve(count);
   // batches by half row
-  skin.lanes_begin = {0};
+  vbd.lanes_begin = {0};
   for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++) {
     const std::size_t begin = begin_of(row), end = begin_of(row + 1);
     for (std::size_t first = begin; first < end; first += kSkinLanes) {
-      SkinCorners& lanes = skin.corners.emplace_back();
+      SkinCorners& lanes = vbd.corners.emplace_back();
       for (int i = 0; i < kSkinLanes; i++)
         set_lane(skin, corners[first + std::size_t(i) < end ? first + std::size_t(i) : first], i, lanes);
     }
-    skin.lanes_begin.push_back(int(skin.corners.size()));
+    vbd.lanes_begin.push_back(int(vbd.corners.size()));
   }
 }
 
 /// Packs the triangles of each batch into lanes.
-void lay_out_batches(Skin& skin) {
+void lay_out_batches(const Skin& skin, PbdTables& pbd) {
   for (std::size_t b = 0; b + 1 < skin.batch_begin.size(); b++) {
-    SkinBatch& batch = skin.batches.emplace_back();
+    SkinBatch& batch = pbd.skin_batches.emplace_back();
     const int begin = skin.batch_begin[b], end = skin.batch_begin[b + 1];
     for (int i = 0; i < kSkinLanes; i++) {
       const SkinTriangle& t = skin.triangles[std::size_t(begin + i < end ? begin + i : begin)];
@@ -283,17 +289,14 @@ std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
   std::sort(entries.begin(), entries.end(), [](const Corner& a, const Corner& b) {
     return std::tie(a.slot, a.triangle) < std::tie(b.slot, b.triangle);
   });
-  // ranges by node and half row
+  // nodes, and their ranges by half row
   skin.row_begin.assign(std::size_t(slot_count(lattice) / lattice.half + 1), 0);
-  for (std::size_t c = 0; c < entries.size(); c++) {
-    const Corner& e = entries[c];
+  for (const Corner& e : entries) {
     if (skin.nodes.empty() || skin.nodes.back() != e.slot) {
       skin.nodes.push_back(e.slot);
-      skin.corner_begin.push_back(int(c));
       skin.row_begin[std::size_t(e.slot / lattice.half + 1)]++;
     }
   }
-  skin.corner_begin.push_back(int(entries.size()));
   for (std::size_t r = 1; r < skin.row_begin.size(); r++) skin.row_begin[r] += skin.row_begin[r - 1];
   TURGOR_CHECK(is_sorted_unique(skin.nodes), "the nodes of the skin ascend");
   return entries;
@@ -301,11 +304,11 @@ std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
 
 /// Smoothed skin from the triangles of owned cells, which are in the order of layers.
 SmoothedSkin smooth_skin(const Exec& exec, const Model& model, const JoinSkin& join_skin) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   std::vector<SkinNodes> all;
-  for (const SkinTriangle& t : model.skin.triangles) {
+  for (const SkinTriangle& t : model.anatomy.skin.triangles) {
     const int layer = cell_of(l, t.vertex).z;
-    if (layer < model.owned.begin || layer >= model.owned.end) continue;
+    if (layer < model.anatomy.owned.begin || layer >= model.anatomy.owned.end) continue;
     SkinNodes& nodes = all.emplace_back();
     for (int c = 0; c < 3; c++) nodes[std::size_t(c)] = number_in_body(l, slot_node(l, t.vertex[c]));
   }
@@ -316,19 +319,19 @@ SmoothedSkin smooth_skin(const Exec& exec, const Model& model, const JoinSkin& j
 }  // namespace
 
 void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model) {
-  Skin& skin = model.skin;
+  Skin& skin = model.anatomy.skin;
   // triangles by layer
-  std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
+  std::vector<std::vector<Int3>> layers(std::size_t(model.anatomy.lattice.size.z - 1));
   parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
   drop_doubles(layers);
   // batches
   const SolverParams& solver = model.params.solver;
   const bool in_rounds = solver.method == Method::kPbd && solver.ordering == Ordering::kColors;
-  if (in_rounds) layers = group_by_colors(model.lattice, layers);
+  if (in_rounds) layers = group_by_colors(model.anatomy.lattice, layers);
   std::vector<std::vector<int>> sizes(layers.size());
   parallel_for(exec, layers.size(), [&](std::size_t k) {
-    sizes[k] = in_rounds ? order_in_rounds(model.lattice, layers[k])
-                         : order_in_batches(model.lattice, int(k), layers[k]);
+    sizes[k] = in_rounds ? order_in_rounds(model.anatomy.lattice, layers[k])
+                         : order_in_batches(model.anatomy.lattice, int(k), layers[k]);
   });
   // list of triangles and batches
   skin.batch_begin = {0};
@@ -348,38 +351,41 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& jo
       exec, skin.triangles.size(),
       MeasureTriangle{model, rest, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr}, 1024);
   // lanes
-  const std::vector<Corner> corners = collect_corners(model.lattice, skin);
-  if (model.params.solver.method == Method::kPbd) return lay_out_batches(skin);
-  lay_out_corners(corners, skin);
-  TURGOR_CHECK(is_csr(skin.lanes_begin, skin.corners.size()), "the half rows cover all lanes");
-  measure_prestress(exec, model, skin);
+  const std::vector<Corner> corners = collect_corners(model.anatomy.lattice, skin);
+  if (model.params.solver.method == Method::kPbd) return lay_out_batches(skin, model.pbd);
+  lay_out_corners(corners, skin, model.vbd);
+  TURGOR_CHECK(is_csr(model.vbd.lanes_begin, model.vbd.corners.size()), "the half rows cover all lanes");
+  model.prestress_force = measure_prestress(exec, model);
 }
 
 /// Computes the skin forces at rest. The CT shows a body at rest under skin tension, so the tissue's
 /// prestress balances any skin force in it. Such forces come from curvature and from stairs of the lattice.
 /// The prestress remains after the skin is cut.
-void measure_prestress(const Exec& exec, const Model& model, Skin& skin) {
+std::vector<Vec3> measure_prestress(const Exec& exec, const Model& model) {
+  const Skin& skin = model.anatomy.skin;
+  const VbdTables& vbd = model.vbd;
   TURGOR_CHECK(!skin.row_begin.empty(), "prestress acts on a body with skin");
   const SkinForces forces(model);
   // undeformed body
-  std::vector<Real> still(model.inverse_mass.size(), 0);
+  std::vector<Real> still(model.anatomy.inverse_mass.size(), 0);
   const NodeArrays nodes{still.data(), still.data(), still.data(), nullptr, nullptr, nullptr};
   // sum over the corners at each node
-  skin.prestress_force.assign(skin.nodes.size(), {});
+  std::vector<Vec3> force(skin.nodes.size());
   parallel_for(
       exec, skin.row_begin.size() - 1,
       [&](std::size_t row) {
-        const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+        const int first = vbd.corner_begin[std::size_t(skin.row_begin[row])];
         CornerSystems systems;
         for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++)
-          for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
+          for (int c = vbd.corner_begin[at]; c < vbd.corner_begin[at + 1]; c++) {
             const int lane = (c - first) % kSkinLanes;
-            const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes;
-            if (lane == 0) forces.gather(skin.corners[std::size_t(lanes)], nodes, systems);
-            skin.prestress_force[at] += systems.get(lane).f;
+            const int lanes = vbd.lanes_begin[row] + (c - first) / kSkinLanes;
+            if (lane == 0) forces.gather(vbd.corners[std::size_t(lanes)], nodes, systems);
+            force[at] += systems.get(lane).f;
           }
       },
       64);
+  return force;
 }
 
 }  // namespace turgor::lattice

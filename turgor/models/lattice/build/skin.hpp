@@ -6,12 +6,11 @@
 
 namespace turgor::lattice {
 
-/// Fills model.skin from model.lattice, tissue and hu. `lines`: Langer's lines in the patient frame; null
-/// uses model.params.skin.direction. `join_skin`: BodyNodes.
+/// Fills Anatomy::skin from the nodes, and the tables of skin for the solver. `lines`: Langer's lines in the
+/// patient frame; null uses SkinParams::direction. `join_skin`: BodyNodes.
 void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model);
 
-/// VBD: computes skin.prestress_force for the current tension, so that the CT stays the rest state of the
-/// body.
-void measure_prestress(const Exec& exec, const Model& model, Skin& skin);
+/// VBD: Model::prestress_force for the current tension, with which the CT is the rest state of the body [N].
+std::vector<Vec3> measure_prestress(const Exec& exec, const Model& model);
 
 }  // namespace turgor::lattice

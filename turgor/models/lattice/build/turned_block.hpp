@@ -73,9 +73,9 @@ inline BodyNodes rotated_nodes(const RotatedBlock& block) {
 inline double mean_height_of_skin(const RotatedBlock& block, const Model& model) {
   double sum = 0;
   int count = 0;
-  for (const SkinTriangle& t : model.skin.triangles)
+  for (const SkinTriangle& t : model.anatomy.skin.triangles)
     for (int c = 0; c < 3; c++) {
-      const Vec3d x = block.in_block(model.grid, slot_node(model.lattice, t.vertex[c]));
+      const Vec3d x = block.in_block(model.anatomy.grid, slot_node(model.anatomy.lattice, t.vertex[c]));
       if (x.z > -block.height / 2 && RotatedBlock::lateral_distance(x) < block.side / 2 - 2 * block.spacing)
         sum += x.z, count++;
     }

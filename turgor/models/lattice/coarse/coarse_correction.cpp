@@ -43,8 +43,8 @@ struct CellForces {
   /// Moduli of the whole cells; 0 for cut cells.
   template <int kWidth>
   void find_young(const NodeBlock& block, int slot, Real (&young)[kWidth]) const {
-    for (int i = 0; i < kWidth; i++) young[i] = model.cell_young[std::size_t(slot + i)];
-    if (!state.cuts.row_cut[std::size_t(slot / row_stride(model.lattice))]) return;
+    for (int i = 0; i < kWidth; i++) young[i] = model.anatomy.cell_young[std::size_t(slot + i)];
+    if (!state.cuts.row_cut[std::size_t(slot / row_stride(model.anatomy.lattice))]) return;
     for (int i = 0; i < kWidth; i++)
       young[i] =
           cell_modulus(young[i], cut_edges_of_cell(nodes.cut, block, slot + i, 0), nodes.cut[slot + i]).young;
@@ -52,9 +52,9 @@ struct CellForces {
 
   /// True if the filled part of one of the cells has its center elsewhere.
   bool has_partial_cell(int slot, int width) const {
-    if (model.cell_center.empty()) return false;
+    if (model.anatomy.cell_center.empty()) return false;
     std::uint32_t any = 0;
-    for (int i = 0; i < width; i++) any |= model.cell_center[std::size_t(slot + i)];
+    for (int i = 0; i < width; i++) any |= model.anatomy.cell_center[std::size_t(slot + i)];
     return any != 0;
   }
 
@@ -72,7 +72,7 @@ struct CellForces {
     Real young[kWidth];
     find_young<kWidth>(block, slot, young);
     // forces on the corners of each cell
-    [[maybe_unused]] const std::uint32_t* center = model.cell_center.data();
+    [[maybe_unused]] const std::uint32_t* center = model.anatomy.cell_center.data();
     const SolidLaw by = law;
     const NodeArrays n = nodes;
     Real *fx = out.field.x.data(), *fy = out.field.y.data(), *fz = out.field.z.data();
@@ -112,7 +112,7 @@ struct CellForces {
   }
 
   void operator()(const Runs& cells, int k) const {
-    const Lattice& l = model.lattice;
+    const Lattice& l = model.anatomy.lattice;
     for (int parity = 0; parity < 2; parity++) {
       const NodeBlock block = node_block(l, parity);
       for (int j = 0; j + 1 < l.size.y; j++)
@@ -128,7 +128,7 @@ struct CellForces {
 
 /// Initializes a layer with inertial forces m (y − u)/h²; 0 at fixed nodes.
 void begin_layer(const Model& model, const Inertia& inertia, const Motion& motion, int k, TwoLayers out) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   const int shift = out.shift(k);
   for (auto* axis : {&out.field.x, &out.field.y, &out.field.z})
     std::fill_n(axis->begin() + shift + row_slot(l, -1, k), layer_stride(l), Real(0));
@@ -147,10 +147,10 @@ void begin_layer(const Model& model, const Inertia& inertia, const Motion& motio
 /// Adds skin of the cells between layers k and k + 1.
 void add_skin(const Model& model, const Cuts& cuts, const NodeArrays& nodes, const SkinForces& skin, int k,
               TwoLayers out) {
-  const int above = row_slot(model.lattice, -1, k + 1);
+  const int above = row_slot(model.anatomy.lattice, -1, k + 1);
   const std::span<const SkinTriangle> triangles = skin_of_cells(model, {k, k + 1});
-  const std::uint8_t* cut = cuts.skin_cut.data() + (triangles.data() - model.skin.triangles.data());
-  TURGOR_CHECK(cuts.skin_cut.size() == model.skin.triangles.size(), "every skin triangle has a mark");
+  const std::uint8_t* cut = cuts.skin_cut.data() + (triangles.data() - model.anatomy.skin.triangles.data());
+  TURGOR_CHECK(cuts.skin_cut.size() == model.anatomy.skin.triangles.size(), "every skin triangle has a mark");
   TriangleForces forces;
   for (std::size_t first = 0; first < triangles.size(); first += kSkinLanes) {
     const std::size_t count = std::min(std::size_t(kSkinLanes), triangles.size() - first);
@@ -166,13 +166,13 @@ void add_skin(const Model& model, const Cuts& cuts, const NodeArrays& nodes, con
 /// Adds prestress of the skin and forces of cut elements.
 void add_prestress_and_cut_elements(const Model& model, const CutElementForces& cut_elements, int k,
                                     TwoLayers out, std::vector<VirtualNodeDisplacement>& virtual_nodes) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   const int begin = row_slot(l, -1, k), end = begin + layer_stride(l);
-  const Skin& skin = model.skin;
+  const Skin& skin = model.anatomy.skin;
   if (!skin.triangles.empty())
     for (int n = skin.row_begin[std::size_t(begin / l.half)]; n < skin.row_begin[std::size_t(end / l.half)];
          n++)
-      out.add(skin.nodes[std::size_t(n)], k, -skin.prestress_force[std::size_t(n)]);
+      out.add(skin.nodes[std::size_t(n)], k, -model.prestress_force[std::size_t(n)]);
   for (const ElementNode& node : cut_elements.nodes_of(begin, end - begin))
     out.add(node.slot, k, cut_elements.gather(node).f);
   for (const ElementNode& virtual_node : cut_elements.virtual_nodes_of(k)) {
@@ -186,8 +186,8 @@ void add_prestress_and_cut_elements(const Model& model, const CutElementForces& 
 /// Adds loose edges that begin in a layer. Slots ascend with layers.
 void add_loose_edges(const Model& model, const Motion& motion, const CoarseSpace& space, int k,
                      TwoLayers out) {
-  const Lattice& l = model.lattice;
-  const auto root = [&](int slot) { return model.root_stiffness[std::size_t(slot)]; };
+  const Lattice& l = model.anatomy.lattice;
+  const auto root = [&](int slot) { return model.springs.root_stiffness[std::size_t(slot)]; };
   const auto first = [&](int layer) {
     return std::partition_point(space.loose.begin(), space.loose.end(),
                                 [&](const UncoveredEdge& e) { return e.slot < row_slot(l, -1, layer); });
@@ -197,7 +197,8 @@ void add_loose_edges(const Model& model, const Motion& motion, const CoarseSpace
     const auto a = std::size_t(edge->slot), b = std::size_t(other), family = std::size_t(edge->family);
     NodeSystem s;
     const Vec3 d = hadamard(l.spacing, Vec3(kFamilies[family])) + (motion.u[b] - motion.u[a]);
-    add_spring(s, d, model.rest_length[family], model.spring_scale[family] * root(edge->slot) * root(other));
+    add_spring(s, d, model.springs.rest_length[family],
+               model.springs.scale[family] * root(edge->slot) * root(other));
     out.add(edge->slot, k, s.f), out.add(other, above, -s.f);
   }
 }
@@ -294,7 +295,7 @@ bool is_blade_active(State& state, std::size_t cuts) {
 /// True if the body is uncut, unloaded and still, so that there is no residual to correct.
 bool is_at_rest(const Model& model, const State& state, const Inputs& inputs, double dt) {
   constexpr double kStill = 1e-6;  // cells per step; above rounding errors
-  const Vec3 h = model.lattice.spacing;
+  const Vec3 h = model.anatomy.lattice.spacing;
   return cut_version(state.cuts) == 0 && inputs.loads.empty() && norm(inputs.gravity) == 0 &&
          double(state.motion.fastest) * dt < kStill * double(std::min({h.x, h.y, h.z}));
 }
@@ -307,26 +308,26 @@ void visit_residual_forces(const Exec& exec, const Model& model, State& state, c
   // elements of the body
   workspace.virtual_nodes.assign(state.motion.virtual_u.size(), {});
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
-  TURGOR_CHECK(space.runs_begin.size() == std::size_t(model.lattice.size.z) + 1,
+  TURGOR_CHECK(space.runs_begin.size() == std::size_t(model.anatomy.lattice.size.z) + 1,
                "the coarse space has runs for every layer");
   workspace.layers.resize(kLayerChunks);
   const Inertia inertia(model, state, inputs, dt);
-  const SolidLaw law = solid_law(model.lattice.spacing, model.params.tissue.poisson);
+  const SolidLaw law = solid_law(model.anatomy.lattice.spacing, model.params.tissue.poisson);
   const SkinForces skin(model);
   const CutElementForces cut_elements(model, state);
-  const int layers = model.lattice.size.z;
+  const int layers = model.anatomy.lattice.size.z;
   // chunks of layers in parallel
   parallel_for(exec, kLayerChunks, [&](std::size_t chunk) {
     VecField& field = workspace.layers[chunk];
-    const auto slots = std::size_t(2 * layer_stride(model.lattice) + kSpareSlots);
+    const auto slots = std::size_t(2 * layer_stride(model.anatomy.lattice) + kSpareSlots);
     if (field.x.size() != slots) field.resize(slots);
-    const TwoLayers out{model.lattice, field};
+    const TwoLayers out{model.anatomy.lattice, field};
     const CellForces cells{model, state, node_arrays(model, state), law, out};
     const auto add_cells = [&](int k) {
       if (k < 0 || k + 1 >= layers) return;
       cells(space.cells, k);
       add_loose_edges(model, state.motion, space, k, out);
-      if (!model.skin.triangles.empty()) add_skin(model, state.cuts, cells.nodes, skin, k, out);
+      if (!model.anatomy.skin.triangles.empty()) add_skin(model, state.cuts, cells.nodes, skin, k, out);
     };
     // layer below the chunk: its cells also act on the first layer
     const int begin = layers * int(chunk) / kLayerChunks, end = layers * int(chunk + 1) / kLayerChunks;

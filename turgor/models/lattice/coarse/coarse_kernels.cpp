@@ -122,13 +122,13 @@ struct InverseFactor {
 
 CoarseLists coarse_lists(const Model& model, const CutElements& elements, std::size_t virtual_nodes,
                          const CoarseSpace& space) {
-  TURGOR_CHECK(space.interpolation.size() == std::size_t(slot_count(model.lattice)) + virtual_nodes,
+  TURGOR_CHECK(space.interpolation.size() == std::size_t(slot_count(model.anatomy.lattice)) + virtual_nodes,
                "every node and virtual node has an interpolation");
   CoarseLists out;
   // lattice nodes of virtual nodes
   out.slot_of_virtual_node.resize(virtual_nodes);
   for (const ElementNode& virtual_node : elements.virtual_nodes)
-    out.slot_of_virtual_node[std::size_t(virtual_node.corner - slot_count(model.lattice))] =
+    out.slot_of_virtual_node[std::size_t(virtual_node.corner - slot_count(model.anatomy.lattice))] =
         virtual_node.slot;
   add_fine_nodes(space, out);
 

@@ -137,7 +137,7 @@ CoarseLevel coarsen(CoarseLevel& fine) {
 }
 
 FineCells find_fine_cells(const Model& model, const State& state) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   const int slots = slot_count(l);
   FineCells cells;
   // lattice nodes of virtual nodes
@@ -158,7 +158,7 @@ FineCells find_fine_cells(const Model& model, const State& state) {
         if (is_whole_cell(model, state.cuts, {i, j, k})) {
           std::array<int, 8> corner{};
           for (int n = 0; n < 8; n++) corner[std::size_t(n)] = node_slot(l, Int3{i, j, k} + cell_corner(n));
-          add({i, j, k}, corner, model.cell_young[std::size_t(corner[0])]);
+          add({i, j, k}, corner, model.anatomy.cell_young[std::size_t(corner[0])]);
         }
   // cut-cell elements
   for (const CutCellElement& element : state.cut_elements.cells) {

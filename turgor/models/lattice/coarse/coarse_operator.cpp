@@ -240,7 +240,7 @@ struct SkinStiffness {
 
 void add_cells(CoarseOperatorBuilder& builder) {
   const Model& model = builder.model;
-  const std::array<Mat3d, 64> k = cell_stiffness(model.lattice.spacing, model.params.tissue.poisson);
+  const std::array<Mat3d, 64> k = cell_stiffness(model.anatomy.lattice.spacing, model.params.tissue.poisson);
   for (std::size_t g = 0; g < builder.levels[0].aggregates.size(); g++) {
     const std::array<int, 8>& corner = builder.levels[0].aggregates[g].corner;
     const double young = builder.cells.young[g];
@@ -250,38 +250,40 @@ void add_cells(CoarseOperatorBuilder& builder) {
 
 void add_skin(CoarseOperatorBuilder& builder) {
   const Model& model = builder.model;
-  if (model.skin.triangles.empty()) return;
+  if (model.anatomy.skin.triangles.empty()) return;
   const SkinStiffness stiffness(model);
   const auto add = [&](const SkinTriangle& t, Int3 corner, double share) {
     const int nodes[3] = {corner.x, corner.y, corner.z};
     builder.add_element(nodes, [&](int a, int b) { return scaled(stiffness(t, a, b), share); });
   };
-  for (std::size_t t = 0; t < model.skin.triangles.size(); t++)
-    if (!builder.state.cuts.skin_cut[t]) add(model.skin.triangles[t], model.skin.triangles[t].vertex, 1);
+  for (std::size_t t = 0; t < model.anatomy.skin.triangles.size(); t++)
+    if (!builder.state.cuts.skin_cut[t])
+      add(model.anatomy.skin.triangles[t], model.anatomy.skin.triangles[t].vertex, 1);
   for (const CutSkinElement& element : builder.state.cut_elements.skin)
-    add(model.skin.triangles[std::size_t(element.triangle)], element.corner, double(element.share));
+    add(model.anatomy.skin.triangles[std::size_t(element.triangle)], element.corner, double(element.share));
 }
 
 void add_loose_edges(CoarseOperatorBuilder& builder) {
   const Model& model = builder.model;
-  const auto root = [&](int slot) { return double(model.root_stiffness[std::size_t(slot)]); };
+  const auto root = [&](int slot) { return double(model.springs.root_stiffness[std::size_t(slot)]); };
   for (const UncoveredEdge& edge : builder.space.loose) {
-    const int nodes[2] = {edge.slot, end_of(model.lattice, edge)};
+    const int nodes[2] = {edge.slot, end_of(model.anatomy.lattice, edge)};
     const auto family = std::size_t(edge.family);
-    const Vec3d d(hadamard(model.lattice.spacing, Vec3(kFamilies[family])));
+    const Vec3d d(hadamard(model.anatomy.lattice.spacing, Vec3(kFamilies[family])));
     Mat3d along = kNothing;
-    add_outer(along, d, d, double(model.spring_scale[family]) * root(nodes[0]) * root(nodes[1]) / dot(d, d));
+    add_outer(along, d, d, double(model.springs.scale[family]) * root(nodes[0]) * root(nodes[1]) / dot(d, d));
     builder.add_element(nodes, [&](int a, int b) { return scaled(along, a == b ? 1 : -1); });
   }
 }
 
 void add_inertia(CoarseOperatorBuilder& builder) {
   const double h2 = builder.space.dt * builder.space.dt;
-  for (int slot = 0; slot < slot_count(builder.model.lattice); slot++) {
+  for (int slot = 0; slot < slot_count(builder.model.anatomy.lattice); slot++) {
     if (!builder.moves(slot)) continue;
-    TURGOR_CHECK(builder.model.inverse_mass[std::size_t(slot)] > 0, "a node that moves has a finite mass");
+    TURGOR_CHECK(builder.model.anatomy.inverse_mass[std::size_t(slot)] > 0,
+                 "a node that moves has a finite mass");
     Mat3d k = kNothing;
-    add_isotropic(k, 1 / (h2 * double(builder.model.inverse_mass[std::size_t(slot)])));
+    add_isotropic(k, 1 / (h2 * double(builder.model.anatomy.inverse_mass[std::size_t(slot)])));
     builder.add_element({&slot, 1}, [&](int, int) { return k; });
   }
 }

@@ -103,9 +103,10 @@ struct SpaceBuilder {
   }
 
   bool is_free(int node) const {
-    const int slots = slot_count(model.lattice);
+    const int slots = slot_count(model.anatomy.lattice);
     const int slot = node < slots ? node : cells.virtual_node_slot[std::size_t(node - slots)];
-    return slot >= 0 && model.inverse_mass[std::size_t(slot)] > 0 && !state.cuts.removed[std::size_t(slot)];
+    return slot >= 0 && model.anatomy.inverse_mass[std::size_t(slot)] > 0 &&
+           !state.cuts.removed[std::size_t(slot)];
   }
 
   void add_node(int node) {
@@ -120,8 +121,8 @@ struct SpaceBuilder {
 
   /// Finds loose edges. Nodes without other elements use the interpolation of the node at the other end.
   void find_loose_edges() {
-    const Lattice& l = model.lattice;
-    const auto root = [&](int slot) { return model.root_stiffness[std::size_t(slot)]; };
+    const Lattice& l = model.anatomy.lattice;
+    const auto root = [&](int slot) { return model.springs.root_stiffness[std::size_t(slot)]; };
     // loose edges
     for (int k = 0; k < l.size.z; k++)
       for (int j = 0; j < l.size.y; j++)
@@ -159,11 +160,13 @@ struct SpaceBuilder {
 };
 
 Runs cells_with_free_nodes(const Model& model) {
-  return find_runs(model.lattice, [&](int slot) {
-    if (!(model.cell_young[std::size_t(slot)] > 0)) return false;
-    const int parity = slot_node(model.lattice, slot).x & 1;
+  return find_runs(model.anatomy.lattice, [&](int slot) {
+    if (!(model.anatomy.cell_young[std::size_t(slot)] > 0)) return false;
+    const int parity = slot_node(model.anatomy.lattice, slot).x & 1;
     for (int n = 0; n < kCellCorners; n++)
-      if (model.inverse_mass[std::size_t(slot + slot_offset(model.lattice, cell_corner(n), parity))] > 0)
+      if (model.anatomy
+              .inverse_mass[std::size_t(slot + slot_offset(model.anatomy.lattice, cell_corner(n), parity))] >
+          0)
         return true;
     return false;
   });
@@ -196,8 +199,8 @@ std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const S
     for (Aggregate& aggregate : levels[finest].aggregates) aggregate.is_cut = false;
   }
   // runs by layer
-  space->runs = find_prolongation_runs(model.lattice, space->interpolation);
-  for (int k = 0; k <= model.lattice.size.z; k++) {
+  space->runs = find_prolongation_runs(model.anatomy.lattice, space->interpolation);
+  for (int k = 0; k <= model.anatomy.lattice.size.z; k++) {
     const auto is_below = [k](const ProlongationRun& run) { return run.first.z < k; };
     const auto begin = std::partition_point(space->runs.begin(), space->runs.end(), is_below);
     space->runs_begin.push_back(int(begin - space->runs.begin()));

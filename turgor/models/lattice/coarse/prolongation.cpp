@@ -58,12 +58,12 @@ void move_row(const RowInBlock& row, const ProlongationRun& run, std::span<const
 template <class OfBlock, class OfRow>
 void for_virtual_nodes(const Model& model, const State& state, const CoarseSpace& space,
                        const OfBlock& of_block, const OfRow& of_row) {
-  const int slots = slot_count(model.lattice);
+  const int slots = slot_count(model.anatomy.lattice);
   for (const ElementNode& virtual_node : state.cut_elements.virtual_nodes) {
     const int source = space.interpolation[std::size_t(virtual_node.corner)];
     if (source >= 0) {
       const CoarseBlock& block = space.blocks[std::size_t(source)];
-      of_block(block, position_in_block(block, slot_node(model.lattice, virtual_node.slot)),
+      of_block(block, position_in_block(block, slot_node(model.anatomy.lattice, virtual_node.slot)),
                virtual_node.corner - slots);
     } else if (source != CoarseSpace::kFixed) {
       of_row(-2 - source, virtual_node.corner - slots);
@@ -122,7 +122,7 @@ void restrict_virtual_nodes(const Model& model, const State& state, std::span<Ve
 void prolongate(const Exec& exec, const Model& model, State& state, std::span<const Vec3> corners) {
   const CoarseSpace& space = *state.workspace.coarse;
   TURGOR_CHECK(corners.size() + 1 == space.row_begin.size(), "every row of the space has a displacement");
-  parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
+  parallel_for(exec, std::size_t(model.anatomy.lattice.size.z), [&](std::size_t k) {
     for (const ProlongationRun& run : space.runs_of(int(k)))
       if (run.source >= 0)
         move_row({space, run}, run, corners, state.motion.u);

@@ -27,21 +27,22 @@ void add_triangle(BladeSheet& sheet, const std::array<Vec3d, 3>& corner, const s
 }  // namespace
 
 BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double epsilon) {
-  const std::size_t count = path.skin.size();
-  TURGOR_CHECK(path.into.size() == count && count >= 2,
+  const std::size_t count = path.points.size();
+  TURGOR_CHECK(path.inward.size() == count && count >= 2,
                "a path has at least two points, each with a direction");
-  TURGOR_CHECK(std::all_of(path.into.begin(), path.into.end(), [](Vec3d d) { return is_unit(d); }),
+  TURGOR_CHECK(std::all_of(path.inward.begin(), path.inward.end(), [](Vec3d d) { return is_unit(d); }),
                "directions into the body are unit vectors");
   // rulings of the sheet, one per point of the path
   std::vector<std::array<Vec3d, 3>> rulings(count);  // each: above the skin, on the skin, at the blade's edge
   std::vector<double> along(count);
   for (std::size_t n = 0; n < count; n++) {
-    const Vec3d down = path.into[n] + across_at(path, n) * std::tan(tilt);  // displacement per unit of depth
+    const Vec3d down =
+        path.inward[n] + across_at(path, n) * std::tan(tilt);  // displacement per unit of depth
     // extend the sheet at both ends, so that edges through an end are cut
     const double ahead = n == 0 ? -epsilon : n + 1 == count ? epsilon : 0;
-    const Vec3d point = path.skin[n] - across_at(path, n) * epsilon + tangent_at(path, n) * ahead;
+    const Vec3d point = path.points[n] - across_at(path, n) * epsilon + tangent_at(path, n) * ahead;
     rulings[n] = {point - down * margin, point, point + down * (path.depth + epsilon)};
-    if (n > 0) along[n] = along[n - 1] + norm(path.skin[n] - path.skin[n - 1]);
+    if (n > 0) along[n] = along[n - 1] + norm(path.points[n] - path.points[n - 1]);
   }
   // triangles between neighboring rulings
   BladeSheet sheet;

@@ -24,12 +24,13 @@ bool has_cut_elements(const Model& model) {
 /// True if cut elements replace a cell: it was whole, is now cut or has a virtual node, and no node is
 /// removed.
 bool is_cut_cell(const Model& model, const Cuts& cuts, const Fragments& fragments, const CutCell& cell) {
-  if (!(model.cell_young[std::size_t(cell.slot)] > 0)) return false;
+  if (!(model.anatomy.cell_young[std::size_t(cell.slot)] > 0)) return false;
   // several fragments, a cut edge, or a virtual node, and no removed node
-  bool other = cell.fragment_count > 1 || has_cut_edge(cuts, model.lattice, cell.slot), removed = false;
-  const int parity = slot_node(model.lattice, cell.slot).x & 1;
+  bool other = cell.fragment_count > 1 || has_cut_edge(cuts, model.anatomy.lattice, cell.slot),
+       removed = false;
+  const int parity = slot_node(model.anatomy.lattice, cell.slot).x & 1;
   for (int n = 0; n < kCellCorners; n++) {
-    const int slot = cell.slot + slot_offset(model.lattice, cell_corner(n), parity);
+    const int slot = cell.slot + slot_offset(model.anatomy.lattice, cell_corner(n), parity);
     removed |= cuts.removed[std::size_t(slot)] != 0;
     for (int p = cell.first_fragment; p < cell.first_fragment + cell.fragment_count; p++)
       other |= fragments.all[std::size_t(p)].corner[std::size_t(n)] != slot;
@@ -41,7 +42,7 @@ bool is_cut_cell(const Model& model, const Cuts& cuts, const Fragments& fragment
 /// with a fit. Other fragments are too small for an element.
 bool can_be_element(const Model& model, const Cuts& cuts, const Fragments& fragments,
                     const Fragment& fragment) {
-  const int slots = slot_count(model.lattice);
+  const int slots = slot_count(model.anatomy.lattice);
   return std::all_of(fragment.corner.begin(), fragment.corner.end(), [&](int corner) {
     if (corner < slots) return is_solid(model, cuts, corner);
     const VirtualNode& virtual_node = fragments.virtual_nodes[std::size_t(corner - slots)];
@@ -175,7 +176,7 @@ void add_cells(const Model& model, State& state, const Fragments& fragments,
   // once per cell: mark it as cut, and add bridges
   int last = -1;
   for_each_element_fragment(model, state.cuts, fragments, [&](const CutCell& cell, int fragment) {
-    const Real young = model.cell_young[std::size_t(cell.slot)];
+    const Real young = model.anatomy.cell_young[std::size_t(cell.slot)];
     const Shares& shares = cached_shares(cell);
     if (cell.slot != last) {
       last = cell.slot;
@@ -219,10 +220,10 @@ void add_skin_elements(const Model& model, State& state, const Fragments& fragme
                        VolumeFractionCache& cached_shares, int t) {
   constexpr int kSubdivisions = 8;
   // cell of the triangle
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   Int3 node[3], low = l.size - Int3{2, 2, 2};
   for (int c = 0; c < 3; c++) {
-    node[c] = slot_node(l, model.skin.triangles[std::size_t(t)].vertex[c]);
+    node[c] = slot_node(l, model.anatomy.skin.triangles[std::size_t(t)].vertex[c]);
     low = min(low, node[c]);
   }
   const CutCell* cell = find_cell(fragments, node_slot(l, low));
@@ -258,20 +259,20 @@ void add_skin_elements(const Model& model, State& state, const Fragments& fragme
 
 /// Moves prestress from skin nodes to their virtual nodes, in proportion to skin area.
 void share_prestress(const Model& model, CutElements& elements) {
-  const Skin& skin = model.skin;
-  const int slots = slot_count(model.lattice);
+  const Skin& skin = model.anatomy.skin;
+  const int slots = slot_count(model.anatomy.lattice);
   TURGOR_CHECK(is_ascending(elements.nodes, &ElementNode::slot), "element nodes ascend by slot");
   for (ElementNode& virtual_node : elements.virtual_nodes) {
     // skin at the node
     const auto at = std::size_t(std::lower_bound(skin.nodes.begin(), skin.nodes.end(), virtual_node.slot) -
                                 skin.nodes.begin());
     if (at == skin.nodes.size() || skin.nodes[at] != virtual_node.slot) continue;
-    const auto row = std::size_t(virtual_node.slot / model.lattice.half);
-    const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+    const auto row = std::size_t(virtual_node.slot / model.anatomy.lattice.half);
+    const int first = model.vbd.corner_begin[std::size_t(skin.row_begin[row])];
     // skin area of the node in the CT, and of its virtual node
     double whole = 0, own = 0;
-    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++)
-      whole += double(skin.corners[std::size_t(skin.lanes_begin[row] + (c - first) / kSkinLanes)]
+    for (int c = model.vbd.corner_begin[at]; c < model.vbd.corner_begin[at + 1]; c++)
+      whole += double(model.vbd.corners[std::size_t(model.vbd.lanes_begin[row] + (c - first) / kSkinLanes)]
                           .area[(c - first) % kSkinLanes]);
     for (int u = virtual_node.first; u < virtual_node.first + virtual_node.count; u++)
       if (const int s = -1 - elements.references[std::size_t(u)].element; s >= 0)
@@ -279,7 +280,7 @@ void share_prestress(const Model& model, CutElements& elements) {
                skin.triangles[std::size_t(elements.skin[std::size_t(s)].triangle)].area;
     // prestress of the virtual node, taken from the node
     TURGOR_CHECK(whole > 0, "skin at a node has an area in the CT");
-    virtual_node.prestress_force = skin.prestress_force[at] * Real(own / whole);
+    virtual_node.prestress_force = model.prestress_force[at] * Real(own / whole);
     const auto node = std::lower_bound(elements.nodes.begin(), elements.nodes.end(), virtual_node.slot,
                                        [](const ElementNode& n, int slot) { return n.slot < slot; });
     if (node != elements.nodes.end() && node->corner == virtual_node.slot && virtual_node.slot < slots)
@@ -289,7 +290,7 @@ void share_prestress(const Model& model, CutElements& elements) {
 
 /// Collects the nodes and virtual nodes of all elements, and the references from each node to its elements.
 void add_nodes(const Model& model, const Fragments& fragments, CutElements& elements) {
-  const int slots = slot_count(model.lattice);
+  const int slots = slot_count(model.anatomy.lattice);
   // references, sorted by node
   std::vector<std::pair<int, NodeElementReference>> references;
   for (std::size_t p = 0; p < elements.cells.size(); p++)
@@ -312,10 +313,10 @@ void add_nodes(const Model& model, const Fragments& fragments, CutElements& elem
   }
   // first virtual node of each layer
   TURGOR_CHECK(is_ascending(elements.virtual_nodes, &ElementNode::slot), "virtual nodes ascend by slot");
-  for (int k = 0; k <= model.lattice.size.z; k++)
+  for (int k = 0; k <= model.anatomy.lattice.size.z; k++)
     elements.layer_begin.push_back(
         int(std::lower_bound(elements.virtual_nodes.begin(), elements.virtual_nodes.end(),
-                             row_slot(model.lattice, -1, k),
+                             row_slot(model.anatomy.lattice, -1, k),
                              [](const ElementNode& n, int slot) { return n.slot < slot; }) -
             elements.virtual_nodes.begin()));
 }
@@ -332,7 +333,9 @@ void update_virtual_nodes(const Model& model, State& state, const Fragments& fra
       std::exchange(state.cut_elements.virtual_node_keys, {});
   TURGOR_CHECK(is_ascending(known, [](const std::pair<int, std::uint64_t>& k) { return k.first; }),
                "keys of virtual nodes ascend by slot");
-  const auto corner = [&](std::size_t virtual_node) { return slot_count(model.lattice) + int(virtual_node); };
+  const auto corner = [&](std::size_t virtual_node) {
+    return slot_count(model.anatomy.lattice) + int(virtual_node);
+  };
   std::vector<std::size_t> fresh;
   for (std::size_t c = 0; c < fragments.virtual_nodes.size(); c++) {
     const auto at = std::find(std::lower_bound(known.begin(), known.end(),
@@ -363,8 +366,8 @@ void update_virtual_nodes(const Model& model, State& state, const Fragments& fra
 }  // namespace
 
 void mark_rows(const Model& model, Cuts& cuts, int slot) {
-  TURGOR_CHECK(is_index(slot, model.tissue.size()), "an edge starts at a slot of the lattice");
-  const int stride = row_stride(model.lattice), layer = layer_stride(model.lattice);
+  TURGOR_CHECK(is_index(slot, model.anatomy.tissue.size()), "an edge starts at a slot of the lattice");
+  const int stride = row_stride(model.anatomy.lattice), layer = layer_stride(model.anatomy.lattice);
   for (int dk = -1; dk <= 1; dk++)
     for (int dj = -1; dj <= 1; dj++)
       cuts.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
@@ -372,7 +375,7 @@ void mark_rows(const Model& model, Cuts& cuts, int slot) {
 
 void mark_virtual_nodes_with_unknowns(const Model& model, const Cuts& cuts, Fragments& fragments) {
   if (!has_cut_elements(model)) return;
-  const int slots = slot_count(model.lattice);
+  const int slots = slot_count(model.anatomy.lattice);
   for_each_element_fragment(model, cuts, fragments, [&](const CutCell& cell, int fragment) {
     for (const int corner : fragments.all[std::size_t(cell.first_fragment + fragment)].corner)
       if (corner >= slots) fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns = true;
@@ -398,7 +401,7 @@ void build_cut_elements(const Model& model, State& state, const DownloadNodes& d
   TURGOR_CHECK(is_csr(elements.layer_begin, elements.virtual_nodes.size()),
                "the layers cover all virtual nodes");
   // prestress of the cut skin
-  if (!model.skin.prestress_force.empty()) share_prestress(model, elements);
+  if (!model.prestress_force.empty()) share_prestress(model, elements);
 }
 
 }  // namespace turgor::lattice

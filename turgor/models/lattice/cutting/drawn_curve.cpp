@@ -58,14 +58,14 @@ double fine_spacing(const FineLattice& f) {
 std::optional<double> arc_length_on(const Model& model, const LaidBlade& blade, Vec3d point) {
   constexpr double kRounding = 1e-3;  // largest distance of the point from the curve [cells]
   const std::vector<Vec3d> curve = drawn_curve(model, blade.drawn);
-  if (curve.size() != blade.path.skin.size()) return {};  // restored from a recording, without its cuts
+  if (curve.size() != blade.path.points.size()) return {};  // restored from a recording, without its cuts
   double along = 0;
   for (std::size_t n = 0; n + 1 < curve.size(); n++) {
     const Vec3d direction = curve[n + 1] - curve[n];
     const double fraction =
         std::clamp(dot(point - curve[n], direction) / dot(direction, direction), 0.0, 1.0);
-    const double length = norm(blade.path.skin[n + 1] - blade.path.skin[n]);
-    if (norm(point - curve[n] - direction * fraction) <= kRounding * smallest_spacing(model.lattice))
+    const double length = norm(blade.path.points[n + 1] - blade.path.points[n]);
+    if (norm(point - curve[n] - direction * fraction) <= kRounding * smallest_spacing(model.anatomy.lattice))
       return along + length * fraction;
     along += length;
   }
@@ -113,14 +113,14 @@ std::vector<JunctionSample> sample_earlier_cut(const Model& model, const State& 
   // cut fine edges near that arc length, in layers owned by this process
   for (const CutEdge& edge : blade.path.fine_edges) {
     const int layer = slot_node(f.cells, edge.slot).z;
-    if (layer < model.owned.begin || layer >= model.owned.end) continue;
+    if (layer < model.anatomy.owned.begin || layer >= model.anatomy.owned.end) continue;
     if (std::abs(double(edge.along) - along) > reach) continue;
     const Int3 a = fine_node(f, edge);
     const Vec3d direction = lattice_index(f, a + kFamilies[edge.family]) - lattice_index(f, a);
     const Vec3d rest =
         hadamard(lattice_index(f, a) + direction * double(edge.fraction), Vec3d(f.cells.spacing));
     found.push_back({fine_edge_key(f, a, edge.family),
-                     {dot(rest - blade.path.skin[n], blade.path.into[n]), double(edge.along) - along,
+                     {dot(rest - blade.path.points[n], blade.path.inward[n]), double(edge.along) - along,
                       current_position(model, state, fragments, edge, rest)}});
   }
   // samples of all processes, in the order of edges
@@ -139,7 +139,7 @@ std::vector<JunctionSample> sample_earlier_cut(const Model& model, const State& 
 /// Junction line through samples of a cut, from above the skin downwards. Empty without samples at the skin.
 JunctionLine line_through(const std::vector<JunctionSample>& samples, const LaidBlade& blade, std::size_t n,
                           double step) {
-  const Vec3d into = blade.path.into[n], across = across_at(blade.path, n);
+  const Vec3d into = blade.path.inward[n], across = across_at(blade.path, n);
   const Vec3d down = into + across * std::tan(blade.drawn.tilt * std::numbers::pi / 180);
   // mean of samples near a depth, shifted to that depth
   const auto mean_near = [&](double depth) -> std::optional<Vec3d> {
@@ -190,17 +190,17 @@ void bend_start(std::vector<Vec3d>& curve, Vec3d shift) {
 }  // namespace
 
 std::vector<Vec3d> drawn_points(const Model& model, const Incision& incision) {
-  const Mat3d to_lattice = inverse(model.grid.axes);
+  const Mat3d to_lattice = inverse(model.anatomy.grid.axes);
   std::vector<Vec3d> points;
-  for (const Vec3d p : incision.path) points.push_back(to_lattice * (p - model.grid.origin));
+  for (const Vec3d p : incision.path) points.push_back(to_lattice * (p - model.anatomy.grid.origin));
   if (points.size() < 2)
-    points = {to_lattice * (incision.from - model.grid.origin),
-              to_lattice * (incision.to - model.grid.origin)};
+    points = {to_lattice * (incision.from - model.anatomy.grid.origin),
+              to_lattice * (incision.to - model.anatomy.grid.origin)};
   return points;
 }
 
 std::vector<Vec3d> drawn_curve(const Model& model, const Incision& incision) {
-  return curve_through(drawn_points(model, incision), 0.5 * smallest_spacing(model.lattice));
+  return curve_through(drawn_points(model, incision), 0.5 * smallest_spacing(model.anatomy.lattice));
 }
 
 std::array<JunctionLine, 2> join_laid_blades(const Model& model, const State& state,
@@ -233,15 +233,15 @@ void join_sheet(const BladePath& path, const std::array<JunctionLine, 2>& met, d
   for (const bool last : {false, true}) {
     const JunctionLine& line = met[std::size_t(last)];
     if (line.points.empty()) continue;
-    const std::size_t n = last ? path.skin.size() - 1 : 0;
+    const std::size_t n = last ? path.points.size() - 1 : 0;
     // direction down the blade, and overshoot past the earlier cut
-    const Vec3d down = path.into[n] + across_at(path, n) * std::tan(tilt),
+    const Vec3d down = path.inward[n] + across_at(path, n) * std::tan(tilt),
                 beyond = tangent_at(path, n) * (kOvershoot * line.step * (last ? 1 : -1));
     const double along = last ? path_length(path) : 0;
     Vec3d own_before, met_before;
     // strips between the path's end line and the junction line
     for (std::size_t k = 0; k < line.points.size(); k++) {
-      const Vec3d own = path.skin[n] + down * ((double(k) - JunctionLine::kAbove) * line.step),
+      const Vec3d own = path.points[n] + down * ((double(k) - JunctionLine::kAbove) * line.step),
                   met_point = line.points[k] + beyond;
       if (k > 0 && last) add_strip(sheet, {own_before, own, met_before, met_point}, along);
       if (k > 0 && !last) add_strip(sheet, {met_before, met_point, own_before, own}, along);

@@ -15,10 +15,11 @@ namespace {
 
 /// Largest squared displacement of the body's nodes [m²].
 Real largest_squared_displacement(const Model& model, const Motion& motion, const HaloExchange* halo) {
-  TURGOR_CHECK(motion.u.x.size() == model.tissue.size(), "positions are on the host while edges are found");
+  TURGOR_CHECK(motion.u.x.size() == model.anatomy.tissue.size(),
+               "positions are on the host while edges are found");
   Real farthest = 0;
-  for (int s = row_slot(model.lattice, -1, model.owned.begin);
-       s < row_slot(model.lattice, -1, model.owned.end); s++)
+  for (int s = row_slot(model.anatomy.lattice, -1, model.anatomy.owned.begin);
+       s < row_slot(model.anatomy.lattice, -1, model.anatomy.owned.end); s++)
     if (const auto n = std::size_t(s); has_node(model, s))
       farthest = std::max(farthest, dot(motion.u[n], motion.u[n]));
   return halo ? std::bit_cast<Real>(halo->largest(std::bit_cast<std::uint32_t>(farthest))) : farthest;
@@ -31,14 +32,14 @@ struct Range {
 Range range_near(const Model& model, const BladeSheet& sheet, double reach) {
   Range range{};
   for (int axis = 0; axis < 3; axis++) {
-    const double step = double(model.lattice.spacing[axis]);
+    const double step = double(model.anatomy.lattice.spacing[axis]);
     range.low[axis] = std::max(0, int(std::floor((sheet.box.low[axis] - reach) / step)) - 2);
     range.high[axis] = int(std::ceil((sheet.box.high[axis] + reach) / step)) + 2;
   }
   // restrict to the owned layers of this process
-  range.low.z -= model.lattice.first, range.high.z -= model.lattice.first;
-  range.low.z = std::max(range.low.z, model.owned.begin),
-  range.high.z = std::min(range.high.z, model.owned.end - 1);
+  range.low.z -= model.anatomy.lattice.first, range.high.z -= model.anatomy.lattice.first;
+  range.low.z = std::max(range.low.z, model.anatomy.owned.begin),
+  range.high.z = std::min(range.high.z, model.anatomy.owned.end - 1);
   return range;
 }
 
@@ -62,7 +63,7 @@ struct LatticeEdges {
   bool bears(int slot) const { return has_node(model, slot) && state.cuts.removed[std::size_t(slot)] == 0; }
 
   void operator()(Int3 node) {
-    const Lattice& l = model.lattice;
+    const Lattice& l = model.anatomy.lattice;
     const int slot = node_slot(l, node);
     if (!bears(slot)) return;
     // whole edges to nodes of each family
@@ -94,9 +95,9 @@ struct FineEdges {
   std::array<bool, 8> has_body;  // of the current cell (0) and its lower neighbors: bits x (1), y (2), z (4)
 
   bool is_of_body(Int3 cell) const {
-    const int slot = node_slot(model.lattice, cell);
+    const int slot = node_slot(model.anatomy.lattice, cell);
     for (int c = 0; c < 8; c++)
-      if (is_solid(model, state.cuts, slot + slot_offset(model.lattice, cell_corner(c), cell.x & 1)))
+      if (is_solid(model, state.cuts, slot + slot_offset(model.anatomy.lattice, cell_corner(c), cell.x & 1)))
         return true;
     return false;
   }
@@ -111,7 +112,7 @@ struct FineEdges {
   }
 
   void operator()(Int3 cell) {
-    const Lattice& l = model.lattice;
+    const Lattice& l = model.anatomy.lattice;
     // tissue in this cell and its lower neighbors
     bool any = false;
     for (int n = 0; n < 8; n++) {
@@ -167,8 +168,8 @@ struct FineEdges {
         if (!hit) continue;
         at[axis] = hit->fraction;
         if (cut && fragment_at(fragments, state.cuts, *cut, Vec3(at)) != fragment) continue;
-        lines.push_back(
-            {node_slot(model.lattice, cell), std::uint8_t(axis), std::uint8_t(line), Real(hit->along)});
+        lines.push_back({node_slot(model.anatomy.lattice, cell), std::uint8_t(axis), std::uint8_t(line),
+                         Real(hit->along)});
       }
   }
 
@@ -210,7 +211,7 @@ struct FineEdges {
     for (int n = 0; n < kFamilyCount; n++) {
       const Int3 other = local + kFamilies[std::size_t(n)];
       if (!in_cell(f, other) || !is_in_body(local, other)) continue;
-      if (cut && fragments.cut[cut->first_sub_index + std::size_t(at)] >> n & 1) continue;
+      if (cut && fragments.cut_bits[cut->first_sub_index + std::size_t(at)] >> n & 1) continue;
       const auto hit = cross_sheet(sheet, near, sub_node_position[std::size_t(at)],
                                    sub_node_position[std::size_t(sub_index(f, other))]);
       if (!hit) continue;
@@ -229,7 +230,7 @@ void find_edges(const Model& model, const State& state, const BladeSheet& sheet,
   const Range range =
       range_near(model, sheet, std::sqrt(double(largest_squared_displacement(model, state.motion, halo))));
   // lattice edges
-  const Int3 last = model.lattice.size - Int3{1, 1, 1};
+  const Int3 last = model.anatomy.lattice.size - Int3{1, 1, 1};
   LatticeEdges edges{model, state, sheet, path.edges, {}};
   for_range(range, last, edges);
   // fine edges and sample lines

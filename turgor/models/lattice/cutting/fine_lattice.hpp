@@ -26,8 +26,8 @@ struct FineLattice {
 inline FineLattice fine_lattice(const Model& model) {
   const Int3 subdivisions =
       min(max(model.params.block, Int3{2, 2, 2}), Int3{kMaxSubdivisions, kMaxSubdivisions, kMaxSubdivisions});
-  return {model.lattice, subdivisions,
-          hadamard(model.lattice.size - Int3{1, 1, 1}, subdivisions) + Int3{1, 1, 1}};
+  return {model.anatomy.lattice, subdivisions,
+          hadamard(model.anatomy.lattice.size - Int3{1, 1, 1}, subdivisions) + Int3{1, 1, 1}};
 }
 
 constexpr bool contains(const FineLattice& f, Int3 p) {

@@ -17,7 +17,7 @@ struct CutBody {
 
   bool is_solid(int slot) const { return lattice::is_solid(model, cuts, slot); }
   bool is_separated(int near, int far, Int3 offset) const {
-    return lattice::is_separated(cuts.cut.data(), model.lattice, near, far, offset);
+    return lattice::is_separated(cuts.cut.data(), model.anatomy.lattice, near, far, offset);
   }
 };
 
@@ -79,8 +79,8 @@ std::vector<SpecialCell> special_cells(const Model& model, const Cuts& cuts, con
   }
   if (cuts.removed_nodes == 0) return special;
   // cells with removed nodes
-  const Lattice& l = model.lattice;
-  for (std::size_t s = 0; s < model.tissue.size(); s++) {
+  const Lattice& l = model.anatomy.lattice;
+  for (std::size_t s = 0; s < model.anatomy.tissue.size(); s++) {
     if (!is_removed_tissue(model, cuts, int(s))) continue;
     const Int3 node = slot_node(l, int(s));
     for (int c = 0; c < 8; c++) {
@@ -103,9 +103,9 @@ std::array<int, 8> corners_of(const Model& model, const Fragments& fragments, in
     if (const CutCell* cell = find_cell(fragments, slot); cell && fragment < cell->fragment_count)
       return fragments.all[std::size_t(cell->first_fragment + fragment)].corner;
   std::array<int, 8> corners;
-  const int parity = slot_node(model.lattice, slot).x & 1;
+  const int parity = slot_node(model.anatomy.lattice, slot).x & 1;
   for (int c = 0; c < 8; c++)
-    corners[std::size_t(c)] = slot + slot_offset(model.lattice, cell_corner(c), parity);
+    corners[std::size_t(c)] = slot + slot_offset(model.anatomy.lattice, cell_corner(c), parity);
   return corners;
 }
 

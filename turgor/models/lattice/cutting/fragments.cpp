@@ -48,7 +48,7 @@ void find_cells(const Cuts& cuts, Fragments& out) {
                          .is_cut = std::binary_search(cut.begin(), cut.end(), slot)});
   }
   out.label.assign(out.cells.size() * per_cell, -1);
-  out.cut.assign(out.cells.size() * per_cell, 0);
+  out.cut_bits.assign(out.cells.size() * per_cell, 0);
 }
 
 /// Marks the cut edges at the sub-lattice nodes of every cell that contains them.
@@ -68,7 +68,7 @@ CutEdgesByCell mark_cut_edges(const Cuts& cuts, Fragments& out) {
                    "the cells around a cut edge are listed");
       const CutCell& c = *find_cell(out, node_slot(f.cells, cell));
       const int sub_node = sub_index(f, a - first_of_cell(f, cell));
-      out.cut[c.first_sub_index + std::size_t(sub_node)] |= std::uint8_t(1u << edge.family);
+      out.cut_bits[c.first_sub_index + std::size_t(sub_node)] |= std::uint8_t(1u << edge.family);
       edges.pairs.emplace_back(int(&c - out.cells.data()), int(n));
     });
   }
@@ -85,7 +85,7 @@ struct CellSubLattice {
 
   CellSubLattice(Fragments& fragments, const CutCell& cell)
       : fine(fragments.fine),
-        cut(&fragments.cut[cell.first_sub_index]),
+        cut(&fragments.cut_bits[cell.first_sub_index]),
         label(&fragments.label[cell.first_sub_index]) {
     for (int n = 0; n < kFamilyCount; n++) offset[n] = sub_index(fine, kFamilies[std::size_t(n)]);
   }
@@ -341,9 +341,9 @@ void make_cell_fragments(const Model& model, const Cuts& cuts, const CutEdgesByC
 Real node_level(const Model& model, const Cuts& cuts, int slot) {
   constexpr Real kLeast = 4, kGas = 500;  // least magnitude, and magnitude at gas and removed nodes [HU]
   const auto s = std::size_t(slot);
-  TURGOR_CHECK(is_index(slot, model.hu.size()), "a node is a slot of the lattice");
-  const Real beyond = Real(model.hu[s]) - Real(model.params.tissue.air_max);
-  if (!is_body(model.tissue[s])) return std::min(beyond, -kLeast);
+  TURGOR_CHECK(is_index(slot, model.anatomy.hu.size()), "a node is a slot of the lattice");
+  const Real beyond = Real(model.anatomy.hu[s]) - Real(model.params.tissue.air_max);
+  if (!is_body(model.anatomy.tissue[s])) return std::min(beyond, -kLeast);
   if (is_removed_tissue(model, cuts, slot)) return -kGas;
   return beyond < 0 ? kGas : std::max(beyond, kLeast);
 }

@@ -29,7 +29,7 @@ struct Fragment {
 struct CutCell {
   int slot = 0;  // of the cell's lowest node
   int first_fragment = 0, fragment_count = 0;
-  std::size_t first_sub_index = 0;   // first index in Fragments::label and Fragments::cut
+  std::size_t first_sub_index = 0;   // first index in Fragments::label and Fragments::cut_bits
   bool is_cut = false;               // true: an edge in it is cut; false: only a neighbor's is
   int first_tip = 0, tip_count = 0;  // Fragments::tips
   int first_ghost = 0, ghost_count = 0;
@@ -78,7 +78,8 @@ struct Fragments {
   std::vector<GhostFragment> ghosts;  // grouped by cell
   // fragment of each sub-lattice node, cell by cell; -2 - n: ghost n; -1: no tissue on its side of the blades
   std::vector<std::int16_t> label;
-  std::vector<std::uint8_t> cut;  // by sub-lattice node: bit f = the edge of family f from this node is cut
+  std::vector<std::uint8_t>
+      cut_bits;  // by sub-lattice node: bit f = the edge of family f from this node is cut
   std::vector<VirtualNode> virtual_nodes;
   std::vector<FitTerm> fit_terms;
   std::vector<CrackTip> tips;  // grouped by cell

@@ -27,7 +27,7 @@ namespace {
 constexpr double kMaxSkinDistance = 0.1;  // largest distance of the skin from the drawn line [m]
 
 Vec3d skin_corner(const Model& model, const Motion& motion, const SkinTriangle& t, int corner) {
-  return Vec3d(position(model, motion, slot_node(model.lattice, t.vertex[corner])));
+  return Vec3d(position(model, motion, slot_node(model.anatomy.lattice, t.vertex[corner])));
 }
 
 double largest_spacing(const Lattice& l) { return std::max({l.spacing.x, l.spacing.y, l.spacing.z}); }
@@ -64,14 +64,15 @@ double meet(Vec3d origin, Vec3d direction, Vec3d a, Vec3d b, Vec3d c) {
 /// Vertices of the skin, patient frame [m].
 std::vector<Vec3d> skin_points(const Model& model, const Motion& motion) {
   std::vector<Vec3d> points;
-  for (const SkinTriangle& t : model.skin.triangles)
+  for (const SkinTriangle& t : model.anatomy.skin.triangles)
     for (int corner = 0; corner < 3; corner++)
-      points.push_back(model.grid.origin + model.grid.axes * skin_corner(model, motion, t, corner));
+      points.push_back(model.anatomy.grid.origin +
+                       model.anatomy.grid.axes * skin_corner(model, motion, t, corner));
   return points;
 }
 
 std::string off_skin(const Model& model, const Motion& motion, const std::string& prefix, Vec3d point) {
-  const Vec3d patient = model.grid.origin + model.grid.axes * point;
+  const Vec3d patient = model.anatomy.grid.origin + model.anatomy.grid.axes * point;
   return prefix + "no skin within " + number_text(kMaxSkinDistance) + " m of " + position_text(patient) +
          ": expected a line on the skin; " + describe_location(skin_points(model, motion), patient);
 }
@@ -128,12 +129,12 @@ std::vector<double> smooth_offsets(const std::vector<double>& offset) {
 SkinNow skin_near(const Model& model, const Motion& motion, const std::vector<Vec3d>& curve,
                   const HaloExchange* halo) {
   Box box = box_around(curve);
-  const double reach =
-      kMaxSkinDistance + reach_of_directions(model.lattice) + 3 * largest_spacing(model.lattice);
+  const double reach = kMaxSkinDistance + reach_of_directions(model.anatomy.lattice) +
+                       3 * largest_spacing(model.anatomy.lattice);
   box.low -= Vec3d{reach, reach, reach}, box.high += Vec3d{reach, reach, reach};
   SkinNow near;
   // skin of the owned layers, then of all processes
-  for (const SkinTriangle& t : skin_of_cells(model, model.owned))
+  for (const SkinTriangle& t : skin_of_cells(model, model.anatomy.owned))
     if (const Vec3d a = skin_corner(model, motion, t, 0); squared_distance(box, a) == 0)
       near.push_back({a, skin_corner(model, motion, t, 1), skin_corner(model, motion, t, 2)});
   if (halo) halo->join_skin(near);
@@ -181,32 +182,32 @@ struct RegionPosition {
   double along, across, depth;  // arc length, distance to the right, depth below the skin [m]
 };
 RegionPosition region_position(const BladePath& path, Vec3d point) {
-  TURGOR_ASSERT(!path.skin.empty() && path.into.size() == path.skin.size(),
+  TURGOR_ASSERT(!path.points.empty() && path.inward.size() == path.points.size(),
                 "every point of a path has a direction");
   // nearest point of the path, measured perpendicular to `into`
   std::size_t nearest = 0;
-  for (std::size_t n = 0; n < path.skin.size(); n++)
-    if (norm(cross(point - path.skin[n], path.into[n])) <
-        norm(cross(point - path.skin[nearest], path.into[nearest])))
+  for (std::size_t n = 0; n < path.points.size(); n++)
+    if (norm(cross(point - path.points[n], path.inward[n])) <
+        norm(cross(point - path.points[nearest], path.inward[nearest])))
       nearest = n;
-  const Vec3d away = point - path.skin[nearest];
+  const Vec3d away = point - path.points[nearest];
   double along = dot(away, tangent_at(path, nearest));
-  for (std::size_t n = 0; n < nearest; n++) along += norm(path.skin[n + 1] - path.skin[n]);
-  return {along, dot(away, across_at(path, nearest)), dot(away, path.into[nearest])};
+  for (std::size_t n = 0; n < nearest; n++) along += norm(path.points[n + 1] - path.points[n]);
+  return {along, dot(away, across_at(path, nearest)), dot(away, path.inward[nearest])};
 }
 
 }  // namespace
 
 double path_length(const BladePath& path) {
   double length = 0;
-  for (std::size_t n = 1; n < path.skin.size(); n++) length += norm(path.skin[n] - path.skin[n - 1]);
+  for (std::size_t n = 1; n < path.points.size(); n++) length += norm(path.points[n] - path.points[n - 1]);
   return length;
 }
 
 PathPosition position_along(const BladePath& path, double along) {
-  for (std::size_t n = 0; n + 1 < path.skin.size(); n++) {
-    const double length = norm(path.skin[n + 1] - path.skin[n]);
-    if (along <= length || n + 2 == path.skin.size())
+  for (std::size_t n = 0; n + 1 < path.points.size(); n++) {
+    const double length = norm(path.points[n + 1] - path.points[n]);
+    if (along <= length || n + 2 == path.points.size())
       return {n, length > 0 ? std::clamp(along / length, 0.0, 1.0) : 0};
     along -= length;
   }
@@ -214,14 +215,14 @@ PathPosition position_along(const BladePath& path, double along) {
 }
 
 Vec3d across_at(const BladePath& path, std::size_t n) {
-  TURGOR_CHECK(n < path.into.size(), "a direction is at a point of the path");
-  return normalized(cross(path.into[n], tangent(path.skin, n)));
+  TURGOR_CHECK(n < path.inward.size(), "a direction is at a point of the path");
+  return normalized(cross(path.inward[n], tangent(path.points, n)));
 }
-Vec3d tangent_at(const BladePath& path, std::size_t n) { return cross(across_at(path, n), path.into[n]); }
+Vec3d tangent_at(const BladePath& path, std::size_t n) { return cross(across_at(path, n), path.inward[n]); }
 
 Vec3d mean_inward(const BladePath& path) {
   Vec3d sum;
-  for (const Vec3d d : path.into) sum += d;
+  for (const Vec3d d : path.inward) sum += d;
   return normalized(sum);
 }
 
@@ -240,15 +241,15 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
     return Error{prefix + "the body has no skin to cut: expected skin to be on"};
 
   // drawn curve, joined to earlier incisions
-  const double step = smallest_spacing(model.lattice);
+  const double step = smallest_spacing(model.anatomy.lattice);
   std::vector<Vec3d> curve = drawn_curve(model, incision);
   std::array<JunctionLine, 2> met;
   if (incision.width == 0) met = join_laid_blades(model, state, laid, halo, curve);
   // skin near the curve
   const SkinNow near = skin_near(model, state.motion, curve, halo);
   if (near.empty()) return Error{off_skin(model, state.motion, prefix, curve[0])};
-  BladePath path{.skin = curve,
-                 .into = directions_into(model.lattice, near, curve, straight),
+  BladePath path{.points = curve,
+                 .inward = directions_into(model.anatomy.lattice, near, curve, straight),
                  .depth = incision.depth,
                  .width = incision.width,
                  .edges = {},
@@ -257,17 +258,18 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   // project the curve onto the skin
   std::vector<double> offset;
   for (std::size_t n = 0; n < curve.size(); n++) {
-    if (norm(path.into[n]) == 0)
+    if (norm(path.inward[n]) == 0)
       return Error{prefix + "the skin has no normal near the blade: expected it to face out of the body"};
     const std::optional<double> found =
-        distance_to_skin(near, curve[n], path.into[n], across_at(path, n) * (1e-4 * step));
+        distance_to_skin(near, curve[n], path.inward[n], across_at(path, n) * (1e-4 * step));
     if (!found) return Error{off_skin(model, state.motion, prefix, curve[n])};
     offset.push_back(*found);
   }
   offset = smooth_offsets(offset);
-  for (std::size_t n = 0; n < curve.size(); n++) path.skin[n] += path.into[n] * offset[n];
+  for (std::size_t n = 0; n < curve.size(); n++) path.points[n] += path.inward[n] * offset[n];
   // swept surface and the edges it crosses
-  const double margin = 2 * largest_spacing(model.lattice), tilt = incision.tilt * std::numbers::pi / 180;
+  const double margin = 2 * largest_spacing(model.anatomy.lattice),
+               tilt = incision.tilt * std::numbers::pi / 180;
   if (incision.width > 0) return path;
   BladeSheet sheet = sweep_blade(path, tilt, margin, 1e-4 * step);
   join_sheet(path, met, tilt, sheet);
@@ -302,7 +304,7 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
 }
 
 int cut_region(const Model& model, State& state, const BladePath& path) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   const double length = path_length(path), margin = 2 * largest_spacing(l);
   int count = 0;
   for (int k = 0; k < l.size.z; k++)
@@ -311,7 +313,7 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
         const Int3 node{i, j, k};
         // nodes inside the region
         const auto slot = std::size_t(node_slot(l, node));
-        if (!is_body(model.tissue[slot]) || state.cuts.removed[slot]) continue;
+        if (!is_body(model.anatomy.tissue[slot]) || state.cuts.removed[slot]) continue;
         const RegionPosition position_in_region =
             region_position(path, Vec3d(position(model, state.motion, node)));
         if (std::abs(position_in_region.across) > 0.5 * path.width) continue;

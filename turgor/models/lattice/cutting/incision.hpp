@@ -44,8 +44,8 @@ struct PendingSampleCut {
 
 /// Path of a blade on the skin, fixed when the blade starts.
 struct BladePath {
-  std::vector<Vec3d> skin;      // points on the skin about half a cell apart, lattice frame [m]
-  std::vector<Vec3d> into;      // per point: unit vector into the body, orthogonal to the path
+  std::vector<Vec3d> points;    // on the skin, about half a cell apart, lattice frame [m]
+  std::vector<Vec3d> inward;    // per point: unit vector into the body, orthogonal to the path
   double depth = 0, width = 0;  // [m]
 
   // All pending cuts, found when the blade is laid on the skin. The opening wound deforms the tissue ahead of

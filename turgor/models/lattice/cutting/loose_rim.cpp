@@ -5,8 +5,8 @@
 namespace turgor::lattice {
 
 void remove_loose_rim(const Model& model, Cuts& cuts) {
-  if (model.cell_center.empty()) return;
-  const Lattice& l = model.lattice;
+  if (model.anatomy.cell_center.empty()) return;
+  const Lattice& l = model.anatomy.lattice;
   const int stride = row_stride(l);
   for (int slot = 0; slot < slot_count(l); slot++) {
     // skip rows without cuts

@@ -39,7 +39,7 @@ struct CellLabels {
   }
   /// Counts the sub-cells that lie in one fragment and have no cut edge, per fragment.
   void count_whole(std::vector<int>& whole) const {
-    const std::uint8_t* cut = &fragments.cut[cell.first_sub_index];
+    const std::uint8_t* cut = &fragments.cut_bits[cell.first_sub_index];
     for_sub_nodes(fragments.fine, [&](Int3 p) {
       if (!in_cell(fragments.fine, p + Int3{1, 1, 1}) || at(p) < 0) return;
       for (int n = 0; n < 8; n++) {

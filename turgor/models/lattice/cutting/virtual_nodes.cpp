@@ -93,7 +93,7 @@ struct FragmentsAroundNode {
     if (family < 0) return false;
     const FineLattice& f = fragments.fine;
     const Int3 local = (up ? p : q) - first_of_cell(f, node - cell_corner(c));
-    return fragments.cut[cell[c]->first_sub_index + std::size_t(sub_index(f, local))] >> family & 1;
+    return fragments.cut_bits[cell[c]->first_sub_index + std::size_t(sub_index(f, local))] >> family & 1;
   }
   /// Connects a thin fragment to the fragments of another cell with which it shares a fine node.
   void join_thin(int a, int b) {

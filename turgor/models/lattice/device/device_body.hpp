@@ -36,22 +36,22 @@ struct DeviceNodes {
   Array<StepSummary> summary;
 
   DeviceNodes(DeviceAllocator<Backend>& allocator, const Model& m)
-      : half(m.lattice.half),
-        u(allocator, m.inverse_mass.size()),
-        u_before(allocator, m.inverse_mass.size()),
-        v(allocator, m.inverse_mass.size()),
-        w(allocator.copy(m.inverse_mass)),
-        root(allocator.copy(m.root_stiffness)),
-        cut(allocator.template allocate<std::uint8_t>(m.inverse_mass.size())),
-        removed(allocator.template allocate<std::uint8_t>(m.inverse_mass.size())),
-        skin_cut(allocator.template allocate<std::uint8_t>(m.skin.triangles.size())),
+      : half(m.anatomy.lattice.half),
+        u(allocator, m.anatomy.inverse_mass.size()),
+        u_before(allocator, m.anatomy.inverse_mass.size()),
+        v(allocator, m.anatomy.inverse_mass.size()),
+        w(allocator.copy(m.anatomy.inverse_mass)),
+        root(allocator.copy(m.springs.root_stiffness)),
+        cut(allocator.template allocate<std::uint8_t>(m.anatomy.inverse_mass.size())),
+        removed(allocator.template allocate<std::uint8_t>(m.anatomy.inverse_mass.size())),
+        skin_cut(allocator.template allocate<std::uint8_t>(m.anatomy.skin.triangles.size())),
         free_groups(allocator.copy(groups(m, free_groups_of_color))),
-        triangles(allocator.copy(m.skin.triangles)),
+        triangles(allocator.copy(m.anatomy.skin.triangles)),
         summary(allocator.template allocate<StepSummary>(1)) {}
 
   static std::vector<int> groups(const Model& m, ColorBegin& of) {
     std::vector<int> first;
-    of = groups_by_colors(m.lattice, m.free_runs, first);
+    of = groups_by_colors(m.anatomy.lattice, m.anatomy.free_runs, first);
     return first;
   }
   void upload_cuts(const Cuts& cuts) {
@@ -132,16 +132,16 @@ struct DeviceVbd {
   List<ResidualSum> residual;
 
   DeviceVbd(DeviceAllocator<Backend>& allocator, const Model& m)
-      : young(allocator.copy(m.cell_young)),
-        center(allocator.copy(m.cell_center)),
-        row_cut(allocator.template allocate<std::uint8_t>(m.inverse_mass.size() /
-                                                          std::size_t(2 * m.lattice.half))),
-        skin_nodes(allocator.copy(m.skin.nodes)),
-        corner_begin(allocator.copy(m.skin.corner_begin)),
-        row_begin(allocator.copy(m.skin.row_begin)),
-        lanes_begin(allocator.copy(m.skin.lanes_begin)),
-        prestress_force(allocator.copy(m.skin.prestress_force)),
-        corners(allocator.copy(m.skin.corners)),
+      : young(allocator.copy(m.anatomy.cell_young)),
+        center(allocator.copy(m.anatomy.cell_center)),
+        row_cut(allocator.template allocate<std::uint8_t>(m.anatomy.inverse_mass.size() /
+                                                          std::size_t(2 * m.anatomy.lattice.half))),
+        skin_nodes(allocator.copy(m.anatomy.skin.nodes)),
+        corner_begin(allocator.copy(m.vbd.corner_begin)),
+        row_begin(allocator.copy(m.anatomy.skin.row_begin)),
+        lanes_begin(allocator.copy(m.vbd.lanes_begin)),
+        prestress_force(allocator.copy(m.prestress_force)),
+        corners(allocator.copy(m.vbd.corners)),
         uploaded_skin(m.params.skin) {}
 
   void upload_cuts(const Model& model, const Cuts& cuts, const CutElements& elements,
@@ -159,7 +159,7 @@ struct DeviceVbd {
   /// Uploads the prestress force again if the skin parameters changed.
   void update_prestress(const Model& model) {
     if (uploaded_skin == model.params.skin) return;
-    prestress_force.upload(model.skin.prestress_force);
+    prestress_force.upload(model.prestress_force);
     uploaded_skin = model.params.skin;
   }
   VbdView view(const Model& model, const DeviceNodes<Backend>& nodes, const Inputs& inputs, double dt) const {
@@ -186,7 +186,7 @@ struct DeviceVbd {
                              .cut_skin_elements = cut_skin_elements.data(),
                              .references = references.data(),
                              .triangles = nodes.triangles.data(),
-                             .solid = solid_law(model.lattice.spacing, model.params.tissue.poisson),
+                             .solid = solid_law(model.anatomy.lattice.spacing, model.params.tissue.poisson),
                              .skin = SkinForces(model)},
             .virtual_nodes_before = shifts_before.data(),
             .element_nodes = element_nodes.data(),
@@ -216,7 +216,7 @@ class DeviceBody final : public BodyBackend {
     const Motion& motion = state.motion;
     nodes_.u.upload(motion.u), nodes_.u_before.upload(motion.u_before), nodes_.v.upload(motion.v);
     upload_cuts(model, state.cuts, state.cut_elements, motion.virtual_u, motion.virtual_u_before);
-    TURGOR_CHECK(state.motion.u.x.size() == model.inverse_mass.size(),
+    TURGOR_CHECK(state.motion.u.x.size() == model.anatomy.inverse_mass.size(),
                  "positions are on the host before an upload");
   }
   void upload_cuts(const Model& model, const Cuts& cuts, const CutElements& elements,
@@ -282,7 +282,7 @@ class DeviceBody final : public BodyBackend {
   }
   bool download_displacement(const Model& model, const Cuts& cuts, const Grid& grid,
                              std::span<Vec3> samples) override {
-    return download_field(model, cuts, grid, DisplacementOfVoxel{model.grid, grid}, samples);
+    return download_field(model, cuts, grid, DisplacementOfVoxel{model.anatomy.grid, grid}, samples);
   }
   bool download_jacobian(const Model& model, const Cuts& cuts, const Grid& grid,
                          std::span<float> samples) override {
@@ -346,7 +346,7 @@ class DeviceBody final : public BodyBackend {
     }
     // relative speed of neighbors above which a held body starts the step from rest
     const Real speed_limit = largest_relative_speed(model, Real(dt));
-    const bool held = model.free_nodes < model.body_nodes;
+    const bool held = model.anatomy.free_nodes < model.anatomy.body_nodes;
     // predictor, sweeps with coarse correction, velocities
     const auto correct = [&] {
       if (coarse)
@@ -372,7 +372,7 @@ class DeviceBody final : public BodyBackend {
     vbd_->residual.array.download(sums);
     ResidualSum all[2];
     for (std::size_t n = 0; n < sums.size(); n++) all[n / count].add(sums[n]);
-    const int nodes = model.free_nodes;
+    const int nodes = model.anatomy.free_nodes;
     return {.largest = all[1].largest(), .rms = all[1].rms(nodes), .before = all[0].rms(nodes)};
   }
 

@@ -38,8 +38,8 @@ struct DeviceCoarse {
 
   /// Allocates the per-node arrays.
   DeviceCoarse(DeviceAllocator<Backend>& allocator, const Model& m) {
-    forces.array = allocator.template allocate<Vec3>(m.inverse_mass.size());
-    fine_nodes.array = allocator.template allocate<int>(std::size_t(m.free_nodes));
+    forces.array = allocator.template allocate<Vec3>(m.anatomy.inverse_mass.size());
+    fine_nodes.array = allocator.template allocate<int>(std::size_t(m.anatomy.free_nodes));
   }
 
   void upload(const Model& model, const CutElements& elements, std::size_t virtual_nodes,
@@ -55,7 +55,7 @@ struct DeviceCoarse {
     to_unknowns.assign(lists.to_unknowns), lower.assign(lists.lower), upper.assign(lists.upper);
     to_corners.assign(lists.to_corners);
     // workspaces
-    forces.resize(model.inverse_mass.size()), virtual_node_forces.resize(virtual_nodes);
+    forces.resize(model.anatomy.inverse_mass.size()), virtual_node_forces.resize(virtual_nodes);
     corner_sums.resize(24 * chunks.count);
     const int most =
         std::max({to_unknowns.segments(), lower.segments(), upper.segments(), to_corners.segments()});
@@ -67,7 +67,7 @@ struct DeviceCoarse {
     search.resize(1);
   }
   CoarseView view(const Model& model) const {
-    return {.lattice = model.lattice,
+    return {.lattice = model.anatomy.lattice,
             .blocks = blocks.data(),
             .fine_nodes = fine_nodes.data(),
             .slot_of_virtual_node = slot_of_virtual_node.data(),

@@ -50,7 +50,7 @@ struct DeviceFragments {
                  ghosts.try_assign(now.ghosts) && label.try_assign(now.label) &&
                  edge_index.try_assign(now.edge_index.entries()) && edges.try_assign(cuts.edges) &&
                  special.try_assign(cells_now) &&
-                 is_special.try_resize(cells_now.empty() ? 0 : model.tissue.size());
+                 is_special.try_resize(cells_now.empty() ? 0 : model.anatomy.tissue.size());
     return is_current;
   }
   ResampleCuts view(const Cuts& cuts, const BodyToResample& body) const {
@@ -98,7 +98,7 @@ struct DeviceSurroundings {
                          const Grid& grid) const {
     const RestFrame frame = rest_frame(model, ct.grid);
     const Vec3d side = frame.cell_size;
-    const RestBodyView at_rest{.lattice = model.lattice,
+    const RestBodyView at_rest{.lattice = model.anatomy.lattice,
                                .first_node = frame.first_node,
                                .per_cell = {1 / side.x, 1 / side.y, 1 / side.z},
                                .marks = marks.data()};
@@ -177,13 +177,13 @@ class DeviceResampling {
 
   /// Allocates the arrays for a grid. Returns false if memory is short or tissue cannot be identified.
   bool fits(const Model& model, const Cuts& cuts, const Grid& grid) {
-    const auto nodes = std::size_t(node_count(model.lattice));
+    const auto nodes = std::size_t(node_count(model.anatomy.lattice));
     if (nodes > ResampleView::kPartialVolume / ResampleView::kClaims) return false;
     if (model.params.solver.method == Method::kPbd && model.params.solver.pbd_stiffness == 0)
       return false;  // tissue is identified by its stiffness
     if (!fragments_.is_current && !fragments_.upload(model, cuts)) return false;
     const std::size_t corners =
-        model.tissue.size() + fragments_.virtual_nodes.count + 8 * fragments_.ghosts.count;
+        model.anatomy.tissue.size() + fragments_.virtual_nodes.count + 8 * fragments_.ghosts.count;
     return position_.try_resize(corners) && owner_.try_resize(sample_count(grid)) && moved_.try_resize(1) &&
            counts_.try_resize(kCounterCount);
   }
@@ -193,7 +193,7 @@ class DeviceResampling {
   ResampleView view(const Run& run, const Model& model, const Cuts& cuts, const BodyToResample& body,
                     const Grid& grid) {
     const VoxelCoordinates to = voxel_coordinates(model, grid);
-    ResampleView view{.lattice = model.lattice,
+    ResampleView view{.lattice = model.anatomy.lattice,
                       .nodes = body.nodes,
                       .cuts = fragments_.view(cuts, body),
                       .moved = moved_.data(),

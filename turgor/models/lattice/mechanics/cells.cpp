@@ -18,11 +18,11 @@ Real cell_young(const Model& model, Int3 corner, bool partial) {
   double all = 1, moving = 1;
   int body = 0, count = 0;
   for (int n = 0; n < kCellCorners; n++) {
-    const auto slot = std::size_t(node_slot(model.lattice, corner + cell_corner(n)));
-    if (!is_body(model.tissue[slot])) continue;
-    const double root = model.root_stiffness[slot];
+    const auto slot = std::size_t(node_slot(model.anatomy.lattice, corner + cell_corner(n)));
+    if (!is_body(model.anatomy.tissue[slot])) continue;
+    const double root = model.springs.root_stiffness[slot];
     body++, all *= root;
-    if (model.inverse_mass[slot] > 0) moving *= root, count++;
+    if (model.anatomy.inverse_mass[slot] > 0) moving *= root, count++;
   }
   if (body == 0 || (body < kCellCorners && !partial)) return 0;
   if (body == kCellCorners && (count == 0 || count == kCellCorners)) return Real(std::sqrt(std::sqrt(all)));
@@ -30,8 +30,8 @@ Real cell_young(const Model& model, Int3 corner, bool partial) {
 }
 
 bool is_whole(const Model& model, Int3 corner) {
-  return contains(model.lattice, corner) &&
-         model.cell_young[std::size_t(node_slot(model.lattice, corner))] > 0;
+  return contains(model.anatomy.lattice, corner) &&
+         model.anatomy.cell_young[std::size_t(node_slot(model.anatomy.lattice, corner))] > 0;
 }
 
 /// True if an edge at this body node is in no whole cell.
@@ -40,8 +40,8 @@ bool has_loose_edge(const Model& model, Int3 node) {
   for (int n = 0; n < kCellCorners; n++) whole[n] = is_whole(model, node - cell_corner(n));
   for (int e = 0; e < kNeighborCount; e++) {
     const Int3 offset = neighbor_offset(e), other = node + offset;
-    if (!contains(model.lattice, other)) continue;
-    if (!is_body(model.tissue[std::size_t(node_slot(model.lattice, other))])) continue;
+    if (!contains(model.anatomy.lattice, other)) continue;
+    if (!is_body(model.anatomy.tissue[std::size_t(node_slot(model.anatomy.lattice, other))])) continue;
     bool covered = false;
     for (int n = 0; n < kCellCorners; n++) covered |= whole[n] && cell_contains(n, offset);
     if (!covered) return true;
@@ -51,19 +51,20 @@ bool has_loose_edge(const Model& model, Int3 node) {
 
 /// True if a cell around this node has the center of its filled part elsewhere.
 bool has_partial_cell(const Model& model, Int3 node) {
-  if (model.cell_center.empty()) return false;
+  if (model.anatomy.cell_center.empty()) return false;
   for (int n = 0; n < kCellCorners; n++)
     if (const Int3 cell = node - cell_corner(n);
-        contains(model.lattice, cell) && model.cell_center[std::size_t(node_slot(model.lattice, cell))] != 0)
+        contains(model.anatomy.lattice, cell) &&
+        model.anatomy.cell_center[std::size_t(node_slot(model.anatomy.lattice, cell))] != 0)
       return true;
   return false;
 }
 
 void mark_group(const Model& model, Int3 node, std::vector<IncidentElements>& incident_elements) {
-  const int slot = node_slot(model.lattice, node);
+  const int slot = node_slot(model.anatomy.lattice, node);
   if (!has_node(model, slot)) return;
   IncidentElements& group = incident_elements[std::size_t(slot / kGroup)];
-  const bool loose = is_body(model.tissue[std::size_t(slot)]) && has_loose_edge(model, node);
+  const bool loose = is_body(model.anatomy.tissue[std::size_t(slot)]) && has_loose_edge(model, node);
   group = std::max(group, loose                           ? IncidentElements::kSprings
                           : has_partial_cell(model, node) ? IncidentElements::kPartialCells
                                                           : IncidentElements::kCells);
@@ -181,11 +182,11 @@ NodeBlock node_block(const Lattice& lattice, int parity) {
 }
 
 void build_cells(const Exec& exec, const CellFill& fill, Model& model) {
-  const Lattice& l = model.lattice;
-  const std::size_t slots = model.inverse_mass.size();
+  const Lattice& l = model.anatomy.lattice;
+  const std::size_t slots = model.anatomy.inverse_mass.size();
   TURGOR_CHECK(slots % kGroup == 0, "half rows are whole numbers of groups");
-  model.cell_young.assign(slots, 0);
-  model.incident_elements.assign(slots / kGroup, IncidentElements::kNothing);
+  model.anatomy.cell_young.assign(slots, 0);
+  model.vbd.incident_elements.assign(slots / kGroup, IncidentElements::kNothing);
   const auto for_each = [&](Int3 size, const auto& visit) {
     parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
       for (int j = 0; j < size.y; j++)
@@ -193,35 +194,36 @@ void build_cells(const Exec& exec, const CellFill& fill, Model& model) {
     });
   };
   const bool partial = !fill.fraction.empty();
-  if (partial) model.cell_center.assign(slots, 0);
-  TURGOR_CHECK(!partial || (fill.fraction.size() == sample_count(model.grid) &&
+  if (partial) model.anatomy.cell_center.assign(slots, 0);
+  TURGOR_CHECK(!partial || (fill.fraction.size() == sample_count(model.anatomy.grid) &&
                             fill.center.size() == fill.fraction.size()),
                "every cell has a filled fraction and a center");
   for_each(l.size - Int3{1, 1, 1}, [&](Int3 p) {
     const auto slot = std::size_t(node_slot(l, p));
     const Real young = cell_young(model, p, partial);
-    model.cell_young[slot] = young;
+    model.anatomy.cell_young[slot] = young;
     if (!partial) return;
-    const std::size_t n = sample_index(model.grid, p.x, p.y, p.z);
-    model.cell_young[slot] = young * fill.fraction[n];
-    if (young > 0 && fill.fraction[n] > 0) model.cell_center[slot] = fill.center[n].bits;
+    const std::size_t n = sample_index(model.anatomy.grid, p.x, p.y, p.z);
+    model.anatomy.cell_young[slot] = young * fill.fraction[n];
+    if (young > 0 && fill.fraction[n] > 0) model.anatomy.cell_center[slot] = fill.center[n].bits;
   });
-  for_each(l.size, [&](Int3 p) { mark_group(model, p, model.incident_elements); });
+  for_each(l.size, [&](Int3 p) { mark_group(model, p, model.vbd.incident_elements); });
 }
 
 bool is_whole_cell(const Model& model, const Cuts& cuts, Int3 cell) {
   if (!is_whole(model, cell)) return false;
-  int cut = cuts.cut[std::size_t(node_slot(model.lattice, cell))] & kCutCell;
+  int cut = cuts.cut[std::size_t(node_slot(model.anatomy.lattice, cell))] & kCutCell;
   for (int n = 0; n < kCellCorners; n++)
-    cut |= cuts.cut[std::size_t(node_slot(model.lattice, cell + cell_corner(n)))] & edges_from_corner(n);
+    cut |=
+        cuts.cut[std::size_t(node_slot(model.anatomy.lattice, cell + cell_corner(n)))] & edges_from_corner(n);
   return cut == 0;
 }
 
 bool is_edge_covered(const Model& model, const Cuts& cuts, Int3 node, Int3 offset) {
   for (int n = 0; n < kCellCorners; n++) {
     const Int3 cell = node - cell_corner(n);
-    if (!cell_contains(n, offset) || !contains(model.lattice, cell)) continue;
-    const bool is_cut_cell = (cuts.cut[std::size_t(node_slot(model.lattice, cell))] & kCutCell) != 0;
+    if (!cell_contains(n, offset) || !contains(model.anatomy.lattice, cell)) continue;
+    const bool is_cut_cell = (cuts.cut[std::size_t(node_slot(model.anatomy.lattice, cell))] & kCutCell) != 0;
     if (is_cut_cell || is_whole_cell(model, cuts, cell)) return true;
   }
   return false;
@@ -231,21 +233,21 @@ SolidRow::SolidRow(const Model& m, State& s)
     : model(m),
       row_cut(s.cuts.row_cut.data()),
       nodes(node_arrays(m, s)),
-      young(m.cell_young.data()),
-      center(m.cell_center.empty() ? nullptr : m.cell_center.data()),
-      law(solid_law(m.lattice.spacing, m.params.tissue.poisson)),
-      block{node_block(m.lattice, 0), node_block(m.lattice, 1)},
+      young(m.anatomy.cell_young.data()),
+      center(m.anatomy.cell_center.empty() ? nullptr : m.anatomy.cell_center.data()),
+      law(solid_law(m.anatomy.lattice.spacing, m.params.tissue.poisson)),
+      block{node_block(m.anatomy.lattice, 0), node_block(m.anatomy.lattice, 1)},
       neighbors{neighbors_of(m, 0), neighbors_of(m, 1)} {}
 
 void SolidRow::gather(int parity, int slot, int count, SystemBuffer& out) const {
   TURGOR_CHECK(slot % kGroup == 0 && count <= kLanes,
                "a chunk begins with a whole group and fits the buffer");
   // gather sixteen slots at a time
-  const bool cut = row_cut[slot / row_stride(model.lattice)];
+  const bool cut = row_cut[slot / row_stride(model.anatomy.lattice)];
   for (int begin = 0; begin < count; begin += kSpareSlots) {
     const auto group = std::size_t((slot + begin) / kGroup);
     const IncidentElements found =
-        std::max(model.incident_elements[group], model.incident_elements[group + 1]);
+        std::max(model.vbd.incident_elements[group], model.vbd.incident_elements[group + 1]);
     // empty space gets zero systems
     if (found == IncidentElements::kNothing)
       for (int i = begin; i < begin + kSpareSlots; i++) out.set(i, {});

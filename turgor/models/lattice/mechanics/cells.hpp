@@ -16,7 +16,7 @@ struct CellFill {
   std::vector<CellCenter> center;  // of the filled part
 };
 
-/// Fills Model::cell_young, Model::cell_center and Model::incident_elements.
+/// Fills Anatomy::cell_young, Anatomy::cell_center and VbdTables::incident_elements.
 void build_cells(const Exec& exec, const CellFill& fill, Model& model);
 
 /// Bits of the edge families that start at corner n and stay in the cell.
@@ -64,8 +64,8 @@ struct SolidRow {
   const Model& model;
   const std::uint8_t* row_cut;
   NodeArrays nodes;
-  const Real* young;            // of cells, Model::cell_young
-  const std::uint32_t* center;  // Model::cell_center; null without partial cells
+  const Real* young;            // of cells, Anatomy::cell_young
+  const std::uint32_t* center;  // Anatomy::cell_center; null without partial cells
   SolidLaw law;
   NodeBlock block[2];
   Neighbors neighbors[2];

@@ -11,13 +11,13 @@ CutElementForces::CutElementForces(const Model& m, State& s)
     : nodes(node_arrays(m, s)),
       cut_elements(s.cut_elements),
       view{nodes,
-           slot_count(m.lattice),
+           slot_count(m.anatomy.lattice),
            s.motion.virtual_u.data(),
            s.cut_elements.cells.data(),
            s.cut_elements.skin.data(),
            s.cut_elements.references.data(),
-           m.skin.triangles.data(),
-           solid_law(m.lattice.spacing, m.params.tissue.poisson),
+           m.anatomy.skin.triangles.data(),
+           solid_law(m.anatomy.lattice.spacing, m.params.tissue.poisson),
            SkinForces(m)} {}
 
 namespace {

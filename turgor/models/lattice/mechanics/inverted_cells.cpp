@@ -16,8 +16,8 @@ bool is_inverted(const Model& model, const State& state, Int3 corner) {
   Vec3d x[kCellCorners];
   for (int n = 0; n < kCellCorners; n++) {
     const Int3 node = corner + cell_corner(n);
-    const auto slot = std::size_t(node_slot(model.lattice, node));
-    if (!is_body(model.tissue[slot]) || state.cuts.removed[slot]) return false;
+    const auto slot = std::size_t(node_slot(model.anatomy.lattice, node));
+    if (!is_body(model.anatomy.tissue[slot]) || state.cuts.removed[slot]) return false;
     if (state.cuts.cut[slot] & edges_from_corner(n)) return false;
     x[n] = Vec3d(position(model, state.motion, node));
   }
@@ -28,16 +28,17 @@ bool is_inverted(const Model& model, const State& state, Int3 corner) {
 }
 
 bool is_body_at(const Model& model, Vec3d x) {
-  const Vec3 spacing = model.lattice.spacing;
+  const Vec3 spacing = model.anatomy.lattice.spacing;
   const Int3 node{int(std::lround(x.x / spacing.x)), int(std::lround(x.y / spacing.y)),
                   int(std::lround(x.z / spacing.z))};
-  return contains(model.lattice, node) && is_body(model.tissue[std::size_t(node_slot(model.lattice, node))]);
+  return contains(model.anatomy.lattice, node) &&
+         is_body(model.anatomy.tissue[std::size_t(node_slot(model.anatomy.lattice, node))]);
 }
 
 }  // namespace
 
 InvertedCells find_inverted_cells(const Exec& exec, const Model& model, const State& state) {
-  const Int3 cells = model.lattice.size - Int3{1, 1, 1};
+  const Int3 cells = model.anatomy.lattice.size - Int3{1, 1, 1};
   std::vector<InvertedCells> layers(std::size_t(cells.z));
   parallel_for(exec, layers.size(), [&](std::size_t k) {
     for (int j = 0; j < cells.y; j++)
@@ -54,7 +55,7 @@ InvertedCells find_inverted_cells(const Exec& exec, const Model& model, const St
 }
 
 double cells_below(const Model& model, Vec3d from, Vec3d to, Vec3d into, double most) {
-  const Vec3d spacing(model.lattice.spacing);
+  const Vec3d spacing(model.anatomy.lattice.spacing);
   TURGOR_CHECK(is_unit(into), "the direction into the body is a unit vector");
   const double cell = norm(hadamard(into, spacing));  // size of a cell along `into` [m]
   const int points = 1 + int(std::ceil(norm(to - from) / std::min({spacing.x, spacing.y, spacing.z})));

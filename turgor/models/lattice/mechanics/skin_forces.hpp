@@ -60,16 +60,18 @@ struct SkinForces {
                       TriangleForces& out) const;
 };
 
-/// Corners of skin by node, as plain pointers for host and device (Skin, Cuts::skin_cut).
+/// Corners of skin by node, as plain pointers for host and device (Skin, VbdTables, Cuts::skin_cut).
 struct SkinView {
   const int *nodes, *corner_begin, *row_begin, *lanes_begin;  // null without skin
   const Vec3* prestress_force;
   const SkinCorners* corners;
   const std::uint8_t* skin_cut;  // by triangle
 };
-inline SkinView view(const Skin& skin, const Cuts& cuts) {
-  return {skin.nodes.data(),       skin.corner_begin.data(),    skin.row_begin.data(),
-          skin.lanes_begin.data(), skin.prestress_force.data(), skin.corners.data(),
+inline SkinView skin_view(const Model& model, const Cuts& cuts) {
+  const Skin& skin = model.anatomy.skin;
+  const VbdTables& vbd = model.vbd;
+  return {skin.nodes.data(),      vbd.corner_begin.data(),      skin.row_begin.data(),
+          vbd.lanes_begin.data(), model.prestress_force.data(), vbd.corners.data(),
           cuts.skin_cut.data()};
 }
 
@@ -90,8 +92,8 @@ TURGOR_HD inline void add_skin_corners(const SkinView& v, int row, int at, NodeS
 template <class Load, class Store>
 void for_skin_nodes(const Model& model, const Cuts& cuts, const NodeArrays& n, const SkinForces& forces,
                     int slot, int count, const Load& load, const Store& store) {
-  const SkinView skin = view(model.skin, cuts);
-  const int row = slot / model.lattice.half;
+  const SkinView skin = skin_view(model, cuts);
+  const int row = slot / model.anatomy.lattice.half;
   CornerSystems systems;
   int gathered = -1;  // index of the batch in `systems`
   const int* end = skin.nodes + skin.row_begin[row + 1];

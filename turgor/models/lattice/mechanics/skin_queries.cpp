@@ -13,9 +13,10 @@ Int3 cell_of(const Lattice& l, Int3 triangle) {
 }
 
 std::span<const SkinTriangle> skin_of_cells(const Model& model, Layers cells) {
-  const Skin& skin = model.skin;
+  const Skin& skin = model.anatomy.skin;
   if (skin.triangles.empty()) return {};
-  const auto layers = std::size_t(model.lattice.size.z - 1), groups = (skin.layer_begin.size() - 1) / layers;
+  const auto layers = std::size_t(model.anatomy.lattice.size.z - 1),
+             groups = (skin.layer_begin.size() - 1) / layers;
   TURGOR_CHECK(groups > 0 && (skin.layer_begin.size() - 1) % layers == 0,
                "every layer has the same number of groups");
   const auto first_of = [&](int layer) {
@@ -33,11 +34,11 @@ Edge edge_between(const Lattice& lattice, int a, int b) {
 }
 
 void cut_skin(const Model& model, Cuts& cuts) {
-  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
-    const Int3 v = model.skin.triangles[t].vertex;
-    if (!cuts.row_cut[std::size_t(v.x / row_stride(model.lattice))]) continue;
+  for (std::size_t t = 0; t < model.anatomy.skin.triangles.size(); t++) {
+    const Int3 v = model.anatomy.skin.triangles[t].vertex;
+    if (!cuts.row_cut[std::size_t(v.x / row_stride(model.anatomy.lattice))]) continue;
     for (int c = 0; c < 3; c++) {
-      const Edge edge = edge_between(model.lattice, v[c], v[(c + 1) % 3]);
+      const Edge edge = edge_between(model.anatomy.lattice, v[c], v[(c + 1) % 3]);
       if (cuts.cut[std::size_t(edge.slot)] >> edge.family & 1) cuts.skin_cut[t] = 1;
       TURGOR_CHECK(edge.family >= 0, "the corners of a skin triangle are neighbors");
     }

@@ -48,28 +48,28 @@ void visit_columns(const CutEdge*, const Visit& visit) {
 template <class M, class Visit>
 requires std::is_same_v<std::remove_const_t<M>, Model>
 void visit_fields(M& m, const Visit& visit) {
-  visit(Field{"inverse_mass", "1/kg", Axis::kSlot}, m.inverse_mass);
-  visit(Field{"root_stiffness", "Pa^1/2", Axis::kSlot}, m.root_stiffness);
-  visit(Field{"tissue", "", Axis::kSlot}, m.tissue);
-  visit(Field{"hu", "HU", Axis::kSlot}, m.hu);
-  visit(Field{"cell_young", "Pa", Axis::kSlot}, m.cell_young);
-  visit(Field{"cell_center", "", Axis::kSlot}, m.cell_center);
-  visit(Field{"around", "", Axis::kSlot}, m.incident_elements);
-  visit(Field{"moving", ""}, m.free_runs.all);
-  visit(Field{"moving_begin", "", Axis::kRow}, m.free_runs.row_begin);
-  visit(Field{"joining", ""}, m.constraint_runs.all);
-  visit(Field{"joining_begin", "", Axis::kRow}, m.constraint_runs.row_begin);
-  visit(Field{"skin_triangles", "", Axis::kSkinTriangle}, m.skin.triangles);
-  visit(Field{"lines", "", Axis::kSkinTriangle}, m.skin.lines);
-  visit(Field{"batch_begin", ""}, m.skin.batch_begin);
-  visit(Field{"layer_begin", ""}, m.skin.layer_begin);
-  visit(Field{"skin_nodes", ""}, m.skin.nodes);
-  visit(Field{"prestress_force", "N"}, m.skin.prestress_force);
-  visit(Field{"corner_begin", ""}, m.skin.corner_begin);
-  visit(Field{"corners", ""}, m.skin.corners);
-  visit(Field{"row_begin", "", Axis::kRow}, m.skin.row_begin);
-  visit(Field{"lanes_begin", "", Axis::kRow}, m.skin.lanes_begin);
-  visit(Field{"batches", ""}, m.skin.batches);
+  visit(Field{"inverse_mass", "1/kg", Axis::kSlot}, m.anatomy.inverse_mass);
+  visit(Field{"root_stiffness", "Pa^1/2", Axis::kSlot}, m.springs.root_stiffness);
+  visit(Field{"tissue", "", Axis::kSlot}, m.anatomy.tissue);
+  visit(Field{"hu", "HU", Axis::kSlot}, m.anatomy.hu);
+  visit(Field{"cell_young", "Pa", Axis::kSlot}, m.anatomy.cell_young);
+  visit(Field{"cell_center", "", Axis::kSlot}, m.anatomy.cell_center);
+  visit(Field{"around", "", Axis::kSlot}, m.vbd.incident_elements);
+  visit(Field{"moving", ""}, m.anatomy.free_runs.all);
+  visit(Field{"moving_begin", "", Axis::kRow}, m.anatomy.free_runs.row_begin);
+  visit(Field{"joining", ""}, m.pbd.constraint_runs.all);
+  visit(Field{"joining_begin", "", Axis::kRow}, m.pbd.constraint_runs.row_begin);
+  visit(Field{"skin_triangles", "", Axis::kSkinTriangle}, m.anatomy.skin.triangles);
+  visit(Field{"lines", "", Axis::kSkinTriangle}, m.anatomy.skin.lines);
+  visit(Field{"batch_begin", ""}, m.anatomy.skin.batch_begin);
+  visit(Field{"layer_begin", ""}, m.anatomy.skin.layer_begin);
+  visit(Field{"skin_nodes", ""}, m.anatomy.skin.nodes);
+  visit(Field{"prestress_force", "N"}, m.prestress_force);
+  visit(Field{"corner_begin", ""}, m.vbd.corner_begin);
+  visit(Field{"corners", ""}, m.vbd.corners);
+  visit(Field{"row_begin", "", Axis::kRow}, m.anatomy.skin.row_begin);
+  visit(Field{"lanes_begin", "", Axis::kRow}, m.vbd.lanes_begin);
+  visit(Field{"batches", ""}, m.pbd.skin_batches);
 }
 
 }  // namespace turgor::lattice

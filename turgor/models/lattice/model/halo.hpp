@@ -1,7 +1,7 @@
 // Halo exchange of one body across several processes (docs/distributed-bodies.md). Each process owns a range
-// of layers (Model::owned) and stores ghost layers that its own layers read. Owned layers begin at a multiple
-// of four, so that slabs and phases are those of the whole body. A process with the whole body needs no
-// exchange.
+// of layers (Anatomy::owned) and stores ghost layers that its own layers read. Owned layers begin at a
+// multiple of four, so that slabs and phases are those of the whole body. A process with the whole body needs
+// no exchange.
 #pragma once
 
 #include <algorithm>
@@ -40,8 +40,8 @@ constexpr int kPairLayers = 4;
 /// layers that their sweep reads or moves.
 inline Layers moved_layers(const Model& model) {
   const bool reads_below = model.params.solver.method == Method::kVbd;
-  return {std::max(model.owned.begin - int(reads_below), 0),
-          std::min(model.owned.end + 1, model.lattice.size.z)};
+  return {std::max(model.anatomy.owned.begin - int(reads_below), 0),
+          std::min(model.anatomy.owned.end + 1, model.anatomy.lattice.size.z)};
 }
 
 }  // namespace turgor::lattice

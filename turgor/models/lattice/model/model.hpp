@@ -1,5 +1,5 @@
-// Constant data of a lattice body: masses, moduli, runs of free nodes and skin triangles. Data that changes
-// in a step is in state.hpp.
+// Data of a lattice body that no step changes: parameters, anatomy, springs and the tables of the solvers.
+// Data that a step changes is in state.hpp.
 #pragma once
 
 #include <array>
@@ -58,17 +58,8 @@ struct Skin {
   std::vector<SkinTriangle> triangles;
   std::vector<Vec3> lines;                    // by triangle, lattice frame; empty: SkinParams::direction
   std::vector<int> batch_begin, layer_begin;  // empty without skin
-  std::vector<SkinBatch> batches;             // PBD
-  // Corners of triangles by node; nodes are in slot order. row_begin and lanes_begin have one entry per half
-  // row. Corner c of a half row whose first corner is b uses lane (c − b) % kSkinLanes of corners[lanes_begin
-  // + (c − b) / kSkinLanes].
-  std::vector<int> nodes;  // slots
-  std::vector<Vec3>
-      prestress_force;  // VBD: skin force at each node in the CT, balanced by prestress of the tissue [N]
-  std::vector<int> corner_begin;     // nodes.size() + 1
-  std::vector<int> row_begin;        // 2 · rows + 1, indices into nodes
-  std::vector<SkinCorners> corners;  // VBD
-  std::vector<int> lanes_begin;      // VBD: 2 · rows + 1
+  std::vector<int> nodes;                     // corners of triangles, ascending slots
+  std::vector<int> row_begin;                 // by half row, and the end: indices into nodes
 };
 
 /// Elements around a group of slots: none, full cells only, partial cells as well, or springs as well.
@@ -79,38 +70,67 @@ struct Layers {
   int begin = 0, end = 0;
 };
 
-/// Constant data of a body.
-struct Model {
-  Params params;
-  Grid grid;                            // of the nodes, patient frame
-  Lattice lattice;                      // storage of the nodes
-  Layers owned;                         // layers of this process; all without MPI (halo.hpp)
-  aligned_vector<Real> inverse_mass;    // by slot; 0 = fixed or no node [1/kg]
-  aligned_vector<Real> root_stiffness;  // by slot; an edge has the product of both ends [√Pa; PBD: 1]
-  aligned_vector<Tissue> tissue;        // by slot
-  aligned_vector<std::int16_t> hu;      // by slot, mean of the voxel block [HU]
-  std::array<Real, kFamilyCount> rest_length{};   // [m]
-  std::array<Real, kFamilyCount> spring_scale{};  // spring stiffness = scale · root · root [m]
-  Real rest_volume = 0;                           // of a tetrahedron [m³]
-  Real volume_scale = 0;                          // volume stiffness = scale · mean root² [1]
+/// Nodes, cells and skin of a body, with their materials.
+struct Anatomy {
+  Grid grid;                          // of the nodes, patient frame
+  Lattice lattice;                    // storage of the nodes
+  Layers owned;                       // layers of this process; all without MPI (halo.hpp)
+  aligned_vector<Tissue> tissue;      // by slot
+  aligned_vector<std::int16_t> hu;    // by slot, mean of the voxel block [HU]
+  aligned_vector<Real> inverse_mass;  // by slot; 0 = fixed or no node [1/kg]
   // Solid, by slot of a cell's lowest node; without partial cells `cell_center` is empty.
   aligned_vector<Real> cell_young;  // Young's modulus times the filled fraction; 0 = not a whole cell [Pa]
-  aligned_vector<std::uint32_t> cell_center;        // center of the filled part (CellCenter)
-  std::vector<IncidentElements> incident_elements;  // solid: by group of slots, uncut
-  Runs free_runs;                                   // slots of free nodes
-  Runs constraint_runs;  // PBD: slots of nodes whose edges or tetrahedra contain a free node
+  aligned_vector<std::uint32_t> cell_center;  // center of the filled part (CellCenter)
+  Runs free_runs;                             // slots of free nodes
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
+};
+
+/// Springs along the edges, and volumes of the tetrahedra.
+struct Springs {
+  aligned_vector<Real> root_stiffness;  // by slot; an edge has the product of both ends [√Pa; PBD: 1]
+  std::array<Real, kFamilyCount> rest_length{};  // [m]
+  std::array<Real, kFamilyCount> scale{};        // spring stiffness = scale · root · root [m]
+  Real rest_volume = 0;                          // of a tetrahedron [m³]
+  Real volume_scale = 0;                         // volume stiffness = scale · mean root² [1]
+};
+
+/// Tables of the PBD solver; empty with VBD.
+struct PbdTables {
+  Runs constraint_runs;                 // slots of nodes whose edges or tetrahedra contain a free node
+  std::vector<SkinBatch> skin_batches;  // by batch of Skin
+};
+
+/// Tables of the VBD solver; empty with PBD. Corner c of a half row whose first corner is b uses lane
+/// (c − b) % kSkinLanes of corners[lanes_begin + (c − b) / kSkinLanes].
+struct VbdTables {
+  std::vector<IncidentElements> incident_elements;  // solid: by group of slots, uncut
+  std::vector<int> corner_begin;                    // by skin node, and the end: its corners of triangles
+  std::vector<int> lanes_begin;                     // by half row, and the end: indices into corners
+  std::vector<SkinCorners> corners;
+};
+
+/// A body. A person may change some of `params` between steps; the prestress follows them. All else is
+/// constant.
+struct Model {
+  Params params;
+  std::vector<Vec3> prestress_force;  // VBD: skin force at each node of Skin in the CT, balanced by prestress
+                                      // of the tissue (measure_prestress) [N]
+  Anatomy anatomy;
+  Springs springs;
+  PbdTables pbd;
+  VbdTables vbd;
 };
 
 /// True for a rim node: a node outside that is a corner of a partial cell (build/partial_cells.hpp). Rim
 /// nodes have no springs. Those that are fixed count as outside.
 inline bool is_rim(const Model& model, int slot) {
-  return !is_body(model.tissue[std::size_t(slot)]) && model.inverse_mass[std::size_t(slot)] > 0;
+  return !is_body(model.anatomy.tissue[std::size_t(slot)]) &&
+         model.anatomy.inverse_mass[std::size_t(slot)] > 0;
 }
 /// True if a slot has a node of the body or of its rim.
 inline bool has_node(const Model& model, int slot) {
-  return is_body(model.tissue[std::size_t(slot)]) || is_rim(model, slot);
+  return is_body(model.anatomy.tissue[std::size_t(slot)]) || is_rim(model, slot);
 }
 
 }  // namespace turgor::lattice

@@ -65,7 +65,7 @@ struct Neighbors {
   int offset[kNeighborCount];  // [slots]
   Vec3 edge[kNeighborCount];   // rest vector to the neighbor [m]
   Real rest[kNeighborCount];   // its length [m]
-  Real scale[kNeighborCount];  // Model::spring_scale [m]
+  Real scale[kNeighborCount];  // Springs::scale [m]
 };
 Neighbors neighbors_of(const Model& model, int parity);
 

@@ -22,8 +22,12 @@ struct NodeArrays {
 };
 
 inline NodeArrays node_arrays(const Model& model, State& state) {
-  return {state.motion.u.x.data(),   state.motion.u.y.data(),     state.motion.u.z.data(),
-          model.inverse_mass.data(), model.root_stiffness.data(), state.cuts.cut.data()};
+  return {state.motion.u.x.data(),
+          state.motion.u.y.data(),
+          state.motion.u.z.data(),
+          model.anatomy.inverse_mass.data(),
+          model.springs.root_stiffness.data(),
+          state.cuts.cut.data()};
 }
 
 /// 1 if the edge of a family is cut, else 0. `bits`: Cuts::cut of its lower end.

@@ -64,7 +64,7 @@ struct CutSkinElement {
 struct ElementNode {
   int corner = 0, slot = 0;  // index as in CutCellElement; slot of the lattice node it belongs to
   int first = 0, count = 0;  // in CutElements::references
-  Vec3 prestress_force;      // share of Skin::prestress_force; for nodes, its change [N]
+  Vec3 prestress_force;      // share of Model::prestress_force; for nodes, its change [N]
 };
 /// Reference from a node to corner `at` of cells[element], or of skin[-1 - element] when negative.
 struct NodeElementReference {
@@ -154,16 +154,17 @@ using DownloadNodes = std::function<void(std::span<const int>)>;
 
 /// Current position of a node, along the axes of the lattice, from the first node of the body [m].
 inline Vec3 position(const Model& model, const Motion& motion, Int3 node) {
-  return rest_position(model.lattice, node) + motion.u[std::size_t(node_slot(model.lattice, node))];
+  return rest_position(model.anatomy.lattice, node) +
+         motion.u[std::size_t(node_slot(model.anatomy.lattice, node))];
 }
 /// True if a node of the body is removed. Rim nodes that a cut has loosened are removed too, but were no
 /// tissue.
 inline bool is_removed_tissue(const Model& model, const Cuts& cuts, int slot) {
-  return is_body(model.tissue[std::size_t(slot)]) && cuts.removed[std::size_t(slot)] != 0;
+  return is_body(model.anatomy.tissue[std::size_t(slot)]) && cuts.removed[std::size_t(slot)] != 0;
 }
 /// True if a node is tissue: neither outside nor removed.
 inline bool is_solid(const Model& model, const Cuts& cuts, int slot) {
-  return model.tissue[std::size_t(slot)] != Tissue::kOutside && cuts.removed[std::size_t(slot)] == 0;
+  return model.anatomy.tissue[std::size_t(slot)] != Tissue::kOutside && cuts.removed[std::size_t(slot)] == 0;
 }
 /// Counter that grows with every cut. Data derived from the cuts is rebuilt when it changes.
 inline std::size_t cut_version(const Cuts& cuts) {

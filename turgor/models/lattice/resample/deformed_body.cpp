@@ -21,8 +21,8 @@ struct LocateLayer {
   std::vector<DeformedBody::Bounds>& node_rows;
 
   void operator()(std::size_t layer) const {
-    const Lattice& l = body.model.lattice;
-    const auto& tissue = body.model.tissue;
+    const Lattice& l = body.model.anatomy.lattice;
+    const auto& tissue = body.model.anatomy.tissue;
     for (int j = 0; j < l.size.y; j++) {
       DeformedBody::Bounds& bounds = node_rows[layer * std::size_t(l.size.y) + std::size_t(j)];
       for (int i = 0; i < l.size.x; i++) {
@@ -48,21 +48,24 @@ struct LocateLayer {
 
 /// Extends the bounds of rows by virtual nodes and ghost corners, which may lie beyond the nodes.
 void bound_virtual_nodes(DeformedBody& body) {
-  const int slots = slot_count(body.model.lattice);
+  const int slots = slot_count(body.model.anatomy.lattice);
   // virtual nodes of fragments
   for (const Fragment& fragment : body.fragments.all) {
-    const Int3 cell = slot_node(body.model.lattice, body.fragments.cells[std::size_t(fragment.cell)].slot);
+    const Int3 cell =
+        slot_node(body.model.anatomy.lattice, body.fragments.cells[std::size_t(fragment.cell)].slot);
     DeformedBody::Bounds& row =
-        body.rows[std::size_t(cell.z) * std::size_t(body.model.lattice.size.y - 1) + std::size_t(cell.y)];
+        body.rows[std::size_t(cell.z) * std::size_t(body.model.anatomy.lattice.size.y - 1) +
+                  std::size_t(cell.y)];
     for (const int corner : fragment.corner)
       if (const int z = body.position[std::size_t(corner)].z; corner >= slots)
         row.low = std::min(row.low, z), row.high = std::max(row.high, z);
   }
   // corners of ghosts
   for (std::size_t g = 0; g < body.fragments.ghosts.size(); g++) {
-    const Int3 cell = slot_node(body.model.lattice, body.fragments.ghosts[g].slot);
+    const Int3 cell = slot_node(body.model.anatomy.lattice, body.fragments.ghosts[g].slot);
     DeformedBody::Bounds& row =
-        body.rows[std::size_t(cell.z) * std::size_t(body.model.lattice.size.y - 1) + std::size_t(cell.y)];
+        body.rows[std::size_t(cell.z) * std::size_t(body.model.anatomy.lattice.size.y - 1) +
+                  std::size_t(cell.y)];
     for (std::size_t c = 0; c < 8; c++) {
       const int z = body.position[std::size_t(slots) + body.fragments.virtual_nodes.size() + 8 * g + c].z;
       row.low = std::min(row.low, z), row.high = std::max(row.high, z);
@@ -72,7 +75,7 @@ void bound_virtual_nodes(DeformedBody& body) {
 
 /// Bounds of rows of cells from those of rows of nodes.
 void bound_rows(DeformedBody& body, const std::vector<DeformedBody::Bounds>& node_rows) {
-  const Lattice& l = body.model.lattice;
+  const Lattice& l = body.model.anatomy.lattice;
   for (int k = 0; k + 1 < l.size.z; k++)
     for (int j = 0; j + 1 < l.size.y; j++) {
       DeformedBody::Bounds bounds;
@@ -100,15 +103,15 @@ DeformedBody deform_body(const Exec& exec, const Model& model, const State& stat
                     .cells = {},
                     .rows = {}};
   // tissue and fixed point
-  body.solid.resize(model.tissue.size());
+  body.solid.resize(model.anatomy.tissue.size());
   for (std::size_t s = 0; s < body.solid.size(); s++) body.solid[s] = is_solid(model, state.cuts, int(s));
   body.window.handedness = handedness(body.voxel_coordinates);
   body.window.bits = body.voxel_coordinates.bits = finest_bits_of(body);
 
-  TURGOR_CHECK(state.motion.u.x.size() == model.tissue.size(),
+  TURGOR_CHECK(state.motion.u.x.size() == model.anatomy.tissue.size(),
                "positions are on the host while the body is resampled");
-  const Lattice& l = model.lattice;
-  const std::size_t slots = model.tissue.size();
+  const Lattice& l = model.anatomy.lattice;
+  const std::size_t slots = model.anatomy.tissue.size();
   // positions of nodes, virtual nodes and ghost corners
   const std::size_t ghosts = body.fragments.ghosts.size();
   body.position.resize(std::size_t(slot_count(l)) + body.fragments.virtual_nodes.size() + 8 * ghosts);

@@ -48,7 +48,7 @@ inline int slab_count(const DeformedBody& body) {
 /// Visits the tetrahedra of one cell.
 template <class Visit>
 void walk_cell(TetWalk& walk, const DeformedBody& body, Int3 cell, const Visit& visit) {
-  const Lattice& l = body.model.lattice;
+  const Lattice& l = body.model.anatomy.lattice;
   const int lower = node_slot(l, cell);
   const std::array<int, 8> slots = cell_slots(l, lower, cell.x & 1);
   if (body.cells[std::size_t(lower)] != Cell::kSpecial)
@@ -75,13 +75,13 @@ long walk_slab(const DeformedBody& body, int slab, const RestFrame& rest, const 
                .end = high == layers ? std::numeric_limits<int>::max() : high << bits};
   walk.window.low.z = low, walk.window.high.z = high;
   // rows of cells that overlap it
-  const Int3 size = body.model.lattice.size;
+  const Int3 size = body.model.anatomy.lattice.size;
   for (int k = 0; k + 1 < size.z; k++)
     for (int j = 0; j + 1 < size.y; j++) {
       const DeformedBody::Bounds row = body.rows[std::size_t(k) * std::size_t(size.y - 1) + std::size_t(j)];
       if (row.low > row.high || row.high < walk.begin || row.low >= walk.end) continue;
       for (int i = 0; i + 1 < size.x; i++)
-        if (body.cells[std::size_t(node_slot(body.model.lattice, i, j, k))] != Cell::kEmpty)
+        if (body.cells[std::size_t(node_slot(body.model.anatomy.lattice, i, j, k))] != Cell::kEmpty)
           walk_cell(walk, body, {i, j, k}, [&](Int3 voxel, Vec3 at, float ratio) {
             visit(Int3{i, j, k}, voxel, at, ratio);
           });

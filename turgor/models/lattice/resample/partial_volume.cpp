@@ -176,22 +176,22 @@ int blur_reach(const Grid& out, const Grid& ct) {
 }
 
 RestBody::RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d cell_size)
-    : lattice_(model.lattice),
+    : lattice_(model.anatomy.lattice),
       first_node_(first_node),
       per_cell_{1 / cell_size.x, 1 / cell_size.y, 1 / cell_size.z},
-      marks_(model.tissue.size()) {
-  const Lattice& l = model.lattice;
+      marks_(model.anatomy.tissue.size()) {
+  const Lattice& l = model.anatomy.lattice;
   const Int3 last = l.size - Int3{2, 2, 2};  // last cell
   // kinds of nodes and cells
   parallel_for(exec, std::size_t(l.size.z), [&](std::size_t k) {
     for (int j = 0; j < l.size.y; j++)
       for (int i = 0; i < l.size.x; i++) {
         const auto slot = std::size_t(node_slot(l, i, j, int(k)));
-        std::uint8_t mark = is_body(model.tissue[slot]) ? kNodeIsBody : 0;
+        std::uint8_t mark = is_body(model.anatomy.tissue[slot]) ? kNodeIsBody : 0;
         if (i <= last.x && j <= last.y && int(k) <= last.z)
           for (int c = 0; c < 8; c++) {
             const int corner = int(slot) + slot_offset(l, cell_corner(c), i & 1);
-            mark |= is_body(model.tissue[std::size_t(corner)]) ? kCellHasBody : kCellHasAir;
+            mark |= is_body(model.anatomy.tissue[std::size_t(corner)]) ? kCellHasBody : kCellHasAir;
           }
         marks_[slot] = mark;
       }

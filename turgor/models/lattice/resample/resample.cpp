@@ -157,14 +157,14 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
 
 VectorVolume resample_displacement(const Exec& exec, const Model& model, const State& state,
                                    const Grid& out) {
-  const DisplacementOfVoxel of{model.grid, out};
+  const DisplacementOfVoxel of{model.anatomy.grid, out};
   return {.grid = out, .samples = resample_field<Vec3>(exec, model, state, out, of)};
 }
 
 VectorVolume resample_warp(const Exec& exec, const Model& model, const State& state, const Grid& out) {
   using Writer = FieldWriter<DisplacementOfVoxel, Vec3>;
   VectorVolume field{.grid = out, .samples = std::vector<Vec3>(sample_count(out))};
-  const Writer writer{{model.grid, out}, field.samples};
+  const Writer writer{{model.anatomy.grid, out}, field.samples};
   const std::vector<std::uint8_t> covered =
       resample_with(exec, deform_body(exec, model, state, out), kNodeUnits, writer).covered;
   fill_warp_outside(exec, model, covered, field);

@@ -27,7 +27,7 @@ struct LayerMass {
   std::vector<std::int64_t>& layer_mass;
 
   void operator()(std::size_t layer) const {
-    const Lattice& l = model.lattice;
+    const Lattice& l = model.anatomy.lattice;
     std::int64_t mass = 0;
     for (int j = 0; j + 1 < l.size.y; j++) {
       int begin = 0;  // first cell of a run of whole cells
@@ -99,14 +99,14 @@ struct LayerMass {
 }  // namespace
 
 RestFrame rest_frame(const Model& model, const Grid& ct) {
-  const Vec3d voxel = ct.spacing, step = model.grid.spacing;
-  return {.first_node = index_at(ct, model.grid.origin),
+  const Vec3d voxel = ct.spacing, step = model.anatomy.grid.spacing;
+  return {.first_node = index_at(ct, model.anatomy.grid.origin),
           .cell_size = {step.x / voxel.x, step.y / voxel.y, step.z / voxel.z}};
 }
 
 double rest_mass(const Exec& exec, const Model& model, const Cuts& cuts, const CtVolume& ct) {
   const Int3 block = block_of(rest_frame(model, ct.grid).cell_size);
-  std::vector<std::int64_t> layer_mass(std::size_t(model.lattice.size.z - 1));
+  std::vector<std::int64_t> layer_mass(std::size_t(model.anatomy.lattice.size.z - 1));
   parallel_for(exec, layer_mass.size(), LayerMass{model, cuts, ct, block, layer_mass});
   double mass = 0;
   for (const std::int64_t m : layer_mass) mass += double(m);

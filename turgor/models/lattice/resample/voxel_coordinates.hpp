@@ -28,9 +28,9 @@ struct VoxelCoordinates {
 };
 
 inline VoxelCoordinates voxel_coordinates(const Model& model, const Grid& out) {
-  VoxelCoordinates to{.spacing = model.grid.spacing,
-                      .to_out = inverse(out.axes) * model.grid.axes,
-                      .origin = index_at(out, model.grid.origin)};
+  VoxelCoordinates to{.spacing = model.anatomy.grid.spacing,
+                      .to_out = inverse(out.axes) * model.anatomy.grid.axes,
+                      .origin = index_at(out, model.anatomy.grid.origin)};
   for (Vec3d& column : to.to_out.column)
     column = {column.x / out.spacing.x, column.y / out.spacing.y, column.z / out.spacing.z};
   return to;
@@ -41,7 +41,7 @@ inline double handedness(const VoxelCoordinates& to) { return determinant(to.to_
 /// Volume ratio, deformed over rest, of a tetrahedron with det = 1 [1/units³].
 inline double volume_ratio(const Model& model, const Grid& out, int bits) {
   const double units = double(1 << bits);
-  return sample_volume(out) / sample_volume(model.grid) / (units * units * units);
+  return sample_volume(out) / sample_volume(model.anatomy.grid) / (units * units * units);
 }
 
 /// Finest fixed point in which no tetrahedron exceeds the range of exact arithmetic. No two nodes of a cell

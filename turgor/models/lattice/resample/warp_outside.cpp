@@ -53,7 +53,7 @@ struct BodyOnGrid {
   Grid ct;  // voxels of the CT in the frame of the lattice: their spacing only
 
   BodyOnGrid(const Exec& exec, const Model& model, const Grid& out)
-      : rest(exec, model, {0, 0, 0}, {1, 1, 1}), to_node(out, model.grid), ct(model.grid) {
+      : rest(exec, model, {0, 0, 0}, {1, 1, 1}), to_node(out, model.anatomy.grid), ct(model.anatomy.grid) {
     for (int axis = 0; axis < 3; axis++) ct.spacing[axis] /= double(model.params.block[axis]);
   }
 
@@ -103,12 +103,12 @@ void fill_warp_outside(const Exec& exec, const Model& model, std::span<const std
   const std::vector<int> skin =
       grow_sources(grid, is_covered, wanted, [&](std::size_t v) { return !is_covered[v]; });
   const std::vector<int> to_air = grow_sources(grid, air, wanted, [](std::size_t) { return true; });
-  const Mat3d to_lattice = inverse(model.grid.axes);
+  const Mat3d to_lattice = inverse(model.anatomy.grid.axes);
   each_voxel([&](std::size_t v, Int3 p) {
     if (!wanted[v]) return;
     const Vec3d node = body.to_node(p);
     const Vec3 moved = skin[v] < 0 ? Vec3{} : field.samples[std::size_t(skin[v])];
-    const Vec3d local = to_lattice * Vec3d(moved), step = model.grid.spacing;
+    const Vec3d local = to_lattice * Vec3d(moved), step = model.anatomy.grid.spacing;
     const Vec3d rest = node + Vec3d{local.x / step.x, local.y / step.y, local.z / step.z};
     // with the skin, unless tissue was there; else to air
     if (skin[v] >= 0 && !body.is_deep(rest, model.params.block)) {

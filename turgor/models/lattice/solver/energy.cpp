@@ -24,10 +24,13 @@ struct LayerEnergy {
 
   Vec3d x(Int3 p) const { return Vec3d(position(model, state.motion, p)); }
   bool is_solid() const { return model.params.tissue.law == TissueLaw::kSolid; }
-  double root(Int3 p) const { return model.root_stiffness[std::size_t(node_slot(model.lattice, p))]; }
+  double root(Int3 p) const {
+    return model.springs.root_stiffness[std::size_t(node_slot(model.anatomy.lattice, p))];
+  }
   bool is_cut(Int3 a, Int3 b) const {
     const bool forward = family_of(b - a) >= 0;
-    const int slot = node_slot(model.lattice, forward ? a : b), family = family_of(forward ? b - a : a - b);
+    const int slot = node_slot(model.anatomy.lattice, forward ? a : b),
+              family = family_of(forward ? b - a : a - b);
     return state.cuts.cut[std::size_t(slot)] >> family & 1;
   }
 
@@ -35,28 +38,29 @@ struct LayerEnergy {
     if (!is_whole_cell(model, state.cuts, corner)) return 0;
     Vec3d u[kCellCorners];
     for (int n = 0; n < kCellCorners; n++)
-      u[n] = Vec3d(state.motion.u[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))]);
-    const auto slot = std::size_t(node_slot(model.lattice, corner));
-    const CellCenter center{model.cell_center.empty() ? 0 : model.cell_center[slot]};
-    return double(model.cell_young[slot]) *
-           cell_energy(u, model.lattice.spacing, model.params.tissue.poisson, Vec3d(center.in_half_cells()));
+      u[n] = Vec3d(state.motion.u[std::size_t(node_slot(model.anatomy.lattice, corner + cell_corner(n)))]);
+    const auto slot = std::size_t(node_slot(model.anatomy.lattice, corner));
+    const CellCenter center{model.anatomy.cell_center.empty() ? 0 : model.anatomy.cell_center[slot]};
+    return double(model.anatomy.cell_young[slot]) * cell_energy(u, model.anatomy.lattice.spacing,
+                                                                model.params.tissue.poisson,
+                                                                Vec3d(center.in_half_cells()));
   }
 
   double springs(Int3 a) const {
     double sum = 0;
     for (std::size_t f = 0; f < kFamilyCount; f++) {
       const Int3 b = a + kFamilies[f];
-      if (!contains(model.lattice, b) || is_cut(a, b)) continue;
+      if (!contains(model.anatomy.lattice, b) || is_cut(a, b)) continue;
       if (is_solid() && is_edge_covered(model, state.cuts, a, kFamilies[f])) continue;
-      const double stretch = norm(x(b) - x(a)) - model.rest_length[f];
-      sum += 0.5 * model.spring_scale[f] * root(a) * root(b) * stretch * stretch;
+      const double stretch = norm(x(b) - x(a)) - model.springs.rest_length[f];
+      sum += 0.5 * model.springs.scale[f] * root(a) * root(b) * stretch * stretch;
     }
     return sum;
   }
 
   double volumes(Int3 corner) const {
     double sum = 0;
-    if (!contains(model.lattice, corner + Int3{1, 1, 1})) return 0;
+    if (!contains(model.anatomy.lattice, corner + Int3{1, 1, 1})) return 0;
     for (const auto& tet : kKuhnTets) {
       Int3 p[4];
       for (std::size_t c = 0; c < 4; c++) p[c] = corner + tet[c];
@@ -67,18 +71,19 @@ struct LayerEnergy {
       if (cut) continue;
       // energy of the volume
       const double volume = dot(x(p[1]) - x(p[0]), cross(x(p[2]) - x(p[0]), x(p[3]) - x(p[0]))) / 6;
-      const double change = volume - model.rest_volume;
-      const double k = root(p[1]) > 0 && root(p[2]) > 0 ? model.volume_scale * root(p[0]) * root(p[3]) : 0;
-      sum += 0.5 * k * change * change / model.rest_volume;
+      const double change = volume - model.springs.rest_volume;
+      const double k =
+          root(p[1]) > 0 && root(p[2]) > 0 ? model.springs.volume_scale * root(p[0]) * root(p[3]) : 0;
+      sum += 0.5 * k * change * change / model.springs.rest_volume;
     }
     return sum;
   }
 
   double operator()(int k) const {
     double sum = 0;
-    for (int j = 0; j < model.lattice.size.y; j++)
-      for (int i = 0; i < model.lattice.size.x; i++)
-        sum += springs({i, j, k}) + (model.volume_scale > 0 ? volumes({i, j, k}) : 0) +
+    for (int j = 0; j < model.anatomy.lattice.size.y; j++)
+      for (int i = 0; i < model.anatomy.lattice.size.x; i++)
+        sum += springs({i, j, k}) + (model.springs.volume_scale > 0 ? volumes({i, j, k}) : 0) +
                (is_solid() ? solid({i, j, k}) : 0);
     return sum;
   }
@@ -107,7 +112,7 @@ double skin_energy(const Model& model, const SkinTriangle& t, const Vec3d (&u)[3
 
 /// Energy of cut elements and of the prestress at their nodes.
 double cut_element_energy(const Model& model, const State& state) {
-  const int slots = slot_count(model.lattice);
+  const int slots = slot_count(model.anatomy.lattice);
   const auto u = [&](int corner) {
     TURGOR_CHECK(is_index(corner, std::size_t(slots) + state.motion.virtual_u.size()),
                  "a corner is a node or a virtual node");
@@ -120,13 +125,14 @@ double cut_element_energy(const Model& model, const State& state) {
   for (const CutCellElement& element : state.cut_elements.cells) {
     Vec3d corner[kCellCorners];
     for (std::size_t n = 0; n < kCellCorners; n++) corner[n] = u(element.corner[n]);
-    sum += double(element.young) * cell_energy(corner, model.lattice.spacing, model.params.tissue.poisson);
+    sum += double(element.young) *
+           cell_energy(corner, model.anatomy.lattice.spacing, model.params.tissue.poisson);
   }
   // skin
   for (const CutSkinElement& element : state.cut_elements.skin)
-    sum +=
-        double(element.share) * skin_energy(model, model.skin.triangles[std::size_t(element.triangle)],
-                                            {u(element.corner.x), u(element.corner.y), u(element.corner.z)});
+    sum += double(element.share) *
+           skin_energy(model, model.anatomy.skin.triangles[std::size_t(element.triangle)],
+                       {u(element.corner.x), u(element.corner.y), u(element.corner.z)});
   // prestress
   for (const auto* list : {&state.cut_elements.nodes, &state.cut_elements.virtual_nodes})
     for (const ElementNode& node : *list) sum += dot(Vec3d(node.prestress_force), u(node.corner));
@@ -136,28 +142,29 @@ double cut_element_energy(const Model& model, const State& state) {
 }  // namespace
 
 double energy(const Exec& exec, const Model& model, const State& state) {
-  TURGOR_CHECK(state.motion.u.x.size() >= std::size_t(slot_count(model.lattice)),
+  TURGOR_CHECK(state.motion.u.x.size() >= std::size_t(slot_count(model.anatomy.lattice)),
                "positions are on the host");
-  TURGOR_CHECK(state.cuts.skin_cut.size() >= model.skin.triangles.size(), "every skin triangle has a mark");
+  TURGOR_CHECK(state.cuts.skin_cut.size() >= model.anatomy.skin.triangles.size(),
+               "every skin triangle has a mark");
   // springs, volumes and cells
-  std::vector<double> layers(std::size_t(model.lattice.size.z));
+  std::vector<double> layers(std::size_t(model.anatomy.lattice.size.z));
   const LayerEnergy layer_energy{model, state};
   parallel_for(exec, layers.size(), [&](std::size_t k) { layers[k] = layer_energy(int(k)); });
   double sum = 0;
   for (const double layer : layers) sum += layer;
   // skin
-  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
+  for (std::size_t t = 0; t < model.anatomy.skin.triangles.size(); t++) {
     if (state.cuts.skin_cut[t]) continue;
-    const Int3 v = model.skin.triangles[t].vertex;
-    sum += skin_energy(model, model.skin.triangles[t],
+    const Int3 v = model.anatomy.skin.triangles[t].vertex;
+    sum += skin_energy(model, model.anatomy.skin.triangles[t],
                        {Vec3d(state.motion.u[std::size_t(v.x)]), Vec3d(state.motion.u[std::size_t(v.y)]),
                         Vec3d(state.motion.u[std::size_t(v.z)])});
   }
   // cut elements and prestress
   sum += cut_element_energy(model, state);
-  for (std::size_t at = 0; at < model.skin.prestress_force.size(); at++)
-    sum +=
-        dot(Vec3d(model.skin.prestress_force[at]), Vec3d(state.motion.u[std::size_t(model.skin.nodes[at])]));
+  for (std::size_t at = 0; at < model.prestress_force.size(); at++)
+    sum += dot(Vec3d(model.prestress_force[at]),
+               Vec3d(state.motion.u[std::size_t(model.anatomy.skin.nodes[at])]));
   return sum;
 }
 
@@ -166,11 +173,11 @@ double step_energy(const Exec& exec, const Model& model, const State& state, con
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
   double sum = energy(exec, model, state);
   const Vec3d gravity(lattice_gravity(model, inputs));
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++) {
-    if (model.inverse_mass[s] == 0 || state.cuts.removed[s]) continue;
+  for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++) {
+    if (model.anatomy.inverse_mass[s] == 0 || state.cuts.removed[s]) continue;
     const Vec3d y = Vec3d(state.motion.u_before[s]) + Vec3d(state.motion.v[s]) * dt + gravity * (dt * dt);
     const Vec3d inertial_offset = Vec3d(state.motion.u[s]) - y;
-    sum += 0.5 * dot(inertial_offset, inertial_offset) / (double(model.inverse_mass[s]) * dt * dt);
+    sum += 0.5 * dot(inertial_offset, inertial_offset) / (double(model.anatomy.inverse_mass[s]) * dt * dt);
   }
   return sum;
 }

@@ -24,7 +24,7 @@ struct Inertia {
         vx(s.motion.v.x.data()),
         vy(s.motion.v.y.data()),
         vz(s.motion.v.z.data()),
-        w(model.inverse_mass.data()),
+        w(model.anatomy.inverse_mass.data()),
         removed(s.cuts.removed.data()),
         fall(lattice_gravity(model, inputs) * Real(step * step)),
         dt(Real(step)) {}
@@ -58,8 +58,8 @@ struct Inertia {
 /// Calls body(parity, slot, count) for chunks of free nodes of a half row.
 template <class Body>
 void for_each_chunk_of_half_row(const Model& model, int parity, int j, int k, const Body& body) {
-  const Lattice& l = model.lattice;
-  for (const Run run : model.free_runs.of_half_row(row_slot(l, j, k) / l.half + parity))
+  const Lattice& l = model.anatomy.lattice;
+  for (const Run run : model.anatomy.free_runs.of_half_row(row_slot(l, j, k) / l.half + parity))
     for (int begin = 0; begin < run.count; begin += kLanes)
       body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
 }
@@ -69,7 +69,7 @@ void for_each_chunk_of_half_row(const Model& model, int parity, int j, int k, co
 template <class Body>
 void for_each_chunk(const Model& model, const std::uint8_t* awake, int k, const Body& body,
                     Order order = Order::kForward) {
-  const Lattice& l = model.lattice;
+  const Lattice& l = model.anatomy.lattice;
   const bool backward = order == Order::kBackward;
   for (int row = 0; row < l.size.y; row++)
     for (int pass = 0; pass < 2; pass++) {

@@ -43,10 +43,10 @@ struct RowRuns {
   int end[2];
 
   RowRuns(const Model& model, int at_j, int at_k) : j(at_j), k(at_k) {
-    const Lattice& l = model.lattice;
+    const Lattice& l = model.anatomy.lattice;
     const int row = row_slot(l, j, k);
     for (int parity = 0; parity < 2; parity++) {
-      of[parity] = model.constraint_runs.of_half_row(row / l.half + parity);
+      of[parity] = model.pbd.constraint_runs.of_half_row(row / l.half + parity);
       end[parity] = row + parity * l.half + half_count(l, parity);
     }
   }
@@ -65,16 +65,19 @@ struct SweepRow {
   std::array<Vec3, kFamilyCount> edges;
 
   SweepRow(const Model& m, State& s)
-      : model(m), nodes(node_arrays(m, s)), row_cut(s.cuts.row_cut.data()), edges(rest_edges(m.lattice)) {}
+      : model(m),
+        nodes(node_arrays(m, s)),
+        row_cut(s.cuts.row_cut.data()),
+        edges(rest_edges(m.anatomy.lattice)) {}
 
   /// Projects kHalves half rows, from parity `first` on.
   template <bool kWithCuts, int kHalves>
   void project_family(int f, const RowRuns& row, int first) const {
-    const Lattice& l = model.lattice;
+    const Lattice& l = model.anatomy.lattice;
     const Int3 offset = kFamilies[std::size_t(f)];
     if (row.j + offset.y >= l.size.y || row.k + offset.z >= l.size.z) return;
     const Vec3 edge = edges[std::size_t(f)];
-    const Real rest = model.rest_length[std::size_t(f)];
+    const Real rest = model.springs.rest_length[std::size_t(f)];
     for (int parity = first; parity < first + kHalves; parity++)
       row.for_each(parity, [&](int a, int count) {
         for_vector_widths(count,
@@ -87,12 +90,12 @@ struct SweepRow {
     // springs
     for (int f = 0; f < kFamilyCount; f++) project_family<kWithCuts, kHalves>(f, row, first);
     // volumes
-    const Lattice& l = model.lattice;
-    if (model.volume_scale <= 0 || row.j + 1 >= l.size.y || row.k + 1 >= l.size.z) return;
+    const Lattice& l = model.anatomy.lattice;
+    if (model.springs.volume_scale <= 0 || row.j + 1 >= l.size.y || row.k + 1 >= l.size.z) return;
     for (const auto& tet : kKuhnTets)
       for (int parity = first; parity < first + kHalves; parity++)
         row.for_each(parity, [&](int cell, int count) {
-          project_volumes<kWithCuts>(nodes, cell_tet(l, parity, tet), cell, count, model.rest_volume);
+          project_volumes<kWithCuts>(nodes, cell_tet(l, parity, tet), cell, count, model.springs.rest_volume);
         });
   }
 
@@ -108,7 +111,7 @@ struct SweepRow {
     is_cut(half.j, half.k) ? sweep<true, 1>(row, half.parity) : sweep<false, 1>(row, half.parity);
   }
   bool is_cut(int j, int k) const {
-    return row_cut[row_slot(model.lattice, j, k) / row_stride(model.lattice)];
+    return row_cut[row_slot(model.anatomy.lattice, j, k) / row_stride(model.anatomy.lattice)];
   }
 };
 
@@ -147,12 +150,14 @@ struct SkinLanes {
 /// the nodes.
 struct ProjectSkin {
   const Skin& skin;
+  const std::vector<SkinBatch>& batches;
   const std::uint8_t* skin_cut;
   NodeArrays n;
   Real ratio, amplification;
 
   ProjectSkin(const Model& model, State& state)
-      : skin(model.skin),
+      : skin(model.anatomy.skin),
+        batches(model.pbd.skin_batches),
         skin_cut(state.cuts.skin_cut.data()),
         n(node_arrays(model, state)),
         ratio(rest_area_ratio(model.params.skin)),
@@ -163,7 +168,7 @@ struct ProjectSkin {
     SkinLanes lanes;
     const auto at = std::size_t(group);
     for (auto b = std::size_t(skin.layer_begin[at]); b < std::size_t(skin.layer_begin[at + 1]); b++) {
-      const SkinBatch& batch = skin.batches[b];
+      const SkinBatch& batch = batches[b];
       lanes.fetch(batch, n);
       lanes.project(batch, ratio, amplification);
       add(lanes, batch, skin.batch_begin[b], skin.batch_begin[b + 1] - skin.batch_begin[b]);
@@ -194,12 +199,12 @@ struct ProjectSkinOfColor {
 void sweep_pbd_by_slabs(const Exec& exec, const Model& model, State& state, const HaloExchange* halo) {
   const SweepRow sweep_row(model, state);
   const ProjectSkin skin(model, state);
-  const bool with_skin = !model.skin.triangles.empty();
+  const bool with_skin = !model.anatomy.skin.triangles.empty();
   const auto sweep_layer = [&](int k) {
-    for (int j = 0; j < model.lattice.size.y; j++) sweep_row(j, k);
-    if (with_skin && k + 1 < model.lattice.size.z) skin(k);
+    for (int j = 0; j < model.anatomy.lattice.size.y; j++) sweep_row(j, k);
+    if (with_skin && k + 1 < model.anatomy.lattice.size.z) skin(k);
   };
-  sweep_slabs(exec, model.owned, sweep_layer, Order::kForward, halo);
+  sweep_slabs(exec, model.anatomy.owned, sweep_layer, Order::kForward, halo);
 }
 
 }  // namespace
@@ -208,10 +213,10 @@ template <class Run>
 void sweep_pbd_by_colors(const Run& run, const Model& model, State& state) {
   const SweepRow sweep_row(model, state);
   const ProjectSkin skin(model, state);
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   for (int color = 0; color < kColorCount; color++) {
     run_half_rows(run, size, color, sweep_row);
-    if (!model.skin.triangles.empty())
+    if (!model.anatomy.skin.triangles.empty())
       run(std::size_t(size.z - (color >> 2)) / 2, ProjectSkinOfColor{skin, color});
   }
 }
@@ -219,7 +224,7 @@ template void sweep_pbd_by_colors(const CpuRun&, const Model&, State&);
 template void sweep_pbd_by_colors(const ShuffledRun&, const Model&, State&);
 
 void sweep_pbd(const Exec& exec, const Model& model, State& state, const HaloExchange* halo) {
-  TURGOR_CHECK(state.motion.u.x.size() >= model.inverse_mass.size(), "positions are on the host");
+  TURGOR_CHECK(state.motion.u.x.size() >= model.anatomy.inverse_mass.size(), "positions are on the host");
   if (model.params.solver.ordering == Ordering::kColors)
     return sweep_pbd_by_colors(CpuRun{exec}, model, state);
   sweep_pbd_by_slabs(exec, model, state, halo);

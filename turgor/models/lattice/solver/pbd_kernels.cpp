@@ -15,9 +15,10 @@ namespace {
 /// Links the skin triangles of each cell in a group. The group is ordered in rounds (order_in_rounds):
 /// triangle c of a round is in the same cell as triangle c of the next round.
 void add_skin_cells(const Model& model, int group, PbdOrdering& ordering) {
-  const Skin& skin = model.skin;
+  const Skin& skin = model.anatomy.skin;
   const auto cell = [&](int t) {
-    return node_slot(model.lattice, cell_of(model.lattice, skin.triangles[std::size_t(t)].vertex));
+    return node_slot(model.anatomy.lattice,
+                     cell_of(model.anatomy.lattice, skin.triangles[std::size_t(t)].vertex));
   };
   const int first = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group)])],
             end = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group) + 1])];
@@ -33,11 +34,11 @@ void add_skin_cells(const Model& model, int group, PbdOrdering& ordering) {
 
 /// Collects the kinds of nodes and the kind of each node.
 void find_kinds(const Model& model, PbdOrdering& ordering) {
-  const std::size_t slots = model.inverse_mass.size();
+  const std::size_t slots = model.anatomy.inverse_mass.size();
   std::unordered_map<std::uint64_t, std::uint16_t> known;
   ordering.kind.resize(slots);
   for (std::size_t s = 0; s < slots; s++) {
-    const NodeKind node_kind{model.inverse_mass[s], model.root_stiffness[s]};
+    const NodeKind node_kind{model.anatomy.inverse_mass[s], model.springs.root_stiffness[s]};
     const auto [at, is_new] =
         known.try_emplace(std::bit_cast<std::uint64_t>(node_kind), std::uint16_t(ordering.kinds.size()));
     if (is_new) ordering.kinds.push_back(node_kind);
@@ -61,9 +62,9 @@ PbdOrdering pbd_ordering(const Model& model) {
   PbdOrdering ordering;
   find_kinds(model, ordering);
   ordering.constraint_groups_of_color =
-      groups_by_colors(model.lattice, model.constraint_runs, ordering.constraint_groups);
-  ordering.next.assign(model.skin.triangles.size(), -1);
-  const int layers = model.skin.layer_begin.empty() ? 0 : model.lattice.size.z - 1;
+      groups_by_colors(model.anatomy.lattice, model.pbd.constraint_runs, ordering.constraint_groups);
+  ordering.next.assign(model.anatomy.skin.triangles.size(), -1);
+  const int layers = model.anatomy.skin.layer_begin.empty() ? 0 : model.anatomy.lattice.size.z - 1;
   for (int color = 0; color < kColorCount; color++) {
     ordering.heads_of_color.begin[color] = int(ordering.heads.size());
     for (int k = color >> 2; k < layers; k += 2) add_skin_cells(model, 4 * k + (color & 3), ordering);
@@ -73,14 +74,14 @@ PbdOrdering pbd_ordering(const Model& model) {
 }
 
 PbdRules pbd_rules(const Model& model) {
-  const Lattice& l = model.lattice;
-  PbdRules rules{.rest_volume = model.volume_scale > 0 ? model.rest_volume : 0,
+  const Lattice& l = model.anatomy.lattice;
+  PbdRules rules{.rest_volume = model.springs.volume_scale > 0 ? model.springs.rest_volume : 0,
                  .skin_ratio = rest_area_ratio(model.params.skin),
                  .skin_amplification = Real(model.params.skin.amplification)};
   // springs
   for (std::size_t f = 0; f < kFamilyCount; f++) {
     rules.edge[f] = hadamard(l.spacing, Vec3(kFamilies[f]));
-    rules.rest[f] = model.rest_length[f];
+    rules.rest[f] = model.springs.rest_length[f];
   }
   // corners and tetrahedra
   for (int parity = 0; parity < 2; parity++)

@@ -16,11 +16,11 @@ namespace {
 template <class Body>
 void for_each_run(const Model& model, const State& state, int k, const Body& body) {
   const bool all = !can_sleep(model) || state.sleep.moved_by_coarse || state.sleep.awake.empty();
-  for (int j = 0; j < model.lattice.size.y; j++) {
-    const int row = row_of(model, row_slot(model.lattice, j, k));
+  for (int j = 0; j < model.anatomy.lattice.size.y; j++) {
+    const int row = row_of(model, row_slot(model.anatomy.lattice, j, k));
     if (!all && !state.sleep.awake[std::size_t(row)]) continue;
     for (const int half_row : {2 * row, 2 * row + 1})
-      for (const Run run : model.free_runs.of_half_row(half_row)) body(run);
+      for (const Run run : model.anatomy.free_runs.of_half_row(half_row)) body(run);
   }
 }
 
@@ -32,7 +32,7 @@ bool velocities_diverge(const Exec& exec, const Model& model, State& state, Real
   const FindDivergingNeighbors find{
       host_free_nodes(model, state), {neighbors_of(model, 0), neighbors_of(model, 1)}, most};
   std::atomic<bool> found = false;
-  for_layers(exec, model.owned, [&](std::size_t k) {
+  for_layers(exec, model.anatomy.owned, [&](std::size_t k) {
     for_each_run(model, state, int(k), [&](Run run) {
       for (int s = run.begin; s < run.begin + run.count && !found; s++)
         if (find.diverges(s)) found = true;
@@ -83,7 +83,7 @@ struct FinishLayer {
 /// Restores the last finite state, at rest.
 void restore_last_state(const Model& model, State& state) {
   const RestoreSlot restore{host_free_nodes(model, state)};
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++) restore(s);
+  for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++) restore(s);
   state.motion.virtual_u = state.motion.virtual_u_before;
   state.motion.fastest = 0;
   state.sleep.still_steps.clear();  // all rows are awake
@@ -92,13 +92,13 @@ void restore_last_state(const Model& model, State& state) {
 }  // namespace
 
 Vec3 lattice_gravity(const Model& model, const Inputs& inputs) {
-  return Vec3(inverse(model.grid.axes) * inputs.gravity);
+  return Vec3(inverse(model.anatomy.grid.axes) * inputs.gravity);
 }
 
 void add_loads(const Model& model, State& state, const Inputs& inputs, double dt) {
   const AddLoad by{host_free_nodes(model, state), nullptr, 0, Real(dt)};
   for (const NodeLoad& load : inputs.loads) {
-    TURGOR_ASSERT(load.slot >= 0 && std::size_t(load.slot) < model.inverse_mass.size(),
+    TURGOR_ASSERT(load.slot >= 0 && std::size_t(load.slot) < model.anatomy.inverse_mass.size(),
                   "loads act on slots of the lattice");
     if (!state.cuts.removed[std::size_t(load.slot)]) by.add(load);
   }
@@ -107,7 +107,8 @@ void add_loads(const Model& model, State& state, const Inputs& inputs, double dt
 void move_to_start(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                    double time_step) {
   // PBD and free bodies start with gravity; bodies whose velocities diverge start from rest
-  const bool pbd = model.params.solver.method == Method::kPbd, held = model.free_nodes < model.body_nodes;
+  const bool pbd = model.params.solver.method == Method::kPbd,
+             held = model.anatomy.free_nodes < model.anatomy.body_nodes;
   const Real dt = Real(time_step);
   const Vec3 g = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
   const bool keeps_velocity = pbd || !held || !velocities_diverge(exec, model, state, dt, inputs.halo);

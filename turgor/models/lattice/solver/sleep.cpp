@@ -19,7 +19,7 @@ void wake_cuts(const Model& model, State& state) {
 
 bool neighbor_moved(const Model& model, const State& state, int row) {
   bool any = false;
-  for_each_neighbor_row(model.lattice, row, 1, [&](int neighbor) {
+  for_each_neighbor_row(model.anatomy.lattice, row, 1, [&](int neighbor) {
     any |= is_storage_row(state, neighbor) && state.sleep.moved[std::size_t(neighbor)];
   });
   return any;
@@ -29,7 +29,7 @@ bool neighbor_moved(const Model& model, const State& state, int row) {
 template <class Visit>
 void for_each_slot(const Model& model, int row, const Visit& visit) {
   for (const int half_row : {2 * row, 2 * row + 1})
-    for (const Run run : model.free_runs.of_half_row(half_row))
+    for (const Run run : model.anatomy.free_runs.of_half_row(half_row))
       for (int s = run.begin; s < run.begin + run.count; s++) visit(std::size_t(s));
 }
 
@@ -86,7 +86,7 @@ void begin_sleep(State& state, const Inputs& inputs) {
 }  // namespace
 
 void wake_around(const Model& model, State& state, int slot, int reach) {
-  for_each_neighbor_row(model.lattice, row_of(model, slot), reach, [&](int row) {
+  for_each_neighbor_row(model.anatomy.lattice, row_of(model, slot), reach, [&](int row) {
     if (is_storage_row(state, row)) state.sleep.still_steps[std::size_t(row)] = 0;
   });
 }
@@ -115,15 +115,15 @@ void wake_neighbors(const Model& model, State& state) {
   Sleep& sleep = state.sleep;
   for (int row = 0; row < int(sleep.moved.size()); row++)
     if (sleep.moved[std::size_t(row)])
-      for_each_neighbor_row(model.lattice, row, 1,
+      for_each_neighbor_row(model.anatomy.lattice, row, 1,
                             [&](int neighbor) { sleep.awake[std::size_t(neighbor)] = 1; });
 }
 
 void put_rows_to_sleep(const Exec& exec, const Model& model, State& state, double dt, bool coarse) {
   Sleep& sleep = state.sleep;
   const auto for_each_row = [&](const auto& visit) {
-    const int rows = model.lattice.size.y + 2;
-    parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
+    const int rows = model.anatomy.lattice.size.y + 2;
+    parallel_for(exec, std::size_t(model.anatomy.lattice.size.z), [&](std::size_t k) {
       for (int row = int(k + 1) * rows; row < int(k + 2) * rows; row++)
         visit(row, sleep.awake[std::size_t(row)] != 0);
     });
@@ -148,7 +148,8 @@ void put_rows_to_sleep(const Exec& exec, const Model& model, State& state, doubl
 
 void count_sleeping_rows(const Model& model, State& state, StepReport& report) {
   for (std::size_t row = 0; row < state.sleep.still_steps.size(); row++) {
-    if (model.free_runs.row_begin[2 * row] == model.free_runs.row_begin[2 * row + 2]) continue;
+    if (model.anatomy.free_runs.row_begin[2 * row] == model.anatomy.free_runs.row_begin[2 * row + 2])
+      continue;
     report.rows++;
     report.rows_asleep += sleeps(state.sleep.still_steps[row]);
   }

@@ -28,7 +28,7 @@ inline bool can_sleep(const Model& model) {
   return model.params.solver.sleep_speed > 0 && model.params.solver.method == Method::kVbd;
 }
 /// Row of the storage that contains a slot, border rows included.
-inline int row_of(const Model& model, int slot) { return slot / row_stride(model.lattice); }
+inline int row_of(const Model& model, int slot) { return slot / row_stride(model.anatomy.lattice); }
 
 /// Calls visit(row) for a row and its neighbors up to `reach`, inside the storage or not.
 template <class Visit>

@@ -62,8 +62,8 @@ struct FindDivergingNeighbors {
 };
 /// Nodes of a state on the host; without groups and summary.
 inline FreeNodes host_free_nodes(const Model& model, State& state) {
-  return {.half = model.lattice.half,
-          .slots = int(model.inverse_mass.size()),
+  return {.half = model.anatomy.lattice.half,
+          .slots = int(model.anatomy.inverse_mass.size()),
           .nodes = node_arrays(model, state),
           .bx = state.motion.u_before.x.data(),
           .by = state.motion.u_before.y.data(),
@@ -75,7 +75,7 @@ inline FreeNodes host_free_nodes(const Model& model, State& state) {
 }
 /// Velocity difference of neighbors above which a step of `dt` starts from rest [m/s].
 inline Real largest_relative_speed(const Model& model, Real dt) {
-  const Vec3 spacing = model.lattice.spacing;
+  const Vec3 spacing = model.anatomy.lattice.spacing;
   return kLargestRelativeMotion * std::min({spacing.x, spacing.y, spacing.z}) / dt;
 }
 

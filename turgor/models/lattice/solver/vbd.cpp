@@ -82,9 +82,10 @@ struct GatherSystems {
   template <bool kWithCuts>
   void springs(int parity, int slot, int count, SystemBuffer& out) const {
     const auto elements =
-        model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
+        model.springs.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
     for (int begin = 0; begin < count; begin += kSpareSlots)
-      elements(nodes, neighbors[parity], model.rest_volume, model.volume_scale, slot + begin, begin, out);
+      elements(nodes, neighbors[parity], model.springs.rest_volume, model.springs.volume_scale, slot + begin,
+               begin, out);
   }
 
   void add_skin(int slot, int count, SystemBuffer& out) const {
@@ -97,12 +98,12 @@ struct GatherSystems {
     // springs or cells
     if (model.params.tissue.law == TissueLaw::kSolid)
       solid.gather(parity, slot, count, out);
-    else if (state.cuts.row_cut[std::size_t(slot / row_stride(model.lattice))])
+    else if (state.cuts.row_cut[std::size_t(slot / row_stride(model.anatomy.lattice))])
       springs<true>(parity, slot, count, out);
     else
       springs<false>(parity, slot, count, out);
     // skin
-    if (!model.skin.triangles.empty()) add_skin(slot, count, out);
+    if (!model.anatomy.skin.triangles.empty()) add_skin(slot, count, out);
     // cut elements
     for (const ElementNode& node : cut_elements.nodes_of(slot, count)) {
       NodeSystem s = out.get(node.slot - slot);
@@ -137,7 +138,7 @@ struct VbdSweep {
   /// Not inlined: every run then has the same bits. In a second copy of this code, the compiler may fuse
   /// other products with their sums.
   [[gnu::noinline]] void operator()(HalfRow row) const {
-    const Lattice& l = gather.model.lattice;
+    const Lattice& l = gather.model.anatomy.lattice;
     const int first = row_slot(l, row.j, row.k) + row.parity * l.half;
     if (sleeps() && !sleep.awake[std::size_t(row_of(gather.model, first))]) return;
     SystemBuffer buffer;
@@ -244,7 +245,8 @@ void sweep_vbd_by_colors(const Run& run, const Model& model, State& state, const
                          Order order) {
   with_vbd_sweep(model, state, inputs, dt, order, [&](const VbdSweep& rows) {
     for (int pass = 0; pass < kColorCount; pass++)
-      run_half_rows(run, model.lattice.size, order == Order::kBackward ? kColorCount - 1 - pass : pass, rows);
+      run_half_rows(run, model.anatomy.lattice.size,
+                    order == Order::kBackward ? kColorCount - 1 - pass : pass, rows);
   });
 }
 template void sweep_vbd_by_colors(const CpuRun&, const Model&, State&, const Inputs&, double, Order);
@@ -254,8 +256,9 @@ void sweep_vbd(const Exec& exec, const Model& model, State& state, const Inputs&
                Order order) {
   if (model.params.solver.ordering == Ordering::kColors)
     return sweep_vbd_by_colors(CpuRun{exec}, model, state, inputs, dt, order);
-  with_vbd_sweep(model, state, inputs, dt, order,
-                 [&](const VbdSweep& rows) { sweep_slabs(exec, model.owned, rows, order, inputs.halo); });
+  with_vbd_sweep(model, state, inputs, dt, order, [&](const VbdSweep& rows) {
+    sweep_slabs(exec, model.anatomy.owned, rows, order, inputs.halo);
+  });
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
@@ -264,8 +267,9 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
   const GatherSystems gather(model,
                              const_cast<State&>(state));  // node_arrays has one type for reading and writing
   const Inertia inertia(model, state, inputs, dt);
-  std::vector<double> layers(2 * std::size_t(model.owned.end - model.owned.begin));  // ResidualSum by layer
-  for_layers(exec, model.owned, [&](std::size_t k) {
+  std::vector<double> layers(
+      2 * std::size_t(model.anatomy.owned.end - model.anatomy.owned.begin));  // ResidualSum by layer
+  for_layers(exec, model.anatomy.owned, [&](std::size_t k) {
     SystemBuffer buffer;
     ResidualSum sum;
     // virtual nodes
@@ -286,14 +290,14 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
         sum.add(residual_force(buffer.get(i).f, inertia(slot + i) - gather.nodes.u(slot + i), w, dt));
       }
     });
-    double* layer = &layers[2 * (k - std::size_t(model.owned.begin))];
+    double* layer = &layers[2 * (k - std::size_t(model.anatomy.owned.begin))];
     layer[0] = sum.largest2, layer[1] = sum.sum2;
   });
   // sum over layers and processes
   if (inputs.halo) inputs.halo->join_numbers(layers);
   ResidualSum all;
   for (std::size_t n = 0; n < layers.size(); n += 2) all.add({layers[n], layers[n + 1]});
-  return {.largest = all.largest(), .rms = all.rms(model.free_nodes)};
+  return {.largest = all.largest(), .rms = all.rms(model.anatomy.free_nodes)};
 }
 
 }  // namespace turgor::lattice

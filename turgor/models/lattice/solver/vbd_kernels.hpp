@@ -35,8 +35,8 @@ struct VbdView {
   FreeNodes body;  // groups by color
   ColorBegin free_groups_of_color;
   Inertia inertia;
-  const Real* young;            // Model::cell_young; null with springs
-  const std::uint32_t* center;  // Model::cell_center; null without partial cells
+  const Real* young;            // Anatomy::cell_young; null with springs
+  const std::uint32_t* center;  // Anatomy::cell_center; null without partial cells
   const std::uint8_t* row_cut;  // by row
   SkinView skin;
   CutElementView cut_elements;

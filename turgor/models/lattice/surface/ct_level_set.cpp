@@ -20,8 +20,9 @@ CtLevelSet::CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& 
     : model_(model), cuts_(cuts), fine_(fine) {
   if (ct == nullptr) return;
   sampler_.emplace(*ct);
-  first_ = index_at(ct->grid, model.grid.origin);
-  for (int axis = 0; axis < 3; axis++) cell_size_[axis] = model.grid.spacing[axis] / ct->grid.spacing[axis];
+  first_ = index_at(ct->grid, model.anatomy.grid.origin);
+  for (int axis = 0; axis < 3; axis++)
+    cell_size_[axis] = model.anatomy.grid.spacing[axis] / ct->grid.spacing[axis];
 }
 
 Real CtLevelSet::sample(Vec3d position) const {
@@ -40,7 +41,8 @@ CellLevels CtLevelSet::operator()(int slot) const {
     const int node = slot + slot_offset(fine_.cells, offset, cell.x & 1);
     const auto n = std::size_t(c), s = std::size_t(node);
     level[n] = node_level(model_, cuts_, node);
-    const bool gas = is_body(model_.tissue[s]) && Real(model_.hu[s]) < Real(model_.params.tissue.air_max);
+    const bool gas =
+        is_body(model_.anatomy.tissue[s]) && Real(model_.anatomy.hu[s]) < Real(model_.params.tissue.air_max);
     corner[n] = {level[n] > 0, level[n] <= 0, gas || is_removed_tissue(model_, cuts_, node)};
     all.add(corner[n]);
     if (!sampler_) continue;

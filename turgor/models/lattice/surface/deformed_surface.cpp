@@ -17,21 +17,21 @@ constexpr std::size_t kGrain = 4096;  // vertices per task
 template <class See>
 void for_corners(const Model& model, const BodySurface& surface, std::size_t begin, std::size_t end,
                  const See& see) {
-  const Vec3 h = model.lattice.spacing;
+  const Vec3 h = model.anatomy.lattice.spacing;
   for (std::size_t v = begin; v < end; v++) {
     const EmbeddingCell& embedding = surface.embedding[v];
     const auto corners = corners_of(model, *surface.fragments, embedding.cell, embedding.fragment);
     const Vec3 at = surface.rest[v];
-    const auto weight =
-        trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} - Vec3(slot_node(model.lattice, embedding.cell)));
+    const auto weight = trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} -
+                                  Vec3(slot_node(model.anatomy.lattice, embedding.cell)));
     for (std::size_t c = 0; c < 8; c++)
       if (weight[c] != 0) see(v, corners[c], weight[c]);
   }
 }
 /// Table of all corners, initialized to -1.
 std::vector<int> corner_table(const Model& model, const BodySurface& surface) {
-  return std::vector<int>(std::size_t(slot_count(model.lattice)) + surface.fragments->virtual_nodes.size(),
-                          -1);
+  return std::vector<int>(
+      std::size_t(slot_count(model.anatomy.lattice)) + surface.fragments->virtual_nodes.size(), -1);
 }
 
 /// Displacement of every vertex, lattice frame [m]. Each thread evaluates each of its corners once.
@@ -148,7 +148,8 @@ TriMesh deformed_surface(const Model& model, const State& state, const BodySurfa
   for (std::size_t v = 0; v < x.size(); v++) x[v] = surface.rest[v] + u[v];
 
   // normals and scalars
-  const Real step = std::min({model.lattice.spacing.x, model.lattice.spacing.y, model.lattice.spacing.z});
+  const Real step = std::min(
+      {model.anatomy.lattice.spacing.x, model.anatomy.lattice.spacing.y, model.anatomy.lattice.spacing.z});
   const std::vector<Vec3> areas = area_vectors(exec, surface, x);
   TriMesh mesh{.vertices = {},
                .triangles = surface.triangles,
@@ -159,10 +160,10 @@ TriMesh deformed_surface(const Model& model, const State& state, const BodySurfa
     for (const Vec3 d : u) mesh.scalars.push_back(norm(d));
 
   // to the patient frame
-  const Mat3d& axes = model.grid.axes;
+  const Mat3d& axes = model.anatomy.grid.axes;
   mesh.vertices.resize(x.size());
   const auto to_patient = [&](std::size_t v) {
-    mesh.vertices[v] = Vec3(model.grid.origin + axes * Vec3d(x[v]));
+    mesh.vertices[v] = Vec3(model.anatomy.grid.origin + axes * Vec3d(x[v]));
     mesh.normals[v] = Vec3(axes * Vec3d(mesh.normals[v]));
   };
   parallel_for(exec, x.size(), to_patient, kGrain);

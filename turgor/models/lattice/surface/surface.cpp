@@ -113,7 +113,7 @@ void add_polygon(Builder& builder, const Tet& tet, const TetPolygon& polygon, in
   if (polygon.count == 4 && is_second_diagonal_shorter(builder, tet, polygon, p))
     std::rotate(p.begin(), p.begin() + 1, p.begin() + 4);
   auto& triangles = builder.output.points.triangles[std::size_t(group)];
-  const int cell = detail::cell_index(builder.model.lattice, builder.current.cell);
+  const int cell = detail::cell_index(builder.model.anatomy.lattice, builder.current.cell);
   for (int n = 2; n < polygon.count; n++)
     triangles.push_back({{p[0], p[std::size_t(n - 1)], p[std::size_t(n)]}, cell});
 }
@@ -155,7 +155,7 @@ bool is_cut(const Builder& builder, const Tet& tet, std::size_t a, std::size_t b
   const int family = family_of(tet.nodes[b] - tet.nodes[a]);
   const std::size_t lower = family >= 0 ? a : b;
   const int bit = family >= 0 ? family : family_of(tet.nodes[a] - tet.nodes[b]);
-  return builder.fragments.cut[cell->first_sub_index + std::size_t(tet.sub_node[lower])] >> bit & 1;
+  return builder.fragments.cut_bits[cell->first_sub_index + std::size_t(tet.sub_node[lower])] >> bit & 1;
 }
 
 /// True if the lattice node nearest to a fine node is removed.
@@ -206,7 +206,8 @@ void add_tet(Builder& builder, Int3 local, int kind) {
 void add_cell(Builder& builder, bool border) {
   const FineLattice& f = builder.fine();
   const CurrentCell& c = builder.current;
-  const std::uint8_t* cut = c.cut && c.cut->is_cut ? &builder.fragments.cut[c.cut->first_sub_index] : nullptr;
+  const std::uint8_t* cut =
+      c.cut && c.cut->is_cut ? &builder.fragments.cut_bits[c.cut->first_sub_index] : nullptr;
   // skip sub-cells of air, and of uncut tissue away from the border
   for (int z = 0; z < f.subdivisions.z; z++)
     for (int y = 0; y < f.subdivisions.y; y++)
@@ -249,7 +250,7 @@ void mesh_cell(Builder& builder, Int3 cell) {
 constexpr int kSlab = 4;
 
 void mesh_slab(Builder& builder, int slab) {
-  const Int3 size = builder.model.lattice.size;
+  const Int3 size = builder.model.anatomy.lattice.size;
   for (int k = slab * kSlab; k < std::min((slab + 1) * kSlab, size.z - 1); k++)
     for (int j = 0; j + 1 < size.y; j++)
       for (int i = 0; i + 1 < size.x; i++) mesh_cell(builder, {i, j, k});
@@ -258,7 +259,7 @@ void mesh_slab(Builder& builder, int slab) {
 }  // namespace
 
 detail::Points detail::mesh_body(const Exec& exec, const MeshInput& input) {
-  std::vector<SlabPoints> slabs(std::size_t((input.model.lattice.size.z - 1 + kSlab - 1) / kSlab));
+  std::vector<SlabPoints> slabs(std::size_t((input.model.anatomy.lattice.size.z - 1 + kSlab - 1) / kSlab));
   parallel_for(exec, slabs.size(), [&](std::size_t s) {
     Builder builder{input};
     mesh_slab(builder, int(s));
@@ -286,7 +287,8 @@ BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* 
     surface = detail::assemble_surface(input, detail::mesh_body(exec, input));
   } else {
     Builder builder{input};
-    for (const CutCell& cell : fragments->cells) mesh_cell(builder, slot_node(model.lattice, cell.slot));
+    for (const CutCell& cell : fragments->cells)
+      mesh_cell(builder, slot_node(model.anatomy.lattice, cell.slot));
     surface = detail::assemble_surface(input, builder.output.points);
   }
   surface.fragments = fragments;
@@ -296,7 +298,8 @@ BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* 
 std::vector<Vec3d> rest_points(const Model& model, const BodySurface& surface) {
   std::vector<Vec3d> points;
   points.reserve(surface.rest.size());
-  for (const Vec3 x : surface.rest) points.push_back(model.grid.origin + model.grid.axes * Vec3d(x));
+  for (const Vec3 x : surface.rest)
+    points.push_back(model.anatomy.grid.origin + model.anatomy.grid.axes * Vec3d(x));
   return points;
 }
 

@@ -45,14 +45,14 @@ Merged merge_points(const Model& model, const std::vector<SurfacePoint>& points)
 
 /// Embedding of a position in the whole cell that contains it.
 EmbeddingCell containing_cell(const Model& model, Vec3d position) {
-  const Int3 last = model.lattice.size - Int3{2, 2, 2};
+  const Int3 last = model.anatomy.lattice.size - Int3{2, 2, 2};
   const Int3 cell{int(std::floor(position.x)), int(std::floor(position.y)), int(std::floor(position.z))};
-  return {node_slot(model.lattice, min(max(cell, Int3{0, 0, 0}), last)), -1};
+  return {node_slot(model.anatomy.lattice, min(max(cell, Int3{0, 0, 0}), last)), -1};
 }
 
 Vec3 cell_coordinates(const Model& model, const EmbeddingCell& embedding, Vec3 rest) {
-  const Int3 cell = slot_node(model.lattice, embedding.cell);
-  const Vec3 h = model.lattice.spacing;
+  const Int3 cell = slot_node(model.anatomy.lattice, embedding.cell);
+  const Vec3 h = model.anatomy.lattice.spacing;
   return Vec3{rest.x / h.x, rest.y / h.y, rest.z / h.z} - Vec3(cell);
 }
 
@@ -77,7 +77,7 @@ int nearest_node(const Model& model, const Cuts& cuts, const Fragments& fragment
                  const EmbeddingCell& embedding, Vec3 rest) {
   const auto corners = corners_of(model, fragments, embedding.cell, embedding.fragment);
   const auto weight = trilinear(cell_coordinates(model, embedding, rest));
-  const int slots = slot_count(model.lattice);
+  const int slots = slot_count(model.anatomy.lattice);
   int best = -1, source = embedding.cell;
   Real most = -1, most_source = -1;
   // largest weight among tissue nodes, and among the terms of virtual nodes
@@ -131,7 +131,7 @@ Int3 merge_box(const SurfacePoint& point) {
 }
 
 std::uint64_t merge_key(const Model& model, const SurfacePoint& point) {
-  const Int3 size = model.lattice.size * 2, box = merge_box(point);
+  const Int3 size = model.anatomy.lattice.size * 2, box = merge_box(point);
   const std::uint64_t at =
       (std::uint64_t(box.z) * std::uint64_t(size.y) + std::uint64_t(box.y)) * std::uint64_t(size.x) +
       std::uint64_t(box.x);
@@ -139,13 +139,13 @@ std::uint64_t merge_key(const Model& model, const SurfacePoint& point) {
 }
 
 MergedVertex separate_vertex(const MeshInput& input, const SurfacePoint& point) {
-  const Vec3 rest(hadamard(point.position, Vec3d(input.model.lattice.spacing)));
+  const Vec3 rest(hadamard(point.position, Vec3d(input.model.anatomy.lattice.spacing)));
   return {rest, point.embedding,
           nearest_node(input.model, input.cuts, input.fragments, point.embedding, rest)};
 }
 
 MergedVertex merged_vertex(const MeshInput& input, Vec3d position) {
-  const Vec3 rest(hadamard(position, Vec3d(input.model.lattice.spacing)));
+  const Vec3 rest(hadamard(position, Vec3d(input.model.anatomy.lattice.spacing)));
   const EmbeddingCell embedding = containing_cell(input.model, position);
   return {rest, embedding, nearest_node(input.model, input.cuts, input.fragments, embedding, rest)};
 }

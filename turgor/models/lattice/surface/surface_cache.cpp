@@ -60,7 +60,7 @@ std::vector<std::uint64_t> hash_cuts(const Fragments& fragments, const Cuts& cut
   for (const CutCell& cell : fragments.cells) {
     std::uint64_t hash = hash_values(std::span(&fragments.label[cell.first_sub_index], count),
                                      kHashSeed + std::uint64_t(cell.is_cut));
-    hash = hash_values(std::span(&fragments.cut[cell.first_sub_index], count), hash);
+    hash = hash_values(std::span(&fragments.cut_bits[cell.first_sub_index], count), hash);
     hash = hash_values(std::span(&cell.fragment_count, 1), hash);
     for (int g = cell.first_ghost; g < cell.first_ghost + cell.ghost_count; g++) {
       const GhostFragment& ghost = fragments.ghosts[std::size_t(g)];
@@ -86,7 +86,7 @@ std::vector<std::uint64_t> hash_cuts(const Fragments& fragments, const Cuts& cut
 
 /// Cells near blades with the hashes of their cuts, and their neighbors, by ascending cell.
 std::vector<std::pair<int, std::uint64_t>> cells_around(const MeshInput& input) {
-  const Lattice& l = input.model.lattice;
+  const Lattice& l = input.model.anatomy.lattice;
   const std::vector<std::uint64_t> hashes = hash_cuts(input.fragments, input.cuts);
   std::vector<std::pair<int, std::uint64_t>> cells;
   for (std::size_t n = 0; n < hashes.size(); n++) {
@@ -119,7 +119,7 @@ void update_cells(const Exec& exec, const MeshInput& input, std::vector<MeshedCe
   }
   parallel_for(exec, changed.size(), [&](std::size_t n) {
     MeshedCell& cell = near[changed[n]];
-    SlabPoints meshed = mesh_cell(input, cell_of_index(input.model.lattice, cell.cell));
+    SlabPoints meshed = mesh_cell(input, cell_of_index(input.model.anatomy.lattice, cell.cell));
     cell.keys = std::move(meshed.keys), cell.points = std::move(meshed.points);
   });
 }
@@ -127,7 +127,7 @@ void update_cells(const Exec& exec, const MeshInput& input, std::vector<MeshedCe
 /// True if a merge box touches a cell near a blade, so that points in it may not be merged any more. Box b
 /// covers cell coordinates from 2 b / 3 to 2 (b + 1) / 3.
 bool touches_cut(const MeshInput& input, Int3 box) {
-  const Int3 last = input.model.lattice.size - Int3{2, 2, 2};
+  const Int3 last = input.model.anatomy.lattice.size - Int3{2, 2, 2};
   const auto lowest = [](int b) { return (2 * b + 2) / 3 - 1; };         // ceil(2 b / 3) - 1
   const auto highest = [](int b) { return (2 * (b + 1) + 2) / 3 - 1; };  // ceil(2 (b + 1) / 3) - 1
   const Int3 low = max(Int3{lowest(box.x), lowest(box.y), lowest(box.z)}, Int3{0, 0, 0}),
@@ -135,7 +135,7 @@ bool touches_cut(const MeshInput& input, Int3 box) {
   for (int k = low.z; k <= high.z; k++)
     for (int j = low.y; j <= high.y; j++)
       for (int i = low.x; i <= high.x; i++)
-        if (find_cell(input.fragments, node_slot(input.model.lattice, i, j, k))) return true;
+        if (find_cell(input.fragments, node_slot(input.model.anatomy.lattice, i, j, k))) return true;
   return false;
 }
 

@@ -21,7 +21,7 @@ struct LipPair {
 
 Vec3d across_along(const BladePath& path, double along) {
   const PathPosition at = position_along(path, along);
-  const std::size_t next = std::min(at.segment + 1, path.skin.size() - 1);
+  const std::size_t next = std::min(at.segment + 1, path.points.size() - 1);
   return normalized(across_at(path, at.segment) * (1 - at.fraction) + across_at(path, next) * at.fraction);
 }
 
@@ -45,24 +45,24 @@ struct RegionLipNode {
   int slot;
 };
 std::vector<RegionLipNode> region_lip_nodes(const Model& model, const Cuts& cuts, const BladePath& path) {
-  TURGOR_CHECK(!path.skin.empty(), "a path has points");
-  const Vec3d line = normalized(path.skin.back() - path.skin.front()), across = across_at(path, 0);
-  const double length = norm(path.skin.back() - path.skin.front()),
-               step = double(
-                   std::max({model.lattice.spacing.x, model.lattice.spacing.y, model.lattice.spacing.z}));
+  TURGOR_CHECK(!path.points.empty(), "a path has points");
+  const Vec3d line = normalized(path.points.back() - path.points.front()), across = across_at(path, 0);
+  const double length = norm(path.points.back() - path.points.front()),
+               step = double(std::max({model.anatomy.lattice.spacing.x, model.anatomy.lattice.spacing.y,
+                                       model.anatomy.lattice.spacing.z}));
   std::vector<RegionLipNode> found;
-  for (const int slot : model.skin.nodes) {
+  for (const int slot : model.anatomy.skin.nodes) {
     if (cuts.removed[std::size_t(slot)]) continue;
-    const Int3 node = slot_node(model.lattice, slot);
+    const Int3 node = slot_node(model.anatomy.lattice, slot);
     // nodes with a removed neighbor
     bool is_at_region = false;
     for (const Int3 f : kFamilies)
       for (const Int3 offset : {f, -f})
-        is_at_region |= contains(model.lattice, node + offset) &&
-                        is_removed_tissue(model, cuts, node_slot(model.lattice, node + offset));
+        is_at_region |= contains(model.anatomy.lattice, node + offset) &&
+                        is_removed_tissue(model, cuts, node_slot(model.anatomy.lattice, node + offset));
     if (!is_at_region) continue;
     // near the region
-    const Vec3d away = Vec3d(rest_position(model.lattice, node)) - path.skin.front();
+    const Vec3d away = Vec3d(rest_position(model.anatomy.lattice, node)) - path.points.front();
     const RegionLipNode lip{dot(away, line), dot(away, across), slot};
     if (lip.along > -2 * step && lip.along < length + 2 * step &&
         std::abs(lip.across) < path.width / 2 + 2 * step)
@@ -99,8 +99,8 @@ void add_profile(const Model& model, const std::vector<LipPair>& pairs, Wound& w
   TURGOR_CHECK(!pairs.empty() && is_ascending(pairs, &LipPair::along), "pairs ascend along the cut");
   const double begin = pairs.front().along, end = pairs.back().along;
   const double span = end > begin ? end - begin : 1;  // nonzero for a single pair
-  const double step =
-      double(std::max({model.lattice.spacing.x, model.lattice.spacing.y, model.lattice.spacing.z}));
+  const double step = double(std::max(
+      {model.anatomy.lattice.spacing.x, model.anatomy.lattice.spacing.y, model.anatomy.lattice.spacing.z}));
   const int bins = std::max(1, int((end - begin) / step));
   std::vector<GapePoint> sums(static_cast<std::size_t>(bins));
   std::vector<int> counts(static_cast<std::size_t>(bins), 0);

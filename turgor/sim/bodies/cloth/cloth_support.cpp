@@ -62,7 +62,7 @@ std::vector<Vec3> surface_positions(const Exec& exec, ClothSupport& support, Wor
 }  // namespace
 
 std::vector<lattice::NodeLoad> node_loads(const LatticeBody& body) {
-  const Mat3d to_lattice = transposed(body.model.grid.axes);
+  const Mat3d to_lattice = transposed(body.model.anatomy.grid.axes);
   std::vector<lattice::NodeLoad> loads;
   for (const auto& [slot, f] : body.cloth.force) loads.push_back({slot, Vec3(to_lattice * f)});
   return loads;
@@ -107,7 +107,7 @@ ClothForces cloth_forces_on(const World& world, BodyId body) {
 void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, double dt) {
   TURGOR_CHECK(std::all_of(forces.force.begin(), forces.force.end(),
                            [&](const contact::VertexForce& f) {
-                             return is_index(f.vertex, body.model.inverse_mass.size());
+                             return is_index(f.vertex, body.model.anatomy.inverse_mass.size());
                            }),
                "cloth presses slots of the lattice");
   // relax the load toward the new forces
@@ -116,7 +116,7 @@ void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, doubl
   // compliance from the largest acceleration
   double largest = 0;
   for (const auto& [slot, f] : load.force)
-    largest = std::max(largest, norm(f) * double(body.model.inverse_mass[std::size_t(slot)]));
+    largest = std::max(largest, norm(f) * double(body.model.anatomy.inverse_mass[std::size_t(slot)]));
   const double sum = sum_of_norms(load), compliance = sum > 0 ? largest * dt * dt / sum : 0;
   load.compliance = {compliance, compliance, compliance};
   // relaxation for the cloth's mass

@@ -16,14 +16,14 @@ namespace {
 
 /// First intersection of a ray from `point` with the body; `point` if it misses.
 Vec3d first_body_point(const lattice::Model& model, Vec3d point, Vec3d direction, double length) {
-  const Grid& grid = model.grid;
+  const Grid& grid = model.anatomy.grid;
   TURGOR_CHECK(is_unit(direction), "the direction of a search is a unit vector");
   const double stride = 0.5 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
   for (double t = 0; t <= length; t += stride) {
     const Vec3d index = index_at(grid, point + direction * t);
     const Int3 node{int(std::lround(index.x)), int(std::lround(index.y)), int(std::lround(index.z))};
     if (!contains(grid, node)) continue;
-    if (lattice::is_body(model.tissue[std::size_t(node_slot(model.lattice, node))]))
+    if (lattice::is_body(model.anatomy.tissue[std::size_t(node_slot(model.anatomy.lattice, node))]))
       return point + direction * t;
   }
   return point;
@@ -53,13 +53,14 @@ Box body_box(const lattice::Model& model) {
   // start with an empty box
   constexpr double kFar = std::numeric_limits<double>::max();
   Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-  const Int3 size = model.lattice.size;
+  const Int3 size = model.anatomy.lattice.size;
   // extend the box by all body nodes
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
-        if (!lattice::is_body(model.tissue[std::size_t(node_slot(model.lattice, i, j, k))])) continue;
-        const Vec3d point = point_at(model.grid, {double(i), double(j), double(k)});
+        if (!lattice::is_body(model.anatomy.tissue[std::size_t(node_slot(model.anatomy.lattice, i, j, k))]))
+          continue;
+        const Vec3d point = point_at(model.anatomy.grid, {double(i), double(j), double(k)});
         box = {min(box.low, point), max(box.high, point)};
       }
   TURGOR_CHECK(box.low.x <= box.high.x && box.low.y <= box.high.y && box.low.z <= box.high.z,

@@ -125,7 +125,7 @@ void read_tool_forces(LatticeBody& body) {
 
 // Contact keeps the skin out of a tool within about one spacing, the distance between its samples.
 void note_passed_tools(const LatticeBody& body, std::vector<TouchingTool>& tools, double time) {
-  const Vec3 h = body.model.lattice.spacing;
+  const Vec3 h = body.model.anatomy.lattice.spacing;
   const double reach = double(std::max({h.x, h.y, h.z}));
   std::optional<SignedDistance> now;
   for (std::size_t t = 0; t < body.tools.size(); t++) {
