@@ -101,8 +101,8 @@ void transfer(File& file, lattice::BodySurface& surface) {
 }
 template <class File>
 void transfer(File& file, lattice::BladePath& path) {
-  auto& [skin, into, depth, width, edges, fine_edges, lines] = path;
-  transfer_all(file, skin, into, depth, width, edges, fine_edges, lines);
+  auto& [points, inward, depth, width, depths, edges, fine_edges, lines] = path;
+  transfer_all(file, points, inward, depth, width, depths, edges, fine_edges, lines);
 }
 template <class File>
 void transfer(File& file, lattice::Wound& wound) {

@@ -35,9 +35,16 @@ Json json_of(const CutRequest& request) {
   const lattice::Incision& b = request.blade;
   Json path = Json::array();
   for (const Vec3d p : b.path) path.push_back(json_of(p));
-  return {{"cut", request.body}, {"name", b.name},   {"from", json_of(b.from)},
-          {"to", json_of(b.to)}, {"path", path},     {"depth", b.depth},
-          {"tilt", b.tilt},      {"width", b.width}, {"duration", b.duration}};
+  return {{"cut", request.body},
+          {"name", b.name},
+          {"from", json_of(b.from)},
+          {"to", json_of(b.to)},
+          {"path", path},
+          {"depth", b.depth},
+          {"tilt", b.tilt},
+          {"width", b.width},
+          {"duration", b.duration},
+          {"through_bone", b.through_bone}};
 }
 Json json_of(const WindRequest& request) {
   return {{"wind", request.body}, {"velocity", json_of(request.velocity)}};
@@ -58,6 +65,7 @@ CutRequest cut_of(const Json& json) {
   request.blade.depth = json.at("depth").get<double>(), request.blade.tilt = json.at("tilt").get<double>();
   request.blade.width = json.at("width").get<double>(),
   request.blade.duration = json.at("duration").get<double>();
+  request.blade.through_bone = json.value("through_bone", true);  // older recordings cut through bone
   return request;
 }
 

@@ -328,6 +328,7 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   }
   if (!reading.status()) return reading.status();
   path.depth = progress[0], path.width = cut.blade.width;
+  path.depths.assign(path.points.size(), path.depth);
   cut.path = std::move(path);
   return Done{};
 }

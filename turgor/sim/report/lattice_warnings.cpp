@@ -57,8 +57,8 @@ void warn_about_blade(const Cut& cut, const Model& model, std::vector<std::strin
   // cells below the cut
   double below = kCellsBelow;
   for (std::size_t n = 0; n + 1 < path.points.size(); n++)
-    below = std::min(below, lattice::cells_below(model, path.points[n] + path.inward[n] * path.depth,
-                                                 path.points[n + 1] + path.inward[n + 1] * path.depth,
+    below = std::min(below, lattice::cells_below(model, path.points[n] + path.inward[n] * path.depths[n],
+                                                 path.points[n + 1] + path.inward[n + 1] * path.depths[n + 1],
                                                  path.inward[n], kCellsBelow));
   if (below < kCellsBelow)
     warnings.push_back(fmt::format(
@@ -97,9 +97,10 @@ void warn_about_bone(const Cut& cut, const LatticeBody& body, std::vector<std::s
   Vec3d point = bone->point;
   for (int axis = 0; axis < 3; axis++) point[axis] = 1e-4 * std::round(1e4 * point[axis]) + 0.0;
   warnings.push_back(
-      fmt::format("incision '{}': the blade meets bone at {}, {:.1f} mm below the skin, and cuts through it: "
+      fmt::format("incision '{}': the blade meets bone at {}, {:.1f} mm below the skin, and {}: "
                   "a smaller depth or another position stays in soft tissue",
-                  cut.blade.name, position_text(point), 1e3 * bone->depth));
+                  cut.blade.name, position_text(point), 1e3 * bone->depth,
+                  cut.blade.through_bone ? "cuts through it" : "stops there"));
 }
 
 void warn_of_inverted_cells(const Exec& exec, const LatticeBody& body, std::vector<std::string>& warnings) {

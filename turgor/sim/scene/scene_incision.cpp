@@ -137,6 +137,8 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
   table.read("duration", blade.duration, not_negative("s"), "duration of the cut; 0 = instantaneous");
   table.read("width", blade.width, within(0, 1, "m"),
              "0 cuts edges; else width of the static region of the paper, which is removed from the body");
+  table.read("through_bone", blade.through_bone,
+             "cuts through bone; `false`: the blade stops above it, and the report says where and how deep");
   // check combinations of keys
   if (blade.width > 0 && (!blade.path.empty() || blade.tilt != 0))
     table.fail("width", "a removed region is straight and upright: remove path and tilt");

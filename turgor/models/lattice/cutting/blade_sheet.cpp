@@ -28,8 +28,8 @@ void add_triangle(BladeSheet& sheet, const std::array<Vec3d, 3>& corner, const s
 
 BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double epsilon) {
   const std::size_t count = path.points.size();
-  TURGOR_CHECK(path.inward.size() == count && count >= 2,
-               "a path has at least two points, each with a direction");
+  TURGOR_CHECK(path.inward.size() == count && path.depths.size() == count && count >= 2,
+               "a path has at least two points, each with a direction and a depth");
   TURGOR_CHECK(std::all_of(path.inward.begin(), path.inward.end(), [](Vec3d d) { return is_unit(d); }),
                "directions into the body are unit vectors");
   // rulings of the sheet, one per point of the path
@@ -41,7 +41,7 @@ BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double
     // extend the sheet at both ends, so that edges through an end are cut
     const double ahead = n == 0 ? -epsilon : n + 1 == count ? epsilon : 0;
     const Vec3d point = path.points[n] - across_at(path, n) * epsilon + tangent_at(path, n) * ahead;
-    rulings[n] = {point - down * margin, point, point + down * (path.depth + epsilon)};
+    rulings[n] = {point - down * margin, point, point + down * (path.depths[n] + epsilon)};
     if (n > 0) along[n] = along[n - 1] + norm(path.points[n] - path.points[n - 1]);
   }
   // triangles between neighboring rulings

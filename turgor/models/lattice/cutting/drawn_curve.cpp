@@ -241,6 +241,8 @@ void join_sheet(const BladePath& path, const std::array<JunctionLine, 2>& met, d
     Vec3d own_before, met_before;
     // strips between the path's end line and the junction line
     for (std::size_t k = 0; k < line.points.size(); k++) {
+      if (path.depths[n] < path.depth && (double(k) - JunctionLine::kAbove) * line.step > path.depths[n])
+        break;  // at bone
       const Vec3d own = path.points[n] + down * ((double(k) - JunctionLine::kAbove) * line.step),
                   met_point = line.points[k] + beyond;
       if (k > 0 && last) add_strip(sheet, {own_before, own, met_before, met_point}, along);

@@ -12,6 +12,7 @@
 #include "turgor/core/key_index.hpp"
 #include "turgor/geometry/body_location.hpp"
 #include "turgor/models/lattice/cutting/blade_sheet.hpp"
+#include "turgor/models/lattice/cutting/bone_stop.hpp"
 #include "turgor/models/lattice/cutting/cut_fraction.hpp"
 #include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/cutting/drawn_curve.hpp"
@@ -180,10 +181,12 @@ void cut_fine_edges(const Model& model, Cuts& cuts, const BladePath& path, doubl
 /// Coordinates of a point relative to the path of a static region.
 struct RegionPosition {
   double along, across, depth;  // arc length, distance to the right, depth below the skin [m]
+  double bottom;                // depth of the region there [m]
 };
 RegionPosition region_position(const BladePath& path, Vec3d point) {
-  TURGOR_ASSERT(!path.points.empty() && path.inward.size() == path.points.size(),
-                "every point of a path has a direction");
+  TURGOR_ASSERT(!path.points.empty() && path.inward.size() == path.points.size() &&
+                    path.depths.size() == path.points.size(),
+                "every point of a path has a direction and a depth");
   // nearest point of the path, measured perpendicular to `into`
   std::size_t nearest = 0;
   for (std::size_t n = 0; n < path.points.size(); n++)
@@ -193,7 +196,7 @@ RegionPosition region_position(const BladePath& path, Vec3d point) {
   const Vec3d away = point - path.points[nearest];
   double along = dot(away, tangent_at(path, nearest));
   for (std::size_t n = 0; n < nearest; n++) along += norm(path.points[n + 1] - path.points[n]);
-  return {along, dot(away, across_at(path, nearest)), dot(away, path.inward[nearest])};
+  return {along, dot(away, across_at(path, nearest)), dot(away, path.inward[nearest]), path.depths[nearest]};
 }
 
 }  // namespace
@@ -252,6 +255,7 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
                  .inward = directions_into(model.anatomy.lattice, near, curve, straight),
                  .depth = incision.depth,
                  .width = incision.width,
+                 .depths = std::vector<double>(curve.size(), incision.depth),
                  .edges = {},
                  .fine_edges = {},
                  .lines = {}};
@@ -267,9 +271,11 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   }
   offset = smooth_offsets(offset);
   for (std::size_t n = 0; n < curve.size(); n++) path.points[n] += path.inward[n] * offset[n];
+  // depth at each point
+  const double tilt = incision.tilt * std::numbers::pi / 180;
+  if (!incision.through_bone) path.depths = depths_above_bone(model, state.motion, path, tilt, halo);
   // swept surface and the edges it crosses
-  const double margin = 2 * largest_spacing(model.anatomy.lattice),
-               tilt = incision.tilt * std::numbers::pi / 180;
+  const double margin = 2 * largest_spacing(model.anatomy.lattice);
   if (incision.width > 0) return path;
   BladeSheet sheet = sweep_blade(path, tilt, margin, 1e-4 * step);
   join_sheet(path, met, tilt, sheet);
@@ -318,7 +324,7 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
             region_position(path, Vec3d(position(model, state.motion, node)));
         if (std::abs(position_in_region.across) > 0.5 * path.width) continue;
         if (position_in_region.along < 0 || position_in_region.along > length ||
-            position_in_region.depth < -margin || position_in_region.depth > path.depth)
+            position_in_region.depth < -margin || position_in_region.depth > position_in_region.bottom)
           continue;
         // remove the node and cut its edges
         state.cuts.removed[slot] = 1;

@@ -26,6 +26,7 @@ struct Incision {
   double duration = 0;  // time from the start of the path to its end; 0 = instantaneous [s]
   // 0 = edges are cut; otherwise width of the region whose nodes are removed [Jeon et al. 2025] [m]
   double width = 0;
+  bool through_bone = false;  // false: the blade stops above bone
 };
 
 /// Pending cut of a lattice edge. It is cut when the blade reaches the arc length `along`.
@@ -47,6 +48,7 @@ struct BladePath {
   std::vector<Vec3d> points;    // on the skin, about half a cell apart, lattice frame [m]
   std::vector<Vec3d> inward;    // per point: unit vector into the body, orthogonal to the path
   double depth = 0, width = 0;  // [m]
+  std::vector<double> depths;   // per point: `depth`, or less above bone (bone_stop.hpp) [m]
 
   // All pending cuts, found when the blade is laid on the skin. The opening wound deforms the tissue ahead of
   // the blade, and a later search in the deformed tissue would leave bridges and islands.
