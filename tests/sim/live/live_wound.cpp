@@ -1,5 +1,7 @@
-// A cut in a session with a clock against the same frames without one.
+// A cut in a session with a clock against the same frames without one, and against a cut of the scene.
 #include <fstream>
+
+#include <fmt/format.h>
 
 #include "tests/sim/four_kinds.hpp"
 #include "tests/sim/live/watched_session.hpp"
@@ -58,6 +60,48 @@ TEST(LiveWound, EqualsFramesWithoutClock) {
   EXPECT_TRUE(live.x == frames.bodies[0].x);
   EXPECT_TRUE(live.normals == frames.bodies[0].normals);
   EXPECT_GT(live.triangles.size(), live.wall_begin) << "the wound has walls";
+}
+
+// A cut that a request starts between two frames has the bits of a cut that the scene starts at that time.
+TEST(LiveWound, RequestEqualsCutOfScene) {
+  const std::filesystem::path folder = test::fresh_folder();
+  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  std::string text = test::block_scene_text("block.nii");
+  const std::size_t begin = text.find("[incision.cut]");
+  text.erase(begin, text.find("[output]") - begin);
+  constexpr int kFirst = 4, kFrames = 20;
+  const Exec exec(1);
+
+  // by request, with the tools of the mouse
+  auto scene =
+      std::make_shared<const Scene>(with_mouse_tools(parse_scene(text, folder / "live.toml").value()));
+  World live = load_world(exec, *scene).value();
+  const CutRequest request{.blade = {.name = "cut",
+                                     .from = {0.002, -0.02, -0.03},
+                                     .to = {0.002, -0.02, 0.03},
+                                     .depth = 0.012,
+                                     .duration = 0.2},
+                           .body = 0};
+  for (int frame = 0; frame < kFrames; frame++) {
+    if (frame == kFirst) {
+      ASSERT_TRUE(apply_request(exec, request, scene, live));
+    }
+    ASSERT_TRUE(step(exec, live));
+  }
+
+  // in the scene
+  text += fmt::format(
+      "[incision.cut]\nbody = \"block\"\nfrom = [0.002, -0.02, -0.03]\nto = [0.002, -0.02, 0.03]\n"
+      "depth = 0.012\nduration = 0.2\nstart = {}\n",
+      kFirst * live.dt);
+  World cut = load_world(exec, parse_scene(text, folder / "cut.toml").value()).value();
+  for (int frame = 0; frame < kFrames; frame++) ASSERT_TRUE(step(exec, cut));
+
+  ASSERT_EQ(live.cuts[0].done, 1);
+  WorldSnapshot of_live, of_cut;
+  show(exec, live, of_live), show(exec, cut, of_cut);
+  EXPECT_TRUE(of_live.bodies[0].triangles == of_cut.bodies[0].triangles);
+  EXPECT_TRUE(of_live.bodies[0].x == of_cut.bodies[0].x);
 }
 
 }  // namespace

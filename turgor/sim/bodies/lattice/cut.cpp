@@ -41,9 +41,12 @@ Vec3d placed_point(const lattice::Model& model, const Box& box, Vec3d fraction) 
   return point;
 }
 
-/// Interval of the path that the blade cuts in this frame.
+/// Fraction of the path that the blade has cut at the end of a frame. A moving blade that starts at that
+/// moment, up to the rounding of frame times (step), starts in the next frame.
 double blade_fraction(const Cut& cut, double time) {
-  if (time < cut.blade.start || (cut.blade.duration > 0 && time == cut.blade.start)) return 0;
+  constexpr double kRounding = 2e-12;
+  if (time < cut.blade.start) return 0;
+  if (cut.blade.duration > 0 && time - cut.blade.start <= kRounding * time) return 0;
   return cut.blade.duration > 0 ? std::min(1.0, (time - cut.blade.start) / cut.blade.duration) : 1;
 }
 
