@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <functional>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/map.h>
@@ -141,6 +143,13 @@ std::vector<std::string> bodies(const PyWorld& world) {
   return names;
 }
 
+std::string text_of(const PyWorld& world) {
+  const std::vector<std::string> tools = names_of(world.world().tools);
+  return fmt::format("<turgor.World {}: {:.4g} of {:.4g} s, bodies {}{}>", world.scene().file.string(),
+                     time_of(world.world()), world.scene().duration, fmt::join(bodies(world), ", "),
+                     tools.empty() ? "" : fmt::format(", tools {}", fmt::join(tools, ", ")));
+}
+
 void drive(PyWorld& world, const std::string& tool,
            nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> rows) {
   std::vector<std::vector<double>> path;
@@ -249,6 +258,7 @@ void bind_world(nb::module_& module) {
       .def_prop_ro(
           "notes", [](const PyWorld& w) { return notes_of(w.world()); },
           "notes of loading: old names in the scene, guesses, limits")
+      .def("__repr__", &text_of)
       .def("get_state", &PyWorld::state, "Copies the state, for set_state.")
       .def("set_state", &PyWorld::set_state, "state"_a, "Restores a state of this world or of a copy of it.")
       .def("_forces", &forces, "tool"_a)

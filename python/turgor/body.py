@@ -1,27 +1,38 @@
 """A body of a world, with conversions to other packages."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from . import _turgor
 from .volume import Volume
 
+if TYPE_CHECKING:
+    import pyvista
+    import trimesh
+
 
 class Body(_turgor.Body):
     """A body of a world in its present state. Arrays are copies; those of `live` are views."""
 
+    def __repr__(self) -> str:
+        return f"<turgor.Body {self.name}: {self.model}>"
+
     @property
-    def live(self):
+    def live(self) -> _turgor.LiveBody:
         """Zero-copy views of the body's memory, which show later changes and keep the world alive."""
         return _turgor.live_of(self)
 
-    def volume(self):
+    def volume(self) -> Volume:
         """lattice: the Volume from which the body was built."""
         return Volume(*self._volume())
 
-    def deformed_volume(self):
+    def deformed_volume(self) -> Volume:
         """lattice: the Volume in the deformed state, on the same grid."""
         return Volume(*self._deformed_volume())
 
-    def to_pyvista(self):
+    def to_pyvista(self) -> pyvista.PolyData:
         """A pyvista.PolyData of the present surface, with its point data."""
         import pyvista
 
@@ -33,7 +44,7 @@ class Body(_turgor.Body):
                 mesh.point_data[name + unit] = values
         return mesh
 
-    def to_trimesh(self):
+    def to_trimesh(self) -> trimesh.Trimesh:
         """A trimesh.Trimesh of the present surface, with the same vertices."""
         import trimesh
 

@@ -1,9 +1,12 @@
 """Scenes from Python values: converts dicts and arrays to TOML."""
+from __future__ import annotations
+
 import json
 import numbers
 import os
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._turgor import Error
 from .volume import Volume
@@ -15,7 +18,7 @@ class Mesh:
     points: (n, 3) [m]. cells: (m, 3) triangles, counter-clockwise seen from outside, or (m, 4) tetrahedra.
     """
 
-    def __init__(self, points, cells):
+    def __init__(self, points: ArrayLike, cells: ArrayLike) -> None:
         self.points = np.ascontiguousarray(points, dtype=np.float64)
         self.cells = np.ascontiguousarray(cells, dtype=np.int64)
         count = self.points.shape[0]
@@ -25,6 +28,10 @@ class Mesh:
             raise Error(f"a mesh: expected cells (m, 3) or (m, 4), found an array of {self.cells.shape}")
         if self.cells.min() < 0 or self.cells.max() >= count:
             raise Error(f"a mesh: expected cells of points 0 to {count - 1}, found {self.cells.min()} to {self.cells.max()}")
+
+    def __repr__(self) -> str:
+        kind = "triangles" if self.cells.shape[1] == 3 else "tetrahedra"
+        return f"Mesh({len(self.points)} points, {len(self.cells)} {kind})"
 
     def write(self, folder, number):
         """Writes a legacy VTK file and returns its name."""

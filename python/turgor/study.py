@@ -20,6 +20,7 @@ members, for job arrays on one file system; the last share gathers the results. 
 import argparse
 import concurrent.futures
 import csv
+import difflib
 import hashlib
 import io
 import itertools
@@ -38,6 +39,7 @@ import numpy as np
 from ._turgor import Error, __version__, instructions, plain_text
 
 KINDS = ("grid", "lhs", "saltelli")
+_ABSENT = object()
 
 
 # The design
@@ -227,6 +229,48 @@ def _number_of(report, path):
     return report
 
 
+def _missing(report, path):
+    """Sentence about the first key of a dotted path that a report lacks; None if it has the path."""
+    found = report
+    for key in path.split("."):
+        if isinstance(found, list):
+            keys = [item.get("name") for item in found if isinstance(item, dict)]
+            inner = next((item for item in found if isinstance(item, dict) and item.get("name") == key), None)
+        elif isinstance(found, dict):
+            keys, inner = list(found), found.get(key, _ABSENT)
+        else:
+            return None  # a value that is not known yet
+        if inner is None and isinstance(found, list) or inner is _ABSENT:
+            near = difflib.get_close_matches(key, [str(k) for k in keys], n=1)
+            return f"expected {path}, found no {key}" + (f": did you mean {near[0]}?" if near else f" among {', '.join(map(str, keys)) or 'nothing'}")
+        found = inner
+    return None
+
+
+def check_measures(study, task):
+    """Checks that the report of the first member's scene has every path of [measure]. Raises Error if it has not.
+
+    task: the first member's. Its scene is loaded in a process of its own; if that fails, the member's row says why.
+    """
+    command = [sys.executable, "-m", "turgor.study", "--check", json.dumps({**task, "parent": os.getpid()})]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=task["timeout"])
+        missing = json.loads(done.stdout) if done.returncode == 0 else {}
+    except subprocess.TimeoutExpired:
+        return
+    for name, sentence in missing.items():
+        raise Error(f"{study.file}: measure.{name}: {sentence}")
+
+
+def _check_member(task):
+    """Sentences by measurement whose path the report of this member lacks before its first frame."""
+    from .world import World
+
+    report = World(task["scene"], set=task["set"], threads=task["threads"]).report()
+    missing = {name: _missing(report, path) for name, path in task["measure"].items()}
+    return {name: sentence for name, sentence in missing.items() if sentence}
+
+
 def _do_member(task):
     """Runs the scene in this process, and returns the measurements at its end."""
     from .world import World
@@ -364,6 +408,8 @@ def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, c
     (folder / "members").mkdir(parents=True, exist_ok=True)
     mine = list({m["key"]: m for m in study.members[part[0] - 1::part[1]]}.values())
     missing = [_task(study, m, folder) for m in mine if "measured" not in (_row(_file_of(m, folder), study.measure) or {})]
+    if missing:
+        check_measures(study, missing[0])
     jobs = jobs or max(1, (os.cpu_count() or 1) // max(1, study.run.get("threads", 1)))
     if cluster:
         from .study_dask import run_on_dask
@@ -405,8 +451,12 @@ def main(arguments=None):
     parser.add_argument("--part", type=_part, default=(1, 1), metavar="i/n", help="runs only this share of the members")
     parser.add_argument("--cluster", metavar="ADDRESS", help="address of a Dask scheduler, or local")
     parser.add_argument("--member", help=argparse.SUPPRESS)
+    parser.add_argument("--check", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
     try:
+        if options.check:
+            print(json.dumps(_check_member(json.loads(options.check))))
+            return 0
         if options.member:
             print(json.dumps(_do_member(json.loads(options.member))))
             return 0

@@ -1,7 +1,16 @@
 """Volumes in the patient frame, with conversions from and to SimpleITK and nibabel."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ._turgor import Error
+
+if TYPE_CHECKING:
+    import nibabel
+    import SimpleITK
 
 _RAS = np.diag([-1.0, -1.0, 1.0])  # between LPS and RAS
 
@@ -15,8 +24,9 @@ class Volume:
     axes: (3, 3), orthonormal; its columns are the directions of i, j, k, which may be oblique.
     """
 
-    def __init__(self, samples, spacing, origin=(0, 0, 0), axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))):
-        self.samples = np.asarray(samples)
+    def __init__(self, samples: ArrayLike, spacing: ArrayLike, origin: ArrayLike = (0, 0, 0),
+                 axes: ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> None:
+        self.samples: NDArray[Any] = np.asarray(samples)
         self.spacing = np.array(spacing, dtype=np.float64)
         self.origin = np.array(origin, dtype=np.float64)
         self.axes = np.array(axes, dtype=np.float64)
@@ -36,7 +46,7 @@ class Volume:
             raise Error(f"a volume's axes: expected unit directions square to each other, found some that are {skew:.2g} off")
 
     @property
-    def affine(self):
+    def affine(self) -> NDArray[np.float64]:
         """(4, 4): matrix from an index (i, j, k, 1) to a position [m, LPS]."""
         matrix = np.eye(4)
         matrix[:3, :3] = self.axes * self.spacing
@@ -44,7 +54,7 @@ class Volume:
         return matrix
 
     @classmethod
-    def from_affine(cls, samples, affine):
+    def from_affine(cls, samples: ArrayLike, affine: ArrayLike) -> Volume:
         """Volume from samples (k, j, i) and the (4, 4) matrix from (i, j, k, 1) to positions [m, LPS]."""
         affine = np.asarray(affine, dtype=np.float64)
         spacing = np.linalg.norm(affine[:3, :3], axis=0)
@@ -53,14 +63,14 @@ class Volume:
         return cls(samples, spacing, affine[:3, 3], affine[:3, :3] / spacing)
 
     @classmethod
-    def from_sitk(cls, image):
+    def from_sitk(cls, image: SimpleITK.Image) -> Volume:
         """Volume from a three-dimensional SimpleITK image, whose unit is mm."""
         import SimpleITK as sitk
 
         axes = np.array(image.GetDirection()).reshape(3, 3) if image.GetDimension() == 3 else np.zeros((3, 3))
         return cls(sitk.GetArrayFromImage(image), np.array(image.GetSpacing()) * 1e-3, np.array(image.GetOrigin()) * 1e-3, axes)
 
-    def to_sitk(self):
+    def to_sitk(self) -> SimpleITK.Image:
         import SimpleITK as sitk
 
         image = sitk.GetImageFromArray(np.ascontiguousarray(self.samples))
@@ -70,13 +80,13 @@ class Volume:
         return image
 
     @classmethod
-    def from_nibabel(cls, image):
+    def from_nibabel(cls, image: nibabel.Nifti1Image) -> Volume:
         """Volume from a three-dimensional nibabel image, in mm and RAS; sheared images are refused."""
         affine = np.array(image.affine, dtype=np.float64)
         affine[:3] = _RAS @ affine[:3] * 1e-3
         return cls.from_affine(np.asanyarray(image.dataobj).T, affine)
 
-    def to_nibabel(self):
+    def to_nibabel(self) -> nibabel.Nifti1Image:
         import nibabel
 
         affine = self.affine
@@ -102,6 +112,6 @@ class Volume:
             raise Error("a segmentation: expected whole numbers from 0 to 65535, found others")
         return self._fields(whole)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         k, j, i = self.samples.shape
         return f"Volume({i}×{j}×{k} of {self.samples.dtype}, spacing {np.round(self.spacing * 1e3, 3).tolist()} mm)"

@@ -1,16 +1,27 @@
 """Worlds: scenes during simulation."""
+from __future__ import annotations
+
 import json
+import operator
 import os
 import sys
 import tempfile
 import warnings
+from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union, overload
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _turgor
 from .body import Body
 from .columns import Columns
 from .scenes import GivenScene
+from .volume import Volume
+
+Progress = Union[None, bool, Callable[[str, float], object]]
+SceneGiven = Union[None, str, "os.PathLike[str]", Mapping[str, Any]]
+Text = Optional[str]
+Overrides = Optional[Mapping[str, Any]]
 
 
 def _print_progress(label, fraction):
@@ -45,29 +56,55 @@ class World(_turgor.World):
     Raises Error with a message if the scene is invalid.
     """
 
-    def __init__(self, scene=None, *, text=None, folder=".", set=None, volumes=None, labels=None, threads=0,
-                 keeps_forces=True, progress=None):
+    def __init__(self, scene: SceneGiven = None, *, text: Text = None, folder: Union[str, os.PathLike[str]] = ".",
+                 set: Overrides = None, volumes: Optional[Mapping[str, Volume]] = None,
+                 labels: Optional[Mapping[str, Volume]] = None, threads: int = 0, keeps_forces: bool = True,
+                 progress: Progress = None) -> None:
         with tempfile.TemporaryDirectory(prefix="turgor-") as scratch:
             given = GivenScene(scratch)
             file, text = _file_and_text(given, scene, text, folder)
             overrides = given.overrides(set, volumes, labels)
             super().__init__(file, text, overrides, threads, keeps_forces, given.volumes, given.labels, _progress_callback(progress))
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Body:
         """Body of that name. Raises KeyError for an unknown name."""
         return Body(self, name)
 
-    def copy(self, threads=0):
+    def step(self, frames: int = 1) -> None:
+        """Simulates this number of frames. Raises ValueError for a negative number."""
+        if (number := operator.index(frames)) < 0:
+            raise ValueError(f"step: expected frames of at least 0, found {number}")
+        super().step(number)
+
+    def drive(self, tool: str, rows: ArrayLike) -> None:
+        """Moves a tool from its present position along rows of [t, x, y, z], linearly interpolated, with t [s] from now on.
+
+        A fifth column grasps (1) or not (0), four more are the orientation (a quaternion w, x, y, z).
+        """
+        path = np.ascontiguousarray(rows, dtype=np.float64)
+        if path.ndim != 2:
+            raise ValueError(f"drive: expected rows (n, 4), (n, 5) or (n, 9), found an array of {path.shape}")
+        super().drive(tool, path)
+
+    def copy(self, threads: int = 0) -> World:
         """Independent copy, which continues with the same bits. threads: 0 = as many as this world."""
         other = World.__new__(World)
         _turgor.World.__init__(other, self, threads)
         return other
 
-    def run(self, seconds=None, every=0.1, callback=None, progress=None):
+    def run(self, seconds: Optional[float] = None, every: float = 0.1, callback: Optional[Callable[[World], object]] = None,
+            progress: Progress = None) -> Iterator[World]:
         """Simulates for `seconds` (default: to the end of the scene) and yields the world every `every` seconds.
 
         callback(world): called before each yield; False ends the run. progress: as for World.
         """
+        if seconds is not None and not seconds >= 0:
+            raise ValueError(f"run: expected seconds of at least 0, found {seconds}")
+        if not every > 0:
+            raise ValueError(f"run: expected every above 0 s, found {every}")
+        return self._run(seconds, every, callback, progress)
+
+    def _run(self, seconds, every, callback, progress):
         begin, report = self.frame, _progress_callback(progress)
         end = begin + round((self.duration - self.time if seconds is None else seconds) / self.dt)
         stride = max(1, round(every / self.dt))
@@ -80,7 +117,7 @@ class World(_turgor.World):
             if not continues:
                 return
 
-    def tick(self, poses, hold=None):
+    def tick(self, poses: ArrayLike, hold: Optional[ArrayLike] = None) -> NDArray[np.float64]:
         """Moves all tools through ticks of one millisecond, and returns the forces on them.
 
         poses: (ticks, tools, 7): x, y, z [m] and a quaternion w, x, y, z of every tool, in the order of `tools`.
@@ -88,29 +125,43 @@ class World(_turgor.World):
         Returns (ticks, tools, 6): force [N] and torque [N·m] on every tool. Frames are included when they are due. Other
         Python threads run meanwhile. After the first call, step(), run() and drive() are refused.
         """
-        poses = np.ascontiguousarray(poses, dtype=np.float64)
+        poses = _poses("tick", poses, ("ticks", "tools", 7))
         return self._tick(poses, _holds(hold, poses.shape[:-1]))
 
     @property
-    def is_led(self):
+    def is_led(self) -> bool:
         """Deprecated: use is_ticked."""
         warnings.warn("World.is_led is now World.is_ticked; the old name is removed in the next release", DeprecationWarning, stacklevel=2)
         return self.is_ticked
-    def forces(self, tool):
+
+    def forces(self, tool: str) -> Columns:
         """Forces on a tool as Columns, per tick, or per frame on lattices and cloth:
         time_s, position_m, force_N, torque_Nm, depth_m, contacts."""
         return Columns(self._forces(tool))
 
-    def measures(self, name=None):
+    @overload
+    def measures(self, name: str) -> Columns: ...
+    @overload
+    def measures(self, name: None = None) -> dict[str, Columns]: ...
+
+    def measures(self, name: Optional[str] = None) -> Union[Columns, dict[str, Columns]]:
         """Measurements of step() and run(), frame by frame, as Columns: of one incision or cloth, or a dict of all.
 
         Columns of a wound: time_s, gape_max_m, gape_mean_m, opening_area_m2, edge_displacement_m."""
         all = {of: Columns(columns) for of, columns in self._measures().items()}
         return all if name is None else all[name]
 
-    def report(self):
+    def report(self) -> dict[str, Any]:
         """Present content of report.json for bodies, wounds and tools, as a dict. Keys include their units."""
         return json.loads(self._report())
+
+
+def _poses(function, poses, shape):
+    """Poses as a contiguous array. Raises ValueError for another shape than `shape`, whose last entry is 7."""
+    array = np.ascontiguousarray(poses, dtype=np.float64)
+    if array.ndim != len(shape) or array.shape[-1] != 7:
+        raise ValueError(f"{function}: expected poses ({', '.join(map(str, shape))}), found an array of {array.shape}")
+    return array
 
 
 def _holds(hold, shape):
@@ -119,20 +170,22 @@ def _holds(hold, shape):
     return np.ascontiguousarray(np.broadcast_to(np.asarray(hold, dtype=bool), shape))
 
 
-def tick_all(worlds, poses, hold=None, threads=0):
+def tick_all(worlds: Sequence[World], poses: ArrayLike, hold: Optional[ArrayLike] = None, threads: int = 0) -> NDArray[np.float64]:
     """World.tick of many worlds in parallel, one thread per world, at most `threads` at a time (0 = one per core).
 
     poses: (worlds, ticks, tools, 7). hold: broadcasts to (worlds, ticks, tools). Returns (worlds, ticks, tools, 6).
     Worlds created with threads=1 do not wait for each other.
     """
-    poses = np.ascontiguousarray(poses, dtype=np.float64)
+    poses = _poses("tick_all", poses, ("worlds", "ticks", "tools", 7))
     hold = _holds(hold, poses.shape[:-1])
     rows = poses.shape[0] * poses.shape[1]
     flat = None if hold is None else hold.reshape(rows, -1)
     return _turgor.tick_all(list(worlds), poses.reshape(rows, *poses.shape[2:]), flat, threads)
 
 
-def run(scene=None, out=None, *, text=None, folder=".", set=None, threads=0, force=False, on_frame=None, progress=None):
+def run(scene: SceneGiven = None, out: Union[None, str, os.PathLike[str]] = None, *, text: Text = None,
+        folder: Union[str, os.PathLike[str]] = ".", set: Overrides = None, threads: int = 0, force: bool = False,
+        on_frame: Optional[Callable[[float], object]] = None, progress: Progress = None) -> dict[str, Any]:
     """Runs a scene like the program: writes pictures, meshes and a report into the folder `out` (default out/SCENE).
 
     Returns the report as a dict. force: replaces earlier results even if files were added or changed.

@@ -122,6 +122,17 @@ class Studies(unittest.TestCase):
         run_study(folder / "study.toml", folder / "whole", jobs=2)
         self.assertEqual(table_of(folder / "out"), table_of(folder / "whole"))
 
+    # A wrong path in [measure] is refused before the first member, with the name that was probably meant.
+    def test_wrong_measure_is_refused_before_members(self):
+        for path, sentence in (("tools.finger.force_maxN", "no force_maxN: did you mean force_max_N?"), ("tools.thumb.force_max_N", "no thumb among finger"),
+                               ("tool.finger.force_max_N", "no tool: did you mean tools?")):
+            folder = folder_with()
+            file = folder / "study.toml"
+            file.write_text(file.read_text().replace("tools.finger.force_max_N", path))
+            with self.assertRaisesRegex(turgor.Error, rf"measure\.force: expected {path}, found {sentence}".replace("?", r"\?")):
+                run_study(file, folder / "out", jobs=2)
+            self.assertEqual(list((folder / "out/members").iterdir()), [])
+
     # Files of members that no member writes get a sentence with their name, and nothing waits for a pipe.
     def test_foreign_member_files_are_explained(self):
         folder = folder_with(young="{ values = [4e3] }")
