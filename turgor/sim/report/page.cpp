@@ -49,16 +49,23 @@ std::string quantity_table(const Json& items, const char* heading, const std::ve
 }
 
 std::string item_table(const Json& items, const char* heading, const std::vector<Caption>& captions) {
-  // header: one column per quantity
-  std::vector<std::string> cells = {heading};
+  // header: one column per quantity; columns without any value are omitted
+  const auto has_value = [&items](const Caption& caption) {
+    return std::any_of(items.begin(), items.end(), [&caption](const Json& item) {
+      const Json* value = find(item, caption.key);
+      return value && !value->is_null();
+    });
+  };
+  std::vector<Caption> columns;
   for (const Caption& caption : captions)
-    if (caption.shown_in & kInTable) cells.push_back(with_unit(caption));
+    if ((caption.shown_in & kInTable) && has_value(caption)) columns.push_back(caption);
+  std::vector<std::string> cells = {heading};
+  for (const Caption& caption : columns) cells.push_back(with_unit(caption));
   std::string table = "<div class=\"scroll\"><table>" + table_row(cells, "th");
   // one row per item
   for (const Json& item : items) {
     cells = {name_of(item)};
-    for (const Caption& caption : captions) {
-      if (!(caption.shown_in & kInTable)) continue;
+    for (const Caption& caption : columns) {
       const Json* value = find(item, caption.key);
       cells.push_back(value && !value->is_null() ? html_value(*value) : "–");
     }

@@ -84,6 +84,19 @@ Result<lattice::Model> build_model(const Exec& exec, const LatticeScene& scene, 
   return lattice::assemble(exec, *nodes, fields.lines ? &*fields.lines : nullptr, params);
 }
 
+/// Note on a block in voxels that makes the lattice of a fine CT large; empty for others.
+std::string note_on_block(const LatticeScene& scene, Int3 block, const lattice::Model& model) {
+  constexpr double kFine = 0.002;     // spacing of a lattice [m]
+  constexpr int kManyNodes = 300000;  // the default incision.toml has 180 000
+  const Vec3d spacing(model.anatomy.lattice.spacing);
+  const double finest = std::min({spacing.x, spacing.y, spacing.z});
+  if (scene.spacing > 0 || finest >= kFine || model.anatomy.body_nodes < kManyNodes) return {};
+  return fmt::format(
+      "block = [{}, {}, {}] voxels makes a lattice of {:.2g} mm and {} nodes on this CT, which is fine: "
+      "spacing = 0.004 (in meters, instead of block) suits every CT",
+      block.x, block.y, block.z, 1e3 * finest, model.anatomy.body_nodes);
+}
+
 /// Body without tools, on the host.
 Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Progress& progress) {
   LatticeBody body;
@@ -116,6 +129,8 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   Result<lattice::Model> model = build_model(exec, scene, block, body.ct, *fields);
   if (!model) return model.error();
   body.model = std::move(*model);
+  if (std::string note = note_on_block(scene, block, body.model); !note.empty())
+    body.notes.push_back(std::move(note));
   lattice::State state = lattice::make_state(body.model);
   if (scene.stiffness_scale != 1) lattice::scale_stiffness(scene.stiffness_scale, body.model, state);
   body.stiffness_scale = scene.stiffness_scale;
