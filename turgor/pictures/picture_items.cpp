@@ -65,15 +65,18 @@ bool is_beside_tissue(const BodySnapshot& body, const WorldSnapshot& snapshot) {
 }  // namespace
 
 std::vector<float> shown_values(const BodySnapshot& body, SkinColor color) {
-  if (color == SkinColor::kStretch) return body.stretch;
-  if (color == SkinColor::kPressure) return body.pressure;
+  const bool is_smooth = !body.smooth.triangles.empty();
+  if (color == SkinColor::kStretch) return is_smooth ? std::vector<float>() : body.stretch;
+  if (color == SkinColor::kPressure) return is_smooth ? body.smooth.pressure : body.pressure;
   std::vector<float> lengths;
   if (color == SkinColor::kDisplacement)
-    for (const Vec3 u : body.displacement) lengths.push_back(norm(u));
+    for (const Vec3 u : is_smooth ? body.smooth.displacement : body.displacement) lengths.push_back(norm(u));
   return lengths;
 }
 
 TriMesh shown_mesh(const BodySnapshot& body) {
+  if (const SmoothSnapshot& smooth = body.smooth; !smooth.triangles.empty())
+    return {.vertices = smooth.x, .triangles = smooth.triangles, .normals = smooth.normals, .scalars = {}};
   return {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
 }
 

@@ -21,6 +21,13 @@ struct TouchingTool;
 /// Appearance of a surface without color map.
 enum class Look : std::uint8_t { kFlesh, kSkin, kCloth };
 
+/// Smooth surface of an organ for pictures (loop_subdivision.hpp), which the coarse vertices carry.
+struct SmoothSnapshot {
+  std::vector<Vec3> x, displacement, normals;  // per vertex; x is the present position [m]
+  std::vector<float> pressure;                 // [Pa]; empty = unknown
+  std::vector<Int3> triangles;                 // empty = the body is drawn as it is
+};
+
 struct BodySnapshot {
   BodyId id;
   std::string name;
@@ -34,10 +41,11 @@ struct BodySnapshot {
   std::vector<int> mesh_vertex;  // vertex index in the body's mesh, -1 = none; empty = identity
   TriMesh patch;                 // superposed fine patch (sfem) in its present shape
   TriMesh inside;                // inclusions (sfem) in their present shape
-  std::size_t wall_begin = 0;    // first triangle of wound walls
-  Box box;                       // around the body at rest [m]
-  double typical_force = 1;      // force of an indentation of about a centimeter [N]
-  double seconds = 0;            // wall time of filling it
+  SmoothSnapshot smooth;
+  std::size_t wall_begin = 0;  // first triangle of wound walls
+  Box box;                     // around the body at rest [m]
+  double typical_force = 1;    // force of an indentation of about a centimeter [N]
+  double seconds = 0;          // wall time of filling it
 
   std::any cache;  // cache of the model's `show`
 };

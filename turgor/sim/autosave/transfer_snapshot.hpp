@@ -12,13 +12,18 @@ void transfer(File& file, TriMesh& mesh) {
   auto& [vertices, triangles, normals, scalars] = mesh;
   transfer_all(file, vertices, triangles, normals, scalars);
 }
+template <class File>
+void transfer(File& file, SmoothSnapshot& smooth) {
+  auto& [x, displacement, normals, pressure, triangles] = smooth;
+  transfer_all(file, x, displacement, normals, pressure, triangles);
+}
 /// Without the cache, which show() fills again.
 template <class File>
 void transfer(File& file, BodySnapshot& body) {
   auto& [id, name, look, rest, displacement, x, normals, pressure, stretch, triangles, mesh_vertex, patch,
-         inside, wall_begin, box, typical_force, seconds, cache] = body;
+         inside, smooth, wall_begin, box, typical_force, seconds, cache] = body;
   transfer_all(file, id, name, look, rest, displacement, x, normals, pressure, stretch, triangles,
-               mesh_vertex, patch, inside, wall_begin, box, typical_force, seconds);
+               mesh_vertex, patch, inside, smooth, wall_begin, box, typical_force, seconds);
   if constexpr (File::kReads) cache.reset();
 }
 template <class File>

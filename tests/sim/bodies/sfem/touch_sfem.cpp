@@ -52,6 +52,28 @@ TEST(TouchSfem, TicksAreMilliseconds) {
   }
 }
 
+// The smooth surface of the pictures follows the tool: the dent is as deep as that of the surface with the
+// patch.
+TEST(TouchSfem, SmoothSurfaceFollowsPress) {
+  const Exec exec(1);
+  const Scene scene = body_scene(test::fresh_folder());
+  World world = sfem_world(exec, scene);
+  double deepest = 0;
+  for (int frame = 0; frame < frame_count(scene); frame++) {
+    ASSERT_TRUE(step(exec, world));
+    const BodySnapshot shown = shown_now(exec, world);
+    ASSERT_EQ(shown.smooth.triangles.size(), 16 * world.sfem_bodies[0].model.surface.triangles.size());
+    double dent = 0, smooth_dent = 0;
+    for (const Vec3 u : shown.displacement) dent = std::max(dent, double(norm(u)));
+    for (const Vec3 u : shown.smooth.displacement) smooth_dent = std::max(smooth_dent, double(norm(u)));
+    EXPECT_NEAR(smooth_dent, dent, 0.15 * dent + 1e-6) << "frame " << frame;
+    deepest = std::max(deepest, dent);
+    for (std::size_t v = 0; v < shown.smooth.x.size(); v += 97)
+      EXPECT_NEAR(norm(shown.smooth.normals[v]), 1, 1e-4);
+  }
+  EXPECT_GT(deepest, 1e-3);
+}
+
 // The force starts at the surface, grows with depth and vanishes above it.
 TEST(TouchSfem, ForceGrowsWithDepth) {
   const World world = run_world(Exec(1), body_scene(test::fresh_folder()));

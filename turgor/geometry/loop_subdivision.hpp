@@ -1,0 +1,37 @@
+// Smooth surface over a coarse triangle mesh by Loop's subdivision, for pictures. Every vertex is a weighted
+// sum of coarse vertices, so that it follows their displacements. [Loop 1987; weights of Warren 1995]
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "turgor/core/vec.hpp"
+
+namespace turgor {
+
+struct SmoothSurface {
+  std::vector<Int3> triangles;
+  std::vector<int> begin;     // by vertex, and the end: indices into `coarse` and `weight`
+  std::vector<int> coarse;    // vertices of the coarse mesh
+  std::vector<float> weight;  // the sum over a vertex is 1
+  std::size_t size() const { return begin.empty() ? 0 : begin.size() - 1; }
+};
+
+/// Subdivides every triangle into four, `levels` times. Edges of one triangle, or of more than two, stay
+/// creases. Coarse vertices without triangles are left out.
+SmoothSurface loop_subdivision(std::span<const Int3> triangles, int levels);
+
+/// Levels that give a mesh at least ten times as many triangles while it stays below 100 000; 1 or 0 for
+/// finer meshes.
+int levels_for_drawing(std::size_t triangles);
+
+/// Weighted sum of values of the coarse vertices at one vertex.
+template <class T>
+T interpolated(const SmoothSurface& surface, std::size_t vertex, std::span<const T> values) {
+  T sum{};
+  for (int n = surface.begin[vertex]; n < surface.begin[vertex + 1]; n++)
+    sum += values[std::size_t(surface.coarse[std::size_t(n)])] * surface.weight[std::size_t(n)];
+  return sum;
+}
+
+}  // namespace turgor
