@@ -2,6 +2,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
 #include "turgor/models/lattice/solver/step_sequence.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
@@ -19,6 +20,12 @@ void check_contacts(const Model& model, std::span<const NodeContact> contacts) {
     TURGOR_ASSERT(slot < model.anatomy.inverse_mass.size() && model.anatomy.inverse_mass[slot] > 0,
                   "contacts act on free nodes");
   }
+}
+
+void check_springs(const Model& model, const Inputs& inputs) {
+  if (inputs.springs == nullptr) return;
+  TURGOR_ASSERT(model.params.solver.method == Method::kVbd, "springs at points need the VBD solver");
+  TURGOR_ASSERT(inputs.halo == nullptr, "springs at points need the whole body in one process");
 }
 
 struct StepPlan {
@@ -54,16 +61,26 @@ struct HostStep {
   void add_loads() { lattice::add_loads(model, state, inputs, dt); }
   void move_to_start() { lattice::move_to_start(exec, model, state, inputs, dt); }
   void sweep() { sweep_pbd(exec, model, state, inputs.halo); }
-  void sweep(Order order) { sweep_vbd(exec, model, state, inputs, dt, order); }
+  void sweep(Order order) {
+    refresh_springs();
+    sweep_vbd(exec, model, state, inputs, dt, order);
+  }
+  void refresh_springs() {
+    if (inputs.springs && inputs.springs->refresh) inputs.springs->refresh(state);
+  }
   void correct_between() {
+    if (plan.corrects) refresh_springs();
     if (plan.corrects)
       is_slow =
           apply_coarse_correction(exec, model, state, inputs, dt) <= model.params.solver.sleep_speed * dt;
   }
   /// A body that can sleep skips the second correction after a slow first one.
   void correct_after() {
-    if (plan.corrects && !(plan.may_sleep && is_slow))
+    refresh_springs();
+    if (plan.corrects && !(plan.may_sleep && is_slow)) {
       apply_coarse_correction(exec, model, state, inputs, dt);
+      refresh_springs();
+    }
   }
   void measure_residual_before() {
     if (plan.measures) residual.before = measure_residual(exec, model, state, inputs, dt).rms;
@@ -85,6 +102,7 @@ struct HostStep {
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   check_contacts(model, inputs.contacts);
+  check_springs(model, inputs);
   HostStep body{exec, model, state, inputs, dt, prepare_step(model, state, inputs, dt)};
 
   // predictor, sweeps, velocities

@@ -12,6 +12,7 @@
 #include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/mechanics/cut_elements.hpp"
 #include "turgor/models/lattice/mechanics/node_forces.hpp"
+#include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/solver/inertia.hpp"
 
@@ -183,6 +184,26 @@ void add_prestress_and_cut_elements(const Model& model, const CutElementForces& 
   }
 }
 
+/// Adds springs at points.
+void add_springs_at_points(const Model& model, const CutElementForces& cut_elements,
+                           const PointSprings* springs, int k, TwoLayers out,
+                           std::vector<VirtualNodeDisplacement>& virtual_nodes) {
+  if (springs == nullptr) return;
+  const Lattice& l = model.anatomy.lattice;
+  const int begin = row_slot(l, -1, k);
+  const auto u = [&](int corner) { return cut_elements.view.u(corner); };
+  const auto force = [&](std::span<const PointSpringTerm> terms) {
+    NodeSystem s;
+    add_point_springs(s, *springs, terms, u);
+    return s.f;
+  };
+  const std::span<const PointSpringTerm> terms = terms_of(springs, begin, layer_stride(l));
+  for (std::size_t n = 0; n < terms.size(); n++)
+    if (cut_elements.nodes.w[terms[n].corner] > 0) out.add(terms[n].corner, k, force(terms.subspan(n, 1)));
+  for (const ElementNode& node : cut_elements.virtual_nodes_of(k))
+    virtual_nodes[std::size_t(node.corner - slot_count(l))].move(force(terms_of(springs, node.corner, 1)));
+}
+
 /// Adds loose edges that begin in a layer. Slots ascend with layers.
 void add_loose_edges(const Model& model, const Motion& motion, const CoarseSpace& space, int k,
                      TwoLayers out) {
@@ -296,7 +317,8 @@ bool is_blade_active(State& state, std::size_t cuts) {
 bool is_at_rest(const Model& model, const State& state, const Inputs& inputs, double dt) {
   constexpr double kStill = 1e-6;  // cells per step; above rounding errors
   const Vec3 h = model.anatomy.lattice.spacing;
-  return cut_version(state.cuts) == 0 && inputs.loads.empty() && norm(inputs.gravity) == 0 &&
+  return cut_version(state.cuts) == 0 && inputs.loads.empty() && inputs.springs == nullptr &&
+         norm(inputs.gravity) == 0 &&
          double(state.motion.fastest) * dt < kStill * double(std::min({h.x, h.y, h.z}));
 }
 
@@ -339,6 +361,7 @@ void visit_residual_forces(const Exec& exec, const Model& model, State& state, c
       if (k + 1 < layers) begin_layer(model, inertia, state.motion, k + 1, out);
       add_cells(k);
       add_prestress_and_cut_elements(model, cut_elements, k, out, workspace.virtual_nodes);
+      add_springs_at_points(model, cut_elements, inputs.springs, k, out, workspace.virtual_nodes);
       visit(int(chunk), k, {field, out.shift(k)});
     }
   });

@@ -32,6 +32,8 @@ struct CutElementView {
   TURGOR_HD NodeSystem gather(const ElementNode& node) const;
   /// Moves a virtual node to the minimum of the energy of its elements. A virtual node has no mass.
   TURGOR_HD void solve(const ElementNode& virtual_node) const;
+  /// Moves a virtual node of a free node by one Newton step. `s`: all forces on it.
+  TURGOR_HD void move(const ElementNode& virtual_node, const NodeSystem& s) const;
 
  private:
   TURGOR_HD NodeSystem skin_element(const CutSkinElement& element, int at) const;
@@ -98,18 +100,20 @@ TURGOR_HD inline NodeSystem CutElementView::gather(const ElementNode& node) cons
   return s;
 }
 
-TURGOR_HD inline void CutElementView::solve(const ElementNode& virtual_node) const {
+TURGOR_HD inline void CutElementView::move(const ElementNode& virtual_node, const NodeSystem& s) const {
   constexpr Real kWeightless = 1e3f;  // h²/m times the stiffness; large, so that inertia is negligible
-  VirtualNodeDisplacement& at = virtual_nodes[virtual_node.corner - slots];
+  virtual_nodes[virtual_node.corner - slots].move(
+      newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3)));
+}
+
+TURGOR_HD inline void CutElementView::solve(const ElementNode& virtual_node) const {
   // fixed node: the virtual node follows it
   if (nodes.w[virtual_node.slot] == 0) {
     const Vec3 held = nodes.u(virtual_node.slot);
-    at = {held.x, held.y, held.z};
+    virtual_nodes[virtual_node.corner - slots] = {held.x, held.y, held.z};
     return;
   }
-  // Newton step
-  const NodeSystem s = gather(virtual_node);
-  at.move(newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3)));
+  move(virtual_node, gather(virtual_node));
 }
 
 }  // namespace turgor::lattice

@@ -28,11 +28,13 @@ struct NodeContact {
 };
 
 struct HaloExchange;
+struct PointSprings;
 struct Inputs {
   Vec3d gravity;                       // patient frame [m/s²]
   bool measure_residual = false;       // VBD only; costs about two sweeps
   std::span<const NodeLoad> loads;     // loads of one node add up
   std::span<NodeContact> contacts;     // VBD only; slots ascend
+  PointSprings* springs = nullptr;     // VBD of a whole body on the host only; null = none
   const HaloExchange* halo = nullptr;  // exchange with other processes; null = the whole body
 };
 

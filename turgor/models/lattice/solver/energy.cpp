@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
+#include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
 
@@ -172,6 +173,9 @@ double step_energy(const Exec& exec, const Model& model, const State& state, con
                    double dt) {
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
   double sum = energy(exec, model, state);
+  if (inputs.springs)
+    for (const PointSpring& spring : inputs.springs->all)
+      sum += spring_energy(spring, displacement(spring.at, state.motion));
   const Vec3d gravity(lattice_gravity(model, inputs));
   for (std::size_t s = 0; s < model.anatomy.inverse_mass.size(); s++) {
     if (model.anatomy.inverse_mass[s] == 0 || state.cuts.removed[s]) continue;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "turgor/models/lattice/mechanics/point_springs.hpp"
+
 namespace turgor::lattice {
 
 namespace {
@@ -97,11 +99,15 @@ void wake_rows(const Model& model, State& state, const Inputs& inputs, bool coar
   // reset
   if (sleep.still_steps.size() != rows || !(sleep.gravity == inputs.gravity)) begin_sleep(state, inputs);
   sleep.gravity = inputs.gravity;
-  // cuts, loads and contacts
-  if (!coarse || sleep.cuts != state.cuts.edges.size() || !inputs.loads.empty()) sleep.coarse_still_steps = 0;
+  // cuts, loads, contacts and springs at points
+  const bool has_springs = inputs.springs != nullptr && !inputs.springs->all.empty();
+  if (!coarse || sleep.cuts != state.cuts.edges.size() || !inputs.loads.empty() || has_springs)
+    sleep.coarse_still_steps = 0;
   wake_cuts(model, state);
   for (const NodeLoad& load : inputs.loads) wake_around(model, state, load.slot, 1);
   for (const NodeContact& contact : inputs.contacts) wake_around(model, state, contact.slot, 1);
+  if (has_springs)
+    for (const PointSpring& spring : inputs.springs->all) wake_around(model, state, spring.at.cell, 2);
   // awake rows
   sleep.awake.resize(rows), sleep.moved.assign(rows, 0);
   for (std::size_t row = 0; row < rows; row++)

@@ -12,6 +12,7 @@
 #include "turgor/models/lattice/mechanics/element_energies.hpp"
 #include "turgor/models/lattice/mechanics/node_contact.hpp"
 #include "turgor/models/lattice/mechanics/node_forces.hpp"
+#include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/mechanics/skin_forces.hpp"
 #include "turgor/models/lattice/model/colors.hpp"
 #include "turgor/models/lattice/model/neighbors.hpp"
@@ -69,18 +70,20 @@ struct GatherSystems {
   SolidRow solid;
   SkinForces skin;
   CutElementForces cut_elements;
+  const PointSprings* springs;
 
-  GatherSystems(const Model& m, State& s)
+  GatherSystems(const Model& m, State& s, const Inputs& inputs)
       : model(m),
         state(s),
         nodes(node_arrays(m, s)),
         neighbors{neighbors_of(m, 0), neighbors_of(m, 1)},
         solid(m, s),
         skin(m),
-        cut_elements(m, s) {}
+        cut_elements(m, s),
+        springs(inputs.springs) {}
 
   template <bool kWithCuts>
-  void springs(int parity, int slot, int count, SystemBuffer& out) const {
+  void edges(int parity, int slot, int count, SystemBuffer& out) const {
     const auto elements =
         model.springs.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
     for (int begin = 0; begin < count; begin += kSpareSlots)
@@ -99,9 +102,9 @@ struct GatherSystems {
     if (model.params.tissue.law == TissueLaw::kSolid)
       solid.gather(parity, slot, count, out);
     else if (state.cuts.row_cut[std::size_t(slot / row_stride(model.anatomy.lattice))])
-      springs<true>(parity, slot, count, out);
+      edges<true>(parity, slot, count, out);
     else
-      springs<false>(parity, slot, count, out);
+      edges<false>(parity, slot, count, out);
     // skin
     if (!model.anatomy.skin.triangles.empty()) add_skin(slot, count, out);
     // cut elements
@@ -110,6 +113,22 @@ struct GatherSystems {
       add(s, cut_elements.gather(node));
       out.set(node.slot - slot, s);
     }
+    // springs at points
+    const std::span<const PointSpringTerm> terms = terms_of(springs, slot, count);
+    const auto u = [this](int corner) { return cut_elements.view.u(corner); };
+    for (std::size_t n = 0; n < terms.size(); n++) {
+      NodeSystem s = out.get(terms[n].corner - slot);
+      add_point_springs(s, *springs, terms.subspan(n, 1), u);
+      out.set(terms[n].corner - slot, s);
+    }
+  }
+
+  /// Force and Hessian of the elements and springs at a virtual node.
+  NodeSystem virtual_node(const ElementNode& node) const {
+    NodeSystem s = cut_elements.gather(node);
+    const auto u = [this](int corner) { return cut_elements.view.u(corner); };
+    if (springs) add_point_springs(s, *springs, terms_of(springs, node.corner, 1), u);
+    return s;
   }
 };
 
@@ -169,8 +188,16 @@ struct VbdSweep {
       const ElementNode& virtual_node =
           virtual_nodes[order == Order::kForward ? n : virtual_nodes.size() - 1 - n];
       if (!sleeps() || sleep.awake[std::size_t(row_of(gather.model, virtual_node.slot))])
-        gather.cut_elements.solve(virtual_node);
+        solve_virtual_node(virtual_node);
     }
+  }
+
+  void solve_virtual_node(const ElementNode& node) const {
+    const bool has_spring = !terms_of(gather.springs, node.corner, 1).empty();
+    if (has_spring && gather.nodes.w[node.slot] > 0)
+      gather.cut_elements.view.move(node, gather.virtual_node(node));
+    else
+      gather.cut_elements.solve(node);
   }
 
   /// Adds contacts to the systems of their nodes.
@@ -227,7 +254,7 @@ struct VbdSweep {
 template <class Sweep>
 void with_vbd_sweep(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
                     const Sweep& sweep) {
-  const GatherSystems gather(model, state);
+  const GatherSystems gather(model, state, inputs);
   const Inertia inertia(model, state, inputs, dt);
   // tests and benches sweep outside of steps, before wake_rows
   const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
@@ -265,7 +292,8 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
                           double dt) {
   TURGOR_ASSERT(model.params.solver.method == Method::kVbd, "only VBD has a residual");
   const GatherSystems gather(model,
-                             const_cast<State&>(state));  // node_arrays has one type for reading and writing
+                             const_cast<State&>(state),  // node_arrays has one type for reading and writing
+                             inputs);
   const Inertia inertia(model, state, inputs, dt);
   std::vector<double> layers(
       2 * std::size_t(model.anatomy.owned.end - model.anatomy.owned.begin));  // ResidualSum by layer
@@ -274,7 +302,7 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
     ResidualSum sum;
     // virtual nodes
     for (const ElementNode& virtual_node : gather.cut_elements.virtual_nodes_of(int(k)))
-      if (gather.nodes.w[virtual_node.slot] > 0) sum.add(Vec3d(gather.cut_elements.gather(virtual_node).f));
+      if (gather.nodes.w[virtual_node.slot] > 0) sum.add(Vec3d(gather.virtual_node(virtual_node).f));
     // elements, contacts and inertia of nodes
     for_each_chunk(model, nullptr, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
