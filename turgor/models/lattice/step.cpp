@@ -1,5 +1,6 @@
 // One step of the lattice model: coarse space, sleep, predictor, sweeps with coarse corrections, velocities.
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
@@ -26,6 +27,8 @@ void check_springs(const Model& model, const Inputs& inputs) {
   if (inputs.springs == nullptr) return;
   TURGOR_ASSERT(model.params.solver.method == Method::kVbd, "springs at points need the VBD solver");
   TURGOR_ASSERT(inputs.halo == nullptr, "springs at points need the whole body in one process");
+  TURGOR_CHECK(is_ascending(inputs.springs->terms, &PointSpringTerm::corner),
+               "the corners of springs ascend");
 }
 
 struct StepPlan {

@@ -295,7 +295,10 @@ struct HostCorrection {
   std::vector<double> residual = {}, correction = {};  // three components per unknown [N] [m]
   SecantSearch search = {};
 
-  void restrict_residual() { residual = lattice::restrict_residual(exec, model, state, inputs, dt); }
+  void restrict_residual() {
+    if (inputs.springs && inputs.springs->refresh) inputs.springs->refresh(state);
+    residual = lattice::restrict_residual(exec, model, state, inputs, dt);
+  }
   void solve() { correction = state.workspace.coarse->factor.solve(residual); }
   void begin_search() { search.begin(work(residual, correction)); }
   void prolongate() {

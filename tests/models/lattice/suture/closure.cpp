@@ -1,0 +1,170 @@
+// Stitches close a wound with the forces that mechanics demands.
+#include "turgor/models/lattice/suture/closure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/models/lattice/wounded_block.hpp"
+#include "turgor/models/lattice/lattice.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+constexpr double kFrameTime = 1.0 / 60, kCell = 0.004;
+
+/// A bar under tense skin, fixed at both ends and cut through in its middle.
+struct HalfBodies {
+  Model model;
+  State state;
+  BladePath path;
+
+  HalfBodies(Int3 size, double tension) {
+    Params params = solid_params(5, 2, tension);
+    params.tissue.poisson = 0.45;
+    Block block{.size = size, .spacing = kCell, .young = 1e4};
+    block.is_fixed = [size](Int3 p) { return p.x == 0 || p.x == size.x - 1; };
+    model = block_model(block, params);
+    state = make_state(model);
+    const double x = (size.x / 2 + 0.37) * kCell, z = (size.z - 1) * kCell;
+    const Incision blade{.from = {x, 0, z}, .to = {x, (size.y - 1) * kCell, z}, .depth = size.z * kCell};
+    path = lay_blade(model, state, blade).value();
+    EXPECT_GT(cut_edges(model, state, path, 0, 1, 0), 100);
+  }
+  WoundClosure stitched(double spacing) const {
+    WoundClosure closure = lay_stitches(model, state.cuts, path, {.spacing = spacing}).value();
+    closure.thread = {.stiffness = 100, .strength = 20}, closure.pull_out = 20;
+    return closure;
+  }
+};
+
+/// Steps a body with a closure; `time` is that of the last step [s].
+void sew(const Exec& exec, const Model& model, State& state, const Pull& pull, int steps, double& time,
+         WoundClosure& closure) {
+  for (int n = 0; n < steps; n++) {
+    time += kFrameTime;
+    pull_stitches(state.motion, pull, time, closure);
+    PointSprings springs;
+    append_springs(closure, springs.all);
+    make_terms(springs);
+    springs.refresh = [&](const State& now) { update_springs(model, now.motion, closure, springs.all); };
+    ASSERT_TRUE(step(exec, model, state, {.springs = &springs}, kFrameTime).finite);
+    update_multipliers(model, state.motion, closure);
+    end_overloaded_stitches(state.motion, time, closure);
+  }
+}
+
+/// Force of skin and tissue through the section between node columns i and i + 1, by a difference of energies
+/// without the prestress [N].
+double section_force(const Model& model, const State& state, int column) {
+  constexpr double kShift = 1e-4;
+  double energies[2];
+  for (const int side : {0, 1}) {
+    State moved = state;
+    for (std::size_t s = 0; s < model.anatomy.tissue.size(); s++) {
+      if (!has_node(model, int(s)) || slot_node(model.anatomy.lattice, int(s)).x > column) continue;
+      moved.motion.u.x[s] += Real(side ? kShift : -kShift);
+    }
+    energies[side] = energy(Exec(1), model, moved);
+  }
+  double prestress = 0;
+  for (std::size_t n = 0; n < model.prestress_force.size(); n++)
+    if (slot_node(model.anatomy.lattice, model.anatomy.skin.nodes[n]).x <= column)
+      prestress += double(model.prestress_force[n].x);
+  return prestress - (energies[1] - energies[0]) / (2 * kShift);
+}
+
+// Two half bodies pulled together: the lips meet, every thread follows its law, and the closing force is the
+// integral of the tension over a section of the body.
+TEST(Closure, HalfBodiesCarryTension) {
+  HalfBodies body({27, 9, 6}, 38);
+  double time = 0;
+  for (int n = 0; n < 30; n++) step(Exec(1), body.model, body.state, {}, kFrameTime);
+  const double open = measure_wound(body.model, body.state, body.path, 0).gape_max;
+  WoundClosure closure = body.stitched(0.008);
+  ASSERT_EQ(closure.stitches.size(), 4u);
+  sew(Exec(1), body.model, body.state, {.duration = 0.4}, 130, time, closure);
+  Vec3d sum, moment;
+  double most = 0;
+  for (const Stitch& stitch : closure.stitches) {
+    const double k = closure.thread.stiffness / stitch.length,
+                 law = k * (loop_length(stitch, body.state.motion) - stitch.length);
+    EXPECT_EQ(stitch.phase, StitchPhase::kKnotted);
+    EXPECT_NEAR(stitch.tension, law, 1e-3 * law) << "N";
+    EXPECT_LT(gape_under(stitch, body.state.motion), 3e-4) << "m";
+    const std::vector<Vec3d> forces = stitch_forces(stitch, body.state.motion);
+    for (std::size_t p = 0; p < forces.size(); p++) {
+      sum += forces[p];
+      moment += cross(stitch.rest[p] + Vec3d(displacement(stitch.at[p], body.state.motion)), forces[p]);
+      most = std::max(most, norm(forces[p]));
+    }
+  }
+  EXPECT_LT(norm(sum), 1e-9 * most);
+  EXPECT_LT(norm(moment), 1e-9 * most);
+  const double closing = closing_force(closure, body.state.motion),
+               section = section_force(body.model, body.state, 6), ct = 38 * 8 * kCell;
+  std::printf("gape %.2f mm open; closing force %.4f N, section %.4f N, skin of the CT %.4f N\n", 1e3 * open,
+              closing, section, ct);
+  EXPECT_GT(open, 5e-3) << "m";
+  EXPECT_NEAR(closing, section, 0.01 * section) << "N";
+  // the free rim of the skin between lip and stitch retracts, so that the rest is stretched more
+  EXPECT_GT(closing, ct) << "N";
+  EXPECT_LT(closing, 1.3 * ct) << "N";
+}
+
+// A stitch tears out of the tissue, or its thread breaks, at the stated force.
+TEST(Closure, StitchesEndAtTheirStrength) {
+  for (const bool thread_is_weak : {false, true}) {
+    HalfBodies body({17, 7, 5}, 30);
+    WoundClosure closure = body.stitched(0.025);
+    ASSERT_EQ(closure.stitches.size(), 1u);
+    constexpr double kPull = 0.6, kSeconds = 1, kWeak = 0.31;
+    (thread_is_weak ? closure.thread.strength : closure.pull_out) = kWeak;
+    const Pull pull{.until_closed = false, .tension = kPull, .duration = kSeconds};
+    double time = 0, before = 0;
+    while (bears(closure.stitches[0].phase) || time == 0) {
+      ASSERT_LT(time, kSeconds);
+      before = closure.stitches[0].tension;
+      sew(Exec(1), body.model, body.state, pull, 1, time, closure);
+    }
+    EXPECT_EQ(closure.stitches[0].phase, thread_is_weak ? StitchPhase::kBroken : StitchPhase::kPulledOut);
+    // two strands at about a right angle act on a point of the tissue
+    const double step = kPull * kFrameTime / kSeconds, force = thread_is_weak ? 1 : std::sqrt(2.0);
+    EXPECT_LE(before, kWeak) << "N";
+    EXPECT_NEAR((before + step) * force, kWeak, thread_is_weak ? step : 0.2 * kWeak) << "N";
+    EXPECT_EQ(closing_force(closure, body.state.motion), 0);
+  }
+}
+
+// The state and the forces do not depend on the number of threads.
+TEST(Closure, SameBitsOnAnyThreads) {
+  double tension[3];
+  std::uint64_t hash[3];
+  for (const int run : {0, 1, 2}) {
+    HalfBodies body({17, 9, 6}, 38);
+    WoundClosure closure = body.stitched(0.016);
+    double time = 0;
+    sew(Exec(run == 0 ? 1 : run == 1 ? 2 : 8), body.model, body.state, {.duration = 0.2}, 12, time, closure);
+    tension[run] = closure.stitches[0].tension;
+    hash[run] = state_hash(body.model, body.state);
+  }
+  EXPECT_EQ(tension[0], tension[1]);
+  EXPECT_EQ(tension[0], tension[2]);
+  EXPECT_EQ(hash[0], hash[1]);
+  EXPECT_EQ(hash[0], hash[2]);
+}
+
+// A stitch through air is refused with the position.
+TEST(Closure, StitchThroughAirIsRefused) {
+  const HalfBodies body({17, 7, 5}, 30);
+  const auto refused = lay_stitches(
+      body.model, body.state.cuts, body.path,
+      {.through = {{{0.02, 0.01, 0.01}, {0.04, 0.01, 0.01}}, {{0.02, 0.01, 0.03}, {0.04, 0.01, 0.01}}}});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("through air at [0.02, 0.01, 0.03] m"), std::string::npos)
+      << refused.error().message;
+}
+
+}  // namespace
+}  // namespace turgor::lattice

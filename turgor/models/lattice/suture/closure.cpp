@@ -1,0 +1,252 @@
+// Forces of stitches and of wall contact, and their multipliers.
+#include "turgor/models/lattice/suture/closure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Share of the error that a step removes from a multiplier. Bodies settle in a few steps; larger values
+/// let soft bodies with inertia oscillate.
+constexpr double kRelaxation = 0.3;
+/// Gape at which lips count as closed [m].
+constexpr double kClosedGape = 1e-4;
+/// Shortest loop over its length in the CT. A tighter one would crush the tissue without closing the wound.
+constexpr double kShortestLoop = 0.7;
+
+/// Loop of a stitch at the present positions: unit directions from each point to the next, and lengths.
+struct Loop {
+  std::vector<Vec3d> direction;
+  std::vector<double> length;  // [m]
+
+  std::size_t before(std::size_t p) const { return (p + length.size() - 1) % length.size(); }
+  double total() const {
+    double sum = 0;
+    for (const double l : length) sum += l;
+    return sum;
+  }
+  /// Force at a point per tension: −∂L/∂x.
+  Vec3d pull(std::size_t p) const { return direction[p] - direction[before(p)]; }
+};
+
+Loop loop_of(const Stitch& stitch, const Motion& motion) {
+  const std::size_t count = stitch.rest.size();
+  std::vector<Vec3d> x(count);
+  for (std::size_t p = 0; p < count; p++) x[p] = stitch.rest[p] + Vec3d(displacement(stitch.at[p], motion));
+  Loop loop{std::vector<Vec3d>(count), std::vector<double>(count)};
+  for (std::size_t p = 0; p < count; p++) {
+    const Vec3d d = x[(p + 1) % count] - x[p];
+    loop.length[p] = std::max(norm(d), 1e-9);
+    loop.direction[p] = d / loop.length[p];
+  }
+  return loop;
+}
+
+/// Penalty stiffness near a cell, about that of its tissue and skin [N/m]. A stiffer one would slow the
+/// sweeps down; the multipliers bring what it lacks.
+double penalty_at(const Model& model, const EmbeddedPoint& point) {
+  const double young = double(model.anatomy.cell_young[std::size_t(point.cell)]),
+               spacing = double(model.anatomy.lattice.spacing.x);
+  return std::max(young, model.params.tissue.fat) * spacing +
+         (model.params.skin.enabled ? model.params.skin.stiffness : 0);
+}
+
+PointStiffness sum_of(const PointStiffness& a, const PointStiffness& b) {
+  return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
+/// k g gᵀ.
+PointStiffness outer(Vec3d g, double k) {
+  const double size = norm(g);
+  return axial_stiffness(Vec3(normalized(g)), Real(k * size * size), 0);
+}
+
+/// Penalty stiffness of a stitch with thread stiffness k per length [N/m].
+double penalty_of(const Model& model, const Thread& thread, const Stitch& stitch) {
+  return std::min(penalty_at(model, stitch.at[0]), thread.stiffness / stitch.length);
+}
+
+/// Updates a stitch and its springs. L = Σ |x_{p+1} − x_p|, multiplier λ, penalty κ:
+///   T = max(0, λ + κ (L − L₀)),  f_p = −T ∂L/∂x_p = T g
+/// A point's stiffness bounds its coupling with the n − 1 others: n κ g gᵀ + 2 T Σ (I − e eᵀ)/l.
+/// [Hestenes 1969]
+void update_stitch(const Model& model, const Motion& motion, const Thread& thread, Stitch& stitch,
+                   std::span<PointSpring> springs) {
+  const Loop loop = loop_of(stitch, motion);
+  const std::size_t count = stitch.rest.size();
+  // tension
+  double penalty = 0;
+  if (stitch.length > 0) {
+    penalty = penalty_of(model, thread, stitch);
+    stitch.tension = std::max(0.0, stitch.multiplier + penalty * (loop.total() - stitch.length));
+  }
+  // springs
+  const bool is_taut = stitch.tension > 0;
+  for (std::size_t p = 0; p < count; p++) {
+    const Vec3d g = loop.pull(p);
+    PointSpring& spring = springs[p];
+    spring.force = Vec3(g * stitch.tension);
+    spring.target = displacement(spring.at, motion);
+    spring.stiffness = outer(g, is_taut ? double(count) * penalty : 0);
+    for (const std::size_t segment : {p, loop.before(p)})
+      spring.stiffness = sum_of(
+          spring.stiffness,
+          axial_stiffness(Vec3(loop.direction[segment]), 0, Real(2 * stitch.tension / loop.length[segment])));
+  }
+}
+
+/// Distance of two wall points along the normal [m]; negative if they overlap.
+double gap_of(const WallPair& pair, const Motion& motion) {
+  return dot(Vec3d(displacement(pair.at.right, motion)) - Vec3d(displacement(pair.at.left, motion)),
+             pair.normal);
+}
+
+/// Updates a wall pair and its two springs: N = max(0, λ − κ n·(u_right − u_left)).
+void update_wall(const Model& model, const Motion& motion, WallPair& pair, std::span<PointSpring> springs) {
+  const double penalty = penalty_at(model, pair.at.left);
+  pair.force = std::max(0.0, pair.multiplier - penalty * gap_of(pair, motion));
+  const PointStiffness stiffness = outer(pair.normal, pair.force > 0 ? 2 * penalty : 0);
+  springs[0].force = Vec3(pair.normal * -pair.force), springs[1].force = Vec3(pair.normal * pair.force);
+  springs[0].target = displacement(pair.at.left, motion);
+  springs[1].target = displacement(pair.at.right, motion);
+  springs[0].stiffness = springs[1].stiffness = stiffness;
+}
+
+/// Pulls one stitch; `elapsed`: time since the start of the pull [s].
+void pull_stitch(const Motion& motion, const Pull& pull, double elapsed, const Thread& thread,
+                 Stitch& stitch) {
+  const double share = pull.duration > 0 ? elapsed / pull.duration : 1;
+  // length of the thread
+  if (pull.until_closed) {
+    const double rest = rest_length(stitch), way = std::max(stitch.before - rest, 0.1 * rest);
+    const bool is_closed = share >= 1 && gape_under(stitch, motion) <= kClosedGape;
+    if (is_closed || stitch.length == kShortestLoop * rest)
+      stitch.phase = StitchPhase::kKnotted;
+    else
+      stitch.length = std::max(stitch.before - share * way, kShortestLoop * rest);
+    return;
+  }
+  // tension
+  stitch.tension = pull.tension * std::min(1.0, share);
+  if (share < 1) return;
+  stitch.length = loop_length(stitch, motion) / (1 + stitch.tension / thread.stiffness);
+  stitch.multiplier = stitch.tension;
+  stitch.phase = StitchPhase::kKnotted;
+}
+
+bool is_active(const WoundClosure& closure) {
+  return std::any_of(closure.stitches.begin(), closure.stitches.end(),
+                     [](const Stitch& stitch) { return bears(stitch.phase); });
+}
+
+}  // namespace
+
+void pull_stitches(const Motion& motion, const Pull& pull, double time, WoundClosure& closure) {
+  if (time < pull.start) return;
+  for (Stitch& stitch : closure.stitches) {
+    if (stitch.phase == StitchPhase::kWaiting) {
+      stitch.phase = StitchPhase::kPulled;
+      stitch.before = loop_length(stitch, motion);
+    }
+    if (stitch.phase == StitchPhase::kPulled)
+      pull_stitch(motion, pull, time - pull.start, closure.thread, stitch);
+  }
+}
+
+double loop_length(const Stitch& stitch, const Motion& motion) { return loop_of(stitch, motion).total(); }
+
+double gape_under(const Stitch& stitch, const Motion& motion) {
+  if (!stitch.lips.parted) return 0;
+  return dot(Vec3d(displacement(stitch.lips.right, motion)) - Vec3d(displacement(stitch.lips.left, motion)),
+             stitch.across);
+}
+
+std::vector<Vec3d> stitch_forces(const Stitch& stitch, const Motion& motion) {
+  std::vector<Vec3d> forces(stitch.rest.size());
+  if (!bears(stitch.phase)) return forces;
+  const Loop loop = loop_of(stitch, motion);
+  for (std::size_t p = 0; p < forces.size(); p++) forces[p] = loop.pull(p) * stitch.tension;
+  return forces;
+}
+
+double closing_force(const WoundClosure& closure, const Motion& motion) {
+  double sum = 0;
+  for (const Stitch& stitch : closure.stitches) {
+    const std::vector<Vec3d> forces = stitch_forces(stitch, motion);
+    for (std::size_t p = 0; p < forces.size(); p++)
+      if (stitch.side[p] < 0) sum += dot(forces[p], stitch.across);
+  }
+  for (const WallPair& pair : closure.walls) sum -= pair.force;
+  return sum;
+}
+
+std::size_t spring_count(const WoundClosure& closure) {
+  if (!is_active(closure)) return 0;
+  std::size_t count = 0;
+  for (const Stitch& stitch : closure.stitches)
+    if (bears(stitch.phase)) count += stitch.at.size();
+  for (const WallPair& pair : closure.walls) count += pair.at.parted ? 2 : 0;
+  return count;
+}
+
+void append_springs(const WoundClosure& closure, std::vector<PointSpring>& springs) {
+  if (!is_active(closure)) return;
+  for (const Stitch& stitch : closure.stitches)
+    if (bears(stitch.phase))
+      for (const EmbeddedPoint& point : stitch.at) springs.push_back({.at = point});
+  for (const WallPair& pair : closure.walls)
+    if (pair.at.parted) springs.insert(springs.end(), {{.at = pair.at.left}, {.at = pair.at.right}});
+}
+
+void update_springs(const Model& model, const Motion& motion, WoundClosure& closure,
+                    std::span<PointSpring> springs) {
+  TURGOR_CHECK(springs.size() == spring_count(closure), "every point of a closure has a spring");
+  if (springs.empty()) return;
+  std::size_t next = 0;
+  for (Stitch& stitch : closure.stitches) {
+    if (!bears(stitch.phase)) continue;
+    update_stitch(model, motion, closure.thread, stitch, springs.subspan(next, stitch.at.size()));
+    next += stitch.at.size();
+  }
+  for (WallPair& pair : closure.walls) {
+    if (!pair.at.parted) continue;
+    update_wall(model, motion, pair, springs.subspan(next, 2));
+    next += 2;
+  }
+}
+
+void update_multipliers(const Model& model, const Motion& motion, WoundClosure& closure) {
+  if (!is_active(closure)) return;
+  // threads: the error of the law T = k (L − L₀)
+  for (Stitch& stitch : closure.stitches) {
+    if (!bears(stitch.phase) || stitch.length == 0) continue;
+    const double k = closure.thread.stiffness / stitch.length,
+                 error = loop_length(stitch, motion) - stitch.length - stitch.tension / k;
+    stitch.multiplier =
+        std::max(0.0, stitch.multiplier + kRelaxation * penalty_of(model, closure.thread, stitch) * error);
+  }
+  // walls: the overlap
+  for (WallPair& pair : closure.walls)
+    if (pair.at.parted)
+      pair.multiplier = std::max(
+          0.0, pair.multiplier - kRelaxation * penalty_at(model, pair.at.left) * gap_of(pair, motion));
+}
+
+void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& closure) {
+  for (Stitch& stitch : closure.stitches) {
+    if (!bears(stitch.phase)) continue;
+    double most = 0;
+    for (const Vec3d f : stitch_forces(stitch, motion)) most = std::max(most, norm(f));
+    const bool breaks = stitch.tension > closure.thread.strength, tears = most > closure.pull_out;
+    if (!breaks && !tears) continue;
+    stitch.phase = breaks ? StitchPhase::kBroken : StitchPhase::kPulledOut;
+    stitch.tension = stitch.multiplier = 0, stitch.ended = time;
+  }
+  if (!is_active(closure))
+    for (WallPair& pair : closure.walls) pair.force = pair.multiplier = 0;
+}
+
+}  // namespace turgor::lattice
