@@ -10,12 +10,6 @@ namespace turgor::contact {
 
 namespace {
 
-double path_fraction(const FreeMotionInterpolation& path) { return double(path.done) / double(path.ticks); }
-
-Vec3d interpolated_motion(const FreeMotionInterpolation& path, std::size_t vertex, double fraction) {
-  return path.from[vertex] * (1 - fraction) + path.to[vertex] * fraction;
-}
-
 /// Sets the patch points' displacements without tools.
 void set_offsets(SfemTouch& touch) {
   FreeMotionInterpolation& path = touch.free;
@@ -51,6 +45,34 @@ ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
   return reading;
 }
 
+/// Displacement of the vertices around a needle that it does not cause.
+void set_needle_motion(NeedleState& needle) {
+  FreeMotionInterpolation& path = needle.motion;
+  if (!path.moves) return;
+  path.done = std::min(path.done + 1, path.ticks);
+  const double fraction = path_fraction(path);
+  for (std::size_t v = 0; v < needle.free.size(); v++)
+    needle.free[v] = interpolated_motion(path, v, fraction);
+}
+
+/// Ticks the tools that are needles.
+void tick_needles(SfemTouch& touch, std::span<ToolReading> readings) {
+  if (!touch.needles.inner) return;
+  for (std::size_t t = 0; t < touch.tools.size(); t++) {
+    if (!touch.tools[t].needle) continue;
+    NeedleState& needle = touch.needles.needles[t];
+    set_needle_motion(needle);
+    const std::span<const Vec3d> free =
+        needle.motion.moves ? std::span<const Vec3d>(needle.free) : std::span<const Vec3d>();
+    readings[t] = tick_needle(*touch.needles.inner, *touch.tools[t].needle, free, touch.poses[t].pose,
+                              touch.stiffness_scale, needle);
+    ToolForce& force = touch.forces[t];
+    force.force = readings[t].force / touch.stiffness_scale;
+    force.torque = readings[t].torque / touch.stiffness_scale;
+    force.contacts = readings[t].contacts, force.beyond_patch = readings[t].beyond_patch;
+  }
+}
+
 }  // namespace
 
 SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<Tool> tools,
@@ -81,12 +103,12 @@ void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, do
   blend(touch.follow, touch.state, dt, touch.forces);
   // readings
   for (std::size_t t = 0; t < commands.size(); t++) readings[t] = reading_of(touch, t);
+  tick_needles(touch, readings);
   touch.ticks++;
 }
 
-void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks) {
+void start_motion(FreeMotionInterpolation& path, std::span<const Vec3d> to, long ticks) {
   if (to.empty()) return;
-  FreeMotionInterpolation& path = touch.free;
   TURGOR_ASSERT(to.size() == path.to.size(), "one free motion a vertex");
   // start from the present value of the interpolation
   if (path.done >= path.ticks || !path.moves)
@@ -97,6 +119,28 @@ void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks) {
   std::copy(to.begin(), to.end(), path.to.begin());
   path.moves = true;
   path.ticks = std::max(1l, ticks), path.done = 0;
+}
+
+void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks) {
+  start_motion(touch.free, to, ticks);
+}
+
+void take_needle_motion(SfemTouch& touch, std::span<const std::vector<Vec3d>> to, long ticks) {
+  TURGOR_ASSERT(to.empty() || to.size() == touch.needles.needles.size(), "one motion a tool");
+  for (std::size_t t = 0; t < to.size(); t++) start_motion(touch.needles.needles[t].motion, to[t], ticks);
+}
+
+void add_needles(SfemTouch& touch, std::shared_ptr<const sfem::InnerGreen> inner) {
+  touch.needles.inner = std::move(inner);
+  const std::size_t vertices = touch.needles.inner->vertices.size();
+  for (const Tool& tool : touch.tools) {
+    NeedleState needle;
+    if (tool.needle) {
+      needle = make_needle_state(*tool.needle);
+      needle.free.resize(vertices), needle.motion.from.resize(vertices), needle.motion.to.resize(vertices);
+    }
+    touch.needles.needles.push_back(std::move(needle));
+  }
 }
 
 Handover take_patch(SfemTouch& touch, const FinishedPatch& offer) {
@@ -126,6 +170,14 @@ void publish(const SfemTouch& touch, SfemTouchSnapshot& now) {
   // contact centers
   now.contact_centers.resize(touch.tools.size());
   find_contact_centers(*touch.patch, touch.state, now.contact_centers);
+  // forces of needles
+  if (!touch.needles.inner) return;
+  now.needle_forces.resize(touch.tools.size());
+  for (std::size_t t = 0; t < touch.tools.size(); t++) {
+    if (!touch.tools[t].needle) continue;
+    now.needle_forces[t].assign(touch.needles.inner->vertices.size(), {});
+    add_needle_forces(*touch.needles.inner, touch.needles.needles[t], now.needle_forces[t]);
+  }
 }
 
 void reserve_like(const SfemTouch& touch, SfemTouchSnapshot& now) {
@@ -152,6 +204,7 @@ void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<cons
   if (exchange.motion.has_news()) {
     const FreeMotion& motion = exchange.motion.read();
     take_free_motion(touch, motion.to, motion.ticks);
+    take_needle_motion(touch, motion.of_needles, motion.ticks);
     touch.motion_number = motion.number, touch.stiffness_scale = motion.stiffness_scale;
     TURGOR_ASSERT(motion.friction.size() <= touch.tools.size(), "at most one friction a tool");
     for (std::size_t t = 0; t < motion.friction.size(); t++) touch.tools[t].friction = motion.friction[t];

@@ -15,20 +15,14 @@
 #include <span>
 #include <vector>
 
+#include "turgor/contact/free_motion.hpp"
+#include "turgor/contact/needle_touch.hpp"
 #include "turgor/contact/patch_follow.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/core/latest.hpp"
 
 namespace turgor::contact {
-
-/// Free motion of the vertices (motion not caused by tools), interpolated linearly from one frame to the
-/// next.
-struct FreeMotionInterpolation {
-  bool moves = false;
-  std::vector<Vec3d> from, to;  // [m]
-  long ticks = 1, done = 0;     // length of the interpolation and ticks done [ticks]
-};
 
 /// State owned by the haptic thread.
 struct SfemTouch {
@@ -44,6 +38,7 @@ struct SfemTouch {
   Handover handover;              // of the last change of patch
   std::vector<ToolPose> poses;    // of the last tick
   std::vector<ToolForce> forces;  // of the last tick, with more detail than ToolReading
+  NeedleTouch needles;            // of tools that are needles
 };
 
 struct SfemTouchParams {
@@ -62,6 +57,12 @@ void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, do
 /// Starts an interpolation of the free motion from its present value to `to` over `ticks` ticks [m]. Does
 /// nothing if `to` is empty.
 void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks);
+
+/// The same for the motion of the vertices around each needle that is not caused by that needle; one list a
+/// tool.
+void take_needle_motion(SfemTouch& touch, std::span<const std::vector<Vec3d>> to, long ticks);
+/// Needles of a touch, with the Green's functions around them.
+void add_needles(SfemTouch& touch, std::shared_ptr<const sfem::InnerGreen> inner);
 
 /// A finished patch. Its builder keeps a reference until it holds the last one, because the haptic thread
 /// must not free memory.
@@ -87,6 +88,8 @@ struct SfemTouchSnapshot {
   std::vector<ToolPose> poses;
   std::vector<ToolForce> forces;
   std::vector<ContactCenter> contact_centers;
+  std::vector<std::vector<Vec3d>>
+      needle_forces;  // of each tool, on the vertices of NeedleTouch::inner, at a stiffness_scale of 1 [N]
 };
 /// Fills a snapshot. Does not allocate after reserve_like.
 void publish(const SfemTouch& touch, SfemTouchSnapshot& now);
@@ -94,11 +97,12 @@ void reserve_like(const SfemTouch& touch, SfemTouchSnapshot& now);
 
 /// Free motion of all vertices in the next frame, and changed parameters.
 struct FreeMotion {
-  std::vector<Vec3d> to;         // target displacement of every vertex; empty = no motion [m]
-  long ticks = 1;                // number of ticks in that frame
-  double stiffness_scale = 1;    // see SfemTouch
-  std::vector<double> friction;  // one per tool; empty = unchanged
-  long number = 0;               // number of motions published
+  std::vector<Vec3d> to;                       // target displacement of every vertex; empty = no motion [m]
+  long ticks = 1;                              // number of ticks in that frame
+  double stiffness_scale = 1;                  // see SfemTouch
+  std::vector<double> friction;                // one per tool; empty = unchanged
+  std::vector<std::vector<Vec3d>> of_needles;  // of each tool: target of NeedleState::motion; empty = none
+  long number = 0;                             // number of motions published
 };
 
 /// Channels between the haptic thread and the frame thread.

@@ -76,6 +76,7 @@ int prepare_poses(Tick& tick) {
       forget_tool(tick.state, int(i));
       continue;
     }
+    if (tick.tools[i].needle) continue;
     // substeps by the tool's motion; a jump discards its contacts
     const double substeps =
         memory.seen ? motion(shape, memory.pose, pose) / (kMaxMotion * tip_radius(shape)) : 0;

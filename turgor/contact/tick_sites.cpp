@@ -98,7 +98,7 @@ void find_sites_of_all_tools(Tick& tick) {
   hold_sites(tick);
   // sites of each tool within its share of the capacity
   for (std::size_t i = 0; i < tick.tools.size(); i++) {
-    if (tick.forces[i].invalid_pose) continue;
+    if (tick.forces[i].invalid_pose || tick.tools[i].needle) continue;
     ToolMemory& memory = state.tools[i];
     const Shape& shape = tick.tools[i].shape;
     const Pose pose = tick.pose(i);

@@ -68,7 +68,7 @@ void sum_forces(const Tick& tick) {
   // penetration
   for (std::size_t i = 0; i < tick.tools.size(); i++) {
     tick.forces[i].inside = state.tools[i].inside;
-    if (!tick.forces[i].invalid_pose && !state.tools[i].inside)
+    if (!tick.forces[i].invalid_pose && !state.tools[i].inside && !tick.tools[i].needle)
       tick.forces[i].largest_penetration = largest_penetration(tick, i, tick.poses[i].pose);
   }
 }

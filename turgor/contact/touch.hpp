@@ -9,10 +9,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "turgor/contact/coulomb.hpp"
+#include "turgor/contact/needle.hpp"
 #include "turgor/contact/sites.hpp"
 #include "turgor/contact/tool.hpp"
 #include "turgor/contact/viscosity.hpp"
@@ -22,7 +24,8 @@ namespace turgor::contact {
 
 struct Tool {
   Shape shape;
-  double friction = 0.3;  // Coulomb's μ [1]
+  double friction = 0.3;              // Coulomb's μ [1]
+  std::optional<Needle> needle = {};  // has no contact sites: needle_touch.hpp solves it; `shape` is its tip
 };
 
 struct ToolPose {

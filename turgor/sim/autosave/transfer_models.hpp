@@ -233,6 +233,25 @@ void transfer(File& file, contact::FreeMotionInterpolation& free) {
   transfer_all(file, moves, from, to, ticks, done);
 }
 
+template <class File>
+void transfer(File& file, contact::NeedleTrack& track) {
+  auto& [points, force, compliance, length, entry, is_through, order] = track;
+  transfer_all(file, points, force, compliance, length, entry, is_through, order);
+}
+template <class File>
+void transfer(File& file, contact::NeedleState& state) {
+  auto& [phase, seen, pose, track, inserted, force, torque, tip_force, entry_force, punctures, made, sweeps,
+         beyond, work, reading, tracks, motion, free, x, force_on] = state;
+  transfer_all(file, phase, seen, pose, track, inserted, force, torque, tip_force, entry_force, punctures,
+               made, sweeps, beyond, work, reading, tracks, motion, free, x, force_on);
+}
+/// Without the Green's functions, which loading solves again.
+template <class File>
+void transfer(File& file, contact::NeedleTouch& touch) {
+  auto& [inner, needles] = touch;
+  transfer(file, needles);
+}
+
 // Rhombus ------------------------------------------------------------------------------------------
 
 template <class File>

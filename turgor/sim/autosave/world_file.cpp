@@ -63,16 +63,16 @@ void transfer(File& file, ClothLoad& load) {
 template <class File>
 void transfer(File& file, contact::SfemTouch& touch) {
   auto& [patch, tools, follow, stiffness_scale, state, free, patch_number, motion_number, ticks, handover,
-         poses, forces] = touch;
+         poses, forces, needles] = touch;
   transfer_all(file, patch, follow, stiffness_scale, state, free, patch_number, motion_number, ticks,
-               handover, poses, forces);
+               handover, poses, forces, needles);
 }
 template <class File>
 void transfer(File& file, contact::SfemTouchSnapshot& now) {
   auto& [patch, patch_number, ticks, force_jump, x, force, history, stiffening, stiffness_scale, poses,
-         forces, centers] = now;
+         forces, centers, needle_forces] = now;
   transfer_all(file, patch, patch_number, ticks, force_jump, x, force, history, stiffening, stiffness_scale,
-               poses, forces, centers);
+               poses, forces, centers, needle_forces);
 }
 /// Without the stiffness matrices of the loaded body.
 template <class File>
@@ -91,14 +91,20 @@ void transfer(File& file, FreeDisplacement& free) {
   transfer_all(file, before, now, number);
 }
 template <class File>
+void transfer(File& file, NeedleDisplacement& needles) {
+  auto& [displacement, motion] = needles;
+  transfer_all(file, displacement, motion);
+}
+template <class File>
 void transfer_body(File& file, SfemBody& body) {
   TURGOR_ASSERT(!body.haptic && (!body.worker || !body.worker->is_busy()),
                 "a state is written between two frames without a haptic thread");
   if (body.turning) transfer(file, *body.turning);  // made by loading
-  transfer_all(file, body.press, body.free, body.stiffness_scale, body.friction, body.refinement,
-               body.radius_is_open, body.refinement_is_open, body.contacts, body.patch_memory, body.follow,
-               body.centers, body.patches, body.now, body.touch, body.built_patches, body.patch_is_ready,
-               body.rebuilds, body.rejected_patches, body.rejection_reason);
+  transfer_all(file, body.press, body.free, body.needles, body.stiffness_scale, body.friction,
+               body.refinement, body.radius_is_open, body.refinement_is_open, body.contacts,
+               body.patch_memory, body.follow, body.centers, body.patches, body.now, body.touch,
+               body.built_patches, body.patch_is_ready, body.rebuilds, body.rejected_patches,
+               body.rejection_reason);
 }
 
 template <class File>
@@ -173,7 +179,9 @@ void transfer_world(File& file, World& world) {
   transfer(file, world.frame);
   for_each_body(world, [&](BodyId, auto& body) { transfer_body(file, body); });
   for (Cut& cut : world.cuts) transfer_all(file, cut.path, cut.done, cut.edges);
-  for (TouchingTool& tool : world.tools) transfer_all(file, tool.grip, tool.samples, tool.limits);
+  for (TouchingTool& tool : world.tools)
+    transfer_all(file, tool.grip, tool.samples, tool.limits, tool.needle_work, tool.punctures,
+                 tool.entry_force);
 }
 
 /// With a store on demand: fetches the columns of Green's functions for patches and forces of the state.

@@ -57,7 +57,7 @@ std::string force_error_warning(const World& world, const TouchingTool& tool) {
 std::optional<sfem::TouchedElements> touched_elements(const World& world, const TouchingTool& tool) {
   // only a loaded finite-element body has touched elements
   const double radius = radius_of(tool.tool.shape), depth = deepest(tool);
-  if (tool.body.kind != BodyKind::kSfem || depth <= 0 || radius <= 0) return {};
+  if (tool.body.kind != BodyKind::kSfem || tool.tool.needle || depth <= 0 || radius <= 0) return {};
   const SfemBody& body = world.sfem_bodies[std::size_t(tool.body.index)];
   // contact radius by Hertz: sqrt(radius * depth)
   return sfem::touched_elements(body.model, body.now.patch->elements, body.refinement, body.follow.radius,

@@ -104,6 +104,7 @@ bool is_commanded(const TouchingTool& tool, const ForceSample& sample) {
 }  // namespace
 
 std::optional<SurfacePassage> surface_passage(const World& world, const TouchingTool& tool) {
+  if (tool.tool.needle) return {};  // goes below the surface
   // jumps of the path that the models do not resolve
   const double far = kResolvedRadii * contact::tip_radius(tool.tool.shape);
   std::optional<RestBody> body;

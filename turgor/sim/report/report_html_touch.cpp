@@ -42,6 +42,27 @@ Plot profile_plot(const Json& profiles) {
   return plot;
 }
 
+/// Force of every needle over its depth, with its parts.
+std::string needle_plots(const Json& tools) {
+  std::string html;
+  for (const Json& tool : tools) {
+    if (!tool.contains("needle")) continue;
+    Plot plot{"Needle " + tool.at("name").get<std::string>(),
+              "depth of the tip [mm]",
+              "force along the needle [N]",
+              {}};
+    const std::pair<const char*, const char*> kParts[] = {{"whole force", "force_N"},
+                                                          {"cutting", "cutting_N"},
+                                                          {"spreading", "spreading_N"},
+                                                          {"friction", "friction_N"}};
+    for (const auto& [label, column] : kParts)
+      plot.curves.push_back(curve_of(label, tool.at("needle"), {}, "depth_mm", column));
+    keep_touching(plot);
+    html += plot_html(plot);
+  }
+  return html;
+}
+
 }  // namespace
 
 std::string touch_curves(const Json& report) {
@@ -59,7 +80,7 @@ std::string touch_curves(const Json& report) {
          plot_html(with_inclusion_marks(tool_plot(tools, "Force along the path", "path of the tool [mm]",
                                                   "force [N]", "path_mm", "force_N"),
                                         tools, "from_mm", "to_mm")) +
-         plot_html(depth) +
+         plot_html(depth) + needle_plots(tools) +
          plot_html(tool_plot(tools, "Contacts", "time [s]", "contact sites", "time_s", "contacts")) +
          plot_html(profile_plot(report.value("profiles", Json::array()))) + "</div>\n";
 }

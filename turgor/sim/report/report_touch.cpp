@@ -14,6 +14,7 @@
 #include "turgor/sim/report/missed_body.hpp"
 #include "turgor/sim/report/passed_surface.hpp"
 #include "turgor/sim/report/report_compare.hpp"
+#include "turgor/sim/report/report_needle.hpp"
 #include "turgor/sim/report/section.hpp"
 
 namespace turgor {
@@ -45,6 +46,10 @@ struct ShapeText {
   std::string operator()(const MeshTool& s) const { return s.file.string(); }
   std::string operator()(const ForcepsTool& s) const {
     return fmt::format("forceps, opening {:.4g} mm", s.opening * kMm);
+  }
+  std::string operator()(const NeedleTool& s) const {
+    return fmt::format("needle of {:.4g} mm, length {:.4g} mm", s.needle.diameter * kMm,
+                       s.needle.length * kMm);
   }
 };
 
@@ -191,7 +196,8 @@ struct ToolInput {
   const World& world;
   ForceSample most;  // with the largest force
   int contacts = 0;
-  double depth = 0;  // [m]
+  double depth = 0;     // [m]
+  double inserted = 0;  // of a needle [m]
   bool beyond = false;
   std::optional<SurfacePassage> passage;
   std::vector<double>
@@ -209,6 +215,7 @@ ToolInput tool_input(const ToolScene& scene, const TouchingTool& tool, const Wor
     if (norm(s.force) > norm(input.most.force)) input.most = s;
     input.contacts = std::max(input.contacts, s.contacts);
     input.depth = std::max(input.depth, s.depth);
+    input.inserted = std::max(input.inserted, s.needle.inserted);
     input.beyond = input.beyond || s.beyond_patch;
     if (!s.new_patch && s.tick_seconds > 0) input.tick_seconds.push_back(s.tick_seconds);
   }
@@ -254,6 +261,11 @@ const Quantity<T> kTool[] = {
      [](const T& t) -> Json { return t.passage ? Json(t.passage->time) : absent(); }},
     {"force_every", kMilliseconds, "interval of forces",
      [](const T& t) -> Json { return force_interval(t.world, t.tool.body); }},
+    {"needle_entry_force", kNewtons, "force of the first puncture",
+     [](const T& t) { return t.tool.punctures > 0 ? Json(t.tool.entry_force) : absent(); }, kEverywhere,
+     "force that punctures for {}"},
+    {"needle_inserted_max", kMillimeters, "longest shaft in the tissue",
+     [](const T& t) { return t.tool.tool.needle ? Json(t.inserted) : absent(); }, kEverywhere},
     {"ticks", kCount, "forces", [](const T& t) -> Json { return t.tool.samples.size(); }},
     {"tick_p50", kMicroseconds, "time per force, median",
      [](const T& t) -> Json { return wall_time(t.tick_seconds, 0.5); }, kEverywhere,
@@ -321,6 +333,7 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
   const std::size_t stride =
       std::max<std::size_t>(1, (tool.samples.size() + kMostSamples - 1) / kMostSamples);
   add_rows(json, "series_columns", "series", kForces, tool.samples, stride);
+  if (tool.tool.needle) json["needle"] = needle_report(tool);
   if (tool.body.kind == BodyKind::kSfem)
     json["over"] = over_inclusions(tool.samples, world.sfem_bodies[std::size_t(tool.body.index)].inside);
   return json;

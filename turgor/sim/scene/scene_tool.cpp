@@ -43,17 +43,46 @@ ForcepsTool read_forceps(SceneTable& shape) {
   return forceps;
 }
 
+/// Needle of the scene. Its number of track points is limited.
+NeedleTool read_needle(SceneTable& shape) {
+  contact::Needle needle;
+  shape.read(
+      "needle", needle.length, inside(0, 0.3, "m"),
+      {"a needle of this length, with its tip at the tool's origin and its shaft along z (docs/needle.md)",
+       "none"});
+  shape.read("diameter", needle.diameter, inside(0, 0.01, "m"), "of a needle: diameter of the shaft");
+  shape.read("tip_angle", needle.tip_angle, inside(1, 120, "degrees"), "of a needle: full angle of its cone");
+  shape.read("toughness", needle.toughness, within(0, 1e5, "J/m²"),
+             "of a needle: work to tear the tissue, per area");
+  shape.read("entry_toughness", needle.entry_toughness, within(0, 1e5, "J/m²"),
+             "of a needle: the same of the surface or capsule that it punctures");
+  shape.read("shaft_friction", needle.friction, within(0, 1e4, "N/m"),
+             "of a needle: friction force per length of the shaft in the tissue");
+  shape.read("spreading", needle.spreading, within(0, 1e8, "Pa"),
+             "of a needle: pressure of the tissue on the tip, which spreads the crack");
+  shape.read("spacing", needle.spacing, inside(1e-4, 0.01, "m"),
+             "of a needle: distance of the points along its track");
+  const double points = needle.length / needle.spacing + 2;
+  if (points > contact::kMostNeedlePoints)
+    shape.fail("spacing",
+               fmt::format("expected at most {} points along a needle, found {:.0f}: a length of {} m at a "
+                           "spacing of {} m",
+                           contact::kMostNeedlePoints, points, needle.length, needle.spacing));
+  return {needle};
+}
+
 /// Refuses a second shape, which would be ignored without a message.
 void check_one_shape(SceneTable& tool, SceneTable& shape) {
   std::string given;
-  for (const char* kind : {"sphere", "capsule", "mesh", "forceps"}) {
+  for (const char* kind : {"sphere", "capsule", "mesh", "forceps", "needle"}) {
     if (!shape.has(kind)) continue;
     if (!given.empty())
       shape.fail(kind, fmt::format("a tool has one shape: either {} or {}, not both", given, kind));
     given = given.empty() ? kind : given;
     shape.find(kind);
   }
-  if (tool.has("shape")) shape.require({"sphere", "capsule", "mesh", "forceps"}, "a shape for the tool");
+  if (tool.has("shape"))
+    shape.require({"sphere", "capsule", "mesh", "forceps", "needle"}, "a shape for the tool");
 }
 
 ToolShape read_shape(SceneTable& tool) {
@@ -74,6 +103,8 @@ ToolShape read_shape(SceneTable& tool) {
     made = rod;
   } else if (shape.has("forceps")) {
     made = read_forceps(shape);
+  } else if (shape.has("needle")) {
+    made = read_needle(shape);
   } else if (shape.has("mesh")) {
     MeshTool mesh;
     shape.read_path("mesh", mesh.file, {"a closed surface", "none"});
@@ -144,6 +175,7 @@ Press read_press(SceneTable table) {
   table.read("duration", press.duration, inside(0, 3600, "s"),
              "duration of the approach, and of the retreat");
   table.read("hold", press.hold, not_negative("s"), "pause before and after sliding, or pulling");
+  table.read("times", press.times, within(1, 100), "presses one after the other, each with its retreat");
   if (slides)
     table.read("slide", press.slide, inside(0, 3600, "s"), "duration of the slide from `at` to `to`");
   table.finish();
@@ -230,6 +262,12 @@ ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene&
                 "the name of a body with `model = \"sfem\"`, `\"rhombus\"`, `\"lattice\"` or `\"cloth\"`");
   made.body = read_touched(tool, scene);
   made.shape = read_shape(tool);
+  if (std::holds_alternative<NeedleTool>(made.shape) && made.body.kind != BodyKind::kSfem && tool.has("body"))
+    tool.fail(
+        "shape",
+        fmt::format("expected a body with model = \"sfem\" for a needle, found model = \"{}\", which has "
+                    "no needles yet",
+                    model_name(made.body.kind)));
   tool.read("friction", made.friction, within(0, 10),
             "Coulomb friction coefficient; rhombus chains have no friction");
   made.motion = read_motion(tool);

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "turgor/contact/needle.hpp"
 #include "turgor/contact/patch_follow.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/geometry/up_axis.hpp"
@@ -132,7 +133,11 @@ struct ForcepsTool {
   double opening = 0.012;      // distance between the tips when open [m]
   double closing = 0.3;        // duration from open to closed, and back [s]
 };
-using ToolShape = std::variant<BallTool, RodTool, MeshTool, ForcepsTool>;
+/// A needle, with its tip at the tool's origin and its shaft along the z axis.
+struct NeedleTool {
+  contact::Needle needle;
+};
+using ToolShape = std::variant<BallTool, RodTool, MeshTool, ForcepsTool, NeedleTool>;
 
 /// Pose of a tool at a time.
 struct PathRow {
@@ -158,6 +163,7 @@ struct Press {
   double duration = 0.5;  // from contact to `depth`, and back [s]
   double hold = 0.2;      // at `at` before sliding, and at `to` after it [s]
   double slide = 0;       // from `at` to `to`; 0 = no sliding [s]
+  int times = 1;          // presses one after the other, each with its retreat
 };
 /// Press along the surface normal, grasp, pull outward and sideways, and release. Applies to every body.
 struct Grasp {

@@ -10,6 +10,7 @@
 #include "turgor/geometry/body_location.hpp"
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
+#include "turgor/geometry/signed_distance.hpp"
 #include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 
@@ -22,6 +23,7 @@ struct MadeShape {
   contact::Shape shape;
   TriMesh mesh;
   std::optional<contact::Forceps> forceps;
+  std::optional<contact::Needle> needle = {};
 };
 
 /// Forceps from a surface with two components, the jaws.
@@ -50,6 +52,14 @@ Result<MadeShape> make_shape(const ToolShape& given) {
     Result<contact::Shape> shape = contact::mesh_shape(closed);
     if (!shape) return Error{fmt::format("the forceps: {}", shape.error().message)};
     return MadeShape{std::move(*shape), std::move(closed), std::move(*forceps)};
+  }
+  if (const auto* given_needle = std::get_if<NeedleTool>(&given)) {
+    const contact::Needle& needle = given_needle->needle;
+    MadeShape made{contact::Sphere{needle.diameter / 2},
+                   needle_mesh(needle.diameter, contact::cone_length(needle), needle.length),
+                   {}};
+    made.needle = needle;
+    return made;
   }
   // mesh file
   const MeshTool& file = std::get<MeshTool>(given);
@@ -111,6 +121,25 @@ void note_moved_targets(const ToolScene& scene, const std::string& body, const R
     note_moved("grasp.at", grasp->at, surface, body, width, notes);
 }
 
+/// Refuses a needle that starts inside of the body, or that is shorter than its way into it.
+Status check_needle_path(const TouchingTool& tool, const std::string& body, const RestSurface& surface) {
+  const SignedDistance distance = distance_to_surface(mesh_of(surface.vertices, surface.triangles));
+  for (std::size_t r = 0; r < tool.path.rows.size(); r++) {
+    const PathRow& row = tool.path.rows[r];
+    const double depth = -distance.at(row.position);
+    if (r == 0 && depth > 0)
+      return Error{fmt::format(
+          "expected a needle that starts outside of {}, found its tip {:.4g} m below the surface at "
+          "{:.4g} s",
+          body, depth, row.time)};
+    if (depth > tool.tool.needle->length)
+      return Error{fmt::format(
+          "expected a way into {} of at most the needle's length, {:.4g} m, found {:.4g} m at {:.4g} s", body,
+          tool.tool.needle->length, depth, row.time)};
+  }
+  return Done{};
+}
+
 }  // namespace
 
 Result<TouchingTool> load_tool_shape(const ToolScene& scene) {
@@ -118,7 +147,7 @@ Result<TouchingTool> load_tool_shape(const ToolScene& scene) {
   tool.name = scene.name, tool.body = scene.body;
   Result<MadeShape> made = make_shape(scene.shape);
   if (!made) return Error{fmt::format("{}: {}", scene.source_location, made.error().message)};
-  tool.tool = {std::move(made->shape), scene.friction};
+  tool.tool = {std::move(made->shape), scene.friction, made->needle};
   tool.mesh = std::move(made->mesh);
   tool.forceps = std::move(made->forceps);
   if (const auto* jaws = std::get_if<ForcepsTool>(&scene.shape)) tool.closing_time = jaws->closing;
@@ -153,6 +182,9 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
   tool.path = std::move(*path);
 
   TURGOR_CHECK(!tool.path.rows.empty() || !tool.hand.empty(), "a loaded tool has a path");
+  if (tool.tool.needle)
+    if (const Status status = check_needle_path(tool, body, surface); !status)
+      return Error{fmt::format("{}: {}", scene.source_location, status.error().message)};
   // log and notes
   tool.samples.start(command_at(tool, 0));
   note_moved_targets(scene, body, surface, tool_width, tool.notes);

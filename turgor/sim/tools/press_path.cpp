@@ -141,25 +141,32 @@ ToolPath press_path(const RestSurface& surface, const Press& press, double tip, 
     return sample_surface(surface, press.at * (1 - s) + press.to * s, press.by_fraction, reach);
   };
 
-  // approach
+  // the first press starts above the surface
   const SurfaceSample first = sample_at(0), last = press.slide > 0 ? sample_at(1) : first;
   ToolPath path{.rows = {row_above(first, press.start, up)}, .smooth = true};
-  double time = press.start + press.duration;
-  path.rows.push_back(row_above(first, time, down));
-  if (press.hold > 0) path.rows.push_back(row_above(first, time += press.hold, down));
+  double time = press.start;
+  const auto add_press = [&] {
+    // approach
+    path.rows.push_back(row_above(first, time += press.duration, down));
+    if (press.hold > 0) path.rows.push_back(row_above(first, time += press.hold, down));
 
-  // slide
-  if (press.slide > 0) {
-    for (int n = 1; n <= kSlideRows; n++) {
-      const double s = double(n) / kSlideRows;
-      path.rows.push_back(row_above(sample_at(s), time + s * press.slide, down));
+    // slide
+    if (press.slide > 0) {
+      for (int n = 1; n <= kSlideRows; n++) {
+        const double s = double(n) / kSlideRows;
+        path.rows.push_back(row_above(sample_at(s), time + s * press.slide, down));
+      }
+      time += press.slide;
+      if (press.hold > 0) path.rows.push_back(row_above(last, time += press.hold, down));
     }
-    time += press.slide;
-    if (press.hold > 0) path.rows.push_back(row_above(last, time += press.hold, down));
-  }
 
-  // retreat
-  path.rows.push_back(row_above(last, time + press.duration, up));
+    // retreat
+    path.rows.push_back(row_above(last, time += press.duration, up));
+  };
+  for (int n = 0; n < press.times; n++) {
+    if (n > 0 && press.slide > 0) path.rows.push_back(row_above(first, time += press.duration, up));
+    add_press();
+  }
   TURGOR_CHECK(is_ascending(path.rows, &PathRow::time), "the times of a path ascend");
   return path;
 }

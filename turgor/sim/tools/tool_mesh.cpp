@@ -61,6 +61,11 @@ TriMesh capsule_mesh(double radius, double half_length) {
   return round_mesh(rings, {}, {0, 0, 1});
 }
 
+TriMesh needle_mesh(double diameter, double cone, double length) {
+  const double shoulder = std::min(cone, 0.999 * length);
+  return round_mesh({{0, 0}, {shoulder, diameter / 2}, {length, diameter / 2}, {length, 0}}, {}, {0, 0, 1});
+}
+
 TriMesh arrow_mesh(Vec3d tail, Vec3d tip, double thickness) {
   const double length = norm(tip - tail), head = std::min(0.4 * length, 3 * thickness);
   return round_mesh({{0, 0},

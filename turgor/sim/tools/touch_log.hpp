@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "turgor/contact/needle_reading.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/core/disk_log.hpp"
 
@@ -27,6 +28,7 @@ struct ForceSample {
   bool hold = false;          // rest of the command: see contact::ToolCommand
   double grip = 0;
   Mat3d axes;
+  contact::NeedleReading needle = {};  // of a needle
 };
 ForceSample sample_of(double time, const contact::ToolCommand& command, const contact::ToolReading& reading);
 contact::ToolCommand command_of(const ForceSample& sample);

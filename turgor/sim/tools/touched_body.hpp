@@ -41,7 +41,10 @@ struct TouchingTool {
   double grip = 0;            // after the last tick
   TouchLog samples;
   ForceLimits limits;
-  std::vector<std::string> notes;  // notes about its path for the user
+  contact::NeedleWork needle_work = {};  // of a needle, since the start
+  int punctures = 0;                     // of a needle
+  double entry_force = 0;                // of a needle: largest force of the first puncture [N]
+  std::vector<std::string> notes;        // notes about its path for the user
 };
 
 /// Command at a time from the path or the hand motion, with the present jaws.

@@ -195,8 +195,13 @@ void choose_patch(SfemBody& body, const std::vector<TouchingTool>& tools) {
   double contact = HUGE_VAL, reach = 0;
   for (const int t : body.tool_indices) {
     TURGOR_CHECK(is_index(t, tools.size()), "a body is touched by tools of its world");
+    if (tools[std::size_t(t)].tool.needle) continue;  // has no contact sites
     const ExpectedContact expected = expected_contact(tools[std::size_t(t)], surface);
     contact = std::min(contact, expected.contact), reach = std::max(reach, expected.reach);
+  }
+  if (reach == 0) {  // needles alone: the patch only draws
+    body.refinement = body.refinement_is_open ? 1 : body.refinement;
+    return;
   }
   // usual patch, for the note and if nothing fits
   Candidate usual{.radius = body.follow.radius,

@@ -11,32 +11,13 @@ namespace turgor {
 
 namespace {
 
-/// Solves with the factor for all vertices.
-std::vector<Vec3d> solved(const sfem::Model& model, std::span<const contact::VertexForce> forces) {
-  TURGOR_ASSERT(model.factor.has_value(), "displacements are solved with the factor");
-  // assemble the right-hand side at free nodes
-  std::vector<double> u(3 * model.vertex.size());
-  for (const auto& [vertex, force] : forces) {
-    TURGOR_CHECK(is_index(vertex, model.free_node.size()), "forces act on vertices of the body");
-    const int row = model.free_node[std::size_t(vertex)];
-    if (row < 0) continue;
-    for (int axis = 0; axis < 3; axis++) u[3 * std::size_t(row) + std::size_t(axis)] += force[axis];
-  }
-  // solve
-  sfem::solve(*model.factor, u);
-  // scatter to all vertices; fixed ones stay at rest
-  std::vector<Vec3d> displacement(model.body.mesh.vertices.size());
-  for (std::size_t row = 0; row < model.vertex.size(); row++)
-    displacement[std::size_t(model.vertex[row])] = {u[3 * row], u[3 * row + 1], u[3 * row + 2]};
-  return displacement;
-}
-
 /// Displacement under forces. The choice between factor and Green's functions depends on the scene only,
 /// although the cache may provide a factor.
 std::vector<Vec3d> displacement_under(const Exec& exec, const SfemBody& body,
                                       std::span<const contact::VertexForce> forces) {
   const bool has_factor = body.facts.on_demand || body.turning;
-  std::vector<Vec3d> u = has_factor ? solved(body.model, forces) : displacements(exec, body, forces);
+  std::vector<Vec3d> u =
+      has_factor ? displacement_by_factor(body.model, forces) : displacements(exec, body, forces);
   TURGOR_CHECK(!(body.stiffness_scale <= 0), "a body has a stiffness");  // NaN is undone later
   if (body.stiffness_scale != 1)
     for (Vec3d& one : u) one = one / body.stiffness_scale;
@@ -57,15 +38,40 @@ void measure_compliance(const Exec& exec, const SfemBody& body, ClothLoad& load)
 
 }  // namespace
 
+std::vector<Vec3d> displacement_by_factor(const sfem::Model& model,
+                                          std::span<const contact::VertexForce> forces) {
+  TURGOR_ASSERT(model.factor.has_value(), "displacements are solved with the factor");
+  // assemble the right-hand side at free nodes
+  std::vector<double> u(3 * model.vertex.size());
+  for (const auto& [vertex, force] : forces) {
+    TURGOR_CHECK(is_index(vertex, model.free_node.size()), "forces act on vertices of the body");
+    const int row = model.free_node[std::size_t(vertex)];
+    if (row < 0) continue;
+    for (int axis = 0; axis < 3; axis++) u[3 * std::size_t(row) + std::size_t(axis)] += force[axis];
+  }
+  // solve
+  sfem::solve(*model.factor, u);
+  // scatter to all vertices; fixed ones stay at rest
+  std::vector<Vec3d> displacement(model.body.mesh.vertices.size());
+  for (std::size_t row = 0; row < model.vertex.size(); row++)
+    displacement[std::size_t(model.vertex[row])] = {u[3 * row], u[3 * row + 1], u[3 * row + 2]};
+  return displacement;
+}
+
 void sum_free_motion(SfemBody& body) {
-  if (!body.turning && !body.press) return;
+  const bool has_needles = body.touch.needles.inner != nullptr;
+  if (!body.turning && !body.press && !has_needles) return;
+  const std::size_t count = body.model.body.mesh.vertices.size();
   std::vector<Vec3d>& now = body.free.now;
-  now = body.turning ? body.turning->state.free : body.press->displacement;
-  if (body.free.before.empty()) body.free.before.resize(now.size());
-  TURGOR_CHECK(!(body.turning && body.press) || now.size() == body.press->displacement.size(),
-               "every vertex has both displacements");
-  if (body.turning && body.press)
-    for (std::size_t v = 0; v < now.size(); v++) now[v] += body.press->displacement[v];
+  now.assign(count, {});
+  if (body.free.before.empty()) body.free.before.resize(count);
+  const auto add = [&](const std::vector<Vec3d>& u) {
+    TURGOR_CHECK(u.empty() || u.size() == count, "every vertex has a displacement");
+    for (std::size_t v = 0; v < u.size(); v++) now[v] += u[v];
+  };
+  if (body.turning) add(body.turning->state.free);
+  if (body.press) add(body.press->displacement);
+  for (const std::vector<Vec3d>& u : body.needles.displacement) add(u);
 }
 
 void press_body(const Exec& exec, SfemBody& body, const ClothForces& push, double dt) {

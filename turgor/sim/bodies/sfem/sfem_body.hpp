@@ -78,6 +78,13 @@ struct FreeDisplacement {
   long number = 0;                 // number of published motions
 };
 
+/// Displacements by needles, of all vertices and around each needle. One list for each of tool_indices; empty
+/// for others.
+struct NeedleDisplacement {
+  std::vector<std::vector<Vec3d>> displacement;  // of all vertices, by each needle [m]
+  std::vector<std::vector<Vec3d>> motion;        // of InnerGreen's vertices, by everything else [m]
+};
+
 /// Exchange with a haptic thread, and queues of a replay (sim/live/exchanges.hpp).
 struct SfemHaptics {
   contact::SfemExchange exchange;
@@ -94,6 +101,7 @@ struct SfemBody : TouchedBody {
   std::optional<Turning> turning;
   std::optional<ClothPress> press;
   FreeDisplacement free;
+  NeedleDisplacement needles;
 
   // owned by the frame thread, which requests patches and draws
   double stiffness_scale = 1;    // relative to the loaded stiffness
@@ -158,6 +166,9 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
 void correct_rotations(const Exec& exec, SfemBody& body);
 /// Applies forces of cloth, from the next frame on.
 void press_body(const Exec& exec, SfemBody& body, const ClothForces& push, double dt);
+/// Displacement of all vertices under forces, solved with the factor [m].
+std::vector<Vec3d> displacement_by_factor(const sfem::Model& model,
+                                          std::span<const contact::VertexForce> forces);
 /// Target of the free motion of the next frame.
 void sum_free_motion(SfemBody& body);
 /// Vertex forces that give the present elastic shape: contact forces and the memory of viscous tissue;

@@ -4,12 +4,17 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/sim/bodies/sfem/needle_sfem.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 
 Status begin_body(const Exec& exec, SfemBody& body, const SfemScene& scene, const World& world) {
   const Status status = begin_touch(exec, body, world.tools, scene.viscosity);
+  if (const Status needles =
+          status ? prepare_needles(exec, body, world.tools, scene.viscosity) : Status(Done{});
+      !needles)
+    return Error{fmt::format("{}: {}", scene.source_location, needles.error().message)};
   return status ? status : Error{fmt::format("{}.patch: {}", scene.source_location, status.error().message)};
 }
 

@@ -19,7 +19,13 @@ void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, To
   tool.limits.dropped_most = std::max(tool.limits.dropped_most, haptic.dropped);
   tool.limits.dropped_ticks += haptic.dropped > 0;
   tool.limits.unsolved_ticks += haptic.contacts > 0 && !body.touch.state.solution.converged;
-  tool.samples.append(sample);
+  ForceSample logged = sample;
+  if (body.touch.tools[t].needle) {
+    const contact::NeedleState& needle = body.touch.needles.needles[t];
+    logged.needle = needle.reading;
+    tool.needle_work = needle.work, tool.punctures = needle.punctures, tool.entry_force = needle.entry_force;
+  }
+  tool.samples.append(logged);
 }
 
 Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
@@ -67,6 +73,7 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
       std::min(kPatchTicks, last - first);  // a patch is requested and used within one frame
   std::optional<NextPatch> next;
   contact::take_free_motion(body.touch, body.free.now, last - first + 1);
+  contact::take_needle_motion(body.touch, body.needles.motion, last - first + 1);
   body.touch.stiffness_scale = body.stiffness_scale;
 
   // commands
@@ -111,7 +118,7 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   read_touch_snapshot(body);
   correct_rotations(exec, body);
   contact::FreeMotion& motion = exchange.motion.writing();
-  motion.to = body.free.now;
+  motion.to = body.free.now, motion.of_needles = body.needles.motion;
   motion.ticks = std::max(1l, std::lround(frame_dt / kTick));
   motion.number = ++body.free.number;
   motion.stiffness_scale = body.stiffness_scale, motion.friction = body.friction;

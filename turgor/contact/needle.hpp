@@ -1,0 +1,47 @@
+// Needle: a straight rigid shaft with a cone as its tip. In the tool's frame the tip is at the origin and the
+// shaft along positive z, so that it is pushed along negative z. It cuts a crack into the tissue, the track,
+// and stays felt on its way: needle_touch.hpp has its state, its equations and its tick.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor::contact {
+
+/// Shape of a needle and resistance of the tissue to it.
+struct Needle {
+  double length = 0.08;          // of the shaft [m]
+  double diameter = 0.001;       // of the shaft, and width of the crack [m]
+  double tip_angle = 20;         // full angle of the cone [degrees]
+  double toughness = 164;        // J: work to tear a unit area inside of the tissue [J/m²]
+  double entry_toughness = 328;  // the same of the surface or capsule that is punctured first [J/m²]
+  double friction = 1.4;         // along the shaft, per length [N/m]
+  double spreading = 6e4;        // pressure of the tissue on the tip, which spreads the crack [Pa]
+  double spacing = 0.001;        // of the points that couple shaft and tissue [m]
+};
+
+constexpr int kMostNeedlePoints = 240;  // of one track
+
+/// Length of the cone [m].
+inline double cone_length(const Needle& needle) {
+  TURGOR_CHECK(needle.tip_angle > 0 && needle.tip_angle < 180, "a tip is a cone");
+  return needle.diameter / 2 / std::tan(needle.tip_angle / 2 * std::numbers::pi / 180);
+}
+/// Cross section of the needle at this distance behind its tip [m²].
+inline double cross_section(const Needle& needle, double behind) {
+  const double share = std::clamp(behind / cone_length(needle), 0.0, 1.0);
+  return std::numbers::pi / 4 * needle.diameter * needle.diameter * share * share;
+}
+/// Volume of the needle's first `behind` meters [m³].
+inline double volume_behind_tip(const Needle& needle, double behind) {
+  const double cone = cone_length(needle), whole = std::numbers::pi / 4 * needle.diameter * needle.diameter;
+  const double in_cone = std::clamp(behind, 0.0, cone), after = std::max(0.0, behind - cone);
+  return whole * (in_cone * in_cone * in_cone / (3 * cone * cone) + after);
+}
+/// Force on the tip that tears tissue of this toughness [N].
+inline double tearing_force(const Needle& needle, double toughness) { return toughness * needle.diameter; }
+
+}  // namespace turgor::contact

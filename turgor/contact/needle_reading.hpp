@@ -1,0 +1,18 @@
+// Results of a needle for logs and reports.
+#pragma once
+
+namespace turgor::contact {
+
+/// Energy since the start. The parts sum to the hand's work.
+struct NeedleWork {
+  double hand = 0, cutting = 0, friction = 0;  // [J]
+  double spreading = 0, elastic = 0;           // stored now [J]
+};
+
+/// Parts of the force along the needle, positive against a push, and its depth.
+struct NeedleReading {
+  double inserted = 0;                              // length of the shaft in the tissue [m]
+  double cutting = 0, spreading = 0, friction = 0;  // [N]
+};
+
+}  // namespace turgor::contact

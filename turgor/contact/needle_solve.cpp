@@ -1,0 +1,264 @@
+// Forces of a needle: block Gauss–Seidel in its own frame. Each block is solved exactly: two bilateral
+// unknowns across the shaft, and one along it in a box.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "turgor/contact/needle_tick.hpp"
+#include "turgor/core/assert.hpp"
+
+namespace turgor::contact {
+
+namespace {
+
+constexpr double kLeastLogarithm = 0.4;  // of r₀/a, where the mesh is finer than the needle
+constexpr int kMostSweeps = 80;
+constexpr double kNeedleTolerance = 1e-6;  // change of a force in a sweep, relative to the largest force
+
+/// Radius that the mesh resolves around a line force: ln r₀/h = c − 3.75 Σ w², with the weights w of a point
+/// and the size h of its element. Fitted to needles in long blocks whose sides are held, where the
+/// displacement is known; a force on one node is resolved least (docs/needle.md).
+double log_of_resolved_radius(const sfem::InnerGreen& inner, const sfem::InnerPoint& at) {
+  constexpr double kConcentrated = 3.75, kHexahedra = 0.27, kTetrahedra = 1.5, kQuadratic = 0.9;
+  double squares = 0;
+  for (std::size_t c = 0; c < std::size_t(inner.corners); c++) squares += at.weight[c] * at.weight[c];
+  const double kind = inner.corners == 8 ? kHexahedra : inner.corners == 4 ? kTetrahedra : kQuadratic;
+  return kind - kConcentrated * squares + std::log(inner.size[std::size_t(at.element)]);
+}
+
+/// D of a point along and across the shaft, for its length ℓ [m/N].
+struct OwnCompliance {
+  double along = 0, across = 0;
+};
+OwnCompliance own_compliance(const NeedleTick& tick, const NeedlePoint& point) {
+  if (!(point.engaged > 0)) return {};
+  const auto e = std::size_t(point.at.element);
+  const double radius = tick.needle.diameter / 2, shear = tick.inner.shear[e],
+               poisson = tick.inner.poisson[e];
+  const double log =
+      std::max(kLeastLogarithm, log_of_resolved_radius(tick.inner, point.at) - std::log(radius));
+  const double along = log / (2 * std::numbers::pi * shear * point.engaged);
+  return {along, along * (3 - 4 * poisson) / (4 * (1 - poisson))};
+}
+
+/// Energy ½ λ D λ [J].
+double own_energy(const NeedleTick& tick, std::size_t i) {
+  if (i == 0) return 0;
+  const OwnCompliance own = own_compliance(tick, tick.track().points[i]);
+  const Vec3d f = tick.track().force[i];
+  const double along = dot(f, tick.t());
+  return 0.5 * (own.along * along * along + own.across * (dot(f, f) - along * along));
+}
+
+Mat3d own_block(const NeedleTrack& track, std::size_t i) {
+  const double* c = &track.compliance[3 * i * compliance_stride(track) + 3 * i];
+  const std::size_t stride = compliance_stride(track);
+  return {{{c[0], c[1], c[2]},
+           {c[stride], c[stride + 1], c[stride + 2]},
+           {c[2 * stride], c[2 * stride + 1], c[2 * stride + 2]}}};
+}
+
+/// x += C (0 … f … 0).
+void add_column(const NeedleTrack& track, std::size_t i, Vec3d f, double* x) {
+  const std::size_t stride = compliance_stride(track), rows = 3 * track.points.size();
+  const double *a = &track.compliance[3 * i * stride], *b = a + stride, *c = b + stride;
+  TURGOR_LANES
+  for (std::size_t r = 0; r < rows; r++) x[r] += a[r] * f.x + b[r] * f.y + c[r] * f.z;
+}
+
+/// Spread crack: its load acts at the tip, between the two points next to it.
+void add_spreading(const NeedleTick& tick, std::vector<double>& force) {
+  NeedleState& state = tick.state;
+  NeedleTrack& track = tick.track();
+  const double inserted = state.inserted, along = spreading_force(tick) / tick.stiffness;
+  if (!(along > 0)) return;
+  const Vec3d f = tick.t() * along;
+  const auto add = [&](std::size_t i, double w) {
+    for (int axis = 0; axis < 3; axis++) force[3 * i + std::size_t(axis)] += w * f[axis];
+  };
+  // points before and behind the tip
+  const double cell = inserted / tick.needle.spacing - 0.5;
+  const auto before = std::size_t(std::max(0.0, std::floor(cell))) + 1;
+  if (cell <= 0 && track.points.size() > 1) return add(1, 1);
+  if (before >= track.points.size()) return add(0, 1);
+  const std::size_t next = before + 1 < track.points.size() ? before + 1 : 0;
+  const double from = track.points[before].arc, to = track.points[next].arc;
+  const double share = to > from ? std::clamp((inserted - from) / (to - from), 0.0, 1.0) : 1;
+  add(before, 1 - share), add(next, share);
+}
+
+/// Unknowns of one point.
+struct NeedleBlock {
+  Mat3d inverse;          // of C + D in the needle's frame
+  double across[4] = {};  // inverse of its block across the shaft
+  Vec3d coupling;         // row of C + D along the shaft; x and y
+  OwnCompliance own;
+  double low = 0, high = 0;  // bounds of the force along t [N]
+  double stick = 0;          // η [m]
+  bool is_solved = false;
+};
+
+/// Frame of the needle with t as third axis.
+Mat3d push_axes(const NeedleTick& tick) {
+  const Mat3d& axes = tick.pose.axes;
+  return {{axes.column[1], axes.column[0], -1.0 * axes.column[2]}};
+}
+
+NeedleBlock block_of(const NeedleTick& tick, const Mat3d& frame, std::size_t i, double tearing) {
+  const NeedlePoint& point = tick.track().points[i];
+  NeedleBlock block;
+  const bool is_end = i == 0;
+  block.is_solved = is_end ? tearing > 0 : point.engaged > 1e-6 * tick.needle.spacing;
+  if (!block.is_solved) return block;
+  if (!is_end) block.own = own_compliance(tick, point);
+  Mat3d a = transposed(frame) * own_block(tick.track(), i) * frame;
+  a.column[0].x += block.own.across, a.column[1].y += block.own.across, a.column[2].z += block.own.along;
+  block.inverse = inverse(a);
+  const double det = a.column[0].x * a.column[1].y - a.column[1].x * a.column[0].y;
+  block.across[0] = a.column[1].y / det, block.across[1] = -a.column[1].x / det;
+  block.across[2] = -a.column[0].y / det, block.across[3] = a.column[0].x / det;
+  block.coupling = {a.column[2].x, a.column[2].y, 0};
+  const double bound = tick.needle.friction * point.engaged / tick.stiffness;
+  block.low = is_end ? 0 : -bound, block.high = is_end ? tearing / tick.stiffness : bound;
+  block.stick = is_end ? 0 : point.stick;
+  return block;
+}
+
+/// Solves one point; returns the change of its force, in the world.
+Vec3d solve_block(const NeedleTick& tick, const Mat3d& frame, const NeedleBlock& block, std::size_t i) {
+  Vec3d& force = tick.track().force[i];
+  const Vec3d now = transposed(frame) * force;
+  // residual c = x + D λ − (p + η t)
+  const Vec3d apart = transposed(frame) * (position(tick.state, i) - tick.pose.position);
+  const Vec3d c{apart.x + block.own.across * now.x, apart.y + block.own.across * now.y,
+                apart.z + block.own.along * now.z - block.stick};
+  // exact solution, then again across the shaft if the force along it is beyond its bounds
+  Vec3d next = now - block.inverse * c;
+  if (const double bounded = std::clamp(next.z, block.low, block.high); bounded != next.z) {
+    const double along = bounded - now.z;
+    const double rx = c.x + block.coupling.x * along, ry = c.y + block.coupling.y * along;
+    next = {now.x - block.across[0] * rx - block.across[1] * ry,
+            now.y - block.across[2] * rx - block.across[3] * ry, bounded};
+  }
+  const Vec3d change = frame * (next - now);
+  force += change;
+  return change;
+}
+
+}  // namespace
+
+// The cone's part inside of the body: where the track is through, a part of the cone may have left it.
+double spreading_force(const NeedleTick& tick) {
+  const NeedleState& state = tick.state;
+  if (state.phase != NeedlePhase::kInside || !(state.inserted > 0)) return 0;
+  double area = cross_section(tick.needle, state.inserted);
+  if (tick.track().is_through) area -= cross_section(tick.needle, state.inserted - tick.track().length);
+  return tick.needle.spreading * area;
+}
+
+double spreading_energy(const NeedleTick& tick) {
+  const NeedleState& state = tick.state;
+  if (state.phase != NeedlePhase::kInside) return 0;
+  double volume = volume_behind_tip(tick.needle, state.inserted);
+  if (tick.track().is_through) volume -= volume_behind_tip(tick.needle, state.inserted - tick.track().length);
+  return tick.needle.spreading * volume;
+}
+
+void find_positions(const NeedleTick& tick) {
+  NeedleState& state = tick.state;
+  NeedleTrack& track = tick.track();
+  const std::size_t n = track.points.size();
+  // load λ + s
+  for (std::size_t i = 0; i < n; i++)
+    for (std::size_t axis = 0; axis < 3; axis++) state.force_on[3 * i + axis] = track.force[i][int(axis)];
+  add_spreading(tick, state.force_on);
+  // x = b + C (λ + s)
+  for (std::size_t i = 0; i < n; i++) {
+    const Vec3d b = tick.free_position(track.points[i]);
+    for (std::size_t axis = 0; axis < 3; axis++) state.x[3 * i + axis] = b[int(axis)];
+  }
+  for (std::size_t i = 0; i < n; i++) {
+    const Vec3d f{state.force_on[3 * i], state.force_on[3 * i + 1], state.force_on[3 * i + 2]};
+    if (!(f == Vec3d{})) add_column(track, i, f, state.x.data());
+  }
+}
+
+void solve_needle(const NeedleTick& tick, double tearing) {
+  NeedleState& state = tick.state;
+  NeedleTrack& track = tick.track();
+  const std::size_t n = track.points.size();
+  TURGOR_CHECK(n > 0 && n <= std::size_t(kMostNeedlePoints), "a track in use has an end");
+  const Mat3d frame = push_axes(tick);
+  NeedleBlock blocks[kMostNeedlePoints];
+  for (std::size_t i = 0; i < n; i++) blocks[i] = block_of(tick, frame, i, tearing);
+  // sweeps from the entry to the tip
+  for (state.sweeps = 1; state.sweeps <= kMostSweeps; state.sweeps++) {
+    double change = 0, largest = 0;
+    for (std::size_t k = 1; k <= n; k++) {
+      const std::size_t i = k < n ? k : 0;
+      if (!blocks[i].is_solved) continue;
+      const Vec3d step = solve_block(tick, frame, blocks[i], i);
+      if (!(step == Vec3d{})) add_column(track, i, step, state.x.data());
+      for (std::size_t axis = 0; axis < 3; axis++) state.force_on[3 * i + axis] += step[int(axis)];
+      change = std::max(change, norm(step)), largest = std::max(largest, norm(track.force[i]));
+    }
+    if (change <= kNeedleTolerance * largest) break;
+  }
+}
+
+double position_on_shaft(const NeedleTick& tick, std::size_t i) {
+  const double own = i > 0 ? own_compliance(tick, tick.track().points[i]).along : 0;
+  return dot(position(tick.state, i) - tick.pose.position, tick.t()) +
+         own * dot(tick.track().force[i], tick.t());
+}
+
+double follow_slip(const NeedleTick& tick) {
+  NeedleTrack& track = tick.track();
+  const Vec3d t = tick.t();
+  double work = 0;
+  for (std::size_t i = 1; i < track.points.size(); i++) {
+    NeedlePoint& point = track.points[i];
+    if (!(point.engaged > 0)) continue;
+    const double force = dot(track.force[i], t),
+                 bound = tick.needle.friction * point.engaged / tick.stiffness;
+    if (std::abs(force) < bound * (1 - 1e-9)) continue;
+    const double at = position_on_shaft(tick, i);
+    work += force * (point.stick - at), point.stick = at;
+  }
+  return work;
+}
+
+double engage(const NeedleTick& tick, double inserted) {
+  NeedleTrack& track = tick.track();
+  const double spacing = tick.needle.spacing;
+  double released = 0;
+  for (std::size_t i = 1; i < track.points.size(); i++) {
+    NeedlePoint& point = track.points[i];
+    const double engaged = std::clamp(inserted - double(i - 1) * spacing, 0.0, spacing);
+    if (engaged == point.engaged) continue;
+    if (point.engaged == 0) {
+      track.force[i] = {};
+      point.stick = dot(position(tick.state, i) - tick.pose.position, tick.t());
+    }
+    // the displacement D λ is that of another length now
+    const double before = own_energy(tick, i);
+    point.engaged = engaged;
+    if (engaged > 0) released += before - own_energy(tick, i);
+    if (engaged == 0) released += before, track.force[i] = {};
+  }
+  return -released;
+}
+
+double elastic_energy(const NeedleTick& tick) {
+  const NeedleState& state = tick.state;
+  const NeedleTrack& track = tick.track();
+  double energy = 0;
+  for (std::size_t i = 0; i < track.points.size(); i++) {
+    const Vec3d u = position(state, i) - tick.free_position(track.points[i]);
+    const Vec3d f{state.force_on[3 * i], state.force_on[3 * i + 1], state.force_on[3 * i + 2]};
+    energy += 0.5 * dot(f, u) + own_energy(tick, i);
+  }
+  return energy;
+}
+
+}  // namespace turgor::contact

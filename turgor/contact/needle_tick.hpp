@@ -1,0 +1,65 @@
+// Stages of a needle's tick and their common data; needle_touch.cpp calls them.
+#pragma once
+
+#include "turgor/contact/needle_touch.hpp"
+
+namespace turgor::contact {
+
+/// One tick of one needle. Forces are those at a stiffness of 1.
+struct NeedleTick {
+  const sfem::InnerGreen& inner;
+  const Needle& needle;
+  std::span<const Vec3d> free;
+  Pose pose;
+  double stiffness = 1;
+  NeedleState& state;
+
+  Vec3d t() const { return -1.0 * pose.axes.column[2]; }  // direction of a push
+  NeedleTrack& track() const { return state.tracks[std::size_t(state.track)]; }
+  Vec3d free_position(const NeedlePoint& point) const {
+    return free.empty() ? point.rest : point.rest + sfem::at_point(inner, point.at, free);
+  }
+};
+
+// needle_track.cpp
+
+/// Numbers between columns of C.
+std::size_t compliance_stride(const NeedleTrack& track);
+Vec3d position(const NeedleState& state, std::size_t point);
+/// A track of length 0 whose end is this point; replaces the oldest one if all are in use. Returns its index.
+int begin_track(const NeedleTick& tick, const sfem::InnerPoint& at, Vec3d rest);
+/// Moves the end of the crack to the tip, which is `ahead` of it along t, and adds points behind it.
+void cut_to_tip(const NeedleTick& tick, double ahead);
+/// Length of the track behind the tip, from the present positions; negative: the tip is in front of the entry
+/// [m].
+double inserted_length(const NeedleTick& tick);
+/// Surface point that the tip has passed between two positions.
+struct SurfaceHit {
+  sfem::InnerPoint at;
+  Vec3d rest, now;      // positions at rest and now [m]
+  double fraction = 2;  // of the way; above 1 = none
+};
+SurfaceHit hit_on_way(const NeedleTick& tick, Vec3d from, Vec3d to);
+/// Track whose entry is within a needle's radius of a position; -1 = none.
+int track_entered_at(const NeedleTick& tick, Vec3d position);
+
+// needle_solve.cpp
+
+/// Force of the spread crack on the tip, and the energy stored in it [N] [J].
+double spreading_force(const NeedleTick& tick);
+double spreading_energy(const NeedleTick& tick);
+/// Positions x = b + C (λ + s) and their load, from the forces of the last tick.
+void find_positions(const NeedleTick& tick);
+/// Solves for λ of all points on the shaft, and for the tip with at most `tearing` [N].
+void solve_needle(const NeedleTick& tick, double tearing);
+/// Lets slipping points follow the shaft, and returns the work of friction [J].
+double follow_slip(const NeedleTick& tick);
+/// Sets ℓ of every point for this inserted length; points that the tip reaches stick where they are. Returns
+/// the energy of D that changes with ℓ, which friction gains or bears [J].
+double engage(const NeedleTick& tick, double inserted);
+/// Position of a point on the shaft along t, relative to the tip [m].
+double position_on_shaft(const NeedleTick& tick, std::size_t point);
+/// Elastic energy: of C, and of the displacements D that the mesh does not resolve [J].
+double elastic_energy(const NeedleTick& tick);
+
+}  // namespace turgor::contact

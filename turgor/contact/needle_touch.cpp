@@ -1,0 +1,172 @@
+#include "turgor/contact/needle_touch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/contact/needle_tick.hpp"
+#include "turgor/contact/tool.hpp"
+#include "turgor/core/assert.hpp"
+
+namespace turgor::contact {
+
+namespace {
+
+constexpr double kJump = 0.02;  // a needle that moves farther in a tick has jumped [m]
+constexpr double kSurface =
+    2e-4;  // the way of a tip begins this far in front of it: the surface may move [m]
+
+/// Takes the needle out of the body; its tracks stay.
+void leave(NeedleState& state) {
+  NeedleTrack& track = state.tracks[std::size_t(state.track)];
+  for (std::size_t i = 0; i < track.points.size(); i++) track.points[i].engaged = 0, track.force[i] = {};
+  if (track.length == 0) track.points.clear();
+  state.phase = NeedlePhase::kOutside, state.inserted = 0, state.tip_force = 0;
+}
+
+/// Looks for the surface on the way of the tip: an old track, or a new one of length 0.
+void enter(const NeedleTick& tick) {
+  NeedleState& state = tick.state;
+  const SurfaceHit hit =
+      hit_on_way(tick, state.pose.position + state.pose.axes.column[2] * kSurface, tick.pose.position);
+  if (hit.fraction > 1) return;
+  state.inserted = 0;
+  if (const int old = track_entered_at(tick, hit.now); old >= 0) {
+    state.track = old, state.phase = NeedlePhase::kInside;
+    return;
+  }
+  begin_track(tick, hit.at, hit.rest);
+  state.phase = NeedlePhase::kTouching;
+}
+
+/// The tip on the surface, which it punctures at the surface's own toughness.
+void touch_surface(const NeedleTick& tick) {
+  NeedleState& state = tick.state;
+  const double tearing = tearing_force(tick.needle, tick.needle.entry_toughness);
+  solve_needle(tick, tearing);
+  state.tip_force = tick.stiffness * dot(tick.track().force[0], tick.t());
+  state.entry_force = state.punctures > 0 ? state.entry_force : std::max(state.entry_force, state.tip_force);
+  if (state.tip_force >= tearing * (1 - 1e-9)) state.phase = NeedlePhase::kInside, state.punctures++;
+  if (state.tip_force <= 0) leave(state);
+}
+
+/// The tip in its track: forces, slip along the shaft, and the crack's growth.
+void advance_inside(const NeedleTick& tick) {
+  NeedleState& state = tick.state;
+  NeedleTrack& track = tick.track();
+  const double tearing = track.is_through ? 0 : tearing_force(tick.needle, tick.needle.toughness);
+  solve_needle(tick, tearing);
+  state.work.friction += tick.stiffness * follow_slip(tick);
+  // growth of the crack; after a puncture the force drops on the way, and the spread crack takes its energy
+  // from it
+  const double before = state.tip_force, spread = spreading_force(tick), stored = spreading_energy(tick);
+  double way = 0;
+  state.tip_force = track.is_through ? 0 : tick.stiffness * dot(track.force[0], tick.t());
+  const double ahead = -dot(position(state, 0) - tick.pose.position, tick.t());
+  if (!track.is_through && ahead > 0 && state.tip_force >= tearing * (1 - 1e-9)) {
+    state.work.cutting += 0.5 * (std::max(before, state.tip_force) + state.tip_force) * ahead;
+    cut_to_tip(tick, way = ahead);
+  }
+  // points on the shaft
+  state.inserted = inserted_length(tick);
+  state.work.friction += tick.stiffness * engage(tick, state.inserted);
+  if (way > 0) state.work.cutting -= spreading_energy(tick) - stored - spread * way;
+  if (state.inserted <= 0 && state.tip_force <= 0) leave(state);
+}
+
+/// Force and torque on the needle, from the points of the track in use.
+void sum_needle_forces(const NeedleTick& tick) {
+  NeedleState& state = tick.state;
+  state.force = state.torque = {}, state.reading = {};
+  if (state.phase == NeedlePhase::kOutside) return;
+  const NeedleTrack& track = tick.track();
+  const Vec3d t = tick.t();
+  for (std::size_t i = 0; i < track.points.size(); i++) {
+    const Vec3d f =
+        Vec3d{state.force_on[3 * i], state.force_on[3 * i + 1], state.force_on[3 * i + 2]} * tick.stiffness;
+    state.force -= f;
+    state.torque -= cross(t * position_on_shaft(tick, i), f);
+    if (i > 0) state.reading.friction += tick.stiffness * dot(track.force[i], t);
+  }
+  state.reading.inserted = std::max(0.0, state.inserted);
+  state.reading.cutting = state.tip_force;
+  state.reading.spreading = spreading_force(tick);
+}
+
+/// Work of the hand between two ticks, by the mean of their forces.
+double hand_work(const NeedleTick& tick, const Vec3d& force, const Vec3d& torque) {
+  const NeedleState& state = tick.state;
+  Vec3d turn;
+  for (int axis = 0; axis < 3; axis++)
+    turn += cross(state.pose.axes.column[axis], tick.pose.axes.column[axis]) * 0.5;
+  return -0.5 * dot(force + state.force, tick.pose.position - state.pose.position) -
+         0.5 * dot(torque + state.torque, turn);
+}
+
+ToolReading reading_of(const NeedleTick& tick) {
+  const NeedleState& state = tick.state;
+  ToolReading reading{.force = state.force, .torque = state.torque};
+  reading.beyond_patch = state.beyond;
+  if (state.phase == NeedlePhase::kOutside) return reading;
+  const NeedleTrack& track = tick.track();
+  for (const Vec3d f : std::span(track.force).first(track.points.size())) reading.contacts += !(f == Vec3d{});
+  reading.depth = std::max(0.0, dot(tick.pose.position - track.entry, tick.t()));
+  return reading;
+}
+
+}  // namespace
+
+NeedleState make_needle_state(const Needle& needle) {
+  NeedleState state;
+  const auto most =
+      std::size_t(std::clamp(std::ceil(needle.length / needle.spacing) + 2, 2.0, double(kMostNeedlePoints)));
+  state.tracks.resize(kMostTracks);
+  for (NeedleTrack& track : state.tracks) {
+    track.points.reserve(most);
+    track.force.resize(most);
+    track.compliance.resize(9 * most * most);
+  }
+  state.x.resize(3 * most), state.force_on.resize(3 * most);
+  return state;
+}
+
+ToolReading tick_needle(const sfem::InnerGreen& inner, const Needle& needle, std::span<const Vec3d> free,
+                        const Pose& pose, double stiffness, NeedleState& state) {
+  TURGOR_CHECK(stiffness > 0 && (free.empty() || free.size() == inner.vertices.size()),
+               "a needle is in a body with a stiffness");
+  const NeedleTick tick{inner, needle, free, pose, stiffness, state};
+  const bool is_usable = is_valid(pose) && !inner.elements.empty();
+  // poses without a way from the last one
+  if (!is_usable || !state.seen || norm(pose.position - state.pose.position) > kJump) {
+    leave(state);
+    state.force = state.torque = {}, state.reading = {}, state.seen = is_usable;
+    if (is_usable) state.pose = pose;
+    return {};
+  }
+  // contact, cutting
+  const Vec3d force = state.force, torque = state.torque;
+  if (state.phase == NeedlePhase::kOutside) enter(tick);
+  if (state.phase != NeedlePhase::kOutside) {
+    find_positions(tick);
+    state.phase == NeedlePhase::kTouching ? touch_surface(tick) : advance_inside(tick);
+  }
+  // forces and energies
+  sum_needle_forces(tick);
+  state.work.hand += hand_work(tick, force, torque);
+  const bool is_out = state.phase == NeedlePhase::kOutside;
+  state.work.spreading = is_out ? 0 : spreading_energy(tick);
+  state.work.elastic = is_out ? 0 : stiffness * elastic_energy(tick);
+  state.pose = pose;
+  return reading_of(tick);
+}
+
+void add_needle_forces(const sfem::InnerGreen& inner, const NeedleState& state,
+                       std::span<Vec3d> of_vertices) {
+  if (state.phase == NeedlePhase::kOutside) return;
+  const NeedleTrack& track = state.tracks[std::size_t(state.track)];
+  for (std::size_t i = 0; i < track.points.size(); i++)
+    sfem::add_force(inner, track.points[i].at,
+                    {state.force_on[3 * i], state.force_on[3 * i + 1], state.force_on[3 * i + 2]},
+                    of_vertices);
+}
+
+}  // namespace turgor::contact

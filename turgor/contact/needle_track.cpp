@@ -1,0 +1,187 @@
+// Tracks: where a needle enters, how the crack grows, and which of its points are on the shaft.
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/contact/needle_tick.hpp"
+#include "turgor/core/invariants.hpp"
+
+namespace turgor::contact {
+
+namespace {
+
+/// Stores the column and the row of C that belong to one point.
+void fill_compliance_of(const NeedleTick& tick, std::size_t point) {
+  NeedleTrack& track = tick.track();
+  const std::size_t stride = compliance_stride(track);
+  for (std::size_t i = 0; i < track.points.size(); i++) {
+    const sfem::ComplianceBlock block =
+        sfem::compliance_between(tick.inner, track.points[i].at, track.points[point].at);
+    for (std::size_t k = 0; k < 9; k++) {
+      track.compliance[(3 * point + k / 3) * stride + 3 * i + k % 3] = block[k];
+      track.compliance[(3 * i + k % 3) * stride + 3 * point + k / 3] = block[k];
+    }
+  }
+}
+
+/// Present displacement of a point that has no force of its own.
+Vec3d displacement_at(const NeedleTick& tick, const sfem::InnerPoint& at) {
+  const NeedleTrack& track = tick.track();
+  Vec3d u = tick.free.empty() ? Vec3d{} : sfem::at_point(tick.inner, at, tick.free);
+  for (std::size_t i = 0; i < track.points.size(); i++) {
+    const Vec3d f{tick.state.force_on[3 * i], tick.state.force_on[3 * i + 1], tick.state.force_on[3 * i + 2]};
+    if (f == Vec3d{}) continue;
+    const sfem::ComplianceBlock block = sfem::compliance_between(tick.inner, at, track.points[i].at);
+    const Mat3d c{
+        {{block[0], block[1], block[2]}, {block[3], block[4], block[5]}, {block[6], block[7], block[8]}}};
+    u += c * f;
+  }
+  return u;
+}
+
+/// Appends a point at the end of the crack, without force: it sticks where it is.
+void add_point(const NeedleTick& tick) {
+  NeedleTrack& track = tick.track();
+  const std::size_t n = track.points.size();
+  if (n >= track.force.size()) return;
+  NeedlePoint point = track.points[0];
+  point.arc = track.length, point.engaged = 0, point.stick = 0;
+  track.points.push_back(point);
+  track.force[n] = {};
+  const Vec3d x = position(tick.state, 0);
+  for (std::size_t axis = 0; axis < 3; axis++) {
+    tick.state.x[3 * n + axis] = x[int(axis)];
+    tick.state.force_on[3 * n + axis] = 0;
+  }
+  fill_compliance_of(tick, n);
+}
+
+}  // namespace
+
+std::size_t compliance_stride(const NeedleTrack& track) { return 3 * track.force.size(); }
+
+Vec3d position(const NeedleState& state, std::size_t point) {
+  return {state.x[3 * point], state.x[3 * point + 1], state.x[3 * point + 2]};
+}
+
+int begin_track(const NeedleTick& tick, const sfem::InnerPoint& at, Vec3d rest) {
+  // an unused track, else the oldest
+  NeedleState& state = tick.state;
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < state.tracks.size(); i++)
+    if (!state.tracks[best].points.empty() &&
+        (state.tracks[i].points.empty() || state.tracks[i].order < state.tracks[best].order))
+      best = i;
+  state.track = int(best);
+  // its end is its entry
+  NeedleTrack& track = tick.track();
+  track.points.assign(1, NeedlePoint{.at = at, .rest = rest});
+  track.force[0] = {};
+  track.length = 0, track.entry = rest, track.is_through = false, track.order = ++state.tracks_made;
+  fill_compliance_of(tick, 0);
+  return state.track;
+}
+
+void cut_to_tip(const NeedleTick& tick, double ahead) {
+  NeedleTrack& track = tick.track();
+  NeedlePoint& end = track.points[0];
+  // new material point at the tip, X = p − u(X), by a few fixed-point steps from X + ahead
+  const NeedlePoint before = end;
+  const double most = 2 * ahead + 1e-4;
+  Vec3d rest = before.rest + tick.t() * ahead;
+  double outside = 0;
+  for (int pass = 0; pass < 4; pass++) {
+    const sfem::InnerPoint at = sfem::inner_point(tick.inner, rest, before.at.element, outside);
+    const Vec3d next = tick.pose.position - displacement_at(tick, at);
+    const Vec3d step = next - before.rest;
+    rest = norm(step) > most ? before.rest + step * (most / norm(step)) : next;
+  }
+  const sfem::InnerPoint at = sfem::inner_point(tick.inner, rest, before.at.element, outside);
+  constexpr double kThrough = 1e-3;
+  if (outside > kThrough) {
+    track.is_through = true, track.force[0] = {};
+    tick.state.beyond = tick.state.beyond || tick.inner.closed[std::size_t(before.at.element)] == 0;
+  }
+  // energy of moving the tip's force from the old end to the new one: ½ F (C_nn − C_no − C_on + C_oo) F
+  const sfem::ComplianceBlock nn = sfem::compliance_between(tick.inner, at, at),
+                              no = sfem::compliance_between(tick.inner, at, before.at),
+                              oo = sfem::compliance_between(tick.inner, before.at, before.at);
+  const Vec3d f = track.force[0];
+  double energy = 0;
+  for (int j = 0; j < 3; j++)
+    for (int i = 0; i < 3; i++) {
+      const auto k = std::size_t(3 * j + i), transposed = std::size_t(3 * i + j);
+      energy += 0.5 * f[i] * f[j] * (nn[k] - no[k] - no[transposed] + oo[k]);
+    }
+  tick.state.work.cutting += tick.stiffness * energy;
+  // the new end, and points at the middle of every cell of the track
+  track.length += norm(rest - before.rest);
+  end.at = at, end.rest = rest, end.arc = track.length;
+  fill_compliance_of(tick, 0);
+  for (std::size_t axis = 0; axis < 3; axis++) tick.state.x[axis] = tick.pose.position[int(axis)];
+  const auto cells = std::size_t(std::floor(track.length / tick.needle.spacing + 0.5));
+  while (track.points.size() - 1 < cells && track.points.size() < track.force.size()) add_point(tick);
+}
+
+double inserted_length(const NeedleTick& tick) {
+  const NeedleTrack& track = tick.track();
+  const Vec3d p = tick.pose.position, t = tick.t();
+  // first point that is not behind the tip
+  double arc = 0, ahead = 0;
+  bool has_point = false;
+  for (std::size_t n = 1; n <= track.points.size(); n++) {
+    const std::size_t i = n < track.points.size() ? n : 0;  // the end is the last one
+    const double at = dot(position(tick.state, i) - p, t);
+    if (at >= 0) {
+      if (!has_point || at - ahead <= 0) return track.points[i].arc - at;
+      return arc + (track.points[i].arc - arc) * -ahead / (at - ahead);
+    }
+    arc = track.points[i].arc, ahead = at, has_point = true;
+  }
+  return track.is_through ? track.length - ahead : track.length;
+}
+
+SurfaceHit hit_on_way(const NeedleTick& tick, Vec3d from, Vec3d to) {
+  SurfaceHit hit;
+  constexpr double kEdge = 1e-9;  // a tip on an edge or a vertex meets one of its triangles
+  const Vec3d d = to - from;
+  const auto now = [&](int v) {
+    const auto i = std::size_t(v);
+    return tick.free.empty() ? tick.inner.x[i] : tick.inner.x[i] + tick.free[i];
+  };
+  for (std::size_t s = 0; s < tick.inner.surface.size(); s++) {
+    // Möller and Trumbore 1997; only from outside
+    const Int3 corners = tick.inner.surface[s];
+    const Vec3d a = now(corners.x), ab = now(corners.y) - a, ac = now(corners.z) - a, q = cross(d, ac);
+    const double det = dot(ab, q);
+    if (!(dot(cross(ab, ac), d) < 0) || det == 0) continue;
+    const Vec3d r = from - a, n = cross(r, ab);
+    const double u = dot(r, q) / det, v = dot(d, n) / det, fraction = dot(ac, n) / det;
+    if (u < -kEdge || v < -kEdge || u + v > 1 + kEdge || fraction < 0 || fraction > 1 ||
+        fraction >= hit.fraction)
+      continue;
+    // the nearest one so far
+    const auto x = [&](int i) { return tick.inner.x[std::size_t(i)]; };
+    hit.fraction = fraction, hit.now = from + d * fraction;
+    hit.rest = x(corners.x) * (1 - u - v) + x(corners.y) * u + x(corners.z) * v;
+    double outside = 0;
+    hit.at = sfem::inner_point(tick.inner, hit.rest, tick.inner.behind[s], outside);
+  }
+  return hit;
+}
+
+int track_entered_at(const NeedleTick& tick, Vec3d x) {
+  int best = -1;
+  double nearest = tick.needle.diameter;
+  for (std::size_t i = 0; i < tick.state.tracks.size(); i++) {
+    const NeedleTrack& track = tick.state.tracks[i];
+    if (track.points.empty() || track.length == 0) continue;
+    double outside = 0;
+    const sfem::InnerPoint at = sfem::inner_point(tick.inner, track.entry, -1, outside);
+    const Vec3d entry =
+        tick.free.empty() ? track.entry : track.entry + sfem::at_point(tick.inner, at, tick.free);
+    if (const double d = norm(entry - x); d < nearest) nearest = d, best = int(i);
+  }
+  return best;
+}
+
+}  // namespace turgor::contact

@@ -1,0 +1,119 @@
+#include "turgor/sim/report/report_needle.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/sim/report/quantity.hpp"
+
+namespace turgor {
+
+namespace {
+
+using namespace units;
+
+constexpr Unit kMillijoules{"mJ", "mJ", 1e3}, kToughness{"J_per_m2", "J/m²"};
+constexpr std::size_t kMostNeedleSamples = 2000;  // limit of the series
+
+/// Force along the needle, positive against a push [N].
+double push_force(const ForceSample& s) { return dot(s.force, s.axes.column[2]); }
+
+/// Sample with the longest shaft in the tissue; the first one of equals.
+ForceSample deepest_sample(const TouchingTool& tool) {
+  ForceSample deepest;
+  for (const ForceSample& s : tool.samples)
+    if (s.needle.inserted > deepest.needle.inserted) deepest = s;
+  return deepest;
+}
+
+struct NeedleInput {
+  const TouchingTool& tool;
+  ForceSample deepest;
+};
+double parts_of_work(const contact::NeedleWork& w) {
+  return w.cutting + w.friction + w.spreading + w.elastic;
+}
+/// A part of the force at the deepest insertion.
+Json share(const NeedleInput& n, double part) {
+  const contact::NeedleReading& r = n.deepest.needle;
+  const double all = r.cutting + r.spreading + r.friction;
+  return all > 0 ? Json(part / all) : absent();
+}
+
+using N = NeedleInput;
+const Quantity<N> kNeedle[] = {
+    {"length", kMillimeters, "", [](const N& n) -> Json { return n.tool.tool.needle->length; }},
+    {"diameter", kMillimeters, "", [](const N& n) -> Json { return n.tool.tool.needle->diameter; }},
+    {"toughness", kToughness, "", [](const N& n) -> Json { return n.tool.tool.needle->toughness; }},
+    {"entry_toughness", kToughness, "",
+     [](const N& n) -> Json { return n.tool.tool.needle->entry_toughness; }},
+    {"shaft_friction", kTension, "", [](const N& n) -> Json { return n.tool.tool.needle->friction; }},
+    {"spreading", kPascals, "", [](const N& n) -> Json { return n.tool.tool.needle->spreading; }},
+    {"punctures", kCount, "", [](const N& n) -> Json { return n.tool.punctures; }},
+    {"entry_force", kNewtons, "", [](const N& n) -> Json { return n.tool.entry_force; }},
+    {"inserted_max", kMillimeters, "", [](const N& n) -> Json { return n.deepest.needle.inserted; }},
+    {"share.cutting", kPercent, "", [](const N& n) { return share(n, n.deepest.needle.cutting); }},
+    {"share.spreading", kPercent, "", [](const N& n) { return share(n, n.deepest.needle.spreading); }},
+    {"share.friction", kPercent, "", [](const N& n) { return share(n, n.deepest.needle.friction); }},
+    {"work.hand", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.hand; }},
+    {"work.cutting", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.cutting; }},
+    {"work.friction", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.friction; }},
+    {"work.spreading", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.spreading; }},
+    {"work.elastic", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.elastic; }},
+    {"work.error", kPercent, "",
+     [](const N& n) {
+       const contact::NeedleWork& w = n.tool.needle_work;
+       const double most = std::max(std::abs(w.hand), w.cutting + w.friction);
+       return most > 0 ? Json((parts_of_work(w) - w.hand) / most) : absent();
+     }},
+};
+
+using F = ForceSample;
+const Quantity<F> kNeedleSeries[] = {
+    {"time", kSeconds, "", [](const F& s) -> Json { return s.time; }},
+    {"depth", kMillimeters, "", [](const F& s) -> Json { return s.depth; }},
+    {"inserted", kMillimeters, "", [](const F& s) -> Json { return s.needle.inserted; }},
+    {"force", kNewtons, "", [](const F& s) -> Json { return push_force(s); }},
+    {"cutting", kNewtons, "", [](const F& s) -> Json { return s.needle.cutting; }},
+    {"spreading", kNewtons, "", [](const F& s) -> Json { return s.needle.spreading; }},
+    {"friction", kNewtons, "", [](const F& s) -> Json { return s.needle.friction; }},
+};
+
+/// Largest force before each drop by a tenth of it.
+const Quantity<F> kPeaks[] = {
+    {"time", kSeconds, "", [](const F& s) -> Json { return s.time; }},
+    {"depth", kMillimeters, "", [](const F& s) -> Json { return s.depth; }},
+    {"force", kNewtons, "", [](const F& s) -> Json { return push_force(s); }},
+};
+std::vector<ForceSample> peaks_of(const TouchingTool& tool) {
+  constexpr double kDrop = 0.9;
+  std::vector<ForceSample> peaks;
+  ForceSample highest;
+  double lowest = 0;
+  bool rises = true;
+  for (const ForceSample& s : tool.samples) {
+    const double force = push_force(s);
+    if (rises) {
+      if (force > push_force(highest)) highest = s;
+      if (push_force(highest) <= 0 || force > kDrop * push_force(highest)) continue;
+      peaks.push_back(highest);
+      rises = false, lowest = force;
+    } else {
+      lowest = std::min(lowest, force);
+      if (force * kDrop > std::max(lowest, 0.0) && force > 0) rises = true, highest = s;
+    }
+  }
+  return peaks;
+}
+
+}  // namespace
+
+Json needle_report(const TouchingTool& tool) {
+  Json json = values_of(kNeedle, NeedleInput{tool, deepest_sample(tool)});
+  add_rows(json, "peak_columns", "peaks", kPeaks, peaks_of(tool));
+  const std::size_t stride =
+      std::max<std::size_t>(1, (tool.samples.size() + kMostNeedleSamples - 1) / kMostNeedleSamples);
+  add_rows(json, "series_columns", "series", kNeedleSeries, tool.samples, stride);
+  return json;
+}
+
+}  // namespace turgor
