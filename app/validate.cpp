@@ -13,6 +13,7 @@
 #include "app/result_folder.hpp"
 #include "app/validate_measured.hpp"
 #include "app/validate_sfem.hpp"
+#include "app/validate_surgery.hpp"
 #include "app/validation.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/sim/report/plot.hpp"
@@ -282,6 +283,9 @@ constexpr Validation kValidations[] = {
      "ten seconds of one core, 0.5 GB", "half a minute of one core, 1 GB"},
     {"cloth", "Validate catenary, period, fall, wind, folds, stretch, drape", "a second of one core, 0.1 GB",
      "some seconds of one core, 0.1 GB"},
+    {"surgery",
+     "Validate needles: puncture, toughness from two insertions, energy, rest, stiffness of a shaft",
+     "some seconds of one core, 0.1 GB", "ten seconds of one core, 0.2 GB"},
     {"measured", "Compare with measured muscle, skin, silicone and strips that bend under their weight",
      "some seconds of one core, 0.1 GB", "a minute of one core, 0.1 GB"}};
 /// The models, whose figures are expected within their bounds. Measured tissue has known misses.
@@ -292,6 +296,7 @@ std::vector<Figure> figures_of(const Exec& exec, const std::string& model, bool 
   if (model == "lattice") return validate_lattice(exec, quick);
   if (model == "rhombus") return validate_rhombus(exec, quick);
   if (model == "cloth") return validate_cloth(exec, quick);
+  if (model == "surgery") return validate_surgery(exec, quick, folder);
   if (model == "measured") return validate_measured(exec, quick, folder, report);
   return validate_sfem(exec, quick, folder, report);
 }

@@ -120,18 +120,18 @@ TEST(NeedleTouch, DoubleInsertionRecoversToughness) {
     const Needle needle{
         .diameter = c.diameter, .toughness = c.toughness, .entry_toughness = 1.5 * c.toughness};
     Insertion insertion = above(soft_block(), needle, c.tilt, c.around);
-    std::array<double, 2> work{}, way{};
+    std::array<double, 2> work{}, length{};
     for (std::size_t pass = 0; pass < 2; pass++) {
       double before = 0;
       insertion.move_to(0.03, 4e-5, [&](double depth, double force) {
         if (depth > 0.015 && depth < 0.025)
-          work[pass] += force * (depth - before), way[pass] += depth - before;
+          work[pass] += force * (depth - before), length[pass] += depth - before;
         before = depth;
       });
       insertion.move_to(-0.001);
       EXPECT_EQ(insertion.state.phase, NeedlePhase::kOutside);
     }
-    const double found = (work[0] / way[0] - work[1] / way[1]) / c.diameter;
+    const double found = (work[0] / length[0] - work[1] / length[1]) / c.diameter;
     EXPECT_NEAR(found, c.toughness, 0.05 * c.toughness);
   }
 }

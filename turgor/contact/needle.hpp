@@ -1,6 +1,6 @@
 // Needle: a straight rigid shaft with a cone as its tip. In the tool's frame the tip is at the origin and the
-// shaft along positive z, so that it is pushed along negative z. It cuts a crack into the tissue, the track,
-// and stays felt on its way: needle_touch.hpp has its state, its equations and its tick.
+// shaft along positive z, so that it is pushed along negative z. It cuts a crack into the tissue, the track.
+// needle_touch.hpp has its state, its equations and its tick.
 #pragma once
 
 #include <algorithm>

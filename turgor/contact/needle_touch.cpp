@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kJump = 0.02;  // a needle that moves farther in a tick has jumped [m]
 constexpr double kSurface =
-    2e-4;  // the way of a tip begins this far in front of it: the surface may move [m]
+    2e-4;  // a tip looks for the surface from this far behind it, because the surface may move [m]
 
 /// Takes the needle out of the body; its tracks stay.
 void leave(NeedleState& state) {
@@ -23,7 +23,7 @@ void leave(NeedleState& state) {
   state.phase = NeedlePhase::kOutside, state.inserted = 0, state.tip_force = 0;
 }
 
-/// Looks for the surface on the way of the tip: an old track, or a new one of length 0.
+/// Looks for the surface between the last tip and this one: an old track, or a new one of length 0.
 void enter(const NeedleTick& tick) {
   NeedleState& state = tick.state;
   const SurfaceHit hit =
@@ -56,20 +56,19 @@ void advance_inside(const NeedleTick& tick) {
   const double tearing = track.is_through ? 0 : tearing_force(tick.needle, tick.needle.toughness);
   solve_needle(tick, tearing);
   state.work.friction += tick.stiffness * follow_slip(tick);
-  // growth of the crack; after a puncture the force drops on the way, and the spread crack takes its energy
-  // from it
+  // growth of the crack; after a puncture the force drops, and the spread crack takes its energy from it
   const double before = state.tip_force, spread = spreading_force(tick), stored = spreading_energy(tick);
-  double way = 0;
+  double growth = 0;
   state.tip_force = track.is_through ? 0 : tick.stiffness * dot(track.force[0], tick.t());
   const double ahead = -dot(position(state, 0) - tick.pose.position, tick.t());
   if (!track.is_through && ahead > 0 && state.tip_force >= tearing * (1 - 1e-9)) {
     state.work.cutting += 0.5 * (std::max(before, state.tip_force) + state.tip_force) * ahead;
-    cut_to_tip(tick, way = ahead);
+    cut_to_tip(tick, growth = ahead);
   }
   // points on the shaft
   state.inserted = inserted_length(tick);
   state.work.friction += tick.stiffness * engage(tick, state.inserted);
-  if (way > 0) state.work.cutting -= spreading_energy(tick) - stored - spread * way;
+  if (growth > 0) state.work.cutting -= spreading_energy(tick) - stored - spread * growth;
   if (state.inserted <= 0 && state.tip_force <= 0) leave(state);
 }
 

@@ -1,5 +1,5 @@
-// A needle in an sfem body, felt at every tick. Its track is a row of material points Xᵢ, each for a length
-// ℓᵢ of the shaft; the first is the end of the crack. C is the compliance between them
+// A needle in an sfem body, with its force at every tick. Its track is a row of material points Xᵢ, each for
+// a length ℓᵢ of the shaft; the first is the end of the crack. C is the compliance between them
 // (models/sfem/inner_green.hpp), b their positions without the needle, t the direction in which the needle is
 // pushed, p its tip, λᵢ the force on point i:
 //

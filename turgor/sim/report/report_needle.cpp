@@ -33,10 +33,10 @@ double parts_of_work(const contact::NeedleWork& w) {
   return w.cutting + w.friction + w.spreading + w.elastic;
 }
 /// A part of the force at the deepest insertion.
-Json share(const NeedleInput& n, double part) {
+Json share(const NeedleInput& n, double force) {
   const contact::NeedleReading& r = n.deepest.needle;
   const double all = r.cutting + r.spreading + r.friction;
-  return all > 0 ? Json(part / all) : absent();
+  return all > 0 ? Json(force / all) : absent();
 }
 
 using N = NeedleInput;
