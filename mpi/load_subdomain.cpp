@@ -7,6 +7,7 @@
 
 #include "mpi/outside.hpp"
 #include "turgor/io/ct.hpp"
+#include "turgor/models/lattice/build/cell_laws.hpp"
 #include "turgor/models/lattice/build/partial_cells.hpp"
 
 namespace turgor::mpi {
@@ -179,6 +180,10 @@ Result<LoadedSubdomain> load_subdomain(const Exec& exec, const Ranks& ranks, con
   const auto located = [&](const std::string& message) {
     return Error{fmt::format("{}: {}", scene.source_location, message)};
   };
+  if (lattice::has_cell_laws(scene.params.tissue))
+    return located(
+        "a distributed body has cells of law = \"solid\" without layers and viscosity; set that law, or run "
+        "the scene with `turgor run`");
   const Result<Grid> ct = grid_of(scene.ct);
   if (const Status found = agree(ranks, ct ? Status(Done{}) : Status(ct.error())); !found)
     return located(found.error().message);

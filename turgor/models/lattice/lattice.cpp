@@ -44,6 +44,9 @@ std::uint64_t state_hash(const Model& model, const State& state) {
   std::uint64_t hash = hash_of_layers(model, state, kHashSeed);
   if (!state.motion.virtual_u.empty())
     hash = hash_values(std::span<const VirtualNodeDisplacement>(state.motion.virtual_u), hash);
+  for (const SymmetricField& field : state.viscosity.history)
+    for (const auto* entry : {&field.xx, &field.yy, &field.zz, &field.xy, &field.xz, &field.yz})
+      hash = hash_values(std::span<const Real>(*entry), hash);
   if (can_sleep(model)) {
     hash = hash_values(std::span<const std::uint8_t>(state.sleep.still_steps), hash);
     hash = hash_values(std::span<const std::uint8_t>(&state.sleep.coarse_still_steps, 1), hash);

@@ -7,6 +7,7 @@
 #include "turgor/models/lattice/solver/sleep.hpp"
 #include "turgor/models/lattice/solver/step_sequence.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
+#include "turgor/models/lattice/solver/viscosity.hpp"
 
 namespace turgor::lattice {
 
@@ -109,11 +110,14 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   HostStep body{exec, model, state, inputs, dt, prepare_step(model, state, inputs, dt)};
 
   // predictor, sweeps, velocities
+  begin_viscous_step(exec, model, state, dt);
   const SolverParams& solver = model.params.solver;
   if (solver.method == Method::kPbd)
     step_pbd(body, solver.sweeps);
   else
     step_vbd(body, model.params.tissue.law == TissueLaw::kSolid, solver.sweeps);
+
+  end_viscous_step(exec, model, state, dt);
 
   // sleep
   if (body.plan.may_sleep && body.report.finite) {

@@ -58,9 +58,19 @@ void transfer(File& file, lattice::Workspace& workspace) {
   transfer_all(file, residual, cuts_before, steps_since_cut);
 }
 template <class File>
+void transfer(File& file, lattice::SymmetricField& field) {
+  auto& [xx, yy, zz, xy, xz, yz] = field;
+  transfer_all(file, xx, yy, zz, xy, xz, yz);
+}
+template <class File>
+void transfer(File& file, lattice::Viscosity& viscosity) {
+  auto& [history, instant, in_step] = viscosity;
+  transfer_all(file, history, instant, in_step);
+}
+template <class File>
 void transfer(File& file, lattice::State& state) {
-  auto& [motion, cuts, elements, sleep, workspace] = state;
-  transfer_all(file, motion, cuts, elements, sleep, workspace);
+  auto& [motion, cuts, elements, sleep, workspace, viscosity] = state;
+  transfer_all(file, motion, cuts, elements, sleep, workspace, viscosity);
 }
 /// A table of keys with their numbers 0, 1, 2, …
 template <class File>

@@ -5,6 +5,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/build/cell_laws.hpp"
 #include "turgor/models/lattice/build/partial_cells.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
 #include "turgor/models/lattice/build/springs.hpp"
@@ -107,6 +108,7 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   model.springs.rest_volume = h.x * h.y * h.z / 6;
   model.springs.volume_scale = Real(pbd ? params.solver.pbd_volume : volume);
   if (solid) build_cells(exec, nodes.fill, model);
+  set_cell_laws(exec, nodes, model);
 
   // counts
   for (std::size_t n = 0; n < nodes.tissue.size(); n++) {

@@ -12,6 +12,9 @@ void scale_stiffness(double factor, Model& model, State& state) {
   for (Real& r : model.springs.root_stiffness) r *= root;
   for (Real& young : model.anatomy.cell_young) young *= Real(factor);
   for (CutCellElement& element : state.cut_elements.cells) element.young *= Real(factor);
+  for (SymmetricField& field : state.viscosity.history)
+    for (auto* entry : {&field.xx, &field.yy, &field.zz, &field.xy, &field.xz, &field.yz})
+      for (Real& h : *entry) h *= Real(factor);
   state.workspace.coarse.reset();  // its operator has the former moduli
   state.sleep = {};                // wakes all rows
 }

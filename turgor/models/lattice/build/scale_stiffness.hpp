@@ -5,8 +5,8 @@
 
 namespace turgor::lattice {
 
-/// Multiplies every modulus of the tissue by `factor` > 0: springs, cells and cut cells. The skin and its
-/// balance with the tissue in the CT stay. For VBD, whose model is not on a device.
+/// Multiplies every modulus of the tissue by `factor` > 0: springs, cells, cut cells and viscous stresses.
+/// The skin and its balance with the tissue in the CT stay. For VBD, whose model is not on a device.
 void scale_stiffness(double factor, Model& model, State& state);
 
 }  // namespace turgor::lattice

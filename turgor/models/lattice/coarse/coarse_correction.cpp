@@ -11,6 +11,7 @@
 #include "turgor/models/lattice/coarse/secant_search.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/mechanics/cut_elements.hpp"
+#include "turgor/models/lattice/mechanics/law_cells.hpp"
 #include "turgor/models/lattice/mechanics/node_forces.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
@@ -39,6 +40,7 @@ struct CellForces {
   const State& state;
   NodeArrays nodes;
   SolidLaw law;
+  CellLawView laws;
   TwoLayers out;
 
   /// Moduli of the whole cells; 0 for cut cells.
@@ -57,6 +59,19 @@ struct CellForces {
     std::uint32_t any = 0;
     for (int i = 0; i < width; i++) any |= model.anatomy.cell_center[std::size_t(slot + i)];
     return any != 0;
+  }
+
+  /// The same for cells with laws of their own.
+  void add_law_cells(const NodeBlock& block, int slot, int k) const {
+    Real young[kGroup];
+    find_young<kGroup>(block, slot, young);
+    LawCornerForces f;
+    law_corner_forces(nodes, laws, block, young, slot, f);
+    for (int c = 0; c < kCellCorners; c++)
+      for (int i = 0; i < kGroup; i++) {
+        const auto at = std::size_t(corner_slot(block, slot, 0, c) + out.shift(k + cell_corner(c).z) + i);
+        out.field.x[at] += f.x[c][i], out.field.y[at] += f.y[c][i], out.field.z[at] += f.z[c][i];
+      }
   }
 
   template <int kWidth>
@@ -119,6 +134,8 @@ struct CellForces {
       for (int j = 0; j + 1 < l.size.y; j++)
         for (const Run run : cells.of_half_row(row_slot(l, j, k) / l.half + parity)) {
           int begin = 0;
+          for (; laws.has_laws() && begin < run.count; begin += kGroup)
+            add_law_cells(block, run.begin + begin, k);
           for (; begin + 2 * kGroup <= run.count; begin += 2 * kGroup)
             add<2 * kGroup>(block, run.begin + begin, k);
           if (begin < run.count) add<kGroup>(block, run.begin + begin, k);
@@ -338,6 +355,7 @@ void visit_residual_forces(const Exec& exec, const Model& model, State& state, c
   workspace.layers.resize(kLayerChunks);
   const Inertia inertia(model, state, inputs, dt);
   const SolidLaw law = solid_law(model.anatomy.lattice.spacing, model.params.tissue.poisson);
+  const CellLawView laws = cell_law_view(model, state);
   const SkinForces skin(model);
   const CutElementForces cut_elements(model, state);
   const int layers = model.anatomy.lattice.size.z;
@@ -347,7 +365,7 @@ void visit_residual_forces(const Exec& exec, const Model& model, State& state, c
     const auto slots = std::size_t(2 * layer_stride(model.anatomy.lattice) + kSpareSlots);
     if (field.x.size() != slots) field.resize(slots);
     const TwoLayers out{model.anatomy.lattice, field};
-    const CellForces cells{model, state, node_arrays(model, state), law, out};
+    const CellForces cells{model, state, node_arrays(model, state), law, laws, out};
     const auto add_cells = [&](int k) {
       if (k < 0 || k + 1 >= layers) return;
       cells(space.cells, k);

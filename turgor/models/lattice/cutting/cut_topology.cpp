@@ -186,13 +186,13 @@ void add_cells(const Model& model, State& state, const Fragments& fragments,
         const CrackTip& tip = fragments.tips[std::size_t(cell.first_tip + t)];
         const Real both = shares.of[std::size_t(tip.left)] + shares.of[std::size_t(tip.right)];
         state.cut_elements.cells.push_back({bridge_corners(model, state.cuts, fragments, cell, tip),
-                                            young * shares.bridges[std::size_t(t)] * both});
+                                            young * shares.bridges[std::size_t(t)] * both, cell.slot});
       }
     }
     // element of the fragment
     const auto p = std::size_t(fragment);
     state.cut_elements.cells.push_back({fragments.all[std::size_t(cell.first_fragment + fragment)].corner,
-                                        young * shares.parted[p] * shares.of[p]});
+                                        young * shares.parted[p] * shares.of[p], cell.slot});
   });
 }
 

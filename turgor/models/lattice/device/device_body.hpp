@@ -205,6 +205,7 @@ class DeviceBody final : public BodyBackend {
  public:
   DeviceBody(const Model& model, DeviceAllocator<Backend>& allocator, typename Backend::Run run = {})
       : run_(std::move(run)), nodes_(allocator, model) {
+    TURGOR_ASSERT(model.anatomy.cell_laws.shear.empty(), "kernels step cells of one neo-Hookean law");
     if (model.params.solver.method == Method::kPbd)
       pbd_.emplace(allocator, pbd_ordering(model));
     else

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/mechanics/law_cells.hpp"
 #include "turgor/models/lattice/mechanics/node_forces.hpp"
 
 namespace turgor::lattice {
@@ -159,7 +160,9 @@ void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool w
   WholeCells whole;
   if (with_cuts) find_whole_cells(row.nodes, block, slot, cells, whole);
   // forces of cells
-  if (with_partial)
+  if (row.laws)
+    gather_law_cells(row.nodes, *row.laws, block, cells.young, slot, begin, out);
+  else if (with_partial)
     gather_partial_cells(row.nodes, row.law, block, cells, slot, begin, out);
   else
     gather_cells(row.nodes, row.law, block, cells, slot, begin, out);
@@ -237,7 +240,10 @@ SolidRow::SolidRow(const Model& m, State& s)
       center(m.anatomy.cell_center.empty() ? nullptr : m.anatomy.cell_center.data()),
       law(solid_law(m.anatomy.lattice.spacing, m.params.tissue.poisson)),
       block{node_block(m.anatomy.lattice, 0), node_block(m.anatomy.lattice, 1)},
-      neighbors{neighbors_of(m, 0), neighbors_of(m, 1)} {}
+      neighbors{neighbors_of(m, 0), neighbors_of(m, 1)} {
+  if (const CellLawView view = cell_law_view(m, s); view.has_laws())
+    laws = std::make_shared<CellLawView>(view);
+}
 
 void SolidRow::gather(int parity, int slot, int count, SystemBuffer& out) const {
   TURGOR_CHECK(slot % kGroup == 0 && count <= kLanes,

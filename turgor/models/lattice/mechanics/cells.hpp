@@ -3,6 +3,8 @@
 // no node is without elements. Loose edges occur at stairs of the surface and next to two cuts.
 #pragma once
 
+#include <memory>
+
 #include "turgor/models/lattice/mechanics/node_systems.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/lattice/model/neighbors.hpp"
@@ -60,6 +62,7 @@ NodeBlock node_block(const Lattice& lattice, int parity);
 
 /// Gathers forces and Hessians of cells and loose edges for the nodes of [slot, slot + count). It writes
 /// whole vectors; the last lanes are unused.
+struct CellLawView;
 struct SolidRow {
   const Model& model;
   const std::uint8_t* row_cut;
@@ -69,6 +72,7 @@ struct SolidRow {
   SolidLaw law;
   NodeBlock block[2];
   Neighbors neighbors[2];
+  std::shared_ptr<const CellLawView> laws;  // null: all cells follow `law`
 
   SolidRow(const Model& m, State& s);
   void gather(int parity, int slot, int count, SystemBuffer& out) const;

@@ -4,6 +4,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/models/lattice/mechanics/law_cells.hpp"
 
 namespace turgor::lattice {
 
@@ -18,7 +19,15 @@ CutElementForces::CutElementForces(const Model& m, State& s)
            s.cut_elements.references.data(),
            m.anatomy.skin.triangles.data(),
            solid_law(m.anatomy.lattice.spacing, m.params.tissue.poisson),
-           SkinForces(m)} {}
+           SkinForces(m)} {
+  if (const CellLawView of = cell_law_view(m, s); of.has_laws()) laws = std::make_shared<CellLawView>(of);
+}
+
+NodeSystem CutElementForces::gather_laws(const ElementNode& node) const {
+  return view.gather(node, [this](NodeSystem& s, const CellGradient& u, int at, const CutCellElement& cell) {
+    add_law_cell(s, u, at, *laws, cell.slot, cell.young);
+  });
+}
 
 namespace {
 std::span<const ElementNode> between(const std::vector<ElementNode>& nodes, int slot, int count) {

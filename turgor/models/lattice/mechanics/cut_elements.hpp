@@ -3,6 +3,7 @@
 // Topology of the elements is in cutting/cut_topology.hpp. [Molino et al. 2004; Wang et al. 2014]
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "turgor/models/lattice/mechanics/skin_forces.hpp"
@@ -29,9 +30,20 @@ struct CutElementView {
     return {c.x, c.y, c.z};
   }
   /// Force and Hessian of all cut elements at one of their nodes.
-  TURGOR_HD NodeSystem gather(const ElementNode& node) const;
+  TURGOR_HD NodeSystem gather(const ElementNode& node) const {
+    return gather(node, [this](NodeSystem& s, const CellGradient& u, int at, const CutCellElement& cell) {
+      add_cell(s, u, at, solid, cell.young);
+    });
+  }
+  /// The same with the law of a cell as a function.
+  template <class AddCell>
+  TURGOR_HD NodeSystem gather(const ElementNode& node, const AddCell& add_cell_of) const;
   /// Moves a virtual node to the minimum of the energy of its elements. A virtual node has no mass.
-  TURGOR_HD void solve(const ElementNode& virtual_node) const;
+  TURGOR_HD void solve(const ElementNode& virtual_node) const {
+    solve(virtual_node, [this](const ElementNode& node) { return gather(node); });
+  }
+  template <class Gather>
+  TURGOR_HD void solve(const ElementNode& virtual_node, const Gather& gather_of) const;
   /// Moves a virtual node of a free node by one Newton step. `s`: all forces on it.
   TURGOR_HD void move(const ElementNode& virtual_node, const NodeSystem& s) const;
 
@@ -39,20 +51,28 @@ struct CutElementView {
   TURGOR_HD NodeSystem skin_element(const CutSkinElement& element, int at) const;
 };
 
+struct CellLawView;
+
 /// Cut elements of a state on the host.
 struct CutElementForces {
   NodeArrays nodes;
   const CutElements& cut_elements;
   CutElementView view;
+  std::shared_ptr<const CellLawView> laws;  // null: all cells follow SolidLaw
 
   CutElementForces(const Model& m, State& s);
-  NodeSystem gather(const ElementNode& node) const { return view.gather(node); }
+  NodeSystem gather(const ElementNode& node) const { return laws ? gather_laws(node) : view.gather(node); }
   /// Element nodes with slots in [slot, slot + count); virtual nodes of these slots; virtual nodes of layer
   /// k.
   std::span<const ElementNode> nodes_of(int slot, int count) const;
   std::span<const ElementNode> virtual_nodes_of(int slot, int count) const;
   std::span<const ElementNode> virtual_nodes_of(int k) const;
-  void solve(const ElementNode& virtual_node) const { view.solve(virtual_node); }
+  void solve(const ElementNode& virtual_node) const {
+    view.solve(virtual_node, [this](const ElementNode& node) { return gather(node); });
+  }
+
+ private:
+  NodeSystem gather_laws(const ElementNode& node) const;
 };
 
 /// Force and Hessian of a cut-skin element at its corner `at`: those of the whole triangle times the area
@@ -80,7 +100,9 @@ TURGOR_HD inline NodeSystem CutElementView::skin_element(const CutSkinElement& e
   return s;
 }
 
-TURGOR_HD inline NodeSystem CutElementView::gather(const ElementNode& node) const {
+template <class AddCell>
+TURGOR_HD inline NodeSystem CutElementView::gather(const ElementNode& node,
+                                                   const AddCell& add_cell_of) const {
   NodeSystem s;
   s.f -= node.prestress_force;
   const Vec3 x0 = u(node.corner);
@@ -95,7 +117,7 @@ TURGOR_HD inline NodeSystem CutElementView::gather(const ElementNode& node) cons
     const CutCellElement& cell = cells[reference.element];
     Vec3 d[kCellCorners];
     for (int c = 0; c < kCellCorners; c++) d[c] = u(cell.corner[std::size_t(c)]) - x0;
-    add_cell(s, cell_gradient(d, reference.at, solid.slope), reference.at, solid, cell.young);
+    add_cell_of(s, cell_gradient(d, reference.at, solid.slope), reference.at, cell);
   }
   return s;
 }
@@ -106,14 +128,15 @@ TURGOR_HD inline void CutElementView::move(const ElementNode& virtual_node, cons
       newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3)));
 }
 
-TURGOR_HD inline void CutElementView::solve(const ElementNode& virtual_node) const {
+template <class Gather>
+TURGOR_HD inline void CutElementView::solve(const ElementNode& virtual_node, const Gather& gather_of) const {
   // fixed node: the virtual node follows it
   if (nodes.w[virtual_node.slot] == 0) {
     const Vec3 held = nodes.u(virtual_node.slot);
     virtual_nodes[virtual_node.corner - slots] = {held.x, held.y, held.z};
     return;
   }
-  move(virtual_node, gather(virtual_node));
+  move(virtual_node, gather_of(virtual_node));
 }
 
 }  // namespace turgor::lattice

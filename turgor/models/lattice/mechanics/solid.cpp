@@ -43,8 +43,7 @@ CellCenter packed_center(Vec3d at) {
   return {bits};
 }
 
-double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson, Vec3d point) {
-  const Moduli m = moduli(poisson);
+CellDeformation cell_deformation(const Vec3d (&u)[kCellCorners], Vec3 spacing, Vec3d point) {
   const Vec3d h(spacing);
   // deformation gradient and mean displacement
   Mat3d f;
@@ -71,6 +70,13 @@ double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson,
       f.column[2] += u[n] * (side.z / (4 * h.z) * factor.x * factor.y);
     }
   }
+  return {f, hourglass};
+}
+
+double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson, Vec3d point) {
+  const Moduli m = moduli(poisson);
+  const Vec3d h(spacing);
+  const auto [f, hourglass] = cell_deformation(u, spacing, point);
   // Neo-Hookean energy at this point
   const auto& [x, y, z] = f.column;
   const double square = dot(x, x) + dot(y, y) + dot(z, z), growth = dot(x, cross(y, z));

@@ -193,6 +193,13 @@ struct CellStress {
   return s.x * g.x + s.y * g.y + s.z * g.z + hourglass_force(s, d, corner_sign(corner));
 }
 
+/// Deformation gradient of a cell at a point in half cells, and the sum of the squared hourglass
+/// displacements.
+struct CellDeformation {
+  Mat3d f;
+  double hourglass;  // Σ |rᵢ|² [m²]
+};
+CellDeformation cell_deformation(const Vec3d (&u)[kCellCorners], Vec3 spacing, Vec3d point = {});
 /// Energy of the same cell per unit of Young's modulus, from the definition; 0 at rest [m³]. `point`: center
 /// of the filled part, in half cells.
 double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 spacing, double poisson, Vec3d point = {});

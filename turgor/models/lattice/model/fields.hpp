@@ -6,6 +6,13 @@
 
 namespace turgor::lattice {
 
+template <class F, class Visit>
+requires std::is_same_v<std::remove_const_t<F>, SymmetricField>
+void visit_fields(F& f, const Visit& visit) {
+  for (auto* entry : {&f.xx, &f.yy, &f.zz, &f.xy, &f.xz, &f.yz})
+    visit(Field{"entry", "J", Axis::kSlot}, *entry);
+}
+
 /// `cut` determines skin_cut and row_cut. The cut edges of the fine lattice determine fragments and wounds.
 template <class S, class Visit>
 requires std::is_same_v<std::remove_const_t<S>, State>
@@ -31,6 +38,7 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"awake", "", Axis::kRow}, s.sleep.awake);
   visit(Field{"moved", "", Axis::kRow}, s.sleep.moved);
   visit(Field{"residual", "N"}, s.workspace.residual.layers);
+  visit(Field{"viscous_history", "J"}, s.viscosity.history);
 }
 
 /// Columns of a list of cut edges.
@@ -54,6 +62,9 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"hu", "HU", Axis::kSlot}, m.anatomy.hu);
   visit(Field{"cell_young", "Pa", Axis::kSlot}, m.anatomy.cell_young);
   visit(Field{"cell_center", "", Axis::kSlot}, m.anatomy.cell_center);
+  visit(Field{"cell_shear", "m^3", Axis::kSlot}, m.anatomy.cell_laws.shear);
+  visit(Field{"cell_bulk", "m^3", Axis::kSlot}, m.anatomy.cell_laws.bulk);
+  visit(Field{"cell_stiffening", "", Axis::kSlot}, m.anatomy.cell_laws.stiffening);
   visit(Field{"around", "", Axis::kSlot}, m.vbd.incident_elements);
   visit(Field{"moving", ""}, m.anatomy.free_runs.all);
   visit(Field{"moving_begin", "", Axis::kRow}, m.anatomy.free_runs.row_begin);

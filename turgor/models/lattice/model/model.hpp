@@ -70,6 +70,13 @@ struct Layers {
   int begin = 0, end = 0;
 };
 
+/// Laws of solid cells by slot of the lowest node, per unit of cell_young and times the cell's volume. Empty:
+/// all cells follow solid_law of the body.
+struct CellLaws {
+  aligned_vector<Real> shear, bulk;  // V µ/E and V κ/E, with the moduli of the law (solid_laws.hpp) [m³]
+  aligned_vector<Real> stiffening;   // b or α [1]
+};
+
 /// Nodes, cells and skin of a body, with their materials.
 struct Anatomy {
   Grid grid;                          // of the nodes, patient frame
@@ -81,7 +88,8 @@ struct Anatomy {
   // Solid, by slot of a cell's lowest node; without partial cells `cell_center` is empty.
   aligned_vector<Real> cell_young;  // Young's modulus times the filled fraction; 0 = not a whole cell [Pa]
   aligned_vector<std::uint32_t> cell_center;  // center of the filled part (CellCenter)
-  Runs free_runs;                             // slots of free nodes
+  CellLaws cell_laws;
+  Runs free_runs;  // slots of free nodes
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };

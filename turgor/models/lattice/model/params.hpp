@@ -4,8 +4,11 @@
 
 #include <cstdint>
 #include <map>
+#include <string>
+#include <vector>
 
 #include "turgor/core/vec.hpp"
+#include "turgor/models/prony.hpp"
 
 namespace turgor::lattice {
 
@@ -15,6 +18,8 @@ enum class Ordering : std::uint8_t { kSlabs, kColors };
 enum class SkinLaw : std::uint8_t { kArea, kFiber };
 /// Springs along the edges as in the paper, or isotropic solid cells (solid.hpp).
 enum class TissueLaw : std::uint8_t { kSprings, kSolid };
+/// Energy of solid cells (solid_laws.hpp).
+enum class SolidEnergy : std::uint8_t { kNeoHookean, kExponential, kOgden };
 struct SkinParams {
   bool enabled = true;
   SkinLaw law = SkinLaw::kFiber;
@@ -28,6 +33,15 @@ struct SkinParams {
   friend bool operator==(const SkinParams&, const SkinParams&) = default;
 };
 
+/// Layer of tissue by its depth below the skin. Its energy is that of the body.
+struct TissueLayer {
+  std::string name;
+  double thickness = 0;   // 0 = the rest of the body, for the last layer [m]
+  double young = 0;       // [Pa]
+  double poisson = 0;     // [1]
+  double stiffening = 0;  // as TissueParams::stiffening [1]
+};
+
 struct TissueParams {
   TissueLaw law = TissueLaw::kSprings;
   double gas = 1e3, fat = 5e3, muscle = 2e4, bone = 1e7;  // Young's modulus [Pa]
@@ -39,6 +53,10 @@ struct TissueParams {
   // Solid: cells that the body fills in part bear in proportion. Off by default, since skin and contacts act
   // on the outermost body nodes, which partial cells then hold from outside.
   bool partial_cells = false;
+  SolidEnergy energy = SolidEnergy::kNeoHookean;
+  double stiffening = 0;                 // exponential: b; Ogden: α [1]
+  std::vector<TissueLayer> layers;       // solid: from the skin inward; empty = tissues by CT value
+  Prony prony;                           // solid: relaxation; the moduli are static ones
   std::map<int, double> young_of_label;  // Young's modulus by label of a segmentation [Pa]
 };
 

@@ -53,6 +53,7 @@ struct VirtualNodeDisplacement {
 struct CutCellElement {
   std::array<int, 8> corner{};
   Real young = 0;  // modulus of the cell times the fragment's volume fraction [Pa]
+  int slot = 0;    // of the cell's lowest node
 };
 /// Cut-skin element: a skin triangle on one side of a blade. Corners as in CutCellElement.
 struct CutSkinElement {
@@ -131,6 +132,18 @@ struct Cuts {
   std::shared_ptr<const Fragments> fragments;  // derived from the cuts when a blade moves; see fragments_of
 };
 
+/// Symmetric tensor field by slot, one array per entry.
+struct SymmetricField {
+  aligned_vector<Real> xx, yy, zz, xy, xz, yz;
+};
+/// Relaxation of solid cells (solver/viscosity.hpp).
+struct Viscosity {
+  std::vector<SymmetricField>
+      history;           // by Prony pair, by slot of the cell's lowest node; empty = at rest [J]
+  Real instant = 1;      // factor of the moduli within a step [1]
+  bool in_step = false;  // the first field holds the sum over the pairs
+};
+
 /// Coarse space and memory that steps reuse.
 struct Workspace {
   std::shared_ptr<const CoarseSpace> coarse;  // derived from the cuts and the time step
@@ -146,6 +159,7 @@ struct State {
   CutElements cut_elements;  // derived from the cuts
   Sleep sleep;
   Workspace workspace;
+  Viscosity viscosity;
 };
 
 /// Downloads positions and velocities of the given nodes (ascending) into the state. Null when the state is

@@ -8,6 +8,7 @@
 #include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
+#include "turgor/models/lattice/mechanics/solid_laws.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -17,6 +18,20 @@ namespace {
 /// Integral of the amplified force k (1 + β max(0, s/r)) s over the strain s, divided by k. r: rest value.
 double amplified(double s, double r, double amplification) {
   return s > 0 ? s * s / 2 + amplification * s * s * s / (3 * r) : s * s / 2;
+}
+
+/// Energy of a cell or of a cut-cell element with modulus `young` [J].
+double energy_of_cell(const Model& model, std::size_t slot, double young, const Vec3d (&u)[kCellCorners],
+                      Vec3d center = {}) {
+  const Vec3 spacing = model.anatomy.lattice.spacing;
+  const TissueParams& tissue = model.params.tissue;
+  const CellLaws& laws = model.anatomy.cell_laws;
+  if (laws.shear.empty()) return young * cell_energy(u, spacing, tissue.poisson, center);
+  const CellDeformation d = cell_deformation(u, spacing);
+  const LawModuli m{young * laws.shear[slot], young * laws.bulk[slot], laws.stiffening[slot]};
+  const double diagonal2 = dot(Vec3d(spacing), Vec3d(spacing));
+  return law_energy(tissue.energy, d.f, m) +
+         m.shear * hourglass_over_shear(tissue.energy) / diagonal2 * d.hourglass / 16;
 }
 
 struct LayerEnergy {
@@ -42,9 +57,8 @@ struct LayerEnergy {
       u[n] = Vec3d(state.motion.u[std::size_t(node_slot(model.anatomy.lattice, corner + cell_corner(n)))]);
     const auto slot = std::size_t(node_slot(model.anatomy.lattice, corner));
     const CellCenter center{model.anatomy.cell_center.empty() ? 0 : model.anatomy.cell_center[slot]};
-    return double(model.anatomy.cell_young[slot]) * cell_energy(u, model.anatomy.lattice.spacing,
-                                                                model.params.tissue.poisson,
-                                                                Vec3d(center.in_half_cells()));
+    return energy_of_cell(model, slot, double(model.anatomy.cell_young[slot]), u,
+                          Vec3d(center.in_half_cells()));
   }
 
   double springs(Int3 a) const {
@@ -126,8 +140,7 @@ double cut_element_energy(const Model& model, const State& state) {
   for (const CutCellElement& element : state.cut_elements.cells) {
     Vec3d corner[kCellCorners];
     for (std::size_t n = 0; n < kCellCorners; n++) corner[n] = u(element.corner[n]);
-    sum += double(element.young) *
-           cell_energy(corner, model.anatomy.lattice.spacing, model.params.tissue.poisson);
+    sum += energy_of_cell(model, std::size_t(element.slot), double(element.young), corner);
   }
   // skin
   for (const CutSkinElement& element : state.cut_elements.skin)

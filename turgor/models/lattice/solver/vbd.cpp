@@ -10,6 +10,7 @@
 #include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/mechanics/cut_elements.hpp"
 #include "turgor/models/lattice/mechanics/element_energies.hpp"
+#include "turgor/models/lattice/mechanics/law_backtracking.hpp"
 #include "turgor/models/lattice/mechanics/node_contact.hpp"
 #include "turgor/models/lattice/mechanics/node_forces.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
@@ -174,7 +175,10 @@ struct VbdSweep {
     const std::span<NodeContact> node_contacts = contacts_of(contacts, slot, count);
     if (!node_contacts.empty()) add_contacts_of_nodes(node_contacts, slot, buffer);
     // Newton steps
-    solve(slot, count, buffer);
+    if (gather.solid.laws)
+      solve_with_laws(slot, count, buffer);
+    else
+      solve(slot, count, buffer);
     // contact forces
     update_forces(node_contacts, gather.nodes);
     // wake neighbors
@@ -218,6 +222,26 @@ struct VbdSweep {
     int begin = 0;
     for (; begin + 2 * kGroup <= count; begin += 2 * kGroup) solve_lanes<2 * kGroup>(slot, begin, buffer);
     if (begin < count) solve_lanes<kGroup>(slot, begin, buffer);
+  }
+
+  /// The same between cells that stiffen: long steps are shortened (law_backtracking.hpp).
+  void solve_with_laws(int slot, int count, const SystemBuffer& buffer) const {
+    const NodeArrays& n = gather.nodes;
+    const Vec3 h = gather.model.anatomy.lattice.spacing;
+    const Real longest = kCheckedStep * std::min({h.x, h.y, h.z});
+    const auto inertial = [&](int s) { return inertia(s) - n.u(s); };
+    const auto mobility = [&](int s) { return inertia.dt * inertia.dt * inertia.w[s]; };
+    // Newton steps
+    Vec3 change[kLanes];
+    for (int i = 0; i < count; i++)
+      change[i] = newton_step(buffer.get(i), inertial(slot + i), mobility(slot + i));
+    // long ones, whose cells no other node of the half row has
+    for (int i = 0; i < count; i++)
+      if (mobility(slot + i) > 0 && dot(change[i], change[i]) > longest * longest)
+        change[i] *= law_step_share(gather.model, gather.state, *gather.solid.laws, slot + i,
+                                    {buffer.get(i), inertial(slot + i), mobility(slot + i), change[i]});
+    for (int i = 0; i < count; i++)
+      n.ux[slot + i] += change[i].x, n.uy[slot + i] += change[i].y, n.uz[slot + i] += change[i].z;
   }
 
   template <int kWidth>

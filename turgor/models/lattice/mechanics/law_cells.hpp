@@ -1,0 +1,68 @@
+// Loops over cells that have laws of their own (solid_laws.hpp): moduli by cell, exponential or Ogden tissue,
+// and viscous tissue. Uniform neo-Hookean cells, the default, are in cells.hpp.
+#pragma once
+
+#include "turgor/models/lattice/mechanics/cells.hpp"
+#include "turgor/models/lattice/mechanics/solid_laws.hpp"
+
+namespace turgor::lattice {
+
+/// Symmetric tensor: the part of a viscous cell's stress that is constant within a step, times its volume
+/// [J].
+struct CellHistory {
+  Real xx, yy, zz, xy, xz, yz;
+
+  TURGOR_HD Vec3 times(Vec3 g) const {
+    return {xx * g.x + xy * g.y + xz * g.z, xy * g.x + yy * g.y + yz * g.z, xz * g.x + yz * g.y + zz * g.z};
+  }
+};
+
+/// Laws of all cells, by slot of their lowest node, as plain pointers.
+struct CellLawView {
+  SolidEnergy energy;
+  Vec3 slope;                             // SolidLaw::slope [1/m]
+  Real hourglass;                         // hourglass modulus over shear modulus, over 8 [1/m²]
+  const Real *shear, *bulk, *stiffening;  // CellLaws; null: all cells follow SolidLaw
+  Real instant;            // factor of the moduli within a step, 1 + Σ pᵢ γᵢ (viscosity.hpp)
+  const Real* history[6];  // xx, yy, zz, xy, xz, yz; null = elastic [J]
+
+  bool has_laws() const { return shear != nullptr; }
+  TURGOR_HD CellModuli moduli(int slot, Real young) const {
+    const Real static_shear = young * shear[slot];
+    return {static_shear * instant, young * bulk[slot] * instant, stiffening[slot], static_shear * hourglass};
+  }
+  TURGOR_HD CellHistory history_of(int slot) const {
+    return {history[0][slot], history[1][slot], history[2][slot],
+            history[3][slot], history[4][slot], history[5][slot]};
+  }
+};
+CellLawView cell_law_view(const Model& model, const State& state);
+
+/// Systems of the cells around the nodes of [slot, slot + kSpareSlots), from `begin` of the buffer on.
+/// young[n]: moduli of the cells whose corner n these nodes are, 0 where cut.
+void gather_law_cells(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
+                      const Real* const (&young)[kCellCorners], int slot, int begin, SystemBuffer& out);
+
+/// Forces on the corners of the cells with lowest nodes [slot, slot + kGroup) [N].
+struct LawCornerForces {
+  Real x[kCellCorners][kGroup], y[kCellCorners][kGroup], z[kCellCorners][kGroup];
+};
+void law_corner_forces(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
+                       const Real (&young)[kGroup], int slot, LawCornerForces& out);
+
+/// Second Piola-Kirchhoff stress times V of the cells with lowest nodes [slot, slot + kGroup), without
+/// history [J].
+struct LawStresses {
+  Real of[6][kGroup];  // xx, yy, zz, xy, xz, yz
+};
+void law_stresses(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
+                  const Real (&young)[kGroup], int slot, LawStresses& out);
+
+/// Adds a whole cell at its corner `at`, with its history; `slot`: its lowest node.
+void add_viscous_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& laws, int slot,
+                          Real young);
+/// Adds an element of a cut cell at its corner `at`; `slot`: lowest node of its cell. Cut cells are elastic.
+void add_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& laws, int slot,
+                  Real young);
+
+}  // namespace turgor::lattice

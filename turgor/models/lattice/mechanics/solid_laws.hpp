@@ -1,0 +1,188 @@
+// Laws of solid cells other than the one of solid.hpp: exponential and Ogden, and the neo-Hookean one with
+// moduli that differ between cells. Each law adds the force and Hessian of a cell at one corner, and gives
+// its stress. All functions are pure and work in SIMD lanes. docs/tissue-laws.md has the equations.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "turgor/models/lattice/mechanics/solid.hpp"
+
+namespace turgor::lattice {
+
+/// Moduli of a law over Young's modulus: µ and κ; neo-Hookean: µ' and λ' (solid.hpp) [1].
+struct LawRatios {
+  double shear, bulk;
+};
+LawRatios law_ratios(SolidEnergy energy, double poisson);
+/// Modulus of the hourglass stiffness over the law's shear modulus, times the squared diagonal of the cell
+/// [1].
+double hourglass_over_shear(SolidEnergy energy);
+
+/// Energy density of a law from its definition, 0 at rest, in the units of the moduli.
+struct LawModuli {
+  double shear, bulk, stiffening;
+};
+double law_energy(SolidEnergy energy, const Mat3d& f, const LawModuli& m);
+
+/// Moduli of one cell times its volume V.
+struct CellModuli {
+  Real shear, bulk;  // of the law: V µ and V κ; neo-Hookean: V µ' and V λ' (solid.hpp) [J]
+  Real stiffening;   // exponential: b; Ogden: α [1]
+  Real hourglass;    // V κ/8 [N/m]
+};
+
+/// Deformation of a cell at one corner, without cancellation at small strains. g: gradient of the corner's
+/// shape function.
+struct CellStrain {
+  Real stretch, growth;  // I_C − 3 and J − 1 [1]
+  Vec3 du_g, dcof_g;     // (F − 1) g and (cof F − 1) g [1/m]
+  Vec3 fg, cg;           // F g and cof F g [1/m]
+  Real g2;               // |g|² [1/m²]
+};
+[[gnu::always_inline]] TURGOR_HD inline CellStrain cell_strain(const CellGradient& u, Vec3 g) {
+  const Vec3 cx = cross(u.y, u.z), cy = cross(u.z, u.x), cz = cross(u.x, u.y);
+  const Real trace = u.x.x + u.y.y + u.z.z;
+  CellStrain e;
+  e.stretch = 2 * trace + dot(u.x, u.x) + dot(u.y, u.y) + dot(u.z, u.z);
+  e.growth = trace + (cx.x + cy.y + cz.z) + dot(u.x, cx);
+  e.du_g = u.x * g.x + u.y * g.y + u.z * g.z;
+  e.dcof_g = g * trace - Vec3{dot(u.x, g), dot(u.y, g), dot(u.z, g)} + cx * g.x + cy * g.y + cz * g.z;
+  e.fg = g + e.du_g, e.cg = g + e.dcof_g;
+  e.g2 = dot(g, g);
+  return e;
+}
+
+/// First Piola-Kirchhoff stress times V, by columns [J].
+struct CellPiola {
+  Vec3 x, y, z;
+};
+/// a (∇u − (cof F − 1)) + k cof F, by columns.
+[[gnu::always_inline]] TURGOR_HD inline CellPiola piola_of(Vec3 ux, Vec3 uy, Vec3 uz, Vec3 dcof_x,
+                                                           Vec3 dcof_y, Vec3 dcof_z, Real a, Real k) {
+  return {(ux - dcof_x) * a + dcof_x * k + Vec3{k, 0, 0}, (uy - dcof_y) * a + dcof_y * k + Vec3{0, k, 0},
+          (uz - dcof_z) * a + dcof_z * k + Vec3{0, 0, k}};
+}
+/// Columns of cof F − 1, and the invariants of CellStrain.
+struct CellCofactor {
+  Vec3 x, y, z;
+  Real stretch, growth;
+};
+[[gnu::always_inline]] TURGOR_HD inline CellCofactor cell_cofactor(Vec3 ux, Vec3 uy, Vec3 uz) {
+  const Vec3 cx = cross(uy, uz), cy = cross(uz, ux), cz = cross(ux, uy);
+  const Real trace = ux.x + uy.y + uz.z;
+  return {Vec3{trace - ux.x, -uy.x, -uz.x} + cx, Vec3{-ux.y, trace - uy.y, -uz.y} + cy,
+          Vec3{-ux.z, -uy.z, trace - uz.z} + cz, 2 * trace + dot(ux, ux) + dot(uy, uy) + dot(uz, uz),
+          trace + (cx.x + cy.y + cz.z) + dot(ux, cx)};
+}
+/// A symmetric outer product k (a bᵀ + b aᵀ).
+TURGOR_HD inline void add_symmetric(NodeSystem& s, Vec3 a, Vec3 b, Real k) {
+  const Vec3 ka = a * k, kb = b * k;
+  s.xx += 2 * ka.x * b.x, s.yy += 2 * ka.y * b.y, s.zz += 2 * ka.z * b.z;
+  s.xy += ka.x * b.y + kb.x * a.y, s.xz += ka.x * b.z + kb.x * a.z, s.yz += ka.y * b.z + kb.y * a.z;
+}
+
+// ---------------------------------------------------------------- powers and exponentials in lanes
+
+/// e^x for x from −80 to 80, to 3 units in the last digit. Its bits do not depend on a library.
+TURGOR_HD inline Real lane_exp(Real x) {
+  const Real turns = x * Real(1.44269504), half = turns < 0 ? Real(-0.5) : Real(0.5);
+  const auto n = std::int32_t(turns + half);
+  const Real f = (x - Real(n) * Real(0.693145752)) - Real(n) * Real(1.42860677e-6);  // ln 2 in two parts
+  const Real p =
+      1 + f * (1 + f * (Real(0.5) +
+                        f * (Real(1) / 6 + f * (Real(1) / 24 + f * (Real(1) / 120 + f * (Real(1) / 720))))));
+  return p * std::bit_cast<Real>((n + 127) << 23);
+}
+/// a^(−1/3) for positive a: three Newton steps from a guess by the exponent's bits.
+TURGOR_HD inline Real lane_inverse_cube_root(Real a) {
+  const Real bits = Real(std::bit_cast<std::int32_t>(a));
+  Real y = std::bit_cast<Real>(std::int32_t(0x54a2fa8c) - std::int32_t(bits * Real(0.333333333)));
+  TURGOR_UNROLL
+  for (int n = 0; n < 3; n++) y *= (4 - a * y * y * y) * (Real(1) / 3);
+  return y;
+}
+
+// ---------------------------------------------------------------- neo-Hookean
+
+/// Stable neo-Hookean law with moduli by cell. Formulas: add_cell and stress_of in solid.hpp.
+struct NeoHookeanLaw {
+  [[gnu::always_inline]] TURGOR_HD static void add(NodeSystem& s, const CellGradient& u, Vec3 g,
+                                                   const CellModuli& m) {
+    const CellStrain e = cell_strain(u, g);
+    const Real inverse = 1 / (4 + e.stretch), beyond = Real(0.25) * e.stretch * inverse;
+    s.f -= (e.fg * beyond + (e.du_g - e.dcof_g) * Real(0.75)) * m.shear + e.cg * (m.bulk * e.growth);
+    add_isotropic(s, m.shear * (Real(0.75) + beyond) * e.g2);
+    add_outer(s, e.fg, 2 * m.shear * inverse * inverse);
+    add_outer(s, e.cg, m.bulk);
+  }
+  [[gnu::always_inline]] TURGOR_HD static CellPiola piola(Vec3 ux, Vec3 uy, Vec3 uz, const CellModuli& m) {
+    const CellCofactor c = cell_cofactor(ux, uy, uz);
+    const Real beyond = Real(0.25) * c.stretch / (4 + c.stretch), sides = m.shear * beyond;
+    CellPiola p = piola_of(ux, uy, uz, c.x, c.y, c.z, Real(0.75) * m.shear, m.bulk * c.growth);
+    p.x += ux * sides + Vec3{sides, 0, 0}, p.y += uy * sides + Vec3{0, sides, 0};
+    p.z += uz * sides + Vec3{0, 0, sides};
+    return p;
+  }
+};
+
+// ---------------------------------------------------------------- exponential
+
+/// Largest exponent b (Ī₁ − 3). Beyond, the energy goes on linearly in Ī₁, so that numbers stay finite.
+constexpr Real kLargestExponent = 10;
+/// Least J. Below, J^(−2/3) goes on linearly in J, so that inverted cells are pushed back.
+constexpr Real kLeastGrowth = Real(0.1);
+
+/// Exponential law of soft tissue [Demiray 1972], isochoric part and volume apart:
+///   Ψ = µ/2b (exp(b (Ī₁ − 3)) − 1) + κ/2 (J − 1)²       Ī₁ = r I_C,  r = J^(−2/3)
+///   P = µ c p + κ (J − 1) cof F       c = exp(b (Ī₁ − 3)),  p = r F + ½ r' I_C cof F
+///   p = r (F − cof F) + r (3 (J − 1) − (I_C − 3))/3J cof F                    without cancellation
+///   H = V (µ c (r |g|² I + 2b (p g)(p g)ᵀ − ⅔ r/J (F g (cof F g)ᵀ + cof F g (F g)ᵀ) + 5/9 r I_C/J² (cof F
+///   g)(cof F
+///       g)ᵀ) + κ (cof F g)(cof F g)ᵀ)
+/// H is exact and positive definite: without b and κ, it is at least ⅕ V µ c r |g|², by completing the square
+/// and |F g|² ≤ I_C |g|². Small strains see µ and κ.
+struct ExponentialLaw {
+  struct Factors {
+    Real r, inverse;  // r; 1/J
+    Real bend;        // r + ½ r' I_C
+    Real shear;       // V µ c [J]
+    Real slope;       // 2b; 0 beyond the largest exponent
+    Real square;      // 5/9 r I_C/J²
+    Real cross;       // −⅔ r/J
+  };
+  [[gnu::always_inline]] TURGOR_HD static Factors factors(Real stretch, Real growth, const CellModuli& m) {
+    const Real j = 1 + growth, bounded = j > kLeastGrowth ? j : kLeastGrowth;
+    const Real root = lane_inverse_cube_root(bounded), r0 = root * root, inverse = r0 * root;
+    const Real lack = bounded - j;  // 0 except in cells that are nearly inverted
+    const Real r = r0 * (1 + Real(2) / 3 * lack * inverse);
+    const Real i1 = 3 + stretch, x = m.stiffening * (r * i1 - 3);
+    const Real c =
+        lane_exp(x < kLargestExponent ? (x > -kLargestExponent ? x : -kLargestExponent) : kLargestExponent);
+    return {r,
+            inverse,
+            r0 * inverse * (Real(1) / 3) * (3 * growth - stretch + 5 * lack),
+            m.shear * c,
+            x < kLargestExponent ? 2 * m.stiffening : 0,
+            Real(5) / 9 * r0 * i1 * inverse * inverse,
+            -Real(2) / 3 * r0 * inverse};
+  }
+  [[gnu::always_inline]] TURGOR_HD static void add(NodeSystem& s, const CellGradient& u, Vec3 g,
+                                                   const CellModuli& m) {
+    const CellStrain e = cell_strain(u, g);
+    const Factors k = factors(e.stretch, e.growth, m);
+    const Vec3 p = (e.du_g - e.dcof_g) * k.r + e.cg * k.bend;
+    s.f -= p * k.shear + e.cg * (m.bulk * e.growth);
+    add_isotropic(s, k.shear * k.r * e.g2);
+    add_outer(s, p, k.shear * k.slope);
+    add_symmetric(s, e.fg, e.cg, k.shear * k.cross);
+    add_outer(s, e.cg, k.shear * k.square + m.bulk);
+  }
+  [[gnu::always_inline]] TURGOR_HD static CellPiola piola(Vec3 ux, Vec3 uy, Vec3 uz, const CellModuli& m) {
+    const CellCofactor c = cell_cofactor(ux, uy, uz);
+    const Factors k = factors(c.stretch, c.growth, m);
+    return piola_of(ux, uy, uz, c.x, c.y, c.z, k.shear * k.r, k.shear * k.bend + m.bulk * c.growth);
+  }
+};
+
+}  // namespace turgor::lattice
