@@ -53,7 +53,8 @@ struct CellGradient {
 };
 
 /// `d`: displacements of the corners relative to corner `at` [m].
-TURGOR_HD inline CellGradient cell_gradient(const Vec3 (&d)[kCellCorners], int at, Vec3 slope) {
+[[gnu::always_inline]] TURGOR_HD inline CellGradient cell_gradient(const Vec3 (&d)[kCellCorners], int at,
+                                                                   Vec3 slope) {
   const auto [mean, x, y, z] = corner_sums(d);
   const Int3 side = corner_sign(at);
   const Vec3 plane = mean + x * Real(side.x) + y * Real(side.y) + z * Real(side.z);
@@ -61,7 +62,7 @@ TURGOR_HD inline CellGradient cell_gradient(const Vec3 (&d)[kCellCorners], int a
 }
 
 /// Gradient of the shape function of a corner at a point of the cell, in half cells from the center [1/m].
-TURGOR_HD inline Vec3 shape_gradient(int corner, Vec3 slope, Vec3 point) {
+[[gnu::always_inline]] TURGOR_HD inline Vec3 shape_gradient(int corner, Vec3 slope, Vec3 point) {
   const Int3 side = corner_sign(corner);
   const Real sx = Real(side.x), sy = Real(side.y), sz = Real(side.z);
   const Real fx = 1 + sx * point.x, fy = 1 + sy * point.y, fz = 1 + sz * point.z;
@@ -72,7 +73,7 @@ TURGOR_HD inline Vec3 shape_gradient(int corner, Vec3 slope, Vec3 point) {
 struct CellTwists {
   Vec3 xy, xz, yz, xyz;
 };
-TURGOR_HD inline CellTwists cell_twists(const Vec3 (&d)[kCellCorners]) {
+[[gnu::always_inline]] TURGOR_HD inline CellTwists cell_twists(const Vec3 (&d)[kCellCorners]) {
   const Vec3 low = (d[0] - d[1]) - (d[2] - d[3]), high = (d[4] - d[5]) - (d[6] - d[7]);
   return {low + high, (d[0] - d[1]) + (d[2] - d[3]) - ((d[4] - d[5]) + (d[6] - d[7])),
           (d[0] + d[1]) - (d[2] + d[3]) - ((d[4] + d[5]) - (d[6] + d[7])), high - low};
@@ -80,8 +81,8 @@ TURGOR_HD inline CellTwists cell_twists(const Vec3 (&d)[kCellCorners]) {
 
 /// cell_gradient at a point, in half cells from the center; the hourglass displacement stays that of the
 /// center.
-TURGOR_HD inline CellGradient cell_gradient_at(const Vec3 (&d)[kCellCorners], int at, Vec3 slope,
-                                               Vec3 point) {
+[[gnu::always_inline]] TURGOR_HD inline CellGradient cell_gradient_at(const Vec3 (&d)[kCellCorners], int at,
+                                                                      Vec3 slope, Vec3 point) {
   CellGradient u = cell_gradient(d, at, slope);
   const CellTwists t = cell_twists(d);
   u.x += (t.xy * point.y + t.xz * point.z + t.xyz * (point.y * point.z)) * slope.x;
@@ -100,8 +101,8 @@ TURGOR_HD inline CellGradient cell_gradient_at(const Vec3 (&d)[kCellCorners], in
 /// H is exact for Ψ and positive definite, since J is linear in the position of one corner. P is evaluated as
 /// µ' (s F + ¾ (F − cof F)) + λ' (J − 1) cof F with s = ¼ (I_C − 3)/(I_C + 1). This form has no cancellation
 /// for small ∇u.
-TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, Vec3 g, const SolidLaw& law,
-                               Real young) {
+[[gnu::always_inline]] TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, Vec3 g,
+                                                      const SolidLaw& law, Real young) {
   // invariants of ∇u
   const Vec3 cx = cross(u.y, u.z), cy = cross(u.z, u.x), cz = cross(u.x, u.y);
   const Real trace = u.x.x + u.y.y + u.z.z;
@@ -124,8 +125,8 @@ TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, Vec3 g, con
   add_outer(s, cg, bulk);
 }
 /// The same with ∇u at the center, for corner `at`.
-TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, int at, const SolidLaw& law,
-                               Real young) {
+[[gnu::always_inline]] TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, int at,
+                                                      const SolidLaw& law, Real young) {
   const Int3 side = corner_sign(at);
   add_cell(s, u, Vec3{Real(side.x) * law.slope.x, Real(side.y) * law.slope.y, Real(side.z) * law.slope.z},
            law, young);
