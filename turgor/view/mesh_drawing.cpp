@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kOcclusionReach = 0.08f;                                // of the picture's height
 constexpr float kNoLevel = 1, kSmoothLevel = 0.5f, kEdgeLevel = 0.25f;  // selects the lighting of a pixel
-constexpr float kSeeThroughShare = 0.5f;  // visible share of the light of an item behind another surface
+constexpr float kSeeThroughShare = 0.35f;  // visible share of the light of an item behind another surface
 
 template <class T>
 void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, const std::vector<T>& values) {
