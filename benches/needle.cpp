@@ -39,7 +39,7 @@ struct BenchNeedle {
   const sfem::InnerGreen& inner;
   Needle needle{.length = 0.09};
   Pose pose{{0.031, 0.028, 0.1005}, {}};
-  NeedleState state = make_needle_state(needle);
+  NeedleState state = make_needle_state(inner, needle);
 
   void move(double down) {
     pose.position.z -= down;
@@ -63,7 +63,7 @@ void needle_tick(benchmark::State& bench) {
     // strokes of 4 mm in the track; cutting starts again after 8 mm
     if (motion == Motion::kCut && needle.state.inserted > kDeep + 0.008) {
       bench.PauseTiming();
-      needle.pose = {{0.031, 0.028, 0.1005}, {}}, needle.state = make_needle_state(needle.needle);
+      needle.pose = {{0.031, 0.028, 0.1005}, {}}, needle.state = make_needle_state(needle.inner, needle.needle);
       needle.move_to(kDeep + 0.003);
       bench.ResumeTiming();
     }

@@ -114,7 +114,7 @@ ToolReading reading_of(const NeedleTick& tick) {
 
 }  // namespace
 
-NeedleState make_needle_state(const Needle& needle) {
+NeedleState make_needle_state(const sfem::InnerGreen& inner, const Needle& needle) {
   NeedleState state;
   const auto most =
       std::size_t(std::clamp(std::ceil(needle.length / needle.spacing) + 2, 2.0, double(kMostNeedlePoints)));
@@ -125,6 +125,7 @@ NeedleState make_needle_state(const Needle& needle) {
     track.compliance.resize(9 * most * most);
   }
   state.x.resize(3 * most), state.force_on.resize(3 * most);
+  state.row.resize(9 * inner.vertices.size()), state.force_on_vertex.resize(inner.vertices.size());
   return state;
 }
 

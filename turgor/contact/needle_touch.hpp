@@ -76,7 +76,9 @@ struct NeedleState {
   FreeMotionInterpolation motion;  // of InnerGreen's vertices, without this needle
   std::vector<Vec3d> free;         // its present value [m]
   // workspace of a tick
-  std::vector<double> x, force_on;  // positions, and λ + s of each point, three numbers each
+  std::vector<double> x, force_on;      // positions, and λ + s of each point, three numbers each
+  std::vector<double> row;              // C between one point and all vertices of InnerGreen
+  std::vector<Vec3d> force_on_vertex;   // of InnerGreen [N]
 };
 
 /// Needles of one body: state, and the Green's functions around them.
@@ -86,7 +88,7 @@ struct NeedleTouch {
 };
 
 /// State of a needle outside of the body, with memory for all of its tracks.
-NeedleState make_needle_state(const Needle& needle);
+NeedleState make_needle_state(const sfem::InnerGreen& inner, const Needle& needle);
 
 /// One tick of a needle. `free`: displacement of the vertices of `inner` without this needle;
 /// empty = none [m]. Forces scale with `stiffness`, the present stiffness divided by that

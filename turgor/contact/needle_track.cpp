@@ -1,8 +1,10 @@
 // Tracks: where a needle enters, how the crack grows, and which of its points are on the shaft.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "turgor/contact/needle_tick.hpp"
+#include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 
 namespace turgor::contact {
@@ -13,28 +15,28 @@ namespace {
 void fill_compliance_of(const NeedleTick& tick, std::size_t point) {
   NeedleTrack& track = tick.track();
   const std::size_t stride = compliance_stride(track);
+  sfem::compliance_row(tick.inner, track.points[point].at, tick.state.row);
   for (std::size_t i = 0; i < track.points.size(); i++) {
-    const sfem::ComplianceBlock block =
-        sfem::compliance_between(tick.inner, track.points[i].at, track.points[point].at);
+    const sfem::ComplianceBlock block = sfem::compliance_in_row(tick.inner, tick.state.row, track.points[i].at);
     for (std::size_t k = 0; k < 9; k++) {
-      track.compliance[(3 * point + k / 3) * stride + 3 * i + k % 3] = block[k];
-      track.compliance[(3 * i + k % 3) * stride + 3 * point + k / 3] = block[k];
+      track.compliance[(3 * i + k / 3) * stride + 3 * point + k % 3] = block[k];
+      track.compliance[(3 * point + k % 3) * stride + 3 * i + k / 3] = block[k];
     }
   }
 }
 
-/// Present displacement of a point that has no force of its own.
-Vec3d displacement_at(const NeedleTick& tick, const sfem::InnerPoint& at) {
+/// Displacement of the corners of an element by the present forces and without them.
+std::array<Vec3d, 10> displaced_corners(const NeedleTick& tick, int element) {
+  // forces on vertices
   const NeedleTrack& track = tick.track();
-  Vec3d u = tick.free.empty() ? Vec3d{} : sfem::at_point(tick.inner, at, tick.free);
-  for (std::size_t i = 0; i < track.points.size(); i++) {
-    const Vec3d f{tick.state.force_on[3 * i], tick.state.force_on[3 * i + 1], tick.state.force_on[3 * i + 2]};
-    if (f == Vec3d{}) continue;
-    const sfem::ComplianceBlock block = sfem::compliance_between(tick.inner, at, track.points[i].at);
-    const Mat3d c{
-        {{block[0], block[1], block[2]}, {block[3], block[4], block[5]}, {block[6], block[7], block[8]}}};
-    u += c * f;
-  }
+  std::fill(tick.state.force_on_vertex.begin(), tick.state.force_on_vertex.end(), Vec3d{});
+  add_needle_forces(tick.inner, tick.state, tick.state.force_on_vertex);
+  std::array<Vec3d, 10> u = sfem::corner_displacements(tick.inner, element, tick.state.force_on_vertex);
+  // motion without the needle
+  TURGOR_CHECK(!track.points.empty(), "a track in use has an end");
+  const auto corners = std::size_t(tick.inner.corners);
+  for (std::size_t c = 0; c < corners && !tick.free.empty(); c++)
+    u[c] += tick.free[std::size_t(tick.inner.corner[std::size_t(element) * corners + c])];
   return u;
 }
 
@@ -89,9 +91,13 @@ void cut_to_tip(const NeedleTick& tick, double ahead) {
   const double most = 2 * ahead + 1e-4;
   Vec3d rest = before.rest + tick.t() * ahead;
   double outside = 0;
+  int element = -1;
+  std::array<Vec3d, 10> corners{};
   for (int pass = 0; pass < 4; pass++) {
     const sfem::InnerPoint at = sfem::inner_point(tick.inner, rest, before.at.element, outside);
-    const Vec3d next = tick.pose.position - displacement_at(tick, at);
+    if (at.element != element) corners = displaced_corners(tick, element = at.element);
+    Vec3d next = tick.pose.position;
+    for (std::size_t c = 0; c < std::size_t(tick.inner.corners); c++) next -= corners[c] * at.weight[c];
     const Vec3d step = next - before.rest;
     rest = norm(step) > most ? before.rest + step * (most / norm(step)) : next;
   }

@@ -136,7 +136,7 @@ void add_needles(SfemTouch& touch, std::shared_ptr<const sfem::InnerGreen> inner
   for (const Tool& tool : touch.tools) {
     NeedleState needle;
     if (tool.needle) {
-      needle = make_needle_state(*tool.needle);
+      needle = make_needle_state(*touch.needles.inner, *tool.needle);
       needle.free.resize(vertices), needle.motion.from.resize(vertices), needle.motion.to.resize(vertices);
     }
     touch.needles.needles.push_back(std::move(needle));

@@ -217,6 +217,46 @@ ComplianceBlock compliance_between(const InnerGreen& inner, const InnerPoint& p,
   return sum;
 }
 
+void compliance_row(const InnerGreen& inner, const InnerPoint& p, std::span<double> row) {
+  const auto corners = std::size_t(inner.corners), count = 9 * inner.vertices.size();
+  TURGOR_CHECK(row.size() == count, "a row has a block for every vertex");
+  std::fill(row.begin(), row.end(), 0.0);
+  double* out = row.data();
+  for (std::size_t a = 0; a < corners; a++) {
+    const auto vertex = std::size_t(inner.corner[std::size_t(p.element) * corners + a]);
+    const float* blocks = &inner.green[vertex * count];
+    const double w = p.weight[a];
+    TURGOR_LANES
+    for (std::size_t i = 0; i < count; i++) out[i] += w * double(blocks[i]);
+  }
+}
+
+ComplianceBlock compliance_in_row(const InnerGreen& inner, std::span<const double> row, const InnerPoint& q) {
+  const auto corners = std::size_t(inner.corners);
+  ComplianceBlock sum{};
+  for (std::size_t b = 0; b < corners; b++) {
+    const double* block = &row[9 * std::size_t(inner.corner[std::size_t(q.element) * corners + b])];
+    for (std::size_t k = 0; k < 9; k++) sum[k] += q.weight[b] * block[k];
+  }
+  return sum;
+}
+
+std::array<Vec3d, 10> corner_displacements(const InnerGreen& inner, int element, std::span<const Vec3d> forces) {
+  const auto corners = std::size_t(inner.corners), count = inner.vertices.size();
+  std::array<Vec3d, 10> u{};
+  for (std::size_t v = 0; v < count; v++) {
+    const Vec3d f = forces[v];
+    if (f == Vec3d{}) continue;
+    for (std::size_t a = 0; a < corners; a++) {
+      const auto vertex = std::size_t(inner.corner[std::size_t(element) * corners + a]);
+      const float* c = &inner.green[9 * (vertex * count + v)];
+      for (int axis = 0; axis < 3; axis++)
+        u[a][axis] += double(c[axis]) * f.x + double(c[3 + axis]) * f.y + double(c[6 + axis]) * f.z;
+    }
+  }
+  return u;
+}
+
 Vec3d at_point(const InnerGreen& inner, const InnerPoint& p, std::span<const Vec3d> of_vertices) {
   const auto corners = std::size_t(inner.corners);
   Vec3d sum;

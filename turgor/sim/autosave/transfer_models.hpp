@@ -251,9 +251,9 @@ void transfer(File& file, contact::NeedleTrack& track) {
 template <class File>
 void transfer(File& file, contact::NeedleState& state) {
   auto& [phase, seen, pose, track, inserted, force, torque, tip_force, entry_force, punctures, made, sweeps,
-         beyond, work, reading, tracks, motion, free, x, force_on] = state;
+         beyond, work, reading, tracks, motion, free, x, force_on, row, on_vertex] = state;
   transfer_all(file, phase, seen, pose, track, inserted, force, torque, tip_force, entry_force, punctures,
-               made, sweeps, beyond, work, reading, tracks, motion, free, x, force_on);
+               made, sweeps, beyond, work, reading, tracks, motion, free, x, force_on, row, on_vertex);
 }
 /// Without the Green's functions, which loading solves again.
 template <class File>
