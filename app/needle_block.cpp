@@ -37,8 +37,11 @@ NeedlePush needle_above(const sfem::InnerGreen& inner, const contact::Needle& ne
                         double tilt, double around) {
   const Vec3d z{std::sin(tilt) * std::cos(around), std::sin(tilt) * std::sin(around), std::cos(tilt)};
   const Vec3d x = normalized(cross(Vec3d{0.3, 1, 0}, z));
-  return {
-      inner, needle, entry, {entry + z * 0.001, {{x, cross(z, x), z}}}, contact::make_needle_state(inner, needle)};
+  return {inner,
+          needle,
+          entry,
+          {entry + z * 0.001, {{x, cross(z, x), z}}},
+          contact::make_needle_state(inner, needle)};
 }
 
 void push_to(NeedlePush& push, double depth, double step, const std::function<void(double, double)>& visit) {

@@ -63,7 +63,8 @@ void needle_tick(benchmark::State& bench) {
     // strokes of 4 mm in the track; cutting starts again after 8 mm
     if (motion == Motion::kCut && needle.state.inserted > kDeep + 0.008) {
       bench.PauseTiming();
-      needle.pose = {{0.031, 0.028, 0.1005}, {}}, needle.state = make_needle_state(needle.inner, needle.needle);
+      needle.pose = {{0.031, 0.028, 0.1005}, {}},
+      needle.state = make_needle_state(needle.inner, needle.needle);
       needle.move_to(kDeep + 0.003);
       bench.ResumeTiming();
     }

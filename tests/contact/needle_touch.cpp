@@ -87,8 +87,11 @@ struct Insertion {
 };
 
 Insertion above(const NeedleBlock& block, const Needle& needle, double tilt = 0, double around = 0) {
-  Insertion insertion{
-      block, needle, {}, {0.52 * block.width, 0.47 * block.width, block.height}, make_needle_state(block.inner, needle)};
+  Insertion insertion{block,
+                      needle,
+                      {},
+                      {0.52 * block.width, 0.47 * block.width, block.height},
+                      make_needle_state(block.inner, needle)};
   insertion.pose.axes = tilted_axes(tilt, around);
   insertion.pose.position = insertion.entry + insertion.pose.axes.column[2] * 0.001;
   return insertion;

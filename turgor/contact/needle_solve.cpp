@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kLeastLogarithm = 0.4;  // of r₀/a, where the mesh is finer than the needle
 constexpr int kMostSweeps = 80;
-constexpr double kNeedleTolerance = 3e-6;  // change of a force in a sweep, relative to the needle's resistance
+constexpr double kNeedleTolerance =
+    3e-6;  // change of a force in a sweep, relative to the needle's resistance
 
 /// Radius that the mesh resolves around a line force: ln r₀/h = c − 3.75 Σ w², with the weights w of a point
 /// and the size h of its element. Fitted to needles in long blocks whose sides are held, where the

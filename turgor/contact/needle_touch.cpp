@@ -23,6 +23,12 @@ void leave(NeedleState& state) {
   state.phase = NeedlePhase::kOutside, state.inserted = 0, state.tip_force = 0;
 }
 
+/// Force F of the tip; rounding at its lower bound is removed.
+double tip_force(const NeedleTick& tick, double tearing) {
+  const double force = tick.stiffness * dot(tick.track().force[0], tick.t());
+  return force > 1e-12 * tearing ? force : 0;
+}
+
 /// Looks for the surface between the last tip and this one: an old track, or a new one of length 0.
 void enter(const NeedleTick& tick) {
   NeedleState& state = tick.state;
@@ -43,7 +49,7 @@ void touch_surface(const NeedleTick& tick) {
   NeedleState& state = tick.state;
   const double tearing = tearing_force(tick.needle, tick.needle.entry_toughness);
   solve_needle(tick, tearing);
-  state.tip_force = tick.stiffness * dot(tick.track().force[0], tick.t());
+  state.tip_force = tip_force(tick, tearing);
   state.entry_force = state.punctures > 0 ? state.entry_force : std::max(state.entry_force, state.tip_force);
   if (state.tip_force >= tearing * (1 - 1e-9)) state.phase = NeedlePhase::kInside, state.punctures++;
   if (state.tip_force <= 0) leave(state);
@@ -59,7 +65,7 @@ void advance_inside(const NeedleTick& tick) {
   // growth of the crack; after a puncture the force drops, and the spread crack takes its energy from it
   const double before = state.tip_force, spread = spreading_force(tick), stored = spreading_energy(tick);
   double growth = 0;
-  state.tip_force = track.is_through ? 0 : tick.stiffness * dot(track.force[0], tick.t());
+  state.tip_force = track.is_through ? 0 : tip_force(tick, tearing);
   const double ahead = -dot(position(state, 0) - tick.pose.position, tick.t());
   if (!track.is_through && ahead > 0 && state.tip_force >= tearing * (1 - 1e-9)) {
     state.work.cutting += 0.5 * (std::max(before, state.tip_force) + state.tip_force) * ahead;

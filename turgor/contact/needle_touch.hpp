@@ -76,9 +76,9 @@ struct NeedleState {
   FreeMotionInterpolation motion;  // of InnerGreen's vertices, without this needle
   std::vector<Vec3d> free;         // its present value [m]
   // workspace of a tick
-  std::vector<double> x, force_on;      // positions, and λ + s of each point, three numbers each
-  std::vector<double> row;              // C between one point and all vertices of InnerGreen
-  std::vector<Vec3d> force_on_vertex;   // of InnerGreen [N]
+  std::vector<double> x, force_on;     // positions, and λ + s of each point, three numbers each
+  std::vector<double> row;             // C between one point and all vertices of InnerGreen
+  std::vector<Vec3d> force_on_vertex;  // of InnerGreen [N]
 };
 
 /// Needles of one body: state, and the Green's functions around them.

@@ -17,7 +17,8 @@ void fill_compliance_of(const NeedleTick& tick, std::size_t point) {
   const std::size_t stride = compliance_stride(track);
   sfem::compliance_row(tick.inner, track.points[point].at, tick.state.row);
   for (std::size_t i = 0; i < track.points.size(); i++) {
-    const sfem::ComplianceBlock block = sfem::compliance_in_row(tick.inner, tick.state.row, track.points[i].at);
+    const sfem::ComplianceBlock block =
+        sfem::compliance_in_row(tick.inner, tick.state.row, track.points[i].at);
     for (std::size_t k = 0; k < 9; k++) {
       track.compliance[(3 * i + k / 3) * stride + 3 * point + k % 3] = block[k];
       track.compliance[(3 * point + k % 3) * stride + 3 * i + k / 3] = block[k];

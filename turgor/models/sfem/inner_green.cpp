@@ -241,7 +241,8 @@ ComplianceBlock compliance_in_row(const InnerGreen& inner, std::span<const doubl
   return sum;
 }
 
-std::array<Vec3d, 10> corner_displacements(const InnerGreen& inner, int element, std::span<const Vec3d> forces) {
+std::array<Vec3d, 10> corner_displacements(const InnerGreen& inner, int element,
+                                           std::span<const Vec3d> forces) {
   const auto corners = std::size_t(inner.corners), count = inner.vertices.size();
   std::array<Vec3d, 10> u{};
   for (std::size_t v = 0; v < count; v++) {

@@ -64,7 +64,8 @@ void compliance_row(const InnerGreen& inner, const InnerPoint& p, std::span<doub
 /// compliance_between of the row's point and `q`.
 ComplianceBlock compliance_in_row(const InnerGreen& inner, std::span<const double> row, const InnerPoint& q);
 /// Displacement of the vertices of an element under forces on all vertices [m].
-std::array<Vec3d, 10> corner_displacements(const InnerGreen& inner, int element, std::span<const Vec3d> forces);
+std::array<Vec3d, 10> corner_displacements(const InnerGreen& inner, int element,
+                                           std::span<const Vec3d> forces);
 
 /// Interpolation of a quantity at the vertices to a point.
 Vec3d at_point(const InnerGreen& inner, const InnerPoint& p, std::span<const Vec3d> of_vertices);

@@ -78,28 +78,30 @@ const Quantity<F> kNeedleSeries[] = {
     {"friction", kNewtons, "", [](const F& s) -> Json { return s.needle.friction; }},
 };
 
-/// Largest force before each drop by a tenth of it.
+/// Largest force before each drop by a tenth of it; smaller forces than a tenth of the largest are ignored.
 const Quantity<F> kPeaks[] = {
     {"time", kSeconds, "", [](const F& s) -> Json { return s.time; }},
     {"depth", kMillimeters, "", [](const F& s) -> Json { return s.depth; }},
     {"force", kNewtons, "", [](const F& s) -> Json { return push_force(s); }},
 };
 std::vector<ForceSample> peaks_of(const TouchingTool& tool) {
-  constexpr double kDrop = 0.9;
+  constexpr double kDrop = 0.9, kIgnored = 0.1;
+  double largest = 0;
+  for (const ForceSample& s : tool.samples) largest = std::max(largest, push_force(s));
+  // rise to a maximum, then fall to a minimum
   std::vector<ForceSample> peaks;
   ForceSample highest;
   double lowest = 0;
   bool rises = true;
   for (const ForceSample& s : tool.samples) {
     const double force = push_force(s);
-    if (rises) {
-      if (force > push_force(highest)) highest = s;
-      if (push_force(highest) <= 0 || force > kDrop * push_force(highest)) continue;
+    if (rises && force > push_force(highest)) highest = s;
+    if (!rises) lowest = std::min(lowest, force);
+    if (rises && push_force(highest) > kIgnored * largest && force < kDrop * push_force(highest)) {
       peaks.push_back(highest);
       rises = false, lowest = force;
-    } else {
-      lowest = std::min(lowest, force);
-      if (force * kDrop > std::max(lowest, 0.0) && force > 0) rises = true, highest = s;
+    } else if (!rises && force - lowest > kIgnored * largest) {
+      rises = true, highest = s;
     }
   }
   return peaks;

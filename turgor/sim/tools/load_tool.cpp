@@ -134,8 +134,8 @@ Status check_needle_path(const TouchingTool& tool, const std::string& body, cons
           body, depth, row.time)};
     if (depth > tool.tool.needle->length)
       return Error{fmt::format(
-          "expected a way into {} of at most the needle's length, {:.4g} m, found {:.4g} m at {:.4g} s", body,
-          tool.tool.needle->length, depth, row.time)};
+          "expected a path into {} of at most the needle's length, {:.4g} m, found {:.4g} m at {:.4g} s",
+          body, tool.tool.needle->length, depth, row.time)};
   }
   return Done{};
 }

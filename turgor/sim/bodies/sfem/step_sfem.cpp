@@ -26,6 +26,8 @@ void step_body(const Exec& exec, SfemBody& body, World& world, const FrameInput&
 
 std::uint64_t state_hash(const SfemBody& body, std::uint64_t seed) {
   seed = hash_values(std::span<const Vec3d>(body.now.x), seed);
+  for (const std::vector<Vec3d>& forces : body.now.needle_forces)
+    seed = hash_values(std::span<const Vec3d>(forces), seed);
   return hash_values(std::span<const Vec3d>(body.now.force), seed);
 }
 

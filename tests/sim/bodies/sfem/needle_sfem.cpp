@@ -1,0 +1,152 @@
+// Needles from a scene to a report, in recordings, and those that are refused.
+#include "turgor/sim/bodies/sfem/needle_sfem.hpp"
+
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/folders.hpp"
+#include "tests/sim/live/watched_session.hpp"
+#include "turgor/sim/live/haptic_recording.hpp"
+#include "turgor/sim/live/haptic_replay.hpp"
+#include "turgor/sim/live/session.hpp"
+#include "turgor/sim/report/report_needle.hpp"
+#include "turgor/sim/run.hpp"
+#include "turgor/sim/world_state.hpp"
+
+namespace turgor {
+namespace {
+
+constexpr const char* kNeedleKeys = "needle = 0.06, diameter = 0.001";
+constexpr const char* kNeedlePress =
+    "press = { at = [0.031, 0.028, 0.04], depth = 0.025, start = 0, duration = 0.5, hold = 0.1, times = 2 }";
+
+/// A block of 60 × 60 × 40 mm with a needle from above, and more tools or keys.
+std::string needle_scene_text(const std::string& shape = kNeedleKeys,
+                              const std::string& motion = kNeedlePress, const std::string& body = "",
+                              const std::string& more = "") {
+  return fmt::format(
+      "[world]\nduration = 2.3\n[body.pad]\nmodel = \"sfem\"\n"
+      "block = {{ size = [0.06, 0.06, 0.04], count = [6, 6, 4] }}\nfixed = \"bottom\"\nyoung = 4e3\n"
+      "cache = false\n{}\n[tool.needle]\nbody = \"pad\"\nshape = {{ {} }}\n{}\n{}\n",
+      body, shape, motion, more);
+}
+
+Result<World> needle_world(const Exec& exec, const std::string& text) {
+  const Result<Scene> scene = parse_scene(text, test::fresh_folder() / "pad.toml");
+  if (!scene) return scene.error();
+  return load_world(exec, *scene);
+}
+
+World needle_run(int threads, const std::string& text) {
+  Result<World> world = needle_world(Exec(threads), text);
+  EXPECT_TRUE(world) << world.error().message;
+  for (int frame = 0; world && frame < 138; frame++) EXPECT_TRUE(step(Exec(threads), *world));
+  return std::move(*world);
+}
+
+// Two insertions: the report has one puncture, the longest insertion, and work that sums to the hand's.
+TEST(NeedleSfem, ReportHasPunctureAndWork) {
+  const World world = needle_run(1, needle_scene_text());
+  const Json report = needle_report(world.tools[0]);
+  EXPECT_EQ(report["punctures"], 1);
+  EXPECT_NEAR(report["entry_force_N"].get<double>(), 0.328, 1e-6);
+  EXPECT_GT(report["inserted_max_mm"].get<double>(), 19);
+  EXPECT_LT(report["inserted_max_mm"].get<double>(), 25);
+  EXPECT_LT(std::abs(report["work"]["error_percent"].get<double>()), 1);
+  EXPECT_GT(report["work"]["cutting_mJ"].get<double>(), 2);
+  ASSERT_GE(report["peaks"].size(), 2u);
+  EXPECT_NEAR(report["peaks"][0][2].get<double>(), 0.328, 0.003);
+  EXPECT_GT(report["series"].size(), 100u);
+  // the body is displaced by the needle while it is in
+  EXPECT_EQ(world.sfem_bodies[0].needles.displacement.size(), 1u);
+}
+
+// The same bits on any number of threads, also beside a finger, which the needle feels.
+TEST(NeedleSfem, ThreadsKeepBitsBesideFinger) {
+  const std::string finger =
+      "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.006 }\npress = { at = [0.045, 0.028, "
+      "0.04], depth = 0.005, start = 0.6, duration = 0.1, hold = 0.1 }\n";
+  const std::string text = needle_scene_text(kNeedleKeys, kNeedlePress, "", finger);
+  const World one = needle_run(1, text), three = needle_run(3, text);
+  EXPECT_EQ(state_hash(one), state_hash(three));
+  const World alone = needle_run(1, needle_scene_text());
+  double most = 0;
+  for (std::size_t i = 650; i < 800; i++)
+    most = std::max(most, norm(one.tools[0].samples[i].force - alone.tools[0].samples[i].force));
+  EXPECT_GT(most, 1e-3) << "the finger moves the tissue around the needle";
+}
+
+// A needle that a mouse moves in a live session replays to the same bits.
+TEST(NeedleSfem, LiveNeedleReplaysExactly) {
+  const auto folder = test::fresh_folder();
+  std::ofstream(folder / "pad.toml") << needle_scene_text();
+  Session session(folder / "pad.toml", {}, test::kOneThread);
+  ASSERT_TRUE(test::wait_until(session, [](const SessionStatus& now) { return now.snapshot.frame > 2; }));
+  const auto advance = [&](double time) {
+    const double begin = session.now().snapshot.time;
+    ASSERT_TRUE(test::wait_until(session,
+                                 [&](const SessionStatus& now) { return now.snapshot.time > begin + time; }));
+  };
+  for (const double depth : {0.02, 0.012, 0.024}) {
+    session.now().mouse.at(0).device->set_target({.pose = {{0.031, 0.028, 0.04 - depth}, {}},
+                                                  .hold = false,
+                                                  .teleports = 1,
+                                                  .teleport_to = {0.031, 0.028, 0.043}});
+    advance(0.3);
+  }
+  session.request(SaveRequest{folder / "haptic.h5"});
+  ASSERT_TRUE(test::wait_until(session, [](const SessionStatus& now) { return !now.saved.empty(); }));
+  const Result<HapticRecording> run = read_haptic_recording(folder / "haptic.h5");
+  ASSERT_TRUE(run) << session.now().saved;
+  const Result<Scene> scene = scene_of(*run);
+  ASSERT_TRUE(scene);
+  Result<World> world = load_world(Exec(2), *scene);
+  ASSERT_TRUE(world);
+  auto replay = HapticReplay::begin(*world, *run);
+  ASSERT_TRUE(replay) << replay.error().message;
+  for (int frame = 0; frame < run->frames; frame++) {
+    EXPECT_TRUE((*replay)->next_frame(Exec(2)));
+    EXPECT_TRUE(step(Exec(2), *world));
+  }
+  (*replay)->end();
+  EXPECT_EQ(state_hash(*world), run->hash);
+  EXPECT_EQ(world->sfem_bodies[0].touch.needles.needles[0].punctures, 1);
+}
+
+// Needles that the models cannot have are refused with a sentence.
+TEST(NeedleSfem, RefusesWrongNeedles) {
+  const std::string path = "path = [[0, 0.031, 0.028, 0.03], [1, 0.031, 0.028, 0.01]]";
+  const std::string deep = "press = { at = [0.031, 0.028, 0.04], depth = 0.035 }";
+  const std::string cloth =
+      "[world]\n[body.s]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, 0], side = [0.1, 0, 0], up = [0, 0.1, "
+      "0], columns "
+      "= 4, rows = 4 }\nfabric = { law = \"sheet\" }\nsolver = { method = \"two_level\" "
+      "}\n[tool.needle]\nbody = "
+      "\"s\"\nshape = { needle = 0.06 }\npress = { at_fraction = [0.5, 0.5, 1] }\n";
+  const std::pair<std::string, const char*> cases[] = {
+      {needle_scene_text(kNeedleKeys, path),
+       "expected a needle that starts outside of pad, found its tip 0.01 m below"},
+      {needle_scene_text("needle = 0.03", deep),
+       "expected a path into pad of at most the needle's length, 0.03 m"},
+      {needle_scene_text("needle = 0.06, diameter = 0"), "diameter: expected a number between 0 and 0.01"},
+      {needle_scene_text("needle = 0.4"), "needle: expected a number between 0 and 0.3"},
+      {needle_scene_text("needle = 0.29, spacing = 0.0002"),
+       "expected at most 240 points along a needle, found 1452"},
+      {needle_scene_text("needle = 0.06, sphere = 0.01"),
+       "a tool has one shape: either sphere or needle, not both"},
+      {needle_scene_text(kNeedleKeys, kNeedlePress, "viscosity = { ratio = 1, time = 0.5 }"),
+       "a needle needs an elastic body, found viscosity"},
+      {cloth, "expected a body with model = \"sfem\" for a needle, found model = \"cloth\""},
+  };
+  for (const auto& [text, words] : cases) {
+    const Result<World> world = needle_world(Exec(1), text);
+    ASSERT_FALSE(world) << words;
+    EXPECT_NE(world.error().message.find(words), std::string::npos) << world.error().message << "\n" << words;
+  }
+}
+
+}  // namespace
+}  // namespace turgor
