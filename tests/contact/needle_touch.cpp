@@ -219,6 +219,20 @@ TEST(NeedleTouch, OnlyOldTrackIsFree) {
   EXPECT_EQ(insertion.state.punctures, 2);
 }
 
+// Deeper layers with a toughness of their own resist with it: the force rises at the border.
+TEST(NeedleTouch, LayersHaveTheirToughness) {
+  NeedleBlock block = soft_block();
+  for (std::size_t e = 0; e < block.inner.elements.size(); e++) {
+    const Vec3d corner = block.inner.x[std::size_t(block.inner.corner[e * std::size_t(block.inner.corners)])];
+    block.inner.toughness.push_back(corner.z < 0.029 ? 350 : -1);  // a corner at the bottom of an element
+  }
+  Insertion insertion = above(block, {.diameter = 0.001, .friction = 0, .spreading = 0});
+  insertion.move_to(0.018);
+  EXPECT_NEAR(insertion.state.tip_force, 0.164, 1e-9);
+  insertion.move_to(0.035);
+  EXPECT_NEAR(insertion.state.tip_force, 0.35, 1e-9);
+}
+
 // A needle that is turned in the tissue feels a force across it and a torque that turns it back.
 TEST(NeedleTouch, TiltedNeedleIsTurnedBack) {
   Insertion insertion = above(soft_block(), {.diameter = 0.001});

@@ -11,6 +11,7 @@ struct NeedleWork {
 
 /// Parts of the force along the needle, positive against a push, and its depth.
 struct NeedleReading {
+  int material = 0;                                 // at the tip, index into the body's materials
   double inserted = 0;                              // length of the shaft in the tissue [m]
   double cutting = 0, spreading = 0, friction = 0;  // [N]
 };

@@ -55,11 +55,26 @@ void touch_surface(const NeedleTick& tick) {
   if (state.tip_force <= 0) leave(state);
 }
 
+/// Toughness at the end of the crack: of its element, or the needle's own [J/m²].
+double toughness_at_end(const NeedleTick& tick) {
+  const auto e = std::size_t(tick.track().points[0].at.element);
+  const double own = tick.inner.toughness.empty() ? -1 : tick.inner.toughness[e];
+  return own >= 0 ? own : tick.needle.toughness;
+}
+
+/// Material at the tip: that of the track's nearest point.
+int material_at_tip(const NeedleTick& tick) {
+  const NeedleTrack& track = tick.track();
+  const auto nearest = std::size_t(std::max(0.0, tick.state.inserted) / tick.needle.spacing) + 1;
+  const NeedlePoint& point = track.points[nearest < track.points.size() ? nearest : 0];
+  return tick.inner.material[std::size_t(point.at.element)];
+}
+
 /// The tip in its track: forces, slip along the shaft, and the crack's growth.
 void advance_inside(const NeedleTick& tick) {
   NeedleState& state = tick.state;
   NeedleTrack& track = tick.track();
-  const double tearing = track.is_through ? 0 : tearing_force(tick.needle, tick.needle.toughness);
+  const double tearing = track.is_through ? 0 : tearing_force(tick.needle, toughness_at_end(tick));
   solve_needle(tick, tearing);
   state.work.friction += tick.stiffness * follow_slip(tick);
   // growth of the crack; after a puncture the force drops, and the spread crack takes its energy from it
@@ -94,6 +109,7 @@ void sum_needle_forces(const NeedleTick& tick) {
   }
   state.reading.inserted = std::max(0.0, state.inserted);
   state.reading.cutting = state.tip_force;
+  state.reading.material = material_at_tip(tick);
   state.reading.spreading = spreading_force(tick);
 }
 

@@ -34,6 +34,7 @@ void describe_elements(const Model& model, InnerGreen& inner) {
   for (const int e : inner.elements) {
     for (const int v : element(mesh, std::size_t(e))) inner.corner.push_back(index_in(inner.vertices, v));
     const Material& own = model.body.materials[std::size_t(material[std::size_t(e)])];
+    inner.material.push_back(material[std::size_t(e)]);
     inner.shear.push_back(moduli(own).shear), inner.poisson.push_back(own.poisson);
     inner.size.push_back(std::cbrt(std::abs(volume(mesh, std::size_t(e)))));
     // neighbors across the faces

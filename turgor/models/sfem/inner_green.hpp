@@ -29,8 +29,11 @@ struct InnerGreen {
   std::vector<Int3> surface;  // triangles of the body's surface, of `vertices`
   std::vector<int> behind;    // index into `elements` of the element behind each of them
   std::vector<std::uint8_t>
-      closed;                   // of each element: 1 = no element of the mesh beyond these touches its faces
-  std::vector<double> shear;    // modulus of each element [Pa]
+      closed;                 // of each element: 1 = no element of the mesh beyond these touches its faces
+  std::vector<int> material;  // of each element, index into Body::materials
+  std::vector<double>
+      toughness;              // of each element, set by the caller; negative or empty: a needle's own [J/m²]
+  std::vector<double> shear;  // modulus of each element [Pa]
   std::vector<double> poisson;  // ratio of each element [1]
   std::vector<double> size;     // of each element: edge of the cube of the same volume [m]
 };

@@ -92,8 +92,8 @@ void transfer(File& file, FreeDisplacement& free) {
 }
 template <class File>
 void transfer(File& file, NeedleDisplacement& needles) {
-  auto& [displacement, motion] = needles;
-  transfer_all(file, displacement, motion);
+  auto& [displacement, motion, target_motion] = needles;
+  transfer_all(file, displacement, motion, target_motion);
 }
 template <class File>
 void transfer_body(File& file, SfemBody& body) {

@@ -58,6 +58,9 @@ std::string needle_plots(const Json& tools) {
     for (const auto& [label, column] : kParts)
       plot.curves.push_back(curve_of(label, tool.at("needle"), {}, "depth_mm", column));
     keep_touching(plot);
+    for (const Json& layer : tool.at("needle").value("layers", Json::array()))
+      plot.bands.push_back(
+          {layer.at(0).get<std::string>(), layer.at(3).get<double>(), layer.at(4).get<double>()});
     html += plot_html(plot);
   }
   return html;

@@ -107,11 +107,59 @@ std::vector<ForceSample> peaks_of(const TouchingTool& tool) {
   return peaks;
 }
 
+/// Insertions of the tip into another material.
+struct LayerPassage {
+  std::string name;
+  ForceSample first, last;
+};
+const Quantity<LayerPassage> kLayers[] = {
+    {"layer", kNone, "", [](const LayerPassage& l) -> Json { return l.name; }},
+    {"from", kSeconds, "", [](const LayerPassage& l) -> Json { return l.first.time; }},
+    {"to", kSeconds, "", [](const LayerPassage& l) -> Json { return l.last.time; }},
+    {"from", kMillimeters, "", [](const LayerPassage& l) -> Json { return l.first.depth; }},
+    {"to", kMillimeters, "", [](const LayerPassage& l) -> Json { return l.last.depth; }},
+};
+std::vector<LayerPassage> layers_of(const TouchingTool& tool, const std::vector<InnerRegion>& regions) {
+  std::vector<LayerPassage> passages;
+  for (const InnerRegion& region : regions) {
+    bool is_open = false;
+    double before = 0;
+    for (const ForceSample& s : tool.samples) {
+      const bool is_in = s.needle.inserted > 0 && s.needle.material == region.material;
+      const bool goes_deeper = s.needle.inserted > before;
+      before = s.needle.inserted;
+      if (is_in && goes_deeper) {
+        if (!is_open) passages.push_back({region.name, s, s});
+        passages.back().last = s;
+      }
+      is_open = is_in && (is_open || goes_deeper);
+    }
+  }
+  return passages;
+}
+
+/// Largest displacement of each inner region by needles.
+struct Target {
+  const InnerRegion& region;
+  double motion = 0;
+};
+const Quantity<Target> kTargets[] = {
+    {"target", kNone, "", [](const Target& t) -> Json { return t.region.name; }},
+    {"motion", kMillimeters, "", [](const Target& t) -> Json { return t.motion; }},
+};
+
 }  // namespace
 
-Json needle_report(const TouchingTool& tool) {
+Json needle_report(const TouchingTool& tool, const SfemBody& body) {
   Json json = values_of(kNeedle, NeedleInput{tool, deepest_sample(tool)});
   add_rows(json, "peak_columns", "peaks", kPeaks, peaks_of(tool));
+  if (!body.inside.empty()) {
+    add_rows(json, "layer_columns", "layers", kLayers, layers_of(tool, body.inside));
+    std::vector<Target> targets;
+    for (std::size_t r = 0; r < body.inside.size(); r++)
+      targets.push_back({body.inside[r], body.needles.target_motion[r]});
+    add_rows(json, "target_columns", "targets", kTargets, targets);
+  }
   const std::size_t stride =
       std::max<std::size_t>(1, (tool.samples.size() + kMostNeedleSamples - 1) / kMostNeedleSamples);
   add_rows(json, "series_columns", "series", kNeedleSeries, tool.samples, stride);

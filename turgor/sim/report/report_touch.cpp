@@ -333,7 +333,7 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
   const std::size_t stride =
       std::max<std::size_t>(1, (tool.samples.size() + kMostSamples - 1) / kMostSamples);
   add_rows(json, "series_columns", "series", kForces, tool.samples, stride);
-  if (tool.tool.needle) json["needle"] = needle_report(tool);
+  if (tool.tool.needle) json["needle"] = needle_report(tool, world.sfem_bodies[std::size_t(tool.body.index)]);
   if (tool.body.kind == BodyKind::kSfem)
     json["over"] = over_inclusions(tool.samples, world.sfem_bodies[std::size_t(tool.body.index)].inside);
   return json;

@@ -15,6 +15,8 @@ namespace {
 const Allowed kResolution = within(1e-4, 1, "m");
 constexpr double kUsualEdge = 0.02;  // edge of quadratic tetrahedra, whose nodes are half as far apart [m]
 const Allowed kScale = inside(0, 1e6, "m");
+const Allowed kToughness = within(-1, 1e5, "J/m²");
+constexpr const char* kToughnessMeaning = "against needles; -1: that of the needle's `shape.toughness`";
 
 LabeledOrgan read_labeled_organ(SceneTable& table, SceneLabels& names) {
   // segmentation file or phantom
@@ -172,6 +174,7 @@ std::vector<InsideScene> read_inside(SceneTable& body, const sfem::Material& aro
                "elements with this label, a number or a name, have another material; `young` and `poisson` "
                "default to those of the body");
     read_material(inner, "inside." + name, region.material, rows);
+    inner.read("toughness", region.toughness, kToughness, kToughnessMeaning);
     inner.finish();
     regions.push_back(region);
   }
@@ -191,6 +194,7 @@ std::vector<InclusionScene> read_inclusions(SceneTable& body, const sfem::Materi
     inclusion.by_fraction = read_position(inner, "center", inclusion.center);
     inner.read("radius", inclusion.radius, inside(0, 10, "m"), "radius of a sphere of another material");
     read_material(inner, "inclusion." + name, inclusion.material, rows);
+    inner.read("toughness", inclusion.toughness, kToughness, kToughnessMeaning);
     inner.finish();
     inclusions.push_back(inclusion);
   }

@@ -64,11 +64,14 @@ struct HeldBy {
   bool by_fraction = false;                 // true if `box` is in fractions of the body's box
 };
 
+/// Toughness of a region that takes the needle's own.
+constexpr double kNeedlesOwn = -1;
 /// Elements of another material, selected by their label in the file or the segmentation.
 struct InsideScene {
   std::string name;
   int label = 0;
   sfem::Material material;
+  double toughness = kNeedlesOwn;  // against needles [J/m²]
 };
 /// A sphere of another material.
 struct InclusionScene {
@@ -77,6 +80,7 @@ struct InclusionScene {
   bool by_fraction = false;
   double radius = 0.01;  // [m]
   sfem::Material material;
+  double toughness = kNeedlesOwn;  // against needles [J/m²]
 };
 
 /// The superposed patch that follows the tools.

@@ -50,7 +50,7 @@ World needle_run(int threads, const std::string& text) {
 // Two insertions: the report has one puncture, the longest insertion, and work that sums to the hand's.
 TEST(NeedleSfem, ReportHasPunctureAndWork) {
   const World world = needle_run(1, needle_scene_text());
-  const Json report = needle_report(world.tools[0]);
+  const Json report = needle_report(world.tools[0], world.sfem_bodies[0]);
   EXPECT_EQ(report["punctures"], 1);
   EXPECT_NEAR(report["entry_force_N"].get<double>(), 0.328, 1e-6);
   EXPECT_GT(report["inserted_max_mm"].get<double>(), 19);

@@ -21,8 +21,9 @@ SolidMesh elements_of(const SolidMesh& mesh, const std::vector<int>& material, i
   return selected;
 }
 
-InnerRegion region_of(const std::string& name, const SolidMesh& mesh) {
-  InnerRegion region{.name = name, .vertices = {}, .triangles = surface(mesh).triangles, .center = {}};
+InnerRegion region_of(const std::string& name, int material, const SolidMesh& mesh) {
+  InnerRegion region{
+      .name = name, .material = material, .vertices = {}, .triangles = surface(mesh).triangles, .center = {}};
   // mark the vertices on the boundary
   std::vector<int> index_of(mesh.vertices.size(), -1);
   for (const Int3 t : region.triangles)
@@ -54,7 +55,7 @@ std::vector<InnerRegion> inner_regions(const SfemScene& scene, const sfem::Body&
   std::vector<InnerRegion> regions;
   for (std::size_t i = 0; i < names.size(); i++)
     if (SolidMesh mesh = elements_of(body.mesh, material, int(i) + 1); !mesh.elements.empty())
-      regions.push_back(region_of(names[i], mesh));
+      regions.push_back(region_of(names[i], int(i) + 1, mesh));
   return regions;
 }
 

@@ -12,6 +12,7 @@ namespace turgor {
 
 struct InnerRegion {
   std::string name;             // from the scene
+  int material = 0;             // index into sfem::Body::materials
   std::vector<int> vertices;    // indices in the body's mesh, ascending
   std::vector<Int3> triangles;  // of `vertices`, counter-clockwise seen from outside the region
   Vec3d center;                 // center of mass [m]

@@ -255,6 +255,9 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   body.model = std::move(*model);
   body.stiffness_scale = scene.stiffness_scale;
   body.inside = inner_regions(scene, body.model.body);
+  body.toughness = {kNeedlesOwn};
+  for (const InsideScene& inside : scene.inside) body.toughness.push_back(inside.toughness);
+  for (const InclusionScene& inclusion : scene.inclusions) body.toughness.push_back(inclusion.toughness);
   body.follow.radius = scene.patch.radius;
   // Green's functions, visible surface and rotations
   if (const Status status = prepare_green(exec, scene, body, begin); !status) return status.error();

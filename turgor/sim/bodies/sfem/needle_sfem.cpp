@@ -73,6 +73,18 @@ void add_at(const std::vector<int>& vertices, const std::vector<Vec3d>& of_mesh,
   for (std::size_t i = 0; i < vertices.size(); i++) sum[i] += of_mesh[std::size_t(vertices[i])];
 }
 
+/// Updates the largest displacement of each inner region by needles.
+void measure_targets(SfemBody& body) {
+  for (std::size_t r = 0; r < body.inside.size(); r++) {
+    const std::vector<int>& vertices = body.inside[r].vertices;
+    Vec3d sum;
+    for (const std::vector<Vec3d>& u : body.needles.displacement)
+      for (std::size_t i = 0; i < vertices.size() && !u.empty(); i++) sum += u[std::size_t(vertices[i])];
+    const double mean = norm(sum) / double(std::max<std::size_t>(1, vertices.size()));
+    body.needles.target_motion[r] = std::max(body.needles.target_motion[r], mean);
+  }
+}
+
 }  // namespace
 
 Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
@@ -96,11 +108,13 @@ Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<Touch
         bytes * 1e-9, double(body.patch_memory) * 1e-9)};
   // their Green's functions
   if (const Status status = sfem::factorize(exec, body.model); !status) return status.error();
-  contact::add_needles(body.touch, std::make_shared<const sfem::InnerGreen>(
-                                       sfem::make_inner_green(exec, body.model, std::move(elements))));
+  sfem::InnerGreen inner = sfem::make_inner_green(exec, body.model, std::move(elements));
+  for (const int material : inner.material) inner.toughness.push_back(body.toughness[std::size_t(material)]);
+  contact::add_needles(body.touch, std::make_shared<const sfem::InnerGreen>(std::move(inner)));
   contact::publish(body.touch, body.now);
   body.needles.displacement.resize(body.tool_indices.size());
   body.needles.motion.resize(body.tool_indices.size());
+  body.needles.target_motion.resize(body.inside.size());
   return Done{};
 }
 
@@ -122,6 +136,7 @@ void displace_by_needles(SfemBody& body) {
     for (std::size_t i = 0; i < forces.size(); i++) loads.push_back({inner->vertices[i], forces[i]});
     u = displacement_by_factor(body.model, loads);
   }
+  measure_targets(body);
   // motion around each needle by everything else: other needles, other tools, rotations, cloth
   const bool has_others = std::size_t(needles) < count;
   if (needles < 2 && !has_others && !body.turning && !body.press) return;

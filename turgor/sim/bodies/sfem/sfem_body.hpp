@@ -83,6 +83,7 @@ struct FreeDisplacement {
 struct NeedleDisplacement {
   std::vector<std::vector<Vec3d>> displacement;  // of all vertices, by each needle [m]
   std::vector<std::vector<Vec3d>> motion;        // of InnerGreen's vertices, by everything else [m]
+  std::vector<double> target_motion;  // largest displacement of each of SfemBody::inside so far [m]
 };
 
 /// Exchange with a haptic thread, and queues of a replay (sim/live/exchanges.hpp).
@@ -97,6 +98,7 @@ struct SfemBody : TouchedBody {
   sfem::Model model;
   std::optional<SeenSurface> seen;
   std::vector<InnerRegion> inside;
+  std::vector<double> toughness;  // of each material against needles; negative: the needle's own [J/m²]
 
   std::optional<Turning> turning;
   std::optional<ClothPress> press;
