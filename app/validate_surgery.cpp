@@ -73,7 +73,7 @@ void add_insertions(const Exec& exec, std::vector<Figure>& figures) {
     for (const auto& [when, error] :
          {std::pair("30 mm deep", found.error_inside), std::pair("after two loops", found.error_after)})
       figures.push_back(most_figure(name + "energy " + when, "the hand's work", "1", std::abs(error),
-                                    c.is_quadratic ? 0.02 : 0.01));
+                                    0.01));
   }
 }
 
@@ -151,7 +151,7 @@ void add_wire(const Exec& exec, bool quick, std::vector<Figure>& figures) {
       figures.push_back(near_figure(
           fmt::format("wire of {} mm, elements of {} mm: stiffness per length", 1e3 * diameter, 1e3 * edge),
           "2 pi G/ln(1.0787 b/a)", force / kPull / engaged,
-          2 * std::numbers::pi * shear / std::log(1.0787 * kWidth / diameter), 0.1));
+          2 * std::numbers::pi * shear / std::log(1.0787 * kWidth / diameter), 0.05));
     }
   }
 }
