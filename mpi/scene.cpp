@@ -60,6 +60,10 @@ Status check_scene(const Scene& scene) {
         fmt::format("{}: tool: several processes do not support touches: expected no tools, "
                     "found {}",
                     file, scene.tools.size())};
+  if (!scene.sutures.empty())
+    return Error{
+        fmt::format("{}: suture: several processes do not support stitches: expected no sutures, found {}",
+                    file, scene.sutures.size())};
   if (const Status body = check_body(scene.lattice_bodies[0]); !body) return body;
   for (const IncisionScene& incision : scene.incisions)
     if (const Status cut =

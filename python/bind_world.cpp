@@ -117,6 +117,12 @@ nb::dict measures(const PyWorld& world) {
                                              {"gape_mean_m", &WoundSample::gape_mean},
                                              {"opening_area_m2", &WoundSample::opening_area},
                                              {"edge_displacement_m", &WoundSample::edge_displacement}});
+  for (const SutureMeasures& suture : world.measures().sutures)
+    of[suture.name.c_str()] =
+        columns_of<SutureSample>(suture.series, {{"time_s", &SutureSample::time},
+                                                 {"closing_force_N", &SutureSample::closing_force},
+                                                 {"tension_max_N", &SutureSample::tension_max},
+                                                 {"gape_max_m", &SutureSample::gape_max}});
   for (const ClothBody& body : world.world().cloth_bodies)
     of[body.name.c_str()] = columns_of<ClothSample>(
         body.samples,

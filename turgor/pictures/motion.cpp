@@ -303,8 +303,9 @@ void add_moment(const WorldSnapshot& snapshot, Motion& motion, const MotionLimit
       add_thing(thing_of_inside(body), at++, limits.triangles, motion, frame);
   for (const ToolSnapshot& tool : snapshot.tools)
     add_thing(thing_of_tool(tool), at++, limits.triangles, motion, frame);
-  for (const TriMesh& mesh : snapshot.obstacles)
-    add_thing(thing_of_obstacle(mesh), at++, limits.triangles, motion, frame);
+  for (const auto* meshes : {&snapshot.obstacles, &snapshot.threads})
+    for (const TriMesh& mesh : *meshes)
+      add_thing(thing_of_obstacle(mesh), at++, limits.triangles, motion, frame);
   for (const ToolSnapshot& tool : snapshot.tools) frame.forces.push_back({tool.pose.position, tool.force});
   if (!motion.frames.empty() && motion.frames.back().time == frame.time) {
     motion.numbers -= numbers_in(motion.frames.back());

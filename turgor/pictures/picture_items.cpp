@@ -12,7 +12,8 @@ namespace turgor {
 namespace {
 
 constexpr Rgb kFlesh{158, 68, 56}, kSkin{224, 172, 145}, kWall{166, 58, 50}, kCloth{92, 134, 176},
-    kObstacle{188, 180, 168}, kTool{176, 190, 204}, kArrow{250, 204, 70}, kInside{236, 214, 150};
+    kObstacle{188, 180, 168}, kTool{176, 190, 204}, kArrow{250, 204, 70}, kInside{236, 214, 150},
+    kThread{38, 60, 130};
 
 std::string newtons(double force) {
   return force < 0.1 ? fmt::format("{:.0f} mN", force * 1e3) : fmt::format("{:.2f} N", force);
@@ -122,6 +123,8 @@ void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale*
     add_tool(tool, {body.typical_force, 0.2 * norm(body.box.high - body.box.low)}, eye, items);
   }
   for (const TriMesh& obstacle : snapshot.obstacles) items.add(obstacle, kObstacle);
+  for (const TriMesh& thread : snapshot.threads)
+    if (!thread.triangles.empty()) items.add(thread, kThread);
 }
 
 void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image) {

@@ -81,8 +81,17 @@ void show_names(const World& world, WorldSnapshot& out) {
   out.obstacles.resize(obstacles);
 }
 
+void show_threads(const World& world, WorldSnapshot& out) {
+  out.threads.resize(world.sutures.size());
+  for (std::size_t s = 0; s < world.sutures.size(); s++) {
+    const Suture& suture = world.sutures[s];
+    out.threads[s] = thread_mesh(world.lattice_bodies[std::size_t(suture.scene.body)], suture);
+  }
+}
+
 void show(const Exec& exec, const World& world, WorldSnapshot& out) {
   show_names(world, out);
+  show_threads(world, out);
   for_each_body(world, [&](BodyId id, const auto& body) {
     BodySnapshot& snapshot = body_snapshot(out, id);
     const Timer timer;

@@ -68,6 +68,7 @@ struct WorldSnapshot {
   std::vector<BodySnapshot> bodies;  // all, in the order of for_each_body
   std::vector<ToolSnapshot> tools;   // indexed as World::tools
   std::vector<TriMesh> obstacles;    // cloth obstacles that are not bodies
+  std::vector<TriMesh> threads;      // of sutures; empty where none bears
 };
 
 /// Sets the fields that do not depend on the state.
@@ -77,6 +78,8 @@ void show_name(BodyId id, const Body& body, BodySnapshot& out) {
   if constexpr (requires { body.typical_force; }) out.typical_force = body.typical_force;
 }
 
+/// Sets the threads of the sutures.
+void show_threads(const World& world, WorldSnapshot& out);
 /// Fills the whole snapshot. `out` is new or of this world.
 void show(const Exec& exec, const World& world, WorldSnapshot& out);
 /// Sets names, looks, boxes and tool shapes; the caller fills in the rest.

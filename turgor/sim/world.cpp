@@ -38,6 +38,17 @@ Status load_cuts(const Scene& scene, World& world) {
   return Done{};
 }
 
+Status load_sutures(const Scene& scene, World& world) {
+  for (const SutureScene& suture_scene : scene.sutures) {
+    const Cut& cut = world.cuts[std::size_t(suture_scene.incision)];
+    const LatticeBody& body = world.lattice_bodies[std::size_t(suture_scene.body)];
+    Result<Suture> suture = load_suture(suture_scene, body, cut, world.sutures);
+    if (!suture) return suture.error();
+    world.sutures.push_back(std::move(*suture));
+  }
+  return Done{};
+}
+
 Result<TouchingTool> make_tool(const Loading& loading, const ToolScene& scene, World& world) {
   if (loading.purpose == Purpose::kDraw) return load_tool_shape(scene);
   visit_body(world, scene.body, [&loading](auto& body) {
@@ -111,6 +122,7 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
   const Loading loading{exec, begin, purpose};
   Status status = load_bodies(loading, scene, world);
   if (status) status = load_cuts(scene, world);
+  if (status) status = load_sutures(scene, world);
   if (status) status = load_tools(loading, scene, world);
   if (status && purpose == Purpose::kSimulate) status = begin_bodies(exec, scene, world);
   if (!status) return status.error();
@@ -137,6 +149,13 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
     LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
     TURGOR_CHECK(is_index(cut.body, world.lattice_bodies.size()), "a cut belongs to a lattice");
     if (const Status status = advance_blade(body, world.cuts, int(c), end); !status) return status.error();
+  }
+  // pull the stitches
+  for (Suture& suture : world.sutures) {
+    const LatticeBody& body = world.lattice_bodies[std::size_t(suture.scene.body)];
+    const Cut& cut = world.cuts[std::size_t(suture.scene.incision)];
+    if (const Status status = advance_suture(body, cut, from + world.dt, suture); !status)
+      return status.error();
   }
   // step all bodies
   const FrameInput input{from, from + world.dt, measure_residual};

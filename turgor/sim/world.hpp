@@ -12,6 +12,7 @@
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/bodies/lattice/cut.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
+#include "turgor/sim/bodies/lattice/suture.hpp"
 #include "turgor/sim/bodies/rhombus/rhombus_body.hpp"
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
@@ -30,6 +31,7 @@ struct World {
   std::vector<RhombusBody> rhombus_bodies;
   std::vector<ClothBody> cloth_bodies;
   std::vector<Cut> cuts;
+  std::vector<Suture> sutures;
   std::vector<TouchingTool> tools;
   std::vector<std::string> scene_notes;  // Scene::notes
 };

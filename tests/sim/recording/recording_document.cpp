@@ -14,6 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kOthers = R"(
+[suture.row]
+wound = "cut"
+bite = 0.012
 [body.pad]
 model = "sfem"
 block = { size = [0.06, 0.06, 0.03], count = [4, 4, 2] }
@@ -48,7 +51,8 @@ std::map<std::string, std::string> documented() {
 
 /// Replaces the names in a path: "/bodies/torso/cut" becomes "/bodies/NAME/cut" as in the document.
 std::string general(std::string name) {
-  name = std::regex_replace(name, std::regex("/(bodies|cuts|surfaces|deepest|tools)/[^/]+/"), "/$1/NAME/");
+  name = std::regex_replace(name, std::regex("/(bodies|cuts|sutures|surfaces|deepest|tools)/[^/]+/"),
+                            "/$1/NAME/");
   return std::regex_replace(name, std::regex("/[0-9]{5}/"), "/NNNNN/");
 }
 

@@ -28,6 +28,8 @@ body = "a"
 [incision.other]
 body = "a"
 from_fraction = [0, 0, 0]
+[suture.row]
+wound = "cut"
 [camera.side]
 from = [0, 0, 0]
 [output]

@@ -11,6 +11,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
+#include "turgor/models/lattice/suture/closure.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/models/sfem/rotation.hpp"
 #include "turgor/sim/autosave/transfer.hpp"
@@ -118,6 +119,18 @@ template <class File>
 void transfer(File& file, lattice::Wound& wound) {
   auto& [length, gape_max, gape_mean, opening_area, edge_displacement, profile] = wound;
   transfer_all(file, length, gape_max, gape_mean, opening_area, edge_displacement, profile);
+}
+template <class File>
+void transfer(File& file, lattice::Stitch& stitch) {
+  auto& [rest, side, along, middle, across, at, lips, phase, length, before, tension, multiplier, ended] =
+      stitch;
+  transfer_all(file, rest, side, along, middle, across, at, lips, phase, length, before, tension, multiplier,
+               ended);
+}
+template <class File>
+void transfer(File& file, lattice::WoundClosure& closure) {
+  auto& [thread, pull_out, stitches, walls, version] = closure;
+  transfer_all(file, thread, pull_out, stitches, walls, version);
 }
 template <class File>
 void transfer(File& file, contact::LatticeTouch& touch) {

@@ -33,8 +33,8 @@ void transfer(File& file, ToolSnapshot& tool) {
 }
 template <class File>
 void transfer(File& file, WorldSnapshot& snapshot) {
-  auto& [time, frame, bodies, tools, obstacles] = snapshot;
-  transfer_all(file, time, frame, bodies, tools, obstacles);
+  auto& [time, frame, bodies, tools, obstacles, threads] = snapshot;
+  transfer_all(file, time, frame, bodies, tools, obstacles, threads);
 }
 template <class File>
 void transfer(File& file, Pressed& pressed) {
@@ -47,9 +47,14 @@ void transfer(File& file, CutMeasures& cut) {
   transfer_all(file, name, body, edges, region, depth, width, tension, gape_error, series, wound);
 }
 template <class File>
+void transfer(File& file, SutureMeasures& suture) {
+  auto& [name, wound, thread, skin_force, series, stitches] = suture;
+  transfer_all(file, name, wound, thread, skin_force, series, stitches);
+}
+template <class File>
 void transfer(File& file, Measures& measures) {
-  auto& [cuts, wound_surfaces, pressed, solver, frame_seconds] = measures;
-  transfer_all(file, cuts, wound_surfaces, pressed, solver, frame_seconds);
+  auto& [cuts, sutures, wound_surfaces, pressed, solver, frame_seconds] = measures;
+  transfer_all(file, cuts, sutures, wound_surfaces, pressed, solver, frame_seconds);
 }
 
 }  // namespace turgor

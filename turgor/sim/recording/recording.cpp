@@ -11,6 +11,7 @@
 #include "turgor/models/lattice/model/fields.hpp"
 #include "turgor/sim/recording/recording_cloth.hpp"
 #include "turgor/sim/recording/recording_fields.hpp"
+#include "turgor/sim/recording/recording_suture.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
 
 namespace turgor {
@@ -210,6 +211,8 @@ Status RecordingWriter::add_snapshot(const World& world, const WorldSnapshot& sn
   // cuts
   for (const Cut& cut : world.cuts)
     if (const Status status = write_cut(file_, group, cut); !status) return status;
+  for (const Suture& suture : world.sutures)
+    if (const Status status = write_suture(file_, group, suture); !status) return status;
   return file_.flush();
 }
 
@@ -346,7 +349,14 @@ Status Recording::restore(const Exec& exec, int index, World& world, WorldSnapsh
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
   const SnapshotIn in{file_, path_.string(), group, exec, world, snapshot};
-  return try_each_body(world, [&](BodyId id, auto& body) { return read_state(in, body, id); });
+  const Status bodies = try_each_body(world, [&](BodyId id, auto& body) { return read_state(in, body, id); });
+  if (!bodies) return bodies;
+
+  // sutures
+  for (Suture& suture : world.sutures)
+    if (const Status status = read_suture_state(file_, group, world, suture); !status) return status;
+  show_threads(world, snapshot);
+  return Done{};
 }
 
 Status Recording::restore_touch(World& world, std::vector<Pressed>& pressed) const {

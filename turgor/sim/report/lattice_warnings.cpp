@@ -10,6 +10,7 @@
 #include "turgor/geometry/body_location.hpp"
 #include "turgor/geometry/ct_sampler.hpp"
 #include "turgor/models/lattice/mechanics/inverted_cells.hpp"
+#include "turgor/sim/report/report_suture.hpp"
 
 namespace turgor {
 
@@ -125,6 +126,7 @@ std::vector<std::string> lattice_warnings(const Exec& exec, const World& world) 
       warn_about_bone(cut, body, warnings);
     }
   for (const LatticeBody& body : world.lattice_bodies) warn_of_inverted_cells(exec, body, warnings);
+  for (const std::string& warning : suture_warnings(world)) warnings.push_back(warning);
   return warnings;
 }
 

@@ -103,6 +103,7 @@ Measures make_measures(const World& world) {
     m.region = cut.blade.width > 0, m.depth = cut.blade.depth, m.width = cut.blade.width;
     measures.cuts.push_back(m);
   }
+  for (const Suture& suture : world.sutures) measures.sutures.push_back(make_suture_measures(world, suture));
   return measures;
 }
 
@@ -139,6 +140,13 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
       return lattice::measure_wound(body.model, state, near, *cut.path, int(c));
     });
     m.series.push_back(sample_of(m.wound, time_of(world)));
+  }
+
+  // sutures
+  for (std::size_t s = 0; s < world.sutures.size(); s++) {
+    const CutMeasures& wound = measures.cuts[std::size_t(world.sutures[s].scene.incision)];
+    measures.sutures[s].skin_force = wound.tension.opening * wound.wound.length;
+    measure_suture(world, world.sutures[s], measures.sutures[s]);
   }
 
   // solver

@@ -6,6 +6,7 @@
 
 #include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/sim/pressed.hpp"
+#include "turgor/sim/report/report_suture.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -50,6 +51,7 @@ struct SolverSample {
 
 struct Measures {
   std::vector<CutMeasures> cuts;
+  std::vector<SutureMeasures> sutures;
   std::vector<lattice::BodySurface> wound_surfaces;  // of each lattice body; rebuilt after each cut
   std::vector<Pressed> pressed;                      // one for every body that tools can touch
   std::vector<SolverSample> solver;

@@ -173,13 +173,14 @@ std::string program_instructions() {
 
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
                        const RunFacts& facts) {
-  Json bodies = Json::array(), wounds = Json::array(), tools = Json::array();
+  Json bodies = Json::array(), wounds = Json::array(), sutures = Json::array(), tools = Json::array();
   const ReportInput input{exec, world, measures};
   for_each_kind(scene, world, [&](BodyKind kind, const auto& scenes, const auto& of_kind) {
     for (std::size_t b = 0; b < of_kind.size(); b++)
       bodies.push_back(report_body(input, scenes[b], of_kind[b], BodyId{kind, int(b)}));
   });
   for (const CutMeasures& cut : measures.cuts) wounds.push_back(wound_report(cut));
+  for (const SutureMeasures& suture : measures.sutures) sutures.push_back(suture_report(suture));
   for (std::size_t t = 0; t < world.tools.size(); t++)
     tools.push_back(tool_report(scene.tools[t], world.tools[t], world));
   return {{"program", "turgor"},
@@ -188,6 +189,7 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"machine", machine_report(exec)},
           {"bodies", bodies},
           {"wounds", wounds},
+          {"sutures", sutures},
           {"tools", tools},
           {"profiles", profile_report(measures)},
           {"costs", cost_report(world, measures)},

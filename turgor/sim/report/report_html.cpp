@@ -97,6 +97,16 @@ std::string curves(const Json& report) {
     profile.curves.push_back(curve_of(name, wound, {"profile_columns", "profile"}, "along_mm", "gape_mm"));
   }
 
+  // sutures
+  Plot closing{"Closing force over time", "time [s]", "force [N]", {}},
+      stitches{"Tension of the stitches at the end", "along the cut [mm]", "tension [N]", {}};
+  for (const Json& suture : items_of(report, "sutures")) {
+    const std::string name = suture.at("name").get<std::string>();
+    closing.curves.push_back(curve_of(name, suture, {}, "time_s", "closing_force_N"));
+    stitches.curves.push_back(
+        curve_of(name, suture, {"stitch_columns", "stitches"}, "along_mm", "tension_N"));
+  }
+
   // solver
   const Json& solver = report.at("solver");
   const page::SeriesKeys kSamples{"columns", "samples"};
@@ -113,6 +123,8 @@ std::string curves(const Json& report) {
   std::string html;
   if (!report.at("wounds").empty())
     html += "<h2>Wounds</h2>\n<div class=\"grid\">" + plot_html(gape) + plot_html(profile) + "</div>\n";
+  if (!closing.curves.empty())
+    html += "<h2>Sutures</h2>\n<div class=\"grid\">" + plot_html(closing) + plot_html(stitches) + "</div>\n";
   html += page::touch_curves(report) + page::cloth_curves(report);
   if (bodies_of(report, BodyKind::kLattice).empty()) return html;
   return html + "<h2>Solver</h2>\n<div class=\"grid\">" + plot_html(residual) + "</div>\n";

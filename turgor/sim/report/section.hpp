@@ -20,7 +20,8 @@ struct Section {
 inline Json items_of(const Json& report, const char* key) { return report.value(key, Json::array()); }
 
 /// Each is defined next to its quantities.
-Section wound_section();  // report_lattice.cpp
+Section wound_section();   // report_lattice.cpp
+Section suture_section();  // report_suture.cpp
 Section lattice_section();
 Section deformed_section();
 Section tool_section();  // report_touch.cpp

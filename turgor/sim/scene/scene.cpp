@@ -20,6 +20,7 @@
 #include "turgor/sim/scene/scene_renamed.hpp"
 #include "turgor/sim/scene/scene_rhombus.hpp"
 #include "turgor/sim/scene/scene_sfem.hpp"
+#include "turgor/sim/scene/scene_suture.hpp"
 #include "turgor/sim/scene/scene_table.hpp"
 #include "turgor/sim/scene/scene_tool.hpp"
 
@@ -111,7 +112,8 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
   std::string path;
   for (std::size_t i = 0; i + 1 < names.size(); i++) {
     // Overrides cannot create bodies, incisions or tools: a misspelt name would be ignored silently.
-    const bool names_one = i == 1 && (names[0] == "body" || names[0] == "incision" || names[0] == "tool");
+    const bool names_one = i == 1 && (names[0] == "body" || names[0] == "incision" || names[0] == "suture" ||
+                                      names[0] == "tool");
     if (names_one && !table->contains(names[i]))
       return Error{fmt::format("--set {}: the scene has no {} {}{}", key, names[0], names[i],
                                suggestion(names[i], keys_of(*table)))};
@@ -198,6 +200,12 @@ void read_incisions(SceneTable incisions, Scene& scene) {
   incisions.finish();
 }
 
+void read_sutures(SceneTable sutures, Scene& scene) {
+  for (const std::string& name : sutures.names())
+    scene.sutures.push_back(read_suture(sutures.table(name), name, scene));
+  sutures.finish();
+}
+
 void read_tools(SceneTable tools, Scene& scene) {
   for (const std::string& name : tools.names()) {
     scene.tools.push_back(read_tool_scene(tools.table(name), name, scene));
@@ -246,6 +254,7 @@ void read_scene_table(SceneTable root, Scene& scene) {
   read_world(root.table("world"), scene);
   if (!read_bodies(root.table("body"), scene)) return;
   read_incisions(root.table("incision"), scene);
+  read_sutures(root.table("suture"), scene);
   read_tools(root.table("tool"), scene);
   read_cameras(root.table("camera"), scene);
   read_output(root.table("output"), scene);

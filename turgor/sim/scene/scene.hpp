@@ -19,6 +19,7 @@
 #include "turgor/sim/scene/device.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
+#include "turgor/sim/scene/suture_scene.hpp"
 #include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
@@ -101,6 +102,7 @@ struct Scene {
   Device device = Device::kCpu;
   std::vector<LatticeScene> lattice_bodies;
   std::vector<IncisionScene> incisions;
+  std::vector<SutureScene> sutures;
   std::vector<SfemScene> sfem_bodies;
   std::vector<RhombusScene> rhombus_bodies;
   std::vector<ToolScene> tools;

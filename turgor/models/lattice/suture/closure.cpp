@@ -121,12 +121,12 @@ void pull_stitch(const Motion& motion, const Pull& pull, double elapsed, const T
   const double share = pull.duration > 0 ? elapsed / pull.duration : 1;
   // length of the thread
   if (pull.until_closed) {
-    const double rest = rest_length(stitch), way = std::max(stitch.before - rest, 0.1 * rest);
+    const double rest = rest_length(stitch), slack = std::max(stitch.before - rest, 0.1 * rest);
     const bool is_closed = share >= 1 && gape_under(stitch, motion) <= kClosedGape;
     if (is_closed || stitch.length == kShortestLoop * rest)
       stitch.phase = StitchPhase::kKnotted;
     else
-      stitch.length = std::max(stitch.before - share * way, kShortestLoop * rest);
+      stitch.length = std::max(stitch.before - share * slack, kShortestLoop * rest);
     return;
   }
   // tension

@@ -55,14 +55,17 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   const bool has_forces = body.model.params.solver.method == lattice::Method::kVbd;
   const std::vector<lattice::NodeLoad> loads = node_loads(body);
 
-  // loads and tools
+  // loads, tools and stitches
+  SutureSprings stitches(body.model, int(&body - world.lattice_bodies.data()), world.sutures);
   const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
                                .measure_residual = input.measure_residual && has_forces,
-                               .loads = loads};
+                               .loads = loads,
+                               .springs = stitches.input()};
   apply_commands(body, input.from, input.to, world.tools);
 
   // step
   const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
+  if (done.finite && stitches.input()) stitches.finish(body.model, body.state->motion, input.to);
   // damping reduces the speed after the positions were updated
   body.last_displacement =
       double(done.largest_speed) / double(speed_scale(body.model.params.solver, input.to - input.from));

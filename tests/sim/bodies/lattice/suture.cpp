@@ -1,0 +1,148 @@
+// Sutures of a scene: keys, errors, simulation, report, recording and state files.
+#include "turgor/sim/bodies/lattice/suture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/sim/block_scene.hpp"
+#include "tests/sim/scene/scene_error.hpp"
+#include "turgor/sim/autosave/world_file.hpp"
+#include "turgor/sim/recording/recording.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/run.hpp"
+
+namespace turgor {
+namespace {
+
+/// The block of block_scene.hpp with a suture of its cut.
+std::string sutured_text(const std::string& keys) {
+  return test::block_scene_text("block.nii") + "[suture.row]\nwound = \"cut\"\n" + keys;
+}
+Scene sutured_scene(const std::filesystem::path& folder, const std::string& keys, double duration) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  Result<Scene> scene =
+      parse_scene(sutured_text(keys), folder / "block.toml", {"world.duration=" + std::to_string(duration)});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return *scene;
+}
+
+const char* const kRow = "bite = 0.012\ndepth = 0.004\nspacing = 0.015\nstart = 0.3\nduration = 0.3\n";
+
+// A row of stitches closes the wound; the report states forces that balance and follow the thread's law.
+TEST(Suture, RowClosesWound) {
+  const Scene scene = sutured_scene(test::fresh_folder(), kRow, 1.6);
+  World world = test::block_world(Exec(1), scene);
+  const Result<Simulated> run = simulate(Exec(1), scene, world);
+  ASSERT_TRUE(run) << run.error().message;
+  const Json report = simulation_report(Exec(1), scene, world, run->measures, {});
+  const Json& suture = report.at("sutures").at(0);
+  EXPECT_EQ(suture.at("name"), "row");
+  EXPECT_EQ(suture.at("wound"), "cut");
+  EXPECT_EQ(suture.at("stitches_bearing"), 4);
+  EXPECT_LT(suture.at("gape_max_mm").get<double>(), 0.3);
+  EXPECT_GT(suture.at("closing_force_N").get<double>(), 0.5);
+  EXPECT_GT(report.at("wounds").at(0).at("series").size(), 10u);
+  const double stiffness = scene.sutures[0].thread.stiffness;
+  double largest = 0;
+  for (const lattice::Stitch& stitch : world.sutures[0].closure->stitches) {
+    const double law = stiffness / stitch.length *
+                       (loop_length(stitch, world.lattice_bodies[0].state->motion) - stitch.length);
+    EXPECT_EQ(stitch.phase, lattice::StitchPhase::kKnotted);
+    EXPECT_NEAR(stitch.tension, law, 0.01 * law) << "N";
+    largest = std::max(largest, stitch.tension);
+  }
+  EXPECT_NEAR(suture.at("tension_max_N").get<double>(), largest, 1e-4 * largest);
+  EXPECT_FALSE(run->snapshot.threads.at(0).triangles.empty());
+  EXPECT_TRUE(suture_warnings(world).empty());
+}
+
+// Stitches that tear out are reported with a warning.
+TEST(Suture, TornStitchesAreReported) {
+  const Scene scene =
+      sutured_scene(test::fresh_folder(), std::string(kRow) + "tension = 1.0\npull_out = 0.2\n", 0.8);
+  World world = test::block_world(Exec(1), scene);
+  const Result<Simulated> run = simulate(Exec(1), scene, world);
+  ASSERT_TRUE(run) << run.error().message;
+  const Json report = simulation_report(Exec(1), scene, world, run->measures, {});
+  EXPECT_EQ(report.at("sutures").at(0).at("pulled_out"), 4);
+  ASSERT_FALSE(suture_warnings(world).empty());
+  EXPECT_NE(suture_warnings(world)[0].find("4 of 4 stitches tore out"), std::string::npos);
+}
+
+// A recording and a state file restore the stitches; a resumed world goes on with the same bits.
+TEST(Suture, StateIsRestored) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const Scene scene = sutured_scene(folder, kRow, 1);
+  const Exec exec(1);
+  World world = test::block_world(exec, scene), resumed = test::block_world(exec, scene);
+  const LoadedPatches loaded = loaded_patches(world);
+  for (int frame = 0; frame < 25; frame++) ASSERT_TRUE(step(exec, world));
+  ASSERT_TRUE(world.sutures[0].closure);
+  // recording
+  WorldSnapshot snapshot;
+  show(exec, world, snapshot);
+  Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->add_snapshot(world, snapshot));
+  ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
+  World drawn = test::block_world(exec, scene);
+  WorldSnapshot redrawn;
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording);
+  const Status restored = recording->restore(exec, 0, drawn, redrawn);
+  ASSERT_TRUE(restored) << restored.error().message;
+  ASSERT_TRUE(drawn.sutures[0].closure);
+  EXPECT_EQ(drawn.sutures[0].closure->stitches[1].tension, world.sutures[0].closure->stitches[1].tension);
+  EXPECT_EQ(redrawn.threads.at(0).vertices, snapshot.threads.at(0).vertices);
+  // state file
+  {
+    Result<StateWriter> file = StateWriter::create(folder / "state");
+    ASSERT_TRUE(file);
+    write_world(*file, world, loaded);
+    ASSERT_TRUE(file->close());
+  }
+  Result<StateReader> file = StateReader::open(folder / "state");
+  ASSERT_TRUE(file);
+  read_world(exec, *file, loaded_patches(resumed), resumed);
+  ASSERT_TRUE(file->is_sound());
+  for (int frame = 0; frame < 5; frame++) ASSERT_TRUE(step(exec, world) && step(exec, resumed));
+  EXPECT_EQ(state_hash(world), state_hash(resumed));
+  EXPECT_EQ(resumed.sutures[0].closure->stitches[2].tension, world.sutures[0].closure->stitches[2].tension);
+}
+
+// Wrong scenes are refused with the key and the reason.
+TEST(Suture, WrongScenesAreRefused) {
+  const auto error = [](const std::string& keys, const std::vector<std::string>& overrides = {}) {
+    return test::error_of(sutured_text(keys), overrides);
+  };
+  const auto contains = [](const std::string& text, const std::string& sentence) {
+    return text.find(sentence) != std::string::npos;
+  };
+  EXPECT_EQ(error(""), "no error");
+  EXPECT_TRUE(contains(error("", {"suture.row.wound=cat"}), "no incision cat; did you mean cut?"));
+  EXPECT_TRUE(contains(error("", {"body.block.solver.method=pbd"}), "stitches need solver.method = \"vbd\""));
+  EXPECT_TRUE(
+      contains(error("", {"incision.cut.width=0.01"}), "stitches close a cut, found a removed region"));
+  EXPECT_TRUE(contains(error("start = 0.06\n"), "before the end of the cut at 0.1 s"));
+  EXPECT_TRUE(contains(error("start = 9\n"), "after the end of the run"));
+  EXPECT_TRUE(contains(error("tension = 1\npull_until = \"closed\"\n"), "not both"));
+  EXPECT_TRUE(contains(error("through = [[0, 0, 0]]\n"), "two to 64 points"));
+  EXPECT_TRUE(contains(error("thread = \"nylon 9-0\"\n"), "nylon 5-0"));
+}
+
+// Stitches that do not fit the body are refused when it is loaded.
+TEST(Suture, StitchesThatDoNotFitAreRefused) {
+  const auto error = [](const std::string& keys) {
+    const Scene scene = sutured_scene(test::fresh_folder(), keys, 1);
+    const Result<World> world = load_world(Exec(1), scene);
+    return world ? std::string("no error") : world.error().message;
+  };
+  EXPECT_NE(
+      error("through = [[-0.01, -0.015, 0], [0.01, -0.04, 0]]\n").find("through air at [0.01, -0.04, 0] m"),
+      std::string::npos);
+  EXPECT_NE(error("thread_length = 0.02\n").find("the thread is shorter than its stitches"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,135 @@
+#include "turgor/sim/bodies/lattice/suture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor {
+
+namespace {
+
+lattice::StitchLayout layout_of(const SutureScene& scene, const lattice::Model& model) {
+  lattice::StitchLayout layout{.spacing = scene.spacing, .bite = scene.bite, .depth = scene.depth};
+  const Mat3d to_lattice = inverse(model.anatomy.grid.axes);
+  std::vector<Vec3d> points;
+  for (const Vec3d p : scene.through) points.push_back(to_lattice * (p - model.anatomy.grid.origin));
+  if (!points.empty()) layout.through.push_back(std::move(points));
+  return layout;
+}
+
+Result<lattice::WoundClosure> lay(const Suture& suture, const LatticeBody& body,
+                                  const lattice::BladePath& path) {
+  Result<lattice::WoundClosure> closure =
+      lattice::lay_stitches(body.model, body.state.cuts(), path, layout_of(suture.scene, body.model));
+  if (!closure) return Error{fmt::format("{}: {}", suture.scene.source_location, closure.error().message)};
+  closure->thread = suture.scene.thread, closure->pull_out = suture.scene.pull_out;
+  if (!suture.has_walls) closure->walls.clear();
+  return closure;
+}
+
+/// Adds a straight tube between two points.
+void add_tube(Vec3d from, Vec3d to, double radius, TriMesh& mesh) {
+  constexpr int kAround = 8;
+  const Vec3d z = normalized(to - from);
+  const Vec3d x = normalized(cross(std::abs(z.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, z)),
+              y = cross(z, x);
+  const int first = int(mesh.vertices.size());
+  for (const Vec3d end : {from, to})
+    for (int a = 0; a < kAround; a++) {
+      const double angle = 2 * std::numbers::pi * a / kAround;
+      mesh.vertices.push_back(Vec3(end + (x * std::cos(angle) + y * std::sin(angle)) * radius));
+    }
+  for (int a = 0; a < kAround; a++) {
+    const int b = first + (a + 1) % kAround, c = first + a;
+    mesh.triangles.push_back({c, b, b + kAround});
+    mesh.triangles.push_back({c, b + kAround, c + kAround});
+  }
+}
+
+}  // namespace
+
+Result<Suture> load_suture(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
+                           std::span<const Suture> others) {
+  Suture suture{.scene = scene};
+  suture.has_walls = std::none_of(others.begin(), others.end(), [&](const Suture& other) {
+    return other.scene.incision == scene.incision;
+  });
+  // trial on the uncut body
+  const Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
+  if (!path) return Error{fmt::format("{}: {}", scene.source_location, path.error().message)};
+  const Result<lattice::WoundClosure> trial = lay(suture, body, *path);
+  if (!trial) return trial.error();
+  double needed = 0;
+  for (const lattice::Stitch& stitch : trial->stitches) needed += rest_length(stitch);
+  if (scene.thread_length > 0 && scene.thread_length < needed)
+    return Error{
+        fmt::format("{}: thread_length: the thread is shorter than its stitches: expected at least "
+                    "{:.3g} m for {} stitches, found {:.3g} m",
+                    scene.source_location, needed, trial->stitches.size(), scene.thread_length)};
+  return suture;
+}
+
+Status advance_suture(const LatticeBody& body, const Cut& cut, double time, Suture& suture) {
+  if (time < suture.scene.pull.start || !cut.path || cut.done < 1) return Done{};
+  if (!suture.closure) {
+    Result<lattice::WoundClosure> closure = lay(suture, body, *cut.path);
+    if (!closure) return closure.error();
+    suture.closure = std::move(*closure);
+  }
+  lattice::WoundClosure& closure = *suture.closure;
+  if (closure.version != cut_version(body.state.cuts()) &&
+      !lattice::embed_closure(body.model, body.state.cuts(), closure))
+    return Error{fmt::format("{}: a later cut removed the tissue of a stitch", suture.scene.source_location)};
+  lattice::pull_stitches(body.state->motion, suture.scene.pull, time, closure);
+  return Done{};
+}
+
+SutureSprings::SutureSprings(const lattice::Model& model, int body, std::span<Suture> sutures) {
+  for (Suture& suture : sutures) {
+    if (suture.scene.body != body || !suture.closure) continue;
+    closures.push_back(&*suture.closure);
+    append_springs(*suture.closure, springs.all);
+  }
+  if (springs.all.empty()) return;
+  make_terms(springs);
+  springs.refresh = [this, &model](const lattice::State& state) {
+    std::size_t next = 0;
+    for (lattice::WoundClosure* closure : closures) {
+      const std::size_t count = spring_count(*closure);
+      update_springs(model, state.motion, *closure, std::span(springs.all).subspan(next, count));
+      next += count;
+    }
+  };
+}
+
+void SutureSprings::finish(const lattice::Model& model, const lattice::Motion& motion, double time) {
+  for (lattice::WoundClosure* closure : closures) {
+    update_multipliers(model, motion, *closure);
+    end_overloaded_stitches(motion, time, *closure);
+  }
+}
+
+TriMesh thread_mesh(const LatticeBody& body, const Suture& suture) {
+  constexpr double kThinnest = 0.25e-3;  // drawn radius, so that pictures show thin threads [m]
+  TriMesh mesh;
+  if (!suture.closure) return mesh;
+  const Grid& grid = body.model.anatomy.grid;
+  const double radius = std::max(kThinnest, suture.scene.diameter / 2);
+  for (const lattice::Stitch& stitch : suture.closure->stitches) {
+    if (!bears(stitch.phase)) continue;
+    std::vector<Vec3d> points;
+    for (std::size_t p = 0; p < stitch.rest.size(); p++)
+      points.push_back(grid.origin +
+                       grid.axes * (stitch.rest[p] + Vec3d(displacement(stitch.at[p], body.state->motion))));
+    for (std::size_t p = 0; p < points.size(); p++)
+      add_tube(points[p], points[(p + 1) % points.size()], radius, mesh);
+  }
+  mesh.normals = vertex_normals(mesh);
+  return mesh;
+}
+
+}  // namespace turgor
