@@ -55,6 +55,10 @@ struct MeasuredResult {
 /// Muscle and skin: laws at a point of the material, fitted to some curves, predict others.
 void add_muscle(MeasuredResult& result);
 void add_skin_sheet(MeasuredResult& result);
+/// Blocks of lattice cells with the exponential law and the pairs of the muscle's fit.
+void add_muscle_bodies(const Exec& exec, MeasuredResult& result);
+/// Layered lattices under a flat probe; moduli fitted at two sites predict two others.
+void add_limbs(const Exec& exec, MeasuredResult& result);
 /// Bodies of the program: a strip of cloth under its weight, silicone bars of a lattice. `quick`: fewer.
 void add_cantilever(const Exec& exec, bool quick, MeasuredResult& result);
 void add_silicones(const Exec& exec, bool quick, MeasuredResult& result);

@@ -58,6 +58,8 @@ std::vector<Figure> validate_measured(const Exec& exec, bool quick, const std::f
   add_skin_sheet(result);
   add_cantilever(exec, quick, result);
   add_silicones(exec, quick, result);
+  if (!quick) add_muscle_bodies(exec, result);
+  if (!quick) add_limbs(exec, result);
 
   // table and curves
   print_rows(result.rows);
