@@ -14,6 +14,7 @@
 #include "turgor/sim/report/lattice_warnings.hpp"
 #include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
+#include "turgor/sim/report/report_organs.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/run.hpp"
 #include "turgor/view/video.hpp"
@@ -193,6 +194,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   append(facts.warnings, cloth_warnings(run.world));
   append(facts.warnings, overstretched(run.stretch));
   append(facts.warnings, touch_warnings(run.world));
+  append(facts.warnings, coupling_warnings(run.world));
   append(facts.warnings, force_error_warnings(run.world));
   append(facts.warnings, overpressed(run.world, done.measures.pressed));
   append(facts.warnings, lattice_warnings(run.exec, run.world));

@@ -123,6 +123,7 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
   Status status = load_bodies(loading, scene, world);
   if (status) status = load_cuts(scene, world);
   if (status) status = load_sutures(scene, world);
+  if (status && purpose == Purpose::kSimulate) status = load_coupling(exec, scene, world);
   if (status) status = load_tools(loading, scene, world);
   if (status && purpose == Purpose::kSimulate) status = begin_bodies(exec, scene, world);
   if (!status) return status.error();
@@ -163,6 +164,7 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   // apply cloth forces to the touched bodies
   for_each_touched(
       world, [&](BodyId id, auto& body) { press_body(exec, body, cloth_forces_on(world, id), world.dt); });
+  couple_bodies(exec, world);
   // close the frame
   world.frame++;
   report.seconds = timer.seconds();
@@ -188,6 +190,7 @@ std::uint64_t state_hash(const World& world) {
   for (const ClothBody& body : world.cloth_bodies) hash = state_hash(body, hash);
   for (std::size_t k = std::size_t(BodyKind::kCloth) + 1; k < kModelCount; k++)
     if (of_kind[k] != kHashSeed) hash = joined(hash, of_kind[k]);
+  if (!is_empty(world.coupling)) hash = state_hash(world.coupling, hash);
   return hash;
 }
 

@@ -18,6 +18,7 @@
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
 #include "turgor/sim/frame.hpp"
 #include "turgor/sim/loading.hpp"
+#include "turgor/sim/organs/coupling.hpp"
 #include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {
@@ -33,6 +34,7 @@ struct World {
   std::vector<Cut> cuts;
   std::vector<Suture> sutures;
   std::vector<TouchingTool> tools;
+  Coupling coupling;                     // attachments of bodies, and contact between them
   std::vector<std::string> scene_notes;  // Scene::notes
 };
 

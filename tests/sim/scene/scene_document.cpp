@@ -95,6 +95,15 @@ sphere = {}
 capsule = {}
 [body.b.obstacle.mesh]
 mesh = "m"
+)",
+    R"([body.a]
+model = "sfem"
+block = {}
+[attachment.a]
+[contact.a]
+[organs]
+bodies = ["b"]
+labels = "m"
 )"};
 
 /// Keys by group, in the order of the readers.

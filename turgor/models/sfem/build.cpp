@@ -6,6 +6,7 @@
 #include "turgor/models/sfem/check_body.hpp"
 #include "turgor/models/sfem/elements.hpp"
 #include "turgor/models/sfem/fields.hpp"
+#include "turgor/models/sfem/inertia.hpp"
 
 namespace turgor::sfem {
 
@@ -103,7 +104,7 @@ void fix_middles(Body& body) {
 
 Result<Model> build(const Exec& exec, Body body, const Params& params) {
   // check
-  if (const Status fit = check_body(body); !fit) return fit.error();
+  if (const Status fit = check_body(body, params.density > 0); !fit) return fit.error();
   if (!(params.touch_depth >= 0)) return Error{"touch_depth must be 0 m or more"};
   Model model;
   model.body = std::move(body);
@@ -116,6 +117,10 @@ Result<Model> build(const Exec& exec, Body body, const Params& params) {
   const BlockMatrix all = assemble(exec, model.body.mesh, model.body.materials, element_materials(model.body),
                                    params.formulation);
   model.stiffness = restricted(all, model);
+  if (params.density > 0) {
+    model.mass = lumped_masses(model.body.mesh, params.density);
+    add_inertia(model);
+  }
   // nodes with Green's functions
   choose_kept_nodes(exec, model);
   TURGOR_CHECK(model.green.surface_count <= model.green.nodes.size(), "the nodes of the surface are kept");
@@ -141,6 +146,10 @@ std::uint64_t content_hash(const Model& model) {
   hash = hash_values(std::span<const double>(numbers), hash);
   hash = hash_values(std::span<const int>(body.mesh.elements), hash);
   hash = hash_values(std::span<const int>(model.vertex), hash);
+  if (!model.mass.empty()) {
+    const double inertia[] = {model.params.density, model.params.time_step};
+    hash = hash_values(std::span<const double>(inertia), hash);
+  }
   return hash_values(std::span<const int>(model.green.nodes), hash);
 }
 

@@ -23,6 +23,7 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"stiffness_rows", ""}, m.stiffness.row_begin);
   visit(Field{"stiffness_columns", ""}, m.stiffness.column);
   visit(Field{"stiffness", "N/m"}, m.stiffness.value);
+  visit(Field{"mass", "kg", Axis::kVertex}, m.mass);
   if (m.factor) visit(Field{"factor", "(N/m)^1/2"}, m.factor->values);
   visit(Field{"kept_nodes", ""}, m.green.nodes);
   visit(Field{"slot", "", Axis::kVertex}, m.green.slot);

@@ -70,6 +70,9 @@ struct Params {
   Formulation formulation = Formulation::kStandard;
   Precision precision = Precision::kSingle;
   double touch_depth = 0.02;  // below the surface, Green's functions are kept this deep [m]
+  double density = 0;         // 0 = fixed vertices hold the body; else its inertia does, and K becomes
+                              // K + M/h² (inertia.hpp) [kg/m³]
+  double time_step = 0;       // h, with a density [s]
 };
 
 /// A symmetric matrix of 3×3 blocks, all of its pattern stored, rows and columns by free node.
@@ -106,6 +109,7 @@ struct Model {
   std::vector<int> free_node;  // row of each vertex in K; -1 = fixed or unused
   std::vector<int> vertex;     // of each row of K
   BlockMatrix stiffness;       // K [N/m]
+  std::vector<double> mass;    // of every vertex [kg]; empty without Params::density
   std::optional<Cholesky> factor;
   Green green;
 };

@@ -86,6 +86,16 @@ void transfer(File& file, ClothPress& press) {
   transfer_all(file, load, displacement);
 }
 template <class File>
+void transfer(File& file, CouplingLoad& load) {
+  auto& [force, displacement] = load;
+  transfer_all(file, force, displacement);
+}
+template <class File>
+void transfer(File& file, FreeFlight& flight) {
+  auto& [u, v, displacement] = flight;
+  transfer_all(file, u, v, displacement);
+}
+template <class File>
 void transfer(File& file, FreeDisplacement& free) {
   auto& [before, now, number] = free;
   transfer_all(file, before, now, number);
@@ -100,8 +110,8 @@ void transfer_body(File& file, SfemBody& body) {
   TURGOR_ASSERT(!body.haptic && (!body.worker || !body.worker->is_busy()),
                 "a state is written between two frames without a haptic thread");
   if (body.turning) transfer(file, *body.turning);  // made by loading
-  transfer_all(file, body.press, body.free, body.needles, body.stiffness_scale, body.friction,
-               body.refinement, body.radius_is_open, body.refinement_is_open, body.contacts,
+  transfer_all(file, body.press, body.coupling, body.flight, body.free, body.needles, body.stiffness_scale,
+               body.friction, body.refinement, body.radius_is_open, body.refinement_is_open, body.contacts,
                body.patch_memory, body.follow, body.centers, body.patches, body.now, body.touch,
                body.built_patches, body.patch_is_ready, body.rebuilds, body.rejected_patches,
                body.rejection_reason);
@@ -174,10 +184,30 @@ void transfer(File& file, TouchLog& log) {
   }
 }
 
+/// Without what loading finds: bodies, areas and distances at rest.
+template <class File>
+void transfer(File& file, Attachment& attachment) {
+  auto& [name, between, ties, area, stiffness, samples, torn_at] = attachment;
+  transfer_all(file, ties, samples, torn_at);
+}
+template <class File>
+void transfer(File& file, BodyContact& contact) {
+  auto& [name, between, body, params, rest_height, sites, samples, dropped_most, deepest] = contact;
+  transfer_all(file, sites, samples, dropped_most, deepest);
+}
+template <class File>
+void transfer_coupling(File& file, Coupling& coupling) {
+  auto& [attachments, contacts, frames, unsolved] = coupling;
+  for (Attachment& attachment : attachments) transfer(file, attachment);
+  for (BodyContact& contact : contacts) transfer(file, contact);
+  transfer_all(file, frames, unsolved);
+}
+
 template <class File>
 void transfer_world(File& file, World& world) {
   transfer(file, world.frame);
   for_each_body(world, [&](BodyId, auto& body) { transfer_body(file, body); });
+  transfer_coupling(file, world.coupling);
   for (Cut& cut : world.cuts) transfer_all(file, cut.path, cut.done, cut.edges);
   for (Suture& suture : world.sutures) transfer(file, suture.closure);
   for (TouchingTool& tool : world.tools)

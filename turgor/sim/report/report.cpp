@@ -14,6 +14,7 @@
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_compare.hpp"
 #include "turgor/sim/report/report_lattice.hpp"
+#include "turgor/sim/report/report_organs.hpp"
 #include "turgor/sim/report/report_rhombus.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/report/section.hpp"
@@ -191,6 +192,8 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"wounds", wounds},
           {"sutures", sutures},
           {"tools", tools},
+          {"attachments", attachment_report(world)},
+          {"body_contacts", body_contact_report(world)},
           {"profiles", profile_report(measures)},
           {"costs", cost_report(world, measures)},
           {"tissues", tissue_report(scene, world)},

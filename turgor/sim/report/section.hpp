@@ -26,6 +26,8 @@ Section lattice_section();
 Section deformed_section();
 Section tool_section();  // report_touch.cpp
 Section sfem_section();
+Section attachment_section();  // report_organs.cpp
+Section body_contact_section();
 Section cost_section();      // report_compare.cpp
 Section rhombus_section();   // report_rhombus.cpp
 Section obstacle_section();  // report_cloth.cpp

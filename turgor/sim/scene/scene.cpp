@@ -10,11 +10,13 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/io/files/input_file.hpp"
 #include "turgor/sim/scene/name.hpp"
+#include "turgor/sim/scene/organ_bodies.hpp"
 #include "turgor/sim/scene/scene_alternatives.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
 #include "turgor/sim/scene/scene_incision.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
+#include "turgor/sim/scene/scene_organs.hpp"
 #include "turgor/sim/scene/scene_output.hpp"
 #include "turgor/sim/scene/scene_parameters.hpp"
 #include "turgor/sim/scene/scene_renamed.hpp"
@@ -112,8 +114,9 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
   std::string path;
   for (std::size_t i = 0; i + 1 < names.size(); i++) {
     // Overrides cannot create bodies, incisions or tools: a misspelt name would be ignored silently.
-    const bool names_one = i == 1 && (names[0] == "body" || names[0] == "incision" || names[0] == "suture" ||
-                                      names[0] == "tool");
+    const bool names_one =
+        i == 1 && (names[0] == "body" || names[0] == "incision" || names[0] == "suture" ||
+                   names[0] == "tool" || names[0] == "attachment" || names[0] == "contact");
     if (names_one && !table->contains(names[i]))
       return Error{fmt::format("--set {}: the scene has no {} {}{}", key, names[0], names[i],
                                suggestion(names[i], keys_of(*table)))};
@@ -213,6 +216,17 @@ void read_tools(SceneTable tools, Scene& scene) {
   tools.finish();
 }
 
+void read_organs(SceneTable& root, Scene& scene) {
+  if (root.has("organs")) read_organs_table(root.table("organs"));
+  SceneTable attachments = root.table("attachment"), contacts = root.table("contact");
+  for (const std::string& name : attachments.names())
+    scene.attachments.push_back(read_attachment(attachments.named(name), name, scene));
+  attachments.finish();
+  for (const std::string& name : contacts.names())
+    scene.body_contacts.push_back(read_body_contact(contacts.named(name), name, scene));
+  contacts.finish();
+}
+
 /// Refuses scenes whose output would exhaust memory or disk.
 void check_amounts(SceneTable& root, const Scene& scene) {
   constexpr double kMostFrames = 1e6, kMostSnapshots = 1e4, kMostPixels = 1 << 24, kMostVoxels = 1 << 30;
@@ -256,6 +270,7 @@ void read_scene_table(SceneTable root, Scene& scene) {
   read_incisions(root.table("incision"), scene);
   read_sutures(root.table("suture"), scene);
   read_tools(root.table("tool"), scene);
+  read_organs(root, scene);
   read_cameras(root.table("camera"), scene);
   read_output(root.table("output"), scene);
   check_amounts(root, scene);
@@ -297,6 +312,7 @@ std::vector<SceneKey> scene_keys(std::string_view text, const fs::path& file) {
   try {
     toml::table root = toml::parse(text, file.string());
     rename_old_names(root, problems);
+    add_organ_bodies(root, problems);
     read_scene_table(SceneTable(root, "", problems), scene);
   } catch (const toml::parse_error&) {
   }
@@ -334,6 +350,8 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
       return applied.error();
   replace_alternatives(root, problems);
   for (const RenamedUse& use : rename_old_names(root, problems)) scene.notes.push_back(use.note);
+
+  add_organ_bodies(root, problems);
 
   // readers
   read_scene_table(SceneTable(root, "", problems), scene);

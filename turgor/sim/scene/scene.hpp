@@ -17,6 +17,7 @@
 #include "turgor/sim/scene/cloth_scene.hpp"
 #include "turgor/sim/scene/ct_source.hpp"
 #include "turgor/sim/scene/device.hpp"
+#include "turgor/sim/scene/organs_scene.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
 #include "turgor/sim/scene/suture_scene.hpp"
@@ -108,6 +109,8 @@ struct Scene {
   std::vector<ToolScene> tools;
   std::vector<CameraScene> cameras;
   std::vector<ClothScene> cloth_bodies;
+  std::vector<AttachmentScene> attachments;
+  std::vector<BodyContactScene> body_contacts;
   OutputScene output;
 };
 

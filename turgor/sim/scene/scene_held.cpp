@@ -37,9 +37,9 @@ HeldBy read_held(SceneTable& body) {
   body.describe(
       "fixed", "", "`\"back\"`",
       "fixed vertices: those within a tenth of the body's box from one or several sides (`\"right\"`, "
-      "`\"left\"`, `\"front\"`, `\"back\"`, `\"feet\"` or `\"bottom\"`, `\"head\"` or `\"top\"`); or a table "
-      "of "
-      "the keys below");
+      "`\"left\"`, `\"front\"`, `\"back\"`, `\"feet\"` or `\"bottom\"`, `\"head\"` or `\"top\"`); a table of "
+      "the keys "
+      "below; or, for sfem, `\"none\"`");
   if (!node || !node->is_table()) return read_sides(body, "fixed", held.sides), held;
   // table form: sides and depth
   SceneTable table = body.table("fixed");

@@ -48,8 +48,9 @@ HexBlock read_hex_block(SceneTable table) {
   table.require({"size"}, "the block's size, [x, y, z] [m]");
   table.require({"count"}, "hexahedra along x, y and z");
   table.read("size", block.size, inside(0, 100, "m"),
-             "size of a block of hexahedra at the origin, for comparison with theory");
+             "size of a block of hexahedra, for comparison with theory");
   table.read("count", block.count, within(1, 200), "hexahedra along x, y and z");
+  table.read("corner", block.corner, within(-100, 100, "m"), "position of its low corner");
   table.finish();
   return block;
 }
@@ -125,6 +126,25 @@ const TissuePreset* read_material(SceneTable& table, const std::string& componen
                             {{"young", material.young, "Pa", table.has("young")},
                              {"poisson", material.poisson, "1", table.has("poisson")}}));
   return preset;
+}
+
+/// Fixed vertices, or none.
+void read_free(SceneTable& body, SfemScene& scene) {
+  const toml::node* node = body.find("fixed");
+  scene.is_free = node && node->value_or(std::string()) == "none";
+  scene.fixed = scene.is_free ? HeldBy{.sides = {}} : read_held(body);
+  body.read(
+      "density", scene.density, inside(1, 1e5, "kg/m³"),
+      "mass per volume of a body with `fixed = \"none\"`: no vertex is fixed, it moves with its inertia "
+      "and feels `world.gravity`; attachments and contacts hold it");
+  if (!scene.is_free) return;
+  // limits of bodies that move
+  if (scene.stiffness_scale != 1)
+    body.fail("stiffness_scale",
+              "a body with fixed = \"none\" has no stiffness_scale, which would change its "
+              "mass too: change young");
+  if (body.has("rotations"))
+    body.fail("rotations", "rotations are not computed for a body with fixed = \"none\": remove the key");
 }
 
 /// Element order. Elements with a formulation are linear, and so are hexahedra.
@@ -254,7 +274,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
   scene.inclusions = read_inclusions(body, scene.material, scene.tissues);
 
   // fixed vertices and elements
-  scene.fixed = read_held(body);
+  read_free(body, scene);
   read_elements(body, scene);
   body.read_choice<sfem::Formulation>(
       "formulation", scene.formulation,

@@ -43,9 +43,10 @@ struct LabeledOrgan {
   std::string label_note;     // set if label names are not from the file
   double resolution = 0.012;  // edge of the tetrahedral lattice [m]
 };
-/// Hexahedra from the origin to `size`.
+/// Hexahedra from `corner` to `corner` + `size`.
 struct HexBlock {
   Vec3d size{0.1, 0.1, 0.1};  // [m]
+  Vec3d corner;               // [m]
   Int3 count{10, 10, 10};
 };
 using SolidSource = std::variant<SolidFile, ClosedSurface, LabeledOrgan, HexBlock>;
@@ -103,6 +104,8 @@ struct SfemScene {
   std::vector<InsideScene> inside;
   std::vector<InclusionScene> inclusions;
   HeldBy fixed;
+  bool is_free = false;   // no vertex is fixed: inertia, attachments and other bodies hold it
+  double density = 1050;  // of such a body [kg/m³]
   Elements elements = Elements::kLinear;
   sfem::Formulation formulation = sfem::Formulation::kStandard;
   sfem::Precision precision = sfem::Precision::kSingle;

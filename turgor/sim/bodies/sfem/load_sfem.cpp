@@ -19,6 +19,7 @@
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
 #include "turgor/sim/scene/scene_sfem.hpp"
+#include "turgor/sim/world.hpp"
 
 namespace turgor {
 
@@ -74,6 +75,12 @@ Result<OrganMesh> from_labels(const Exec& exec, const LabeledOrgan& source,
   return made;
 }
 
+OrganMesh block_at(const HexBlock& block) {
+  OrganMesh made{.mesh = hex_block(block.size, block.count)};
+  for (Vec3d& x : made.mesh.vertices) x += block.corner;
+  return made;
+}
+
 Result<OrganMesh> load_shape(const Exec& exec, const SfemScene& scene, const BeginWork& begin) {
   if (const auto* file = std::get_if<SolidFile>(&scene.source)) return from_solid_file(*file);
   const Sides sides = scene.elements == Elements::kQuadratic ? Sides::kCurved : Sides::kFlat;
@@ -82,7 +89,7 @@ Result<OrganMesh> load_shape(const Exec& exec, const SfemScene& scene, const Beg
   if (const auto* body = std::get_if<LabeledOrgan>(&scene.source))
     return from_labels(exec, *body, scene.inside, sides, begin);
   const HexBlock& block = std::get<HexBlock>(scene.source);
-  return OrganMesh{.mesh = hex_block(block.size, block.count)};
+  return block_at(block);
 }
 
 SolidMesh corner_tetrahedra(const SolidMesh& mesh) {
@@ -224,9 +231,17 @@ Status prepare_turning(const Exec& exec, SfemBody& body, const BeginWork& begin)
   return Done{};
 }
 
+/// A body without fixed vertices begins at rest.
+Status prepare_flight(const Exec& exec, SfemBody& body, const BeginWork& begin) {
+  if (const Status s = sfem::factorize(exec, body.model, begin_work(begin, "factor")); !s) return s.error();
+  const std::vector<Vec3d> zero(body.model.body.mesh.vertices.size());
+  body.flight = FreeFlight{zero, zero, zero};
+  return Done{};
+}
+
 }  // namespace
 
-Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const World&) {
+Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const World& world) {
   const auto& [exec, begin, purpose] = loading;
   // facts that drawing needs
   SfemBody body;
@@ -249,7 +264,8 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   // elastic model
   const double touch_depth =
       scene.patch.radius_is_open ? usual_touch_depth(elastic->mesh) : scene.patch.radius;
-  const sfem::Params params{scene.formulation, scene.precision, touch_depth};
+  const sfem::Params params{scene.formulation, scene.precision, touch_depth,
+                            scene.is_free ? scene.density : 0, scene.is_free ? world.dt : 0};
   Result<sfem::Model> model = sfem::build(exec, std::move(*elastic), params);
   if (!model) return Error{fmt::format("{}: {}", scene.source_location, model.error().message)};
   body.model = std::move(*model);
@@ -262,6 +278,8 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   // Green's functions, visible surface and rotations
   if (const Status status = prepare_green(exec, scene, body, begin); !status) return status.error();
   if (const Status status = load_seen(exec, scene, body); !status) return status.error();
+  if (scene.is_free)
+    if (const Status status = prepare_flight(exec, body, begin); !status) return status.error();
   if (scene.rotations)
     if (const Status status = prepare_turning(exec, body, begin); !status) return status.error();
   // patch parameters

@@ -1,5 +1,5 @@
-// Forces of cloth on a body: they displace all vertices by u = Ξ f, which the ticks of the next frame
-// approach.
+// Forces of cloth, of attachments and of other bodies on a body: they displace all vertices by u = Ξ f, which
+// the ticks of the next frame approach. A body without fixed vertices also moves by its inertia.
 #include <algorithm>
 
 #include "turgor/core/assert.hpp"
@@ -11,11 +11,16 @@ namespace turgor {
 
 namespace {
 
+void add(const std::vector<Vec3d>& more, std::vector<Vec3d>& sum) {
+  TURGOR_CHECK(more.size() == sum.size(), "every vertex has both displacements");
+  for (std::size_t v = 0; v < sum.size(); v++) sum[v] += more[v];
+}
+
 /// Displacement under forces. The choice between factor and Green's functions depends on the scene only,
 /// although the cache may provide a factor.
 std::vector<Vec3d> displacement_under(const Exec& exec, const SfemBody& body,
                                       std::span<const contact::VertexForce> forces) {
-  const bool has_factor = body.facts.on_demand || body.turning;
+  const bool has_factor = body.facts.on_demand || body.turning || body.flight;
   std::vector<Vec3d> u =
       has_factor ? displacement_by_factor(body.model, forces) : displacements(exec, body, forces);
   TURGOR_CHECK(!(body.stiffness_scale <= 0), "a body has a stiffness");  // NaN is undone later
@@ -60,18 +65,51 @@ std::vector<Vec3d> displacement_by_factor(const sfem::Model& model,
 
 void sum_free_motion(SfemBody& body) {
   const bool has_needles = body.touch.needles.inner != nullptr;
-  if (!body.turning && !body.press && !has_needles) return;
+  if (!body.turning && !body.press && !body.coupling && !body.flight && !has_needles) return;
   const std::size_t count = body.model.body.mesh.vertices.size();
-  std::vector<Vec3d>& now = body.free.now;
-  now.assign(count, {});
+  body.free.now = uncoupled_displacement(body, std::vector<Vec3d>(count));
+  if (body.coupling) add(body.coupling->displacement, body.free.now);
   if (body.free.before.empty()) body.free.before.resize(count);
-  const auto add = [&](const std::vector<Vec3d>& u) {
-    TURGOR_CHECK(u.empty() || u.size() == count, "every vertex has a displacement");
-    for (std::size_t v = 0; v < u.size(); v++) now[v] += u[v];
-  };
-  if (body.turning) add(body.turning->state.free);
-  if (body.press) add(body.press->displacement);
-  for (const std::vector<Vec3d>& u : body.needles.displacement) add(u);
+}
+
+std::vector<Vec3d> tool_displacement(const Exec& exec, const SfemBody& body) {
+  const std::vector<contact::VertexForce> forces = coarse_forces_now(body);
+  if (forces.empty()) return std::vector<Vec3d>(body.model.body.mesh.vertices.size());
+  return body.flight ? displacement_by_factor(body.model, forces) : displacements(exec, body, forces);
+}
+
+std::vector<Vec3d> uncoupled_displacement(const SfemBody& body, std::vector<Vec3d> by_tools) {
+  if (body.turning) add(body.turning->state.free, by_tools);
+  if (body.press) add(body.press->displacement, by_tools);
+  if (body.flight) add(body.flight->displacement, by_tools);
+  for (const std::vector<Vec3d>& u : body.needles.displacement)
+    if (!u.empty()) add(u, by_tools);
+  return by_tools;
+}
+
+void couple_body(const Exec& exec, SfemBody& body, std::vector<contact::VertexForce> forces) {
+  body.coupling = CouplingLoad{std::move(forces), {}};
+  body.coupling->displacement = displacement_under(exec, body, body.coupling->force);
+  sum_free_motion(body);
+}
+
+void advance_flight(SfemBody& body, const std::vector<Vec3d>& by_tools, Vec3d gravity, double dt) {
+  FreeFlight& flight = *body.flight;
+  TURGOR_CHECK(is_step_length(dt) && body.model.mass.size() == flight.u.size(), "every vertex has a mass");
+  // displacement at the end of the frame: the implicit step with all forces that acted in it
+  std::vector<Vec3d> u = by_tools;
+  add(flight.displacement, u);
+  if (body.coupling) add(body.coupling->displacement, u);
+  if (body.press) add(body.press->displacement, u);
+  for (std::size_t v = 0; v < u.size(); v++) flight.v[v] = (u[v] - flight.u[v]) / dt;
+  flight.u = std::move(u);
+  // next frame without other forces
+  std::vector<contact::VertexForce> inertia;
+  for (std::size_t v = 0; v < flight.u.size(); v++) {
+    const Vec3d ahead = flight.u[v] + dt * flight.v[v];
+    inertia.push_back({int(v), body.model.mass[v] * (ahead / (dt * dt) + gravity)});
+  }
+  flight.displacement = displacement_by_factor(body.model, inertia);
 }
 
 void press_body(const Exec& exec, SfemBody& body, const ClothForces& push, double dt) {

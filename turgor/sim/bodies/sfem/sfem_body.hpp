@@ -71,6 +71,18 @@ struct ClothPress {
   std::vector<Vec3d> displacement;  // due to cloth, of every vertex [m]
 };
 
+/// Attachments and other bodies that act on the body, during one frame (sim/organs/coupling.hpp).
+struct CouplingLoad {
+  std::vector<contact::VertexForce> force;  // ascending [N]
+  std::vector<Vec3d> displacement;          // due to them, of every vertex [m]
+};
+
+/// Motion of a body without fixed vertices, by implicit Euler: (K + M/h²) u = f + M (u₀ + h v₀)/h² + M g.
+struct FreeFlight {
+  std::vector<Vec3d> u, v;          // of every vertex at the end of the latest frame [m], [m/s]
+  std::vector<Vec3d> displacement;  // in the next frame due to inertia and weight alone [m]
+};
+
 /// Displacement of all vertices due to rotated elements and cloth. Ticks interpolate from the previous
 /// frame's value to the present one. Empty = none.
 struct FreeDisplacement {
@@ -102,6 +114,8 @@ struct SfemBody : TouchedBody {
 
   std::optional<Turning> turning;
   std::optional<ClothPress> press;
+  std::optional<CouplingLoad> coupling;
+  std::optional<FreeFlight> flight;  // null: fixed vertices hold the body
   FreeDisplacement free;
   NeedleDisplacement needles;
 
@@ -171,6 +185,14 @@ void press_body(const Exec& exec, SfemBody& body, const ClothForces& push, doubl
 /// Displacement of all vertices under forces, solved with the factor [m].
 std::vector<Vec3d> displacement_by_factor(const sfem::Model& model,
                                           std::span<const contact::VertexForce> forces);
+/// Displacement of every vertex due to tools, and of the next frame due to all but attachments and other
+/// bodies [m].
+std::vector<Vec3d> tool_displacement(const Exec& exec, const SfemBody& body);
+std::vector<Vec3d> uncoupled_displacement(const SfemBody& body, std::vector<Vec3d> by_tools);
+/// Applies forces of attachments and other bodies, from the next frame on.
+void couple_body(const Exec& exec, SfemBody& body, std::vector<contact::VertexForce> forces);
+/// Ends a frame of a body without fixed vertices, and begins the next one.
+void advance_flight(SfemBody& body, const std::vector<Vec3d>& by_tools, Vec3d gravity, double dt);
 /// Target of the free motion of the next frame.
 void sum_free_motion(SfemBody& body);
 /// Vertex forces that give the present elastic shape: contact forces and the memory of viscous tissue;

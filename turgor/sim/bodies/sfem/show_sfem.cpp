@@ -323,7 +323,7 @@ void show(const Exec& exec, const SfemBody& body, BodySnapshot& out) {
   TURGOR_ASSERT(body.now.patch != nullptr, "a snapshot of a touch has a patch");
   // displacement of the whole body
   std::vector<Vec3d> coarse(body.model.body.mesh.vertices.size());
-  if (!body.now.poses.empty() || body.press) coarse = coarse_displacements(exec, body);
+  if (!body.now.poses.empty() || !body.free.before.empty()) coarse = coarse_displacements(exec, body);
   // contact pressure at patch points
   std::vector<double> pressure(body.now.patch->points.size());
   if (!body.now.poses.empty()) find_pressure(body, pressure);

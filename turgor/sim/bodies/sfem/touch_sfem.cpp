@@ -110,7 +110,7 @@ void read_touch_snapshot(SfemBody& body) {
 
 void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
                 contact::SfemExchange& exchange) {
-  if (body.tool_indices.empty()) return;
+  if (body.tool_indices.empty()) return correct_rotations(exec, body);
 
   TURGOR_CHECK(is_step_length(frame_dt), "a frame has a positive length");
   // results of the ticks

@@ -10,7 +10,7 @@ void correct_rotations(const Exec& exec, SfemBody& body) {
   body.free.before = body.free.now;
   displace_by_needles(body);
   if (!body.turning && body.touch.needles.inner) sum_free_motion(body);
-  if (!body.turning || (body.tool_indices.empty() && !body.press)) return;
+  if (!body.turning || (body.tool_indices.empty() && !body.press && !body.coupling)) return;
   Turning& turning = *body.turning;
 
   TURGOR_CHECK(!(body.stiffness_scale <= 0), "a body has a stiffness");
@@ -23,6 +23,9 @@ void correct_rotations(const Exec& exec, SfemBody& body) {
         forces[std::size_t(inner->vertices[i])] += of_needle[i];
   if (body.press)
     for (const contact::VertexForce& f : body.press->load.force)
+      forces[std::size_t(f.vertex)] += f.force / body.stiffness_scale;
+  if (body.coupling)
+    for (const contact::VertexForce& f : body.coupling->force)
       forces[std::size_t(f.vertex)] += f.force / body.stiffness_scale;
 
   // rotated elements

@@ -1,0 +1,132 @@
+// Contact between bodies in scenes: a stack, a block on a slope, and surfaces that do not cross.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "organs_scene.hpp"
+
+namespace turgor {
+namespace {
+
+using test::advance;
+using test::block_text;
+using test::organs_world;
+
+std::string touching(const std::string& name, const std::string& a, const std::string& b,
+                     const std::string& keys = "") {
+  return "[contact." + name + "]\nbetween = [\"" + a + "\", \"" + b + "\"]\n" + keys;
+}
+
+/// True if the segment from p to q meets a triangle.
+bool crosses(Vec3d p, Vec3d q, const std::array<Vec3d, 3>& t) {
+  const auto side = [&](Vec3d x) { return dot(cross(t[1] - t[0], t[2] - t[0]), x - t[0]); };
+  if (side(p) * side(q) > 0) return false;
+  double sign = 0;
+  for (std::size_t corner = 0; corner < 3; corner++) {
+    const Vec3d a = t[corner] - p, b = t[(corner + 1) % 3] - p;
+    const double volume = dot(cross(a, b), q - p);
+    if (volume * sign < 0) return false;
+    if (volume != 0) sign = volume;
+  }
+  return true;
+}
+
+/// Present triangles of a body.
+std::vector<std::array<Vec3d, 3>> triangles_of(const SfemBody& body) {
+  const auto at = [&](int v) {
+    const auto n = std::size_t(v);
+    const Vec3d u = body.flight ? body.flight->u[n] : body.coupling->displacement[n];
+    return body.model.body.mesh.vertices[n] + u;
+  };
+  std::vector<std::array<Vec3d, 3>> all;
+  for (const Int3 t : body.model.surface.triangles) all.push_back({at(t.x), at(t.y), at(t.z)});
+  return all;
+}
+
+/// Pairs of triangles of two bodies that cross.
+int crossing_count(const SfemBody& a, const SfemBody& b) {
+  int count = 0;
+  for (const auto& s : triangles_of(a))
+    for (const auto& t : triangles_of(b)) {
+      bool found = false;
+      for (std::size_t n = 0; n < 3 && !found; n++)
+        found = crosses(s[n], s[(n + 1) % 3], t) || crosses(t[n], t[(n + 1) % 3], s);
+      count += found;
+    }
+  return count;
+}
+
+// Three blocks on a fixed base: each contact bears the weight of all blocks above it, and no surfaces cross.
+TEST(BodyContact, Stack_BearsWeights) {
+  const Exec exec(2);
+  std::string text =
+      "[world]\ngravity = [0, 0, -9.81]\nduration = 5\n" +
+      block_text("base", "[-0.01, -0.01, -0.02]", "[0.06, 0.06, 0.02]", "[5, 5, 2]", "bottom", 1e5);
+  const char* corners[] = {"[0, 0, 0.001]", "[0.002, 0.001, 0.022]", "[0.001, 0.003, 0.043]"};
+  const char* below[] = {"base", "a", "b"};
+  const char* names[] = {"a", "b", "c"};
+  for (int n = 0; n < 3; n++)
+    text += block_text(names[n], corners[n], "[0.04, 0.04, 0.02]", "[4, 4, 2]", "none", 1e5) +
+            "density = 1000\n" +
+            touching(std::string("on_") + below[n], names[n], below[n], "friction = 0.3\ngap = 0.0003\n");
+  World world = organs_world(exec, text);
+  advance(exec, world, 240);
+  EXPECT_EQ(world.coupling.unsolved, 0);
+  const double weight = 0.032 * 9.81;
+  for (const BodyContact& contact : world.coupling.contacts) {
+    const int above = contact.name == "on_base" ? 3 : contact.name == "on_a" ? 2 : 1;
+    const Vec3d force = contact.samples.back().force;
+    std::printf("%s: %.6f N of %.6f N, sideways %.2g N\n", contact.name.c_str(), force.z, above * weight,
+                std::hypot(force.x, force.y));
+    EXPECT_LT(norm(force - Vec3d{0, 0, above * weight}), 1e-3 * above * weight) << contact.name;
+    EXPECT_EQ(contact.dropped_most, 0);
+    EXPECT_EQ(crossing_count(world.sfem_bodies[std::size_t(contact.body[0])],
+                             world.sfem_bodies[std::size_t(contact.body[1])]),
+              0);
+  }
+}
+
+/// A block on a wide base under gravity that is tilted by an angle [rad]: displacement down the slope after
+/// some frames [m].
+World on_slope(const Exec& exec, double angle, double friction, int frames) {
+  World world = organs_world(
+      exec,
+      fmt::format("[world]\ngravity = [{}, 0, {}]\nduration = 5\n", 9.81 * std::sin(angle),
+                  -9.81 * std::cos(angle)) +
+          block_text("base", "[-0.01, -0.01, -0.02]", "[0.2, 0.06, 0.02]", "[10, 3, 1]", "bottom", 1e6) +
+          block_text("block", "[0, 0, 0]", "[0.04, 0.04, 0.02]", "[4, 4, 2]", "none", 1e5) +
+          "density = 1000\n" + touching("slope", "block", "base", fmt::format("friction = {}\n", friction)));
+  advance(exec, world, frames);
+  return world;
+}
+
+// A block on a slope rests while the slope is below the friction angle, with friction that balances it, and
+// slides above it with the acceleration g (sin θ − μ cos θ).
+TEST(BodyContact, Slope_SlidesAboveFrictionAngle) {
+  const Exec exec(2);
+  constexpr double kFriction = 0.4;
+  for (const double factor : {0.9, 1.25, 1.5}) {
+    const double angle = std::atan(factor * kFriction);
+    constexpr int kSettle = 6, kFrames = 16;
+    World world = on_slope(exec, angle, kFriction, kSettle);
+    const auto speed = [&] {
+      const SfemBody& block = world.sfem_bodies[0].flight ? world.sfem_bodies[0] : world.sfem_bodies[1];
+      Vec3d sum;
+      for (std::size_t v = 0; v < block.flight->v.size(); v++)
+        sum += block.flight->v[v] * block.model.mass[v];
+      return sum.x / test::mass_of(block);
+    };
+    const double before = speed();
+    advance(exec, world, kFrames);
+    const double acceleration = (speed() - before) / (kFrames * world.dt);
+    const double expected = std::max(0.0, 9.81 * (std::sin(angle) - kFriction * std::cos(angle)));
+    const Vec3d force = world.coupling.contacts[0].samples.back().force;
+    std::printf("tan θ = %.2f μ: %.4f m/s², expected %.4f; friction %.4f of the normal force\n", factor,
+                acceleration, expected, -force.x / force.z);
+    EXPECT_NEAR(acceleration, expected, 0.02 * 9.81 * std::sin(angle));
+    EXPECT_NEAR(-force.x / force.z, std::min(std::tan(angle), kFriction), 0.02 * kFriction);
+  }
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,242 @@
+#include "turgor/contact/pair_sites.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/core/sort_unique.hpp"
+
+namespace turgor::contact {
+
+namespace {
+
+constexpr double kSameVertex = 0.3;  // of an edge: sites of both surfaces that are nearer are one
+constexpr double kFacing = -0.4;     // cosine between the normals of surfaces that can touch
+constexpr double kOnSurface = 1e-6;  // of an edge: distance below which the normal is the surface's
+
+/// A surface with what the search needs.
+struct Searched {
+  const PairSurface& surface;
+  std::vector<int> vertices;        // of its triangles, ascending
+  std::vector<Vec3d> normals;       // of every vertex of the mesh, weighted by area
+  std::vector<std::size_t> around;  // first entry of each vertex in `triangles`, and an end
+  std::vector<int> triangles;       // around each vertex, ascending
+  TriangleTree tree;
+  double edge = 0;  // mean [m]
+};
+
+Vec3d area_normal(const PairSurface& surface, Int3 t) {
+  const Vec3d a = surface.x[std::size_t(t.x)];
+  return cross(surface.x[std::size_t(t.y)] - a, surface.x[std::size_t(t.z)] - a);
+}
+
+Searched searched(const PairSurface& surface) {
+  Searched s{.surface = surface, .vertices = {}, .normals = {}, .around = {}, .triangles = {}, .tree = {}};
+  // vertices and their normals
+  s.normals.resize(surface.x.size()), s.around.resize(surface.x.size() + 1);
+  for (const Int3 t : surface.triangles)
+    for (const int v : {t.x, t.y, t.z}) {
+      s.normals[std::size_t(v)] += area_normal(surface, t);
+      s.around[std::size_t(v) + 1]++;
+      s.vertices.push_back(v);
+    }
+  sort_unique(s.vertices);
+  // triangles around each vertex
+  for (std::size_t v = 0; v < surface.x.size(); v++) s.around[v + 1] += s.around[v];
+  std::vector<std::size_t> next(s.around.begin(), s.around.end() - 1);
+  s.triangles.resize(3 * surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); t++)
+    for (int corner = 0; corner < 3; corner++)
+      s.triangles[next[std::size_t(surface.triangles[t][corner])]++] = int(t);
+  s.tree = build_triangle_tree({surface.x.begin(), surface.x.end()},
+                               {surface.triangles.begin(), surface.triangles.end()});
+  s.edge = mean_edge(surface.x, surface.triangles);
+  return s;
+}
+
+/// A vertex and the nearest point of the other surface.
+struct Near {
+  TrianglePoint point;
+  Vec3d normal;       // of the other surface, or toward the vertex
+  double height = 0;  // above the other surface, negative inside [m]
+  bool faces = false;
+};
+
+/// True if a triangle has all corners that carry a point on an edge or a corner.
+bool carries(Int3 t, Int3 of, Vec3d weights) {
+  for (int corner = 0; corner < 3; corner++)
+    if (weights[corner] > 0 && t.x != of[corner] && t.y != of[corner] && t.z != of[corner]) return false;
+  return true;
+}
+
+/// Normal of the triangle at a surface point that faces a direction most. A point on an edge or a corner is
+/// in several triangles.
+Vec3d facing_normal(const Searched& other, const TrianglePoint& point, Vec3d direction) {
+  const Int3 t = other.surface.triangles[std::size_t(point.triangle)];
+  const Vec3d w = point.weights;
+  Vec3d best = normalized(area_normal(other.surface, t));
+  if (w.x > 0 && w.y > 0 && w.z > 0) return best;
+  const auto v = std::size_t(w.x > 0 ? t.x : w.y > 0 ? t.y : t.z);
+  for (std::size_t n = other.around[v]; n < other.around[v + 1]; n++) {
+    const Int3 neighbor = other.surface.triangles[std::size_t(other.triangles[n])];
+    const Vec3d normal = normalized(area_normal(other.surface, neighbor));
+    if (carries(neighbor, t, w) && dot(normal, direction) < dot(best, direction)) best = normal;
+  }
+  return best;
+}
+
+Near nearest(const Searched& other, Vec3d x, Vec3d own_normal) {
+  Near near{.point = nearest_point(other.tree, x), .normal = {}};
+  const Int3 t = other.surface.triangles[std::size_t(near.point.triangle)];
+  // signed height, by the mean normal of the vertices where the point is on an edge
+  const Vec3d w = near.point.weights, own = normalized(own_normal);
+  Vec3d mean = area_normal(other.surface, t);
+  if (!(w.x > 0 && w.y > 0 && w.z > 0)) {
+    mean = {};
+    for (int corner = 0; corner < 3; corner++)
+      mean += normalized(other.normals[std::size_t(t[corner])]) * w[corner];
+  }
+  const Vec3d apart = x - near.point.position;
+  const double sign = dot(apart, mean) < 0 ? -1 : 1;
+  near.height = sign * near.point.distance;
+  // normal along the line between the points where they are apart
+  const Vec3d facing = facing_normal(other, near.point, own);
+  near.normal = near.point.distance > kOnSurface * other.edge ? apart * (sign / near.point.distance) : facing;
+  near.faces = dot(own, near.normal) < kFacing && dot(own, facing) < kFacing;
+  return near;
+}
+
+/// Distance that is kept at a vertex: less where the surfaces were nearer at rest.
+double kept_distance(const PairSurface& surface, int v, double gap) {
+  if (surface.rest_height.empty()) return gap;
+  return std::min(gap, surface.rest_height[std::size_t(v)]);
+}
+
+SurfacePoint vertex_point(const PairSurface& surface, int v) {
+  return {surface.body, {v, -1, -1}, {1, 0, 0}, surface.rest[std::size_t(v)]};
+}
+SurfacePoint triangle_point(const PairSurface& surface, const TrianglePoint& point) {
+  const Int3 t = surface.triangles[std::size_t(point.triangle)];
+  SurfacePoint p{surface.body, t, point.weights, {}};
+  for (int corner = 0; corner < 3; corner++)
+    p.rest += surface.rest[std::size_t(t[corner])] * point.weights[corner];
+  return p;
+}
+Vec3d position_of(const PairSurface& surface, const SurfacePoint& point) {
+  Vec3d x;
+  for (int corner = 0; corner < 3; corner++)
+    if (point.vertex[corner] >= 0) x += surface.x[std::size_t(point.vertex[corner])] * point.weight[corner];
+  return x;
+}
+
+/// Sites of the vertices of one surface.
+void add_sites(const Exec& exec, const Searched& from, const Searched& to, const PairParams& params,
+               std::vector<PairSite>& sites) {
+  // nearest points, in parallel
+  const Box box = box_around(to.surface.x);
+  std::vector<Near> near(from.vertices.size());
+  parallel_for(
+      exec, near.size(),
+      [&](std::size_t n) {
+        const Vec3d x = from.surface.x[std::size_t(from.vertices[n])];
+        if (squared_distance(box, x) <= params.reach * params.reach)
+          near[n] = nearest(to, x, from.normals[std::size_t(from.vertices[n])]);
+      },
+      64);
+  // sites in the order of the vertices
+  for (std::size_t n = 0; n < near.size(); n++) {
+    const int v = from.vertices[n];
+    const double kept = kept_distance(from.surface, v, params.gap);
+    if (!near[n].faces || near[n].height - kept > params.reach || near[n].height < -params.deepest) continue;
+    PairSite site{.a = vertex_point(from.surface, v),
+                  .b = triangle_point(to.surface, near[n].point),
+                  .anchor = {},
+                  .slip = {},
+                  .normal = near[n].normal,
+                  .distance = near[n].height - kept,
+                  .found = {},
+                  .friction = params.friction,
+                  .force = {}};
+    site.found = position_of(from.surface, site.a) - position_of(to.surface, site.b);
+    site.anchor = site.b, site.slip = site.found;
+    sites.push_back(site);
+  }
+}
+
+/// Removes sites of the second surface that meet a vertex of the first, which has a site itself.
+void remove_doubles(const std::array<PairSurface, 2>& surfaces, double edge, std::size_t first_count,
+                    std::vector<PairSite>& sites) {
+  std::vector<Vec3d> first;
+  for (std::size_t s = 0; s < first_count; s++) first.push_back(position_of(surfaces[0], sites[s].a));
+  const auto is_double = [&](const PairSite& site) {
+    const Vec3d x = position_of(surfaces[0], site.b);
+    return std::any_of(first.begin(), first.end(),
+                       [&](Vec3d other) { return norm(other - x) < kSameVertex * edge; });
+  };
+  sites.erase(std::remove_if(sites.begin() + std::ptrdiff_t(first_count), sites.end(), is_double),
+              sites.end());
+}
+
+/// Takes over the force of the same vertex, and its anchor while it sticks.
+void continue_sites(std::span<const PairSite> last, std::vector<PairSite>& sites) {
+  std::map<std::pair<int, int>, const PairSite*> of_vertex;
+  for (const PairSite& site : last) of_vertex[{site.a.body, site.a.vertex.x}] = &site;
+  for (PairSite& site : sites) {
+    const auto found = of_vertex.find({site.a.body, site.a.vertex.x});
+    if (found == of_vertex.end()) continue;
+    const PairSite& before = *found->second;
+    site.force = before.force;
+    if (before.state == SiteState::kStick) site.anchor = before.anchor, site.slip = before.slip;
+  }
+}
+
+}  // namespace
+
+PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& surfaces,
+                          const PairParams& params, std::span<const PairSite> last) {
+  PairSites found;
+  const Searched first = searched(surfaces[0]), second = searched(surfaces[1]);
+  // both directions
+  add_sites(exec, first, second, params, found.sites);
+  const std::size_t first_count = found.sites.size();
+  add_sites(exec, second, first, params, found.sites);
+  remove_doubles(surfaces, std::min(first.edge, second.edge), first_count, found.sites);
+  // nearest sites within the capacity
+  const auto most = std::size_t(params.capacity);
+  if (found.sites.size() > most) {
+    std::stable_sort(found.sites.begin(), found.sites.end(),
+                     [](const PairSite& a, const PairSite& b) { return a.distance < b.distance; });
+    for (std::size_t s = most; s < found.sites.size(); s++) found.dropped += found.sites[s].distance <= 0;
+    found.sites.resize(most);
+  }
+  for (const PairSite& site : found.sites) found.deepest = std::max(found.deepest, -site.distance);
+  continue_sites(last, found.sites);
+  return found;
+}
+
+std::vector<double> rest_heights(const Exec& exec, const PairSurface& of, const PairSurface& above,
+                                 double reach, double deepest) {
+  const Searched from = searched(of), to = searched(above);
+  std::vector<double> heights(of.x.size(), reach);
+  parallel_for(
+      exec, from.vertices.size(),
+      [&](std::size_t n) {
+        const auto v = std::size_t(from.vertices[n]);
+        const Near near = nearest(to, of.x[v], from.normals[v]);
+        if (near.faces && near.height >= -deepest) heights[v] = std::min(reach, near.height);
+      },
+      64);
+  return heights;
+}
+
+double mean_edge(std::span<const Vec3d> x, std::span<const Int3> triangles) {
+  double sum = 0;
+  for (const Int3 t : triangles)
+    for (int corner = 0; corner < 3; corner++)
+      sum += norm(x[std::size_t(t[corner])] - x[std::size_t(t[(corner + 1) % 3])]);
+  return triangles.empty() ? 0 : sum / (3 * double(triangles.size()));
+}
+
+}  // namespace turgor::contact

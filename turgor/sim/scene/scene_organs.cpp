@@ -1,0 +1,122 @@
+#include "turgor/sim/scene/scene_organs.hpp"
+
+#include "turgor/sim/scene/nearest_name.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr const char* kGround = "ground";
+
+/// Finds a body by name; adds a problem if it does not exist or its model cannot be coupled.
+std::optional<BodyId> find_body(SceneTable& table, const toml::node& node, const std::string& name,
+                                const Scene& scene) {
+  std::optional<BodyId> found;
+  std::vector<std::string> known;
+  for_each_body(scene, [&](BodyId id, const auto& body) {
+    known.push_back(body.name);
+    if (body.name == name) found = id;
+  });
+  if (!found) {
+    table.fail("between", fmt::format("the scene has no body {}{}", name, turgor::suggestion(name, known)));
+  } else if (found->kind != BodyKind::kSfem) {
+    table.fail_value("between", node,
+                     fmt::format("bodies with model = \"sfem\"; {} is a {}, which cannot be coupled yet",
+                                 name, model_name(found->kind)));
+    found.reset();
+  }
+  return found;
+}
+
+/// The two names of `between`; a problem if they are not two different texts.
+std::vector<std::string> read_between(SceneTable& table, const char* meaning) {
+  table.require({"between"}, "the names of two bodies");
+  table.describe("between", "", "required", meaning);
+  const toml::node* node = table.find("between");
+  std::vector<std::string> names;
+  if (!node) return names;
+  if (node->is_array())
+    for (const toml::node& name : *node->as_array()) names.push_back(name.value_or(std::string()));
+  if (names.size() == 2 && !names[0].empty() && !names[1].empty() && names[0] != names[1]) return names;
+  table.fail_value("between", *node, "two different names, as in [\"liver\", \"stomach\"]");
+  return {};
+}
+
+std::optional<std::array<Vec3d, 2>> read_box(SceneTable& table) {
+  table.describe("box", "m", "none",
+                 "`[[x, y, z], [x, y, z]]`: only surface points of the first body in this box are tied; "
+                 "required if the other is `\"ground\"`");
+  const toml::node* node = table.find("box");
+  if (!node) return {};
+  std::vector<double> v;
+  if (node->is_array())
+    for (const toml::node& corner : *node->as_array())
+      for (const double x : table.numbers("box", corner, any_number("m"))) v.push_back(x);
+  if (v.size() == 6) return {{{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}}};
+  table.fail_value("box", *node, "two corners, [[x, y, z], [x, y, z]]");
+  return {};
+}
+
+}  // namespace
+
+AttachmentScene read_attachment(SceneTable table, const std::string& name, const Scene& scene) {
+  AttachmentScene made{.name = name, .source_location = table.location(), .body = {}, .other = {}, .box = {}};
+  table.begin_group("attachment");
+  // bodies
+  const std::vector<std::string> names =
+      read_between(table, "the names of two bodies with `model = \"sfem\"`, or of one and `\"ground\"`");
+  if (!names.empty()) {
+    const toml::node& node = *table.find("between");
+    const std::size_t first = names[0] == kGround ? 1 : 0;
+    made.body = find_body(table, node, names[first], scene).value_or(BodyId{});
+    if (names[1 - first] != kGround) made.other = find_body(table, node, names[1 - first], scene);
+  }
+  // tied points
+  table.read(
+      "distance", made.distance, inside(0, 1, "m"),
+      "surface points of the first body are tied that are at most this far from the second one at rest");
+  made.box = read_box(table);
+  if (!names.empty() && !made.other && !made.box)
+    table.fail("box", "an attachment to the ground needs a box: the surface points in it are tied");
+  table.read("points", made.points, within(1, 400),
+             "most springs; of more points some are chosen, and each takes the area around it");
+  // spring
+  table.require({"stiffness", "stiffness_per_area"}, "the stiffness of the springs");
+  if (table.has("stiffness") && table.has("stiffness_per_area"))
+    table.fail("stiffness", "an attachment has a stiffness or a stiffness per area, not both");
+  table.read("stiffness", made.stiffness, positive("N/m"),
+             {"of the whole attachment; its springs share it by area", "one of the two"});
+  table.read("stiffness_per_area", made.stiffness_per_area, positive("N/m³"),
+             {"instead: per area of the first body's surface", "one of the two"});
+  table.read("slack", made.slack, within(0, 1, "m"),
+             "distance that a point moves before its spring pulls; 0: springs pull and push at once");
+  table.read(
+      "break_force", made.break_force, positive("N"),
+      {"force at which the whole attachment tears under even load; a spring breaks at its share", "never"});
+  table.read("optional", made.is_optional,
+             "an attachment without points within `distance` is left out, instead of an error");
+  table.finish();
+  return made;
+}
+
+BodyContactScene read_body_contact(SceneTable table, const std::string& name, const Scene& scene) {
+  BodyContactScene made{.name = name, .source_location = table.location(), .body = {}, .other = {}};
+  table.begin_group("contact");
+  const std::vector<std::string> names =
+      read_between(table, "the names of two bodies with `model = \"sfem\"`");
+  if (!names.empty()) {
+    const toml::node& node = *table.find("between");
+    made.body = find_body(table, node, names[0], scene).value_or(BodyId{});
+    made.other = find_body(table, node, names[1], scene).value_or(BodyId{});
+  }
+  table.read("optional", made.is_optional, "a contact of bodies that are far from each other is left out");
+  table.read("friction", made.friction, within(0, 10), "Coulomb friction coefficient");
+  table.read("gap", made.gap, within(0, 0.1, "m"),
+             "distance that is kept between the surfaces; less where they are nearer at rest");
+  table.read("sites", made.sites, within(1, 400),
+             "most contact sites; of more touching vertices the deepest are kept, and the report says so");
+  table.finish();
+  return made;
+}
+
+}  // namespace turgor
