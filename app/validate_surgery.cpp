@@ -72,8 +72,7 @@ void add_insertions(const Exec& exec, std::vector<Figure>& figures) {
     figures.push_back(most_figure(name + "force after the puncture", "its peak", "1", found.drop, 0.95));
     for (const auto& [when, error] :
          {std::pair("30 mm deep", found.error_inside), std::pair("after two loops", found.error_after)})
-      figures.push_back(most_figure(name + "energy " + when, "the hand's work", "1", std::abs(error),
-                                    0.01));
+      figures.push_back(most_figure(name + "energy " + when, "the hand's work", "1", std::abs(error), 0.01));
   }
 }
 

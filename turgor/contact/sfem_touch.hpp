@@ -61,8 +61,12 @@ void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks);
 /// The same for the motion of the vertices around each needle that is not caused by that needle; one list a
 /// tool.
 void take_needle_motion(SfemTouch& touch, std::span<const std::vector<Vec3d>> to, long ticks);
-/// Needles of a touch, with the Green's functions around them.
+/// Needles of a touch, with the Green's functions around them. Reserves memory for those of all of the body's
+/// vertices.
 void add_needles(SfemTouch& touch, std::shared_ptr<const sfem::InnerGreen> inner);
+/// Replaces the Green's functions around the needles between two ticks. They contain the elements of all
+/// tracks; a track that is not contained is forgotten. Does not allocate.
+void take_inner(SfemTouch& touch, const std::shared_ptr<const sfem::InnerGreen>& inner);
 
 /// A finished patch. Its builder keeps a reference until it holds the last one, because the haptic thread
 /// must not free memory.
@@ -88,8 +92,10 @@ struct SfemTouchSnapshot {
   std::vector<ToolPose> poses;
   std::vector<ToolForce> forces;
   std::vector<ContactCenter> contact_centers;
+  std::shared_ptr<const sfem::InnerGreen> inner;  // NeedleTouch::inner
   std::vector<std::vector<Vec3d>>
-      needle_forces;  // of each tool, on the vertices of NeedleTouch::inner, at a stiffness_scale of 1 [N]
+      needle_forces;                // of each tool, on the vertices of `inner`, at a stiffness_scale of 1 [N]
+  std::vector<int> track_elements;  // elements of the mesh that all tracks pass, in any order
 };
 /// Fills a snapshot. Does not allocate after reserve_like.
 void publish(const SfemTouch& touch, SfemTouchSnapshot& now);
@@ -102,7 +108,9 @@ struct FreeMotion {
   double stiffness_scale = 1;                  // see SfemTouch
   std::vector<double> friction;                // one per tool; empty = unchanged
   std::vector<std::vector<Vec3d>> of_needles;  // of each tool: target of NeedleState::motion; empty = none
-  long number = 0;                             // number of motions published
+  std::shared_ptr<const sfem::InnerGreen>
+      inner;        // of needles; the sender keeps a reference until it has the last
+  long number = 0;  // number of motions published
 };
 
 /// Channels between the haptic thread and the frame thread.

@@ -93,7 +93,7 @@ Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs) {
   for (const BodySnapshot& body : snapshot.bodies) {
     std::vector<float> numbers;
     const std::vector<VertexField> fields = fields_of(body, numbers);
-    const Status status = write_mesh(snapshot, body.name, body.name, shown_mesh(body), fields, outputs);
+    const Status status = write_mesh(snapshot, body.name, body.name, surface_mesh(body), fields, outputs);
     if (!status) return status;
   }
   return write_tools(snapshot, outputs);
@@ -115,7 +115,7 @@ Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pre
     const std::string file = body.name + ".obj";
     const BodySnapshot& kept = worth_keeping(body, pressed);
     const Status status =
-        write_obj(outputs.folder / file, shown_mesh(kept), outputs.scene->output.mesh_space, groups_of(kept));
+        write_obj(outputs.folder / file, surface_mesh(kept), outputs.scene->output.mesh_space, groups_of(kept));
     if (!status) return status;
     outputs.facts.files.push_back(file);
   }

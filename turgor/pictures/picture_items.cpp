@@ -75,10 +75,14 @@ std::vector<float> shown_values(const BodySnapshot& body, SkinColor color) {
   return lengths;
 }
 
+TriMesh surface_mesh(const BodySnapshot& body) {
+  return {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
+}
+
 TriMesh shown_mesh(const BodySnapshot& body) {
   if (const SmoothSnapshot& smooth = body.smooth; !smooth.triangles.empty())
     return {.vertices = smooth.x, .triangles = smooth.triangles, .normals = smooth.normals, .scalars = {}};
-  return {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
+  return surface_mesh(body);
 }
 
 void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items) {

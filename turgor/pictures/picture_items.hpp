@@ -41,7 +41,9 @@ constexpr double kLongestArrow = 1.5;
 /// Quantity at every vertex that a color shows: displacement [m], stretch [1] or pressure [Pa]. Empty if the
 /// body does not have it.
 std::vector<float> shown_values(const BodySnapshot& body, SkinColor color);
-/// A body's surface with its normals.
+/// A body's surface with its normals: the vertices and triangles of the snapshot, for files.
+TriMesh surface_mesh(const BodySnapshot& body);
+/// The same for pictures: the smooth surface if the body has one.
 TriMesh shown_mesh(const BodySnapshot& body);
 /// A tool's surface at its current pose.
 TriMesh posed_mesh(const ToolSnapshot& tool);

@@ -70,9 +70,9 @@ void transfer(File& file, contact::SfemTouch& touch) {
 template <class File>
 void transfer(File& file, contact::SfemTouchSnapshot& now) {
   auto& [patch, patch_number, ticks, force_jump, x, force, history, stiffening, stiffness_scale, poses,
-         forces, centers, needle_forces] = now;
+         forces, centers, inner, needle_forces, track_elements] = now;
   transfer_all(file, patch, patch_number, ticks, force_jump, x, force, history, stiffening, stiffness_scale,
-               poses, forces, centers, needle_forces);
+               poses, forces, centers, needle_forces, track_elements);
 }
 /// Without the stiffness matrices of the loaded body.
 template <class File>
@@ -100,9 +100,10 @@ void transfer(File& file, FreeDisplacement& free) {
   auto& [before, now, number] = free;
   transfer_all(file, before, now, number);
 }
+/// Without the Green's functions, which loading solves again.
 template <class File>
 void transfer(File& file, NeedleDisplacement& needles) {
-  auto& [displacement, motion, target_motion] = needles;
+  auto& [inner, in_use, displacement, motion, target_motion] = needles;
   transfer_all(file, displacement, motion, target_motion);
 }
 template <class File>

@@ -7,6 +7,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/core/sort_unique.hpp"
 
 namespace turgor {
 
@@ -85,6 +86,19 @@ void measure_targets(SfemBody& body) {
   }
 }
 
+/// Green's functions between the vertices of these elements, with their toughness; kept until no thread has
+/// them.
+std::shared_ptr<const sfem::InnerGreen> solve_inner(const Exec& exec, SfemBody& body,
+                                                    std::vector<int> elements) {
+  sfem::InnerGreen inner = sfem::make_inner_green(exec, body.model, std::move(elements));
+  for (const int material : inner.material) inner.toughness.push_back(body.toughness[std::size_t(material)]);
+  NeedleDisplacement& needles = body.needles;
+  needles.inner = std::make_shared<const sfem::InnerGreen>(std::move(inner));
+  std::erase_if(needles.in_use, [](const auto& kept) { return kept.use_count() == 1; });
+  needles.in_use.push_back(needles.inner);
+  return needles.inner;
+}
+
 }  // namespace
 
 Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
@@ -108,9 +122,7 @@ Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<Touch
         bytes * 1e-9, double(body.patch_memory) * 1e-9)};
   // their Green's functions
   if (const Status status = sfem::factorize(exec, body.model); !status) return status.error();
-  sfem::InnerGreen inner = sfem::make_inner_green(exec, body.model, std::move(elements));
-  for (const int material : inner.material) inner.toughness.push_back(body.toughness[std::size_t(material)]);
-  contact::add_needles(body.touch, std::make_shared<const sfem::InnerGreen>(std::move(inner)));
+  contact::add_needles(body.touch, solve_inner(exec, body, std::move(elements)));
   contact::publish(body.touch, body.now);
   body.needles.displacement.resize(body.tool_indices.size());
   body.needles.motion.resize(body.tool_indices.size());
@@ -118,8 +130,32 @@ Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<Touch
   return Done{};
 }
 
+void follow_needles(const Exec& exec, SfemBody& body) {
+  if (!body.needles.inner) return;
+  // elements around the shafts, and some distance ahead of them
+  constexpr double kAhead = 0.03;  // [m]
+  std::vector<Shaft> shafts;
+  for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
+    const std::optional<contact::Needle>& needle = body.touch.tools[t].needle;
+    const contact::Pose& pose = body.now.poses[t].pose;
+    if (!needle || !contact::is_valid(pose)) continue;
+    const Vec3d up = pose.axes.column[2];
+    shafts.push_back(
+        {pose.position - up * std::min(kAhead, needle->length), pose.position + up * needle->length});
+  }
+  std::vector<int> elements = elements_near(body.model.body.mesh, shafts);
+  const std::vector<int>& known = body.needles.inner->elements;
+  if (std::includes(known.begin(), known.end(), elements.begin(), elements.end())) return;
+  // with those of all tracks, if they fit into memory
+  elements.insert(elements.end(), body.now.track_elements.begin(), body.now.track_elements.end());
+  sort_unique(elements);
+  const std::size_t vertices = vertex_count_of(body.model.body.mesh, elements);
+  if (double(sfem::inner_green_bytes(vertices)) <= double(body.patch_memory))
+    (void)solve_inner(exec, body, std::move(elements));
+}
+
 void displace_by_needles(SfemBody& body) {
-  const std::shared_ptr<const sfem::InnerGreen>& inner = body.touch.needles.inner;
+  const std::shared_ptr<const sfem::InnerGreen> inner = body.now.inner;
   if (!inner) return;
   // displacement by each needle
   const std::size_t count = body.tool_indices.size();
@@ -137,20 +173,23 @@ void displace_by_needles(SfemBody& body) {
     u = displacement_by_factor(body.model, loads);
   }
   measure_targets(body);
-  // motion around each needle by everything else: other needles, other tools, rotations, cloth
+  // motion around each needle by everything else: other needles, other tools, rotations, cloth, other bodies
   const bool has_others = std::size_t(needles) < count;
-  if (needles < 2 && !has_others && !body.turning && !body.press) return;
+  if (needles < 2 && !has_others && !body.turning && !body.press && !body.coupling && !body.flight) return;
   std::vector<Vec3d> others;
   if (has_others) others = displacement_by_factor(body.model, coarse_forces_now(body));
   for (std::size_t t = 0; t < count; t++) {
     if (body.now.needle_forces[t].empty()) continue;
     std::vector<Vec3d>& motion = body.needles.motion[t];
-    motion.assign(inner->vertices.size(), {});
-    add_at(inner->vertices, others, motion);
-    if (body.turning) add_at(inner->vertices, body.turning->state.free, motion);
-    if (body.press) add_at(inner->vertices, body.press->displacement, motion);
+    const std::vector<int>& vertices = body.needles.inner->vertices;
+    motion.assign(vertices.size(), {});
+    add_at(vertices, others, motion);
+    if (body.turning) add_at(vertices, body.turning->state.free, motion);
+    if (body.press) add_at(vertices, body.press->displacement, motion);
+    if (body.coupling) add_at(vertices, body.coupling->displacement, motion);
+    if (body.flight) add_at(vertices, body.flight->displacement, motion);
     for (std::size_t other = 0; other < count; other++)
-      if (other != t) add_at(inner->vertices, body.needles.displacement[other], motion);
+      if (other != t) add_at(vertices, body.needles.displacement[other], motion);
   }
 }
 

@@ -14,6 +14,10 @@ namespace turgor {
 Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
                        const Prony& viscosity);
 
+/// Solves Green's functions around needles that a hand has moved away from their paths. The haptic thread
+/// takes them with the next motion.
+void follow_needles(const Exec& exec, SfemBody& body);
+
 /// Displacement of the whole body by its needles, and the motion of the vertices around each of them by
 /// everything else.
 void displace_by_needles(SfemBody& body);

@@ -64,7 +64,7 @@ std::vector<Vec3d> displacement_by_factor(const sfem::Model& model,
 }
 
 void sum_free_motion(SfemBody& body) {
-  const bool has_needles = body.touch.needles.inner != nullptr;
+  const bool has_needles = body.needles.inner != nullptr;
   if (!body.turning && !body.press && !body.coupling && !body.flight && !has_needles) return;
   const std::size_t count = body.model.body.mesh.vertices.size();
   body.free.now = uncoupled_displacement(body, std::vector<Vec3d>(count));

@@ -93,9 +93,11 @@ struct FreeDisplacement {
 /// Displacements by needles, of all vertices and around each needle. One list for each of tool_indices; empty
 /// for others.
 struct NeedleDisplacement {
-  std::vector<std::vector<Vec3d>> displacement;  // of all vertices, by each needle [m]
-  std::vector<std::vector<Vec3d>> motion;        // of InnerGreen's vertices, by everything else [m]
-  std::vector<double> target_motion;  // largest displacement of each of SfemBody::inside so far [m]
+  std::shared_ptr<const sfem::InnerGreen> inner;                // newest Green's functions around the needles
+  std::vector<std::shared_ptr<const sfem::InnerGreen>> in_use;  // that the haptic thread may have
+  std::vector<std::vector<Vec3d>> displacement;                 // of all vertices, by each needle [m]
+  std::vector<std::vector<Vec3d>> motion;  // of InnerGreen's vertices, by everything else [m]
+  std::vector<double> target_motion;       // largest displacement of each of SfemBody::inside so far [m]
 };
 
 /// Exchange with a haptic thread, and queues of a replay (sim/live/exchanges.hpp).

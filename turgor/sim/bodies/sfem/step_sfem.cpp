@@ -21,6 +21,7 @@ Status begin_body(const Exec& exec, SfemBody& body, const SfemScene& scene, cons
 void step_body(const Exec& exec, SfemBody& body, World& world, const FrameInput& input, FrameReport&) {
   if (body.haptic) return make_frame(exec, body, input.to, input.to - input.from, body.haptic->exchange);
   touch_body(exec, body, world.tools, input.from, input.to);
+  follow_needles(exec, body);
   correct_rotations(exec, body);
 }
 

@@ -8,6 +8,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/bodies/sfem/choose_patch.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
+#include "turgor/sim/bodies/sfem/needle_sfem.hpp"
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
 #include "turgor/sim/tools/press_path.hpp"
 
@@ -73,6 +74,7 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
       std::min(kPatchTicks, last - first);  // a patch is requested and used within one frame
   std::optional<NextPatch> next;
   contact::take_free_motion(body.touch, body.free.now, last - first + 1);
+  if (body.needles.inner != body.touch.needles.inner) contact::take_inner(body.touch, body.needles.inner);
   contact::take_needle_motion(body.touch, body.needles.motion, last - first + 1);
   body.touch.stiffness_scale = body.stiffness_scale;
 
@@ -116,9 +118,11 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   // results of the ticks
   body.now = exchange.touched.read();
   read_touch_snapshot(body);
+  follow_needles(exec, body);
   correct_rotations(exec, body);
   contact::FreeMotion& motion = exchange.motion.writing();
   motion.to = body.free.now, motion.of_needles = body.needles.motion;
+  motion.inner = body.needles.inner;
   motion.ticks = std::max(1l, std::lround(frame_dt / kTick));
   motion.number = ++body.free.number;
   motion.stiffness_scale = body.stiffness_scale, motion.friction = body.friction;

@@ -9,7 +9,7 @@ namespace turgor {
 void correct_rotations(const Exec& exec, SfemBody& body) {
   body.free.before = body.free.now;
   displace_by_needles(body);
-  if (!body.turning && body.touch.needles.inner) sum_free_motion(body);
+  if (!body.turning && body.needles.inner) sum_free_motion(body);
   if (!body.turning || (body.tool_indices.empty() && !body.press && !body.coupling)) return;
   Turning& turning = *body.turning;
 
@@ -17,7 +17,7 @@ void correct_rotations(const Exec& exec, SfemBody& body) {
   // present forces: contacts and cloth
   std::vector<Vec3d> forces(body.model.body.mesh.vertices.size());
   for (const contact::VertexForce& f : coarse_forces_now(body)) forces[std::size_t(f.vertex)] += f.force;
-  if (const auto& inner = body.touch.needles.inner)
+  if (const auto& inner = body.now.inner)
     for (const std::vector<Vec3d>& of_needle : body.now.needle_forces)
       for (std::size_t i = 0; i < of_needle.size(); i++)
         forces[std::size_t(inner->vertices[i])] += of_needle[i];
