@@ -219,23 +219,35 @@ void fill_problem(const System& system, std::span<const Tie> ties, std::span<con
   }
 }
 
-/// Step length from one state toward another at which the energy ½ μᵀ C μ + Σ ½ k max(0, |d| − s)² is least,
-/// at most 1. The energy is convex: its slope Σ Δd·(μ − λ(d)) ascends.
-double step_length(const System& system, std::span<const Tie> ties, const Loaded& from, const Loaded& to) {
-  const auto slope = [&](double t) {
-    double sum = 0;
-    for (std::size_t s = 0; s < system.count; s++) {
-      const Vec3d change = to.stretch[s] - from.stretch[s];
-      Vec3d force = from.force[s] * (1 - t) + to.force[s] * t;
-      if (s < system.tie.size()) force -= law(ties[system.tie[s]], from.stretch[s] + change * t);
-      sum += dot(change, force);
-    }
-    return sum;
-  };
-  if (slope(1) <= 0) return 1;
-  double low = 0, high = 1;
-  for (int n = 0; n < 40; n++) (slope((low + high) / 2) <= 0 ? low : high) = (low + high) / 2;
-  return low;
+/// State on the line from one state to another.
+Loaded between(const Loaded& from, const Loaded& to, double length) {
+  Loaded state = from;
+  for (std::size_t s = 0; s < state.force.size(); s++) {
+    state.force[s] += (to.force[s] - from.force[s]) * length;
+    state.stretch[s] += (to.stretch[s] - from.stretch[s]) * length;
+  }
+  return state;
+}
+
+/// Sum of the squared differences between forces and law [N²].
+double squared_error(const System& system, std::span<const Tie> ties, const Loaded& loaded) {
+  double sum = 0;
+  for (std::size_t s = 0; s < system.tie.size(); s++) {
+    const Vec3d error = loaded.force[s] - law(ties[system.tie[s]], loaded.stretch[s]);
+    sum += dot(error, error);
+  }
+  return sum;
+}
+
+/// State after a Newton step that is halved until the ties follow their law better.
+Loaded shortened_step(const System& system, std::span<const Tie> ties, const Loaded& from, Loaded to,
+                      double& length) {
+  constexpr double kShortest = 1.0 / 32;
+  const double before = squared_error(system, ties, from);
+  if (squared_error(system, ties, to) < before) return to;
+  for (length = 0.5; length > kShortest; length /= 2)
+    if (Loaded state = between(from, to, length); squared_error(system, ties, state) < before) return state;
+  return between(from, to, length);
 }
 
 /// Largest violation of the ties' law, relative to the largest force.
@@ -249,7 +261,7 @@ double law_error(const System& system, std::span<const Tie> ties, const Loaded& 
 }
 
 /// Newton steps on the stretches of the ties, each with a solution of the contact problem, shortened so that
-/// the energy falls. Ties without slack need one step.
+/// the ties follow their law better. Ties without slack need one step.
 bool solve_set(const Exec& exec, const System& system, std::span<Tie> ties, std::span<PairSite> sites,
                FrictionalContactProblem& problem, int& solves) {
   // start from the present forces
@@ -273,13 +285,10 @@ bool solve_set(const Exec& exec, const System& system, std::span<Tie> ties, std:
       now = std::move(next), converged = report.converged;
       break;
     }
-    // step
+    // step; the first one makes the forces of contacts those of the present geometry
     next.stretch = stretched(exec, system, next.force);
-    const double length = step_length(system, ties, now, next);
-    for (std::size_t s = 0; s < system.count; s++) {
-      now.force[s] += (next.force[s] - now.force[s]) * length;
-      now.stretch[s] += (next.stretch[s] - now.stretch[s]) * length;
-    }
+    double length = 1;
+    now = n == 0 ? std::move(next) : shortened_step(system, ties, now, std::move(next), length);
     converged = length == 1 && report.converged && law_error(system, ties, now) <= kLawError;
   }
   // forces of the solution
