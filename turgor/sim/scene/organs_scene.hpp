@@ -23,7 +23,7 @@ struct AttachmentScene {
   double stiffness_per_area = 0;            // [N/m³]
   double slack = 0;                         // [m]
   double break_force = 0;                   // of the whole attachment under even load; 0 = never [N]
-  int points = 48;                          // at most
+  int points = 32;                          // at most
   bool is_optional = false;                 // left out where the bodies are too far apart
 };
 
@@ -34,7 +34,7 @@ struct BodyContactScene {
   BodyId body, other;
   double friction = 0.1;  // Coulomb's μ [1]
   double gap = 0;         // distance that is kept between the surfaces [m]
-  int sites = 96;         // at most
+  int sites = 64;         // at most
   bool is_optional = false;
 };
 
