@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "organs_scene.hpp"
+#include "turgor/sim/world_state.hpp"
 
 namespace turgor {
 namespace {
@@ -126,6 +127,38 @@ TEST(BodyContact, Slope_SlidesAboveFrictionAngle) {
     EXPECT_NEAR(acceleration, expected, 0.02 * 9.81 * std::sin(angle));
     EXPECT_NEAR(-force.x / force.z, std::min(std::tan(angle), kFriction), 0.02 * kFriction);
   }
+}
+
+std::string pressed_pad() {
+  return "[world]\nduration = 3\n" +
+         block_text("base", "[-0.01, -0.01, -0.02]", "[0.08, 0.08, 0.02]", "[7, 7, 2]", "bottom") +
+         block_text("pad", "[0, 0, 0]", "[0.06, 0.06, 0.015]", "[6, 6, 2]", "none") +
+         touching("below", "pad", "base") +
+         "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.008 }\nfriction = 0\n"
+         "press = { at_fraction = [0.45, 0.55, 1], depth = 0.003, start = 0, duration = 0.1, hold = 3 }\n";
+}
+
+// A finger presses a loose pad on a base: at rest the base bears the force that the finger feels, although
+// ticks and frames exchange their forces in turn.
+TEST(BodyContact, PressedPad_BaseBearsFinger) {
+  const Exec exec(2);
+  World world = organs_world(exec, pressed_pad());
+  advance(exec, world, 120);
+  const Vec3d finger = world.tools[0].samples.back().force;
+  const Vec3d base = world.coupling.contacts[0].samples.back().force;
+  std::printf("finger %.5f N, base %.5f N\n", finger.z, base.z);
+  EXPECT_GT(finger.z, 0.05);
+  EXPECT_LT(norm(base - finger), 1e-3 * finger.z);
+}
+
+// Ticks, frames and contacts have the same bits on any number of threads, and after a copy.
+TEST(BodyContact, PressedPad_SameBits) {
+  World world = organs_world(Exec(1), pressed_pad());
+  advance(Exec(1), world, 9);
+  World copy = copy_of(world);
+  advance(Exec(1), world, 9);
+  advance(Exec(8), copy, 9);
+  EXPECT_EQ(state_hash(copy), state_hash(world));
 }
 
 }  // namespace
