@@ -107,7 +107,23 @@ nb::dict columns_of(const std::vector<Row>& rows, const Columns<Row>& wanted) {
   return columns;
 }
 
-/// Measurements of every wound and every cloth, one row per frame.
+/// Force of an attachment or of a contact between bodies, one row per frame.
+nb::dict coupling_columns(const std::vector<CouplingSample>& samples) {
+  nb::dict columns = columns_of<CouplingSample>(
+      samples, {{"time_s", &CouplingSample::time}, {"largest_force_N", &CouplingSample::most}});
+  std::vector<double> force;
+  std::vector<int> bearing, sliding;
+  for (const CouplingSample& s : samples) {
+    for (int axis = 0; axis < 3; axis++) force.push_back(s.force[axis]);
+    bearing.push_back(s.bearing), sliding.push_back(s.sliding);
+  }
+  columns["force_N"] = new_array(std::move(force), 3);
+  columns["bearing"] = new_array(std::move(bearing), 0);
+  columns["sliding"] = new_array(std::move(sliding), 0);
+  return columns;
+}
+
+/// Measurements of every wound, cloth, attachment and contact between bodies, one row per frame.
 nb::dict measures(const PyWorld& world) {
   nb::dict of;
   for (const CutMeasures& cut : world.measures().cuts)
@@ -127,6 +143,9 @@ nb::dict measures(const PyWorld& world) {
     of[body.name.c_str()] = columns_of<ClothSample>(
         body.samples,
         {{"time_s", &ClothSample::time}, {"largest_speed_m_per_s", &ClothSample::largest_speed}});
+  const Coupling& coupling = world.world().coupling;
+  for (const Attachment& a : coupling.attachments) of[a.name.c_str()] = coupling_columns(a.samples);
+  for (const BodyContact& c : coupling.contacts) of[c.name.c_str()] = coupling_columns(c.samples);
   return of;
 }
 

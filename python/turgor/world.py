@@ -145,9 +145,11 @@ class World(_turgor.World):
     def measures(self, name: None = None) -> dict[str, Columns]: ...
 
     def measures(self, name: Optional[str] = None) -> Union[Columns, dict[str, Columns]]:
-        """Measurements of step() and run(), frame by frame, as Columns: of one incision or cloth, or a dict of all.
+        """Measurements of step() and run(), frame by frame, as Columns: of one incision, cloth, attachment or contact
+        of two bodies, or a dict of all.
 
-        Columns of a wound: time_s, gape_max_m, gape_mean_m, opening_area_m2, edge_displacement_m."""
+        Columns of a wound: time_s, gape_max_m, gape_mean_m, opening_area_m2, edge_displacement_m. Of an attachment
+        or a contact: time_s, force_N (on its first body), largest_force_N (of one spring or site), bearing, sliding."""
         all = {of: Columns(columns) for of, columns in self._measures().items()}
         return all if name is None else all[name]
 

@@ -56,6 +56,14 @@ TEST(OrganBodies, OwnAttachment_Replaces) {
   EXPECT_EQ(own, 1);
 }
 
+// A file given by an override is looked for in the current folder, as for a body.
+TEST(OrganBodies, OverriddenLabels_AreOfCurrentFolder) {
+  const Result<Scene> scene = parse_scene(kOrgans, "/elsewhere/organs.toml", {"organs.labels=seg.nii"});
+  ASSERT_TRUE(scene) << scene.error().message;
+  for (const SfemScene& body : scene->sfem_bodies)
+    EXPECT_EQ(std::get<LabeledOrgan>(body.source).file, "seg.nii") << body.name;
+}
+
 // A table without bodies, and a misspelt key, are explained.
 TEST(OrganBodies, Mistakes_AreExplained) {
   const auto error = [](const std::string& text) {

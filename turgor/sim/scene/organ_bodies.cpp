@@ -29,7 +29,7 @@ toml::table& table_in(toml::table& parent, const std::string& key) {
 
 /// Adds what the body's own table does not say.
 void add_body(const toml::table& organs, const toml::node& label, const std::string& name,
-              toml::table& bodies) {
+              toml::table& bodies, SceneProblems& problems) {
   toml::table& body = table_in(bodies, name);
   const auto add = [&body](std::string_view key, const auto& value) {
     if (!body.contains(key)) body.insert(key, value);
@@ -37,6 +37,11 @@ void add_body(const toml::table& organs, const toml::node& label, const std::str
   for (const auto& [key, value] : organs) {
     if (is_own_key(key.str()) || body.contains(key.str())) continue;
     value.visit([&](const auto& content) { body.insert(key.str(), content); });
+    // an override stays one: its relative path begins at the current folder
+    const auto found = problems.overrides.find("organs." + std::string(key.str()));
+    if (found == problems.overrides.end()) continue;
+    const std::string text = found->second;
+    problems.overrides[fmt::format("body.{}.{}", name, std::string(key.str()))] = text;
   }
   add("model", std::string("sfem"));
   add("fixed", std::string("none"));
@@ -99,7 +104,7 @@ void add_organ_bodies(toml::table& root, SceneProblems& problems) {
   const toml::table copy = *organs;  // the root changes
   toml::table& bodies = table_in(root, "body");
   for (std::size_t n = 0; n < names.size(); n++)
-    add_body(copy, *(*copy["bodies"].as_array()).get(n), names[n], bodies);
+    add_body(copy, *(*copy["bodies"].as_array()).get(n), names[n], bodies, problems);
   add_pairs(copy, "attachment", names, root);
   add_pairs(copy, "contact", names, root);
 }
