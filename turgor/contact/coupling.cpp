@@ -146,13 +146,15 @@ std::vector<Vec3d> stretched(const Exec& exec, const System& system, const std::
       exec, system.count,
       [&](std::size_t s) {
         Vec3d sum = system.free[s];
-        for (std::size_t t = 0; t < system.count; t++)
+        for (std::size_t t = 0; t < system.count; t++) {
+          if (forces[t] == Vec3d{}) continue;
           for (std::size_t axis = 0; axis < 3; axis++)
             for (std::size_t k = 0; k < 3; k++) {
               const std::size_t row = 3 * s + k, column = 3 * t + axis;
               sum[int(k)] +=
                   system.compliance[s >= t ? column * n + row : row * n + column] * forces[t][int(axis)];
             }
+        }
         stretch[s] = sum;
       },
       16);
