@@ -34,14 +34,15 @@ void add_body(const toml::table& organs, const toml::node& label, const std::str
   const auto add = [&body](std::string_view key, const auto& value) {
     if (!body.contains(key)) body.insert(key, value);
   };
-  for (const auto& [key, value] : organs) {
-    if (is_own_key(key.str()) || body.contains(key.str())) continue;
-    value.visit([&](const auto& content) { body.insert(key.str(), content); });
+  for (const auto& [listed, value] : organs) {
+    const std::string key(listed.str());
+    if (is_own_key(key) || body.contains(key)) continue;
+    value.visit([&](const auto& content) { body.insert(key, content); });
     // an override stays one: its relative path begins at the current folder
-    const auto found = problems.overrides.find("organs." + std::string(key.str()));
+    const auto found = problems.overrides.find("organs." + key);
     if (found == problems.overrides.end()) continue;
     const std::string text = found->second;
-    problems.overrides[fmt::format("body.{}.{}", name, std::string(key.str()))] = text;
+    problems.overrides[fmt::format("body.{}.{}", name, key)] = text;
   }
   add("model", std::string("sfem"));
   add("fixed", std::string("none"));
