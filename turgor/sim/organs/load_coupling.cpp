@@ -181,7 +181,7 @@ contact::PairSurface rest_pair_surface(const World& world, int index) {
 }
 
 Result<BodyContact> load_contact(const Exec& exec, const BodyContactScene& scene, const World& world) {
-  constexpr double kReach = 0.5, kDeepest = 2;  // of an edge
+  constexpr double kReach = 0.25, kDeepest = 2;  // of an edge
   BodyContact made{.name = scene.name, .between = {}, .body = {scene.body.index, scene.other.index}};
   double edge = 0;
   for (int side = 0; side < 2; side++) {
