@@ -55,6 +55,16 @@ void vbd_sweep_of_cells(benchmark::State& bench) {
   sweep(bench, Method::kVbd, false, {.law = TissueLaw::kSolid});
 }
 
+/// Cells that stiffen, and viscous cells of three pairs, compared with solid cells.
+void vbd_sweep_of_exponential_cells(benchmark::State& bench) {
+  sweep(bench, Method::kVbd, false,
+        {.law = TissueLaw::kSolid, .energy = SolidEnergy::kExponential, .stiffening = 10});
+}
+void vbd_sweep_of_ogden_cells(benchmark::State& bench) {
+  sweep(bench, Method::kVbd, false,
+        {.law = TissueLaw::kSolid, .energy = SolidEnergy::kOgden, .stiffening = -10});
+}
+
 void sizes(benchmark::internal::Benchmark* b) {
   b->ArgsProduct({{32, 64, 128, 192}, {1, 2}})
       ->ArgNames({"side", "threads"})
@@ -67,6 +77,8 @@ BENCHMARK(vbd_sweep)->Apply(sizes);
 BENCHMARK(vbd_sweep_with_skin)->Apply(sizes);
 BENCHMARK(vbd_sweep_with_volumes)->Apply(sizes);
 BENCHMARK(vbd_sweep_of_cells)->Apply(sizes);
+BENCHMARK(vbd_sweep_of_exponential_cells)->Apply(sizes);
+BENCHMARK(vbd_sweep_of_ogden_cells)->Apply(sizes);
 
 /// A bar of about 51 000 tetrahedra (and of two and four times as many) with springs and volumes, 5 sweeps.
 /// Other engines are timed on the same work.
@@ -105,9 +117,23 @@ void torso_frame(benchmark::State& bench, const TissueParams& tissue) {
 void torso_frame_of_springs(benchmark::State& bench) { torso_frame(bench, {}); }
 void torso_frame_with_volumes(benchmark::State& bench) { torso_frame(bench, {.volume = 2}); }
 void torso_frame_of_cells(benchmark::State& bench) { torso_frame(bench, {.law = TissueLaw::kSolid}); }
+void torso_frame_of_exponential_cells(benchmark::State& bench) {
+  torso_frame(bench, {.law = TissueLaw::kSolid, .energy = SolidEnergy::kExponential, .stiffening = 10});
+}
+void torso_frame_of_ogden_cells(benchmark::State& bench) {
+  torso_frame(bench, {.law = TissueLaw::kSolid, .energy = SolidEnergy::kOgden, .stiffening = -10});
+}
+void torso_frame_of_viscous_cells(benchmark::State& bench) {
+  Prony prony;
+  prony.pairs = {PronyPair{0.8, 0.05}, PronyPair{0.5, 0.5}, PronyPair{0.3, 5}};
+  torso_frame(bench, {.law = TissueLaw::kSolid, .prony = prony});
+}
 BENCHMARK(torso_frame_of_springs)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 BENCHMARK(torso_frame_with_volumes)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 BENCHMARK(torso_frame_of_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_of_exponential_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_of_ogden_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_of_viscous_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 
 void detect_and_build(benchmark::State& bench) {
   const Exec exec(static_cast<int>(bench.range(1)));

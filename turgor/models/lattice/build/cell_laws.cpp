@@ -20,6 +20,15 @@ struct LayerSpan {
   double begin, end;
 };
 
+/// Calls visit(p) for all p below `count`, in parallel by layers.
+template <class Visit>
+void for_each_of(const Exec& exec, Int3 count, const Visit& visit) {
+  parallel_for(exec, std::size_t(count.z), [&](std::size_t k) {
+    for (int j = 0; j < count.y; j++)
+      for (int i = 0; i < count.x; i++) visit(Int3{i, j, int(k)});
+  });
+}
+
 /// Modulus under a press of a wide slab over that of shear, both per Young's modulus.
 double confined_modulus(double young, double poisson) {
   return young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson));
@@ -68,7 +77,7 @@ LayerSpan cell_depths(const Grid& grid, const std::vector<float>& depth, Int3 ce
   }
   // an oblique cell has corners at many depths; a slab of the same volume is as thick as the spacing
   const double half =
-      0.5 * std::min(most - least, std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}));
+      0.5 * std::min(most - least, std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z}));
   return {mean - half, mean + half};
 }
 
@@ -104,12 +113,23 @@ LayerMean mean_of_layers(const std::vector<TissueLayer>& layers, double begin, d
 }
 
 std::vector<float> node_depths(const Exec& exec, const BodyNodes& nodes) {
-  std::vector<std::uint8_t> outside(nodes.tissue.size());
-  for (std::size_t n = 0; n < outside.size(); n++) outside[n] = nodes.tissue[n] == Tissue::kOutside;
-  std::vector<float> depth = distance_transform(exec, nodes.grid, outside);
-  const Vec3d h = nodes.grid.spacing;
-  const auto outermost = float(std::min({h.x, h.y, h.z}));
-  for (float& d : depth) d = std::min(std::max(0.0f, d - outermost), kDeepest);
+  const Int3 size = nodes.grid.size;
+  std::vector<std::uint8_t> at_surface(nodes.tissue.size());
+  const auto is_outside = [&](Int3 p) {
+    return nodes.tissue[sample_index(nodes.grid, p.x, p.y, p.z)] == Tissue::kOutside;
+  };
+  for_each_of(exec, size, [&](Int3 p) {
+    if (is_outside(p)) return;
+    bool found = false;
+    for (int axis = 0; axis < 3; axis++) {
+      Int3 before = p, after = p;
+      before[axis]--, after[axis]++;
+      found |= (p[axis] > 0 && is_outside(before)) || (after[axis] < size[axis] && is_outside(after));
+    }
+    at_surface[sample_index(nodes.grid, p.x, p.y, p.z)] = found;
+  });
+  std::vector<float> depth = distance_transform(exec, nodes.grid, at_surface);
+  for (float& d : depth) d = std::min(d, kDeepest);
   return depth;
 }
 
@@ -132,13 +152,7 @@ void set_cell_laws(const Exec& exec, const BodyNodes& nodes, Model& model) {
   const std::vector<float> depth = node_depths(exec, nodes);
   std::vector<std::uint8_t> layered(nodes.tissue.size());
   const Int3 size = nodes.grid.size;
-  const auto for_each = [&](Int3 count, const auto& visit) {
-    parallel_for(exec, std::size_t(count.z), [&](std::size_t k) {
-      for (int j = 0; j < count.y; j++)
-        for (int i = 0; i < count.x; i++) visit(Int3{i, j, int(k)});
-    });
-  };
-  for_each(size, [&](Int3 p) {
+  for_each_of(exec, size, [&](Int3 p) {
     const std::size_t n = sample_index(nodes.grid, p.x, p.y, p.z);
     layered[n] = is_layered(nodes, tissue, n);
     if (!layered[n]) return;
@@ -146,7 +160,7 @@ void set_cell_laws(const Exec& exec, const BodyNodes& nodes, Model& model) {
     model.springs.root_stiffness[std::size_t(node_slot(anatomy.lattice, p))] = Real(std::sqrt(young));
   });
   // cells of layers
-  for_each(size - Int3{1, 1, 1}, [&](Int3 cell) {
+  for_each_of(exec, size - Int3{1, 1, 1}, [&](Int3 cell) {
     const auto slot = std::size_t(node_slot(anatomy.lattice, cell));
     if (!(anatomy.cell_young[slot] > 0) || !is_layered_cell(nodes, layered, cell)) return;
     const LayerSpan span = cell_depths(nodes.grid, depth, cell);

@@ -12,8 +12,8 @@ namespace turgor::lattice {
 /// True if cells need laws of their own (law_cells.hpp): another energy, layers or viscosity.
 bool has_cell_laws(const TissueParams& tissue);
 
-/// Depth of every body node below the outermost ones [m]: its distance from outside, less that of a node at
-/// the surface. 100 m without outside.
+/// Depth of every body node [m]: its distance from the nearest body node beside outside. 100 m without
+/// outside.
 std::vector<float> node_depths(const Exec& exec, const BodyNodes& nodes);
 
 /// Fills Anatomy::cell_laws, and the moduli of cells and nodes in layers. Bone that moves, gas and nodes with

@@ -62,16 +62,25 @@ struct CellForces {
   }
 
   /// The same for cells with laws of their own.
+  template <int kWidth>
   void add_law_cells(const NodeBlock& block, int slot, int k) const {
-    Real young[kGroup];
-    find_young<kGroup>(block, slot, young);
-    LawCornerForces f;
+    Real young[kWidth];
+    find_young<kWidth>(block, slot, young);
+    LawCornerForces<kWidth> f;
     law_corner_forces(nodes, laws, block, young, slot, f);
     for (int c = 0; c < kCellCorners; c++)
-      for (int i = 0; i < kGroup; i++) {
+      for (int i = 0; i < kWidth; i++) {
         const auto at = std::size_t(corner_slot(block, slot, 0, c) + out.shift(k + cell_corner(c).z) + i);
         out.field.x[at] += f.x[c][i], out.field.y[at] += f.y[c][i], out.field.z[at] += f.z[c][i];
       }
+  }
+
+  template <int kWidth>
+  void add_any(const NodeBlock& block, int slot, int k) const {
+    if (laws.has_laws())
+      add_law_cells<kWidth>(block, slot, k);
+    else
+      add<kWidth>(block, slot, k);
   }
 
   template <int kWidth>
@@ -134,11 +143,9 @@ struct CellForces {
       for (int j = 0; j + 1 < l.size.y; j++)
         for (const Run run : cells.of_half_row(row_slot(l, j, k) / l.half + parity)) {
           int begin = 0;
-          for (; laws.has_laws() && begin < run.count; begin += kGroup)
-            add_law_cells(block, run.begin + begin, k);
           for (; begin + 2 * kGroup <= run.count; begin += 2 * kGroup)
-            add<2 * kGroup>(block, run.begin + begin, k);
-          if (begin < run.count) add<kGroup>(block, run.begin + begin, k);
+            add_any<2 * kGroup>(block, run.begin + begin, k);
+          if (begin < run.count) add_any<kGroup>(block, run.begin + begin, k);
         }
     }
   }

@@ -78,15 +78,15 @@ void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlo
   return corner_sums(d);
 }
 
-template <class Law, bool kViscous>
+template <class Law, bool kViscous, int kWidth>
 void corner_forces_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlock& block,
-                      const Real (&young)[kGroup], int slot, LawCornerForces& __restrict out) {
+                      const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& __restrict out) {
   const CellLawView laws = view;
   const NodeArrays n = nodes;
   int corner[kCellCorners];
   for (int c = 0; c < kCellCorners; c++) corner[c] = corner_slot(block, 0, 0, c);
   TURGOR_LANES
-  for (int i = 0; i < kGroup; i++) {
+  for (int i = 0; i < kWidth; i++) {
     const int a = slot + i;
     Vec3 d[kCellCorners];
     const CornerSums sums = sums_of_cell(n, corner, a, d);
@@ -169,15 +169,20 @@ void gather_law_cells(const NodeArrays& n, const CellLawView& laws, const NodeBl
   });
 }
 
+template <int kWidth>
 void law_corner_forces(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
-                       const Real (&young)[kGroup], int slot, LawCornerForces& out) {
+                       const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& out) {
   with_law(laws, [&]<class Law>(Law) {
     if (laws.history[0] != nullptr)
-      corner_forces_of<Law, true>(n, laws, block, young, slot, out);
+      corner_forces_of<Law, true, kWidth>(n, laws, block, young, slot, out);
     else
-      corner_forces_of<Law, false>(n, laws, block, young, slot, out);
+      corner_forces_of<Law, false, kWidth>(n, laws, block, young, slot, out);
   });
 }
+template void law_corner_forces(const NodeArrays&, const CellLawView&, const NodeBlock&,
+                                const Real (&)[kGroup], int, LawCornerForces<kGroup>&);
+template void law_corner_forces(const NodeArrays&, const CellLawView&, const NodeBlock&,
+                                const Real (&)[2 * kGroup], int, LawCornerForces<2 * kGroup>&);
 
 void law_stresses(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
                   const Real (&young)[kGroup], int slot, LawStresses& out) {

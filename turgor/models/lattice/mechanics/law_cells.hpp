@@ -43,12 +43,14 @@ CellLawView cell_law_view(const Model& model, const State& state);
 void gather_law_cells(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
                       const Real* const (&young)[kCellCorners], int slot, int begin, SystemBuffer& out);
 
-/// Forces on the corners of the cells with lowest nodes [slot, slot + kGroup) [N].
+/// Forces on the corners of the cells with lowest nodes [slot, slot + kWidth) [N]. kWidth: 8 or 16.
+template <int kWidth>
 struct LawCornerForces {
-  Real x[kCellCorners][kGroup], y[kCellCorners][kGroup], z[kCellCorners][kGroup];
+  Real x[kCellCorners][kWidth], y[kCellCorners][kWidth], z[kCellCorners][kWidth];
 };
+template <int kWidth>
 void law_corner_forces(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
-                       const Real (&young)[kGroup], int slot, LawCornerForces& out);
+                       const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& out);
 
 /// Second Piola-Kirchhoff stress times V of the cells with lowest nodes [slot, slot + kGroup), without
 /// history [J].

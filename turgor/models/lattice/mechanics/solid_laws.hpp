@@ -75,17 +75,16 @@ struct CellCofactor {
           Vec3{-ux.z, -uy.z, trace - uz.z} + cz, 2 * trace + dot(ux, ux) + dot(uy, uy) + dot(uz, uz),
           trace + (cx.x + cy.y + cz.z) + dot(ux, cx)};
 }
-/// A symmetric outer product k (a bᵀ + b aᵀ).
-TURGOR_HD inline void add_symmetric(NodeSystem& s, Vec3 a, Vec3 b, Real k) {
-  const Vec3 ka = a * k, kb = b * k;
-  s.xx += 2 * ka.x * b.x, s.yy += 2 * ka.y * b.y, s.zz += 2 * ka.z * b.z;
-  s.xy += ka.x * b.y + kb.x * a.y, s.xz += ka.x * b.z + kb.x * a.z, s.yz += ka.y * b.z + kb.y * a.z;
+/// The symmetric outer product a bᵀ + b aᵀ.
+TURGOR_HD inline void add_symmetric(NodeSystem& s, Vec3 a, Vec3 b) {
+  s.xx += 2 * a.x * b.x, s.yy += 2 * a.y * b.y, s.zz += 2 * a.z * b.z;
+  s.xy += a.x * b.y + b.x * a.y, s.xz += a.x * b.z + b.x * a.z, s.yz += a.y * b.z + b.y * a.z;
 }
 
 // ---------------------------------------------------------------- powers and exponentials in lanes
 
 /// e^x for x from −80 to 80, to 3 units in the last digit. Its bits do not depend on a library.
-TURGOR_HD inline Real lane_exp(Real x) {
+[[gnu::always_inline]] TURGOR_HD inline Real lane_exp(Real x) {
   const Real turns = x * Real(1.44269504), half = turns < 0 ? Real(-0.5) : Real(0.5);
   const auto n = std::int32_t(turns + half);
   const Real f = (x - Real(n) * Real(0.693145752)) - Real(n) * Real(1.42860677e-6);  // ln 2 in two parts
@@ -94,12 +93,16 @@ TURGOR_HD inline Real lane_exp(Real x) {
                         f * (Real(1) / 6 + f * (Real(1) / 24 + f * (Real(1) / 120 + f * (Real(1) / 720))))));
   return p * std::bit_cast<Real>((n + 127) << 23);
 }
-/// a^(−1/3) for positive a: three Newton steps from a guess by the exponent's bits.
-TURGOR_HD inline Real lane_inverse_cube_root(Real a) {
+/// a^(−1/3) for positive a: two steps of third order from a guess by the exponent's bits.
+///   y ← y (1 + e/3 + 2e²/9)      e = 1 − a y³
+[[gnu::always_inline]] TURGOR_HD inline Real lane_inverse_cube_root(Real a) {
   const Real bits = Real(std::bit_cast<std::int32_t>(a));
   Real y = std::bit_cast<Real>(std::int32_t(0x54a2fa8c) - std::int32_t(bits * Real(0.333333333)));
   TURGOR_UNROLL
-  for (int n = 0; n < 3; n++) y *= (4 - a * y * y * y) * (Real(1) / 3);
+  for (int n = 0; n < 2; n++) {
+    const Real e = 1 - a * y * (y * y);
+    y += y * e * (Real(1) / 3 + e * (Real(2) / 9));
+  }
   return y;
 }
 
@@ -175,8 +178,7 @@ struct ExponentialLaw {
     s.f -= p * k.shear + e.cg * (m.bulk * e.growth);
     add_isotropic(s, k.shear * k.r * e.g2);
     add_outer(s, p, k.shear * k.slope);
-    add_symmetric(s, e.fg, e.cg, k.shear * k.cross);
-    add_outer(s, e.cg, k.shear * k.square + m.bulk);
+    add_symmetric(s, e.cg, e.fg * (k.shear * k.cross) + e.cg * (Real(0.5) * (k.shear * k.square + m.bulk)));
   }
   [[gnu::always_inline]] TURGOR_HD static CellPiola piola(Vec3 ux, Vec3 uy, Vec3 uz, const CellModuli& m) {
     const CellCofactor c = cell_cofactor(ux, uy, uz);

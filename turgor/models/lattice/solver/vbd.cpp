@@ -227,21 +227,28 @@ struct VbdSweep {
   /// The same between cells that stiffen: long steps are shortened (law_backtracking.hpp).
   void solve_with_laws(int slot, int count, const SystemBuffer& buffer) const {
     const NodeArrays& n = gather.nodes;
+    Real* __restrict ux = n.ux + slot, * __restrict uy = n.uy + slot, * __restrict uz = n.uz + slot;
+    const Inertia y = inertia;  // local copy, so that stores cannot alias it
+    Real moves[kLanes], dx[kLanes], dy[kLanes], dz[kLanes], length2[kLanes];
+    for (int i = 0; i < count; i++) moves[i] = y.moves(slot + i);
+    // Newton steps
+    TURGOR_LANES
+    for (int i = 0; i < count; i++) {
+      const Vec3 to_inertial = y.at(slot + i, moves[i]) - Vec3{ux[i], uy[i], uz[i]};
+      const Vec3 change = newton_step(buffer.get(i), to_inertial, y.dt * y.dt * y.w[slot + i]);
+      dx[i] = change.x, dy[i] = change.y, dz[i] = change.z, length2[i] = dot(change, change);
+    }
+    // long ones; no other node of the half row shares their cells
     const Vec3 h = gather.model.anatomy.lattice.spacing;
     const Real longest = kCheckedStep * std::min({h.x, h.y, h.z});
-    const auto inertial = [&](int s) { return inertia(s) - n.u(s); };
-    const auto mobility = [&](int s) { return inertia.dt * inertia.dt * inertia.w[s]; };
-    // Newton steps
-    Vec3 change[kLanes];
-    for (int i = 0; i < count; i++)
-      change[i] = newton_step(buffer.get(i), inertial(slot + i), mobility(slot + i));
-    // long ones, whose cells no other node of the half row has
-    for (int i = 0; i < count; i++)
-      if (mobility(slot + i) > 0 && dot(change[i], change[i]) > longest * longest)
-        change[i] *= law_step_share(gather.model, gather.state, *gather.solid.laws, slot + i,
-                                    {buffer.get(i), inertial(slot + i), mobility(slot + i), change[i]});
-    for (int i = 0; i < count; i++)
-      n.ux[slot + i] += change[i].x, n.uy[slot + i] += change[i].y, n.uz[slot + i] += change[i].z;
+    for (int i = 0; i < count; i++) {
+      if (!(length2[i] > longest * longest) || moves[i] == 0) continue;
+      const Real share = law_step_share(gather.model, gather.state, *gather.solid.laws, slot + i,
+                                        {buffer.get(i), y(slot + i) - n.u(slot + i),
+                                         y.dt * y.dt * y.w[slot + i], Vec3{dx[i], dy[i], dz[i]}});
+      dx[i] *= share, dy[i] *= share, dz[i] *= share;
+    }
+    for (int i = 0; i < count; i++) ux[i] += dx[i], uy[i] += dy[i], uz[i] += dz[i];
   }
 
   template <int kWidth>
