@@ -214,7 +214,7 @@ TEST(Scene, ErrorsNameLocationAndExpectation) {
        "tissue.poisson: springs have no Poisson's ratio"},
       {small_scene("tissue = { law = \"solid\", poisson = 0.5 }"), "tissue.poisson: expected"},
       {small_scene("tissue = { law = \"jelly\" }"),
-       "tissue.law: expected \"springs\", \"solid\", found \"jelly\""},
+       "tissue.law: expected \"springs\", \"solid\", \"exponential\", \"ogden\", found \"jelly\""},
       {small_scene("tissue = { law = \"solid\" }\nskin = false\nsolver = { method = \"pbd\" }"),
        "solver.method = \"pbd\" projects springs only"},
       {small_scene("tissue = { law = \"solid\" }\nsolver = { sweeps = 1 }"), "expected at least 2 sweeps"},

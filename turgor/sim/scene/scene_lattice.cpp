@@ -6,6 +6,8 @@
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
+#include "turgor/sim/scene/scene_layers.hpp"
+#include "turgor/sim/scene/scene_prony.hpp"
 #include "turgor/sim/scene/scene_tissue.hpp"
 
 namespace turgor {
@@ -14,6 +16,7 @@ namespace {
 
 using lattice::Method, lattice::Ordering;
 using lattice::SkinLaw;
+using lattice::SolidEnergy;
 using lattice::TissueLaw;
 
 /// True if the body has labels: a file of them, or a phantom's.
@@ -109,12 +112,21 @@ void read_young(SceneTable& tissue, lattice::TissueParams& params) {
 }
 
 /// Law of the tissue. A key that belongs to the other law is an error.
-void read_law(SceneTable& tissue, lattice::TissueParams& params) {
+void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissueParams& params) {
+  // law
+  const std::string before = law_name(params);
+  std::string law = before;
+  tissue.read_choice(
+      "law", law, {"springs", "solid", "exponential", "ogden"},
+      "`\"solid\"`: isotropic neo-Hookean cells (`vbd` only, at least 2 sweeps); `\"exponential\"` and "
+      "`\"ogden\"`: cells that stiffen with strain (docs/tissue-laws.md); `\"springs\"`: as in the "
+      "paper, and the default with `pbd`");
+  params.law = law == "springs" ? TissueLaw::kSprings : TissueLaw::kSolid;
+  params.energy = law == "exponential" ? SolidEnergy::kExponential
+                  : law == "ogden"     ? SolidEnergy::kOgden
+                                       : SolidEnergy::kNeoHookean;
+  read_stiffening(tissue, preset, params.energy, params.stiffening);
   // keys with limits
-  tissue.read_choice<TissueLaw>(
-      "law", params.law, {{"springs", TissueLaw::kSprings}, {"solid", TissueLaw::kSolid}},
-      "`\"solid\"`: isotropic cells (`vbd` only, at least 2 sweeps); `\"springs\"`: as in the paper, and the "
-      "default with `pbd`");
   tissue.read("poisson", params.poisson, within(0, 0.49),
               "solid only: Poisson's ratio; use 10 or more sweeps from 0.45 on");
   tissue.read(
@@ -134,6 +146,11 @@ void read_law(SceneTable& tissue, lattice::TissueParams& params) {
     tissue.fail("partial_cells", "springs join whole nodes: set law = \"solid\", or remove partial_cells");
   if (!solid && tissue.has("poisson"))
     tissue.fail("poisson", "springs have no Poisson's ratio: set law = \"solid\", or set volume");
+  if (params.energy != SolidEnergy::kNeoHookean && params.partial_cells)
+    tissue.fail("partial_cells",
+                fmt::format("cells of law = \"{}\" are whole: remove partial_cells, or set law = "
+                            "\"solid\"",
+                            law));
 }
 
 /// Preset of a table, or of the short form `tissue = "liver"`.
@@ -152,7 +169,7 @@ const TissuePreset* read_preset_of(SceneTable& body, const char* key, SceneTable
 /// Rows of the report: the modulus of every tissue, then those of labels.
 void add_tissue_rows(SceneTable& tissue, const lattice::TissueParams& params, const TissuePreset* preset,
                      std::vector<TissueRow>& rows) {
-  const char* law = params.law == TissueLaw::kSolid ? "solid" : "springs";
+  const char* law = law_name(params);
   const bool young = tissue.has("young");
   const std::pair<const char*, double> moduli[] = {
       {"gas", params.gas}, {"fat", params.fat}, {"muscle", params.muscle}, {"bone", params.bone}};
@@ -162,9 +179,23 @@ void add_tissue_rows(SceneTable& tissue, const lattice::TissueParams& params, co
   if (params.law == TissueLaw::kSolid)
     rows.push_back(
         tissue_row("all tissue", law, preset, {{"poisson", params.poisson, "1", tissue.has("poisson")}}));
+  if (params.energy != SolidEnergy::kNeoHookean)
+    rows.push_back(tissue_row("all tissue, stiffening", law, preset, {stiffening_value(tissue, params)}));
   for (const auto& [label, modulus] : params.young_of_label)
     rows.push_back(
         tissue_row(fmt::format("label {}", label), law, nullptr, {{"young", modulus, "Pa", true}}));
+}
+
+/// Viscosity: the given pairs; those of the preset if the table is there without pairs.
+void read_relaxation(SceneTable& body, const TissuePreset* preset, lattice::TissueParams& params,
+                     std::vector<TissueRow>& rows) {
+  if (body.has("viscosity")) params.prony = prony_of(preset, {});
+  read_viscosity(body.table("viscosity"), preset, params.prony, rows);
+  if (pair_count(params.prony) == 0) return;
+  if (params.law != TissueLaw::kSolid)
+    body.fail("viscosity", "springs do not relax: set tissue.law = \"solid\", or remove viscosity");
+  if (params.partial_cells)
+    body.fail("viscosity", "viscous cells are whole: remove tissue.partial_cells, or viscosity");
 }
 
 void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params,
@@ -184,7 +215,7 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
   tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"), "below is fat");
   tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"), "above is bone");
   // law and stiffness per label
-  read_law(tissue, params);
+  read_law(tissue, preset, params);
   read_young_of_labels(tissue, labels, params);
   // check consistency
   if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
@@ -194,6 +225,8 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
     tissue.fail("labels", "stiffness by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
   tissue.finish();
   add_tissue_rows(tissue, params, preset, rows);
+  read_layers(body, params, rows);
+  read_relaxation(body, preset, params, rows);
 }
 
 void read_tension(SceneTable& table, lattice::SkinParams& skin) {
@@ -298,7 +331,13 @@ void check_solid(SceneTable& body, const lattice::Params& params) {
 }
 
 /// Refuses parameters that the GPU backend does not support.
-void check_gpu(SceneTable& body, const lattice::SolverParams& solver) {
+void check_gpu(SceneTable& body, const lattice::Params& params) {
+  const lattice::SolverParams& solver = params.solver;
+  if (lattice::has_cell_laws(params.tissue))
+    body.fail(params.tissue.layers.empty() ? "tissue" : "layers",
+              "world.device = \"gpu\" steps cells of law = \"solid\" without layers and viscosity only; set "
+              "that law, or "
+              "world.device = \"cpu\"");
   if (solver.ordering != Ordering::kColors)
     body.fail(
         "solver",
@@ -346,8 +385,11 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
               "Langer's lines); set skin.law = \"area\" or solver.method = \"vbd\"");
 
   // combinations
+  if (pair_count(scene.params.tissue.prony) > 0 && scene.params.solver.sleep_speed > 0)
+    body.fail("viscosity",
+              "viscous tissue creeps in its sleep: set solver.sleep_speed = 0, or remove viscosity");
   check_solid(body, scene.params);
-  if (device == Device::kGpu) check_gpu(body, scene.params.solver);
+  if (device == Device::kGpu) check_gpu(body, scene.params);
   body.finish();
   return scene;
 }

@@ -303,6 +303,28 @@ SceneTable SceneTable::table_or_text(std::string_view key) {
   made.group_ = group_, made.group_path_ = fmt::format("{}{}.", group_path_, key);
   return made;
 }
+std::vector<SceneTable> SceneTable::tables(std::string_view key) {
+  static const toml::table kEmpty;
+  std::vector<SceneTable> made;
+  const auto add = [&](const toml::table& table, std::string path) -> SceneTable& {
+    SceneTable& added = made.emplace_back(table, std::move(path), problems_);
+    added.group_ = group_, added.group_path_ = fmt::format("{}{}.", group_path_, key);
+    return added;
+  };
+  const toml::node* node = find(key);
+  if (!node && problems_.lists_keys) add(kEmpty, path_of(key)).is_listed_ = true;
+  if (!node) return made;
+  const auto* rows = node->as_array();
+  for (std::size_t n = 0; rows && n < rows->size(); n++) {
+    const toml::node& row = (*rows)[n];
+    if (row.is_table())
+      add(*row.as_table(), fmt::format("{}[{}]", path_of(key), n));
+    else
+      fail_value(key, row, "a table");
+  }
+  if (!rows) fail_value(key, *node, "an array of tables");
+  return made;
+}
 SceneTable SceneTable::named(std::string_view name) { return inner(name, "NAME"); }
 
 std::vector<std::string> SceneTable::keys() const {

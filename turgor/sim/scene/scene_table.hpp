@@ -78,6 +78,11 @@ class SceneTable {
                 const Allowed& allowed = {});
   /// Table inside this one; empty if missing.
   SceneTable table(std::string_view key);
+  /// Tables of an array; empty if missing. Another value adds a problem. To list the keys of such tables, the
+  /// result has one empty table when keys are listed (is_listed).
+  std::vector<SceneTable> tables(std::string_view key);
+  /// True for a table that only lists its keys.
+  bool is_listed() const { return is_listed_; }
   /// The same for a table whose short form is a text; empty if the value is one.
   SceneTable table_or_text(std::string_view key);
   /// The same for a table with a user-defined name; the list of keys shows "NAME".
@@ -118,6 +123,7 @@ class SceneTable {
   std::vector<std::string> known_;
   std::vector<std::string> missing_;
   std::set<std::string, std::less<>> required_;
+  bool is_listed_ = false;
   std::string group_, group_path_;  // group in the list of keys, and this table's path in it
 };
 
