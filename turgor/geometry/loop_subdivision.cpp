@@ -26,9 +26,9 @@ struct Level {
   std::vector<Stencil> vertices;
 };
 
-Stencil sum_of(std::initializer_list<std::pair<const Stencil*, double>> parts) {
+Stencil sum_of(std::initializer_list<std::pair<const Stencil*, double>> terms) {
   std::map<int, double> sum;
-  for (const auto& [stencil, factor] : parts)
+  for (const auto& [stencil, factor] : terms)
     for (const auto& [vertex, weight] : *stencil) sum[vertex] += factor * weight;
   return {sum.begin(), sum.end()};
 }
