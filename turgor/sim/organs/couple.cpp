@@ -120,8 +120,8 @@ void couple_bodies(const Exec& exec, World& world) {
   for (std::size_t b = 0; b < count; b++)
     if (coupled[b]) couple_body(exec, world.sfem_bodies[b], contact::forces_on(int(b), ties, sites));
 
-  // record; the forces act in the next frame
-  const double time = (world.frame + 2) * world.dt;
+  // record at the end of this frame
+  const double time = (world.frame + 1) * world.dt;
   for (Attachment& attachment : coupling.attachments) {
     attachment.samples.push_back(sample_of(time, attachment.ties));
     const bool is_torn = std::any_of(attachment.ties.begin(), attachment.ties.end(),
