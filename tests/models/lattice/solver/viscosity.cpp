@@ -183,8 +183,8 @@ TEST(LatticeViscosity, ClosedLoopsTakeEnergy) {
           return 0.5 * (now + then) * (strain(f, r, c) - strain(last, r, c)) * (r == c ? 1 : 2);
         };
         const double taken = power(s.xx, before.xx, 0, 0) + power(s.yy, before.yy, 1, 1) +
-                            power(s.zz, before.zz, 2, 2) + power(s.xy, before.xy, 0, 1) +
-                            power(s.xz, before.xz, 0, 2) + power(s.yz, before.yz, 1, 2);
+                             power(s.zz, before.zz, 2, 2) + power(s.xy, before.xy, 0, 1) +
+                             power(s.xz, before.xz, 0, 2) + power(s.yz, before.yz, 1, 2);
         work += taken, scale += std::abs(taken);
         before = s, last = f;
       }
