@@ -8,6 +8,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/coarse/coarse_levels.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
+#include "turgor/models/lattice/solver/viscosity.hpp"
 
 namespace turgor::lattice {
 
@@ -241,9 +242,10 @@ struct SkinStiffness {
 void add_cells(CoarseOperatorBuilder& builder) {
   const Model& model = builder.model;
   const std::array<Mat3d, 64> k = cell_stiffness(model.anatomy.lattice.spacing, model.params.tissue.poisson);
+  const double instant = instant_factor(model.params.tissue.prony, builder.space.dt);
   for (std::size_t g = 0; g < builder.levels[0].aggregates.size(); g++) {
     const std::array<int, 8>& corner = builder.levels[0].aggregates[g].corner;
-    const double young = builder.cells.young[g];
+    const double young = builder.cells.young[g] * (builder.levels[0].aggregates[g].is_cut ? 1 : instant);
     builder.add_element(corner, [&](int a, int b) { return scaled(k[std::size_t(8 * a + b)], young); });
   }
 }

@@ -65,6 +65,12 @@ void for_each_stress(const Exec& exec, const Model& model, State& state, const V
 
 }  // namespace
 
+double instant_factor(const Prony& prony, double dt) {
+  double factor = 1;
+  for (const PairStep& step : pair_steps(prony, dt)) factor += double(step.weight);
+  return factor;
+}
+
 void begin_viscous_step(const Exec& exec, const Model& model, State& state, double dt) {
   if (!is_viscous(model)) return;
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
@@ -93,8 +99,7 @@ void begin_viscous_step(const Exec& exec, const Model& model, State& state, doub
       for (int i = 0; i < kGroup; i++) first[i] = sum[i];
     }
   });
-  viscosity.instant = 1;
-  for (const PairStep& step : steps) viscosity.instant += step.weight;
+  viscosity.instant = Real(instant_factor(model.params.tissue.prony, dt));
   viscosity.in_step = true;
 }
 

@@ -19,6 +19,9 @@ namespace turgor::lattice {
 /// True if cells relax.
 inline bool is_viscous(const Model& model) { return pair_count(model.params.tissue.prony) > 0; }
 
+/// Factor of the moduli within a step, 1 + Σ wᵢ; 1 without pairs.
+double instant_factor(const Prony& prony, double dt);
+
 /// Before the nodes move: Hᵢ ← aᵢ Hᵢ − wᵢ S_old, and the first entry of the history holds the sum over the
 /// pairs.
 void begin_viscous_step(const Exec& exec, const Model& model, State& state, double dt);
