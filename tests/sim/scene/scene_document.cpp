@@ -61,6 +61,10 @@ shape = { capsule = [1, 1] }
 body = "a"
 hand = "f"
 shape = { sphere = 1 }
+[tool.f]
+body = "a"
+path = [[0, 0, 0, 0]]
+shape = { needle = 0.1 }
 )",
     R"([body.a]
 model = "sfem"

@@ -121,21 +121,41 @@ void note_moved_targets(const ToolScene& scene, const std::string& body, const R
     note_moved("grasp.at", grasp->at, surface, body, width, notes);
 }
 
-/// Refuses a needle that starts inside of the body, or that is shorter than its way into it.
+/// Distance from a tip inside of a body to its surface along the shaft (Möller and Trumbore 1997); 0 = none
+/// [m].
+double shaft_inside(const RestSurface& surface, Vec3d tip, Vec3d up) {
+  double nearest = 0;
+  for (const Int3 t : surface.triangles) {
+    const auto x = [&](int v) { return surface.vertices[std::size_t(v)]; };
+    const Vec3d ab = x(t.y) - x(t.x), ac = x(t.z) - x(t.x), p = cross(up, ac), s = tip - x(t.x),
+                q = cross(s, ab);
+    const double det = dot(ab, p);
+    if (det == 0) continue;
+    const double u = dot(s, p) / det, v = dot(up, q) / det, distance = dot(ac, q) / det;
+    if (u < 0 || v < 0 || u + v > 1 || distance <= 0) continue;
+    nearest = nearest > 0 ? std::min(nearest, distance) : distance;
+  }
+  return nearest;
+}
+
+/// Refuses a needle that starts inside of the body, or that is shorter than its path into it.
 Status check_needle_path(const TouchingTool& tool, const std::string& body, const RestSurface& surface) {
   const SignedDistance distance = distance_to_surface(mesh_of(surface.vertices, surface.triangles));
   for (std::size_t r = 0; r < tool.path.rows.size(); r++) {
     const PathRow& row = tool.path.rows[r];
-    const double depth = -distance.at(row.position);
-    if (r == 0 && depth > 0)
-      return Error{fmt::format(
-          "expected a needle that starts outside of {}, found its tip {:.4g} m below the surface at "
-          "{:.4g} s",
-          body, depth, row.time)};
-    if (depth > tool.tool.needle->length)
-      return Error{fmt::format(
-          "expected a path into {} of at most the needle's length, {:.4g} m, found {:.4g} m at {:.4g} s",
-          body, tool.tool.needle->length, depth, row.time)};
+    const double below = -distance.at(row.position);
+    if (r == 0 && below > 0)
+      return Error{
+          fmt::format("expected a needle that starts outside of {}, found its tip {:.4g} m below the surface "
+                      "at {:.4g} s",
+                      body, below, row.time)};
+    const double inside =
+        below > 0 ? shaft_inside(surface, row.position, axes_of(row.orientation).column[2]) : 0;
+    if (inside > tool.tool.needle->length)
+      return Error{
+          fmt::format("expected a path into {} of at most the needle's length, {:.4g} m, found {:.4g} m at "
+                      "{:.4g} s",
+                      body, tool.tool.needle->length, inside, row.time)};
   }
   return Done{};
 }
