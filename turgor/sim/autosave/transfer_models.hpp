@@ -129,8 +129,8 @@ void transfer(File& file, lattice::Stitch& stitch) {
 }
 template <class File>
 void transfer(File& file, lattice::WoundClosure& closure) {
-  auto& [thread, pull_out, stitches, walls, version] = closure;
-  transfer_all(file, thread, pull_out, stitches, walls, version);
+  auto& [thread, pull_out, stitches, walls, version, settled] = closure;
+  transfer_all(file, thread, pull_out, stitches, walls, version, settled);
 }
 template <class File>
 void transfer(File& file, contact::LatticeTouch& touch) {

@@ -59,6 +59,7 @@ struct PointSprings {
   std::vector<PointSpring> all;
   std::vector<PointSpringTerm> terms;         // corners ascend; see make_terms
   std::function<void(const State&)> refresh;  // called before each sweep and after the last; may be empty
+  bool settled = false;                       // true: the rows around may sleep
 };
 /// Lists the corners of all points. Call it after a change of the points.
 void make_terms(PointSprings& springs);

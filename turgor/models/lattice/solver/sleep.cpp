@@ -100,7 +100,7 @@ void wake_rows(const Model& model, State& state, const Inputs& inputs, bool coar
   if (sleep.still_steps.size() != rows || !(sleep.gravity == inputs.gravity)) begin_sleep(state, inputs);
   sleep.gravity = inputs.gravity;
   // cuts, loads, contacts and springs at points
-  const bool has_springs = inputs.springs != nullptr && !inputs.springs->all.empty();
+  const bool has_springs = inputs.springs != nullptr && !inputs.springs->settled;
   if (!coarse || sleep.cuts != state.cuts.edges.size() || !inputs.loads.empty() || has_springs)
     sleep.coarse_still_steps = 0;
   wake_cuts(model, state);

@@ -219,20 +219,28 @@ void update_springs(const Model& model, const Motion& motion, WoundClosure& clos
 }
 
 void update_multipliers(const Model& model, const Motion& motion, WoundClosure& closure) {
+  constexpr double kSettled = 1e-3;  // change over the largest tension
+  closure.settled = true;
   if (!is_active(closure)) return;
+  double largest = 0, change = 0;
+  const auto move = [&change](double& multiplier, double by) {
+    const double moved = std::max(0.0, multiplier + kRelaxation * by);
+    change = std::max(change, std::abs(moved - multiplier));
+    multiplier = moved;
+  };
   // threads: the error of the law T = k (L − L₀)
   for (Stitch& stitch : closure.stitches) {
+    closure.settled = closure.settled && stitch.phase != StitchPhase::kPulled;
     if (!bears(stitch.phase) || stitch.length == 0) continue;
     const double k = closure.thread.stiffness / stitch.length,
                  error = loop_length(stitch, motion) - stitch.length - stitch.tension / k;
-    stitch.multiplier =
-        std::max(0.0, stitch.multiplier + kRelaxation * penalty_of(model, closure.thread, stitch) * error);
+    move(stitch.multiplier, penalty_of(model, closure.thread, stitch) * error);
+    largest = std::max(largest, stitch.tension);
   }
   // walls: the overlap
   for (WallPair& pair : closure.walls)
-    if (pair.at.parted)
-      pair.multiplier = std::max(
-          0.0, pair.multiplier - kRelaxation * penalty_at(model, pair.at.left) * gap_of(pair, motion));
+    if (pair.at.parted) move(pair.multiplier, -penalty_at(model, pair.at.left) * gap_of(pair, motion));
+  closure.settled = closure.settled && change <= kSettled * largest;
 }
 
 void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& closure) {
@@ -244,6 +252,7 @@ void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& cl
     if (!breaks && !tears) continue;
     stitch.phase = breaks ? StitchPhase::kBroken : StitchPhase::kPulledOut;
     stitch.tension = stitch.multiplier = 0, stitch.ended = time;
+    closure.settled = false;
   }
   if (!is_active(closure))
     for (WallPair& pair : closure.walls) pair.force = pair.multiplier = 0;

@@ -80,6 +80,7 @@ struct WoundClosure {
   std::vector<Stitch> stitches;
   std::vector<WallPair> walls;
   std::size_t version = 0;  // cut_version of the embedded points
+  bool settled = false;     // all stitches are knotted, and no force changes any more
 };
 
 /// Lays stitches across a wound that was cut along a path. Errors: a point of a stitch is in air.

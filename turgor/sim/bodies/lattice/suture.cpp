@@ -96,6 +96,8 @@ SutureSprings::SutureSprings(const lattice::Model& model, int body, std::span<Su
   }
   if (springs.all.empty()) return;
   make_terms(springs);
+  springs.settled = std::all_of(closures.begin(), closures.end(),
+                                [](const lattice::WoundClosure* closure) { return closure->settled; });
   springs.refresh = [this, &model](const lattice::State& state) {
     std::size_t next = 0;
     for (lattice::WoundClosure* closure : closures) {
