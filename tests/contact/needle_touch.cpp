@@ -154,7 +154,8 @@ TEST(NeedleTouch, WorkOfHandIsAccountedFor) {
   }
 }
 
-// A needle that the hand holds still keeps its force for a minute: friction sticks.
+// A needle that the hand holds still keeps its force: friction sticks. `turgor validate surgery` holds it for
+// a minute.
 TEST(NeedleTouch, HeldNeedleDoesNotCreep) {
   Insertion insertion = above(soft_block(), {.diameter = 0.001}, 0.2, 0.3);
   insertion.move_to(0.03);
@@ -167,7 +168,7 @@ TEST(NeedleTouch, HeldNeedleDoesNotCreep) {
   hold(200);
   const Vec3d first = insertion.state.force;
   const double inserted = insertion.state.inserted;
-  hold(60000);
+  hold(10000);
   EXPECT_LT(norm(insertion.state.force - first), 1e-6 * norm(first));
   EXPECT_NEAR(insertion.state.inserted, inserted, 1e-9);
 }
@@ -179,6 +180,7 @@ TEST(NeedleTouch, PulledShaftHasStiffnessOfWire) {
   const double width = 0.048, length = 0.12;
   for (const double edge : {0.012, 0.008})
     for (const Vec3d offset : {Vec3d{}, Vec3d{0.5, 0.5, 0}, Vec3d{0.25, 0.6, 0}}) {
+      if (edge < 0.01 && offset.x == 0.5) continue;  // finer meshes take time: turgor validate surgery
       const Vec3d entry = Vec3d{width / 2, width / 2, length} + offset * edge;
       const NeedleBlock block = make_block(width, length, edge, Held::kSides, 2, entry);
       const double diameter = offset.x > 0 ? 0.0006 : 0.0009;

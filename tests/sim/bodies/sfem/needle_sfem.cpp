@@ -79,7 +79,7 @@ TEST(NeedleSfem, ThreadsKeepBitsBesideFinger) {
   EXPECT_GT(most, 1e-3) << "the finger moves the tissue around the needle";
 }
 
-// A needle that a mouse moves in a live session replays to the same bits.
+// A needle that a mouse moves in a live session, also away from its path, replays to the same bits.
 TEST(NeedleSfem, LiveNeedleReplaysExactly) {
   const auto folder = test::fresh_folder();
   std::ofstream(folder / "pad.toml") << needle_scene_text();
@@ -90,12 +90,17 @@ TEST(NeedleSfem, LiveNeedleReplaysExactly) {
     ASSERT_TRUE(test::wait_until(session,
                                  [&](const SessionStatus& now) { return now.snapshot.time > begin + time; }));
   };
-  for (const double depth : {0.02, 0.012, 0.024}) {
-    session.now().mouse.at(0).device->set_target({.pose = {{0.031, 0.028, 0.04 - depth}, {}},
-                                                  .hold = false,
-                                                  .teleports = 1,
-                                                  .teleport_to = {0.031, 0.028, 0.043}});
-    advance(0.3);
+  // the second hole is beyond the elements along the scripted path
+  int teleports = 0;
+  for (const double x : {0.031, 0.052}) {
+    teleports++;
+    for (const double depth : {-0.003, 0.02, 0.012, 0.024, -0.003}) {
+      session.now().mouse.at(0).device->set_target({.pose = {{x, 0.028, 0.04 - depth}, {}},
+                                                    .hold = false,
+                                                    .teleports = teleports,
+                                                    .teleport_to = {x, 0.028, 0.043}});
+      advance(0.12);
+    }
   }
   session.request(SaveRequest{folder / "haptic.h5"});
   ASSERT_TRUE(test::wait_until(session, [](const SessionStatus& now) { return !now.saved.empty(); }));
@@ -113,7 +118,8 @@ TEST(NeedleSfem, LiveNeedleReplaysExactly) {
   }
   (*replay)->end();
   EXPECT_EQ(state_hash(*world), run->hash);
-  EXPECT_EQ(world->sfem_bodies[0].touch.needles.needles[0].punctures, 1);
+  EXPECT_EQ(world->sfem_bodies[0].touch.needles.needles[0].punctures, 2);
+  EXPECT_FALSE(world->sfem_bodies[0].touch.needles.needles[0].beyond);
 }
 
 // Needles that the models cannot have are refused with a sentence.
