@@ -31,6 +31,14 @@ Result<lattice::WoundClosure> lay(const Suture& suture, const LatticeBody& body,
   return closure;
 }
 
+/// Unit vector from the middle of a stitch to its first and last point, lattice frame; zero for two points.
+Vec3d outward_of(const lattice::Stitch& stitch) {
+  Vec3d middle;
+  for (const Vec3d p : stitch.rest) middle += p / double(stitch.rest.size());
+  const Vec3d up = (stitch.rest.front() + stitch.rest.back()) / 2 - middle;
+  return norm(up) > 1e-6 ? normalized(up) : Vec3d{};
+}
+
 /// Adds a straight tube between two points.
 void add_tube(Vec3d from, Vec3d to, double radius, TriMesh& mesh) {
   constexpr int kAround = 8;
@@ -116,7 +124,8 @@ void SutureSprings::finish(const lattice::Model& model, const lattice::Motion& m
 }
 
 TriMesh thread_mesh(const LatticeBody& body, const Suture& suture) {
-  constexpr double kThinnest = 0.25e-3;  // drawn radius, so that pictures show thin threads [m]
+  constexpr double kThinnest = 0.4e-3;  // drawn radius, so that pictures show thin threads [m]
+  constexpr double kLift = 4e-3;        // of the drawn strand, so that skin that bulges does not hide it [m]
   TriMesh mesh;
   if (!suture.closure) return mesh;
   const Grid& grid = body.model.anatomy.grid;
@@ -127,6 +136,10 @@ TriMesh thread_mesh(const LatticeBody& body, const Suture& suture) {
     for (std::size_t p = 0; p < stitch.rest.size(); p++)
       points.push_back(grid.origin +
                        grid.axes * (stitch.rest[p] + Vec3d(displacement(stitch.at[p], body.state->motion))));
+    // the strand between the last point and the first one runs above the skin
+    const Vec3d lift = grid.axes * outward_of(stitch) * kLift;
+    const Vec3d first = points.front() + lift, last = points.back() + lift;
+    points.insert(points.end(), {last, first});
     for (std::size_t p = 0; p < points.size(); p++)
       add_tube(points[p], points[(p + 1) % points.size()], radius, mesh);
   }
