@@ -114,8 +114,8 @@ Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pre
   for (const BodySnapshot& body : snapshot.bodies) {
     const std::string file = body.name + ".obj";
     const BodySnapshot& kept = worth_keeping(body, pressed);
-    const Status status =
-        write_obj(outputs.folder / file, surface_mesh(kept), outputs.scene->output.mesh_space, groups_of(kept));
+    const Status status = write_obj(outputs.folder / file, surface_mesh(kept),
+                                    outputs.scene->output.mesh_space, groups_of(kept));
     if (!status) return status;
     outputs.facts.files.push_back(file);
   }
