@@ -56,7 +56,12 @@ TEST(LoopSubdivision, FollowsAffineMotion) {
   std::vector<Vec3> coarse;
   for (const Vec3 p : ball.vertices) coarse.push_back(moved(p));
   const std::vector<Vec3> x = positions(surface, ball.vertices), y = positions(surface, coarse);
-  for (std::size_t v = 0; v < x.size(); v++) EXPECT_LT(norm(y[v] - moved(x[v])), 1e-5f);
+  for (std::size_t v = 0; v < x.size(); v++) {
+    EXPECT_LT(norm(y[v] - moved(x[v])), 1e-5f);
+    const Vec3 on = on_coarse(surface, v, std::span<const Vec3>(ball.vertices));
+    EXPECT_LT(norm(on_coarse(surface, v, std::span<const Vec3>(coarse)) - moved(on)), 1e-5f);
+    EXPECT_GT(norm(on), norm(x[v])) << "smoothing shrinks a ball";
+  }
 }
 
 // The border of an open sheet stays on its straight line, and its corners are rounded. Unused vertices are

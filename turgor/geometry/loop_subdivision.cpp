@@ -24,6 +24,7 @@ struct MeshEdge {
 struct Level {
   std::vector<Int3> triangles;
   std::vector<Stencil> vertices;
+  std::vector<Stencil> on_coarse;  // the same without smoothing: at most three coarse vertices
 };
 
 Stencil sum_of(std::initializer_list<std::pair<const Stencil*, double>> terms) {
@@ -95,11 +96,13 @@ std::vector<Stencil> moved_vertices(const Level& level, const std::vector<MeshEd
 Level subdivided(const Level& level) {
   std::vector<Int3> edges_of_triangle;
   const std::vector<MeshEdge> edges = edges_of(level.triangles, edges_of_triangle);
-  Level next{.triangles = {}, .vertices = moved_vertices(level, edges)};
+  Level next{.triangles = {}, .vertices = moved_vertices(level, edges), .on_coarse = level.on_coarse};
   // one vertex an edge
   const int first = int(next.vertices.size());
   for (const MeshEdge& edge : edges) {
     const Stencil &a = level.vertices[std::size_t(edge.a)], &b = level.vertices[std::size_t(edge.b)];
+    next.on_coarse.push_back(
+        sum_of({{&level.on_coarse[std::size_t(edge.a)], 0.5}, {&level.on_coarse[std::size_t(edge.b)], 0.5}}));
     if (edge.is_crease())
       next.vertices.push_back(sum_of({{&a, 0.5}, {&b, 0.5}}));
     else
@@ -132,14 +135,28 @@ SmoothSurface loop_subdivision(std::span<const Int3> triangles, int levels) {
   };
   Level level;
   for (const int v : used) level.vertices.push_back({{v, 1}});
+  level.on_coarse = level.vertices;
   for (const Int3 t : triangles) level.triangles.push_back({number(t.x), number(t.y), number(t.z)});
   // subdivide
   for (int n = 0; n < levels; n++) level = subdivided(level);
-  SmoothSurface surface{.triangles = std::move(level.triangles), .begin = {0}, .coarse = {}, .weight = {}};
+  SmoothSurface surface{.triangles = std::move(level.triangles),
+                        .begin = {0},
+                        .coarse = {},
+                        .weight = {},
+                        .on = {},
+                        .on_weight = {}};
   for (const Stencil& stencil : level.vertices) {
     for (const auto& [vertex, weight] : stencil)
       surface.coarse.push_back(vertex), surface.weight.push_back(float(weight));
     surface.begin.push_back(int(surface.coarse.size()));
+  }
+  for (const Stencil& stencil : level.on_coarse) {
+    TURGOR_CHECK(stencil.size() >= 1 && stencil.size() <= 3, "a vertex lies on one coarse triangle");
+    Int3 corner{stencil[0].first, stencil[0].first, stencil[0].first};
+    Vec3 weight;
+    for (int n = 0; n < int(stencil.size()); n++)
+      corner[n] = stencil[std::size_t(n)].first, weight[n] = Real(stencil[std::size_t(n)].second);
+    surface.on.push_back(corner), surface.on_weight.push_back(weight);
   }
   return surface;
 }

@@ -14,7 +14,10 @@ struct SmoothSurface {
   std::vector<int> begin;     // by vertex, and the end: indices into `coarse` and `weight`
   std::vector<int> coarse;    // vertices of the coarse mesh
   std::vector<float> weight;  // the sum over a vertex is 1
-  std::size_t size() const { return begin.empty() ? 0 : begin.size() - 1; }
+  // by vertex: the corners of a coarse triangle on which it lies before smoothing, and its weights there
+  std::vector<Int3> on;
+  std::vector<Vec3> on_weight;
+  std::size_t size() const { return on.size(); }
 };
 
 /// Subdivides every triangle into four, `levels` times. Edges of one triangle, or of more than two, stay
@@ -25,13 +28,21 @@ SmoothSurface loop_subdivision(std::span<const Int3> triangles, int levels);
 /// finer meshes.
 int levels_for_drawing(std::size_t triangles);
 
-/// Weighted sum of values of the coarse vertices at one vertex.
+/// Smooth weighted sum of values of the coarse vertices at one vertex.
 template <class T>
 T interpolated(const SmoothSurface& surface, std::size_t vertex, std::span<const T> values) {
   T sum{};
   for (int n = surface.begin[vertex]; n < surface.begin[vertex + 1]; n++)
     sum += values[std::size_t(surface.coarse[std::size_t(n)])] * surface.weight[std::size_t(n)];
   return sum;
+}
+
+/// Values of the coarse vertices where a vertex lies on the coarse mesh, linear on each triangle.
+template <class T>
+T on_coarse(const SmoothSurface& surface, std::size_t vertex, std::span<const T> values) {
+  const Int3 t = surface.on[vertex];
+  const Vec3 w = surface.on_weight[vertex];
+  return values[std::size_t(t.x)] * w.x + values[std::size_t(t.y)] * w.y + values[std::size_t(t.z)] * w.z;
 }
 
 }  // namespace turgor

@@ -254,8 +254,7 @@ struct RunStart {
 /// Restores an autosave into the loaded world and the new outputs, and starts the next autosaves. Returns the
 /// result so far of a resumed run.
 Result<std::optional<Simulated>> begin_autosave(const fs::path& goal, RunStart& start, FolderRun& run) {
-  const bool can_save =
-      !start.options.live && !start.haptic && (start.saved || start.options.autosave_interval > 0);
+  const bool can_save = !start.options.live && !start.haptic;
   if (can_save)
     run.autosave.emplace(start.saved ? std::move(start.saved->folder) : AutosaveFolder(goal),
                          start.options.autosave_interval, run.scene, run.world);

@@ -1,25 +1,26 @@
 #include "turgor/sim/smooth_snapshot.hpp"
 
+#include <algorithm>
+#include <memory>
+
+#include "turgor/contact/sites.hpp"
 #include "turgor/core/assert.hpp"
+#include "turgor/geometry/loop_subdivision.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// Surface with the number of coarse triangles that it was made from.
+/// Subdivision with the number of coarse triangles that it was made from.
 struct KeptSurface {
   std::size_t from = 0;
   std::shared_ptr<const SmoothSurface> surface;
 };
 
-}  // namespace
-
-std::shared_ptr<const SmoothSurface> smooth_for_drawing(std::span<const Int3> triangles, BodySnapshot& body) {
+/// Null for a mesh that is drawn as it is.
+std::shared_ptr<const SmoothSurface> subdivision_of(std::span<const Int3> triangles, BodySnapshot& body) {
   const int levels = levels_for_drawing(triangles.size());
-  if (levels == 0) {
-    body.smooth = {};
-    return nullptr;
-  }
+  if (levels == 0) return nullptr;
   const KeptSurface* kept = std::any_cast<KeptSurface>(&body.cache);
   if (!kept || kept->from != triangles.size())
     body.cache = KeptSurface{triangles.size(),
@@ -27,14 +28,87 @@ std::shared_ptr<const SmoothSurface> smooth_for_drawing(std::span<const Int3> tr
   return std::any_cast<KeptSurface>(&body.cache)->surface;
 }
 
-void place_smooth(const SmoothSurface& surface, std::span<const Vec3> rest, SmoothSnapshot& smooth) {
-  TURGOR_CHECK(rest.size() == surface.size() && smooth.displacement.size() == rest.size(),
-               "every smooth vertex has a displacement");
-  smooth.x.resize(rest.size());
-  for (std::size_t v = 0; v < rest.size(); v++) smooth.x[v] = rest[v] + smooth.displacement[v];
-  smooth.triangles = surface.triangles;
-  const TriMesh mesh{.vertices = smooth.x, .triangles = smooth.triangles, .normals = {}, .scalars = {}};
-  smooth.normals = vertex_normals(mesh);
+/// Triangles with a vertex that the mesh does not have, and the boxes around them.
+struct FineTriangles {
+  std::vector<Int3> triangles;
+  std::vector<Box> boxes;
+  std::vector<std::uint8_t> is_corner;  // by vertex of the snapshot
+};
+FineTriangles fine_triangles(const BodySnapshot& body) {
+  FineTriangles fine{.triangles = {}, .boxes = {}, .is_corner = std::vector<std::uint8_t>(body.rest.size())};
+  if (body.mesh_vertex.size() != body.rest.size()) return fine;
+  const auto is_new = [&](int v) { return body.mesh_vertex[std::size_t(v)] < 0; };
+  for (const Int3 t : body.triangles) {
+    if (!is_new(t.x) && !is_new(t.y) && !is_new(t.z)) continue;
+    const Vec3d a(body.rest[std::size_t(t.x)]), b(body.rest[std::size_t(t.y)]),
+        c(body.rest[std::size_t(t.z)]);
+    const double margin = 1e-3 * norm(b - a);
+    Box box{min(a, min(b, c)), max(a, max(b, c))};
+    box.low -= Vec3d{margin, margin, margin}, box.high += Vec3d{margin, margin, margin};
+    fine.triangles.push_back(t), fine.boxes.push_back(box);
+    for (const int v : {t.x, t.y, t.z}) fine.is_corner[std::size_t(v)] = 1;
+  }
+  return fine;
+}
+
+/// Point of the snapshot's surface: corners of a triangle and weights.
+struct SurfacePoint {
+  Int3 corner;
+  Vec3 weight;
+};
+
+/// Point of the fine triangles nearest to a rest position on them; the given one if no triangle is there.
+SurfacePoint on_fine(const FineTriangles& fine, const BodySnapshot& body, Vec3d rest,
+                     SurfacePoint otherwise) {
+  double nearest = 1e300;
+  for (std::size_t n = 0; n < fine.triangles.size(); n++) {
+    if (squared_distance(fine.boxes[n], rest) > 0) continue;
+    const Int3 t = fine.triangles[n];
+    const Vec3d a(body.rest[std::size_t(t.x)]), b(body.rest[std::size_t(t.y)]),
+        c(body.rest[std::size_t(t.z)]);
+    const Vec3d w = contact::closest_weights(rest, a, b, c);
+    const double distance = norm(a * w.x + b * w.y + c * w.z - rest);
+    if (distance < nearest) nearest = distance, otherwise = {t, Vec3(w)};
+  }
+  return otherwise;
+}
+
+template <class T>
+T value_at(const SurfacePoint& at, const std::vector<T>& values) {
+  return values[std::size_t(at.corner.x)] * at.weight.x + values[std::size_t(at.corner.y)] * at.weight.y +
+         values[std::size_t(at.corner.z)] * at.weight.z;
+}
+
+}  // namespace
+
+void show_smooth(std::span<const Int3> coarse, BodySnapshot& body) {
+  SmoothSnapshot& smooth = body.smooth;
+  const std::shared_ptr<const SmoothSurface> surface = subdivision_of(coarse, body);
+  if (!surface) {
+    smooth = {};
+    return;
+  }
+  TURGOR_CHECK(body.displacement.size() == body.rest.size(), "every vertex has a displacement");
+  const FineTriangles fine = fine_triangles(body);
+  const std::span<const Vec3> rest(body.rest);
+  const bool has_pressure = body.pressure.size() == body.rest.size();
+  smooth.x.resize(surface->size()), smooth.displacement.resize(surface->size());
+  smooth.pressure.assign(has_pressure ? surface->size() : 0, 0);
+  for (std::size_t v = 0; v < surface->size(); v++) {
+    // point on the surface of the snapshot
+    SurfacePoint at{surface->on[v], surface->on_weight[v]};
+    const bool may_be_fine = fine.is_corner[std::size_t(at.corner.x)] ||
+                             fine.is_corner[std::size_t(at.corner.y)] ||
+                             fine.is_corner[std::size_t(at.corner.z)];
+    if (may_be_fine) at = on_fine(fine, body, Vec3d(on_coarse(*surface, v, rest)), at);
+    // quantities there
+    smooth.displacement[v] = value_at(at, body.displacement);
+    smooth.x[v] = interpolated(*surface, v, rest) + smooth.displacement[v];
+    if (has_pressure) smooth.pressure[v] = value_at(at, body.pressure);
+  }
+  smooth.triangles = surface->triangles, smooth.coarse.assign(coarse.begin(), coarse.end());
+  smooth.normals =
+      vertex_normals({.vertices = smooth.x, .triangles = smooth.triangles, .normals = {}, .scalars = {}});
 }
 
 }  // namespace turgor

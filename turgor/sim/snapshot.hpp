@@ -26,6 +26,7 @@ struct SmoothSnapshot {
   std::vector<Vec3> x, displacement, normals;  // per vertex; x is the present position [m]
   std::vector<float> pressure;                 // [Pa]; empty = unknown
   std::vector<Int3> triangles;                 // empty = the body is drawn as it is
+  std::vector<Int3> coarse;                    // triangles of the body's mesh, of vertices of the snapshot
 };
 
 struct BodySnapshot {

@@ -14,8 +14,8 @@ void transfer(File& file, TriMesh& mesh) {
 }
 template <class File>
 void transfer(File& file, SmoothSnapshot& smooth) {
-  auto& [x, displacement, normals, pressure, triangles] = smooth;
-  transfer_all(file, x, displacement, normals, pressure, triangles);
+  auto& [x, displacement, normals, pressure, triangles, coarse] = smooth;
+  transfer_all(file, x, displacement, normals, pressure, triangles, coarse);
 }
 /// Without the cache, which show() fills again.
 template <class File>

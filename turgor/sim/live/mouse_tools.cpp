@@ -25,16 +25,22 @@ bool can_be_touched(const Scene& scene, BodyId id) {
   return scene.lattice_bodies[std::size_t(id.index)].params.solver.method == lattice::Method::kVbd;
 }
 
-/// Fingertip that waits in front of the body, without contact, until the mouse drives it.
+/// Fingertip that waits in front of the body until the mouse drives it, so far away that no wound opens up to
+/// it.
 ToolScene fingertip(BodyId id, const std::string& body) {
   constexpr double kNever = 1e6;  // [s]
-  return {
-      .name = "finger-" + body,
-      .source_location = "the mouse's fingertip on " + body,
-      .body = id,
-      .shape = BallTool{.radius = 0.008},
-      .friction = 0.3,
-      .motion = Press{.at = {0.5, 0, 0.5}, .to = {}, .by_fraction = true, .depth = 0.001, .start = kNever}};
+  constexpr double kAway = 0.05;  // [m]
+  return {.name = "finger-" + body,
+          .source_location = "the mouse's fingertip on " + body,
+          .body = id,
+          .shape = BallTool{.radius = 0.008},
+          .friction = 0.3,
+          .motion = Press{.at = {0.5, 0, 0.5},
+                          .to = {},
+                          .by_fraction = true,
+                          .depth = 0.001,
+                          .start = kNever,
+                          .clearance = kAway}};
 }
 
 Box box_of(const RestSurface& surface, const TouchingTool& tool) {

@@ -8,6 +8,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/sim/smooth_snapshot.hpp"
 
 namespace turgor {
 
@@ -134,6 +135,7 @@ Status write_shown(Hdf5File& file, const std::string& group, double time, const 
       .array("displacement", flat(surface.displacement), 3, "m")
       .array("pressure", surface.pressure, 1, "Pa")
       .array("triangles", numbers_of(surface.triangles), 3)
+      .array("coarse_triangles", numbers_of(surface.smooth.coarse), 3)
       .array("inside", flat(surface.inside.vertices), 3, "m")
       .array("inside_triangles", numbers_of(surface.inside.triangles), 3)
       .array<std::int32_t>("mesh_vertex", {surface.mesh_vertex.begin(), surface.mesh_vertex.end()})
@@ -171,6 +173,14 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
   surface.triangles = *outer;
   surface.wall_begin = surface.triangles.size();
   update_vertices(surface);
+  // smooth surface; older recordings have none
+  if (file.has(group + "coarse_triangles")) {
+    const std::size_t coarse_corners = reading.count("coarse_triangles", 3 * 3 * kMostVertices);
+    const auto coarse = triangles_of(reading.array<std::int32_t>("coarse_triangles", coarse_corners), count);
+    if (!reading.status()) return reading.status().error();
+    if (!coarse) return Error{fmt::format("{}: {}: the surface is damaged", file.path().string(), group)};
+    if (!coarse->empty()) show_smooth(*coarse, surface);
+  }
   return ReadRows{time[0], tools};
 }
 

@@ -165,12 +165,13 @@ struct PathFile {
 struct Press {
   Vec3d at, to;  // on the surface [m or 1]
   bool by_fraction = false;
-  double depth = 0.005;   // of the tool's tip below the surface at rest [m]
-  double start = 0.1;     // [s]
-  double duration = 0.5;  // from contact to `depth`, and back [s]
-  double hold = 0.2;      // at `at` before sliding, and at `to` after it [s]
-  double slide = 0;       // from `at` to `to`; 0 = no sliding [s]
-  int times = 1;          // presses one after the other, each with its retreat
+  double depth = 0.005;      // of the tool's tip below the surface at rest [m]
+  double start = 0.1;        // [s]
+  double duration = 0.5;     // from contact to `depth`, and back [s]
+  double hold = 0.2;         // at `at` before sliding, and at `to` after it [s]
+  double slide = 0;          // from `at` to `to`; 0 = no sliding [s]
+  int times = 1;             // presses one after the other, each with its retreat
+  double clearance = 0.002;  // height of the tip above the surface before and after a press [m]
 };
 /// Press along the surface normal, grasp, pull outward and sideways, and release. Applies to every body.
 struct Grasp {

@@ -13,7 +13,7 @@ namespace turgor {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::max();
-constexpr double kClearance = 0.002;  // height of the tip above the surface before and after a press [m]
+constexpr double kClearance = 0.002;  // height of the tip above the surface before and after a grasp [m]
 constexpr int kSlideRows = 32;
 
 struct Corners {
@@ -136,7 +136,7 @@ SurfaceSample sample_surface(const RestSurface& surface, Vec3d target, bool by_f
 
 ToolPath press_path(const RestSurface& surface, const Press& press, double tip, double radius) {
   TURGOR_CHECK(radius > 0, "a tool has a width");
-  const double reach = 3 * radius, up = tip + kClearance, down = tip - press.depth;
+  const double reach = 3 * radius, up = tip + press.clearance, down = tip - press.depth;
   const auto sample_at = [&](double s) {
     return sample_surface(surface, press.at * (1 - s) + press.to * s, press.by_fraction, reach);
   };

@@ -43,16 +43,7 @@ void show(const Exec&, const RhombusBody& body, BodySnapshot& out) {
     out.displacement[v] = Vec3(body.state.displacement[v]);
   }
   update_vertices(out);
-  // smooth surface
-  const std::shared_ptr<const SmoothSurface> surface = smooth_for_drawing(out.triangles, out);
-  if (!surface) return;
-  std::vector<Vec3> smooth_rest(surface->size());
-  out.smooth.displacement.resize(smooth_rest.size());
-  for (std::size_t v = 0; v < smooth_rest.size(); v++) {
-    smooth_rest[v] = interpolated(*surface, v, std::span<const Vec3>(out.rest));
-    out.smooth.displacement[v] = interpolated(*surface, v, std::span<const Vec3>(out.displacement));
-  }
-  place_smooth(*surface, smooth_rest, out.smooth);
+  show_smooth(body.model.surface.triangles, out);
 }
 
 }  // namespace turgor

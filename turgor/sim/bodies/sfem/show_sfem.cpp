@@ -5,6 +5,7 @@
 #include <map>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/geometry/rounded.hpp"
 #include "turgor/models/sfem/green.hpp"
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
@@ -138,30 +139,6 @@ Vec3d fine_displacement(const SfemBody& body, const std::vector<Vec3d>& coarse, 
   return u;
 }
 
-/// Adds the fine displacement near the patch to the displacements of a finer surface [m], and sets its
-/// pressure [Pa]. `corners(v)` are the mesh vertices that carry its vertex v.
-template <class Corners>
-void add_fine_displacement(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
-                           const std::vector<float>& pressure, const Corners& corners,
-                           std::span<const Vec3> rest, std::span<Vec3> displacement,
-                           std::vector<float>& shown_pressure) {
-  shown_pressure.assign(rest.size(), 0);
-  // the surfaces differ by less than the coarse triangle size; farther points are on another side
-  const double reach = longest_edge(*body.now.patch);
-  std::vector<std::uint8_t> near_patch(body.model.body.mesh.vertices.size(), 0);
-  for (const int v : body.now.patch->coarse) near_patch[std::size_t(v)] = 1;
-  parallel_for(exec, rest.size(), [&](std::size_t v) {
-    const auto carriers = corners(v);
-    if (std::none_of(carriers.begin(), carriers.end(),
-                     [&](int node) { return near_patch[std::size_t(node)] != 0; }))
-      return;
-    const PatchLocation nearest = nearest_in_patch(*body.now.patch, Vec3d(rest[v]));
-    if (!(nearest.distance < reach)) return;
-    displacement[v] += Vec3(interpolated(nearest, [&](int p) { return fine_displacement(body, coarse, p); }));
-    shown_pressure[v] = float(interpolated(nearest, [&](int p) { return double(pressure[std::size_t(p)]); }));
-  });
-}
-
 /// Finer surface: interpolated in the coarse elements, plus the fine displacement near the patch.
 void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
                    const std::vector<float>& pressure, BodySnapshot& surface) {
@@ -176,33 +153,39 @@ void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec
   std::vector<Vec3> moved(count);
   move(embedding, coarse, moved);
   surface.displacement.resize(count);
-  for (std::size_t v = 0; v < count; v++) surface.displacement[v] = moved[v] - embedding.rest[v];
-  const auto corners = [&embedding](std::size_t v) {
-    return std::span(embedding.nodes)
-        .subspan(v * std::size_t(embedding.corners), std::size_t(embedding.corners));
-  };
-  add_fine_displacement(exec, body, coarse, pressure, corners, surface.rest, surface.displacement,
-                        surface.pressure);
+  surface.pressure.assign(count, 0);
+  // the surfaces differ by less than the coarse triangle size; farther points are on another side
+  const double reach = longest_edge(*body.now.patch);
+  std::vector<std::uint8_t> near_patch(body.model.body.mesh.vertices.size(), 0);
+  for (const int v : body.now.patch->coarse) near_patch[std::size_t(v)] = 1;
+  parallel_for(exec, count, [&](std::size_t v) {
+    Vec3d u = Vec3d(moved[v]) - Vec3d(embedding.rest[v]);
+    const int* corners = &embedding.nodes[v * std::size_t(embedding.corners)];
+    if (std::any_of(corners, corners + embedding.corners,
+                    [&](int node) { return near_patch[std::size_t(node)] != 0; })) {
+      const PatchLocation nearest = nearest_in_patch(*body.now.patch, Vec3d(embedding.rest[v]));
+      if (nearest.distance < reach) {
+        u += interpolated(nearest, [&](int p) { return fine_displacement(body, coarse, p); });
+        surface.pressure[v] =
+            float(interpolated(nearest, [&](int p) { return double(pressure[std::size_t(p)]); }));
+      }
+    }
+    surface.displacement[v] = Vec3(u);
+  });
 }
 
-/// Smooth surface of the mesh, which its surface vertices carry, plus the fine displacement near the patch.
-void smooth_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
-                    const std::vector<float>& pressure, BodySnapshot& out) {
-  const std::shared_ptr<const SmoothSurface> surface = smooth_for_drawing(body.model.surface.triangles, out);
-  if (!surface) return;
-  SmoothSnapshot& smooth = out.smooth;
-  std::vector<Vec3> rest(surface->size());
-  smooth.displacement.resize(rest.size());
-  for (std::size_t v = 0; v < rest.size(); v++) {
-    rest[v] = Vec3(interpolated(*surface, v, std::span<const Vec3d>(body.model.body.mesh.vertices)));
-    smooth.displacement[v] = Vec3(interpolated(*surface, v, std::span<const Vec3d>(coarse)));
-  }
-  const auto corners = [&surface](std::size_t v) {
-    const auto begin = std::size_t(surface->begin[v]), end = std::size_t(surface->begin[v + 1]);
-    return std::span(surface->coarse).subspan(begin, end - begin);
-  };
-  add_fine_displacement(exec, body, coarse, pressure, corners, rest, smooth.displacement, smooth.pressure);
-  place_smooth(*surface, rest, smooth);
+/// Smooth surface over the triangles of the mesh.
+void smooth_surface(const SfemBody& body, BodySnapshot& out) {
+  if (body.seen) return;
+  // triangles of the mesh by vertices of the snapshot
+  std::vector<int> index_of(body.model.body.mesh.vertices.size(), -1);
+  for (std::size_t v = 0; v < out.mesh_vertex.size(); v++)
+    if (const int known = out.mesh_vertex[v]; is_index(known, index_of.size()))
+      index_of[std::size_t(known)] = int(v);
+  std::vector<Int3> coarse;
+  for (const Int3 t : body.model.surface.triangles)
+    coarse.push_back({index_of[std::size_t(t.x)], index_of[std::size_t(t.y)], index_of[std::size_t(t.z)]});
+  show_smooth(coarse, out);
 }
 
 /// Contact pressure at every point of the patch [Pa].
@@ -332,10 +315,11 @@ void show(const Exec& exec, const SfemBody& body, BodySnapshot& out) {
   if (body.seen)
     carry_surface(exec, body, coarse, shown_pressure, out);
   else
-    join_surface(body, coarse, shown_pressure, out), smooth_surface(exec, body, coarse, shown_pressure, out);
+    join_surface(body, coarse, shown_pressure, out);
   // patch and inner regions
   out.wall_begin = out.triangles.size();
   update_vertices(out);
+  smooth_surface(body, out);
   show_patch(body, out.patch);
   show_inside(body, coarse, out.inside);
 }
