@@ -190,8 +190,8 @@ class Studies(unittest.TestCase):
         folder = folder_with()
         text = (folder / "study.toml").read_text().replace("force_max_N", "no_such")
         (folder / "study.toml").write_text(text)
-        report = run_study(folder / "study.toml", folder / "out", jobs=2)
-        self.assertIn("tools.finger.no_such", report["failed"][0]["failed"])
+        with self.assertRaisesRegex(turgor.Error, "expected tools.finger.no_such, found no no_such among name, body"):
+            run_study(folder / "study.toml", folder / "out", jobs=2)
         done = subprocess.run([sys.executable, "-m", "turgor.study", "nowhere.toml"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 2)
         self.assertNotIn("Traceback", done.stderr)
