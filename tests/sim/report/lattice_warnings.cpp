@@ -38,7 +38,8 @@ TEST(LatticeWarnings, BladeInAirIsMovedToSkin) {
 
 // A cut nearly through the body causes a warning with the number of cells below it.
 TEST(LatticeWarnings, DeepCutReportsRemainingCells) {
-  const std::vector<std::string> warnings = warnings_with({"incision.cut.depth=0.055", "incision.cut.through_bone=true"});
+  const std::vector<std::string> warnings =
+      warnings_with({"incision.cut.depth=0.055", "incision.cut.through_bone=true"});
   ASSERT_EQ(warnings.size(), 2u) << "cells below the cut, and bone";
   EXPECT_NE(warnings[0].find("cells of body below the cut, expected at least 3 cells"), std::string::npos)
       << warnings[0];
