@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "turgor/pictures/outputs.hpp"
+#include "turgor/sim/smooth_snapshot.hpp"
 
 namespace turgor {
 
@@ -26,6 +27,8 @@ BodySnapshot undeformed(const BodySnapshot& body) {
   std::fill(rest.displacement.begin(), rest.displacement.end(), Vec3{});
   std::fill(rest.pressure.begin(), rest.pressure.end(), 0.0f);
   update_vertices(rest);
+  const std::vector<Int3> coarse = rest.smooth.coarse;
+  if (!coarse.empty()) show_smooth(coarse, rest);
   return rest;
 }
 
