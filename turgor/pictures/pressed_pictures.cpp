@@ -18,6 +18,7 @@ BodySnapshot as_flesh(const BodySnapshot& pressed) {
   if (body.look == Look::kSkin) body.look = Look::kFlesh;
   body.wall_begin = body.triangles.size();
   update_vertices(body);
+  show_smooth(body);
   return body;
 }
 
@@ -27,8 +28,7 @@ BodySnapshot undeformed(const BodySnapshot& body) {
   std::fill(rest.displacement.begin(), rest.displacement.end(), Vec3{});
   std::fill(rest.pressure.begin(), rest.pressure.end(), 0.0f);
   update_vertices(rest);
-  const std::vector<Int3> coarse = rest.smooth.coarse;
-  if (!coarse.empty()) show_smooth(coarse, rest);
+  show_smooth(rest);
   return rest;
 }
 

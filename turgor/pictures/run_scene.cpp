@@ -17,6 +17,7 @@
 #include "turgor/sim/report/report_organs.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/run.hpp"
+#include "turgor/sim/smooth_snapshot.hpp"
 #include "turgor/view/video.hpp"
 
 namespace turgor {
@@ -280,6 +281,7 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   if (!world) return world.error();
   WorldSnapshot first;
   show(exec, *world, first);
+  show_smooth(first);
   Result<Outputs> outputs = make_outputs(exec, scene, *world, first, folder.path());
   if (!outputs) return outputs.error();
   outputs->facts.load_seconds = total.seconds();

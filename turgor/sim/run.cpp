@@ -4,6 +4,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/sim/smooth_snapshot.hpp"
 #include "turgor/sim/undone_step.hpp"
 
 namespace turgor {
@@ -23,6 +24,7 @@ void show_now(Running& run) {
   if (!run.result.snapshot.bodies.empty() && run.result.snapshot.frame == run.world.frame) return;
   const Timer timer;
   show(run.exec, run.world, run.result.snapshot);
+  show_smooth(run.result.snapshot);
   run.result.show_seconds += timer.seconds();
   note_surface_seconds(run.result.snapshot, run.result.measures.pressed);
 }

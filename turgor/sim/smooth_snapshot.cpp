@@ -19,7 +19,7 @@ struct KeptSurface {
 
 /// Null for a mesh that is drawn as it is.
 std::shared_ptr<const SmoothSurface> subdivision_of(std::span<const Int3> triangles, BodySnapshot& body) {
-  const int levels = levels_for_drawing(triangles.size());
+  const int levels = triangles.empty() ? 0 : levels_for_drawing(triangles.size());
   if (levels == 0) return nullptr;
   const KeptSurface* kept = std::any_cast<KeptSurface>(&body.cache);
   if (!kept || kept->from != triangles.size())
@@ -81,13 +81,20 @@ T value_at(const SurfacePoint& at, const std::vector<T>& values) {
 
 }  // namespace
 
-void show_smooth(std::span<const Int3> coarse, BodySnapshot& body) {
+void set_coarse(std::span<const Int3> triangles, BodySnapshot& body) {
+  body.smooth.triangles.clear();
+  body.smooth.coarse.assign(triangles.begin(), triangles.end());
+}
+
+void show_smooth(WorldSnapshot& snapshot) {
+  for (BodySnapshot& body : snapshot.bodies) show_smooth(body);
+}
+
+void show_smooth(BodySnapshot& body) {
   SmoothSnapshot& smooth = body.smooth;
-  const std::shared_ptr<const SmoothSurface> surface = subdivision_of(coarse, body);
-  if (!surface) {
-    smooth = {};
-    return;
-  }
+  smooth.triangles.clear();
+  const std::shared_ptr<const SmoothSurface> surface = subdivision_of(smooth.coarse, body);
+  if (!surface) return;
   TURGOR_CHECK(body.displacement.size() == body.rest.size(), "every vertex has a displacement");
   const FineTriangles fine = fine_triangles(body);
   const std::span<const Vec3> rest(body.rest);
@@ -106,7 +113,7 @@ void show_smooth(std::span<const Int3> coarse, BodySnapshot& body) {
     smooth.x[v] = interpolated(*surface, v, rest) + smooth.displacement[v];
     if (has_pressure) smooth.pressure[v] = value_at(at, body.pressure);
   }
-  smooth.triangles = surface->triangles, smooth.coarse.assign(coarse.begin(), coarse.end());
+  smooth.triangles = surface->triangles;
   smooth.normals =
       vertex_normals({.vertices = smooth.x, .triangles = smooth.triangles, .normals = {}, .scalars = {}});
 }

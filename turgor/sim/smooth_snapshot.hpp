@@ -7,11 +7,16 @@
 
 namespace turgor {
 
-/// Sets BodySnapshot::smooth from the surface of a snapshot. `coarse`: triangles of the body's mesh, of
-/// vertices of the snapshot; they may be covered by finer ones, whose additional vertices have no mesh vertex
-/// (mesh_vertex −1). The smooth surface is displaced like the points of the snapshot's surface on which it
-/// lies before smoothing. The subdivision is made once and kept in the snapshot's cache. A mesh that is fine
-/// enough has none.
-void show_smooth(std::span<const Int3> coarse, BodySnapshot& body);
+/// Sets the triangles of the body's mesh, of vertices of the snapshot, and discards the smooth surface over
+/// them. They may be covered by finer triangles, whose additional vertices have no mesh vertex (mesh_vertex
+/// −1).
+void set_coarse(std::span<const Int3> triangles, BodySnapshot& body);
+
+/// Makes the smooth surface over SmoothSnapshot::coarse, for those who draw the snapshot. It is displaced
+/// like the points of the snapshot's surface on which it lies before smoothing. The subdivision is made once
+/// and kept in the snapshot's cache. Without coarse triangles, or with a mesh that is fine enough, there is
+/// none.
+void show_smooth(BodySnapshot& body);
+void show_smooth(WorldSnapshot& snapshot);
 
 }  // namespace turgor

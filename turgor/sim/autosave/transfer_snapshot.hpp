@@ -3,6 +3,7 @@
 
 #include "turgor/sim/autosave/transfer_models.hpp"
 #include "turgor/sim/report/measures.hpp"
+#include "turgor/sim/smooth_snapshot.hpp"
 #include "turgor/sim/snapshot.hpp"
 
 namespace turgor {
@@ -12,19 +13,14 @@ void transfer(File& file, TriMesh& mesh) {
   auto& [vertices, triangles, normals, scalars] = mesh;
   transfer_all(file, vertices, triangles, normals, scalars);
 }
-template <class File>
-void transfer(File& file, SmoothSnapshot& smooth) {
-  auto& [x, displacement, normals, pressure, triangles, coarse] = smooth;
-  transfer_all(file, x, displacement, normals, pressure, triangles, coarse);
-}
-/// Without the cache, which show() fills again.
+/// Without the cache, which show() fills again, and without the smooth surface, which reading makes again.
 template <class File>
 void transfer(File& file, BodySnapshot& body) {
   auto& [id, name, look, rest, displacement, x, normals, pressure, stretch, triangles, mesh_vertex, patch,
          inside, smooth, wall_begin, box, typical_force, seconds, cache] = body;
   transfer_all(file, id, name, look, rest, displacement, x, normals, pressure, stretch, triangles,
-               mesh_vertex, patch, inside, smooth, wall_begin, box, typical_force, seconds);
-  if constexpr (File::kReads) cache.reset();
+               mesh_vertex, patch, inside, smooth.coarse, wall_begin, box, typical_force, seconds);
+  if constexpr (File::kReads) cache.reset(), show_smooth(body);
 }
 template <class File>
 void transfer(File& file, ToolSnapshot& tool) {

@@ -8,6 +8,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/live/handle_requests.hpp"
+#include "turgor/sim/smooth_snapshot.hpp"
 
 namespace turgor {
 
@@ -48,6 +49,7 @@ void publish(SessionThread& session) {
   if (live.world && next.phase == SessionStatus::Phase::kReady) {
     const Timer timer;
     show(session.exec, *live.world, out.snapshot);
+    show_smooth(out.snapshot);
     add_to_mean(timer.seconds(), next.show_seconds);
   }
   session.published.publish();

@@ -179,7 +179,8 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
     const auto coarse = triangles_of(reading.array<std::int32_t>("coarse_triangles", coarse_corners), count);
     if (!reading.status()) return reading.status().error();
     if (!coarse) return Error{fmt::format("{}: {}: the surface is damaged", file.path().string(), group)};
-    if (!coarse->empty()) show_smooth(*coarse, surface);
+    set_coarse(*coarse, surface);
+    show_smooth(surface);
   }
   return ReadRows{time[0], tools};
 }

@@ -12,6 +12,7 @@
 #include "turgor/sim/report/forces_csv.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/report/report_touch.hpp"
+#include "turgor/sim/smooth_snapshot.hpp"
 
 namespace turgor {
 namespace {
@@ -61,7 +62,8 @@ TEST(TouchSfem, SmoothSurfaceFollowsPress) {
   double deepest = 0;
   for (int frame = 0; frame < frame_count(scene); frame++) {
     ASSERT_TRUE(step(exec, world));
-    const BodySnapshot shown = shown_now(exec, world);
+    BodySnapshot shown = shown_now(exec, world);
+    show_smooth(shown);
     ASSERT_EQ(shown.smooth.triangles.size(), 16 * world.sfem_bodies[0].model.surface.triangles.size());
     double dent = 0, smooth_dent = 0;
     for (const Vec3 u : shown.displacement) dent = std::max(dent, double(norm(u)));

@@ -43,7 +43,7 @@ void show(const Exec&, const RhombusBody& body, BodySnapshot& out) {
     out.displacement[v] = Vec3(body.state.displacement[v]);
   }
   update_vertices(out);
-  show_smooth(body.model.surface.triangles, out);
+  set_coarse(body.model.surface.triangles, out);
 }
 
 }  // namespace turgor

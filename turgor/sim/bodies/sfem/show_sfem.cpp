@@ -174,8 +174,8 @@ void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec
   });
 }
 
-/// Smooth surface over the triangles of the mesh.
-void smooth_surface(const SfemBody& body, BodySnapshot& out) {
+/// Triangles of the mesh, over which pictures draw a smooth surface; a finer surface of the scene has none.
+void show_coarse(const SfemBody& body, BodySnapshot& out) {
   if (body.seen) return;
   // triangles of the mesh by vertices of the snapshot
   std::vector<int> index_of(body.model.body.mesh.vertices.size(), -1);
@@ -185,7 +185,7 @@ void smooth_surface(const SfemBody& body, BodySnapshot& out) {
   std::vector<Int3> coarse;
   for (const Int3 t : body.model.surface.triangles)
     coarse.push_back({index_of[std::size_t(t.x)], index_of[std::size_t(t.y)], index_of[std::size_t(t.z)]});
-  show_smooth(coarse, out);
+  set_coarse(coarse, out);
 }
 
 /// Contact pressure at every point of the patch [Pa].
@@ -319,7 +319,7 @@ void show(const Exec& exec, const SfemBody& body, BodySnapshot& out) {
   // patch and inner regions
   out.wall_begin = out.triangles.size();
   update_vertices(out);
-  smooth_surface(body, out);
+  show_coarse(body, out);
   show_patch(body, out.patch);
   show_inside(body, coarse, out.inside);
 }
