@@ -39,7 +39,6 @@ import numpy as np
 from ._turgor import Error, __version__, instructions, plain_text
 
 KINDS = ("grid", "lhs", "saltelli")
-_ABSENT = object()
 
 
 # The design
@@ -217,13 +216,17 @@ class Study:
             return str(path.resolve()) if path.exists() else value
 
 
+def _entries(value):
+    """Entries of a report's object by key, or of its list of objects by their names; None for other values."""
+    if isinstance(value, list):
+        return {item.get("name"): item for item in reversed(value) if isinstance(item, dict)}
+    return value if isinstance(value, dict) else None
+
+
 def _number_of(report, path):
     """Number in a report under a dotted path; items of a list by their name."""
     for key in path.split("."):
-        if isinstance(report, list):
-            report = next((item for item in report if item.get("name") == key), None)
-        else:
-            report = report.get(key) if isinstance(report, dict) else None
+        report = (_entries(report) or {}).get(key)
     if not isinstance(report, (int, float)):
         raise Error(f"measure: expected a number of the report as {path}, found {'nothing' if report is None else type(report).__name__}")
     return report
@@ -231,19 +234,15 @@ def _number_of(report, path):
 
 def _missing(report, path):
     """Sentence about the first key of a dotted path that a report lacks; None if it has the path."""
-    found = report
     for key in path.split("."):
-        if isinstance(found, list):
-            keys = [item.get("name") for item in found if isinstance(item, dict)]
-            inner = next((item for item in found if isinstance(item, dict) and item.get("name") == key), None)
-        elif isinstance(found, dict):
-            keys, inner = list(found), found.get(key, _ABSENT)
-        else:
+        entries = _entries(report)
+        if entries is None:
             return None  # a value that is not known yet
-        if inner is None and isinstance(found, list) or inner is _ABSENT:
-            near = difflib.get_close_matches(key, [str(k) for k in keys], n=1)
-            return f"expected {path}, found no {key}" + (f": did you mean {near[0]}?" if near else f" among {', '.join(map(str, keys)) or 'nothing'}")
-        found = inner
+        if key not in entries:
+            near = difflib.get_close_matches(key, map(str, entries), n=1)
+            known = ", ".join(map(str, reversed(entries) if isinstance(report, list) else entries)) or "nothing"
+            return f"expected {path}, found no {key}" + (f": did you mean {near[0]}?" if near else f" among {known}")
+        report = entries[key]
     return None
 
 
