@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/sim/four_kinds.hpp"
+#include "tests/sim/live/replayed_world.hpp"
 #include "tests/sim/live/watched_session.hpp"
 #include "tests/sim/renamed_datasets.hpp"
 #include "turgor/core/timing.hpp"
@@ -55,19 +56,7 @@ void press_all(Session& session, double offset, int teleports) {
 
 /// State hash after a replay.
 std::uint64_t replayed_hash(const HapticRecording& run, int threads) {
-  const Exec exec(threads);
-  const Result<Scene> scene = scene_of(run);
-  EXPECT_TRUE(scene) << scene.error().message;
-  Result<World> world = load_world(exec, *scene);
-  EXPECT_TRUE(world) << world.error().message;
-  auto replay = HapticReplay::begin(*world, run);
-  EXPECT_TRUE(replay) << replay.error().message;
-  for (int frame = 0; frame < run.frames; frame++) {
-    EXPECT_TRUE((*replay)->next_frame(exec));
-    EXPECT_TRUE(step(exec, *world));
-  }
-  (*replay)->end();
-  return state_hash(*world);
+  return state_hash(test::replayed_world(run, threads));
 }
 
 HapticRecording saved_run(Session& session, const fs::path& file) {

@@ -10,20 +10,31 @@
 namespace turgor {
 namespace {
 
+constexpr double kDuration = 0.2;  // of the cut [s]
+
+/// Text of a scene with a block that is not cut; writes its CT into the folder.
+std::string uncut_scene(const std::filesystem::path& folder) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  std::string text = test::block_scene_text("block.nii");
+  const std::size_t begin = text.find("[incision.cut]");
+  return text.erase(begin, text.find("[output]") - begin);
+}
+
+CutRequest cut_request() {
+  return {.blade = {.name = "cut",
+                    .from = {0.002, -0.02, -0.03},
+                    .to = {0.002, -0.02, 0.03},
+                    .depth = 0.012,
+                    .duration = kDuration},
+          .body = 0};
+}
+
 // The surface of a wound that was cut in a live session is that of the same frames without a clock.
 TEST(LiveWound, EqualsFramesWithoutClock) {
   const std::filesystem::path folder = test::fresh_folder();
-  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
-  const std::string with_cut = test::block_scene_text("block.nii");
-  const std::size_t begin = with_cut.find("[incision.cut]"), end = with_cut.find("[output]");
   const std::filesystem::path file = folder / "block.toml";
-  std::ofstream(file) << with_cut.substr(0, begin) + with_cut.substr(end);
-  const CutRequest request{.blade = {.name = "cut",
-                                     .from = {0.002, -0.02, -0.03},
-                                     .to = {0.002, -0.02, 0.03},
-                                     .depth = 0.012,
-                                     .duration = 0.2},
-                           .body = 0};
+  std::ofstream(file) << uncut_scene(folder);
+  const CutRequest request = cut_request();
   const auto pause = [](Session& session) {
     session.request(PaceRequest{.plays = false, .pace = 1});
     return test::wait_until(session, [](const SessionStatus& now) { return !now.plays; });
@@ -65,10 +76,7 @@ TEST(LiveWound, EqualsFramesWithoutClock) {
 // A cut that a request starts between two frames has the bits of a cut that the scene starts at that time.
 TEST(LiveWound, RequestEqualsCutOfScene) {
   const std::filesystem::path folder = test::fresh_folder();
-  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
-  std::string text = test::block_scene_text("block.nii");
-  const std::size_t begin = text.find("[incision.cut]");
-  text.erase(begin, text.find("[output]") - begin);
+  std::string text = uncut_scene(folder);
   constexpr int kFirst = 4, kFrames = 20;
   const Exec exec(1);
 
@@ -76,12 +84,7 @@ TEST(LiveWound, RequestEqualsCutOfScene) {
   auto scene =
       std::make_shared<const Scene>(with_mouse_tools(parse_scene(text, folder / "live.toml").value()));
   World live = load_world(exec, *scene).value();
-  const CutRequest request{.blade = {.name = "cut",
-                                     .from = {0.002, -0.02, -0.03},
-                                     .to = {0.002, -0.02, 0.03},
-                                     .depth = 0.012,
-                                     .duration = 0.2},
-                           .body = 0};
+  const CutRequest request = cut_request();
   for (int frame = 0; frame < kFrames; frame++) {
     if (frame == kFirst) {
       ASSERT_TRUE(apply_request(exec, request, scene, live));

@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "organs_scene.hpp"
+#include "tests/sim/live/replayed_world.hpp"
 #include "tests/sim/live/watched_session.hpp"
 #include "turgor/sim/live/haptic_replay.hpp"
 #include "turgor/sim/live/session.hpp"
@@ -34,19 +35,9 @@ void press(Session& session, Vec3d at, int teleports) {
 }
 
 std::uint64_t hash_of_replay(const HapticRecording& run, int threads) {
-  const Exec exec(threads);
-  Result<World> world = load_world(exec, scene_of(run).value());
-  EXPECT_TRUE(world) << world.error().message;
-  auto replay = HapticReplay::begin(*world, run);
-  EXPECT_TRUE(replay) << replay.error().message;
-  for (int frame = 0; frame < run.frames; frame++) {
-    EXPECT_TRUE((*replay)->next_frame(exec));
-    EXPECT_TRUE(step(exec, *world));
-  }
-  (*replay)->end();
-  EXPECT_GT(world->coupling.contacts[0].samples.back().bearing, 0)
-      << "the finger presses the pad on the base";
-  return state_hash(*world);
+  const World world = test::replayed_world(run, threads);
+  EXPECT_GT(world.coupling.contacts[0].samples.back().bearing, 0) << "the finger presses the pad on the base";
+  return state_hash(world);
 }
 
 // A hand on a body that lies on another one replays to the same bits, on any number of threads.

@@ -7,6 +7,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/geometry/element_coordinates.hpp"
 #include "turgor/models/sfem/cholesky.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
@@ -83,66 +84,27 @@ void symmetrize(InnerGreen& inner) {
         inner.green[9 * (b * n + a) + k] = inner.green[9 * (a * n + b) + k % 3 * 3 + k / 3];
 }
 
-std::array<double, 4> tet_coordinates(const InnerGreen& inner, const int* corner, Vec3d p) {
-  const auto x = [&](int c) { return inner.x[std::size_t(corner[c])]; };
-  const double whole = orientation(x(0), x(1), x(2), x(3));
-  const double b = orientation(x(0), p, x(2), x(3)) / whole, c = orientation(x(0), x(1), p, x(3)) / whole,
-               d = orientation(x(0), x(1), x(2), p) / whole;
-  return {1 - b - c - d, b, c, d};
-}
-
-/// Trilinear weights of VTK's corners at reference coordinates in [0, 1]³, and their gradients.
-void trilinear(Vec3d s, std::array<double, 10>& weight, std::array<Vec3d, 8>& gradient) {
-  constexpr int kCorner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                                 {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-  for (std::size_t c = 0; c < 8; c++) {
-    double f[3], slope[3];
-    for (int axis = 0; axis < 3; axis++) {
-      f[axis] = kCorner[c][axis] ? s[axis] : 1 - s[axis];
-      slope[axis] = kCorner[c][axis] ? 1 : -1;
-    }
-    weight[c] = f[0] * f[1] * f[2];
-    gradient[c] = {slope[0] * f[1] * f[2], f[0] * slope[1] * f[2], f[0] * f[1] * slope[2]};
-  }
-}
-
-/// Newton iteration for the reference point that the hexahedron maps to p. It is kept near the cube, because
-/// the map may fold outside.
-Vec3d hex_coordinates(const InnerGreen& inner, const int* corner, Vec3d p) {
-  constexpr Vec3d kLow{-1, -1, -1}, kHigh{2, 2, 2};
-  Vec3d s{0.5, 0.5, 0.5};
-  std::array<double, 10> weight{};
-  std::array<Vec3d, 8> gradient{};
-  for (int pass = 0; pass < 20; pass++) {
-    trilinear(s, weight, gradient);
-    Vec3d at;
-    Mat3d map{{{}, {}, {}}};
-    for (std::size_t c = 0; c < 8; c++) {
-      const Vec3d x = inner.x[std::size_t(corner[c])];
-      at += x * weight[c];
-      for (int axis = 0; axis < 3; axis++) map.column[axis] += x * gradient[c][axis];
-    }
-    if (!(std::abs(determinant(map)) > 0)) break;
-    const Vec3d step = inverse(map) * (p - at);
-    s = min(max(s + step, kLow), kHigh);
-    if (norm(step) < 1e-13) break;
-  }
-  return s;
+/// Positions of the first corners of an element.
+template <std::size_t kCount>
+std::array<Vec3d, kCount> corner_positions(const InnerGreen& inner, int e) {
+  std::array<Vec3d, kCount> x;
+  for (std::size_t c = 0; c < kCount; c++)
+    x[c] = inner.x[std::size_t(inner.corner[std::size_t(e) * std::size_t(inner.corners) + c])];
+  return x;
 }
 
 /// Weights of a position in one element; `outside`: see inner_point.
 InnerPoint point_in(const InnerGreen& inner, int e, Vec3d p, double& outside) {
-  const int* corner = &inner.corner[std::size_t(e) * std::size_t(inner.corners)];
   InnerPoint point{.element = e};
   if (inner.corners == 8) {
-    const Vec3d s = hex_coordinates(inner, corner, p);
+    const Vec3d s = hex_coordinates(corner_positions<8>(inner, e), p);
     outside = 0;
     for (int axis = 0; axis < 3; axis++) outside = std::max({outside, -s[axis], s[axis] - 1});
     std::array<Vec3d, 8> gradient{};
-    trilinear(s, point.weight, gradient);
+    trilinear(s, std::span(point.weight).first<8>(), gradient);
     return point;
   }
-  const std::array<double, 4> linear = tet_coordinates(inner, corner, p);
+  const std::array<double, 4> linear = tet_coordinates(corner_positions<4>(inner, e), p);
   outside = std::max(0.0, -*std::min_element(linear.begin(), linear.end()));
   if (inner.corners == 10)
     point.weight = quadratic_weights(linear);
