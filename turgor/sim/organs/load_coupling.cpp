@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/geometry/box.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -69,13 +70,6 @@ void thin_out(const std::vector<Vec3d>& x, std::size_t most, SurfaceVertices& of
   of = std::move(thin);
 }
 
-bool is_in(const std::array<Vec3d, 2>& box, Vec3d x) {
-  for (int axis = 0; axis < 3; axis++)
-    if (x[axis] < std::min(box[0][axis], box[1][axis]) || x[axis] > std::max(box[0][axis], box[1][axis]))
-      return false;
-  return true;
-}
-
 /// Error if a body cannot be coupled.
 Status check_body(const std::string& where, const SfemBody& body) {
   if (!body.facts.on_demand) return Done{};
@@ -99,7 +93,7 @@ Targets find_targets(const AttachmentScene& scene, const SfemBody& body, const S
   if (other) tree = build_triangle_tree(other->model.body.mesh.vertices, other->model.surface.triangles);
   for (const int v : surface_vertices(body.model)) {
     const Vec3d p = x[std::size_t(v)];
-    if (scene.box && !is_in(*scene.box, p)) continue;
+    if (scene.box && squared_distance(box_around(*scene.box), p) > 0) continue;
     contact::SurfacePoint to{.rest = p};
     if (other) {
       // nearest point of the other surface

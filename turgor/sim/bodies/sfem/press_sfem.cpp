@@ -97,10 +97,8 @@ void advance_flight(SfemBody& body, const std::vector<Vec3d>& by_tools, Vec3d gr
   FreeFlight& flight = *body.flight;
   TURGOR_CHECK(is_step_length(dt) && body.model.mass.size() == flight.u.size(), "every vertex has a mass");
   // displacement at the end of the frame: the implicit step with all forces that acted in it
-  std::vector<Vec3d> u = by_tools;
-  add(flight.displacement, u);
+  std::vector<Vec3d> u = uncoupled_displacement(body, by_tools);
   if (body.coupling) add(body.coupling->displacement, u);
-  if (body.press) add(body.press->displacement, u);
   for (std::size_t v = 0; v < u.size(); v++) flight.v[v] = (u[v] - flight.u[v]) / dt;
   flight.u = std::move(u);
   // next frame without other forces
