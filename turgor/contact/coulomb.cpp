@@ -10,6 +10,36 @@ namespace turgor::contact {
 
 namespace {
 
+/// Columns of an elimination that are subtracted at once, each times a factor: an entry is loaded and stored
+/// once for all of them. The result has the bits of one after the other.
+struct Panel {
+  static constexpr int kColumns = 4;
+  const double* column[kColumns];
+  double factor[kColumns];
+  int count = 0;
+
+  void add(const double* values, double times) { column[count] = values, factor[count++] = times; }
+
+  /// target −= Σ factor · column in the rows [begin, end); end is a multiple of kLanes.
+  void subtract(int begin, int end, double* target) const {
+    TURGOR_CHECK(count > 0 && count <= kColumns && end % kLanes == 0, "a panel has one to four columns");
+    if (count < kColumns) {
+      for (int k = 0; k < count; k++)
+        for (int i = begin; i < end; i++) target[i] -= column[k][i] * factor[k];
+      return;
+    }
+    const double *a = column[0], *b = column[1], *c = column[2], *d = column[3];
+    const double fa = factor[0], fb = factor[1], fc = factor[2], fd = factor[3];
+    const int whole = std::min(padded(begin), end);
+    for (int i = begin; i < whole; i++) target[i] = target[i] - a[i] * fa - b[i] * fb - c[i] * fc - d[i] * fd;
+    for (int i = whole; i < end; i += kLanes) {
+      TURGOR_LANES
+      for (int q = i; q < i + kLanes; q++)
+        target[q] = target[q] - a[q] * fa - b[q] * fb - c[q] * fc - d[q] * fd;
+    }
+  }
+};
+
 /// Cholesky elimination, stopped after the held unknowns. The remaining system has the compliance C_cc − C_ch
 /// C_hh⁻¹ C_hc and the separations b_c − C_ch C_hh⁻¹ b_h. Columns of the held unknowns keep their rows below
 /// the diagonal for solve_held. A pivot that is lost to rounding (two sites at the same position) bears no
@@ -19,16 +49,24 @@ void eliminate_held(FrictionalContactProblem& p) {
   constexpr double kSingular = 1e-12;
   double largest = 0;
   for (int i = 0; i < h; i++) largest = std::max(largest, column(p, i)[i]);
-  // eliminate column by column
-  for (int i = 0; i < h; i++) {
-    double* pivot = column(p, i);
-    if (!(pivot[i] > kSingular * largest)) pivot[i] = HUGE_VAL;
-    for (int j = i + 1; j < n; j++) {
-      const double factor = pivot[j] / pivot[i];
-      if (factor == 0) continue;
-      double* target = column(p, j);
-      for (int row = j; row < n; row++) target[row] -= pivot[row] * factor;
-      p.separation[std::size_t(j)] -= factor * p.separation[std::size_t(i)];
+  // eliminate a panel of columns at a time: from the columns of the panel one by one, then from all others
+  for (int first = 0; first < h; first += Panel::kColumns) {
+    const int last = std::min(first + Panel::kColumns, h);
+    for (int i = first; i < last; i++) {
+      double* pivot = column(p, i);
+      if (!(pivot[i] > kSingular * largest)) pivot[i] = HUGE_VAL;
+      for (int j = i + 1; j < n; j++)
+        p.separation[std::size_t(j)] -= pivot[j] / pivot[i] * p.separation[std::size_t(i)];
+      for (int j = i + 1; j < last; j++) {
+        const double factor = pivot[j] / pivot[i];
+        double* target = column(p, j);
+        for (int row = j; row < n; row++) target[row] -= pivot[row] * factor;
+      }
+    }
+    for (int j = last; j < n; j++) {
+      Panel panel;
+      for (int i = first; i < last; i++) panel.add(column(p, i), column(p, i)[j] / column(p, i)[i]);
+      panel.subtract(j, padded(n), column(p, j));
     }
   }
   for (int j = h; j < n; j++)  // blocks on the diagonal are read in full

@@ -23,10 +23,19 @@ struct System {
   double* column(int j) const { return a + std::size_t(j) * std::size_t(stride); }
 };
 
+/// Largest absolute value of the entries [begin, end) of a column; both are multiples of kLanes.
+double largest_of(const double* column, int begin, int end) {
+  double largest[kLanes] = {};
+  for (int i = begin; i < end; i += kLanes) {
+    TURGOR_LANES
+    for (int q = 0; q < kLanes; q++) largest[q] = std::max(largest[q], std::abs(column[i + q]));
+  }
+  return *std::max_element(largest, largest + kLanes);
+}
+
 double largest_entry(const System& s) {
   double largest = 0;
-  for (int j = 0; j < s.n; j++)
-    for (int i = 0; i < s.n; i++) largest = std::max(largest, std::abs(s.column(j)[i]));
+  for (int j = 0; j < s.n; j++) largest = std::max(largest, largest_of(s.column(j), 0, padded(s.n)));
   return largest;
 }
 
@@ -56,19 +65,30 @@ void eliminate(const System& s, int k) {
   for (int i = k + 1; i < s.n; i++) s.rhs[i] -= s.factors[i] * s.rhs[k];
 }
 
+/// Row of the pivot of column k: k itself, unless another entry below it is more than ten times as large.
+int pivot_row(const System& s, int k) {
+  constexpr double kEnough = 0.1;  // of the largest entry
+  const double* column = s.column(k);
+  const int lane = k / kLanes * kLanes + kLanes;
+  // largest entry below: to the end of the lane, then in whole lanes
+  double largest = 0;
+  for (int i = k; i < std::min(lane, s.n); i++) largest = std::max(largest, std::abs(column[i]));
+  if (lane < s.n) largest = std::max(largest, largest_of(column, lane, padded(s.n)));
+  if (std::abs(column[k]) >= kEnough * largest) return k;
+  return int(std::find_if(column + k, column + s.n, [=](double a) { return std::abs(a) == largest; }) -
+             column);
+}
+
 /// Gaussian elimination with row exchanges. False for a singular matrix.
 bool solve_in_place(const System& s) {
   TURGOR_CHECK(s.n >= 0 && s.n <= s.stride, "the Newton system fits the allocated storage");
   constexpr double kSingular = 1e-13;
   const double smallest = kSingular * largest_entry(s);
-  // forward elimination with partial pivoting
+  // forward elimination
   for (int k = 0; k < s.n; k++) {
-    const double* pivot = s.column(k);
-    int best = k;
-    for (int i = k + 1; i < s.n; i++)
-      if (std::abs(pivot[i]) > std::abs(pivot[best])) best = i;
-    if (!(std::abs(pivot[best]) > smallest)) return false;
-    if (best != k) exchange_rows(s, k, best);
+    const int row = pivot_row(s, k);
+    if (!(std::abs(s.column(k)[row]) > smallest)) return false;
+    if (row != k) exchange_rows(s, k, row);
     eliminate(s, k);
   }
   // back substitution

@@ -33,26 +33,24 @@ bool is_held(const Search& s, const Site& site) {
   return false;
 }
 
-/// True when a site may become a contact. A new contact requires that the tool faces the surface. Rigid
-/// points never touch.
+/// True when a site may become a contact. A contact that bore no force requires that the tool faces the
+/// surface. Rigid points never touch.
 bool can_touch(const Search& s, const Site& site) {
   if (is_held(s, site)) return false;
   double softness = 0;
   visit_points(s.deformed.patch, site,
                [&](std::size_t p, double w) { softness += w * w * s.deformed.rest.softness[p]; });
   if (!(softness > kRigid * s.deformed.rest.largest_softness)) return false;
-  return dot(site.normal, weighted(s.deformed.patch, site, s.deformed.outward)) < 0 ||
-         touched_before(s, site);
+  return site.touched_before || dot(site.normal, weighted(s.deformed.patch, site, s.deformed.outward)) < 0;
 }
 
 /// Order in which sites are dropped when the capacity is exceeded: the farthest first. Sites that bore force
 /// come last, because their distance is about zero with either sign.
-double eviction_priority(const Search& s, const Site& site) {
-  return touched_before(s, site) ? -HUGE_VAL : site.distance;
-}
+double eviction_priority(const Site& site) { return site.touched_before ? -HUGE_VAL : site.distance; }
 
 /// Inserts a site. In a full list it replaces this tool's site of highest eviction priority.
-void insert(Search& s, const Site& site) {
+void insert(Search& s, Site site) {
+  site.touched_before = touched_before(s, site);
   if (!can_touch(s, site)) return;
   // free capacity
   if (s.sites.size() < s.in.capacity) {
@@ -62,10 +60,8 @@ void insert(Search& s, const Site& site) {
   // this tool's site of highest eviction priority
   Site* least = nullptr;
   for (std::size_t i = s.first; i < s.sites.size(); i++)
-    if (least == nullptr || eviction_priority(s, s.sites[i]) > eviction_priority(s, *least))
-      least = &s.sites[i];
-  const double own = eviction_priority(s, site),
-               worst = least == nullptr ? own : eviction_priority(s, *least);
+    if (least == nullptr || eviction_priority(s.sites[i]) > eviction_priority(*least)) least = &s.sites[i];
+  const double own = eviction_priority(site), worst = least == nullptr ? own : eviction_priority(*least);
   s.dropped += std::max(own, worst) < 0;
   if (own < worst) *least = site;
 }

@@ -26,6 +26,7 @@ struct Site {
   Vec3d anchor;  // position on the tool to which the site sticks or is held, in the tool's frame [m]
   Vec3d force;   // on the body [N]
   SiteState state = SiteState::kOpen;
+  bool touched_before = false;  // it bore force in the last tick
 };
 
 /// Calls visit(point, weight) for the points that carry a site. The weights sum to 1.
