@@ -130,7 +130,7 @@ class World(_turgor.World):
 
     @property
     def is_led(self) -> bool:
-        """Deprecated: use is_ticked."""
+        """Deprecated; use is_ticked."""
         warnings.warn("World.is_led is now World.is_ticked; the old name is removed in the next release", DeprecationWarning, stacklevel=2)
         return self.is_ticked
 

@@ -1,4 +1,5 @@
 """Types of the Python module as mypy sees them, its texts, and refused arguments."""
+import ast
 import os
 import pathlib
 import re
@@ -35,6 +36,19 @@ REVEALED = (r"turgor\.world\.World", r"ndarray\[.*dtype\[Any\]\]", r"ndarray\[.*
             r"ndarray\[.*int", r"ndarray\[.*dtype\[Any\]\]", r"ndarray\[.*(_64Bit|float64)", r"dict\[.*str, Any\]", r"str")
 
 
+def texts_by_name(stub):
+    """Arguments and docstrings of classes, functions and properties by name."""
+    found = {}
+    tree = ast.parse(stub.read_text())
+    for outer in tree.body:
+        for node in [outer, *getattr(outer, "body", [])]:
+            if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+                name = node.name if node is outer else f"{outer.name}.{node.name}"
+                arguments = [a.arg for a in node.args.args] if isinstance(node, ast.FunctionDef) else []
+                found.setdefault(name, []).append((arguments, ast.get_docstring(node)))
+    return found
+
+
 class Types(unittest.TestCase):
     # mypy knows the types of worlds, forces and fields, and finds a wrong argument.
     @unittest.skipUnless(mypy, "mypy is not installed")
@@ -49,6 +63,11 @@ class Types(unittest.TestCase):
         for expected, one in zip(REVEALED, found):
             self.assertRegex(one, expected)
         self.assertRegex(done.stdout, r'error: Argument 1 to "step".* has incompatible type "str"; expected "int"')
+
+    # The types and texts in the source tree, from which the documentation is made, are those of the engine.
+    def test_stub_in_source_is_current(self):
+        source, built = pathlib.Path(__file__).parents[2] / "python/turgor/_turgor.pyi", pathlib.Path(turgor.__file__).parent / "_turgor.pyi"
+        self.assertEqual(texts_by_name(source), texts_by_name(built), f"copy {built} to {source}")
 
     # Texts of objects say what they are.
     def test_texts_say_what_objects_are(self):
