@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 TEST(Film, MissingFfmpegKeepsPictures) {
   const fs::path out = test::fresh_folder();
   const std::string path = std::getenv("PATH");
-  Film film;
+  WindowFilm film;
   add_to_film(make_image(8, 6), out, film);
   setenv("PATH", "", 1);
   const std::string said = end_film(out, "liver", film);
@@ -29,7 +29,7 @@ TEST(Film, MissingFfmpegKeepsPictures) {
 // A picture that cannot be written leaves no folder.
 TEST(Film, WriteErrorLeavesNoFolder) {
   const fs::path out = test::fresh_folder();
-  Film film;
+  WindowFilm film;
   EXPECT_NE(add_to_film(Image(), out, film).find("000000.png"), std::string::npos);
   EXPECT_TRUE(fs::is_empty(out));
 }

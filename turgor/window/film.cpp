@@ -16,7 +16,7 @@ fs::path free_name(const fs::path& out, const std::string& name, const char* end
   return path;
 }
 
-bool is_due(const Film& film) {
+bool is_due(const WindowFilm& film) {
   const auto passed = std::chrono::steady_clock::now() - film.latest;
   return film.frames.empty() || std::chrono::duration<double>(passed).count() >= 1 / kFilmRate;
 }
@@ -29,7 +29,7 @@ std::string save_picture(const Image& image, const fs::path& out, const std::str
   return written ? "saved " + path.string() : written.error().message;
 }
 
-std::string add_to_film(const Image& image, const fs::path& out, Film& film) {
+std::string add_to_film(const Image& image, const fs::path& out, WindowFilm& film) {
   std::error_code ignored;
   if (film.frames.empty()) film.folder = free_name(out, ".film", "");
   fs::create_directories(film.folder, ignored);
@@ -42,7 +42,7 @@ std::string add_to_film(const Image& image, const fs::path& out, Film& film) {
   return fmt::format("video: {:.1f} s", double(film.frames.size()) / kFilmRate);
 }
 
-std::string end_film(const fs::path& out, const std::string& name, Film& film) {
+std::string end_film(const fs::path& out, const std::string& name, WindowFilm& film) {
   const fs::path path = free_name(out, name, ".mp4");
   const Status written = write_video(film.frames, kFilmRate, path);
   std::error_code ignored;

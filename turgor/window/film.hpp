@@ -13,7 +13,7 @@ namespace turgor {
 constexpr double kFilmRate = 20;  // frames per second of a video
 
 /// A video in progress: frames in a hidden folder.
-struct Film {
+struct WindowFilm {
   std::filesystem::path folder;
   std::vector<std::filesystem::path> frames;
   std::chrono::steady_clock::time_point latest;
@@ -26,10 +26,10 @@ std::filesystem::path free_name(const std::filesystem::path& out, const std::str
 /// The following functions return a status message.
 std::string save_picture(const Image& image, const std::filesystem::path& out, const std::string& name);
 /// Adds the picture if the next frame is due.
-std::string add_to_film(const Image& image, const std::filesystem::path& out, Film& film);
+std::string add_to_film(const Image& image, const std::filesystem::path& out, WindowFilm& film);
 /// If no video can be written, the frames are kept in a folder that the message names.
-std::string end_film(const std::filesystem::path& out, const std::string& name, Film& film);
+std::string end_film(const std::filesystem::path& out, const std::string& name, WindowFilm& film);
 /// True if the next frame is due.
-bool is_due(const Film& film);
+bool is_due(const WindowFilm& film);
 
 }  // namespace turgor

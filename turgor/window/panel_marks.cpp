@@ -8,7 +8,7 @@ namespace turgor {
 namespace {
 
 constexpr ImU32 kInk = IM_COL32(236, 239, 242, 255), kShade = IM_COL32(0, 0, 0, 160),
-                kLine = IM_COL32(255, 90, 70, 255), kWind = IM_COL32(120, 190, 255, 255),
+                kLine = IM_COL32(255, 90, 70, 255), kWindLine = IM_COL32(120, 190, 255, 255),
                 kPatch = IM_COL32(60, 220, 200, 200), kBlade = IM_COL32(255, 90, 70, 70),
                 kBladeEdge = IM_COL32(255, 160, 140, 200);
 
@@ -94,7 +94,7 @@ void show_marks(const Viewer& viewer, const WorldPicture& picture) {
   if (viewer.display.patch)
     for (const BodySnapshot& body : viewer.now->snapshot.bodies) draw_patch(draw, viewer, body.patch);
   if (viewer.cut) draw_cut(draw, viewer, *viewer.cut);
-  if (viewer.wind) draw_line(draw, viewer, *viewer.wind, kWind);
+  if (viewer.wind) draw_line(draw, viewer, *viewer.wind, kWindLine);
   if (picture.has_scale) draw_legend(draw, area, picture.scale);
   draw.PopClipRect();
 }

@@ -98,8 +98,8 @@ void redo(Viewer& viewer) {
   viewer.session.request(RedoRequest{});
 }
 
-constexpr const char *kFile = "File", *kEdit = "Edit", *kTime = "Time", *kMouse = "Mouse", *kView = "View",
-                     *kOutput = "Pictures and recordings";
+constexpr const char *kFile = "File", *kEdit = "Edit", *kTime = "Time", *kMouseKeys = "Mouse",
+                     *kView = "View", *kOutput = "Pictures and recordings";
 
 constexpr KeyHelp kKeys[] = {
     {kFile, GLFW_KEY_O, "Ctrl+O", "open a scene", show_open_dialog, Chord::kControl},
@@ -122,11 +122,11 @@ constexpr KeyHelp kKeys[] = {
     {kTime, GLFW_KEY_BACKSPACE, "Backspace", "restart with the changed parameters", restart},
     {kTime, GLFW_KEY_MINUS, "-", "half speed", change_pace<-1>},
     {kTime, GLFW_KEY_EQUAL, "+", "double speed", change_pace<1>},
-    {kMouse, GLFW_KEY_T, "T", "touch", set_mode<MouseMode::kTouch>},
-    {kMouse, GLFW_KEY_G, "G", "grab (as with Shift)", set_mode<MouseMode::kGrab>},
-    {kMouse, GLFW_KEY_C, "C", "cut skin", set_mode<MouseMode::kCut>},
-    {kMouse, GLFW_KEY_W, "W", "wind on cloth", set_mode<MouseMode::kWind>},
-    {kMouse, GLFW_KEY_ESCAPE, "Esc", "leave a mode, a line or a dialog", leave_mode},
+    {kMouseKeys, GLFW_KEY_T, "T", "touch", set_mode<MouseMode::kTouch>},
+    {kMouseKeys, GLFW_KEY_G, "G", "grab (as with Shift)", set_mode<MouseMode::kGrab>},
+    {kMouseKeys, GLFW_KEY_C, "C", "cut skin", set_mode<MouseMode::kCut>},
+    {kMouseKeys, GLFW_KEY_W, "W", "wind on cloth", set_mode<MouseMode::kWind>},
+    {kMouseKeys, GLFW_KEY_ESCAPE, "Esc", "leave a mode, a line or a dialog", leave_mode},
     {kView, GLFW_KEY_1, "1", "from the front", look_from<StandardView::kFront>},
     {kView, GLFW_KEY_2, "2", "from the back", look_from<StandardView::kBack>},
     {kView, GLFW_KEY_3, "3", "from the patient's right", look_from<StandardView::kRight>},

@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kLeft = 0, kRight = 1, kMiddle = 2;  // GLFW's
 constexpr double kLift = 0.03;                     // of a tool without contact [m]
-constexpr double kWind = 12;                       // for a drag over half the picture's height [m/s]
+constexpr double kWindSpeed = 12;                  // for a drag over half the picture's height [m/s]
 
 SightRay ray_at_cursor(const Viewer& viewer) {
   return sight_ray(viewer.camera, viewer.cursor, viewer.aspect);
@@ -96,7 +96,7 @@ void blow(Viewer& viewer) {
   const DrawnLine& line = *viewer.wind;
   const double half_height =
       norm(viewer.camera.eye - viewer.camera.target) * camera_frame(viewer.camera).tan_half;
-  const Vec3d velocity = (line.to - line.from) * (kWind / half_height);
+  const Vec3d velocity = (line.to - line.from) * (kWindSpeed / half_height);
   viewer.session.request(
       WindRequest{.body = viewer.now->snapshot.bodies[line.body].id.index, .velocity = velocity});
   viewer.message = fmt::format("wind of {:.1f} m/s", norm(velocity));
@@ -135,7 +135,7 @@ void ask_for_ct(Viewer& viewer) {
   viewer.session.request(CtRequest{targets});
 }
 
-constexpr MouseHelp kMouse[] = {
+constexpr MouseHelp kMouseHelp[] = {
     {"left on a body",
      "press with the body's tool, and slide; on cloth without a tool: wind; in cut mode: cut skin"},
     {"Shift + left on a body", "grab and pull; forceps close"},
@@ -148,7 +148,7 @@ constexpr MouseHelp kMouse[] = {
 
 }  // namespace
 
-std::span<const MouseHelp> mouse_table() { return kMouse; }
+std::span<const MouseHelp> mouse_table() { return kMouseHelp; }
 
 void press_button(Viewer& viewer, int button, bool shift) {
   viewer.camera_button.reset();

@@ -49,7 +49,7 @@ struct SceneWindow::Impl {
   std::string trouble;  // error of the settings' file
   DrawnState drawn;
   std::chrono::steady_clock::time_point changed = std::chrono::steady_clock::now(), latest = changed;
-  Film film;
+  WindowFilm film;
   GalleryPictures gallery;
   std::string title;  // as shown
 
