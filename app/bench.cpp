@@ -8,6 +8,7 @@
 #include "app/bench_sfem.hpp"
 #include "app/bench_skin_tension.hpp"
 #include "app/commands.hpp"
+#include "app/other_programs.hpp"
 #include "app/print.hpp"
 #include "turgor/io/files/file.hpp"
 
@@ -248,8 +249,7 @@ void add_haptics_bench(CLI::App& bench, Global& global) {
 }  // namespace
 
 void add_bench_command(CLI::App& program, Global& global) {
-  CLI::App* bench =
-      program.add_subcommand("bench", "Benchmark this machine, beside the tables of the papers");
+  CLI::App* bench = program.add_subcommand(kBench.command, kBench.about);
   bench->require_subcommand(1);
   CLI::App* table = bench->add_subcommand("skin-tension", "Measure Table 4 of the skin tension paper");
   struct Options {

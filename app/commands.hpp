@@ -1,5 +1,6 @@
-// Commands of the program `turgor`. Each add_<name>_command declares one subcommand with its options. The
-// callback does the work of the command and throws Failure with a sentence on errors.
+// Commands of the program `turgor` and of the programs beside it (other_programs.hpp). Each
+// add_<name>_command declares one subcommand with its options. The callback does the work of the command and
+// throws Failure with a sentence on errors.
 #pragma once
 
 #include <sstream>
@@ -71,6 +72,5 @@ void add_cache_command(CLI::App& program);
 void add_devices_command(CLI::App& program);
 void add_tissues_command(CLI::App& program);
 void add_replay_command(CLI::App& program, Global& global);
-void add_view_command(CLI::App& program, Global& global);
 
 }  // namespace turgor

@@ -1,138 +1,28 @@
-// The program `turgor`: reads the command line, runs a command, and turns a failure into a sentence and an
-// exit code. 2: unexpected command line or scene. 3: non-finite numbers ended a simulation early. 130:
-// interrupted. 141, without a sentence: the reader of standard output closed the pipe.
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <cstring>
-#include <exception>
-#include <iostream>
-#include <new>
-#include <string>
-#include <system_error>
-#include <vector>
-
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
+// The program `turgor`.
 #include "app/commands.hpp"
-#include "app/print.hpp"
-#include "turgor/core/thread_limit.hpp"
-#include "turgor/io/files/unfinished.hpp"
-#include "turgor/sim/report/report.hpp"
-#include "turgor/sim/scene/nearest_name.hpp"
-#include "turgor/view/drawing_process.hpp"
+#include "app/other_programs.hpp"
+#include "app/program.hpp"
 
 namespace {
 
-int fail(const std::string& message) {
-  turgor::print_message("turgor", message);
-  return 2;
-}
-
-/// Exit code after a failed write to standard output. A closed pipe needs no message.
-int fail_to_print(int reason) {
-  if (reason == EPIPE) return 128 + SIGPIPE;
-  return fail(std::string("standard output: cannot be written: ") + std::strerror(reason));
-}
-
-/// Flushes standard output and returns the exit code.
-int end_with(int code) {
-  std::cout.flush();
-  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-  const int reason = errno;
-  return code == 0 ? fail_to_print(reason) : code;
-}
-
-/// Opens closed standard streams on /dev/null. Otherwise the next opened file would get the number of a
-/// stream, and messages would be written to it.
-void hold_standard_streams() {
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    if (fcntl(stream, F_GETFD) < 0) (void)!open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
-}
-
-/// Message about an unknown command; empty if the command line has another problem.
-std::string unknown_command(const CLI::App& app, int argc, char** argv) {
-  const std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App*) { return true; });
-  if (argc < 2 || argv[1][0] == '-' || commands.empty()) return "";
-  const std::string word = argv[1];
-  std::vector<std::string> names;
-  for (const CLI::App* command : commands) {
-    if (command->get_name() == word) return unknown_command(*command, argc - 1, argv + 1);
-    names.push_back(command->get_name());
-  }
-  return word + " is not a command" + turgor::suggestion(word, names);
-}
-
-/// "FILE: " of the command's first argument, such as the scene of run; empty without one.
-std::string input_of(const CLI::App& program) {
-  for (const CLI::App* command : program.get_subcommands())
-    for (const CLI::Option* option : command->get_options())
-      if (option->get_positional() && option->count() > 0) return option->results().front() + ": ";
-  return {};
-}
-
-/// Runs the command line and returns the exit code.
-int run(int argc, char** argv) {
-  CLI::App program{
-      "Turgor: tissue you can touch. Builds deformable bodies from CT volumes, cuts and measures them."};
-  program.name("turgor");
-  program.footer(
-      "Examples:\n"
-      "  turgor run scenes/incision.toml --out out/incision\n"
-      "  turgor info patient.nii.gz\n"
-      "For help on a command: turgor COMMAND --help\n"
-      "Exit codes: 0 success; 2 an error, explained by a message; 3 a simulation stopped early because it\n"
-      "was not finite (earlier results are written), or a figure of validate is beyond its bound;\n"
-      "130 interrupted: unfinished files are removed, and the message names complete ones.");
-  program.set_version_flag("--version", "turgor " + turgor::program_version());
-  program.set_help_all_flag("--help-all", "Print the help of all commands");
-  turgor::Global global;
-  program.add_option("--threads", global.threads, "Threads to use; 0 = one per core")
-      ->check(CLI::Range(0, turgor::kMostThreads));
-  program.fallthrough();
+void add_commands(CLI::App& program, turgor::Global& global) {
   turgor::add_run_command(program, global);
   turgor::add_replay_command(program, global);
-  turgor::add_view_command(program, global);
+  turgor::add_other_command(program, turgor::kView);
   turgor::add_info_command(program, global);
   turgor::add_import_command(program, global);
   turgor::add_phantom_command(program, global);
   turgor::add_mesh_command(program, global);
-  turgor::add_bench_command(program, global);
-  turgor::add_validate_command(program, global);
+  turgor::add_other_command(program, turgor::kBench);
+  turgor::add_other_command(program, turgor::kValidate);
   turgor::add_calibrate_command(program, global);
   turgor::add_cache_command(program);
   turgor::add_devices_command(program);
   turgor::add_tissues_command(program);
-  if (argc < 2) return turgor::print_text(program.help()), 0;
-  if (const std::string message = unknown_command(program, argc, argv); !message.empty())
-    return fail(message);
-  try {
-    program.parse(argc, argv);
-    return 0;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);  // --help and --version
-    return fail(std::string(error.what()) + "; see turgor --help");
-  } catch (const turgor::Failure& failure) {
-    fail(failure.message);
-    return failure.exit_code;
-  } catch (const std::system_error& error) {  // fmt::print
-    return fail_to_print(error.code().value());
-  } catch (const std::bad_alloc&) {
-    return fail(input_of(program) + "not enough memory; a larger block or a smaller CT needs less");
-  } catch (const std::exception& error) {
-    return fail(error.what());
-  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  constexpr const char* kDraws = "draw-meshes";  // the child process of a run that draws its pictures
-  if (argc == 2 && std::string(argv[1]) == kDraws) return turgor::serve_drawings();
-  hold_standard_streams();
-  turgor::set_drawing_program({.arguments = {"/proc/self/exe", kDraws}});
-  turgor::remove_unfinished_when_interrupted();
-  return end_with(run(argc, argv));
+  return turgor::run_program(argc, argv, add_commands, turgor::start_other_program);
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/other_programs.hpp"
 #include "app/print.hpp"
 #include "app/report_elements.hpp"
 #include "app/result_folder.hpp"
@@ -354,7 +355,7 @@ void add_validation(CLI::App& validate, Global& global, const std::string& name,
 }  // namespace
 
 void add_validate_command(CLI::App& program, Global& global) {
-  CLI::App* validate = program.add_subcommand("validate", "Validate a model against known answers");
+  CLI::App* validate = program.add_subcommand(kValidate.command, kValidate.about);
   validate->require_subcommand(1);
   for (const Validation& v : kValidations) add_validation(*validate, global, v.model, v.about, {&v, 1});
   add_validation(*validate, global, "all", "Validate all models", kModels);

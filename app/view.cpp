@@ -1,7 +1,10 @@
-// `turgor view`: simulates a scene in a window. The library does the work (window/window.hpp).
+// The program `turgor-view`, which `turgor view` starts: simulates a scene in a window. The library does the
+// work (window/window.hpp).
 #include <filesystem>
 
 #include "app/commands.hpp"
+#include "app/other_programs.hpp"
+#include "app/program.hpp"
 #ifdef TURGOR_HAS_WINDOW
 #include "turgor/window/window.hpp"
 #endif
@@ -35,10 +38,11 @@ void view(const WindowOptions& options) {
 
 }  // namespace
 
+namespace {
+
 void add_view_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<WindowOptions>();
-  CLI::App* command =
-      program.add_subcommand("view", "Simulate a scene in a window: view, press, cut and edit it");
+  CLI::App* command = program.add_subcommand(kView.command, kView.about);
   command->footer(
       "Examples:\n"
       "  turgor view\n"
@@ -55,4 +59,8 @@ void add_view_command(CLI::App& program, Global& global) {
   });
 }
 
+}  // namespace
+
 }  // namespace turgor
+
+int main(int argc, char** argv) { return turgor::run_program(argc, argv, turgor::add_view_command); }

@@ -9,7 +9,7 @@ namespace turgor::haptics {
 
 namespace {
 
-std::vector<std::string> candidates(const std::filesystem::path& file) {
+std::vector<std::string> dhd_candidates(const std::filesystem::path& file) {
   if (!file.empty()) return {file.string()};
   // folders of the SDK and of the user
   std::vector<std::string> folders;
@@ -74,7 +74,7 @@ void bind_drd(DhdLibrary& l) {
 }  // namespace
 
 Result<DhdLibrary> load_dhd(const std::filesystem::path& file) {
-  Result<SharedLibrary> library = SharedLibrary::open(candidates(file));
+  Result<SharedLibrary> library = SharedLibrary::open(dhd_candidates(file));
   if (!library)
     return Error{
         fmt::format("{}; install the Force Dimension SDK and set FDSDK to its folder (docs/devices.md)",

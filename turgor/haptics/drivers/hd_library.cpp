@@ -9,7 +9,7 @@ namespace turgor::haptics {
 
 namespace {
 
-std::vector<std::string> candidates(const std::filesystem::path& file) {
+std::vector<std::string> hd_candidates(const std::filesystem::path& file) {
   if (!file.empty()) return {file.string()};
   std::vector<std::string> files;
   for (const char* version : {"", ".3", ".3.5", ".3.4", ".3.0"})
@@ -49,7 +49,7 @@ const char* missing_function(HdLibrary& l) {
 }  // namespace
 
 Result<HdLibrary> load_hd(const std::filesystem::path& file) {
-  Result<SharedLibrary> library = SharedLibrary::open(candidates(file));
+  Result<SharedLibrary> library = SharedLibrary::open(hd_candidates(file));
   if (!library)
     return Error{
         fmt::format("{}; install 3D Systems OpenHaptics and the driver of the device (docs/devices.md)",

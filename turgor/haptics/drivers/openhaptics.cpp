@@ -19,8 +19,8 @@ constexpr double kMillimeter = 1e-3;  // [m]
 
 /// Conversion between the vendor's frame (x right, y up, z towards the user) and the device frame (x right, y
 /// away from the user, z up).
-Vec3d to_device_frame(Vec3d v) { return {v.x, -v.z, v.y}; }
-Vec3d to_vendor_frame(Vec3d v) { return {v.x, v.z, -v.y}; }
+Vec3d hd_to_device_frame(Vec3d v) { return {v.x, -v.z, v.y}; }
+Vec3d device_to_hd_frame(Vec3d v) { return {v.x, v.z, -v.y}; }
 
 void sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
@@ -90,8 +90,8 @@ Status OpenHaptics::describe() {
   // specification
   const char* model = hd_.get_string(hd::kModel);
   const char* serial = hd_.get_string(hd::kSerial);
-  const Vec3d low = to_device_frame({box[0], box[1], box[2]}),
-              high = to_device_frame({box[3], box[4], box[5]});
+  const Vec3d low = hd_to_device_frame({box[0], box[1], box[2]}),
+              high = hd_to_device_frame({box[3], box[4], box[5]});
   spec_ = {
       .name = on_one_line(fmt::format("{} {}", model ? model : "3D Systems device", serial ? serial : "")),
       .workspace_low = min(low, high) * kMillimeter,
@@ -164,10 +164,10 @@ bool OpenHaptics::read(DeviceInput& input) const noexcept {
   hd_.get_doubles(hd::kAngularVelocity, w);
   hd_.get_integers(hd::kButtons, &buttons);
   // convert
-  const auto column = [&](int c) { return to_device_frame(Vec3d{m[4 * c], m[4 * c + 1], m[4 * c + 2]}); };
+  const auto column = [&](int c) { return hd_to_device_frame(Vec3d{m[4 * c], m[4 * c + 1], m[4 * c + 2]}); };
   input = {.pose = {column(3) * kMillimeter, {{column(0), -column(2), column(1)}}},
-           .velocity = to_device_frame(Vec3d{v[0], v[1], v[2]}) * kMillimeter,
-           .angular_velocity = to_device_frame(Vec3d{w[0], w[1], w[2]}),
+           .velocity = hd_to_device_frame(Vec3d{v[0], v[1], v[2]}) * kMillimeter,
+           .angular_velocity = hd_to_device_frame(Vec3d{w[0], w[1], w[2]}),
            .buttons = std::uint32_t(buttons),
            .time = steady_seconds()};
   return is_plausible(input);
@@ -175,7 +175,7 @@ bool OpenHaptics::read(DeviceInput& input) const noexcept {
 
 void OpenHaptics::set_force(Vec3d force) const noexcept {
   TURGOR_CHECK(std::isfinite(dot(force, force)), "forces are finite before they go to a device");
-  const Vec3d f = to_vendor_frame(force);
+  const Vec3d f = device_to_hd_frame(force);
   const double newtons[3] = {f.x, f.y, f.z};
   hd_.set_doubles(hd::kForce, newtons);
 }

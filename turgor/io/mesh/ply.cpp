@@ -30,7 +30,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
 };
 
-NumberType read_type(FileCursor& cursor) {
+NumberType read_property_type(FileCursor& cursor) {
   using enum NumberType::Kind;
   static constexpr std::array<std::pair<std::string_view, NumberType>, 16> kTypes{{{"char", {kSigned, 1}},
                                                                                    {"int8", {kSigned, 1}},
@@ -68,10 +68,10 @@ Property read_property(FileCursor& cursor) {
   property.is_list = cursor.peek_word() == "list";
   if (property.is_list) {
     cursor.word();
-    property.count = read_type(cursor);
+    property.count = read_property_type(cursor);
     if (property.count.kind == NumberType::kReal) cursor.fail("a whole type for the length of a list");
   }
-  property.type = read_type(cursor);
+  property.type = read_property_type(cursor);
   property.name = cursor.word();
   return property;
 }

@@ -28,8 +28,8 @@ Status check_positions(const fs::path& path, const FoundSurface& found, double s
 }
 
 /// Triangles of one polygon, by the file's vertices.
-Status add_polygon(const fs::path& path, const FoundSurface& found, std::size_t polygon,
-                   std::vector<Int3>& triangles) {
+Status triangulate_polygon(const fs::path& path, const FoundSurface& found, std::size_t polygon,
+                           std::vector<Int3>& triangles) {
   const std::size_t begin = polygon > 0 ? found.ends[polygon - 1] : 0, count = found.ends[polygon] - begin;
   const std::int64_t vertices = std::int64_t(found.vertices.size());
   std::vector<Vec3d> corners;
@@ -71,7 +71,7 @@ Result<ReadSurface> finish_surface(const fs::path& path, const FoundSurface& fou
   if (Status done = check_positions(path, found, scale); !done) return done.error();
   std::vector<Int3> triangles;
   for (std::size_t p = 0; p < found.ends.size(); p++)
-    if (Status done = add_polygon(path, found, p, triangles); !done) return done.error();
+    if (Status done = triangulate_polygon(path, found, p, triangles); !done) return done.error();
   ReadSurface read{.format = found.format, .notes = found.notes};
   for (const Vec3d x : found.vertices) read.mesh.vertices.push_back(Vec3(x * scale) + Vec3{});  // -0 is 0
   read.mesh.triangles = triangles;

@@ -25,7 +25,7 @@ struct VtkReader {
   int rank = 0;            // of the field that gave the regions
 };
 
-NumberType read_type(FileCursor& cursor) {
+NumberType read_number_type(FileCursor& cursor) {
   const std::string name = lower_case(cursor.word());
   const bool is_unsigned = name.starts_with("unsigned_");
   const NumberType::Kind kind = is_unsigned ? NumberType::kUnsigned : NumberType::kSigned;
@@ -63,7 +63,7 @@ void read_wholes(VtkReader& in, std::size_t count, NumberType type, std::vector<
 void read_points(VtkReader& in) {
   if (!in.points.empty()) in.cursor.fail("one set of points", "a second one");
   const std::size_t count = in.cursor.count(4, {1, 1}, "a number of points");
-  const NumberType type = read_type(in.cursor);
+  const NumberType type = read_number_type(in.cursor);
   read_numbers(in, 3 * count, type, [&](std::size_t i) {
     if (i % 3 == 0) in.points.emplace_back();
     in.points.back()[int(i % 3)] = read_real(in.cursor, type);
@@ -95,9 +95,9 @@ void read_cells(VtkReader& in, VtkCells& cells) {
   const std::size_t size = cursor.count(4, {1, 1}, "a number of numbers");
   if (cursor.peek_word() != "OFFSETS") return read_counted_cells(in, count, size, cells);
   cursor.word();
-  read_wholes(in, count, read_type(cursor), cells.ends);
+  read_wholes(in, count, read_number_type(cursor), cells.ends);
   cursor.expect("CONNECTIVITY");
-  read_wholes(in, size, read_type(cursor), cells.nodes);
+  read_wholes(in, size, read_number_type(cursor), cells.nodes);
   if (cells.ends.empty() || cells.ends.front() != 0)
     cursor.fail("offsets that begin with 0", "others");
   else
@@ -138,7 +138,7 @@ void read_field(VtkReader& in, std::string_view name, std::size_t tuples, std::s
 
 void read_scalars(VtkReader& in) {
   const std::string name(in.cursor.word());
-  const NumberType type = read_type(in.cursor);
+  const NumberType type = read_number_type(in.cursor);
   std::int64_t components = 1;
   if (in.cursor.peek_word() != "LOOKUP_TABLE") components = in.cursor.whole(0, "1 to 4 components");
   if (components < 1 || components > 4) in.cursor.fail("1 to 4 components");
@@ -178,7 +178,7 @@ void read_fields(VtkReader& in) {
     const std::size_t components = in.cursor.count(4, {0, 0}, "a number of components");
     const std::size_t tuples = in.cursor.count(4, {1, 0}, "a number of tuples");
     if (in.cursor.peek_word() != "string") {
-      read_field(in, name, tuples, components, read_type(in.cursor));
+      read_field(in, name, tuples, components, read_number_type(in.cursor));
       continue;
     }
     in.cursor.word();
@@ -191,7 +191,7 @@ void read_fields(VtkReader& in) {
 void read_attribute(VtkReader& in, std::size_t components) {
   const std::string name(in.cursor.word());
   if (components == 0) components = in.cursor.count(4, {0, 0}, "a number of components");
-  read_field(in, name, in.tuples, components, read_type(in.cursor));
+  read_field(in, name, in.tuples, components, read_number_type(in.cursor));
 }
 
 void read_colors(VtkReader& in, bool is_table) {

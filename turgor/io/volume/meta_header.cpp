@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool sample_type(const std::string& text, SampleType& type) {
+bool meta_type(const std::string& text, SampleType& type) {
   static const std::map<std::string, SampleType, std::less<>> kTypes = {
       {"MET_CHAR", SampleType::kInt8},       {"MET_UCHAR", SampleType::kUint8},
       {"MET_SHORT", SampleType::kInt16},     {"MET_USHORT", SampleType::kUint16},
@@ -87,7 +87,7 @@ Status read_scale(const fs::path& path, const TextFields& fields, VolumeHeader& 
   return read_numbers(path, fields, {"ElementToIntensityFunctionOffset"}, {&header.intercept, 1});
 }
 
-Status read_sizes(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
+Status read_meta_sizes(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
   const std::vector<std::int64_t> sizes = whole_numbers(fields.get("DimSize"));
   if (fields.get("NDims") != "3" || sizes.size() != 3)
     return Error{fmt::format("{}: NDims = {}, DimSize = {}; expected one volume (3 dimensions)",
@@ -123,7 +123,7 @@ Status read_header_size(const fs::path& path, const TextFields& fields, bool is_
   return Done{};
 }
 
-Status find_data(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
+Status find_meta_data(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
   const std::string file = fields.get("ElementDataFile");
   const bool is_local = file == "LOCAL" || file == "Local" || file == "local";
   if (file.empty() || file == "LIST" || file.starts_with("LIST ") || file.find('%') != file.npos)
@@ -155,16 +155,16 @@ Result<VolumeHeader> parse_meta(const fs::path& path, std::string_view head) {
       .format = VolumeFormat::kMetaImage, .data_file = path, .data_offset = std::int64_t(end)};
   if (fields.has("ObjectType") && fields.get("ObjectType") != "Image")
     return Error{fmt::format("{}: ObjectType = {}; expected Image", path.string(), fields.get("ObjectType"))};
-  if (!sample_type(fields.get("ElementType"), header.type))
+  if (!meta_type(fields.get("ElementType"), header.type))
     return Error{fmt::format("{}: ElementType = {} is not read; expected whole or real numbers",
                              path.string(), fields.get("ElementType"))};
   if (!is_true(fields.get("BinaryData")))
     return Error{fmt::format("{}: BinaryData = False (text) is not read; expected True", path.string())};
-  if (Status sizes = read_sizes(path, fields, header); !sizes) return sizes.error();
+  if (Status sizes = read_meta_sizes(path, fields, header); !sizes) return sizes.error();
   if (Status grid = read_grid(path, fields, header); !grid) return grid.error();
   if (Status scale = read_scale(path, fields, header); !scale) return scale.error();
   header.is_swapped = is_big_endian(fields) != (std::endian::native == std::endian::big);
-  if (Status data = find_data(path, fields, header); !data) return data.error();
+  if (Status data = find_meta_data(path, fields, header); !data) return data.error();
   return header;
 }
 

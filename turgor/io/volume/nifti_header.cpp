@@ -73,7 +73,7 @@ class Fields {
   int size_ = 0;
 };
 
-bool sample_type(int code, SampleType& type) {
+bool nifti_type(int code, SampleType& type) {
   switch (code) {
     case 2:
       type = SampleType::kUint8;
@@ -157,7 +157,7 @@ Status read_grid(const fs::path& path, const Fields& f, VolumeHeader& header) {
   return Done{};
 }
 
-Status read_sizes(const fs::path& path, const Fields& f, VolumeHeader& header) {
+Status read_nifti_sizes(const fs::path& path, const Fields& f, VolumeHeader& header) {
   const std::int64_t count = f.dim(0);
   if (count < 1 || count > 7)
     return Error{fmt::format("{}: {} dimensions; expected 3", path.string(), count)};
@@ -207,14 +207,14 @@ Result<VolumeHeader> parse_nifti(const fs::path& path, std::string_view head) {
     return Error{fmt::format("{}: holds NIfTI; expected its name to end in .nii or .nii.gz", path.string())};
   VolumeHeader header{.format = VolumeFormat::kNifti, .is_swapped = f.is_swapped(), .data_file = path};
   const int code = f.type();
-  if (!sample_type(code, header.type))
+  if (!nifti_type(code, header.type))
     return Error{fmt::format("{}: NIfTI sample type {} is not read; expected whole or real numbers",
                              path.string(), code)};
   const int expected_bits = int(byte_size(header.type)) * 8;
   if (f.bits() != expected_bits)
     return Error{fmt::format("{}: corrupt: {} bits a sample, type {} has {}", path.string(), f.bits(), code,
                              expected_bits)};
-  if (Status sizes = read_sizes(path, f, header); !sizes) return sizes.error();
+  if (Status sizes = read_nifti_sizes(path, f, header); !sizes) return sizes.error();
   if (Status extent = check_extent(path, header); !extent) return extent.error();
   header.component_stride = header.components > 1 ? header.size[0] * header.size[1] * header.size[2] : 1;
   if (Status grid = read_grid(path, f, header); !grid) return grid.error();

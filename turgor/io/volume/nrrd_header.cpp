@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool sample_type(const std::string& text, SampleType& type) {
+bool nrrd_type(const std::string& text, SampleType& type) {
   static const std::map<std::string, SampleType, std::less<>> kTypes = {
       {"signed char", SampleType::kInt8},
       {"int8", SampleType::kInt8},
@@ -101,7 +101,7 @@ int component_axis(const TextFields& fields, const std::vector<std::int64_t>& si
   return sizes.size() == 4 && none != directions.end() && axis < 4 ? int(axis) : -1;
 }
 
-Status read_sizes(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
+Status read_nrrd_sizes(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
   const std::vector<std::int64_t> dimension = whole_numbers(fields.get("dimension"));
   std::vector<std::int64_t> sizes = whole_numbers(fields.get("sizes"));
   if (dimension.size() != 1 || std::int64_t(sizes.size()) != dimension[0])
@@ -200,7 +200,7 @@ Status read_encoding(const fs::path& path, const TextFields& fields, VolumeHeade
   return Done{};
 }
 
-Status find_data(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
+Status find_nrrd_data(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
   if (!fields.has("data file")) return Done{};
   const std::string file = fields.get("data file");
   if (file.empty() || file.find('%') != file.npos || file.starts_with("LIST"))
@@ -220,15 +220,15 @@ Result<VolumeHeader> parse_nrrd(const fs::path& path, std::string_view head) {
   const TextFields& fields = *read;
   VolumeHeader header{.format = VolumeFormat::kNrrd, .data_file = path, .data_offset = std::int64_t(end)};
   if (Status known = check_fields(path, fields); !known) return known.error();
-  if (!sample_type(lower_case(fields.get("type")), header.type))
+  if (!nrrd_type(lower_case(fields.get("type")), header.type))
     return Error{fmt::format("{}: NRRD sample type \"{}\" is not read; expected whole or real numbers",
                              path.string(), fields.get("type"))};
-  if (Status sizes = read_sizes(path, fields, header); !sizes) return sizes.error();
+  if (Status sizes = read_nrrd_sizes(path, fields, header); !sizes) return sizes.error();
   if (Status segments = read_segments(path, fields, header); !segments) return segments.error();
   if (Status kinds = check_kinds(path, fields); !kinds) return kinds.error();
   if (Status grid = read_nrrd_grid(path, fields, header.grid); !grid) return grid.error();
   if (Status encoding = read_encoding(path, fields, header); !encoding) return encoding.error();
-  if (Status data = find_data(path, fields, header); !data) return data.error();
+  if (Status data = find_nrrd_data(path, fields, header); !data) return data.error();
   return header;
 }
 
