@@ -1,9 +1,11 @@
-"""Packs built modules as a wheel that needs only NumPy: pack_wheel.py OUT BUILD [BUILD ...]
+"""Packs built modules as a wheel that needs only NumPy: pack_wheel.py OUT BUILD [BUILD ...], or pack_wheel.py --full OUT BUILD
 
 BUILD/slim/turgor contains a module, pyproject.toml the metadata. Several modules are engines for the processor levels in their
 folder names, such as build/x86-64-v3; python/turgor/engine.py selects one. Required libraries that are not part of every Linux
-are included (auditwheel), with their licenses from Debian.
+are included (auditwheel), with their licenses from Debian. The full wheel has the module of BUILD/python/turgor, which draws and
+reads every format, and the programs with the window (turgor/bin).
 """
+import os
 import pathlib
 import re
 import shutil
@@ -18,7 +20,10 @@ if sys.version_info >= (3, 12):  # nanobind uses the stable ABI from 3.12 on: on
 else:
     PYTHON, SUFFIX = "cp3{0}-cp3{0}".format(sys.version_info.minor), sysconfig.get_config_var("EXT_SUFFIX")
 SOURCE = pathlib.Path(__file__).parents[1]
-LIBRARIES = ("libfmt9", "libmetis5", "libpugixml1v5", "libtbb12", "libtomlplusplus3")  # included in the wheel
+LIBRARIES = ("libfmt9", "libmetis5", "libpugixml1v5", "libtbb12", "libtomlplusplus3")  # included in the slim wheel
+PROGRAMS = ("turgor", "turgor-view", "turgor-bench", "turgor-read")  # of the full wheel
+SHARED = ("fonts/truetype/dejavu/DejaVuSans.ttf", "javascript/three/three.min.js", "javascript/three/examples/js/controls/OrbitControls.js")
+DRIVERS = ("libEGL.so.1", "libGL.so.1", "libGLX.so.0", "libGLdispatch.so.0", "libOpenGL.so.0")  # of the machine's display
 
 
 def version(pyproject):
@@ -46,20 +51,55 @@ def copy_modules(builds, package):
     return folders[0]
 
 
-def fill(folder, builds, project):
+def copy_programs(build, package):
+    """Copies the full module, the programs, scenes and the files that pictures and reports need; returns the module's folder."""
+    shutil.copy(build / f"python/turgor/_turgor{SUFFIX}", package)
+    (package / "bin").mkdir()
+    for program in PROGRAMS:
+        shutil.copy(build / program, package / "bin")
+    shutil.copy(build / "turgor-read", package)  # the module's
+    (package / "share/turgor").mkdir(parents=True)
+    for file in SHARED:
+        shutil.copy(pathlib.Path("/usr/share") / file, package / "share/turgor")
+    shutil.copytree(SOURCE / "scenes", package / "share/turgor/scenes", ignore=shutil.ignore_patterns("pictures"))
+    for file in [package / f"_turgor{SUFFIX}", package / "turgor-read", *(package / "bin").iterdir()]:
+        subprocess.run(["strip", "--strip-unneeded", file], check=True)
+    return package
+
+
+def licenses_of(files):
+    """Copyright files of the Debian packages whose libraries these files load, by package; without those of the machine (DRIVERS)."""
+    found = {}
+    for file in files:
+        for line in subprocess.run(["ldd", file], check=True, capture_output=True, text=True).stdout.splitlines():
+            library = re.search(r"=> (/\S+)", line)
+            if not library or os.path.basename(library[1]) in DRIVERS:
+                continue
+            owner = subprocess.run(["dpkg", "-S", os.path.realpath(library[1])], capture_output=True, text=True).stdout.split(":")[0]
+            if owner:
+                found[owner] = pathlib.Path(f"/usr/share/doc/{owner}/copyright")
+    return found
+
+
+def fill(folder, builds, project, is_full):
     """Creates the content of the wheel in `folder`."""
     package = folder / "turgor"
     shutil.copytree(SOURCE / "python/turgor", package, ignore=shutil.ignore_patterns("__pycache__"))
-    first = copy_modules(builds, package)
+    first = copy_programs(builds[0], package) if is_full else copy_modules(builds, package)
     subprocess.run([sys.executable, "-m", "nanobind.stubgen", "-q", "-i", first, "-m", "_turgor", "-o", package / "_turgor.pyi"], check=True)
     info = folder / f"turgor-{project['version']}.dist-info"
     (info / "licenses").mkdir(parents=True)
     shutil.copy(SOURCE / "LICENSE", info / "licenses")
-    for library in LIBRARIES:
-        shutil.copy(f"/usr/share/doc/{library}/copyright", info / "licenses" / f"{library}.txt")
+    licenses = {library: f"/usr/share/doc/{library}/copyright" for library in LIBRARIES}
+    if is_full:
+        licenses = licenses_of([package / f"_turgor{SUFFIX}", *(package / "bin").iterdir()])
+        (info / "entry_points.txt").write_text("[console_scripts]\nturgor = turgor.program:main\n")
+    for library, file in licenses.items():
+        shutil.copy(file, info / "licenses" / f"{library}.txt")
     (info / "METADATA").write_text(metadata(project), encoding="utf-8")
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: turgor\nRoot-Is-Purelib: false\nTag: {PYTHON}-{platform}\n")
+    build = "Build: 1full\n" if is_full else ""  # pip prefers it to the slim wheel of the same version
+    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: turgor\nRoot-Is-Purelib: false\nTag: {PYTHON}-{platform}\n{build}")
 
 
 def run(*words):
@@ -68,19 +108,23 @@ def run(*words):
         sys.exit(f"{words[0]}: {done.stdout}{done.stderr}")
 
 
-def main(out, builds):
+def main(out, builds, is_full):
     pyproject = tomllib.loads((SOURCE / "pyproject.toml").read_text())
     project = pyproject["project"] | {"version": version(pyproject)}
     out.mkdir(parents=True, exist_ok=True)
     for old in out.glob("turgor-*.whl"):
-        old.unlink()
+        if ("-1full-" in old.name) == is_full:
+            old.unlink()
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
-        fill(folder / "wheel", builds, project)
+        fill(folder / "wheel", builds, project, is_full)
         run("wheel", "pack", folder / "wheel", "-d", folder)
-        run("auditwheel", "repair", next(folder.glob("*.whl")), "-w", out)
+        excluded = [f"--exclude={library}" for library in DRIVERS] if is_full else []
+        run("auditwheel", "repair", *excluded, next(folder.glob("*.whl")), "-w", out)
     for wheel in out.glob("*.whl"):
         print(f"{wheel} {wheel.stat().st_size / 1e6:.1f} MB")
 
 
-main(pathlib.Path(sys.argv[1]), [pathlib.Path(build) for build in sys.argv[2:]])
+if __name__ == "__main__":
+    arguments = [argument for argument in sys.argv[1:] if argument != "--full"]
+    main(pathlib.Path(arguments[0]), [pathlib.Path(build) for build in arguments[1:]], "--full" in sys.argv)

@@ -33,7 +33,13 @@ def choose(forced, flags):
 
 
 def folders():
-    """Search path for the module _turgor: the folder of the selected engine, if there are several."""
+    """Search path for the module _turgor: the folder of the selected engine, if there are several.
+
+    Fonts and scripts of a full wheel are made known to the engine.
+    """
+    shared = pathlib.Path(__file__).parent / "share/turgor"
+    if shared.is_dir():
+        os.environ.setdefault("TURGOR_SHARE", str(shared))
     forced, engines = os.environ.get("TURGOR_ENGINE"), pathlib.Path(__file__).parent / "engines"
     if engines.is_dir():
         return [str(engines / choose(forced, processor_flags()))]

@@ -1,5 +1,7 @@
 #include "turgor/io/files/shipped_file.hpp"
 
+#include <cstdlib>
+
 #include <gtest/gtest.h>
 
 #include "tests/folders.hpp"
@@ -15,6 +17,16 @@ TEST(ShippedFile, PrefersFileOfSystem) {
   test::write(file, "font");
   EXPECT_EQ(shipped_file("font.ttf", {"/no/such/font.ttf", file}), file);
   EXPECT_EQ(shipped_file("no-such-file-anywhere", {}), "");
+}
+
+// TURGOR_SHARE names the folder of a package whose program is another, as a Python module's.
+TEST(ShippedFile, IsFoundInFolderOfVariable) {
+  const fs::path folder = test::fresh_folder();
+  test::write(folder / "font.ttf", "font");
+  setenv("TURGOR_SHARE", folder.c_str(), 1);
+  EXPECT_EQ(shipped_file("font.ttf", {"/no/such/font.ttf"}), folder / "font.ttf");
+  EXPECT_EQ(shipped_file("other.ttf", {}), "");
+  unsetenv("TURGOR_SHARE");
 }
 
 // In an unpacked package, files are found relative to the program, wherever the folder is.

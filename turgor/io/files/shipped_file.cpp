@@ -1,5 +1,7 @@
 #include "turgor/io/files/shipped_file.hpp"
 
+#include <cstdlib>
+
 #include <sys/stat.h>
 
 namespace turgor {
@@ -19,6 +21,8 @@ fs::path shipped_file(const fs::path& name, std::initializer_list<fs::path> syst
   std::error_code ignored;
   for (const fs::path& file : system)
     if (fs::is_regular_file(file, ignored)) return file;
+  if (const char* folder = std::getenv("TURGOR_SHARE"); folder && *folder)
+    if (fs::path file = fs::path(folder) / name; fs::is_regular_file(file, ignored)) return file;
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
   return program.empty() ? fs::path() : io::file_shipped_with(program, name);
 }

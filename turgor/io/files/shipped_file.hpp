@@ -6,8 +6,9 @@
 
 namespace turgor {
 
-/// First existing file of `system`, else ../share/turgor/`name` relative to the running program, if its owner
-/// is the program's owner or root. Empty if no such file exists.
+/// First existing file of `system`, else `name` in the folder that the environment variable TURGOR_SHARE
+/// names, else ../share/turgor/`name` relative to the running program, if its owner is the program's owner or
+/// root. Empty if no such file exists.
 std::filesystem::path shipped_file(const std::filesystem::path& name,
                                    std::initializer_list<std::filesystem::path> system);
 
