@@ -82,8 +82,8 @@ Result<std::uint64_t> read_count(StoredBytes& stored, const BlockFormat& format)
 
 /// Inflates one block to the end of `bytes`.
 Status unpack(const std::string& packed, std::size_t size, std::string& bytes) {
-  constexpr std::size_t kMostPacked = 1032;  // zlib's best ratio
-  if (size / kMostPacked > packed.size()) return short_block(size, packed.size());
+  constexpr std::size_t kBestRatio = 1032;  // zlib's best ratio
+  if (size / kBestRatio > packed.size()) return short_block(size, packed.size());
   const std::size_t before = bytes.size();
   bytes.resize(before + size);
   uLongf unpacked = uLongf(size);
