@@ -75,7 +75,8 @@ def licenses_of(files):
             library = re.search(r"=> (/\S+)", line)
             if not library or os.path.basename(library[1]) in DRIVERS:
                 continue
-            owner = subprocess.run(["dpkg", "-S", os.path.realpath(library[1])], capture_output=True, text=True).stdout.split(":")[0]
+            name = os.path.basename(os.path.realpath(library[1]))
+            owner = subprocess.run(["dpkg", "-S", f"*-linux-gnu/{name}"], capture_output=True, text=True).stdout.split(":")[0]
             if owner:
                 found[owner] = pathlib.Path(f"/usr/share/doc/{owner}/copyright")
     return found
