@@ -38,14 +38,19 @@ foreach(file IN LISTS installed)
   endif()
 endforeach()
 
-# Builds a consumer of one component and runs it. Packages that the component must not ask for are hidden.
-function(consume component)
+# Configures a consumer of one component. Packages that the component must not ask for are hidden; all others must be found.
+function(configure component)
   set(hidden)
   foreach(package IN LISTS ARGN)
     list(APPEND hidden -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
   run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${folder}/${component} ${flags} -DCMAKE_PREFIX_PATH=${prefix} -DSOURCE=${SOURCE}
       -DCOMPONENT=${component} ${hidden})
+endfunction()
+
+# Builds a consumer of one component and runs it.
+function(consume component)
+  configure(${component} ${ARGN})
   run(${CMAKE_COMMAND} --build ${folder}/${component})
   run(${folder}/${component}/consumer)
 endfunction()
@@ -72,6 +77,13 @@ run(${prefix}/bin/turgor --version)
 consume(haptics ${pictures} PkgConfig)
 consume(sim ${pictures})
 consume(all)
+configure(io ${pictures} nlohmann_json PkgConfig)
+configure(view meshoptimizer nlohmann_json)
+configure(pictures)
+file(STRINGS ${prefix}/lib/cmake/turgor/turgorTargets.cmake window REGEX "add_library\\(turgor::window" LIMIT_COUNT 1)
+if(window)
+  configure(window)
+endif()
 consume(c TBB ${pictures} ${readers} nlohmann_json PkgConfig)
 
 # The C project of docs/in-your-simulator.md builds as printed, and its command line makes a program that finds the library.
