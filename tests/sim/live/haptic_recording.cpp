@@ -73,7 +73,7 @@ HapticRecording recorded_run(const fs::path& folder) {
   EXPECT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.snapshot.frame > 2; }));
   press_all(session, -0.2, 1);
   advance(session, 0.4);
-  session.request(WindRequest{.body = 0, .velocity = {3, 0, 1}});
+  session.request(WindRequest{.body = 0, .velocity = Vec3d{3, 0, 1}});
   session.request(CutRequest{.blade = {.name = "cut",
                                        .from = {0.002, -0.02, -0.03},
                                        .to = {0.002, -0.02, 0.03},
@@ -179,12 +179,12 @@ TEST(HapticRecording, RejectsDamagedFiles) {
   run.tools.push_back({.name = "tip",
                        .ticks = {{.time = 0.001, .step = 0.001}, {.time = 0.002, .step = 0.001}},
                        .frames = {{.ticks = 1}, {.ticks = 2}}});
-  run.requests.push_back({1, WindRequest{0, {1, 0.1, 1e-17}}});
+  run.requests.push_back({1, WindRequest{0, Vec3d{1, 0.1, 1e-17}}});
   const fs::path file = folder / "haptic.h5";
   ASSERT_TRUE(write_haptic_recording(file, run));
   Result<HapticRecording> read = read_haptic_recording(file);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(std::get<WindRequest>(read->requests[0].what).velocity.z, 1e-17) << "bit for bit";
+  EXPECT_EQ(std::get<WindRequest>(read->requests[0].what).velocity->z, 1e-17) << "bit for bit";
   EXPECT_EQ(read->hash, 7u);
 
   // the dataset names of the previous format
@@ -195,7 +195,7 @@ TEST(HapticRecording, RejectsDamagedFiles) {
             3);
   const Result<HapticRecording> old = read_haptic_recording(folder / "old.h5");
   ASSERT_TRUE(old) << old.error().message;
-  EXPECT_EQ(std::get<WindRequest>(old->requests[0].what).velocity.z, 1e-17);
+  EXPECT_EQ(std::get<WindRequest>(old->requests[0].what).velocity->z, 1e-17);
   EXPECT_EQ(old->tools[0].frames[1].ticks, 2);
   EXPECT_EQ(old->tools[0].ticks.size(), 2u);
   EXPECT_EQ(old->hash, 7u);

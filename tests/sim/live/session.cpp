@@ -200,7 +200,7 @@ box = [[-0.01, -0.01, 0.19], [0.21, 0.01, 0.21]]
     Session session(file, {}, kOneThread);
     ASSERT_TRUE(wait_for_world(session)) << session.now().error;
     EXPECT_FALSE(session.now().is_haptic) << "no tool touches a cloth";
-    session.request(WindRequest{.body = 0, .velocity = {0, 6 * side, 0}});
+    session.request(WindRequest{.body = 0, .velocity = Vec3d{0, 6 * side, 0}});
     EXPECT_GT(side * mean_y(session), 0.02) << "m, along the wind";
     session.request(ChangeRequest{"body.flag.damping.motion", "0.8"});
     EXPECT_GT(side * mean_y(session), 0.02) << "another key keeps the requested wind";

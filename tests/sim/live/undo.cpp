@@ -176,8 +176,59 @@ TEST(Undo, QuickChangesOfOneKeyAreOneEdit) {
   history.undone.push_back(history.done.back()), history.done.pop_back();
   add_edit({cut_at(0), UndoCutRequest{}}, history);
   EXPECT_TRUE(history.undone.empty());
-  forget_cuts(history);
+  forget_world(history);
   EXPECT_EQ(undo_text(history), "a");
+}
+
+// Winds of one drag are one edit. Undo restores the scene's wind, redo blows again; a new world has neither.
+TEST(Undo, WindIsTakenBack) {
+  const std::string text =
+      "[body.flag]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0, 0.2], "
+      "columns = 4, rows = 4 }\nwind = { velocity = [1, 2, 0], turns = [[0.5, 3, 0, 0]] }\n"
+      "[body.flag.hold.edge]\nbox = [[-0.01, -0.01, 0.19], [0.21, 0.01, 0.21]]\n";
+  const Result<Scene> read = parse_scene(text, "flag.toml");
+  ASSERT_TRUE(read) << read.error().message;
+  auto scene = std::make_shared<const Scene>(*read);
+  Result<World> world = load_world(kExec, *scene);
+  ASSERT_TRUE(world) << world.error().message;
+  const ClothBody& flag = world->cloth_bodies[0];
+  EditHistory history;
+  for (const double speed : {3.0, 6.0}) {
+    const WindRequest wind{0, Vec3d{0, speed, 0}};
+    ASSERT_TRUE(apply_request(kExec, wind, scene, *world));
+    add_edit({wind, WindRequest{0, std::nullopt}}, history);
+  }
+  ASSERT_EQ(history.done.size(), 1u);
+  EXPECT_EQ(undo_text(history), "wind of 6.0 m/s");
+  EXPECT_EQ(flag.air.velocity.y, 6);
+  EXPECT_TRUE(flag.turns.empty());
+  ASSERT_TRUE(apply_request(kExec, std::get<WindRequest>(history.done[0].undo), scene, *world));
+  EXPECT_EQ(flag.air, scene->cloth_bodies[0].air);
+  EXPECT_EQ(flag.turns, scene->cloth_bodies[0].turns);
+  forget_world(history);
+  EXPECT_TRUE(history.done.empty());
+}
+
+// A session names the wind that undo and redo concern.
+TEST(Undo, SessionTakesWindBack) {
+  const fs::path file = test::fresh_folder() / "flag.toml";
+  std::ofstream(file) << "[body.flag]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, 0], side = [0.2, 0, 0], "
+                         "up = [0, 0, 0.2], columns = 4, rows = 4 }\n"
+                         "[body.flag.hold.edge]\nbox = [[-0.01, -0.01, 0.19], [0.21, 0.01, 0.21]]\n";
+  Session session(file, {}, kOneThread);
+  const auto says = [&session](const char* undo, const char* redo) {
+    return wait_until(session,
+                      [=](const SessionStatus& now) { return now.undo == undo && now.redo == redo; });
+  };
+  ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.snapshot.frame > 2; }));
+  session.request(WindRequest{.body = 0, .velocity = Vec3d{0, 4, 0}});
+  EXPECT_TRUE(says("wind of 4.0 m/s", ""));
+  session.request(UndoRequest{});
+  EXPECT_TRUE(says("", "wind of 4.0 m/s"));
+  session.request(RedoRequest{});
+  EXPECT_TRUE(says("wind of 4.0 m/s", ""));
+  session.request(WindRequest{.body = 7, .velocity = Vec3d{0, 4, 0}});
+  EXPECT_TRUE(wait_until(session, [](const SessionStatus& now) { return !now.error.empty(); }));
 }
 
 // A paused session waits for Play, also after another scene is opened; an empty one waits for a scene.

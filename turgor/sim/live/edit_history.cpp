@@ -12,10 +12,13 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostEdits = 200;
 
-bool is_cut(const Edit& edit) { return std::holds_alternative<CutRequest>(edit.redo); }
+/// True for cuts and winds, which end with their world; changed values belong to the scene.
+bool ends_with_world(const Edit& edit) { return !std::holds_alternative<ChangeRequest>(edit.redo); }
 
-/// True if both change the same key.
+/// True if both change the same key, or the wind of the same cloth.
 bool is_same_key(const Edit& a, const Edit& b) {
+  const auto *wind = std::get_if<WindRequest>(&a.redo), *next = std::get_if<WindRequest>(&b.redo);
+  if (wind && next) return wind->body == next->body;
   const auto *one = std::get_if<ChangeRequest>(&a.redo), *other = std::get_if<ChangeRequest>(&b.redo);
   return one && other && one->key == other->key;
 }
@@ -23,6 +26,8 @@ bool is_same_key(const Edit& a, const Edit& b) {
 std::string text_of(const std::vector<Edit>& edits) {
   if (edits.empty()) return {};
   if (const auto* change = std::get_if<ChangeRequest>(&edits.back().redo)) return change->key;
+  const auto* wind = std::get_if<WindRequest>(&edits.back().redo);
+  if (wind && wind->velocity) return fmt::format("wind of {:.1f} m/s", norm(*wind->velocity));
   const auto* cut = std::get_if<CutRequest>(&edits.back().redo);
   if (!cut) return {};
   const lattice::Incision& blade = cut->blade;
@@ -48,9 +53,9 @@ void add_edit(Edit edit, EditHistory& history) {
   if (history.done.size() > kMostEdits) history.done.erase(history.done.begin());
 }
 
-void forget_cuts(EditHistory& history) {
-  std::erase_if(history.done, is_cut);
-  std::erase_if(history.undone, is_cut);
+void forget_world(EditHistory& history) {
+  std::erase_if(history.done, ends_with_world);
+  std::erase_if(history.undone, ends_with_world);
 }
 
 std::string undo_text(const EditHistory& history) { return text_of(history.done); }

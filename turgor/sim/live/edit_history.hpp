@@ -1,5 +1,5 @@
-// Cuts and changes of a session that can be taken back and repeated. Changes of one key in quick succession,
-// as of a slider that is being moved, count as one.
+// Cuts, winds and changes of a session that can be taken back and repeated. Changes of one key in quick
+// succession, as of a slider that is being moved, count as one; likewise winds on one cloth.
 #pragma once
 
 #include <chrono>
@@ -22,8 +22,8 @@ struct EditHistory {
 
 /// Adds an edit that was made now. Edits that were taken back can no longer be repeated.
 void add_edit(Edit edit, EditHistory& history);
-/// Forgets all cuts, because their world ended.
-void forget_cuts(EditHistory& history);
+/// Forgets all cuts and winds, because their world ended.
+void forget_world(EditHistory& history);
 
 /// Description of the edit that is taken back or repeated next, such as "cut of 70 mm"; empty: none.
 std::string undo_text(const EditHistory& history);

@@ -64,7 +64,21 @@ void handle(const CutRequest& request, SessionThread& session) {
   if (apply(request, session)) add_edit({request, UndoCutRequest{}}, session.history);
 }
 
-void handle(const WindRequest& request, SessionThread& session) { apply(request, session); }
+/// Request that restores the wind that blows now; the scene's unless a hand has changed it.
+WindRequest wind_before(int body, const SessionThread& session) {
+  const auto n = std::size_t(body);
+  const ClothBody& cloth = session.live.world->cloth_bodies[n];
+  const ClothScene& own = session.source.scene->cloth_bodies[n];
+  if (cloth.air == own.air && cloth.turns == own.turns) return {body, std::nullopt};
+  return {body, cloth.air.velocity};
+}
+
+void handle(const WindRequest& request, SessionThread& session) {
+  const bool has_body = session.live.world && request.body >= 0 &&
+                        std::size_t(request.body) < session.live.world->cloth_bodies.size();
+  const WindRequest before = has_body ? wind_before(request.body, session) : request;
+  if (apply(request, session)) add_edit({request, before}, session.history);
+}
 
 /// After a cut was taken back, data computed from the cuts are computed again.
 void forget_cut_data(SessionThread& session) {

@@ -47,7 +47,9 @@ Json json_of(const CutRequest& request) {
           {"through_bone", b.through_bone}};
 }
 Json json_of(const WindRequest& request) {
-  return {{"wind", request.body}, {"velocity", json_of(request.velocity)}};
+  Json json = {{"wind", request.body}};
+  if (request.velocity) json["velocity"] = json_of(*request.velocity);
+  return json;
 }
 Json json_of(const ChangeRequest& request) {
   Json json = {{"change", request.key}};
@@ -71,7 +73,11 @@ CutRequest cut_of(const Json& json) {
 
 WorldRequest request_of(const Json& json) {
   if (json.contains("cut")) return cut_of(json);
-  if (json.contains("wind")) return WindRequest{json.at("wind").get<int>(), vector_of(json.at("velocity"))};
+  if (json.contains("wind")) {
+    WindRequest wind{json.at("wind").get<int>(), std::nullopt};
+    if (json.contains("velocity")) wind.velocity = vector_of(json.at("velocity"));
+    return wind;
+  }
   if (json.contains("undo_cut")) return UndoCutRequest{};
   ChangeRequest change{json.at("change").get<std::string>(), std::nullopt};
   if (json.contains("value")) change.value = json.at("value").get<std::string>();

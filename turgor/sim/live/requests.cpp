@@ -22,11 +22,20 @@ Status apply_request(const Exec&, const CutRequest& request, std::shared_ptr<con
   return Done{};
 }
 
-Status apply_request(const Exec&, const WindRequest& request, std::shared_ptr<const Scene>&, World& world) {
+Status apply_request(const Exec&, const WindRequest& request, std::shared_ptr<const Scene>& scene,
+                     World& world) {
   if (request.body < 0 || std::size_t(request.body) >= world.cloth_bodies.size())
     return Error{"no wind: unknown cloth body"};
   ClothBody& body = world.cloth_bodies[std::size_t(request.body)];
-  body.turns.clear(), body.air.velocity = request.velocity;
+  if (request.velocity) {
+    body.turns.clear(), body.air.velocity = *request.velocity;
+    return Done{};
+  }
+  TURGOR_ASSERT(scene != nullptr, "a scene has the wind that a request returns to");
+  TURGOR_CHECK(scene->cloth_bodies.size() == world.cloth_bodies.size(),
+               "a scene has the bodies of its world");
+  const ClothScene& own = scene->cloth_bodies[std::size_t(request.body)];
+  body.air = own.air, body.turns = own.turns;
   return Done{};
 }
 

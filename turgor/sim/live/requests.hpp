@@ -21,8 +21,8 @@ struct CutRequest {
   int body = 0;  // index into World::lattice_bodies
 };
 struct WindRequest {
-  int body = 0;    // index into World::cloth_bodies
-  Vec3d velocity;  // [m/s]
+  int body = 0;                   // index into World::cloth_bodies
+  std::optional<Vec3d> velocity;  // empty: the wind of the scene [m/s]
 };
 /// Sets a scene key, or without a value removes the override of the key, so that the scene's text counts. The
 /// change acts immediately if possible (change_world.hpp), otherwise after the next reset.

@@ -104,7 +104,7 @@ Status load_source(SessionThread& session) {
 void load(SessionThread& session) {
   unload(session.live);
   session.ct = {};
-  forget_cuts(session.history);
+  forget_world(session.history);
 
   // new state, which keeps the pace
   SessionStatus& next = session.next;
