@@ -162,6 +162,11 @@ TEST(RunScene, VideoHasRunDuration) {
   EXPECT_NEAR(video_seconds(folder / "ran/video.mp4"), 0.3, 0.08);
   EXPECT_NEAR(video_seconds(folder / "again/video.mp4"), 0.4, 0.05)
       << "four snapshots, a tenth of a second each";
+  const Result<Json> slow =
+      replay_recording(Exec(2), folder / "ran/recording.h5",
+                       {"output.video_speed=0.5", "output.video_quality=full"}, {.out = folder / "slow"});
+  ASSERT_TRUE(slow) << slow.error().message;
+  EXPECT_NEAR(video_seconds(folder / "slow/video.mp4"), 0.8, 0.1);
 }
 
 // Each wound has a close-up video.

@@ -50,6 +50,7 @@ TEST(Views, InnerSurfaceIsSeenThroughUnlessColored) {
   body.normals.assign(3, {0, -1, 0});
   body.displacement.assign(3, {});
   body.wall_begin = 1;
+  body.name = "liver", body.inside_names = {"nodule", "cyst"};
   body.inside = {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
   PictureItems plain, colored;
   add_body(body, SkinColor::kNone, nullptr, plain);
@@ -57,8 +58,37 @@ TEST(Views, InnerSurfaceIsSeenThroughUnlessColored) {
   add_body(body, SkinColor::kDisplacement, &scale, colored);
   ASSERT_EQ(plain.items.size(), 2u);
   EXPECT_TRUE(plain.items[1].see_through);
+  const std::vector<NameRow> names = shown_names(plain);
+  ASSERT_EQ(names.size(), 2u);
+  EXPECT_EQ(names[0].names, "liver");
+  EXPECT_EQ(names[1].names, "nodule, cyst");
+  EXPECT_TRUE(shown_names(colored).empty()) << "a color map has its own legend";
   ASSERT_EQ(colored.items.size(), 1u);
   EXPECT_EQ(colored.items[0].scale, &scale);
+}
+
+// Organs have the colors of their names; other bodies of a model differ.
+TEST(Views, OrgansDifferInColor) {
+  const BodySnapshot triangle = [] {
+    BodySnapshot body = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}).bodies[0];
+    body.normals.assign(3, {0, -1, 0});
+    body.displacement.assign(3, {});
+    body.wall_begin = 1;
+    return body;
+  }();
+  const auto names_of = [&](const std::vector<std::string>& names) {
+    PictureItems items;
+    for (std::size_t n = 0; n < names.size(); n++) {
+      BodySnapshot body = triangle;
+      body.name = names[n], body.id.index = int(n);
+      add_body(body, SkinColor::kNone, nullptr, items);
+    }
+    return items.names;
+  };
+  EXPECT_EQ(names_of({"gallbladder", "liver", "stomach"}).size(), 3u);
+  EXPECT_EQ(names_of({"a", "b", "c"}).size(), 3u);
+  EXPECT_EQ(names_of({"stomach", "liver"})[1].color, names_of({"liver"})[0].color);
+  EXPECT_EQ(names_of({"right-kidney", "left-kidney"})[0].names, "right-kidney, left-kidney");
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "turgor/view/annotate.hpp"
 
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -117,6 +119,36 @@ TEST(Annotate, PicturesAreArrangedWithCaptions) {
 
 // An arrangement of no pictures is an empty picture.
 TEST(Annotate, NoPicturesGiveEmptyPicture) { EXPECT_EQ(side_by_side({}, {}).width, 0); }
+
+// Names of one color share a row, and a name is listed once.
+TEST(Annotate, NamesOfOneColorShareRow) {
+  std::vector<NameRow> rows;
+  for (const char* name : {"liver", "stomach", "liver"}) add_name({158, 68, 56}, name, rows);
+  add_name({236, 214, 150}, "live", rows);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].names, "liver, stomach");
+  EXPECT_EQ(rows[1].names, "live");
+}
+
+// The list of names stays in its panel, has a swatch of each color, and cuts names that are too long.
+TEST(Annotate, NamesStayInTheirPanel) {
+  const Rgb flesh{158, 68, 56}, nodule{10, 214, 150};
+  for (const auto& [width, height] : {std::pair(640, 480), std::pair(1920, 1080), std::pair(200, 150)}) {
+    const Image before = make_image(width, height, {40, 80, 120});
+    Image after = before;
+    const PixelBox panel = draw_names(after, {{flesh, "liver"}, {nodule, std::string(300, 'n')}});
+    EXPECT_LE(panel.right, 0.6 * width);
+    EXPECT_LT(panel.bottom, height / 2);
+    const auto strayed = [&](int x, int y) {
+      return after.at(x, y) != before.at(x, y) && !is_inside(panel, x, y);
+    };
+    EXPECT_EQ(test::find_pixels(after, strayed).count, 0);
+    for (const Rgb color : {flesh, nodule})
+      EXPECT_GT(test::find_pixels(after, [&](int x, int y) { return after.at(x, y) == color; }).count, 60);
+  }
+  Image empty = make_image(64, 64);
+  EXPECT_EQ(draw_names(empty, {}).right, 0);
+}
 
 }  // namespace
 }  // namespace turgor

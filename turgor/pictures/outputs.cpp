@@ -60,8 +60,10 @@ std::vector<Film> make_films(const Outputs& outputs, std::size_t cuts) {
 }
 
 Status film_moment(const WorldSnapshot& snapshot, Film& film, Outputs& outputs) {
-  const std::optional<Image> image = draw_world(snapshot, outputs, outputs.views[film.view].camera,
-                                                !shows_skin(snapshot), RenderQuality::kQuick);
+  const RenderQuality quality =
+      outputs.scene->output.video_full ? RenderQuality::kFull : RenderQuality::kQuick;
+  const std::optional<Image> image =
+      draw_world(snapshot, outputs, outputs.views[film.view].camera, !shows_skin(snapshot), quality);
   if (!image) return Done{};
   const fs::path file =
       outputs.folder / kVideoFolder / fmt::format("{}-{:06}.png", film.view, film.frames.size());
@@ -74,7 +76,8 @@ Status finish_films(Outputs& outputs) {
   const AddTime time(outputs.facts.file_seconds);
   for (const Film& film : outputs.films) {
     if (film.frames.size() < 2) continue;
-    const double rate = double(film.frames.size() - 1) / (outputs.video_end - outputs.video_begin);
+    const double seconds = (outputs.video_end - outputs.video_begin) / outputs.scene->output.video_speed;
+    const double rate = double(film.frames.size() - 1) / seconds;
     const Status written = write_video(film.frames, rate, outputs.folder / film.file);
     if (written)
       outputs.facts.files.push_back(film.file);
@@ -157,6 +160,7 @@ std::optional<Image> draw_items(const PictureItems& items, const Camera& camera,
   if (image) {
     draw_labels(items.labels, camera, *image);
     draw_scale_bar(*image, camera);
+    if (output.legend) draw_names(*image, shown_names(items));
     return std::move(*image);
   }
   outputs.can_draw = false;
@@ -223,7 +227,8 @@ bool wants_moment(const World& world, const Outputs& outputs) {
   // while a blade moves the surface changes in every frame, and is expensive
   const bool cuts = std::any_of(world.cuts.begin(), world.cuts.end(),
                                 [](const Cut& cut) { return cut.path && cut.done < 1; });
-  const double rate = outputs.scene->output.video ? kVideoRate : cuts ? kCutRate : kMotionRate;
+  const OutputScene& output = outputs.scene->output;
+  const double rate = output.video ? kVideoRate / output.video_speed : cuts ? kCutRate : kMotionRate;
   return world.frame % std::max(1, int(std::lround(outputs.scene->frame_rate / rate))) == 0;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -11,9 +13,8 @@ namespace turgor {
 
 namespace {
 
-constexpr Rgb kFlesh{158, 68, 56}, kSkin{224, 172, 145}, kWall{166, 58, 50}, kCloth{92, 134, 176},
-    kObstacle{188, 180, 168}, kTool{176, 190, 204}, kArrow{250, 204, 70}, kInside{236, 214, 150},
-    kThread{38, 60, 130};
+constexpr Rgb kSkin{224, 172, 145}, kWall{166, 58, 50}, kCloth{92, 134, 176}, kObstacle{188, 180, 168},
+    kTool{176, 190, 204}, kArrow{250, 204, 70}, kInside{236, 214, 150}, kThread{38, 60, 130};
 
 std::string newtons(double force) {
   return force < 0.1 ? fmt::format("{:.0f} mN", force * 1e3) : fmt::format("{:.2f} N", force);
@@ -54,7 +55,27 @@ TriMesh two_sided(TriMesh mesh) {
   return mesh;
 }
 
-Rgb color_of(Look look) { return look == Look::kSkin ? kSkin : look == Look::kCloth ? kCloth : kFlesh; }
+/// Usual color of an organ whose name contains a word.
+struct OrganColor {
+  std::string_view word;
+  Rgb color;
+};
+constexpr OrganColor kOrgans[] = {
+    {"liver", {158, 68, 56}},       {"gall", {112, 124, 62}},     {"stomach", {204, 128, 114}},
+    {"spleen", {120, 62, 92}},      {"kidney", {138, 56, 48}},    {"pancreas", {206, 160, 104}},
+    {"lung", {214, 150, 146}},      {"heart", {176, 52, 52}},     {"colon", {196, 142, 118}},
+    {"intestine", {200, 136, 122}}, {"bladder", {190, 150, 110}}, {"uterus", {190, 104, 104}},
+};
+/// Other bodies, in their order within a model.
+constexpr Rgb kBodies[] = {{158, 68, 56}, {204, 128, 114}, {128, 74, 108}, {190, 142, 88}, {112, 124, 62}};
+
+Rgb color_of(const BodySnapshot& body) {
+  if (body.look == Look::kSkin) return kSkin;
+  if (body.look == Look::kCloth) return kCloth;
+  for (const OrganColor& organ : kOrgans)
+    if (body.name.find(organ.word) != std::string::npos) return organ.color;
+  return kBodies[std::size_t(std::max(0, body.id.index)) % std::size(kBodies)];
+}
 
 /// Cloth is drawn in its own color if the world has tissue, whose displacements are millimeters.
 bool is_beside_tissue(const BodySnapshot& body, const WorldSnapshot& snapshot) {
@@ -99,11 +120,14 @@ void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale
     items.items.back().closed = true;
   }
   if (body.look == Look::kCloth) surface = two_sided(std::move(surface));
-  items.add(std::move(surface), color_of(body.look), scale);
+  const Rgb own = color_of(body);
+  items.add(std::move(surface), own, scale);
   items.items.back().closed = true;
+  if (!scale) add_name(own, body.name, items.names);
   if (scale || body.inside.triangles.empty()) return;  // it would hide the colors above it
   items.add(body.inside, kInside);
   items.items.back().see_through = items.items.back().closed = true;
+  for (const std::string& name : body.inside_names) add_name(kInside, name, items.names);
 }
 
 TriMesh posed_mesh(const ToolSnapshot& tool) {
@@ -118,17 +142,22 @@ void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureIte
 }
 
 void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
-               PictureItems& items) {
+               PictureItems& items, std::size_t tools) {
   for (const BodySnapshot& body : snapshot.bodies)
     is_beside_tissue(body, snapshot) ? add_body(body, SkinColor::kNone, nullptr, items)
                                      : add_body(body, color, scale, items);
-  for (const ToolSnapshot& tool : snapshot.tools) {
+  for (std::size_t t = 0; t < std::min(tools, snapshot.tools.size()); t++) {
+    const ToolSnapshot& tool = snapshot.tools[t];
     const BodySnapshot& body = body_snapshot(snapshot, tool.body);
     add_tool(tool, {body.typical_force, 0.2 * norm(body.box.high - body.box.low)}, eye, items);
   }
   for (const TriMesh& obstacle : snapshot.obstacles) items.add(obstacle, kObstacle);
   for (const TriMesh& thread : snapshot.threads)
     if (!thread.triangles.empty()) items.add(thread, kThread);
+}
+
+std::vector<NameRow> shown_names(const PictureItems& items) {
+  return items.names.size() < 2 ? std::vector<NameRow>() : items.names;
 }
 
 void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image) {

@@ -8,6 +8,7 @@
 
 #include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/snapshot.hpp"
+#include "turgor/view/annotate.hpp"
 #include "turgor/view/draw.hpp"
 
 namespace turgor {
@@ -22,6 +23,7 @@ struct PictureItems {
   std::deque<TriMesh> meshes;  // a deque, because items point to them
   std::vector<RenderItem> items;
   std::vector<PictureLabel> labels;
+  std::vector<NameRow> names;  // of bodies and inclusions, by color
 
   const TriMesh& add(TriMesh mesh, Rgb color, const ColorScale* scale = nullptr) {
     meshes.push_back(std::move(mesh));
@@ -52,10 +54,12 @@ TriMesh posed_mesh(const ToolSnapshot& tool);
 void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items);
 /// A tool, and an arrow with the force on it in newtons, placed so that the eye [m] sees it.
 void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureItems& items);
-/// All bodies, their tools, and obstacles under cloth.
+/// All bodies, their first `tools` tools, and obstacles under cloth.
 void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
-               PictureItems& items);
+               PictureItems& items, std::size_t tools = std::size_t(-1));
 
+/// Names for a legend: none unless at least two colors have names.
+std::vector<NameRow> shown_names(const PictureItems& items);
 /// Draws the labels at positions that the camera sees.
 void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image);
 

@@ -42,6 +42,7 @@ struct BodySnapshot {
   std::vector<int> mesh_vertex;  // vertex index in the body's mesh, -1 = none; empty = identity
   TriMesh patch;                 // superposed fine patch (sfem) in its present shape
   TriMesh inside;                // inclusions (sfem) in their present shape
+  std::vector<std::string> inside_names;
   SmoothSnapshot smooth;
   std::size_t wall_begin = 0;  // first triangle of wound walls
   Box box;                     // around the body at rest [m]
@@ -77,6 +78,9 @@ template <class Body>
 void show_name(BodyId id, const Body& body, BodySnapshot& out) {
   out.id = id, out.name = body.name, out.look = look_of(body);
   if constexpr (requires { body.typical_force; }) out.typical_force = body.typical_force;
+  out.inside_names.clear();
+  if constexpr (requires { body.inside; })
+    for (const auto& region : body.inside) out.inside_names.push_back(region.name);
 }
 
 /// Sets the threads of the sutures.

@@ -126,6 +126,40 @@ PixelBox draw_scale_bar(Image& image, const Camera& camera) {
   return bar;
 }
 
+void add_name(Rgb color, const std::string& name, std::vector<NameRow>& rows) {
+  for (NameRow& row : rows) {
+    if (!(row.color == color)) continue;
+    const std::string known = ", " + row.names + ",";
+    if (known.find(" " + name + ",") == std::string::npos) row.names += ", " + name;
+    return;
+  }
+  rows.push_back({color, name});
+}
+
+PixelBox draw_names(Image& image, const std::vector<NameRow>& rows) {
+  if (rows.empty()) return {};
+  // long names are cut where they would cover more than half of the picture
+  const int size = std::clamp(image.height / 36, 11, 40), pad = size / 2, line = 3 * size / 2;
+  const int widest = image.width / 2 - 3 * size;
+  std::vector<std::string> names;
+  int width = 0;
+  for (const NameRow& row : rows) {
+    std::string name = row.names;
+    while (name.size() > 4 && text_width(name, size) > widest) name.resize(name.size() - 4), name += "...";
+    width = std::max(width, text_width(name, size));
+    names.push_back(std::move(name));
+  }
+  // panel, swatches and names
+  const PixelBox panel{pad, pad, 4 * pad + size + width, 2 * pad + int(rows.size()) * line};
+  fill(image, panel, kPanel, 0.6f);
+  for (std::size_t n = 0; n < rows.size(); n++) {
+    const int middle = panel.top + pad / 2 + int(n) * line + line / 2, half = size / 2;
+    fill(image, {2 * pad, middle - half, 2 * pad + 2 * half, middle + half}, rows[n].color, 1);
+    draw_text(image, names[n], 3 * pad + size, middle, {.size = size, .color = kInk});
+  }
+  return panel;
+}
+
 Image side_by_side(const std::vector<Image>& images, const std::vector<std::string>& captions) {
   constexpr int kGap = 4;
   int width = 0, height = 0;

@@ -42,6 +42,16 @@ constexpr double kLegendFraction = 0.22;
 /// target, in the image plane. Returns the bar.
 PixelBox draw_scale_bar(Image& image, const Camera& camera);
 
+/// Row of a list of names: a color, and the things that are drawn in it.
+struct NameRow {
+  Rgb color;
+  std::string names;  // "liver" or "gall bladder, stomach"
+};
+/// Adds a name to the row of its color, or a new row. A name that the row has already is not repeated.
+void add_name(Rgb color, const std::string& name, std::vector<NameRow>& rows);
+/// Draws the names beside their colors at the upper left. Returns the panel; empty without rows.
+PixelBox draw_names(Image& image, const std::vector<NameRow>& rows);
+
 /// Several pictures in a row, each with a caption above.
 Image side_by_side(const std::vector<Image>& images, const std::vector<std::string>& captions);
 

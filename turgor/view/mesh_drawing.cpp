@@ -18,7 +18,8 @@ namespace {
 
 constexpr float kOcclusionReach = 0.08f;                                // of the picture's height
 constexpr float kNoLevel = 1, kSmoothLevel = 0.5f, kEdgeLevel = 0.25f;  // selects the lighting of a pixel
-constexpr float kSeeThroughShare = 0.35f;  // visible share of the light of an item behind another surface
+constexpr float kSeeThroughShare = 0.9f, kQuickShare = 0.5f;  // largest share of light through a surface
+constexpr float kAbsorption = 0.3f;  // depth of tissue that absorbs light, by the size of what is behind it
 
 template <class T>
 void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, const std::vector<T>& values) {
@@ -34,6 +35,7 @@ struct GlMesh {
   GLsizei indices = 0;
   Vec3 color;
   bool use_map = false, see_through = false, closed = false;
+  float size = 0;  // of a see-through item [m]
 };
 
 // Triangles of a large mesh that the camera may show, and a margin around them that may cast shadows into the
@@ -67,6 +69,10 @@ GlMesh upload_item(GlObjects& objects, const RenderItem& item, const Mat4& to_cl
               .use_map = item.scale != nullptr,
               .see_through = item.see_through,
               .closed = item.closed};
+  if (item.see_through) {
+    const Box box = bounding_box(mesh);
+    held.size = float(norm(box.high - box.low));
+  }
   glBindVertexArray(held.array);
   upload(objects, 0, 3, GL_FLOAT, mesh.vertices);
   upload(objects, 1, 3, GL_FLOAT, mesh.normals.empty() ? vertex_normals(mesh) : mesh.normals);
@@ -150,8 +156,8 @@ void draw_see_through(const std::vector<GlMesh>& items) {
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
-  glBlendColor(0, 0, 0, kSeeThroughShare);
-  glBlendFuncSeparate(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA, GL_ZERO, GL_ONE);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  set_uniform("through", kQuickShare);
   draw_items(through);
   glDisable(GL_BLEND);
   glDepthMask(GL_TRUE);
@@ -231,13 +237,15 @@ void draw_light(GlObjects& objects, const MeshPrograms& programs, const MeshTarg
 
 // Blends hidden fragments of see-through items over the surfaces in front of them.
 void draw_inner(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view,
-                const LightView& light) {
+                const LightView& light, float size) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.lit);
   glUseProgram(program);
   set_lighting(targets, view, light);
   set_surfaces(targets, targets.inner, view);
   set_texture("nearer", 4, targets.g_buffer.depths, GL_TEXTURE_2D_MULTISAMPLE);
+  set_texture("outer", 5, targets.g_buffer.colors, GL_TEXTURE_2D_MULTISAMPLE);
   set_uniform("through", kSeeThroughShare);
+  set_uniform("absorption", kAbsorption * size);
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   draw_screen(objects, GL_GREATER, kNoLevel);
@@ -319,7 +327,9 @@ Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const GlScen
   // lighting, occlusion and composition
   resolve_samples(objects, programs.resolve, targets, view);
   draw_light(objects, programs, targets, view, light);
-  if (!through.empty()) draw_inner(objects, programs.inner, targets, view, light);
+  float size = 0;
+  for (const GlMesh& item : through) size = std::max(size, item.size);
+  if (!through.empty()) draw_inner(objects, programs.inner, targets, view, light, size);
   draw_occlusion(objects, programs.occlusion, targets, view);
   draw_picture(objects, programs.picture, targets);
   return targets.picture;
@@ -341,6 +351,7 @@ GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const GlScen
   set_uniform("eye", Vec3(view.eye));
   set_lights(view);
   set_texture("color_map", 0, new_color_map(objects));
+  set_uniform("through", 1.0f);
   draw_items(scene.items, style);
   if (style == MeshStyle::kSurface) draw_see_through(scene.items);
   return targets.picture;

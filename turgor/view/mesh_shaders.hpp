@@ -217,26 +217,33 @@ void main() {
 }
 )";
 
-// See-through surfaces behind others, blended over the light of those.
+// See-through surfaces behind others, blended over the light of those. Tissue in front tints, absorbs and
+// scatters their light: they fade with depth and towards their contours, so that they read as inside.
 constexpr const char* kInnerMain = R"(
-uniform usampler2DMS colors, normals;
+uniform usampler2DMS colors, normals, outer;
 uniform sampler2DMS depths, nearer;
-uniform float through;  // share of its own light through another surface
+uniform vec2 near_far;
+uniform float through;     // largest share of their light
+uniform float absorption;  // depth of tissue that reduces it to 1/e [m]
 layout(location = 0) out vec4 light;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec3 view = -normalize(ray_of_pixel()), sum = vec3(0);
-  float hidden = 0.0;
+  vec3 view = -normalize(ray_of_pixel());
+  vec4 sum = vec4(0);
   for (int s = 0; s < samples; s++) {
     uint c = texelFetch(colors, pixel, s).r;
     if (c == 0u) continue;
-    if (texelFetch(depths, pixel, s).r <= texelFetch(nearer, pixel, s).r) continue;
+    float depth = texelFetch(depths, pixel, s).r, front = texelFetch(nearer, pixel, s).r;
+    if (depth <= front) continue;
     vec3 n = world_normal(normal_of(texelFetch(normals, pixel, s).r));
-    sum += lit_surface(color_of(c), n, view, 1.0);
-    hidden += 1.0;
+    vec3 tissue = color_of(texelFetch(outer, pixel, s).r).rgb;
+    vec3 tint = mix(vec3(1), tissue / max(0.01, max(tissue.r, max(tissue.g, tissue.b))), 0.6);
+    float behind = depth_of(depth, near_far) - depth_of(front, near_far);
+    float share = through * (0.25 + 0.75 * exp(-behind / absorption)) * smoothstep(0.0, 0.9, abs(dot(n, view)));
+    sum += share * vec4(tint * lit_surface(color_of(c), n, view, 1.0), 1);
   }
-  light = through * vec4(sum, hidden) / float(samples);
+  light = sum / float(samples);
 }
 )";
 
@@ -252,7 +259,8 @@ uniform sampler2D color_map;
 uniform bool use_map;
 uniform vec3 key, fill, up;
 uniform vec3 key_color, fill_color, sky_color, floor_color;
-out vec3 shown;
+uniform float through;  // share of light that reaches the eye, 1 for opaque surfaces
+out vec4 shown;
 
 void main() {
   gl_Position = to_clip * vec4(position, 1);
@@ -262,15 +270,16 @@ void main() {
     albedo = pow(texelFetch(color_map, ivec2(clamp(fraction, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb, vec3(2.2));
   vec3 lit = key_color * max(0.0, (dot(n, key) + 0.25) / 1.25) + fill_color * max(0.0, dot(n, fill));
   lit += mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));
-  shown = pow(min(albedo * lit, 1.0), vec3(1.0 / 2.2));
+  float facing = abs(dot(n, normalize(eye - position)));
+  shown = vec4(pow(min(albedo * lit, 1.0), vec3(1.0 / 2.2)), through < 1.0 ? through * smoothstep(0.0, 0.9, facing) : 1.0);
 }
 )";
 
 constexpr const char* kQuickFragmentShader = R"(#version 330 core
-in vec3 shown;
+in vec4 shown;
 layout(location = 0) out vec4 picture;
 
-void main() { picture = vec4(shown, 1); }
+void main() { picture = shown; }
 )";
 
 constexpr const char* kScreenVertexShader = R"(#version 330 core

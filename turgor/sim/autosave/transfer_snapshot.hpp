@@ -17,9 +17,10 @@ void transfer(File& file, TriMesh& mesh) {
 template <class File>
 void transfer(File& file, BodySnapshot& body) {
   auto& [id, name, look, rest, displacement, x, normals, pressure, stretch, triangles, mesh_vertex, patch,
-         inside, smooth, wall_begin, box, typical_force, seconds, cache] = body;
+         inside, inside_names, smooth, wall_begin, box, typical_force, seconds, cache] = body;
   transfer_all(file, id, name, look, rest, displacement, x, normals, pressure, stretch, triangles,
-               mesh_vertex, patch, inside, smooth.coarse, wall_begin, box, typical_force, seconds);
+               mesh_vertex, patch, inside, inside_names, smooth.coarse, wall_begin, box, typical_force,
+               seconds);
   if constexpr (File::kReads) cache.reset(), show_smooth(body);
 }
 template <class File>

@@ -76,6 +76,9 @@ struct OutputScene {
   bool all_pictures = false;  // also whole bodies, color maps and sections of the whole CT
   bool frames = false;        // a picture of every view at every snapshot
   bool video = false;
+  double video_speed = 1;   // simulated seconds per second of video
+  bool video_full = false;  // full quality of pictures instead of the quick one
+  bool legend = true;       // names of bodies and inclusions with their colors
 };
 
 /// [camera.NAME]: pictures from an additional camera.

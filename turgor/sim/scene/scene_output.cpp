@@ -223,6 +223,15 @@ void read_output(SceneTable output, Scene& scene) {
       "video", out.video,
       "`video.mp4`, if ffmpeg is installed; with several cuts, a close-up `video-NAME.mp4` of each. The "
       "page plays the run without it");
+  output.read("video_speed", out.video_speed, within(0.01, 100, "1"),
+              "simulated seconds per second of video: 0.25 is slow motion. Slow videos show more frames, at "
+              "most `frame_rate`");
+  output.read_choice<bool>("video_quality", out.video_full, {{"quick", false}, {"full", true}},
+                           "`\"quick\"`: one pass; `\"full\"`: shadows, ambient occlusion and smooth edges "
+                           "as in pictures, about ten times slower");
+  output.read("legend", out.legend,
+              "names of bodies and inclusions with their colors, in pictures and the window, if there are "
+              "at least two");
   output.finish();
 }
 

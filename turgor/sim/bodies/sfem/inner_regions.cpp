@@ -44,12 +44,24 @@ InnerRegion region_of(const std::string& name, int material, const SolidMesh& me
   return region;
 }
 
-}  // namespace
-
-std::vector<InnerRegion> inner_regions(const SfemScene& scene, const sfem::Body& body) {
-  std::vector<std::string> names;  // material names in the order of make_body
+/// Names of materials in the order of make_body.
+std::vector<std::string> region_names(const SfemScene& scene) {
+  std::vector<std::string> names;
   for (const InsideScene& inside : scene.inside) names.push_back(inside.name);
   for (const InclusionScene& inclusion : scene.inclusions) names.push_back(inclusion.name);
+  return names;
+}
+
+}  // namespace
+
+std::vector<InnerRegion> named_regions(const SfemScene& scene) {
+  std::vector<InnerRegion> regions;
+  for (const std::string& name : region_names(scene)) regions.emplace_back().name = name;
+  return regions;
+}
+
+std::vector<InnerRegion> inner_regions(const SfemScene& scene, const sfem::Body& body) {
+  const std::vector<std::string> names = region_names(scene);
   if (names.empty()) return {};
   const std::vector<int> material = sfem::element_materials(body);
   std::vector<InnerRegion> regions;

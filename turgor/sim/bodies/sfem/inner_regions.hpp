@@ -22,4 +22,7 @@ struct InnerRegion {
 /// Regions of all materials except the body's own, in the order of the scene.
 std::vector<InnerRegion> inner_regions(const SfemScene& scene, const sfem::Body& body);
 
+/// The same with names only, for drawing recorded surfaces.
+std::vector<InnerRegion> named_regions(const SfemScene& scene);
+
 }  // namespace turgor

@@ -247,7 +247,10 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   SfemBody body;
   body.name = scene.name;
   body.typical_force = scene.material.young * 1e-4;
-  if (purpose == Purpose::kDraw) return body;
+  if (purpose == Purpose::kDraw) {
+    body.inside = named_regions(scene);
+    return body;
+  }
   // shape and mesh quality
   const Timer shaping;
   Result<OrganMesh> shape = load_shape(exec, scene, begin);
