@@ -34,10 +34,12 @@ void set_appearance(const Appearance& appearance, WindowScale scale) {
     ImGui::StyleColorsLight();
   else
     ImGui::StyleColorsDark();
+  style.FrameBorderSize = appearance.theme == Theme::kLight ? 1 : 0;  // else white boxes vanish on gray
   style.WindowRounding = 0, style.FrameRounding = 3, style.GrabRounding = 3, style.PopupRounding = 3;
   style.FramePadding = {7, 4}, style.ItemSpacing = {8, 6}, style.WindowPadding = {10, 10};
   style.ScaleAllSizes(scale.units() * appearance.text_size / Appearance().text_size);
   style.Colors[ImGuiCol_WindowBg].w = 1;
+  style.Colors[ImGuiCol_PlotHistogram] = style.Colors[ImGuiCol_SliderGrab];  // of progress bars
 }
 
 ImVec4 failure_color() { return is_light() ? ImVec4{0.75f, 0.05f, 0, 1} : ImVec4{1, 0.45f, 0.35f, 1}; }

@@ -11,23 +11,27 @@ namespace turgor {
 
 namespace {
 
-/// A button with the effect of a key.
-void key_button(Viewer& viewer, const char* label, const char* key) {
-  if (ImGui::Button(label)) act(viewer, key);
+/// A button with the effect of a key, wide enough for another label that it has at other times.
+void key_button(Viewer& viewer, const char* label, const char* key, const char* widest = nullptr) {
+  const float padding = 2 * ImGui::GetStyle().FramePadding.x;
+  if (ImGui::Button(label, {widest ? ImGui::CalcTextSize(widest).x + padding : 0, 0})) act(viewer, key);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("key: %s", key);
 }
 
 void show_running(Viewer& viewer) {
   const SessionStatus& now = *viewer.now;
-  key_button(viewer, now.plays ? "Pause" : "Play ", "Space");
+  ImGui::BeginDisabled(now.scene == nullptr);
+  key_button(viewer, now.plays ? "Pause##play" : "Play##play", "Space", "Pause");
   ImGui::SameLine();
   key_button(viewer, "Step", ".");
   ImGui::SameLine();
   key_button(viewer, "Reset", "Backspace");
-  ImGui::SameLine();
   key_button(viewer, "Slower", "-");
   ImGui::SameLine();
   key_button(viewer, "Faster", "+");
-  ImGui::Text("speed %.3g × real time", now.pace);
+  ImGui::SameLine();
+  ImGui::Text("%.3g × real time", now.pace);
+  ImGui::EndDisabled();
 }
 
 void show_mouse(Viewer& viewer) {
@@ -45,15 +49,18 @@ void show_mouse(Viewer& viewer) {
 void show_cut(Viewer& viewer) {
   if (viewer.mode == MouseMode::kCut) {
     auto depth = float(1e3 * viewer.cut_depth);
-    if (ImGui::SliderFloat("depth", &depth, float(1e3 * kLeastDepth), float(1e3 * kMostDepth), "%.0f mm",
+    ImGui::SetNextItemWidth(-9 * ImGui::GetFontSize());
+    if (ImGui::SliderFloat("##depth", &depth, float(1e3 * kLeastDepth), float(1e3 * kMostDepth), "",
                            ImGuiSliderFlags_Logarithmic))
       viewer.cut_depth = std::clamp(1e-3 * double(depth), kLeastDepth, kMostDepth);
+    ImGui::SameLine();
+    ImGui::Text("depth %.0f mm", 1e3 * viewer.cut_depth);  // beside the slider, whose handle would cover it
   }
   const CutResult& result = viewer.now->cut_result;
   if (result.cut < 0) return;
   if (!result.is_measured) {
-    ImGui::ProgressBar(float(result.done), {-1, 0},
-                       fmt::format("cutting {:.0f} %", 100 * result.done).c_str());
+    ImGui::Text("cutting %.0f %%", 100 * result.done);
+    ImGui::ProgressBar(float(result.done), {-1, 0.5f * ImGui::GetTextLineHeight()}, "");
     return;
   }
   ImGui::TextWrapped("%s", cut_text(result).c_str());

@@ -42,8 +42,10 @@ void plot(const char* name, const std::vector<ImVec2>& points, const char* x_uni
     line.push_back({low.x + (p.x - x_low) / (x_high - x_low) * (high.x - low.x),
                     low.y + std::max(0.0f, p.y) / y_high * (high.y - low.y)});
   draw.AddPolyline(line.data(), int(line.size()), curve_color(), 0, 1.5f);
-  draw.AddText({low.x, low.y + 1}, ink, fmt::format("{:.3g}", x_low).c_str());
-  const std::string right = fmt::format("{:.3g} {}", x_high, x_unit);
+  const bool begins_at_0 = std::abs(x_low) < 0.02f * (x_high - x_low);  // to the accuracy of the eye
+  const std::string x_low_text = begins_at_0 ? "0" : fmt::format("{:.3g}", x_low);
+  draw.AddText({low.x, low.y + 1}, ink, x_low_text.c_str());
+  const std::string right = fmt::format("{:.4g} {}", x_high, x_unit);
   draw.AddText({high.x - ImGui::CalcTextSize(right.c_str()).x, low.y + 1}, ink, right.c_str());
 }
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -20,8 +22,12 @@ std::optional<ImVec2> pixel_of(const Viewer& viewer, Vec3d point) {
                 float(area.y + 0.5 * (1 - position->y) * area.height)};
 }
 
+/// Writes on a shade that keeps text readable on light skin.
 void write(ImDrawList& draw, ImVec2 at, const std::string& text) {
-  draw.AddText({at.x + 1, at.y + 1}, kShade, text.c_str());
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const float pad = 0.25f * size.y;
+  draw.AddRectFilled({at.x - pad, at.y - 0.5f * pad}, {at.x + size.x + pad, at.y + size.y + 0.5f * pad},
+                     kShade, pad);
   draw.AddText(at, kInk, text.c_str());
 }
 
@@ -82,6 +88,23 @@ void draw_legend(ImDrawList& draw, const Area& area, const ColorScale& scale) {
   write(draw, {end.x - width - 12, corner.y - 30}, scale.label);
 }
 
+/// Names of bodies and inclusions beside their colors, at the upper left.
+void draw_names(ImDrawList& draw, const Area& area, const std::vector<NameRow>& rows) {
+  const float size = ImGui::GetFontSize(), pad = 0.5f * size, line = ImGui::GetTextLineHeightWithSpacing();
+  float width = 0;
+  for (const NameRow& row : rows) width = std::max(width, ImGui::CalcTextSize(row.names.c_str()).x);
+  const ImVec2 corner{float(area.x) + pad, float(area.y) + pad};
+  draw.AddRectFilled(corner, {corner.x + width + size + 3 * pad, corner.y + float(rows.size()) * line + pad},
+                     kShade, 0.25f * size);
+  for (std::size_t n = 0; n < rows.size(); n++) {
+    const Rgb c = rows[n].color;
+    const ImVec2 at{corner.x + pad, corner.y + 0.75f * pad + float(n) * line};
+    draw.AddRectFilled({at.x, at.y + 0.1f * size}, {at.x + 0.8f * size, at.y + 0.9f * size},
+                       IM_COL32(c.r, c.g, c.b, 255));
+    draw.AddText({at.x + size + pad, at.y}, kInk, rows[n].names.c_str());
+  }
+}
+
 }  // namespace
 
 void show_marks(const Viewer& viewer, const WorldPicture& picture) {
@@ -96,6 +119,8 @@ void show_marks(const Viewer& viewer, const WorldPicture& picture) {
   if (viewer.cut) draw_cut(draw, viewer, *viewer.cut);
   if (viewer.wind) draw_line(draw, viewer, *viewer.wind, kWindLine);
   if (picture.has_scale) draw_legend(draw, area, picture.scale);
+  const bool is_drawn = viewer.now->phase == SessionStatus::Phase::kReady && !viewer.display.volume;
+  if (is_drawn && !picture.names.empty()) draw_names(draw, area, picture.names);
   draw.PopClipRect();
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <string>
 
 #include <imgui.h>
 
@@ -8,10 +9,15 @@ namespace turgor {
 
 namespace {
 
-/// A header that opens and closes a section. `is_open` may also be changed by a key.
+/// A header that opens and closes a section. `is_open` may also be changed by a key; the panel then scrolls
+/// to the section.
 bool open_section(const char* name, bool& is_open) {
   ImGui::SetNextItemOpen(is_open, ImGuiCond_Always);
-  is_open = ImGui::CollapsingHeader(name);
+  const bool header = ImGui::CollapsingHeader(name);
+  int* was_open =
+      ImGui::GetStateStorage()->GetIntRef(ImGui::GetID((std::string("was ") + name).c_str()), is_open);
+  if (is_open && !*was_open) ImGui::SetScrollHereY(0);
+  *was_open = is_open = header;
   return is_open;
 }
 

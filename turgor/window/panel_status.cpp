@@ -38,8 +38,10 @@ bool is_slow(const SessionStatus& now) {
 
 void show_loading(const SessionStatus& now) {
   if (now.done <= 0) return line(now.doing + " …", plain_color());
-  const std::string text = fmt::format("{}: {:.0f} %", now.doing, 100 * now.done);
-  ImGui::ProgressBar(float(now.done), {-1, ImGui::GetTextLineHeight() + 2}, text.c_str());
+  ImGui::Text("%s: %.0f %%", now.doing.c_str(), 100 * now.done);
+  ImGui::SameLine(14 * ImGui::GetFontSize());
+  ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 0.25f * ImGui::GetTextLineHeight());
+  ImGui::ProgressBar(float(now.done), {-1, 0.5f * ImGui::GetTextLineHeight()}, "");
 }
 
 /// Rates, times and notes.
@@ -101,6 +103,8 @@ void show_status(Viewer& viewer) {
       line(now.error, failure_color());
     else if (now.phase == SessionStatus::Phase::kLoading)
       show_loading(now);
+    else if (now.phase == SessionStatus::Phase::kEmpty && viewer.message.empty())
+      line("choose a scene, or drop a scene file on the window", plain_color());
     else
       line(viewer.message, is_failure ? failure_color() : plain_color());
     viewer.status_height = double(ImGui::GetWindowHeight());

@@ -43,7 +43,9 @@ Status draw_world(const Viewer& viewer, bool moves, int width, int height, World
   picture.has_scale = color != SkinColor::kNone;
   if (picture.has_scale) picture.scale = scale_for(snapshot, *viewer.now->scene, color);
   PictureItems items;
-  add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, items);
+  // fingertips of the mouse, which follow the tools of the scene, are shown while they touch
+  const std::size_t tools = viewer.touching ? snapshot.tools.size() : viewer.now->scene->tools.size();
+  add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, items, tools);
   const bool quickly = moves && (picture.full_seconds == 0 || picture.full_seconds > kSlow);
   const Timer timer;
   const Result<GLuint> drawn =
@@ -53,6 +55,7 @@ Status draw_world(const Viewer& viewer, bool moves, int width, int height, World
   if (!quickly) glFinish(), picture.full_seconds = timer.seconds();
   picture.framebuffer = *drawn, picture.width = width, picture.height = height;
   picture.labels = std::move(items.labels);
+  picture.names = viewer.now->scene->output.legend ? shown_names(items) : std::vector<NameRow>();
   return Done{};
 }
 

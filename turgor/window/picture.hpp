@@ -15,6 +15,7 @@ struct WorldPicture {
   GLuint framebuffer = 0;            // holds the newest picture
   int width = 0, height = 0;         // of it [pixels]
   std::vector<PictureLabel> labels;  // text at positions
+  std::vector<NameRow> names;        // legend of bodies and inclusions
   ColorScale scale;                  // if colors show a quantity
   bool has_scale = false;
   double full_seconds = 0;  // drawing time at full quality; 0: not yet known

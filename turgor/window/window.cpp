@@ -211,7 +211,7 @@ void SceneWindow::Impl::draw_picture() {
     copy_to_window(picture->framebuffer, {picture->width, picture->height}, false, area);
 }
 
-/// File name of the scene, with a star if it has unsaved edits.
+/// File name of the scene, with a star if it has unsaved edits, and what the window waits for.
 void SceneWindow::Impl::set_title() {
   const SessionStatus& now = *viewer->now;
   const Document& document = viewer->document;
@@ -219,6 +219,9 @@ void SceneWindow::Impl::set_title() {
   if (now.scene)
     name = (document.file.empty() ? now.scene->file : document.file).filename().string() +
            (has_unsaved_edits(*viewer) ? "* – Turgor" : " – Turgor");
+  if (now.phase == SessionStatus::Phase::kLoading) name += " (loading)";
+  if (now.phase == SessionStatus::Phase::kReady && now.cut_result.cut >= 0 && !now.cut_result.is_measured)
+    name += " (cutting)";
   if (name == title) return;
   title = name;
   glfwSetWindowTitle(window, title.c_str());
