@@ -1,0 +1,212 @@
+// Pace of a window while a cut is drawn by hand, and in ordinary scenes, against the goals of the project on
+// two cores with software rendering. One command, at most five minutes on a quiet machine:
+//   xvfb-run -a build/release/benches/bench_live_goals [CT]
+// `CT` is a patient's CT (a file or a DICOM folder); without it that row is missing. The program returns 1 if
+// a goal is missed.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/window/window.hpp"
+
+namespace {
+
+using namespace turgor;
+namespace fs = std::filesystem;
+
+constexpr double kCut = 0.5, kAfter = 0.9, kPictures = 15, kOpenShare = 0.9;  // [1], [1], [1/s], [1]
+constexpr double kLength = 0.07, kBladeSpeed = 0.2;                           // of the cut [m], [m/s]
+
+/// A torso with elements of 6 mm.
+std::string torso_text(const std::string& ct) {
+  return "[world]\nduration = 60\n[body.torso]\nmodel = \"lattice\"\nct = " + ct +
+         "\nspacing = 0.006\nfixed = [\"bone\", \"ends\"]\nskin = { tension = 45, stiffness = 300 }\n"
+         "solver = { sleep_speed = 3e-4 }\n";
+}
+
+/// A window with its scene, and counts of pictures that showed a new state.
+struct Watched {
+  std::unique_ptr<SceneWindow> window;
+  int pictures = 0, frame = -1;
+
+  const SessionStatus& now() { return *window->viewer().now; }
+
+  /// Draws until the condition holds, at most `longest` [s]. False: it does not hold yet.
+  template <class Condition>
+  bool draw_until(const Condition& condition, double longest) {
+    for (const Timer timer; timer.seconds() < longest;) {
+      if (!window->draw()) return false;
+      if (now().snapshot.frame != frame) pictures++, frame = now().snapshot.frame;
+      if (now().phase == SessionStatus::Phase::kFailed) return false;
+      if (condition(now())) return true;
+    }
+    return false;
+  }
+};
+
+/// Pace and pictures of a part of a run.
+struct Paced {
+  double pace = 0, pictures = 0;  // [simulated s/s], [1/s]
+};
+
+/// Draws until a condition holds and measures meanwhile.
+template <class Condition>
+Paced pace_until(Watched& watched, const Condition& condition, double longest) {
+  const double begin = watched.now().snapshot.time;
+  watched.pictures = 0;
+  const Timer timer;
+  watched.draw_until(condition, longest);
+  return {(watched.now().snapshot.time - begin) / timer.seconds(), watched.pictures / timer.seconds()};
+}
+Paced pace_of(Watched& watched, double simulated, double longest) {
+  const double end = watched.now().snapshot.time + simulated;
+  return pace_until(
+      watched, [=](const SessionStatus& now) { return now.snapshot.time >= end; }, longest);
+}
+
+Watched open(const fs::path& scene) {
+  WindowOptions options{.scene = scene, .overrides = {}, .out = fs::temp_directory_path()};
+  options.width = 1280, options.height = 800;
+  options.session.threads = 2;
+  Result<std::unique_ptr<SceneWindow>> window = SceneWindow::open(options);
+  if (!window) {
+    std::fprintf(stderr, "bench_live_goals: %s\n", window.error().message.c_str());
+    std::exit(2);
+  }
+  Watched watched{std::move(*window)};
+  const auto runs = [](const SessionStatus& now) {
+    return now.phase == SessionStatus::Phase::kReady && now.snapshot.frame > 30;
+  };
+  if (!watched.draw_until(runs, 120)) {
+    std::fprintf(stderr, "bench_live_goals: %s: %s\n", scene.c_str(),
+                 watched.now().error.empty() ? "not loaded after 120 s" : watched.now().error.c_str());
+    std::exit(2);
+  }
+  return watched;
+}
+
+/// Curve on the front of the first body, from head to feet, as a hand draws it.
+std::optional<CutRequest> hand_drawn(const WorldSnapshot& snapshot) {
+  constexpr int kPoints = 8;
+  const Box box = snapshot.bodies[0].box;
+  const Vec3d middle = (box.low + box.high) * 0.5;
+  const double length = std::min(kLength, 0.6 * (box.high.z - box.low.z));
+  CutRequest request{.blade = {.name = "hand", .depth = 0.01, .duration = length / kBladeSpeed}, .body = 0};
+  for (int n = 0; n < kPoints; n++) {
+    const double s = double(n) / (kPoints - 1);
+    const Vec3d eye{middle.x + 0.004 * std::sin(5 * s), box.low.y - 1, middle.z + (0.5 - s) * length};
+    const std::optional<Picked> skin = pick(snapshot, {eye, {0, 1, 0}});
+    if (!skin) return std::nullopt;
+    request.blade.path.push_back(skin->point);
+  }
+  request.blade.from = request.blade.path.front(), request.blade.to = request.blade.path.back();
+  return request;
+}
+
+/// Largest displacement of the drawn surface [mm]: the opening of the wound.
+double opening(const WorldSnapshot& snapshot) {
+  float most = 0;
+  for (const Vec3 u : snapshot.bodies[0].displacement) most = std::max(most, norm(u));
+  return 1e3 * double(most);
+}
+
+struct CutFigures {
+  Paced during, after;
+  double open_2s = 0, open = 0;  // opening 2 s after the blade and at last [mm]
+  std::uint64_t ticks = 0, missed = 0;
+};
+
+std::optional<CutFigures> cut_by_hand(const fs::path& scene) {
+  Watched watched = open(scene);
+  const std::optional<CutRequest> request = hand_drawn(watched.now().snapshot);
+  if (!request) return std::nullopt;
+  const haptics::TimingReport before = watched.now().haptics;
+  CutFigures figures;
+  watched.window->viewer().session.request(*request);
+  watched.draw_until([](const SessionStatus& now) { return now.cut_result.cut >= 0; }, 10);
+  figures.during = pace_until(
+      watched, [](const SessionStatus& now) { return now.cut_result.done >= 1 || !now.error.empty(); }, 60);
+  if (watched.now().cut_result.done < 1) return std::nullopt;
+
+  // two seconds of the clock, then until the wound is at rest
+  figures.after = pace_until(
+      watched, [](const SessionStatus&) { return false; }, 2);
+  figures.open_2s = opening(watched.now().snapshot);
+  figures.ticks = watched.now().haptics.ticks - before.ticks;
+  figures.missed = watched.now().haptics.missed - before.missed;
+  pace_of(watched, 4, 20);
+  figures.open = opening(watched.now().snapshot);
+  return figures;
+}
+
+/// A figure and its goal. Counts misses.
+std::string against(double value, double goal, int& misses) {
+  const bool is_kept = value >= goal;
+  misses += !is_kept;
+  return fmt::format("{:6.2f} {}", value, is_kept ? "kept" : "MISS");
+}
+
+void print_cut(const std::string& name, const fs::path& scene, int& misses) {
+  const std::optional<CutFigures> f = cut_by_hand(scene);
+  if (!f) {
+    misses++;
+    fmt::print("{:<26} the cut could not be made\n", name);
+    return;
+  }
+  fmt::print("{:<26} {} {} {} {} {}   {:>6} of {}\n", name, against(f->during.pace, kCut, misses),
+             against(f->after.pace, kAfter, misses),
+             against(f->open > 0 ? f->open_2s / f->open : 0, kOpenShare, misses),
+             against(f->during.pictures, kPictures, misses), against(f->after.pictures, kPictures, misses),
+             f->missed, f->ticks + f->missed);
+  std::fflush(stdout);
+}
+
+void print_scene(const std::string& file, int& misses) {
+  const fs::path scene = fs::path(TURGOR_SCENE_FOLDER) / file;
+  Watched watched = open(scene);
+  const haptics::TimingReport before = watched.now().haptics;
+  const Paced paced = pace_until(
+      watched, [](const SessionStatus&) { return false; }, 6);
+  const std::uint64_t ticks = watched.now().haptics.ticks - before.ticks,
+                      missed = watched.now().haptics.missed - before.missed;
+  fmt::print("{:<26} {:11} {} {:11} {:11} {}   {:>6} of {}\n", file, "", against(paced.pace, kAfter, misses),
+             "", "", against(paced.pictures, kPictures, misses), missed, ticks + missed);
+  std::fflush(stdout);
+}
+
+std::string phantom(int slices) {
+  return fmt::format("{{ phantom = \"torso\", size = [512, 512, {}], spacing_mm = [0.78, 0.78, 1.0] }}",
+                     slices);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  const Timer timer;
+  const fs::path scene = fs::temp_directory_path() / fmt::format("turgor-live-goals-{}.toml", getpid());
+  const auto write = [&scene](const std::string& ct) { std::ofstream(scene) << torso_text(ct); };
+  int misses = 0;
+  fmt::print(
+      "cut of 70 mm by hand; paces in simulated seconds per second, opening 2 s after the blade relative to\n"
+      "that after 6 s, pictures with a new state per second, ticks of the haptic loop that were missed\n");
+  fmt::print("{:<26} {:<11} {:<11} {:<11} {:<11} {:<11}   {}\n", "", "cutting", "after", "open", "pict. cut",
+             "pict. after", "missed ticks");
+  fmt::print("{:<26} {:6} {:4} {:6} {:4} {:6} {:4} {:6} {:4} {:6}\n", "goal, at least", kCut, "", kAfter, "",
+             kOpenShare, "", kPictures, "", kPictures);
+  write(phantom(275)), print_cut("phantom 512x512x275", scene, misses);
+  write(phantom(550)), print_cut("phantom 512x512x550", scene, misses);
+  if (count > 1)
+    write(fmt::format("\"{}\"", fs::absolute(words[1]).string())), print_cut("patient", scene, misses);
+  for (const char* file : {"palpation.toml", "incision.toml", "flag.toml"}) print_scene(file, misses);
+  fs::remove(scene);
+  fmt::print("{} goals missed; {:.0f} s in all\n", misses, timer.seconds());
+  return misses > 0;
+}
