@@ -61,7 +61,7 @@ Status step_frame(Running& run, const lattice::HaloExchange& halo, bool measure_
   LatticeBody& body = run.loaded.body;
   const double dt = 1 / run.scene.frame_rate, end = (run.frames + 1) * dt * (1 + 1e-12);
   for (std::size_t c = 0; c < run.cuts.size(); c++)
-    if (const Status cut = advance_blade(body, run.cuts, int(c), end, &halo); !cut) return cut;
+    if (const Status cut = advance_blade(run.exec, body, run.cuts, int(c), end, &halo); !cut) return cut;
   const double from = run.frames * dt, to = from + dt;
   const bool has_forces = body.model.params.solver.method == lattice::Method::kVbd;
   const lattice::Inputs inputs{.gravity = body.has_gravity ? run.scene.gravity : Vec3d{},

@@ -70,6 +70,8 @@ Status check_scene(const Scene& scene) {
             check(incision.source_location,
                   {{incision.by_fraction, "from_fraction",
                     "do not support fractions of the body's box: expected from and to, or path, in meters"},
+                   {incision.blade.excision.has_value(), "depth",
+                    "do not support excisions: expected incisions only"},
                    {incision.blade.width > 0, "width", "cut edges only: expected no width"}});
         !cut)
       return cut;

@@ -31,7 +31,7 @@ Status load_bodies(const Loading& loading, const Scene& scene, World& world) {
 Status load_cuts(const Scene& scene, World& world) {
   for (const IncisionScene& incision : scene.incisions) {
     TURGOR_CHECK(is_index(incision.body, world.lattice_bodies.size()), "an incision cuts a lattice");
-    Result<Cut> cut = load_cut(incision, world.lattice_bodies[std::size_t(incision.body)]);
+    Result<Cut> cut = load_cut(incision, world.lattice_bodies[std::size_t(incision.body)], world.cuts);
     if (!cut) return cut.error();
     world.cuts.push_back(std::move(*cut));
   }
@@ -149,7 +149,8 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
     const double end = (world.frame + 1) * world.dt * (1 + 1e-12);
     LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
     TURGOR_CHECK(is_index(cut.body, world.lattice_bodies.size()), "a cut belongs to a lattice");
-    if (const Status status = advance_blade(body, world.cuts, int(c), end); !status) return status.error();
+    if (const Status status = advance_blade(exec, body, world.cuts, int(c), end); !status)
+      return status.error();
   }
   // pull the stitches
   for (Suture& suture : world.sutures) {

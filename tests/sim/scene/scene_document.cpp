@@ -28,6 +28,9 @@ body = "a"
 [incision.other]
 body = "a"
 from_fraction = [0, 0, 0]
+[excision.mole]
+body = "a"
+center_fraction = [0, 0, 0]
 [suture.row]
 wound = "cut"
 [camera.side]

@@ -48,9 +48,10 @@ void transfer(File& file, lattice::Motion& motion) {
 /// Without the fragments, which fragments_of computes again.
 template <class File>
 void transfer(File& file, lattice::Cuts& cuts) {
-  auto& [cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, blades, fragments] =
-      cuts;
-  transfer_all(file, cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, blades);
+  auto& [cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, excised, blades,
+         fragments] = cuts;
+  transfer_all(file, cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, excised,
+               blades);
 }
 /// Without the coarse space, which the reader builds again (transfer_body).
 template <class File>
@@ -112,8 +113,8 @@ void transfer(File& file, lattice::BodySurface& surface) {
 }
 template <class File>
 void transfer(File& file, lattice::BladePath& path) {
-  auto& [points, inward, depth, width, depths, edges, fine_edges, lines] = path;
-  transfer_all(file, points, inward, depth, width, depths, edges, fine_edges, lines);
+  auto& [points, inward, depth, width, depths, edges, fine_edges, lines, is_excision] = path;
+  transfer_all(file, points, inward, depth, width, depths, edges, fine_edges, lines, is_excision);
 }
 template <class File>
 void transfer(File& file, lattice::Wound& wound) {
@@ -122,10 +123,10 @@ void transfer(File& file, lattice::Wound& wound) {
 }
 template <class File>
 void transfer(File& file, lattice::Stitch& stitch) {
-  auto& [rest, side, along, middle, across, at, lips, phase, length, before, tension, multiplier, ended] =
-      stitch;
-  transfer_all(file, rest, side, along, middle, across, at, lips, phase, length, before, tension, multiplier,
-               ended);
+  auto& [rest, side, along, middle, across, gap, at, lips, phase, length, before, tension, multiplier,
+         ended] = stitch;
+  transfer_all(file, rest, side, along, middle, across, gap, at, lips, phase, length, before, tension,
+               multiplier, ended);
 }
 template <class File>
 void transfer(File& file, lattice::WoundClosure& closure) {

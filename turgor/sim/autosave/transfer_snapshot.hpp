@@ -40,8 +40,10 @@ void transfer(File& file, Pressed& pressed) {
 }
 template <class File>
 void transfer(File& file, CutMeasures& cut) {
-  auto& [name, body, edges, region, depth, width, tension, gape_error, series, wound] = cut;
-  transfer_all(file, name, body, edges, region, depth, width, tension, gape_error, series, wound);
+  auto& [name, body, edges, region, excision, depth, width, tension, gape_error, marked, specimen, dog_ears,
+         series, wound] = cut;
+  transfer_all(file, name, body, edges, region, excision, depth, width, tension, gape_error, marked, specimen,
+               dog_ears, series, wound);
 }
 template <class File>
 void transfer(File& file, SutureMeasures& suture) {

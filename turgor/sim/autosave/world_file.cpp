@@ -209,7 +209,7 @@ void transfer_world(File& file, World& world) {
   transfer(file, world.frame);
   for_each_body(world, [&](BodyId, auto& body) { transfer_body(file, body); });
   transfer_coupling(file, world.coupling);
-  for (Cut& cut : world.cuts) transfer_all(file, cut.path, cut.done, cut.edges);
+  for (Cut& cut : world.cuts) transfer_all(file, cut.path, cut.done, cut.edges, cut.specimen);
   for (Suture& suture : world.sutures) transfer(file, suture.closure);
   for (TouchingTool& tool : world.tools)
     transfer_all(file, tool.grip, tool.samples, tool.limits, tool.needle_work, tool.punctures,

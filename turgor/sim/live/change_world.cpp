@@ -58,6 +58,7 @@ constexpr ReloadReason kReloadReasons[] = {
     {"cloth", "", "the cloth depends on it"},
     {"tool", "", "the tool's shape and path were set on the body at rest"},
     {"incision", "", "the blade was tested on the body at rest"},
+    {"excision", "", "the blade was tested on the body at rest"},
     {"suture", "", "the stitches were tested on the body at rest"},
     {"world", "", "frames and haptic ticks depend on it"},
 };

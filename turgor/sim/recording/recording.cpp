@@ -131,6 +131,21 @@ std::vector<int> recorded_slots(const SnapshotIn& in, const LatticeBody& body) {
   return slots;
 }
 
+/// Excised fragments, which follow from the cuts.
+Status restore_excised(const SnapshotIn& in, const LatticeBody& body, lattice::Cuts& cuts) {
+  for (std::size_t c = 0; c < in.world.cuts.size(); c++) {
+    const Cut& cut = in.world.cuts[c];
+    if (&in.world.lattice_bodies[std::size_t(cut.body)] != &body) continue;
+    if (!cut.blade.excision || !cut.path || cut.done < 1) continue;
+    const Result<lattice::FreePiece> piece = lattice::find_piece(body.model, cuts, int(c));
+    if (!piece)
+      return Error{
+          fmt::format("{}: {}: cut {}: {}", in.path, in.group, cut.blade.name, piece.error().message)};
+    lattice::mark_excised(*piece, cuts);
+  }
+  return Done{};
+}
+
 Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
   // fields and virtual nodes
   const std::vector<int> slots = recorded_slots(in, body);
@@ -154,6 +169,7 @@ Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
         lattice::is_body(body.model.anatomy.tissue[std::size_t(slot)]))
       state.cuts.removed_nodes++;
   state.motion.time = time_of(in.world);
+  if (const Status excised = restore_excised(in, body, state.cuts); !excised) return excised;
   body.state.change() = std::move(state);
 
   // tools and snapshot
@@ -331,6 +347,7 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   }
   if (!reading.status()) return reading.status();
   path.depth = progress[0], path.width = cut.blade.width;
+  path.is_excision = cut.blade.excision.has_value();
   path.depths.assign(path.points.size(), path.depth);
   cut.path = std::move(path);
   return Done{};

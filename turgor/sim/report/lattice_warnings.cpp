@@ -41,6 +41,8 @@ std::string patient_position_text(const Model& model, Vec3d x) {
   return position_text(position);
 }
 
+const char* kind_of(const Cut& cut) { return cut.blade.excision ? "excision" : "incision"; }
+
 void warn_about_blade(const Cut& cut, const Model& model, std::vector<std::string>& warnings) {
   const lattice::BladePath& path = *cut.path;
 
@@ -49,11 +51,12 @@ void warn_about_blade(const Cut& cut, const Model& model, std::vector<std::strin
   const Vec3 step = model.anatomy.lattice.spacing;
   if (std::max(from, to) > kOffSkin + double(std::max({step.x, step.y, step.z})))
     warnings.push_back(fmt::format(
-        "incision '{}': its ends, {} and {}, are {:.0f} and {:.0f} mm off the skin: the blade was moved to "
+        "{} '{}': its ends, {} and {}, are {:.0f} and {:.0f} mm off the skin: the blade was moved to "
         "the "
         "skin between {} and {}",
-        cut.blade.name, position_text(cut.blade.from), position_text(cut.blade.to), 1e3 * from, 1e3 * to,
-        patient_position_text(model, path.points.front()), patient_position_text(model, path.points.back())));
+        kind_of(cut), cut.blade.name, position_text(cut.blade.from), position_text(cut.blade.to), 1e3 * from,
+        1e3 * to, patient_position_text(model, path.points.front()),
+        patient_position_text(model, path.points.back())));
 
   // cells below the cut
   double below = kCellsBelow;
@@ -63,11 +66,11 @@ void warn_about_blade(const Cut& cut, const Model& model, std::vector<std::strin
                                                  path.inward[n], kCellsBelow));
   if (below < kCellsBelow)
     warnings.push_back(fmt::format(
-        "incision '{}': {} of body below the cut, expected at least {:.0f} cells: the support of its bottom "
+        "{} '{}': {} of body below the cut, expected at least {:.0f} cells: the support of its bottom "
         "depends on "
         "the lattice; use a smaller spacing or a shallower cut",
-        cut.blade.name, below > 0 ? fmt::format("less than {:.2g} cells", below + 0.25) : "nothing",
-        kCellsBelow));
+        kind_of(cut), cut.blade.name,
+        below > 0 ? fmt::format("less than {:.2g} cells", below + 0.25) : "nothing", kCellsBelow));
 }
 
 /// First bone that a blade meets.
@@ -98,9 +101,9 @@ void warn_about_bone(const Cut& cut, const LatticeBody& body, std::vector<std::s
   Vec3d point = bone->point;
   for (int axis = 0; axis < 3; axis++) point[axis] = 1e-4 * std::round(1e4 * point[axis]) + 0.0;
   warnings.push_back(
-      fmt::format("incision '{}': the blade meets bone at {}, {:.1f} mm below the skin, and {}: "
+      fmt::format("{} '{}': the blade meets bone at {}, {:.1f} mm below the skin, and {}: "
                   "a smaller depth or another position stays in soft tissue",
-                  cut.blade.name, position_text(point), 1e3 * bone->depth,
+                  kind_of(cut), cut.blade.name, position_text(point), 1e3 * bone->depth,
                   cut.blade.through_bone ? "cuts through it" : "stops there"));
 }
 

@@ -58,6 +58,12 @@ std::optional<double> mean_cos2_to_lines(const lattice::Model& model, const latt
   return std::clamp(sum / count, 0.0, 1.0);
 }
 
+/// Largest height of the skin within half a width of each end of an excised wound.
+DogEars dog_ears_of(const LatticeBody& body, const lattice::BladePath& path) {
+  const lattice::EndHeights heights = lattice::heights_at_ends(body.model, *body.state, path);
+  return {heights.first, heights.last};
+}
+
 WoundSample sample_of(const lattice::Wound& wound, double time) {
   return {time, wound.gape_max, wound.gape_mean, wound.opening_area, wound.edge_displacement};
 }
@@ -100,7 +106,8 @@ Measures make_measures(const World& world) {
     TURGOR_CHECK(is_index(cut.body, world.lattice_bodies.size()), "a cut belongs to a lattice");
     CutMeasures m;
     m.name = cut.blade.name, m.body = world.lattice_bodies[std::size_t(cut.body)].name;
-    m.region = cut.blade.width > 0, m.depth = cut.blade.depth, m.width = cut.blade.width;
+    m.region = cut.blade.width > 0, m.excision = cut.blade.excision.has_value(), m.depth = cut.blade.depth,
+    m.width = cut.blade.width;
     measures.cuts.push_back(m);
   }
   for (const Suture& suture : world.sutures) measures.sutures.push_back(make_suture_measures(world, suture));
@@ -120,8 +127,9 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
     const LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
     CutMeasures& m = measures.cuts[c];
     if (m.series.empty()) {
-      m.tension = cut_tension(body.model, *cut.path);
-      m.gape_error = m.region ? -1 : expected_gape_error(body.model, m.depth);
+      m.tension = cut_tension(body.model, m.excision ? lattice::axis_of(*cut.path) : *cut.path);
+      m.gape_error = m.region || m.excision ? -1 : expected_gape_error(body.model, m.depth);
+      if (m.excision) m.marked = lattice::size_of(cut.path->points), m.width = m.marked.width;
     }
     m.edges = cut.edges;
     measures.wound_surfaces.resize(world.lattice_bodies.size());
@@ -140,6 +148,8 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
       return lattice::measure_wound(body.model, state, near, *cut.path, int(c));
     });
     m.series.push_back(sample_of(m.wound, time_of(world)));
+    m.specimen = cut.specimen;
+    if (cut.specimen) m.dog_ears = dog_ears_of(body, *cut.path);
   }
 
   // sutures

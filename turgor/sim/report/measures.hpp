@@ -1,6 +1,7 @@
 // Measurements of a run: wounds over time, skin tension at each cut, and residuals of the solver.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,13 +31,20 @@ struct WoundSample {
   double opening_area = 0;             // [m²]
   double edge_displacement = 0;        // [m]
 };
+/// Height of the skin beyond the ends of an excised wound, above the skin of the CT [m].
+struct DogEars {
+  double first = 0, last = 0;
+};
 struct CutMeasures {
   std::string name, body;
   int edges = 0;  // edges cut, or nodes removed
-  bool region = false;
+  bool region = false, excision = false;
   double depth = 0, width = 0;  // as in the scene [m]
   CutTension tension;
-  double gape_error = -1;           // expected from the lattice spacing, relative; -1 = unknown
+  double gape_error = -1;       // expected from the lattice spacing, relative; -1 = unknown
+  lattice::OutlineSize marked;  // of an excision, on the skin before the cut
+  std::optional<lattice::Specimen> specimen;
+  std::optional<DogEars> dog_ears;
   std::vector<WoundSample> series;  // one per frame since the blade started
   lattice::Wound wound;             // at the end
 };

@@ -91,10 +91,24 @@ const Quantity<LatticeInput> kLattice[] = {
 };
 
 using C = CutMeasures;
+using Piece = lattice::Specimen;
+
+Json of_excision(const C& cut, double value) { return cut.excision ? Json(value) : absent(); }
+/// Relative change of the wound after the piece left.
+Json of_change(const C& cut, double now, double marked) {
+  return cut.specimen && marked > 0 ? Json(now / marked - 1) : absent();
+}
+Json of_specimen(const C& cut, double (*value)(const Piece&)) {
+  return cut.specimen ? Json(value(*cut.specimen)) : absent();
+}
+
 const Quantity<C> kWound[] = {
     {"name", kNone, "", [](const C& c) -> Json { return c.name; }, kInReport},
     {"body", kNone, "", [](const C& c) -> Json { return c.body; }, kInReport},
-    {"kind", kNone, "", [](const C& c) -> Json { return c.region ? "region" : "edges"; }, kInReport},
+    {"kind", kNone, "",
+     [](const C& c) -> Json { return c.region     ? "region"
+                                     : c.excision ? "excision"
+                                                  : "edges"; }, kInReport},
     {"angle_to_lines", kDegrees, "angle to Langer's lines",
      [](const C& c) -> Json { return c.tension.is_directional ? Json(c.tension.angle) : absent(); },
      kEverywhere},
@@ -116,6 +130,46 @@ const Quantity<C> kWound[] = {
      [](const C& c) -> Json { return c.wound.opening_area; }, kEverywhere},
     {"edge_displacement", kMillimeters, "displacement of the lips",
      [](const C& c) -> Json { return c.wound.edge_displacement; }},
+    {"marked.length", kMillimeters, "length of the marked skin",
+     [](const C& c) { return of_excision(c, c.marked.length); }, kEverywhere},
+    {"marked.width", kMillimeters, "width of the marked skin",
+     [](const C& c) { return of_excision(c, c.marked.width); }, kEverywhere},
+    {"marked.area", kSquareMillimeters, "area of the marked skin",
+     [](const C& c) { return of_excision(c, c.marked.area); }},
+    {"change.length", kPercent, "wound against the marked skin, length",
+     [](const C& c) { return of_change(c, c.wound.length, c.marked.length); }, kEverywhere},
+    {"change.width", kPercent, "wound against the marked skin, width",
+     [](const C& c) { return of_change(c, c.wound.gape_max, c.marked.width); }, kEverywhere},
+    {"change.area", kPercent, "wound against the marked skin, area",
+     [](const C& c) { return of_change(c, c.wound.opening_area, c.marked.area); }},
+    {"specimen.mass", kGrams, "mass of the specimen",
+     [](const C& c) { return of_specimen(c, [](const Piece& s) { return s.mass; }); }, kEverywhere},
+    {"specimen.volume", kMillilitres, "volume of the specimen",
+     [](const C& c) { return of_specimen(c, [](const Piece& s) { return s.volume; }); }},
+    {"specimen.length", kMillimeters, "length of the specimen",
+     [](const C& c) { return of_specimen(c, [](const Piece& s) { return s.free.length; }); }},
+    {"specimen.width", kMillimeters, "width of the specimen",
+     [](const C& c) { return of_specimen(c, [](const Piece& s) { return s.free.width; }); }},
+    {"specimen.area", kSquareMillimeters, "area of the specimen",
+     [](const C& c) { return of_specimen(c, [](const Piece& s) { return s.free.area; }); }},
+    {"specimen.length_change", kPercent, "shrinkage of the specimen, length",
+     [](const C& c) {
+       return of_specimen(c, [](const Piece& s) { return s.free.length / s.in_place.length - 1; });
+     },
+     kEverywhere},
+    {"specimen.width_change", kPercent, "shrinkage of the specimen, width",
+     [](const C& c) {
+       return of_specimen(c, [](const Piece& s) { return s.free.width / s.in_place.width - 1; });
+     },
+     kEverywhere},
+    {"specimen.area_change", kPercent, "shrinkage of the specimen, area",
+     [](const C& c) {
+       return of_specimen(c, [](const Piece& s) { return s.free.area / s.in_place.area - 1; });
+     }},
+    {"dog_ear.first", kMillimeters, "dog ear at the first end",
+     [](const C& c) -> Json { return c.dog_ears ? Json(c.dog_ears->first) : absent(); }},
+    {"dog_ear.last", kMillimeters, "dog ear at the last end",
+     [](const C& c) -> Json { return c.dog_ears ? Json(c.dog_ears->last) : absent(); }},
     {"edges_cut", kCount, "lattice edges cut",
      [](const C& c) -> Json { return c.region ? absent() : Json(c.edges); }},
     {"nodes_removed", kCount, "lattice nodes removed",

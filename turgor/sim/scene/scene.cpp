@@ -14,6 +14,7 @@
 #include "turgor/sim/scene/scene_alternatives.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
+#include "turgor/sim/scene/scene_excision.hpp"
 #include "turgor/sim/scene/scene_incision.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
 #include "turgor/sim/scene/scene_organs.hpp"
@@ -114,9 +115,9 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
   std::string path;
   for (std::size_t i = 0; i + 1 < names.size(); i++) {
     // Overrides cannot create bodies, incisions or tools: a misspelt name would be ignored silently.
-    const bool names_one =
-        i == 1 && (names[0] == "body" || names[0] == "incision" || names[0] == "suture" ||
-                   names[0] == "tool" || names[0] == "attachment" || names[0] == "contact");
+    const bool names_one = i == 1 && (names[0] == "body" || names[0] == "incision" ||
+                                      names[0] == "excision" || names[0] == "suture" || names[0] == "tool" ||
+                                      names[0] == "attachment" || names[0] == "contact");
     if (names_one && !table->contains(names[i]))
       return Error{fmt::format("--set {}: the scene has no {} {}{}", key, names[0], names[i],
                                suggestion(names[i], keys_of(*table)))};
@@ -192,7 +193,8 @@ bool read_bodies(SceneTable bodies, Scene& scene) {
   return true;
 }
 
-void read_incisions(SceneTable incisions, Scene& scene) {
+/// Incisions, then excisions.
+void read_cuts(SceneTable incisions, SceneTable excisions, Scene& scene) {
   constexpr std::size_t kMostIncisions = 255;  // a cut edge stores its incision in a byte
   for (const std::string& name : incisions.names()) {
     if (name == "skin") incisions.fail(name, "pictures of the whole body have this name; expected another");
@@ -201,6 +203,13 @@ void read_incisions(SceneTable incisions, Scene& scene) {
     scene.incisions.push_back(read_incision(incisions.table(name), name, scene));
   }
   incisions.finish();
+  for (const std::string& name : excisions.names()) {
+    if (name == "skin") excisions.fail(name, "pictures of the whole body have this name; expected another");
+    if (scene.incisions.size() == kMostIncisions)
+      return excisions.fail(name, "a scene holds at most 255 incisions and excisions");
+    scene.incisions.push_back(read_excision(excisions.table(name), name, scene));
+  }
+  excisions.finish();
 }
 
 void read_sutures(SceneTable sutures, Scene& scene) {
@@ -267,7 +276,7 @@ void read_scene_table(SceneTable root, Scene& scene) {
   root.require({"body"}, "a scene needs at least one body, as in [body.torso]");
   read_world(root.table("world"), scene);
   if (!read_bodies(root.table("body"), scene)) return;
-  read_incisions(root.table("incision"), scene);
+  read_cuts(root.table("incision"), root.table("excision"), scene);
   read_sutures(root.table("suture"), scene);
   read_tools(root.table("tool"), scene);
   read_organs(root, scene);

@@ -45,7 +45,8 @@ struct LatticeScene {
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report
 };
 
-/// [incision.NAME]. `from` and `to` are in meters, or in fractions of the box around the body.
+/// [incision.NAME], or [excision.NAME] if the blade has one. Positions are in meters, or in fractions of the
+/// box around the body.
 struct IncisionScene {
   lattice::Incision blade;
   std::string source_location;
@@ -105,7 +106,7 @@ struct Scene {
   double frame_rate = 60;                  // steps per second [1/s]
   Device device = Device::kCpu;
   std::vector<LatticeScene> lattice_bodies;
-  std::vector<IncisionScene> incisions;
+  std::vector<IncisionScene> incisions;  // then excisions
   std::vector<SutureScene> sutures;
   std::vector<SfemScene> sfem_bodies;
   std::vector<RhombusScene> rhombus_bodies;

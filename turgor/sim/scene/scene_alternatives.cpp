@@ -20,6 +20,7 @@ const std::vector<Alternatives>& all_alternatives() {
   static const std::vector<Alternatives> kAll{
       {"incision",
        {{"from", "to"}, {"path"}, {"from_fraction", "to_fraction"}, {"path_fraction"}, {"markups"}}},
+      {"excision", {{"center"}, {"center_fraction"}, {"markups"}}},
       {"body", {{"spacing"}, {"block"}}},
   };
   return kAll;

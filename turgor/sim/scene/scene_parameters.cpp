@@ -11,7 +11,7 @@ namespace turgor {
 namespace {
 
 bool is_physical(const std::string& path) {
-  for (const char* table : {"body.", "tool.", "incision.", "attachment.", "contact.", "world."})
+  for (const char* table : {"body.", "tool.", "incision.", "excision.", "attachment.", "contact.", "world."})
     if (path.starts_with(table)) return true;
   return false;
 }

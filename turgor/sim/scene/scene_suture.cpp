@@ -23,9 +23,9 @@ constexpr double kNylonYoung = 1.8e9;  // [Pa]
 
 void read_wound(SceneTable& table, const Scene& scene, SutureScene& suture) {
   std::string wound;
-  table.require({"wound"}, "the name of the incision that is closed");
+  table.require({"wound"}, "the name of the incision or excision that is closed");
   table.read("wound", wound,
-             {"name of the incision that is closed; its body uses the VBD solver", "required"});
+             {"name of the incision or excision that is closed; its body uses the VBD solver", "required"});
   std::vector<std::string> names;
   for (const IncisionScene& incision : scene.incisions) names.push_back(incision.blade.name);
   const auto found = std::find(names.begin(), names.end(), wound);
@@ -127,7 +127,8 @@ SutureScene read_suture(SceneTable table, const std::string& name, const Scene& 
   table.begin_group("suture");
   suture.source_location = table.location();
   if (scene.incisions.empty()) {
-    table.fail("wound", "a suture closes a wound: expected an [incision.NAME] in the scene");
+    table.fail("wound",
+               "a suture closes a wound: expected an [incision.NAME] or [excision.NAME] in the scene");
     return suture;
   }
   read_wound(table, scene, suture);

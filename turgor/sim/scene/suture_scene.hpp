@@ -10,8 +10,8 @@ namespace turgor {
 
 struct SutureScene {
   std::string name, source_location;
-  int incision = 0;                                     // of the wound: index into Scene::incisions
-  int body = 0;                                         // index into Scene::lattice_bodies
+  int incision = 0;  // or excision of the wound: index into Scene::incisions
+  int body = 0;      // index into Scene::lattice_bodies
   double spacing = 0.008, bite = 0.005, depth = 0.002;  // of a row [m]
   std::vector<Vec3d> through;                           // points of a single stitch, patient frame [m]
   std::string material = "nylon 3-0";                   // preset of the thread

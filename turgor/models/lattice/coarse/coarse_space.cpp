@@ -105,8 +105,9 @@ struct SpaceBuilder {
   bool is_free(int node) const {
     const int slots = slot_count(model.anatomy.lattice);
     const int slot = node < slots ? node : cells.virtual_node_slot[std::size_t(node - slots)];
-    return slot >= 0 && model.anatomy.inverse_mass[std::size_t(slot)] > 0 &&
-           !state.cuts.removed[std::size_t(slot)];
+    if (slot < 0 || model.anatomy.inverse_mass[std::size_t(slot)] == 0) return false;
+    const std::uint8_t removed = state.cuts.removed[std::size_t(slot)];
+    return removed == 0 || (removed == kExcised && node >= slots);
   }
 
   void add_node(int node) {

@@ -8,8 +8,6 @@
 
 namespace turgor::lattice {
 
-namespace {
-
 void add_triangle(BladeSheet& sheet, const std::array<Vec3d, 3>& corner, const std::array<double, 3>& along) {
   SheetTriangle t{
       .corner = corner[0],
@@ -23,8 +21,6 @@ void add_triangle(BladeSheet& sheet, const std::array<Vec3d, 3>& corner, const s
   sheet.box = sheet.triangles.empty() ? t.box : joined(sheet.box, t.box);
   sheet.triangles.push_back(t);
 }
-
-}  // namespace
 
 BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double epsilon) {
   const std::size_t count = path.points.size();

@@ -28,6 +28,8 @@ struct BladeSheet {
 /// that no node of a regular lattice lies exactly in it or on its border.
 BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double epsilon);
 
+/// Adds a triangle with the arc length of each corner [m], unless it has no area.
+void add_triangle(BladeSheet& sheet, const std::array<Vec3d, 3>& corner, const std::array<double, 3>& along);
 /// Adds two triangles between the segments corner[0]–corner[1] and corner[2]–corner[3]. All their corners get
 /// the arc length `along` [m].
 void add_strip(BladeSheet& sheet, const std::array<Vec3d, 4>& corner, double along);

@@ -31,7 +31,7 @@ bool is_cut_cell(const Model& model, const Cuts& cuts, const Fragments& fragment
   const int parity = slot_node(model.anatomy.lattice, cell.slot).x & 1;
   for (int n = 0; n < kCellCorners; n++) {
     const int slot = cell.slot + slot_offset(model.anatomy.lattice, cell_corner(n), parity);
-    removed |= cuts.removed[std::size_t(slot)] != 0;
+    removed |= cuts.removed[std::size_t(slot)] == kRemoved;
     for (int p = cell.first_fragment; p < cell.first_fragment + cell.fragment_count; p++)
       other |= fragments.all[std::size_t(p)].corner[std::size_t(n)] != slot;
   }
@@ -39,14 +39,15 @@ bool is_cut_cell(const Model& model, const Cuts& cuts, const Fragments& fragment
 }
 
 /// True if a fragment can be an element: each corner is a tissue node, or a virtual node of a tissue node
-/// with a fit. Other fragments are too small for an element.
+/// with a fit. Other fragments are too small for an element, or are excised.
 bool can_be_element(const Model& model, const Cuts& cuts, const Fragments& fragments,
                     const Fragment& fragment) {
+  if (fragment.excised) return false;
   const int slots = slot_count(model.anatomy.lattice);
   return std::all_of(fragment.corner.begin(), fragment.corner.end(), [&](int corner) {
     if (corner < slots) return is_solid(model, cuts, corner);
     const VirtualNode& virtual_node = fragments.virtual_nodes[std::size_t(corner - slots)];
-    return is_solid(model, cuts, virtual_node.slot) && virtual_node.term_count > 0;
+    return was_solid(model, cuts, virtual_node.slot) && virtual_node.term_count > 0;
   });
 }
 
@@ -152,6 +153,12 @@ struct VolumeFractionCache {
   }
 };
 
+/// True if a fragment at a crack tip left the body.
+bool is_excised(const Fragments& fragments, const CutCell& cell, const CrackTip& tip) {
+  const auto excised = [&](int n) { return fragments.all[std::size_t(cell.first_fragment + n)].excised; };
+  return excised(tip.left) || excised(tip.right);
+}
+
 /// Corners of the bridge element at a crack tip. Each corner is taken from the fragment on its side of the
 /// plane. If one of the fragments cannot be an element, the nodes of the cell are used.
 std::array<int, 8> bridge_corners(const Model& model, const Cuts& cuts, const Fragments& fragments,
@@ -184,6 +191,7 @@ void add_cells(const Model& model, State& state, const Fragments& fragments,
       mark_rows(model, state.cuts, cell.slot);
       for (int t = 0; t < cell.tip_count; t++) {
         const CrackTip& tip = fragments.tips[std::size_t(cell.first_tip + t)];
+        if (is_excised(fragments, cell, tip)) continue;
         const Real both = shares.of[std::size_t(tip.left)] + shares.of[std::size_t(tip.right)];
         state.cut_elements.cells.push_back({bridge_corners(model, state.cuts, fragments, cell, tip),
                                             young * shares.bridges[std::size_t(t)] * both, cell.slot});
@@ -248,13 +256,14 @@ void add_skin_elements(const Model& model, State& state, const Fragments& fragme
   // bridges at crack tips
   for (int b = 0; b < cell->tip_count; b++) {
     const CrackTip& tip = fragments.tips[std::size_t(cell->first_tip + b)];
+    if (is_excised(fragments, *cell, tip)) continue;
     add(bridge_corners(model, state.cuts, fragments, *cell, tip),
         shares.bridges[std::size_t(b)] * (share(tip.left) + share(tip.right)));
   }
   // fragments
   for (int p = 0; p < cell->fragment_count; p++)
-    add(fragments.all[std::size_t(cell->first_fragment + p)].corner,
-        shares.parted[std::size_t(p)] * share(p));
+    if (const Fragment& fragment = fragments.all[std::size_t(cell->first_fragment + p)]; !fragment.excised)
+      add(fragment.corner, shares.parted[std::size_t(p)] * share(p));
 }
 
 /// Moves prestress from skin nodes to their virtual nodes, in proportion to skin area.

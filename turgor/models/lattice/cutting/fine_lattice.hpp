@@ -37,6 +37,15 @@ constexpr std::uint64_t fine_index(const FineLattice& f, Int3 p) {
   return (std::uint64_t(p.z) * std::uint64_t(f.size.y) + std::uint64_t(p.y)) * std::uint64_t(f.size.x) +
          std::uint64_t(p.x);
 }
+/// Inverse of fine_index.
+constexpr Int3 fine_position(const FineLattice& f, std::uint64_t index) {
+  const auto x = std::uint64_t(f.size.x), y = std::uint64_t(f.size.y);
+  return {int(index % x), int(index / x % y), int(index / x / y)};
+}
+/// Entry of Cuts::excised: sub-lattice node of a cell.
+constexpr std::uint64_t excised_key(int slot, int sub_node) {
+  return std::uint64_t(slot) * 1024 + std::uint64_t(sub_node);
+}
 /// Cell that owns a fine node and the edges that start at it.
 constexpr Int3 cell_of(const FineLattice& f, Int3 p) {
   return min(Int3{p.x / f.subdivisions.x, p.y / f.subdivisions.y, p.z / f.subdivisions.z},

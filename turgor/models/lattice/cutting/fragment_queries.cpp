@@ -81,7 +81,7 @@ std::vector<SpecialCell> special_cells(const Model& model, const Cuts& cuts, con
   // cells with removed nodes
   const Lattice& l = model.anatomy.lattice;
   for (std::size_t s = 0; s < model.anatomy.tissue.size(); s++) {
-    if (!is_removed_tissue(model, cuts, int(s))) continue;
+    if (!is_body(model.anatomy.tissue[s]) || cuts.removed[s] == 0) continue;
     const Int3 node = slot_node(l, int(s));
     for (int c = 0; c < 8; c++) {
       const Int3 cell = node - cell_corner(c), beyond = cell + Int3{1, 1, 1};

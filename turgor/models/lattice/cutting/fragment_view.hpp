@@ -200,6 +200,13 @@ TURGOR_HD inline std::array<int, 8> position_indices(const FragmentView& fragmen
   return corners;
 }
 
+/// True if one of a cell's own fragments or ghosts left the body.
+TURGOR_HD inline bool is_excised(const FragmentView& fragments, const CutCell& cell, int fragment) {
+  if (fragment < cell.fragment_count) return fragments.all[cell.first_fragment + fragment].excised;
+  const GhostFragment& ghost = fragments.ghosts[cell.first_ghost + fragment - cell.fragment_count];
+  return fragments.all[fragments.cells[ghost.cell].first_fragment + ghost.fragment].excised;
+}
+
 /// Slots of a cell's corners.
 TURGOR_HD inline std::array<int, 8> cell_slots(const Lattice& l, int slot, int parity) {
   std::array<int, 8> slots{};
@@ -210,7 +217,7 @@ TURGOR_HD inline std::array<int, 8> cell_slots(const Lattice& l, int slot, int p
 /// Predicate for rest positions: true in one fragment or ghost, except in removed tissue.
 struct FragmentFilter {
   const FragmentView& fragments;
-  const std::uint8_t* removed;  // Cuts::removed; null if no node is removed
+  const std::uint8_t* removed;  // Cuts::removed; null if no node is removed or excised
   const CutCell* cut;           // null: the cell has a single fragment
   int fragment;
   Vec3d first, size;  // of the cell, rest frame
@@ -224,14 +231,16 @@ struct FragmentFilter {
   }
 
  private:
-  /// True if removed nodes have more than half of the interpolation weight at a point.
+  /// True if removed nodes have more than half of the interpolation weight at a point. Near a cut, excised
+  /// nodes count as tissue, because their fragments are excised one by one.
   TURGOR_HD bool is_removed_tissue(Vec3 at) const {
     const int tet = kuhn_tet_at(at);
     const std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, tet);
     const std::array<float, 4> weight = path_weights(tet, at);
     float removed_weight = 0;
     for (std::size_t n = 0; n < 4; n++)
-      if (removed[slots[std::size_t(nodes[n].x + 2 * nodes[n].y + 4 * nodes[n].z)]])
+      if (const std::uint8_t r = removed[slots[std::size_t(nodes[n].x + 2 * nodes[n].y + 4 * nodes[n].z)]];
+          r == kRemoved || (r == kExcised && cut == nullptr))
         removed_weight += weight[n];
     return removed_weight > 0.5f;
   }

@@ -336,6 +336,18 @@ void make_cell_fragments(const Model& model, const Cuts& cuts, const CutEdgesByC
   }
 }
 
+/// Marks the fragments of excised pieces.
+void mark_excised(const Cuts& cuts, Fragments& out) {
+  if (cuts.excised.empty()) return;
+  for (Fragment& fragment : out.all) {
+    const CutCell& cell = out.cells[std::size_t(fragment.cell)];
+    const Int3 first = first_of_cell(out.fine, slot_node(out.fine.cells, cell.slot));
+    const int sub_node = sub_index(out.fine, fine_position(out.fine, fragment.lowest_node) - first);
+    fragment.excised =
+        std::binary_search(cuts.excised.begin(), cuts.excised.end(), excised_key(cell.slot, sub_node));
+  }
+}
+
 }  // namespace
 
 Real node_level(const Model& model, const Cuts& cuts, int slot) {
@@ -363,6 +375,7 @@ Fragments make_fragments(const Model& model, const Cuts& cuts) {
   make_virtual_nodes(out);
   merge_small_components(cuts, out);
   fit_virtual_nodes(model, cuts, edges, out);
+  mark_excised(cuts, out);
   // labels of air, and ghosts
   for (const CutCell& cell : out.cells) label_air(CellSubLattice(out, cell));
   for (CutCell& cell : out.cells)

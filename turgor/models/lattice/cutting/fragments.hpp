@@ -22,6 +22,7 @@ struct Fragment {
   int cell = 0;                   // index into Fragments::cells
   std::uint64_t lowest_node = 0;  // lowest fine-node index of its tissue
   bool thin = false;              // no area in any face of its cell
+  bool excised = false;           // left the body with a piece (excision.hpp)
   std::array<int, 8> corner{};
 };
 

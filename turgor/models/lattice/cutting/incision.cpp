@@ -10,73 +10,22 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/key_index.hpp"
-#include "turgor/geometry/body_location.hpp"
+#include "turgor/core/number_text.hpp"
 #include "turgor/models/lattice/cutting/blade_sheet.hpp"
 #include "turgor/models/lattice/cutting/bone_stop.hpp"
 #include "turgor/models/lattice/cutting/cut_fraction.hpp"
 #include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/cutting/drawn_curve.hpp"
+#include "turgor/models/lattice/cutting/excision.hpp"
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
 #include "turgor/models/lattice/cutting/loose_rim.hpp"
+#include "turgor/models/lattice/cutting/skin_near.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/model/halo.hpp"
 
 namespace turgor::lattice {
 
 namespace {
-
-constexpr double kMaxSkinDistance = 0.1;  // largest distance of the skin from the drawn line [m]
-
-Vec3d skin_corner(const Model& model, const Motion& motion, const SkinTriangle& t, int corner) {
-  return Vec3d(position(model, motion, slot_node(model.anatomy.lattice, t.vertex[corner])));
-}
-
-double largest_spacing(const Lattice& l) { return std::max({l.spacing.x, l.spacing.y, l.spacing.z}); }
-/// Radius of the skin around a point whose mean normal gives the direction into the body [m].
-double reach_of_directions(const Lattice& l) { return std::max(0.01, 3 * largest_spacing(l)); }
-
-/// Direction into the body: the negative mean normal of the skin around the skin vertex nearest to `point`,
-/// made orthogonal to `line`. `around` is the radius [m].
-Vec3d direction_into(const SkinNow& skin, Vec3d point, Vec3d line, double around) {
-  // nearest skin vertex
-  double nearest = std::numeric_limits<double>::max();
-  Vec3d center;
-  for (const auto& corner : skin)
-    if (norm(corner[0] - point) < nearest) nearest = norm(corner[0] - point), center = corner[0];
-  // area-weighted mean normal
-  Vec3d normal;
-  for (const auto& [a, b, c] : skin)
-    if (!(norm(a - center) > around)) normal += cross(b - a, c - a);
-  return normalized(line * dot(normal, line) - normal);
-}
-
-/// Distance along `direction` at which a line meets a triangle; NaN if it does not. [Möller, Trumbore 1997]
-double meet(Vec3d origin, Vec3d direction, Vec3d a, Vec3d b, Vec3d c) {
-  const Vec3d e1 = b - a, e2 = c - a, p = cross(direction, e2);
-  const double det = dot(e1, p);
-  if (det == 0) return std::numeric_limits<double>::quiet_NaN();
-  const Vec3d s = origin - a, q = cross(s, e1);
-  const double u = dot(s, p) / det, v = dot(direction, q) / det;
-  constexpr double kSlack = 1e-9;  // relative size; a shared edge belongs to both triangles
-  const bool inside = u >= -kSlack && v >= -kSlack && u + v <= 1 + kSlack;
-  return inside ? dot(e2, q) / det : std::numeric_limits<double>::quiet_NaN();
-}
-
-/// Vertices of the skin, patient frame [m].
-std::vector<Vec3d> skin_points(const Model& model, const Motion& motion) {
-  std::vector<Vec3d> points;
-  for (const SkinTriangle& t : model.anatomy.skin.triangles)
-    for (int corner = 0; corner < 3; corner++)
-      points.push_back(model.anatomy.grid.origin +
-                       model.anatomy.grid.axes * skin_corner(model, motion, t, corner));
-  return points;
-}
-
-std::string off_skin(const Model& model, const Motion& motion, const std::string& prefix, Vec3d point) {
-  const Vec3d patient = model.anatomy.grid.origin + model.anatomy.grid.axes * point;
-  return prefix + "no skin within " + number_text(kMaxSkinDistance) + " m of " + position_text(patient) +
-         ": expected a line on the skin; " + describe_location(skin_points(model, motion), patient);
-}
 
 Vec3d tangent(const std::vector<Vec3d>& points, std::size_t n) {
   TURGOR_CHECK(n < points.size(), "a tangent is at a point of the curve");
@@ -126,36 +75,6 @@ std::vector<double> smooth_offsets(const std::vector<double>& offset) {
   return smooth;
 }
 
-/// Skin triangles near a curve, for projecting the curve onto the skin and for mean normals.
-SkinNow skin_near(const Model& model, const Motion& motion, const std::vector<Vec3d>& curve,
-                  const HaloExchange* halo) {
-  Box box = box_around(curve);
-  const double reach = kMaxSkinDistance + reach_of_directions(model.anatomy.lattice) +
-                       3 * largest_spacing(model.anatomy.lattice);
-  box.low -= Vec3d{reach, reach, reach}, box.high += Vec3d{reach, reach, reach};
-  SkinNow near;
-  // skin of the owned layers, then of all processes
-  for (const SkinTriangle& t : skin_of_cells(model, model.anatomy.owned))
-    if (const Vec3d a = skin_corner(model, motion, t, 0); squared_distance(box, a) == 0)
-      near.push_back({a, skin_corner(model, motion, t, 1), skin_corner(model, motion, t, 2)});
-  if (halo) halo->join_skin(near);
-  return near;
-}
-
-/// Signed distance to the nearest skin along `into`. The ray is shifted by `epsilon` to avoid corners of a
-/// regular lattice. If it misses the skin, it is shifted to the other side.
-std::optional<double> distance_to_skin(const SkinNow& skin, Vec3d point, Vec3d into, Vec3d epsilon) {
-  for (const Vec3d origin : {point - epsilon, point + epsilon}) {
-    std::optional<double> best;
-    for (const auto& [a, b, c] : skin)
-      if (const double t = meet(origin, into, a, b, c);
-          std::abs(t) < std::abs(best.value_or(kMaxSkinDistance)))
-        best = t;
-    if (best) return best;
-  }
-  return {};
-}
-
 void cut_edge(const Model& model, Cuts& cuts, int slot, int family) {
   TURGOR_CHECK(is_index(slot, cuts.cut.size()) && is_index(family, kFamilyCount),
                "an edge starts at a slot and belongs to one of the seven families");
@@ -199,6 +118,47 @@ RegionPosition region_position(const BladePath& path, Vec3d point) {
   return {along, dot(away, across_at(path, nearest)), dot(away, path.inward[nearest]), path.depths[nearest]};
 }
 
+/// Center of an outline, on the skin [m]: a mean over the skin around it, without the steps of the lattice.
+/// Errors: bone above the floor of the excision, or a floor that is not in tissue.
+Result<Vec3d> middle_on_skin(const Model& model, const SkinNow& near, const BladePath& path) {
+  // depth of the walls
+  if (*std::min_element(path.depths.begin(), path.depths.end()) < path.depth)
+    return Error{"bone lies " + number_text(*std::min_element(path.depths.begin(), path.depths.end())) +
+                 " m below the skin: expected a smaller depth, found " + number_text(path.depth) + " m"};
+  // mean height of the skin
+  Vec3d center;
+  for (std::size_t n = 1; n < path.points.size(); n++) center += path.points[n];
+  center = center / double(path.points.size() - 1);
+  const Vec3d inward = mean_inward(path);
+  const double step = smallest_spacing(model.anatomy.lattice);
+  double sum = 0;
+  int count = 0;
+  for (std::size_t n = 0; n < path.points.size(); n++) {
+    const Vec3d away = path.points[n] - center;
+    const double reach = std::min(0.5 * norm(away), 1.5 * step);
+    if (const auto found = distance_to_skin(near, center + normalized(away) * reach, inward, away * 1e-3))
+      sum += *found, count++;
+  }
+  if (count == 0) return Error{"no skin in the middle of the outline: expected a piece of skin"};
+  const Vec3d middle = center + inward * (sum / count);
+  // the floor is in tissue
+  for (std::size_t n = 0; n < path.points.size(); n++)
+    for (const Vec3d bottom : {path.points[n] + path.inward[n] * path.depth, middle + inward * path.depth}) {
+      const Vec3 h = model.anatomy.lattice.spacing;
+      const Int3 node{int(std::lround(bottom.x / double(h.x))), int(std::lround(bottom.y / double(h.y))),
+                      int(std::lround(bottom.z / double(h.z)))};
+      const bool is_tissue =
+          contains(model.anatomy.lattice, node) &&
+          is_body(model.anatomy.tissue[std::size_t(node_slot(model.anatomy.lattice, node))]);
+      if (!is_tissue)
+        return Error{
+            "the floor of the excision leaves the body: expected a depth that is smaller than the "
+            "body is thick, found " +
+            number_text(path.depth) + " m"};
+    }
+  return middle;
+}
+
 }  // namespace
 
 double path_length(const BladePath& path) {
@@ -234,7 +194,7 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   // validate the drawn points
   const std::vector<Vec3d> points = drawn_points(model, incision);
   const bool straight = points.size() == 2;
-  const std::string prefix = "incision '" + incision.name + "': ";
+  const std::string prefix = (incision.excision ? "excision '" : "incision '") + incision.name + "': ";
   for (std::size_t n = 1; n < points.size(); n++)
     if (!(norm(points[n] - points[n - 1]) > 0))
       return Error{prefix +
@@ -247,7 +207,7 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   const double step = smallest_spacing(model.anatomy.lattice);
   std::vector<Vec3d> curve = drawn_curve(model, incision);
   std::array<JunctionLine, 2> met;
-  if (incision.width == 0) met = join_laid_blades(model, state, laid, halo, curve);
+  if (incision.width == 0 && !incision.excision) met = join_laid_blades(model, state, laid, halo, curve);
   // skin near the curve
   const SkinNow near = skin_near(model, state.motion, curve, halo);
   if (near.empty()) return Error{off_skin(model, state.motion, prefix, curve[0])};
@@ -258,7 +218,8 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
                  .depths = std::vector<double>(curve.size(), incision.depth),
                  .edges = {},
                  .fine_edges = {},
-                 .lines = {}};
+                 .lines = {},
+                 .is_excision = incision.excision.has_value()};
   // project the curve onto the skin
   std::vector<double> offset;
   for (std::size_t n = 0; n < curve.size(); n++) {
@@ -271,14 +232,22 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   }
   offset = smooth_offsets(offset);
   for (std::size_t n = 0; n < curve.size(); n++) path.points[n] += path.inward[n] * offset[n];
+  if (path.is_excision) path.points.back() = path.points.front(), path.inward.back() = path.inward.front();
   // depth at each point
   const double tilt = incision.tilt * std::numbers::pi / 180;
   if (!incision.through_bone) path.depths = depths_above_bone(model, state.motion, path, tilt, halo);
   // swept surface and the edges it crosses
   const double margin = 2 * largest_spacing(model.anatomy.lattice);
   if (incision.width > 0) return path;
-  BladeSheet sheet = sweep_blade(path, tilt, margin, 1e-4 * step);
-  join_sheet(path, met, tilt, sheet);
+  BladeSheet sheet;
+  if (path.is_excision) {
+    const Result<Vec3d> middle = middle_on_skin(model, near, path);
+    if (!middle) return Error{prefix + middle.error().message};
+    sheet = excision_sheet(path, *middle, margin, 1e-4 * step);
+  } else {
+    sheet = sweep_blade(path, tilt, margin, 1e-4 * step);
+    join_sheet(path, met, tilt, sheet);
+  }
   find_edges(model, state, sheet, halo, path);
   return path;
 }

@@ -3,6 +3,7 @@
 // file.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -13,6 +14,15 @@
 namespace turgor::lattice {
 
 struct HaloExchange;
+
+/// Ellipse of skin with pointed ends, bounded by two arcs of circles, and the tissue below it. A disc if its
+/// length is its width. It is cut out along a closed path and along a floor.
+struct Excision {
+  Vec3d center;                  // on or near the skin, patient frame [m]
+  Vec3d direction{0, 0, 1};      // of its length, patient frame; may leave the skin
+  double angle = 0;              // turns the direction counter-clockwise, seen from outside [degrees]
+  double length = 0, width = 0;  // [m]
+};
 
 struct Incision {
   std::string name;
@@ -27,6 +37,8 @@ struct Incision {
   // 0 = edges are cut; otherwise width of the region whose nodes are removed [Jeon et al. 2025] [m]
   double width = 0;
   bool through_bone = false;  // false: the blade stops above bone
+  // set: `path` is the outline of a piece, which is cut free at `depth` and leaves the body (excision.hpp)
+  std::optional<Excision> excision;
 };
 
 /// Pending cut of a lattice edge. It is cut when the blade reaches the arc length `along`.
@@ -55,6 +67,7 @@ struct BladePath {
   std::vector<PendingEdgeCut> edges;
   std::vector<CutEdge> fine_edges;
   std::vector<PendingSampleCut> lines;
+  bool is_excision = false;  // the points are the outline of an excised piece; the last is the first
 };
 
 /// Blade that was laid earlier in the same body. A later blade whose end is drawn on its curve joins its cut.

@@ -141,7 +141,7 @@ std::vector<int> adjacent_tissue(const Model& model, const Cuts& cuts, const Fra
     for (unsigned c = 0; c < 8; c++) {
       const int corner = corners[c];
       const int slot = corner < slots ? corner : fragments.virtual_nodes[std::size_t(corner - slots)].slot;
-      if (c == at || !is_solid(model, cuts, slot)) continue;
+      if (c == at || !(corner < slots ? is_solid : was_solid)(model, cuts, slot)) continue;
       std::vector<int>& found = adjacent[std::size_t(std::popcount(c ^ at) - 1)];
       if (std::find(found.begin(), found.end(), corner) == found.end()) found.push_back(corner);
     }
@@ -200,7 +200,7 @@ void fit_virtual_nodes(const Model& model, const Cuts& cuts, const CutEdgesByCel
     if (!tissue) mark_virtual_nodes_with_unknowns(model, cuts, fragments);
     for (std::size_t c = 0; c < fragments.virtual_nodes.size(); c++) {
       VirtualNode& virtual_node = fragments.virtual_nodes[c];
-      if (is_solid(model, cuts, virtual_node.slot) != tissue) continue;
+      if (was_solid(model, cuts, virtual_node.slot) != tissue) continue;
       virtual_node.first_term = int(fragments.fit_terms.size());
       const int corner = slots + int(c);
       const std::vector<int> adjacent =

@@ -117,18 +117,23 @@ struct Motion {
       virtual_u_before;  // of virtual nodes, numbered by make_fragments
 };
 
+/// Values of Cuts::removed. A removed node is air (static incision of the paper). An excised node left the
+/// body with a piece: its virtual nodes on the other side of the blade remain.
+constexpr std::uint8_t kRemoved = 1, kExcised = 2;
+
 /// Cuts and removed nodes.
 struct Cuts {
   aligned_vector<std::uint8_t> cut;  // by slot: bit f = the edge of family f that starts at the slot is cut;
                                      // kCutCell = cut elements replace the cell
-  aligned_vector<std::uint8_t> removed;  // by slot: 1 = removed from the body (static incision of the paper)
-  std::vector<std::uint8_t> row_cut;     // by row: 1 = this row or a neighbor row has a cut edge
-  std::vector<std::uint8_t> skin_cut;    // by skin triangle: 1 = no tension
-  std::vector<CutEdge> edges;            // in the order of cutting
-  std::vector<CutFractionSamples> samples;     // by slot and incision
-  int sample_count = 0;                        // crossed lines in all samples
-  int removed_nodes = 0;                       // removed nodes in total
-  std::bitset<256> active_blades;              // by incision: the blade is still moving
+  aligned_vector<std::uint8_t> removed;     // by slot: kRemoved or kExcised = no longer in the body
+  std::vector<std::uint8_t> row_cut;        // by row: 1 = this row or a neighbor row has a cut edge
+  std::vector<std::uint8_t> skin_cut;       // by skin triangle: 1 = no tension
+  std::vector<CutEdge> edges;               // in the order of cutting
+  std::vector<CutFractionSamples> samples;  // by slot and incision
+  int sample_count = 0;                     // crossed lines in all samples
+  int removed_nodes = 0;                    // removed nodes in total
+  std::vector<std::uint64_t> excised;       // sub-lattice nodes of excised fragments (excision.hpp), sorted
+  std::bitset<256> active_blades;           // by incision: the blade is still moving
   std::shared_ptr<const Fragments> fragments;  // derived from the cuts when a blade moves; see fragments_of
 };
 
@@ -171,18 +176,24 @@ inline Vec3 position(const Model& model, const Motion& motion, Int3 node) {
   return rest_position(model.anatomy.lattice, node) +
          motion.u[std::size_t(node_slot(model.anatomy.lattice, node))];
 }
-/// True if a node of the body is removed. Rim nodes that a cut has loosened are removed too, but were no
-/// tissue.
+/// True if a node of the body is removed and not excised. Rim nodes that a cut has loosened are removed too,
+/// but were no tissue.
 inline bool is_removed_tissue(const Model& model, const Cuts& cuts, int slot) {
-  return is_body(model.anatomy.tissue[std::size_t(slot)]) && cuts.removed[std::size_t(slot)] != 0;
+  return is_body(model.anatomy.tissue[std::size_t(slot)]) && cuts.removed[std::size_t(slot)] == kRemoved;
 }
-/// True if a node is tissue: neither outside nor removed.
+/// True if a node was tissue before excisions.
+inline bool was_solid(const Model& model, const Cuts& cuts, int slot) {
+  return model.anatomy.tissue[std::size_t(slot)] != Tissue::kOutside &&
+         cuts.removed[std::size_t(slot)] != kRemoved;
+}
+/// True if a node is tissue: neither outside nor removed or excised.
 inline bool is_solid(const Model& model, const Cuts& cuts, int slot) {
   return model.anatomy.tissue[std::size_t(slot)] != Tissue::kOutside && cuts.removed[std::size_t(slot)] == 0;
 }
 /// Counter that grows with every cut. Data derived from the cuts is rebuilt when it changes.
 inline std::size_t cut_version(const Cuts& cuts) {
-  return cuts.edges.size() + std::size_t(cuts.sample_count) + std::size_t(cuts.removed_nodes);
+  return cuts.edges.size() + std::size_t(cuts.sample_count) + std::size_t(cuts.removed_nodes) +
+         cuts.excised.size();
 }
 
 }  // namespace turgor::lattice

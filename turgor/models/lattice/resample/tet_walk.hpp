@@ -81,6 +81,7 @@ TURGOR_HD void walk_special_cell(TetWalk& walk, const Body& body, const Fragment
                       .slots = slots};
   const int count = cut ? cut->fragment_count + cut->ghost_count : 1;
   for (int fragment = 0; fragment < count; fragment++) {
+    if (cut && is_excised(fragments, *cut, fragment)) continue;
     keep.fragment = fragment;
     const std::uint32_t inverted_before = walk.inverted_tets;
     const std::array<int, 8> corners = cut ? position_indices(fragments, *cut, fragment) : slots;

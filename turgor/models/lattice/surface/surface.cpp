@@ -76,6 +76,14 @@ EmbeddingCell embedding_of(const Builder& builder, const Tet& tet, std::size_t c
   return {fragments.cells[std::size_t(ghost.cell)].slot, ghost.fragment};
 }
 
+/// True if points near a corner left the body with a piece.
+bool is_excised(const Builder& builder, const Tet& tet, std::size_t corner) {
+  if (builder.current.cut == nullptr || builder.cuts.excised.empty()) return false;
+  const EmbeddingCell at = embedding_of(builder, tet, corner);
+  const CutCell* cell = find_cell(builder.fragments, at.cell);
+  return at.fragment >= 0 && builder.fragments.all[std::size_t(cell->first_fragment + at.fragment)].excised;
+}
+
 int point_index(Builder& builder, const Tet& tet, TetPoint p) {
   // find or create the point
   const std::uint64_t key = key_of(tet, p);
@@ -108,6 +116,7 @@ bool is_second_diagonal_shorter(const Builder& builder, const Tet& tet, const Te
 
 /// Adds a polygon as a triangle fan. A quadrangle is split along its shorter diagonal.
 void add_polygon(Builder& builder, const Tet& tet, const TetPolygon& polygon, int group) {
+  if (is_excised(builder, tet, std::size_t(polygon.at(0).i))) return;
   std::array<int, 16> p;
   for (int n = 0; n < polygon.count; n++) p[std::size_t(n)] = point_index(builder, tet, polygon.at(n));
   if (polygon.count == 4 && is_second_diagonal_shorter(builder, tet, polygon, p))
@@ -232,15 +241,15 @@ void mesh_cell(Builder& builder, Int3 cell) {
   c.cell = cell, c.slot = node_slot(l, cell), c.first = first_of_cell(builder.fine(), cell);
   int solids = 0;
   c.has_removed = false;
+  c.cut = find_cell(builder.fragments, c.slot);
   for (int n = 0; n < 8; n++) {
     const int slot = c.slot + slot_offset(l, cell_corner(n), cell.x & 1);
-    solids += is_solid(builder.model, builder.cuts, slot);
+    solids += (c.cut ? was_solid : is_solid)(builder.model, builder.cuts, slot);
     c.has_removed |= is_removed_tissue(builder.model, builder.cuts, slot);
   }
   const bool border = cell.x == 0 || cell.y == 0 || cell.z == 0 || cell.x + 2 == l.size.x ||
                       cell.y + 2 == l.size.y || cell.z + 2 == l.size.z;
   // its level set
-  c.cut = find_cell(builder.fragments, c.slot);
   if (solids == 0 || (solids == 8 && !border && !(c.cut && c.cut->is_cut))) return;
   c.level = builder.level(c.slot);
   add_cell(builder, border);

@@ -226,7 +226,8 @@ void join_triangles(const SurfaceCache& cache, const Region& region, std::size_t
 
 BodySurface update_surface(const Exec& exec, const MeshInput& input, SurfaceCache& cache) {
   // uncut body
-  const std::uint64_t removed = hash_values(std::span(input.cuts.removed));
+  const std::uint64_t removed =
+      hash_values(std::span(input.cuts.excised), hash_values(std::span(input.cuts.removed)));
   if (!cache.is_made || cache.removed != removed)
     cache = {.is_made = true, .removed = removed, .uncut = make_uncut(exec, input), .near = {}};
   TURGOR_CHECK(std::is_sorted(cache.near.begin(), cache.near.end(),

@@ -6,6 +6,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/cutting/rim.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 
 namespace turgor::lattice {
@@ -137,10 +138,29 @@ Wound wound_of(const Model& model, std::vector<LipPair> pairs) {
   return wound;
 }
 
+/// Wound that a piece has left: its gape is the distance of opposite points of the rim.
+Wound excised_wound(const BladePath& path, const Opening& opening) {
+  Wound wound;
+  wound.length = opening.size.length, wound.gape_max = opening.size.width;
+  wound.opening_area = opening.size.area, wound.edge_displacement = opening.displacement;
+  if (wound.length > 0) wound.gape_mean = wound.opening_area / wound.length;
+  const std::size_t last = path.points.size() - 1;
+  double along = 0;
+  const std::vector<Vec3d> axis = axis_of(path).points;
+  for (std::size_t n = 0; n < axis.size(); n++) {
+    if (n > 0) along += norm(axis[n] - axis[n - 1]);
+    wound.profile.push_back({along, norm(opening.rim[last - n] - opening.rim[n])});
+  }
+  return wound;
+}
+
 }  // namespace
 
 Wound measure_wound(const Model& model, const State& state, const BodySurface& surface, const BladePath& path,
                     int incision) {
+  if (path.is_excision && !state.cuts.excised.empty() &&
+      !state.cuts.active_blades.test(std::uint8_t(incision)))
+    if (const auto opening = opening_of(model, state, path)) return excised_wound(path, *opening);
   return wound_of(model, path.width > 0 ? region_lips(model, state, path)
                                         : drawn_lips(model, state, surface, path, incision));
 }

@@ -100,11 +100,12 @@ void update_stitch(const Model& model, const Motion& motion, const Thread& threa
 
 /// Distance of two wall points along the normal [m]; negative if they overlap.
 double gap_of(const WallPair& pair, const Motion& motion) {
-  return dot(Vec3d(displacement(pair.at.right, motion)) - Vec3d(displacement(pair.at.left, motion)),
+  return pair.gap +
+         dot(Vec3d(displacement(pair.at.right, motion)) - Vec3d(displacement(pair.at.left, motion)),
              pair.normal);
 }
 
-/// Updates a wall pair and its two springs: N = max(0, λ − κ n·(u_right − u_left)).
+/// Updates a wall pair and its two springs: N = max(0, λ − κ (gap + n·(u_right − u_left))).
 void update_wall(const Model& model, const Motion& motion, WallPair& pair, std::span<PointSpring> springs) {
   const double penalty = penalty_at(model, pair.at.left);
   pair.force = std::max(0.0, pair.multiplier - penalty * gap_of(pair, motion));
@@ -160,7 +161,8 @@ double loop_length(const Stitch& stitch, const Motion& motion) { return loop_of(
 
 double gape_under(const Stitch& stitch, const Motion& motion) {
   if (!stitch.lips.parted) return 0;
-  return dot(Vec3d(displacement(stitch.lips.right, motion)) - Vec3d(displacement(stitch.lips.left, motion)),
+  return stitch.gap +
+         dot(Vec3d(displacement(stitch.lips.right, motion)) - Vec3d(displacement(stitch.lips.left, motion)),
              stitch.across);
 }
 

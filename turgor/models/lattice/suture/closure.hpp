@@ -37,6 +37,7 @@ struct Stitch {
   std::vector<int> side;    // by point: −1 = left of the wound, 1 = right
   double along = 0;         // arc length of its middle on the wound's path [m]
   Vec3d middle, across;     // point of the path, and unit vector from left to right, lattice frame [m] [1]
+  double gap = 0;           // distance of the lips in the CT; 0 = a cut [m]
   std::vector<EmbeddedPoint> at;  // by point
   EmbeddedPair lips;              // skin of both lips at `middle`
 
@@ -48,9 +49,10 @@ struct Stitch {
   double ended = 0;       // time at which it pulled out or broke [s]
 };
 
-/// Two points of the walls that coincide in the CT.
+/// Two points of the walls that coincide in the CT, or that lie opposite each other in an excised wound.
 struct WallPair {
-  Vec3d rest, normal;  // lattice frame; unit normal from the left wall to the right one
+  Vec3d rest, normal;  // middle, lattice frame [m]; unit normal from the left wall to the right one
+  double gap = 0;      // distance in the CT [m]
   double along = 0;    // arc length on the wound's path [m]
   EmbeddedPair at;
   double force = 0;       // of each wall on the other [N]
@@ -92,10 +94,10 @@ bool embed_closure(const Model& model, const Cuts& cuts, WoundClosure& closure);
 /// Pulls stitches and ties knots, before the step that ends at a time [s].
 void pull_stitches(const Motion& motion, const Pull& pull, double time, WoundClosure& closure);
 
-/// Length of the loop at the present positions, and in the CT [m].
+/// Length of the loop at the present positions, and in the CT with the lips together [m].
 double loop_length(const Stitch& stitch, const Motion& motion);
 double rest_length(const Stitch& stitch);
-/// Opening of the wound under a stitch, since the CT [m]; 0 without lips.
+/// Opening of the wound under a stitch [m]; 0 without lips.
 double gape_under(const Stitch& stitch, const Motion& motion);
 /// Forces of the thread on the points of a stitch [N], lattice frame. Their sum is zero.
 std::vector<Vec3d> stitch_forces(const Stitch& stitch, const Motion& motion);

@@ -6,27 +6,55 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/number_text.hpp"
 #include "turgor/models/lattice/cutting/embed_point.hpp"
+#include "turgor/models/lattice/cutting/rim.hpp"
 #include "turgor/models/lattice/suture/closure.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// Frame of a wound at an arc length: point on the skin, into the body, and from left to right.
+/// Frame of a wound at an arc length: points of both lips on the skin, into the body there, and from left to
+/// right.
 struct WoundFrame {
-  Vec3d point, inward, across;
-};
-WoundFrame frame_at(const BladePath& path, double along) {
-  const PathPosition at = position_along(path, along);
-  const std::size_t next = std::min(at.segment + 1, path.points.size() - 1);
-  const auto mix = [&](Vec3d a, Vec3d b) { return a * (1 - at.fraction) + b * at.fraction; };
-  return {mix(path.points[at.segment], path.points[next]),
-          normalized(mix(path.inward[at.segment], path.inward[next])),
-          normalized(mix(across_at(path, at.segment), across_at(path, next)))};
-}
+  Vec3d left, right, left_inward, right_inward, across;
 
-/// Arc length of the path's point nearest to a position [m].
-double nearest_along(const BladePath& path, Vec3d position) {
+  Vec3d middle() const { return (left + right) / 2; }
+  Vec3d inward() const { return normalized(left_inward + right_inward); }
+  double gap() const { return dot(right - left, across); }
+};
+
+/// Line along which a wound is closed: the path of a cut, or the length of an excision between its lips.
+struct WoundLine {
+  const BladePath& path;
+  BladePath line;
+
+  explicit WoundLine(const BladePath& p) : path(p), line(p.is_excision ? axis_of(p) : p) {}
+  double length() const { return path_length(line); }
+
+  WoundFrame frame_at(double along) const {
+    const PathPosition at = position_along(line, along);
+    const std::size_t next = std::min(at.segment + 1, line.points.size() - 1);
+    const auto mix = [&](Vec3d a, Vec3d b) { return a * (1 - at.fraction) + b * at.fraction; };
+    if (!path.is_excision) {
+      const Vec3d point = mix(path.points[at.segment], path.points[next]),
+                  inward = normalized(mix(path.inward[at.segment], path.inward[next]));
+      return {point, point, inward, inward,
+              normalized(mix(across_at(path, at.segment), across_at(path, next)))};
+    }
+    const std::size_t last = path.points.size() - 1;
+    WoundFrame frame{.left = mix(path.points[last - at.segment], path.points[last - next]),
+                     .right = mix(path.points[at.segment], path.points[next]),
+                     .left_inward = normalized(mix(path.inward[last - at.segment], path.inward[last - next])),
+                     .right_inward = normalized(mix(path.inward[at.segment], path.inward[next])),
+                     .across = {}};
+    frame.across = normalized(frame.right - frame.left);
+    return frame;
+  }
+};
+
+/// Arc length of the point of a wound's line nearest to a position [m].
+double nearest_along(const WoundLine& wound, Vec3d position) {
+  const BladePath& path = wound.line;
   double best = 0, least = -1, along = 0;
   for (std::size_t n = 0; n < path.points.size(); n++) {
     if (n > 0) along += norm(path.points[n] - path.points[n - 1]);
@@ -36,60 +64,71 @@ double nearest_along(const BladePath& path, Vec3d position) {
   return best;
 }
 
-Stitch stitch_at(const BladePath& path, double along, std::vector<Vec3d> points) {
-  const WoundFrame at = frame_at(path, along);
-  Stitch stitch{.rest = std::move(points), .along = along, .middle = at.point, .across = at.across};
-  for (const Vec3d p : stitch.rest) stitch.side.push_back(dot(p - at.point, at.across) < 0 ? -1 : 1);
+Stitch stitch_at(const WoundLine& wound, double along, std::vector<Vec3d> points) {
+  const WoundFrame at = wound.frame_at(along);
+  Stitch stitch{
+      .rest = std::move(points), .along = along, .middle = at.middle(), .across = at.across, .gap = at.gap()};
+  for (const Vec3d p : stitch.rest) stitch.side.push_back(dot(p - at.middle(), at.across) < 0 ? -1 : 1);
   return stitch;
 }
 
 /// Loop from the skin on the left, below the wound, to the skin on the right.
-Stitch stitch_across(const BladePath& path, double along, const StitchLayout& layout) {
-  const WoundFrame at = frame_at(path, along);
-  const Vec3d aside = at.across * layout.bite, down = at.inward * layout.depth;
-  return stitch_at(path, along,
-                   {at.point - aside, at.point - aside + down, at.point + aside + down, at.point + aside});
+Stitch stitch_across(const WoundLine& wound, double along, const StitchLayout& layout) {
+  const WoundFrame at = wound.frame_at(along);
+  // along the skin, away from the wound
+  const auto aside = [&](Vec3d inward) {
+    return normalized(at.across - inward * dot(at.across, inward)) * layout.bite;
+  };
+  const Vec3d left = at.left - aside(at.left_inward), right = at.right + aside(at.right_inward);
+  return stitch_at(
+      wound, along,
+      {left, left + at.left_inward * layout.depth, right + at.right_inward * layout.depth, right});
 }
 
-std::vector<Stitch> stitches_of(const BladePath& path, const StitchLayout& layout) {
+std::vector<Stitch> stitches_of(const WoundLine& wound, const StitchLayout& layout) {
   std::vector<Stitch> stitches;
   // single stitches
   for (const std::vector<Vec3d>& points : layout.through) {
     Vec3d middle;
     for (const Vec3d p : points) middle += p / double(points.size());
-    stitches.push_back(stitch_at(path, nearest_along(path, middle), points));
+    stitches.push_back(stitch_at(wound, nearest_along(wound, middle), points));
   }
   if (!layout.through.empty()) return stitches;
   // a row
-  const double length = path_length(path);
+  const double length = wound.length();
   const int count = std::max(1, int(std::lround(length / layout.spacing)));
-  for (int n = 0; n < count; n++) stitches.push_back(stitch_across(path, (n + 0.5) * length / count, layout));
+  for (int n = 0; n < count; n++)
+    stitches.push_back(stitch_across(wound, (n + 0.5) * length / count, layout));
   return stitches;
 }
 
-/// Pairs about one cell apart, on the path and down to its depth.
-std::vector<WallPair> walls_of(const Model& model, const BladePath& path) {
+/// Pairs about one cell apart, on the wound's line and down to its depth.
+std::vector<WallPair> walls_of(const Model& model, const WoundLine& wound) {
   const Vec3 h = model.anatomy.lattice.spacing;
-  const double cell = double(std::max({h.x, h.y, h.z})), length = path_length(path);
+  const double cell = double(std::max({h.x, h.y, h.z})), length = wound.length(), depth = wound.path.depth;
   const int count = std::max(1, int(std::ceil(length / cell))),
-            layers = std::max(1, int(std::ceil(path.depth / cell)));
+            layers = std::max(1, int(std::ceil(depth / cell)));
   std::vector<WallPair> walls;
   for (int n = 0; n < count; n++) {
     const double along = (n + 0.5) * length / count;
-    const WoundFrame at = frame_at(path, along);
-    for (int k = 0; k < layers; k++)
-      walls.push_back({.rest = at.point + at.inward * ((k + 0.5) * path.depth / layers),
+    const WoundFrame at = wound.frame_at(along);
+    for (int k = 0; k < layers; k++) {
+      const double below = (k + 0.5) * depth / layers;
+      const Vec3d left = at.left + at.left_inward * below, right = at.right + at.right_inward * below;
+      walls.push_back({.rest = (left + right) / 2,
                        .normal = at.across,
+                       .gap = dot(right - left, at.across),
                        .along = along});
+    }
   }
   return walls;
 }
 
 EmbeddedPair embed_pair(const Model& model, const Cuts& cuts, const Fragments& fragments, Vec3d middle,
-                        Vec3d across) {
+                        Vec3d across, double gap) {
   constexpr double kAside = 0.02;  // [cells]
   const Vec3 h = model.anatomy.lattice.spacing;
-  const Vec3d aside = across * (kAside * double(std::min({h.x, h.y, h.z})));
+  const Vec3d aside = across * (kAside * double(std::min({h.x, h.y, h.z})) + gap / 2);
   const auto left = embed_point(model, cuts, fragments, middle - aside),
              right = embed_point(model, cuts, fragments, middle + aside);
   if (!left || !right || left->corner == right->corner) return {};
@@ -113,9 +152,10 @@ std::optional<Vec3d> embed(const Model& model, const Cuts& cuts, WoundClosure& c
       if (!point && !missed) missed = p;
       stitch.at.push_back(point.value_or(EmbeddedPoint{}));
     }
-    stitch.lips = embed_pair(model, cuts, *fragments, stitch.middle, stitch.across);
+    stitch.lips = embed_pair(model, cuts, *fragments, stitch.middle, stitch.across, stitch.gap);
   }
-  for (WallPair& pair : closure.walls) pair.at = embed_pair(model, cuts, *fragments, pair.rest, pair.normal);
+  for (WallPair& pair : closure.walls)
+    pair.at = embed_pair(model, cuts, *fragments, pair.rest, pair.normal, pair.gap);
   closure.version = cut_version(cuts);
   return missed;
 }
@@ -126,8 +166,9 @@ Result<WoundClosure> lay_stitches(const Model& model, const Cuts& cuts, const Bl
                                   const StitchLayout& layout) {
   TURGOR_ASSERT(layout.spacing > 0 && layout.bite > 0, "stitches have a distance and a bite");
   WoundClosure closure;
-  closure.stitches = stitches_of(path, layout);
-  closure.walls = walls_of(model, path);
+  const WoundLine wound(path);
+  closure.stitches = stitches_of(wound, layout);
+  closure.walls = walls_of(model, wound);
   if (const auto missed = embed(model, cuts, closure))
     return Error{"a stitch passes through air at " + point_text(model, *missed)};
   return closure;
@@ -138,9 +179,12 @@ bool embed_closure(const Model& model, const Cuts& cuts, WoundClosure& closure) 
 }
 
 double rest_length(const Stitch& stitch) {
+  // points with the lips together
+  std::vector<Vec3d> points = stitch.rest;
+  for (std::size_t p = 0; p < points.size(); p++)
+    points[p] -= stitch.across * (stitch.side[p] * stitch.gap / 2);
   double length = 0;
-  for (std::size_t p = 0; p < stitch.rest.size(); p++)
-    length += norm(stitch.rest[(p + 1) % stitch.rest.size()] - stitch.rest[p]);
+  for (std::size_t p = 0; p < points.size(); p++) length += norm(points[(p + 1) % points.size()] - points[p]);
   return length;
 }
 

@@ -50,6 +50,21 @@ double blade_fraction(const Cut& cut, double time) {
   return cut.blade.duration > 0 ? std::min(1.0, (time - cut.blade.start) / cut.blade.duration) : 1;
 }
 
+/// Sets the path of an excision.
+Status outline_excision(const LatticeBody& body, std::span<const Cut> others, Cut& cut) {
+  lattice::Incision& blade = cut.blade;
+  Result<std::vector<Vec3d>> outline = lattice::excision_outline(body.model, *body.state, *blade.excision);
+  if (!outline) return outline.error();
+  blade.path = std::move(*outline);
+  blade.from = blade.path.front(), blade.to = blade.path[blade.path.size() / 2];
+  for (const Cut& other : others)
+    if (other.body == cut.body && other.blade.excision &&
+        lattice::outlines_overlap(blade.path, other.blade.path))
+      return Error{fmt::format("excision '{}' overlaps excision '{}': expected pieces that are apart",
+                               blade.name, other.blade.name)};
+  return Done{};
+}
+
 }  // namespace
 
 Box body_box(const lattice::Model& model) {
@@ -77,19 +92,23 @@ lattice::Incision blade_from_fractions(const lattice::Model& model, const lattic
   blade.from = placed_point(model, box, fractions.from);
   blade.to = placed_point(model, box, fractions.to);
   for (Vec3d& point : blade.path) point = placed_point(model, box, point);
+  if (blade.excision) blade.excision->center = placed_point(model, box, blade.excision->center);
   return blade;
 }
 
-Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body) {
+Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body, std::span<const Cut> others) {
   Cut cut;
   cut.body = scene.body;
   cut.blade = scene.by_fraction ? blade_from_fractions(body.model, scene.blade) : scene.blade;
+  if (cut.blade.excision)
+    if (const Status outlined = outline_excision(body, others, cut); !outlined)
+      return Error{fmt::format("{}: {}", scene.source_location, outlined.error().message)};
   const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
   if (!trial) return Error{fmt::format("{}: {}", scene.source_location, trial.error().message)};
   return cut;
 }
 
-Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double time,
+Status advance_blade(const Exec& exec, LatticeBody& body, std::span<Cut> cuts, int index, double time,
                      const lattice::HaloExchange* halo) {
   TURGOR_ASSERT(is_index(index, cuts.size()), "the blade of a cut advances");
   Cut& cut = cuts[std::size_t(index)];
@@ -109,6 +128,12 @@ Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double t
     cut.edges += body.state.cut_edges(body.model, *cut.path, cut.done, fraction, index);
   TURGOR_CHECK(fraction <= 1, "a blade ends with its path");
   cut.done = fraction;
+  if (cut.blade.excision && fraction >= 1) {
+    Result<lattice::Specimen> specimen =
+        lattice::excise_piece(exec, body.model, body.state.change(), *cut.path, index);
+    if (!specimen) return Error{fmt::format("excision '{}': {}", cut.blade.name, specimen.error().message)};
+    cut.specimen = *specimen;
+  }
   if (halo) halo->refresh();
   return Done{};
 }

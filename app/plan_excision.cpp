@@ -1,0 +1,174 @@
+// `turgor plan-excision`: simulates an excision and its closure in several directions, and compares the
+// forces that close the wound. Writes a table, a page with a polar plot, and report.json.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/plan_page.hpp"
+#include "app/print.hpp"
+#include "app/result_folder.hpp"
+#include "turgor/core/progress.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/run.hpp"
+
+namespace turgor {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PlanOptions {
+  fs::path scene, out;
+  std::string excision;
+  std::vector<std::string> overrides;
+  int directions = 12;
+  bool force = false;
+};
+
+/// The excision that is planned, and the suture that closes it.
+struct Planned {
+  std::size_t cut = 0, suture = 0;
+  std::string name;
+};
+Planned find_planned(const Scene& scene, const PlanOptions& options) {
+  const std::string where = options.scene.string() + ": ";
+  std::vector<std::size_t> found;
+  for (std::size_t c = 0; c < scene.incisions.size(); c++) {
+    const lattice::Incision& blade = scene.incisions[c].blade;
+    if (blade.excision && (options.excision.empty() || blade.name == options.excision)) found.push_back(c);
+  }
+  if (found.size() != 1)
+    throw Failure{2, where + (options.excision.empty()
+                                  ? fmt::format("expected one [excision.NAME], or --excision NAME; found {}",
+                                                found.size())
+                                  : fmt::format("the scene has no excision {}", options.excision))};
+  Planned planned{.cut = found[0], .name = scene.incisions[found[0]].blade.name};
+  const auto suture = std::find_if(scene.sutures.begin(), scene.sutures.end(),
+                                   [&](const SutureScene& s) { return s.incision == int(planned.cut); });
+  if (suture == scene.sutures.end())
+    throw Failure{
+        2, where + fmt::format("no suture closes the excision {0}: expected [suture.NAME] with wound = "
+                               "\"{0}\"",
+                               planned.name)};
+  planned.suture = std::size_t(suture - scene.sutures.begin());
+  return planned;
+}
+
+/// Simulates one direction.
+PlannedDirection simulate_direction(const Exec& exec, const PlanOptions& options, double angle,
+                                    const Progress& progress) {
+  std::vector<std::string> overrides = options.overrides;
+  const Scene drawn = required(read_scene(options.scene, overrides));
+  const Planned planned = find_planned(drawn, options);
+  const double turned = drawn.incisions[planned.cut].blade.excision->angle + angle;
+  overrides.push_back(fmt::format("excision.{}.angle={:.9g}", planned.name, std::remainder(turned, 360)));
+  const Scene scene = required(read_scene(options.scene, overrides));
+  World world = required(load_world(exec, scene));
+  const Simulated run = required(simulate(exec, scene, world, {.progress = progress}));
+  if (!run.finite)
+    throw Failure{kNotFinite, fmt::format("{}: the run at {:.0f} degrees was not finite after {:.3f} s",
+                                          options.scene.string(), angle, time_of(world))};
+  const CutMeasures& wound = run.measures.cuts[planned.cut];
+  const SutureMeasures& suture = run.measures.sutures[planned.suture];
+  PlannedDirection found{.angle = angle};
+  if (!suture.series.empty()) {
+    const SutureSample& last = suture.series.back();
+    found.closing_force = last.closing_force, found.tension_max = last.tension_max;
+    found.gape = last.gape_max, found.lost = last.pulled_out + last.broken;
+  }
+  found.angle_to_lines = wound.tension.angle, found.is_directional = wound.tension.is_directional;
+  if (wound.dog_ears) found.dog_ear = std::max(wound.dog_ears->first, wound.dog_ears->last);
+  if (wound.specimen) found.shrinkage = 1 - wound.specimen->free.length / wound.specimen->in_place.length;
+  return found;
+}
+
+Json to_json(const PlanOptions& options, const std::string& name, const std::vector<PlannedDirection>& found,
+             const PlanVerdict& verdict) {
+  Json directions = Json::array();
+  for (const PlannedDirection& d : found)
+    directions.push_back({{"angle_deg", rounded(d.angle)},
+                          {"angle_to_lines_deg", d.is_directional ? Json(rounded(d.angle_to_lines)) : Json()},
+                          {"closing_force_N", rounded(d.closing_force)},
+                          {"tension_max_N", rounded(d.tension_max)},
+                          {"gape_max_mm", rounded(1e3 * d.gape)},
+                          {"dog_ear_mm", rounded(1e3 * d.dog_ear)},
+                          {"specimen_shrinkage_percent", rounded(100 * d.shrinkage)},
+                          {"stitches_lost", d.lost}});
+  return {{"program", "turgor"},
+          {"version", program_version()},
+          {"scene", options.scene.string()},
+          {"excision", name},
+          {"directions", directions},
+          {"best_angle_deg", rounded(found[verdict.best].angle)},
+          {"worst_angle_deg", rounded(found[verdict.worst].angle)},
+          {"worst_over_best", rounded(verdict.ratio)},
+          {"verdict", verdict.sentence}};
+}
+
+void print(const std::vector<PlannedDirection>& found, const PlanVerdict& verdict, const fs::path& out) {
+  print_plain("{}", "");
+  fmt::print("{:>9}  {:>13}  {:>14}  {:>8}  {:>7}\n", "direction", "closing force", "largest thread", "gape",
+             "dog ear");
+  for (std::size_t n = 0; n < found.size(); n++)
+    fmt::print("{:>7.0f} °  {:>11.3f} N  {:>12.3f} N  {:>5.2f} mm  {:>4.1f} mm{}\n", found[n].angle,
+               found[n].closing_force, found[n].tension_max, 1e3 * found[n].gape, 1e3 * found[n].dog_ear,
+               n == verdict.best    ? "  best"
+               : n == verdict.worst ? "  worst"
+                                    : "");
+  print_plain("\n{}\n\ntable, polar plot and page   {}\n", verdict.sentence, out.string());
+}
+
+void plan_excision(const Exec& exec, const PlanOptions& options) {
+  const std::string name = find_planned(required(read_scene(options.scene, options.overrides)), options).name;
+  OutputFolder folder = open_result_folder(
+      options.out.empty() ? fs::path("out") / (options.scene.stem().string() + "-plan") : options.out,
+      options.force);
+  // one run per direction; a lens has the same shape after half a turn
+  std::vector<PlannedDirection> found;
+  {
+    ProgressBar bar("planning");
+    for (int n = 0; n < options.directions; n++)
+      found.push_back(simulate_direction(exec, options, 180.0 * n / options.directions, [&](double fraction) {
+        bar.update((n + fraction) / options.directions);
+      }));
+  }
+  // results
+  const PlanVerdict verdict = verdict_of(found);
+  std::string table =
+      "angle_deg,closing_force_N,tension_max_N,gape_max_mm,dog_ear_mm,specimen_shrinkage_percent\n";
+  for (const PlannedDirection& d : found)
+    table += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", d.angle, d.closing_force,
+                         d.tension_max, 1e3 * d.gape, 1e3 * d.dog_ear, 100 * d.shrinkage);
+  required(write_file(folder.path() / "plan.csv", table));
+  required(write_file(folder.path() / "closing-force.svg", polar_svg(found, verdict)));
+  required(write_file(folder.path() / "plan.html", plan_page(name, found, verdict)));
+  required(write_file(folder.path() / kReportFile, json_text(to_json(options, name, found, verdict)) + "\n"));
+  commit_results(folder);
+  print(found, verdict, folder.goal());
+}
+
+}  // namespace
+
+void add_plan_excision_command(CLI::App& program, Global& global) {
+  auto options = std::make_shared<PlanOptions>();
+  CLI::App* command =
+      program.add_subcommand("plan-excision", "Compare the closing force of an excision over its direction");
+  command
+      ->add_option("scene", options->scene,
+                   "A scene with an [excision.NAME] and a [suture.NAME] that closes it")
+      ->required();
+  command->add_option("--excision", options->excision, "The excision to plan, if the scene has several");
+  command
+      ->add_option("--directions", options->directions,
+                   "Directions over half a turn, counter-clockwise seen from outside (default: 12)")
+      ->check(CLI::Range(2, 180));
+  command->add_option("-o,--out", options->out, "Folder for the results (default: out/SCENE-plan)");
+  add_force_option(*command, options->force);
+  add_set_option(*command, options->overrides);
+  command->footer("Example:\n  turgor plan-excision scenes/excision.toml --set excision.mole.length=0.05");
+  command->callback([options, &global] { plan_excision(Exec(global.threads), *options); });
+}
+
+}  // namespace turgor

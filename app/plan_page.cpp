@@ -1,0 +1,134 @@
+#include "app/plan_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/io/files/xml_text.hpp"
+#include "turgor/sim/report/page.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr double kPolarSize = 460, kPolarRadius = 180;  // [pixels]
+
+double largest_force(const std::vector<PlannedDirection>& found) {
+  double most = 0;
+  for (const PlannedDirection& d : found) most = std::max(most, d.closing_force);
+  return most > 0 ? most : 1;
+}
+
+struct PolarPoint {
+  double x, y;
+};
+/// Point of the plot in a direction, counter-clockwise from the right, at a fraction of the radius.
+PolarPoint polar_point(double degrees, double fraction) {
+  const double angle = degrees * std::numbers::pi / 180, r = kPolarRadius * fraction;
+  return {kPolarSize / 2 + r * std::cos(angle), kPolarSize / 2 - r * std::sin(angle)};
+}
+
+}  // namespace
+
+PlanVerdict verdict_of(const std::vector<PlannedDirection>& found) {
+  TURGOR_ASSERT(!found.empty(), "a plan has directions");
+  const auto less = [](const PlannedDirection& a, const PlannedDirection& b) {
+    return a.closing_force < b.closing_force;
+  };
+  PlanVerdict verdict;
+  verdict.best = std::size_t(std::min_element(found.begin(), found.end(), less) - found.begin());
+  verdict.worst = std::size_t(std::max_element(found.begin(), found.end(), less) - found.begin());
+  const PlannedDirection &best = found[verdict.best], &worst = found[verdict.worst];
+  if (!(best.closing_force > 0)) {
+    verdict.sentence = "No closing force was measured: the stitches did not close the wound before the end.";
+    return verdict;
+  }
+  verdict.ratio = worst.closing_force / best.closing_force;
+  verdict.sentence = fmt::format(
+      "The wound closes with least force at {:.0f} degrees: {:.2f} N{}. The worst direction, {:.0f} degrees, "
+      "needs "
+      "{:.2f} N, {:.0f} % more.",
+      best.angle, best.closing_force,
+      best.is_directional ? fmt::format(", {:.0f} degrees from Langer's lines", best.angle_to_lines) : "",
+      worst.angle, worst.closing_force, 100 * (verdict.ratio - 1));
+  int lost = 0;
+  for (const PlannedDirection& d : found) lost += d.lost;
+  if (lost > 0)
+    verdict.sentence +=
+        fmt::format(" {} stitches tore out or broke: the forces in their directions are too small.", lost);
+  return verdict;
+}
+
+std::string polar_svg(const std::vector<PlannedDirection>& found, const PlanVerdict& verdict) {
+  const double most = largest_force(found);
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {0:.0f}\" font-family=\"sans-serif\" "
+      "font-size=\"13\" fill=\"currentColor\" role=\"img\" aria-label=\"closing force over direction\">\n",
+      kPolarSize);
+  // rings with forces, and spokes with angles
+  for (const double ring : {0.25, 0.5, 0.75, 1.0}) {
+    svg += fmt::format(
+        "<circle cx=\"{0:.1f}\" cy=\"{0:.1f}\" r=\"{1:.1f}\" fill=\"none\" stroke=\"currentColor\" "
+        "stroke-opacity=\"0.2\"/>\n",
+        kPolarSize / 2, kPolarRadius * ring);
+    const PolarPoint at = polar_point(97, ring);
+    svg +=
+        fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" opacity=\"0.7\" text-anchor=\"end\">{:.3g} N</text>\n",
+                    at.x, at.y + 4, most * ring);
+  }
+  for (int degrees = 0; degrees < 360; degrees += 30) {
+    const PolarPoint end = polar_point(degrees, 1), label = polar_point(degrees, 1.12);
+    svg += fmt::format(
+        "<line x1=\"{0:.1f}\" y1=\"{0:.1f}\" x2=\"{1:.1f}\" y2=\"{2:.1f}\" stroke=\"currentColor\" "
+        "stroke-opacity=\"0.12\"/>\n<text x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"middle\">{5}°</text>\n",
+        kPolarSize / 2, end.x, end.y, label.x, label.y + 4, degrees);
+  }
+  // closed curve: a lens looks the same after half a turn
+  std::string points;
+  for (const double turn : {0.0, 180.0})
+    for (const PlannedDirection& d : found) {
+      const PolarPoint at = polar_point(d.angle + turn, std::max(0.0, d.closing_force / most));
+      points += fmt::format("{:.1f},{:.1f} ", at.x, at.y);
+    }
+  svg += fmt::format(
+      "<polygon points=\"{}\" fill=\"#0072b2\" fill-opacity=\"0.15\" stroke=\"#0072b2\" "
+      "stroke-width=\"2\"/>\n",
+      points);
+  // best and worst direction
+  for (const auto& [index, color] :
+       {std::pair(verdict.best, "#009e73"), std::pair(verdict.worst, "#d55e00")}) {
+    const PolarPoint a = polar_point(found[index].angle, 1), b = polar_point(found[index].angle + 180, 1);
+    svg += fmt::format(
+        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"2.5\" "
+        "stroke-dasharray=\"7 5\"/>\n",
+        a.x, a.y, b.x, b.y, color);
+  }
+  return svg + "</svg>\n";
+}
+
+std::string plan_page(const std::string& name, const std::vector<PlannedDirection>& found,
+                      const PlanVerdict& verdict) {
+  std::string html =
+      page::page_head(xml_text("Excision " + name)) + "<h1>" + xml_text("Excision " + name) +
+      "</h1>\n<p class=\"verdict\">" + xml_text(verdict.sentence) +
+      "</p>\n<div class=\"grid\"><div class=\"plot\">" + polar_svg(found, verdict) +
+      "</div><div><p class=\"soft\">Closing force over the direction of the length, "
+      "counter-clockwise seen from outside. Green: least force. Orange: largest force.</p>\n"
+      "<table>\n" +
+      page::table_row({"direction [°]", "to Langer's lines [°]", "closing force [N]", "largest thread [N]",
+                       "gape [mm]", "dog ear [mm]", "specimen shrinks [%]"},
+                      "th");
+  for (const PlannedDirection& d : found)
+    html += page::table_row(
+        {fmt::format("{:.0f}", d.angle), d.is_directional ? fmt::format("{:.0f}", d.angle_to_lines) : "–",
+         fmt::format("{:.3f}", d.closing_force), fmt::format("{:.3f}", d.tension_max),
+         fmt::format("{:.2f}", 1e3 * d.gape), fmt::format("{:.2f}", 1e3 * d.dog_ear),
+         fmt::format("{:.1f}", 100 * d.shrinkage)},
+        "td");
+  return html + "</table></div></div>\n" + page::page_end();
+}
+
+}  // namespace turgor

@@ -1,0 +1,34 @@
+// Results of `turgor plan-excision`: verdict, polar plot and page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace turgor {
+
+/// An excision in one direction, after its closure.
+struct PlannedDirection {
+  double angle = 0;                           // of the length, from the direction of the scene [degrees]
+  double angle_to_lines = 0;                  // of the length, 0…90 [degrees]
+  bool is_directional = false;                // the skin is tenser along Langer's lines
+  double closing_force = 0, tension_max = 0;  // [N]
+  double gape = 0, dog_ear = 0;               // [m]
+  double shrinkage = 0;                       // of the specimen's length, relative
+  int lost = 0;                               // stitches that tore out or broke
+};
+
+/// Best and worst direction by closing force.
+struct PlanVerdict {
+  std::size_t best = 0, worst = 0;
+  double ratio = 0;  // of the largest closing force to the least
+  std::string sentence;
+};
+PlanVerdict verdict_of(const std::vector<PlannedDirection>& found);
+
+/// Closing force over direction as a closed curve around a center, an <svg> element.
+std::string polar_svg(const std::vector<PlannedDirection>& found, const PlanVerdict& verdict);
+/// Page with verdict, plot and table.
+std::string plan_page(const std::string& name, const std::vector<PlannedDirection>& found,
+                      const PlanVerdict& verdict);
+
+}  // namespace turgor

@@ -1,0 +1,171 @@
+// Excisions of a scene: keys, errors, simulation, report, recording and state files, closure by stitches.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/sim/block_scene.hpp"
+#include "tests/sim/scene/scene_error.hpp"
+#include "turgor/sim/autosave/world_file.hpp"
+#include "turgor/sim/recording/recording.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/run.hpp"
+
+namespace turgor {
+namespace {
+
+/// The block of block_scene.hpp, which loses a piece instead of being cut.
+std::string excised_text(const std::string& keys = "length = 0.05\nwidth = 0.016\n",
+                         const std::string& more = "") {
+  const std::string text = test::block_scene_text("block.nii");
+  const std::size_t cut = text.find("[incision.cut]"), output = text.find("[output]");
+  return text.substr(0, cut) +
+         "[excision.mole]\nbody = \"block\"\ncenter = [0.002, -0.02, 0.001]\ndirection = [0, 0, 1]\ndepth = "
+         "0.01\nstart = 0.02\nduration = 0.04\n" +
+         keys + more + text.substr(output);
+}
+Scene excised_scene(const std::filesystem::path& folder, const std::string& more, double duration) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  Result<Scene> scene =
+      parse_scene(excised_text("length = 0.05\nwidth = 0.016\n", more), folder / "block.toml",
+                  {"world.duration=" + std::to_string(duration), "body.block.block=1"});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return *scene;
+}
+
+const char* const kStitches =
+    "[suture.row]\nwound = \"mole\"\nbite = 0.008\ndepth = 0.003\nspacing = 0.01\nstart = 0.1\nduration = "
+    "0.3\n";
+
+// The report states the piece and its wound; stitches close the wound.
+TEST(Excision, ReportStatesPieceAndClosure) {
+  const Scene scene = excised_scene(test::fresh_folder(), kStitches, 1.6);
+  World world = test::block_world(Exec(1), scene);
+  const Result<Simulated> run = simulate(Exec(1), scene, world);
+  ASSERT_TRUE(run) << run.error().message;
+  const Json report = simulation_report(Exec(1), scene, world, run->measures, {});
+  const Json& wound = report.at("wounds").at(0);
+  std::printf("%s\n", wound.dump().substr(0, 900).c_str());
+  EXPECT_EQ(wound.at("kind"), "excision");
+  EXPECT_NEAR(wound.at("marked").at("length_mm").get<double>(), 50, 0.1);
+  EXPECT_NEAR(wound.at("marked").at("width_mm").get<double>(), 16, 0.2);
+  EXPECT_LT(wound.at("specimen").at("length_change_percent").get<double>(), -2);
+  EXPECT_GT(wound.at("specimen").at("mass_g").get<double>(), 8);
+  EXPECT_GE(wound.at("dog_ear").at("first_mm").get<double>(), 0);
+  const Json& suture = report.at("sutures").at(0);
+  std::printf("%s\n", suture.dump().substr(0, 600).c_str());
+  EXPECT_EQ(suture.at("stitches_bearing"), 5);
+  EXPECT_LT(suture.at("gape_max_mm").get<double>(), 0.5);
+  EXPECT_GT(suture.at("closing_force_N").get<double>(), 0.5);
+  EXPECT_LT(wound.at("opening_area_mm2").get<double>(),
+            0.3 * wound.at("marked").at("area_mm2").get<double>());
+}
+
+// Specimen and wound do not depend on the number of threads.
+TEST(Excision, SameBitsOnAnyThreads) {
+  const Scene scene = excised_scene(test::fresh_folder(), "", 0.2);
+  std::uint64_t hash[3];
+  double length[3];
+  const int threads[3] = {1, 2, 8};
+  for (int n = 0; n < 3; n++) {
+    World world = test::block_world(Exec(threads[n]), scene);
+    for (int frame = 0; frame < 6; frame++) ASSERT_TRUE(step(Exec(threads[n]), world));
+    ASSERT_TRUE(world.cuts[0].specimen);
+    hash[n] = state_hash(world), length[n] = world.cuts[0].specimen->free.length;
+  }
+  EXPECT_EQ(hash[0], hash[1]);
+  EXPECT_EQ(hash[0], hash[2]);
+  EXPECT_EQ(length[0], length[1]);
+  EXPECT_EQ(length[0], length[2]);
+}
+
+// A recording draws the body without its piece; a resumed world goes on with the same bits.
+TEST(Excision, StateIsRestored) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const Scene scene = excised_scene(folder, kStitches, 1);
+  const Exec exec(1);
+  World world = test::block_world(exec, scene), resumed = test::block_world(exec, scene);
+  const LoadedPatches loaded = loaded_patches(world);
+  for (int frame = 0; frame < 8; frame++) ASSERT_TRUE(step(exec, world));
+  ASSERT_TRUE(world.cuts[0].specimen && world.sutures[0].closure);
+  // recording
+  WorldSnapshot snapshot;
+  show(exec, world, snapshot);
+  Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->add_snapshot(world, snapshot));
+  ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
+  World drawn = test::block_world(exec, scene);
+  WorldSnapshot redrawn;
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording);
+  const Status restored = recording->restore(exec, 0, drawn, redrawn);
+  ASSERT_TRUE(restored) << restored.error().message;
+  EXPECT_EQ(redrawn.bodies[0].triangles, snapshot.bodies[0].triangles);
+  EXPECT_EQ(redrawn.bodies[0].x, snapshot.bodies[0].x);
+  EXPECT_EQ(redrawn.threads.at(0).vertices, snapshot.threads.at(0).vertices);
+  // state file
+  {
+    Result<StateWriter> file = StateWriter::create(folder / "state");
+    ASSERT_TRUE(file);
+    write_world(*file, world, loaded);
+    ASSERT_TRUE(file->close());
+  }
+  Result<StateReader> file = StateReader::open(folder / "state");
+  ASSERT_TRUE(file);
+  read_world(exec, *file, loaded_patches(resumed), resumed);
+  ASSERT_TRUE(file->is_sound());
+  for (int frame = 0; frame < 5; frame++) ASSERT_TRUE(step(exec, world) && step(exec, resumed));
+  EXPECT_EQ(state_hash(world), state_hash(resumed));
+  EXPECT_EQ(resumed.cuts[0].specimen->free.length, world.cuts[0].specimen->free.length);
+}
+
+// Wrong keys are refused with the key and the reason.
+TEST(Excision, WrongKeysAreRefused) {
+  const auto error = [](const std::string& keys, const std::vector<std::string>& overrides = {}) {
+    return test::error_of(excised_text(keys), overrides);
+  };
+  const auto expect = [](const std::string& text, const std::string& sentence) {
+    EXPECT_NE(text.find(sentence), std::string::npos) << text;
+  };
+  EXPECT_EQ(error("length = 0.05\nwidth = 0.016\n"), "no error");
+  expect(error("length = 0.03\nwidth = 0.05\n"), "the piece is wider than long");
+  expect(error("width = 0.03\n"), "length");
+  expect(error("length = 0.05\nwidth = 0.016\ncenter_fraction = [0, 0, 0]\n"), "is given once");
+  expect(error("length = 0.05\nwidth = 0.016\n", {"excision.mole.start=9"}), "after the end of the run");
+  expect(error("length = 0.05\nwidth = 0.016\n", {"excision.mole.direction=[0, 0, 0]"}),
+         "vector without length");
+  expect(error("length = 0.05\nwidth = 0.016\n", {"body.block.solver.method=pbd"}),
+         "solver.method = \"vbd\"");
+  expect(error("length = 0.05\nwidth = 0.016\n", {"excision.wart.width=0.01"}), "no excision wart");
+}
+
+// Pieces that do not fit the body are refused when it is loaded.
+TEST(Excision, PiecesThatDoNotFitAreRefused) {
+  const std::filesystem::path folder = test::fresh_folder();
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const auto expect = [&](const std::vector<std::string>& overrides, const std::string& sentence,
+                          const std::string& more = "") {
+    const Result<Scene> scene =
+        parse_scene(excised_text("length = 0.05\nwidth = 0.016\n", more), folder / "block.toml", overrides);
+    ASSERT_TRUE(scene) << scene.error().message;
+    const Result<World> world = load_world(Exec(1), *scene);
+    ASSERT_FALSE(world) << sentence;
+    EXPECT_NE(world.error().message.find("excision.mole: "), std::string::npos) << world.error().message;
+    EXPECT_NE(world.error().message.find(sentence), std::string::npos) << world.error().message;
+  };
+  expect({"excision.mole.center=[0.002, -0.2, 0.001]"}, "no skin within 0.1 m");
+  expect({"excision.mole.depth=0.05"}, "expected a smaller depth");
+  expect({"excision.mole.direction=[0, 1, 0]"}, "normal to the skin");
+  const Result<Scene> scene = parse_scene(
+      excised_text(
+          "length = 0.05\nwidth = 0.016\n",
+          "[excision.near]\nbody = \"block\"\ncenter = [0.02, -0.02, 0.01]\nlength = 0.02\nwidth = 0.02\n"),
+      folder / "block.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Result<World> world = load_world(Exec(1), *scene);
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("overlaps excision 'mole'"), std::string::npos)
+      << world.error().message;
+}
+
+}  // namespace
+}  // namespace turgor
