@@ -1,13 +1,19 @@
-"""Snippets of docs/python.md, as printed."""
+"""Snippets of docs/python.md and docs/out-to-other-programs.md, as printed."""
+import contextlib
+import importlib
+import io
 import os
 import pathlib
 import re
+import shlex
 import unittest
 
 import numpy
 import turgor
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = "docs/out-to-other-programs.md"
+COARSE = "body.liver.resolution=0.02"
 
 
 def blocks_of(page):
@@ -28,6 +34,27 @@ class Documents(unittest.TestCase):
         force = numpy.linalg.norm(names["wrench"][:, 0, :3], axis=1)
         self.assertLess(force[0], 0.01)
         self.assertGreater(force.max(), 0.1)
+
+    # Every command of the page runs; a short duration, a free port and a coarse liver are added.
+    def test_commands_of_live_programs_run(self):
+        commands = re.findall(r"^    python -m (turgor\.(?:openigtlink|ros2)) (.*)$", (ROOT / PAGE).read_text(encoding="utf-8"), re.M)
+        self.assertEqual([module for module, _ in commands], ["turgor.openigtlink", "turgor.ros2"])
+        for name, arguments in commands:
+            module = importlib.import_module(name)
+            if getattr(module, "pyigtl", True) is None or getattr(module, "cyclonedds", True) is None:
+                self.skipTest(f"a library of {name} is not installed")
+            alone = ["--port", "0"] if name.endswith("openigtlink") else ["--domain", "199"]
+            with contextlib.chdir(ROOT), contextlib.redirect_stdout(io.StringIO()) as printed:
+                ended = module.main([*shlex.split(arguments), "--seconds", "0.05", "--set", COARSE, *alone])
+            self.assertEqual(ended, 0)
+            self.assertIn("50 ticks", printed.getvalue())
+
+    # The snippet of the live loop leads the finger of the scene.
+    def test_live_loop_runs(self):
+        block = next(block for block in blocks_of(PAGE) if "LiveWorld" in block)
+        with contextlib.chdir(ROOT), contextlib.redirect_stdout(io.StringIO()) as printed:
+            exec(block.replace("palpation.toml\"", f"palpation.toml\", set={dict([COARSE.split('=')])}".replace("'0.02'", "0.02")), {})
+        self.assertIn(" 100 ", printed.getvalue())
 
 
 if __name__ == "__main__":

@@ -1,0 +1,129 @@
+"""Worlds in real time, with tools that another program moves: the common part of turgor.openigtlink and turgor.ros2."""
+import time
+import tomllib
+
+import numpy as np
+
+from ._turgor import Error
+
+TICK = 1e-3  # [s]
+MOST_TICKS = 50  # that one call makes up for; longer delays slow the world down
+
+
+def overrides(pairs):
+    """Keys and values for World(set=...) from texts KEY=VALUE of a command line; a value is TOML or a text."""
+    values = {}
+    for pair in pairs:
+        key, equals, text = pair.partition("=")
+        if not equals:
+            raise Error(f"--set: expected KEY=VALUE, found {pair}")
+        try:
+            values[key] = tomllib.loads(f"value = {text}")["value"]
+        except tomllib.TOMLDecodeError:
+            values[key] = text
+    return values
+
+
+def tool_index(world, name):
+    """Index of a tool; None = the first one."""
+    if not world.tools:
+        raise Error("a live world: expected a scene with a tool, found none")
+    if name is None:
+        return 0
+    if name not in world.tools:
+        raise Error(f"a live world: expected a tool of the scene ({', '.join(world.tools)}), found {name}")
+    return world.tools.index(name)
+
+
+def quaternion_of(axes):
+    """Quaternion w, x, y, z of a rotation matrix; None for a matrix that is not a rotation.
+
+    The four products are the rows of the matrix 4 q qᵀ; its longest row has no cancellation [Shepperd 1978].
+    """
+    axes = np.asarray(axes, dtype=float)
+    if not np.isfinite(axes).all() or abs(axes @ axes.T - np.eye(3)).max() > 1e-3 or np.linalg.det(axes) < 0:
+        return None
+    (a, b, c), (d, e, f), (g, h, i) = axes
+    rows = np.array([[1 + a + e + i, h - f, c - g, d - b], [h - f, 1 + a - e - i, b + d, c + g],
+                     [c - g, b + d, 1 - a + e - i, f + h], [d - b, c + g, f + h, 1 - a - e + i]])
+    row = rows[np.argmax(np.diag(rows))]
+    return row / np.linalg.norm(row)
+
+
+def axes_of(quaternion):
+    """Rotation matrix of a unit quaternion w, x, y, z."""
+    w, x, y, z = quaternion
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+
+class LiveWorld:
+    """A world that follows the clock. One tool follows poses from outside, the others follow the paths of the scene.
+
+    fastest: limit of the led tool's speed [m/s], because a tracker may jump.
+    A pose that is not finite or not a rotation is ignored and counted in `refused`. Ticks that were computed after the
+    beginning of the next one are counted in `late`.
+    """
+
+    def __init__(self, world, tool=None, fastest=0.5):
+        self.world, self.tool, self.fastest = world, tool_index(world, tool), fastest
+        self.poses = world.tool_poses.copy()
+        self.goal = None  # newest pose from outside; none yet: the path of the scene
+        self.ticks = self.late = self.refused = 0
+        self.wrench = np.zeros((len(world.tools), 6))
+        self.stops = False
+
+    def lead(self, position, quaternion):
+        """Sets the goal of the led tool: position [m] in the patient frame, quaternion w, x, y, z. For any thread."""
+        pose = np.array([*position, *quaternion], dtype=float) if quaternion is not None else np.full(7, np.nan)
+        length = np.linalg.norm(pose[3:])
+        if not np.isfinite(pose).all() or not length > 1e-6:
+            self.refused += 1
+            return
+        pose[3:] /= length
+        self.goal = pose
+
+    def _next_poses(self, count):
+        """(count, tools, 7): paths of the scene, and the led tool on a straight line to its goal."""
+        led, goal = self.poses[self.tool].copy(), self.goal
+        self.poses = self.world.tool_poses
+        poses = np.repeat(self.poses[None], count, axis=0)
+        if goal is None:
+            return poses
+        way = goal[:3] - led[:3]
+        reach = np.minimum(self.fastest * TICK * np.arange(1, count + 1), np.linalg.norm(way))
+        poses[:, self.tool, :3] = led[:3] + np.outer(reach / max(np.linalg.norm(way), 1e-12), way)
+        poses[:, self.tool, 3:] = goal[3:]
+        self.poses[self.tool] = poses[-1, self.tool]
+        return poses
+
+    def tick(self, count=1):
+        """Computes ticks of 1 ms. Returns (count, tools, 6): force [N] and torque [N·m] on every tool."""
+        wrenches = self.world.tick(self._next_poses(count))
+        self.ticks += count
+        self.wrench = wrenches[-1]
+        return wrenches
+
+    def run(self, seconds=None, on_tick=None, on_frame=None):
+        """Follows the clock for `seconds`, or until `stops` is true.
+
+        on_tick(wrench): after every computation of the newest tick; (tools, 6). on_frame(): after every frame of the world.
+        """
+        total = float("inf") if seconds is None else round(seconds / TICK)
+        begin, done, frame = time.monotonic(), 0, self.world.frame
+        while done < total and not self.stops:
+            due = int(min((time.monotonic() - begin) / TICK, total)) - done
+            if due <= 0:
+                time.sleep(max(begin + (done + 1) * TICK - time.monotonic(), 0))
+                continue
+            if due > MOST_TICKS:
+                begin, due = begin + (due - MOST_TICKS) * TICK, MOST_TICKS
+            self.tick(due)
+            done += due
+            self.late += due - 1
+            if on_tick:
+                on_tick(self.wrench)
+            if on_frame and self.world.frame != frame:
+                frame = self.world.frame
+                on_frame()
