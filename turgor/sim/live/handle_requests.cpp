@@ -13,8 +13,9 @@ namespace {
 void handle(const PaceRequest& request, SessionThread& session) {
   SessionStatus& next = session.next;
   next.plays = request.plays, next.pace = request.pace;
+  if (!session.live.world) return;  // the reason why there is none stays
   if (next.plays) next.error.clear();
-  if (session.live.world) set_pace(session);
+  set_pace(session);
 }
 
 void handle(const StepRequest&, SessionThread& session) {
