@@ -21,7 +21,7 @@ struct Excised {
   BladePath path;
   Specimen specimen;
 
-  Excised(const Params& params, Excision excision, double depth, double young = 2e3, Int3 size = {31, 31, 9},
+  Excised(const Params& params, Excision excision, double depth, double young = 2e3, Int3 size = {25, 25, 6},
           double spacing = 0.003, const Exec& exec = Exec(1)) {
     Block block{.size = size, .spacing = spacing, .young = young};
     block.is_fixed = [size](Int3 p) {
@@ -89,6 +89,24 @@ TEST(Specimen, TensionOpensWoundAndShrinksPiece) {
     const Vec3d away = Vec3d(x) - center;
     EXPECT_FALSE(std::hypot(away.x, away.y) < 0.013 && away.z > -0.005) << x.x << " " << x.y << " " << x.z;
   }
+}
+
+// A free piece shrinks to the stretch r at which its fibers have no tension: K (1 − r) = T in each direction.
+TEST(Specimen, ShrinksAsFreeMembrane) {
+  constexpr double kAlong = 50, kAcross = 20, kStiffness = 400;
+  Params params = solid_params(5, 4, 0);
+  params.skin.tension_along = kAlong, params.skin.tension_across = kAcross;
+  params.skin.stiffness = kStiffness, params.skin.shear = kStiffness / 2, params.skin.amplification = 0;
+  params.skin.direction = {1, 0, 0};
+  const Excised block(params, {.direction = {1, 0, 0}, .length = 0.03, .width = 0.03}, 0.0067, 1000,
+                      {21, 21, 4});
+  const Specimen& piece = block.specimen;
+  const double along = piece.free.length / piece.in_place.length,
+               across = piece.free.width / piece.in_place.width;
+  std::printf("specimen %.4f along, %.4f across, expected %.4f and %.4f; speed %.1e\n", along, across,
+              1 - kAlong / kStiffness, 1 - kAcross / kStiffness, piece.speed);
+  EXPECT_NEAR(along, 1 - kAlong / kStiffness, 0.01);
+  EXPECT_NEAR(across, 1 - kAcross / kStiffness, 0.01);
 }
 
 // A floor below the body is refused.

@@ -15,6 +15,9 @@ namespace {
 constexpr double kRelaxation = 0.3;
 /// Gape at which lips count as closed [m].
 constexpr double kClosedGape = 1e-4;
+/// Thread pulled in per step, over the gape, after the time of the pull. The lips of an excision travel far:
+/// a faster pull would overshoot before the tissue follows.
+constexpr double kSlowPull = 0.04;
 /// Shortest loop over its length in the CT. A tighter one would crush the tissue without closing the wound.
 constexpr double kShortestLoop = 0.7;
 
@@ -124,10 +127,14 @@ void pull_stitch(const Motion& motion, const Pull& pull, double elapsed, const T
   if (pull.until_closed) {
     const double rest = rest_length(stitch), slack = std::max(stitch.before - rest, 0.1 * rest);
     const bool is_closed = share >= 1 && gape_under(stitch, motion) <= kClosedGape;
-    if (is_closed || stitch.length == kShortestLoop * rest)
+    if (is_closed || stitch.length == kShortestLoop * rest) {
       stitch.phase = StitchPhase::kKnotted;
-    else
-      stitch.length = std::max(stitch.before - share * slack, kShortestLoop * rest);
+      return;
+    }
+    double length = stitch.before - share * slack;
+    if (share > 1 && stitch.gap > 0)
+      length = std::max(length, stitch.length - kSlowPull * gape_under(stitch, motion));
+    stitch.length = std::max(length, kShortestLoop * rest);
     return;
   }
   // tension
