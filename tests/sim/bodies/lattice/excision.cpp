@@ -41,7 +41,7 @@ const char* const kStitches =
 
 // The report states the piece and its wound; stitches close the wound.
 TEST(Excision, ReportStatesPieceAndClosure) {
-  const Scene scene = excised_scene(test::fresh_folder(), kStitches, 1.2, {"body.block.block=1"});
+  const Scene scene = excised_scene(test::fresh_folder(), kStitches, 1.8, {"body.block.block=1"});
   World world = test::block_world(Exec(1), scene);
   const Result<Simulated> run = simulate(Exec(1), scene, world);
   ASSERT_TRUE(run) << run.error().message;
@@ -162,7 +162,7 @@ TEST(Excision, PiecesThatDoNotFitAreRefused) {
   const Result<Scene> scene = parse_scene(
       excised_text(
           "length = 0.05\nwidth = 0.016\n",
-          "[excision.near]\nbody = \"block\"\ncenter = [0.02, -0.02, 0.01]\nlength = 0.02\nwidth = 0.02\n"),
+          "[excision.near]\nbody = \"block\"\ncenter = [0.012, -0.02, 0.01]\nlength = 0.02\nwidth = 0.02\n"),
       folder / "block.toml");
   ASSERT_TRUE(scene) << scene.error().message;
   const Result<World> world = load_world(Exec(1), *scene);

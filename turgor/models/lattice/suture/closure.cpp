@@ -17,7 +17,7 @@ constexpr double kRelaxation = 0.3;
 constexpr double kClosedGape = 1e-4;
 /// Thread pulled in per step, over the gape, after the time of the pull. The lips of an excision travel far:
 /// a faster pull would overshoot before the tissue follows.
-constexpr double kSlowPull = 0.04;
+constexpr double kSlowPull = 0.1;
 /// Shortest loop over its length in the CT. A tighter one would crush the tissue without closing the wound.
 constexpr double kShortestLoop = 0.7;
 
