@@ -17,5 +17,6 @@ void bind_body(nb::module_& module);
 void bind_live(nb::module_& module);
 void bind_world(nb::module_& module);
 void bind_run(nb::module_& module);
+void bind_recording(nb::module_& module);
 
 }  // namespace turgor

@@ -14,4 +14,5 @@ NB_MODULE(_turgor, module) {
   turgor::bind_live(module);
   turgor::bind_world(module);
   turgor::bind_run(module);
+  turgor::bind_recording(module);
 }

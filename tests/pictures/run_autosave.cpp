@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 constexpr double kEveryFrame = 1e-9;  // interval of autosaves [s]
 
 Scene resumed_scene(const fs::path& folder) {
-  return test::four_kinds_scene(folder,
-                                {"output.vtkhdf=true", "output.snapshots={ every = 0.06, size = [64, 64] }"});
+  return test::four_kinds_scene(folder, {"output.vtkhdf=true", "output.usd=true", "output.gltf=true",
+                                         "output.snapshots={ every = 0.06, size = [64, 64] }"});
 }
 
 /// Runs in another process, which SIGKILL ends in this frame, after the autosave of the frame before it.
@@ -149,7 +149,9 @@ TEST(RunAutosave, ResumedRunHasSameBits) {
     const fs::path name = entry.path().lexically_relative(folder / "whole");
     const std::string ending = name.extension().string();
     if (ending == ".h5" || ending == ".vtkhdf") expect_same_hdf5(entry.path(), folder / "broken" / name);
-    if (ending != ".vtu" && ending != ".obj" && ending != ".png" && ending != ".pvd") continue;
+    const bool same_bytes = ending == ".vtu" || ending == ".obj" || ending == ".png" || ending == ".pvd" ||
+                            ending == ".usda" || ending == ".glb";
+    if (!same_bytes) continue;
     EXPECT_EQ(test::bytes_of(entry.path()), test::bytes_of(folder / "broken" / name)) << name;
     compared++;
   }

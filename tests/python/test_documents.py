@@ -6,10 +6,13 @@ import os
 import pathlib
 import re
 import shlex
+import subprocess
+import tempfile
 import unittest
 
 import numpy
 import turgor
+from scenes import PROGRAM
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = "docs/out-to-other-programs.md"
@@ -48,6 +51,20 @@ class Documents(unittest.TestCase):
                 ended = module.main([*shlex.split(arguments), "--seconds", "0.05", "--set", COARSE, *alone])
             self.assertEqual(ended, 0)
             self.assertIn("50 ticks", printed.getvalue())
+
+    # The export command and the snippet of recordings run on a short recording of the scene.
+    def test_export_of_recording_runs(self):
+        text = (ROOT / PAGE).read_text(encoding="utf-8")
+        command = re.search(r"^    python -m turgor.export (.*)$", text, re.M).group(1)
+        block = next(block for block in blocks_of(PAGE) if "turgor.Recording" in block)
+        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), contextlib.redirect_stdout(io.StringIO()) as printed:
+            short = [word for one in (COARSE, "world.duration=0.05", "output.snapshots.every=0.05", "output.sections=false") for word in ("--set", one)]
+            subprocess.run([PROGRAM, "run", ROOT / "scenes/palpation.toml", "-q", "--out", "out/palpation", *short], check=True)
+            self.assertEqual(importlib.import_module("turgor.export").main(shlex.split(command)), 0)
+            written = {file: pathlib.Path(file).read_bytes() for file in ("palpation.usda", "palpation.glb")}
+            exec(block, {})  # pylint: disable=exec-used
+            self.assertEqual({file: pathlib.Path(file).read_bytes() for file in written}, written)
+        self.assertIn("palpation.glb: 2 snapshots", printed.getvalue())
 
     # The snippet of the live loop leads the finger of the scene.
     def test_live_loop_runs(self):

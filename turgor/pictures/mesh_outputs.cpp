@@ -1,6 +1,9 @@
 // Writes surfaces to files at every snapshot and at the end.
+#include <tuple>
+
 #include <fmt/format.h>
 
+#include "turgor/pictures/animated_surfaces.hpp"
 #include "turgor/pictures/outputs.hpp"
 
 namespace turgor {
@@ -88,6 +91,7 @@ Status write_tools(const WorldSnapshot& snapshot, Outputs& outputs) {
 }  // namespace
 
 Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs) {
+  if (outputs.scene->output.usd || outputs.scene->output.gltf) add_surfaces(snapshot, outputs.animation);
   if (!outputs.scene->output.meshes && !outputs.scene->output.vtkhdf) return Done{};
   const AddTime time(outputs.facts.file_seconds);
   for (const BodySnapshot& body : snapshot.bodies) {
@@ -107,6 +111,21 @@ Status finish_meshes(Outputs& outputs) {
   if (!outputs.scene->output.meshes) return Done{};
   outputs.facts.files.push_back("meshes.pvd");
   return write_pvd(outputs.folder / "meshes.pvd", outputs.series, outputs.scene->output.mesh_space);
+}
+
+Status finish_animation(Outputs& outputs) {
+  const OutputScene& output = outputs.scene->output;
+  if (!output.usd && !output.gltf) return Done{};
+  const AddTime time(outputs.facts.file_seconds);
+  outputs.animation.frame_rate = outputs.scene->frame_rate;
+  remove_empty_surfaces(outputs.animation);
+  for (const auto& [wanted, name, write] : {std::tuple(output.usd, "surfaces.usda", &write_usda),
+                                            std::tuple(output.gltf, "surfaces.glb", &write_glb)}) {
+    if (!wanted) continue;
+    if (const Status status = write(outputs.folder / name, outputs.animation); !status) return status;
+    outputs.facts.files.push_back(name);
+  }
+  return Done{};
 }
 
 Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed, Outputs& outputs) {

@@ -280,6 +280,7 @@ Status finish_outputs(const World& world, const WorldSnapshot& snapshot, const s
   if (status) status = add_before_after(snapshot, outputs);
   if (status) status = finish_ct_outputs(world, outputs);
   if (status) status = finish_tables(world, outputs);
+  if (status) status = finish_animation(outputs);
   if (status && outputs.scene->output.obj) status = write_objs(snapshot, pressed, outputs);
   return status ? finish_films(outputs) : status;
 }

@@ -11,6 +11,7 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/io/mesh/mesh_files.hpp"
+#include "turgor/io/mesh/surface_animation.hpp"
 #include "turgor/io/mesh/vtkhdf.hpp"
 #include "turgor/pictures/motion.hpp"
 #include "turgor/pictures/picture_items.hpp"
@@ -47,6 +48,7 @@ struct Outputs {
   std::vector<lattice::State> at_rest;         // undeformed lattices, for pictures of the initial state
   std::vector<PvdEntry> series;                // of meshes
   std::map<std::string, VtkHdfSeries> vtkhdf;  // by file
+  SurfaceAnimation animation;                  // of the snapshots, for USD and glTF
   std::vector<Film> films;                // empty unless the scene requests a video and ffmpeg is installed
   double video_begin = 0, video_end = 0;  // times of the first and the latest frame [s]
   Motion motion;                          // for the page
@@ -111,6 +113,8 @@ Status add_pressed_pictures(const std::vector<Pressed>& pressed, Outputs& output
 Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs);
 Status finish_meshes(Outputs& outputs);
 Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed, Outputs& outputs);
+/// mesh_outputs.cpp: surfaces of all snapshots in one file, as USD and glTF.
+Status finish_animation(Outputs& outputs);
 /// ct_outputs.cpp: the deformed CT in sections, volume rendering and files.
 Status finish_ct_outputs(const World& world, Outputs& outputs);
 

@@ -13,8 +13,7 @@ namespace turgor {
 
 namespace {
 
-constexpr Rgb kSkin{224, 172, 145}, kWall{166, 58, 50}, kCloth{92, 134, 176}, kObstacle{188, 180, 168},
-    kTool{176, 190, 204}, kArrow{250, 204, 70}, kInside{236, 214, 150}, kThread{38, 60, 130};
+constexpr Rgb kSkin{224, 172, 145}, kCloth{92, 134, 176}, kArrow{250, 204, 70};
 
 std::string newtons(double force) {
   return force < 0.1 ? fmt::format("{:.0f} mN", force * 1e3) : fmt::format("{:.2f} N", force);
@@ -69,14 +68,6 @@ constexpr OrganColor kOrgans[] = {
 /// Other bodies, in their order within a model.
 constexpr Rgb kBodies[] = {{158, 68, 56}, {204, 128, 114}, {128, 74, 108}, {190, 142, 88}, {112, 124, 62}};
 
-Rgb color_of(const BodySnapshot& body) {
-  if (body.look == Look::kSkin) return kSkin;
-  if (body.look == Look::kCloth) return kCloth;
-  for (const OrganColor& organ : kOrgans)
-    if (body.name.find(organ.word) != std::string::npos) return organ.color;
-  return kBodies[std::size_t(std::max(0, body.id.index)) % std::size(kBodies)];
-}
-
 /// Cloth is drawn in its own color if the world has tissue, whose displacements are millimeters.
 bool is_beside_tissue(const BodySnapshot& body, const WorldSnapshot& snapshot) {
   return body.look == Look::kCloth &&
@@ -85,6 +76,14 @@ bool is_beside_tissue(const BodySnapshot& body, const WorldSnapshot& snapshot) {
 }
 
 }  // namespace
+
+Rgb natural_color(const BodySnapshot& body) {
+  if (body.look == Look::kSkin) return kSkin;
+  if (body.look == Look::kCloth) return kCloth;
+  for (const OrganColor& organ : kOrgans)
+    if (body.name.find(organ.word) != std::string::npos) return organ.color;
+  return kBodies[std::size_t(std::max(0, body.id.index)) % std::size(kBodies)];
+}
 
 std::vector<float> shown_values(const BodySnapshot& body, SkinColor color) {
   const bool is_smooth = !body.smooth.triangles.empty();
@@ -116,18 +115,18 @@ void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale
     TriMesh walls = surface;
     walls.triangles.erase(walls.triangles.begin(), walls.triangles.begin() + split);
     surface.triangles.resize(body.wall_begin);
-    items.add(std::move(walls), kWall);
+    items.add(std::move(walls), kWallColor);
     items.items.back().closed = true;
   }
   if (body.look == Look::kCloth) surface = two_sided(std::move(surface));
-  const Rgb own = color_of(body);
+  const Rgb own = natural_color(body);
   items.add(std::move(surface), own, scale);
   items.items.back().closed = true;
   if (!scale) add_name(own, body.name, items.names);
   if (scale || body.inside.triangles.empty()) return;  // it would hide the colors above it
-  items.add(body.inside, kInside);
+  items.add(body.inside, kInsideColor);
   items.items.back().see_through = items.items.back().closed = true;
-  for (const std::string& name : body.inside_names) add_name(kInside, name, items.names);
+  for (const std::string& name : body.inside_names) add_name(kInsideColor, name, items.names);
 }
 
 TriMesh posed_mesh(const ToolSnapshot& tool) {
@@ -138,7 +137,7 @@ TriMesh posed_mesh(const ToolSnapshot& tool) {
 }
 
 void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureItems& items) {
-  add_arrow(tool, items.add(posed_mesh(tool), kTool), arrows, eye, items);
+  add_arrow(tool, items.add(posed_mesh(tool), kToolColor), arrows, eye, items);
 }
 
 void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
@@ -151,9 +150,9 @@ void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale*
     const BodySnapshot& body = body_snapshot(snapshot, tool.body);
     add_tool(tool, {body.typical_force, 0.2 * norm(body.box.high - body.box.low)}, eye, items);
   }
-  for (const TriMesh& obstacle : snapshot.obstacles) items.add(obstacle, kObstacle);
+  for (const TriMesh& obstacle : snapshot.obstacles) items.add(obstacle, kObstacleColor);
   for (const TriMesh& thread : snapshot.threads)
-    if (!thread.triangles.empty()) items.add(thread, kThread);
+    if (!thread.triangles.empty()) items.add(thread, kThreadColor);
 }
 
 std::vector<NameRow> shown_names(const PictureItems& items) {

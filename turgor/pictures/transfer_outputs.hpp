@@ -64,6 +64,21 @@ void transfer(File& file, VtkHdfProgress& progress) {
   transfer_all(file, fields, corners, steps, blocks, points, block_points, cells, block_cells, ids);
 }
 template <class File>
+void transfer(File& file, ShapeSample& sample) {
+  auto& [points, normals, triangulation] = sample;
+  transfer_all(file, points, normals, triangulation);
+}
+template <class File>
+void transfer(File& file, AnimatedSurface& surface) {
+  auto& [name, look, triangulations, samples] = surface;
+  transfer_all(file, name, look, triangulations, samples);
+}
+template <class File>
+void transfer(File& file, SurfaceAnimation& animation) {
+  auto& [frame_rate, times, surfaces] = animation;
+  transfer_all(file, frame_rate, times, surfaces);
+}
+template <class File>
 void transfer(File& file, MovingSurface& surface) {
   auto& [key, vertex, rest, triangles, wall_begin] = surface;
   transfer_all(file, key, vertex, rest, triangles, wall_begin);

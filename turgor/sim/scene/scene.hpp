@@ -72,7 +72,8 @@ struct OutputScene {
   bool meshes = true;                                    // .vtu and .pvd
   bool vtkhdf = false;                                   // the same in one file per body
   bool obj = true;
-  MeshSpace mesh_space;  // of meshes, vtkhdf and obj
+  bool usd = false, gltf = false;  // surfaces of all snapshots in one file each
+  MeshSpace mesh_space;            // of meshes, vtkhdf and obj
   bool recording = true;
   bool all_pictures = false;  // also whole bodies, color maps and sections of the whole CT
   bool frames = false;        // a picture of every view at every snapshot

@@ -203,6 +203,15 @@ void read_output(SceneTable output, Scene& scene) {
               "the final surface as OBJ, with the same vertex numbers; for touched bodies, the surface under "
               "the largest "
               "force");
+  output.read(
+      "usd", out.usd,
+      "surfaces of bodies, wounds and tools at every snapshot as USD, in one file `surfaces.usda`: see "
+      "[out-to-other-programs.md](out-to-other-programs.md)");
+  output.read("gltf", out.gltf, "the same as glTF 2.0, in one file `surfaces.glb`; at most 1000 snapshots");
+  if (const double snapshots_taken = scene.duration / out.every; out.gltf && snapshots_taken > 999)
+    output.fail("gltf", fmt::format("expected at most 1000 snapshots for glTF, found {:.0f}; raise "
+                                    "output.snapshots.every, or use usd",
+                                    snapshots_taken + 1));
   output.read_choice<bool>(
       "mesh_unit", out.mesh_space.is_mm, {{"m", false}, {"mm", true}},
       "unit of `meshes`, `vtkhdf` and `obj`: `\"m\"` or `\"mm\"`, which 3D Slicer expects. "

@@ -1,0 +1,87 @@
+#include "turgor/io/mesh/surface_animation.hpp"
+
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/folders.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+
+const TriMesh kTriangle{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}};
+
+SurfaceAnimation animation_of(std::size_t times) {
+  SurfaceAnimation animation{.frame_rate = 50, .times = {}, .surfaces = {{.name = "left lobe"}}};
+  for (std::size_t t = 0; t < times; t++) {
+    animation.times.push_back(0.02 * double(t));
+    add_sample(kTriangle, animation.surfaces[0]);
+  }
+  return animation;
+}
+
+std::string content_of(const fs::path& file) {
+  std::ostringstream out;
+  out << std::ifstream(file, std::ios::binary).rdbuf();
+  return out.str();
+}
+
+// A triangulation is stored again only when triangles or the number of points change.
+TEST(SurfaceAnimation, TrianglesAreStoredWhenTheyChange) {
+  AnimatedSurface surface;
+  TriMesh other = kTriangle;
+  other.triangles = {{0, 2, 1}};
+  TriMesh more = other;
+  more.vertices.push_back({0, 0, 1});
+  for (const TriMesh& mesh : {kTriangle, kTriangle, other, more, more}) add_sample(mesh, surface);
+  EXPECT_EQ(surface.triangulations.size(), 3u);
+  EXPECT_EQ(surface.samples[1].triangulation, 0u);
+  EXPECT_EQ(surface.samples[4].triangulation, 2u);
+}
+
+// Names are identifiers of USD and differ from each other.
+TEST(SurfaceAnimation, UsdNamesAreUniqueIdentifiers) {
+  SurfaceAnimation animation = animation_of(1);
+  for (const char* name : {"left_lobe", "3rd", "", "Materials"}) animation.surfaces.push_back({.name = name});
+  EXPECT_EQ(usd_names(animation),
+            (std::vector<std::string>{"left_lobe", "left_lobe_2", "_3rd", "_", "Materials_2"}));
+}
+
+// USD has frames as time codes, and numbers that read back the same.
+TEST(SurfaceAnimation, UsdTimeCodesAreFrames) {
+  const fs::path file = test::fresh_folder() / "a.usda";
+  SurfaceAnimation animation = animation_of(4);
+  animation.surfaces[0].samples[3].points[1].x = 0.1f;
+  ASSERT_TRUE(write_usda(file, animation));
+  const std::string text = content_of(file);
+  EXPECT_EQ(text.rfind("#usda 1.0\n", 0), 0u);
+  for (const char* line :
+       {"endTimeCode = 3\n", "timeCodesPerSecond = 50\n", "metersPerUnit = 1\n", "upAxis = \"Z\"",
+        "3: [(0, 0, 0), (0.1, 0, 0), (0, 1, 0)],", "displayName = \"left lobe\""})
+    EXPECT_NE(text.find(line), text.npos) << line;
+}
+
+// The lengths in a .glb agree with the file, and too many samples are refused without a file.
+TEST(SurfaceAnimation, GlbHasItsLengthAndLimit) {
+  const fs::path folder = test::fresh_folder(), file = folder / "a.glb";
+  ASSERT_TRUE(write_glb(file, animation_of(3)));
+  const std::string bytes = content_of(file);
+  std::uint32_t words[5];
+  ASSERT_GT(bytes.size(), sizeof words);
+  std::memcpy(words, bytes.data(), sizeof words);
+  EXPECT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(words[1], 2u);
+  EXPECT_EQ(words[2], bytes.size());
+  EXPECT_EQ(words[3] % 4, 0u);
+  const Status status = write_glb(folder / "b.glb", animation_of(kMostGltfSamples + 1));
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("expected at most 1000 snapshots"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "b.glb"));
+}
+
+}  // namespace
+}  // namespace turgor
