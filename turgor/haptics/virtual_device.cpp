@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "turgor/core/assert.hpp"
 #include "turgor/haptics/real_time.hpp"
 #include "turgor/haptics/rotation.hpp"
@@ -127,6 +129,7 @@ Status VirtualDevice::open() {
   open_ = true;
   time_ = 0;
   exchanges_ = 0;
+  stopped_ = 0;
   outputs_ = {};
   from_ = to_ = target(0);
   set_motion(from_.pose);
@@ -215,12 +218,20 @@ void VirtualDevice::turn(const DeviceOutput& output) {
 }
 
 void VirtualDevice::stop_at_walls() {
+  bool stops = false;
   for (int axis = 0; axis < 3; axis++) {
     double& x = pose_.position[axis];
     const double inside = std::clamp(x, arm_.workspace_low[axis], arm_.workspace_high[axis]);
-    if (inside != x) velocity_[axis] = 0;
+    if (inside != x) velocity_[axis] = 0, stops = true;
     x = inside;
   }
+  if (stops) stopped_ = stopped_ + step_;
+}
+
+std::string VirtualDevice::remarks() const {
+  const double stopped = stopped_;
+  return stopped > 0 ? fmt::format("the hand was at the end of the workspace for {:.3f} s", stopped)
+                     : std::string();
 }
 
 void VirtualDevice::read(DeviceInput& input) {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <functional>
 #include <vector>
 
@@ -80,6 +81,7 @@ class VirtualDevice final : public Device {
   const DeviceSpec& spec() const override { return spec_; }
   bool exchange(const DeviceOutput& output, DeviceInput& input) noexcept override;
   void close() noexcept override { open_ = false; }
+  std::string remarks() const override;
 
   /// Sets pose and velocity; for tests.
   void set_motion(const contact::Pose& pose, Vec3d velocity = {}, Vec3d angular_velocity = {});
@@ -121,6 +123,7 @@ class VirtualDevice final : public Device {
   std::array<DeviceOutput, kLongestDelay + 1> outputs_{};
   std::array<Sample, kLongestWindow + 1> samples_{};
   std::size_t exchanges_ = 0;
+  std::atomic<double> stopped_ = 0;  // time at the end of the workspace [s]
 };
 
 }  // namespace turgor::haptics

@@ -195,6 +195,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   append(facts.warnings, cloth_warnings(run.world));
   append(facts.warnings, overstretched(run.stretch));
   append(facts.warnings, touch_warnings(run.world));
+  append(facts.warnings, device_warnings(run.scene, run.world));
   append(facts.warnings, coupling_warnings(run.world));
   append(facts.warnings, force_error_warnings(run.world));
   append(facts.warnings, overpressed(run.world, done.measures.pressed));
@@ -221,7 +222,11 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
 Status begin_touch(const RunOptions& options, std::optional<HapticRecording> haptic, const fs::path& goal,
                    FolderRun& run) {
   if (options.live) {
-    Result<LiveRun> live = start_live(run.world, *options.live, run.scene.duration);
+    LiveOptions with_limits = *options.live;
+    for (const ToolScene& tool : run.scene.tools)
+      if (with_limits.tool.empty() ? &tool == &run.scene.tools[0] : tool.name == with_limits.tool)
+        with_limits.limits = tool.device;
+    Result<LiveRun> live = start_live(run.world, with_limits, run.scene.duration);
     if (!live) return live.error();
     run.live.emplace(std::move(*live));
     run.live->touch->begin_log(goal, run.scene);

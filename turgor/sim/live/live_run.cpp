@@ -1,11 +1,13 @@
 #include "turgor/sim/live/live_run.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/geometry/box.hpp"
+#include "turgor/haptics/device_presets.hpp"
 #include "turgor/haptics/virtual_device.hpp"
 
 namespace turgor {
@@ -30,14 +32,33 @@ Box box_of(const TouchingTool& tool) {
   return box_around(positions);
 }
 
-/// Virtual device whose workspace contains the tool's path, with a margin for deflections of the hand.
-std::unique_ptr<haptics::Device> virtual_hand(const TouchingTool& tool, haptics::Workspace& workspace) {
+/// Limits of a device for the hand that holds it. The virtual coupling renders at most its stiffness; its
+/// damping stays as far below the critical one, 2 √(K m), as that of the default coupling.
+void apply_limits(const haptics::DevicePreset& device, haptics::VirtualArm& arm, haptics::Hand& hand) {
+  arm.force = hand.safety.force = device.force;
+  if (device.radius > 0) {
+    arm.workspace_high = {device.radius, device.radius, device.radius};
+    arm.workspace_low = -arm.workspace_high;
+  }
+  haptics::Coupling coupling;
+  coupling.damping *= std::sqrt(device.stiffness / coupling.stiffness);
+  if (device.damping > 0) coupling.damping = std::min(coupling.damping, device.damping);
+  coupling.stiffness = device.stiffness;
+  hand.coupling = coupling;
+}
+
+/// Virtual device whose workspace contains the tool's path, with a margin for deflections of the hand, or
+/// with the limits of a device.
+std::unique_ptr<haptics::Device> virtual_hand(const TouchingTool& tool, const haptics::DevicePreset* limits,
+                                              haptics::Hand& hand) {
+  haptics::Workspace& workspace = hand.workspace;
   constexpr double kMargin = 0.03;  // [m]
   const Box box = box_of(tool);
   workspace.origin = (box.low + box.high) * 0.5;
   const Vec3d half = (box.high - box.low) * 0.5 + Vec3d{kMargin, kMargin, kMargin};
   haptics::VirtualArm arm;
   arm.workspace_low = min(arm.workspace_low, -half), arm.workspace_high = max(arm.workspace_high, half);
+  if (limits) apply_limits(*limits, arm, hand);
   auto trajectory = std::make_shared<TouchingTool>();  // copy, because frames move the world's tool
   trajectory->path = tool.path, trajectory->hand = tool.hand;
   const auto hand_target = [trajectory, origin = workspace.origin](double time) {
@@ -52,12 +73,13 @@ std::unique_ptr<haptics::Device> virtual_hand(const TouchingTool& tool, haptics:
 /// Opens the selected device. A physical device has the center of its workspace at the start of the tool's
 /// path.
 Result<std::unique_ptr<haptics::Device>> open_hand(const TouchingTool& tool, const LiveOptions& options,
-                                                   haptics::Workspace& workspace) {
+                                                   haptics::Hand& hand) {
   if (options.device != "virtual") {
-    workspace.origin = command_at(tool, 0).pose.position;
+    hand.workspace.origin = command_at(tool, 0).pose.position;
     return haptics::open_device(options.device, options.driver);
   }
-  std::unique_ptr<haptics::Device> device = virtual_hand(tool, workspace);
+  std::unique_ptr<haptics::Device> device =
+      virtual_hand(tool, haptics::find_device_preset(options.limits), hand);
   if (const Status status = device->open(); !status) return status.error();
   return device;
 }
@@ -71,16 +93,15 @@ Result<LiveRun> start_live(World& world, const LiveOptions& options, double dura
   // device
   LiveRun live;
   live.tool = world.tools[std::size_t(*tool)].name;
-  haptics::Workspace workspace;
-  Result<std::unique_ptr<haptics::Device>> device =
-      open_hand(world.tools[std::size_t(*tool)], options, workspace);
+  haptics::Hand hand;
+  Result<std::unique_ptr<haptics::Device>> device = open_hand(world.tools[std::size_t(*tool)], options, hand);
   if (!device) return device.error();
   live.device = std::move(*device);
 
   // tool
   std::vector<HeldTool> held(1);
   held[0].tool = *tool;
-  held[0].hand.device = live.device.get(), held[0].hand.workspace = workspace;
+  held[0].hand = hand, held[0].hand.device = live.device.get();
   LiveParams params;
   params.loop.rate = options.rate;
   // margin, because ticks continue while frames are late

@@ -16,6 +16,7 @@ struct LiveOptions {
   std::string device = "virtual";
   haptics::DeviceOptions driver;  // options of physical devices
   std::string tool;               // name of the tool in the device; empty: the first tool
+  std::string limits;             // preset of haptics/device_presets.hpp for the virtual device; empty: none
   double rate = 1000;             // rate of the haptic loop [Hz]
   double longest = 0;  // limit of the recorded time; 0: twice the scene's duration plus one minute [s]
 };

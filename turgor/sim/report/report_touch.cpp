@@ -8,7 +8,9 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/haptics/device_presets.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
+#include "turgor/sim/report/device_use.hpp"
 #include "turgor/sim/report/force_error.hpp"
 #include "turgor/sim/report/inclusion_marks.hpp"
 #include "turgor/sim/report/missed_body.hpp"
@@ -199,6 +201,8 @@ struct ToolInput {
   double depth = 0;     // [m]
   double inserted = 0;  // of a needle [m]
   bool beyond = false;
+  DeviceUse use;
+  const haptics::DevicePreset* device = nullptr;  // null: the scene names none
   std::optional<SurfacePassage> passage;
   std::vector<double>
       tick_seconds;  // without ticks that take a new patch, which belong to the patch's report
@@ -209,6 +213,7 @@ ToolInput tool_input(const ToolScene& scene, const TouchingTool& tool, const Wor
                   .tool = tool,
                   .world = world,
                   .most = {},
+                  .device = haptics::find_device_preset(scene.device),
                   .passage = surface_passage(world, tool),
                   .tick_seconds = {}};
   for (const ForceSample& s : tool.samples) {
@@ -219,6 +224,7 @@ ToolInput tool_input(const ToolScene& scene, const TouchingTool& tool, const Wor
     input.beyond = input.beyond || s.beyond_patch;
     if (!s.new_patch && s.tick_seconds > 0) input.tick_seconds.push_back(s.tick_seconds);
   }
+  input.use = device_use(tool.samples, input.device ? input.device->force : 0);
   return input;
 }
 
@@ -227,6 +233,17 @@ Json expected_force_error(const ToolInput& t) {
   if (!touched) return absent();
   const double error = sfem::expected_error(*touched);
   return error <= sfem::kForceUnknown ? Json(error) : Json();
+}
+
+/// Value of the haptic device that the scene names; absent without one, or if it is unknown (0).
+Json of_device(const ToolInput& t, double haptics::DevicePreset::*limit) {
+  return t.device && t.device->*limit > 0 ? Json(t.device->*limit) : absent();
+}
+
+/// True if forces, stiffness and reach are within all known limits.
+bool fits(const haptics::DevicePreset& device, const DeviceUse& use) {
+  return use.force <= device.force && use.stiffness <= device.stiffness &&
+         (device.radius == 0 || use.reach <= device.radius);
 }
 
 using T = ToolInput;
@@ -240,6 +257,21 @@ const Quantity<T> kTool[] = {
      kEverywhere, "largest force on {}"},
     {"force_max_at", kSeconds, "… at", [](const T& t) -> Json { return t.most.time; }, kEverywhere},
     {"force_error_expected", kPercent, "… expected discretization error", expected_force_error, kEverywhere},
+    {"stiffness_max", kTension, "largest stiffness, over a millimeter",
+     [](const T& t) -> Json { return t.use.stiffness; }},
+    {"reach", kMillimeters, "reach of the path to all sides", [](const T& t) -> Json { return t.use.reach; }},
+    {"device.name", kNone, "haptic device",
+     [](const T& t) { return t.device ? Json(t.device->name) : absent(); }, kEverywhere},
+    {"device.force", kNewtons, "… its largest force",
+     [](const T& t) { return of_device(t, &haptics::DevicePreset::force); }},
+    {"device.stiffness", kTension, "… its largest stiffness",
+     [](const T& t) { return of_device(t, &haptics::DevicePreset::stiffness); }},
+    {"device.workspace", kMillimeters, "… radius of its workspace",
+     [](const T& t) { return of_device(t, &haptics::DevicePreset::radius); }},
+    {"device.saturated", kCount, "… forces beyond its largest",
+     [](const T& t) { return t.device ? Json(t.use.saturated) : absent(); }},
+    {"device.fits", kNone, "… renders this run unchanged",
+     [](const T& t) { return t.device ? Json(fits(*t.device, t.use)) : absent(); }, kEverywhere},
     {"depth_max", kMillimeters, "deepest below the surface at rest",
      [](const T& t) -> Json { return t.depth; }, kEverywhere, "deepest press of {}"},
     {"contacts_max", kCount, "contact sites, most", [](const T& t) -> Json { return t.contacts; }},
@@ -346,6 +378,29 @@ Section tool_section() {
 Section sfem_section() {
   return {"Bodies of finite elements", "body",
           [](const Json& report) { return bodies_of(report, BodyKind::kSfem); }, captions_of(kSfem)};
+}
+
+std::vector<std::string> device_warnings(const Scene& scene, const World& world) {
+  std::vector<std::string> warnings;
+  for (std::size_t t = 0; t < scene.tools.size(); t++) {
+    const haptics::DevicePreset* device = haptics::find_device_preset(scene.tools[t].device);
+    if (!device) continue;
+    const DeviceUse use = device_use(world.tools[t].samples, device->force);
+    const std::string begin = fmt::format("{}: a {} ", scene.tools[t].name, device->title);
+    if (use.force > device->force)
+      warnings.push_back(
+          fmt::format("{}reaches {:g} N and would cut off the force, which is up to {:.3g} N "
+                      "and above that in {} of {} ticks",
+                      begin, device->force, use.force, use.saturated, world.tools[t].samples.size()));
+    if (use.stiffness > device->stiffness)
+      warnings.push_back(
+          fmt::format("{}renders up to {:g} N/m, and the tool feels up to {:.3g} N/m: it would feel softer",
+                      begin, device->stiffness, use.stiffness));
+    if (device->radius > 0 && use.reach > device->radius)
+      warnings.push_back(fmt::format("{}reaches {:g} mm to all sides, and the tool moves {:.3g} mm", begin,
+                                     device->radius * kMm, use.reach * kMm));
+  }
+  return warnings;
 }
 
 std::vector<std::string> touch_warnings(const World& world) {

@@ -8,6 +8,8 @@ namespace turgor {
 Json report_body(const ReportInput& input, const SfemScene& scene, const SfemBody& body, BodyId id);
 Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& world);
 
+/// Warnings about limits of the haptic devices that the scene names.
+std::vector<std::string> device_warnings(const Scene& scene, const World& world);
 /// Warnings about the reliability of forces.
 std::vector<std::string> touch_warnings(const World& world);
 

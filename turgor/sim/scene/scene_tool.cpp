@@ -1,5 +1,6 @@
 #include "turgor/sim/scene/scene_tool.hpp"
 
+#include "turgor/haptics/device_presets.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/tools/tool_path.hpp"
 
@@ -243,6 +244,17 @@ ToolMotion read_motion(SceneTable& tool) {
   return file;
 }
 
+/// Haptic device of the hand that holds the tool.
+void read_device(SceneTable& tool, std::string& device) {
+  std::vector<std::string> names;
+  for (const haptics::DevicePreset& preset : haptics::device_presets()) names.emplace_back(preset.name);
+  static const std::string meaning = fmt::format(
+      "haptic device whose limits of force, stiffness and workspace apply to the simulated hand of "
+      "`--real-time`, and which the report compares with the tool's forces: `\"{}\"`",
+      fmt::join(names, "\"`, `\""));
+  tool.read_choice("device", device, names, {meaning.c_str(), "none"});
+}
+
 }  // namespace
 
 std::string why_untouched(const ClothScene& cloth) {
@@ -271,6 +283,7 @@ ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene&
   tool.read("friction", made.friction, within(0, 10),
             "Coulomb friction coefficient; rhombus chains have no friction");
   made.motion = read_motion(tool);
+  read_device(tool, made.device);
   tool.finish();
   return made;
 }

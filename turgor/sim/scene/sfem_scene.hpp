@@ -197,6 +197,7 @@ struct ToolScene {
   ToolShape shape;
   double friction = 0.3;  // [1]
   ToolMotion motion;
+  std::string device;  // preset of a haptic device whose limits apply; empty: none
 };
 
 }  // namespace turgor
