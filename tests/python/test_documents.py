@@ -9,10 +9,12 @@ import shlex
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy
 import turgor
 from scenes import PROGRAM
+from test_ros2 import LOOPBACK
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = "docs/out-to-other-programs.md"
@@ -47,7 +49,8 @@ class Documents(unittest.TestCase):
             if getattr(module, "pyigtl", True) is None or getattr(module, "cyclonedds", True) is None:
                 self.skipTest(f"a library of {name} is not installed")
             alone = ["--port", "0"] if name.endswith("openigtlink") else ["--domain", "199"]
-            with contextlib.chdir(ROOT), contextlib.redirect_stdout(io.StringIO()) as printed:
+            on_loopback = unittest.mock.patch.dict(os.environ, CYCLONEDDS_URI=LOOPBACK)
+            with on_loopback, contextlib.chdir(ROOT), contextlib.redirect_stdout(io.StringIO()) as printed:
                 ended = module.main([*shlex.split(arguments), "--seconds", "0.05", "--set", COARSE, *alone])
             self.assertEqual(ended, 0)
             self.assertIn("50 ticks", printed.getvalue())
