@@ -161,11 +161,11 @@ void print_cut(const std::string& name, const fs::path& scene, int& misses) {
     fmt::print("{:<26} the cut could not be made\n", name);
     return;
   }
-  fmt::print("{:<26} {} {} {} {} {}   {:>6} of {}\n", name, against(f->during.pace, kCut, misses),
-             against(f->after.pace, kAfter, misses),
+  fmt::print("{:<26} {} {} {} {} {}   {:>6} of {}; opened {:.1f} mm\n", name,
+             against(f->during.pace, kCut, misses), against(f->after.pace, kAfter, misses),
              against(f->open > 0 ? f->open_2s / f->open : 0, kOpenShare, misses),
              against(f->during.pictures, kPictures, misses), against(f->after.pictures, kPictures, misses),
-             f->missed, f->ticks + f->missed);
+             f->missed, f->ticks + f->missed, f->open);
   std::fflush(stdout);
 }
 
