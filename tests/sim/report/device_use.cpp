@@ -24,12 +24,12 @@ TouchLog pressed_spring() {
 
 // A spring has its stiffness, its largest force and half of its path's longest side.
 TEST(DeviceUse, SpringHasItsStiffness) {
-  const DeviceUse use = device_use(pressed_spring(), 2.8);
+  const DeviceUse use = device_use(pressed_spring(), 2.79);
   EXPECT_NEAR(use.stiffness, 700, 1e-6);
   EXPECT_NEAR(use.force, 3.5, 1e-9);
   EXPECT_NEAR(use.reach, 0.5 * 0.005 * 2 / 3, 1e-9);
-  // 2.8 N are reached at 4 mm, 80 % of the way
-  EXPECT_NEAR(double(use.saturated), 39, 1);
+  // 2.79 N are reached at 3.986 mm, between ticks 79 and 80 of 100, and left between 120 and 121
+  EXPECT_EQ(use.saturated, 41u);
 }
 
 // A drop of the force is not a stiffness, and a resting tool has none.
