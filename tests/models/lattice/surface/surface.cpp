@@ -279,6 +279,39 @@ TEST(LatticeSurface, OpenCutHasLipsAndWalls) {
   for (const double area : side) EXPECT_NEAR(area / (depth * length), 1, 0.25);
 }
 
+// The lips of a cut that ends in tissue meet at its ends, and keep nine tenths of their gape two cells away
+// from them.
+TEST(LatticeSurface, LipsMeetAtEndsOfCut) {
+  const Model model = body_of(slab_ct(), {4, 4, 4});
+  const double at = 0.0323, gape = 0.002, step = 0.004;
+  State state = make_state(model);
+  cut_across_y(model, state, at, [](Vec3d p) { return p.z > 0.012 && std::abs(p.x - 0.032) < 0.013; });
+  move(model, state, [&](Vec3d p) { return Vec3d{0, p.y >= at ? gape : 0, 0}; });
+  BodySurface surface = build_surface(model, state.cuts);
+  double first = 1, last = 0;
+  for (Lip& lip : surface.lips) {
+    lip.along = surface.rest[std::size_t(lip.left)].x;
+    first = std::min(first, double(lip.along)), last = std::max(last, double(lip.along));
+  }
+  const TriMesh mesh = deformed_surface(model, state, surface, Shown::kNothing);
+  EXPECT_EQ(open_edges(surface, embedding_key(surface)), 0);
+  long ends = 0, inner = 0;
+  for (const Lip& lip : surface.lips) {
+    const double gap = norm(mesh.vertices[std::size_t(lip.left)] - mesh.vertices[std::size_t(lip.right)]);
+    const double inside = std::min(double(lip.along) - first, last - double(lip.along));
+    if (inside < 0.02 * step) {
+      ends++;
+      EXPECT_LT(gap, 0.05 * gape);
+    }
+    if (inside > 2.05 * step) {
+      inner++;
+      EXPECT_NEAR(gap, gape, 0.1 * gape);
+    }
+  }
+  EXPECT_GE(ends, 2);
+  EXPECT_GT(inner, 5);
+}
+
 // Two separated halves have closed surfaces.
 TEST(LatticeSurface, SeparatedHalvesAreClosed) {
   const double radius = 30;

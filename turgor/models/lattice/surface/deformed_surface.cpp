@@ -1,6 +1,7 @@
 // Deformation of the drawn surface: every vertex is embedded in its fragment.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -53,6 +54,79 @@ std::vector<Vec3> displacements(const Exec& exec, const Model& model, const Stat
     });
   });
   return result;
+}
+
+/// End of a drawn cut, where no other cut meets it.
+struct CutEnd {
+  Vec3 position, back;      // at rest, lattice frame [m]; unit, along the skin from the end into the cut
+  int left = 0, right = 0;  // vertices of the last lip
+};
+
+/// Lip of one incision at an end of it, and the lip that lies a step further inside.
+std::optional<CutEnd> cut_end(const BodySurface& surface, int incision, bool at_begin, Real step) {
+  const auto position = [&](const Lip* lip) { return surface.rest[std::size_t(lip->left)]; };
+  const Real sign = at_begin ? Real(1) : Real(-1);
+  const Lip *end = nullptr, *inner = nullptr;
+  for (const Lip& lip : surface.lips)
+    if (lip.incision == incision && (!end || sign * lip.along < sign * end->along)) end = &lip;
+  if (!end) return {};
+  for (const Lip& lip : surface.lips)
+    if (lip.incision == incision && sign * (lip.along - end->along) > step &&
+        (!inner || sign * lip.along < sign * inner->along))
+      inner = &lip;
+  if (!inner) return {};
+  for (const Lip& lip : surface.lips)
+    if (lip.incision != incision && norm(position(&lip) - position(end)) < 2 * step) return {};
+  const Vec3 back = position(inner) - position(end);
+  if (!(norm(back) > 0)) return {};
+  return CutEnd{position(end), normalized(back), end->left, end->right};
+}
+
+/// Moves vertices that coincided at rest to their mean at the end of a cut, and less within a step of it. The
+/// lips then meet in a point; cells open as a whole, so that they would end in an edge. Ends that gape wider
+/// than a step, and ends at which a cut leaves the body, stay open.
+void close_end(const BodySurface& surface, const CutEnd& end, Real step, std::vector<Vec3>& x) {
+  const Real gape = norm(x[std::size_t(end.left)] - x[std::size_t(end.right)]) / step;
+  const Real strength = std::min(Real(1), 2 - 2 * gape);
+  if (!(strength > 0)) return;
+  // vertices near the end
+  std::vector<std::size_t> near;
+  bool has_tissue_beyond = false;
+  for (std::size_t v = 0; v < x.size(); v++) {
+    const Vec3 away = surface.rest[v] - end.position;
+    if (norm(away) > 3 * step) continue;
+    const Real inside = dot(away, end.back);
+    const bool is_cut = surface.embedding[v].fragment >= 0;
+    has_tissue_beyond |= !is_cut && inside < -step / 4;
+    if (is_cut && inside < step && inside > -step) near.push_back(v);
+  }
+  if (!has_tissue_beyond) return;
+  // groups of vertices with one rest position
+  const Real same = Real(1e-3) * step;
+  std::vector<std::uint8_t> is_done(near.size());
+  for (std::size_t a = 0; a < near.size(); a++) {
+    if (is_done[a]) continue;
+    const Vec3 rest = surface.rest[near[a]];
+    std::vector<std::size_t> group;
+    Vec3 sum;
+    for (std::size_t b = a; b < near.size(); b++)
+      if (!is_done[b] && norm(surface.rest[near[b]] - rest) < same)
+        is_done[b] = 1, group.push_back(near[b]), sum += x[near[b]];
+    const Vec3 mean = sum / Real(group.size());
+    const Real inside = std::max(Real(0), dot(rest - end.position, end.back)) / step;  // 0 at the end, 1
+    for (const std::size_t v : group) x[v] = mean + (x[v] - mean) * (1 - strength * (1 - inside));
+  }
+}
+
+/// Closes both ends of every cut.
+void close_ends(const BodySurface& surface, Real step, std::vector<Vec3>& x) {
+  std::vector<int> incisions;
+  for (const Lip& lip : surface.lips) incisions.push_back(lip.incision);
+  sort_unique(incisions);
+  for (const int incision : incisions)
+    for (const bool at_begin : {true, false})
+      if (const std::optional<CutEnd> end = cut_end(surface, incision, at_begin, step))
+        close_end(surface, *end, step, x);
 }
 
 Vec3 area_vector(const std::vector<Vec3>& x, Int3 t) {
@@ -150,6 +224,7 @@ TriMesh deformed_surface(const Model& model, const State& state, const BodySurfa
   // normals and scalars
   const Real step = std::min(
       {model.anatomy.lattice.spacing.x, model.anatomy.lattice.spacing.y, model.anatomy.lattice.spacing.z});
+  close_ends(surface, step, x);
   const std::vector<Vec3> areas = area_vectors(exec, surface, x);
   TriMesh mesh{.vertices = {},
                .triangles = surface.triangles,
