@@ -136,8 +136,8 @@ double fraction_of(const Model& model, const Cuts& cuts, const Fragments& fragme
     return cut == nullptr ||
            fragments.label[cut->first_sub_index + std::size_t(sub_index(f, p))] == id.second;
   };
-  // part of the edge from p to q that is in the fragment and in the tissue
-  const auto part = [&](Int3 p, Int3 q) {
+  // share of the edge from p to q that is in the fragment and in the tissue
+  const auto share_of_edge = [&](Int3 p, Int3 q) {
     double from = 0, to = 1;
     if (!has(p) && !has(q)) return 0.0;
     if (has(p) != has(q)) {
@@ -160,7 +160,7 @@ double fraction_of(const Model& model, const Cuts& cuts, const Fragments& fragme
       double weight = 1;
       for (int side = 0; side < 3; side++)
         if (side != axis && (p[side] == 0 || p[side] == f.subdivisions[side])) weight *= 0.5;
-      length += weight * part(p, p + step);
+      length += weight * share_of_edge(p, p + step);
     });
     sum += length / (f.subdivisions.x * f.subdivisions.y * f.subdivisions.z);
   }
