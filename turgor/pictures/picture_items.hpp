@@ -16,7 +16,7 @@ namespace turgor {
 /// Natural colors.
 constexpr Rgb kWallColor{166, 58, 50}, kToolColor{176, 190, 204}, kInsideColor{236, 214, 150},
     kThreadColor{38, 60, 130}, kObstacleColor{188, 180, 168};
-/// Color of a body by its look; of an organ by its name, or by its place among the bodies of its model.
+/// Color of a body by its look; of an organ by its name, or by its index among the bodies of its model.
 Rgb natural_color(const BodySnapshot& body);
 
 /// Text beside a position.
