@@ -41,7 +41,7 @@ const char* const kStitches =
 
 // The report states the piece and its wound; stitches close the wound.
 TEST(Excision, ReportStatesPieceAndClosure) {
-  const Scene scene = excised_scene(test::fresh_folder(), kStitches, 1.8, {"body.block.block=1"});
+  const Scene scene = excised_scene(test::fresh_folder(), kStitches, 3.0, {"body.block.block=1"});
   World world = test::block_world(Exec(1), scene);
   const Result<Simulated> run = simulate(Exec(1), scene, world);
   ASSERT_TRUE(run) << run.error().message;
