@@ -1,6 +1,6 @@
 // Pace of a window while a cut is drawn by hand, and in ordinary scenes, against the goals of the project on
 // two cores with software rendering. One command, at most five minutes on a quiet machine:
-//   xvfb-run -a build/release/benches/bench_live_goals [CT]
+//   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/benches/bench_live_goals [CT]
 // `CT` is a patient's CT (a file or a DICOM folder); without it that row is missing. The program returns 1 if
 // a goal is missed.
 #include <algorithm>
