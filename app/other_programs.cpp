@@ -44,8 +44,9 @@ void start_other_program(int argc, char** argv) {
     std::error_code failed;
     const auto file = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path() / other.file;
     execv(file.c_str(), argv);  // returns only after an error
-    const std::string reason = errno == ENOENT ? "is not built; build its target " + std::string(other.target)
-                                               : "cannot be started: " + std::string(std::strerror(errno));
+    const std::string reason =
+        errno == ENOENT ? "is not built; build it by: scripts/build release " + std::string(other.target)
+                        : "cannot be started: " + std::string(std::strerror(errno));
     throw Failure{2, std::string(word) + ": " + file.string() + " " + reason};
   }
 }

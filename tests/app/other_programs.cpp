@@ -30,7 +30,8 @@ TEST(OtherPrograms, CommandsReachThem) {
 TEST(OtherPrograms, MissingOneIsNamed) {
   const Ended ended = run_alone("validate lattice --quick");
   EXPECT_EQ(ended.code, 2);
-  EXPECT_NE(ended.printed.find("turgor-bench is not built; build its target turgor_bench_program"),
+  EXPECT_NE(ended.printed.find(
+                "turgor-bench is not built; build it by: scripts/build release turgor_bench_program"),
             std::string::npos)
       << ended.printed;
   EXPECT_EQ(run_alone("tissues").code, 0);
