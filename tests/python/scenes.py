@@ -15,37 +15,22 @@ def scene(duration, text, every=0.1):
             f"[output]\nvideo = false\nsnapshots = {{ every = {every}, size = [160, 120] }}\n")
 
 
-FORCEPS = scene(0.4, """
-[body.liver]
-model = "rhombus"
-surface = { phantom = "liver", detail = 0.3 }
-[tool.forceps]
-body = "liver"
-shape = { forceps = "phantom" }
-grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.004, pull = 0.006, start = 0, duration = 0.1 }
-""", every=0.2)
-PAD = scene(0.2, """
-[body.pad]
+# Bodies, and the cut of the last one.
+PAD_BODY = """[body.pad]
 model = "sfem"
 block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
 fixed = "bottom"
 young = 5e3
 poisson = 0.4
 cache = false
-[tool.finger]
-body = "pad"
-shape = { sphere = 0.006 }
-path = [[0, 0.03, 0.03, 0.05]]
-""")
-CLOTH = scene(0.2, """gravity = [0, 0, -9.81]
-[body.sheet]
+"""
+SHEET_BODY = """[body.sheet]
 model = "cloth"
 sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0.2, 0], columns = 12, rows = 12 }
 [body.sheet.hold.edge]
 box = [[-1, 0.19, -1], [1, 1, 1]]
-""")
-TORSO = scene(0.2, """
-[body.torso]
+"""
+CUT_TORSO = """[body.torso]
 model = "lattice"
 ct = { phantom = "torso", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }
 block = 2
@@ -57,7 +42,23 @@ to_fraction = [0.5, 0.0, 0.3]
 depth = 0.02
 start = 0.02
 duration = 0.05
+"""
+FORCEPS = scene(0.4, """
+[body.liver]
+model = "rhombus"
+surface = { phantom = "liver", detail = 0.3 }
+[tool.forceps]
+body = "liver"
+shape = { forceps = "phantom" }
+grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.004, pull = 0.006, start = 0, duration = 0.1 }
+""", every=0.2)
+PAD = scene(0.2, "\n" + PAD_BODY + """[tool.finger]
+body = "pad"
+shape = { sphere = 0.006 }
+path = [[0, 0.03, 0.03, 0.05]]
 """)
+CLOTH = scene(0.2, "gravity = [0, 0, -9.81]\n" + SHEET_BODY)
+TORSO = scene(0.2, "\n" + CUT_TORSO)
 
 
 def hash_of_program(text, *arguments):

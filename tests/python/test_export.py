@@ -12,7 +12,7 @@ import unittest
 import numpy as np
 
 import turgor
-from scenes import CLOTH, PROGRAM
+from scenes import CLOTH, CUT_TORSO, PAD_BODY, PROGRAM, SHEET_BODY
 
 try:
     from pxr import Gf, Usd, UsdGeom, UsdShade
@@ -28,35 +28,11 @@ SCENE = """[world]
 duration = 0.2
 frame_rate = 50
 gravity = [0, 0, -9.81]
-[body.sheet]
-model = "cloth"
-sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0.2, 0], columns = 12, rows = 12 }
-[body.sheet.hold.edge]
-box = [[-1, 0.19, -1], [1, 1, 1]]
-[body.pad]
-model = "sfem"
-block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
-fixed = "bottom"
-young = 5e3
-poisson = 0.4
-cache = false
-[tool.finger]
+""" + SHEET_BODY + PAD_BODY + """[tool.finger]
 body = "pad"
 shape = { sphere = 0.006 }
 path = [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.033], [0.2, 0.03, 0.03, 0.05]]
-[body.torso]
-model = "lattice"
-ct = { phantom = "torso", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }
-block = 2
-fixed = ["bone", "ends"]
-[incision.midline]
-body = "torso"
-from_fraction = [0.5, 0.0, 0.7]
-to_fraction = [0.5, 0.0, 0.3]
-depth = 0.02
-start = 0.02
-duration = 0.05
-[output]
+""" + CUT_TORSO + """[output]
 video = false
 obj = false
 meshes = false
