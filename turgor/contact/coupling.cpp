@@ -64,7 +64,7 @@ std::array<double, 9> block_between(std::span<const CoupledBody> bodies, const C
 }
 
 /// The whole system: all ties that are not broken, then all sites.
-struct System {
+struct CoupledSystem {
   std::vector<std::size_t> tie;    // index of each tie
   std::size_t count = 0;           // ties and sites
   std::vector<double> compliance;  // C, 3·count square, column-major, lower blocks [m/N]
@@ -72,7 +72,7 @@ struct System {
   double softness = 0;             // own compliance of every site [m/N]
 };
 
-double mean_diagonal(const System& system, std::size_t s) {
+double mean_diagonal(const CoupledSystem& system, std::size_t s) {
   const std::size_t n = 3 * system.count;
   double sum = 0;
   for (std::size_t axis = 0; axis < 3; axis++) sum += system.compliance[(3 * s + axis) * (n + 1)];
@@ -90,9 +90,9 @@ Vec3d free_separation(std::span<const CoupledBody> bodies, const PairSite& site)
   return slip - dot(slip, n) * n + distance * n;
 }
 
-System make_system(const Exec& exec, std::span<const CoupledBody> bodies, std::span<const Tie> ties,
-                   std::span<const PairSite> sites) {
-  System system;
+CoupledSystem make_system(const Exec& exec, std::span<const CoupledBody> bodies, std::span<const Tie> ties,
+                          std::span<const PairSite> sites) {
+  CoupledSystem system;
   std::vector<Carriers> carriers;
   // ties, then sites
   for (std::size_t t = 0; t < ties.size(); t++) {
@@ -139,7 +139,8 @@ struct Loaded {
 };
 
 /// d and separations under forces.
-std::vector<Vec3d> stretched(const Exec& exec, const System& system, const std::vector<Vec3d>& forces) {
+std::vector<Vec3d> stretched(const Exec& exec, const CoupledSystem& system,
+                             const std::vector<Vec3d>& forces) {
   const std::size_t n = 3 * system.count;
   std::vector<Vec3d> stretch(system.count);
   parallel_for(
@@ -178,7 +179,7 @@ TautTie linearized(const Tie& tie, Vec3d free, Vec3d stretch) {
 }
 
 /// Ties that are taut, then all sites.
-std::vector<std::size_t> taut_and_sites(const System& system, std::span<const Tie> ties,
+std::vector<std::size_t> taut_and_sites(const CoupledSystem& system, std::span<const Tie> ties,
                                         const Loaded& loaded) {
   constexpr double kTaut = 1 + 1e-9;  // a tie at its slack has no stiffness across it
   std::vector<std::size_t> used;
@@ -190,7 +191,7 @@ std::vector<std::size_t> taut_and_sites(const System& system, std::span<const Ti
 }
 
 /// Copies these rows into a contact problem; ties are held sites.
-void fill_problem(const System& system, std::span<const Tie> ties, std::span<const PairSite> sites,
+void fill_problem(const CoupledSystem& system, std::span<const Tie> ties, std::span<const PairSite> sites,
                   const Loaded& loaded, const std::vector<std::size_t>& used, FrictionalContactProblem& p) {
   const std::size_t n = 3 * system.count;
   p.count = int(used.size()), p.held = 0;
@@ -232,7 +233,7 @@ Loaded between(const Loaded& from, const Loaded& to, double length) {
 }
 
 /// Sum of the squared differences between forces and law [N²].
-double squared_error(const System& system, std::span<const Tie> ties, const Loaded& loaded) {
+double squared_error(const CoupledSystem& system, std::span<const Tie> ties, const Loaded& loaded) {
   double sum = 0;
   for (std::size_t s = 0; s < system.tie.size(); s++) {
     const Vec3d error = loaded.force[s] - law(ties[system.tie[s]], loaded.stretch[s]);
@@ -242,7 +243,7 @@ double squared_error(const System& system, std::span<const Tie> ties, const Load
 }
 
 /// State after a Newton step that is halved until the ties follow their law better.
-Loaded shortened_step(const System& system, std::span<const Tie> ties, const Loaded& from, Loaded to,
+Loaded shortened_step(const CoupledSystem& system, std::span<const Tie> ties, const Loaded& from, Loaded to,
                       double& length) {
   constexpr double kShortest = 1.0 / 32;
   const double before = squared_error(system, ties, from);
@@ -253,7 +254,7 @@ Loaded shortened_step(const System& system, std::span<const Tie> ties, const Loa
 }
 
 /// Largest violation of the ties' law, relative to the largest force.
-double law_error(const System& system, std::span<const Tie> ties, const Loaded& loaded) {
+double law_error(const CoupledSystem& system, std::span<const Tie> ties, const Loaded& loaded) {
   double error = 0, largest = 0;
   for (std::size_t s = 0; s < system.tie.size(); s++) {
     error = std::max(error, norm(loaded.force[s] - law(ties[system.tie[s]], loaded.stretch[s])));
@@ -264,7 +265,7 @@ double law_error(const System& system, std::span<const Tie> ties, const Loaded& 
 
 /// Newton steps on the stretches of the ties, each with a solution of the contact problem, shortened so that
 /// the ties follow their law better. Ties without slack need one step.
-bool solve_set(const Exec& exec, const System& system, std::span<Tie> ties, std::span<PairSite> sites,
+bool solve_set(const Exec& exec, const CoupledSystem& system, std::span<Tie> ties, std::span<PairSite> sites,
                FrictionalContactProblem& problem, int& solves) {
   // start from the present forces
   Loaded now;
@@ -336,7 +337,7 @@ CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bod
   CouplingReport report;
   FrictionalContactProblem problem = make_frictional_contact_problem(int(ties.size() + sites.size()));
   for (;;) {
-    const System system = make_system(exec, bodies, ties, sites);
+    const CoupledSystem system = make_system(exec, bodies, ties, sites);
     report.converged = solve_set(exec, system, ties, sites, problem, report.solves);
     if (report.broken == kMostBreaks || !break_one(ties)) break;
     report.broken++;

@@ -10,7 +10,7 @@ namespace turgor {
 
 namespace {
 
-struct Sums {
+struct LabelSums {
   std::int64_t voxels = 0, i = 0, j = 0, k = 0, hu = 0;
 };
 
@@ -19,21 +19,21 @@ struct Sums {
 std::vector<LabelMeasure> measure_labels(const LabelVolume& labels, const CtVolume* ct) {
   TURGOR_ASSERT(!ct || ct->samples.size() == labels.samples.size(), "labels and CT have one grid");
   // sums by label
-  std::vector<Sums> sums(65536);
+  std::vector<LabelSums> sums(65536);
   std::size_t at = 0;
   const Int3 size = labels.grid.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++, at++) {
         if (labels.samples[at] == 0) continue;
-        Sums& s = sums[labels.samples[at]];
+        LabelSums& s = sums[labels.samples[at]];
         s.voxels++, s.i += i, s.j += j, s.k += k;
         if (ct) s.hu += ct->samples[at];
       }
   // means of the labels that occur
   std::vector<LabelMeasure> measures;
   for (int label = 1; label < 65536; label++) {
-    const Sums& s = sums[std::size_t(label)];
+    const LabelSums& s = sums[std::size_t(label)];
     if (s.voxels == 0) continue;
     const double n = double(s.voxels);
     measures.push_back(

@@ -5,8 +5,6 @@ namespace turgor::phantom {
 
 namespace {
 
-constexpr float kEndless = 1e4f;
-
 /// Cranium, face, jaw, neck, nose and ears, blended into one surface.
 float head_distance(Vec3 p) {
   const auto ellipsoid = [&](Vec3 c, Vec3 r) { return ellipsoid_distance(p - c, r); };

@@ -50,7 +50,6 @@ void paint_bone_capsule(Anatomy& anatomy, Vec3 a, Vec3 b, float radius, float co
 }
 
 void paint_table(Anatomy& anatomy, float top, float half_width) {
-  constexpr float kEndless = 1e4f;
   const auto slab = [=](float inset) {
     return [=](float y, float) {
       return [=](float x) {

@@ -21,6 +21,7 @@ struct Row {
 };
 
 constexpr std::uint16_t kKeepLabel = 65535;
+constexpr float kEndless = 1e4f;  // [mm] longer than any volume
 
 /// A density from `inset` below a surface inwards.
 struct Layer {

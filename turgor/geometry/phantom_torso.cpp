@@ -6,8 +6,6 @@ namespace turgor::phantom {
 
 namespace {
 
-constexpr float kEndless = 1e4f;
-
 /// Outline of the trunk and derived shapes.
 struct Trunk {
   Profile half_width{{-150, 168}, {-95, 163}, {-35, 146}, {40, 152}, {110, 162}, {160, 158}};

@@ -10,14 +10,14 @@ namespace turgor {
 
 namespace {
 
-using Corners = std::array<int, 8>;  // sorted; unused entries are -1
+using SortedCorners = std::array<int, 8>;  // sorted; unused entries are -1
 
 }  // namespace
 
 std::vector<RepeatedElement> repeated_elements(const SolidMesh& mesh) {
   const std::vector<int> first = first_coincident(mesh.vertices);
   const std::size_t corners = mesh.corners == 8 ? 8 : 4;  // the midside nodes follow from the corners
-  std::vector<Corners> keys(element_count(mesh));
+  std::vector<SortedCorners> keys(element_count(mesh));
   for (std::size_t e = 0; e < keys.size(); e++) {
     keys[e].fill(-1);
     for (std::size_t c = 0; c < corners; c++) keys[e][c] = first[std::size_t(element(mesh, e)[c])];

@@ -14,7 +14,7 @@ int find_in(const std::uint8_t* row, int at, int end, int value) {
 }
 
 /// Representative run of a component (its first run).
-int root_of(std::vector<CellRun>& runs, int run) {
+int root_of_run(std::vector<CellRun>& runs, int run) {
   while (runs[std::size_t(run)].component != run) {
     int& parent = runs[std::size_t(run)].component;
     parent = runs[std::size_t(parent)].component;
@@ -28,7 +28,7 @@ void join_rows(std::vector<CellRun>& runs, int a, int a_end, int b, int b_end) {
   while (a < a_end && b < b_end) {
     const CellRun &first = runs[std::size_t(a)], &second = runs[std::size_t(b)];
     if (first.begin < second.end && second.begin < first.end) {
-      const int root_a = root_of(runs, a), root_b = root_of(runs, b);
+      const int root_a = root_of_run(runs, a), root_b = root_of_run(runs, b);
       runs[std::size_t(std::max(root_a, root_b))].component = std::min(root_a, root_b);
     }
     if (first.end < second.end)
@@ -83,7 +83,7 @@ RowComponents row_components(const std::vector<std::uint8_t>& mask, Int3 size) {
       if (k > 0) join(row - size.y, row);
     }
   for (int r = 0; r < int(found.runs.size()); r++)
-    found.runs[std::size_t(r)].component = root_of(found.runs, r);
+    found.runs[std::size_t(r)].component = root_of_run(found.runs, r);
   number_components(found);
   return found;
 }
