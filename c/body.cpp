@@ -1,4 +1,5 @@
 // Bodies and tools by index, and copies of surfaces to the caller's buffers.
+#include "c/buffer.hpp"
 #include "c/sized.hpp"
 #include "c/world.hpp"
 
@@ -39,14 +40,6 @@ const BodySnapshot& current_snapshot(tg_world& world, std::int32_t index) {
 std::uint64_t topology_of(const tg_world& world, BodyId id) {
   if (id.kind != BodyKind::kLattice) return 0;
   return lattice::cut_version(world.world->lattice_bodies[std::size_t(id.index)].state.cuts());
-}
-
-template <class T>
-void copy_out(const T* values, std::size_t count, T* buffer, std::size_t capacity, std::size_t* written) {
-  if (written) *written = count;
-  expect(buffer != nullptr || count == 0, "expected a buffer, found null");
-  expect(capacity >= count, "expected a buffer for all numbers, found a smaller one");
-  std::copy_n(values, count, buffer);
 }
 
 void copy_points(const std::vector<Vec3>& points, float* buffer, std::size_t capacity, std::size_t* written) {

@@ -104,6 +104,13 @@ typedef struct tg_body_info {
 tg_status tg_body_find(tg_world* world, const char* name, int32_t* body);
 tg_status tg_body_get_info(tg_world* world, int32_t body, tg_body_info* info);
 
+/* Report of the world as JSON, the text of report.json without files and times. `count` (may be null) receives the size
+ * with the final zero, even if it exceeds the buffer. Wounds are measured in the frames of tg_world_step. */
+tg_status tg_world_report(tg_world* world, char* buffer, size_t capacity, size_t* count);
+/* Numbers of the report by a dotted path; entries of an array by their name: "attachments.bed.force_N" is the force of an
+ * attachment, "wounds.midline.gape_max_mm" the gape of a wound. Reports are made anew by each call. */
+tg_status tg_world_measure(tg_world* world, const char* path, double* buffer, size_t capacity, size_t* count);
+
 enum {
   TG_POINTS = 0,       /* positions of the surface vertices, 3 numbers each [m] */
   TG_REST = 1,         /* rest positions, 3 numbers each [m] */

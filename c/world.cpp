@@ -88,6 +88,12 @@ BeginWork begin_of(const tg_world_def& def) {
   };
 }
 
+FrameReport finite_step(tg_world& world) {
+  const FrameReport report = required(step(world.exec, *world.world));
+  if (!report.finite) throw Refused("a step was not finite; the state before it was kept");
+  return report;
+}
+
 void resize_buffers(tg_world& world) {
   world.commands.resize(world.world->tools.size());
   world.readings.resize(world.world->tools.size());
@@ -131,6 +137,7 @@ tg_status tg_world_create(const tg_world_def* given, tg_world** world) {
     auto made = std::make_unique<tg_world>(def.threads);
     made->scene = std::make_shared<const Scene>(scene_of(def));
     made->world = std::make_unique<World>(required(load_world(made->exec, *made->scene, begin_of(def))));
+    made->measures = make_measures(*made->world);
     resize_buffers(*made);
     *world = made.release();
   });
@@ -144,7 +151,7 @@ tg_status tg_world_copy(tg_world* world, tg_world** copy) {
     *copy = nullptr;
     auto made = std::make_unique<tg_world>(1);
     made->exec = from.exec, made->scene = from.scene, made->driven = from.driven,
-    made->was_touched = from.was_touched;
+    made->was_touched = from.was_touched, made->measures = from.measures;
     made->world = std::make_unique<World>(copy_of(*from.world));
     resize_buffers(*made);
     *copy = made.release();
@@ -188,7 +195,6 @@ tg_status tg_world_step(tg_world* world, int32_t frames) {
         "expected tg_world_tick, which includes frames, or an earlier tg_touch_begin, found tg_world_step");
     w.is_shown = false;
     for (std::int32_t n = 0; n < frames; n++)
-      if (!required(step(w.exec, *w.world)).finite)
-        throw Refused("a step was not finite; the state before it was kept");
+      measure_frame(w.exec, *w.world, finite_step(w), false, w.measures);
   });
 }

@@ -9,6 +9,7 @@
 
 #include "c/guard.hpp"
 #include "turgor/sim/live/driven_ticks.hpp"
+#include "turgor/sim/report/measures.hpp"
 #include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -18,6 +19,7 @@ struct tg_world {
   turgor::Exec exec;
   std::shared_ptr<const turgor::Scene> scene;
   std::unique_ptr<turgor::World> world;
+  turgor::Measures measures;                  // of the frames of tg_world_step
   std::optional<turgor::DrivenTicks> driven;  // used by tg_world_tick and tg_touch_tick
   bool touched = false;                       // between tg_touch_begin and tg_touch_end
   bool was_touched = false;

@@ -239,6 +239,9 @@ TEST(CInterface, CutChangesTopologyOfVolume) {
   ASSERT_EQ(tg_body_get_info(c.world, 0, &after), TG_OK) << tg_error();
   EXPECT_NE(before.topology_version, after.topology_version);
   EXPECT_GT(after.triangles, before.triangles);
+  double depth = 0;
+  ASSERT_EQ(tg_world_measure(c.world, "wounds.cut.depth_mm", &depth, 1, nullptr), TG_OK) << tg_error();
+  EXPECT_NEAR(depth, 10, 1e-9);
   std::vector<std::int32_t> triangles(std::size_t(after.triangles) * 3);
   ASSERT_EQ(tg_body_triangles(c.world, 0, triangles.data(), triangles.size(), nullptr), TG_OK);
   EXPECT_EQ(*std::max_element(triangles.begin(), triangles.end()), after.vertices - 1);
@@ -252,6 +255,47 @@ TEST(CInterface, CutChangesTopologyOfVolume) {
   volume.body = "nobody";
   tg_world* world = nullptr;
   EXPECT_EQ(tg_world_create(&def, &world), TG_ERROR);
+}
+
+// The report reaches the caller as text and as numbers: an attachment bears the weight of the body that hangs
+// from it, and a path without a number is refused with its first unknown key.
+TEST(CInterface, MeasuresOfTheReport) {
+  const Owned c(R"([world]
+gravity = [0, 0, -9.81]
+duration = 5
+[body.stone]
+model = "sfem"
+block = { size = [0.04, 0.03, 0.02], count = [4, 3, 2] }
+fixed = "none"
+density = 1000
+cache = false
+[attachment.rope]
+between = ["stone", "ground"]
+box = [[-1, -1, 0.0199], [1, 1, 1]]
+stiffness = 40
+)");
+  ASSERT_EQ(tg_world_step(c.world, 300), TG_OK) << tg_error();
+  double force = 9;
+  std::size_t count = 0;
+  const auto measure = [&](const char* path, std::size_t capacity) {
+    return tg_world_measure(c.world, path, &force, capacity, &count);
+  };
+  ASSERT_EQ(measure("attachments.rope.force_N", 1), TG_OK) << tg_error();
+  EXPECT_EQ(count, 1u);
+  const double weight = 0.04 * 0.03 * 0.02 * 1000 * 9.81;
+  EXPECT_NEAR(force, weight, 1e-3 * weight);
+  EXPECT_EQ(measure("attachments.rope.force_N", 0), TG_MISUSE);
+  EXPECT_EQ(count, 1u);
+  EXPECT_EQ(measure("attachments.chain.force_N", 1), TG_ERROR);
+  EXPECT_STREQ(tg_error(), "expected a number of the report as attachments.chain.force_N, found no chain");
+  EXPECT_EQ(measure("attachments.rope", 1), TG_ERROR);
+  EXPECT_EQ(measure(nullptr, 1), TG_MISUSE);
+
+  ASSERT_EQ(tg_world_report(c.world, nullptr, 0, &count), TG_MISUSE);
+  std::string text(count, '\0');
+  ASSERT_EQ(tg_world_report(c.world, text.data(), text.size(), &count), TG_OK) << tg_error();
+  EXPECT_EQ(text.find('\0'), text.size() - 1);
+  EXPECT_NE(text.find("\"attachments\":[{"), std::string::npos);
 }
 
 // A number of threads that no machine has is the caller's error, not a crash.

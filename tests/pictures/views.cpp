@@ -67,6 +67,30 @@ TEST(Views, InnerSurfaceIsSeenThroughUnlessColored) {
   EXPECT_EQ(colored.items[0].scale, &scale);
 }
 
+// An arrow of a force between organs begins at its point, is seen through the tissue and names the force;
+// forces too small to see have none.
+TEST(Views, ForceBetweenOrgansHasArrowAndName) {
+  WorldSnapshot snapshot = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}});
+  snapshot.bodies[0].id = {BodyKind::kSfem, 0};
+  snapshot.bodies[0].box = {{0, 0, 0}, {0.1, 0, 0.1}};
+  snapshot.bodies[0].typical_force = 0.5;
+  const Vec3d at{0.02, 0.01, 0.03};
+  snapshot.organ_forces = {{"bed", {BodyKind::kSfem, 0}, at, {0, 0, 0.25}},
+                           {"fold", {BodyKind::kSfem, 0}, at, {0, 1e-5, 0}}};
+  PictureItems items;
+  add_organ_forces(snapshot, items);
+  ASSERT_EQ(items.items.size(), 1u);
+  EXPECT_TRUE(items.items[0].see_through);
+  double low = 1, high = 0;
+  for (const Vec3 x : items.meshes[0].vertices)
+    low = std::min<double>(low, x.z), high = std::max<double>(high, x.z);
+  EXPECT_NEAR(low, at.z, 1e-3);
+  ASSERT_EQ(items.labels.size(), 1u);
+  EXPECT_EQ(items.labels[0].text, "bed 0.25 N");
+  EXPECT_NEAR(high, items.labels[0].position.z, 0.01);
+  EXPECT_GT(high - low, 0.01);
+}
+
 // Organs have the colors of their names; other bodies of a model differ.
 TEST(Views, OrgansDifferInColor) {
   const BodySnapshot triangle = [] {

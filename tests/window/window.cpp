@@ -206,6 +206,8 @@ path = [[0, 0.015, 0.015, 0.04]]
   type("5");  // from the head
   draw_for(0.3);
   type("p");
+  type("n");
+  EXPECT_TRUE(window_->viewer().display.organ_forces);
   type("u");
   draw_for(0.2);
   type("p");

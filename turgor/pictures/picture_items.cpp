@@ -140,6 +140,19 @@ void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureIte
   add_arrow(tool, items.add(posed_mesh(tool), kToolColor), arrows, eye, items);
 }
 
+void add_organ_forces(const WorldSnapshot& snapshot, PictureItems& items) {
+  for (const OrganForce& one : snapshot.organ_forces) {
+    const BodySnapshot& body = body_snapshot(snapshot, one.body);
+    const double force = norm(one.force), unit = 0.2 * norm(body.box.high - body.box.low);
+    if (!(force > 1e-3 * body.typical_force)) continue;
+    const double length = unit * std::clamp(force / body.typical_force, 0.25, kLongestArrow);
+    const Vec3d end = one.at + one.force * (length / force);
+    items.add(arrow_mesh(one.at, end, 0.06 * unit), kArrow);
+    items.items.back().see_through = items.items.back().closed = true;
+    items.labels.push_back({end, one.name + " " + newtons(force)});
+  }
+}
+
 void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
                PictureItems& items, std::size_t tools) {
   for (const BodySnapshot& body : snapshot.bodies)

@@ -60,6 +60,8 @@ TriMesh posed_mesh(const ToolSnapshot& tool);
 void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items);
 /// A tool, and an arrow with the force on it in newtons, placed so that the eye [m] sees it.
 void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureItems& items);
+/// Arrows of the forces between bodies, seen through the tissue, with names and newtons.
+void add_organ_forces(const WorldSnapshot& snapshot, PictureItems& items);
 /// All bodies, their first `tools` tools, and obstacles under cloth.
 void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
                PictureItems& items, std::size_t tools = std::size_t(-1));

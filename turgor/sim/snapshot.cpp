@@ -1,6 +1,7 @@
 #include "turgor/sim/snapshot.hpp"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -89,6 +90,54 @@ void show_threads(const World& world, WorldSnapshot& out) {
   }
 }
 
+namespace {
+
+/// Adds the sum of forces on points of one body, unless it is zero.
+template <class Each>
+void add_organ_force(const std::string& name, int body, const Each& for_each_point, WorldSnapshot& out) {
+  const BodyId id{BodyKind::kSfem, body};
+  const BodySnapshot& shown = body_snapshot(out, id);
+  std::unordered_map<int, std::size_t> shown_of;  // index in the snapshot by vertex of the body's mesh
+  for (std::size_t v = 0; v < shown.mesh_vertex.size(); v++) shown_of.emplace(shown.mesh_vertex[v], v);
+  OrganForce total{.name = name, .body = id};
+  double weights = 0;
+  for_each_point([&](const contact::SurfacePoint& point, Vec3d force) {
+    total.force += force;
+    for (int corner = 0; corner < 3; corner++) {
+      const int vertex = point.vertex[corner];
+      if (vertex < 0) continue;
+      const auto found = shown.mesh_vertex.empty() ? std::size_t(vertex) : shown_of.at(vertex);
+      const double weight = norm(force) * point.weight[corner];
+      total.at += Vec3d(shown.x[found]) * weight, weights += weight;
+    }
+  });
+  if (!(weights > 0)) return;
+  total.at = total.at / weights;
+  out.organ_forces.push_back(std::move(total));
+}
+
+}  // namespace
+
+void show_organ_forces(const World& world, WorldSnapshot& out) {
+  out.organ_forces.clear();
+  for (const Attachment& attachment : world.coupling.attachments)
+    if (!attachment.ties.empty())
+      add_organ_force(
+          attachment.name, attachment.ties[0].a.body,
+          [&](const auto& add) {
+            for (const contact::Tie& tie : attachment.ties) add(tie.a, tie.force);
+          },
+          out);
+  for (const BodyContact& contact : world.coupling.contacts)
+    add_organ_force(
+        contact.name, contact.body[0],
+        [&](const auto& add) {
+          for (const contact::PairSite& site : contact.sites)
+            site.a.body == contact.body[0] ? add(site.a, site.force) : add(site.b, -site.force);
+        },
+        out);
+}
+
 void show(const Exec& exec, const World& world, WorldSnapshot& out) {
   show_names(world, out);
   show_threads(world, out);
@@ -105,6 +154,7 @@ void show(const Exec& exec, const World& world, WorldSnapshot& out) {
         show_tool(world.tools[n], now.pose, now.force, now.opening, out.tools[n]);
       }
   });
+  show_organ_forces(world, out);
 }
 
 }  // namespace turgor

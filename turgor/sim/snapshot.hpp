@@ -64,13 +64,22 @@ struct ToolSnapshot {
   TriMesh mesh;  // about the tool's origin, with the present jaws
 };
 
+/// Sum of the forces of an attachment, or of a contact between bodies.
+struct OrganForce {
+  std::string name;
+  BodyId body;  // on which the force acts, the first of `between`
+  Vec3d at;     // mean of the points, weighted by the size of their forces [m]
+  Vec3d force;  // [N]
+};
+
 struct WorldSnapshot {
   double time = 0;  // [s]
   int frame = 0;
-  std::vector<BodySnapshot> bodies;  // all, in the order of for_each_body
-  std::vector<ToolSnapshot> tools;   // indexed as World::tools
-  std::vector<TriMesh> obstacles;    // cloth obstacles that are not bodies
-  std::vector<TriMesh> threads;      // of sutures; empty where none bears
+  std::vector<BodySnapshot> bodies;      // all, in the order of for_each_body
+  std::vector<ToolSnapshot> tools;       // indexed as World::tools
+  std::vector<TriMesh> obstacles;        // cloth obstacles that are not bodies
+  std::vector<TriMesh> threads;          // of sutures; empty where none bears
+  std::vector<OrganForce> organ_forces;  // attachments, then contacts; without those that bear no force
 };
 
 /// Sets the fields that do not depend on the state.
@@ -85,6 +94,8 @@ void show_name(BodyId id, const Body& body, BodySnapshot& out) {
 
 /// Sets the threads of the sutures.
 void show_threads(const World& world, WorldSnapshot& out);
+/// Sets the forces between bodies. Requires the points of the bodies.
+void show_organ_forces(const World& world, WorldSnapshot& out);
 /// Fills the whole snapshot. `out` is new or of this world.
 void show(const Exec& exec, const World& world, WorldSnapshot& out);
 /// Sets names, looks, boxes and tool shapes; the caller fills in the rest.

@@ -80,6 +80,10 @@ void show_display(Viewer& viewer) {
     ImGui::SameLine();
     ImGui::Checkbox("patch", &viewer.display.patch);
   }
+  if (!viewer.now->snapshot.organ_forces.empty()) {
+    ImGui::SameLine();
+    ImGui::Checkbox("forces", &viewer.display.organ_forces);
+  }
 }
 
 /// Heading of a group, and its table.

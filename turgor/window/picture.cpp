@@ -46,6 +46,7 @@ Status draw_world(const Viewer& viewer, bool moves, int width, int height, World
   // fingertips of the mouse, which follow the tools of the scene, are shown while they touch
   const std::size_t tools = viewer.touching ? snapshot.tools.size() : viewer.now->scene->tools.size();
   add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, items, tools);
+  if (viewer.display.organ_forces) add_organ_forces(snapshot, items);
   const bool quickly = moves && (picture.full_seconds == 0 || picture.full_seconds > kSlow);
   const Timer timer;
   const Result<GLuint> drawn =

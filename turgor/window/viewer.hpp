@@ -29,6 +29,7 @@ struct Display {
   MeshStyle style = MeshStyle::kSurface;
   bool volume = false;                              // the deformed CT instead of surfaces
   bool patch = false;                               // edges of the superposed patch over the surface
+  bool organ_forces = false;                        // forces of attachments and contacts between bodies
   std::string preset = "skin", window = "abdomen";  // of the CT's pictures
 };
 

@@ -139,6 +139,8 @@ constexpr KeyHelp kKeys[] = {
     {kView, GLFW_KEY_L, "L", "surface or wireframe", toggle_wires},
     {kView, GLFW_KEY_U, "U", "fine patch that follows the tools (sfem)",
      [](Viewer& v) { v.display.patch = !v.display.patch; }},
+    {kView, GLFW_KEY_N, "N", "forces of attachments and of organs on each other, in newtons",
+     [](Viewer& v) { v.display.organ_forces = !v.display.organ_forces; }},
     {kView, GLFW_KEY_X, "X", "deformed CT: sections, volume rendering",
      [](Viewer& v) { v.panels.ct = !v.panels.ct; }},
     {kView, GLFW_KEY_TAB, "Tab", "show or hide the side panel",

@@ -4,6 +4,7 @@
 #include "organs_scene.hpp"
 #include "turgor/sim/autosave/world_file.hpp"
 #include "turgor/sim/report/report.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world_state.hpp"
 
 namespace turgor {
@@ -57,6 +58,14 @@ TEST(Organs, HangingBody_WeightInAttachment) {
   }
   EXPECT_NEAR(stiffness, 40, 1e-9);
   EXPECT_NEAR(sunk.z / 40, -weight / 40, 1e-3 * weight / 40);
+
+  // the snapshot shows the force in the middle of the tied face, which has sunk
+  WorldSnapshot shown;
+  show(exec, world, shown);
+  ASSERT_EQ(shown.organ_forces.size(), 1u);
+  EXPECT_EQ(shown.organ_forces[0].name, "rope");
+  EXPECT_LT(norm(shown.organ_forces[0].force - Vec3d{0, 0, weight}), 1e-3 * weight);
+  EXPECT_LT(norm(shown.organ_forces[0].at - Vec3d{0.02, 0.015, 0.02 - weight / 40}), 1e-5);
 }
 
 // Two hanging blocks, the lower one tied to the upper one: the attachments bear one weight and two.

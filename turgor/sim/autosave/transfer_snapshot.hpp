@@ -29,9 +29,14 @@ void transfer(File& file, ToolSnapshot& tool) {
   transfer_all(file, name, body, pose, force, opening, size, has_jaws, mesh);
 }
 template <class File>
+void transfer(File& file, OrganForce& force) {
+  auto& [name, body, at, newtons] = force;
+  transfer_all(file, name, body, at, newtons);
+}
+template <class File>
 void transfer(File& file, WorldSnapshot& snapshot) {
-  auto& [time, frame, bodies, tools, obstacles, threads] = snapshot;
-  transfer_all(file, time, frame, bodies, tools, obstacles, threads);
+  auto& [time, frame, bodies, tools, obstacles, threads, organ_forces] = snapshot;
+  transfer_all(file, time, frame, bodies, tools, obstacles, threads, organ_forces);
 }
 template <class File>
 void transfer(File& file, Pressed& pressed) {
