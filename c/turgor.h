@@ -108,7 +108,7 @@ tg_status tg_body_get_info(tg_world* world, int32_t body, tg_body_info* info);
  * with the final zero, even if it exceeds the buffer. Wounds are measured in the frames of tg_world_step. */
 tg_status tg_world_report(tg_world* world, char* buffer, size_t capacity, size_t* count);
 /* Numbers of the report by a dotted path; entries of an array by their name: "attachments.bed.force_N" is the force of an
- * attachment, "wounds.midline.gape_max_mm" the gape of a wound. Reports are made anew by each call. */
+ * attachment, "wounds.midline.gape_max_mm" the gape of a wound. Each call makes the report again. */
 tg_status tg_world_measure(tg_world* world, const char* path, double* buffer, size_t capacity, size_t* count);
 
 enum {
