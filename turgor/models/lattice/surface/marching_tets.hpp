@@ -24,7 +24,7 @@ constexpr TetPoint crossing_point(int i, int j) { return {std::int8_t(i), std::i
 constexpr TetPoint clip_point(int i, int j, int b) {
   return {std::int8_t(i), std::int8_t(j), std::int8_t(b)};
 }
-/// Center of three skin points that are pairwise separated, on the side of i.
+/// Junction of three skin points that are pairwise separated, on the side of i.
 constexpr TetPoint middle_point(int i, int b) { return {std::int8_t(i), std::int8_t(b), std::int8_t(b)}; }
 
 constexpr bool is_corner(TetPoint p) { return p.j == p.i && p.b == p.i; }

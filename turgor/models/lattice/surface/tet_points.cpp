@@ -30,8 +30,8 @@ Crossing crossing_of(const FineTet& tet, int a, int b) {
   return found;
 }
 
-/// Crossings of blades with the edges between some fine nodes.
-std::vector<Vec3d> crossings_around(const FineTet& tet, Int3 low, Int3 high) {
+/// Crossings of one blade with the edges between some fine nodes.
+std::vector<Vec3d> crossings_around(const FineTet& tet, std::uint8_t incision, Int3 low, Int3 high) {
   const FineLattice& f = tet.fragments.fine;
   std::vector<Vec3d> positions;
   // visit all edge families of each fine node
@@ -42,7 +42,8 @@ std::vector<Vec3d> crossings_around(const FineTet& tet, Int3 low, Int3 high) {
           const Int3 a{i, j, k}, b = a + edge_offset;
           if (!contains(f, a) || !contains(f, b)) continue;
           // interpolate the position of the crossing
-          if (const Crossing c = crossing(tet.fragments, tet.cuts, a, b); c.edge)
+          if (const Crossing c = crossing(tet.fragments, tet.cuts, a, b);
+              c.edge && c.edge->incision == incision)
             positions.push_back(lattice_index(f, a) +
                                 (lattice_index(f, b) - lattice_index(f, a)) * double(c.fraction));
         }
@@ -50,31 +51,38 @@ std::vector<Vec3d> crossings_around(const FineTet& tet, Int3 low, Int3 high) {
 }
 
 /// Blade in a tetrahedron, as a plane through its crossings with the edges. Empty at the blade's end, where
-/// fewer than three edges are cut. If all crossings are close to one corner, the normal comes from the
-/// crossings around the tetrahedron.
+/// fewer than three edges are cut. If all crossings are close to one corner, or if other blades cut the other
+/// edges, the normal comes from the crossings around the tetrahedron.
 struct BladePlane {
   Vec3d point, normal;  // [cells]
 };
-std::optional<BladePlane> blade_plane_in(const FineTet& tet) {
+std::optional<BladePlane> blade_plane_in(const FineTet& tet, std::uint8_t incision) {
   constexpr double kSmall = 0.05;  // smallest area that determines a normal [squared fine edges]
   // crossings with the edges
   std::array<Vec3d, 6> at;
-  std::size_t count = 0;
+  std::size_t count = 0, cut = 0;
   for (int a = 0; a < 4; a++)
     for (int b = a + 1; b < 4; b++)
       if (const Crossing c = crossing_of(tet, a, b); c.edge) {
+        cut++;
+        if (c.edge->incision != incision) continue;
         const Vec3d from = position_of(tet, a);
         at[count++] = from + (position_of(tet, b) - from) * double(c.fraction);
       }
-  if (count < 3) return {};
+  if (cut < 3 || count == 0) return {};
   // three crossings span a plane
-  const Vec3d normal = cross(at[1] - at[0], at[2] - at[0]), subdivisions(tet.fragments.fine.subdivisions);
-  if (norm(cross(hadamard(at[1] - at[0], subdivisions), hadamard(at[2] - at[0], subdivisions))) > kSmall)
-    return BladePlane{at[0], normal};
-  // nearly degenerate: fit the crossings around
+  const Vec3d subdivisions(tet.fragments.fine.subdivisions);
+  if (count >= 3) {
+    const Vec3d normal = cross(at[1] - at[0], at[2] - at[0]);
+    if (norm(cross(hadamard(at[1] - at[0], subdivisions), hadamard(at[2] - at[0], subdivisions))) > kSmall)
+      return BladePlane{at[0], normal};
+  }
+  // nearly degenerate, or too few: fit the crossings around
   Int3 low = tet.nodes[0], high = tet.nodes[0];
   for (const Int3 node : tet.nodes) low = min(low, node), high = max(high, node);
-  return BladePlane{at[0], flattest_direction(crossings_around(tet, low, high))};
+  const std::vector<Vec3d> around = crossings_around(tet, incision, low, high);
+  if (around.size() < 3) return {};
+  return BladePlane{at[0], flattest_direction(around)};
 }
 
 /// Gradient direction of the level in a tetrahedron, orthogonal to the skin.
@@ -84,6 +92,26 @@ Vec3d level_gradient(const FineTet& tet) {
   const Vec3d a = position_of(tet, 1) - x0, b = position_of(tet, 2) - x0, c = position_of(tet, 3) - x0;
   return cross(b, c) * (level(1) - level(0)) + cross(c, a) * (level(2) - level(0)) +
          cross(a, b) * (level(3) - level(0));
+}
+
+/// Moves a point on one blade and on the skin to its own side of the other blades that cut edges at a solid
+/// corner. `along` is the direction of the line in which blade and skin intersect.
+Vec3d to_own_side(const FineTet& tet, int solid, std::uint8_t incision, Vec3d along, Vec3d position) {
+  for (int other = 0; other < 4; other++) {
+    if (other == solid) continue;
+    const Crossing c = crossing_of(tet, solid, other);
+    if (c.edge == nullptr || c.edge->incision == incision) continue;
+    const std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
+    if (!blade) continue;
+    // distance beyond that blade, positive on the side of the other corner
+    const Vec3d edge = position_of(tet, other) - position_of(tet, solid);
+    const Vec3d normal = dot(blade->normal, edge) < 0 ? -blade->normal : blade->normal;
+    const double beyond = dot(position - blade->point, normal), reach = dot(along, normal);
+    if (!(beyond > 0) || !(std::abs(reach) > 0.05 * norm(along) * norm(normal))) continue;
+    const Vec3d back = along * (beyond / reach);
+    if (dot(back, back) < dot(edge, edge)) position -= back;
+  }
+  return position;
 }
 
 /// Skin point on the edge from a solid corner to another one. If the blade crosses that edge below the skin,
@@ -98,7 +126,7 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   if (c.edge == nullptr || double(c.fraction) >= fraction) return position;
   // move along the skin, towards the blade
   const Vec3d on_blade = a + (b - a) * double(c.fraction);
-  const std::optional<BladePlane> blade = blade_plane_in(tet);
+  const std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
   if (!blade) return on_blade;
   const Vec3d across = level_gradient(tet);
   const Vec3d along = blade->normal - across * (dot(across, blade->normal) / dot(across, across));
@@ -108,7 +136,23 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   const Vec3d back = along * (beyond / reach);
   const bool is_near = dot(back, back) <
                        dot(b - a, b - a);  // the plane approximates a curved blade only within an edge length
-  return is_near ? position - back : on_blade;
+  if (!is_near) return on_blade;
+  return to_own_side(tet, solid, c.edge->incision, cross(across, blade->normal), position - back);
+}
+
+/// Intersection of two blades with the skin, from a skin point on the second blade. Empty if the blades are
+/// nearly parallel, or if it is farther away than the tetrahedron is long.
+std::optional<Vec3d> junction_with(const FineTet& tet, std::uint8_t first, std::uint8_t second,
+                                   Vec3d position) {
+  const std::optional<BladePlane> a = blade_plane_in(tet, first), b = blade_plane_in(tet, second);
+  if (!a || !b) return {};
+  const Vec3d along = cross(level_gradient(tet), b->normal);
+  const double reach = dot(along, a->normal);
+  if (!(std::abs(reach) > 0.3 * norm(along) * norm(a->normal))) return {};
+  const Vec3d move = along * (dot(a->point - position, a->normal) / reach);
+  const Vec3d edge = position_of(tet, 3) - position_of(tet, 0);
+  if (!(dot(move, move) < 3 * dot(edge, edge))) return {};
+  return position + move;
 }
 
 /// Fraction of the segment from a to c nearest to the blade's crossing with the edge ij.
@@ -152,12 +196,51 @@ Clip clip_between(const FineTet& tet, int i, int j, int b) {
     }
     clip.along += up * (double((at_i.edge ? at_i : at_j).edge->along) - clip.along);
   }
+  // another blade crosses an edge below the skin: the intersection of both blades with the skin
+  for (const bool is_i : {true, false}) {
+    const Crossing& other = is_i ? at_i : at_j;
+    if (!(is_i ? below_i : below_j) || other.edge->incision == across.edge->incision) continue;
+    const auto junction =
+        junction_with(tet, across.edge->incision, other.edge->incision, skin_position(tet, is_i ? i : j, b));
+    if (!junction) continue;
+    clip.position = *junction, clip.along = double(across.edge->along);
+    return clip;
+  }
   // position between the skin points
   const Vec3d a = skin_position(tet, i, b), c = skin_position(tet, j, b);
   if (!is_found) fraction = nearest_fraction(tet, a, c, position_of(tet, i), position_of(tet, j), t);
   clip.position = a + (c - a) * std::clamp(fraction, 0.0, 1.0);
   return clip;
 }
+
+namespace {
+
+/// Junction of the three sides on the skin below air corner b. If one blade separates two pairs of the sides,
+/// the other blade ends on it: the junction is the position on the first blade nearest to the other one.
+/// Otherwise the three blades meet in the middle.
+Vec3d junction_at(const FineTet& tet, int b) {
+  // intersections of the blades with the skin, one for each pair of sides
+  std::array<Clip, 3> clips;
+  std::array<int, 3> sides;
+  std::size_t count = 0;
+  for (int corner = 0; corner < 4; corner++)
+    if (corner != b) sides[count++] = corner;
+  for (std::size_t n = 0; n < 3; n++) clips[n] = clip_between(tet, sides[n], sides[(n + 1) % 3], b);
+  // one blade between two pairs, and the end of another one
+  const Vec3d step(tet.fragments.fine.cells.spacing);
+  for (std::size_t n = 0; n < 3; n++) {
+    const Clip &from = clips[(n + 1) % 3], &to = clips[(n + 2) % 3], &end = clips[n];
+    if (from.incision != to.incision || end.incision == from.incision) continue;
+    const Vec3d along = hadamard(to.position - from.position, step),
+                away = hadamard(end.position - from.position, step);
+    const double fraction =
+        dot(along, along) > 0 ? std::clamp(dot(away, along) / dot(along, along), 0.0, 1.0) : 0;
+    return from.position + (to.position - from.position) * fraction;
+  }
+  return (clips[0].position + clips[1].position + clips[2].position) / 3;
+}
+
+}  // namespace
 
 Vec3d position_of(const FineTet& tet, TetPoint p) {
   // cases of TetPoint
@@ -169,10 +252,7 @@ Vec3d position_of(const FineTet& tet, TetPoint p) {
     return from + (position_of(tet, p.j) - from) * t;
   }
   if (is_clip(p)) return clip_between(tet, p.i, p.j, p.b).position;
-  Vec3d sum;
-  for (int corner = 0; corner < 4; corner++)
-    if (corner != p.b) sum += skin_position(tet, corner, p.b) / 3;
-  return sum;
+  return junction_at(tet, p.b);
 }
 
 }  // namespace turgor::lattice

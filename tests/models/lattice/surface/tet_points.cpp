@@ -1,0 +1,79 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/models/lattice/ct_body.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+/// Cuts the fine edges that cross the plane x = `at` below `y_end`, unless they are cut already.
+void cut_up_to(const Model& model, State& state, double at, double y_end, double bottom) {
+  const FineLattice fine = fine_lattice(model);
+  const Fragments before = make_fragments(model, state.cuts);
+  for (int k = 0; k < fine.size.z; k++)
+    for (int j = 0; j < fine.size.y; j++)
+      for (int i = 0; i < fine.size.x; i++)
+        for (int f = 0; f < kFamilyCount; f++) {
+          const Int3 a{i, j, k}, b = a + kFamilies[std::size_t(f)];
+          if (!contains(fine, b) || crossing(before, state.cuts, a, b).edge) continue;
+          const Vec3d x = hadamard(lattice_index(fine, a), model.anatomy.grid.spacing);
+          const Vec3d y = hadamard(lattice_index(fine, b), model.anatomy.grid.spacing);
+          if ((x.x >= at) == (y.x >= at)) continue;
+          const double fraction = (at - x.x) / (y.x - x.x);
+          const Vec3d hit = x + (y - x) * fraction;
+          if (hit.y > y_end || hit.z < bottom) continue;
+          CutEdge edge = cut_edge_at(fine, a, f);
+          edge.fraction = Real(fraction), edge.rightward = true, edge.incision = 1;
+          state.cuts.edges.push_back(edge);
+        }
+}
+
+/// Skin that moves with another side of a T-shaped cut than the one on which it lies [m²].
+double misplaced_area(const Model& model, double across, double upright, double gape) {
+  // the cut, and its three sides moved apart
+  State state = make_state(model);
+  const double bottom = 0.0102;
+  cut_across_y(model, state, across, [&](Vec3d p) { return p.z > bottom; });
+  cut_up_to(model, state, upright, across, bottom);
+  const auto side = [&](Vec3d p) {
+    if (p.y >= across) return Vec3d{0, gape, 0};
+    return Vec3d{p.x >= upright ? gape : -gape, 0, 0};
+  };
+  move(model, state, side);
+  // skin near the junction, by the side of its middle
+  const BodySurface surface = build_surface(model, state.cuts);
+  double area = 0;
+  for (int n = 0; n < surface.skin_triangles; n++) {
+    const Int3 t = surface.triangles[std::size_t(n)];
+    const auto rest = [&](int corner) { return Vec3d(surface.rest[std::size_t(t[corner])]); };
+    const Vec3d middle = (rest(0) + rest(1) + rest(2)) / 3;
+    if (middle.z < 0.019 || norm(Vec3d{middle.x - upright, middle.y - across, 0}) > 0.006) continue;
+    Vec3d moved;
+    for (int corner = 0; corner < 3; corner++)
+      moved += Vec3d(vertex_displacement(model, state, surface, t[corner])) / 3;
+    if (norm(moved - side(middle)) > 0.5 * gape)
+      area += 0.5 * norm(cross(rest(1) - rest(0), rest(2) - rest(0)));
+  }
+  return area;
+}
+
+// Where one cut ends on another one, every lip keeps its own skin: the corners of the flaps are not torn, and
+// none has a piece of another. The positions include blades through nodes of the fine lattice.
+TEST(TetPoints, SkinOfJunctionKeepsItsSide) {
+  const Model model = body_of(make_ct({44, 44, 28}, [](Vec3d p) { return p.z < 22; }), {4, 4, 4});
+  const double fine_cell = 1e-6;  // [m²]
+  double sum = 0, most = 0;
+  int count = 0;
+  for (const double across : {0.02203, 0.02251, 0.02296})
+    for (const double upright : {0.02004, 0.0203, 0.02049, 0.02097}) {
+      const double area = misplaced_area(model, across, upright, 0.002);
+      sum += area / fine_cell, most = std::max(most, area / fine_cell), count++;
+    }
+  EXPECT_LT(sum / count, 0.08);
+  EXPECT_LT(most, 0.6);
+}
+
+}  // namespace
+}  // namespace turgor::lattice
