@@ -279,8 +279,8 @@ TEST(LatticeSurface, OpenCutHasLipsAndWalls) {
   for (const double area : side) EXPECT_NEAR(area / (depth * length), 1, 0.25);
 }
 
-// The lips of a cut that ends in tissue meet at its ends, and keep nine tenths of their gape two cells away
-// from them.
+// The lips of a cut that ends in tissue meet at its ends, open without a kink, and keep nine tenths of their
+// gape two cells away from the ends.
 TEST(LatticeSurface, LipsMeetAtEndsOfCut) {
   const Model model = body_of(slab_ct(), {4, 4, 4});
   const double at = 0.0323, gape = 0.002, step = 0.004;
@@ -303,6 +303,9 @@ TEST(LatticeSurface, LipsMeetAtEndsOfCut) {
       ends++;
       EXPECT_LT(gap, 0.05 * gape);
     }
+    const double t = std::min(1.0, inside / (2.5 * step));
+    EXPECT_LT(gap, gape * (t * (2 - t) + 0.05));
+    EXPECT_GT(gap, gape * (0.8 * t * (2 - t) - 0.05)) << "cells at the end open less";
     if (inside > 2.05 * step) {
       inner++;
       EXPECT_NEAR(gap, gape, 0.1 * gape);

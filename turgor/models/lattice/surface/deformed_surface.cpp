@@ -82,39 +82,57 @@ std::optional<CutEnd> cut_end(const BodySurface& surface, int incision, bool at_
   return CutEnd{position(end), normalized(back), end->left, end->right};
 }
 
-/// Moves vertices that coincided at rest to their mean at the end of a cut, and less within a step of it. The
-/// lips then meet in a point; cells open as a whole, so that they would end in an edge. Ends that gape wider
-/// than a step, and ends at which a cut leaves the body, stay open.
+/// Groups of at least two vertices that coincide at rest.
+std::vector<std::vector<std::size_t>> coincident(const BodySurface& surface, Real tolerance,
+                                                 std::vector<std::size_t> vertices) {
+  const auto rest = [&](std::size_t v) { return surface.rest[v]; };
+  std::sort(vertices.begin(), vertices.end(), [&](std::size_t a, std::size_t b) {
+    return rest(a).x != rest(b).x ? rest(a).x < rest(b).x : a < b;
+  });
+  std::vector<std::vector<std::size_t>> groups;
+  std::vector<std::uint8_t> is_done(vertices.size());
+  for (std::size_t a = 0; a < vertices.size(); a++) {
+    if (is_done[a]) continue;
+    std::vector<std::size_t> group{vertices[a]};
+    const Vec3 first = rest(vertices[a]);
+    for (std::size_t b = a + 1; b < vertices.size() && rest(vertices[b]).x - first.x < tolerance; b++)
+      if (!is_done[b] && norm(rest(vertices[b]) - first) < tolerance)
+        is_done[b] = 1, group.push_back(vertices[b]);
+    if (group.size() > 1) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+/// Moves vertices that coincided at rest to their mean at the end of a cut, and less up to kClosing steps
+/// inside it, so that the lips meet in a point: cells open as a whole, and would end in an edge. The opening
+/// is multiplied by t (2 − t), with t from 0 at the end to 1 inside, which has no kink there. Ends that gape
+/// wider than two steps, and ends at which a cut leaves the body, stay open.
 void close_end(const BodySurface& surface, const CutEnd& end, Real step, std::vector<Vec3>& x) {
+  constexpr Real kClosing = 2.5;  // [steps]
   const Real gape = norm(x[std::size_t(end.left)] - x[std::size_t(end.right)]) / step;
-  const Real strength = std::min(Real(1), 2 - 2 * gape);
+  const Real strength = std::min(Real(1), 2 - gape);
   if (!(strength > 0)) return;
   // vertices near the end
   std::vector<std::size_t> near;
   bool has_tissue_beyond = false;
   for (std::size_t v = 0; v < x.size(); v++) {
     const Vec3 away = surface.rest[v] - end.position;
-    if (norm(away) > 3 * step) continue;
+    if (norm(away) > (kClosing + Real(0.5)) * step) continue;
     const Real inside = dot(away, end.back);
     const bool is_cut = surface.embedding[v].fragment >= 0;
     has_tissue_beyond |= !is_cut && inside < -step / 4;
-    if (is_cut && inside < step && inside > -step) near.push_back(v);
+    if (is_cut && inside < kClosing * step && inside > -step) near.push_back(v);
   }
   if (!has_tissue_beyond) return;
-  // groups of vertices with one rest position
-  const Real same = Real(1e-3) * step;
-  std::vector<std::uint8_t> is_done(near.size());
-  for (std::size_t a = 0; a < near.size(); a++) {
-    if (is_done[a]) continue;
-    const Vec3 rest = surface.rest[near[a]];
-    std::vector<std::size_t> group;
+  // both sides of the cut
+  for (const std::vector<std::size_t>& group : coincident(surface, Real(1e-3) * step, std::move(near))) {
     Vec3 sum;
-    for (std::size_t b = a; b < near.size(); b++)
-      if (!is_done[b] && norm(surface.rest[near[b]] - rest) < same)
-        is_done[b] = 1, group.push_back(near[b]), sum += x[near[b]];
+    for (const std::size_t v : group) sum += x[v];
     const Vec3 mean = sum / Real(group.size());
-    const Real inside = std::max(Real(0), dot(rest - end.position, end.back)) / step;  // 0 at the end, 1
-    for (const std::size_t v : group) x[v] = mean + (x[v] - mean) * (1 - strength * (1 - inside));
+    const Vec3 away = surface.rest[group.front()] - end.position;
+    const Real t = std::max(Real(0), dot(away, end.back) / (kClosing * step));
+    const Real opening = 1 - strength * (1 - t * (2 - t));
+    for (const std::size_t v : group) x[v] = mean + (x[v] - mean) * opening;
   }
 }
 
