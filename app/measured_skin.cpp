@@ -1,6 +1,5 @@
-// Porcine skin under biaxial stretch (Tac et al. 2022). Laws at a point of the material, fitted to the
-// equibiaxial curve and to the strip along x, predict the strip along y. The fiber law is the one of
-// lattices; the exponential one is that of Gasser, Ogden and Holzapfel for an incompressible membrane.
+// Porcine skin under biaxial stretch (Tac et al. 2022): laws fitted to two of three protocols predict the
+// third, at a point of the material and as a sheet of a lattice body. Each protocol is predicted in turn.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -9,6 +8,8 @@
 
 #include "app/least_squares.hpp"
 #include "app/measured_table.hpp"
+#include "turgor/models/lattice/build/block_body.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor {
 
@@ -41,22 +42,19 @@ constexpr BiaxialPoint kStripY[] = {
 /// Cauchy stress of the columns of a law, for each stretch along x and y.
 using Columns = std::vector<std::vector<double>>;
 
-/// Exponential law, for unit µ and k1; k2, κ and the fibers' angle to x enter nonlinearly.
-///   W = µ/2 (I₁ − 3) + k1/(2 k2) (exp(k2 E²) − 1),  E = κ (I₁ − 3) + (1 − 3κ)(I₄ − 1) > 0
-///   I₁ = λx² + λy² + 1/(λx λy)²,  I₄ = λx² cos²θ + λy² sin²θ,  σᵢ = λᵢ ∂W/∂λᵢ
+/// Law of exponential skin, fibers along y, for unit µ and k1; b and k2 enter nonlinearly.
+///   W = µ/2b (exp(b (I₁ − 3)) − 1) + k1/2k2 (exp(k2 E²) − 1),  E = λy² − 1 > 0
+///   I₁ = λx² + λy² + 1/(λx λy)²,  σᵢ = λᵢ ∂W/∂λᵢ
 Columns exponential_columns(const std::vector<double>& x, std::span<const BiaxialPoint> points) {
-  const double k2 = std::exp(x[0]), kappa = 1 / (3 * (1 + std::exp(-x[1]))), c = std::cos(x[2]);
+  const double b = std::exp(x[0]), k2 = std::exp(x[1]);
   Columns columns(2);
   for (const BiaxialPoint& p : points)
     for (int axis = 0; axis < 2; axis++) {
-      const double a = p.stretch[0] * p.stretch[0], b = p.stretch[1] * p.stretch[1], across = 1 / (a * b);
-      const double own = p.stretch[axis] * p.stretch[axis], share = axis == 0 ? c * c : 1 - c * c;
-      const double first = a + b + across - 3, fourth = a * c * c + b * (1 - c * c) - 1;
-      const double e = std::max(0.0, kappa * first + (1 - 3 * kappa) * fourth);
-      const double d_first = 2 * (own - across), d_fourth = 2 * own * share;  // λ ∂/∂λ
-      columns[0].push_back(d_first / 2);
-      columns[1].push_back(e * std::exp(std::min(80.0, k2 * e * e)) *
-                           (kappa * d_first + (1 - 3 * kappa) * d_fourth));
+      const double a = p.stretch[0] * p.stretch[0], c = p.stretch[1] * p.stretch[1], through = 1 / (a * c);
+      const double e = std::max(0.0, c - 1);
+      columns[0].push_back(std::exp(std::min(80.0, b * (a + c + through - 3))) *
+                           (p.stretch[axis] * p.stretch[axis] - through));
+      columns[1].push_back(axis == 0 ? 0 : 2 * c * e * std::exp(std::min(80.0, k2 * e * e)));
     }
   return columns;
 }
@@ -87,62 +85,145 @@ std::vector<double> combined(const Columns& columns, const std::vector<double>& 
   return sum;
 }
 
-std::vector<BiaxialPoint> fitted_points() {
-  std::vector<BiaxialPoint> points(std::begin(kEquibiaxial), std::end(kEquibiaxial));
-  points.insert(points.end(), std::begin(kStripX), std::end(kStripX));
+/// One of the three tests, and the points of the other two, which are fitted.
+struct Protocol {
+  const char *name, *file;
+  std::span<const BiaxialPoint> points;
+  std::vector<BiaxialPoint> others;
+};
+std::vector<BiaxialPoint> joined(std::span<const BiaxialPoint> a, std::span<const BiaxialPoint> b) {
+  std::vector<BiaxialPoint> points(a.begin(), a.end());
+  points.insert(points.end(), b.begin(), b.end());
   return points;
 }
+std::vector<Protocol> protocols() {
+  return {{"skin strip along y", "skin-strip-y", kStripY, joined(kEquibiaxial, kStripX)},
+          {"skin strip along x", "skin-strip-x", kStripX, joined(kEquibiaxial, kStripY)},
+          {"equibiaxial skin", "skin-equibiaxial", kEquibiaxial, joined(kStripX, kStripY)}};
+}
 
-std::vector<double> predict_exponential() {
-  const std::vector<BiaxialPoint> points = fitted_points();
+/// Values of the exponential law; stresses in kPa.
+struct FittedSkin {
+  std::vector<double> shape;     // logarithms of b and k2
+  std::vector<double> stresses;  // µ and k1 [kPa]
+};
+FittedSkin fit_exponential(const std::vector<BiaxialPoint>& points) {
   const std::vector<double> measured = stresses(points);
   const auto error = [&](const std::vector<double>& x) {
     return fit_non_negative(exponential_columns(x, points), measured).squared_error;
   };
-  // the best of three starts: fibers along x, oblique, along y
-  std::vector<double> best;
-  for (const double angle : {0.2, 0.8, 1.4}) {
-    const std::vector<double> found = minimize(error, {2, 0, angle}, 0.5, 400);
-    if (best.empty() || error(found) < error(best)) best = found;
+  // the best of three starts
+  FittedSkin best;
+  for (const double start : {1.0, 2.0, 3.0}) {
+    const std::vector<double> found = minimize(error, {2, start}, 0.5, 400);
+    if (best.shape.empty() || error(found) < error(best.shape)) best.shape = found;
   }
-  return combined(exponential_columns(best, kStripY),
-                  fit_non_negative(exponential_columns(best, points), measured).coefficients);
+  best.stresses = fit_non_negative(exponential_columns(best.shape, points), measured).coefficients;
+  return best;
 }
 
-std::vector<double> predict_fiber() {
-  const std::vector<BiaxialPoint> points = fitted_points();
-  return combined(fiber_columns(kStripY),
+std::vector<double> predict_fiber(const Protocol& protocol) {
+  const std::vector<BiaxialPoint>& points = protocol.others;
+  return combined(fiber_columns(protocol.points),
                   fit_non_negative(fiber_columns(points), stresses(points)).coefficients);
 }
 
-/// Rows and curves of both stresses of the strip along y; bands of 10 % of the largest stress.
-void add_law(const char* law, const std::vector<double>& predicted, MeasuredResult& result) {
-  const std::vector<double> measured = stresses(kStripY);
+/// Rows and curves of both stresses; bands of 10 % of the largest stress.
+void add_law(const Protocol& protocol, const char* file, const char* law,
+             const std::vector<double>& predicted, MeasuredResult& result) {
+  const std::vector<double> measured = stresses(protocol.points);
   const double largest = *std::max_element(measured.begin(), measured.end());
+  double squares = 0;
+  for (std::size_t n = 0; n < measured.size(); n++)
+    squares += (predicted[n] - measured[n]) * (predicted[n] - measured[n]);
   for (int axis = 0; axis < 2; axis++) {
-    MeasuredCurve curve{
-        fmt::format("skin-{}-{}.svg", axis == 0 ? "x" : "y", law),
-        fmt::format("Skin stretched along y, stress along {}, {} law", axis == 0 ? "x" : "y", law),
-        "stretch along y",
-        "stress [kPa]",
-        {}};
-    for (std::size_t n = 0; n < std::size(kStripY); n++) {
+    const char* along = axis == 0 ? "x" : "y";
+    const auto stretched = std::size_t(protocol.points.back().stretch[1] > 1);
+    MeasuredCurve curve{fmt::format("{}-{}-{}.svg", protocol.file, along, file),
+                        fmt::format("Stress along {}, {}, {}", along, protocol.name, law),
+                        fmt::format("stretch along {}", stretched == 0 ? "x" : "y"),
+                        "stress [kPa]",
+                        {}};
+    for (std::size_t n = 0; n < protocol.points.size(); n++) {
       const std::size_t at = 2 * n + std::size_t(axis);
-      curve.points.push_back({kStripY[n].stretch[1], measured[at], 0.1 * largest, predicted[at]});
+      curve.points.push_back(
+          {protocol.points[n].stretch[stretched], measured[at], 0.1 * largest, predicted[at]});
     }
     const auto& last = curve.points.back();
-    result.rows.push_back(band_row(
-        fmt::format("skin strip along y, {} law: stress along {} at the end", law, axis == 0 ? "x" : "y"),
-        kSkinSource, "kPa", last.measured, last.half, last.predicted));
+    result.rows.push_back(
+        band_row(fmt::format("{}, {}: stress along {} at the end", protocol.name, law, along), kSkinSource,
+                 "kPa", last.measured, last.half, last.predicted));
     result.curves.push_back(std::move(curve));
   }
+  result.rows.push_back({fmt::format("{}, {}: rms over the largest stress", protocol.name, law), kSkinSource,
+                         "1", 0, 0, 0.1, std::sqrt(squares / double(measured.size())) / largest});
+}
+
+// ------------------------------------------------------------------------------------------------- body
+
+constexpr double kThickness = 0.0015;  // [m]
+
+/// A sheet of skin without tension and almost without tissue, its fibers along y.
+lattice::Model skin_sheet(const FittedSkin& skin) {
+  constexpr double kPascals = 1e3;
+  lattice::Params params;
+  params.skin = {.law = lattice::SkinLaw::kExponential,
+                 .tension_along = 0,
+                 .tension_across = 0,
+                 .shear = skin.stresses[0] * kPascals * kThickness,
+                 .stiffening = std::exp(skin.shape[0]),
+                 .fiber_stiffness = skin.stresses[1] * kPascals * kThickness,
+                 .fiber_stiffening = std::exp(skin.shape[1]),
+                 .direction = {0, 1, 0}};
+  params.solver.sweeps = 20;
+  return lattice::block_model({.size = {9, 9, 1}, .spacing = 0.002, .young = 1e-3}, params);
+}
+
+/// Cauchy stresses of a sheet whose border is moved to each point's stretches [kPa]: forces of two sides over
+/// their deformed section.
+std::vector<double> stretch_sheet(const Exec& exec, const lattice::Model& model,
+                                  std::span<const BiaxialPoint> points) {
+  const Int3 size = model.anatomy.lattice.size;
+  const double h = double(model.anatomy.lattice.spacing.x), length = h * (size.x - 1);
+  std::vector<lattice::NodeContact> border;
+  for (int j = 0; j < size.y; j++)
+    for (int i = 0; i < size.x; i++)
+      if (i == 0 || j == 0 || i == size.x - 1 || j == size.y - 1)
+        border.push_back({.slot = node_slot(model.anatomy.lattice, {i, j, 0}), .is_held = true});
+  std::sort(border.begin(), border.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
+
+  lattice::State state = lattice::make_state(model);
+  std::vector<double> stress;
+  for (const BiaxialPoint& point : points) {
+    for (lattice::NodeContact& c : border) {
+      const Int3 p = slot_node(model.anatomy.lattice, c.slot);
+      c.target = {Real((point.stretch[0] - 1) * h * p.x), Real((point.stretch[1] - 1) * h * p.y), 0};
+    }
+    for (int n = 0; n < 10; n++) lattice::step(exec, model, state, {.contacts = border}, 1.0 / 60);
+    double force[2] = {};
+    for (const lattice::NodeContact& c : border) {
+      const Int3 p = slot_node(model.anatomy.lattice, c.slot);
+      if (p.x == size.x - 1) force[0] += double(c.force.x);
+      if (p.y == size.y - 1) force[1] += double(c.force.y);
+    }
+    // width λ₁ L and thickness t/(λ₁ λ₂) of the section across axis 2
+    for (int axis = 0; axis < 2; axis++)
+      stress.push_back(force[axis] * point.stretch[axis] / (length * kThickness) * 1e-3);
+  }
+  return stress;
 }
 
 }  // namespace
 
-void add_skin_sheet(MeasuredResult& result) {
-  add_law("fiber", predict_fiber(), result);
-  add_law("exponential", predict_exponential(), result);
+void add_skin_sheet(const Exec& exec, MeasuredResult& result) {
+  for (const Protocol& protocol : protocols()) {
+    const FittedSkin skin = fit_exponential(protocol.others);
+    add_law(protocol, "exponential", "exponential law",
+            combined(exponential_columns(skin.shape, protocol.points), skin.stresses), result);
+    add_law(protocol, "body", "lattice body", stretch_sheet(exec, skin_sheet(skin), protocol.points), result);
+  }
+  const Protocol strip = protocols()[0];
+  add_law(strip, "fiber", "fiber law", predict_fiber(strip), result);
 }
 
 }  // namespace turgor

@@ -52,9 +52,10 @@ struct MeasuredResult {
   std::vector<MeasuredCurve> curves;
 };
 
-/// Muscle and skin: laws at a point of the material, fitted to some curves, predict others.
+/// Muscle and skin: laws at a point of the material, fitted to some curves, predict others; skin also as a
+/// sheet of a lattice body.
 void add_muscle(MeasuredResult& result);
-void add_skin_sheet(MeasuredResult& result);
+void add_skin_sheet(const Exec& exec, MeasuredResult& result);
 /// Blocks of lattice cells with the exponential law and the pairs of the muscle's fit.
 void add_muscle_bodies(const Exec& exec, MeasuredResult& result);
 /// Layered lattices under a flat probe; moduli fitted at two sites predict two others.

@@ -25,7 +25,7 @@ TEST(ValidateMeasuredCommand, MissesArePrinted) {
   }
   EXPECT_EQ(ended.code, missed > 0 ? 3 : 0) << ended.printed;
   EXPECT_EQ(report["missed"].size(), missed);
-  for (const char* curve : {"muscle-along-exponential.svg", "skin-y-exponential.svg", "cantilever.svg"})
+  for (const char* curve : {"muscle-along-exponential.svg", "skin-equibiaxial-y-body.svg", "cantilever.svg"})
     EXPECT_TRUE(fs::exists(folder / "measured" / curve)) << curve;
 }
 

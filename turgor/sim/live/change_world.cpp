@@ -22,6 +22,10 @@ constexpr std::string_view kLive[][2] = {
     {"lattice", "skin.stiffness"},
     {"lattice", "skin.shear"},
     {"lattice", "skin.amplification"},
+    {"lattice", "skin.stiffening"},
+    {"lattice", "skin.fiber_stiffness"},
+    {"lattice", "skin.fiber_stiffening"},
+    {"lattice", "skin.dispersion"},
     {"cloth", "wind.velocity"},
     {"cloth", "wind.density"},
     {"cloth", "wind.pressure"},
@@ -85,6 +89,10 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   params.skin.stiffness = scene.params.skin.stiffness;
   params.skin.shear = scene.params.skin.shear;
   params.skin.amplification = scene.params.skin.amplification;
+  params.skin.stiffening = scene.params.skin.stiffening;
+  params.skin.fiber_stiffness = scene.params.skin.fiber_stiffness;
+  params.skin.fiber_stiffening = scene.params.skin.fiber_stiffening;
+  params.skin.dispersion = scene.params.skin.dispersion;
   const bool has_pull = !body.model.prestress_force.empty();
   if (has_pull) body.model.prestress_force = lattice::measure_prestress(exec, body.model);
   body.state.change().sleep = {};  // wakes all rows

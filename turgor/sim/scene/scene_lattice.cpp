@@ -8,6 +8,7 @@
 #include "turgor/sim/scene/scene_label.hpp"
 #include "turgor/sim/scene/scene_layers.hpp"
 #include "turgor/sim/scene/scene_prony.hpp"
+#include "turgor/sim/scene/scene_skin.hpp"
 #include "turgor/sim/scene/scene_tissue.hpp"
 
 namespace turgor {
@@ -265,30 +266,20 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
   const TissuePreset* preset = read_preset_of(body, "skin", table, PresetKind::kSkin);
   skin.tension_along = value_or(preset, "tension", skin.tension_along);
   skin.tension_across = value_or(preset, "tension", skin.tension_across);
-  table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fiber", SkinLaw::kFiber}},
-                             "`\"fiber\"`: directional, with Langer's lines; `\"area\"`: the paper's");
+  table.read_choice<SkinLaw>(
+      "law", skin.law,
+      {{"area", SkinLaw::kArea}, {"fiber", SkinLaw::kFiber}, {"exponential", SkinLaw::kExponential}},
+      "`\"fiber\"`: directional, with Langer's lines; `\"area\"`: the paper's; "
+      "`\"exponential\"`: stiffens as measured skin does (docs/skin-law.md)");
   read_tension(table, skin);
-  table.read("stiffness", skin.stiffness, positive("N/m"), "of the membrane");
-  table.read("shear", skin.shear, not_negative("N/m"), "fiber law only");
-  table.read("amplification", skin.amplification, not_negative("1"), "how fast skin stiffens when stretched");
+  read_skin_stiffness(table, skin);
   table.read("direction", skin.direction, any_number("1"), "Langer's lines, for the whole body");
   table.read_path("direction_field", field, "Langer's lines as a three-component image on the same patient");
   // check consistency
   if (norm(skin.direction) == 0) table.fail("direction", "expected a vector that is not zero");
-  if (const double most = std::max(skin.tension_along, skin.tension_across); most >= skin.stiffness)
-    table.fail("tension", fmt::format("expected less than the skin's stiffness, {} N/m, found {} N/m",
-                                      skin.stiffness, most));
+  check_skin_tension(table, skin);
   table.finish();
-  const char* law = skin.law == SkinLaw::kFiber ? "fiber" : "area";
-  const bool has_tension = table.has("tension");
-  rows.push_back(tissue_row("skin, across Langer's lines", law, preset,
-                            {{"tension", skin.tension_across, "N/m", has_tension}}, kSkinDefaults));
-  rows.push_back(tissue_row("skin", law, preset,
-                            {{"tension", skin.tension_along, "N/m", has_tension},
-                             {"stiffness", skin.stiffness, "N/m", table.has("stiffness")},
-                             {"shear", skin.shear, "N/m", table.has("shear")},
-                             {"amplification", skin.amplification, "1", table.has("amplification")}},
-                            kSkinDefaults));
+  add_skin_rows(table, skin, preset, rows);
 }
 
 void read_solver(SceneTable& body, lattice::SolverParams& solver) {
@@ -378,8 +369,8 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
 
   // skin
   read_skin(body, scene.params.skin, scene.direction_field, scene.tissues);
-  const bool fiber = scene.params.skin.enabled && scene.params.skin.law == SkinLaw::kFiber;
-  if (projects && fiber)
+  const bool has_fibers = scene.params.skin.enabled && scene.params.skin.law != SkinLaw::kArea;
+  if (projects && has_fibers)
     body.fail(body.has("skin") ? "skin" : "solver",
               "solver.method = \"pbd\" offers the area law only (a projection has no forces along and across "
               "Langer's lines); set skin.law = \"area\" or solver.method = \"vbd\"");

@@ -13,6 +13,11 @@ namespace turgor {
 constexpr const char* kSkinDefaults =
     "defaults of the program; measured tension of living skin is 6 to 138 N/m (Flynn et al. 2011 and later "
     "work)";
+/// Source of the default values of the exponential law of skin.
+constexpr const char* kExponentialSkinDefaults =
+    "defaults of the program: one porcine specimen (Tac et al. 2022) as skin 1.5 mm thick; the tension is "
+    "not "
+    "of it";
 constexpr const char* kPlainDefaults = "defaults of the program, not measured values";
 
 /// Preset that the text under `key` names. Null if the key is missing, or its value is no such name, which

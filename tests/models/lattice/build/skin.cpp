@@ -175,7 +175,7 @@ TEST(LatticeSkin, ThinSheetIsCoveredOnce) {
 
 // A body under tense skin is at rest in the shape of the CT.
 TEST(LatticeSkin, TenseBodyStartsAtRest) {
-  for (const SkinLaw law : {SkinLaw::kArea, SkinLaw::kFiber}) {
+  for (const SkinLaw law : {SkinLaw::kArea, SkinLaw::kFiber, SkinLaw::kExponential}) {
     Params params;
     params.skin.law = law;
     params.skin.tension_along = params.skin.tension_across =
@@ -267,6 +267,11 @@ TEST(LatticeSkin, HasRequestedTension) {
       EXPECT_NEAR(tension_of(fiber, false, 0), across, 0.002 * across + 0.01);
       EXPECT_NEAR(tension_of(fiber, true, std::numbers::pi / 2), across, 0.002 * across + 0.01)
           << "lines along y";
+      SkinParams exponential = fiber;
+      exponential.law = SkinLaw::kExponential, exponential.stiffening = 8;
+      EXPECT_NEAR(tension_of(exponential, true, 0), along, 0.004 * along + 0.02) << "N/m, exponential law";
+      EXPECT_NEAR(tension_of(exponential, false, 0), across, 0.004 * across + 0.02);
+      EXPECT_NEAR(tension_of(exponential, true, std::numbers::pi / 2), across, 0.004 * across + 0.02);
       SkinParams area = fiber;
       area.law = SkinLaw::kArea;
       const double mean = (along + across) / 2;

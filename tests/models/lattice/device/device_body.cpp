@@ -165,6 +165,7 @@ TEST(DeviceBody, VbdOfSpringsMatchesCpuInAnyOrder) {
 TEST(DeviceBody, VbdOfSolidMatchesCpuInAnyOrder) {
   expect_steps_match_cpu({.method = Method::kVbd, .law = TissueLaw::kSolid, .skin = SkinLaw::kArea});
   expect_steps_match_cpu({.method = Method::kVbd, .law = TissueLaw::kSolid, .size = {20, 12, 7}});
+  expect_steps_match_cpu({.method = Method::kVbd, .law = TissueLaw::kSolid, .skin = SkinLaw::kExponential});
 }
 
 // Steps with a coarse space match the CPU in any order of the loops.

@@ -7,6 +7,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/coarse/coarse_levels.hpp"
+#include "turgor/models/lattice/mechanics/skin_calibration.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/lattice/solver/viscosity.hpp"
 
@@ -196,10 +197,15 @@ void add_isotropic(Mat3d& m, double by) {
 struct SkinStiffness {
   const Model& model;
   FiberLaw law;
+  SkinTangent tangent;  // exponential law
 
-  explicit SkinStiffness(const Model& m) : model(m), law(fiber_law(m.params.skin)) {}
+  explicit SkinStiffness(const Model& m) : model(m), law(fiber_law(m.params.skin)) {
+    if (m.params.skin.law == SkinLaw::kExponential)
+      tangent = skin_tangent(m.params.skin, stretch_of_tension(m.params.skin).value_or(SkinStretch{}));
+  }
 
   Mat3d operator()(const SkinTriangle& t, int a, int b) const {
+    if (model.params.skin.law == SkinLaw::kExponential) return tangent_stiffness(t, a, b);
     return model.params.skin.law == SkinLaw::kFiber ? fiber_stiffness(t, a, b) : area_stiffness(t, a, b);
   }
   Mat3d fiber_stiffness(const SkinTriangle& t, int a, int b) const {
@@ -212,6 +218,22 @@ struct SkinStiffness {
     const Vec3d sheared_a = f * double(t.across[a]) + g * double(t.along[a]),
                 sheared_b = f * double(t.across[b]) + g * double(t.along[b]);
     add_outer(k, sheared_a, sheared_b, double(law.shear) * double(t.area));
+    return k;
+  }
+  /// Strains along e and across g, and their tension: the tangent of the law at the tension of the CT.
+  Mat3d tangent_stiffness(const SkinTriangle& t, int a, int b) const {
+    const Vec3d e1(t.edge1), e2(t.edge2);
+    const Vec3d e = e1 * double(t.along[1]) + e2 * double(t.along[2]),
+                g = e1 * double(t.across[1]) + e2 * double(t.across[2]);
+    const double area = double(t.area), xa = double(t.along[a]), xb = double(t.along[b]),
+                 ya = double(t.across[a]), yb = double(t.across[b]);
+    Mat3d k = kNothing;
+    add_outer(k, e, e, area * tangent.along * xa * xb);
+    add_outer(k, g, g, area * tangent.across * ya * yb);
+    add_outer(k, e, g, area * tangent.coupling * xa * yb);
+    add_outer(k, g, e, area * tangent.coupling * ya * xb);
+    add_outer(k, e * ya + g * xa, e * yb + g * xb, area * tangent.shear);
+    add_isotropic(k, area * (tangent.tension_along * xa * xb + tangent.tension_across * ya * yb));
     return k;
   }
   void add_fiber(Mat3d& k, Vec3d g, double share, double rest, double area) const {

@@ -90,6 +90,9 @@ TURGOR_HD inline NodeSystem CutElementView::skin_element(const CutSkinElement& e
   if (skin.law == SkinLaw::kFiber) {
     add_skin_fiber(s, edge1, edge2, {t.along[at], t.along[b], t.along[c]},
                    {t.across[at], t.across[b], t.across[c]}, t.area, skin.fiber);
+  } else if (skin.law == SkinLaw::kExponential) {
+    add_skin_exponential(s, edge1, edge2, {t.along[at], t.along[b], t.along[c]},
+                         {t.across[at], t.across[b], t.across[c]}, t.area, skin.exponential);
   } else {
     const Real rest = skin.rest_ratio * t.area;
     add_skin_area(s, {}, edge1, edge2, rest, skin.stiffness / rest, skin.amplification);

@@ -233,10 +233,12 @@ inline Real fiber_rest(double tension, const SkinParams& skin) {
 /// of
 ///   K s (1 + β s) = T
 inline Real rest_area_ratio(const SkinParams& skin) {
+  if (skin.law == SkinLaw::kExponential) return 1;
   const double t = 0.5 * (skin.tension_along + skin.tension_across) / skin.stiffness;
   return Real(1 / (1 + 2 * t / (1 + std::sqrt(1 + 4 * skin.amplification * t))));
 }
 inline FiberLaw fiber_law(const SkinParams& skin) {
+  if (skin.law == SkinLaw::kExponential) return {};  // the stretch of the CT follows from another law
   return {.rest_along = fiber_rest(skin.tension_along, skin),
           .rest_across = fiber_rest(skin.tension_across, skin),
           .stiffness = Real(skin.stiffness),

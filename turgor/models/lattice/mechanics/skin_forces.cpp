@@ -58,6 +58,13 @@ void SkinForces::gather(const SkinCorners& corners, const NodeArrays& nodes,
                                  displacements.edge(corners, 2, i)));
     return;
   }
+  if (law == SkinLaw::kExponential) {
+    TURGOR_LANES
+    for (int i = 0; i < kSkinLanes; i++)
+      out.set(i, by.exponential_system(corners, i, displacements.edge(corners, 1, i),
+                                       displacements.edge(corners, 2, i)));
+    return;
+  }
   TURGOR_LANES
   for (int i = 0; i < kSkinLanes; i++)
     out.set(i,
@@ -78,6 +85,13 @@ void SkinForces::compute_forces(std::span<const SkinTriangle> triangles, const N
     for (int i = 0; i < kSkinLanes; i++)
       set(i, skin_fiber_forces(t.vec(t.edge[0], i), t.vec(t.edge[1], i), t.vec(t.along, i),
                                t.vec(t.across, i), t.area[i], by.fiber));
+    return;
+  }
+  if (law == SkinLaw::kExponential) {
+    TURGOR_LANES
+    for (int i = 0; i < kSkinLanes; i++)
+      set(i, skin_exponential_forces(t.vec(t.edge[0], i), t.vec(t.edge[1], i), t.vec(t.along, i),
+                                     t.vec(t.across, i), t.area[i], by.exponential));
     return;
   }
   TURGOR_LANES

@@ -1,11 +1,12 @@
 // Skin forces and Hessians at nodes of a row, for many triangle corners at once. The laws are in
-// element_energies.hpp.
+// element_energies.hpp and skin_exponential.hpp.
 #pragma once
 
 #include <algorithm>
 #include <span>
 
 #include "turgor/models/lattice/mechanics/node_systems.hpp"
+#include "turgor/models/lattice/mechanics/skin_calibration.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 
 namespace turgor::lattice {
@@ -23,13 +24,15 @@ struct SkinForces {
   SkinLaw law;
   FiberLaw fiber;
   Real rest_ratio, stiffness, amplification;
+  ExponentialSkin exponential;
 
   explicit SkinForces(const Model& model)
       : law(model.params.skin.law),
         fiber(fiber_law(model.params.skin)),
         rest_ratio(rest_area_ratio(model.params.skin)),
         stiffness(Real(model.params.skin.stiffness)),
-        amplification(Real(model.params.skin.amplification)) {}
+        amplification(Real(model.params.skin.amplification)),
+        exponential(exponential_skin(model.params.skin)) {}
 
   /// System of a corner at its own node; the edges start there.
   TURGOR_HD NodeSystem fiber_system(const SkinCorners& c, int i, Vec3 edge1, Vec3 edge2) const {
@@ -44,12 +47,19 @@ struct SkinForces {
     add_skin_area(s, {}, edge1, edge2, rest, stiffness / rest, amplification);
     return s;
   }
+  TURGOR_HD NodeSystem exponential_system(const SkinCorners& c, int i, Vec3 edge1, Vec3 edge2) const {
+    NodeSystem s;
+    add_skin_exponential(s, edge1, edge2, {c.along[0][i], c.along[1][i], c.along[2][i]},
+                         {c.across[0][i], c.across[1][i], c.across[2][i]}, c.area[i], exponential);
+    return s;
+  }
   /// System of one corner.
   TURGOR_HD NodeSystem gather(const SkinCorners& c, int i, const NodeArrays& n) const {
     const Vec3 u0 = n.u(c.vertex[0][i]);
     const auto edge = [&](int q) {
       return Vec3{c.edge[q - 1][0][i], c.edge[q - 1][1][i], c.edge[q - 1][2][i]} + (n.u(c.vertex[q][i]) - u0);
     };
+    if (law == SkinLaw::kExponential) return exponential_system(c, i, edge(1), edge(2));
     return law == SkinLaw::kFiber ? fiber_system(c, i, edge(1), edge(2))
                                   : area_system(c, i, edge(1), edge(2));
   }

@@ -65,6 +65,11 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"cell_shear", "m^3", Axis::kSlot}, m.anatomy.cell_laws.shear);
   visit(Field{"cell_bulk", "m^3", Axis::kSlot}, m.anatomy.cell_laws.bulk);
   visit(Field{"cell_stiffening", "", Axis::kSlot}, m.anatomy.cell_laws.stiffening);
+  visit(Field{"cell_fiber", "m^3", Axis::kSlot}, m.anatomy.cell_laws.fiber);
+  visit(Field{"cell_fiber_stiffening", "", Axis::kSlot}, m.anatomy.cell_laws.fiber_stiffening);
+  visit(Field{"cell_fiber_x", "", Axis::kSlot}, m.anatomy.cell_laws.fiber_x);
+  visit(Field{"cell_fiber_y", "", Axis::kSlot}, m.anatomy.cell_laws.fiber_y);
+  visit(Field{"cell_fiber_z", "", Axis::kSlot}, m.anatomy.cell_laws.fiber_z);
   visit(Field{"around", "", Axis::kSlot}, m.vbd.incident_elements);
   visit(Field{"moving", ""}, m.anatomy.free_runs.all);
   visit(Field{"moving_begin", "", Axis::kRow}, m.anatomy.free_runs.row_begin);

@@ -75,6 +75,8 @@ struct Layers {
 struct CellLaws {
   aligned_vector<Real> shear, bulk;  // V µ/E and V κ/E, with the moduli of the law (solid_laws.hpp) [m³]
   aligned_vector<Real> stiffening;   // b or α [1]
+  // Fibers; empty without. V k1/E [m³], k2 [1] and unit direction in the lattice frame.
+  aligned_vector<Real> fiber, fiber_stiffening, fiber_x, fiber_y, fiber_z;
 };
 
 /// Nodes, cells and skin of a body, with their materials.

@@ -15,7 +15,7 @@ namespace turgor::lattice {
 enum class Method : std::uint8_t { kPbd, kVbd };
 /// Order of a sweep: slabs of layers, or colors (colors.hpp).
 enum class Ordering : std::uint8_t { kSlabs, kColors };
-enum class SkinLaw : std::uint8_t { kArea, kFiber };
+enum class SkinLaw : std::uint8_t { kArea, kFiber, kExponential };
 /// Springs along the edges as in the paper, or isotropic solid cells (solid.hpp).
 enum class TissueLaw : std::uint8_t { kSprings, kSolid };
 /// Energy of solid cells (solid_laws.hpp).
@@ -25,12 +25,34 @@ struct SkinParams {
   SkinLaw law = SkinLaw::kFiber;
   double tension_along = 45;   // tension along Langer's lines; the area law uses the mean of both [N/m]
   double tension_across = 45;  // tension across the lines [N/m]
-  double stiffness = 300;      // membrane stiffness in both directions [N/m]
-  double shear = 100;          // fiber law only [N/m]
-  double amplification = 2;    // stiffening with stretch, β of the paper [1]
-  Vec3d direction{1, 0, 0};    // Langer's lines, patient frame; may leave the skin surface
+  double stiffness = 300;      // area and fiber law: membrane stiffness in both directions [N/m]
+  double shear = 100;          // fiber law: shear stiffness; exponential: µ of the matrix [N/m]
+  double amplification = 2;    // area and fiber law: stiffening with stretch, β of the paper [1]
+  // Exponential law (mechanics/skin_exponential.hpp). The defaults are near those of porcine skin 1.5 mm
+  // thick.
+  double stiffening = 13;        // b of the matrix [1]
+  double fiber_stiffness = 110;  // k1 of the fibers along Langer's lines [N/m]
+  double fiber_stiffening = 20;  // k2 [1]
+  double dispersion = 0;         // κ of the fibers' directions, 0 to 1/3 [1]
+  Vec3d direction{1, 0, 0};      // Langer's lines, patient frame; may leave the skin surface
 
   friend bool operator==(const SkinParams&, const SkinParams&) = default;
+};
+
+/// Fibers of exponential cells (solid_laws.hpp).
+struct FiberParams {
+  double stiffness = 0;      // k1; 0 = none [Pa]
+  double stiffening = 0;     // k2 [1]
+  Vec3d direction{1, 0, 0};  // patient frame
+
+  friend bool operator==(const FiberParams&, const FiberParams&) = default;
+};
+
+/// Permanent set (solver/viscosity.hpp): a share of the stress beyond a strain relaxes for good.
+struct PermanentSet {
+  double strain = 0;  // equivalent strain from which on tissue sets [1]
+  double share = 0;   // of the stress beyond that strain; 0 = none [1]
+  double time = 1;    // of relaxation [s]
 };
 
 /// Layer of tissue by its depth below the skin. Its energy is that of the body.
@@ -40,6 +62,7 @@ struct TissueLayer {
   double young = 0;       // [Pa]
   double poisson = 0;     // [1]
   double stiffening = 0;  // as TissueParams::stiffening [1]
+  FiberParams fiber;
 };
 
 struct TissueParams {
@@ -55,6 +78,8 @@ struct TissueParams {
   bool partial_cells = false;
   SolidEnergy energy = SolidEnergy::kNeoHookean;
   double stiffening = 0;                 // exponential: b; Ogden: α [1]
+  FiberParams fiber;                     // exponential
+  PermanentSet set;                      // solid
   std::vector<TissueLayer> layers;       // solid: from the skin inward; empty = tissues by CT value
   Prony prony;                           // solid: relaxation; the moduli are static ones
   std::map<int, double> young_of_label;  // Young's modulus by label of a segmentation [Pa]

@@ -7,6 +7,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
+#include "turgor/models/lattice/mechanics/skin_calibration.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/mechanics/solid_laws.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
@@ -114,10 +115,16 @@ double skin_energy(const Model& model, const SkinTriangle& t, const Vec3d (&u)[3
                  rest = double(rest_area_ratio(p)) * t.area;
     return p.stiffness / rest * amplified(area - rest, rest, p.amplification);
   }
-  // fiber law
-  const FiberLaw law = fiber_law(p);
   Vec3d along, across;
   for (int c = 0; c < 3; c++) along += x[c] * double(t.along[c]), across += x[c] * double(t.across[c]);
+  // exponential law
+  if (p.law == SkinLaw::kExponential) {
+    const ExponentialSkin rest = exponential_skin(p);
+    return double(t.area) * double(rest.rest_share) *
+           exponential_skin_energy(p, along * double(rest.along), across * double(rest.across));
+  }
+  // fiber law
+  const FiberLaw law = fiber_law(p);
   const double shear = dot(along, across);
   return t.area *
          (p.stiffness * (amplified(norm(along) - law.rest_along, law.rest_along, p.amplification) +

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/mechanics/skin_calibration.hpp"
 
 namespace turgor::lattice {
 
@@ -55,7 +56,7 @@ double penalty_at(const Model& model, const EmbeddedPoint& point) {
   const double young = double(model.anatomy.cell_young[std::size_t(point.cell)]),
                spacing = double(model.anatomy.lattice.spacing.x);
   return std::max(young, model.params.tissue.fat) * spacing +
-         (model.params.skin.enabled ? model.params.skin.stiffness : 0);
+         (model.params.skin.enabled ? skin_stiffness(model.params.skin) : 0);
 }
 
 PointStiffness sum_of(const PointStiffness& a, const PointStiffness& b) {
