@@ -182,7 +182,8 @@ Result<LoadedSubdomain> load_subdomain(const Exec& exec, const Ranks& ranks, con
   };
   if (lattice::has_cell_laws(scene.params.tissue))
     return located(
-        "a distributed body has cells of law = \"solid\" without layers and viscosity; set that law, or run "
+        "a distributed body has cells of law = \"solid\" without layers, viscosity and permanent set; set "
+        "that law, or run "
         "the scene with `turgor run`");
   const Result<Grid> ct = grid_of(scene.ct);
   if (const Status found = agree(ranks, ct ? Status(Done{}) : Status(ct.error())); !found)

@@ -34,6 +34,38 @@ TEST(SceneLayers, ReadsLaws) {
   EXPECT_EQ(brain.muscle, 4390);
 }
 
+// Fibers of a tissue and of layers are read; layers without their own have those of the body.
+TEST(SceneLayers, ReadsFibers) {
+  const LatticeScene scene = layered_scene(
+      "tissue = { law = \"exponential\", fiber = { stiffness = 2e4, stiffening = 3, direction = [0, 1, 0] } "
+      "}\n"
+      "layers = [{ name = \"fat\", thickness = 0.005, young = 3e3, slide = 0.05, fiber = { stiffness = 0 } "
+      "},\n"
+      "  { name = \"muscle\", young = 9e3 }]\n");
+  const lattice::TissueParams& tissue = scene.params.tissue;
+  EXPECT_EQ(tissue.fiber, (lattice::FiberParams{2e4, 3, {0, 1, 0}}));
+  EXPECT_EQ(tissue.layers[0].fiber.stiffness, 0);
+  EXPECT_EQ(tissue.layers[0].slide, 0.05);
+  EXPECT_EQ(tissue.layers[1].fiber, tissue.fiber);
+  int rows = 0;
+  for (const TissueRow& row : scene.tissues)
+    rows += row.component == "layer muscle, fibers" || row.component == "all tissue, fibers" ||
+            row.component == "layer fat, sliding";
+  EXPECT_EQ(rows, 3);
+}
+
+// The permanent set is read; the report states it.
+TEST(SceneLayers, ReadsPermanentSet) {
+  const LatticeScene scene = layered_scene("permanent_set = { share = 0.3, strain = 0.1, time = 2 }\n");
+  EXPECT_EQ(scene.params.tissue.set.share, 0.3);
+  EXPECT_EQ(scene.params.tissue.set.strain, 0.1);
+  EXPECT_EQ(scene.params.tissue.set.time, 2);
+  EXPECT_TRUE(lattice::has_cell_laws(scene.params.tissue));
+  bool found = false;
+  for (const TissueRow& row : scene.tissues) found |= row.component == "permanent set";
+  EXPECT_TRUE(found);
+}
+
 // Layers have their own values, those of a preset or of the body; the report lists each with its source.
 TEST(SceneLayers, ReadsLayers) {
   const LatticeScene scene = layered_scene(
@@ -90,6 +122,13 @@ TEST(SceneLayers, RefusesWrongCombinations) {
        "springs do not relax"},
       {layered_error("solver = { sleep_speed = 1e-3 }\nviscosity = { pairs = [[0.4, 1]] }\n"),
        "creeps in its sleep"},
+      {layered_error("tissue = { fiber = { stiffness = 1e3 } }\n"), "only law = \"exponential\" has fibers"},
+      {layered_error("permanent_set = { share = 1.5 }\n"), "share"},
+      {layered_error("tissue = { law = \"springs\" }\npermanent_set = { share = 0.3 }\n"),
+       "springs do not set"},
+      {layered_error("solver = { sleep_speed = 1e-3 }\npermanent_set = { share = 0.3 }\n"),
+       "creeps in its sleep"},
+      {layered_error("permanent_set = { share = 0.3 }\n", gpu), "world.device = \"gpu\" steps cells"},
       {layered_error("tissue = { law = \"exponential\" }\n", gpu), "world.device = \"gpu\" steps cells"}};
   for (const auto& [found, expected] : cases)
     EXPECT_NE(found.find(expected), std::string::npos) << "expected \"" << expected << "\" in: " << found;

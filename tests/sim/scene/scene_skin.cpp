@@ -35,7 +35,7 @@ TEST(SceneSkin, ReadsExponentialLaw) {
   EXPECT_EQ(rows, 3);
 }
 
-// Keys of other laws, and a tension beyond the law, are errors that name the place.
+// Keys of other laws, and a tension beyond the law, are errors.
 TEST(SceneSkin, RefusesKeysOfOtherLaws) {
   EXPECT_NE(skin_error("skin = { law = \"exponential\", stiffness = 300 }\n").find("remove stiffness"),
             std::string::npos);

@@ -4,6 +4,7 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/plain_text.hpp"
+#include "turgor/models/lattice/solver/viscosity.hpp"
 #include "turgor/sim/report/section.hpp"
 
 namespace turgor {
@@ -80,6 +81,13 @@ const Quantity<LatticeInput> kLattice[] = {
      {"", "bytes/node"},
      "memory",
      [](const LatticeInput& l) -> Json { return double(l.bytes) / node_count(l.body.model.anatomy.lattice); },
+     kEverywhere},
+    {"set_max", kPercent, "largest permanent strain",
+     [](const LatticeInput& l) -> Json {
+       return lattice::has_set(l.body.model.params.tissue.set)
+                  ? Json(lattice::largest_set(Exec(1), l.body.model, l.body.state))
+                  : absent();
+     },
      kEverywhere},
     {"read", kSeconds, "reading the CT", [](const LatticeInput& l) -> Json { return l.body.read_seconds; }},
     {"build", kSeconds, "building the body",

@@ -127,6 +127,7 @@ void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissuePar
                   : law == "ogden"     ? SolidEnergy::kOgden
                                        : SolidEnergy::kNeoHookean;
   read_stiffening(tissue, preset, params.energy, params.stiffening);
+  read_fiber(tissue, params, params.fiber);
   // keys with limits
   tissue.read("poisson", params.poisson, within(0, 0.49),
               "solid only: Poisson's ratio; use 10 or more sweeps from 0.45 on");
@@ -182,6 +183,7 @@ void add_tissue_rows(SceneTable& tissue, const lattice::TissueParams& params, co
         tissue_row("all tissue", law, preset, {{"poisson", params.poisson, "1", tissue.has("poisson")}}));
   if (params.energy != SolidEnergy::kNeoHookean)
     rows.push_back(tissue_row("all tissue, stiffening", law, preset, {stiffening_value(tissue, params)}));
+  add_fiber_row(tissue, "all tissue", params.fiber, rows);
   for (const auto& [label, modulus] : params.young_of_label)
     rows.push_back(
         tissue_row(fmt::format("label {}", label), law, nullptr, {{"young", modulus, "Pa", true}}));
@@ -228,6 +230,7 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
   add_tissue_rows(tissue, params, preset, rows);
   read_layers(body, params, rows);
   read_relaxation(body, preset, params, rows);
+  read_permanent_set(body, params, rows);
 }
 
 void read_tension(SceneTable& table, lattice::SkinParams& skin) {
@@ -326,7 +329,8 @@ void check_gpu(SceneTable& body, const lattice::Params& params) {
   const lattice::SolverParams& solver = params.solver;
   if (lattice::has_cell_laws(params.tissue))
     body.fail(params.tissue.layers.empty() ? "tissue" : "layers",
-              "world.device = \"gpu\" steps cells of law = \"solid\" without layers and viscosity only; set "
+              "world.device = \"gpu\" steps cells of law = \"solid\" without layers, viscosity and permanent "
+              "set only; set "
               "that law, or "
               "world.device = \"cpu\"");
   if (solver.ordering != Ordering::kColors)
@@ -376,9 +380,11 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
               "Langer's lines); set skin.law = \"area\" or solver.method = \"vbd\"");
 
   // combinations
-  if (pair_count(scene.params.tissue.prony) > 0 && scene.params.solver.sleep_speed > 0)
-    body.fail("viscosity",
-              "viscous tissue creeps in its sleep: set solver.sleep_speed = 0, or remove viscosity");
+  const lattice::TissueParams& law = scene.params.tissue;
+  if (scene.params.solver.sleep_speed > 0 && (pair_count(law.prony) > 0 || lattice::has_set(law.set)))
+    body.fail(
+        pair_count(law.prony) > 0 ? "viscosity" : "permanent_set",
+        "tissue that relaxes or sets creeps in its sleep: set solver.sleep_speed = 0, or remove the key");
   check_solid(body, scene.params);
   if (device == Device::kGpu) check_gpu(body, scene.params);
   body.finish();

@@ -11,7 +11,7 @@ namespace {
 /// Reads one layer. `is_last`: its thickness is the rest of the body if it is missing.
 TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, bool is_last,
                        std::vector<TissueRow>& rows) {
-  TissueLayer layer{.poisson = params.poisson, .stiffening = params.stiffening};
+  TissueLayer layer{.poisson = params.poisson, .stiffening = params.stiffening, .fiber = params.fiber};
   table.read("name", layer.name, {"of the layer, for the report", "required"});
   table.read("thickness", layer.thickness, positive("m"),
              {"of the layer; the last one may leave it out and is the rest of the body", "required"});
@@ -21,6 +21,11 @@ TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, b
   table.read("young", layer.young, modulus(), {"Young's modulus of the layer", "of `tissue`"});
   table.read("poisson", layer.poisson, within(0, 0.49), {"Poisson's ratio of the layer", "that of the body"});
   read_stiffening(table, preset, params.energy, layer.stiffening);
+  read_fiber(table, params, layer.fiber);
+  table.read(
+      "slide", layer.slide, within(0.002, 1),
+      "factor of the layer's shear modulus; a thin layer with a small one lets its neighbors slide, and "
+      "bears pressure as before");
   if (table.is_listed()) return layer;
 
   // missing keys
@@ -39,6 +44,10 @@ TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, b
     stiffening.value = layer.stiffening;
     rows.push_back(tissue_row(component + ", stiffening", law_name(params), preset, {stiffening}));
   }
+  add_fiber_row(table, component, layer.fiber, rows);
+  if (table.has("slide"))
+    rows.push_back(
+        tissue_row(component + ", sliding", law_name(params), nullptr, {{"slide", layer.slide, "1", true}}));
   if (table.has("thickness"))
     rows.push_back(tissue_row(component + ", thickness", law_name(params), nullptr,
                               {{"thickness", layer.thickness, "m", true}}));
@@ -83,6 +92,50 @@ void read_stiffening(SceneTable& table, const TissuePreset* preset, SolidEnergy 
 LawValue stiffening_value(const SceneTable& table, const lattice::TissueParams& params) {
   const char* key = params.energy == SolidEnergy::kOgden ? "alpha" : "stiffening";
   return {key, params.stiffening, "1", table.has(key)};
+}
+
+void read_fiber(SceneTable& table, const lattice::TissueParams& params, lattice::FiberParams& fiber) {
+  SceneTable keys = table.table("fiber");
+  keys.read("stiffness", fiber.stiffness, not_negative("Pa"),
+            "exponential only: k1 of fibers in the cells; 0: none");
+  keys.read("stiffening", fiber.stiffening, within(0, 1000),
+            "exponential only: k2, how fast the fibers stiffen with strain");
+  keys.read("direction", fiber.direction, any_number("1"), "exponential only: of the fibers, patient frame");
+  if (norm(fiber.direction) == 0) keys.fail("direction", "expected a vector that is not zero");
+  if (params.energy != SolidEnergy::kExponential && table.has("fiber"))
+    table.fail("fiber", "only law = \"exponential\" has fibers: set that law, or remove fiber");
+  keys.finish();
+}
+
+void add_fiber_row(SceneTable& table, const std::string& component, const lattice::FiberParams& fiber,
+                   std::vector<TissueRow>& rows) {
+  if (!(fiber.stiffness > 0)) return;
+  const bool given = table.has("fiber");
+  rows.push_back(tissue_row(
+      component + ", fibers", "exponential", nullptr,
+      {{"stiffness", fiber.stiffness, "Pa", given}, {"stiffening", fiber.stiffening, "1", given}}));
+}
+
+void read_permanent_set(SceneTable& body, lattice::TissueParams& params, std::vector<TissueRow>& rows) {
+  SceneTable table = body.table("permanent_set");
+  lattice::PermanentSet& set = params.set;
+  table.read(
+      "share", set.share, within(0, 0.95),
+      "solid laws only: share of the stress beyond `strain` that relaxes for good, so that a dent stays; "
+      "0: none");
+  table.read("strain", set.strain, within(0, 10),
+             "equivalent strain from which on the tissue sets; in tension, about the elongation");
+  table.read("time", set.time, inside(0, 1000, "s"), "of that relaxation");
+  table.finish();
+  if (set.share == 0) return;
+  if (params.law != TissueLaw::kSolid)
+    body.fail("permanent_set", "springs do not set: set tissue.law = \"solid\", or remove permanent_set");
+  if (params.partial_cells)
+    body.fail("permanent_set", "cells that set are whole: remove tissue.partial_cells, or permanent_set");
+  rows.push_back(tissue_row("permanent set", law_name(params), nullptr,
+                            {{"strain", set.strain, "1", table.has("strain")},
+                             {"share", set.share, "1", table.has("share")},
+                             {"time", set.time, "s", table.has("time")}}));
 }
 
 void read_layers(SceneTable& body, lattice::TissueParams& params, std::vector<TissueRow>& rows) {

@@ -52,6 +52,15 @@ struct CellLawWriter {
     laws.shear[slot] = Real(volume * ratios.shear), laws.bulk[slot] = Real(volume * ratios.bulk);
     laws.stiffening[slot] = Real(stiffening);
   }
+  /// Fibers of a cell with this Young's modulus.
+  void set_fiber(std::size_t slot, double young, const FiberParams& fiber) const {
+    CellLaws& laws = model.anatomy.cell_laws;
+    if (laws.fiber.empty() || !(young > 0)) return;
+    const Vec3d a = normalized(inverse(model.anatomy.grid.axes) * fiber.direction);
+    laws.fiber[slot] = Real(volume * fiber.stiffness / young);
+    laws.fiber_stiffening[slot] = Real(fiber.stiffening);
+    laws.fiber_x[slot] = Real(a.x), laws.fiber_y[slot] = Real(a.y), laws.fiber_z[slot] = Real(a.z);
+  }
 };
 
 /// True if all free corners of a cell are of layers.
@@ -84,13 +93,15 @@ LayerSpan cell_depths(const Grid& grid, const std::vector<float>& depth, Int3 ce
 }  // namespace
 
 bool has_cell_laws(const TissueParams& tissue) {
-  return tissue.law == TissueLaw::kSolid && (tissue.energy != SolidEnergy::kNeoHookean ||
-                                             !tissue.layers.empty() || pair_count(tissue.prony) > 0);
+  return tissue.law == TissueLaw::kSolid &&
+         (tissue.energy != SolidEnergy::kNeoHookean || !tissue.layers.empty() ||
+          pair_count(tissue.prony) > 0 || has_set(tissue.set) || has_fibers(tissue));
 }
 
 LayerMean mean_of_layers(const std::vector<TissueLayer>& layers, double begin, double end) {
   TURGOR_CHECK(!layers.empty() && end >= begin, "layers have an order");
-  double all = 0, shear = 0, confined = 0, stiffening = 0, top = 0;
+  double all = 0, shear = 0, confined = 0, stiffening = 0, top = 0, stiffest = 0;
+  FiberParams fiber;
   for (std::size_t n = 0; n < layers.size(); n++) {
     // thickness of the layer in the cell; a cell without extent takes the layer at its depth
     const TissueLayer& layer = layers[n];
@@ -102,14 +113,19 @@ LayerMean mean_of_layers(const std::vector<TissueLayer>& layers, double begin, d
     top = bottom;
     if (!(inside > 0)) continue;
     // compliances in series, under shear and under a press of a wide slab [Backus 1962]
-    const double soft = inside / shear_modulus(layer.young, layer.poisson);
+    const double soft = inside / (layer.slide * shear_modulus(layer.young, layer.poisson));
     all += inside, shear += soft, confined += inside / confined_modulus(layer.young, layer.poisson);
     stiffening += soft * layer.stiffening;
+    const double share = inside * layer.fiber.stiffness;
+    fiber.stiffness += share, fiber.stiffening += share * layer.fiber.stiffening;
+    if (share > stiffest) stiffest = share, fiber.direction = layer.fiber.direction;
   }
+  if (fiber.stiffness > 0) fiber.stiffening /= fiber.stiffness, fiber.stiffness /= all;
   const double g = all / shear, m = all / confined;
   return {.young = g * (3 * m - 4 * g) / (m - g),
           .poisson = std::clamp((m - 2 * g) / (2 * (m - g)), 0.0, 0.4999),
-          .stiffening = stiffening / shear};
+          .stiffening = stiffening / shear,
+          .fiber = fiber};
 }
 
 std::vector<float> node_depths(const Exec& exec, const BodyNodes& nodes) {
@@ -146,6 +162,13 @@ void set_cell_laws(const Exec& exec, const BodyNodes& nodes, Model& model) {
     array->assign(anatomy.cell_young.size(), 0);
   for (std::size_t slot = 0; slot < anatomy.cell_young.size(); slot++)
     write.set(slot, tissue.poisson, tissue.stiffening);
+  if (has_fibers(tissue)) {
+    CellLaws& laws = anatomy.cell_laws;
+    for (auto* array : {&laws.fiber, &laws.fiber_stiffening, &laws.fiber_x, &laws.fiber_y, &laws.fiber_z})
+      array->assign(anatomy.cell_young.size(), 0);
+    for (std::size_t slot = 0; slot < anatomy.cell_young.size(); slot++)
+      write.set_fiber(slot, double(anatomy.cell_young[slot]), tissue.fiber);
+  }
   if (tissue.layers.empty()) return;
 
   // nodes of layers, for the edges that are springs
@@ -167,6 +190,7 @@ void set_cell_laws(const Exec& exec, const BodyNodes& nodes, Model& model) {
     const LayerMean mean = mean_of_layers(tissue.layers, span.begin, span.end);
     anatomy.cell_young[slot] = Real(mean.young);
     write.set(slot, mean.poisson, mean.stiffening);
+    write.set_fiber(slot, mean.young, mean.fiber);
   });
 }
 

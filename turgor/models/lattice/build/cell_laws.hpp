@@ -9,7 +9,8 @@
 
 namespace turgor::lattice {
 
-/// True if cells need laws of their own (law_cells.hpp): another energy, layers or viscosity.
+/// True if cells need laws of their own (law_cells.hpp): another energy, layers, viscosity or a permanent
+/// set.
 bool has_cell_laws(const TissueParams& tissue);
 
 /// Depth of every body node [m]: its distance from the nearest body node beside outside. 100 m without
@@ -21,8 +22,10 @@ std::vector<float> node_depths(const Exec& exec, const BodyNodes& nodes);
 void set_cell_laws(const Exec& exec, const BodyNodes& nodes, Model& model);
 
 /// Mean of layers over the depths [begin, end]: shares of the thickness, and moduli as springs in series.
+/// Fibers lie side by side: their stiffnesses are averaged, and the direction is that of the stiffest share.
 struct LayerMean {
   double young, poisson, stiffening;
+  FiberParams fiber;
 };
 LayerMean mean_of_layers(const std::vector<TissueLayer>& layers, double begin, double end);
 

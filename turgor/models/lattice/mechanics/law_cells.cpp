@@ -15,10 +15,18 @@ void with_law(const CellLawView& laws, const F& f) {
     case SolidEnergy::kNeoHookean:
       return f(NeoHookeanLaw{});
     case SolidEnergy::kExponential:
+      if (laws.fiber != nullptr) return f(FiberedExponentialLaw{});
       return f(ExponentialLaw{});
     case SolidEnergy::kOgden:
       return f(OgdenLaw{});
   }
+}
+
+template <class Law>
+[[gnu::always_inline]] inline CellModuli moduli_of(const CellLawView& laws, int slot, Real young) {
+  CellModuli m = laws.moduli(slot, young);
+  if constexpr (Law::kHasFibers) laws.set_fibers(slot, young, m);
+  return m;
 }
 
 [[gnu::always_inline]] inline Vec3 corner_gradient(int corner, Vec3 slope) {
@@ -63,7 +71,7 @@ void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlo
       for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
       const CellGradient gradient = cell_gradient(d, at, laws.slope);
       const Vec3 g = corner_gradient(at, laws.slope);
-      add_cell_of<Law>(s, gradient, g, laws.moduli(lowest[at] + i, young[at][i]));
+      add_cell_of<Law>(s, gradient, g, moduli_of<Law>(laws, lowest[at] + i, young[at][i]));
       if constexpr (kViscous) add_history(s, gradient, g, laws.history_of(lowest[at] + i));
     }
     out.set(begin + i, s);
@@ -91,7 +99,7 @@ void corner_forces_of(const NodeArrays& nodes, const CellLawView& view, const No
     Vec3 d[kCellCorners];
     const CornerSums sums = sums_of_cell(n, corner, a, d);
     const Vec3 ux = sums.x * laws.slope.x, uy = sums.y * laws.slope.y, uz = sums.z * laws.slope.z;
-    const CellModuli m = laws.moduli(a, young[i]);
+    const CellModuli m = moduli_of<Law>(laws, a, young[i]);
     CellPiola p = Law::piola(ux, uy, uz, m);
     if constexpr (kViscous) {  // P + F H
       const CellHistory h = laws.history_of(a);
@@ -109,6 +117,15 @@ void corner_forces_of(const NodeArrays& nodes, const CellLawView& view, const No
   }
 }
 
+/// √(⅔ e : e) of the displacement gradient's columns.
+[[gnu::always_inline]] inline Real equivalent_strain(Vec3 ux, Vec3 uy, Vec3 uz) {
+  const Real xx = ux.x + Real(0.5) * dot(ux, ux), yy = uy.y + Real(0.5) * dot(uy, uy),
+             zz = uz.z + Real(0.5) * dot(uz, uz), mean = (xx + yy + zz) / 3;
+  const Real xy = ux.y + uy.x + dot(ux, uy), xz = ux.z + uz.x + dot(ux, uz), yz = uy.z + uz.y + dot(uy, uz);
+  const Real a = xx - mean, b = yy - mean, c = zz - mean;
+  return square_root(Real(2) / 3 * (a * a + b * b + c * c + Real(0.5) * (xy * xy + xz * xz + yz * yz)));
+}
+
 /// S = F⁻¹ P = (cof F)ᵀ P/J
 template <class Law>
 void stresses_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlock& block,
@@ -123,7 +140,7 @@ void stresses_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlo
     Vec3 d[kCellCorners];
     const CornerSums sums = sums_of_cell(n, corner, a, d);
     const Vec3 ux = sums.x * laws.slope.x, uy = sums.y * laws.slope.y, uz = sums.z * laws.slope.z;
-    CellModuli m = laws.moduli(a, young[i]);
+    const CellModuli m = moduli_of<Law>(laws, a, young[i]);
     const CellPiola p = Law::piola(ux, uy, uz, m);
     const CellCofactor k = cell_cofactor(ux, uy, uz);
     const Real j = 1 + k.growth, inverse = 1 / (j > kLeastGrowth ? j : kLeastGrowth);
@@ -131,6 +148,7 @@ void stresses_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlo
     out.of[0][i] = dot(kx, p.x) * inverse, out.of[1][i] = dot(ky, p.y) * inverse;
     out.of[2][i] = dot(kz, p.z) * inverse, out.of[3][i] = dot(kx, p.y) * inverse;
     out.of[4][i] = dot(kx, p.z) * inverse, out.of[5][i] = dot(ky, p.z) * inverse;
+    out.strain[i] = equivalent_strain(ux, uy, uz);
   }
 }
 
@@ -146,6 +164,11 @@ CellLawView cell_law_view(const Model& model, const State& state) {
                    .shear = laws.shear.empty() ? nullptr : laws.shear.data(),
                    .bulk = laws.bulk.data(),
                    .stiffening = laws.stiffening.data(),
+                   .fiber = laws.fiber.empty() ? nullptr : laws.fiber.data(),
+                   .fiber_stiffening = laws.fiber_stiffening.data(),
+                   .fiber_x = laws.fiber_x.data(),
+                   .fiber_y = laws.fiber_y.data(),
+                   .fiber_z = laws.fiber_z.data(),
                    .instant = 1,
                    .history = {}};
   const Viscosity& viscosity = state.viscosity;
@@ -192,7 +215,7 @@ void law_stresses(const NodeArrays& n, const CellLawView& laws, const NodeBlock&
 void add_viscous_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& laws, int slot,
                           Real young) {
   const Vec3 g = corner_gradient(at, laws.slope);
-  with_law(laws, [&]<class Law>(Law) { add_cell_of<Law>(s, u, g, laws.moduli(slot, young)); });
+  with_law(laws, [&]<class Law>(Law) { add_cell_of<Law>(s, u, g, moduli_of<Law>(laws, slot, young)); });
   if (laws.history[0] != nullptr) add_history(s, u, g, laws.history_of(slot));
 }
 
@@ -201,7 +224,7 @@ void add_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawVie
   CellLawView elastic = laws;
   elastic.instant = 1;
   with_law(laws, [&]<class Law>(Law) {
-    add_cell_of<Law>(s, u, corner_gradient(at, laws.slope), elastic.moduli(slot, young));
+    add_cell_of<Law>(s, u, corner_gradient(at, laws.slope), moduli_of<Law>(elastic, slot, young));
   });
 }
 

@@ -23,6 +23,7 @@ struct CellLawView {
   Vec3 slope;                             // SolidLaw::slope [1/m]
   Real hourglass;                         // hourglass modulus over shear modulus, over 8 [1/m²]
   const Real *shear, *bulk, *stiffening;  // CellLaws; null: all cells follow SolidLaw
+  const Real *fiber, *fiber_stiffening, *fiber_x, *fiber_y, *fiber_z;  // null: no fibers
   Real instant;            // factor of the moduli within a step, 1 + Σ pᵢ γᵢ (viscosity.hpp)
   const Real* history[6];  // xx, yy, zz, xy, xz, yz; null = elastic [J]
 
@@ -30,6 +31,16 @@ struct CellLawView {
   TURGOR_HD CellModuli moduli(int slot, Real young) const {
     const Real static_shear = young * shear[slot];
     return {static_shear * instant, young * bulk[slot] * instant, stiffening[slot], static_shear * hourglass};
+  }
+  TURGOR_HD void set_fibers(int slot, Real young, CellModuli& m) const {
+    m.fiber = young * fiber[slot] * instant, m.fiber_stiffening = fiber_stiffening[slot];
+    m.direction = {fiber_x[slot], fiber_y[slot], fiber_z[slot]};
+  }
+  /// Moduli, with those of fibers if there are any.
+  CellModuli all_moduli(int slot, Real young) const {
+    CellModuli m = moduli(slot, young);
+    if (fiber != nullptr) set_fibers(slot, young, m);
+    return m;
   }
   TURGOR_HD CellHistory history_of(int slot) const {
     return {history[0][slot], history[1][slot], history[2][slot],
@@ -53,9 +64,10 @@ void law_corner_forces(const NodeArrays& n, const CellLawView& laws, const NodeB
                        const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& out);
 
 /// Second Piola-Kirchhoff stress times V of the cells with lowest nodes [slot, slot + kGroup), without
-/// history [J].
+/// history [J], and their equivalent strain √(⅔ e : e) with e the deviator of Green's strain [1].
 struct LawStresses {
   Real of[6][kGroup];  // xx, yy, zz, xy, xz, yz
+  Real strain[kGroup];
 };
 void law_stresses(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
                   const Real (&young)[kGroup], int slot, LawStresses& out);

@@ -65,6 +65,7 @@ struct LaneEigen {
 /// Small strains see µ and κ. The Hessian is that of the principal stretches with its negative parts left
 /// out: ψᵢ = Wᵢ/λᵢ; twists have (ψᵢ + ψⱼ)/(λᵢ + λⱼ), shears (ψᵢ − ψⱼ)/(λᵢ − λⱼ). [Smith, de Goes, Kim 2019]
 struct OgdenLaw {
+  static constexpr bool kHasFibers = false;
   struct Principal {
     Vec3 material[3], spatial[3];  // Nᵢ, F Nᵢ = λᵢ nᵢ
     Real stretch2[3];              // λᵢ² [1]

@@ -44,7 +44,23 @@ double ogden_energy(double alpha, const Mat3d& f, double volume) {
   return 2 * sum / (alpha * alpha);
 }
 
+/// k1/2k2 (exp(k2 ⟨Ī₄ − 1⟩²) − 1), linear in the square beyond the largest exponent.
+double fiber_energy(const Mat3d& f, double volume, const LawModuli& m) {
+  if (m.fiber == 0) return 0;
+  const Vec3d fa = f * m.direction;
+  const double e = std::max(0.0, std::pow(volume, -2.0 / 3) * dot(fa, fa) - 1), square = e * e;
+  const double y = m.fiber_stiffening * square, most = double(kLargestExponent);
+  if (m.fiber_stiffening == 0) return 0.5 * m.fiber * square;
+  return 0.5 * m.fiber / m.fiber_stiffening *
+         (y < most ? std::expm1(y) : std::exp(most) * (1 + y - most) - 1);
+}
+
 }  // namespace
+
+bool has_fibers(const TissueParams& tissue) {
+  const auto has = [](const TissueLayer& layer) { return layer.fiber.stiffness > 0; };
+  return tissue.fiber.stiffness > 0 || std::any_of(tissue.layers.begin(), tissue.layers.end(), has);
+}
 
 LawRatios law_ratios(SolidEnergy energy, double poisson) {
   TURGOR_CHECK(poisson >= 0 && poisson < 0.5, "Poisson's ratio is from 0 to below 0.5");
@@ -69,7 +85,7 @@ double law_energy(SolidEnergy energy, const Mat3d& f, const LawModuli& m) {
   const double volume = 0.5 * m.bulk * (j - 1) * (j - 1);
   if (energy == SolidEnergy::kOgden) return m.shear * ogden_energy(m.stiffening, f, bounded) + volume;
   const double r = std::pow(bounded, -2.0 / 3) * (1 + 2.0 / 3 * lack / bounded);
-  return m.shear * exponential_energy(m.stiffening, r * square - 3) + volume;
+  return m.shear * exponential_energy(m.stiffening, r * square - 3) + volume + fiber_energy(f, bounded, m);
 }
 
 }  // namespace turgor::lattice

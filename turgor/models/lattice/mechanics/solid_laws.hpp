@@ -10,6 +10,11 @@
 
 namespace turgor::lattice {
 
+/// True if cells keep a permanent set (solver/viscosity.hpp).
+inline bool has_set(const PermanentSet& set) { return set.share > 0; }
+/// True if some cells have fibers.
+bool has_fibers(const TissueParams& tissue);
+
 /// Moduli of a law over Young's modulus: µ and κ; neo-Hookean: µ' and λ' (solid.hpp) [1].
 struct LawRatios {
   double shear, bulk;
@@ -22,6 +27,8 @@ double hourglass_over_shear(SolidEnergy energy);
 /// Energy density of a law from its definition, 0 at rest, in the units of the moduli.
 struct LawModuli {
   double shear, bulk, stiffening;
+  double fiber = 0, fiber_stiffening = 0;
+  Vec3d direction;
 };
 double law_energy(SolidEnergy energy, const Mat3d& f, const LawModuli& m);
 
@@ -30,6 +37,9 @@ struct CellModuli {
   Real shear, bulk;  // of the law: V µ and V κ; neo-Hookean: V µ' and V λ' (solid.hpp) [J]
   Real stiffening;   // exponential: b; Ogden: α [1]
   Real hourglass;    // V κ/8 [N/m]
+  // fibers of exponential cells: V k1 [J], k2 and unit direction
+  Real fiber = 0, fiber_stiffening = 0;
+  Vec3 direction;
 };
 
 /// Deformation of a cell at one corner, without cancellation at small strains. g: gradient of the corner's
@@ -110,6 +120,7 @@ TURGOR_HD inline void add_symmetric(NodeSystem& s, Vec3 a, Vec3 b) {
 
 /// Stable neo-Hookean law with moduli by cell. Formulas: add_cell and stress_of in solid.hpp.
 struct NeoHookeanLaw {
+  static constexpr bool kHasFibers = false;
   [[gnu::always_inline]] TURGOR_HD static void add(NodeSystem& s, const CellGradient& u, Vec3 g,
                                                    const CellModuli& m) {
     const CellStrain e = cell_strain(u, g);
@@ -146,6 +157,7 @@ constexpr Real kLeastGrowth = Real(0.1);
 /// H is exact and positive definite: without b and κ, it is at least ⅕ V µ c r |g|², by completing the square
 /// and |F g|² ≤ I_C |g|². Small strains see µ and κ.
 struct ExponentialLaw {
+  static constexpr bool kHasFibers = false;
   struct Factors {
     Real r, inverse;  // r; 1/J
     Real bend;        // r + ½ r' I_C
@@ -184,6 +196,62 @@ struct ExponentialLaw {
     const CellCofactor c = cell_cofactor(ux, uy, uz);
     const Factors k = factors(c.stretch, c.growth, m);
     return piola_of(ux, uy, uz, c.x, c.y, c.z, k.shear * k.r, k.shear * k.bend + m.bulk * c.growth);
+  }
+};
+
+/// Exponential law with one family of fibers along the unit direction a [Gasser, Ogden, Holzapfel 2006,
+/// without dispersion]. Fibers bear tension only:
+///   Ψ = Ψ_exponential + k1/2k2 (exp(k2 ⟨Ī₄ − 1⟩²) − 1)       Ī₄ = r |F a|²
+///   q = ∂Ī₄/∂x = 2 r s F a − ⅔ r Ī/J cof F g       s = a·g, Ī = |F a|²
+///   H += V (Ψ'' q qᵀ + Ψ' r (2 s² I − 4/3 s/J (F a (cof F g)ᵀ + cof F g (F a)ᵀ) + 10/9 Ī/J² cof F g (cof F
+///   g)ᵀ))
+/// H is exact and positive semidefinite, since |F a|² = Ī and (8/3)² < 8 · 10/9.
+struct FiberedExponentialLaw {
+  static constexpr bool kHasFibers = true;
+  struct Factors {
+    Real r, inverse;     // r and 1/J
+    Real stress, slope;  // V Ψ' and V Ψ'' [J]
+  };
+  [[gnu::always_inline]] TURGOR_HD static Factors factors(Real stretch, Real growth, const CellModuli& m) {
+    // Ī₄ − 1 without cancellation: r (|F a|² − 1) + (r − 1)
+    const Real j = 1 + growth, bounded = j > kLeastGrowth ? j : kLeastGrowth;
+    const Real root = lane_inverse_cube_root(bounded), r = root * root;
+    const Real strain = r * stretch + (root - 1) * (root + 1), e = strain > 0 ? strain : 0;
+    const Real y = m.fiber_stiffening * e * e;
+    const Real stiff = m.fiber * lane_exp(y < kLargestExponent ? y : kLargestExponent);
+    return {r, r * root, stiff * e, strain > 0 ? stiff * (y < kLargestExponent ? 1 + 2 * y : Real(1)) : 0};
+  }
+  /// (F − 1) a
+  [[gnu::always_inline]] TURGOR_HD static Vec3 extension(Vec3 ux, Vec3 uy, Vec3 uz, Vec3 a) {
+    return ux * a.x + uy * a.y + uz * a.z;
+  }
+  [[gnu::always_inline]] TURGOR_HD static void add(NodeSystem& s, const CellGradient& u, Vec3 g,
+                                                   const CellModuli& m) {
+    ExponentialLaw::add(s, u, g, m);
+    const CellStrain e = cell_strain(u, g);
+    const Vec3 more = extension(u.x, u.y, u.z, m.direction), fa = m.direction + more;
+    const Real stretch = 2 * dot(m.direction, more) + dot(more, more);
+    const Factors k = factors(stretch, e.growth, m);
+    const Real along = dot(m.direction, g), i4 = 1 + stretch, by = k.r * k.stress;
+    const Vec3 q = (fa * along - e.cg * (Real(1) / 3 * i4 * k.inverse)) * (2 * k.r);
+    s.f -= q * k.stress;
+    add_outer(s, q, k.slope);
+    add_isotropic(s, 2 * by * along * along);
+    add_symmetric(s, e.cg,
+                  fa * (Real(-4) / 3 * by * along * k.inverse) +
+                      e.cg * (Real(5) / 9 * by * i4 * k.inverse * k.inverse));
+  }
+  [[gnu::always_inline]] TURGOR_HD static CellPiola piola(Vec3 ux, Vec3 uy, Vec3 uz, const CellModuli& m) {
+    CellPiola p = ExponentialLaw::piola(ux, uy, uz, m);
+    const CellCofactor c = cell_cofactor(ux, uy, uz);
+    const Vec3 a = m.direction, more = extension(ux, uy, uz, a), fa = a + more;
+    const Real stretch = 2 * dot(a, more) + dot(more, more);
+    const Factors k = factors(stretch, c.growth, m);
+    const Real by = 2 * k.r * k.stress, turned = Real(-1) / 3 * by * (1 + stretch) * k.inverse;
+    p.x += fa * (by * a.x) + c.x * turned + Vec3{turned, 0, 0};
+    p.y += fa * (by * a.y) + c.y * turned + Vec3{0, turned, 0};
+    p.z += fa * (by * a.z) + c.z * turned + Vec3{0, 0, turned};
+    return p;
   }
 };
 

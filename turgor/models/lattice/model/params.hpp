@@ -63,6 +63,7 @@ struct TissueLayer {
   double poisson = 0;     // [1]
   double stiffening = 0;  // as TissueParams::stiffening [1]
   FiberParams fiber;
+  double slide = 1;  // factor of the shear modulus; a layer of little shear lets its neighbors slide [1]
 };
 
 struct TissueParams {

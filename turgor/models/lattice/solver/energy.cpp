@@ -29,7 +29,11 @@ double energy_of_cell(const Model& model, std::size_t slot, double young, const 
   const CellLaws& laws = model.anatomy.cell_laws;
   if (laws.shear.empty()) return young * cell_energy(u, spacing, tissue.poisson, center);
   const CellDeformation d = cell_deformation(u, spacing);
-  const LawModuli m{young * laws.shear[slot], young * laws.bulk[slot], laws.stiffening[slot]};
+  LawModuli m{young * laws.shear[slot], young * laws.bulk[slot], laws.stiffening[slot]};
+  if (!laws.fiber.empty()) {
+    m.fiber = young * laws.fiber[slot], m.fiber_stiffening = laws.fiber_stiffening[slot];
+    m.direction = {laws.fiber_x[slot], laws.fiber_y[slot], laws.fiber_z[slot]};
+  }
   const double diagonal2 = dot(Vec3d(spacing), Vec3d(spacing));
   return law_energy(tissue.energy, d.f, m) +
          m.shear * hourglass_over_shear(tissue.energy) / diagonal2 * d.hourglass / 16;
@@ -105,21 +109,22 @@ struct LayerEnergy {
   }
 };
 
-/// Energy of a skin triangle whose corners have the displacements u. Laws: add_skin_area and add_skin_fiber.
-double skin_energy(const Model& model, const SkinTriangle& t, const Vec3d (&u)[3]) {
+/// Energy of a skin triangle whose corners have the displacements u. Laws: add_skin_area, add_skin_fiber and
+/// add_skin_exponential, whose constants are `rest`.
+double skin_energy(const Model& model, const ExponentialSkin& rest, const SkinTriangle& t,
+                   const Vec3d (&u)[3]) {
   const SkinParams& p = model.params.skin;
   const Vec3d x[3] = {u[0], Vec3d(t.edge1) + u[1], Vec3d(t.edge2) + u[2]};
   // area law
   if (p.law == SkinLaw::kArea) {
     const double area = 0.5 * norm(cross(x[1] - x[0], x[2] - x[0])),
-                 rest = double(rest_area_ratio(p)) * t.area;
-    return p.stiffness / rest * amplified(area - rest, rest, p.amplification);
+                 rest_area = double(rest_area_ratio(p)) * t.area;
+    return p.stiffness / rest_area * amplified(area - rest_area, rest_area, p.amplification);
   }
   Vec3d along, across;
   for (int c = 0; c < 3; c++) along += x[c] * double(t.along[c]), across += x[c] * double(t.across[c]);
   // exponential law
   if (p.law == SkinLaw::kExponential) {
-    const ExponentialSkin rest = exponential_skin(p);
     return double(t.area) * double(rest.rest_share) *
            exponential_skin_energy(p, along * double(rest.along), across * double(rest.across));
   }
@@ -133,7 +138,7 @@ double skin_energy(const Model& model, const SkinTriangle& t, const Vec3d (&u)[3
 }
 
 /// Energy of cut elements and of the prestress at their nodes.
-double cut_element_energy(const Model& model, const State& state) {
+double cut_element_energy(const Model& model, const ExponentialSkin& rest, const State& state) {
   const int slots = slot_count(model.anatomy.lattice);
   const auto u = [&](int corner) {
     TURGOR_CHECK(is_index(corner, std::size_t(slots) + state.motion.virtual_u.size()),
@@ -152,7 +157,7 @@ double cut_element_energy(const Model& model, const State& state) {
   // skin
   for (const CutSkinElement& element : state.cut_elements.skin)
     sum += double(element.share) *
-           skin_energy(model, model.anatomy.skin.triangles[std::size_t(element.triangle)],
+           skin_energy(model, rest, model.anatomy.skin.triangles[std::size_t(element.triangle)],
                        {u(element.corner.x), u(element.corner.y), u(element.corner.z)});
   // prestress
   for (const auto* list : {&state.cut_elements.nodes, &state.cut_elements.virtual_nodes})
@@ -174,15 +179,16 @@ double energy(const Exec& exec, const Model& model, const State& state) {
   double sum = 0;
   for (const double layer : layers) sum += layer;
   // skin
+  const ExponentialSkin rest = exponential_skin(model.params.skin);
   for (std::size_t t = 0; t < model.anatomy.skin.triangles.size(); t++) {
     if (state.cuts.skin_cut[t]) continue;
     const Int3 v = model.anatomy.skin.triangles[t].vertex;
-    sum += skin_energy(model, model.anatomy.skin.triangles[t],
+    sum += skin_energy(model, rest, model.anatomy.skin.triangles[t],
                        {Vec3d(state.motion.u[std::size_t(v.x)]), Vec3d(state.motion.u[std::size_t(v.y)]),
                         Vec3d(state.motion.u[std::size_t(v.z)])});
   }
   // cut elements and prestress
-  sum += cut_element_energy(model, state);
+  sum += cut_element_energy(model, rest, state);
   for (std::size_t at = 0; at < model.prestress_force.size(); at++)
     sum += dot(Vec3d(model.prestress_force[at]),
                Vec3d(state.motion.u[std::size_t(model.anatomy.skin.nodes[at])]));

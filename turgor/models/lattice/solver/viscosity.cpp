@@ -1,5 +1,6 @@
 #include "turgor/models/lattice/solver/viscosity.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -16,13 +17,21 @@ namespace {
 struct PairStep {
   Real decay, weight;
 };
-std::array<PairStep, kMostPronyPairs> pair_steps(const Prony& prony, double dt) {
-  std::array<PairStep, kMostPronyPairs> steps{};
+/// The last field, the set, has no decay and no weight.
+using FieldSteps = std::array<PairStep, kMostPronyPairs + 1>;
+FieldSteps pair_steps(const Prony& prony, double dt) {
+  FieldSteps steps;
+  steps.fill({1, 0});
   for (std::size_t i = 0; i < std::size_t(pair_count(prony)); i++) {
     const double x = dt / prony.pairs[i].time;
     steps[i] = {Real(std::exp(-x)), Real(prony.pairs[i].ratio * -std::expm1(-x) / x)};
   }
   return steps;
+}
+
+/// Fields of the history: pairs, then the set.
+std::size_t field_count(const TissueParams& tissue) {
+  return std::size_t(pair_count(tissue.prony)) + (has_set(tissue.set) ? 1 : 0);
 }
 
 std::array<aligned_vector<Real>*, 6> entries_of(SymmetricField& field) {
@@ -63,6 +72,27 @@ void for_each_stress(const Exec& exec, const Model& model, State& state, const V
   });
 }
 
+/// Lets the set of a group of cells grow; `field` holds −Q.
+void grow_set(const PermanentSet& set, double dt, const LawStresses& stresses, int slot,
+              SymmetricField& field) {
+  const Real rate = Real(-std::expm1(-dt / set.time)), share = Real(set.share), yield = Real(set.strain);
+  Real along[kGroup] = {};  // (T − Q) : T
+  Real target[6][kGroup];
+  const std::array<aligned_vector<Real>*, 6> entries = entries_of(field);
+  for (std::size_t e = 0; e < 6; e++) {
+    const Real* h = entries[e]->data() + slot;
+    for (int i = 0; i < kGroup; i++) {
+      const Real beyond = stresses.strain[i] > yield ? share * (1 - yield / stresses.strain[i]) : 0;
+      target[e][i] = beyond * stresses.of[e][i];
+      along[i] += (e < 3 ? 1 : 2) * target[e][i] * (target[e][i] + h[i]);
+    }
+  }
+  for (std::size_t e = 0; e < 6; e++) {
+    Real* h = entries[e]->data() + slot;
+    for (int i = 0; i < kGroup; i++) h[i] -= along[i] > 0 ? rate * (target[e][i] + h[i]) : 0;
+  }
+}
+
 }  // namespace
 
 double instant_factor(const Prony& prony, double dt) {
@@ -74,12 +104,12 @@ double instant_factor(const Prony& prony, double dt) {
 void begin_viscous_step(const Exec& exec, const Model& model, State& state, double dt) {
   if (!is_viscous(model)) return;
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
-  const auto pairs = std::size_t(pair_count(model.params.tissue.prony));
-  const std::array<PairStep, kMostPronyPairs> steps = pair_steps(model.params.tissue.prony, dt);
+  const std::size_t fields = field_count(model.params.tissue);
+  const FieldSteps steps = pair_steps(model.params.tissue.prony, dt);
   Viscosity& viscosity = state.viscosity;
   // memory
-  if (viscosity.history.size() != pairs) {
-    viscosity.history.assign(pairs, {});
+  if (viscosity.history.size() != fields) {
+    viscosity.history.assign(fields, {});
     for (SymmetricField& field : viscosity.history)
       for (aligned_vector<Real>* entry : entries_of(field)) entry->assign(model.anatomy.cell_young.size(), 0);
   }
@@ -88,7 +118,7 @@ void begin_viscous_step(const Exec& exec, const Model& model, State& state, doub
   for_each_stress(exec, model, state, [&](int slot, const Real(&young)[kGroup], const LawStresses& stresses) {
     for (std::size_t e = 0; e < 6; e++) {
       Real sum[kGroup] = {};
-      for (std::size_t p = 0; p < pairs; p++) {
+      for (std::size_t p = 0; p < fields; p++) {
         Real* h = entries_of(viscosity.history[p])[e]->data() + slot;
         for (int i = 0; i < kGroup; i++) {
           h[i] = young[i] > 0 ? steps[p].decay * h[i] - steps[p].weight * stresses.of[e][i] : 0;
@@ -105,15 +135,16 @@ void begin_viscous_step(const Exec& exec, const Model& model, State& state, doub
 
 void end_viscous_step(const Exec& exec, const Model& model, State& state, double dt) {
   if (!is_viscous(model)) return;
-  const auto pairs = std::size_t(pair_count(model.params.tissue.prony));
-  const std::array<PairStep, kMostPronyPairs> steps = pair_steps(model.params.tissue.prony, dt);
+  const std::size_t fields = field_count(model.params.tissue);
+  const FieldSteps steps = pair_steps(model.params.tissue.prony, dt);
+  const PermanentSet& set = model.params.tissue.set;
   Viscosity& viscosity = state.viscosity;
-  TURGOR_CHECK(viscosity.in_step && viscosity.history.size() == pairs, "a viscous step has begun");
+  TURGOR_CHECK(viscosity.in_step && viscosity.history.size() == fields, "a viscous step has begun");
   viscosity.in_step = false;
   for_each_stress(exec, model, state, [&](int slot, const Real(&)[kGroup], const LawStresses& stresses) {
     for (std::size_t e = 0; e < 6; e++) {
       Real* first = entries_of(viscosity.history[0])[e]->data() + slot;
-      for (std::size_t p = 1; p < pairs; p++) {
+      for (std::size_t p = 1; p < fields; p++) {
         Real* h = entries_of(viscosity.history[p])[e]->data() + slot;
         for (int i = 0; i < kGroup; i++) {
           first[i] -= h[i];
@@ -122,7 +153,34 @@ void end_viscous_step(const Exec& exec, const Model& model, State& state, double
       }
       for (int i = 0; i < kGroup; i++) first[i] += steps[0].weight * stresses.of[e][i];
     }
+    if (has_set(set)) grow_set(set, dt, stresses, slot, viscosity.history.back());
   });
+}
+
+double largest_set(const Exec& exec, const Model& model, const State& state) {
+  if (!has_set(model.params.tissue.set) || state.viscosity.history.empty()) return 0;
+  const SymmetricField& q = state.viscosity.history.back();
+  const CellLaws& laws = model.anatomy.cell_laws;
+  // by layer of slots, so that the sum does not depend on threads
+  const Lattice& l = model.anatomy.lattice;
+  std::vector<double> most(std::size_t(l.size.z), 0);
+  parallel_for(exec, most.size(), [&](std::size_t k) {
+    const auto begin = std::size_t(row_slot(l, -1, int(k)));
+    for (std::size_t s = begin; s < begin + std::size_t(layer_stride(l)); s++) {
+      const double shear = double(model.anatomy.cell_young[s]) * double(laws.shear[s]);
+      if (!(shear > 0)) continue;
+      const double xx = double(q.xx[s]), yy = double(q.yy[s]), zz = double(q.zz[s]),
+                   mean = (xx + yy + zz) / 3;
+      const double square = (xx - mean) * (xx - mean) + (yy - mean) * (yy - mean) +
+                            (zz - mean) * (zz - mean) +
+                            2 * (double(q.xy[s]) * double(q.xy[s]) + double(q.xz[s]) * double(q.xz[s]) +
+                                 double(q.yz[s]) * double(q.yz[s]));
+      most[k] = std::max(most[k], std::sqrt(2.0 / 3 * square) / (2 * shear));
+    }
+  });
+  // the neo-Hookean law's modulus is 4/3 µ
+  const double of_law = hourglass_over_shear(model.params.tissue.energy) / 4;
+  return *std::max_element(most.begin(), most.end()) / of_law;
 }
 
 }  // namespace turgor::lattice
