@@ -1,0 +1,113 @@
+// Vibration of a tool on a textured surface: its frequency, its amplitude, and its energy.
+#include "turgor/contact/texture.hpp"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace turgor::contact {
+namespace {
+
+constexpr double kDt = 1e-3;
+constexpr Vec3d kUp{0, 0, 1};
+
+/// Forces of a tool that slides along a direction at constant speed, from the second tick on.
+std::vector<Vec3d> slide(const Texture& texture, Vec3d velocity, double force, int ticks,
+                         TextureState& state) {
+  std::vector<Vec3d> forces;
+  Vec3d x{0.01, 0.02, 0.03};
+  (void)texture_force(texture, state, x, kUp, force, true, kDt);
+  for (int i = 0; i < ticks; i++) {
+    x += velocity * kDt;
+    forces.push_back(texture_force(texture, state, x, kUp, force, true, kDt));
+  }
+  return forces;
+}
+
+/// Frequency of the largest part of a signal, in steps of 1 Hz over a second.
+int peak_of(const std::vector<Vec3d>& forces, Vec3d along) {
+  int best = 0;
+  double most = 0;
+  for (int f = 1; f < 500; f++) {
+    std::complex<double> sum;
+    for (std::size_t i = 0; i < forces.size(); i++)
+      sum += dot(forces[i], along) * std::polar(1.0, -2 * std::numbers::pi * f * kDt * double(i));
+    if (std::abs(sum) > most) most = std::abs(sum), best = f;
+  }
+  return best;
+}
+
+// The spectrum's peak is at speed / wavelength, in every direction.
+TEST(Texture, FrequencyIsSpeedOverWavelength) {
+  for (const double frequency : {17.0, 61.0, 143.0})
+    for (const double angle : {0.0, 0.7, 2.9}) {
+      const Texture texture{2e-6, 0.8e-3};
+      const Vec3d along{std::cos(angle), std::sin(angle), 0};
+      TextureState state;
+      const auto forces = slide(texture, along * (frequency * texture.wavelength), 1.3, 1000, state);
+      EXPECT_EQ(peak_of(forces, along), int(frequency));
+      EXPECT_NEAR(state.largest_rate, frequency, 1e-6);
+      for (const Vec3d f : forces) EXPECT_NEAR(norm(f - dot(f, along) * along), 0, 1e-12);
+    }
+}
+
+// The amplitude is 2π N a/λ: linear in normal force and roughness.
+TEST(Texture, AmplitudeFollowsNormalForceAndRoughness) {
+  for (const double force : {0.2, 0.9})
+    for (const double roughness : {1e-6, 3e-6}) {
+      const Texture texture{roughness, 1.7e-3};
+      TextureState state;
+      double most = 0;
+      for (const Vec3d f : slide(texture, {0.05, 0, 0}, force, 2000, state)) most = std::max(most, norm(f));
+      EXPECT_NEAR(most, 2 * std::numbers::pi * force * roughness / texture.wavelength, 0.01 * most);
+      EXPECT_EQ(state.limited_ticks, 0);
+    }
+}
+
+// No force at rest, without sliding, on a smooth surface, and where a wave is shorter than four ticks.
+TEST(Texture, NoForceWithoutSliding) {
+  const Texture texture{5e-6, 1e-3};
+  TextureState state;
+  const Vec3d x{0.1, 0, 0};
+  for (int i = 0; i < 5; i++) EXPECT_EQ(texture_force(texture, state, x, kUp, 1, true, kDt), Vec3d{});
+  EXPECT_EQ(texture_force(texture, state, x + Vec3d{1e-4, 0, 0}, kUp, 1, false, kDt), Vec3d{});
+  EXPECT_EQ(texture_force(texture, state, x + Vec3d{1e-4, 0, 1e-4}, kUp, 1, true, kDt), Vec3d{});
+  TextureState fast;
+  for (const Vec3d f : slide(texture, {0.26, 0, 0}, 1, 50, fast)) EXPECT_EQ(f, Vec3d{});
+  TextureState smooth;
+  for (const Vec3d f : slide({0, 1e-3}, {0.05, 0, 0}, 1, 50, smooth)) EXPECT_EQ(f, Vec3d{});
+}
+
+// The force along the path changes by at most kTextureStiffness, for any roughness and direction of motion,
+// and with a little Coulomb friction a hand that moves to and fro gains no more than one wave's work.
+TEST(Texture, StiffnessAndEnergyAreBounded) {
+  const Texture texture{1e-4, 2e-3};
+  const double k = 2 * std::numbers::pi / texture.wavelength, wave = 2 * kTextureStiffness / (k * k);
+  TextureState state;
+  Vec3d x{};
+  (void)texture_force(texture, state, x, kUp, 2, true, kDt);
+  constexpr double kFriction = 0.1;
+  Vec3d before;
+  double work = 0, least = 0, last_way = 0;
+  for (int i = 1; i <= 20000; i++) {
+    const double speed = 0.08 * std::sin(i * 0.0031) + 0.03 * std::sin(i * 0.0173);
+    const Vec3d step{speed * kDt, 0, 0};
+    work += kFriction * 2 * std::abs(step.x) - dot(before, step);  // forces of the tick before
+    least = std::min(least, work);
+    x += step;
+    const Vec3d f = texture_force(texture, state, x, kUp, 2, true, kDt);
+    const bool whole = std::abs(speed) > 2 * kTextureSpeed && last_way * speed > 0 && norm(before) > 0;
+    if (whole) {
+      EXPECT_LE(std::abs(f.x - before.x), 1.02 * kTextureStiffness * std::abs(step.x) + 1e-9);
+    }
+    before = f, last_way = std::abs(speed) > 2 * kTextureSpeed ? speed : 0;
+  }
+  EXPECT_GT(state.limited_ticks, 0);
+  EXPECT_GT(least, -wave);
+}
+
+}  // namespace
+}  // namespace turgor::contact

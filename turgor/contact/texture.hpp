@@ -1,0 +1,44 @@
+// Vibration of a tool that slides over a rough surface. The surface is a plane with waves of height
+// h(s) = a sin(2π s/λ) along the slid path s. A frictionless contact that carries the normal force N on the
+// slope h' is pushed along the path by −N h' (the gradient force of [Minsky 1995]; [Ho, Basdogan, Srinivasan
+// 1999]):
+//
+//   f = −N (2π a/λ) cos(2π s/λ) t        t: unit direction of sliding
+//
+// The tool feels the frequency v/λ with an amplitude of 2π N a/λ. A sampled spring of stiffness K needs a
+// damping above K T/2 to be passive [Colgate, Brown 1994]. The steepest change of f along the path,
+// N (2π/λ)² a, is such a stiffness, and therefore limited. Less than four ticks a wave fade the vibration.
+#pragma once
+
+#include "turgor/core/vec.hpp"
+
+namespace turgor::contact {
+
+/// Waves of a surface; a roughness of 0 = smooth.
+struct Texture {
+  double roughness = 0;      // height a of the waves above the mean plane [m]
+  double wavelength = 1e-3;  // [m]
+};
+
+/// Largest stiffness of the vibration along the path. A hand with a device damps more than K T/2 = 0.5 N·s/m
+/// of it at 1 kHz [N/m].
+constexpr double kTextureStiffness = 1000;
+/// Sliding speed from which the vibration is whole; it begins at 0 with the speed [m/s].
+constexpr double kTextureSpeed = 1e-3;
+
+/// State of one tool on a textured surface, and its statistics.
+struct TextureState {
+  Vec3d position;  // of the tool in the last tick [m]
+  bool has_position = false;
+  double phase = 0;          // slid path over the wavelength, 0 … 1 [1]
+  double largest_force = 0;  // [N]
+  double largest_rate = 0;   // frequency [Hz]
+  long limited_ticks = 0;    // ticks in which the stiffness or the tick limited the vibration
+};
+
+/// Force on the tool in a tick of `dt` seconds [N]. `normal`: unit normal of the surface; `force`: normal
+/// force N. Zero if the tool does not slide.
+Vec3d texture_force(const Texture& texture, TextureState& state, Vec3d position, Vec3d normal, double force,
+                    bool slides, double dt);
+
+}  // namespace turgor::contact
