@@ -148,13 +148,25 @@ void move_history(const TransferredHistory& transferred, TouchState& state) {
   }
 }
 
-void move_offset(TouchState& state) {
+/// True when the other patch has the same points and clusters: the same patch, linearized elsewhere.
+bool is_same_surface(const sfem::Patch& from, const sfem::Patch& to, const PatchMatch& match) {
+  if (from.points.size() != to.points.size() || from.levels.size() != to.levels.size()) return false;
+  for (std::size_t i = 0; i < match.new_point.size(); i++)
+    if (match.new_point[i] != int(i)) return false;
+  for (std::size_t l = 0; l < from.levels.size(); l++)
+    if (from.levels[l].cluster != to.levels[l].cluster) return false;
+  return true;
+}
+
+/// A patch with a shift has no other offset (free motions are added in every tick).
+void move_offset(const sfem::Patch& to, TouchState& state) {
   TURGOR_CHECK(state.offset.size() == state.match.new_point.size(),
                "every point of the old patch has an offset");
   std::vector<Vec3d>& next = state.match.offset;
   next.assign(state.match.old_point.size(), {});
   for (std::size_t i = 0; i < next.size(); i++)
     if (const int old = state.match.old_point[i]; old >= 0) next[i] = state.offset[std::size_t(old)];
+  if (!to.shift.empty()) next.assign(to.shift.begin(), to.shift.end());
   std::swap(state.offset, next);
 }
 
@@ -162,6 +174,7 @@ void move_offset(TouchState& state) {
 /// forces give on the new patch. A held site keeps its anchor.
 void move_sites(const sfem::Patch& from, const sfem::Patch& to, const ViscousTick& viscous,
                 TouchState& state) {
+  if (is_same_surface(from, to, state.match)) return move_points(to, viscous, state);
   state.new_sites.clear();
   for (const Site& site : state.sites) move_site(from, to, state, site);
   std::swap(state.sites, state.new_sites);
@@ -228,7 +241,7 @@ Handover take_patch(TouchState& state, const sfem::Patch& from, const sfem::Patc
   // transfer the state
   measure_surface(to, state.surface);
   move_history(history, state);
-  move_offset(state);
+  move_offset(to, state);
   move_sites(from, to, viscous_tick(state.params.viscosity, 0), state);
   constexpr int kRefinements = 2;  // of the contact sites on the new surface
   for (int i = 0; i < kRefinements; i++) solve_touch_tick(to, state, tools, state.poses, 0, state.forces);

@@ -29,6 +29,7 @@ void set_offsets(SfemTouch& touch) {
       const auto v = std::size_t(touch.patch->coarse[std::size_t(point.coarse[s])]);
       offset += interpolated_motion(path, v, fraction) * point.weight[s];
     }
+    if (!touch.patch->shift.empty()) offset += touch.patch->shift[p];
     touch.state.offset[p] = offset;
   }
 }
@@ -43,6 +44,18 @@ ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
     reading.depth =
         depth_at_rest(*touch.patch, touch.state.surface, touch.tools[tool].shape, touch.poses[tool].pose);
   return reading;
+}
+
+/// Vibration of a sliding tool by the body's texture: the normal is the mean of its sites' by their force.
+void add_texture(SfemTouch& touch, std::size_t t, double dt, ToolReading& reading) {
+  Vec3d normal;
+  for (const Site& site : touch.state.sites)
+    if (site.tool == int(t) && bears_force(site)) normal += site.normal * dot(site.force, site.normal);
+  const double force = norm(normal) * touch.stiffness_scale;
+  const ToolForce& found = touch.forces[t];
+  const bool slides = found.sliding > 0 && !found.invalid_pose && !touch.poses[t].hold;
+  reading.force += texture_force(touch.texture, touch.textures[t], touch.poses[t].pose.position,
+                                 force > 0 ? normal / norm(normal) : Vec3d{}, force, slides, dt);
 }
 
 /// Displacement of the vertices around a needle that it does not cause.
@@ -86,6 +99,8 @@ SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<
     touch.state.history.pairs[i].far.reserve(params.vertex_count);
   touch.free.from.resize(params.vertex_count);
   touch.free.to.resize(params.vertex_count);
+  touch.texture = params.texture;
+  touch.textures.resize(touch.tools.size());
   for (const Pose& pose : poses) touch.poses.push_back({pose, false});
   touch.forces.resize(touch.tools.size());
   return touch;
@@ -102,7 +117,10 @@ void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, do
   contact::solve_touch_tick(*touch.patch, touch.state, touch.tools, touch.poses, dt, touch.forces);
   blend(touch.follow, touch.state, dt, touch.forces);
   // readings
-  for (std::size_t t = 0; t < commands.size(); t++) readings[t] = reading_of(touch, t);
+  for (std::size_t t = 0; t < commands.size(); t++) {
+    readings[t] = reading_of(touch, t);
+    if (touch.texture.roughness > 0) add_texture(touch, t, dt, readings[t]);
+  }
   tick_needles(touch, readings);
   touch.ticks++;
 }
@@ -219,6 +237,7 @@ void publish(const SfemTouch& touch, SfemTouchSnapshot& now) {
   // contact centers
   now.contact_centers.resize(touch.tools.size());
   find_contact_centers(*touch.patch, touch.state, now.contact_centers);
+  now.textures = touch.textures;
   // forces of needles
   if (!touch.needles.inner) return;
   now.inner = touch.needles.inner;

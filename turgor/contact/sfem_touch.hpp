@@ -18,6 +18,7 @@
 #include "turgor/contact/free_motion.hpp"
 #include "turgor/contact/needle_touch.hpp"
 #include "turgor/contact/patch_follow.hpp"
+#include "turgor/contact/texture.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/core/latest.hpp"
@@ -32,19 +33,22 @@ struct SfemTouch {
   double stiffness_scale = 1;  // present stiffness divided by the patch's stiffness; scales all forces [1]
   TouchState state;
   FreeMotionInterpolation free;
-  long patch_number = 0;          // FinishedPatch::number of `patch`
-  long motion_number = 0;         // FreeMotion::number of the newest motion
-  long ticks = 0;                 // number of ticks so far
-  Handover handover;              // of the last change of patch
-  std::vector<ToolPose> poses;    // of the last tick
-  std::vector<ToolForce> forces;  // of the last tick, with more detail than ToolReading
-  NeedleTouch needles;            // of tools that are needles
+  long patch_number = 0;               // FinishedPatch::number of `patch`
+  long motion_number = 0;              // FreeMotion::number of the newest motion
+  long ticks = 0;                      // number of ticks so far
+  Handover handover;                   // of the last change of patch
+  std::vector<ToolPose> poses;         // of the last tick
+  std::vector<ToolForce> forces;       // of the last tick, with more detail than ToolReading
+  NeedleTouch needles;                 // of tools that are needles
+  Texture texture;                     // of the body
+  std::vector<TextureState> textures;  // of each tool
 };
 
 struct SfemTouchParams {
   TouchParams touch;
   FollowParams follow;
   std::size_t vertex_count = 0;  // of the body's mesh
+  Texture texture = {};
 };
 /// Touch state at rest. Reserves memory for later patches of twice the points.
 SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<Tool> tools,
@@ -96,6 +100,7 @@ struct SfemTouchSnapshot {
   std::vector<std::vector<Vec3d>>
       needle_forces;                // of each tool, on the vertices of `inner`, at a stiffness_scale of 1 [N]
   std::vector<int> track_elements;  // elements of the mesh that all tracks pass, in any order
+  std::vector<TextureState> textures;  // of each tool
 };
 /// Fills a snapshot. Does not allocate after reserve_like.
 void publish(const SfemTouch& touch, SfemTouchSnapshot& now);

@@ -102,6 +102,7 @@ TouchState make_touch_state(const sfem::Patch& patch, std::size_t tool_count, co
   // patch at rest
   measure_surface(patch, state.surface);
   state.offset.assign(n, {});
+  if (!patch.shift.empty()) state.offset = patch.shift;
   move_points(patch, {}, state);
   // viscous memory
   state.history.count = pair_count(params.viscosity);

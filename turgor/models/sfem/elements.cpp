@@ -171,6 +171,36 @@ double least_quadratic_volume(const std::array<Vec3d, 10>& x) {
   return 4 * *std::min_element(volume.begin(), volume.end());
 }
 
+namespace {
+
+template <std::size_t kNodes, std::size_t kPoints>
+void append_points(const GaussPoints<kNodes, kPoints>& points, std::vector<double>& gradient,
+                   std::vector<double>& volume) {
+  for (const auto& g : points.gradient) gradient.insert(gradient.end(), g.begin(), g.end());
+  volume.insert(volume.end(), points.volume.begin(), points.volume.end());
+}
+
+template <std::size_t kNodes>
+std::array<Vec3d, kNodes> first_nodes(std::span<const Vec3d> x) {
+  std::array<Vec3d, kNodes> nodes;
+  std::copy_n(x.begin(), kNodes, nodes.begin());
+  return nodes;
+}
+
+}  // namespace
+
+void append_gauss_points(std::span<const Vec3d> x, std::vector<double>& gradient,
+                         std::vector<double>& volume) {
+  TURGOR_ASSERT(x.size() == 4 || x.size() == 8 || x.size() == 10, "an element has 4, 8 or 10 nodes");
+  if (x.size() == 8) return append_points(hex_points(first_nodes<8>(x)), gradient, volume);
+  if (x.size() == 10) return append_points(quadratic_points(first_nodes<10>(x)), gradient, volume);
+  const std::array<Vec3d, 4> g = volume_gradients(first_nodes<4>(x));
+  const double whole = orientation(x[0], x[1], x[2], x[3]) / 6;
+  for (const Vec3d& slope : g)
+    for (int axis = 0; axis < 3; axis++) gradient.push_back(slope[axis] / whole);
+  volume.push_back(whole);
+}
+
 std::array<double, 10> quadratic_weights(const std::array<double, 4>& linear) {
   std::array<double, 10> weights;
   for (std::size_t c = 0; c < 4; c++) weights[c] = linear[c] * (2 * linear[c] - 1);

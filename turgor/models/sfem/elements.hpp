@@ -38,6 +38,11 @@ double least_hex_volume(const std::array<Vec3d, 8>& x);
 /// The same of a quadratic tetrahedron, by a sixth: its volume if its edges are straight.
 double least_quadratic_volume(const std::array<Vec3d, 10>& x);
 
+/// Appends the Gauss points of an element of 4, 8 or 10 nodes: gradients of its functions, three numbers a
+/// node [1/m], and the volume that each point stands for [m³].
+void append_gauss_points(std::span<const Vec3d> x, std::vector<double>& gradient,
+                         std::vector<double>& volume);
+
 /// The quadratic functions of a tetrahedron's ten nodes where its linear ones have these values.
 std::array<double, 10> quadratic_weights(const std::array<double, 4>& linear);
 

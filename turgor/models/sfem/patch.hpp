@@ -40,6 +40,15 @@ struct CondensedSystem {
   std::vector<T> change;    // of the coarse stiffness by the patch, 3·coarse square; empty = none
 };
 
+/// The system of a nonlinear patch, linearized at its last solution: the coarse vertices have the
+/// displacement motion + response · forces, and forces stiffness · displacement on the linear body displace
+/// them so. Column-major.
+struct LinearizedSystem {
+  std::vector<double> motion;     // of the coarse vertices at zero forces, 3·coarse [m]
+  std::vector<double> response;   // 3·coarse × 3·points [m/N]
+  std::vector<double> stiffness;  // Ξ⁻¹ between the coarse vertices, 3·coarse square [N/m]
+};
+
 /// The surface near the tools and its compliance.
 struct Patch {
   std::vector<int> elements;  // coarse ones that are subdivided, ascending
@@ -50,7 +59,9 @@ struct Patch {
   std::vector<PatchLevel> levels;  // coarser and coarser pressures on the points (patch_levels.hpp)
   int local_nodes = 0;             // fine nodes with a function of their own
   int surface_nodes = 0;           // those whose functions are in `system`; others are eliminated before
-  std::variant<CondensedSystem<float>, CondensedSystem<double>> system;
+  std::variant<CondensedSystem<float>, CondensedSystem<double>, LinearizedSystem> system;
+  std::vector<Vec3d> shift;  // displacement of each point without forces, by a nonlinear law
+                             // (nonlinear_patch.hpp); empty = none [m]
 };
 
 /// Coarse elements near the touches: those around the surface vertex nearest to each touch, and all that are

@@ -279,18 +279,6 @@ int material_at(const Body& body, int e, Vec3d x) {
   return material;
 }
 
-/// Materials of the fine elements: an inclusion is resolved at the patch's resolution.
-std::vector<int> fine_materials(const Model& model, const FineMesh& fine) {
-  const std::size_t n = std::size_t(model.body.mesh.corners);
-  std::vector<int> material(fine.parent.size());
-  for (std::size_t f = 0; f < material.size(); f++) {
-    Vec3d center;
-    for (std::size_t c = 0; c < n; c++) center += fine.nodes[std::size_t(fine.corners[n * f + c])].x;
-    material[f] = material_at(model.body, fine.parent[f], center / double(n));
-  }
-  return material;
-}
-
 /// Stiffness of the fine elements of one coarse element. Congruent ones of one material share theirs.
 template <std::size_t N>
 class PartStiffness {
@@ -393,6 +381,17 @@ PatchPieces pieces_of(const Model& model, std::span<const int> elements, const F
 }
 
 }  // namespace
+
+std::vector<int> fine_materials(const Model& model, const FineMesh& fine) {
+  const std::size_t n = std::size_t(model.body.mesh.corners);
+  std::vector<int> material(fine.parent.size());
+  for (std::size_t f = 0; f < material.size(); f++) {
+    Vec3d center;
+    for (std::size_t c = 0; c < n; c++) center += fine.nodes[std::size_t(fine.corners[n * f + c])].x;
+    material[f] = material_at(model.body, fine.parent[f], center / double(n));
+  }
+  return material;
+}
 
 PatchPieces assemble_pieces(const Model& model, std::span<const int> elements, const FineMesh& fine,
                             const PatchUnknowns& unknowns, bool with_change) {

@@ -26,6 +26,9 @@ struct PatchMatrices {
   std::vector<T> change;    // 3·coarse square
 };
 
+/// Materials of the fine elements: an inclusion is resolved at the patch's resolution.
+std::vector<int> fine_materials(const Model& model, const FineMesh& fine);
+
 /// True when the patch changes the coarse stiffness.
 bool changes_stiffness(const Model& model, std::span<const int> elements, const FineMesh& fine);
 

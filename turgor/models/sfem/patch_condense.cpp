@@ -155,6 +155,17 @@ std::vector<double> coarse_forces_of(const Patch& patch, const CondensedSystem<T
   return {on_coarse.data(), on_coarse.data() + coarse};
 }
 
+std::vector<double> coarse_forces_of(const Patch& patch, const LinearizedSystem& system,
+                                     std::span<const double> forces) {
+  const Eigen::Index coarse = 3 * Eigen::Index(patch.coarse.size()),
+                     points = 3 * Eigen::Index(patch.points.size());
+  const Eigen::Map<const Eigen::VectorXd> motion(system.motion.data(), coarse), f(forces.data(), points);
+  const ConstMap<double> response(system.response.data(), coarse, points);
+  const ConstMap<double> stiffness(system.stiffness.data(), coarse, coarse);
+  const Eigen::VectorXd on_coarse = stiffness * (motion + response * f);
+  return {on_coarse.data(), on_coarse.data() + coarse};
+}
+
 template <class T>
 std::vector<T> rounded(const std::vector<double>& values) {
   return {values.begin(), values.end()};

@@ -201,10 +201,16 @@ void transfer(File& file, sfem::CondensedSystem<T>& system) {
   transfer_all(file, factor, coupling, green, change);
 }
 template <class File>
+void transfer(File& file, sfem::LinearizedSystem& system) {
+  auto& [motion, response, stiffness] = system;
+  transfer_all(file, motion, response, stiffness);
+}
+template <class File>
 void transfer(File& file, sfem::Patch& patch) {
-  auto& [elements, coarse, points, triangles, compliance, levels, local_nodes, surface_nodes, system] = patch;
+  auto& [elements, coarse, points, triangles, compliance, levels, local_nodes, surface_nodes, system, shift] =
+      patch;
   transfer_all(file, elements, coarse, points, triangles, compliance, levels, local_nodes, surface_nodes,
-               system);
+               system, shift);
 }
 template <class File>
 void transfer(File& file, sfem::RoundHistory& history) {

@@ -63,16 +63,16 @@ void transfer(File& file, ClothLoad& load) {
 template <class File>
 void transfer(File& file, contact::SfemTouch& touch) {
   auto& [patch, tools, follow, stiffness_scale, state, free, patch_number, motion_number, ticks, handover,
-         poses, forces, needles] = touch;
+         poses, forces, needles, texture, textures] = touch;
   transfer_all(file, patch, follow, stiffness_scale, state, free, patch_number, motion_number, ticks,
-               handover, poses, forces, needles);
+               handover, poses, forces, needles, textures);
 }
 template <class File>
 void transfer(File& file, contact::SfemTouchSnapshot& now) {
   auto& [patch, patch_number, ticks, force_jump, x, force, history, stiffening, stiffness_scale, poses,
-         forces, centers, inner, needle_forces, track_elements] = now;
+         forces, centers, inner, needle_forces, track_elements, textures] = now;
   transfer_all(file, patch, patch_number, ticks, force_jump, x, force, history, stiffening, stiffness_scale,
-               poses, forces, centers, needle_forces, track_elements);
+               poses, forces, centers, needle_forces, track_elements, textures);
 }
 /// Without the stiffness matrices of the loaded body.
 template <class File>
@@ -115,7 +115,10 @@ void transfer_body(File& file, SfemBody& body) {
                body.friction, body.refinement, body.radius_is_open, body.refinement_is_open, body.contacts,
                body.patch_memory, body.follow, body.centers, body.patches, body.now, body.touch,
                body.built_patches, body.patch_is_ready, body.rebuilds, body.rejected_patches,
-               body.rejection_reason);
+               body.rejection_reason, body.law_forces, body.law_summary);
+  // the nonlinear patch is made again from the patch in use, with its displacement
+  if (body.nonlinear) body.law_displacement = body.nonlinear->u;
+  transfer(file, body.law_displacement);
 }
 
 template <class File>

@@ -244,6 +244,39 @@ void read_patch(SceneTable& body, PatchScene& patch) {
   table.finish();
 }
 
+/// Law of the patch, and the keys that exclude it.
+void read_law(SceneTable& body, SfemScene& scene) {
+  enum class Kind { kLinear, kNeoHookean, kExponential };
+  Kind kind = Kind::kLinear;
+  body.read_choice<Kind>(
+      "law", kind,
+      {{"linear", Kind::kLinear}, {"neo_hookean", Kind::kNeoHookean}, {"exponential", Kind::kExponential}},
+      "law of the elements in the patch under the tool; the rest of the body is linear");
+  double stiffening = 5;
+  body.read("stiffening", stiffening, within(0.01, 1000, "1"),
+            "with law = \"exponential\": exponent b of Ψ = µ/2b (exp(b (Ī₁ − 3)) − 1)");
+  if (kind != Kind::kExponential && body.has("stiffening"))
+    body.fail("stiffening", "expected law = \"exponential\" beside it, found another law");
+  if (kind == Kind::kLinear) return;
+  scene.law = sfem::Law{kind == Kind::kExponential ? stiffening : 0};
+  const auto exclude = [&](bool found, const char* other) {
+    if (found) body.fail("law", fmt::format("a nonlinear law and {} are not computed together", other));
+  };
+  exclude(scene.rotations, "rotations = true");
+  exclude(pair_count(scene.viscosity) > 0, "viscosity");
+  exclude(scene.is_free, "fixed = \"none\"");
+  exclude(scene.formulation == sfem::Formulation::kAveraged, "formulation = \"averaged\"");
+}
+
+void read_texture(SceneTable& body, contact::Texture& texture) {
+  SceneTable table = body.table("texture");
+  table.read("roughness", texture.roughness, within(0, 1e-3, "m"),
+             "height of the surface's waves above their mean; a sliding tool vibrates. 0: smooth");
+  table.read("wavelength", texture.wavelength, within(1e-4, 0.1, "m"),
+             "length of the waves: the tool feels the frequency speed / wavelength");
+  table.finish();
+}
+
 void read_cache(SceneTable& body, SfemScene& scene) {
   constexpr const char* kMeaning =
       "folder below the user's cache folder in which Green's functions are cached between runs; `--set` may "
@@ -290,9 +323,12 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
   scene.viscosity = prony_of(tissue, scene.viscosity);
   read_viscosity(body.table("viscosity"), tissue, scene.viscosity, scene.tissues);
 
-  // memory and cache
   body.read("rotations", scene.rotations,
             "removes large rotations from the strain, so that a deep press does not swell");
+  read_law(body, scene);
+  read_texture(body, scene.texture);
+
+  // memory and cache
   body.read(
       "memory", scene.memory, within(0.001, 1024, "GB"),
       "limit for Green's functions; beyond it, columns are computed on demand at the tools. Building a patch "

@@ -11,8 +11,10 @@
 
 #include "turgor/contact/needle.hpp"
 #include "turgor/contact/patch_follow.hpp"
+#include "turgor/contact/texture.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/geometry/up_axis.hpp"
+#include "turgor/models/sfem/law.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 #include "turgor/sim/scene/device.hpp"
@@ -112,6 +114,8 @@ struct SfemScene {
   PatchScene patch;
   Prony viscosity = one_pair(0, 0.5);
   bool rotations = false;
+  std::optional<sfem::Law> law;  // of the patch's elements; none = linear
+  contact::Texture texture;      // of the surface, for sliding tools
   double memory =
       4;  // limit for Green's functions, beyond which columns are computed on demand, and for a patch [GB]
   int contacts = 48;            // contact sites solved per tick, all tools together

@@ -23,6 +23,7 @@ constexpr int kUsualRefinement = 2, kMostRefinement = 4;
 constexpr double kErrorGoal = 0.04;     // expected force error, below the promised 5 %
 constexpr double kUsualElements = 800;  // fine elements of a patch that is built in about a tenth of a second
 constexpr double kMostElements = 4000;  // fine elements of a patch that is built in seconds
+constexpr double kLawElements = 400;    // fine elements of a nonlinear patch that is solved in about 20 ms
 
 /// Contact of one tool with the body.
 struct ExpectedContact {
@@ -111,18 +112,18 @@ std::optional<Candidate> best_of(SfemBody& body, const std::vector<Candidate>& c
   // linear elements have locking errors that no patch removes: the usual patch
   const bool is_refined = body.refinement_is_open || body.refinement > 1;
   const bool by_error = body.model.body.mesh.corners == 10 && is_refined;
+  const double most = body.law ? kLawElements : kMostElements;
   for (const Candidate& c : candidates)
-    if (is_usual(body, c) && (!by_error || (c.error <= kErrorGoal && c.fine_elements <= kUsualElements)) &&
-        fits(body, c))
+    if (!body.law && is_usual(body, c) &&
+        (!by_error || (c.error <= kErrorGoal && c.fine_elements <= kUsualElements)) && fits(body, c))
       return c;
   // cheapest accurate one
   for (const Candidate& c : candidates)
-    if (by_error && c.error <= kErrorGoal && c.fine_elements <= kMostElements && fits(body, c)) return c;
+    if (by_error && c.error <= kErrorGoal && c.fine_elements <= most && fits(body, c)) return c;
   // most accurate one that fits
   std::vector<Candidate> by_accuracy = candidates;
-  std::stable_sort(by_accuracy.begin(), by_accuracy.end(), [](const Candidate& a, const Candidate& b) {
-    return std::pair(a.fine_elements > kMostElements, a.error) <
-           std::pair(b.fine_elements > kMostElements, b.error);
+  std::stable_sort(by_accuracy.begin(), by_accuracy.end(), [&](const Candidate& a, const Candidate& b) {
+    return std::pair(a.fine_elements > most, a.error) < std::pair(b.fine_elements > most, b.error);
   });
   for (const Candidate& c : by_accuracy)
     if (fits(body, c)) return c;
@@ -157,7 +158,7 @@ double usual_touch_depth(const SolidMesh& mesh) {
 
 std::vector<int> elements_of_patch(const SfemBody& body, std::span<const Vec3d> centers, double radius) {
   std::vector<int> elements = sfem::patch_elements(body.model, centers, radius);
-  if (body.refinement > 1) return elements;
+  if (body.refinement > 1 || body.law) return elements;
   std::vector<char> is_outer(element_count(body.model.body.mesh), 0);
   for (const int e : body.model.surface.element) is_outer[std::size_t(e)] = 1;
   std::erase_if(elements, [&](int e) { return is_outer[std::size_t(e)] == 0; });
@@ -170,7 +171,7 @@ std::vector<int> columns_of_patch(const SfemBody& body, std::span<const int> ele
   for (const int e : sfem::changed_elements(model, elements))
     for (const int v : element(model.body.mesh, std::size_t(e)))
       if (const int slot = model.green.slot[std::size_t(v)];
-          body.refinement > 1 || (slot >= 0 && std::size_t(slot) < model.green.surface_count))
+          body.refinement > 1 || body.law || (slot >= 0 && std::size_t(slot) < model.green.surface_count))
         vertices.push_back(v);
   sort_unique(vertices);
   return vertices;

@@ -1,5 +1,6 @@
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -51,34 +52,120 @@ void reject_patch(SfemBody& body, const Error& why) {
   if (body.rejected_patches++ == 0) body.rejection_reason = why.message;
 }
 
-BuiltPatch build_patch_at(const SfemBody& body, const std::vector<Vec3d>& positions) {
+/// Forces on points, on the points of another patch that are the same.
+std::vector<double> same_forces(const sfem::Patch& from, std::span<const Vec3d> forces,
+                                const sfem::Patch& to) {
+  std::vector<std::pair<std::uint64_t, int>> by_key;
+  for (std::size_t i = 0; i < from.points.size(); i++) by_key.emplace_back(from.points[i].key, int(i));
+  std::sort(by_key.begin(), by_key.end());
+  std::vector<double> moved;
+  for (const sfem::PatchPoint& point : to.points) {
+    const auto found = std::lower_bound(by_key.begin(), by_key.end(), std::pair(point.key, 0));
+    const bool is_same = found != by_key.end() && found->first == point.key;
+    const Vec3d f = is_same ? forces[std::size_t(found->second)] : Vec3d{};
+    moved.insert(moved.end(), {f.x, f.y, f.z});
+  }
+  return moved;
+}
+
+/// Contact forces on the points of a patch, at a stiffness_scale of 1.
+struct PointForces {
+  std::shared_ptr<const sfem::Patch> patch;  // null: none
+  std::vector<Vec3d> force;                  // [N]
+};
+
+BuiltPatch solve_new_patch(const SfemBody& body, const sfem::Patch& linear, const PointForces& forces,
+                           const Timer& timer) {
+  constexpr int kMostSteps = 12;
+  Result<sfem::NonlinearPatch> made =
+      sfem::make_nonlinear_patch(body.model, linear, body.refinement, *body.law);
+  if (!made) return {made.error(), timer.seconds()};
+  auto nonlinear = std::make_shared<sfem::NonlinearPatch>(std::move(*made));
+  const std::vector<double> f = forces.patch ? same_forces(*forces.patch, forces.force, nonlinear->patch)
+                                             : std::vector<double>(3 * nonlinear->patch.points.size());
+  sfem::NonlinearReport report;
+  Result<sfem::Patch> solved = sfem::solve_nonlinear(*nonlinear, f, kMostSteps, &report);
+  if (!solved) return {solved.error(), timer.seconds()};
+  return {std::make_shared<const sfem::Patch>(std::move(*solved)), timer.seconds(), nonlinear, report};
+}
+
+BuiltPatch build_patch_at(const SfemBody& body, const std::vector<Vec3d>& positions,
+                          const PointForces& forces) {
   const Timer timer;
   const std::vector<int> elements = elements_of_patch(body, positions, body.follow.radius);
   Result<sfem::Patch> patch =
       sfem::build_patch(body.model, elements, body.refinement, positions, body.patch_memory);
   if (!patch) return {patch.error(), timer.seconds()};
+  if (body.law) return solve_new_patch(body, *patch, forces, timer);
   auto shared = std::make_shared<const sfem::Patch>(std::move(*patch));
   return {std::move(shared), timer.seconds()};
 }
 
 /// Fetches columns, then starts building a patch concurrently. False: the columns exceed the memory limit.
-bool begin_patch(const Exec& exec, SfemBody& body, const std::vector<Vec3d>& positions) {
+bool begin_patch(const Exec& exec, SfemBody& body, const std::vector<Vec3d>& positions, PointForces forces) {
   if (const Status status = fetch_columns_near(exec, body, positions); !status) {
     reject_patch(body, status.error());
     return false;
   }
   if (!body.worker) body.worker = std::make_unique<PatchWorker>();
   // reads only data of the body that no tick and no frame changes
-  body.worker->begin([&body, positions] { return build_patch_at(body, positions); });
+  body.worker->begin(
+      [&body, positions, forces = std::move(forces)] { return build_patch_at(body, positions, forces); });
   return true;
 }
 
-PatchRebuild rebuild_of(const sfem::Patch& patch, double time, double seconds) {
+/// The nonlinear patch of the patch in use, made again after a state was read from a file.
+void restore_nonlinear(SfemBody& body, const sfem::Patch& patch) {
+  if (body.nonlinear) return;
+  Result<sfem::NonlinearPatch> made =
+      sfem::make_nonlinear_patch(body.model, patch, body.refinement, *body.law);
+  TURGOR_ASSERT(bool(made), "a nonlinear patch that was made before is made again");
+  if (made->u.size() == body.law_displacement.size()) made->u = body.law_displacement;
+  body.nonlinear = std::make_unique<sfem::NonlinearPatch>(std::move(*made));
+}
+
+/// Starts solving the nonlinear patch for these forces. False where nothing has changed.
+bool begin_solution(SfemBody& body, const PointForces& now) {
+  constexpr int kMostSteps = 3;
+  if (!body.law || now.force == body.law_forces || (body.worker && body.worker->is_busy())) return false;
+  restore_nonlinear(body, *now.patch);
+  body.law_forces = now.force;
+  std::vector<double> forces;
+  for (const Vec3d f : now.force) forces.insert(forces.end(), {f.x, f.y, f.z});
+  if (!body.worker) body.worker = std::make_unique<PatchWorker>();
+  body.worker->begin([&body, forces = std::move(forces)]() -> BuiltPatch {
+    const Timer timer;
+    sfem::NonlinearReport report;
+    Result<sfem::Patch> solved = sfem::solve_nonlinear(*body.nonlinear, forces, kMostSteps, &report);
+    if (!solved) return {solved.error(), timer.seconds()};
+    return {std::make_shared<const sfem::Patch>(std::move(*solved)), timer.seconds(), {}, report};
+  });
+  return true;
+}
+
+/// Takes the nonlinear patch and the statistics of a finished solution.
+void keep_solution(SfemBody& body, const BuiltPatch& built) {
+  if (built.nonlinear) {
+    body.nonlinear = std::make_unique<sfem::NonlinearPatch>(*built.nonlinear);
+    body.law_forces.clear();
+  }
+  if (!built.law) return;
+  LawSummary& sum = body.law_summary;
+  sum.solutions++, sum.unconverged += !built.law->converged;
+  sum.most_steps = std::max(sum.most_steps, built.law->steps);
+  if (!built.nonlinear) sum.seconds += built.seconds, sum.longest = std::max(sum.longest, built.seconds);
+  sum.strain = std::max(sum.strain, built.law->strain);
+  sum.border_strain = std::max(sum.border_strain, built.law->border_strain);
+}
+
+PatchRebuild rebuild_of(const BuiltPatch& built, double time) {
+  const sfem::Patch& patch = **built.patch;
   return {.time = time,
-          .seconds = seconds,
+          .seconds = built.seconds,
           .elements = int(patch.elements.size()),
           .local_nodes = patch.local_nodes,
-          .points = int(patch.points.size())};
+          .points = int(patch.points.size()),
+          .is_solution = built.law && !built.nonlinear};
 }
 
 /// Releases patches that are no longer in use; their destruction must not happen on the haptic thread.
@@ -92,8 +179,8 @@ void retain_patch(std::vector<std::shared_ptr<const sfem::Patch>>& patches,
 
 Result<std::shared_ptr<const sfem::Patch>> first_patch(const Exec& exec, SfemBody& body) {
   if (const Status status = fetch_columns_near(exec, body, body.centers); !status) return status.error();
-  BuiltPatch built = build_patch_at(body, body.centers);
-  if (built.patch) retain_patch(body.patches, *built.patch);
+  BuiltPatch built = build_patch_at(body, body.centers, {});
+  if (built.patch) retain_patch(body.patches, *built.patch), keep_solution(body, built);
   return built.patch;
 }
 
@@ -105,9 +192,15 @@ std::optional<NextPatch> follow_tools(const Exec& exec, SfemBody& body,
   for (const contact::ToolCommand& command : commands) poses.push_back({command.pose, command.hold});
   std::vector<Vec3d> positions = contact::touched_positions(body.model, contact_centers, poses, body.centers);
   if (!contact::must_follow(body.follow, body.centers, positions)) return {};
-  if (begin_patch(exec, body, positions)) return NextPatch{std::move(positions), due};
+  PointForces now{body.touch.patch, body.touch.state.force};
+  if (begin_patch(exec, body, positions, std::move(now))) return NextPatch{std::move(positions), due};
   body.centers = std::move(positions);
   return {};
+}
+
+std::optional<NextPatch> solve_law(SfemBody& body, long due) {
+  if (due % kLawTicks != 0 || !begin_solution(body, {body.touch.patch, body.touch.state.force})) return {};
+  return NextPatch{body.centers, due};
 }
 
 bool take_next_patch(SfemBody& body, NextPatch& next, double time) {
@@ -121,9 +214,10 @@ bool take_next_patch(SfemBody& body, NextPatch& next, double time) {
   }
   const std::shared_ptr<const sfem::Patch>& patch = *built.patch;
   retain_patch(body.patches, patch);
+  keep_solution(body, built);
 
   // exchange, with the contact history transferred
-  PatchRebuild rebuild = rebuild_of(*patch, time, built.seconds);
+  PatchRebuild rebuild = rebuild_of(built, time);
   const Timer taking;
   const contact::FinishedPatch offer{.patch = patch,
                                      .history = contact::transferred_history(
@@ -147,12 +241,15 @@ void offer_patch(const Exec& exec, SfemBody& body, double time, latest<contact::
     body.built_patches++;
     if (!built.patch) return reject_patch(body, built.patch.error());
     retain_patch(body.patches, *built.patch);
-    body.rebuilds.push_back(rebuild_of(**built.patch, time, built.seconds));
+    keep_solution(body, built);
+    body.rebuilds.push_back(rebuild_of(built, time));
     contact::FinishedPatch& offer = offers.writing();
     offer.patch = *built.patch;
     offer.history = contact::transferred_history(body.model, now.history, *now.patch, **built.patch);
     offer.number = long(body.rebuilds.size());
     offers.publish();
+    // the next solution at the same points may begin
+    if (body.rebuilds.back().is_solution) (void)begin_solution(body, {now.patch, now.force});
     return;
   }
   if (now.patch_number < long(body.rebuilds.size()))
@@ -161,8 +258,11 @@ void offer_patch(const Exec& exec, SfemBody& body, double time, latest<contact::
   // start the next one
   std::vector<Vec3d> positions =
       contact::touched_positions(body.model, now.contact_centers, now.poses, body.centers);
-  if (!contact::must_follow(body.follow, body.centers, positions)) return;
-  (void)begin_patch(exec, body, positions);
+  if (!contact::must_follow(body.follow, body.centers, positions)) {
+    (void)begin_solution(body, {now.patch, now.force});
+    return;
+  }
+  (void)begin_patch(exec, body, positions, {now.patch, now.force});
   body.centers = std::move(positions);
 }
 

@@ -29,6 +29,12 @@ Result<std::shared_ptr<const sfem::Patch>> first_patch(const Exec& exec, SfemBod
 /// Starts building a patch for tick `due` if the contact has moved far enough. `commands`: of this tick.
 std::optional<NextPatch> follow_tools(const Exec& exec, SfemBody& body,
                                       std::span<const contact::ToolCommand> commands, long due);
+/// Ticks between two solutions of a nonlinear patch: 125 a second.
+constexpr long kLawTicks = 8;
+/// Starts solving the nonlinear patch for the present forces, to be used from tick `due` on. None without a
+/// law, while the forces are those of the latest solution, or where that is less than kLawTicks ago.
+std::optional<NextPatch> solve_law(SfemBody& body, long due);
+
 /// Replaces the present patch, and records cost and force jump. False if building failed: the present patch
 /// stays, and another is tried when the contact has moved on.
 bool take_next_patch(SfemBody& body, NextPatch& next, double time);

@@ -111,6 +111,7 @@ Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<Touch
   if (pair_count(viscosity) > 0)
     return Error{
         "a needle needs an elastic body, found viscosity: its force on viscous tissue is not modeled yet"};
+  if (body.law) return Error{"a needle needs a linear body, found a law"};
   // elements around them
   const SolidMesh& mesh = body.model.body.mesh;
   std::vector<int> elements = elements_near(mesh, shafts);

@@ -9,13 +9,16 @@
 #include <thread>
 
 #include "turgor/core/result.hpp"
-#include "turgor/models/sfem/patch.hpp"
+#include "turgor/models/sfem/nonlinear_patch.hpp"
 
 namespace turgor {
 
 struct BuiltPatch {
   Result<std::shared_ptr<const sfem::Patch>> patch;
   double seconds = 0;  // wall time of building
+  std::shared_ptr<sfem::NonlinearPatch> nonlinear =
+      {};                                         // a new one; null: a linear patch, or one solved again
+  std::optional<sfem::NonlinearReport> law = {};  // of the solution of a nonlinear patch
 };
 
 /// Used by the frame thread only, never by the haptic thread.

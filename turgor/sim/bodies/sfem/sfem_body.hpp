@@ -34,7 +34,18 @@ struct PatchRebuild {
   double seconds = 0;           // wall time of building it concurrently
   double handover_seconds = 0;  // wall time of the exchange
   int elements = 0, local_nodes = 0, points = 0;
-  double force_jump = 0;  // before blending [N]
+  double force_jump = 0;     // before blending [N]
+  bool is_solution = false;  // of a nonlinear law on the same points; else a patch elsewhere
+};
+
+/// Solutions of a nonlinear patch so far.
+struct LawSummary {
+  int solutions = 0, unconverged = 0;
+  int most_steps = 0;        // Newton steps of one
+  double seconds = 0;        // wall time of all
+  double longest = 0;        // wall time of one [s]
+  double strain = 0;         // largest Green strain in the patch [1]
+  double border_strain = 0;  // beside its border, where the body is linear [1]
 };
 
 /// A finer surface embedded in the body.
@@ -131,6 +142,12 @@ struct SfemBody : TouchedBody {
   contact::FollowParams follow;
   std::vector<Vec3d> centers;  // contact positions of the present patch [m]
   boxed<PatchWorker> worker;
+  std::optional<sfem::Law> law;           // of the patch's elements
+  boxed<sfem::NonlinearPatch> nonlinear;  // used by the worker while it is busy
+  std::vector<Vec3d> law_forces;          // on the points, of its latest solution [N]
+  std::vector<double> law_displacement;   // of NonlinearPatch::u, from a file [m]
+  LawSummary law_summary;
+  contact::Texture texture;
   std::vector<std::shared_ptr<const sfem::Patch>> patches;  // patches that may be in use
   contact::SfemTouchSnapshot now;  // latest touch state, one for each of tool_indices
 

@@ -52,7 +52,8 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
   body.touch = contact::make_sfem_touch(std::move(*patch), std::move(shapes), poses,
                                         {.touch = {.capacity = body.contacts, .viscosity = viscosity},
                                          .follow = body.follow,
-                                         .vertex_count = body.model.body.mesh.vertices.size()});
+                                         .vertex_count = body.model.body.mesh.vertices.size(),
+                                         .texture = body.texture});
   body.touch.stiffness_scale = body.stiffness_scale;
   contact::publish(body.touch, body.now);
   return Done{};
@@ -86,6 +87,7 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
     // patch
     bool new_patch = false;
     if (!next && tick + patch_ticks <= last) next = follow_tools(exec, body, commands, tick + patch_ticks);
+    if (!next && tick + patch_ticks <= last) next = solve_law(body, tick + patch_ticks);
     if (next && next->due == tick) new_patch = take_next_patch(body, *next, time), next.reset();
 
     // tick and log
