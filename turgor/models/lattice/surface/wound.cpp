@@ -138,19 +138,25 @@ Wound wound_of(const Model& model, std::vector<LipPair> pairs) {
   return wound;
 }
 
-/// Wound that a piece has left: its gape is the distance of opposite points of the rim.
+/// Wound that a piece has left: its gape is the distance of opposite points of the rim across the wound. Lips
+/// that meet may be shifted along the wound or in height, and do not gape.
 Wound excised_wound(const BladePath& path, const Opening& opening) {
   Wound wound;
-  wound.length = opening.size.length, wound.gape_max = opening.size.width;
-  wound.opening_area = opening.size.area, wound.edge_displacement = opening.displacement;
-  if (wound.length > 0) wound.gape_mean = wound.opening_area / wound.length;
-  const std::size_t last = path.points.size() - 1;
-  double along = 0;
+  wound.length = opening.size.length, wound.edge_displacement = opening.displacement;
+  const std::size_t last = path.points.size() - 1, middle = last / 4;
+  const Vec3d across = normalized(path.points[last - middle] - path.points[middle]);
+  double along = 0, area = 0;
   const std::vector<Vec3d> axis = axis_of(path).points;
   for (std::size_t n = 0; n < axis.size(); n++) {
-    if (n > 0) along += norm(axis[n] - axis[n - 1]);
-    wound.profile.push_back({along, norm(opening.rim[last - n] - opening.rim[n])});
+    const double step = n > 0 ? norm(axis[n] - axis[n - 1]) : 0;
+    const double gape = std::max(0.0, dot(opening.rim[last - n] - opening.rim[n], across));
+    along += step;
+    if (n > 0) area += 0.5 * (gape + wound.profile.back().gape) * step;
+    wound.profile.push_back({along, gape});
+    wound.gape_max = std::max(wound.gape_max, gape);
   }
+  if (along > 0) wound.gape_mean = area / along;
+  wound.opening_area = wound.gape_mean * wound.length;
   return wound;
 }
 
