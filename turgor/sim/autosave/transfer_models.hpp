@@ -123,15 +123,15 @@ void transfer(File& file, lattice::Wound& wound) {
 }
 template <class File>
 void transfer(File& file, lattice::Stitch& stitch) {
-  auto& [rest, side, along, middle, across, gap, at, lips, phase, length, before, tension, multiplier,
-         ended] = stitch;
-  transfer_all(file, rest, side, along, middle, across, gap, at, lips, phase, length, before, tension,
-               multiplier, ended);
+  auto& [rest, side, is_open, keeps_bites, along, middle, across, gap, shortest, at, lips, phase, length,
+         before, tension, multiplier, ended] = stitch;
+  transfer_all(file, rest, side, is_open, keeps_bites, along, middle, across, gap, shortest, at, lips, phase,
+               length, before, tension, multiplier, ended);
 }
 template <class File>
 void transfer(File& file, lattice::WoundClosure& closure) {
-  auto& [thread, pull_out, stitches, walls, version, settled] = closure;
-  transfer_all(file, thread, pull_out, stitches, walls, version, settled);
+  auto& [thread, pull_out, stitches, walls, is_running, version, settled] = closure;
+  transfer_all(file, thread, pull_out, stitches, walls, is_running, version, settled);
 }
 template <class File>
 void transfer(File& file, contact::LatticeTouch& touch) {

@@ -52,8 +52,8 @@ void transfer(File& file, CutMeasures& cut) {
 }
 template <class File>
 void transfer(File& file, SutureMeasures& suture) {
-  auto& [name, wound, thread, skin_force, series, stitches] = suture;
-  transfer_all(file, name, wound, thread, skin_force, series, stitches);
+  auto& [name, wound, thread, pattern, skin_force, series, stitches] = suture;
+  transfer_all(file, name, wound, thread, pattern, skin_force, series, stitches);
 }
 template <class File>
 void transfer(File& file, Measures& measures) {

@@ -65,6 +65,7 @@ Status read_suture_state(const Hdf5File& file, const std::string& group, const W
     s.length = numbers[0], s.before = numbers[1], s.tension = numbers[2], s.multiplier = numbers[3],
     s.ended = numbers[4];
   }
+  if (suture.closure->is_running) join_stitches(*suture.closure);
   for (std::size_t n = 0; n < suture.closure->walls.size(); n++)
     suture.closure->walls[n].force = walls[2 * n], suture.closure->walls[n].multiplier = walls[2 * n + 1];
   return reading.status();

@@ -49,6 +49,9 @@ const Quantity<U> kSuture[] = {
     {"name", kNone, "", [](const U& u) -> Json { return u.name; }, kInReport},
     {"wound", kNone, "closes", [](const U& u) -> Json { return u.wound; }},
     {"thread", kNone, "thread", [](const U& u) -> Json { return u.thread; }},
+    {"pattern", kNone, "pattern", [](const U& u) -> Json { return u.pattern; }},
+    {"thread_length", kMillimeters, "thread in the stitches",
+     [](const U& u) -> Json { return last_of(u).thread_length; }},
     {"stitches_bearing", kCount, "stitches that bear", [](const U& u) -> Json { return last_of(u).bearing; },
      kEverywhere},
     {"pulled_out", kCount, "stitches pulled out", [](const U& u) -> Json { return last_of(u).pulled_out; }},
@@ -90,13 +93,16 @@ const Quantity<S> kStitch[] = {
 SutureMeasures make_suture_measures(const World& world, const Suture& suture) {
   return {.name = suture.scene.name,
           .wound = world.cuts[std::size_t(suture.scene.incision)].blade.name,
-          .thread = suture.scene.material};
+          .thread = suture.scene.material,
+          .pattern = suture.scene.is_running ? "running" : "interrupted"};
 }
 
 void measure_suture(const World& world, const Suture& suture, SutureMeasures& measures) {
   if (!suture.closure) return;
   const lattice::Motion& motion = world.lattice_bodies[std::size_t(suture.scene.body)].state->motion;
-  SutureSample sample{.time = time_of(world), .closing_force = closing_force(*suture.closure, motion)};
+  SutureSample sample{.time = time_of(world),
+                      .closing_force = closing_force(*suture.closure, motion),
+                      .thread_length = thread_length(*suture.closure)};
   measures.stitches.clear();
   for (const lattice::Stitch& stitch : suture.closure->stitches) {
     const StitchSample& one = measures.stitches.emplace_back(sample_of_stitch(stitch, motion));

@@ -15,6 +15,7 @@ struct SutureSample {
   double closing_force = 0;  // of all stitches on a lip, less the pressure of the walls [N]
   double tension_max = 0;    // [N]
   double gape_max = 0;       // under a stitch that bears [m]
+  double thread_length = 0;  // without stress, in all stitches that bear [m]
   int bearing = 0, pulled_out = 0, broken = 0;  // stitches
 };
 struct StitchSample {
@@ -27,7 +28,7 @@ struct StitchSample {
   double ended = 0;  // [s]
 };
 struct SutureMeasures {
-  std::string name, wound, thread;
+  std::string name, wound, thread, pattern;
   double skin_force = 0;  // tension of the skin across the cut in the CT times the cut's length [N]
   std::vector<SutureSample> series;    // one per frame since the stitches were laid
   std::vector<StitchSample> stitches;  // at the end

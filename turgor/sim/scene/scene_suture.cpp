@@ -19,7 +19,8 @@ constexpr ThreadPreset kThreads[] = {{"nylon 5-0", 0.125e-3, 3.9},
                                      {"nylon 3-0", 0.225e-3, 9.4},
                                      {"nylon 2-0", 0.320e-3, 14.1},
                                      {"nylon 0", 0.375e-3, 21.2}};
-constexpr double kNylonYoung = 1.8e9;  // [Pa]
+constexpr double kNylonYoung = 1.8e9;   // [Pa]
+constexpr double kNylonFriction = 0.2;  // in tissue; an assumption
 
 void read_wound(SceneTable& table, const Scene& scene, SutureScene& suture) {
   std::string wound;
@@ -74,6 +75,17 @@ void read_through(SceneTable& table, SutureScene& suture) {
   if (!is_valid) table.fail_value("through", *node, kPoints);
 }
 
+void read_pattern(SceneTable& table, SutureScene& suture) {
+  table.read_choice<bool>("pattern", suture.is_running, {{"interrupted", false}, {"running", true}},
+                          "`\"interrupted\"`: every stitch has its own thread and knot; `\"running\"`: one "
+                          "thread makes all stitches "
+                          "of a row, is knotted at its ends and slides between them");
+  if (suture.is_running && !suture.through.empty())
+    table.fail("pattern", "a single stitch through points is not running: expected a row, without `through`");
+  if (suture.is_running && table.has("tension"))
+    table.fail("pattern", "running sutures are pulled until closed: expected no `tension`");
+}
+
 void read_thread(SceneTable& table, SutureScene& suture) {
   std::vector<std::string> names;
   for (const ThreadPreset& preset : kThreads) names.emplace_back(preset.name);
@@ -84,12 +96,15 @@ void read_thread(SceneTable& table, SutureScene& suture) {
     if (suture.material != preset.name) continue;
     const double area = std::numbers::pi / 4 * preset.diameter * preset.diameter;
     suture.diameter = preset.diameter;
-    suture.thread = {.stiffness = kNylonYoung * area, .strength = preset.strength};
+    suture.thread = {
+        .stiffness = kNylonYoung * area, .strength = preset.strength, .friction = kNylonFriction};
   }
   table.read("thread_stiffness", suture.thread.stiffness, inside(0, 1e5, "N"),
              {"force of the thread per strain, instead of the preset's", "of the preset"});
   table.read("thread_strength", suture.thread.strength, inside(0, 1e4, "N"),
              {"tension at which the thread breaks, instead of the preset's", "of the preset"});
+  table.read("thread_friction", suture.thread.friction, within(0, 2),
+             {"Coulomb coefficient between thread and tissue, for the sliding of a running suture", "0.2"});
   table.read("thread_length", suture.thread_length, within(0, 100, "m"),
              {"length of thread for all stitches of the row; 0 = as long as needed", "0"});
   table.read("pull_out", suture.pull_out, inside(0, 1e4, "N"),
@@ -139,6 +154,7 @@ SutureScene read_suture(SceneTable table, const std::string& name, const Scene& 
       "distance of the points from the wound on each side; of the order of the lattice spacing or more");
   table.read("depth", suture.depth, inside(0, 0.1, "m"), "depth of the deep strand below the skin");
   read_through(table, suture);
+  read_pattern(table, suture);
   read_thread(table, suture);
   read_pull(table, scene, suture);
   table.finish();

@@ -14,6 +14,7 @@ struct SutureScene {
   int body = 0;      // index into Scene::lattice_bodies
   double spacing = 0.008, bite = 0.005, depth = 0.002;  // of a row [m]
   std::vector<Vec3d> through;                           // points of a single stitch, patient frame [m]
+  bool is_running = false;                              // one thread makes all stitches
   std::string material = "nylon 3-0";                   // preset of the thread
   lattice::Thread thread;
   double diameter = 0;       // of the thread [m]

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -135,6 +136,40 @@ TEST(Closure, StitchesEndAtTheirStrength) {
     EXPECT_NEAR((before + step) * force, kWeak, thread_is_weak ? step : 0.2 * kWeak) << "N";
     EXPECT_EQ(closing_force(closure, body.state.motion), 0);
   }
+}
+
+// In a running suture the pulled end draws thread through all stitches, whose tensions differ by the capstan
+// equation [Euler–Eytelwein]. Nothing is lost of the thread.
+TEST(Closure, RunningThreadFollowsCapstanEquation) {
+  const HalfBodies body({17, 13, 6}, 0);
+  WoundClosure closure =
+      lay_stitches(body.model, body.state.cuts, body.path, {.spacing = 0.011, .is_running = true}).value();
+  closure.thread = {.stiffness = 100, .strength = 50, .friction = 0.03}, closure.pull_out = 50;
+  ASSERT_EQ(closure.stitches.size(), 4u);
+  // the tissue is held; the thread of the last stitch is too short
+  for (Stitch& stitch : closure.stitches)
+    stitch.phase = StitchPhase::kKnotted, stitch.length = loop_length(stitch, body.state.motion) * 1.002;
+  closure.stitches.back().length *= 0.95;
+  const double thread = thread_length(closure);
+  PointSprings springs;
+  append_springs(closure, springs.all);
+  for (int n = 0; n < 3000 && !(n > 10 && closure.settled); n++) {
+    update_springs(body.model, body.state.motion, closure, springs.all);
+    update_multipliers(body.model, body.state.motion, closure);
+  }
+  EXPECT_NEAR(thread_length(closure), thread, 1e-12 * thread);
+  Vec3d sum;
+  for (std::size_t n = 0; n < closure.stitches.size(); n++) {
+    for (const Vec3d f : stitch_forces(closure.stitches[n], body.state.motion)) sum += f;
+    if (n == 0) continue;
+    // four right angles between two deep strands: up, across the skin, down, and below the wound
+    const double tension = closure.stitches[n].tension, before = closure.stitches[n - 1].tension,
+                 capstan = std::exp(closure.thread.friction * 2 * std::numbers::pi);
+    std::printf("tensions %.3f and %.3f N, ratio %.4f, capstan equation %.4f\n", before, tension,
+                tension / before, capstan);
+    EXPECT_NEAR(tension / before, capstan, 0.01 * capstan);
+  }
+  EXPECT_LT(norm(sum), 1e-9);
 }
 
 // The state and the forces do not depend on the number of threads.

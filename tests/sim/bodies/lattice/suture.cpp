@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "tests/sim/block_scene.hpp"
+#include "tests/sim/resumed.hpp"
 #include "tests/sim/scene/scene_error.hpp"
-#include "turgor/sim/autosave/world_file.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/run.hpp"
@@ -56,6 +56,25 @@ TEST(Suture, RowClosesWound) {
   EXPECT_TRUE(suture_warnings(world).empty());
 }
 
+// A running suture closes the wound with one thread, whose length is kept once it is closed.
+TEST(Suture, RunningThreadClosesWound) {
+  const Scene scene = sutured_scene(
+      test::fresh_folder(), std::string(kRow) + "pattern = \"running\"\nthread_friction = 0.1\n", 1.6);
+  World world = test::block_world(Exec(1), scene);
+  const Result<Simulated> run = simulate(Exec(1), scene, world);
+  ASSERT_TRUE(run) << run.error().message;
+  const Json report = simulation_report(Exec(1), scene, world, run->measures, {});
+  const Json& suture = report.at("sutures").at(0);
+  EXPECT_EQ(suture.at("pattern"), "running");
+  EXPECT_EQ(suture.at("stitches_bearing"), 4);
+  EXPECT_LT(suture.at("gape_max_mm").get<double>(), 0.5);
+  const std::vector<SutureSample>& series = run->measures.sutures.at(0).series;
+  EXPECT_NEAR(series[series.size() - 10].thread_length, series.back().thread_length,
+              1e-12 * series.back().thread_length);
+  EXPECT_NEAR(suture.at("thread_length_mm").get<double>(), 1e3 * series.back().thread_length, 0.01);
+  EXPECT_FALSE(run->snapshot.threads.at(0).triangles.empty());
+}
+
 // Stitches that tear out are reported with a warning.
 TEST(Suture, TornStitchesAreReported) {
   const Scene scene =
@@ -95,18 +114,7 @@ TEST(Suture, StateIsRestored) {
   EXPECT_EQ(drawn.sutures[0].closure->stitches[1].tension, world.sutures[0].closure->stitches[1].tension);
   EXPECT_EQ(redrawn.threads.at(0).vertices, snapshot.threads.at(0).vertices);
   // state file
-  {
-    Result<StateWriter> file = StateWriter::create(folder / "state");
-    ASSERT_TRUE(file);
-    write_world(*file, world, loaded);
-    ASSERT_TRUE(file->close());
-  }
-  Result<StateReader> file = StateReader::open(folder / "state");
-  ASSERT_TRUE(file);
-  read_world(exec, *file, loaded_patches(resumed), resumed);
-  ASSERT_TRUE(file->is_sound());
-  for (int frame = 0; frame < 5; frame++) ASSERT_TRUE(step(exec, world) && step(exec, resumed));
-  EXPECT_EQ(state_hash(world), state_hash(resumed));
+  test::expect_resumes(exec, folder / "state", loaded, world, resumed);
   EXPECT_EQ(resumed.sutures[0].closure->stitches[2].tension, world.sutures[0].closure->stitches[2].tension);
 }
 
@@ -128,6 +136,10 @@ TEST(Suture, WrongScenesAreRefused) {
   EXPECT_TRUE(contains(error("tension = 1\npull_until = \"closed\"\n"), "not both"));
   EXPECT_TRUE(contains(error("through = [[0, 0, 0]]\n"), "two to 64 points"));
   EXPECT_TRUE(contains(error("thread = \"nylon 9-0\"\n"), "nylon 5-0"));
+  EXPECT_TRUE(contains(error("pattern = \"running\"\ntension = 1\n"), "pulled until closed"));
+  EXPECT_TRUE(
+      contains(error("pattern = \"running\"\nthrough = [[0, 0, 0], [0.01, 0, 0]]\n"), "is not running"));
+  EXPECT_TRUE(contains(error("pattern = \"walking\"\n"), "interrupted"));
 }
 
 // Stitches that do not fit the body are refused when it is loaded.

@@ -6,6 +6,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/mechanics/skin_calibration.hpp"
+#include "turgor/models/lattice/suture/thread_loop.hpp"
 
 namespace turgor::lattice {
 
@@ -19,36 +20,6 @@ constexpr double kClosedGape = 1e-4;
 /// Thread pulled in per step, over the gape, after the time of the pull. The lips of an excision travel far:
 /// a faster pull would overshoot before the tissue follows.
 constexpr double kSlowPull = 0.1;
-/// Shortest loop over its length in the CT. A tighter one would crush the tissue without closing the wound.
-constexpr double kShortestLoop = 0.7;
-
-/// Loop of a stitch at the present positions: unit directions from each point to the next, and lengths.
-struct Loop {
-  std::vector<Vec3d> direction;
-  std::vector<double> length;  // [m]
-
-  std::size_t before(std::size_t p) const { return (p + length.size() - 1) % length.size(); }
-  double total() const {
-    double sum = 0;
-    for (const double l : length) sum += l;
-    return sum;
-  }
-  /// Force at a point per tension: −∂L/∂x.
-  Vec3d pull(std::size_t p) const { return direction[p] - direction[before(p)]; }
-};
-
-Loop loop_of(const Stitch& stitch, const Motion& motion) {
-  const std::size_t count = stitch.rest.size();
-  std::vector<Vec3d> x(count);
-  for (std::size_t p = 0; p < count; p++) x[p] = stitch.rest[p] + Vec3d(displacement(stitch.at[p], motion));
-  Loop loop{std::vector<Vec3d>(count), std::vector<double>(count)};
-  for (std::size_t p = 0; p < count; p++) {
-    const Vec3d d = x[(p + 1) % count] - x[p];
-    loop.length[p] = std::max(norm(d), 1e-9);
-    loop.direction[p] = d / loop.length[p];
-  }
-  return loop;
-}
 
 /// Penalty stiffness near a cell, about that of its tissue and skin [N/m]. A stiffer one would slow the
 /// sweeps down; the multipliers bring what it lacks.
@@ -68,14 +39,10 @@ PointStiffness outer(Vec3d g, double k) {
   return axial_stiffness(Vec3(normalized(g)), Real(k * size * size), 0);
 }
 
-/// Penalty stiffness of a stitch with thread stiffness k per length [N/m].
-double penalty_of(const Model& model, const Thread& thread, const Stitch& stitch) {
-  return std::min(penalty_at(model, stitch.at[0]), thread.stiffness / stitch.length);
-}
-
 /// Updates a stitch and its springs. L = Σ |x_{p+1} − x_p|, multiplier λ, penalty κ:
 ///   T = max(0, λ + κ (L − L₀)),  f_p = −T ∂L/∂x_p = T g
-/// A point's stiffness bounds its coupling with the n − 1 others: n κ g gᵀ + 2 T Σ (I − e eᵀ)/l.
+/// A point's stiffness bounds its coupling with the n − 1 others: n κ g gᵀ + 2 T Σ (I − e eᵀ)/l. Strands in
+/// bites that keep their length have no force: the tissue between their points bears the thread.
 /// [Hestenes 1969]
 void update_stitch(const Model& model, const Motion& motion, const Thread& thread, Stitch& stitch,
                    std::span<PointSpring> springs) {
@@ -90,15 +57,16 @@ void update_stitch(const Model& model, const Motion& motion, const Thread& threa
   // springs
   const bool is_taut = stitch.tension > 0;
   for (std::size_t p = 0; p < count; p++) {
-    const Vec3d g = loop.pull(p);
+    const Vec3d g = loop.pull_across(p);
     PointSpring& spring = springs[p];
     spring.force = Vec3(g * stitch.tension);
     spring.target = displacement(spring.at, motion);
     spring.stiffness = outer(g, is_taut ? double(count) * penalty : 0);
-    for (const std::size_t segment : {p, loop.before(p)})
-      spring.stiffness = sum_of(
-          spring.stiffness,
-          axial_stiffness(Vec3(loop.direction[segment]), 0, Real(2 * stitch.tension / loop.length[segment])));
+    for (const std::size_t strand : {p, loop.before(p)})
+      if (!loop.is_bite[strand] && loop.length[strand] > 0)
+        spring.stiffness = sum_of(
+            spring.stiffness,
+            axial_stiffness(Vec3(loop.direction[strand]), 0, Real(2 * stitch.tension / loop.length[strand])));
   }
 }
 
@@ -128,14 +96,14 @@ void pull_stitch(const Motion& motion, const Pull& pull, double elapsed, const T
   if (pull.until_closed) {
     const double rest = rest_length(stitch), slack = std::max(stitch.before - rest, 0.1 * rest);
     const bool is_closed = share >= 1 && gape_under(stitch, motion) <= kClosedGape;
-    if (is_closed || stitch.length == kShortestLoop * rest) {
+    if (is_closed || stitch.length == stitch.shortest) {
       stitch.phase = StitchPhase::kKnotted;
       return;
     }
     double length = stitch.before - share * slack;
     if (share > 1 && stitch.gap > 0)
       length = std::max(length, stitch.length - kSlowPull * gape_under(stitch, motion));
-    stitch.length = std::max(length, kShortestLoop * rest);
+    stitch.length = std::max(length, stitch.shortest);
     return;
   }
   // tension
@@ -152,6 +120,32 @@ bool is_active(const WoundClosure& closure) {
 }
 
 }  // namespace
+
+std::vector<Vec3d> points_now(const Stitch& stitch, const Motion& motion) {
+  std::vector<Vec3d> points = stitch.rest;
+  for (std::size_t p = 0; p < points.size(); p++) points[p] += Vec3d(displacement(stitch.at[p], motion));
+  return points;
+}
+
+Loop loop_of(const Stitch& stitch, const Motion& motion) {
+  constexpr double kShortest = 1e-9;  // [m]
+  const std::size_t count = stitch.rest.size();
+  const std::vector<Vec3d> x = points_now(stitch, motion);
+  Loop loop{std::vector<Vec3d>(count), std::vector<double>(count), std::vector<char>(count)};
+  for (std::size_t p = 0; p + (stitch.is_open ? 1 : 0) < count; p++) {
+    const std::size_t next = (p + 1) % count;
+    const Vec3d d = x[next] - x[p];
+    loop.is_bite[p] = stitch.keeps_bites && stitch.side[p] == stitch.side[next];
+    loop.length[p] =
+        loop.is_bite[p] ? norm(stitch.rest[next] - stitch.rest[p]) : std::max(norm(d), kShortest);
+    loop.direction[p] = d / std::max(norm(d), kShortest);
+  }
+  return loop;
+}
+
+double penalty_of(const Model& model, const Thread& thread, const Stitch& stitch) {
+  return std::min(penalty_at(model, stitch.at[0]), thread.stiffness / stitch.length);
+}
 
 void pull_stitches(const Motion& motion, const Pull& pull, double time, WoundClosure& closure) {
   if (time < pull.start) return;
@@ -189,7 +183,13 @@ double closing_force(const WoundClosure& closure, const Motion& motion) {
     for (std::size_t p = 0; p < forces.size(); p++)
       if (stitch.side[p] < 0) sum += dot(forces[p], stitch.across);
   }
-  for (const WallPair& pair : closure.walls) sum -= pair.force;
+  return sum - wall_force(closure);
+}
+
+double wall_force(const WoundClosure& closure) {
+  double sum = 0;
+  for (const WallPair& pair : closure.walls)
+    if (pair.stitch < 0) sum += pair.force;
   return sum;
 }
 
@@ -250,20 +250,31 @@ void update_multipliers(const Model& model, const Motion& motion, WoundClosure& 
   // walls: the overlap
   for (WallPair& pair : closure.walls)
     if (pair.at.parted) move(pair.multiplier, -penalty_at(model, pair.at.left) * gap_of(pair, motion));
+  if (closure.is_running) change = std::max(change, slide_thread(model, motion, closure));
   closure.settled = closure.settled && change <= kSettled * largest;
 }
 
 void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& closure) {
-  for (Stitch& stitch : closure.stitches) {
+  bool has_broken = false;
+  const auto end = [&](Stitch& stitch, StitchPhase phase) {
+    stitch.phase = phase;
+    stitch.tension = stitch.multiplier = 0, stitch.ended = time;
+    closure.settled = false;
+  };
+  for (std::size_t n = 0; n < closure.stitches.size(); n++) {
+    Stitch& stitch = closure.stitches[n];
     if (!bears(stitch.phase)) continue;
     double most = 0;
     for (const Vec3d f : stitch_forces(stitch, motion)) most = std::max(most, norm(f));
     const bool breaks = stitch.tension > closure.thread.strength, tears = most > closure.pull_out;
-    if (!breaks && !tears) continue;
-    stitch.phase = breaks ? StitchPhase::kBroken : StitchPhase::kPulledOut;
-    stitch.tension = stitch.multiplier = 0, stitch.ended = time;
-    closure.settled = false;
+    if (breaks || tears) end(stitch, breaks ? StitchPhase::kBroken : StitchPhase::kPulledOut);
+    if (tears && !breaks && closure.is_running) free_thread(closure, n);
+    has_broken = has_broken || breaks;
   }
+  // one thread
+  if (has_broken && closure.is_running)
+    for (Stitch& stitch : closure.stitches)
+      if (bears(stitch.phase)) end(stitch, StitchPhase::kBroken);
   if (!is_active(closure))
     for (WallPair& pair : closure.walls) pair.force = pair.multiplier = 0;
 }

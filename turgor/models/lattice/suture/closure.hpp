@@ -1,7 +1,8 @@
-// Stitches that close a wound. A stitch is a closed loop of thread through points of the tissue, along which
-// it slides without friction. Its energy is that of a unilateral spring of the whole loop. Opposite points of
-// the wound's walls do not pass each other. Both are coupled by multipliers that follow from sweep to sweep
-// (augmented Lagrangian), so that a stiff thread does not slow the sweeps down.
+// Stitches that close a wound. A stitch is a loop of thread through points of the tissue, along which it
+// slides without friction. Its energy is that of a unilateral spring of the whole loop. In a running suture
+// one thread makes all stitches, and slides from one to the next against friction (running.cpp). Opposite
+// points of the wound's walls do not pass each other. All are coupled by multipliers that follow from step to
+// step (augmented Lagrangian), so that a stiff thread does not slow the sweeps down.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +19,7 @@ namespace turgor::lattice {
 struct Thread {
   double stiffness = 0;  // force per strain, E A [N]
   double strength = 0;   // tension at which it breaks [N]
+  double friction = 0;   // Coulomb coefficient in tissue, between the stitches of a running suture [1]
 };
 
 enum class StitchPhase : std::uint8_t { kWaiting, kPulled, kKnotted, kPulledOut, kBroken };
@@ -35,10 +37,14 @@ struct EmbeddedPair {
 struct Stitch {
   std::vector<Vec3d> rest;  // points in the order of the thread, lattice frame [m]
   std::vector<int> side;    // by point: −1 = left of the wound, 1 = right
-  double along = 0;         // arc length of its middle on the wound's path [m]
-  Vec3d middle, across;     // point of the path, and unit vector from left to right, lattice frame [m] [1]
-  double gap = 0;           // distance of the lips in the CT; 0 = a cut [m]
-  std::vector<EmbeddedPoint> at;  // by point
+  bool is_open = false;     // a stitch of a running suture, which ends at the first point of the next one
+  bool keeps_bites =
+      false;             // the two points on one side move as one: the tissue between them keeps its length
+  double along = 0;      // arc length of its middle on the wound's path [m]
+  Vec3d middle, across;  // point of the path, and unit vector from left to right, lattice frame [m] [1]
+  double gap = 0;        // distance of the lips in the CT; 0 = a cut [m]
+  double shortest = 0;   // length of the loop beyond which pulling would crush the tissue [m]
+  std::vector<EmbeddedPoint> at;  // by point; of bites that move as one: their middle
   EmbeddedPair lips;              // skin of both lips at `middle`
 
   StitchPhase phase = StitchPhase::kWaiting;
@@ -49,11 +55,15 @@ struct Stitch {
   double ended = 0;       // time at which it pulled out or broke [s]
 };
 
-/// Two points of the walls that coincide in the CT, or that lie opposite each other in an excised wound.
+/// Two points that do not pass each other: points of the walls that coincide in the CT, or that lie opposite
+/// each other in an excised wound; or the ends of the rim between a bite of a stitch and its lip, which may
+/// become as short as skin without tension.
 struct WallPair {
-  Vec3d rest, normal;  // middle, lattice frame [m]; unit normal from the left wall to the right one
-  double gap = 0;      // distance in the CT [m]
+  Vec3d rest, normal;  // middle, lattice frame [m]; unit normal from the left point to the right one
+  double gap = 0;      // distance that they may approach each other since the CT [m]
   double along = 0;    // arc length on the wound's path [m]
+  int stitch = -1;     // of a rim; −1 = walls
+  int point = 0;       // of a rim: first point of the bite; the other end is the lip at `rest`
   EmbeddedPair at;
   double force = 0;       // of each wall on the other [N]
   double multiplier = 0;  // part of the force that is kept from step to step [N]
@@ -72,6 +82,7 @@ struct StitchLayout {
   double spacing = 0.01;                    // along the wound [m]
   double bite = 0.005;                      // from the wound to the points on each side [m]
   double depth = 0.002;                     // of the deep strand below the skin [m]
+  bool is_running = false;                  // one thread makes all stitches
   std::vector<std::vector<Vec3d>> through;  // instead: points of single stitches, lattice frame [m]
 };
 
@@ -80,9 +91,10 @@ struct WoundClosure {
   Thread thread;
   double pull_out = 0;  // force on one point at which the tissue tears [N]
   std::vector<Stitch> stitches;
-  std::vector<WallPair> walls;
-  std::size_t version = 0;  // cut_version of the embedded points
-  bool settled = false;     // all stitches are knotted, and no force changes any more
+  std::vector<WallPair> walls;  // and rims
+  bool is_running = false;      // one thread makes all stitches
+  std::size_t version = 0;      // cut_version of the embedded points
+  bool settled = false;         // all stitches are knotted, and no force changes any more
 };
 
 /// Lays stitches across a wound that was cut along a path. Errors: a point of a stitch is in air.
@@ -94,9 +106,12 @@ bool embed_closure(const Model& model, const Cuts& cuts, WoundClosure& closure);
 /// Pulls stitches and ties knots, before the step that ends at a time [s].
 void pull_stitches(const Motion& motion, const Pull& pull, double time, WoundClosure& closure);
 
-/// Length of the loop at the present positions, and in the CT with the lips together [m].
+/// Length of the loop at the present positions, and in the CT with the lips together [m]. Bites that keep
+/// their length have that of the CT.
 double loop_length(const Stitch& stitch, const Motion& motion);
 double rest_length(const Stitch& stitch);
+/// Length of thread without stress in all stitches that bear [m].
+double thread_length(const WoundClosure& closure);
 /// Opening of the wound under a stitch [m]; 0 without lips.
 double gape_under(const Stitch& stitch, const Motion& motion);
 /// Forces of the thread on the points of a stitch [N], lattice frame. Their sum is zero.
@@ -112,9 +127,24 @@ void update_springs(const Model& model, const Motion& motion, WoundClosure& clos
                     std::span<PointSpring> springs);
 std::size_t spring_count(const WoundClosure& closure);
 
-/// After a step: moves the multipliers towards the thread's law and closed walls.
+/// Contact between the walls of the wound [N]: the sum over all pairs but rims.
+double wall_force(const WoundClosure& closure);
+
+/// Turning of the thread between the deep strands of two successive stitches of a running suture [rad].
+double turning_between(const Stitch& from, const Stitch& to, const Motion& motion);
+/// Slides thread of a running suture to the stitch with the larger tension until the tensions of neighbors
+/// differ by at most exp(μ θ). Keeps the length of all thread. Returns the largest change of a tension [N].
+double slide_thread(const Model& model, const Motion& motion, WoundClosure& closure);
+/// Ends each stitch of a running suture at the first point of the next one that did not end, the last one at
+/// its own.
+void join_stitches(WoundClosure& closure);
+/// Gives the thread of a stitch that tore out to its neighbors.
+void free_thread(WoundClosure& closure, std::size_t torn);
+
+/// After a step: moves the multipliers towards the thread's law and closed walls, and slides a running
+/// thread.
 void update_multipliers(const Model& model, const Motion& motion, WoundClosure& closure);
-/// Ends stitches whose thread or tissue yields at the end of a step.
+/// Ends stitches whose thread or tissue yields at the end of a step. A running suture breaks as a whole.
 void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& closure);
 
 }  // namespace turgor::lattice

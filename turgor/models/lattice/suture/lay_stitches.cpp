@@ -5,8 +5,10 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/number_text.hpp"
+#include "turgor/models/lattice/cutting/drawn_curve.hpp"
 #include "turgor/models/lattice/cutting/embed_point.hpp"
 #include "turgor/models/lattice/cutting/rim.hpp"
+#include "turgor/models/lattice/mechanics/element_energies.hpp"
 #include "turgor/models/lattice/suture/closure.hpp"
 
 namespace turgor::lattice {
@@ -80,9 +82,20 @@ Stitch stitch_across(const WoundLine& wound, double along, const StitchLayout& l
     return normalized(at.across - inward * dot(at.across, inward)) * layout.bite;
   };
   const Vec3d left = at.left - aside(at.left_inward), right = at.right + aside(at.right_inward);
-  return stitch_at(
-      wound, along,
-      {left, left + at.left_inward * layout.depth, right + at.right_inward * layout.depth, right});
+  Stitch stitch =
+      stitch_at(wound, along,
+                {left, left + at.left_inward * layout.depth, right + at.right_inward * layout.depth, right});
+  stitch.keeps_bites = true;
+  return stitch;
+}
+
+/// Opens the stitches of a row, whose thread then goes on to the first point of the next one.
+void open_stitches(std::vector<Stitch>& stitches) {
+  for (std::size_t n = 0; n < stitches.size(); n++) {
+    const Stitch& next = stitches[n + 1 < stitches.size() ? n + 1 : n];
+    stitches[n].rest.push_back(next.rest.front()), stitches[n].side.push_back(next.side.front());
+    stitches[n].is_open = true;
+  }
 }
 
 std::vector<Stitch> stitches_of(const WoundLine& wound, const StitchLayout& layout) {
@@ -99,6 +112,7 @@ std::vector<Stitch> stitches_of(const WoundLine& wound, const StitchLayout& layo
   const int count = std::max(1, int(std::lround(length / layout.spacing)));
   for (int n = 0; n < count; n++)
     stitches.push_back(stitch_across(wound, (n + 0.5) * length / count, layout));
+  if (layout.is_running) open_stitches(stitches);
   return stitches;
 }
 
@@ -124,11 +138,52 @@ std::vector<WallPair> walls_of(const Model& model, const WoundLine& wound) {
   return walls;
 }
 
+/// Share of its length in the CT by which skin retracts when its tension is released.
+double retraction(const Model& model) {
+  const SkinParams& skin = model.params.skin;
+  if (!skin.enabled || skin.law != SkinLaw::kFiber) return 0;
+  return 1 - double(fiber_rest(std::max(skin.tension_along, skin.tension_across), skin));
+}
+
+/// Middle of the bite that begins at a point of a stitch of a row, lattice frame [m].
+Vec3d bite_middle(const Stitch& stitch, int point) {
+  return (stitch.rest[std::size_t(point)] + stitch.rest[std::size_t(point + 1)]) / 2;
+}
+
+/// Rims between the bites of a row of stitches and the lips. They are as stiff as dermis, of which the
+/// lattice has only the tension: without them, stitches would crush the rim before the lips meet.
+void add_rims(const Model& model, const StitchLayout& layout, WoundClosure& closure) {
+  for (std::size_t n = 0; n < closure.stitches.size(); n++) {
+    const Stitch& stitch = closure.stitches[n];
+    if (!stitch.keeps_bites) continue;
+    for (const int p : {0, 2}) {
+      const std::size_t on_skin = p == 0 ? 0 : 3;
+      closure.walls.push_back(
+          {.rest = stitch.rest[on_skin] - stitch.across * (stitch.side[on_skin] * layout.bite),
+           .normal = stitch.across,
+           .gap = retraction(model) * layout.bite,
+           .along = stitch.along,
+           .stitch = int(n),
+           .point = p});
+    }
+  }
+}
+
+constexpr double kAside = 0.02;  // of embedded points from the blade [cells]
+
+/// Rim between a point of a stitch and its lip.
+EmbeddedPair embed_rim(const Model& model, const Cuts& cuts, const Fragments& fragments, const Stitch& stitch,
+                       const WallPair& rim) {
+  const auto p = std::size_t(rim.point);
+  const Vec3d aside = rim.normal * (stitch.side[p] * kAside * smallest_spacing(model.anatomy.lattice));
+  const auto lip = embed_point(model, cuts, fragments, rim.rest + aside);
+  if (!lip || !stitch.lips.parted) return {};
+  return stitch.side[p] < 0 ? EmbeddedPair{stitch.at[p], *lip, true} : EmbeddedPair{*lip, stitch.at[p], true};
+}
+
 EmbeddedPair embed_pair(const Model& model, const Cuts& cuts, const Fragments& fragments, Vec3d middle,
                         Vec3d across, double gap) {
-  constexpr double kAside = 0.02;  // [cells]
-  const Vec3 h = model.anatomy.lattice.spacing;
-  const Vec3d aside = across * (kAside * double(std::min({h.x, h.y, h.z})) + gap / 2);
+  const Vec3d aside = across * (kAside * smallest_spacing(model.anatomy.lattice) + gap / 2);
   const auto left = embed_point(model, cuts, fragments, middle - aside),
              right = embed_point(model, cuts, fragments, middle + aside);
   if (!left || !right || left->corner == right->corner) return {};
@@ -141,21 +196,44 @@ std::string point_text(const Model& model, Vec3d point) {
   return "[" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + "] m";
 }
 
+/// Positions whose tissue carries the points of a stitch: middles of bites that move as one.
+std::vector<Vec3d> embedded_points(const Stitch& stitch) {
+  if (!stitch.keeps_bites) return stitch.rest;
+  const Vec3d left = bite_middle(stitch, 0), right = bite_middle(stitch, 2);
+  std::vector<Vec3d> points{left, left, right, right};
+  // a running thread goes on to a bite of another stitch, below the skin
+  if (stitch.is_open) points.push_back(stitch.rest.back() + left - stitch.rest.front());
+  return points;
+}
+
+/// Length of a loop beyond which pulling would crush the tissue: that with closed lips and rims without
+/// tension, less some stretch of the thread; without rims a share of the length in the CT [m].
+double shortest_loop(const Stitch& stitch, double retraction, double bite) {
+  constexpr double kShare = 0.7, kStretch = 0.03;
+  const double rest = rest_length(stitch);
+  return stitch.keeps_bites ? rest - 4 * bite * (retraction + kStretch) : kShare * rest;
+}
+
 /// Embeds all points. Returns the first point of a stitch that is not in tissue.
 std::optional<Vec3d> embed(const Model& model, const Cuts& cuts, WoundClosure& closure) {
   const auto fragments = fragments_of(model, cuts);
   std::optional<Vec3d> missed;
   for (Stitch& stitch : closure.stitches) {
     stitch.at.clear();
-    for (const Vec3d p : stitch.rest) {
+    for (const Vec3d p : embedded_points(stitch)) {
       const auto point = embed_point(model, cuts, *fragments, p);
       if (!point && !missed) missed = p;
       stitch.at.push_back(point.value_or(EmbeddedPoint{}));
     }
     stitch.lips = embed_pair(model, cuts, *fragments, stitch.middle, stitch.across, stitch.gap);
   }
-  for (WallPair& pair : closure.walls)
-    pair.at = embed_pair(model, cuts, *fragments, pair.rest, pair.normal, pair.gap);
+  for (WallPair& pair : closure.walls) {
+    if (pair.stitch < 0) {
+      pair.at = embed_pair(model, cuts, *fragments, pair.rest, pair.normal, pair.gap);
+      continue;
+    }
+    pair.at = embed_rim(model, cuts, *fragments, closure.stitches[std::size_t(pair.stitch)], pair);
+  }
   closure.version = cut_version(cuts);
   return missed;
 }
@@ -168,7 +246,10 @@ Result<WoundClosure> lay_stitches(const Model& model, const Cuts& cuts, const Bl
   WoundClosure closure;
   const WoundLine wound(path);
   closure.stitches = stitches_of(wound, layout);
-  closure.walls = walls_of(model, wound);
+  closure.walls = walls_of(model, wound), closure.is_running = layout.is_running;
+  add_rims(model, layout, closure);
+  for (Stitch& stitch : closure.stitches)
+    stitch.shortest = shortest_loop(stitch, retraction(model), layout.bite);
   if (const auto missed = embed(model, cuts, closure))
     return Error{"a stitch passes through air at " + point_text(model, *missed)};
   return closure;
@@ -184,7 +265,8 @@ double rest_length(const Stitch& stitch) {
   for (std::size_t p = 0; p < points.size(); p++)
     points[p] -= stitch.across * (stitch.side[p] * stitch.gap / 2);
   double length = 0;
-  for (std::size_t p = 0; p < points.size(); p++) length += norm(points[(p + 1) % points.size()] - points[p]);
+  for (std::size_t p = 0; p + (stitch.is_open ? 1 : 0) < points.size(); p++)
+    length += norm(points[(p + 1) % points.size()] - points[p]);
   return length;
 }
 

@@ -13,7 +13,8 @@ namespace turgor {
 namespace {
 
 lattice::StitchLayout layout_of(const SutureScene& scene, const lattice::Model& model) {
-  lattice::StitchLayout layout{.spacing = scene.spacing, .bite = scene.bite, .depth = scene.depth};
+  lattice::StitchLayout layout{
+      .spacing = scene.spacing, .bite = scene.bite, .depth = scene.depth, .is_running = scene.is_running};
   const Mat3d to_lattice = inverse(model.anatomy.grid.axes);
   std::vector<Vec3d> points;
   for (const Vec3d p : scene.through) points.push_back(to_lattice * (p - model.anatomy.grid.origin));
@@ -27,7 +28,8 @@ Result<lattice::WoundClosure> lay(const Suture& suture, const LatticeBody& body,
       lattice::lay_stitches(body.model, body.state.cuts(), path, layout_of(suture.scene, body.model));
   if (!closure) return Error{fmt::format("{}: {}", suture.scene.source_location, closure.error().message)};
   closure->thread = suture.scene.thread, closure->pull_out = suture.scene.pull_out;
-  if (!suture.has_walls) closure->walls.clear();
+  if (!suture.has_walls)
+    std::erase_if(closure->walls, [](const lattice::WallPair& pair) { return pair.stitch < 0; });
   return closure;
 }
 
@@ -35,7 +37,8 @@ Result<lattice::WoundClosure> lay(const Suture& suture, const LatticeBody& body,
 Vec3d outward_of(const lattice::Stitch& stitch) {
   Vec3d middle;
   for (const Vec3d p : stitch.rest) middle += p / double(stitch.rest.size());
-  const Vec3d up = (stitch.rest.front() + stitch.rest.back()) / 2 - middle;
+  const std::size_t last = stitch.rest.size() - (stitch.is_open ? 2 : 1);
+  const Vec3d up = (stitch.rest.front() + stitch.rest[last]) / 2 - middle;
   return norm(up) > 1e-6 ? normalized(up) : Vec3d{};
 }
 
@@ -138,10 +141,10 @@ TriMesh thread_mesh(const LatticeBody& body, const Suture& suture) {
                        grid.axes * (stitch.rest[p] + Vec3d(displacement(stitch.at[p], body.state->motion))));
     // the strand between the last point and the first one runs above the skin
     const Vec3d lift = grid.axes * outward_of(stitch) * kLift;
-    const Vec3d first = points.front() + lift, last = points.back() + lift;
-    points.insert(points.end(), {last, first});
-    for (std::size_t p = 0; p < points.size(); p++)
-      add_tube(points[p], points[(p + 1) % points.size()], radius, mesh);
+    const Vec3d goal = stitch.is_open ? points.back() : points.front();
+    if (stitch.is_open) points.pop_back();
+    points.insert(points.end(), {points.back() + lift, goal + lift, goal});
+    for (std::size_t p = 1; p < points.size(); p++) add_tube(points[p - 1], points[p], radius, mesh);
   }
   mesh.normals = vertex_normals(mesh);
   return mesh;
