@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include <sys/resource.h>
@@ -17,8 +18,7 @@ namespace turgor {
 
 namespace {
 
-constexpr int kMostFrames = 10;     // at most, to time a run
-constexpr double kMostSeconds = 3;  // limit for these frames [s]
+constexpr double kMostSeconds = 2;  // for the frames that are measured [s]
 
 /// Peak resident memory of this process [bytes].
 double memory_taken() {
@@ -34,15 +34,19 @@ double step_seconds(const Exec& exec, World& world) {
   return one.seconds();
 }
 
-/// Median wall time of the first frames [s].
-double first_frame_seconds(const Exec& exec, int frames, World& world) {
+/// Wall times of the frames from the first on, until they took kMostSeconds together [s].
+std::vector<double> first_frames(const Exec& exec, int frames, World& world) {
   std::vector<double> seconds;
   const Timer all;
-  for (int f = 0; f < std::min(kMostFrames, frames) && all.seconds() < kMostSeconds; f++)
+  while (int(seconds.size()) < frames && all.seconds() < kMostSeconds)
     seconds.push_back(step_seconds(exec, world));
-  if (seconds.empty()) return 0;
-  std::nth_element(seconds.begin(), seconds.begin() + std::ptrdiff_t(seconds.size() / 2), seconds.end());
-  return seconds[seconds.size() / 2];
+  return seconds;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 /// Share of the work around a wound that is left at a time [s]: 1 while a blade moves. Then the tissue comes
@@ -59,25 +63,36 @@ double share_awake(const World& world, double time) {
   return share;
 }
 
-/// Expected wall time of all frames [s]. A world with cuts jumps to a few moments of the scene, since it
-/// sleeps before the first cut. Cloth cannot jump.
-double simulation_seconds(const Exec& exec, const Scene& scene, World& world) {
+/// Expected wall time of the frames from `first` on, of a world with cuts [s]. It jumps to a few of them, and
+/// steps twice there: a blade that jumps cuts all the way in its first step. `at_rest` is the time of a frame
+/// while nothing moves.
+double seconds_with_wounds(const Exec& exec, int first, int frames, double at_rest, World& world) {
   constexpr int kMoments = 5;
-  const int frames = frame_count(scene);
-  const double at_rest = first_frame_seconds(exec, frames, world);
-  if (world.cuts.empty() || !world.cloth_bodies.empty()) return at_rest * frames;
   double sum = 0, with_wound = at_rest;
   const Timer all;
   for (int m = 0; m < kMoments; m++) {
-    const int frame = (2 * m + 1) * frames / (2 * kMoments);
+    const int frame = first + (2 * m + 1) * (frames - first) / (2 * kMoments);
     if (frame >= world.frame && all.seconds() < kMostSeconds) {
       world.frame = frame;
-      step_seconds(exec, world);  // cuts up to this moment
-      with_wound = std::max(at_rest, step_seconds(exec, world));
+      step_seconds(exec, world);
+      with_wound = std::max(with_wound, step_seconds(exec, world));
     }
     sum += at_rest + (with_wound - at_rest) * share_awake(world, frame * world.dt);
   }
-  return sum / kMoments * frames;
+  return sum / kMoments * (frames - first);
+}
+
+/// Expected wall time of all frames [s]: measured for the first ones, which may be all.
+double simulation_seconds(const Exec& exec, const Scene& scene, World& world) {
+  const int frames = frame_count(scene);
+  const std::vector<double> first = first_frames(exec, frames, world);
+  const double measured = std::accumulate(first.begin(), first.end(), 0.0);
+  const int rest = frames - int(first.size());
+  if (rest == 0) return measured;
+  const bool can_jump = world.cloth_bodies.empty();
+  if (world.cuts.empty() || !can_jump) return measured + median(first) * rest;
+  const double at_rest = *std::min_element(first.begin(), first.end());
+  return measured + seconds_with_wounds(exec, frames - rest, frames, at_rest, world);
 }
 
 std::string wall_time(double seconds) { return amount(1e9 * seconds, {"ns", "ns"}); }

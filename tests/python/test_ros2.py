@@ -139,14 +139,5 @@ class Bytes(unittest.TestCase):
         self.assertEqual(bytes(ours.serialize()), bytes(store.serialize_cdr(theirs, name)), name)
 
 
-class WithoutCycloneDds(unittest.TestCase):
-    # Without Cyclone DDS the participant is refused with the command that installs it.
-    def test_participant_needs_cyclonedds(self):
-        script = ("import sys; sys.modules['cyclonedds'] = None; from turgor import ros2\n"
-                  "try: ros2.Bridge(None)\nexcept ros2.Error as error: print(error)")
-        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-        self.assertIn("expected cyclonedds, found none; pip install cyclonedds", done.stdout, done.stderr)
-
-
 if __name__ == "__main__":
     unittest.main()

@@ -9,8 +9,8 @@
 
 namespace turgor::test {
 
-/// Writes a world to a state file and reads it into `resumed`, which was loaded from the same scene; `loaded`:
-/// patches when both were loaded. Steps both; they must keep the same bits.
+/// Writes a world to a state file and reads it into `resumed`, which was loaded from the same scene;
+/// `loaded`: patches when both were loaded. Steps both; they must keep the same bits.
 inline void expect_resumes(const Exec& exec, const std::filesystem::path& path, const LoadedPatches& loaded,
                            World& world, World& resumed) {
   {

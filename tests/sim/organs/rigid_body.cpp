@@ -18,7 +18,8 @@ double bent(const SfemBody& body) {
   const std::vector<Vec3d>& x = body.model.body.mesh.vertices;
   const std::vector<Vec3d>& u = body.flight->u;
   Vec3d center, moved;
-  for (std::size_t v = 0; v < x.size(); v++) center += x[v] / double(x.size()), moved += u[v] / double(x.size());
+  for (std::size_t v = 0; v < x.size(); v++)
+    center += x[v] / double(x.size()), moved += u[v] / double(x.size());
   double turn = 0, arm = 0;
   for (std::size_t v = 0; v < x.size(); v++) {
     const Vec3d r = x[v] - center, d = u[v] - moved;
@@ -32,8 +33,8 @@ double bent(const SfemBody& body) {
   return most;
 }
 
-// A bar hangs by its ends from springs of 150 and 600 N/m. Each bears half the weight, so that the ends sink by
-// weight / (2 k), and a bar of bone stays straight. A bar of tissue on the same springs bends.
+// A bar hangs by its ends from springs of 150 and 600 N/m. Each bears half the weight, so that the ends sink
+// by weight / (2 k), and a bar of bone stays straight. A bar of tissue on the same springs bends.
 TEST(Organs, StiffBar_HangsStraight) {
   const Exec exec(1);
   for (const double young : {kBone, 2e4}) {

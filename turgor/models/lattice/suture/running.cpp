@@ -16,8 +16,8 @@ constexpr double kMostSlide = 0.02;
 
 double angle_between(Vec3d a, Vec3d b) { return std::atan2(norm(cross(a, b)), dot(a, b)); }
 
-/// Adds thread to a stitch. Its tension follows at once, as that of a spring of stiffness EA/L₀ between points at
-/// rest: λ takes what the penalty lacks.
+/// Adds thread to a stitch. Its tension follows at once, as that of a spring of stiffness EA/L₀ between
+/// points at rest: λ takes what the penalty lacks.
 void add_thread(const Model& model, const Thread& thread, double length, Stitch& stitch) {
   const double k = thread.stiffness / stitch.length, penalty = penalty_of(model, thread, stitch);
   stitch.multiplier = std::max(0.0, stitch.multiplier - (k - penalty) * length);
@@ -25,8 +25,8 @@ void add_thread(const Model& model, const Thread& thread, double length, Stitch&
   stitch.length += length;
 }
 
-/// Slides thread from one stitch to a neighbor whose tension is larger by more than a ratio. Thread of length δ
-/// leaves `from`, so that T_to − k_to δ = r (T_from + k_from δ). Returns the change of tension [N].
+/// Slides thread from one stitch to a neighbor whose tension is larger by more than a ratio. Thread of length
+/// δ leaves `from`, so that T_to − k_to δ = r (T_from + k_from δ). Returns the change of tension [N].
 double slide(const Model& model, const Thread& thread, double ratio, Stitch& from, Stitch& to) {
   const double excess = to.tension - ratio * from.tension;
   if (!(excess > 0)) return 0;
@@ -81,7 +81,8 @@ void join_stitches(WoundClosure& closure) {
 
 void free_thread(WoundClosure& closure, std::size_t torn) {
   const auto neighbor = [&](std::ptrdiff_t step) -> Stitch* {
-    for (auto n = std::ptrdiff_t(torn) + step; n >= 0 && n < std::ptrdiff_t(closure.stitches.size()); n += step)
+    for (auto n = std::ptrdiff_t(torn) + step; n >= 0 && n < std::ptrdiff_t(closure.stitches.size());
+         n += step)
       if (bears(closure.stitches[std::size_t(n)].phase)) return &closure.stitches[std::size_t(n)];
     return nullptr;
   };
