@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <set>
 #include <tuple>
 
 #include "turgor/core/assert.hpp"
@@ -12,6 +11,7 @@
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/build/check_mesh.hpp"
+#include "turgor/models/cloth/build/large.hpp"
 #include "turgor/models/cloth/build/layers.hpp"
 #include "turgor/models/cloth/build/numbering.hpp"
 #include "turgor/models/cloth/contact/spatial_hash.hpp"
@@ -123,32 +123,6 @@ NeighborLists excluded_pairs(const TriMesh& mesh, const Vectors& x_rest, double 
   result.item.shrink_to_fit();
   TURGOR_CHECK(is_csr(result.begin, result.item.size()), "every vertex has a list of near vertices");
   return result;
-}
-
-/// Triangles with an edge above 1.5 thicknesses, and their edges. Vertex contacts keep two sheets apart if
-/// edges are about as long as the thickness: edges of √2 times that length that cross at their midpoints have
-/// ends one thickness apart. Slivers collide with nothing.
-LargePrimitives find_large_primitives(const TriMesh& mesh, const Membrane& membrane, double thickness) {
-  LargePrimitives large;
-  const double limit = 1.5 * thickness;
-  std::set<std::array<int, 2>> edges;
-  for (std::size_t n = 0; n < mesh.triangles.size(); n++) {
-    // longest edge
-    const Int3 t = mesh.triangles[n];
-    if (membrane.is_sliver(n)) continue;
-    double longest = 0;
-    for (int side = 0; side < 3; side++)
-      longest = std::max(longest, norm(Vec3d(mesh.vertices[std::size_t(t[side])]) -
-                                       Vec3d(mesh.vertices[std::size_t(t[(side + 1) % 3])])));
-    if (longest <= limit) continue;
-    // large triangle and its edges
-    large.triangles.push_back(t);
-    large.longest = std::max(large.longest, Real(longest));
-    for (int side = 0; side < 3; side++)
-      edges.insert({std::min(t[side], t[(side + 1) % 3]), std::max(t[side], t[(side + 1) % 3])});
-  }
-  large.edges.assign(edges.begin(), edges.end());
-  return large;
 }
 
 void clear(aligned_vector<Real>& list) { list = aligned_vector<Real>(); }

@@ -4,6 +4,7 @@
 
 #include "turgor/core/atomic_max.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
+#include "turgor/models/cloth/contact/normal_cones.hpp"
 #include "turgor/models/cloth/model/sheet_view.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
@@ -20,6 +21,7 @@ struct PairsView {
   ConstVectorsView x, v, change;
   ContactsView old;
   const int *excluded_begin, *excluded_item;  // Model::excluded
+  ConesView cones;
   Real thickness, friction, dt;
 
   TURGOR_HD Group group(int i) const {
@@ -40,9 +42,11 @@ struct PairsView {
     contact.normal = distance > 0 ? d / distance : Vec3{0, 0, 1};
     const Contact* before = find_previous(old, contact);
     if (!forms_contact(contact.normal, before, phase, mine, group(j), distance, thickness, dt)) return false;
-    if (are_excluded(i, j)) return false;
+    if (are_excluded(i, j) || !cones.vertex_has(i, -d) || !cones.vertex_has(j, d)) return false;
     // gap and warm start
-    contact.plane = thickness, contact.gap = distance - thickness;
+    contact.plane =
+        cones.begin ? corrected_distance(before, phase, distance, thickness, thickness) : thickness;
+    contact.gap = distance - thickness;
     contact.friction = friction;
     if (before)
       contact.impulse = before->impulse * before->warm_start,
@@ -50,6 +54,10 @@ struct PairsView {
     return true;
   }
 };
+inline ConesView cones_view(const Model& model, const State& state) {
+  const NeighborLists& stars = model.large.stars;
+  return {view(state.x), stars.begin.empty() ? nullptr : stars.begin.data(), stars.item.data()};
+}
 inline PairsView pairs_view(const Model& model, const State& state, double dt) {
   return {view(state.x),
           view(state.v),
@@ -57,6 +65,7 @@ inline PairsView pairs_view(const Model& model, const State& state, double dt) {
           view(state.contacts),
           model.excluded.begin.data(),
           model.excluded.item.data(),
+          cones_view(model, state),
           Real(model.params.collision.thickness),
           Real(model.params.collision.friction),
           Real(dt)};

@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
+#include "turgor/models/cloth/contact/contact_kernels.hpp"
 #include "turgor/models/cloth/contact/large_primitive_kernels.hpp"
 #include "turgor/models/cloth/contact/neighborhood.hpp"
 #include "turgor/models/cloth/contact/spatial_hash.hpp"
@@ -73,10 +74,10 @@ struct FindLargeContacts {
     }
   }
 
-  void triangle(Int3 t, const Neighborhood& near, std::vector<Contact>& found) const {
-    visit_neighbors(near, view.filter(t), [&](int v) {
+  void triangle(std::size_t n, const Neighborhood& near, std::vector<Contact>& found) const {
+    visit_neighbors(near, view.filter(model.large.triangles[n]), [&](int v) {
       Contact contact;
-      if (view.touch(t, v, contact)) take(contact, found);
+      if (view.touch_triangle(n, v, contact)) take(contact, found);
     });
   }
   void edge(std::size_t e, const Neighborhood& near, std::vector<Contact>& found) const {
@@ -84,7 +85,7 @@ struct FindLargeContacts {
     visit_neighbors(near, view.filter(edges[e], state.contacts.longest_half), [&](int other) {
       if (std::size_t(other) <= e) return;
       Contact contact;
-      if (view.touch(edges[e], edges[std::size_t(other)], contact)) take(contact, found);
+      if (view.touch_edges(e, std::size_t(other), contact)) take(contact, found);
     });
   }
 };
@@ -133,7 +134,10 @@ void update_midpoints(const Exec& exec, const Model& model, State& state) {
 }  // namespace
 
 LargeView large_view(const Model& model, const State& state, ContactPhase phase, Real reach, double dt) {
-  return {view(state.x),
+  const LargePrimitives& large = model.large;
+  return {{large.triangles.data(), large.across.data(), large.edges.data(), large.facing.data()},
+          cones_view(model, state),
+          view(state.x),
           view(state.v),
           view(state.system.change),
           view(model.x_rest),
@@ -192,7 +196,7 @@ void find_large_contacts(const Exec& exec, const Model& model, State& state, Con
       else
         find.gather_near(std::span(edges).subspan(first, last - first), first, near);
       for (std::size_t i = first; i < last; i++)
-        is_triangles ? find.triangle(triangles[i], near, found[chunk]) : find.edge(i, near, found[chunk]);
+        is_triangles ? find.triangle(i, near, found[chunk]) : find.edge(i, near, found[chunk]);
     }
   });
 }

@@ -5,6 +5,7 @@
 #include "turgor/geometry/triangle_point.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/models/cloth/contact/large_primitives.hpp"
+#include "turgor/models/cloth/contact/normal_cones.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
@@ -39,8 +40,16 @@ TURGOR_HD inline Range joined(const Range& a, const Range& b) {
   return {min(a.low, b.low), max(a.high, b.high)};
 }
 
+/// Large triangles and edges of a model, with the corners around them (LargePrimitives).
+struct LargeMesh {
+  const Int3 *triangles, *across;
+  const std::array<int, 2>*edges, *facing;
+};
+
 /// Cloth with large primitives at the beginning of a step.
 struct LargeView {
+  LargeMesh mesh;
+  ConesView cones;
   ConstVectorsView x, v, change, x_rest;
   ContactsView old;
   Real thickness, friction, reach, dt;
@@ -50,9 +59,9 @@ struct LargeView {
   TURGOR_HD Vec3 at_rest(int i) const { return x_rest[std::size_t(i)]; }
   TURGOR_HD ContactDistances distances() const { return {reach, thickness}; }
 
-  /// Tests a contact from its vertices and weights, and fills in the rest. False: it is not near, and was
-  /// not.
-  TURGOR_HD bool make_contact(Contact& c) const {
+  /// Tests a contact from its vertices and weights, and fills in the rest. `other` is a second choice for the
+  /// normal, if not 0. False: the contact is not near, and was not.
+  TURGOR_HD bool make_contact(Contact& c, Vec3 other = {}) const {
     Vec3 d, along_rest;
     Group side[2];  // weights above and below 0
     // mean positions and velocities of both sides
@@ -65,21 +74,30 @@ struct LargeView {
       mine.touches = mine.touches || old.touches(c.vertex[k]);
     }
     // distance, minimal distance and fold test
-    Real distance = norm(d);
-    const Real along = norm(along_rest), least = least_distance(along, thickness);
+    const Real distance = norm(d), along = norm(along_rest), least = least_distance(along, thickness);
     if (!(distance < reach) || !(distance > 0) || least == 0 || distance > kStraight * along) return false;
     // normal, with the side of the step before
-    c.normal = d / distance;
+    c.normal = slower_normal(d / distance, other, side);
     const Contact* before = find_previous(old, c);
-    if (before && dot(before->normal, c.normal) < 0) c.normal = -c.normal, distance = -distance;
-    if (!forms_contact(c.normal, before, phase, side[0], side[1], distance, least, dt)) return false;
+    if (before && dot(before->normal, c.normal) < 0) c.normal = -c.normal;
+    const Real height = dot(d, c.normal);
+    if (!forms_contact(c.normal, before, phase, side[0], side[1], height, least, dt)) return false;
     // gap and warm start
-    c.plane = least, c.gap = distance - least;
+    c.plane = corrected_distance(before, phase, height, least, thickness), c.gap = height - least;
     c.friction = friction;
     if (before)
       c.impulse = before->impulse * before->warm_start,
       c.friction_impulse = before->friction_impulse * before->warm_start;
     return true;
+  }
+  /// One of two similar normals, along which the sides approach less: sheets slide along the flatter of
+  /// them.
+  TURGOR_HD Vec3 slower_normal(Vec3 normal, Vec3 other, const Group (&side)[2]) const {
+    constexpr Real kSimilar = Real(0.8);  // cosine
+    const Real size = norm(other);
+    if (!(dot(other, normal) > kSimilar * size)) return normal;
+    other *= 1 / size;
+    return approach(side[0], side[1], other, dt) < approach(side[0], side[1], normal, dt) ? other : normal;
   }
 
   TURGOR_HD Range around(Int3 t) const {
@@ -102,15 +120,33 @@ struct LargeView {
             {a, at(t.y) - a, at(t.z) - a},
             {at_rest(t.x), at_rest(t.y) - at_rest(t.x), at_rest(t.z) - at_rest(t.x)}};
   }
-  /// Tests a triangle and a vertex that passed the filter.
-  TURGOR_HD bool touch(Int3 t, int i, Contact& contact) const {
+  /// Tests whether the nearest point `q` of triangle n, on the side that faces `corner`, is the nearest of
+  /// its sheet in this direction. The triangle with the lower corner has the contact of both.
+  TURGOR_HD bool side_has(std::size_t n, int corner, Vec3 q, Vec3 direction) const {
+    const Int3 t = mesh.triangles[n];
+    const int beyond = mesh.across[n][corner];
+    if (beyond >= 0 && beyond < t[corner]) return false;
+    const Vec3 edge = at(t[(corner + 2) % 3]) - at(t[(corner + 1) % 3]);
+    return cones.edge_has(q, edge, beyond, direction, kConeMargin);
+  }
+  /// Tests a triangle and a vertex that passed the filter. Corners of the triangle have contacts of two
+  /// vertices. A vertex whose cone is not toward the triangle may still come down on it, so this contact is
+  /// kept with the choice of a normal in that cone.
+  TURGOR_HD bool touch_triangle(std::size_t n, int i, Contact& contact) const {
+    const Int3 t = mesh.triangles[n];
     if (i == t.x || i == t.y || i == t.z) return false;
+    // nearest point
     const TrianglePoint nearest =
         nearest_on_triangle(Vec3d(at(i)), Vec3d(at(t.x)), Vec3d(at(t.y)), Vec3d(at(t.z)));
-    const Vec3 w(nearest.weights);
+    const Vec3 w(nearest.weights), q(nearest.position), direction = at(i) - q;
     if (nearest.distance >= double(reach) || w.x == 1 || w.y == 1 || w.z == 1) return false;
     contact.vertex = {i, t.x, t.y, t.z}, contact.weight = {1, -w.x, -w.y, -w.z};
-    return make_contact(contact);
+    // normal cones of a side and of the vertex
+    const bool is_inside = w.x > 0 && w.y > 0 && w.z > 0;
+    for (int k = 0; k < 3; k++)
+      if (w[k] == 0 && !side_has(n, k, q, direction)) return false;
+    if (cones.vertex_has(i, -direction)) return make_contact(contact);
+    return is_inside && make_contact(contact, -cones.projected(i, -direction));
   }
 
   TURGOR_HD NearEdge filter(const std::array<int, 2>& ends, Real longest_half) const {
@@ -118,13 +154,22 @@ struct LargeView {
     const Range range = around(ends, longest_half);
     return {distances(), range.low, range.high, {a, at(ends[1]) - a}, {rest, at_rest(ends[1]) - rest}};
   }
+  /// Tests whether a direction from the point `q` of edge e is inside its normal cone.
+  TURGOR_HD bool edge_has(std::size_t e, Vec3 q, Vec3 direction) const {
+    const Vec3 edge = at(mesh.edges[e][1]) - at(mesh.edges[e][0]);
+    for (const int corner : mesh.facing[e])
+      if (!cones.edge_has(q, edge, corner, direction, -kEdgeDepth)) return false;
+    return true;
+  }
   /// Tests two edges of which the other passed the filter.
-  TURGOR_HD bool touch(const std::array<int, 2>& one, const std::array<int, 2>& other,
-                       Contact& contact) const {
-    const int a = one[0], b = one[1], c = other[0], d = other[1];
+  TURGOR_HD bool touch_edges(std::size_t one, std::size_t other, Contact& contact) const {
+    const auto [a, b] = mesh.edges[one];
+    const auto [c, d] = mesh.edges[other];
     if (c == a || c == b || d == a || d == b) return false;
     Real s, t;
     if (!nearest_inside(at(a), at(b) - at(a), at(c), at(d) - at(c), s, t)) return false;
+    const Vec3 p = at(a) + (at(b) - at(a)) * s, q = at(c) + (at(d) - at(c)) * t;
+    if (!edge_has(one, p, q - p) || !edge_has(other, q, p - q)) return false;
     contact.vertex = {a, b, c, d}, contact.weight = {1 - s, s, t - 1, -t};
     return make_contact(contact);
   }

@@ -72,19 +72,30 @@ class DeviceContactSearch {
     const std::size_t all = vertices_ + large_.count();
     counts_.resize(all + 1);
     // kernels
-    FindVertexContacts<true> find{.pairs = {sheet.x, sheet.v, sheet.change, old, excluded_begin_.data(),
-                                            excluded_item_.data(), thickness, friction, h},
-                                  .near = {},
-                                  .reach = reach,
-                                  .self = self_,
-                                  .facing = {sheet.x, sheet.v, sheet.free_mass, old, nullptr, triangles, h},
-                                  .obstacles = obstacles_.put(obstacles),
-                                  .output = {counts_.data(), nullptr}};
+    FindVertexContacts<true> find{
+        .pairs = {sheet.x, sheet.v, sheet.change, old, excluded_begin_.data(), excluded_item_.data(),
+                  large_.cones(sheet.x), thickness, friction, h},
+        .near = {},
+        .reach = reach,
+        .self = self_,
+        .facing = {sheet.x, sheet.v, sheet.free_mass, old, nullptr, triangles, h},
+        .obstacles = obstacles_.put(obstacles),
+        .output = {counts_.data(), nullptr}};
     // sorted vertices and large primitives
     if (find.obstacles.between) find.facing.triangle_begin = obstacles_.triangle_begin(model);
     if (self_) find.near = points_.sort(run, sheet.x, std::max(Real(2.02) * reach, large_cell(model)));
-    const LargeView large{sheet.x, sheet.v, sheet.change,         sheet.x_rest, old, thickness, friction,
-                          reach,   h,       ContactPhase::kActual};
+    const LargeView large{large_.mesh(),
+                          large_.cones(sheet.x),
+                          sheet.x,
+                          sheet.v,
+                          sheet.change,
+                          sheet.x_rest,
+                          old,
+                          thickness,
+                          friction,
+                          reach,
+                          h,
+                          ContactPhase::kActual};
     large_.update(run, large);
     // first pass counts, second pass writes
     const auto search = [&] {

@@ -85,7 +85,8 @@ struct FindTriangleContacts {
     output(n, [&](const auto& take) {
       visit_of_block(vertices, blocks[n / kLargeBlock], filter.low, filter.high, [&](int v, Vec3 position) {
         Contact contact;
-        if (filter.passes<Real>(position, view.at_rest(v)) && view.touch(t, v, contact)) take(contact);
+        if (filter.passes<Real>(position, view.at_rest(v)) && view.touch_triangle(n, v, contact))
+          take(contact);
       });
     });
   }
@@ -111,7 +112,7 @@ struct FindEdgeContacts {
                        Contact contact;
                        if (filter.passes<Real>(middle, view.at(others[1]) - view.at(others[0]),
                                                (rest_a + rest_b) * Real(0.5), rest_b - rest_a) &&
-                           view.touch(ends, others, contact))
+                           view.touch_edges(n, std::size_t(other), contact))
                          take(contact);
                      });
     });
@@ -123,7 +124,11 @@ class DeviceLargePrimitives {
  public:
   DeviceLargePrimitives(DeviceAllocator<Backend>& allocator, const Model& m)
       : triangles_(allocator.copy(m.large.triangles)),
+        across_(allocator.copy(m.large.across)),
         edges_(allocator.copy(m.large.edges)),
+        facing_(allocator.copy(m.large.facing)),
+        star_begin_(allocator.copy(m.large.stars.begin)),
+        star_item_(allocator.copy(m.large.stars.item)),
         midpoints_(allocator, m.large.edges.size()),
         midpoint_hash_(allocator, m.large.edges.size()),
         longest2_(allocator.template allocate<std::uint32_t>(m.large.edges.empty() ? 0 : 1)),
@@ -132,6 +137,10 @@ class DeviceLargePrimitives {
 
   /// Number of triangles and edges, each with a count of contacts.
   std::size_t count() const { return triangles_.size() + edges_.size(); }
+  LargeMesh mesh() const { return {triangles_.data(), across_.data(), edges_.data(), facing_.data()}; }
+  ConesView cones(ConstVectorsView x) const {
+    return {x, star_begin_.size() > 0 ? star_begin_.data() : nullptr, star_item_.data()};
+  }
   /// Updates bounds and midpoints.
   template <class Run>
   void update(const Run& run, const LargeView& large) {
@@ -159,8 +168,9 @@ class DeviceLargePrimitives {
   LargeEdges edges() const { return {edges_.data(), edges_.size(), longest2_.data()}; }
   Range* edge_blocks() const { return blocks_.data() + block_count(triangles_); }
 
-  typename Backend::template Array<Int3> triangles_;
-  typename Backend::template Array<EdgeEnds> edges_;
+  typename Backend::template Array<Int3> triangles_, across_;
+  typename Backend::template Array<EdgeEnds> edges_, facing_;
+  typename Backend::template Array<int> star_begin_, star_item_;
   DeviceVectors<Backend> midpoints_;
   DeviceSpatialHash<Backend> midpoint_hash_;
   NearView midpoint_hash_view_{};

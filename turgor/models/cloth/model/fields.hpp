@@ -67,6 +67,10 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"block_pair", ""}, m.blocks.pair);
   visit(Field{"coarse_triangles", ""}, m.large.triangles);
   visit(Field{"coarse_edges", ""}, m.large.edges);
+  visit(Field{"across", ""}, m.large.across);
+  visit(Field{"facing", ""}, m.large.facing);
+  visit(Field{"star_begin", ""}, m.large.stars.begin);
+  visit(Field{"star_item", ""}, m.large.stars.item);
   visit(Field{"x_rest", "m", Axis::kVertex}, m.x_rest);
   visit(Field{"slot_begin", ""}, m.rows.slot_begin);
   visit(Field{"first", ""}, m.rows.first);

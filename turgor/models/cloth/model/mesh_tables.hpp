@@ -53,8 +53,11 @@ struct NeighborLists {
 /// through.
 struct LargePrimitives {
   std::vector<Int3> triangles;
+  std::vector<Int3> across;  // corner beyond the side that faces each corner; -1 = no large triangle there
   std::vector<std::array<int, 2>> edges;
-  Real longest = 0;  // longest edge at rest [m]
+  std::vector<std::array<int, 2>> facing;  // corners of large triangles that face each edge; -1 = none
+  NeighborLists stars;  // neighbors of vertices whose triangles are all large; of others none
+  Real longest = 0;     // longest edge at rest [m]
 };
 
 /// Blocks of vertices of the two-level preconditioner (solver/two_level.hpp).
