@@ -53,10 +53,14 @@ std::vector<Value> held_layers(const Ranks& ranks, const Shares& shares, const G
   return held;
 }
 
+/// Crossings of the surface with the edges from a node.
+using NodeCrossings = std::array<lattice::EdgeCrossing, kFamilyCount>;
+
 /// Result of the slices read by this process, for its own layers.
 struct OwnedMeans {
   std::vector<std::int16_t> hu;
   std::vector<lattice::CellVoxels> cells;  // by lowest node; empty without partial cells
+  std::vector<NodeCrossings> crossings;    // by node; empty without partial cells or skin
   std::int64_t voxels = 0;
 };
 
@@ -75,6 +79,23 @@ std::vector<lattice::CellVoxels> count_owned(const Exec& exec, const CtSlab& sla
   });
   return cells;
 }
+/// Crossings of the edges from the owned layers of nodes. Those that leave the CT are in no cell.
+std::vector<NodeCrossings> cross_owned(const Exec& exec, const lattice::AirLevel& level, Int3 block,
+                                       const Grid& nodes, Layers owned) {
+  const std::size_t layer = std::size_t(nodes.size.x) * std::size_t(nodes.size.y);
+  std::vector<NodeCrossings> crossings(layer * std::size_t(owned.end - owned.begin));
+  parallel_for(exec, std::size_t(owned.end - owned.begin), [&](std::size_t k) {
+    for (int j = 0; j < nodes.size.y; j++)
+      for (int i = 0; i < nodes.size.x; i++)
+        for (std::size_t f = 0; f < kFamilyCount; f++) {
+          const Int3 node{i, j, owned.begin + int(k)};
+          if (contains(nodes, node + kFamilies[f]))
+            crossings[k * layer + std::size_t(j) * std::size_t(nodes.size.x) + std::size_t(i)][f] =
+                lattice::cross_edge(level, block, node, int(f));
+        }
+  });
+  return crossings;
+}
 Result<OwnedMeans> read_owned(const Exec& exec, const Ranks& ranks, const LatticeScene& scene, const Grid& ct,
                               const Share& share, const lattice::Params& params, const Grid& nodes) {
   DenseCells cells = lattice::make_dense_cells(ct);
@@ -84,8 +105,10 @@ Result<OwnedMeans> read_owned(const Exec& exec, const Ranks& ranks, const Lattic
     slices.begin = std::min(slices.begin, owned.begin * cells.cell.z);
     slices.end = std::max(slices.end, std::min(owned.end * cells.cell.z, ct.size.z));
   }
-  if (lattice::has_partial_cells(params))
-    slices.end = std::max(slices.end, std::min(share.owned.end * params.block.z, ct.size.z));
+  if (lattice::has_partial_cells(params)) {
+    slices.begin = std::min(slices.begin, std::max(share.owned.begin * params.block.z - 1, 0));
+    slices.end = std::max(slices.end, std::min(share.owned.end * params.block.z + 1, ct.size.z));
+  }
   const Result<std::vector<std::int16_t>> samples = slices_of(exec, scene.ct, slices);
   if (const Status read = agree(ranks, samples ? Status(Done{}) : Status(samples.error())); !read)
     return read.error();
@@ -95,9 +118,13 @@ Result<OwnedMeans> read_owned(const Exec& exec, const Ranks& ranks, const Lattic
   const lattice::Surroundings surroundings = lattice::find_surroundings(exec, ct, cells);
   OwnedMeans means{.hu = lattice::average_blocks(exec, slab, surroundings, params, nodes, share.owned),
                    .cells = {},
+                   .crossings = {},
                    .voxels = std::int64_t(samples->size())};
   if (lattice::has_partial_cells(params))
     means.cells = count_owned(exec, slab, surroundings, params, nodes, share.owned);
+  if (lattice::has_partial_cells(params) && params.skin.enabled)
+    means.crossings =
+        cross_owned(exec, {slab, surroundings, params.tissue.air_max}, params.block, nodes, share.owned);
   return means;
 }
 
@@ -143,6 +170,15 @@ void find_held_partial_cells(const Exec& exec, const Ranks& ranks, const Shares&
   };
   nodes.fill = {held(around.fill.fraction), held(around.fill.center)};
   nodes.young = held(around.young);
+  // skin
+  if (!params.skin.enabled) return;
+  const std::vector<NodeCrossings> crossings = held_layers(ranks, shares, whole, means.crossings);
+  lattice::find_surfaces(
+      exec,
+      [&](Int3 node, int family) {
+        return crossings[sample_index(nodes.grid, node.x, node.y, node.z - nodes.first)][std::size_t(family)];
+      },
+      nodes);
 }
 
 std::int64_t own_count(const Grid& nodes, Layers owned, const auto& counts_node) {

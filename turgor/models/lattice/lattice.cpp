@@ -22,7 +22,7 @@ State make_state(const Model& model) {
   state.cuts.cut.assign(slots, 0);
   state.cuts.removed.assign(slots, 0);
   state.cuts.row_cut.assign(slots / std::size_t(row_stride(model.anatomy.lattice)), 0);
-  state.cuts.skin_cut.assign(model.anatomy.skin.triangles.size(), 0);
+  state.cuts.skin_cut.assign(skin_element_count(model.anatomy.skin), 0);
   return state;
 }
 

@@ -265,6 +265,10 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
           return count_voxels(slab, surroundings, params.tissue.air_max, params.block, cell);
         },
         params.block, nodes);
+    const AirLevel level{slab, surroundings, params.tissue.air_max};
+    if (params.skin.enabled)
+      find_surfaces(
+          exec, [&](Int3 node, int family) { return cross_edge(level, params.block, node, family); }, nodes);
   }
   return nodes;
 }

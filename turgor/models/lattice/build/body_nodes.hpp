@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "turgor/core/result.hpp"
+#include "turgor/models/lattice/build/cell_surface.hpp"
 #include "turgor/models/lattice/build/surroundings.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
 
@@ -21,9 +22,10 @@ struct BodyNodes {
   Grid grid;
   std::vector<std::int16_t> hu;  // mean of the block around the node [HU]
   std::vector<Tissue> tissue;
-  std::vector<float> young;         // Young's modulus; outside: 0, or that of a rim node [Pa]
-  std::vector<std::uint8_t> fixed;  // 1 = fixed
-  CellFill fill;                    // of cells at the surface (partial_cells.hpp)
+  std::vector<float> young;          // Young's modulus; outside: 0, or that of a rim node [Pa]
+  std::vector<std::uint8_t> fixed;   // 1 = fixed
+  CellFill fill;                     // of cells at the surface (partial_cells.hpp)
+  std::vector<CellSurface> surface;  // with partial cells: of the cells that contain it, in lattice order
 
   // Only for a process with some layers of a body (halo.hpp): number of layers of the body before it, and its
   // owned layers. `grid` has the size of these layers and the origin of the whole. Empty: the whole body.

@@ -40,8 +40,8 @@ struct StoreLayer {
         model.anatomy.hu[slot] = nodes.hu[n];
         const bool is_rim = !is_body(nodes.tissue[n]) && nodes.young[n] > 0;
         if (!is_body(nodes.tissue[n]) && !is_rim) continue;
-        // water = 1000; gas keeps a small mass, a rim node that of the body in its block [kg/m³]
-        const double density = std::max(is_rim ? 10.0 : 50.0, 1000.0 + nodes.hu[n]);
+        // water = 1000; gas keeps a small mass, a rim node that of the body in its block or of air [kg/m³]
+        const double density = std::max(is_rim ? 1.0 : 50.0, 1000.0 + nodes.hu[n]);
         model.anatomy.inverse_mass[slot] = fixed[n] ? Real(0) : Real(1 / (density * volume));
         if (!is_rim)
           model.springs.root_stiffness[slot] =
@@ -117,7 +117,7 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   }
   // skin
   if (params.skin.enabled) {
-    detect_skin(exec, lines, nodes.join_skin, model);
+    detect_skin(exec, nodes.surface, lines, nodes.join_skin, model);
     if (model.anatomy.skin.triangles.empty() && nodes.owned.end == 0)
       return Error{"the body has no skin: expected a boundary to outside air, found none in " +
                    std::to_string(model.anatomy.body_nodes) + " body nodes"};

@@ -11,9 +11,9 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Cells filled less than this give their voxels to a neighbor. With smaller fractions the nodes beyond hang
-/// on almost nothing; with larger ones the body loses the fraction's own motion.
-constexpr double kLeastFraction = 0.1;
+/// Least fraction of a cell, α of the finite cell method. Without it, almost no tissue would hold the nodes of
+/// a cell that the body barely enters.
+constexpr double kLeastFraction = 0.05;
 
 /// Offsets to the 26 neighbors of a node or cell, the nearest first; equal distances in lattice order.
 const std::array<Int3, 26>& neighbors_by_distance() {
@@ -81,9 +81,7 @@ struct CellSearch {
 /// A cell near the surface.
 struct NearSurface {
   Int3 cell;
-  CellVoxels voxels;    // with those of cells that were aggregated to it
-  double fraction = 0;  // filled by its own voxels [1]
-  bool is_kept = false;
+  CellVoxels voxels;
 };
 double filled_fraction(const CellVoxels& v) { return v.all > 0 ? double(v.body) / double(v.all) : 0; }
 
@@ -98,50 +96,12 @@ std::vector<NearSurface> find_near_surface(const Exec& exec, const VoxelsOfCell&
       for (int i = 0; i < cells.x; i++) {
         const Int3 cell{i, j, int(k)};
         if (!search.may_be_partial(cell)) continue;
-        NearSurface found{cell, voxels(cell + Int3{0, 0, nodes.first})};
-        found.fraction = filled_fraction(found.voxels);
-        found.is_kept = search.is_full(cell) || found.fraction >= kLeastFraction;
-        layers[k].push_back(found);
+        layers[k].push_back({cell, voxels(cell + Int3{0, 0, nodes.first})});
       }
   });
   std::vector<NearSurface> all;
   for (const auto& layer : layers) all.insert(all.end(), layer.begin(), layer.end());
   return all;
-}
-
-/// Index of a cell among those near the surface; -1 if it is not.
-int find_cell(const std::vector<NearSurface>& cells, const Grid& grid, Int3 cell) {
-  const auto index = [&](Int3 c) { return sample_index(grid, c.x, c.y, c.z); };
-  const auto at = std::lower_bound(cells.begin(), cells.end(), cell,
-                                   [&](const NearSurface& a, Int3 b) { return index(a.cell) < index(b); });
-  return at != cells.end() && at->cell == cell ? int(at - cells.begin()) : -1;
-}
-
-/// Gives the voxels of cells that are not kept to the nearest kept neighbor, among equals the fullest.
-void aggregate_tiny(const BodyNodes& nodes, Int3 block, std::vector<NearSurface>& cells) {
-  const CellSearch search{nodes};
-  for (const NearSurface& tiny : cells) {
-    if (tiny.is_kept || tiny.voxels.body == 0) continue;
-    // target
-    int best = -1, distance = 0;
-    Int3 offset;
-    double fullest = -1;
-    for (const Int3 o : neighbors_by_distance()) {
-      if (best >= 0 && squared(o) > distance) break;
-      if (!search.is_cell(tiny.cell + o)) continue;
-      const int at = find_cell(cells, nodes.grid, tiny.cell + o);
-      if (at < 0 || !cells[std::size_t(at)].is_kept) continue;
-      if (const double f = cells[std::size_t(at)].fraction; f > fullest)
-        best = at, distance = squared(o), offset = o, fullest = f;
-    }
-    if (best < 0) continue;
-    // voxels, from the center of the other cell
-    CellVoxels& into = cells[std::size_t(best)].voxels;
-    into.body += tiny.voxels.body;
-    for (int axis = 0; axis < 3; axis++)
-      into.sum_body[std::size_t(axis)] +=
-          tiny.voxels.sum_body[std::size_t(axis)] - tiny.voxels.body * 2 * block[axis] * offset[axis];
-  }
 }
 
 /// Center of the body voxels relative to that of the scan's voxels in the cell, in half cells.
@@ -160,13 +120,12 @@ CellVoxels count_voxels(const CtSlab& ct, const Surroundings& surroundings, doub
                         Int3 cell) {
   TURGOR_CHECK(block.x > 0 && block.y > 0 && block.z > 0, "a block has at least one voxel");
   const Int3 from = hadamard(cell, block), to = min(from + block, ct.whole.size);
+  const AirLevel level{ct, surroundings, air_max};
   CellVoxels found;
   for (int k = from.z; k < to.z; k++)
-    for (int j = from.y; j < to.y; j++) {
-      const std::int16_t* row = ct.row(j, k);
-      const std::uint8_t* other = surroundings.has_row(j, k) ? surroundings.row(j, k) : nullptr;
+    for (int j = from.y; j < to.y; j++)
       for (int i = from.x; i < to.x; i++) {
-        const bool body = row[i] >= air_max && !(other != nullptr && other[i / surroundings.cell.x]);
+        const bool body = level.is_body({i, j, k});
         const Int3 at = (Int3{i, j, k} - from) * 2 + Int3{1, 1, 1} - block;
         found.all++, found.body += body;
         for (int axis = 0; axis < 3; axis++) {
@@ -174,7 +133,6 @@ CellVoxels count_voxels(const CtSlab& ct, const Surroundings& surroundings, doub
           found.sum_body[std::size_t(axis)] += body ? at[axis] : 0;
         }
       }
-    }
   return found;
 }
 
@@ -183,8 +141,7 @@ void find_partial_cells(const Exec& exec, const VoxelsOfCell& voxels, Int3 block
   TURGOR_ASSERT(nodes.tissue.size() == count && nodes.young.size() == count,
                 "every node has a tissue and a modulus");
   // cells near the surface
-  std::vector<NearSurface> cells = find_near_surface(exec, voxels, nodes);
-  aggregate_tiny(nodes, block, cells);
+  const std::vector<NearSurface> cells = find_near_surface(exec, voxels, nodes);
   // fractions and centers; cells elsewhere are full
   nodes.fill.fraction.assign(count, 1);
   nodes.fill.center.assign(count, {});
@@ -195,14 +152,12 @@ void find_partial_cells(const Exec& exec, const VoxelsOfCell& voxels, Int3 block
         if (!search.is_full({i, j, k})) nodes.fill.fraction[sample_index(nodes.grid, i, j, k)] = 0;
   for (const NearSurface& near : cells) {
     const std::size_t n = sample_index(nodes.grid, near.cell.x, near.cell.y, near.cell.z);
-    nodes.fill.fraction[n] =
-        near.is_kept ? float(std::max(filled_fraction(near.voxels), kLeastFraction)) : 0.0f;
-    if (near.is_kept) nodes.fill.center[n] = center_of(near.voxels, block);
+    nodes.fill.fraction[n] = float(std::max(filled_fraction(near.voxels), kLeastFraction));
+    nodes.fill.center[n] = center_of(near.voxels, block);
   }
   TURGOR_CHECK(all_finite(nodes.fill.fraction), "filled fractions are finite");
   // rim nodes
   for (const NearSurface& near : cells) {
-    if (!near.is_kept) continue;
     for (int c = 0; c < kCellCorners; c++) {
       const Int3 node = near.cell + cell_corner(c);
       const std::size_t n = sample_index(nodes.grid, node.x, node.y, node.z);
@@ -214,6 +169,27 @@ void find_partial_cells(const Exec& exec, const VoxelsOfCell& voxels, Int3 block
       nodes.young[n] = float(sum / nearest);
     }
   }
+}
+
+void find_surfaces(const Exec& exec, const CrossingOfEdge& crossing, BodyNodes& nodes) {
+  const CellSearch search{nodes};
+  const Int3 cells = nodes.grid.size - Int3{1, 1, 1};
+  std::vector<std::vector<CellSurface>> layers(std::size_t(std::max(cells.z, 0)));
+  parallel_for(exec, layers.size(), [&](std::size_t k) {
+    for (int j = 0; j < cells.y; j++)
+      for (int i = 0; i < cells.x; i++) {
+        const Int3 cell{i, j, int(k)};
+        if (search.is_full(cell) || !search.may_be_partial(cell)) continue;
+        std::array<bool, kCellCorners> is_body_corner{};
+        for (int c = 0; c < kCellCorners; c++)
+          is_body_corner[std::size_t(c)] = is_body(search.tissue(cell + cell_corner(c)));
+        const CellSurface found =
+            surface_in_cell(cell, nodes.first, nodes.grid.spacing, is_body_corner, crossing);
+        if (norm(Vec3d(found.area)) > 0) layers[k].push_back(found);
+      }
+  });
+  nodes.surface.clear();
+  for (const auto& layer : layers) nodes.surface.insert(nodes.surface.end(), layer.begin(), layer.end());
 }
 
 std::vector<std::uint8_t> fixed_with_rim(const Exec& exec, const BodyNodes& nodes) {

@@ -2,12 +2,13 @@
 // cells whose corners are all body end up to a step inside its surface, and what is beyond would weigh but
 // not bear. Every cell that has a body corner is therefore an element in proportion to its body voxels, with
 // its one integration point at their center. This is the finite cell method [Parvizian, Düster, Rank 2007]
-// with one point a cell; tiny fractions are aggregated to a neighbor [Badia, Verdugo, Martín 2018].
+// with one point a cell, and a least fraction where the body fills almost nothing.
 #pragma once
 
 #include <functional>
 
 #include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/build/cell_surface.hpp"
 
 namespace turgor::lattice {
 
@@ -29,6 +30,9 @@ using VoxelsOfCell = std::function<CellVoxels(Int3)>;
 /// without this function. In a process with some layers of a body, the four outermost layers are incomplete
 /// (kLayersForPartialCells).
 void find_partial_cells(const Exec& exec, const VoxelsOfCell& voxels, Int3 block, BodyNodes& nodes);
+
+/// Finds the surface in the cells that have body and other corners (BodyNodes::surface), except next to gas.
+void find_surfaces(const Exec& exec, const CrossingOfEdge& crossing, BodyNodes& nodes);
 
 /// Layers of nodes on each side that determine the partial cells of a layer.
 constexpr int kLayersForPartialCells = 4;

@@ -216,12 +216,81 @@ struct MeasureTriangle {
   }
 };
 
+/// Corner of a triangle, or of the cell of a patch.
 struct Corner {
   int slot, triangle, corner;
 };
 
+/// Unit vector along Langer's lines in the plane with this unit normal; any direction if they are normal to
+/// it.
+Vec3d line_in_plane(Vec3d line, Vec3d normal) {
+  const Vec3d along = line - normal * dot(normal, line);
+  if (norm(along) >= 1e-6 * norm(line) && norm(line) > 0) return normalized(along);
+  return normalized(cross(normal, std::abs(normal.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+}
+
+/// Patches of the cells with a surface, in the order of slots.
+std::vector<SkinPatch> make_patches(std::span<const CellSurface> surfaces, const VectorVolume* lines,
+                                    const Model& model) {
+  const Anatomy& anatomy = model.anatomy;
+  const Mat3d to_lattice = inverse(anatomy.grid.axes);
+  const Vec3d h(anatomy.lattice.spacing);
+  const auto in_half_cells = [&](Vec3 x) { return Vec3(Vec3d{2 * x.x / h.x, 2 * x.y / h.y, 2 * x.z / h.z}); };
+  std::vector<SkinPatch> patches;
+  for (const CellSurface& surface : surfaces) {
+    const int slot = node_slot(anatomy.lattice, surface.cell);
+    if (!(anatomy.cell_young[std::size_t(slot)] > 0)) continue;
+    // axes in the plane
+    const Vec3d at = Vec3d(rest_position(anatomy.lattice, surface.cell) + surface.center);
+    const Vec3d line =
+        to_lattice * (lines != nullptr ? lines_at(*lines, anatomy.grid.origin + anatomy.grid.axes * at)
+                                       : model.params.skin.direction);
+    const double area = norm(Vec3d(surface.area));
+    const Vec3d normal = Vec3d(surface.area) / area, along = line_in_plane(line, normal);
+    patches.push_back({.cell = slot,
+                       .point = in_half_cells(surface.center) - Vec3{1, 1, 1},
+                       .reach1 = in_half_cells(surface.reach1),
+                       .reach2 = in_half_cells(surface.reach2),
+                       .along = Vec3(along),
+                       .across = Vec3(cross(normal, along)),
+                       .area = Real(area)});
+  }
+  std::sort(patches.begin(), patches.end(),
+            [](const SkinPatch& a, const SkinPatch& b) { return a.cell < b.cell; });
+  return patches;
+}
+
+std::vector<Corner> corners_of_triangles(const Skin& skin) {
+  std::vector<Corner> corners;
+  for (int t = 0; t < int(skin.triangles.size()); t++)
+    for (int c = 0; c < 3; c++) corners.push_back({skin.triangles[std::size_t(t)].vertex[c], t, c});
+  return corners;
+}
+
+std::vector<Corner> corners_of_patches(const Model& model) {
+  const Skin& skin = model.anatomy.skin;
+  const CellOffsets offset(model.anatomy.lattice);
+  std::vector<Corner> corners;
+  for (int p = 0; p < int(skin.patches.size()); p++) {
+    const int slot = skin.patches[std::size_t(p)].cell, parity = slot_node(model.anatomy.lattice, slot).x & 1;
+    for (int c = 0; c < kCellCorners; c++) corners.push_back({slot + offset.of[parity][c], p, c});
+  }
+  return corners;
+}
+
+/// Stores the corner of a patch in lane `i`.
+void set_lane(const Lattice& lattice, const Skin& skin, const Corner& corner, int i, PatchCorners& lanes) {
+  const SkinPatch& p = skin.patches[std::size_t(corner.triangle)];
+  lanes.patch[i] = corner.triangle, lanes.cell[i] = p.cell, lanes.at[i] = corner.corner;
+  lanes.parity[i] = slot_node(lattice, p.cell).x & 1, lanes.area[i] = p.area;
+  for (int axis = 0; axis < 3; axis++)
+    lanes.point[axis][i] = p.point[axis], lanes.reach1[axis][i] = p.reach1[axis],
+    lanes.reach2[axis][i] = p.reach2[axis], lanes.along[axis][i] = p.along[axis],
+    lanes.across[axis][i] = p.across[axis];
+}
+
 /// Stores a corner in lane `i`.
-void set_lane(const Skin& skin, const Corner& corner, int i, SkinCorners& lanes) {
+void set_lane(const Lattice&, const Skin& skin, const Corner& corner, int i, SkinCorners& lanes) {
   TURGOR_CHECK(is_index(corner.triangle, skin.triangles.size()) && corner.corner >= 0 && corner.corner < 3,
                "a lane is the corner of a triangle");
   const SkinTriangle& t = skin.triangles[std::size_t(corner.triangle)];
@@ -237,7 +306,9 @@ void set_lane(const Skin& skin, const Corner& corner, int i, SkinCorners& lanes)
 }
 
 /// Packs the corners of each half row into lanes.
-void lay_out_corners(const std::vector<Corner>& corners, const Skin& skin, VbdTables& vbd) {
+template <class Lanes>
+void lay_out_corners(const Lattice& lattice, const std::vector<Corner>& corners, const Skin& skin,
+                     std::vector<Lanes>& out, VbdTables& vbd) {
   // ranges by node
   for (std::size_t c = 0; c < corners.size(); c++)
     if (c == 0 || corners[c].slot != corners[c - 1].slot) vbd.corner_begin.push_back(int(c));
@@ -251,17 +322,18 @@ void lay_out_corners(const std::vector<Corner>& corners, const Skin& skin, VbdTa
   std::size_t count = 0;
   for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++)
     count += (begin_of(row + 1) - begin_of(row) + kSkinLanes - 1) / kSkinLanes;
-  vbd.corners.reserve(count);
+  out.reserve(count);
   // batches by half row
   vbd.lanes_begin = {0};
   for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++) {
     const std::size_t begin = begin_of(row), end = begin_of(row + 1);
     for (std::size_t first = begin; first < end; first += kSkinLanes) {
-      SkinCorners& lanes = vbd.corners.emplace_back();
+      Lanes& lanes = out.emplace_back();
       for (int i = 0; i < kSkinLanes; i++)
-        set_lane(skin, corners[first + std::size_t(i) < end ? first + std::size_t(i) : first], i, lanes);
+        set_lane(lattice, skin, corners[first + std::size_t(i) < end ? first + std::size_t(i) : first], i,
+                 lanes);
     }
-    vbd.lanes_begin.push_back(int(vbd.corners.size()));
+    vbd.lanes_begin.push_back(int(out.size()));
   }
 }
 
@@ -281,11 +353,8 @@ void lay_out_batches(const Skin& skin, PbdTables& pbd) {
   }
 }
 
-std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
-  // corners by slot
-  std::vector<Corner> entries;
-  for (int t = 0; t < int(skin.triangles.size()); t++)
-    for (int c = 0; c < 3; c++) entries.push_back({skin.triangles[std::size_t(t)].vertex[c], t, c});
+/// Sorts corners by slot, and lists the nodes of the skin.
+std::vector<Corner> collect_corners(const Lattice& lattice, std::vector<Corner> entries, Skin& skin) {
   std::sort(entries.begin(), entries.end(), [](const Corner& a, const Corner& b) {
     return std::tie(a.slot, a.triangle) < std::tie(b.slot, b.triangle);
   });
@@ -318,7 +387,8 @@ SmoothedSkin smooth_skin(const Exec& exec, const Model& model, const JoinSkin& j
 
 }  // namespace
 
-void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model) {
+void detect_skin(const Exec& exec, std::span<const CellSurface> surfaces, const VectorVolume* lines,
+                 const JoinSkin& join_skin, Model& model) {
   Skin& skin = model.anatomy.skin;
   // triangles by layer
   std::vector<std::vector<Int3>> layers(std::size_t(model.anatomy.lattice.size.z - 1));
@@ -351,10 +421,18 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& jo
       exec, skin.triangles.size(),
       MeasureTriangle{model, rest, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr}, 1024);
   // lanes
-  const std::vector<Corner> corners = collect_corners(model.anatomy.lattice, skin);
-  if (model.params.solver.method == Method::kPbd) return lay_out_batches(skin, model.pbd);
-  lay_out_corners(corners, skin, model.vbd);
-  TURGOR_CHECK(is_csr(model.vbd.lanes_begin, model.vbd.corners.size()), "the half rows cover all lanes");
+  const bool pbd = model.params.solver.method == Method::kPbd;
+  if (!pbd && model.params.skin.law == SkinLaw::kFiber) skin.patches = make_patches(surfaces, lines, model);
+  const bool in_cells = !skin.patches.empty();
+  const std::vector<Corner> corners = collect_corners(
+      model.anatomy.lattice, in_cells ? corners_of_patches(model) : corners_of_triangles(skin), skin);
+  if (pbd) return lay_out_batches(skin, model.pbd);
+  if (in_cells)
+    lay_out_corners(model.anatomy.lattice, corners, skin, model.vbd.patch_corners, model.vbd);
+  else
+    lay_out_corners(model.anatomy.lattice, corners, skin, model.vbd.corners, model.vbd);
+  TURGOR_CHECK(is_csr(model.vbd.lanes_begin, model.vbd.corners.size() + model.vbd.patch_corners.size()),
+               "the half rows cover all lanes");
   model.prestress_force = measure_prestress(exec, model);
 }
 
@@ -380,7 +458,10 @@ std::vector<Vec3> measure_prestress(const Exec& exec, const Model& model) {
           for (int c = vbd.corner_begin[at]; c < vbd.corner_begin[at + 1]; c++) {
             const int lane = (c - first) % kSkinLanes;
             const int lanes = vbd.lanes_begin[row] + (c - first) / kSkinLanes;
-            if (lane == 0) forces.gather(vbd.corners[std::size_t(lanes)], nodes, systems);
+            if (lane == 0 && skin.patches.empty())
+              forces.gather(vbd.corners[std::size_t(lanes)], nodes, systems);
+            else if (lane == 0)
+              forces.gather(vbd.patch_corners[std::size_t(lanes)], nodes, systems);
             force[at] += systems.get(lane).f;
           }
       },

@@ -169,10 +169,27 @@ void begin_layer(const Model& model, const Inertia& inertia, const Motion& motio
   });
 }
 
+/// Adds the patches of the cells between layers k and k + 1.
+void add_patches(const Model& model, const Cuts& cuts, const NodeArrays& nodes, const SkinForces& skin, int k,
+                 TwoLayers out) {
+  const Lattice& l = model.anatomy.lattice;
+  const std::span<const SkinPatch> patches = patches_of_cells(model, {k, k + 1});
+  const std::uint8_t* cut = cuts.skin_cut.data() + (patches.data() - model.anatomy.skin.patches.data());
+  Vec3 forces[kCellCorners];
+  for (std::size_t p = 0; p < patches.size(); p++) {
+    if (cut[p]) continue;
+    const int parity = slot_node(l, patches[p].cell).x & 1;
+    skin.compute_forces(patches[p], parity, nodes, forces);
+    for (int c = 0; c < kCellCorners; c++)
+      out.add(patches[p].cell + skin.offset.of[parity][c], k + cell_corner(c).z, forces[c]);
+  }
+}
+
 /// Adds skin of the cells between layers k and k + 1.
 void add_skin(const Model& model, const Cuts& cuts, const NodeArrays& nodes, const SkinForces& skin, int k,
               TwoLayers out) {
   const int above = row_slot(model.anatomy.lattice, -1, k + 1);
+  if (!model.anatomy.skin.patches.empty()) return add_patches(model, cuts, nodes, skin, k, out);
   const std::span<const SkinTriangle> triangles = skin_of_cells(model, {k, k + 1});
   const std::uint8_t* cut = cuts.skin_cut.data() + (triangles.data() - model.anatomy.skin.triangles.data());
   TURGOR_CHECK(cuts.skin_cut.size() == model.anatomy.skin.triangles.size(), "every skin triangle has a mark");

@@ -8,6 +8,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/coarse/coarse_levels.hpp"
 #include "turgor/models/lattice/mechanics/skin_calibration.hpp"
+#include "turgor/models/lattice/mechanics/skin_forces.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/lattice/solver/viscosity.hpp"
 
@@ -236,6 +237,22 @@ struct SkinStiffness {
     add_isotropic(k, area * (tangent.tension_along * xa * xb + tangent.tension_across * ya * yb));
     return k;
   }
+  /// The same for corners a and b of the cell of a patch.
+  Mat3d operator()(const SkinPatch& p, int a, int b) const {
+    const Vec3 slope = solid_law(model.anatomy.lattice.spacing, 0).slope;
+    const double area = double(p.area) / kPatchPoints;
+    Mat3d k = kNothing;
+    for (int n = 0; n < kPatchPoints; n++) {
+      const Vec3 point = patch_point(p, n);
+      const Vec3d f(p.along), g(p.across), at_a(shape_gradient(a, slope, point)),
+          at_b(shape_gradient(b, slope, point));
+      add_fiber(k, f, dot(at_a, f) * dot(at_b, f), double(law.rest_along), area);
+      add_fiber(k, g, dot(at_a, g) * dot(at_b, g), double(law.rest_across), area);
+      add_outer(k, f * dot(at_a, g) + g * dot(at_a, f), f * dot(at_b, g) + g * dot(at_b, f),
+                double(law.shear) * area);
+    }
+    return k;
+  }
   void add_fiber(Mat3d& k, Vec3d g, double share, double rest, double area) const {
     TURGOR_CHECK(norm(g) > 0 && rest > 0, "a fiber has a length");
     const double length = norm(g), strain = std::max(0.0, length - rest);
@@ -272,10 +289,30 @@ void add_cells(CoarseOperatorBuilder& builder) {
   }
 }
 
+void add_patches(CoarseOperatorBuilder& builder, const SkinStiffness& stiffness) {
+  const Model& model = builder.model;
+  const std::vector<SkinPatch>& patches = model.anatomy.skin.patches;
+  const auto add = [&](const SkinPatch& p, std::span<const int> corner, double share) {
+    builder.add_element(corner, [&](int a, int b) { return scaled(stiffness(p, a, b), share); });
+  };
+  const CellOffsets offset(model.anatomy.lattice);
+  for (std::size_t p = 0; p < patches.size(); p++) {
+    if (builder.state.cuts.skin_cut[p]) continue;
+    std::array<int, kCellCorners> corner{};
+    const int parity = slot_node(model.anatomy.lattice, patches[p].cell).x & 1;
+    for (int c = 0; c < kCellCorners; c++) corner[std::size_t(c)] = patches[p].cell + offset.of[parity][c];
+    add(patches[p], corner, 1);
+  }
+  for (const CutCellElement& element : builder.state.cut_elements.cells)
+    if (element.patch >= 0)
+      add(patches[std::size_t(element.patch)], element.corner, double(element.skin_share));
+}
+
 void add_skin(CoarseOperatorBuilder& builder) {
   const Model& model = builder.model;
   if (model.anatomy.skin.triangles.empty()) return;
   const SkinStiffness stiffness(model);
+  if (!model.anatomy.skin.patches.empty()) return add_patches(builder, stiffness);
   const auto add = [&](const SkinTriangle& t, Int3 corner, double share) {
     const int nodes[3] = {corner.x, corner.y, corner.z};
     builder.add_element(nodes, [&](int a, int b) { return scaled(stiffness(t, a, b), share); });

@@ -12,6 +12,7 @@
 #include "turgor/models/lattice/cutting/crack_tips.hpp"
 #include "turgor/models/lattice/cutting/cut_fraction.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
+#include "turgor/models/lattice/mechanics/skin_queries.hpp"
 
 namespace turgor::lattice {
 
@@ -31,23 +32,31 @@ bool is_cut_cell(const Model& model, const Cuts& cuts, const Fragments& fragment
   const int parity = slot_node(model.anatomy.lattice, cell.slot).x & 1;
   for (int n = 0; n < kCellCorners; n++) {
     const int slot = cell.slot + slot_offset(model.anatomy.lattice, cell_corner(n), parity);
-    removed |= cuts.removed[std::size_t(slot)] == kRemoved;
+    removed |= is_removed_tissue(model, cuts, slot);
     for (int p = cell.first_fragment; p < cell.first_fragment + cell.fragment_count; p++)
       other |= fragments.all[std::size_t(p)].corner[std::size_t(n)] != slot;
   }
   return other && !removed;
 }
 
-/// True if a fragment can be an element: each corner is a tissue node, or a virtual node of a tissue node
-/// with a fit. Other fragments are too small for an element, or are excised.
+/// True if a fragment of a cell that is an element can be one: each corner is a node of tissue, or of the rim
+/// of partial cells, or a virtual node of one with a fit. Other fragments are too small for an element, or
+/// are excised.
 bool can_be_element(const Model& model, const Cuts& cuts, const Fragments& fragments,
                     const Fragment& fragment) {
   if (fragment.excised) return false;
   const int slots = slot_count(model.anatomy.lattice);
+  const bool with_rim = !model.anatomy.cell_center.empty();
+  const auto bears = [&](int slot) {
+    return is_solid(model, cuts, slot) || (with_rim && !is_body(model.anatomy.tissue[std::size_t(slot)]));
+  };
+  const auto stays = [&](int slot) {
+    return with_rim ? !is_removed_tissue(model, cuts, slot) : was_solid(model, cuts, slot);
+  };
   return std::all_of(fragment.corner.begin(), fragment.corner.end(), [&](int corner) {
-    if (corner < slots) return is_solid(model, cuts, corner);
+    if (corner < slots) return bears(corner);
     const VirtualNode& virtual_node = fragments.virtual_nodes[std::size_t(corner - slots)];
-    return was_solid(model, cuts, virtual_node.slot) && virtual_node.term_count > 0;
+    return stays(virtual_node.slot) && virtual_node.term_count > 0;
   });
 }
 
@@ -178,29 +187,71 @@ std::array<int, 8> bridge_corners(const Model& model, const Cuts& cuts, const Fr
   return corners;
 }
 
+/// Fraction of the area of a patch in each fragment of its cell: of sample points in its plane in the cell.
+std::vector<Real> patch_shares(const Model& model, const Cuts& cuts, const Fragments& fragments,
+                               const CutCell& cell, const SkinPatch& patch) {
+  constexpr int kSamples = 12;  // on each side of the center, along both axes
+  const Vec3 h = model.anatomy.lattice.spacing, center = (patch.point + Vec3{1, 1, 1}) * Real(0.5);
+  const Real step = std::max({h.x, h.y, h.z}) * Real(1.75) / kSamples;
+  std::vector<int> count(std::size_t(cell.fragment_count));
+  int all = 0;
+  const auto add = [&](Vec3 at) {
+    if (at.x < 0 || at.y < 0 || at.z < 0 || at.x > 1 || at.y > 1 || at.z > 1) return;
+    const int fragment = fragment_at(fragments, cuts, cell, at);
+    if (fragment < 0) return;
+    count[fragment < cell.fragment_count ? std::size_t(fragment) : 0]++, all++;  // ghosts: the first fragment
+  };
+  for (int i = -kSamples; i <= kSamples; i++)
+    for (int j = -kSamples; j <= kSamples; j++) {
+      const Vec3 d = (patch.along * Real(i) + patch.across * Real(j)) * step;
+      add(center + Vec3{d.x / h.x, d.y / h.y, d.z / h.z});
+    }
+  std::vector<Real> shares;
+  for (const int n : count) shares.push_back(all > 0 ? Real(n) / Real(all) : 1 / Real(count.size()));
+  return shares;
+}
+
+/// Skin of the elements of a cut cell.
+struct CutPatch {
+  int patch = -1;
+  std::vector<Real> shares;  // by fragment; empty without a patch
+
+  CutPatch(const Model& model, const Cuts& cuts, const Fragments& fragments, const CutCell& cell)
+      : patch(patch_of_cell(model.anatomy.skin, cell.slot)) {
+    if (patch >= 0)
+      shares = patch_shares(model, cuts, fragments, cell, model.anatomy.skin.patches[std::size_t(patch)]);
+  }
+  Real share(int fragment) const { return shares.empty() ? Real(0) : shares[std::size_t(fragment)]; }
+};
+
 void add_cells(const Model& model, State& state, const Fragments& fragments,
                VolumeFractionCache& cached_shares) {
   // once per cell: mark it as cut, and add bridges
   int last = -1;
+  std::optional<CutPatch> skin;
   for_each_element_fragment(model, state.cuts, fragments, [&](const CutCell& cell, int fragment) {
     const Real young = model.anatomy.cell_young[std::size_t(cell.slot)];
     const Shares& shares = cached_shares(cell);
     if (cell.slot != last) {
       last = cell.slot;
+      skin.emplace(model, state.cuts, fragments, cell);
       state.cuts.cut[std::size_t(cell.slot)] |= kCutCell;
       mark_rows(model, state.cuts, cell.slot);
       for (int t = 0; t < cell.tip_count; t++) {
         const CrackTip& tip = fragments.tips[std::size_t(cell.first_tip + t)];
         if (is_excised(fragments, cell, tip)) continue;
         const Real both = shares.of[std::size_t(tip.left)] + shares.of[std::size_t(tip.right)];
-        state.cut_elements.cells.push_back({bridge_corners(model, state.cuts, fragments, cell, tip),
-                                            young * shares.bridges[std::size_t(t)] * both, cell.slot});
+        state.cut_elements.cells.push_back(
+            {bridge_corners(model, state.cuts, fragments, cell, tip),
+             young * shares.bridges[std::size_t(t)] * both, cell.slot, skin->patch,
+             shares.bridges[std::size_t(t)] * (skin->share(tip.left) + skin->share(tip.right))});
       }
     }
     // element of the fragment
     const auto p = std::size_t(fragment);
     state.cut_elements.cells.push_back({fragments.all[std::size_t(cell.first_fragment + fragment)].corner,
-                                        young * shares.parted[p] * shares.of[p], cell.slot});
+                                        young * shares.parted[p] * shares.of[p], cell.slot, skin->patch,
+                                        shares.parted[p] * skin->share(fragment)});
   });
 }
 
@@ -266,6 +317,12 @@ void add_skin_elements(const Model& model, State& state, const Fragments& fragme
       add(fragment.corner, shares.parted[std::size_t(p)] * share(p));
 }
 
+/// Area of a patch times the weight of a corner of its cell at its center [m²].
+double area_at_corner(const SkinPatch& patch, int corner) {
+  const Vec3 at = (patch.point + Vec3{1, 1, 1}) * Real(0.5);
+  return double(patch.area) * double(trilinear(at)[std::size_t(corner)]);
+}
+
 /// Moves prestress from skin nodes to their virtual nodes, in proportion to skin area.
 void share_prestress(const Model& model, CutElements& elements) {
   const Skin& skin = model.anatomy.skin;
@@ -280,14 +337,24 @@ void share_prestress(const Model& model, CutElements& elements) {
     const int first = model.vbd.corner_begin[std::size_t(skin.row_begin[row])];
     // skin area of the node in the CT, and of its virtual node
     double whole = 0, own = 0;
-    for (int c = model.vbd.corner_begin[at]; c < model.vbd.corner_begin[at + 1]; c++)
-      whole += double(model.vbd.corners[std::size_t(model.vbd.lanes_begin[row] + (c - first) / kSkinLanes)]
-                          .area[(c - first) % kSkinLanes]);
-    for (int u = virtual_node.first; u < virtual_node.first + virtual_node.count; u++)
-      if (const int s = -1 - elements.references[std::size_t(u)].element; s >= 0)
-        own += double(elements.skin[std::size_t(s)].share) *
-               skin.triangles[std::size_t(elements.skin[std::size_t(s)].triangle)].area;
+    for (int c = model.vbd.corner_begin[at]; c < model.vbd.corner_begin[at + 1]; c++) {
+      const auto lanes = std::size_t(model.vbd.lanes_begin[row] + (c - first) / kSkinLanes);
+      const int lane = (c - first) % kSkinLanes;
+      whole += skin.patches.empty()
+                   ? double(model.vbd.corners[lanes].area[lane])
+                   : area_at_corner(skin.patches[std::size_t(model.vbd.patch_corners[lanes].patch[lane])],
+                                    model.vbd.patch_corners[lanes].at[lane]);
+    }
+    for (int u = virtual_node.first; u < virtual_node.first + virtual_node.count; u++) {
+      const auto [element, corner] = elements.references[std::size_t(u)];
+      if (element < 0)
+        own += double(elements.skin[std::size_t(-1 - element)].share) *
+               skin.triangles[std::size_t(elements.skin[std::size_t(-1 - element)].triangle)].area;
+      else if (const CutCellElement& cell = elements.cells[std::size_t(element)]; cell.patch >= 0)
+        own += double(cell.skin_share) * area_at_corner(skin.patches[std::size_t(cell.patch)], corner);
+    }
     // prestress of the virtual node, taken from the node
+    if (!skin.patches.empty() && !(whole > 0)) continue;
     TURGOR_CHECK(whole > 0, "skin at a node has an area in the CT");
     virtual_node.prestress_force = model.prestress_force[at] * Real(own / whole);
     const auto node = std::lower_bound(elements.nodes.begin(), elements.nodes.end(), virtual_node.slot,
@@ -403,7 +470,8 @@ void build_cut_elements(const Model& model, State& state, const DownloadNodes& d
   elements = {.virtual_node_keys = std::move(elements.virtual_node_keys)};
   VolumeFractionCache cached_shares(fragments, state.cuts);
   add_cells(model, state, fragments, cached_shares);
-  for (std::size_t t = 0; t < state.cuts.skin_cut.size(); t++)
+  if (!model.anatomy.skin.patches.empty()) cut_skin(model, state.cuts);
+  for (std::size_t t = 0; t < state.cuts.skin_cut.size() && model.anatomy.skin.patches.empty(); t++)
     if (state.cuts.skin_cut[t]) add_skin_elements(model, state, fragments, cached_shares, int(t));
   // virtual nodes and their layers
   add_nodes(model, fragments, elements);

@@ -15,7 +15,7 @@ struct CutBody {
   const Model& model;
   const Cuts& cuts;
 
-  bool is_solid(int slot) const { return lattice::is_solid(model, cuts, slot); }
+  bool is_solid(int slot) const { return has_displacement(model, cuts, slot); }
   bool is_separated(int near, int far, Int3 offset) const {
     return lattice::is_separated(cuts.cut.data(), model.anatomy.lattice, near, far, offset);
   }

@@ -101,7 +101,17 @@ struct CellSubLattice {
   }
 };
 
-/// Marks the tissue nodes of a sub-lattice: those with positive interpolated node_level.
+/// True if a partial cell is an element (partial_cells.hpp). Blades divide all of it, also beyond the skin.
+bool is_partial_element(const Model& model, const Cuts& cuts, const FineLattice& f, int slot) {
+  if (model.anatomy.cell_center.empty() || !(model.anatomy.cell_young[std::size_t(slot)] > 0)) return false;
+  const int parity = slot_node(f.cells, slot).x & 1;
+  for (int c = 0; c < 8; c++)
+    if (is_removed_tissue(model, cuts, slot + slot_offset(f.cells, cell_corner(c), parity))) return false;
+  return true;
+}
+
+/// Marks the tissue nodes of a sub-lattice: those with positive interpolated node_level, and all nodes of
+/// partial cells.
 std::array<bool, kMaxSubNodes> solid_sub_nodes(const Model& model, const Cuts& cuts, const FineLattice& f,
                                                int slot) {
   // levels at the cell's corners
@@ -113,7 +123,7 @@ std::array<bool, kMaxSubNodes> solid_sub_nodes(const Model& model, const Cuts& c
   // corners on one side of the skin
   const auto above = std::count_if(level.begin(), level.end(), [](Real l) { return l > 0; });
   if (above == 0) return solid;
-  if (above == 8) {
+  if (above == 8 || is_partial_element(model, cuts, f, slot)) {
     solid.fill(true);
     return solid;
   }

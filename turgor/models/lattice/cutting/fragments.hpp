@@ -124,10 +124,11 @@ int fragment_at(const Fragments& fragments, const Cuts& cuts, const CutCell& cel
 /// HU.
 Real node_level(const Model& model, const Cuts& cuts, int slot);
 
-/// True if the displacement of a corner is solved for: a tissue node, or a virtual node with unknowns.
+/// True if the displacement of a corner is solved for: a node of tissue or rim, or a virtual node with
+/// unknowns.
 inline bool has_unknowns(const Model& model, const Cuts& cuts, const Fragments& fragments, int corner) {
   const int slots = slot_count(fragments.fine.cells);
-  return corner < slots ? is_solid(model, cuts, corner)
+  return corner < slots ? has_displacement(model, cuts, corner)
                         : fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns;
 }
 /// Displacement of a fragment corner [m]: a node, a virtual node, or an air node, which is extrapolated from

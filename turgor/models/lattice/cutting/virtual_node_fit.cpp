@@ -7,6 +7,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cutting/cut_topology.hpp"
 
 namespace turgor::lattice {
@@ -50,7 +51,7 @@ std::vector<int> connected_nodes(const Model& model, const Cuts& cuts, const Fra
       });
     nodes.clear();
     for (const int corner : seen)
-      if (corner < slots && is_solid(model, cuts, corner)) nodes.push_back(corner);
+      if (corner < slots && has_displacement(model, cuts, corner)) nodes.push_back(corner);
   }
   return nodes;
 }
@@ -151,24 +152,55 @@ std::vector<int> adjacent_tissue(const Model& model, const Cuts& cuts, const Fra
   return {};
 }
 
+/// Appends a corner with a weight to the terms of a virtual node; a fitted virtual node by its own terms.
+void add_terms(int corner, Real weight, Fragments& fragments) {
+  const int slots = slot_count(fragments.fine.cells);
+  if (corner < slots || fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns) {
+    fragments.fit_terms.push_back({corner, weight});
+    return;
+  }
+  const VirtualNode virtual_node = fragments.virtual_nodes[std::size_t(corner - slots)];
+  for (int s = virtual_node.first_term; s < virtual_node.first_term + virtual_node.term_count; s++) {
+    const FitTerm term = fragments.fit_terms[std::size_t(s)];
+    fragments.fit_terms.push_back({term.corner, term.weight * weight});
+  }
+}
+
 /// Gives a virtual node of air the mean displacement of adjacent corners, so that the skin moves with its
 /// nodes.
 void copy_mean_of_corners(const std::vector<int>& corners, Fragments& fragments) {
-  const int slots = slot_count(fragments.fine.cells);
   TURGOR_ASSERT(!corners.empty(), "a mean is over at least one corner");
-  const Real share = Real(1) / Real(corners.size());
-  for (const int corner : corners) {
-    // a corner that is a node, or a virtual node with unknowns
-    if (corner < slots || fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns) {
-      fragments.fit_terms.push_back({corner, share});
-      continue;
+  for (const int corner : corners) add_terms(corner, Real(1) / Real(corners.size()), fragments);
+}
+
+/// Gives a virtual node of air the mean of the linear extrapolations along axes from two corners that bear,
+/// 2 near − far, in fragments on its side of the blades. Does nothing without such corners.
+void extrapolate_along_axes(const Model& model, const Cuts& cuts, const FragmentsOfCorner& fragments_of,
+                            int virtual_node, Fragments& fragments) {
+  const int slots = slot_count(fragments.fine.cells);
+  const auto bears = [&](int corner) {
+    return corner < slots ? has_displacement(model, cuts, corner)
+                          : fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns;
+  };
+  std::vector<std::pair<int, int>> lines;  // near and far corners
+  fragments_of(virtual_node, [&](int p) {
+    const auto& corners = fragments.all[std::size_t(p)].corner;
+    const auto at = std::size_t(std::find(corners.begin(), corners.end(), virtual_node) - corners.begin());
+    for (std::size_t axis = 0; axis < 3; axis++) {
+      const std::size_t inward = at ^ std::size_t(1) << axis;
+      const int near = corners[inward];
+      if (!bears(near)) continue;
+      // the next cell along the axis
+      fragments_of(near, [&](int q) {
+        const auto& next = fragments.all[std::size_t(q)].corner;
+        if (q != p && next[at] == near && bears(next[inward])) lines.emplace_back(near, next[inward]);
+      });
     }
-    // a corner that is a fitted virtual node: its terms
-    const VirtualNode virtual_node = fragments.virtual_nodes[std::size_t(corner - slots)];
-    for (int s = virtual_node.first_term; s < virtual_node.first_term + virtual_node.term_count; s++) {
-      const FitTerm term = fragments.fit_terms[std::size_t(s)];
-      fragments.fit_terms.push_back({term.corner, term.weight * share});
-    }
+  });
+  sort_unique(lines);
+  for (const auto& [near, far] : lines) {
+    const Real share = Real(1) / Real(lines.size());
+    add_terms(near, 2 * share, fragments), add_terms(far, -share, fragments);
   }
 }
 
@@ -195,17 +227,21 @@ void fit_virtual_nodes(const Model& model, const Cuts& cuts, const CutEdgesByCel
     for (std::size_t n = 0; n < nodes.size(); n++)
       fragments.fit_terms.push_back({nodes[n], Real(weights[n])});
   };
-  // tissue first, because virtual nodes of air refer to those of tissue
+  // with partial cells, skin beyond the outermost nodes moves as the skin that bears in them
+  const bool extrapolates = !model.anatomy.cell_center.empty();
+  // tissue and rim first, because virtual nodes of air refer to those of tissue
   for (const bool tissue : {true, false}) {
     if (!tissue) mark_virtual_nodes_with_unknowns(model, cuts, fragments);
     for (std::size_t c = 0; c < fragments.virtual_nodes.size(); c++) {
       VirtualNode& virtual_node = fragments.virtual_nodes[c];
-      if (was_solid(model, cuts, virtual_node.slot) != tissue) continue;
+      if ((was_solid(model, cuts, virtual_node.slot) || is_rim(model, virtual_node.slot)) != tissue) continue;
       virtual_node.first_term = int(fragments.fit_terms.size());
       const int corner = slots + int(c);
-      const std::vector<int> adjacent =
-          tissue ? std::vector<int>{} : adjacent_tissue(model, cuts, fragments, fragments_of, corner);
+      const std::vector<int> adjacent = tissue || extrapolates
+                                            ? std::vector<int>{}
+                                            : adjacent_tissue(model, cuts, fragments, fragments_of, corner);
       if (!adjacent.empty()) copy_mean_of_corners(adjacent, fragments);
+      if (!tissue && extrapolates) extrapolate_along_axes(model, cuts, fragments_of, corner, fragments);
       if (int(fragments.fit_terms.size()) == virtual_node.first_term) fit(corner, virtual_node.slot);
       virtual_node.term_count = int(fragments.fit_terms.size()) - virtual_node.first_term;
     }

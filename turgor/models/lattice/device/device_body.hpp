@@ -44,7 +44,7 @@ struct DeviceNodes {
         root(allocator.copy(m.springs.root_stiffness)),
         cut(allocator.template allocate<std::uint8_t>(m.anatomy.inverse_mass.size())),
         removed(allocator.template allocate<std::uint8_t>(m.anatomy.inverse_mass.size())),
-        skin_cut(allocator.template allocate<std::uint8_t>(m.anatomy.skin.triangles.size())),
+        skin_cut(allocator.template allocate<std::uint8_t>(skin_element_count(m.anatomy.skin))),
         free_groups(allocator.copy(groups(m, free_groups_of_color))),
         triangles(allocator.copy(m.anatomy.skin.triangles)),
         summary(allocator.template allocate<StepSummary>(1)) {}
@@ -121,6 +121,8 @@ struct DeviceVbd {
   Array<int> skin_nodes, corner_begin, row_begin, lanes_begin;
   Array<Vec3> prestress_force;
   Array<SkinCorners> corners;
+  Array<SkinPatch> patches;
+  Array<PatchCorners> patch_corners;
   SkinParams uploaded_skin;  // skin parameters of the uploaded prestress
   List<CutCellElement> cells;
   List<CutSkinElement> cut_skin_elements;
@@ -142,6 +144,8 @@ struct DeviceVbd {
         lanes_begin(allocator.copy(m.vbd.lanes_begin)),
         prestress_force(allocator.copy(m.prestress_force)),
         corners(allocator.copy(m.vbd.corners)),
+        patches(allocator.copy(m.anatomy.skin.patches)),
+        patch_corners(allocator.copy(m.vbd.patch_corners)),
         uploaded_skin(m.params.skin) {}
 
   void upload_cuts(const Model& model, const Cuts& cuts, const CutElements& elements,
@@ -178,6 +182,7 @@ struct DeviceVbd {
                      .lanes_begin = lanes_begin.data(),
                      .prestress_force = prestress_force.data(),
                      .corners = corners.data(),
+                     .patches = patches.size() > 0 ? patch_corners.data() : nullptr,
                      .skin_cut = nodes.skin_cut.data()},
             .cut_elements = {.nodes = body.nodes,
                              .slots = body.slots,
@@ -186,6 +191,8 @@ struct DeviceVbd {
                              .cut_skin_elements = cut_skin_elements.data(),
                              .references = references.data(),
                              .triangles = nodes.triangles.data(),
+                             .patches = patches.data(),
+                             .center = center.size() > 0 ? center.data() : nullptr,
                              .solid = solid_law(model.anatomy.lattice.spacing, model.params.tissue.poisson),
                              .skin = SkinForces(model)},
             .virtual_nodes_before = shifts_before.data(),

@@ -18,6 +18,8 @@ CutElementForces::CutElementForces(const Model& m, State& s)
            s.cut_elements.skin.data(),
            s.cut_elements.references.data(),
            m.anatomy.skin.triangles.data(),
+           m.anatomy.skin.patches.data(),
+           m.anatomy.cell_center.empty() ? nullptr : m.anatomy.cell_center.data(),
            solid_law(m.anatomy.lattice.spacing, m.params.tissue.poisson),
            SkinForces(m)} {
   if (const CellLawView of = cell_law_view(m, s); of.has_laws()) laws = std::make_shared<CellLawView>(of);

@@ -21,6 +21,8 @@ struct CutElementView {
   const CutSkinElement* cut_skin_elements;
   const NodeElementReference* references;
   const SkinTriangle* triangles;
+  const SkinPatch* patches;
+  const std::uint32_t* center;  // Anatomy::cell_center; null without partial cells
   SolidLaw solid;
   SkinForces skin;
 
@@ -75,6 +77,13 @@ struct CutElementForces {
   NodeSystem gather_laws(const ElementNode& node) const;
 };
 
+/// A system times a factor.
+TURGOR_HD inline NodeSystem scaled(NodeSystem s, Real by) {
+  s.f = s.f * by;
+  for (Real* entry : {&s.xx, &s.yy, &s.zz, &s.xy, &s.xz, &s.yz}) *entry *= by;
+  return s;
+}
+
 /// Force and Hessian of a cut-skin element at its corner `at`: those of the whole triangle times the area
 /// share.
 TURGOR_HD inline NodeSystem CutElementView::skin_element(const CutSkinElement& element, int at) const {
@@ -97,10 +106,7 @@ TURGOR_HD inline NodeSystem CutElementView::skin_element(const CutSkinElement& e
     const Real rest = skin.rest_ratio * t.area;
     add_skin_area(s, {}, edge1, edge2, rest, skin.stiffness / rest, skin.amplification);
   }
-  // share
-  s.f = s.f * element.share;
-  for (Real* entry : {&s.xx, &s.yy, &s.zz, &s.xy, &s.xz, &s.yz}) *entry *= element.share;
-  return s;
+  return scaled(s, element.share);
 }
 
 template <class AddCell>
@@ -120,7 +126,15 @@ TURGOR_HD inline NodeSystem CutElementView::gather(const ElementNode& node,
     const CutCellElement& cell = cells[reference.element];
     Vec3 d[kCellCorners];
     for (int c = 0; c < kCellCorners; c++) d[c] = u(cell.corner[std::size_t(c)]) - x0;
-    add_cell_of(s, cell_gradient(d, reference.at, solid.slope), reference.at, cell);
+    if (const CellCenter of{center ? center[cell.slot] : 0}; of.bits != 0) {
+      const Vec3 point = of.in_half_cells();
+      add_cell(s, cell_gradient_at(d, reference.at, solid.slope, point),
+               shape_gradient(reference.at, solid.slope, point), solid, cell.young);
+    } else {
+      add_cell_of(s, cell_gradient(d, reference.at, solid.slope), reference.at, cell);
+    }
+    if (cell.patch >= 0)
+      add(s, scaled(skin.patch_system(d, reference.at, patches[cell.patch]), cell.skin_share));
   }
   return s;
 }

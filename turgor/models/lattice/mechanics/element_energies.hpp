@@ -176,6 +176,16 @@ TURGOR_HD inline void add_skin_fiber(NodeSystem& s, Vec3 edge1, Vec3 edge2, Vec3
   add_outer(s, sheared, law.shear * area);
 }
 
+/// The same from f and g, at a corner with the coefficients `along` and `across` in them.
+TURGOR_HD inline void add_skin_fibers(NodeSystem& s, Vec3 f, Vec3 g, Real along, Real across, Real area,
+                                      const FiberLaw& law) {
+  add_fiber(s, f, along, law.rest_along, law.stiffness * area, law.amplification);
+  add_fiber(s, g, across, law.rest_across, law.stiffness * area, law.amplification);
+  const Vec3 sheared = f * across + g * along;
+  s.f -= sheared * (law.shear * area * dot(f, g));
+  add_outer(s, sheared, law.shear * area);
+}
+
 /// Forces on the three corners of a triangle [N].
 struct CornerForces {
   Vec3 on[3];

@@ -71,6 +71,49 @@ void SkinForces::gather(const SkinCorners& corners, const NodeArrays& nodes,
             by.area_system(corners, i, displacements.edge(corners, 1, i), displacements.edge(corners, 2, i)));
 }
 
+void SkinForces::gather(const PatchCorners& corners, const NodeArrays& nodes,
+                        CornerSystems& __restrict out) const {
+  // displacements of the corners of the cells, relative to the node
+  alignas(64) Real u[kCellCorners][3][kSkinLanes];
+  for (int q = 0; q < kCellCorners; q++)
+    for (int i = 0; i < kSkinLanes; i++) {
+      const int slot = corners.cell[i] + offset.of[corners.parity[i]][q];
+      u[q][0][i] = nodes.ux[slot], u[q][1][i] = nodes.uy[slot], u[q][2][i] = nodes.uz[slot];
+    }
+  // systems
+  const SkinForces by = *this;  // local copy, so that stores cannot alias it
+  TURGOR_LANES
+  for (int i = 0; i < kSkinLanes; i++) {
+    const Vec3 first{u[0][0][i], u[0][1][i], u[0][2][i]};
+    Vec3 d[kCellCorners];
+    for (int q = 0; q < kCellCorners; q++) d[q] = Vec3{u[q][0][i], u[q][1][i], u[q][2][i]} - first;
+    out.set(i, by.patch_system(d, corners.at[i], patch_of(corners, i)));
+  }
+}
+
+void SkinForces::compute_forces(const SkinPatch& patch, int parity, const NodeArrays& n,
+                                Vec3 (&out)[kCellCorners]) const {
+  const Vec3 first = n.u(patch.cell);
+  Vec3 d[kCellCorners];
+  for (int q = 0; q < kCellCorners; q++) d[q] = n.u(patch.cell + offset.of[parity][q]) - first;
+  for (Vec3& f : out) f = {};
+  const Real area = patch.area / kPatchPoints;
+  for (int i = 0; i < kPatchPoints; i++) {
+    // stresses of both fibers, times the area
+    const Vec3 point = patch_point(patch, i);
+    const PatchFibers f = fibers_of(d, patch, point);
+    const Real sheared = fiber.shear * area * dot(f.along, f.across);
+    const Vec3 p = fiber_stress(f.along, fiber.rest_along, fiber.stiffness * area, fiber.amplification) +
+                   f.across * sheared;
+    const Vec3 q = fiber_stress(f.across, fiber.rest_across, fiber.stiffness * area, fiber.amplification) +
+                   f.along * sheared;
+    for (int c = 0; c < kCellCorners; c++) {
+      const Vec3 g = shape_gradient(c, slope, point);
+      out[c] -= p * dot(g, patch.along) + q * dot(g, patch.across);
+    }
+  }
+}
+
 void SkinForces::compute_forces(std::span<const SkinTriangle> triangles, const NodeArrays& nodes,
                                 TriangleForces& __restrict out) const {
   const TriangleLanes t(triangles, nodes);

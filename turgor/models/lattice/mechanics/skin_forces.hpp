@@ -7,6 +7,7 @@
 
 #include "turgor/models/lattice/mechanics/node_systems.hpp"
 #include "turgor/models/lattice/mechanics/skin_calibration.hpp"
+#include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
 
 namespace turgor::lattice {
@@ -20,11 +21,31 @@ struct TriangleForces {
   Vec3 get(int corner, int i) const { return {on[corner][0][i], on[corner][1][i], on[corner][2][i]}; }
 };
 
+/// Slots of the corners of a cell from its lowest one, by parity of i.
+struct CellOffsets {
+  int of[2][kCellCorners];
+
+  explicit CellOffsets(const Lattice& lattice) {
+    for (int parity = 0; parity < 2; parity++)
+      for (int c = 0; c < kCellCorners; c++) of[parity][c] = slot_offset(lattice, cell_corner(c), parity);
+  }
+};
+
+/// Integration points of a patch, exact for the gradient in the cell. One point would leave modes of the skin
+/// without energy, and skin is stiffer than the tissue below.
+constexpr int kPatchPoints = 4;
+/// Integration point, in half cells from the center of the cell.
+TURGOR_HD inline Vec3 patch_point(const SkinPatch& p, int n) {
+  return p.point + (n & 1 ? p.reach1 : -p.reach1) + (n & 2 ? p.reach2 : -p.reach2);
+}
+
 struct SkinForces {
   SkinLaw law;
   FiberLaw fiber;
   Real rest_ratio, stiffness, amplification;
   ExponentialSkin exponential;
+  Vec3 slope;  // of cells, as in SolidLaw
+  CellOffsets offset;
 
   explicit SkinForces(const Model& model)
       : law(model.params.skin.law),
@@ -32,7 +53,51 @@ struct SkinForces {
         rest_ratio(rest_area_ratio(model.params.skin)),
         stiffness(Real(model.params.skin.stiffness)),
         amplification(Real(model.params.skin.amplification)),
-        exponential(exponential_skin(model.params.skin)) {}
+        exponential(exponential_skin(model.params.skin)),
+        slope(solid_law(model.anatomy.lattice.spacing, 0).slope),
+        offset(model.anatomy.lattice) {}
+
+  /// Images of the unit vectors along and across Langer's lines at a point of a patch, F d = d + ∇u d. `d`:
+  /// displacements of the corners of its cell relative to one of them [m].
+  struct PatchFibers {
+    Vec3 along, across;
+  };
+  TURGOR_HD PatchFibers fibers_of(const Vec3 (&d)[kCellCorners], const SkinPatch& p, Vec3 point) const {
+    const CellGradient u = cell_gradient_at(d, 0, slope, point);
+    return {p.along + (u.x * p.along.x + u.y * p.along.y + u.z * p.along.z),
+            p.across + (u.x * p.across.x + u.y * p.across.y + u.z * p.across.z)};
+  }
+  /// System of a patch at corner `at` of its cell.
+  TURGOR_HD NodeSystem patch_system(const Vec3 (&d)[kCellCorners], int at, const SkinPatch& p) const {
+    NodeSystem s;
+    for (int n = 0; n < kPatchPoints; n++) {
+      const Vec3 point = patch_point(p, n);
+      const PatchFibers f = fibers_of(d, p, point);
+      const Vec3 g = shape_gradient(at, slope, point);
+      add_skin_fibers(s, f.along, f.across, dot(g, p.along), dot(g, p.across), p.area / kPatchPoints, fiber);
+    }
+    return s;
+  }
+  /// System of one corner of a patch.
+  TURGOR_HD NodeSystem gather(const PatchCorners& c, int i, const NodeArrays& n) const {
+    const int own = c.cell[i] + offset.of[c.parity[i]][c.at[i]];
+    const Vec3 u0 = n.u(own);
+    Vec3 d[kCellCorners];
+    for (int q = 0; q < kCellCorners; q++) d[q] = n.u(c.cell[i] + offset.of[c.parity[i]][q]) - u0;
+    return patch_system(d, c.at[i], patch_of(c, i));
+  }
+  TURGOR_HD static SkinPatch patch_of(const PatchCorners& c, int i) {
+    return {.cell = c.cell[i],
+            .point = {c.point[0][i], c.point[1][i], c.point[2][i]},
+            .reach1 = {c.reach1[0][i], c.reach1[1][i], c.reach1[2][i]},
+            .reach2 = {c.reach2[0][i], c.reach2[1][i], c.reach2[2][i]},
+            .along = {c.along[0][i], c.along[1][i], c.along[2][i]},
+            .across = {c.across[0][i], c.across[1][i], c.across[2][i]},
+            .area = c.area[i]};
+  }
+  /// Forces of a patch on all corners of its cell [N].
+  void compute_forces(const SkinPatch& patch, int parity, const NodeArrays& n,
+                      Vec3 (&out)[kCellCorners]) const;
 
   /// System of a corner at its own node; the edges start there.
   TURGOR_HD NodeSystem fiber_system(const SkinCorners& c, int i, Vec3 edge1, Vec3 edge2) const {
@@ -65,6 +130,7 @@ struct SkinForces {
   }
   /// Systems of all corners of a batch.
   void gather(const SkinCorners& corners, const NodeArrays& nodes, CornerSystems& out) const;
+  void gather(const PatchCorners& corners, const NodeArrays& nodes, CornerSystems& out) const;
   /// Forces on all corners of at most kSkinLanes triangles, without Hessians.
   void compute_forces(std::span<const SkinTriangle> triangles, const NodeArrays& nodes,
                       TriangleForces& out) const;
@@ -75,17 +141,27 @@ struct SkinView {
   const int *nodes, *corner_begin, *row_begin, *lanes_begin;  // null without skin
   const Vec3* prestress_force;
   const SkinCorners* corners;
-  const std::uint8_t* skin_cut;  // by triangle
+  const PatchCorners* patches;   // instead of `corners`; null without patches
+  const std::uint8_t* skin_cut;  // by triangle or patch
+
+  TURGOR_HD bool is_cut(int batch, int lane) const {
+    return skin_cut[patches ? patches[batch].patch[lane] : corners[batch].triangle[lane]] != 0;
+  }
 };
 inline SkinView skin_view(const Model& model, const Cuts& cuts) {
   const Skin& skin = model.anatomy.skin;
   const VbdTables& vbd = model.vbd;
-  return {skin.nodes.data(),      vbd.corner_begin.data(),      skin.row_begin.data(),
-          vbd.lanes_begin.data(), model.prestress_force.data(), vbd.corners.data(),
+  return {skin.nodes.data(),
+          vbd.corner_begin.data(),
+          skin.row_begin.data(),
+          vbd.lanes_begin.data(),
+          model.prestress_force.data(),
+          vbd.corners.data(),
+          skin.patches.empty() ? nullptr : vbd.patch_corners.data(),
           cuts.skin_cut.data()};
 }
 
-/// Adds prestress and the uncut triangles of skin node `at` of a half row. `system_of(batch, lane)`: system
+/// Adds prestress and the uncut elements of skin node `at` of a half row. `system_of(batch, lane)`: system
 /// of a corner.
 template <class SystemOf>
 TURGOR_HD inline void add_skin_corners(const SkinView& v, int row, int at, NodeSystem& s,
@@ -94,7 +170,7 @@ TURGOR_HD inline void add_skin_corners(const SkinView& v, int row, int at, NodeS
   const int first = v.corner_begin[v.row_begin[row]];
   for (int c = v.corner_begin[at]; c < v.corner_begin[at + 1]; c++) {
     const int batch = v.lanes_begin[row] + (c - first) / kSkinLanes, lane = (c - first) % kSkinLanes;
-    if (!v.skin_cut[v.corners[batch].triangle[lane]]) add(s, system_of(batch, lane));
+    if (!v.is_cut(batch, lane)) add(s, system_of(batch, lane));
   }
 }
 
@@ -111,7 +187,13 @@ void for_skin_nodes(const Model& model, const Cuts& cuts, const NodeArrays& n, c
   for (; node != end && *node < slot + count; node++) {
     NodeSystem s = load(*node);
     add_skin_corners(skin, row, int(node - skin.nodes), s, [&](int batch, int lane) {
-      if (batch != gathered) forces.gather(skin.corners[batch], n, systems), gathered = batch;
+      if (batch != gathered) {
+        if (skin.patches)
+          forces.gather(skin.patches[batch], n, systems);
+        else
+          forces.gather(skin.corners[batch], n, systems);
+        gathered = batch;
+      }
       return systems.get(lane);
     });
     store(*node, s);

@@ -77,12 +77,14 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"joining_begin", "", Axis::kRow}, m.pbd.constraint_runs.row_begin);
   visit(Field{"skin_triangles", "", Axis::kSkinTriangle}, m.anatomy.skin.triangles);
   visit(Field{"lines", "", Axis::kSkinTriangle}, m.anatomy.skin.lines);
+  visit(Field{"skin_patches", ""}, m.anatomy.skin.patches);
   visit(Field{"batch_begin", ""}, m.anatomy.skin.batch_begin);
   visit(Field{"layer_begin", ""}, m.anatomy.skin.layer_begin);
   visit(Field{"skin_nodes", ""}, m.anatomy.skin.nodes);
   visit(Field{"prestress_force", "N"}, m.prestress_force);
   visit(Field{"corner_begin", ""}, m.vbd.corner_begin);
   visit(Field{"corners", ""}, m.vbd.corners);
+  visit(Field{"patch_corners", ""}, m.vbd.patch_corners);
   visit(Field{"row_begin", "", Axis::kRow}, m.anatomy.skin.row_begin);
   visit(Field{"lanes_begin", "", Axis::kRow}, m.vbd.lanes_begin);
   visit(Field{"batches", ""}, m.pbd.skin_batches);

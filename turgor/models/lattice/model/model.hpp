@@ -50,15 +50,37 @@ struct SkinCorners {
   Real area[kSkinLanes];      // [m²]
 };
 
+/// Skin of a partial cell: a membrane in the displacement field of the cell. Unit vectors along Langer's
+/// lines and across them span its tangent plane at rest. [Cenanovic, Hansbo, Larson 2016]
+struct SkinPatch {
+  int cell = 0;         // slot of the cell's lowest node
+  Vec3 point;           // center of the skin in the cell, in half cells from the center of the cell
+  Vec3 reach1, reach2;  // integration points: point ± reach1 ± reach2 [half cells]
+  Vec3 along, across;   // along the axes of the lattice
+  Real area = 0;        // in the CT [m²]
+};
+
+/// VBD: corners of the cells of patches, one for each node.
+struct PatchCorners {
+  int patch[kSkinLanes], cell[kSkinLanes];
+  int parity[kSkinLanes];  // of i of the cell
+  int at[kSkinLanes];      // corner of the cell that is the node
+  // SkinPatch, by axis
+  Real point[3][kSkinLanes], reach1[3][kSkinLanes], reach2[3][kSkinLanes];
+  Real along[3][kSkinLanes], across[3][kSkinLanes];
+  Real area[kSkinLanes];
+};
+
 /// All skin triangles, sorted by cell layer. Each layer is split into batches whose triangles share no node.
 /// Batch b holds triangles [batch_begin[b], batch_begin[b + 1]). Layer k holds batches [layer_begin[k],
 /// layer_begin[k + 1]). PBD with colors splits each layer into four groups by the parities of i and j of the
 /// cells: group 4 k + p with p = 0 to 3.
 struct Skin {
   std::vector<SkinTriangle> triangles;
+  std::vector<SkinPatch> patches;             // bear instead of the triangles unless empty; cells ascend
   std::vector<Vec3> lines;                    // by triangle, lattice frame; empty: SkinParams::direction
   std::vector<int> batch_begin, layer_begin;  // empty without skin
-  std::vector<int> nodes;                     // corners of triangles, ascending slots
+  std::vector<int> nodes;                     // corners of triangles or of patches, ascending slots
   std::vector<int> row_begin;                 // by half row, and the end: indices into nodes
 };
 
@@ -115,9 +137,10 @@ struct PbdTables {
 /// (c − b) % kSkinLanes of corners[lanes_begin + (c − b) / kSkinLanes].
 struct VbdTables {
   std::vector<IncidentElements> incident_elements;  // solid: by group of slots, uncut
-  std::vector<int> corner_begin;                    // by skin node, and the end: its corners of triangles
+  std::vector<int> corner_begin;                    // by skin node, and the end: its corners of elements
   std::vector<int> lanes_begin;                     // by half row, and the end: indices into corners
-  std::vector<SkinCorners> corners;
+  std::vector<SkinCorners> corners;                 // of triangles; empty with patches
+  std::vector<PatchCorners> patch_corners;          // instead of `corners`
 };
 
 /// A body. A person may change some of `params` between steps; the prestress follows them. All else is
@@ -131,6 +154,11 @@ struct Model {
   PbdTables pbd;
   VbdTables vbd;
 };
+
+/// Number of elements of the skin: patches, or triangles without patches.
+inline std::size_t skin_element_count(const Skin& skin) {
+  return skin.patches.empty() ? skin.triangles.size() : skin.patches.size();
+}
 
 /// True for a rim node: a node outside that is a corner of a partial cell (build/partial_cells.hpp). Rim
 /// nodes have no springs. Those that are fixed count as outside.

@@ -52,8 +52,10 @@ struct VirtualNodeDisplacement {
 /// Cut-cell element: one fragment of a cell. A corner is a slot, or slot_count + index of a virtual node.
 struct CutCellElement {
   std::array<int, 8> corner{};
-  Real young = 0;  // modulus of the cell times the fragment's volume fraction [Pa]
-  int slot = 0;    // of the cell's lowest node
+  Real young = 0;       // modulus of the cell times the fragment's volume fraction [Pa]
+  int slot = 0;         // of the cell's lowest node
+  int patch = -1;       // skin of the cell (Skin::patches); -1 = none
+  Real skin_share = 0;  // fraction of the patch's area [1]
 };
 /// Cut-skin element: a skin triangle on one side of a blade. Corners as in CutCellElement.
 struct CutSkinElement {
@@ -127,7 +129,7 @@ struct Cuts {
                                      // kCutCell = cut elements replace the cell
   aligned_vector<std::uint8_t> removed;     // by slot: kRemoved or kExcised = no longer in the body
   std::vector<std::uint8_t> row_cut;        // by row: 1 = this row or a neighbor row has a cut edge
-  std::vector<std::uint8_t> skin_cut;       // by skin triangle: 1 = no tension
+  std::vector<std::uint8_t> skin_cut;       // by skin triangle or patch: 1 = no tension
   std::vector<CutEdge> edges;               // in the order of cutting
   std::vector<CutFractionSamples> samples;  // by slot and incision
   int sample_count = 0;                     // crossed lines in all samples
@@ -189,6 +191,10 @@ inline bool was_solid(const Model& model, const Cuts& cuts, int slot) {
 /// True if a node is tissue: neither outside nor removed or excised.
 inline bool is_solid(const Model& model, const Cuts& cuts, int slot) {
   return model.anatomy.tissue[std::size_t(slot)] != Tissue::kOutside && cuts.removed[std::size_t(slot)] == 0;
+}
+/// True if the displacement of a node is an unknown or fixed: tissue or rim that is not removed.
+inline bool has_displacement(const Model& model, const Cuts& cuts, int slot) {
+  return has_node(model, slot) && cuts.removed[std::size_t(slot)] == 0;
 }
 /// Counter that grows with every cut. Data derived from the cuts is rebuilt when it changes.
 inline std::size_t cut_version(const Cuts& cuts) {

@@ -104,7 +104,8 @@ DeformedBody deform_body(const Exec& exec, const Model& model, const State& stat
                     .rows = {}};
   // tissue and fixed point
   body.solid.resize(model.anatomy.tissue.size());
-  for (std::size_t s = 0; s < body.solid.size(); s++) body.solid[s] = is_solid(model, state.cuts, int(s));
+  for (std::size_t s = 0; s < body.solid.size(); s++)
+    body.solid[s] = has_displacement(model, state.cuts, int(s));
   body.window.handedness = handedness(body.voxel_coordinates);
   body.window.bits = body.voxel_coordinates.bits = finest_bits_of(body);
 

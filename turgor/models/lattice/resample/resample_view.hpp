@@ -61,7 +61,8 @@ struct ResampleView {
   static constexpr std::uint32_t kUnclaimed = 0xffffffffu, kPartialVolume = 0x80000000u, kClaims = 6;
 
   TURGOR_HD bool is_solid(int slot) const {
-    return nodes.root[slot] > 0 && (cuts.removed == nullptr || cuts.removed[slot] == 0);
+    return (nodes.root[slot] > 0 || nodes.w[slot] > 0) &&
+           (cuts.removed == nullptr || cuts.removed[slot] == 0);
   }
   TURGOR_HD Vec3 u(int slot) const { return nodes.u(slot); }
   TURGOR_HD bool is_separated(int near, int far, Int3 offset) const {

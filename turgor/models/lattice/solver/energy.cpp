@@ -8,6 +8,7 @@
 #include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/mechanics/skin_calibration.hpp"
+#include "turgor/models/lattice/mechanics/skin_forces.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/mechanics/solid_laws.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
@@ -109,6 +110,14 @@ struct LayerEnergy {
   }
 };
 
+/// Energy of the fiber law per area for the images of both unit vectors [J/m²].
+double fiber_energy(const SkinParams& p, const FiberLaw& law, Vec3d along, Vec3d across) {
+  const double shear = dot(along, across);
+  return p.stiffness * (amplified(norm(along) - law.rest_along, law.rest_along, p.amplification) +
+                        amplified(norm(across) - law.rest_across, law.rest_across, p.amplification)) +
+         0.5 * p.shear * shear * shear;
+}
+
 /// Energy of a skin triangle whose corners have the displacements u. Laws: add_skin_area, add_skin_fiber and
 /// add_skin_exponential, whose constants are `rest`.
 double skin_energy(const Model& model, const ExponentialSkin& rest, const SkinTriangle& t,
@@ -129,12 +138,24 @@ double skin_energy(const Model& model, const ExponentialSkin& rest, const SkinTr
            exponential_skin_energy(p, along * double(rest.along), across * double(rest.across));
   }
   // fiber law
+  return t.area * fiber_energy(p, fiber_law(p), along, across);
+}
+
+/// Energy of a patch whose cell has corners with the displacements u. Law: add_skin_fibers.
+double patch_energy(const Model& model, const SkinPatch& patch, const Vec3d (&u)[kCellCorners]) {
+  const SkinParams& p = model.params.skin;
   const FiberLaw law = fiber_law(p);
-  const double shear = dot(along, across);
-  return t.area *
-         (p.stiffness * (amplified(norm(along) - law.rest_along, law.rest_along, p.amplification) +
-                         amplified(norm(across) - law.rest_across, law.rest_across, p.amplification)) +
-          0.5 * p.shear * shear * shear);
+  const Vec3 slope = solid_law(model.anatomy.lattice.spacing, 0).slope;
+  double sum = 0;
+  for (int n = 0; n < kPatchPoints; n++) {
+    Vec3d along(patch.along), across(patch.across);
+    for (int c = 0; c < kCellCorners; c++) {
+      const Vec3d g(shape_gradient(c, slope, patch_point(patch, n)));
+      along += u[c] * dot(g, Vec3d(patch.along)), across += u[c] * dot(g, Vec3d(patch.across));
+    }
+    sum += patch.area / kPatchPoints * fiber_energy(p, law, along, across);
+  }
+  return sum;
 }
 
 /// Energy of cut elements and of the prestress at their nodes.
@@ -152,7 +173,12 @@ double cut_element_energy(const Model& model, const ExponentialSkin& rest, const
   for (const CutCellElement& element : state.cut_elements.cells) {
     Vec3d corner[kCellCorners];
     for (std::size_t n = 0; n < kCellCorners; n++) corner[n] = u(element.corner[n]);
-    sum += energy_of_cell(model, std::size_t(element.slot), double(element.young), corner);
+    const auto slot = std::size_t(element.slot);
+    const CellCenter center{model.anatomy.cell_center.empty() ? 0 : model.anatomy.cell_center[slot]};
+    sum += energy_of_cell(model, slot, double(element.young), corner, Vec3d(center.in_half_cells()));
+    if (element.patch >= 0)
+      sum += double(element.skin_share) *
+             patch_energy(model, model.anatomy.skin.patches[std::size_t(element.patch)], corner);
   }
   // skin
   for (const CutSkinElement& element : state.cut_elements.skin)
@@ -170,8 +196,8 @@ double cut_element_energy(const Model& model, const ExponentialSkin& rest, const
 double energy(const Exec& exec, const Model& model, const State& state) {
   TURGOR_CHECK(state.motion.u.x.size() >= std::size_t(slot_count(model.anatomy.lattice)),
                "positions are on the host");
-  TURGOR_CHECK(state.cuts.skin_cut.size() >= model.anatomy.skin.triangles.size(),
-               "every skin triangle has a mark");
+  TURGOR_CHECK(state.cuts.skin_cut.size() >= skin_element_count(model.anatomy.skin),
+               "every skin element has a mark");
   // springs, volumes and cells
   std::vector<double> layers(std::size_t(model.anatomy.lattice.size.z));
   const LayerEnergy layer_energy{model, state};
@@ -180,7 +206,17 @@ double energy(const Exec& exec, const Model& model, const State& state) {
   for (const double layer : layers) sum += layer;
   // skin
   const ExponentialSkin rest = exponential_skin(model.params.skin);
-  for (std::size_t t = 0; t < model.anatomy.skin.triangles.size(); t++) {
+  const Skin& skin = model.anatomy.skin;
+  const CellOffsets offset(model.anatomy.lattice);
+  for (std::size_t p = 0; p < skin.patches.size(); p++) {
+    if (state.cuts.skin_cut[p]) continue;
+    Vec3d u[kCellCorners];
+    const int slot = skin.patches[p].cell, parity = slot_node(model.anatomy.lattice, slot).x & 1;
+    for (int c = 0; c < kCellCorners; c++)
+      u[c] = Vec3d(state.motion.u[std::size_t(slot + offset.of[parity][c])]);
+    sum += patch_energy(model, skin.patches[p], u);
+  }
+  for (std::size_t t = 0; t < skin.triangles.size() && skin.patches.empty(); t++) {
     if (state.cuts.skin_cut[t]) continue;
     const Int3 v = model.anatomy.skin.triangles[t].vertex;
     sum += skin_energy(model, rest, model.anatomy.skin.triangles[t],

@@ -159,7 +159,8 @@ struct NodeForces {
     const int at = first + first_of_slot(v.skin.nodes + first, count, s, [](int slot) { return slot; });
     if (at == first + count || v.skin.nodes[at] != s) return;
     add_skin_corners(v.skin, row, at, system, [&](int batch, int lane) {
-      return v.cut_elements.skin.gather(v.skin.corners[batch], lane, v.body.nodes);
+      return v.skin.patches ? v.cut_elements.skin.gather(v.skin.patches[batch], lane, v.body.nodes)
+                            : v.cut_elements.skin.gather(v.skin.corners[batch], lane, v.body.nodes);
     });
   }
 

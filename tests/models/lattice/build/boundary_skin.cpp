@@ -1,0 +1,204 @@
+// Skin in partial cells (Skin::patches): its area and tension in closed form, its forces against its energy,
+// and the gape of one wound wherever the skin lies between the nodes.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "turgor/models/lattice/build/partial_cells.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/mechanics/skin_forces.hpp"
+#include "turgor/models/lattice/solver/energy.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+const Exec kTwo(2);
+constexpr double kMillimeter = 1e-3;
+
+Params params_with_partial_cells(int block) {
+  Params params;
+  params.block = {block, block, block};
+  params.tissue.law = TissueLaw::kSolid;
+  params.tissue.fat = params.tissue.muscle = 5e3;
+  params.tissue.partial_cells = true;
+  params.solver = {.sweeps = 20, .damping = 8};
+  return params;
+}
+
+/// CT of a ball of water in air. Voxels at its surface have a mean HU of their part inside.
+struct BallScan {
+  CtVolume ct;
+  Vec3d middle;
+  double radius;
+};
+BallScan scan_ball(double radius, int voxels) {
+  BallScan scan{.ct = {}, .middle = {}, .radius = radius};
+  scan.ct.grid.size = {voxels, voxels, voxels};
+  scan.ct.grid.spacing = {kMillimeter, kMillimeter, kMillimeter};
+  scan.middle = Vec3d{0.5 * voxels + 0.3, 0.5 * voxels - 0.4, 0.5 * voxels + 0.1} * kMillimeter;
+  for (int k = 0; k < voxels; k++)
+    for (int j = 0; j < voxels; j++)
+      for (int i = 0; i < voxels; i++) {
+        const double beyond = norm(Vec3d{i + 0.0, j + 0.0, k + 0.0} * kMillimeter - scan.middle) - radius;
+        scan.ct.samples.push_back(std::int16_t(-1000 * std::clamp(0.5 + beyond / kMillimeter, 0.0, 1.0)));
+      }
+  return scan;
+}
+Model ball_model(const BallScan& scan, int block) {
+  return build(kTwo, scan.ct, {}, params_with_partial_cells(block)).value();
+}
+
+// The patches of a ball have the area of the ball, and lie on it.
+TEST(BoundarySkin, BallHasItsArea) {
+  const BallScan scan = scan_ball(0.02, 56);
+  for (const int block : {2, 3, 4}) {
+    const Model model = ball_model(scan, block);
+    const double expected = 4 * std::numbers::pi * scan.radius * scan.radius;
+    double area = 0;
+    for (const SkinPatch& p : model.anatomy.skin.patches) {
+      area += double(p.area);
+      const Vec3d cell(rest_position(model.anatomy.lattice, slot_node(model.anatomy.lattice, p.cell)));
+      const Vec3d at = cell + hadamard(Vec3d(p.point) + Vec3d{1, 1, 1}, model.anatomy.grid.spacing) * 0.5;
+      EXPECT_NEAR(norm(point_at(model.anatomy.grid, {}) + at - scan.middle), scan.radius, 0.5 * kMillimeter)
+          << "block " << block;
+    }
+    EXPECT_NEAR(area, expected, 0.03 * expected) << "block " << block;
+  }
+}
+
+// Laplace: a skin with tension T on a ball does the virtual work −2 T A in a dilation, and pulls its halves
+// together with 2 π R T.
+TEST(BoundarySkin, BallHasLaplacePressure) {
+  const BallScan scan = scan_ball(0.02, 56);
+  for (const int block : {2, 4}) {
+    const Model model = ball_model(scan, block);
+    const double tension = model.params.skin.tension_along;
+    double work = 0, pull = 0;
+    Vec3d sum;
+    const int middle = model.anatomy.lattice.size.z / 2;
+    for (std::size_t n = 0; n < model.anatomy.skin.nodes.size(); n++) {
+      const Int3 node = slot_node(model.anatomy.lattice, model.anatomy.skin.nodes[n]);
+      const Vec3d force(model.prestress_force[n]);
+      const Vec3d x = point_at(model.anatomy.grid, Vec3d(node)) - scan.middle;
+      work += dot(force, x), sum += force;
+      if (node.z > middle) pull -= force.z;
+    }
+    const double area = 4 * std::numbers::pi * scan.radius * scan.radius;
+    EXPECT_NEAR(work, -2 * tension * area, 0.04 * 2 * tension * area) << "block " << block;
+    // the plane between the layers is at most half a spacing from the equator
+    const double equator = 2 * std::numbers::pi * scan.radius * tension;
+    EXPECT_NEAR(pull, equator, 0.04 * equator) << "block " << block;
+    EXPECT_LT(norm(sum), 1e-4 * equator);
+  }
+}
+
+// The forces of a patch are the derivatives of its energy, in every corner.
+TEST(BoundarySkin, ForcesMatchEnergyDerivative) {
+  const Model model = ball_model(scan_ball(0.012, 40), 4);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> value(-2e-4f, 2e-4f);
+  State state = make_state(model);
+  const std::vector<SkinPatch>& patches = model.anatomy.skin.patches;
+  ASSERT_FALSE(patches.empty());
+  const SkinForces forces(model);
+  const CellOffsets offset(model.anatomy.lattice);
+  for (const std::size_t p : {std::size_t(0), patches.size() / 3, patches.size() / 2}) {
+    const int parity = slot_node(model.anatomy.lattice, patches[p].cell).x & 1;
+    for (int c = 0; c < kCellCorners; c++)
+      state.motion.u.set(std::size_t(patches[p].cell + offset.of[parity][c]),
+                         {value(random), value(random), value(random)});
+    NodeArrays nodes{};
+    nodes.ux = state.motion.u.x.data(), nodes.uy = state.motion.u.y.data(),
+    nodes.uz = state.motion.u.z.data();
+    Vec3 all[kCellCorners];
+    forces.compute_forces(patches[p], parity, nodes, all);
+    // energy of this patch alone: all others are marked as cut, and the tissue is subtracted
+    const auto patch_energy = [&] {
+      std::fill(state.cuts.skin_cut.begin(), state.cuts.skin_cut.end(), std::uint8_t(1));
+      const double without = energy(kTwo, model, state);
+      state.cuts.skin_cut[p] = 0;
+      return energy(kTwo, model, state) - without;
+    };
+    for (int c = 0; c < kCellCorners; c++) {
+      const auto slot = std::size_t(patches[p].cell + offset.of[parity][c]);
+      // the same force by the system of the node
+      Vec3 d[kCellCorners];
+      for (int q = 0; q < kCellCorners; q++)
+        d[q] = state.motion.u[std::size_t(patches[p].cell + offset.of[parity][q])] - state.motion.u[slot];
+      const Vec3 own = forces.patch_system(d, c, patches[p]).f;
+      const Vec3 before = state.motion.u[slot];
+      for (int axis = 0; axis < 3; axis++) {
+        Vec3 moved = before;
+        moved[axis] = before[axis] + 2e-5f;
+        state.motion.u.set(slot, moved);
+        const double high = moved[axis], above = patch_energy();
+        moved[axis] = before[axis] - 2e-5f;
+        state.motion.u.set(slot, moved);
+        const double expected = -(above - patch_energy()) / (high - double(moved[axis]));
+        state.motion.u.set(slot, before);
+        EXPECT_NEAR(all[c][axis], expected, 1e-3 * (0.02 + std::abs(expected)));
+        EXPECT_NEAR(own[axis], expected, 1e-3 * (0.02 + std::abs(expected)));
+      }
+    }
+  }
+}
+
+/// Gape of a cut of 24 mm in a slab whose skin is `offset` spacings above nodes, stored upright or flipped
+/// [m].
+double gape_in_slab(int block, double offset, bool is_flipped) {
+  // slab of 48 × 48 mm, 24 mm deep, and two cells of fixed tissue beside and below it
+  const int half = 24, depth = 24, side = 2 * half + 4 * block, up = (depth / block + 3) * block,
+            tall = up + 4 * block;
+  const double top = up + offset * block;
+  CtVolume ct;
+  ct.grid.size = {side, side + 2 * block, tall};
+  ct.grid.spacing = {kMillimeter, kMillimeter, kMillimeter};
+  for (int k = 0; k < tall; k++) {
+    const double filled = std::clamp(top - (is_flipped ? tall - 1 - k : k), 0.0, 1.0);
+    ct.samples.insert(ct.samples.end(), std::size_t(ct.grid.size.x * ct.grid.size.y),
+                      std::int16_t(std::lround(1000 * filled - 1000)));
+  }
+  const Params params = params_with_partial_cells(block);
+  BodyNodes nodes = classify(kTwo, ct, nullptr, params).value();
+  const Vec3d corner = ct.grid.origin - Vec3d{0.5, 0.5, 0.5} * kMillimeter;
+  const Vec3d middle =
+      corner + Vec3d{side / 2.0, side / 2.0 + block, is_flipped ? tall - top : top} * kMillimeter;
+  const Int3 size = nodes.grid.size;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const Vec3d x = point_at(nodes.grid, Vec3d(Int3{i, j, k})) - middle;
+        const double below = is_flipped ? x.z : -x.z;
+        nodes.fixed[sample_index(nodes.grid, i, j, k)] =
+            std::max(std::abs(x.x), std::abs(x.y)) > half * kMillimeter - 1e-6 || below > depth * kMillimeter;
+      }
+  const Model model = assemble(kTwo, nodes, nullptr, params).value();
+  State state = make_state(model);
+  const Vec3d at = middle + Vec3d{0, 0.37 * block * kMillimeter, 0}, reach{0.012, 0, 0};
+  const BladePath path =
+      lay_blade(model, state, {.from = at - reach, .to = at + reach, .depth = 0.008}).value();
+  cut_edges(model, state, path, 0, 1, 0);
+  for (int n = 0; n < 40; n++) step(kTwo, model, state, {}, 1.0 / 30);
+  const BodySurface surface = build_surface(model, state.cuts, &ct, Extent::kCuts);
+  return measure_wound(model, state, surface, path, 0).gape_max;
+}
+
+// A wound gapes alike wherever the skin lies between two nodes, in both storage orders.
+TEST(BoundarySkin, GapeDoesNotDependOnThePositionOfTheSkin) {
+  double sum = 0, least = 1, most = 0;
+  int count = 0;
+  for (const double offset : {0.1, 0.2, 0.4, 0.7, 0.9}) {
+    const double gape = gape_in_slab(4, offset, count % 2 == 1);
+    sum += gape, least = std::min(least, gape), most = std::max(most, gape), count++;
+  }
+  EXPECT_GT(least, 0.98 * sum / count);
+  EXPECT_LT(most, 1.02 * sum / count);
+}
+
+}  // namespace
+}  // namespace turgor::lattice
