@@ -46,14 +46,19 @@ ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
   return reading;
 }
 
-/// Vibration of a sliding tool by the body's texture: the normal is the mean of its sites' by their force.
+/// Vibration of a sliding tool by the body's texture. The normal is the mean of its sites' by their force. A
+/// tool slides where more than half of its normal force is borne by sites that slip.
 void add_texture(SfemTouch& touch, std::size_t t, double dt, ToolReading& reading) {
   Vec3d normal;
-  for (const Site& site : touch.state.sites)
-    if (site.tool == int(t) && bears_force(site)) normal += site.normal * dot(site.force, site.normal);
+  double borne = 0, slipping = 0;
+  for (const Site& site : touch.state.sites) {
+    if (site.tool != int(t) || !bears_force(site)) continue;
+    const double load = dot(site.force, site.normal);
+    normal += site.normal * load;
+    borne += load, slipping += site.state == SiteState::kSlip ? load : 0;
+  }
   const double force = norm(normal) * touch.stiffness_scale;
-  const ToolForce& found = touch.forces[t];
-  const bool slides = found.sliding > 0 && !found.invalid_pose && !touch.poses[t].hold;
+  const bool slides = slipping > 0.5 * borne && !touch.forces[t].invalid_pose && !touch.poses[t].hold;
   reading.force += texture_force(touch.texture, touch.textures[t], touch.poses[t].pose.position,
                                  force > 0 ? normal / norm(normal) : Vec3d{}, force, slides, dt);
 }

@@ -199,6 +199,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   append(facts.warnings, coupling_warnings(run.world));
   append(facts.warnings, force_error_warnings(run.world));
   append(facts.warnings, overpressed(run.world, done.measures.pressed));
+  append(facts.warnings, overstrained(run.world));
   append(facts.warnings, lattice_warnings(run.exec, run.world));
   if (run.live) append(facts.warnings, haptics_warnings(*run.live));
   // report

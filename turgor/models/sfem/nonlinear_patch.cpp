@@ -112,15 +112,15 @@ DenseMatrix stiffness_of_elements(const Model& model, const NonlinearPatch& patc
   const SolidMesh& mesh = model.body.mesh;
   const std::vector<int>& coarse = patch.patch.coarse;
   // mesh of these elements
-  SolidMesh part{mesh.vertices, mesh.corners, {}, {}};
+  SolidMesh submesh{mesh.vertices, mesh.corners, {}, {}};
   std::vector<int> material;
   const std::vector<int> of_element = element_materials(model.body);
   for (const int e : patch.patch.elements) {
     const auto corners = element(mesh, std::size_t(e));
-    part.elements.insert(part.elements.end(), corners.begin(), corners.end());
+    submesh.elements.insert(submesh.elements.end(), corners.begin(), corners.end());
     material.push_back(of_element[std::size_t(e)]);
   }
-  const BlockMatrix k = assemble(Exec(1), part, model.body.materials, material, model.params.formulation);
+  const BlockMatrix k = assemble(Exec(1), submesh, model.body.materials, material, model.params.formulation);
   // blocks between the coarse vertices
   std::vector<int> index(mesh.vertices.size(), -1);
   for (std::size_t i = 0; i < coarse.size(); i++) index[std::size_t(coarse[i])] = int(i);
@@ -348,7 +348,7 @@ Result<NonlinearPatch> make_nonlinear_patch(const Model& model, const Patch& lin
 Result<Patch> solve_nonlinear(NonlinearPatch& patch, std::span<const double> forces, int most_steps,
                               NonlinearReport* report) {
   TURGOR_ASSERT(forces.size() == 3 * patch.point.size(), "three numbers a point");
-  constexpr double kBalanced = 1e-6;
+  constexpr double kBalanced = 1e-6, kSettled = 1e-2;  // of the largest forces
   const std::vector<double> f = nodal_forces(patch, forces);
   const double scale = patch.largest_force = std::max(patch.largest_force, norm_of(f));
   NonlinearReport found;
@@ -358,8 +358,9 @@ Result<Patch> solve_nonlinear(NonlinearPatch& patch, std::span<const double> for
     std::vector<double> step(f.size());
     found = assemble_nonlinear(patch, &step);
     for (std::size_t k = 0; k < f.size(); k++) step[k] = f[k] - step[k];
-    found.steps = i, found.residual = norm_of(step), found.converged = found.residual <= kBalanced * scale;
-    if (factor && found.converged) break;
+    found.steps = i, found.residual = norm_of(step), found.converged = found.residual <= kSettled * scale;
+    const bool is_balanced = found.residual <= kBalanced * scale;
+    if (factor && is_balanced) break;
     factor = factor_tangent(patch);
     if (!factor) return Error{"the tangent of the patch is not positive definite"};
     // Newton step
@@ -369,7 +370,7 @@ Result<Patch> solve_nonlinear(NonlinearPatch& patch, std::span<const double> for
     for (std::size_t k = 0; k < step.size(); k++) slope -= residual[k] * step[k];
     found.steps = i + 1;
     if (line_search(patch, step, f, slope) == 0) break;
-    if (found.converged) break;
+    if (is_balanced) break;
   }
   if (report) *report = found;
   return linearized(patch, *factor, forces);

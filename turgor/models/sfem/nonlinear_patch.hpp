@@ -51,8 +51,8 @@ struct NonlinearPatch {
 /// Cost and result of a solution.
 struct NonlinearReport {
   int steps = 0;             // Newton steps
-  double residual = 0;       // largest force that is not balanced [N]
-  bool converged = false;    // residual below 1e-6 of the largest forces so far
+  double residual = 0;       // norm of the forces that were not balanced before the last step [N]
+  bool converged = false;    // that is below a hundredth of the largest forces so far
   double strain = 0;         // largest Green strain in the patch [1]
   double border_strain = 0;  // the same in elements beside the border, where the body is linear [1]
 };

@@ -115,7 +115,7 @@ void transfer_body(File& file, SfemBody& body) {
                body.friction, body.refinement, body.radius_is_open, body.refinement_is_open, body.contacts,
                body.patch_memory, body.follow, body.centers, body.patches, body.now, body.touch,
                body.built_patches, body.patch_is_ready, body.rebuilds, body.rejected_patches,
-               body.rejection_reason, body.law_forces, body.law_summary);
+               body.rejection_reason, body.law_forces, body.law_summary, body.surface_strain);
   // the nonlinear patch is made again from the patch in use, with its displacement
   if (body.nonlinear) body.law_displacement = body.nonlinear->u;
   transfer(file, body.law_displacement);

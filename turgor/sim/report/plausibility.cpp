@@ -6,6 +6,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/models/sfem/surface_strain.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -97,6 +98,7 @@ std::vector<std::string> overpressed(const World& world, const std::vector<Press
                  "a pressed organ is a body of the world");
     // largest pressure against the largest modulus
     const SfemBody& body = world.sfem_bodies[std::size_t(one.body.id.index)];
+    if (body.law) continue;
     double young = 0;
     for (const sfem::Material& material : body.model.body.materials) young = std::max(young, material.young);
     const double most = double(*std::max_element(one.body.pressure.begin(), one.body.pressure.end()));
@@ -106,6 +108,31 @@ std::vector<std::string> overpressed(const World& world, const std::vector<Press
                       "({:.3g} kPa): the linear law does not stiffen, and this force is too "
                       "small; a smaller depth stays within the law",
                       one.body.name, 1e-3 * most, one.time, 1e-3 * young));
+  }
+  return sentences;
+}
+
+std::vector<std::string> overstrained(const World& world) {
+  constexpr double kBorderStrain = 0.1, kMostUnconverged = 0.2;
+  std::vector<std::string> sentences;
+  for (const SfemBody& body : world.sfem_bodies) {
+    const LawSummary& law = body.law_summary;
+    if (!body.law && body.surface_strain > sfem::kLinearStrain)
+      sentences.push_back(
+          fmt::format("{}: its surface was strained by {:.0f} %; beyond {:.0f} % the force of a linear body "
+                      "is off by more "
+                      "than 5 %: law = \"neo_hookean\" or \"exponential\", or a smaller depth",
+                      body.name, 100 * body.surface_strain, 100 * sfem::kLinearStrain));
+    if (body.law && law.border_strain > kBorderStrain)
+      sentences.push_back(fmt::format(
+          "{}: beside the border of the nonlinear patch, tissue was strained by {:.0f} %, where the body is "
+          "linear: a larger patch.radius",
+          body.name, 100 * law.border_strain));
+    if (body.law && law.unconverged > kMostUnconverged * law.solutions)
+      sentences.push_back(fmt::format(
+          "{}: {} of {} solutions of its law were not converged when they were used: a slower tool, or a "
+          "smaller depth",
+          body.name, law.unconverged, law.solutions));
   }
   return sentences;
 }

@@ -26,4 +26,8 @@ std::vector<std::string> overstretched(const std::vector<ClothStretch>& seen);
 /// Bodies of finite elements whose contact pressure exceeds Young's modulus.
 std::vector<std::string> overpressed(const World& world, const std::vector<Pressed>& pressed);
 
+/// Bodies of finite elements that are strained beyond their law: linear ones beyond kLinearStrain, nonlinear
+/// ones beside the border of their patch, or solved less than a hundred times a second.
+std::vector<std::string> overstrained(const World& world);
+
 }  // namespace turgor

@@ -64,6 +64,7 @@ struct SfemInput {
   int late =
       0;  // patches that were not ready at the tick of their handover, if ticks took their full millisecond
   int local_nodes = 0, points = 0;
+  int built = 0;  // patches elsewhere, without solutions of a law
 };
 
 SfemInput sfem_input(const SfemScene& scene, const SfemBody& body, const Pressed& pressed) {
@@ -78,9 +79,11 @@ SfemInput sfem_input(const SfemScene& scene, const SfemBody& body, const Pressed
                   .points = int(body.now.patch->points.size())};
   // times and maxima over all rebuilds
   for (const PatchRebuild& r : body.rebuilds) {
+    input.jump = std::max(input.jump, r.force_jump);
+    if (r.is_solution) continue;
+    input.built++;
     input.rebuild_seconds.push_back(r.seconds);
     input.handover_seconds.push_back(r.handover_seconds);
-    input.jump = std::max(input.jump, r.force_jump);
     input.late += r.seconds > double(kPatchTicks) * kTick;
     input.local_nodes = std::max(input.local_nodes, r.local_nodes);
     input.points = std::max(input.points, r.points);
@@ -92,6 +95,20 @@ using B = SfemInput;
 /// Value for tetrahedra only.
 Json of_tets(const SfemInput& b, double value) {
   return b.body.model.body.mesh.corners != 8 ? Json(value) : absent();
+}
+
+constexpr Unit kHertz{"Hz", "Hz"};
+/// Value of a body with a nonlinear law only.
+template <class V>
+Json of_law(const SfemInput& b, V value) {
+  return b.body.law ? Json(value) : absent();
+}
+/// Largest value of all tools on a textured body.
+Json of_texture(const SfemInput& b, double contact::TextureState::*value) {
+  if (b.body.texture.roughness <= 0) return absent();
+  double most = 0;
+  for (const contact::TextureState& state : b.body.now.textures) most = std::max(most, state.*value);
+  return most;
 }
 
 const Quantity<B> kSfem[] = {
@@ -157,8 +174,7 @@ const Quantity<B> kSfem[] = {
     {"patch.local_nodes_most", kCount, "local nodes of the patch, most",
      [](const B& b) -> Json { return b.local_nodes; }, kEverywhere},
     {"patch.points_most", kCount, "", [](const B& b) -> Json { return b.points; }, kInReport},
-    {"patch.rebuilds", kCount, "patches built", [](const B& b) -> Json { return b.body.rebuilds.size(); },
-     kEverywhere},
+    {"patch.rebuilds", kCount, "patches built", [](const B& b) -> Json { return b.built; }, kEverywhere},
     {"patch.rebuild_p50", kMilliseconds, "building a patch, median",
      [](const B& b) -> Json { return percentile(b.rebuild_seconds, 0.5); }, kEverywhere},
     {"patch.rebuild_p99", kMilliseconds, "",
@@ -172,6 +188,38 @@ const Quantity<B> kSfem[] = {
     {"patch.force_jump_max", kNewtons, "largest force jump at a handover",
      [](const B& b) -> Json { return b.jump; }, kEverywhere},
     {"patch.not_followed", kCount, "", [](const B& b) -> Json { return b.body.rejected_patches; }, kInReport},
+    {"surface_strain_max", kPercent, "largest strain of the touched surface",
+     [](const B& b) { return b.body.turning ? absent() : Json(b.body.surface_strain); }, kEverywhere},
+    {"law.stiffening", kNone, "law of the patch, its exponent b",
+     [](const B& b) { return b.body.law ? Json(b.body.law->stiffening) : absent(); }},
+    {"law.solutions", kCount, "solutions of the law",
+     [](const B& b) { return of_law(b, b.body.law_summary.solutions); }, kEverywhere},
+    {"law.unconverged", kCount, "… not converged",
+     [](const B& b) { return of_law(b, b.body.law_summary.unconverged); }},
+    {"law.steps_most", kCount, "… Newton steps, most",
+     [](const B& b) { return of_law(b, b.body.law_summary.most_steps); }},
+    {"law.solution_mean", kMilliseconds, "… wall time, mean",
+     [](const B& b) {
+       const LawSummary& law = b.body.law_summary;
+       return of_law(b, law.solutions > 0 ? law.seconds / law.solutions : 0);
+     },
+     kEverywhere},
+    {"law.solution_max", kMilliseconds, "… wall time, longest",
+     [](const B& b) { return of_law(b, b.body.law_summary.longest); }},
+    {"law.strain_max", kPercent, "… largest strain in the patch",
+     [](const B& b) { return of_law(b, b.body.law_summary.strain); }, kEverywhere},
+    {"law.border_strain_max", kPercent, "… beside its border",
+     [](const B& b) { return of_law(b, b.body.law_summary.border_strain); }},
+    {"texture.force_max", kNewtons, "vibration by texture, largest",
+     [](const B& b) { return of_texture(b, &contact::TextureState::largest_force); }, kEverywhere},
+    {"texture.frequency_max", kHertz, "… largest frequency",
+     [](const B& b) { return of_texture(b, &contact::TextureState::largest_rate); }},
+    {"texture.limited_ticks", kCount, "… ticks in which it was limited",
+     [](const B& b) -> Json {
+       long ticks = 0;
+       for (const contact::TextureState& state : b.body.now.textures) ticks += state.limited_ticks;
+       return b.body.texture.roughness > 0 ? Json(ticks) : absent();
+     }},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
      [](const B& b) -> Json { return percentile(b.pressed.surface_seconds, 0.5); }},
     {"force_max", kNewtons, "", [](const B& b) -> Json { return b.pressed.force; }, kInReport},

@@ -290,7 +290,9 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   body.refinement_is_open = scene.patch.refinement == kByElements;
   if (!body.refinement_is_open) body.refinement = scene.patch.refinement;
   TURGOR_CHECK(body.refinement >= 1, "the elements of a patch are divided at least once");
+  constexpr double kLawBlendTime = 0.01;  // of the jump between two solutions of a law [s]
   body.law = scene.law, body.texture = scene.texture;
+  if (body.law) body.follow.blend_time = kLawBlendTime;
   body.contacts = scene.contacts;
   body.patch_memory = std::size_t(std::max(scene.memory, kLeastPatchMemory) * 1e9);
   body.follow.hysteresis = scene.patch.hysteresis;

@@ -147,6 +147,7 @@ struct SfemBody : TouchedBody {
   std::vector<Vec3d> law_forces;          // on the points, of its latest solution [N]
   std::vector<double> law_displacement;   // of NonlinearPatch::u, from a file [m]
   LawSummary law_summary;
+  double surface_strain = 0;  // largest of the patch's surface at the end of a frame, without large rotations
   contact::Texture texture;
   std::vector<std::shared_ptr<const sfem::Patch>> patches;  // patches that may be in use
   contact::SfemTouchSnapshot now;  // latest touch state, one for each of tool_indices

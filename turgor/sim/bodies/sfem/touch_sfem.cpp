@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/models/sfem/surface_strain.hpp"
 #include "turgor/sim/bodies/sfem/choose_patch.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/bodies/sfem/needle_sfem.hpp"
@@ -107,6 +108,9 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
 }
 
 void read_touch_snapshot(SfemBody& body) {
+  if (!body.turning && body.now.x.size() == body.now.patch->points.size())
+    body.surface_strain =
+        std::max(body.surface_strain, sfem::largest_surface_strain(*body.now.patch, body.now.x));
   TURGOR_CHECK(body.now.patch_number >= 0, "patches are counted from 1");
   if (const auto taken = std::size_t(body.now.patch_number); taken > 0 && taken <= body.rebuilds.size())
     body.rebuilds[taken - 1].force_jump = body.now.force_jump;
