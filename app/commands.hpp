@@ -68,6 +68,7 @@ void add_run_command(CLI::App& program, Global& global);
 void add_bench_command(CLI::App& program, Global& global);
 void add_validate_command(CLI::App& program, Global& global);
 void add_calibrate_command(CLI::App& program, Global& global);
+void add_identify_command(CLI::App& program, Global& global);
 void add_plan_excision_command(CLI::App& program, Global& global);
 void add_cache_command(CLI::App& program);
 void add_devices_command(CLI::App& program);

@@ -16,6 +16,7 @@ void add_commands(CLI::App& program, turgor::Global& global) {
   turgor::add_other_command(program, turgor::kBench);
   turgor::add_other_command(program, turgor::kValidate);
   turgor::add_calibrate_command(program, global);
+  turgor::add_identify_command(program, global);
   turgor::add_plan_excision_command(program, global);
   turgor::add_cache_command(program);
   turgor::add_devices_command(program);

@@ -1,0 +1,149 @@
+// Parameters are found again from forces of closed forms, and from a finer mesh.
+#include "turgor/sim/identify.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/folders.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
+#include "turgor/io/files/file.hpp"
+
+namespace turgor {
+namespace {
+
+MeasuredForce rows(const std::function<double(double)>& force, double last, int count, double noise = 0) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> error(0, noise);
+  MeasuredForce measured;
+  for (int i = 1; i <= count; i++) {
+    const double at = last * i / count;
+    measured.at.push_back(at), measured.force.push_back(force(at) + error(random));
+  }
+  return measured;
+}
+
+/// F = E (x + b x³): two parameters.
+ForceModel stiffening_model(const MeasuredForce& measured) {
+  return [&measured](const std::vector<double>& p) -> Result<std::vector<double>> {
+    std::vector<double> force;
+    for (const double x : measured.at) force.push_back(p[0] * (x + p[1] * x * x * x));
+    return force;
+  };
+}
+
+// From wrong start values, exact data give the parameters; noisy data give intervals that hold them.
+TEST(Identify, FindsParametersOfClosedForm) {
+  const auto force = [](double x) { return 41.0 * (x + 0.7 * x * x * x); };
+  const MeasuredForce exact = rows(force, 1.4, 25);
+  const Identified found =
+      fit_parameters(stiffening_model(exact), exact, {{"young", 5}, {"stiffening", 6}}).value();
+  EXPECT_TRUE(found.converged);
+  EXPECT_NEAR(found.parameters[0].value, 41, 1e-3 * 41);
+  EXPECT_NEAR(found.parameters[1].value, 0.7, 1e-3);
+  EXPECT_LT(found.residual, 1e-4);
+  EXPECT_GT(found.start_residual, 0.3);
+
+  int inside = 0;
+  for (int seed = 0; seed < 20; seed++) {
+    MeasuredForce noisy = exact;
+    std::mt19937 random{unsigned(seed)};
+    std::normal_distribution<double> error(0, 1.5);
+    for (double& f : noisy.force) f += error(random);
+    const Identified fit =
+        fit_parameters(stiffening_model(noisy), noisy, {{"young", 20}, {"stiffening", 2}}).value();
+    inside += fit.parameters[0].low < 41 && 41 < fit.parameters[0].high;
+    EXPECT_TRUE(fit.parameters[0].is_observable);
+  }
+  EXPECT_GE(inside, 17) << "95 % intervals";
+}
+
+// Parameters that only act as a product, and one that does not act, are named.
+TEST(Identify, ParametersThatDataDoNotShow_AreNamed) {
+  const MeasuredForce measured = rows([](double x) { return 3 * x; }, 1, 12, 0.01);
+  const ForceModel product = [&](const std::vector<double>& p) -> Result<std::vector<double>> {
+    std::vector<double> force;
+    for (const double x : measured.at) force.push_back(p[0] * p[1] * x);
+    return force;
+  };
+  const Identified found = fit_parameters(product, measured, {{"a", 1}, {"b", 1}}).value();
+  EXPECT_FALSE(found.parameters[0].is_observable);
+  EXPECT_FALSE(found.notes.empty());
+}
+
+// Wrong tables and start values are refused with a sentence.
+TEST(Identify, WrongInputIsRefused) {
+  const auto folder = test::fresh_folder();
+  const auto error_of = [&](const std::string& text) {
+    EXPECT_TRUE(write_file(folder / "table.csv", text));
+    const Result<MeasuredForce> read = read_measured_force(folder / "table.csv");
+    return read ? std::string() : read.error().message;
+  };
+  EXPECT_NE(error_of("depth_mm,force_N\n1,0.1\n2,a\n").find("table.csv"), std::string::npos);
+  EXPECT_NE(error_of("depth_mm,force_N\n1,0.1\n1,0.2\n").find("row 2"), std::string::npos);
+  EXPECT_NE(error_of("depth_mm,force_kg\n1,0.1\n2,0.2\n").find("force_kg"), std::string::npos);
+  EXPECT_NE(error_of("time_s,force_N\n-1,0.1\n2,0.2\n").find("row 1"), std::string::npos);
+  EXPECT_NE(error_of("depth_mm,force_N\n1,0\n2,0\n").find("not zero"), std::string::npos);
+  EXPECT_NE(error_of("1 2 3\n").find("two numbers"), std::string::npos);
+  EXPECT_EQ(error_of("time_ms,force_mN\n1,100\n2,200\n"), "");
+
+  const MeasuredForce few = rows([](double x) { return x; }, 1, 2);
+  const Result<Identified> found = fit_parameters(stiffening_model(few), few, {{"a", 1}, {"b", 1}});
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().message.find("at least 4 rows"), std::string::npos);
+  const MeasuredForce enough = rows([](double x) { return x; }, 1, 9);
+  EXPECT_FALSE(fit_parameters(stiffening_model(enough), enough, {{"a", 0}, {"b", 1}}));
+}
+
+/// A viscous block that a ball presses and holds.
+std::string block_scene(const std::string& count, const std::string& material) {
+  return "[world]\nduration = 0.2\n[body.pad]\nmodel = \"sfem\"\nblock = { size = [0.04, 0.04, 0.02], count "
+         "= " +
+         count + " }\nfixed = \"bottom\"\npoisson = 0.4\npatch = { radius = 0.011, refinement = 2 }\n" +
+         material +
+         "[tool.ball]\nbody = \"pad\"\nshape = { sphere = 0.016 }\nfriction = 0\n"
+         "press = { at_fraction = [0.5, 0.5, 1], depth = 0.0015, start = 0, duration = 0.05, hold = 0.15 }\n";
+}
+
+// Young's modulus and a Prony pair are found again from a run of a finer mesh.
+TEST(Identify, FindsTissueOfFinerMesh) {
+  const auto folder = test::fresh_folder();
+  const Exec exec(2);
+  // data
+  const Scene truth = parse_scene(block_scene("[10, 10, 5]",
+                                              "cache = false\nyoung = 5200\n"
+                                              "viscosity = { pairs = [[0.35, 0.06]] }\n"),
+                                  folder / "truth.toml", {})
+                          .value();
+  World world = test::sfem_world(exec, truth);
+  for (int frame = 0; frame < frame_count(truth); frame++) ASSERT_TRUE(step(exec, world));
+  MeasuredForce measured{.by_time = true};
+  for (const ForceSample& s : world.tools[0].samples)
+    if (s.time > 0.02 && std::lround(s.time * 1000) % 5 == 0)
+      measured.at.push_back(s.time), measured.force.push_back(norm(s.force));
+  // fit
+  ASSERT_TRUE(write_file(folder / "fit.toml", block_scene("[8, 8, 4]", "young = 3000\n")));
+  const IdentifyInput input{.scene = folder / "fit.toml",
+                            .parameters = {{"body.pad.young", 3000},
+                                           {"body.pad.viscosity.pairs[0][0]", 0.15},
+                                           {"body.pad.viscosity.pairs[0][1]", 0.15}}};
+  const Identified found = identify(exec, input, measured).value();
+  EXPECT_NEAR(found.parameters[0].value, 5200, 0.05 * 5200);
+  EXPECT_NEAR(found.parameters[1].value, 0.35, 0.05 * 0.35);
+  EXPECT_NEAR(found.parameters[2].value, 0.06, 0.1 * 0.06);
+  EXPECT_LT(found.residual, 0.03);
+  for (const FittedParameter& p : found.parameters) EXPECT_TRUE(p.is_observable) << p.key;
+  std::printf("E %.0f Pa, g %.3f, tau %.4f s; residual %.2f %%, %d runs\n", found.parameters[0].value,
+              found.parameters[1].value, found.parameters[2].value, 100 * found.residual, found.runs);
+  // a key that does not exist
+  IdentifyInput wrong = input;
+  wrong.parameters = {{"body.pad.yuong", 3000}};
+  const Result<Identified> refused = identify(exec, wrong, measured);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("yuong"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace turgor
