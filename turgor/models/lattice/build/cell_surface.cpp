@@ -57,7 +57,8 @@ struct CrossedCell {
     const Int3 low = up ? inside : outside, high = up ? outside : inside;
     const EdgeCrossing at = crossing_of(lowest + low, family_of(high - low));
     const double t = up ? 1 - double(at.from_high) : double(at.from_low);
-    return hadamard(Vec3d(low) + Vec3d(high - low) * std::clamp(t, kLeastDistance, 1 - kLeastDistance), spacing);
+    return hadamard(Vec3d(low) + Vec3d(high - low) * std::clamp(t, kLeastDistance, 1 - kLeastDistance),
+                    spacing);
   }
   void add_tet(const std::array<Int3, 4>& tet, SurfaceSum& sum) const {
     // corners on both sides

@@ -13,16 +13,16 @@
 
 namespace turgor::lattice {
 
-/// Positions on an edge at which the body begins, as seen from its lower and from its upper node. Fractions of
-/// the edge: 0 if the end is body, and 1 if all is air.
+/// Positions on an edge at which the body begins, as seen from its lower and from its upper node. Fractions
+/// of the edge: 0 if the end is body, and 1 if all is air.
 struct EdgeCrossing {
   float from_low = 0, from_high = 0;  // [1]
 };
 /// Crossing of the edge of a family that starts at a node of the whole body.
 using CrossingOfEdge = std::function<EdgeCrossing(Int3, int)>;
 
-/// Level of a CT above air. Between the centers of voxels it is linear along each axis; the voxels at an end of
-/// the CT continue beyond it. Surroundings are air.
+/// Level of a CT above air. Between the centers of voxels it is linear along each axis; the voxels at an end
+/// of the CT continue beyond it. Surroundings are air.
 struct AirLevel {
   const CtSlab& ct;
   const Surroundings& surroundings;
@@ -37,10 +37,10 @@ EdgeCrossing cross_edge(const AirLevel& level, Int3 block, Int3 node, int family
 
 /// Surface of the body in a cell, as a parallelogram with the same vector area, center and second moments.
 struct CellSurface {
-  Int3 cell;               // lowest node
-  Vec3 area;               // vector area, outward, along the axes of the lattice [m²]
-  Vec3 center;             // from the lowest node [m]
-  Vec3 reach1, reach2;     // the points center ± reach1 ± reach2 integrate quadratics exactly [m]
+  Int3 cell;            // lowest node
+  Vec3 area;            // vector area, outward, along the axes of the lattice [m²]
+  Vec3 center;          // from the lowest node [m]
+  Vec3 reach1, reach2;  // the points center ± reach1 ± reach2 integrate quadratics exactly [m]
 };
 
 /// Surface in a cell, by its corners (bit 0 = x, 1 = y, 2 = z); no area if there is none. `first`: layer of
