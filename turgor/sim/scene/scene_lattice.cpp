@@ -133,8 +133,8 @@ void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissuePar
               "solid only: Poisson's ratio; use 10 or more sweeps from 0.45 on");
   tissue.read(
       "partial_cells", params.partial_cells,
-      "solid only: cells that the body fills in part bear in proportion, for bodies that their weight "
-      "bends; presses then take up to 13 % more force, and wounds gape less");
+      "solid only: cells that the body fills in part bear in proportion, and skin bears where the CT shows "
+      "it (docs/models/partial-cells.md); presses then take up to 13 % more force");
   tissue.read(
       "volume", params.volume, within(0, 100),
       "springs and vbd only: bulk stiffness of an added volume energy, in multiples of Young's modulus");

@@ -44,7 +44,7 @@ struct SurfaceSum {
 };
 
 /// A cell with its crossings.
-struct CrossedCell {
+struct SurfaceCell {
   Vec3d spacing;
   const std::array<bool, 8>& is_body_corner;
   Int3 lowest;  // node of the whole body
@@ -146,7 +146,7 @@ CellSurface surface_in_cell(Int3 cell, int first, Vec3d spacing, const std::arra
                             const CrossingOfEdge& crossing) {
   CellSurface surface{.cell = cell, .area = {}, .center = {}, .reach1 = {}, .reach2 = {}};
   SurfaceSum sum;
-  const CrossedCell crossed{spacing, is_body_corner, cell + Int3{0, 0, first}, crossing};
+  const SurfaceCell crossed{spacing, is_body_corner, cell + Int3{0, 0, first}, crossing};
   for (const auto& tet : kKuhnTets) crossed.add_tet(tet, sum);
   // opposite sheets cancel
   if (!(norm(sum.area) > 1e-3 * sum.plain)) return surface;
