@@ -35,7 +35,7 @@ Layers own_cells(const Share& share, Int3 block, const Grid& ct, const DenseCell
 /// Gathers the masks of dense cells of the whole CT; each process contributes some layers.
 void join_cells(const Ranks& ranks, Layers owned, DenseCells& cells) {
   const std::ptrdiff_t layer = std::ptrdiff_t(cells.size.x) * cells.size.y;
-  for (auto* mask : {&cells.any, &cells.all})
+  for (auto* mask : {&cells.any, &cells.all, &cells.dense})
     *mask = join(ranks, std::vector<std::uint8_t>(mask->begin() + owned.begin * layer,
                                                   mask->begin() + owned.end * layer));
 }

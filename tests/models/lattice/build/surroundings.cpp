@@ -84,6 +84,24 @@ TEST_P(BehindTheBody, TouchingSheetHasNoNodes) {
   EXPECT_EQ(count_nodes(nodes, kBack + 2, 1e3), 0u);
 }
 
+// A light pad that follows the back, and touches it here and there, leaves no ridges behind the body, and the
+// back has no pits.
+TEST_P(BehindTheBody, PadLeavesNoRidges) {
+  const auto pad = [](double x, double y, double z) {
+    const double depth = y - kBack - 2 - 2 * std::sin(x / 9) * std::cos(z / 13);
+    return depth >= 0 && depth < 6 && x > 5 && x < 235;
+  };
+  CtVolume ct = painted([](double x, double y, double) { return in_body(x, y); });
+  const std::size_t alone = count_nodes(nodes_at(ct, GetParam()), 0, 1e3);
+  for (int k = 0; k < kSize.z; k++)
+    for (int j = 0; j < kSize.y; j++)
+      for (int i = 0; i < kSize.x; i++)
+        if (ct.at(i, j, k) < -500 && pad(i, j, k)) ct.at(i, j, k) = -330;
+  const BodyNodes nodes = nodes_at(ct, GetParam());
+  EXPECT_EQ(count_nodes(nodes, kBack + 3 + 0.5 * GetParam(), 1e3), 0u);
+  EXPECT_GE(double(count_nodes(nodes, 0, 1e3)), 0.999 * double(alone));
+}
+
 // Thin parts of the body, such as ears and fingers, do not count as surroundings.
 TEST(Surroundings, EarsAndFingersRemain) {
   const auto finger = [](double x, double y, double z) {  // 60 mm long, 5 mm thick, at the body's front

@@ -15,14 +15,17 @@ namespace {
 
 constexpr double kCell = 3e-3;   // side of a cell, unless voxels are larger [m]
 constexpr double kLength = 0.1;  // least length of foreign objects [m]
+constexpr double kPad = 200;     // the core is denser than air_max by this, and so than pads [HU]
+constexpr double kCore = -200;   // every tissue of the core is denser than this, fat too [HU]
+constexpr int kBeside = 3;  // reach of foreign objects in which sheets on the core belong to them [cells]
 
 using Mask = std::vector<std::uint8_t>;
 
-/// Pools one layer of cells: least and largest voxel against a bound.
+/// Pools one layer of cells: least and largest voxel, each against a bound.
 struct PoolLayer {
   const CtSlab& ct;
   DenseCells& cells;
-  std::int16_t bound;
+  std::int16_t bound, core_bound;
   int begin;
 
   void operator()(std::size_t at) const {
@@ -49,8 +52,10 @@ struct PoolLayer {
           (layer * std::size_t(cells.size.y) + std::size_t(row)) * std::size_t(cells.size.x);
       for (int i = 0; i < cells.size.x; i++) {
         const int low = i * c.x, high = std::min(low + c.x, n.x);
-        cells.all[first + std::size_t(i)] = *std::min_element(least + low, least + high) >= bound;
-        cells.any[first + std::size_t(i)] = *std::max_element(most + low, most + high) >= bound;
+        cells.all[first + std::size_t(i)] = *std::min_element(least + low, least + high) >= core_bound;
+        const std::int16_t densest = *std::max_element(most + low, most + high);
+        cells.any[first + std::size_t(i)] = densest >= bound;
+        cells.dense[first + std::size_t(i)] = densest >= core_bound;
       }
     }
   }
@@ -69,6 +74,35 @@ Mask core_of(const Mask& dense, Int3 size) {
       std::fill_n(core.begin() + ((std::ptrdiff_t(run.k) * size.y + run.j) * size.x + run.begin),
                   run.end - run.begin, std::uint8_t(1));
   return core;
+}
+
+/// Removes the cells within `reach` of an unmarked one. The ends of the scan erode nothing.
+void erode(const Exec& exec, Mask& mask, Int3 size, int reach) {
+  for (std::uint8_t& cell : mask) cell = 1 - cell;
+  dilate(exec, mask, size, reach);
+  for (std::uint8_t& cell : mask) cell = 1 - cell;
+}
+
+/// Takes sheets of one or two cells out of the core within kBeside cells of foreign objects: pads on which
+/// the body lies. An opening by a box of three cells keeps all that is thicker.
+Mask take_sheets(const Exec& exec, Int3 size, const Mask& foreign, Mask& core) {
+  Mask beside = foreign, opened = core, sheets(core.size());
+  dilate(exec, beside, size, kBeside);
+  erode(exec, opened, size, 1);
+  dilate(exec, opened, size, 1);
+  for (std::size_t n = 0; n < core.size(); n++) {
+    sheets[n] = core[n] & beside[n] & std::uint8_t(1 - opened[n]);
+    core[n] &= std::uint8_t(1 - sheets[n]);
+  }
+  return sheets;
+}
+
+/// The core with its pits filled, by a closing: where body and table share cells, the back has no holes.
+Mask without_pits(const Exec& exec, Int3 size, const Mask& core) {
+  Mask closed = core;
+  dilate(exec, closed, size, kBeside);
+  erode(exec, closed, size, kBeside);
+  return closed;
 }
 
 /// First and last core cell along the two axes across the scan. Cells beyond them are visible from a side.
@@ -151,13 +185,15 @@ DenseCells make_dense_cells(const Grid& ct) {
     cells.size[a] = (ct.size[a] + cells.cell[a] - 1) / cells.cell[a];
   }
   const std::size_t count = std::size_t(cells.size.x) * std::size_t(cells.size.y) * std::size_t(cells.size.z);
-  cells.any.resize(count), cells.all.resize(count);
+  cells.any.resize(count), cells.all.resize(count), cells.dense.resize(count);
   return cells;
 }
 
 void pool_cells(const Exec& exec, const CtSlab& ct, double air_max, Layers layers, DenseCells& cells) {
-  const auto bound = std::int16_t(std::clamp(std::ceil(air_max), -32768.0, 32767.0));
-  parallel_for(exec, std::size_t(layers.end - layers.begin), PoolLayer{ct, cells, bound, layers.begin});
+  const auto whole = [](double hu) { return std::int16_t(std::clamp(std::ceil(hu), -32768.0, 32767.0)); };
+  const double core = std::max(air_max, std::min(air_max + kPad, kCore));
+  parallel_for(exec, std::size_t(layers.end - layers.begin),
+               PoolLayer{ct, cells, whole(air_max), whole(core), layers.begin});
 }
 
 Surroundings find_surroundings(const Exec& exec, const CtVolume& ct, double air_max) {
@@ -173,7 +209,7 @@ Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCell
   const std::size_t count = any.size();
   // core of the body
   TURGOR_CHECK(cells.all.size() == count, "every cell has both marks");
-  const Mask core = core_of(all, size);
+  Mask core = core_of(all, size);
   Mask near_core = core;
   dilate(exec, near_core, size, 1);
   // dense components outside the core
@@ -182,17 +218,36 @@ Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCell
   const RowComponents components = row_components(rest, size);
   const std::vector<std::uint8_t> is_foreign = foreign_components(
       components, Silhouette(core, size, long_axis(ct)), hadamard(ct.spacing, Vec3d(found.cell)));
-  // mask of the foreign components
+  // mask of the foreign components, and of those that are dense, unlike pads
   found.mask.assign(count, 0);
   found.row_mask.assign(std::size_t(size.y) * std::size_t(size.z), 0);
+  std::vector<std::size_t> dense_cells(components.sizes.size());
+  const auto first = [&](const CellRun& run) {
+    return (std::size_t(run.k) * std::size_t(size.y) + std::size_t(run.j)) * std::size_t(size.x);
+  };
   for (const CellRun& run : components.runs)
-    if (is_foreign[std::size_t(run.component)])
-      std::fill_n(found.mask.begin() + ((std::ptrdiff_t(run.k) * size.y + run.j) * size.x + run.begin),
-                  run.end - run.begin, std::uint8_t(1));
-  // Cells next to a foreign component are masked too, unless they are in the core.
+    for (int i = run.begin; i < run.end; i++)
+      dense_cells[std::size_t(run.component)] += cells.dense[first(run) + std::size_t(i)];
+  Mask dense(count);
+  for (const CellRun& run : components.runs) {
+    const auto c = std::size_t(run.component);
+    if (!is_foreign[c]) continue;
+    const auto begin = std::ptrdiff_t(first(run)) + run.begin;
+    std::fill_n(found.mask.begin() + begin, run.end - run.begin, std::uint8_t(1));
+    if (2 * dense_cells[c] > components.sizes[c])
+      std::fill_n(dense.begin() + begin, run.end - run.begin, std::uint8_t(1));
+  }
+  const Mask sheets = take_sheets(exec, size, found.mask, core);
+  // Cells next to a foreign component are masked too. A light pad stays where it touches the core, because
+  // its cells contain skin; so do pits of the core.
   dilate(exec, found.mask, size, 1);
+  dilate(exec, dense, size, 1);
+  core = without_pits(exec, size, core);
+  near_core = core;
+  dilate(exec, near_core, size, 1);
   for (std::size_t n = 0; n < count; n++) {
-    found.mask[n] = found.mask[n] & any[n] & std::uint8_t(1 - core[n]);
+    const std::uint8_t is_free = std::uint8_t(1 - core[n]) & (dense[n] | std::uint8_t(1 - near_core[n]));
+    found.mask[n] = any[n] & ((found.mask[n] & is_free) | sheets[n]);
     found.row_mask[n / std::size_t(size.x)] |= found.mask[n];
   }
   return found;

@@ -23,9 +23,10 @@ inline int long_axis(const Grid& grid) {
 
 /// Pooled cells of a few voxels each, i fastest, for the separation of body and surroundings.
 struct DenseCells {
-  Int3 cell{1, 1, 1};                  // voxels per side
-  Int3 size;                           // cells
-  std::vector<std::uint8_t> any, all;  // 1 = at least one voxel is dense; all are
+  Int3 cell{1, 1, 1};  // voxels per side
+  Int3 size;           // cells
+  // 1: at least one voxel is denser than air; all voxels are as dense as fat; at least one is
+  std::vector<std::uint8_t> any, all, dense;
 };
 DenseCells make_dense_cells(const Grid& ct);
 /// Fills these layers of cells; `ct` must contain all their slices.
