@@ -26,6 +26,7 @@ inline CutBlock cut_block(Method method, Int3 size = {13, 11, 9}, bool volumes =
   params.solver = {.method = method, .ordering = Ordering::kColors, .pbd_volume = volumes};
   params.tissue = {.law = law, .volume = method == Method::kVbd && volumes ? 1.0 : 0.0};
   params.skin.law = method == Method::kPbd ? SkinLaw::kArea : skin;
+  params.skin.stiffening = params.skin.fiber_stiffening = 1;  // the displacements are large
   CutBlock block{block_model({.size = size, .is_fixed = is_side}, params), {}};
   block.state = make_state(block.model);
   const auto wave = [](int a, int b) { return Real(1e-3 * std::sin(1.3 * a + 0.7 * b)); };

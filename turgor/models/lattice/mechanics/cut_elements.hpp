@@ -46,10 +46,17 @@ struct CutElementView {
   }
   template <class Gather>
   TURGOR_HD void solve(const ElementNode& virtual_node, const Gather& gather_of) const;
+  /// Largest growth of the exponents of cut skin at a node that moves by d; exponential law.
+  TURGOR_HD Real largest_growth(const ElementNode& node, Vec3 d) const;
   /// Moves a virtual node of a free node by one Newton step. `s`: all forces on it.
   TURGOR_HD void move(const ElementNode& virtual_node, const NodeSystem& s) const;
 
  private:
+  /// Deformed edges of a cut-skin element from its corner `at`, and the coefficients of F d in this order.
+  struct SkinCorner {
+    Vec3 edge1, edge2, along, across;
+  };
+  TURGOR_HD SkinCorner skin_corner(const CutSkinElement& element, int at) const;
   TURGOR_HD NodeSystem skin_element(const CutSkinElement& element, int at) const;
 };
 
@@ -84,29 +91,47 @@ TURGOR_HD inline NodeSystem scaled(NodeSystem s, Real by) {
   return s;
 }
 
+TURGOR_HD inline CutElementView::SkinCorner CutElementView::skin_corner(const CutSkinElement& element,
+                                                                        int at) const {
+  const SkinTriangle& t = triangles[element.triangle];
+  const Vec3 rest_position[3] = {{}, t.edge1, t.edge2};
+  const int b = (at + 1) % 3, c = (at + 2) % 3;
+  const Vec3 x0 = u(element.corner[at]) + rest_position[at];
+  return {u(element.corner[b]) + rest_position[b] - x0,
+          u(element.corner[c]) + rest_position[c] - x0,
+          {t.along[at], t.along[b], t.along[c]},
+          {t.across[at], t.across[b], t.across[c]}};
+}
+
 /// Force and Hessian of a cut-skin element at its corner `at`: those of the whole triangle times the area
 /// share.
 TURGOR_HD inline NodeSystem CutElementView::skin_element(const CutSkinElement& element, int at) const {
   const SkinTriangle& t = triangles[element.triangle];
-  // deformed edges from the corner
-  const Vec3 rest_position[3] = {{}, t.edge1, t.edge2};
-  const int b = (at + 1) % 3, c = (at + 2) % 3;
-  const Vec3 x0 = u(element.corner[at]) + rest_position[at];
-  const Vec3 edge1 = u(element.corner[b]) + rest_position[b] - x0,
-             edge2 = u(element.corner[c]) + rest_position[c] - x0;
+  const auto [edge1, edge2, along, across] = skin_corner(element, at);
   // law of the whole triangle
   NodeSystem s;
   if (skin.law == SkinLaw::kFiber) {
-    add_skin_fiber(s, edge1, edge2, {t.along[at], t.along[b], t.along[c]},
-                   {t.across[at], t.across[b], t.across[c]}, t.area, skin.fiber);
+    add_skin_fiber(s, edge1, edge2, along, across, t.area, skin.fiber);
   } else if (skin.law == SkinLaw::kExponential) {
-    add_skin_exponential(s, edge1, edge2, {t.along[at], t.along[b], t.along[c]},
-                         {t.across[at], t.across[b], t.across[c]}, t.area, skin.exponential);
+    add_skin_exponential(s, edge1, edge2, along, across, t.area, skin.exponential);
   } else {
     const Real rest = skin.rest_ratio * t.area;
     add_skin_area(s, {}, edge1, edge2, rest, skin.stiffness / rest, skin.amplification);
   }
   return scaled(s, element.share);
+}
+
+TURGOR_HD inline Real CutElementView::largest_growth(const ElementNode& node, Vec3 d) const {
+  Real most = 0;
+  for (int n = node.first; n < node.first + node.count; n++) {
+    const NodeElementReference reference = references[n];
+    if (reference.element >= 0) continue;
+    const auto [edge1, edge2, along, across] =
+        skin_corner(cut_skin_elements[-1 - reference.element], reference.at);
+    const Real growth = skin_exponent_growth(edge1, edge2, along, across, skin.exponential, d);
+    most = growth > most ? growth : most;
+  }
+  return most;
 }
 
 template <class AddCell>
@@ -141,8 +166,10 @@ TURGOR_HD inline NodeSystem CutElementView::gather(const ElementNode& node,
 
 TURGOR_HD inline void CutElementView::move(const ElementNode& virtual_node, const NodeSystem& s) const {
   constexpr Real kWeightless = 1e3f;  // h²/m times the stiffness; large, so that inertia is negligible
-  virtual_nodes[virtual_node.corner - slots].move(
-      newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3)));
+  const Vec3 step = newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3));
+  const Real share =
+      skin.law == SkinLaw::kExponential ? skin_step_share(largest_growth(virtual_node, step)) : Real(1);
+  virtual_nodes[virtual_node.corner - slots].move(step * share);
 }
 
 template <class Gather>

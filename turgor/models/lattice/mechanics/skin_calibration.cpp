@@ -14,7 +14,7 @@ struct SkinSlopes {
   double matrix, matrix_slope, fiber, fiber_slope;
 };
 SkinSlopes skin_slopes(const SkinParams& skin, double invariant, double strain) {
-  const double most = double(kLargestExponent);
+  const double most = double(kLargestSkinExponent);
   SkinSlopes s{};
   const double x = skin.stiffening * invariant;
   s.matrix = 0.5 * skin.shear * std::exp(std::min(x, most));
@@ -28,7 +28,7 @@ SkinSlopes skin_slopes(const SkinParams& skin, double invariant, double strain) 
 
 /// (exp(x) − 1)/k for x = k y, linear in x beyond the largest exponent; y for k = 0.
 double bounded_expm1(double k, double y) {
-  const double x = k * y, most = double(kLargestExponent);
+  const double x = k * y, most = double(kLargestSkinExponent);
   if (k == 0) return y;
   return (x < most ? std::expm1(x) : std::exp(most) * (1 + x - most) - 1) / k;
 }

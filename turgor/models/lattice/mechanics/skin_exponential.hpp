@@ -15,6 +15,9 @@ struct ExponentialSkin {
   Real along = 1, across = 1, rest_share = 1;  // λ_along, λ_across, area without stress over area in the CT
 };
 
+/// Largest exponents. Beyond, the matrix is linear in Ī and the fibers are quadratic in E. Measured skin
+/// reaches 2.2 (docs/skin-law.md).
+constexpr Real kLargestSkinExponent = 5;
 /// Least D = det C of the formulas. Below, 1/D goes on linearly, so that folded triangles are pushed back.
 constexpr Real kLeastSkinDeterminant = Real(0.04);
 
@@ -30,6 +33,7 @@ struct SkinStrain {
   Real matrix, matrix_slope;    // ∂W/∂Ī of the matrix and its derivative [N/m]
   Real fiber, fiber_slope;      // ∂W/∂E of the fibers and its derivative [N/m]
   Real share;                   // 1 − 3κ
+  Real matrix_exponent, fiber_exponent;
 };
 [[gnu::always_inline]] TURGOR_HD inline SkinStrain skin_strain(Vec3 f, Vec3 g, const ExponentialSkin& law) {
   SkinStrain e;
@@ -40,15 +44,17 @@ struct SkinStrain {
   e.inverse = r + (d - e.determinant) * r * r, e.inverse_slope = r * r;
   // matrix: exponential up to the largest exponent, linear beyond
   const Real invariant = e.along + e.across + e.inverse - 3, x = law.stiffening * invariant;
-  e.matrix = Real(0.5) * law.shear * lane_exp(x < kLargestExponent ? positive(x) : kLargestExponent);
-  e.matrix_slope = x < kLargestExponent ? law.stiffening * e.matrix : 0;
+  e.matrix_exponent = x < kLargestSkinExponent ? positive(x) : kLargestSkinExponent;
+  e.matrix = Real(0.5) * law.shear * lane_exp(e.matrix_exponent);
+  e.matrix_slope = x < kLargestSkinExponent ? law.stiffening * e.matrix : 0;
   // fibers bear no pressure
   e.share = 1 - 3 * law.dispersion;
   const Real strain = positive(law.dispersion * invariant + e.share * (e.along - 1));
   const Real y = law.fiber_stiffening * strain * strain;
-  const Real stiff = law.fiber * lane_exp(y < kLargestExponent ? y : kLargestExponent);
+  e.fiber_exponent = y < kLargestSkinExponent ? y : kLargestSkinExponent;
+  const Real stiff = law.fiber * lane_exp(e.fiber_exponent);
   e.fiber = stiff * strain;
-  e.fiber_slope = strain > 0 ? stiff * (y < kLargestExponent ? 1 + 2 * y : Real(1)) : 0;
+  e.fiber_slope = strain > 0 ? stiff * (y < kLargestSkinExponent ? 1 + 2 * y : Real(1)) : 0;
   return e;
 }
 
@@ -93,6 +99,24 @@ struct SkinStress {
   add_outer(s, turned, is_folded ? 0 : 3 * curved * inverse / nonzero(h2));
   add_outer(s, e.normal, -(curved < plane ? curved : plane) * inverse);
 }
+
+/// Growth of the exponents of a triangle, 0 at least, if its first corner moves by d.
+[[gnu::always_inline]] TURGOR_HD inline Real skin_exponent_growth(Vec3 edge1, Vec3 edge2, Vec3 along,
+                                                                  Vec3 across, const ExponentialSkin& law,
+                                                                  Vec3 d) {
+  along = along * law.along, across = across * law.across;
+  const Vec3 f = edge1 * along.y + edge2 * along.z, g = edge1 * across.y + edge2 * across.z;
+  const SkinStrain now = skin_strain(f, g, law), moved = skin_strain(f + d * along.x, g + d * across.x, law);
+  const Real matrix = moved.matrix_exponent - now.matrix_exponent,
+             fiber = moved.fiber_exponent - now.fiber_exponent;
+  return positive(matrix > fiber ? matrix : fiber);
+}
+/// Smaller growths need no shorter step.
+constexpr Real kCheckedGrowth = Real(0.05);
+/// Share of a Newton step that lets an exponent grow by G. An exponential k (exp(G) − 1) that balances a
+/// force needs ln(1 + G)/G of the step; the share is less, so that no step ends where skin is stiff beyond
+/// measure.
+TURGOR_HD inline Real skin_step_share(Real growth) { return 1 / (1 + Real(0.5) * growth); }
 
 /// Forces of add_skin_exponential at all three corners.
 [[gnu::always_inline]] TURGOR_HD inline CornerForces skin_exponential_forces(Vec3 edge1, Vec3 edge2,

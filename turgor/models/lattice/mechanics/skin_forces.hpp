@@ -118,6 +118,15 @@ struct SkinForces {
                          {c.across[0][i], c.across[1][i], c.across[2][i]}, c.area[i], exponential);
     return s;
   }
+  /// Growth of the exponents around one corner that moves by d.
+  TURGOR_HD Real growth(const SkinCorners& c, int i, const NodeArrays& n, Vec3 d) const {
+    const Vec3 u0 = n.u(c.vertex[0][i]);
+    const auto edge = [&](int q) {
+      return Vec3{c.edge[q - 1][0][i], c.edge[q - 1][1][i], c.edge[q - 1][2][i]} + (n.u(c.vertex[q][i]) - u0);
+    };
+    return skin_exponent_growth(edge(1), edge(2), {c.along[0][i], c.along[1][i], c.along[2][i]},
+                                {c.across[0][i], c.across[1][i], c.across[2][i]}, exponential, d);
+  }
   /// System of one corner.
   TURGOR_HD NodeSystem gather(const SkinCorners& c, int i, const NodeArrays& n) const {
     const Vec3 u0 = n.u(c.vertex[0][i]);
@@ -172,6 +181,28 @@ TURGOR_HD inline void add_skin_corners(const SkinView& v, int row, int at, NodeS
     const int batch = v.lanes_begin[row] + (c - first) / kSkinLanes, lane = (c - first) % kSkinLanes;
     if (!v.is_cut(batch, lane)) add(s, system_of(batch, lane));
   }
+}
+
+/// Largest growth of the exponents of the uncut triangles of skin node `at` of a half row that moves by d.
+TURGOR_HD inline Real largest_growth(const SkinView& v, const SkinForces& forces, const NodeArrays& n,
+                                     int row, int at, Vec3 d) {
+  const int first = v.corner_begin[v.row_begin[row]];
+  Real most = 0;
+  for (int c = v.corner_begin[at]; c < v.corner_begin[at + 1]; c++) {
+    const SkinCorners& corners = v.corners[v.lanes_begin[row] + (c - first) / kSkinLanes];
+    const int lane = (c - first) % kSkinLanes;
+    if (v.skin_cut[corners.triangle[lane]]) continue;
+    const Real growth = forces.growth(corners, lane, n, d);
+    most = growth > most ? growth : most;
+  }
+  return most;
+}
+/// Stiffens a system so that its Newton step is this share of what it was.
+///   (I + c H) Δ = r  →  (I + c H') Δ' = r,  I + c H' = (I + c H)/share
+TURGOR_HD inline void shorten_step(NodeSystem& s, Real share, Real c) {
+  const Real by = 1 / share;
+  for (Real* entry : {&s.xx, &s.yy, &s.zz, &s.xy, &s.xz, &s.yz}) *entry *= by;
+  add_isotropic(s, (by - 1) / nonzero(c));
 }
 
 /// Adds skin and prestress at the nodes of [slot, slot + count): store(node, load(node) + system).

@@ -175,6 +175,7 @@ struct VbdSweep {
     const std::span<NodeContact> node_contacts = contacts_of(contacts, slot, count);
     if (!node_contacts.empty()) add_contacts_of_nodes(node_contacts, slot, buffer);
     // Newton steps
+    if (gather.skin.law == SkinLaw::kExponential) shorten_steps_of_skin(slot, count, buffer);
     if (gather.solid.laws)
       solve_with_laws(slot, count, buffer);
     else
@@ -216,6 +217,33 @@ struct VbdSweep {
                    system);
       buffer.set(at, system);
     }
+  }
+
+  /// Stiffens the systems of nodes whose Newton step would end where skin is stiff beyond measure.
+  void shorten_steps_of_skin(int slot, int count, SystemBuffer& buffer) const {
+    const Anatomy& anatomy = gather.model.anatomy;
+    if (anatomy.skin.triangles.empty()) return;
+    const auto shorten = [&](int node, const auto& growth_of) {
+      const Real c = inertia.dt * inertia.dt * gather.nodes.w[node];
+      NodeSystem s = buffer.get(node - slot);
+      const Vec3 d = newton_step(s, inertia(node) - gather.nodes.u(node), c);
+      const Real growth = growth_of(d);
+      if (!(growth > kCheckedGrowth) || c == 0) return;
+      shorten_step(s, skin_step_share(growth), c);
+      buffer.set(node - slot, s);
+    };
+    // whole triangles
+    const SkinView skin = skin_view(gather.model, gather.state.cuts);
+    const int row = slot / anatomy.lattice.half;
+    const int* end = skin.nodes + skin.row_begin[row + 1];
+    const int* node = std::lower_bound(skin.nodes + skin.row_begin[row], end, slot);
+    for (; node != end && *node < slot + count; node++)
+      shorten(*node, [&](Vec3 d) {
+        return largest_growth(skin, gather.skin, gather.nodes, row, int(node - skin.nodes), d);
+      });
+    // cut ones
+    for (const ElementNode& cut : gather.cut_elements.nodes_of(slot, count))
+      shorten(cut.slot, [&](Vec3 d) { return gather.cut_elements.view.largest_growth(cut, d); });
   }
 
   void solve(int slot, int count, const SystemBuffer& buffer) const {

@@ -164,6 +164,27 @@ struct NodeForces {
     });
   }
 
+  /// As VbdSweep::shorten_steps_of_skin on the host.
+  TURGOR_HD void shorten_step_of_skin(int s, Vec3 to_inertial, Real mobility, NodeSystem& system) const {
+    const auto shorten = [&](Real growth) {
+      if (growth > kCheckedGrowth) shorten_step(system, skin_step_share(growth), mobility);
+    };
+    // whole triangles
+    if (v.skin.nodes != nullptr) {
+      const int row = s / v.body.half, first = v.skin.row_begin[row],
+                count = v.skin.row_begin[row + 1] - first;
+      const int at = first + first_of_slot(v.skin.nodes + first, count, s, [](int slot) { return slot; });
+      if (at != first + count && v.skin.nodes[at] == s)
+        shorten(largest_growth(v.skin, v.cut_elements.skin, v.body.nodes, row, at,
+                               newton_step(system, to_inertial, mobility)));
+    }
+    // cut ones
+    const auto slot_of = [](const ElementNode& node) { return node.slot; };
+    for (int n = first_of_slot(v.element_nodes, v.element_node_count, s, slot_of);
+         n < v.element_node_count && v.element_nodes[n].slot == s; n++)
+      shorten(v.cut_elements.largest_growth(v.element_nodes[n], newton_step(system, to_inertial, mobility)));
+  }
+
   TURGOR_HD void add_cut_elements(int s, NodeSystem& system) const {
     const auto slot_of = [](const ElementNode& node) { return node.slot; };
     for (int n = first_of_slot(v.element_nodes, v.element_node_count, s, slot_of);
@@ -197,6 +218,8 @@ struct SolveNode {
     const std::span<NodeContact> node_contacts = contacts_at(v, s);
     if (!node_contacts.empty()) add_contacts(node_contacts, v.body.nodes, to_inertial, mobility, system);
     // Newton step
+    if (v.cut_elements.skin.law == SkinLaw::kExponential)
+      NodeForces<kElements>{v}.shorten_step_of_skin(s, to_inertial, mobility, system);
     const Vec3 du = newton_step(system, to_inertial, mobility);
     v.body.nodes.ux[s] += du.x, v.body.nodes.uy[s] += du.y, v.body.nodes.uz[s] += du.z;
     // contact forces
