@@ -46,9 +46,9 @@ void transfer(File& file, Pressed& pressed) {
 template <class File>
 void transfer(File& file, CutMeasures& cut) {
   auto& [name, body, edges, region, excision, depth, width, tension, gape_error, marked, specimen, dog_ears,
-         series, wound] = cut;
+         undermined, series, wound] = cut;
   transfer_all(file, name, body, edges, region, excision, depth, width, tension, gape_error, marked, specimen,
-               dog_ears, series, wound);
+               dog_ears, undermined, series, wound);
 }
 template <class File>
 void transfer(File& file, SutureMeasures& suture) {

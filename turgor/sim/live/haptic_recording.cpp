@@ -44,7 +44,8 @@ Json json_of(const CutRequest& request) {
           {"tilt", b.tilt},
           {"width", b.width},
           {"duration", b.duration},
-          {"through_bone", b.through_bone}};
+          {"through_bone", b.through_bone},
+          {"undermine", {b.undermine.width, b.undermine.depth}}};
 }
 Json json_of(const WindRequest& request) {
   Json json = {{"wind", request.body}};
@@ -68,6 +69,9 @@ CutRequest cut_of(const Json& json) {
   request.blade.width = json.at("width").get<double>(),
   request.blade.duration = json.at("duration").get<double>();
   request.blade.through_bone = json.value("through_bone", true);  // older recordings cut through bone
+  if (json.contains("undermine"))
+    request.blade.undermine = {json.at("undermine").at(0).get<double>(),
+                               json.at("undermine").at(1).get<double>()};
   return request;
 }
 

@@ -108,6 +108,7 @@ Measures make_measures(const World& world) {
     m.name = cut.blade.name, m.body = world.lattice_bodies[std::size_t(cut.body)].name;
     m.region = cut.blade.width > 0, m.excision = cut.blade.excision.has_value(), m.depth = cut.blade.depth,
     m.width = cut.blade.width;
+    m.undermined = cut.blade.undermine;
     measures.cuts.push_back(m);
   }
   for (const Suture& suture : world.sutures) measures.sutures.push_back(make_suture_measures(world, suture));

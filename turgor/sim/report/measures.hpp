@@ -45,6 +45,7 @@ struct CutMeasures {
   lattice::OutlineSize marked;  // of an excision, on the skin before the cut
   std::optional<lattice::Specimen> specimen;
   std::optional<DogEars> dog_ears;
+  lattice::Undermining undermined;  // as in the scene
   std::vector<WoundSample> series;  // one per frame since the blade started
   lattice::Wound wound;             // at the end
 };

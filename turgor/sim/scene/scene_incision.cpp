@@ -83,6 +83,23 @@ void read_cut_path(SceneTable& table, IncisionScene& incision) {
     table.fail("to", "the cut has no length: it ends where it starts");
 }
 
+void read_undermining(SceneTable& incision, lattice::Incision& blade) {
+  SceneTable table = incision.table("undermine");
+  lattice::Undermining& undermine = blade.undermine;
+  table.read("width", undermine.width, within(0, 0.5, "m"),
+             "frees skin from the tissue below it on both sides of the cut, so far; 0: not");
+  table.read("depth", undermine.depth, within(0, 1, "m"),
+             {"of that surface below the skin; at most the depth of the cut", "half the depth of the cut"});
+  table.finish();
+  if (!table.has("depth")) undermine.depth = 0.5 * blade.depth;
+  if (undermine.width == 0) return;
+  if (!(undermine.depth > 0) || undermine.depth > blade.depth)
+    table.fail("depth", fmt::format("expected more than 0 and at most the depth of the cut, {} m, found {} m",
+                                    blade.depth, undermine.depth));
+  if (blade.width > 0)
+    table.fail("width", "a removed region has no lips to undermine: remove undermine, or width of the cut");
+}
+
 }  // namespace
 
 IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene) {
@@ -139,6 +156,7 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
              "0 cuts edges; else width of the static region of the paper, which is removed from the body");
   table.read("through_bone", blade.through_bone,
              "cuts through bone; `false`: the blade stops above it, and the report says where and how deep");
+  read_undermining(table, blade);
   // check combinations of keys
   if (blade.width > 0 && (!blade.path.empty() || blade.tilt != 0))
     table.fail("width", "a removed region is straight and upright: remove path and tilt");

@@ -20,6 +20,7 @@
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
 #include "turgor/models/lattice/cutting/loose_rim.hpp"
 #include "turgor/models/lattice/cutting/skin_near.hpp"
+#include "turgor/models/lattice/cutting/undermine.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 #include "turgor/models/lattice/model/halo.hpp"
 
@@ -247,6 +248,8 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   } else {
     sheet = sweep_blade(path, tilt, margin, 1e-4 * step);
     join_sheet(path, met, tilt, sheet);
+    if (incision.undermine.width > 0)
+      add_undermining(model, state.motion, path, incision.undermine, halo, sheet);
   }
   find_edges(model, state, sheet, halo, path);
   return path;

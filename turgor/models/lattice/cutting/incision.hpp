@@ -24,6 +24,12 @@ struct Excision {
   double length = 0, width = 0;  // [m]
 };
 
+/// Skin that is freed from the tissue below it on both sides of a cut (undermine.hpp).
+struct Undermining {
+  double width = 0;  // on each side of the cut; 0 = none [m]
+  double depth = 0;  // below the skin [m]
+};
+
 struct Incision {
   std::string name;
   Vec3d from, to;  // on or near the skin, patient frame [m]
@@ -39,6 +45,7 @@ struct Incision {
   bool through_bone = false;  // false: the blade stops above bone
   // set: `path` is the outline of a piece, which is cut free at `depth` and leaves the body (excision.hpp)
   std::optional<Excision> excision;
+  Undermining undermine;
 };
 
 /// Pending cut of a lattice edge. It is cut when the blade reaches the arc length `along`.

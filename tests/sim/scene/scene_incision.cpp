@@ -1,0 +1,37 @@
+// Undermining of cuts in scenes.
+#include "turgor/sim/scene/scene_incision.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/sim/scene/scene_error.hpp"
+
+namespace turgor {
+namespace {
+
+constexpr const char* kCutLeg =
+    "[body.b]\nmodel = \"lattice\"\nct = { phantom = \"leg\" }\n"
+    "[incision.c]\nbody = \"b\"\nfrom_fraction = [0.4, 0, 0.5]\nto_fraction = [0.6, 0, 0.5]\ndepth = 0.01\n";
+
+// The width and the depth of an undermined surface are read; without a depth it is half that of the cut.
+TEST(SceneIncision, ReadsUndermining) {
+  const auto read = [](const char* keys) {
+    return parse_scene(std::string(kCutLeg) + keys, "s.toml")->incisions[0].blade.undermine;
+  };
+  EXPECT_EQ(read("").width, 0);
+  EXPECT_EQ(read("undermine = { width = 0.02 }\n").depth, 0.005);
+  const lattice::Undermining both = read("undermine = { width = 0.03, depth = 0.008 }\n");
+  EXPECT_EQ(both.width, 0.03);
+  EXPECT_EQ(both.depth, 0.008);
+}
+
+// A surface below the cut, and one under a removed region, are errors.
+TEST(SceneIncision, RefusesUnderminingBelowTheCut) {
+  const auto error = [](const char* keys) { return test::error_of(std::string(kCutLeg) + keys); };
+  EXPECT_NE(error("undermine = { width = 0.02, depth = 0.02 }\n").find("at most the depth of the cut"),
+            std::string::npos);
+  EXPECT_NE(error("undermine = { width = 0.02 }\nwidth = 0.01\n").find("no lips to undermine"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace turgor
