@@ -128,19 +128,19 @@ struct Fit {
     return *force;
   }
   /// ∂force/∂logarithms, a column a parameter, by differences to one side. Empty where a run fails on both.
-  std::vector<Numbers> sensitivities(const Numbers& logs, const Numbers& here) {
+  std::vector<Numbers> sensitivities(const Numbers& logs, const Numbers& force) {
     std::vector<Numbers> slopes;
     for (std::size_t p = 0; p < logs.size(); p++) {
       Numbers moved = logs;
       double length = kStep;
       moved[p] += length;
-      Numbers there = at(moved);
-      if (there.empty()) {
+      Numbers changed = at(moved);
+      if (changed.empty()) {
         moved[p] = logs[p] + (length = -kStep);
-        there = at(moved);
+        changed = at(moved);
       }
-      if (there.empty()) return {};
-      slopes.push_back(difference(there, here));
+      if (changed.empty()) return {};
+      slopes.push_back(difference(changed, force));
       for (double& slope : slopes.back()) slope /= length;
     }
     return slopes;
