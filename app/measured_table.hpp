@@ -52,6 +52,8 @@ struct MeasuredResult {
   std::vector<MeasuredCurve> curves;
 };
 
+/// Laws of solids against closed forms of homogeneous deformations.
+void add_laws(MeasuredResult& result);
 /// Muscle and skin: laws at a point of the material, fitted to some curves, predict others; skin also as a
 /// sheet of a lattice body.
 void add_muscle(MeasuredResult& result);

@@ -54,6 +54,7 @@ std::vector<Figure> validate_measured(const Exec& exec, bool quick, const std::f
                                       nlohmann::ordered_json& report) {
   // predictions
   MeasuredResult result;
+  add_laws(result);
   add_muscle(result);
   add_skin_sheet(exec, result);
   add_cantilever(exec, quick, result);
