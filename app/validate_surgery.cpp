@@ -8,6 +8,7 @@
 
 #include "app/commands.hpp"
 #include "app/needle_block.hpp"
+#include "app/validate_sutures.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/sim/report/plot.hpp"
 
@@ -163,6 +164,7 @@ std::vector<Figure> validate_surgery(const Exec& exec, bool quick, const std::fi
   add_liver(exec, folder, figures);
   add_rest(exec, quick, figures);
   add_wire(exec, quick, figures);
+  add_sutures(exec, quick, figures);
   return figures;
 }
 
