@@ -1,9 +1,9 @@
-// Layers of cloth on a table: one, two and four sheets at rest, and a stack of 50 sheets that falls, as in the
-// largest scene of Offset Geometric Contact [Chen et al. 2025: 246 000 vertices, 475 000 triangles, 210 ms a
-// frame on average and 550 ms at most, on a CPU]. Triangles that intersect at the end are an error.
-#include <benchmark/benchmark.h>
-
+// Layers of cloth on a table: one, two and four sheets at rest, and a stack of 50 sheets that falls, as in
+// the largest scene of Offset Geometric Contact [Chen et al. 2025: 246 000 vertices, 475 000 triangles, 210
+// ms a frame on average and 550 ms at most, on a CPU]. Triangles that intersect at the end are an error.
 #include <chrono>
+
+#include <benchmark/benchmark.h>
 
 #include "tests/models/cloth/meshes.hpp"
 #include "tests/models/cloth/sheets.hpp"
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kCell = 0.01, kThickness = 0.004;  // [m]
 
-/// Horizontal sheets above each other, of side × side vertices, each turned a little and shifted, so that their
-/// meshes are not aligned. `gap` is their distance at the start [m].
+/// Horizontal sheets above each other, of side × side vertices, each turned a little and shifted, so that
+/// their meshes are not aligned. `gap` is their distance at the start [m].
 struct Stack {
   Model model;
   State state;
@@ -79,7 +79,8 @@ void report(benchmark::State& bench, const Exec& exec, const Stack& stack, const
 /// Frames of layers at rest on a table.
 void layers_at_rest(benchmark::State& bench) {
   const Exec exec(1);
-  Stack stack = make_stack(int(bench.range(0)), 40, kThickness, bench.range(1) ? Method::kTwoLevel : Method::kChebyshev);
+  Stack stack = make_stack(int(bench.range(0)), 40, kThickness,
+                           bench.range(1) ? Method::kTwoLevel : Method::kChebyshev);
   Times settle, times;
   run_frames(exec, stack, 30, settle);
   for (auto _ : bench) run_frames(exec, stack, 1, times);
@@ -91,11 +92,12 @@ BENCHMARK(layers_at_rest)
     ->Unit(benchmark::kMillisecond)
     ->Iterations(20);
 
-/// A second of 50 layers that fall on a table and on each other, two thicknesses apart. The number of vertices
-/// doubles from each row to the next; the last has that of the paper.
+/// A second of 50 layers that fall on a table and on each other, two thicknesses apart. The number of
+/// vertices doubles from each row to the next; the last has that of the paper.
 void falling_stack(benchmark::State& bench) {
   const Exec exec(int(bench.range(2)));
-  Stack stack = make_stack(50, int(bench.range(0)), 2 * kThickness, bench.range(1) ? Method::kTwoLevel : Method::kChebyshev);
+  Stack stack = make_stack(50, int(bench.range(0)), 2 * kThickness,
+                           bench.range(1) ? Method::kTwoLevel : Method::kChebyshev);
   Times times;
   for (auto _ : bench) run_frames(exec, stack, 60, times);
   report(bench, exec, stack, times);

@@ -38,6 +38,7 @@ struct FindLargeContacts {
   const Model& model;
   const State& state;
   LargeView view;
+  std::vector<char> is_sharp;  // of each large edge: others have no contacts
 
   void take(const Contact& c, std::vector<Contact>& found) const {
     if (!is_implicit_already(state, c, view.phase)) found.push_back(c);
@@ -64,7 +65,8 @@ struct FindLargeContacts {
     Range box = around(edges[0]);
     for (const std::array<int, 2>& e : edges) box = joined(box, around(e));
     list_inside(
-        state.contacts.midpoint_hash, box, [&](int e) { return std::size_t(e) > first; }, near);
+        state.contacts.midpoint_hash, box,
+        [&](int e) { return std::size_t(e) > first && is_sharp[std::size_t(e)]; }, near);
     resize(near, near.index.size());
     for (std::size_t n = 0; n < near.index.size(); n++) {
       const auto [a, b] = model.large.edges[std::size_t(near.index[n])];
@@ -79,6 +81,16 @@ struct FindLargeContacts {
       Contact contact;
       if (view.touch_triangle(n, v, contact)) take(contact, found);
     });
+  }
+  bool any_sharp(std::size_t first, std::size_t last) const {
+    return std::find(is_sharp.begin() + std::ptrdiff_t(first), is_sharp.begin() + std::ptrdiff_t(last), 1) !=
+           is_sharp.begin() + std::ptrdiff_t(last);
+  }
+  /// Marks the sharp edges.
+  void measure_edges(const Exec& exec) {
+    is_sharp.resize(model.large.edges.size());
+    parallel_for(
+        exec, is_sharp.size(), [&](std::size_t e) { is_sharp[e] = view.is_sharp(e); }, 1024);
   }
   void edge(std::size_t e, const Neighborhood& near, std::vector<Contact>& found) const {
     const auto& edges = model.large.edges;
@@ -158,7 +170,7 @@ void find_ccd_contacts(const Model& model, State& state, ContactPhase phase, dou
                        std::vector<Contact>& found) {
   TURGOR_CHECK(state.x.size() == model.mass.size(), "positions are on the host");
   const Real reach = Real(model.params.collision.thickness);
-  const FindCcdContact find{{model, state, large_view(model, state, phase, reach, dt)}};
+  const FindCcdContact find{{model, state, large_view(model, state, phase, reach, dt), {}}};
   // pairs of the latest step join those of earlier ones
   std::vector<CcdPair>& pairs = state.ccd.recent_pairs;
   pairs.insert(pairs.end(), state.ccd.ccd_pairs.begin(), state.ccd.ccd_pairs.end());
@@ -177,7 +189,8 @@ void find_large_contacts(const Exec& exec, const Model& model, State& state, Con
   TURGOR_CHECK(found.size() == large_chunks(model), "every chunk has a list of contacts");
   // midpoints of edges
   update_midpoints(exec, model, state);
-  const FindLargeContacts find{model, state, large_view(model, state, phase, reach, dt)};
+  FindLargeContacts find{model, state, large_view(model, state, phase, reach, dt), {}};
+  find.measure_edges(exec);
   const auto& triangles = model.large.triangles;
   const auto& edges = model.large.edges;
   const std::size_t triangle_chunks = (triangles.size() + kChunkSize - 1) / kChunkSize;
@@ -191,12 +204,14 @@ void find_large_contacts(const Exec& exec, const Model& model, State& state, Con
     // blocks of primitives with a common neighborhood
     for (std::size_t first = begin; first < end; first += kLargeBlock) {
       const std::size_t last = std::min(first + kLargeBlock, end);
-      if (is_triangles)
+      if (is_triangles) {
         find.gather_near(std::span(triangles).subspan(first, last - first), near);
-      else
+        for (std::size_t i = first; i < last; i++) find.triangle(i, near, found[chunk]);
+      } else if (find.any_sharp(first, last)) {
         find.gather_near(std::span(edges).subspan(first, last - first), first, near);
-      for (std::size_t i = first; i < last; i++)
-        is_triangles ? find.triangle(i, near, found[chunk]) : find.edge(i, near, found[chunk]);
+        for (std::size_t i = first; i < last; i++)
+          if (find.is_sharp[i]) find.edge(i, near, found[chunk]);
+      }
     }
   });
 }

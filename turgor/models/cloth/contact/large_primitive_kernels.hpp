@@ -161,6 +161,19 @@ struct LargeView {
       if (!cones.edge_has(q, edge, corner, direction, -kEdgeDepth)) return false;
     return true;
   }
+  /// Tests whether the cone of edge e may have directions inside it: its triangles are folded, or it is a
+  /// rim. With unit vectors t₁ and t₂ into both, a direction d inside has d·(t₁ + t₂) < −2 kEdgeDepth.
+  TURGOR_HD bool is_sharp(std::size_t e) const {
+    constexpr Real kRounding = Real(0.95);
+    const Vec3 from = at(mesh.edges[e][0]), edge = at(mesh.edges[e][1]) - from;
+    Vec3 sum;
+    for (const int corner : mesh.facing[e]) {
+      if (corner < 0) return true;
+      const Vec3 side = at(corner) - from;
+      sum += normalized(side - edge * (dot(side, edge) / dot(edge, edge)));
+    }
+    return norm(sum) > 2 * kRounding * kEdgeDepth;
+  }
   /// Tests two edges of which the other passed the filter.
   TURGOR_HD bool touch_edges(std::size_t one, std::size_t other, Contact& contact) const {
     const auto [a, b] = mesh.edges[one];

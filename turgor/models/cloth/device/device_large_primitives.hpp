@@ -101,6 +101,7 @@ struct FindEdgeContacts {
 
   TURGOR_HD void operator()(std::size_t n) const {
     const EdgeEnds ends = edges.list[n];
+    if (!view.is_sharp(n)) return output(n, [](const auto&) {});
     const NearEdge filter = view.filter(ends, edges.longest_half());
     // edges near the block that pass the filter
     output(n, [&](const auto& take) {
