@@ -268,7 +268,7 @@ TEST(LatticePartialCells, RimWithoutCellsIsRemoved) {
       state.cuts.cut[std::size_t(s)] |= 0x7f;
       mark_rows(model, state.cuts, s);
     }
-  remove_loose_rim(model, state.cuts);
+  remove_loose_rim(model, state);
   int removed = 0, kept = 0;
   for (int s = 0; s < slot_count(model.anatomy.lattice); s++) {
     const bool is_removed = state.cuts.removed[std::size_t(s)] != 0;

@@ -9,6 +9,7 @@
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/cutting/excision.hpp"
+#include "turgor/models/lattice/cutting/loose_rim.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 
 namespace turgor::lattice {
@@ -93,6 +94,11 @@ CutRegion region_of(const Cuts& cuts, const FineLattice& f, int incision) {
   return region;
 }
 
+/// True if a node was tissue or rim before excisions.
+bool was_body(const Model& model, const Cuts& cuts, int slot) {
+  return was_solid(model, cuts, slot) || (is_rim(model, slot) && cuts.removed[std::size_t(slot)] != kRemoved);
+}
+
 /// Lists nodes and sub-lattice nodes of the tissue of a piece.
 void list_nodes(const Model& model, const Cuts& cuts, const Fragments& fragments, FreePiece& piece) {
   const FineLattice& f = fragments.fine;
@@ -105,7 +111,7 @@ void list_nodes(const Model& model, const Cuts& cuts, const Fragments& fragments
     };
     for (int c = 0; c < kCellCorners; c++) {
       const int node = node_slot(f.cells, cell + cell_corner(c));
-      if (has(hadamard(cell_corner(c), f.subdivisions)) && was_solid(model, cuts, node))
+      if (has(hadamard(cell_corner(c), f.subdivisions)) && was_body(model, cuts, node))
         piece.nodes.push_back(node);
     }
     if (cut)
@@ -205,7 +211,7 @@ FreePiece rest_of_body(const Model& model, const Cuts& cuts, const FreePiece& pi
   const std::shared_ptr<const Fragments> fragments = fragments_of(model, cuts);
   FreePiece rest;
   for (int slot = 0; slot < slot_count(model.anatomy.lattice); slot++)
-    if (was_solid(model, cuts, slot) && !std::binary_search(piece.nodes.begin(), piece.nodes.end(), slot))
+    if (was_body(model, cuts, slot) && !std::binary_search(piece.nodes.begin(), piece.nodes.end(), slot))
       rest.nodes.push_back(slot);
   for (const CutCell& cell : fragments->cells)
     for (int p = 0; p < sub_node_count(fragments->fine); p++)
@@ -250,6 +256,7 @@ void excise(const Model& model, State& state, const FreePiece& piece) {
   state.sleep.still_steps.clear();  // wakes all rows
   for (const int node : piece.nodes) state.motion.v.set(std::size_t(node), {});
   build_cut_elements(model, state);
+  remove_loose_rim(model, state);
 }
 
 }  // namespace turgor::lattice

@@ -277,7 +277,7 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
   // update skin and cut-cell elements
   if (count > 0) cut_skin(model, state.cuts);
   if (count > 0 || cut_version(state.cuts) > before) build_cut_elements(model, state, download);
-  if (count > 0) remove_loose_rim(model, state.cuts);
+  if (count > 0) remove_loose_rim(model, state);
   return count;
 }
 
@@ -311,7 +311,7 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
   state.sleep.still_steps.clear();  // wakes all rows
   if (count > 0) cut_skin(model, state.cuts);
   if (count > 0) build_cut_elements(model, state);
-  if (count > 0) remove_loose_rim(model, state.cuts);
+  if (count > 0) remove_loose_rim(model, state);
   return count;
 }
 

@@ -5,7 +5,7 @@
 
 namespace turgor::lattice {
 
-/// Removes the rim nodes around which no whole cell is left, since nothing would hold them.
-void remove_loose_rim(const Model& model, Cuts& cuts);
+/// Removes the rim nodes that are left without a whole cell and a cut element, since nothing would hold them.
+void remove_loose_rim(const Model& model, State& state);
 
 }  // namespace turgor::lattice
