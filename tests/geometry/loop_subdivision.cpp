@@ -90,5 +90,23 @@ TEST(LoopSubdivision, KeepsStraightBorders) {
   EXPECT_EQ(on_border, 5) << "seven without the corners";
 }
 
+// Every mesh gets as many levels as keep it below 100 000 triangles; at least ten times the triangles of
+// meshes below 6250, among them the liver of scenes/forceps.toml with 6228.
+TEST(LoopSubdivision, LevelsForDrawingUseTheBudget) {
+  for (const std::size_t triangles :
+       {std::size_t(20), std::size_t(6228), std::size_t(6249), std::size_t(6250), std::size_t(24999),
+        std::size_t(25000), std::size_t(90000)}) {
+    std::size_t drawn = triangles;
+    for (int level = 0; level < levels_for_drawing(triangles); level++) drawn *= 4;
+    EXPECT_LT(drawn, 100000u);
+    if (levels_for_drawing(triangles) < 2) {
+      EXPECT_GE(4 * drawn, 100000u);
+    }
+    if (triangles < 6250) {
+      EXPECT_GE(drawn, 10 * triangles);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace turgor
