@@ -121,7 +121,7 @@ std::vector<std::string> overstrained(const World& world) {
       sentences.push_back(
           fmt::format("{}: its surface was strained by {:.0f} %; beyond {:.0f} % the force of a linear body "
                       "is off by more "
-                      "than 5 %: law = \"neo_hookean\" or \"exponential\", or a smaller depth",
+                      "than about 5 %: law = \"neo_hookean\" or \"exponential\", or a smaller depth",
                       body.name, 100 * body.surface_strain, 100 * sfem::kLinearStrain));
     if (body.law && law.border_strain > kBorderStrain)
       sentences.push_back(fmt::format(
