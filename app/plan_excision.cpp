@@ -10,6 +10,7 @@
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/io/files/file.hpp"
+#include "turgor/sim/replace_cuts.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/run.hpp"
 
@@ -56,17 +57,59 @@ Planned find_planned(const Scene& scene, const PlanOptions& options) {
   return planned;
 }
 
-/// Simulates one direction.
+constexpr double kClosedGape = 3e-4;  // [m]
+
+/// Bodies at rest, loaded once for all directions.
+struct PlanWorld {
+  World world;
+  std::vector<LatticeBody> at_rest;
+
+  PlanWorld(const Exec& exec, const Scene& scene, const fs::path& file)
+      : world(required(load_world(exec, scene))), at_rest(world.lattice_bodies) {
+    const auto device = std::any_of(scene.lattice_bodies.begin(), scene.lattice_bodies.end(),
+                                    [](const LatticeScene& body) { return body.device == Device::kGpu; });
+    if (device || !world.tools.empty() || !world.sfem_bodies.empty() || !world.rhombus_bodies.empty() ||
+        !world.cloth_bodies.empty())
+      throw Failure{
+          2, file.string() +
+                 ": a plan simulates lattice bodies on the CPU: expected no tools and no other bodies"};
+  }
+  /// The world at rest with the cuts of another scene.
+  World& with_cuts_of(const Scene& scene) {
+    world.lattice_bodies = at_rest, world.frame = 0;
+    const Status replaced = replace_cuts(scene, world);
+    if (!replaced) throw Failure{2, replaced.error().message};
+    return world;
+  }
+};
+
+/// True if the stitches of a suture are pulled, and nothing moves any more.
+bool is_at_rest(const Suture& suture) {
+  if (!suture.closure || !suture.closure->settled) return false;
+  return std::all_of(suture.closure->stitches.begin(), suture.closure->stitches.end(),
+                     [](const lattice::Stitch& stitch) {
+                       return stitch.phase != lattice::StitchPhase::kWaiting &&
+                              stitch.phase != lattice::StitchPhase::kPulled;
+                     });
+}
+
+/// Simulates one direction until the stitches are at rest, at most kLongest times the duration of the scene.
 PlannedDirection simulate_direction(const Exec& exec, const PlanOptions& options, double angle,
-                                    const Progress& progress) {
-  std::vector<std::string> overrides = options.overrides;
-  const Scene drawn = required(read_scene(options.scene, overrides));
-  const Planned planned = find_planned(drawn, options);
-  const double turned = drawn.incisions[planned.cut].blade.excision->angle + angle;
-  overrides.push_back(fmt::format("excision.{}.angle={:.9g}", planned.name, std::remainder(turned, 360)));
-  const Scene scene = required(read_scene(options.scene, overrides));
-  World world = required(load_world(exec, scene));
-  const Simulated run = required(simulate(exec, scene, world, {.progress = progress}));
+                                    const Scene& drawn, PlanWorld& loaded, const Progress& progress) {
+  constexpr double kLongest = 4;
+  constexpr int kRestFrames = 15;
+  Scene scene = drawn;
+  const Planned planned = find_planned(scene, options);
+  double& turned = scene.incisions[planned.cut].blade.excision->angle;
+  turned = std::remainder(turned + angle, 360);
+  scene.duration *= kLongest;
+  World& world = loaded.with_cuts_of(scene);
+  int rest = 0;
+  const auto goes_on = [&](const World& now) {
+    rest = is_at_rest(now.sutures[planned.suture]) ? rest + 1 : 0;
+    return rest < kRestFrames;
+  };
+  const Simulated run = required(simulate(exec, scene, world, {.progress = progress, .frame = goes_on}));
   if (!run.finite)
     throw Failure{kNotFinite, fmt::format("{}: the run at {:.0f} degrees was not finite after {:.3f} s",
                                           options.scene.string(), angle, time_of(world))};
@@ -77,6 +120,7 @@ PlannedDirection simulate_direction(const Exec& exec, const PlanOptions& options
     const SutureSample& last = suture.series.back();
     found.closing_force = last.closing_force, found.tension_max = last.tension_max;
     found.gape = last.gape_max, found.lost = last.pulled_out + last.broken;
+    found.is_closed = rest >= kRestFrames && last.gape_max <= kClosedGape && found.lost == 0;
   }
   found.angle_to_lines = wound.tension.angle, found.is_directional = wound.tension.is_directional;
   if (wound.dog_ears) found.dog_ear = std::max(wound.dog_ears->first, wound.dog_ears->last);
@@ -95,6 +139,7 @@ Json to_json(const PlanOptions& options, const std::string& name, const std::vec
                           {"gape_max_mm", rounded(1e3 * d.gape)},
                           {"dog_ear_mm", rounded(1e3 * d.dog_ear)},
                           {"specimen_shrinkage_percent", rounded(100 * d.shrinkage)},
+                          {"closed", d.is_closed},
                           {"stitches_lost", d.lost}});
   return {{"program", "turgor"},
           {"version", program_version()},
@@ -121,18 +166,20 @@ void print(const std::vector<PlannedDirection>& found, const PlanVerdict& verdic
 }
 
 void plan_excision(const Exec& exec, const PlanOptions& options) {
-  const std::string name = find_planned(required(read_scene(options.scene, options.overrides)), options).name;
+  const Scene scene = required(read_scene(options.scene, options.overrides));
+  const std::string name = find_planned(scene, options).name;
   OutputFolder folder = open_result_folder(
       options.out.empty() ? fs::path("out") / (options.scene.stem().string() + "-plan") : options.out,
       options.force);
+  PlanWorld loaded(exec, scene, options.scene);
   // one run per direction; a lens has the same shape after half a turn
   std::vector<PlannedDirection> found;
   {
     ProgressBar bar("planning");
     for (int n = 0; n < options.directions; n++)
-      found.push_back(simulate_direction(exec, options, 180.0 * n / options.directions, [&](double fraction) {
-        bar.update((n + fraction) / options.directions);
-      }));
+      found.push_back(
+          simulate_direction(exec, options, 180.0 * n / options.directions, scene, loaded,
+                             [&](double fraction) { bar.update((n + fraction) / options.directions); }));
   }
   // results
   const PlanVerdict verdict = verdict_of(found);

@@ -54,8 +54,12 @@ PlanVerdict verdict_of(const std::vector<PlannedDirection>& found) {
       best.angle, best.closing_force,
       best.is_directional ? fmt::format(", {:.0f} degrees from Langer's lines", best.angle_to_lines) : "",
       worst.angle, worst.closing_force, 100 * (verdict.ratio - 1));
-  int lost = 0;
-  for (const PlannedDirection& d : found) lost += d.lost;
+  int lost = 0, open = 0;
+  for (const PlannedDirection& d : found) lost += d.lost, open += d.lost == 0 && !d.is_closed;
+  if (open > 0)
+    verdict.sentence += fmt::format(
+        " The stitches did not close the wound in {} of {} directions: the forces there are too small.", open,
+        found.size());
   if (lost > 0)
     verdict.sentence +=
         fmt::format(" {} stitches tore out or broke: the forces in their directions are too small.", lost);

@@ -15,6 +15,7 @@ struct PlannedDirection {
   double gape = 0, dog_ear = 0;               // [m]
   double shrinkage = 0;                       // of the specimen's length, relative
   int lost = 0;                               // stitches that tore out or broke
+  bool is_closed = false;                     // the lips meet, and the stitches came to rest
 };
 
 /// Best and worst direction by closing force.

@@ -44,9 +44,7 @@ void sew(const Exec& exec, const Pull& pull, int steps, Wounded& body, WoundClos
     PointSprings springs;
     append_springs(closure, springs.all);
     make_terms(springs);
-    springs.refresh = [&](const State& now) {
-      update_springs(body.model, now.motion, closure, springs.all);
-    };
+    springs.refresh = [&](const State& now) { update_springs(body.model, now.motion, closure, springs.all); };
     (void)step(exec, body.model, body.state, {.springs = &springs}, kFrameTime);
     update_multipliers(body.model, body.state.motion, closure);
   }
@@ -68,15 +66,15 @@ Wounded cut_bar(const BarCase& c) {
   body.model = block_model(block, skin_params(c.tension, c.tension));
   body.state = make_state(body.model);
   const double x = (c.size.x / 2 + 0.37) * c.spacing, z = (c.size.z - 1) * c.spacing;
-  body.path = required(lay_blade(body.model, body.state,
-                                 {.from = {x, 0, z},
-                                  .to = {x, (c.size.y - 1) * c.spacing, z},
-                                  .depth = c.size.z * c.spacing}));
+  body.path = required(lay_blade(
+      body.model, body.state,
+      {.from = {x, 0, z}, .to = {x, (c.size.y - 1) * c.spacing, z}, .depth = c.size.z * c.spacing}));
   cut_edges(body.model, body.state, body.path, 0, 1, 0);
   return body;
 }
 
-/// Force through the section behind a column of nodes, by a difference of energies that have no prestress [N].
+/// Force through the section behind a column of nodes, by a difference of energies that have no prestress
+/// [N].
 double section_force(const Exec& exec, const Wounded& body, int column) {
   constexpr double kShift = 1e-4;  // [m]
   const Model& model = body.model;
@@ -105,8 +103,10 @@ void add_bars(const Exec& exec, std::vector<Figure>& figures) {
     for (const Stitch& stitch : closure.stitches)
       gape = std::max(gape, gape_under(stitch, body.state.motion));
     figures.push_back(near_figure(fmt::format("{}: closing force", c.name), "force through a section",
-                                  closing_force(closure, body.state.motion), section_force(exec, body, 4), 0.01));
-    figures.push_back(most_figure(fmt::format("{}: gape under a stitch", c.name), "lips that meet", "m", gape, 3e-4));
+                                  closing_force(closure, body.state.motion), section_force(exec, body, 4),
+                                  0.01));
+    figures.push_back(
+        most_figure(fmt::format("{}: gape under a stitch", c.name), "lips that meet", "m", gape, 3e-4));
   }
 }
 
@@ -130,8 +130,9 @@ void add_running(std::vector<Figure>& figures) {
     const std::size_t last = closure.stitches.size() - 1;
     const double ratio = closure.stitches[last].tension / closure.stitches[0].tension;
     const std::string name = fmt::format("running thread, friction {}: ", friction);
-    figures.push_back(near_figure(name + fmt::format("ratio of tensions over {} stitches", last), "exp(mu theta)",
-                                  ratio, std::exp(friction * 2 * std::numbers::pi * double(last)), 0.02));
+    figures.push_back(near_figure(name + fmt::format("ratio of tensions over {} stitches", last),
+                                  "exp(mu theta)", ratio,
+                                  std::exp(friction * 2 * std::numbers::pi * double(last)), 0.02));
     figures.push_back(most_figure(name + "change of its length", "thread is kept", "1",
                                   std::abs(thread_length(closure) / thread - 1), 1e-9));
   }
@@ -146,9 +147,7 @@ constexpr double kLens = 0.036, kLensWidth = 0.0105, kMembrane = 400;  // [m] [m
 double close_membrane(const Exec& exec, const MembraneCase& c) {
   const int nodes = int(std::lround(0.12 / c.spacing)) + 1;
   Block block{.size = {nodes, nodes, 4}, .spacing = c.spacing, .young = 1000};
-  block.is_fixed = [nodes](Int3 p) {
-    return p.x == 0 || p.y == 0 || p.x == nodes - 1 || p.y == nodes - 1;
-  };
+  block.is_fixed = [nodes](Int3 p) { return p.x == 0 || p.y == 0 || p.x == nodes - 1 || p.y == nodes - 1; };
   Params params = skin_params(c.along, c.across);
   params.tissue.poisson = 0.3;
   params.skin.stiffness = kMembrane, params.skin.shear = kMembrane / 2, params.skin.amplification = 0;
@@ -190,11 +189,12 @@ void add_lenses(const Exec& exec, bool quick, std::vector<Figure>& figures) {
     figure.known_limit = true;  // the tissue below, the bite and the spacing add to it
     figures.push_back(figure);
   }
-  figures.push_back(near_figure("lens: change of the closing force with the tension", "L", (force[1] - force[0]) / 30,
-                                kLens, 0.15));
+  figures.push_back(near_figure("lens: change of the closing force with the tension", "L",
+                                (force[1] - force[0]) / 30, kLens, 0.15));
   const MembraneCase along{0.003, 0.0045, 60, 15, 0}, across{0.003, 0.0045, 60, 15, 90};
   figures.push_back(near_figure("lens across the lines of tension, less along them", "L (60 - 15 N/m)",
-                                close_membrane(exec, across) - close_membrane(exec, along), 45 * kLens, 0.15));
+                                close_membrane(exec, across) - close_membrane(exec, along), 45 * kLens,
+                                0.15));
 }
 
 }  // namespace

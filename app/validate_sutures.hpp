@@ -7,7 +7,8 @@
 
 namespace turgor {
 
-/// Closing forces against forces through sections and closed forms, running threads against the capstan equation.
+/// Closing forces against forces through sections and closed forms, running threads against the capstan
+/// equation.
 void add_sutures(const Exec& exec, bool quick, std::vector<Figure>& figures);
 
 }  // namespace turgor

@@ -7,6 +7,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/sim/replace_cuts.hpp"
 #include "turgor/sim/tools/load_tool.hpp"
 
 namespace turgor {
@@ -26,27 +27,6 @@ Status load_bodies(const Loading& loading, const Scene& scene, World& world) {
     }
   });
   return status;
-}
-
-Status load_cuts(const Scene& scene, World& world) {
-  for (const IncisionScene& incision : scene.incisions) {
-    TURGOR_CHECK(is_index(incision.body, world.lattice_bodies.size()), "an incision cuts a lattice");
-    Result<Cut> cut = load_cut(incision, world.lattice_bodies[std::size_t(incision.body)], world.cuts);
-    if (!cut) return cut.error();
-    world.cuts.push_back(std::move(*cut));
-  }
-  return Done{};
-}
-
-Status load_sutures(const Scene& scene, World& world) {
-  for (const SutureScene& suture_scene : scene.sutures) {
-    const Cut& cut = world.cuts[std::size_t(suture_scene.incision)];
-    const LatticeBody& body = world.lattice_bodies[std::size_t(suture_scene.body)];
-    Result<Suture> suture = load_suture(suture_scene, body, cut, world.sutures);
-    if (!suture) return suture.error();
-    world.sutures.push_back(std::move(*suture));
-  }
-  return Done{};
 }
 
 Result<TouchingTool> make_tool(const Loading& loading, const ToolScene& scene, World& world) {
@@ -121,8 +101,7 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
   world.scene_notes = scene.notes;
   const Loading loading{exec, begin, purpose};
   Status status = load_bodies(loading, scene, world);
-  if (status) status = load_cuts(scene, world);
-  if (status) status = load_sutures(scene, world);
+  if (status) status = replace_cuts(scene, world);
   if (status && purpose == Purpose::kSimulate) status = load_coupling(exec, scene, world);
   if (status) status = load_tools(loading, scene, world);
   if (status && purpose == Purpose::kSimulate) status = begin_bodies(exec, scene, world);
