@@ -6,13 +6,14 @@
 namespace turgor {
 namespace {
 
-// A world whose bodies are put back to rest and whose cuts are replaced steps as one that was loaded with these
-// cuts.
+// A world whose bodies are put back to rest and whose cuts are replaced steps as one that was loaded with
+// these cuts.
 TEST(ReplaceCuts, WorldStepsAsIfLoaded) {
   const std::filesystem::path folder = test::fresh_folder();
   const Exec exec(1);
   const Scene drawn = test::block_scene(folder),
-              moved = test::block_scene(folder, {"incision.cut.to=[0.015, -0.02, 0.02]", "incision.cut.depth=0.02"});
+              moved = test::block_scene(folder,
+                                        {"incision.cut.to=[0.015, -0.02, 0.02]", "incision.cut.depth=0.02"});
   World world = test::block_world(exec, drawn), fresh = test::block_world(exec, moved);
   const std::vector<LatticeBody> at_rest = world.lattice_bodies;
   for (int frame = 0; frame < 8; frame++) ASSERT_TRUE(step(exec, world));

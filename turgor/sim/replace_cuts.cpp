@@ -15,9 +15,8 @@ Status replace_cuts(const Scene& scene, World& world) {
     world.cuts.push_back(std::move(*cut));
   }
   for (const SutureScene& stitches : scene.sutures) {
-    Result<Suture> suture =
-        load_suture(stitches, world.lattice_bodies[std::size_t(stitches.body)],
-                    world.cuts[std::size_t(stitches.incision)], world.sutures);
+    Result<Suture> suture = load_suture(stitches, world.lattice_bodies[std::size_t(stitches.body)],
+                                        world.cuts[std::size_t(stitches.incision)], world.sutures);
     if (!suture) return suture.error();
     world.sutures.push_back(std::move(*suture));
   }

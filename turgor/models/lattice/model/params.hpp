@@ -74,8 +74,8 @@ struct TissueParams {
   double bone_min = 200;                                  // bone above this value [HU]
   double volume = 0;      // springs: bulk modulus of the volume energy over Young's modulus [1]
   double poisson = 0.45;  // solid: Poisson's ratio, 0 to 0.49 [1]
-  // Solid: cells that the body fills in part bear in proportion, and skin bears in them. Off by default, since
-  // contacts act on the outermost body nodes, which partial cells then hold from outside.
+  // Solid: cells that the body fills in part bear in proportion, and skin bears in them. Off by default,
+  // since contacts act on the outermost body nodes, which partial cells then hold from outside.
   bool partial_cells = false;
   SolidEnergy energy = SolidEnergy::kNeoHookean;
   double stiffening = 0;                 // exponential: b; Ogden: α [1]
