@@ -16,6 +16,7 @@
 #include "turgor/sim/report/report_lattice.hpp"
 #include "turgor/sim/report/report_organs.hpp"
 #include "turgor/sim/report/report_rhombus.hpp"
+#include "turgor/sim/report/report_sfem.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/report/section.hpp"
 #include "turgor/sim/report/verdict.hpp"

@@ -1,11 +1,10 @@
-// Touched bodies and tools in a report.
+// Tools in a report.
 #pragma once
 
 #include "turgor/sim/report/report.hpp"
 
 namespace turgor {
 
-Json report_body(const ReportInput& input, const SfemScene& scene, const SfemBody& body, BodyId id);
 Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& world);
 
 /// Warnings about limits of the haptic devices that the scene names.
