@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "turgor/models/lattice/build/partial_cells.hpp"
+#include "turgor/models/lattice/cutting/excision.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/skin_forces.hpp"
@@ -245,6 +246,20 @@ TEST(BoundarySkin, GapeDoesNotDependOnTheTiltOfTheSkin) {
   for (const double tilt : {4.0, 12.0, 23.0}) {
     EXPECT_NEAR(gape_in({.offset = 0.6, .tilt = tilt, .direction = 90}), flat, 0.05 * flat) << tilt << "°";
   }
+}
+
+// A piece leaves with its rim nodes: nothing that is left moves.
+TEST(BoundarySkin, ExcisedWoundComesToRest) {
+  const SlabBody body = slab_body({.offset = 0.4, .tilt = 12, .direction = 90});
+  State state = make_state(body.model);
+  Incision blade{.name = "lens", .depth = 0.0067};
+  blade.excision = Excision{.center = body.middle, .direction = body.along, .length = 0.02, .width = 0.012};
+  blade.path = excision_outline(body.model, state, *blade.excision).value();
+  const BladePath path = lay_blade(body.model, state, blade).value();
+  cut_edges(body.model, state, path, 0, 1, 0);
+  excise(body.model, state, find_piece(body.model, state.cuts, 0).value());
+  for (int n = 0; n < 30; n++) step(kTwo, body.model, state, {}, 1.0 / 30);
+  EXPECT_LT(state.motion.fastest, 1e-4f) << "m/s";
 }
 
 // The tension of tilted skin is in balance at every node: the patches of neighbor cells close.

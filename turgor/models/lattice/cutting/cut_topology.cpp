@@ -10,6 +10,7 @@
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cutting/crack_tips.hpp"
 #include "turgor/models/lattice/cutting/fragment_shares.hpp"
+#include "turgor/models/lattice/cutting/loose_rim.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 
@@ -243,6 +244,24 @@ void share_prestress(const Model& model, CutElements& elements) {
   }
 }
 
+/// Cancels the prestress of removed skin nodes, which no element balances.
+void cancel_prestress_of_removed(const Model& model, const Cuts& cuts, CutElements& elements) {
+  const std::size_t count = elements.nodes.size();
+  for (std::size_t at = 0; at < model.prestress_force.size(); at++) {
+    const int slot = model.anatomy.skin.nodes[at];
+    if (cuts.removed[std::size_t(slot)] == 0) continue;
+    const auto end = elements.nodes.begin() + std::ptrdiff_t(count);
+    const auto node = std::lower_bound(elements.nodes.begin(), end, slot,
+                                       [](const ElementNode& n, int s) { return n.corner < s; });
+    if (node != end && node->corner == slot)
+      node->prestress_force = -model.prestress_force[at];
+    else
+      elements.nodes.push_back({.corner = slot, .slot = slot, .prestress_force = -model.prestress_force[at]});
+  }
+  std::sort(elements.nodes.begin(), elements.nodes.end(),
+            [](const ElementNode& a, const ElementNode& b) { return a.corner < b.corner; });
+}
+
 /// Collects the nodes and virtual nodes of all elements, and the references from each node to its elements.
 void add_nodes(const Model& model, const Fragments& fragments, CutElements& elements) {
   const int slots = slot_count(model.anatomy.lattice);
@@ -358,6 +377,8 @@ void build_cut_elements(const Model& model, State& state, const DownloadNodes& d
                "the layers cover all virtual nodes");
   // prestress of the cut skin
   if (!model.prestress_force.empty()) share_prestress(model, elements);
+  remove_loose_rim(model, state);
+  if (!model.anatomy.skin.patches.empty()) cancel_prestress_of_removed(model, state.cuts, elements);
 }
 
 }  // namespace turgor::lattice

@@ -9,7 +9,6 @@
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/cutting/excision.hpp"
-#include "turgor/models/lattice/cutting/loose_rim.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
 
 namespace turgor::lattice {
@@ -256,7 +255,6 @@ void excise(const Model& model, State& state, const FreePiece& piece) {
   state.sleep.still_steps.clear();  // wakes all rows
   for (const int node : piece.nodes) state.motion.v.set(std::size_t(node), {});
   build_cut_elements(model, state);
-  remove_loose_rim(model, state);
 }
 
 }  // namespace turgor::lattice

@@ -18,7 +18,6 @@
 #include "turgor/models/lattice/cutting/drawn_curve.hpp"
 #include "turgor/models/lattice/cutting/excision.hpp"
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
-#include "turgor/models/lattice/cutting/loose_rim.hpp"
 #include "turgor/models/lattice/cutting/skin_near.hpp"
 #include "turgor/models/lattice/cutting/undermine.hpp"
 #include "turgor/models/lattice/mechanics/skin_queries.hpp"
@@ -277,7 +276,6 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
   // update skin and cut-cell elements
   if (count > 0) cut_skin(model, state.cuts);
   if (count > 0 || cut_version(state.cuts) > before) build_cut_elements(model, state, download);
-  if (count > 0) remove_loose_rim(model, state);
   return count;
 }
 
@@ -311,7 +309,6 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
   state.sleep.still_steps.clear();  // wakes all rows
   if (count > 0) cut_skin(model, state.cuts);
   if (count > 0) build_cut_elements(model, state);
-  if (count > 0) remove_loose_rim(model, state);
   return count;
 }
 
