@@ -101,7 +101,7 @@ BENCHMARK(bar_frame)
     ->UseRealTime();
 
 /// A frame of a torso from a CT with its staircase surface, in CPU time of one thread.
-void torso_frame(benchmark::State& bench, const TissueParams& tissue) {
+void torso_frame(benchmark::State& bench, const TissueParams& tissue, SkinLaw skin = SkinLaw::kFiber) {
   const Exec exec(1);
   PhantomParams phantom = default_phantom(PhantomKind::kTorso);
   const int shrink = static_cast<int>(bench.range(0));
@@ -109,6 +109,7 @@ void torso_frame(benchmark::State& bench, const TissueParams& tissue) {
   phantom.spacing *= double(shrink);
   Params params;
   params.tissue = tissue;
+  params.skin.law = skin;
   const Model model = build(exec, make_phantom(exec, phantom), {}, params).value();
   State state = make_state(model);
   for (auto _ : bench) step(exec, model, state, {}, kDt);
@@ -119,6 +120,18 @@ void torso_frame_with_volumes(benchmark::State& bench) { torso_frame(bench, {.vo
 void torso_frame_of_cells(benchmark::State& bench) { torso_frame(bench, {.law = TissueLaw::kSolid}); }
 void torso_frame_of_exponential_cells(benchmark::State& bench) {
   torso_frame(bench, {.law = TissueLaw::kSolid, .energy = SolidEnergy::kExponential, .stiffening = 10});
+}
+void torso_frame_of_fibered_cells(benchmark::State& bench) {
+  torso_frame(bench, {.law = TissueLaw::kSolid,
+                      .energy = SolidEnergy::kExponential,
+                      .stiffening = 10,
+                      .fiber = {.stiffness = 2e4, .stiffening = 5}});
+}
+void torso_frame_of_setting_cells(benchmark::State& bench) {
+  torso_frame(bench, {.law = TissueLaw::kSolid, .set = {.strain = 0.1, .share = 0.3}});
+}
+void torso_frame_with_exponential_skin(benchmark::State& bench) {
+  torso_frame(bench, {.law = TissueLaw::kSolid}, SkinLaw::kExponential);
 }
 void torso_frame_of_ogden_cells(benchmark::State& bench) {
   torso_frame(bench, {.law = TissueLaw::kSolid, .energy = SolidEnergy::kOgden, .stiffening = -10});
@@ -132,6 +145,13 @@ BENCHMARK(torso_frame_of_springs)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(bench
 BENCHMARK(torso_frame_with_volumes)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 BENCHMARK(torso_frame_of_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 BENCHMARK(torso_frame_of_exponential_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_of_fibered_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_of_setting_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_with_exponential_skin)
+    ->Arg(4)
+    ->Arg(2)
+    ->ArgName("shrink")
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(torso_frame_of_ogden_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 BENCHMARK(torso_frame_of_viscous_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 

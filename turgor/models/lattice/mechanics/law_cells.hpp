@@ -28,11 +28,11 @@ struct CellLawView {
   const Real* history[6];  // xx, yy, zz, xy, xz, yz; null = elastic [J]
 
   bool has_laws() const { return shear != nullptr; }
-  TURGOR_HD CellModuli moduli(int slot, Real young) const {
+  [[gnu::always_inline]] TURGOR_HD CellModuli moduli(int slot, Real young) const {
     const Real static_shear = young * shear[slot];
     return {static_shear * instant, young * bulk[slot] * instant, stiffening[slot], static_shear * hourglass};
   }
-  TURGOR_HD void set_fibers(int slot, Real young, CellModuli& m) const {
+  [[gnu::always_inline]] TURGOR_HD void set_fibers(int slot, Real young, CellModuli& m) const {
     m.fiber = young * fiber[slot] * instant, m.fiber_stiffening = fiber_stiffening[slot];
     m.direction = {fiber_x[slot], fiber_y[slot], fiber_z[slot]};
   }
