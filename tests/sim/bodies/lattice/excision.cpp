@@ -5,6 +5,7 @@
 #include "tests/sim/block_scene.hpp"
 #include "tests/sim/resumed.hpp"
 #include "tests/sim/scene/scene_error.hpp"
+#include "turgor/sim/deformed_ct.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/run.hpp"
@@ -68,6 +69,25 @@ TEST(Excision, ReportStatesPieceAndClosure) {
   for (std::size_t n = series.size() - 25; n < series.size(); n++)
     EXPECT_NEAR(series[n].closing_force, series.back().closing_force, 2e-3 * series.back().closing_force)
         << "N at " << series[n].time;
+}
+
+// The deformed CT has air where the piece was, and tissue below its floor.
+TEST(Excision, DeformedCtLacksThePiece) {
+  const Scene scene = excised_scene(test::fresh_folder(), "", 0.2, kCoarse);
+  const Exec exec(1);
+  World world = test::block_world(exec, scene);
+  const auto sample = [&](double y) {
+    const DeformedCt found = make_deformed_ct(exec, world.lattice_bodies[0], world.frame, {}, 1000);
+    const Grid& grid = found.ct.grid;
+    const Vec3d at = Vec3d{0.002, y, 0.001} - grid.origin;
+    return int(found.ct.at(int(std::lround(at.x / grid.spacing.x)), int(std::lround(at.y / grid.spacing.y)),
+                           int(std::lround(at.z / grid.spacing.z))));
+  };
+  EXPECT_NEAR(sample(-0.014), -100, 30) << "HU";
+  for (int frame = 0; frame < 6; frame++) ASSERT_TRUE(step(exec, world));
+  ASSERT_TRUE(world.cuts[0].specimen);
+  EXPECT_LT(sample(-0.014), -600) << "HU";
+  EXPECT_NEAR(sample(0), -100, 30) << "HU";
 }
 
 // Specimen and wound do not depend on the number of threads.
