@@ -285,7 +285,8 @@ constexpr Validation kValidations[] = {
     {"cloth", "Validate catenary, period, fall, wind, folds, stretch, drape", "a second of one core, 0.1 GB",
      "some seconds of one core, 0.1 GB"},
     {"surgery",
-     "Validate needles and sutures: puncture, toughness, energy, rest, a shaft; closing forces, running threads",
+     "Validate needles and sutures: puncture, toughness, energy, rest, a shaft; closing forces, running "
+     "threads",
      "some seconds of one core, 0.1 GB", "ten seconds of one core, 0.2 GB"},
     {"measured", "Compare with measured muscle, skin, silicone and strips that bend under their weight",
      "some seconds of one core, 0.1 GB", "a minute of one core, 0.1 GB"}};

@@ -109,7 +109,6 @@ std::vector<Real> patch_shares(const Model& model, const Cuts& cuts, const Fragm
   return shares;
 }
 
-
 std::vector<int> count_points(const Fragments& fragments, const Cuts& cuts, const CutCell& cell,
                               const Vec3 (&corner)[3], int subdivisions) {
   std::vector<int> count(std::size_t(cell.fragment_count));
