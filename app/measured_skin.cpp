@@ -86,7 +86,7 @@ std::vector<double> combined(const Columns& columns, const std::vector<double>& 
 }
 
 /// One of the three tests, and the points of the other two, which are fitted.
-struct Protocol {
+struct SkinProtocol {
   const char *name, *file;
   std::span<const BiaxialPoint> points;
   std::vector<BiaxialPoint> others;
@@ -96,7 +96,7 @@ std::vector<BiaxialPoint> joined(std::span<const BiaxialPoint> a, std::span<cons
   points.insert(points.end(), b.begin(), b.end());
   return points;
 }
-std::vector<Protocol> protocols() {
+std::vector<SkinProtocol> protocols() {
   return {{"skin strip along y", "skin-strip-y", kStripY, joined(kEquibiaxial, kStripX)},
           {"skin strip along x", "skin-strip-x", kStripX, joined(kEquibiaxial, kStripY)},
           {"equibiaxial skin", "skin-equibiaxial", kEquibiaxial, joined(kStripX, kStripY)}};
@@ -122,14 +122,14 @@ FittedSkin fit_exponential(const std::vector<BiaxialPoint>& points) {
   return best;
 }
 
-std::vector<double> predict_fiber(const Protocol& protocol) {
+std::vector<double> predict_fiber(const SkinProtocol& protocol) {
   const std::vector<BiaxialPoint>& points = protocol.others;
   return combined(fiber_columns(protocol.points),
                   fit_non_negative(fiber_columns(points), stresses(points)).coefficients);
 }
 
 /// Rows and curves of both stresses; bands of 10 % of the largest stress.
-void add_law(const Protocol& protocol, const char* file, const char* law,
+void add_law(const SkinProtocol& protocol, const char* file, const char* law,
              const std::vector<double>& predicted, MeasuredResult& result) {
   const std::vector<double> measured = stresses(protocol.points);
   const double largest = *std::max_element(measured.begin(), measured.end());
@@ -216,13 +216,13 @@ std::vector<double> stretch_sheet(const Exec& exec, const lattice::Model& model,
 }  // namespace
 
 void add_skin_sheet(const Exec& exec, MeasuredResult& result) {
-  for (const Protocol& protocol : protocols()) {
+  for (const SkinProtocol& protocol : protocols()) {
     const FittedSkin skin = fit_exponential(protocol.others);
     add_law(protocol, "exponential", "exponential law",
             combined(exponential_columns(skin.shape, protocol.points), skin.stresses), result);
     add_law(protocol, "body", "lattice body", stretch_sheet(exec, skin_sheet(skin), protocol.points), result);
   }
-  const Protocol strip = protocols()[0];
+  const SkinProtocol strip = protocols()[0];
   add_law(strip, "fiber", "fiber law", predict_fiber(strip), result);
 }
 
