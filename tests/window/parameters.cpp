@@ -54,6 +54,8 @@ TEST(Parameters, LiveParametersComeFirst) {
       std::is_partitioned(list.begin(), list.end(), [](const Parameter& p) { return p.waits.empty(); }));
   EXPECT_EQ(find(list, "body.torso.tissue.fat").waits, "the elements of the lattice depend on it");
   EXPECT_TRUE(find(list, "body.flag.wind.velocity").waits.empty());
+  EXPECT_EQ(find(list, "body.torso.skin.stiffening").waits, "the skin has another law");
+  EXPECT_TRUE(find(list, "body.torso.skin.stiffness").waits.empty());
 }
 
 // Modulus and friction take effect at once if the model allows it.

@@ -148,6 +148,19 @@ const char* why_not_scaled(const Scene& scene, const SceneKey& key) {
   return is_on_gpu ? "the GPU has a copy of the model" : nullptr;
 }
 
+/// True if the skin of a lattice has another law than the one of this key.
+bool is_of_other_skin(const Scene& scene, const SceneKey& key) {
+  const LatticeScene* lattice = key.group == "lattice" ? find_named(scene.lattice_bodies, key) : nullptr;
+  if (!lattice) return false;
+  const bool exponential = lattice->params.skin.law == lattice::SkinLaw::kExponential;
+  for (const std::string_view name : {"skin.stiffness", "skin.amplification"})
+    if (key.key == name) return exponential;
+  for (const std::string_view name :
+       {"skin.stiffening", "skin.fiber_stiffness", "skin.fiber_stiffening", "skin.dispersion"})
+    if (key.key == name) return !exponential;
+  return false;
+}
+
 }  // namespace
 
 std::string why_not_live(const Scene& scene, const SceneKey& key) {
@@ -155,6 +168,7 @@ std::string why_not_live(const Scene& scene, const SceneKey& key) {
   if (sfem && key.key == "young" && !(sfem->inside.empty() && sfem->inclusions.empty()))
     return "Green's functions depend on the ratio of its materials";
   if (key.key == "stiffness_scale" && why_not_scaled(scene, key)) return why_not_scaled(scene, key);
+  if (is_of_other_skin(scene, key)) return "the skin has another law";
   const ToolScene* tool = key.group == "tool" ? find_named(scene.tools, key) : nullptr;
   if (tool && key.key == "friction" && tool->body.kind == BodyKind::kRhombus)
     return "chains have no friction";
