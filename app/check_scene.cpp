@@ -13,6 +13,7 @@
 #include "turgor/sim/report/amount.hpp"
 #include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/world.hpp"
+#include "turgor/sim/world_state.hpp"
 
 namespace turgor {
 
@@ -63,6 +64,15 @@ double share_awake(const World& world, double time) {
   return share;
 }
 
+/// Wall time of a frame without wounds, in which rows of nodes may sleep [s].
+double seconds_without_wounds(const Exec& exec, const World& loaded) {
+  World world = copy_of(loaded);
+  world.cuts.clear(), world.sutures.clear();
+  double least = step_seconds(exec, world);
+  for (int frame = 0; frame < 2; frame++) least = std::min(least, step_seconds(exec, world));
+  return least;
+}
+
 /// Expected wall time of the frames from `first` on, of a world with cuts [s]. It jumps to a few of them, and
 /// steps twice there: a blade that jumps cuts all the way in its first step. `at_rest` is the time of a frame
 /// while nothing moves.
@@ -85,13 +95,13 @@ double seconds_with_wounds(const Exec& exec, int first, int frames, double at_re
 /// Expected wall time of all frames [s]: measured for the first ones, which may be all.
 double simulation_seconds(const Exec& exec, const Scene& scene, World& world) {
   const int frames = frame_count(scene);
+  const double at_rest = world.cuts.empty() ? 0 : seconds_without_wounds(exec, world);
   const std::vector<double> first = first_frames(exec, frames, world);
   const double measured = std::accumulate(first.begin(), first.end(), 0.0);
   const int rest = frames - int(first.size());
   if (rest == 0) return measured;
   const bool can_jump = world.cloth_bodies.empty();
   if (world.cuts.empty() || !can_jump) return measured + median(first) * rest;
-  const double at_rest = *std::min_element(first.begin(), first.end());
   return measured + seconds_with_wounds(exec, frames - rest, frames, at_rest, world);
 }
 
