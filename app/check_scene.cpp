@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <sys/resource.h>
@@ -13,7 +14,6 @@
 #include "turgor/sim/report/amount.hpp"
 #include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/world.hpp"
-#include "turgor/sim/world_state.hpp"
 
 namespace turgor {
 
@@ -64,12 +64,13 @@ double share_awake(const World& world, double time) {
   return share;
 }
 
-/// Wall time of a frame without wounds, in which rows of nodes may sleep [s].
-double seconds_without_wounds(const Exec& exec, const World& loaded) {
-  World world = copy_of(loaded);
-  world.cuts.clear(), world.sutures.clear();
+/// Wall time of a frame without wounds, in which rows of nodes may sleep [s]. The world then begins again.
+double seconds_without_wounds(const Exec& exec, World& world) {
+  const std::vector<Cut> cuts = std::exchange(world.cuts, {});
+  const std::vector<Suture> sutures = std::exchange(world.sutures, {});
   double least = step_seconds(exec, world);
   for (int frame = 0; frame < 2; frame++) least = std::min(least, step_seconds(exec, world));
+  world.cuts = cuts, world.sutures = sutures, world.frame = 0;
   return least;
 }
 
@@ -95,13 +96,13 @@ double seconds_with_wounds(const Exec& exec, int first, int frames, double at_re
 /// Expected wall time of all frames [s]: measured for the first ones, which may be all.
 double simulation_seconds(const Exec& exec, const Scene& scene, World& world) {
   const int frames = frame_count(scene);
-  const double at_rest = world.cuts.empty() ? 0 : seconds_without_wounds(exec, world);
+  const bool jumps = !world.cuts.empty() && world.cloth_bodies.empty();  // cloth cannot jump
+  const double at_rest = jumps ? seconds_without_wounds(exec, world) : 0;
   const std::vector<double> first = first_frames(exec, frames, world);
   const double measured = std::accumulate(first.begin(), first.end(), 0.0);
   const int rest = frames - int(first.size());
   if (rest == 0) return measured;
-  const bool can_jump = world.cloth_bodies.empty();
-  if (world.cuts.empty() || !can_jump) return measured + median(first) * rest;
+  if (!jumps) return measured + median(first) * rest;
   return measured + seconds_with_wounds(exec, frames - rest, frames, at_rest, world);
 }
 
