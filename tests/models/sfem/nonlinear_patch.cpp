@@ -106,7 +106,7 @@ TEST(NonlinearPatch, SmallForcesGiveLinearDisplacement) {
   EXPECT_GT(report.strain, 0.2);
 }
 
-// Where the patch covers the whole body, nothing is linear, and the base bears the force. Its tangent
+// Nothing is linear if the patch covers the whole body, and the base bears the force. Its tangent
 // predicts the displacement of slightly larger forces to second order.
 TEST(NonlinearPatch, TangentPredictsTheNextSolution) {
   const PatchOnBlock block = patch_on_block(4, 2, {4e3, 0.4}, 1.0);

@@ -59,7 +59,7 @@ double misplaced_area(const Model& model, double across, double upright, double 
   return area;
 }
 
-// Where one cut ends on another one, every lip keeps its own skin: the corners of the flaps are not torn, and
+// Every lip keeps its own skin where one cut ends on another one: the corners of the flaps are not torn, and
 // none has a piece of another. The positions include blades through nodes of the fine lattice.
 TEST(TetPoints, SkinOfJunctionKeepsItsSide) {
   const Model model = body_of(make_ct({44, 44, 28}, [](Vec3d p) { return p.z < 22; }), {4, 4, 4});

@@ -35,7 +35,7 @@ struct ConesView {
     return true;
   }
 
-  /// Direction of the steepest neighbor of a vertex toward which a direction leads; 0 if there is none.
+  /// Direction of the steepest neighbor of a vertex toward which a direction leads; 0 without one.
   TURGOR_HD Vec3 steepest(int v, Vec3 direction) const {
     const Vec3 at = x[std::size_t(v)];
     Vec3 found;

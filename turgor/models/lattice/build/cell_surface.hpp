@@ -43,7 +43,7 @@ struct CellSurface {
   Vec3 reach1, reach2;  // the points center ± reach1 ± reach2 integrate quadratics exactly [m]
 };
 
-/// Surface in a cell, by its corners (bit 0 = x, 1 = y, 2 = z); no area if there is none. `first`: layer of
+/// Surface in a cell, by its corners (bit 0 = x, 1 = y, 2 = z); no area without one. `first`: layer of
 /// the whole body at which the layers of `cell` begin.
 CellSurface surface_in_cell(Int3 cell, int first, Vec3d spacing, const std::array<bool, 8>& is_body_corner,
                             const CrossingOfEdge& crossing);
