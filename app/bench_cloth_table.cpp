@@ -25,12 +25,19 @@ void print_frames(const ClothBench& bench) {
   for (const ClothFrameRow& r : bench.frames)
     if (r.gpu_alone > 0) print_plain("{:>9} {:>19.3f} {:>22.3f}\n", r.vertices, r.gpu_alone, r.gpu_self);
   print_plain(
-      "\nOther engines on 2 cores of an EPYC (Zen 4), one step with 5 iterations; the work is not the same:\n"
+      "\nOther engines on 2 cores of an EPYC (Zen 4), 2025, one step with 5 iterations; the work is not the "
+      "same:\n"
       "  Jolt 5.5, edges + shear, no self-collision      10 000: 1.64 / 1.10    90 000: 15.3 / 10.2\n"
       "  Jolt, with dihedral bending                      10 000:  6.2 / 3.8     90 000: 62 / 36–59\n"
       "  Bullet 3.25, crumpled, with self-collision       10 000: 24–39\n"
       "  MuJoCo 3.12, self-colliding drape                 2 500: 23.6\n"
-      "  SOFA, springs, implicit, CG 25                   10 000: 16.2           90 000: 181\n");
+      "  SOFA, springs, implicit, CG 25                   10 000: 16.2           90 000: 181\n"
+      "On another machine with 2 cores of an EPYC, November 2026, a frame without / with self-collision:\n"
+      "  Newton 1.8, VBD on the CPU                       10 000: 89 / 168\n"
+      "  MuJoCo 4.0, flex, 4.2 steps of 4 ms              10 000: 18 / 83\n"
+      "  Bullet 3.25, deformable world                    10 000: 525 / -\n"
+      "Published: OGC 2025, 50 layers on a CPU            246 000: 210 on average, 550 at most\n"
+      "benches/peers/run measures these engines and Turgor in one run.\n");
 }
 
 }  // namespace

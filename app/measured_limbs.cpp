@@ -56,8 +56,8 @@ struct LimbSlab {
     params.tissue.energy = lattice::SolidEnergy::kExponential;
     params.tissue.stiffening = 1;
     params.tissue.poisson = 0.45;
-    params.tissue.layers = {{"fat", site.fat * 1e-3, moduli.fat * 1e3, 0.45, 1},
-                            {"muscle", 0, moduli.muscle * 1e3, 0.45, 1}};
+    params.tissue.layers = {{"fat", site.fat * 1e-3, {}, moduli.fat * 1e3, 0.45, 1},
+                            {"muscle", 0, {}, moduli.muscle * 1e3, 0.45, 1}};
     params.solver.sweeps = 12, params.solver.damping = 4;
     const int wide = kProbe + 2 * kBeside + 1;
     lattice::BodyNodes nodes = lattice::block_nodes({.size = {wide, wide, cells + 1},

@@ -155,7 +155,7 @@ lattice::Model muscle_block(const FittedMuscle& muscle) {
   params.tissue.law = lattice::TissueLaw::kSolid;
   params.tissue.energy = lattice::SolidEnergy::kExponential;
   params.tissue.stiffening = muscle.law.b;
-  params.tissue.poisson = 0.49;
+  params.tissue.poisson = 0.499;
   const double shear = std::max(muscle.moduli[0], 1e-3) * 1e3;  // [Pa]
   std::size_t pairs = 0;
   for (std::size_t i = 0; i < muscle.times.size(); i++)

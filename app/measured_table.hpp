@@ -54,6 +54,10 @@ struct MeasuredResult {
 
 /// Laws of solids against closed forms of homogeneous deformations.
 void add_laws(MeasuredResult& result);
+/// Laws of the lattice at a point: confined compression, torsion, fibers, against closed forms.
+void add_point_problems(MeasuredResult& result);
+/// Bodies of lattice cells against closed and published results. `quick`: without beams.
+void add_body_problems(const Exec& exec, bool quick, MeasuredResult& result);
 /// Muscle and skin: laws at a point of the material, fitted to some curves, predict others; skin also as a
 /// sheet of a lattice body.
 void add_muscle(MeasuredResult& result);

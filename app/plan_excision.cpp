@@ -109,7 +109,10 @@ PlannedDirection simulate_direction(const Exec& exec, const PlanOptions& options
     rest = is_at_rest(now.sutures[planned.suture]) ? rest + 1 : 0;
     return rest < kRestFrames;
   };
-  const Simulated run = required(simulate(exec, scene, world, {.progress = progress, .frame = goes_on}));
+  // a piece that does not come off in one direction leaves the others
+  const Result<Simulated> simulated = simulate(exec, scene, world, {.progress = progress, .frame = goes_on});
+  if (!simulated) return {.angle = angle, .problem = simulated.error().message};
+  const Simulated& run = *simulated;
   if (!run.finite)
     throw Failure{kNotFinite, fmt::format("{}: the run at {:.0f} degrees was not finite after {:.3f} s",
                                           options.scene.string(), angle, time_of(world))};
@@ -132,15 +135,19 @@ Json to_json(const PlanOptions& options, const std::string& name, const std::vec
              const PlanVerdict& verdict) {
   Json directions = Json::array();
   for (const PlannedDirection& d : found)
-    directions.push_back({{"angle_deg", rounded(d.angle)},
-                          {"angle_to_lines_deg", d.is_directional ? Json(rounded(d.angle_to_lines)) : Json()},
-                          {"closing_force_N", rounded(d.closing_force)},
-                          {"tension_max_N", rounded(d.tension_max)},
-                          {"gape_max_mm", rounded(1e3 * d.gape)},
-                          {"dog_ear_mm", rounded(1e3 * d.dog_ear)},
-                          {"specimen_shrinkage_percent", rounded(100 * d.shrinkage)},
-                          {"closed", d.is_closed},
-                          {"stitches_lost", d.lost}});
+    if (!d.problem.empty())
+      directions.push_back({{"angle_deg", rounded(d.angle)}, {"problem", d.problem}});
+    else
+      directions.push_back(
+          {{"angle_deg", rounded(d.angle)},
+           {"angle_to_lines_deg", d.is_directional ? Json(rounded(d.angle_to_lines)) : Json()},
+           {"closing_force_N", rounded(d.closing_force)},
+           {"tension_max_N", rounded(d.tension_max)},
+           {"gape_max_mm", rounded(1e3 * d.gape)},
+           {"dog_ear_mm", rounded(1e3 * d.dog_ear)},
+           {"specimen_shrinkage_percent", rounded(100 * d.shrinkage)},
+           {"closed", d.is_closed},
+           {"stitches_lost", d.lost}});
   return {{"program", "turgor"},
           {"version", program_version()},
           {"scene", options.scene.string()},
@@ -156,12 +163,18 @@ void print(const std::vector<PlannedDirection>& found, const PlanVerdict& verdic
   print_plain("{}", "");
   fmt::print("{:>9}  {:>13}  {:>14}  {:>8}  {:>7}\n", "direction", "closing force", "largest thread", "gape",
              "dog ear");
-  for (std::size_t n = 0; n < found.size(); n++)
-    fmt::print("{:>7.0f} °  {:>11.3f} N  {:>12.3f} N  {:>5.2f} mm  {:>4.1f} mm{}\n", found[n].angle,
+  for (std::size_t n = 0; n < found.size(); n++) {
+    if (!found[n].problem.empty()) {
+      fmt::print("{:>7.0f} °  {}\n", found[n].angle, found[n].problem);
+      continue;
+    }
+    fmt::print("{:>7.0f} °  {:>11.3f} N  {:>12.3f} N  {:>5.2f} mm  {:>4.1f} mm{}{}\n", found[n].angle,
                found[n].closing_force, found[n].tension_max, 1e3 * found[n].gape, 1e3 * found[n].dog_ear,
                n == verdict.best    ? "  best"
                : n == verdict.worst ? "  worst"
-                                    : "");
+                                    : "",
+               found[n].is_closed ? "" : "  open");
+  }
   print_plain("\n{}\n\ntable, polar plot and page   {}\n", verdict.sentence, out.string());
 }
 
@@ -182,12 +195,15 @@ void plan_excision(const Exec& exec, const PlanOptions& options) {
                              [&](double fraction) { bar.update((n + fraction) / options.directions); }));
   }
   // results
+  if (std::all_of(found.begin(), found.end(), [](const PlannedDirection& d) { return !d.problem.empty(); }))
+    throw Failure{2, fmt::format("{}: {}", options.scene.string(), found[0].problem)};
   const PlanVerdict verdict = verdict_of(found);
   std::string table =
       "angle_deg,closing_force_N,tension_max_N,gape_max_mm,dog_ear_mm,specimen_shrinkage_percent\n";
   for (const PlannedDirection& d : found)
-    table += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", d.angle, d.closing_force,
-                         d.tension_max, 1e3 * d.gape, 1e3 * d.dog_ear, 100 * d.shrinkage);
+    if (d.problem.empty())
+      table += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", d.angle, d.closing_force,
+                           d.tension_max, 1e3 * d.gape, 1e3 * d.dog_ear, 100 * d.shrinkage);
   required(write_file(folder.path() / "plan.csv", table));
   required(write_file(folder.path() / "closing-force.svg", polar_svg(found, verdict)));
   required(write_file(folder.path() / "plan.html", plan_page(name, found, verdict)));

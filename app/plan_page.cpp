@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -35,12 +36,22 @@ PolarPoint polar_point(double degrees, double fraction) {
 
 PlanVerdict verdict_of(const std::vector<PlannedDirection>& found) {
   TURGOR_ASSERT(!found.empty(), "a plan has directions");
-  const auto less = [](const PlannedDirection& a, const PlannedDirection& b) {
-    return a.closing_force < b.closing_force;
+  // directions that could not be simulated are neither best nor worst; a wound that stays open needs a larger
+  // force than was found, so that it is not best beside one that closes
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  const bool has_closed =
+      std::any_of(found.begin(), found.end(), [](const PlannedDirection& d) { return d.is_closed; });
+  const auto at_best = [has_closed](const PlannedDirection& d) {
+    return d.problem.empty() && (d.is_closed || !has_closed) ? d.closing_force : kUnknown;
+  };
+  const auto at_worst = [](const PlannedDirection& d) {
+    return d.problem.empty() ? d.closing_force : -kUnknown;
   };
   PlanVerdict verdict;
-  verdict.best = std::size_t(std::min_element(found.begin(), found.end(), less) - found.begin());
-  verdict.worst = std::size_t(std::max_element(found.begin(), found.end(), less) - found.begin());
+  for (std::size_t n = 1; n < found.size(); n++) {
+    if (at_best(found[n]) < at_best(found[verdict.best])) verdict.best = n;
+    if (at_worst(found[n]) > at_worst(found[verdict.worst])) verdict.worst = n;
+  }
   const PlannedDirection &best = found[verdict.best], &worst = found[verdict.worst];
   if (!(best.closing_force > 0)) {
     verdict.sentence = "No closing force was measured: the stitches did not close the wound before the end.";
@@ -54,8 +65,13 @@ PlanVerdict verdict_of(const std::vector<PlannedDirection>& found) {
       best.angle, best.closing_force,
       best.is_directional ? fmt::format(", {:.0f} degrees from Langer's lines", best.angle_to_lines) : "",
       worst.angle, worst.closing_force, 100 * (verdict.ratio - 1));
-  int lost = 0, open = 0;
-  for (const PlannedDirection& d : found) lost += d.lost, open += d.lost == 0 && !d.is_closed;
+  int lost = 0, open = 0, unknown = 0;
+  for (const PlannedDirection& d : found) {
+    unknown += !d.problem.empty();
+    lost += d.lost, open += d.problem.empty() && d.lost == 0 && !d.is_closed;
+  }
+  if (unknown > 0)
+    verdict.sentence += fmt::format(" {} of {} directions could not be simulated.", unknown, found.size());
   if (open > 0)
     verdict.sentence += fmt::format(
         " The stitches did not close the wound in {} of {} directions: the forces there are too small.", open,
@@ -94,6 +110,7 @@ std::string polar_svg(const std::vector<PlannedDirection>& found, const PlanVerd
   std::string points;
   for (const double turn : {0.0, 180.0})
     for (const PlannedDirection& d : found) {
+      if (!d.problem.empty()) continue;
       const PolarPoint at = polar_point(d.angle + turn, std::max(0.0, d.closing_force / most));
       points += fmt::format("{:.1f},{:.1f} ", at.x, at.y);
     }
@@ -125,13 +142,19 @@ std::string plan_page(const std::string& name, const std::vector<PlannedDirectio
       page::table_row({"direction [°]", "to Langer's lines [°]", "closing force [N]", "largest thread [N]",
                        "gape [mm]", "dog ear [mm]", "specimen shrinks [%]"},
                       "th");
-  for (const PlannedDirection& d : found)
+  for (const PlannedDirection& d : found) {
+    if (!d.problem.empty()) {
+      html +=
+          fmt::format("<tr><td>{:.0f}</td><td colspan=\"6\">{}</td></tr>\n", d.angle, xml_text(d.problem));
+      continue;
+    }
     html += page::table_row(
         {fmt::format("{:.0f}", d.angle), d.is_directional ? fmt::format("{:.0f}", d.angle_to_lines) : "–",
          fmt::format("{:.3f}", d.closing_force), fmt::format("{:.3f}", d.tension_max),
-         fmt::format("{:.2f}", 1e3 * d.gape), fmt::format("{:.2f}", 1e3 * d.dog_ear),
-         fmt::format("{:.1f}", 100 * d.shrinkage)},
+         fmt::format("{:.2f}{}", 1e3 * d.gape, d.is_closed ? "" : " (open)"),
+         fmt::format("{:.2f}", 1e3 * d.dog_ear), fmt::format("{:.1f}", 100 * d.shrinkage)},
         "td");
+  }
   return html + "</table></div></div>\n" + page::page_end();
 }
 

@@ -16,6 +16,7 @@ struct PlannedDirection {
   double shrinkage = 0;                       // of the specimen's length, relative
   int lost = 0;                               // stitches that tore out or broke
   bool is_closed = false;                     // the lips meet, and the stitches came to rest
+  std::string problem;                        // reason for which it could not be simulated; empty = none
 };
 
 /// Best and worst direction by closing force.

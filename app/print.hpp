@@ -43,6 +43,7 @@ inline void print_text(std::string_view text) { fmt::print("{}", plain_text(text
 
 /// Prints a message on standard error. Errors of a scene have several lines.
 inline void print_message(std::string_view program, std::string_view message) {
+  std::fflush(stdout);  // so that both are in order where they go to one file
   std::fputs((std::string(program) + ": " + plain_text(message) + "\n").c_str(), stderr);
 }
 

@@ -2,6 +2,7 @@
 // of a slit in an elastic plane.
 #include <cmath>
 
+#include "app/validate_curved_wound.hpp"
 #include "app/validate_wound.hpp"
 #include "app/validation.hpp"
 #include "turgor/models/lattice/build/block_body.hpp"
@@ -183,6 +184,7 @@ std::vector<Figure> validate_lattice(const Exec& exec, bool quick) {
                     "crack in an elastic plane", gape(exec, step, 0.006), 1, 0.04));
   add_layers(exec, quick, figures);
   add_wounds(exec, quick, figures);
+  if (!quick) add_curved_wounds(exec, figures);
   return figures;
 }
 

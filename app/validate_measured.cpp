@@ -55,6 +55,8 @@ std::vector<Figure> validate_measured(const Exec& exec, bool quick, const std::f
   // predictions
   MeasuredResult result;
   add_laws(result);
+  add_point_problems(result);
+  add_body_problems(exec, quick, result);
   add_muscle(result);
   add_skin_sheet(exec, result);
   add_cantilever(exec, quick, result);

@@ -8,6 +8,7 @@
 
 #include "app/commands.hpp"
 #include "app/needle_block.hpp"
+#include "app/validate_needle_lattice.hpp"
 #include "app/validate_sutures.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/sim/report/plot.hpp"
@@ -164,6 +165,7 @@ std::vector<Figure> validate_surgery(const Exec& exec, bool quick, const std::fi
   add_liver(exec, folder, figures);
   add_rest(exec, quick, figures);
   add_wire(exec, quick, figures);
+  add_lattice_needles(exec, figures);
   add_sutures(exec, quick, figures);
   return figures;
 }

@@ -1,10 +1,13 @@
 // Cut of 70 mm in a live world, drawn by hand: wall time of a frame while the blade moves and after, and of
 // the drawn surface. The cut is the same in every body, so twice the body should cost the same for the cut
-// itself. TURGOR_BENCH_CT = a CT file replaces the phantoms.
+// itself. TURGOR_BENCH_CT = a CT file replaces the phantoms. The processor times of all threads (cpu_ms)
+// depend less on other work of the machine: frames while the blade moves, the twenty frames after it, in
+// which nearly all rows are awake, and pictures. bench_suture_frames steps the stitched wound of suture.toml.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -54,18 +57,33 @@ CutRequest hand_drawn(const LatticeBody& body) {
   return request;
 }
 
+/// Processor time of all threads of the process [s].
+double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
+
 struct FrameTimes {
-  std::vector<double> steps, shows;  // [s]
+  std::vector<double> steps, shows;          // wall time [s]
+  std::vector<double> step_cpus, show_cpus;  // processor time [s]
 
   void add(const Exec& exec, World& world, WorldSnapshot& snapshot) {
+    const double begin = processor_seconds();
     const Timer stepping;
     benchmark::DoNotOptimize(step(exec, world).value().seconds);
     steps.push_back(stepping.seconds());
+    const double middle = processor_seconds();
     const Timer showing;
     show(exec, world, snapshot);
     shows.push_back(showing.seconds());
+    step_cpus.push_back(middle - begin), show_cpus.push_back(processor_seconds() - middle);
   }
 };
+
+/// Mean of the first values [ms].
+double mean_milliseconds(const std::vector<double>& seconds, std::size_t most) {
+  const std::size_t count = std::min(most, seconds.size());
+  double sum = 0;
+  for (std::size_t n = 0; n < count; n++) sum += seconds[n];
+  return 1e3 * sum / double(count);
+}
 
 double milliseconds(std::vector<double> seconds, double quantile) {
   std::sort(seconds.begin(), seconds.end());
@@ -111,6 +129,9 @@ void bench_cut_frames(benchmark::State& state) {
     state.counters["cut_show_ms"] = milliseconds(during.shows, 0.5);
     state.counters["after_ms"] = milliseconds(after.steps, 0.5);
     state.counters["after_show_ms"] = milliseconds(after.shows, 0.5);
+    state.counters["cut_cpu_ms"] = mean_milliseconds(during.step_cpus, during.step_cpus.size());
+    state.counters["after_cpu_ms"] = mean_milliseconds(after.step_cpus, 20);
+    state.counters["show_cpu_ms"] = milliseconds(after.show_cpus, 0.5);
     state.counters["opening_mm"] = opening(snapshot);
     state.counters["edges"] = world.cuts[0].edges;
   }
@@ -118,6 +139,34 @@ void bench_cut_frames(benchmark::State& state) {
 BENCHMARK(bench_cut_frames)
     ->ArgsProduct({{512}, {150, 300}, {1, 2}})
     ->ArgNames({"width", "length", "threads"})
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+
+/// Frames of suture.toml from the first pull on.
+void bench_suture_frames(benchmark::State& state) {
+  const Exec exec(int(state.range(0)));
+  const Scene scene = read_scene(std::filesystem::path(TURGOR_SCENE_FOLDER) / "suture.toml").value();
+  for (auto _ : state) {
+    World world = load_world(exec, scene).value();
+    while (time_of(world) < scene.sutures[0].pull.start) benchmark::DoNotOptimize(step(exec, world).value());
+    std::vector<double> steps, cpus;
+    while (time_of(world) < scene.duration) {
+      const double begin = processor_seconds();
+      const Timer timer;
+      benchmark::DoNotOptimize(step(exec, world).value().seconds);
+      steps.push_back(timer.seconds()), cpus.push_back(processor_seconds() - begin);
+    }
+    state.SetIterationTime(mean_milliseconds(steps, steps.size()) * 1e-3);
+    state.counters["nodes"] = world.lattice_bodies[0].model.anatomy.body_nodes;
+    state.counters["frame_ms"] = milliseconds(steps, 0.5);
+    state.counters["frame_cpu_ms"] = milliseconds(cpus, 0.5);
+    state.counters["frame_most_ms"] = milliseconds(steps, 1);
+  }
+}
+BENCHMARK(bench_suture_frames)
+    ->Arg(2)
+    ->ArgName("threads")
     ->Iterations(1)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);

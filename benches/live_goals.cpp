@@ -1,8 +1,9 @@
 // Pace of a window while a cut is drawn by hand, and in ordinary scenes, against the goals of the project on
 // two cores with software rendering. One command, at most five minutes on a quiet machine:
 //   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/benches/bench_live_goals [CT]
-// `CT` is a patient's CT (a file or a DICOM folder); without it that row is missing. The program returns 1 if
-// a goal is missed.
+// Processor times (frames, with the snapshots that the session's threads make; pictures) depend less on other
+// work of the machine than paces do. `CT` is a patient's CT (a file or a DICOM folder); without it that row
+// is missing. The program returns 1 if a goal is missed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "benches/thread_times.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/window/window.hpp"
 
@@ -52,19 +54,34 @@ struct Watched {
   }
 };
 
-/// Pace and pictures of a part of a run.
+/// Pace, pictures and processor times of a part of a run.
 struct Paced {
-  double pace = 0, pictures = 0;  // [simulated s/s], [1/s]
+  double pace = 0, pictures = 0;       // [simulated s/s], [1/s]
+  double frame = 0, picture = 0;       // processor time of the session a frame, and of drawing a picture [s]
+  double rasterizer = 0, haptics = 0;  // included in `picture` [s]; fraction of a core [1]
 };
 
 /// Draws until a condition holds and measures meanwhile.
 template <class Condition>
 Paced pace_until(Watched& watched, const Condition& condition, double longest) {
-  const double begin = watched.now().snapshot.time;
+  const WorldSnapshot& before = watched.now().snapshot;
+  const double begin = before.time;
+  const int frame = before.frame;
+  const std::map<std::string, double> times = thread_times();
   watched.pictures = 0;
   const Timer timer;
   watched.draw_until(condition, longest);
-  return {(watched.now().snapshot.time - begin) / timer.seconds(), watched.pictures / timer.seconds()};
+  const double seconds = timer.seconds();
+  std::map<std::string, double> used = thread_times();
+  for (const auto& [name, time] : times) used[name] -= time;
+  const double frames = std::max(1, watched.now().snapshot.frame - frame),
+               pictures = std::max(1, watched.pictures);
+  return {.pace = (watched.now().snapshot.time - begin) / seconds,
+          .pictures = watched.pictures / seconds,
+          .frame = used["session"] / frames,
+          .picture = (used["main"] + used["llvmpipe"]) / pictures,
+          .rasterizer = used["llvmpipe"] / pictures,
+          .haptics = used["haptic loop"] / seconds};
 }
 Paced pace_of(Watched& watched, double simulated, double longest) {
   const double end = watched.now().snapshot.time + simulated;
@@ -166,6 +183,11 @@ void print_cut(const std::string& name, const fs::path& scene, int& misses) {
              against(f->open > 0 ? f->open_2s / f->open : 0, kOpenShare, misses),
              against(f->during.pictures, kPictures, misses), against(f->after.pictures, kPictures, misses),
              f->missed, f->ticks + f->missed, f->open);
+  for (const auto& [when, p] : {std::pair("cutting", f->during), std::pair("after", f->after)})
+    fmt::print(
+        "  processor time {:<8} {:.1f} ms a frame, {:.1f} ms a picture ({:.1f} of it the rasterizer), "
+        "haptic loop {:.1f} % of a core\n",
+        when, 1e3 * p.frame, 1e3 * p.picture, 1e3 * p.rasterizer, 1e2 * p.haptics);
   std::fflush(stdout);
 }
 

@@ -1,5 +1,6 @@
 // Time of a picture of 100 000 triangles at 960 × 720, in the quick quality of a moving window and in full
-// quality. Without a GPU: LIBGL_ALWAYS_SOFTWARE=1.
+// quality, of a dry and a wet surface. A closed surface shows no back faces. Without a GPU:
+// LIBGL_ALWAYS_SOFTWARE=1.
 #include "turgor/view/mesh_drawing.hpp"
 
 #include <numbers>
@@ -33,7 +34,7 @@ TriMesh wavy_ball(int rings) {
   return mesh;
 }
 
-void draw(benchmark::State& state, RenderQuality quality) {
+void draw(benchmark::State& state, RenderQuality quality, bool wet, bool closed) {
   const Result<CurrentGl> gl = hold_gl();
   const Result<MeshPrograms> programs = gl ? link_mesh_programs() : Result<MeshPrograms>(gl.error());
   if (!programs) return state.SkipWithError(programs.error().message.c_str());
@@ -42,7 +43,8 @@ void draw(benchmark::State& state, RenderQuality quality) {
   const TriMesh ball = wavy_ball(158);
   const Camera camera{.eye = {0, -1, 0}, .target = {}};
   for (auto _ : state) {
-    const Result<GLuint> drawn = draw_into_texture(drawing, {{.mesh = &ball}}, camera, 960, 720, quality);
+    const Result<GLuint> drawn = draw_into_texture(drawing, {{.mesh = &ball, .closed = closed, .wet = wet}},
+                                                   camera, 960, 720, quality);
     if (!drawn) return state.SkipWithError(drawn.error().message.c_str());
     glFinish();
   }
@@ -52,11 +54,19 @@ void draw(benchmark::State& state, RenderQuality quality) {
   state.counters["triangles"] = double(ball.triangles.size());
 }
 
-BENCHMARK_CAPTURE(draw, quick, RenderQuality::kQuick)
+BENCHMARK_CAPTURE(draw, quick, RenderQuality::kQuick, false, false)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
-BENCHMARK_CAPTURE(draw, full, RenderQuality::kFull)
+BENCHMARK_CAPTURE(draw, quick_closed, RenderQuality::kQuick, false, true)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+BENCHMARK_CAPTURE(draw, full, RenderQuality::kFull, false, false)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+BENCHMARK_CAPTURE(draw, full_wet, RenderQuality::kFull, true, false)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();

@@ -1,6 +1,8 @@
 // Nonlinear patch under a ball: time of one solution (Newton steps, tangent, compliance of the points) and of
-// a tick that uses it. The goals are 100 solutions of 100 nodes a second, and ticks of 0.3 ms beside them.
+// a tick that uses it; and a live run with a virtual device, whose haptic thread ticks at 1 kHz while the
+// patch worker solves. The goals are 100 solutions of 100 nodes a second, and ticks of 0.3 ms beside them.
 #include <cmath>
+#include <string>
 
 #include <benchmark/benchmark.h>
 
@@ -9,6 +11,8 @@
 #include "turgor/geometry/hex_block.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/nonlinear_patch.hpp"
+#include "turgor/sim/live/live_run.hpp"
+#include "turgor/sim/run.hpp"
 
 namespace turgor {
 namespace {
@@ -85,6 +89,47 @@ void tick(benchmark::State& s) {
   s.counters["nodes"] = double(pressed.nonlinear.u.size() / 3);
 }
 BENCHMARK(tick)->Args({10, 3})->Args({14, 2})->Unit(benchmark::kMicrosecond);
+
+/// A finger presses a pad for two seconds, held by a simulated hand. Frames exchange solutions, one a frame.
+std::string live_text(long frame_rate) {
+  return "[world]\nduration = 2\nframe_rate = " + std::to_string(frame_rate) +
+         "\n[body.pad]\nmodel = \"sfem\"\nblock = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }\n"
+         "fixed = \"bottom\"\nyoung = 5e3\npoisson = 0.45\ncache = false\nelements = \"linear\"\n"
+         "law = \"exponential\"\nstiffening = 3\npatch = { radius = 0.01, refinement = 3 }\n"
+         "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.01 }\n"
+         "press = { at_fraction = [0.5, 0.5, 1], depth = 0.004, start = 0, duration = 1, hold = 0, times = 1 "
+         "}\n";
+}
+/// Rate of solutions from the first one to the last: while the tool presses.
+double solutions_a_second(const SfemBody& body) {
+  int count = 0;
+  double first = 0, last = 0;
+  for (const PatchRebuild& rebuild : body.rebuilds)
+    if (rebuild.is_solution) last = rebuild.time, first = count++ == 0 ? last : first;
+  return last > first ? (count - 1) / (last - first) : 0;
+}
+void live(benchmark::State& s) {
+  for (auto _ : s) {
+    const Result<Scene> scene = parse_scene(live_text(s.range(0)), "pad.toml", {});
+    if (!scene) return s.SkipWithError(scene.error().message.c_str());
+    Result<World> world = load_world(Exec(2), *scene);
+    if (!world) return s.SkipWithError(world.error().message.c_str());
+    Result<LiveRun> run = start_live(*world, {}, 2);
+    if (!run) return s.SkipWithError(run.error().message.c_str());
+    const int frames = frame_count(*scene);
+    for (int n = 0; n < frames && step(Exec(1), *world); n++) (void)run->touch->wait_for_frame();
+    run->touch->stop();
+    const haptics::TimingReport& timing = run->touch->timing();
+    const SfemBody& body = world->sfem_bodies[0];
+    s.counters["nodes"] = body.nonlinear ? double(body.nonlinear->u.size() / 3) : 0;
+    s.counters["solutions_a_second"] = solutions_a_second(body);
+    s.counters["unconverged"] = double(body.law_summary.unconverged) / double(body.law_summary.solutions);
+    s.counters["tick_us"] = 1e6 * timing.compute.p50;
+    s.counters["tick_p99_us"] = 1e6 * timing.compute.p99;
+    s.counters["missed"] = double(timing.missed);
+  }
+}
+BENCHMARK(live)->Arg(60)->Arg(120)->Arg(150)->ArgName("frame_rate")->Iterations(1)->UseRealTime();
 
 }  // namespace
 }  // namespace turgor

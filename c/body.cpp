@@ -5,8 +5,6 @@
 
 namespace turgor::c {
 
-namespace {
-
 BodyId id_of(const tg_world& world, std::int32_t index) {
   std::vector<BodyId> ids;
   for_each_body(*world.world, [&](BodyId id, const auto&) { ids.push_back(id); });
@@ -14,6 +12,8 @@ BodyId id_of(const tg_world& world, std::int32_t index) {
          "expected the index of a body, found one out of range");
   return ids[std::size_t(index)];
 }
+
+namespace {
 
 std::int32_t number_of(const tg_world& world, BodyId wanted) {
   std::int32_t number = 0, found = -1;

@@ -76,6 +76,11 @@ tg_status tg_default_world_def(tg_world_def* def, size_t size);
 tg_status tg_world_create(const tg_world_def* def, tg_world** world);
 /* Independent copy, which continues with the same bits as the original. */
 tg_status tg_world_copy(tg_world* world, tg_world** copy);
+/* Writes the state to a file, with cuts and stitches by the caller. An earlier file is kept on an error. */
+tg_status tg_world_save(tg_world* world, const char* path);
+/* Continues from such a file, with the bits of the world that was saved. TG_ERROR: a file of another program,
+   scene or CT, or a damaged one; the world is unchanged then. Not for worlds with haptic ticks. */
+tg_status tg_world_load(tg_world* world, const char* path);
 /* Accepts null. Ends haptic ticks. */
 tg_status tg_world_destroy(tg_world* world);
 
@@ -97,7 +102,7 @@ tg_status tg_world_step(tg_world* world, int32_t frames);
 typedef struct tg_body_info {
   size_t size;
   const char* name;
-  const char* model; /* "sfem", "lattice", "rhombus" or "cloth" */
+  const char* model; /* "sfem", "lattice", "rhombus", "cloth" or "rigid" */
   int32_t vertices, triangles;
   uint64_t topology_version; /* changes when a cut changes vertices and triangles */
 } tg_body_info;
@@ -108,7 +113,8 @@ tg_status tg_body_get_info(tg_world* world, int32_t body, tg_body_info* info);
  * with the final zero, even if it exceeds the buffer. Wounds are measured in the frames of tg_world_step. */
 tg_status tg_world_report(tg_world* world, char* buffer, size_t capacity, size_t* count);
 /* Numbers of the report by a dotted path; entries of an array by their name: "attachments.bed.force_N" is the force of an
- * attachment, "wounds.midline.gape_max_mm" the gape of a wound. Each call makes the report again. */
+ * attachment, "body_contacts.floor.force_z_N" that of a contact of two bodies, "bodies.stone.center_z_m" a position of a
+ * rigid body, "wounds.midline.gape_max_mm" the gape of a wound. Each call makes the report again. */
 tg_status tg_world_measure(tg_world* world, const char* path, double* buffer, size_t capacity, size_t* count);
 
 enum {
@@ -124,6 +130,39 @@ enum {
 tg_status tg_body_read(tg_world* world, int32_t body, int32_t quantity, float* buffer, size_t capacity, size_t* count);
 /* Triangles: 3 vertex indices each, counter-clockwise seen from outside. */
 tg_status tg_body_triangles(tg_world* world, int32_t body, int32_t* buffer, size_t capacity, size_t* count);
+
+/* Cut along points on or near the present skin of a lattice: a straight line, or a smooth curve through more than two. */
+typedef struct tg_cut {
+  size_t size;
+  int32_t body;
+  const char* name;     /* of the wound in the report; null = the first of hand-1, hand-2, ... that is free */
+  const double* points; /* x, y, z of point_count points [m] */
+  size_t point_count;
+  double depth;         /* below the skin [m] */
+  double tilt;          /* of the blade; above 0 its edge leans to the right of its direction [degrees] */
+  double duration;      /* of the blade's motion; 0 = instantaneous [s] */
+} tg_cut;
+/* Single stitch through a wound that is cut. */
+typedef struct tg_stitch {
+  size_t size;
+  int32_t body;
+  const char* wound;    /* its name; null = the nearest wound that the stitch crosses */
+  const double* points; /* x, y, z of point_count points in the CT, in the order of the thread [m] */
+  size_t point_count;
+  const char* thread;   /* name of its preset; null = "nylon 3-0" */
+  double tension;       /* at which it is knotted [N]; 0 = when the lips meet under it */
+  double duration;      /* of the pull [s] */
+} tg_stitch;
+/* Fill in the defaults: 0.01 m deep, upright, 0.2 s; until the lips meet, 0.5 s. `size` = sizeof(tg_cut), sizeof(tg_stitch). */
+tg_status tg_default_cut(tg_cut* cut, size_t size);
+tg_status tg_default_stitch(tg_stitch* stitch, size_t size);
+
+/* Start a cut, or lay and pull a stitch, in the frame that is computed next. They have the bits of the same cut and stitch
+ * in a scene. `name` (may be null) receives the name in the report. What is refused leaves the world unchanged. */
+tg_status tg_world_cut(tg_world* world, const tg_cut* cut, const char** name);
+tg_status tg_world_stitch(tg_world* world, const tg_stitch* stitch, const char** name);
+/* Pulls a stitch by hand further or loosens it: to a tension [N], 0 = until the lips meet; `duration` of the pull [s]. */
+tg_status tg_world_tighten(tg_world* world, const char* stitch, double tension, double duration);
 
 typedef struct tg_tool_info {
   size_t size;

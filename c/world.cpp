@@ -94,6 +94,13 @@ FrameReport finite_step(tg_world& world) {
   return report;
 }
 
+/// A saved world has no haptic thread.
+void expect_between_frames(const tg_world& world, const char* path) {
+  expect(path != nullptr, "expected a file, found null");
+  expect(!world.was_touched && !world.driven,
+         "expected a world that is stepped by tg_world_step, found one with haptic ticks");
+}
+
 void resize_buffers(tg_world& world) {
   world.commands.resize(world.world->tools.size());
   world.readings.resize(world.world->tools.size());
@@ -137,9 +144,24 @@ tg_status tg_world_create(const tg_world_def* given, tg_world** world) {
     auto made = std::make_unique<tg_world>(def.threads);
     made->scene = std::make_shared<const Scene>(scene_of(def));
     made->world = std::make_unique<World>(required(load_world(made->exec, *made->scene, begin_of(def))));
-    made->measures = make_measures(*made->world);
+    made->measures = make_measures(*made->world), made->loaded = loaded_world(*made->world);
     resize_buffers(*made);
     *world = made.release();
+  });
+}
+
+tg_status tg_world_save(tg_world* world, const char* path) {
+  return with(world, [path](tg_world& w) {
+    expect_between_frames(w, path);
+    required(save_world(path, *w.scene, *w.world, w.measures, w.loaded));
+  });
+}
+
+tg_status tg_world_load(tg_world* world, const char* path) {
+  return with(world, [path](tg_world& w) {
+    expect_between_frames(w, path);
+    required(read_saved_world(w.exec, path, *w.scene, w.loaded, *w.world, w.measures));
+    w.is_shown = false;
   });
 }
 
@@ -151,7 +173,7 @@ tg_status tg_world_copy(tg_world* world, tg_world** copy) {
     *copy = nullptr;
     auto made = std::make_unique<tg_world>(1);
     made->exec = from.exec, made->scene = from.scene, made->driven = from.driven,
-    made->was_touched = from.was_touched, made->measures = from.measures;
+    made->was_touched = from.was_touched, made->measures = from.measures, made->loaded = from.loaded;
     made->world = std::make_unique<World>(copy_of(*from.world));
     resize_buffers(*made);
     *copy = made.release();

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "c/guard.hpp"
+#include "turgor/sim/autosave/saved_world.hpp"
 #include "turgor/sim/live/driven_ticks.hpp"
 #include "turgor/sim/report/measures.hpp"
 #include "turgor/sim/snapshot.hpp"
@@ -20,6 +22,7 @@ struct tg_world {
   std::shared_ptr<const turgor::Scene> scene;
   std::unique_ptr<turgor::World> world;
   turgor::Measures measures;                  // of the frames of tg_world_step
+  turgor::LoadedWorld loaded;                 // for saved states
   std::optional<turgor::DrivenTicks> driven;  // used by tg_world_tick and tg_touch_tick
   bool touched = false;                       // between tg_touch_begin and tg_touch_end
   bool was_touched = false;
@@ -27,6 +30,7 @@ struct tg_world {
   bool is_shown = false;
   std::vector<turgor::contact::ToolCommand> commands;  // one per tool, as `readings`
   std::vector<turgor::contact::ToolReading> readings;
+  std::deque<std::string> names;  // of cuts and stitches by hand that were returned to the caller
   std::atomic<bool> is_busy{false}, is_ticked{false};  // a call, or a haptic tick, is in progress
   std::atomic<bool> is_broken{false};
 };
@@ -64,5 +68,8 @@ template <class Call>
 tg_status with(tg_world* world, const Call& call) noexcept {
   return with(world, &tg_world::is_busy, call);
 }
+
+/// Body of that index. Misuse: an index out of range.
+BodyId id_of(const tg_world& world, std::int32_t index);
 
 }  // namespace turgor::c

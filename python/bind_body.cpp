@@ -8,16 +8,20 @@ namespace turgor {
 
 using namespace nb::literals;
 
+BodyId named_body(const PyWorld& world, const std::string& name) {
+  std::optional<BodyId> found;
+  for_each_body(world.world(), [&](BodyId id, const auto& body) {
+    if (body.name == name) found = id;
+  });
+  if (!found) throw nb::key_error(("the scene has no body " + name).c_str());
+  return *found;
+}
+
 namespace {
 
 PyBody find_body(nb::object owner, const std::string& name) {
   auto& world = nb::cast<PyWorld&>(owner);
-  std::optional<PyBody> found;
-  for_each_body(world.world(), [&](BodyId id, const auto& body) {
-    if (body.name == name) found = PyBody{owner, &world, id, name};
-  });
-  if (!found) throw nb::key_error(("the scene has no body " + name).c_str());
-  return *found;
+  return {owner, &world, named_body(world, name), name};
 }
 
 const BodySnapshot& snapshot_of(const PyBody& body) { return body_snapshot(body.world->snapshot(), body.id); }

@@ -123,7 +123,23 @@ nb::dict coupling_columns(const std::vector<CouplingSample>& samples) {
   return columns;
 }
 
-/// Measurements of every wound, cloth, attachment and contact between bodies, one row per frame.
+/// Motion of a rigid body, one row per frame.
+nb::dict rigid_columns(const std::vector<RigidSample>& samples) {
+  nb::dict columns = columns_of<RigidSample>(samples, {{"time_s", &RigidSample::time}});
+  std::vector<double> center, rotation, velocity, spin;
+  for (const RigidSample& s : samples) {
+    rotation.insert(rotation.end(), s.rotation.begin(), s.rotation.end());
+    for (int axis = 0; axis < 3; axis++)
+      center.push_back(s.center[axis]), velocity.push_back(s.velocity[axis]), spin.push_back(s.spin[axis]);
+  }
+  columns["center_m"] = new_array(std::move(center), 3);
+  columns["rotation"] = new_array(std::move(rotation), 4);
+  columns["velocity_m_per_s"] = new_array(std::move(velocity), 3);
+  columns["spin_rad_per_s"] = new_array(std::move(spin), 3);
+  return columns;
+}
+
+/// Measurements of every wound, cloth, rigid body, attachment and contact between bodies, one row per frame.
 nb::dict measures(const PyWorld& world) {
   nb::dict of;
   for (const CutMeasures& cut : world.measures().cuts)
@@ -143,6 +159,8 @@ nb::dict measures(const PyWorld& world) {
     of[body.name.c_str()] = columns_of<ClothSample>(
         body.samples,
         {{"time_s", &ClothSample::time}, {"largest_speed_m_per_s", &ClothSample::largest_speed}});
+  for (const RigidBody& body : world.world().rigid_bodies)
+    of[body.name.c_str()] = rigid_columns(body.samples);
   const Coupling& coupling = world.world().coupling;
   for (const Attachment& a : coupling.attachments) of[a.name.c_str()] = coupling_columns(a.samples);
   for (const BodyContact& c : coupling.contacts) of[c.name.c_str()] = coupling_columns(c.samples);
@@ -286,6 +304,14 @@ void bind_world(nb::module_& module) {
       .def("__repr__", &text_of)
       .def("get_state", &PyWorld::state, "Copies the state, for set_state.")
       .def("set_state", &PyWorld::set_state, "state"_a, "Restores a state of this world or of a copy of it.")
+      .def("save", &PyWorld::save, "path"_a,
+           "Writes the state to a file, with cuts and stitches by the caller and with measures. On an error "
+           "an "
+           "earlier file is kept.")
+      .def("load", &PyWorld::load, "path"_a,
+           "Continues from a file of save(), with the bits of the world that was saved. Raises Error for a "
+           "file "
+           "of another program or scene, or a damaged one; the world is unchanged then.")
       .def("_forces", &forces, "tool"_a)
       .def("_measures", &measures)
       .def("_report", &report)
@@ -296,6 +322,7 @@ void bind_world(nb::module_& module) {
            "w, x, "
            "y, z).");
   bind_ticks(world, module);
+  bind_by_hand(world);
 }
 
 }  // namespace turgor

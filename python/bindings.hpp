@@ -13,9 +13,14 @@ struct PyBody {
   std::string name;
 };
 
+/// Body of that name. Throws KeyError for an unknown one.
+BodyId named_body(const PyWorld& world, const std::string& name);
+
 void bind_body(nb::module_& module);
+void bind_by_hand(nb::class_<PyWorld>& world);
 void bind_live(nb::module_& module);
 void bind_world(nb::module_& module);
+void bind_identify(nb::module_& module);
 void bind_run(nb::module_& module);
 void bind_recording(nb::module_& module);
 

@@ -13,6 +13,7 @@ NB_MODULE(_turgor, module) {
   turgor::bind_body(module);
   turgor::bind_live(module);
   turgor::bind_world(module);
+  turgor::bind_identify(module);
   turgor::bind_run(module);
   turgor::bind_recording(module);
 }

@@ -71,6 +71,7 @@ PyWorld::PyWorld(Scene scene, int threads, bool keeps_forces, const BeginWork& b
       keeps_forces_(keeps_forces) {
   world_ = std::make_unique<World>(required(load_world(exec_, *scene_, begin)));
   measures_ = make_measures(*world_);
+  loaded_ = loaded_world(*world_);
   limit_logs();
 }
 
@@ -79,7 +80,8 @@ PyWorld::PyWorld(PyWorld& other, int threads)
       scene_(other.scene_),
       keeps_forces_(other.keeps_forces_),
       driven_(other.driven_),
-      measures_(other.measures_) {
+      measures_(other.measures_),
+      loaded_(other.loaded_) {
   const Entered entered(other);
   world_ = std::make_unique<World>(copy_of(*other.world_));
 }
@@ -117,6 +119,21 @@ void PyWorld::tick(std::size_t ticks, const double* poses, const bool* holds, do
   }
 }
 
+std::string PyWorld::cut(const CutByHand& cut) {
+  const Entered entered(*this);
+  return required(cut_by_hand(exec_, cut, scene_, *world_));
+}
+
+std::string PyWorld::stitch(const StitchByHand& stitch) {
+  const Entered entered(*this);
+  return required(stitch_by_hand(exec_, stitch, scene_, *world_));
+}
+
+void PyWorld::tighten(const std::string& stitch, std::optional<double> tension, double duration) {
+  const Entered entered(*this);
+  required(tighten_by_hand(exec_, stitch, tension, duration, scene_, *world_));
+}
+
 PyState PyWorld::state() {
   const Entered entered(*this);
   return {scene_, state_of(*world_), driven_, measures_};
@@ -128,6 +145,25 @@ void PyWorld::set_state(const PyState& state) {
     throw Refused("expected a state of this world or of a copy of it, found one of another world");
   turgor::set_state(*world_, state.state);
   driven_ = state.driven, measures_ = state.measures;
+  is_shown_ = false;
+}
+
+void PyWorld::expect_frames(const char* call) const {
+  if (driven_)
+    throw Refused(
+        fmt::format("this world runs tick by tick: expected get_state() or copy(), found {}", call));
+}
+
+void PyWorld::save(const std::filesystem::path& path) {
+  const Entered entered(*this);
+  expect_frames("save()");
+  required(save_world(path, *scene_, *world_, measures_, loaded_));
+}
+
+void PyWorld::load(const std::filesystem::path& path) {
+  const Entered entered(*this);
+  expect_frames("load()");
+  required(read_saved_world(exec_, path, *scene_, loaded_, *world_, measures_));
   is_shown_ = false;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "turgor/sim/autosave/saved_world.hpp"
+#include "turgor/sim/live/by_hand.hpp"
 #include "turgor/sim/live/driven_ticks.hpp"
 #include "turgor/sim/report/measures.hpp"
 #include "turgor/sim/snapshot.hpp"
@@ -50,8 +53,16 @@ class PyWorld {
   void tick(std::size_t ticks, const double* poses, const bool* holds, double* forces);
   bool is_driven() const { return driven_.has_value(); }
 
+  /// Cuts and stitches between two frames (sim/live/by_hand.hpp); the first two return names.
+  std::string cut(const CutByHand& cut);
+  std::string stitch(const StitchByHand& stitch);
+  void tighten(const std::string& stitch, std::optional<double> tension, double duration);
+
   PyState state();
   void set_state(const PyState& state);
+  /// State in a file, for a world of the same scene (sim/autosave/saved_world.hpp).
+  void save(const std::filesystem::path& path);
+  void load(const std::filesystem::path& path);
 
   const Scene& scene() const { return *scene_; }
   const Exec& exec() const { return exec_; }
@@ -79,6 +90,8 @@ class PyWorld {
 
  private:
   void limit_logs();
+  /// Throws Refused if the world runs tick by tick, since a file has no state between two ticks.
+  void expect_frames(const char* call) const;
 
   Exec exec_;
   std::shared_ptr<const Scene> scene_;
@@ -86,6 +99,7 @@ class PyWorld {
   bool keeps_forces_ = true;
   std::optional<DrivenTicks> driven_;
   Measures measures_;
+  LoadedWorld loaded_;  // for files of states
   std::vector<contact::ToolCommand> commands_;
   std::vector<contact::ToolReading> readings_;
   WorldSnapshot snapshot_;

@@ -16,10 +16,11 @@ __path__[:0] = engine.folders()
 from ._turgor import Error, LiveBody, LiveVectors, State, __version__, instructions  # noqa: E402
 from .body import Body
 from .columns import Columns
+from .identify import FittedParameter, Identified, identify
 from .recording import Recording, export_gltf, export_usd
 from .scenes import Mesh
 from .volume import Volume
 from .world import World, run, tick_all
 
-__all__ = ["Body", "Columns", "Error", "LiveBody", "LiveVectors", "Mesh", "Recording", "State", "Volume", "World", "export_gltf",
-           "export_usd", "instructions", "run", "tick_all", "__version__"]
+__all__ = ["Body", "Columns", "Error", "FittedParameter", "Identified", "LiveBody", "LiveVectors", "Mesh", "Recording", "State", "Volume",
+           "World", "export_gltf", "export_usd", "identify", "instructions", "run", "tick_all", "__version__"]

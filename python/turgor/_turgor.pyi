@@ -163,6 +163,16 @@ class World:
     def set_state(self, state: State) -> None:
         """Restores a state of this world or of a copy of it."""
 
+    def save(self, path: str | os.PathLike) -> None:
+        """
+        Writes the state to a file, with cuts and stitches by the caller and with measures. On an error an earlier file is kept.
+        """
+
+    def load(self, path: str | os.PathLike) -> None:
+        """
+        Continues from a file of save(), with the bits of the world that was saved. Raises Error for a file of another program or scene, or a damaged one; the world is unchanged then.
+        """
+
     def drive(self, tool: str, rows: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)]) -> None:
         """
         Moves a tool from its present position along rows of [t, x, y, z], linearly interpolated, with t [s] from now on. A fifth column grasps (1) or not (0), four more are the orientation (a quaternion w, x, y, z).
@@ -179,6 +189,8 @@ class World:
         """
 
 def tick_all(worlds: Sequence[World], poses: Annotated[NDArray[numpy.float64], dict(shape=(None, None, 7), order='C', device='cpu', writable=False)], hold: Annotated[NDArray[numpy.bool_], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, threads: int) -> NDArray[numpy.float64]: ...
+
+def identify(scene: str | os.PathLike, text: str | None, overrides: Sequence[str], by_time: bool, at: Sequence[float], force: Sequence[float], start: Sequence[tuple[str, float]], tool: str, threads: int) -> dict: ...
 
 def run_to_json(scene: str | os.PathLike, text: str | None, overrides: Sequence[str], out: str | os.PathLike, force: bool, threads: int, on_frame: object | None, progress: object | None) -> str: ...
 

@@ -19,201 +19,23 @@ members, for job arrays on one file system; the last share gathers the results. 
 """
 import argparse
 import concurrent.futures
-import csv
 import difflib
-import hashlib
-import io
-import itertools
 import json
 import math
 import os
 import pathlib
-import stat
 import subprocess
 import sys
 import time
-import tomllib
 
 import numpy as np
 
 from ._turgor import Error, __version__, instructions, plain_text
-
-KINDS = ("grid", "lhs", "saltelli")
-
-
-# The design
-
-
-def _value(spec, share):
-    """Value of a varied key at this fraction of its range, in [0, 1)."""
-    if "values" in spec:
-        return spec["values"][int(share * len(spec["values"]))]
-    low, high = spec["uniform"] if "uniform" in spec else spec["log_uniform"]
-    if isinstance(low, list):  # a vector, from one to the other
-        return [_between(*ends, share, "uniform" in spec) for ends in zip(low, high)]
-    return _between(low, high, share, "uniform" in spec)
-
-
-def _between(low, high, share, linear):
-    return low + (high - low) * share if linear else low * (high / low) ** share
-
-
-def latin_hypercube(count, dimensions, seed):
-    """(count, dimensions) in [0, 1): every column has one number in each of `count` equal intervals."""
-    random = np.random.default_rng(seed)
-    cells = np.stack([random.permutation(count) for _ in range(dimensions)], axis=1)
-    return (cells + random.random((count, dimensions))) / count
-
-
-def _saltelli(count, dimensions, seed):
-    """Matrices A, B, and A with each column replaced by that of B [Saltelli 2010]: (dimensions + 2) · count rows."""
-    both = latin_hypercube(count, 2 * dimensions, seed)
-    a, b = both[:, :dimensions], both[:, dimensions:]
-    blocks = [a, b]
-    for column in range(dimensions):
-        mixed = a.copy()
-        mixed[:, column] = b[:, column]
-        blocks.append(mixed)
-    return np.concatenate(blocks)
-
-
-def _rows_of_design(design, vary):
-    kind = design["kind"]
-    if kind == "grid":
-        return [dict(zip(vary, values)) for values in itertools.product(*(spec["values"] for spec in vary.values()))]
-    make = _saltelli if kind == "saltelli" else latin_hypercube
-    shares = make(design["count"], len(vary), design.get("seed", 0))
-    return [{key: _value(spec, share) for (key, spec), share in zip(vary.items(), row)} for row in shares.tolist()]
-
-
-def sobol_indices(values, dimensions, seed=0, times=500):
-    """First and total Sobol indices of a Saltelli design [Jansen 1999], each with the half width of its 95 % interval.
-
-    values: (dimensions + 2) · count, in the order of the design; failed members are nan and excluded with their base row.
-    Returns first, total: (dimensions, 2).
-    """
-    blocks = np.asarray(values, dtype=float).reshape(dimensions + 2, -1)
-    blocks = blocks[:, np.isfinite(blocks).all(axis=0)]
-
-    def of(rows):
-        a, b, mixed = blocks[0, rows], blocks[1, rows], blocks[2:, rows]
-        spread = np.var(np.concatenate([a, b]), axis=0) or math.nan
-        return 1 - np.mean((b - mixed) ** 2, axis=1) / (2 * spread), np.mean((a - mixed) ** 2, axis=1) / (2 * spread)
-
-    count = blocks.shape[1]
-    if count < 2:
-        return np.full((2, dimensions, 2), math.nan)
-    random = np.random.default_rng(seed)
-    again = np.array([of(random.integers(count, size=count)) for _ in range(times)])
-    return np.stack([np.array(of(np.arange(count))), 1.96 * again.std(axis=0)], axis=-1)
+from .study_design import sobol_indices
+from .study_file import Study, check_is_file
 
 
 # Members
-
-
-def _content(value, folder):
-    """Value of a scene for hashing; file names are replaced by hashes of their content."""
-    if isinstance(value, dict):
-        return {key: _content(one, folder) for key, one in value.items()}
-    if isinstance(value, list):
-        return [_content(one, folder) for one in value]
-    if not isinstance(value, str) or not value:
-        return value
-    path = folder / value
-    if path.is_file():
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    if path.is_dir():
-        return [[file.name, hashlib.sha256(file.read_bytes()).hexdigest()] for file in sorted(path.iterdir()) if file.is_file()]
-    return value
-
-
-def _text_of(file):
-    """Text of a file. Raises Error for a folder, a pipe or a device, which could be read without end."""
-    _check_is_file(file)
-    try:
-        return pathlib.Path(file).read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise Error(f"{file}: expected text in UTF-8, found other bytes: {error}") from error
-
-
-def _check_is_file(file):
-    mode = pathlib.Path(file).stat().st_mode
-    if not stat.S_ISREG(mode):
-        kind = "a folder" if stat.S_ISDIR(mode) else "a pipe" if stat.S_ISFIFO(mode) else "a device"
-        raise Error(f"{file}: expected a file, found {kind}")
-
-
-class Study:
-    """A validated study file. Raises Error for an invalid one."""
-
-    def __init__(self, file):
-        self.file = pathlib.Path(file)
-        try:
-            text = tomllib.loads(_text_of(self.file))
-            self._check_tables(text)
-            study = text["study"]
-            self.scene = self.file.parent / study["scene"]
-            self.vary, self.measure, self.run = text["vary"], text["measure"], text.get("run", {})
-            self.design = study["design"]
-            rows = self._designed()
-            cases = self._cases(study.get("cases"))
-            scene_text = _text_of(self.scene)
-            scene = tomllib.loads(scene_text)
-        except (OSError, tomllib.TOMLDecodeError) as error:
-            raise Error(f"{self.file}: {error}") from error
-        except KeyError as error:
-            raise Error(f"{self.file}: expected a key {error}, found none") from error
-        fixed = {"version": __version__, "scene": _content(scene, self.scene.parent), "text": scene_text,
-                 "measure": self.measure}
-        self.case_count = len(cases)
-        self.members = [{"set": {**case, **row}, "case": number} for number, case in enumerate(cases) for row in rows]
-        for member in self.members:
-            of = {**fixed, "set": member["set"], "files": _content(member["set"], self.file.parent)}
-            member["key"] = hashlib.sha256(json.dumps(of, sort_keys=True).encode()).hexdigest()[:24]
-
-    def _check_tables(self, text):
-        """Checks that the sections, the design and the varied keys are tables."""
-        found = {name: text[name] for name in ("study", "vary", "measure", "run") if name in text}
-        if isinstance(text.get("study"), dict) and "design" in text["study"]:
-            found["study.design"] = text["study"]["design"]
-        if isinstance(text.get("vary"), dict):
-            found.update({f"vary.{key}": spec for key, spec in text["vary"].items()})
-        for name, value in found.items():
-            if not isinstance(value, dict):
-                raise Error(f"{self.file}: {name}: expected a table, found {value!r:.60}")
-
-    def _designed(self):
-        kind = self.design["kind"]
-        if kind not in KINDS:
-            raise Error(f"{self.file}: study.design.kind: expected one of {', '.join(KINDS)}, found {kind}")
-        for key, spec in self.vary.items():
-            known = [name for name in ("values", "uniform", "log_uniform") if name in spec]
-            if len(known) != 1 or (kind == "grid" and known != ["values"]):
-                raise Error(f"{self.file}: vary.{key}: expected one of {'values' if kind == 'grid' else 'values, uniform, log_uniform'}, found {spec}")
-            if known != ["values"]:
-                self._check_ends(key, spec[known[0]])
-        return _rows_of_design(self.design, self.vary)
-
-    def _check_ends(self, key, ends):
-        """Checks for two numbers, or two vectors of equal size."""
-        sizes = [len(end) if isinstance(end, list) else 0 for end in ends] if isinstance(ends, list) else []
-        numbers = [n for end in ends for n in (end if isinstance(end, list) else [end])] if sizes else []
-        if len(sizes) != 2 or sizes[0] != sizes[1] or not all(type(n) in (int, float) for n in numbers):
-            raise Error(f"{self.file}: vary.{key}: expected two numbers, or two vectors of as many, found {ends}")
-
-    def _cases(self, table):
-        if table is None:
-            return [{}]
-        rows = csv.DictReader(io.StringIO(_text_of(self.file.parent / table), newline=""))
-        return [{key: self._path(value) for key, value in row.items()} for row in rows]
-
-    def _path(self, value):
-        """Value of a cell: a number, or a file relative to the study."""
-        try:
-            return float(value)
-        except ValueError:
-            path = self.file.parent / value
-            return str(path.resolve()) if path.exists() else value
 
 
 def _entries(value):
@@ -332,7 +154,7 @@ def _file_of(member, folder):
 def _row(file, names):
     """Row of a member with measurements of these names; None if it is missing or cut short. Raises Error for content that no member writes."""
     try:
-        _check_is_file(file)
+        check_is_file(file)
     except OSError:
         return None
     try:

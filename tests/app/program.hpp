@@ -30,6 +30,11 @@ inline Ended run_program(const std::string& arguments, const fs::path& folder,
   return run_shell(before + " && '" TURGOR_PROGRAM "' " + arguments, folder);
 }
 
+/// True where a line of the output is an error of the program. A slow machine prints progress before it.
+inline bool has_error_line(const std::string& printed) {
+  return ("\n" + printed).find("\nturgor: ") != std::string::npos;
+}
+
 inline nlohmann::json read_json(const fs::path& file) { return nlohmann::json::parse(std::ifstream(file)); }
 /// The report of a run.
 inline nlohmann::json report_in(const fs::path& folder) { return read_json(folder / "report.json"); }

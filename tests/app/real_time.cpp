@@ -1,4 +1,5 @@
 // Runs in real time from the command line.
+#include "tests/app/pressed_pad.hpp"
 #include "tests/app/program.hpp"
 
 namespace turgor {
@@ -6,26 +7,10 @@ namespace {
 
 using namespace test;
 
-const char* const kPressedPad = R"([world]
-duration = 1.5
-frame_rate = 50
-[body.pad]
-model = "sfem"
-block = { size = [0.04, 0.04, 0.02], count = [4, 4, 2] }
-fixed = { sides = "bottom", depth = 0.1 }
-cache = false
-[tool.finger]
-body = "pad"
-shape = { sphere = 0.006 }
-press = { at_fraction = [0.5, 0.5, 1], depth = 0.003, start = 1.0, duration = 0.3 }
-[output]
-snapshots = { every = 1.0, size = [64, 64] }
-)";
-
 // A run with a virtual device reports the timing of its haptic loop and follows the clock.
 TEST(RealTime, ReportsHapticLoop) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", kPressedPad);
+  write(folder / "pad.toml", pressed_pad_text(1.5, 1));
   const Ended ended = run_program(
       "run pad.toml --real-time --out o --require 'haptics.ticks>500' --require "
       "'tools.finger.force_max_N>0'",
@@ -43,7 +28,7 @@ TEST(RealTime, ReportsHapticLoop) {
 // A haptic recording replays to the same bits without the clock.
 TEST(RealTime, ReplayReachesEqualState) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", kPressedPad);
+  write(folder / "pad.toml", pressed_pad_text(1.5, 1));
   const Ended haptic = run_program("run pad.toml --real-time -q --out o", folder);
   ASSERT_EQ(haptic.code, 0) << haptic.printed;
   const Ended again = run_program("--threads 1 replay o/haptic.h5 --out again", folder);
@@ -61,7 +46,7 @@ TEST(RealTime, ReplayReachesEqualState) {
 // A failed requirement ends the run with code 3 and keeps its results.
 TEST(RealTime, FailedRequirementKeepsResults) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", kPressedPad);
+  write(folder / "pad.toml", pressed_pad_text(1.5, 1));
   const Ended ended =
       run_program("run pad.toml -q --out o --set world.duration=0.1 --require 'timing.frames<5'", folder);
   EXPECT_EQ(ended.code, 3) << ended.printed;
@@ -72,7 +57,7 @@ TEST(RealTime, FailedRequirementKeepsResults) {
 // Unknown tools and devices are refused before any file is written.
 TEST(RealTime, RejectsUnknownNamesEarly) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", kPressedPad);
+  write(folder / "pad.toml", pressed_pad_text(1.5, 1));
   for (const char* what : {"--real-time --tool hook", "--real-time --device hovercraft", "--device virtual",
                            "--real-time --device replay", "--require haptics"}) {
     const Ended ended = run_program(std::string("run pad.toml -q --out o ") + what, folder);

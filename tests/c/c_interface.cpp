@@ -7,15 +7,19 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <turgor.h>
 
 #include "c/guard.hpp"
+#include "tests/c/world_def.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 namespace {
+
+using test::def_of;
 
 const char* const kPad = R"([world]
 duration = 1
@@ -48,13 +52,6 @@ depth = 0.01
 start = 0.03
 duration = 0.04
 )";
-
-tg_world_def def_of(const char* text) {
-  tg_world_def def;
-  EXPECT_EQ(tg_default_world_def(&def, sizeof def), TG_OK);
-  def.text = text, def.threads = 2;
-  return def;
-}
 
 struct Owned {
   tg_world* world = nullptr;

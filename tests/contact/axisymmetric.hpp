@@ -11,12 +11,28 @@
 
 namespace turgor {
 
+enum class PressedLaw : std::uint8_t {
+  kExponential,  // Ψ = µ/2b (exp(b (Ī₁ − 3)) − 1) + κ/2 (J − 1)²
+  kStable,       // stable Neo-Hookean [Smith, de Goes and Kim 2018]
+  kLinear        // small strain; only the contact follows the displacements
+};
+
+/// A ball of other tissue on the axis; none if its radius is 0.
+struct Nodule {
+  double depth = 0, radius = 0;  // of its center below the surface at rest [m]
+  double young = 0;              // [Pa]
+};
+
 struct PressedLayer {
   double thickness = 0.02, width = 0.07;  // [m]
   double ball = 0.03;                     // radius [m]
   double young = 4e3, poisson = 0.45;     // [Pa], [1]
   double stiffening = 0;                  // b [1]
-  int across = 18, down = 8;              // elements
+  PressedLaw law = PressedLaw::kExponential;
+  Nodule nodule;
+  int across = 18, down = 8;  // elements
+  double step = 5e-4;         // of the depth, between solutions [m]
+  double softness = 5e-6;     // penetration at a pressure of Young's modulus [m]
 };
 
 class AxisymmetricPress {
@@ -29,15 +45,14 @@ class AxisymmetricPress {
 
   /// Force on the ball at this depth of its tip [N], from the present solution in steps.
   double force(double depth) {
-    constexpr double kStep = 5e-4;
-    while (depth_ < depth) solve_at(depth_ = std::min(depth, depth_ + kStep));
+    while (depth_ < depth) solve_at(depth_ = std::min(depth, depth_ + layer_.step));
     return contact_force_;
   }
 
  private:
   void solve_at(double depth) {
     center_ = layer_.ball - depth;
-    for (const double softness : {1e-4, 5e-6}) solve_with(layer_.young / softness);
+    for (const double softness : {1e-4, layer_.softness}) solve_with(layer_.young / softness);
   }
   void solve_with(double penalty) {
     penalty_ = penalty;
@@ -61,6 +76,17 @@ class AxisymmetricPress {
   static constexpr double kPi = 3.14159265358979323846;
 
   Matrix3 stress(const Matrix3& f) const {
+    if (layer_.law == PressedLaw::kLinear) {
+      const Matrix3 strain = 0.5 * (f + f.transpose()) - Matrix3::Identity();
+      return 2 * shear_ * strain + (bulk_ - 2.0 / 3 * shear_) * strain.trace() * Matrix3::Identity();
+    }
+    if (layer_.law == PressedLaw::kStable) {
+      // µ' and λ' that are linear elasticity at rest
+      const double mu = 4.0 / 3 * shear_, lambda = bulk_ - 2.0 / 3 * shear_ + 5.0 / 6 * shear_,
+                   volume = f.determinant(), rest = 1 + 0.75 * mu / lambda;
+      const Matrix3 cofactor = volume * f.inverse().transpose();
+      return mu * (1 - 1 / (f.squaredNorm() + 1)) * f + lambda * (volume - rest) * cofactor;
+    }
     const double j = f.determinant(), r = std::pow(j, -2.0 / 3), i1 = (f.transpose() * f).trace();
     const Matrix3 inverse = f.inverse().transpose();
     const double c = shear_ * std::exp(layer_.stiffening * (r * i1 - 3));
@@ -136,13 +162,15 @@ class AxisymmetricPress {
         std::array<double, 8> n, ds, dt;
         functions(s, t, n, ds, dt);
         Eigen::Matrix2d map = Eigen::Matrix2d::Zero();
-        double radius = 0, ur = 0;
+        double radius = 0, height = 0, ur = 0;
         for (std::size_t a = 0; a < 8; a++) {
           const auto& x = x_[std::size_t(nodes[a])];
           map(0, 0) += ds[a] * x[0], map(0, 1) += ds[a] * x[1];
           map(1, 0) += dt[a] * x[0], map(1, 1) += dt[a] * x[1];
-          radius += n[a] * x[0], ur += n[a] * u_[2 * nodes[a]];
+          radius += n[a] * x[0], height += n[a] * x[1], ur += n[a] * u_[2 * nodes[a]];
         }
+        const bool is_nodule = std::hypot(radius, height + layer_.nodule.depth) < layer_.nodule.radius;
+        const double modulus = is_nodule ? layer_.nodule.young / layer_.young : 1;
         const double weight = 2 * kPi * radius * map.determinant();
         // b: derivative of (F_rr, F_rz, F_zr, F_zz, F_θθ) by the displacements
         Eigen::Matrix<double, 5, 16> b = Eigen::Matrix<double, 5, 16>::Zero();
@@ -160,7 +188,7 @@ class AxisymmetricPress {
         const auto stress_of = [&](const Eigen::Matrix<double, 5, 1>& g) {
           Matrix3 full = Matrix3::Identity();
           full(0, 0) += g[0], full(0, 1) += g[1], full(1, 0) += g[2], full(1, 1) += g[3], full(2, 2) += g[4];
-          const Matrix3 p = stress(full);
+          const Matrix3 p = modulus * stress(full);
           return Eigen::Matrix<double, 5, 1>(p(0, 0), p(0, 1), p(1, 0), p(1, 1), p(2, 2));
         };
         const Eigen::Matrix<double, 5, 1> p = stress_of(f);

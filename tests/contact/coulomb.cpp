@@ -1,6 +1,7 @@
 #include "turgor/contact/coulomb.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -295,6 +296,92 @@ TEST(Coulomb, NewtonStepsBoundWarmSweeps) {
     std::printf("%d sites: cold %d sweeps, %d Newton steps; warm %d, %d\n", side * side, cold.sweeps,
                 cold.newton_steps, warm.sweeps, warm.newton_steps);
   }
+}
+
+/// Points of a half space under two balls at random positions, whose tools slip by `slide` each.
+Case two_tools_case(const sfem::Patch& patch, std::mt19937& random, double friction,
+                    const std::array<Vec3d, 2>& center, const std::array<Vec3d, 2>& slide) {
+  constexpr double radius = 6e-3;
+  std::vector<int> near;
+  Case out{};
+  std::vector<Vec3d> apart;
+  for (int i = 0; i < int(patch.points.size()); i++)
+    for (std::size_t tool = 0; tool < 2; tool++) {
+      const Vec3d d = patch.points[std::size_t(i)].x - center[tool];
+      if (norm(d) > radius + 1e-5 || near.size() == 32) continue;
+      near.push_back(i), out.normal.push_back(normalized(d));
+      apart.push_back(out.normal.back() * (norm(d) - radius) - slide[tool]);
+      break;
+    }
+  const auto k = Eigen::Index(near.size()), n = Eigen::Index(3 * patch.points.size());
+  const Eigen::Map<const MatrixXd> all(patch.compliance.data(), n, n);
+  out.c.resize(3 * k, 3 * k), out.b.resize(3 * k);
+  std::uniform_real_distribution<double> factor(0.5, 1.5);
+  for (Eigen::Index j = 0; j < k; j++) {
+    for (Eigen::Index i = 0; i < k; i++)
+      out.c.block<3, 3>(3 * i, 3 * j) = all.block<3, 3>(3 * near[std::size_t(i)], 3 * near[std::size_t(j)]);
+    for (int axis = 0; axis < 3; axis++) out.b[3 * j + axis] = apart[std::size_t(j)][axis];
+    out.friction.push_back(friction * factor(random));
+  }
+  return out;
+}
+
+// At random poses of two tools with random friction, the forces from those of the last tick equal the forces
+// from nothing to 1e-5.
+TEST(Coulomb, WarmStart_MatchesSolutionFromNothing) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> number(-1, 1);
+  const auto vector = [&](double size) {
+    return Vec3d{number(random), number(random), number(random)} * size;
+  };
+  const sfem::Patch patch = half_space_patch({.side = 11});
+  double worst = 0;
+  int compared = 0, mixed = 0;
+  for (int path = 0; path < 40; path++) {
+    const double friction = 0.2 * (path % 4);
+    std::array<Vec3d, 2> center{Vec3d{-2.5e-3, 0, 5.3e-3} + vector(4e-4),
+                                Vec3d{2.5e-3, 0, 5.4e-3} + vector(4e-4)};
+    VectorXd last;
+    for (int tick = 0; tick < 6; tick++) {
+      const std::array<Vec3d, 2> step{vector(1e-4), vector(1e-4)};
+      std::mt19937 same(static_cast<unsigned>(path));
+      const Case in = two_tools_case(patch, same, friction, center, step);
+      FrictionalContactProblem cold = load(in), warm = load(in);
+      if (last.size() == in.b.size()) std::copy_n(last.data(), last.size(), warm.force.begin());
+      EXPECT_TRUE(solve(cold).converged) << path;
+      EXPECT_TRUE(solve(warm).converged) << path;
+      compared += last.size() == in.b.size();
+      const auto count = [&](SiteState state) {
+        return std::count(warm.state.begin(), warm.state.end(), state);
+      };
+      mixed += count(SiteState::kStick) > 2 && count(SiteState::kSlip) > 2;
+      if (const double size = forces(cold).norm(); size > 0)
+        worst = std::max(worst, (forces(warm) - forces(cold)).norm() / size);
+      last = forces(warm);
+      for (std::size_t tool = 0; tool < 2; tool++) center[tool] += step[tool];
+    }
+  }
+  EXPECT_LT(worst, 1e-5);
+  EXPECT_GT(compared, 100);
+  EXPECT_GT(mixed, 20);
+  std::printf("worst difference %.1e, %d of 240 from the last tick, %d mixed\n", worst, compared, mixed);
+}
+
+// Newton steps converge at once where some sites stick and others barely slip.
+TEST(Coulomb, MixedStickAndSlip_FewNewtonSteps) {
+  int mixed = 0;
+  for (int side = 4; side <= 6; side++)
+    for (double slide = 2e-5; slide < 1e-3; slide *= 1.1) {
+      const Case in = sphere_case(side, 0.3, 1e-3, slide);
+      FrictionalContactProblem p = load(in);
+      const FrictionalContactReport report = solve(p, {.tolerance = 1e-9});
+      const auto count = [&](SiteState state) { return std::count(p.state.begin(), p.state.end(), state); };
+      mixed += count(SiteState::kStick) > 3 && count(SiteState::kSlip) > 3;
+      EXPECT_TRUE(report.converged) << side << ' ' << slide;
+      EXPECT_LE(report.sweeps, 8) << side << ' ' << slide;
+      EXPECT_LE(report.newton_steps, 5) << side << ' ' << slide;
+    }
+  EXPECT_GT(mixed, 10);
 }
 
 }  // namespace

@@ -119,21 +119,27 @@ TEST(SfemTouch, ReadingHasDepthAndContacts) {
   EXPECT_TRUE(beyond) << "17 mm further, beyond the border of a patch of 12 mm";
 }
 
-// Two threads exchange whole frames and patches, and the force has no jump.
+// Two threads exchange whole frames and patches, and the force has no jump. The hand waits rather than leave
+// a patch behind that the other thread is slow to replace.
 TEST(SfemTouch, TwoThreads_ExchangeWholeFrames) {
+  constexpr int kTicks = 2000;
+  constexpr double kFarthest = 5e-3;  // of the ball from the center of its patch [m]
   SfemTouch touch = touched();
   SfemExchange exchange;
   prepare(touch, exchange);
   std::vector<std::shared_ptr<const sfem::Patch>> patches{touch.patch};
+  std::atomic<double> center = -10e-3;  // x of the patch that was offered last
+  std::atomic<long> offered = 0;
   std::atomic<int> done = 0;
   std::size_t counted = 0;
   double steepest = 0;
-  constexpr int kTicks = 2000;
   std::thread hand([&] {
     std::vector<ToolReading> readings(1);
     Vec3d before;
     for (int i = 0; i < kTicks; i++) {
       const ToolCommand command = command_at(i);
+      while (touch.patch_number == offered && command.pose.position.x - center > kFarthest)
+        std::this_thread::yield();
       counted += test::allocations_of(
           [&] { tick_with_exchange(touch, exchange, std::span(&command, 1), kTick, readings); });
       if (i > 0) steepest = std::max(steepest, norm(readings[0].force - before));
@@ -142,15 +148,16 @@ TEST(SfemTouch, TwoThreads_ExchangeWholeFrames) {
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
   });
-  long offered = 0;
   while (done < kTicks) {
     const SfemTouchSnapshot& now = exchange.touched.read();
     ASSERT_EQ(now.x.size(), now.patch->points.size()) << "a value is whole";
     ASSERT_EQ(now.force.size(), now.patch->points.size());
     exchange.motion.write({std::vector<Vec3d>(block().body.mesh.vertices.size(), Vec3d{}), 17});
     if (now.patch_number == offered && now.contact_centers[0].touches) {
-      patches.push_back(patch_at(now.contact_centers[0].position));
-      exchange.patches.write({patches.back(), {}, ++offered});
+      const Vec3d touched_at = now.contact_centers[0].position;
+      patches.push_back(patch_at(touched_at));
+      exchange.patches.write({patches.back(), {}, offered + 1});
+      center = touched_at.x, offered++;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -107,6 +108,79 @@ TEST(Texture, StiffnessAndEnergyAreBounded) {
   }
   EXPECT_GT(state.limited_ticks, 0);
   EXPECT_GT(least, -wave);
+}
+
+/// Profile of one sine.
+Texture sine_profile(double height, double wavelength) {
+  constexpr int kCount = 50;
+  std::vector<double> heights;
+  for (int i = 0; i < kCount; i++) heights.push_back(height * std::sin(2 * std::numbers::pi * i / kCount));
+  return {.map = std::make_shared<const HeightMap>(
+              make_height_map(kCount, 1, wavelength / kCount, std::move(heights)))};
+}
+
+// A profile of one sine has the forces of waves of the same height and length, in every direction.
+TEST(Texture, ProfileOfSineEqualsWaves) {
+  const Vec3d velocity{0.006, -0.003, 0};
+  TextureState of_waves, of_profile;
+  const auto waves = slide({2e-6, 4e-3}, velocity, 0.8, 1500, of_waves),
+             profile = slide(sine_profile(2e-6, 4e-3), velocity, 0.8, 1500, of_profile);
+  for (std::size_t i = 0; i < waves.size(); i++)
+    EXPECT_NEAR(norm(waves[i] - profile[i]), 0, 0.01 * of_waves.largest_force);
+  EXPECT_EQ(of_profile.limited_ticks, 0);
+}
+
+/// Map of random heights.
+Texture random_map(double height) {
+  std::uint32_t seed = 11;
+  std::vector<double> heights(16 * 16);
+  for (double& h : heights) h = height * double((seed = seed * 1664525u + 1013904223u) >> 16) / 65536;
+  return {.map = std::make_shared<const HeightMap>(make_height_map(16, 16, 5e-4, std::move(heights)))};
+}
+
+// A map has the same force at the same spot again; the force over a closed path does no work, on walls of any
+// direction.
+TEST(Texture, MapHasForceOfItsSpot) {
+  const Texture texture = random_map(3e-6);
+  for (const Vec3d normal : {kUp, Vec3d{1, 0, 0}, normalized(Vec3d{0.3, -0.5, 0.6})}) {
+    const Vec3d a = normalized(cross(normal, Vec3d{0.2, 0.9, 0.4})), b = cross(normal, a);
+    constexpr int kTicks = 4000;  // a circle of 3 mm at 4.7 mm/s
+    const auto at = [&](int n) {
+      const double angle = 2 * std::numbers::pi * n / kTicks;
+      return (a * std::cos(angle) + b * std::sin(angle)) * 3e-3;
+    };
+    TextureState state;
+    (void)texture_force(texture, state, at(0), normal, 1.2, true, kDt);
+    double work = 0, size = 0;
+    std::vector<Vec3d> first;
+    for (int n = 1; n <= 2 * kTicks; n++) {
+      const Vec3d f = texture_force(texture, state, at(n), normal, 1.2, true, kDt);
+      EXPECT_NEAR(dot(f, normal), 0, 1e-12);
+      if (n <= kTicks) {
+        first.push_back(f);
+        const double done = 0.5 * dot(f + (n > 1 ? first[std::size_t(n) - 2] : f), at(n) - at(n - 1));
+        work += done, size += std::abs(done);
+      } else {
+        EXPECT_NEAR(norm(f - first[std::size_t(n - kTicks) - 1]), 0, 1e-3 * state.largest_force);
+      }
+    }
+    EXPECT_GT(state.largest_force, 1e-3);
+    EXPECT_NEAR(work, 0, 0.01 * size);
+  }
+}
+
+// A steep map is limited to kTextureStiffness along any path.
+TEST(Texture, SteepMapIsLimited) {
+  const Texture texture = random_map(4e-4);
+  TextureState state;
+  const auto forces = slide(texture, {0.011, 0.007, 0}, 3, 3000, state);
+  const double step = std::hypot(0.011, 0.007) * kDt;
+  double most = 0;
+  for (std::size_t i = 1; i < forces.size(); i++)
+    most = std::max(most, norm(forces[i] - forces[i - 1]) / step);
+  EXPECT_GT(state.limited_ticks, 2900);
+  EXPECT_LT(most, 1.02 * kTextureStiffness);
+  EXPECT_GT(most, 0.3 * kTextureStiffness);
 }
 
 }  // namespace

@@ -64,5 +64,17 @@ TEST(StartThread, AllThreadsStart) {
   EXPECT_EQ(startable_threads(1), 1);
 }
 
+// A thread has the name of its purpose, without the article.
+TEST(StartThread, NamesThread) {
+  std::atomic<bool> ends = false;
+  Result<std::thread> thread = start_thread("the haptic loop", [&ends] { ends.wait(false); });
+  ASSERT_TRUE(thread);
+  char name[16] = {};
+  EXPECT_EQ(pthread_getname_np(thread->native_handle(), name, sizeof name), 0);
+  EXPECT_STREQ(name, "haptic loop");
+  ends = true, ends.notify_all();
+  thread->join();
+}
+
 }  // namespace
 }  // namespace turgor

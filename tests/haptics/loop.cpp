@@ -26,7 +26,7 @@ constexpr LoopParams kPlain{.rate = 1000, .priority = 0, .lock_memory = false};
 
 SafetyParams short_ramp() { return {.force = 12, .ramp = 0.005}; }
 
-bool wait_for(const std::function<bool()>& done, double seconds = 5) {
+bool wait_for(const std::function<bool()>& done, double seconds = 60) {
   const double end = steady_seconds() + seconds;
   while (!done() && steady_seconds() < end) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return done();
@@ -300,11 +300,10 @@ TEST(Loop, BlockingDeviceSetsRate) {
   Wall wall;
   auto loop = Loop::start({{.device = &device, .safety = short_ramp()}}, Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ASSERT_TRUE(wait_for([&] { return wall.ticks > 50; }));
   (*loop)->stop();
   const TimingReport& report = (*loop)->report();
   EXPECT_LT(report.rate, 1000.0 / 3);
-  EXPECT_GT(report.ticks, 10u);
   EXPECT_EQ(report.missed, 0u);
 }
 

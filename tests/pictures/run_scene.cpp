@@ -223,7 +223,7 @@ TEST(RunScene, CallbacksReportAndStop) {
   };
   callbacks.frame = [&](const World& now) { return frames.push_back(now.frame), now.frame < 7; };
   callbacks.snapshot = [&](const WorldSnapshot& snapshot) -> Status {
-    EXPECT_EQ(snapshot.bodies.size(), 4u);
+    EXPECT_EQ(snapshot.bodies.size(), 5u);
     return snapshots.push_back(snapshot.frame), Done{};
   };
   const Scene scene = test::four_kinds_scene(folder, {"output.video=false"});

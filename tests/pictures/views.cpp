@@ -1,4 +1,5 @@
 #include <cmath>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -113,6 +114,69 @@ TEST(Views, OrgansDifferInColor) {
   EXPECT_EQ(names_of({"a", "b", "c"}).size(), 3u);
   EXPECT_EQ(names_of({"stomach", "liver"})[1].color, names_of({"liver"})[0].color);
   EXPECT_EQ(names_of({"right-kidney", "left-kidney"})[0].names, "right-kidney, left-kidney");
+}
+
+/// A ball of tissue in a snapshot.
+BodySnapshot tissue(BodyKind kind, Look look) {
+  BodySnapshot body = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}).bodies[0];
+  body.id.kind = kind, body.look = look, body.name = "liver";
+  body.normals.assign(3, {0, -1, 0});
+  body.displacement.assign(3, {});
+  body.wall_begin = 1;
+  body.box = {{0, -0.1, 0}, {0.1, 0.1, 0.2}};
+  return body;
+}
+
+// Organs are wet; skin, walls of wounds and cloth are dry, and the scene's key has precedence.
+TEST(Views, OrgansAreWet) {
+  BodySnapshot skin = tissue(BodyKind::kLattice, Look::kSkin);
+  EXPECT_TRUE(is_wet(tissue(BodyKind::kSfem, Look::kFlesh), {}));
+  EXPECT_TRUE(is_wet(tissue(BodyKind::kRhombus, Look::kFlesh), {}));
+  EXPECT_FALSE(is_wet(skin, {}));
+  EXPECT_FALSE(is_wet(tissue(BodyKind::kCloth, Look::kCloth), {}));
+  EXPECT_FALSE(is_wet(tissue(BodyKind::kSfem, Look::kFlesh), {.cutaway = {}, .wet = {{"liver", false}}}));
+  skin.triangles.push_back({0, 2, 1});  // a wall
+  for (const auto& [look, skin_is_wet, wall_is_wet] : {std::tuple(LookScene{}, false, false),
+                                                       {LookScene{{}, {{"liver", false}}}, false, false},
+                                                       {LookScene{{}, {{"liver", true}}}, true, true}}) {
+    PictureItems items;
+    add_body(skin, SkinColor::kNone, nullptr, items, look);
+    ASSERT_EQ(items.items.size(), 2u);
+    EXPECT_EQ(items.items[0].wet, wall_is_wet);
+    EXPECT_EQ(items.items[1].wet, skin_is_wet);
+  }
+}
+
+// A cut-away applies to its body's surface and walls, has one section of both, and leaves inclusions whole or
+// cuts them.
+TEST(Views, CutawayAppliesToItsBody) {
+  BodySnapshot body = tissue(BodyKind::kSfem, Look::kFlesh);
+  body.inside_names = {"nodule"};
+  body.inside = {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
+  body.triangles.push_back({0, 2, 1});
+  LookScene look{CutawayScene{.body = body.id, .at = {0.5, 0.25, 1}, .normal = {0, -3, 0}, .wedge = {}}, {}};
+  for (const bool cuts_inclusions : {false, true}) {
+    look.cutaway->cuts_inclusions = cuts_inclusions;
+    PictureItems items;
+    add_body(body, SkinColor::kNone, nullptr, items, look);
+    ASSERT_EQ(items.items.size(), cuts_inclusions ? 5u : 4u);
+    for (const int i : {0, 1, 2}) {
+      const RenderItem& item = items.items[std::size_t(i)];
+      ASSERT_EQ(item.cutaway.planes, 1);
+      EXPECT_LT(norm(item.cutaway.plane[0].point - Vec3d{0.05, -0.05, 0.2}), 1e-12);
+      EXPECT_EQ(item.cutaway.plane[0].outward, (Vec3d{0, -1, 0}));
+      EXPECT_EQ(item.is_cut_face, i == 2);
+    }
+    EXPECT_EQ(items.items[2].mesh->triangles.size(), 2u) << "surface and wall enclose the body together";
+    EXPECT_EQ(items.items[3].cutaway.planes, cuts_inclusions ? 1 : 0);
+    ASSERT_EQ(items.names.size(), 3u);
+    EXPECT_EQ(items.names[1].names, "liver, cut");
+  }
+  look.cutaway->body.index++;
+  PictureItems other;
+  add_body(body, SkinColor::kNone, nullptr, other, look);
+  ASSERT_EQ(other.items.size(), 3u);
+  EXPECT_EQ(other.items[0].cutaway.planes, 0);
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ import numpy as np
 
 import turgor
 from scenes import PAD
-from turgor.study import latin_hypercube, run_study, sobol_indices, _saltelli, _value
+from turgor.study import run_study
+from turgor.study_design import latin_hypercube, saltelli, sobol_indices, varied_value
 
 STUDY = """
 [study]
@@ -53,13 +54,13 @@ class Designs(unittest.TestCase):
 
     # Vector values are interpolated between their ends, linearly or logarithmically.
     def test_vector_values_are_interpolated(self):
-        self.assertEqual(_value({"uniform": [[20, 10], [80, 40]]}, 0.5), [50, 25])
-        self.assertEqual(_value({"uniform": [1, 3]}, 0.25), 1.5)
-        np.testing.assert_allclose(_value({"log_uniform": [[1, 100], [100, 1]]}, 0.5), [10, 10])
+        self.assertEqual(varied_value({"uniform": [[20, 10], [80, 40]]}, 0.5), [50, 25])
+        self.assertEqual(varied_value({"uniform": [1, 3]}, 0.25), 1.5)
+        np.testing.assert_allclose(varied_value({"log_uniform": [[1, 100], [100, 1]]}, 0.5), [10, 10])
 
     # The Sobol indices of the Ishigami function lie in their confidence intervals.
     def test_sobol_indices_of_ishigami_function(self):
-        x = np.pi * (2 * _saltelli(4096, 3, seed=2) - 1)
+        x = np.pi * (2 * saltelli(4096, 3, seed=2) - 1)
         a, b = 7, 0.1
         f = np.sin(x[:, 0]) + a * np.sin(x[:, 1]) ** 2 + b * x[:, 2] ** 4 * np.sin(x[:, 0])
         variances = (0.5 * (1 + b * np.pi**4 / 5) ** 2, a**2 / 8, 0, b**2 * np.pi**8 * 8 / 225)

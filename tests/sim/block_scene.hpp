@@ -14,18 +14,28 @@
 
 namespace turgor::test {
 
-/// 40×24×40 voxels of 4 mm: air around 40 mm of fat on a slab of bone; the front is at y = −20 mm.
-inline CtVolume block_ct() {
+/// Voxels of 4 mm: air around fat, and a deeper tissue from the voxel `deep_from` on.
+struct LayeredBlock {
+  Int3 size{40, 24, 40}, air{4, 4, 4};   // voxels; air on every side
+  Vec3d origin{-0.078, -0.036, -0.078};  // [m]
+  int deep_from = 14;
+  float deep = 1000;  // [HU]
+};
+inline CtVolume layered_ct(const LayeredBlock& block) {
   CtVolume ct;
-  ct.grid.size = {40, 24, 40};
+  ct.grid.size = block.size;
   ct.grid.spacing = {0.004, 0.004, 0.004};
-  ct.grid.origin = {-0.078, -0.036, -0.078};
+  ct.grid.origin = block.origin;
   ct.samples.assign(sample_count(ct.grid), kAirHu);
-  for (int k = 4; k < 36; k++)
-    for (int j = 4; j < 20; j++)
-      for (int i = 4; i < 36; i++) ct.at(i, j, k) = j < 14 ? -100 : 1000;
+  const Int3 end = block.size - block.air;
+  for (int k = block.air.z; k < end.z; k++)
+    for (int j = block.air.y; j < end.y; j++)
+      for (int i = block.air.x; i < end.x; i++) ct.at(i, j, k) = j < block.deep_from ? -100 : block.deep;
   return ct;
 }
+
+/// 40 mm of fat on a slab of bone; the front is at y = −20 mm.
+inline CtVolume block_ct() { return layered_ct({}); }
 
 inline std::string block_scene_text(const std::string& ct) {
   return "[world]\nduration = 0.2\nframe_rate = 50\n"

@@ -12,8 +12,8 @@ namespace turgor::test {
 /// Indices of its tools.
 constexpr int kFinger = 0, kBall = 1, kTip = 2;
 
-/// An elastic pad with a finger and a cloth on it, a phantom liver with a ball, and a block of fat that is
-/// cut while a ball presses it.
+/// A weight that falls on the ground, an elastic pad with a finger and a cloth on it, a phantom liver with a
+/// ball, and a block of fat that is cut while a ball presses it.
 inline std::string four_kinds_text() {
   return R"([world]
 duration = 0.3
@@ -45,6 +45,14 @@ collision = { thickness = 0.002 }
 body = "pad"
 [body.sheet.obstacle.floor]
 plane = { through = [0, 0, -0.01], normal = [0, 0, 1] }
+[body.weight]
+model = "rigid"
+shape = { sphere = 0.01 }
+at = [0, 0.2, 0.011]
+turn = [20, 0, 30]
+mass = 0.02
+[contact.weight-floor]
+between = ["weight", "ground"]
 [incision.cut]
 body = "block"
 from = [0.002, -0.02, -0.03]

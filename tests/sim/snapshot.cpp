@@ -105,8 +105,9 @@ TEST(WorldSnapshot, PressedBodyHasLargestForce) {
   const Exec exec(1);
   World world = four_kinds_world(exec, test::fresh_folder());
   std::vector<Pressed> pressed = make_pressed(world);
-  ASSERT_EQ(pressed.size(), 4u) << "bodies that support contact; no tool touches the sheet, the last one";
+  ASSERT_EQ(pressed.size(), 5u) << "bodies that support contact; no tool touches the last two";
   EXPECT_EQ(pressed[3].id.kind, BodyKind::kCloth);
+  EXPECT_EQ(pressed[4].id.kind, BodyKind::kRigid);
   std::vector<double> largest(3);
   for (int frame = 0; frame < 15; frame++) {
     ASSERT_TRUE(step(exec, world));
@@ -134,7 +135,7 @@ TEST(WorldSnapshot, BodyIdVisitsEveryBodyOnce) {
     EXPECT_EQ(visit_body(world, id, [](const auto& same) { return same.name; }), body.name);
     EXPECT_EQ(visit_body(world, id, [](const auto& same) { return static_cast<const void*>(&same); }), &body);
   });
-  EXPECT_EQ(names, (std::vector<std::string>{"pad", "liver", "block", "sheet"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"pad", "liver", "block", "sheet", "weight"}));
   EXPECT_EQ(touched_body(world, {BodyKind::kRhombus, 0}).tool_indices, std::vector<int>{1});
   EXPECT_EQ(rest_surface(world, {BodyKind::kCloth, 0}).triangles.size(), 2u * 12 * 12);
 }

@@ -33,7 +33,8 @@ class DrawingProcess : public testing::Test {
     for (const Vec3 p : colored.vertices) colored.scalars.push_back(5 * p.z + 0.5f);
     const std::vector<Rgb> colors(plain.vertices.size(), Rgb{20, 190, 20});
     return draw_meshes({{.mesh = &colored, .scale = &scale},
-                        {.mesh = &plain, .colors = &colors, .see_through = true, .closed = true}},
+                        {.mesh = &plain, .colors = &colors, .see_through = true, .closed = true, .wet = true},
+                        {.mesh = &plain, .cutaway = {1, {{{0.1, 0, 0}, {0, -1, 0}}}}, .is_cut_face = true}},
                        kFront, 300, 200, quality);
   }
 };

@@ -1,41 +1,26 @@
 #include "turgor/view/mesh_drawing.hpp"
 
-#include <gtest/gtest.h>
-
+#include "tests/view/drawn_in_texture.hpp"
 #include "tests/view/shapes.hpp"
-#include "turgor/view/gl_context.hpp"
 
 namespace turgor {
 namespace {
 
-constexpr int kWidth = 400, kHeight = 300;
 constexpr Camera kFront{.eye = {0, -1, 0}, .target = {0, 0, 0}};
 constexpr Rgb kRed{210, 20, 20}, kGreen{20, 190, 20};
 
-bool is_red(Rgb c) { return c.r > 2 * c.g && c.r > 2 * c.b && c.r > 40; }
-bool is_green(Rgb c) { return c.g > 2 * c.r && c.g > 2 * c.b && c.g > 40; }
+using test::is_green;
+using test::is_red;
 
-/// Draws like the window: repeatedly, in a current context, into the same textures.
-class MeshDrawingTest : public testing::Test {
+class MeshDrawingTest : public test::DrawnInTexture {
  protected:
-  void SetUp() override {
-    if (!gl_) GTEST_SKIP() << gl_.error().message;
-    const Result<MeshPrograms> programs = link_mesh_programs();
-    ASSERT_TRUE(programs) << programs.error().message;
-    drawing_.programs = *programs;
-  }
   Image draw(const std::vector<RenderItem>& items, RenderQuality quality,
              MeshStyle style = MeshStyle::kSurface) {
-    const Result<GLuint> drawn = draw_into_texture(drawing_, items, kFront, kWidth, kHeight, quality, style);
-    EXPECT_TRUE(drawn) << drawn.error().message;
-    return read_pixels(kWidth, kHeight);
+    return DrawnInTexture::draw(items, kFront, quality, style);
   }
   static test::Found find(const Image& image, bool (*wanted)(Rgb)) {
     return test::find_pixels(image, [&](int x, int y) { return wanted(image.at(x, y)); });
   }
-
-  Result<CurrentGl> gl_ = hold_gl();
-  MeshDrawing drawing_;
 };
 
 // A quick picture shows the same bodies at the same positions as a full one.

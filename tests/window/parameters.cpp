@@ -52,7 +52,9 @@ TEST(Parameters, LiveParametersComeFirst) {
   const ParameterList list = list_parameters(scene());
   EXPECT_TRUE(
       std::is_partitioned(list.begin(), list.end(), [](const Parameter& p) { return p.waits.empty(); }));
-  EXPECT_EQ(find(list, "body.torso.tissue.fat").waits, "the elements of the lattice depend on it");
+  EXPECT_TRUE(find(list, "body.torso.tissue.fat").waits.empty());
+  EXPECT_EQ(find(list, "body.torso.tissue.fat_max").waits, "the elements of the lattice depend on it");
+  EXPECT_EQ(find(list, "body.torso.tissue.stiffening").waits, "the tissue has another law");
   EXPECT_TRUE(find(list, "body.flag.wind.velocity").waits.empty());
   EXPECT_EQ(find(list, "body.torso.skin.stiffening").waits, "the skin has another law");
   EXPECT_TRUE(find(list, "body.torso.skin.stiffness").waits.empty());
@@ -87,6 +89,30 @@ TEST(Parameters, ChangedValueIsAcceptedByScene) {
         parse_scene(kText, "a.toml", {parameter.key.path + "=" + value_text(parameter)});
     EXPECT_TRUE(taken || !parameter.waits.empty()) << parameter.key.path;
   }
+}
+
+// Layers, Prony pairs and a tension in two directions are offered with their ranges; a changed value is
+// accepted.
+TEST(Parameters, LayersAndPairsAreOffered) {
+  const std::string text =
+      "[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\nskin = { tension = [60, 30] }\n"
+      "tissue = { law = \"exponential\", stiffening = 2 }\nviscosity = { pairs = [[0.4, 0.5], [0.2, 9]] }\n"
+      "layers = [{ name = \"fat\", thickness = 0.01, young = 4e3 },\n"
+      "  { name = \"organ\", label = 3, young = 2e3, stiffening = 5, slide = 0.5 }]\n";
+  const Result<Scene> layered = parse_scene(text, "a.toml");
+  ASSERT_TRUE(layered) << layered.error().message;
+  const ParameterList list = list_parameters(*layered);
+  for (const char* key : {"skin.tension", "viscosity.pairs[1]", "layers[0].thickness", "layers[1].stiffening",
+                          "layers[1].slide", "tissue.stiffening"}) {
+    Parameter parameter = find(list, std::string("body.torso.") + key);
+    EXPECT_EQ(parameter.waits, "") << key;
+    for (double& value : parameter.value) value *= 0.97;
+    const Result<Scene> taken =
+        parse_scene(text, "a.toml", {parameter.key.path + "=" + value_text(parameter)});
+    EXPECT_TRUE(taken) << key;
+  }
+  EXPECT_EQ(value_text(find(list, "body.torso.viscosity.pairs[1]")), "[0.2, 9]");
+  EXPECT_FALSE(find(list, "body.torso.layers[1].label").waits.empty());
 }
 
 // Every parameter has a range, and a value that differs from the opened one can be reset.

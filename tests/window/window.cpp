@@ -62,6 +62,7 @@ TEST_F(WindowTest, DrawnLineCutsAndIsSaved) {
   hand("mouseup 1");
   EXPECT_TRUE(draw_until([&](const SessionStatus& n) { return walls(n) > 30; }));
   type("s");
+  EXPECT_TRUE(draw_until([&](const SessionStatus&) { return fs::exists(folder_ / "block-1.toml"); }));
   const Result<Scene> saved = read_scene(folder_ / "block-1.toml");
   ASSERT_TRUE(saved) << window_->viewer().message << saved.error().message;
   ASSERT_EQ(saved->incisions.size(), 1u);

@@ -2,8 +2,8 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "tests/sim/live/replayed_world.hpp"
 #include "tests/window/window_test.hpp"
-#include "turgor/sim/live/haptic_replay.hpp"
 #include "turgor/view/video.hpp"
 
 namespace turgor {
@@ -172,19 +172,11 @@ TEST_F(WindowFilesTest, HapticRecordingReplaysExactly) {
   EXPECT_NE(window_->viewer().message.find("turgor replay"), std::string::npos) << window_->viewer().message;
   const Result<HapticRecording> run = read_haptic_recording(folder_ / "out" / "liver-haptic-1.h5");
   ASSERT_TRUE(run) << run.error().message;
-  Result<World> world = load_world(Exec(1), *scene_of(*run));
-  ASSERT_TRUE(world) << world.error().message;
-  auto replay = HapticReplay::begin(*world, *run);
-  ASSERT_TRUE(replay) << replay.error().message;
-  for (int frame = 0; frame < run->frames; frame++) {
-    ASSERT_TRUE((*replay)->next_frame(Exec(1)));
-    ASSERT_TRUE(step(Exec(1), *world));
-  }
-  (*replay)->end();
+  const World world = test::replayed_world(*run, 1);
   double largest = 0;
-  for (const ForceSample& sample : world->tools[0].samples) largest = std::max(largest, norm(sample.force));
+  for (const ForceSample& sample : world.tools[0].samples) largest = std::max(largest, norm(sample.force));
   EXPECT_GT(largest, 0.01) << "N: the recording contains a contact";
-  EXPECT_EQ(state_hash(*world), run->hash);
+  EXPECT_EQ(state_hash(world), run->hash);
 }
 
 }  // namespace

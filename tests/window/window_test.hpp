@@ -46,7 +46,7 @@ class WindowTest : public testing::Test {
   }
 
   const SessionStatus& now() { return *window_->viewer().now; }
-  bool draw_until(const std::function<bool(const SessionStatus&)>& is_so, double longest = 20) {
+  bool draw_until(const std::function<bool(const SessionStatus&)>& is_so, double longest = 120) {
     const Timer timer;
     while (window_ && timer.seconds() < longest)
       if (!window_->draw())
@@ -60,9 +60,12 @@ class WindowTest : public testing::Test {
       return n.phase == SessionStatus::Phase::kReady && n.snapshot.frame > 2;
     });
   }
+  /// Draws for some time, and often enough for events on a slow machine: ImGui takes one of a key per
+  /// picture.
   void draw_for(double seconds) {
+    constexpr int kFewest = 6;
     const Timer timer;
-    while (timer.seconds() < seconds) ASSERT_TRUE(window_->draw());
+    for (int drawn = 0; drawn < kFewest || timer.seconds() < seconds; drawn++) ASSERT_TRUE(window_->draw());
   }
 
   /// Screen position of a point, as arguments of xdotool.

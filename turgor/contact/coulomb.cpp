@@ -3,6 +3,7 @@
 #include <span>
 
 #include "turgor/contact/coulomb_steps.hpp"
+#include "turgor/contact/dense_system.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 
@@ -231,15 +232,16 @@ FrictionalContactProblem make_frictional_contact_problem(int capacity) {
   p.compliance.resize(unknowns * stride);
   p.newton_matrix.resize(unknowns * stride);
   p.separation.resize(stride);
-  p.newton_column.resize(stride);
+  p.newton_rhs.resize(stride);
+  p.newton_columns.resize(DenseSystem::kPanel * stride);
   // one entry per unknown
-  for (auto* numbers : {&p.force, &p.saved_force, &p.newton_rhs}) numbers->resize(unknowns);
+  for (auto* numbers : {&p.force, &p.saved_force}) numbers->resize(unknowns);
   // one entry per site
   p.normal.resize(sites);
   p.friction.resize(sites);
   p.state.resize(sites);
   p.laws.resize(sites);
-  p.newton_row.resize(sites);
+  p.newton_sites.resize(sites);
   return p;
 }
 

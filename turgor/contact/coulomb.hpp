@@ -33,6 +33,17 @@ struct SiteCompliance {
   double slip = 0;   // α = |c_t|/|λ_t| of the last sliding solution; initial guess of the next one [m/N]
 };
 
+/// Unknowns and coefficients of a site in a Newton step (coulomb_newton.cpp).
+struct NewtonSite {
+  int row = -1;           // its first unknown; -1 = none
+  int unknowns = 0;       // 0 open, 1 without friction, 2 sliding, 3 sticking
+  double d[2] = {1, 0};   // direction of slip
+  double friction = 0;    // μ; 0 without a direction
+  double along = 0;       // known change of the force along d [N]
+  double compliance = 0;  // ρ [m/N]
+  double turn = 0;        // τ [1]
+};
+
 /// All storage is allocated by make_frictional_contact_problem. `count` and `held` may change between
 /// solutions.
 struct FrictionalContactProblem {
@@ -49,10 +60,10 @@ struct FrictionalContactProblem {
   // workspace of solve()
   std::vector<SiteCompliance> laws;
   std::vector<double> saved_force;
-  aligned_vector<double> newton_matrix;  // column-major, the same stride
-  aligned_vector<double> newton_column;
-  std::vector<double> newton_rhs;
-  std::vector<int> newton_row;  // first unknown of each site; -1 = none
+  aligned_vector<double> newton_matrix;   // column-major, the same stride
+  aligned_vector<double> newton_columns;  // DenseSystem::kPanel of them
+  aligned_vector<double> newton_rhs;
+  std::vector<NewtonSite> newton_sites;
 };
 
 /// Allocates a problem for up to `capacity` sites.

@@ -1,207 +1,143 @@
 // Newton steps on the equations of the sites that bear force. Unknowns are forces in the frames of their
-// sites. A sticking site obeys c = 0. A sliding site with slip direction d = c_t/|c_t| obeys
+// sites. A sticking site obeys c = 0. A sliding site obeys
 //
-//     c_n = 0,    λ_t + μ λ_n d = 0,    δd = (I − d dᵀ) δc_t/|c_t|
+//     c_n = 0,    λ_t + μ λ_n d = 0,    d = w/|w|,    w = c_t − ρ λ_t
+//
+// with its own tangential compliance ρ. In the solution d is the direction of slip; next to sticking, where
+// c_t is small, w changes less than c_t. [Alart, Curnier 1991] With e across d, the force along d follows
+// from the normal force, δλ_d = −(λ_d + μ λ_n) − μ δλ_n. Two unknowns remain, δλ_n and δλ_e:
+//
+//     c_n + δc_n = 0,    (ρ − τ ρ) δλ_e + τ e·δc_t = −ρ λ_e,    τ = ρ μ λ_n/|w|
 #include <algorithm>
 #include <cmath>
 
 #include "turgor/contact/coulomb_steps.hpp"
+#include "turgor/contact/dense_system.hpp"
 #include "turgor/core/assert.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-/// Linear system of one step, stored in the work arrays of FrictionalContactProblem. Rows behind the last one
-/// are zero.
-struct System {
-  double* a;  // column-major
-  double* rhs;
-  double* factors;  // of the rows below a pivot
-  int n = 0, stride = 0;
-
-  double* column(int j) const { return a + std::size_t(j) * std::size_t(stride); }
-};
-
-/// Largest absolute value of the entries [begin, end) of a column; both are multiples of kLanes.
-double largest_of(const double* column, int begin, int end) {
-  double largest[kLanes] = {};
-  for (int i = begin; i < end; i += kLanes) {
-    TURGOR_LANES
-    for (int q = 0; q < kLanes; q++) largest[q] = std::max(largest[q], std::abs(column[i + q]));
+/// Unknowns and coefficients of a site, from its present state, separation and force.
+NewtonSite newton_site(const FrictionalContactProblem& p, int i, int row) {
+  const SiteState state = p.state[std::size_t(i)];
+  if (state == SiteState::kOpen) return {};
+  const double friction = p.friction[std::size_t(i)];
+  if (friction <= 0) return {.row = row, .unknowns = 1};
+  if (state == SiteState::kStick) return {.row = row, .unknowns = 3};
+  NewtonSite site{.row = row, .unknowns = 2};
+  const Vec3d c = read_site(p.separation, i), f = read_site(p.force, i);
+  const SiteCompliance& law = p.laws[std::size_t(i)];
+  site.compliance = (law.s[0] + law.s[1]) / 2;
+  const double y = c.y - site.compliance * f.y, z = c.z - site.compliance * f.z;
+  const double length = std::sqrt(y * y + z * z);
+  TURGOR_CHECK(site.compliance > 0, "the compliance of a contact site is positive");
+  if (length > 0) {
+    site.d[0] = y / length, site.d[1] = z / length, site.friction = friction;
+    // inside of the cone, the site is about to stick
+    site.turn = std::min(1.0, site.compliance * friction * f.x / length);
   }
-  return *std::max_element(largest, largest + kLanes);
+  site.along = -(site.d[0] * f.y + site.d[1] * f.z + site.friction * f.x);
+  return site;
 }
 
-double largest_entry(const System& s) {
-  double largest = 0;
-  for (int j = 0; j < s.n; j++) largest = std::max(largest, largest_of(s.column(j), 0, padded(s.n)));
-  return largest;
-}
+/// Component across the slip of a site's tangential vector.
+double across(const NewtonSite& site, const double* v) { return site.d[0] * v[2] - site.d[1] * v[1]; }
 
-void exchange_rows(const System& s, int a, int b) {
-  for (int j = 0; j < s.n; j++) std::swap(s.column(j)[a], s.column(j)[b]);
-  std::swap(s.rhs[a], s.rhs[b]);
-}
-
-/// Eliminates the pivot's row from all columns behind it. The factors of rows above are zero, so that whole
-/// lanes can be processed.
-void eliminate(const System& s, int k) {
-  const int begin = k / kLanes * kLanes, end = padded(s.n);
-  // factors of the rows below the pivot
-  const double* pivot = s.column(k);
-  const double inverse = 1 / pivot[k];
-  for (int i = begin; i < end; i++) s.factors[i] = i > k ? pivot[i] * inverse : 0;
-  // update the columns right of the pivot
-  for (int j = k + 1; j < s.n; j++) {
-    double* target = s.column(j);
-    const double row = target[k];
-    for (int i = begin; i < end; i += kLanes) {
-      TURGOR_LANES
-      for (int q = i; q < i + kLanes; q++) target[q] -= s.factors[q] * row;
-    }
-  }
-  // update the right-hand side
-  for (int i = k + 1; i < s.n; i++) s.rhs[i] -= s.factors[i] * s.rhs[k];
-}
-
-/// Row of the pivot of column k: k itself, unless another entry below it is more than ten times as large.
-int pivot_row(const System& s, int k) {
-  constexpr double kEnough = 0.1;  // of the largest entry
-  const double* column = s.column(k);
-  const int lane = k / kLanes * kLanes + kLanes;
-  // largest entry below: to the end of the lane, then in whole lanes
-  double largest = 0;
-  for (int i = k; i < std::min(lane, s.n); i++) largest = std::max(largest, std::abs(column[i]));
-  if (lane < s.n) largest = std::max(largest, largest_of(column, lane, padded(s.n)));
-  if (std::abs(column[k]) >= kEnough * largest) return k;
-  return int(std::find_if(column + k, column + s.n, [=](double a) { return std::abs(a) == largest; }) -
-             column);
-}
-
-/// Gaussian elimination with row exchanges. False for a singular matrix.
-bool solve_in_place(const System& s) {
-  TURGOR_CHECK(s.n >= 0 && s.n <= s.stride, "the Newton system fits the allocated storage");
-  constexpr double kSingular = 1e-13;
-  const double smallest = kSingular * largest_entry(s);
-  // forward elimination
-  for (int k = 0; k < s.n; k++) {
-    const int row = pivot_row(s, k);
-    if (!(std::abs(s.column(k)[row]) > smallest)) return false;
-    if (row != k) exchange_rows(s, k, row);
-    eliminate(s, k);
-  }
-  // back substitution
-  for (int k = s.n - 1; k >= 0; k--) {
-    const double* pivot = s.column(k);
-    s.rhs[k] /= pivot[k];
-    for (int i = 0; i < k; i++) s.rhs[i] -= pivot[i] * s.rhs[k];
-  }
-  return true;
-}
-
-bool is_frictionless(const FrictionalContactProblem& p, int site) {
-  return p.friction[std::size_t(site)] <= 0;
-}
-
-/// Numbers the unknowns and returns their count.
+/// Describes all sites and returns the number of unknowns.
 int number_unknowns(FrictionalContactProblem& p) {
   int count = 0;
   for (int i = p.held; i < p.count; i++) {
-    const bool open = p.state[std::size_t(i)] == SiteState::kOpen;
-    p.newton_row[std::size_t(i)] = open ? -1 : count;
-    if (!open) count += is_frictionless(p, i) ? 1 : 3;
+    p.newton_sites[std::size_t(i)] = newton_site(p, i, count);
+    count += p.newton_sites[std::size_t(i)].unknowns;
   }
   return count;
 }
 
-/// Coefficients of a sliding site's tangential equations, scaled to separations.
-struct Slip {
-  double d[2] = {0, 0};  // direction
-  double turn = 0;       // μ λ_n / |c_t|
-  double friction = 0, unit = 0;
-};
-
-Slip slip_of(const FrictionalContactProblem& p, int site) {
-  const Vec3d c = read_site(p.separation, site), f = read_site(p.force, site);
-  Slip slip{.friction = p.friction[std::size_t(site)], .unit = p.laws[std::size_t(site)].d.column[0].x};
-  const double length = std::sqrt(c.y * c.y + c.z * c.z);
-  TURGOR_CHECK(slip.unit > 0, "the compliance of a contact site is positive");
-  if (length > 0) {
-    slip.d[0] = c.y / length, slip.d[1] = c.z / length;
-    slip.turn = slip.friction * f.x / length;
+/// Rows of the equations of all sites from the separations that a unit of one unknown causes.
+void fill_column(const FrictionalContactProblem& p, const double* separation, const DenseSystem& s,
+                 double* target) {
+  for (int i = p.held; i < p.count; i++) {
+    const NewtonSite& site = p.newton_sites[std::size_t(i)];
+    const double* c = separation + 3 * i;
+    if (site.unknowns == 0) continue;
+    target[site.row] = c[0];
+    if (site.unknowns == 2) target[site.row + 1] = site.turn * across(site, c);
+    if (site.unknowns == 3) target[site.row + 1] = c[1], target[site.row + 2] = c[2];
   }
-  return slip;
+  std::fill(target + s.n, target + padded(s.n), 0.0);
 }
 
-/// Replaces the tangential rows of C at a sliding site by those of its slip equations.
-void turn_rows(const System& s, int row, const Slip& slip) {
-  const double scale = slip.unit * slip.turn;
-  // μ λ_n δd
-  for (int j = 0; j < s.n; j++) {
-    double* c = s.column(j) + row;
-    const double across = slip.d[0] * c[2] - slip.d[1] * c[1];
-    c[1] = -scale * slip.d[1] * across;
-    c[2] = scale * slip.d[0] * across;
+/// Columns of a sliding site. Adds the separations of its known change along the slip to `known`.
+void fill_sliding(const FrictionalContactProblem& p, int j, const DenseSystem& s, double* known) {
+  const NewtonSite& site = p.newton_sites[std::size_t(j)];
+  const double *n = column(p, 3 * j), *y = column(p, 3 * j + 1), *z = column(p, 3 * j + 2);
+  double *of_normal = s.factors, *of_across = of_normal + s.stride;
+  const double dy = site.d[0], dz = site.d[1], friction = site.friction, change = site.along;
+  TURGOR_LANES
+  for (int i = 0; i < padded(3 * p.count); i++) {
+    const double along = dy * y[i] + dz * z[i];
+    of_normal[i] = n[i] - friction * along;
+    of_across[i] = dy * z[i] - dz * y[i];
+    known[i] += change * along;
   }
-  // δλ_t + μ δλ_n d
-  for (int axis = 0; axis < 2; axis++) {
-    s.column(row)[row + 1 + axis] += slip.unit * slip.friction * slip.d[axis];
-    s.column(row + 1 + axis)[row + 1 + axis] += slip.unit;
-  }
+  fill_column(p, of_normal, s, s.column(site.row));
+  fill_column(p, of_across, s, s.column(site.row + 1));
+  s.column(site.row + 1)[site.row + 1] += site.compliance * (1 - site.turn);
 }
 
-/// Copies the columns of a site from C.
-void fill_columns(const FrictionalContactProblem& p, int site, const System& s) {
-  // unknowns of the site: normal only, or normal and tangents
-  const int first = p.newton_row[std::size_t(site)], columns = is_frictionless(p, site) ? 1 : 3;
-  TURGOR_CHECK(first >= 0 && first + columns <= s.n, "the unknowns of a site belong to the Newton system");
-  for (int k = 0; k < columns; k++) {
-    double* target = s.column(first + k);
-    const double* c = column(p, 3 * site + k);
-    // copy the rows of the free sites
-    for (int i = p.held; i < p.count; i++) {
-      const int row = p.newton_row[std::size_t(i)];
-      if (row < 0) continue;
-      target[row] = c[3 * i];
-      if (!is_frictionless(p, i)) target[row + 1] = c[3 * i + 1], target[row + 2] = c[3 * i + 2];
-    }
-    // zero padding
-    std::fill(target + s.n, target + padded(s.n), 0.0);
+/// Fills the matrix. Returns the changes of the separations by the known changes along the slips.
+const double* fill_matrix(const FrictionalContactProblem& p, const DenseSystem& s) {
+  double* known = s.factors + 2 * s.stride;
+  std::fill_n(known, padded(3 * p.count), 0.0);
+  for (int j = p.held; j < p.count; j++) {
+    const NewtonSite& site = p.newton_sites[std::size_t(j)];
+    if (site.unknowns == 2)
+      fill_sliding(p, j, s, known);
+    else
+      for (int k = 0; k < site.unknowns; k++) fill_column(p, column(p, 3 * j + k), s, s.column(site.row + k));
   }
+  return known;
 }
 
-/// Residual of a site's equations, with the rows of a sliding one.
-void fill_rhs(const FrictionalContactProblem& p, int site, const System& s) {
-  const int row = p.newton_row[std::size_t(site)];
-  const Vec3d c = read_site(p.separation, site), f = read_site(p.force, site);
-  s.rhs[row] = -c.x;
-  if (is_frictionless(p, site)) return;
-  s.rhs[row + 1] = -c.y, s.rhs[row + 2] = -c.z;
-  if (p.state[std::size_t(site)] != SiteState::kSlip) return;
-  const Slip slip = slip_of(p, site);
-  s.rhs[row + 1] = -slip.unit * (f.y + slip.friction * f.x * slip.d[0]);
-  s.rhs[row + 2] = -slip.unit * (f.z + slip.friction * f.x * slip.d[1]);
-  turn_rows(s, row, slip);
+/// Residuals of all equations after the known changes.
+void fill_rhs(const FrictionalContactProblem& p, const double* known, const DenseSystem& s) {
+  fill_column(p, known, s, s.rhs);
+  for (int i = p.held; i < p.count; i++) {
+    const NewtonSite& site = p.newton_sites[std::size_t(i)];
+    if (site.unknowns == 0) continue;
+    s.rhs[site.row] += p.separation[std::size_t(3 * i)];
+    if (site.unknowns == 2)
+      s.rhs[site.row + 1] += site.compliance * across(site, &p.force[std::size_t(3 * i)]);
+    for (int k = 1; site.unknowns == 3 && k < 3; k++)
+      s.rhs[site.row + k] += p.separation[std::size_t(3 * i + k)];
+  }
+  for (int i = 0; i < s.n; i++) s.rhs[i] = -s.rhs[i];
+}
+
+/// Change of a site's force from the solution.
+Vec3d change_of(const NewtonSite& site, const double* solution) {
+  const double* x = solution + site.row;
+  if (site.unknowns == 1) return {x[0], 0, 0};
+  if (site.unknowns == 3) return {x[0], x[1], x[2]};
+  const double along = site.along - site.friction * x[0];
+  // a site without slip direction loses its tangential force
+  return {x[0], site.d[0] * along - site.d[1] * x[1], site.d[1] * along + site.d[0] * x[1]};
 }
 
 }  // namespace
 
 bool newton_step(FrictionalContactProblem& p) {
   // matrix and right-hand side
-  const System s{p.newton_matrix.data(), p.newton_rhs.data(), p.newton_column.data(), number_unknowns(p),
-                 p.stride};
-  for (int i = p.held; i < p.count; i++)
-    if (p.newton_row[std::size_t(i)] >= 0) fill_columns(p, i, s);
-  for (int i = p.held; i < p.count; i++)
-    if (p.newton_row[std::size_t(i)] >= 0) fill_rhs(p, i, s);
+  const int n = number_unknowns(p);
+  const DenseSystem s{p.newton_matrix.data(), p.newton_rhs.data(), p.newton_columns.data(), n, p.stride};
+  fill_rhs(p, fill_matrix(p, s), s);
   // solve and add the change of the forces
   if (!solve_in_place(s)) return false;
-  for (int j = p.held; j < p.count; j++) {
-    const int row = p.newton_row[std::size_t(j)];
-    if (row < 0) continue;
-    const bool one = is_frictionless(p, j);
-    add_force(p, j, {s.rhs[row], one ? 0 : s.rhs[row + 1], one ? 0 : s.rhs[row + 2]});
+  for (int i = p.held; i < p.count; i++) {
+    const NewtonSite& site = p.newton_sites[std::size_t(i)];
+    if (site.unknowns > 0) add_force(p, i, change_of(site, s.rhs));
   }
   return true;
 }

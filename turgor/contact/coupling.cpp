@@ -1,130 +1,21 @@
 #include "turgor/contact/coupling.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
-#include "turgor/core/assert.hpp"
-#include "turgor/core/invariants.hpp"
-#include "turgor/models/sfem/green.hpp"
+#include "turgor/contact/coupled_system.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-constexpr int kMostSolves = 40;         // for taut ties and their directions
-constexpr int kMostBreaks = 64;         // in one call; the rest breaks in the next one
-constexpr double kLawError = 1e-8;      // see law_error
-constexpr double kSiteSoftness = 1e-5;  // see TouchParams::tool_softness
+constexpr int kMostSolves = 40;     // for taut ties and their directions
+constexpr int kMostBreaks = 64;     // in one call; the rest breaks in the next one
+constexpr double kLawError = 1e-8;  // see law_error
 
 /// Once a frame there is more time than in a tick.
 constexpr FrictionalContactParams kSolver{.sweeps = 500, .newton_steps = 40};
-
-/// A vertex that a tie or a site moves, with its signed weight.
-struct Carrier {
-  int body = 0, vertex = 0;
-  double weight = 0;
-};
-/// All vertices of one tie or site that can move.
-struct Carriers {
-  std::array<Carrier, 6> list;
-  std::size_t count = 0;
-};
-
-void add_carriers(std::span<const CoupledBody> bodies, const SurfacePoint& point, double sign,
-                  Carriers& carriers) {
-  if (point.body < 0) return;
-  TURGOR_CHECK(is_index(point.body, bodies.size()) && bodies[std::size_t(point.body)].model,
-               "surface points belong to coupled bodies");
-  const sfem::Model& model = *bodies[std::size_t(point.body)].model;
-  for (int corner = 0; corner < 3; corner++) {
-    const int v = point.vertex[corner];
-    if (v < 0 || point.weight[corner] == 0 || model.free_node[std::size_t(v)] < 0) continue;
-    carriers.list[carriers.count++] = {point.body, v, sign * point.weight[corner]};
-  }
-}
-
-/// 3×3 block of C, column-major, between two ties or sites.
-std::array<double, 9> block_between(std::span<const CoupledBody> bodies, const Carriers& row,
-                                    const Carriers& column) {
-  std::array<double, 9> sum{};
-  for (std::size_t j = 0; j < column.count; j++)
-    for (std::size_t i = 0; i < row.count; i++) {
-      const Carrier &r = row.list[i], &c = column.list[j];
-      if (r.body != c.body) continue;
-      const CoupledBody& body = bodies[std::size_t(r.body)];
-      const sfem::Green& green = body.model->green;
-      std::array<double, 9> block{};
-      sfem::green_block(green, green.slot[std::size_t(r.vertex)], green.slot[std::size_t(c.vertex)], block);
-      const double weight = r.weight * c.weight / body.stiffness_scale;
-      for (std::size_t k = 0; k < 9; k++) sum[k] += weight * block[k];
-    }
-  return sum;
-}
-
-/// The whole system: all ties that are not broken, then all sites.
-struct CoupledSystem {
-  std::vector<std::size_t> tie;    // index of each tie
-  std::size_t count = 0;           // ties and sites
-  std::vector<double> compliance;  // C, 3·count square, column-major, lower blocks [m/N]
-  std::vector<Vec3d> free;         // d of each tie, and separation of each site, without forces [m]
-  double softness = 0;             // own compliance of every site [m/N]
-};
-
-double mean_diagonal(const CoupledSystem& system, std::size_t s) {
-  const std::size_t n = 3 * system.count;
-  double sum = 0;
-  for (std::size_t axis = 0; axis < 3; axis++) sum += system.compliance[(3 * s + axis) * (n + 1)];
-  return sum / 3;
-}
-
-/// Separation of a site without forces: the distance along its normal, and the slip across it.
-Vec3d free_separation(std::span<const CoupledBody> bodies, const PairSite& site) {
-  const auto at = [&](const SurfacePoint& p) {
-    return p.rest + (p.body < 0 ? Vec3d{} : displacement_of(p, bodies[std::size_t(p.body)].free));
-  };
-  const Vec3d n = site.normal, a = at(site.a);
-  const Vec3d slip = a - at(site.anchor) - site.slip;
-  const double distance = site.distance + dot(n, a - at(site.b) - site.found);
-  return slip - dot(slip, n) * n + distance * n;
-}
-
-CoupledSystem make_system(const Exec& exec, std::span<const CoupledBody> bodies, std::span<const Tie> ties,
-                          std::span<const PairSite> sites) {
-  CoupledSystem system;
-  std::vector<Carriers> carriers;
-  // ties, then sites
-  for (std::size_t t = 0; t < ties.size(); t++) {
-    if (ties[t].broken) continue;
-    system.tie.push_back(t);
-    system.free.push_back(free_stretch(bodies, ties[t]));
-    add_carriers(bodies, ties[t].a, 1, carriers.emplace_back());
-    add_carriers(bodies, ties[t].b, -1, carriers.back());
-  }
-  for (const PairSite& site : sites) {
-    system.free.push_back(free_separation(bodies, site));
-    add_carriers(bodies, site.a, 1, carriers.emplace_back());
-    add_carriers(bodies, site.b, -1, carriers.back());
-  }
-  // compliance, column by column
-  system.count = carriers.size();
-  const std::size_t n = 3 * system.count;
-  system.compliance.resize(n * n);
-  parallel_for(
-      exec, system.count,
-      [&](std::size_t j) {
-        for (std::size_t i = j; i < system.count; i++) {
-          const std::array<double, 9> block = block_between(bodies, carriers[i], carriers[j]);
-          for (std::size_t k = 0; k < 9; k++)
-            system.compliance[(3 * j + k / 3) * n + 3 * i + k % 3] = block[k];
-        }
-      },
-      4);
-  for (std::size_t s = system.tie.size(); s < system.count; s++)
-    system.softness = std::max(system.softness, kSiteSoftness * mean_diagonal(system, s));
-  return system;
-}
 
 /// Force of a tie with this stretch.
 Vec3d law(const Tie& tie, Vec3d stretch) {
@@ -205,7 +96,7 @@ void fill_problem(const CoupledSystem& system, std::span<const Tie> ties, std::s
           column[3 * i + k] = system.compliance[(3 * s + axis) * n + 3 * used[i] + k];
     }
     // own compliance and separation
-    const double soft = system.softness;
+    const double soft = system.softness[s];
     TautTie own{{{{soft, 0, 0}, {0, soft, 0}, {0, 0, soft}}}, system.free[s]};
     if (s < system.tie.size()) {
       own = linearized(ties[system.tie[s]], system.free[s], loaded.stretch[s]), p.held++;
@@ -315,22 +206,6 @@ bool break_one(std::span<Tie> ties) {
 }
 
 }  // namespace
-
-Vec3d displacement_of(const SurfacePoint& point, std::span<const Vec3d> displacement) {
-  Vec3d sum;
-  if (point.body < 0) return sum;
-  for (int corner = 0; corner < 3; corner++)
-    if (const int v = point.vertex[corner]; v >= 0)
-      sum += displacement[std::size_t(v)] * point.weight[corner];
-  return sum;
-}
-
-Vec3d free_stretch(std::span<const CoupledBody> bodies, const Tie& tie) {
-  const auto moved = [&](const SurfacePoint& p) {
-    return p.body < 0 ? Vec3d{} : displacement_of(p, bodies[std::size_t(p.body)].free);
-  };
-  return moved(tie.a) - moved(tie.b);
-}
 
 CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bodies, std::span<Tie> ties,
                               std::span<PairSite> sites) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "turgor/contact/local_stiffness.hpp"
 #include "turgor/core/assert.hpp"
@@ -22,14 +23,20 @@ struct ContactSum {
   double weight = 0;    // of `point` [N]
   double gap = std::numeric_limits<double>::infinity();  // of the nearest sample [m]
   double node_stiffness = 0, stiffest = 0;  // sum over nodes that bear force; of the nearest node [N/m]
-  int last_node = -1;                       // last node included in that sum
+  std::vector<int> nodes;                   // included in that sum
   bool is_held = false;
 };
 
 /// Stiffness of a contact's node with all other nodes fixed [N/m]. Contacts of one node share it.
 double node_stiffness(const LatticeTouch& touch, std::size_t contact) {
-  TURGOR_CHECK(is_ascending(touch.nodes, &lattice::NodeContact::slot), "contacts ascend by node");
   const lattice::NodeContact& node = touch.nodes[contact];
+  if (!touch.points.empty()) {
+    const lattice::ContactPoints& points = touch.contact_points;
+    return double(node.stiffness) * double(points.concentration[contact]) *
+           double(share_sum(points, terms_of(points, points.leader[contact], 1))) /
+           double(lattice::kContactStiffness);
+  }
+  TURGOR_CHECK(is_ascending(touch.nodes, &lattice::NodeContact::slot), "contacts ascend by node");
   const auto same = std::equal_range(touch.nodes.begin(), touch.nodes.end(), node,
                                      [](const auto& a, const auto& b) { return a.slot < b.slot; });
   return double(node.stiffness) * double(same.second - same.first) / double(lattice::kContactStiffness);
@@ -44,8 +51,7 @@ ContactPoint contact_point(const lattice::Model& model, const lattice::Motion& m
                            const LatticeTouch& touch, const LatticeContact& contact, const Tool& tool) {
   TURGOR_CHECK(is_index(contact.sample, touch.samples.size()), "a contact refers to a sample of the surface");
   TURGOR_CHECK(is_index(contact.tool, touch.poses.size()), "a contact refers to a tool of the touch");
-  const LatticeSample& point = touch.samples[std::size_t(contact.sample)];
-  const Vec3d x = sample_position(motion, point);
+  const Vec3d x = sample_position(touch, motion, contact.sample);
   const Pose& pose = touch.poses[std::size_t(contact.tool)].pose;
   const ShapeDistance d = distance(tool.shape, pose, x);
   return {model.anatomy.grid.origin + model.anatomy.grid.axes * x, model.anatomy.grid.axes * -d.normal,
@@ -59,8 +65,8 @@ void add(const ContactPoint& point, const LatticeContact& contact, int node, dou
   if (force > 0) {
     sum.normal += point.normal * force, sum.point += point.x * force;
     sum.weight += force;
-    if (node != sum.last_node) sum.node_stiffness += stiffness;
-    sum.last_node = node;
+    const bool is_new = std::find(sum.nodes.begin(), sum.nodes.end(), node) == sum.nodes.end();
+    if (is_new) sum.node_stiffness += stiffness, sum.nodes.push_back(node);
   }
   if (point.outside >= sum.gap) return;
   sum.gap = point.outside, sum.stiffest = stiffness;

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <tuple>
 #include <utility>
 
+#include "turgor/contact/lattice_points.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
+#include "turgor/models/lattice/cutting/fine_lattice.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/models/lattice/model/neighbors.hpp"
 
 namespace turgor::contact {
@@ -130,6 +134,16 @@ void add_wall_samples(const lattice::Model& model, const lattice::BodySurface& s
   }
 }
 
+/// Embeds the samples in cells. One sample between two nodes is enough then.
+void embed_in_cells(const lattice::Model& model, const lattice::Cuts& cuts,
+                    const lattice::BodySurface& surface, LatticeTouch& touch) {
+  std::erase_if(touch.samples, [](const LatticeSample& p) { return p.other >= 0 && p.other < p.slot; });
+  touch.points = embed_samples(model, cuts, surface, touch.samples);
+  touch.virtual_slots.clear();
+  for (const lattice::VirtualNode& node : surface.fragments->virtual_nodes)
+    touch.virtual_slots.push_back(node.slot);
+}
+
 auto key(const LatticeSample& sample) { return std::tuple(sample.slot, sample.wall, sample.other); }
 bool comes_first(const LatticeSample& a, const LatticeSample& b) { return key(a) < key(b); }
 
@@ -159,8 +173,8 @@ std::vector<lattice::Ball> balls_around(const lattice::Model& model, const Latti
   std::vector<lattice::Ball> balls;
   for (std::size_t t = 0; t < tools.size(); t++) {
     const double displacement = norm(to[t].pose.position - touch.poses[t].pose.position);
-    balls.push_back(
-        {to[t].pose.position, bounding_radius(tools[t].shape) + contact_reach(model) + displacement});
+    const double reach = bounding_radius(tools[t].shape) + contact_reach(model) + displacement;
+    balls.push_back({to[t].pose.position, tools[t].needle ? 0 : reach});  // a needle has no contacts
   }
   return balls;
 }
@@ -195,18 +209,22 @@ struct FindContacts {
     // hold: begins at a sample that bears force, ends with the command
     TURGOR_CHECK(is_index(p, touch.samples.size()), "a contact refers to a sample of the surface");
     const LatticeSample& sample = touch.samples[std::size_t(p)];
-    const Vec3d x = sample_position(motion, sample), local = to_tool(s.from.pose, x);
+    const Vec3d x = sample_position(touch, motion, p), local = to_tool(s.from.pose, x);
     LatticeContact contact{p, t, before.is_held, before.anchor, before.force};
     if (!s.to.hold) contact.is_held = false;
     if (s.to.hold && !s.from.hold && norm(before.force) > 0) contact.is_held = true, contact.anchor = local;
     // predicted position of the sample, and of its anchor on the tool
     const Vec3d carried = to_world(s.to.pose, contact.is_held ? contact.anchor : local);
-    const Vec3d predicted = x + mean_of(motion.v, sample) * dt;
+    const Vec3d predicted = x + sample_velocity(touch, motion, p) * dt;
     const ShapeDistance d = distance(s.tool.shape, s.to.pose, predicted);
     if (d.distance > reach && !contact.is_held) return;
     // contact of the node: tangent plane and target
-    lattice::NodeContact node{.slot = sample.slot,
-                              .other = sample.other,
+    const bool at_point = !touch.points.empty();
+    const lattice::CornerNodes nodes{model, touch.virtual_slots};
+    const int leader = at_point ? leading_corner(nodes, touch.points[std::size_t(p)]) : sample.slot;
+    if (leader < 0) return;
+    lattice::NodeContact node{.slot = nodes.slot(leader),
+                              .other = at_point ? -1 : sample.other,
                               .normal = Vec3(d.normal),
                               .friction = Real(s.tool.friction),
                               .is_held = contact.is_held,
@@ -216,6 +234,10 @@ struct FindContacts {
         contact.is_held ? carried : carried + d.normal * dot(d.normal, surface_point - carried);
     node.target = Vec3(target - sample.rest);
     touch.nodes.push_back(node);
+    if (at_point) {
+      touch.contact_points.at.push_back(touch.points[std::size_t(p)]);
+      touch.contact_points.leader.push_back(leader);
+    }
     touch.contacts.push_back(contact);
   }
 
@@ -228,8 +250,9 @@ struct FindContacts {
     const std::vector<LatticeContact> before = std::move(touch.contacts);
     auto previous = before.begin();
     touch.contacts.clear(), touch.nodes.clear();
+    touch.contact_points.at.clear(), touch.contact_points.leader.clear();
     for (const int p : near) {
-      const Vec3d x = sample_position(motion, touch.samples[std::size_t(p)]);
+      const Vec3d x = sample_position(touch, motion, p);
       for (std::size_t t = 0; t < steps.size(); t++) {
         // find the previous contact of this sample and tool
         LatticeContact contact{.sample = p, .tool = int(t)};
@@ -245,9 +268,24 @@ struct FindContacts {
 
 }  // namespace
 
+Vec3d sample_velocity(const LatticeTouch& touch, const lattice::Motion& motion, int sample) {
+  const auto at = [&](int slot) { return motion.v[std::size_t(slot)]; };
+  if (touch.points.empty()) return mean_at(touch.samples[std::size_t(sample)], at);
+  const lattice::EmbeddedPoint& point = touch.points[std::size_t(sample)];
+  const int slots = int(motion.v.x.size());
+  Vec3d sum;
+  double weights = 0;
+  for (std::size_t c = 0; c < 8; c++)
+    if (point.corner[c] < slots)
+      sum += Vec3d(at(point.corner[c])) * double(point.weight[c]), weights += double(point.weight[c]);
+  return weights > 0.1 ? sum / weights : Vec3d{};
+}
+
 LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::Cuts& cuts,
-                                const lattice::BodySurface& surface, std::span<const ToolPose> poses) {
+                                const lattice::BodySurface& surface, std::span<const ToolPose> poses,
+                                TouchCarrier carrier) {
   LatticeTouch touch;
+  touch.in_cells = carrier == TouchCarrier::kCells && !model.anatomy.cell_center.empty();
   touch.samples = skin_samples(model, surface);
   for (const ToolPose& pose : poses) touch.poses.push_back(in_lattice(model.anatomy.grid, pose));
   update_surface(touch, model, cuts, surface);
@@ -270,6 +308,7 @@ void update_surface(LatticeTouch& touch, const lattice::Model& model, const latt
   add_wall_samples(model, surface, touch.samples);
   std::sort(touch.samples.begin() + skin, touch.samples.end(), comes_first);
   std::inplace_merge(touch.samples.begin(), touch.samples.begin() + skin, touch.samples.end(), comes_first);
+  if (touch.in_cells) embed_in_cells(model, cuts, surface, touch);
   // contacts keep their samples, or end
   std::erase_if(touch.contacts, [&](LatticeContact& contact) {
     const LatticeSample& was = before[std::size_t(contact.sample)];
@@ -288,6 +327,7 @@ void teleport_tool(LatticeTouch& touch, const lattice::Model& model, int tool, c
 std::vector<int> samples_near(const lattice::Model& model, const lattice::DeviceState& state,
                               const LatticeTouch& touch, std::span<const Tool> tools,
                               std::span<const ToolPose> poses) {
+  if (!touch.points.empty()) return samples_near(model, state->motion, touch, tools, poses);
   const std::vector<lattice::Ball> balls =
       balls_around(model, touch, tools, in_lattice(model.anatomy.grid, poses));
   return with_contact_samples(touch, state.samples_in_balls(touch.samples, touch.version, balls));
@@ -297,7 +337,15 @@ std::vector<int> samples_near(const lattice::Model& model, const lattice::Motion
                               std::span<const ToolPose> poses) {
   const std::vector<lattice::Ball> balls =
       balls_around(model, touch, tools, in_lattice(model.anatomy.grid, poses));
-  return with_contact_samples(touch, samples_in_balls(touch.samples, motion, balls));
+  if (touch.points.empty())
+    return with_contact_samples(touch, samples_in_balls(touch.samples, motion, balls));
+  std::vector<int> found;
+  for (int p = 0; p < int(touch.samples.size()); p++) {
+    const Vec3d x = sample_position(touch, motion, p);
+    if (std::any_of(balls.begin(), balls.end(), [&](const lattice::Ball& ball) { return contains(ball, x); }))
+      found.push_back(p);
+  }
+  return with_contact_samples(touch, std::move(found));
 }
 
 std::vector<int> nodes_of(const LatticeTouch& touch, std::span<const int> samples) {
@@ -311,10 +359,9 @@ std::vector<int> nodes_of(const LatticeTouch& touch, std::span<const int> sample
   return nodes;
 }
 
-std::span<lattice::NodeContact> find_contacts(const lattice::Model& model, const lattice::Motion& motion,
-                                              LatticeTouch& touch, std::span<const Tool> tools,
-                                              std::span<const ToolPose> poses, double dt,
-                                              std::span<const int> near) {
+void find_contacts(const lattice::Model& model, const lattice::Motion& motion, LatticeTouch& touch,
+                   std::span<const Tool> tools, std::span<const ToolPose> poses, double dt,
+                   std::span<const int> near) {
   TURGOR_ASSERT(is_step_length(dt), "contacts are found for a step of positive length");
   TURGOR_CHECK(motion.u.x.size() == model.anatomy.inverse_mass.size(),
                "positions are on the host while contacts are found");
@@ -324,7 +371,8 @@ std::span<lattice::NodeContact> find_contacts(const lattice::Model& model, const
   for (std::size_t t = 0; t < tools.size(); t++) steps.push_back({tools[t], touch.poses[t], to[t], balls[t]});
   FindContacts{model, motion, touch, contact_reach(model), dt}(steps, near);
   touch.poses = std::move(to);
-  return touch.nodes;
+  if (!touch.points.empty())
+    make_terms(lattice::CornerNodes{model, touch.virtual_slots}, touch.contact_points);
 }
 
 /// Sets the contacts' forces for the next step and sums the tools' forces in the patient frame.
@@ -337,9 +385,8 @@ void read_forces(const lattice::Model& model, const lattice::Motion& motion, Lat
     LatticeContact& contact = touch.contacts[c];
     const lattice::NodeContact& node = touch.nodes[c];
     const Pose& pose = touch.poses[std::size_t(contact.tool)].pose;
-    const LatticeSample& sample = touch.samples[std::size_t(contact.sample)];
     // force in the tool's axes, for the next step
-    const Vec3d x = sample_position(motion, sample), force(node.force);
+    const Vec3d x = sample_position(touch, motion, contact.sample), force(node.force);
     for (int axis = 0; axis < 3; axis++) contact.force[axis] = dot(pose.axes.column[axis], force);
     // penetration
     ToolForce& tool_force = forces[std::size_t(contact.tool)];
@@ -365,7 +412,8 @@ lattice::StepReport step_with_tools(const Exec& exec, const lattice::Model& mode
                                     std::span<const ToolPose> poses, lattice::Inputs inputs, double dt,
                                     std::span<ToolForce> forces) {
   const std::vector<int> near = samples_near(model, state.motion, touch, tools, poses);
-  inputs.contacts = find_contacts(model, state.motion, touch, tools, poses, dt, near);
+  find_contacts(model, state.motion, touch, tools, poses, dt, near);
+  set_contacts(touch, inputs);
   const lattice::StepReport report = lattice::step(exec, model, state, inputs, dt);
   read_forces(model, state.motion, touch, tools, forces);
   return report;

@@ -39,12 +39,25 @@ double effective_depth(const LocalContact& c, Vec3d position) {
   return pressed - c.gap + std::min(dot(c.origin - position, c.normal), c.reach);
 }
 
+/// Force of a needle along the normal: a spring between two bounds, where it slips. A tip on the surface
+/// punctures it at the upper bound, and the force drops in that tick.
+double push_of_needle(LocalTouch& touch, double depth) {
+  LocalContact& c = touch.contact;
+  const double trial = c.stiffness * (depth + touch.slip);
+  if (c.needle.is_touching && trial >= c.needle.highest)
+    c.needle.is_touching = false, c.needle.highest = c.needle.after_puncture;
+  const double push = std::clamp(trial, c.needle.lowest, c.needle.highest);
+  if (push != trial && c.stiffness > 0) touch.slip = push / c.stiffness - depth;
+  return push;
+}
+
 /// Spring force of the plane: f_n = k depth, f_t = k_s (proxy − x), projected onto the friction cone. Moves
 /// the proxy where it slides.
 Vec3d plane_force(LocalTouch& touch, Vec3d position) {
   const LocalContact& c = touch.contact;
   if (!c.is_near) return {};
-  const double normal_force = c.stiffness * effective_depth(c, position);
+  const double depth = effective_depth(c, position);
+  const double normal_force = c.needle.is_needle ? push_of_needle(touch, depth) : c.stiffness * depth;
   const Vec3d offset = touch.proxy - position;
   const Vec3d tangent = offset - c.normal * dot(offset, c.normal);
   const Vec3d force = c.normal * normal_force + tangent * c.shear_stiffness;
@@ -93,7 +106,7 @@ void update_contact(LocalTouch& touch, const LocalContact& contact) {
                "the stiffness of a contact is not negative");  // NaN gives no force
   const Vec3d before = touch.force;
   touch.contact = contact;
-  touch.proxy = initial_proxy(contact);
+  touch.proxy = initial_proxy(contact), touch.slip = 0;
   touch.remaining_jump = {}, touch.reference = 0;
   if (!touch.seen) return;
   // force jump by the new plane

@@ -12,11 +12,25 @@
 #pragma once
 
 #include "turgor/contact/lattice_touch.hpp"
+#include "turgor/contact/needle_reading.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 
 namespace turgor::contact {
+
+/// Contact of a needle in a frame (lattice_needle.hpp). Its normal is that of the shaft: between two bounds a
+/// spring holds the needle along it, and at a bound the needle slips or cuts.
+struct LocalNeedle {
+  bool is_needle = false;
+  double lowest = 0, highest = 0;  // bounds of the force along the normal [N]
+  bool is_touching = false;        // the tip is on the surface, which it punctures at `highest`
+  double after_puncture = 0;       // the upper bound then [N]
+  NeedleReading reading;           // of the frame, as the next members, for logs
+  NeedleWork work;
+  int punctures = 0;
+  double entry_force = 0;  // [N]
+};
 
 /// Contact of one tool in a frame, in the world frame.
 struct LocalContact {
@@ -33,6 +47,7 @@ struct LocalContact {
   double reach = 0;            // distance from `origin` within which the plane is valid [m]
   long number = 0;             // number of planes published for this tool
   int teleports = 0;           // number of the tool's teleports when the plane was computed
+  LocalNeedle needle;
 };
 
 struct LocalTouchParams {
@@ -52,6 +67,7 @@ struct LocalTouch {
   bool seen = false;      // true after the first tick; the next two members describe the last tick
   Vec3d position, force;  // [m] [N]
   double largest_jump = 0;  // largest force jump of all planes, before blending [N]
+  double slip = 0;          // of a needle along the normal since the newest plane [m]
 };
 
 /// Replaces the plane by a newer one, between two ticks.

@@ -21,7 +21,12 @@ struct Needle {
   double friction = 1.4;         // along the shaft, per length [N/m]
   double spreading = 6e4;        // pressure of the tissue on the tip, which spreads the crack [Pa]
   double spacing = 0.001;        // of the points that couple shaft and tissue [m]
+  double bending = 0;            // EI: bending stiffness of the shaft; 0 = rigid (needle_beam.hpp) [N·m²]
+  double bevel = 90;             // angle between the tip's face and the shaft; 90 = no bevel [degrees]
+  double bevel_toward = 0;  // side of its edge about the shaft, from the tool's x to its y axis [degrees]
 };
+
+constexpr double kSteel = 2e11;  // Young's modulus [Pa]
 
 constexpr int kMostNeedlePoints = 240;  // of one track
 
@@ -40,6 +45,19 @@ inline double volume_behind_tip(const Needle& needle, double behind) {
   const double cone = cone_length(needle), whole = std::numbers::pi / 4 * needle.diameter * needle.diameter;
   const double in_cone = std::clamp(behind, 0.0, cone), after = std::max(0.0, behind - cone);
   return whole * (in_cone * in_cone * in_cone / (3 * cone * cone) + after);
+}
+/// Bending stiffness of a solid shaft [N·m²].
+inline double bending_stiffness(double diameter, double young) {
+  return young * std::numbers::pi / 64 * diameter * diameter * diameter * diameter;
+}
+/// Length of a bevel's face along the shaft [m].
+inline double bevel_length(const Needle& needle) {
+  return needle.diameter / std::tan(needle.bevel * std::numbers::pi / 180);
+}
+/// Distance of the crack from the shaft's axis: a sharp bevel cuts at its edge, a blunt tip in its middle
+/// [m].
+inline double bevel_offset(const Needle& needle) {
+  return needle.bevel < 90 ? needle.diameter / 2 * std::cos(needle.bevel * std::numbers::pi / 180) : 0;
 }
 /// Force on the tip that tears tissue of this toughness [N].
 inline double tearing_force(const Needle& needle, double toughness) { return toughness * needle.diameter; }

@@ -1,6 +1,8 @@
 // Results of a needle for logs and reports.
 #pragma once
 
+#include "turgor/core/vec.hpp"
+
 namespace turgor::contact {
 
 /// Energy since the start. The parts sum to the hand's work.
@@ -14,6 +16,7 @@ struct NeedleReading {
   int material = 0;                                 // at the tip, index into the body's materials
   double inserted = 0;                              // length of the shaft in the tissue [m]
   double cutting = 0, spreading = 0, friction = 0;  // [N]
+  Vec3d deflection;                                 // of the tip of a needle that bends [m]
 };
 
 }  // namespace turgor::contact

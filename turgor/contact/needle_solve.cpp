@@ -2,7 +2,7 @@
 // unknowns across the shaft, and one along it in a box.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <utility>
 
 #include "turgor/contact/needle_tick.hpp"
 #include "turgor/core/assert.hpp"
@@ -11,7 +11,6 @@ namespace turgor::contact {
 
 namespace {
 
-constexpr double kLeastLogarithm = 0.4;  // of r₀/a, where the mesh is finer than the needle
 constexpr int kMostSweeps = 80;
 constexpr double kNeedleTolerance =
     3e-6;  // change of a force in a sweep, relative to the needle's resistance
@@ -28,27 +27,20 @@ double log_of_resolved_radius(const sfem::InnerGreen& inner, const sfem::InnerPo
 }
 
 /// D of a point along and across the shaft, for its length ℓ [m/N].
-struct OwnCompliance {
-  double along = 0, across = 0;
-};
 OwnCompliance own_compliance(const NeedleTick& tick, const NeedlePoint& point) {
   if (!(point.engaged > 0)) return {};
   const auto e = std::size_t(point.at.element);
-  const double radius = tick.needle.diameter / 2, shear = tick.inner.shear[e],
-               poisson = tick.inner.poisson[e];
-  const double log =
-      std::max(kLeastLogarithm, log_of_resolved_radius(tick.inner, point.at) - std::log(radius));
-  const double along = log / (2 * std::numbers::pi * shear * point.engaged);
-  return {along, along * (3 - 4 * poisson) / (4 * (1 - poisson))};
+  return own_compliance(tick.needle, point.engaged, log_of_resolved_radius(tick.inner, point.at),
+                        tick.inner.shear[e], tick.inner.poisson[e]);
 }
 
 /// Energy ½ λ D λ [J].
 double own_energy(const NeedleTick& tick, std::size_t i) {
-  if (i == 0) return 0;
-  const OwnCompliance own = own_compliance(tick, tick.track().points[i]);
-  const Vec3d f = tick.track().force[i];
-  const double along = dot(f, tick.t());
-  return 0.5 * (own.along * along * along + own.across * (dot(f, f) - along * along));
+  if (i == 0 && !tick.bends()) return 0;
+  OwnCompliance own = own_compliance(tick, tick.track().points[i]);
+  if (i > 0) return own_energy(own, tick.track().force[i], tick.along(i));
+  own.along = 0;
+  return own_energy(own, tick.track().force[0], normalized(tick.along(0)));
 }
 
 Mat3d own_block(const NeedleTrack& track, std::size_t i) {
@@ -78,14 +70,14 @@ void add_spreading(const NeedleTick& tick, std::vector<double>& force) {
     for (int axis = 0; axis < 3; axis++) force[3 * i + std::size_t(axis)] += w * f[axis];
   };
   // points before and behind the tip
-  const double cell = inserted / tick.needle.spacing - 0.5;
-  const auto before = std::size_t(std::max(0.0, std::floor(cell))) + 1;
-  if (cell <= 0 && track.points.size() > 1) return add(1, 1);
-  if (before >= track.points.size()) return add(0, 1);
-  const std::size_t next = before + 1 < track.points.size() ? before + 1 : 0;
-  const double from = track.points[before].arc, to = track.points[next].arc;
-  const double share = to > from ? std::clamp((inserted - from) / (to - from), 0.0, 1.0) : 1;
-  add(before, 1 - share), add(next, share);
+  const SpreadPoints at = spread_points(track.points, inserted, tick.needle.spacing);
+  if (at.before != at.next) add(at.before, 1 - at.share);
+  add(at.next, at.share);
+}
+
+InsertedShaft shaft_of(const NeedleTick& tick) {
+  const NeedleTrack& track = tick.track();
+  return {tick.state.inserted, track.is_through ? tick.state.inserted - track.length : 0};
 }
 
 /// Unknowns of one point.
@@ -148,21 +140,14 @@ Vec3d solve_block(const NeedleTick& tick, const Mat3d& frame, const NeedleBlock&
 
 }  // namespace
 
-// The cone's part inside of the body: where the track is through, a part of the cone may have left it.
 double spreading_force(const NeedleTick& tick) {
-  const NeedleState& state = tick.state;
-  if (state.phase != NeedlePhase::kInside || !(state.inserted > 0)) return 0;
-  double area = cross_section(tick.needle, state.inserted);
-  if (tick.track().is_through) area -= cross_section(tick.needle, state.inserted - tick.track().length);
-  return tick.needle.spreading * area;
+  if (tick.state.phase != NeedlePhase::kInside) return 0;
+  return spreading_force(tick.needle, shaft_of(tick));
 }
 
 double spreading_energy(const NeedleTick& tick) {
-  const NeedleState& state = tick.state;
-  if (state.phase != NeedlePhase::kInside) return 0;
-  double volume = volume_behind_tip(tick.needle, state.inserted);
-  if (tick.track().is_through) volume -= volume_behind_tip(tick.needle, state.inserted - tick.track().length);
-  return tick.needle.spreading * volume;
+  if (tick.state.phase != NeedlePhase::kInside) return 0;
+  return spreading_energy(tick.needle, shaft_of(tick));
 }
 
 void find_positions(const NeedleTick& tick) {
@@ -210,20 +195,34 @@ void solve_needle(const NeedleTick& tick, double tearing) {
   }
 }
 
+double along_compliance(const NeedleTick& tick, std::size_t i) {
+  return i > 0 ? own_compliance(tick, tick.track().points[i]).along : 0;
+}
+double across_compliance(const NeedleTick& tick, std::size_t i) {
+  return i > 0 || tick.bends() ? own_compliance(tick, tick.track().points[i]).across : 0;
+}
+
 double position_on_shaft(const NeedleTick& tick, std::size_t i) {
+  if (tick.bends()) return position_on_bent_shaft(tick, i);
   const double own = i > 0 ? own_compliance(tick, tick.track().points[i]).along : 0;
   return dot(position(tick.state, i) - tick.pose.position, tick.t()) +
          own * dot(tick.track().force[i], tick.t());
 }
 
+Vec3d arm_on_shaft(const NeedleTick& tick, std::size_t i) {
+  const double along = position_on_shaft(tick, i);
+  if (!tick.bends()) return tick.t() * along;
+  return tick.t() * along +
+         in_world(tick.pose.axes, deflection(tick.state.beam, beam_shape(tick.needle, -along)));
+}
+
 double follow_slip(const NeedleTick& tick) {
   NeedleTrack& track = tick.track();
-  const Vec3d t = tick.t();
   double work = 0;
   for (std::size_t i = 1; i < track.points.size(); i++) {
     NeedlePoint& point = track.points[i];
     if (!(point.engaged > 0)) continue;
-    const double force = dot(track.force[i], t),
+    const double force = dot(track.force[i], tick.along(i)),
                  bound = tick.needle.friction * point.engaged / tick.stiffness;
     if (std::abs(force) < bound * (1 - 1e-9)) continue;
     const double at = position_on_shaft(tick, i);
@@ -235,7 +234,7 @@ double follow_slip(const NeedleTick& tick) {
 double engage(const NeedleTick& tick, double inserted) {
   NeedleTrack& track = tick.track();
   const double spacing = tick.needle.spacing;
-  double released = 0;
+  double released = tick.bends() ? hold_by_end(tick, inserted) : 0;
   for (std::size_t i = 1; i < track.points.size(); i++) {
     NeedlePoint& point = track.points[i];
     const double engaged = std::clamp(inserted - double(i - 1) * spacing, 0.0, spacing);
@@ -246,7 +245,8 @@ double engage(const NeedleTick& tick, double inserted) {
     }
     // the displacement D λ is that of another length now
     const double before = own_energy(tick, i);
-    point.engaged = engaged;
+    const bool is_new = std::exchange(point.engaged, engaged) == 0;
+    if (tick.bends() && is_new) released += misfit_work(tick, i, engaged);
     if (engaged > 0) released += before - own_energy(tick, i);
     if (engaged == 0) released += before, track.force[i] = {};
   }
@@ -262,6 +262,7 @@ double elastic_energy(const NeedleTick& tick) {
     const Vec3d f{state.force_on[3 * i], state.force_on[3 * i + 1], state.force_on[3 * i + 2]};
     energy += 0.5 * dot(f, u) + own_energy(tick, i);
   }
+  if (tick.bends()) energy += beam_energy(tick.needle, state.beam) / tick.stiffness;
   return energy;
 }
 

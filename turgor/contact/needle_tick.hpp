@@ -15,6 +15,13 @@ struct NeedleTick {
   NeedleState& state;
 
   Vec3d t() const { return -1.0 * pose.axes.column[2]; }  // direction of a push
+  bool bends() const { return needle.bending > 0; }
+  /// Position of the tip, which bending moves across the shaft.
+  Vec3d tip() const {
+    return bends() ? pose.position + in_world(pose.axes, at_tip(state.beam)) : pose.position;
+  }
+  /// Direction of the shaft at a point.
+  Vec3d along(std::size_t point) const { return bends() ? track().points[point].along : t(); }
   NeedleTrack& track() const { return state.tracks[std::size_t(state.track)]; }
   Vec3d free_position(const NeedlePoint& point) const {
     return free.empty() ? point.rest : point.rest + sfem::at_point(inner, point.at, free);
@@ -50,7 +57,10 @@ double spreading_force(const NeedleTick& tick);
 double spreading_energy(const NeedleTick& tick);
 /// Positions x = b + C (λ + s) and their load, from the forces of the last tick.
 void find_positions(const NeedleTick& tick);
-/// Solves for λ of all points on the shaft, and for the tip with at most `tearing` [N].
+/// D of a point along and across the shaft [m/N].
+double along_compliance(const NeedleTick& tick, std::size_t point);
+double across_compliance(const NeedleTick& tick, std::size_t point);
+/// Solves for λ of all points on a rigid shaft, and for the tip with at most `tearing` [N].
 void solve_needle(const NeedleTick& tick, double tearing);
 /// Lets slipping points follow the shaft, and returns the work of friction [J].
 double follow_slip(const NeedleTick& tick);
@@ -59,7 +69,23 @@ double follow_slip(const NeedleTick& tick);
 double engage(const NeedleTick& tick, double inserted);
 /// Position of a point on the shaft along t, relative to the tip [m].
 double position_on_shaft(const NeedleTick& tick, std::size_t point);
+/// The same from the tip at rest of the beam to the shaft at the point, in all directions [m].
+Vec3d arm_on_shaft(const NeedleTick& tick, std::size_t point);
 /// Elastic energy: of C, and of the displacements D that the mesh does not resolve [J].
 double elastic_energy(const NeedleTick& tick);
+
+// needle_bend.cpp
+
+/// solve_needle for a shaft that bends; also its deflection.
+void solve_bending_needle(const NeedleTick& tick, double tearing);
+/// Position on the bent shaft to which a point belongs, along t from the tip [m].
+double position_on_bent_shaft(const NeedleTick& tick, std::size_t point);
+/// Energy that `engaged` meters of the shaft store because tissue that was cut beside it holds it now [J].
+double misfit_work(const NeedleTick& tick, std::size_t point, double engaged);
+/// Lets the end of the crack hold the shaft between the last point and the tip that cuts. Returns the energy
+/// that it stores [J].
+double hold_by_end(const NeedleTick& tick, double inserted);
+/// Position to which the tip cuts when it advances: beside the tip, if it has a bevel [m].
+Vec3d cut_position(const NeedleTick& tick, double ahead);
 
 }  // namespace turgor::contact

@@ -11,7 +11,6 @@ namespace turgor::contact {
 
 namespace {
 
-constexpr double kJump = 0.02;  // a needle that moves farther in a tick has jumped [m]
 constexpr double kSurface =
     2e-4;  // a tip looks for the surface from this far behind it, because the surface may move [m]
 
@@ -20,13 +19,20 @@ void leave(NeedleState& state) {
   NeedleTrack& track = state.tracks[std::size_t(state.track)];
   for (std::size_t i = 0; i < track.points.size(); i++) track.points[i].engaged = 0, track.force[i] = {};
   if (track.length == 0) track.points.clear();
-  state.phase = NeedlePhase::kOutside, state.inserted = 0, state.tip_force = 0;
+  state.phase = NeedlePhase::kOutside, state.inserted = 0, state.tip_force = 0, state.beam = {};
 }
 
 /// Force F of the tip; rounding at its lower bound is removed.
 double tip_force(const NeedleTick& tick, double tearing) {
-  const double force = tick.stiffness * dot(tick.track().force[0], tick.t());
+  const Vec3d along = tick.along(0);
+  const double share = tick.bends() ? dot(along, along) : 1;
+  const double force = tick.stiffness * dot(tick.track().force[0], along) / share;
   return force > 1e-12 * tearing ? force : 0;
+}
+
+/// Forces of the points, of a shaft that is rigid or bends.
+void solve_shaft(const NeedleTick& tick, double tearing) {
+  tick.bends() ? solve_bending_needle(tick, tearing) : solve_needle(tick, tearing);
 }
 
 /// Looks for the surface between the last tip and this one: an old track, or a new one of length 0.
@@ -48,7 +54,7 @@ void enter(const NeedleTick& tick) {
 void touch_surface(const NeedleTick& tick) {
   NeedleState& state = tick.state;
   const double tearing = tearing_force(tick.needle, tick.needle.entry_toughness);
-  solve_needle(tick, tearing);
+  solve_shaft(tick, tearing);
   state.tip_force = tip_force(tick, tearing);
   state.entry_force = state.punctures > 0 ? state.entry_force : std::max(state.entry_force, state.tip_force);
   if (state.tip_force >= tearing * (1 - 1e-9)) state.phase = NeedlePhase::kInside, state.punctures++;
@@ -75,7 +81,7 @@ void advance_inside(const NeedleTick& tick) {
   NeedleState& state = tick.state;
   NeedleTrack& track = tick.track();
   const double tearing = track.is_through ? 0 : tearing_force(tick.needle, toughness_at_end(tick));
-  solve_needle(tick, tearing);
+  solve_shaft(tick, tearing);
   state.work.friction += tick.stiffness * follow_slip(tick);
   // growth of the crack; after a puncture the force drops, and the spread crack takes its energy from it
   const double before = state.tip_force, spread = spreading_force(tick), stored = spreading_energy(tick);
@@ -104,23 +110,14 @@ void sum_needle_forces(const NeedleTick& tick) {
     const Vec3d f =
         Vec3d{state.force_on[3 * i], state.force_on[3 * i + 1], state.force_on[3 * i + 2]} * tick.stiffness;
     state.force -= f;
-    state.torque -= cross(t * position_on_shaft(tick, i), f);
+    state.torque -= cross(arm_on_shaft(tick, i), f);
     if (i > 0) state.reading.friction += tick.stiffness * dot(track.force[i], t);
   }
+  state.reading.deflection = tick.tip() - tick.pose.position;
   state.reading.inserted = std::max(0.0, state.inserted);
   state.reading.cutting = state.tip_force;
   state.reading.material = material_at_tip(tick);
   state.reading.spreading = spreading_force(tick);
-}
-
-/// Work of the hand between two ticks, by the mean of their forces.
-double hand_work(const NeedleTick& tick, const Vec3d& force, const Vec3d& torque) {
-  const NeedleState& state = tick.state;
-  Vec3d turn;
-  for (int axis = 0; axis < 3; axis++)
-    turn += cross(state.pose.axes.column[axis], tick.pose.axes.column[axis]) * 0.5;
-  return -0.5 * dot(force + state.force, tick.pose.position - state.pose.position) -
-         0.5 * dot(torque + state.torque, turn);
 }
 
 ToolReading reading_of(const NeedleTick& tick) {
@@ -158,7 +155,7 @@ ToolReading tick_needle(const sfem::InnerGreen& inner, const Needle& needle, std
   const NeedleTick tick{inner, needle, free, pose, stiffness, state};
   const bool is_usable = is_valid(pose) && !inner.elements.empty();
   // poses without a way from the last one
-  if (!is_usable || !state.seen || norm(pose.position - state.pose.position) > kJump) {
+  if (!is_usable || !state.seen || norm(pose.position - state.pose.position) > kNeedleJump) {
     leave(state);
     state.force = state.torque = {}, state.reading = {}, state.seen = is_usable;
     if (is_usable) state.pose = pose;
@@ -173,7 +170,7 @@ ToolReading tick_needle(const sfem::InnerGreen& inner, const Needle& needle, std
   }
   // forces and energies
   sum_needle_forces(tick);
-  state.work.hand += hand_work(tick, force, torque);
+  state.work.hand += hand_work(state.pose, pose, force + state.force, torque + state.torque);
   const bool is_out = state.phase == NeedlePhase::kOutside;
   state.work.spreading = is_out ? 0 : spreading_energy(tick);
   state.work.elastic = is_out ? 0 : stiffness * elastic_energy(tick);

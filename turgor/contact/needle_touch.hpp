@@ -25,14 +25,13 @@
 #include <vector>
 
 #include "turgor/contact/free_motion.hpp"
-#include "turgor/contact/needle.hpp"
+#include "turgor/contact/needle_beam.hpp"
+#include "turgor/contact/needle_mechanics.hpp"
 #include "turgor/contact/needle_reading.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/models/sfem/inner_green.hpp"
 
 namespace turgor::contact {
-
-constexpr int kMostTracks = 4;  // of one needle; a further one replaces the oldest
 
 /// Material point of a track.
 struct NeedlePoint {
@@ -41,6 +40,7 @@ struct NeedlePoint {
   double arc = 0;      // distance from the entry along the track [m]
   double engaged = 0;  // ℓ: length of the shaft that it stands for; 0 = the tip has not reached it [m]
   double stick = 0;    // η: position along t, relative to the tip, to which it sticks [m]
+  Vec3d along;         // direction of a bent shaft there in the last tick; zero = t
 };
 
 /// Crack that a needle has cut. Arrays have room for the largest number of points.
@@ -52,9 +52,8 @@ struct NeedleTrack {
   Vec3d entry;                      // at rest [m]
   bool is_through = false;          // it left the body: the tip meets nothing
   long order = 0;                   // counts tracks
+  Vec3d offset;                     // of the end from the tip that cut it, by a bevel [m]
 };
-
-enum class NeedlePhase : std::uint8_t { kOutside, kTouching, kInside };
 
 /// State of one needle, owned by the thread that ticks.
 struct NeedleState {
@@ -72,6 +71,7 @@ struct NeedleState {
   bool beyond = false;  // the tip is beyond the elements whose Green's functions are known
   NeedleWork work;
   NeedleReading reading;
+  NeedleBeam beam;  // deflection of a shaft that bends
   std::vector<NeedleTrack> tracks;
   FreeMotionInterpolation motion;  // of InnerGreen's vertices, without this needle
   std::vector<Vec3d> free;         // its present value [m]

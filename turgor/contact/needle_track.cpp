@@ -47,7 +47,7 @@ void add_point(const NeedleTick& tick) {
   const std::size_t n = track.points.size();
   if (n >= track.force.size()) return;
   NeedlePoint point = track.points[0];
-  point.arc = track.length, point.engaged = 0, point.stick = 0;
+  point.arc = track.length, point.engaged = 0, point.stick = 0, point.along = tick.t();
   track.points.push_back(point);
   track.force[n] = {};
   const Vec3d x = position(tick.state, 0);
@@ -67,19 +67,14 @@ Vec3d position(const NeedleState& state, std::size_t point) {
 }
 
 int begin_track(const NeedleTick& tick, const sfem::InnerPoint& at, Vec3d rest) {
-  // an unused track, else the oldest
   NeedleState& state = tick.state;
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < state.tracks.size(); i++)
-    if (!state.tracks[best].points.empty() &&
-        (state.tracks[i].points.empty() || state.tracks[i].order < state.tracks[best].order))
-      best = i;
-  state.track = int(best);
+  state.track = int(next_track(state.tracks));
   // its end is its entry
   NeedleTrack& track = tick.track();
-  track.points.assign(1, NeedlePoint{.at = at, .rest = rest});
+  track.points.assign(1, NeedlePoint{.at = at, .rest = rest, .along = tick.t()});
   track.force[0] = {};
-  track.length = 0, track.entry = rest, track.is_through = false, track.order = ++state.tracks_made;
+  track.length = 0, track.entry = rest, track.is_through = false, track.order = ++state.tracks_made,
+  track.offset = {};
   fill_compliance_of(tick, 0);
   return state.track;
 }
@@ -89,6 +84,7 @@ void cut_to_tip(const NeedleTick& tick, double ahead) {
   NeedlePoint& end = track.points[0];
   // new material point at the tip, X = p − u(X), by a few fixed-point steps from X + ahead
   const NeedlePoint before = end;
+  const Vec3d goal = tick.bends() ? cut_position(tick, ahead) : tick.pose.position;
   const double most = 2 * ahead + 1e-4;
   Vec3d rest = before.rest + tick.t() * ahead;
   double outside = 0;
@@ -97,7 +93,7 @@ void cut_to_tip(const NeedleTick& tick, double ahead) {
   for (int pass = 0; pass < 4; pass++) {
     const sfem::InnerPoint at = sfem::inner_point(tick.inner, rest, before.at.element, outside);
     if (at.element != element) corners = displaced_corners(tick, element = at.element);
-    Vec3d next = tick.pose.position;
+    Vec3d next = goal;
     for (std::size_t c = 0; c < std::size_t(tick.inner.corners); c++) next -= corners[c] * at.weight[c];
     const Vec3d step = next - before.rest;
     rest = norm(step) > most ? before.rest + step * (most / norm(step)) : next;
@@ -124,27 +120,14 @@ void cut_to_tip(const NeedleTick& tick, double ahead) {
   track.length += norm(rest - before.rest);
   end.at = at, end.rest = rest, end.arc = track.length;
   fill_compliance_of(tick, 0);
-  for (std::size_t axis = 0; axis < 3; axis++) tick.state.x[axis] = tick.pose.position[int(axis)];
+  for (std::size_t axis = 0; axis < 3; axis++) tick.state.x[axis] = goal[int(axis)];
   const auto cells = std::size_t(std::floor(track.length / tick.needle.spacing + 0.5));
   while (track.points.size() - 1 < cells && track.points.size() < track.force.size()) add_point(tick);
 }
 
 double inserted_length(const NeedleTick& tick) {
-  const NeedleTrack& track = tick.track();
   const Vec3d p = tick.pose.position, t = tick.t();
-  // first point that is not behind the tip
-  double arc = 0, ahead = 0;
-  bool has_point = false;
-  for (std::size_t n = 1; n <= track.points.size(); n++) {
-    const std::size_t i = n < track.points.size() ? n : 0;  // the end is the last one
-    const double at = dot(position(tick.state, i) - p, t);
-    if (at >= 0) {
-      if (!has_point || at - ahead <= 0) return track.points[i].arc - at;
-      return arc + (track.points[i].arc - arc) * -ahead / (at - ahead);
-    }
-    arc = track.points[i].arc, ahead = at, has_point = true;
-  }
-  return track.is_through ? track.length - ahead : track.length;
+  return inserted_length(tick.track(), [&](std::size_t i) { return dot(position(tick.state, i) - p, t); });
 }
 
 SurfaceHit hit_on_way(const NeedleTick& tick, Vec3d from, Vec3d to) {

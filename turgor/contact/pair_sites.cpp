@@ -188,22 +188,15 @@ void continue_sites(std::span<const PairSite> last, std::vector<PairSite>& sites
     if (found == of_vertex.end()) continue;
     const PairSite& before = *found->second;
     site.force = before.force;
-    if (before.state == SiteState::kStick) site.anchor = before.anchor, site.slip = before.slip;
+    if (before.state == SiteState::kStick && !site.rolls)
+      site.anchor = before.anchor, site.slip = before.slip;
   }
 }
 
-}  // namespace
-
-PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& surfaces,
-                          const PairParams& params, std::span<const PairSite> last) {
-  PairSites found;
-  const Searched first = searched(surfaces[0]), second = searched(surfaces[1]);
-  // both directions
-  add_sites(exec, first, second, params, found.sites);
-  const std::size_t first_count = found.sites.size();
-  add_sites(exec, second, first, params, found.sites);
-  remove_doubles(surfaces, std::min(first.edge, second.edge), first_count, found.sites);
-  // nearest sites within the capacity
+/// Nearest sites within the capacity, with the forces and anchors of the last ones.
+PairSites chosen_sites(std::vector<PairSite> sites, const PairParams& params,
+                       std::span<const PairSite> last) {
+  PairSites found{.sites = std::move(sites)};
   const auto most = std::size_t(params.capacity);
   if (found.sites.size() > most) {
     std::stable_sort(found.sites.begin(), found.sites.end(),
@@ -214,6 +207,27 @@ PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& su
   for (const PairSite& site : found.sites) found.deepest = std::max(found.deepest, -site.distance);
   continue_sites(last, found.sites);
   return found;
+}
+
+}  // namespace
+
+PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& surfaces,
+                          const PairParams& params, std::span<const PairSite> last) {
+  if (surfaces[0].round || surfaces[1].round)
+    return chosen_sites(find_round_sites(surfaces, params), params, last);
+  const Searched first = searched(surfaces[0]), second = searched(surfaces[1]);
+  // both directions
+  std::vector<PairSite> sites;
+  add_sites(exec, first, second, params, sites);
+  const std::size_t first_count = sites.size();
+  add_sites(exec, second, first, params, sites);
+  remove_doubles(surfaces, std::min(first.edge, second.edge), first_count, sites);
+  return chosen_sites(std::move(sites), params, last);
+}
+
+PairSites find_ground_sites(const PairSurface& surface, const GroundPlane& ground, const PairParams& params,
+                            std::span<const PairSite> last) {
+  return chosen_sites(ground_sites(surface, ground, params), params, last);
 }
 
 std::vector<double> rest_heights(const Exec& exec, const PairSurface& of, const PairSurface& above,

@@ -1,23 +1,40 @@
 // Sites between two deformed surfaces: vertices of one that are near the other, and the reverse. A vertex
-// meets the nearest point of the other surface. Where vertices of both surfaces meet, one site is made.
+// meets the nearest point of the other surface. Where vertices of both surfaces meet, one site is made. Balls
+// and capsules touch exactly, by their segment and radius (round_sites.cpp).
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "turgor/contact/coupling.hpp"
+#include "turgor/geometry/pose.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
 
 namespace turgor::contact {
 
+/// A ball or a capsule in its present pose.
+struct RoundSurface {
+  double radius = 0;          // [m]
+  std::array<Vec3d, 2> ends;  // of its segment [m]
+  Pose pose;                  // takes positions at rest to the present ones
+};
+
+/// A plane that does not move, with the bodies on the side of its normal.
+struct GroundPlane {
+  Vec3d through;          // [m]
+  Vec3d normal{0, 0, 1};  // unit
+};
+
 /// One of the two surfaces.
 struct PairSurface {
-  int body = 0;                         // see SurfacePoint
-  std::span<const Vec3d> rest, x;       // of every vertex of the mesh: at rest, and now [m]
-  std::span<const Int3> triangles;      // counter-clockwise seen from outside
-  std::span<const double> rest_height;  // of every vertex above the other surface at rest [m]; empty =
-                                        // unknown
+  int body = 0;                            // see SurfacePoint
+  std::span<const Vec3d> rest, x;          // of every vertex of the mesh: at rest, and now [m]
+  std::span<const Int3> triangles;         // counter-clockwise seen from outside
+  std::span<const double> rest_height;     // of every vertex above the other surface at rest [m]; empty =
+                                           // unknown
+  std::optional<RoundSurface> round = {};  // exact shape of a mesh that is a picture of it
 };
 
 struct PairParams {
@@ -37,6 +54,15 @@ struct PairSites {
 /// Sites with the forces and anchors of the last ones.
 PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& surfaces,
                           const PairParams& params, std::span<const PairSite> last);
+
+/// Sites of one surface on the ground.
+PairSites find_ground_sites(const PairSurface& surface, const GroundPlane& ground, const PairParams& params,
+                            std::span<const PairSite> last);
+
+/// Sites of a pair with a ball or a capsule, and of a surface on the ground, not yet reduced to the capacity.
+std::vector<PairSite> find_round_sites(const std::array<PairSurface, 2>& surfaces, const PairParams& params);
+std::vector<PairSite> ground_sites(const PairSurface& surface, const GroundPlane& ground,
+                                   const PairParams& params);
 
 /// Height of every surface vertex of the first above the second at rest, within `reach`; else `reach` [m].
 std::vector<double> rest_heights(const Exec& exec, const PairSurface& of, const PairSurface& above,

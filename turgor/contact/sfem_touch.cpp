@@ -124,7 +124,7 @@ void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, do
   // readings
   for (std::size_t t = 0; t < commands.size(); t++) {
     readings[t] = reading_of(touch, t);
-    if (touch.texture.roughness > 0) add_texture(touch, t, dt, readings[t]);
+    if (is_rough(touch.texture)) add_texture(touch, t, dt, readings[t]);
   }
   tick_needles(touch, readings);
   touch.ticks++;

@@ -8,29 +8,88 @@
 
 namespace turgor::contact {
 
+namespace {
+
+constexpr double kLeastTicks = 4, kFullTicks = 5;  // of a wave
+
+/// Motion of a tool along the surface in a tick.
+struct TextureSlide {
+  Vec3d along;   // [m]
+  double path;   // its length [m]
+  Vec3d normal;  // of the surface
+  double force;  // normal force [N]
+  double dt;     // [s]
+};
+
+/// Share of the vibration that is rendered: it begins with the speed, and fades where a wave of this length
+/// is short. Counts the wave's frequency.
+double rendered_share(const TextureSlide& slide, double wave, TextureState& state, bool& limited) {
+  const double waves = slide.path / wave;
+  const double fade = std::clamp((1 / waves - kLeastTicks) / (kFullTicks - kLeastTicks), 0.0, 1.0);
+  limited = fade < 1;
+  state.largest_rate = std::max(state.largest_rate, waves / slide.dt);
+  return std::min(1.0, slide.path / slide.dt / kTextureSpeed) * fade;
+}
+
+/// Moves the phase along a path that repeats after `length`.
+void advance_phase(TextureState& state, double path, double length) {
+  state.phase = std::fmod(state.phase + path / length, 1.0);
+}
+
+Vec3d wave_force(const Texture& texture, const TextureSlide& slide, TextureState& state) {
+  TURGOR_CHECK(texture.wavelength > 0, "waves have a length");
+  advance_phase(state, slide.path, texture.wavelength);
+  // amplitude within its limits
+  const double k = 2 * std::numbers::pi / texture.wavelength;
+  const double free = slide.force * k * texture.roughness, stiff = kTextureStiffness / k;
+  bool fades = false;
+  const double amplitude = rendered_share(slide, texture.wavelength, state, fades) * std::min(free, stiff);
+  state.limited_ticks += fades || free > stiff;
+  state.largest_force = std::max(state.largest_force, amplitude);
+  return slide.along * (-amplitude * std::cos(2 * std::numbers::pi * state.phase) / slide.path);
+}
+
+/// Slope of a map at the tool along the surface [1]. A profile follows the path. A map is projected along the
+/// axis that is nearest to the normal.
+Vec3d map_slope(const HeightMap& map, const TextureSlide& slide, TextureState& state) {
+  if (map.rows == 1) {
+    const double length = map.columns * map.spacing;
+    advance_phase(state, slide.path, length);
+    return slide.along * (sample_height(map, state.phase * length, 0).u / slide.path);
+  }
+  const Vec3d n = slide.normal, size{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+  const int axis = size.x > std::max(size.y, size.z) ? 0 : size.y > size.z ? 1 : 2;
+  const int first = (axis + 1) % 3, second = (axis + 2) % 3;
+  const HeightSample s = sample_height(map, state.spot[first], state.spot[second]);
+  Vec3d slope;
+  slope[first] = s.u, slope[second] = s.v;
+  return slope - dot(slope, n) * n;
+}
+
+Vec3d map_force(const HeightMap& map, const TextureSlide& slide, TextureState& state) {
+  state.spot += slide.along;
+  const Vec3d slope = map_slope(map, slide, state);
+  // force within its limits
+  const double stiff = map.curvature > 0 ? kTextureStiffness / map.curvature : slide.force;
+  bool fades = false;
+  const double share = rendered_share(slide, 2 * map.spacing, state, fades);
+  const Vec3d force = slope * (-share * std::min(slide.force, stiff));
+  state.limited_ticks += fades || slide.force > stiff;
+  state.largest_force = std::max(state.largest_force, norm(force));
+  return force;
+}
+
+}  // namespace
+
 Vec3d texture_force(const Texture& texture, TextureState& state, Vec3d position, Vec3d normal, double force,
                     bool slides, double dt) {
-  constexpr double kLeastTicks = 4, kFullTicks = 5;  // of a wave
   const Vec3d motion = position - state.position, along = motion - dot(motion, normal) * normal;
   const bool had_position = state.has_position;
   state.position = position, state.has_position = true;
-  const double path = norm(along);
-  if (texture.roughness <= 0 || !had_position || !slides || dt <= 0 || force <= 0 || !(path > 0)) return {};
-  TURGOR_CHECK(texture.wavelength > 0, "waves have a length");
-  // phase at the end of the tick
-  const double waves = path / texture.wavelength;
-  state.phase = std::fmod(state.phase + waves, 1.0);
-  // amplitude within its limits
-  const double k = 2 * std::numbers::pi / texture.wavelength;
-  const double free = force * k * texture.roughness, stiff = kTextureStiffness / k;
-  const double fade = std::clamp((1 / waves - kLeastTicks) / (kFullTicks - kLeastTicks), 0.0, 1.0);
-  const double begin = std::min(1.0, path / dt / kTextureSpeed);
-  const double amplitude = begin * fade * std::min(free, stiff);
-  // statistics
-  state.limited_ticks += fade < 1 || free > stiff;
-  state.largest_force = std::max(state.largest_force, amplitude);
-  state.largest_rate = std::max(state.largest_rate, waves / dt);
-  return along * (-amplitude * std::cos(2 * std::numbers::pi * state.phase) / path);
+  if (!had_position || !(force > 0)) state.spot = position;  // the tool touches here next
+  const TextureSlide slide{along, norm(along), normal, force, dt};
+  if (!is_rough(texture) || !had_position || !slides || dt <= 0 || force <= 0 || !(slide.path > 0)) return {};
+  return texture.map ? map_force(*texture.map, slide, state) : wave_force(texture, slide, state);
 }
 
 }  // namespace turgor::contact

@@ -8,17 +8,26 @@
 // The tool feels the frequency v/λ with an amplitude of 2π N a/λ. A sampled spring of stiffness K needs a
 // damping above K T/2 to be passive [Colgate, Brown 1994]. The steepest change of f along the path,
 // N (2π/λ)² a, is such a stiffness, and therefore limited. Less than four ticks a wave fade the vibration.
+//
+// A map of heights h(u, v) replaces the waves by f = −N ∇h at the spot of the surface that the tool touches.
+// On a plane this force is conservative: for a constant N it returns no more than N times the range of
+// heights.
 #pragma once
 
+#include <memory>
+
+#include "turgor/contact/height_map.hpp"
 #include "turgor/core/vec.hpp"
 
 namespace turgor::contact {
 
-/// Waves of a surface; a roughness of 0 = smooth.
+/// Waves or a map of heights of a surface; neither = smooth.
 struct Texture {
-  double roughness = 0;      // height a of the waves above the mean plane [m]
-  double wavelength = 1e-3;  // [m]
+  double roughness = 0;                       // height a of the waves above the mean plane; 0 = none [m]
+  double wavelength = 1e-3;                   // [m]
+  std::shared_ptr<const HeightMap> map = {};  // null = none
 };
+inline bool is_rough(const Texture& texture) { return texture.roughness > 0 || texture.map != nullptr; }
 
 /// Largest stiffness of the vibration along the path. A hand with a device damps more than K T/2 = 0.5 N·s/m
 /// of it at 1 kHz [N/m].
@@ -30,9 +39,10 @@ constexpr double kTextureSpeed = 1e-3;
 struct TextureState {
   Vec3d position;  // of the tool in the last tick [m]
   bool has_position = false;
-  double phase = 0;          // slid path over the wavelength, 0 … 1 [1]
+  double phase = 0;          // slid path over the wavelength or the length of a profile, 0 … 1 [1]
+  Vec3d spot;                // of the surface at rest that a map has under the tool [m]
   double largest_force = 0;  // [N]
-  double largest_rate = 0;   // frequency [Hz]
+  double largest_rate = 0;   // frequency; with a map that of its finest wave, two spacings [Hz]
   long limited_ticks = 0;    // ticks in which the stiffness or the tick limited the vibration
 };
 

@@ -4,7 +4,15 @@
 #include <mutex>
 #include <vector>
 
+#include <pthread.h>
+
 namespace turgor {
+
+void name_thread(std::thread& thread, const std::string& purpose) {
+  constexpr std::size_t kLongest = 15;  // of a thread's name on Linux
+  const std::string name = purpose.substr(purpose.starts_with("the ") ? 4 : 0);
+  pthread_setname_np(thread.native_handle(), name.substr(0, kLongest).c_str());
+}
 
 int startable_threads(int wanted) {
   static std::mutex mutex;

@@ -11,11 +11,16 @@
 
 namespace turgor {
 
-/// `purpose` completes "cannot start the thread of …".
+/// Names a thread after its purpose, for debuggers and profilers. Its own threads inherit the name.
+void name_thread(std::thread& thread, const std::string& purpose);
+
+/// `purpose` completes "cannot start the thread of …", and names the thread.
 template <class Work>
 Result<std::thread> start_thread(const std::string& purpose, Work&& work) {
   try {
-    return std::thread(std::forward<Work>(work));
+    std::thread thread(std::forward<Work>(work));
+    name_thread(thread, purpose);
+    return Result<std::thread>(std::move(thread));
   } catch (const std::system_error& error) {
     return Error{"cannot start the thread of " + purpose + ": " + error.code().message() +
                  "; is memory short, or the number of processes limited (ulimit -u)?"};

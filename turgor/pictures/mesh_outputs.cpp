@@ -5,18 +5,28 @@
 
 #include "turgor/pictures/animated_surfaces.hpp"
 #include "turgor/pictures/outputs.hpp"
+#include "turgor/sim/report/report_skin.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// The fields refer to the body and to `numbers`, which receives the mesh numbers of its vertices.
-std::vector<VertexField> fields_of(const BodySnapshot& body, std::vector<float>& numbers) {
+/// Values of fields that a body does not store.
+struct FieldValues {
+  std::vector<float> mesh_vertex, largest_stretch;
+};
+
+/// The fields refer to the body and to `values`, which receives the mesh numbers of its vertices and the
+/// largest stretch of skin.
+std::vector<VertexField> fields_of(const BodySnapshot& body, FieldValues& values) {
   std::vector<VertexField> fields{length_field("displacement", body.displacement)};
   if (!body.stretch.empty()) fields.push_back(vertex_field("area strain [1]", body.stretch));
   if (!body.pressure.empty()) fields.push_back(vertex_field("pressure [Pa]", body.pressure));
-  numbers.assign(body.mesh_vertex.begin(), body.mesh_vertex.end());
-  if (!numbers.empty()) fields.push_back(vertex_field("mesh vertex", numbers));
+  values.largest_stretch = skin_stretches(body);
+  if (!values.largest_stretch.empty())
+    fields.push_back(vertex_field("largest stretch [1]", values.largest_stretch));
+  values.mesh_vertex.assign(body.mesh_vertex.begin(), body.mesh_vertex.end());
+  if (!values.mesh_vertex.empty()) fields.push_back(vertex_field("mesh vertex", values.mesh_vertex));
   return fields;
 }
 
@@ -95,8 +105,8 @@ Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs) {
   if (!outputs.scene->output.meshes && !outputs.scene->output.vtkhdf) return Done{};
   const AddTime time(outputs.facts.file_seconds);
   for (const BodySnapshot& body : snapshot.bodies) {
-    std::vector<float> numbers;
-    const std::vector<VertexField> fields = fields_of(body, numbers);
+    FieldValues values;
+    const std::vector<VertexField> fields = fields_of(body, values);
     const Status status = write_mesh(snapshot, body.name, body.name, surface_mesh(body), fields, outputs);
     if (!status) return status;
   }

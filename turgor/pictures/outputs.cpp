@@ -24,7 +24,8 @@ std::optional<Image> draw_world(const WorldSnapshot& snapshot, Outputs& outputs,
   const SkinColor color = colored ? outputs.scene->output.color : SkinColor::kNone;
   const ColorScale scale = color_scale(*outputs.scene, color);
   PictureItems items;
-  add_world(snapshot, color, color == SkinColor::kNone ? nullptr : &scale, camera.eye, items);
+  add_world(snapshot, color, color == SkinColor::kNone ? nullptr : &scale, camera.eye, items,
+            outputs.scene->look);
   return draw_items(items, camera, outputs, quality);
 }
 
@@ -36,6 +37,30 @@ Status add_colored_view(const WorldSnapshot& snapshot, Outputs& outputs, const S
   const std::optional<Image> image = draw_world(snapshot, outputs, beside_legend(view.camera, outputs), true);
   if (!image) return Done{};
   return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colors", *image, false);
+}
+
+/// True if the wound of a scene is an excision, or is closed by stitches.
+bool is_closed_wound(const Scene& scene, std::size_t wound) {
+  const bool is_sutured =
+      std::any_of(scene.sutures.begin(), scene.sutures.end(),
+                  [wound](const SutureScene& suture) { return suture.incision == int(wound); });
+  return is_sutured || scene.incisions[wound].blade.excision.has_value();
+}
+
+/// Adds a close-up with the stretch of the skin around an excised or sutured wound. Those of the cuts come
+/// second in the list of views.
+Status add_stretch_view(const WorldSnapshot& snapshot, Outputs& outputs, std::size_t view) {
+  const Scene& scene = *outputs.scene;
+  if (view < 1 || view > scene.incisions.size() || !is_closed_wound(scene, view - 1)) return Done{};
+  const SurfaceView& wound = outputs.views[view];
+  const Camera camera = beside_legend(wound.camera, outputs);
+  const ColorScale scale = color_scale(scene, SkinColor::kPrincipalStretch);
+  PictureItems items;
+  add_world(snapshot, SkinColor::kPrincipalStretch, &scale, camera.eye, items);
+  const std::optional<Image> image = draw_items(items, camera, outputs);
+  if (!image) return Done{};
+  return add_picture(outputs, wound.name + "-stretch.png", wound.caption + ", largest stretch of the skin",
+                     *image, false);
 }
 
 /// True if pictures under the largest forces suffice, because the tools are retracted at the end.
@@ -140,13 +165,17 @@ Camera beside_legend(const Camera& camera, const Outputs& outputs) {
 }
 
 ColorScale color_scale(const Scene& scene, SkinColor color) {
-  const bool stretch = color == SkinColor::kStretch, pressure = color == SkinColor::kPressure;
-  std::pair<double, double> range = stretch ? std::pair(-0.2, 0.2) : std::pair(0.0, 0.01);
+  const bool stretch = color == SkinColor::kStretch, pressure = color == SkinColor::kPressure,
+             principal = color == SkinColor::kPrincipalStretch;
+  std::pair<double, double> range = stretch     ? std::pair(-0.2, 0.2)
+                                    : principal ? std::pair(1.0, 1.3)
+                                                : std::pair(0.0, 0.01);
   if (pressure) range = {0, scene.sfem_bodies[0].material.young};
   if (scene.output.color == color) range = scene.output.color_range.value_or(range);
   constexpr float kFar = std::numeric_limits<float>::max();  // next float, so that 0.01 m is not below 10 mm
   const float low = float(range.first), high = std::nextafter(float(range.second), kFar);
   if (stretch) return {low, high, "area strain of the skin [%]", 100};
+  if (principal) return {low, high, "largest stretch of the skin [1]", 1};
   if (pressure) return {low, high, "contact pressure [kPa]", 1e-3f};
   return {low, high, "displacement [mm]", 1000};
 }
@@ -258,6 +287,7 @@ Status add_before_after(const WorldSnapshot& snapshot, Outputs& outputs) {
                                       view.caption + ", before and after", pair, true);
     if (!status) return status;
     if (const Status colored = add_colored_view(snapshot, outputs, view); !colored) return colored;
+    if (const Status stretch = add_stretch_view(snapshot, outputs, v); !stretch) return stretch;
   }
   return Done{};
 }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/sim/report/report_skin.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 
 namespace turgor {
@@ -54,6 +55,22 @@ TriMesh two_sided(TriMesh mesh) {
   return mesh;
 }
 
+/// Triangles of a mesh from number `begin` on, with the range of vertices that they use.
+TriMesh triangles_from(const TriMesh& whole, std::size_t begin) {
+  TriMesh found;
+  found.triangles.assign(whole.triangles.begin() + std::ptrdiff_t(begin), whole.triangles.end());
+  int low = int(whole.vertices.size()), high = -1;
+  for (const Int3 t : found.triangles)
+    low = std::min({low, t.x, t.y, t.z}), high = std::max({high, t.x, t.y, t.z});
+  for (Int3& t : found.triangles) t = t - Int3{low, low, low};
+  const auto copy = [&](const auto& from, auto& to) {
+    if (from.size() == whole.vertices.size()) to.assign(from.begin() + low, from.begin() + high + 1);
+  };
+  copy(whole.vertices, found.vertices), copy(whole.normals, found.normals),
+      copy(whole.scalars, found.scalars);
+  return found;
+}
+
 /// Usual color of an organ whose name contains a word.
 struct OrganColor {
   std::string_view word;
@@ -88,6 +105,7 @@ Rgb natural_color(const BodySnapshot& body) {
 std::vector<float> shown_values(const BodySnapshot& body, SkinColor color) {
   const bool is_smooth = !body.smooth.triangles.empty();
   if (color == SkinColor::kStretch) return is_smooth ? std::vector<float>() : body.stretch;
+  if (color == SkinColor::kPrincipalStretch) return is_smooth ? std::vector<float>() : skin_stretches(body);
   if (color == SkinColor::kPressure) return is_smooth ? body.smooth.pressure : body.pressure;
   std::vector<float> lengths;
   if (color == SkinColor::kDisplacement)
@@ -105,28 +123,84 @@ TriMesh shown_mesh(const BodySnapshot& body) {
   return surface_mesh(body);
 }
 
-void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items) {
+Rgb section_color(const BodySnapshot& body) {
+  return body.look == Look::kSkin ? Rgb{196, 112, 92} : mix(natural_color(body), {255, 226, 208}, 0.3f);
+}
+
+bool is_wet(const BodySnapshot& body, const LookScene& look) {
+  const auto set = look.wet.find(body.name);
+  if (set != look.wet.end()) return set->second;
+  return body.look == Look::kFlesh && body.id.kind != BodyKind::kLattice;
+}
+
+Cutaway cutaway_of(const BodySnapshot& body, const LookScene& look) {
+  if (!look.cutaway || look.cutaway->body != body.id) return {};
+  const CutawayScene& scene = *look.cutaway;
+  const Vec3d size = body.box.high - body.box.low, f = scene.at;
+  const Vec3d at =
+      scene.by_fraction ? body.box.low + Vec3d{size.x * f.x, size.y * f.y, size.z * f.z} : scene.at;
+  Cutaway cutaway{1, {{at, normalized(scene.normal)}, {}}};
+  if (scene.wedge) cutaway.plane[cutaway.planes++] = {at, normalized(*scene.wedge)};
+  return cutaway;
+}
+
+namespace {
+
+/// Section of a closed surface.
+void add_section(TriMesh closed, Rgb color, const Cutaway& cutaway, bool wet, PictureItems& items) {
+  items.add(std::move(closed), color);
+  RenderItem& item = items.items.back();
+  item.cutaway = cutaway, item.is_cut_face = true, item.wet = wet;
+}
+
+/// Inclusions, which are seen through the body, stand out of its section or are cut with it.
+void add_inclusions(const BodySnapshot& body, const ColorScale* scale, const Cutaway& cutaway, bool are_cut,
+                    PictureItems& items) {
+  if (scale && cutaway.planes == 0) return;  // they would hide the colors above them
+  items.add(body.inside, kInsideColor);
+  items.items.back().closed = true;
+  items.items.back().see_through = !scale;
+  if (are_cut) {
+    items.items.back().cutaway = cutaway;
+    add_section(body.inside, kInsideColor, cutaway, false, items);
+  }
+  for (const std::string& name : body.inside_names) add_name(kInsideColor, name, items.names);
+}
+
+}  // namespace
+
+void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items,
+              const LookScene& look) {
   if (body.triangles.empty()) return;
+  const Cutaway cutaway = cutaway_of(body, look);
   TriMesh surface = shown_mesh(body);
+  TriMesh closed = cutaway.planes > 0 ? surface : TriMesh();
   surface.scalars = shown_values(body, color);
   if (surface.scalars.empty()) scale = nullptr;
+
+  // walls of wounds
   if (body.wall_begin < body.triangles.size()) {
-    const auto split = std::ptrdiff_t(body.wall_begin);
-    TriMesh walls = surface;
-    walls.triangles.erase(walls.triangles.begin(), walls.triangles.begin() + split);
+    items.add(triangles_from(surface, body.wall_begin), kWallColor);
     surface.triangles.resize(body.wall_begin);
-    items.add(std::move(walls), kWallColor);
-    items.items.back().closed = true;
+    RenderItem& item = items.items.back();
+    item.closed = true, item.cutaway = cutaway;
+    item.wet = look.wet.contains(body.name) && look.wet.at(body.name);
   }
+
+  // surface and section
   if (body.look == Look::kCloth) surface = two_sided(std::move(surface));
   const Rgb own = natural_color(body);
   items.add(std::move(surface), own, scale);
-  items.items.back().closed = true;
+  RenderItem& item = items.items.back();
+  item.closed = true, item.cutaway = cutaway, item.wet = is_wet(body, look);
   if (!scale) add_name(own, body.name, items.names);
-  if (scale || body.inside.triangles.empty()) return;  // it would hide the colors above it
-  items.add(body.inside, kInsideColor);
-  items.items.back().see_through = items.items.back().closed = true;
-  for (const std::string& name : body.inside_names) add_name(kInsideColor, name, items.names);
+  if (cutaway.planes > 0) {
+    add_section(std::move(closed), section_color(body), cutaway, body.look != Look::kCloth, items);
+    add_name(section_color(body), body.name + ", cut", items.names);
+  }
+  if (!body.inside.triangles.empty())
+    add_inclusions(body, scale, cutaway, look.cutaway && look.cutaway->cuts_inclusions && cutaway.planes > 0,
+                   items);
 }
 
 TriMesh posed_mesh(const ToolSnapshot& tool) {
@@ -154,10 +228,10 @@ void add_organ_forces(const WorldSnapshot& snapshot, PictureItems& items) {
 }
 
 void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
-               PictureItems& items, std::size_t tools) {
+               PictureItems& items, const LookScene& look, std::size_t tools) {
   for (const BodySnapshot& body : snapshot.bodies)
-    is_beside_tissue(body, snapshot) ? add_body(body, SkinColor::kNone, nullptr, items)
-                                     : add_body(body, color, scale, items);
+    is_beside_tissue(body, snapshot) ? add_body(body, SkinColor::kNone, nullptr, items, look)
+                                     : add_body(body, color, scale, items, look);
   for (std::size_t t = 0; t < std::min(tools, snapshot.tools.size()); t++) {
     const ToolSnapshot& tool = snapshot.tools[t];
     const BodySnapshot& body = body_snapshot(snapshot, tool.body);

@@ -16,6 +16,12 @@ namespace turgor {
 /// Natural colors.
 constexpr Rgb kWallColor{166, 58, 50}, kToolColor{176, 190, 204}, kInsideColor{236, 214, 150},
     kThreadColor{38, 60, 130}, kObstacleColor{188, 180, 168};
+/// Color of the section of a body that is cut away.
+Rgb section_color(const BodySnapshot& body);
+/// True if pictures show a film of water on the body: by the scene, else on organs of sfem and rhombus.
+bool is_wet(const BodySnapshot& body, const LookScene& look);
+/// The part of a body that is not drawn.
+Cutaway cutaway_of(const BodySnapshot& body, const LookScene& look);
 /// Color of a body by its look; of an organ by its name, or by its index among the bodies of its model.
 Rgb natural_color(const BodySnapshot& body);
 
@@ -46,8 +52,8 @@ struct ArrowScale {
 };
 constexpr double kLongestArrow = 1.5;
 
-/// Quantity at every vertex that a color shows: displacement [m], stretch [1] or pressure [Pa]. Empty if the
-/// body does not have it.
+/// Quantity at every vertex that a color shows: displacement [m], stretches [1] or pressure [Pa]. Empty if
+/// the body does not have it.
 std::vector<float> shown_values(const BodySnapshot& body, SkinColor color);
 /// A body's surface with its normals: the vertices and triangles of the snapshot, for files.
 TriMesh surface_mesh(const BodySnapshot& body);
@@ -57,14 +63,15 @@ TriMesh shown_mesh(const BodySnapshot& body);
 TriMesh posed_mesh(const ToolSnapshot& tool);
 
 /// A surface in its natural look, or colored by the scale if the body has the quantity.
-void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items);
+void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items,
+              const LookScene& look = {});
 /// A tool, and an arrow with the force on it in newtons, placed so that the eye [m] sees it.
 void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureItems& items);
 /// Arrows of the forces between bodies, seen through the tissue, with names and newtons.
 void add_organ_forces(const WorldSnapshot& snapshot, PictureItems& items);
 /// All bodies, their first `tools` tools, and obstacles under cloth.
 void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
-               PictureItems& items, std::size_t tools = std::size_t(-1));
+               PictureItems& items, const LookScene& look = {}, std::size_t tools = std::size_t(-1));
 
 /// Names for a legend: none unless at least two colors have names.
 std::vector<NameRow> shown_names(const PictureItems& items);

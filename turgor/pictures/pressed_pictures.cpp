@@ -12,10 +12,9 @@ namespace turgor {
 
 namespace {
 
-/// Touched skin is drawn as flesh, as in a recording.
-BodySnapshot as_flesh(const BodySnapshot& pressed) {
+/// The body as in a recording, which does not tell walls of wounds from skin.
+BodySnapshot without_walls(const BodySnapshot& pressed) {
   BodySnapshot body = pressed;
-  if (body.look == Look::kSkin) body.look = Look::kFlesh;
   body.wall_begin = body.triangles.size();
   update_vertices(body);
   show_smooth(body);
@@ -95,7 +94,7 @@ Camera camera_of_whole(const BodySnapshot& body, const ToolSnapshot& tool, const
 std::optional<Image> draw_body(const BodySnapshot& body, const std::vector<ToolSnapshot>& tools,
                                const Camera& camera, double arrow, Outputs& outputs) {
   PictureItems items;
-  add_body(body, SkinColor::kNone, nullptr, items);
+  add_body(body, SkinColor::kNone, nullptr, items, outputs.scene->look);
   for (const ToolSnapshot& tool : tools) add_tool(tool, {body.typical_force, arrow}, camera.eye, items);
   return draw_items(items, camera, outputs);
 }
@@ -110,7 +109,7 @@ Status add_colored(const BodySnapshot& body, SkinColor color, const char* name, 
   if (output.color != color || !output.color_range)
     scale.high = *std::max_element(values.begin(), values.end());
   PictureItems items;
-  add_body(body, color, &scale, items);
+  add_body(body, color, &scale, items, outputs.scene->look);
   const std::optional<Image> image = draw_items(items, beside_legend(camera, outputs), outputs);
   if (!image) return Done{};
   return add_picture(outputs, fmt::format("{}-{}.png", body.name, name),
@@ -132,7 +131,7 @@ Status add_pair(const Pressed& pressed, const BodySnapshot& body, const char* na
 }
 
 Status add_pictures(const Pressed& pressed, Outputs& outputs) {
-  const BodySnapshot body = as_flesh(pressed.body);
+  const BodySnapshot body = without_walls(pressed.body);
   const ToolSnapshot& tool = pressing_tool(pressed.tools);
   const double aspect = double(outputs.scene->output.width) / outputs.scene->output.height;
   const Aim aside = aim_at_tool(body, tool, false), on_top = aim_at_tool(body, tool, true);

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "turgor/core/hash.hpp"
 #include "turgor/io/files/unfinished.hpp"
 #include "turgor/pictures/transfer_outputs.hpp"
+#include "turgor/sim/autosave/saved_world.hpp"
 
 namespace turgor {
 
@@ -39,21 +39,15 @@ void transfer_outputs(File& file, Outputs& outputs) {
   for (Film& film : outputs.films) transfer_film(file, outputs.folder, film);
 }
 
-/// Identity of the program: another one may arrange a state otherwise, or round otherwise.
-std::string program_text() {
-  constexpr std::size_t kSizes[] = {
-      sizeof(World),    sizeof(SfemBody), sizeof(RhombusBody), sizeof(LatticeBody),  sizeof(ClothBody),
-      sizeof(Measures), sizeof(Outputs),  sizeof(ForceSample), sizeof(TouchingTool), sizeof(sfem::Patch)};
-  return fmt::format("turgor {} for {}, states {}", program_version(), program_instructions(),
-                     hash_text(hash_values(std::span<const std::size_t>(kSizes))));
-}
+/// Identity of the program that keeps runs.
+std::string program_of_run() { return state_program({sizeof(Outputs)}); }
 
 Status check_header(const fs::path& path, const Scene& scene, const AutosaveHeader& header) {
-  if (header.program != program_text())
+  if (header.program != program_of_run())
     return Error{
         fmt::format("{}: the autosave is of another program: expected {}, found {}; run without --resume "
                     "to start again",
-                    path.string(), program_text(), header.program)};
+                    path.string(), program_of_run(), header.program)};
   if (header.scene != scene.text || header.overrides != scene.overrides)
     return Error{
         fmt::format("{}: the autosave is of another scene, or of other --set, than {}; run without --resume "
@@ -168,7 +162,7 @@ Status Autosave::write_state(const World& world, UnfinishedRun& run) {
   // state
   Result<StateWriter> file = StateWriter::create(folder_.next_state_file());
   if (!file) return file.error();
-  AutosaveHeader header{program_text(), scene_.text, scene_.overrides, time_of(world), loaded_hash_};
+  AutosaveHeader header{program_of_run(), scene_.text, scene_.overrides, time_of(world), loaded_hash_};
   int number = folder_.number() + 1;
   transfer_all(*file, header, number, *files, run.snapshots, run.seconds, run.simulation_seconds);
   write_world(*file, world, loaded_);

@@ -262,7 +262,8 @@ Result<std::vector<double>> run_trial(const Exec& exec, const IdentifyInput& inp
                                       const MeasuredForce& measured, const std::vector<double>& values) {
   std::vector<std::string> overrides = input.overrides;
   for (const std::string& text : overrides_of(input.parameters, values)) overrides.push_back(text);
-  Result<Scene> scene = read_scene(input.scene, overrides);
+  Result<Scene> scene =
+      input.text ? parse_scene(*input.text, input.scene, overrides) : read_scene(input.scene, overrides);
   if (!scene) return scene.error();
   for (SfemScene& body : scene->sfem_bodies) body.cached = false;
   Result<World> world = load_world(exec, *scene);
@@ -274,6 +275,7 @@ Result<std::vector<double>> run_trial(const Exec& exec, const IdentifyInput& inp
     return Error{fmt::format("{}: expected a tool{}, found none", input.scene.string(),
                              input.tool.empty() ? "" : " named " + input.tool)};
   for (int frame = 0; frame < frame_count(*scene); frame++) {
+    if (input.before_frame) input.before_frame();
     const auto stepped = step(exec, *world);
     if (!stepped) return stepped.error();
     if (!stepped->finite) return Error{"a trial run was not finite"};

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,10 +34,12 @@ struct FitParameter {
 
 struct IdentifyInput {
   std::filesystem::path scene;
+  std::optional<std::string> text;     // of the scene; its relative paths are those of a file named `scene`
   std::vector<std::string> overrides;  // key=value, for all runs
   std::string tool;                    // empty: the first
   std::vector<FitParameter> parameters;
   int most_iterations = 12;
+  std::function<void()> before_frame;  // of every run; an exception of it ends the fit
 };
 
 /// A parameter after the fit.

@@ -92,24 +92,48 @@ void show_threads(const World& world, WorldSnapshot& out) {
 
 namespace {
 
+/// Calls add(position, weight) for the shown vertices that carry a point of a body of finite elements.
+template <class Add>
+void visit_shown(const BodySnapshot& shown, const std::unordered_map<int, std::size_t>& shown_of,
+                 const contact::SurfacePoint& point, const Add& add) {
+  for (int corner = 0; corner < 3; corner++) {
+    const int vertex = point.vertex[corner];
+    if (vertex < 0) continue;
+    const auto found = shown.mesh_vertex.empty() ? std::size_t(vertex) : shown_of.at(vertex);
+    add(Vec3d(shown.x[found]), point.weight[corner]);
+  }
+}
+
 /// Adds the sum of forces on points of one body, unless it is zero.
 template <class Each>
-void add_organ_force(const std::string& name, int body, const Each& for_each_point, WorldSnapshot& out) {
-  const BodyId id{BodyKind::kSfem, body};
+void add_organ_force(const World& world, const std::string& name, int body, const Each& for_each_point,
+                     WorldSnapshot& out) {
+  const BodyId id = coupled_body(world, body);
   const BodySnapshot& shown = body_snapshot(out, id);
   std::unordered_map<int, std::size_t> shown_of;  // index in the snapshot by vertex of the body's mesh
   for (std::size_t v = 0; v < shown.mesh_vertex.size(); v++) shown_of.emplace(shown.mesh_vertex[v], v);
+  Pose pose;
+  if (id.kind == BodyKind::kRigid) {
+    const RigidBody& rigid = world.rigid_bodies[std::size_t(id.index)];
+    pose = rigid::pose_of(rigid.model, rigid.state);
+  }
+  std::vector<Vec3d> moved;
+  for (const CoupledSupport& support : world.coupling.supports)
+    if (support.body == id) moved = support_displacement(world, support);
   OrganForce total{.name = name, .body = id};
   double weights = 0;
   for_each_point([&](const contact::SurfacePoint& point, Vec3d force) {
     total.force += force;
-    for (int corner = 0; corner < 3; corner++) {
-      const int vertex = point.vertex[corner];
-      if (vertex < 0) continue;
-      const auto found = shown.mesh_vertex.empty() ? std::size_t(vertex) : shown_of.at(vertex);
-      const double weight = norm(force) * point.weight[corner];
-      total.at += Vec3d(shown.x[found]) * weight, weights += weight;
-    }
+    const auto add = [&](Vec3d x, double share) {
+      const double weight = norm(force) * share;
+      total.at += x * weight, weights += weight;
+    };
+    if (id.kind == BodyKind::kRigid)
+      add(to_world(pose, point.rest) + point.offset, 1);
+    else if (id.kind != BodyKind::kSfem)
+      add(point.rest + contact::displacement_of(point, moved), 1);
+    else
+      visit_shown(shown, shown_of, point, add);
   });
   if (!(weights > 0)) return;
   total.at = total.at / weights;
@@ -123,14 +147,14 @@ void show_organ_forces(const World& world, WorldSnapshot& out) {
   for (const Attachment& attachment : world.coupling.attachments)
     if (!attachment.ties.empty())
       add_organ_force(
-          attachment.name, attachment.ties[0].a.body,
+          world, attachment.name, attachment.ties[0].a.body,
           [&](const auto& add) {
             for (const contact::Tie& tie : attachment.ties) add(tie.a, tie.force);
           },
           out);
   for (const BodyContact& contact : world.coupling.contacts)
     add_organ_force(
-        contact.name, contact.body[0],
+        world, contact.name, contact.body[0],
         [&](const auto& add) {
           for (const contact::PairSite& site : contact.sites)
             site.a.body == contact.body[0] ? add(site.a, site.force) : add(site.b, -site.force);

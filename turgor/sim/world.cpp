@@ -105,6 +105,7 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
   if (status && purpose == Purpose::kSimulate) status = load_coupling(exec, scene, world);
   if (status) status = load_tools(loading, scene, world);
   if (status && purpose == Purpose::kSimulate) status = begin_bodies(exec, scene, world);
+  if (status && purpose == Purpose::kSimulate && !world.rigid_bodies.empty()) begin_coupling(exec, world);
   if (!status) return status.error();
   return world;
 }
@@ -141,10 +142,16 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   // step all bodies
   const FrameInput input{from, from + world.dt, measure_residual};
   for_each_body(world, [&](BodyId, auto& body) { step_body(exec, body, world, input, report); });
-  // apply cloth forces to the touched bodies
-  for_each_touched(
-      world, [&](BodyId id, auto& body) { press_body(exec, body, cloth_forces_on(world, id), world.dt); });
+  // apply cloth forces to the touched bodies, to supports together with those of the coupling
+  const auto press = [&](bool is_support_kind) {
+    for_each_touched(world, [&](BodyId id, auto& body) {
+      if (is_support_kind == (id.kind == BodyKind::kLattice || id.kind == BodyKind::kRhombus))
+        press_body(exec, body, cloth_forces_on(world, id), world.dt);
+    });
+  };
+  press(false);
   couple_bodies(exec, world);
+  press(true);
   // close the frame
   world.frame++;
   report.seconds = timer.seconds();

@@ -14,6 +14,7 @@
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 #include "turgor/sim/bodies/lattice/suture.hpp"
 #include "turgor/sim/bodies/rhombus/rhombus_body.hpp"
+#include "turgor/sim/bodies/rigid/rigid_body.hpp"
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
 #include "turgor/sim/frame.hpp"
@@ -31,6 +32,7 @@ struct World {
   std::vector<SfemBody> sfem_bodies;
   std::vector<RhombusBody> rhombus_bodies;
   std::vector<ClothBody> cloth_bodies;
+  std::vector<RigidBody> rigid_bodies;
   std::vector<Cut> cuts;
   std::vector<Suture> sutures;
   std::vector<TouchingTool> tools;

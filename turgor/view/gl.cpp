@@ -46,6 +46,7 @@ Result<GLuint> link_program(const char* vertex_source, const char* fragment_sour
 }
 
 void set_uniform(const char* name, Vec3 v) { glUniform3f(uniform_location(name), v.x, v.y, v.z); }
+void set_uniform(const char* name, Vec3 v, float w) { glUniform4f(uniform_location(name), v.x, v.y, v.z, w); }
 void set_uniform(const char* name, float a, float b) { glUniform2f(uniform_location(name), a, b); }
 void set_uniform(const char* name, float a) { glUniform1f(uniform_location(name), a); }
 void set_uniform(const char* name, int a) { glUniform1i(uniform_location(name), a); }
@@ -76,14 +77,15 @@ GLuint new_multisample_texture(GlObjects& objects, GLenum format, int samples, i
   return texture;
 }
 
-bool attach_textures(GLuint framebuffer, GLenum kind, std::initializer_list<GLuint> colors, GLuint depth) {
+bool attach_textures(GLuint framebuffer, GLenum kind, std::initializer_list<GLuint> colors, GLuint depth,
+                     GLenum point) {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   std::vector<GLenum> names;
   for (const GLuint color : colors) {
     names.push_back(GLenum(GL_COLOR_ATTACHMENT0 + names.size()));
     glFramebufferTexture2D(GL_FRAMEBUFFER, names.back(), kind, color, 0);
   }
-  if (depth) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, kind, depth, 0);
+  if (depth) glFramebufferTexture2D(GL_FRAMEBUFFER, point, kind, depth, 0);
   glDrawBuffers(GLsizei(names.size()), names.data());
   return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }

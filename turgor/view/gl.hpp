@@ -37,6 +37,7 @@ Result<GLuint> link_program(const char* vertex_source, const char* fragment_sour
 
 /// Sets a uniform of the current program; unused names are ignored.
 void set_uniform(const char* name, Vec3 v);
+void set_uniform(const char* name, Vec3 v, float w);
 void set_uniform(const char* name, float a, float b);
 void set_uniform(const char* name, float a);
 void set_uniform(const char* name, int a);
@@ -47,7 +48,9 @@ void set_texture(const char* name, int unit, GLuint texture, GLenum kind = GL_TE
 GLuint new_texture(GlObjects& objects, GLint format, GLenum layout, GLenum type, int width, int height);
 /// Texture with several samples per pixel.
 GLuint new_multisample_texture(GlObjects& objects, GLenum format, int samples, int width, int height);
-/// Attaches these textures to a framebuffer; depth 0 = none. False if OpenGL does not accept them.
-bool attach_textures(GLuint framebuffer, GLenum kind, std::initializer_list<GLuint> colors, GLuint depth);
+/// Attaches these textures to a framebuffer; depth 0 = none. `point` is GL_DEPTH_STENCIL_ATTACHMENT for a
+/// depth texture with stencil. False if OpenGL does not accept them.
+bool attach_textures(GLuint framebuffer, GLenum kind, std::initializer_list<GLuint> colors, GLuint depth,
+                     GLenum point = GL_DEPTH_ATTACHMENT);
 
 }  // namespace turgor

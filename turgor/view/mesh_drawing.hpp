@@ -6,19 +6,12 @@
 #include <optional>
 #include <vector>
 
+#include "turgor/view/mesh_items.hpp"
+#include "turgor/view/mesh_programs.hpp"
 #include "turgor/view/mesh_targets.hpp"
 #include "turgor/view/mesh_view.hpp"
 
 namespace turgor {
-
-struct MeshPrograms {
-  GLuint shadow = 0, surface = 0, resolve = 0, smooth = 0, edge = 0, inner = 0;
-  GLuint occlusion = 0, picture = 0, quick = 0;
-};
-/// Error: the compiler's log.
-Result<MeshPrograms> link_mesh_programs();
-
-enum class MeshStyle : std::uint8_t { kSurface, kWires };
 
 /// Belongs to one context and is freed while that is current. Render targets are reused for the next picture
 /// of the same size.

@@ -5,11 +5,22 @@
 
 namespace turgor {
 
+// Vertex shaders of surfaces are compiled twice; with CUT they draw one side of a plane only. (Mesa 22 clips
+// wrongly where a shader writes clip distances that are not enabled.)
 constexpr const char* kShadowVertexShader = R"(#version 330 core
 layout(location = 0) in vec3 position;
 uniform mat4 to_clip;
 
-void main() { gl_Position = to_clip * vec4(position, 1); }
+#ifdef CUT
+uniform vec4 kept_side;
+#endif
+
+void main() {
+  gl_Position = to_clip * vec4(position, 1);
+#ifdef CUT
+  gl_ClipDistance[0] = dot(kept_side, vec4(position, 1));
+#endif
+}
 )";
 
 constexpr const char* kShadowFragmentShader = R"(#version 330 core
@@ -23,7 +34,10 @@ layout(location = 2) in vec3 color;
 layout(location = 3) in float fraction;
 uniform mat4 to_clip;
 uniform vec3 eye;
-invariant gl_Position;  // see-through surfaces are drawn twice
+#ifdef CUT
+uniform vec4 kept_side;
+#endif
+invariant gl_Position;  // see-through surfaces and cut faces are drawn twice
 out vec3 to_eye;
 out vec3 surface_normal;
 out vec3 surface_color;
@@ -31,6 +45,9 @@ out float map_fraction;
 
 void main() {
   gl_Position = to_clip * vec4(position, 1);
+#ifdef CUT
+  gl_ClipDistance[0] = dot(kept_side, vec4(position, 1));
+#endif
   to_eye = eye - position;
   surface_normal = normal;
   surface_color = pow(color, vec3(2.2));
@@ -38,16 +55,16 @@ void main() {
 }
 )";
 
-// Writes the G-buffer: the color (square root of the albedo) with its source (1 own color, 2 color map), and
-// the normal in the camera frame with octahedral encoding [Cigolle et al. 2014]. Lighting is deferred because
-// triangles are small and many.
+// Writes the G-buffer: the color (square root of the albedo) with its source (1 own color, 2 color map, 3 own
+// color of a wet surface), and the normal in the camera frame with octahedral encoding [Cigolle et al. 2014].
+// Lighting is deferred because triangles are small and many.
 constexpr const char* kSurfaceFragmentShader = R"(#version 330 core
 in vec3 to_eye;
 in vec3 surface_normal;
 in vec3 surface_color;
 in float map_fraction;
 uniform sampler2D color_map;
-uniform bool use_map;
+uniform bool use_map, wet;
 uniform vec3 right_axis, up, back_axis;
 layout(location = 0) out uint packed_color;
 layout(location = 1) out uint packed_normal;
@@ -69,12 +86,13 @@ void main() {
     albedo = pow(texture(color_map, vec2(texel / 256.0, 0.5)).rgb, vec3(2.2));
   }
   uvec3 c = uvec3(0.5 + 255.0 * sqrt(clamp(albedo, 0.0, 1.0)));
-  packed_color = c.r | c.g << 8 | c.b << 16 | (mapped ? 2u : 1u) << 24;
+  packed_color = c.r | c.g << 8 | c.b << 16 | (mapped ? 2u : wet ? 3u : 1u) << 24;
   packed_normal = at.x | at.y << 16;
 }
 )";
 
-// Lighting of the G-buffer; a main function follows.
+// Lighting of the G-buffer; a main function follows, and before it, if it needs one, a definition of
+// surface_light.
 constexpr const char* kLighting = R"(#version 330 core
 in vec2 uv;
 uniform int samples;
@@ -126,15 +144,27 @@ vec3 lit_surface(vec4 color, vec3 n, vec3 view, float open) {
 }
 )";
 
+constexpr const char* kDryLight = R"(
+vec3 surface_light(vec4 color, vec3 n, vec3 view, float open) { return lit_surface(color, n, view, open); }
+)";
+constexpr const char* kWetLight = R"(
+vec3 surface_light(vec4 color, vec3 n, vec3 view, float open) { return wet_surface(color, n, view, open); }
+)";
+constexpr const char* kEitherLight = R"(
+vec3 surface_light(vec4 color, vec3 n, vec3 view, float open) {
+  return color.a > 2.5 ? wet_surface(color, n, view, open) : lit_surface(color, n, view, open);
+}
+)";
+
 // Resolves several samples per pixel to one and writes a level that selects the lighting. Pixels whose
-// samples share one normal are lit once, edges per sample, empty pixels not at all. Levels are depth values,
-// because a depth test spares a software renderer the other pixels and a branch does not.
+// samples share normal and source are lit once, edges per sample, empty pixels not at all. Levels are depth
+// values, because a depth test spares a software renderer the other pixels and a branch does not.
 constexpr const char* kResolveMain = R"(
 uniform usampler2DMS colors, normals;
 uniform sampler2DMS depths;
 uniform vec2 near_far;
-uniform float smooth_level, edge_level;
-layout(location = 0) out vec4 color;  // and half of its color source
+uniform vec2 smooth_levels, edge_levels;  // of dry and wet surfaces
+layout(location = 0) out vec4 color;  // and a quarter of its color source
 layout(location = 1) out vec4 view_normal;
 layout(location = 2) out float view_depth;
 
@@ -143,19 +173,22 @@ void main() {
   vec4 sum = vec4(0);
   vec3 normal = vec3(0);
   float covered = 0.0, nearest = 1.0, middle = 0.0;
+  uint least = 255u, most = 0u;  // color sources
   for (int s = 0; s < samples; s++) {
     uint c = texelFetch(colors, pixel, s).r;
     float covers = c == 0u ? 0.0 : 1.0;
     sum += covers * color_of(c);
     normal += covers * normalize(normal_of(texelFetch(normals, pixel, s).r));
     covered += covers;
+    least = min(least, c >> 24), most = max(most, c >> 24);
     float depth = texelFetch(depths, pixel, s).r;
     nearest = min(nearest, depth);
     middle += depth / float(samples);
   }
-  bool is_edge = covered < float(samples) || length(normal) < 0.995 * covered;
-  gl_FragDepth = covered == 0.0 ? 1.0 : is_edge ? edge_level : smooth_level;
-  color = vec4(sum.rgb, 0.5 * sum.a) / max(covered, 1.0);
+  bool is_edge = least != most || length(normal) < 0.995 * covered;
+  vec2 levels = is_edge ? edge_levels : smooth_levels;
+  gl_FragDepth = covered == 0.0 ? 1.0 : most == 3u ? levels.y : levels.x;
+  color = vec4(sum.rgb, 0.25 * sum.a) / max(covered, 1.0);
   view_normal = vec4(0.5 + 0.5 * normalize(normal + vec3(0, 0, 1e-6)), 1);
   view_depth = depth_of(is_edge ? nearest : middle, near_far);
 }
@@ -182,7 +215,7 @@ float key_share(vec3 position, vec3 n) {
 
 vec3 lit_position(vec4 color, vec3 view_normal, vec3 ray, float depth) {
   vec3 n = world_normal(view_normal);
-  return lit_surface(color, n, -normalize(ray), key_share(eye + ray * depth, n));
+  return surface_light(color, n, -normalize(ray), key_share(eye + ray * depth, n));
 }
 )";
 
@@ -194,7 +227,7 @@ void main() {
   vec4 color = texelFetch(resolved_colors, pixel, 0);
   vec3 view_normal = 2.0 * texelFetch(resolved_normals, pixel, 0).rgb - 1.0;
   float depth = texelFetch(resolved_depths, pixel, 0).r;
-  light = vec4(lit_position(vec4(color.rgb, 2.0 * color.a), view_normal, ray_of_pixel(), depth), 1);
+  light = vec4(lit_position(vec4(color.rgb, 4.0 * color.a), view_normal, ray_of_pixel(), depth), 1);
 }
 )";
 
@@ -245,41 +278,6 @@ void main() {
   }
   light = sum / float(samples);
 }
-)";
-
-// Moving pictures without a GPU: one pass with lighting per vertex.
-constexpr const char* kQuickVertexShader = R"(#version 330 core
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec3 color;
-layout(location = 3) in float fraction;
-uniform mat4 to_clip;
-uniform vec3 eye;
-uniform sampler2D color_map;
-uniform bool use_map;
-uniform vec3 key, fill, up;
-uniform vec3 key_color, fill_color, sky_color, floor_color;
-uniform float through;  // share of light that reaches the eye, 1 for opaque surfaces
-out vec4 shown;
-
-void main() {
-  gl_Position = to_clip * vec4(position, 1);
-  vec3 n = dot(normal, eye - position) < 0.0 ? -normal : normal;
-  vec3 albedo = pow(color, vec3(2.2));
-  if (use_map && !isnan(fraction))
-    albedo = pow(texelFetch(color_map, ivec2(clamp(fraction, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb, vec3(2.2));
-  vec3 lit = key_color * max(0.0, (dot(n, key) + 0.25) / 1.25) + fill_color * max(0.0, dot(n, fill));
-  lit += mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));
-  float facing = abs(dot(n, normalize(eye - position)));
-  shown = vec4(pow(min(albedo * lit, 1.0), vec3(1.0 / 2.2)), through < 1.0 ? through * smoothstep(0.0, 0.9, facing) : 1.0);
-}
-)";
-
-constexpr const char* kQuickFragmentShader = R"(#version 330 core
-in vec4 shown;
-layout(location = 0) out vec4 picture;
-
-void main() { picture = shown; }
 )";
 
 constexpr const char* kScreenVertexShader = R"(#version 330 core

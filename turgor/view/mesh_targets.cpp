@@ -52,9 +52,9 @@ Result<GBuffer> make_g_buffer(GlObjects& objects, const MeshTargets& targets) {
   const GBuffer g_buffer{.framebuffer = objects.new_framebuffer(),
                          .colors = texture(GL_R32UI),
                          .normals = texture(GL_R32UI),
-                         .depths = texture(GL_DEPTH_COMPONENT24)};
+                         .depths = texture(GL_DEPTH24_STENCIL8)};
   if (!attach_textures(g_buffer.framebuffer, GL_TEXTURE_2D_MULTISAMPLE, {g_buffer.colors, g_buffer.normals},
-                       g_buffer.depths))
+                       g_buffer.depths, GL_DEPTH_STENCIL_ATTACHMENT))
     return incomplete();
   return g_buffer;
 }
@@ -94,11 +94,11 @@ Result<QuickTargets> make_quick_targets(GlObjects& objects, int width, int heigh
   QuickTargets t{.width = width, .height = height};
   const GLuint picture = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
   const GLuint depth =
-      new_texture(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width, height);
+      new_texture(objects, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, width, height);
   const GLuint behind = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
   fill_with_backdrop(width, height);
   for (GLuint* framebuffer : {&t.picture, &t.backdrop}) *framebuffer = objects.new_framebuffer();
-  if (!attach_textures(t.picture, GL_TEXTURE_2D, {picture}, depth) ||
+  if (!attach_textures(t.picture, GL_TEXTURE_2D, {picture}, depth, GL_DEPTH_STENCIL_ATTACHMENT) ||
       !attach_textures(t.backdrop, GL_TEXTURE_2D, {behind}, 0))
     return incomplete();
   return t;

@@ -9,6 +9,7 @@
 #include "turgor/io/files/image.hpp"
 #include "turgor/view/camera.hpp"
 #include "turgor/view/color.hpp"
+#include "turgor/view/cutaway.hpp"
 
 namespace turgor {
 
@@ -23,6 +24,9 @@ struct RenderItem {
   const std::vector<Rgb>* colors = nullptr;  // one per vertex, instead of `color`
   bool see_through = false;                  // also visible, but paler, behind other surfaces
   bool closed = false;  // triangles are counter-clockwise seen from outside; back faces are culled
+  bool wet = false;  // a film of water reflects (wet_reflection.hpp), except where a color map shows values
+  Cutaway cutaway;   // not drawn, and casts no shadow
+  bool is_cut_face = false;  // the section of a closed mesh by the planes of its cut-away, not its surface
 };
 
 /// Both sides of every triangle are drawn. Missing normals are computed. Scalars that are NaN show the item's

@@ -37,12 +37,12 @@ void show_running(Viewer& viewer) {
 void show_mouse(Viewer& viewer) {
   int mode = int(viewer.mode);
   int n = 0;
-  for (const char* name : {"touch", "grab", "cut", "wind"}) {
-    if (n > 0) ImGui::SameLine();
-    ImGui::RadioButton(name, &mode, n++);
+  for (const char* name : {"touch", "grab", "cut", "suture", "wind"}) {
+    if (n != 0 && n != 3) ImGui::SameLine();
+    if (ImGui::RadioButton(name, &mode, n++)) viewer.stitch.reset();
   }
   viewer.mode = MouseMode(mode);
-  if (viewer.touching) ImGui::Text("%.1f mm deep", 1e3 * viewer.touching->depth);
+  if (viewer.touching && !viewer.touching->needle) ImGui::Text("%.1f mm deep", 1e3 * viewer.touching->depth);
 }
 
 /// Depth, progress and result of cuts.
@@ -67,7 +67,8 @@ void show_cut(Viewer& viewer) {
 }
 
 void show_display(Viewer& viewer) {
-  static constexpr const char* kNames[] = {"natural", "displacement", "area strain", "pressure"};
+  static constexpr const char* kNames[] = {"natural", "displacement", "area strain", "pressure",
+                                           "largest stretch"};
   if (viewer.now->scene && ImGui::BeginCombo("##color", kNames[int(viewer.display.color)])) {
     for (const SkinColor color : known_colors(*viewer.now->scene))
       if (ImGui::Selectable(kNames[int(color)], color == viewer.display.color)) viewer.display.color = color;
@@ -76,6 +77,9 @@ void show_display(Viewer& viewer) {
   bool wires = viewer.display.style == MeshStyle::kWires;
   if (ImGui::Checkbox("wires", &wires))
     viewer.display.style = wires ? MeshStyle::kWires : MeshStyle::kSurface;
+  ImGui::SameLine();
+  bool cuts = viewer.display.cutaway.has_value();
+  if (ImGui::Checkbox("cut away", &cuts)) act(viewer, "A");
   if (viewer.now->scene && !viewer.now->scene->sfem_bodies.empty()) {
     ImGui::SameLine();
     ImGui::Checkbox("patch", &viewer.display.patch);
@@ -111,6 +115,8 @@ void show_controls(Viewer& viewer) {
   ImGui::Separator();
   show_mouse(viewer);
   show_cut(viewer);
+  show_stitches(viewer);
+  show_needle(viewer);
   ImGui::Separator();
   show_display(viewer);
   ImGui::Separator();

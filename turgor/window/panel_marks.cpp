@@ -12,7 +12,7 @@ namespace {
 constexpr ImU32 kInk = IM_COL32(236, 239, 242, 255), kShade = IM_COL32(0, 0, 0, 160),
                 kLine = IM_COL32(255, 90, 70, 255), kWindLine = IM_COL32(120, 190, 255, 255),
                 kPatch = IM_COL32(60, 220, 200, 200), kBlade = IM_COL32(255, 90, 70, 70),
-                kBladeEdge = IM_COL32(255, 160, 140, 200);
+                kBladeEdge = IM_COL32(255, 160, 140, 200), kThread = IM_COL32(70, 120, 255, 255);
 
 std::optional<ImVec2> pixel_of(const Viewer& viewer, Vec3d point) {
   const Area& area = viewer.area;
@@ -56,6 +56,37 @@ void draw_cut(ImDrawList& draw, const Viewer& viewer, const DrawnLine& line) {
   draw.AddCircleFilled(*end, 5, kLine);
   write(draw, {end->x + 10, end->y - 8},
         fmt::format("{:.0f} mm, {:.0f} mm deep", 1e3 * line.on_skin.length, 1e3 * viewer.cut_depth));
+}
+
+/// The loop of a stitch that is being drawn.
+void draw_stitch(ImDrawList& draw, const Viewer& viewer, const DrawnStitch& stitch) {
+  const double depth = viewer.stitches.depth;
+  const auto from = pixel_of(viewer, stitch.from.now);
+  if (from) draw.AddCircleFilled(*from, 5, kThread);
+  if (!stitch.to) return;
+  const auto to = pixel_of(viewer, stitch.to->now),
+             low_from = pixel_of(viewer, stitch.from.now - stitch.from.normal * depth),
+             low_to = pixel_of(viewer, stitch.to->now - stitch.to->normal * depth);
+  if (!from || !to || !low_from || !low_to) return;
+  const ImVec2 loop[] = {*from, *low_from, *low_to, *to};
+  draw.AddPolyline(loop, 4, kThread, 0, 1.5f);
+  draw.AddLine(*from, *to, kThread, 3);
+  draw.AddCircleFilled(*to, 5, kThread);
+  write(draw, {to->x + 10, to->y - 8},
+        fmt::format("{:.0f} mm, {:.1f} mm deep", 1e3 * norm(stitch.to->now - stitch.from.now), 1e3 * depth));
+}
+
+/// Forces of the stitches by hand, beside their threads.
+void draw_forces(ImDrawList& draw, const Viewer& viewer) {
+  for (const HandStitch& stitch : viewer.now->stitches) {
+    const std::vector<TriMesh>& threads = viewer.now->snapshot.threads;
+    const auto n = std::size_t(stitch.suture);
+    if (n >= threads.size() || threads[n].vertices.empty()) continue;
+    Vec3d middle;
+    for (const Vec3 x : threads[n].vertices) middle += Vec3d(x) / double(threads[n].vertices.size());
+    if (const auto at = pixel_of(viewer, middle))
+      write(draw, {at->x + 14, at->y - 8}, fmt::format("{:.2f} N", stitch.tension));
+  }
 }
 
 /// Draws edges of the triangles that face the eye.
@@ -117,6 +148,8 @@ void show_marks(const Viewer& viewer, const WorldPicture& picture) {
   if (viewer.display.patch)
     for (const BodySnapshot& body : viewer.now->snapshot.bodies) draw_patch(draw, viewer, body.patch);
   if (viewer.cut) draw_cut(draw, viewer, *viewer.cut);
+  if (viewer.stitch) draw_stitch(draw, viewer, *viewer.stitch);
+  if (viewer.mode == MouseMode::kSuture) draw_forces(draw, viewer);
   if (viewer.wind) draw_line(draw, viewer, *viewer.wind, kWindLine);
   if (picture.has_scale) draw_legend(draw, area, picture.scale);
   const bool is_drawn = viewer.now->phase == SessionStatus::Phase::kReady && !viewer.display.volume;

@@ -44,6 +44,13 @@ void show_gallery(Viewer& viewer, GalleryPictures& pictures);
 
 /// Length, depth and gape of a cut.
 std::string cut_text(const CutResult& result);
+/// State, force and gape of a stitch.
+std::string stitch_text(const HandStitch& stitch);
+/// Settings and pull of stitches in suture mode, and the forces of those that were made.
+void show_stitches(Viewer& viewer);
+/// Depth, force and layer of a needle in use.
+std::string needle_text(const Viewer& viewer);
+void show_needle(Viewer& viewer);
 /// Play, pace, mouse, display.
 void show_controls(Viewer& viewer);
 /// Forces of tools over time and depth, and the energy from haptic devices.

@@ -14,8 +14,10 @@ namespace turgor {
 
 namespace {
 
-/// Parses numbers of "3", "[0, 0, -9.81]" or "`[1, 0, 0]`"; returns their count, 0 for anything else.
+/// Parses numbers of "3", "[0.4, 10]", "[0, 0, -9.81]" or "`[1, 0, 0]`"; returns their count, 0 for anything
+/// else.
 int numbers_of(std::string text, std::array<double, 3>& numbers) {
+  if (std::count(text.begin(), text.end(), '[') > 1) return 0;  // an array of arrays
   std::erase_if(text, [](char c) { return c == '`' || c == '[' || c == ']' || c == '_'; });
   int count = 0;
   const char* at = text.c_str();
@@ -30,7 +32,8 @@ int numbers_of(std::string text, std::array<double, 3>& numbers) {
 }
 
 bool is_offered(const SceneKey& key) {
-  return !key.path.starts_with("output.") && key.path.find("NAME") == key.path.npos;
+  const bool is_of_no_layer = key.path.find(".layers.") != key.path.npos;  // the scene has no layers
+  return !key.path.starts_with("output.") && key.path.find("NAME") == key.path.npos && !is_of_no_layer;
 }
 
 }  // namespace
@@ -44,7 +47,7 @@ ParameterList list_parameters(const Scene& scene, const std::vector<std::string>
         .key = key, .waits = why_not_live(scene, key), .opened = override_of(opened, key.path)};
     parameter.is_changed = override_of(scene.overrides, key.path) != parameter.opened;
     parameter.count = numbers_of(text, parameter.value);
-    if (parameter.count != 1 && parameter.count != 3) continue;
+    if (parameter.count == 0) continue;
     list.push_back(std::move(parameter));
   }
   std::stable_partition(list.begin(), list.end(), [](const Parameter& one) { return one.waits.empty(); });
@@ -75,8 +78,10 @@ std::string value_text(const Parameter& parameter) {
   const auto number = [&](double x) {
     return parameter.key.is_whole ? fmt::format("{}", std::lround(x)) : fmt::format("{:.6g}", x);
   };
-  return parameter.count == 1 ? number(v[0])
-                              : fmt::format("[{}, {}, {}]", number(v[0]), number(v[1]), number(v[2]));
+  if (parameter.count == 1) return number(v[0]);
+  std::string text;
+  for (int n = 0; n < parameter.count; n++) text += (n ? ", " : "[") + number(v[std::size_t(n)]);
+  return text + "]";
 }
 
 double limited(const Allowed& allowed, double value) {

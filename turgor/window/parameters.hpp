@@ -11,7 +11,7 @@
 
 namespace turgor {
 
-/// A key with one or three numbers.
+/// A key with one to three numbers.
 struct Parameter {
   SceneKey key;
   std::string waits;  // reason why it takes effect only after a reset; empty: it takes effect at once

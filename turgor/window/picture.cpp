@@ -15,7 +15,7 @@ constexpr double kSlow = 0.02;  // frame time above which moving pictures use th
 ColorScale scale_for(const WorldSnapshot& snapshot, const Scene& scene, SkinColor color) {
   ColorScale scale = color_scale(scene, color);
   if (scene.output.color == color && scene.output.color_range) return scale;
-  if (color == SkinColor::kStretch) return scale;
+  if (color == SkinColor::kStretch || color == SkinColor::kPrincipalStretch) return scale;
   float high = 0;
   for (const BodySnapshot& body : snapshot.bodies)
     for (const float value : shown_values(body, color)) high = std::max(high, value);
@@ -43,9 +43,12 @@ Status draw_world(const Viewer& viewer, bool moves, int width, int height, World
   picture.has_scale = color != SkinColor::kNone;
   if (picture.has_scale) picture.scale = scale_for(snapshot, *viewer.now->scene, color);
   PictureItems items;
+  LookScene look = viewer.now->scene->look;
+  look.cutaway = viewer.display.cutaway;
   // fingertips of the mouse, which follow the tools of the scene, are shown while they touch
   const std::size_t tools = viewer.touching ? snapshot.tools.size() : viewer.now->scene->tools.size();
-  add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, items, tools);
+  add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, items, look,
+            tools);
   if (viewer.display.organ_forces) add_organ_forces(snapshot, items);
   const bool quickly = moves && (picture.full_seconds == 0 || picture.full_seconds > kSlow);
   const Timer timer;

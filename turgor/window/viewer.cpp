@@ -14,12 +14,14 @@ ScreenPosition screen_position(const Area& area, double x, double y) {
 
 void meet_world(Viewer& viewer) {
   viewer.touching.reset(), viewer.touched.reset(), viewer.cut.reset(), viewer.wind.reset();
+  viewer.stitch.reset(), viewer.pulled.reset(), viewer.stitches.selected = -1;
   viewer.draws_on_device = true;
   const Scene& scene = *viewer.now->scene;
   const Box box = box_of(viewer.now->snapshot);
   const bool first = viewer.framed_file != scene.file;
   viewer.framed = viewer.now->world, viewer.framed_file = scene.file;
   if (first) meet_document(viewer), viewer.cut_depth = usual_depth(scene);
+  if (first) viewer.display.cutaway = scene.look.cutaway;
   const std::vector<SkinColor> colors = known_colors(scene);
   if (std::find(colors.begin(), colors.end(), viewer.display.color) == colors.end())
     viewer.display.color = SkinColor::kNone;

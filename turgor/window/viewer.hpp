@@ -21,16 +21,28 @@
 namespace turgor {
 
 /// Action of the left button on a body.
-enum class MouseMode : std::uint8_t { kTouch, kGrab, kCut, kWind };
+enum class MouseMode : std::uint8_t { kTouch, kGrab, kCut, kSuture, kWind };
 
 /// Display options.
 struct Display {
   SkinColor color = SkinColor::kNone;
   MeshStyle style = MeshStyle::kSurface;
   bool volume = false;                              // the deformed CT instead of surfaces
+  std::optional<CutawayScene> cutaway;              // part of a body that is not drawn
   bool patch = false;                               // edges of the superposed patch over the surface
   bool organ_forces = false;                        // forces of attachments and contacts between bodies
   std::string preset = "skin", window = "abdomen";  // of the CT's pictures
+};
+
+/// A needle that the mouse pushes along the normal of its entry.
+struct NeedleUse {
+  double length = 0;         // [m]
+  double goal = 0;           // depth of the tip, to which Touching::depth moves at a limited speed [m]
+  bool is_held = true;       // by the button: the cursor's height then sets the goal
+  bool leaves = false;       // it is withdrawn, and released outside
+  double cursor = 0;         // height when the button was pressed, as ScreenPosition::y
+  double pressed_depth = 0;  // goal at that time [m]
+  std::chrono::steady_clock::time_point moved;
 };
 
 /// A tool that the mouse presses or pulls with.
@@ -44,6 +56,7 @@ struct Touching {
   double depth = 0;          // target depth below `position` [m]
   bool grabs = false;
   std::chrono::steady_clock::time_point began;
+  std::optional<NeedleUse> needle = {};  // of a needle, which stays after the button is released
 };
 
 /// A line that is being drawn on a body, or the wind over it.
@@ -52,6 +65,37 @@ struct DrawnLine {
   Vec3d from, to;                // [m]
   Vec3d from_normal, to_normal;  // of a cut: unit, outward
   SkinLine on_skin;              // of a cut
+};
+
+/// A point on the skin, now and in the CT.
+struct SkinPoint {
+  Vec3d now, normal;         // [m]; unit, outward
+  Vec3d rest, rest_outward;  // likewise in the CT
+};
+/// A stitch that is being drawn: its first point, and the second one under the cursor.
+struct DrawnStitch {
+  std::size_t body = 0;  // index in WorldSnapshot::bodies
+  SkinPoint from;
+  std::optional<SkinPoint> to;
+};
+/// A stitch that is pulled by dragging, and the limits of its tension.
+struct PulledStitch {
+  std::size_t number = 0;         // index into SessionStatus::stitches
+  double cursor = 0;              // height when the button was pressed, as ScreenPosition::y
+  std::optional<double> tension;  // of the stitch when the drag began [N]
+  std::optional<double> goal;     // that was requested last [N]
+  std::chrono::steady_clock::time_point requested;
+};
+constexpr double kLeastTension = 0.05, kMostTension = 10;            // of stitches by hand [N]
+constexpr double kLeastStitchDepth = 5e-4, kMostStitchDepth = 0.02;  // [m]
+
+/// Settings of the next stitch by hand.
+struct StitchSettings {
+  std::string thread = "nylon 3-0";
+  double depth = 0.003;      // of the deep strand below the skin [m]
+  bool until_closed = true;  // else it is knotted at `tension`
+  double tension = 0.5;      // [N]
+  int selected = -1;  // stitch that the panel pulls, index into SessionStatus::stitches; -1: the latest
 };
 
 /// Rectangle of the window, from its top left corner [units of window coordinates].
@@ -98,6 +142,9 @@ struct Viewer {
   std::optional<Touching> touching;
   std::optional<Vec3d> touched;  // position of the last touch or cut, to focus on
   std::optional<DrawnLine> cut, wind;
+  std::optional<DrawnStitch> stitch;
+  std::optional<PulledStitch> pulled;
+  StitchSettings stitches;
   double cut_depth = 0.01;           // of cuts by hand below the skin [m]
   std::string clipboard;             // text for the system's clipboard; empty: none
   std::optional<int> camera_button;  // button that moves the camera while held: 0 turns, 1 shifts
@@ -153,11 +200,34 @@ struct MouseHelp {
 void act(Viewer& viewer, std::string_view key_name);
 std::span<const MouseHelp> mouse_table();
 
+/// Switches the cut-away of the scene on or off; without one in the scene, the near half of the first organ
+/// or CT body as seen by the camera.
+void toggle_cutaway(Viewer& viewer);
+
 /// Quantities that can color the surfaces of a scene.
 std::vector<SkinColor> known_colors(const Scene& scene);
 /// Cuts (viewer_cut.cpp). The first two need a cut that is being drawn.
 void update_preview(Viewer& viewer, Vec3d normal);
 void end_cut(Viewer& viewer);
+/// Stitches (viewer_suture.cpp): a press on the skin sets the first point, then the second one, which lays
+/// the stitch; dragging before the button is released pulls it.
+bool press_stitch(Viewer& viewer, const Picked& picked);
+void move_stitch(Viewer& viewer);
+void release_stitch(Viewer& viewer);
+/// Stitch that the panel pulls; null without stitches.
+const HandStitch* selected_stitch(const Viewer& viewer);
+/// Pulls a stitch to another tension, or without one until the wound is closed.
+void tighten(Viewer& viewer, const HandStitch& stitch, std::optional<double> tension);
+/// Needles (viewer_needle.cpp). Length of the needle that a tool is; empty for other tools [m].
+std::optional<double> needle_length(const Scene& scene, int tool);
+/// The button was pressed with the needle at the surface or in the body.
+void hold_needle(Viewer& viewer);
+/// Pushes by this depth; negative: withdraws [m]. False without a needle in use.
+bool push_needle(Viewer& viewer, double depth);
+void drag_needle(Viewer& viewer);
+/// Moves the needle towards its goal. Ends its use once it was withdrawn.
+void move_needle(Viewer& viewer);
+void withdraw_needle(Viewer& viewer);
 /// Cuts the nearest lattice along a line or curve of 3D Slicer.
 void cut_along_markup(Viewer& viewer, const std::filesystem::path& file);
 /// Depth of the scene's first incision, or the default [m].

@@ -1,4 +1,5 @@
-// Opening and saving scenes, and the question about unsaved cuts and changes.
+// Opening and saving scenes, and the question about unsaved cuts, stitches and changes.
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,7 +20,37 @@ constexpr const char* kNothingToSave = "nothing to save: no scene is loaded";
 
 bool has_scene(const Viewer& viewer) { return viewer.now && viewer.now->scene; }
 
-std::string cuts_text(const Viewer& viewer) { return incisions_text(*viewer.now->scene, viewer.now->cuts); }
+/// Cuts and stitches by hand, as tables of the scene.
+std::string cuts_text(const Viewer& viewer) {
+  const SessionStatus& now = *viewer.now;
+  std::vector<SavedStitch> stitches;
+  for (const HandStitch& stitch : now.stitches)
+    stitches.push_back({.wound = stitch.request.wound.value_or(0),
+                        .through = stitch.request.through,
+                        .thread = stitch.request.thread,
+                        .tension = stitch.request.tension,
+                        .duration = stitch.request.duration});
+  return incisions_text(*now.scene, now.cuts) + sutures_text(*now.scene, now.cuts, stitches);
+}
+
+/// Time at which the last pull of a stitch by hand ends in the saved scene [s].
+double end_of_stitches(const SessionStatus& now) {
+  double end = 0;
+  for (const HandStitch& stitch : now.stitches) {
+    const auto wound = std::size_t(stitch.request.wound.value_or(0)), own = now.scene->incisions.size();
+    const lattice::Incision* blade = wound < own                     ? &now.scene->incisions[wound].blade
+                                     : wound - own < now.cuts.size() ? &now.cuts[wound - own]
+                                                                     : nullptr;
+    if (!blade) continue;
+    const double cut = wound < own ? blade->start + blade->duration : blade->duration;
+    end = std::max(end, cut + stitch.request.duration);
+  }
+  return end;
+}
+
+bool has_edits_by_hand(const Viewer& viewer) {
+  return !viewer.now->cuts.empty() || !viewer.now->stitches.empty();
+}
 
 bool has_unsaved_cuts(const Viewer& viewer) {
   return has_scene(viewer) && cuts_text(viewer) != viewer.document.saved_cuts;
@@ -57,6 +88,8 @@ Result<std::string> text_with_edits(const Viewer& viewer, bool moves) {
   std::vector<std::string> overrides = scene.overrides;
   if (moves)
     for (std::string& name : absolute_names(scene)) overrides.push_back(std::move(name));
+  if (const double end = end_of_stitches(*viewer.now); end >= scene.duration)
+    overrides.push_back(fmt::format("world.duration={:.6g}", end + 1));  // a run pulls the stitches
   Result<std::string> text = with_values(scene.text, scene.file, overrides);
   if (text) *text += cuts_text(viewer);
   return text;
@@ -132,11 +165,11 @@ void quit(Viewer& viewer) { ask_or_leave(viewer, Leaving::kQuit, has_unsaved_edi
 
 /// Changes survive a restart, cuts do not.
 void restart(Viewer& viewer) {
-  ask_or_leave(viewer, Leaving::kRestart, has_unsaved_cuts(viewer) && !viewer.now->cuts.empty());
+  ask_or_leave(viewer, Leaving::kRestart, has_unsaved_cuts(viewer) && has_edits_by_hand(viewer));
 }
 
 void reload(Viewer& viewer) {
-  ask_or_leave(viewer, Leaving::kReload, has_unsaved_cuts(viewer) && !viewer.now->cuts.empty());
+  ask_or_leave(viewer, Leaving::kReload, has_unsaved_cuts(viewer) && has_edits_by_hand(viewer));
 }
 
 void leave(Viewer& viewer) {

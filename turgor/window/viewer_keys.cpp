@@ -56,6 +56,7 @@ void focus(Viewer& viewer) {
 template <MouseMode kMode>
 void set_mode(Viewer& viewer) {
   viewer.mode = kMode;
+  viewer.stitch.reset();
 }
 
 void next_color(Viewer& viewer) {
@@ -80,6 +81,10 @@ void leave_mode(Viewer& viewer) {
     viewer.panels.help = false;
   else if (viewer.cut)
     viewer.cut.reset(), viewer.message = "no cut";
+  else if (viewer.stitch)
+    viewer.stitch.reset(), viewer.message = "no stitch";
+  else if (viewer.touching && viewer.touching->needle)
+    withdraw_needle(viewer);
   else if (viewer.touching)
     release_button(viewer);
   else
@@ -103,12 +108,13 @@ constexpr const char *kFile = "File", *kEdit = "Edit", *kTime = "Time", *kMouseK
 
 constexpr KeyHelp kKeys[] = {
     {kFile, GLFW_KEY_O, "Ctrl+O", "open a scene", show_open_dialog, Chord::kControl},
-    {kFile, GLFW_KEY_S, "Ctrl+S", "save the scene with its cuts and changes", save, Chord::kControl},
+    {kFile, GLFW_KEY_S, "Ctrl+S", "save the scene with its cuts, stitches and changes", save,
+     Chord::kControl},
     {kFile, GLFW_KEY_S, "Ctrl+Shift+S", "save under another name", show_save_dialog, Chord::kControlShift},
     {kFile, GLFW_KEY_S, "S", "save a numbered copy beside the scene", save_copy},
     {kFile, GLFW_KEY_R, "R", "reload the scene file", reload},
     {kFile, GLFW_KEY_Q, "Ctrl+Q", "quit", quit, Chord::kControl},
-    {kEdit, GLFW_KEY_Z, "Ctrl+Z", "undo a cut or a change", undo, Chord::kControl},
+    {kEdit, GLFW_KEY_Z, "Ctrl+Z", "undo a cut, a stitch or a change", undo, Chord::kControl},
     {kEdit, GLFW_KEY_Z, "Ctrl+Shift+Z", "redo", redo, Chord::kControlShift},
     {kEdit, GLFW_KEY_Y, "Ctrl+Y", "redo", redo, Chord::kControl},
     {kEdit, GLFW_KEY_C, "Ctrl+C", "copy the point under the cursor at rest, in scene coordinates", copy_point,
@@ -125,8 +131,13 @@ constexpr KeyHelp kKeys[] = {
     {kMouseKeys, GLFW_KEY_T, "T", "touch", set_mode<MouseMode::kTouch>},
     {kMouseKeys, GLFW_KEY_G, "G", "grab (as with Shift)", set_mode<MouseMode::kGrab>},
     {kMouseKeys, GLFW_KEY_C, "C", "cut skin", set_mode<MouseMode::kCut>},
+    {kMouseKeys, GLFW_KEY_K, "K", "stitch a wound", set_mode<MouseMode::kSuture>},
     {kMouseKeys, GLFW_KEY_W, "W", "wind on cloth", set_mode<MouseMode::kWind>},
-    {kMouseKeys, GLFW_KEY_ESCAPE, "Esc", "leave a mode, a line or a dialog", leave_mode},
+    {kMouseKeys, GLFW_KEY_PAGE_DOWN, "PgDn", "push the needle by 1 mm",
+     [](Viewer& v) { push_needle(v, 1e-3); }},
+    {kMouseKeys, GLFW_KEY_PAGE_UP, "PgUp", "withdraw the needle by 1 mm",
+     [](Viewer& v) { push_needle(v, -1e-3); }},
+    {kMouseKeys, GLFW_KEY_ESCAPE, "Esc", "leave a mode, a line or a dialog; withdraw the needle", leave_mode},
     {kView, GLFW_KEY_1, "1", "from the front", look_from<StandardView::kFront>},
     {kView, GLFW_KEY_2, "2", "from the back", look_from<StandardView::kBack>},
     {kView, GLFW_KEY_3, "3", "from the patient's right", look_from<StandardView::kRight>},
@@ -141,6 +152,7 @@ constexpr KeyHelp kKeys[] = {
      [](Viewer& v) { v.display.patch = !v.display.patch; }},
     {kView, GLFW_KEY_N, "N", "forces of attachments and of organs on each other, in newtons",
      [](Viewer& v) { v.display.organ_forces = !v.display.organ_forces; }},
+    {kView, GLFW_KEY_A, "A", "cut a body away to see inside", toggle_cutaway},
     {kView, GLFW_KEY_X, "X", "deformed CT: sections, volume rendering",
      [](Viewer& v) { v.panels.ct = !v.panels.ct; }},
     {kView, GLFW_KEY_TAB, "Tab", "show or hide the side panel",
@@ -154,11 +166,22 @@ constexpr KeyHelp kKeys[] = {
 
 }  // namespace
 
+void toggle_cutaway(Viewer& viewer) {
+  if (viewer.display.cutaway) return viewer.display.cutaway.reset();
+  if (!has_world(viewer)) return;
+  viewer.display.cutaway = viewer.now->scene->look.cutaway;
+  for (const BodySnapshot& body : viewer.now->snapshot.bodies)
+    if (!viewer.display.cutaway && body.look != Look::kCloth)
+      viewer.display.cutaway =
+          CutawayScene{.body = body.id, .normal = camera_frame(viewer.camera).back, .wedge = {}};
+}
+
 std::span<const KeyHelp> key_table() { return kKeys; }
 
 std::vector<SkinColor> known_colors(const Scene& scene) {
   std::vector<SkinColor> colors = {SkinColor::kNone, SkinColor::kDisplacement};
   if (!scene.lattice_bodies.empty()) colors.push_back(SkinColor::kStretch);
+  if (!scene.lattice_bodies.empty()) colors.push_back(SkinColor::kPrincipalStretch);
   if (!scene.sfem_bodies.empty()) colors.push_back(SkinColor::kPressure);
   return colors;
 }

@@ -55,6 +55,7 @@ bool begin_touch(Viewer& viewer, const Picked& picked, bool grabs) {
     const ToolSnapshot& tool = snapshot.tools[std::size_t(mouse.tool)];
     if (!(tool.body == body.id)) continue;
     const double size = std::max(tool.size, 1e-3);
+    const std::optional<double> length = needle_length(*viewer.now->scene, mouse.tool);
     viewer.touching = Touching{.tool = mouse,
                                .body = picked.body,
                                .x = body.x,
@@ -66,6 +67,7 @@ bool begin_touch(Viewer& viewer, const Picked& picked, bool grabs) {
                                .depth = viewer.depth < 0 ? size / 6 : viewer.depth,
                                .grabs = grabs,
                                .began = Clock::now()};
+    if (length) viewer.touching->needle = NeedleUse{.length = *length}, hold_needle(viewer);
     set_target(*viewer.touching, ++viewer.teleports, viewer.touching->depth);
     return true;
   }
@@ -75,6 +77,7 @@ bool begin_touch(Viewer& viewer, const Picked& picked, bool grabs) {
 /// Pressing slides over the undeformed surface; a grabbed point follows the cursor.
 void move_touch(Viewer& viewer) {
   Touching& touching = *viewer.touching;
+  if (touching.needle) return drag_needle(viewer);
   const SightRay ray = ray_at_cursor(viewer);
   if (touching.grabs) {
     touching.position = in_plane(viewer.camera, ray, touching.position);
@@ -107,7 +110,9 @@ bool begin_on_body(Viewer& viewer, bool shift) {
   if (!viewer.now || viewer.now->phase != SessionStatus::Phase::kReady) return false;
   const auto picked = pick(viewer.now->snapshot, ray_at_cursor(viewer));
   if (!picked) return false;
+  if (viewer.touching) return hold_needle(viewer), true;  // which stays in the body
   if (viewer.mode == MouseMode::kCut) return begin_line(viewer, *picked, BodyKind::kLattice, viewer.cut);
+  if (viewer.mode == MouseMode::kSuture && press_stitch(viewer, *picked)) return true;
   if (viewer.mode != MouseMode::kWind &&
       begin_touch(viewer, *picked, shift || viewer.mode == MouseMode::kGrab))
     return true;
@@ -138,8 +143,10 @@ void ask_for_ct(Viewer& viewer) {
 constexpr MouseHelp kMouseHelp[] = {
     {"left on a body",
      "press with the body's tool, and slide; on cloth without a tool: wind; in cut mode: cut skin"},
+    {"two clicks in suture mode", "a stitch; drag up or down before the second release to pull it"},
+    {"left on a body with a needle", "push by dragging down or with the wheel; it stays when released"},
     {"Shift + left on a body", "grab and pull; forceps close"},
-    {"wheel while pressing or drawing a cut", "change the depth"},
+    {"wheel while pressing or drawing", "change the depth"},
     {"left off the bodies, or right", "orbit"},
     {"middle, or Shift + right", "pan"},
     {"wheel", "zoom to the cursor"},
@@ -158,7 +165,10 @@ void press_button(Viewer& viewer, int button, bool shift) {
 
 void release_button(Viewer& viewer) {
   viewer.camera_button.reset();
-  if (viewer.touching) {
+  release_stitch(viewer);
+  if (viewer.touching && viewer.touching->needle) {
+    viewer.touching->needle->is_held = false;
+  } else if (viewer.touching) {
     viewer.touched = viewer.touching->position;
     viewer.touching->grabs = false;
     set_target(*viewer.touching, viewer.teleports, -kLift);
@@ -171,7 +181,10 @@ void release_button(Viewer& viewer) {
 void move_cursor(Viewer& viewer, ScreenPosition position) {
   const ScreenPosition before = viewer.cursor;
   viewer.cursor = position;
-  if (viewer.touching) return move_touch(viewer);
+  const bool holds = viewer.touching && !(viewer.touching->needle && !viewer.touching->needle->is_held);
+  if (holds) return move_touch(viewer);
+  move_stitch(viewer);
+  if (viewer.pulled) return;
   if (viewer.cut) {
     if (const auto found = pick(viewer.now->snapshot, ray_at_cursor(viewer));
         found && found->body == viewer.cut->body)
@@ -194,6 +207,13 @@ void scroll(Viewer& viewer, double notches) {
     viewer.cut_depth = std::clamp(viewer.cut_depth + 0.001 * notches, kLeastDepth, kMostDepth);
     return;
   }
+  if (viewer.stitch) {
+    viewer.stitches.depth =
+        std::clamp(viewer.stitches.depth + 5e-4 * notches, kLeastStitchDepth, kMostStitchDepth);
+    return;
+  }
+  constexpr double kNotch = 0.001;  // of a needle [m]
+  if (push_needle(viewer, kNotch * notches)) return;
   if (viewer.touching) {
     Touching& touching = *viewer.touching;
     touching.depth =
@@ -211,9 +231,11 @@ void look(Viewer& viewer) {
   if (!now.saved.empty() && now.saved != viewer.saved) viewer.message = viewer.saved = now.saved;
   if (!ready || now.snapshot.bodies.empty()) {
     viewer.touching.reset(), viewer.cut.reset(), viewer.wind.reset();
+    viewer.stitch.reset(), viewer.pulled.reset();
     return;
   }
   if (viewer.framed != now.world) meet_world(viewer);
+  move_needle(viewer);
   if (viewer.touching) set_target(*viewer.touching, viewer.teleports, viewer.touching->depth);
   ask_for_ct(viewer);
 }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "turgor/window/drawing_threads.hpp"
 #include "turgor/window/window_impl.hpp"
 
 namespace turgor {
@@ -108,6 +109,7 @@ Status SceneWindow::Impl::begin() {
   Result<WorldPicture> made = make_world_picture();
   if (!made) return made.error();
   picture.emplace(std::move(*made)), volume.emplace(), sections.emplace();
+  lower_drawing_priority();
   listen();
   ImGui::CreateContext();
   has_imgui = true;
@@ -242,6 +244,21 @@ void SceneWindow::Impl::draw_panels() {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
+/// True while frames come later than the clock asks for.
+bool SceneWindow::Impl::is_late() const {
+  if (!viewer->now) return false;
+  const SessionStatus& now = *viewer->now;
+  return now.phase == SessionStatus::Phase::kReady && now.plays && now.real_pace < 0.9 * now.pace;
+}
+
+/// While frames are late, waits for an event or a new state, so that no time goes into pictures of the same
+/// state.
+void SceneWindow::Impl::wait_for_news() {
+  constexpr double kLongest = 1.0 / 15;  // [s]
+  while (is_late() && seconds_since(latest) < kLongest && !session->has_news() && events.empty())
+    glfwWaitEventsTimeout(0.002);
+}
+
 /// Limits the rate to that of a screen, if swapping buffers does not wait.
 void SceneWindow::Impl::keep_rate() {
   constexpr double kShortest = 1.0 / 60;  // [s]
@@ -264,6 +281,7 @@ Result<std::unique_ptr<SceneWindow>> SceneWindow::open(const WindowOptions& opti
 
 bool SceneWindow::draw() {
   Impl& p = *impl_;
+  p.wait_for_news();
   glfwPollEvents();
   if (glfwWindowShouldClose(p.window)) glfwSetWindowShouldClose(p.window, GLFW_FALSE), quit(*p.viewer);
   if (p.viewer->ends) return false;

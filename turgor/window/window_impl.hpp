@@ -69,6 +69,8 @@ struct SceneWindow::Impl {
   void draw_panels();
   void save_pictures();
   void save_haptics();
+  bool is_late() const;
+  void wait_for_news();
   void keep_rate();
   Image read() const;
 };

@@ -32,7 +32,8 @@ void SceneWindow::Impl::listen() {
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
     Impl& p = impl_of(w);
-    const bool again = action == GLFW_REPEAT && key == GLFW_KEY_PERIOD;  // while held, frame by frame
+    const bool repeats = key == GLFW_KEY_PERIOD || key == GLFW_KEY_PAGE_UP || key == GLFW_KEY_PAGE_DOWN;
+    const bool again = action == GLFW_REPEAT && repeats;  // while held: frame by frame, or the needle
     if (action != GLFW_PRESS && !again) return;
     const Chord chord = !(mods & GLFW_MOD_CONTROL) ? Chord::kPlain
                         : (mods & GLFW_MOD_SHIFT)  ? Chord::kControlShift

@@ -1,5 +1,6 @@
 #include "turgor/haptics/drivers/inverse3.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -28,10 +29,10 @@ class Inverse3Driver : public testing::Test {
     device = std::make_unique<Inverse3>(options);
     return device->open();
   }
-  /// Exchanges once per millisecond, like a haptic loop, until `goal` is met. Returns false after 5 s.
+  /// Exchanges once per millisecond, like a haptic loop, until `goal` is met. Returns false after a minute.
   template <class F>
   bool exchange_until(Vec3d force, const F& goal) {
-    for (const Timer time; time.seconds() < 5; sleep_ms(1)) {
+    for (const Timer time; time.seconds() < 60; sleep_ms(1)) {
       exchanged = device->exchange({.force = force}, input);
       if (goal()) return true;
     }
@@ -158,10 +159,11 @@ TEST_F(Inverse3Driver, InvalidAnswersAreDiscarded) {
     ASSERT_TRUE(exchange_until({1, 0, 0}, [&] { return exchanged && device->trouble().empty(); }))
         << int(behavior);
     service->set_behavior(behavior);
-    EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return !exchanged; })) << int(behavior);
-    EXPECT_TRUE(trouble_has(behavior == Behavior::kHuge ? "implausible position or speed"
-                                                        : "sent an invalid message"))
-        << device->trouble();
+    const std::string words =
+        behavior == Behavior::kHuge ? "implausible position or speed" : "sent an invalid message";
+    // on a slow machine the answer is late first
+    EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return !exchanged && trouble_has(words); }))
+        << int(behavior) << ": " << device->trouble();
     EXPECT_EQ(input.pose.position, (Vec3d{0.01, 0, 0}));  // unchanged
     EXPECT_FALSE(device->exchange({}, input)) << int(behavior);
     service->set_behavior(Behavior::kGood);
@@ -305,13 +307,18 @@ TEST_F(Inverse3Driver, ExchangeAllocatesNothing) {
   }
 }
 
-// Without a service the error states at once what to install.
+// Without a service the error states at once what to install: within two seconds, in the fastest of some
+// tries, since others may use the machine.
 TEST(Inverse3, MissingServiceIsExplained) {
-  const Timer time;
-  EXPECT_REFUSED(Inverse3({.address = "127.0.0.1:1"}).open(), "127.0.0.1:1", "Haply Inverse Service",
-                 "docs/devices.md");
-  EXPECT_REFUSED(Inverse3({.address = "nonsense"}).open(), "HOST:PORT", "nonsense");
-  EXPECT_LT(time.seconds(), 2);
+  double fastest = 60;  // [s]
+  for (int n = 0; n < 5 && fastest >= 2; n++) {
+    const Timer time;
+    EXPECT_REFUSED(Inverse3({.address = "127.0.0.1:1"}).open(), "127.0.0.1:1", "Haply Inverse Service",
+                   "docs/devices.md");
+    EXPECT_REFUSED(Inverse3({.address = "nonsense"}).open(), "HOST:PORT", "nonsense");
+    fastest = std::min(fastest, time.seconds());
+  }
+  EXPECT_LT(fastest, 2);
 }
 
 }  // namespace

@@ -105,6 +105,34 @@ TEST(SfemGreen, ColumnsAreComputedThenAdded) {
   EXPECT_TRUE(compute_columns(Exec(2), model, vertices).slots.empty());
 }
 
+// Many columns are solved in wider blocks. They equal the store, with the same bits on any number of threads.
+TEST(SfemGreen, ManyColumns_MatchStoreSameBits) {
+  Model dense = block_model({}), one = dense, three = dense;
+  ASSERT_TRUE(compute_green(Exec(2), dense, kPlenty));
+  ASSERT_TRUE(prepare_columns(Exec(1), one) && prepare_columns(Exec(3), three));
+  const std::vector<int> all = dense.green.nodes;
+  ASSERT_GT(all.size(), 64U);
+  fetch_columns(Exec(1), one, all);
+  fetch_columns(Exec(3), three, all);
+  EXPECT_EQ(one.green.columns, three.green.columns);
+  const Eigen::MatrixXd a = gathered(dense, all), b = gathered(one, all);
+  EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-7 * a.cwiseAbs().maxCoeff());
+}
+
+// Columns that are not kept return their memory.
+TEST(SfemGreen, ForgottenColumnsReturnMemory) {
+  Model model = block_model({});
+  ASSERT_TRUE(prepare_columns(Exec(1), model));
+  std::vector<int> vertices(model.green.nodes.begin(), model.green.nodes.begin() + 6);
+  std::sort(vertices.begin(), vertices.end());
+  fetch_columns(Exec(1), model, vertices);
+  const std::size_t column = 9 * sizeof(float) * model.green.nodes.size();
+  EXPECT_EQ(column_bytes(model.green), 6 * column);
+  keep_columns(model.green, std::span(vertices).first(2));
+  EXPECT_EQ(column_bytes(model.green), 2 * column);
+  EXPECT_EQ(model.green.columns[std::size_t(model.green.slot[std::size_t(vertices[5])])].capacity(), 0U);
+}
+
 // A request for columns may include fixed vertices.
 TEST(SfemGreen, FetchesColumnsNextToFixedVertices) {
   Model model = block_model({});

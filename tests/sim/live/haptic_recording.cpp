@@ -67,7 +67,7 @@ HapticRecording saved_run(Session& session, const fs::path& file) {
   return run ? *run : HapticRecording();
 }
 
-/// Hands on three models, wind on the fourth, at two paces, with a single step, a cut, and a larger tension.
+/// Hands on four models, wind on the fifth, at two paces, with a single step, a cut, and a larger tension.
 HapticRecording recorded_run(const fs::path& folder) {
   Session session(four_kinds_file(folder), {}, kOneThread);
   EXPECT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.snapshot.frame > 2; }));
@@ -123,7 +123,7 @@ hold.right = { box = [[0.119, -1, -1], [1, 1, 1]] }
 // Hands on every model, cuts, winds and changes replay to the same bits.
 TEST(HapticRecording, AllModelsReplayExactly) {
   HapticRecording run = recorded_run(fresh_folder());
-  ASSERT_EQ(run.tools.size(), 3u);
+  ASSERT_EQ(run.tools.size(), 4u);
   EXPECT_EQ(run.requests.size(), 3u);
   int patches = 0;
   for (const HapticTool& tool : run.tools) {

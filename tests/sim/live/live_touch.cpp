@@ -1,5 +1,6 @@
 #include "turgor/sim/live/live_touch.hpp"
 
+#include <atomic>
 #include <cmath>
 
 #include "tests/sim/four_kinds.hpp"
@@ -27,12 +28,13 @@ class PathDevice final : public haptics::Device {
     return true;
   }
   void close() noexcept override {}
+  long ticks() const { return ticks_; }
 
   double haptic = 0;  // [N]
 
  private:
   TouchingTool tool_;
-  long ticks_ = 0;
+  std::atomic<long> ticks_ = 0;
   haptics::DeviceSpec spec_{.name = "path", .force = 20, .stiffness = 5000, .damping = 30};
 };
 
@@ -44,14 +46,15 @@ World four_kinds(const std::vector<std::string>& overrides = {}) {
   return test::block_world(Exec(2), four_kinds_scene(fresh_folder(), overrides));
 }
 
-/// Runs frames by the clock, with one live tool; the tools' logs are in the world afterwards.
-double run_live(World& world, int tool, int frames) {
+/// Runs frames by the clock, with one live tool; the tools' logs are in the world afterwards. A slow machine
+/// misses ticks: more frames run until the tool moved for `least_ticks`.
+double run_live(World& world, int tool, int frames, long least_ticks = 0) {
   PathDevice device(world.tools[std::size_t(tool)]);
   std::vector<HeldTool> held(1);
   held[0] = {.tool = tool, .hand = {.device = &device}};
   auto live = LiveTouch::start(world, held, {.loop = {.priority = 0, .lock_memory = false}});
   EXPECT_TRUE(live) << live.error().message;
-  for (int frame = 0; frame < frames; frame++) {
+  for (int frame = 0; frame < frames || (device.ticks() < least_ticks && frame < 20 * frames); frame++) {
     EXPECT_TRUE(step(Exec(1), world));
     (*live)->wait_for_frame();
   }
@@ -92,7 +95,7 @@ TEST(LiveTouch, LatticeMatchesOffline) {
   const std::vector<std::string> held = {"tool.tip.press.hold=1.2", "world.duration=1.2"};
   World alone = four_kinds(held), live = four_kinds(held);
   for (int frame = 0; frame < 40; frame++) ASSERT_TRUE(step(Exec(1), alone));
-  run_live(live, kTip, 40);
+  run_live(live, kTip, 40, 600);
   const double expected = norm(alone.tools[kTip].samples.back().force);
   EXPECT_GT(expected, 0.02);
   EXPECT_NEAR(norm(live.tools[kTip].samples.back().force), expected, 0.1 * expected);
@@ -121,7 +124,7 @@ path = [[0, 0.05, 0.05, 0.02], [0.3, 0.05, 0.05, 0.001]]
   ASSERT_TRUE(scene);
   Result<World> alone = load_world(Exec(2), *scene), live = load_world(Exec(2), *scene);
   for (int frame = 0; frame < 60; frame++) ASSERT_TRUE(step(Exec(1), *alone));
-  EXPECT_GT(run_live(*live, 0, 60), 0.2) << "N: the device received a force";
+  EXPECT_GT(run_live(*live, 0, 60, 900), 0.2) << "N: the device received a force";
   const double expected = norm(alone->tools[0].samples.back().force);
   EXPECT_GT(expected, 0.2) << "N";
   EXPECT_NEAR(norm(live->tools[0].samples.back().force), expected, 0.1 * expected);
@@ -154,7 +157,7 @@ TEST(LiveTouch, LongRecordingIsOnDisk) {
     const TouchLog& samples = world.tools[std::size_t(t)].samples;
     const DiskLog<HapticTick>&ticks = run->tools[std::size_t(t)].ticks,
           &stored = read->tools[std::size_t(t)].ticks;
-    EXPECT_GT(ticks.size(), 1000u);
+    EXPECT_GT(ticks.size(), 512u) << "more than memory holds";
     EXPECT_EQ(ticks.in_memory(), 512u);
     ASSERT_EQ(samples.size(), ticks.size());
     ASSERT_EQ(stored.size(), ticks.size());

@@ -4,15 +4,16 @@
 #include <gtest/gtest.h>
 
 #include "tests/sim/four_kinds.hpp"
+#include "tests/sim/live/replayed_world.hpp"
 #include "tests/sim/live/watched_session.hpp"
 #include "turgor/sim/live/edit_history.hpp"
-#include "turgor/sim/live/haptic_replay.hpp"
 
 namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
 using test::kOneThread;
+using test::step_frames;
 using test::wait_until;
 
 const Exec kExec(1);
@@ -32,10 +33,6 @@ fs::path block_file() {
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   std::ofstream(folder / "block.toml") << block_text();
   return folder / "block.toml";
-}
-
-void step_frames(World& world, int frames) {
-  for (int n = 0; n < frames; n++) ASSERT_TRUE(step(kExec, world));
 }
 
 std::size_t walls(const SessionStatus& now) {
@@ -151,16 +148,8 @@ TEST(Undo, RecordingIsReplayedExactly) {
   const Result<HapticRecording> run = read_haptic_recording(saved);
   ASSERT_TRUE(run) << run.error().message;
   ASSERT_EQ(run->requests.size(), 5u);
-  Result<World> world = load_world(kExec, *scene_of(*run));
-  ASSERT_TRUE(world) << world.error().message;
-  auto replay = HapticReplay::begin(*world, *run);
-  ASSERT_TRUE(replay) << replay.error().message;
-  for (int frame = 0; frame < run->frames; frame++) {
-    ASSERT_TRUE((*replay)->next_frame(kExec));
-    ASSERT_TRUE(step(kExec, *world));
-  }
-  (*replay)->end();
-  EXPECT_EQ(state_hash(*world), run->hash);
+  const World world = test::replayed_world(*run, 1);
+  EXPECT_EQ(state_hash(world), run->hash);
 }
 
 // Quick changes of one key are one edit, and a new edit ends the chance to repeat.

@@ -156,7 +156,7 @@ TEST(Organs, Mistakes_AreExplained) {
              "[body.towel]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, 1], side = [0.1, 0, 0], up = "
              "[0, 0.1, 0], columns = 3, rows = 3 }\n[attachment.a]\nbetween = [\"stone\", "
              "\"towel\"]\nstiffness = 1\n")),
-         "towel is a cloth, which cannot be coupled yet");
+         "towel touches bodies that are its obstacles");
   expect(error_of(falling("rotations = true\n")), "rotations are not computed");
 }
 

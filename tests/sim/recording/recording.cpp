@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/sim/block_scene.hpp"
+#include "tests/sim/recorded_snapshot.hpp"
 #include "tests/sim/renamed_datasets.hpp"
 #include "turgor/io/files/file.hpp"
 
@@ -100,15 +101,19 @@ TEST(Recording, RejectsOtherCt) {
       << status.error().message;
 }
 
-// A replay accepts changes of output keys and file names only.
+// A replay accepts changes of output keys, of wet surfaces and of file names only.
 TEST(Recording, ReplayAcceptsOutputChangesOnly) {
   const fs::path folder = test::fresh_folder();
   record_block(folder, test::block_scene(folder));
   const Result<Recording> recording = Recording::open(folder / "r.h5");
   ASSERT_TRUE(recording);
   EXPECT_TRUE(recording->scene({"output.color=stretch"}));
+  const Result<Scene> wet = recording->scene({"body.block.wet=true"});
+  ASSERT_TRUE(wet) << wet.error().message;
+  EXPECT_TRUE(wet->look.wet.at("block"));
   EXPECT_EQ(recording->scene({"body.block.block=4"}).error().message,
-            "--set body.block.block: a replay may only change output.* and the locations of a body's files");
+            "--set body.block.block: a replay may only change output.*, body.*.wet and the locations of a "
+            "body's files");
 }
 
 // Missing, foreign, old and unfinished files are refused with a message.
@@ -215,25 +220,14 @@ TEST(Recording, ReadsOldDatasetNames) {
   World world = test::block_world(Exec(1), scene);
   for (int frame = 0; frame < 10; frame++) ASSERT_TRUE(step(Exec(1), world));
   const lattice::State& state = world.lattice_bodies[0].state;
-  WorldSnapshot snapshot;
-  show(Exec(1), world, snapshot);
-  {
-    Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
-    ASSERT_TRUE(writer) << writer.error().message;
-    ASSERT_TRUE(writer->add_snapshot(world, snapshot));
-    ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
-  }
+  (void)test::record_snapshot(Exec(1), folder / "r.h5", scene, world);
   const int renamed = test::write_with_names(
       folder / "r.h5", folder / "old.h5",
       {{"virtual_nodes", "copies"}, {"cut_edge_sub_index", "cut_edge_part"}}, "turgor recording 6");
   EXPECT_EQ(renamed, 2);
 
-  const Result<Recording> recording = Recording::open(folder / "old.h5");
-  ASSERT_TRUE(recording) << recording.error().message;
   World drawn = test::block_world(Exec(1), scene);
-  ASSERT_TRUE(recording->check_world(drawn));
-  const Status restored = recording->restore(Exec(1), 0, drawn, snapshot);
-  ASSERT_TRUE(restored) << restored.error().message;
+  (void)test::restore_snapshot(Exec(1), folder / "old.h5", drawn);
   const lattice::State& read = drawn.lattice_bodies[0].state;
   ASSERT_EQ(read.motion.virtual_u.size(), state.motion.virtual_u.size());
   ASSERT_GT(read.motion.virtual_u.size(), 0u);
@@ -253,22 +247,12 @@ TEST(Recording, ReadsOldDatasetNamesOfCloth) {
       folder / "cloth.toml");
   World world = *load_world(Exec(1), scene);
   for (int frame = 0; frame < 3; frame++) ASSERT_TRUE(step(Exec(1), world));
-  WorldSnapshot snapshot;
-  show(Exec(1), world, snapshot);
-  {
-    Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
-    ASSERT_TRUE(writer) << writer.error().message;
-    ASSERT_TRUE(writer->add_snapshot(world, snapshot));
-    ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
-  }
+  (void)test::record_snapshot(Exec(1), folder / "r.h5", scene, world);
   ASSERT_EQ(test::write_with_names(folder / "r.h5", folder / "old.h5", {{"positions", "places"}},
                                    "turgor recording 6"),
             1);
-  const Result<Recording> recording = Recording::open(folder / "old.h5");
-  ASSERT_TRUE(recording) << recording.error().message;
   World drawn = *load_world(Exec(1), scene);
-  const Status restored = recording->restore(Exec(1), 0, drawn, snapshot);
-  ASSERT_TRUE(restored) << restored.error().message;
+  (void)test::restore_snapshot(Exec(1), folder / "old.h5", drawn);
   EXPECT_EQ(drawn.cloth_bodies[0].state->x.z, world.cloth_bodies[0].state->x.z);
 }
 

@@ -4,9 +4,9 @@
 #include <sstream>
 
 #include "tests/sim/block_scene.hpp"
+#include "tests/sim/recorded_snapshot.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/io/files/hdf5_file.hpp"
-#include "turgor/sim/recording/recording.hpp"
 
 namespace turgor {
 namespace {
@@ -64,15 +64,10 @@ TEST(RecordingDocument, ListsExactlyAllDatasets) {
       parse_scene(test::block_scene_text("block.nii") + kOthers, folder / "all.toml", {});
   ASSERT_TRUE(scene) << scene.error().message;
   World world = test::block_world(Exec(2), *scene);
-  world.lattice_bodies[0].state.change().motion.virtual_u.push_back({});  // as in solid tissue after a cut
-  {
-    Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", *scene, world);
-    ASSERT_TRUE(writer);
-    WorldSnapshot snapshot;
-    show(Exec(2), world, snapshot);
-    ASSERT_TRUE(writer->add_snapshot(world, snapshot));
-    ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
-  }
+  // as in solid tissue after a cut
+  world.lattice_bodies[0].state.change().motion.virtual_u.push_back({});
+  world.lattice_bodies[0].state.change().cuts.samples.push_back({});
+  (void)test::record_snapshot(Exec(2), folder / "r.h5", *scene, world);
   const Result<Hdf5File> file = Hdf5File::open(folder / "r.h5");
   ASSERT_TRUE(file) << file.error().message;
   std::map<std::string, std::string> held;

@@ -148,7 +148,8 @@ TEST(Scene, ErrorsNameLocationAndExpectation) {
        "world.gravity: expected three numbers from -1000 to 1000 [m/s²], found \"down\""},
       {"[body.torso]\nct = \"x\"\n", "s.toml:1:1: body.torso: model is missing: \"lattice\""},
       {"[body.torso]\nmodel = \"latice\"\nct = \"x\"\n",
-       "s.toml:2:9: body.torso.model: expected \"lattice\", \"sfem\", \"rhombus\", \"cloth\", found "
+       "s.toml:2:9: body.torso.model: expected \"lattice\", \"sfem\", \"rhombus\", \"cloth\", \"rigid\", "
+       "found "
        "\"latice\"; did you "
        "mean "
        "\"lattice\"?"},

@@ -21,6 +21,7 @@ constexpr const char* kScenes[] = {
     R"([body.a]
 model = "lattice"
 fixed = { sides = "back" }
+[body.a.inside.x]
 [body.a.ct]
 phantom = "torso"
 [incision.cut]
@@ -111,6 +112,18 @@ block = {}
 [organs]
 bodies = ["b"]
 labels = "m"
+)",
+    R"([body.a]
+model = "rigid"
+[body.b]
+model = "rigid"
+shape = { sphere = 1 }
+[body.c]
+model = "rigid"
+shape = { capsule = [1, 1] }
+[body.d]
+model = "rigid"
+shape = { mesh = "m" }
 )"};
 
 /// Keys by group, in the order of the readers.

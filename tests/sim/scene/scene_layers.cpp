@@ -92,6 +92,84 @@ TEST(SceneLayers, ReadsLayers) {
   EXPECT_TRUE(found);
 }
 
+// A layer may have a law of its own: it has none of the body's stiffening and fibers, and the report names
+// it.
+TEST(SceneLayers, ReadsLawsOfLayers) {
+  const LatticeScene scene = layered_scene(
+      "tissue = { law = \"exponential\", stiffening = 4, fiber = { stiffness = 2e4 } }\n"
+      "layers = [{ name = \"fat\", thickness = 0.005, young = 3e3, law = \"solid\" },\n"
+      "  { name = \"brain\", label = 3, law = \"ogden\", tissue = \"brain-cortex\" },\n"
+      "  { name = \"rest\", young = 9e3, law = \"exponential\" }]\n");
+  const lattice::TissueParams& tissue = scene.params.tissue;
+  EXPECT_EQ(tissue.layers[0].energy, lattice::SolidEnergy::kNeoHookean);
+  EXPECT_EQ(tissue.layers[0].stiffening, 0);
+  EXPECT_EQ(tissue.layers[0].fiber.stiffness, 0);
+  EXPECT_EQ(tissue.layers[1].energy, lattice::SolidEnergy::kOgden);
+  EXPECT_EQ(tissue.layers[1].stiffening, -18.7);
+  EXPECT_FALSE(tissue.layers[2].energy.has_value()) << "the law of the body";
+  EXPECT_EQ(tissue.layers[2].stiffening, 4);
+  for (const TissueRow& row : scene.tissues) {
+    if (row.component == "layer fat") {
+      EXPECT_EQ(row.law, "solid");
+    }
+    if (row.component == "layer brain, stiffening") {
+      EXPECT_EQ(row.law, "ogden");
+    }
+  }
+  const auto error = [](const std::string& keys) {
+    return layered_error("layers = [{ name = \"a\", young = 1e3, " + keys + " }]\n");
+  };
+  EXPECT_NE(error("law = \"ogden\"").find("expected an exponent"), std::string::npos);
+  EXPECT_NE(error("law = \"solid\", stiffening = 2").find("only law = \"exponential\""), std::string::npos);
+  EXPECT_NE(error("law = \"springs\"").find("law"), std::string::npos);
+}
+
+// Layers by label or CT value are regions; the last layer by depth needs no thickness although regions
+// follow.
+TEST(SceneLayers, ReadsRegions) {
+  const std::vector<lattice::TissueLayer> layers =
+      layered_scene(
+          "layers = [{ name = \"fat\", thickness = 0.005, young = 3e3 }, { name = \"rest\", young = 9e3 },\n"
+          "  { name = \"organ\", label = 3, tissue = \"liver\", viscosity = { pairs = [[0.5, 2]] } },\n"
+          "  { name = \"dense\", hu = [150, 300], young = 1e5, viscosity = { ratio = 0 } }]\n")
+          .params.tissue.layers;
+  ASSERT_EQ(layers.size(), 4u);
+  EXPECT_FALSE(lattice::is_region(layers[1]));
+  EXPECT_EQ(layers[2].label, 3);
+  EXPECT_EQ(layers[2].prony, one_pair(1, 2));
+  EXPECT_FALSE(layers[1].prony.has_value());
+  EXPECT_EQ(*layers[3].hu, (std::array<double, 2>{150, 300}));
+  ASSERT_TRUE(layers[3].prony.has_value());
+  EXPECT_EQ(pair_count(*layers[3].prony), 0) << "elastic in a viscous body";
+}
+
+// Wrong regions are refused at their key.
+TEST(SceneLayers, RefusesWrongRegions) {
+  const std::string file = "[body.b]\nmodel = \"lattice\"\nct = \"ct.nii\"\n";
+  const auto layer = [](const std::string& keys) {
+    return "layers = [{ name = \"a\", young = 1e3, " + keys + " }]\n";
+  };
+  const std::string two = "layers = [{ name = \"a\", young = 1e3, label = 3 }, { name = \"b\", young = 1e3, ";
+  const std::pair<std::string, std::string> cases[] = {
+      {test::error_of(file + layer("label = 3")), "needs a segmentation"},
+      {layered_error(layer("label = 3, thickness = 0.01")), "one of thickness, label and hu"},
+      {layered_error(layer("label = 3, hu = [0, 10]")), "one of thickness, label and hu"},
+      {layered_error(layer("label = \"livre\"")), "did you mean liver"},
+      {layered_error(layer("label = 70000")), "from 1 to 65535"},
+      {layered_error(layer("hu = [30, 10]")), "from < to"},
+      {layered_error(two + "label = 3 }]\n"), "layer a has the same label"},
+      {layered_error("tissue = { labels = { 3 = 2e3 } }\n" + layer("label = 3")),
+       "tissue.labels has a modulus"},
+      {layered_error("layers = [{ name = \"a\", young = 1e3, hu = [0, 90] }, { name = \"b\", young = 1e3, "
+                     "hu = [50, 120] }]\n"),
+       "overlaps that of a"},
+      {layered_error(layer("label = 3, viscosity = { pairs = [[1.2, 1]] }")), "pairs"},
+      {layered_error("solver = { sleep_speed = 1e-3 }\n" + layer("label = 3, viscosity = { ratio = 1 }")),
+       "layers: tissue that relaxes"}};
+  for (const auto& [found, expected] : cases)
+    EXPECT_NE(found.find(expected), std::string::npos) << "expected \"" << expected << "\" in: " << found;
+}
+
 // Pairs are given, or those of the preset when the table is empty; without it, nothing relaxes.
 TEST(SceneLayers, ReadsViscosity) {
   const Prony pairs = layered_scene("viscosity = { pairs = [[0.4, 0.5], [0.2, 10]] }\n").params.tissue.prony;

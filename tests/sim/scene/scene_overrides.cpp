@@ -39,6 +39,32 @@ TEST(SceneOverrides, ReplacePhantomByFile) {
   EXPECT_EQ(phantom->lattice_bodies[0].ct.phantom->seed, 3);
 }
 
+// An index chooses an element of an array; elements that do not exist are refused.
+TEST(SceneOverrides, IndicesChooseElementsOfArrays) {
+  const std::string text =
+      kPhantom +
+      "viscosity = { pairs = [[0.4, 1], [0.2, 9]] }\n"
+      "layers = [{ name = \"fat\", thickness = 0.01, young = 2e3 }, { name = \"rest\", young = 9e3 }]\n";
+  const Result<Scene> scene =
+      parse_scene(text, "s.toml",
+                  {"body.torso.layers[1].young=5e3", "body.torso.layers[0].poisson=0.3",
+                   "body.torso.viscosity.pairs[1]=[0.1, 3]"});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const lattice::TissueParams& tissue = scene->lattice_bodies[0].params.tissue;
+  EXPECT_EQ(tissue.layers[1].young, 5e3);
+  EXPECT_EQ(tissue.layers[0].young, 2e3);
+  EXPECT_EQ(tissue.layers[0].poisson, 0.3);
+  EXPECT_EQ(tissue.prony.pairs[1].time, 3);
+  const auto error = [&text](const std::string& one) { return error_of(text, {one}); };
+  EXPECT_NE(error("body.torso.layers[2].young=1").find("the scene has no body.torso.layers[2]"),
+            std::string::npos);
+  EXPECT_NE(error("body.torso.viscosity.pairs[2]=[0.1, 1]").find("has no"), std::string::npos);
+  EXPECT_NE(error("body.torso.layers[x].young=1").find("expected a key of names"), std::string::npos);
+  EXPECT_NE(error("body.torso.layers[0.young=1").find("expected a key of names"), std::string::npos);
+  EXPECT_NE(error("body.torso.layers[0].young=-1").find("--set body.torso.layers[0].young"),
+            std::string::npos);
+}
+
 // Invalid overrides are refused by name.
 TEST(SceneOverrides, RejectInvalidOverrides) {
   const auto error = [](const std::string& text) { return error_of(kFromFile, {text}); };

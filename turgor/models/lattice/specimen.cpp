@@ -24,6 +24,11 @@ PieceAlone piece_alone(const Model& model, const State& state, const FreePiece& 
   for (aligned_vector<Real>* axis : {&motion.v.x, &motion.v.y, &motion.v.z})
     std::fill(axis->begin(), axis->end(), Real(0));
   excise(alone.model, alone.state, rest_of_body(model, state.cuts, piece));
+  // sweeps leave out the rest of the body
+  alone.model.anatomy.free_runs = find_runs(model.anatomy.lattice, [&](int slot) {
+    return model.anatomy.inverse_mass[std::size_t(slot)] > 0 &&
+           std::binary_search(piece.nodes.begin(), piece.nodes.end(), slot);
+  });
   return alone;
 }
 

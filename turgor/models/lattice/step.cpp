@@ -1,9 +1,14 @@
 // One step of the lattice model: coarse space, sleep, predictor, sweeps with coarse corrections, velocities.
+#include <cmath>
+
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/lattice/coarse/coupled_points.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/mechanics/contact_points.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
+#include "turgor/models/lattice/solver/calm_rows.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
 #include "turgor/models/lattice/solver/step_sequence.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
@@ -13,12 +18,16 @@ namespace turgor::lattice {
 
 namespace {
 
-void check_contacts(const Model& model, std::span<const NodeContact> contacts) {
+void check_contacts(const Model& model, const Inputs& inputs) {
+  const std::span<const NodeContact> contacts = inputs.contacts;
+  TURGOR_ASSERT(inputs.points == nullptr || inputs.points->at.size() == contacts.size(),
+                "every contact has a point");
   TURGOR_ASSERT(contacts.empty() || model.params.solver.method == Method::kVbd,
                 "contacts need the VBD solver");
   for (std::size_t c = 0; c < contacts.size(); c++) {
     const auto slot = std::size_t(contacts[c].slot);
-    TURGOR_ASSERT(c == 0 || contacts[c - 1].slot <= contacts[c].slot, "the slots of contacts ascend");
+    TURGOR_ASSERT(c == 0 || inputs.points || contacts[c - 1].slot <= contacts[c].slot,
+                  "the slots of contacts ascend");
     TURGOR_ASSERT(slot < model.anatomy.inverse_mass.size() && model.anatomy.inverse_mass[slot] > 0,
                   "contacts act on free nodes");
   }
@@ -31,6 +40,10 @@ void check_springs(const Model& model, const Inputs& inputs) {
   TURGOR_CHECK(is_ascending(inputs.springs->terms, &PointSpringTerm::corner),
                "the corners of springs ascend");
 }
+
+/// Difference to 1 of the step length of a full correction. The operator of the undeformed body then has the
+/// body's stiffness, and a second correction would bring little (docs/performance.md).
+constexpr double kFullStep = 0.2;
 
 struct StepPlan {
   bool has_coarse_space = false;
@@ -58,30 +71,34 @@ struct HostStep {
   const Inputs& inputs;
   double dt;
   StepPlan plan;
+  CalmRows calm = {};
   StepReport report = {};
   Residual residual = {};
-  bool is_slow = false;  // the first correction moved no unknown by more than sleep_speed · dt
+  bool is_slow = false;    // the first correction moved no unknown by more than sleep_speed · dt
+  bool is_solved = false;  // the first correction was a full step of an operator with stitches
 
   void add_loads() { lattice::add_loads(model, state, inputs, dt); }
   void move_to_start() { lattice::move_to_start(exec, model, state, inputs, dt); }
   void sweep() { sweep_pbd(exec, model, state, inputs.halo); }
   void sweep(Order order) {
     refresh_springs();
-    sweep_vbd(exec, model, state, inputs, dt, order);
+    sweep_vbd(exec, model, state, inputs, dt, order, plan.may_sleep && plan.corrects ? &calm : nullptr);
   }
   void refresh_springs() {
     if (inputs.springs && inputs.springs->refresh) inputs.springs->refresh(state);
   }
   void correct_between() {
-    if (plan.corrects) refresh_springs();
-    if (plan.corrects)
-      is_slow =
-          apply_coarse_correction(exec, model, state, inputs, dt) <= model.params.solver.sleep_speed * dt;
+    if (!plan.corrects) return;
+    refresh_springs();
+    const CoarseStep done = apply_coarse_correction(exec, model, state, inputs, dt);
+    is_slow = done.displacement <= model.params.solver.sleep_speed * dt;
+    is_solved = has_coupled_points(state) && std::abs(done.step_length - 1) <= kFullStep;
   }
-  /// A body that can sleep skips the second correction after a slow first one.
+  /// A body that can sleep skips the second correction after a slow first one, and a body with stitches after
+  /// a full first one.
   void correct_after() {
     refresh_springs();
-    if (plan.corrects && !(plan.may_sleep && is_slow)) {
+    if (plan.corrects && !(plan.may_sleep && is_slow) && !is_solved) {
       apply_coarse_correction(exec, model, state, inputs, dt);
       refresh_springs();
     }
@@ -105,7 +122,7 @@ struct HostStep {
 }  // namespace
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
-  check_contacts(model, inputs.contacts);
+  check_contacts(model, inputs);
   check_springs(model, inputs);
   HostStep body{exec, model, state, inputs, dt, prepare_step(model, state, inputs, dt)};
 
@@ -115,7 +132,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   if (solver.method == Method::kPbd)
     step_pbd(body, solver.sweeps);
   else
-    step_vbd(body, model.params.tissue.law == TissueLaw::kSolid, solver.sweeps);
+    step_vbd(body, model.params.tissue.law == TissueLaw::kSolid, vbd_sweeps(model.params));
 
   end_viscous_step(exec, model, state, dt);
 

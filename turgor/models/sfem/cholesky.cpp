@@ -108,7 +108,7 @@ void factor_supernode(const Exec& exec, Factoring& f, int n) {
   add_stiffness(f.k, view);
   for (const int c : f.children[std::size_t(n)]) {
     add_child(plan, plan.supernodes[std::size_t(c)], f.rest[std::size_t(c)], view);
-    f.rest[std::size_t(c)] = {};
+    f.rest[std::size_t(c)] = std::vector<double>();  // {} would keep the memory
   }
   // factor; keep the smallest bad position of all threads
   if (const int bad = factor_front(exec, view.front); bad >= 0) {

@@ -166,9 +166,10 @@ std::vector<int> check_vertices(const Green& green) {
 }
 
 void clear_store(Green& green) {
-  green.single_values = {};
-  green.double_values = {};
-  green.columns = {};
+  // {} would keep the memory
+  green.single_values = std::vector<float>();
+  green.double_values = std::vector<double>();
+  green.columns = std::vector<std::vector<float>>();
   green.check = {};
   green.checksum = 0;
 }

@@ -40,23 +40,24 @@ void make_symmetric(FetchedColumns& fetched, std::size_t n, std::size_t side) {
 }  // namespace
 
 FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<const int> vertices) {
-  constexpr std::size_t kUnits = 8;  // solved together; few, because a tool waits for them
+  constexpr std::size_t kFew = 8, kMany = 16;  // solved together; a tool waits for a few
   const Green& green = model.green;
   TURGOR_ASSERT(model.factor.has_value(), "columns are computed from the factor");
   const Elimination& plan = model.factor->plan;
   FetchedColumns fetched{missing_slots(model, vertices), {}};
-  const std::size_t count = fetched.slots.size();
+  const std::size_t count = fetched.slots.size(), units_at_once = count < 8 * kFew ? kFew : kMany;
   fetched.values.resize(count);
   const std::vector<int> kept_rows = rows_of_nodes(model, green.nodes);
   const std::vector<unsigned char> wanted = with_ancestors(plan, kept_rows);
-  parallel_for(exec, (count + kUnits - 1) / kUnits, [&](std::size_t block) {
-    const std::size_t first = block * kUnits, units = std::min(kUnits, count - first);
+  parallel_for(exec, (count + units_at_once - 1) / units_at_once, [&](std::size_t block) {
+    const std::size_t first = block * units_at_once, units = std::min(units_at_once, count - first);
     std::vector<int> rows;
     for (std::size_t i = 0; i < units; i++) rows.push_back(kept_rows[std::size_t(fetched.slots[first + i])]);
     UnitSolutions solved;
     solve_units(*model.factor, rows, wanted, 0, solved);
     for (std::size_t c = 0; c < 3 * units; c++) {
       std::vector<float>& values = fetched.values[first + c / 3];
+      values.reserve(9 * kept_rows.size());
       for (const int row : kept_rows)
         for (std::size_t i = 0; i < 3; i++)
           values.push_back(float(solved.row(plan.position[std::size_t(row)])[i * solved.columns + c]));
@@ -80,14 +81,15 @@ void fetch_columns(const Exec& exec, Model& model, const std::vector<int>& verti
 
 std::size_t column_bytes(const Green& green) {
   std::size_t bytes = 0;
-  for (const std::vector<float>& column : green.columns) bytes += sizeof(float) * column.size();
+  for (const std::vector<float>& column : green.columns) bytes += sizeof(float) * column.capacity();
   return bytes;
 }
 
 void keep_columns(Green& green, std::span<const int> vertices) {
   TURGOR_CHECK(is_sorted_unique(vertices), "vertices with columns ascend");
   for (std::size_t slot = 0; slot < green.columns.size(); slot++)
-    if (!std::binary_search(vertices.begin(), vertices.end(), green.nodes[slot])) green.columns[slot] = {};
+    if (!std::binary_search(vertices.begin(), vertices.end(), green.nodes[slot]))
+      green.columns[slot] = std::vector<float>();  // {} would keep the memory
 }
 
 CheckColumns full_columns(const Model& model, std::span<const int> vertices) {

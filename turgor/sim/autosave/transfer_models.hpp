@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "turgor/contact/lattice_needle.hpp"
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/contact/rhombus_touch.hpp"
 #include "turgor/contact/sfem_touch.hpp"
@@ -66,8 +67,8 @@ void transfer(File& file, lattice::SymmetricField& field) {
 }
 template <class File>
 void transfer(File& file, lattice::Viscosity& viscosity) {
-  auto& [history, instant, in_step] = viscosity;
-  transfer_all(file, history, instant, in_step);
+  auto& [history, instant, instants, in_step] = viscosity;
+  transfer_all(file, history, instant, instants, in_step);
 }
 template <class File>
 void transfer(File& file, lattice::State& state) {
@@ -88,10 +89,11 @@ void transfer(File& file, KeyIndex& index) {
 }
 template <class File>
 void transfer(File& file, lattice::Fragments& fragments) {
-  auto& [fine, cells, cell_index, all, ghosts, label, cut, virtual_nodes, terms, tips, edge_index, version] =
-      fragments;
+  auto& [fine, cells, cell_index, all, ghosts, label, cut, virtual_nodes, terms, tips, edge_index, version,
+         stages] = fragments;
   transfer_all(file, fine, cells, cell_index, all, ghosts, label, cut, virtual_nodes, terms, tips, edge_index,
                version);
+  if constexpr (File::kReads) stages = {};  // the next cut makes its fragments from the beginning
 }
 template <class File>
 void transfer(File& file, std::shared_ptr<const lattice::Fragments>& shared) {
@@ -108,8 +110,9 @@ void transfer(File& file, std::shared_ptr<const lattice::Fragments>& shared) {
 }
 template <class File>
 void transfer(File& file, lattice::BodySurface& surface) {
-  auto& [rest, embedding, slot, twin, lips, triangles, skin_triangles, fragments] = surface;
+  auto& [rest, embedding, slot, twin, lips, triangles, skin_triangles, fragments, plan] = surface;
   transfer_all(file, rest, embedding, slot, twin, lips, triangles, skin_triangles, fragments);
+  if constexpr (File::kReads) plan.reset();  // derived; made again with its body
 }
 template <class File>
 void transfer(File& file, lattice::BladePath& path) {
@@ -134,9 +137,28 @@ void transfer(File& file, lattice::WoundClosure& closure) {
   transfer_all(file, thread, pull_out, stitches, walls, is_running, version, settled);
 }
 template <class File>
+void transfer(File& file, lattice::ContactPoints& points) {
+  auto& [at, leader, terms, concentration] = points;
+  transfer_all(file, at, leader, terms, concentration);
+}
+template <class File>
 void transfer(File& file, contact::LatticeTouch& touch) {
-  auto& [samples, version, contacts, poses, nodes] = touch;
-  transfer_all(file, samples, version, contacts, poses, nodes);
+  auto& [samples, in_cells, points, virtual_slots, version, contacts, poses, nodes, contact_points] = touch;
+  transfer_all(file, samples, in_cells, points, virtual_slots, version, contacts, poses, nodes,
+               contact_points);
+}
+
+template <class File>
+void transfer(File& file, contact::LatticeNeedleTrack& track) {
+  auto& [points, length, entry_at, entry, is_through, order] = track;
+  transfer_all(file, points, length, entry_at, entry, is_through, order);
+}
+template <class File>
+void transfer(File& file, contact::LatticeNeedle& needle) {
+  auto& [phase, seen, before, pose, track, inserted, force, torque, tip_force, entry_force, punctures, made,
+         given, work, reading, tracks, cuts, settled] = needle;
+  transfer_all(file, phase, seen, before, pose, track, inserted, force, torque, tip_force, entry_force,
+               punctures, made, given, work, reading, tracks, cuts, settled);
 }
 
 // Cloth --------------------------------------------------------------------------------------------
@@ -153,7 +175,9 @@ void transfer(File& file, cloth::SpatialHash& hash) {
 }
 template <class File>
 void transfer(File& file, cloth::Contacts& contacts) {
-  auto& [list, begin, item, touched, candidates, midpoint_hash, midpoints, longest_half] = contacts;
+  // pairs of a search are of use within a step only
+  auto& [list, begin, item, touched, candidates, midpoint_hash, midpoints, longest_half, near_pairs,
+         near_reach] = contacts;
   transfer_all(file, list, begin, item, touched, candidates, midpoint_hash, midpoints, longest_half);
 }
 template <class File>
@@ -241,9 +265,9 @@ void transfer(File& file, contact::ViscousHistory& history) {
 template <class File>
 void transfer(File& file, contact::FrictionalContactProblem& problem) {
   auto& [count, held, stride, compliance, separation, force, normal, friction, state, laws, saved, matrix,
-         column, rhs, row] = problem;
+         columns, rhs, newton_sites] = problem;
   transfer_all(file, count, held, stride, compliance, separation, force, normal, friction, state, laws, saved,
-               matrix, column, rhs, row);
+               matrix, columns, rhs, newton_sites);
 }
 template <class File>
 void transfer(File& file, contact::PatchMatch& match) {
@@ -265,15 +289,15 @@ void transfer(File& file, contact::FreeMotionInterpolation& free) {
 
 template <class File>
 void transfer(File& file, contact::NeedleTrack& track) {
-  auto& [points, force, compliance, length, entry, is_through, order] = track;
-  transfer_all(file, points, force, compliance, length, entry, is_through, order);
+  auto& [points, force, compliance, length, entry, is_through, order, offset] = track;
+  transfer_all(file, points, force, compliance, length, entry, is_through, order, offset);
 }
 template <class File>
 void transfer(File& file, contact::NeedleState& state) {
   auto& [phase, seen, pose, track, inserted, force, torque, tip_force, entry_force, punctures, made, sweeps,
-         beyond, work, reading, tracks, motion, free, x, force_on, row, on_vertex] = state;
+         beyond, work, reading, beam, tracks, motion, free, x, force_on, row, on_vertex] = state;
   transfer_all(file, phase, seen, pose, track, inserted, force, torque, tip_force, entry_force, punctures,
-               made, sweeps, beyond, work, reading, tracks, motion, free, x, force_on, row, on_vertex);
+               made, sweeps, beyond, work, reading, beam, tracks, motion, free, x, force_on, row, on_vertex);
 }
 /// Without the Green's functions, which loading solves again.
 template <class File>

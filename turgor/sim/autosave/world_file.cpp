@@ -6,6 +6,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/lattice/surface/surface_plan.hpp"
 #include "turgor/models/sfem/green.hpp"
 #include "turgor/sim/autosave/transfer_snapshot.hpp"
 
@@ -157,7 +158,11 @@ void transfer_body(File& file, LatticeBody& body) {
   transfer(file, state);
   transfer_coarse_space(file, body.model, state);
   transfer_all(file, body.last_displacement, body.row_steps, body.row_steps_asleep, body.cloth, body.surface,
-               body.rest, body.surface_cuts, body.touch, body.poses, body.forces);
+               body.rest, body.surface_cuts, body.touch, body.poses, body.forces, body.layers.before,
+               body.layers.motion, body.needles);
+  if constexpr (File::kReads)
+    if (body.surface.fragments)
+      body.surface.plan = lattice::detail::make_surface_plan(Exec(1), body.model, state.cuts, body.surface);
 }
 
 template <class File>
@@ -170,6 +175,18 @@ void transfer_body(File& file, ClothBody& body) {
     transfer(file, obstacle.force);
     if (obstacle.support) transfer_all(file, obstacle.support->positions, obstacle.support->force);
   }
+}
+
+/// Without the tool, which the scene gives.
+template <class File>
+void transfer(File& file, RigidTouch& touch) {
+  auto& [tool, mesh, radius, pose, next, hold, grasped, sites, grasp, load, force] = touch;
+  transfer_all(file, pose, next, hold, grasped, sites, grasp, load, force);
+}
+template <class File>
+void transfer_body(File& file, RigidBody& body) {
+  transfer_all(file, body.state, body.next, body.samples, body.cloth);
+  for (RigidTouch& touch : body.touches) transfer(file, touch);
 }
 
 /// The path of each sample is summed again while reading.
@@ -196,24 +213,64 @@ void transfer(File& file, Attachment& attachment) {
 }
 template <class File>
 void transfer(File& file, BodyContact& contact) {
-  auto& [name, between, body, params, rest_height, sites, samples, dropped_most, deepest] = contact;
+  auto& [name, between, body, ground, params, rest_height, sites, samples, dropped_most, deepest] = contact;
   transfer_all(file, sites, samples, dropped_most, deepest);
 }
 template <class File>
 void transfer_coupling(File& file, Coupling& coupling) {
-  auto& [attachments, contacts, frames, unsolved] = coupling;
+  auto& [supports, attachments, contacts, frames, unsolved] = coupling;
+  for (CoupledSupport& support : supports) transfer_all(file, support.force, support.stiffness);
   for (Attachment& attachment : attachments) transfer(file, attachment);
   for (BodyContact& contact : contacts) transfer(file, contact);
   transfer_all(file, frames, unsolved);
 }
 
 template <class File>
+void transfer(File& file, lattice::Incision& blade) {
+  auto& [name, from, to, path, depth, tilt, start, duration, width, through_bone, excision, undermine] =
+      blade;
+  transfer_all(file, name, from, to, path, depth, tilt, start, duration, width, through_bone, excision,
+               undermine);
+}
+/// Without `before`: an undo needs the world as it was in memory.
+template <class File>
+void transfer(File& file, Cut& cut) {
+  auto& [blade, body, path, done, edges, specimen, before] = cut;
+  transfer_all(file, blade, body, path, done, edges, specimen);
+}
+template <class File>
+void transfer(File& file, SutureScene& scene) {
+  auto& [name, source_location, incision, body, spacing, bite, depth, through, is_running, material, thread,
+         diameter, thread_length, pull_out, pull] = scene;
+  transfer_all(file, name, source_location, incision, body, spacing, bite, depth, through, is_running,
+               material, thread, diameter, thread_length, pull_out, pull);
+}
+template <class File>
+void transfer(File& file, Suture& suture) {
+  auto& [scene, has_walls, closure] = suture;
+  transfer_all(file, scene, has_walls, closure);
+}
+
+/// True if bodies and wounds that cuts and stitches refer to exist.
+bool has_wounds_of_stitches(const World& world) {
+  const auto is_index = [](int index, std::size_t count) { return index >= 0 && std::size_t(index) < count; };
+  return std::all_of(world.cuts.begin(), world.cuts.end(),
+                     [&](const Cut& cut) { return is_index(cut.body, world.lattice_bodies.size()); }) &&
+         std::all_of(world.sutures.begin(), world.sutures.end(), [&](const Suture& suture) {
+           return is_index(suture.scene.body, world.lattice_bodies.size()) &&
+                  is_index(suture.scene.incision, world.cuts.size());
+         });
+}
+
+/// Cuts and sutures with their scene tables: those by hand follow those of the scene.
+template <class File>
 void transfer_world(File& file, World& world) {
   transfer(file, world.frame);
   for_each_body(world, [&](BodyId, auto& body) { transfer_body(file, body); });
   transfer_coupling(file, world.coupling);
-  for (Cut& cut : world.cuts) transfer_all(file, cut.path, cut.done, cut.edges, cut.specimen);
-  for (Suture& suture : world.sutures) transfer(file, suture.closure);
+  transfer_all(file, world.cuts, world.sutures);
+  if constexpr (File::kReads)
+    if (!has_wounds_of_stitches(world)) file.fail();
   for (TouchingTool& tool : world.tools)
     transfer_all(file, tool.grip, tool.samples, tool.limits, tool.needle_work, tool.punctures,
                  tool.entry_force);
@@ -254,6 +311,8 @@ std::uint64_t loaded_hash(const World& world) {
   for (const RhombusBody& body : world.rhombus_bodies)
     add(hash_values(std::span<const Vec3d>(rest_surface(body).vertices)));
   for (const ClothBody& body : world.cloth_bodies) add(std::uint64_t(body.model.count));
+  for (const RigidBody& body : world.rigid_bodies)
+    add(hash_values(std::span<const Vec3d>(body.model.vertices)));
   return hash;
 }
 

@@ -1,12 +1,15 @@
 #include "turgor/sim/live/change_world.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/cloth/build/scale_stiffness.hpp"
+#include "turgor/models/lattice/build/change_tissue.hpp"
 #include "turgor/models/lattice/build/scale_stiffness.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
+#include "turgor/models/lattice/mechanics/solid_laws.hpp"
 
 namespace turgor {
 
@@ -40,9 +43,28 @@ constexpr std::string_view kLive[][2] = {
     {"sfem", "young"},
     {"sfem", "stiffness_scale"},
     {"lattice", "stiffness_scale"},
+    {"lattice", "tissue.young"},
+    {"lattice", "tissue.gas"},
+    {"lattice", "tissue.fat"},
+    {"lattice", "tissue.muscle"},
+    {"lattice", "tissue.bone"},
+    {"lattice", "tissue.poisson"},
+    {"lattice", "tissue.volume"},
+    {"lattice", "tissue.stiffening"},
+    {"lattice", "tissue.alpha"},
     {"rhombus", "stiffness_scale"},
     {"cloth", "stiffness_scale"},
     {"tool", "friction"},
+};
+
+/// The same for all keys that begin so, unless they are listed below as an exception.
+constexpr std::string_view kLiveFamilies[][2] = {
+    {"lattice", "tissue.fiber."}, {"lattice", "tissue.labels."}, {"lattice", "layers."},
+    {"lattice", "viscosity."},    {"lattice", "permanent_set."},
+};
+constexpr std::string_view kNotLive[][2] = {
+    {"lattice", "layers.name"},   {"lattice", "layers.label"}, {"lattice", "layers.hu"},
+    {"lattice", "layers.tissue"}, {"lattice", "layers.law"},
 };
 
 /// Reason for keys that need a reload; the first matching prefix applies.
@@ -57,7 +79,9 @@ constexpr ReloadReason kReloadReasons[] = {
     {"sfem", "", "the mesh and its Green's functions depend on it"},
     {"rhombus", "", "the chains of the surface depend on it"},
     {"lattice", "tissue.", "the elements of the lattice depend on it"},
+    {"lattice", "layers.", "the regions of the lattice depend on it"},
     {"lattice", "", "the lattice depends on it"},
+    {"rigid", "", "the mass and the motion of the rigid body depend on it"},
     {"cloth", "fabric.", "the fabric's springs depend on it"},
     {"cloth", "", "the cloth depends on it"},
     {"tool", "", "the tool's shape and path were set on the body at rest"},
@@ -79,6 +103,23 @@ const auto* find_named(const Bodies& bodies, const SceneKey& key) {
 template <class BodyScene, class Body>
 void change_body(const Exec&, const BodyScene&, Body&) {}
 
+/// Reason why the laws of a lattice cannot change while it runs; null if they can.
+const char* why_fixed_laws(const LatticeScene& scene) {
+  if (scene.params.solver.method == lattice::Method::kPbd) return "projections have no moduli";
+  if (scene.device == Device::kGpu) return "the GPU has a copy of the model";
+  if (scene.params.tissue.partial_cells) return "the moduli of partial cells contain their filled fraction";
+  return nullptr;
+}
+
+/// Gives a lattice the laws of the scene. False if they are the same, or cannot change.
+bool change_laws(const Exec& exec, const LatticeScene& scene, LatticeBody& body) {
+  if (why_fixed_laws(scene)) return false;
+  const lattice::TissueParams tissue = lattice::reachable_tissue(scene.params.tissue, body.model);
+  if (tissue == body.model.params.tissue || tissue.partial_cells) return false;
+  lattice::change_tissue(exec, tissue, scene.stiffness_scale, body.model, body.state.change());
+  return true;
+}
+
 void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body) {
   body.has_gravity = scene.has_gravity;
   lattice::Params& params = body.model.params;
@@ -93,6 +134,7 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   params.skin.fiber_stiffness = scene.params.skin.fiber_stiffness;
   params.skin.fiber_stiffening = scene.params.skin.fiber_stiffening;
   params.skin.dispersion = scene.params.skin.dispersion;
+  if (change_laws(exec, scene, body)) body.stiffness_scale = scene.stiffness_scale;
   const bool has_pull = !body.model.prestress_force.empty();
   if (has_pull) body.model.prestress_force = lattice::measure_prestress(exec, body.model);
   body.state.change().sleep = {};  // wakes all rows
@@ -138,6 +180,22 @@ void change_tools(const Scene& scene, World& world) {
   });
 }
 
+template <std::size_t kCount>
+bool is_among(const std::string_view (&keys)[kCount][2], const SceneKey& key) {
+  return std::any_of(std::begin(keys), std::end(keys),
+                     [&key](const auto& one) { return key.group == one[0] && key.key == one[1]; });
+}
+bool is_live(const SceneKey& key) {
+  const auto begins = [&key](const auto& one) { return key.group == one[0] && key.key.starts_with(one[1]); };
+  return is_among(kLive, key) || (std::any_of(std::begin(kLiveFamilies), std::end(kLiveFamilies), begins) &&
+                                  !is_among(kNotLive, key));
+}
+/// True for the live keys of the laws of a lattice.
+bool is_live_law(const SceneKey& key) {
+  return is_live(key) && (key.key.starts_with("tissue.") || key.key.starts_with("layers.") ||
+                          key.key.starts_with("viscosity.") || key.key.starts_with("permanent_set."));
+}
+
 /// Reason why the stiffness of a body cannot change in a running world; null if it can.
 const char* why_not_scaled(const Scene& scene, const SceneKey& key) {
   const LatticeScene* lattice = key.group == "lattice" ? find_named(scene.lattice_bodies, key) : nullptr;
@@ -161,6 +219,40 @@ bool is_of_other_skin(const Scene& scene, const SceneKey& key) {
   return false;
 }
 
+/// Energy of the layer in a path such as "body.arm.layers[1].young"; that of the body for other paths.
+lattice::SolidEnergy energy_of_path(const lattice::TissueParams& tissue, std::string_view path) {
+  constexpr std::string_view kLayers = ".layers[";
+  const std::size_t at = path.find(kLayers);
+  if (at == path.npos) return tissue.energy;
+  std::size_t index = tissue.layers.size();
+  std::from_chars(path.data() + at + kLayers.size(), path.data() + path.size(), index);
+  return index < tissue.layers.size() ? energy_of(tissue.layers[index], tissue) : tissue.energy;
+}
+
+/// True if the tissue of a lattice, or the layer of the path, has another law than the one of this key.
+bool is_of_other_law(const lattice::TissueParams& tissue, std::string_view key, std::string_view path) {
+  using lattice::SolidEnergy, lattice::TissueLaw;
+  if (tissue.law == TissueLaw::kSprings)
+    return key == "tissue.poisson" || key.ends_with("stiffening") || key.ends_with("alpha") ||
+           key.find("fiber.") != key.npos || key.starts_with("layers.") || key.starts_with("viscosity.") ||
+           key.starts_with("permanent_set.");
+  if (key == "tissue.volume") return true;
+  const SolidEnergy energy = energy_of_path(tissue, path);
+  if (key.ends_with("alpha")) return energy != SolidEnergy::kOgden;
+  const bool exponential = key.ends_with("stiffening") || key.find("fiber.") != key.npos;
+  return exponential && energy != SolidEnergy::kExponential;
+}
+
+/// Reason why a law's key of a lattice cannot change in a running world; null if it can, and for other keys.
+const char* why_not_of_law(const Scene& scene, const SceneKey& key) {
+  const LatticeScene* lattice = key.group == "lattice" ? find_named(scene.lattice_bodies, key) : nullptr;
+  if (!lattice || !is_live_law(key)) return nullptr;
+  if (key.key.starts_with("layers.") && key.path.find("layers[") == key.path.npos)
+    return "the body has no layers";
+  if (is_of_other_law(lattice->params.tissue, key.key, key.path)) return "the tissue has another law";
+  return why_fixed_laws(*lattice);
+}
+
 }  // namespace
 
 std::string why_not_live(const Scene& scene, const SceneKey& key) {
@@ -169,12 +261,11 @@ std::string why_not_live(const Scene& scene, const SceneKey& key) {
     return "Green's functions depend on the ratio of its materials";
   if (key.key == "stiffness_scale" && why_not_scaled(scene, key)) return why_not_scaled(scene, key);
   if (is_of_other_skin(scene, key)) return "the skin has another law";
+  if (const char* why = why_not_of_law(scene, key)) return why;
   const ToolScene* tool = key.group == "tool" ? find_named(scene.tools, key) : nullptr;
   if (tool && key.key == "friction" && tool->body.kind == BodyKind::kRhombus)
     return "chains have no friction";
-  if (std::any_of(std::begin(kLive), std::end(kLive),
-                  [&key](const auto& live) { return key.group == live[0] && key.key == live[1]; }))
-    return {};
+  if (is_live(key)) return {};
   for (const ReloadReason& made : kReloadReasons)
     if (key.group == made.group && key.key.starts_with(made.prefix)) return std::string(made.why);
   return "the world depends on it";

@@ -12,13 +12,15 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostEdits = 200;
 
-/// True for cuts and winds, which end with their world; changed values belong to the scene.
+/// True for cuts, stitches and winds, which end with their world; changed values belong to the scene.
 bool ends_with_world(const Edit& edit) { return !std::holds_alternative<ChangeRequest>(edit.redo); }
 
-/// True if both change the same key, or the wind of the same cloth.
+/// True if both change the same key, the wind of the same cloth or the pull of the same stitch.
 bool is_same_key(const Edit& a, const Edit& b) {
   const auto *wind = std::get_if<WindRequest>(&a.redo), *next = std::get_if<WindRequest>(&b.redo);
   if (wind && next) return wind->body == next->body;
+  const auto *pull = std::get_if<TightenRequest>(&a.redo), *again = std::get_if<TightenRequest>(&b.redo);
+  if (pull && again) return pull->suture == again->suture;
   const auto *one = std::get_if<ChangeRequest>(&a.redo), *other = std::get_if<ChangeRequest>(&b.redo);
   return one && other && one->key == other->key;
 }
@@ -28,6 +30,11 @@ std::string text_of(const std::vector<Edit>& edits) {
   if (const auto* change = std::get_if<ChangeRequest>(&edits.back().redo)) return change->key;
   const auto* wind = std::get_if<WindRequest>(&edits.back().redo);
   if (wind && wind->velocity) return fmt::format("wind of {:.1f} m/s", norm(*wind->velocity));
+  if (const auto* stitch = std::get_if<StitchRequest>(&edits.back().redo))
+    return fmt::format("stitch of {:.0f} mm", 1e3 * norm(stitch->through.back() - stitch->through.front()));
+  if (const auto* pull = std::get_if<TightenRequest>(&edits.back().redo))
+    return pull->tension ? fmt::format("tension of {:.1f} N", *pull->tension)
+                         : std::string("pull until closed");
   const auto* cut = std::get_if<CutRequest>(&edits.back().redo);
   if (!cut) return {};
   const lattice::Incision& blade = cut->blade;

@@ -1,5 +1,6 @@
-// Cuts, winds and changes of a session that can be taken back and repeated. Changes of one key in quick
-// succession, as of a slider that is being moved, count as one; likewise winds on one cloth.
+// Cuts, stitches, winds and changes of a session that can be taken back and repeated. Changes of one key in
+// quick succession, as of a slider that is being moved, count as one; likewise winds on one cloth and pulls
+// of one stitch.
 #pragma once
 
 #include <chrono>
@@ -22,7 +23,7 @@ struct EditHistory {
 
 /// Adds an edit that was made now. Edits that were taken back can no longer be repeated.
 void add_edit(Edit edit, EditHistory& history);
-/// Forgets all cuts and winds, because their world ended.
+/// Forgets all cuts, stitches and winds, because their world ended.
 void forget_world(EditHistory& history);
 
 /// Description of the edit that is taken back or repeated next, such as "cut of 70 mm"; empty: none.

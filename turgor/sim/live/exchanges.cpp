@@ -54,6 +54,16 @@ void tick_haptics(FrameTouchedBody& body, std::span<const contact::ToolCommand> 
   }
 }
 
+void log_tick(const FrameTouchedBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool) {
+  TURGOR_CHECK(is_index(t, body.haptic.size()), "every tool has an exchange");
+  ForceSample logged = sample;
+  if (const contact::LocalNeedle& needle = body.haptic[t].touch.contact.needle; needle.is_needle) {
+    logged.needle = needle.reading;
+    tool.needle_work = needle.work, tool.punctures = needle.punctures, tool.entry_force = needle.entry_force;
+  }
+  tool.samples.append(logged);
+}
+
 void queue_frame_output(FrameTouchedBody& body) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++)
     body.haptic[t].replay_queue.push(body.haptic[t].plane);

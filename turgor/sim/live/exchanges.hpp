@@ -62,9 +62,7 @@ struct FrameTouchedBody : TouchedBody {
 void begin_haptics(FrameTouchedBody& body, const std::vector<TouchingTool>& tools);
 void tick_haptics(FrameTouchedBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings);
-inline void log_tick(FrameTouchedBody&, std::size_t, const ForceSample& sample, TouchingTool& tool) {
-  tool.samples.append(sample);
-}
+void log_tick(const FrameTouchedBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool);
 inline TickInputs tick_inputs(const FrameTouchedBody& body, std::size_t t) {
   return {std::int32_t(body.haptic[t].touch.contact.number), 0};
 }

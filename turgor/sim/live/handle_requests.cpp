@@ -48,7 +48,7 @@ void handle(const CtRequest& request, SessionThread& session) {
   session.next.ct = session.ct.ct;
 }
 
-/// Applies a cut, a wind or a changed value to the world. Reports the reason if that is impossible.
+/// Applies a cut, a stitch, a wind or a changed value to the world. Reports the reason if that is impossible.
 template <class AnyRequest>
 bool apply(const AnyRequest& request, SessionThread& session) {
   if (!session.live.world) return false;
@@ -78,6 +78,20 @@ void handle(const WindRequest& request, SessionThread& session) {
   const bool has_body = session.live.world && request.body >= 0 &&
                         std::size_t(request.body) < session.live.world->cloth_bodies.size();
   const WindRequest before = has_body ? wind_before(request.body, session) : request;
+  if (apply(request, session)) add_edit({request, before}, session.history);
+}
+
+void handle(const StitchRequest& request, SessionThread& session) {
+  if (apply(request, session)) add_edit({request, UndoStitchRequest{}}, session.history);
+}
+
+void handle(const TightenRequest& request, SessionThread& session) {
+  if (!session.live.world) return;
+  TightenRequest before{.suture = request.suture};
+  if (const auto n = std::size_t(request.suture); n < session.live.world->sutures.size()) {
+    const lattice::Pull& pull = session.live.world->sutures[n].scene.pull;
+    if (!pull.until_closed) before.tension = pull.tension;
+  }
   if (apply(request, session)) add_edit({request, before}, session.history);
 }
 

@@ -58,6 +58,42 @@ Json json_of(const ChangeRequest& request) {
   return json;
 }
 Json json_of(const UndoCutRequest&) { return {{"undo_cut", true}}; }
+Json json_of(const StitchRequest& request) {
+  Json points = Json::array();
+  for (const Vec3d p : request.through) points.push_back(json_of(p));
+  Json json = {{"stitch", request.body},
+               {"through", points},
+               {"thread", request.thread},
+               {"duration", request.duration}};
+  if (request.wound) json["wound"] = *request.wound;
+  if (request.tension) json["tension"] = *request.tension;
+  return json;
+}
+Json json_of(const TightenRequest& request) {
+  Json json = {{"tighten", request.suture}, {"duration", request.duration}};
+  if (request.tension) json["tension"] = *request.tension;
+  return json;
+}
+Json json_of(const UndoStitchRequest&) { return {{"undo_stitch", true}}; }
+
+template <class Number>
+void take(const Json& json, const char* key, std::optional<Number>& value) {
+  if (json.contains(key)) value = json.at(key).get<Number>();
+}
+StitchRequest stitch_of(const Json& json) {
+  StitchRequest request{.body = json.at("stitch").get<int>(),
+                        .thread = json.at("thread").get<std::string>(),
+                        .duration = json.at("duration").get<double>()};
+  for (const Json& p : json.at("through")) request.through.push_back(vector_of(p));
+  take(json, "wound", request.wound), take(json, "tension", request.tension);
+  return request;
+}
+TightenRequest tighten_of(const Json& json) {
+  TightenRequest request{.suture = json.at("tighten").get<int>(),
+                         .duration = json.at("duration").get<double>()};
+  take(json, "tension", request.tension);
+  return request;
+}
 
 CutRequest cut_of(const Json& json) {
   CutRequest request{.blade = {.name = json.at("name").get<std::string>(),
@@ -83,6 +119,9 @@ WorldRequest request_of(const Json& json) {
     return wind;
   }
   if (json.contains("undo_cut")) return UndoCutRequest{};
+  if (json.contains("stitch")) return stitch_of(json);
+  if (json.contains("tighten")) return tighten_of(json);
+  if (json.contains("undo_stitch")) return UndoStitchRequest{};
   ChangeRequest change{json.at("change").get<std::string>(), std::nullopt};
   if (json.contains("value")) change.value = json.at("value").get<std::string>();
   return change;

@@ -71,12 +71,20 @@ bool advance_time(LiveTicks& ticks) {
   return true;
 }
 
+/// Reading of the newest tick of a needle; zero for other tools.
+contact::NeedleReading needle_now(const TouchingTool& tool) {
+  const bool has_sample = tool.tool.needle && !tool.samples.empty();
+  return has_sample ? tool.samples.back().needle : contact::NeedleReading{};
+}
+
 /// Publishes the readings of all tools for other threads.
 void publish_status(LiveTicks& ticks) {
   std::vector<HapticStatus>& haptic = ticks.haptic.writing();
   TURGOR_CHECK(haptic.size() == ticks.tools.size(), "every tool has a haptic status");
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
-    haptic[std::size_t(ticks.order[slot].index)] = {ticks.readings[slot], ticks.order[slot].work};
+    haptic[std::size_t(ticks.order[slot].index)] = {
+        ticks.readings[slot], ticks.order[slot].work,
+        needle_now(ticks.tools[std::size_t(ticks.order[slot].index)])};
   ticks.haptic.publish();
 }
 

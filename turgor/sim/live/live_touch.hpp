@@ -35,7 +35,8 @@ struct HeldTool {
 /// Status of a tool: the newest reading and the work done.
 struct HapticStatus {
   contact::ToolReading reading;
-  double work = 0;  // net work of the hand on the body [J]
+  double work = 0;                     // net work of the hand on the body [J]
+  contact::NeedleReading needle = {};  // of a needle
 };
 
 struct LiveParams {

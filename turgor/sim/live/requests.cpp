@@ -52,6 +52,9 @@ Status apply_request(const Exec& exec, const ChangeRequest& request, std::shared
 Status apply_request(const Exec&, const UndoCutRequest&, std::shared_ptr<const Scene>& scene, World& world) {
   TURGOR_ASSERT(scene != nullptr, "cuts by requests follow those of a scene");
   if (world.cuts.size() <= scene->incisions.size()) return Error{"no undo: there is no cut by hand"};
+  const int latest = int(world.cuts.size()) - 1;
+  for (const Suture& suture : world.sutures)
+    if (suture.scene.incision == latest) return Error{"no undo: a stitch by hand closes the cut"};
   return undo_last_cut(world);
 }
 

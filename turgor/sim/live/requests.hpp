@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
@@ -32,7 +33,26 @@ struct ChangeRequest {
 };
 /// Takes back the latest cut that was made by a request: its body returns to its state before the cut.
 struct UndoCutRequest {};
-using WorldRequest = std::variant<CutRequest, WindRequest, ChangeRequest, UndoCutRequest>;
+/// Lays a single stitch in the frame that is computed next, and pulls it. The same stitch in a scene has its
+/// `start` at the end of that frame.
+struct StitchRequest {
+  int body = 0;                      // index into World::lattice_bodies
+  std::optional<int> wound;          // index into World::cuts; empty: the nearest one that the stitch crosses
+  std::vector<Vec3d> through;        // points in the CT in the order of the thread, patient frame [m]
+  std::string thread = "nylon 3-0";  // name of its preset
+  std::optional<double> tension;     // at which it is knotted [N]; empty: when the lips meet under it
+  double duration = 0.5;             // of the pull [s]
+};
+/// Pulls a stitch that was made by a request to another tension, or until the lips meet.
+struct TightenRequest {
+  int suture = 0;                 // index into World::sutures
+  std::optional<double> tension;  // as StitchRequest::tension [N]
+  double duration = 0.3;          // [s]
+};
+/// Removes the latest stitch that was made by a request.
+struct UndoStitchRequest {};
+using WorldRequest = std::variant<CutRequest, WindRequest, ChangeRequest, UndoCutRequest, StitchRequest,
+                                  TightenRequest, UndoStitchRequest>;
 
 /// Applies a request. On error the world is unchanged.
 Status apply_request(const Exec& exec, const CutRequest& request, std::shared_ptr<const Scene>& scene,
@@ -42,6 +62,13 @@ Status apply_request(const Exec& exec, const WindRequest& request, std::shared_p
 Status apply_request(const Exec& exec, const ChangeRequest& request, std::shared_ptr<const Scene>& scene,
                      World& world);
 Status apply_request(const Exec& exec, const UndoCutRequest& request, std::shared_ptr<const Scene>& scene,
+                     World& world);
+/// Stitches (stitch_requests.cpp).
+Status apply_request(const Exec& exec, const StitchRequest& request, std::shared_ptr<const Scene>& scene,
+                     World& world);
+Status apply_request(const Exec& exec, const TightenRequest& request, std::shared_ptr<const Scene>& scene,
+                     World& world);
+Status apply_request(const Exec& exec, const UndoStitchRequest& request, std::shared_ptr<const Scene>& scene,
                      World& world);
 
 }  // namespace turgor

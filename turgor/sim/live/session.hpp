@@ -16,6 +16,7 @@
 #include "turgor/sim/live/cut_results.hpp"
 #include "turgor/sim/live/live_touch.hpp"
 #include "turgor/sim/live/session_requests.hpp"
+#include "turgor/sim/live/stitch_results.hpp"
 #include "turgor/sim/snapshot.hpp"
 
 namespace turgor {
@@ -30,6 +31,7 @@ struct MouseTool {
 struct HapticSample {
   double time = 0, force = 0, depth = 0;  // [s] [N] [m]
   double work = 0;                        // net work of the hand on the body [J]
+  contact::NeedleReading needle = {};     // of a needle
 };
 
 /// State of a session for readers.
@@ -45,8 +47,10 @@ struct SessionStatus {
   std::vector<MouseTool> mouse;
   std::vector<lattice::Incision> cuts;            // cuts by requests; `name` is that of the cut body
   CutResult cut_result;                           // of the latest of `cuts`
+  std::vector<HandStitch> stitches;               // by requests, in their order
   std::vector<std::vector<HapticSample>> haptic;  // of every tool, newest last, at most kMaxHapticSamples
-  double pace = 1;                                // requested simulated seconds per second
+  std::vector<std::string> layers;  // material at the tip of every needle; empty: outside, or another tool
+  double pace = 1;                  // requested simulated seconds per second
   bool plays = true;
   double frame_seconds = 0, show_seconds = 0;  // wall times of a frame, running means
   double real_pace = 0;                        // achieved simulated seconds per second

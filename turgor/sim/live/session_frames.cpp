@@ -25,16 +25,27 @@ void pause_with_error(SessionThread& session, const std::string& why) {
   set_pace(session);
 }
 
+/// Name of the material at the tip of a needle; empty outside of its body.
+std::string layer_at_tip(const World& world, const TouchingTool& tool, const contact::NeedleReading& needle) {
+  if (tool.body.kind != BodyKind::kSfem || !(needle.inserted > 0)) return {};
+  const SfemBody& body = world.sfem_bodies[std::size_t(tool.body.index)];
+  for (const InnerRegion& region : body.inside)
+    if (region.material == needle.material) return region.name;
+  return body.name;
+}
+
 /// Appends the newest sample of every tool.
 void collect_haptic_samples(SessionWorld& live, SessionStatus& next) {
   if (!live.touch) return;
   const std::vector<HapticStatus>& haptic = live.touch->haptic();
   TURGOR_CHECK(haptic.size() == next.haptic.size(), "every tool has a haptic status");
+  next.layers.resize(haptic.size());
   for (std::size_t t = 0; t < haptic.size(); t++) {
+    next.layers[t] = layer_at_tip(*live.world, live.world->tools[t], haptic[t].needle);
     std::vector<HapticSample>& points = next.haptic[t];
     if (points.size() == SessionStatus::kMaxHapticSamples) points.erase(points.begin());
-    points.push_back(
-        {time_of(*live.world), norm(haptic[t].reading.force), haptic[t].reading.depth, haptic[t].work});
+    points.push_back({time_of(*live.world), norm(haptic[t].reading.force), haptic[t].reading.depth,
+                      haptic[t].work, haptic[t].needle});
   }
 }
 

@@ -35,10 +35,11 @@ struct CtRequest {  // computes the deformed CT: see SessionStatus::ct
 struct SaveRequest {
   std::filesystem::path file;
 };
-struct UndoRequest {};  // takes back the latest cut or change (edit_history.hpp)
+struct UndoRequest {};  // takes back the latest cut, stitch or change (edit_history.hpp)
 struct RedoRequest {};  // repeats what was taken back last
 using Request = std::variant<UndoRequest, RedoRequest, PaceRequest, StepRequest, ResetRequest, ReloadRequest,
-                             OpenRequest, CutRequest, WindRequest, CtRequest, ChangeRequest, SaveRequest>;
+                             OpenRequest, CutRequest, WindRequest, CtRequest, ChangeRequest, SaveRequest,
+                             StitchRequest, TightenRequest>;
 
 /// Requests that the session's thread has not taken yet.
 class RequestQueue {

@@ -25,16 +25,27 @@ std::vector<lattice::Incision> interactive_cuts(const Scene& scene, const World&
   return cuts;
 }
 
+/// Brings surfaces that tools touch up to the present cuts. Frames without a contact leave them as they were,
+/// so that they are made once for a snapshot.
+void refresh_surfaces(const Exec& exec, World& world) {
+  for (LatticeBody& body : world.lattice_bodies)
+    if (!body.tools.empty()) refresh_surface(exec, body);
+}
+
 /// Publishes the state. The snapshot is written to the reader's buffer, to reuse its memory.
 void publish(SessionThread& session) {
   // state
   SessionStatus& next = session.next;
   SessionWorld& live = session.live;
+  const Timer timer;
+  const bool shows = live.world && next.phase == SessionStatus::Phase::kReady;
+  if (shows) refresh_surfaces(session.exec, *live.world);
   if (live.touch) next.haptics = live.touch->timing();
   if (live.world) next.cuts = interactive_cuts(*session.source.scene, *live.world);
   if (live.world)
     update_cut_result(session.exec, *live.world, session.source.scene->incisions.size(),
                       session.cut_measuring, next.cut_result);
+  if (live.world) next.stitches = hand_stitches(*session.source.scene, *live.world);
   next.undo = undo_text(session.history), next.redo = redo_text(session.history);
   next.frames = live.touch ? live.touch->frames() : live.clock ? live.clock->timing() : FrameTiming();
 
@@ -46,8 +57,7 @@ void publish(SessionThread& session) {
   out.snapshot = std::move(snapshot);
 
   // snapshot
-  if (live.world && next.phase == SessionStatus::Phase::kReady) {
-    const Timer timer;
+  if (shows) {
     show(session.exec, *live.world, out.snapshot);
     show_smooth(out.snapshot);
     add_to_mean(timer.seconds(), next.show_seconds);
@@ -57,12 +67,14 @@ void publish(SessionThread& session) {
 }
 
 /// Publishes the state after a frame. While the world plays, a snapshot that no reader has taken yet is
-/// replaced at most 30 times per second, since drawing the surface takes as long as a step.
+/// replaced at most 30 times per second, since drawing the surface takes as long as a step. While frames are
+/// late, there are at most 20 snapshots per second, so that they and their pictures leave time for frames.
 void publish_frame(SessionThread& session) {
-  constexpr std::chrono::milliseconds kLongest(33);
+  constexpr std::chrono::milliseconds kUnread(33), kLate(50);
   const auto age = std::chrono::steady_clock::now() - session.published_at;
-  if (is_playing(session) && session.published.has_news() && age < kLongest) return;
-  publish(session);
+  const bool is_late = session.next.real_pace < 0.9 * session.next.pace;
+  const bool is_soon = (session.published.has_news() && age < kUnread) || (is_late && age < kLate);
+  if (!is_playing(session) || !is_soon) publish(session);
 }
 
 /// Publishes the loading progress, at most twenty times per second. Any loading thread may call it, while the

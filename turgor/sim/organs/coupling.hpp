@@ -1,6 +1,6 @@
 // Attachments of bodies and contact between bodies in a running world. They are solved once a frame, after
 // all bodies have stepped: the forces act during the next frame, whose ticks approach the motion that they
-// cause.
+// cause. Bodies are numbered: those of finite elements first, then the rigid ones, then supports, then tools.
 #pragma once
 
 #include <array>
@@ -40,7 +40,8 @@ struct Attachment {
 struct BodyContact {
   std::string name;
   std::array<std::string, 2> between;
-  std::array<int, 2> body{};  // into World::sfem_bodies
+  std::array<int, 2> body{};  // see coupled_index; -1 = the ground
+  contact::GroundPlane ground;
   contact::PairParams params;
   std::array<std::vector<double>, 2> rest_height;  // see contact::PairSurface [m]
   std::vector<contact::PairSite> sites;            // of the latest frame
@@ -49,7 +50,20 @@ struct BodyContact {
   double deepest = 0;                              // depth of a vertex before it was pushed out, largest [m]
 };
 
+/// A lattice or a body of chains in attachments and contacts. Its surface is where the last step left it, and
+/// does not yield while the forces of a frame are solved. They act on it from the next frame on, relaxed like
+/// those of cloth (sim/bodies/cloth/cloth_load.hpp).
+struct CoupledSupport {
+  BodyId body;
+  std::vector<Vec3d> rest;                  // vertices of its surface without cuts, patient frame [m]
+  std::vector<int> carrier;                 // of each: a lattice's slot, or the body's vertex
+  std::vector<Int3> triangles;              // of the surface
+  std::vector<contact::VertexForce> force;  // on the body in the next frame, by carrier [N]
+  double stiffness = 0;                     // with which the other bodies resist its motion [N/m]
+};
+
 struct Coupling {
+  std::vector<CoupledSupport> supports;
   std::vector<Attachment> attachments;
   std::vector<BodyContact> contacts;
   int frames = 0, unsolved = 0;  // frames whose forces did not converge
@@ -63,8 +77,17 @@ inline bool is_empty(const Coupling& coupling) {
 /// part; the message has the source location.
 Status load_coupling(const Exec& exec, const Scene& scene, World& world);
 
-/// Solves for the forces of the next frame, and moves bodies without fixed vertices.
+/// Present displacement of the vertices of a support [m].
+std::vector<Vec3d> support_displacement(const World& world, const CoupledSupport& support);
+
+/// Number of a body in attachments and contacts.
+int coupled_index(const World& world, BodyId id);
+BodyId coupled_body(const World& world, int index);
+
+/// Solves for the forces of the next frame, and moves bodies without fixed vertices and rigid bodies.
 void couple_bodies(const Exec& exec, World& world);
+/// The same for the first frame of a world with rigid bodies.
+void begin_coupling(const Exec& exec, World& world);
 
 /// Sum of the forces of an attachment on its first body, and of a contact on this body [N].
 Vec3d total_force(const std::vector<contact::Tie>& ties);

@@ -1,12 +1,15 @@
 // Tied points of attachments, and distances at rest of contacts.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
+#include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -19,23 +22,47 @@ struct SurfaceVertices {
   std::vector<double> area;  // of each [m²]
 };
 
+/// Rest surface of a body in attachments and contacts.
+struct CoupledSurface {
+  int index = 0;  // see coupled_index
+  std::string name;
+  std::span<const Vec3d> vertices;  // of the whole mesh [m]
+  std::span<const Int3> triangles;
+  const RigidBody* rigid = nullptr;
+  bool is_support = false;
+};
+
+CoupledSurface coupled_surface(const World& world, BodyId id) {
+  const int index = coupled_index(world, id);
+  if (id.kind == BodyKind::kRigid) {
+    const RigidBody& body = world.rigid_bodies[std::size_t(id.index)];
+    return {index, body.name, body.model.vertices, body.model.triangles, &body};
+  }
+  if (id.kind != BodyKind::kSfem) {
+    const CoupledSupport& support = world.coupling.supports[std::size_t(index - first_support(world))];
+    return {index, touched_body(world, id).name, support.rest, support.triangles, nullptr, true};
+  }
+  const SfemBody& body = world.sfem_bodies[std::size_t(id.index)];
+  return {index, body.name, body.model.body.mesh.vertices, body.model.surface.triangles, nullptr};
+}
+
 /// All vertices of a surface, ascending.
-std::vector<int> surface_vertices(const sfem::Model& model) {
+std::vector<int> surface_vertices(const CoupledSurface& surface) {
   std::vector<int> vertices;
-  for (const Int3 t : model.surface.triangles) vertices.insert(vertices.end(), {t.x, t.y, t.z});
+  for (const Int3 t : surface.triangles) vertices.insert(vertices.end(), {t.x, t.y, t.z});
   sort_unique(vertices);
   return vertices;
 }
 
 /// Sets the area around each vertex: a third of the triangles between these vertices, or of all around them
 /// if there is none.
-void measure_areas(const sfem::Model& model, SurfaceVertices& of) {
-  const std::vector<Vec3d>& x = model.body.mesh.vertices;
+void measure_areas(const CoupledSurface& surface, SurfaceVertices& of) {
+  const std::span<const Vec3d> x = surface.vertices;
   std::vector<std::uint8_t> is_listed(x.size(), 0);
   for (const int v : of.vertex) is_listed[std::size_t(v)] = 1;
   for (const bool between : {true, false}) {
     std::vector<double> area(x.size(), 0.0);
-    for (const Int3 t : model.surface.triangles) {
+    for (const Int3 t : surface.triangles) {
       const int listed =
           is_listed[std::size_t(t.x)] + is_listed[std::size_t(t.y)] + is_listed[std::size_t(t.z)];
       const Vec3d a = x[std::size_t(t.x)], b = x[std::size_t(t.y)], c = x[std::size_t(t.z)];
@@ -50,7 +77,7 @@ void measure_areas(const sfem::Model& model, SurfaceVertices& of) {
 }
 
 /// Keeps `most` vertices that are far from each other; each takes the area of those nearest to it.
-void thin_out(const std::vector<Vec3d>& x, std::size_t most, SurfaceVertices& of) {
+void thin_out(std::span<const Vec3d> x, std::size_t most, SurfaceVertices& of) {
   const std::size_t count = of.vertex.size();
   if (count <= most) return;
   const auto at = [&](std::size_t n) { return x[std::size_t(of.vertex[n])]; };
@@ -71,7 +98,17 @@ void thin_out(const std::vector<Vec3d>& x, std::size_t most, SurfaceVertices& of
 }
 
 /// Error if a body cannot be coupled.
-Status check_body(const std::string& where, const SfemBody& body) {
+Status check_body(const std::string& where, const World& world, BodyId id) {
+  if (id.kind == BodyKind::kLattice) {
+    const LatticeBody& body = world.lattice_bodies[std::size_t(id.index)];
+    if (!body.state.has_device() && body.model.params.solver.method == lattice::Method::kVbd) return Done{};
+    return Error{
+        fmt::format("{}: expected a lattice with solver.method = \"vbd\" and device = \"cpu\", found "
+                    "{}, which cannot be coupled yet",
+                    where, body.name)};
+  }
+  if (id.kind != BodyKind::kSfem) return Done{};
+  const SfemBody& body = world.sfem_bodies[std::size_t(id.index)];
   if (!body.facts.on_demand) return Done{};
   return Error{
       fmt::format("{}: {} computes its Green's functions on demand, which cannot be coupled: raise "
@@ -86,13 +123,14 @@ struct Targets {
   double nearest = HUGE_VAL;  // distance between the surfaces in the box [m]
 };
 
-Targets find_targets(const AttachmentScene& scene, const SfemBody& body, const SfemBody* other, int index) {
+Targets find_targets(const AttachmentScene& scene, const CoupledSurface& body, const CoupledSurface* other) {
   Targets found;
-  const std::vector<Vec3d>& x = body.model.body.mesh.vertices;
   TriangleTree tree;
-  if (other) tree = build_triangle_tree(other->model.body.mesh.vertices, other->model.surface.triangles);
-  for (const int v : surface_vertices(body.model)) {
-    const Vec3d p = x[std::size_t(v)];
+  if (other)
+    tree = build_triangle_tree({other->vertices.begin(), other->vertices.end()},
+                               {other->triangles.begin(), other->triangles.end()});
+  for (const int v : surface_vertices(body)) {
+    const Vec3d p = body.vertices[std::size_t(v)];
     if (scene.box && squared_distance(box_around(*scene.box), p) > 0) continue;
     contact::SurfacePoint to{.rest = p};
     if (other) {
@@ -100,7 +138,7 @@ Targets find_targets(const AttachmentScene& scene, const SfemBody& body, const S
       const TrianglePoint near = nearest_point(tree, p);
       found.nearest = std::min(found.nearest, near.distance);
       if (near.distance > scene.distance) continue;
-      to = {index, tree.triangles[std::size_t(near.triangle)], near.weights, near.position};
+      to = {other->index, tree.triangles[std::size_t(near.triangle)], near.weights, near.position};
     }
     found.from.vertex.push_back(v), found.to.push_back(to);
   }
@@ -118,9 +156,9 @@ void remove_without_area(Targets& found) {
   found.from = std::move(kept.from), found.to = std::move(kept.to);
 }
 
-Error nothing_tied(const AttachmentScene& scene, const Targets& found, const SfemBody& body) {
+Error nothing_tied(const AttachmentScene& scene, const Targets& found, const CoupledSurface& body) {
   if (std::isinf(found.nearest)) {
-    const Box box = box_around(body.model.body.mesh.vertices);
+    const Box box = box_around(body.vertices);
     return {
         fmt::format("{}: the box contains no surface vertex of {}, which extends from {:.4g}, {:.4g}, "
                     "{:.4g} to {:.4g}, {:.4g}, {:.4g} m",
@@ -133,66 +171,140 @@ Error nothing_tied(const AttachmentScene& scene, const Targets& found, const Sfe
                   scene.source_location, body.name, scene.distance, found.nearest)};
 }
 
-Result<Attachment> load_attachment(const AttachmentScene& scene, const World& world) {
-  // bodies
-  const SfemBody& body = world.sfem_bodies[std::size_t(scene.body.index)];
-  const SfemBody* other = scene.other ? &world.sfem_bodies[std::size_t(scene.other->index)] : nullptr;
-  if (const Status able = check_body(scene.source_location, body); !able) return able.error();
+/// Springs of an attachment share its stiffness and strength by area.
+contact::Tie made_tie(const AttachmentScene& scene, const Attachment& whole, double share,
+                      const contact::SurfacePoint& a, const contact::SurfacePoint& b) {
+  return {.a = a,
+          .b = b,
+          .stiffness = whole.stiffness * share,
+          .slack = scene.slack,
+          .strength = scene.break_force * share,
+          .force = {}};
+}
+
+/// Points of a rigid body tied to the ground, or to the nearest points of another surface.
+Result<Attachment> attachment_at_points(const AttachmentScene& scene, const CoupledSurface& body,
+                                        const CoupledSurface* other, Attachment made) {
+  if (!(scene.stiffness > 0))
+    return Error{scene.source_location +
+                 ": points have no area, expected stiffness instead of "
+                 "stiffness_per_area"};
+  made.stiffness = scene.stiffness;
+  TriangleTree tree;
   if (other)
-    if (const Status able = check_body(scene.source_location, *other); !able) return able.error();
+    tree = build_triangle_tree({other->vertices.begin(), other->vertices.end()},
+                               {other->triangles.begin(), other->triangles.end()});
+  for (const Vec3d p : scene.at) {
+    const contact::SurfacePoint from{body.index, {-1, -1, -1}, {}, p};
+    contact::SurfacePoint to{.rest = p};
+    if (other) {
+      const TrianglePoint near = nearest_point(tree, p);
+      to = {other->index, tree.triangles[std::size_t(near.triangle)], near.weights, near.position};
+    }
+    made.ties.push_back(made_tie(scene, made, 1.0 / double(scene.at.size()), from, to));
+  }
+  return made;
+}
+
+/// The points of a tie with a rigid body coincide at rest, so that the offset between them turns with the
+/// body.
+void join_rigid_points(bool is_a_rigid, bool is_b_rigid, std::vector<contact::Tie>& ties) {
+  for (contact::Tie& tie : ties)
+    if (is_a_rigid)
+      tie.a.rest = tie.b.rest;
+    else if (is_b_rigid)
+      tie.b.rest = tie.a.rest;
+}
+
+Result<Attachment> load_attachment(const AttachmentScene& scene, const World& world) {
+  // bodies; the surface points are those of the body that deforms
+  if (const Status able = check_body(scene.source_location, world, scene.body); !able) return able.error();
+  if (scene.other)
+    if (const Status able = check_body(scene.source_location, world, *scene.other); !able)
+      return able.error();
+  CoupledSurface body = coupled_surface(world, scene.body);
+  std::optional<CoupledSurface> other;
+  if (scene.other) other = coupled_surface(world, *scene.other);
+  Attachment made{.name = scene.name, .between = {body.name, other ? other->name : "ground"}, .ties = {}};
+  if (!scene.at.empty()) {
+    Result<Attachment> at_points =
+        attachment_at_points(scene, body, other ? &*other : nullptr, std::move(made));
+    if (at_points) join_rigid_points(other.has_value(), false, at_points->ties);
+    return at_points;
+  }
+  const bool is_swapped = body.rigid && other && !other->rigid;
+  if (is_swapped) std::swap(body, *other);
 
   // tied points
-  Targets found = find_targets(scene, body, other, scene.other ? scene.other->index : -1);
+  Targets found = find_targets(scene, body, other ? &*other : nullptr);
   if (found.from.vertex.empty() && scene.is_optional) return Attachment{};
   if (found.from.vertex.empty()) return nothing_tied(scene, found, body);
-  measure_areas(body.model, found.from);
+  measure_areas(body, found.from);
   remove_without_area(found);
   const SurfaceVertices all = found.from;
-  thin_out(body.model.body.mesh.vertices, std::size_t(scene.points), found.from);
+  thin_out(body.vertices, std::size_t(scene.points), found.from);
 
   // springs
-  Attachment made{.name = scene.name, .between = {body.name, other ? other->name : "ground"}, .ties = {}};
   for (const double area : found.from.area) made.area += area;
   made.stiffness = scene.stiffness > 0 ? scene.stiffness : scene.stiffness_per_area * made.area;
   for (std::size_t n = 0; n < found.from.vertex.size(); n++) {
     const int v = found.from.vertex[n];
     const auto at = std::lower_bound(all.vertex.begin(), all.vertex.end(), v) - all.vertex.begin();
     const double share = found.from.area[n] / made.area;
-    made.ties.push_back(
-        {.a = {scene.body.index, {v, -1, -1}, {1, 0, 0}, body.model.body.mesh.vertices[std::size_t(v)]},
-         .b = found.to[std::size_t(at)],
-         .stiffness = made.stiffness * share,
-         .slack = scene.slack,
-         .strength = scene.break_force * share,
-         .force = {}});
+    const contact::SurfacePoint from{body.index, {v, -1, -1}, {1, 0, 0}, body.vertices[std::size_t(v)]};
+    made.ties.push_back(made_tie(scene, made, share, from, found.to[std::size_t(at)]));
   }
+  join_rigid_points(body.rigid && other, other && other->rigid, made.ties);
+  if (is_swapped)
+    for (contact::Tie& tie : made.ties) std::swap(tie.a, tie.b);
   return made;
 }
 
-contact::PairSurface rest_pair_surface(const World& world, int index) {
-  const sfem::Model& model = world.sfem_bodies[std::size_t(index)].model;
-  return {index, model.body.mesh.vertices, model.body.mesh.vertices, model.surface.triangles, {}};
+contact::PairSurface rest_pair_surface(const CoupledSurface& surface) {
+  return {surface.index, surface.vertices, surface.vertices, surface.triangles, {}};
+}
+
+/// Smallest extent of the box around a surface [m].
+double smallest_extent(const CoupledSurface& surface) {
+  const Box box = box_around(surface.vertices);
+  const Vec3d size = box.high - box.low;
+  return std::min({size.x, size.y, size.z});
+}
+
+/// Distances within which sites are found, before the motion of a frame is added.
+void set_reach(const CoupledSurface& body, const CoupledSurface* other, contact::PairParams& params) {
+  constexpr double kReach = 0.25, kDeepest = 2;              // of an edge
+  constexpr double kRigidReach = 0.05, kRigidDeepest = 0.5;  // of the extent of rigid bodies
+  double edge = 0, extent = HUGE_VAL;
+  for (const CoupledSurface* surface : {&body, other}) {
+    if (!surface) continue;
+    if (surface->rigid)
+      extent = std::min(extent, smallest_extent(*surface));
+    else
+      edge = std::max(edge, contact::mean_edge(surface->vertices, surface->triangles));
+  }
+  params.reach = params.gap + (edge > 0 ? kReach * edge : kRigidReach * extent);
+  params.deepest = edge > 0 ? kDeepest * edge : kRigidDeepest * extent;
 }
 
 Result<BodyContact> load_contact(const Exec& exec, const BodyContactScene& scene, const World& world) {
-  constexpr double kReach = 0.25, kDeepest = 2;  // of an edge
-  BodyContact made{.name = scene.name, .between = {}, .body = {scene.body.index, scene.other.index}};
-  double edge = 0;
-  for (int side = 0; side < 2; side++) {
-    const SfemBody& body = world.sfem_bodies[std::size_t(made.body[std::size_t(side)])];
-    if (const Status able = check_body(scene.source_location, body); !able) return able.error();
-    made.between[std::size_t(side)] = body.name;
-    edge = std::max(edge, contact::mean_edge(body.model.body.mesh.vertices, body.model.surface.triangles));
-  }
+  if (const Status able = check_body(scene.source_location, world, scene.body); !able) return able.error();
+  if (scene.other)
+    if (const Status able = check_body(scene.source_location, world, *scene.other); !able)
+      return able.error();
+  const CoupledSurface body = coupled_surface(world, scene.body);
+  std::optional<CoupledSurface> other;
+  if (scene.other) other = coupled_surface(world, *scene.other);
+  BodyContact made{.name = scene.name,
+                   .between = {body.name, other ? other->name : "ground"},
+                   .body = {body.index, other ? other->index : -1},
+                   .ground = {scene.through, normalized(scene.normal)}};
   // sites are found before they touch
-  made.params = {.gap = scene.gap,
-                 .reach = scene.gap + kReach * edge,
-                 .deepest = kDeepest * edge,
-                 .friction = scene.friction,
-                 .capacity = scene.sites};
-  // surfaces that are nearer than the gap at rest stay so
-  const contact::PairSurface a = rest_pair_surface(world, made.body[0]),
-                             b = rest_pair_surface(world, made.body[1]);
+  made.params = {.gap = scene.gap, .friction = scene.friction, .capacity = scene.sites};
+  set_reach(body, other ? &*other : nullptr, made.params);
+  // deformable surfaces that are nearer than the gap at rest stay so
+  if (!other || body.rigid || other->rigid) return made;
+  const contact::PairSurface a = rest_pair_surface(body), b = rest_pair_surface(*other);
   made.rest_height[0] = contact::rest_heights(exec, a, b, made.params.reach, made.params.deepest);
   made.rest_height[1] = contact::rest_heights(exec, b, a, made.params.reach, made.params.deepest);
   return made;
@@ -201,17 +313,90 @@ Result<BodyContact> load_contact(const Exec& exec, const BodyContactScene& scene
 /// True if the bodies are farther from each other at rest than they are likely to move.
 bool are_apart(const BodyContactScene& scene, const World& world) {
   constexpr double kNear = 0.02;  // [m]
-  Box boxes[2];
-  for (int side = 0; side < 2; side++)
-    boxes[side] = box_around(world.sfem_bodies[std::size_t((side == 0 ? scene.body : scene.other).index)]
-                                 .model.body.mesh.vertices);
+  if (!scene.other) return false;
+  const Box boxes[] = {box_around(coupled_surface(world, scene.body).vertices),
+                       box_around(coupled_surface(world, *scene.other).vertices)};
   const Vec3d margin{kNear, kNear, kNear};
   return !meet({boxes[0].low - margin, boxes[0].high + margin}, boxes[1]);
 }
 
 }  // namespace
 
+int coupled_index(const World& world, BodyId id) {
+  if (id.kind == BodyKind::kSfem) return id.index;
+  if (id.kind == BodyKind::kRigid) return int(world.sfem_bodies.size()) + id.index;
+  const std::vector<CoupledSupport>& supports = world.coupling.supports;
+  const auto found = std::find_if(supports.begin(), supports.end(),
+                                  [id](const CoupledSupport& support) { return support.body == id; });
+  TURGOR_ASSERT(found != supports.end(), "loading makes the supports of attachments and contacts");
+  return first_support(world) + int(found - supports.begin());
+}
+
+BodyId coupled_body(const World& world, int index) {
+  const int sfem = int(world.sfem_bodies.size()), support = first_support(world);
+  if (index < sfem) return {BodyKind::kSfem, index};
+  if (index < support) return {BodyKind::kRigid, index - sfem};
+  return world.coupling.supports[std::size_t(index - support)].body;
+}
+
+std::vector<Vec3d> support_displacement(const World& world, const CoupledSupport& support) {
+  std::vector<Vec3d> displacement;
+  displacement.reserve(support.carrier.size());
+  const auto index = std::size_t(support.body.index);
+  if (support.body.kind == BodyKind::kLattice) {
+    const LatticeBody& body = world.lattice_bodies[index];
+    const Mat3d& axes = body.model.anatomy.grid.axes;
+    for (const int slot : support.carrier)
+      displacement.push_back(axes * Vec3d(body.state->motion.u[std::size_t(slot)]));
+  } else {
+    const rhombus::State& state = world.rhombus_bodies[index].state;
+    for (const int v : support.carrier) displacement.push_back(state.displacement[std::size_t(v)]);
+  }
+  return displacement;
+}
+
+namespace {
+
+/// Surface of a lattice or of chains for attachments and contacts.
+CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
+  CoupledSupport support{.body = id, .rest = {}, .carrier = {}, .triangles = {}, .force = {}};
+  if (id.kind == BodyKind::kLattice) {
+    LatticeBody& body = world.lattice_bodies[std::size_t(id.index)];
+    refresh_surface(exec, body);
+    support.rest = body.rest, support.carrier = body.surface.slot;
+    support.triangles = body.surface.triangles;
+    return support;
+  }
+  const rhombus::Surface& surface = world.rhombus_bodies[std::size_t(id.index)].model.surface;
+  support.rest = surface.vertices, support.triangles = surface.triangles;
+  support.carrier.resize(support.rest.size());
+  std::iota(support.carrier.begin(), support.carrier.end(), 0);
+  return support;
+}
+
+/// Adds a support for a lattice or chains that has none.
+void add_support(const Exec& exec, BodyId id, World& world) {
+  if (id.kind != BodyKind::kLattice && id.kind != BodyKind::kRhombus) return;
+  for (const CoupledSupport& support : world.coupling.supports)
+    if (support.body == id) return;
+  world.coupling.supports.push_back(make_support(exec, id, world));
+}
+
+void add_supports(const Exec& exec, const Scene& scene, World& world) {
+  for (const AttachmentScene& attachment : scene.attachments) {
+    add_support(exec, attachment.body, world);
+    if (attachment.other) add_support(exec, *attachment.other, world);
+  }
+  for (const BodyContactScene& contact : scene.body_contacts) {
+    add_support(exec, contact.body, world);
+    if (contact.other) add_support(exec, *contact.other, world);
+  }
+}
+
+}  // namespace
+
 Status load_coupling(const Exec& exec, const Scene& scene, World& world) {
+  add_supports(exec, scene, world);
   for (const AttachmentScene& attachment : scene.attachments) {
     Result<Attachment> made = load_attachment(attachment, world);
     if (!made) return made.error();

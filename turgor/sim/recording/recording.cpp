@@ -7,10 +7,8 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
-#include "turgor/models/lattice/cutting/fine_lattice.hpp"
-#include "turgor/models/lattice/model/fields.hpp"
 #include "turgor/sim/recording/recording_cloth.hpp"
-#include "turgor/sim/recording/recording_fields.hpp"
+#include "turgor/sim/recording/recording_lattice.hpp"
 #include "turgor/sim/recording/recording_suture.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
 
@@ -24,13 +22,6 @@ constexpr const char *kRecordingFormat = "turgor recording 7",
                      *kOldFormat = "turgor recording 6";  // the same with the names of renamed_datasets.hpp
 constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
 constexpr double kUnitError = 1e-6;  // of the length of a unit vector
-
-std::vector<int> node_slots(const lattice::Model& model) {
-  std::vector<int> slots;
-  for (int s = 0; s < slot_count(model.anatomy.lattice); s++)
-    if (has_node(model, s)) slots.push_back(s);
-  return slots;
-}
 
 std::string joined(const std::vector<std::string>& lines) {
   return fmt::format("{}", fmt::join(lines, "\n"));
@@ -46,44 +37,6 @@ std::vector<std::string> split_lines(const std::string& text) {
   return lines;
 }
 
-std::vector<double> flat(const std::vector<Vec3d>& points) {
-  std::vector<double> values;
-  for (const Vec3d p : points) values.insert(values.end(), {p.x, p.y, p.z});
-  return values;
-}
-
-Status write_body(Hdf5File& file, const LatticeBody& body) {
-  const lattice::Model& model = body.model;
-  const Grid& grid = model.anatomy.grid;
-  // rest positions of the nodes
-  std::vector<float> rest;
-  for (const int slot : node_slots(model)) {
-    const Int3 node = slot_node(model.anatomy.lattice, slot);
-    const Vec3 p(point_at(grid, {double(node.x), double(node.y), double(node.z)}));
-    rest.insert(rest.end(), {p.x, p.y, p.z});
-  }
-  // write CT hash, lattice and rest positions
-  return Writing(file, fmt::format("/bodies/{}/", body.name))
-      .array<std::uint64_t>("ct_hash", {body.ct_hash})
-      .array<std::int32_t>("lattice_size", {grid.size.x, grid.size.y, grid.size.z})
-      .array("lattice_origin", flat({grid.origin}), 1, "m")
-      .array("lattice_spacing", flat({grid.spacing}), 1, "m")
-      .array("lattice_axes", flat({grid.axes.column[0], grid.axes.column[1], grid.axes.column[2]}), 3)
-      .array<std::uint64_t>("skin_triangles", {model.anatomy.skin.triangles.size()})
-      .array("rest_points", rest, 3, "m")
-      .status();
-}
-
-Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
-  Writing writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name));
-  write_fields(writing, *body.state, {Axis::kSlot, node_slots(body.model)});
-  std::vector<float> virtual_nodes;
-  for (const lattice::VirtualNodeDisplacement& c : body.state->motion.virtual_u)
-    virtual_nodes.insert(virtual_nodes.end(), {c.x, c.y, c.z});
-  if (!virtual_nodes.empty()) writing.array("virtual_nodes", virtual_nodes, 3, "m");
-  return writing.status() ? write_tools(out, body, id) : writing.status();
-}
-
 Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
   const lattice::BladePath path = cut.path.value_or(lattice::BladePath{});
   TURGOR_CHECK(path.inward.size() == path.points.size(), "every point of a path has a direction");
@@ -92,92 +45,6 @@ Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
       .array("into", flat(path.inward), 3)
       .array<double>("progress", {path.depth, cut.done, double(cut.edges)}, 1, "m, 1, 1")
       .status();
-}
-
-/// True if the lattice has such an edge.
-bool is_edge(const World& world, const lattice::Model& model, const lattice::CutEdge& edge) {
-  if (edge.slot < 0 || edge.slot >= slot_count(model.anatomy.lattice) || edge.family >= kFamilyCount)
-    return false;
-  if (edge.incision >= world.cuts.size() || !(edge.fraction >= 0 && edge.fraction <= 1)) return false;
-  const Int3 cell = slot_node(model.anatomy.lattice, edge.slot);
-  if (!contains(model.anatomy.lattice, cell) || node_slot(model.anatomy.lattice, cell) != edge.slot ||
-      edge.sub_index < 0 || edge.sub_index >= 8 * 8 * 8 || !std::isfinite(edge.along))
-    return false;
-  const lattice::FineLattice fine = lattice::fine_lattice(model);
-  const Int3 node = fine_node(fine, edge);
-  return contains(fine, node) && cell_of(fine, node) == cell && contains(fine, node + kFamilies[edge.family]);
-}
-
-/// Virtual nodes of cut solid tissue.
-void read_virtual_nodes(const SnapshotIn& in, const LatticeBody& body, std::size_t most, Reading& reading,
-                        lattice::State& state) {
-  const std::string path = fmt::format("{}/bodies/{}/virtual_nodes", in.group, body.name);
-  if (!in.file.has(stored_path(in.file, path))) return;
-  const auto flat = reading.array<float>("virtual_nodes", reading.count("virtual_nodes", 3 * most));
-  for (std::size_t n = 0; n + 2 < flat.size(); n += 3) {
-    const lattice::VirtualNodeDisplacement c{flat[n], flat[n + 1], flat[n + 2]};
-    if (!std::isfinite(c.x + c.y + c.z)) reading.fail("virtual_nodes", "a value is not a number");
-    state.motion.virtual_u.push_back(c);
-  }
-}
-
-/// Slots of the nodes in a recording. Those made before partial cells existed have no rim nodes.
-std::vector<int> recorded_slots(const SnapshotIn& in, const LatticeBody& body) {
-  std::vector<int> slots = node_slots(body.model);
-  const std::string path = stored_path(in.file, fmt::format("/bodies/{}/rest_points", body.name));
-  const Result<std::size_t> found = in.file.count(path, 3 * slots.size());
-  if (found && *found < 3 * slots.size())
-    std::erase_if(slots, [&](int s) { return !lattice::is_body(body.model.anatomy.tissue[std::size_t(s)]); });
-  return slots;
-}
-
-/// Excised fragments, which follow from the cuts.
-Status restore_excised(const SnapshotIn& in, const LatticeBody& body, lattice::Cuts& cuts) {
-  for (std::size_t c = 0; c < in.world.cuts.size(); c++) {
-    const Cut& cut = in.world.cuts[c];
-    if (&in.world.lattice_bodies[std::size_t(cut.body)] != &body) continue;
-    if (!cut.blade.excision || !cut.path || cut.done < 1) continue;
-    const Result<lattice::FreePiece> piece = lattice::find_piece(body.model, cuts, int(c));
-    if (!piece)
-      return Error{
-          fmt::format("{}: {}: cut {}: {}", in.path, in.group, cut.blade.name, piece.error().message)};
-    lattice::mark_excised(*piece, cuts);
-  }
-  return Done{};
-}
-
-Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
-  // fields and virtual nodes
-  const std::vector<int> slots = recorded_slots(in, body);
-  lattice::State state = lattice::make_state(body.model);
-  Reading reading(in.file, fmt::format("{}/bodies/{}/", in.group, body.name));
-  const Int3 subdivisions = lattice::fine_lattice(body.model).subdivisions;
-  const std::size_t most =
-      std::size_t(kFamilyCount * subdivisions.x * subdivisions.y * subdivisions.z) * slots.size();
-  read_fields(reading, state, {Axis::kSlot, slots}, most);
-  read_virtual_nodes(in, body, most, reading, state);
-  if (!reading.status()) return reading.status();
-
-  // derived values
-  state.motion.u_before = state.motion.u;
-  for (const lattice::CutEdge& edge : state.cuts.edges)
-    if (!is_edge(in.world, body.model, edge))
-      return Error{fmt::format("{}: {}: a cut edge is not in the body", in.path, in.group)};
-  state.cuts.removed_nodes = 0;
-  for (const int slot : slots)
-    if (state.cuts.removed[std::size_t(slot)] &&
-        lattice::is_body(body.model.anatomy.tissue[std::size_t(slot)]))
-      state.cuts.removed_nodes++;
-  state.motion.time = time_of(in.world);
-  if (const Status excised = restore_excised(in, body, state.cuts); !excised) return excised;
-  body.state.change() = std::move(state);
-
-  // tools and snapshot
-  BodySnapshot none;
-  if (!body.tool_indices.empty())
-    if (const Status tools = read_tools(in, body, none); !tools) return tools;
-  show(in.exec, body, body_snapshot(in.snapshot, id));
-  return Done{};
 }
 
 std::string snapshot_group(int snapshot) { return fmt::format("/snapshots/{:05}", snapshot); }
@@ -274,14 +141,15 @@ Result<Scene> Recording::scene(const std::vector<std::string>& more_overrides) c
     texts[i] = *text;
   }
 
-  // only outputs and file locations may change
+  // only outputs, looks and file locations may change
   for (const std::string& more : more_overrides) {
     const std::string key = more.substr(0, more.find('='));
     const auto ends_with = [&](const char* ending) { return key.ends_with(ending); };
     if (!key.starts_with("output.") && !ends_with(".ct") && !ends_with(".labels") &&
-        !ends_with(".direction_field"))
+        !ends_with(".direction_field") && !(key.starts_with("body.") && ends_with(".wet")))
       return Error{fmt::format(
-          "--set {}: a replay may only change output.* and the locations of a body's files", key)};
+          "--set {}: a replay may only change output.*, body.*.wet and the locations of a body's files",
+          key)};
   }
   std::vector<std::string> overrides = split_lines(texts[2]);
   overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());

@@ -28,6 +28,15 @@ struct SnapshotIn {
   WorldSnapshot& snapshot;
 };
 
+/// Coordinates of points, three per point.
+template <class T>
+std::vector<T> flat(const std::vector<Vec<T>>& points) {
+  std::vector<T> values;
+  values.reserve(3 * points.size());
+  for (const Vec<T> p : points) values.insert(values.end(), {p.x, p.y, p.z});
+  return values;
+}
+
 /// Writes arrays until the first error.
 class Writing {
  public:

@@ -22,12 +22,6 @@ constexpr const char *kPoseUnits = "m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, N, N, N,
                          "s, m, m, m, N, N, N, N m, N m, N m, 1, m, m, s, 1, 1, 1, 1, 1, 1, 1, 1, "
                          "1, 1, 1, 1, 1";
 
-std::vector<float> flat(const std::vector<Vec3>& points) {
-  std::vector<float> values;
-  for (const Vec3 p : points) values.insert(values.end(), {p.x, p.y, p.z});
-  return values;
-}
-
 std::vector<Vec3> vectors(const std::vector<float>& values) {
   TURGOR_CHECK(values.size() % 3 == 0, "a point has three numbers");
   std::vector<Vec3> points;

@@ -68,6 +68,24 @@ WoundSample sample_of(const lattice::Wound& wound, double time) {
   return {time, wound.gape_max, wound.gape_mean, wound.opening_area, wound.edge_displacement};
 }
 
+/// Cuts and sutures that requests have added or removed since the last frame.
+void follow_requests(const World& world, Measures& measures) {
+  if (measures.cuts.size() > world.cuts.size()) measures.cuts.resize(world.cuts.size());
+  while (measures.cuts.size() < world.cuts.size()) {
+    const Cut& cut = world.cuts[measures.cuts.size()];
+    TURGOR_CHECK(is_index(cut.body, world.lattice_bodies.size()), "a cut belongs to a lattice");
+    CutMeasures m;
+    m.name = cut.blade.name, m.body = world.lattice_bodies[std::size_t(cut.body)].name;
+    m.region = cut.blade.width > 0, m.excision = cut.blade.excision.has_value(), m.depth = cut.blade.depth,
+    m.width = cut.blade.width;
+    m.undermined = cut.blade.undermine;
+    measures.cuts.push_back(m);
+  }
+  if (measures.sutures.size() > world.sutures.size()) measures.sutures.resize(world.sutures.size());
+  while (measures.sutures.size() < world.sutures.size())
+    measures.sutures.push_back(make_suture_measures(world, world.sutures[measures.sutures.size()]));
+}
+
 }  // namespace
 
 CutTension cut_tension(const lattice::Model& model, const lattice::BladePath& path) {
@@ -102,16 +120,7 @@ double expected_gape_error(const lattice::Model& model, double depth) {
 Measures make_measures(const World& world) {
   Measures measures;
   measures.pressed = make_pressed(world);
-  for (const Cut& cut : world.cuts) {
-    TURGOR_CHECK(is_index(cut.body, world.lattice_bodies.size()), "a cut belongs to a lattice");
-    CutMeasures m;
-    m.name = cut.blade.name, m.body = world.lattice_bodies[std::size_t(cut.body)].name;
-    m.region = cut.blade.width > 0, m.excision = cut.blade.excision.has_value(), m.depth = cut.blade.depth,
-    m.width = cut.blade.width;
-    m.undermined = cut.blade.undermine;
-    measures.cuts.push_back(m);
-  }
-  for (const Suture& suture : world.sutures) measures.sutures.push_back(make_suture_measures(world, suture));
+  follow_requests(world, measures);
   return measures;
 }
 
@@ -120,7 +129,7 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
   // time and forces
   measures.frame_seconds.push_back(frame.seconds);
   update_pressed(exec, world, measures.pressed);
-  TURGOR_CHECK(measures.cuts.size() >= world.cuts.size(), "every cut is measured");
+  follow_requests(world, measures);
   for (std::size_t c = 0; c < world.cuts.size(); c++) {
     // wounds
     const Cut& cut = world.cuts[c];

@@ -17,6 +17,7 @@
 #include "turgor/sim/report/report_organs.hpp"
 #include "turgor/sim/report/report_rhombus.hpp"
 #include "turgor/sim/report/report_sfem.hpp"
+#include "turgor/sim/report/report_skin.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/report/section.hpp"
 #include "turgor/sim/report/verdict.hpp"
@@ -192,6 +193,7 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"bodies", bodies},
           {"wounds", wounds},
           {"sutures", sutures},
+          {"skin", skin_report(exec, world)},
           {"tools", tools},
           {"attachments", attachment_report(world)},
           {"body_contacts", body_contact_report(world)},

@@ -45,6 +45,7 @@ double build_seconds(const SfemBody& body) { return body.facts.shape_seconds + b
 double build_seconds(const RhombusBody& body) { return body.build_seconds; }
 double build_seconds(const LatticeBody& body) { return body.read_seconds + body.build_seconds; }
 double build_seconds(const ClothBody& body) { return body.build_seconds; }
+double build_seconds(const RigidBody&) { return 0; }
 
 struct Cost {
   const TouchedBody& body;

@@ -62,6 +62,14 @@ std::string needle_plots(const Json& tools) {
       plot.bands.push_back(
           {layer.at(0).get<std::string>(), layer.at(3).get<double>(), layer.at(4).get<double>()});
     html += plot_html(plot);
+    if (!tool.at("needle").contains("deflection_max_mm")) continue;
+    Plot bent{"Deflection of needle " + tool.at("name").get<std::string>(),
+              "depth of the tip [mm]",
+              "deflection of the tip [mm]",
+              {}};
+    bent.curves.push_back(curve_of("deflection", tool.at("needle"), {}, "depth_mm", "deflection_mm"));
+    keep_touching(bent);
+    html += plot_html(bent);
   }
   return html;
 }

@@ -11,7 +11,8 @@ namespace {
 
 using namespace units;
 
-constexpr Unit kMillijoules{"mJ", "mJ", 1e3}, kToughness{"J_per_m2", "J/m²"};
+constexpr Unit kMillijoules{"mJ", "mJ", 1e3}, kToughness{"J_per_m2", "J/m²"},
+    kBendingStiffness{"N_m2", "N·m²"};
 constexpr std::size_t kMostNeedleSamples = 2000;  // limit of the series
 
 /// Force along the needle, positive against a push [N].
@@ -28,7 +29,17 @@ ForceSample deepest_sample(const TouchingTool& tool) {
 struct NeedleInput {
   const TouchingTool& tool;
   ForceSample deepest;
+  double deflection_max = 0;  // of the tip [m]
 };
+/// A quantity of needles that bend.
+Json if_bent(const NeedleInput& n, double value) {
+  return n.tool.tool.needle->bending > 0 ? Json(value) : absent();
+}
+double largest_deflection(const TouchingTool& tool) {
+  double most = 0;
+  for (const ForceSample& s : tool.samples) most = std::max(most, norm(s.needle.deflection));
+  return most;
+}
 double parts_of_work(const contact::NeedleWork& w) {
   return w.cutting + w.friction + w.spreading + w.elastic;
 }
@@ -51,6 +62,11 @@ const Quantity<N> kNeedle[] = {
     {"punctures", kCount, "", [](const N& n) -> Json { return n.tool.punctures; }},
     {"entry_force", kNewtons, "", [](const N& n) -> Json { return n.tool.entry_force; }},
     {"inserted_max", kMillimeters, "", [](const N& n) -> Json { return n.deepest.needle.inserted; }},
+    {"bending_stiffness", kBendingStiffness, "",
+     [](const N& n) { return if_bent(n, n.tool.tool.needle->bending); }},
+    {"deflection_max", kMillimeters, "", [](const N& n) { return if_bent(n, n.deflection_max); }},
+    {"deflection_deepest", kMillimeters, "",
+     [](const N& n) { return if_bent(n, norm(n.deepest.needle.deflection)); }},
     {"share.cutting", kPercent, "", [](const N& n) { return share(n, n.deepest.needle.cutting); }},
     {"share.spreading", kPercent, "", [](const N& n) { return share(n, n.deepest.needle.spreading); }},
     {"share.friction", kPercent, "", [](const N& n) { return share(n, n.deepest.needle.friction); }},
@@ -76,6 +92,7 @@ const Quantity<F> kNeedleSeries[] = {
     {"cutting", kNewtons, "", [](const F& s) -> Json { return s.needle.cutting; }},
     {"spreading", kNewtons, "", [](const F& s) -> Json { return s.needle.spreading; }},
     {"friction", kNewtons, "", [](const F& s) -> Json { return s.needle.friction; }},
+    {"deflection", kMillimeters, "", [](const F& s) -> Json { return norm(s.needle.deflection); }},
 };
 
 /// Largest force before each drop by a tenth of it; smaller forces than a tenth of the largest are ignored.
@@ -107,6 +124,13 @@ std::vector<ForceSample> peaks_of(const TouchingTool& tool) {
   return peaks;
 }
 
+/// Tissue with a resistance of its own, and the largest displacement of it by needles.
+struct NeedleRegion {
+  std::string name;
+  int material = 0;   // of contact::NeedleReading
+  double motion = 0;  // [m]
+};
+
 /// Insertions of the tip into another material.
 struct LayerPassage {
   std::string name;
@@ -119,9 +143,9 @@ const Quantity<LayerPassage> kLayers[] = {
     {"from", kMillimeters, "", [](const LayerPassage& l) -> Json { return l.first.depth; }},
     {"to", kMillimeters, "", [](const LayerPassage& l) -> Json { return l.last.depth; }},
 };
-std::vector<LayerPassage> layers_of(const TouchingTool& tool, const std::vector<InnerRegion>& regions) {
+std::vector<LayerPassage> layers_of(const TouchingTool& tool, const std::vector<NeedleRegion>& regions) {
   std::vector<LayerPassage> passages;
-  for (const InnerRegion& region : regions) {
+  for (const NeedleRegion& region : regions) {
     bool is_open = false;
     double before = 0;
     for (const ForceSample& s : tool.samples) {
@@ -138,32 +162,38 @@ std::vector<LayerPassage> layers_of(const TouchingTool& tool, const std::vector<
   return passages;
 }
 
-/// Largest displacement of each inner region by needles.
-struct Target {
-  const InnerRegion& region;
-  double motion = 0;
-};
-const Quantity<Target> kTargets[] = {
-    {"target", kNone, "", [](const Target& t) -> Json { return t.region.name; }},
-    {"motion", kMillimeters, "", [](const Target& t) -> Json { return t.motion; }},
+const Quantity<NeedleRegion> kTargets[] = {
+    {"target", kNone, "", [](const NeedleRegion& t) -> Json { return t.name; }},
+    {"motion", kMillimeters, "", [](const NeedleRegion& t) -> Json { return t.motion; }},
 };
 
-}  // namespace
-
-Json needle_report(const TouchingTool& tool, const SfemBody& body) {
-  Json json = values_of(kNeedle, NeedleInput{tool, deepest_sample(tool)});
+Json needle_report(const TouchingTool& tool, const std::vector<NeedleRegion>& regions) {
+  Json json = values_of(kNeedle, NeedleInput{tool, deepest_sample(tool), largest_deflection(tool)});
   add_rows(json, "peak_columns", "peaks", kPeaks, peaks_of(tool));
-  if (!body.inside.empty()) {
-    add_rows(json, "layer_columns", "layers", kLayers, layers_of(tool, body.inside));
-    std::vector<Target> targets;
-    for (std::size_t r = 0; r < body.inside.size(); r++)
-      targets.push_back({body.inside[r], body.needles.target_motion[r]});
-    add_rows(json, "target_columns", "targets", kTargets, targets);
+  if (!regions.empty()) {
+    add_rows(json, "layer_columns", "layers", kLayers, layers_of(tool, regions));
+    add_rows(json, "target_columns", "targets", kTargets, regions);
   }
   const std::size_t stride =
       std::max<std::size_t>(1, (tool.samples.size() + kMostNeedleSamples - 1) / kMostNeedleSamples);
   add_rows(json, "series_columns", "series", kNeedleSeries, tool.samples, stride);
   return json;
+}
+
+}  // namespace
+
+Json needle_report(const TouchingTool& tool, const SfemBody& body) {
+  std::vector<NeedleRegion> regions;
+  for (std::size_t r = 0; r < body.inside.size(); r++)
+    regions.push_back({body.inside[r].name, body.inside[r].material, body.needles.target_motion[r]});
+  return needle_report(tool, regions);
+}
+
+Json needle_report(const TouchingTool& tool, const LatticeBody& body) {
+  std::vector<NeedleRegion> regions;
+  for (std::size_t l = 0; l < body.layers.layers.size(); l++)
+    regions.push_back({body.layers.layers[l].name, int(l) + 1, body.layers.motion[l]});
+  return needle_report(tool, regions);
 }
 
 }  // namespace turgor

@@ -76,7 +76,7 @@ Json of_law(const SfemInput& b, V value) {
 }
 /// Largest value of all tools on a textured body.
 Json of_texture(const SfemInput& b, double contact::TextureState::*value) {
-  if (b.body.texture.roughness <= 0) return absent();
+  if (!is_rough(b.body.texture)) return absent();
   double most = 0;
   for (const contact::TextureState& state : b.body.now.textures) most = std::max(most, state.*value);
   return most;
@@ -189,7 +189,7 @@ const Quantity<B> kSfem[] = {
      [](const B& b) -> Json {
        long ticks = 0;
        for (const contact::TextureState& state : b.body.now.textures) ticks += state.limited_ticks;
-       return b.body.texture.roughness > 0 ? Json(ticks) : absent();
+       return is_rough(b.body.texture) ? Json(ticks) : absent();
      }},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
      [](const B& b) -> Json { return percentile(b.pressed.surface_seconds, 0.5); }},

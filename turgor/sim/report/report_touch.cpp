@@ -207,9 +207,12 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
   const std::size_t stride =
       std::max<std::size_t>(1, (tool.samples.size() + kMostSamples - 1) / kMostSamples);
   add_rows(json, "series_columns", "series", kForces, tool.samples, stride);
-  if (tool.tool.needle) json["needle"] = needle_report(tool, world.sfem_bodies[std::size_t(tool.body.index)]);
+  const auto body = std::size_t(tool.body.index);
+  if (tool.tool.needle)
+    json["needle"] = tool.body.kind == BodyKind::kLattice ? needle_report(tool, world.lattice_bodies[body])
+                                                          : needle_report(tool, world.sfem_bodies[body]);
   if (tool.body.kind == BodyKind::kSfem)
-    json["over"] = over_inclusions(tool.samples, world.sfem_bodies[std::size_t(tool.body.index)].inside);
+    json["over"] = over_inclusions(tool.samples, world.sfem_bodies[body].inside);
   return json;
 }
 

@@ -22,6 +22,7 @@ inline Json items_of(const Json& report, const char* key) { return report.value(
 /// Each is defined next to its quantities.
 Section wound_section();   // report_lattice.cpp
 Section suture_section();  // report_suture.cpp
+Section skin_section();    // report_skin.cpp
 Section lattice_section();
 Section deformed_section();
 Section tool_section();  // report_touch.cpp
@@ -30,6 +31,7 @@ Section attachment_section();  // report_organs.cpp
 Section body_contact_section();
 Section cost_section();      // report_compare.cpp
 Section rhombus_section();   // report_rhombus.cpp
+Section rigid_section();     // report_rigid.cpp
 Section obstacle_section();  // report_cloth.cpp
 Section hold_section();
 Section cloth_section();

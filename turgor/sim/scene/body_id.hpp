@@ -13,17 +13,18 @@
 
 namespace turgor {
 
-/// In the order in which a frame steps them: cloth last, because it lies on other bodies.
-enum class BodyKind : std::uint8_t { kSfem, kRhombus, kLattice, kCloth };
+/// In the order in which a frame steps them: cloth after the bodies on which it lies.
+enum class BodyKind : std::uint8_t { kSfem, kRhombus, kLattice, kCloth, kRigid };
 
 /// Values of the key `model`.
-constexpr const char* kModelNames[] = {"sfem", "rhombus", "lattice", "cloth"};
+constexpr const char* kModelNames[] = {"sfem", "rhombus", "lattice", "cloth", "rigid"};
 constexpr std::size_t kModelCount = std::size(kModelNames);
 
 /// Vectors of bodies in the order of BodyKind, of a scene or of a world.
 template <class AnyWorld>
 auto bodies_by_kind(AnyWorld& world) {
-  return std::tie(world.sfem_bodies, world.rhombus_bodies, world.lattice_bodies, world.cloth_bodies);
+  return std::tie(world.sfem_bodies, world.rhombus_bodies, world.lattice_bodies, world.cloth_bodies,
+                  world.rigid_bodies);
 }
 
 struct BodyId {

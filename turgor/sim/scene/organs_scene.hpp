@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "turgor/core/vec.hpp"
 #include "turgor/sim/scene/body_id.hpp"
@@ -18,6 +19,7 @@ struct AttachmentScene {
   BodyId body;
   std::optional<BodyId> other;              // empty = the ground
   double distance = 0.003;                  // between the surfaces at rest, up to which points are tied [m]
+  std::vector<Vec3d> at;                    // of a rigid body: these points are tied [m]
   std::optional<std::array<Vec3d, 2>> box;  // only points in it: low and high corner [m]
   double stiffness = 0;                     // of the whole attachment; 0 = by area [N/m]
   double stiffness_per_area = 0;            // [N/m³]
@@ -31,10 +33,12 @@ struct AttachmentScene {
 struct BodyContactScene {
   std::string name;
   std::string source_location;
-  BodyId body, other;
-  double friction = 0.1;  // Coulomb's μ [1]
-  double gap = 0;         // distance that is kept between the surfaces [m]
-  int sites = 64;         // at most
+  BodyId body;
+  std::optional<BodyId> other;     // empty = the ground
+  Vec3d through, normal{0, 0, 1};  // of the ground's plane [m]
+  double friction = 0.1;           // Coulomb's μ [1]
+  double gap = 0;                  // distance that is kept between the surfaces [m]
+  int sites = 64;                  // at most
   bool is_optional = false;
 };
 

@@ -4,12 +4,9 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <iterator>
-#include <map>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/io/files/input_file.hpp"
-#include "turgor/sim/scene/name.hpp"
 #include "turgor/sim/scene/organ_bodies.hpp"
 #include "turgor/sim/scene/scene_alternatives.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
@@ -17,11 +14,14 @@
 #include "turgor/sim/scene/scene_excision.hpp"
 #include "turgor/sim/scene/scene_incision.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
+#include "turgor/sim/scene/scene_look.hpp"
 #include "turgor/sim/scene/scene_organs.hpp"
 #include "turgor/sim/scene/scene_output.hpp"
+#include "turgor/sim/scene/scene_overrides.hpp"
 #include "turgor/sim/scene/scene_parameters.hpp"
 #include "turgor/sim/scene/scene_renamed.hpp"
 #include "turgor/sim/scene/scene_rhombus.hpp"
+#include "turgor/sim/scene/scene_rigid.hpp"
 #include "turgor/sim/scene/scene_sfem.hpp"
 #include "turgor/sim/scene/scene_suture.hpp"
 #include "turgor/sim/scene/scene_table.hpp"
@@ -34,16 +34,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestScene = 1 << 20;  // bytes; avoids parsing a CT given by mistake
-
-/// Value of an override as TOML; a bare word is text.
-toml::table parse_override_value(const std::string& text) {
-  try {
-    toml::table parsed = toml::parse("value = " + text);
-    if (parsed.size() == 1) return parsed;
-  } catch (const toml::parse_error&) {
-  }
-  return toml::table{{"value", text}};
-}
 
 /// Line of an unclosed multi-line string, 0 if there is none. The parser reports only an unexpected end of
 /// file.
@@ -73,69 +63,6 @@ bool is_open_string(std::string_view text, int line) {
   return open != 0;
 }
 
-std::vector<std::string> split_key(std::string_view key) {
-  std::vector<std::string> names(1);
-  for (const char c : key) {
-    if (c == '.')
-      names.emplace_back();
-    else
-      names.back() += c;
-  }
-  return names;
-}
-
-std::vector<std::string> keys_of(const toml::table& table) {
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : table) keys.emplace_back(key.str());
-  return keys;
-}
-
-/// Removes a key, as if the scene did not contain it.
-Status remove_key(toml::table& table, const std::string& name, const std::string& key) {
-  if (table.erase(name) > 0) return Done{};
-  return Error{fmt::format("--set {}=: the scene has no {} that could be removed{}", key, key,
-                           suggestion(name, keys_of(table)))};
-}
-
-/// Puts `key=value` into the table, or removes the key if the value is empty. Error: invalid key, or a key
-/// that leads through a value that is not a table.
-Status apply_override(toml::table& root, const std::string& text, SceneProblems& problems,
-                      std::vector<std::string>& notes) {
-  // key and value
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    return Error{fmt::format("--set {}: expected key=value, as in --set body.torso.block=2", text)};
-  const std::string key = current_key(root, text.substr(0, equals), notes), value = text.substr(equals + 1);
-  const std::vector<std::string> names = split_key(key);
-  if (!std::all_of(names.begin(), names.end(), is_name))
-    return Error{fmt::format("--set {}: expected a key of names with dots between them", key)};
-
-  // table of the key
-  toml::table* table = &root;
-  std::string path;
-  for (std::size_t i = 0; i + 1 < names.size(); i++) {
-    // Overrides cannot create bodies, incisions or tools: a misspelt name would be ignored silently.
-    const bool names_one = i == 1 && (names[0] == "body" || names[0] == "incision" ||
-                                      names[0] == "excision" || names[0] == "suture" || names[0] == "tool" ||
-                                      names[0] == "attachment" || names[0] == "contact");
-    if (names_one && !table->contains(names[i]))
-      return Error{fmt::format("--set {}: the scene has no {} {}{}", key, names[0], names[i],
-                               suggestion(names[i], keys_of(*table)))};
-    path += (i ? "." : "") + names[i];
-    toml::node* next = table->get(names[i]);
-    if (!next) next = &table->insert(names[i], toml::table{}).first->second;
-    if (!next->is_table())
-      return Error{fmt::format("--set {}: {} is {} in the scene, not a table", key, path, describe(*next))};
-    table = next->as_table();
-  }
-
-  // remove or set
-  if (value.empty()) return remove_key(*table, names.back(), key);
-  table->insert_or_assign(names.back(), std::move(*parse_override_value(value).get("value")));
-  problems.overrides[key] = value;
-  return Done{};
-}
-
 void read_world(SceneTable world, Scene& scene) {
   world.begin_group("world");
   world.read("gravity", scene.gravity, within(-1000, 1000, "m/s²"),
@@ -154,11 +81,13 @@ void read_world(SceneTable world, Scene& scene) {
 std::string read_model(SceneTable& body) {
   std::string model;
   if (!body.has("model"))
-    body.fail("model", "model is missing: \"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
-  body.read_choice("model", model, {"lattice", "sfem", "rhombus", "cloth"},
-                   {"`\"lattice\"`: a body from a CT, for cutting and contact; `\"sfem\"`: a finite-element "
-                    "solid for haptic contact; `\"rhombus\"`: a surface for contact and forceps; `\"cloth\"`",
-                    "required"});
+    body.fail("model", "model is missing: \"lattice\", \"sfem\", \"rhombus\", \"cloth\" or \"rigid\"");
+  body.read_choice(
+      "model", model, {"lattice", "sfem", "rhombus", "cloth", "rigid"},
+      {"`\"lattice\"`: a body from a CT, for cutting and contact; `\"sfem\"`: a finite-element "
+       "solid for haptic contact; `\"rhombus\"`: a surface for contact and forceps; `\"cloth\"`; "
+       "`\"rigid\"`: a body that does not deform",
+       "required"});
   return model;
 }
 
@@ -174,10 +103,13 @@ bool read_bodies(SceneTable bodies, Scene& scene) {
     const std::string model = read_model(body);
     are_known = are_known && !model.empty();
     if (model.empty()) continue;
+    read_wet(body, name, scene.look);
     if (model == "sfem")
       scene.sfem_bodies.push_back(read_sfem_scene(body, name, scene.device));
     else if (model == "rhombus")
       rhombi.emplace_back(name, body);
+    else if (model == "rigid")
+      scene.rigid_bodies.push_back(read_rigid_scene(body, name));
     else if (model == "cloth")
       cloths.emplace_back(name, body);
     else

@@ -2,6 +2,7 @@
 // docs/scene.md lists every key with unit and default. Nothing is loaded here.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,13 +18,26 @@
 #include "turgor/sim/scene/cloth_scene.hpp"
 #include "turgor/sim/scene/ct_source.hpp"
 #include "turgor/sim/scene/device.hpp"
+#include "turgor/sim/scene/look_scene.hpp"
 #include "turgor/sim/scene/organs_scene.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
+#include "turgor/sim/scene/rigid_scene.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
 #include "turgor/sim/scene/suture_scene.hpp"
 #include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
+
+/// Resistance of a layer or region of a lattice to needles. Its tissue is given by exactly one of label, HU
+/// and depth; a layer by depth comes before a label, a label before a range of HU.
+struct NeedleLayerScene {
+  std::string name;
+  int label = 0;                            // of the segmentation; 0 = none
+  std::optional<std::array<double, 2>> hu;  // [HU]
+  double depth = 0;                // below the skin at rest, down to which it reaches; 0 = not given [m]
+  double toughness = kNeedlesOwn;  // [J/m²]
+  double friction = kNeedlesOwn;   // along the shaft, per length [N/m]
+};
 
 /// [body.NAME] with model = "lattice".
 struct LatticeScene {
@@ -42,6 +56,7 @@ struct LatticeScene {
   double stiffness_scale = 1;    // of all moduli of the tissue [1]
   Device device = Device::kCpu;  // from the scene
   lattice::Params params;
+  std::vector<NeedleLayerScene> inside;
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report
 };
 
@@ -54,8 +69,9 @@ struct IncisionScene {
   bool by_fraction = false;
 };
 
-/// Quantity that colors surfaces in pictures. Stretch exists on skin, pressure on touched bodies.
-enum class SkinColor : std::uint8_t { kNone, kDisplacement, kStretch, kPressure };
+/// Quantity that colors surfaces in pictures. Stretches exist on skin, of its area and of its most stretched
+/// direction; pressure on touched bodies.
+enum class SkinColor : std::uint8_t { kNone, kDisplacement, kStretch, kPressure, kPrincipalStretch };
 
 /// [output]. File names are relative to the output folder; empty = not written.
 struct OutputScene {
@@ -114,9 +130,11 @@ struct Scene {
   std::vector<ToolScene> tools;
   std::vector<CameraScene> cameras;
   std::vector<ClothScene> cloth_bodies;
+  std::vector<RigidScene> rigid_bodies;
   std::vector<AttachmentScene> attachments;
   std::vector<BodyContactScene> body_contacts;
   OutputScene output;
+  LookScene look;
 };
 
 /// Number of steps of a run.

@@ -249,10 +249,10 @@ void check_one_shape(SceneTable& table) {
 ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Scene& scene) {
   ObstacleScene obstacle{.name = name, .shape = PlaneScene{}};
   table.require({"plane", "sphere", "capsule", "mesh", "body"}, "the shape of the obstacle");
-  table.describe(
-      "body", "", "one of `plane`, `sphere`, `capsule`, `mesh`, `body`",
-      "the moving surface of another body of the scene (`\"lattice\"`, `\"sfem\"`, `\"rhombus\"`), on "
-      "which the cloth exerts its contact forces");
+  table.describe("body", "", "one of `plane`, `sphere`, `capsule`, `mesh`, `body`",
+                 "the moving surface of another body of the scene (`\"lattice\"`, `\"sfem\"`, `\"rhombus\"`, "
+                 "`\"rigid\"`), on "
+                 "which the cloth exerts its contact forces");
   check_one_shape(table);
   if (table.has("sphere")) {
     obstacle.shape = read_ball(table.table("sphere"));
@@ -267,8 +267,8 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
   } else if (table.has("mesh")) {
     obstacle.shape = read_garment(table);
   } else if (table.has("body")) {
-    obstacle.shape =
-        read_body(table, "body", scene, {BodyKind::kLattice, BodyKind::kSfem, BodyKind::kRhombus});
+    obstacle.shape = read_body(table, "body", scene,
+                               {BodyKind::kLattice, BodyKind::kSfem, BodyKind::kRhombus, BodyKind::kRigid});
   } else {
     PlaneScene plane;
     SceneTable shape = table.table("plane");

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include "turgor/sim/scene/scene_path.hpp"
 #include "turgor/sim/scene/scene_renamed.hpp"
 
 namespace turgor {
@@ -40,7 +41,7 @@ std::string as_toml(const std::string& value) {
 const toml::node* find(const toml::table& root, std::span<const std::string> names, std::size_t& known) {
   const toml::node* node = &root;
   for (known = 0; known < names.size() && node->is_table(); known++) {
-    const toml::node* next = node->as_table()->get(names[known]);
+    const toml::node* next = find_node(*node->as_table(), names[known]);
     if (!next) break;
     node = next;
   }
@@ -136,27 +137,61 @@ Result<std::string> with_values(const std::string& text, const std::filesystem::
   return changed;
 }
 
+namespace {
+
+std::string vector_text(Vec3d x) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", x.x, x.y, x.z); }
+
+/// The first free names hand-N.
+template <class IsTaken>
+std::vector<std::string> hand_names(std::size_t count, const IsTaken& is_taken) {
+  std::vector<std::string> names;
+  for (int number = 1; names.size() < count; number++)
+    if (const std::string name = fmt::format("hand-{}", number); !is_taken(name)) names.push_back(name);
+  return names;
+}
+std::vector<std::string> cut_names(const Scene& scene, std::size_t count) {
+  return hand_names(count, [&scene](const std::string& name) {
+    return std::any_of(scene.incisions.begin(), scene.incisions.end(),
+                       [&name](const IncisionScene& incision) { return incision.blade.name == name; });
+  });
+}
+
+}  // namespace
+
 std::string incisions_text(const Scene& scene, std::span<const lattice::Incision> cuts) {
-  const auto vector_text = [](Vec3d x) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", x.x, x.y, x.z); };
-  const auto path_text = [&vector_text](const lattice::Incision& cut) {
+  const auto path_text = [](const lattice::Incision& cut) {
     if (cut.path.empty())
       return fmt::format("from = {}\nto = {}\n", vector_text(cut.from), vector_text(cut.to));
     std::string points;
     for (const Vec3d x : cut.path) points += (points.empty() ? "" : ", ") + vector_text(x);
     return fmt::format("path = [{}]\n", points);
   };
+  const std::vector<std::string> names = cut_names(scene, cuts.size());
   std::string text;
-  int number = 1;
-  for (const lattice::Incision& cut : cuts) {
-    // first free name hand-N
-    const auto is_taken = [&](const IncisionScene& incision) {
-      return incision.blade.name == fmt::format("hand-{}", number);
-    };
-    while (std::any_of(scene.incisions.begin(), scene.incisions.end(), is_taken)) number++;
-    // write the incision as a scene table
-    text +=
-        fmt::format("\n[incision.hand-{}]\nbody = \"{}\"\n{}depth = {:.6g}\nstart = 0\nduration = {:.6g}\n",
-                    number++, cut.name, path_text(cut), cut.depth, cut.duration);
+  for (std::size_t n = 0; n < cuts.size(); n++)
+    text += fmt::format("\n[incision.{}]\nbody = \"{}\"\n{}depth = {:.6g}\nstart = 0\nduration = {:.6g}\n",
+                        names[n], cuts[n].name, path_text(cuts[n]), cuts[n].depth, cuts[n].duration);
+  return text;
+}
+
+std::string sutures_text(const Scene& scene, std::span<const lattice::Incision> cuts,
+                         std::span<const SavedStitch> stitches) {
+  const std::vector<std::string> wounds = cut_names(scene, cuts.size());
+  const std::vector<std::string> names = hand_names(stitches.size(), [&scene](const std::string& name) {
+    return std::any_of(scene.sutures.begin(), scene.sutures.end(),
+                       [&name](const SutureScene& suture) { return suture.name == name; });
+  });
+  std::string text;
+  for (std::size_t n = 0; n < stitches.size(); n++) {
+    const SavedStitch& stitch = stitches[n];
+    const auto wound = std::size_t(stitch.wound), own = scene.incisions.size();
+    std::string points;
+    for (const Vec3d x : stitch.through) points += (points.empty() ? "" : ", ") + vector_text(x);
+    text += fmt::format("\n[suture.{}]\nwound = \"{}\"\nthrough = [{}]\nthread = \"{}\"\n", names[n],
+                        wound < own ? scene.incisions[wound].blade.name : wounds[wound - own], points,
+                        stitch.thread);
+    if (stitch.tension) text += fmt::format("tension = {:.6g}\n", *stitch.tension);
+    text += fmt::format("duration = {:.6g}\n", stitch.duration);
   }
   return text;
 }

@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kExpected = "a label's number (1 to 65535) or an organ's name";
 
 /// "; did you mean liver?" for a misspelt name.
-std::string suggestion(const std::string& name, const SceneLabels& labels) {
+std::string label_suggestion(const std::string& name, const SceneLabels& labels) {
   std::vector<std::string> names;
   for (const auto& [label, own] : labels.names) names.push_back(own);
   const std::string nearest = nearest_name(name, names);
@@ -38,7 +38,7 @@ SceneLabels scene_labels(SceneTable& table) {
 Result<int> find_label(const std::string& name, SceneLabels& labels) {
   const int label = label_number(labels.names, name);
   if (label < 0)
-    return Error{fmt::format("expected {}, found \"{}\"{}", kExpected, name, suggestion(name, labels))};
+    return Error{fmt::format("expected {}, found \"{}\"{}", kExpected, name, label_suggestion(name, labels))};
   const bool is_name = name.find_first_not_of("0123456789") != name.npos;
   if (labels.is_usual && is_name)
     labels.note = fmt::format(

@@ -7,6 +7,7 @@
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
 #include "turgor/sim/scene/scene_layers.hpp"
+#include "turgor/sim/scene/scene_needle_layers.hpp"
 #include "turgor/sim/scene/scene_prony.hpp"
 #include "turgor/sim/scene/scene_skin.hpp"
 #include "turgor/sim/scene/scene_tissue.hpp"
@@ -127,14 +128,16 @@ void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissuePar
                   : law == "ogden"     ? SolidEnergy::kOgden
                                        : SolidEnergy::kNeoHookean;
   read_stiffening(tissue, preset, params.energy, params.stiffening);
-  read_fiber(tissue, params, params.fiber);
+  read_fiber(tissue, params.energy, params.fiber);
   // keys with limits
-  tissue.read("poisson", params.poisson, within(0, 0.49),
-              "solid only: Poisson's ratio; use 10 or more sweeps from 0.45 on");
+  tissue.read(
+      "poisson", params.poisson, within(0, 0.499),
+      "solid only: Poisson's ratio; above 0.45 an odd number of sweeps has one more, and motion needs 10 "
+      "or more");
   tissue.read(
       "partial_cells", params.partial_cells,
       "solid only: cells that the body fills in part bear in proportion, and skin bears where the CT shows "
-      "it (docs/models/partial-cells.md); presses then take up to 13 % more force");
+      "it (docs/models/partial-cells.md)");
   tissue.read(
       "volume", params.volume, within(0, 100),
       "springs and vbd only: bulk stiffness of an added volume energy, in multiples of Young's modulus");
@@ -182,7 +185,8 @@ void add_tissue_rows(SceneTable& tissue, const lattice::TissueParams& params, co
     rows.push_back(
         tissue_row("all tissue", law, preset, {{"poisson", params.poisson, "1", tissue.has("poisson")}}));
   if (params.energy != SolidEnergy::kNeoHookean)
-    rows.push_back(tissue_row("all tissue, stiffening", law, preset, {stiffening_value(tissue, params)}));
+    rows.push_back(tissue_row("all tissue, stiffening", law, preset,
+                              {stiffening_value(tissue, params.energy, params.stiffening)}));
   add_fiber_row(tissue, "all tissue", params.fiber, rows);
   for (const auto& [label, modulus] : params.young_of_label)
     rows.push_back(
@@ -228,7 +232,7 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
     tissue.fail("labels", "stiffness by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
   tissue.finish();
   add_tissue_rows(tissue, params, preset, rows);
-  read_layers(body, params, rows);
+  read_layers(body, has_labels(body), labels, params, rows);
   read_relaxation(body, preset, params, rows);
   read_permanent_set(body, params, rows);
 }
@@ -349,10 +353,10 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
 
   // CT, labels and lattice
   scene.ct = read_ct_source(body);
-  body.read_path(
-      "labels", scene.labels,
-      "a segmentation of the same patient on the CT's grid, for `tissue.labels` and `only`; the file names "
-      "its labels (`.seg.nrrd`, or a NIfTI extension), else they are TotalSegmentator's");
+  body.read_path("labels", scene.labels,
+                 "a segmentation of the same patient on the CT's grid, for `tissue.labels`, `layers` and "
+                 "`only`; the file names "
+                 "its labels (`.seg.nrrd`, or a NIfTI extension), else they are TotalSegmentator's");
   SceneLabels labels = scene_labels(body);
   read_block(body, scene.params.block, scene.spacing);
   read_only(body, labels, scene);
@@ -366,6 +370,7 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
   const bool projects = scene.params.solver.method == Method::kPbd;
   scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;
   read_tissue(body, labels, scene.params.tissue, scene.tissues);
+  scene.inside = read_needle_layers(body, has_labels(body), labels);
   read_stiffness_scale(body, scene.stiffness_scale);
   if (projects && scene.stiffness_scale != 1)
     body.fail("stiffness_scale", "solver.method = \"pbd\" has no moduli to scale; expected 1");
@@ -381,9 +386,11 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
 
   // combinations
   const lattice::TissueParams& law = scene.params.tissue;
-  if (scene.params.solver.sleep_speed > 0 && (pair_count(law.prony) > 0 || lattice::has_set(law.set)))
+  if (scene.params.solver.sleep_speed > 0 && (lattice::most_pairs(law) > 0 || lattice::has_set(law.set)))
     body.fail(
-        pair_count(law.prony) > 0 ? "viscosity" : "permanent_set",
+        pair_count(law.prony) > 0      ? "viscosity"
+        : lattice::most_pairs(law) > 0 ? "layers"
+                                       : "permanent_set",
         "tissue that relaxes or sets creeps in its sleep: set solver.sleep_speed = 0, or remove the key");
   check_solid(body, scene.params);
   if (device == Device::kGpu) check_gpu(body, scene.params);

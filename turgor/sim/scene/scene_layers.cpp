@@ -1,6 +1,8 @@
 #include "turgor/sim/scene/scene_layers.hpp"
 
 #include "turgor/sim/scene/scene_body.hpp"
+#include "turgor/sim/scene/scene_needle_layers.hpp"
+#include "turgor/sim/scene/scene_prony.hpp"
 
 namespace turgor {
 
@@ -8,57 +10,121 @@ using lattice::SolidEnergy, lattice::TissueLaw, lattice::TissueLayer;
 
 namespace {
 
-/// Reads one layer. `is_last`: its thickness is the rest of the body if it is missing.
-TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, bool is_last,
-                       std::vector<TissueRow>& rows) {
-  TissueLayer layer{.poisson = params.poisson, .stiffening = params.stiffening, .fiber = params.fiber};
-  table.read("name", layer.name, {"of the layer, for the report", "required"});
+/// Adds the rows of a layer to the report.
+void add_layer_rows(SceneTable& table, const TissueLayer& layer, const lattice::TissueParams& params,
+                    const TissuePreset* preset, std::vector<TissueRow>& rows) {
+  const std::string component = fmt::format("layer {}", layer.name);
+  const SolidEnergy energy = energy_of(layer, params);
+  const auto add = [&](const char* what, const TissuePreset* of, std::initializer_list<LawValue> values) {
+    rows.push_back(tissue_row(component + what, law_name(energy), of, values));
+  };
+  add("", preset,
+      {{"young", layer.young, "Pa", table.has("young")},
+       {"poisson", layer.poisson, "1", table.has("poisson")}});
+  if (energy != SolidEnergy::kNeoHookean)
+    add(", stiffening", preset, {stiffening_value(table, energy, layer.stiffening)});
+  add_fiber_row(table, component, layer.fiber, rows);
+  if (table.has("slide")) add(", sliding", nullptr, {{"slide", layer.slide, "1", true}});
+  if (table.has("thickness")) add(", thickness", nullptr, {{"thickness", layer.thickness, "m", true}});
+  if (layer.label > 0) add(", region", nullptr, {{"label", double(layer.label), "1", true}});
+  if (layer.hu)
+    add(", region", nullptr, {{"from", (*layer.hu)[0], "HU", true}, {"to", (*layer.hu)[1], "HU", true}});
+}
+
+/// Reads where a layer lies. `is_last`: its thickness is the rest of the body if it is missing.
+void read_position(SceneTable& table, bool is_last, bool has_labels, SceneLabels& labels,
+                   TissueLayer& layer) {
   table.read("thickness", layer.thickness, positive("m"),
              {"of the layer; the last one may leave it out and is the rest of the body", "required"});
+  read_label(table, "label", labels, layer.label,
+             {"instead of `thickness`: the layer is the tissue with this label, a number or a name", "none"});
+  read_hu_range(table, layer.hu);
+  if (table.is_listed()) return;
+  if (table.has("label") && !has_labels)
+    table.fail("label", "a layer by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
+  if (table.has("label") + table.has("hu") + table.has("thickness") > 1)
+    table.fail(table.has("thickness") ? "thickness" : "hu",
+               "a layer has one of thickness, label and hu: the others would be ignored");
+  if (!is_last && !table.has("thickness") && !table.has("label") && !table.has("hu"))
+    table.fail("thickness",
+               "every layer except the last needs a thickness [m], or is a region by label or hu");
+}
+
+/// Reads the law of a layer. A law other than that of the body has none of its stiffening and fibers.
+void read_layer_law(SceneTable& table, const lattice::TissueParams& params, TissueLayer& layer) {
+  SolidEnergy energy = params.energy;
+  table.read_choice<SolidEnergy>("law", energy,
+                                 {{law_name(SolidEnergy::kNeoHookean), SolidEnergy::kNeoHookean},
+                                  {law_name(SolidEnergy::kExponential), SolidEnergy::kExponential},
+                                  {law_name(SolidEnergy::kOgden), SolidEnergy::kOgden}},
+                                 {"of the layer, as `tissue.law`; layers of different laws may lie beside "
+                                  "each other",
+                                  "that of the body"});
+  if (energy == params.energy) return;
+  layer.energy = energy;
+  layer.stiffening = 0, layer.fiber = {};
+}
+
+/// Reads one layer.
+TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, bool is_last, bool has_labels,
+                       SceneLabels& labels, std::vector<TissueRow>& rows) {
+  TissueLayer layer{.poisson = params.poisson, .stiffening = params.stiffening, .fiber = params.fiber};
+  table.read("name", layer.name, {"of the layer, for the report", "required"});
+  read_position(table, is_last, has_labels, labels, layer);
+  // law
+  read_layer_law(table, params, layer);
+  const SolidEnergy energy = energy_of(layer, params);
   const TissuePreset* preset =
       read_preset(table, "tissue", PresetKind::kSolid, "a preset of `turgor tissues` for the layer");
   layer.young = value_or(preset, "young", 0);
   table.read("young", layer.young, modulus(), {"Young's modulus of the layer", "of `tissue`"});
-  table.read("poisson", layer.poisson, within(0, 0.49), {"Poisson's ratio of the layer", "that of the body"});
-  read_stiffening(table, preset, params.energy, layer.stiffening);
-  read_fiber(table, params, layer.fiber);
+  table.read("poisson", layer.poisson, within(0, 0.499),
+             {"Poisson's ratio of the layer", "that of the body"});
+  read_stiffening(table, preset, energy, layer.stiffening);
+  read_fiber(table, energy, layer.fiber);
   table.read(
       "slide", layer.slide, within(0.002, 1),
       "factor of the layer's shear modulus; a thin layer with a small one lets its neighbors slide, and "
       "bears pressure as before");
+  // relaxation
+  std::vector<TissueRow> pairs;
+  Prony prony = table.has("viscosity") ? prony_of(preset, {}) : Prony{};
+  read_viscosity(table.table("viscosity"), preset, prony, pairs,
+                 fmt::format("layer {}, viscosity", layer.name));
+  if (table.has("viscosity")) layer.prony = prony;
   if (table.is_listed()) return layer;
 
   // missing keys
   if (layer.name.empty()) table.fail("name", "a layer needs a name, such as \"fat\"");
   if (layer.young <= 0) table.fail("young", "a layer needs young [Pa], or tissue with a preset");
-  if (!is_last && !table.has("thickness"))
-    table.fail("thickness", "every layer except the last needs a thickness [m]");
   table.finish();
-  // row of the report
-  const std::string component = fmt::format("layer {}", layer.name);
-  rows.push_back(tissue_row(component, law_name(params), preset,
-                            {{"young", layer.young, "Pa", table.has("young")},
-                             {"poisson", layer.poisson, "1", table.has("poisson")}}));
-  if (params.energy != SolidEnergy::kNeoHookean) {
-    LawValue stiffening = stiffening_value(table, params);
-    stiffening.value = layer.stiffening;
-    rows.push_back(tissue_row(component + ", stiffening", law_name(params), preset, {stiffening}));
-  }
-  add_fiber_row(table, component, layer.fiber, rows);
-  if (table.has("slide"))
-    rows.push_back(
-        tissue_row(component + ", sliding", law_name(params), nullptr, {{"slide", layer.slide, "1", true}}));
-  if (table.has("thickness"))
-    rows.push_back(tissue_row(component + ", thickness", law_name(params), nullptr,
-                              {{"thickness", layer.thickness, "m", true}}));
+  add_layer_rows(table, layer, params, preset, rows);
+  rows.insert(rows.end(), pairs.begin(), pairs.end());
   return layer;
+}
+
+/// Refuses a region whose tissue another layer, or tissue.labels, has as well.
+void check_region(SceneTable& table, const TissueLayer& layer, const lattice::TissueParams& params) {
+  if (layer.label > 0 && params.young_of_label.contains(layer.label))
+    table.fail("label", "tissue.labels has a modulus for this label: set it in the layer only");
+  for (const TissueLayer& other : params.layers) {
+    if (layer.label > 0 && layer.label == other.label)
+      table.fail("label",
+                 fmt::format("layer {} has the same label: expected each label in one layer", other.name));
+    if (overlap(layer.hu, other.hu))
+      table.fail("hu",
+                 fmt::format("the range overlaps that of {}: expected each HU in one layer", other.name));
+  }
 }
 
 }  // namespace
 
 const char* law_name(const lattice::TissueParams& params) {
-  if (params.law == TissueLaw::kSprings) return "springs";
-  switch (params.energy) {
+  return params.law == TissueLaw::kSprings ? "springs" : law_name(params.energy);
+}
+
+const char* law_name(SolidEnergy energy) {
+  switch (energy) {
     case SolidEnergy::kNeoHookean:
       return "solid";
     case SolidEnergy::kExponential:
@@ -89,12 +155,12 @@ void read_stiffening(SceneTable& table, const TissuePreset* preset, SolidEnergy 
   value = energy == SolidEnergy::kExponential ? stiffening : energy == SolidEnergy::kOgden ? alpha : 0;
 }
 
-LawValue stiffening_value(const SceneTable& table, const lattice::TissueParams& params) {
-  const char* key = params.energy == SolidEnergy::kOgden ? "alpha" : "stiffening";
-  return {key, params.stiffening, "1", table.has(key)};
+LawValue stiffening_value(const SceneTable& table, SolidEnergy energy, double value) {
+  const char* key = energy == SolidEnergy::kOgden ? "alpha" : "stiffening";
+  return {key, value, "1", table.has(key)};
 }
 
-void read_fiber(SceneTable& table, const lattice::TissueParams& params, lattice::FiberParams& fiber) {
+void read_fiber(SceneTable& table, SolidEnergy energy, lattice::FiberParams& fiber) {
   SceneTable keys = table.table("fiber");
   keys.read("stiffness", fiber.stiffness, not_negative("Pa"),
             "exponential only: k1 of fibers in the cells; 0: none");
@@ -102,7 +168,7 @@ void read_fiber(SceneTable& table, const lattice::TissueParams& params, lattice:
             "exponential only: k2, how fast the fibers stiffen with strain");
   keys.read("direction", fiber.direction, any_number("1"), "exponential only: of the fibers, patient frame");
   if (norm(fiber.direction) == 0) keys.fail("direction", "expected a vector that is not zero");
-  if (params.energy != SolidEnergy::kExponential && table.has("fiber"))
+  if (energy != SolidEnergy::kExponential && table.has("fiber"))
     table.fail("fiber", "only law = \"exponential\" has fibers: set that law, or remove fiber");
   keys.finish();
 }
@@ -138,15 +204,26 @@ void read_permanent_set(SceneTable& body, lattice::TissueParams& params, std::ve
                              {"time", set.time, "s", table.has("time")}}));
 }
 
-void read_layers(SceneTable& body, lattice::TissueParams& params, std::vector<TissueRow>& rows) {
+void read_layers(SceneTable& body, bool has_labels, SceneLabels& labels, lattice::TissueParams& params,
+                 std::vector<TissueRow>& rows) {
   body.describe(
       "layers", "", "none",
       "solid laws only: layers of tissue from the skin inward, `[{ name = \"skin\", thickness = 0.0015, "
-      "young = 2e5 }, …]`; they replace the moduli of fat and muscle");
+      "young = 2e5 }, …]`, which replace the moduli of fat and muscle; and regions by `label` or `hu`, which "
+      "replace all else");
+  constexpr std::size_t kMostLayers = 200;  // a cell stores its layer in a byte
   std::vector<SceneTable> tables = body.tables("layers");
+  if (tables.size() > kMostLayers)
+    return body.fail("layers",
+                     fmt::format("expected at most {} layers, found {}", kMostLayers, tables.size()));
+  std::size_t last = tables.size();  // of those by depth
+  for (std::size_t n = 0; n < tables.size(); n++)
+    if (!tables[n].has("label") && !tables[n].has("hu")) last = n;
   for (std::size_t n = 0; n < tables.size(); n++) {
-    const TissueLayer layer = read_layer(tables[n], params, n + 1 == tables.size(), rows);
-    if (!tables[n].is_listed()) params.layers.push_back(layer);
+    const TissueLayer layer = read_layer(tables[n], params, n == last, has_labels, labels, rows);
+    if (tables[n].is_listed()) continue;
+    check_region(tables[n], layer, params);
+    params.layers.push_back(layer);
   }
   if (params.layers.empty()) return;
   if (params.law == TissueLaw::kSprings)

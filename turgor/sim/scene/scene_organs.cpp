@@ -19,10 +19,11 @@ std::optional<BodyId> find_body(SceneTable& table, const toml::node& node, const
   });
   if (!found) {
     table.fail("between", fmt::format("the scene has no body {}{}", name, turgor::suggestion(name, known)));
-  } else if (found->kind != BodyKind::kSfem) {
+  } else if (found->kind == BodyKind::kCloth) {
     table.fail_value("between", node,
-                     fmt::format("bodies with model = \"sfem\"; {} is a {}, which cannot be coupled yet",
-                                 name, model_name(found->kind)));
+                     fmt::format("bodies that are no cloth; {} touches bodies that are its obstacles "
+                                 "(body.{}.obstacle), and has no attachments yet",
+                                 name, name));
     found.reset();
   }
   return found;
@@ -57,26 +58,88 @@ std::optional<std::array<Vec3d, 2>> read_box(SceneTable& table) {
   return {};
 }
 
+/// Points of a rigid body that are tied, [x, y, z] or an array of such points.
+std::vector<Vec3d> read_tied_points(SceneTable& table) {
+  table.describe(
+      "at", "m", "none",
+      "`[x, y, z]` or an array of such points: points of the first body, a rigid one, that are tied "
+      "instead of surface points. One point is a ball joint, two points are a hinge");
+  const toml::node* node = table.find("at");
+  if (!node) return {};
+  const std::string expected = "a point [x, y, z], or an array of points";
+  if (!node->is_array() || node->as_array()->empty())
+    return table.fail_value("at", *node, expected), std::vector<Vec3d>();
+  // one point, or several
+  std::vector<std::vector<double>> rows;
+  if (node->as_array()->front().is_array())
+    for (const toml::node& row : *node->as_array())
+      rows.push_back(table.numbers("at", row, within(-100, 100, "m")));
+  else
+    rows.push_back(table.numbers("at", *node, within(-100, 100, "m")));
+  std::vector<Vec3d> points;
+  for (const std::vector<double>& row : rows) {
+    if (row.size() != 3) return table.fail_value("at", *node, expected), std::vector<Vec3d>();
+    points.push_back({row[0], row[1], row[2]});
+  }
+  return points;
+}
+
+/// Plane of the ground, for contact with it.
+void read_ground(SceneTable& table, bool is_used, BodyContactScene& contact) {
+  table.read("through", contact.through, within(-100, 100, "m"), "a point of the ground, which is a plane");
+  table.read("normal", contact.normal, any_number(""), "normal of the ground, toward the body");
+  if (!(norm(contact.normal) > 0)) table.fail("normal", "expected a direction that is not zero");
+  if (!is_used)
+    for (const char* key : {"through", "normal"})
+      if (table.has(key)) table.fail(key, "only contact with \"ground\" has a plane");
+}
+
+bool yields(BodyKind kind) { return kind == BodyKind::kSfem || kind == BodyKind::kRigid; }
+
+/// Refuses two bodies of which none yields while forces are solved.
+void check_pair(SceneTable& table, const std::vector<std::string>& names, BodyId body,
+                const std::optional<BodyId>& other) {
+  if (names.empty() || yields(body.kind) || (other && yields(other->kind))) return;
+  const toml::node& node = *table.find("between");
+  const std::string second = other ? "a " + std::string(model_name(other->kind)) : "the ground";
+  table.fail_value("between", node,
+                   fmt::format("at least one body with model = \"sfem\" or \"rigid\"; a {} and {} cannot be "
+                               "coupled yet",
+                               model_name(body.kind), second));
+}
+
+bool is_fixed_body(const Scene& scene, const std::optional<BodyId>& id) {
+  return !id || (id->kind == BodyKind::kRigid && scene.rigid_bodies[std::size_t(id->index)].is_fixed);
+}
+
 }  // namespace
 
 AttachmentScene read_attachment(SceneTable table, const std::string& name, const Scene& scene) {
-  AttachmentScene made{.name = name, .source_location = table.location(), .body = {}, .other = {}, .box = {}};
+  AttachmentScene made{
+      .name = name, .source_location = table.location(), .body = {}, .other = {}, .at = {}, .box = {}};
   table.begin_group("attachment");
   // bodies
-  const std::vector<std::string> names =
-      read_between(table, "the names of two bodies with `model = \"sfem\"`, or of one and `\"ground\"`");
+  const std::vector<std::string> names = read_between(
+      table,
+      "the names of two bodies, at least one of them with `model = \"sfem\"` or `\"rigid\"`, or of one of "
+      "these and `\"ground\"`");
   if (!names.empty()) {
     const toml::node& node = *table.find("between");
     const std::size_t first = names[0] == kGround ? 1 : 0;
     made.body = find_body(table, node, names[first], scene).value_or(BodyId{});
     if (names[1 - first] != kGround) made.other = find_body(table, node, names[1 - first], scene);
+    check_pair(table, names, made.body, made.other);
   }
   // tied points
   table.read(
       "distance", made.distance, inside(0, 1, "m"),
       "surface points of the first body are tied that are at most this far from the second one at rest");
+  made.at = read_tied_points(table);
   made.box = read_box(table);
-  if (!names.empty() && !made.other && !made.box)
+  const bool is_rigid = made.body.kind == BodyKind::kRigid;
+  if (!made.at.empty() && !is_rigid) table.fail("at", "points are tied where the first body is rigid");
+  if (!made.at.empty() && made.box) table.fail("box", "an attachment has points or a box, not both");
+  if (!names.empty() && !made.other && !made.box && made.at.empty())
     table.fail("box", "an attachment to the ground needs a box: the surface points in it are tied");
   table.read("points", made.points, within(1, 400),
              "most springs; of more points some are chosen, and each takes the area around it");
@@ -100,15 +163,28 @@ AttachmentScene read_attachment(SceneTable table, const std::string& name, const
 }
 
 BodyContactScene read_body_contact(SceneTable table, const std::string& name, const Scene& scene) {
-  BodyContactScene made{.name = name, .source_location = table.location(), .body = {}, .other = {}};
+  BodyContactScene made{
+      .name = name, .source_location = table.location(), .body = {}, .other = {}, .through = {}};
   table.begin_group("contact");
-  const std::vector<std::string> names =
-      read_between(table, "the names of two bodies with `model = \"sfem\"`");
+  const std::vector<std::string> names = read_between(
+      table,
+      "the names of two bodies, at least one of them with `model = \"sfem\"` or `\"rigid\"`, or of "
+      "one of these and `\"ground\"`; cloth touches the bodies that are its obstacles instead");
   if (!names.empty()) {
     const toml::node& node = *table.find("between");
-    made.body = find_body(table, node, names[0], scene).value_or(BodyId{});
-    made.other = find_body(table, node, names[1], scene).value_or(BodyId{});
+    const std::size_t first = names[0] == kGround ? 1 : 0;
+    const std::optional<BodyId> body = find_body(table, node, names[first], scene);
+    made.body = body.value_or(BodyId{});
+    if (names[1 - first] != kGround) made.other = find_body(table, node, names[1 - first], scene);
+    if (body && is_fixed_body(scene, body) && is_fixed_body(scene, made.other))
+      table.fail("between", "neither of the two can move");
+    check_pair(table, names, made.body, made.other);
+    if (body && made.other && (is_fixed_body(scene, body) || is_fixed_body(scene, made.other)) &&
+        !(yields(made.body.kind) && yields(made.other->kind)))
+      table.fail("between", "a fixed rigid body cannot touch a lattice or chains yet");
   }
+  const bool is_ground = !names.empty() && (names[0] == kGround || names[1] == kGround);
+  read_ground(table, is_ground, made);
   table.read("optional", made.is_optional, "a contact of bodies that are far from each other is left out");
   table.read("friction", made.friction, within(0, 10), "Coulomb friction coefficient");
   table.read("gap", made.gap, within(0, 0.1, "m"),

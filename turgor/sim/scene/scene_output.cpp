@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/sim/scene/scene_look.hpp"
+
 namespace turgor {
 
 namespace {
@@ -131,16 +133,20 @@ void read_output(SceneTable output, Scene& scene) {
       {{"none", SkinColor::kNone},
        {"displacement", SkinColor::kDisplacement},
        {"stretch", SkinColor::kStretch},
+       {"largest_stretch", SkinColor::kPrincipalStretch},
        {"pressure", SkinColor::kPressure}},
-      "quantity that colors surfaces: `\"displacement\"`, `\"stretch\"` (lattices), "
+      "quantity that colors surfaces: `\"displacement\"`, `\"stretch\"` (area strain of lattices), "
+      "`\"largest_stretch\"` (of their skin's most stretched direction), "
       "`\"pressure\"` (tools on sfem bodies), `\"none\"`");
-  if (out.color == SkinColor::kStretch && scene.lattice_bodies.empty())
+  const bool is_stretch = out.color == SkinColor::kStretch || out.color == SkinColor::kPrincipalStretch;
+  if (is_stretch && scene.lattice_bodies.empty())
     output.fail("color", "stretch needs the skin of a lattice body, and the scene has no lattice body");
   if (out.color == SkinColor::kPressure && scene.sfem_bodies.empty())
     output.fail("color", "pressure needs a body with model = \"sfem\", and the scene has no such body");
-  output.describe("color_range", "m, 1 or Pa",
-                  "`[0, 0.01]`, stretch `[-0.2, 0.2]`, pressure 0 to Young's modulus",
-                  "limits of the color scale");
+  output.describe(
+      "color_range", "m, 1 or Pa",
+      "`[0, 0.01]`, stretch `[-0.2, 0.2]`, largest stretch `[1, 1.3]`, pressure 0 to Young's modulus",
+      "limits of the color scale");
   if (const toml::node* range = output.find("color_range")) {
     const std::vector<double> ends = output.numbers("color_range", *range, any_number("m, 1 or Pa"));
     if (ends.size() == 2 && ends[0] < ends[1])
@@ -241,6 +247,7 @@ void read_output(SceneTable output, Scene& scene) {
   output.read("legend", out.legend,
               "names of bodies and inclusions with their colors, in pictures and the window, if there are "
               "at least two");
+  read_cutaway(output, scene);
   output.finish();
 }
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/sim/scene/scene_path.hpp"
+
 namespace turgor {
 
 namespace {
@@ -21,7 +23,7 @@ const toml::node* node_at(const toml::table& root, std::string_view path) {
   const toml::table* table = &root;
   for (;;) {
     const std::size_t dot = path.find('.');
-    const toml::node* node = table->get(path.substr(0, dot));
+    const toml::node* node = find_node(*table, path.substr(0, dot));
     if (dot == path.npos || !node) return node;
     if (!node->is_table()) return nullptr;
     table = node->as_table();

@@ -4,7 +4,7 @@ namespace turgor {
 
 namespace {
 
-const Allowed kTime = inside(0, 1000, "s");
+const Allowed kTime = inside(0, 1000, "s"), kPair = within(1e-6, 1e5, "1, s");
 
 struct Share {
   double g, tau;  // of the instantaneous stress [1], [s]
@@ -29,7 +29,7 @@ std::vector<Share> read_shares(SceneTable& table, const toml::node& node) {
   std::vector<Share> shares;
   double sum = 0;
   for (const toml::node& row : *rows) {
-    const std::vector<double> v = table.numbers("pairs", row, within(1e-6, 1e5, "1, s"));
+    const std::vector<double> v = table.numbers("pairs", row, kPair);
     if (v.empty()) return {};  // a problem was added
     if (v.size() != 2 || !(v[0] < 1)) return table.fail_value("pairs", row, expected), std::vector<Share>{};
     shares.push_back({v[0], v[1]});
@@ -41,12 +41,12 @@ std::vector<Share> read_shares(SceneTable& table, const toml::node& node) {
   return shares;
 }
 
-void add_rows_of_pairs(const Prony& prony, const TissuePreset* preset, bool is_given,
-                       std::vector<TissueRow>& rows) {
+void add_rows_of_pairs(const std::string& component, const Prony& prony, const TissuePreset* preset,
+                       bool is_given, std::vector<TissueRow>& rows) {
   const double whole = 1 + total_ratio(prony);
   constexpr const char* kKeys[kMostPronyPairs][2] = {{"g1", "tau1"}, {"g2", "tau2"}, {"g3", "tau3"}};
   for (std::size_t i = 0; i < std::size_t(pair_count(prony)); i++)
-    rows.push_back(tissue_row("viscosity", "Prony pair", preset,
+    rows.push_back(tissue_row(component, "Prony pair", preset,
                               {{kKeys[i][0], prony.pairs[i].ratio / whole, "1", is_given},
                                {kKeys[i][1], prony.pairs[i].time, "s", is_given}}));
 }
@@ -61,8 +61,8 @@ Prony prony_of(const TissuePreset* preset, const Prony& fallback) {
   return shares.empty() ? fallback : prony_of_shares(shares);
 }
 
-void read_viscosity(SceneTable table, const TissuePreset* preset, Prony& prony,
-                    std::vector<TissueRow>& rows) {
+void read_viscosity(SceneTable table, const TissuePreset* preset, Prony& prony, std::vector<TissueRow>& rows,
+                    const std::string& component) {
   // one pair
   PronyPair& first = prony.pairs[0];
   const bool has_one = table.has("ratio") || table.has("time"), has_pairs = table.has("pairs");
@@ -76,12 +76,15 @@ void read_viscosity(SceneTable table, const TissuePreset* preset, Prony& prony,
                  "instead: one to three pairs `[[g, τ], …]`; the share g of the instantaneous stiffness "
                  "relaxes with the time τ, and moduli are static ones");
   const toml::node* node = table.find("pairs");
+  const std::size_t rows_given = node && node->is_array() ? node->as_array()->size() : 0;
+  for (std::size_t n = 0; n < std::min(rows_given, std::size_t(kMostPronyPairs)); n++)
+    table.describe(fmt::format("pairs[{}]", n), "1, s", "none", "[g, τ] of a pair", kPair);
   if (has_one && has_pairs)
     table.fail("pairs", "viscosity is either one pair, ratio and time, or pairs, not both");
   else if (node)
     prony = prony_of_shares(read_shares(table, *node));
   table.finish();
-  add_rows_of_pairs(prony, preset, has_one || has_pairs, rows);
+  add_rows_of_pairs(component, prony, preset, has_one || has_pairs, rows);
 }
 
 }  // namespace turgor

@@ -11,6 +11,7 @@ Prony prony_of(const TissuePreset* preset, const Prony& fallback);
 
 /// Reads the table `viscosity`. `prony` holds the pairs of the preset or the default; given keys replace
 /// them. Adds a row per pair to the report.
-void read_viscosity(SceneTable table, const TissuePreset* preset, Prony& prony, std::vector<TissueRow>& rows);
+void read_viscosity(SceneTable table, const TissuePreset* preset, Prony& prony, std::vector<TissueRow>& rows,
+                    const std::string& component = "viscosity");
 
 }  // namespace turgor

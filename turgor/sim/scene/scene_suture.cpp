@@ -39,6 +39,7 @@ void read_wound(SceneTable& table, const Scene& scene, SutureScene& suture) {
   suture.incision = int(found - names.begin());
   const IncisionScene& incision = scene.incisions[std::size_t(suture.incision)];
   suture.body = incision.body;
+  if (std::size_t(incision.body) >= scene.lattice_bodies.size()) return;  // refused with the incision
   const LatticeScene& body = scene.lattice_bodies[std::size_t(incision.body)];
   // solvers without springs at points
   if (body.params.solver.method != lattice::Method::kVbd)
@@ -46,6 +47,10 @@ void read_wound(SceneTable& table, const Scene& scene, SutureScene& suture) {
                fmt::format("stitches need solver.method = \"vbd\", found \"pbd\" in body.{}", body.name));
   else if (body.device == Device::kGpu)
     table.fail("wound", "stitches need world.device = \"cpu\", found \"gpu\"");
+  else if (body.params.tissue.partial_cells && table.has("through"))
+    table.fail("through", fmt::format("single stitches need whole cells: remove tissue.partial_cells from "
+                                      "body.{}, or lay a row",
+                                      body.name));
   else if (incision.blade.width > 0)
     table.fail("wound", fmt::format("stitches close a cut, found a removed region: incision.{}.width is {} m",
                                     wound, incision.blade.width));
@@ -87,18 +92,10 @@ void read_pattern(SceneTable& table, SutureScene& suture) {
 }
 
 void read_thread(SceneTable& table, SutureScene& suture) {
-  std::vector<std::string> names;
-  for (const ThreadPreset& preset : kThreads) names.emplace_back(preset.name);
-  table.read_choice("thread", suture.material, names,
+  table.read_choice("thread", suture.material, thread_names(),
                     "thread by its USP size: strength of a knot by USP <881>, stiffness from 1.8 GPa and the "
                     "diameter");
-  for (const ThreadPreset& preset : kThreads) {
-    if (suture.material != preset.name) continue;
-    const double area = std::numbers::pi / 4 * preset.diameter * preset.diameter;
-    suture.diameter = preset.diameter;
-    suture.thread = {
-        .stiffness = kNylonYoung * area, .strength = preset.strength, .friction = kNylonFriction};
-  }
+  set_thread(suture.material, suture);
   table.read("thread_stiffness", suture.thread.stiffness, inside(0, 1e5, "N"),
              {"force of the thread per strain, instead of the preset's", "of the preset"});
   table.read("thread_strength", suture.thread.strength, inside(0, 1e4, "N"),
@@ -135,6 +132,24 @@ void read_pull(SceneTable& table, const Scene& scene, SutureScene& suture) {
 }
 
 }  // namespace
+
+std::vector<std::string> thread_names() {
+  std::vector<std::string> names;
+  for (const ThreadPreset& preset : kThreads) names.emplace_back(preset.name);
+  return names;
+}
+
+bool set_thread(const std::string& name, SutureScene& suture) {
+  for (const ThreadPreset& preset : kThreads) {
+    if (name != preset.name) continue;
+    const double area = std::numbers::pi / 4 * preset.diameter * preset.diameter;
+    suture.material = name, suture.diameter = preset.diameter;
+    suture.thread = {
+        .stiffness = kNylonYoung * area, .strength = preset.strength, .friction = kNylonFriction};
+    return true;
+  }
+  return false;
+}
 
 SutureScene read_suture(SceneTable table, const std::string& name, const Scene& scene) {
   SutureScene suture;

@@ -71,7 +71,7 @@ std::string limits_text(const Allowed& allowed) {
 
 std::string SceneProblems::override_of(const std::string& path) const {
   for (const auto& [key, text] : overrides)
-    if (path == key || path.starts_with(key + ".")) return key;
+    if (path == key || path.starts_with(key + ".") || path.starts_with(key + "[")) return key;
   return "";
 }
 

@@ -11,8 +11,9 @@ namespace {
 BodyId read_touched(SceneTable& tool, const Scene& scene) {
   // touched body
   tool.require({"body"}, "the name of the body that is touched");
-  const BodyId id = read_body(tool, "body", scene,
-                              {BodyKind::kSfem, BodyKind::kRhombus, BodyKind::kLattice, BodyKind::kCloth});
+  const BodyId id = read_body(
+      tool, "body", scene,
+      {BodyKind::kSfem, BodyKind::kRhombus, BodyKind::kLattice, BodyKind::kCloth, BodyKind::kRigid});
   // a lattice needs a solver with contact forces
   const auto index = std::size_t(id.index);
   if (id.kind == BodyKind::kLattice && index < scene.lattice_bodies.size() &&
@@ -44,6 +45,25 @@ ForcepsTool read_forceps(SceneTable& shape) {
   return forceps;
 }
 
+/// Bending of a needle's shaft, and its bevel, which only a shaft that bends has.
+void read_bending(SceneTable& shape, contact::Needle& needle) {
+  bool bends = false;
+  double young = contact::kSteel, stiffness = 0;
+  shape.read("bends", bends, "of a needle: its shaft is an elastic beam, clamped at the end of its length");
+  shape.read("shaft_young", young, inside(0, 1e13, "Pa"),
+             "of a needle that bends: Young's modulus of its solid shaft");
+  shape.read("bending_stiffness", stiffness, inside(0, 100, "N·m²"),
+             {"of a needle that bends, for hollow shafts", "from diameter and shaft_young"});
+  shape.read("bevel", needle.bevel, within(5, 90, "degrees"),
+             "of a needle that bends: angle between the face of its tip and the shaft; 90 = no bevel");
+  shape.read("bevel_toward", needle.bevel_toward, within(-360, 360, "degrees"),
+             "side of the bevel's edge, about the shaft from the tool's x axis toward its y axis");
+  for (const char* key : {"shaft_young", "bending_stiffness", "bevel", "bevel_toward"})
+    if (!bends && shape.has(key))
+      shape.fail(key, fmt::format("expected bends = true beside {}: a rigid needle does not follow it", key));
+  if (bends) needle.bending = stiffness > 0 ? stiffness : contact::bending_stiffness(needle.diameter, young);
+}
+
 /// Needle of the scene. Its number of track points is limited.
 NeedleTool read_needle(SceneTable& shape) {
   contact::Needle needle;
@@ -63,6 +83,7 @@ NeedleTool read_needle(SceneTable& shape) {
              "of a needle: pressure of the tissue on the tip, which spreads the crack");
   shape.read("spacing", needle.spacing, inside(1e-4, 0.01, "m"),
              "of a needle: distance of the points along its track");
+  read_bending(shape, needle);
   const double points = needle.length / needle.spacing + 2;
   if (points > contact::kMostNeedlePoints)
     shape.fail("spacing",
@@ -255,6 +276,34 @@ void read_device(SceneTable& tool, std::string& device) {
   tool.read_choice("device", device, names, {meaning.c_str(), "none"});
 }
 
+/// Reason why a body cannot have a needle; empty if it can.
+std::string why_no_needle(const NeedleTool& needle, BodyId body, const Scene& scene) {
+  if (body.kind == BodyKind::kSfem) return {};
+  if (body.kind != BodyKind::kLattice)
+    return fmt::format(
+        "expected a body with model = \"sfem\" or \"lattice\" for a needle, found model = \"{}\", which has "
+        "no needles yet",
+        model_name(body.kind));
+  if (std::size_t(body.index) >= scene.lattice_bodies.size()) return {};
+  const LatticeScene& lattice = scene.lattice_bodies[std::size_t(body.index)];
+  if (lattice.params.tissue.law == lattice::TissueLaw::kSprings)
+    return fmt::format(
+        "expected a lattice with tissue.law = \"solid\", \"exponential\" or \"ogden\" for a needle, found "
+        "\"springs\" in {}: springs have no modulus around a shaft",
+        lattice.name);
+  if (lattice.device == Device::kGpu)
+    return fmt::format(
+        "expected world.device = \"cpu\" for a needle in a lattice, found \"gpu\": {} is solved on the GPU, "
+        "which has no needles yet",
+        lattice.name);
+  if (needle.needle.bending > 0)
+    return fmt::format(
+        "expected bends = false for a needle in a lattice, found true: in {} the shaft is rigid, shafts bend "
+        "in bodies with model = \"sfem\"",
+        lattice.name);
+  return {};
+}
+
 }  // namespace
 
 std::string why_untouched(const ClothScene& cloth) {
@@ -271,15 +320,13 @@ ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene&
   tool.begin_group("tool");
   made.name = name, made.source_location = tool.location();
   tool.describe("body", "", "required",
-                "the name of a body with `model = \"sfem\"`, `\"rhombus\"`, `\"lattice\"` or `\"cloth\"`");
+                "the name of a body with `model = \"sfem\"`, `\"rhombus\"`, `\"lattice\"`, `\"cloth\"` or "
+                "`\"rigid\"`");
   made.body = read_touched(tool, scene);
   made.shape = read_shape(tool);
-  if (std::holds_alternative<NeedleTool>(made.shape) && made.body.kind != BodyKind::kSfem && tool.has("body"))
-    tool.fail(
-        "shape",
-        fmt::format("expected a body with model = \"sfem\" for a needle, found model = \"{}\", which has "
-                    "no needles yet",
-                    model_name(made.body.kind)));
+  if (const auto* needle = std::get_if<NeedleTool>(&made.shape); needle && tool.has("body"))
+    if (const std::string why = why_no_needle(*needle, made.body, scene); !why.empty())
+      tool.fail("shape", why);
   tool.read("friction", made.friction, within(0, 10),
             "Coulomb friction coefficient; rhombus chains have no friction");
   made.motion = read_motion(tool);

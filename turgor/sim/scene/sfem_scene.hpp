@@ -95,6 +95,13 @@ struct PatchScene {
                                                            // follows, relative to the radius [1]
 };
 
+/// File of heights of a textured surface.
+struct HeightMapScene {
+  std::filesystem::path file;  // empty = none
+  double spacing = 1e-4;       // of its samples [m]
+  double scale = 1;            // meters per unit of the file
+};
+
 struct SfemScene {
   Device device = Device::kCpu;  // computes Green's functions
   std::string name;
@@ -115,7 +122,8 @@ struct SfemScene {
   Prony viscosity = one_pair(0, 0.5);
   bool rotations = false;
   std::optional<sfem::Law> law;  // of the patch's elements; none = linear
-  contact::Texture texture;      // of the surface, for sliding tools
+  contact::Texture texture;      // of the surface, for sliding tools; its map is read from `height_map`
+  HeightMapScene height_map;
   double memory =
       4;  // limit for Green's functions, beyond which columns are computed on demand, and for a patch [GB]
   int contacts = 48;            // contact sites solved per tick, all tools together

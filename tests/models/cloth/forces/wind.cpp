@@ -24,6 +24,49 @@ TEST(ClothWind, PlateForceMatchesFormula) {
   }
 }
 
+// The load of a crumpled sheet is the sum of the formula over its triangles, in double precision. Two corners
+// of some triangles coincide; these have no load.
+TEST(ClothWind, CrumpledSheetMatchesFormula) {
+  const Model model = must_build(flat_sheet(7), {});
+  State state = make_state(model);
+  RandomNumbers next{3};
+  for (int v = 0; v < model.count; v++) {
+    const double a = next(), b = next(), c = next(), d = next(), e = next(), f = next();
+    state.x.add(std::size_t(v), Vec3(Vec3d{a, b, c} * 0.01));
+    state.v.set(std::size_t(v), Vec3(Vec3d{d, e, f} * 5.0));
+  }
+  state.x.set(1, state.x[0]);
+  const Air air{.density = 1.2, .velocity = {3, -2, 6}, .pressure = 1.3, .drag = 0.1};
+  auto& system = state.system;
+  blow(Exec(1), air, 0, kFrame, model.triangles, model.chunk_triangles, state.x, state.v, system.change,
+       {system.force, system.inverse[0], system.inverse[1]});
+  // impulse and diagonal of minus the derivative by velocity
+  std::vector<Vec3d> impulse(std::size_t(model.count), Vec3d{}), diagonal = impulse, off = impulse;
+  for (const Int3 t : model.triangles) {
+    const auto x = [&](int k) { return Vec3d(state.x[std::size_t(t[k])]); };
+    const auto v = [&](int k) { return Vec3d(state.v[std::size_t(t[k])]); };
+    const Vec3d u = air.velocity - (v(0) + v(1) + v(2)) / 3.0, n = cross(x(1) - x(0), x(2) - x(0));
+    const double area = norm(n) / 2;
+    if (!(area > 0)) continue;
+    const Vec3d normal = n / norm(n), un = normal * dot(u, normal), ut = u - un;
+    const double half = 0.5 * 1.2 * area * kFrame / 3, a = half * 1.3 * norm(un), b = half * 0.1 * norm(ut);
+    for (int k = 0; k < 3; k++) {
+      const auto i = std::size_t(t[k]);
+      impulse[i] += un * a + ut * b;
+      const double d = 2 * a - b;
+      diagonal[i] +=
+          Vec3d{b + d * normal.x * normal.x, b + d * normal.y * normal.y, b + d * normal.z * normal.z};
+      off[i] += Vec3d{normal.x * normal.y, normal.x * normal.z, normal.y * normal.z} * d;
+    }
+  }
+  for (std::size_t i = 0; i < std::size_t(model.count); i++) {
+    const double scale = 1e-5 * norm(diagonal[i]);
+    EXPECT_LT(norm(Vec3d(system.force[i]) - impulse[i]), 1e-5 * norm(impulse[i]) + scale) << i;
+    EXPECT_LT(norm(Vec3d(system.inverse[0][i]) - diagonal[i]), scale) << i;
+    EXPECT_LT(norm(Vec3d(system.inverse[1][i]) - off[i]), scale) << i;
+  }
+}
+
 // A sheet in still air reaches the speed at which drag balances its weight.
 TEST(ClothWind, TerminalVelocity) {
   const Model model = must_build(flat_sheet(11), {.damping = {.motion = 0}});

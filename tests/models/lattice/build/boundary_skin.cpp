@@ -116,8 +116,8 @@ TEST(BoundarySkin, ForcesMatchEnergyDerivative) {
     NodeArrays nodes{};
     nodes.ux = state.motion.u.x.data(), nodes.uy = state.motion.u.y.data(),
     nodes.uz = state.motion.u.z.data();
-    Vec3 all[kCellCorners];
-    forces.compute_forces(patches[p], parity, nodes, all);
+    PatchForces all;
+    forces.compute_forces(std::span(patches).subspan(p, 1), model.anatomy.lattice, nodes, all);
     // energy of this patch alone: all others are marked as cut, and the tissue is subtracted
     const auto patch_energy = [&] {
       std::fill(state.cuts.skin_cut.begin(), state.cuts.skin_cut.end(), std::uint8_t(1));
@@ -142,7 +142,7 @@ TEST(BoundarySkin, ForcesMatchEnergyDerivative) {
         state.motion.u.set(slot, moved);
         const double expected = -(above - patch_energy()) / (high - double(moved[axis]));
         state.motion.u.set(slot, before);
-        EXPECT_NEAR(all[c][axis], expected, 1e-3 * (0.02 + std::abs(expected)));
+        EXPECT_NEAR(all.get(c, 0)[axis], expected, 1e-3 * (0.02 + std::abs(expected)));
         EXPECT_NEAR(own[axis], expected, 1e-3 * (0.02 + std::abs(expected)));
       }
     }

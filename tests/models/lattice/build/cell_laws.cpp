@@ -16,7 +16,7 @@ const Exec kBoth(2);
 // Layers that share a cell act in series: compliances add, under shear and under a press of a wide slab.
 TEST(CellLaws, LayersOfCellActInSeries) {
   const std::vector<TissueLayer> layers = {
-      {"skin", 0.002, 2e5, 0.4, 1}, {"fat", 0.005, 3e3, 0.45, 5}, {"rest", 0, 2e4, 0.3, 9}};
+      {"skin", 0.002, {}, 2e5, 0.4, 1}, {"fat", 0.005, {}, 3e3, 0.45, 5}, {"rest", 0, {}, 2e4, 0.3, 9}};
   const LayerMean alone = mean_of_layers(layers, 0.003, 0.006);
   EXPECT_NEAR(alone.young, 3e3, 1e-6);
   EXPECT_NEAR(alone.poisson, 0.45, 1e-9);
@@ -51,7 +51,7 @@ Model layered_slab(double spacing, int cells, const std::vector<TissueLayer>& la
 // A pressed slab yields as its layers in series, for thicknesses that are no multiples of the spacing.
 TEST(CellLaws, PressedSlabIsSpringsInSeries) {
   const std::vector<TissueLayer> layers = {
-      {"skin", 0.0017, 4e4, 0, 0}, {"fat", 0.0061, 4e3, 0, 0}, {"muscle", 0, 1.5e4, 0, 0}};
+      {"skin", 0.0017, {}, 4e4, 0, 0}, {"fat", 0.0061, {}, 4e3, 0, 0}, {"muscle", 0, {}, 1.5e4, 0, 0}};
   for (const auto& [spacing, cells] : {std::pair{0.004, 5}, {0.0025, 8}}) {
     const Model model = layered_slab(spacing, cells, layers);
     const double pressure = 40, depth = spacing * cells;
@@ -94,7 +94,7 @@ TEST(CellLaws, LayersLeaveOtherTissue) {
   Params params;
   params.skin.enabled = false;
   params.tissue.law = TissueLaw::kSolid;
-  params.tissue.layers = {{"all", 0, 1234, 0.3, 0}};
+  params.tissue.layers = {{"all", 0, {}, 1234, 0.3, 0}};
   Block block{.size = {6, 5, 5}, .young = params.tissue.muscle};
   BodyNodes nodes = block_nodes(block);
   for (int j = 0; j < 5; j++)

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/block_body.hpp"
+#include "tests/models/lattice/deformed_body.hpp"
 #include "turgor/models/lattice/build/cell_laws.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/law_cells.hpp"
@@ -25,16 +26,6 @@ Model fibered_block(const FiberParams& fiber, double stiffening) {
   params.tissue.stiffening = stiffening, params.tissue.poisson = kPoisson, params.tissue.fiber = fiber;
   params.solver = {.sweeps = 20, .damping = 0};
   return block_model({.size = {4, 4, 3}, .young = kYoung, .skin_on_top = false}, params);
-}
-
-void deform_all(const Model& model, State& state, const Mat3d& f) {
-  const Lattice& l = model.anatomy.lattice;
-  for (int k = 0; k < l.size.z; k++)
-    for (int j = 0; j < l.size.y; j++)
-      for (int i = 0; i < l.size.x; i++) {
-        const Vec3d x(rest_position(l, {i, j, k}));
-        state.motion.u.set(std::size_t(node_slot(l, {i, j, k})), Vec3(f * x - x));
-      }
 }
 
 /// Cauchy stress of a stretch λ along the unit vector a and μ across it [Pa], along a and across it:
@@ -68,7 +59,7 @@ TEST(CellFibers, RotatedBlockMatchesClosedForm) {
         f.column[std::size_t(c)][c] += side;
       }
       State state = make_state(model);
-      deform_all(model, state, f);
+      deform(model, state, f);
       const int slot = node_slot(model.anatomy.lattice, {0, 0, 0});
       Real young[kGroup] = {};
       young[0] = model.anatomy.cell_young[std::size_t(slot)];
@@ -104,7 +95,7 @@ TEST(CellFibers, ForceAndHessian) {
   std::uniform_real_distribution<float> any(-4e-4f, 4e-4f);
   for (int n = 0; n < 10; n++) {
     State state = make_state(model);
-    deform_all(model, state, {{Vec3d{1.08, 0.02, 0}, Vec3d{0, 1.05, 0.03}, Vec3d{0.01, 0, 0.97}}});
+    deform(model, state, {{Vec3d{1.08, 0.02, 0}, Vec3d{0, 1.05, 0.03}, Vec3d{0.01, 0, 0.97}}});
     for (int k = 0; k < 3; k++)
       for (int j = 0; j < 4; j++)
         for (int i = 0; i < 4; i++) {

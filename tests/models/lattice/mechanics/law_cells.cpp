@@ -18,7 +18,7 @@ Params layered_params(double stiffening) {
   Params params = solid_params(10, 4, 45);
   params.tissue.energy = SolidEnergy::kExponential;
   params.tissue.stiffening = stiffening;
-  params.tissue.layers = {{"upper", 0.006, 9e3, 0.3, stiffening}, {"lower", 0, 4e3, 0.4, 0}};
+  params.tissue.layers = {{"upper", 0.006, {}, 9e3, 0.3, stiffening}, {"lower", 0, {}, 4e3, 0.4, 0}};
   return params;
 }
 

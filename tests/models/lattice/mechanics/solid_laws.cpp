@@ -42,13 +42,17 @@ struct OneCell {
            shear * hourglass_over_shear(law.energy) / diagonal2() * d.hourglass / 16;
   }
   NodeSystem system(const Vec3d (&u)[kCellCorners], int at) const {
+    const Real hourglass = Real(hourglass_over_shear(law.energy) / diagonal2() / 8);
     const CellLawView view{.energy = law.energy,
+                           .energies = nullptr,
                            .slope = solid_law(spacing, law.poisson).slope,
-                           .hourglass = Real(hourglass_over_shear(law.energy) / diagonal2() / 8),
+                           .hourglass = hourglass,
+                           .hourglasses = {hourglass, hourglass, hourglass},
                            .shear = &shear,
                            .bulk = &bulk,
                            .stiffening = &stiffening,
                            .instant = 1,
+                           .instants = nullptr,
                            .history = {}};
     Vec3 d[kCellCorners];
     for (int c = 0; c < kCellCorners; c++) d[c] = Vec3(u[c] - u[at]);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/block_body.hpp"
+#include "tests/models/lattice/deformed_body.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/law_cells.hpp"
 
@@ -33,17 +34,6 @@ Model viscous_block(const Prony& prony, double poisson, SolidEnergy energy = Sol
   params.solver = {.sweeps = 12, .damping = 0};
   Block block{.size = {4, 3, 3}, .young = kStiffness, .skin_on_top = false};
   return block_model(block, params);
-}
-
-/// Moves all nodes to x = F X.
-void deform(const Model& model, State& state, const Mat3d& f) {
-  const Lattice& l = model.anatomy.lattice;
-  for (int k = 0; k < l.size.z; k++)
-    for (int j = 0; j < l.size.y; j++)
-      for (int i = 0; i < l.size.x; i++) {
-        const Vec3d x(rest_position(l, {i, j, k}));
-        state.motion.u.set(std::size_t(node_slot(l, {i, j, k})), Vec3(f * x - x));
-      }
 }
 
 /// Stress S of the first cell with its relaxing part, over V E.

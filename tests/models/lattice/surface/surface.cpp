@@ -9,6 +9,7 @@
 #include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface/surface_cache.hpp"
+#include "turgor/models/lattice/surface/surface_plan.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -131,6 +132,22 @@ TEST(LatticeSurface, CacheMatchesFullBuild) {
   expect_same("with these nodes restored");
 }
 
+void expect_same_plan(const detail::SurfacePlan& found, const detail::SurfacePlan& expected) {
+  ASSERT_EQ(found.corners, expected.corners);
+  ASSERT_EQ(found.term_begin, expected.term_begin);
+  ASSERT_EQ(found.triangles, expected.triangles);
+  ASSERT_EQ(found.rest_around, expected.rest_around);
+  for (std::size_t n = 0; n < expected.terms.size(); n++) {
+    ASSERT_EQ(found.terms[n].near, expected.terms[n].near);
+    ASSERT_EQ(found.terms[n].far, expected.terms[n].far);
+    ASSERT_EQ(found.terms[n].offset, expected.terms[n].offset);
+  }
+  for (std::size_t v = 0; v < expected.of_vertex.size(); v++) {
+    ASSERT_EQ(found.of_vertex[v].index, expected.of_vertex[v].index);
+    ASSERT_EQ(found.of_vertex[v].weight, expected.of_vertex[v].weight);
+  }
+}
+
 // While two blades move, a cached surface has the bits of one built at once, on any number of threads.
 TEST(LatticeSurface, CacheFollowsBlades) {
   const CtVolume ct = soft_ball(48, 18);
@@ -154,6 +171,7 @@ TEST(LatticeSurface, CacheFollowsBlades) {
         ASSERT_EQ(cached.embedding[v].cell, direct.embedding[v].cell);
         ASSERT_EQ(cached.embedding[v].fragment, direct.embedding[v].fragment);
       }
+      expect_same_plan(*cached.plan, *direct.plan);
     }
   };
   expect_same();

@@ -133,7 +133,7 @@ body = )";
   };
   EXPECT_NE(error("\"livr\"")
                 .find("body.flag.obstacle.under.body: the scene has no body livr with model = "
-                      "\"lattice\", \"sfem\" or \"rhombus\"; did you mean liver?"),
+                      "\"lattice\", \"sfem\", \"rhombus\" or \"rigid\"; did you mean liver?"),
             std::string::npos)
       << error("\"livr\"");
   EXPECT_NE(error("\"flag\"").find("has no body flag with model"), std::string::npos)

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "tests/sim/block_scene.hpp"
+#include "tests/sim/recorded_snapshot.hpp"
 #include "tests/sim/resumed.hpp"
 #include "tests/sim/scene/scene_error.hpp"
 #include "turgor/sim/deformed_ct.hpp"
-#include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/run.hpp"
 
@@ -118,18 +118,9 @@ TEST(Excision, StateIsRestored) {
   for (int frame = 0; frame < 8; frame++) ASSERT_TRUE(step(exec, world));
   ASSERT_TRUE(world.cuts[0].specimen && world.sutures[0].closure);
   // recording
-  WorldSnapshot snapshot;
-  show(exec, world, snapshot);
-  Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
-  ASSERT_TRUE(writer);
-  ASSERT_TRUE(writer->add_snapshot(world, snapshot));
-  ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
+  const WorldSnapshot snapshot = test::record_snapshot(exec, folder / "r.h5", scene, world);
   World drawn = test::block_world(exec, scene);
-  WorldSnapshot redrawn;
-  const Result<Recording> recording = Recording::open(folder / "r.h5");
-  ASSERT_TRUE(recording);
-  const Status restored = recording->restore(exec, 0, drawn, redrawn);
-  ASSERT_TRUE(restored) << restored.error().message;
+  const WorldSnapshot redrawn = test::restore_snapshot(exec, folder / "r.h5", drawn);
   EXPECT_EQ(redrawn.bodies[0].triangles, snapshot.bodies[0].triangles);
   EXPECT_EQ(redrawn.bodies[0].x, snapshot.bodies[0].x);
   EXPECT_EQ(redrawn.threads.at(0).vertices, snapshot.threads.at(0).vertices);

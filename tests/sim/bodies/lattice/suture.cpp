@@ -5,10 +5,11 @@
 #include <cmath>
 
 #include "tests/sim/block_scene.hpp"
+#include "tests/sim/recorded_snapshot.hpp"
 #include "tests/sim/resumed.hpp"
 #include "tests/sim/scene/scene_error.hpp"
-#include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/report.hpp"
+#include "turgor/sim/report/report_skin.hpp"
 #include "turgor/sim/run.hpp"
 
 namespace turgor {
@@ -18,10 +19,11 @@ namespace {
 std::string sutured_text(const std::string& keys) {
   return test::block_scene_text("block.nii") + "[suture.row]\nwound = \"cut\"\n" + keys;
 }
-Scene sutured_scene(const std::filesystem::path& folder, const std::string& keys, double duration) {
+Scene sutured_scene(const std::filesystem::path& folder, const std::string& keys, double duration,
+                    std::vector<std::string> overrides = {}) {
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
-  Result<Scene> scene =
-      parse_scene(sutured_text(keys), folder / "block.toml", {"world.duration=" + std::to_string(duration)});
+  overrides.push_back("world.duration=" + std::to_string(duration));
+  Result<Scene> scene = parse_scene(sutured_text(keys), folder / "block.toml", overrides);
   EXPECT_TRUE(scene) << scene.error().message;
   return *scene;
 }
@@ -56,6 +58,26 @@ TEST(Suture, RowClosesWound) {
   EXPECT_TRUE(suture_warnings(world).empty());
 }
 
+// The same wound in partial cells: stitches close it with nearly the same force, and come to rest.
+TEST(Suture, RowClosesWoundInPartialCells) {
+  double force[2];
+  for (const int n : {0, 1}) {
+    const Scene scene =
+        sutured_scene(test::fresh_folder(), kRow, 1.6,
+                      {std::string("body.block.tissue.partial_cells=") + (n ? "true" : "false")});
+    ASSERT_EQ(scene.lattice_bodies[0].params.tissue.partial_cells, n == 1);
+    World world = test::block_world(Exec(1), scene);
+    const Result<Simulated> run = simulate(Exec(1), scene, world);
+    ASSERT_TRUE(run) << run.error().message;
+    const Json suture = simulation_report(Exec(1), scene, world, run->measures, {}).at("sutures").at(0);
+    EXPECT_EQ(suture.at("stitches_bearing"), 4);
+    EXPECT_LT(suture.at("gape_max_mm").get<double>(), 0.3);
+    force[n] = suture.at("closing_force_N").get<double>();
+  }
+  std::printf("closing force %.3f N in whole cells, %.3f N in partial cells\n", force[0], force[1]);
+  EXPECT_NEAR(force[1], force[0], 0.25 * force[0]) << "N";
+}
+
 // A running suture closes the wound with one thread, whose length is kept once it is closed.
 TEST(Suture, RunningThreadClosesWound) {
   const Scene scene = sutured_scene(
@@ -73,6 +95,42 @@ TEST(Suture, RunningThreadClosesWound) {
               1e-12 * series.back().thread_length);
   EXPECT_NEAR(suture.at("thread_length_mm").get<double>(), 1e3 * series.back().thread_length, 0.01);
   EXPECT_FALSE(run->snapshot.threads.at(0).triangles.empty());
+}
+
+// A body whose skin is stretched by a known factor has that factor in the map, and in the report its
+// position.
+TEST(Suture, StretchMapShowsFactor) {
+  const Scene scene = sutured_scene(test::fresh_folder(), kRow, 0.8);
+  World world = test::block_world(Exec(1), scene);
+  LatticeBody& body = world.lattice_bodies[0];
+  const Lattice& lattice = body.model.anatomy.lattice;
+  lattice::Motion& motion = body.state.change().motion;
+  const Vec3d along = normalized(Vec3d{1, 0, 2});
+  for (const double factor : {1.15, 1.4}) {
+    for (int slot = 0; slot < int(motion.u.x.size()); slot++) {
+      const Vec3d x(rest_position(lattice, slot_node(lattice, slot)));
+      motion.u.set(slot, Vec3(along * ((factor - 1) * dot(x, along))));
+    }
+    BodySnapshot snapshot;
+    show_name({BodyKind::kLattice, 0}, body, snapshot);
+    show(Exec(1), body, snapshot);
+    const std::vector<float> map = skin_stretches(snapshot);
+    ASSERT_EQ(map.size(), snapshot.x.size());
+    // faces that contain the direction show it, others less
+    const auto most = std::max_element(map.begin(), map.end());
+    EXPECT_NEAR(double(*most), factor, 0.01 * factor);
+    std::size_t front = 0;
+    for (std::size_t v = 0; v < map.size(); v++) {
+      if (snapshot.normals[v].y > Real(-0.999)) continue;  // beside a side face
+      EXPECT_NEAR(double(map[v]), factor, 0.01 * factor) << "front, vertex " << v;
+      front++;
+    }
+    EXPECT_GT(front, 50u);
+  }
+  const Json report = simulation_report(Exec(1), scene, world, make_measures(world), {});
+  ASSERT_EQ(report.at("skin").size(), 1u);
+  EXPECT_NEAR(report.at("skin").at(0).at("largest_stretch").get<double>(), 1.4, 0.014);
+  EXPECT_TRUE(report.at("skin").at(0).at("in_ct").contains("x_mm"));
 }
 
 // Stitches that tear out are reported with a warning.
@@ -98,18 +156,9 @@ TEST(Suture, StateIsRestored) {
   for (int frame = 0; frame < 25; frame++) ASSERT_TRUE(step(exec, world));
   ASSERT_TRUE(world.sutures[0].closure);
   // recording
-  WorldSnapshot snapshot;
-  show(exec, world, snapshot);
-  Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
-  ASSERT_TRUE(writer);
-  ASSERT_TRUE(writer->add_snapshot(world, snapshot));
-  ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
+  const WorldSnapshot snapshot = test::record_snapshot(exec, folder / "r.h5", scene, world);
   World drawn = test::block_world(exec, scene);
-  WorldSnapshot redrawn;
-  const Result<Recording> recording = Recording::open(folder / "r.h5");
-  ASSERT_TRUE(recording);
-  const Status restored = recording->restore(exec, 0, drawn, redrawn);
-  ASSERT_TRUE(restored) << restored.error().message;
+  const WorldSnapshot redrawn = test::restore_snapshot(exec, folder / "r.h5", drawn);
   ASSERT_TRUE(drawn.sutures[0].closure);
   EXPECT_EQ(drawn.sutures[0].closure->stitches[1].tension, world.sutures[0].closure->stitches[1].tension);
   EXPECT_EQ(redrawn.threads.at(0).vertices, snapshot.threads.at(0).vertices);
@@ -135,6 +184,9 @@ TEST(Suture, WrongScenesAreRefused) {
   EXPECT_TRUE(contains(error("start = 9\n"), "after the end of the run"));
   EXPECT_TRUE(contains(error("tension = 1\npull_until = \"closed\"\n"), "not both"));
   EXPECT_TRUE(contains(error("through = [[0, 0, 0]]\n"), "two to 64 points"));
+  EXPECT_TRUE(
+      contains(error("through = [[0, 0, 0], [0.01, 0, 0]]\n", {"body.block.tissue.partial_cells=true"}),
+               "single stitches need whole cells"));
   EXPECT_TRUE(contains(error("thread = \"nylon 9-0\"\n"), "nylon 5-0"));
   EXPECT_TRUE(contains(error("pattern = \"running\"\ntension = 1\n"), "pulled until closed"));
   EXPECT_TRUE(
@@ -154,6 +206,16 @@ TEST(Suture, StitchesThatDoNotFitAreRefused) {
       std::string::npos);
   EXPECT_NE(error("thread_length = 0.02\n").find("the thread is shorter than its stitches"),
             std::string::npos);
+}
+
+// A suture of a wound whose body is missing is refused with the wound.
+TEST(Suture, OfMissingBodyIsRefused) {
+  const Result<Scene> scene = parse_scene(
+      "[incision.cut]\nbody = \"torso\"\nfrom = [0, 0, 0]\nto = [0, 0, 0.1]\ndepth = 0.01\n"
+      "[suture.row]\nwound = \"cut\"\nspacing = 0.01\nbite = 0.006\n",
+      "s.toml", {});
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("torso"), std::string::npos) << scene.error().message;
 }
 
 }  // namespace

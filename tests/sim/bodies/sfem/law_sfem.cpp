@@ -1,5 +1,8 @@
 // Scenes with a nonlinear law or a texture.
+#include <chrono>
 #include <cmath>
+#include <fstream>
+#include <thread>
 
 #include "tests/sim/sfem_scene_text.hpp"
 #include "turgor/sim/report/plausibility.hpp"
@@ -99,6 +102,84 @@ TEST(LawSfem, TextureVibratesWhileSliding) {
   ASSERT_GT(crossings, 2);
   EXPECT_NEAR(std::abs(last - first) / (crossings - 1), 2e-3, 2.5e-4);
   EXPECT_GT(slid, 0);
+}
+
+// A map of heights is read relative to the scene, and vibrates while the tool slides.
+TEST(LawSfem, HeightMapVibratesWhileSliding) {
+  const std::filesystem::path folder = test::fresh_folder();
+  std::ofstream(folder / "skin.csv") << "0, 2, 5, 1\n4, 0, 3, 2\n1, 5, 0, 4\n";
+  const auto run = [&](const std::string& body) {
+    const Scene scene =
+        body_scene(folder, kPatch + body, {"tool.finger.press.depth=0.002", "world.duration=0.3"});
+    World world = sfem_world(Exec(1), scene);
+    for (int frame = 0; frame < frame_count(scene); frame++) EXPECT_TRUE(step(Exec(1), world));
+    return world;
+  };
+  const World smooth = run(""),
+              rough = run("texture = { height_map = \"skin.csv\", spacing = 8e-4, scale = 6e-6 }\n");
+  ASSERT_TRUE(rough.sfem_bodies[0].texture.map);
+  EXPECT_EQ(rough.sfem_bodies[0].texture.map->columns, 4);
+  EXPECT_NEAR(rough.sfem_bodies[0].texture.map->range, 3e-5, 1e-12);
+  const auto& a = smooth.tools[0].samples;
+  const auto& b = rough.tools[0].samples;
+  double pressed = 0, slid = 0;
+  for (std::size_t i = 0; i < a.size(); i++)
+    (a[i].time < 0.14 ? pressed : slid) =
+        std::max(a[i].time < 0.14 ? pressed : slid, norm(b[i].force - a[i].force));
+  EXPECT_GT(slid, 1e-3);
+  EXPECT_LT(pressed, 0.2 * slid);
+}
+
+// A body that ends while its worker solves keeps the patch until the worker has finished.
+TEST(LawSfem, WorkerEndsBeforeItsPatch) {
+  bool had_patch = false;
+  {
+    World world = law_world("law = \"exponential\"\nstiffening = 4\n", 1, 0.002, 0.05);
+    SfemBody& body = world.sfem_bodies[0];
+    ASSERT_TRUE(bool(body.nonlinear));
+    if (body.worker && body.worker->is_busy()) (void)body.worker->finish();
+    body.worker = std::make_unique<PatchWorker>();
+    body.worker->begin([&body, &had_patch]() -> BuiltPatch {
+      std::this_thread::sleep_for(std::chrono::milliseconds(30));
+      had_patch = bool(body.nonlinear) && !body.nonlinear->u.empty();
+      return {Error{"none"}, 0};
+    });
+  }
+  EXPECT_TRUE(had_patch);
+}
+
+// Files that are no map, and keys that exclude each other, are refused with file, line or key.
+TEST(LawSfem, WrongHeightMapsAreRefused) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const auto error = [&](const std::string& text, const std::string& keys = "") {
+    std::ofstream(folder / "skin.csv") << text;
+    const Scene scene =
+        body_scene(folder, kPatch + std::string("texture = { height_map = \"skin.csv\"") + keys + " }\n");
+    const Result<World> world = load_world(Exec(1), scene);
+    return world ? std::string() : world.error().message;
+  };
+  EXPECT_NE(error("1e-6, 2e-6\n3e-6\n").find("skin.csv:2: expected 2 heights"), std::string::npos);
+  EXPECT_NE(error("1, 2\n3, 4\n").find("within 1 mm of their mean"), std::string::npos);
+  EXPECT_NE(error("5e-6\n").find("at least two heights"), std::string::npos);
+  EXPECT_EQ(error("1, 2\n3, 4\n", ", scale = 1e-6"), "");
+  const auto refused = [](const std::string& body) {
+    const Result<Scene> scene = parse_scene(test::sfem_scene_text(body), "pad.toml", {});
+    return scene ? std::string() : scene.error().message;
+  };
+  EXPECT_NE(refused("texture = { height_map = \"a.csv\", roughness = 1e-6 }\n").find("not both"),
+            std::string::npos);
+  EXPECT_NE(refused("texture = { spacing = 1e-4 }\n").find("belongs to a height_map"), std::string::npos);
+}
+
+// Linear elements beyond 0.49 lock and are refused; averaged ones are not.
+TEST(LawSfem, LockingElementsAreRefused) {
+  const auto error = [](const std::string& body) {
+    const Result<Scene> scene =
+        parse_scene(test::sfem_scene_text(body), "pad.toml", {"body.pad.poisson=0.499"});
+    return scene ? std::string() : scene.error().message;
+  };
+  EXPECT_NE(error("").find("which lock beyond"), std::string::npos);
+  EXPECT_EQ(error("formulation = \"averaged\"\n"), "");
 }
 
 }  // namespace

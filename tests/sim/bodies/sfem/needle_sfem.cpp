@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/folders.hpp"
+#include "tests/sim/live/replayed_world.hpp"
 #include "tests/sim/live/watched_session.hpp"
 #include "turgor/sim/live/haptic_recording.hpp"
-#include "turgor/sim/live/haptic_replay.hpp"
 #include "turgor/sim/live/session.hpp"
 #include "turgor/sim/report/report_needle.hpp"
 #include "turgor/sim/run.hpp"
@@ -64,6 +64,27 @@ TEST(NeedleSfem, ReportHasPunctureAndWork) {
   EXPECT_EQ(world.sfem_bodies[0].needles.displacement.size(), 1u);
 }
 
+// A needle that bends deflects toward the edge of its bevel; the report says by how much. The same bits on
+// any number of threads.
+TEST(NeedleSfem, BevelDeflectsAndIsReported) {
+  const std::string shape = "needle = 0.06, diameter = 0.0005, bends = true, bevel = 25, bevel_toward = 90";
+  const World one = needle_run(1, needle_scene_text(shape)), three = needle_run(3, needle_scene_text(shape));
+  EXPECT_EQ(state_hash(one), state_hash(three));
+  const Json report = needle_report(one.tools[0], one.sfem_bodies[0]);
+  EXPECT_NEAR(report["bending_stiffness_N_m2"].get<double>(),
+              2e11 * 3.14159 / 64 * 0.0005 * 0.0005 * 0.0005 * 0.0005, 1e-6);
+  const double deepest = report["deflection_deepest_mm"].get<double>();
+  EXPECT_GT(deepest, 0.05);
+  EXPECT_GE(report["deflection_max_mm"].get<double>(), deepest);
+  // toward the tool's y axis
+  Vec3d most;
+  for (const ForceSample& s : one.tools[0].samples)
+    if (s.needle.inserted > 0.018) most = s.needle.deflection;
+  EXPECT_GT(dot(most, one.tools[0].samples[0].axes.column[1]), 0.8 * norm(most));
+  EXPECT_FALSE(needle_report(needle_run(1, needle_scene_text()).tools[0], one.sfem_bodies[0])
+                   .contains("deflection_max_mm"));
+}
+
 // The same bits on any number of threads, also beside a finger, which the needle feels.
 TEST(NeedleSfem, ThreadsKeepBitsBesideFinger) {
   const std::string finger =
@@ -106,20 +127,10 @@ TEST(NeedleSfem, LiveNeedleReplaysExactly) {
   ASSERT_TRUE(test::wait_until(session, [](const SessionStatus& now) { return !now.saved.empty(); }));
   const Result<HapticRecording> run = read_haptic_recording(folder / "haptic.h5");
   ASSERT_TRUE(run) << session.now().saved;
-  const Result<Scene> scene = scene_of(*run);
-  ASSERT_TRUE(scene);
-  Result<World> world = load_world(Exec(2), *scene);
-  ASSERT_TRUE(world);
-  auto replay = HapticReplay::begin(*world, *run);
-  ASSERT_TRUE(replay) << replay.error().message;
-  for (int frame = 0; frame < run->frames; frame++) {
-    EXPECT_TRUE((*replay)->next_frame(Exec(2)));
-    EXPECT_TRUE(step(Exec(2), *world));
-  }
-  (*replay)->end();
-  EXPECT_EQ(state_hash(*world), run->hash);
-  EXPECT_EQ(world->sfem_bodies[0].touch.needles.needles[0].punctures, 2);
-  EXPECT_FALSE(world->sfem_bodies[0].touch.needles.needles[0].beyond);
+  const World world = test::replayed_world(*run, 2);
+  EXPECT_EQ(state_hash(world), run->hash);
+  EXPECT_EQ(world.sfem_bodies[0].touch.needles.needles[0].punctures, 2);
+  EXPECT_FALSE(world.sfem_bodies[0].touch.needles.needles[0].beyond);
 }
 
 // Needles that the models cannot have are refused with a sentence.
@@ -141,11 +152,14 @@ TEST(NeedleSfem, RefusesWrongNeedles) {
       {needle_scene_text("needle = 0.4"), "needle: expected a number between 0 and 0.3"},
       {needle_scene_text("needle = 0.29, spacing = 0.0002"),
        "expected at most 240 points along a needle, found 1452"},
+      {needle_scene_text("needle = 0.06, bevel = 30"),
+       "bevel: expected bends = true beside bevel: a rigid needle does not follow it"},
+      {needle_scene_text("needle = 0.06, bends = true, bevel = 3"), "bevel: expected a number from 5 to 90"},
       {needle_scene_text("needle = 0.06, sphere = 0.01"),
        "a tool has one shape: either sphere or needle, not both"},
       {needle_scene_text(kNeedleKeys, kNeedlePress, "viscosity = { ratio = 1, time = 0.5 }"),
        "a needle needs an elastic body, found viscosity"},
-      {cloth, "expected a body with model = \"sfem\" for a needle, found model = \"cloth\""},
+      {cloth, "expected a body with model = \"sfem\" or \"lattice\" for a needle, found model = \"cloth\""},
   };
   for (const auto& [text, words] : cases) {
     const Result<World> world = needle_world(Exec(1), text);

@@ -85,6 +85,20 @@ std::vector<ZoneMotion> zone_motions(const Model& model, const State& state, con
   return motions;
 }
 
+/// Moves each zone by its mean displacement. Returns the vertices whose displacement this changes.
+std::vector<int> move_zones(const CcdWorkspace& ccd, const std::vector<ZoneMotion>& motions,
+                            const CcdMotion& motion) {
+  std::vector<int> changed;
+  for (std::size_t n = 0; n < ccd.in_impact_zone.size(); n++) {
+    const int v = ccd.in_impact_zone[n];
+    const Vec3 displacement(motions[std::size_t(ccd.zone[n])].displacement);
+    if (motion.displacement[std::size_t(v)] == displacement) continue;
+    motion.displacement.set(std::size_t(v), displacement);
+    changed.push_back(v);
+  }
+  return changed;
+}
+
 }  // namespace
 
 int resolve_ccd(const Exec& exec, const Model& model, State& state) {
@@ -103,16 +117,15 @@ int resolve_ccd(const Exec& exec, const Model& model, State& state) {
   ccd.ccd_pairs.clear(), ccd.in_impact_zone.clear(), ccd.zone.clear();
   set_displacements(exec, state, motion);
   std::vector<ZoneMotion> motions;
+  std::vector<int> changed;
   // impact zones grow until no new pair collides
   for (bool all = true;; all = false) {
     measure_triangles(exec, model, state);
     build_boxes(exec, model, state);
-    if (!find_ccd_pairs(exec, model, state, all)) break;
+    if (!find_ccd_pairs(exec, model, state, all ? nullptr : &changed)) break;
     join_zones(ccd);
     motions = zone_motions(model, state, motion);
-    for (std::size_t n = 0; n < ccd.in_impact_zone.size(); n++)
-      motion.displacement.set(std::size_t(ccd.in_impact_zone[n]),
-                              Vec3(motions[std::size_t(ccd.zone[n])].displacement));
+    changed = move_zones(ccd, motions, motion);
   }
   TURGOR_CHECK(motions.size() == ccd.in_impact_zone.size(), "every vertex of an impact zone has a motion");
   // corrected positions and velocities

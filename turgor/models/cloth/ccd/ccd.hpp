@@ -43,9 +43,10 @@ void measure_triangles(const Exec& exec, const Model& model, State& state);
 /// Builds the tree of motion boxes; measure_triangles must run first.
 void build_boxes(const Exec& exec, const Model& model, State& state);
 
-/// Appends colliding pairs to CcdWorkspace::ccd_pairs. `all`: tests all vertices; else those of impact zones
-/// and their neighbors. False: there are no new pairs.
-bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool all);
+/// Appends colliding pairs to CcdWorkspace::ccd_pairs. `changed`: vertices whose displacement has changed
+/// since the last search; only they and their neighbors are tested. Null: all vertices are. False: there are
+/// no new pairs.
+bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, const std::vector<int>* changed);
 
 /// Changes a step from System::previous to State::x such that the cloth does not pass through itself. Returns
 /// the number of vertices in impact zones. A cloth that intersects itself at the beginning is left alone

@@ -285,16 +285,32 @@ void visit_boxes(const CcdWorkspace& ccd, std::size_t a, std::size_t first, cons
   }
 }
 
-/// Marks vertices whose surroundings move differently: those of impact zones and their neighbors. A primitive
-/// that collides with such a vertex may be nearer to its neighbor.
-void mark_changed(const Model& model, CcdWorkspace& ccd) {
+/// Marks changed vertices and their neighbors. A primitive that collides with a changed vertex may be nearer
+/// to its neighbor.
+void mark_changed(const Model& model, const std::vector<int>& changed, CcdWorkspace& ccd) {
   ccd.is_changed.assign(leaves_of(model) * kLeaf, 0);
   Star star;
-  for (const int v : ccd.in_impact_zone) {
+  for (const int v : changed) {
     gather_star(model, v, star);
     ccd.is_changed[std::size_t(v)] = 1;
     for (const int other : star.neighbors) ccd.is_changed[std::size_t(other)] = 1;
   }
+}
+
+/// Zone of each vertex whose whole star is in one impact zone, as the index of its smallest member; else -1.
+/// Stars of the same zone do not move relative to each other.
+std::vector<int> zones_of_stars(const Model& model, const CcdWorkspace& ccd) {
+  std::vector<int> zone(leaves_of(model) * kLeaf, -1);
+  for (std::size_t n = 0; n < ccd.in_impact_zone.size(); n++)
+    zone[std::size_t(ccd.in_impact_zone[n])] = ccd.zone[n];
+  std::vector<int> of_star = zone;
+  Star star;
+  for (const int v : ccd.in_impact_zone) {
+    gather_star(model, v, star);
+    for (const int other : star.neighbors)
+      if (zone[std::size_t(other)] != zone[std::size_t(v)]) of_star[std::size_t(v)] = -1;
+  }
+  return of_star;
 }
 
 bool any_changed(const CcdWorkspace& ccd, std::size_t leaf) {
@@ -331,15 +347,20 @@ void build_boxes(const Exec& exec, const Model& model, State& state) {
   }
 }
 
-bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool all) {
+bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, const std::vector<int>* changed) {
   CcdWorkspace& ccd = state.ccd;
+  const bool all = !changed;
   TURGOR_CHECK(!ccd.level_begin.empty() && ccd.boxes.size() == ccd.level_begin.back(),
                "the boxes of all levels are built");
   const CcdMotion motion = ccd_motion(view(model, state));
   const std::size_t count = leaves_of(model);
   // chunks of leaves
   ccd.chunk_pairs.resize((count + kChunkSize - 1) / kChunkSize);
-  if (!all) mark_changed(model, ccd);
+  if (changed) mark_changed(model, *changed, ccd);
+  const std::vector<int> zone = changed ? zones_of_stars(model, ccd) : std::vector<int>{};
+  const auto move_as_one = [&](int i, int j) {
+    return zone[std::size_t(i)] >= 0 && zone[std::size_t(i)] == zone[std::size_t(j)];
+  };
   parallel_for(exec, ccd.chunk_pairs.size(), [&](std::size_t chunk) {
     ccd.chunk_pairs[chunk].clear();
     FindCcdPairs find{model, state, motion, model.params.collision.thickness, all, ccd.chunk_pairs[chunk]};
@@ -348,7 +369,9 @@ bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool all
       visit_boxes(ccd, a, all ? a : 0, [&](std::size_t b) {
         if (!all && b < a && any_changed(ccd, b)) return;  // b visits a
         visit_pairs(model, motion, a, b, ccd.boxes[b], [&](int i, int j) {
-          if (all || ccd.is_changed[std::size_t(i)] || ccd.is_changed[std::size_t(j)]) find(i, j);
+          if (all ||
+              ((ccd.is_changed[std::size_t(i)] || ccd.is_changed[std::size_t(j)]) && !move_as_one(i, j)))
+            find(i, j);
         });
       });
     }

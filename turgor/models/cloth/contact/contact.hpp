@@ -94,7 +94,8 @@ TURGOR_HD inline Real corrected_distance(const Contact* old, ContactPhase phase,
   return smaller(reached, least);
 }
 
-/// True for an actual contact that is implicit already (implicit_contact.hpp).
+/// True for an actual contact that is implicit already (implicit_contact.hpp). Only its vertices and its
+/// obstacle matter.
 bool is_implicit_already(const State& state, const Contact& contact, ContactPhase phase);
 
 /// Contact of the same vertices in the step before, or null.

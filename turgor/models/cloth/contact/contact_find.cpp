@@ -25,8 +25,8 @@ struct FindPairs {
     const Group mine = pairs.group(i);
     visit_near(state.spatial_hash, pairs.x[std::size_t(i)], reach, [&](int j, Vec3 xj) {
       if (j <= i) return;
-      Contact contact;
-      if (pairs.touch(i, mine, j, xj, phase, contact) && !is_implicit_already(state, contact, phase))
+      Contact contact{.vertex = {i, j, -1, -1}};
+      if (!is_implicit_already(state, contact, phase) && pairs.touch(i, mine, j, xj, phase, contact))
         found.push_back(contact);
     });
   }
@@ -81,8 +81,9 @@ void find_step_contacts(const Exec& exec, const Model& model, State& state, cons
   const bool is_whole =
       phase == ContactPhase::kPredicted || !uses_conjugate_gradients(model.params.solver.method);
   const bool others = is_whole && !inputs.obstacles.empty();
-  // spatial hash
-  if (params.self) {
+  // spatial hash; the actual search uses that of the predicted one
+  const bool is_sorted = phase == ContactPhase::kActual && state.contacts.near_reach >= reach;
+  if (params.self && !is_sorted) {
     const Real large_cell = model.large.triangles.empty() ? 0 : model.large.longest / 2;
     sort_points(exec, state.x, model.count, std::max(Real(2.02) * reach, large_cell), state.spatial_hash);
   }
@@ -101,6 +102,7 @@ void find_step_contacts(const Exec& exec, const Model& model, State& state, cons
   // large primitives, and pairs of earlier CCD
   if (large > 0)
     find_large_contacts(exec, model, state, phase, reach, dt, std::span(found).subspan(chunks, large));
+  state.contacts.near_reach = params.self && phase == ContactPhase::kPredicted ? reach : 0;
   found.back().clear();
   if (params.self && is_whole) find_ccd_contacts(model, state, phase, dt, found.back());
 }

@@ -17,6 +17,7 @@ namespace turgor::cloth {
 namespace {
 
 constexpr std::size_t kChunkSize = 128;  // triangles or edges of a chunk
+using NearPairs = std::vector<std::array<int, 2>>;
 
 void resize(Neighborhood& near, std::size_t count) {
   for (Vectors* v : {&near.at, &near.rest, &near.edge, &near.rest_edge}) v->resize(padded(count));
@@ -40,9 +41,6 @@ struct FindLargeContacts {
   LargeView view;
   std::vector<char> is_sharp;  // of each large edge: others have no contacts
 
-  void take(const Contact& c, std::vector<Contact>& found) const {
-    if (!is_implicit_already(state, c, view.phase)) found.push_back(c);
-  }
   Range around(const std::array<int, 2>& ends) const {
     return view.around(ends, state.contacts.longest_half);
   }
@@ -76,10 +74,27 @@ struct FindLargeContacts {
     }
   }
 
-  void triangle(std::size_t n, const Neighborhood& near, std::vector<Contact>& found) const {
+  /// Tests a triangle and a vertex.
+  void test_triangle(int n, int v, std::vector<Contact>& found) const {
+    const Int3 t = model.large.triangles[std::size_t(n)];
+    Contact contact{.vertex = {v, t.x, t.y, t.z}};
+    if (!is_implicit_already(state, contact, view.phase) && view.touch_triangle(std::size_t(n), v, contact))
+      found.push_back(contact);
+  }
+  /// Tests two edges.
+  void test_edges(int e, int other, std::vector<Contact>& found) const {
+    const auto [a, b] = model.large.edges[std::size_t(e)];
+    const auto [c, d] = model.large.edges[std::size_t(other)];
+    Contact contact{.vertex = {a, b, c, d}};
+    if (!is_implicit_already(state, contact, view.phase) &&
+        view.touch_edges(std::size_t(e), std::size_t(other), contact))
+      found.push_back(contact);
+  }
+
+  /// Lists the vertices that pass the filter of a triangle.
+  void triangle(std::size_t n, const Neighborhood& near, NearPairs& pairs) const {
     visit_neighbors(near, view.filter(model.large.triangles[n]), [&](int v) {
-      Contact contact;
-      if (view.touch_triangle(n, v, contact)) take(contact, found);
+      pairs.push_back({int(n), v});
     });
   }
   bool any_sharp(std::size_t first, std::size_t last) const {
@@ -92,13 +107,33 @@ struct FindLargeContacts {
     parallel_for(
         exec, is_sharp.size(), [&](std::size_t e) { is_sharp[e] = view.is_sharp(e); }, 1024);
   }
-  void edge(std::size_t e, const Neighborhood& near, std::vector<Contact>& found) const {
-    const auto& edges = model.large.edges;
-    visit_neighbors(near, view.filter(edges[e], state.contacts.longest_half), [&](int other) {
-      if (std::size_t(other) <= e) return;
-      Contact contact;
-      if (view.touch_edges(e, std::size_t(other), contact)) take(contact, found);
+  /// Lists the pairs of triangles. Blocks of them have a common neighborhood.
+  void triangles(std::size_t begin, std::size_t end, NearPairs& pairs) const {
+    pairs.clear();
+    Neighborhood near;
+    for (std::size_t first = begin; first < end; first += kLargeBlock) {
+      const std::size_t last = std::min(first + kLargeBlock, end);
+      gather_near(std::span(model.large.triangles).subspan(first, last - first), near);
+      for (std::size_t n = first; n < last; n++) triangle(n, near, pairs);
+    }
+  }
+  /// Lists the later edges that pass the filter of an edge.
+  void edge(std::size_t e, const Neighborhood& near, NearPairs& pairs) const {
+    visit_neighbors(near, view.filter(model.large.edges[e], state.contacts.longest_half), [&](int other) {
+      if (std::size_t(other) > e) pairs.push_back({int(e), other});
     });
+  }
+  /// Lists the pairs of edges.
+  void edges(std::size_t begin, std::size_t end, NearPairs& pairs) const {
+    pairs.clear();
+    Neighborhood near;
+    for (std::size_t first = begin; first < end; first += kLargeBlock) {
+      const std::size_t last = std::min(first + kLargeBlock, end);
+      if (!any_sharp(first, last)) continue;
+      gather_near(std::span(model.large.edges).subspan(first, last - first), first, near);
+      for (std::size_t e = first; e < last; e++)
+        if (is_sharp[e]) edge(e, near, pairs);
+    }
   }
 };
 
@@ -123,7 +158,8 @@ struct FindCcdContact {
               .weights);
       contact.weight = {1, -w.x, -w.y, -w.z};
     }
-    if (view.make_contact(contact)) find.take(contact, found);
+    if (view.make_contact(contact) && !is_implicit_already(find.state, contact, view.phase))
+      found.push_back(contact);
   }
 };
 
@@ -187,32 +223,26 @@ void find_ccd_contacts(const Model& model, State& state, ContactPhase phase, dou
 void find_large_contacts(const Exec& exec, const Model& model, State& state, ContactPhase phase, Real reach,
                          double dt, std::span<std::vector<Contact>> found) {
   TURGOR_CHECK(found.size() == large_chunks(model), "every chunk has a list of contacts");
-  // midpoints of edges
-  update_midpoints(exec, model, state);
+  // midpoints of edges; the pairs of the predicted search are still near
+  const bool is_listed = phase == ContactPhase::kActual && state.contacts.near_reach >= reach;
+  if (!is_listed) update_midpoints(exec, model, state);
   FindLargeContacts find{model, state, large_view(model, state, phase, reach, dt), {}};
-  find.measure_edges(exec);
+  if (!is_listed) find.measure_edges(exec);
+  std::vector<NearPairs>& near_pairs = state.contacts.near_pairs;
+  near_pairs.resize(found.size());
   const auto& triangles = model.large.triangles;
   const auto& edges = model.large.edges;
   const std::size_t triangle_chunks = (triangles.size() + kChunkSize - 1) / kChunkSize;
   // chunks of triangles, then of edges
   parallel_for(exec, found.size(), [&](std::size_t chunk) {
-    found[chunk].clear();
     const bool is_triangles = chunk < triangle_chunks;
     const std::size_t begin = (is_triangles ? chunk : chunk - triangle_chunks) * kChunkSize;
     const std::size_t end = std::min(begin + kChunkSize, is_triangles ? triangles.size() : edges.size());
-    Neighborhood near;
-    // blocks of primitives with a common neighborhood
-    for (std::size_t first = begin; first < end; first += kLargeBlock) {
-      const std::size_t last = std::min(first + kLargeBlock, end);
-      if (is_triangles) {
-        find.gather_near(std::span(triangles).subspan(first, last - first), near);
-        for (std::size_t i = first; i < last; i++) find.triangle(i, near, found[chunk]);
-      } else if (find.any_sharp(first, last)) {
-        find.gather_near(std::span(edges).subspan(first, last - first), first, near);
-        for (std::size_t i = first; i < last; i++)
-          if (find.is_sharp[i]) find.edge(i, near, found[chunk]);
-      }
-    }
+    NearPairs& pairs = near_pairs[chunk];
+    if (!is_listed) is_triangles ? find.triangles(begin, end, pairs) : find.edges(begin, end, pairs);
+    found[chunk].clear();
+    for (const auto [n, other] : pairs)
+      is_triangles ? find.test_triangle(n, other, found[chunk]) : find.test_edges(n, other, found[chunk]);
   });
 }
 

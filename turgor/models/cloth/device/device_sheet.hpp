@@ -177,11 +177,11 @@ class DeviceSheet final : public SheetBackend {
     mass_factor_ = Real(1 + dt * damping.motion), stiffness_factor_ = Real(dt * dt + dt * damping.stretch);
     // wind
     if (has_air_) {
-      run_(size(),
-           AirAt<Real>{cloth::view(x_), cloth::view(change_), gusts_at(air, state.time), is_steady(air)});
-      const WindTriangles all = wind_triangles(air, dt, triangles_.corners.data(), cloth::view(x_),
-                                               cloth::view(v_), cloth::view(change_), cloth::view(force_),
-                                               cloth::view(inverse_[0]), cloth::view(inverse_[1]));
+      run_(size(), AirAt<Real>{cloth::view(x_), cloth::view(v_), cloth::view(change_),
+                               gusts_at(air, state.time), is_steady(air)});
+      const WindTriangles all =
+          wind_triangles(air, dt, triangles_.corners.data(), cloth::view(x_), cloth::view(change_),
+                         cloth::view(force_), cloth::view(inverse_[0]), cloth::view(inverse_[1]));
       run_(size(), BlowVertex{all, triangles_.around()});
       components_.sum_drag(run_, view());
     }

@@ -24,21 +24,54 @@ Vec3d next_direction(std::mt19937_64& random) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// Wind load of a chunk of vertices; each triangle is evaluated once for all its corners in the chunk.
+/// Wind load of a chunk of vertices; each triangle is evaluated once for all its corners in the chunk,
+/// sixteen triangles at a time. Loads are added in the order of the triangles.
 struct BlowChunk {
+  static constexpr int kNumbers = 9;  // impulse, diagonal, off-diagonal
+
   WindTriangles wind_triangles;
   const ChunkTriangles& chunks;
   std::size_t size;
 
+  /// Numbers of `count` triangles, a row each; missing triangles repeat the last.
+  void evaluate(const int* triangle, int count, Int3 (&corners)[kLanes],
+                float (&rows)[kLanes][kLanes]) const {
+    alignas(64) int index[3][kLanes];
+    for (int l = 0; l < kLanes; l++) {
+      corners[l] = wind_triangles.triangles[triangle[std::min(l, count - 1)]];
+      for (int k = 0; k < 3; k++) index[k][l] = corners[l][k];
+    }
+    const auto load = wind_triangles.load<Lanes, const int*>(index[0], index[1], index[2]);
+    const Lanes3 diagonal = load.diagonal(), off = load.off_diagonal();
+    const Lanes numbers[kNumbers] = {load.impulse.x, load.impulse.y, load.impulse.z, diagonal.x, diagonal.y,
+                                     diagonal.z,     off.x,          off.y,          off.z};
+    for (int f = 0; f < kNumbers; f++)
+      for (int l = 0; l < kLanes; l++) rows[l][f] = numbers[f][l];
+  }
+
   void operator()(std::size_t chunk) const {
+    alignas(64) float sums[kChunk][kLanes] = {}, rows[kLanes][kLanes] = {};
     const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, size);
-    for (std::size_t i = begin; i < end; i++) wind_triangles.clear(i);
-    for (int n = chunks.begin[chunk]; n < chunks.begin[chunk + 1]; n++) {
-      const Int3 t = wind_triangles.triangles[chunks.triangle[std::size_t(n)]];
-      const TriangleLoad load = wind_triangles.triangle_load(t);
-      for (int k = 0; k < 3; k++)
-        if (const auto corner = std::size_t(t[k]); corner >= begin && corner < end)
-          wind_triangles.add(corner, load);
+    // sums of the vertices
+    for (int n = chunks.begin[chunk]; n < chunks.begin[chunk + 1]; n += kLanes) {
+      const int count = std::min(kLanes, chunks.begin[chunk + 1] - n);
+      Int3 corners[kLanes];
+      evaluate(&chunks.triangle[std::size_t(n)], count, corners, rows);
+      for (int l = 0; l < count; l++) {
+        const Lanes row = load_lanes(rows[l]);
+        for (int k = 0; k < 3; k++)
+          if (const auto corner = std::size_t(corners[l][k]); corner >= begin && corner < end) {
+            float* sum = sums[corner - begin];
+            store_lanes(sum, load_lanes(sum) + row);
+          }
+      }
+    }
+    // results
+    for (std::size_t i = begin; i < end; i++) {
+      const float* sum = sums[i - begin];
+      wind_triangles.impulse.set(i, {sum[0], sum[1], sum[2]});
+      wind_triangles.diagonal.set(i, {sum[3], sum[4], sum[5]});
+      wind_triangles.off_diagonal.set(i, {sum[6], sum[7], sum[8]});
     }
   }
 };
@@ -65,7 +98,7 @@ Gusts gusts_at(const Air& air, double time) {
 }
 
 Vec3 air_velocity(const Gusts& gusts, Vec3 x) {
-  return AirAt<Real>{.x = {}, .air = {}, .gusts = gusts, .is_steady = false}(x);
+  return AirAt<Real>{.x = {}, .v = {}, .relative_air = {}, .gusts = gusts, .is_steady = false}(x);
 }
 
 ChunkTriangles triangles_by_chunk(std::span<const Int3> triangles, std::size_t padded_count) {
@@ -91,11 +124,11 @@ void blow(const Exec& exec, const Air& air, double time, double dt, std::span<co
           const ChunkTriangles& chunks, const Vectors& x, const Vectors& v, Vectors& scratch, AirLoad out) {
   TURGOR_CHECK(v.size() == x.size() && scratch.size() == x.size(), "every vertex has a velocity");
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
-  // air velocity at the vertices
+  // air velocity relative to the vertices
   parallel_for(exec, x.size() / std::size_t(kLanes),
-               AirAt<Lanes>{view(x), view(scratch), gusts_at(air, time), is_steady(air)}, 64);
+               AirAt<Lanes>{view(x), view(v), view(scratch), gusts_at(air, time), is_steady(air)}, 64);
   // loads of the triangles
-  const WindTriangles all = wind_triangles(air, dt, triangles.data(), view(x), view(v), view(scratch),
+  const WindTriangles all = wind_triangles(air, dt, triangles.data(), view(x), view(scratch),
                                            view(out.impulse), view(out.diagonal), view(out.off_diagonal));
   parallel_for(exec, chunks.begin.size() - 1, BlowChunk{all, chunks, x.size()});
 }

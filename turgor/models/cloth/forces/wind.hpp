@@ -38,7 +38,8 @@ struct AirLoad {
   Vectors& diagonal;
   Vectors& off_diagonal;
 };
-/// Computes the wind load of all vertices. `scratch` is overwritten by the air velocity at the vertices.
+/// Computes the wind load of all vertices. `scratch` is overwritten by the air velocity relative to the
+/// vertices.
 void blow(const Exec& exec, const Air& air, double time, double dt, std::span<const Int3> triangles,
           const ChunkTriangles& chunks, const Vectors& x, const Vectors& v, Vectors& scratch, AirLoad out);
 

@@ -18,11 +18,12 @@ TURGOR_HD inline T sine_of_turns(T a) {
   return b * (6.2831853f + b2 * (-41.341702f + b2 * (81.605249f + b2 * (-76.705860f + b2 * 42.058694f))));
 }
 
-/// Air velocity at vertices: mean wind plus Σ velocity · sin(2π (number·x + phase)) over the waves.
+/// Air velocity at a position: mean wind plus Σ velocity · sin(2π (number·x + phase)) over the waves. At
+/// vertices it is relative to them.
 template <class T>
 struct AirAt {
-  ConstVectorsView x;
-  VectorsView air;
+  ConstVectorsView x, v;
+  VectorsView relative_air;
   Gusts gusts;
   bool is_steady;
 
@@ -38,58 +39,66 @@ struct AirAt {
   }
   TURGOR_HD void operator()(std::size_t n) const {
     const std::size_t i = n * kAtOnce<T>;
-    store<T>(air, i, (*this)(load<T>(x, i)));
+    store<T>(relative_air, i, (*this)(load<T>(x, i)) - load<T>(v, i));
   }
 };
 
-/// Wind load of a triangle on each of its corners in dt, a third of
+/// Wind load of a triangle (or of sixteen) on each of its corners in dt, a third of
 ///
 ///   ½ ρ A (C_n |u_n| u_n + C_t |u_t| u_t) dt
 ///
 /// with u the air velocity relative to the triangle, u_n and u_t its normal and tangential components, A the
 /// area, C_n = Air::pressure and C_t = Air::drag.
+template <class T>
 struct TriangleLoad {
-  Vec3 impulse, normal;
-  Real across = 0, along = 0;  // minus the derivatives by normal and tangential velocity
+  Three<T> impulse, normal;
+  T across, along;  // minus the derivatives by normal and tangential velocity
 
   /// Diagonal of minus the derivative by velocity, across n nᵀ + along (I − n nᵀ).
-  TURGOR_HD Vec3 diagonal() const {
-    const Real d = across - along;
+  TURGOR_HD Three<T> diagonal() const {
+    const T d = across - along;
     return {along + d * normal.x * normal.x, along + d * normal.y * normal.y,
             along + d * normal.z * normal.z};
   }
-  TURGOR_HD Vec3 off_diagonal() const {
-    const Real d = across - along;
+  TURGOR_HD Three<T> off_diagonal() const {
+    const T d = across - along;
     return {d * normal.x * normal.y, d * normal.x * normal.z, d * normal.y * normal.z};
   }
 };
 
+/// Load of a triangle with sides e and f that the air meets with the relative velocity u. A triangle without
+/// area has none. `pressure` and `drag` are those of WindTriangles.
+template <class T>
+TURGOR_HD inline TriangleLoad<T> triangle_load(Three<T> e, Three<T> f, Three<T> u, Real pressure, Real drag) {
+  const Three<T> n{e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
+  const T length = square_root(dot(n, n)), zero = all_of<T>(0);
+  const T twice_area = length > 0 ? length : zero;
+  const T inverse = length > 0 ? 1 / length : zero;
+  const Three<T> normal = n * inverse;
+  const T un = dot(u, normal), speed_n = un < 0 ? -un : un;
+  const Three<T> ut = u - normal * un;
+  const T speed_t = square_root(dot(ut, ut));
+  const T a = twice_area * speed_n * pressure, b = twice_area * speed_t * drag;
+  return {normal * (a * un) + ut * b, normal, a * 2, b};
+}
+
 /// Triangles in the wind, and the arrays of their loads.
 struct WindTriangles {
   const Int3* triangles;
-  ConstVectorsView x, v, air;
+  ConstVectorsView x, relative_air;             // positions; air velocity relative to the vertices [m] [m/s]
   VectorsView impulse, diagonal, off_diagonal;  // as in AirLoad
   Real pressure, drag;
 
-  TURGOR_HD TriangleLoad triangle_load(Int3 t) const {
-    const auto i = std::size_t(t.x), j = std::size_t(t.y), k = std::size_t(t.z);
-    const Vec3 u = (air[i] + air[j] + air[k] - v[i] - v[j] - v[k]) * (Real(1) / 3);
-    const Vec3 n = cross(x[j] - x[i], x[k] - x[i]);
-    const Real twice_area = norm(n);
-    if (!(twice_area > 0)) return {};
-    const Vec3 normal = n / twice_area;
-    const Real un = dot(u, normal), speed_n = std::abs(un);
-    const Vec3 ut = u - normal * un;
-    const Real speed_t = norm(ut), a = pressure * twice_area * speed_n, b = drag * twice_area * speed_t;
-    return {normal * (a * un) + ut * b, normal, 2 * a, b};
+  /// Load of the triangle with these corners (T = Real), or of sixteen (T = Lanes, arrays of corners).
+  template <class T, class Corner>
+  TURGOR_HD TriangleLoad<T> load(Corner i, Corner j, Corner k) const {
+    const Three<T> xi = at(x, i);
+    const Three<T> u =
+        (at(relative_air, i) + at(relative_air, j) + at(relative_air, k)) * all_of<T>(Real(1) / 3);
+    return triangle_load<T>(at(x, j) - xi, at(x, k) - xi, u, pressure, drag);
   }
-  TURGOR_HD void clear(std::size_t vertex) const {
-    impulse.set(vertex, {}), diagonal.set(vertex, {}), off_diagonal.set(vertex, {});
-  }
-  TURGOR_HD void add(std::size_t vertex, const TriangleLoad& load) const {
-    impulse.add(vertex, load.impulse);
-    diagonal.add(vertex, load.diagonal()), off_diagonal.add(vertex, load.off_diagonal());
-  }
+  TURGOR_HD static Vec3 at(const ConstVectorsView& a, int i) { return a[std::size_t(i)]; }
+  static Lanes3 at(const ConstVectorsView& a, const int* index) { return gather(a, index); }
 };
 
 /// Triangles around each vertex, ascending; also for padding vertices.
@@ -97,7 +106,7 @@ struct TrianglesAround {
   const int *begin, *item;
 };
 
-/// Load of a vertex from all its triangles, the sum of Sails::add. For one thread per vertex.
+/// Load of a vertex from all its triangles, ascending. For one thread per vertex.
 struct BlowVertex {
   WindTriangles wind_triangles;
   TrianglesAround around;
@@ -105,7 +114,8 @@ struct BlowVertex {
   TURGOR_HD void operator()(std::size_t v) const {
     Vec3 impulse, diagonal, off;
     for (int n = around.begin[v]; n < around.begin[v + 1]; n++) {
-      const TriangleLoad load = wind_triangles.triangle_load(wind_triangles.triangles[around.item[n]]);
+      const auto [i, j, k] = wind_triangles.triangles[around.item[n]];
+      const TriangleLoad<Real> load = wind_triangles.load<Real>(i, j, k);
       impulse += load.impulse, diagonal += load.diagonal(), off += load.off_diagonal();
     }
     wind_triangles.impulse.set(v, impulse), wind_triangles.diagonal.set(v, diagonal),
@@ -113,15 +123,14 @@ struct BlowVertex {
   }
 };
 
-/// Wind in a step of dt on triangles at x with velocities v.
+/// Wind in a step of dt on triangles at x in the air of AirAt.
 inline WindTriangles wind_triangles(const Air& air, double dt, const Int3* triangles, ConstVectorsView x,
-                                    ConstVectorsView v, ConstVectorsView air_at, VectorsView impulse,
-                                    VectorsView diagonal, VectorsView off) {
+                                    ConstVectorsView relative_air, VectorsView impulse, VectorsView diagonal,
+                                    VectorsView off) {
   const double quarter = 0.25 * air.density * dt / 3;  // ¼ ρ dt/3: multiplies twice the area
   return {triangles,
           x,
-          v,
-          air_at,
+          relative_air,
           impulse,
           diagonal,
           off,

@@ -53,6 +53,10 @@ struct Contacts {
   SpatialHash midpoint_hash;                     // of large edges
   Vectors midpoints;                             // of large edges, in their order [m]
   Real longest_half = 0;                         // half of the longest large edge [m]
+  /// Pairs that passed the filters of the predicted search, by chunk: a large triangle and a vertex, or two
+  /// large edges. The actual search of the same step begins at the same positions and tests these.
+  std::vector<std::vector<std::array<int, 2>>> near_pairs;
+  Real near_reach = 0;  // search distance of these pairs; 0 = they are not of this step [m]
 
   bool touches(int vertex) const {
     const auto v = std::size_t(vertex);

@@ -31,6 +31,7 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"contact_item", ""}, s.contacts.item);
   visit(Field{"contact_touched", ""}, s.contacts.touched);
   visit(Field{"contact_found", ""}, s.contacts.candidates);
+  visit(Field{"contact_near_pairs", ""}, s.contacts.near_pairs);
   visit(Field{"implicit_contacts", ""}, s.implicit_contacts.contacts.list);
   visit(Field{"implicit_contact_begin", "", Axis::kVertex}, s.implicit_contacts.contacts.begin);
   visit(Field{"implicit_contact_item", ""}, s.implicit_contacts.contacts.item);

@@ -7,6 +7,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/build/partial_cells.hpp"
+#include "turgor/models/lattice/build/regions.hpp"
 
 namespace turgor::lattice {
 
@@ -147,9 +148,18 @@ Tissue tissue_of(double hu, const TissueParams& params) {
   return hu < params.bone_min ? Tissue::kMuscle : Tissue::kBone;
 }
 
-/// Young's modulus of a tissue. Fixed bone only affects the springs to its neighbors; twice muscle makes them
-/// about as stiff as half a spring of tissue on a rigid wall.
-float young_of(Tissue tissue, const Params& params) {
+int label_at(const LabelVolume& labels, Vec3d point) {
+  const Vec3d index = index_at(labels.grid, point);
+  const Int3 p{int(std::lround(index.x)), int(std::lround(index.y)), int(std::lround(index.z))};
+  return contains(labels.grid, p) ? labels.at(p.x, p.y, p.z) : 0;
+}
+
+}  // namespace
+
+float modulus_of_node(Tissue tissue, int label, const Params& params) {
+  if (tissue == Tissue::kOutside) return 0;
+  const auto own = params.tissue.young_of_label.find(label);
+  if (label > 0 && own != params.tissue.young_of_label.end()) return float(own->second);
   switch (tissue) {
     case Tissue::kOutside:
       return 0;
@@ -164,14 +174,6 @@ float young_of(Tissue tissue, const Params& params) {
   }
   return 0;
 }
-
-int label_at(const LabelVolume& labels, Vec3d point) {
-  const Vec3d index = index_at(labels.grid, point);
-  const Int3 p{int(std::lround(index.x)), int(std::lround(index.y)), int(std::lround(index.z))};
-  return contains(labels.grid, p) ? labels.at(p.x, p.y, p.z) : 0;
-}
-
-}  // namespace
 
 Grid node_grid(const Grid& ct, Int3 block) {
   TURGOR_ASSERT(block.x > 0 && block.y > 0 && block.z > 0, "a block has at least one voxel");
@@ -215,7 +217,7 @@ void classify_tissues(const Exec& exec, const std::vector<std::uint8_t>& outside
         const std::size_t n = sample_index(nodes.grid, i, j, int(k));
         const Tissue tissue = outside[n] ? Tissue::kOutside : tissue_of(nodes.hu[n], params.tissue);
         nodes.tissue[n] = tissue;
-        nodes.young[n] = young_of(tissue, params);
+        nodes.young[n] = modulus_of_node(tissue, 0, params);
         nodes.fixed[n] = (params.fix_bone && tissue == Tissue::kBone) ||
                          (params.fix_ends && is_at_end({i, j, first + int(k)}, whole, along));
       }
@@ -249,13 +251,16 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
                 int(n / (std::size_t(size.x) * std::size_t(size.y)))};
   };
   // moduli by label
-  if (labels != nullptr)
+  if (labels != nullptr && !params.tissue.young_of_label.empty()) {
+    nodes.label.assign(count, 0);
     for (std::size_t n = 0; n < count; n++) {
       if (outside[n]) continue;
       const Vec3d point = point_at(nodes.grid, Vec3d(node_of(n)));
-      const auto found = params.tissue.young_of_label.find(label_at(*labels, point));
-      if (found != params.tissue.young_of_label.end()) nodes.young[n] = float(found->second);
+      nodes.label[n] = std::uint16_t(label_at(*labels, point));
+      nodes.young[n] = modulus_of_node(nodes.tissue[n], nodes.label[n], params);
     }
+  }
+  nodes.regions = find_regions(exec, ct, labels, params);
   // partial cells at the surface
   if (has_partial_cells(params)) {
     const CtSlab slab(ct);

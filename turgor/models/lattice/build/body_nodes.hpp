@@ -26,6 +26,8 @@ struct BodyNodes {
   std::vector<std::uint8_t> fixed;   // 1 = fixed
   CellFill fill;                     // of cells at the surface (partial_cells.hpp)
   std::vector<CellSurface> surface;  // with partial cells: of the cells that contain it, in lattice order
+  std::vector<std::uint16_t> label;  // of a segmentation; empty without moduli by label
+  std::vector<RegionShare> regions;  // of the cells, in lattice order (regions.hpp)
 
   // Only for a process with some layers of a body (halo.hpp): number of layers of the body before it, and its
   // owned layers. `grid` has the size of these layers and the origin of the whole. Empty: the whole body.
@@ -38,6 +40,11 @@ struct BodyNodes {
 inline bool has_partial_cells(const Params& params) {
   return params.tissue.law == TissueLaw::kSolid && params.tissue.partial_cells;
 }
+
+/// Young's modulus of a node: that of its label, else that of its tissue. Fixed bone only affects the springs
+/// to its neighbors; twice muscle makes them about as stiff as half a spring of tissue on a rigid wall. 0
+/// outside.
+float modulus_of_node(Tissue tissue, int label, const Params& params);
 
 // Steps of classify, for a process with some slices of a CT:
 /// Grid of the nodes of a CT: one node at each corner of the voxel blocks.

@@ -38,6 +38,7 @@ struct StoreLayer {
         const auto slot = std::size_t(node_slot(model.anatomy.lattice, i, j, k));
         model.anatomy.tissue[slot] = nodes.tissue[n];
         model.anatomy.hu[slot] = nodes.hu[n];
+        if (!nodes.label.empty()) model.anatomy.label[slot] = nodes.label[n];
         const bool is_rim = !is_body(nodes.tissue[n]) && nodes.young[n] > 0;
         if (!is_body(nodes.tissue[n]) && !is_rim) continue;
         // water = 1000; gas keeps a small mass, a rim node that of the body in its block or of air [kg/m³]
@@ -82,6 +83,8 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   model.springs.root_stiffness.assign(slots, 0);
   model.anatomy.tissue.assign(slots, Tissue::kOutside);
   model.anatomy.hu.assign(slots, kAirHu);
+  model.anatomy.regions = nodes.regions;
+  if (!nodes.label.empty()) model.anatomy.label.assign(slots, 0);
   const std::vector<std::uint8_t> fixed = fixed_with_rim(exec, nodes);
   parallel_for(exec, std::size_t(nodes.grid.size.z), StoreLayer{nodes, fixed, params, model});
 

@@ -6,11 +6,15 @@
 
 namespace turgor::lattice {
 
-void scale_stiffness(double factor, Model& model, State& state) {
+void scale_moduli(double factor, Model& model) {
   TURGOR_ASSERT(factor > 0, "a body is stiff");
   const Real root = Real(std::sqrt(factor));
   for (Real& r : model.springs.root_stiffness) r *= root;
   for (Real& young : model.anatomy.cell_young) young *= Real(factor);
+}
+
+void scale_stiffness(double factor, Model& model, State& state) {
+  scale_moduli(factor, model);
   for (CutCellElement& element : state.cut_elements.cells) element.young *= Real(factor);
   for (SymmetricField& field : state.viscosity.history)
     for (auto* entry : {&field.xx, &field.yy, &field.zz, &field.xy, &field.xz, &field.yz})

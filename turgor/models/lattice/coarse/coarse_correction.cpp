@@ -7,6 +7,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/coarse/coarse_levels.hpp"
+#include "turgor/models/lattice/coarse/coupled_points.hpp"
 #include "turgor/models/lattice/coarse/prolongation.hpp"
 #include "turgor/models/lattice/coarse/secant_search.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
@@ -157,15 +158,18 @@ void begin_layer(const Model& model, const Inertia& inertia, const Motion& motio
   const int shift = out.shift(k);
   for (auto* axis : {&out.field.x, &out.field.y, &out.field.z})
     std::fill_n(axis->begin() + shift + row_slot(l, -1, k), layer_stride(l), Real(0));
-  for_each_chunk(model, nullptr, k, [&](int, int slot, int count) {
+  const auto begin_group = [&](int slot) {
     Real *fx = out.field.x.data(), *fy = out.field.y.data(), *fz = out.field.z.data();
     const Real *ux = motion.u.x.data(), *uy = motion.u.y.data(), *uz = motion.u.z.data();
     const Inertia y = inertia;
     TURGOR_LANES
-    for (int s = slot; s < slot + count; s++) {
+    for (int s = slot; s < slot + kGroup; s++) {
       const Vec3 f = y.force(s, {ux[s], uy[s], uz[s]});
       fx[s + shift] = f.x, fy[s + shift] = f.y, fz[s + shift] = f.z;
     }
+  };
+  for_each_chunk(model, nullptr, k, [&](int, int slot, int count) {
+    for (int begin = 0; begin < count; begin += kGroup) begin_group(slot + begin);
   });
 }
 
@@ -175,13 +179,16 @@ void add_patches(const Model& model, const Cuts& cuts, const NodeArrays& nodes, 
   const Lattice& l = model.anatomy.lattice;
   const std::span<const SkinPatch> patches = patches_of_cells(model, {k, k + 1});
   const std::uint8_t* cut = cuts.skin_cut.data() + (patches.data() - model.anatomy.skin.patches.data());
-  Vec3 forces[kCellCorners];
-  for (std::size_t p = 0; p < patches.size(); p++) {
-    if (cut[p]) continue;
-    const int parity = slot_node(l, patches[p].cell).x & 1;
-    skin.compute_forces(patches[p], parity, nodes, forces);
-    for (int c = 0; c < kCellCorners; c++)
-      out.add(patches[p].cell + skin.offset.of[parity][c], k + cell_corner(c).z, forces[c]);
+  PatchForces forces;
+  for (std::size_t first = 0; first < patches.size(); first += kSkinLanes) {
+    const std::size_t count = std::min(patches.size() - first, std::size_t(kSkinLanes));
+    skin.compute_forces(patches.subspan(first, count), l, nodes, forces);
+    for (std::size_t i = 0; i < count; i++) {
+      if (cut[first + i]) continue;
+      const int cell = patches[first + i].cell, parity = slot_node(l, cell).x & 1;
+      for (int c = 0; c < kCellCorners; c++)
+        out.add(cell + skin.offset.of[parity][c], k + cell_corner(c).z, forces.get(c, int(i)));
+    }
   }
 }
 
@@ -340,7 +347,7 @@ struct HostCorrection {
     if (inputs.springs && inputs.springs->refresh) inputs.springs->refresh(state);
     residual = lattice::restrict_residual(exec, model, state, inputs, dt);
   }
-  void solve() { correction = state.workspace.coarse->factor.solve(residual); }
+  void solve() { correction = solve_coupled(*state.workspace.coarse, inputs.springs, residual); }
   void begin_search() { search.begin(work(residual, correction)); }
   void prolongate() {
     if (search.change != 0) add_prolongation(exec, model, state, correction, search.change);
@@ -431,24 +438,26 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
     if (blade_active) return false;
     state.workspace.coarse = make_coarse_space(model, state, dt);
   }
+  couple_points(model, state, inputs.springs);
   return state.workspace.coarse->unknowns > 0;
 }
 
-double apply_coarse_correction(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                               double dt) {
+CoarseStep apply_coarse_correction(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                                   double dt) {
   TURGOR_ASSERT(state.workspace.coarse != nullptr, "a coarse correction needs a coarse space");
   HostCorrection body{exec, model, state, inputs, dt};
   correct_two_grid(body);
-  return body.search.step_length * largest_displacement(body.correction);
+  return {body.search.step_length * largest_displacement(body.correction), body.search.step_length};
 }
 
 std::size_t memory_bytes(const CoarseSpace& space) {
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   return bytes(space.blocks) + bytes(space.row_begin) + bytes(space.terms) + bytes(space.interpolation) +
-         bytes(space.runs) + bytes(space.runs_begin) + bytes(space.outside) + bytes(space.loose) +
-         bytes(space.cells.all) + bytes(space.cells.row_begin) + bytes(space.factor.order) +
-         bytes(space.factor.inverse_diagonal) + bytes(space.factor.column) + bytes(space.factor.row) +
-         bytes(space.factor.value);
+         bytes(space.runs) + bytes(space.run_weights) + bytes(space.runs_begin) + bytes(space.outside) +
+         bytes(space.loose) + bytes(space.cells.all) + bytes(space.cells.row_begin) +
+         bytes(space.factor.order) + bytes(space.factor.inverse_diagonal) + bytes(space.factor.column) +
+         bytes(space.factor.row) + bytes(space.factor.value) +
+         (space.coupled ? memory_bytes(*space.coupled) : 0);
 }
 
 }  // namespace turgor::lattice

@@ -74,6 +74,14 @@ struct ProlongationRun {
   int source = 0;           // value of CoarseSpace::interpolation for these nodes
 };
 
+/// Trilinear weights along a run in a block, which is linear there. Corners 2 n and 2 n + 1 share side[n].
+struct RunWeights {
+  std::array<Real, 4> side{};
+  Real from = 0, per_step = 0;  // unclamped local coordinate of the first node; step per node
+
+  Real coordinate(int n) const { return std::min(Real(1), std::max(Real(0), from + Real(n) * per_step)); }
+};
+
 /// Edge spring between two neighbor nodes that is not an edge of any cell (cells.hpp).
 struct UncoveredEdge {
   int slot = 0, family = 0;
@@ -91,6 +99,9 @@ struct CoarseFactor {
   std::vector<double> solve(std::span<const double> forces) const;
 };
 
+/// Points that stitches couple (coupled_points.hpp).
+struct CoupledPoints;
+
 /// Prolongation from the unknowns to nodes and virtual nodes, and the coarse operator.
 struct CoarseSpace {
   std::size_t version = 0;  // cut_version of the state that the space was built from
@@ -102,13 +113,15 @@ struct CoarseSpace {
   std::vector<CoarseTerm> terms;      // row by row
   aligned_vector<int> interpolation;  // by slot, then by virtual node: kFixed, the index of a block, or −2 −
                                       // row for a single node
-  std::vector<ProlongationRun> runs;  // all nodes that are not fixed, in slot order
-  std::vector<int> runs_begin;        // by layer, and the end: indices into `runs`
+  std::vector<ProlongationRun> runs;    // all nodes that are not fixed, in slot order
+  std::vector<RunWeights> run_weights;  // by run; of single nodes unused
+  std::vector<int> runs_begin;          // by layer, and the end: indices into `runs`
   std::vector<int> outside;  // nodes of loose edges that are interpolated from a block outside of which they
                              // lie, ascending
-  std::vector<UncoveredEdge> loose;  // edges that no cell contains
-  Runs cells;                        // runs of cells with a free node
-  CoarseFactor factor;               // [N/m]
+  std::vector<UncoveredEdge> loose;              // edges that no cell contains
+  Runs cells;                                    // runs of cells with a free node
+  CoarseFactor factor;                           // [N/m]
+  std::shared_ptr<const CoupledPoints> coupled;  // null: no stitch couples points of the body
 
   static constexpr int kFixed = -1;
   std::span<const ProlongationRun> runs_of(int k) const {
@@ -116,6 +129,8 @@ struct CoarseSpace {
                end = std::size_t(runs_begin[std::size_t(k) + 1]);
     return std::span(runs).subspan(begin, end - begin);
   }
+  /// Weights of the first run of a layer.
+  const RunWeights* weights_of(int k) const { return run_weights.data() + runs_begin[std::size_t(k)]; }
 };
 
 /// Builds the space of the body with its current cuts. The space has no unknowns if no node can move or if
@@ -142,12 +157,17 @@ void visit_residual_forces(const Exec& exec, const Model& model, State& state, c
 bool supports_coarse_space(const Model& model);
 /// Rebuilds the space after cuts or for a longer time step. Returns true if this step can use it. Returns
 /// false with contacts, without supports_coarse_space, for a body at rest, or for a much shorter time step.
-/// Also returns false if a rebuild is due while a blade still cuts.
+/// Also returns false if a rebuild is due while a blade still cuts. The operator has the couplings of
+/// Inputs::springs.
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt);
+/// Result of a correction.
+struct CoarseStep {
+  double displacement = 0;  // largest displacement of an unknown [m]
+  double step_length = 0;   // 1 = the operator has the stiffness of the body along the correction
+};
 /// Applies one coarse correction between sweeps: a Newton step in the coarse space with a secant step length.
-/// Returns the largest displacement of an unknown [m].
-double apply_coarse_correction(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                               double dt);
+CoarseStep apply_coarse_correction(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                                   double dt);
 
 /// Memory of a space including its factor [bytes].
 std::size_t memory_bytes(const CoarseSpace& space);

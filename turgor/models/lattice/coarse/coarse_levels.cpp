@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <tuple>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/disjoint_sets.hpp"
@@ -49,17 +48,36 @@ struct BlockAggregates {
   }
 };
 
+/// Number of the block of every aggregate, x fastest.
+std::vector<int> block_keys(const CoarseLevel& fine) {
+  Int3 size{1, 1, 1};
+  for (const Aggregate& aggregate : fine.aggregates) size = max(size, halved(aggregate.low) + Int3{1, 1, 1});
+  std::vector<int> keys;
+  keys.reserve(fine.aggregates.size());
+  for (const Aggregate& aggregate : fine.aggregates) {
+    const Int3 b = halved(aggregate.low);
+    keys.push_back((b.z * size.y + b.y) * size.x + b.x);
+  }
+  return keys;
+}
+
+/// Indices by ascending key, and equal keys by ascending index: a counting sort.
+std::vector<int> order_by(std::span<const int> keys) {
+  const int most = keys.empty() ? 0 : *std::max_element(keys.begin(), keys.end());
+  std::vector<int> begin(std::size_t(most) + 2, 0), order(keys.size());
+  for (const int key : keys) begin[std::size_t(key) + 1]++;
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  for (std::size_t n = 0; n < keys.size(); n++) order[std::size_t(begin[std::size_t(keys[n])]++)] = int(n);
+  return order;
+}
+
 /// Creates the aggregates of the coarse level, without corners yet. Returns the pairs of node and aggregate
 /// that contains it.
 std::vector<std::pair<int, int>> merge_aggregates(CoarseLevel& fine, CoarseLevel& coarse) {
   // aggregates by block
-  std::vector<int> order(fine.aggregates.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](int g) {
-    const Int3 b = halved(fine.aggregates[std::size_t(g)].low);
-    return std::tuple(b.z, b.y, b.x);
-  };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  const std::vector<int> keys = block_keys(fine);
+  const std::vector<int> order = order_by(keys);
+  const auto key = [&](int g) { return keys[std::size_t(g)]; };
   BlockAggregates block(fine);
   std::vector<std::pair<int, int>> memberships;  // node, aggregate
   std::vector<int> aggregate_of_root, aggregate_of;
@@ -85,8 +103,14 @@ std::vector<std::pair<int, int>> merge_aggregates(CoarseLevel& fine, CoarseLevel
       if (aggregate.is_cut) coarse.aggregates[std::size_t(aggregate.parent)].is_cut = true;
     }
   }
-  std::sort(memberships.begin(), memberships.end());
-  return memberships;
+  // by node; aggregates ascend already
+  std::vector<int> nodes;
+  nodes.reserve(memberships.size());
+  for (const auto& [node, aggregate] : memberships) nodes.push_back(node);
+  std::vector<std::pair<int, int>> sorted;
+  sorted.reserve(memberships.size());
+  for (const int n : order_by(nodes)) sorted.push_back(memberships[std::size_t(n)]);
+  return sorted;
 }
 
 /// Numbers the corners of the coarse aggregates. Corners of neighbor aggregates are the same if they share a
@@ -102,10 +126,12 @@ void merge_corners(const CoarseLevel& fine, std::span<const std::pair<int, int>>
     const int a = memberships[n - 1].second, b = memberships[n].second;
     const Int3 at = fine.position[std::size_t(memberships[n].first)];
     const Int3 low_a = coarse.aggregates[std::size_t(a)].low, low_b = coarse.aggregates[std::size_t(b)].low;
-    for (int p = 0; p < 8; p++)
-      for (int q = 0; q < 8; q++)
-        if (is_interpolated_from(at - low_a * 2, p) && low_a + cell_corner(p) == low_b + cell_corner(q))
-          join_sets(corners, 8 * a + p, 8 * b + q);
+    for (int p = 0; p < 8; p++) {
+      if (!is_interpolated_from(at - low_a * 2, p)) continue;
+      const Int3 other = low_a + cell_corner(p) - low_b;
+      if (min(other, Int3{0, 0, 0}) == Int3{0, 0, 0} && max(other, Int3{1, 1, 1}) == Int3{1, 1, 1})
+        join_sets(corners, 8 * a + p, 8 * b + other.x + 2 * other.y + 4 * other.z);
+    }
   }
   // numbers
   std::vector<int> number(8 * coarse.aggregates.size(), -1);
@@ -151,11 +177,16 @@ FineCells find_fine_cells(const Model& model, const State& state) {
     cells.level.aggregates.push_back({.low = low, .corner = corner});
     cells.young.push_back(young);
   };
-  // whole cells
+  // whole cells; only rows near cuts can have others
+  const auto is_whole = [&](Int3 cell) {
+    const auto slot = std::size_t(node_slot(l, cell));
+    return model.anatomy.cell_young[slot] > 0 &&
+           (!state.cuts.row_cut[slot / std::size_t(row_stride(l))] || is_whole_cell(model, state.cuts, cell));
+  };
   for (int k = 0; k + 1 < l.size.z; k++)
     for (int j = 0; j + 1 < l.size.y; j++)
       for (int i = 0; i + 1 < l.size.x; i++)
-        if (is_whole_cell(model, state.cuts, {i, j, k})) {
+        if (is_whole({i, j, k})) {
           std::array<int, 8> corner{};
           for (int n = 0; n < 8; n++) corner[std::size_t(n)] = node_slot(l, Int3{i, j, k} + cell_corner(n));
           add({i, j, k}, corner, model.anatomy.cell_young[std::size_t(corner[0])]);

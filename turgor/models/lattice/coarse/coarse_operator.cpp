@@ -1,24 +1,21 @@
 // Galerkin operator of the coarse space: linear tissue, skin as in the CT, and inertia of a step. Nearly all
-// elements are assembled block by block, since blocks have few corners.
+// elements are assembled block by block, since blocks have few corners. Whole cells and inertia are added to
+// moments of blocks (block_moments.hpp).
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/models/lattice/coarse/block_moments.hpp"
 #include "turgor/models/lattice/coarse/coarse_levels.hpp"
-#include "turgor/models/lattice/mechanics/skin_calibration.hpp"
-#include "turgor/models/lattice/mechanics/skin_forces.hpp"
-#include "turgor/models/lattice/mechanics/solid.hpp"
+#include "turgor/models/lattice/coarse/skin_stiffness.hpp"
 #include "turgor/models/lattice/solver/viscosity.hpp"
 
 namespace turgor::lattice {
 
 namespace {
-
-constexpr int kSides = 24;  // degrees of freedom of a block
-constexpr Mat3d kNothing{{Vec3d{}, Vec3d{}, Vec3d{}}};
-using BlockMatrix = std::array<double, kSides * kSides>;
 
 struct CoarseOperatorBuilder {
   const Model& model;
@@ -27,12 +24,20 @@ struct CoarseOperatorBuilder {
   const FineCells& cells;
   const CoarseSpace& space;
   std::vector<std::vector<int>> block_of;  // by level and aggregate; −1: no node uses it
+  std::vector<AggregateIndex> leaf_of;     // by aggregate of level 1 (leaf_above)
   std::vector<BlockMatrix> blocks;
+  std::vector<BlockMoments> moments;  // by block
   std::vector<Eigen::Triplet<double>> entries;
 
   CoarseOperatorBuilder(const Model& m, const State& s, std::span<const CoarseLevel> all, const FineCells& c,
                         const CoarseSpace& made)
-      : model(m), state(s), levels(all), cells(c), space(made), blocks(made.blocks.size()) {}
+      : model(m),
+        state(s),
+        levels(all),
+        cells(c),
+        space(made),
+        blocks(made.blocks.size()),
+        moments(made.blocks.size()) {}
 
   Int3 position(int node) const { return levels[0].position[std::size_t(node)]; }
   bool moves(int node) const { return space.interpolation[std::size_t(node)] != CoarseSpace::kFixed; }
@@ -56,14 +61,15 @@ struct CoarseOperatorBuilder {
     return row;
   }
 
-  void add_entries(std::span<const CoarseTerm> a, std::span<const CoarseTerm> b, const Mat3d& k) {
+  void add_entries(std::span<const CoarseTerm> a, std::span<const CoarseTerm> b, const Mat3d& k,
+                   double scale = 1) {
     for (const CoarseTerm& p : a)
       for (const CoarseTerm& q : b)
         for (int i = 0; i < 3; i++)
           for (int j = 0; j < 3; j++) {
             const int row = 3 * p.unknown + i, column = 3 * q.unknown + j;
             if (row >= column)
-              entries.emplace_back(row, column, double(p.weight) * double(q.weight) * k.column[j][i]);
+              entries.emplace_back(row, column, scale * double(p.weight) * double(q.weight) * k.column[j][i]);
           }
   }
 
@@ -71,79 +77,111 @@ struct CoarseOperatorBuilder {
     for (const CoarseLevel& level : levels) block_of.emplace_back(level.aggregates.size(), -1);
     for (std::size_t b = 0; b < space.blocks.size(); b++)
       block_of[std::size_t(space.blocks[b].leaf.level)][std::size_t(space.blocks[b].leaf.aggregate)] = int(b);
+    for (std::size_t g = 0; g < levels[1].aggregates.size(); g++)
+      leaf_of.push_back(leaf_above(levels, 1, int(g)));
   }
 
-  /// Block that contains all these nodes; −1: none.
+  /// Block of a leaf; −1: none.
+  int block_at(AggregateIndex leaf) const {
+    return leaf.level < 0 ? -1 : block_of[std::size_t(leaf.level)][std::size_t(leaf.aggregate)];
+  }
+  /// Block from which all these nodes are interpolated; −1: none.
+  int common_source(std::span<const int> nodes) const {
+    const int first = space.interpolation[std::size_t(nodes[0])];
+    const bool same = std::all_of(nodes.begin(), nodes.end(),
+                                  [&](int node) { return space.interpolation[std::size_t(node)] == first; });
+    return same && first >= 0 ? first : -1;
+  }
+
+  /// Block that contains all these nodes, or from which they are interpolated; −1: none.
   int block_of_all(std::span<const int> nodes) const {
+    if (const int source = common_source(nodes); source >= 0) return source;
     const CoarseLevel& fine = levels[0];
     const auto is_member = [&](int node, AggregateIndex leaf) {
       for (int n = fine.membership_begin[std::size_t(node)]; n < fine.membership_begin[std::size_t(node) + 1];
            n++)
-        if (leaf_above(levels, 1, fine.memberships[std::size_t(n)]) == leaf) return true;
+        if (leaf_of[std::size_t(fine.memberships[std::size_t(n)])] == leaf) return true;
       return false;
     };
     // blocks that contain the first node
     for (int n = fine.membership_begin[std::size_t(nodes[0])];
          n < fine.membership_begin[std::size_t(nodes[0]) + 1]; n++) {
-      const AggregateIndex leaf = leaf_above(levels, 1, fine.memberships[std::size_t(n)]);
+      const AggregateIndex leaf = leaf_of[std::size_t(fine.memberships[std::size_t(n)])];
       if (leaf.level < 0) continue;
       bool all = true;
       for (const int node : nodes) all = all && is_member(node, leaf);
-      if (all) return block_of[std::size_t(leaf.level)][std::size_t(leaf.aggregate)];
+      if (all) return block_at(leaf);
     }
     return -1;
   }
 
-  /// Adds an element with its nodes and the stiffness k(a, b) of node pairs.
+  /// Adds an element with its nodes and the stiffness `scale` k(a, b) of node pairs.
   template <class OfPair>
-  void add_element(std::span<const int> nodes, const OfPair& of_pair) {
+  void add_element(std::span<const int> nodes, const OfPair& of_pair, double scale = 1) {
     TURGOR_CHECK(nodes.size() <= kCellCorners, "an element has at most eight nodes");
     const int at = block_of_all(nodes);
     if (at < 0) {
       std::vector<std::vector<CoarseTerm>> rows;
       for (const int node : nodes) rows.push_back(row_of(node));
       for (std::size_t a = 0; a < nodes.size(); a++)
-        for (std::size_t b = 0; b < nodes.size(); b++) add_entries(rows[a], rows[b], of_pair(int(a), int(b)));
+        for (std::size_t b = 0; b < nodes.size(); b++)
+          add_entries(rows[a], rows[b], of_pair(int(a), int(b)), scale);
       return;
     }
-    add_to_block(at, nodes, of_pair);
+    add_to_block(at, nodes, of_pair, scale);
   }
 
   /// Adds an element to the matrix of a block, Wᵀ k W, with W the weights of the block's corners.
   template <class OfPair>
-  void add_to_block(int at, std::span<const int> nodes, const OfPair& of_pair) {
-    // weights of the corners at each node
-    std::array<std::array<float, 8>, kCellCorners> weights{};
-    for (std::size_t n = 0; n < nodes.size(); n++)
-      if (moves(nodes[n])) weights[n] = corner_weights(space.blocks[std::size_t(at)], position(nodes[n]));
-    BlockMatrix& sum = blocks[std::size_t(at)];
-    // Wᵀ k W, node by node
-    for (std::size_t a = 0; a < nodes.size(); a++) {
-      if (!moves(nodes[a])) continue;
-      double by_corner[3][kSides] = {};
-      for (std::size_t b = 0; b < nodes.size(); b++) {
-        const Mat3d k = of_pair(int(a), int(b));
-        for (std::size_t q = 0; q < 8; q++)
-          for (std::size_t j = 0; j < 3; j++)
-            for (int i = 0; i < 3; i++) by_corner[i][3 * q + j] += double(weights[b][q]) * k.column[j][i];
-      }
-      for (std::size_t p = 0; p < 8; p++) {
-        const double w = weights[a][p];
-        if (w == 0) continue;
-        for (std::size_t i = 0; i < 3; i++)
-          for (std::size_t n = 0; n < kSides; n++) sum[(3 * p + i) * kSides + n] += w * by_corner[i][n];
-      }
+  void add_to_block(int at, std::span<const int> nodes, const OfPair& of_pair, double scale) {
+    NodeWeights weights{};
+    for (std::size_t n = 0; n < nodes.size(); n++) {
+      if (!moves(nodes[n])) continue;
+      const std::array<float, 8> w = corner_weights(space.blocks[std::size_t(at)], position(nodes[n]));
+      std::copy(w.begin(), w.end(), weights[n].begin());
+    }
+    add_projected(nodes.size(), weights, of_pair, scale, blocks[std::size_t(at)]);
+  }
+
+  /// Adds a whole cell with E = `young` to the moments of its block. False: no block contains it, or one of
+  /// its nodes is fixed.
+  bool add_whole_cell(std::size_t cell, double young) {
+    const Aggregate& aggregate = levels[0].aggregates[cell];
+    const int at = aggregate.is_cut ? -1 : block_at(leaf_of[std::size_t(aggregate.parent)]);
+    if (at < 0) return false;
+    for (const int node : aggregate.corner)
+      if (!moves(node)) return false;
+    const CoarseBlock& block = space.blocks[std::size_t(at)];
+    add_moments(Vec3d(aggregate.low - block.low) * (1.0 / block.size), young,
+                moments[std::size_t(at)].stiffness);
+    return true;
+  }
+
+  /// Adds moments to the matrices of blocks.
+  void expand_moments() {
+    const Lattice& l = model.anatomy.lattice;
+    std::map<int, BlockBasis> bases;  // by size
+    for (std::size_t b = 0; b < blocks.size(); b++) {
+      const int size = space.blocks[b].size;
+      const auto found = bases.find(size);
+      const BlockBasis& basis =
+          found != bases.end()
+              ? found->second
+              : bases.emplace(size, block_basis(size, l.spacing, model.params.tissue.poisson)).first->second;
+      add_expanded(moments[b], basis, blocks[b]);
     }
   }
 
   void add_blocks() {
+    constexpr std::size_t kTerms = 700;  // of a block, more than most have
+    entries.reserve(entries.size() + kTerms * blocks.size());
     for (std::size_t b = 0; b < blocks.size(); b++)
       for (std::size_t p = 0; p < 8; p++)
         for (std::size_t q = 0; q < 8; q++) {
           Mat3d k = kNothing;
           for (std::size_t i = 0; i < 3; i++)
             for (std::size_t j = 0; j < 3; j++)
-              k.column[j][int(i)] = blocks[b][(3 * p + i) * kSides + 3 * q + j];
+              k.column[j][int(i)] = blocks[b][(3 * p + i) * kBlockNumbers + 8 * j + q];
           add_entries(terms_of(space.blocks[b].corner[p]), terms_of(space.blocks[b].corner[q]), k);
         }
   }
@@ -154,138 +192,21 @@ struct CoarseOperatorBuilder {
   }
 };
 
-/// Stiffness of pairs of corners of a cell with E = 1: linear elasticity at the center and the hourglass
-/// stiffness.
-///   k_ab = V (µ g_b g_aᵀ + λ g_a g_bᵀ + µ (g_a · g_b) I) + V κ/8 (δ_ab − (1 + s_a · s_b)/8) I
-/// g: gradient of the shape function, s: signs of the corner. This is the Hessian of add_cell at rest.
-std::array<Mat3d, 64> cell_stiffness(Vec3 spacing, double poisson) {
-  TURGOR_CHECK(poisson >= 0 && poisson < 0.5, "Poisson's ratio is from 0 to below 0.5");
-  // Lame parameters for a Young's modulus of 1
-  const Vec3d h(spacing);
-  const double volume = h.x * h.y * h.z, mu = 0.5 / (1 + poisson),
-               lambda = poisson / ((1 + poisson) * (1 - 2 * poisson)),
-               hourglass = double(solid_law(spacing, poisson).hourglass);
-  std::array<Mat3d, 64> k{};
-  // blocks of all corner pairs
-  for (int a = 0; a < 8; a++)
-    for (int b = 0; b < 8; b++) {
-      // shape function gradients at the cell center
-      const Vec3d sa(corner_sign(a)), sb(corner_sign(b));
-      const Vec3d ga = Vec3d{sa.x / h.x, sa.y / h.y, sa.z / h.z} * 0.25,
-                  gb = Vec3d{sb.x / h.x, sb.y / h.y, sb.z / h.z} * 0.25;
-      // diagonal share: shear and hourglass stiffness
-      const double alike = volume * mu * dot(ga, gb) + hourglass * ((a == b ? 1 : 0) - (1 + dot(sa, sb)) / 8);
-      // add the elastic block
-      Mat3d& m = k[std::size_t(8 * a + b)];
-      for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-          m.column[std::size_t(j)][i] =
-              volume * (mu * gb[i] * ga[j] + lambda * ga[i] * gb[j]) + (i == j ? alike : 0);
-    }
-  return k;
-}
-
 Mat3d scaled(const Mat3d& m, double by) { return {{m.column[0] * by, m.column[1] * by, m.column[2] * by}}; }
-void add_outer(Mat3d& m, Vec3d a, Vec3d b, double by) {
-  for (int j = 0; j < 3; j++) m.column[std::size_t(j)] = m.column[std::size_t(j)] + a * (b[j] * by);
-}
-void add_isotropic(Mat3d& m, double by) {
-  for (int j = 0; j < 3; j++) m.column[std::size_t(j)][j] += by;
-}
-
-/// Stiffness of pairs of corners of a triangle as in the CT, positive semidefinite like the Hessians of VBD
-/// (add_skin_fiber, add_skin_area).
-struct SkinStiffness {
-  const Model& model;
-  FiberLaw law;
-  SkinTangent tangent;  // exponential law
-
-  explicit SkinStiffness(const Model& m) : model(m), law(fiber_law(m.params.skin)) {
-    if (m.params.skin.law == SkinLaw::kExponential)
-      tangent = skin_tangent(m.params.skin, stretch_of_tension(m.params.skin).value_or(SkinStretch{}));
-  }
-
-  Mat3d operator()(const SkinTriangle& t, int a, int b) const {
-    if (model.params.skin.law == SkinLaw::kExponential) return tangent_stiffness(t, a, b);
-    return model.params.skin.law == SkinLaw::kFiber ? fiber_stiffness(t, a, b) : area_stiffness(t, a, b);
-  }
-  Mat3d fiber_stiffness(const SkinTriangle& t, int a, int b) const {
-    const Vec3d e1(t.edge1), e2(t.edge2);
-    const Vec3d f = e1 * double(t.along[1]) + e2 * double(t.along[2]),
-                g = e1 * double(t.across[1]) + e2 * double(t.across[2]);
-    Mat3d k = kNothing;
-    add_fiber(k, f, double(t.along[a]) * double(t.along[b]), double(law.rest_along), t.area);
-    add_fiber(k, g, double(t.across[a]) * double(t.across[b]), double(law.rest_across), t.area);
-    const Vec3d sheared_a = f * double(t.across[a]) + g * double(t.along[a]),
-                sheared_b = f * double(t.across[b]) + g * double(t.along[b]);
-    add_outer(k, sheared_a, sheared_b, double(law.shear) * double(t.area));
-    return k;
-  }
-  /// Strains along e and across g, and their tension: the tangent of the law at the tension of the CT.
-  Mat3d tangent_stiffness(const SkinTriangle& t, int a, int b) const {
-    const Vec3d e1(t.edge1), e2(t.edge2);
-    const Vec3d e = e1 * double(t.along[1]) + e2 * double(t.along[2]),
-                g = e1 * double(t.across[1]) + e2 * double(t.across[2]);
-    const double area = double(t.area), xa = double(t.along[a]), xb = double(t.along[b]),
-                 ya = double(t.across[a]), yb = double(t.across[b]);
-    Mat3d k = kNothing;
-    add_outer(k, e, e, area * tangent.along * xa * xb);
-    add_outer(k, g, g, area * tangent.across * ya * yb);
-    add_outer(k, e, g, area * tangent.coupling * xa * yb);
-    add_outer(k, g, e, area * tangent.coupling * ya * xb);
-    add_outer(k, e * ya + g * xa, e * yb + g * xb, area * tangent.shear);
-    add_isotropic(k, area * (tangent.tension_along * xa * xb + tangent.tension_across * ya * yb));
-    return k;
-  }
-  /// The same for corners a and b of the cell of a patch.
-  Mat3d operator()(const SkinPatch& p, int a, int b) const {
-    const Vec3 slope = solid_law(model.anatomy.lattice.spacing, 0).slope;
-    const double area = double(p.area) / kPatchPoints;
-    Mat3d k = kNothing;
-    for (int n = 0; n < kPatchPoints; n++) {
-      const Vec3 point = patch_point(p, n);
-      const Vec3d f(p.along), g(p.across), at_a(shape_gradient(a, slope, point)),
-          at_b(shape_gradient(b, slope, point));
-      add_fiber(k, f, dot(at_a, f) * dot(at_b, f), double(law.rest_along), area);
-      add_fiber(k, g, dot(at_a, g) * dot(at_b, g), double(law.rest_across), area);
-      add_outer(k, f * dot(at_a, g) + g * dot(at_a, f), f * dot(at_b, g) + g * dot(at_b, f),
-                double(law.shear) * area);
-    }
-    return k;
-  }
-  void add_fiber(Mat3d& k, Vec3d g, double share, double rest, double area) const {
-    TURGOR_CHECK(norm(g) > 0 && rest > 0, "a fiber has a length");
-    const double length = norm(g), strain = std::max(0.0, length - rest);
-    const double stiffness =
-        double(law.stiffness) * area * share * (1 + double(law.amplification) * strain / rest);
-    const double lateral = stiffness * strain / length;
-    add_outer(k, g, g, (stiffness - lateral) / (length * length));
-    add_isotropic(k, lateral);
-  }
-  Mat3d area_stiffness(const SkinTriangle& t, int a, int b) const {
-    TURGOR_CHECK(t.area > 0, "a skin triangle has an area in the CT");
-    const Vec3d position[3] = {{}, Vec3d(t.edge1), Vec3d(t.edge2)};
-    const Vec3d n = cross(position[1], position[2]), u = n * (1 / norm(n));
-    const double ratio = double(rest_area_ratio(model.params.skin)), growth = 1 / ratio - 1;
-    const double stiffness =
-        model.params.skin.stiffness / (ratio * t.area) * (1 + model.params.skin.amplification * growth);
-    const auto opposite = [&](int c) { return position[(c + 1) % 3] - position[(c + 2) % 3]; };
-    const Vec3d ga = cross(opposite(a), u) * 0.5, gb = cross(opposite(b), u) * 0.5;
-    Mat3d k = kNothing;
-    add_outer(k, ga, gb, stiffness);
-    add_outer(k, u, u, stiffness * (1 - ratio) * t.area * dot(opposite(a), opposite(b)) / (2 * norm(n)));
-    return k;
-  }
-};
 
 void add_cells(CoarseOperatorBuilder& builder) {
   const Model& model = builder.model;
   const std::array<Mat3d, 64> k = cell_stiffness(model.anatomy.lattice.spacing, model.params.tissue.poisson);
-  const double instant = instant_factor(model.params.tissue.prony, builder.space.dt);
+  const std::vector<double> instants = instant_factors(model, builder.space.dt);
+  const auto& relaxation = model.anatomy.cell_laws.relaxation;
   for (std::size_t g = 0; g < builder.levels[0].aggregates.size(); g++) {
     const std::array<int, 8>& corner = builder.levels[0].aggregates[g].corner;
-    const double young = builder.cells.young[g] * (builder.levels[0].aggregates[g].is_cut ? 1 : instant);
-    builder.add_element(corner, [&](int a, int b) { return scaled(k[std::size_t(8 * a + b)], young); });
+    const bool is_cut = builder.levels[0].aggregates[g].is_cut;
+    const std::size_t pairs = is_cut || relaxation.empty() ? 0 : relaxation[std::size_t(corner[0])];
+    const double young = builder.cells.young[g] * (is_cut ? 1 : instants[pairs]);
+    if (builder.add_whole_cell(g, young)) continue;
+    builder.add_element(
+        corner, [&](int a, int b) -> const Mat3d& { return k[std::size_t(8 * a + b)]; }, young);
   }
 }
 
@@ -293,7 +214,8 @@ void add_patches(CoarseOperatorBuilder& builder, const SkinStiffness& stiffness)
   const Model& model = builder.model;
   const std::vector<SkinPatch>& patches = model.anatomy.skin.patches;
   const auto add = [&](const SkinPatch& p, std::span<const int> corner, double share) {
-    builder.add_element(corner, [&](int a, int b) { return scaled(stiffness(p, a, b), share); });
+    builder.add_element(
+        corner, [&](int a, int b) { return stiffness(p, a, b); }, share);
   };
   const CellOffsets offset(model.anatomy.lattice);
   for (std::size_t p = 0; p < patches.size(); p++) {
@@ -315,7 +237,9 @@ void add_skin(CoarseOperatorBuilder& builder) {
   if (!model.anatomy.skin.patches.empty()) return add_patches(builder, stiffness);
   const auto add = [&](const SkinTriangle& t, Int3 corner, double share) {
     const int nodes[3] = {corner.x, corner.y, corner.z};
-    builder.add_element(nodes, [&](int a, int b) { return scaled(stiffness(t, a, b), share); });
+    const std::array<Mat3d, 9> k = stiffness.pairs(t);
+    builder.add_element(
+        nodes, [&](int a, int b) -> const Mat3d& { return k[std::size_t(3 * a + b)]; }, share);
   };
   for (std::size_t t = 0; t < model.anatomy.skin.triangles.size(); t++)
     if (!builder.state.cuts.skin_cut[t])
@@ -333,7 +257,8 @@ void add_loose_edges(CoarseOperatorBuilder& builder) {
     const Vec3d d(hadamard(model.anatomy.lattice.spacing, Vec3(kFamilies[family])));
     Mat3d along = kNothing;
     add_outer(along, d, d, double(model.springs.scale[family]) * root(nodes[0]) * root(nodes[1]) / dot(d, d));
-    builder.add_element(nodes, [&](int a, int b) { return scaled(along, a == b ? 1 : -1); });
+    const Mat3d opposite = scaled(along, -1);
+    builder.add_element(nodes, [&](int a, int b) -> const Mat3d& { return a == b ? along : opposite; });
   }
 }
 
@@ -343,9 +268,16 @@ void add_inertia(CoarseOperatorBuilder& builder) {
     if (!builder.moves(slot)) continue;
     TURGOR_CHECK(builder.model.anatomy.inverse_mass[std::size_t(slot)] > 0,
                  "a node that moves has a finite mass");
+    const double inertia = 1 / (h2 * double(builder.model.anatomy.inverse_mass[std::size_t(slot)]));
+    if (const int at = builder.space.interpolation[std::size_t(slot)]; at >= 0) {
+      const CoarseBlock& block = builder.space.blocks[std::size_t(at)];
+      add_moments(Vec3d(position_in_block(block, builder.position(slot))), inertia,
+                  builder.moments[std::size_t(at)].inertia);
+      continue;
+    }
     Mat3d k = kNothing;
-    add_isotropic(k, 1 / (h2 * double(builder.model.anatomy.inverse_mass[std::size_t(slot)])));
-    builder.add_element({&slot, 1}, [&](int, int) { return k; });
+    add_isotropic(k, inertia);
+    builder.add_element({&slot, 1}, [&](int, int) -> const Mat3d& { return k; });
   }
 }
 
@@ -387,6 +319,7 @@ void assemble_coarse_operator(const Model& model, const State& state, std::span<
   add_skin(builder);
   add_loose_edges(builder);
   add_inertia(builder);
+  builder.expand_moments();
   builder.add_blocks();
   const int count = 3 * space.unknowns;
   // Corners of blocks with few nodes may be linearly dependent, so the diagonal is regularized.

@@ -120,6 +120,13 @@ struct SpaceBuilder {
         aggregate < 0 ? -2 - row(0, node) : block(leaf_above(levels, 1, aggregate));
   }
 
+  /// False: no blade is near the node, and the elements around it cover its edges.
+  bool may_have_loose_edge(int slot) const {
+    return !model.anatomy.cell_center.empty() ||
+           state.cuts.row_cut[std::size_t(slot / row_stride(model.anatomy.lattice))] ||
+           model.vbd.incident_elements[std::size_t(slot / kGroup)] == IncidentElements::kSprings;
+  }
+
   /// Finds loose edges. Nodes without other elements use the interpolation of the node at the other end.
   void find_loose_edges() {
     const Lattice& l = model.anatomy.lattice;
@@ -130,7 +137,7 @@ struct SpaceBuilder {
         for (int i = 0; i < l.size.x; i++) {
           const Int3 a{i, j, k};
           const int slot = node_slot(l, a);
-          if (!(root(slot) > 0)) continue;
+          if (!(root(slot) > 0) || !may_have_loose_edge(slot)) continue;
           for (int f = 0; f < kFamilyCount; f++) {
             const Int3 b = a + kFamilies[std::size_t(f)];
             if (!contains(l, b) || !(root(node_slot(l, b)) > 0)) continue;
@@ -201,6 +208,7 @@ std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const S
   }
   // runs by layer
   space->runs = find_prolongation_runs(model.anatomy.lattice, space->interpolation);
+  space->run_weights = weights_of_runs(*space);
   for (int k = 0; k <= model.anatomy.lattice.size.z; k++) {
     const auto is_below = [k](const ProlongationRun& run) { return run.first.z < k; };
     const auto begin = std::partition_point(space->runs.begin(), space->runs.end(), is_below);

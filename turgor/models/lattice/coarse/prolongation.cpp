@@ -7,24 +7,9 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Half row in a block. A trilinear function is linear along it.
-struct RowInBlock {
-  const CoarseBlock& block;
-  Real from, per_step;       // unclamped local coordinate of the first node; step per node
-  std::array<Real, 4> side;  // common weight of corners 2 n and 2 n + 1
-
-  RowInBlock(const CoarseSpace& space, const ProlongationRun& run)
-      : block(space.blocks[std::size_t(run.source)]),
-        from(Real(run.first.x - block.low.x) / Real(block.size)),
-        per_step(2 / Real(block.size)) {
-    const Vec3 at = position_in_block(block, run.first);
-    side = {(1 - at.y) * (1 - at.z), at.y * (1 - at.z), (1 - at.y) * at.z, at.y * at.z};
-  }
-  Real coordinate(int n) const { return std::min(Real(1), std::max(Real(0), from + Real(n) * per_step)); }
-};
-
 /// Adds the forces of a run to the corners of its block.
-void add_row(const RowInBlock& row, const ProlongationRun& run, LayerForces forces, Vec3d* sums) {
+void add_row(const CoarseBlock& block, const RunWeights& row, const ProlongationRun& run, LayerForces forces,
+             Vec3d* sums) {
   TURGOR_CHECK(run.count > 0, "a run has at least one node");
   Vec3 all, far;
   for (int n = 0; n < run.count; n++) {
@@ -33,20 +18,20 @@ void add_row(const RowInBlock& row, const ProlongationRun& run, LayerForces forc
   }
   const Vec3 near = all - far;
   for (std::size_t c = 0; c < 4; c++) {
-    sums[row.block.corner[2 * c]] += Vec3d(near * row.side[c]);
-    sums[row.block.corner[2 * c + 1]] += Vec3d(far * row.side[c]);
+    sums[block.corner[2 * c]] += Vec3d(near * row.side[c]);
+    sums[block.corner[2 * c + 1]] += Vec3d(far * row.side[c]);
   }
 }
 
-void move_row(const RowInBlock& row, const ProlongationRun& run, std::span<const Vec3> corners, VecField& u) {
+void move_row(const CoarseBlock& block, const RunWeights& row, const ProlongationRun& run,
+              std::span<const Vec3> corners, VecField& u) {
   Vec3 near, far;
   for (std::size_t c = 0; c < 4; c++) {
-    near += corners[std::size_t(row.block.corner[2 * c])] * row.side[c];
-    far += corners[std::size_t(row.block.corner[2 * c + 1])] * row.side[c];
+    near += corners[std::size_t(block.corner[2 * c])] * row.side[c];
+    far += corners[std::size_t(block.corner[2 * c + 1])] * row.side[c];
   }
   const Vec3 slope = far - near;
   Real *x = u.x.data() + run.slot, *y = u.y.data() + run.slot, *z = u.z.data() + run.slot;
-  TURGOR_LANES
   for (int n = 0; n < run.count; n++) {
     const Vec3 displacement = near + slope * row.coordinate(n);
     x[n] += displacement.x, y[n] += displacement.y, z[n] += displacement.z;
@@ -95,13 +80,30 @@ std::vector<ProlongationRun> find_prolongation_runs(const Lattice& l, std::span<
   return runs;
 }
 
+std::vector<RunWeights> weights_of_runs(const CoarseSpace& space) {
+  std::vector<RunWeights> weights(space.runs.size());
+  for (std::size_t r = 0; r < weights.size(); r++) {
+    const ProlongationRun& run = space.runs[r];
+    if (run.source < 0) continue;
+    const CoarseBlock& block = space.blocks[std::size_t(run.source)];
+    const Vec3 at = position_in_block(block, run.first);
+    weights[r] = {.side = {(1 - at.y) * (1 - at.z), at.y * (1 - at.z), (1 - at.y) * at.z, at.y * at.z},
+                  .from = Real(run.first.x - block.low.x) / Real(block.size),
+                  .per_step = 2 / Real(block.size)};
+  }
+  return weights;
+}
+
 void restrict_layer(const CoarseSpace& space, int k, LayerForces forces, std::span<Vec3d> sums) {
   TURGOR_CHECK(sums.size() + 1 == space.row_begin.size(), "every row of the space has a sum");
-  for (const ProlongationRun& run : space.runs_of(k))
+  const RunWeights* row = space.weights_of(k);
+  for (const ProlongationRun& run : space.runs_of(k)) {
     if (run.source >= 0)
-      add_row({space, run}, run, forces, sums.data());
+      add_row(space.blocks[std::size_t(run.source)], *row, run, forces, sums.data());
     else
       sums[std::size_t(-2 - run.source)] += Vec3d(forces[run.slot]);
+    row++;
+  }
 }
 
 void restrict_virtual_nodes(const Model& model, const State& state, std::span<Vec3d> sums) {
@@ -123,12 +125,15 @@ void prolongate(const Exec& exec, const Model& model, State& state, std::span<co
   const CoarseSpace& space = *state.workspace.coarse;
   TURGOR_CHECK(corners.size() + 1 == space.row_begin.size(), "every row of the space has a displacement");
   parallel_for(exec, std::size_t(model.anatomy.lattice.size.z), [&](std::size_t k) {
-    for (const ProlongationRun& run : space.runs_of(int(k)))
+    const RunWeights* row = space.weights_of(int(k));
+    for (const ProlongationRun& run : space.runs_of(int(k))) {
       if (run.source >= 0)
-        move_row({space, run}, run, corners, state.motion.u);
+        move_row(space.blocks[std::size_t(run.source)], *row, run, corners, state.motion.u);
       else
         state.motion.u.set(std::size_t(run.slot),
                            state.motion.u[std::size_t(run.slot)] + corners[std::size_t(-2 - run.source)]);
+      row++;
+    }
   });
   const auto at_row = [&](int row) { return corners[std::size_t(row)]; };
   const auto move = [&](int c, Vec3 by) { state.motion.virtual_u[std::size_t(c)].move(by); };

@@ -11,6 +11,9 @@ namespace turgor::lattice {
 std::vector<ProlongationRun> find_prolongation_runs(const Lattice& lattice,
                                                     std::span<const int> interpolation);
 
+/// Weights of all runs, in their order.
+std::vector<RunWeights> weights_of_runs(const CoarseSpace& space);
+
 /// Restriction: adds the forces at the nodes of layer `k` to the forces at rows of CoarseSpace [N].
 void restrict_layer(const CoarseSpace& space, int k, LayerForces forces, std::span<Vec3d> sums);
 /// Restriction: adds the residual at virtual nodes (State::workspace) to the forces at rows of CoarseSpace

@@ -9,6 +9,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cutting/crack_tips.hpp"
+#include "turgor/models/lattice/cutting/element_fragments.hpp"
 #include "turgor/models/lattice/cutting/fragment_shares.hpp"
 #include "turgor/models/lattice/cutting/loose_rim.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
@@ -17,60 +18,6 @@
 namespace turgor::lattice {
 
 namespace {
-
-bool has_cut_elements(const Model& model) {
-  return model.params.tissue.law == TissueLaw::kSolid && model.params.solver.method == Method::kVbd;
-}
-
-/// True if cut elements replace a cell: it was whole, is now cut or has a virtual node, and no node is
-/// removed.
-bool is_cut_cell(const Model& model, const Cuts& cuts, const Fragments& fragments, const CutCell& cell) {
-  if (!(model.anatomy.cell_young[std::size_t(cell.slot)] > 0)) return false;
-  // several fragments, a cut edge, or a virtual node, and no removed node
-  bool other = cell.fragment_count > 1 || has_cut_edge(cuts, model.anatomy.lattice, cell.slot),
-       removed = false;
-  const int parity = slot_node(model.anatomy.lattice, cell.slot).x & 1;
-  for (int n = 0; n < kCellCorners; n++) {
-    const int slot = cell.slot + slot_offset(model.anatomy.lattice, cell_corner(n), parity);
-    removed |= is_removed_tissue(model, cuts, slot);
-    for (int p = cell.first_fragment; p < cell.first_fragment + cell.fragment_count; p++)
-      other |= fragments.all[std::size_t(p)].corner[std::size_t(n)] != slot;
-  }
-  return other && !removed;
-}
-
-/// True if a fragment of a cell that is an element can be one: each corner is a node of tissue, or of the rim
-/// of partial cells, or a virtual node of one with a fit. Other fragments are too small for an element, or
-/// are excised.
-bool can_be_element(const Model& model, const Cuts& cuts, const Fragments& fragments,
-                    const Fragment& fragment) {
-  if (fragment.excised) return false;
-  const int slots = slot_count(model.anatomy.lattice);
-  const bool with_rim = !model.anatomy.cell_center.empty();
-  const auto bears = [&](int slot) {
-    return is_solid(model, cuts, slot) || (with_rim && !is_body(model.anatomy.tissue[std::size_t(slot)]));
-  };
-  const auto stays = [&](int slot) {
-    return with_rim ? !is_removed_tissue(model, cuts, slot) : was_solid(model, cuts, slot);
-  };
-  return std::all_of(fragment.corner.begin(), fragment.corner.end(), [&](int corner) {
-    if (corner < slots) return bears(corner);
-    const VirtualNode& virtual_node = fragments.virtual_nodes[std::size_t(corner - slots)];
-    return stays(virtual_node.slot) && virtual_node.term_count > 0;
-  });
-}
-
-/// Calls visit(cell, fragment) for all fragments of cut cells that can be elements.
-template <class Visit>
-void for_each_element_fragment(const Model& model, const Cuts& cuts, const Fragments& fragments,
-                               const Visit& visit) {
-  for (const CutCell& cell : fragments.cells) {
-    if (!is_cut_cell(model, cuts, fragments, cell)) continue;
-    for (int p = 0; p < cell.fragment_count; p++)
-      if (can_be_element(model, cuts, fragments, fragments.all[std::size_t(cell.first_fragment + p)]))
-        visit(cell, p);
-  }
-}
 
 /// Volume fractions by cell, computed at the first request.
 struct VolumeFractionCache {
@@ -92,25 +39,6 @@ bool is_excised(const Fragments& fragments, const CutCell& cell, const CrackTip&
   return excised(tip.left) || excised(tip.right);
 }
 
-/// Corners of the bridge element at a crack tip. Each corner is taken from the fragment on its side of the
-/// plane. If one of the fragments cannot be an element, the nodes of the cell are used.
-std::array<int, 8> bridge_corners(const Model& model, const Cuts& cuts, const Fragments& fragments,
-                                  const CutCell& cell, const CrackTip& tip) {
-  const auto fragment_of = [&](int n) -> const Fragment& {
-    return fragments.all[std::size_t(cell.first_fragment + n)];
-  };
-  if (!can_be_element(model, cuts, fragments, fragment_of(tip.left)) ||
-      !can_be_element(model, cuts, fragments, fragment_of(tip.right)))
-    return corners_of(model, fragments, cell.slot, -1);
-  const Vec3d low(in_body(fragments.fine.cells, slot_node(fragments.fine.cells, cell.slot)));
-  std::array<int, 8> corners;
-  for (int n = 0; n < kCellCorners; n++)
-    corners[std::size_t(n)] =
-        fragment_of(tip.plane.signed_distance(low + Vec3d(cell_corner(n))) >= 0 ? tip.right : tip.left)
-            .corner[std::size_t(n)];
-  return corners;
-}
-
 /// Skin of the elements of a cut cell.
 struct CutPatch {
   int patch = -1;
@@ -124,35 +52,37 @@ struct CutPatch {
   Real share(int fragment) const { return shares.empty() ? Real(0) : shares[std::size_t(fragment)]; }
 };
 
-void add_cells(const Model& model, State& state, const Fragments& fragments,
-               VolumeFractionCache& cached_shares) {
-  // once per cell: mark it as cut, and add bridges
-  int last = -1;
-  std::optional<CutPatch> skin;
-  for_each_element_fragment(model, state.cuts, fragments, [&](const CutCell& cell, int fragment) {
-    const Real young = model.anatomy.cell_young[std::size_t(cell.slot)];
-    const Shares& shares = cached_shares(cell);
-    if (cell.slot != last) {
-      last = cell.slot;
-      skin.emplace(model, state.cuts, fragments, cell);
-      state.cuts.cut[std::size_t(cell.slot)] |= kCutCell;
-      mark_rows(model, state.cuts, cell.slot);
-      for (int t = 0; t < cell.tip_count; t++) {
-        const CrackTip& tip = fragments.tips[std::size_t(cell.first_tip + t)];
-        if (is_excised(fragments, cell, tip)) continue;
-        const Real both = shares.of[std::size_t(tip.left)] + shares.of[std::size_t(tip.right)];
-        state.cut_elements.cells.push_back(
-            {bridge_corners(model, state.cuts, fragments, cell, tip),
-             young * shares.bridges[std::size_t(t)] * both, cell.slot, skin->patch,
-             shares.bridges[std::size_t(t)] * (skin->share(tip.left) + skin->share(tip.right))});
-      }
-    }
-    // element of the fragment
-    const auto p = std::size_t(fragment);
-    state.cut_elements.cells.push_back({fragments.all[std::size_t(cell.first_fragment + fragment)].corner,
-                                        young * shares.parted[p] * shares.of[p], cell.slot, skin->patch,
-                                        shares.parted[p] * skin->share(fragment)});
-  });
+/// Adds the bridges and fragments of a cut cell that are elements, and marks the cell as cut.
+void add_cell(const Model& model, State& state, const Fragments& fragments,
+              VolumeFractionCache& cached_shares, const CutCell& cell) {
+  std::vector<int> elements;  // fragments of the cell
+  for (int p = 0; p < cell.fragment_count; p++)
+    if (can_be_element(model, state.cuts, fragments, fragments.all[std::size_t(cell.first_fragment + p)]))
+      elements.push_back(p);
+  if (elements.empty()) return;
+  state.cuts.cut[std::size_t(cell.slot)] |= kCutCell;
+  mark_rows(model, state.cuts, cell.slot);
+  // an element is added if all its corners are solved for
+  const Real young = model.anatomy.cell_young[std::size_t(cell.slot)];
+  const Shares& shares = cached_shares(cell);
+  const CutPatch skin(model, state.cuts, fragments, cell);
+  const auto add = [&](const std::array<int, 8>& corners, Real modulus, Real skin_share) {
+    if (has_all_unknowns(fragments, corners))
+      state.cut_elements.cells.push_back({corners, modulus, cell.slot, skin.patch, skin_share});
+  };
+  for (int t = 0; t < cell.tip_count; t++) {
+    const CrackTip& tip = fragments.tips[std::size_t(cell.first_tip + t)];
+    if (is_excised(fragments, cell, tip)) continue;
+    const Real bridge = shares.bridges[std::size_t(t)];
+    add(bridge_corners(model, state.cuts, fragments, cell, tip),
+        young * bridge * (shares.of[std::size_t(tip.left)] + shares.of[std::size_t(tip.right)]),
+        bridge * (skin.share(tip.left) + skin.share(tip.right)));
+  }
+  for (const int p : elements) {
+    const Real parted = shares.parted[std::size_t(p)];
+    add(fragments.all[std::size_t(cell.first_fragment + p)].corner,
+        young * parted * shares.of[std::size_t(p)], parted * skin.share(p));
+  }
 }
 
 void add_skin_elements(const Model& model, State& state, const Fragments& fragments,
@@ -347,15 +277,6 @@ void mark_rows(const Model& model, Cuts& cuts, int slot) {
       cuts.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
 }
 
-void mark_virtual_nodes_with_unknowns(const Model& model, const Cuts& cuts, Fragments& fragments) {
-  if (!has_cut_elements(model)) return;
-  const int slots = slot_count(model.anatomy.lattice);
-  for_each_element_fragment(model, cuts, fragments, [&](const CutCell& cell, int fragment) {
-    for (const int corner : fragments.all[std::size_t(cell.first_fragment + fragment)].corner)
-      if (corner >= slots) fragments.virtual_nodes[std::size_t(corner - slots)].has_unknowns = true;
-  });
-}
-
 void build_cut_elements(const Model& model, State& state, const DownloadNodes& download) {
   store_fragments(model, state.cuts);
   if (!has_cut_elements(model) || state.cuts.edges.empty()) return;
@@ -367,7 +288,9 @@ void build_cut_elements(const Model& model, State& state, const DownloadNodes& d
   CutElements& elements = state.cut_elements;
   elements = {.virtual_node_keys = std::move(elements.virtual_node_keys)};
   VolumeFractionCache cached_shares(fragments, state.cuts);
-  add_cells(model, state, fragments, cached_shares);
+  for (const CutCell& cell : fragments.cells)
+    if (is_cut_cell(model, state.cuts, fragments, cell))
+      add_cell(model, state, fragments, cached_shares, cell);
   if (!model.anatomy.skin.patches.empty()) cut_skin(model, state.cuts);
   for (std::size_t t = 0; t < state.cuts.skin_cut.size() && model.anatomy.skin.patches.empty(); t++)
     if (state.cuts.skin_cut[t]) add_skin_elements(model, state, fragments, cached_shares, int(t));

@@ -1,14 +1,10 @@
-// Topology of cut cells: virtual nodes with unknowns, and the cut-cell and cut-skin elements of a body
-// (State::cut_elements). Forces of these elements are in mechanics/cut_elements.hpp. [Molino et al. 2004;
-// Wang et al. 2014]
+// Topology of cut cells: the cut-cell and cut-skin elements of a body (State::cut_elements). Forces of these
+// elements are in mechanics/cut_elements.hpp. [Molino et al. 2004; Wang et al. 2014]
 #pragma once
 
 #include "turgor/models/lattice/cutting/fragments.hpp"
 
 namespace turgor::lattice {
-
-/// Marks the virtual nodes that are unknowns: corners of fragments that become cut-cell elements.
-void mark_virtual_nodes_with_unknowns(const Model& model, const Cuts& cuts, Fragments& fragments);
 
 /// Rebuilds Cuts::fragments and State::cut_elements after a cut. Virtual nodes from before the cut keep their
 /// displacements. New ones get the displacement of the tissue on their side. Only the nodes that determine it

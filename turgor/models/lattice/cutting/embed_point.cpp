@@ -6,11 +6,16 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/models/lattice/cutting/drawn_curve.hpp"
 #include "turgor/models/lattice/cutting/fragment_view.hpp"
+#include "turgor/models/lattice/mechanics/skin_queries.hpp"
 
 namespace turgor::lattice {
 
 namespace {
+
+/// Points up to this height above the skin of partial cells belong to its tissue [cells].
+constexpr double kBeyondSkin = 0.25;
 
 /// Tissue of one cell: a whole cell (fragment −1) or a fragment of a cut cell.
 struct CellTissue {
@@ -69,13 +74,42 @@ struct PointEmbedding {
     return sum;
   }
 
+  /// True if the point is in tissue that a cell shows, or just above its skin.
+  bool is_tissue_in(Int3 cell) const {
+    constexpr double kSkinTolerance = 150;  // [HU], about a tenth of the step from tissue to air
+    const Skin& skin = model.anatomy.skin;
+    const int patch = patch_of_cell(skin, node_slot(model.anatomy.lattice, cell));
+    if (patch < 0) return level(cell) >= -kSkinTolerance;
+    // height above the skin in a partial cell
+    const SkinPatch& p = skin.patches[std::size_t(patch)];
+    const Vec3d above = position - Vec3d(cell) - (Vec3d(p.point) + Vec3d{1, 1, 1}) * 0.5,
+                normal = cross(Vec3d(p.along), Vec3d(p.across));
+    return dot(hadamard(above, Vec3d(model.anatomy.lattice.spacing)), normal) <=
+           kBeyondSkin * smallest_spacing(model.anatomy.lattice);
+  }
+  /// Cell that contains the point. Just above the skin of partial cells, the nearest one with skin.
+  Int3 cell_of_point() const {
+    Int3 own;
+    for (int axis = 0; axis < 3; axis++)
+      own[axis] = std::min(int(std::floor(position[axis])), model.anatomy.lattice.size[axis] - 2);
+    const Skin& skin = model.anatomy.skin;
+    if (skin.patches.empty() || !is_cell(own) || is_tissue_in(own)) return own;
+    Int3 best = own;
+    double least = kBeyondSkin;
+    for (int n = 0; n < 27; n++) {
+      const Int3 cell = own + Int3{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      if (!is_cell(cell) || distance(cell) >= least) continue;
+      if (patch_of_cell(skin, node_slot(model.anatomy.lattice, cell)) < 0 || !is_tissue_in(cell)) continue;
+      best = cell, least = distance(cell);
+    }
+    return best;
+  }
+
   /// Tissue of the cell that contains the point; the owner of a ghost fragment. Empty in air.
   std::optional<CellTissue> start() const {
-    constexpr double kSkinTolerance = 150;  // [HU], about a tenth of the step from tissue to air
-    Int3 cell;
-    for (int axis = 0; axis < 3; axis++)
-      cell[axis] = std::min(int(std::floor(position[axis])), model.anatomy.lattice.size[axis] - 2);
-    if (!is_cell(cell) || distance(cell) > 1e-6 || level(cell) < -kSkinTolerance) return {};
+    const Int3 cell = cell_of_point();
+    const double beyond = model.anatomy.skin.patches.empty() ? 1e-6 : kBeyondSkin;
+    if (!is_cell(cell) || distance(cell) > beyond || !is_tissue_in(cell)) return {};
     const int slot = node_slot(model.anatomy.lattice, cell);
     if (const CutCell* cut = find_cell(fragments, slot)) {
       const int fragment = fragment_at(fragments, cuts, *cut, Vec3(position - Vec3d(cell)));

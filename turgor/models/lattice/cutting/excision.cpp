@@ -94,18 +94,21 @@ BladeSheet excision_sheet(const BladePath& path, Vec3d middle, double margin, do
   double along = 0;
   for (std::size_t n = 1; n <= count; n++) {
     const double next = along + norm(path.points[n] - path.points[n - 1]);
-    for (const auto& [top, bottom] : {std::pair(-margin, 0.0), std::pair(0.0, path.depth)}) {
-      const Vec3d a = at(n - 1, top), b = at(n - 1, bottom), c = at(n, top), d = at(n, bottom);
+    for (const bool above : {true, false}) {
+      const auto edge = [&](std::size_t m, bool top) {
+        return at(m, top == above ? (top ? -margin : path.depths[m % count]) : 0);
+      };
+      const Vec3d a = edge(n - 1, true), b = edge(n - 1, false), c = edge(n, true), d = edge(n, false);
       add_triangle(sheet, {a, b, c}, {along, along, next});
       add_triangle(sheet, {c, b, d}, {next, along, next});
     }
     along = next;
   }
   // floor: rings between its center and the walls, at the same depth below a skin that is curved evenly
-  const Vec3d inward = mean_inward(path), bottom = middle + inward * path.depth + shift;
+  const Vec3d inward = mean_inward(path), bottom = middle + shift;
   const auto floor_at = [&](std::size_t n, int ring) {
     const double t = double(ring) / kRings;
-    const Vec3d rim = at(n, path.depth) - bottom;
+    const Vec3d rim = at(n, path.depths[n % count]) - bottom;
     const double height = dot(rim, inward);
     return bottom + (rim - inward * height) * t + inward * (height * t * t);
   };

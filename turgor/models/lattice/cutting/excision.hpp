@@ -16,8 +16,8 @@ Result<std::vector<Vec3d>> excision_outline(const Model& model, const State& sta
 /// True if a point of one outline lies inside the other. Outlines are those of excision_outline.
 bool outlines_overlap(std::span<const Vec3d> a, std::span<const Vec3d> b);
 
-/// Sheet of an excision: walls along the outline of a path, from `margin` above the skin to the depth, and a
-/// floor, which is cut last. `middle`: center of the outline on the skin [m]. The sheet is closed below the
+/// Sheet of an excision: walls along the outline of a path, from `margin` above the skin to the depth of each
+/// point, and a floor, which is cut last. `middle`: center of the floor [m]. The sheet is closed below the
 /// skin and shifted by about `epsilon`, so that no node of a regular lattice lies in it.
 BladeSheet excision_sheet(const BladePath& path, Vec3d middle, double margin, double epsilon);
 

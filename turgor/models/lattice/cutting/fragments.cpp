@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
-#include <span>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/cutting/air_labels.hpp"
 #include "turgor/models/lattice/cutting/crack_tips.hpp"
+#include "turgor/models/lattice/cutting/fragment_stages.hpp"
 #include "turgor/models/lattice/cutting/small_components.hpp"
 #include "turgor/models/lattice/cutting/virtual_node_fit.hpp"
 #include "turgor/models/lattice/cutting/virtual_nodes.hpp"
@@ -76,31 +77,6 @@ CutEdgesByCell mark_cut_edges(const Cuts& cuts, Fragments& out) {
   return edges;
 }
 
-/// Sub-lattice of one cell: labels, cut bits and neighbors along uncut edges.
-struct CellSubLattice {
-  const FineLattice& fine;
-  const std::uint8_t* cut;
-  std::int16_t* label;
-  int offset[kFamilyCount];
-
-  CellSubLattice(Fragments& fragments, const CutCell& cell)
-      : fine(fragments.fine),
-        cut(&fragments.cut_bits[cell.first_sub_index]),
-        label(&fragments.label[cell.first_sub_index]) {
-    for (int n = 0; n < kFamilyCount; n++) offset[n] = sub_index(fine, kFamilies[std::size_t(n)]);
-  }
-  /// Calls visit(neighbor, its sub-lattice index) for all neighbors of a node in the cell along uncut edges.
-  template <class Visit>
-  void for_connected(Int3 local, const Visit& visit) const {
-    const int sub_node = sub_index(fine, local);
-    for (int n = 0; n < kFamilyCount; n++) {
-      const Int3 up = local + kFamilies[std::size_t(n)], down = local - kFamilies[std::size_t(n)];
-      if (in_cell(fine, up) && !(cut[sub_node] >> n & 1)) visit(up, sub_node + offset[n]);
-      if (in_cell(fine, down) && !(cut[sub_node - offset[n]] >> n & 1)) visit(down, sub_node - offset[n]);
-    }
-  }
-};
-
 /// True if a partial cell is an element (partial_cells.hpp). Blades divide all of it, also beyond the skin.
 bool is_partial_element(const Model& model, const Cuts& cuts, const FineLattice& f, int slot) {
   if (model.anatomy.cell_center.empty() || !(model.anatomy.cell_young[std::size_t(slot)] > 0)) return false;
@@ -163,66 +139,6 @@ int label_tissue(const CellSubLattice& sub_lattice, const std::array<bool, kMaxS
   });
   TURGOR_CHECK(count <= std::numeric_limits<std::int16_t>::max(), "labels fit 16 bits");
   return count;
-}
-
-/// Labels air like the nearest tissue on its side of the blades. Air without such tissue keeps -1.
-void label_air(const CellSubLattice& sub_lattice) {
-  const std::span labels(sub_lattice.label, std::size_t(sub_node_count(sub_lattice.fine)));
-  if (std::none_of(labels.begin(), labels.end(), [](std::int16_t label) { return label < 0; })) return;
-  // breadth-first search from all labeled nodes
-  std::vector<Int3> open;
-  for_sub_nodes(sub_lattice.fine, [&](Int3 p) {
-    if (sub_lattice.label[sub_index(sub_lattice.fine, p)] >= 0) open.push_back(p);
-  });
-  for (std::size_t next = 0; next < open.size(); next++) {
-    const Int3 p = open[next];
-    const std::int16_t label = sub_lattice.label[sub_index(sub_lattice.fine, p)];
-    sub_lattice.for_connected(p, [&](Int3 neighbor, int sub_node) {
-      if (sub_lattice.label[sub_node] >= 0) return;
-      sub_lattice.label[sub_node] = label;
-      open.push_back(neighbor);
-    });
-  }
-}
-
-/// Finds the ghosts of a cell. Seeds are unlabeled nodes on its border that have a label in another cell.
-/// Their ghosts spread along uncut edges to the other unlabeled nodes.
-void find_ghosts(Fragments& out, CutCell& cell) {
-  const FineLattice& f = out.fine;
-  const CellSubLattice sub_lattice(out, cell);
-  const Int3 first = first_of_cell(f, slot_node(f.cells, cell.slot));
-  cell.first_ghost = int(out.ghosts.size());
-  // seeds on the border
-  std::vector<std::pair<Int3, std::int16_t>> found;
-  for_sub_nodes(f, [&](Int3 p) {
-    if (sub_lattice.label[sub_index(f, p)] != -1) return;
-    GhostFragment ghost{.slot = cell.slot, .cell = -1};
-    for_cells_of_edge(f, first + p, first + p, [&](Int3 neighbor) {
-      const int other = out.cell_index.find(std::uint64_t(node_slot(f.cells, neighbor)));
-      if (other < 0 || ghost.cell >= 0) return;
-      const std::size_t index = out.cells[std::size_t(other)].first_sub_index +
-                                std::size_t(sub_index(f, first + p - first_of_cell(f, neighbor)));
-      if (out.label[index] >= 0) ghost.cell = other, ghost.fragment = out.label[index];
-    });
-    if (ghost.cell < 0) return;
-    // one ghost per fragment of a neighboring cell
-    const auto existing =
-        std::find_if(out.ghosts.begin() + cell.first_ghost, out.ghosts.end(),
-                     [&](GhostFragment g) { return g.cell == ghost.cell && g.fragment == ghost.fragment; });
-    found.emplace_back(p, std::int16_t(-2 - (existing - out.ghosts.begin() - cell.first_ghost)));
-    if (existing == out.ghosts.end()) out.ghosts.push_back(ghost);
-  });
-  for (const auto& [p, label] : found) sub_lattice.label[sub_index(f, p)] = label;
-  // spread along uncut edges
-  for (std::size_t next = 0; next < found.size(); next++) {
-    const std::int16_t label = found[next].second;
-    sub_lattice.for_connected(Int3(found[next].first), [&](Int3 neighbor, int sub_node) {
-      if (sub_lattice.label[sub_node] != -1) return;
-      sub_lattice.label[sub_node] = label;
-      found.emplace_back(neighbor, label);
-    });
-  }
-  cell.ghost_count = int(out.ghosts.size()) - cell.first_ghost;
 }
 
 /// Incision that entered a fragment without separating it: the one with most cut fine edges inside the
@@ -314,9 +230,14 @@ bool is_one_fragment(const CutCell& cell, const FineLattice& f, const std::array
   return !cell.is_cut && std::all_of(solid.begin(), solid.begin() + sub_node_count(f), std::identity());
 }
 
-void make_cell_fragments(const Model& model, const Cuts& cuts, const CutEdgesByCell& edges, Fragments& out) {
+void make_cell_fragments(const Model& model, const Cuts& cuts, const CutEdgesByCell& edges,
+                         const EarlierFragments& earlier, Fragments& out) {
   for (std::size_t c = 0; c < out.cells.size(); c++) {
     CutCell& cell = out.cells[c];
+    if (const int index = earlier.index(int(c)); index >= 0) {
+      copy_cell(*earlier.fragments, index, cell, out);
+      continue;
+    }
     const CellSubLattice sub_lattice(out, cell);
     // connected components of the tissue
     cell.first_fragment = int(out.all.size());
@@ -370,24 +291,30 @@ Real node_level(const Model& model, const Cuts& cuts, int slot) {
   return beyond < 0 ? kGas : std::max(beyond, kLeast);
 }
 
-Fragments make_fragments(const Model& model, const Cuts& cuts) {
+Fragments make_fragments(const Model& model, const Cuts& cuts, const Fragments* before) {
   Fragments out;
   out.fine = fine_lattice(model);
   out.version = cut_version(cuts);
   if (cuts.edges.empty()) return out;
   // fragments of each cell
   find_cells(cuts, out);
+  const EarlierFragments earlier = find_earlier(before, cuts, out);
   const CutEdgesByCell edges = mark_cut_edges(cuts, out);
-  make_cell_fragments(model, cuts, edges, out);
+  make_cell_fragments(model, cuts, edges, earlier, out);
+  out.stages.tissue = out.label;
   TURGOR_CHECK(is_sorted_unique(out.cells, &CutCell::slot), "cut cells ascend by slot");
   TURGOR_CHECK(std::is_sorted(edges.pairs.begin(), edges.pairs.end()), "cut edges ascend by cell");
   // virtual nodes of the connected fragments
-  make_virtual_nodes(out);
-  merge_small_components(cuts, out);
-  fit_virtual_nodes(model, cuts, edges, out);
+  make_virtual_nodes(earlier, out);
+  merge_small_components(cuts, earlier, out);
+  fit_virtual_nodes(model, cuts, edges, earlier, out);
   mark_excised(cuts, out);
   // labels of air, and ghosts
-  for (const CutCell& cell : out.cells) label_air(CellSubLattice(out, cell));
+  for (const CutCell& cell : out.cells)
+    if (const int index = earlier.index(out, cell); index >= 0)
+      copy_air_labels(*earlier.fragments, index, cell, out);
+    else
+      label_air(CellSubLattice(out, cell));
   for (CutCell& cell : out.cells)
     if (cell.is_cut && cell.fragment_count > 0) find_ghosts(out, cell);
   TURGOR_CHECK(std::all_of(out.cells.begin(), out.cells.end(),
@@ -406,7 +333,7 @@ std::shared_ptr<const Fragments> fragments_of(const Model& model, const Cuts& cu
 }
 
 void store_fragments(const Model& model, Cuts& cuts) {
-  cuts.fragments = std::make_shared<const Fragments>(make_fragments(model, cuts));
+  cuts.fragments = std::make_shared<const Fragments>(make_fragments(model, cuts, cuts.fragments.get()));
 }
 
 }  // namespace turgor::lattice

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -71,6 +72,27 @@ struct FitTerm {
   Real weight = 0;
 };
 
+/// Connected groups of the fragments around nodes, before small components are merged (virtual_nodes.hpp).
+struct NodeGroups {
+  std::vector<int> slot;           // of the nodes, ascending
+  std::vector<int> begin{0};       // by node, and the end: indices into `root`
+  std::vector<std::int16_t> root;  // by fragment around the node: a fragment that represents its group
+};
+
+/// Intermediate results that fragments of later cuts reuse (fragment_stages.hpp).
+struct FragmentStages {
+  std::size_t edges = 0;                            // cut edges
+  std::uint64_t edges_hash = 0;                     // of these edges
+  int removed_nodes = 0;                            // Cuts::removed_nodes
+  std::size_t excised = 0;                          // size of Cuts::excised
+  std::vector<std::uint64_t> corner_cuts;           // by cell: cut bits at its corners
+  std::vector<std::int16_t> tissue;                 // Fragments::label before air is labeled
+  std::vector<int> whole;                           // by fragment: sub-cells without cut edges in it
+  std::vector<std::optional<CrackTipPlane>> plane;  // by cell: all blades in and around it
+  std::vector<std::uint8_t> is_plane_known;         // by cell
+  NodeGroups groups;
+};
+
 struct Fragments {
   FineLattice fine;
   std::vector<CutCell> cells;         // ascending slots
@@ -86,9 +108,12 @@ struct Fragments {
   std::vector<CrackTip> tips;  // grouped by cell
   KeyIndex edge_index;         // from fine-edge key to index into Cuts::edges
   std::size_t version = 0;     // cut_version of the cuts that these fragments follow from
+  FragmentStages stages;
 };
 
-Fragments make_fragments(const Model& model, const Cuts& cuts);
+/// Fragments of the cuts. `before` saves time and does not change them: fragments of the same body when some
+/// of the last edges were not yet cut, or null.
+Fragments make_fragments(const Model& model, const Cuts& cuts, const Fragments* before = nullptr);
 /// Fragments of these cuts: those stored with them, or new ones if the stored ones are of another version.
 std::shared_ptr<const Fragments> fragments_of(const Model& model, const Cuts& cuts);
 /// Computes the fragments of these cuts and stores them.

@@ -13,6 +13,7 @@
 #include "turgor/core/number_text.hpp"
 #include "turgor/models/lattice/cutting/blade_sheet.hpp"
 #include "turgor/models/lattice/cutting/bone_stop.hpp"
+#include "turgor/models/lattice/cutting/ct_skin.hpp"
 #include "turgor/models/lattice/cutting/cut_fraction.hpp"
 #include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/cutting/drawn_curve.hpp"
@@ -26,6 +27,11 @@
 namespace turgor::lattice {
 
 namespace {
+
+/// Height of a blade's upper edge above the skin, in spacings. A cell with a node on the skin may be tilted,
+/// so that it reaches √3 above that node, which may lie one spacing above the path. Cells whose edges in air
+/// are not all cut would join the tissue on both sides.
+constexpr double kAboveSkin = 3;
 
 Vec3d tangent(const std::vector<Vec3d>& points, std::size_t n) {
   TURGOR_CHECK(n < points.size(), "a tangent is at a point of the curve");
@@ -118,32 +124,35 @@ RegionPosition region_position(const BladePath& path, Vec3d point) {
   return {along, dot(away, across_at(path, nearest)), dot(away, path.inward[nearest]), path.depths[nearest]};
 }
 
-/// Center of an outline, on the skin [m]: a mean over the skin around it, without the steps of the lattice.
-/// Errors: bone above the floor of the excision, or a floor that is not in tissue.
-Result<Vec3d> middle_on_skin(const Model& model, const SkinNow& near, const BladePath& path) {
-  // depth of the walls
-  if (*std::min_element(path.depths.begin(), path.depths.end()) < path.depth)
-    return Error{"bone lies " + number_text(*std::min_element(path.depths.begin(), path.depths.end())) +
-                 " m below the skin: expected a smaller depth, found " + number_text(path.depth) + " m"};
-  // mean height of the skin
+/// Center of the floor of an excision [m], at its depth below a mean of the CT's skin around the middle of
+/// its outline, without the steps of the lattice. Errors: bone above the floor, or a floor that is not in
+/// tissue.
+Result<Vec3d> middle_of_floor(const Model& model, const State& state, const SkinNow& near,
+                              const BladePath& path) {
+  // skin around the middle
   Vec3d center;
   for (std::size_t n = 1; n < path.points.size(); n++) center += path.points[n];
   center = center / double(path.points.size() - 1);
   const Vec3d inward = mean_inward(path);
   const double step = smallest_spacing(model.anatomy.lattice);
-  double sum = 0;
-  int count = 0;
+  std::vector<Vec3d> around;
   for (std::size_t n = 0; n < path.points.size(); n++) {
-    const Vec3d away = path.points[n] - center;
-    const double reach = std::min(0.5 * norm(away), 1.5 * step);
-    if (const auto found = distance_to_skin(near, center + normalized(away) * reach, inward, away * 1e-3))
-      sum += *found, count++;
+    const Vec3d away = path.points[n] - center,
+                point = center + normalized(away) * std::min(0.5 * norm(away), 1.5 * step);
+    if (const auto found = distance_to_skin(near, point, inward, away * 1e-3))
+      around.push_back(point + inward * *found);
   }
-  if (count == 0) return Error{"no skin in the middle of the outline: expected a piece of skin"};
-  const Vec3d middle = center + inward * (sum / count);
+  if (around.empty()) return Error{"no skin in the middle of the outline: expected a piece of skin"};
+  // mean depth of the floor below the center
+  const std::vector<double> heights =
+      ct_skin_heights(model, state, around, std::vector<Vec3d>(around.size(), inward));
+  double sum = 0;
+  for (std::size_t n = 0; n < around.size(); n++)
+    sum += dot(around[n] - center, inward) + path.depth - heights[n];
+  const Vec3d middle = center + inward * (sum / double(around.size()));
   // the floor is in tissue
   for (std::size_t n = 0; n < path.points.size(); n++)
-    for (const Vec3d bottom : {path.points[n] + path.inward[n] * path.depth, middle + inward * path.depth}) {
+    for (const Vec3d bottom : {path.points[n] + path.inward[n] * path.depths[n], middle}) {
       const Vec3 h = model.anatomy.lattice.spacing;
       const Int3 node{int(std::lround(bottom.x / double(h.x))), int(std::lround(bottom.y / double(h.y))),
                       int(std::lround(bottom.z / double(h.z)))};
@@ -157,6 +166,22 @@ Result<Vec3d> middle_on_skin(const Model& model, const SkinNow& near, const Blad
             number_text(path.depth) + " m"};
     }
   return middle;
+}
+
+/// Depths of the walls of an excision below the skin of the nodes: the CT's skin lies above it [m].
+std::vector<double> depths_below_ct_skin(const Model& model, const State& state, const BladePath& path) {
+  std::vector<double> depths = smooth_offsets(ct_skin_heights(model, state, path.points, path.inward));
+  for (double& depth : depths) depth = std::max(0.0, path.depth - depth);
+  depths.back() = depths.front();
+  return depths;
+}
+
+/// Moves the outline of an excision from the outermost nodes to the skin of partial cells, which bears. Sizes
+/// of the piece and of the wound are those of points on the outline.
+void raise_to_patches(const Model& model, const State& state, BladePath& path) {
+  const std::vector<double> heights = smooth_offsets(ct_skin_heights(model, state, path.points, path.inward));
+  for (std::size_t n = 0; n < path.points.size(); n++) path.points[n] -= path.inward[n] * heights[n];
+  path.points.back() = path.points.front();
 }
 
 }  // namespace
@@ -233,15 +258,20 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   offset = smooth_offsets(offset);
   for (std::size_t n = 0; n < curve.size(); n++) path.points[n] += path.inward[n] * offset[n];
   if (path.is_excision) path.points.back() = path.points.front(), path.inward.back() = path.inward.front();
+  if (path.is_excision && !model.anatomy.skin.patches.empty()) raise_to_patches(model, state, path);
   // depth at each point
   const double tilt = incision.tilt * std::numbers::pi / 180;
   if (!incision.through_bone) path.depths = depths_above_bone(model, state.motion, path, tilt, halo);
   // swept surface and the edges it crosses
-  const double margin = 2 * largest_spacing(model.anatomy.lattice);
+  const double margin = kAboveSkin * largest_spacing(model.anatomy.lattice);
   if (incision.width > 0) return path;
   BladeSheet sheet;
   if (path.is_excision) {
-    const Result<Vec3d> middle = middle_on_skin(model, near, path);
+    if (const double least = *std::min_element(path.depths.begin(), path.depths.end()); least < path.depth)
+      return Error{prefix + "bone lies " + number_text(least) +
+                   " m below the skin: expected a smaller depth, found " + number_text(path.depth) + " m"};
+    path.depths = depths_below_ct_skin(model, state, path);
+    const Result<Vec3d> middle = middle_of_floor(model, state, near, path);
     if (!middle) return Error{prefix + middle.error().message};
     sheet = excision_sheet(path, *middle, margin, 1e-4 * step);
   } else {

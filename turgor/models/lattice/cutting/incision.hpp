@@ -64,10 +64,14 @@ struct PendingSampleCut {
 
 /// Path of a blade on the skin, fixed when the blade starts.
 struct BladePath {
-  std::vector<Vec3d> points;    // on the skin, about half a cell apart, lattice frame [m]
+  // on the skin of the nodes, for excisions from partial cells on that of the patches; about half a cell
+  // apart, lattice frame [m]
+  std::vector<Vec3d> points;
   std::vector<Vec3d> inward;    // per point: unit vector into the body, orthogonal to the path
   double depth = 0, width = 0;  // [m]
-  std::vector<double> depths;   // per point: `depth`, or less above bone (bone_stop.hpp) [m]
+  // per point, below the skin of the nodes: `depth`, less above bone (bone_stop.hpp), and less by the height
+  // of the CT's skin for excisions (ct_skin.hpp) [m]
+  std::vector<double> depths;
 
   // All pending cuts, found when the blade is laid on the skin. The opening wound deforms the tissue ahead of
   // the blade, and a later search in the deformed tissue would leave bridges and islands.

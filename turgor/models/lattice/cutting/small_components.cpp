@@ -120,6 +120,12 @@ struct SmallComponents {
   }
 };
 
+/// Copies the number of whole sub-cells in the fragments of a cell.
+void copy_whole(const Fragments& before, int index, const CutCell& cell, std::vector<int>& whole) {
+  const auto from = before.stages.whole.begin() + before.cells[std::size_t(index)].first_fragment;
+  std::copy(from, from + cell.fragment_count, whole.begin() + cell.first_fragment);
+}
+
 void remove_unused_virtual_nodes(Fragments& out) {
   const int slots = slot_count(out.fine.cells);
   // mark used virtual nodes
@@ -140,11 +146,16 @@ void remove_unused_virtual_nodes(Fragments& out) {
 
 }  // namespace
 
-void merge_small_components(const Cuts& cuts, Fragments& out) {
+void merge_small_components(const Cuts& cuts, const EarlierFragments& earlier, Fragments& out) {
   // whole sub-cells of each component
   const std::vector<int> component = components_of(out);
-  std::vector<int> whole(out.all.size());
-  for (const CutCell& cell : out.cells) CellLabels{out, cell}.count_whole(whole);
+  std::vector<int>& whole = out.stages.whole;
+  whole.assign(out.all.size(), 0);
+  for (const CutCell& cell : out.cells)
+    if (const int index = earlier.index(out, cell); index >= 0)
+      copy_whole(*earlier.fragments, index, cell, whole);
+    else
+      CellLabels{out, cell}.count_whole(whole);
   std::vector<int> whole_in_component(out.all.size());
   for (std::size_t p = 0; p < component.size(); p++)
     whole_in_component[std::size_t(component[p])] += whole[p];

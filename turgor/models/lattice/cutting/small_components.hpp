@@ -3,12 +3,12 @@
 // whole sub-cells than one cell. It is merged into a neighboring component.
 #pragma once
 
-#include "turgor/models/lattice/cutting/fragments.hpp"
+#include "turgor/models/lattice/cutting/fragment_stages.hpp"
 
 namespace turgor::lattice {
 
 /// Gives fragments of small components the corners of a larger component in their cell, preferably one on the
 /// same side of the blades. Removes virtual nodes that are then unused. Requires make_virtual_nodes.
-void merge_small_components(const Cuts& cuts, Fragments& out);
+void merge_small_components(const Cuts& cuts, const EarlierFragments& earlier, Fragments& out);
 
 }  // namespace turgor::lattice

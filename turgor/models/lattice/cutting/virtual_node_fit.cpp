@@ -8,7 +8,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
-#include "turgor/models/lattice/cutting/cut_topology.hpp"
+#include "turgor/models/lattice/cutting/element_fragments.hpp"
 
 namespace turgor::lattice {
 
@@ -89,16 +89,23 @@ std::vector<double> fit_weights(const std::vector<Vec3d>& nodes, Vec3d position)
   return weight;
 }
 
-/// Blade plane next to a virtual node, fitted in and around its first cut cell. It is computed once per cell.
+/// Blade plane next to a virtual node, fitted in and around its first cut cell. It is computed once per
+/// cell, and kept for later cuts.
 struct AdjacentBlades {
   const Cuts& cuts;
-  const Fragments& fragments;
   const CutEdgesByCell& edges;
-  std::vector<std::optional<CrackTipPlane>> plane;  // by cell
-  std::vector<std::uint8_t> is_known;
+  Fragments& fragments;
 
-  AdjacentBlades(const Cuts& c, const Fragments& p, const CutEdgesByCell& e)
-      : cuts(c), fragments(p), edges(e), plane(p.cells.size()), is_known(p.cells.size()) {}
+  AdjacentBlades(const Cuts& c, const CutEdgesByCell& e, const EarlierFragments& earlier, Fragments& f)
+      : cuts(c), edges(e), fragments(f) {
+    FragmentStages& stages = fragments.stages;
+    stages.plane.assign(fragments.cells.size(), {}), stages.is_plane_known.assign(fragments.cells.size(), 0);
+    for (std::size_t n = 0; n < fragments.cells.size(); n++)
+      if (const int index = earlier.index(int(n)); index >= 0) {
+        stages.plane[n] = earlier.fragments->stages.plane[std::size_t(index)];
+        stages.is_plane_known[n] = earlier.fragments->stages.is_plane_known[std::size_t(index)];
+      }
+  }
 
   std::optional<CrackTipPlane> operator()(const FragmentsOfCorner& fragments_of, int virtual_node) {
     // first cut cell of its fragments
@@ -109,9 +116,12 @@ struct AdjacentBlades {
     });
     if (cell < 0) return {};
     const auto c = std::size_t(cell);
-    if (!is_known[c])
-      plane[c] = fit_crack_tip_plane(cuts, fragments, edges, fragments.cells[c]), is_known[c] = 1;
-    return plane[c];
+    FragmentStages& stages = fragments.stages;
+    if (!stages.is_plane_known[c]) {
+      stages.plane[c] = fit_crack_tip_plane(cuts, fragments, edges, fragments.cells[c]);
+      stages.is_plane_known[c] = 1;
+    }
+    return stages.plane[c];
   }
 };
 
@@ -207,10 +217,10 @@ void extrapolate_along_axes(const Model& model, const Cuts& cuts, const Fragment
 }  // namespace
 
 void fit_virtual_nodes(const Model& model, const Cuts& cuts, const CutEdgesByCell& edges,
-                       Fragments& fragments) {
+                       const EarlierFragments& earlier, Fragments& fragments) {
   const int slots = slot_count(fragments.fine.cells);
   const FragmentsOfCorner fragments_of(fragments);
-  AdjacentBlades blades(cuts, fragments, edges);
+  AdjacentBlades blades(cuts, edges, earlier, fragments);
   const auto position_of = [&l = fragments.fine.cells](int slot) {
     return Vec3d(in_body(l, slot_node(l, slot)));
   };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "turgor/models/lattice/cutting/crack_tips.hpp"
+#include "turgor/models/lattice/cutting/fragment_stages.hpp"
 
 namespace turgor::lattice {
 
@@ -13,6 +14,6 @@ namespace turgor::lattice {
 /// with these nodes instead. Linear extrapolation would overshoot, because the nodes of a lip move much more
 /// than those behind them.
 void fit_virtual_nodes(const Model& model, const Cuts& cuts, const CutEdgesByCell& edges,
-                       Fragments& fragments);
+                       const EarlierFragments& earlier, Fragments& fragments);
 
 }  // namespace turgor::lattice

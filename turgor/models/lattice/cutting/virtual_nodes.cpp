@@ -28,9 +28,26 @@ struct FragmentsAroundNode {
       cell[c] = inside ? find_cell(p, node_slot(p.fine.cells, corner)) : nullptr;
       first[c + 1] = first[c] + (cell[c] ? cell[c]->fragment_count : 0);
     }
+  }
+
+  /// Copies the groups from earlier fragments if no cell around the node has changed since.
+  bool copy_groups(const EarlierFragments& earlier) {
+    if (!earlier.fragments) return false;
+    for (int c = 0; c < 8; c++)
+      if (cell[c] && earlier.index(fragments, *cell[c]) < 0) return false;
+    const NodeGroups& known = earlier.fragments->stages.groups;
+    const int slot = node_slot(fragments.fine.cells, node);
+    const auto at = std::lower_bound(known.slot.begin(), known.slot.end(), slot);
+    if (at == known.slot.end() || *at != slot) return false;
+    const auto n = std::size_t(at - known.slot.begin());
+    group.assign(known.root.begin() + known.begin[n], known.root.begin() + known.begin[n + 1]);
+    TURGOR_CHECK(group.size() == std::size_t(first[8]), "groups are those of the fragments around a node");
+    return true;
+  }
+  /// Connects fragments across common faces; thin fragments also across common edges and corners.
+  void connect() {
     group.resize(std::size_t(first[8]));
     std::iota(group.begin(), group.end(), 0);
-    // connect fragments across common faces; thin fragments also across common edges and corners
     for (int a = 0; a < 8; a++)
       for (int b = a + 1; b < 8; b++)
         if (cell[a] && cell[b]) {
@@ -127,8 +144,15 @@ struct FragmentsAroundNode {
 
 /// Creates a virtual node for each group of fragments around a node, except the group that contains the node.
 /// Around an air node, every group gets one.
-void add_virtual_nodes(Fragments& out, Int3 node) {
+void add_virtual_nodes(const EarlierFragments& earlier, Fragments& out, Int3 node) {
   FragmentsAroundNode around(out, node);
+  if (!around.copy_groups(earlier)) around.connect();
+  // keep the groups
+  NodeGroups& groups = out.stages.groups;
+  groups.slot.push_back(node_slot(out.fine.cells, node));
+  for (int n = 0; n < around.first[8]; n++) groups.root.push_back(std::int16_t(root_of(around.group, n)));
+  groups.begin.push_back(int(groups.root.size()));
+  // virtual nodes
   const int own = around.own_group();
   std::vector<int> virtual_node_of(std::size_t(around.first[8]), -1);
   for (int c = 0; c < 8; c++)
@@ -152,7 +176,7 @@ void add_virtual_nodes(Fragments& out, Int3 node) {
 
 }  // namespace
 
-void make_virtual_nodes(Fragments& out) {
+void make_virtual_nodes(const EarlierFragments& earlier, Fragments& out) {
   std::vector<int> nodes;  // slots of the nodes of cut cells
   for (const CutCell& cell : out.cells) {
     if (!cell.is_cut) continue;
@@ -161,7 +185,7 @@ void make_virtual_nodes(Fragments& out) {
       nodes.push_back(cell.slot + slot_offset(out.fine.cells, cell_corner(c), parity));
   }
   sort_unique(nodes);
-  for (const int slot : nodes) add_virtual_nodes(out, slot_node(out.fine.cells, slot));
+  for (const int slot : nodes) add_virtual_nodes(earlier, out, slot_node(out.fine.cells, slot));
 }
 
 }  // namespace turgor::lattice

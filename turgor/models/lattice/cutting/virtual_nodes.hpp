@@ -3,12 +3,12 @@
 // contains the node. [Molino, Bao and Fedkiw 2004]
 #pragma once
 
-#include "turgor/models/lattice/cutting/fragments.hpp"
+#include "turgor/models/lattice/cutting/fragment_stages.hpp"
 
 namespace turgor::lattice {
 
 /// Creates Fragments::virtual_nodes without their fit terms, and sets the corners of the fragments that use
 /// them.
-void make_virtual_nodes(Fragments& fragments);
+void make_virtual_nodes(const EarlierFragments& earlier, Fragments& fragments);
 
 }  // namespace turgor::lattice

@@ -365,7 +365,7 @@ class DeviceBody final : public BodyBackend {
           VbdKernels<typename Backend::Run, decltype(correct)>{
               node_kernels(model, dt), view, before, held,
               held && 2 * fastest > speed_limit ? speed_limit : 0, correct},
-          model.params.tissue.law == TissueLaw::kSolid, model.params.solver.sweeps);
+          model.params.tissue.law == TissueLaw::kSolid, vbd_sweeps(model.params));
     });
     // results
     StepReport report;

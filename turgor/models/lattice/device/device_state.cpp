@@ -42,7 +42,8 @@ std::vector<int> DeviceState::samples_in_balls(std::span<const SurfaceSample> sa
 StepReport DeviceState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {
   TURGOR_ASSERT(is_step_length(dt), "a step has a positive length");
   if (!mirrored_->backend) return lattice::step(exec, model, mirrored_->host_state, inputs, dt);
-  TURGOR_ASSERT(inputs.springs == nullptr, "springs at points need a body on the host");
+  TURGOR_ASSERT(inputs.springs == nullptr && inputs.points == nullptr,
+                "springs and contacts at points need a body on the host");
   // upload changes of the host
   const std::lock_guard lock(mirrored_->backend->mutex);
   upload_changes(model, mirrored_);

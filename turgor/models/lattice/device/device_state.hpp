@@ -92,6 +92,8 @@ class DeviceState : public DeviceStateOf<MirroredState> {
   }
   /// True if positions and velocities are on the device.
   bool is_on_device() const { return mirrored_->is_on_device; }
+  /// True if steps run on a device.
+  bool has_device() const { return mirrored_->backend != nullptr; }
   /// Calls look(state) with these nodes only downloaded from a state on the device. Other nodes are outdated,
   /// and `look` must not read them.
   template <class Look>

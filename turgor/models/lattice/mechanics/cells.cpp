@@ -1,7 +1,9 @@
 #include "turgor/models/lattice/mechanics/cells.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <utility>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/mechanics/law_cells.hpp"
@@ -120,26 +122,58 @@ void find_whole_cells(const NodeArrays& n, const NodeBlock& block, int slot, Inc
 struct UncoveredEdges {
   Real spring[kNeighborCount][kSpareSlots];
 };
-void find_loose_edges(const NodeArrays& n, const Neighbors& stencil, const IncidentCells& cells, int slot,
-                      UncoveredEdges& out) {
-  for (int e = 0; e < kNeighborCount; e++) {
-    Real covered[kSpareSlots] = {};  // by the cells that contain edge e
-    for (int at = 0; at < kCellCorners; at++)
-      for (int i = 0; i < kSpareSlots && cell_contains(at, neighbor_offset(e)); i++)
-        covered[i] += cells.covers[at][i];
-    const std::uint8_t* cut = n.cut + slot + lower_end(stencil, e);
-    for (int i = 0; i < kSpareSlots; i++)
-      out.spring[e][i] = loose_stiffness(n, stencil, slot + i, e, cut[i], covered[i]);
+/// Finds edge kEdge of sixteen nodes. Returns true if it is loose at one of them. Loops have numbers of one
+/// size each, because others vectorize only four wide.
+template <int kEdge>
+bool find_loose_edge(const NodeArrays& n, const Neighbors& stencil, const IncidentCells& cells, int slot,
+                     bool with_cuts, Real (&spring)[kSpareSlots]) {
+  // cells that contain the edge
+  Real covered[kSpareSlots] = {};
+  const auto add = [&](const Real* covers) {
+    TURGOR_LANES
+    for (int i = 0; i < kSpareSlots; i++) covered[i] += covers[i];
+  };
+  [&]<std::size_t... kAt>(std::index_sequence<kAt...>) {
+    ((cell_contains(int(kAt), neighbor_offset(kEdge)) ? add(cells.covers[kAt]) : void()), ...);
   }
-}
-
-void add_springs(const NodeArrays& n, const Neighbors& stencil, const UncoveredEdges& loose, int slot,
-                 int begin, SystemBuffer& __restrict out) {
+  (std::make_index_sequence<kCellCorners>{});
+  if (with_cuts) {
+    const std::uint8_t* cut = n.cut + slot + lower_end(stencil, kEdge);
+    for (int i = 0; i < kSpareSlots; i++) covered[i] += Real(is_cut(cut[i], kEdge / 2));
+  }
+  // stiffness; bits of positive numbers, because a sum of them would have an order
+  std::uint32_t any = 0;
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++) {
-    NodeSystem s = out.get(begin + i);
-    add_loose_edges(s, n, stencil, slot + i, [&](int e) { return loose.spring[e][i]; });
-    out.set(begin + i, s);
+    spring[i] = loose_stiffness(n, stencil, slot + i, kEdge, 0, covered[i]);
+    any |= std::bit_cast<std::uint32_t>(spring[i]);
+  }
+  return any != 0;
+}
+/// Returns a bit for every edge that is loose at one of the nodes.
+int find_loose_edges(const NodeArrays& n, const Neighbors& stencil, const IncidentCells& cells, int slot,
+                     bool with_cuts, UncoveredEdges& out) {
+  return [&]<int... kEdge>(std::integer_sequence<int, kEdge...>) {
+    return ((int(find_loose_edge<kEdge>(n, stencil, cells, slot, with_cuts, out.spring[kEdge])) << kEdge) |
+            ...);
+  }
+  (std::make_integer_sequence<int, kNeighborCount>{});
+}
+
+/// Adds the edges of `found`, the result of find_loose_edges.
+void add_springs(const NodeArrays& n, const Neighbors& stencil, const UncoveredEdges& loose, int found,
+                 int slot, int begin, SystemBuffer& __restrict out) {
+  for (int e = 0; e < kNeighborCount; e++) {
+    if (!(found >> e & 1)) continue;
+    const Vec3 edge = stencil.edge[e];
+    const Real rest = stencil.rest[e];
+    const int offset = stencil.offset[e];
+    TURGOR_LANES
+    for (int i = 0; i < kSpareSlots; i++) {
+      NodeSystem s = out.get(begin + i);
+      add_loose_edge(s, n, edge, rest, offset, slot + i, loose.spring[e][i]);
+      out.set(begin + i, s);
+    }
   }
 }
 
@@ -169,8 +203,8 @@ void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool w
   if (!with_springs) return;
   // forces of loose edges
   UncoveredEdges loose;
-  find_loose_edges(row.nodes, row.neighbors[parity], cells, slot, loose);
-  add_springs(row.nodes, row.neighbors[parity], loose, slot, begin, out);
+  const int loose_edges = find_loose_edges(row.nodes, row.neighbors[parity], cells, slot, with_cuts, loose);
+  add_springs(row.nodes, row.neighbors[parity], loose, loose_edges, slot, begin, out);
 }
 
 }  // namespace

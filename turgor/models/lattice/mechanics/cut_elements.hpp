@@ -164,9 +164,14 @@ TURGOR_HD inline NodeSystem CutElementView::gather(const ElementNode& node,
   return s;
 }
 
-TURGOR_HD inline void CutElementView::move(const ElementNode& virtual_node, const NodeSystem& s) const {
+/// Mobility of a virtual node, which has no mass [m/N].
+TURGOR_HD inline Real weightless_mobility(const NodeSystem& s) {
   constexpr Real kWeightless = 1e3f;  // h²/m times the stiffness; large, so that inertia is negligible
-  const Vec3 step = newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3));
+  return kWeightless / nonzero((s.xx + s.yy + s.zz) / 3);
+}
+
+TURGOR_HD inline void CutElementView::move(const ElementNode& virtual_node, const NodeSystem& s) const {
+  const Vec3 step = newton_step(s, {}, weightless_mobility(s));
   const Real share =
       skin.law == SkinLaw::kExponential ? skin_step_share(largest_growth(virtual_node, step)) : Real(1);
   virtual_nodes[virtual_node.corner - slots].move(step * share);

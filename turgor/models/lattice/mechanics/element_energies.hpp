@@ -176,26 +176,59 @@ TURGOR_HD inline void add_skin_fiber(NodeSystem& s, Vec3 edge1, Vec3 edge2, Vec3
   add_outer(s, sheared, law.shear * area);
 }
 
-/// The same from f and g, at a corner with the coefficients `along` and `across` in them.
-TURGOR_HD inline void add_skin_fibers(NodeSystem& s, Vec3 f, Vec3 g, Real along, Real across, Real area,
-                                      const FiberLaw& law) {
-  add_fiber(s, f, along, law.rest_along, law.stiffness * area, law.amplification);
-  add_fiber(s, g, across, law.rest_across, law.stiffness * area, law.amplification);
-  const Vec3 sheared = f * across + g * along;
-  s.f -= sheared * (law.shear * area * dot(f, g));
-  add_outer(s, sheared, law.shear * area);
+/// Length of a fiber, positive, so that a fiber without length has no force and needs no branch.
+[[gnu::always_inline]] TURGOR_HD inline Real fiber_length(Vec3 g) {
+  return square_root(dot(g, g) + Real(1e-30));
+}
+/// Derivative ∂E/∂g of the fiber energy (add_fiber) over g, for `stiffness` = K A₀.
+[[gnu::always_inline]] TURGOR_HD inline Real fiber_stress_factor(Vec3 g, Real rest, Real stiffness,
+                                                                 Real amplification) {
+  const Real length = fiber_length(g), stretch = positive(length - rest);
+  return (stiffness + stiffness * amplification / rest * stretch) * (1 - rest / length);
+}
+/// Derivative ∂E/∂g of the fiber energy.
+TURGOR_HD inline Vec3 fiber_stress(Vec3 g, Real rest, Real stiffness, Real amplification) {
+  return g * fiber_stress_factor(g, rest, stiffness, amplification);
+}
+/// Gradient of the fiber law of skin (add_skin_fiber) at a corner with the coefficients `along` and `across`
+/// in f and g [N].
+[[gnu::always_inline]] TURGOR_HD inline Vec3 skin_fibers_gradient(Vec3 f, Vec3 g, Real along, Real across,
+                                                                  Real area, const FiberLaw& law) {
+  const Real k = law.stiffness * area, sheared = law.shear * area * dot(f, g);
+  const Real of_f = fiber_stress_factor(f, law.rest_along, k, law.amplification),
+             of_g = fiber_stress_factor(g, law.rest_across, k, law.amplification);
+  return f * (of_f * along + sheared * across) + g * (of_g * across + sheared * along);
+}
+
+/// Mean products of the coefficients of a corner in f and g over an element [1/m²].
+struct FiberProducts {
+  Real along, mixed, across;
+};
+/// Adds the Hessian of the same law for fibers f and g that hardly vary in the element. Formulas: add_fiber
+/// and add_skin_fiber.
+[[gnu::always_inline]] TURGOR_HD inline void add_skin_fibers_hessian(NodeSystem& s, Vec3 f, Vec3 g,
+                                                                     const FiberProducts& c, Real area,
+                                                                     const FiberLaw& law) {
+  // fibers
+  const auto fiber = [&](Vec3 v, Real rest, Real product) {
+    const Real length = fiber_length(v), stretch = positive(length - rest), inverse_length = 1 / length;
+    const Real k = law.stiffness * area * product * (1 + law.amplification / rest * stretch);
+    const Real lateral = k * stretch * inverse_length;
+    add_isotropic(s, lateral);
+    return (k - lateral) * inverse_length * inverse_length;
+  };
+  const Real of_f = fiber(f, law.rest_along, c.along), of_g = fiber(g, law.rest_across, c.across);
+  // fibers and shear
+  const Real shear = law.shear * area, mixed = shear * c.mixed;
+  const Vec3 kf = f * (of_f + shear * c.across) + g * mixed, kg = g * (of_g + shear * c.along) + f * mixed;
+  s.xx += kf.x * f.x + kg.x * g.x, s.yy += kf.y * f.y + kg.y * g.y, s.zz += kf.z * f.z + kg.z * g.z;
+  s.xy += kf.x * f.y + kg.x * g.y, s.xz += kf.x * f.z + kg.x * g.z, s.yz += kf.y * f.z + kg.y * g.z;
 }
 
 /// Forces on the three corners of a triangle [N].
 struct CornerForces {
   Vec3 on[3];
 };
-/// Derivative ∂E/∂g of the fiber energy (add_fiber), for `stiffness` = K A₀.
-TURGOR_HD inline Vec3 fiber_stress(Vec3 g, Real rest, Real stiffness, Real amplification) {
-  const Real length = square_root(dot(g, g)), strain = length - rest, steeper = amplification / rest;
-  const Real inverse_length = length > 0 ? 1 / nonzero(length) : 0;
-  return g * (stiffness * (1 + steeper * positive(strain)) * strain * inverse_length);
-}
 /// Forces of add_skin_fiber at all three corners.
 TURGOR_HD inline CornerForces skin_fiber_forces(Vec3 edge1, Vec3 edge2, Vec3 along, Vec3 across, Real area,
                                                 const FiberLaw& law) {

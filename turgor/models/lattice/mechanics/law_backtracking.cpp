@@ -31,7 +31,7 @@ struct CellsOfNode {
     for_each(more, [&](int slot, int, const Vec3d(&u)[kCellCorners]) {
       const CellModuli m = laws.all_moduli(slot, model.anatomy.cell_young[std::size_t(slot)]);
       const CellDeformation d = cell_deformation(u, model.anatomy.lattice.spacing);
-      sum += law_energy(laws.energy, d.f,
+      sum += law_energy(laws.energy_at(slot), d.f,
                         {m.shear, m.bulk, m.stiffening, m.fiber, m.fiber_stiffening, Vec3d(m.direction)}) +
              double(m.hourglass) * d.hourglass / 2;
       if (laws.history[0] == nullptr) return;

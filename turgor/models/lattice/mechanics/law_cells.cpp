@@ -1,5 +1,9 @@
 #include "turgor/models/lattice/mechanics/law_cells.hpp"
 
+#include <bit>
+#include <optional>
+#include <type_traits>
+
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/mechanics/node_forces.hpp"
 #include "turgor/models/lattice/mechanics/ogden.hpp"
@@ -22,10 +26,34 @@ void with_law(const CellLawView& laws, const F& f) {
   }
 }
 
-template <class Law>
+/// Relaxation of cells: no history; with the pairs of the body, or with pairs by layer; the factors of pairs
+/// by layer without history.
+enum class Relaxing : std::uint8_t { kNot, kAlike, kByCell, kFactorByCell };
+/// True if a history is added to the stress.
+constexpr bool adds_history(Relaxing r) { return r == Relaxing::kAlike || r == Relaxing::kByCell; }
+
+/// Calls f(law, relaxing) with both as types, so that loops over cells know them.
+template <class F>
+void with_relaxing_law(const CellLawView& laws, const F& f) {
+  with_law(laws, [&]<class Law>(Law law) {
+    if (laws.history[0] == nullptr && laws.instants != nullptr)
+      f(law, std::integral_constant<Relaxing, Relaxing::kFactorByCell>{});
+    else if (laws.history[0] == nullptr)
+      f(law, std::integral_constant<Relaxing, Relaxing::kNot>{});
+    else if (laws.instants == nullptr)
+      f(law, std::integral_constant<Relaxing, Relaxing::kAlike>{});
+    else
+      f(law, std::integral_constant<Relaxing, Relaxing::kByCell>{});
+  });
+}
+
+template <class Law, Relaxing kRelaxing = Relaxing::kAlike>
 [[gnu::always_inline]] inline CellModuli moduli_of(const CellLawView& laws, int slot, Real young) {
-  CellModuli m = laws.moduli(slot, young);
-  if constexpr (Law::kHasFibers) laws.set_fibers(slot, young, m);
+  Real factor = laws.instant;
+  if constexpr (kRelaxing == Relaxing::kByCell || kRelaxing == Relaxing::kFactorByCell)
+    factor = laws.instants[slot];
+  CellModuli m = laws.moduli(slot, young, factor);
+  if constexpr (Law::kHasFibers) laws.set_fibers(slot, young, factor, m);
   return m;
 }
 
@@ -50,10 +78,9 @@ template <class Law>
   add_isotropic(s, positive(dot(g, hg)));
 }
 
-template <class Law, bool kViscous>
+template <class Law, Relaxing kRelaxing, class Buffer>
 void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlock& block,
-                     const Real* const (&young)[kCellCorners], int slot, int begin,
-                     SystemBuffer& __restrict out) {
+                     const Real* const (&young)[kCellCorners], int slot, int begin, Buffer& __restrict out) {
   const CellLawView laws = view;
   int lowest[kCellCorners];
   for (int at = 0; at < kCellCorners; at++) lowest[at] = corner_slot(block, slot, at, 0);
@@ -71,8 +98,8 @@ void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlo
       for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
       const CellGradient gradient = cell_gradient(d, at, laws.slope);
       const Vec3 g = corner_gradient(at, laws.slope);
-      add_cell_of<Law>(s, gradient, g, moduli_of<Law>(laws, lowest[at] + i, young[at][i]));
-      if constexpr (kViscous) add_history(s, gradient, g, laws.history_of(lowest[at] + i));
+      add_cell_of<Law>(s, gradient, g, moduli_of<Law, kRelaxing>(laws, lowest[at] + i, young[at][i]));
+      if constexpr (adds_history(kRelaxing)) add_history(s, gradient, g, laws.history_of(lowest[at] + i));
     }
     out.set(begin + i, s);
   }
@@ -86,7 +113,7 @@ void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlo
   return corner_sums(d);
 }
 
-template <class Law, bool kViscous, int kWidth>
+template <class Law, Relaxing kRelaxing, int kWidth>
 void corner_forces_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlock& block,
                       const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& __restrict out) {
   const CellLawView laws = view;
@@ -99,9 +126,9 @@ void corner_forces_of(const NodeArrays& nodes, const CellLawView& view, const No
     Vec3 d[kCellCorners];
     const CornerSums sums = sums_of_cell(n, corner, a, d);
     const Vec3 ux = sums.x * laws.slope.x, uy = sums.y * laws.slope.y, uz = sums.z * laws.slope.z;
-    const CellModuli m = moduli_of<Law>(laws, a, young[i]);
+    const CellModuli m = moduli_of<Law, kRelaxing>(laws, a, young[i]);
     CellPiola p = Law::piola(ux, uy, uz, m);
-    if constexpr (kViscous) {  // P + F H
+    if constexpr (adds_history(kRelaxing)) {  // P + F H
       const CellHistory h = laws.history_of(a);
       const Vec3 fx = ux + Vec3{1, 0, 0}, fy = uy + Vec3{0, 1, 0}, fz = uz + Vec3{0, 0, 1};
       p.x += fx * h.xx + fy * h.xy + fz * h.xz;
@@ -152,6 +179,97 @@ void stresses_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlo
   }
 }
 
+/// Cells of one law around the nodes of a group.
+template <class Buffer>
+void gather_one_law(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
+                    const Real* const (&young)[kCellCorners], int slot, int begin, Buffer& out) {
+  with_relaxing_law(laws,
+                    [&]<class Law, Relaxing kRelaxing>(Law, std::integral_constant<Relaxing, kRelaxing>) {
+                      gather_cells_of<Law, kRelaxing>(n, laws, block, young, slot, begin, out);
+                    });
+}
+template <int kWidth>
+void one_law_forces(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
+                    const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& out) {
+  with_relaxing_law(laws,
+                    [&]<class Law, Relaxing kRelaxing>(Law, std::integral_constant<Relaxing, kRelaxing>) {
+                      corner_forces_of<Law, kRelaxing, kWidth>(n, laws, block, young, slot, out);
+                    });
+}
+
+/// Bits of the energies of the cells from `slot` on that have a modulus.
+template <int kWidth>
+unsigned energies_among(const CellLawView& laws, const Real* young, int slot) {
+  unsigned found = 0;
+  for (int i = 0; i < kWidth; i++) found |= young[i] > 0 ? 1u << laws.energies[slot + i] : 0;
+  return found;
+}
+/// Moduli of the cells of one energy, 0 for others.
+template <int kWidth>
+void mask_young(const CellLawView& laws, SolidEnergy energy, const Real* young, int slot, Real* out) {
+  for (int i = 0; i < kWidth; i++) out[i] = laws.energies[slot + i] == std::uint8_t(energy) ? young[i] : 0;
+}
+/// Calls visit(energy, view of that energy, is the first) for each bit. The history is in the first view
+/// only.
+template <class Visit>
+void for_each_energy(const CellLawView& laws, unsigned found, const Visit& visit) {
+  bool is_first = true;
+  for (int e = 0; e < kSolidEnergyCount; e++) {
+    if (!(found >> e & 1)) continue;
+    CellLawView view = laws.with_energy(SolidEnergy(e));
+    if (!is_first) view.history[0] = nullptr;
+    visit(SolidEnergy(e), view, is_first);
+    is_first = false;
+  }
+}
+/// Energy of the only bit, or of the body's without bits; empty for several.
+std::optional<SolidEnergy> only_energy(const CellLawView& laws, unsigned found) {
+  if (found == 0) return laws.energy;
+  if (!std::has_single_bit(found)) return std::nullopt;
+  return SolidEnergy(std::countr_zero(found));
+}
+
+void gather_mixed_laws(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
+                       const Real* const (&young)[kCellCorners], const int (&lowest)[kCellCorners],
+                       unsigned found, int slot, int begin, SystemBuffer& out) {
+  for_each_energy(laws, found, [&](SolidEnergy energy, const CellLawView& view, bool is_first) {
+    // moduli of this law
+    Real masked[kCellCorners][kSpareSlots];
+    const Real* of[kCellCorners];
+    for (int at = 0; at < kCellCorners; at++) {
+      mask_young<kSpareSlots>(laws, energy, young[at], lowest[at], masked[at]);
+      of[at] = masked[at];
+    }
+    // sum of the laws
+    if (is_first) return gather_one_law(n, view, block, of, slot, begin, out);
+    Systems<kSpareSlots> more;
+    gather_one_law(n, view, block, of, slot, 0, more);
+    for (int i = 0; i < kSpareSlots; i++) {
+      NodeSystem s = out.get(begin + i);
+      const NodeSystem other = more.get(i);
+      s.f += other.f;
+      s.xx += other.xx, s.yy += other.yy, s.zz += other.zz;
+      s.xy += other.xy, s.xz += other.xz, s.yz += other.yz;
+      out.set(begin + i, s);
+    }
+  });
+}
+
+template <int kWidth>
+void mixed_law_forces(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
+                      const Real (&young)[kWidth], unsigned found, int slot, LawCornerForces<kWidth>& out) {
+  for_each_energy(laws, found, [&](SolidEnergy energy, const CellLawView& view, bool is_first) {
+    Real masked[kWidth];
+    mask_young<kWidth>(laws, energy, young, slot, masked);
+    if (is_first) return one_law_forces(n, view, block, masked, slot, out);
+    LawCornerForces<kWidth> more;
+    one_law_forces(n, view, block, masked, slot, more);
+    for (int c = 0; c < kCellCorners; c++)
+      for (int i = 0; i < kWidth; i++)
+        out.x[c][i] += more.x[c][i], out.y[c][i] += more.y[c][i], out.z[c][i] += more.z[c][i];
+  });
+}
+
 }  // namespace
 
 CellLawView cell_law_view(const Model& model, const State& state) {
@@ -159,8 +277,10 @@ CellLawView cell_law_view(const Model& model, const State& state) {
   const TissueParams& tissue = model.params.tissue;
   const Vec3d h(model.anatomy.lattice.spacing);
   CellLawView view{.energy = tissue.energy,
+                   .energies = laws.energy.empty() ? nullptr : laws.energy.data(),
                    .slope = solid_law(model.anatomy.lattice.spacing, tissue.poisson).slope,
-                   .hourglass = Real(hourglass_over_shear(tissue.energy) / dot(h, h) / 8),
+                   .hourglass = 0,
+                   .hourglasses = {},
                    .shear = laws.shear.empty() ? nullptr : laws.shear.data(),
                    .bulk = laws.bulk.data(),
                    .stiffening = laws.stiffening.data(),
@@ -170,12 +290,17 @@ CellLawView cell_law_view(const Model& model, const State& state) {
                    .fiber_y = laws.fiber_y.data(),
                    .fiber_z = laws.fiber_z.data(),
                    .instant = 1,
+                   .instants = nullptr,
                    .history = {}};
+  for (int e = 0; e < kSolidEnergyCount; e++)
+    view.hourglasses[e] = Real(hourglass_over_shear(SolidEnergy(e)) / dot(h, h) / 8);
+  view.hourglass = view.hourglasses[std::size_t(tissue.energy)];
   const Viscosity& viscosity = state.viscosity;
   if (!viscosity.in_step) return view;
   TURGOR_CHECK(!viscosity.history.empty() && view.has_laws(),
                "a viscous body has laws by cell and a history");
   view.instant = viscosity.instant;
+  if (!viscosity.instants.empty()) view.instants = viscosity.instants.data();
   const SymmetricField& sum = viscosity.history[0];
   const aligned_vector<Real>* entries[] = {&sum.xx, &sum.yy, &sum.zz, &sum.xy, &sum.xz, &sum.yz};
   for (std::size_t e = 0; e < 6; e++) view.history[e] = entries[e]->data();
@@ -184,23 +309,28 @@ CellLawView cell_law_view(const Model& model, const State& state) {
 
 void gather_law_cells(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
                       const Real* const (&young)[kCellCorners], int slot, int begin, SystemBuffer& out) {
-  with_law(laws, [&]<class Law>(Law) {
-    if (laws.history[0] != nullptr)
-      gather_cells_of<Law, true>(n, laws, block, young, slot, begin, out);
-    else
-      gather_cells_of<Law, false>(n, laws, block, young, slot, begin, out);
-  });
+  if (laws.energies == nullptr) return gather_one_law(n, laws, block, young, slot, begin, out);
+  int lowest[kCellCorners];
+  unsigned found = 0;
+  for (int at = 0; at < kCellCorners; at++) {
+    lowest[at] = corner_slot(block, slot, at, 0);
+    found |= energies_among<kSpareSlots>(laws, young[at], lowest[at]);
+  }
+  if (const std::optional<SolidEnergy> one = only_energy(laws, found))
+    gather_one_law(n, laws.with_energy(*one), block, young, slot, begin, out);
+  else
+    gather_mixed_laws(n, laws, block, young, lowest, found, slot, begin, out);
 }
 
 template <int kWidth>
 void law_corner_forces(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
                        const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& out) {
-  with_law(laws, [&]<class Law>(Law) {
-    if (laws.history[0] != nullptr)
-      corner_forces_of<Law, true, kWidth>(n, laws, block, young, slot, out);
-    else
-      corner_forces_of<Law, false, kWidth>(n, laws, block, young, slot, out);
-  });
+  if (laws.energies == nullptr) return one_law_forces(n, laws, block, young, slot, out);
+  const unsigned found = energies_among<kWidth>(laws, young, slot);
+  if (const std::optional<SolidEnergy> one = only_energy(laws, found))
+    one_law_forces(n, laws.with_energy(*one), block, young, slot, out);
+  else
+    mixed_law_forces(n, laws, block, young, found, slot, out);
 }
 template void law_corner_forces(const NodeArrays&, const CellLawView&, const NodeBlock&,
                                 const Real (&)[kGroup], int, LawCornerForces<kGroup>&);
@@ -209,22 +339,41 @@ template void law_corner_forces(const NodeArrays&, const CellLawView&, const Nod
 
 void law_stresses(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
                   const Real (&young)[kGroup], int slot, LawStresses& out) {
-  with_law(laws, [&]<class Law>(Law) { stresses_of<Law>(n, laws, block, young, slot, out); });
+  const auto of_law = [&](const CellLawView& view, LawStresses& to) {
+    with_law(view, [&]<class Law>(Law) { stresses_of<Law>(n, view, block, young, slot, to); });
+  };
+  if (laws.energies == nullptr) return of_law(laws, out);
+  const unsigned found = energies_among<kGroup>(laws, young, slot);
+  if (const std::optional<SolidEnergy> one = only_energy(laws, found))
+    return of_law(laws.with_energy(*one), out);
+  // each cell takes the stress of its law
+  for_each_energy(laws, found, [&](SolidEnergy energy, const CellLawView& view, bool is_first) {
+    if (is_first) return of_law(view, out);
+    LawStresses other;
+    of_law(view, other);
+    for (auto e = 0; e < 6; e++)
+      for (int i = 0; i < kGroup; i++)
+        if (laws.energies[slot + i] == std::uint8_t(energy)) out.of[e][i] = other.of[e][i];
+  });
 }
 
-void add_viscous_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& laws, int slot,
+void add_viscous_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& all, int slot,
                           Real young) {
+  const CellLawView laws = all.energies == nullptr ? all : all.with_energy(all.energy_at(slot));
   const Vec3 g = corner_gradient(at, laws.slope);
-  with_law(laws, [&]<class Law>(Law) { add_cell_of<Law>(s, u, g, moduli_of<Law>(laws, slot, young)); });
+  with_relaxing_law(laws,
+                    [&]<class Law, Relaxing kRelaxing>(Law, std::integral_constant<Relaxing, kRelaxing>) {
+                      add_cell_of<Law>(s, u, g, moduli_of<Law, kRelaxing>(laws, slot, young));
+                    });
   if (laws.history[0] != nullptr) add_history(s, u, g, laws.history_of(slot));
 }
 
 void add_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& laws, int slot,
                   Real young) {
-  CellLawView elastic = laws;
-  elastic.instant = 1;
-  with_law(laws, [&]<class Law>(Law) {
-    add_cell_of<Law>(s, u, corner_gradient(at, laws.slope), moduli_of<Law>(elastic, slot, young));
+  CellLawView elastic = laws.with_energy(laws.energy_at(slot));
+  elastic.instant = 1, elastic.instants = nullptr;
+  with_law(elastic, [&]<class Law>(Law) {
+    add_cell_of<Law>(s, u, corner_gradient(at, elastic.slope), moduli_of<Law>(elastic, slot, young));
   });
 }
 

@@ -19,27 +19,40 @@ struct CellHistory {
 
 /// Laws of all cells, by slot of their lowest node, as plain pointers.
 struct CellLawView {
-  SolidEnergy energy;
+  SolidEnergy energy;                     // of all cells, if `energies` is null
+  const std::uint8_t* energies;           // SolidEnergy by cell; null: all cells have `energy`
   Vec3 slope;                             // SolidLaw::slope [1/m]
   Real hourglass;                         // hourglass modulus over shear modulus, over 8 [1/m²]
+  Real hourglasses[kSolidEnergyCount];    // the same by energy
   const Real *shear, *bulk, *stiffening;  // CellLaws; null: all cells follow SolidLaw
   const Real *fiber, *fiber_stiffening, *fiber_x, *fiber_y, *fiber_z;  // null: no fibers
   Real instant;            // factor of the moduli within a step, 1 + Σ pᵢ γᵢ (viscosity.hpp)
+  const Real* instants;    // the same by cell, where layers have pairs of their own; null = `instant`
   const Real* history[6];  // xx, yy, zz, xy, xz, yz; null = elastic [J]
 
   bool has_laws() const { return shear != nullptr; }
-  [[gnu::always_inline]] TURGOR_HD CellModuli moduli(int slot, Real young) const {
-    const Real static_shear = young * shear[slot];
-    return {static_shear * instant, young * bulk[slot] * instant, stiffening[slot], static_shear * hourglass};
+  SolidEnergy energy_at(int slot) const { return energies != nullptr ? SolidEnergy(energies[slot]) : energy; }
+  /// View in which all cells have this energy.
+  CellLawView with_energy(SolidEnergy of) const {
+    CellLawView view = *this;
+    view.energy = of, view.energies = nullptr, view.hourglass = hourglasses[std::size_t(of)];
+    return view;
   }
-  [[gnu::always_inline]] TURGOR_HD void set_fibers(int slot, Real young, CellModuli& m) const {
-    m.fiber = young * fiber[slot] * instant, m.fiber_stiffening = fiber_stiffening[slot];
+  /// `factor`: instant or instants[slot].
+  [[gnu::always_inline]] TURGOR_HD CellModuli moduli(int slot, Real young, Real factor) const {
+    const Real static_shear = young * shear[slot];
+    return {static_shear * factor, young * bulk[slot] * factor, stiffening[slot], static_shear * hourglass};
+  }
+  [[gnu::always_inline]] TURGOR_HD void set_fibers(int slot, Real young, Real factor, CellModuli& m) const {
+    m.fiber = young * fiber[slot] * factor, m.fiber_stiffening = fiber_stiffening[slot];
     m.direction = {fiber_x[slot], fiber_y[slot], fiber_z[slot]};
   }
   /// Moduli, with those of fibers if there are any.
   CellModuli all_moduli(int slot, Real young) const {
-    CellModuli m = moduli(slot, young);
-    if (fiber != nullptr) set_fibers(slot, young, m);
+    const Real factor = instants != nullptr ? instants[slot] : instant;
+    CellModuli m = moduli(slot, young, factor);
+    if (fiber != nullptr) set_fibers(slot, young, factor, m);
+    m.hourglass = young * shear[slot] * hourglasses[std::size_t(energy_at(slot))];
     return m;
   }
   TURGOR_HD CellHistory history_of(int slot) const {
@@ -49,6 +62,8 @@ struct CellLawView {
 };
 CellLawView cell_law_view(const Model& model, const State& state);
 
+/// Cells of several laws beside each other are computed once by each law, with the moduli of the others at 0.
+///
 /// Systems of the cells around the nodes of [slot, slot + kSpareSlots), from `begin` of the buffer on.
 /// young[n]: moduli of the cells whose corner n these nodes are, 0 where cut.
 void gather_law_cells(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,

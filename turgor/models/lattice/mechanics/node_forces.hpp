@@ -135,18 +135,21 @@ template <class Young, class Center = NoCenters>
   return s;
 }
 
+/// One edge of node a with stiffness k; 0 if it is not loose [N/m].
+[[gnu::always_inline]] TURGOR_HD inline void add_loose_edge(NodeSystem& s, const NodeArrays& n, Vec3 edge,
+                                                            Real rest, int offset, int a, Real k) {
+  const Real present =
+      k > 0 ? Real(1) : Real(0);  // empty slots have no displacement; d must not depend on them
+  add_spring(s, edge + (n.u(a + offset) - n.u(a)) * present, rest, k);
+}
 /// Loose edges of node a. `stiffness(e)`: 0 for other edges [N/m].
 template <class Stiffness>
 [[gnu::always_inline]] TURGOR_HD inline void add_loose_edges(NodeSystem& s, const NodeArrays& n,
                                                              const Neighbors& stencil, int a,
                                                              const Stiffness& stiffness) {
   TURGOR_UNROLL
-  for (int e = 0; e < kNeighborCount; e++) {
-    const Real k = stiffness(e);
-    const Real present =
-        k > 0 ? Real(1) : Real(0);  // empty slots have no displacement; d must not depend on them
-    add_spring(s, stencil.edge[e] + (n.u(a + stencil.offset[e]) - n.u(a)) * present, stencil.rest[e], k);
-  }
+  for (int e = 0; e < kNeighborCount; e++)
+    add_loose_edge(s, n, stencil.edge[e], stencil.rest[e], stencil.offset[e], a, stiffness(e));
 }
 
 }  // namespace turgor::lattice

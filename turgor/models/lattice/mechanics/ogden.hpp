@@ -92,7 +92,7 @@ struct OgdenLaw {
     // λ̄ᵢ^α − 1
     const bool regular = 1 + c.growth > kLeastGrowth;
     const Real volume = lane_log1p(regular ? c.growth : kLeastGrowth - 1) * (Real(1) / 3);
-    const Real inverse_alpha = 1 / m.stiffening;
+    const Real inverse_alpha = 1 / (m.stiffening != 0 ? m.stiffening : 1);  // 0: a cell of another law
     Real power[3], mean = 0;
     TURGOR_UNROLL
     for (int i = 0; i < 3; i++) {

@@ -18,6 +18,8 @@ struct EmbeddedPoint {
   int cell = 0;                 // slot of the cell's lowest node
   std::array<int, 8> corner{};  // as in CutCellElement
   std::array<Real, 8> weight{};
+
+  friend bool operator==(const EmbeddedPoint&, const EmbeddedPoint&) = default;
 };
 
 /// Symmetric stiffness matrix [N/m], positive semidefinite.
@@ -36,6 +38,15 @@ inline PointStiffness axial_stiffness(Vec3 n, Real along, Real across) {
           k * n.x * n.y,          k * n.x * n.z,          k * n.y * n.z};
 }
 
+/// Share of a spring in a stiffness that couples it with the springs after it, as a thread couples the points
+/// of a stitch: E = ½ k (Σ gₚ·uₚ)² for small displacements. Sweeps use the stiffness of every spring by
+/// itself; the coarse correction uses k (coupled_points.hpp).
+struct PointCoupling {
+  Vec3 direction;      // g of this point in the undeformed body [1]
+  int count = 0;       // in the first of the coupled springs: their number; 0 in the others, or alone
+  Real stiffness = 0;  // in the first one: k at present [N/m]
+};
+
 /// Spring at a point with displacement u, d = u − target.
 ///   E = ½ dᵀ K d − f₀·u
 ///   F = f₀ − K d
@@ -44,6 +55,7 @@ struct PointSpring {
   Vec3 target;               // displacement at which K has no force [m]
   PointStiffness stiffness;  // K [N/m]
   Vec3 force;                // f₀, constant during a sweep [N]
+  PointCoupling coupling;    // with the springs after it; part of K, not added to it
 };
 
 /// Corner of a point with a spring.
@@ -53,8 +65,9 @@ struct PointSpringTerm {
   Real weight = 0;
 };
 
-/// Springs of a step. Between sweeps `refresh` may change target, stiffness and force of every spring, but
-/// not the points: springs of different points are then coupled without dependence on the order of nodes.
+/// Springs of a step. Between sweeps `refresh` may change target, stiffness and force of every spring, and
+/// the stiffness of couplings, but not the points: springs of different points are then coupled without
+/// dependence on the order of nodes.
 struct PointSprings {
   std::vector<PointSpring> all;
   std::vector<PointSpringTerm> terms;         // corners ascend; see make_terms

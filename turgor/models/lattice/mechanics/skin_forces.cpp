@@ -45,6 +45,34 @@ struct TriangleLanes {
   }
 };
 
+/// Batch of patches, and displacements of the corners of their cells relative to the first. Lanes after the
+/// last patch repeat the first one.
+struct PatchLanes {
+  alignas(64) Real d[kCellCorners][3][kSkinLanes], point[3][kSkinLanes], reach1[3][kSkinLanes],
+      reach2[3][kSkinLanes], along[3][kSkinLanes], across[3][kSkinLanes], area[kSkinLanes];
+
+  PatchLanes(std::span<const SkinPatch> patches, const Lattice& l, const CellOffsets& offset,
+             const NodeArrays& n) {
+    for (std::size_t i = 0; i < kSkinLanes; i++) {
+      const SkinPatch& p = patches[i < patches.size() ? i : 0];
+      const int parity = slot_node(l, p.cell).x & 1;
+      const Vec3 first = n.u(p.cell);
+      for (int c = 0; c < kCellCorners; c++) {
+        const Vec3 u = n.u(p.cell + offset.of[parity][c]) - first;
+        d[c][0][i] = u.x, d[c][1][i] = u.y, d[c][2][i] = u.z;
+      }
+      for (int axis = 0; axis < 3; axis++) {
+        point[axis][i] = p.point[axis], reach1[axis][i] = p.reach1[axis], reach2[axis][i] = p.reach2[axis];
+        along[axis][i] = p.along[axis], across[axis][i] = p.across[axis];
+      }
+      area[i] = p.area;
+    }
+  }
+  static Vec3 vec(const Real (&field)[3][kSkinLanes], int i) {
+    return {field[0][i], field[1][i], field[2][i]};
+  }
+};
+
 }  // namespace
 
 void SkinForces::gather(const SkinCorners& corners, const NodeArrays& nodes,
@@ -73,6 +101,9 @@ void SkinForces::gather(const SkinCorners& corners, const NodeArrays& nodes,
 
 void SkinForces::gather(const PatchCorners& corners, const NodeArrays& nodes,
                         CornerSystems& __restrict out) const {
+  // the next batch: half rows have few of them, so that the processor would begin to read too late
+  for (std::size_t byte = 0; byte < sizeof corners; byte += 64)
+    __builtin_prefetch(reinterpret_cast<const char*>(&corners + 1) + byte);
   // displacements of the corners of the cells, relative to the node
   alignas(64) Real u[kCellCorners][3][kSkinLanes];
   for (int q = 0; q < kCellCorners; q++)
@@ -88,29 +119,6 @@ void SkinForces::gather(const PatchCorners& corners, const NodeArrays& nodes,
     Vec3 d[kCellCorners];
     for (int q = 0; q < kCellCorners; q++) d[q] = Vec3{u[q][0][i], u[q][1][i], u[q][2][i]} - first;
     out.set(i, by.patch_system(d, corners.at[i], patch_of(corners, i)));
-  }
-}
-
-void SkinForces::compute_forces(const SkinPatch& patch, int parity, const NodeArrays& n,
-                                Vec3 (&out)[kCellCorners]) const {
-  const Vec3 first = n.u(patch.cell);
-  Vec3 d[kCellCorners];
-  for (int q = 0; q < kCellCorners; q++) d[q] = n.u(patch.cell + offset.of[parity][q]) - first;
-  for (Vec3& f : out) f = {};
-  const Real area = patch.area / kPatchPoints;
-  for (int i = 0; i < kPatchPoints; i++) {
-    // stresses of both fibers, times the area
-    const Vec3 point = patch_point(patch, i);
-    const PatchFibers f = fibers_of(d, patch, point);
-    const Real sheared = fiber.shear * area * dot(f.along, f.across);
-    const Vec3 p = fiber_stress(f.along, fiber.rest_along, fiber.stiffness * area, fiber.amplification) +
-                   f.across * sheared;
-    const Vec3 q = fiber_stress(f.across, fiber.rest_across, fiber.stiffness * area, fiber.amplification) +
-                   f.along * sheared;
-    for (int c = 0; c < kCellCorners; c++) {
-      const Vec3 g = shape_gradient(c, slope, point);
-      out[c] -= p * dot(g, patch.along) + q * dot(g, patch.across);
-    }
   }
 }
 
@@ -142,6 +150,30 @@ void SkinForces::compute_forces(std::span<const SkinTriangle> triangles, const N
     const Real rest = by.rest_ratio * t.area[i];
     set(i, skin_area_forces(t.vec(t.edge[0], i), t.vec(t.edge[1], i), rest, by.stiffness / rest,
                             by.amplification));
+  }
+}
+
+void SkinForces::compute_forces(std::span<const SkinPatch> patches, const Lattice& lattice,
+                                const NodeArrays& nodes, PatchForces& __restrict out) const {
+  const PatchLanes lanes(patches, lattice, offset, nodes);
+  const SkinForces by = *this;  // local copy, so that stores cannot alias it
+  TURGOR_LANES
+  for (int i = 0; i < kSkinLanes; i++) {
+    const SkinPatch patch{.cell = 0,
+                          .point = lanes.vec(lanes.point, i),
+                          .reach1 = lanes.vec(lanes.reach1, i),
+                          .reach2 = lanes.vec(lanes.reach2, i),
+                          .along = lanes.vec(lanes.along, i),
+                          .across = lanes.vec(lanes.across, i),
+                          .area = lanes.area[i]};
+    const Vec3 d[kCellCorners] = {lanes.vec(lanes.d[0], i), lanes.vec(lanes.d[1], i),
+                                  lanes.vec(lanes.d[2], i), lanes.vec(lanes.d[3], i),
+                                  lanes.vec(lanes.d[4], i), lanes.vec(lanes.d[5], i),
+                                  lanes.vec(lanes.d[6], i), lanes.vec(lanes.d[7], i)};
+    by.patch_forces(
+        d, patch, [&](int c, Vec3 f) __attribute__((always_inline)) {
+          out.on[c][0][i] = f.x, out.on[c][1][i] = f.y, out.on[c][2][i] = f.z;
+        });
   }
 }
 

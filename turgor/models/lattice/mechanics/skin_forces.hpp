@@ -6,6 +6,7 @@
 #include <span>
 
 #include "turgor/models/lattice/mechanics/node_systems.hpp"
+#include "turgor/models/lattice/mechanics/patch_modes.hpp"
 #include "turgor/models/lattice/mechanics/skin_calibration.hpp"
 #include "turgor/models/lattice/mechanics/solid.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
@@ -21,6 +22,13 @@ struct TriangleForces {
   Vec3 get(int corner, int i) const { return {on[corner][0][i], on[corner][1][i], on[corner][2][i]}; }
 };
 
+/// Forces on the corners of the cells of patches, by corner and axis [N].
+struct PatchForces {
+  alignas(64) Real on[kCellCorners][3][kSkinLanes];
+
+  Vec3 get(int corner, int i) const { return {on[corner][0][i], on[corner][1][i], on[corner][2][i]}; }
+};
+
 /// Slots of the corners of a cell from its lowest one, by parity of i.
 struct CellOffsets {
   int of[2][kCellCorners];
@@ -30,14 +38,6 @@ struct CellOffsets {
       for (int c = 0; c < kCellCorners; c++) of[parity][c] = slot_offset(lattice, cell_corner(c), parity);
   }
 };
-
-/// Integration points of a patch, exact for the gradient in the cell. One point would leave modes of the skin
-/// without energy, and skin is stiffer than the tissue below.
-constexpr int kPatchPoints = 4;
-/// Integration point, in half cells from the center of the cell.
-TURGOR_HD inline Vec3 patch_point(const SkinPatch& p, int n) {
-  return p.point + (n & 1 ? p.reach1 : -p.reach1) + (n & 2 ? p.reach2 : -p.reach2);
-}
 
 struct SkinForces {
   SkinLaw law;
@@ -57,25 +57,60 @@ struct SkinForces {
         slope(solid_law(model.anatomy.lattice.spacing, 0).slope),
         offset(model.anatomy.lattice) {}
 
-  /// Images of the unit vectors along and across Langer's lines at a point of a patch, F d = d + ∇u d. `d`:
-  /// displacements of the corners of its cell relative to one of them [m].
-  struct PatchFibers {
-    Vec3 along, across;
-  };
-  TURGOR_HD PatchFibers fibers_of(const Vec3 (&d)[kCellCorners], const SkinPatch& p, Vec3 point) const {
-    const CellGradient u = cell_gradient_at(d, 0, slope, point);
-    return {p.along + (u.x * p.along.x + u.y * p.along.y + u.z * p.along.z),
-            p.across + (u.x * p.across.x + u.y * p.across.y + u.z * p.across.z)};
+  /// Image of a unit vector d in the plane of a patch at its points, F d = d + ∇u d. `by`: of d.
+  [[gnu::always_inline]] TURGOR_HD static AtPatchPoints<Vec3> fiber_of(const PatchDerivative& by,
+                                                                       const CornerSums& sums,
+                                                                       const CellTwists& twists, Vec3 d) {
+    AtPatchPoints<Vec3> fiber = derivatives_of(by, sums, twists);
+    fiber.mean += d;
+    return fiber;
   }
-  /// System of a patch at corner `at` of its cell.
-  TURGOR_HD NodeSystem patch_system(const Vec3 (&d)[kCellCorners], int at, const SkinPatch& p) const {
+  /// Stiffness that bounds what fibers differ by from their mean over the points of a patch [N/m]. `c`: mean
+  /// products of the coefficients.
+  ///
+  /// A fiber f + δ at a point has the Hessian k c² (f + δ)(f + δ)ᵀ, at most 2 k c² (f fᵀ + |δ|² I). The bound
+  /// of half of it suffices for Newton steps of a corner to lower the energy. In a twisted cell, the Hessian
+  /// of the mean fibers alone lacks the stiffness across them: steps overshot at lips between stitches, and
+  /// the sweeps diverged. Sums over the points keep loops in lanes from vectorizing, and take twice the time.
+  [[gnu::always_inline]] TURGOR_HD Real stiffness_of_variance(const AtPatchPoints<Vec3>& f,
+                                                              const AtPatchPoints<Vec3>& g,
+                                                              const FiberProducts& c, Real area) const {
+    const auto fiber_stiffness = [&](Vec3 mean, Real spread, Real rest) __attribute__((always_inline)) {
+      const Real stretch = positive(fiber_length(mean) - rest);
+      return fiber.stiffness * (1 + fiber.amplification / rest * stretch) * spread /
+             (dot(mean, mean) + spread);
+    };
+    const Real of_f = variance(f), of_g = variance(g);
+    const Real fibers = c.along * fiber_stiffness(f.mean, of_f, fiber.rest_along) +
+                        c.across * fiber_stiffness(g.mean, of_g, fiber.rest_across);
+    return 3 * area * (fibers + 2 * fiber.shear * (c.along * of_g + c.across * of_f));
+  }
+  /// System of a patch at corner `at` of its cell. `d`: displacements of the corners of the cell relative to
+  /// one of them [m].
+  [[gnu::always_inline]] TURGOR_HD NodeSystem patch_system(const Vec3 (&d)[kCellCorners], int at,
+                                                           const SkinPatch& p) const {
+    const AtPatchPoints<Vec3> products = point_products(p);
+    const CornerSums sums = corner_sums(d);
+    const CellTwists twists = cell_twists(d);
+    // fibers, and derivatives of the corner's shape function along them
+    const PatchDerivative by_along = patch_derivative(p, products, p.along, slope),
+                          by_across = patch_derivative(p, products, p.across, slope);
+    const AtPatchPoints<Vec3> f = fiber_of(by_along, sums, twists, p.along),
+                              g = fiber_of(by_across, sums, twists, p.across);
+    const AtPatchPoints<Real> along = derivatives_of_shape(by_along, at),
+                              across = derivatives_of_shape(by_across, at);
+    // force
     NodeSystem s;
-    for (int n = 0; n < kPatchPoints; n++) {
-      const Vec3 point = patch_point(p, n);
-      const PatchFibers f = fibers_of(d, p, point);
-      const Vec3 g = shape_gradient(at, slope, point);
-      add_skin_fibers(s, f.along, f.across, dot(g, p.along), dot(g, p.across), p.area / kPatchPoints, fiber);
-    }
+    const Real area = p.area / kPatchPoints;
+    const auto gradient = [&](int n) __attribute__((always_inline)) {
+      return skin_fibers_gradient(f.at(n), g.at(n), along.at(n), across.at(n), area, fiber);
+    };
+    s.f -= gradient(0) + gradient(1) + gradient(2) + gradient(3);  // loops in lanes do not vectorize
+    // Hessian
+    const FiberProducts c{mean_product(along, along), mean_product(along, across),
+                          mean_product(across, across)};
+    add_skin_fibers_hessian(s, f.mean, g.mean, c, p.area, fiber);
+    add_isotropic(s, stiffness_of_variance(f, g, c, p.area));
     return s;
   }
   /// System of one corner of a patch.
@@ -95,9 +130,37 @@ struct SkinForces {
             .across = {c.across[0][i], c.across[1][i], c.across[2][i]},
             .area = c.area[i]};
   }
-  /// Forces of a patch on all corners of its cell [N].
-  void compute_forces(const SkinPatch& patch, int parity, const NodeArrays& n,
-                      Vec3 (&out)[kCellCorners]) const;
+  /// Forces of a patch on all corners of its cell: out(corner, force). `d`: as in patch_system.
+  template <class Out>
+  [[gnu::always_inline]] void patch_forces(const Vec3 (&d)[kCellCorners], const SkinPatch& patch,
+                                           const Out& out) const {
+    const AtPatchPoints<Vec3> products = point_products(patch);
+    const CornerSums sums = corner_sums(d);
+    const CellTwists twists = cell_twists(d);
+    const PatchDerivative by_along = patch_derivative(patch, products, patch.along, slope),
+                          by_across = patch_derivative(patch, products, patch.across, slope);
+    const AtPatchPoints<Vec3> f = fiber_of(by_along, sums, twists, patch.along),
+                              g = fiber_of(by_across, sums, twists, patch.across);
+    // stresses of one fiber at a point, times the area
+    const Real area = patch.area / kPatchPoints;
+    const auto stress = [&](Vec3 own, Vec3 other, Real rest) __attribute__((always_inline)) {
+      return own * fiber_stress_factor(own, rest, fiber.stiffness * area, fiber.amplification) +
+             other * (fiber.shear * area * dot(own, other));
+    };
+    const auto along = [&](int n) __attribute__((always_inline)) {
+      return stress(f.at(n), g.at(n), fiber.rest_along);
+    };
+    const auto across = [&](int n) __attribute__((always_inline)) {
+      return stress(g.at(n), f.at(n), fiber.rest_across);
+    };
+    const AtPatchPoints<Vec3> p = signed_sums(along(0), along(1), along(2), along(3)),
+                              q = signed_sums(across(0), across(1), across(2), across(3));
+    // forces
+    TURGOR_UNROLL
+    for (int c = 0; c < kCellCorners; c++)
+      out(c, -(sum_of_products(p, derivatives_of_shape(by_along, c)) +
+               sum_of_products(q, derivatives_of_shape(by_across, c))));
+  }
 
   /// System of a corner at its own node; the edges start there.
   TURGOR_HD NodeSystem fiber_system(const SkinCorners& c, int i, Vec3 edge1, Vec3 edge2) const {
@@ -143,6 +206,9 @@ struct SkinForces {
   /// Forces on all corners of at most kSkinLanes triangles, without Hessians.
   void compute_forces(std::span<const SkinTriangle> triangles, const NodeArrays& nodes,
                       TriangleForces& out) const;
+  /// The same for at most kSkinLanes patches.
+  void compute_forces(std::span<const SkinPatch> patches, const Lattice& lattice, const NodeArrays& nodes,
+                      PatchForces& out) const;
 };
 
 /// Corners of skin by node, as plain pointers for host and device (Skin, VbdTables, Cuts::skin_cut).

@@ -57,9 +57,28 @@ double fiber_energy(const Mat3d& f, double volume, const LawModuli& m) {
 
 }  // namespace
 
+int most_pairs(const TissueParams& tissue) {
+  int most = pair_count(tissue.prony);
+  for (const TissueLayer& layer : tissue.layers)
+    if (layer.prony) most = std::max(most, pair_count(*layer.prony));
+  return most;
+}
+
 bool has_fibers(const TissueParams& tissue) {
   const auto has = [](const TissueLayer& layer) { return layer.fiber.stiffness > 0; };
   return tissue.fiber.stiffness > 0 || std::any_of(tissue.layers.begin(), tissue.layers.end(), has);
+}
+
+double largest_poisson(const TissueParams& tissue) {
+  double most = tissue.poisson;
+  for (const TissueLayer& layer : tissue.layers)
+    most = std::max(most, layer.slide < 1 ? std::max(layer.poisson, 0.499) : layer.poisson);
+  return most;
+}
+
+bool has_mixed_laws(const TissueParams& tissue) {
+  const auto differs = [&](const TissueLayer& layer) { return energy_of(layer, tissue) != tissue.energy; };
+  return std::any_of(tissue.layers.begin(), tissue.layers.end(), differs);
 }
 
 LawRatios law_ratios(SolidEnergy energy, double poisson) {

@@ -12,8 +12,19 @@ namespace turgor::lattice {
 
 /// True if cells keep a permanent set (solver/viscosity.hpp).
 inline bool has_set(const PermanentSet& set) { return set.share > 0; }
+/// Most Prony pairs of the body and its layers; 0 = elastic.
+int most_pairs(const TissueParams& tissue);
 /// True if some cells have fibers.
 bool has_fibers(const TissueParams& tissue);
+/// Largest Poisson's ratio of the body and its layers. A layer that lets its neighbors slide
+/// (TissueLayer::slide) counts as nearly incompressible.
+double largest_poisson(const TissueParams& tissue);
+/// Energy of the cells of a layer.
+inline SolidEnergy energy_of(const TissueLayer& layer, const TissueParams& tissue) {
+  return layer.energy.value_or(tissue.energy);
+}
+/// True if layers have another energy than the body.
+bool has_mixed_laws(const TissueParams& tissue);
 
 /// Moduli of a law over Young's modulus: µ and κ; neo-Hookean: µ' and λ' (solid.hpp) [1].
 struct LawRatios {

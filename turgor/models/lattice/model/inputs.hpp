@@ -27,15 +27,17 @@ struct NodeContact {
   Real stiffness = 0;    // penalty stiffness of the last sweep [N/m]
 };
 
+struct ContactPoints;
 struct HaloExchange;
 struct PointSprings;
 struct Inputs {
-  Vec3d gravity;                       // patient frame [m/s²]
-  bool measure_residual = false;       // VBD only; costs about two sweeps
-  std::span<const NodeLoad> loads;     // loads of one node add up
-  std::span<NodeContact> contacts;     // VBD only; slots ascend
-  PointSprings* springs = nullptr;     // VBD of a whole body on the host only; null = none
-  const HaloExchange* halo = nullptr;  // exchange with other processes; null = the whole body
+  Vec3d gravity;                          // patient frame [m/s²]
+  bool measure_residual = false;          // VBD only; costs about two sweeps
+  std::span<const NodeLoad> loads;        // loads of one node add up
+  std::span<NodeContact> contacts;        // VBD only; slots ascend, unless they have points
+  const ContactPoints* points = nullptr;  // of the contacts, VBD on the host only; null = they act on nodes
+  PointSprings* springs = nullptr;        // VBD of a whole body on the host only; null = none
+  const HaloExchange* halo = nullptr;     // exchange with other processes; null = the whole body
 };
 
 /// Distance of a step from the minimum of its energy: residual forces at the free nodes [N].

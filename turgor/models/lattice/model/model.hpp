@@ -95,10 +95,20 @@ struct Layers {
 /// Laws of solid cells by slot of the lowest node, per unit of cell_young and times the cell's volume. Empty:
 /// all cells follow solid_law of the body.
 struct CellLaws {
+  aligned_vector<std::uint8_t> energy;  // SolidEnergy; empty: all cells have that of the body
   aligned_vector<Real> shear, bulk;  // V µ/E and V κ/E, with the moduli of the law (solid_laws.hpp) [m³]
   aligned_vector<Real> stiffening;   // b or α [1]
   // Fibers; empty without. V k1/E [m³], k2 [1] and unit direction in the lattice frame.
   aligned_vector<Real> fiber, fiber_stiffening, fiber_x, fiber_y, fiber_z;
+  // Relaxation: 0 = pairs of the body, n = those of layer n − 1. Empty: all cells have those of the body.
+  aligned_vector<std::uint8_t> relaxation;
+};
+
+/// Share of a cell that lies in a region (TissueLayer).
+struct RegionShare {
+  int cell = 0;    // number of its lowest node, i fastest (sample_index)
+  int layer = 0;   // index in TissueParams::layers
+  Real share = 0;  // of the cell's tissue [1]
 };
 
 /// Nodes, cells and skin of a body, with their materials.
@@ -113,7 +123,9 @@ struct Anatomy {
   aligned_vector<Real> cell_young;  // Young's modulus times the filled fraction; 0 = not a whole cell [Pa]
   aligned_vector<std::uint32_t> cell_center;  // center of the filled part (CellCenter)
   CellLaws cell_laws;
-  Runs free_runs;  // slots of free nodes
+  std::vector<RegionShare> regions;     // in lattice order of the cells
+  aligned_vector<std::uint16_t> label;  // by slot, of nodes; empty without moduli by label
+  Runs free_runs;                       // slots of free nodes
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };

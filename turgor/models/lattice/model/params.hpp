@@ -2,8 +2,10 @@
 // for scene files. The parameters do not depend on a body.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,7 @@ enum class SkinLaw : std::uint8_t { kArea, kFiber, kExponential };
 enum class TissueLaw : std::uint8_t { kSprings, kSolid };
 /// Energy of solid cells (solid_laws.hpp).
 enum class SolidEnergy : std::uint8_t { kNeoHookean, kExponential, kOgden };
+constexpr int kSolidEnergyCount = 3;
 struct SkinParams {
   bool enabled = true;
   SkinLaw law = SkinLaw::kFiber;
@@ -53,18 +56,29 @@ struct PermanentSet {
   double strain = 0;  // equivalent strain from which on tissue sets [1]
   double share = 0;   // of the stress beyond that strain; 0 = none [1]
   double time = 1;    // of relaxation [s]
+
+  friend bool operator==(const PermanentSet&, const PermanentSet&) = default;
 };
 
-/// Layer of tissue by its depth below the skin. Its energy is that of the body.
+/// Layer of tissue by its depth below the skin, or the region of a label or of CT values.
 struct TissueLayer {
   std::string name;
-  double thickness = 0;   // 0 = the rest of the body, for the last layer [m]
-  double young = 0;       // [Pa]
-  double poisson = 0;     // [1]
-  double stiffening = 0;  // as TissueParams::stiffening [1]
+  double thickness = 0;               // 0 = the rest of the body, for the last layer [m]
+  std::optional<SolidEnergy> energy;  // none = that of the body
+  double young = 0;                   // [Pa]
+  double poisson = 0;                 // [1]
+  double stiffening = 0;              // as TissueParams::stiffening [1]
   FiberParams fiber;
   double slide = 1;  // factor of the shear modulus; a layer of little shear lets its neighbors slide [1]
+  std::optional<Prony> prony;  // relaxation; none = that of the body
+  // A region has one of these and no thickness.
+  int label = 0;                            // of a segmentation; 0 = none
+  std::optional<std::array<double, 2>> hu;  // from, to [HU]
+
+  friend bool operator==(const TissueLayer&, const TissueLayer&) = default;
 };
+/// True for a layer that a label or CT values choose, false for one by depth.
+inline bool is_region(const TissueLayer& layer) { return layer.label > 0 || layer.hu.has_value(); }
 
 struct TissueParams {
   TissueLaw law = TissueLaw::kSprings;
@@ -73,17 +87,19 @@ struct TissueParams {
   double fat_max = -30;                                   // fat below this value [HU]
   double bone_min = 200;                                  // bone above this value [HU]
   double volume = 0;      // springs: bulk modulus of the volume energy over Young's modulus [1]
-  double poisson = 0.45;  // solid: Poisson's ratio, 0 to 0.49 [1]
+  double poisson = 0.45;  // solid: Poisson's ratio, 0 to 0.499 [1]
   // Solid: cells that the body fills in part bear in proportion, and skin bears in them. Off by default,
-  // since contacts act on the outermost body nodes, which partial cells then hold from outside.
+  // since other laws, layers and viscosity need whole cells, and thin bodies step slower.
   bool partial_cells = false;
   SolidEnergy energy = SolidEnergy::kNeoHookean;
   double stiffening = 0;                 // exponential: b; Ogden: α [1]
   FiberParams fiber;                     // exponential
   PermanentSet set;                      // solid
-  std::vector<TissueLayer> layers;       // solid: from the skin inward; empty = tissues by CT value
+  std::vector<TissueLayer> layers;       // solid: those by depth from the skin inward, and regions
   Prony prony;                           // solid: relaxation; the moduli are static ones
   std::map<int, double> young_of_label;  // Young's modulus by label of a segmentation [Pa]
+
+  friend bool operator==(const TissueParams&, const TissueParams&) = default;
 };
 
 struct SolverParams {

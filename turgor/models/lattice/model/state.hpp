@@ -146,9 +146,10 @@ struct SymmetricField {
 /// Relaxation of solid cells (solver/viscosity.hpp).
 struct Viscosity {
   std::vector<SymmetricField>
-      history;           // by Prony pair, by slot of the cell's lowest node; empty = at rest [J]
-  Real instant = 1;      // factor of the moduli within a step [1]
-  bool in_step = false;  // the first field holds the sum over the pairs
+      history;                    // by Prony pair, by slot of the cell's lowest node; empty = at rest [J]
+  Real instant = 1;               // factor of the moduli within a step [1]
+  aligned_vector<Real> instants;  // the same by slot, where layers have pairs of their own; else empty
+  bool in_step = false;           // the first field holds the sum over the pairs
 };
 
 /// Coarse space and memory that steps reuse.

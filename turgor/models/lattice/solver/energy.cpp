@@ -36,8 +36,8 @@ double energy_of_cell(const Model& model, std::size_t slot, double young, const 
     m.direction = {laws.fiber_x[slot], laws.fiber_y[slot], laws.fiber_z[slot]};
   }
   const double diagonal2 = dot(Vec3d(spacing), Vec3d(spacing));
-  return law_energy(tissue.energy, d.f, m) +
-         m.shear * hourglass_over_shear(tissue.energy) / diagonal2 * d.hourglass / 16;
+  const SolidEnergy energy = laws.energy.empty() ? tissue.energy : SolidEnergy(laws.energy[slot]);
+  return law_energy(energy, d.f, m) + m.shear * hourglass_over_shear(energy) / diagonal2 * d.hourglass / 16;
 }
 
 struct LayerEnergy {

@@ -7,6 +7,9 @@
 
 namespace turgor::lattice {
 
+/// Rows that a sweep leaves out (calm_rows.hpp).
+struct CalmRows;
+
 /// Adds loads to velocities: v += h w f. The sweeps need no further treatment of loads.
 void add_loads(const Model& model, State& state, const Inputs& inputs, double dt);
 /// Stores u in u_before and moves u to the starting point of the sweeps. For PBD and for bodies without fixed
@@ -21,15 +24,15 @@ void sweep_pbd(const Exec& exec, const Model& model, State& state, const HaloExc
 /// One VBD sweep: each node takes one Newton step. [Chen et al. 2024] Solid tissue runs the second half of
 /// its sweeps backward. The remaining error is then a symmetric part of the initial one, between none and
 /// all, and never feeds the motion that inertia carries on. With forward sweeps only, it does from ν = 0.45
-/// on.
+/// on. `calm` leaves out the calm rows of a body that sleeps; null: all rows that are awake are swept.
 void sweep_vbd(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
-               Order order = Order::kForward);
+               Order order = Order::kForward, CalmRows* calm = nullptr);
 /// Colored sweeps of sweep_pbd and sweep_vbd, with any run (core/run.hpp).
 template <class Run>
 void sweep_pbd_by_colors(const Run& run, const Model& model, State& state);
 template <class Run>
 void sweep_vbd_by_colors(const Run& run, const Model& model, State& state, const Inputs& inputs, double dt,
-                         Order order = Order::kForward);
+                         Order order = Order::kForward, CalmRows* calm = nullptr);
 
 /// Computes velocities (u − u_before)/h with damping. Restores the last state if a value is not finite.
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt,

@@ -8,6 +8,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
+#include "turgor/models/lattice/mechanics/contact_points.hpp"
 #include "turgor/models/lattice/mechanics/cut_elements.hpp"
 #include "turgor/models/lattice/mechanics/element_energies.hpp"
 #include "turgor/models/lattice/mechanics/law_backtracking.hpp"
@@ -18,6 +19,7 @@
 #include "turgor/models/lattice/model/colors.hpp"
 #include "turgor/models/lattice/model/neighbors.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
+#include "turgor/models/lattice/solver/calm_rows.hpp"
 #include "turgor/models/lattice/solver/inertia.hpp"
 #include "turgor/models/lattice/solver/residual_sum.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
@@ -138,19 +140,22 @@ struct VbdSweep {
   const GatherSystems& gather;
   const Inertia& inertia;
   std::span<NodeContact> contacts;
+  const ContactPoints* points;  // of the contacts; null: they act on nodes
   Order order;
   Sleep& sleep;
   Real wake_distance2;  // squared displacement per step above which a row wakes its neighbors [m²]; negative:
                         // no sleep
+  CalmRows* calm = nullptr;  // null: sweeps all rows that are awake
 
   bool sleeps() const { return wake_distance2 >= 0; }
+  const std::vector<std::uint8_t>& swept() const { return calm ? calm->swept : sleep.awake; }
 
   void operator()(int k) const {
     SystemBuffer buffer;
     const std::span<const ElementNode> virtual_nodes = gather.cut_elements.virtual_nodes_of(k);
     if (order == Order::kBackward) solve_virtual_nodes(virtual_nodes);
     for_each_chunk(
-        gather.model, sleeps() ? sleep.awake.data() : nullptr, k,
+        gather.model, sleeps() ? swept().data() : nullptr, k,
         [&](int parity, int slot, int count) { update_nodes(parity, slot, count, buffer); }, order);
     if (order == Order::kForward) solve_virtual_nodes(virtual_nodes);
   }
@@ -160,7 +165,7 @@ struct VbdSweep {
   [[gnu::noinline]] void operator()(HalfRow row) const {
     const Lattice& l = gather.model.anatomy.lattice;
     const int first = row_slot(l, row.j, row.k) + row.parity * l.half;
-    if (sleeps() && !sleep.awake[std::size_t(row_of(gather.model, first))]) return;
+    if (sleeps() && !swept()[std::size_t(row_of(gather.model, first))]) return;
     SystemBuffer buffer;
     for_each_chunk_of_half_row(gather.model, row.parity, row.j, row.k, [&](int parity, int slot, int count) {
       update_nodes(parity, slot, count, buffer);
@@ -172,9 +177,15 @@ struct VbdSweep {
     // forces and Hessians
     gather(parity, slot, count, buffer);
     // contacts
-    const std::span<NodeContact> node_contacts = contacts_of(contacts, slot, count);
+    const std::span<NodeContact> node_contacts =
+        points ? std::span<NodeContact>() : contacts_of(contacts, slot, count);
     if (!node_contacts.empty()) add_contacts_of_nodes(node_contacts, slot, buffer);
+    const std::span<const ContactTerm> terms =
+        points ? terms_of(*points, slot, count) : std::span<const ContactTerm>();
+    if (!terms.empty()) add_contacts_at_points(terms, slot, buffer);
     // Newton steps
+    ChunkBefore before;
+    if (calm) before.copy(gather.nodes, slot, count);
     if (gather.skin.law == SkinLaw::kExponential) shorten_steps_of_skin(slot, count, buffer);
     if (gather.solid.laws)
       solve_with_laws(slot, count, buffer);
@@ -182,8 +193,12 @@ struct VbdSweep {
       solve(slot, count, buffer);
     // contact forces
     update_forces(node_contacts, gather.nodes);
+    if (!terms.empty()) PointContacts{contacts, *points, gather.cut_elements.view}.update_forces(terms);
     // wake neighbors
-    if (sleeps() && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
+    const auto row = std::size_t(row_of(gather.model, slot));
+    if (calm && before.has_moved(gather.nodes, slot, count, wake_distance2 * Real(kCalmShare * kCalmShare)))
+      calm->stirred[row] = 1;
+    if (sleeps() && has_moved(slot, count)) sleep.moved[row] = 1;
   }
 
   /// Virtual nodes follow the nodes of their layer, or precede them in a backward sweep. Those of other slabs
@@ -192,17 +207,23 @@ struct VbdSweep {
     for (std::size_t n = 0; n < virtual_nodes.size(); n++) {
       const ElementNode& virtual_node =
           virtual_nodes[order == Order::kForward ? n : virtual_nodes.size() - 1 - n];
-      if (!sleeps() || sleep.awake[std::size_t(row_of(gather.model, virtual_node.slot))])
+      if (!sleeps() || swept()[std::size_t(row_of(gather.model, virtual_node.slot))])
         solve_virtual_node(virtual_node);
     }
   }
 
   void solve_virtual_node(const ElementNode& node) const {
-    const bool has_spring = !terms_of(gather.springs, node.corner, 1).empty();
-    if (has_spring && gather.nodes.w[node.slot] > 0)
-      gather.cut_elements.view.move(node, gather.virtual_node(node));
-    else
-      gather.cut_elements.solve(node);
+    const CutElementView& view = gather.cut_elements.view;
+    const std::span<const ContactTerm> terms =
+        points ? terms_of(*points, node.corner, 1) : std::span<const ContactTerm>();
+    const bool is_loaded = !terms.empty() || !terms_of(gather.springs, node.corner, 1).empty();
+    if (!is_loaded || !(gather.nodes.w[node.slot] > 0)) return gather.cut_elements.solve(node);
+    // springs and contacts
+    NodeSystem system = gather.virtual_node(node);
+    if (!terms.empty())
+      PointContacts{contacts, *points, view}.add(terms, {}, weightless_mobility(system), system);
+    view.move(node, system);
+    if (!terms.empty()) PointContacts{contacts, *points, view}.update_forces(terms);
   }
 
   /// Adds contacts to the systems of their nodes.
@@ -216,6 +237,19 @@ struct VbdSweep {
                    inertia(node) - gather.nodes.u(node), inertia.dt * inertia.dt * gather.nodes.w[node],
                    system);
       buffer.set(at, system);
+    }
+  }
+
+  /// Adds contacts at points to the systems of their corners.
+  void add_contacts_at_points(std::span<const ContactTerm> terms, int slot, SystemBuffer& buffer) const {
+    const PointContacts at_points{contacts, *points, gather.cut_elements.view};
+    for (std::size_t begin = 0, end = 0; begin < terms.size(); begin = end) {
+      const int node = terms[begin].corner;
+      while (end < terms.size() && terms[end].corner == node) end++;
+      NodeSystem system = buffer.get(node - slot);
+      at_points.add(terms.subspan(begin, end - begin), inertia(node) - gather.nodes.u(node),
+                    inertia.dt * inertia.dt * gather.nodes.w[node], system);
+      buffer.set(node - slot, system);
     }
   }
 
@@ -268,14 +302,17 @@ struct VbdSweep {
     }
     // long ones; no other node of the half row shares their cells
     const Vec3 h = gather.model.anatomy.lattice.spacing;
-    const Real longest = kCheckedStep * std::min({h.x, h.y, h.z});
-    for (int i = 0; i < count; i++) {
-      if (!(length2[i] > longest * longest) || moves[i] == 0) continue;
+    const Real longest = kCheckedStep * std::min({h.x, h.y, h.z}), limit = longest * longest;
+    int has_long = 0;
+    for (int i = 0; i < count; i++) has_long |= int(length2[i] > limit) & int(moves[i] != 0);
+    for (int i = 0; has_long != 0 && i < count; i++) {
+      if (!(length2[i] > limit) || moves[i] == 0) continue;
       const Real share = law_step_share(gather.model, gather.state, *gather.solid.laws, slot + i,
                                         {buffer.get(i), y(slot + i) - n.u(slot + i),
                                          y.dt * y.dt * y.w[slot + i], Vec3{dx[i], dy[i], dz[i]}});
       dx[i] *= share, dy[i] *= share, dz[i] *= share;
     }
+    TURGOR_LANES
     for (int i = 0; i < count; i++) ux[i] += dx[i], uy[i] += dy[i], uz[i] += dz[i];
   }
 
@@ -300,11 +337,12 @@ struct VbdSweep {
   bool has_moved(int slot, int count) const {
     const NodeArrays& n = gather.nodes;
     std::uint32_t found = 0;
-    for (int s = slot; s < slot + count; s++) {
-      const Real x = n.ux[s] - inertia.bx[s], y = n.uy[s] - inertia.by[s], z = n.uz[s] - inertia.bz[s];
-      const std::uint32_t bits = magnitude_bits(x * x + y * y + z * z);
-      found = bits > found ? bits : found;
-    }
+    for (int begin = slot; begin < slot + count; begin += kGroup)
+      for (int s = begin; s < begin + kGroup; s++) {
+        const Real x = n.ux[s] - inertia.bx[s], y = n.uy[s] - inertia.by[s], z = n.uz[s] - inertia.bz[s];
+        const std::uint32_t bits = magnitude_bits(x * x + y * y + z * z);
+        found = bits > found ? bits : found;
+      }
     return found > std::bit_cast<std::uint32_t>(wake_distance2);
   }
 };
@@ -312,15 +350,19 @@ struct VbdSweep {
 /// Calls sweep(rows) with the kernel of a sweep, and handles sleep.
 template <class Sweep>
 void with_vbd_sweep(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
-                    const Sweep& sweep) {
+                    CalmRows* calm, const Sweep& sweep) {
   const GatherSystems gather(model, state, inputs);
   const Inertia inertia(model, state, inputs, dt);
   // tests and benches sweep outside of steps, before wake_rows
   const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
   const Real wake_distance = Real(model.params.solver.sleep_speed * dt);
-  if (sleeps) std::fill(state.sleep.moved.begin(), state.sleep.moved.end(), std::uint8_t(0));
-  sweep(VbdSweep{gather, inertia, inputs.contacts, order, state.sleep,
-                 sleeps ? wake_distance * wake_distance : Real(-1)});
+  if (sleeps && calm) choose_swept_rows(model, state, inputs, *calm);
+  // rows that are not swept keep their marks
+  if (sleeps)
+    for (std::size_t row = 0; row < state.sleep.moved.size(); row++)
+      if (!calm || calm->swept[row]) state.sleep.moved[row] = 0;
+  sweep(VbdSweep{gather, inertia, inputs.contacts, inputs.points, order, state.sleep,
+                 sleeps ? wake_distance * wake_distance : Real(-1), sleeps ? calm : nullptr});
   if (sleeps) wake_neighbors(model, state);
 }
 
@@ -328,21 +370,23 @@ void with_vbd_sweep(const Model& model, State& state, const Inputs& inputs, doub
 
 template <class Run>
 void sweep_vbd_by_colors(const Run& run, const Model& model, State& state, const Inputs& inputs, double dt,
-                         Order order) {
-  with_vbd_sweep(model, state, inputs, dt, order, [&](const VbdSweep& rows) {
+                         Order order, CalmRows* calm) {
+  with_vbd_sweep(model, state, inputs, dt, order, calm, [&](const VbdSweep& rows) {
     for (int pass = 0; pass < kColorCount; pass++)
       run_half_rows(run, model.anatomy.lattice.size,
                     order == Order::kBackward ? kColorCount - 1 - pass : pass, rows);
   });
 }
-template void sweep_vbd_by_colors(const CpuRun&, const Model&, State&, const Inputs&, double, Order);
-template void sweep_vbd_by_colors(const ShuffledRun&, const Model&, State&, const Inputs&, double, Order);
+template void sweep_vbd_by_colors(const CpuRun&, const Model&, State&, const Inputs&, double, Order,
+                                  CalmRows*);
+template void sweep_vbd_by_colors(const ShuffledRun&, const Model&, State&, const Inputs&, double, Order,
+                                  CalmRows*);
 
 void sweep_vbd(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
-               Order order) {
+               Order order, CalmRows* calm) {
   if (model.params.solver.ordering == Ordering::kColors)
-    return sweep_vbd_by_colors(CpuRun{exec}, model, state, inputs, dt, order);
-  with_vbd_sweep(model, state, inputs, dt, order, [&](const VbdSweep& rows) {
+    return sweep_vbd_by_colors(CpuRun{exec}, model, state, inputs, dt, order, calm);
+  with_vbd_sweep(model, state, inputs, dt, order, calm, [&](const VbdSweep& rows) {
     sweep_slabs(exec, model.anatomy.owned, rows, order, inputs.halo);
   });
 }
@@ -361,15 +405,26 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
     ResidualSum sum;
     // virtual nodes
     for (const ElementNode& virtual_node : gather.cut_elements.virtual_nodes_of(int(k)))
-      if (gather.nodes.w[virtual_node.slot] > 0) sum.add(Vec3d(gather.virtual_node(virtual_node).f));
+      if (gather.nodes.w[virtual_node.slot] > 0) {
+        Vec3 force = gather.virtual_node(virtual_node).f;
+        if (inputs.points)
+          for (const ContactTerm& t : terms_of(*inputs.points, virtual_node.corner, 1))
+            force += inputs.contacts[std::size_t(t.contact)].force * t.weight;
+        sum.add(Vec3d(force));
+      }
     // elements, contacts and inertia of nodes
     for_each_chunk(model, nullptr, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
-      for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
-        NodeSystem s = buffer.get(c.slot - slot);
-        s.f += c.force;
-        buffer.set(c.slot - slot, s);
-      }
+      const auto add_force = [&](int node, Vec3 force) {
+        NodeSystem s = buffer.get(node - slot);
+        s.f += force;
+        buffer.set(node - slot, s);
+      };
+      if (inputs.points == nullptr)
+        for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) add_force(c.slot, c.force);
+      else
+        for (const ContactTerm& t : terms_of(*inputs.points, slot, count))
+          add_force(t.corner, inputs.contacts[std::size_t(t.contact)].force * t.weight);
       TURGOR_LANES
       for (int i = 0; i < count; i++) {
         const Real w = gather.nodes.w[slot + i];

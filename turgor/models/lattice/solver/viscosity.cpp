@@ -31,7 +31,41 @@ FieldSteps pair_steps(const Prony& prony, double dt) {
 
 /// Fields of the history: pairs, then the set.
 std::size_t field_count(const TissueParams& tissue) {
-  return std::size_t(pair_count(tissue.prony)) + (has_set(tissue.set) ? 1 : 0);
+  return std::size_t(most_pairs(tissue)) + (has_set(tissue.set) ? 1 : 0);
+}
+
+/// Steps of the pairs of all cells; entries as in CellLaws::relaxation.
+struct AllSteps {
+  std::vector<FieldSteps> of;
+  const std::uint8_t* relaxation;  // by slot; null: all cells have of[0]
+
+  AllSteps(const Model& model, double dt)
+      : of{pair_steps(model.params.tissue.prony, dt)},
+        relaxation(model.anatomy.cell_laws.relaxation.empty() ? nullptr
+                                                              : model.anatomy.cell_laws.relaxation.data()) {
+    if (!relaxation) return;
+    for (const TissueLayer& layer : model.params.tissue.layers)
+      of.push_back(pair_steps(layer.prony.value_or(model.params.tissue.prony), dt));
+  }
+  const FieldSteps& at(int slot) const { return of[relaxation ? std::size_t(relaxation[slot]) : 0]; }
+};
+/// Steps of a group of cells, field by field.
+struct GroupSteps {
+  Real decay[kMostPronyPairs + 1][kGroup], weight[kMostPronyPairs + 1][kGroup];
+
+  GroupSteps(const AllSteps& steps, int slot) {
+    for (int i = 0; i < kGroup; i++)
+      for (std::size_t p = 0; p <= kMostPronyPairs; p++) {
+        const PairStep& step = steps.at(slot + i)[p];
+        decay[p][i] = step.decay, weight[p][i] = step.weight;
+      }
+  }
+};
+
+double instant_of(const FieldSteps& steps) {
+  double factor = 1;
+  for (const PairStep& step : steps) factor += double(step.weight);
+  return factor;
 }
 
 std::array<aligned_vector<Real>*, 6> entries_of(SymmetricField& field) {
@@ -95,17 +129,17 @@ void grow_set(const PermanentSet& set, double dt, const LawStresses& stresses, i
 
 }  // namespace
 
-double instant_factor(const Prony& prony, double dt) {
-  double factor = 1;
-  for (const PairStep& step : pair_steps(prony, dt)) factor += double(step.weight);
-  return factor;
+std::vector<double> instant_factors(const Model& model, double dt) {
+  std::vector<double> factors;
+  for (const FieldSteps& one : AllSteps(model, dt).of) factors.push_back(instant_of(one));
+  return factors;
 }
 
 void begin_viscous_step(const Exec& exec, const Model& model, State& state, double dt) {
   if (!is_viscous(model)) return;
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
   const std::size_t fields = field_count(model.params.tissue);
-  const FieldSteps steps = pair_steps(model.params.tissue.prony, dt);
+  const AllSteps steps(model, dt);
   Viscosity& viscosity = state.viscosity;
   // memory
   if (viscosity.history.size() != fields) {
@@ -116,12 +150,13 @@ void begin_viscous_step(const Exec& exec, const Model& model, State& state, doub
   // decay, and the old stress
   viscosity.in_step = false;
   for_each_stress(exec, model, state, [&](int slot, const Real(&young)[kGroup], const LawStresses& stresses) {
+    const GroupSteps of(steps, slot);
     for (std::size_t e = 0; e < 6; e++) {
       Real sum[kGroup] = {};
       for (std::size_t p = 0; p < fields; p++) {
         Real* h = entries_of(viscosity.history[p])[e]->data() + slot;
         for (int i = 0; i < kGroup; i++) {
-          h[i] = young[i] > 0 ? steps[p].decay * h[i] - steps[p].weight * stresses.of[e][i] : 0;
+          h[i] = young[i] > 0 ? of.decay[p][i] * h[i] - of.weight[p][i] * stresses.of[e][i] : 0;
           sum[i] += h[i];
         }
       }
@@ -129,29 +164,34 @@ void begin_viscous_step(const Exec& exec, const Model& model, State& state, doub
       for (int i = 0; i < kGroup; i++) first[i] = sum[i];
     }
   });
-  viscosity.instant = Real(instant_factor(model.params.tissue.prony, dt));
+  const std::vector<double> factors = instant_factors(model, dt);
+  viscosity.instant = Real(factors[0]);
+  viscosity.instants.clear();
+  for (const std::uint8_t n : model.anatomy.cell_laws.relaxation)
+    viscosity.instants.push_back(Real(factors[std::size_t(n)]));
   viscosity.in_step = true;
 }
 
 void end_viscous_step(const Exec& exec, const Model& model, State& state, double dt) {
   if (!is_viscous(model)) return;
   const std::size_t fields = field_count(model.params.tissue);
-  const FieldSteps steps = pair_steps(model.params.tissue.prony, dt);
+  const AllSteps steps(model, dt);
   const PermanentSet& set = model.params.tissue.set;
   Viscosity& viscosity = state.viscosity;
   TURGOR_CHECK(viscosity.in_step && viscosity.history.size() == fields, "a viscous step has begun");
   viscosity.in_step = false;
   for_each_stress(exec, model, state, [&](int slot, const Real(&)[kGroup], const LawStresses& stresses) {
+    const GroupSteps of(steps, slot);
     for (std::size_t e = 0; e < 6; e++) {
       Real* first = entries_of(viscosity.history[0])[e]->data() + slot;
       for (std::size_t p = 1; p < fields; p++) {
         Real* h = entries_of(viscosity.history[p])[e]->data() + slot;
         for (int i = 0; i < kGroup; i++) {
           first[i] -= h[i];
-          h[i] += steps[p].weight * stresses.of[e][i];
+          h[i] += of.weight[p][i] * stresses.of[e][i];
         }
       }
-      for (int i = 0; i < kGroup; i++) first[i] += steps[0].weight * stresses.of[e][i];
+      for (int i = 0; i < kGroup; i++) first[i] += of.weight[0][i] * stresses.of[e][i];
     }
     if (has_set(set)) grow_set(set, dt, stresses, slot, viscosity.history.back());
   });
@@ -175,12 +215,14 @@ double largest_set(const Exec& exec, const Model& model, const State& state) {
                             (zz - mean) * (zz - mean) +
                             2 * (double(q.xy[s]) * double(q.xy[s]) + double(q.xz[s]) * double(q.xz[s]) +
                                  double(q.yz[s]) * double(q.yz[s]));
-      most[k] = std::max(most[k], std::sqrt(2.0 / 3 * square) / (2 * shear));
+      // the neo-Hookean law's modulus is 4/3 µ
+      const SolidEnergy energy =
+          laws.energy.empty() ? model.params.tissue.energy : SolidEnergy(laws.energy[s]);
+      const double mu = shear * hourglass_over_shear(energy) / 4;
+      most[k] = std::max(most[k], std::sqrt(2.0 / 3 * square) / (2 * mu));
     }
   });
-  // the neo-Hookean law's modulus is 4/3 µ
-  const double of_law = hourglass_over_shear(model.params.tissue.energy) / 4;
-  return *std::max_element(most.begin(), most.end()) / of_law;
+  return *std::max_element(most.begin(), most.end());
 }
 
 }  // namespace turgor::lattice

@@ -25,11 +25,12 @@ namespace turgor::lattice {
 
 /// True if cells have a history.
 inline bool is_viscous(const Model& model) {
-  return pair_count(model.params.tissue.prony) > 0 || has_set(model.params.tissue.set);
+  return most_pairs(model.params.tissue) > 0 || has_set(model.params.tissue.set);
 }
 
-/// Factor of the moduli within a step, 1 + Σ wᵢ; 1 without pairs.
-double instant_factor(const Prony& prony, double dt);
+/// Factors of the moduli within a step, 1 + Σ wᵢ, by entry of CellLaws::relaxation; the first one is that of
+/// the body. 1 without pairs.
+std::vector<double> instant_factors(const Model& model, double dt);
 
 /// Before the nodes move: Hᵢ ← aᵢ Hᵢ − wᵢ S_old, and the first entry of the history holds the sum over the
 /// pairs.

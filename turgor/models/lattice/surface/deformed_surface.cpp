@@ -7,52 +7,46 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
+#include "turgor/models/lattice/surface/surface_plan.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // vertices per task
+using detail::SurfacePlan;
+using detail::VertexCorners;
 
-/// Calls see(vertex, corner, weight) for the corners that the vertices [begin, end) are interpolated from.
-template <class See>
-void for_corners(const Model& model, const BodySurface& surface, std::size_t begin, std::size_t end,
-                 const See& see) {
-  const Vec3 h = model.anatomy.lattice.spacing;
-  for (std::size_t v = begin; v < end; v++) {
-    const EmbeddingCell& embedding = surface.embedding[v];
-    const auto corners = corners_of(model, *surface.fragments, embedding.cell, embedding.fragment);
-    const Vec3 at = surface.rest[v];
-    const auto weight = trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} -
-                                  Vec3(slot_node(model.anatomy.lattice, embedding.cell)));
-    for (std::size_t c = 0; c < 8; c++)
-      if (weight[c] != 0) see(v, corners[c], weight[c]);
-  }
-}
-/// Table of all corners, initialized to -1.
-std::vector<int> corner_table(const Model& model, const BodySurface& surface) {
-  return std::vector<int>(
-      std::size_t(slot_count(model.anatomy.lattice)) + surface.fragments->virtual_nodes.size(), -1);
+constexpr std::size_t kGrain = 4096;  // vertices, corners or triangles per task
+
+/// Plan of a surface that has none.
+std::shared_ptr<const SurfacePlan> plan_of(const Exec& exec, const Model& model, const Cuts& cuts,
+                                           const BodySurface& surface) {
+  return surface.plan ? surface.plan : detail::make_surface_plan(exec, model, cuts, surface);
 }
 
-/// Displacement of every vertex, lattice frame [m]. Each thread evaluates each of its corners once.
+/// Displacement of every vertex, lattice frame [m].
 std::vector<Vec3> displacements(const Exec& exec, const Model& model, const State& state,
-                                const BodySurface& surface) {
-  TURGOR_CHECK(surface.embedding.size() == surface.rest.size(), "every vertex is embedded in a cell");
+                                const BodySurface& surface, const SurfacePlan& plan) {
+  TURGOR_CHECK(plan.of_vertex.size() == surface.rest.size(), "the plan is that of the surface");
+  // corners
+  std::vector<Vec3> corner_u(plan.corners.size());
+  const auto move_corner = [&](std::size_t c) {
+    const auto begin = std::size_t(plan.term_begin[c]), end = std::size_t(plan.term_begin[c + 1]);
+    corner_u[c] = begin < end
+                      ? mean_of_terms(std::span(plan.terms).subspan(begin, end - begin), state.motion.u)
+                      : corner_displacement(model, state, *surface.fragments, plan.corners[c]);
+  };
+  parallel_for(exec, corner_u.size(), move_corner, kGrain);
+  // vertices
   std::vector<Vec3> result(surface.rest.size());
-  const auto grain = std::max(kGrain, result.size() / std::size_t(exec.threads()) + 1);
-  exec.run_ranges(result.size(), grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<int> index_of_corner = corner_table(model, surface);
-    std::vector<Vec3> corner_u;
-    for_corners(model, surface, begin, end, [&](std::size_t v, int corner, Real weight) {
-      int& index = index_of_corner[std::size_t(corner)];
-      if (index < 0) {
-        index = int(corner_u.size());
-        corner_u.push_back(corner_displacement(model, state, *surface.fragments, corner));
-      }
-      result[v] += corner_u[std::size_t(index)] * weight;
-    });
-  });
+  const auto move_vertex = [&](std::size_t v) {
+    const VertexCorners& vertex = plan.of_vertex[v];
+    Vec3 sum;
+    for (std::size_t c = 0; c < 8; c++)
+      if (vertex.weight[c] != 0) sum += corner_u[std::size_t(vertex.index[c])] * vertex.weight[c];
+    result[v] = sum;
+  };
+  parallel_for(exec, result.size(), move_vertex, kGrain);
   return result;
 }
 
@@ -162,27 +156,34 @@ std::vector<Vec3> area_vectors(const Exec& exec, const BodySurface& surface, con
 
 /// Sum of the area vectors around each vertex. Slivers next to a lip may be inverted by rounding. A vertex
 /// with hardly any other triangles adds the sums of its neighbors.
-std::vector<Vec3> area_around(const BodySurface& surface, const std::vector<Vec3>& areas, Real step) {
+std::vector<Vec3> area_around(const Exec& exec, const BodySurface& surface, const SurfacePlan& plan,
+                              const std::vector<Vec3>& areas, Real step) {
   const Real sliver = Real(0.04) * step * step;
   std::vector<Vec3> own(surface.rest.size());
-  for (std::size_t t = 0; t < areas.size(); t++)
-    for (int corner = 0; corner < 3; corner++) own[std::size_t(surface.triangles[t][corner])] += areas[t];
-  std::vector<std::uint8_t> is_sliver(own.size());
-  for (std::size_t v = 0; v < own.size(); v++) is_sliver[v] = norm(own[v]) < sliver;
+  const auto add_triangles = [&](std::size_t v) {
+    Vec3 sum;
+    for (const int at : plan.triangles_of(v)) sum += areas[std::size_t(at / 3)];
+    own[v] = sum;
+  };
+  parallel_for(exec, own.size(), add_triangles, kGrain);
   std::vector<Vec3> sums = own;
-  for (const Int3 t : surface.triangles)
-    for (int corner = 0; corner < 3; corner++)
-      if (const auto v = std::size_t(t[corner]); is_sliver[v])
-        sums[v] += own[std::size_t(t[(corner + 1) % 3])] + own[std::size_t(t[(corner + 2) % 3])];
+  const auto add_neighbors = [&](std::size_t v) {
+    if (!(norm(own[v]) < sliver)) return;
+    for (const int at : plan.triangles_of(v)) {
+      const Int3 t = surface.triangles[std::size_t(at / 3)];
+      sums[v] += own[std::size_t(t[(at + 1) % 3])] + own[std::size_t(t[(at + 2) % 3])];
+    }
+  };
+  parallel_for(exec, own.size(), add_neighbors, kGrain);
   return sums;
 }
 
 /// Area-weighted vertex normals. The two lips of an almost closed cut share theirs, so that the cut is
 /// invisible.
-std::vector<Vec3> smooth_normals(const Exec& exec, const BodySurface& surface, const std::vector<Vec3>& x,
-                                 const std::vector<Vec3>& areas, Real step) {
+std::vector<Vec3> smooth_normals(const Exec& exec, const BodySurface& surface, const SurfacePlan& plan,
+                                 const std::vector<Vec3>& x, const std::vector<Vec3>& areas, Real step) {
   TURGOR_CHECK(surface.twin.size() == x.size() && step > 0, "every vertex has a twin or a mark");
-  const std::vector<Vec3> sums = area_around(surface, areas, step);
+  const std::vector<Vec3> sums = area_around(exec, surface, plan, areas, step);
   std::vector<Vec3> normals = sums;
   const auto smooth = [&](std::size_t v) {
     if (surface.twin[v] >= 0) {
@@ -197,23 +198,21 @@ std::vector<Vec3> smooth_normals(const Exec& exec, const BodySurface& surface, c
 
 /// Area ratio A / A_CT − 1 of the skin around each vertex. Triangles opened by a cut have no rest area and
 /// are left out.
-std::vector<float> stretches(const BodySurface& surface, const std::vector<Vec3>& areas, Real step) {
-  TURGOR_CHECK(std::size_t(surface.skin_triangles) <= surface.triangles.size(), "the skin is listed first");
-  // sum areas of the triangles around each vertex
-  std::vector<float> now(surface.rest.size()), rest(surface.rest.size());
-  for (int n = 0; n < surface.skin_triangles; n++) {
-    const Int3 t = surface.triangles[std::size_t(n)];
-    const float area_rest = norm(area_vector(surface.rest, t)), area_now = norm(areas[std::size_t(n)]);
-    // skip degenerate triangles
-    if (area_rest < 1e-5f * step * step) continue;
-    for (int corner = 0; corner < 3; corner++) {
-      rest[std::size_t(t[corner])] += area_rest;
-      now[std::size_t(t[corner])] += area_now;
-    }
-  }
-  // relative change of area
-  for (std::size_t v = 0; v < now.size(); v++) now[v] = rest[v] > 0 ? now[v] / rest[v] - 1 : 0;
-  return now;
+std::vector<float> stretches(const Exec& exec, const BodySurface& surface, const SurfacePlan& plan,
+                             const std::vector<Vec3>& areas) {
+  const auto skin = std::size_t(surface.skin_triangles);
+  TURGOR_CHECK(plan.rest_area.size() == skin && skin <= areas.size(), "the skin is listed first");
+  std::vector<float> area(skin), ratio(surface.rest.size());
+  parallel_for(
+      exec, skin, [&](std::size_t t) { area[t] = norm(areas[t]); }, kGrain);
+  const auto sum_areas = [&](std::size_t v) {
+    float now = 0;
+    for (const int at : plan.triangles_of(v))
+      if (const auto t = std::size_t(at / 3); t < skin && plan.rest_area[t] > 0) now += area[t];
+    ratio[v] = plan.rest_around[v] > 0 ? now / plan.rest_around[v] - 1 : 0;
+  };
+  parallel_for(exec, ratio.size(), sum_areas, kGrain);
+  return ratio;
 }
 
 }  // namespace
@@ -221,13 +220,10 @@ std::vector<float> stretches(const BodySurface& surface, const std::vector<Vec3>
 std::vector<int> support_nodes(const Model& model, const Cuts& cuts,
                                std::span<const VirtualNodeDisplacement> virtual_u,
                                const BodySurface& surface) {
-  std::vector<int> index_of_corner = corner_table(model, surface), nodes;
-  for_corners(model, surface, 0, surface.rest.size(), [&](std::size_t, int corner, Real) {
-    if (int& seen = index_of_corner[std::size_t(corner)]; seen < 0) {
-      seen = 1;
-      add_support_nodes(model, cuts, virtual_u, *surface.fragments, corner, nodes);
-    }
-  });
+  const std::shared_ptr<const SurfacePlan> plan = plan_of(Exec(1), model, cuts, surface);
+  std::vector<int> nodes;
+  for (const int corner : plan->corners)
+    add_support_nodes(model, cuts, virtual_u, *surface.fragments, corner, nodes);
   sort_unique(nodes);
   return nodes;
 }
@@ -235,9 +231,11 @@ std::vector<int> support_nodes(const Model& model, const Cuts& cuts,
 TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown,
                          const Exec& exec) {
   // displaced vertices
-  const std::vector<Vec3> u = displacements(exec, model, state, surface);
+  const std::shared_ptr<const SurfacePlan> plan = plan_of(exec, model, state.cuts, surface);
+  const std::vector<Vec3> u = displacements(exec, model, state, surface, *plan);
   std::vector<Vec3> x(u.size());
-  for (std::size_t v = 0; v < x.size(); v++) x[v] = surface.rest[v] + u[v];
+  parallel_for(
+      exec, x.size(), [&](std::size_t v) { x[v] = surface.rest[v] + u[v]; }, kGrain);
 
   // normals and scalars
   const Real step = std::min(
@@ -246,9 +244,9 @@ TriMesh deformed_surface(const Model& model, const State& state, const BodySurfa
   const std::vector<Vec3> areas = area_vectors(exec, surface, x);
   TriMesh mesh{.vertices = {},
                .triangles = surface.triangles,
-               .normals = smooth_normals(exec, surface, x, areas, step),
+               .normals = smooth_normals(exec, surface, *plan, x, areas, step),
                .scalars = {}};
-  if (shown == Shown::kStretch) mesh.scalars = stretches(surface, areas, step);
+  if (shown == Shown::kStretch) mesh.scalars = stretches(exec, surface, *plan, areas);
   if (shown == Shown::kDisplacement)
     for (const Vec3 d : u) mesh.scalars.push_back(norm(d));
 

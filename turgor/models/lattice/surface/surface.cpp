@@ -7,6 +7,7 @@
 #include "turgor/models/lattice/surface/ct_level_set.hpp"
 #include "turgor/models/lattice/surface/surface_assembly.hpp"
 #include "turgor/models/lattice/surface/surface_cache.hpp"
+#include "turgor/models/lattice/surface/surface_plan.hpp"
 #include "turgor/models/lattice/surface/tet_points.hpp"
 
 namespace turgor::lattice {
@@ -301,6 +302,8 @@ BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* 
     surface = detail::assemble_surface(input, builder.output.points);
   }
   surface.fragments = fragments;
+  if (extent == Extent::kAll)
+    surface.plan = detail::make_surface_plan(exec, model, cuts, surface, cache ? &cache->terms : nullptr);
   return surface;
 }
 

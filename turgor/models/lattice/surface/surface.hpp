@@ -18,6 +18,11 @@ struct EmbeddingCell {
   int fragment = -1;
 };
 
+namespace detail {
+struct SurfaceCache;  // meshed cells of a body (surface_cache.hpp)
+struct SurfacePlan;   // what the deformation needs of a surface (surface_plan.hpp)
+}  // namespace detail
+
 /// Pair of vertices that coincided at rest where a blade crossed the skin.
 struct Lip {
   int left = 0, right = 0;    // vertices on the blade's left and right side
@@ -34,17 +39,13 @@ struct BodySurface {
   std::vector<Int3> triangles;  // skin with caps last, then walls
   int skin_triangles = 0;
   std::shared_ptr<const Fragments> fragments;  // in which the vertices are embedded; null: no surface yet
+  std::shared_ptr<const detail::SurfacePlan> plan;  // of a whole surface, for deformed_surface; or null
 };
 
 /// Scalar shown on the skin.
 enum class Shown : std::uint8_t { kNothing, kDisplacement, kStretch };
 /// Extent of the surface: all of it, or only cells near cuts.
 enum class Extent : std::uint8_t { kAll, kCuts };
-
-/// Meshed cells of a body (surface_cache.hpp).
-namespace detail {
-struct SurfaceCache;
-}
 
 /// Builds the rest surface for these cuts and removed nodes; rebuild it when they change. `ct` is the
 /// CT that the body was built from. Without it, the surface is that of the nodes' values. `cache` comes from

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "turgor/models/lattice/surface/surface_assembly.hpp"
+#include "turgor/models/lattice/surface/surface_plan.hpp"
 
 namespace turgor::lattice::detail {
 
@@ -26,6 +27,7 @@ struct SurfaceCache {
   std::uint64_t removed = 0;  // hash of the removed nodes
   UncutSurface uncut;
   std::vector<MeshedCell> near;  // cells near blades and their neighbors, by ascending cell
+  KeptTerms terms;
 };
 
 /// Surface without fragments for the present cuts. Brings the cache up to date.

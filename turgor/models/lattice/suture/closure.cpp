@@ -56,6 +56,7 @@ void update_stitch(const Model& model, const Motion& motion, const Thread& threa
   }
   // springs
   const bool is_taut = stitch.tension > 0;
+  springs[0].coupling.stiffness = is_taut ? Real(penalty) : 0;
   for (std::size_t p = 0; p < count; p++) {
     const Vec3d g = loop.pull_across(p);
     PointSpring& spring = springs[p];
@@ -86,6 +87,7 @@ void update_wall(const Model& model, const Motion& motion, WallPair& pair, std::
   springs[0].target = displacement(pair.at.left, motion);
   springs[1].target = displacement(pair.at.right, motion);
   springs[0].stiffness = springs[1].stiffness = stiffness;
+  springs[0].coupling.stiffness = pair.force > 0 ? Real(penalty) : 0;
 }
 
 /// Pulls one stitch; `elapsed`: time since the start of the pull [s].
@@ -107,11 +109,27 @@ void pull_stitch(const Motion& motion, const Pull& pull, double elapsed, const T
     return;
   }
   // tension
-  stitch.tension = pull.tension * std::min(1.0, share);
+  stitch.tension = pull.from + (pull.tension - pull.from) * std::min(1.0, share);
   if (share < 1) return;
   stitch.length = loop_length(stitch, motion) / (1 + stitch.tension / thread.stiffness);
   stitch.multiplier = stitch.tension;
   stitch.phase = StitchPhase::kKnotted;
+}
+
+/// Strands between positions of the points of a stitch.
+Loop loop_through(const Stitch& stitch, std::span<const Vec3d> x) {
+  constexpr double kShortest = 1e-9;  // [m]
+  const std::size_t count = stitch.rest.size();
+  Loop loop{std::vector<Vec3d>(count), std::vector<double>(count), std::vector<char>(count)};
+  for (std::size_t p = 0; p + (stitch.is_open ? 1 : 0) < count; p++) {
+    const std::size_t next = (p + 1) % count;
+    const Vec3d d = x[next] - x[p];
+    loop.is_bite[p] = stitch.keeps_bites && stitch.side[p] == stitch.side[next];
+    loop.length[p] =
+        loop.is_bite[p] ? norm(stitch.rest[next] - stitch.rest[p]) : std::max(norm(d), kShortest);
+    loop.direction[p] = d / std::max(norm(d), kShortest);
+  }
+  return loop;
 }
 
 bool is_active(const WoundClosure& closure) {
@@ -128,20 +146,10 @@ std::vector<Vec3d> points_now(const Stitch& stitch, const Motion& motion) {
 }
 
 Loop loop_of(const Stitch& stitch, const Motion& motion) {
-  constexpr double kShortest = 1e-9;  // [m]
-  const std::size_t count = stitch.rest.size();
-  const std::vector<Vec3d> x = points_now(stitch, motion);
-  Loop loop{std::vector<Vec3d>(count), std::vector<double>(count), std::vector<char>(count)};
-  for (std::size_t p = 0; p + (stitch.is_open ? 1 : 0) < count; p++) {
-    const std::size_t next = (p + 1) % count;
-    const Vec3d d = x[next] - x[p];
-    loop.is_bite[p] = stitch.keeps_bites && stitch.side[p] == stitch.side[next];
-    loop.length[p] =
-        loop.is_bite[p] ? norm(stitch.rest[next] - stitch.rest[p]) : std::max(norm(d), kShortest);
-    loop.direction[p] = d / std::max(norm(d), kShortest);
-  }
-  return loop;
+  return loop_through(stitch, points_now(stitch, motion));
 }
+
+Loop rest_loop_of(const Stitch& stitch) { return loop_through(stitch, stitch.rest); }
 
 double penalty_of(const Model& model, const Thread& thread, const Stitch& stitch) {
   return std::min(penalty_at(model, stitch.at[0]), thread.stiffness / stitch.length);
@@ -156,6 +164,15 @@ void pull_stitches(const Motion& motion, const Pull& pull, double time, WoundClo
     }
     if (stitch.phase == StitchPhase::kPulled)
       pull_stitch(motion, pull, time - pull.start, closure.thread, stitch);
+  }
+}
+
+void untie_stitches(const Motion& motion, WoundClosure& closure) {
+  closure.settled = false;
+  for (Stitch& stitch : closure.stitches) {
+    if (!bears(stitch.phase)) continue;
+    stitch.phase = StitchPhase::kPulled;
+    stitch.length = 0, stitch.before = loop_length(stitch, motion);
   }
 }
 
@@ -204,11 +221,20 @@ std::size_t spring_count(const WoundClosure& closure) {
 
 void append_springs(const WoundClosure& closure, std::vector<PointSpring>& springs) {
   if (!is_active(closure)) return;
-  for (const Stitch& stitch : closure.stitches)
-    if (bears(stitch.phase))
-      for (const EmbeddedPoint& point : stitch.at) springs.push_back({.at = point});
-  for (const WallPair& pair : closure.walls)
-    if (pair.at.parted) springs.insert(springs.end(), {{.at = pair.at.left}, {.at = pair.at.right}});
+  for (const Stitch& stitch : closure.stitches) {
+    if (!bears(stitch.phase)) continue;
+    const Loop loop = rest_loop_of(stitch);
+    for (std::size_t p = 0; p < stitch.at.size(); p++)
+      springs.push_back({.at = stitch.at[p],
+                         .coupling = {.direction = Vec3(loop.pull_across(p)),
+                                      .count = p == 0 ? int(stitch.at.size()) : 0}});
+  }
+  for (const WallPair& pair : closure.walls) {
+    if (!pair.at.parted) continue;
+    const Vec3 n(pair.normal);
+    springs.push_back({.at = pair.at.left, .coupling = {.direction = -n, .count = 2}});
+    springs.push_back({.at = pair.at.right, .coupling = {.direction = n}});
+  }
 }
 
 void update_springs(const Model& model, const Motion& motion, WoundClosure& closure,

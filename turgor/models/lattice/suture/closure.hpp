@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -72,6 +74,7 @@ struct WallPair {
 /// Pulling of the stitches until they are knotted.
 struct Pull {
   bool until_closed = true;  // until the lips meet under the stitch; otherwise with a tension
+  double from = 0;           // tension at the start of a pull to `tension` [N]
   double tension = 0;        // at the end of the pull [N]
   double start = 0;          // [s]
   double duration = 0.5;     // of a pull to `tension`, or to the length of the loop in the CT [s]
@@ -100,11 +103,17 @@ struct WoundClosure {
 /// Lays stitches across a wound that was cut along a path. Errors: a point of a stitch is in air.
 Result<WoundClosure> lay_stitches(const Model& model, const Cuts& cuts, const BladePath& path,
                                   const StitchLayout& layout);
+/// Distance of the middle of points, lattice frame, from the line of a wound [m]. Empty: no two of them lie
+/// on different sides of it.
+std::optional<double> distance_to_wound(const BladePath& path, std::span<const Vec3d> points);
 /// Embeds all points again after a cut. Returns false if a point of a stitch lost its tissue.
 bool embed_closure(const Model& model, const Cuts& cuts, WoundClosure& closure);
 
 /// Pulls stitches and ties knots, before the step that ends at a time [s].
 void pull_stitches(const Motion& motion, const Pull& pull, double time, WoundClosure& closure);
+
+/// Opens the knots of the stitches that bear, for another pull. Their tensions stay until it starts.
+void untie_stitches(const Motion& motion, WoundClosure& closure);
 
 /// Length of the loop at the present positions, and in the CT with the lips together [m]. Bites that keep
 /// their length have that of the CT.

@@ -5,6 +5,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/number_text.hpp"
+#include "turgor/models/lattice/cutting/ct_skin.hpp"
 #include "turgor/models/lattice/cutting/drawn_curve.hpp"
 #include "turgor/models/lattice/cutting/embed_point.hpp"
 #include "turgor/models/lattice/cutting/rim.hpp"
@@ -196,10 +197,14 @@ std::string point_text(const Model& model, Vec3d point) {
   return "[" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + "] m";
 }
 
-/// Positions whose tissue carries the points of a stitch: middles of bites that move as one.
-std::vector<Vec3d> embedded_points(const Stitch& stitch) {
+/// Positions whose tissue carries the points of a stitch. A bite moves as one: with its middle or, in partial
+/// cells, with the skin at its upper end. Skin lies in these cells, not in their nodes. The tissue below it
+/// is so soft that it would follow the thread without the skin.
+std::vector<Vec3d> embedded_points(const Model& model, const Stitch& stitch) {
   if (!stitch.keeps_bites) return stitch.rest;
-  const Vec3d left = bite_middle(stitch, 0), right = bite_middle(stitch, 2);
+  const bool by_skin = !model.anatomy.skin.patches.empty();
+  const Vec3d left = by_skin ? stitch.rest[0] : bite_middle(stitch, 0),
+              right = by_skin ? stitch.rest[3] : bite_middle(stitch, 2);
   std::vector<Vec3d> points{left, left, right, right};
   // a running thread goes on to a bite of another stitch, below the skin
   if (stitch.is_open) points.push_back(stitch.rest.back() + left - stitch.rest.front());
@@ -214,13 +219,21 @@ double shortest_loop(const Stitch& stitch, double retraction, double bite) {
   return stitch.keeps_bites ? rest - 4 * bite * (retraction + kStretch) : kShare * rest;
 }
 
+/// Path of a wound on the skin that bears.
+BladePath on_skin(const Model& model, BladePath path) {
+  if (model.anatomy.skin.patches.empty() || path.is_excision) return path;
+  const std::vector<double> heights = patch_heights(model, path.points, path.inward);
+  for (std::size_t n = 0; n < path.points.size(); n++) path.points[n] -= path.inward[n] * heights[n];
+  return path;
+}
+
 /// Embeds all points. Returns the first point of a stitch that is not in tissue.
 std::optional<Vec3d> embed(const Model& model, const Cuts& cuts, WoundClosure& closure) {
   const auto fragments = fragments_of(model, cuts);
   std::optional<Vec3d> missed;
   for (Stitch& stitch : closure.stitches) {
     stitch.at.clear();
-    for (const Vec3d p : embedded_points(stitch)) {
+    for (const Vec3d p : embedded_points(model, stitch)) {
       const auto point = embed_point(model, cuts, *fragments, p);
       if (!point && !missed) missed = p;
       stitch.at.push_back(point.value_or(EmbeddedPoint{}));
@@ -244,7 +257,8 @@ Result<WoundClosure> lay_stitches(const Model& model, const Cuts& cuts, const Bl
                                   const StitchLayout& layout) {
   TURGOR_ASSERT(layout.spacing > 0 && layout.bite > 0, "stitches have a distance and a bite");
   WoundClosure closure;
-  const WoundLine wound(path);
+  const BladePath laid = on_skin(model, path);
+  const WoundLine wound(laid);
   closure.stitches = stitches_of(wound, layout);
   closure.walls = walls_of(model, wound), closure.is_running = layout.is_running;
   add_rims(model, layout, closure);
@@ -253,6 +267,18 @@ Result<WoundClosure> lay_stitches(const Model& model, const Cuts& cuts, const Bl
   if (const auto missed = embed(model, cuts, closure))
     return Error{"a stitch passes through air at " + point_text(model, *missed)};
   return closure;
+}
+
+std::optional<double> distance_to_wound(const BladePath& path, std::span<const Vec3d> points) {
+  TURGOR_ASSERT(!points.empty(), "a stitch has points");
+  Vec3d middle;
+  for (const Vec3d p : points) middle += p / double(points.size());
+  const WoundLine wound(path);
+  const Stitch stitch =
+      stitch_at(wound, nearest_along(wound, middle), std::vector<Vec3d>(points.begin(), points.end()));
+  if (std::count(stitch.side.begin(), stitch.side.end(), stitch.side[0]) == std::ptrdiff_t(points.size()))
+    return std::nullopt;
+  return norm(middle - stitch.middle);
 }
 
 bool embed_closure(const Model& model, const Cuts& cuts, WoundClosure& closure) {

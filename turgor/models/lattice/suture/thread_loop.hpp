@@ -30,6 +30,8 @@ struct Loop {
 /// Positions of the points of a stitch, lattice frame [m].
 std::vector<Vec3d> points_now(const Stitch& stitch, const Motion& motion);
 Loop loop_of(const Stitch& stitch, const Motion& motion);
+/// The same with the points in the CT.
+Loop rest_loop_of(const Stitch& stitch);
 /// Penalty stiffness of a stitch, at most that of the thread and about that of the tissue around it [N/m].
 double penalty_of(const Model& model, const Thread& thread, const Stitch& stitch);
 

@@ -20,10 +20,11 @@ struct ClothLoad {
   int next_axis = 0;  // axis whose compliance is measured next
 };
 
-/// Forces of all cloth on a body in a frame.
+/// Forces of all cloth on a body in a frame, and of attachments and bodies on a lattice or chains.
 struct ClothForces {
   std::vector<contact::VertexForce> force;  // on its vertices, unordered
   double mass = 0;                          // of all cloth in contact with it [kg]
+  double stiffness = 0;  // of attachments and touching bodies that push back when it yields [N/m]
 };
 
 /// Relaxes the load toward the forces of the latest frame.

@@ -1,6 +1,8 @@
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -48,6 +50,16 @@ std::vector<Vec3> surface_positions(const Exec& exec, SfemBody& body, ClothSuppo
 std::vector<Vec3> surface_positions(const Exec&, RhombusBody& body, ClothSupport& support) {
   if (support.carrier.empty()) use_vertices(body.model.surface.triangles, support);
   return displaced(support, body.model.surface.vertices, body.state.displacement);
+}
+
+/// A rigid body is at the end of the frame already.
+std::vector<Vec3> surface_positions(const Exec&, RigidBody& body, ClothSupport& support) {
+  if (support.carrier.empty()) use_vertices(body.model.triangles, support);
+  const Pose pose = rigid::pose_of(body.model, body.next);
+  std::vector<Vec3> positions;
+  for (const int v : support.carrier)
+    positions.push_back(Vec3(to_world(pose, body.model.vertices[std::size_t(v)])));
+  return positions;
 }
 
 /// Bodies that tools can touch can support cloth.
@@ -99,7 +111,31 @@ ClothForces cloth_forces_on(const World& world, BodyId body) {
     }
     if (touches) forces.mass += cloth.model.total_mass;
   }
+  for (const CoupledSupport& support : world.coupling.supports) {
+    if (support.body != body) continue;
+    forces.force.insert(forces.force.end(), support.force.begin(), support.force.end());
+    forces.stiffness += support.stiffness;
+  }
   return forces;
+}
+
+/// Bound of the mean displacement of the loaded nodes per force: that of a half space under a disk of their
+/// area, 0.4/(E a), and the motion of the whole body by its inertia [m/N].
+static double elastic_compliance(const LatticeBody& body, const ClothLoad& load, double dt) {
+  constexpr double kBound = 2;  // layers of little stiffness below the skin
+  const lattice::Anatomy& anatomy = body.model.anatomy;
+  const Vec3d h(anatomy.lattice.spacing);
+  // softest loaded cell
+  double young = HUGE_VAL, mass = 0;
+  for (const auto& [slot, f] : load.force)
+    if (std::size_t(slot) < anatomy.cell_young.size())
+      if (const double e = double(anatomy.cell_young[std::size_t(slot)]); e > 0) young = std::min(young, e);
+  if (!std::isfinite(young)) young = body.model.params.tissue.fat;
+  for (const Real w : anatomy.inverse_mass)
+    if (w > 0) mass += 1 / double(w);
+  const double area = double(load.force.size()) * std::cbrt(h.x * h.y * h.z) * std::cbrt(h.x * h.y * h.z);
+  const double radius = std::sqrt(area / std::numbers::pi);
+  return kBound * (0.4 / (young * radius) + (mass > 0 ? dt * dt / mass : 0));
 }
 
 /// Compliance of a lattice. A node accelerated by a force f moves by at most w f h², since its neighbors
@@ -119,8 +155,11 @@ void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, doubl
     largest = std::max(largest, norm(f) * double(body.model.anatomy.inverse_mass[std::size_t(slot)]));
   const double sum = sum_of_norms(load), compliance = sum > 0 ? largest * dt * dt / sum : 0;
   load.compliance = {compliance, compliance, compliance};
-  // relaxation for the cloth's mass
-  choose_relaxation(forces.mass, dt, load);
+  // relaxation for the cloth's mass, and for the stiffness of touching bodies as a mass of that inertia
+  double mass = forces.mass;
+  if (forces.stiffness > 0 && compliance > 0)
+    mass += forces.stiffness * dt * dt * std::min(1.0, elastic_compliance(body, load, dt) / compliance);
+  choose_relaxation(mass, dt, load);
 }
 
 }  // namespace turgor

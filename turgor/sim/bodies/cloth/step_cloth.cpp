@@ -85,6 +85,7 @@ double compliance_of(const World& world, BodyId id) {
     return largest(world.lattice_bodies[std::size_t(id.index)].cloth.compliance);
   if (id.kind == BodyKind::kRhombus)
     return largest(world.rhombus_bodies[std::size_t(id.index)].cloth.compliance);
+  if (id.kind == BodyKind::kRigid) return largest(world.rigid_bodies[std::size_t(id.index)].cloth.compliance);
   if (id.kind != BodyKind::kSfem) return 0;
   const SfemBody& body = world.sfem_bodies[std::size_t(id.index)];
   return body.press ? largest(body.press->load.compliance) : 0;

@@ -14,6 +14,7 @@
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface/surface_cache.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
+#include "turgor/sim/bodies/lattice/needle_lattice.hpp"
 #include "turgor/sim/frame.hpp"
 #include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/loading.hpp"
@@ -51,6 +52,8 @@ struct LatticeBody : FrameTouchedBody {
   std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two arrays below
   std::vector<contact::ToolPose> poses;
   std::vector<contact::ToolForce> forces;
+  NeedleLayers layers;
+  std::vector<contact::LatticeNeedle> needles;  // one for each tool; unused for other tools, empty without
 };
 
 /// Voxels per lattice spacing: as given, or rounded from the given spacing.

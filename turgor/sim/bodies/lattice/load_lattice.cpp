@@ -75,9 +75,8 @@ Result<lattice::Model> build_model(const Exec& exec, const LatticeScene& scene, 
                                    const CtVolume& ct, const ReadFields& fields) {
   lattice::Params params = scene.params;
   params.block = block;
-  const bool stiffness_by_label = fields.labels && !params.tissue.young_of_label.empty();
   Result<lattice::BodyNodes> nodes =
-      lattice::classify(exec, ct, stiffness_by_label ? &*fields.labels : nullptr, params);
+      lattice::classify(exec, ct, fields.labels ? &*fields.labels : nullptr, params);
   if (!nodes) return nodes.error();
   if (scene.held)
     if (const Status held = fix_nodes(*scene.held, *nodes); !held) return held.error();
@@ -95,6 +94,21 @@ std::string note_on_block(const LatticeScene& scene, Int3 block, const lattice::
       "block = [{}, {}, {}] voxels makes a lattice of {:.2g} mm and {} nodes on this CT, which is fine: "
       "spacing = 0.004 (in meters, instead of block) suits every CT",
       block.x, block.y, block.z, 1e3 * finest, model.anatomy.body_nodes);
+}
+
+/// Notes on regions that contain no tissue of the body.
+void note_empty_regions(const lattice::Model& model, std::vector<std::string>& notes) {
+  const std::vector<lattice::TissueLayer>& layers = model.params.tissue.layers;
+  for (std::size_t n = 0; n < layers.size(); n++) {
+    const auto is_of_layer = [n](const lattice::RegionShare& share) { return share.layer == int(n); };
+    const auto& regions = model.anatomy.regions;
+    if (!is_region(layers[n]) || std::any_of(regions.begin(), regions.end(), is_of_layer)) continue;
+    notes.push_back(
+        layers[n].label > 0
+            ? fmt::format("layer {} is empty: no voxel has the label {}", layers[n].name, layers[n].label)
+            : fmt::format("layer {} is empty: no voxel has a CT value from {} to {} HU", layers[n].name,
+                          (*layers[n].hu)[0], (*layers[n].hu)[1]));
+  }
 }
 
 /// Body without tools, on the host.
@@ -115,6 +129,12 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   if (!fields) return fields.error();
   const Int3 block = block_of(scene, body.ct.grid);
 
+  // tissues with a resistance of their own to needles
+  body.layers.layers = scene.inside;
+  const bool has_label = std::any_of(scene.inside.begin(), scene.inside.end(),
+                                     [](const NeedleLayerScene& layer) { return layer.label > 0; });
+  if (has_label && fields->labels) body.layers.labels = *fields->labels;
+
   // crop to one label
   if (scene.only > 0) {
     const Int3 margin{2 * block.x, 2 * block.y, 2 * block.z};  // air around the surface
@@ -131,6 +151,7 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   body.model = std::move(*model);
   if (std::string note = note_on_block(scene, block, body.model); !note.empty())
     body.notes.push_back(std::move(note));
+  note_empty_regions(body.model, body.notes);
   lattice::State state = lattice::make_state(body.model);
   if (scene.stiffness_scale != 1) lattice::scale_stiffness(scene.stiffness_scale, body.model, state);
   body.stiffness_scale = scene.stiffness_scale;

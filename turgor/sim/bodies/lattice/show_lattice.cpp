@@ -68,7 +68,7 @@ void show(const Exec& exec, const LatticeBody& body, BodySnapshot& out) {
         return lattice::deformed_surface(body.model, state, skin.surface, lattice::Shown::kStretch, exec);
       });
 
-  // arrays of the snapshot
+  // arrays of the snapshot, which keep their memory
   out.x = now.vertices, out.normals = now.normals;
   out.stretch = now.scalars, out.triangles = now.triangles;
   out.wall_begin = std::size_t(skin.surface.skin_triangles);

@@ -22,11 +22,11 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
   if (body.tools.empty()) return body.state.step(exec, body.model, inputs, to - from);
 
   TURGOR_CHECK(to > from, "a frame has a positive length");
-  // surface and tools at the start
+  // tools, and the surface where it may be touched
   const Timer timer;
-  refresh_surface(exec, body);
   teleport_tools(body, tools, from);
   const int substeps = substep_count(body, tools, from, to);
+  if (substeps > 1 || needs_surface(body)) refresh_surface(exec, body);
   lattice::StepReport report;
 
   // substeps, so that no tool moves too far
@@ -34,14 +34,19 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
     // contacts at the tools' present poses
     set_poses(body, tools, from + (to - from) * substep / substeps);
     const double dt = (to - from) / substeps;
-    inputs.contacts = find_tool_contacts(body, dt);
+    find_tool_contacts(body, dt, inputs);
 
     // step and forces
     const Real fastest = report.largest_speed;
-    report = body.state.step(exec, body.model, inputs, dt);
+    lattice::Inputs with_needles = inputs;
+    NeedleSprings needles(body, inputs.springs);
+    with_needles.springs = needles.input();
+    report = body.state.step(exec, body.model, with_needles, dt);
+    needles.finish(report.finite);
     report.largest_speed = std::max(report.largest_speed, fastest);
     read_tool_forces(body);
   }
+  measure_targets(body);
   if (report.finite) note_passed_tools(body, tools, to);
   record_step(body, tools, to, timer.seconds());
   return report;

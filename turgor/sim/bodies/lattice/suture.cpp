@@ -15,10 +15,7 @@ namespace {
 lattice::StitchLayout layout_of(const SutureScene& scene, const lattice::Model& model) {
   lattice::StitchLayout layout{
       .spacing = scene.spacing, .bite = scene.bite, .depth = scene.depth, .is_running = scene.is_running};
-  const Mat3d to_lattice = inverse(model.anatomy.grid.axes);
-  std::vector<Vec3d> points;
-  for (const Vec3d p : scene.through) points.push_back(to_lattice * (p - model.anatomy.grid.origin));
-  if (!points.empty()) layout.through.push_back(std::move(points));
+  if (!scene.through.empty()) layout.through.push_back(points_of_stitch(scene, model));
   return layout;
 }
 
@@ -61,14 +58,36 @@ void add_tube(Vec3d from, Vec3d to, double radius, TriMesh& mesh) {
   }
 }
 
-}  // namespace
-
-Result<Suture> load_suture(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
-                           std::span<const Suture> others) {
+/// Suture that is not laid yet. Only the first one of a wound has the contact of its walls.
+Suture new_suture(const SutureScene& scene, std::span<const Suture> others) {
   Suture suture{.scene = scene};
   suture.has_walls = std::none_of(others.begin(), others.end(), [&](const Suture& other) {
     return other.scene.incision == scene.incision;
   });
+  return suture;
+}
+
+}  // namespace
+
+std::vector<Vec3d> points_of_stitch(const SutureScene& scene, const lattice::Model& model) {
+  const Mat3d to_lattice = inverse(model.anatomy.grid.axes);
+  std::vector<Vec3d> points;
+  for (const Vec3d p : scene.through) points.push_back(to_lattice * (p - model.anatomy.grid.origin));
+  return points;
+}
+
+Result<Suture> suture_of_wound(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
+                               std::span<const Suture> others) {
+  TURGOR_ASSERT(cut.path && cut.done >= 1, "the wound is cut");
+  Suture suture = new_suture(scene, others);
+  const Result<lattice::WoundClosure> trial = lay(suture, body, *cut.path);
+  if (!trial) return trial.error();
+  return suture;
+}
+
+Result<Suture> load_suture(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
+                           std::span<const Suture> others) {
+  Suture suture = new_suture(scene, others);
   // trial on the uncut body
   const Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
   if (!path) return Error{fmt::format("{}: {}", scene.source_location, path.error().message)};

@@ -22,6 +22,11 @@ struct Suture {
 /// thread that is shorter than its stitches.
 Result<Suture> load_suture(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
                            std::span<const Suture> others);
+/// Suture of a wound that is cut already, tested on the present body. Error: a point of a stitch is in air.
+Result<Suture> suture_of_wound(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
+                               std::span<const Suture> others);
+/// Points of a single stitch in the frame of the lattice [m].
+std::vector<Vec3d> points_of_stitch(const SutureScene& scene, const lattice::Model& model);
 /// Lays, embeds and pulls the stitches before the frame that ends at a time [s]. Error: a point of a stitch
 /// is not in tissue.
 Status advance_suture(const LatticeBody& body, const Cut& cut, double time, Suture& suture);

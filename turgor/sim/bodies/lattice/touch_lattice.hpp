@@ -19,8 +19,13 @@ void teleport_tools(LatticeBody& body, const std::vector<TouchingTool>& tools, d
 /// Number of substeps in each of which no tool moves farther than half of its tip radius, at most 8.
 int substep_count(LatticeBody& body, const std::vector<TouchingTool>& tools, double from, double to);
 
-/// Contacts at the present poses, for a step of `dt` [s]. They are valid until the next call.
-std::span<lattice::NodeContact> find_tool_contacts(LatticeBody& body, double dt);
+/// True if a tool may touch the body at the present poses while its surface is older than the latest cut. The
+/// contacts of such a frame need the surface; without any, the state of the body does not depend on it.
+bool needs_surface(const LatticeBody& body);
+
+/// Adds the contacts at the present poses to the inputs of a step of `dt` [s]. They are valid until the next
+/// call.
+void find_tool_contacts(LatticeBody& body, double dt, lattice::Inputs& inputs);
 /// Reads the tools' forces of the last step.
 void read_tool_forces(LatticeBody& body);
 /// Records the time at which a tool is first farther below the present surface than contact lets it.

@@ -119,6 +119,14 @@ struct SfemHaptics {
 };
 
 struct SfemBody : TouchedBody {
+  SfemBody() = default;
+  SfemBody(const SfemBody&) = default;
+  SfemBody(SfemBody&&) = default;
+  SfemBody& operator=(const SfemBody&) = default;
+  SfemBody& operator=(SfemBody&&) = default;
+  /// Ends the worker first, which may be solving `nonlinear`. Copies settle it first for the same reason.
+  ~SfemBody() { worker.reset(); }
+
   SfemFacts facts;
   sfem::Model model;
   std::optional<SeenSurface> seen;

@@ -1,0 +1,13 @@
+// Rows of `turgor validate surgery` for needles in lattices: closed forms, and the same needle in finite
+// elements.
+#pragma once
+
+#include <vector>
+
+#include "app/validation.hpp"
+
+namespace turgor {
+
+void add_lattice_needles(const Exec& exec, std::vector<Figure>& figures);
+
+}  // namespace turgor

@@ -1,0 +1,152 @@
+// Rigid bodies in the coupling of bodies, and sites of round shapes.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turgor/contact/pair_sites.hpp"
+#include "turgor/geometry/ball_mesh.hpp"
+#include "turgor/models/rigid/rigid.hpp"
+
+namespace turgor {
+namespace {
+
+using contact::PairSite;
+using contact::PairSurface;
+using contact::RigidLoad;
+using contact::RigidMotion;
+using contact::Tie;
+
+constexpr double kStep = 1.0 / 60;
+
+/// A tilted box that spins.
+struct Spinning {
+  rigid::Model model;
+  rigid::State state;
+};
+Spinning spinning() {
+  Spinning made;
+  made.model.mass = {.mass = 0.3,
+                     .center = {0.1, 0.02, -0.05},
+                     .axes = axes_of(rigid::rotation_of({0.3, 0.2, -0.7})),
+                     .moments = {3e-5, 7e-5, 8e-5}};
+  made.state = rigid::make_state(made.model, {0.2, -0.1, 0.3}, {3, -5, 2});
+  made.state.rotation = rigid::rotation_of({0.9, -1.2, 2.1});
+  return made;
+}
+rigid::State after(const Spinning& body, const RigidLoad& load) {
+  return rigid::moved(body.model, body.state, load.force * kStep, load.torque * kStep, kStep);
+}
+Pose center_of(const rigid::State& state) { return {state.center, axes_of(state.rotation)}; }
+RigidMotion motion_of(const Spinning& body) {
+  RigidMotion motion{.rest_center = body.model.mass.center,
+                     .before = center_of(body.state),
+                     .after = {},
+                     .shift = {},
+                     .turn = {}};
+  motion.translation = kStep * kStep / body.model.mass.mass;
+  motion.rotation = rigid::inverse_inertia(body.model, body.state.rotation);
+  for (Vec3d& column : motion.rotation.column) column *= kStep * kStep;
+  contact::linearize(center_of(after(body, {})), {}, motion);
+  return motion;
+}
+
+// A stiff tie holds a point of a spinning body in space: after some linearizations the point is where the tie
+// has it, also by the nonlinear motion.
+TEST(RigidCoupling, StiffTie_HoldsPointExactly) {
+  const Spinning body = spinning();
+  const Vec3d held = body.model.mass.center + Vec3d{0.02, -0.01, 0.03};
+  const Vec3d now = to_world(center_of(body.state), held - body.model.mass.center);
+  std::vector<contact::CoupledBody> bodies(1);
+  bodies[0].rigid = motion_of(body);
+  // its position now is kept: the other point's position at rest is that of the point, displaced to the
+  // present one
+  std::vector<Tie> ties{{.a = {0, {-1, -1, -1}, {}, held},
+                         .b = {.body = -1, .weight = {}, .rest = held},
+                         .stiffness = 1e7,
+                         .force = {}}};
+  double error = 0;
+  for (int n = 0; n < 6; n++) {
+    contact::solve_coupling(Exec(1), bodies, ties, {});
+    const RigidLoad load = contact::load_on(0, *bodies[0].rigid, ties, {});
+    const Pose pose = center_of(after(body, load));
+    error = contact::linearization_error(0, *bodies[0].rigid, pose, load, ties, {});
+    contact::linearize(pose, load, *bodies[0].rigid);
+  }
+  const Vec3d found = to_world(bodies[0].rigid->after, held - body.model.mass.center);
+  std::printf("moved by %.3g m, error %.2g m\n", norm(now - held), error);
+  EXPECT_LT(error, 1e-6 * norm(now - held));
+  EXPECT_LT(norm(found - held + ties[0].force / 1e7), 1e-5 * norm(now - held));
+}
+
+// A box of this size around the origin, as a surface at a position.
+struct Placed {
+  std::vector<Vec3d> rest, x;
+  std::vector<Int3> triangles;
+};
+Placed grid_plate(double half, int cells) {
+  Placed plate;
+  for (int j = 0; j <= cells; j++)
+    for (int i = 0; i <= cells; i++)
+      plate.rest.push_back({half * (2.0 * i / cells - 1), half * (2.0 * j / cells - 1), 0});
+  for (int j = 0; j < cells; j++)
+    for (int i = 0; i < cells; i++) {
+      const int v = j * (cells + 1) + i;
+      plate.triangles.push_back({v, v + 1, v + cells + 2}),
+          plate.triangles.push_back({v, v + cells + 2, v + cells + 1});
+    }
+  plate.x = plate.rest;
+  return plate;
+}
+
+/// A ball or a capsule at a pose, as a surface.
+PairSurface round_surface(int body, double radius, const std::array<Vec3d, 2>& ends, const Pose& pose) {
+  PairSurface surface{body, {}, {}, {}, {}};
+  surface.round = contact::RoundSurface{radius, {to_world(pose, ends[0]), to_world(pose, ends[1])}, pose};
+  return surface;
+}
+
+// A ball in a plate: the heights of vertices and of the lowest point are those of the sphere, whichever
+// surface comes first, and material points are those of the turned ball.
+TEST(RigidCoupling, BallOnPlate_SitesAreOnSphere) {
+  const Placed plate = grid_plate(0.05, 25);
+  const Pose pose{{0.0007, -0.0003, 0.0185}, axes_of(rigid::rotation_of({0.2, 1.1, 0}))};
+  const PairSurface ball = round_surface(1, 0.02, {{{}, {}}}, pose),
+                    mesh{0, plate.rest, plate.x, plate.triangles, {}};
+  for (const bool ball_first : {false, true}) {
+    const contact::PairParams params{.reach = 0.002, .deepest = 0.01, .capacity = 200};
+    const contact::PairSites found = contact::find_pair_sites(
+        Exec(1), ball_first ? std::array{ball, mesh} : std::array{mesh, ball}, params, {});
+    EXPECT_GT(found.sites.size(), 9U);
+    EXPECT_NEAR(found.deepest, 0.0015, 2e-5);
+    for (const PairSite& site : found.sites) {
+      const contact::SurfacePoint& on_ball = site.a.body == 1 ? site.a : site.b;
+      const Vec3d x = to_world(pose, on_ball.rest) + on_ball.offset;
+      EXPECT_NEAR(norm(x - pose.position), 0.02, 1e-12);
+      EXPECT_NEAR(site.distance, dot(site.normal, site.found), 1e-12);
+    }
+  }
+}
+
+// Capsules that cross touch at one point, parallel ones along their length, and a capsule on the ground at
+// both ends.
+TEST(RigidCoupling, Capsules_TouchAtNearestPoints) {
+  const std::array<Vec3d, 2> ends{{{0, 0, -0.04}, {0, 0, 0.04}}};
+  const auto turned = [](Vec3d at, Vec3d turn) { return Pose{at, axes_of(rigid::rotation_of(turn))}; };
+  const contact::PairParams params{.reach = 0.002, .deepest = 0.004};
+  const PairSurface lower = round_surface(0, 0.005, ends, turned({}, {0, M_PI / 2, 0}));
+  const PairSurface crossed = round_surface(1, 0.005, ends, turned({0.01, 0.02, 0.0105}, {M_PI / 2, 0, 0}));
+  const contact::PairSites one = contact::find_pair_sites(Exec(1), {lower, crossed}, params, {});
+  ASSERT_EQ(one.sites.size(), 1U);
+  EXPECT_NEAR(one.sites[0].distance, 0.0005, 1e-9);
+  EXPECT_LT(norm(one.sites[0].normal - Vec3d{0, 0, -1}), 1e-6);
+  const PairSurface beside = round_surface(1, 0.005, ends, turned({0.01, 0, 0.0102}, {0, M_PI / 2, 0}));
+  EXPECT_GE(contact::find_pair_sites(Exec(1), {lower, beside}, params, {}).sites.size(), 2U);
+  const contact::PairSites ground =
+      contact::find_ground_sites(lower, {.through = {0, 0, -0.0051}}, params, {});
+  ASSERT_EQ(ground.sites.size(), 2U);
+  EXPECT_NEAR(ground.sites[0].distance, 1e-4, 1e-12);
+  EXPECT_TRUE(ground.sites[0].rolls);
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,231 @@
+#include "turgor/contact/coupled_system.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "turgor/core/invariants.hpp"
+#include "turgor/models/sfem/green.hpp"
+
+namespace turgor::contact {
+
+namespace {
+
+constexpr double kSiteSoftness = 1e-5;  // see TouchParams::tool_softness
+constexpr double kRigidSoftness =
+    1e-3;  // the same between rigid bodies, whose sites share a load in many ways
+
+/// A vertex that a tie or a site moves, or a point of a rigid body, with its signed weight.
+struct Carrier {
+  int body = 0, vertex = 0;
+  double weight = 0;
+  Vec3d arm = {};  // of a point of a rigid body, from the center of mass [m]
+};
+/// All vertices of one tie or site that can move.
+struct Carriers {
+  std::array<Carrier, 6> list;
+  std::size_t count = 0;
+};
+
+/// Present arm of a point of a rigid body.
+Vec3d arm_of(const RigidMotion& motion, const SurfacePoint& point) {
+  return motion.before.axes * (point.rest - motion.rest_center) + point.offset;
+}
+
+/// Rotation vector of a rotation matrix, of less than half a turn.
+Vec3d rotation_vector(const Mat3d& m) {
+  const auto& [a, b, c] = m.column;
+  const Vec3d twice_sine = {b.z - c.y, c.x - a.z, a.y - b.x};
+  const double sine = norm(twice_sine) / 2, cosine = (a.x + b.y + c.z - 1) / 2;
+  return sine > 0 ? twice_sine * (std::atan2(sine, cosine) / (2 * sine)) : Vec3d{};
+}
+
+/// Position after the frame of a point of a rigid body. A rolling point moves with its axis, and by the
+/// rotation times its offset, so that a ball keeps its height while it rolls.
+Vec3d position_after(const Pose& after, Vec3d turned, const RigidMotion& motion, const SurfacePoint& point) {
+  return to_world(after, point.rest - motion.rest_center) + point.offset + cross(turned, point.offset);
+}
+
+/// Displacement at one arm by a force at another: column `axis` of h² (I/m − [r]× J⁻¹ [s]×).
+Vec3d rigid_column(const RigidMotion& motion, Vec3d r, Vec3d s, int axis) {
+  Vec3d force;
+  force[axis] = 1;
+  return motion.translation * force + cross(motion.rotation * cross(s, force), r);
+}
+
+void add_carriers(std::span<const CoupledBody> bodies, const SurfacePoint& point, double sign,
+                  Carriers& carriers) {
+  if (point.body < 0) return;
+  TURGOR_CHECK(is_index(point.body, bodies.size()), "surface points belong to coupled bodies");
+  const CoupledBody& body = bodies[std::size_t(point.body)];
+  if (body.rigid) {
+    carriers.list[carriers.count++] = {point.body, -1, sign, arm_of(*body.rigid, point)};
+    return;
+  }
+  if (body.is_support) return;
+  TURGOR_CHECK(body.model, "surface points belong to coupled bodies");
+  const sfem::Model& model = *body.model;
+  for (int corner = 0; corner < 3; corner++) {
+    const int v = point.vertex[corner];
+    if (v < 0 || point.weight[corner] == 0 || model.free_node[std::size_t(v)] < 0) continue;
+    carriers.list[carriers.count++] = {point.body, v, sign * point.weight[corner]};
+  }
+}
+
+/// 3×3 block of C, column-major, between two ties or sites.
+std::array<double, 9> block_between(std::span<const CoupledBody> bodies, const Carriers& row,
+                                    const Carriers& column) {
+  std::array<double, 9> sum{};
+  for (std::size_t j = 0; j < column.count; j++)
+    for (std::size_t i = 0; i < row.count; i++) {
+      const Carrier &r = row.list[i], &c = column.list[j];
+      if (r.body != c.body) continue;
+      const CoupledBody& body = bodies[std::size_t(r.body)];
+      if (body.rigid) {
+        for (std::size_t k = 0; k < 9; k++)
+          sum[k] += r.weight * c.weight * rigid_column(*body.rigid, r.arm, c.arm, int(k / 3))[int(k % 3)];
+        continue;
+      }
+      const sfem::Green& green = body.model->green;
+      std::array<double, 9> block{};
+      sfem::green_block(green, green.slot[std::size_t(r.vertex)], green.slot[std::size_t(c.vertex)], block);
+      const double weight = r.weight * c.weight / body.stiffness_scale;
+      for (std::size_t k = 0; k < 9; k++) sum[k] += weight * block[k];
+    }
+  return sum;
+}
+
+double mean_diagonal(const CoupledSystem& system, std::size_t s) {
+  const std::size_t n = 3 * system.count;
+  double sum = 0;
+  for (std::size_t axis = 0; axis < 3; axis++) sum += system.compliance[(3 * s + axis) * (n + 1)];
+  return sum / 3;
+}
+
+/// Sets the compliance of the sites: of those with tissue a fraction of the largest compliance, of others a
+/// fraction of their own.
+void set_softness(std::span<const CoupledBody> bodies, std::span<const PairSite> sites,
+                  CoupledSystem& system) {
+  const auto deforms = [&](const SurfacePoint& p) {
+    return p.body >= 0 && bodies[std::size_t(p.body)].model;
+  };
+  system.softness.assign(system.count, 0);
+  double most = 0;
+  for (std::size_t s = system.tie.size(); s < system.count; s++) {
+    const PairSite& site = sites[s - system.tie.size()];
+    if (deforms(site.a) || deforms(site.b))
+      most = std::max(most, kSiteSoftness * mean_diagonal(system, s));
+    else
+      system.softness[s] = kRigidSoftness * mean_diagonal(system, s);
+  }
+  for (std::size_t s = system.tie.size(); s < system.count; s++)
+    if (system.softness[s] == 0) system.softness[s] = most;
+  for (std::size_t s = system.tie.size(); s < system.count; s++)
+    if (const double own = sites[s - system.tie.size()].softness; own > 0) system.softness[s] = own;
+}
+
+/// Separation of a site without forces: the distance along its normal, and the slip across it.
+Vec3d free_separation(std::span<const CoupledBody> bodies, const PairSite& site) {
+  const auto at = [&](const SurfacePoint& p) { return p.rest + free_displacement(bodies, p); };
+  const Vec3d n = site.normal, a = at(site.a);
+  const Vec3d slip = a - at(site.anchor) - site.slip;
+  const double distance = site.distance + dot(n, a - at(site.b) - site.found);
+  return slip - dot(slip, n) * n + distance * n;
+}
+
+}  // namespace
+
+CoupledSystem make_system(const Exec& exec, std::span<const CoupledBody> bodies, std::span<const Tie> ties,
+                          std::span<const PairSite> sites) {
+  CoupledSystem system;
+  std::vector<Carriers> carriers;
+  // ties, then sites
+  for (std::size_t t = 0; t < ties.size(); t++) {
+    if (ties[t].broken) continue;
+    system.tie.push_back(t);
+    system.free.push_back(free_stretch(bodies, ties[t]));
+    add_carriers(bodies, ties[t].a, 1, carriers.emplace_back());
+    add_carriers(bodies, ties[t].b, -1, carriers.back());
+  }
+  for (const PairSite& site : sites) {
+    system.free.push_back(free_separation(bodies, site));
+    add_carriers(bodies, site.a, 1, carriers.emplace_back());
+    add_carriers(bodies, site.b, -1, carriers.back());
+  }
+  // compliance, column by column
+  system.count = carriers.size();
+  const std::size_t n = 3 * system.count;
+  system.compliance.resize(n * n);
+  parallel_for(
+      exec, system.count,
+      [&](std::size_t j) {
+        for (std::size_t i = j; i < system.count; i++) {
+          const std::array<double, 9> block = block_between(bodies, carriers[i], carriers[j]);
+          for (std::size_t k = 0; k < 9; k++)
+            system.compliance[(3 * j + k / 3) * n + 3 * i + k % 3] = block[k];
+        }
+      },
+      4);
+  set_softness(bodies, sites, system);
+  return system;
+}
+
+Vec3d displacement_of(const SurfacePoint& point, std::span<const Vec3d> displacement) {
+  Vec3d sum;
+  if (point.body < 0) return sum;
+  for (int corner = 0; corner < 3; corner++)
+    if (const int v = point.vertex[corner]; v >= 0)
+      sum += displacement[std::size_t(v)] * point.weight[corner];
+  return sum;
+}
+
+Vec3d free_displacement(std::span<const CoupledBody> bodies, const SurfacePoint& point) {
+  if (point.body < 0) return {};
+  const CoupledBody& body = bodies[std::size_t(point.body)];
+  if (!body.rigid) return displacement_of(point, body.free);
+  const RigidMotion& motion = *body.rigid;
+  const Vec3d caused = motion.shift + cross(motion.turn, arm_of(motion, point));
+  return position_after(motion.after, motion.turned, motion, point) - caused - point.rest;
+}
+
+Vec3d free_stretch(std::span<const CoupledBody> bodies, const Tie& tie) {
+  return free_displacement(bodies, tie.a) - free_displacement(bodies, tie.b);
+}
+
+RigidLoad load_on(int body, const RigidMotion& motion, std::span<const Tie> ties,
+                  std::span<const PairSite> sites) {
+  RigidLoad load;
+  const auto add = [&](const SurfacePoint& point, Vec3d force) {
+    if (point.body != body) return;
+    load.force += force, load.torque += cross(arm_of(motion, point), force);
+  };
+  for (const Tie& tie : ties) add(tie.a, tie.force), add(tie.b, -tie.force);
+  for (const PairSite& site : sites) add(site.a, site.force), add(site.b, -site.force);
+  return load;
+}
+
+void linearize(const Pose& after, const RigidLoad& load, RigidMotion& motion) {
+  motion.after = after;
+  motion.turned = rotation_vector(after.axes * transposed(motion.before.axes));
+  motion.shift = motion.translation * load.force, motion.turn = motion.rotation * load.torque;
+}
+
+double linearization_error(int body, const RigidMotion& motion, const Pose& after, const RigidLoad& load,
+                           std::span<const Tie> ties, std::span<const PairSite> sites) {
+  // changes of the load since the last solution
+  const Vec3d shift = motion.translation * load.force - motion.shift;
+  const Vec3d turn = motion.rotation * load.torque - motion.turn;
+  const Vec3d turned = rotation_vector(after.axes * transposed(motion.before.axes));
+  double largest = 0;
+  const auto add = [&](const SurfacePoint& point) {
+    if (point.body != body) return;
+    const Vec3d linear = position_after(motion.after, motion.turned, motion, point) + shift +
+                         cross(turn, arm_of(motion, point));
+    largest = std::max(largest, norm(position_after(after, turned, motion, point) - linear));
+  };
+  for (const Tie& tie : ties) add(tie.a), add(tie.b);
+  for (const PairSite& site : sites) add(site.a), add(site.b);
+  return largest;
+}
+
+}  // namespace turgor::contact

@@ -1,0 +1,159 @@
+#include "turgor/sim/organs/support.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/geometry/box.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+namespace {
+
+const CoupledSupport* support_at(const World& world, int index) {
+  const int n = index - first_support(world);
+  return n < 0 ? nullptr : &world.coupling.supports[std::size_t(n)];
+}
+
+/// Young's modulus near a vertex of a lattice: of the stiffest cell around its node [Pa].
+double young_near(const LatticeBody& body, int slot) {
+  const lattice::Anatomy& anatomy = body.model.anatomy;
+  double most = 0;
+  if (std::size_t(slot) >= anatomy.tissue.size()) return body.model.params.tissue.fat;
+  const Int3 node = slot_node(anatomy.lattice, slot);
+  for (int corner = 0; corner < 8; corner++) {
+    const Int3 cell = node - Int3{corner & 1, corner >> 1 & 1, corner >> 2};
+    if (!contains(anatomy.lattice, cell) || anatomy.cell_young.empty()) continue;
+    most = std::max(most, double(anatomy.cell_young[std::size_t(node_slot(anatomy.lattice, cell))]));
+  }
+  return most > 0 ? most : body.model.params.tissue.fat;
+}
+
+/// Compliance of a site of a support: that of a node of its grid, 1/(E h) [m/N].
+double node_softness(const World& world, const CoupledSupport& support, int vertex) {
+  const auto index = std::size_t(support.body.index);
+  if (support.body.kind == BodyKind::kRhombus) return 0.01 / world.rhombus_bodies[index].typical_force;
+  const LatticeBody& body = world.lattice_bodies[index];
+  const Vec3d h(body.model.anatomy.lattice.spacing);
+  return 1 / (young_near(body, support.carrier[std::size_t(vertex)]) * std::cbrt(h.x * h.y * h.z));
+}
+
+/// First vertex of the support in a contact, from its sites.
+int vertex_of(const BodyContact& contact, int index) {
+  for (const contact::PairSite& site : contact.sites)
+    for (const contact::SurfacePoint* point : {&site.a, &site.b})
+      if (point->body == index) return point->vertex.x;
+  return 0;
+}
+
+/// Compliance of the sites of a contact; 0 without supports [m/N].
+double site_softness(const World& world, const BodyContact& contact) {
+  const CoupledSupport* support = support_at(world, contact.body[0]);
+  const int index = support ? contact.body[0] : contact.body[1];
+  if (!support) support = support_at(world, index);
+  if (!support || contact.sites.empty()) return 0;
+  return node_softness(world, *support, vertex_of(contact, index));
+}
+
+/// Moves a site by the compliance times a force. Sites that roll move over the surfaces, so that only their
+/// motion in a frame is resisted.
+void move_site(double softness, Vec3d force, contact::PairSite& site) {
+  const double along = dot(force, site.normal);
+  site.distance -= softness * along;
+  const bool rolls = site.rolls || site.a.offset != Vec3d{} || site.b.offset != Vec3d{};
+  if (!rolls) site.slip += softness * (force - along * site.normal);
+}
+
+/// Stiffness with which a body resists a displacement of the points where these forces act [N/m].
+double resisting_stiffness(const World& world, int index, const std::vector<contact::Tie>& ties,
+                           const std::vector<contact::PairSite>& sites) {
+  if (const RigidBody* body = rigid_body(world, index))
+    return body->model.is_fixed ? HUGE_VAL : body->model.mass.mass / (world.dt * world.dt);
+  if (index < 0 || index >= first_support(world)) return HUGE_VAL;
+  // force over displacement, weighted by the forces
+  const SfemBody& body = world.sfem_bodies[std::size_t(index)];
+  Vec3d force;
+  double work = 0;
+  for (const contact::VertexForce& f : contact::forces_on(index, ties, sites)) {
+    force += f.force;
+    if (body.coupling) work += dot(f.force, body.coupling->displacement[std::size_t(f.vertex)]);
+  }
+  return work > 0 ? dot(force, force) / work : 0;
+}
+
+/// Stiffness of everything that a support touches and holds.
+double stiffness_around(const World& world, int index) {
+  double sum = 0;
+  for (const Attachment& attachment : world.coupling.attachments) {
+    if (attachment.ties.empty()) continue;
+    const int a = attachment.ties[0].a.body, b = attachment.ties[0].b.body;
+    if (a != index && b != index) continue;
+    const double other = resisting_stiffness(world, a == index ? b : a, attachment.ties, {});
+    if (other > 0) sum += 1 / (1 / attachment.stiffness + 1 / other);
+  }
+  for (const BodyContact& contact : world.coupling.contacts)
+    for (std::size_t side = 0; side < 2; side++)
+      if (contact.body[side] == index && !contact.sites.empty())
+        sum += resisting_stiffness(world, contact.body[1 - side], {}, contact.sites);
+  return sum;
+}
+
+}  // namespace
+
+int first_support(const World& world) { return int(world.sfem_bodies.size() + world.rigid_bodies.size()); }
+int first_tool(const World& world) { return first_support(world) + int(world.coupling.supports.size()); }
+
+const RigidBody* rigid_body(const World& world, int index) {
+  const int n = index - int(world.sfem_bodies.size());
+  return n < 0 || index >= first_support(world) ? nullptr : &world.rigid_bodies[std::size_t(n)];
+}
+
+std::vector<Int3> triangles_near(const CoupledSupport& support, const std::vector<Vec3d>& x,
+                                 const std::vector<Vec3d>& other, double reach) {
+  if (other.empty()) return support.triangles;
+  Box near = box_around(other);
+  near.low -= Vec3d{reach, reach, reach}, near.high += Vec3d{reach, reach, reach};
+  std::vector<Int3> triangles;
+  for (const Int3 t : support.triangles) {
+    const std::array<Vec3d, 3> corners{x[std::size_t(t.x)], x[std::size_t(t.y)], x[std::size_t(t.z)]};
+    if (meet(near, box_around(corners))) triangles.push_back(t);
+  }
+  return triangles;
+}
+
+SupportMemory remember_supports(World& world) {
+  SupportMemory memory;
+  for (BodyContact& contact : world.coupling.contacts) {
+    std::vector<Vec3d>& forces = memory.emplace_back();
+    const double softness = site_softness(world, contact);
+    if (softness == 0) continue;
+    for (contact::PairSite& site : contact.sites) {
+      forces.push_back(site.force), site.softness = softness;
+      move_site(softness, site.force, site);
+    }
+  }
+  return memory;
+}
+
+void forget_supports(const SupportMemory& memory, World& world) {
+  for (std::size_t c = 0; c < memory.size(); c++)
+    for (std::size_t s = 0; s < memory[c].size(); s++) {
+      contact::PairSite& site = world.coupling.contacts[c].sites[s];
+      move_site(-site.softness, memory[c][s], site);
+    }
+}
+
+void load_supports(World& world, std::span<const contact::Tie> ties,
+                   std::span<const contact::PairSite> sites) {
+  Coupling& coupling = world.coupling;
+  for (std::size_t n = 0; n < coupling.supports.size(); n++) {
+    CoupledSupport& support = coupling.supports[n];
+    const int index = first_support(world) + int(n);
+    support.force = contact::forces_on(index, ties, sites);
+    for (contact::VertexForce& force : support.force)
+      force.vertex = support.carrier[std::size_t(force.vertex)];
+    support.stiffness = stiffness_around(world, index);
+  }
+}
+
+}  // namespace turgor
