@@ -173,6 +173,26 @@ TEST(NeedleTouch, HeldNeedleDoesNotCreep) {
   EXPECT_NEAR(insertion.state.inserted, inserted, 1e-9);
 }
 
+// The forces of a tick are unique: the start that it takes from earlier ticks changes them by less than its
+// tolerance, also where the hand turns back.
+TEST(NeedleTouch, ForcesDoNotDependOnTheirStart) {
+  const Needle needle{.diameter = 0.001};
+  Insertion insertion = above(soft_block(), needle, 0.2, 0.3), other = insertion;
+  std::vector<Vec3d> forces;
+  double largest = 0, difference = 0;
+  const auto strokes = [](Insertion& in, const auto& visit) {
+    for (const double depth : {0.03, 0.026, 0.029, 0.012, 0.025}) in.move_to(depth, 1e-4, visit);
+  };
+  strokes(insertion, [&](double, double) { forces.push_back(insertion.state.force); });
+  std::size_t n = 0;
+  strokes(other, [&](double, double) {
+    other.state.step = {};  // starts from the forces of the last tick
+    largest = std::max(largest, norm(forces[n]));
+    difference = std::max(difference, norm(other.state.force - forces[n++]));
+  });
+  EXPECT_LT(difference, 1e-4 * largest) << "N";
+}
+
 // A needle through a long block whose sides are held, pulled along its axis: far from the ends it is
 // antiplane shear, k = 2π G/ln(1.0787 b/a) per length between a square of half width b and a wire of radius
 // a, wherever the wire passes between the nodes of the mesh.

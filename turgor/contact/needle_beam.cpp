@@ -55,25 +55,31 @@ void factorize(BeamMatrix& matrix) {
       double sum = matrix.band[i][k];
       for (std::size_t m = k + 1; m <= std::min(i, kBand - 1); m++)
         sum -= matrix.band[i][m] * matrix.band[j][m - k];
-      matrix.band[i][k] = sum / matrix.band[j][0];
+      matrix.band[i][k] = sum * matrix.band[j][0];
     }
-    // its diagonal
+    // reciprocal of its diagonal
     double diagonal = matrix.band[i][0];
     for (std::size_t k = 1; k <= std::min(i, kBand - 1); k++)
       diagonal -= matrix.band[i][k] * matrix.band[i][k];
     TURGOR_CHECK(diagonal > 0, "the matrix of a beam is positive definite");
-    matrix.band[i][0] = std::sqrt(diagonal);
+    matrix.band[i][0] = 1 / std::sqrt(diagonal);
   }
 }
 
-void solve(const BeamMatrix& factor, BeamVector& rhs) {
+// Both planes at once: each alone waits for its last entry.
+void solve(const BeamMatrix& factor, NeedleBeam& rhs) {
+  BeamVector &x = rhs.x, &y = rhs.y;
   for (std::size_t i = 0; i < kBeamUnknowns; i++) {
-    for (std::size_t k = 1; k <= std::min(i, kBand - 1); k++) rhs[i] -= factor.band[i][k] * rhs[i - k];
-    rhs[i] /= factor.band[i][0];
+    const auto& row = factor.band[i];
+    for (std::size_t k = std::min(i, kBand - 1); k > 0; k--)
+      x[i] -= row[k] * x[i - k], y[i] -= row[k] * y[i - k];
+    x[i] *= row[0], y[i] *= row[0];
   }
   for (std::size_t i = kBeamUnknowns; i-- > 0;) {
-    rhs[i] /= factor.band[i][0];
-    for (std::size_t k = 1; k <= std::min(i, kBand - 1); k++) rhs[i - k] -= factor.band[i][k] * rhs[i];
+    const auto& row = factor.band[i];
+    x[i] *= row[0], y[i] *= row[0];
+    for (std::size_t k = 1; k <= std::min(i, kBand - 1); k++)
+      x[i - k] -= row[k] * x[i], y[i - k] -= row[k] * y[i];
   }
 }
 

@@ -25,6 +25,7 @@ struct NeedleBeam {
 };
 
 /// Symmetric matrix with a half bandwidth of 3, or its Cholesky factor: band[i][k] is the entry (i, i − k).
+/// The diagonal of a factor is stored as its reciprocal.
 struct BeamMatrix {
   std::array<std::array<double, 4>, kBeamUnknowns> band{};
 };
@@ -32,8 +33,8 @@ struct BeamMatrix {
 BeamMatrix beam_stiffness(const Needle& needle);
 /// Replaces a positive definite matrix by its Cholesky factor.
 void factorize(BeamMatrix& matrix);
-/// Solves with the factor, in place.
-void solve(const BeamMatrix& factor, BeamVector& rhs);
+/// Solves with the factor in both planes, in place.
+void solve(const BeamMatrix& factor, NeedleBeam& rhs);
 
 /// Cubic shape functions of an element at a distance behind the tip. Values of the clamped node are zero.
 struct BeamShape {

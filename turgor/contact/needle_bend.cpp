@@ -42,7 +42,7 @@ struct BentShaft {
   std::size_t count = 0;
   BeamMatrix stiffness, on_springs;  // factors: of K, and of K with the springs
   BentPoint point[kMostNeedlePoints];
-  double moved[3 * kMostNeedlePoints];  // C times forces [m]
+  float moved[3 * kMostNeedlePoints];  // C times forces [m]
 
   Vec3d in_tool(Vec3d v) const {
     return {dot(v, tick.pose.axes.column[0]), dot(v, tick.pose.axes.column[1]), 0};
@@ -52,19 +52,11 @@ struct BentShaft {
   }
 };
 
-/// result = C forces; forces of zero are skipped.
+/// moved = C forces; forces of zero are skipped.
 void multiply_by_compliance(BentShaft& shaft, const Vec3d* forces) {
-  const NeedleTrack& track = shaft.tick.track();
-  const std::size_t stride = compliance_stride(track), rows = 3 * shaft.count;
-  double* sum = shaft.moved;
-  std::fill_n(sum, rows, 0.0);
-  for (std::size_t i = 0; i < shaft.count; i++) {
-    const Vec3d f = forces[i];
-    if (f == Vec3d{}) continue;
-    const double *a = &track.compliance[3 * i * stride], *b = a + stride, *c = b + stride;
-    TURGOR_LANES
-    for (std::size_t r = 0; r < rows; r++) sum[r] += a[r] * f.x + b[r] * f.y + c[r] * f.z;
-  }
+  std::fill_n(shaft.moved, 3 * shaft.count, 0.0F);
+  for (std::size_t i = 0; i < shaft.count; i++)
+    if (!(forces[i] == Vec3d{})) add_column(shaft.tick.track(), i, forces[i], shaft.moved);
 }
 Vec3d moved(const BentShaft& shaft, std::size_t i) {
   return {shaft.moved[3 * i], shaft.moved[3 * i + 1], shaft.moved[3 * i + 2]};
@@ -76,11 +68,7 @@ void change_force(BentShaft& shaft, std::size_t i, Vec3d change) {
   NeedleTrack& track = shaft.tick.track();
   track.force[i] += change;
   for (std::size_t axis = 0; axis < 3; axis++) state.force_on[3 * i + axis] += change[int(axis)];
-  const std::size_t stride = compliance_stride(track), rows = 3 * shaft.count;
-  const double *a = &track.compliance[3 * i * stride], *b = a + stride, *c = b + stride;
-  double* x = state.x.data();
-  TURGOR_LANES
-  for (std::size_t r = 0; r < rows; r++) x[r] += a[r] * change.x + b[r] * change.y + c[r] * change.z;
+  add_column(track, i, change, state.x.data());
 }
 
 BentPoint bent_point(const NeedleTick& tick, std::size_t i, double tearing) {
@@ -103,12 +91,7 @@ BentPoint bent_point(const NeedleTick& tick, std::size_t i, double tearing) {
   const double bound = (is_end ? tearing : tick.needle.friction * point.engaged) / tick.stiffness;
   bent.low = is_end ? 0 : -bound, bent.high = bound;
   // compliances
-  const NeedleTrack& track = tick.track();
-  const std::size_t stride = compliance_stride(track);
-  const double* c = &track.compliance[3 * i * stride + 3 * i];
-  const Mat3d block{{{c[0], c[1], c[2]},
-                     {c[stride], c[stride + 1], c[stride + 2]},
-                     {c[2 * stride], c[2 * stride + 1], c[2 * stride + 2]}}};
+  const Mat3d block = own_block(tick.track(), i);
   bent.compliance = dot(bent.along, block * bent.along) + bent.own_along;
   bent.spring = bent.holds_across
                     ? 1 / (bent.own_across + (block.column[0].x + block.column[1].y + block.column[2].z) / 3)
@@ -137,7 +120,7 @@ NeedleBeam bend_by(const BentShaft& shaft, const BeamMatrix& factor, const Vec3d
   NeedleBeam beam;
   for (std::size_t i = 0; i < shaft.count; i++)
     if (!(forces[i] == Vec3d{})) add_load(shaft.point[i].shape, shaft.in_tool(forces[i] * -1.0), beam);
-  solve(factor, beam.x), solve(factor, beam.y);
+  solve(factor, beam);
   return beam;
 }
 
@@ -219,7 +202,7 @@ double solve_across(BentShaft& shaft, double tolerance) {
       force[i] += p[i] * length, r[i] -= z[i] * length;
       for (std::size_t axis = 0; axis < 3; axis++) {
         state.force_on[3 * i + axis] += length * p[i][int(axis)];
-        state.x[3 * i + axis] += length * shaft.moved[3 * i + axis];
+        state.x[3 * i + axis] += length * double(shaft.moved[3 * i + axis]);
       }
     }
     state.sweeps++;

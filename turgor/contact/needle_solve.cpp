@@ -27,36 +27,18 @@ double log_of_resolved_radius(const sfem::InnerGreen& inner, const sfem::InnerPo
 }
 
 /// D of a point along and across the shaft, for its length ℓ [m/N].
-OwnCompliance own_compliance(const NeedleTick& tick, const NeedlePoint& point) {
+OwnCompliance own_compliance(const NeedlePoint& point) {
   if (!(point.engaged > 0)) return {};
-  const auto e = std::size_t(point.at.element);
-  return own_compliance(tick.needle, point.engaged, log_of_resolved_radius(tick.inner, point.at),
-                        tick.inner.shear[e], tick.inner.poisson[e]);
+  return {point.unresolved.along / point.engaged, point.unresolved.across / point.engaged};
 }
 
 /// Energy ½ λ D λ [J].
 double own_energy(const NeedleTick& tick, std::size_t i) {
   if (i == 0 && !tick.bends()) return 0;
-  OwnCompliance own = own_compliance(tick, tick.track().points[i]);
+  OwnCompliance own = own_compliance(tick.track().points[i]);
   if (i > 0) return own_energy(own, tick.track().force[i], tick.along(i));
   own.along = 0;
   return own_energy(own, tick.track().force[0], normalized(tick.along(0)));
-}
-
-Mat3d own_block(const NeedleTrack& track, std::size_t i) {
-  const double* c = &track.compliance[3 * i * compliance_stride(track) + 3 * i];
-  const std::size_t stride = compliance_stride(track);
-  return {{{c[0], c[1], c[2]},
-           {c[stride], c[stride + 1], c[stride + 2]},
-           {c[2 * stride], c[2 * stride + 1], c[2 * stride + 2]}}};
-}
-
-/// x += C (0 … f … 0).
-void add_column(const NeedleTrack& track, std::size_t i, Vec3d f, double* x) {
-  const std::size_t stride = compliance_stride(track), rows = 3 * track.points.size();
-  const double *a = &track.compliance[3 * i * stride], *b = a + stride, *c = b + stride;
-  TURGOR_LANES
-  for (std::size_t r = 0; r < rows; r++) x[r] += a[r] * f.x + b[r] * f.y + c[r] * f.z;
 }
 
 /// Spread crack: its load acts at the tip, between the two points next to it.
@@ -103,7 +85,7 @@ NeedleBlock block_of(const NeedleTick& tick, const Mat3d& frame, std::size_t i, 
   const bool is_end = i == 0;
   block.is_solved = is_end ? tearing > 0 : point.engaged > 1e-6 * tick.needle.spacing;
   if (!block.is_solved) return block;
-  if (!is_end) block.own = own_compliance(tick, point);
+  if (!is_end) block.own = own_compliance(point);
   Mat3d a = transposed(frame) * own_block(tick.track(), i) * frame;
   a.column[0].x += block.own.across, a.column[1].y += block.own.across, a.column[2].z += block.own.along;
   block.inverse = inverse(a);
@@ -117,12 +99,13 @@ NeedleBlock block_of(const NeedleTick& tick, const Mat3d& frame, std::size_t i, 
   return block;
 }
 
-/// Solves one point; returns the change of its force, in the world.
-Vec3d solve_block(const NeedleTick& tick, const Mat3d& frame, const NeedleBlock& block, std::size_t i) {
+/// Solves one point that has moved in this sweep; returns the change of its force, in the world.
+Vec3d solve_block(const NeedleTick& tick, const Mat3d& frame, const NeedleBlock& block, std::size_t i,
+                  Vec3d moved) {
   Vec3d& force = tick.track().force[i];
   const Vec3d now = transposed(frame) * force;
   // residual c = x + D λ − (p + η t)
-  const Vec3d apart = transposed(frame) * (position(tick.state, i) - tick.pose.position);
+  const Vec3d apart = transposed(frame) * (position(tick.state, i) + moved - tick.pose.position);
   const Vec3d c{apart.x + block.own.across * now.x, apart.y + block.own.across * now.y,
                 apart.z + block.own.along * now.z - block.stick};
   // exact solution, then again across the shaft if the force along it is beyond its bounds
@@ -140,6 +123,12 @@ Vec3d solve_block(const NeedleTick& tick, const Mat3d& frame, const NeedleBlock&
 
 }  // namespace
 
+OwnCompliance unresolved_compliance(const NeedleTick& tick, const sfem::InnerPoint& at) {
+  const auto e = std::size_t(at.element);
+  return own_compliance(tick.needle, 1, log_of_resolved_radius(tick.inner, at), tick.inner.shear[e],
+                        tick.inner.poisson[e]);
+}
+
 double spreading_force(const NeedleTick& tick) {
   if (tick.state.phase != NeedlePhase::kInside) return 0;
   return spreading_force(tick.needle, shaft_of(tick));
@@ -148,6 +137,21 @@ double spreading_force(const NeedleTick& tick) {
 double spreading_energy(const NeedleTick& tick) {
   if (tick.state.phase != NeedlePhase::kInside) return 0;
   return spreading_energy(tick.needle, shaft_of(tick));
+}
+
+void extrapolate_forces(const NeedleTick& tick) {
+  constexpr double kFarthest = 2;  // displacements of the last tick
+  const NeedleState& state = tick.state;
+  NeedleTrack& track = tick.track();
+  const Vec3d step = tick.pose.position - state.pose.position;
+  const double before2 = dot(state.step, state.step);
+  // a rigid shaft that cuts has new points, whose forces do not go on as before
+  const bool is_smooth = before2 > 0 && (tick.bends() || state.tip_force == 0);
+  const double ratio = is_smooth ? std::clamp(dot(step, state.step) / before2, -kFarthest, kFarthest) : 0;
+  for (std::size_t i = 0; i < track.points.size(); i++) {
+    const Vec3d change = track.force[i] - std::exchange(track.before[i], track.force[i]);
+    if (track.points[i].engaged > 1e-6 * tick.needle.spacing) track.force[i] += change * ratio;
+  }
 }
 
 void find_positions(const NeedleTick& tick) {
@@ -181,30 +185,33 @@ void solve_needle(const NeedleTick& tick, double tearing) {
   double resistance = blocks[0].high;
   for (std::size_t i = 1; i < n; i++) resistance += blocks[i].high;
   // sweeps from the entry to the tip
+  float moved[3 * kMostNeedlePoints] = {};  // in this sweep [m]
   for (state.sweeps = 1; state.sweeps <= kMostSweeps; state.sweeps++) {
     double change = 0;
     for (std::size_t k = 1; k <= n; k++) {
       const std::size_t i = k < n ? k : 0;
       if (!blocks[i].is_solved) continue;
-      const Vec3d step = solve_block(tick, frame, blocks[i], i);
-      if (!(step == Vec3d{})) add_column(track, i, step, state.x.data());
+      const Vec3d step =
+          solve_block(tick, frame, blocks[i], i, {moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]});
+      if (!(step == Vec3d{})) add_column(track, i, step, moved);
       for (std::size_t axis = 0; axis < 3; axis++) state.force_on[3 * i + axis] += step[int(axis)];
       change = std::max(change, norm(step));
     }
+    for (std::size_t r = 0; r < 3 * n; r++) state.x[r] += double(std::exchange(moved[r], 0));
     if (change <= kNeedleTolerance * resistance) break;
   }
 }
 
 double along_compliance(const NeedleTick& tick, std::size_t i) {
-  return i > 0 ? own_compliance(tick, tick.track().points[i]).along : 0;
+  return i > 0 ? own_compliance(tick.track().points[i]).along : 0;
 }
 double across_compliance(const NeedleTick& tick, std::size_t i) {
-  return i > 0 || tick.bends() ? own_compliance(tick, tick.track().points[i]).across : 0;
+  return i > 0 || tick.bends() ? own_compliance(tick.track().points[i]).across : 0;
 }
 
 double position_on_shaft(const NeedleTick& tick, std::size_t i) {
   if (tick.bends()) return position_on_bent_shaft(tick, i);
-  const double own = i > 0 ? own_compliance(tick, tick.track().points[i]).along : 0;
+  const double own = i > 0 ? own_compliance(tick.track().points[i]).along : 0;
   return dot(position(tick.state, i) - tick.pose.position, tick.t()) +
          own * dot(tick.track().force[i], tick.t());
 }

@@ -31,7 +31,25 @@ struct NeedleTick {
 // needle_track.cpp
 
 /// Numbers between columns of C.
-std::size_t compliance_stride(const NeedleTrack& track);
+inline std::size_t compliance_stride(const NeedleTrack& track) { return 3 * track.force.size(); }
+/// x += C f for a force on one point, three numbers a point. Floats are for changes within a tick, doubles
+/// for positions.
+template <class Number>
+void add_column(const NeedleTrack& track, std::size_t i, Vec3d f, Number* x) {
+  const std::size_t stride = compliance_stride(track), rows = 3 * track.points.size();
+  const float *a = &track.compliance[3 * i * stride], *b = a + stride, *c = b + stride;
+  const auto fx = Number(f.x), fy = Number(f.y), fz = Number(f.z);
+  TURGOR_LANES
+  for (std::size_t r = 0; r < rows; r++) x[r] += Number(a[r]) * fx + Number(b[r]) * fy + Number(c[r]) * fz;
+}
+/// Block of C of a point with itself.
+inline Mat3d own_block(const NeedleTrack& track, std::size_t i) {
+  const std::size_t stride = compliance_stride(track);
+  const float* c = &track.compliance[3 * i * stride + 3 * i];
+  return {{{c[0], c[1], c[2]},
+           {c[stride], c[stride + 1], c[stride + 2]},
+           {c[2 * stride], c[2 * stride + 1], c[2 * stride + 2]}}};
+}
 Vec3d position(const NeedleState& state, std::size_t point);
 /// A track of length 0 whose end is this point; replaces the oldest one if all are in use. Returns its index.
 int begin_track(const NeedleTick& tick, const sfem::InnerPoint& at, Vec3d rest);
@@ -55,8 +73,13 @@ int track_entered_at(const NeedleTick& tick, Vec3d position);
 /// Force of the spread crack on the tip, and the energy stored in it [N] [J].
 double spreading_force(const NeedleTick& tick);
 double spreading_energy(const NeedleTick& tick);
-/// Positions x = b + C (λ + s) and their load, from the forces of the last tick.
+/// Continues the change of the forces in the last tick, in proportion to the displacement of the hand. The
+/// forces are unique; a start near them takes fewer sweeps.
+void extrapolate_forces(const NeedleTick& tick);
+/// Positions x = b + C (λ + s) and their load, from these forces.
 void find_positions(const NeedleTick& tick);
+/// D of a point for a length of 1 m [m²/N].
+OwnCompliance unresolved_compliance(const NeedleTick& tick, const sfem::InnerPoint& at);
 /// D of a point along and across the shaft [m/N].
 double along_compliance(const NeedleTick& tick, std::size_t point);
 double across_compliance(const NeedleTick& tick, std::size_t point);

@@ -140,7 +140,7 @@ NeedleState make_needle_state(const sfem::InnerGreen& inner, const Needle& needl
   state.tracks.resize(kMostTracks);
   for (NeedleTrack& track : state.tracks) {
     track.points.reserve(most);
-    track.force.resize(most);
+    track.force.resize(most), track.before.resize(most);
     track.compliance.resize(9 * most * most);
   }
   state.x.resize(3 * most), state.force_on.resize(3 * most);
@@ -157,7 +157,7 @@ ToolReading tick_needle(const sfem::InnerGreen& inner, const Needle& needle, std
   // poses without a way from the last one
   if (!is_usable || !state.seen || norm(pose.position - state.pose.position) > kNeedleJump) {
     leave(state);
-    state.force = state.torque = {}, state.reading = {}, state.seen = is_usable;
+    state.force = state.torque = state.step = {}, state.reading = {}, state.seen = is_usable;
     if (is_usable) state.pose = pose;
     return {};
   }
@@ -165,6 +165,7 @@ ToolReading tick_needle(const sfem::InnerGreen& inner, const Needle& needle, std
   const Vec3d force = state.force, torque = state.torque;
   if (state.phase == NeedlePhase::kOutside) enter(tick);
   if (state.phase != NeedlePhase::kOutside) {
+    extrapolate_forces(tick);
     find_positions(tick);
     state.phase == NeedlePhase::kTouching ? touch_surface(tick) : advance_inside(tick);
   }
@@ -174,7 +175,7 @@ ToolReading tick_needle(const sfem::InnerGreen& inner, const Needle& needle, std
   const bool is_out = state.phase == NeedlePhase::kOutside;
   state.work.spreading = is_out ? 0 : spreading_energy(tick);
   state.work.elastic = is_out ? 0 : stiffness * elastic_energy(tick);
-  state.pose = pose;
+  state.step = pose.position - state.pose.position, state.pose = pose;
   return reading_of(tick);
 }
 

@@ -41,13 +41,15 @@ struct NeedlePoint {
   double engaged = 0;  // ℓ: length of the shaft that it stands for; 0 = the tip has not reached it [m]
   double stick = 0;    // η: position along t, relative to the tip, to which it sticks [m]
   Vec3d along;         // direction of a bent shaft there in the last tick; zero = t
+  OwnCompliance unresolved;  // D ℓ [m²/N]
 };
 
 /// Crack that a needle has cut. Arrays have room for the largest number of points.
 struct NeedleTrack {
   std::vector<NeedlePoint> points;  // the end of the crack, then points from the entry on; empty = unused
   std::vector<Vec3d> force;         // λ of each [N]
-  std::vector<double> compliance;   // C, column-major with `stride` numbers a column [m/N]
+  std::vector<Vec3d> before;        // the same one tick earlier [N]
+  std::vector<float> compliance;    // C, column-major with `stride` numbers a column [m/N]
   double length = 0;                // of the crack [m]
   Vec3d entry;                      // at rest [m]
   bool is_through = false;          // it left the body: the tip meets nothing
@@ -60,6 +62,7 @@ struct NeedleState {
   NeedlePhase phase = NeedlePhase::kOutside;
   bool seen = false;       // it has a pose
   Pose pose;               // of the last tick
+  Vec3d step;              // displacement of the hand in the last tick [m]
   int track = 0;           // in use while it touches or is inside
   double inserted = 0;     // [m]
   Vec3d force, torque;     // on the needle after the last tick, the torque about its tip [N] [N·m]

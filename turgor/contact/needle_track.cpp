@@ -20,8 +20,8 @@ void fill_compliance_of(const NeedleTick& tick, std::size_t point) {
     const sfem::ComplianceBlock block =
         sfem::compliance_in_row(tick.inner, tick.state.row, track.points[i].at);
     for (std::size_t k = 0; k < 9; k++) {
-      track.compliance[(3 * i + k / 3) * stride + 3 * point + k % 3] = block[k];
-      track.compliance[(3 * point + k % 3) * stride + 3 * i + k / 3] = block[k];
+      track.compliance[(3 * i + k / 3) * stride + 3 * point + k % 3] = float(block[k]);
+      track.compliance[(3 * point + k % 3) * stride + 3 * i + k / 3] = float(block[k]);
     }
   }
 }
@@ -49,7 +49,7 @@ void add_point(const NeedleTick& tick) {
   NeedlePoint point = track.points[0];
   point.arc = track.length, point.engaged = 0, point.stick = 0, point.along = tick.t();
   track.points.push_back(point);
-  track.force[n] = {};
+  track.force[n] = track.before[n] = {};
   const Vec3d x = position(tick.state, 0);
   for (std::size_t axis = 0; axis < 3; axis++) {
     tick.state.x[3 * n + axis] = x[int(axis)];
@@ -60,8 +60,6 @@ void add_point(const NeedleTick& tick) {
 
 }  // namespace
 
-std::size_t compliance_stride(const NeedleTrack& track) { return 3 * track.force.size(); }
-
 Vec3d position(const NeedleState& state, std::size_t point) {
   return {state.x[3 * point], state.x[3 * point + 1], state.x[3 * point + 2]};
 }
@@ -71,7 +69,9 @@ int begin_track(const NeedleTick& tick, const sfem::InnerPoint& at, Vec3d rest) 
   state.track = int(next_track(state.tracks));
   // its end is its entry
   NeedleTrack& track = tick.track();
-  track.points.assign(1, NeedlePoint{.at = at, .rest = rest, .along = tick.t()});
+  track.points.assign(
+      1,
+      NeedlePoint{.at = at, .rest = rest, .along = tick.t(), .unresolved = unresolved_compliance(tick, at)});
   track.force[0] = {};
   track.length = 0, track.entry = rest, track.is_through = false, track.order = ++state.tracks_made,
   track.offset = {};
@@ -118,7 +118,7 @@ void cut_to_tip(const NeedleTick& tick, double ahead) {
   tick.state.work.cutting += tick.stiffness * energy;
   // the new end, and points at the middle of every cell of the track
   track.length += norm(rest - before.rest);
-  end.at = at, end.rest = rest, end.arc = track.length;
+  end.at = at, end.rest = rest, end.arc = track.length, end.unresolved = unresolved_compliance(tick, at);
   fill_compliance_of(tick, 0);
   for (std::size_t axis = 0; axis < 3; axis++) tick.state.x[axis] = goal[int(axis)];
   const auto cells = std::size_t(std::floor(track.length / tick.needle.spacing + 0.5));

@@ -289,15 +289,16 @@ void transfer(File& file, contact::FreeMotionInterpolation& free) {
 
 template <class File>
 void transfer(File& file, contact::NeedleTrack& track) {
-  auto& [points, force, compliance, length, entry, is_through, order, offset] = track;
-  transfer_all(file, points, force, compliance, length, entry, is_through, order, offset);
+  auto& [points, force, before, compliance, length, entry, is_through, order, offset] = track;
+  transfer_all(file, points, force, before, compliance, length, entry, is_through, order, offset);
 }
 template <class File>
 void transfer(File& file, contact::NeedleState& state) {
-  auto& [phase, seen, pose, track, inserted, force, torque, tip_force, entry_force, punctures, made, sweeps,
-         beyond, work, reading, beam, tracks, motion, free, x, force_on, row, on_vertex] = state;
-  transfer_all(file, phase, seen, pose, track, inserted, force, torque, tip_force, entry_force, punctures,
-               made, sweeps, beyond, work, reading, beam, tracks, motion, free, x, force_on, row, on_vertex);
+  auto& [phase, seen, pose, step, track, inserted, force, torque, tip_force, entry_force, punctures, made,
+         sweeps, beyond, work, reading, beam, tracks, motion, free, x, force_on, row, on_vertex] = state;
+  transfer_all(file, phase, seen, pose, step, track, inserted, force, torque, tip_force, entry_force,
+               punctures, made, sweeps, beyond, work, reading, beam, tracks, motion, free, x, force_on, row,
+               on_vertex);
 }
 /// Without the Green's functions, which loading solves again.
 template <class File>
