@@ -1,7 +1,7 @@
 """Packs built modules as a wheel that needs only NumPy: pack_wheel.py OUT BUILD [BUILD ...], or pack_wheel.py --full OUT BUILD
 
 BUILD/slim/turgor contains a module, pyproject.toml the metadata. Several modules are engines for the processor levels in their
-folder names, such as build/x86-64-v3; python/turgor/engine.py selects one. Required libraries that are not part of every Linux
+folder names, such as build/x86-64-v3, and v2 in build/package; python/turgor/engine.py selects one. Required libraries that are not part of every Linux
 are included (auditwheel), with their licenses from Debian. The full wheel has the module of BUILD/python/turgor, which draws and
 reads every format, and the programs with the window (turgor/bin).
 """
@@ -44,7 +44,8 @@ def metadata(project):
 
 def copy_modules(builds, package):
     """Copies the modules and returns the folder of the first, which every processor can load."""
-    folders = [package / "engines" / build.name.rpartition("-")[2] if len(builds) > 1 else package for build in builds]
+    levels = ["v2" if build.name == "package" else build.name.rpartition("-")[2] for build in builds]
+    folders = [package / "engines" / level if len(builds) > 1 else package for level in levels]
     for build, folder in zip(builds, folders):
         folder.mkdir(parents=True, exist_ok=True)
         shutil.copy(build / f"slim/turgor/_turgor{SUFFIX}", folder)
