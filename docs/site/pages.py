@@ -26,8 +26,10 @@ def gallery(root):
         about, own = comment_of(scene)
         command = "calibrate" if scene.stem.startswith("calibrate") else "run"
         page += [f"## {scene.stem}", "", about, ""]
-        if (root / "docs/pictures" / f"{scene.stem}.png").exists():
-            page += [f"![{scene.stem}](docs/pictures/{scene.stem}.png)", ""]
+        for folder in ("docs/pictures", "scenes/pictures"):  # large ones first
+            if (root / folder / f"{scene.stem}.png").exists():
+                page += [f"![{scene.stem}]({folder}/{scene.stem}.png)", ""]
+                break
         page += [f"    turgor {command} scenes/{scene.name}", *([f"    {own}"] if own else []), "",
                  f"[scenes/{scene.name}](scenes/{scene.name})", ""]
     (root / "gallery.md").write_text("\n".join(page))

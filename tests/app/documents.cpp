@@ -44,6 +44,22 @@ std::vector<Command> all_commands() {
   return commands;
 }
 
+/// The first block of a page that begins with this mark, without the marks of code.
+std::string first_block(const fs::path& page, const std::string& mark, const std::string& heading = "") {
+  const std::string text = test::bytes_of(page);
+  const std::size_t begin = text.find(mark, text.find(heading));
+  EXPECT_NE(begin, text.npos) << page << ": no block after '" << heading << "'";
+  const std::size_t first = begin + mark.size();
+  return text.substr(first, text.find("```", first) - first);
+}
+
+/// Writes the scenes of the tutorials, as a reader saves them.
+void write_tutorials(const fs::path& folder) {
+  for (const auto& [page, scene] :
+       {std::pair{"an-organ-under-a-finger.md", "organ.toml"}, {"cloth-on-a-body.md", "towel.toml"}})
+    write(folder / scene, first_block(fs::path(TURGOR_SOURCE_DIR) / "docs" / page, "```toml\n"));
+}
+
 /// A folder with the scenes and the files that a reader would supply.
 fs::path folder_of_a_reader() {
   const fs::path folder = fresh_folder();
@@ -51,10 +67,11 @@ fs::path folder_of_a_reader() {
   const Ended made = run_program(
       "phantom torso --size 64 48 40 --spacing 6.5 6.5 6.5 -o patient --labels seg.nii.gz && '" TURGOR_PROGRAM
       "' phantom torso --size 64 48 40 --spacing 6.5 6.5 6.5 -o patient.nii.gz && '" TURGOR_PROGRAM
-      "' phantom liver --detail 0.3 -o own.obj"
+      "' phantom liver --detail 0.3 -o own.obj && cp own.obj liver.obj"
       " && printf 'time_s,x_m,y_m,z_m\\n0,0,0,0\\n1,0,0,0.001\\n' > poses.csv",
       folder);
   EXPECT_EQ(made.code, 0) << made.printed;
+  write_tutorials(folder);
   return folder;
 }
 
@@ -103,20 +120,11 @@ TEST(Documents, EveryRunPassesCheck) {
   EXPECT_GT(done.size(), 12u);
 }
 
-/// The first block after a heading of a page, without the marks of code.
-std::string block_after(const fs::path& page, const std::string& heading) {
-  const std::string text = test::bytes_of(page), mark = "```\n";
-  const std::size_t begin = text.find(mark, text.find(heading));
-  EXPECT_NE(begin, text.npos) << page << ": no block after '" << heading << "'";
-  const std::size_t first = begin + mark.size();
-  return text.substr(first, text.find("```", first) - first);
-}
-
 // The hand of docs/devices.md begins outside the liver and presses it.
 TEST(Documents, HandOfDevicesPressesLiver) {
   const fs::path folder = folder_of_a_reader();
-  write(folder / "poses.csv",
-        block_after(fs::path(TURGOR_SOURCE_DIR) / "docs/devices.md", "## A hand from a file (`replay`)"));
+  write(folder / "poses.csv", first_block(fs::path(TURGOR_SOURCE_DIR) / "docs/devices.md", "```\n",
+                                          "## A hand from a file (`replay`)"));
   const Ended ended = run_program(
       "run scenes/palpation.toml --real-time --device replay --device-file poses.csv --out o -q "
       "--set world.duration=1.2 --set body.liver.resolution=0.02",
@@ -144,6 +152,35 @@ TEST(Documents, CutInMetersReplacesFractions) {
     return;
   }
   ADD_FAILURE() << "the page has no cut in meters";
+}
+
+// The organ of the tutorial answers with a force that is proportional to its modulus.
+TEST(Documents, OrganOfTutorialIsLinear) {
+  const fs::path folder = folder_of_a_reader();
+  double force[2];
+  for (int scale : {1, 2}) {
+    const Ended ended = run_program(
+        "run organ.toml -q --force --out o --set body.liver.resolution=0.03 --set body.liver.patch=false "
+        "--set body.liver.stiffness_scale=" +
+            std::to_string(scale),
+        folder);
+    ASSERT_EQ(ended.code, 0) << ended.printed;
+    force[scale - 1] = report_in(folder / "o")["tools"][0]["force_max_N"].get<double>();
+  }
+  EXPECT_GT(force[0], 0.05);
+  EXPECT_NEAR(force[1] / force[0], 2, 0.01);
+}
+
+// Before it is pulled away, the towel of the tutorial rests on the ball with its weight.
+TEST(Documents, TowelOfTutorialRestsOnBall) {
+  const fs::path folder = folder_of_a_reader();
+  const Ended ended = run_program(
+      "run towel.toml -q --out o --set world.duration=1.4 --set body.towel.sheet.columns=24 --set "
+      "body.towel.sheet.rows=24",
+      folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const nlohmann::json obstacle = report_in(folder / "o")["bodies"][0]["obstacles"][0];
+  EXPECT_NEAR(obstacle["series"].back()[1].get<double>(), 0.3 * 0.16 * 9.81, 0.01);
 }
 
 // Every option in the documents and scenes appears in the help of its command.
