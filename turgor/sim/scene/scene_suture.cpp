@@ -47,10 +47,6 @@ void read_wound(SceneTable& table, const Scene& scene, SutureScene& suture) {
                fmt::format("stitches need solver.method = \"vbd\", found \"pbd\" in body.{}", body.name));
   else if (body.device == Device::kGpu)
     table.fail("wound", "stitches need world.device = \"cpu\", found \"gpu\"");
-  else if (body.params.tissue.partial_cells && table.has("through"))
-    table.fail("through", fmt::format("single stitches need whole cells: remove tissue.partial_cells from "
-                                      "body.{}, or lay a row",
-                                      body.name));
   else if (incision.blade.width > 0)
     table.fail("wound", fmt::format("stitches close a cut, found a removed region: incision.{}.width is {} m",
                                     wound, incision.blade.width));

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/cutting/drawn_curve.hpp"
 #include "turgor/models/lattice/cutting/fragments.hpp"
 #include "turgor/models/lattice/cutting/skin_near.hpp"
 
@@ -42,6 +43,12 @@ Vec3d displacement_near(const Model& model, const Motion& motion, Vec3d point) {
   return displacement;
 }
 
+/// Center of a patch, lattice frame [m].
+Vec3d patch_center(const Lattice& l, const SkinPatch& patch) {
+  return Vec3d(rest_position(l, slot_node(l, patch.cell))) +
+         hadamard(Vec3d(patch.point) + Vec3d{1, 1, 1}, Vec3d(l.spacing)) * 0.5;
+}
+
 /// Height of the skin of partial cells above a point of the CT: a mean of the planes of the patches near the
 /// point, weighted by area and 1 − d²/r², where d is the distance along the skin [m].
 double patch_height(const Model& model, Vec3d rest, Vec3d inward) {
@@ -50,9 +57,7 @@ double patch_height(const Model& model, Vec3d rest, Vec3d inward) {
   const double spacing = largest_spacing(l), reach = kReach * spacing;
   double height = 0, sum = 0;
   for (const SkinPatch& patch : model.anatomy.skin.patches) {
-    const Vec3d at = Vec3d(rest_position(l, slot_node(l, patch.cell))) +
-                     hadamard(Vec3d(patch.point) + Vec3d{1, 1, 1}, Vec3d(l.spacing)) * 0.5,
-                away = at - rest, normal = cross(Vec3d(patch.along), Vec3d(patch.across));
+    const Vec3d away = patch_center(l, patch) - rest, normal = cross(Vec3d(patch.along), Vec3d(patch.across));
     const double along_inward = dot(away, inward), facing = -dot(normal, inward),
                  beside = dot(away, away) - along_inward * along_inward;
     if (std::abs(along_inward) > kFarthest * spacing || beside >= reach * reach || !(facing > 0)) continue;
@@ -62,7 +67,32 @@ double patch_height(const Model& model, Vec3d rest, Vec3d inward) {
   return sum > 0 ? height / sum : 0;
 }
 
+/// Mean direction into the body of the patches around a point; zero without any.
+Vec3d inward_near(const Model& model, Vec3d point) {
+  constexpr double kReach = 2.5;  // [spacings]
+  const Lattice& l = model.anatomy.lattice;
+  const double reach = kReach * largest_spacing(l);
+  Vec3d sum;
+  for (const SkinPatch& patch : model.anatomy.skin.patches) {
+    const Vec3d away = patch_center(l, patch) - point;
+    if (const double near = 1 - dot(away, away) / (reach * reach); near > 0)
+      sum -= cross(Vec3d(patch.along), Vec3d(patch.across)) * (double(patch.area) * near);
+  }
+  return norm(sum) > 0 ? normalized(sum) : Vec3d{};
+}
+
 }  // namespace
+
+std::vector<Vec3d> lifted_to_patches(const Model& model, const std::vector<Vec3d>& points) {
+  std::vector<Vec3d> lifted = points;
+  for (Vec3d& point : lifted) {
+    const Vec3d inward = inward_near(model, point);
+    if (inward == Vec3d{}) continue;
+    const double height = patch_height(model, point, inward);
+    if (height > 0 && height < smallest_spacing(model.anatomy.lattice)) point -= inward * height;
+  }
+  return lifted;
+}
 
 std::vector<double> patch_heights(const Model& model, const std::vector<Vec3d>& points,
                                   const std::vector<Vec3d>& inward) {

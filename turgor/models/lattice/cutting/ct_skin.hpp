@@ -20,4 +20,8 @@ std::vector<double> ct_skin_heights(const Model& model, const State& state, cons
 std::vector<double> patch_heights(const Model& model, const std::vector<Vec3d>& points,
                                   const std::vector<Vec3d>& inward);
 
+/// Points of the CT, lattice frame [m]. Those less than a spacing below the skin of partial cells move up to
+/// it; the others stay.
+std::vector<Vec3d> lifted_to_patches(const Model& model, const std::vector<Vec3d>& points);
+
 }  // namespace turgor::lattice

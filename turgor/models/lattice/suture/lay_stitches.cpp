@@ -197,12 +197,13 @@ std::string point_text(const Model& model, Vec3d point) {
   return "[" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + "] m";
 }
 
-/// Positions whose tissue carries the points of a stitch. A bite moves as one: with its middle or, in partial
-/// cells, with the skin at its upper end. Skin lies in these cells, not in their nodes. The tissue below it
-/// is so soft that it would follow the thread without the skin.
+/// Positions whose tissue moves the points of a stitch. A bite of a row moves as one: with its middle or, in
+/// partial cells, with the skin at its upper end. Skin lies in these cells, not in their nodes. The tissue
+/// below it is so soft that it would follow the thread without the skin. For the same reason, points of a
+/// single stitch move with the skin if they are less than a spacing below it.
 std::vector<Vec3d> embedded_points(const Model& model, const Stitch& stitch) {
-  if (!stitch.keeps_bites) return stitch.rest;
   const bool by_skin = !model.anatomy.skin.patches.empty();
+  if (!stitch.keeps_bites) return by_skin ? lifted_to_patches(model, stitch.rest) : stitch.rest;
   const Vec3d left = by_skin ? stitch.rest[0] : bite_middle(stitch, 0),
               right = by_skin ? stitch.rest[3] : bite_middle(stitch, 2);
   std::vector<Vec3d> points{left, left, right, right};
