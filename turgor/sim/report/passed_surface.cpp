@@ -74,10 +74,20 @@ Vec3d away_from(const RestBody& body, Vec3d point) {
   return normalized(away);
 }
 
+/// True if parts of a body cannot move: a tool that pushes the others cannot carry the body along.
+bool has_fixed_parts(const World& world, BodyId id) {
+  if (id.kind != BodyKind::kLattice) return id.kind != BodyKind::kRigid;
+  const lattice::Anatomy& anatomy = world.lattice_bodies[std::size_t(id.index)].model.anatomy;
+  return anatomy.free_nodes < anatomy.body_nodes;
+}
+
 /// Follows a tool through the body at rest. A tool has passed through if it left on the side opposite to that
-/// of its entry and touches nothing there. A tool that bends a flap is on the other side too, in contact.
+/// of its entry and touches nothing there. A tool that bends a flap is on the other side too, in contact; but
+/// no flap of a held body reaches farther than the body is long.
 class Crossing {
  public:
+  explicit Crossing(bool is_held) : is_held_(is_held) {}
+
   bool is_passed(const RestBody& body, const contact::Shape& shape, const ForceSample& sample) {
     const LowestTip tip = lowest_tip(body, shape, sample);
     const bool was_inside = std::exchange(inside_, tip.height < 0);
@@ -85,10 +95,11 @@ class Crossing {
     if (inside_ && !was_inside && last_) entry_ = away_from(body, last_->point);
     if (was_inside && !inside_) is_opposite_ = entry_ && dot(*entry_, away_from(body, tip.point)) < 0;
     last_ = tip;
-    return is_opposite_ && sample.contacts == 0;
+    return is_opposite_ && (sample.contacts == 0 || (is_held_ && tip.height > body.size));
   }
 
  private:
+  bool is_held_ = false;
   bool inside_ = false, is_opposite_ = false;
   std::optional<LowestTip> last_;
   std::optional<Vec3d> entry_;  // away from the body where it entered
@@ -113,7 +124,7 @@ std::optional<SurfacePassage> surface_passage(const World& world, const Touching
     return sample.depth > contact::tip_radius(tool.tool.shape);
   });
   if (is_deep) body = rest_body(world, tool.body);
-  Crossing crossing;
+  Crossing crossing(has_fixed_parts(world, tool.body));
   const ForceSample* before = &tool.samples.start();
   for (const ForceSample& now : tool.samples) {
     const ForceSample& last = *std::exchange(before, &now);
