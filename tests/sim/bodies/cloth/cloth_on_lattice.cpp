@@ -99,10 +99,10 @@ TEST(ClothOnLattice, EqualBitsOnAnyThreads) {
 // shuffled order.
 TEST(ClothOnLattice, BackendMatchesHost) {
   const auto run_on = [](bool on_backend) {
-    World world =
-        sheet_on_lattice(test::fresh_folder(), Exec(1),
-                         {"body.fat.solver={ ordering = \"colors\", coarse = false }",
-                          "body.sheet.obstacle.peg.sphere={ center = [0, -0.03, 0.01], radius = 0.012 }"});
+    World world = sheet_on_lattice(
+        test::fresh_folder(), Exec(1),
+        {"body.fat.solver={ ordering = \"colors\", coarse = false }", "body.fat.tissue.partial_cells=false",
+         "body.sheet.obstacle.peg.sphere={ center = [0, -0.03, 0.01], radius = 0.012 }"});
     LatticeBody& fat = world.lattice_bodies[0];
     ClothBody& sheet = world.cloth_bodies[0];
     if (on_backend) {
