@@ -147,6 +147,34 @@ TEST(Views, OrgansAreWet) {
   }
 }
 
+// The section of a CT shows its gray values in the window of the scene, without a name for one color.
+TEST(Views, SectionOfCtHasGrayValues) {
+  BodySnapshot body = tissue(BodyKind::kLattice, Look::kSkin);
+  const LookScene look{.cutaway = CutawayScene{.body = body.id, .normal = {0, -3, 0}, .wedge = {}},
+                       .wet = {},
+                       .window = "bone"};
+  PictureItems plain;
+  add_body(body, SkinColor::kNone, nullptr, plain, look);
+  EXPECT_TRUE(plain.items.back().face_pictures.empty());
+  EXPECT_EQ(plain.names.size(), 2u);
+  CtVolume section;
+  section.grid = {.size = {2, 1, 1},
+                  .spacing = {0.01, 0.02, 1},
+                  .origin = {1, 2, 3},
+                  .axes = {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}}};
+  section.samples = {400, 1300};
+  body.sections = {section};
+  PictureItems items;
+  add_body(body, SkinColor::kNone, nullptr, items, look);
+  EXPECT_EQ(items.names.size(), 1u);
+  ASSERT_EQ(items.items.back().face_pictures.size(), 1u);
+  const FacePicture& picture = items.items.back().face_pictures[0];
+  EXPECT_EQ(picture.corner, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(picture.right, (Vec3d{0, 0.01, 0}));
+  EXPECT_EQ(picture.up, (Vec3d{0, 0, 0.02}));
+  EXPECT_EQ(picture.image.pixels, (std::vector<Rgb>{{128, 128, 128}, {255, 255, 255}}));
+}
+
 // A cut-away applies to its body's surface and walls, has one section of both, and leaves inclusions whole or
 // cuts them.
 TEST(Views, CutawayAppliesToItsBody) {

@@ -31,10 +31,17 @@ class DrawingProcess : public testing::Test {
     const ColorScale scale{0, 1, "pressure [kPa]", 1};
     TriMesh colored = test::sphere({-0.1f, 0, 0}, 0.08f, 3), plain = test::sphere({0.1f, 0, 0}, 0.08f, 3);
     for (const Vec3 p : colored.vertices) colored.scalars.push_back(5 * p.z + 0.5f);
+    const FacePicture picture{.corner = {0.06, 0, -0.04},
+                              .right = {0.02, 0, 0},
+                              .up = {0, 0, 0.02},
+                              .image = {2, 2, {{200, 0, 0}, {0, 200, 0}, {0, 0, 200}, {200, 200, 200}}}};
     const std::vector<Rgb> colors(plain.vertices.size(), Rgb{20, 190, 20});
     return draw_meshes({{.mesh = &colored, .scale = &scale},
                         {.mesh = &plain, .colors = &colors, .see_through = true, .closed = true, .wet = true},
-                        {.mesh = &plain, .cutaway = {1, {{{0.1, 0, 0}, {0, -1, 0}}}}, .is_cut_face = true}},
+                        {.mesh = &plain,
+                         .cutaway = {1, {{{0.1, 0, 0}, {0, -1, 0}}}},
+                         .is_cut_face = true,
+                         .face_pictures = {picture}}},
                        kFront, 300, 200, quality);
   }
 };

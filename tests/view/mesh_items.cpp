@@ -145,6 +145,33 @@ TEST_F(MeshItems, PlaneCutsBall) {
     }
 }
 
+// A picture on the face covers it, with its first row at the bottom; left is red and right is green.
+TEST_F(MeshItems, FaceShowsItsPicture) {
+  const TriMesh ball = test::sphere({}, 0.15f, 96);
+  constexpr Camera front{.eye = {0, -1, 0}, .target = {0, 0, 0}};
+  std::vector<RenderItem> items = cut_ball(ball, {1, {plane_at({0, -1, 0}, 0)}});
+  Image picture = make_image(4, 2, kRed);
+  for (const int x : {2, 3}) picture.at(x, 0) = picture.at(x, 1) = kGreen;
+  for (int x = 0; x < 4; x++) picture.at(x, 0) = {20, 20, 220};
+  // pixels of 0.1 m around the middle of the ball
+  items[1].color = {200, 200, 200};
+  items[1].face_pictures = {
+      {.corner = {-0.15, 0, -0.05}, .right = {0.1, 0, 0}, .up = {0, 0, 0.1}, .image = picture}};
+  for (const RenderQuality quality : {RenderQuality::kFull, RenderQuality::kQuick}) {
+    const Image image = draw(items, quality, front);
+    const auto at = [&](double x, double z) {
+      const double scale = 0.5 * kHeight / (camera_frame(front).tan_half * norm(front.eye));
+      return image.at(int(0.5 * kWidth + scale * x), int(0.5 * kHeight - scale * z));
+    };
+    EXPECT_TRUE(test::is_red(at(-0.08, 0.06)));
+    EXPECT_TRUE(test::is_green(at(0.08, 0.06)));
+    for (const double x : {-0.08, 0.08}) {
+      const Rgb low = at(x, -0.08);
+      EXPECT_TRUE(low.b > 2 * low.r && low.b > 2 * low.g) << int(low.r) << " " << int(low.g);
+    }
+  }
+}
+
 // Two planes remove a wedge only, and both of its faces are drawn.
 TEST_F(MeshItems, WedgeCutsBall) {
   const Cutaway wedge{2, {plane_at({0.9, -0.5, 0.1}, 0.01), plane_at({-0.5, -0.4, 0.7}, -0.02)}};

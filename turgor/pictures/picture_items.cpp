@@ -135,12 +135,9 @@ bool is_wet(const BodySnapshot& body, const LookScene& look) {
 
 Cutaway cutaway_of(const BodySnapshot& body, const LookScene& look) {
   if (!look.cutaway || look.cutaway->body != body.id) return {};
-  const CutawayScene& scene = *look.cutaway;
-  const Vec3d size = body.box.high - body.box.low, f = scene.at;
-  const Vec3d at =
-      scene.by_fraction ? body.box.low + Vec3d{size.x * f.x, size.y * f.y, size.z * f.z} : scene.at;
-  Cutaway cutaway{1, {{at, normalized(scene.normal)}, {}}};
-  if (scene.wedge) cutaway.plane[cutaway.planes++] = {at, normalized(*scene.wedge)};
+  const CutawayPlanes planes = cutaway_planes(*look.cutaway, body.box);
+  Cutaway cutaway;
+  for (const Vec3d normal : planes.normals) cutaway.plane[cutaway.planes++] = {planes.at, normal};
   return cutaway;
 }
 
@@ -151,6 +148,31 @@ void add_section(TriMesh closed, Rgb color, const Cutaway& cutaway, bool wet, Pi
   items.add(std::move(closed), color);
   RenderItem& item = items.items.back();
   item.cutaway = cutaway, item.is_cut_face = true, item.wet = wet;
+}
+
+/// Gray values of a section of a CT, seen from the removed side.
+FacePicture face_picture(const CtVolume& section, Window window) {
+  const Grid& grid = section.grid;
+  FacePicture picture{.corner = grid.origin,
+                      .right = grid.axes.column[0] * grid.spacing.x,
+                      .up = grid.axes.column[1] * grid.spacing.y,
+                      .image = make_image(grid.size.x, grid.size.y)};
+  std::transform(section.samples.begin(), section.samples.end(), picture.image.pixels.begin(),
+                 [window](std::int16_t hu) {
+                   const std::uint8_t gray = gray_value(hu, window);
+                   return Rgb{gray, gray, gray};
+                 });
+  return picture;
+}
+
+/// Gray values of the section that was added last, if the body has them.
+bool add_gray_values(const BodySnapshot& body, const LookScene& look, PictureItems& items) {
+  RenderItem& item = items.items.back();
+  const Result<Window> window = window_preset(look.window);
+  if (body.sections.size() != std::size_t(item.cutaway.planes) || !window) return false;
+  for (const CtVolume& section : body.sections) item.face_pictures.push_back(face_picture(section, *window));
+  item.wet = false;  // its highlights would read as bone
+  return true;
 }
 
 /// Inclusions, which are seen through the body, stand out of its section or are cut with it.
@@ -196,7 +218,7 @@ void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale
   if (!scale) add_name(own, body.name, items.names);
   if (cutaway.planes > 0) {
     add_section(std::move(closed), section_color(body), cutaway, body.look != Look::kCloth, items);
-    add_name(section_color(body), body.name + ", cut", items.names);
+    if (!add_gray_values(body, look, items)) add_name(section_color(body), body.name + ", cut", items.names);
   }
   if (!body.inside.triangles.empty())
     add_inclusions(body, scale, cutaway, look.cutaway && look.cutaway->cuts_inclusions && cutaway.planes > 0,

@@ -321,6 +321,7 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
   Result<World> world = load_world(exec, scene, callbacks.begin, Purpose::kDraw);
   if (!world) return world.error();
   WorldSnapshot snapshot;
+  snapshot.cutaway = scene.look.cutaway;
   std::vector<Pressed> pressed;
   Status status = recording.check_world(*world);
   if (status) status = recording.restore(exec, 0, *world, snapshot);

@@ -58,6 +58,7 @@ Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, c
                            std::optional<Simulated> resumed) {
   // initial state
   Running run{exec, world, events, resumed ? std::move(*resumed) : Simulated()};
+  run.result.snapshot.cutaway = scene.look.cutaway;
   if (!resumed) {
     run.result.measures = make_measures(world);
     if (const Status first = take_snapshot(run); !first) return first.error();

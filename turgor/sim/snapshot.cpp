@@ -179,6 +179,7 @@ void show(const Exec& exec, const World& world, WorldSnapshot& out) {
       }
   });
   show_organ_forces(world, out);
+  show_sections(exec, world, out);
 }
 
 }  // namespace turgor

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <any>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,9 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
+#include "turgor/geometry/volume.hpp"
 #include "turgor/sim/scene/body_id.hpp"
+#include "turgor/sim/scene/look_scene.hpp"
 
 namespace turgor {
 
@@ -44,10 +47,11 @@ struct BodySnapshot {
   TriMesh inside;                // inclusions (sfem) in their present shape
   std::vector<std::string> inside_names;
   SmoothSnapshot smooth;
-  std::size_t wall_begin = 0;  // first triangle of wound walls
-  Box box;                     // around the body at rest [m]
-  double typical_force = 1;    // force of an indentation of about a centimeter [N]
-  double seconds = 0;          // wall time of filling it
+  std::vector<CtVolume> sections;  // of a CT body by the planes of its cut-away, one sample thick
+  std::size_t wall_begin = 0;      // first triangle of wound walls
+  Box box;                         // around the body at rest [m]
+  double typical_force = 1;        // force of an indentation of about a centimeter [N]
+  double seconds = 0;              // wall time of filling it
 
   std::any cache;  // cache of the model's `show`
 };
@@ -80,6 +84,7 @@ struct WorldSnapshot {
   std::vector<TriMesh> obstacles;        // cloth obstacles that are not bodies
   std::vector<TriMesh> threads;          // of sutures; empty where none bears
   std::vector<OrganForce> organ_forces;  // attachments, then contacts; without those that bear no force
+  std::optional<CutawayScene> cutaway;   // set by the caller: whose planes have sections of a CT
 };
 
 /// Sets the fields that do not depend on the state.
@@ -96,6 +101,8 @@ void show_name(BodyId id, const Body& body, BodySnapshot& out) {
 void show_threads(const World& world, WorldSnapshot& out);
 /// Sets the forces between bodies. Requires the points of the bodies.
 void show_organ_forces(const World& world, WorldSnapshot& out);
+/// Sets the section of the deformed CT in each plane of the cut-away.
+void show_sections(const Exec& exec, const World& world, WorldSnapshot& out);
 /// Fills the whole snapshot. `out` is new or of this world.
 void show(const Exec& exec, const World& world, WorldSnapshot& out);
 /// Sets names, looks, boxes and tool shapes; the caller fills in the rest.

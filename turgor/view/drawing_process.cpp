@@ -9,7 +9,6 @@
 #include <mutex>
 #include <new>
 #include <optional>
-#include <type_traits>
 #include <utility>
 
 #include <fcntl.h>
@@ -23,6 +22,7 @@
 #include <unistd.h>
 
 #include "turgor/io/files/child.hpp"
+#include "turgor/view/drawing_message.hpp"
 
 extern char** environ;
 
@@ -32,48 +32,6 @@ namespace {
 
 // Limits of the child. Drivers reserve more addresses than they use, so the limit is on private memory.
 constexpr rlim_t kMostMemory = rlim_t(16) << 30, kLargestFile = rlim_t(1) << 30;  // [bytes]
-
-/// Message between parent and child, which are the same program: plain values and vectors of them.
-class Message {
- public:
-  Message() = default;
-  explicit Message(std::string bytes) : bytes_(std::move(bytes)) {}
-  const std::string& bytes() const { return bytes_; }
-
-  template <class T>
-  void put(const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  template <class T>
-  void put(const std::vector<T>& values) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    put(std::uint64_t(values.size()));
-    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-  }
-
-  // These return false, and leave the value, if the message is too short.
-  template <class T>
-  bool take(T& value) {
-    if (bytes_.size() - at_ < sizeof value) return false;
-    std::memcpy(&value, bytes_.data() + at_, sizeof value);
-    at_ += sizeof value;
-    return true;
-  }
-  template <class T>
-  bool take(std::vector<T>& values) {
-    std::uint64_t count = 0;
-    if (!take(count) || (bytes_.size() - at_) / sizeof(T) < count) return false;
-    values.resize(std::size_t(count));
-    std::memcpy(static_cast<void*>(values.data()), bytes_.data() + at_, values.size() * sizeof(T));
-    at_ += values.size() * sizeof(T);
-    return true;
-  }
-
- private:
-  std::string bytes_;
-  std::size_t at_ = 0;
-};
 
 /// An item with the data that its pointers refer to.
 struct OwnedItem {
@@ -92,6 +50,23 @@ struct DrawingRequest {
   std::vector<OwnedItem> items;
 };
 
+void put_picture(Message& message, const FacePicture& picture) {
+  message.put(picture.corner), message.put(picture.right), message.put(picture.up);
+  message.put(picture.image.width), message.put(picture.image.height), message.put(picture.image.pixels);
+}
+
+bool take_pictures(Message& message, std::vector<FacePicture>& pictures) {
+  std::uint64_t count = 0;
+  if (!message.take(count) || count > 2) return false;
+  for (FacePicture& picture : pictures = std::vector<FacePicture>(std::size_t(count))) {
+    Image& image = picture.image;
+    if (!message.take(picture.corner) || !message.take(picture.right) || !message.take(picture.up) ||
+        !message.take(image.width) || !message.take(image.height) || !message.take(image.pixels))
+      return false;
+  }
+  return true;
+}
+
 Message request_of(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
                    RenderQuality quality) {
   Message message;
@@ -103,6 +78,8 @@ Message request_of(const std::vector<RenderItem>& items, const Camera& camera, i
     message.put(mesh.scalars);
     message.put(item.color), message.put(item.see_through), message.put(item.closed);
     message.put(item.wet), message.put(item.cutaway), message.put(item.is_cut_face);
+    message.put(std::uint64_t(item.face_pictures.size()));
+    for (const FacePicture& picture : item.face_pictures) put_picture(message, picture);
     message.put(item.scale != nullptr);
     if (item.scale) message.put(item.scale->low), message.put(item.scale->high);
     message.put(item.colors != nullptr);
@@ -117,7 +94,8 @@ bool take_item(Message& message, OwnedItem& owned) {
   bool good = message.take(mesh.vertices) && message.take(mesh.triangles) && message.take(mesh.normals) &&
               message.take(mesh.scalars) && message.take(item.color) && message.take(item.see_through) &&
               message.take(item.closed) && message.take(item.wet) && message.take(item.cutaway) &&
-              message.take(item.is_cut_face) && message.take(owned.has_scale);
+              message.take(item.is_cut_face) && take_pictures(message, item.face_pictures) &&
+              message.take(owned.has_scale);
   if (good && owned.has_scale) good = message.take(owned.scale.low) && message.take(owned.scale.high);
   good = good && message.take(owned.has_colors);
   return good && (!owned.has_colors || message.take(owned.colors));

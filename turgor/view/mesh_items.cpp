@@ -105,6 +105,27 @@ GLuint upload_face(GlObjects& objects, const CutawayPlane& plane, const Box& box
   return array;
 }
 
+// Uploads the picture of a face, with coordinates from 0 to 1 between its outer borders.
+void upload_picture(GlObjects& objects, const FacePicture& picture, int face, GlMesh& held) {
+  const Image& image = picture.image;
+  const GLuint texture = objects.new_texture();
+  held.pictures[face] = texture;
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, image.width, image.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+               image.pixels.data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  const Vec3d steps[2] = {picture.right, picture.up};
+  const double counts[2] = {double(image.width), double(image.height)};
+  for (int i = 0; i < 2; i++) {
+    const Vec3d row = steps[i] / (dot(steps[i], steps[i]) * counts[i]);
+    held.to_picture[face][i] = Vec3(row);
+    held.offset[face][i] = float(0.5 / counts[i] - dot(row, picture.corner));
+  }
+}
+
 // Draws only points with dot(normal, x) + offset ≥ 0.
 void clip_to(Vec3d normal, double offset) {
   set_uniform("kept_side", Vec3(normal), float(offset));
@@ -122,6 +143,15 @@ void set_item(const GlMesh& item) {
   glVertexAttrib3f(2, item.color.x, item.color.y, item.color.z);  // for vertices without colors
   set_uniform("use_map", item.use_map);
   set_uniform("wet", item.wet);
+  set_uniform("use_picture", false);
+}
+
+void set_picture(const GlMesh& item, int face) {
+  if (!item.pictures[face]) return;
+  set_uniform("use_picture", true);
+  set_uniform("picture_right", item.to_picture[face][0], item.offset[face][0]);
+  set_uniform("picture_up", item.to_picture[face][1], item.offset[face][1]);
+  set_texture("face_picture", 6, item.pictures[face]);
 }
 
 // Counts the surfaces of the item on the kept side of the plane: a stencil above kNone is inside.
@@ -152,6 +182,7 @@ void fill_face(GLuint program, const GlMesh& item, int plane) {
   glUseProgram(program);
   set_item(item);
   set_uniform("use_map", false);
+  set_picture(item, plane);
   if (item.cutaway.planes == 2)
     clip_to_removed(item.cutaway.plane[1 - plane]);
   else
@@ -180,8 +211,11 @@ GlScene upload_scene(GlObjects& objects, const std::vector<RenderItem>& items, c
     }
     Box all = boxes.front();
     for (const Box& box : boxes) all = joined(all, box);
-    for (int p = 0; p < item.cutaway.planes; p++)
+    for (int p = 0; p < item.cutaway.planes; p++) {
       held.faces[p] = upload_face(objects, item.cutaway.plane[p], all);
+      if (std::size_t(p) < item.face_pictures.size())
+        upload_picture(objects, item.face_pictures[std::size_t(p)], p, held);
+    }
     scene.cut_faces.push_back(held);
   }
   return scene;

@@ -22,7 +22,10 @@ struct GlMesh {
   bool use_map = false, see_through = false, closed = false, wet = false;
   float size = 0;  // of a see-through item [m]
   Cutaway cutaway;
-  GLuint faces[2] = {0, 0};  // of a cut face: a square in each plane, which covers all items
+  GLuint faces[2] = {0, 0};     // of a cut face: a square in each plane, which covers all items
+  GLuint pictures[2] = {0, 0};  // on these faces; 0: `color`
+  Vec3 to_picture[2][2];        // coordinates in a picture: dot(to_picture[face][i], x) + offset[face][i]
+  float offset[2][2] = {};
 };
 
 /// OpenGL objects of the items, and the view.

@@ -50,7 +50,7 @@ Result<MeshPrograms> link_mesh_programs() {
   };
   for (const SurfaceSource& one : surfaces) {
     const Result<GLuint> whole = link_program(one.vertex.c_str(), one.fragment),
-                         cut = link_program(with_cut(one.vertex).c_str(), one.fragment);
+                         cut = link_program(with_cut(one.vertex).c_str(), with_cut(one.fragment).c_str());
     if (!whole || !cut) return whole ? cut.error() : whole.error();
     *one.program = {*whole, *cut};
   }

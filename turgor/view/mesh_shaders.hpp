@@ -35,7 +35,8 @@ layout(location = 3) in float fraction;
 uniform mat4 to_clip;
 uniform vec3 eye;
 #ifdef CUT
-uniform vec4 kept_side;
+uniform vec4 kept_side, picture_right, picture_up;
+out vec2 at_picture;
 #endif
 invariant gl_Position;  // see-through surfaces and cut faces are drawn twice
 out vec3 to_eye;
@@ -47,6 +48,7 @@ void main() {
   gl_Position = to_clip * vec4(position, 1);
 #ifdef CUT
   gl_ClipDistance[0] = dot(kept_side, vec4(position, 1));
+  at_picture = vec2(dot(picture_right, vec4(position, 1)), dot(picture_up, vec4(position, 1)));
 #endif
   to_eye = eye - position;
   surface_normal = normal;
@@ -66,6 +68,11 @@ in float map_fraction;
 uniform sampler2D color_map;
 uniform bool use_map, wet;
 uniform vec3 right_axis, up, back_axis;
+#ifdef CUT
+in vec2 at_picture;
+uniform sampler2D face_picture;
+uniform bool use_picture;
+#endif
 layout(location = 0) out uint packed_color;
 layout(location = 1) out uint packed_normal;
 
@@ -85,6 +92,9 @@ void main() {
     float texel = clamp(map_fraction, 0.0, 1.0) * 255.0 + 0.5;
     albedo = pow(texture(color_map, vec2(texel / 256.0, 0.5)).rgb, vec3(2.2));
   }
+#ifdef CUT
+  if (use_picture) albedo = pow(texture(face_picture, at_picture).rgb, vec3(2.2));
+#endif
   uvec3 c = uvec3(0.5 + 255.0 * sqrt(clamp(albedo, 0.0, 1.0)));
   packed_color = c.r | c.g << 8 | c.b << 16 | (mapped ? 2u : wet ? 3u : 1u) << 24;
   packed_normal = at.x | at.y << 16;

@@ -17,6 +17,13 @@ namespace turgor {
 /// per vertex, for moving pictures without a GPU.
 enum class RenderQuality : std::uint8_t { kFull, kQuick };
 
+/// Picture on the face of a cut-away, such as gray values of a CT.
+struct FacePicture {
+  Vec3d corner;     // center of the first pixel of the first row [m]
+  Vec3d right, up;  // to the next pixel, and to the next row [m]
+  Image image;
+};
+
 struct RenderItem {
   const TriMesh* mesh = nullptr;
   Rgb color{224, 172, 145};                  // without a scale
@@ -27,6 +34,7 @@ struct RenderItem {
   bool wet = false;  // a film of water reflects (wet_reflection.hpp), except where a color map shows values
   Cutaway cutaway;   // not drawn, and casts no shadow
   bool is_cut_face = false;  // the section of a closed mesh by the planes of its cut-away, not its surface
+  std::vector<FacePicture> face_pictures = {};  // of a section, one per plane; empty: `color`
 };
 
 /// Both sides of every triangle are drawn. Missing normals are computed. Scalars that are NaN show the item's

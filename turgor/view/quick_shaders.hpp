@@ -12,7 +12,9 @@ layout(location = 3) in float fraction;
 uniform mat4 to_clip;
 uniform vec3 eye;
 #ifdef CUT
-uniform vec4 kept_side;
+uniform vec4 kept_side, picture_right, picture_up;
+out vec2 at_picture;
+out vec3 picture_light;
 #endif
 uniform sampler2D color_map;
 uniform bool use_map;
@@ -25,6 +27,7 @@ void main() {
   gl_Position = to_clip * vec4(position, 1);
 #ifdef CUT
   gl_ClipDistance[0] = dot(kept_side, vec4(position, 1));
+  at_picture = vec2(dot(picture_right, vec4(position, 1)), dot(picture_up, vec4(position, 1)));
 #endif
   vec3 n = dot(normal, eye - position) < 0.0 ? -normal : normal;
   vec3 albedo = pow(color, vec3(2.2));
@@ -32,6 +35,9 @@ void main() {
     albedo = pow(texelFetch(color_map, ivec2(clamp(fraction, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb, vec3(2.2));
   vec3 lit = key_color * max(0.0, (dot(n, key) + 0.25) / 1.25) + fill_color * max(0.0, dot(n, fill));
   lit += mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));
+#ifdef CUT
+  picture_light = lit;
+#endif
   float facing = abs(dot(n, normalize(eye - position)));
   shown = vec4(pow(min(albedo * lit, 1.0), vec3(1.0 / 2.2)), through < 1.0 ? through * smoothstep(0.0, 0.9, facing) : 1.0);
 }
@@ -39,9 +45,23 @@ void main() {
 
 constexpr const char* kQuickFragmentShader = R"(#version 330 core
 in vec4 shown;
+#ifdef CUT
+in vec2 at_picture;
+in vec3 picture_light;
+uniform sampler2D face_picture;
+uniform bool use_picture;
+#endif
 layout(location = 0) out vec4 picture;
 
-void main() { picture = shown; }
+void main() {
+  picture = shown;
+#ifdef CUT
+  if (use_picture) {
+    vec3 albedo = pow(texture(face_picture, at_picture).rgb, vec3(2.2));
+    picture.rgb = pow(min(albedo * picture_light, 1.0), vec3(1.0 / 2.2));
+  }
+#endif
+}
 )";
 
 }  // namespace turgor

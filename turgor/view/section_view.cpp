@@ -43,11 +43,6 @@ PlaneAxes plane_axes(Plane plane) {
   return {};
 }
 
-std::uint8_t gray(double hu, Window window) {
-  const double fraction = (hu - window.level) / std::max(window.width, 1e-9) + 0.5;
-  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0, 1.0)));
-}
-
 Image resample(const CtVolume& ct, const SectionFrame& frame, Window window) {
   Image image = make_image(frame.width, frame.height);
   const Vec3d first = index_at(ct.grid, frame.corner);
@@ -57,7 +52,7 @@ Image resample(const CtVolume& ct, const SectionFrame& frame, Window window) {
     for (int x = 0; x < frame.width; x++) {
       const Vec3d index = first + along * double(x) + below * double(y);
       if (!inside_samples(ct.grid, index)) continue;
-      const std::uint8_t g = gray(sample_clamped(ct, Vec3(index)), window);
+      const std::uint8_t g = gray_value(sample_clamped(ct, Vec3(index)), window);
       image.at(x, y) = {g, g, g};
     }
   }
@@ -97,6 +92,11 @@ void draw_scale_bar(Image& image, double pixel) {
 }
 
 }  // namespace
+
+std::uint8_t gray_value(double hu, Window window) {
+  const double fraction = (hu - window.level) / std::max(window.width, 1e-9) + 0.5;
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0, 1.0)));
+}
 
 Result<Window> window_preset(const std::string& name) {
   std::string known;

@@ -20,6 +20,9 @@ struct Window {
 /// "abdomen", "bone", "lung", "brain", "air".
 Result<Window> window_preset(const std::string& name);
 
+/// Gray value of a sample, 0 to 255.
+std::uint8_t gray_value(double hu, Window window);
+
 /// Pixel grid of a section: pixel (0, 0) is centered on `corner`; the next pixels right and below are `pixel`
 /// away.
 struct SectionFrame {

@@ -44,7 +44,7 @@ Status draw_world(const Viewer& viewer, bool moves, int width, int height, World
   if (picture.has_scale) picture.scale = scale_for(snapshot, *viewer.now->scene, color);
   PictureItems items;
   LookScene look = viewer.now->scene->look;
-  look.cutaway = viewer.display.cutaway;
+  look.cutaway = viewer.display.cutaway, look.window = viewer.display.window;
   // fingertips of the mouse, which follow the tools of the scene, are shown while they touch
   const std::size_t tools = viewer.touching ? snapshot.tools.size() : viewer.now->scene->tools.size();
   add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, items, look,

@@ -161,6 +161,7 @@ struct Viewer {
   double drawn_per_second = 0;                     // pictures [1/s]
   std::chrono::steady_clock::time_point asked_ct;  // latest request
   int ct_frame = -1;                               // shown at that time
+  std::optional<CutawayScene> asked_cutaway;       // of the latest request
   CtTargets ct_targets;                            // of that request
   bool draws_on_device = true;                     // the last volume picture fitted into GPU memory
 };

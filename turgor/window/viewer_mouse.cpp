@@ -140,6 +140,13 @@ void ask_for_ct(Viewer& viewer) {
   viewer.session.request(CtRequest{targets});
 }
 
+/// Requests sections of the CT in the planes of the shown cut-away.
+void ask_for_sections(Viewer& viewer) {
+  if (viewer.asked_cutaway == viewer.display.cutaway) return;
+  viewer.asked_cutaway = viewer.display.cutaway;
+  viewer.session.request(CutawayRequest{viewer.display.cutaway});
+}
+
 constexpr MouseHelp kMouseHelp[] = {
     {"left on a body",
      "press with the body's tool, and slide; on cloth without a tool: wind; in cut mode: cut skin"},
@@ -237,7 +244,7 @@ void look(Viewer& viewer) {
   if (viewer.framed != now.world) meet_world(viewer);
   move_needle(viewer);
   if (viewer.touching) set_target(*viewer.touching, viewer.teleports, viewer.touching->depth);
-  ask_for_ct(viewer);
+  ask_for_ct(viewer), ask_for_sections(viewer);
 }
 
 }  // namespace turgor

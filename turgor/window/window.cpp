@@ -31,7 +31,8 @@ std::string& glfw_trouble() {
 bool same(const DrawnState& a, const DrawnState& b) {
   return a.world == b.world && a.frame == b.frame && a.width == b.width && a.height == b.height &&
          a.camera.eye == b.camera.eye && a.camera.target == b.camera.target && a.color == b.color &&
-         a.style == b.style;
+         a.style == b.style && a.cutaway == b.cutaway && a.sectioned == b.sectioned &&
+         a.gray_values == b.gray_values && a.organ_forces == b.organ_forces;
 }
 
 struct PixelSize {
@@ -181,7 +182,11 @@ void SceneWindow::Impl::draw_surfaces(int width, int height) {
                            height,
                            viewer->camera,
                            viewer->display.color,
-                           viewer->display.style};
+                           viewer->display.style,
+                           viewer->display.cutaway,
+                           now.snapshot.cutaway,
+                           viewer->display.window,
+                           viewer->display.organ_forces};
   const bool changes = !same(current, drawn);
   if (changes) changed = Clock::now();
   constexpr double kRest = 0.25;  // delay before the full quality is used [s]

@@ -25,6 +25,9 @@ struct DrawnState {
   Camera camera;
   SkinColor color = SkinColor::kNone;
   MeshStyle style = MeshStyle::kSurface;
+  std::optional<CutawayScene> cutaway, sectioned;  // of the viewer, and of the snapshot
+  std::string gray_values;                         // window of the sections
+  bool organ_forces = false;
 };
 
 /// Rectangle of the framebuffer, from its lower left corner [pixels].

@@ -13,14 +13,19 @@ void transfer(File& file, TriMesh& mesh) {
   auto& [vertices, triangles, normals, scalars] = mesh;
   transfer_all(file, vertices, triangles, normals, scalars);
 }
+template <class File, class T>
+void transfer(File& file, Volume<T>& volume) {
+  auto& [grid, samples] = volume;
+  transfer_all(file, grid, samples);
+}
 /// Without the cache, which show() fills again, and without the smooth surface, which reading makes again.
 template <class File>
 void transfer(File& file, BodySnapshot& body) {
   auto& [id, name, look, rest, displacement, x, normals, pressure, stretch, triangles, mesh_vertex, patch,
-         inside, inside_names, smooth, wall_begin, box, typical_force, seconds, cache] = body;
+         inside, inside_names, smooth, sections, wall_begin, box, typical_force, seconds, cache] = body;
   transfer_all(file, id, name, look, rest, displacement, x, normals, pressure, stretch, triangles,
-               mesh_vertex, patch, inside, inside_names, smooth.coarse, wall_begin, box, typical_force,
-               seconds);
+               mesh_vertex, patch, inside, inside_names, smooth.coarse, sections, wall_begin, box,
+               typical_force, seconds);
   if constexpr (File::kReads) cache.reset(), show_smooth(body);
 }
 template <class File>
@@ -35,7 +40,7 @@ void transfer(File& file, OrganForce& force) {
 }
 template <class File>
 void transfer(File& file, WorldSnapshot& snapshot) {
-  auto& [time, frame, bodies, tools, obstacles, threads, organ_forces] = snapshot;
+  auto& [time, frame, bodies, tools, obstacles, threads, organ_forces, cutaway] = snapshot;  // the scene's
   transfer_all(file, time, frame, bodies, tools, obstacles, threads, organ_forces);
 }
 template <class File>

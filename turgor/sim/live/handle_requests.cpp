@@ -48,6 +48,8 @@ void handle(const CtRequest& request, SessionThread& session) {
   session.next.ct = session.ct.ct;
 }
 
+void handle(const CutawayRequest& request, SessionThread& session) { session.cutaway = request.cutaway; }
+
 /// Applies a cut, a stitch, a wind or a changed value to the world. Reports the reason if that is impossible.
 template <class AnyRequest>
 bool apply(const AnyRequest& request, SessionThread& session) {

@@ -7,12 +7,14 @@
 #include <deque>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "turgor/sim/deformed_ct.hpp"
 #include "turgor/sim/live/requests.hpp"
+#include "turgor/sim/scene/look_scene.hpp"
 
 namespace turgor {
 
@@ -30,6 +32,9 @@ struct OpenRequest {      // opens another scene
 struct CtRequest {  // computes the deformed CT: see SessionStatus::ct
   CtTargets targets;
 };
+struct CutawayRequest {  // snapshots have sections of the CT in the planes of this cut-away; empty: none
+  std::optional<CutawayScene> cutaway;
+};
 /// Saves a haptic recording of all inputs since the world was loaded (haptic_recording.hpp).
 /// SessionStatus::saved has the result.
 struct SaveRequest {
@@ -39,7 +44,7 @@ struct UndoRequest {};  // takes back the latest cut, stitch or change (edit_his
 struct RedoRequest {};  // repeats what was taken back last
 using Request = std::variant<UndoRequest, RedoRequest, PaceRequest, StepRequest, ResetRequest, ReloadRequest,
                              OpenRequest, CutRequest, WindRequest, CtRequest, ChangeRequest, SaveRequest,
-                             StitchRequest, TightenRequest>;
+                             StitchRequest, TightenRequest, CutawayRequest>;
 
 /// Requests that the session's thread has not taken yet.
 class RequestQueue {

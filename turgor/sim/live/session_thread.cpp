@@ -58,6 +58,7 @@ void publish(SessionThread& session) {
 
   // snapshot
   if (shows) {
+    out.snapshot.cutaway = session.cutaway;
     show(session.exec, *live.world, out.snapshot);
     show_smooth(out.snapshot);
     add_to_mean(timer.seconds(), next.show_seconds);

@@ -47,6 +47,7 @@ struct SessionThread {
   EditHistory history = {};
   CutMeasuring cut_measuring = {};
   SessionCt ct = {};
+  std::optional<CutawayScene> cutaway = {};  // whose planes have sections of the CT
   PaceMeter meter = {};
   ProgressReports progress = {};
   std::chrono::steady_clock::time_point published_at = {};  // time of the latest snapshot for readers

@@ -241,6 +241,7 @@ Status Recording::restore(const Exec& exec, int index, World& world, WorldSnapsh
   for (Suture& suture : world.sutures)
     if (const Status status = read_suture_state(file_, group, world, suture); !status) return status;
   show_threads(world, snapshot);
+  show_sections(exec, world, snapshot);
   return Done{};
 }
 

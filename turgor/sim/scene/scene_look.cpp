@@ -42,6 +42,14 @@ void read_cutaway(SceneTable& output, Scene& scene) {
     table.fail("wedge", "expected a direction that is not parallel to normal");
   table.finish();
   if (output.has("cutaway")) scene.look.cutaway = cutaway;
+  scene.look.window = scene.output.window;
+}
+
+CutawayPlanes cutaway_planes(const CutawayScene& cutaway, const Box& box) {
+  const Vec3d at = cutaway.by_fraction ? box.low + hadamard(box.high - box.low, cutaway.at) : cutaway.at;
+  CutawayPlanes planes{at, {normalized(cutaway.normal)}};
+  if (cutaway.wedge) planes.normals.push_back(normalized(*cutaway.wedge));
+  return planes;
 }
 
 }  // namespace turgor
