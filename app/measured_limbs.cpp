@@ -39,6 +39,10 @@ struct LimbStrains {
   double whole, fat, muscle;  // [1]
 };
 
+/// Cells between the probe and rigid walls that hold the muscle on two sides, as a compartment between bones
+/// does.
+constexpr int kNoWalls = -1, kNearWalls = 1;
+
 /// Layered slab on fixed nodes, with the probe's side as a whole number of cells.
 struct LimbSlab {
   static constexpr int kProbe = 4, kBeside = 5;  // cells
@@ -46,7 +50,7 @@ struct LimbSlab {
   int cells;                                     // along the depth
   lattice::Model model;
 
-  LimbSlab(const LimbSite& site, LimbModuli moduli) : side(std::sqrt(site.area) * 1e-3) {
+  LimbSlab(const LimbSite& site, LimbModuli moduli, int walls) : side(std::sqrt(site.area) * 1e-3) {
     const double thickness = (site.fat + site.muscle) * 1e-3;
     cells = std::max(4, int(std::lround(thickness / (side / kProbe))));
     height = thickness / cells;
@@ -60,10 +64,14 @@ struct LimbSlab {
                             {"muscle", 0, {}, moduli.muscle * 1e3, 0.45, 1}};
     params.solver.sweeps = 12, params.solver.damping = 4;
     const int wide = kProbe + 2 * kBeside + 1;
+    const auto is_fixed = [&](Int3 p) {
+      const bool is_beside = p.y <= kBeside - walls || p.y >= kBeside + kProbe + walls;
+      return p.z == 0 || (walls != kNoWalls && is_beside && p.z * height <= site.muscle * 1e-3);
+    };
     lattice::BodyNodes nodes = lattice::block_nodes({.size = {wide, wide, cells + 1},
                                                      .spacing = side / kProbe,
                                                      .young = params.tissue.muscle,
-                                                     .is_fixed = [](Int3 p) { return p.z == 0; }});
+                                                     .is_fixed = is_fixed});
     nodes.grid.spacing.z = height;
     model = lattice::assemble(Exec(1), nodes, nullptr, params).value();
   }
@@ -71,8 +79,8 @@ struct LimbSlab {
 };
 
 /// Strains under the median pressure: the probe goes down slowly until it bears that pressure.
-LimbStrains pressed_limb(const Exec& exec, const LimbSite& site, LimbModuli moduli) {
-  const LimbSlab slab(site, moduli);
+LimbStrains pressed_limb(const Exec& exec, const LimbSite& site, LimbModuli moduli, int walls = kNoWalls) {
+  const LimbSlab slab(site, moduli, walls);
   std::vector<lattice::NodeContact> contacts;
   constexpr int kFirst = LimbSlab::kBeside, kLast = LimbSlab::kBeside + LimbSlab::kProbe;
   for (int j = kFirst; j <= kLast; j++)
@@ -114,12 +122,16 @@ LimbStrains pressed_limb(const Exec& exec, const LimbSite& site, LimbModuli modu
   return last;
 }
 
+void add_strain(const LimbSite& site, const std::string& name, const LimbStrains& strains,
+                MeasuredResult& result) {
+  result.rows.push_back({fmt::format("limb, {}: strain under a flat probe at {} kPa", name, site.pressure),
+                         kLimbSource, "1", site.median, site.low, site.high, strains.whole});
+}
+
 void add_limb(const Exec& exec, const LimbSite& site, LimbModuli moduli, bool is_fitted,
               MeasuredResult& result) {
-  const LimbStrains strains = pressed_limb(exec, site, moduli);
-  result.rows.push_back({fmt::format("limb, {}: strain under a flat probe at {} kPa{}", site.name,
-                                     site.pressure, is_fitted ? " (fitted)" : ""),
-                         kLimbSource, "1", site.median, site.low, site.high, strains.whole});
+  add_strain(site, fmt::format("{}{}", site.name, is_fitted ? " (fitted)" : ""),
+             pressed_limb(exec, site, moduli), result);
 }
 
 }  // namespace
@@ -138,6 +150,15 @@ void add_limbs(const Exec& exec, MeasuredResult& result) {
   const LimbModuli moduli{std::exp(x[0]), std::exp(x[1])};
   for (const LimbSite& site : kFitted) add_limb(exec, site, moduli, true, result);
   for (const LimbSite& site : kPredicted) add_limb(exec, site, moduli, false, result);
+
+  // the lower leg again, with the compartment in which its muscle lies, and with a stiffer muscle
+  const LimbSite& leg = kPredicted[1];
+  add_strain(leg,
+             fmt::format("{} between rigid walls {:.1f} mm beside the probe", leg.name,
+                         kNearWalls * std::sqrt(leg.area) / LimbSlab::kProbe),
+             pressed_limb(exec, leg, moduli, kNearWalls), result);
+  add_strain(leg, fmt::format("{} with three times the modulus of muscle", leg.name),
+             pressed_limb(exec, leg, {moduli.fat, 3 * moduli.muscle}), result);
 }
 
 }  // namespace turgor
