@@ -219,8 +219,16 @@ Handover take_patch(SfemTouch& touch, const FinishedPatch& offer) {
   TURGOR_ASSERT(offer.patch != nullptr, "an offered patch was built");
   touch.handover = take_patch(touch.state, *touch.patch, *offer.patch, touch.tools, offer.history);
   touch.patch = offer.patch;
-  touch.patch_number = offer.number;
+  touch.patch_number = offer.number, touch.solution_tick = 0;
   return touch.handover;
+}
+
+void take_solution(SfemTouch& touch, const PatchSolution& solution) {
+  if (!solution.patch || solution.base != touch.patch_number) return;
+  TURGOR_CHECK(solution.patch->points.size() == touch.patch->points.size(),
+               "a solution has the points of its patch");
+  take_patch(touch.state, *touch.patch, *solution.patch, touch.tools);
+  touch.patch = solution.patch, touch.solution_tick = solution.tick;
 }
 
 void publish(const SfemTouch& touch, SfemTouchSnapshot& now) {
@@ -277,8 +285,24 @@ void prepare(const SfemTouch& touch, SfemExchange& exchange) {
     reserve_like(touch, exchange.touched.writing());
     exchange.touched.publish();
     exchange.touched.read();
+    exchange.forces.writing().force.reserve(touch.state.x.capacity());
+    exchange.forces.publish();
+    exchange.forces.read();
   }
 }
+
+namespace {
+
+/// Publishes the forces for the solver of the patch.
+void publish_forces(const SfemTouch& touch, latest<LawForces>& forces) {
+  LawForces& now = forces.writing();
+  now.patch_number = touch.patch_number, now.solution_tick = touch.solution_tick;
+  now.ticks = touch.ticks;
+  now.force = touch.state.force;
+  forces.publish();
+}
+
+}  // namespace
 
 void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<const ToolCommand> commands,
                         double dt, std::span<ToolReading> readings) {
@@ -292,12 +316,14 @@ void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<cons
     TURGOR_ASSERT(motion.friction.size() <= touch.tools.size(), "at most one friction a tool");
     for (std::size_t t = 0; t < motion.friction.size(); t++) touch.tools[t].friction = motion.friction[t];
   }
-  // newest patch
+  // newest patch, and its newest solution
   if (exchange.patches.has_news()) take_patch(touch, exchange.patches.read());
+  if (exchange.solutions.has_news()) take_solution(touch, exchange.solutions.read());
   // tick and publish
   tick_sfem_touch(touch, commands, dt, readings);
   publish(touch, exchange.touched.writing());
   exchange.touched.publish();
+  if (exchange.is_solved) publish_forces(touch, exchange.forces);
 }
 
 }  // namespace turgor::contact

@@ -3,9 +3,12 @@
 //
 //   haptic thread                owns SfemTouch; only tick_*, take_free_motion and take_patch change it
 //      publishes each tick       SfemTouchSnapshot → the frame rotates and draws the body, reads tool poses
+//                                LawForces         → the nonlinear patch is solved for them
 //   frame (pictures, patches)    owns the rest of the body
 //      publishes each frame      FreeMotion        → take_free_motion: motion of the vertices without tools
 //      publishes when built      FinishedPatch        → take_patch: a patch at the tools' present positions
+//   solver of a nonlinear patch  owns its displacement (sim/bodies/sfem/law_solver.hpp)
+//      publishes when solved     PatchSolution     → take_solution: the same points, linearized again
 //
 // A patch and its sfem::Model are read-only while in use. Without a haptic device one thread calls all of
 // these functions in turn (sim/bodies/sfem/touch_sfem.cpp). The same tool path then gives the same bits.
@@ -34,6 +37,7 @@ struct SfemTouch {
   TouchState state;
   FreeMotionInterpolation free;
   long patch_number = 0;               // FinishedPatch::number of `patch`
+  long solution_tick = 0;              // PatchSolution::tick of `patch`; 0: as it was built
   long motion_number = 0;              // FreeMotion::number of the newest motion
   long ticks = 0;                      // number of ticks so far
   Handover handover;                   // of the last change of patch
@@ -82,6 +86,23 @@ struct FinishedPatch {
 /// Replaces the patch between two ticks. Allocates only if take_patch of patch_follow.hpp does.
 Handover take_patch(SfemTouch& touch, const FinishedPatch& offer);
 
+/// Forces on a nonlinear patch after a tick, published for its solver.
+struct LawForces {
+  long patch_number = 0, solution_tick = 0;  // as in SfemTouch
+  long ticks = 0;                            // number of ticks so far
+  std::vector<Vec3d> force;                  // on the points, at a stiffness_scale of 1 [N]
+};
+/// A nonlinear patch linearized at the solution for forces of LawForces. Its solver keeps a reference until
+/// it holds the last one.
+struct PatchSolution {
+  std::shared_ptr<const sfem::Patch> patch;
+  long base = 0;  // FinishedPatch::number of the patch that was solved
+  long tick = 0;  // LawForces::ticks of the forces; positive
+};
+/// Replaces the patch by its solution between two ticks; a solution of another patch is ignored. Does not
+/// allocate, because the points are the same.
+void take_solution(SfemTouch& touch, const PatchSolution& solution);
+
 /// Snapshot published for the frame.
 struct SfemTouchSnapshot {
   std::shared_ptr<const sfem::Patch> patch = std::make_shared<const sfem::Patch>();  // empty without tools
@@ -123,11 +144,14 @@ struct SfemExchange {
   latest<SfemTouchSnapshot> touched;  // written by the haptic thread
   latest<FreeMotion> motion;          // written by the frame thread, as is the next
   latest<FinishedPatch> patches;
+  latest<LawForces> forces;         // written by the haptic thread if is_solved
+  latest<PatchSolution> solutions;  // written by the solver
+  bool is_solved = false;           // true: a solver reads the forces
 };
 /// Reserves the buffers of all channels. Call it before the threads start.
 void prepare(const SfemTouch& touch, SfemExchange& exchange);
-/// Tick of the haptic thread: takes the newest motion and patch, ticks, and publishes a snapshot. Does not
-/// allocate or wait. The frame thread's counterpart is make_frame in sim/bodies/sfem/sfem_body.hpp.
+/// Tick of the haptic thread: takes the newest motion, patch and solution, ticks, and publishes a snapshot.
+/// Does not allocate or wait. The frame thread's counterpart is make_frame in sim/bodies/sfem/sfem_body.hpp.
 void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<const ToolCommand> commands,
                         double dt, std::span<ToolReading> readings);
 

@@ -37,7 +37,7 @@ LoggedRun logged_run(const fs::path& folder, int frames) {
 bool is_same(const HapticTick& a, const HapticTick& b) {
   return a.time == b.time && a.step == b.step && a.command.pose.position == b.command.pose.position &&
          a.command.grip == b.command.grip && a.inputs_used.frame == b.inputs_used.frame &&
-         a.inputs_used.patch == b.inputs_used.patch;
+         a.inputs_used.patch == b.inputs_used.patch && a.inputs_used.solution == b.inputs_used.solution;
 }
 
 // A log has all frames of a run with the ticks that they used, and its scene.

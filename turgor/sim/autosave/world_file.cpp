@@ -63,10 +63,10 @@ void transfer(File& file, ClothLoad& load) {
 /// Without the shapes of the tools, which the scene gives.
 template <class File>
 void transfer(File& file, contact::SfemTouch& touch) {
-  auto& [patch, tools, follow, stiffness_scale, state, free, patch_number, motion_number, ticks, handover,
-         poses, forces, needles, texture, textures] = touch;
-  transfer_all(file, patch, follow, stiffness_scale, state, free, patch_number, motion_number, ticks,
-               handover, poses, forces, needles, textures);
+  auto& [patch, tools, follow, stiffness_scale, state, free, patch_number, solution_tick, motion_number,
+         ticks, handover, poses, forces, needles, texture, textures] = touch;
+  transfer_all(file, patch, follow, stiffness_scale, state, free, patch_number, solution_tick, motion_number,
+               ticks, handover, poses, forces, needles, textures);
 }
 template <class File>
 void transfer(File& file, contact::SfemTouchSnapshot& now) {

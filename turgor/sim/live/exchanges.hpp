@@ -9,6 +9,7 @@
 //   tick_inputs          haptic thread: numbers of the frame data that the tick used
 //   frame_inputs         frame: numbers of the ticks and patches that the frame used
 //   end_haptics          after the haptic thread has ended
+//   begin_solutions      after begin_haptics: a nonlinear patch is solved on a thread of its own
 //
 // Three more make ticks without a clock reproducible. expect_patch decides whether the next frame takes a new
 // patch. The replay (haptic_replay.hpp) calls queue_frame_output after a frame and replay_frame_output before
@@ -19,6 +20,7 @@
 #include <vector>
 
 #include "turgor/contact/local_contact.hpp"
+#include "turgor/core/result.hpp"
 #include "turgor/sim/live/tick_inputs.hpp"
 #include "turgor/sim/tools/touched_body.hpp"
 
@@ -70,6 +72,7 @@ inline FrameInputs frame_inputs(const FrameTouchedBody& body, std::size_t t) {
   return {body.haptic[t].ticks, 0};
 }
 inline void end_haptics(FrameTouchedBody& body) { body.haptic.clear(); }
+inline Status begin_solutions(FrameTouchedBody&, bool) { return Done{}; }
 void queue_frame_output(FrameTouchedBody& body);
 void replay_frame_output(FrameTouchedBody& body, std::size_t t, TickInputs inputs_used);
 inline void expect_patch(FrameTouchedBody&, bool) {}

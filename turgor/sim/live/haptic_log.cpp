@@ -20,10 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kLogTitle = "turgor haptic log 1\n", kFrameMark = "FRAM";
+constexpr std::string_view kLogTitle = "turgor haptic log 2\n", kFrameMark = "FRAM";
+constexpr std::string_view kOldTitle = "turgor haptic log 1\n";  // ticks without TickInputs::solution
 constexpr const char* kLogKind = "haptic";
 constexpr std::size_t kMostLoggedTools = 1000, kLongestHeader = std::size_t(1) << 26;
 constexpr std::size_t kTickBytes = kHapticNumbers * sizeof(double) + sizeof(TickInputs);
+static_assert(kOldTitle.size() == kLogTitle.size());
 
 template <class T>
 void add_bytes(const T& value, std::string& bytes) {
@@ -45,11 +47,13 @@ void add_tick(const HapticTick& tick, std::vector<double>& row, std::string& byt
   add_bytes(tick.inputs_used, bytes);
 }
 
-HapticTick take_tick(std::string_view& bytes) {
+HapticTick take_tick(std::string_view& bytes, bool is_old) {
   std::vector<double> row(kHapticNumbers);
   for (double& number : row) number = take_bytes<double>(bytes);
   HapticTick tick = tick_of_row(row);
-  tick.inputs_used = take_bytes<TickInputs>(bytes);
+  tick.inputs_used.frame = take_bytes<std::int32_t>(bytes);
+  tick.inputs_used.patch = take_bytes<std::int32_t>(bytes);
+  if (!is_old) tick.inputs_used.solution = take_bytes<std::int32_t>(bytes);
   return tick;
 }
 
@@ -69,6 +73,7 @@ Json header_of(const HapticRecording& run, const std::vector<int>& ticked) {
 struct LogContent {
   HapticRecording run;
   std::vector<std::size_t> ticked;  // indices into run.tools
+  bool is_old = false;              // true: it begins with kOldTitle
 };
 
 /// Reads the header and removes it from the bytes. Empty if it is damaged.
@@ -104,13 +109,14 @@ bool take_frame(std::string_view& bytes, LogContent& content) {
   if (!now.starts_with(kFrameMark)) return false;
   now.remove_prefix(kFrameMark.size());
   const std::size_t ticks = take_bytes<std::uint32_t>(now), tools = content.ticked.size();
-  if (now.size() / (std::max<std::size_t>(tools, 1) * kTickBytes) < ticks ||
-      now.size() - ticks * tools * kTickBytes < tools * sizeof(FrameInputs))
+  const std::size_t tick_bytes = kTickBytes - (content.is_old ? sizeof(TickInputs::solution) : 0);
+  if (now.size() / (std::max<std::size_t>(tools, 1) * tick_bytes) < ticks ||
+      now.size() - ticks * tools * tick_bytes < tools * sizeof(FrameInputs))
     return bytes = {}, true;
   if (content.run.frames >= int(kMostTicks)) return false;
   for (std::size_t tick = 0; tick < ticks; tick++)
     for (const std::size_t tool : content.ticked) {
-      const HapticTick one = take_tick(now);
+      const HapticTick one = take_tick(now, content.is_old);
       DiskLog<HapticTick>& all = content.run.tools[tool].ticks;
       if (!is_sound(one) || all.size() >= kMostTicks) return false;
       all.append(one);
@@ -187,17 +193,19 @@ bool is_haptic_log(const fs::path& path) {
   if (!fs::is_regular_file(path, error)) return false;
   std::string begin(kLogTitle.size(), '\0');
   std::ifstream(path, std::ios::binary).read(begin.data(), std::streamsize(begin.size()));
-  return begin == kLogTitle;
+  return begin == kLogTitle || begin == kOldTitle;
 }
 
 Result<HapticRecording> read_haptic_log(const fs::path& path) {
   const Result<std::string> file = read_file(path);
   if (!file) return file.error();
   std::string_view bytes(*file);
-  if (!bytes.starts_with(kLogTitle))
+  const bool is_old = bytes.starts_with(kOldTitle);
+  if (!is_old && !bytes.starts_with(kLogTitle))
     return Error{fmt::format("{}: expected a log of a haptic run, found another file", path.string())};
   bytes.remove_prefix(kLogTitle.size());
   std::optional<LogContent> content = take_header(bytes);
+  if (content) content->is_old = is_old;
   while (content && !bytes.empty())
     if (!take_frame(bytes, *content)) content.reset();
   if (!content) return Error{fmt::format("{}: the log of the haptic run is damaged", path.string())};

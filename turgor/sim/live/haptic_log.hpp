@@ -1,9 +1,9 @@
 // Log of a haptic run that grows with it: a plain file beside the results, from which a run that was killed
 // is replayed. A complete run removes it, because haptic.h5 has the same content (haptic_recording.hpp).
 //
-//   "turgor haptic log 1\n", then the length of the header (8 bytes) and the header as JSON: scene and tools
+//   "turgor haptic log 2\n", then the length of the header (8 bytes) and the header as JSON: scene and tools
 //   frames: "FRAM", the number of ticks since the frame before (4 bytes); for each tick and then each ticked
-//   tool 16 doubles (haptic_rows.hpp) and 2 integers of 4 bytes (TickInputs); for each ticked tool 2 integers
+//   tool 16 doubles (haptic_rows.hpp) and 3 integers of 4 bytes (TickInputs); for each ticked tool 2 integers
 //   (FrameInputs)
 //
 // A frame that was cut off by the end of the program is ignored.

@@ -156,14 +156,16 @@ Status write_ticks(Hdf5File& file, const std::string& group, const DiskLog<Hapti
     // one block
     const std::size_t end = std::min(next + kRowsAtOnce, ticks.size());
     std::vector<double> rows;
-    std::vector<std::int32_t> inputs;
+    std::vector<std::int32_t> inputs, solutions;
     for (; next < end; next++) {
       append_row(ticks[next], rows);
       inputs.insert(inputs.end(), {ticks[next].inputs_used.frame, ticks[next].inputs_used.patch});
+      solutions.push_back(ticks[next].inputs_used.solution);
     }
     // at the end of both datasets
     status = file.append<double>(group + "ticks", rows, kHapticNumbers);
     if (status) status = file.append<std::int32_t>(group + "tick_inputs", inputs, 2);
+    if (status) status = file.append<std::int32_t>(group + "tick_solutions", solutions, 1);
   } while (next < ticks.size() && status);
   return status ? file.write_attribute(group + "ticks", "unit", kTickUnits) : status;
 }
@@ -187,6 +189,9 @@ Result<HapticTool> read_tool(const Hdf5File& file, std::size_t n) {
   const auto rows = reading.array<double>("ticks", kHapticNumbers * ticks);
   const auto tick_inputs = reading.array<std::int32_t>("tick_inputs", 2 * ticks);
   const auto frame_inputs = reading.array<std::int32_t>("frame_inputs", 2 * frames);
+  std::vector<std::int32_t> solutions(ticks, -1);  // older recordings have none
+  if (file.has(reading.group() + "tick_solutions"))
+    solutions = reading.array<std::int32_t>("tick_solutions", ticks);
   const Result<std::string> name = file.read_text(reading.group() + "name");
   if (!name) return name.error();
   if (!reading.status()) return reading.status().error();
@@ -195,7 +200,7 @@ Result<HapticTool> read_tool(const Hdf5File& file, std::size_t n) {
   HapticTool tool{.name = *name, .ticks = {}, .frames = {}};
   for (std::size_t i = 0; i < ticks; i++) {
     HapticTick tick = tick_of_row(std::span(rows).subspan(kHapticNumbers * i, kHapticNumbers));
-    tick.inputs_used = {tick_inputs[2 * i], tick_inputs[2 * i + 1]};
+    tick.inputs_used = {tick_inputs[2 * i], tick_inputs[2 * i + 1], solutions[i]};
     if (!is_sound(tick)) return Error{fmt::format("{}ticks: row {} is invalid", reading.group(), i + 1)};
     tool.ticks.append(tick);
   }

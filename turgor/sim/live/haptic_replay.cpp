@@ -98,6 +98,8 @@ void HapticReplay::Impl::begin() {
     ReplayedBody& replayed = bodies.emplace_back();
     replayed.id = id;
     for (const int tool : body.tool_indices) replayed.tools.push_back(&run.tools[std::size_t(tool)]);
+    const DiskLog<HapticTick>& ticks = replayed.tools[0]->ticks;
+    if (ticks.size() > 0 && ticks[0].inputs_used.solution >= 0) (void)begin_solutions(body, true);
     replayed.commands.resize(replayed.tools.size());
     replayed.readings.resize(replayed.tools.size());
   });

@@ -149,6 +149,9 @@ void prepare_ticks(World& world, const std::vector<HeldTool>& held, RecordLimits
   for_each_touched(world, [&](BodyId id, auto& body) {
     if (body.tool_indices.empty()) return;
     begin_haptics(body, world.tools);
+    if (const Status status = begin_solutions(body, false); !status)
+      ticks.notes.push_back(body.name + ": " + status.error().message +
+                            "; its nonlinear patch is solved once per frame instead");
     ticks.bodies.push_back({id, ticks.order.size(), body.tool_indices.size()});
     for (const int tool : body.tool_indices) add_tool(tool, held, limits, ticks);
   });

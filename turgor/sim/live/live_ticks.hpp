@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "turgor/core/latest.hpp"
@@ -48,6 +49,7 @@ struct LiveTicks {
   std::vector<contact::ToolCommand> commands;
   std::vector<contact::ToolReading> readings;
   latest<std::vector<HapticStatus>> haptic;  // indexed as World::tools
+  std::vector<std::string> notes;            // threads that the system refused
 };
 
 /// Largest number of recorded ticks, and of those in memory.

@@ -194,6 +194,10 @@ const haptics::TimingReport& LiveTouch::timing() { return impl_->loop->report();
 
 FrameTiming LiveTouch::frames() const { return impl_->clock.timing(); }
 
-std::vector<std::string> LiveTouch::notes() const { return impl_->loop->notes(); }
+std::vector<std::string> LiveTouch::notes() const {
+  std::vector<std::string> notes = impl_->loop->notes();
+  notes.insert(notes.end(), impl_->ticks.notes.begin(), impl_->ticks.notes.end());
+  return notes;
+}
 
 }  // namespace turgor

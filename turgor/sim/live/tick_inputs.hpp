@@ -10,9 +10,11 @@
 
 namespace turgor {
 
-/// Numbers of the frame and of the patch whose data a tick used, counted from 1.
+/// Numbers of the frame and of the patch whose data a tick used, counted from 1, and the tick for whose
+/// forces the patch was solved.
 struct TickInputs {
   std::int32_t frame = 0, patch = 0;
+  std::int32_t solution = -1;  // 0: as it was built; -1: frames solve it, or it is linear
 };
 
 /// Number of ticks done and of patches built when a frame began.

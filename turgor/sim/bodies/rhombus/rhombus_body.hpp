@@ -83,6 +83,7 @@ inline FrameInputs frame_inputs(const RhombusBody& body, std::size_t) {
   return {std::int32_t(body.now.ticks), 0};
 }
 inline void end_haptics(RhombusBody& body) { body.haptic.reset(); }
+inline Status begin_solutions(RhombusBody&, bool) { return Done{}; }
 void queue_frame_output(RhombusBody& body);
 void replay_frame_output(RhombusBody& body, std::size_t t, TickInputs inputs_used);
 /// Sends a changed stiffness to the ticks, once per frame.

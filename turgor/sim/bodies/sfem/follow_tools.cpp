@@ -14,6 +14,25 @@
 
 namespace turgor {
 
+void reject_patch(SfemBody& body, const Error& why) {
+  if (body.rejected_patches++ == 0) body.rejection_reason = why.message;
+}
+
+void retain_patch(std::vector<std::shared_ptr<const sfem::Patch>>& patches,
+                  const std::shared_ptr<const sfem::Patch>& patch) {
+  std::erase_if(patches, [](const auto& kept) { return kept.use_count() == 1; });
+  patches.push_back(patch);
+}
+
+void restore_nonlinear(SfemBody& body, const sfem::Patch& patch) {
+  if (body.nonlinear) return;
+  Result<sfem::NonlinearPatch> made =
+      sfem::make_nonlinear_patch(body.model, patch, body.refinement, *body.law);
+  TURGOR_ASSERT(bool(made), "a nonlinear patch that was made before is made again");
+  if (made->u.size() == body.law_displacement.size()) made->u = body.law_displacement;
+  body.nonlinear = std::make_unique<sfem::NonlinearPatch>(std::move(*made));
+}
+
 namespace {
 
 /// These vertices, those of the patches in use, and those that bear force now; ascending.
@@ -45,11 +64,6 @@ Status fetch_columns_near(const Exec& exec, SfemBody& body, std::span<const Vec3
     sfem::keep_columns(body.model.green, vertices_in_use(body, vertices));
   sfem::fetch_columns(exec, body.model, vertices);
   return Done{};
-}
-
-/// Keeps the present patch and counts the rejection.
-void reject_patch(SfemBody& body, const Error& why) {
-  if (body.rejected_patches++ == 0) body.rejection_reason = why.message;
 }
 
 /// Forces on points, on the points of another patch that are the same.
@@ -114,20 +128,14 @@ bool begin_patch(const Exec& exec, SfemBody& body, const std::vector<Vec3d>& pos
   return true;
 }
 
-/// The nonlinear patch of the patch in use, made again after a state was read from a file.
-void restore_nonlinear(SfemBody& body, const sfem::Patch& patch) {
-  if (body.nonlinear) return;
-  Result<sfem::NonlinearPatch> made =
-      sfem::make_nonlinear_patch(body.model, patch, body.refinement, *body.law);
-  TURGOR_ASSERT(bool(made), "a nonlinear patch that was made before is made again");
-  if (made->u.size() == body.law_displacement.size()) made->u = body.law_displacement;
-  body.nonlinear = std::make_unique<sfem::NonlinearPatch>(std::move(*made));
-}
+bool has_solver(const SfemBody& body) { return body.haptic && body.haptic->solver; }
 
-/// Starts solving the nonlinear patch for these forces. False where nothing has changed.
+/// Starts solving the nonlinear patch for these forces. False where nothing has changed, or where it is
+/// solved beside the ticks.
 bool begin_solution(SfemBody& body, const PointForces& now) {
-  constexpr int kMostSteps = 3;
-  if (!body.law || now.force == body.law_forces || (body.worker && body.worker->is_busy())) return false;
+  if (!body.law || has_solver(body) || now.force == body.law_forces ||
+      (body.worker && body.worker->is_busy()))
+    return false;
   restore_nonlinear(body, *now.patch);
   body.law_forces = now.force;
   std::vector<double> forces;
@@ -136,7 +144,7 @@ bool begin_solution(SfemBody& body, const PointForces& now) {
   body.worker->begin([&body, forces = std::move(forces)]() -> BuiltPatch {
     const Timer timer;
     sfem::NonlinearReport report;
-    Result<sfem::Patch> solved = sfem::solve_nonlinear(*body.nonlinear, forces, kMostSteps, &report);
+    Result<sfem::Patch> solved = sfem::solve_nonlinear(*body.nonlinear, forces, kLawSteps, &report);
     if (!solved) return {solved.error(), timer.seconds()};
     return {std::make_shared<const sfem::Patch>(std::move(*solved)), timer.seconds(), {}, report};
   });
@@ -150,12 +158,7 @@ void keep_solution(SfemBody& body, const BuiltPatch& built) {
     body.law_forces.clear();
   }
   if (!built.law) return;
-  LawSummary& sum = body.law_summary;
-  sum.solutions++, sum.unconverged += !built.law->converged;
-  sum.most_steps = std::max(sum.most_steps, built.law->steps);
-  if (!built.nonlinear) sum.seconds += built.seconds, sum.longest = std::max(sum.longest, built.seconds);
-  sum.strain = std::max(sum.strain, built.law->strain);
-  sum.border_strain = std::max(sum.border_strain, built.law->border_strain);
+  add_solution(body.law_summary, *built.law, built.nonlinear ? 0 : built.seconds);
 }
 
 PatchRebuild rebuild_of(const BuiltPatch& built, double time) {
@@ -166,13 +169,6 @@ PatchRebuild rebuild_of(const BuiltPatch& built, double time) {
           .local_nodes = patch.local_nodes,
           .points = int(patch.points.size()),
           .is_solution = built.law && !built.nonlinear};
-}
-
-/// Releases patches that are no longer in use; their destruction must not happen on the haptic thread.
-void retain_patch(std::vector<std::shared_ptr<const sfem::Patch>>& patches,
-                  const std::shared_ptr<const sfem::Patch>& patch) {
-  std::erase_if(patches, [](const auto& kept) { return kept.use_count() == 1; });
-  patches.push_back(patch);
 }
 
 }  // namespace
@@ -243,6 +239,8 @@ void offer_patch(const Exec& exec, SfemBody& body, double time, latest<contact::
     retain_patch(body.patches, *built.patch);
     keep_solution(body, built);
     body.rebuilds.push_back(rebuild_of(built, time));
+    if (has_solver(body) && built.nonlinear)
+      body.haptic->solver->add({*built.patch, *built.nonlinear, long(body.rebuilds.size())});
     contact::FinishedPatch& offer = offers.writing();
     offer.patch = *built.patch;
     offer.history = contact::transferred_history(body.model, now.history, *now.patch, **built.patch);

@@ -1,6 +1,7 @@
 // Exchange of an sfem body between haptic thread and frames; sim/live/exchanges.hpp documents the functions.
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
 
 namespace turgor {
@@ -18,7 +19,10 @@ void tick_haptics(SfemBody& body, std::span<const contact::ToolCommand> commands
 }
 
 TickInputs tick_inputs(const SfemBody& body, std::size_t /*t*/) {
-  return {std::int32_t(body.touch.motion_number), std::int32_t(body.touch.patch_number)};
+  const bool is_solved = body.haptic && body.haptic->exchange.is_solved;
+  return {.frame = std::int32_t(body.touch.motion_number),
+          .patch = std::int32_t(body.touch.patch_number),
+          .solution = is_solved ? std::int32_t(body.touch.solution_tick) : -1};
 }
 
 FrameInputs frame_inputs(const SfemBody& body, std::size_t /*t*/) {
@@ -26,9 +30,62 @@ FrameInputs frame_inputs(const SfemBody& body, std::size_t /*t*/) {
 }
 
 void end_haptics(SfemBody& body) {
+  if (body.haptic && body.haptic->solver) {
+    body.haptic->solver->stop();
+    collect_solutions(body);
+    // later solutions begin at the patch in use
+    retain_patch(body.patches, body.touch.patch);
+    body.law_forces.clear(), body.law_displacement.clear();
+    if (body.touch.patch_number != long(body.rebuilds.size())) body.nonlinear.reset();
+  }
   body.haptic.reset();
   body.patch_is_ready.reset();
 }
+
+Status begin_solutions(SfemBody& body, bool is_replay) {
+  if (!body.law || body.tool_indices.empty()) return Done{};
+  TURGOR_ASSERT(body.haptic, "solutions begin after the haptic exchange is prepared");
+  restore_nonlinear(body, *body.touch.patch);
+  SfemHaptics& haptic = *body.haptic;
+  haptic.solver = std::make_unique<LawSolver>();
+  haptic.solver->add({body.touch.patch, *body.nonlinear, body.touch.patch_number});
+  body.touch.solution_tick = 0;
+  // without a thread, frames solve the patch
+  if (const Status started = is_replay ? Status(Done{}) : haptic.solver->start(haptic.exchange); !started) {
+    haptic.solver.reset();
+    return started;
+  }
+  haptic.exchange.is_solved = true;
+  return Done{};
+}
+
+void collect_solutions(SfemBody& body) {
+  if (!body.haptic || !body.haptic->solver) return;
+  const LawProgress progress = body.haptic->solver->take_progress();
+  add_solutions(body.law_summary, progress.sum);
+  if (progress.failed == 0) return;
+  reject_patch(body, Error{progress.failure});
+  body.rejected_patches += progress.failed - 1;
+}
+
+namespace {
+
+/// Solves the patch as the solver did before this tick, which used the solution for the forces of `tick`.
+void replay_solution(SfemBody& body, long tick) {
+  SfemHaptics& haptic = *body.haptic;
+  if (!haptic.solver) return;
+  if (haptic.exchange.forces.has_news()) haptic.forces.push(haptic.exchange.forces.read());
+  if (tick <= 0 || tick == haptic.replayed) return;
+  haptic.replayed = tick;
+  const contact::LawForces* forces = haptic.forces.after(tick);
+  if (forces == nullptr) return;  // a damaged recording: the hash will differ
+  std::optional<contact::PatchSolution> solution = haptic.solver->solve(*forces);
+  if (!solution) return;
+  solution->tick = tick;
+  haptic.exchange.solutions.write(*solution);
+}
+
+}  // namespace
 
 void queue_frame_output(SfemBody& body) {
   TURGOR_ASSERT(body.haptic, "a replay has a haptic exchange");
@@ -40,6 +97,7 @@ void replay_frame_output(SfemBody& body, std::size_t /*t*/, TickInputs inputs_us
   TURGOR_ASSERT(body.haptic, "a replay has a haptic exchange");
   body.haptic->motions.release(inputs_used.frame, body.haptic->exchange.motion);
   body.haptic->patches.release(inputs_used.patch, body.haptic->exchange.patches);
+  replay_solution(body, inputs_used.solution);
 }
 
 void set_friction(SfemBody& body, std::size_t t, double friction) {

@@ -16,6 +16,7 @@
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/bodies/sfem/inner_regions.hpp"
+#include "turgor/sim/bodies/sfem/law_solver.hpp"
 #include "turgor/sim/bodies/sfem/patch_worker.hpp"
 #include "turgor/sim/frame.hpp"
 #include "turgor/sim/live/tick_inputs.hpp"
@@ -36,16 +37,6 @@ struct PatchRebuild {
   int elements = 0, local_nodes = 0, points = 0;
   double force_jump = 0;     // before blending [N]
   bool is_solution = false;  // of a nonlinear law on the same points; else a patch elsewhere
-};
-
-/// Solutions of a nonlinear patch so far.
-struct LawSummary {
-  int solutions = 0, unconverged = 0;
-  int most_steps = 0;        // Newton steps of one
-  double seconds = 0;        // wall time of all
-  double longest = 0;        // wall time of one [s]
-  double strain = 0;         // largest Green strain in the patch [1]
-  double border_strain = 0;  // beside its border, where the body is linear [1]
 };
 
 /// A finer surface embedded in the body.
@@ -116,6 +107,9 @@ struct SfemHaptics {
   contact::SfemExchange exchange;
   ReplayQueue<contact::FreeMotion> motions;
   ReplayQueue<contact::FinishedPatch> patches;
+  boxed<LawSolver> solver;  // null: frames solve a nonlinear patch, or the body is linear
+  ReplayedForces forces;    // of a replay, as the next
+  long replayed = 0;        // PatchSolution::tick of the latest solution
 };
 
 struct SfemBody : TouchedBody {
@@ -186,6 +180,11 @@ void tick_haptics(SfemBody& body, std::span<const contact::ToolCommand> commands
 TickInputs tick_inputs(const SfemBody& body, std::size_t t);
 FrameInputs frame_inputs(const SfemBody& body, std::size_t t);
 void end_haptics(SfemBody& body);
+/// Solves a nonlinear patch beside the ticks from now on: on a thread of its own, or in a replay before the
+/// ticks that used the solutions. Does nothing for a linear body. Error: no thread; then frames solve it.
+Status begin_solutions(SfemBody& body, bool is_replay);
+/// Adds the solutions since the latest frame to those of the body.
+void collect_solutions(SfemBody& body);
 void queue_frame_output(SfemBody& body);
 void replay_frame_output(SfemBody& body, std::size_t t, TickInputs inputs_used);
 /// Sets Coulomb's coefficient of tool `t` of tool_indices, from the next frame on.

@@ -124,6 +124,7 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   // results of the ticks
   body.now = exchange.touched.read();
   read_touch_snapshot(body);
+  collect_solutions(body);
   follow_needles(exec, body);
   correct_rotations(exec, body);
   contact::FreeMotion& motion = exchange.motion.writing();
