@@ -90,6 +90,20 @@ TEST(HapticLog, ReadsUnfinishedLog) {
   }
 }
 
+// A log of the first format is read; its ticks used no solutions of a thread.
+TEST(HapticLog, ReadsFirstFormat) {
+  const Result<HapticRecording> log =
+      read_haptic_recording(TURGOR_SOURCE_DIR "/tests/fuzz/corpus/haptic_log/two-frames");
+  ASSERT_TRUE(log) << log.error().message;
+  EXPECT_EQ(log->frames, 2);
+  ASSERT_FALSE(log->tools.empty());
+  ASSERT_GT(log->tools[0].ticks.size(), 0u);
+  for (const HapticTick& tick : log->tools[0].ticks) {
+    EXPECT_EQ(tick.inputs_used.solution, -1);
+    EXPECT_GT(tick.step, 0);
+  }
+}
+
 // Logs of ended runs get visible names; that of a running process stays.
 TEST(HapticLog, KeepsLogsOfEndedRuns) {
   const fs::path folder = test::fresh_folder();
