@@ -1,9 +1,10 @@
-// Closure of an excised wound against closed forms of a membrane under tension.
+// Closure of an excised wound against closed forms and finite elements of a membrane under tension.
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "app/lens_elements.hpp"
 #include "tests/models/lattice/wounded_block.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/specimen.hpp"
@@ -38,7 +39,7 @@ struct ExcisedMembrane {
   /// Closing force when the stitches hold their points where they were before the cut, relative to each other
   /// [N].
   double close(double bite) {
-    closure = lay_stitches(model, state.cuts, path, {.spacing = 0.004, .bite = bite, .depth = 2e-4}).value();
+    closure = lay_stitches(model, state.cuts, path, {.spacing = 0.0036, .bite = bite, .depth = 2e-4}).value();
     closure.walls.clear();  // a membrane has no walls
     closure.thread = {.stiffness = 200, .strength = 50}, closure.pull_out = 50;
     constexpr int kPull = 45, kRest = 25;  // steps
@@ -67,12 +68,26 @@ Params membrane(double along, double across, double stiffness) {
   return params;
 }
 
-// A lens of width w and length L is closed in a wide membrane with tension T and stiffness E. Its lips are a
-// distribution of dislocations, whose tractions add up to E w/π:
+// A narrow lens of width w and length L in a wide membrane with tension T and stiffness E, whose lips are
+// bonded: a distribution of dislocations, whose tractions add up to E w/π.
 //   F = T L + E w/π
-// Stitches act at a bite from the lips, where the membrane is stiffer, and hold skin up to a bite beyond the
-// ends. So the closed form is a lower bound, and F changes with T by a length from L to L + 2 bites.
-TEST(ExcisedWound, ClosingForceIsTensionTimesLengthAndStretch) {
+TEST(LensElements, NarrowLensHasForceOfDislocations) {
+  const LensMembrane lens{.side = 0.4,
+                          .length = 0.036,
+                          .width = 0.0005,
+                          .tension = 0.01,
+                          .stiffness = 400,
+                          .stitches = 24,
+                          .bite = 0.0008,
+                          .patch = 0.0008,
+                          .pushes = true};
+  const double expected = lens.tension * lens.length + lens.stiffness * lens.width / std::numbers::pi;
+  EXPECT_NEAR(closing_force_of_elements(lens, 20) / expected, 1, 0.04);
+}
+
+// A lens is closed with the force of a membrane of finite elements with the same sides and stitches. The
+// membrane of the lattice also bulges, and moves tissue.
+TEST(ExcisedWound, ClosingForceIsThatOfElements) {
   constexpr double kLength = 0.036, kWidth = 0.0105, kStiffness = 400, kBite = 0.0045,
                    kTensions[2] = {20, 50};
   double force[2];
@@ -80,11 +95,19 @@ TEST(ExcisedWound, ClosingForceIsTensionTimesLengthAndStretch) {
     ExcisedMembrane body(membrane(kTensions[n], kTensions[n], kStiffness),
                          {.direction = {1, 0, 0}, .angle = 10, .length = kLength, .width = kWidth});
     force[n] = body.close(kBite);
-    const double expected = kTensions[n] * kLength + kStiffness * kWidth / std::numbers::pi;
-    std::printf("tension %.0f N/m: closing force %.3f N, closed form %.3f N\n", kTensions[n], force[n],
+    const double expected =
+        closing_force_of_elements({.side = (ExcisedMembrane::kSize.x - 1) * ExcisedMembrane::kCell,
+                                   .length = kLength,
+                                   .width = kWidth,
+                                   .tension = kTensions[n],
+                                   .stiffness = kStiffness,
+                                   .stitches = 10,
+                                   .bite = kBite,
+                                   .patch = ExcisedMembrane::kCell},
+                                  14);
+    std::printf("tension %.0f N/m: closing force %.3f N, elements %.3f N\n", kTensions[n], force[n],
                 expected);
-    EXPECT_GT(force[n], expected) << "N";
-    EXPECT_LT(force[n], 1.4 * expected) << "N";
+    EXPECT_NEAR(force[n] / expected, 1, 0.1);
   }
   const double difference = kTensions[1] - kTensions[0], change = force[1] - force[0];
   std::printf("change with the tension %.3f N, closed form %.3f N\n", change, difference * kLength);
