@@ -153,9 +153,9 @@ Json to_json(const PlanOptions& options, const std::string& name, const std::vec
           {"scene", options.scene.string()},
           {"excision", name},
           {"directions", directions},
-          {"best_angle_deg", rounded(found[verdict.best].angle)},
-          {"worst_angle_deg", rounded(found[verdict.worst].angle)},
-          {"worst_over_best", rounded(verdict.ratio)},
+          {"best_angle_deg", verdict.has_closed ? Json(rounded(found[verdict.best].angle)) : Json()},
+          {"worst_angle_deg", verdict.has_closed ? Json(rounded(found[verdict.worst].angle)) : Json()},
+          {"worst_over_best", verdict.has_closed ? Json(rounded(verdict.ratio)) : Json()},
           {"verdict", verdict.sentence}};
 }
 
@@ -170,7 +170,8 @@ void print(const std::vector<PlannedDirection>& found, const PlanVerdict& verdic
     }
     fmt::print("{:>7.0f} °  {:>11.3f} N  {:>12.3f} N  {:>5.2f} mm  {:>4.1f} mm{}{}\n", found[n].angle,
                found[n].closing_force, found[n].tension_max, 1e3 * found[n].gape, 1e3 * found[n].dog_ear,
-               n == verdict.best    ? "  best"
+               !verdict.has_closed  ? ""
+               : n == verdict.best  ? "  best"
                : n == verdict.worst ? "  worst"
                                     : "",
                found[n].is_closed ? "" : "  open");

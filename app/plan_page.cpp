@@ -39,15 +39,15 @@ PlanVerdict verdict_of(const std::vector<PlannedDirection>& found) {
   // directions that could not be simulated are neither best nor worst; a wound that stays open needs a larger
   // force than was found, so that it is not best beside one that closes
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  const bool has_closed =
+  PlanVerdict verdict;
+  verdict.has_closed =
       std::any_of(found.begin(), found.end(), [](const PlannedDirection& d) { return d.is_closed; });
-  const auto at_best = [has_closed](const PlannedDirection& d) {
-    return d.problem.empty() && (d.is_closed || !has_closed) ? d.closing_force : kUnknown;
+  const auto at_best = [&](const PlannedDirection& d) {
+    return d.problem.empty() && (d.is_closed || !verdict.has_closed) ? d.closing_force : kUnknown;
   };
   const auto at_worst = [](const PlannedDirection& d) {
     return d.problem.empty() ? d.closing_force : -kUnknown;
   };
-  PlanVerdict verdict;
   for (std::size_t n = 1; n < found.size(); n++) {
     if (at_best(found[n]) < at_best(found[verdict.best])) verdict.best = n;
     if (at_worst(found[n]) > at_worst(found[verdict.worst])) verdict.worst = n;
@@ -58,13 +58,19 @@ PlanVerdict verdict_of(const std::vector<PlannedDirection>& found) {
     return verdict;
   }
   verdict.ratio = worst.closing_force / best.closing_force;
-  verdict.sentence = fmt::format(
-      "The wound closes with least force at {:.0f} degrees: {:.2f} N{}. The worst direction, {:.0f} degrees, "
-      "needs "
-      "{:.2f} N, {:.0f} % more.",
-      best.angle, best.closing_force,
-      best.is_directional ? fmt::format(", {:.0f} degrees from Langer's lines", best.angle_to_lines) : "",
-      worst.angle, worst.closing_force, 100 * (verdict.ratio - 1));
+  verdict.sentence =
+      verdict.has_closed
+          ? fmt::format(
+                "The wound closes with least force at {:.0f} degrees: {:.2f} N{}. The worst direction, "
+                "{:.0f} degrees, needs {:.2f} N, {:.0f} % more.",
+                best.angle, best.closing_force,
+                best.is_directional ? fmt::format(", {:.0f} degrees from Langer's lines", best.angle_to_lines)
+                                    : "",
+                worst.angle, worst.closing_force, 100 * (verdict.ratio - 1))
+          : fmt::format(
+                "The wound stays open in every direction, under {:.2f} to {:.2f} N. A larger bite, "
+                "more stitches or a finer lattice may close it.",
+                best.closing_force, worst.closing_force);
   int lost = 0, open = 0, unknown = 0;
   for (const PlannedDirection& d : found) {
     unknown += !d.problem.empty();
@@ -72,7 +78,7 @@ PlanVerdict verdict_of(const std::vector<PlannedDirection>& found) {
   }
   if (unknown > 0)
     verdict.sentence += fmt::format(" {} of {} directions could not be simulated.", unknown, found.size());
-  if (open > 0)
+  if (open > 0 && verdict.has_closed)
     verdict.sentence += fmt::format(
         " The stitches did not close the wound in {} of {} directions: the forces there are too small.", open,
         found.size());
@@ -118,7 +124,18 @@ std::string polar_svg(const std::vector<PlannedDirection>& found, const PlanVerd
       "<polygon points=\"{}\" fill=\"#0072b2\" fill-opacity=\"0.15\" stroke=\"#0072b2\" "
       "stroke-width=\"2\"/>\n",
       points);
+  // directions; hollow = the wound stays open
+  for (const double turn : {0.0, 180.0})
+    for (const PlannedDirection& d : found) {
+      if (!d.problem.empty()) continue;
+      const PolarPoint at = polar_point(d.angle + turn, std::max(0.0, d.closing_force / most));
+      svg += fmt::format(
+          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\" fill=\"{}\" stroke=\"#0072b2\" "
+          "stroke-width=\"2\"/>\n",
+          at.x, at.y, d.is_closed ? "#0072b2" : "#ffffff");
+    }
   // best and worst direction
+  if (!verdict.has_closed) return svg + "</svg>\n";
   for (const auto& [index, color] :
        {std::pair(verdict.best, "#009e73"), std::pair(verdict.worst, "#d55e00")}) {
     const PolarPoint a = polar_point(found[index].angle, 1), b = polar_point(found[index].angle + 180, 1);
@@ -137,8 +154,8 @@ std::string plan_page(const std::string& name, const std::vector<PlannedDirectio
       "</h1>\n<p class=\"verdict\">" + xml_text(verdict.sentence) +
       "</p>\n<div class=\"grid\"><div class=\"plot\">" + polar_svg(found, verdict) +
       "</div><div><p class=\"soft\">Closing force over the direction of the length, "
-      "counter-clockwise seen from outside. Green: least force. Orange: largest force.</p>\n"
-      "<table>\n" +
+      "counter-clockwise seen from outside. Green: least force. Orange: largest force. Hollow: the wound "
+      "stays open.</p></div></div>\n<div class=\"scroll\"><table>\n" +
       page::table_row({"direction [°]", "to Langer's lines [°]", "closing force [N]", "largest thread [N]",
                        "gape [mm]", "dog ear [mm]", "specimen shrinks [%]"},
                       "th");
@@ -155,7 +172,7 @@ std::string plan_page(const std::string& name, const std::vector<PlannedDirectio
          fmt::format("{:.2f}", 1e3 * d.dog_ear), fmt::format("{:.1f}", 100 * d.shrinkage)},
         "td");
   }
-  return html + "</table></div></div>\n" + page::page_end();
+  return html + "</table></div>\n" + page::page_end();
 }
 
 }  // namespace turgor

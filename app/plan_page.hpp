@@ -22,7 +22,8 @@ struct PlannedDirection {
 /// Best and worst direction by closing force.
 struct PlanVerdict {
   std::size_t best = 0, worst = 0;
-  double ratio = 0;  // of the largest closing force to the least
+  double ratio = 0;         // of the largest closing force to the least
+  bool has_closed = false;  // a wound closes in some direction; otherwise none is best or worst
   std::string sentence;
 };
 PlanVerdict verdict_of(const std::vector<PlannedDirection>& found);

@@ -25,5 +25,22 @@ TEST(PlanPage, OpenWoundIsNotBest) {
   EXPECT_EQ(verdict_of(found).best, 1u);
 }
 
+// Where no wound closes, no direction is called best: neither in the sentence nor in the plot.
+TEST(PlanPage, NothingIsBestWhereNothingCloses) {
+  std::vector<PlannedDirection> found(3);
+  for (std::size_t n = 0; n < 3; n++)
+    found[n].angle = 60.0 * double(n), found[n].closing_force = 9.0 + double(n);
+  const PlanVerdict open = verdict_of(found);
+  EXPECT_FALSE(open.has_closed);
+  EXPECT_NE(open.sentence.find("stays open in every direction, under 9.00 to 11.00 N"), std::string::npos)
+      << open.sentence;
+  EXPECT_EQ(polar_svg(found, open).find("stroke-dasharray"), std::string::npos);
+  // a direction that closes is filled, the others are hollow
+  found[2].is_closed = true;
+  const std::string svg = polar_svg(found, verdict_of(found));
+  EXPECT_NE(svg.find("stroke-dasharray"), std::string::npos);
+  EXPECT_NE(svg.find("fill=\"#ffffff\""), std::string::npos);
+}
+
 }  // namespace
 }  // namespace turgor
