@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "turgor/core/invariants.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/sfem/green.hpp"
 
 namespace turgor::contact {
@@ -17,7 +18,7 @@ constexpr double kRigidSoftness =
 
 /// A vertex that a tie or a site moves, or a point of a rigid body, with its signed weight.
 struct Carrier {
-  int body = 0, vertex = 0;
+  int body = 0, vertex = 0;  // of its mesh, then its index in number_vertices; -1 = rigid
   double weight = 0;
   Vec3d arm = {};  // of a point of a rigid body, from the center of mass [m]
 };
@@ -72,28 +73,81 @@ void add_carriers(std::span<const CoupledBody> bodies, const SurfacePoint& point
   }
 }
 
-/// 3×3 block of C, column-major, between two ties or sites.
-std::array<double, 9> block_between(std::span<const CoupledBody> bodies, const Carriers& row,
-                                    const Carriers& column) {
-  std::array<double, 9> sum{};
-  for (std::size_t j = 0; j < column.count; j++)
-    for (std::size_t i = 0; i < row.count; i++) {
-      const Carrier &r = row.list[i], &c = column.list[j];
-      if (r.body != c.body) continue;
-      const CoupledBody& body = bodies[std::size_t(r.body)];
-      if (body.rigid) {
-        for (std::size_t k = 0; k < 9; k++)
-          sum[k] += r.weight * c.weight * rigid_column(*body.rigid, r.arm, c.arm, int(k / 3))[int(k % 3)];
-        continue;
-      }
-      const sfem::Green& green = body.model->green;
-      std::array<double, 9> block{};
-      sfem::green_block(green, green.slot[std::size_t(r.vertex)], green.slot[std::size_t(c.vertex)], block);
-      const double weight = r.weight * c.weight / body.stiffness_scale;
-      for (std::size_t k = 0; k < 9; k++) sum[k] += weight * block[k];
-    }
-  return sum;
+/// Blocks 3×3, column-major.
+using SiteBlock = std::array<double, 9>;
+
+void add_scaled(const SiteBlock& block, double factor, SiteBlock& sum) {
+  for (std::size_t k = 0; k < 9; k++) sum[k] += factor * block[k];
 }
+
+/// Stored nodes of each body that ties and sites move, ascending. Carriers receive their index in this list.
+std::vector<std::vector<int>> number_vertices(std::span<const CoupledBody> bodies,
+                                              std::vector<Carriers>& carriers) {
+  std::vector<std::vector<int>> slots(bodies.size());
+  const auto for_each_vertex = [&](const auto& visit) {
+    for (Carriers& of : carriers)
+      for (std::size_t c = 0; c < of.count; c++)
+        if (Carrier& carrier = of.list[c]; carrier.vertex >= 0)
+          visit(carrier, slots[std::size_t(carrier.body)],
+                bodies[std::size_t(carrier.body)].model->green.slot[std::size_t(carrier.vertex)]);
+  };
+  for_each_vertex([](Carrier&, std::vector<int>& of_body, int slot) { of_body.push_back(slot); });
+  for (std::vector<int>& of_body : slots) sort_unique(of_body);
+  for_each_vertex([](Carrier& carrier, const std::vector<int>& of_body, int slot) {
+    carrier.vertex = int(std::lower_bound(of_body.begin(), of_body.end(), slot) - of_body.begin());
+  });
+  return slots;
+}
+
+/// Column of blocks of C by the forces of one tie or site on one body.
+struct BodyColumn {
+  std::span<const CoupledBody> bodies;
+  std::span<const Carriers> carriers;
+  const std::vector<std::vector<int>>& slots;  // see number_vertices
+
+  /// Adds the blocks of the rows from `first` on.
+  void add(std::size_t first, const Carriers& column, int body, std::vector<SiteBlock>& blocks) const {
+    const CoupledBody& of = bodies[std::size_t(body)];
+    if (of.rigid) return add_rigid(first, column, body, *of.rigid, blocks);
+    const std::vector<SiteBlock> moved = displacements(column, body);
+    for (std::size_t i = first; i < carriers.size(); i++)
+      for (std::size_t r = 0; r < carriers[i].count; r++)
+        if (const Carrier& row = carriers[i].list[r]; row.body == body)
+          add_scaled(moved[std::size_t(row.vertex)], row.weight, blocks[i]);
+  }
+
+ private:
+  /// Displacements of all numbered vertices of a body by unit forces of the column.
+  std::vector<SiteBlock> displacements(const Carriers& column, int body) const {
+    const CoupledBody& of = bodies[std::size_t(body)];
+    const std::vector<int>& rows = slots[std::size_t(body)];
+    std::vector<SiteBlock> moved(rows.size());
+    for (std::size_t c = 0; c < column.count; c++) {
+      if (column.list[c].body != body) continue;
+      const double weight = column.list[c].weight / of.stiffness_scale;
+      const int slot = rows[std::size_t(column.list[c].vertex)];
+      for (std::size_t v = 0; v < rows.size(); v++) {
+        SiteBlock block{};
+        sfem::green_block(of.model->green, rows[v], slot, block);
+        add_scaled(block, weight, moved[v]);
+      }
+    }
+    return moved;
+  }
+
+  void add_rigid(std::size_t first, const Carriers& column, int body, const RigidMotion& motion,
+                 std::vector<SiteBlock>& blocks) const {
+    for (std::size_t c = 0; c < column.count; c++)
+      for (std::size_t i = first; i < carriers.size(); i++)
+        for (std::size_t r = 0; r < carriers[i].count; r++) {
+          const Carrier &row = carriers[i].list[r], &of = column.list[c];
+          if (row.body != body || of.body != body) continue;
+          for (std::size_t k = 0; k < 9; k++)
+            blocks[i][k] +=
+                row.weight * of.weight * rigid_column(motion, row.arm, of.arm, int(k / 3))[int(k % 3)];
+        }
+  }
+};
 
 double mean_diagonal(const CoupledSystem& system, std::size_t s) {
   const std::size_t n = 3 * system.count;
@@ -156,14 +210,23 @@ CoupledSystem make_system(const Exec& exec, std::span<const CoupledBody> bodies,
   system.count = carriers.size();
   const std::size_t n = 3 * system.count;
   system.compliance.resize(n * n);
+  const std::vector<std::vector<int>> slots = number_vertices(bodies, carriers);
+  const BodyColumn of_body{bodies, carriers, slots};
   parallel_for(
       exec, system.count,
       [&](std::size_t j) {
-        for (std::size_t i = j; i < system.count; i++) {
-          const std::array<double, 9> block = block_between(bodies, carriers[i], carriers[j]);
-          for (std::size_t k = 0; k < 9; k++)
-            system.compliance[(3 * j + k / 3) * n + 3 * i + k % 3] = block[k];
+        const Carriers& column = carriers[j];
+        std::vector<SiteBlock> blocks(system.count);
+        for (std::size_t c = 0; c < column.count; c++) {
+          // once for each body of the column
+          const int body = column.list[c].body;
+          const auto same = [body](const Carrier& other) { return other.body == body; };
+          if (std::none_of(column.list.begin(), column.list.begin() + std::ptrdiff_t(c), same))
+            of_body.add(j, column, body, blocks);
         }
+        for (std::size_t i = j; i < system.count; i++)
+          for (std::size_t k = 0; k < 9; k++)
+            system.compliance[(3 * j + k / 3) * n + 3 * i + k % 3] = blocks[i][k];
       },
       4);
   set_softness(bodies, sites, system);
