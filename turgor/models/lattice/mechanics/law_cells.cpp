@@ -26,32 +26,28 @@ void with_law(const CellLawView& laws, const F& f) {
   }
 }
 
-/// Relaxation of cells: no history; with the pairs of the body, or with pairs by layer; the factors of pairs
-/// by layer without history.
-enum class Relaxing : std::uint8_t { kNot, kAlike, kByCell, kFactorByCell };
-/// True if a history is added to the stress.
-constexpr bool adds_history(Relaxing r) { return r == Relaxing::kAlike || r == Relaxing::kByCell; }
-
-/// Calls f(law, relaxing) with both as types, so that loops over cells know them.
+/// Calls f(law, has a history) with both as types, so that loops over cells know them.
 template <class F>
 void with_relaxing_law(const CellLawView& laws, const F& f) {
   with_law(laws, [&]<class Law>(Law law) {
-    if (laws.history[0] == nullptr && laws.instants != nullptr)
-      f(law, std::integral_constant<Relaxing, Relaxing::kFactorByCell>{});
-    else if (laws.history[0] == nullptr)
-      f(law, std::integral_constant<Relaxing, Relaxing::kNot>{});
-    else if (laws.instants == nullptr)
-      f(law, std::integral_constant<Relaxing, Relaxing::kAlike>{});
+    if (laws.history[0] == nullptr)
+      f(law, std::false_type{});
     else
-      f(law, std::integral_constant<Relaxing, Relaxing::kByCell>{});
+      f(law, std::true_type{});
   });
 }
 
-template <class Law, Relaxing kRelaxing = Relaxing::kAlike>
-[[gnu::always_inline]] inline CellModuli moduli_of(const CellLawView& laws, int slot, Real young) {
-  Real factor = laws.instant;
-  if constexpr (kRelaxing == Relaxing::kByCell || kRelaxing == Relaxing::kFactorByCell)
-    factor = laws.instants[slot];
+/// Factors of the moduli of the cells from `slot` on. They are read before the loop over cells, which then is
+/// the same whether layers relax alike or not.
+template <int kWidth>
+[[gnu::always_inline]] inline void read_factors(const CellLawView& laws, int slot, Real (&factor)[kWidth]) {
+  for (int i = 0; i < kWidth; i++)
+    factor[i] = laws.instants != nullptr ? laws.instants[slot + i] : laws.instant;
+}
+
+template <class Law>
+[[gnu::always_inline]] inline CellModuli moduli_of(const CellLawView& laws, int slot, Real young,
+                                                   Real factor) {
   CellModuli m = laws.moduli(slot, young, factor);
   if constexpr (Law::kHasFibers) laws.set_fibers(slot, young, factor, m);
   return m;
@@ -78,12 +74,17 @@ template <class Law>
   add_isotropic(s, positive(dot(g, hg)));
 }
 
-template <class Law, Relaxing kRelaxing, class Buffer>
+template <class Law, bool kHasHistory>
 void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlock& block,
-                     const Real* const (&young)[kCellCorners], int slot, int begin, Buffer& __restrict out) {
+                     const Real* const (&young)[kCellCorners], int slot, int begin,
+                     SystemBuffer& __restrict out) {
   const CellLawView laws = view;
   int lowest[kCellCorners];
-  for (int at = 0; at < kCellCorners; at++) lowest[at] = corner_slot(block, slot, at, 0);
+  Real factor[kCellCorners][kSpareSlots];
+  for (int at = 0; at < kCellCorners; at++) {
+    lowest[at] = corner_slot(block, slot, at, 0);
+    read_factors(laws, lowest[at], factor[at]);
+  }
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++) {
     const int a = slot + i;
@@ -98,8 +99,8 @@ void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlo
       for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
       const CellGradient gradient = cell_gradient(d, at, laws.slope);
       const Vec3 g = corner_gradient(at, laws.slope);
-      add_cell_of<Law>(s, gradient, g, moduli_of<Law, kRelaxing>(laws, lowest[at] + i, young[at][i]));
-      if constexpr (adds_history(kRelaxing)) add_history(s, gradient, g, laws.history_of(lowest[at] + i));
+      add_cell_of<Law>(s, gradient, g, moduli_of<Law>(laws, lowest[at] + i, young[at][i], factor[at][i]));
+      if constexpr (kHasHistory) add_history(s, gradient, g, laws.history_of(lowest[at] + i));
     }
     out.set(begin + i, s);
   }
@@ -113,22 +114,24 @@ void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlo
   return corner_sums(d);
 }
 
-template <class Law, Relaxing kRelaxing, int kWidth>
+template <class Law, bool kHasHistory, int kWidth>
 void corner_forces_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlock& block,
                       const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& __restrict out) {
   const CellLawView laws = view;
   const NodeArrays n = nodes;
   int corner[kCellCorners];
   for (int c = 0; c < kCellCorners; c++) corner[c] = corner_slot(block, 0, 0, c);
+  Real factor[kWidth];
+  read_factors(laws, slot, factor);
   TURGOR_LANES
   for (int i = 0; i < kWidth; i++) {
     const int a = slot + i;
     Vec3 d[kCellCorners];
     const CornerSums sums = sums_of_cell(n, corner, a, d);
     const Vec3 ux = sums.x * laws.slope.x, uy = sums.y * laws.slope.y, uz = sums.z * laws.slope.z;
-    const CellModuli m = moduli_of<Law, kRelaxing>(laws, a, young[i]);
+    const CellModuli m = moduli_of<Law>(laws, a, young[i], factor[i]);
     CellPiola p = Law::piola(ux, uy, uz, m);
-    if constexpr (adds_history(kRelaxing)) {  // P + F H
+    if constexpr (kHasHistory) {  // P + F H
       const CellHistory h = laws.history_of(a);
       const Vec3 fx = ux + Vec3{1, 0, 0}, fy = uy + Vec3{0, 1, 0}, fz = uz + Vec3{0, 0, 1};
       p.x += fx * h.xx + fy * h.xy + fz * h.xz;
@@ -167,7 +170,7 @@ void stresses_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlo
     Vec3 d[kCellCorners];
     const CornerSums sums = sums_of_cell(n, corner, a, d);
     const Vec3 ux = sums.x * laws.slope.x, uy = sums.y * laws.slope.y, uz = sums.z * laws.slope.z;
-    const CellModuli m = moduli_of<Law>(laws, a, young[i]);
+    const CellModuli m = moduli_of<Law>(laws, a, young[i], laws.instant);
     const CellPiola p = Law::piola(ux, uy, uz, m);
     const CellCofactor k = cell_cofactor(ux, uy, uz);
     const Real j = 1 + k.growth, inverse = 1 / (j > kLeastGrowth ? j : kLeastGrowth);
@@ -180,21 +183,18 @@ void stresses_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlo
 }
 
 /// Cells of one law around the nodes of a group.
-template <class Buffer>
 void gather_one_law(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
-                    const Real* const (&young)[kCellCorners], int slot, int begin, Buffer& out) {
-  with_relaxing_law(laws,
-                    [&]<class Law, Relaxing kRelaxing>(Law, std::integral_constant<Relaxing, kRelaxing>) {
-                      gather_cells_of<Law, kRelaxing>(n, laws, block, young, slot, begin, out);
-                    });
+                    const Real* const (&young)[kCellCorners], int slot, int begin, SystemBuffer& out) {
+  with_relaxing_law(laws, [&]<class Law, bool kHasHistory>(Law, std::bool_constant<kHasHistory>) {
+    gather_cells_of<Law, kHasHistory>(n, laws, block, young, slot, begin, out);
+  });
 }
 template <int kWidth>
 void one_law_forces(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
                     const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& out) {
-  with_relaxing_law(laws,
-                    [&]<class Law, Relaxing kRelaxing>(Law, std::integral_constant<Relaxing, kRelaxing>) {
-                      corner_forces_of<Law, kRelaxing, kWidth>(n, laws, block, young, slot, out);
-                    });
+  with_relaxing_law(laws, [&]<class Law, bool kHasHistory>(Law, std::bool_constant<kHasHistory>) {
+    corner_forces_of<Law, kHasHistory, kWidth>(n, laws, block, young, slot, out);
+  });
 }
 
 /// Bits of the energies of the cells from `slot` on that have a modulus.
@@ -242,7 +242,7 @@ void gather_mixed_laws(const NodeArrays& n, const CellLawView& laws, const NodeB
     }
     // sum of the laws
     if (is_first) return gather_one_law(n, view, block, of, slot, begin, out);
-    Systems<kSpareSlots> more;
+    SystemBuffer more;
     gather_one_law(n, view, block, of, slot, 0, more);
     for (int i = 0; i < kSpareSlots; i++) {
       NodeSystem s = out.get(begin + i);
@@ -361,19 +361,17 @@ void add_viscous_law_cell(NodeSystem& s, const CellGradient& u, int at, const Ce
                           Real young) {
   const CellLawView laws = all.energies == nullptr ? all : all.with_energy(all.energy_at(slot));
   const Vec3 g = corner_gradient(at, laws.slope);
-  with_relaxing_law(laws,
-                    [&]<class Law, Relaxing kRelaxing>(Law, std::integral_constant<Relaxing, kRelaxing>) {
-                      add_cell_of<Law>(s, u, g, moduli_of<Law, kRelaxing>(laws, slot, young));
-                    });
+  const Real factor = laws.instants != nullptr ? laws.instants[slot] : laws.instant;
+  with_law(laws,
+           [&]<class Law>(Law) { add_cell_of<Law>(s, u, g, moduli_of<Law>(laws, slot, young, factor)); });
   if (laws.history[0] != nullptr) add_history(s, u, g, laws.history_of(slot));
 }
 
 void add_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& laws, int slot,
                   Real young) {
-  CellLawView elastic = laws.with_energy(laws.energy_at(slot));
-  elastic.instant = 1, elastic.instants = nullptr;
+  const CellLawView elastic = laws.with_energy(laws.energy_at(slot));
   with_law(elastic, [&]<class Law>(Law) {
-    add_cell_of<Law>(s, u, corner_gradient(at, elastic.slope), moduli_of<Law>(elastic, slot, young));
+    add_cell_of<Law>(s, u, corner_gradient(at, elastic.slope), moduli_of<Law>(elastic, slot, young, 1));
   });
 }
 
