@@ -20,6 +20,7 @@ source_suffix = {".md": "markdown"}
 html_theme = "furo"  # light, dark, and search
 html_title = f"Turgor {version}"
 html_show_sourcelink = False
+html_static_path = html_js_files = ["versions.js"]
 exclude_patterns = ["docs/site", "docs/notebooks"]
 
 # every link between pages must exist, with its heading

@@ -18,7 +18,7 @@
     box.className = "sidebar-tree";
     box.innerHTML = '<p class="caption" role="heading"><span class="caption-text">Versions</span></p>';
     box.append(list);
-    document.querySelector(".sidebar-scroll")?.append(box);
+    document.querySelector(".sidebar-scroll")?.prepend(box);
   };
   document.head.append(names);
 })();
