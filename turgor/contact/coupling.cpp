@@ -192,7 +192,8 @@ bool solve_set(const Exec& exec, const CoupledSystem& system, std::span<Tie> tie
   return converged;
 }
 
-/// Breaks the most overloaded tie; false if none is.
+}  // namespace
+
 bool break_one(std::span<Tie> ties) {
   Tie* weakest = nullptr;
   double most = 1;
@@ -204,8 +205,6 @@ bool break_one(std::span<Tie> ties) {
   weakest->broken = true, weakest->force = {};
   return true;
 }
-
-}  // namespace
 
 CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bodies, std::span<Tie> ties,
                               std::span<PairSite> sites) {

@@ -83,7 +83,9 @@ struct PairSite {
   Vec3d force;          // on a [N]
   SiteState state = SiteState::kOpen;
   bool rolls =
-      false;  // true: it moves over the surfaces, so that friction resists the motion of a frame only
+      false;         // true: it moves over the surfaces, so that friction resists the motion of a frame only
+  int node = -1;     // of a lattice, which touches in the sweeps of its solver (find_node_sites); -1 = none
+  Vec3d ahead = {};  // of such a site: motion of b in the next frame, as predicted [m]
 };
 
 struct CouplingReport {
@@ -104,6 +106,9 @@ Vec3d free_stretch(std::span<const CoupledBody> bodies, const Tie& tie);
 /// overloaded one first. The same bits on any number of threads.
 CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bodies, std::span<Tie> ties,
                               std::span<PairSite> sites);
+
+/// Breaks the most overloaded tie; false if none is.
+bool break_one(std::span<Tie> ties);
 
 /// Force and torque about the present center of mass.
 struct RigidLoad {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -108,10 +109,9 @@ Near nearest(const Searched& other, Vec3d x, Vec3d own_normal) {
   return near;
 }
 
-/// Distance that is kept at a vertex: less where the surfaces were nearer at rest.
-double kept_distance(const PairSurface& surface, int v, double gap) {
-  if (surface.rest_height.empty()) return gap;
-  return std::min(gap, surface.rest_height[std::size_t(v)]);
+/// Distance that is kept at a vertex or node: less where the surfaces were nearer at rest.
+double kept_distance(std::span<const double> rest_height, int v, double gap) {
+  return rest_height.empty() ? gap : std::min(gap, rest_height[std::size_t(v)]);
 }
 
 SurfacePoint vertex_point(const PairSurface& surface, int v) {
@@ -148,7 +148,7 @@ void add_sites(const Exec& exec, const Searched& from, const Searched& to, const
   // sites in the order of the vertices
   for (std::size_t n = 0; n < near.size(); n++) {
     const int v = from.vertices[n];
-    const double kept = kept_distance(from.surface, v, params.gap);
+    const double kept = kept_distance(from.surface.rest_height, v, params.gap);
     if (!near[n].faces || near[n].height - kept > params.reach || near[n].height < -params.deepest) continue;
     PairSite site{.a = vertex_point(from.surface, v),
                   .b = triangle_point(to.surface, near[n].point),
@@ -165,6 +165,51 @@ void add_sites(const Exec& exec, const Searched& from, const Searched& to, const
   }
 }
 
+/// Nearest points of the second surface of all nodes within reach.
+std::vector<Near> nearest_of_nodes(const Exec& exec, const SurfaceNodes& nodes, const Searched& own,
+                                   const Searched& other, double reach) {
+  const Box box = box_around(other.surface.x);
+  std::vector<Near> near(nodes.x.size());
+  parallel_for(
+      exec, near.size(),
+      [&](std::size_t n) {
+        const Vec3d normal = own.normals[std::size_t(nodes.vertex[n])];
+        if (normal != Vec3d{} && squared_distance(box, nodes.x[n]) <= reach * reach)
+          near[n] = nearest(other, nodes.x[n], normal);
+      },
+      64);
+  return near;
+}
+
+PairSite node_site(const SurfaceNodes& nodes, std::size_t n, int body, Vec3d normal, double height,
+                   const PairParams& params) {
+  const double kept = kept_distance(nodes.rest_height, int(n), params.gap);
+  PairSite site{.a = {body, {nodes.vertex[n], -1, -1}, {1, 0, 0}, nodes.rest[n]},
+                .b = {},
+                .anchor = {},
+                .slip = {},
+                .normal = normal,
+                .distance = height - kept,
+                .found = {},
+                .friction = params.friction,
+                .force = {}};
+  site.node = int(n);
+  return site;
+}
+
+/// Sites of nodes with the forces of the last ones, which ascend by node.
+PairSites continued_nodes(std::vector<PairSite> sites, std::span<const PairSite> last) {
+  PairSites found{.sites = std::move(sites)};
+  auto before = last.begin();
+  for (PairSite& site : found.sites) {
+    while (before != last.end() && before->node < site.node) ++before;
+    if (before != last.end() && before->node == site.node)
+      site.force = before->force, site.state = before->state;
+    found.deepest = std::max(found.deepest, -site.distance);
+  }
+  return found;
+}
+
 /// Removes sites of the second surface that meet a vertex of the first, which has a site itself.
 void remove_doubles(const std::array<PairSurface, 2>& surfaces, double edge, std::size_t first_count,
                     std::vector<PairSite>& sites) {
@@ -179,16 +224,23 @@ void remove_doubles(const std::array<PairSurface, 2>& surfaces, double edge, std
               sites.end());
 }
 
-/// Takes over the force of the same vertex, and its anchor while it sticks.
+/// Vertex, or both edges, by which a site is known in the next frame.
+auto site_key(const PairSite& site) {
+  const bool is_edge = site.a.vertex.y >= 0;
+  return std::tuple(site.a.body, site.a.vertex.x, site.a.vertex.y, is_edge ? site.b.vertex.x : -1,
+                    is_edge ? site.b.vertex.y : -1);
+}
+
+/// Takes over the force of the same vertex or crossing, and its anchor while it sticks at the same point.
 void continue_sites(std::span<const PairSite> last, std::vector<PairSite>& sites) {
-  std::map<std::pair<int, int>, const PairSite*> of_vertex;
-  for (const PairSite& site : last) of_vertex[{site.a.body, site.a.vertex.x}] = &site;
+  std::map<decltype(site_key(sites[0])), const PairSite*> known;
+  for (const PairSite& site : last) known[site_key(site)] = &site;
   for (PairSite& site : sites) {
-    const auto found = of_vertex.find({site.a.body, site.a.vertex.x});
-    if (found == of_vertex.end()) continue;
+    const auto found = known.find(site_key(site));
+    if (found == known.end()) continue;
     const PairSite& before = *found->second;
     site.force = before.force;
-    if (before.state == SiteState::kStick && !site.rolls)
+    if (before.state == SiteState::kStick && !site.rolls && site.a.weight == before.a.weight)
       site.anchor = before.anchor, site.slip = before.slip;
   }
 }
@@ -222,12 +274,57 @@ PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& su
   const std::size_t first_count = sites.size();
   add_sites(exec, second, first, params, sites);
   remove_doubles(surfaces, std::min(first.edge, second.edge), first_count, sites);
+  // sharp edges; those of two deformable bodies may cross at rest
+  if (surfaces[0].rest_height.empty() || surfaces[1].rest_height.empty()) {
+    const std::vector<PairSite> crossings = find_edge_sites(surfaces, params, last);
+    sites.insert(sites.end(), crossings.begin(), crossings.end());
+  }
   return chosen_sites(std::move(sites), params, last);
 }
 
 PairSites find_ground_sites(const PairSurface& surface, const GroundPlane& ground, const PairParams& params,
                             std::span<const PairSite> last) {
   return chosen_sites(ground_sites(surface, ground, params), params, last);
+}
+
+PairSites find_node_sites(const Exec& exec, const SurfaceNodes& nodes,
+                          const std::array<PairSurface, 2>& surfaces, const PairParams& params,
+                          std::span<const PairSite> last) {
+  const Searched own = searched(surfaces[0]), other = searched(surfaces[1]);
+  const std::vector<Near> near = nearest_of_nodes(exec, nodes, own, other, params.reach);
+  std::vector<PairSite> sites;
+  for (std::size_t n = 0; n < near.size(); n++) {
+    if (!near[n].faces || near[n].height < -params.deepest) continue;
+    PairSite site = node_site(nodes, n, surfaces[0].body, near[n].normal, near[n].height, params);
+    if (site.distance > params.reach) continue;
+    site.b = triangle_point(surfaces[1], near[n].point);
+    site.found = nodes.x[n] - near[n].point.position;
+    sites.push_back(site);
+  }
+  return continued_nodes(std::move(sites), last);
+}
+
+PairSites find_node_sites(const SurfaceNodes& nodes, int index, const GroundPlane& ground,
+                          const PairParams& params, std::span<const PairSite> last) {
+  std::vector<PairSite> sites;
+  for (std::size_t n = 0; n < nodes.x.size(); n++) {
+    const double height = dot(nodes.x[n] - ground.through, ground.normal);
+    PairSite site = node_site(nodes, n, index, ground.normal, height, params);
+    if (site.distance > params.reach) continue;
+    site.b.rest = nodes.x[n] - height * ground.normal, site.found = height * ground.normal;
+    sites.push_back(site);
+  }
+  return continued_nodes(std::move(sites), last);
+}
+
+std::vector<double> rest_heights(const Exec& exec, const SurfaceNodes& nodes,
+                                 const std::array<PairSurface, 2>& surfaces, const PairParams& params) {
+  const Searched own = searched(surfaces[0]), other = searched(surfaces[1]);
+  std::vector<double> heights;
+  for (const Near& near : nearest_of_nodes(exec, nodes, own, other, params.reach + params.deepest))
+    heights.push_back(near.faces && near.height >= -params.deepest ? std::min(params.reach, near.height)
+                                                                   : params.reach);
+  return heights;
 }
 
 std::vector<double> rest_heights(const Exec& exec, const PairSurface& of, const PairSurface& above,

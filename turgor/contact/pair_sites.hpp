@@ -1,6 +1,7 @@
 // Sites between two deformed surfaces: vertices of one that are near the other, and the reverse. A vertex
-// meets the nearest point of the other surface. Where vertices of both surfaces meet, one site is made. Balls
-// and capsules touch exactly, by their segment and radius (round_sites.cpp).
+// meets the nearest point of the other surface. Where vertices of both surfaces meet, one site is made. Sharp
+// edges that cross meet where a rigid body takes part (edge_sites.cpp). Balls and capsules touch exactly, by
+// their segment and radius (round_sites.cpp).
 #pragma once
 
 #include <array>
@@ -58,6 +59,28 @@ PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& su
 /// Sites of one surface on the ground.
 PairSites find_ground_sites(const PairSurface& surface, const GroundPlane& ground, const PairParams& params,
                             std::span<const PairSite> last);
+
+/// Nodes that carry the surface of a lattice, each with the point of the surface nearest to it.
+struct SurfaceNodes {
+  std::span<const Vec3d> rest, x;       // that point of every node: at rest, and now [m]
+  std::span<const int> vertex;          // of the surface, next to it
+  std::span<const double> rest_height;  // as in PairSurface; empty = unknown
+};
+
+/// Sites of nodes of the first surface on the second one. PairSite::node is the index of the node.
+PairSites find_node_sites(const Exec& exec, const SurfaceNodes& nodes,
+                          const std::array<PairSurface, 2>& surfaces, const PairParams& params,
+                          std::span<const PairSite> last);
+/// The same on the ground, of nodes of the body `index`.
+PairSites find_node_sites(const SurfaceNodes& nodes, int index, const GroundPlane& ground,
+                          const PairParams& params, std::span<const PairSite> last);
+/// Height of every node above another surface at rest, within `reach`; else `reach` [m].
+std::vector<double> rest_heights(const Exec& exec, const SurfaceNodes& nodes,
+                                 const std::array<PairSurface, 2>& surfaces, const PairParams& params);
+
+/// Sites of sharp edges that cross (edge_sites.cpp). One that stuck keeps its point of the first edge.
+std::vector<PairSite> find_edge_sites(const std::array<PairSurface, 2>& surfaces, const PairParams& params,
+                                      std::span<const PairSite> last);
 
 /// Sites of a pair with a ball or a capsule, and of a surface on the ground, not yet reduced to the capacity.
 std::vector<PairSite> find_round_sites(const std::array<PairSurface, 2>& surfaces, const PairParams& params);

@@ -105,7 +105,7 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
   if (status && purpose == Purpose::kSimulate) status = load_coupling(exec, scene, world);
   if (status) status = load_tools(loading, scene, world);
   if (status && purpose == Purpose::kSimulate) status = begin_bodies(exec, scene, world);
-  if (status && purpose == Purpose::kSimulate && !world.rigid_bodies.empty()) begin_coupling(exec, world);
+  if (status && purpose == Purpose::kSimulate) begin_coupling(exec, world);
   if (!status) return status.error();
   return world;
 }

@@ -208,12 +208,13 @@ void transfer(File& file, TouchLog& log) {
 /// Without what loading finds: bodies, areas and distances at rest.
 template <class File>
 void transfer(File& file, Attachment& attachment) {
-  auto& [name, between, ties, area, stiffness, samples, torn_at] = attachment;
-  transfer_all(file, ties, samples, torn_at);
+  auto& [name, between, ties, area, stiffness, samples, torn_at, swept, ahead] = attachment;
+  transfer_all(file, ties, samples, torn_at, ahead);
 }
 template <class File>
 void transfer(File& file, BodyContact& contact) {
-  auto& [name, between, body, ground, params, rest_height, sites, samples, dropped_most, deepest] = contact;
+  auto& [name, between, body, ground, params, swept, rest_height, sites, samples, dropped_most, deepest] =
+      contact;
   transfer_all(file, sites, samples, dropped_most, deepest);
 }
 template <class File>

@@ -5,6 +5,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/sim/organs/support.hpp"
+#include "turgor/sim/organs/swept.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -103,8 +104,10 @@ template <class Visit>
 void for_each_list(World& world, const Visit& visit) {
   std::vector<contact::Tie> no_ties;
   std::vector<contact::PairSite> no_sites;
-  for (Attachment& attachment : world.coupling.attachments) visit(attachment.ties, no_sites);
-  for (BodyContact& contact : world.coupling.contacts) visit(no_ties, contact.sites);
+  for (Attachment& attachment : world.coupling.attachments)
+    if (attachment.swept < 0) visit(attachment.ties, no_sites);
+  for (BodyContact& contact : world.coupling.contacts)
+    if (contact.swept < 0) visit(no_ties, contact.sites);
   for (RigidBody& body : world.rigid_bodies)
     for (RigidTouch& touch : body.touches) visit(touch.grasp, touch.sites);
 }
@@ -243,7 +246,8 @@ void solve_frame(const Exec& exec, World& world, double end) {
   if (is_empty(coupling) && !is_touched) return;
 
   // sites and forces
-  for (BodyContact& contact : coupling.contacts) update_sites(exec, world, x, contact);
+  for (BodyContact& contact : coupling.contacts)
+    if (contact.swept < 0) update_sites(exec, world, x, contact);
   std::vector<contact::Tie> ties;
   std::vector<contact::PairSite> sites;
   const SupportMemory memory = remember_supports(world);
@@ -271,7 +275,10 @@ Vec3d total_force(const std::vector<contact::PairSite>& sites, int body) {
   return sum;
 }
 
-void begin_coupling(const Exec& exec, World& world) { solve_frame(exec, world, world.dt); }
+void begin_coupling(const Exec& exec, World& world) {
+  if (!world.rigid_bodies.empty()) solve_frame(exec, world, world.dt);
+  find_swept(exec, world);
+}
 
 void couple_bodies(const Exec& exec, World& world) {
   solve_frame(exec, world, (world.frame + 2) * world.dt);
@@ -286,6 +293,7 @@ void couple_bodies(const Exec& exec, World& world) {
   }
   for (BodyContact& contact : coupling.contacts)
     contact.samples.push_back(sample_of(time, contact.sites, contact.body[0]));
+  find_swept(exec, world);
 }
 
 std::uint64_t state_hash(const Coupling& coupling, std::uint64_t seed) {

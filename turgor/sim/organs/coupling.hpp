@@ -35,6 +35,9 @@ struct Attachment {
   double stiffness = 0;                 // of all springs together [N/m]
   std::vector<CouplingSample> samples;  // by frame
   double torn_at = 0;                   // time at which the first spring broke [s]
+  int swept = -1;                       // see swept_side
+  std::vector<Vec3d> ahead;  // swept: displacement of the other point of each tie in the next frame,
+                             // as predicted [m]
 };
 
 struct BodyContact {
@@ -43,11 +46,20 @@ struct BodyContact {
   std::array<int, 2> body{};  // see coupled_index; -1 = the ground
   contact::GroundPlane ground;
   contact::PairParams params;
-  std::array<std::vector<double>, 2> rest_height;  // see contact::PairSurface [m]
-  std::vector<contact::PairSite> sites;            // of the latest frame
-  std::vector<CouplingSample> samples;             // by frame
-  int dropped_most = 0;                            // touching vertices beyond the capacity, most in a frame
-  double deepest = 0;                              // depth of a vertex before it was pushed out, largest [m]
+  int swept = -1;  // see swept_side
+  std::array<std::vector<double>, 2>
+      rest_height;                       // see contact::PairSurface; of a swept side, of its nodes [m]
+  std::vector<contact::PairSite> sites;  // of the latest frame
+  std::vector<CouplingSample> samples;   // by frame
+  int dropped_most = 0;                  // touching vertices beyond the capacity, most in a frame
+  double deepest = 0;                    // depth of a vertex before it was pushed out, largest [m]
+};
+
+/// Surface nodes of a lattice with the nearest points of its skin.
+struct SweptNodes {
+  std::vector<int> slot;    // ascending
+  std::vector<Vec3d> rest;  // of the point of the skin, patient frame [m]
+  std::vector<int> vertex;  // of the surface, nearest to the point
 };
 
 /// A lattice or a body of chains in attachments and contacts. Its surface is where the last step left it, and
@@ -60,6 +72,8 @@ struct CoupledSupport {
   std::vector<Int3> triangles;              // of the surface
   std::vector<contact::VertexForce> force;  // on the body in the next frame, by carrier [N]
   double stiffness = 0;                     // with which the other bodies resist its motion [N/m]
+  SweptNodes nodes;                         // of a lattice (organs/swept.hpp)
+  double free_mass = 0;                     // of a lattice that nothing fixes, else 0 [kg]
 };
 
 struct Coupling {

@@ -10,6 +10,7 @@
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/sim/organs/support.hpp"
+#include "turgor/sim/organs/swept.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -232,7 +233,8 @@ Result<Attachment> load_attachment(const AttachmentScene& scene, const World& wo
     if (at_points) join_rigid_points(other.has_value(), false, at_points->ties);
     return at_points;
   }
-  const bool is_swapped = body.rigid && other && !other->rigid;
+  made.swept = swept_side(world, scene.body, scene.other);
+  const bool is_swapped = (body.rigid && other && !other->rigid) || made.swept == 1;
   if (is_swapped) std::swap(body, *other);
 
   // tied points
@@ -287,7 +289,22 @@ void set_reach(const CoupledSurface& body, const CoupledSurface* other, contact:
   params.deepest = edge > 0 ? kDeepest * edge : kRigidDeepest * extent;
 }
 
-Result<BodyContact> load_contact(const Exec& exec, const BodyContactScene& scene, const World& world) {
+/// Adds the nodes of the swept side, and their distances at rest. Error: a lattice with partial cells.
+Result<BodyContact> swept_contact(const Exec& exec, const BodyContactScene& scene, World& world,
+                                  BodyContact made) {
+  const int index = made.body[std::size_t(made.swept)];
+  CoupledSupport& support = world.coupling.supports[std::size_t(index - first_support(world))];
+  const LatticeBody& body = world.lattice_bodies[std::size_t(support.body.index)];
+  if (!body.model.anatomy.cell_center.empty())
+    return Error{fmt::format(
+        "{}: expected a lattice without tissue.partial_cells, found {}, whose nodes are not on its surface",
+        scene.source_location, body.name)};
+  if (support.nodes.slot.empty()) support.nodes = swept_nodes(body, support);
+  if (made.body[1] >= 0) made.rest_height[std::size_t(made.swept)] = swept_rest_heights(exec, world, made);
+  return made;
+}
+
+Result<BodyContact> load_contact(const Exec& exec, const BodyContactScene& scene, World& world) {
   if (const Status able = check_body(scene.source_location, world, scene.body); !able) return able.error();
   if (scene.other)
     if (const Status able = check_body(scene.source_location, world, *scene.other); !able)
@@ -302,6 +319,8 @@ Result<BodyContact> load_contact(const Exec& exec, const BodyContactScene& scene
   // sites are found before they touch
   made.params = {.gap = scene.gap, .friction = scene.friction, .capacity = scene.sites};
   set_reach(body, other ? &*other : nullptr, made.params);
+  made.swept = swept_side(world, scene.body, scene.other);
+  if (made.swept >= 0) return swept_contact(exec, scene, world, std::move(made));
   // deformable surfaces that are nearer than the gap at rest stay so
   if (!other || body.rigid || other->rigid) return made;
   const contact::PairSurface a = rest_pair_surface(body), b = rest_pair_surface(*other);
@@ -318,79 +337,6 @@ bool are_apart(const BodyContactScene& scene, const World& world) {
                        box_around(coupled_surface(world, *scene.other).vertices)};
   const Vec3d margin{kNear, kNear, kNear};
   return !meet({boxes[0].low - margin, boxes[0].high + margin}, boxes[1]);
-}
-
-}  // namespace
-
-int coupled_index(const World& world, BodyId id) {
-  if (id.kind == BodyKind::kSfem) return id.index;
-  if (id.kind == BodyKind::kRigid) return int(world.sfem_bodies.size()) + id.index;
-  const std::vector<CoupledSupport>& supports = world.coupling.supports;
-  const auto found = std::find_if(supports.begin(), supports.end(),
-                                  [id](const CoupledSupport& support) { return support.body == id; });
-  TURGOR_ASSERT(found != supports.end(), "loading makes the supports of attachments and contacts");
-  return first_support(world) + int(found - supports.begin());
-}
-
-BodyId coupled_body(const World& world, int index) {
-  const int sfem = int(world.sfem_bodies.size()), support = first_support(world);
-  if (index < sfem) return {BodyKind::kSfem, index};
-  if (index < support) return {BodyKind::kRigid, index - sfem};
-  return world.coupling.supports[std::size_t(index - support)].body;
-}
-
-std::vector<Vec3d> support_displacement(const World& world, const CoupledSupport& support) {
-  std::vector<Vec3d> displacement;
-  displacement.reserve(support.carrier.size());
-  const auto index = std::size_t(support.body.index);
-  if (support.body.kind == BodyKind::kLattice) {
-    const LatticeBody& body = world.lattice_bodies[index];
-    const Mat3d& axes = body.model.anatomy.grid.axes;
-    for (const int slot : support.carrier)
-      displacement.push_back(axes * Vec3d(body.state->motion.u[std::size_t(slot)]));
-  } else {
-    const rhombus::State& state = world.rhombus_bodies[index].state;
-    for (const int v : support.carrier) displacement.push_back(state.displacement[std::size_t(v)]);
-  }
-  return displacement;
-}
-
-namespace {
-
-/// Surface of a lattice or of chains for attachments and contacts.
-CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
-  CoupledSupport support{.body = id, .rest = {}, .carrier = {}, .triangles = {}, .force = {}};
-  if (id.kind == BodyKind::kLattice) {
-    LatticeBody& body = world.lattice_bodies[std::size_t(id.index)];
-    refresh_surface(exec, body);
-    support.rest = body.rest, support.carrier = body.surface.slot;
-    support.triangles = body.surface.triangles;
-    return support;
-  }
-  const rhombus::Surface& surface = world.rhombus_bodies[std::size_t(id.index)].model.surface;
-  support.rest = surface.vertices, support.triangles = surface.triangles;
-  support.carrier.resize(support.rest.size());
-  std::iota(support.carrier.begin(), support.carrier.end(), 0);
-  return support;
-}
-
-/// Adds a support for a lattice or chains that has none.
-void add_support(const Exec& exec, BodyId id, World& world) {
-  if (id.kind != BodyKind::kLattice && id.kind != BodyKind::kRhombus) return;
-  for (const CoupledSupport& support : world.coupling.supports)
-    if (support.body == id) return;
-  world.coupling.supports.push_back(make_support(exec, id, world));
-}
-
-void add_supports(const Exec& exec, const Scene& scene, World& world) {
-  for (const AttachmentScene& attachment : scene.attachments) {
-    add_support(exec, attachment.body, world);
-    if (attachment.other) add_support(exec, *attachment.other, world);
-  }
-  for (const BodyContactScene& contact : scene.body_contacts) {
-    add_support(exec, contact.body, world);
-    if (contact.other) add_support(exec, *contact.other, world);
-  }
 }
 
 }  // namespace

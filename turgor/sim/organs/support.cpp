@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/geometry/box.hpp"
+#include "turgor/sim/organs/swept.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -29,15 +30,6 @@ double young_near(const LatticeBody& body, int slot) {
   return most > 0 ? most : body.model.params.tissue.fat;
 }
 
-/// Compliance of a site of a support: that of a node of its grid, 1/(E h) [m/N].
-double node_softness(const World& world, const CoupledSupport& support, int vertex) {
-  const auto index = std::size_t(support.body.index);
-  if (support.body.kind == BodyKind::kRhombus) return 0.01 / world.rhombus_bodies[index].typical_force;
-  const LatticeBody& body = world.lattice_bodies[index];
-  const Vec3d h(body.model.anatomy.lattice.spacing);
-  return 1 / (young_near(body, support.carrier[std::size_t(vertex)]) * std::cbrt(h.x * h.y * h.z));
-}
-
 /// First vertex of the support in a contact, from its sites.
 int vertex_of(const BodyContact& contact, int index) {
   for (const contact::PairSite& site : contact.sites)
@@ -48,6 +40,7 @@ int vertex_of(const BodyContact& contact, int index) {
 
 /// Compliance of the sites of a contact; 0 without supports [m/N].
 double site_softness(const World& world, const BodyContact& contact) {
+  if (contact.swept >= 0) return 0;
   const CoupledSupport* support = support_at(world, contact.body[0]);
   const int index = support ? contact.body[0] : contact.body[1];
   if (!support) support = support_at(world, index);
@@ -85,7 +78,7 @@ double resisting_stiffness(const World& world, int index, const std::vector<cont
 double stiffness_around(const World& world, int index) {
   double sum = 0;
   for (const Attachment& attachment : world.coupling.attachments) {
-    if (attachment.ties.empty()) continue;
+    if (attachment.ties.empty() || attachment.swept >= 0) continue;
     const int a = attachment.ties[0].a.body, b = attachment.ties[0].b.body;
     if (a != index && b != index) continue;
     const double other = resisting_stiffness(world, a == index ? b : a, attachment.ties, {});
@@ -93,9 +86,9 @@ double stiffness_around(const World& world, int index) {
   }
   for (const BodyContact& contact : world.coupling.contacts)
     for (std::size_t side = 0; side < 2; side++)
-      if (contact.body[side] == index && !contact.sites.empty())
+      if (contact.body[side] == index && !contact.sites.empty() && contact.swept < 0)
         sum += resisting_stiffness(world, contact.body[1 - side], {}, contact.sites);
-  return sum;
+  return sum + swept_stiffness_on(world, index);
 }
 
 }  // namespace
@@ -106,6 +99,14 @@ int first_tool(const World& world) { return first_support(world) + int(world.cou
 const RigidBody* rigid_body(const World& world, int index) {
   const int n = index - int(world.sfem_bodies.size());
   return n < 0 || index >= first_support(world) ? nullptr : &world.rigid_bodies[std::size_t(n)];
+}
+
+double node_softness(const World& world, const CoupledSupport& support, int vertex) {
+  const auto index = std::size_t(support.body.index);
+  if (support.body.kind == BodyKind::kRhombus) return 0.01 / world.rhombus_bodies[index].typical_force;
+  const LatticeBody& body = world.lattice_bodies[index];
+  const Vec3d h(body.model.anatomy.lattice.spacing);
+  return 1 / (young_near(body, support.carrier[std::size_t(vertex)]) * std::cbrt(h.x * h.y * h.z));
 }
 
 std::vector<Int3> triangles_near(const CoupledSupport& support, const std::vector<Vec3d>& x,
@@ -150,6 +151,8 @@ void load_supports(World& world, std::span<const contact::Tie> ties,
     CoupledSupport& support = coupling.supports[n];
     const int index = first_support(world) + int(n);
     support.force = contact::forces_on(index, ties, sites);
+    const std::vector<contact::VertexForce> swept = swept_forces_on(world, index);
+    support.force.insert(support.force.end(), swept.begin(), swept.end());
     for (contact::VertexForce& force : support.force)
       force.vertex = support.carrier[std::size_t(force.vertex)];
     support.stiffness = stiffness_around(world, index);

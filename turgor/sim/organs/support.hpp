@@ -16,6 +16,10 @@
 namespace turgor {
 
 struct RigidBody;
+struct Scene;
+
+/// Adds a support for every lattice and body of chains in attachments and contacts.
+void add_supports(const Exec& exec, const Scene& scene, World& world);
 
 /// Number of the first support, and of the first tool of the world, in attachments and contacts.
 int first_support(const World& world);
@@ -26,6 +30,9 @@ const RigidBody* rigid_body(const World& world, int index);
 /// Triangles of a support near the vertices of another body.
 std::vector<Int3> triangles_near(const CoupledSupport& support, const std::vector<Vec3d>& x,
                                  const std::vector<Vec3d>& other, double reach);
+
+/// Compliance of a site of a support: that of a node of its grid, 1/(E h) [m/N].
+double node_softness(const World& world, const CoupledSupport& support, int vertex);
 
 /// Forces of the sites of each contact before a solution.
 using SupportMemory = std::vector<std::vector<Vec3d>>;

@@ -95,16 +95,18 @@ void read_ground(SceneTable& table, bool is_used, BodyContactScene& contact) {
 }
 
 bool yields(BodyKind kind) { return kind == BodyKind::kSfem || kind == BodyKind::kRigid; }
+/// True if the solver of the body can bear contacts and attachments, or yields to them.
+bool can_solve(BodyKind kind) { return yields(kind) || kind == BodyKind::kLattice; }
 
-/// Refuses two bodies of which none yields while forces are solved.
+/// Refuses two bodies of which none can solve for the forces between them.
 void check_pair(SceneTable& table, const std::vector<std::string>& names, BodyId body,
                 const std::optional<BodyId>& other) {
-  if (names.empty() || yields(body.kind) || (other && yields(other->kind))) return;
+  if (names.empty() || can_solve(body.kind) || (other && can_solve(other->kind))) return;
   const toml::node& node = *table.find("between");
   const std::string second = other ? "a " + std::string(model_name(other->kind)) : "the ground";
   table.fail_value("between", node,
-                   fmt::format("at least one body with model = \"sfem\" or \"rigid\"; a {} and {} cannot be "
-                               "coupled yet",
+                   fmt::format("at least one body with model = \"sfem\", \"rigid\" or \"lattice\"; a {} and "
+                               "{} cannot be coupled yet",
                                model_name(body.kind), second));
 }
 
@@ -119,10 +121,10 @@ AttachmentScene read_attachment(SceneTable table, const std::string& name, const
       .name = name, .source_location = table.location(), .body = {}, .other = {}, .at = {}, .box = {}};
   table.begin_group("attachment");
   // bodies
-  const std::vector<std::string> names = read_between(
-      table,
-      "the names of two bodies, at least one of them with `model = \"sfem\"` or `\"rigid\"`, or of one of "
-      "these and `\"ground\"`");
+  const std::vector<std::string> names =
+      read_between(table,
+                   "the names of two bodies, at least one of them with `model = \"sfem\"`, `\"rigid\"` or "
+                   "`\"lattice\"`, or of one of these and `\"ground\"`");
   if (!names.empty()) {
     const toml::node& node = *table.find("between");
     const std::size_t first = names[0] == kGround ? 1 : 0;
@@ -166,10 +168,11 @@ BodyContactScene read_body_contact(SceneTable table, const std::string& name, co
   BodyContactScene made{
       .name = name, .source_location = table.location(), .body = {}, .other = {}, .through = {}};
   table.begin_group("contact");
-  const std::vector<std::string> names = read_between(
-      table,
-      "the names of two bodies, at least one of them with `model = \"sfem\"` or `\"rigid\"`, or of "
-      "one of these and `\"ground\"`; cloth touches the bodies that are its obstacles instead");
+  const std::vector<std::string> names =
+      read_between(table,
+                   "the names of two bodies, at least one of them with `model = \"sfem\"`, `\"rigid\"` or "
+                   "`\"lattice\"`, or of one of these and `\"ground\"`; cloth touches the bodies that are "
+                   "its obstacles instead");
   if (!names.empty()) {
     const toml::node& node = *table.find("between");
     const std::size_t first = names[0] == kGround ? 1 : 0;

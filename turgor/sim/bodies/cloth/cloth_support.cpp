@@ -160,6 +160,12 @@ void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, doubl
   if (forces.stiffness > 0 && compliance > 0)
     mass += forces.stiffness * dt * dt * std::min(1.0, elastic_compliance(body, load, dt) / compliance);
   choose_relaxation(mass, dt, load);
+  // the impulse of a collision arrives whole at a constant relaxation, which a body that nothing fixes needs;
+  // it is stable for twice the gain that choose_relaxation permits
+  constexpr double kOfFreeBodies = 0.1;
+  const lattice::Anatomy& anatomy = body.model.anatomy;
+  if (anatomy.free_nodes == anatomy.body_nodes && load.relaxation > kOfFreeBodies / 2)
+    load.relaxation = kOfFreeBodies;
 }
 
 }  // namespace turgor

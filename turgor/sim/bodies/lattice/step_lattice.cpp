@@ -10,6 +10,7 @@
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 #include "turgor/sim/bodies/lattice/touch_lattice.hpp"
 #include "turgor/sim/live/exchanges.hpp"
+#include "turgor/sim/organs/swept.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -17,9 +18,16 @@ namespace turgor {
 namespace {
 
 /// Steps a lattice between two times [s], in substeps for fast tools.
-lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vector<TouchingTool>& tools,
-                                 lattice::Inputs inputs, double from, double to) {
-  if (body.tools.empty()) return body.state.step(exec, body.model, inputs, to - from);
+lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, World& world, lattice::Inputs inputs,
+                                 double from, double to) {
+  std::vector<TouchingTool>& tools = world.tools;
+  SweptContacts swept(body, world);
+  if (body.tools.empty()) {
+    swept.join(inputs);
+    const lattice::StepReport report = body.state.step(exec, body.model, inputs, to - from);
+    swept.finish();
+    return report;
+  }
 
   TURGOR_CHECK(to > from, "a frame has a positive length");
   // tools, and the surface where it may be touched
@@ -35,6 +43,7 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
     set_poses(body, tools, from + (to - from) * substep / substeps);
     const double dt = (to - from) / substeps;
     find_tool_contacts(body, dt, inputs);
+    swept.join(inputs);
 
     // step and forces
     const Real fastest = report.largest_speed;
@@ -43,6 +52,7 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
     with_needles.springs = needles.input();
     report = body.state.step(exec, body.model, with_needles, dt);
     needles.finish(report.finite);
+    swept.finish();
     report.largest_speed = std::max(report.largest_speed, fastest);
     read_tool_forces(body);
   }
@@ -60,17 +70,19 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   const bool has_forces = body.model.params.solver.method == lattice::Method::kVbd;
   const std::vector<lattice::NodeLoad> loads = node_loads(body);
 
-  // loads, tools and stitches
+  // loads, tools, stitches and attachments
   SutureSprings stitches(body.model, int(&body - world.lattice_bodies.data()), world.sutures);
+  SweptSprings attachments(body, world, stitches.input());
   const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
                                .measure_residual = input.measure_residual && has_forces,
                                .loads = loads,
-                               .springs = stitches.input()};
+                               .springs = attachments.input()};
   apply_commands(body, input.from, input.to, world.tools);
 
   // step
-  const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
+  const lattice::StepReport done = step_lattice(exec, body, world, inputs, input.from, input.to);
   if (done.finite && stitches.input()) stitches.finish(body.model, body.state->motion, input.to);
+  if (done.finite) attachments.finish(body.state->motion);
   // damping reduces the speed after the positions were updated
   body.last_displacement =
       double(done.largest_speed) / double(speed_scale(body.model.params.solver, input.to - input.from));

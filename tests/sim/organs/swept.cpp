@@ -1,0 +1,253 @@
+// Lattices that touch and hold each other, chains and the ground: weights, compression, friction and
+// momentum.
+#include "turgor/sim/organs/swept.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "organs_scene.hpp"
+#include "turgor/sim/organs/support.hpp"
+#include "turgor/sim/world_state.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using test::advance;
+
+constexpr double kYoung = 5e3;  // [Pa]
+
+constexpr double kGravity = 9.81;  // [m/s²]
+
+/// A block of voxels of 4 mm in air, 64 mm wide along x and z and 32 mm high along y. Its faces are at
+/// x = ±32 mm, z = ±32 mm from the middle, and from y = `front` on. Below it is bone, if requested.
+CtVolume block_ct(double front, bool on_bone, Vec3d middle) {
+  CtVolume ct;
+  ct.grid.size = {24, 20, 24};
+  ct.grid.spacing = {0.004, 0.004, 0.004};
+  ct.grid.origin = {middle.x - 0.046, front - 0.014, middle.z - 0.046};
+  ct.samples.assign(sample_count(ct.grid), kAirHu);
+  for (int k = 4; k < 20; k++)
+    for (int j = 4; j < (on_bone ? 16 : 12); j++)
+      for (int i = 4; i < 20; i++) ct.at(i, j, k) = j < 12 ? -100 : 1000;
+  return ct;
+}
+
+/// [body.NAME]: such a block with the file NAME.nii, Poisson's ratio 0 and hardly any skin.
+std::string lattice_text(const std::string& name, const std::string& fixed, const std::string& keys = "") {
+  return fmt::format(
+      "[body.{}]\nmodel = \"lattice\"\nct = \"{}.nii\"\nblock = 2\nfixed = \"{}\"\ntissue.fat = {}\n"
+      "tissue.poisson = 0\nskin.tension = 0\nskin.stiffness = 1e-3\nskin.shear = 0\nsolver.damping = "
+      "0\nsolver.sweeps = 20\n{}",
+      name, name, fixed, kYoung, keys);
+}
+std::string world_text(const std::string& gravity) {
+  return "[world]\nduration = 20\ngravity = " + gravity + "\n";
+}
+std::string contact_text(const std::string& a, const std::string& b, double friction,
+                         const std::string& keys = "") {
+  return fmt::format("[contact.{}-{}]\nbetween = [\"{}\", \"{}\"]\nfriction = {}\n{}", a, b, a, b, friction,
+                     keys);
+}
+
+struct SweptBlock {
+  std::string name;
+  double front = 0;  // [m]
+  bool on_bone = false;
+  Vec3d middle = {};  // y is unused [m]
+};
+World blocks_world(const Exec& exec, const std::vector<SweptBlock>& blocks, const std::string& text) {
+  const fs::path folder = test::fresh_folder();
+  for (const SweptBlock& block : blocks)
+    EXPECT_TRUE(write_ct(folder / (block.name + ".nii"), block_ct(block.front, block.on_bone, block.middle)));
+  const Result<Scene> scene = parse_scene(text, folder / "blocks.toml");
+  EXPECT_TRUE(scene) << scene.error().message;
+  Result<World> world = load_world(exec, *scene);
+  EXPECT_TRUE(world) << world.error().message;
+  return std::move(*world);
+}
+
+Vec3d contact_force(const World& world, std::size_t contact = 0) {
+  return world.coupling.contacts[contact].samples.back().force;
+}
+
+/// Momentum, mass and mean displacement of a lattice.
+struct Whole {
+  double mass = 0;
+  Vec3d momentum, displacement;
+};
+Whole whole_of(const LatticeBody& body) {
+  Whole whole;
+  for (std::size_t slot = 0; slot < body.model.anatomy.inverse_mass.size(); slot++)
+    if (const double w = double(body.model.anatomy.inverse_mass[slot]); w > 0) {
+      whole.mass += 1 / w;
+      whole.momentum += Vec3d(body.state->motion.v[slot]) / w;
+      whole.displacement += Vec3d(body.state->motion.u[slot]) / w;
+    }
+  whole.displacement = whole.displacement / whole.mass;
+  return whole;
+}
+
+const LatticeBody& body_named(const World& world, const std::string& name) {
+  for (const LatticeBody& body : world.lattice_bodies)
+    if (body.name == name) return body;
+  return world.lattice_bodies.at(0);
+}
+Whole whole_of(const World& world, const std::string& name) { return whole_of(body_named(world, name)); }
+Vec3d load_on(const World& world, const std::string& name) {
+  return total_force(body_named(world, name).cloth);
+}
+World stacked_world(const Exec& exec, double friction) {
+  return blocks_world(exec, {{"upper", -0.055}, {"lower", -0.022, true}},
+                      world_text("[0, 9.81, 0]") + lattice_text("upper", "none") +
+                          lattice_text("lower", "bone", "gravity = false\n") +
+                          contact_text("upper", "lower", friction));
+}
+
+// A free block falls by a millimeter onto a fixed one and lies there. The contact and the load of the lower
+// block are its weight, and the surfaces meet.
+TEST(Swept, StackedBlocks_BearWeight) {
+  const Exec exec(2);
+  World world = stacked_world(exec, 0.3);
+  advance(exec, world, 150);
+  const Whole upper = whole_of(world, "upper");
+  std::printf("contact %.5f, load %.5f of %.5f N, %.4f mm/s\n", contact_force(world).y,
+              load_on(world, "lower").y, upper.mass * kGravity, 1e3 * upper.momentum.y / upper.mass);
+  const double weight = upper.mass * kGravity;
+  EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
+  EXPECT_LT(norm(load_on(world, "lower") - Vec3d{0, weight, 0}), 5e-3 * weight);
+  // the surfaces meet
+  int bearing = 0;
+  for (const contact::PairSite& site : world.coupling.contacts[0].sites)
+    if (site.force != Vec3d{}) {
+      bearing++;
+      EXPECT_LT(std::abs(site.distance), 2e-5);
+    }
+  EXPECT_GT(bearing, 9);
+}
+
+// A free block on the ground: it falls, and the ground bears its weight.
+TEST(Swept, BlockOnGround_BearsWeight) {
+  const Exec exec(2);
+  World world = blocks_world(
+      exec, {{"block", -0.055}},
+      world_text("[0, 9.81, 0]") + lattice_text("block", "none") +
+          contact_text("block", "ground", 0.3, "through = [0, -0.021, 0]\nnormal = [0, -1, 0]\n"));
+  advance(exec, world, 90);
+  const double weight = whole_of(world, "block").mass * kGravity;
+  EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
+}
+
+// On sloping ground a block rests below the friction angle, and slides above it with g (sin θ − μ cos θ).
+TEST(Swept, SlopingGround_SlidesAboveFrictionAngle) {
+  const Exec exec(2);
+  constexpr double kFriction = 0.4;
+  for (const double factor : {0.8, 1.5}) {
+    const double angle = std::atan(factor * kFriction);
+    World world = blocks_world(
+        exec, {{"block", -0.055}},
+        world_text(fmt::format("[{}, {}, 0]", kGravity * std::sin(angle), kGravity * std::cos(angle))) +
+            lattice_text("block", "none", "tissue.young = 5e4\n") +
+            contact_text("block", "ground", kFriction, "through = [0, -0.0229, 0]\nnormal = [0, -1, 0]\n"));
+    advance(exec, world, factor < 1 ? 120 : 30);
+    const auto speed = [&] {
+      const Whole block = whole_of(world, "block");
+      return block.momentum.x / block.mass;
+    };
+    const double before = speed();
+    advance(exec, world, 30);
+    const double acceleration = (speed() - before) / (30 * world.dt);
+    const double expected = std::max(0.0, kGravity * (std::sin(angle) - kFriction * std::cos(angle)));
+    const Vec3d force = contact_force(world);
+    std::printf("tan = %.1f mu: %.4f m/s2 of %.4f, speed %.4g, friction %.4f of the normal force\n", factor,
+                acceleration, expected, before, -force.x / -force.y);
+    EXPECT_NEAR(acceleration, expected, 0.02 * kGravity * std::sin(angle));
+  }
+}
+
+// Two free blocks that collide keep their momentum.
+TEST(Swept, FreePair_KeepsMomentum) {
+  const Exec exec(2);
+  World world = blocks_world(exec, {{"first", -0.055}, {"second", -0.022}},
+                             world_text("[0, 0, 0]") + lattice_text("first", "none") +
+                                 lattice_text("second", "none") + contact_text("first", "second", 0.3));
+  constexpr Real kSpeed = Real(0.05);
+  for (LatticeBody& body : world.lattice_bodies)
+    if (body.name == "first") {
+      lattice::Motion& motion = body.state.change().motion;
+      for (std::size_t slot = 0; slot < body.model.anatomy.inverse_mass.size(); slot++)
+        if (body.model.anatomy.inverse_mass[slot] > 0) motion.v.set(slot, {0, kSpeed, 0});
+    }
+  const double before = whole_of(world, "first").momentum.y;
+  advance(exec, world, 120);
+  const double after = whole_of(world, "first").momentum.y + whole_of(world, "second").momentum.y;
+  std::printf("momentum %.6f of %.6f N s\n", after, before);
+  EXPECT_NEAR(after, before, 0.02 * before);
+}
+
+// A free block hangs from a fixed one, and from the ground, by springs.
+TEST(Swept, HangingBlock_PullsWithWeight) {
+  const Exec exec(2);
+  for (const bool on_ground : {false, true}) {
+    const std::string spring =
+        on_ground ? "between = [\"block\", \"ground\"]\nbox = [[-1, -0.026, -1], [1, -0.02, 1]]\n"
+                  : "between = [\"base\", \"block\"]\ndistance = 0.004\n";
+    World world = blocks_world(exec, {{"block", -0.056}, {"base", -0.022, true}},
+                               world_text("[0, -9.81, 0]") + lattice_text("block", "none") +
+                                   lattice_text("base", "bone", "gravity = false\n") + "[attachment.glue]\n" +
+                                   spring + "stiffness = 500\npoints = 60\n");
+    advance(exec, world, 90);
+    const double weight = whole_of(world, "block").mass * kGravity;
+    EXPECT_NEAR(std::abs(world.coupling.attachments[0].samples.back().force.y), weight, 5e-3 * weight);
+    EXPECT_NEAR(load_on(world, "base").y, on_ground ? 0 : -weight, 5e-3 * weight);
+  }
+}
+
+// Springs that are too weak for the block tear one after the other, and it falls.
+TEST(Swept, WeakAttachment_Tears) {
+  const Exec exec(2);
+  World world =
+      blocks_world(exec, {{"block", -0.055}},
+                   world_text("[0, -9.81, 0]") + lattice_text("block", "none") +
+                       "[attachment.glue]\nbetween = [\"block\", \"ground\"]\nbox = [[-1, -0.026, -1], "
+                       "[1, -0.02, 1]]\nstiffness = 500\npoints = 8\nbreak_force = 0.4\n");
+  advance(exec, world, 60);
+  for (const contact::Tie& tie : world.coupling.attachments[0].ties) EXPECT_TRUE(tie.broken);
+  EXPECT_GT(world.coupling.attachments[0].torn_at, 0);
+  EXPECT_LT(whole_of(world, "block").momentum.y, 0);
+}
+
+// A free block lies on a body of chains, which bears its weight.
+TEST(Swept, BlockOnChains_BearsWeight) {
+  const Exec exec(2);
+  const std::string liver =
+      "[body.liver]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\", detail = 0.3 }\nbulge = 0.4\n";
+  Vec3d front{0, HUGE_VAL, 0};
+  const World alone = test::organs_world(exec, world_text("[0, 9.81, 0]") + liver);
+  for (const Vec3d x : alone.rhombus_bodies[0].model.surface.vertices)
+    if (x.y < front.y) front = x;
+  World world = blocks_world(
+      exec, {{"block", front.y - 0.033, false, front}},
+      world_text("[0, 9.81, 0]") + liver + lattice_text("block", "none") + contact_text("block", "liver", 2));
+  advance(exec, world, 60);
+  Vec3d mean;
+  for (int n = 0; n < 60; n++) advance(exec, world, 1), mean += contact_force(world) / 60;
+  const double weight = whole_of(world, "block").mass * kGravity;
+  std::printf("mean force %.4f of %.4f N\n", -mean.y, weight);
+  EXPECT_NEAR(mean.y, -weight, 0.05 * weight);
+}
+
+// A stack has the same bits on any number of threads, and after a copy.
+TEST(Swept, Stack_SameBits) {
+  World world = stacked_world(Exec(1), 0.3);
+  advance(Exec(1), world, 10);
+  World copy = copy_of(world);
+  advance(Exec(1), world, 10);
+  advance(Exec(8), copy, 10);
+  EXPECT_EQ(state_hash(copy), state_hash(world));
+  EXPECT_NE(contact_force(world), Vec3d{});
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,85 @@
+// Lattices and bodies of chains as supports: their numbers, their surfaces, and where these are.
+#include <algorithm>
+#include <numeric>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/sim/organs/support.hpp"
+#include "turgor/sim/organs/swept.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// Surface of a lattice or of chains for attachments and contacts.
+CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
+  CoupledSupport support{.body = id, .rest = {}, .carrier = {}, .triangles = {}, .force = {}, .nodes = {}};
+  if (id.kind == BodyKind::kLattice) {
+    LatticeBody& body = world.lattice_bodies[std::size_t(id.index)];
+    refresh_surface(exec, body);
+    support.rest = body.rest, support.carrier = body.surface.slot;
+    support.triangles = body.surface.triangles, support.free_mass = free_mass(body);
+    return support;
+  }
+  const rhombus::Surface& surface = world.rhombus_bodies[std::size_t(id.index)].model.surface;
+  support.rest = surface.vertices, support.triangles = surface.triangles;
+  support.carrier.resize(support.rest.size());
+  std::iota(support.carrier.begin(), support.carrier.end(), 0);
+  return support;
+}
+
+/// Adds a support for a lattice or chains that has none.
+void add_support(const Exec& exec, BodyId id, World& world) {
+  if (id.kind != BodyKind::kLattice && id.kind != BodyKind::kRhombus) return;
+  for (const CoupledSupport& support : world.coupling.supports)
+    if (support.body == id) return;
+  world.coupling.supports.push_back(make_support(exec, id, world));
+}
+
+}  // namespace
+
+int coupled_index(const World& world, BodyId id) {
+  if (id.kind == BodyKind::kSfem) return id.index;
+  if (id.kind == BodyKind::kRigid) return int(world.sfem_bodies.size()) + id.index;
+  const std::vector<CoupledSupport>& supports = world.coupling.supports;
+  const auto found = std::find_if(supports.begin(), supports.end(),
+                                  [id](const CoupledSupport& support) { return support.body == id; });
+  TURGOR_ASSERT(found != supports.end(), "loading makes the supports of attachments and contacts");
+  return first_support(world) + int(found - supports.begin());
+}
+
+BodyId coupled_body(const World& world, int index) {
+  const int sfem = int(world.sfem_bodies.size()), support = first_support(world);
+  if (index < sfem) return {BodyKind::kSfem, index};
+  if (index < support) return {BodyKind::kRigid, index - sfem};
+  return world.coupling.supports[std::size_t(index - support)].body;
+}
+
+std::vector<Vec3d> support_displacement(const World& world, const CoupledSupport& support) {
+  std::vector<Vec3d> displacement;
+  displacement.reserve(support.carrier.size());
+  const auto index = std::size_t(support.body.index);
+  if (support.body.kind == BodyKind::kLattice) {
+    const LatticeBody& body = world.lattice_bodies[index];
+    const Mat3d& axes = body.model.anatomy.grid.axes;
+    for (const int slot : support.carrier)
+      displacement.push_back(axes * Vec3d(body.state->motion.u[std::size_t(slot)]));
+  } else {
+    const rhombus::State& state = world.rhombus_bodies[index].state;
+    for (const int v : support.carrier) displacement.push_back(state.displacement[std::size_t(v)]);
+  }
+  return displacement;
+}
+
+void add_supports(const Exec& exec, const Scene& scene, World& world) {
+  for (const AttachmentScene& attachment : scene.attachments) {
+    add_support(exec, attachment.body, world);
+    if (attachment.other) add_support(exec, *attachment.other, world);
+  }
+  for (const BodyContactScene& contact : scene.body_contacts) {
+    add_support(exec, contact.body, world);
+    if (contact.other) add_support(exec, *contact.other, world);
+  }
+}
+
+}  // namespace turgor

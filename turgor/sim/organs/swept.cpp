@@ -1,0 +1,358 @@
+#include "turgor/sim/organs/swept.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/contact/lattice_touch.hpp"
+#include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
+#include "turgor/geometry/triangle_tree.hpp"
+#include "turgor/sim/organs/support.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+namespace {
+
+const CoupledSupport& swept_support(const World& world, int index) {
+  const int n = index - first_support(world);
+  TURGOR_CHECK(is_index(n, world.coupling.supports.size()), "swept bodies and what they touch are supports");
+  return world.coupling.supports[std::size_t(n)];
+}
+const LatticeBody& lattice_of(const World& world, const CoupledSupport& support) {
+  return world.lattice_bodies[std::size_t(support.body.index)];
+}
+const Mat3d& patient_axes(const LatticeBody& body) { return body.model.anatomy.grid.axes; }
+
+/// True if a contact or an attachment is solved in the sweeps of this lattice.
+bool is_swept_by(const World& world, const LatticeBody& body, int index) {
+  return index >= first_support(world) && swept_support(world, index).body.kind == BodyKind::kLattice &&
+         &lattice_of(world, swept_support(world, index)) == &body;
+}
+
+/// Motion of a point in the next frame at its present velocity; zero for chains and the ground [m].
+Vec3d motion_ahead(const World& world, const contact::SurfacePoint& point) {
+  if (point.body < 0) return {};
+  const CoupledSupport& support = swept_support(world, point.body);
+  if (support.body.kind != BodyKind::kLattice) return {};
+  const LatticeBody& body = lattice_of(world, support);
+  Vec3d velocity;
+  for (int corner = 0; corner < 3; corner++)
+    if (const int v = point.vertex[corner]; v >= 0) {
+      const int slot = support.carrier[std::size_t(v)];
+      velocity += Vec3d(body.state->motion.v[std::size_t(slot)]) * point.weight[corner];
+    }
+  return patient_axes(body) * (velocity * world.dt);
+}
+
+/// Bound for the motion of the points of a body in the next frame [m].
+double farthest_ahead(const World& world, const CoupledSupport& support) {
+  const double fall = world.dt * world.dt * norm(world.gravity);
+  return support.body.kind == BodyKind::kLattice ? lattice_of(world, support).last_displacement + fall : fall;
+}
+
+std::vector<Vec3d> positions_of(const World& world, const CoupledSupport& support) {
+  std::vector<Vec3d> x = support_displacement(world, support);
+  for (std::size_t v = 0; v < x.size(); v++) x[v] += support.rest[v];
+  return x;
+}
+
+/// Bodies of a contact: the swept one first.
+struct SweptPair {
+  int index = 0, other = 0;
+  const CoupledSupport& own;
+};
+SweptPair swept_pair(const World& world, const BodyContact& contact) {
+  const auto side = std::size_t(contact.swept);
+  return {contact.body[side], contact.body[1 - side], swept_support(world, contact.body[side])};
+}
+
+/// Present positions of the nodes of a lattice that can touch.
+std::vector<Vec3d> positions_of_nodes(const World& world, const CoupledSupport& support) {
+  const LatticeBody& body = lattice_of(world, support);
+  std::vector<Vec3d> x = support.nodes.rest;
+  for (std::size_t n = 0; n < x.size(); n++)
+    x[n] += patient_axes(body) * Vec3d(body.state->motion.u[std::size_t(support.nodes.slot[n])]);
+  return x;
+}
+
+/// Sites of a contact at the present positions.
+contact::PairSites swept_sites(const Exec& exec, const World& world, const BodyContact& contact) {
+  const SweptPair pair = swept_pair(world, contact);
+  const std::vector<Vec3d> x = positions_of_nodes(world, pair.own);
+  const contact::SurfaceNodes nodes{pair.own.nodes.rest, x, pair.own.nodes.vertex,
+                                    contact.rest_height[std::size_t(contact.swept)]};
+  contact::PairParams params = contact.params;
+  params.reach += farthest_ahead(world, pair.own);
+  if (pair.other < 0)
+    return contact::find_node_sites(nodes, pair.index, contact.ground, params, contact.sites);
+  // surfaces near each other
+  const CoupledSupport& other = swept_support(world, pair.other);
+  params.reach += farthest_ahead(world, other);
+  const double far = params.reach + params.deepest;
+  const std::vector<Vec3d> own_x = positions_of(world, pair.own), other_x = positions_of(world, other);
+  const std::vector<Int3> own_near = triangles_near(pair.own, own_x, other_x, far),
+                          other_near = triangles_near(other, other_x, own_x, far);
+  if (own_near.empty() || other_near.empty()) return {};
+  const std::array<contact::PairSurface, 2> surfaces{
+      {{pair.index, pair.own.rest, own_x, own_near, {}}, {pair.other, other.rest, other_x, other_near, {}}}};
+  return contact::find_node_sites(exec, nodes, surfaces, params, contact.sites);
+}
+
+/// Predicted displacements of the other ends of the springs of an attachment.
+std::vector<Vec3d> ends_ahead(const World& world, const Attachment& attachment) {
+  std::vector<Vec3d> ends;
+  std::vector<Vec3d> displacement;
+  for (const contact::Tie& tie : attachment.ties) {
+    const contact::SurfacePoint& end = attachment.swept == 0 ? tie.b : tie.a;
+    if (end.body >= 0 && displacement.empty())
+      displacement = support_displacement(world, swept_support(world, end.body));
+    ends.push_back(contact::displacement_of(end, displacement) + motion_ahead(world, end));
+  }
+  return ends;
+}
+
+/// Force of a spring on its swept end, and its tangent, at a stretch.
+lattice::PointSpring spring_at(const contact::Tie& tie, const lattice::EmbeddedPoint& at, Vec3d u,
+                               Vec3d end) {
+  lattice::PointSpring spring{.at = at, .target = Vec3(u)};
+  const Vec3d stretch = u - end;
+  const double size = norm(stretch), over = size - tie.slack;
+  if (tie.broken || (tie.slack > 0 && over <= 0)) return spring;
+  if (tie.slack == 0) {
+    spring.target = Vec3(end), spring.stiffness = lattice::isotropic_stiffness(Real(tie.stiffness));
+    return spring;
+  }
+  const Vec3d n = stretch / size;
+  spring.force = Vec3(n * (-tie.stiffness * over));
+  spring.stiffness =
+      lattice::axial_stiffness(Vec3(n), Real(tie.stiffness), Real(tie.stiffness * over / size));
+  return spring;
+}
+
+/// Point at a node.
+lattice::EmbeddedPoint point_at(int slot) {
+  lattice::EmbeddedPoint point;
+  point.cell = slot, point.corner.fill(slot), point.weight[0] = 1;
+  return point;
+}
+
+/// Stiffness with which a swept lattice resists a displacement of its contact: that of the nodes that bear,
+/// at most the inertia of a body that nothing fixes [N/m].
+double at_most_inertia(const World& world, const CoupledSupport& support, double stiffness) {
+  const double square = world.dt * world.dt;
+  return support.free_mass > 0 ? std::min(stiffness, support.free_mass / square) : stiffness;
+}
+
+/// Adds a force on a point of a body, by vertex.
+void add_force_at(const contact::SurfacePoint& point, Vec3d force, int index,
+                  std::vector<contact::VertexForce>& forces) {
+  if (point.body != index || force == Vec3d{}) return;
+  for (int corner = 0; corner < 3; corner++)
+    if (point.vertex[corner] >= 0 && point.weight[corner] != 0)
+      forces.push_back({point.vertex[corner], force * point.weight[corner]});
+}
+
+}  // namespace
+
+int swept_side(const World& world, BodyId body, const std::optional<BodyId>& other) {
+  const auto yields = [](BodyId id) { return id.kind == BodyKind::kSfem || id.kind == BodyKind::kRigid; };
+  if (yields(body) || (other && yields(*other))) return -1;
+  if (body.kind != BodyKind::kLattice) return 1;
+  if (!other || other->kind != BodyKind::kLattice) return 0;
+  const auto is_free = [&](BodyId id) {
+    return swept_support(world, coupled_index(world, id)).free_mass > 0;
+  };
+  return !is_free(body) && is_free(*other) ? 1 : 0;
+}
+
+SweptNodes swept_nodes(const LatticeBody& body, const CoupledSupport& support) {
+  // samples of the skin at its nodes
+  const contact::LatticeTouch touch = contact::make_lattice_touch(body.model, body.state.cuts(), body.surface,
+                                                                  {}, contact::TouchCarrier::kNodes);
+  const TriangleTree tree = build_triangle_tree(support.rest, support.triangles);
+  const Grid& grid = body.model.anatomy.grid;
+  SweptNodes nodes;
+  for (const contact::LatticeSample& sample : touch.samples) {
+    if (sample.wall || sample.other >= 0) continue;
+    const Vec3d rest = grid.origin + grid.axes * sample.rest;
+    // nearest vertex of the surface
+    const TrianglePoint near = nearest_point(tree, rest);
+    const Vec3d w = near.weights;
+    const Int3 t = support.triangles[std::size_t(near.triangle)];
+    nodes.slot.push_back(sample.slot), nodes.rest.push_back(rest);
+    nodes.vertex.push_back(w.x >= w.y && w.x >= w.z ? t.x : w.y >= w.z ? t.y : t.z);
+  }
+  return nodes;
+}
+
+double free_mass(const LatticeBody& body) {
+  const lattice::Anatomy& anatomy = body.model.anatomy;
+  double mass = 0;
+  for (std::size_t slot = 0; slot < anatomy.tissue.size(); slot++) {
+    const double w = double(anatomy.inverse_mass[slot]);
+    if (lattice::is_body(anatomy.tissue[slot]) && !(w > 0)) return 0;
+    if (w > 0) mass += 1 / w;
+  }
+  return mass;
+}
+
+std::vector<double> swept_rest_heights(const Exec& exec, const World& world, const BodyContact& contact) {
+  const SweptPair pair = swept_pair(world, contact);
+  const SweptNodes& own = pair.own.nodes;
+  const CoupledSupport& other = swept_support(world, pair.other);
+  const std::array<contact::PairSurface, 2> surfaces{
+      {{pair.index, pair.own.rest, pair.own.rest, pair.own.triangles, {}},
+       {pair.other, other.rest, other.rest, other.triangles, {}}}};
+  return contact::rest_heights(exec, {own.rest, own.rest, own.vertex, {}}, surfaces, contact.params);
+}
+
+SweptSprings::SweptSprings(const LatticeBody& body, World& world, lattice::PointSprings* stitches)
+    : body_(body), stitches_(stitches) {
+  if (stitches) springs_.all = stitches->all;
+  for (Attachment& attachment : world.coupling.attachments) {
+    if (attachment.swept < 0 || attachment.ahead.size() != attachment.ties.size()) continue;
+    for (std::size_t n = 0; n < attachment.ties.size(); n++) {
+      contact::Tie& tie = attachment.ties[n];
+      const contact::SurfacePoint& own = attachment.swept == 0 ? tie.a : tie.b;
+      if (tie.broken || !is_swept_by(world, body, own.body)) continue;
+      const CoupledSupport& support = swept_support(world, own.body);
+      springs_.all.push_back({.at = point_at(support.carrier[std::size_t(own.vertex.x)])});
+      ties_.push_back(&tie), signs_.push_back(attachment.swept == 0 ? 1 : -1);
+      ends_.push_back(transposed(patient_axes(body)) * attachment.ahead[n]);
+      if (attachments_.empty() || attachments_.back() != &attachment) attachments_.push_back(&attachment);
+    }
+  }
+  if (ties_.empty()) return;
+  make_terms(springs_);
+  springs_.refresh = [this](const lattice::State& state) {
+    if (stitches_ && stitches_->refresh) stitches_->refresh(state);
+    refresh(state.motion);
+  };
+}
+
+void SweptSprings::refresh(const lattice::Motion& motion) {
+  const std::size_t first = springs_.all.size() - ties_.size();
+  if (stitches_) std::copy(stitches_->all.begin(), stitches_->all.end(), springs_.all.begin());
+  for (std::size_t n = 0; n < ties_.size(); n++) {
+    lattice::PointSpring& spring = springs_.all[first + n];
+    spring = spring_at(*ties_[n], spring.at, Vec3d(displacement(spring.at, motion)), ends_[n]);
+  }
+}
+
+void SweptSprings::finish(const lattice::Motion& motion) {
+  if (ties_.empty()) return;
+  refresh(motion);
+  const std::size_t first = springs_.all.size() - ties_.size();
+  for (std::size_t n = 0; n < ties_.size(); n++) {
+    const lattice::PointSpring& spring = springs_.all[first + n];
+    const Vec3d force(spring_force(spring, displacement(spring.at, motion)));
+    ties_[n]->force = patient_axes(body_) * (force * signs_[n]);
+  }
+  for (Attachment* attachment : attachments_) contact::break_one(attachment->ties);
+}
+
+SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body) {
+  const Mat3d to_lattice = transposed(patient_axes(body));
+  for (BodyContact& contact : world.coupling.contacts) {
+    if (contact.swept < 0 || !is_swept_by(world, body, contact.body[std::size_t(contact.swept)])) continue;
+    const SweptNodes& nodes = swept_pair(world, contact).own.nodes;
+    for (contact::PairSite& site : contact.sites) {
+      // the other body has moved by `ahead` when the step ends
+      const int slot = nodes.slot[std::size_t(site.node)];
+      const Vec3d u(body.state->motion.u[std::size_t(slot)]);
+      own_.push_back({.slot = slot,
+                      .normal = Vec3(to_lattice * site.normal),
+                      .target = Vec3(u + to_lattice * (site.ahead - site.normal * site.distance)),
+                      .friction = Real(site.friction),
+                      .force = Vec3(to_lattice * site.force)});
+      sites_.push_back({slot, &site});
+    }
+  }
+  const auto first = [](const auto& a, const auto& b) { return a.slot < b.slot; };
+  std::stable_sort(own_.begin(), own_.end(), first);
+  std::stable_sort(sites_.begin(), sites_.end(), first);
+}
+
+void SweptContacts::join(lattice::Inputs& inputs) {
+  if (own_.empty()) return;
+  TURGOR_CHECK(inputs.points == nullptr, "swept contacts act on nodes");
+  joined_.clear(), origins_.clear();
+  auto next = own_.begin();
+  const auto add = [&](lattice::NodeContact& contact) {
+    joined_.push_back(contact), origins_.push_back(&contact);
+  };
+  for (lattice::NodeContact& of_tool : inputs.contacts) {
+    for (; next != own_.end() && next->slot < of_tool.slot; ++next) add(*next);
+    add(of_tool);
+  }
+  for (; next != own_.end(); ++next) add(*next);
+  inputs.contacts = joined_;
+}
+
+void SweptContacts::finish() {
+  if (own_.empty()) return;
+  for (std::size_t c = 0; c < joined_.size(); c++) *origins_[c] = joined_[c];
+  for (std::size_t c = 0; c < own_.size(); c++) {
+    const Vec3d force(own_[c].force);
+    contact::PairSite& site = *sites_[c].site;
+    site.force = patient_axes(body_) * force;
+    const double pressed = dot(Vec3d(own_[c].normal), force);
+    const double across = norm(force - Vec3d(own_[c].normal) * pressed);
+    site.state = !(pressed > 0)                                  ? contact::SiteState::kOpen
+                 : across < site.friction * pressed * (1 - 1e-4) ? contact::SiteState::kStick
+                                                                 : contact::SiteState::kSlip;
+  }
+}
+
+void find_swept(const Exec& exec, World& world) {
+  for (BodyContact& contact : world.coupling.contacts) {
+    if (contact.swept < 0) continue;
+    contact::PairSites found = swept_sites(exec, world, contact);
+    const SweptPair pair = swept_pair(world, contact);
+    const lattice::Cuts& cuts = lattice_of(world, pair.own).state.cuts();
+    std::erase_if(found.sites, [&](const contact::PairSite& site) {
+      return cuts.removed[std::size_t(pair.own.nodes.slot[std::size_t(site.node)])] != 0;
+    });
+    for (contact::PairSite& site : found.sites) site.ahead = motion_ahead(world, site.b);
+    contact.sites = std::move(found.sites);
+    contact.deepest = std::max(contact.deepest, found.deepest);
+  }
+  for (Attachment& attachment : world.coupling.attachments)
+    if (attachment.swept >= 0) attachment.ahead = ends_ahead(world, attachment);
+}
+
+std::vector<contact::VertexForce> swept_forces_on(const World& world, int index) {
+  std::vector<contact::VertexForce> forces;
+  for (const BodyContact& contact : world.coupling.contacts)
+    if (contact.swept >= 0)
+      for (const contact::PairSite& site : contact.sites) add_force_at(site.b, -site.force, index, forces);
+  for (const Attachment& attachment : world.coupling.attachments)
+    for (const contact::Tie& tie : attachment.ties) {
+      if (attachment.swept == 0) add_force_at(tie.b, -tie.force, index, forces);
+      if (attachment.swept == 1) add_force_at(tie.a, tie.force, index, forces);
+    }
+  return forces;
+}
+
+double swept_stiffness_on(const World& world, int index) {
+  double sum = 0;
+  for (const BodyContact& contact : world.coupling.contacts) {
+    if (contact.swept < 0 || swept_pair(world, contact).other != index) continue;
+    const CoupledSupport& own = swept_pair(world, contact).own;
+    double of_nodes = 0;
+    for (const contact::PairSite& site : contact.sites)
+      if (site.force != Vec3d{}) of_nodes += 1 / node_softness(world, own, site.a.vertex.x);
+    sum += at_most_inertia(world, own, of_nodes);
+  }
+  for (const Attachment& attachment : world.coupling.attachments) {
+    if (attachment.swept < 0 || attachment.ties.empty()) continue;
+    const contact::Tie& tie = attachment.ties[0];
+    const int own = attachment.swept == 0 ? tie.a.body : tie.b.body;
+    const int other = attachment.swept == 0 ? tie.b.body : tie.a.body;
+    if (other == index) sum += at_most_inertia(world, swept_support(world, own), attachment.stiffness);
+  }
+  return sum;
+}
+
+}  // namespace turgor
