@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "organs_scene.hpp"
+#include "tests/sim/resumed.hpp"
 #include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/world_state.hpp"
 
@@ -247,6 +248,16 @@ TEST(Swept, Stack_SameBits) {
   advance(Exec(8), copy, 10);
   EXPECT_EQ(state_hash(copy), state_hash(world));
   EXPECT_NE(contact_force(world), Vec3d{});
+}
+
+// A stack in contact goes on from its state file with the same bits.
+TEST(Swept, Stack_ResumesFromFile) {
+  const Exec exec(2);
+  World world = stacked_world(exec, 0.3), resumed = stacked_world(exec, 0.3);
+  const LoadedPatches loaded = loaded_patches(world);
+  advance(exec, world, 20);
+  ASSERT_NE(contact_force(world), Vec3d{});
+  test::expect_resumes(exec, test::fresh_folder() / "state.tgs", loaded, world, resumed);
 }
 
 }  // namespace
