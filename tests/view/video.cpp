@@ -170,6 +170,15 @@ TEST_F(Video, FfmpegFailuresAreExplained) {
   }
 }
 
+// An ffmpeg that reads frames is not stopped, however long it writes nothing.
+TEST_F(Video, ReadingFramesIsProgress) {
+  const FakeFfmpeg fake(folder,
+                        "for n in 1 2 3 4 5; do cat 000000.png >/dev/null; sleep 0.6; done\n"
+                        "printf '\\0\\0\\0\\040ftypisom' >video.mp4");
+  const Status status = write_video(make_frames(1), 30, folder / "out.mp4", 2);
+  EXPECT_TRUE(status) << status.error().message;
+}
+
 // An ffmpeg that cannot be started is reported.
 TEST_F(Video, UnstartableFfmpegIsReported) {
   const std::vector<fs::path> frames = make_frames(1);
