@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -132,12 +133,16 @@ int begin_without_thread() {
   World world = test::sfem_world(Exec(1), law_scene());
   SfemBody& body = world.sfem_bodies[0];
   begin_haptics(body, world.tools);
-  // memory for the patch, not for a thread
+  // memory for the patch, not for a thread's stack, nor an old stack that fits
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
-  const rlim_t most = rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE)) + (rlim_t(6) << 20);
+  const rlim_t most = rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE)) + (rlim_t(64) << 20);
   const rlimit limit{most, most};
   setrlimit(RLIMIT_AS, &limit);
+  pthread_attr_t large;
+  pthread_attr_init(&large);
+  pthread_attr_setstacksize(&large, std::size_t(1) << 30);
+  pthread_setattr_default_np(&large);
   const Status status = begin_solutions(body, false);
   if (status) return 1;
   std::fprintf(stderr, "%s\n", status.error().message.c_str());
