@@ -256,10 +256,11 @@ SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body
   const Mat3d to_lattice = transposed(patient_axes(body));
   for (BodyContact& contact : world.coupling.contacts) {
     if (contact.swept < 0 || !is_swept_by(world, body, contact.body[std::size_t(contact.swept)])) continue;
-    const SweptNodes& nodes = swept_pair(world, contact).own.nodes;
+    const CoupledSupport& own = swept_pair(world, contact).own;
+    free_mass_ = own.free_mass;
     for (contact::PairSite& site : contact.sites) {
       // the other body has moved by `ahead` when the step ends
-      const int slot = nodes.slot[std::size_t(site.node)];
+      const int slot = own.nodes.slot[std::size_t(site.node)];
       const Vec3d u(body.state->motion.u[std::size_t(slot)]);
       own_.push_back({.slot = slot,
                       .normal = Vec3(to_lattice * site.normal),
@@ -288,6 +289,15 @@ void SweptContacts::join(lattice::Inputs& inputs) {
   }
   for (; next != own_.end(); ++next) add(*next);
   inputs.contacts = joined_;
+  // acceleration of a free body
+  inputs.start_acceleration = {};
+  if (free_mass_ == 0) return;
+  Vec3d force;
+  for (const lattice::NodeContact& contact : joined_) {
+    if (contact.is_held) return;
+    force += Vec3d(contact.force);
+  }
+  inputs.start_acceleration = force / free_mass_;
 }
 
 void SweptContacts::finish() {

@@ -58,7 +58,9 @@ class SweptContacts {
   SweptContacts(const LatticeBody& body, World& world);
   SweptContacts(const SweptContacts&) = delete;
   SweptContacts& operator=(const SweptContacts&) = delete;
-  /// Adds the contacts to those of the tools before a step. They are valid until the next call.
+  /// Adds the contacts to those of the tools before a step. They are valid until the next call. A free body
+  /// starts with the acceleration under the forces of the last step, unless forceps hold it: if it rests on
+  /// the contacts, it starts where it is.
   void join(lattice::Inputs& inputs);
   /// Returns the forces of the step to the contacts of the tools, and to the sites.
   void finish();
@@ -70,6 +72,7 @@ class SweptContacts {
   };
 
   const LatticeBody& body_;
+  double free_mass_ = 0;                            // see CoupledSupport [kg]
   std::vector<lattice::NodeContact> own_, joined_;  // slots ascend
   std::vector<lattice::NodeContact*> origins_;      // of `joined_`
   std::vector<Site> sites_;                         // of `own_`

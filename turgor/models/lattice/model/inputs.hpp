@@ -38,6 +38,9 @@ struct Inputs {
   const ContactPoints* points = nullptr;  // of the contacts, VBD on the host only; null = they act on nodes
   PointSprings* springs = nullptr;        // VBD of a whole body on the host only; null = none
   const HaloExchange* halo = nullptr;     // exchange with other processes; null = the whole body
+  // VBD of a body that nothing fixes, on the host only: acceleration of its center besides gravity with which
+  // the sweeps start, lattice frame [m/s²]. Sweeps move a whole body slowly.
+  Vec3d start_acceleration = {};
 };
 
 /// Distance of a step from the minimum of its energy: residual forces at the free nodes [N].

@@ -104,27 +104,15 @@ void add_loads(const Model& model, State& state, const Inputs& inputs, double dt
   }
 }
 
-/// Acceleration of the center of a body that nothing fixes, under gravity and the contact forces of the last
-/// step [m/s²]. A body that rests on its contacts starts where it is, and one that falls or slides does so
-/// from the start: sweeps move a whole body slowly.
-static Vec3 free_acceleration(const Model& model, const Inputs& inputs) {
-  Vec3d force;
-  for (const NodeContact& contact : inputs.contacts) force += Vec3d(contact.force);
-  const Vec3 gravity = lattice_gravity(model, inputs);
-  if (force == Vec3d{}) return gravity;
-  double mass = 0;
-  for (const Real w : model.anatomy.inverse_mass)
-    if (w > 0) mass += 1 / double(w);
-  return gravity + Vec3(force / mass);
-}
-
 void move_to_start(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                    double time_step) {
   // PBD and free bodies start with gravity; bodies whose velocities diverge start from rest
   const bool pbd = model.params.solver.method == Method::kPbd,
              held = model.anatomy.free_nodes < model.anatomy.body_nodes;
   const Real dt = Real(time_step);
-  const Vec3 g = pbd ? lattice_gravity(model, inputs) : held ? Vec3{} : free_acceleration(model, inputs);
+  Vec3 g;
+  if (pbd || !held) g = lattice_gravity(model, inputs);
+  if (!pbd && !held) g += Vec3(inputs.start_acceleration);
   const bool keeps_velocity = pbd || !held || !velocities_diverge(exec, model, state, dt, inputs.halo);
   // state before the step, and starting point of the sweeps
   state.motion.virtual_u_before = state.motion.virtual_u;

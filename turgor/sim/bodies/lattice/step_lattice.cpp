@@ -82,7 +82,7 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   // step
   const lattice::StepReport done = step_lattice(exec, body, world, inputs, input.from, input.to);
   if (done.finite && stitches.input()) stitches.finish(body.model, body.state->motion, input.to);
-  if (done.finite) attachments.finish(body.state->motion);
+  if (done.finite && attachments.input()) attachments.finish(body.state->motion);
   // damping reduces the speed after the positions were updated
   body.last_displacement =
       double(done.largest_speed) / double(speed_scale(body.model.params.solver, input.to - input.from));
