@@ -25,7 +25,7 @@ TEST(PlanPage, OpenWoundIsNotBest) {
   EXPECT_EQ(verdict_of(found).best, 1u);
 }
 
-// Where no wound closes, no direction is called best: neither in the sentence nor in the plot.
+// A plan in which no wound closes calls no direction best, neither in the sentence nor in the plot.
 TEST(PlanPage, NothingIsBestWhereNothingCloses) {
   std::vector<PlannedDirection> found(3);
   for (std::size_t n = 0; n < 3; n++)

@@ -7,6 +7,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
+#include "turgor/models/lattice/model/moving_mass.hpp"
 #include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -188,13 +189,7 @@ SweptNodes swept_nodes(const LatticeBody& body, const CoupledSupport& support) {
 
 double free_mass(const LatticeBody& body) {
   const lattice::Anatomy& anatomy = body.model.anatomy;
-  double mass = 0;
-  for (std::size_t slot = 0; slot < anatomy.tissue.size(); slot++) {
-    const double w = double(anatomy.inverse_mass[slot]);
-    if (lattice::is_body(anatomy.tissue[slot]) && !(w > 0)) return 0;
-    if (w > 0) mass += 1 / w;
-  }
-  return mass;
+  return anatomy.free_nodes < anatomy.body_nodes ? 0 : lattice::moving_mass(anatomy);
 }
 
 std::vector<double> swept_rest_heights(const Exec& exec, const World& world, const BodyContact& contact) {

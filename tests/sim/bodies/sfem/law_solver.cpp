@@ -149,7 +149,7 @@ int begin_without_thread() {
   return !body.haptic->solver && tick_inputs(body, 0).solution == -1 ? 0 : 2;
 }
 
-// Where the system refuses the thread, frames solve the patch.
+// Frames solve the patch when the system refuses the thread.
 TEST(LawSolverDeathTest, RefusedThreadLeavesSolutionsToFrames) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(_exit(begin_without_thread()), testing::ExitedWithCode(0),

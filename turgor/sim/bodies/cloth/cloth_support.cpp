@@ -7,6 +7,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/model/moving_mass.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -126,13 +127,12 @@ static double elastic_compliance(const LatticeBody& body, const ClothLoad& load,
   const lattice::Anatomy& anatomy = body.model.anatomy;
   const Vec3d h(anatomy.lattice.spacing);
   // softest loaded cell
-  double young = HUGE_VAL, mass = 0;
+  double young = HUGE_VAL;
   for (const auto& [slot, f] : load.force)
     if (std::size_t(slot) < anatomy.cell_young.size())
       if (const double e = double(anatomy.cell_young[std::size_t(slot)]); e > 0) young = std::min(young, e);
   if (!std::isfinite(young)) young = body.model.params.tissue.fat;
-  for (const Real w : anatomy.inverse_mass)
-    if (w > 0) mass += 1 / double(w);
+  const double mass = lattice::moving_mass(anatomy);
   const double area = double(load.force.size()) * std::cbrt(h.x * h.y * h.z) * std::cbrt(h.x * h.y * h.z);
   const double radius = std::sqrt(area / std::numbers::pi);
   return kBound * (0.4 / (young * radius) + (mass > 0 ? dt * dt / mass : 0));
