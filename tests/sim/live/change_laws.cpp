@@ -34,6 +34,8 @@ constexpr const char* kMixed =
     "layers = [{ name = \"organ\", label = 5, law = \"ogden\", alpha = -8, young = 2e3 },\n"
     "  { name = \"inner\", law = \"exponential\", stiffening = 3, young = 5e3 }]\n";
 constexpr const char* kOgden = "tissue = { law = \"ogden\", alpha = -8, fat = 3e3 }\n";
+/// Cells that the body fills in part.
+constexpr const char* kPartial = "tissue = { partial_cells = true, fat = 3e3, labels = { 9 = 1e3 } }\n";
 
 class ChangeLaws : public ::testing::Test {
  protected:
@@ -81,6 +83,9 @@ constexpr LawChange kChanges[] = {
     {kOgden, "tissue.alpha", "5"},
     {kOgden, "viscosity.ratio", "0.6"},
     {"tissue = { fat = 3e3 }\n", "tissue.fat", "900"},
+    {kPartial, "tissue.fat", "900"},
+    {kPartial, "tissue.poisson", "0.3"},
+    {kPartial, "tissue.labels.9", "4e3"},
     {"tissue = { law = \"springs\", fat = 3e3 }\n", "tissue.volume", "3"},
 };
 
@@ -145,8 +150,8 @@ TEST_F(ChangeLaws, KeysThatWaitSayWhy) {
   EXPECT_EQ(waits(kExponential, "layers[1].label"), "the regions of the lattice depend on it");
   EXPECT_EQ(waits(kExponential, "tissue.fat_max"), "the elements of the lattice depend on it");
   EXPECT_EQ(waits("tissue = { law = \"springs\" }\n", "viscosity.ratio"), "the tissue has another law");
-  EXPECT_EQ(waits("tissue = { partial_cells = true }\n", "tissue.fat"),
-            "the moduli of partial cells contain their filled fraction");
+  EXPECT_EQ(waits(kPartial, "viscosity.ratio"), "partial cells do not relax");
+  EXPECT_EQ(waits(kPartial, "permanent_set.share"), "partial cells do not relax");
   EXPECT_EQ(waits("solver = { method = \"pbd\" }\nskin = { law = \"area\" }\n", "tissue.fat"),
             "projections have no moduli");
 }

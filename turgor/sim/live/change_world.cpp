@@ -107,7 +107,6 @@ void change_body(const Exec&, const BodyScene&, Body&) {}
 const char* why_fixed_laws(const LatticeScene& scene) {
   if (scene.params.solver.method == lattice::Method::kPbd) return "projections have no moduli";
   if (scene.device == Device::kGpu) return "the GPU has a copy of the model";
-  if (scene.params.tissue.partial_cells) return "the moduli of partial cells contain their filled fraction";
   return nullptr;
 }
 
@@ -115,7 +114,7 @@ const char* why_fixed_laws(const LatticeScene& scene) {
 bool change_laws(const Exec& exec, const LatticeScene& scene, LatticeBody& body) {
   if (why_fixed_laws(scene)) return false;
   const lattice::TissueParams tissue = lattice::reachable_tissue(scene.params.tissue, body.model);
-  if (tissue == body.model.params.tissue || tissue.partial_cells) return false;
+  if (tissue == body.model.params.tissue) return false;
   lattice::change_tissue(exec, tissue, scene.stiffness_scale, body.model, body.state.change());
   return true;
 }
@@ -243,6 +242,11 @@ bool is_of_other_law(const lattice::TissueParams& tissue, std::string_view key, 
   return exponential && energy != SolidEnergy::kExponential;
 }
 
+/// True for keys of laws by cell that a solid body can get, which partial cells do not support.
+bool needs_whole_cells(std::string_view key) {
+  return key.starts_with("viscosity.") || key.starts_with("permanent_set.");
+}
+
 /// Reason why a law's key of a lattice cannot change in a running world; null if it can, and for other keys.
 const char* why_not_of_law(const Scene& scene, const SceneKey& key) {
   const LatticeScene* lattice = key.group == "lattice" ? find_named(scene.lattice_bodies, key) : nullptr;
@@ -250,6 +254,7 @@ const char* why_not_of_law(const Scene& scene, const SceneKey& key) {
   if (key.key.starts_with("layers.") && key.path.find("layers[") == key.path.npos)
     return "the body has no layers";
   if (is_of_other_law(lattice->params.tissue, key.key, key.path)) return "the tissue has another law";
+  if (lattice->params.tissue.partial_cells && needs_whole_cells(key.key)) return "partial cells do not relax";
   return why_fixed_laws(*lattice);
 }
 

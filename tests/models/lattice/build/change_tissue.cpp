@@ -1,6 +1,7 @@
 // Laws that change after a body was built: the model is that of a body built with them.
 #include "turgor/models/lattice/build/change_tissue.hpp"
 
+#include <algorithm>
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -50,6 +51,7 @@ Model cylinder_model(const TissueParams& tissue) {
 void expect_equal_models(const Model& a, const Model& b, const std::string& what) {
   EXPECT_EQ(a.params.tissue, b.params.tissue) << what;
   EXPECT_EQ(a.anatomy.cell_young, b.anatomy.cell_young) << what;
+  EXPECT_EQ(a.anatomy.cell_center, b.anatomy.cell_center) << what;
   EXPECT_EQ(a.springs.root_stiffness, b.springs.root_stiffness) << what;
   EXPECT_EQ(a.springs.scale, b.springs.scale) << what;
   EXPECT_EQ(a.vbd.incident_elements, b.vbd.incident_elements) << what;
@@ -101,6 +103,27 @@ TEST(LatticeChangeTissue, ChangedModelEqualsBuiltModel) {
   springs.volume = 2, springs.muscle = 5e3;
   change_tissue(kTwo, springs, 1, model, state);
   expect_equal_models(model, cylinder_model(springs), "springs");
+}
+
+// Partial cells keep their filled fractions. They do not get laws by cell, which need whole cells.
+TEST(LatticeChangeTissue, PartialCellsKeepFractions) {
+  TissueParams tissue;
+  tissue.law = TissueLaw::kSolid;
+  tissue.partial_cells = true;
+  tissue.young_of_label = {{2, 3e3}};
+  Model model = cylinder_model(tissue);
+  State state = make_state(model);
+  tissue.muscle = 3e4, tissue.poisson = 0.2, tissue.young_of_label[2] = 7e3;
+  EXPECT_EQ(reachable_tissue(tissue, model), tissue);
+  change_tissue(kTwo, tissue, 1.5, model, state);
+  Model built = cylinder_model(tissue);
+  scale_moduli(1.5, built);
+  expect_equal_models(model, built, "partial cells");
+  const auto& center = model.anatomy.cell_center;
+  EXPECT_TRUE(std::any_of(center.begin(), center.end(), [](std::uint32_t bits) { return bits != 0; }));
+  TissueParams relaxing = tissue;
+  relaxing.prony = one_pair(0.4, 0.1);
+  EXPECT_EQ(reachable_tissue(relaxing, model), tissue);
 }
 
 // A body that gets other laws while it moves reaches the rest of a body that was built with them. Relaxation

@@ -11,10 +11,6 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Least fraction of a cell, α of the finite cell method. Without it, almost no tissue would hold the nodes
-/// of a cell that the body barely enters.
-constexpr double kLeastFraction = 0.05;
-
 /// Offsets to the 26 neighbors of a node or cell, the nearest first; equal distances in lattice order.
 const std::array<Int3, 26>& neighbors_by_distance() {
   static const std::array<Int3, 26> offsets = [] {

@@ -12,6 +12,10 @@
 
 namespace turgor::lattice {
 
+/// Least fraction of a cell, α of the finite cell method. Without it, almost no tissue would hold the nodes
+/// of a cell that the body barely enters.
+constexpr double kLeastFraction = 0.05;
+
 /// Voxels of a cell. Positions count in half voxels from the center of the cell, so that sums are exact.
 struct CellVoxels {
   std::int32_t all = 0;                               // voxels of the scan in the cell
