@@ -21,21 +21,12 @@ namespace {
 
 using test::def_of;
 
-const char* const kPad = R"([world]
-duration = 1
-frame_rate = 50
-[body.pad]
-model = "sfem"
-block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
-fixed = "bottom"
-young = 5e3
-poisson = 0.4
-cache = false
-[tool.finger]
+const std::string kPadText = test::pad_scene(R"([tool.finger]
 body = "pad"
 shape = { sphere = 0.006 }
 path = [[0, 0.03, 0.03, 0.04], [0.2, 0.03, 0.03, 0.032]]
-)";
+)");
+const char* const kPad = kPadText.c_str();
 const char* const kCut = R"([world]
 duration = 1
 frame_rate = 50

@@ -1,5 +1,6 @@
 // A needle that C leads: what it feels, and its report.
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -14,21 +15,12 @@ namespace {
 // shaft's friction grows with the length inside, and holds the needle back as it leaves.
 TEST(CNeedle, StrokeIsFeltAndReported) {
   constexpr double kTop = 0.03, kFriction = 4;  // [m] [N/m]
-  const tg_world_def def = test::def_of(R"([world]
-duration = 1
-frame_rate = 50
-[body.pad]
-model = "sfem"
-block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
-fixed = "bottom"
-young = 5e3
-poisson = 0.4
-cache = false
-[tool.needle]
+  const std::string text = test::pad_scene(R"([tool.needle]
 body = "pad"
 shape = { needle = 0.06, diameter = 0.001, shaft_friction = 4, spreading = 0 }
 path = [[0, 0.031, 0.028, 0.05]]
 )");
+  const tg_world_def def = test::def_of(text.c_str());
   tg_world* world = nullptr;
   ASSERT_EQ(tg_world_create(&def, &world), TG_OK) << tg_error();
   std::vector<tg_command> commands;
