@@ -69,8 +69,8 @@ TEST(SceneOverrides, IndicesChooseElementsOfArrays) {
 TEST(SceneOverrides, RejectInvalidOverrides) {
   const auto error = [](const std::string& text) { return error_of(kFromFile, {text}); };
   EXPECT_EQ(error("world.duration"),
-            "--set world.duration: expected key=value, as in --set body.torso.block=2");
-  EXPECT_EQ(error("=3"), "--set =3: expected key=value, as in --set body.torso.block=2");
+            "--set world.duration: expected key=value, as in --set body.torso.spacing=0.004");
+  EXPECT_EQ(error("=3"), "--set =3: expected key=value, as in --set body.torso.spacing=0.004");
   EXPECT_EQ(error("world..duration=3"),
             "--set world..duration: expected a key of names with dots between them");
   EXPECT_EQ(error("world.duratoin=3"),
@@ -107,6 +107,20 @@ TEST(SceneOverrides, PairReplacesFractions) {
   const std::string half = error_of(text, {"incision.cut.from=[0, 0, 0]"});
   EXPECT_NE(half.find("either in meters or in fractions"), half.npos) << half;
   EXPECT_EQ(half.find('\n'), half.npos) << "one mistake, one message: " << half;
+}
+
+// The file of another shape replaces the shape of the scene; two shapes in the scene are one mistake.
+TEST(SceneOverrides, ShapeReplacesShape) {
+  const std::string text =
+      "[body.liver]\nmodel = \"sfem\"\nlabels = { phantom = \"torso\", size = [64, 64, 40], spacing_mm = [6, "
+      "6, 7] }\n"
+      "label = \"liver\"\n";
+  const Result<Scene> scene = parse_scene(text, "s.toml", {"body.liver.surface=own.obj"});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(std::holds_alternative<ClosedSurface>(scene->sfem_bodies.at(0).source));
+  const std::string both = error_of(text + "surface = \"own.obj\"\n", {});
+  EXPECT_NE(both.find("either surface or labels"), both.npos) << both;
+  EXPECT_EQ(both.find('\n'), both.npos) << "one mistake, one message: " << both;
 }
 
 // An unknown model has one message, although nothing of the body can be read.

@@ -48,6 +48,7 @@ std::vector<std::string> nearest_names(const fs::path& folder, const std::string
 }  // namespace
 
 std::string not_found(const fs::path& path) {
+  if (!path.has_filename() && path.has_relative_path()) return not_found(path.parent_path());  // FOLDER/
   const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
   std::error_code failed;
   if (!fs::is_directory(folder, failed))

@@ -8,7 +8,10 @@ namespace turgor {
 
 namespace {
 
-using KeySet = std::vector<const char*>;
+/// Keys that overrides set together, and keys that have no meaning without them.
+struct KeySet {
+  std::vector<const char*> keys, dependent;
+};
 
 /// Sets of keys in tables of this kind; one set excludes the others.
 struct Alternatives {
@@ -19,9 +22,14 @@ struct Alternatives {
 const std::vector<Alternatives>& all_alternatives() {
   static const std::vector<Alternatives> kAll{
       {"incision",
-       {{"from", "to"}, {"path"}, {"from_fraction", "to_fraction"}, {"path_fraction"}, {"markups"}}},
-      {"excision", {{"center"}, {"center_fraction"}, {"markups"}}},
-      {"body", {{"spacing"}, {"block"}}},
+       {{{"from", "to"}},
+        {{"path"}},
+        {{"from_fraction", "to_fraction"}},
+        {{"path_fraction"}},
+        {{"markups"}}}},
+      {"excision", {{{"center"}}, {{"center_fraction"}}, {{"markups"}}}},
+      {"body", {{{"spacing"}}, {{"block"}}}},
+      {"body", {{{"mesh"}}, {{"sheet"}}, {{"surface"}}, {{"labels"}, {"label"}}}},
   };
   return kAll;
 }
@@ -29,13 +37,14 @@ const std::vector<Alternatives>& all_alternatives() {
 void replace_in(toml::table& table, const std::string& path, const std::vector<KeySet>& sets,
                 const SceneProblems& problems) {
   const auto is_set = [&](const char* key) { return problems.overrides.contains(path + "." + key); };
-  const auto chosen = std::find_if(sets.begin(), sets.end(), [&](const KeySet& keys) {
-    return std::all_of(keys.begin(), keys.end(), is_set);
+  const auto chosen = std::find_if(sets.begin(), sets.end(), [&](const KeySet& set) {
+    return std::all_of(set.keys.begin(), set.keys.end(), is_set);
   });
   if (chosen == sets.end()) return;
   for (auto other = sets.begin(); other != sets.end(); ++other)
-    for (const char* key : *other)
-      if (other != chosen && !is_set(key)) table.erase(key);
+    for (const auto* keys : {&other->keys, &other->dependent})
+      for (const char* key : *keys)
+        if (other != chosen && !is_set(key)) table.erase(key);
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 namespace turgor {
 
 /// Removes the keys of the scene's text that overrides replace: `from` and `to` together replace
-/// `from_fraction` and `to_fraction`, and `block` replaces `spacing`. A pair that overrides set in part
-/// replaces nothing.
+/// `from_fraction` and `to_fraction`, `block` replaces `spacing`, and `surface` replaces `labels` and
+/// `label`. A pair that overrides set in part replaces nothing.
 void replace_alternatives(toml::table& root, const SceneProblems& problems);
 
 }  // namespace turgor

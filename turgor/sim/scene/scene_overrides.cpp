@@ -72,7 +72,7 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
   // key and value
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    return Error{fmt::format("--set {}: expected key=value, as in --set body.torso.block=2", text)};
+    return Error{fmt::format("--set {}: expected key=value, as in --set body.torso.spacing=0.004", text)};
   const std::string key = current_key(root, text.substr(0, equals), notes), value = text.substr(equals + 1);
   const std::vector<std::string> names = split_key(key);
   std::vector<IndexedName> indexed;

@@ -62,7 +62,10 @@ SolidSource read_source(SceneTable& body, SceneLabels& labels) {
   std::string given;
   for (const std::string& kind : kinds) {
     if (!body.has(kind)) continue;
-    if (!given.empty()) body.fail(kind, fmt::format("a body has one shape: either {} or {}", given, kind));
+    if (!given.empty()) {
+      body.fail(kind, fmt::format("a body has one shape: either {} or {}", given, kind));
+      body.find("label");  // of the shape that is not read
+    }
     given = given.empty() ? kind : given;
   }
   // labels, block or surface
