@@ -175,6 +175,10 @@ void check_json_goal(const InfoOptions& options) {
 }
 
 void run_info(const InfoOptions& options, const Global& global) {
+  if (options.path.ends_with(".toml") && std::filesystem::exists(options.path))
+    throw Failure{2,
+                  fmt::format("{0}: expected a CT or a mesh, found a scene; turgor run {0} --check reads it",
+                              options.path)};
   if (!options.json.empty()) check_json_goal(options);
   const Exec exec(global.threads);
   const Json json =

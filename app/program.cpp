@@ -1,5 +1,6 @@
 #include "app/program.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -73,6 +74,31 @@ std::string input_of(const CLI::App& program) {
   return {};
 }
 
+/// Message about a command line that does not parse. An unknown option is named with the nearest known one.
+std::string problem_of(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
+  // the command that was given, with its options and those of the program
+  const CLI::App* command = &program;
+  std::string help = "; see turgor";
+  std::vector<std::string> known;
+  for (;;) {
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    if (command->get_subcommands().empty()) break;
+    command = command->get_subcommands().front();
+    help += " " + command->get_name();
+  }
+  help += " --help";
+  // the first unknown option
+  const bool has_unknown = dynamic_cast<const CLI::ExtrasError*>(&error);
+  for (int n = 1; has_unknown && n < argc; n++) {
+    const std::string word(argv[n], std::strcspn(argv[n], "="));
+    if (!word.starts_with("--") || std::find(known.begin(), known.end(), word) != known.end()) continue;
+    const std::string nearest = nearest_name(word, known);
+    return word + " is not an option" + (nearest.empty() ? help : "; did you mean " + nearest + "?");
+  }
+  return error.what() + help;
+}
+
 /// Parses the command line, runs its command and returns the exit code.
 int run(int argc, char** argv, AddCommands add_commands, void (*before)(int, char**)) {
   CLI::App program{
@@ -102,7 +128,7 @@ int run(int argc, char** argv, AddCommands add_commands, void (*before)(int, cha
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help and --version
-    return fail(std::string(error.what()) + "; see turgor --help");
+    return fail(problem_of(program, error, argc, argv));
   } catch (const Failure& failure) {
     fail(failure.message);
     return failure.exit_code;
