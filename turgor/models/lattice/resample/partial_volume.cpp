@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/geometry/dilate.hpp"
@@ -31,15 +30,6 @@ struct Window {
     return (std::size_t(p.z - low.z) * std::size_t(size.y) + std::size_t(p.y - low.y)) * std::size_t(size.x) +
            std::size_t(p.x - low.x);
   }
-  Int3 voxel(std::size_t index) const {
-    const auto row = index / std::size_t(size.x);
-    return low + Int3{int(index % std::size_t(size.x)), int(row % std::size_t(size.y)),
-                      int(row / std::size_t(size.y))};
-  }
-  bool contains(Int3 p) const {
-    const Int3 high = low + size;
-    return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x < high.x && p.y < high.y && p.z < high.z;
-  }
   std::size_t count() const { return std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z); }
 };
 
@@ -53,8 +43,12 @@ bool is_all(std::span<const std::uint8_t> mask, const Grid& grid, Int3 begin, In
   return true;
 }
 
+/// Order of memory, as one number, for grids of up to 2²¹ samples along an axis.
+std::int64_t memory_order(Int3 voxel) {
+  return (std::int64_t(voxel.z) << 42) + (std::int64_t(voxel.y) << 21) + voxel.x;
+}
 bool comes_before(const RimVoxel& a, const RimVoxel& b) {
-  return std::tie(a.voxel.z, a.voxel.y, a.voxel.x) < std::tie(b.voxel.z, b.voxel.y, b.voxel.x);
+  return memory_order(a.voxel) < memory_order(b.voxel);
 }
 
 /// Rim voxels of a row from `from` up to i = `end`.
@@ -65,66 +59,86 @@ std::span<const RimVoxel> rim_of_row(const PartialVolumeInputs& inputs, Int3 fro
   return {first, last};
 }
 
-/// Source in the rim of each voxel of partial volume in a window; -1 = none.
-struct PartialVolume {
-  const Window& window;
-  std::vector<Vec3> shifts;
-  std::vector<int> source;
-  Mask beyond;  // by voxel of the window: farther from the skin than the blur
-
-  PartialVolume(const PartialVolumeInputs& inputs, const Grid& out, const Window& w, int reach)
-      : window(w), source(w.count(), -1), beyond(w.count()) {
-    // rim voxels of the window
-    std::vector<std::size_t> ring;
-    for (int k = w.low.z; k < w.low.z + w.size.z; k++)
-      for (int j = w.low.y; j < w.low.y + w.size.y; j++)
-        for (const RimVoxel& rim : rim_of_row(inputs, {w.low.x, j, k}, w.low.x + w.size.x)) {
-          source[window.index(rim.voxel)] = int(shifts.size());
-          shifts.push_back(rim.shift);
-          ring.push_back(window.index(rim.voxel));
+/// Source in the rim of each voxel of partial volume in a window. The window has a border of blocked voxels,
+/// so that every voxel has its 26 neighbors.
+class PartialVolume {
+ public:
+  PartialVolume(const PartialVolumeInputs& inputs, const Grid& out, const Window& window, int reach)
+      : low_(window.low - Int3{1, 1, 1}), size_(window.size + Int3{2, 2, 2}) {
+    const std::array<Int3, 26> offsets = neighbors_by_distance();
+    for (std::size_t n = 0; n < offsets.size(); n++) neighbors_[n] = index(low_ + offsets[n]);
+    // voxels without tissue are free, except the border
+    const std::ptrdiff_t count = std::ptrdiff_t(size_.x) * size_.y * size_.z;
+    source_.assign(std::size_t(count), kBlocked), is_beyond_.resize(std::size_t(count));
+    const Int3 end = window.low + window.size;
+    for (int k = window.low.z; k < end.z; k++)
+      for (int j = window.low.y; j < end.y; j++) {
+        const std::uint8_t* covered = inputs.covered.data() + sample_index(out, window.low.x, j, k);
+        int* source = source_.data() + index({window.low.x, j, k});
+        for (int i = 0; i < window.size.x; i++) source[i] = covered[i] ? kBlocked : kFree;
+      }
+    // rim voxels
+    for (int k = window.low.z; k < end.z; k++)
+      for (int j = window.low.y; j < end.y; j++)
+        for (const RimVoxel& rim : rim_of_row(inputs, {window.low.x, j, k}, end.x)) {
+          at(rim.voxel) = int(shifts_.size());
+          shifts_.push_back(rim.shift);
+          ring_.push_back(index(rim.voxel));
         }
     // rings of partial volume, then rings beyond the blur
-    for (int n = 0; n < reach; n++) ring = grow(inputs, out, ring);
+    for (int n = 0; n < reach; n++) grow();
     for (int n = 0; n < kExtraRings; n++) {
-      ring = grow(inputs, out, ring);
-      for (const std::size_t at : ring) beyond[at] = 1;
+      grow();
+      for (const std::ptrdiff_t voxel : ring_) is_beyond_[std::size_t(voxel)] = 1;
     }
   }
 
-  NearSkin near(std::size_t n) const {
-    if (source[n] < 0) return {.is_beyond = beyond[n] != 0};
-    return {.is_found = true, .is_beyond = beyond[n] != 0, .shift = shifts[std::size_t(source[n])]};
+  NearSkin near(Int3 p) const {
+    const auto n = std::size_t(index(p));
+    if (source_[n] < 0) return {};
+    return {.is_found = true, .is_beyond = is_beyond_[n] != 0, .shift = shifts_[std::size_t(source_[n])]};
   }
 
-  /// Grows a ring by one voxel into voxels that neither tissue nor an earlier ring covers. Each takes the
-  /// source of its nearest neighbor.
-  std::vector<std::size_t> grow(const PartialVolumeInputs& inputs, const Grid& out,
-                                const std::vector<std::size_t>& ring) {
-    static const std::array<Int3, 26> kOffsets = neighbors_by_distance();
-    constexpr int kNext = -2;
+ private:
+  // sources besides the indices of shifts_
+  static constexpr int kFree = -1, kNext = -2, kBlocked = -3;
+
+  std::ptrdiff_t index(Int3 p) const {
+    return (std::ptrdiff_t(p.z - low_.z) * size_.y + (p.y - low_.y)) * size_.x + (p.x - low_.x);
+  }
+  int& at(Int3 p) { return source_[std::size_t(index(p))]; }
+
+  /// Grows the ring by one voxel into free voxels. Each takes the source of its nearest neighbor.
+  void grow() {
     // voxels of the next ring
-    std::vector<std::size_t> next;
-    for (const std::size_t from : ring)
-      for (const Int3 offset : kOffsets) {
-        const Int3 p = window.voxel(from) + offset;
-        if (!window.contains(p) || source[window.index(p)] != -1) continue;
-        if (inputs.covered[sample_index(out, p.x, p.y, p.z)]) continue;
-        source[window.index(p)] = kNext;
-        next.push_back(window.index(p));
+    next_.clear();
+    for (const std::ptrdiff_t from : ring_)
+      for (const std::ptrdiff_t offset : neighbors_) {
+        int& source = source_[std::size_t(from + offset)];
+        if (source != kFree) continue;
+        source = kNext;
+        next_.push_back(from + offset);
       }
     // sources, from the previous rings only
-    std::vector<int> found;
-    for (const std::size_t at : next)
-      for (const Int3 offset : kOffsets) {
-        const Int3 p = window.voxel(at) + offset;
-        if (!window.contains(p) || source[window.index(p)] < 0) continue;
-        found.push_back(source[window.index(p)]);
-        break;
-      }
-    TURGOR_CHECK(found.size() == next.size(), "every new voxel has a neighbor with a source");
-    for (std::size_t n = 0; n < next.size(); n++) source[next[n]] = found[n];
-    return next;
+    found_.clear();
+    for (const std::ptrdiff_t voxel : next_) {
+      const auto nearest = std::find_if(neighbors_.begin(), neighbors_.end(), [&](std::ptrdiff_t offset) {
+        return source_[std::size_t(voxel + offset)] >= 0;
+      });
+      TURGOR_CHECK(nearest != neighbors_.end(), "every new voxel has a neighbor with a source");
+      found_.push_back(source_[std::size_t(voxel + *nearest)]);
+    }
+    for (std::size_t n = 0; n < next_.size(); n++) source_[std::size_t(next_[n])] = found_[n];
+    std::swap(ring_, next_);
   }
+
+  Int3 low_, size_;                           // window with its border
+  std::array<std::ptrdiff_t, 26> neighbors_;  // offsets of indices, nearest first
+  std::vector<int> source_;                   // by voxel of the window with its border
+  Mask is_beyond_;                            // by voxel: farther from the skin than the blur
+  std::vector<Vec3> shifts_;                  // of the rim
+  std::vector<std::ptrdiff_t> ring_, next_;   // voxels of the outermost ring, of the next
+  std::vector<int> found_;                    // sources of the next ring
 };
 
 /// Mask of the voxels of a window that show body at rest.
@@ -264,10 +278,11 @@ void fill_surroundings(const PartialVolumeInputs& inputs, const OutputToCt& to_c
     }
 }
 
-void fill_tile(const PartialVolumeInputs& inputs, const OutputToCt& to_ct, const Window& window, int reach,
+void fill_tile(const PartialVolumeInputs& inputs, const OutputToCt& to_ct, Int3 tile, int reach,
                CtVolume& out) {
-  const PartialVolume partial_volume(inputs, out.grid, window, reach);
+  const PartialVolume partial_volume(inputs, out.grid, Window(out.grid, tile, reach + kExtraRings), reach);
   // voxels that show body at rest, and those near them
+  const Window window(out.grid, tile, reach);
   const Mask rest = body_at_rest(inputs.rest, to_ct, window);
   Mask near_rest = rest;
   dilate(Exec(1), near_rest, window.size, reach);
@@ -282,7 +297,7 @@ void fill_tile(const PartialVolumeInputs& inputs, const OutputToCt& to_ct, const
         if (inputs.covered[voxel]) continue;
         const std::size_t n = window.index({i, j, k});
         const RestCoverage was{rest[n] != 0, near_rest[n] != 0};
-        out.samples[voxel] = value_at({i, j, k}, voxel, was, partial_volume.near(n));
+        out.samples[voxel] = value_at({i, j, k}, voxel, was, partial_volume.near({i, j, k}));
       }
 }
 
@@ -299,7 +314,7 @@ void fill_outside_body(const PartialVolumeInputs& inputs, int slab, CtVolume& ou
       if (is_untouched(inputs, out.grid, to_ct, tile))
         fill_surroundings(inputs, to_ct, tile, out);
       else
-        fill_tile(inputs, to_ct, tile, reach, out);
+        fill_tile(inputs, to_ct, {x, y, slab}, reach, out);
     }
 }
 
