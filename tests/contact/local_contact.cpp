@@ -302,5 +302,29 @@ TEST(LocalContact, TautSheetMatchesFrames) {
   }
 }
 
+// A light sheet that swings against a resting ball presses it by less than the reach of the plane.
+TEST(LocalContact, ImpactOfSheetHasSmallDepth) {
+  Sheet sheet{.n = 25, .spacing = 0.01};
+  sheet.begin();
+  const double middle = 0.5 * (sheet.n - 1) * sheet.spacing;
+  sheet.at = {{middle, middle, bounding_radius(sheet.ball) + 0.02}, {}};
+  std::fill_n(sheet.state.v.z.begin(), sheet.model.count, Real(5));  // m/s
+  LocalContactHistory memory;
+  LocalTouch touch;
+  ToolReading reading;
+  double deepest = 0, strongest = 0, reach = 0;
+  for (int n = 0; n < 10; n++) {
+    const LocalContact plane = sheet.frame(sheet.at, memory);
+    strongest = std::max(strongest, norm(plane.force)), reach = plane.reach;
+    update_contact(touch, plane);
+    for (int i = 0; i < kTicks; i++) tick_local_touch(touch, {.pose = sheet.at}, kTick, reading);
+    deepest = std::max(deepest, reading.depth);
+  }
+  EXPECT_GT(strongest, 0.1) << "N: the sheet hits the ball";
+  std::printf("sheet: %.3f N, %.1f mm deep of %.1f\n", strongest, 1e3 * deepest, 1e3 * reach);
+  EXPECT_GT(deepest, 0) << "m";
+  EXPECT_LE(deepest, reach * (1 + 1e-9)) << "m";
+}
+
 }  // namespace
 }  // namespace turgor::contact

@@ -91,9 +91,11 @@ LocalContact local_contact(const cloth::Model& model, const cloth::State& state,
     if (contact.is_near) contact.gap = std::max(0.0, nearest.outside - gap);
     mass = nearest.mass;
   }
-  // stiffness of an implicit step: m / dt²
+  // stiffness of an implicit step: m / dt²; the force of an impact ends within the reach of the plane
   TURGOR_CHECK(mass >= 0, "the effective mass of a push is not negative");
-  measure_stiffness(mass / (dt * dt), std::numeric_limits<double>::infinity(), memory, contact);
+  const double least = dot(contact.force, contact.normal) / contact.reach;
+  measure_stiffness(std::max(mass / (dt * dt), least), std::numeric_limits<double>::infinity(), memory,
+                    contact);
   return contact;
 }
 

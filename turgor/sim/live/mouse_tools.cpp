@@ -25,11 +25,17 @@ bool can_be_touched(const Scene& scene, BodyId id) {
   return scene.lattice_bodies[std::size_t(id.index)].params.solver.method == lattice::Method::kVbd;
 }
 
-/// Fingertip that waits in front of the body until the mouse drives it, so far away that no wound opens up to
-/// it.
-ToolScene fingertip(BodyId id, const std::string& body) {
+/// Distance at which a fingertip waits: no wound opens up to it, and no swinging cloth reaches it [m].
+double waiting_distance(const Scene& scene, BodyId id) {
+  constexpr double kOfTissue = 0.05, kOfGarment = 2;
+  if (id.kind != BodyKind::kCloth) return kOfTissue;
+  const auto* sheet = std::get_if<cloth::Sheet>(&scene.cloth_bodies[std::size_t(id.index)].source);
+  return sheet ? norm(sheet->side) + norm(sheet->up) : kOfGarment;
+}
+
+/// Fingertip that waits in front of the body until the mouse drives it.
+ToolScene fingertip(BodyId id, const std::string& body, double distance) {
   constexpr double kNever = 1e6;  // [s]
-  constexpr double kAway = 0.05;  // [m]
   return {.name = "finger-" + body,
           .source_location = "the mouse's fingertip on " + body,
           .body = id,
@@ -40,7 +46,7 @@ ToolScene fingertip(BodyId id, const std::string& body) {
                           .by_fraction = true,
                           .depth = 0.001,
                           .start = kNever,
-                          .clearance = kAway}};
+                          .clearance = distance}};
 }
 
 Box box_of(const RestSurface& surface, const TouchingTool& tool) {
@@ -55,7 +61,8 @@ Box box_of(const RestSurface& surface, const TouchingTool& tool) {
 Scene with_mouse_tools(const Scene& scene) {
   Scene with = scene;
   for_each_body(scene, [&](BodyId id, const auto& body) {
-    if (can_be_touched(scene, id) && !has_tool(scene, id)) with.tools.push_back(fingertip(id, body.name));
+    if (can_be_touched(scene, id) && !has_tool(scene, id))
+      with.tools.push_back(fingertip(id, body.name, waiting_distance(scene, id)));
   });
   return with;
 }
