@@ -15,14 +15,6 @@ using namespace test;
 class MenusTest : public WindowTest {
  protected:
   Viewer& viewer() { return window_->viewer(); }
-  void click(double x, double y) {
-    hand(fmt::format("mousemove {:.0f} {:.0f}", x, y));
-    draw_for(0.1);
-    hand("mousedown 1");
-    draw_for(0.1);
-    hand("mouseup 1");
-    draw_for(0.1);
-  }
   /// Drops a file as another program does.
   void drop(const fs::path& file) {
     DragSource source;
@@ -87,24 +79,7 @@ TEST_F(MenusTest, StatusIsOneWord) {
 
 // A changed modulus of a body with inclusions acts at once, Ctrl+Z takes it back, and Ctrl+Y repeats it.
 TEST_F(MenusTest, ChangeIsUndoneAndRepeated) {
-  std::ofstream(folder_ / "pad.toml") << R"([world]
-duration = 1
-[body.pad]
-model = "sfem"
-block = { size = [0.06, 0.06, 0.04], count = [6, 6, 4] }
-fixed = "bottom"
-young = 4e3
-cache = false
-[body.pad.inclusion.nodule]
-center = [0.03, 0.03, 0.02]
-radius = 0.011
-young = 12e3
-[tool.finger]
-body = "pad"
-shape = { sphere = 0.006 }
-path = [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.042], [1000, 0.03, 0.03, 0.042]]
-)";
-  open(folder_ / "pad.toml");
+  open(pad(folder_, kPressingFinger));
   ASSERT_TRUE(wait_for_world());
   ASSERT_TRUE(draw_until([](const SessionStatus& n) { return n.snapshot.time > 0.3; }));
   const double soft = force(now());

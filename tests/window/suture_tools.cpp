@@ -95,32 +95,17 @@ TEST_F(SutureToolsTest, RefusedStitchGivesReason) {
   EXPECT_TRUE(now().stitches.empty());
 }
 
-/// A block with a nodule below its top, and a needle that waits above.
-fs::path needle_block(const fs::path& folder) {
-  std::ofstream(folder / "needle.toml") << R"([world]
-duration = 1
-[body.pad]
-model = "sfem"
-block = { size = [0.06, 0.06, 0.04], count = [6, 6, 4] }
-fixed = "bottom"
-young = 4e3
-cache = false
-[body.pad.inclusion.nodule]
-center = [0.03, 0.03, 0.015]
-radius = 0.011
-young = 12e3
-[tool.needle]
+/// A needle that waits above the pad.
+constexpr const char* kWaitingNeedle = R"([tool.needle]
 body = "pad"
 shape = { needle = 0.06, diameter = 0.001 }
 press = { at = [0.031, 0.028, 0.04], depth = 0.02, start = 1000 }
 )";
-  return folder / "needle.toml";
-}
 
 // A needle is pushed by a drag, the wheel and a key; the panel names depth, force and layer; Esc withdraws
 // it.
 TEST_F(SutureToolsTest, NeedleReadsDepthForceAndLayer) {
-  open(needle_block(folder_));
+  open(pad(folder_, kWaitingNeedle));
   ASSERT_TRUE(wait_for_world());
   EXPECT_EQ(needle_text(viewer()), "");
   type("5");  // from above

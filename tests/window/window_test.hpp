@@ -105,6 +105,32 @@ inline fs::path block(const fs::path& folder) {
   return folder / "block.toml";
 }
 
+/// A soft pad with a hard nodule below its top, and a tool of this scene text.
+inline fs::path pad(const fs::path& folder, const std::string& tool) {
+  const fs::path file = folder / "pad.toml";
+  std::ofstream(file) << R"([world]
+duration = 1
+[body.pad]
+model = "sfem"
+block = { size = [0.06, 0.06, 0.04], count = [6, 6, 4] }
+fixed = "bottom"
+young = 4e3
+cache = false
+[body.pad.inclusion.nodule]
+center = [0.03, 0.03, 0.015]
+radius = 0.011
+young = 12e3
+)" << tool;
+  return file;
+}
+
+/// A fingertip that presses the pad and stays.
+constexpr const char* kPressingFinger = R"([tool.finger]
+body = "pad"
+shape = { sphere = 0.006 }
+path = [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.042], [1000, 0.03, 0.03, 0.042]]
+)";
+
 /// Image of a PNG file. Empty if the file is no PNG.
 inline Image read_picture(const fs::path& file) {
   png_image png = {};
