@@ -59,5 +59,38 @@ TEST(Undermine, FlapRetractsAsStrip) {
   }
 }
 
+// Freed skin lets a short cut gape further and lowers the energy of the body, the more the wider the flaps.
+// Cuts of the surface beside the crack tips would shorten the wound instead.
+TEST(Undermine, ShortCutGapesFurther) {
+  constexpr int kN = 31;
+  constexpr double kH = 0.004, kTop = 9 * kH, kY = 15 * kH + 0.0007;
+  Params params;
+  params.tissue = {.law = TissueLaw::kSolid, .poisson = 0.45};
+  params.skin = {.tension_along = 1, .tension_across = 1, .stiffness = 300};
+  params.solver.sweeps = 8;
+  Block block{.size = {kN, kN, 10}, .spacing = kH, .young = 5e3};
+  block.is_fixed = [](Int3 p) { return p.x == 0 || p.y == 0 || p.z == 0 || p.x == kN - 1 || p.y == kN - 1; };
+  Model model = block_model(block, params);
+  for (int j = 0; j < kN; j++)
+    for (int i = 0; i < kN; i++)
+      model.anatomy.hu[std::size_t(node_slot(model.anatomy.lattice, i, j, 9))] =
+          std::int16_t(params.tissue.air_max);
+  double last_gape = 0, last_energy = 1;
+  for (const double width : {0.0, 0.02, 0.036}) {
+    State state = make_state(model);
+    const Incision incision{.from = {kY - 0.019, kY, kTop},
+                            .to = {kY + 0.019, kY, kTop},
+                            .depth = 0.012,
+                            .undermine = {.width = width, .depth = 0.008}};
+    const BladePath path = lay_blade(model, state, incision).value();
+    EXPECT_GT(cut_edges(model, state, path, 0, 1, 0), 0);
+    for (int n = 0; n < 30; n++) step(kAll, model, state, {}, 0.05);
+    const double gape = measure_wound(model, state, path, 0).gape_max, now = energy(kAll, model, state);
+    EXPECT_GT(gape, 1.005 * last_gape) << width;
+    EXPECT_LT(now, last_energy) << width;
+    last_gape = gape, last_energy = now;
+  }
+}
+
 }  // namespace
 }  // namespace turgor::lattice

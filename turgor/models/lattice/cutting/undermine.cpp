@@ -12,6 +12,11 @@ namespace turgor::lattice {
 
 namespace {
 
+/// Distance between the surface and the ends of the cut, in spacings. The plane that splits a crack tip is
+/// fitted to all cuts in and around its cell. Cuts of this surface among them would turn the plane, and the
+/// wound would end a cell earlier.
+constexpr double kTipCells = 2;
+
 /// Points of the surface on a ruling across the path, from left to right; nothing where there is no skin
 /// above.
 using Ruling = std::vector<std::optional<Vec3d>>;
@@ -58,7 +63,15 @@ void add_undermining(const Model& model, const Motion& motion, const BladePath& 
   std::vector<Vec3d> around;
   for (std::size_t n = 0; n < path.points.size(); n++)
     for (const std::size_t c : {std::size_t(0), columns - 1}) around.push_back(aside(n, c));
+  // and beyond both ends of the cut, where its crack tips are unless the skin ends
+  const auto beyond = [&](std::size_t n) {
+    return path.points[n] + tangent_at(path, n) * (n == 0 ? -step : step);
+  };
+  for (const std::size_t n : {std::size_t(0), path.points.size() - 1}) around.push_back(beyond(n));
   const SkinNow near = skin_near(model, motion, around, halo);
+  const auto goes_on = [&](std::size_t n) {
+    return distance_to_skin(near, beyond(n), path.inward[n], across_at(path, n) * epsilon).has_value();
+  };
   // height of the skin
   std::vector<std::vector<std::optional<double>>> height(path.points.size());
   for (std::size_t n = 0; n < path.points.size(); n++)
@@ -78,11 +91,14 @@ void add_undermining(const Model& model, const Motion& motion, const BladePath& 
       if (!is_in_bone(model, point)) rulings[n].back() = point;
     }
   }
-  // quads between rulings
+  // quads between rulings, away from the crack tips at the ends of the cut
+  const double length = path_length(path), inset = kTipCells * largest_spacing(model.anatomy.lattice);
+  const double first = goes_on(0) ? inset : 0, last = length - (goes_on(path.points.size() - 1) ? inset : 0);
   double along = 0;
   for (std::size_t n = 1; n < rulings.size(); n++) {
     const double next = along + norm(path.points[n] - path.points[n - 1]);
-    for (std::size_t c = 1; c < columns; c++) {
+    const bool is_at_tip = along < first || next > last;
+    for (std::size_t c = 1; c < columns && !is_at_tip; c++) {
       const auto &a = rulings[n - 1][c - 1], &b = rulings[n - 1][c], &d = rulings[n][c - 1],
                  &e = rulings[n][c];
       if (!a || !b || !d || !e) continue;
