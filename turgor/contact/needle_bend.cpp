@@ -19,7 +19,8 @@ namespace turgor::contact {
 namespace {
 
 constexpr int kMostTurns = 20, kMostGradients = 60;
-constexpr double kBentTolerance = 3e-6;  // change of a force in a turn, relative to the needle's resistance
+constexpr double kBentTolerance = 3e-5;  // change of a force in a turn, relative to the needle's resistance
+constexpr double kShareOfTurn = 0.5;     // of a turn's first change, at which its conjugate gradients end
 
 /// A point on the bent shaft in this tick.
 struct BentPoint {
@@ -166,8 +167,9 @@ double precondition(const BentShaft& shaft, const Vec3d* r, Vec3d* z) {
   return largest;
 }
 
-/// Conjugate gradients for the forces across the shaft, until they change by less than the tolerance. Returns
-/// the largest change [N].
+/// Conjugate gradients for the forces across the shaft, until they change by less than the tolerance, or by
+/// less than a share of their first change: the forces along the shaft move them again in the next turn.
+/// Returns the first change, the largest of a point [N].
 double solve_across(BentShaft& shaft, double tolerance) {
   NeedleState& state = shaft.tick.state;
   std::vector<Vec3d>& force = shaft.tick.track().force;
@@ -182,9 +184,10 @@ double solve_across(BentShaft& shaft, double tolerance) {
   state.beam = bend_by(shaft, shaft.stiffness, force.data());
   for (std::size_t i = 0; i < n; i++)
     if (shaft.point[i].holds_across) r[i] = shaft.point[i].across(apart_from_shaft(shaft, i)) * -1.0;
-  double largest = precondition(shaft, r, z), changed = largest, rz = inner(r, z);
+  const double first = precondition(shaft, r, z), goal = std::max(tolerance, kShareOfTurn * first);
+  double largest = first, rz = inner(r, z);
   std::copy_n(z, n, p);
-  for (int step = 0; step < kMostGradients && largest > tolerance && rz > 0; step++) {
+  for (int step = 0; step < kMostGradients && largest > goal && rz > 0; step++) {
     // A p with A = C + D + H K⁻¹ Hᵀ
     multiply_by_compliance(shaft, p);
     const NeedleBeam beam = bend_by(shaft, shaft.stiffness, p);
@@ -213,7 +216,7 @@ double solve_across(BentShaft& shaft, double tolerance) {
     for (std::size_t i = 0; i < n; i++) p[i] = z[i] + p[i] * (rz / before);
   }
   state.beam = bend_by(shaft, shaft.stiffness, force.data());
-  return changed;
+  return first;
 }
 
 }  // namespace
