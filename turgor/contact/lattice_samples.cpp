@@ -15,6 +15,9 @@ namespace turgor::contact {
 
 namespace {
 
+/// SurfaceSample::other of samples on lips, which have no other node.
+constexpr int kOnLip = -2;
+
 /// True when a node is at the tissue's boundary: next to air, or at the border of the scan.
 bool is_outermost(const lattice::Model& model, Int3 node) {
   for (int n = 0; n < lattice::kNeighborCount; n++) {
@@ -108,6 +111,30 @@ void add_wall_samples(const lattice::Model& model, const lattice::BodySurface& s
   }
 }
 
+/// Adds one sample for every node that carries lips of a wound: the lip vertex nearest to their mean. Samples
+/// between nodes that the cut separates are gone, so that a tool would sink into the wound.
+void add_lip_samples(const lattice::Model& model, const lattice::BodySurface& surface,
+                     std::vector<LatticeSample>& samples) {
+  // vertices of lips, ordered by node
+  std::vector<int> lips;
+  for (const lattice::Lip& lip : surface.lips) lips.push_back(lip.left), lips.push_back(lip.right);
+  sort_unique(lips);
+  const auto slot = [&](int v) { return surface.slot[std::size_t(v)]; };
+  const auto rest = [&](int v) { return Vec3d(surface.rest[std::size_t(v)]); };
+  std::stable_sort(lips.begin(), lips.end(), [&](int a, int b) { return slot(a) < slot(b); });
+  // middle vertex of each node
+  for (std::size_t begin = 0, end = 0; begin < lips.size(); begin = end) {
+    Vec3d sum;
+    for (; end < lips.size() && slot(lips[end]) == slot(lips[begin]); end++) sum += rest(lips[end]);
+    if (!(model.anatomy.inverse_mass[std::size_t(slot(lips[begin]))] > 0)) continue;
+    const Vec3d mean = sum / double(end - begin);
+    const int middle =
+        *std::min_element(lips.begin() + std::ptrdiff_t(begin), lips.begin() + std::ptrdiff_t(end),
+                          [&](int a, int b) { return norm(rest(a) - mean) < norm(rest(b) - mean); });
+    samples.push_back({slot(middle), rest(middle), false, kOnLip});
+  }
+}
+
 /// Embeds the samples in cells. One sample between two nodes is enough then.
 void embed_in_cells(const lattice::Model& model, const lattice::Cuts& cuts,
                     const lattice::BodySurface& surface, LatticeTouch& touch) {
@@ -144,18 +171,20 @@ std::vector<LatticeSample> skin_samples(const lattice::Model& model, const latti
 
 void update_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::Cuts& cuts,
                     const lattice::BodySurface& surface) {
-  // new version; samples without walls and detached ones
+  // new version; samples without those of wounds and detached ones
   static std::atomic<std::uint64_t> versions = 0;
   touch.version = ++versions;
   const std::vector<LatticeSample> before = touch.samples;
-  std::erase_if(touch.samples,
-                // wall samples
-                [&](const LatticeSample& p) { return p.wall || is_detached(model, cuts, p); });
+  std::erase_if(
+      touch.samples,
+      // samples of wounds
+      [&](const LatticeSample& p) { return p.wall || p.other == kOnLip || is_detached(model, cuts, p); });
   // new walls; the other samples are sorted already, except at the first call
   if (!std::is_sorted(touch.samples.begin(), touch.samples.end(), comes_first))
     std::sort(touch.samples.begin(), touch.samples.end(), comes_first);
   const auto skin = std::ptrdiff_t(touch.samples.size());
   add_wall_samples(model, surface, touch.samples);
+  if (touch.in_cells) add_lip_samples(model, surface, touch.samples);
   std::sort(touch.samples.begin() + skin, touch.samples.end(), comes_first);
   std::inplace_merge(touch.samples.begin(), touch.samples.begin() + skin, touch.samples.end(), comes_first);
   if (touch.in_cells) embed_in_cells(model, cuts, surface, touch);

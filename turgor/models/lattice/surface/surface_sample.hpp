@@ -14,7 +14,7 @@ struct SurfaceSample {
   int slot = 0;       // node that moves the sample
   Vec3d rest;         // rest position, lattice frame [m]
   bool wall = false;  // on the wall of a cut
-  int other = -1;     // neighbor that moves it as well, and has a coincident sample of its own; -1 = none
+  int other = -1;     // neighbor that moves it as well, and has a coincident sample of its own; < 0 = none
 };
 
 /// Mean of a field over the nodes of a sample. field(slot) returns a Vec3.
