@@ -81,6 +81,20 @@ TEST(ClothOnLattice, HeavySheetMatchesColumn) {
   EXPECT_LT(most, 2 * column) << "m";
 }
 
+// A surface in partial cells bears the weight of a resting sheet: forces act where the surface moves. Forces
+// on its outermost nodes let the sheet flutter, and lacked 7e-4 of its weight.
+TEST(ClothOnLattice, PartialCellsBearWeight) {
+  World world = sheet_on_lattice(test::fresh_folder(), Exec(1),
+                                 {"body.sheet.solver.method=blocks", "body.fat.tissue.partial_cells=true"});
+  run(world, 120);
+  const double weight = 10 * kGravity * 0.128 * 0.128;
+  EXPECT_NEAR(total_force(world.lattice_bodies[0].cloth).y, weight, 1e-4 * weight) << "N";
+  const FatUnderSheet middle = middle_of(world.lattice_bodies[0]);
+  const double column = 10 * kGravity * middle.height / 5e3;
+  EXPECT_GT(middle.down, 0.95 * column / 1.2) << "m, of " << column;
+  EXPECT_LT(middle.down, 1.05 * column) << "m";
+}
+
 // A sheet on a lattice has the same bits on 1, 2 and 8 threads.
 TEST(ClothOnLattice, EqualBitsOnAnyThreads) {
   const auto folder = test::fresh_folder();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -39,6 +40,7 @@ std::vector<Vec3> displaced(const ClothSupport& support, const std::vector<Vec3d
 std::vector<Vec3> surface_positions(const Exec& exec, LatticeBody& body, ClothSupport& support) {
   refresh_surface(exec, body);
   support.carrier = body.surface.slot, support.triangles = body.surface.triangles;
+  if (!body.model.anatomy.cell_center.empty()) std::iota(support.carrier.begin(), support.carrier.end(), 0);
   return lattice::deformed_surface(body.model, body.state, body.surface, lattice::Shown::kNothing, exec)
       .vertices;
 }
@@ -133,13 +135,15 @@ static double elastic_compliance(const LatticeBody& body, const ClothLoad& load,
       if (const double e = double(anatomy.cell_young[std::size_t(slot)]); e > 0) young = std::min(young, e);
   if (!std::isfinite(young)) young = body.model.params.tissue.fat;
   const double mass = lattice::moving_mass(anatomy);
-  const double area = double(load.force.size()) * std::cbrt(h.x * h.y * h.z) * std::cbrt(h.x * h.y * h.z);
+  const auto nodes = std::count_if(load.force.begin(), load.force.end(),
+                                   [&](const auto& loaded) { return !is_rim(body.model, loaded.vertex); });
+  const double area = double(nodes) * std::cbrt(h.x * h.y * h.z) * std::cbrt(h.x * h.y * h.z);
   const double radius = std::sqrt(area / std::numbers::pi);
   return kBound * (0.4 / (young * radius) + (mass > 0 ? dt * dt / mass : 0));
 }
 
 /// Compliance of a lattice. A node accelerated by a force f moves by at most w f h², since its neighbors
-/// restrain it.
+/// restrain it. A rim node has almost no mass: the tissue of its cell restrains it like a node of tissue.
 void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, double dt) {
   TURGOR_CHECK(std::all_of(forces.force.begin(), forces.force.end(),
                            [&](const contact::VertexForce& f) {
@@ -150,9 +154,13 @@ void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, doubl
   ClothLoad& load = body.cloth;
   relax_toward(forces, load);
   // compliance from the largest acceleration
+  constexpr double kDensity = 1000;  // of tissue [kg/m³]
+  const double of_tissue = 1 / (kDensity * sample_volume(body.model.anatomy.grid));
   double largest = 0;
-  for (const auto& [slot, f] : load.force)
-    largest = std::max(largest, norm(f) * double(body.model.anatomy.inverse_mass[std::size_t(slot)]));
+  for (const auto& [slot, f] : load.force) {
+    const double w = double(body.model.anatomy.inverse_mass[std::size_t(slot)]);
+    largest = std::max(largest, norm(f) * (is_rim(body.model, slot) ? std::min(w, of_tissue) : w));
+  }
   const double sum = sum_of_norms(load), compliance = sum > 0 ? largest * dt * dt / sum : 0;
   load.compliance = {compliance, compliance, compliance};
   // relaxation for the cloth's mass, and for the stiffness of touching bodies as a mass of that inertia

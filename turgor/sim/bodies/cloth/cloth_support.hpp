@@ -17,12 +17,12 @@ struct LatticeBody;
 
 struct ClothSupport {
   BodyId body;
-  std::vector<int> carrier;     // for each surface vertex: a lattice's slot, or the body's vertex
+  std::vector<int> carrier;     // by surface vertex: slot of a lattice of whole cells, else the vertex
   std::vector<Int3> triangles;  // of the surface
   std::vector<Vec3> positions;  // at the end of the latest frame [m]
   std::shared_ptr<const cloth::MovingSurface>
       moving;  // motion in this frame: from the previous positions to the present ones
-  std::vector<contact::VertexForce> force;  // of the cloth on the body in the latest frame, by carrier [N]
+  std::vector<contact::VertexForce> force;  // on the body in the latest frame, by slot of a lattice or vertex [N]
 };
 
 /// Updates the surface to its position in this frame.

@@ -7,6 +7,7 @@
 #include "turgor/geometry/body_location.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
+#include "turgor/sim/bodies/cloth/corner_forces.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -203,7 +204,9 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
   for (std::size_t o = 0; o < body.obstacles.size(); o++) {
     ClothObstacle& obstacle = body.obstacles[o];
     obstacle.force.push_back(cloth::obstacle_load(body.state, int(o), {}).impulse / body.state->impulse_time);
-    if (obstacle.support) record_force(body.state, int(o), body.state->impulse_time, *obstacle.support);
+    if (!obstacle.support) continue;
+    record_force(body.state, int(o), body.state->impulse_time, *obstacle.support);
+    move_to_corners(world, *obstacle.support);
   }
   record_tools(body, world, end, sample.seconds);
   publish_contacts(body);
