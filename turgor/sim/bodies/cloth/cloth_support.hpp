@@ -22,7 +22,7 @@ struct ClothSupport {
   std::vector<Vec3> positions;  // at the end of the latest frame [m]
   std::shared_ptr<const cloth::MovingSurface>
       moving;  // motion in this frame: from the previous positions to the present ones
-  std::vector<contact::VertexForce> force;  // on the body in the latest frame, by slot of a lattice or vertex [N]
+  std::vector<contact::VertexForce> force;  // on the body in the latest frame, by slot or vertex [N]
 };
 
 /// Updates the surface to its position in this frame.
