@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -8,8 +9,9 @@
 namespace turgor::lattice {
 namespace {
 
-/// Cuts the fine edges that cross the plane x = `at` below `y_end`, unless they are cut already.
-void cut_up_to(const Model& model, State& state, double at, double y_end, double bottom) {
+/// Cuts the fine edges that cross the plane x = `at` from `y_begin` to `y_end`, unless they are cut already.
+void cut_up_to(const Model& model, State& state, double at, double y_end, double bottom,
+               double y_begin = -1) {
   const FineLattice fine = fine_lattice(model);
   const Fragments before = make_fragments(model, state.cuts);
   for (int k = 0; k < fine.size.z; k++)
@@ -23,7 +25,7 @@ void cut_up_to(const Model& model, State& state, double at, double y_end, double
           if ((x.x >= at) == (y.x >= at)) continue;
           const double fraction = (at - x.x) / (y.x - x.x);
           const Vec3d hit = x + (y - x) * fraction;
-          if (hit.y > y_end || hit.z < bottom) continue;
+          if (hit.y > y_end || hit.y < y_begin || hit.z < bottom) continue;
           CutEdge edge = cut_edge_at(fine, a, f);
           edge.fraction = Real(fraction), edge.rightward = true, edge.incision = 1;
           state.cuts.edges.push_back(edge);
@@ -73,6 +75,25 @@ TEST(TetPoints, SkinOfJunctionKeepsItsSide) {
     }
   EXPECT_LT(sum / count, 0.08);
   EXPECT_LT(most, 0.6);
+}
+
+// Skin stays at its height at both ends of a blade: it does not sink to crossings below it.
+TEST(TetPoints, SkinDoesNotSinkAtEndOfBlade) {
+  const Model model = body_of(make_ct({44, 44, 28}, [](Vec3d p) { return p.z < 22; }), {4, 4, 4});
+  for (const double at : {0.02004, 0.0203, 0.02049, 0.02097})
+    for (const double end : {0.02003, 0.02051, 0.02096, 0.0214}) {
+      State state = make_state(model);
+      cut_up_to(model, state, at, end + 0.005, 0.0102, end);
+      const BodySurface surface = build_surface(model, state.cuts);
+      Real low = 1, high = 0;
+      for (int n = 0; n < surface.skin_triangles; n++)
+        for (int corner = 0; corner < 3; corner++) {
+          const Vec3d x(surface.rest[std::size_t(surface.triangles[std::size_t(n)][corner])]);
+          if (x.z > 0.01 && norm(Vec3d{x.x - at, x.y - end - 0.0025, 0}) < 0.006)
+            low = std::min(low, Real(x.z)), high = std::max(high, Real(x.z));
+        }
+      EXPECT_LT(high - low, 2e-5) << "m, blade at " << at << " m, end at " << end << " m";
+    }
 }
 
 }  // namespace

@@ -85,6 +85,17 @@ std::optional<BladePlane> blade_plane_in(const FineTet& tet, std::uint8_t incisi
   return BladePlane{at[0], flattest_direction(around)};
 }
 
+/// Blade at its end, where a tetrahedron has too few crossings: a plane through one of them, fitted to those
+/// around the tetrahedron. Empty if these are fewer than three.
+std::optional<BladePlane> blade_plane_at_end(const FineTet& tet, std::uint8_t incision, Vec3d on_blade) {
+  Int3 low = tet.nodes[0], high = tet.nodes[0];
+  for (const Int3 node : tet.nodes) low = min(low, node), high = max(high, node);
+  const std::vector<Vec3d> around =
+      crossings_around(tet, incision, low - Int3{1, 1, 1}, high + Int3{1, 1, 1});
+  if (around.size() < 3) return {};
+  return BladePlane{on_blade, flattest_direction(around)};
+}
+
 /// Gradient direction of the level in a tetrahedron, orthogonal to the skin.
 Vec3d level_gradient(const FineTet& tet) {
   const Vec3d x0 = position_of(tet, 0);
@@ -115,7 +126,8 @@ Vec3d to_own_side(const FineTet& tet, int solid, std::uint8_t incision, Vec3d al
 }
 
 /// Skin point on the edge from a solid corner to another one. If the blade crosses that edge below the skin,
-/// this point would lie on the wrong side. It is then moved back along the skin onto the blade.
+/// this point would lie on the wrong side. It is then moved back along the skin onto the blade. At the end of
+/// a blade that is not known well enough the point stays, since skin does not sink to a crossing below it.
 Vec3d skin_position(const FineTet& tet, int solid, int other) {
   const Vec3d a = position_of(tet, solid), b = position_of(tet, other);
   const double fraction = skin_fraction(tet, solid, other);
@@ -126,8 +138,9 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   if (c.edge == nullptr || double(c.fraction) >= fraction) return position;
   // move along the skin, towards the blade
   const Vec3d on_blade = a + (b - a) * double(c.fraction);
-  const std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
-  if (!blade) return on_blade;
+  std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
+  if (!blade) blade = blade_plane_at_end(tet, c.edge->incision, on_blade);
+  if (!blade) return position;
   const Vec3d across = level_gradient(tet);
   const Vec3d along = blade->normal - across * (dot(across, blade->normal) / dot(across, across));
   const double reach = dot(along, blade->normal), beyond = dot(position - blade->point, blade->normal);
