@@ -82,11 +82,12 @@ TEST(Texture, NoForceWithoutSliding) {
   for (const Vec3d f : slide({0, 1e-3}, {0.05, 0, 0}, 1, 50, smooth)) EXPECT_EQ(f, Vec3d{});
 }
 
-// The force along the path changes by at most kTextureStiffness, for any roughness and direction of motion,
+// The force along the path changes by at most texture_stiffness, for any roughness and direction of motion,
 // and with a little Coulomb friction a hand that moves to and fro gains no more than one wave's work.
 TEST(Texture, StiffnessAndEnergyAreBounded) {
   const Texture texture{1e-4, 2e-3};
-  const double k = 2 * std::numbers::pi / texture.wavelength, wave = 2 * kTextureStiffness / (k * k);
+  const double k = 2 * std::numbers::pi / texture.wavelength, stiffness = texture_stiffness(kDt),
+               wave = 2 * stiffness / (k * k);
   TextureState state;
   Vec3d x{};
   (void)texture_force(texture, state, x, kUp, 2, true, kDt);
@@ -102,12 +103,21 @@ TEST(Texture, StiffnessAndEnergyAreBounded) {
     const Vec3d f = texture_force(texture, state, x, kUp, 2, true, kDt);
     const bool whole = std::abs(speed) > 2 * kTextureSpeed && last_way * speed > 0 && norm(before) > 0;
     if (whole) {
-      EXPECT_LE(std::abs(f.x - before.x), 1.02 * kTextureStiffness * std::abs(step.x) + 1e-9);
+      EXPECT_LE(std::abs(f.x - before.x), 1.02 * stiffness * std::abs(step.x) + 1e-9);
     }
     before = f, last_way = std::abs(speed) > 2 * kTextureSpeed ? speed : 0;
   }
   EXPECT_GT(state.limited_ticks, 0);
   EXPECT_GT(least, -wave);
+}
+
+// The bound has the published values at 250 Hz and 40 kHz, grows between them, and ends with them.
+TEST(Texture, StiffnessBoundIsThatOfChoiAndTan) {
+  EXPECT_NEAR(texture_stiffness(1.0 / 250), 325, 1e-9);
+  EXPECT_NEAR(texture_stiffness(1.0 / 40000), 904, 1e-9);
+  EXPECT_NEAR(texture_stiffness(kDt), 430, 0.5);
+  EXPECT_EQ(texture_stiffness(0.1), texture_stiffness(1.0 / 250));
+  EXPECT_EQ(texture_stiffness(1e-6), texture_stiffness(1.0 / 40000));
 }
 
 /// Profile of one sine.
@@ -169,7 +179,7 @@ TEST(Texture, MapHasForceOfItsSpot) {
   }
 }
 
-// A steep map is limited to kTextureStiffness along any path.
+// A steep map is limited to texture_stiffness along any path.
 TEST(Texture, SteepMapIsLimited) {
   const Texture texture = random_map(4e-4);
   TextureState state;
@@ -179,8 +189,8 @@ TEST(Texture, SteepMapIsLimited) {
   for (std::size_t i = 1; i < forces.size(); i++)
     most = std::max(most, norm(forces[i] - forces[i - 1]) / step);
   EXPECT_GT(state.limited_ticks, 2900);
-  EXPECT_LT(most, 1.02 * kTextureStiffness);
-  EXPECT_GT(most, 0.3 * kTextureStiffness);
+  EXPECT_LT(most, 1.02 * texture_stiffness(kDt));
+  EXPECT_GT(most, 0.3 * texture_stiffness(kDt));
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ Vec3d wave_force(const Texture& texture, const TextureSlide& slide, TextureState
   advance_phase(state, slide.path, texture.wavelength);
   // amplitude within its limits
   const double k = 2 * std::numbers::pi / texture.wavelength;
-  const double free = slide.force * k * texture.roughness, stiff = kTextureStiffness / k;
+  const double free = slide.force * k * texture.roughness, stiff = texture_stiffness(slide.dt) / k;
   bool fades = false;
   const double amplitude = rendered_share(slide, texture.wavelength, state, fades) * std::min(free, stiff);
   state.limited_ticks += fades || free > stiff;
@@ -70,7 +70,7 @@ Vec3d map_force(const HeightMap& map, const TextureSlide& slide, TextureState& s
   state.spot += slide.along;
   const Vec3d slope = map_slope(map, slide, state);
   // force within its limits
-  const double stiff = map.curvature > 0 ? kTextureStiffness / map.curvature : slide.force;
+  const double stiff = map.curvature > 0 ? texture_stiffness(slide.dt) / map.curvature : slide.force;
   bool fades = false;
   const double share = rendered_share(slide, 2 * map.spacing, state, fades);
   const Vec3d force = slope * (-share * std::min(slide.force, stiff));
@@ -80,6 +80,14 @@ Vec3d map_force(const HeightMap& map, const TextureSlide& slide, TextureState& s
 }
 
 }  // namespace
+
+double texture_stiffness(double dt) {
+  TURGOR_CHECK(dt > 0, "a tick takes time");
+  // stiffness up to which hands perceive rendered textures as stable, at two rates of ticks
+  constexpr double kSlowRate = 250, kFastRate = 4e4, kSlow = 325, kFast = 904;  // [Hz], [N/m]
+  const double share = std::log(1 / (dt * kSlowRate)) / std::log(kFastRate / kSlowRate);
+  return kSlow * std::pow(kFast / kSlow, std::clamp(share, 0.0, 1.0));
+}
 
 Vec3d texture_force(const Texture& texture, TextureState& state, Vec3d position, Vec3d normal, double force,
                     bool slides, double dt) {

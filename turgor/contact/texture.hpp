@@ -6,7 +6,8 @@
 //   f = −N (2π a/λ) cos(2π s/λ) t        t: unit direction of sliding
 //
 // The tool feels the frequency v/λ with an amplitude of 2π N a/λ. A sampled spring of stiffness K needs a
-// damping above K T/2 to be passive [Colgate, Brown 1994]. The steepest change of f along the path,
+// damping above K T/2 to be passive [Colgate, Brown 1994], and rendered textures are perceived as stable up
+// to a stiffness that grows with the rate of ticks [Choi, Tan 2004]. The steepest change of f along the path,
 // N (2π/λ)² a, is such a stiffness, and therefore limited. Less than four ticks a wave fade the vibration.
 //
 // A map of heights h(u, v) replaces the waves by f = −N ∇h at the spot of the surface that the tool touches.
@@ -29,9 +30,10 @@ struct Texture {
 };
 inline bool is_rough(const Texture& texture) { return texture.roughness > 0 || texture.map != nullptr; }
 
-/// Largest stiffness of the vibration along the path. A hand with a device damps more than K T/2 = 0.5 N·s/m
-/// of it at 1 kHz [N/m].
-constexpr double kTextureStiffness = 1000;
+/// Largest stiffness of the vibration along the path at ticks of `dt` seconds [N/m]: 430 at 1 kHz.
+///   325 N/m (1/(250 Hz · dt))^0.2015, between 325 N/m at 250 Hz and 904 N/m at 40 kHz [Choi, Tan 2004]
+/// Colgate's bound is then kept by a damping of 0.22 N·s/m at 1 kHz, less than that of a hand with a device.
+double texture_stiffness(double dt);
 /// Sliding speed from which the vibration is whole; it begins at 0 with the speed [m/s].
 constexpr double kTextureSpeed = 1e-3;
 
