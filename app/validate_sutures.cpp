@@ -147,6 +147,9 @@ constexpr double kLens = 0.036, kLensWidth = 0.0105, kMembrane = 400;  // [m] [m
 constexpr double kLensSide = 0.12, kLensTissue = 0.009;                // of the block [m]
 constexpr double kLensDepth = 0.0066;                                  // of the wound [m]
 constexpr int kLensStitches = 12;
+// The elements have no tissue. A deep strand that hangs in cells below the skin pulls on soft nodes as well,
+// which costs a tenth of the force at 0.2 mm and a spacing of 1.5 mm.
+constexpr double kInSkin = 2e-5;  // depth of the deep strands [m]
 
 double close_membrane(const Exec& exec, const MembraneCase& c) {
   const int nodes = int(std::lround(kLensSide / c.spacing)) + 1;
@@ -172,7 +175,7 @@ double close_membrane(const Exec& exec, const MembraneCase& c) {
   excise(body.model, body.state, required(find_piece(body.model, body.state.cuts, 0)));
   WoundClosure closure =
       required(lay_stitches(body.model, body.state.cuts, body.path,
-                            {.spacing = kLens / kLensStitches, .bite = c.bite, .depth = 2e-4}));
+                            {.spacing = kLens / kLensStitches, .bite = c.bite, .depth = kInSkin}));
   // a membrane has no walls
   closure.walls.clear();
   closure.thread = {.stiffness = 200, .strength = 50}, closure.pull_out = 50;
@@ -200,11 +203,9 @@ void add_lenses(const Exec& exec, bool quick, std::vector<Figure>& figures) {
                                              .bite = spacing,
                                              .patch = spacing},
                                             24);
-    Figure figure = near_figure(
+    figures.push_back(near_figure(
         fmt::format("lens, tension {} N/m, lattice of {} mm: closing force", kTensions[n], 1e3 * spacing),
-        "membrane of elements", force[n], expected[n], 0.1);
-    figure.known_limit = !quick && n == 0;  // finer skin bulges more beside the ends, where it is compressed
-    figures.push_back(figure);
+        "membrane of elements", force[n], expected[n], 0.1));
   }
   figures.push_back(near_figure("lens: change of the closing force with the tension", "membrane of elements",
                                 force[1] - force[0], expected[1] - expected[0], 0.15));

@@ -13,10 +13,11 @@
 namespace turgor::lattice {
 namespace {
 
-//// A wide membrane on tissue that bears little, which loses a lens.
+/// A wide membrane on tissue that bears little, which loses a lens.
 struct ExcisedMembrane {
   static constexpr double kCell = 0.003;
   static constexpr Int3 kSize{41, 41, 4};
+  static constexpr double kInSkin = 2e-5;  // depth of the deep strands, so that they pull on no tissue [m]
   Model model;
   State state;
   BladePath path;
@@ -39,7 +40,8 @@ struct ExcisedMembrane {
   /// Closing force when the stitches hold their points where they were before the cut, relative to each other
   /// [N].
   double close(double bite) {
-    closure = lay_stitches(model, state.cuts, path, {.spacing = 0.0036, .bite = bite, .depth = 2e-4}).value();
+    closure =
+        lay_stitches(model, state.cuts, path, {.spacing = 0.0036, .bite = bite, .depth = kInSkin}).value();
     closure.walls.clear();  // a membrane has no walls
     closure.thread = {.stiffness = 200, .strength = 50}, closure.pull_out = 50;
     constexpr int kPull = 45, kRest = 25;  // steps
