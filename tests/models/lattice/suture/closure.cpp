@@ -9,6 +9,7 @@
 
 #include "tests/models/lattice/wounded_block.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/solver/energy.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -112,6 +113,48 @@ TEST(Closure, HalfBodiesCarryTension) {
   // the free rim of the skin between lip and stitch retracts, so that the rest is stretched more
   EXPECT_GT(closing, ct) << "N";
   EXPECT_LT(closing, 1.3 * ct) << "N";
+}
+
+/// Kinetic energy of the nodes, and elastic energy of the body and its threads [J].
+double total_energy(const HalfBodies& body, const WoundClosure& closure) {
+  double sum = energy(Exec(1), body.model, body.state);
+  const Motion& motion = body.state.motion;
+  for (std::size_t s = 0; s < motion.u.x.size(); s++)
+    if (const double w = double(body.model.anatomy.inverse_mass[s]); w > 0)
+      sum += 0.5 / w * dot(Vec3d(motion.v[s]), Vec3d(motion.v[s]));
+  // a thread under tension T stores ½ T² L₀/EA
+  for (const Stitch& stitch : closure.stitches)
+    sum += 0.5 * stitch.tension * stitch.tension * stitch.length / closure.thread.stiffness;
+  return sum;
+}
+
+// The energy that a body gains while its stitches are pulled is the hand's work, tension times thread.
+// Threads that are pulled fast lag behind their law.
+TEST(Closure, HandDoesTheWorkOfClosing) {
+  for (const double duration : {0.4, 1.2}) {
+    HalfBodies body({17, 9, 6}, 38);
+    double time = 0;
+    WoundClosure closure;
+    sew(Exec(1), body.model, body.state, {}, 60, time, closure);
+    closure = body.stitched(0.016);
+    const Pull pull{.start = time, .duration = duration};
+    const double open = total_energy(body, closure);
+    double work = 0;
+    for (int n = 0; n < duration / kFrameTime + 40; n++) {
+      const std::vector<Stitch> before = closure.stitches;
+      sew(Exec(1), body.model, body.state, pull, 1, time, closure);
+      for (std::size_t i = 0; i < before.size(); i++) {
+        const Stitch& now = closure.stitches[i];
+        const double length = before[i].length > 0 ? before[i].length : now.before;
+        work += 0.5 * (before[i].tension + now.tension) * (length - now.length);
+      }
+    }
+    for (const Stitch& stitch : closure.stitches) EXPECT_EQ(stitch.phase, StitchPhase::kKnotted);
+    const double gained = total_energy(body, closure) - open;
+    std::printf("pulled for %.1f s: work of the hand %.3f mJ, gained %.3f mJ\n", duration, 1e3 * work,
+                1e3 * gained);
+    EXPECT_NEAR(gained / work, 1, 0.05);
+  }
 }
 
 // A stitch tears out of the tissue, or its thread breaks, at the stated force.
