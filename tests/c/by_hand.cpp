@@ -151,6 +151,29 @@ TEST(CByHand, SavedWorldContinues) {
   EXPECT_EQ(tg_world_load(other.world, nullptr), TG_MISUSE);
 }
 
+// An excision of a scene and the row of stitches that closes it have their measures, on any number of
+// threads.
+TEST(CByHand, ExcisionIsMeasured) {
+  std::uint64_t hashes[2];
+  for (const int threads : {1, 2}) {
+    const Block block(std::string(kBlock) +
+                          "[excision.mole]\nbody = \"block\"\ncenter = [0.002, -0.02, 0.001]\n"
+                          "length = 0.05\nwidth = 0.03\ndepth = 0.012\nstart = 0.02\nduration = 0.04\n"
+                          "[suture.row]\nwound = \"mole\"\nbite = 0.008\ndepth = 0.003\nspacing = 0.01\n"
+                          "start = 0.1\nduration = 0.3\n",
+                      threads);
+    block.step(30);
+    // fat of -100 HU
+    EXPECT_NEAR(block.measure("wounds.mole.specimen.mass_g"),
+                0.9 * block.measure("wounds.mole.specimen.volume_ml"), 1e-3);
+    EXPECT_NEAR(block.measure("wounds.mole.marked.length_mm"), 50, 0.1);
+    EXPECT_EQ(block.measure("sutures.row.stitches_bearing"), 5);
+    EXPECT_GT(block.measure("sutures.row.closing_force_N"), 0.1);
+    hashes[threads - 1] = block.hash();
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
 // Cuts and stitches that a world cannot have are refused with the reason, and change nothing.
 TEST(CByHand, RefusesWithReason) {
   const Block block(kBlock), untouched(kBlock);
