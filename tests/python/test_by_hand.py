@@ -34,6 +34,23 @@ start = 0.18
 duration = 0.2
 """
 
+EXCISED = BLOCK + """[excision.mole]
+body = "block"
+center = [0.002, -0.02, 0.001]
+length = 0.05
+width = 0.03
+depth = 0.012
+start = 0.02
+duration = 0.04
+[suture.row]
+wound = "mole"
+bite = 0.008
+depth = 0.003
+spacing = 0.01
+start = 0.1
+duration = 0.3
+"""
+
 
 def block(text=BLOCK, threads=1):
     """World of 40 mm of fat on a slab of bone."""
@@ -98,6 +115,22 @@ class ByHand(unittest.TestCase):
             with self.assertRaises(turgor.Error):
                 fresh.load(file)
             self.assertEqual(other.state_hash, before)
+
+    # An excision of a scene is weighed, the row that closes it is measured, and a copy has the same bits.
+    def test_excision_is_weighed_and_closed(self):
+        world = block(EXCISED, threads=1)
+        world.step(12)
+        copy = world.copy()
+        world.step(18)
+        copy.step(18)
+        self.assertEqual(world.state_hash, copy.state_hash)
+        report = world.report()
+        specimen, suture = report["wounds"][0]["specimen"], report["sutures"][0]
+        self.assertAlmostEqual(specimen["mass_g"], 0.9 * specimen["volume_ml"], delta=1e-3)  # fat of -100 HU
+        self.assertEqual(suture["stitches_bearing"], 5)
+        gape = world.measures("mole")["gape_max_m"]
+        self.assertLess(gape[-1], gape.max())
+        self.assertAlmostEqual(world.measures("row")["closing_force_N"][-1], suture["closing_force_N"], delta=1e-4)
 
     # What cannot be cut or sewn is refused with the reason.
     def test_refusals(self):
