@@ -6,6 +6,7 @@
 
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/models/rhombus/spread.hpp"
 #include "turgor/models/sfem/green.hpp"
 
 namespace turgor::contact {
@@ -64,11 +65,11 @@ void add_carriers(std::span<const CoupledBody> bodies, const SurfacePoint& point
     return;
   }
   if (body.is_support) return;
-  TURGOR_CHECK(body.model, "surface points belong to coupled bodies");
-  const sfem::Model& model = *body.model;
+  TURGOR_CHECK(body.model || body.chains, "surface points belong to coupled bodies");
+  const auto is_fixed = [&](int v) { return body.model && body.model->free_node[std::size_t(v)] < 0; };
   for (int corner = 0; corner < 3; corner++) {
     const int v = point.vertex[corner];
-    if (v < 0 || point.weight[corner] == 0 || model.free_node[std::size_t(v)] < 0) continue;
+    if (v < 0 || point.weight[corner] == 0 || is_fixed(v)) continue;
     carriers.list[carriers.count++] = {point.body, v, sign * point.weight[corner]};
   }
 }
@@ -80,7 +81,13 @@ void add_scaled(const SiteBlock& block, double factor, SiteBlock& sum) {
   for (std::size_t k = 0; k < 9; k++) sum[k] += factor * block[k];
 }
 
-/// Stored nodes of each body that ties and sites move, ascending. Carriers receive their index in this list.
+/// Row of a vertex in the compliance of its body.
+int numbered_vertex(const CoupledBody& body, int vertex) {
+  return body.model ? body.model->green.slot[std::size_t(vertex)] : vertex;
+}
+
+/// Stored nodes of finite elements, or vertices of chains, that ties and sites move, ascending. Carriers
+/// receive their index in this list.
 std::vector<std::vector<int>> number_vertices(std::span<const CoupledBody> bodies,
                                               std::vector<Carriers>& carriers) {
   std::vector<std::vector<int>> slots(bodies.size());
@@ -89,7 +96,7 @@ std::vector<std::vector<int>> number_vertices(std::span<const CoupledBody> bodie
       for (std::size_t c = 0; c < of.count; c++)
         if (Carrier& carrier = of.list[c]; carrier.vertex >= 0)
           visit(carrier, slots[std::size_t(carrier.body)],
-                bodies[std::size_t(carrier.body)].model->green.slot[std::size_t(carrier.vertex)]);
+                numbered_vertex(bodies[std::size_t(carrier.body)], carrier.vertex));
   };
   for_each_vertex([](Carrier&, std::vector<int>& of_body, int slot) { of_body.push_back(slot); });
   for (std::vector<int>& of_body : slots) sort_unique(of_body);
@@ -128,7 +135,10 @@ struct BodyColumn {
       const int slot = rows[std::size_t(column.list[c].vertex)];
       for (std::size_t v = 0; v < rows.size(); v++) {
         SiteBlock block{};
-        sfem::green_block(of.model->green, rows[v], slot, block);
+        if (of.model)
+          sfem::green_block(of.model->green, rows[v], slot, block);
+        else
+          rhombus::displacement_block(*of.chains, rows[v], slot, block);
         add_scaled(block, weight, moved[v]);
       }
     }
@@ -161,7 +171,7 @@ double mean_diagonal(const CoupledSystem& system, std::size_t s) {
 void set_softness(std::span<const CoupledBody> bodies, std::span<const PairSite> sites,
                   CoupledSystem& system) {
   const auto deforms = [&](const SurfacePoint& p) {
-    return p.body >= 0 && bodies[std::size_t(p.body)].model;
+    return p.body >= 0 && (bodies[std::size_t(p.body)].model || bodies[std::size_t(p.body)].chains);
   };
   system.softness.assign(system.count, 0);
   double most = 0;

@@ -26,6 +26,7 @@
 #include "turgor/contact/viscosity.hpp"
 #include "turgor/core/exec.hpp"
 #include "turgor/geometry/pose.hpp"
+#include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 
 namespace turgor::contact {
@@ -51,12 +52,13 @@ struct RigidMotion {
   Mat3d rotation = {{{}, {}, {}}};  // h² J⁻¹: rotation by a torque [rad/(N m)]
 };
 
-/// A body as the coupling sees it.
+/// A body as the coupling sees it. One without any of the models takes no part.
 struct CoupledBody {
-  const sfem::Model* model = nullptr;  // has a dense store of Green's functions; null = takes no part
-  double stiffness_scale = 1;          // divides displacements by forces
-  std::vector<Vec3d> free;             // displacement of every vertex without forces of the coupling [m]
-  std::optional<RigidMotion> rigid;    // instead of the other members
+  const sfem::Model* model = nullptr;      // has a dense store of Green's functions
+  const rhombus::Model* chains = nullptr;  // instead: yields as a half space (models/rhombus/spread.hpp)
+  double stiffness_scale = 1;              // divides displacements by forces
+  std::vector<Vec3d> free;                 // displacement of every vertex without forces of the coupling [m]
+  std::optional<RigidMotion> rigid;        // instead of the other members
   bool is_support = false;  // it moves as `free` says and does not yield; the forces act on it later
 };
 

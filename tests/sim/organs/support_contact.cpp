@@ -174,9 +174,9 @@ TEST(SupportContact, WrongPairs_AreRefused) {
     return scene ? std::string() : scene.error().message;
   };
   EXPECT_NE(
-      message("[body.liver]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\" }\n[attachment.floor]\n"
-              "between = [\"liver\", \"ground\"]\nbox = [[0, 0, 0], [1, 1, 1]]\nstiffness = 1\n")
-          .find("a rhombus and the ground cannot be coupled yet"),
+      message("[body.plate]\nmodel = \"rigid\"\nshape = { box = [0.1, 0.1, 0.02] }\nat = [0, 0, 0]\nfixed = "
+              "true\n[contact.rest]\nbetween = [\"plate\", \"fat\"]\n")
+          .find("a fixed rigid body cannot touch a lattice yet"),
       std::string::npos);
   EXPECT_NE(
       message("[body.sheet]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, 0], side = [0.1, 0, 0], up = [0, "

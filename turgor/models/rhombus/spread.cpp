@@ -105,6 +105,22 @@ void displacements_of(const Exec& exec, const Model& model, std::span<const Load
   });
 }
 
+// The law of add_kelvin_displacements for one pair, in double precision.
+void displacement_block(const Model& model, int vertex, int loaded, std::span<double, 9> block) {
+  const auto v = std::size_t(vertex), l = std::size_t(loaded);
+  TURGOR_CHECK(is_index(vertex, model.area.size()) && is_index(loaded, model.area.size()),
+               "loads act on vertices of the organ");
+  const Vec3d r = model.surface.vertices[v] - model.surface.vertices[l];
+  const double softened = half_softened_by(model.area[v]) + half_softened_by(model.area[l]);
+  const double inverse2 = 1 / (dot(r, r) + softened), half = 0.5 * std::sqrt(inverse2);
+  const double compliance = 2 / (std::numbers::pi * half_space_modulus(model.chain)) * softness_at(model, v) *
+                            softness_at(model, l);
+  const double along = compliance * half * (1 + softened * inverse2), toward = compliance * half * inverse2;
+  for (int axis = 0; axis < 3; axis++)
+    for (int k = 0; k < 3; k++)
+      block[std::size_t(3 * axis + k)] = (k == axis ? along : 0) + toward * r[axis] * r[k];
+}
+
 // The displacement is largest in the force's direction: u = f/ρ times 2/(π E*).
 double farthest_move(const Exec& exec, const Model& model, std::span<const Load> loads) {
   const std::vector<Source> sources = sources_of(model, loads, model.surface.vertices[0]);

@@ -30,6 +30,9 @@ double half_space_modulus(const Chain& chain);
 void displacements_of(const Exec& exec, const Model& model, std::span<const Load> loads,
                       std::vector<Vec3d>& displacement);
 
+/// Displacement of a vertex by a unit force on another one: a block of 3 × 3, column-major [m/N].
+void displacement_block(const Model& model, int vertex, int loaded, std::span<double, 9> block);
+
 /// Upper bound of the displacement of any vertex by loads of these magnitudes in any direction [m].
 double farthest_move(const Exec& exec, const Model& model, std::span<const Load> loads);
 

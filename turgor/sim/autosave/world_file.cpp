@@ -220,7 +220,8 @@ void transfer(File& file, BodyContact& contact) {
 template <class File>
 void transfer_coupling(File& file, Coupling& coupling) {
   auto& [supports, attachments, contacts, frames, unsolved] = coupling;
-  for (CoupledSupport& support : supports) transfer_all(file, support.force, support.stiffness);
+  for (CoupledSupport& support : supports)
+    transfer_all(file, support.force, support.solved, support.stiffness);
   for (Attachment& attachment : attachments) transfer(file, attachment);
   for (BodyContact& contact : contacts) transfer(file, contact);
   transfer_all(file, frames, unsolved);

@@ -199,7 +199,10 @@ std::vector<contact::CoupledBody> coupled_motions(const Exec& exec, World& world
     std::vector<Vec3d> by_tools = tool_displacement(exec, body);
     x[b] = positions_now(body, by_tools);
     if (body.flight) advance_flight(body, by_tools, world.gravity, world.dt);
-    bodies[b] = {&body.model, body.stiffness_scale, uncoupled_displacement(body, std::move(by_tools)), {}};
+    bodies[b] = {.model = &body.model,
+                 .stiffness_scale = body.stiffness_scale,
+                 .free = uncoupled_displacement(body, std::move(by_tools)),
+                 .rigid = {}};
     if (!coupled[b]) sum_free_motion(body);
   }
   for (std::size_t n = 0; n < world.rigid_bodies.size(); n++) {
@@ -214,6 +217,14 @@ std::vector<contact::CoupledBody> coupled_motions(const Exec& exec, World& world
     bodies[s].free = support_displacement(world, support), bodies[s].is_support = true;
     x[s] = support.rest;
     for (std::size_t v = 0; v < x[s].size(); v++) x[s][v] += bodies[s].free[v];
+    if (support.body.kind == BodyKind::kRhombus) {
+      // chains yield to the forces of this solution instead of the last one
+      const RhombusBody& body = world.rhombus_bodies[std::size_t(support.body.index)];
+      bodies[s] = {.chains = &body.model,
+                   .stiffness_scale = body.stiffness_scale,
+                   .free = displacement_without(exec, body, support.solved),
+                   .rigid = {}};
+    }
     s++;
   }
   return bodies;

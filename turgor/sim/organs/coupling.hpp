@@ -62,18 +62,20 @@ struct SweptNodes {
   std::vector<int> vertex;  // of the surface, nearest to the point
 };
 
-/// A lattice or a body of chains in attachments and contacts. Its surface is where the last step left it, and
-/// does not yield while the forces of a frame are solved. They act on it from the next frame on, relaxed like
-/// those of cloth (sim/bodies/cloth/cloth_load.hpp).
+/// A lattice or a body of chains in attachments and contacts. The surface of a lattice is where the last step
+/// left it, and does not yield while the forces of a frame are solved. They act on it from the next frame on,
+/// relaxed like those of cloth (sim/bodies/cloth/cloth_load.hpp). Chains yield in the solution, and bear the
+/// whole force in the next frame.
 struct CoupledSupport {
   BodyId body;
-  std::vector<Vec3d> rest;                  // vertices of its surface without cuts, patient frame [m]
-  std::vector<int> carrier;                 // of each: a lattice's slot, or the body's vertex
-  std::vector<Int3> triangles;              // of the surface
-  std::vector<contact::VertexForce> force;  // on the body in the next frame, by carrier [N]
-  double stiffness = 0;                     // with which the other bodies resist its motion [N/m]
-  SweptNodes nodes;                         // of a lattice (organs/swept.hpp)
-  double free_mass = 0;                     // of a lattice that nothing fixes, else 0 [kg]
+  std::vector<Vec3d> rest;                   // vertices of its surface without cuts, patient frame [m]
+  std::vector<int> carrier;                  // of each: a lattice's slot, or the body's vertex
+  std::vector<Int3> triangles;               // of the surface
+  std::vector<contact::VertexForce> force;   // on the body in the next frame, by carrier [N]
+  std::vector<contact::VertexForce> solved;  // of chains: the same for forces to which they yielded [N]
+  double stiffness = 0;                      // with which the other bodies resist its motion [N/m]
+  SweptNodes nodes;                          // of a lattice (organs/swept.hpp)
+  double free_mass = 0;                      // of a lattice that nothing fixes, else 0 [kg]
 };
 
 struct Coupling {

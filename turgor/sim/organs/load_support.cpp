@@ -13,7 +13,8 @@ namespace {
 
 /// Surface of a lattice or of chains for attachments and contacts.
 CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
-  CoupledSupport support{.body = id, .rest = {}, .carrier = {}, .triangles = {}, .force = {}, .nodes = {}};
+  CoupledSupport support{
+      .body = id, .rest = {}, .carrier = {}, .triangles = {}, .force = {}, .solved = {}, .nodes = {}};
   if (id.kind == BodyKind::kLattice) {
     LatticeBody& body = world.lattice_bodies[std::size_t(id.index)];
     refresh_surface(exec, body);

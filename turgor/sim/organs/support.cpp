@@ -38,14 +38,14 @@ int vertex_of(const BodyContact& contact, int index) {
   return 0;
 }
 
-/// Compliance of the sites of a contact; 0 without supports [m/N].
+/// Compliance of the sites of a contact; 0 without a lattice [m/N].
 double site_softness(const World& world, const BodyContact& contact) {
-  if (contact.swept >= 0) return 0;
-  const CoupledSupport* support = support_at(world, contact.body[0]);
-  const int index = support ? contact.body[0] : contact.body[1];
-  if (!support) support = support_at(world, index);
-  if (!support || contact.sites.empty()) return 0;
-  return node_softness(world, *support, vertex_of(contact, index));
+  if (contact.swept >= 0 || contact.sites.empty()) return 0;
+  for (const int index : contact.body)
+    if (const CoupledSupport* support = support_at(world, index);
+        support && support->body.kind == BodyKind::kLattice)
+      return node_softness(world, *support, vertex_of(contact, index));
+  return 0;
 }
 
 /// Moves a site by the compliance times a force. Sites that roll move over the surfaces, so that only their
@@ -74,7 +74,7 @@ double resisting_stiffness(const World& world, int index, const std::vector<cont
   return work > 0 ? dot(force, force) / work : 0;
 }
 
-/// Stiffness of everything that a support touches and holds.
+/// Stiffness of everything that a lattice touches and holds.
 double stiffness_around(const World& world, int index) {
   double sum = 0;
   for (const Attachment& attachment : world.coupling.attachments) {
@@ -150,12 +150,14 @@ void load_supports(World& world, std::span<const contact::Tie> ties,
   for (std::size_t n = 0; n < coupling.supports.size(); n++) {
     CoupledSupport& support = coupling.supports[n];
     const int index = first_support(world) + int(n);
-    support.force = contact::forces_on(index, ties, sites);
-    const std::vector<contact::VertexForce> swept = swept_forces_on(world, index);
-    support.force.insert(support.force.end(), swept.begin(), swept.end());
+    const bool yields = support.body.kind == BodyKind::kRhombus;
+    std::vector<contact::VertexForce> solved = contact::forces_on(index, ties, sites);
+    support.force = swept_forces_on(world, index);
+    if (!yields) support.force.insert(support.force.begin(), solved.begin(), solved.end());
     for (contact::VertexForce& force : support.force)
       force.vertex = support.carrier[std::size_t(force.vertex)];
-    support.stiffness = stiffness_around(world, index);
+    support.solved = yields ? std::move(solved) : std::vector<contact::VertexForce>();
+    support.stiffness = yields ? swept_stiffness_on(world, index) : stiffness_around(world, index);
   }
 }
 

@@ -159,7 +159,7 @@ void add_force_at(const contact::SurfacePoint& point, Vec3d force, int index,
 int swept_side(const World& world, BodyId body, const std::optional<BodyId>& other) {
   const auto yields = [](BodyId id) { return id.kind == BodyKind::kSfem || id.kind == BodyKind::kRigid; };
   if (yields(body) || (other && yields(*other))) return -1;
-  if (body.kind != BodyKind::kLattice) return 1;
+  if (body.kind != BodyKind::kLattice) return other && other->kind == BodyKind::kLattice ? 1 : -1;
   if (!other || other->kind != BodyKind::kLattice) return 0;
   const auto is_free = [&](BodyId id) {
     return swept_support(world, coupled_index(world, id)).free_mass > 0;

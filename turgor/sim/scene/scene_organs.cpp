@@ -94,24 +94,17 @@ void read_ground(SceneTable& table, bool is_used, BodyContactScene& contact) {
       if (table.has(key)) table.fail(key, "only contact with \"ground\" has a plane");
 }
 
-bool yields(BodyKind kind) { return kind == BodyKind::kSfem || kind == BodyKind::kRigid; }
-/// True if the solver of the body can bear contacts and attachments, or yields to them.
-bool can_solve(BodyKind kind) { return yields(kind) || kind == BodyKind::kLattice; }
-
-/// Refuses two bodies of which none can solve for the forces between them.
-void check_pair(SceneTable& table, const std::vector<std::string>& names, BodyId body,
-                const std::optional<BodyId>& other) {
-  if (names.empty() || can_solve(body.kind) || (other && can_solve(other->kind))) return;
-  const toml::node& node = *table.find("between");
-  const std::string second = other ? "a " + std::string(model_name(other->kind)) : "the ground";
-  table.fail_value("between", node,
-                   fmt::format("at least one body with model = \"sfem\", \"rigid\" or \"lattice\"; a {} and "
-                               "{} cannot be coupled yet",
-                               model_name(body.kind), second));
-}
-
 bool is_fixed_body(const Scene& scene, const std::optional<BodyId>& id) {
   return !id || (id->kind == BodyKind::kRigid && scene.rigid_bodies[std::size_t(id->index)].is_fixed);
+}
+
+/// Refuses contact with a fixed rigid body where the other one cannot bear it.
+void check_fixed(SceneTable& table, const Scene& scene, BodyId body, const std::optional<BodyId>& other) {
+  const bool is_fixed[] = {is_fixed_body(scene, body), is_fixed_body(scene, other)};
+  if (is_fixed[0] && is_fixed[1]) return table.fail("between", "neither of the two can move");
+  if (!other || !(is_fixed[0] || is_fixed[1])) return;
+  if (body.kind == BodyKind::kLattice || other->kind == BodyKind::kLattice)
+    table.fail("between", "a fixed rigid body cannot touch a lattice yet");
 }
 
 }  // namespace
@@ -122,15 +115,12 @@ AttachmentScene read_attachment(SceneTable table, const std::string& name, const
   table.begin_group("attachment");
   // bodies
   const std::vector<std::string> names =
-      read_between(table,
-                   "the names of two bodies, at least one of them with `model = \"sfem\"`, `\"rigid\"` or "
-                   "`\"lattice\"`, or of one of these and `\"ground\"`");
+      read_between(table, "the names of two bodies, none of them cloth, or of one and `\"ground\"`");
   if (!names.empty()) {
     const toml::node& node = *table.find("between");
     const std::size_t first = names[0] == kGround ? 1 : 0;
     made.body = find_body(table, node, names[first], scene).value_or(BodyId{});
     if (names[1 - first] != kGround) made.other = find_body(table, node, names[1 - first], scene);
-    check_pair(table, names, made.body, made.other);
   }
   // tied points
   table.read(
@@ -168,23 +158,17 @@ BodyContactScene read_body_contact(SceneTable table, const std::string& name, co
   BodyContactScene made{
       .name = name, .source_location = table.location(), .body = {}, .other = {}, .through = {}};
   table.begin_group("contact");
-  const std::vector<std::string> names =
-      read_between(table,
-                   "the names of two bodies, at least one of them with `model = \"sfem\"`, `\"rigid\"` or "
-                   "`\"lattice\"`, or of one of these and `\"ground\"`; cloth touches the bodies that are "
-                   "its obstacles instead");
+  const std::vector<std::string> names = read_between(
+      table,
+      "the names of two bodies, or of one and `\"ground\"`; cloth touches the bodies that are its "
+      "obstacles instead");
   if (!names.empty()) {
     const toml::node& node = *table.find("between");
     const std::size_t first = names[0] == kGround ? 1 : 0;
     const std::optional<BodyId> body = find_body(table, node, names[first], scene);
     made.body = body.value_or(BodyId{});
     if (names[1 - first] != kGround) made.other = find_body(table, node, names[1 - first], scene);
-    if (body && is_fixed_body(scene, body) && is_fixed_body(scene, made.other))
-      table.fail("between", "neither of the two can move");
-    check_pair(table, names, made.body, made.other);
-    if (body && made.other && (is_fixed_body(scene, body) || is_fixed_body(scene, made.other)) &&
-        !(yields(made.body.kind) && yields(made.other->kind)))
-      table.fail("between", "a fixed rigid body cannot touch a lattice or chains yet");
+    if (body) check_fixed(table, scene, made.body, made.other);
   }
   const bool is_ground = !names.empty() && (names[0] == kGround || names[1] == kGround);
   read_ground(table, is_ground, made);

@@ -22,8 +22,10 @@ struct ClothLoad {
 
 /// Forces of all cloth on a body in a frame, and of attachments and bodies on a lattice or chains.
 struct ClothForces {
-  std::vector<contact::VertexForce> force;  // on its vertices, unordered
-  double mass = 0;                          // of all cloth in contact with it [kg]
+  std::vector<contact::VertexForce> force;   // on its vertices, unordered
+  std::vector<contact::VertexForce> solved;  // on chains: forces of attachments and bodies to which they have
+                                             // yielded already, not to be relaxed
+  double mass = 0;                           // of all cloth in contact with it [kg]
   double stiffness = 0;  // of attachments and touching bodies that push back when it yields [N/m]
 };
 

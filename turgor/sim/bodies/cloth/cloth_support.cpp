@@ -117,6 +117,7 @@ ClothForces cloth_forces_on(const World& world, BodyId body) {
   for (const CoupledSupport& support : world.coupling.supports) {
     if (support.body != body) continue;
     forces.force.insert(forces.force.end(), support.force.begin(), support.force.end());
+    forces.solved = support.solved;
     forces.stiffness += support.stiffness;
   }
   return forces;

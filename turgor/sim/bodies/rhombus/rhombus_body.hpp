@@ -60,7 +60,10 @@ Status begin_body(const Exec& exec, RhombusBody& body, const RhombusScene& scene
 /// Runs the ticks of a frame, then updates the surface.
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input,
                FrameReport& report);
-/// Applies forces of cloth, from the next frame on.
+/// Present displacement of the vertices without that by these forces of other bodies [m].
+std::vector<Vec3d> displacement_without(const Exec& exec, const RhombusBody& body,
+                                        std::span<const contact::VertexForce> forces);
+/// Applies forces of cloth and of other bodies, from the next frame on.
 void press_body(const Exec& exec, RhombusBody& body, const ClothForces& push, double dt);
 std::uint64_t state_hash(const RhombusBody& body, std::uint64_t seed);
 /// Runs the ticks between two times [s]; a tick ends at every multiple of kTick. Includes
