@@ -199,9 +199,9 @@ Vec3d free_separation(std::span<const CoupledBody> bodies, const PairSite& site)
 
 }  // namespace
 
-CoupledSystem make_system(const Exec& exec, std::span<const CoupledBody> bodies, std::span<const Tie> ties,
-                          std::span<const PairSite> sites) {
-  CoupledSystem system;
+void fill_system(const Exec& exec, std::span<const CoupledBody> bodies, std::span<const Tie> ties,
+                 std::span<const PairSite> sites, CoupledSystem& system) {
+  system.tie.clear(), system.free.clear();
   std::vector<Carriers> carriers;
   // ties, then sites
   for (std::size_t t = 0; t < ties.size(); t++) {
@@ -240,7 +240,6 @@ CoupledSystem make_system(const Exec& exec, std::span<const CoupledBody> bodies,
       },
       4);
   set_softness(bodies, sites, system);
-  return system;
 }
 
 Vec3d displacement_of(const SurfacePoint& point, std::span<const Vec3d> displacement) {

@@ -208,11 +208,21 @@ bool break_one(std::span<Tie> ties) {
 
 CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bodies, std::span<Tie> ties,
                               std::span<PairSite> sites) {
+  CouplingStorage storage;
+  return solve_coupling(exec, bodies, ties, sites, storage);
+}
+
+CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bodies, std::span<Tie> ties,
+                              std::span<PairSite> sites, CouplingStorage& storage) {
+  // room for a few more, since sites come and go
+  if (const int count = int(ties.size() + sites.size()); count > storage.capacity) {
+    storage.capacity = count + count / 8;
+    storage.problem = make_frictional_contact_problem(storage.capacity);
+  }
   CouplingReport report;
-  FrictionalContactProblem problem = make_frictional_contact_problem(int(ties.size() + sites.size()));
   for (;;) {
-    const CoupledSystem system = make_system(exec, bodies, ties, sites);
-    report.converged = solve_set(exec, system, ties, sites, problem, report.solves);
+    fill_system(exec, bodies, ties, sites, storage.system);
+    report.converged = solve_set(exec, storage.system, ties, sites, storage.problem, report.solves);
     if (report.broken == kMostBreaks || !break_one(ties)) break;
     report.broken++;
   }

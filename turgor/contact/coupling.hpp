@@ -104,8 +104,13 @@ Vec3d free_displacement(std::span<const CoupledBody> bodies, const SurfacePoint&
 /// Change of a tie's x(a) − x(b) from its value at rest, without forces of the coupling [m].
 Vec3d free_stretch(std::span<const CoupledBody> bodies, const Tie& tie);
 
+struct CouplingStorage;  // coupled_system.hpp
+
 /// Solves for the forces of all ties and sites. Ties whose force exceeds their strength break, the most
 /// overloaded one first. The same bits on any number of threads.
+CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bodies, std::span<Tie> ties,
+                              std::span<PairSite> sites, CouplingStorage& storage);
+/// The same with storage of its own.
 CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bodies, std::span<Tie> ties,
                               std::span<PairSite> sites);
 

@@ -219,7 +219,7 @@ void transfer(File& file, BodyContact& contact) {
 }
 template <class File>
 void transfer_coupling(File& file, Coupling& coupling) {
-  auto& [supports, attachments, contacts, frames, unsolved] = coupling;
+  auto& [supports, attachments, contacts, frames, unsolved, storage] = coupling;
   for (CoupledSupport& support : supports)
     transfer_all(file, support.force, support.solved, support.stiffness);
   for (Attachment& attachment : attachments) transfer(file, attachment);

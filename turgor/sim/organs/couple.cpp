@@ -120,7 +120,8 @@ contact::CouplingReport solve_all(const Exec& exec, const std::vector<contact::C
     ties.insert(ties.end(), some_ties.begin(), some_ties.end());
     sites.insert(sites.end(), some_sites.begin(), some_sites.end());
   });
-  const contact::CouplingReport report = contact::solve_coupling(exec, bodies, ties, sites);
+  const contact::CouplingReport report =
+      contact::solve_coupling(exec, bodies, ties, sites, world.coupling.storage);
   auto tie = ties.begin();
   auto site = sites.begin();
   for_each_list(world, [&](auto& some_ties, auto& some_sites) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "turgor/contact/coupled_system.hpp"
 #include "turgor/contact/pair_sites.hpp"
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
@@ -82,7 +83,8 @@ struct Coupling {
   std::vector<CoupledSupport> supports;
   std::vector<Attachment> attachments;
   std::vector<BodyContact> contacts;
-  int frames = 0, unsolved = 0;  // frames whose forces did not converge
+  int frames = 0, unsolved = 0;      // frames whose forces did not converge
+  contact::CouplingStorage storage;  // of the solution of a frame
 };
 
 inline bool is_empty(const Coupling& coupling) {

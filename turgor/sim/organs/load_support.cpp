@@ -63,8 +63,8 @@ std::vector<Vec3d> support_displacement(const World& world, const CoupledSupport
   if (support.body.kind == BodyKind::kLattice) {
     const LatticeBody& body = world.lattice_bodies[index];
     const Mat3d& axes = body.model.anatomy.grid.axes;
-    for (const int slot : support.carrier)
-      displacement.push_back(axes * Vec3d(body.state->motion.u[std::size_t(slot)]));
+    const lattice::Motion& motion = body.state->motion;
+    for (const int slot : support.carrier) displacement.push_back(axes * Vec3d(motion.u[std::size_t(slot)]));
   } else {
     const rhombus::State& state = world.rhombus_bodies[index].state;
     for (const int v : support.carrier) displacement.push_back(state.displacement[std::size_t(v)]);

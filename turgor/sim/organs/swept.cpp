@@ -37,11 +37,12 @@ Vec3d motion_ahead(const World& world, const contact::SurfacePoint& point) {
   const CoupledSupport& support = swept_support(world, point.body);
   if (support.body.kind != BodyKind::kLattice) return {};
   const LatticeBody& body = lattice_of(world, support);
+  const lattice::Motion& motion = body.state->motion;
   Vec3d velocity;
   for (int corner = 0; corner < 3; corner++)
     if (const int v = point.vertex[corner]; v >= 0) {
       const int slot = support.carrier[std::size_t(v)];
-      velocity += Vec3d(body.state->motion.v[std::size_t(slot)]) * point.weight[corner];
+      velocity += Vec3d(motion.v[std::size_t(slot)]) * point.weight[corner];
     }
   return patient_axes(body) * (velocity * world.dt);
 }
@@ -71,9 +72,10 @@ SweptPair swept_pair(const World& world, const BodyContact& contact) {
 /// Present positions of the nodes of a lattice that can touch.
 std::vector<Vec3d> positions_of_nodes(const World& world, const CoupledSupport& support) {
   const LatticeBody& body = lattice_of(world, support);
+  const lattice::Motion& motion = body.state->motion;
   std::vector<Vec3d> x = support.nodes.rest;
   for (std::size_t n = 0; n < x.size(); n++)
-    x[n] += patient_axes(body) * Vec3d(body.state->motion.u[std::size_t(support.nodes.slot[n])]);
+    x[n] += patient_axes(body) * Vec3d(motion.u[std::size_t(support.nodes.slot[n])]);
   return x;
 }
 
@@ -249,6 +251,7 @@ void SweptSprings::finish(const lattice::Motion& motion) {
 
 SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body) {
   const Mat3d to_lattice = transposed(patient_axes(body));
+  const lattice::Motion& motion = body.state->motion;
   for (BodyContact& contact : world.coupling.contacts) {
     if (contact.swept < 0 || !is_swept_by(world, body, contact.body[std::size_t(contact.swept)])) continue;
     const CoupledSupport& own = swept_pair(world, contact).own;
@@ -256,7 +259,7 @@ SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body
     for (contact::PairSite& site : contact.sites) {
       // the other body has moved by `ahead` when the step ends
       const int slot = own.nodes.slot[std::size_t(site.node)];
-      const Vec3d u(body.state->motion.u[std::size_t(slot)]);
+      const Vec3d u(motion.u[std::size_t(slot)]);
       own_.push_back({.slot = slot,
                       .normal = Vec3(to_lattice * site.normal),
                       .target = Vec3(u + to_lattice * (site.ahead - site.normal * site.distance)),
