@@ -25,6 +25,7 @@ constexpr double kBeside = 1e-3;        // by which the normal of a crossing may
 struct SharpEdge {
   int from = 0, to = 0;  // vertices, along the first triangle
   Vec3d left, right;     // unit normals of the triangle that has the edge in this direction, and of the other
+  int left_triangle = 0, right_triangle = 0;
 };
 
 Vec3d triangle_normal(const PairSurface& surface, Int3 t) {
@@ -67,7 +68,8 @@ std::vector<SharpEdge> sharp_edges(const PairSurface& surface, const Box& within
     const Vec3d nb = triangle_normal(surface, surface.triangles[std::size_t(b.triangle)]);
     const Vec3d across = surface.x[std::size_t(b.opposite)] - surface.x[std::size_t(b.low)];
     if (dot(na, nb) > kSharpCosine || dot(na, across) > 0) continue;
-    edges.push_back(a.rises ? SharpEdge{a.low, a.high, na, nb} : SharpEdge{a.low, a.high, nb, na});
+    edges.push_back(a.rises ? SharpEdge{a.low, a.high, na, nb, a.triangle, b.triangle}
+                            : SharpEdge{a.low, a.high, nb, na, b.triangle, a.triangle});
   }
   return edges;
 }
@@ -102,6 +104,34 @@ std::optional<Crossing> crossing_of(const PairSurface& first, const SharpEdge& a
   const double t = dot(cross(d, ea), n) / dot(cross(ea, eb), n);
   if (std::min(s, t) < kFromEnd || std::max(s, t) > 1 - kFromEnd) return {};
   return Crossing{s, t, n, dot(pa + ea * s - pb - eb * t, n)};
+}
+
+/// Distance that is kept at a crossing: less where the same edges of two deformable bodies crossed nearer at
+/// rest, or overlapped there.
+double kept_at_crossing(const std::array<PairSurface, 2>& surfaces, const SharpEdge& a, const SharpEdge& b,
+                        double gap) {
+  if (surfaces[0].rest_height.empty() || surfaces[1].rest_height.empty()) return gap;
+  std::array<PairSurface, 2> rest = surfaces;
+  for (PairSurface& surface : rest) surface.x = surface.rest;
+  const auto at_rest = [](const PairSurface& surface, SharpEdge edge) {
+    edge.left = triangle_normal(surface, surface.triangles[std::size_t(edge.left_triangle)]);
+    edge.right = triangle_normal(surface, surface.triangles[std::size_t(edge.right_triangle)]);
+    return edge;
+  };
+  const std::optional<Crossing> crossing =
+      crossing_of(rest[0], at_rest(rest[0], a), rest[1], at_rest(rest[1], b));
+  return crossing ? std::min(gap, crossing->height) : gap;
+}
+
+/// Depth below which two edges are taken to cross elsewhere; tissue is thinner than its mesh's largest edges.
+double deepest_at_crossing(const std::array<PairSurface, 2>& surfaces, const SharpEdge& a, const SharpEdge& b,
+                           double deepest) {
+  constexpr double kOfShorter = 0.5;  // edge
+  if (surfaces[0].rest_height.empty() || surfaces[1].rest_height.empty()) return deepest;
+  const auto length = [](const PairSurface& surface, const SharpEdge& edge) {
+    return norm(surface.x[std::size_t(edge.to)] - surface.x[std::size_t(edge.from)]);
+  };
+  return std::min(deepest, kOfShorter * std::min(length(surfaces[0], a), length(surfaces[1], b)));
 }
 
 SurfacePoint edge_point(const PairSurface& surface, const SharpEdge& edge, double along) {
@@ -143,14 +173,15 @@ std::vector<PairSite> find_edge_sites(const std::array<PairSurface, 2>& surfaces
   for (const SharpEdge& a : of_first)
     for (const SharpEdge& b : of_second) {
       const std::optional<Crossing> crossing = crossing_of(first, a, second, b);
-      if (!crossing || crossing->height - params.gap > params.reach || crossing->height < -params.deepest)
-        continue;
+      if (!crossing || crossing->height < -deepest_at_crossing(surfaces, a, b, params.deepest)) continue;
+      const double kept = kept_at_crossing(surfaces, a, b, params.gap);
+      if (crossing->height - kept > params.reach) continue;
       PairSite site{.a = edge_point(first, a, crossing->s),
                     .b = edge_point(second, b, crossing->t),
                     .anchor = {},
                     .slip = crossing->normal * crossing->height,
                     .normal = crossing->normal,
-                    .distance = crossing->height - params.gap,
+                    .distance = crossing->height - kept,
                     .found = crossing->normal * crossing->height,
                     .friction = params.friction,
                     .force = {}};

@@ -274,11 +274,9 @@ PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& su
   const std::size_t first_count = sites.size();
   add_sites(exec, second, first, params, sites);
   remove_doubles(surfaces, std::min(first.edge, second.edge), first_count, sites);
-  // sharp edges; those of two deformable bodies may cross at rest
-  if (surfaces[0].rest_height.empty() || surfaces[1].rest_height.empty()) {
-    const std::vector<PairSite> crossings = find_edge_sites(surfaces, params, last);
-    sites.insert(sites.end(), crossings.begin(), crossings.end());
-  }
+  // sharp edges
+  const std::vector<PairSite> crossings = find_edge_sites(surfaces, params, last);
+  sites.insert(sites.end(), crossings.begin(), crossings.end());
   return chosen_sites(std::move(sites), params, last);
 }
 

@@ -1,6 +1,6 @@
 // Sites between two deformed surfaces: vertices of one that are near the other, and the reverse. A vertex
 // meets the nearest point of the other surface. Where vertices of both surfaces meet, one site is made. Sharp
-// edges that cross meet where a rigid body takes part (edge_sites.cpp). Balls and capsules touch exactly, by
+// edges that cross meet (edge_sites.cpp). Balls and capsules touch exactly, by
 // their segment and radius (round_sites.cpp).
 #pragma once
 

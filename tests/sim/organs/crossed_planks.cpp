@@ -1,4 +1,4 @@
-// Rigid bodies that touch with their edges only: planks across each other.
+// Bodies that touch with their edges only: planks across each other.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -57,6 +57,24 @@ TEST(CrossedPlanks, Slope_SlidesAboveFrictionAngle) {
     std::printf("tan = %.1f mu: %.4f m/s² of %.4f, %.3g m/s\n", factor, acceleration, expected, before);
     EXPECT_NEAR(acceleration, expected, 0.02 * 9.81 * std::sin(angle));
   }
+}
+
+// Planks of finite elements, none of whose vertices is inside the other one: the crossings of their edges
+// bear the weight.
+TEST(CrossedPlanks, TissuePlank_RestsOnOther) {
+  const Exec exec(2);
+  World world = organs_world(
+      exec,
+      "[world]\nduration = 20\ngravity = [0, 0, -9.81]\n" +
+          test::block_text("low", "[-0.3, -0.02, -0.01]", "[0.6, 0.04, 0.02]", "[5, 1, 1]", "bottom", 1e6) +
+          test::block_text("high", "[-0.26, -0.097, 0.0105]", "[0.04, 0.2, 0.02]", "[1, 3, 1]", "none", 1e6) +
+          "density = 1000\n[contact.cross]\nbetween = [\"high\", \"low\"]\nfriction = 0.3\n");
+  advance(exec, world, 120);
+  const double weight = 0.16 * 9.81;
+  const CouplingSample& sample = world.coupling.contacts[0].samples.back();
+  std::printf("%.5f N of %.5f N on %d sites\n", sample.force.z, weight, sample.bearing);
+  EXPECT_LT(norm(sample.force - Vec3d{0, 0, weight}), 1e-3 * weight);
+  EXPECT_EQ(world.coupling.unsolved, 0);
 }
 
 }  // namespace
