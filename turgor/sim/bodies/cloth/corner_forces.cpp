@@ -28,9 +28,8 @@ void add_to_corners(const LatticeBody& body, const contact::VertexForce& on_vert
   const auto slots = int(body.model.anatomy.inverse_mass.size());
   for (std::size_t c = 0; c < 8; c++) {
     if (weight[c] == 0) continue;
-    const int slot = corner[c] < slots
-                         ? corner[c]
-                         : surface.fragments->virtual_nodes[std::size_t(corner[c] - slots)].slot;
+    const int slot =
+        corner[c] < slots ? corner[c] : surface.fragments->virtual_nodes[std::size_t(corner[c] - slots)].slot;
     forces.push_back(
         {has_node(body.model, slot) ? slot : surface.slot[vertex], on_vertex.force * double(weight[c])});
   }
