@@ -30,10 +30,11 @@ StitchRequest stitch_with(std::optional<double> tension) {
 std::string numbers(Vec3d p) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", p.x, p.y, p.z); }
 
 /// The block with its cut, and keys after it.
-Scene block_with(const fs::path& folder, const std::string& keys, double duration = 2) {
+Scene block_with(const fs::path& folder, const std::string& keys, double duration = 2, bool partial = false) {
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   Result<Scene> scene = parse_scene(test::block_scene_text("block.nii") + keys, folder / "block.toml",
-                                    {fmt::format("world.duration={}", duration)});
+                                    {fmt::format("world.duration={}", duration),
+                                     fmt::format("body.block.tissue.partial_cells={}", partial)});
   EXPECT_TRUE(scene) << scene.error().message;
   return *scene;
 }
@@ -71,9 +72,9 @@ TEST(LiveStitch, HasBitsOfStitchInScene) {
 }
 
 // A stitch is pulled further: its force follows the goal and the law of the thread, and the wound closes.
-TEST(LiveStitch, IsTightened) {
+void expect_tightened(bool partial) {
   const fs::path folder = test::fresh_folder();
-  auto scene = std::make_shared<const Scene>(block_with(folder, ""));
+  auto scene = std::make_shared<const Scene>(block_with(folder, "", 2, partial));
   World world = test::block_world(kAlone, *scene);
   step_frames(world, 25);
   ASSERT_TRUE(apply_request(kAlone, stitch_with(0.15), scene, world));
@@ -100,6 +101,8 @@ TEST(LiveStitch, IsTightened) {
   step_frames(world, 60);
   EXPECT_LT(hand_stitches(*scene, world)[0].gape, 3e-4) << "m";
 }
+TEST(LiveStitch, IsTightened) { expect_tightened(false); }
+TEST(LiveStitch, IsTightenedInPartialCells) { expect_tightened(true); }
 
 // Without the stitch the wound opens again, as far as one that was never stitched.
 TEST(LiveStitch, RemovedStitchOpensWound) {
