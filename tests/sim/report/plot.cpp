@@ -53,6 +53,31 @@ TEST(Plot, BandsAreNamedOnce) {
   EXPECT_EQ(std::count(words.begin(), words.end(), "over nodule"), 1);
 }
 
+// A region is a closed path within the axes, which hold it, and has an entry in the legend.
+TEST(Plot, RegionLiesWithinAxes) {
+  Plot plot = two_curves();
+  plot.region = {"band", {{0, -2, 1}, {5, 1, 3}, {std::nan(""), 0, 1}, {10, 3, 9}}};
+  const pugi::xml_document document = parsed(plot_svg(plot));
+  const pugi::xml_node area = document.child("svg").find_child_by_attribute("rect", "class", "plot-area");
+  std::vector<std::string> paths;
+  for (const pugi::xml_node path : document.child("svg").children("path"))
+    if (std::string(path.attribute("class").value()) == "plot-band")
+      paths.push_back(path.attribute("d").value());
+  ASSERT_EQ(paths.size(), 2u) << "the mark of the legend and the region";
+  std::istringstream in(paths[1]);
+  const double top = area.attribute("y").as_double(), height = area.attribute("height").as_double();
+  int count = 0;
+  for (std::string point; std::getline(in, point, 'L'); count++) {
+    const double y = std::strtod(point.c_str() + point.find(' '), nullptr);
+    EXPECT_GE(y, top - 0.1);
+    EXPECT_LE(y, top + height + 0.1);
+  }
+  EXPECT_EQ(count, 6) << "three points of each border";
+  EXPECT_EQ(paths[1].back(), 'Z');
+  const std::vector<std::string> words = texts(document);
+  EXPECT_EQ(std::count(words.begin(), words.end(), "band"), 1);
+}
+
 // Titles, labels and ticks are text of at least eleven pixels.
 TEST(Plot, TextIsAtLeastElevenPixels) {
   const pugi::xml_document document = parsed(plot_svg(two_curves()));

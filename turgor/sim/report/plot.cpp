@@ -186,6 +186,33 @@ std::string draw_bands(const Axes& axes, const std::vector<Band>& bands) {
   return svg;
 }
 
+/// Points of a region that can be drawn on a linear axis: its lower and its upper border.
+struct RegionBorders {
+  Points low, high;
+};
+RegionBorders region_borders(const Plot& plot) {
+  RegionBorders borders;
+  if (plot.logarithmic) return borders;
+  for (const ShadedRegion::Point& point : plot.region.points) {
+    borders.low.emplace_back(point.x, point.low), borders.high.emplace_back(point.x, point.high);
+    if (drawable({borders.low.back(), borders.high.back()}, false).size() == 2) continue;
+    borders.low.pop_back(), borders.high.pop_back();
+  }
+  return borders;
+}
+
+/// Along the lower border and back along the upper one.
+std::string draw_region(const Axes& axes, const RegionBorders& borders) {
+  std::string path;
+  const auto add = [&](const auto& point) {
+    path +=
+        fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", axes.px(point.first), axes.py(point.second));
+  };
+  std::for_each(borders.low.begin(), borders.low.end(), add);
+  std::for_each(borders.high.rbegin(), borders.high.rend(), add);
+  return path.empty() ? "" : fmt::format("<path class=\"plot-band\" d=\"{}Z\"/>\n", path);
+}
+
 std::string draw_curve(const Axes& axes, const Points& points, const std::string& label, const char* color) {
   constexpr std::size_t kMostDots = 40;
   // path through the thinned points, with dots on short curves
@@ -209,26 +236,35 @@ struct Legend {
   std::string svg;
   double bottom;  // [pixels]
 };
-Legend draw_legend(const std::vector<Curve>& curves, const std::vector<Points>& points, double top) {
+Legend draw_legend(const Plot& plot, const std::vector<Points>& points, bool has_region, double top) {
   // layout in pixels; the letter width is an estimate
   constexpr double kLetter = 0.58 * kFont, kSwatch = 30, kGap = 18;
   Legend legend{"", top};
   double x = kLeft;
-  TURGOR_CHECK(curves.size() == points.size(), "every curve has points");
-  for (std::size_t c = 0; c < curves.size(); c++) {
-    if (points[c].empty()) continue;
+  // swatch(x, y): left end and middle of an entry's mark
+  const auto add = [&](const std::string& text, const auto& swatch) {
     // width of the entry; UTF-8 continuation bytes do not count as letters
-    const std::string label = short_label(curves[c].label);
+    const std::string label = short_label(text);
     const auto letters = std::count_if(label.begin(), label.end(), [](char l) { return (l & 0xc0) != 0x80; });
     const double width = kSwatch + kLetter * double(letters);
     // wrap to the next line
     if (x > kLeft && x + width > kWidth - kRight) x = kLeft, legend.bottom += kLine;
-    // swatch and label
-    legend.svg += fmt::format("<path d=\"M{:.1f} {:.1f}h22\" stroke=\"{}\" stroke-width=\"3\"/>\n", x,
-                              legend.bottom + kLine - 9, kColors[c % std::size(kColors)]) +
-                  text_at(x + kSwatch, legend.bottom + kLine - 4, "", label);
+    legend.svg +=
+        swatch(x, legend.bottom + kLine - 9) + text_at(x + kSwatch, legend.bottom + kLine - 4, "", label);
     x += width + kGap;
+  };
+  TURGOR_CHECK(plot.curves.size() == points.size(), "every curve has points");
+  for (std::size_t c = 0; c < plot.curves.size(); c++) {
+    if (points[c].empty()) continue;
+    add(plot.curves[c].label, [&](double left, double middle) {
+      return fmt::format("<path d=\"M{:.1f} {:.1f}h22\" stroke=\"{}\" stroke-width=\"3\"/>\n", left, middle,
+                         kColors[c % std::size(kColors)]);
+    });
   }
+  if (has_region)
+    add(plot.region.label, [](double left, double middle) {
+      return fmt::format("<path class=\"plot-band\" d=\"M{:.1f} {:.1f}h22v12h-22Z\"/>\n", left, middle - 6);
+    });
   legend.bottom += kLine;
   return legend;
 }
@@ -252,13 +288,17 @@ std::string plot_svg(const Plot& plot) {
   for (const Curve& curve : plot.curves) curves.push_back(drawable(curve.points, plot.logarithmic));
   if (std::all_of(curves.begin(), curves.end(), [](const Points& points) { return points.empty(); }))
     return "";
-  // layout: legend above the axes
-  const Legend legend = draw_legend(plot.curves, curves, 1.5 * kLine);
-  const Axes axes = make_axes(curves, plot.logarithmic, legend.bottom + 0.5 * kLine);
-  // frame: title, legend, bands, axes
+  // layout: legend above the axes, which hold the curves and the region
+  const RegionBorders borders = region_borders(plot);
+  const Legend legend = draw_legend(plot, curves, !borders.low.empty(), 1.5 * kLine);
+  std::vector<Points> all = curves;
+  all.push_back(borders.low), all.push_back(borders.high);
+  const Axes axes = make_axes(all, plot.logarithmic, legend.bottom + 0.5 * kLine);
+  // frame: title, legend, bands, region, axes
   std::string svg = fmt::format(kPlotHead, kWidth, axes.bottom() + kBottom, kFont, xml_text(plot.title)) +
                     text_at(kLeft, kLine, "font-weight=\"600\"", plot.title) + legend.svg +
-                    draw_bands(axes, plot.bands) + draw_axes(axes, plot) + draw_area(axes);
+                    draw_bands(axes, plot.bands) + draw_region(axes, borders) + draw_axes(axes, plot) +
+                    draw_area(axes);
   // curves
   for (std::size_t c = 0; c < curves.size(); c++)
     if (!curves[c].empty())

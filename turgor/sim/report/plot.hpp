@@ -17,11 +17,20 @@ struct Band {
   std::string label;
   double from = 0, to = 0;
 };
+/// Shaded region between two curves over the same x, behind all curves.
+struct ShadedRegion {
+  std::string label;
+  struct Point {
+    double x, low, high;
+  };
+  std::vector<Point> points;
+};
 struct Plot {
   std::string title, x_label, y_label;  // labels with units
   std::vector<Curve> curves;
   bool logarithmic = false;  // the y axis
   std::vector<Band> bands = {};
+  ShadedRegion region = {};  // on linear axes; without points none
 };
 
 /// An <svg> element for light and dark pages; empty without points. Labels are escaped.
