@@ -102,12 +102,16 @@ double compressed_bar(const Exec& exec, double young) {
 }  // namespace
 
 void add_cantilever(const Exec& exec, bool quick, MeasuredResult& result) {
-  MeasuredCurve curve{
-      "cantilever.svg", "A strip bent by its own weight", "Γ = ρ g L³ / D", "height over width", {}};
+  // the curve spans four decades in both axes, so errors are drawn
+  MeasuredCurve curve{"cantilever.svg",
+                      "A strip bent by its own weight",
+                      "log₁₀ Γ, Γ = ρ g L³ / D",
+                      "error of height over width [%]",
+                      {}};
   for (std::size_t n = 0; n < std::size(kMaster); n += quick ? 3 : 1) {
     const auto [gamma, measured] = kMaster[n];
     const double predicted = bent_sheet(exec, gamma, quick ? 40 : 80);
-    curve.points.push_back({gamma, measured, 0.02 * measured, predicted});
+    curve.points.push_back({std::log10(gamma), 0, 2, 100 * (predicted / measured - 1)});
     result.rows.push_back(
         band_row(fmt::format("strip under its weight, Γ = {:.4g}: height over width", gamma),
                  "Romero et al. 2021", "1", measured, 0.02 * measured, predicted));

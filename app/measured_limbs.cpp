@@ -124,8 +124,8 @@ LimbStrains pressed_limb(const Exec& exec, const LimbSite& site, LimbModuli modu
 
 void add_strain(const LimbSite& site, const std::string& name, const LimbStrains& strains,
                 MeasuredResult& result) {
-  result.rows.push_back({fmt::format("limb, {}: strain under a flat probe at {} kPa", name, site.pressure),
-                         kLimbSource, "1", site.median, site.low, site.high, strains.whole});
+  result.rows.push_back({fmt::format("limb, {}: strain at {} kPa", name, site.pressure), kLimbSource, "1",
+                         site.median, site.low, site.high, strains.whole});
 }
 
 void add_limb(const Exec& exec, const LimbSite& site, LimbModuli moduli, bool is_fitted,

@@ -1,7 +1,8 @@
 // Muscle under unconfined compression: ramp to 30 % and hold, along and across the fibers (Van Loocke et
 // al.). The exponential law is also that of a body: a block of lattice cells between plates without friction.
 // Laws at a point of the material, fitted at 1 %/s, predict 0.5 %/s. Three elastic stresses are relaxed by
-// three Prony pairs: the linear one, which sfem bodies have, the exponential and the Ogden one.
+// three Prony pairs: the linear one, which sfem bodies have, the exponential and the Ogden one. A fit of both
+// rates shows the least error of the exponential one.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +22,8 @@ namespace turgor {
 namespace {
 
 constexpr const char* kMuscleSource = "Van Loocke et al.";
-constexpr double kFinal = 0.3;  // compression that is held [1]
+constexpr double kFinal = 0.3;                 // compression that is held [1]
+constexpr double kFast = 0.01, kSlow = 0.005;  // rates of the ramps [1/s]
 
 struct StressPoint {
   double time, stress;  // [s], compressive Cauchy stress [kPa]
@@ -65,20 +67,26 @@ struct ElasticStress {
   }
 };
 
+/// Curve that was measured with a ramp of this rate.
+struct RatedCurve {
+  double rate;  // [1/s]
+  std::span<const StressPoint> points;
+};
+
 /// Cauchy stress at the points' times: the elastic part, then that of each relaxation time with share 1.
 ///   H ← a H + γ (S_new − S_old),  a = exp(−h/τ),  γ = (1 − a) τ/h
 std::vector<std::vector<double>> stress_columns(const ElasticStress& law,
-                                                const std::array<double, kMostPronyPairs>& times, double rate,
-                                                std::span<const StressPoint> points) {
+                                                const std::array<double, kMostPronyPairs>& times,
+                                                const RatedCurve& curve) {
   constexpr double kStep = 0.05;  // [s]
   std::vector<std::vector<double>> columns(1 + times.size());
   std::array<double, kMostPronyPairs> history{};
   double time = 0, elastic = 0, stretch = 1;
-  for (const StressPoint& point : points) {
+  for (const StressPoint& point : curve.points) {
     while (time < point.time) {
       const double h = std::min(kStep, point.time - time);
       time += h;
-      stretch = 1 - std::min(rate * time, kFinal);
+      stretch = 1 - std::min(curve.rate * time, kFinal);
       const double next = law(stretch);
       for (std::size_t i = 0; i < times.size(); i++) {
         const double a = std::exp(-h / times[i]);
@@ -99,9 +107,20 @@ struct FittedMuscle {
   std::vector<double> moduli;                   // static one, then one per time [kPa]
 };
 
-FittedMuscle fit_muscle(MuscleLaw law, double rate, std::span<const StressPoint> points) {
+/// Values of a law that fit one or more curves together.
+FittedMuscle fit_muscle(MuscleLaw law, std::span<const RatedCurve> curves) {
   std::vector<double> measured;
-  for (const StressPoint& point : points) measured.push_back(point.stress);
+  for (const RatedCurve& curve : curves)
+    for (const StressPoint& point : curve.points) measured.push_back(point.stress);
+  // columns of all curves, one curve after the other
+  const auto columns_of = [&](const FittedMuscle& made) {
+    std::vector<std::vector<double>> all(1 + made.times.size());
+    for (const RatedCurve& curve : curves) {
+      const std::vector<std::vector<double>> one = stress_columns(made.law, made.times, curve);
+      for (std::size_t j = 0; j < all.size(); j++) all[j].insert(all[j].end(), one[j].begin(), one[j].end());
+    }
+    return all;
+  };
   // b and the logarithms of the times enter nonlinearly, the moduli linearly
   const auto of = [&](const std::vector<double>& x) {
     FittedMuscle made{{law, x[3]}, {std::exp(x[0]), std::exp(x[1]), std::exp(x[2])}, {}};
@@ -111,7 +130,7 @@ FittedMuscle fit_muscle(MuscleLaw law, double rate, std::span<const StressPoint>
     if (std::abs(x[3]) > 20 || *std::max_element(x.begin(), x.begin() + 3) > 8) return 1e9;
     if (law == MuscleLaw::kOgden && std::abs(x[3]) < 1) return 1e9;
     const FittedMuscle made = of(x);
-    return fit_non_negative(stress_columns(made.law, made.times, rate, points), measured).squared_error;
+    return fit_non_negative(columns_of(made), measured).squared_error;
   };
   const auto fit_from = [&](double b) {
     return minimize(error, {std::log(2.0), std::log(20.0), std::log(200.0), b}, 0.5, 400);
@@ -121,14 +140,13 @@ FittedMuscle fit_muscle(MuscleLaw law, double rate, std::span<const StressPoint>
   if (law == MuscleLaw::kOgden)
     if (const std::vector<double> other = fit_from(8); error(other) < error(best)) best = other;
   FittedMuscle fitted = of(best);
-  fitted.moduli =
-      fit_non_negative(stress_columns(fitted.law, fitted.times, rate, points), measured).coefficients;
+  fitted.moduli = fit_non_negative(columns_of(fitted), measured).coefficients;
   return fitted;
 }
 
-std::vector<double> predict(const FittedMuscle& muscle, double rate, std::span<const StressPoint> points) {
-  const std::vector<std::vector<double>> columns = stress_columns(muscle.law, muscle.times, rate, points);
-  std::vector<double> stress(points.size(), 0);
+std::vector<double> predict(const FittedMuscle& muscle, const RatedCurve& curve) {
+  const std::vector<std::vector<double>> columns = stress_columns(muscle.law, muscle.times, curve);
+  std::vector<double> stress(curve.points.size(), 0);
   for (std::size_t j = 0; j < columns.size(); j++)
     for (std::size_t n = 0; n < stress.size(); n++) stress[n] += muscle.moduli[j] * columns[j][n];
   return stress;
@@ -137,14 +155,15 @@ std::vector<double> predict(const FittedMuscle& muscle, double rate, std::span<c
 /// Rows and the curve of one direction and law: fitted at 1 %/s, predicted at 0.5 %/s.
 void add_direction(const char* direction, MuscleLaw form, std::span<const StressPoint> fast,
                    std::span<const StressPoint> slow, MeasuredResult& result) {
-  const FittedMuscle muscle = fit_muscle(form, 0.01, fast);
-  const std::vector<double> predicted = predict(muscle, 0.005, slow);
+  const RatedCurve fitted[] = {{kFast, fast}};
+  const FittedMuscle muscle = fit_muscle(form, fitted);
+  const std::vector<double> predicted = predict(muscle, {kSlow, slow});
   const char* law = kMuscleLawNames[std::size_t(form)];
   // curve with a band of 5 % of the peak
   double peak = 0;
   for (const StressPoint& point : slow) peak = std::max(peak, point.stress);
   MeasuredCurve curve{fmt::format("muscle-{}-{}.svg", direction, kMuscleLawFiles[std::size_t(form)]),
-                      fmt::format("Muscle {} the fibers at 0.5 %/s, {} law, three pairs", direction, law),
+                      fmt::format("Muscle {} the fibers, 0.5 %/s, {} law", direction, law),
                       "time [s]",
                       "stress [kPa]",
                       {}};
@@ -158,6 +177,27 @@ void add_direction(const char* direction, MuscleLaw form, std::span<const Stress
   result.rows.push_back(band_row(name + "end of the hold", kMuscleSource, "kPa", slow.back().stress,
                                  0.05 * peak, predicted.back()));
   result.rows.push_back({name + "rms over the peak", kMuscleSource, "1", 0, 0, 0.05, relative_rms(curve)});
+  result.curves.push_back(std::move(curve));
+}
+
+/// The slow curve under values that fit both rates together: the least that this law and its pairs can miss.
+void add_least_error(const char* direction, std::span<const StressPoint> fast,
+                     std::span<const StressPoint> slow, MeasuredResult& result) {
+  const RatedCurve both[] = {{kFast, fast}, {kSlow, slow}};
+  const FittedMuscle muscle = fit_muscle(MuscleLaw::kExponential, both);
+  const std::vector<double> found = predict(muscle, both[1]);
+  MeasuredCurve curve{fmt::format("muscle-{}-both-rates.svg", direction),
+                      fmt::format("Muscle {} the fibers, 0.5 %/s, fitted to both rates", direction),
+                      "time [s]",
+                      "stress [kPa]",
+                      {}};
+  double peak = 0;
+  for (const StressPoint& point : slow) peak = std::max(peak, point.stress);
+  for (std::size_t n = 0; n < slow.size(); n++)
+    curve.points.push_back({slow[n].time, slow[n].stress, 0.05 * peak, found[n]});
+  result.rows.push_back(
+      {fmt::format("muscle {} the fibers, fitted to both rates: rms over the peak", direction), kMuscleSource,
+       "1", 0, 0, 0.05, relative_rms(curve)});
   result.curves.push_back(std::move(curve));
 }
 
@@ -225,12 +265,13 @@ std::vector<double> press_block(const Exec& exec, const lattice::Model& model, d
 /// Rows and the curve of a block with the values that were fitted at 1 %/s, compressed at 0.5 %/s.
 void add_block(const Exec& exec, const char* direction, std::span<const StressPoint> fast,
                std::span<const StressPoint> slow, MeasuredResult& result) {
-  const FittedMuscle muscle = fit_muscle(MuscleLaw::kExponential, 0.01, fast);
-  const std::vector<double> predicted = press_block(exec, muscle_block(muscle), 0.005, slow);
+  const RatedCurve fitted[] = {{kFast, fast}};
+  const FittedMuscle muscle = fit_muscle(MuscleLaw::kExponential, fitted);
+  const std::vector<double> predicted = press_block(exec, muscle_block(muscle), kSlow, slow);
   double peak = 0;
   for (const StressPoint& point : slow) peak = std::max(peak, point.stress);
   MeasuredCurve curve{fmt::format("muscle-{}-body.svg", direction),
-                      fmt::format("Muscle {} the fibers at 0.5 %/s, block of exponential cells", direction),
+                      fmt::format("Muscle {} the fibers, 0.5 %/s, exponential cells", direction),
                       "time [s]",
                       "stress [kPa]",
                       {}};
@@ -253,6 +294,8 @@ void add_muscle(MeasuredResult& result) {
     add_direction("along", law, kAlongFast, kAlongSlow, result);
     add_direction("across", law, kAcrossFast, kAcrossSlow, result);
   }
+  add_least_error("along", kAlongFast, kAlongSlow, result);
+  add_least_error("across", kAcrossFast, kAcrossSlow, result);
 }
 
 }  // namespace turgor

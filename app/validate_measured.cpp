@@ -1,5 +1,7 @@
 #include "app/validate_measured.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
@@ -12,13 +14,19 @@ namespace turgor {
 
 namespace {
 
+std::string band_text(const MeasuredRow& row) { return fmt::format("[{:.4g} to {:.4g}]", row.low, row.high); }
+
 void print_rows(const std::vector<MeasuredRow>& rows) {
-  print_plain("  {:<66} {:>10} {:>24} {:>11} {:<4} {}\n", "quantity", "measured", "[band]", "predicted", "",
-              "inside?");
+  // columns as wide as their longest entries
+  std::size_t name = 0, band = 0;
   for (const MeasuredRow& row : rows)
-    print_plain("  {:<66} {:>10.4g} {:>24} {:>11.4g} {:<4} {}\n", row.name, row.measured,
-                fmt::format("[{:.4g} to {:.4g}]", row.low, row.high), row.predicted,
-                row.unit == "1" ? "" : row.unit, is_inside(row) ? "yes" : "NO");
+    name = std::max(name, row.name.size()), band = std::max(band, band_text(row).size());
+  print_plain("  {:<{}} {:>10} {:>{}} {:>11} {:<4} {}\n", "quantity", name, "measured", "[band]", band,
+              "predicted", "", "inside?");
+  for (const MeasuredRow& row : rows)
+    print_plain("  {:<{}} {:>10.4g} {:>{}} {:>11.4g} {:<4} {}\n", row.name, name, row.measured,
+                band_text(row), band, row.predicted, row.unit == "1" ? "" : row.unit,
+                is_inside(row) ? "yes" : "NO");
 }
 
 nlohmann::ordered_json json_of(const std::vector<MeasuredRow>& rows) {
@@ -35,15 +43,14 @@ nlohmann::ordered_json json_of(const std::vector<MeasuredRow>& rows) {
   return json;
 }
 
-/// The band's two borders, the measured and the predicted curve.
+/// Measured and predicted curve over the shaded band.
 Plot plot_of(const MeasuredCurve& curve) {
-  Plot plot{curve.title,
-            curve.x_label,
-            curve.y_label,
-            {{"band, low", {}}, {"band, high", {}}, {"measured", {}}, {"predicted", {}}}};
+  Plot plot{curve.title, curve.x_label, curve.y_label, {{"measured", {}}, {"predicted", {}}}};
+  plot.region.label = "band";
   for (const auto& [x, measured, half, predicted] : curve.points) {
-    const double values[] = {measured - half, measured + half, measured, predicted};
-    for (std::size_t n = 0; n < plot.curves.size(); n++) plot.curves[n].points.emplace_back(x, values[n]);
+    plot.curves[0].points.emplace_back(x, measured);
+    plot.curves[1].points.emplace_back(x, predicted);
+    plot.region.points.push_back({x, measured - half, measured + half});
   }
   return plot;
 }
