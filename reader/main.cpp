@@ -1,4 +1,4 @@
-// turgor-read: opens a file with HDF5 or GDCM for the library, with limits and without rights
+// turgor-read: opens a file with HDF5 or GDCM for the library, in a sandbox
 // (turgor/io/files/reader_protocol.hpp). It is started by turgor, not by people.
 #include <cstdio>
 #include <cstdlib>

@@ -227,8 +227,8 @@ TEST(LatticeNeedle, ThreadsKeepBits) {
   EXPECT_EQ(hash[0], hash[2]);
 }
 
-// Haptic ticks: at the frame's pose the frame's force; pushed on it stays at the force that cuts, pulled back
-// it turns to friction the other way, and the tick returns no energy.
+// A haptic tick at the frame's pose has the frame's force. Pushed further, the force stays at that which
+// cuts. Pulled back, it falls to friction against the hand. The ticks return no energy.
 TEST(LatticeNeedle, TicksStayBetweenFrictionAndCutting) {
   NeedleBlock block = firm_block();
   const Needle needle{.toughness = 60, .entry_toughness = 90, .friction = 3, .spreading = 0};

@@ -166,7 +166,7 @@ void release_needle(LatticeNeedle& state) {
 void begin_needle_step(const NeedleSurroundings& around, const Needle& needle, const Pose& to,
                        LatticeNeedle& state) {
   embed_tracks(around, state);
-  // poses without a way from the last one
+  // an invalid pose, or one far from the last
   const bool is_usable = is_valid(to);
   if (!is_usable || !state.seen || norm(to.position - state.pose.position) > kNeedleJump) {
     release_needle(state);

@@ -58,13 +58,13 @@ void cut_to_tip(const NeedleTick& tick, double ahead);
 /// Length of the track behind the tip, from the present positions; negative: the tip is in front of the entry
 /// [m].
 double inserted_length(const NeedleTick& tick);
-/// Surface point that the tip has passed between two positions.
+/// First surface point that the tip has passed between two positions.
 struct SurfaceHit {
   sfem::InnerPoint at;
   Vec3d rest, now;      // positions at rest and now [m]
-  double fraction = 2;  // of the way; above 1 = none
+  double fraction = 2;  // of the distance; above 1 = none
 };
-SurfaceHit hit_on_way(const NeedleTick& tick, Vec3d from, Vec3d to);
+SurfaceHit first_surface_hit(const NeedleTick& tick, Vec3d from, Vec3d to);
 /// Track whose entry is within a needle's radius of a position; -1 = none.
 int track_entered_at(const NeedleTick& tick, Vec3d position);
 

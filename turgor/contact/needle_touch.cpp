@@ -39,7 +39,7 @@ void solve_shaft(const NeedleTick& tick, double tearing) {
 void enter(const NeedleTick& tick) {
   NeedleState& state = tick.state;
   const SurfaceHit hit =
-      hit_on_way(tick, state.pose.position + state.pose.axes.column[2] * kSurface, tick.pose.position);
+      first_surface_hit(tick, state.pose.position + state.pose.axes.column[2] * kSurface, tick.pose.position);
   if (hit.fraction > 1) return;
   state.inserted = 0;
   if (const int old = track_entered_at(tick, hit.now); old >= 0) {
@@ -154,7 +154,7 @@ ToolReading tick_needle(const sfem::InnerGreen& inner, const Needle& needle, std
                "a needle is in a body with a stiffness");
   const NeedleTick tick{inner, needle, free, pose, stiffness, state};
   const bool is_usable = is_valid(pose) && !inner.elements.empty();
-  // poses without a way from the last one
+  // an invalid pose, or one far from the last
   if (!is_usable || !state.seen || norm(pose.position - state.pose.position) > kNeedleJump) {
     leave(state);
     state.force = state.torque = state.step = {}, state.reading = {}, state.seen = is_usable;

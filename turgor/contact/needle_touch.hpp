@@ -5,15 +5,19 @@
 //
 //     x = b + C (λ + s)                                  s: load of the spread crack at the tip
 //     (xᵢ + Dᵢ λᵢ − p) across t = 0                       the shaft is straight (bilateral)
-//     (xᵢ + Dᵢ λᵢ − p)·t = ηᵢ  while |λᵢ·t| < f ℓᵢ         sticks; else it slips at |λᵢ·t| = f ℓᵢ, and ηᵢ
-//     follows 0 ≤ F = λ₀·t ≤ J w,  (x₀ − p)·t ≥ 0                 the tip; at F = J w the crack grows: G = F
-//     dl / (w dl) = J
+//     (xᵢ + Dᵢ λᵢ − p)·t = ηᵢ  while |λᵢ·t| < f ℓᵢ         the point sticks
+//     |λᵢ·t| = f ℓᵢ            otherwise                  it slips, and ηᵢ follows
+//     0 ≤ F = λ₀·t ≤ J w,  (x₀ − p)·t ≥ 0                 the tip
+//     F dl = J w dl                                       the crack grows at F = J w
 //
-// All of it is the minimum of a convex function of λ in a box, found by block Gauss–Seidel with the exact
-// solution of each point. The mesh cannot resolve the needle: Dᵢ = ln(r₀/a)/(2π G ℓᵢ) along and (3 − 4ν)
-// ln(r₀/a)/(8π G (1 − ν) ℓᵢ) across is the displacement between the radius a of the needle and the radius r₀
-// of a line force that the mesh resolves, as at a well in a reservoir. [Mahvash, Dupont 2010; Barnett 2015;
-// Peaceman 1978]
+// These conditions describe the minimum of a convex function of λ in a box. Block Gauss–Seidel with the exact
+// solution of each point finds it. The mesh cannot resolve the needle. Between the radius a of the needle and
+// the radius r₀ of a line force that the mesh resolves, the displacement is that of a well in a reservoir:
+//
+//     Dᵢ = ln(r₀/a)/(2π G ℓᵢ)                              along
+//     Dᵢ = (3 − 4ν) ln(r₀/a)/(8π G (1 − ν) ℓᵢ)             across
+//
+// [Mahvash, Dupont 2010; Barnett 2015; Peaceman 1978]
 //
 // Before it enters, the tip is the end of a track of length 0 that tears at the surface's own toughness. In
 // an old track nothing tears. Work of the hand = cutting + friction + spreading + elastic energy.

@@ -130,7 +130,7 @@ double inserted_length(const NeedleTick& tick) {
   return inserted_length(tick.track(), [&](std::size_t i) { return dot(position(tick.state, i) - p, t); });
 }
 
-SurfaceHit hit_on_way(const NeedleTick& tick, Vec3d from, Vec3d to) {
+SurfaceHit first_surface_hit(const NeedleTick& tick, Vec3d from, Vec3d to) {
   SurfaceHit hit;
   constexpr double kEdge = 1e-9;  // a tip on an edge or a vertex meets one of its triangles
   const Vec3d d = to - from;

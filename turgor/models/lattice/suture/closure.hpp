@@ -131,7 +131,7 @@ double closing_force(const WoundClosure& closure, const Motion& motion);
 /// Appends the springs of a closure: those of the stitches that bear, then those of the walls. Without such
 /// a stitch there are none.
 void append_springs(const WoundClosure& closure, std::vector<PointSpring>& springs);
-/// Updates the multipliers of a closure, and its springs, from the present positions.
+/// Updates tensions and wall forces, and the springs that apply them, from the present positions.
 void update_springs(const Model& model, const Motion& motion, WoundClosure& closure,
                     std::span<PointSpring> springs);
 std::size_t spring_count(const WoundClosure& closure);
