@@ -69,7 +69,8 @@ std::string pair_body(const std::string& kind, bool is_upper, const fs::path& fo
   return "";
 }
 
-/// What a scene with an upper body of one kind and a lower one of another does, in the words of the tables.
+/// Scene with an upper body of one kind and a lower one of another, and its results in the words of the
+/// tables.
 struct PairScene {
   std::string upper, lower;
   fs::path folder = test::fresh_folder();
