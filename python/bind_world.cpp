@@ -8,6 +8,7 @@
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -168,6 +169,7 @@ nb::dict measures(const PyWorld& world) {
 }
 
 std::string report(const PyWorld& world) {
+  world.expect_untouched("report()");
   RunFacts facts;
   facts.warnings = notes_of(world.world());
   return json_text(simulation_report(world.exec(), world.scene(), world.world(), world.measures(), facts),
@@ -245,6 +247,17 @@ Array<double> tick_all(const std::vector<PyWorld*>& worlds, const Poses& poses,
   return shaped_array(std::move(forces), {worlds.size(), ticks, tools, 6});
 }
 
+/// Holds the interpreter lock, since a tick is shorter than a change of threads.
+std::pair<Array<double>, Array<double>> touch_tick(PyWorld& world, const Poses& poses,
+                                                   const std::optional<Holds>& hold) {
+  const std::size_t tools = poses.shape(1);
+  if (poses.shape(0) != 1) throw Refused("touch_tick: expected one tick");
+  check_poses(1, tools, world.scene().tools.size(), hold, 1);
+  std::vector<double> forces(tools * 6), used(tools * 7);
+  world.touch_tick(poses.data(), hold ? hold->data() : nullptr, forces.data(), used.data());
+  return {new_array(std::move(forces), 6), new_array(std::move(used), 7)};
+}
+
 void step_frames(PyWorld& world, int frames) {
   const PyWorld::Entered entered(world);
   const nb::gil_scoped_release others;
@@ -264,9 +277,16 @@ Array<double> tool_poses(const PyWorld& world) {
 
 void bind_ticks(nb::class_<PyWorld>& world, nb::module_& module) {
   world.def("_tick", &tick, "poses"_a, "hold"_a.none())
+      .def("begin_touch", &PyWorld::begin_touch,
+           "Starts ticks on a thread of their own: one thread calls touch_tick(), another one step(). Once "
+           "for "
+           "a world, before its first tick.")
+      .def("_touch_tick", &touch_tick, "poses"_a, "hold"_a.none())
+      .def("end_touch", &PyWorld::end_touch, "Ends them; no call of touch_tick() may be in progress.")
       .def_prop_ro(
           "is_ticked", [](const PyWorld& w) { return w.world(), w.is_driven(); },
-          "true after the first tick(); step() and drive() are refused then")
+          "true after the first tick() or begin_touch(); drive() is refused then, and step() but between "
+          "begin_touch() and end_touch()")
       .def_prop_ro("tool_poses", &tool_poses, nb::rv_policy::automatic,
                    "(tools, 7) present poses from the tools' paths: x, y, z [m] and a quaternion w, x, y, z");
   module.def("tick_all", &tick_all, "worlds"_a, "poses"_a, "hold"_a.none(), "threads"_a);
@@ -293,7 +313,11 @@ void bind_world(nb::module_& module) {
       .def_prop_ro(
           "duration", [](const PyWorld& w) { return w.scene().duration; }, "duration of the scene [s]")
       .def_prop_ro(
-          "state_hash", [](const PyWorld& w) { return hash_text(state_hash(w.world())); },
+          "state_hash",
+          [](const PyWorld& w) {
+            w.expect_untouched("state_hash");
+            return hash_text(state_hash(w.world()));
+          },
           "hash of all bodies and forces; equal hashes mean equal bits")
       .def_prop_ro("bodies", &bodies, "names of the bodies")
       .def_prop_ro(

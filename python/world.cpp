@@ -51,6 +51,14 @@ contact::ToolCommand command_of(const double* pose, bool hold, std::size_t tick,
   return {.pose = {{pose[0], pose[1], pose[2]}, axes_of(orientation)}, .hold = hold};
 }
 
+/// Six numbers of every reading: force [N] and torque [N·m].
+void put_readings(const std::vector<contact::ToolReading>& readings, double* forces) {
+  for (std::size_t t = 0; t < readings.size(); t++)
+    for (int axis = 0; axis < 3; axis++)
+      forces[6 * t + std::size_t(axis)] = readings[t].force[axis],
+                     forces[6 * t + 3 + std::size_t(axis)] = readings[t].torque[axis];
+}
+
 }  // namespace
 
 Status set_volumes(const GivenVolumes& given, Scene& scene) {
@@ -82,6 +90,7 @@ PyWorld::PyWorld(PyWorld& other, int threads)
       driven_(other.driven_),
       measures_(other.measures_),
       loaded_(other.loaded_) {
+  other.expect_untouched("a copy");
   const Entered entered(other);
   world_ = std::make_unique<World>(copy_of(*other.world_));
 }
@@ -92,7 +101,7 @@ void PyWorld::limit_logs() {
 }
 
 void PyWorld::step(int frames) {
-  if (driven_)
+  if (driven_ && !is_touched_)
     throw Refused("this world runs tick by tick: expected tick(), which includes frames, found step()");
   is_shown_ = false;
   for (int f = 0; f < frames; f++) {
@@ -102,20 +111,57 @@ void PyWorld::step(int frames) {
   }
 }
 
+void PyWorld::expect_untouched(const char* call) const {
+  if (is_touched_)
+    throw Refused(
+        fmt::format("expected {} before begin_touch() or after end_touch(), found it between", call));
+}
+
+void PyWorld::begin_touch() {
+  const Entered entered(*this);
+  if (driven_) throw Refused("begin_touch: expected a world without ticks, found one with earlier ticks");
+  commands_.resize(world_->tools.size()), readings_.resize(world_->tools.size());
+  driven_ = begin_driven(*world_), is_touched_ = was_touched_ = true;
+}
+
+void PyWorld::touch_tick(const double* poses, const bool* holds, double* forces, double* used) {
+  if (!is_touched_) throw Refused("touch_tick: expected an earlier begin_touch(), found none");
+  if (is_ticking_.exchange(true)) throw std::runtime_error("this world is being ticked by another thread");
+  const std::unique_ptr<std::atomic<bool>, void (*)(std::atomic<bool>*)> ticking(
+      &is_ticking_, [](std::atomic<bool>* flag) { *flag = false; });
+  // commands; frames do not change the paths
+  const double end = time_of(*driven_) + kTick;
+  for (std::size_t t = 0; t < commands_.size(); t++) {
+    const bool is_led = std::isfinite(poses[7 * t]);
+    commands_[t] =
+        is_led ? command_of(poses + 7 * t, holds && holds[t], 0, t) : command_at(world_->tools[t], end);
+    const PathRow row = path_of({{0, {.pose = commands_[t].pose}}}).rows[0];
+    for (int axis = 0; axis < 3; axis++) used[7 * t + std::size_t(axis)] = row.position[axis];
+    std::copy(row.orientation.begin(), row.orientation.end(), used + 7 * t + 3);
+  }
+  tick_tools(*world_, *driven_, commands_, readings_);
+  put_readings(readings_, forces);
+}
+
+void PyWorld::end_touch() {
+  const Entered entered(*this);
+  if (!is_touched_) throw Refused("end_touch: expected an earlier begin_touch(), found none");
+  if (is_ticking_) throw std::runtime_error("this world is being ticked by another thread");
+  end_driven(*world_), is_touched_ = false;
+}
+
 void PyWorld::tick(std::size_t ticks, const double* poses, const bool* holds, double* forces) {
   const std::size_t tools = world_->tools.size();
   commands_.resize(tools), readings_.resize(tools);
   is_shown_ = false;
+  expect_untouched("tick()");
+  if (was_touched_) throw Refused("tick: expected a world without begin_touch(), found one with it");
   if (!driven_) driven_ = begin_driven(*world_);
   for (std::size_t n = 0; n < ticks; n++) {
     for (std::size_t t = 0; t < tools; t++)
       commands_[t] = command_of(poses + 7 * (n * tools + t), holds && holds[n * tools + t], n, t);
     required(tick_driven(exec_, *world_, *driven_, commands_, readings_));
-    for (std::size_t t = 0; t < tools; t++)
-      for (int axis = 0; axis < 3; axis++) {
-        double* out = forces + 6 * (n * tools + t) + axis;
-        out[0] = readings_[t].force[axis], out[3] = readings_[t].torque[axis];
-      }
+    put_readings(readings_, forces + 6 * n * tools);
   }
 }
 
@@ -135,11 +181,13 @@ void PyWorld::tighten(const std::string& stitch, std::optional<double> tension, 
 }
 
 PyState PyWorld::state() {
+  expect_untouched("get_state()");
   const Entered entered(*this);
   return {scene_, state_of(*world_), driven_, measures_};
 }
 
 void PyWorld::set_state(const PyState& state) {
+  expect_untouched("set_state()");
   const Entered entered(*this);
   if (state.scene != scene_)
     throw Refused("expected a state of this world or of a copy of it, found one of another world");

@@ -53,6 +53,14 @@ class PyWorld {
   void tick(std::size_t ticks, const double* poses, const bool* holds, double* forces);
   bool is_driven() const { return driven_.has_value(); }
 
+  /// Ticks on one thread beside frames of step() on another one. A row of poses whose first number is not
+  /// finite is that of the tool's path. `forces` receives tools · 6 numbers as tick() does, `used` the poses.
+  void begin_touch();
+  void touch_tick(const double* poses, const bool* holds, double* forces, double* used);
+  void end_touch();
+  /// Throws Refused between begin_touch and end_touch.
+  void expect_untouched(const char* call) const;
+
   /// Cuts and stitches between two frames (sim/live/by_hand.hpp); the first two return names.
   std::string cut(const CutByHand& cut);
   std::string stitch(const StitchByHand& stitch);
@@ -98,6 +106,7 @@ class PyWorld {
   std::unique_ptr<World> world_;  // must not move: patches under construction refer to it
   bool keeps_forces_ = true;
   std::optional<DrivenTicks> driven_;
+  bool was_touched_ = false;  // by begin_touch, which ends ticks on this thread for good
   Measures measures_;
   LoadedWorld loaded_;  // for files of states
   std::vector<contact::ToolCommand> commands_;
@@ -105,6 +114,7 @@ class PyWorld {
   WorldSnapshot snapshot_;
   bool is_shown_ = false, has_writers_ = false;
   std::atomic<bool> busy_{false};
+  std::atomic<bool> is_touched_{false}, is_ticking_{false};  // see begin_touch
 };
 
 /// Ticks many worlds in parallel, one thread per world; all worlds have the same number of tools. Arrays are

@@ -178,9 +178,19 @@ class World:
         Moves a tool from its present position along rows of [t, x, y, z], linearly interpolated, with t [s] from now on. A fifth column grasps (1) or not (0), four more are the orientation (a quaternion w, x, y, z).
         """
 
+    def begin_touch(self) -> None:
+        """
+        Starts ticks on a thread of their own: one thread calls touch_tick(), another one step(). Once for a world, before its first tick.
+        """
+
+    def end_touch(self) -> None:
+        """Ends them; no call of touch_tick() may be in progress."""
+
     @property
     def is_ticked(self) -> bool:
-        """true after the first tick(); step() and drive() are refused then"""
+        """
+        true after the first tick() or begin_touch(); drive() is refused then, and step() but between begin_touch() and end_touch()
+        """
 
     @property
     def tool_poses(self) -> NDArray[numpy.float64]:

@@ -1,4 +1,6 @@
 """Worlds in real time, with tools that another program moves: the common part of turgor.openigtlink and turgor.ros2."""
+import sys
+import threading
 import time
 import tomllib
 
@@ -7,7 +9,8 @@ import numpy as np
 from ._turgor import Error
 
 TICK = 1e-3  # [s]
-MOST_TICKS = 50  # that one call makes up for; longer delays slow the world down
+MOST_TICKS = 50  # that are made up for; longer delays slow the world down
+SWITCH = TICK / 4  # longest turn of one thread in the interpreter while another one waits [s]
 
 
 def overrides(pairs):
@@ -84,46 +87,87 @@ class LiveWorld:
         pose[3:] /= length
         self.goal = pose
 
-    def _next_poses(self, count):
-        """(count, tools, 7): paths of the scene, and the led tool on a straight line to its goal."""
-        led, goal = self.poses[self.tool].copy(), self.goal
-        self.poses = self.world.tool_poses
-        poses = np.repeat(self.poses[None], count, axis=0)
+    def _led_poses(self, count):
+        """(count, 7): the led tool on a straight line to its goal. None without a goal."""
+        led, goal = self.poses[self.tool], self.goal
         if goal is None:
-            return poses
+            return None
         way = goal[:3] - led[:3]
         reach = np.minimum(self.fastest * TICK * np.arange(1, count + 1), np.linalg.norm(way))
-        poses[:, self.tool, :3] = led[:3] + np.outer(reach / max(np.linalg.norm(way), 1e-12), way)
-        poses[:, self.tool, 3:] = goal[3:]
-        self.poses[self.tool] = poses[-1, self.tool]
-        return poses
+        return np.column_stack([led[:3] + np.outer(reach / max(np.linalg.norm(way), 1e-12), way), np.tile(goal[3:], (count, 1))])
 
     def tick(self, count=1):
         """Computes ticks of 1 ms. Returns (count, tools, 6): force [N] and torque [N·m] on every tool."""
-        wrenches = self.world.tick(self._next_poses(count))
+        led, self.poses = self._led_poses(count), self.world.tool_poses
+        poses = np.repeat(self.poses[None], count, axis=0)
+        if led is not None:
+            poses[:, self.tool] = led
+            self.poses = poses[-1]
+        wrenches = self.world.tick(poses)
         self.ticks += count
         self.wrench = wrenches[-1]
         return wrenches
 
     def run(self, seconds=None, on_tick=None, on_frame=None):
-        """Follows the clock for `seconds`, or until `stops` is true.
+        """Follows the clock for `seconds`, or until `stops` is true. Ticks run on the calling thread, frames beside them on
+        another one, so that no tick waits for a frame. Once for a world, which has no ticks before.
 
-        on_tick(wrench): after every computation of the newest tick; (tools, 6). on_frame(): after every frame of the world.
+        on_tick(wrench): after every computation of the newest tick; (tools, 6). on_frame(): after every frame of the world,
+        on the thread of the frames.
         """
+        self.world.begin_touch()
+        ended, failures = threading.Event(), []
+        frames = threading.Thread(target=self._run_frames, args=(ended, failures, on_frame))
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(min(interval, SWITCH))
+        frames.start()
+        try:
+            self._run_ticks(seconds, failures, on_tick)
+        finally:
+            ended.set()
+            frames.join()
+            sys.setswitchinterval(interval)
+            self.world.end_touch()
+        if failures:
+            raise failures[0]
+
+    def _run_ticks(self, seconds, failures, on_tick):
         total = float("inf") if seconds is None else round(seconds / TICK)
-        begin, done, frame = time.monotonic(), 0, self.world.frame
-        while done < total and not self.stops:
+        begin, done = time.monotonic(), 0
+        while done < total and not self.stops and not failures:
             due = int(min((time.monotonic() - begin) / TICK, total)) - done
             if due <= 0:
                 time.sleep(max(begin + (done + 1) * TICK - time.monotonic(), 0))
                 continue
             if due > MOST_TICKS:
                 begin, due = begin + (due - MOST_TICKS) * TICK, MOST_TICKS
-            self.tick(due)
+            for _ in range(due):
+                poses, led = np.full_like(self.poses, np.nan), self._led_poses(1)
+                if led is not None:
+                    poses[self.tool] = led[0]
+                self.wrench, self.poses = self.world.touch_tick(poses)
+                self.ticks += 1
             done += due
             self.late += due - 1
             if on_tick:
                 on_tick(self.wrench)
-            if on_frame and self.world.frame != frame:
-                frame = self.world.frame
-                on_frame()
+
+    def _run_frames(self, ended, failures, on_frame):
+        """Frames that are due by the ticks. A delay of more than MOST_TICKS is not made up for."""
+        first, skipped = self.ticks, 0
+        begin = self.world.frame
+        try:
+            while True:
+                wait = (self.world.frame - begin + 1) * self.world.dt + (skipped - self.ticks + first) * TICK
+                if wait > TICK / 2:
+                    if ended.wait(wait):
+                        return
+                    continue
+                skipped += max(0, int(-wait / TICK) - MOST_TICKS)
+                self.world.step(1)
+                if on_frame:
+                    on_frame()
+                if ended.is_set():
+                    return
+        except BaseException as error:  # of this thread, raised again by run()
+            failures.append(error)

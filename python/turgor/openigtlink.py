@@ -126,7 +126,7 @@ class Bridge:
     """A server of OpenIGTLink for a world. Its programs connect and disconnect at any time.
 
     tool: the tool that is tracked, default the first. tracked: name of the received TRANSFORM; default: the tool's name.
-    image: a lattice body whose deformed CT is sent every `image_every` seconds. The world waits while it is computed.
+    image: a lattice body whose deformed CT is sent every `image_every` seconds. Frames wait while it is computed.
     host: other machines can connect only if this is an address of this machine, such as "0.0.0.0". OpenIGTLink has no
     passwords. port: 0 = any free one; `port` has its number.
     """

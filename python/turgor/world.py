@@ -155,6 +155,16 @@ class World(_turgor.World):
         poses = _poses("tick", poses, ("ticks", "tools", 7))
         return self._tick(poses, _holds(hold, poses.shape[:-1]))
 
+    def touch_tick(self, poses: ArrayLike, hold: Optional[ArrayLike] = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """One tick of one millisecond, between begin_touch() and end_touch(), while another thread may call step().
+
+        poses: (tools, 7), as for tick(); a row of NaN moves its tool along the path of the scene. hold: (tools,).
+        Returns forces and torques (tools, 6) and the poses (tools, 7). Never waits for a frame; the newest finished one counts.
+        """
+        poses = _poses("touch_tick", poses, ("tools", 7))
+        hold = None if hold is None else _holds(hold, poses.shape[:-1])[None]
+        return self._touch_tick(poses[None], hold)
+
     @property
     def is_led(self) -> bool:
         """Deprecated; use is_ticked."""

@@ -1,0 +1,92 @@
+"""Ticks on a thread beside frames: turgor.live and the calls of a world that it uses."""
+import threading
+import unittest
+
+import numpy as np
+
+import turgor
+from scenes import PAD
+from turgor.live import LiveWorld
+
+
+class Touch(unittest.TestCase):
+    # Ticks go on while a frame waits for them: neither thread waits for the other.
+    def test_ticks_do_not_wait_for_frames(self):
+        live = LiveWorld(turgor.World(text=PAD, keeps_forces=False))
+        went_on = threading.Event()
+        begun, seen = [], []
+
+        def on_frame():
+            if not begun:
+                begun.append(live.ticks)
+                seen.append(went_on.wait(60))
+                live.stops = True
+
+        def on_tick(wrench):
+            if begun and live.ticks >= begun[0] + 100:
+                went_on.set()
+
+        live.run(None, on_tick, on_frame)
+        self.assertEqual(seen, [True])
+        self.assertGreaterEqual(live.world.frame, 1)
+
+    # With the frames between the same ticks, forces have the bits of World.tick.
+    def test_touch_has_bits_of_tick(self):
+        poses = np.repeat([[[0.03, 0.03, 0.05, 1, 0, 0, 0]]], 120, axis=0)
+        poses[:, 0, 2] = np.linspace(0.05, 0.032, 120)
+        alone = turgor.World(text=PAD)
+        expected = alone.tick(poses)
+        world = turgor.World(text=PAD)
+        world.begin_touch()
+        found = []
+        for n, pose in enumerate(poses):
+            force, used = world.touch_tick(pose)
+            np.testing.assert_allclose(used, pose, atol=1e-12)
+            found.append(force)
+            while (world.frame + 1) * world.dt <= (n + 1) * 1e-3 + 1e-9:
+                world.step()
+        np.testing.assert_array_equal(np.array(found), expected)
+        self.assertGreater(expected[-1, 0, 2], 0.01)
+        world.end_touch()
+        np.testing.assert_array_equal(world["pad"].points, alone["pad"].points)
+
+    # A row of NaN moves its tool along the path of the scene.
+    def test_row_of_nan_follows_path(self):
+        world, other = turgor.World(text=PAD), turgor.World(text=PAD)
+        world.begin_touch()
+        for _ in range(80):
+            _, used = world.touch_tick(np.full((1, 7), np.nan))
+        other.step(4)
+        self.assertAlmostEqual(other.time, 0.08)
+        np.testing.assert_allclose(used, other.tool_poses, atol=1e-9)
+
+    def test_calls_in_wrong_order_are_refused(self):
+        world = turgor.World(text=PAD)
+        pose = world.tool_poses
+        for call in (lambda: world.touch_tick(pose), world.end_touch):
+            with self.assertRaisesRegex(turgor.Error, "expected an earlier begin_touch"):
+                call()
+        world.begin_touch()
+        for call in (world.get_state, world.copy, world.report, lambda: world.state_hash, lambda: world.tick(pose[None])):
+            with self.assertRaisesRegex(turgor.Error, "before begin_touch"):
+                call()
+        with self.assertRaisesRegex(turgor.Error, "found one with earlier ticks"):
+            world.begin_touch()
+        with self.assertRaisesRegex(ValueError, "touch_tick: expected poses"):
+            world.touch_tick(pose[0])
+        world.step()
+        world.end_touch()
+        with self.assertRaisesRegex(turgor.Error, "found one with it"):
+            world.tick(pose[None])
+
+    # What a frame raises ends the run and is raised by it.
+    def test_error_of_frame_is_raised(self):
+        def on_frame():
+            raise ZeroDivisionError("of a frame")
+
+        with self.assertRaisesRegex(ZeroDivisionError, "of a frame"):
+            LiveWorld(turgor.World(text=PAD, keeps_forces=False)).run(None, on_frame=on_frame)
+
+
+if __name__ == "__main__":
+    unittest.main()
