@@ -59,6 +59,9 @@ class Study:
             cases = self._cases(study.get("cases"))
             scene_text = text_of(self.scene)
             scene = tomllib.loads(scene_text)
+        except FileNotFoundError as error:
+            of_study = "" if str(error.filename) == str(self.file) else f"{self.file}: "
+            raise Error(f"{of_study}{error.filename}: does not exist") from error
         except (OSError, tomllib.TOMLDecodeError) as error:
             raise Error(f"{self.file}: {error}") from error
         except KeyError as error:

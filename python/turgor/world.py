@@ -190,7 +190,11 @@ class World(_turgor.World):
         Of a rigid body: time_s, center_m (of mass), rotation (from the start, quaternion w, x, y, z),
         velocity_m_per_s and spin_rad_per_s (of the middle of the frame)."""
         all = {of: Columns(columns) for of, columns in self._measures().items()}
-        return all if name is None else all[name]
+        if name is None:
+            return all
+        if name not in all:
+            raise KeyError(f"nothing that is measured has the name {name}; known are {', '.join(all) or 'none'}")
+        return all[name]
 
     def report(self) -> dict[str, Any]:
         """Present content of report.json for bodies, wounds and tools, as a dict. Keys include their units."""

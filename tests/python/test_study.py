@@ -134,6 +134,15 @@ class Studies(unittest.TestCase):
                 run_study(file, folder / "out", jobs=2)
             self.assertEqual(list((folder / "out/members").iterdir()), [])
 
+    # A study or a scene that does not exist is named.
+    def test_missing_files_are_named(self):
+        folder = folder_with()
+        with self.assertRaisesRegex(turgor.Error, r"^none\.toml: does not exist$"):
+            run_study("none.toml", folder / "out")
+        (folder / "pad.toml").unlink()
+        with self.assertRaisesRegex(turgor.Error, r"study\.toml: .*pad\.toml: does not exist$"):
+            run_study(folder / "study.toml", folder / "out")
+
     # Files of members that no member writes get a sentence with their name, and nothing waits for a pipe.
     def test_foreign_member_files_are_explained(self):
         folder = folder_with(young="{ values = [4e3] }")

@@ -88,6 +88,10 @@ class Types(unittest.TestCase):
                 call()
         with self.assertRaises(TypeError):
             world.step(1.5)
+        with self.assertRaisesRegex(KeyError, "has the name pad; known are none"):
+            world.measures("pad")
+        with self.assertRaisesRegex(KeyError, "has the name sheeet; known are sheet"):
+            turgor.World(text=CLOTH).measures("sheeet")
         self.assertEqual(turgor.World(text=CLOTH).frame, 0)
 
 
