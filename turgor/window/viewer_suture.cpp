@@ -61,8 +61,11 @@ void pull(Viewer& viewer, bool ends) {
   const double goal = std::clamp(*pulled.tension + kNewtons * moved, kLeastTension, kMostTension);
   const bool is_due = ends || Clock::now() > pulled.requested + kPause;
   if (!is_due || (pulled.goal && std::abs(goal - *pulled.goal) < 0.01)) return;
+  viewer.session.request(TightenRequest{.suture = stitch.suture,
+                                        .tension = goal,
+                                        .duration = kPullDuration,
+                                        .continues = pulled.goal.has_value()});
   pulled.goal = goal, pulled.requested = Clock::now();
-  viewer.session.request(TightenRequest{.suture = stitch.suture, .tension = goal, .duration = kPullDuration});
   viewer.stitches.tension = goal, viewer.stitches.until_closed = false;
   viewer.message = fmt::format("pulled to {:.2f} N", goal);
 }

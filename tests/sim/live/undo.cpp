@@ -169,6 +169,21 @@ TEST(Undo, QuickChangesOfOneKeyAreOneEdit) {
   EXPECT_EQ(undo_text(history), "a");
 }
 
+// All pulls of one drag are one edit, also of a drag that pauses. The next drag is another one.
+TEST(Undo, DragOfStitchIsOneEdit) {
+  EditHistory history;
+  const auto pull_later = [&](double tension, bool continues) {
+    history.latest -= std::chrono::seconds(10);
+    add_edit({TightenRequest{.tension = tension, .continues = continues}, TightenRequest{}}, history);
+  };
+  pull_later(0.3, false);
+  pull_later(0.5, true);
+  ASSERT_EQ(history.done.size(), 1u);
+  EXPECT_EQ(std::get<TightenRequest>(history.done[0].redo).tension, 0.5);
+  pull_later(0.6, false);
+  EXPECT_EQ(history.done.size(), 2u);
+}
+
 // Winds of one drag are one edit. Undo restores the scene's wind, redo blows again; a new world has neither.
 TEST(Undo, WindIsTakenBack) {
   const std::string text =

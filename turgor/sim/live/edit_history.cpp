@@ -49,8 +49,10 @@ std::string text_of(const std::vector<Edit>& edits) {
 void add_edit(Edit edit, EditHistory& history) {
   constexpr auto kOneEdit = std::chrono::milliseconds(1000);  // longest pause within one edit
   const Clock::time_point now = Clock::now();
-  const bool continues = !history.done.empty() && history.undone.empty() &&
-                         is_same_key(history.done.back(), edit) && now - history.latest < kOneEdit;
+  const auto* pull = std::get_if<TightenRequest>(&edit.redo);
+  const bool is_soon = now - history.latest < kOneEdit || (pull && pull->continues);
+  const bool continues =
+      !history.done.empty() && history.undone.empty() && is_same_key(history.done.back(), edit) && is_soon;
   history.undone.clear(), history.latest = now;
   if (continues) {
     history.done.back().redo = std::move(edit.redo);

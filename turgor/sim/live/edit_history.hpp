@@ -1,6 +1,6 @@
 // Cuts, stitches, winds and changes of a session that can be taken back and repeated. Changes of one key in
 // quick succession, as of a slider that is being moved, count as one; likewise winds on one cloth and pulls
-// of one stitch.
+// of one stitch. All pulls of one drag are one edit, however long it takes.
 #pragma once
 
 #include <chrono>

@@ -48,6 +48,7 @@ struct TightenRequest {
   int suture = 0;                 // index into World::sutures
   std::optional<double> tension;  // as StitchRequest::tension [N]
   double duration = 0.3;          // [s]
+  bool continues = false;         // the drag of the last request goes on: one edit with it
 };
 /// Removes the latest stitch that was made by a request.
 struct UndoStitchRequest {};
