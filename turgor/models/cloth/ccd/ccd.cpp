@@ -3,10 +3,9 @@
 #include <algorithm>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/core/disjoint_sets.hpp"
 #include "turgor/core/invariants.hpp"
-#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/surface_check.hpp"
+#include "turgor/models/cloth/ccd/ccd_zones.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
@@ -32,27 +31,6 @@ bool intersects_itself(const Exec& exec, const Model& model, ConstVectorsView x)
     if (!model.membrane.is_sliver(t)) mesh.triangles.push_back(model.triangles[t]);
   for (int v = 0; v < model.count; v++) mesh.vertices.push_back(x[std::size_t(v)]);
   return !crossing_triangles(exec, mesh).empty();
-}
-
-/// Joins colliding pairs to zones; a zone is identified by its smallest member.
-void join_zones(CcdWorkspace& ccd) {
-  auto &in_impact_zone = ccd.in_impact_zone, &zone = ccd.zone;
-  // vertices of all pairs
-  in_impact_zone.clear();
-  for (const CcdPair& m : ccd.ccd_pairs)
-    in_impact_zone.insert(in_impact_zone.end(), m.vertex.begin(), m.vertex.end());
-  sort_unique(in_impact_zone);
-  // union of the vertices of each pair
-  zone.resize(in_impact_zone.size());
-  for (std::size_t n = 0; n < zone.size(); n++) zone[n] = int(n);
-  const auto index = [&](int v) {
-    return int(std::lower_bound(in_impact_zone.begin(), in_impact_zone.end(), v) - in_impact_zone.begin());
-  };
-  for (const CcdPair& m : ccd.ccd_pairs)
-    for (std::size_t k = 1; k < 4; k++) join_sets(zone, index(m.vertex[0]), index(m.vertex[k]));
-  // representative of each vertex
-  for (std::size_t n = 0; n < zone.size(); n++) zone[n] = root_of(zone, int(n));
-  TURGOR_CHECK(all_indices(zone, zone.size()), "a zone is named by one of its vertices");
 }
 
 struct ZoneMotion {
@@ -117,13 +95,16 @@ int resolve_ccd(const Exec& exec, const Model& model, State& state) {
   ccd.ccd_pairs.clear(), ccd.in_impact_zone.clear(), ccd.zone.clear();
   set_displacements(exec, state, motion);
   std::vector<ZoneMotion> motions;
-  std::vector<int> changed;
+  std::vector<int> changed, joined;
   // impact zones grow until no new pair collides
   for (bool all = true;; all = false) {
-    measure_triangles(exec, model, state);
-    build_boxes(exec, model, state);
+    const std::size_t before = ccd.ccd_pairs.size();
+    if (!all) mark_changed(exec, model, changed, ccd);
+    measure_triangles(exec, model, state, !all);
+    build_boxes(exec, model, state, !all);
     if (!find_ccd_pairs(exec, model, state, all ? nullptr : &changed)) break;
-    join_zones(ccd);
+    joined.resize(std::size_t(model.count), -1);
+    join_zones(ccd, before, joined);
     motions = zone_motions(model, state, motion);
     changed = move_zones(ccd, motions, motion);
   }

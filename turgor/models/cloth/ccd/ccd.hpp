@@ -37,15 +37,19 @@ TURGOR_HD inline bool may_collide(const MotionBox& a, const MotionBox& b) {
 }
 
 /// Measures the motion of the triangles: CcdMotion::normal, longest2 and flatness from start and
-/// displacement.
-void measure_triangles(const Exec& exec, const Model& model, State& state);
+/// displacement. `changed`: only around vertices that CcdWorkspace::is_changed marks.
+void measure_triangles(const Exec& exec, const Model& model, State& state, bool changed = false);
 
-/// Builds the tree of motion boxes; measure_triangles must run first.
-void build_boxes(const Exec& exec, const Model& model, State& state);
+/// Builds the tree of motion boxes; measure_triangles must run first. `changed`: as there.
+void build_boxes(const Exec& exec, const Model& model, State& state, bool changed = false);
+
+/// Marks changed vertices and their neighbors in CcdWorkspace::is_changed. A primitive that collides with a
+/// changed vertex may be nearer to its neighbor.
+void mark_changed(const Exec& exec, const Model& model, const std::vector<int>& changed, CcdWorkspace& ccd);
 
 /// Appends colliding pairs to CcdWorkspace::ccd_pairs. `changed`: vertices whose displacement has changed
-/// since the last search; only they and their neighbors are tested. Null: all vertices are. False: there are
-/// no new pairs.
+/// since the last search; only they and their neighbors are tested (mark_changed). Null: all vertices are.
+/// False: there are no new pairs.
 bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, const std::vector<int>* changed);
 
 /// Changes a step from System::previous to State::x such that the cloth does not pass through itself. Returns

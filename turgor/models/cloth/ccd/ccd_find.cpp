@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <tuple>
 #include <unordered_map>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/ccd/ccd.hpp"
+#include "turgor/models/cloth/ccd/ccd_zones.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
@@ -16,10 +16,8 @@ namespace turgor::cloth {
 namespace {
 
 constexpr auto kLane = std::size_t(kLanes);
-constexpr std::size_t kLeaf = 2 * kLane;  // vertices in the smallest boxes
-constexpr std::size_t kChunkSize = 4;     // leaves of a chunk
-
-std::size_t leaves_of(const Model& model) { return (std::size_t(model.count) + kLeaf - 1) / kLeaf; }
+static_assert(kLeaf == 2 * kLane, "a leaf has two batches");
+constexpr std::size_t kChunkSize = 4;  // leaves of a chunk
 
 /// Motion box of sixteen vertices.
 MotionBox box_of_batch(const Model& model, const CcdMotion& motion, std::size_t begin) {
@@ -93,13 +91,11 @@ void gather_star(const Model& model, int v, Star& star) {
 /// Vertices that move together: those of present zones, and those of pairs found in this search (union-find).
 struct ZoneUnion {
   const CcdWorkspace& ccd;
-  std::unordered_map<int, int> parent;
+  const ZoneOfVertex& zone;
+  std::unordered_map<int, int> parent = {};
 
   int root(int v) const {
-    const auto& [in_impact_zone, zone] = std::tie(ccd.in_impact_zone, ccd.zone);
-    const auto at = std::lower_bound(in_impact_zone.begin(), in_impact_zone.end(), v);
-    if (at != in_impact_zone.end() && *at == v)
-      v = in_impact_zone[std::size_t(zone[std::size_t(at - in_impact_zone.begin())])];
+    if (!zone.empty() && zone[std::size_t(v)] >= 0) v = ccd.in_impact_zone[std::size_t(zone[std::size_t(v)])];
     for (auto next = parent.find(v); next != parent.end(); next = parent.find(v)) v = next->second;
     return v;
   }
@@ -119,8 +115,9 @@ struct FindCcdPairs {
   CcdMotion motion;
   double thickness;
   bool all;  // all pairs are visited
+  const ZoneOfVertex& zone;
   std::vector<CcdPair>& found;
-  ZoneUnion zones{state.ccd};
+  ZoneUnion zones{state.ccd, zone};
   LinearMotion linear{motion.start, motion.displacement, view(model.x_rest), thickness};
   Star mine{}, other{};
 
@@ -259,9 +256,11 @@ void visit_pairs(const Model& model, const CcdMotion& motion, std::size_t a, std
   }
 }
 
-/// Calls visit(b) for the leaves from `first` on whose boxes may collide with that of leaf a.
-template <class Visit>
-void visit_boxes(const CcdWorkspace& ccd, std::size_t a, std::size_t first, const Visit& visit) {
+/// Calls visit(b) for the leaves from `first` on whose boxes may collide with that of leaf a. `skip`: tells
+/// of a box whether it moves as one with leaf a.
+template <class Skip, class Visit>
+void visit_boxes(const CcdWorkspace& ccd, std::size_t a, std::size_t first, const Skip& skip,
+                 const Visit& visit) {
   struct Node {
     std::size_t level, index;
   };
@@ -273,7 +272,8 @@ void visit_boxes(const CcdWorkspace& ccd, std::size_t a, std::size_t first, cons
   while (depth > 0) {
     const auto [level, index] = stack[--depth];
     if ((index + 1) << level <= first) continue;
-    if (!may_collide(mine, ccd.boxes[ccd.level_begin[level] + index])) continue;
+    const std::size_t box = ccd.level_begin[level] + index;
+    if (skip(box) || !may_collide(mine, ccd.boxes[box])) continue;
     if (level == 0) {
       visit(index);
       continue;
@@ -285,34 +285,6 @@ void visit_boxes(const CcdWorkspace& ccd, std::size_t a, std::size_t first, cons
   }
 }
 
-/// Marks changed vertices and their neighbors. A primitive that collides with a changed vertex may be nearer
-/// to its neighbor.
-void mark_changed(const Model& model, const std::vector<int>& changed, CcdWorkspace& ccd) {
-  ccd.is_changed.assign(leaves_of(model) * kLeaf, 0);
-  Star star;
-  for (const int v : changed) {
-    gather_star(model, v, star);
-    ccd.is_changed[std::size_t(v)] = 1;
-    for (const int other : star.neighbors) ccd.is_changed[std::size_t(other)] = 1;
-  }
-}
-
-/// Zone of each vertex whose whole star is in one impact zone, as the index of its smallest member; else -1.
-/// Stars of the same zone do not move relative to each other.
-std::vector<int> zones_of_stars(const Model& model, const CcdWorkspace& ccd) {
-  std::vector<int> zone(leaves_of(model) * kLeaf, -1);
-  for (std::size_t n = 0; n < ccd.in_impact_zone.size(); n++)
-    zone[std::size_t(ccd.in_impact_zone[n])] = ccd.zone[n];
-  std::vector<int> of_star = zone;
-  Star star;
-  for (const int v : ccd.in_impact_zone) {
-    gather_star(model, v, star);
-    for (const int other : star.neighbors)
-      if (zone[std::size_t(other)] != zone[std::size_t(v)]) of_star[std::size_t(v)] = -1;
-  }
-  return of_star;
-}
-
 bool any_changed(const CcdWorkspace& ccd, std::size_t leaf) {
   const auto begin = ccd.is_changed.begin() + std::ptrdiff_t(leaf * kLeaf);
   return std::find(begin, begin + kLeaf, 1) != begin + kLeaf;
@@ -320,12 +292,12 @@ bool any_changed(const CcdWorkspace& ccd, std::size_t leaf) {
 
 }  // namespace
 
-void build_boxes(const Exec& exec, const Model& model, State& state) {
+void build_boxes(const Exec& exec, const Model& model, State& state, bool changed) {
   // levels of the tree
   auto& boxes = state.ccd.boxes;
   auto& level_begin = state.ccd.level_begin;
   level_begin.assign(1, 0);
-  for (std::size_t size = leaves_of(model);; size = (size + 1) / 2) {
+  for (std::size_t size = ccd_leaves(model);; size = (size + 1) / 2) {
     level_begin.push_back(level_begin.back() + size);
     if (size == 1) break;
   }
@@ -333,7 +305,11 @@ void build_boxes(const Exec& exec, const Model& model, State& state) {
   // boxes of the leaves
   const CcdMotion motion = ccd_motion(view(model, state));
   parallel_for(
-      exec, level_begin[1], [&](std::size_t leaf) { boxes[leaf] = box_of_leaf(model, motion, leaf); }, 64);
+      exec, level_begin[1],
+      [&](std::size_t leaf) {
+        if (!changed || any_changed(state.ccd, leaf)) boxes[leaf] = box_of_leaf(model, motion, leaf);
+      },
+      64);
   // boxes of the upper levels
   for (std::size_t level = 1; level + 1 < level_begin.size(); level++) {
     const std::size_t below = level_begin[level - 1], begin = level_begin[level];
@@ -353,20 +329,27 @@ bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, const st
   TURGOR_CHECK(!ccd.level_begin.empty() && ccd.boxes.size() == ccd.level_begin.back(),
                "the boxes of all levels are built");
   const CcdMotion motion = ccd_motion(view(model, state));
-  const std::size_t count = leaves_of(model);
+  const std::size_t count = ccd_leaves(model);
   // chunks of leaves
   ccd.chunk_pairs.resize((count + kChunkSize - 1) / kChunkSize);
-  if (changed) mark_changed(model, *changed, ccd);
-  const std::vector<int> zone = changed ? zones_of_stars(model, ccd) : std::vector<int>{};
+  if (changed) mark_changed(exec, model, *changed, ccd);
+  // impact zones of vertices, stars and boxes
+  const ZoneOfVertex zone = changed ? zone_of_vertices(model, ccd) : ZoneOfVertex{},
+                     of_star = changed ? zones_of_stars(exec, model, zone) : ZoneOfVertex{};
+  const std::vector<int> of_box = changed ? zones_of_boxes(exec, model, ccd, of_star) : std::vector<int>{};
   const auto move_as_one = [&](int i, int j) {
-    return zone[std::size_t(i)] >= 0 && zone[std::size_t(i)] == zone[std::size_t(j)];
+    return of_star[std::size_t(i)] >= 0 && of_star[std::size_t(i)] == of_star[std::size_t(j)];
   };
   parallel_for(exec, ccd.chunk_pairs.size(), [&](std::size_t chunk) {
     ccd.chunk_pairs[chunk].clear();
-    FindCcdPairs find{model, state, motion, model.params.collision.thickness, all, ccd.chunk_pairs[chunk]};
+    FindCcdPairs find{
+        model, state, motion, model.params.collision.thickness, all, zone, ccd.chunk_pairs[chunk]};
     for (std::size_t a = chunk * kChunkSize; a < std::min((chunk + 1) * kChunkSize, count); a++) {
       if (!all && !any_changed(ccd, a)) continue;
-      visit_boxes(ccd, a, all ? a : 0, [&](std::size_t b) {
+      const auto moves_along = [&](std::size_t box) {
+        return !all && of_box[a] >= 0 && of_box[box] == of_box[a];
+      };
+      visit_boxes(ccd, a, all ? a : 0, moves_along, [&](std::size_t b) {
         if (!all && b < a && any_changed(ccd, b)) return;  // b visits a
         visit_pairs(model, motion, a, b, ccd.boxes[b], [&](int i, int j) {
           if (all ||

@@ -78,11 +78,19 @@ struct MeasureChunk {
 
 }  // namespace
 
-void measure_triangles(const Exec& exec, const Model& model, State& state) {
+void measure_triangles(const Exec& exec, const Model& model, State& state, bool changed) {
   TURGOR_CHECK(is_csr(model.chunk_triangles.begin, model.chunk_triangles.triangle.size()),
                "chunks cover their triangles");
-  parallel_for(exec, model.chunk_triangles.begin.size() - 1,
-               MeasureChunk{model, ccd_motion(view(model, state)), state.x.size()});
+  const MeasureChunk measure{model, ccd_motion(view(model, state)), state.x.size()};
+  const std::vector<char>& is_changed = state.ccd.is_changed;
+  const auto any_changed = [&](std::size_t chunk) {
+    const std::size_t begin = std::min(chunk * kChunk, is_changed.size()),
+                      end = std::min(begin + kChunk, is_changed.size());
+    return std::find(&is_changed[0] + begin, &is_changed[0] + end, 1) != &is_changed[0] + end;
+  };
+  parallel_for(exec, model.chunk_triangles.begin.size() - 1, [&](std::size_t chunk) {
+    if (!changed || any_changed(chunk)) measure(chunk);
+  });
 }
 
 }  // namespace turgor::cloth
