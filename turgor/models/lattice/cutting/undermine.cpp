@@ -12,9 +12,9 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Distance between the surface and the ends of the cut, in spacings. The plane that splits a crack tip is
-/// fitted to all cuts in and around its cell. Cuts of this surface among them would turn the plane, and the
-/// wound would end a cell earlier.
+/// Distance between the surface and the crack tips at the ends of the cut, in spacings. The plane that splits
+/// a crack tip is fitted to all cuts in and around its cell. Cuts of this surface among them would turn the
+/// plane, and the wound would end a cell earlier.
 constexpr double kTipCells = 2;
 
 /// Points of the surface on a ruling across the path, from left to right; nothing where there is no skin
@@ -56,9 +56,9 @@ void add_undermining(const Model& model, const Motion& motion, const BladePath& 
   const auto columns = std::size_t(2 * half + 1);
   const Vec3d shift{0.37 * epsilon, 0.61 * epsilon, 0.71 * epsilon};  // no node lies exactly in the surface
   // points above the surface, and the skin around them
+  const auto side_of = [&](std::size_t c) { return (int(c) - half) * undermine.width / half; };
   const auto aside = [&](std::size_t n, std::size_t c) {
-    const double side = (int(c) - half) * undermine.width / half;
-    return path.points[n] + across_at(path, n) * side;
+    return path.points[n] + across_at(path, n) * side_of(c);
   };
   std::vector<Vec3d> around;
   for (std::size_t n = 0; n < path.points.size(); n++)
@@ -91,14 +91,16 @@ void add_undermining(const Model& model, const Motion& motion, const BladePath& 
       if (!is_in_bone(model, point)) rulings[n].back() = point;
     }
   }
-  // quads between rulings, away from the crack tips at the ends of the cut
+  // quads between rulings, except near the crack tips
   const double length = path_length(path), inset = kTipCells * largest_spacing(model.anatomy.lattice);
   const double first = goes_on(0) ? inset : 0, last = length - (goes_on(path.points.size() - 1) ? inset : 0);
   double along = 0;
   for (std::size_t n = 1; n < rulings.size(); n++) {
     const double next = along + norm(path.points[n] - path.points[n - 1]);
-    const bool is_at_tip = along < first || next > last;
-    for (std::size_t c = 1; c < columns && !is_at_tip; c++) {
+    const bool is_at_end = along < first || next > last;
+    for (std::size_t c = 1; c < columns; c++) {
+      const double aside_of_path = std::min(std::abs(side_of(c - 1)), std::abs(side_of(c)));
+      if (is_at_end && aside_of_path < inset) continue;
       const auto &a = rulings[n - 1][c - 1], &b = rulings[n - 1][c], &d = rulings[n][c - 1],
                  &e = rulings[n][c];
       if (!a || !b || !d || !e) continue;

@@ -9,7 +9,7 @@ namespace turgor::lattice {
 
 /// Adds the surface at the undermined depth below the present skin, from the path to `width` on both sides.
 /// It is cut together with the path. Where the blade stops above bone, the surface is not deeper than it. The
-/// surface leaves out bone, ends where the skin ends, and two spacings before an end of the path in skin.
+/// surface ends where the skin ends, and leaves out bone and two spacings around an end of the path in skin.
 void add_undermining(const Model& model, const Motion& motion, const BladePath& path,
                      const Undermining& undermine, const HaloExchange* halo, BladeSheet& sheet);
 
