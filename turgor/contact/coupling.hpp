@@ -54,12 +54,13 @@ struct RigidMotion {
 
 /// A body as the coupling sees it. One without any of the models takes no part.
 struct CoupledBody {
-  const sfem::Model* model = nullptr;      // has a dense store of Green's functions
-  const rhombus::Model* chains = nullptr;  // instead: yields as a half space (models/rhombus/spread.hpp)
-  double stiffness_scale = 1;              // divides displacements by forces
-  std::vector<Vec3d> free;                 // displacement of every vertex without forces of the coupling [m]
-  std::optional<RigidMotion> rigid;        // instead of the other members
+  const sfem::Model* model = nullptr;  // has a dense store of Green's functions
+  double stiffness_scale = 1;          // divides displacements by forces
+  std::vector<Vec3d> free;             // displacement of every vertex without forces of the coupling [m]
+  std::optional<RigidMotion> rigid;    // instead of the other members
   bool is_support = false;  // it moves as `free` says and does not yield; the forces act on it later
+  const rhombus::Model* chains =
+      nullptr;  // instead of `model`: yields as a half space (models/rhombus/spread.hpp)
 };
 
 /// A spring between two points that pulls and pushes. It breaks above its strength.

@@ -221,10 +221,10 @@ std::vector<contact::CoupledBody> coupled_motions(const Exec& exec, World& world
     if (support.body.kind == BodyKind::kRhombus) {
       // chains yield to the forces of this solution instead of the last one
       const RhombusBody& body = world.rhombus_bodies[std::size_t(support.body.index)];
-      bodies[s] = {.chains = &body.model,
-                   .stiffness_scale = body.stiffness_scale,
+      bodies[s] = {.stiffness_scale = body.stiffness_scale,
                    .free = displacement_without(exec, body, support.solved),
-                   .rigid = {}};
+                   .rigid = {},
+                   .chains = &body.model};
     }
     s++;
   }
