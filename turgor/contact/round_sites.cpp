@@ -166,7 +166,7 @@ void add_round_pairs(const PairSurface& first, const PairSurface& second, const 
   for (const auto& [x, y] : pairs) {
     number++;
     const double distance = norm(x - y) - radii;
-    const bool is_double = std::any_of(taken.begin(), taken.end(), [&](Vec3d t) {
+    const bool is_double = std::any_of(taken.begin(), taken.end(), [&, x = x](Vec3d t) {
       return norm(x - t) < kSameSite * std::min(a.radius, b.radius);
     });
     if (is_double || !is_within(distance, params)) continue;

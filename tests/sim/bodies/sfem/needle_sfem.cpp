@@ -100,6 +100,35 @@ TEST(NeedleSfem, ThreadsKeepBitsBesideFinger) {
   EXPECT_GT(most, 1e-3) << "the finger moves the tissue around the needle";
 }
 
+// Two needles 10 mm apart in one body: each punctures it and keeps its own work, the one at rest feels the
+// one that enters, and the bits do not depend on the number of threads.
+TEST(NeedleSfem, TwoNeedlesActOnEachOther) {
+  const std::string once =
+      "press = { at = [0.031, 0.028, 0.04], depth = 0.02, start = 0, duration = 0.5, hold = 1.5 }";
+  const std::string second =
+      "[tool.second]\nbody = \"pad\"\nshape = { needle = 0.06, diameter = 0.001 }\npress = { at = [0.041, "
+      "0.028, "
+      "0.04], depth = 0.015, start = 0.8, duration = 0.5, hold = 0.5 }\n";
+  const std::string text = needle_scene_text(kNeedleKeys, once, "", second);
+  const World both = needle_run(1, text), three = needle_run(3, text);
+  EXPECT_EQ(state_hash(both), state_hash(three));
+  for (const TouchingTool& tool : both.tools) {
+    const Json report = needle_report(tool, both.sfem_bodies[0]);
+    EXPECT_EQ(report["punctures"], 1);
+    EXPECT_NEAR(report["peaks"][0][2].get<double>(), 0.328, 0.01) << "N: force of entry";
+    EXPECT_LT(std::abs(report["work"]["error_percent"].get<double>()), 1);
+  }
+  const World alone = needle_run(1, needle_scene_text(kNeedleKeys, once));
+  double before = 0, most = 0;
+  for (std::size_t i = 600; i < 1300; i++) {
+    const double apart = norm(both.tools[0].samples[i].force - alone.tools[0].samples[i].force);
+    double& largest = i < 790 ? before : most;
+    largest = std::max(largest, apart);
+  }
+  EXPECT_EQ(before, 0) << "N: the second needle is not in yet";
+  EXPECT_GT(most, 1e-3) << "N: the second needle moves the tissue around the first";
+}
+
 // A needle that a mouse moves in a live session, also away from its path, replays to the same bits.
 TEST(NeedleSfem, LiveNeedleReplaysExactly) {
   const auto folder = test::fresh_folder();
