@@ -48,11 +48,14 @@ class PanelTest : public WindowTest {
     if (window == nullptr) return false;
     ImGuiID id = window->ID;
     for (const std::string& name : path) id = ImHashStr(name.data(), name.size(), id);
-    const std::optional<ImVec2> center = center_of(*window, id);
-    if (!center) return false;
-    hand(fmt::format("mousemove {:.0f} {:.0f}", center->x, center->y));
-    draw_twice();
-    return ImGui::GetCurrentContext()->HoveredId == id;
+    // again if a panel that appears takes the focus, or if the event comes late
+    for (int trial = 0; trial < 5; trial++) {
+      const std::optional<ImVec2> center = center_of(*window, id);
+      if (center) hand(fmt::format("mousemove {:.0f} {:.0f}", center->x, center->y));
+      draw_twice();
+      if (center && ImGui::GetCurrentContext()->HoveredId == id) return true;
+    }
+    return false;
   }
   bool click_item(ImGuiWindow* window, const ItemPath& path) {
     const bool is_found = point_at(window, path);
@@ -60,7 +63,8 @@ class PanelTest : public WindowTest {
     return is_found;
   }
   bool open_menu(const std::string& name) {
-    return click_item(panel("##MainMenuBar"), {"##menubar", name}) && popup() != nullptr;
+    if (!click_item(panel("##MainMenuBar"), {"##menubar", name})) return false;
+    return draw_until([](const SessionStatus&) { return popup() != nullptr; }, 5);
   }
   /// Clicks an item of a menu of the bar.
   bool choose(const std::string& menu, const std::string& item) {
