@@ -251,9 +251,9 @@ void SweptSprings::finish(const lattice::Motion& motion) {
 
 SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body) {
   const Mat3d to_lattice = transposed(patient_axes(body));
-  const lattice::Motion& motion = body.state->motion;
   for (BodyContact& contact : world.coupling.contacts) {
     if (contact.swept < 0 || !is_swept_by(world, body, contact.body[std::size_t(contact.swept)])) continue;
+    const lattice::Motion& motion = body.state->motion;  // downloads the motion of a body on a GPU
     const CoupledSupport& own = swept_pair(world, contact).own;
     free_mass_ = own.free_mass;
     for (contact::PairSite& site : contact.sites) {
