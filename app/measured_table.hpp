@@ -66,6 +66,9 @@ void add_skin_sheet(const Exec& exec, MeasuredResult& result);
 void add_muscle_bodies(const Exec& exec, MeasuredResult& result);
 /// Layered lattices under a flat probe; moduli fitted at two sites predict two others.
 void add_limbs(const Exec& exec, MeasuredResult& result);
+/// Disc cut out of tense skin on fat: tensions fitted to its specimen predict the wound. `quick`: larger
+/// cells.
+void add_disc(const Exec& exec, bool quick, MeasuredResult& result);
 /// Bodies of the program: a strip of cloth under its weight, silicone bars of a lattice. `quick`: fewer.
 void add_cantilever(const Exec& exec, bool quick, MeasuredResult& result);
 void add_silicones(const Exec& exec, bool quick, MeasuredResult& result);

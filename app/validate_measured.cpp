@@ -66,6 +66,7 @@ std::vector<Figure> validate_measured(const Exec& exec, bool quick, const std::f
   add_body_problems(exec, quick, result);
   add_muscle(result);
   add_skin_sheet(exec, result);
+  add_disc(exec, quick, result);
   add_cantilever(exec, quick, result);
   add_silicones(exec, quick, result);
   if (!quick) add_muscle_bodies(exec, result);

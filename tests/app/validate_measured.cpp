@@ -29,5 +29,27 @@ TEST(ValidateMeasuredCommand, MissesArePrinted) {
     EXPECT_TRUE(fs::exists(folder / "measured" / curve)) << curve;
 }
 
+// Four figures of a disc cut out of skin, with their measured values: the tensions are fitted to the
+// specimen, so that its rows are inside. The wound is predicted.
+TEST(ValidateMeasuredCommand, ExcisedDiscHasFourFigures) {
+  const fs::path folder = fresh_folder();
+  run_program("validate measured --quick --out measured", folder);
+  const json report = report_in(folder / "measured");
+  std::vector<double> measured;
+  for (const json& row : report["rows"]) {
+    const std::string name = row["name"];
+    if (!name.starts_with("excised disc")) continue;
+    measured.push_back(row["measured"]);
+    EXPECT_EQ(double(row["high"]) - double(row["low"]), 8) << "points, " << row;
+    if (name.ends_with("(fitted)")) {
+      EXPECT_TRUE(row["inside"].get<bool>()) << row;
+    }
+    if (name.ends_with("wound along")) {
+      EXPECT_GT(double(row["predicted"]), 0) << row;
+    }
+  }
+  EXPECT_EQ(measured, (std::vector<double>{-23, -10, 16, -10}));
+}
+
 }  // namespace
 }  // namespace turgor
