@@ -34,8 +34,8 @@ Scene must_parse(const std::string& text, const std::vector<std::string>& overri
   return std::move(*scene);
 }
 
-std::string error_of(const std::vector<std::string>& overrides) {
-  const Result<Scene> scene = parse_scene(kFlag, "flag.toml", overrides);
+std::string error_of(const std::vector<std::string>& overrides, const std::string& text = kFlag) {
+  const Result<Scene> scene = parse_scene(text, "flag.toml", overrides);
   if (!scene) return scene.error().message;
   const Result<World> world = load_world(Exec(1), *scene);
   return world ? "no error" : world.error().message;
@@ -63,7 +63,10 @@ TEST(ClothBody, ErrorsNameSourceLocation) {
       error_of({"body.flag.obstacle.ball.mesh=x.obj"})
           .find("body.flag.obstacle.ball.mesh: an obstacle has one shape: either sphere or mesh, not both"),
       std::string::npos);
-  EXPECT_NE(error_of({"body.flag.mesh=x.obj"}).find("either a sheet or a mesh"), std::string::npos);
+  std::string two_shapes = kFlag;
+  two_shapes.insert(two_shapes.find("model"), "mesh = \"x.obj\"\n");
+  EXPECT_NE(error_of({}, two_shapes).find("either a sheet or a mesh"), std::string::npos);
+  EXPECT_NE(error_of({"body.flag.mesh=x.obj"}).find("x.obj"), std::string::npos) << "it replaces the sheet";
   EXPECT_NE(error_of({"body.flag.sheet.up=[1,0,0]"}).find("the two sides span no area"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.wind.turns=[[1,0,0,0],[0.5,1,0,0]]"}).find("ascending"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.obstacle.ball.skin=torso"}).find("skin is not a key"), std::string::npos);
