@@ -119,6 +119,11 @@ TEST(LatticeChangeTissue, PartialCellsKeepFractions) {
   Model built = cylinder_model(tissue);
   scale_moduli(1.5, built);
   expect_equal_models(model, built, "partial cells");
+  tissue.muscle = 2e4;
+  change_tissue(kTwo, tissue, 0.7, model, state);
+  built = cylinder_model(tissue);
+  scale_moduli(0.7, built);
+  expect_equal_models(model, built, "changed again, from scaled moduli");
   const auto& center = model.anatomy.cell_center;
   EXPECT_TRUE(std::any_of(center.begin(), center.end(), [](std::uint32_t bits) { return bits != 0; }));
   TissueParams relaxing = tissue;
