@@ -278,9 +278,8 @@ Array<double> tool_poses(const PyWorld& world) {
 void bind_ticks(nb::class_<PyWorld>& world, nb::module_& module) {
   world.def("_tick", &tick, "poses"_a, "hold"_a.none())
       .def("begin_touch", &PyWorld::begin_touch,
-           "Starts ticks on a thread of their own: one thread calls touch_tick(), another one step(). Once "
-           "for "
-           "a world, before its first tick.")
+           "Starts ticks on a thread of their own: one thread calls touch_tick(), another one step(). "
+           "Once for a world, before its first tick.")
       .def("_touch_tick", &touch_tick, "poses"_a, "hold"_a.none())
       .def("end_touch", &PyWorld::end_touch, "Ends them; no call of touch_tick() may be in progress.")
       .def_prop_ro(
