@@ -168,7 +168,7 @@ TEST(SkinExponential, SheetMatchesClosedFormOffAxis) {
     for (const auto& [ax, ay, shear] : {std::array{1.12, 1.0, 0.0}, {1.0, 1.1, 0.0}, {1.07, 1.09, 0.05}}) {
       const PlaneTension t = closed_form(params.skin, ax, ay, shear, angle);
       // work per area without stress: T_xx J ∂ax/ax and so on
-      const auto slope = [&](double dx, double dy, double ds) {
+      const auto slope = [&, ax = ax, ay = ay, shear = shear](double dx, double dy, double ds) {
         return (energy_of(ax + dx, ay + dy, shear + ds) - energy_of(ax - dx, ay - dy, shear - ds)) /
                (2 * kStep * area);
       };
