@@ -1,5 +1,6 @@
 #include "turgor/sim/report/passed_surface.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/folders.hpp"

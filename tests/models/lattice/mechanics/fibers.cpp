@@ -72,7 +72,7 @@ TEST(CellFibers, RotatedBlockMatchesClosedForm) {
                                   {s.of[3][0], s.of[1][0], s.of[5][0]},
                                   {s.of[4][0], s.of[5][0], s.of[2][0]}};
       // σ = F S Fᵀ/J, along a and along a direction across it
-      const auto cauchy = [&](Vec3d d, double by) {
+      const auto cauchy = [&, stretch = stretch, side = side](Vec3d d, double by) {
         double sum = 0;
         for (int i = 0; i < 3; i++)
           for (int k = 0; k < 3; k++) sum += d[i] * entry[i][k] * d[k];
