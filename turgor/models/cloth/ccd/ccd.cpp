@@ -102,7 +102,7 @@ int resolve_ccd(const Exec& exec, const Model& model, State& state) {
     if (!all) mark_changed(exec, model, changed, ccd);
     measure_triangles(exec, model, state, !all);
     build_boxes(exec, model, state, !all);
-    if (!find_ccd_pairs(exec, model, state, all ? nullptr : &changed)) break;
+    if (!find_ccd_pairs(exec, model, state, !all)) break;
     joined.resize(std::size_t(model.count), -1);
     join_zones(ccd, before, joined);
     motions = zone_motions(model, state, motion);

@@ -47,10 +47,9 @@ void build_boxes(const Exec& exec, const Model& model, State& state, bool change
 /// changed vertex may be nearer to its neighbor.
 void mark_changed(const Exec& exec, const Model& model, const std::vector<int>& changed, CcdWorkspace& ccd);
 
-/// Appends colliding pairs to CcdWorkspace::ccd_pairs. `changed`: vertices whose displacement has changed
-/// since the last search; only they and their neighbors are tested (mark_changed). Null: all vertices are.
-/// False: there are no new pairs.
-bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, const std::vector<int>* changed);
+/// Appends colliding pairs to CcdWorkspace::ccd_pairs. `changed`: as there; displacements have changed since
+/// the last search at those vertices only. False: there are no new pairs.
+bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool changed = false);
 
 /// Changes a step from System::previous to State::x such that the cloth does not pass through itself. Returns
 /// the number of vertices in impact zones. A cloth that intersects itself at the beginning is left alone

@@ -323,7 +323,7 @@ void build_boxes(const Exec& exec, const Model& model, State& state, bool change
   }
 }
 
-bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, const std::vector<int>* changed) {
+bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool changed) {
   CcdWorkspace& ccd = state.ccd;
   const bool all = !changed;
   TURGOR_CHECK(!ccd.level_begin.empty() && ccd.boxes.size() == ccd.level_begin.back(),
@@ -332,7 +332,6 @@ bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, const st
   const std::size_t count = ccd_leaves(model);
   // chunks of leaves
   ccd.chunk_pairs.resize((count + kChunkSize - 1) / kChunkSize);
-  if (changed) mark_changed(exec, model, *changed, ccd);
   // impact zones of vertices, stars and boxes
   const ZoneOfVertex zone = changed ? zone_of_vertices(model, ccd) : ZoneOfVertex{},
                      of_star = changed ? zones_of_stars(exec, model, zone) : ZoneOfVertex{};
