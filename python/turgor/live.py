@@ -10,6 +10,7 @@ from ._turgor import Error
 
 TICK = 1e-3  # [s]
 MOST_TICKS = 50  # that are made up for; longer delays slow the world down
+GAP = 1e-5  # width of the bins that count gaps [s]
 SWITCH = TICK / 4  # longest turn of one thread in the interpreter while another one waits [s]
 
 
@@ -66,7 +67,7 @@ class LiveWorld:
 
     fastest: limit of the led tool's speed [m/s], because a tracker may jump.
     A pose that is not finite or not a rotation is ignored and counted in `refused`. Ticks that were computed after the
-    beginning of the next one are counted in `late`.
+    beginning of the next one are counted in `late`. `gap(share)` is the time between one wrench and the next.
     """
 
     def __init__(self, world, tool=None, fastest=0.5):
@@ -75,6 +76,8 @@ class LiveWorld:
         self.goal = None  # newest pose from outside; none yet: the path of the scene
         self.ticks = self.late = self.refused = 0
         self.wrench = np.zeros((len(world.tools), 6))
+        self.gaps = np.zeros(10_000, dtype=int)  # between wrenches, in bins of GAP; the last one counts longer ones too
+        self.longest_gap = 0.0  # [s]
         self.stops = False
 
     def lead(self, position, quaternion):
@@ -86,6 +89,20 @@ class LiveWorld:
             return
         pose[3:] /= length
         self.goal = pose
+
+    def _count_gap(self, gap):
+        self.gaps[min(int(gap / GAP), len(self.gaps) - 1)] += 1
+        self.longest_gap = max(self.longest_gap, gap)
+
+    def gap(self, share):
+        """Time between one wrench and the next [s] that this share of all gaps is not above, to 10 µs; 0 without gaps."""
+        total = self.gaps.sum()
+        return min((np.searchsorted(np.cumsum(self.gaps), share * total) + 1) * GAP, self.longest_gap) if total else 0.0
+
+    def summary(self):
+        """A sentence with the counts of ticks and the gaps between wrenches."""
+        return (f"{self.ticks} ticks, {self.late} late, {self.refused} poses refused; gaps between wrenches: p50 {1e3 * self.gap(0.5):.2f} ms, "
+                f"p99 {1e3 * self.gap(0.99):.2f} ms, longest {1e3 * self.longest_gap:.2f} ms")
 
     def _led_poses(self, count):
         """(count, 7): the led tool on a straight line to its goal. None without a goal."""
@@ -133,7 +150,7 @@ class LiveWorld:
 
     def _run_ticks(self, seconds, failures, on_tick):
         total = float("inf") if seconds is None else round(seconds / TICK)
-        begin, done = time.monotonic(), 0
+        begin, done, last = time.monotonic(), 0, None
         while done < total and not self.stops and not failures:
             due = int(min((time.monotonic() - begin) / TICK, total)) - done
             if due <= 0:
@@ -151,6 +168,10 @@ class LiveWorld:
             self.late += due - 1
             if on_tick:
                 on_tick(self.wrench)
+            now = time.monotonic()
+            if last is not None:
+                self._count_gap(now - last)
+            last = now
 
     def _run_frames(self, ended, failures, on_frame):
         """Frames that are due by the ticks. A delay of more than MOST_TICKS is not made up for."""

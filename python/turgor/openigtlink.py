@@ -219,7 +219,7 @@ def main(arguments=None):
             print(f"listening on {given.host}:{bridge.port}; {bridge.tracked} leads {world.tools[bridge.live.tool]}", flush=True)
             with contextlib.suppress(KeyboardInterrupt):
                 bridge.run(given.seconds)
-            print(f"{bridge.live.ticks} ticks, {bridge.live.late} late, {bridge.live.refused} poses refused")
+            print(bridge.live.summary())
     except (Error, KeyError) as error:
         print(f"turgor.openigtlink: {error}", file=sys.stderr)
         return 2

@@ -137,7 +137,7 @@ def main(arguments=None):
         print(f"/turgor/{ros_name(bridge.live.world.tools[bridge.live.tool])}/goal leads the tool", flush=True)
         with contextlib.suppress(KeyboardInterrupt):
             bridge.run(given.seconds)
-        print(f"{bridge.live.ticks} ticks, {bridge.live.late} late, {bridge.live.refused} poses refused")
+        print(bridge.live.summary())
     except Error as error:
         print(f"turgor.ros2: {error}", file=sys.stderr)
         return 2

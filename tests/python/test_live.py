@@ -50,6 +50,22 @@ class Touch(unittest.TestCase):
         world.end_touch()
         np.testing.assert_array_equal(world["pad"].points, alone["pad"].points)
 
+    # Gaps are counted, and their quantiles are those of the list.
+    def test_gaps_between_wrenches(self):
+        live = LiveWorld(turgor.World(text=PAD, keeps_forces=False))
+        self.assertEqual(live.gap(0.5), 0)
+        gaps = np.random.default_rng(1).uniform(0.5e-3, 5e-3, 1000)
+        for gap in gaps:
+            live._count_gap(gap)
+        for share in (0.5, 0.99, 1):
+            self.assertAlmostEqual(live.gap(share), np.quantile(gaps, share, method="inverted_cdf"), delta=2e-5)
+        self.assertEqual(live.longest_gap, gaps.max())
+        live = LiveWorld(turgor.World(text=PAD, keeps_forces=False))
+        live.run(0.1)
+        self.assertGreater(live.gaps.sum(), 0)
+        self.assertLessEqual(live.gaps.sum(), 99)
+        self.assertIn("p99", live.summary())
+
     # A row of NaN moves its tool along the path of the scene.
     def test_row_of_nan_follows_path(self):
         world, other = turgor.World(text=PAD), turgor.World(text=PAD)
