@@ -18,12 +18,19 @@ try:
 except ImportError:
     mypy = None
 
+try:
+    import pandas
+except ImportError:
+    pandas = None
+
 SNIPPET = """
 import turgor
 world = turgor.World("s.toml", set={"body.a.young": 5e3}, threads=2)
 for moment in world.run(every=0.1):
     reveal_type(moment)
 reveal_type(world.forces("finger")["force_N"])
+reveal_type(world.forces("finger")["contacts"])
+reveal_type(world.measures("midline")["gape_max_m"])
 reveal_type(world["liver"].displacement)
 reveal_type(world["liver"].triangles)
 reveal_type(world["liver"].volume().samples)
@@ -32,8 +39,9 @@ reveal_type(world.report())
 reveal_type(world.state_hash)
 world.step("three")
 """
-REVEALED = (r"turgor\.world\.World", r"ndarray\[.*dtype\[Any\]\]", r"ndarray\[.*dtype\[.*floating\[.*_32Bit.*\]\]\]|ndarray\[.*float32",
-            r"ndarray\[.*int", r"ndarray\[.*dtype\[Any\]\]", r"ndarray\[.*(_64Bit|float64)", r"dict\[.*str, Any\]", r"str")
+FLOAT64 = r"ndarray\[.*(_64Bit|float64)"
+REVEALED = (r"turgor\.world\.World", FLOAT64, r"ndarray\[.*(_32Bit|int32|intc)", FLOAT64, r"ndarray\[.*dtype\[.*floating\[.*_32Bit.*\]\]\]|ndarray\[.*float32",
+            r"ndarray\[.*int", r"ndarray\[.*dtype\[Any\]\]", FLOAT64, r"dict\[.*str, Any\]", r"str")
 
 
 def texts_by_name(stub):
@@ -75,6 +83,18 @@ class Types(unittest.TestCase):
         self.assertRegex(repr(world), r"^<turgor\.World .*scene\.toml: 0 of [\d.]+ s, bodies pad, tools finger>$")
         self.assertEqual(repr(world["pad"]), "<turgor.Body pad: sfem>")
         self.assertEqual(repr(turgor.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])), "Mesh(3 points, 1 triangles)")
+
+    # A frame names every component of a vector and of a quaternion, with the unit at the end.
+    @unittest.skipUnless(pandas, "pandas is not installed")
+    def test_frames_name_components(self):
+        world = turgor.World({"body": {"stone": {"model": "rigid", "shape": {"sphere": 0.01}, "mass": 0.1, "spin": [0, 0, 3]}}})
+        world.step(2)
+        motion = world.measures("stone")
+        frame = motion.frame()
+        self.assertEqual(list(frame.columns), ["time_s", "center_x_m", "center_y_m", "center_z_m", "rotation_w", "rotation_x", "rotation_y",
+                                               "rotation_z", "velocity_x_m_per_s", "velocity_y_m_per_s", "velocity_z_m_per_s",
+                                               "spin_x_rad_per_s", "spin_y_rad_per_s", "spin_z_rad_per_s"])
+        np.testing.assert_array_equal(frame["rotation_z"], motion["rotation"][:, 3])
 
     # Numbers and shapes that make no sense raise a ValueError that names the argument.
     def test_senseless_arguments_are_refused(self):
