@@ -1,6 +1,7 @@
 // One rectangle in different triangulations, for tests of results that must not depend on them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -35,8 +36,19 @@ inline std::string name(Pattern pattern) {
   return "";
 }
 
+/// Smaller area of two triangles of a mesh in the plane z = 0, negative if it is inverted [m²].
+inline double smaller_area(const TriMesh& mesh, Int3 s, Int3 t) {
+  const auto area = [&mesh](Int3 corners) {
+    const auto [a, b, c] = corners;
+    const auto at = [&mesh](int v) { return Vec3d(mesh.vertices[std::size_t(v)]); };
+    return cross(at(b) - at(a), at(c) - at(a)).z / 2;
+  };
+  return std::min(area(s), area(t));
+}
+
 /// A rectangle in the plane z = 0 from x0 to x1 and 0 to height, in triangles of about `size`, with columns
-/// of vertices at x0, x0 + size and x1.
+/// of vertices at x0, x0 + size and x1. Random cells have the diagonal that chance chooses unless it inverts
+/// a triangle or nearly does.
 inline TriMesh rectangle(Pattern pattern, double x0, double x1, double height, double size) {
   const double column = pattern == Pattern::kTall ? size / 4 : size;
   const double row = pattern == Pattern::kLong          ? size / 4
@@ -67,7 +79,12 @@ inline TriMesh rectangle(Pattern pattern, double x0, double x1, double height, d
       bool other = pattern == Pattern::kOtherDiagonal;
       if (pattern == Pattern::kAlternating) other = (c + r) % 2 == 1;
       if (pattern == Pattern::kEquilateral) other = r % 2 == 0;
-      if (pattern == Pattern::kRandom) other = next() > 0;
+      if (pattern == Pattern::kRandom) {
+        const double one = smaller_area(mesh, {a, b, e}, {a, e, d}),
+                     another = smaller_area(mesh, {a, b, d}, {b, e, d}), enough = 0.1 * column * row;
+        other = next() > 0;
+        if ((other ? another : one) < enough) other = another > one;
+      }
       if (other)
         mesh.triangles.push_back({a, b, d}), mesh.triangles.push_back({b, e, d});
       else
