@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -100,6 +102,65 @@ TEST_P(BehindTheBody, PadLeavesNoRidges) {
   const BodyNodes nodes = nodes_at(ct, GetParam());
   EXPECT_EQ(count_nodes(nodes, kBack + 3 + 0.5 * GetParam(), 1e3), 0u);
   EXPECT_GE(double(count_nodes(nodes, 0, 1e3)), 0.999 * double(alone));
+}
+
+/// Distance of a point beyond the surface of the body; negative inside [mm].
+double beyond_body(Vec3d at) {
+  const double u = (at.x - 120) / 90, v = (at.y - 70) / 55;
+  return std::max(55 * (std::sqrt(u * u + v * v) - 1), at.y - kBack);
+}
+
+/// A blurred body on the cover of a mattress: a sheet that lies on its back, and leaves it sideways.
+/// `middle`: distance of the sheet's middle from the back [mm]. Voxels are as light as -400 HU, or as dense
+/// as fat.
+CtVolume body_on_cover(double middle) {
+  CtVolume ct = painted([](double, double, double) { return false; });
+  for (int k = 0; k < kSize.z; k++)
+    for (int j = 0; j < kSize.y; j++)
+      for (int i = 0; i < kSize.x; i++) {
+        const double body = std::clamp(0.5 - beyond_body({double(i), double(j), double(k)}) / 2, 0.0, 1.0);
+        const double cover = i > 5 && i < 235 ? std::max(0.0, 1 - std::abs(j - kBack - middle) / 2) : 0;
+        ct.at(i, j, k) = std::int16_t(kAirHu + std::max(1040 * body, 800 * cover));
+      }
+  return ct;
+}
+
+// The drawn skin of a back that lies on the cover of a mattress is that of the body: the cover leaves no
+// ledges.
+TEST(Surroundings, CoverLeavesNoLedges) {
+  const CtVolume ct = body_on_cover(2.5);
+  Params params;
+  params.block = {6, 6, 6};
+  const Model model = build(Exec(2), ct, {}, params).value();
+  const BodySurface surface = build_surface(model, make_state(model).cuts, &ct, Extent::kAll, Exec(2));
+  double beyond = -1e3, within = 1e3;
+  const Vec3d first = index_at(ct.grid, model.anatomy.grid.origin);
+  for (int v = 0; v < surface.skin_triangles; v++) {
+    const Vec3d at = first + Vec3d(surface.rest[std::size_t(surface.triangles[std::size_t(v)].x)]) / kSpacing;
+    if (at.z < 1 || at.z > kSize.z - 3 || at.y < 90) continue;  // ends of the scan, and the front
+    beyond = std::max(beyond, beyond_body(at)), within = std::min(within, beyond_body(at));
+  }
+  EXPECT_LT(beyond, 0.8);
+  EXPECT_GT(within, -1.2);
+}
+
+// Next to surroundings, tissue keeps its values, and thin covers become air.
+TEST(Surroundings, TissueKeepsValuesBesideThem) {
+  const CtVolume ct = body_on_cover(3);
+  const Surroundings beside = find_surroundings(Exec(2), ct, -449);
+  EXPECT_GT(std::count(beside.mask.begin(), beside.mask.end(), kContactCell), 0);
+  const CtSlab slab(ct);
+  const BodyVoxels body(slab, beside, -449);
+  for (int j = 0; j < kSize.y; j++)
+    for (int i = 0; i < kSize.x; i++) {
+      const double out = beyond_body({double(i), double(j), 30});
+      if (out < -1) {
+        EXPECT_EQ(body({i, j, 30}), ct.at(i, j, 30)) << i << ' ' << j;
+      }
+      if (out > 1.5) {
+        EXPECT_LT(body({i, j, 30}), -449) << i << ' ' << j;
+      }
+    }
 }
 
 // Thin parts of the body, such as ears and fingers, do not count as surroundings.

@@ -24,10 +24,13 @@ Range block_range(int i, int block, int voxels) {
 }
 
 /// Adds a row of voxels to the sums; surroundings count as air.
-void add_row(const std::int16_t* row, const std::uint8_t* surroundings, int cell, double air_max,
+void add_row(const CtSlab& ct, const Surroundings& surroundings, const BodyVoxels& body, int j, int k,
              std::vector<int>& sums) {
+  const std::int16_t* row = ct.row(j, k);
+  const std::uint8_t* kinds = surroundings.row(j, k);
   for (std::size_t i = 0; i < sums.size(); i++)
-    sums[i] += surroundings[i / std::size_t(cell)] && row[i] >= air_max ? kAirHu : row[i];
+    sums[i] +=
+        kinds[int(i) / surroundings.cell.x] == kBodyCell ? row[i] : int(std::lround(body({int(i), j, k})));
 }
 
 /// Block means of one layer of nodes. Whole rows are summed over j and k first.
@@ -45,6 +48,7 @@ struct AverageLayer {
     const Int3 voxels = ct.whole.size;
     const int nx = voxels.x;
     std::vector<int> sums(static_cast<std::size_t>(nx));
+    const BodyVoxels body(ct, surroundings, air_max);
     const Range ks = block_range(first + int(layer), block.z, voxels.z);
     for (int j = 0; j < nodes.size.y; j++) {
       const Range js = block_range(j, block.y, voxels.y);
@@ -54,7 +58,7 @@ struct AverageLayer {
         for (int vj = js.begin; vj < js.end; vj++) {
           const std::int16_t* row = ct.row(vj, vk);
           if (surroundings.has_row(vj, vk)) {
-            add_row(row, surroundings.row(vj, vk), surroundings.cell.x, air_max, sums);
+            add_row(ct, surroundings, body, vj, vk, sums);
             continue;
           }
           for (int vi = 0; vi < nx; vi++) sums[std::size_t(vi)] += row[vi];

@@ -106,9 +106,8 @@ void set_reaches(const SurfaceSum& sum, Vec3d center, CellSurface& surface) {
 
 double AirLevel::voxel(Int3 at) const {
   const Int3 p = min(max(at, Int3{0, 0, 0}), ct.whole.size - Int3{1, 1, 1});
-  if (surroundings.has_row(p.y, p.z) && surroundings.row(p.y, p.z)[p.x / surroundings.cell.x])
-    return kAirHu - air_max;
-  return ct.row(p.y, p.z)[p.x] - air_max;
+  if (surroundings.kind(p) == kBodyCell) return ct.row(p.y, p.z)[p.x] - air_max;
+  return BodyVoxels(ct, surroundings, air_max)(p) - air_max;
 }
 
 double AirLevel::at(Vec3d voxels) const {

@@ -13,11 +13,21 @@ namespace turgor::lattice {
 
 namespace {
 
-constexpr double kCell = 3e-3;   // side of a cell, unless voxels are larger [m]
-constexpr double kLength = 0.1;  // least length of foreign objects [m]
-constexpr double kPad = 200;     // the core is denser than air_max by this, and so than pads [HU]
-constexpr double kCore = -200;   // every tissue of the core is denser than this, fat too [HU]
-constexpr int kBeside = 3;  // reach of foreign objects in which sheets on the core belong to them [cells]
+constexpr double kCell = 3e-3;       // side of a cell, unless voxels are larger [m]
+constexpr double kLength = 0.1;      // least length of foreign objects [m]
+constexpr double kCutLength = 0.03;  // the same, of those that a side of the scan cuts [m]
+constexpr double kPad = 200;         // the core is denser than air_max by this, and so than pads [HU]
+constexpr double kCore = -200;       // every tissue of the core is denser than this, fat too [HU]
+constexpr std::int16_t kDense =
+    -50;                      // shells of tables are denser than this, unlike covers of mattresses [HU]
+constexpr int kBeside = 3;    // reach of foreign objects in which sheets on the core belong to them [cells]
+constexpr int kContact = 10;  // reach of foreign objects in which skin may touch them [cells]
+constexpr double kCover = 2e-3;    // thickness of a cover on the skin [m]
+constexpr double kBlend = 100;     // range above the level of fat in which values are changed [HU]
+constexpr double kBelowAir = 100;  // covers are lighter than air_max by this [HU]
+
+/// Level above which the body lies next to surroundings. [HU]
+double fat_level(double air_max) { return std::max(air_max, std::min(air_max + kPad, kCore)); }
 
 using Mask = std::vector<std::uint8_t>;
 
@@ -55,7 +65,7 @@ struct PoolLayer {
         cells.all[first + std::size_t(i)] = *std::min_element(least + low, least + high) >= core_bound;
         const std::int16_t densest = *std::max_element(most + low, most + high);
         cells.any[first + std::size_t(i)] = densest >= bound;
-        cells.dense[first + std::size_t(i)] = densest >= core_bound;
+        cells.dense[first + std::size_t(i)] = densest >= std::max(core_bound, kDense);
       }
     }
   }
@@ -148,9 +158,10 @@ class Silhouette {
   std::array<std::vector<Extent>, 2> extents_;
 };
 
-/// Marks components that are long and mostly beyond the silhouette of the body.
+/// Marks components that are long, or cut by a side of the scan, and mostly beyond the silhouette of the
+/// body.
 std::vector<std::uint8_t> foreign_components(const RowComponents& components, const Silhouette& silhouette,
-                                             Vec3d side) {
+                                             Vec3d side, Int3 size, int along) {
   struct Bounds {
     Int3 low{1 << 30, 1 << 30, 1 << 30}, high{};
     std::size_t beyond = 0;
@@ -166,12 +177,16 @@ std::vector<std::uint8_t> foreign_components(const RowComponents& components, co
     s.high = max(s.high, Int3{run.end, run.j + 1, run.k + 1});
     for (int i = run.begin; i < run.end; i++) s.beyond += silhouette.is_beyond({i, run.j, run.k});
   }
-  // long components beyond it
+  // components beyond it
   std::vector<std::uint8_t> is_foreign(bounds.size());
   for (std::size_t p = 0; p < bounds.size(); p++) {
-    const Vec3d length = hadamard(Vec3d(bounds[p].high - bounds[p].low), side);
-    is_foreign[p] =
-        std::max({length.x, length.y, length.z}) >= kLength && 2 * bounds[p].beyond > components.sizes[p];
+    const Bounds& b = bounds[p];
+    const Vec3d length = hadamard(Vec3d(b.high - b.low), side);
+    bool is_cut = false;
+    for (const int axis : {(along + 1) % 3, (along + 2) % 3})
+      is_cut |= b.low[axis] == 0 || b.high[axis] == size[axis];
+    is_foreign[p] = std::max({length.x, length.y, length.z}) >= (is_cut ? kCutLength : kLength) &&
+                    2 * b.beyond > components.sizes[p];
   }
   return is_foreign;
 }
@@ -191,7 +206,7 @@ DenseCells make_dense_cells(const Grid& ct) {
 
 void pool_cells(const Exec& exec, const CtSlab& ct, double air_max, Layers layers, DenseCells& cells) {
   const auto whole = [](double hu) { return std::int16_t(std::clamp(std::ceil(hu), -32768.0, 32767.0)); };
-  const double core = std::max(air_max, std::min(air_max + kPad, kCore));
+  const double core = fat_level(air_max);
   parallel_for(exec, std::size_t(layers.end - layers.begin),
                PoolLayer{ct, cells, whole(air_max), whole(core), layers.begin});
 }
@@ -216,8 +231,9 @@ Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCell
   Mask rest(count);
   for (std::size_t n = 0; n < count; n++) rest[n] = any[n] & std::uint8_t(1 - near_core[n]);
   const RowComponents components = row_components(rest, size);
-  const std::vector<std::uint8_t> is_foreign = foreign_components(
-      components, Silhouette(core, size, long_axis(ct)), hadamard(ct.spacing, Vec3d(found.cell)));
+  const std::vector<std::uint8_t> is_foreign =
+      foreign_components(components, Silhouette(core, size, long_axis(ct)),
+                         hadamard(ct.spacing, Vec3d(found.cell)), size, long_axis(ct));
   // mask of the foreign components, and of those that are dense, unlike pads
   found.mask.assign(count, 0);
   found.row_mask.assign(std::size_t(size.y) * std::size_t(size.z), 0);
@@ -237,6 +253,9 @@ Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCell
     if (2 * dense_cells[c] > components.sizes[c])
       std::fill_n(dense.begin() + begin, run.end - run.begin, std::uint8_t(1));
   }
+  // skin that may touch them
+  Mask contact = found.mask;
+  dilate(exec, contact, size, kContact);
   const Mask sheets = take_sheets(exec, size, found.mask, core);
   // Cells next to a foreign component are masked too. A light pad stays where it touches the core, because
   // its cells contain skin; so do pits of the core.
@@ -248,9 +267,60 @@ Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCell
   for (std::size_t n = 0; n < count; n++) {
     const std::uint8_t is_free = std::uint8_t(1 - core[n]) & (dense[n] | std::uint8_t(1 - near_core[n]));
     found.mask[n] = any[n] & ((found.mask[n] & is_free) | sheets[n]);
+    // skin beside light covers is divided by voxel
+    const bool is_skin = near_core[n] && !dense[n] && contact[n];
+    if (any[n] && contact[n] && (found.mask[n] == kBodyCell || is_skin)) found.mask[n] = kContactCell;
     found.row_mask[n / std::size_t(size.x)] |= found.mask[n];
   }
   return found;
+}
+
+bool has_foreign(const Surroundings& surroundings) {
+  const Mask& rows = surroundings.row_mask;
+  return std::any_of(rows.begin(), rows.end(), [](std::uint8_t row) { return row != 0; });
+}
+
+BodyVoxels::BodyVoxels(const CtSlab& ct, const Surroundings& surroundings, double air_max)
+    : ct_(ct), surroundings_(surroundings), air_max_(air_max), fat_(fat_level(air_max)), square_{1, 1, 1} {
+  for (int a = 0; a < 2; a++) square_[a] = std::max(2, int(std::lround(kCover / ct.whole.spacing[a])));
+}
+
+bool BodyVoxels::is_dense(Int3 voxel) const {
+  return ct_.row(voxel.y, voxel.z)[voxel.x] >= fat_ && surroundings_.kind(voxel) != kForeignCell;
+}
+
+bool BodyVoxels::is_opened(Int3 voxel) const {
+  if (!is_dense(voxel)) return false;
+  // a square of dense voxels that contains the voxel; it ends with the scan
+  const Int3 last = ct_.whole.size - Int3{1, 1, 1};
+  for (int b = 0; b < square_.y; b++)
+    for (int a = 0; a < square_.x; a++) {
+      const Int3 low = max(voxel - Int3{a, b, 0}, Int3{0, 0, 0}),
+                 high = min(voxel + square_ - Int3{a + 1, b + 1, 1}, last);
+      bool all = true;
+      for (int j = low.y; all && j <= high.y; j++)
+        for (int i = low.x; all && i <= high.x; i++) all = is_dense({i, j, voxel.z});
+      if (all) return true;
+    }
+  return false;
+}
+
+double BodyVoxels::changed(double hu) const {
+  if (hu >= fat_ + kBlend) return hu;
+  if (hu >= fat_) return fat_ + kBlend + (hu - fat_ - kBlend) * (1 + (fat_ - air_max_) / kBlend);
+  return kAirHu + (hu - kAirHu) * (air_max_ - kAirHu) / (fat_ - kAirHu);
+}
+
+double BodyVoxels::operator()(Int3 voxel) const {
+  const double hu = ct_.row(voxel.y, voxel.z)[voxel.x];
+  switch (surroundings_.kind(voxel)) {
+    case kForeignCell:
+      return hu >= air_max_ ? kAirHu : hu;
+    case kContactCell:
+      return is_opened(voxel) ? changed(hu) : std::min(changed(hu), air_max_ - kBelowAir);
+    default:
+      return hu;
+  }
 }
 
 }  // namespace turgor::lattice

@@ -64,7 +64,8 @@ struct SurroundingsView {
 
   TURGOR_HD bool holds(Int3 voxel) const {
     const int row = voxel.z / cell.z * size.y + voxel.y / cell.y;
-    return row_mask[row] != 0 && mask[std::size_t(row) * std::size_t(size.x) + std::size_t(voxel.x / cell.x)];
+    return row_mask[row] != 0 &&
+           mask[std::size_t(row) * std::size_t(size.x) + std::size_t(voxel.x / cell.x)] == kForeignCell;
   }
 };
 

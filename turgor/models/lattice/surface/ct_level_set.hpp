@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "turgor/geometry/ct_sampler.hpp"
+#include "turgor/models/lattice/build/surroundings.hpp"
 #include "turgor/models/lattice/cutting/fragments.hpp"
 
 namespace turgor::lattice {
@@ -16,23 +17,27 @@ struct CellLevels {
 
 class CtLevelSet {
  public:
-  /// If `ct` is null, the levels are those of the nodes.
-  CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& fine, const CtVolume* ct);
+  /// If `ct` is null, the levels are those of the nodes. `surroundings` are air; null: they are not known.
+  CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& fine, const CtVolume* ct,
+             const Surroundings* surroundings = nullptr);
   /// Levels of a cell, by the slot of its lowest node.
   ///
   /// Nodes keep their class, body or air, which was derived from block means; around them the level is the
-  /// CT's. If the CT contradicts a node, the difference is added and fades out towards the neighboring nodes.
-  /// So the level is continuous, and a table next to the body is air. Next to gas in the body and removed
+  /// CT's, without surroundings. If the CT contradicts a node, the difference is added and fades out towards
+  /// the neighboring nodes, so the level is continuous. Next to gas in the body and removed
   /// tissue, the nodes' own levels are used.
   CellLevels operator()(int slot) const;
 
  private:
   Real sample(Vec3d position) const;
+  bool is_near_surroundings(Vec3d voxel) const;
 
   const Model& model_;
   const Cuts& cuts_;
   const FineLattice& fine_;
   std::optional<CtSampler> sampler_;
+  std::optional<CtSlab> slab_;  // of a CT with surroundings
+  const Surroundings* surroundings_;
   Vec3d first_, cell_size_;  // of the nodes, in voxels
 };
 

@@ -288,7 +288,15 @@ BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* 
                           const Exec& exec, detail::SurfaceCache* cache) {
   TURGOR_CHECK(cache == nullptr || extent == Extent::kAll, "only whole surfaces are cached");
   const std::shared_ptr<const Fragments> fragments = fragments_of(model, cuts);
-  const CtLevelSet level(model, cuts, fragments->fine, ct);
+  // surroundings in the CT
+  std::shared_ptr<const Surroundings> surroundings = cache ? cache->surroundings : nullptr;
+  if (ct && extent == Extent::kAll && !surroundings) {
+    surroundings =
+        std::make_shared<const Surroundings>(find_surroundings(exec, *ct, model.params.tissue.air_max));
+    if (cache) cache->surroundings = surroundings;
+  }
+  // surface
+  const CtLevelSet level(model, cuts, fragments->fine, ct, surroundings.get());
   const MeshInput input{model, cuts, level, *fragments};
   BodySurface surface;
   if (cache) {
