@@ -90,22 +90,27 @@ TEST(LoopSubdivision, KeepsStraightBorders) {
   EXPECT_EQ(on_border, 5) << "seven without the corners";
 }
 
-// Every mesh gets as many levels as keep it below 100 000 triangles; at least ten times the triangles of
-// meshes below 6250, among them the liver of scenes/forceps.toml with 6228.
+// Every mesh gets as many levels as keep it below the budget: at least ten times the triangles of meshes
+// below 6250 in a window, among them the liver of scenes/forceps.toml with 6228, and below 25 000 in
+// pictures.
 TEST(LoopSubdivision, LevelsForDrawingUseTheBudget) {
-  for (const std::size_t triangles :
-       {std::size_t(20), std::size_t(6228), std::size_t(6249), std::size_t(6250), std::size_t(24999),
-        std::size_t(25000), std::size_t(90000)}) {
-    std::size_t drawn = triangles;
-    for (int level = 0; level < levels_for_drawing(triangles); level++) drawn *= 4;
-    EXPECT_LT(drawn, 100000u);
-    if (levels_for_drawing(triangles) < 2) {
-      EXPECT_GE(4 * drawn, 100000u);
+  for (const std::size_t most : {kMostInWindow, kMostInPictures})
+    for (const std::size_t triangles :
+         {std::size_t(20), std::size_t(6228), std::size_t(6249), std::size_t(6250), std::size_t(24999),
+          std::size_t(25000), std::size_t(90000), std::size_t(360000)}) {
+      const int levels = levels_for_drawing(triangles, most);
+      std::size_t drawn = triangles;
+      for (int level = 0; level < levels; level++) drawn *= 4;
+      if (levels > 0) {
+        EXPECT_LT(drawn, most);
+      }
+      if (levels < 2) {
+        EXPECT_GE(4 * drawn, most);
+      }
+      if (triangles < (most == kMostInWindow ? 6250u : 25000u)) {
+        EXPECT_GE(drawn, 10 * triangles);
+      }
     }
-    if (triangles < 6250) {
-      EXPECT_GE(drawn, 10 * triangles);
-    }
-  }
 }
 
 }  // namespace

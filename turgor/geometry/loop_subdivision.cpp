@@ -161,9 +161,8 @@ SmoothSurface loop_subdivision(std::span<const Int3> triangles, int levels) {
   return surface;
 }
 
-int levels_for_drawing(std::size_t triangles) {
-  constexpr std::size_t kMost = 100000;
-  return 16 * triangles < kMost ? 2 : 4 * triangles < kMost ? 1 : 0;
+int levels_for_drawing(std::size_t triangles, std::size_t most) {
+  return 16 * triangles < most ? 2 : 4 * triangles < most ? 1 : 0;
 }
 
 }  // namespace turgor

@@ -24,9 +24,11 @@ struct SmoothSurface {
 /// creases. Coarse vertices without triangles are left out.
 SmoothSurface loop_subdivision(std::span<const Int3> triangles, int levels);
 
-/// Levels that give a mesh at least ten times as many triangles while it stays below 100 000; 1 or 0 for
-/// finer meshes.
-int levels_for_drawing(std::size_t triangles);
+/// Triangles of a surface that is drawn: at most these.
+constexpr std::size_t kMostInWindow = 100'000, kMostInPictures = 400'000;
+/// Levels that give a mesh sixteen times as many triangles while it stays below `most`; 1 or 0 for finer
+/// meshes.
+int levels_for_drawing(std::size_t triangles, std::size_t most);
 
 /// Smooth weighted sum of values of the coarse vertices at one vertex.
 template <class T>

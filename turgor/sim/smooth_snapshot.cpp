@@ -5,25 +5,26 @@
 
 #include "turgor/contact/sites.hpp"
 #include "turgor/core/assert.hpp"
-#include "turgor/geometry/loop_subdivision.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// Subdivision with the number of coarse triangles that it was made from.
+/// Subdivision with the number of coarse triangles that it was made from, and its levels.
 struct KeptSurface {
   std::size_t from = 0;
+  int levels = 0;
   std::shared_ptr<const SmoothSurface> surface;
 };
 
 /// Null for a mesh that is drawn as it is.
-std::shared_ptr<const SmoothSurface> subdivision_of(std::span<const Int3> triangles, BodySnapshot& body) {
-  const int levels = triangles.empty() ? 0 : levels_for_drawing(triangles.size());
+std::shared_ptr<const SmoothSurface> subdivision_of(std::span<const Int3> triangles, std::size_t most,
+                                                    BodySnapshot& body) {
+  const int levels = triangles.empty() ? 0 : levels_for_drawing(triangles.size(), most);
   if (levels == 0) return nullptr;
   const KeptSurface* kept = std::any_cast<KeptSurface>(&body.cache);
-  if (!kept || kept->from != triangles.size())
-    body.cache = KeptSurface{triangles.size(),
+  if (!kept || kept->from != triangles.size() || kept->levels != levels)
+    body.cache = KeptSurface{triangles.size(), levels,
                              std::make_shared<const SmoothSurface>(loop_subdivision(triangles, levels))};
   return std::any_cast<KeptSurface>(&body.cache)->surface;
 }
@@ -86,14 +87,14 @@ void set_coarse(std::span<const Int3> triangles, BodySnapshot& body) {
   body.smooth.coarse.assign(triangles.begin(), triangles.end());
 }
 
-void show_smooth(WorldSnapshot& snapshot) {
-  for (BodySnapshot& body : snapshot.bodies) show_smooth(body);
+void show_smooth(WorldSnapshot& snapshot, std::size_t most) {
+  for (BodySnapshot& body : snapshot.bodies) show_smooth(body, most);
 }
 
-void show_smooth(BodySnapshot& body) {
+void show_smooth(BodySnapshot& body, std::size_t most) {
   SmoothSnapshot& smooth = body.smooth;
   smooth.triangles.clear();
-  const std::shared_ptr<const SmoothSurface> surface = subdivision_of(smooth.coarse, body);
+  const std::shared_ptr<const SmoothSurface> surface = subdivision_of(smooth.coarse, most, body);
   if (!surface) return;
   TURGOR_CHECK(body.displacement.size() == body.rest.size(), "every vertex has a displacement");
   const FineTriangles fine = fine_triangles(body);

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "turgor/geometry/loop_subdivision.hpp"
 #include "turgor/sim/snapshot.hpp"
 
 namespace turgor {
@@ -15,8 +16,8 @@ void set_coarse(std::span<const Int3> triangles, BodySnapshot& body);
 /// Makes the smooth surface over SmoothSnapshot::coarse, for those who draw the snapshot. It is displaced
 /// like the points of the snapshot's surface on which it lies before smoothing. The subdivision is made once
 /// and kept in the snapshot's cache. Without coarse triangles, or with a mesh that is fine enough, there is
-/// none.
-void show_smooth(BodySnapshot& body);
-void show_smooth(WorldSnapshot& snapshot);
+/// none. `most`: triangles of a body that can be drawn in time.
+void show_smooth(BodySnapshot& body, std::size_t most = kMostInPictures);
+void show_smooth(WorldSnapshot& snapshot, std::size_t most = kMostInPictures);
 
 }  // namespace turgor
