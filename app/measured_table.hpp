@@ -56,6 +56,8 @@ struct MeasuredResult {
 void add_laws(MeasuredResult& result);
 /// Laws of the lattice at a point: confined compression, torsion, fibers, against closed forms.
 void add_point_problems(MeasuredResult& result);
+/// Laws in the elements of FEBio against the results that its test suite stores.
+void add_febio(MeasuredResult& result);
 /// Bodies of lattice cells against closed and published results. `quick`: without beams.
 void add_body_problems(const Exec& exec, bool quick, MeasuredResult& result);
 /// Muscle and skin: laws at a point of the material, fitted to some curves, predict others; skin also as a
@@ -64,6 +66,9 @@ void add_muscle(MeasuredResult& result);
 void add_skin_sheet(const Exec& exec, MeasuredResult& result);
 /// Blocks of lattice cells with the exponential law and the pairs of the muscle's fit.
 void add_muscle_bodies(const Exec& exec, MeasuredResult& result);
+/// Brain: an Ogden law fitted to two of three tests predicts the third; a cube of lattice cells repeats them.
+/// `quick`: without cubes.
+void add_brain(const Exec& exec, bool quick, MeasuredResult& result);
 /// Layered lattices under a flat probe; moduli fitted at two sites predict two others.
 void add_limbs(const Exec& exec, MeasuredResult& result);
 /// Disc cut out of tense skin on fat: tensions fitted to its specimen predict the wound. `quick`: larger

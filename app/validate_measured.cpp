@@ -63,8 +63,10 @@ std::vector<Figure> validate_measured(const Exec& exec, bool quick, const std::f
   MeasuredResult result;
   add_laws(result);
   add_point_problems(result);
+  add_febio(result);
   add_body_problems(exec, quick, result);
   add_muscle(result);
+  add_brain(exec, quick, result);
   add_skin_sheet(exec, result);
   add_disc(exec, quick, result);
   add_cantilever(exec, quick, result);

@@ -14,7 +14,7 @@ TEST(ValidateMeasuredCommand, MissesArePrinted) {
   const Ended ended = run_program("validate measured --quick --out measured", folder);
   const json report = report_in(folder / "measured");
   ASSERT_GE(report["rows"].size(), 20u);
-  std::size_t missed = 0;
+  std::size_t missed = 0, of_brain = 0, of_febio = 0;
   for (const json& row : report["rows"]) {
     const double measured = row["measured"], low = row["low"], high = row["high"], found = row["predicted"];
     EXPECT_TRUE(low <= measured && measured <= high) << row;
@@ -22,10 +22,19 @@ TEST(ValidateMeasuredCommand, MissesArePrinted) {
     EXPECT_NE(row["source"], "");
     EXPECT_NE(ended.printed.find(row["name"].get<std::string>()), std::string::npos);
     missed += !row["inside"].get<bool>();
+    const std::string name = row["name"];
+    of_brain += name.starts_with("brain, ");
+    of_febio += name.starts_with("FEBio ");
+    if (name.starts_with("FEBio ")) {
+      EXPECT_NEAR(found / measured, 1, 1e-4) << row;
+    }
   }
+  EXPECT_EQ(of_brain, 12u) << "three tests of two regions, two figures each";
+  EXPECT_EQ(of_febio, 2u);
   EXPECT_EQ(ended.code, missed > 0 ? 3 : 0) << ended.printed;
   EXPECT_EQ(report["missed"].size(), missed);
-  for (const char* curve : {"muscle-along-exponential.svg", "skin-equibiaxial-y-body.svg", "cantilever.svg"})
+  for (const char* curve : {"brain-cortex-shear.svg", "muscle-along-exponential.svg",
+                            "skin-equibiaxial-y-body.svg", "cantilever.svg"})
     EXPECT_TRUE(fs::exists(folder / "measured" / curve)) << curve;
 }
 
