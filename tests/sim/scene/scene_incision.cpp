@@ -33,5 +33,14 @@ TEST(SceneIncision, RefusesUnderminingBelowTheCut) {
             std::string::npos);
 }
 
+// Two ends in millimeters are two problems; that nothing of the cut was read is no third one.
+TEST(SceneIncision, WrongEndsAreNamedOnce) {
+  EXPECT_EQ(
+      test::error_of("[body.b]\nmodel = \"lattice\"\nct = { phantom = \"leg\" }\n"
+                     "[incision.c]\nbody = \"b\"\nfrom = [20, -110, 50]\nto = [20, -110, -50]\n"),
+      "s.toml:6:13: incision.c.from: expected numbers from -100 to 100 [m], found -110 m; -110 mm are -0.11\n"
+      "s.toml:7:11: incision.c.to: expected numbers from -100 to 100 [m], found -110 m; -110 mm are -0.11");
+}
+
 }  // namespace
 }  // namespace turgor

@@ -23,7 +23,7 @@ TEST(SceneParameters, HaveValueUnitAndSource) {
                        fat = parameter_of(*scene, "body.torso.tissue.fat"),
                        muscle = parameter_of(*scene, "body.torso.tissue.muscle"),
                        depth = parameter_of(*scene, "incision.cut.depth");
-  EXPECT_EQ(tension.value, "[ 60, 30 ]");
+  EXPECT_EQ(tension.value, "[60, 30]");
   EXPECT_EQ(tension.unit, "N/m");
   EXPECT_EQ(tension.source, "scene, line 4");
   EXPECT_EQ(fat.value, "4000");
@@ -32,6 +32,7 @@ TEST(SceneParameters, HaveValueUnitAndSource) {
   EXPECT_EQ(muscle.unit, "Pa");
   EXPECT_EQ(muscle.source, "default");
   EXPECT_EQ(depth.value, "0.01");
+  EXPECT_EQ(parameter_of(*scene, "incision.cut.to").value, "[0, 0, 0.1]");
   EXPECT_EQ(depth.unit, "m");
 }
 

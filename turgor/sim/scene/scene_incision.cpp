@@ -69,6 +69,7 @@ void read_cut_path(SceneTable& table, IncisionScene& incision) {
                 fractions ? "the start of the cut, 0 to 1 along the body's box" : "the start of the cut");
   table.require(fractions ? std::vector<std::string>{to} : std::vector<std::string>{"to", "to_fraction"},
                 fractions ? "the end of the cut, 0 to 1 along the body's box" : "the end of the cut");
+  const std::size_t known_problems = table.problem_count();
   if (fractions) {
     table.read("from_fraction", blade.from, allowed,
                "instead of `from`: in fractions of the box around the body, so that one scene fits every "
@@ -79,8 +80,8 @@ void read_cut_path(SceneTable& table, IncisionScene& incision) {
     table.read("from", blade.from, allowed, {"start of the cut, on or near the skin", "required"});
     table.read("to", blade.to, allowed, {"end of the cut", "required"});
   }
-  if (table.has(from) && table.has(to) && blade.from == blade.to)
-    table.fail("to", "the cut has no length: it ends where it starts");
+  const bool is_read = table.problem_count() == known_problems && table.has(from) && table.has(to);
+  if (is_read && blade.from == blade.to) table.fail("to", "the cut has no length: it ends where it starts");
 }
 
 void read_undermining(SceneTable& incision, lattice::Incision& blade) {

@@ -12,6 +12,8 @@ namespace turgor {
 
 namespace {
 
+constexpr std::size_t kLongest = 200;  // characters of a value
+
 bool is_physical(const std::string& path) {
   for (const char* table : {"body.", "tool.", "incision.", "excision.", "attachment.", "contact.", "world."})
     if (path.starts_with(table)) return true;
@@ -58,7 +60,8 @@ std::vector<SceneParameter> scene_parameters(const toml::table& root, const Scen
     if (!is_physical(key.path)) continue;
     const toml::node* node = node_at(root, key.path);
     if (node && !node->is_table())
-      parameters.push_back({key.path, describe(*node), key.unit, source_of(key.path, *node, problems)});
+      parameters.push_back(
+          {key.path, describe(*node, kLongest), key.unit, source_of(key.path, *node, problems)});
     // a default in voxels is no length, and stands back where a length is given
     else if (!node && is_number(plain_default(key)) && key.unit != "voxels")
       parameters.push_back({key.path, plain_default(key), key.unit, "default"});

@@ -1,6 +1,7 @@
 #include "turgor/sim/scene/scene_table.hpp"
 
 #include <cmath>
+#include <cstdlib>
 #include <sstream>
 
 #include "turgor/core/assert.hpp"
@@ -43,6 +44,19 @@ std::string if_in_mm(const Allowed& allowed, std::optional<double> value) {
       !allows(allowed, *value / 1000))
     return "";
   return fmt::format(" m; {:g} mm are {:g}", *value, *value / 1000);
+}
+
+/// Hint for a length with a unit, such as "4 mm"; empty otherwise. Lengths of a scene are numbers in meters.
+std::string if_with_unit(const Allowed& allowed, const toml::node& node) {
+  const auto* text = node.as_string();
+  if (!text || std::string_view(allowed.unit) != "m") return "";
+  char* unit = nullptr;
+  const double value = std::strtod(text->get().c_str(), &unit);
+  while (*unit == ' ') unit++;
+  for (const auto& [name, meters] : {std::pair{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1.0}})
+    if (unit != text->get().c_str() && std::string_view(unit) == name && std::isfinite(value))
+      return fmt::format("; {:g} {} are {:g}", value, name, value * meters);
+  return "";
 }
 
 std::string text_of(double value) {
@@ -90,19 +104,22 @@ void SceneProblems::add(const std::string& path, const toml::node& node, const s
       {in_file ? node.source().begin.line : 0, on_one_line(fmt::format("{}: {}", location, message))});
 }
 
-std::string describe(const toml::node& node) {
+std::string describe(const toml::node& node, std::size_t longest) {
   if (node.is_table()) return "a table";
   if (const auto* text = node.as_string()) return fmt::format("\"{}\"", text->get().substr(0, 60));
   if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* array = node.as_array()) {
+    std::string entries;
+    for (const toml::node& entry : *array) {
+      entries += (entries.empty() ? "" : ", ") + describe(entry, longest);
+      if (entries.size() > longest || entries.find('\n') != std::string::npos) return "an array";
+    }
+    return "[" + entries + "]";
+  }
   std::ostringstream text;
-  if (node.is_array())
-    text << *node.as_array();
-  else if (const auto* number = node.as_floating_point())
-    return fmt::format("{}", number->get());
-  else
-    text << toml::node_view(node);
-  const std::string printed = text.str();
-  return printed.size() > 60 || printed.find('\n') != std::string::npos ? "an array" : printed;
+  text << toml::node_view(node);
+  return text.str();
 }
 
 std::string SceneTable::path_of(std::string_view key) const {
@@ -128,9 +145,10 @@ void SceneTable::fail_value(std::string_view key, const toml::node& node, const 
 void SceneTable::fail_number(std::string_view key, const toml::node& node, const std::string& expected,
                              const Allowed& allowed) {
   const auto number = node.is_number() ? node.value<double>() : std::nullopt;
-  problems_.add(path_of(key), node,
-                fmt::format("expected {}{}, found {}{}{}", expected, with_unit(allowed),
-                            turgor::describe(node), if_in_mm(allowed, number), if_too_small(number)));
+  problems_.add(
+      path_of(key), node,
+      fmt::format("expected {}{}, found {}{}{}{}", expected, with_unit(allowed), turgor::describe(node),
+                  if_in_mm(allowed, number), if_with_unit(allowed, node), if_too_small(number)));
 }
 
 void SceneTable::read(std::string_view key, double& value, const Allowed& allowed, Meaning meaning) {

@@ -45,8 +45,9 @@ struct SceneProblems {
   void add(const std::string& path, const toml::node& node, const std::string& what);
 };
 
-/// Value as error messages show it: the number 3, the text "x", a table.
-std::string describe(const toml::node& node);
+/// Value as error messages show it: the number 3, the text "x", a table; "an array" for one of more than
+/// `longest` characters.
+std::string describe(const toml::node& node, std::size_t longest = 60);
 
 class SceneTable {
  public:
@@ -94,6 +95,8 @@ class SceneTable {
   /// The same for tables whose keys are user-defined names; adds a problem for invalid names (name.hpp).
   std::vector<std::string> names();
   bool has(std::string_view key) const { return table_.contains(key); }
+  /// Number of problems of the whole scene so far.
+  std::size_t problem_count() const { return problems_.problems.size(); }
 
   /// Numbers of an array, checked. Empty, and a problem, if the value is no such array.
   std::vector<double> numbers(std::string_view key, const toml::node& node, const Allowed& allowed);
