@@ -81,6 +81,9 @@ TEST(Report, PageBeginsWithVerdictAndEndsWithTime) {
   EXPECT_LT(at("<h2>Parameters</h2>"), at("<h2>Solver</h2>"));
   EXPECT_LT(at("<h2>Solver</h2>"), at("<h2>Time</h2>"));
   EXPECT_LT(at("<h2>Time</h2>"), at("frame (median)"));
+  for (const char* row : {"<td>reading and building [s]</td>", "<td>physics [s]</td>", "<td>drawing [s]</td>",
+                          "<td>writing files [s]</td>", "<td>total [s]</td>"})
+    EXPECT_LT(at("<h2>Time</h2>"), at(row)) << row;
   EXPECT_NE(at("largest force on finger"), std::string::npos);
   EXPECT_EQ(at("time per force of finger"), std::string::npos);
   EXPECT_NE(at("body.block.skin.tension"), std::string::npos);

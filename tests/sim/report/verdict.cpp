@@ -62,6 +62,11 @@ TEST(Verdict, LargestForceAndLimits) {
   EXPECT_EQ(said[0],
             "The largest force is 0.50 N, on 'finger' at 1.25 s, with an error of about 4 % from the mesh.");
   EXPECT_EQ(said[1], "No force reached a limit of the model.");
+  report["bodies"] = {{{"name", "liver"}, {"model", "sfem"}, {"surface_strain_max_percent", 28.0}}};
+  EXPECT_EQ(verdict_of(report)[1],
+            "The surface of 'liver' was strained by 28 %, beyond its linear law: see the warnings.");
+  report["bodies"][0]["surface_strain_max_percent"] = 9.0;
+  EXPECT_EQ(verdict_of(report)[1], "No force reached a limit of the model.");
   report["tools"][1]["slips"] = 1;
   said = verdict_of(report);
   EXPECT_EQ(said[1], "Forces on 'hook' reached a limit of the model: see the warnings.");

@@ -42,6 +42,7 @@ TEST(TissuePresets, KindsFindTheirOwn) {
 // Texts have the unit, and the scatter where one is stated.
 TEST(TissuePresets, ValueTextShowsScatter) {
   EXPECT_EQ(value_text({"young", 51710, "Pa", 39880, 64320}), "51.71 kPa (39.88 to 64.32)");
+  EXPECT_EQ(value_text({"young", 1e7, "Pa", 0, 0}), "10 MPa");
   EXPECT_EQ(value_text({"tension", 5.6, "N/m"}), "5.6 N/m");
   EXPECT_EQ(value_text({"alpha", -18.7, "1"}), "-18.7");
 }

@@ -11,8 +11,12 @@ namespace turgor::page {
 
 namespace {
 
+/// True for sizes of memory, whose cells have their own unit: 601622784 bytes are "602 MB".
+bool is_size(const Caption& caption) { return caption.unit.text == std::string_view(units::kBytes.text); }
+
 std::string with_unit(const Caption& caption) {
-  return *caption.unit.text ? fmt::format("{} [{}]", caption.label, caption.unit.text) : caption.label;
+  return *caption.unit.text && !is_size(caption) ? fmt::format("{} [{}]", caption.label, caption.unit.text)
+                                                 : caption.label;
 }
 
 std::string name_of(const Json& item) { return item.contains("name") ? html_value(item.at("name")) : ""; }
@@ -20,6 +24,14 @@ std::string name_of(const Json& item) { return item.contains("name") ? html_valu
 }  // namespace
 
 std::string html_value(const Json& value) { return xml_text(number_of(value)); }
+
+namespace {
+
+std::string cell_of(const Json& value, const Caption& caption) {
+  return is_size(caption) ? xml_text(amount(value, caption.unit)) : html_value(value);
+}
+
+}  // namespace
 
 std::string table_row(const std::vector<std::string>& cells, const char* tag) {
   std::string row = "<tr>";
@@ -41,7 +53,7 @@ std::string quantity_table(const Json& items, const char* heading, const std::ve
       const Json* value = find(item, caption.key);
       const bool known = value && !value->is_null();
       any = any || known;
-      cells.push_back(known ? html_value(*value) : "–");
+      cells.push_back(known ? cell_of(*value, caption) : "–");
     }
     if (any) table += table_row(cells, "td");
   }
@@ -67,7 +79,7 @@ std::string item_table(const Json& items, const char* heading, const std::vector
     cells = {name_of(item)};
     for (const Caption& caption : columns) {
       const Json* value = find(item, caption.key);
-      cells.push_back(value && !value->is_null() ? html_value(*value) : "–");
+      cells.push_back(value && !value->is_null() ? cell_of(*value, caption) : "–");
     }
     table += table_row(cells, "td");
   }

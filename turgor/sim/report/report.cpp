@@ -57,11 +57,11 @@ double mean(const std::vector<double>& values) {
 
 const Quantity<Timing> kTiming[] = {
     {"load", kSeconds, "reading and building", [](const Timing& t) -> Json { return t.facts.load_seconds; },
-     kInSummary},
+     kEverywhere},
     {"simulation", kSeconds, "", [](const Timing& t) -> Json { return t.facts.simulation_seconds; },
      kInReport},
     {"physics", kSeconds, "physics", [](const Timing& t) -> Json { return sum(t.measures.frame_seconds); },
-     kInSummary},
+     kEverywhere},
     {"frames", kCount, "", [](const Timing& t) -> Json { return t.measures.frame_seconds.size(); },
      kInReport},
     {"frame_mean", kMilliseconds, "", [](const Timing& t) -> Json { return mean(t.measures.frame_seconds); },
@@ -77,14 +77,15 @@ const Quantity<Timing> kTiming[] = {
 };
 /// Timing that is known after all output.
 const Quantity<RunFacts> kOutputTiming[] = {
-    {"drawing", kSeconds, "drawing", [](const RunFacts& f) -> Json { return f.drawing_seconds; }, kInSummary},
+    {"drawing", kSeconds, "drawing", [](const RunFacts& f) -> Json { return f.drawing_seconds; },
+     kEverywhere},
     {"files", kSeconds, "writing files", [](const RunFacts& f) -> Json { return f.file_seconds; },
-     kInSummary},
+     kEverywhere},
     {"output", kSeconds, "", [](const RunFacts& f) -> Json { return f.output_seconds; }, kInReport},
     {"resumed_after", kSeconds, "before it was resumed",
      [](const RunFacts& f) -> Json { return f.resumed_after > 0 ? Json(f.resumed_after) : absent(); },
-     kInSummary},
-    {"total", kSeconds, "total", [](const RunFacts& f) -> Json { return f.total_seconds; }, kInSummary},
+     kEverywhere},
+    {"total", kSeconds, "total", [](const RunFacts& f) -> Json { return f.total_seconds; }, kEverywhere},
 };
 
 /// Local date, as 2026-11-25.
@@ -240,7 +241,7 @@ Section timing_section() {
   std::vector<Caption> captions = captions_of(kTiming);
   const std::vector<Caption> more = captions_of(kOutputTiming);
   captions.insert(captions.end(), more.begin(), more.end());
-  return {"", "time", [](const Json& report) { return Json::array({report.at("timing")}); }, captions};
+  return {"", "wall time", [](const Json& report) { return Json::array({report.at("timing")}); }, captions};
 }
 
 }  // namespace turgor

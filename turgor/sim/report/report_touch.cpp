@@ -25,17 +25,18 @@ constexpr std::size_t kMostSamples = 2000;  // limit of a series; forces.csv hol
 
 struct ShapeText {
   std::string operator()(const BallTool& s) const {
-    return fmt::format("sphere of {:.4g} mm", s.radius * kMm);
+    return fmt::format("sphere, radius {:.4g} mm", s.radius * kMm);
   }
   std::string operator()(const RodTool& s) const {
-    return fmt::format("capsule of {:.4g} mm, half length {:.4g} mm", s.radius * kMm, s.half_length * kMm);
+    return fmt::format("capsule, radius {:.4g} mm, half length {:.4g} mm", s.radius * kMm,
+                       s.half_length * kMm);
   }
   std::string operator()(const MeshTool& s) const { return s.file.string(); }
   std::string operator()(const ForcepsTool& s) const {
     return fmt::format("forceps, opening {:.4g} mm", s.opening * kMm);
   }
   std::string operator()(const NeedleTool& s) const {
-    return fmt::format("needle of {:.4g} mm, length {:.4g} mm", s.needle.diameter * kMm,
+    return fmt::format("needle, diameter {:.4g} mm, length {:.4g} mm", s.needle.diameter * kMm,
                        s.needle.length * kMm);
   }
 };

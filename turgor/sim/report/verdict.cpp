@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/models/sfem/surface_strain.hpp"
 #include "turgor/sim/report/amount.hpp"
 #include "turgor/sim/report/page.hpp"
 #include "turgor/sim/report/report.hpp"
@@ -110,6 +111,17 @@ bool was_limited(const Json& tool) {
   return number_at(tool, "passed_surface_at_s", -1) >= 0 || tool.value("beyond_patch", false);
 }
 
+/// Body of linear elements whose touched surface was strained beyond its law, with the strain; empty if none.
+std::string beyond_linear_law(const Json& report) {
+  for (const Json& body : bodies_of(report, BodyKind::kSfem)) {
+    const double strain = 0.01 * number_at(body, "surface_strain_max_percent");
+    if (!find(body, "law.strain_max_percent") && strain > sfem::kLinearStrain)
+      return fmt::format("The surface of '{}' was strained by {}, beyond its linear law: see the warnings.",
+                         name_at(body), percent(strain));
+  }
+  return "";
+}
+
 void add_forces(const Json& report, std::vector<std::string>& sentences) {
   const Json tools = items_of(report, "tools");
   if (tools.empty()) return;
@@ -126,9 +138,10 @@ void add_forces(const Json& report, std::vector<std::string>& sentences) {
   std::string limited;
   for (const Json& tool : tools)
     if (was_limited(tool)) limited += (limited.empty() ? "'" : "', '") + name_at(tool);
+  const std::string strained = beyond_linear_law(report);
   sentences.push_back(
       limited.empty()
-          ? "No force reached a limit of the model."
+          ? strained.empty() ? "No force reached a limit of the model." : strained
           : fmt::format("Forces on {}' reached a limit of the model: see the warnings.", limited));
 }
 

@@ -28,9 +28,9 @@ NeedleLayerScene read_needle_layer(SceneTable& inner, const std::string& name, b
     inner.fail("label", "a layer by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
   // resistance
   inner.read("toughness", layer.toughness, within(-1, 1e5, "J/m²"),
-             "against needles; -1: that of the needle's `shape.toughness`");
+             {"against needles; -1 is the default", "that of the needle's `shape.toughness`"});
   inner.read("shaft_friction", layer.friction, within(-1, 1e4, "N/m"),
-             "along needles, per length; -1: that of the needle's `shape.shaft_friction`");
+             {"along needles, per length; -1 is the default", "that of the needle's `shape.shaft_friction`"});
   inner.finish();
   return layer;
 }

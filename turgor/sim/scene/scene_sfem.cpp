@@ -16,7 +16,8 @@ const Allowed kResolution = within(1e-4, 1, "m");
 constexpr double kUsualEdge = 0.02;  // edge of quadratic tetrahedra, whose nodes are half as far apart [m]
 const Allowed kScale = inside(0, 1e6, "m");
 const Allowed kToughness = within(-1, 1e5, "J/m²");
-constexpr const char* kToughnessMeaning = "against needles; -1: that of the needle's `shape.toughness`";
+const Meaning kToughnessMeaning{"against needles; -1 is the default",
+                                "that of the needle's `shape.toughness`"};
 
 LabeledOrgan read_labeled_organ(SceneTable& table, SceneLabels& names) {
   // segmentation file or phantom

@@ -233,10 +233,10 @@ const char* kind_name(PresetKind kind) {
 }
 
 std::string value_text(const PresetValue& value) {
-  // kilopascals from 100 Pa on; no unit for ratios
-  const bool kilo = value.unit == "Pa" && value.value >= 100;
-  const double scale = kilo ? 1e-3 : 1;
-  const std::string unit = kilo ? "kPa" : value.unit == "1" ? "" : value.unit;
+  // kilopascals from 100 Pa on, megapascals from 1 MPa on; no unit for ratios
+  const bool kilo = value.unit == "Pa" && value.value >= 100, mega = kilo && value.value >= 1e6;
+  const double scale = mega ? 1e-6 : kilo ? 1e-3 : 1;
+  const std::string unit = mega ? "MPa" : kilo ? "kPa" : value.unit == "1" ? "" : value.unit;
   std::string text = fmt::format("{:.4g}{}{}", value.value * scale, unit.empty() ? "" : " ", unit);
   if (value.low < value.high)
     text += fmt::format(" ({:.4g} to {:.4g})", value.low * scale, value.high * scale);

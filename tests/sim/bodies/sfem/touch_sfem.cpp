@@ -409,7 +409,7 @@ TEST(TouchSfem, ReportHasForcesAndTimes) {
     measure_frame(exec, world, step(exec, world).value(), false, measures);
   const Json report = simulation_report(exec, scene, world, measures, {});
   EXPECT_EQ(report["bodies"][0]["mesh"]["vertices"], 9 * 9 * 5);
-  EXPECT_EQ(report["tools"][0]["shape"], "sphere of 6 mm");
+  EXPECT_EQ(report["tools"][0]["shape"], "sphere, radius 6 mm");
   // The maximum is over all ticks, not only over those that end a frame.
   EXPECT_GE(report["tools"][0]["force_max_N"].get<double>(), measures.pressed[0].force - 1e-6);
   const auto tick = std::size_t(std::floor(measures.pressed[0].time / kTick + 1e-9));
