@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <vector>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/atomic_max.hpp"
@@ -20,6 +21,7 @@ namespace turgor::cloth {
 namespace {
 
 constexpr std::size_t kGrain = 64;  // batches per task
+constexpr int kMaxRewinds = 10;     // of a step for its collisions
 
 template <class Loop>
 void for_batches(const Exec& exec, const State& state, const Loop& loop) {
@@ -91,10 +93,17 @@ struct HostStep {
   const Inputs& inputs;
   double frame, dt = 0;  // [s]; dt is shorter with BDF2
   StepReport report = {};
+  Vectors start_x = {}, start_v = {};    // positions and velocities that the linear system starts from
+  std::vector<Contact> collisions = {};  // of earlier solutions of the step
+  int rewinds = 0;
+  bool may_collide = true;  // false: the latest search has found nothing
 
   bool uses_cg() const { return uses_conjugate_gradients(model.params.solver.method); }
 
-  void predict() { dt = state.impulse_time = uses_bdf2(model) ? predict_bdf2(exec, state, frame) : frame; }
+  void predict() {
+    dt = state.impulse_time = uses_bdf2(model) ? predict_bdf2(exec, state, frame) : frame;
+    if (uses_cg() && model.params.collision.self) start_x = state.x, start_v = state.v;
+  }
   void assemble() { cloth::assemble(exec, model, state, inputs, dt); }
   void start_change() { cloth::start_change(exec, model, state, dt); }
 
@@ -107,11 +116,11 @@ struct HostStep {
   }
 
   // conjugate gradients
-  void find_implicit_contacts() { cloth::find_implicit_contacts(exec, model, state, inputs, dt); }
+  void find_implicit_contacts() { cloth::find_implicit_contacts(exec, model, state, inputs, dt, collisions); }
   void solve_with_implicit_contacts() { cloth::solve_with_implicit_contacts(exec, model, state, dt); }
   void relinearize() {
     cloth::relinearize(exec, model, state, inputs, dt);
-    report.iterations = state.system.iterations, report.residual = state.system.residual;
+    report.iterations += state.system.iterations, report.residual = state.system.residual;
   }
 
   // velocities
@@ -141,8 +150,20 @@ struct HostStep {
   // positions
   void move() { cloth::move(exec, model, state, Real(dt)); }
   void solve_positions() { cloth::solve_positions(exec, model, state, dt); }
+  /// Rewinds the step if its motion has collisions that are no contacts yet. They become contacts.
+  bool rewinds_for_collisions() {
+    if (!model.params.collision.self || rewinds == kMaxRewinds) return false;
+    may_collide = find_collisions(exec, model, state);
+    const std::size_t before = collisions.size();
+    if (may_collide) find_collision_contacts(model, state, start_x, collisions);
+    if (collisions.size() == before) return false;
+    state.x = start_x, state.v = start_v;
+    rewinds++;
+    return true;
+  }
   void resolve_ccd() {
-    if (model.params.collision.self) report.in_impact_zone = cloth::resolve_ccd(exec, model, state);
+    if (model.params.collision.self && may_collide)
+      report.in_impact_zone = cloth::resolve_ccd(exec, model, state);
   }
   void advance_time() { state.time += frame; }
 };

@@ -77,20 +77,35 @@ std::vector<int> move_zones(const CcdWorkspace& ccd, const std::vector<ZoneMotio
   return changed;
 }
 
+/// True if the cloth had no intersections at the beginning of the step. Else it is left alone, and tested
+/// again later.
+bool is_free(const Exec& exec, const Model& model, CcdWorkspace& ccd, const CcdMotion& motion) {
+  constexpr int kStepsBetweenChecks = 30;
+  if (ccd.steps_until_check == 0)
+    ccd.steps_until_check = intersects_itself(exec, model, motion.start) ? kStepsBetweenChecks : -1;
+  if (ccd.steps_until_check < 0) return true;
+  ccd.steps_until_check--;
+  return false;
+}
+
 }  // namespace
 
+bool find_collisions(const Exec& exec, const Model& model, State& state) {
+  CcdWorkspace& ccd = state.ccd;
+  const CcdMotion motion = ccd_motion(view(model, state));
+  ccd.ccd_pairs.clear(), ccd.in_impact_zone.clear(), ccd.zone.clear();
+  if (!is_free(exec, model, ccd, motion)) return false;
+  set_displacements(exec, state, motion);
+  measure_triangles(exec, model, state);
+  build_boxes(exec, model, state);
+  return find_ccd_pairs(exec, model, state, false, true);
+}
+
 int resolve_ccd(const Exec& exec, const Model& model, State& state) {
-  // a cloth with intersections is left alone, and tested again later
-  constexpr int kStepsBetweenChecks = 30;
   CcdWorkspace& ccd = state.ccd;
   TURGOR_CHECK(state.x.size() == model.mass.size(), "positions are on the host");
   const CcdMotion motion = ccd_motion(view(model, state));
-  if (ccd.steps_until_check == 0)
-    ccd.steps_until_check = intersects_itself(exec, model, motion.start) ? kStepsBetweenChecks : -1;
-  if (ccd.steps_until_check > 0) {
-    ccd.steps_until_check--;
-    return 0;
-  }
+  if (!is_free(exec, model, ccd, motion)) return 0;
   // uncorrected motion
   ccd.ccd_pairs.clear(), ccd.in_impact_zone.clear(), ccd.zone.clear();
   set_displacements(exec, state, motion);

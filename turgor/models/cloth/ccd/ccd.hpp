@@ -14,6 +14,8 @@ namespace turgor::cloth {
 
 struct Model;
 struct State;
+struct Vectors;
+struct Contact;
 
 /// Reach of primitives: intersecting edges have ends nearer than √½ of the longer edge, and a point of a
 /// triangle is nearer than that to a corner.
@@ -48,8 +50,18 @@ void build_boxes(const Exec& exec, const Model& model, State& state, bool change
 void mark_changed(const Exec& exec, const Model& model, const std::vector<int>& changed, CcdWorkspace& ccd);
 
 /// Appends colliding pairs to CcdWorkspace::ccd_pairs. `changed`: as there; displacements have changed since
-/// the last search at those vertices only. False: there are no new pairs.
-bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool changed = false);
+/// the last search at those vertices only. `list_all`: pairs whose vertices are in one impact zone already
+/// are listed too. False: there are no new pairs.
+bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool changed = false,
+                    bool list_all = false);
+
+/// Lists all pairs that collide in the motion from System::previous to State::x in CcdWorkspace::ccd_pairs.
+/// False: there are none, or the cloth intersects itself at the beginning and is left alone.
+bool find_collisions(const Exec& exec, const Model& model, State& state);
+
+/// Appends contacts of the pairs of find_collisions, with the normals and weights at the time of collision,
+/// except implicit ones (ccd_contacts.cpp). `x`: positions that the linear system of the step starts from.
+void find_collision_contacts(const Model& model, State& state, const Vectors& x, std::vector<Contact>& found);
 
 /// Changes a step from System::previous to State::x such that the cloth does not pass through itself. Returns
 /// the number of vertices in impact zones. A cloth that intersects itself at the beginning is left alone

@@ -114,7 +114,8 @@ struct FindCcdPairs {
   const State& state;
   CcdMotion motion;
   double thickness;
-  bool all;  // all pairs are visited
+  bool all;       // all pairs are visited
+  bool list_all;  // pairs whose vertices are in one zone already are stored too
   const ZoneOfVertex& zone;
   std::vector<CcdPair>& found;
   ZoneUnion zones{state.ccd, zone};
@@ -182,10 +183,10 @@ struct FindCcdPairs {
   void test(const std::array<int, 4>& v, bool are_edges) {
     const LinearMotion::PrimitivePair primitives = linear.primitives(v, are_edges);
     if (!linear.may_collide(primitives)) return;
-    if (!found.empty() && zones.are_one(v)) return;
+    if (!list_all && !found.empty() && zones.are_one(v)) return;
     if (!linear.collide(primitives, v)) return;
     found.push_back({v, are_edges});
-    zones.join(v);
+    if (!list_all) zones.join(v);
   }
 
   /// True if this pair of vertices is certainly visited.
@@ -323,7 +324,7 @@ void build_boxes(const Exec& exec, const Model& model, State& state, bool change
   }
 }
 
-bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool changed) {
+bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool changed, bool list_all) {
   CcdWorkspace& ccd = state.ccd;
   const bool all = !changed;
   TURGOR_CHECK(!ccd.level_begin.empty() && ccd.boxes.size() == ccd.level_begin.back(),
@@ -341,8 +342,8 @@ bool find_ccd_pairs(const Exec& exec, const Model& model, State& state, bool cha
   };
   parallel_for(exec, ccd.chunk_pairs.size(), [&](std::size_t chunk) {
     ccd.chunk_pairs[chunk].clear();
-    FindCcdPairs find{
-        model, state, motion, model.params.collision.thickness, all, zone, ccd.chunk_pairs[chunk]};
+    FindCcdPairs find{model, state,    motion, model.params.collision.thickness,
+                      all,   list_all, zone,   ccd.chunk_pairs[chunk]};
     for (std::size_t a = chunk * kChunkSize; a < std::min((chunk + 1) * kChunkSize, count); a++) {
       if (!all && !any_changed(ccd, a)) continue;
       const auto moves_along = [&](std::size_t box) {

@@ -53,13 +53,15 @@ TURGOR_HD inline double gap_between(const std::array<Vec3d, 4>& x, bool are_edge
 
 /// Conservative advancement. With gap g and normal n of the nearest points at time s, the primitives cannot
 /// come nearer than `least` before s + (g − least)/c, where c is the largest closing speed of their vertices
-/// along n. True if they come nearer than `least` in the motion from x to x + d [m].
+/// along n. True if they come nearer than `least` in the motion from x to x + d [m]; `time` is when they are
+/// that near [1].
 TURGOR_HD inline bool comes_too_near(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d,
-                                     bool are_edges, double thickness) {
+                                     bool are_edges, double thickness, double& time) {
   constexpr int kSteps = 64;
   const double closest = kClosest * thickness;
   std::array<Vec3d, 4> y = x;
-  double time = 0, least = 0;
+  double least = 0;
+  time = 0;
   for (int step = 0; step < kSteps; step++) {
     // gap and normal
     const Vec3d offset = between(y, are_edges);
@@ -81,6 +83,11 @@ TURGOR_HD inline bool comes_too_near(const std::array<Vec3d, 4>& x, const std::a
     for (std::size_t k = 0; k < 4; k++) y[k] = x[k] + d[k] * time;
   }
   return true;
+}
+TURGOR_HD inline bool comes_too_near(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d,
+                                     bool are_edges, double thickness) {
+  double time;
+  return comes_too_near(x, d, are_edges, thickness, time);
 }
 
 /// Linear motion of the vertices in a step, and its collision tests.

@@ -201,7 +201,7 @@ void soften_squeezed(const Inputs& inputs, double dt, State& state) {
 }  // namespace
 
 void find_implicit_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                            double dt) {
+                            double dt, std::span<const Contact> collisions) {
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
   ImplicitContacts& implicit_contacts = state.implicit_contacts;
   // predicted contacts
@@ -212,6 +212,11 @@ void find_implicit_contacts(const Exec& exec, const Model& model, State& state, 
   for (const auto& found : implicit_contacts.contacts.candidates)
     list.insert(list.end(), found.begin(), found.end());
   link_contacts(model, state, implicit_contacts.contacts);
+  // collisions of earlier solutions of the step
+  const std::size_t predicted = list.size();
+  for (const Contact& c : collisions)
+    if (!find_previous(view(implicit_contacts.contacts), c)) list.push_back(c);
+  if (list.size() > predicted) link_contacts(model, state, implicit_contacts.contacts);
   // terms with their stiffness
   implicit_contacts.terms.assign(list.size(), {});
   implicit_contacts.inverse.clear();

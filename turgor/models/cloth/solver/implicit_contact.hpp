@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "turgor/models/cloth/contact/contact.hpp"
@@ -17,9 +18,9 @@
 namespace turgor::cloth {
 
 /// Finds the contacts that the step may close, with impulses of the step before, and sets up their terms. The
-/// system must be assembled.
+/// system must be assembled. `collisions`: contacts of pairs that collided in earlier solutions of the step.
 void find_implicit_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                            double dt);
+                            double dt, std::span<const Contact> collisions = {});
 /// Updates impulses from the latest solution, and the active set: open, sticking or sliding. True: the set
 /// changed, friction is wrong, or a contact penetrates too far.
 bool update_active_set(const Model& model, State& state, double dt);

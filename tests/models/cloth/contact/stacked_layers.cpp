@@ -1,0 +1,103 @@
+// Layers of cloth that fall on a table and on each other, with different meshes, turned against each other.
+#include "tests/models/cloth/meshes.hpp"
+#include "tests/models/cloth/sheets.hpp"
+#include "turgor/models/cloth/contact/contact.hpp"
+#include "turgor/models/cloth/contact/obstacle.hpp"
+
+namespace turgor::cloth {
+namespace {
+
+constexpr double kStackCell = 0.01, kStackThickness = 0.004, kStackGap = 0.008;  // [m]
+constexpr int kStackSide = 6;                                                    // vertices
+
+/// Horizontal sheets above each other, `kStackGap` apart, on the table z = 0. At rest they are far apart, so
+/// that they count as layers.
+struct FallingStack {
+  Model model;
+  State state = {};
+  Inputs inputs = in_vacuum();
+  std::vector<int> layer = {};  // of each vertex of the model
+};
+FallingStack falling_stack(int layers) {
+  constexpr Pattern kMeshes[] = {Pattern::kAlternating, Pattern::kRandom, Pattern::kDiagonal};
+  const double length = kStackCell * (kStackSide - 1);
+  TriMesh mesh;
+  for (int layer = 0; layer < layers; layer++) {
+    const TriMesh sheet = rectangle(kMeshes[layer % 3], 0, length, length, kStackCell);
+    const int first = int(mesh.vertices.size());
+    for (const Vec3 x : sheet.vertices) mesh.vertices.push_back(x + Vec3{0, 0, Real(0.1 * layer)});
+    for (const Int3 t : sheet.triangles) mesh.triangles.push_back(t + Int3{first, first, first});
+  }
+  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kTwoLevel, .sweeps = 200}};
+  params.collision.thickness = kStackThickness;
+  FallingStack stack{.model = must_build(mesh, params)};
+  stack.state = make_state(stack.model);
+  stack.layer.resize(mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.vertices.size(); v++) {
+    const int layer = int(v) / (kStackSide * kStackSide);
+    const double angle = 0.05 * layer, c = std::cos(angle), s = std::sin(angle);
+    const Vec3d x = Vec3d(mesh.vertices[v]) - Vec3d{length / 2, length / 2, 0};
+    const auto slot = std::size_t(stack.model.model_vertex[v]);
+    stack.state.x.set(
+        slot, Vec3(Vec3d{c * x.x - s * x.y, s * x.x + c * x.y, kStackThickness / 2 + kStackGap * layer}));
+    stack.layer[slot] = layer;
+  }
+  stack.inputs.obstacles.push_back(plane_obstacle({0, 0, 0}, {0, 0, 1}));
+  return stack;
+}
+
+/// Mean height of each layer [m].
+std::vector<double> layer_heights(const FallingStack& stack) {
+  std::vector<double> sum, count;
+  for (std::size_t v = 0; v < stack.layer.size(); v++) {
+    const auto layer = std::size_t(stack.layer[v]);
+    sum.resize(std::max(sum.size(), layer + 1)), count.resize(sum.size());
+    sum[layer] += double(stack.state.x.z[v]), count[layer]++;
+  }
+  for (std::size_t n = 0; n < sum.size(); n++) sum[n] /= count[n];
+  return sum;
+}
+
+// Layers come to rest in their order, a thickness apart. The table bears the weight of all, no layer sinks
+// into it, and no impact zone is needed, however many layers land on each other in a step.
+TEST(ClothStack, LayersRestOnEachOther) {
+  for (const int layers : {2, 5, 10, 24}) {
+    FallingStack stack = falling_stack(layers);
+    const int frames = 60 + layers;
+    double load = 0, lowest = 1;
+    int in_impact_zone = 0;
+    for (int n = 0; n < frames; n++) {
+      const StepReport report = step(Exec(1), stack.model, stack.state, stack.inputs, kFrame);
+      ASSERT_TRUE(report.finite) << layers << " layers, frame " << n;
+      in_impact_zone += report.in_impact_zone;
+      if (n >= frames - 20) load += obstacle_load(stack.state, 0, {}).impulse.z / kFrame / 20;
+      for (int v = 0; v < stack.model.count; v++)
+        lowest = std::min(lowest, double(stack.state.x.z[std::size_t(v)]));
+    }
+    EXPECT_EQ(in_impact_zone, 0) << layers << " layers";
+    EXPECT_NEAR(load / (stack.model.total_mass * -9.81), 1, 0.01) << layers << " layers";
+    EXPECT_GT(lowest, 0.35 * kStackThickness) << layers << " layers: in the table";
+    EXPECT_EQ(self_distance(Exec(1), stack.model, stack.state).crossings, 0) << layers << " layers";
+    const std::vector<double> heights = layer_heights(stack);
+    for (std::size_t n = 0; n < heights.size(); n++)
+      EXPECT_NEAR(heights[n] / kStackThickness, 0.5 + double(n), 0.1 + 0.05 * double(n))
+          << "layer " << n << " of " << layers;
+  }
+}
+
+// The collisions that become contacts are the same with any number of threads.
+TEST(ClothStack, SameBitsOnAnyThreads) {
+  std::vector<Vectors> ends;
+  for (const int threads : {1, 2, 8}) {
+    FallingStack stack = falling_stack(12);
+    for (int n = 0; n < 15; n++) step(Exec(threads), stack.model, stack.state, stack.inputs, kFrame);
+    ends.push_back(stack.state.x);
+  }
+  for (std::size_t v = 0; v < ends[0].size(); v++) {
+    EXPECT_EQ(ends[0][v], ends[1][v]) << v;
+    EXPECT_EQ(ends[0][v], ends[2][v]) << v;
+  }
+}
+
+}  // namespace
+}  // namespace turgor::cloth
