@@ -1,7 +1,9 @@
 // Whole scenes on a pretended GPU against the same scenes on the host.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "cuda_runtime.h"
+#include "turgor/sim/live/change_world.hpp"
 #include "turgor/sim/report/measures.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -65,6 +67,73 @@ TEST(PretendedGpuScenes, RetractionMatchesHost) {
   EXPECT_LT(most(moves, 40), state / 100) << "bytes per frame: during and after the cut";
   EXPECT_LT(most(24, int(device.downloaded.size())), state / 8)
       << "bytes per frame, an eighth of the state: the hook pulls";
+}
+
+/// Positions after ten frames of gravity, whose body becomes `factor` times as stiff after five.
+lattice::VecField stiffened(const std::string& device, double factor) {
+  const Exec exec(2);
+  const Scene scene = read_scene(TURGOR_SOURCE_DIR "/scenes/retract.toml",
+                                 {"world.device=" + device, "body.torso.block=6",
+                                  "body.torso.solver.ordering=colors", "body.torso.gravity=true"})
+                          .value();
+  World world = load_world(exec, scene).value();
+  for (int n = 0; n < 10; n++) {
+    if (n == 5) {
+      const Scene stiff = with_change(scene, "body.torso.stiffness_scale", fmt::format("{}", factor)).value();
+      change_world(exec, scene, stiff, world);
+    }
+    EXPECT_TRUE(step(exec, world)->finite);
+    EXPECT_EQ(world.lattice_bodies.at(0).state.is_on_device(), device == "gpu");
+  }
+  return world.lattice_bodies.at(0).state.host().motion.u;
+}
+
+double largest_difference(const lattice::VecField& a, const lattice::VecField& b) {
+  double most = 0;
+  for (int n = 0; n < int(a.x.size()); n++) most = std::max(most, double(norm(a[n] - b[n])));
+  return most;
+}
+
+// A body on the GPU takes another stiffness while it runs, as on the host.
+TEST(PretendedGpuScenes, LiveStiffnessMatchesHost) {
+  const lattice::VecField host = stiffened("cpu", 4), device = stiffened("gpu", 4),
+                          soft = stiffened("cpu", 1);
+  const double effect = largest_difference(host, soft);
+  EXPECT_GT(effect, 1e-5) << "m";
+  EXPECT_LT(largest_difference(host, device), 0.01 * effect) << "m";
+}
+
+/// A flag after ten frames of wind, which becomes `factor` times as stiff after five.
+std::vector<Vec3> stiffened_flag(const std::string& device, double factor) {
+  const Exec exec(2);
+  const Scene scene = read_scene(TURGOR_SOURCE_DIR "/scenes/flag.toml",
+                                 {"world.device=" + device, "body.flag.solver.method=sweeps"})
+                          .value();
+  World world = load_world(exec, scene).value();
+  for (int n = 0; n < 10; n++) {
+    if (n == 5) {
+      const Scene stiff = with_change(scene, "body.flag.stiffness_scale", fmt::format("{}", factor)).value();
+      change_world(exec, scene, stiff, world);
+    }
+    EXPECT_TRUE(step(exec, world)->finite);
+  }
+  const cloth::State& state = world.cloth_bodies.at(0).state.host();
+  std::vector<Vec3> positions;
+  for (std::size_t v = 0; v < state.x.size(); v++) positions.push_back(state.x[v]);
+  return positions;
+}
+
+// A cloth on the GPU does so, too.
+TEST(PretendedGpuScenes, LiveClothStiffnessMatchesHost) {
+  const std::vector<Vec3> host = stiffened_flag("cpu", 0.1), device = stiffened_flag("gpu", 0.1),
+                          stiff = stiffened_flag("cpu", 1);
+  double effect = 0, difference = 0;
+  for (std::size_t v = 0; v < host.size(); v++) {
+    effect = std::max(effect, double(norm(host[v] - stiff[v])));
+    difference = std::max(difference, double(norm(host[v] - device[v])));
+  }
+  EXPECT_GT(effect, 1e-5) << "m";
+  EXPECT_LT(difference, 0.1 * effect) << "m";
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include "turgor/models/lattice/build/scale_stiffness.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
 #include "turgor/models/lattice/mechanics/solid_laws.hpp"
+#include "turgor/sim/bodies/cloth/upload_cloth.hpp"
+#include "turgor/sim/bodies/lattice/upload_lattice.hpp"
 
 namespace turgor {
 
@@ -105,9 +107,7 @@ void change_body(const Exec&, const BodyScene&, Body&) {}
 
 /// Reason why the laws of a lattice cannot change while it runs; null if they can.
 const char* why_fixed_laws(const LatticeScene& scene) {
-  if (scene.params.solver.method == lattice::Method::kPbd) return "projections have no moduli";
-  if (scene.device == Device::kGpu) return "the GPU has a copy of the model";
-  return nullptr;
+  return scene.params.solver.method == lattice::Method::kPbd ? "projections have no moduli" : nullptr;
 }
 
 /// Gives a lattice the laws of the scene. False if they are the same, or cannot change.
@@ -133,13 +133,16 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   params.skin.fiber_stiffness = scene.params.skin.fiber_stiffness;
   params.skin.fiber_stiffening = scene.params.skin.fiber_stiffening;
   params.skin.dispersion = scene.params.skin.dispersion;
-  if (change_laws(exec, scene, body)) body.stiffness_scale = scene.stiffness_scale;
+  bool has_changed = change_laws(exec, scene, body);
+  if (has_changed) body.stiffness_scale = scene.stiffness_scale;
   const bool has_pull = !body.model.prestress_force.empty();
   if (has_pull) body.model.prestress_force = lattice::measure_prestress(exec, body.model);
   body.state.change().sleep = {};  // wakes all rows
-  if (scene.stiffness_scale == body.stiffness_scale || scene.device == Device::kGpu) return;
-  lattice::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model, body.state.change());
-  body.stiffness_scale = scene.stiffness_scale;
+  if (scene.stiffness_scale != body.stiffness_scale) {
+    lattice::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model, body.state.change());
+    body.stiffness_scale = scene.stiffness_scale, has_changed = true;
+  }
+  if (has_changed && scene.device == Device::kGpu) upload_changed_model(body);
 }
 
 void change_wind(const ClothScene& before, const ClothScene& scene, ClothBody& body) {
@@ -152,9 +155,10 @@ void change_body(const Exec&, const ClothScene& scene, ClothBody& body) {
   params.solver.sweeps = scene.params.solver.sweeps;
   params.solver.strain_limit = scene.params.solver.strain_limit;
   params.collision.friction = scene.params.collision.friction;
-  if (scene.stiffness_scale == body.stiffness_scale || scene.device == Device::kGpu) return;
+  if (scene.stiffness_scale == body.stiffness_scale) return;
   cloth::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model);
   body.stiffness_scale = scene.stiffness_scale;
+  if (scene.device == Device::kGpu) upload_changed_model(body);
 }
 
 /// All forces of a linear body scale with its stiffness; the shape under a given press stays.
@@ -198,11 +202,7 @@ bool is_live_law(const SceneKey& key) {
 /// Reason why the stiffness of a body cannot change in a running world; null if it can.
 const char* why_not_scaled(const Scene& scene, const SceneKey& key) {
   const LatticeScene* lattice = key.group == "lattice" ? find_named(scene.lattice_bodies, key) : nullptr;
-  if (lattice && lattice->params.solver.method == lattice::Method::kPbd) return "projections have no moduli";
-  const ClothScene* cloth = key.group == "cloth" ? find_named(scene.cloth_bodies, key) : nullptr;
-  const bool is_on_gpu =
-      (lattice && lattice->device == Device::kGpu) || (cloth && cloth->device == Device::kGpu);
-  return is_on_gpu ? "the GPU has a copy of the model" : nullptr;
+  return lattice ? why_fixed_laws(*lattice) : nullptr;
 }
 
 /// True if the skin of a lattice has another law than the one of this key.
@@ -242,7 +242,7 @@ bool is_of_other_law(const lattice::TissueParams& tissue, std::string_view key, 
   return exponential && energy != SolidEnergy::kExponential;
 }
 
-/// True for keys of laws by cell that a solid body can get, which partial cells do not support.
+/// True for keys of laws by cell that a solid body can get, which partial cells and the GPU do not support.
 bool needs_whole_cells(std::string_view key) {
   return key.starts_with("viscosity.") || key.starts_with("permanent_set.");
 }
@@ -255,6 +255,7 @@ const char* why_not_of_law(const Scene& scene, const SceneKey& key) {
     return "the body has no layers";
   if (is_of_other_law(lattice->params.tissue, key.key, key.path)) return "the tissue has another law";
   if (lattice->params.tissue.partial_cells && needs_whole_cells(key.key)) return "partial cells do not relax";
+  if (lattice->device == Device::kGpu && needs_whole_cells(key.key)) return "tissue on a GPU does not relax";
   return why_fixed_laws(*lattice);
 }
 

@@ -10,6 +10,7 @@
 #include "turgor/models/cloth/build/scale_stiffness.hpp"
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
+#include "turgor/sim/bodies/cloth/upload_cloth.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -117,17 +118,30 @@ std::vector<std::string> notes_on_accuracy(const cloth::Params& params) {
   return notes;
 }
 
-Status upload_to_gpu(ClothBody& body) {
+/// Uploads model and state. Returns the GPU.
+Result<Gpu> use_gpu(ClothBody& body) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) return Error{"device = \"gpu\": " + gpu.error().message};
   Result<std::shared_ptr<cloth::SheetBackend>> backend = put(*gpu, body.model);
   if (!backend) return Error{"device = \"gpu\": " + backend.error().message};
   body.state.use_backend(std::move(*backend));
+  return gpu;
+}
+
+}  // namespace
+
+Status upload_to_gpu(ClothBody& body) {
+  const Result<Gpu> gpu = use_gpu(body);
+  if (!gpu) return gpu.error();
   body.notes.push_back("steps on " + gpu->name);
   return Done{};
 }
 
-}  // namespace
+void upload_changed_model(ClothBody& body) {
+  body.state.use_backend(nullptr);  // frees the former model
+  if (const Result<Gpu> gpu = use_gpu(body); !gpu)
+    body.notes.push_back("steps on the host since its last change: " + gpu.error().message);
+}
 
 Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, const World&) {
   ClothBody body;
