@@ -30,7 +30,7 @@ TEST(ValidateMeasuredCommand, MissesArePrinted) {
     }
   }
   EXPECT_EQ(of_brain, 12u) << "three tests of two regions, two figures each";
-  EXPECT_EQ(of_febio, 2u);
+  EXPECT_EQ(of_febio, 3u);
   EXPECT_EQ(ended.code, missed > 0 ? 3 : 0) << ended.printed;
   EXPECT_EQ(report["missed"].size(), missed);
   for (const char* curve : {"brain-cortex-shear.svg", "muscle-along-exponential.svg",
