@@ -1,9 +1,11 @@
 // First and last phase of a step: the predictor, and velocities from displacements.
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
 #include "turgor/models/lattice/solver/step_kernels.hpp"
 #include "turgor/models/lattice/solver/sweeps.hpp"
@@ -39,6 +41,13 @@ bool velocities_diverge(const Exec& exec, const Model& model, State& state, Real
     });
   });
   return halo ? halo->largest(found.load()) != 0 : found.load();
+}
+
+/// True if threads or the walls of a sewn wound couple points. They are stiffer than the tissue: few sweeps
+/// would not take back their strain at a start u + h v, and would leave its energy to the body.
+bool is_sewn(const PointSprings* springs) {
+  return springs != nullptr && std::any_of(springs->all.begin(), springs->all.end(),
+                                           [](const PointSpring& s) { return s.coupling.count > 0; });
 }
 
 /// Predictor for the nodes of a layer.
@@ -106,14 +115,16 @@ void add_loads(const Model& model, State& state, const Inputs& inputs, double dt
 
 void move_to_start(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                    double time_step) {
-  // PBD and free bodies start with gravity; bodies whose velocities diverge start from rest
+  // PBD and free bodies start with gravity; bodies whose velocities diverge, or that stitches hold, start
+  // from rest
   const bool pbd = model.params.solver.method == Method::kPbd,
              held = model.anatomy.free_nodes < model.anatomy.body_nodes;
   const Real dt = Real(time_step);
   Vec3 g;
   if (pbd || !held) g = lattice_gravity(model, inputs);
   if (!pbd && !held) g += Vec3(inputs.start_acceleration);
-  const bool keeps_velocity = pbd || !held || !velocities_diverge(exec, model, state, dt, inputs.halo);
+  const bool keeps_velocity =
+      pbd || !held || !(is_sewn(inputs.springs) || velocities_diverge(exec, model, state, dt, inputs.halo));
   // state before the step, and starting point of the sweeps
   state.motion.virtual_u_before = state.motion.virtual_u;
   const PredictNode node{host_free_nodes(model, state), {dt * dt * g.x, dt * dt * g.y, dt * dt * g.z}, dt};

@@ -15,6 +15,9 @@ namespace {
 /// Share of the error that a step removes from a multiplier. Bodies settle in a few steps; larger values
 /// let soft bodies with inertia oscillate.
 constexpr double kRelaxation = 0.3;
+/// Stiffness of walls and rims of a closed wound that rests, over that of the tissue and skin around. Such
+/// bodies come to rest with 3, 5 and 10; with 30, the sweeps of a step do not converge (PassiveClosure).
+constexpr double kWallStiffness = 5;
 /// Gape at which lips count as closed [m].
 constexpr double kClosedGape = 1e-4;
 /// Thread pulled in per step, over the gape, after the time of the pull. The lips of an excision travel far:
@@ -30,6 +33,11 @@ double penalty_at(const Model& model, const EmbeddedPoint& point) {
          (model.params.skin.enabled ? skin_stiffness(model.params.skin) : 0);
 }
 
+/// The same for the walls of a wound [N/m].
+double wall_stiffness(const Model& model, const WallPair& pair, bool is_settled) {
+  return (is_settled ? kWallStiffness : 1) * penalty_at(model, pair.at.left);
+}
+
 PointStiffness sum_of(const PointStiffness& a, const PointStiffness& b) {
   return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
 }
@@ -43,16 +51,19 @@ PointStiffness outer(Vec3d g, double k) {
 ///   T = max(0, λ + κ (L − L₀)),  f_p = −T ∂L/∂x_p = T g
 /// A point's stiffness bounds its coupling with the n − 1 others: n κ g gᵀ + 2 T Σ (I − e eᵀ)/l. Strands in
 /// bites that keep their length have no force: the tissue between their points bears the thread.
-/// [Hestenes 1969]
-void update_stitch(const Model& model, const Motion& motion, const Thread& thread, Stitch& stitch,
+/// [Hestenes 1969] In a settled closure, λ = 0 and κ = EA/L₀, so that the thread has the energy ½ κ (L −
+/// L₀)².
+void update_stitch(const Model& model, const Motion& motion, const WoundClosure& closure, Stitch& stitch,
                    std::span<PointSpring> springs) {
   const Loop loop = loop_of(stitch, motion);
   const std::size_t count = stitch.rest.size();
   // tension
   double penalty = 0;
   if (stitch.length > 0) {
-    penalty = penalty_of(model, thread, stitch);
-    stitch.tension = std::max(0.0, stitch.multiplier + penalty * (loop.total() - stitch.length));
+    penalty = closure.settled ? closure.thread.stiffness / stitch.length
+                              : penalty_of(model, closure.thread, stitch);
+    const double kept = closure.settled ? 0 : stitch.multiplier;
+    stitch.tension = std::max(0.0, kept + penalty * (loop.total() - stitch.length));
   }
   // springs
   const bool is_taut = stitch.tension > 0;
@@ -79,8 +90,9 @@ double gap_of(const WallPair& pair, const Motion& motion) {
 }
 
 /// Updates a wall pair and its two springs: N = max(0, λ − κ (gap + n·(u_right − u_left))).
-void update_wall(const Model& model, const Motion& motion, WallPair& pair, std::span<PointSpring> springs) {
-  const double penalty = penalty_at(model, pair.at.left);
+void update_wall(const Model& model, const Motion& motion, bool is_settled, WallPair& pair,
+                 std::span<PointSpring> springs) {
+  const double penalty = wall_stiffness(model, pair, is_settled);
   pair.force = std::max(0.0, pair.multiplier - penalty * gap_of(pair, motion));
   const PointStiffness stiffness = outer(pair.normal, pair.force > 0 ? 2 * penalty : 0);
   springs[0].force = Vec3(pair.normal * -pair.force), springs[1].force = Vec3(pair.normal * pair.force);
@@ -137,6 +149,19 @@ bool is_active(const WoundClosure& closure) {
                      [](const Stitch& stitch) { return bears(stitch.phase); });
 }
 
+/// Turns the threads, walls and rims of a closure that has come to rest into springs with the present forces.
+void make_springs(const Model& model, const Motion& motion, WoundClosure& closure) {
+  closure.settled = true;
+  // the thread of a running suture keeps its length
+  for (Stitch& stitch : closure.stitches)
+    if (bears(stitch.phase) && !closure.is_running)
+      stitch.length = loop_length(stitch, motion) / (1 + stitch.tension / closure.thread.stiffness);
+  for (WallPair& pair : closure.walls)
+    if (pair.at.parted)
+      pair.multiplier =
+          pair.force > 0 ? pair.force + wall_stiffness(model, pair, true) * gap_of(pair, motion) : 0;
+}
+
 }  // namespace
 
 std::vector<Vec3d> points_now(const Stitch& stitch, const Motion& motion) {
@@ -162,8 +187,9 @@ void pull_stitches(const Motion& motion, const Pull& pull, double time, WoundClo
       stitch.phase = StitchPhase::kPulled;
       stitch.before = loop_length(stitch, motion);
     }
-    if (stitch.phase == StitchPhase::kPulled)
-      pull_stitch(motion, pull, time - pull.start, closure.thread, stitch);
+    if (stitch.phase != StitchPhase::kPulled) continue;
+    closure.settled = false;
+    pull_stitch(motion, pull, time - pull.start, closure.thread, stitch);
   }
 }
 
@@ -219,6 +245,23 @@ std::size_t spring_count(const WoundClosure& closure) {
   return count;
 }
 
+double stored_energy(const Model& model, const Motion& motion, const WoundClosure& closure) {
+  double sum = 0;
+  if (!is_active(closure)) return sum;
+  for (const Stitch& stitch : closure.stitches) {
+    if (!bears(stitch.phase) || stitch.length == 0) continue;
+    const double stretch = std::max(0.0, loop_length(stitch, motion) - stitch.length);
+    sum += 0.5 * closure.thread.stiffness / stitch.length * stretch * stretch;
+  }
+  for (const WallPair& pair : closure.walls) {
+    if (!pair.at.parted || !closure.settled) continue;
+    const double stiffness = wall_stiffness(model, pair, true),
+                 force = std::max(0.0, pair.multiplier - stiffness * gap_of(pair, motion));
+    sum += 0.5 * force * force / stiffness;
+  }
+  return sum;
+}
+
 void append_springs(const WoundClosure& closure, std::vector<PointSpring>& springs) {
   if (!is_active(closure)) return;
   for (const Stitch& stitch : closure.stitches) {
@@ -244,21 +287,33 @@ void update_springs(const Model& model, const Motion& motion, WoundClosure& clos
   std::size_t next = 0;
   for (Stitch& stitch : closure.stitches) {
     if (!bears(stitch.phase)) continue;
-    update_stitch(model, motion, closure.thread, stitch, springs.subspan(next, stitch.at.size()));
+    update_stitch(model, motion, closure, stitch, springs.subspan(next, stitch.at.size()));
     next += stitch.at.size();
   }
   for (WallPair& pair : closure.walls) {
     if (!pair.at.parted) continue;
-    update_wall(model, motion, pair, springs.subspan(next, 2));
+    update_wall(model, motion, closure.settled, pair, springs.subspan(next, 2));
     next += 2;
   }
 }
 
 void update_multipliers(const Model& model, const Motion& motion, WoundClosure& closure) {
   constexpr double kSettled = 1e-3;  // change over the largest tension
-  closure.settled = true;
-  if (!is_active(closure)) return;
+  if (!is_active(closure)) {
+    closure.settled = true;
+    return;
+  }
+  if (closure.settled) {
+    // a stitch that is pulled again goes on with its tension
+    for (Stitch& stitch : closure.stitches)
+      if (bears(stitch.phase))
+        stitch.multiplier = stitch.tension - penalty_of(model, closure.thread, stitch) *
+                                                 (loop_length(stitch, motion) - stitch.length);
+    if (closure.is_running) slide_thread(model, motion, closure);
+    return;
+  }
   double largest = 0, change = 0;
+  bool is_pulled = false;
   const auto move = [&change](double& multiplier, double by) {
     const double moved = std::max(0.0, multiplier + kRelaxation * by);
     change = std::max(change, std::abs(moved - multiplier));
@@ -266,7 +321,7 @@ void update_multipliers(const Model& model, const Motion& motion, WoundClosure& 
   };
   // threads: the error of the law T = k (L − L₀)
   for (Stitch& stitch : closure.stitches) {
-    closure.settled = closure.settled && stitch.phase != StitchPhase::kPulled;
+    is_pulled = is_pulled || stitch.phase == StitchPhase::kPulled;
     if (!bears(stitch.phase) || stitch.length == 0) continue;
     const double k = closure.thread.stiffness / stitch.length,
                  error = loop_length(stitch, motion) - stitch.length - stitch.tension / k;
@@ -277,7 +332,7 @@ void update_multipliers(const Model& model, const Motion& motion, WoundClosure& 
   for (WallPair& pair : closure.walls)
     if (pair.at.parted) move(pair.multiplier, -penalty_at(model, pair.at.left) * gap_of(pair, motion));
   if (closure.is_running) change = std::max(change, slide_thread(model, motion, closure));
-  closure.settled = closure.settled && change <= kSettled * largest;
+  if (!is_pulled && change <= kSettled * largest) make_springs(model, motion, closure);
 }
 
 void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& closure) {

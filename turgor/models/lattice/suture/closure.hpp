@@ -1,8 +1,11 @@
 // Stitches that close a wound. A stitch is a loop of thread through points of the tissue, along which it
 // slides without friction. Its energy is that of a unilateral spring of the whole loop. In a running suture
 // one thread makes all stitches, and slides from one to the next against friction (running.cpp). Opposite
-// points of the wound's walls do not pass each other. All are coupled by multipliers that follow from step to
-// step (augmented Lagrangian), so that a stiff thread does not slow the sweeps down.
+// points of the wound's walls do not pass each other. While they are pulled and until the forces rest, all
+// are coupled by multipliers that follow from step to step (augmented Lagrangian), so that a stiff thread
+// does not slow the sweeps down. These multipliers follow late, and a body that moves would gain energy from
+// them. A closure that has come to rest therefore has springs instead, with the same forces: it returns no
+// more energy than it was given.
 #pragma once
 
 #include <cstdint>
@@ -68,7 +71,7 @@ struct WallPair {
   int point = 0;       // of a rim: first point of the bite; the other end is the lip at `rest`
   EmbeddedPair at;
   double force = 0;       // of each wall on the other [N]
-  double multiplier = 0;  // part of the force that is kept from step to step [N]
+  double multiplier = 0;  // part of the force that is kept from step to step; constant once settled [N]
 };
 
 /// Pulling of the stitches until they are knotted.
@@ -97,7 +100,7 @@ struct WoundClosure {
   std::vector<WallPair> walls;  // and rims
   bool is_running = false;      // one thread makes all stitches
   std::size_t version = 0;      // cut_version of the embedded points
-  bool settled = false;         // all stitches are knotted, and no force changes any more
+  bool settled = false;         // all stitches are knotted, and their forces came to rest: they are springs
 };
 
 /// Lays stitches across a wound that was cut along a path. Errors: a point of a stitch is in air.
@@ -136,6 +139,9 @@ void update_springs(const Model& model, const Motion& motion, WoundClosure& clos
                     std::span<PointSpring> springs);
 std::size_t spring_count(const WoundClosure& closure);
 
+/// Elastic energy of the threads that follow their law, and of the walls and rims of a settled closure [J].
+double stored_energy(const Model& model, const Motion& motion, const WoundClosure& closure);
+
 /// Contact between the walls of the wound [N]: the sum over all pairs but rims.
 double wall_force(const WoundClosure& closure);
 
@@ -151,7 +157,7 @@ void join_stitches(WoundClosure& closure);
 void free_thread(WoundClosure& closure, std::size_t torn);
 
 /// After a step: moves the multipliers towards the thread's law and closed walls, and slides a running
-/// thread.
+/// thread. A closure whose forces rest gets springs.
 void update_multipliers(const Model& model, const Motion& motion, WoundClosure& closure);
 /// Ends stitches whose thread or tissue yields at the end of a step. A running suture breaks as a whole.
 void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& closure);

@@ -17,7 +17,7 @@ constexpr double kMostSlide = 0.02;
 double angle_between(Vec3d a, Vec3d b) { return std::atan2(norm(cross(a, b)), dot(a, b)); }
 
 /// Adds thread to a stitch. Its tension follows at once, as that of a spring of stiffness EA/L₀ between
-/// points at rest: λ takes what the penalty lacks.
+/// points at rest: λ takes what the penalty lacks. A settled closure does not use λ.
 void add_thread(const Model& model, const Thread& thread, double length, Stitch& stitch) {
   const double k = thread.stiffness / stitch.length, penalty = penalty_of(model, thread, stitch);
   stitch.multiplier = std::max(0.0, stitch.multiplier - (k - penalty) * length);
