@@ -84,6 +84,7 @@ struct PairSite {
   double friction = 0;  // Coulomb's μ [1]
   double softness = 0;  // compliance besides that of the bodies; 0 = a small one is chosen [m/N]
   Vec3d force;          // on a [N]
+  Vec3d borne = {};     // on a: the part that a support bears already (sim/organs/support.hpp) [N]
   SiteState state = SiteState::kOpen;
   bool rolls =
       false;         // true: it moves over the surfaces, so that friction resists the motion of a frame only

@@ -231,7 +231,7 @@ auto site_key(const PairSite& site) {
                     is_edge ? site.b.vertex.y : -1);
 }
 
-/// Takes over the force of the same vertex or crossing, and its anchor while it sticks at the same point.
+/// Takes over the forces of the same vertex or crossing, and its anchor while it sticks at the same point.
 void continue_sites(std::span<const PairSite> last, std::vector<PairSite>& sites) {
   std::map<decltype(site_key(sites[0])), const PairSite*> known;
   for (const PairSite& site : last) known[site_key(site)] = &site;
@@ -239,7 +239,7 @@ void continue_sites(std::span<const PairSite> last, std::vector<PairSite>& sites
     const auto found = known.find(site_key(site));
     if (found == known.end()) continue;
     const PairSite& before = *found->second;
-    site.force = before.force;
+    site.force = before.force, site.borne = before.borne;
     if (before.state == SiteState::kStick && !site.rolls && site.a.weight == before.a.weight)
       site.anchor = before.anchor, site.slip = before.slip;
   }

@@ -36,6 +36,7 @@ struct PairSurface {
   std::span<const double> rest_height;     // of every vertex above the other surface at rest [m]; empty =
                                            // unknown
   std::optional<RoundSurface> round = {};  // exact shape of a mesh that is a picture of it
+  bool by_vertices = false;  // true: round surfaces touch vertices alone, where a whole triangle is near
 };
 
 struct PairParams {

@@ -110,7 +110,18 @@ void add_vertex_sites(const PairSurface& mesh, const std::vector<Vec3d>& normals
   }
 }
 
-/// Points of the segment that are near a mesh, unless a vertex of the mesh has a site there.
+/// True if all corners of a triangle have sites.
+bool touches_all(Int3 t, const std::vector<PairSite>& sites) {
+  const auto has_site = [&](int v) {
+    return std::any_of(sites.begin(), sites.end(),
+                       [v](const PairSite& site) { return !site.rolls && site.a.vertex.x == v; });
+  };
+  return has_site(t.x) && has_site(t.y) && has_site(t.z);
+}
+
+/// Points of the segment that are near a mesh, unless a vertex of the mesh has a site there. In a dent of a
+/// mesh with `by_vertices`, the nearest point of a segment would jump from triangle to triangle, and push a
+/// ball to and fro.
 void add_center_sites(const PairSurface& mesh, const std::vector<Vec3d>& normals, const PairSurface& round,
                       const PairParams& params, std::vector<PairSite>& sites) {
   const double edge = mean_edge(mesh.x, mesh.triangles), radius = round.round->radius;
@@ -136,7 +147,7 @@ void add_center_sites(const PairSurface& mesh, const std::vector<Vec3d>& normals
     const bool is_double = std::any_of(taken.begin(), taken.end(), [&](Vec3d x) {
       return norm(x - near.position) < kSameSite * std::min(edge, radius);
     });
-    if (is_double) continue;
+    if (is_double || (mesh.by_vertices && touches_all(t, sites))) continue;
     // the round surface has the first point, so that the normal points toward it
     const Vec3d normal = sign * direction(near.position, center, sign * normalized(outward));
     const Vec3d at = center - normal * radius;

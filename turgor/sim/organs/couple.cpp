@@ -44,7 +44,12 @@ contact::PairSurface surface_now(const World& world, int index, const std::vecto
   if (index >= first_support(world)) {
     const CoupledSupport& support = world.coupling.supports[std::size_t(index - first_support(world))];
     near = triangles_near(support, x, other, reach);
-    return {index, support.rest, x, near, rest_height};
+    return {.body = index,
+            .rest = support.rest,
+            .x = x,
+            .triangles = near,
+            .rest_height = rest_height,
+            .by_vertices = support.body.kind == BodyKind::kLattice};
   }
   if (const RigidBody* body = rigid_body(world, index)) return rigid_surface(*body, index, x);
   const sfem::Model& model = world.sfem_bodies[std::size_t(index)].model;
@@ -262,9 +267,9 @@ void solve_frame(const Exec& exec, World& world, double end) {
     if (contact.swept < 0) update_sites(exec, world, x, contact);
   std::vector<contact::Tie> ties;
   std::vector<contact::PairSite> sites;
-  const SupportMemory memory = remember_supports(world);
+  remember_supports(world);
   const contact::CouplingReport report = solve_motion(exec, world, bodies, ties, sites);
-  forget_supports(memory, world);
+  forget_supports(world);
   coupling.frames++, coupling.unsolved += !report.converged;
 
   // motion that they cause

@@ -1,11 +1,13 @@
 // Lattices and bodies of chains in the coupling of bodies: supports. Their solvers are not part of the system
-// of all forces. A support is where its last step left it, and the compliance of its sites is an estimate S:
-// with the forces f' of the latest frame and the compliance C of the other body, a site has the separation
+// of all forces. A lattice is where its last step left it, under the forces f' that it bore there: those of
+// earlier frames, relaxed. The compliance of its sites is an estimate S. With the compliance C of the other
+// body, a site has the separation
 //
 //     g + C f + S (f - f')
 //
-// At rest f = f' and the estimate has no effect; until then it spreads the load over the sites. The forces
-// act on the support from the next frame on.
+// At rest f = f' and the estimate has no effect; until then it spreads the load over the sites. An estimate
+// that is too soft, or a force f' that the lattice does not bear yet, would make forces lag behind the motion
+// of a body, and drive it: a ball would begin to roll. The forces act from the next frame on.
 #pragma once
 
 #include <span>
@@ -34,12 +36,10 @@ std::vector<Int3> triangles_near(const CoupledSupport& support, const std::vecto
 /// Compliance of a site of a support: that of a node of its grid, 1/(E h) [m/N].
 double node_softness(const World& world, const CoupledSupport& support, int vertex);
 
-/// Forces of the sites of each contact before a solution.
-using SupportMemory = std::vector<std::vector<Vec3d>>;
-/// Sets the compliance of the sites of supports, and moves the sites by the forces of the latest frame.
-SupportMemory remember_supports(World& world);
-/// Moves the sites back after the solution.
-void forget_supports(const SupportMemory& memory, World& world);
+/// Sets the compliance of the sites of supports, and moves the sites by the forces that these bear.
+void remember_supports(World& world);
+/// Moves the sites back after the solution, and updates the forces that supports will bear.
+void forget_supports(World& world);
 
 /// Forces on supports, and the stiffness of what they touch: that of attachments and of the other body in
 /// series.
