@@ -258,7 +258,7 @@ void add_bench_command(CLI::App& program, Global& global) {
   };
   auto options = std::make_shared<Options>();
   table->add_option("--only", options->only, "Run one data set only: A, B or C")
-      ->check(CLI::IsMember({"A", "B", "C"}));
+      ->check(one_of({"A", "B", "C"}));
   table->add_option("--shrink", options->shrink, "Divide the sizes of the paper by this number")
       ->check(CLI::Range(1, 8));
   table->add_option("--json", options->json, "Also write the figures to this file");

@@ -50,6 +50,20 @@ inline CLI::Validator number_within(double low, double high, const std::string& 
       unit);
 }
 
+/// Validator of an option: one of these names.
+inline CLI::Validator one_of(const std::vector<std::string>& names) {
+  return CLI::Validator(
+      [names](const std::string& text) {
+        std::string expected;
+        for (const std::string& name : names) {
+          if (name == text) return std::string();
+          expected += (expected.empty() ? "" : name == names.back() ? " or " : ", ") + name;
+        }
+        return "expected " + expected + ", found " + text;
+      },
+      "");
+}
+
 /// Adds the option --set to a command that reads a scene; `overrides` must outlive the parsing.
 inline void add_set_option(CLI::App& command, std::vector<std::string>& overrides) {
   command

@@ -113,7 +113,7 @@ void add_phantom_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<PhantomOptions>();
   command->add_option("kind", options->kind, "torso, head or leg: a CT; liver or forceps: a surface")
       ->required()
-      ->check(CLI::IsMember({"torso", "head", "leg", "liver", "forceps"}));
+      ->check(one_of({"torso", "head", "leg", "liver", "forceps"}));
   command
       ->add_option("--size", options->size, "Samples along x, y, z (default 512 512 300; head 544, leg 1152)")
       ->expected(3)

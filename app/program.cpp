@@ -96,13 +96,19 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error, in
     const std::string nearest = nearest_name(word, known);
     return word + " is not an option" + (nearest.empty() ? help : "; did you mean " + nearest + "?");
   }
+  // a missing option or argument, with what it is for
+  if (dynamic_cast<const CLI::RequiredError*>(&error))
+    for (const CLI::Option* option : command->get_options())
+      if (option->get_required() && option->count() == 0)
+        return option->get_name() + " is missing: " + option->get_description() + help;
   return error.what() + help;
 }
 
 /// Parses the command line, runs its command and returns the exit code.
 int run(int argc, char** argv, AddCommands add_commands, void (*before)(int, char**)) {
   CLI::App program{
-      "Turgor: tissue you can touch. Builds deformable bodies from CT volumes, cuts and measures them."};
+      "Turgor simulates soft bodies for surgery training and research: a patient's skin that is cut, organs\n"
+      "under a finger or forceps, and cloth. Bodies come from a CT or a mesh."};
   program.name("turgor");
   program.footer(
       "Examples:\n"

@@ -5,6 +5,7 @@
 #include "app/commands.hpp"
 #include "app/other_programs.hpp"
 #include "app/program.hpp"
+#include "turgor/io/files/input_file.hpp"
 #ifdef TURGOR_HAS_WINDOW
 #include "turgor/window/window.hpp"
 #endif
@@ -55,6 +56,7 @@ void add_view_command(CLI::App& program, Global& global) {
   command->add_option("-o,--out", options->out, "Folder for pictures and videos (default: out/view)");
   command->callback([options, &global] {
     options->session.threads = global.threads;
+    if (!options->scene.empty()) required(io::check_input(options->scene));
     view(*options);
   });
 }
