@@ -305,6 +305,15 @@ bool BodyVoxels::is_opened(Int3 voxel) const {
   return false;
 }
 
+bool BodyVoxels::is_beside_opened(Int3 voxel) const {
+  const Int3 low = max(voxel - Int3{1, 1, 0}, Int3{0, 0, 0}),
+             high = min(voxel + Int3{1, 1, 0}, ct_.whole.size - Int3{1, 1, 1});
+  for (int j = low.y; j <= high.y; j++)
+    for (int i = low.x; i <= high.x; i++)
+      if (is_opened({i, j, voxel.z})) return true;
+  return false;
+}
+
 double BodyVoxels::changed(double hu) const {
   if (hu >= fat_ + kBlend) return hu;
   if (hu >= fat_) return fat_ + kBlend + (hu - fat_ - kBlend) * (1 + (fat_ - air_max_) / kBlend);
@@ -317,7 +326,10 @@ double BodyVoxels::operator()(Int3 voxel) const {
     case kForeignCell:
       return hu >= air_max_ ? kAirHu : hu;
     case kContactCell:
-      return is_opened(voxel) ? changed(hu) : std::min(changed(hu), air_max_ - kBelowAir);
+      if (is_opened(voxel)) return changed(hu);
+      // a cover away from the skin is almost air, since it would make nodes beyond the skin dense
+      if (hu >= air_max_ && !is_beside_opened(voxel)) return 0.5 * (air_max_ + kAirHu);
+      return std::min(changed(hu), air_max_ - kBelowAir);
     default:
       return hu;
   }

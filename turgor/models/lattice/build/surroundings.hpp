@@ -74,6 +74,7 @@ class BodyVoxels {
  private:
   bool is_dense(Int3 voxel) const;
   bool is_opened(Int3 voxel) const;
+  bool is_beside_opened(Int3 voxel) const;  // in its slice
   double changed(double hu) const;
 
   CtSlab ct_;
