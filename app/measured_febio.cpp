@@ -117,7 +117,7 @@ struct StrainedCube {
 };
 
 /// Forces and tangent of the block; the tangent holds kBand entries on each side of its diagonal.
-struct BlockSystem {
+struct CubeSystem {
   static constexpr int kWidth = 2 * CubeMesh::kBand + 1;
   std::vector<double> force = std::vector<double>(CubeMesh::kUnknowns);
   std::vector<double> tangent = std::vector<double>(std::size_t(CubeMesh::kUnknowns) * kWidth);
@@ -126,7 +126,7 @@ struct BlockSystem {
     return tangent[std::size_t(row) * kWidth + std::size_t(column - row + CubeMesh::kBand)];
   }
 
-  BlockSystem(const IsochoricLaw& law, const std::vector<double>& u) {
+  CubeSystem(const IsochoricLaw& law, const std::vector<double>& u) {
     constexpr double kVolume = CubeMesh::kEdge * CubeMesh::kEdge * CubeMesh::kEdge, kStep = 1e-5;
     for (int cube = 0; cube < CubeMesh::kCubes; cube++) {
       const StrainedCube e(cube, u);
@@ -205,7 +205,7 @@ std::vector<double> stretch_block(const IsochoricLaw& law) {
   const std::vector<double> none(u.size());
   for (int load = 0; load < kLoadSteps; load++)
     for (int iteration = 0; iteration < kIterations; iteration++) {
-      BlockSystem system(law, u);
+      CubeSystem system(law, u);
       system.prescribe(held, iteration == 0 ? prescribed : none);
       const std::vector<double> step = system.step();
       double largest = 0;
