@@ -288,6 +288,7 @@ PairSites find_ground_sites(const PairSurface& surface, const GroundPlane& groun
 PairSites find_node_sites(const Exec& exec, const SurfaceNodes& nodes,
                           const std::array<PairSurface, 2>& surfaces, const PairParams& params,
                           std::span<const PairSite> last) {
+  if (surfaces[1].round) return continued_nodes(find_round_node_sites(nodes, surfaces, params), last);
   const Searched own = searched(surfaces[0]), other = searched(surfaces[1]);
   const std::vector<Near> near = nearest_of_nodes(exec, nodes, own, other, params.reach);
   std::vector<PairSite> sites;

@@ -83,6 +83,10 @@ std::vector<double> rest_heights(const Exec& exec, const SurfaceNodes& nodes,
 std::vector<PairSite> find_edge_sites(const std::array<PairSurface, 2>& surfaces, const PairParams& params,
                                       std::span<const PairSite> last);
 
+/// Sites of nodes of the first surface on the second one, a ball or a capsule; PairSite::node is set.
+std::vector<PairSite> find_round_node_sites(const SurfaceNodes& nodes,
+                                            const std::array<PairSurface, 2>& surfaces,
+                                            const PairParams& params);
 /// Sites of a pair with a ball or a capsule, and of a surface on the ground, not yet reduced to the capacity.
 std::vector<PairSite> find_round_sites(const std::array<PairSurface, 2>& surfaces, const PairParams& params);
 std::vector<PairSite> ground_sites(const PairSurface& surface, const GroundPlane& ground,

@@ -209,6 +209,27 @@ std::vector<PairSite> find_round_sites(const std::array<PairSurface, 2>& surface
   return sites;
 }
 
+std::vector<PairSite> find_round_node_sites(const SurfaceNodes& nodes,
+                                            const std::array<PairSurface, 2>& surfaces,
+                                            const PairParams& params) {
+  const RoundSurface& round = *surfaces[1].round;
+  const std::vector<Vec3d> normals = outward_normals(surfaces[0]);
+  std::vector<PairSite> sites;
+  for (std::size_t n = 0; n < nodes.x.size(); n++) {
+    const Vec3d x = nodes.x[n], own = normals[std::size_t(nodes.vertex[n])];
+    if (!(dot(own, own) > 0)) continue;  // far from the other surface
+    const Vec3d center = nearest_on(round, x);
+    const double distance = norm(x - center) - round.radius;
+    const Vec3d normal = direction(center, x, -own);
+    if (!is_within(distance, params) || dot(own, normal) > kFacingRound) continue;
+    const Vec3d at = center + normal * round.radius;
+    const SurfacePoint a{surfaces[0].body, {nodes.vertex[n], -1, -1}, {1, 0, 0}, nodes.rest[n]};
+    sites.push_back(made_site(a, x, material_point(surfaces[1], at, 0), at, normal, distance, params));
+    sites.back().node = int(n);
+  }
+  return sites;
+}
+
 std::vector<PairSite> ground_sites(const PairSurface& surface, const GroundPlane& ground,
                                    const PairParams& params) {
   std::vector<PairSite> sites;

@@ -219,6 +219,87 @@ TEST(Swept, WeakAttachment_Tears) {
   EXPECT_LT(whole_of(world, "block").momentum.y, 0);
 }
 
+// A free block lies on fixed rigid bodies, a plate or a ball that it is pressed on.
+TEST(Swept, BlockOnFixedRigidBody_BearsWeight) {
+  const Exec exec(2);
+  for (const char* shape : {"{ box = [0.1, 0.02, 0.1] }", "{ sphere = 0.3 }"}) {
+    const bool is_box = shape[2] == 'b';
+    World world = blocks_world(
+        exec, {{"block", -0.055}},
+        world_text("[0, 9.81, 0]") + lattice_text("block", "none") +
+            fmt::format(
+                "[body.base]\nmodel = \"rigid\"\nshape = {}\nat = [0, {}, 0]\nmass = 1\nfixed = true\n",
+                shape, is_box ? -0.0115 : 0.279) +
+            contact_text("base", "block", 2));
+    advance(exec, world, 90);
+    const double weight = whole_of(world, "block").mass * kGravity;
+    std::printf("%s: %.5f N of %.5f N\n", shape, contact_force(world).y, weight);
+    EXPECT_LT(norm(contact_force(world) - Vec3d{0, weight, 0}), 5e-3 * weight);
+  }
+}
+
+/// The same block with cells of 12 mm, of which those at its faces are partly filled.
+std::string partial_text(const std::string& name, const std::string& fixed, const std::string& keys = "") {
+  std::string text = lattice_text(name, fixed, "tissue.partial_cells = true\n" + keys);
+  const std::string block = "block = 2";
+  return text.replace(text.find(block), block.size(), "block = 3");
+}
+
+// Blocks with partial cells: a free one falls on a fixed one, which bears its weight; surfaces meet.
+TEST(Swept, PartialCells_BearWeight) {
+  const Exec exec(2);
+  World world = blocks_world(exec, {{"upper", -0.055}, {"lower", -0.022, true}},
+                             world_text("[0, 9.81, 0]") + partial_text("upper", "none") +
+                                 partial_text("lower", "bone", "gravity = false\n") +
+                                 contact_text("upper", "lower", 0.3));
+  ASSERT_FALSE(world.lattice_bodies[0].model.anatomy.cell_center.empty());
+  advance(exec, world, 150);
+  const double weight = whole_of(world, "upper").mass * kGravity;
+  std::printf("partial cells: contact %.5f, load %.5f of %.5f N\n", contact_force(world).y,
+              load_on(world, "lower").y, weight);
+  EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
+  EXPECT_LT(norm(load_on(world, "lower") - Vec3d{0, weight, 0}), 5e-3 * weight);
+  int bearing = 0;
+  for (const contact::PairSite& site : world.coupling.contacts[0].sites)
+    if (site.force != Vec3d{}) {
+      bearing++;
+      EXPECT_LT(std::abs(site.distance), 5e-5);
+    }
+  EXPECT_GT(bearing, 9);
+}
+
+// A block with partial cells on the ground with a tool on top: the ground bears both. Contacts of the tool
+// and of the ground act in cells together.
+TEST(Swept, PartialCells_OnGroundUnderFinger) {
+  const Exec exec(2);
+  World world = blocks_world(
+      exec, {{"block", -0.055}},
+      world_text("[0, 9.81, 0]") + partial_text("block", "none") +
+          contact_text("block", "ground", 0.3, "through = [0, -0.0225, 0]\nnormal = [0, -1, 0]\n") +
+          "[tool.finger]\nbody = \"block\"\nshape = { sphere = 0.012 }\npress = { at_fraction = [0.5, 0, "
+          "0.5], depth = 0.006, start = 0.2, duration = 0.3, hold = 9 }\n");
+  advance(exec, world, 150);
+  const double weight = whole_of(world, "block").mass * kGravity;
+  const Vec3d finger = world.tools[0].samples.back().force;
+  std::printf("ground %.5f N, weight %.5f N, finger %.5f N\n", contact_force(world).y, weight, finger.y);
+  EXPECT_LT(finger.y, -0.03);
+  EXPECT_NEAR(contact_force(world).y, -weight + finger.y, 5e-3 * (weight - finger.y));
+}
+
+// A block with partial cells hangs from another one by springs.
+TEST(Swept, PartialCells_HangByWeight) {
+  const Exec exec(2);
+  World world = blocks_world(exec, {{"block", -0.056}, {"base", -0.022, true}},
+                             world_text("[0, -9.81, 0]") + partial_text("block", "none") +
+                                 partial_text("base", "bone", "gravity = false\n") +
+                                 "[attachment.glue]\nbetween = [\"base\", \"block\"]\ndistance = "
+                                 "0.004\nstiffness = 500\npoints = 60\n");
+  advance(exec, world, 90);
+  const double weight = whole_of(world, "block").mass * kGravity;
+  EXPECT_NEAR(std::abs(world.coupling.attachments[0].samples.back().force.y), weight, 5e-3 * weight);
+  EXPECT_NEAR(load_on(world, "base").y, -weight, 5e-3 * weight);
+}
+
 // A free block lies on a body of chains, which bears its weight.
 TEST(Swept, BlockOnChains_BearsWeight) {
   const Exec exec(2);

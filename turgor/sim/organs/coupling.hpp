@@ -12,6 +12,7 @@
 #include "turgor/contact/pair_sites.hpp"
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
+#include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/sim/scene/organs_scene.hpp"
 
 namespace turgor {
@@ -56,11 +57,13 @@ struct BodyContact {
   double deepest = 0;                    // depth of a vertex before it was pushed out, largest [m]
 };
 
-/// Surface nodes of a lattice with the nearest points of its skin.
+/// Surface nodes of a lattice with the nearest points of its skin; vertices of its surface in a body with
+/// partial cells.
 struct SweptNodes {
-  std::vector<int> slot;    // ascending
-  std::vector<Vec3d> rest;  // of the point of the skin, patient frame [m]
-  std::vector<int> vertex;  // of the surface, nearest to the point
+  std::vector<int> slot;                     // of nodes ascending
+  std::vector<Vec3d> rest;                   // of the point of the skin, patient frame [m]
+  std::vector<int> vertex;                   // of the surface, nearest to the point
+  std::vector<lattice::EmbeddedPoint> cell;  // of each vertex, in a body with partial cells; else empty
 };
 
 /// A lattice or a body of chains in attachments and contacts. The surface of a lattice is where the last step
@@ -71,6 +74,7 @@ struct CoupledSupport {
   BodyId body;
   std::vector<Vec3d> rest;                   // vertices of its surface without cuts, patient frame [m]
   std::vector<int> carrier;                  // of each: a lattice's slot, or the body's vertex
+  std::vector<lattice::EmbeddedPoint> cell;  // of each, in a lattice with partial cells; else empty
   std::vector<Int3> triangles;               // of the surface
   std::vector<contact::VertexForce> force;   // on the body in the next frame, by carrier [N]
   std::vector<contact::VertexForce> solved;  // of chains: the same for forces to which they yielded [N]

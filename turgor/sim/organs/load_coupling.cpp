@@ -289,18 +289,14 @@ void set_reach(const CoupledSurface& body, const CoupledSurface* other, contact:
   params.deepest = edge > 0 ? kDeepest * edge : kRigidDeepest * extent;
 }
 
-/// Adds the nodes of the swept side, and their distances at rest. Error: a lattice with partial cells.
-Result<BodyContact> swept_contact(const Exec& exec, const BodyContactScene& scene, World& world,
-                                  BodyContact made) {
-  const int index = made.body[std::size_t(made.swept)];
+/// Adds the nodes of the swept side, and their distances at rest from a body that deforms.
+BodyContact swept_contact(const Exec& exec, World& world, BodyContact made) {
+  const int index = made.body[std::size_t(made.swept)], other = made.body[std::size_t(1 - made.swept)];
   CoupledSupport& support = world.coupling.supports[std::size_t(index - first_support(world))];
   const LatticeBody& body = world.lattice_bodies[std::size_t(support.body.index)];
-  if (!body.model.anatomy.cell_center.empty())
-    return Error{fmt::format(
-        "{}: expected a lattice without tissue.partial_cells, found {}, whose nodes are not on its surface",
-        scene.source_location, body.name)};
   if (support.nodes.slot.empty()) support.nodes = swept_nodes(body, support);
-  if (made.body[1] >= 0) made.rest_height[std::size_t(made.swept)] = swept_rest_heights(exec, world, made);
+  if (other >= first_support(world))
+    made.rest_height[std::size_t(made.swept)] = swept_rest_heights(exec, world, made);
   return made;
 }
 
@@ -320,7 +316,7 @@ Result<BodyContact> load_contact(const Exec& exec, const BodyContactScene& scene
   made.params = {.gap = scene.gap, .friction = scene.friction, .capacity = scene.sites};
   set_reach(body, other ? &*other : nullptr, made.params);
   made.swept = swept_side(world, scene.body, scene.other);
-  if (made.swept >= 0) return swept_contact(exec, scene, world, std::move(made));
+  if (made.swept >= 0) return swept_contact(exec, world, std::move(made));
   // deformable surfaces that are nearer than the gap at rest stay so
   if (!other || body.rigid || other->rigid) return made;
   const contact::PairSurface a = rest_pair_surface(body), b = rest_pair_surface(*other);

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/mechanics/cells.hpp"
 #include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/organs/swept.hpp"
 #include "turgor/sim/world.hpp"
@@ -10,6 +11,26 @@
 namespace turgor {
 
 namespace {
+
+/// Cell of every vertex of a surface without cuts. A corner without a node has the nearest one.
+std::vector<lattice::EmbeddedPoint> cells_of_vertices(const LatticeBody& body) {
+  const lattice::BodySurface& surface = body.surface;
+  const Lattice& l = body.model.anatomy.lattice;
+  std::vector<lattice::EmbeddedPoint> cells;
+  for (std::size_t v = 0; v < surface.rest.size(); v++) {
+    const int cell = surface.embedding[v].cell;
+    const Vec3d rest(surface.rest[v]);
+    const Vec3d at{rest.x / l.spacing.x, rest.y / l.spacing.y, rest.z / l.spacing.z - l.first};
+    lattice::EmbeddedPoint point{
+        .cell = cell,
+        .corner = lattice::corners_of(body.model, *surface.fragments, cell, surface.embedding[v].fragment),
+        .weight = lattice::trilinear(Vec3(at - Vec3d(slot_node(l, cell))))};
+    for (int& corner : point.corner)
+      if (!has_node(body.model, corner)) corner = surface.slot[v];
+    cells.push_back(point);
+  }
+  return cells;
+}
 
 /// Surface of a lattice or of chains for attachments and contacts.
 CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
@@ -20,6 +41,7 @@ CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
     refresh_surface(exec, body);
     support.rest = body.rest, support.carrier = body.surface.slot;
     support.triangles = body.surface.triangles, support.free_mass = free_mass(body);
+    if (!body.model.anatomy.cell_center.empty()) support.cell = cells_of_vertices(body);
     return support;
   }
   const rhombus::Surface& surface = world.rhombus_bodies[std::size_t(id.index)].model.surface;
@@ -64,6 +86,9 @@ std::vector<Vec3d> support_displacement(const World& world, const CoupledSupport
     const LatticeBody& body = world.lattice_bodies[index];
     const Mat3d& axes = body.model.anatomy.grid.axes;
     const lattice::Motion& motion = body.state->motion;
+    for (const lattice::EmbeddedPoint& cell : support.cell)
+      displacement.push_back(axes * Vec3d(lattice::displacement(cell, motion)));
+    if (!support.cell.empty()) return displacement;
     for (const int slot : support.carrier) displacement.push_back(axes * Vec3d(motion.u[std::size_t(slot)]));
   } else {
     const rhombus::State& state = world.rhombus_bodies[index].state;

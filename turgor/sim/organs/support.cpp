@@ -65,6 +65,22 @@ void move_site(double softness, Vec3d force, contact::PairSite& site) {
   if (!rolls) site.slip += softness * (force - along * site.normal);
 }
 
+/// Forces on vertices as forces on what carries them: nodes, the corners of cells, or vertices of a model.
+std::vector<contact::VertexForce> on_carriers(const CoupledSupport& support,
+                                              const std::vector<contact::VertexForce>& forces) {
+  std::vector<contact::VertexForce> on;
+  for (const auto& [vertex, force] : forces) {
+    if (support.cell.empty()) {
+      on.push_back({support.carrier[std::size_t(vertex)], force});
+      continue;
+    }
+    const lattice::EmbeddedPoint& cell = support.cell[std::size_t(vertex)];
+    for (std::size_t c = 0; c < 8; c++)
+      if (cell.weight[c] != 0) on.push_back({cell.corner[c], force * double(cell.weight[c])});
+  }
+  return on;
+}
+
 /// Stiffness with which a body resists a displacement of the points where these forces act [N/m].
 double resisting_stiffness(const World& world, int index, const std::vector<contact::Tie>& ties,
                            const std::vector<contact::PairSite>& sites) {
@@ -162,8 +178,7 @@ void load_supports(World& world, std::span<const contact::Tie> ties,
     std::vector<contact::VertexForce> solved = contact::forces_on(index, ties, sites);
     support.force = swept_forces_on(world, index);
     if (!yields) support.force.insert(support.force.begin(), solved.begin(), solved.end());
-    for (contact::VertexForce& force : support.force)
-      force.vertex = support.carrier[std::size_t(force.vertex)];
+    support.force = on_carriers(support, support.force);
     support.solved = yields ? std::move(solved) : std::vector<contact::VertexForce>();
     support.stiffness = yields ? swept_stiffness_on(world, index) : stiffness_around(world, index);
   }

@@ -6,44 +6,36 @@
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/lattice/model/moving_mass.hpp"
 #include "turgor/sim/organs/support.hpp"
+#include "turgor/sim/organs/swept_body.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 
 namespace {
 
-const CoupledSupport& swept_support(const World& world, int index) {
-  const int n = index - first_support(world);
-  TURGOR_CHECK(is_index(n, world.coupling.supports.size()), "swept bodies and what they touch are supports");
-  return world.coupling.supports[std::size_t(n)];
-}
-const LatticeBody& lattice_of(const World& world, const CoupledSupport& support) {
-  return world.lattice_bodies[std::size_t(support.body.index)];
-}
-const Mat3d& patient_axes(const LatticeBody& body) { return body.model.anatomy.grid.axes; }
-
-/// True if a contact or an attachment is solved in the sweeps of this lattice.
-bool is_swept_by(const World& world, const LatticeBody& body, int index) {
-  return index >= first_support(world) && swept_support(world, index).body.kind == BodyKind::kLattice &&
-         &lattice_of(world, swept_support(world, index)) == &body;
+/// Velocity of a vertex of a lattice [m/s].
+Vec3d vertex_velocity(const CoupledSupport& support, int vertex, const lattice::Motion& motion) {
+  const auto v = std::size_t(vertex);
+  if (support.cell.empty()) return Vec3d(motion.v[std::size_t(support.carrier[v])]);
+  return Vec3d(
+      lattice::displacement(support.cell[v], [&](int corner) { return motion.v[std::size_t(corner)]; }));
 }
 
-/// Motion of a point in the next frame at its present velocity; zero for chains and the ground [m].
+/// Motion of a point in the next frame at its present velocity; zero for chains and what is fixed [m].
 Vec3d motion_ahead(const World& world, const contact::SurfacePoint& point) {
-  if (point.body < 0) return {};
+  if (point.body < first_support(world)) return {};
   const CoupledSupport& support = swept_support(world, point.body);
   if (support.body.kind != BodyKind::kLattice) return {};
   const LatticeBody& body = lattice_of(world, support);
   const lattice::Motion& motion = body.state->motion;
   Vec3d velocity;
   for (int corner = 0; corner < 3; corner++)
-    if (const int v = point.vertex[corner]; v >= 0) {
-      const int slot = support.carrier[std::size_t(v)];
-      velocity += Vec3d(motion.v[std::size_t(slot)]) * point.weight[corner];
-    }
+    if (const int v = point.vertex[corner]; v >= 0)
+      velocity += vertex_velocity(support, v, motion) * point.weight[corner];
   return patient_axes(body) * (velocity * world.dt);
 }
 
@@ -69,13 +61,27 @@ SweptPair swept_pair(const World& world, const BodyContact& contact) {
   return {contact.body[side], contact.body[1 - side], swept_support(world, contact.body[side])};
 }
 
+/// Displacement of a node of a lattice that can touch, lattice frame [m].
+Vec3d node_displacement(const SweptNodes& nodes, std::size_t n, const lattice::Motion& motion) {
+  if (nodes.cell.empty()) return Vec3d(motion.u[std::size_t(nodes.slot[n])]);
+  return Vec3d(lattice::displacement(nodes.cell[n], motion));
+}
+
 /// Present positions of the nodes of a lattice that can touch.
 std::vector<Vec3d> positions_of_nodes(const World& world, const CoupledSupport& support) {
   const LatticeBody& body = lattice_of(world, support);
   const lattice::Motion& motion = body.state->motion;
   std::vector<Vec3d> x = support.nodes.rest;
   for (std::size_t n = 0; n < x.size(); n++)
-    x[n] += patient_axes(body) * Vec3d(motion.u[std::size_t(support.nodes.slot[n])]);
+    x[n] += patient_axes(body) * node_displacement(support.nodes, n, motion);
+  return x;
+}
+
+/// Vertices of a rigid body.
+std::vector<Vec3d> fixed_positions(const RigidBody& body) {
+  const Pose pose = rigid::pose_of(body.model, body.state);
+  std::vector<Vec3d> x;
+  for (const Vec3d rest : body.model.vertices) x.push_back(to_world(pose, rest));
   return x;
 }
 
@@ -89,11 +95,20 @@ contact::PairSites swept_sites(const Exec& exec, const World& world, const BodyC
   params.reach += farthest_ahead(world, pair.own);
   if (pair.other < 0)
     return contact::find_node_sites(nodes, pair.index, contact.ground, params, contact.sites);
+  const std::vector<Vec3d> own_x = positions_of(world, pair.own);
+  if (const RigidBody* fixed = rigid_body(world, pair.other)) {
+    const std::vector<Vec3d> fixed_x = fixed_positions(*fixed);
+    const std::vector<Int3> near = triangles_near(pair.own, own_x, fixed_x, params.reach + params.deepest);
+    if (near.empty()) return {};
+    const std::array<contact::PairSurface, 2> surfaces{
+        {{pair.index, pair.own.rest, own_x, near, {}}, rigid_surface(*fixed, pair.other, fixed_x)}};
+    return contact::find_node_sites(exec, nodes, surfaces, params, contact.sites);
+  }
   // surfaces near each other
   const CoupledSupport& other = swept_support(world, pair.other);
   params.reach += farthest_ahead(world, other);
   const double far = params.reach + params.deepest;
-  const std::vector<Vec3d> own_x = positions_of(world, pair.own), other_x = positions_of(world, other);
+  const std::vector<Vec3d> other_x = positions_of(world, other);
   const std::vector<Int3> own_near = triangles_near(pair.own, own_x, other_x, far),
                           other_near = triangles_near(other, other_x, own_x, far);
   if (own_near.empty() || other_near.empty()) return {};
@@ -108,36 +123,12 @@ std::vector<Vec3d> ends_ahead(const World& world, const Attachment& attachment) 
   std::vector<Vec3d> displacement;
   for (const contact::Tie& tie : attachment.ties) {
     const contact::SurfacePoint& end = attachment.swept == 0 ? tie.b : tie.a;
-    if (end.body >= 0 && displacement.empty())
+    if (end.body >= first_support(world) && displacement.empty())
       displacement = support_displacement(world, swept_support(world, end.body));
-    ends.push_back(contact::displacement_of(end, displacement) + motion_ahead(world, end));
+    const Vec3d moved = displacement.empty() ? Vec3d{} : contact::displacement_of(end, displacement);
+    ends.push_back(moved + motion_ahead(world, end));
   }
   return ends;
-}
-
-/// Force of a spring on its swept end, and its tangent, at a stretch.
-lattice::PointSpring spring_at(const contact::Tie& tie, const lattice::EmbeddedPoint& at, Vec3d u,
-                               Vec3d end) {
-  lattice::PointSpring spring{.at = at, .target = Vec3(u)};
-  const Vec3d stretch = u - end;
-  const double size = norm(stretch), over = size - tie.slack;
-  if (tie.broken || (tie.slack > 0 && over <= 0)) return spring;
-  if (tie.slack == 0) {
-    spring.target = Vec3(end), spring.stiffness = lattice::isotropic_stiffness(Real(tie.stiffness));
-    return spring;
-  }
-  const Vec3d n = stretch / size;
-  spring.force = Vec3(n * (-tie.stiffness * over));
-  spring.stiffness =
-      lattice::axial_stiffness(Vec3(n), Real(tie.stiffness), Real(tie.stiffness * over / size));
-  return spring;
-}
-
-/// Point at a node.
-lattice::EmbeddedPoint point_at(int slot) {
-  lattice::EmbeddedPoint point;
-  point.cell = slot, point.corner.fill(slot), point.weight[0] = 1;
-  return point;
 }
 
 /// Stiffness with which a swept lattice resists a displacement of its contact: that of the nodes that bear,
@@ -159,7 +150,10 @@ void add_force_at(const contact::SurfacePoint& point, Vec3d force, int index,
 }  // namespace
 
 int swept_side(const World& world, BodyId body, const std::optional<BodyId>& other) {
-  const auto yields = [](BodyId id) { return id.kind == BodyKind::kSfem || id.kind == BodyKind::kRigid; };
+  const auto yields = [&](BodyId id) {
+    return id.kind == BodyKind::kSfem ||
+           (id.kind == BodyKind::kRigid && !world.rigid_bodies[std::size_t(id.index)].model.is_fixed);
+  };
   if (yields(body) || (other && yields(*other))) return -1;
   if (body.kind != BodyKind::kLattice) return other && other->kind == BodyKind::kLattice ? 1 : -1;
   if (!other || other->kind != BodyKind::kLattice) return 0;
@@ -170,12 +164,23 @@ int swept_side(const World& world, BodyId body, const std::optional<BodyId>& oth
 }
 
 SweptNodes swept_nodes(const LatticeBody& body, const CoupledSupport& support) {
+  SweptNodes nodes;
+  if (!support.cell.empty()) {
+    // outermost nodes of partial cells are not at the surface: its vertices touch
+    for (const Int3 t : support.triangles) nodes.vertex.insert(nodes.vertex.end(), {t.x, t.y, t.z});
+    sort_unique(nodes.vertex);
+    for (const int vertex : nodes.vertex) {
+      const auto v = std::size_t(vertex);
+      nodes.slot.push_back(support.carrier[v]), nodes.rest.push_back(support.rest[v]);
+      nodes.cell.push_back(support.cell[v]);
+    }
+    return nodes;
+  }
   // samples of the skin at its nodes
   const contact::LatticeTouch touch = contact::make_lattice_touch(body.model, body.state.cuts(), body.surface,
                                                                   {}, contact::TouchCarrier::kNodes);
   const TriangleTree tree = build_triangle_tree(support.rest, support.triangles);
   const Grid& grid = body.model.anatomy.grid;
-  SweptNodes nodes;
   for (const contact::LatticeSample& sample : touch.samples) {
     if (sample.wall || sample.other >= 0) continue;
     const Vec3d rest = grid.origin + grid.axes * sample.rest;
@@ -204,51 +209,6 @@ std::vector<double> swept_rest_heights(const Exec& exec, const World& world, con
   return contact::rest_heights(exec, {own.rest, own.rest, own.vertex, {}}, surfaces, contact.params);
 }
 
-SweptSprings::SweptSprings(const LatticeBody& body, World& world, lattice::PointSprings* stitches)
-    : body_(body), stitches_(stitches) {
-  if (stitches) springs_.all = stitches->all;
-  for (Attachment& attachment : world.coupling.attachments) {
-    if (attachment.swept < 0 || attachment.ahead.size() != attachment.ties.size()) continue;
-    for (std::size_t n = 0; n < attachment.ties.size(); n++) {
-      contact::Tie& tie = attachment.ties[n];
-      const contact::SurfacePoint& own = attachment.swept == 0 ? tie.a : tie.b;
-      if (tie.broken || !is_swept_by(world, body, own.body)) continue;
-      const CoupledSupport& support = swept_support(world, own.body);
-      springs_.all.push_back({.at = point_at(support.carrier[std::size_t(own.vertex.x)])});
-      ties_.push_back(&tie), signs_.push_back(attachment.swept == 0 ? 1 : -1);
-      ends_.push_back(transposed(patient_axes(body)) * attachment.ahead[n]);
-      if (attachments_.empty() || attachments_.back() != &attachment) attachments_.push_back(&attachment);
-    }
-  }
-  if (ties_.empty()) return;
-  make_terms(springs_);
-  springs_.refresh = [this](const lattice::State& state) {
-    if (stitches_ && stitches_->refresh) stitches_->refresh(state);
-    refresh(state.motion);
-  };
-}
-
-void SweptSprings::refresh(const lattice::Motion& motion) {
-  const std::size_t first = springs_.all.size() - ties_.size();
-  if (stitches_) std::copy(stitches_->all.begin(), stitches_->all.end(), springs_.all.begin());
-  for (std::size_t n = 0; n < ties_.size(); n++) {
-    lattice::PointSpring& spring = springs_.all[first + n];
-    spring = spring_at(*ties_[n], spring.at, Vec3d(displacement(spring.at, motion)), ends_[n]);
-  }
-}
-
-void SweptSprings::finish(const lattice::Motion& motion) {
-  if (ties_.empty()) return;
-  refresh(motion);
-  const std::size_t first = springs_.all.size() - ties_.size();
-  for (std::size_t n = 0; n < ties_.size(); n++) {
-    const lattice::PointSpring& spring = springs_.all[first + n];
-    const Vec3d force(spring_force(spring, displacement(spring.at, motion)));
-    ties_[n]->force = patient_axes(body_) * (force * signs_[n]);
-  }
-  for (Attachment* attachment : attachments_) contact::break_one(attachment->ties);
-}
-
 SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body) {
   const Mat3d to_lattice = transposed(patient_axes(body));
   for (BodyContact& contact : world.coupling.contacts) {
@@ -258,8 +218,14 @@ SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body
     free_mass_ = own.free_mass;
     for (contact::PairSite& site : contact.sites) {
       // the other body has moved by `ahead` when the step ends
-      const int slot = own.nodes.slot[std::size_t(site.node)];
-      const Vec3d u(motion.u[std::size_t(slot)]);
+      const auto n = std::size_t(site.node);
+      const Vec3d u = node_displacement(own.nodes, n, motion);
+      int slot = own.nodes.slot[n];
+      if (!own.nodes.cell.empty()) {
+        slot = leading_corner({body.model, {}}, own.nodes.cell[n]);
+        if (slot < 0) continue;
+        own_points_.at.push_back(own.nodes.cell[n]), own_points_.leader.push_back(slot);
+      }
       own_.push_back({.slot = slot,
                       .normal = Vec3(to_lattice * site.normal),
                       .target = Vec3(u + to_lattice * (site.ahead - site.normal * site.distance)),
@@ -268,6 +234,7 @@ SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body
       sites_.push_back({slot, &site});
     }
   }
+  if (!own_points_.at.empty()) return;
   const auto first = [](const auto& a, const auto& b) { return a.slot < b.slot; };
   std::stable_sort(own_.begin(), own_.end(), first);
   std::stable_sort(sites_.begin(), sites_.end(), first);
@@ -275,17 +242,26 @@ SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body
 
 void SweptContacts::join(lattice::Inputs& inputs) {
   if (own_.empty()) return;
-  TURGOR_CHECK(inputs.points == nullptr, "swept contacts act on nodes");
   joined_.clear(), origins_.clear();
   auto next = own_.begin();
   const auto add = [&](lattice::NodeContact& contact) {
     joined_.push_back(contact), origins_.push_back(&contact);
   };
+  const bool in_cells = !own_points_.at.empty();
+  TURGOR_CHECK(in_cells ? inputs.points || inputs.contacts.empty() : inputs.points == nullptr,
+               "contacts of tools and of bodies act in cells, or on nodes");
   for (lattice::NodeContact& of_tool : inputs.contacts) {
-    for (; next != own_.end() && next->slot < of_tool.slot; ++next) add(*next);
+    for (; !in_cells && next != own_.end() && next->slot < of_tool.slot; ++next) add(*next);
     add(of_tool);
   }
   for (; next != own_.end(); ++next) add(*next);
+  if (in_cells) {
+    points_ = inputs.points ? *inputs.points : lattice::ContactPoints{};
+    points_.at.insert(points_.at.end(), own_points_.at.begin(), own_points_.at.end());
+    points_.leader.insert(points_.leader.end(), own_points_.leader.begin(), own_points_.leader.end());
+    make_terms({body_.model, body_.touch.virtual_slots}, points_);
+    inputs.points = &points_;
+  }
   inputs.contacts = joined_;
   // acceleration of a free body
   inputs.start_acceleration = {};

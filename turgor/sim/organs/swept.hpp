@@ -1,14 +1,16 @@
-// Contacts and attachments of a lattice with another lattice, chains or the ground. Their forces are solved
-// in the sweeps of one of the two bodies, the swept one. Its surface nodes stay beyond planes with Coulomb
-// friction (lattice::NodeContact), and its springs act at nodes (lattice::PointSpring). The other body is
-// where its velocity takes it in the frame. It bears the opposite forces from the next frame on, relaxed like
-// those of cloth (sim/bodies/cloth/cloth_load.hpp).
+// Contacts and attachments of a lattice with another lattice, chains, a fixed rigid body or the ground. Their
+// forces are solved in the sweeps of one of the two bodies, the swept one. Its surface nodes stay beyond
+// planes with Coulomb friction (lattice::NodeContact), and its springs act at nodes (lattice::PointSpring).
+// In a body with partial cells both act in the cells that carry the surface (lattice::ContactPoints). The
+// other body is where its velocity takes it in the frame. It bears the opposite forces from the next frame
+// on, relaxed like those of cloth (sim/bodies/cloth/cloth_load.hpp).
 #pragma once
 
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "turgor/models/lattice/mechanics/contact_points.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/model/inputs.hpp"
 #include "turgor/sim/organs/coupling.hpp"
@@ -75,6 +77,7 @@ class SweptContacts {
   double free_mass_ = 0;                            // see CoupledSupport [kg]
   std::vector<lattice::NodeContact> own_, joined_;  // slots ascend
   std::vector<lattice::NodeContact*> origins_;      // of `joined_`
+  lattice::ContactPoints own_points_, points_;      // of `own_` and `joined_`, in a body with partial cells
   std::vector<Site> sites_;                         // of `own_`
 };
 

@@ -98,13 +98,10 @@ bool is_fixed_body(const Scene& scene, const std::optional<BodyId>& id) {
   return !id || (id->kind == BodyKind::kRigid && scene.rigid_bodies[std::size_t(id->index)].is_fixed);
 }
 
-/// Refuses contact with a fixed rigid body where the other one cannot bear it.
+/// Refuses contact of two fixed bodies.
 void check_fixed(SceneTable& table, const Scene& scene, BodyId body, const std::optional<BodyId>& other) {
-  const bool is_fixed[] = {is_fixed_body(scene, body), is_fixed_body(scene, other)};
-  if (is_fixed[0] && is_fixed[1]) return table.fail("between", "neither of the two can move");
-  if (!other || !(is_fixed[0] || is_fixed[1])) return;
-  if (body.kind == BodyKind::kLattice || other->kind == BodyKind::kLattice)
-    table.fail("between", "a fixed rigid body cannot touch a lattice yet");
+  if (is_fixed_body(scene, body) && is_fixed_body(scene, other))
+    table.fail("between", "neither of the two can move");
 }
 
 }  // namespace
