@@ -90,6 +90,17 @@ TEST(Report, PageBeginsWithVerdictAndEndsWithTime) {
   EXPECT_NE(at("@page { size: A4;"), std::string::npos);
 }
 
+// Without measures of wounds or cloth no half of the page is empty: the parameters follow the tables.
+TEST(Report, ParametersFollowTablesWithoutMeasures) {
+  BlockRun run = block_run();
+  run.report["wounds"] = Json::array();
+  run.report["skin"] = Json::array();
+  const std::string html = report_html(run.report, run.folder);
+  EXPECT_EQ(html.find("<div class=\"beside\">"), html.npos);
+  EXPECT_LT(html.find("<h2>Lattices</h2>"), html.find("<h2>Parameters</h2>"));
+  EXPECT_NE(html.find("<h2>Parameters</h2>"), html.npos);
+}
+
 // The expected error of a gape grows with the square of spacing over depth: 8 mm over 24 mm here.
 TEST(Report, GapeErrorFollowsSpacing) {
   const Scene scene = test::block_scene(test::fresh_folder());

@@ -145,7 +145,8 @@ std::string table_of(const Json& report, const Section& section) {
                                                                           section.captions);
 }
 
-/// Measures of wounds beside the parameters, then the tables of bodies and tools.
+/// Measures of wounds or cloth beside the parameters, then the tables of bodies and tools. Without such
+/// measures the parameters come last, in the whole width.
 std::string tables(const Json& report) {
   std::string first, others;
   for (const Section& section : report_sections()) {
@@ -153,6 +154,7 @@ std::string tables(const Json& report) {
     (is_result ? first : others) += table_of(report, section);
   }
   const std::string parameters = page::parameter_table(report);
+  if (first.empty()) return others + parameters;
   return "<div class=\"beside\"><div>" + first + "</div><div>" + parameters + "</div></div>\n" + others;
 }
 
