@@ -29,7 +29,11 @@ class Recording:
 
     def __init__(self, file, *, set=None, threads=0):
         overrides = [f"{key}={'' if value is None else _text(value)}" for key, value in (set or {}).items()]
-        self._file = _turgor.open_recording(os.fspath(file), overrides, threads)
+        self._name = os.fspath(file)
+        self._file = _turgor.open_recording(self._name, overrides, threads)
+
+    def __repr__(self):
+        return f"<turgor.Recording {self._name}: {len(self)} snapshots>"
 
     def __len__(self):
         return self._file.count

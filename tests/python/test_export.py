@@ -99,6 +99,7 @@ class Recordings(unittest.TestCase):
                 np.testing.assert_array_equal(world[name].triangles, moment.bodies[name].triangles)
         self.assertGreater(np.linalg.norm(moments()[2].tools["finger"].force), 0)
         recording = turgor.Recording(folder() / "recording.h5")
+        self.assertEqual(repr(recording), f"<turgor.Recording {folder() / 'recording.h5'}: 6 snapshots>")
         self.assertEqual(recording.frame_rate, 50)
         self.assertEqual(recording[-1].time, recording[5].time)
         self.assertIn("state_hash", recording.report)
