@@ -20,8 +20,9 @@ namespace turgor::cloth {
 
 namespace {
 
-constexpr std::size_t kGrain = 64;  // batches per task
-constexpr int kMaxRewinds = 10;     // of a step for its collisions
+constexpr std::size_t kGrain = 64;    // batches per task
+constexpr int kMaxRewinds = 10;       // of a step for its collisions
+constexpr std::size_t kLeastNew = 4;  // collisions for each that is no contact yet, at most
 
 template <class Loop>
 void for_batches(const Exec& exec, const State& state, const Loop& loop) {
@@ -150,13 +151,15 @@ struct HostStep {
   // positions
   void move() { cloth::move(exec, model, state, Real(dt)); }
   void solve_positions() { cloth::solve_positions(exec, model, state, dt); }
-  /// Rewinds the step if its motion has collisions that are no contacts yet. They become contacts.
+  /// Rewinds the step if its motion has collisions that are no contacts yet. They become contacts. Where most
+  /// pairs that collide are contacts already, as in a knot that holds pull tight, another solution does not
+  /// help.
   bool rewinds_for_collisions() {
     if (!model.params.collision.self || rewinds == kMaxRewinds) return false;
     may_collide = find_collisions(exec, model, state);
     const std::size_t before = collisions.size();
     if (may_collide) find_collision_contacts(model, state, start_x, collisions);
-    if (collisions.size() == before) return false;
+    if (kLeastNew * (collisions.size() - before) <= state.ccd.ccd_pairs.size()) return false;
     state.x = start_x, state.v = start_v;
     rewinds++;
     return true;
