@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/cloth/ccd/ccd.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/models/cloth/contact/large_primitive_kernels.hpp"
@@ -20,7 +19,7 @@ std::array<double, 4> weights_between(const std::array<Vec3d, 4>& x, bool are_ed
     const Vec3d w = nearest_on_triangle(x[0], x[1], x[2], x[3]).weights;
     return {1, -w.x, -w.y, -w.z};
   }
-  // the nearest points a + s p and b + t q differ by `offset`, which is normal to p and q
+  // the nearest points x₀ + s p and x₂ + t q differ by a vector normal to p and q
   const Vec3d p = x[1] - x[0], q = x[3] - x[2], r = x[0] - x[2] - between_edges(x);
   const double pp = dot(p, p), pq = dot(p, q), qq = dot(q, q), determinant = pp * qq - pq * pq;
   if (!(determinant > 1e-9 * pp * qq)) return {0.5, 0.5, -0.5, -0.5};
@@ -41,6 +40,7 @@ void find_collision_contacts(const Model& model, State& state, const Vectors& x,
     const LinearMotion::PrimitivePair primitives = linear.primitives(pair.vertex, pair.are_edges);
     double time = 0;
     comes_too_near(primitives.x, primitives.d, pair.are_edges, thickness, time);
+    TURGOR_CHECK(time >= 0 && time <= 1, "the pair collides in the step");
     std::array<Vec3d, 4> y;
     for (std::size_t k = 0; k < 4; k++) y[k] = primitives.x[k] + primitives.d[k] * time;
     const Vec3d offset = between(y, pair.are_edges);
