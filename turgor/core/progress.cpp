@@ -9,7 +9,7 @@
 
 namespace turgor {
 
-ProgressBar::ProgressBar(std::string label)
+ProgressBar::ProgressBar(const std::string& label)
     : label_(on_one_line(label)), shown_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressBar::~ProgressBar() {
