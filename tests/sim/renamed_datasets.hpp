@@ -31,7 +31,17 @@ inline bool copy_dataset(const Hdf5File& from, Hdf5File& to, const std::string& 
          copy_numbers<std::uint64_t>(from, to, path, new_path);
 }
 
-/// Writes a copy of an HDF5 file in which one dataset of doubles has a changed value.
+/// Copies one dataset of numbers with a changed value. False: it holds another type.
+template <class T>
+bool copy_with_number(const Hdf5File& from, Hdf5File& to, const std::string& path, std::size_t count,
+                      std::size_t index, double value) {
+  Result<std::vector<T>> values = from.read<T>(path, count);
+  if (!values) return false;
+  (*values)[index] = T(value);
+  return bool(to.write<T>(path, *values));
+}
+
+/// Writes a copy of an HDF5 file in which one dataset of doubles or integers has a changed value.
 inline void write_with_number(const std::filesystem::path& from, const std::filesystem::path& to,
                               const std::string& changed, std::size_t index, double value) {
   const Result<Hdf5File> source = Hdf5File::open(from);
@@ -44,10 +54,8 @@ inline void write_with_number(const std::filesystem::path& from, const std::file
     }
     const Result<std::size_t> count = source->count(path, std::size_t(1) << 24);
     ASSERT_TRUE(count && index < *count) << path;
-    Result<std::vector<double>> values = source->read<double>(path, *count);
-    ASSERT_TRUE(values) << path;
-    (*values)[index] = value;
-    EXPECT_TRUE(target->write<double>(path, *values));
+    EXPECT_TRUE(copy_with_number<double>(*source, *target, path, *count, index, value) ||
+                copy_with_number<std::int32_t>(*source, *target, path, *count, index, value));
   }
   EXPECT_TRUE(target->close());
 }

@@ -213,6 +213,53 @@ TEST(Recording, RefusesDamagedBladePath) {
   EXPECT_NE(error.find(group + "/path: row 1: expected finite numbers"), std::string::npos) << error;
 }
 
+// A replay has the cells of the recorded body, whatever the default of scenes is. Older recordings have those
+// of their scene.
+TEST(Recording, ReplayHasRecordedCells) {
+  const fs::path folder = test::fresh_folder();
+  const std::string key = "body.block.tissue.partial_cells";
+  for (const bool partial : {true, false}) {
+    // a body with the other cells than its text says
+    Scene scene = test::block_scene(folder, {key + (partial ? "=false" : "=true")});
+    scene.lattice_bodies[0].params.tissue.partial_cells = partial;
+    World world = test::block_world(Exec(1), scene);
+    for (int frame = 0; frame < 3; frame++) ASSERT_TRUE(step(Exec(1), world));
+    (void)test::record_snapshot(Exec(1), folder / "r.h5", scene, world);
+    const Result<Scene> again = Recording::open(folder / "r.h5")->scene({});
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again->lattice_bodies[0].params.tissue.partial_cells, partial);
+    World drawn = test::block_world(Exec(1), *again);
+    (void)test::restore_snapshot(Exec(1), folder / "r.h5", drawn);
+    EXPECT_EQ(drawn.lattice_bodies[0].state->motion.u.y, world.lattice_bodies[0].state->motion.u.y);
+    // without the dataset
+    ASSERT_EQ(test::write_with_names(folder / "r.h5", folder / "old.h5", {{"partial_cells", "unknown"}},
+                                     "turgor recording 7"),
+              1);
+    EXPECT_NE(Recording::open(folder / "old.h5")->scene({})->lattice_bodies[0].params.tissue.partial_cells,
+              partial);
+  }
+}
+
+// A damaged kind of cells is refused by name: a number that means nothing, and partial cells of a stiffening
+// law.
+TEST(Recording, RefusesDamagedCells) {
+  const fs::path folder = test::fresh_folder();
+  const std::string law = "body.block.tissue={ law = \"exponential\", stiffening = 2 }";
+  for (const bool stiffens : {false, true}) {
+    const Scene scene = test::block_scene(folder, stiffens ? std::vector{law} : std::vector<std::string>{});
+    const World world = test::block_world(Exec(1), scene);
+    (void)test::record_snapshot(Exec(1), folder / "r.h5", scene, world);
+    test::write_with_number(folder / "r.h5", folder / "damaged.h5", "/bodies/block/partial_cells", 0,
+                            stiffens ? 1 : 7);
+    const Result<Scene> again = Recording::open(folder / "damaged.h5")->scene({});
+    ASSERT_FALSE(again);
+    EXPECT_NE(again.error().message.find(stiffens ? "partial_cells: expected 0, since"
+                                                  : "partial_cells: expected 0 or 1, found 7"),
+              std::string::npos)
+        << again.error().message;
+  }
+}
+
 // Recordings with the dataset names of format 6 restore the same state.
 TEST(Recording, ReadsOldDatasetNames) {
   const fs::path folder = test::fresh_folder();

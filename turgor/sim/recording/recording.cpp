@@ -7,6 +7,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/models/lattice/build/cell_laws.hpp"
 #include "turgor/sim/recording/recording_cloth.hpp"
 #include "turgor/sim/recording/recording_lattice.hpp"
 #include "turgor/sim/recording/recording_suture.hpp"
@@ -45,6 +46,23 @@ Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
       .array("into", flat(path.inward), 3)
       .array<double>("progress", {path.depth, cut.done, double(cut.edges)}, 1, "m, 1, 1")
       .status();
+}
+
+/// Gives lattices the kind of cells that was recorded, so that a replay does not depend on the default of
+/// scenes. Recordings without it have the cells of their scene.
+Status restore_cells(const Hdf5File& file, Scene& scene) {
+  for (LatticeScene& lattice : scene.lattice_bodies) {
+    Reading reading(file, fmt::format("/bodies/{}/", lattice.name));
+    if (!file.has(reading.group() + "partial_cells")) continue;
+    const auto stored = reading.array<std::int32_t>("partial_cells", 1);
+    if (reading.status() && stored[0] != 0 && stored[0] != 1)
+      reading.fail("partial_cells", fmt::format("expected 0 or 1, found {}", stored[0]));
+    else if (reading.status() && stored[0] == 1 && lattice::has_cell_laws(lattice.params.tissue))
+      reading.fail("partial_cells", "expected 0, since the laws of the body need whole cells");
+    if (!reading.status()) return reading.status();
+    lattice.params.tissue.partial_cells = stored[0] != 0;
+  }
+  return Done{};
 }
 
 std::string snapshot_group(int snapshot) { return fmt::format("/snapshots/{:05}", snapshot); }
@@ -157,6 +175,7 @@ Result<Scene> Recording::scene(const std::vector<std::string>& more_overrides) c
   Result<Scene> scene = parse_scene(texts[1], texts[0], overrides, texts[3]);
   if (!scene)
     return Error{fmt::format("{}: the recorded scene is invalid: {}", path_.string(), scene.error().message)};
+  if (const Status cells = restore_cells(file_, *scene); !cells) return cells.error();
   return scene;
 }
 

@@ -122,9 +122,10 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
     const Vec3 p(point_at(grid, {double(node.x), double(node.y), double(node.z)}));
     rest.insert(rest.end(), {p.x, p.y, p.z});
   }
-  // write CT hash, lattice and rest positions
+  // write CT hash, kind of cells, lattice and rest positions
   return Writing(file, fmt::format("/bodies/{}/", body.name))
       .array<std::uint64_t>("ct_hash", {body.ct_hash})
+      .array<std::int32_t>("partial_cells", {std::int32_t(model.params.tissue.partial_cells)})
       .array<std::int32_t>("lattice_size", {grid.size.x, grid.size.y, grid.size.z})
       .array("lattice_origin", flat<double>({grid.origin}), 1, "m")
       .array("lattice_spacing", flat<double>({grid.spacing}), 1, "m")
