@@ -154,8 +154,8 @@ TEST(Organs, Mistakes_AreExplained) {
          "the nearest is 0.03 m away");
   expect(error_of(falling(
              "[body.towel]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, 1], side = [0.1, 0, 0], up = "
-             "[0, 0.1, 0], columns = 3, rows = 3 }\n[attachment.a]\nbetween = [\"stone\", "
-             "\"towel\"]\nstiffness = 1\n")),
+             "[0, 0.1, 0], columns = 3, rows = 3 }\n[contact.a]\nbetween = [\"stone\", "
+             "\"towel\"]\n")),
          "towel touches bodies that are its obstacles");
   expect(error_of(falling("rotations = true\n")), "rotations are not computed");
 }

@@ -66,14 +66,14 @@ struct SweptNodes {
   std::vector<lattice::EmbeddedPoint> cell;  // of each vertex, in a body with partial cells; else empty
 };
 
-/// A lattice or a body of chains in attachments and contacts. The surface of a lattice is where the last step
-/// left it, and does not yield while the forces of a frame are solved. They act on it from the next frame on,
-/// relaxed like those of cloth (sim/bodies/cloth/cloth_load.hpp). Chains yield in the solution, and bear the
-/// whole force in the next frame.
+/// A lattice, a body of chains or a cloth in attachments and contacts. The surface of a lattice is where the
+/// last step left it, and does not yield while the forces of a frame are solved. They act on it from the next
+/// frame on, relaxed like those of cloth (sim/bodies/cloth/cloth_load.hpp). Chains yield in the solution, and
+/// bear the whole force in the next frame.
 struct CoupledSupport {
   BodyId body;
   std::vector<Vec3d> rest;                   // vertices of its surface without cuts, patient frame [m]
-  std::vector<int> carrier;                  // of each: a lattice's slot, or the body's vertex
+  std::vector<int> carrier;                  // of each: a lattice's slot, or the vertex of the body's model
   std::vector<lattice::EmbeddedPoint> cell;  // of each, in a lattice with partial cells; else empty
   std::vector<Int3> triangles;               // of the surface
   std::vector<contact::VertexForce> force;   // on the body in the next frame, by carrier [N]

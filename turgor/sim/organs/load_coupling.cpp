@@ -9,6 +9,7 @@
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
+#include "turgor/sim/organs/cloth_attachments.hpp"
 #include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/organs/swept.hpp"
 #include "turgor/sim/world.hpp"
@@ -108,6 +109,9 @@ Status check_body(const std::string& where, const World& world, BodyId id) {
                     "{}, which cannot be coupled yet",
                     where, body.name)};
   }
+  if (id.kind == BodyKind::kCloth && world.cloth_bodies[std::size_t(id.index)].state.has_device())
+    return Error{fmt::format("{}: expected a cloth with device = \"cpu\", found {}, which has no attachments",
+                             where, world.cloth_bodies[std::size_t(id.index)].name)};
   if (id.kind != BodyKind::kSfem) return Done{};
   const SfemBody& body = world.sfem_bodies[std::size_t(id.index)];
   if (!body.facts.on_demand) return Done{};
@@ -235,6 +239,8 @@ Result<Attachment> load_attachment(const AttachmentScene& scene, const World& wo
   }
   made.swept = swept_side(world, scene.body, scene.other);
   const bool is_swapped = (body.rigid && other && !other->rigid) || made.swept == 1;
+  const bool is_cloth =
+      scene.body.kind == BodyKind::kCloth || (scene.other && scene.other->kind == BodyKind::kCloth);
   if (is_swapped) std::swap(body, *other);
 
   // tied points
@@ -256,9 +262,12 @@ Result<Attachment> load_attachment(const AttachmentScene& scene, const World& wo
     const contact::SurfacePoint from{body.index, {v, -1, -1}, {1, 0, 0}, body.vertices[std::size_t(v)]};
     made.ties.push_back(made_tie(scene, made, share, from, found.to[std::size_t(at)]));
   }
-  join_rigid_points(body.rigid && other, other && other->rigid, made.ties);
+  if (!is_cloth) join_rigid_points(body.rigid && other, other && other->rigid, made.ties);
   if (is_swapped)
     for (contact::Tie& tie : made.ties) std::swap(tie.a, tie.b);
+  if (is_cloth)
+    if (const Status able = check_cloth_attachment(world, scene.source_location, made); !able)
+      return able.error();
   return made;
 }
 

@@ -1,4 +1,4 @@
-// Lattices and bodies of chains as supports: their numbers, their surfaces, and where these are.
+// Lattices, bodies of chains and cloth as supports: their numbers, their surfaces, and where these are.
 #include <algorithm>
 #include <numeric>
 
@@ -32,7 +32,7 @@ std::vector<lattice::EmbeddedPoint> cells_of_vertices(const LatticeBody& body) {
   return cells;
 }
 
-/// Surface of a lattice or of chains for attachments and contacts.
+/// Surface of a lattice, of chains or of cloth for attachments and contacts.
 CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
   CoupledSupport support{
       .body = id, .rest = {}, .carrier = {}, .triangles = {}, .force = {}, .solved = {}, .nodes = {}};
@@ -44,6 +44,12 @@ CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
     if (!body.model.anatomy.cell_center.empty()) support.cell = cells_of_vertices(body);
     return support;
   }
+  if (id.kind == BodyKind::kCloth) {
+    const ClothBody& body = world.cloth_bodies[std::size_t(id.index)];
+    support.carrier = body.model.model_vertex, support.triangles = body.triangles;
+    for (const int v : support.carrier) support.rest.emplace_back(body.state->x[std::size_t(v)]);
+    return support;
+  }
   const rhombus::Surface& surface = world.rhombus_bodies[std::size_t(id.index)].model.surface;
   support.rest = surface.vertices, support.triangles = surface.triangles;
   support.carrier.resize(support.rest.size());
@@ -51,9 +57,9 @@ CoupledSupport make_support(const Exec& exec, BodyId id, World& world) {
   return support;
 }
 
-/// Adds a support for a lattice or chains that has none.
+/// Adds a support for a lattice, chains or cloth that has none.
 void add_support(const Exec& exec, BodyId id, World& world) {
-  if (id.kind != BodyKind::kLattice && id.kind != BodyKind::kRhombus) return;
+  if (id.kind == BodyKind::kSfem || id.kind == BodyKind::kRigid) return;
   for (const CoupledSupport& support : world.coupling.supports)
     if (support.body == id) return;
   world.coupling.supports.push_back(make_support(exec, id, world));
@@ -90,6 +96,10 @@ std::vector<Vec3d> support_displacement(const World& world, const CoupledSupport
       displacement.push_back(axes * Vec3d(lattice::displacement(cell, motion)));
     if (!support.cell.empty()) return displacement;
     for (const int slot : support.carrier) displacement.push_back(axes * Vec3d(motion.u[std::size_t(slot)]));
+  } else if (support.body.kind == BodyKind::kCloth) {
+    const cloth::Vectors& x = world.cloth_bodies[index].state->x;
+    for (std::size_t v = 0; v < support.carrier.size(); v++)
+      displacement.push_back(Vec3d(x[std::size_t(support.carrier[v])]) - support.rest[v]);
   } else {
     const rhombus::State& state = world.rhombus_bodies[index].state;
     for (const int v : support.carrier) displacement.push_back(state.displacement[std::size_t(v)]);

@@ -17,6 +17,13 @@ namespace turgor {
 
 namespace {
 
+bool is_swept_by_lattice(const World& world, const Attachment& attachment) {
+  if (attachment.swept < 0 || attachment.ties.empty()) return false;
+  const contact::Tie& tie = attachment.ties[0];
+  const int own = attachment.swept == 0 ? tie.a.body : tie.b.body;
+  return swept_support(world, own).body.kind == BodyKind::kLattice;
+}
+
 /// Velocity of a vertex of a lattice [m/s].
 Vec3d vertex_velocity(const CoupledSupport& support, int vertex, const lattice::Motion& motion) {
   const auto v = std::size_t(vertex);
@@ -150,6 +157,8 @@ void add_force_at(const contact::SurfacePoint& point, Vec3d force, int index,
 }  // namespace
 
 int swept_side(const World& world, BodyId body, const std::optional<BodyId>& other) {
+  if (body.kind == BodyKind::kCloth) return 0;
+  if (other && other->kind == BodyKind::kCloth) return 1;
   const auto yields = [&](BodyId id) {
     return id.kind == BodyKind::kSfem ||
            (id.kind == BodyKind::kRigid && !world.rigid_bodies[std::size_t(id.index)].model.is_fixed);
@@ -303,7 +312,7 @@ void find_swept(const Exec& exec, World& world) {
     contact.deepest = std::max(contact.deepest, found.deepest);
   }
   for (Attachment& attachment : world.coupling.attachments)
-    if (attachment.swept >= 0) attachment.ahead = ends_ahead(world, attachment);
+    if (is_swept_by_lattice(world, attachment)) attachment.ahead = ends_ahead(world, attachment);
 }
 
 std::vector<contact::VertexForce> swept_forces_on(const World& world, int index) {

@@ -19,8 +19,8 @@ namespace turgor {
 
 struct LatticeBody;
 
-/// Side of the lattice whose sweeps solve for the forces between two bodies: one without fixed nodes before
-/// one with fixed nodes, and the first before the second. -1: all bodies are solved together.
+/// Side of the body whose step solves for the forces between two bodies: cloth, else a lattice without fixed
+/// nodes before one with fixed nodes, and the first before the second. -1: all bodies are solved together.
 int swept_side(const World& world, BodyId body, const std::optional<BodyId>& other);
 
 /// Surface nodes of a lattice that can touch.

@@ -8,25 +8,39 @@ namespace {
 
 constexpr const char* kGround = "ground";
 
-/// Finds a body by name; adds a problem if it does not exist or its model cannot be coupled.
-std::optional<BodyId> find_body(SceneTable& table, const toml::node& node, const std::string& name,
-                                const Scene& scene) {
+/// Finds a body by name; adds a problem if it does not exist.
+std::optional<BodyId> find_body(SceneTable& table, const std::string& name, const Scene& scene) {
   std::optional<BodyId> found;
   std::vector<std::string> known;
   for_each_body(scene, [&](BodyId id, const auto& body) {
     known.push_back(body.name);
     if (body.name == name) found = id;
   });
-  if (!found) {
+  if (!found)
     table.fail("between", fmt::format("the scene has no body {}{}", name, turgor::suggestion(name, known)));
-  } else if (found->kind == BodyKind::kCloth) {
-    table.fail_value("between", node,
-                     fmt::format("bodies that are no cloth; {} touches bodies that are its obstacles "
-                                 "(body.{}.obstacle), and has no attachments yet",
-                                 name, name));
-    found.reset();
-  }
   return found;
+}
+
+/// Finds a body that [contact.NAME] can contain. Cloth touches its obstacles.
+std::optional<BodyId> find_touching_body(SceneTable& table, const toml::node& node, const std::string& name,
+                                         const Scene& scene) {
+  const std::optional<BodyId> found = find_body(table, name, scene);
+  if (!found || found->kind != BodyKind::kCloth) return found;
+  table.fail_value("between", node,
+                   fmt::format("bodies that are no cloth; {0} touches bodies that are its obstacles "
+                               "(body.{0}.obstacle), and layers of its own mesh (collision.self): sheets of "
+                               "one mesh file touch each other",
+                               name));
+  return {};
+}
+
+/// Refuses attachments of two cloths, and of cloth at points of a rigid body.
+void check_cloth(SceneTable& table, const AttachmentScene& attachment) {
+  const auto is_cloth = [](const std::optional<BodyId>& id) { return id && id->kind == BodyKind::kCloth; };
+  if (is_cloth(attachment.body) && is_cloth(attachment.other))
+    table.fail("between", "two cloths are not attached to each other: sew them in one mesh file");
+  if (is_cloth(attachment.other) && !attachment.at.empty())
+    table.fail("at", "cloth is tied where it is near: expected distance or box instead of at");
 }
 
 /// The two names of `between`; a problem if they are not two different texts.
@@ -112,12 +126,11 @@ AttachmentScene read_attachment(SceneTable table, const std::string& name, const
   table.begin_group("attachment");
   // bodies
   const std::vector<std::string> names =
-      read_between(table, "the names of two bodies, none of them cloth, or of one and `\"ground\"`");
+      read_between(table, "the names of two bodies, at most one of them cloth, or of one and `\"ground\"`");
   if (!names.empty()) {
-    const toml::node& node = *table.find("between");
     const std::size_t first = names[0] == kGround ? 1 : 0;
-    made.body = find_body(table, node, names[first], scene).value_or(BodyId{});
-    if (names[1 - first] != kGround) made.other = find_body(table, node, names[1 - first], scene);
+    made.body = find_body(table, names[first], scene).value_or(BodyId{});
+    if (names[1 - first] != kGround) made.other = find_body(table, names[1 - first], scene);
   }
   // tied points
   table.read(
@@ -125,6 +138,7 @@ AttachmentScene read_attachment(SceneTable table, const std::string& name, const
       "surface points of the first body are tied that are at most this far from the second one at rest");
   made.at = read_tied_points(table);
   made.box = read_box(table);
+  check_cloth(table, made);
   const bool is_rigid = made.body.kind == BodyKind::kRigid;
   if (!made.at.empty() && !is_rigid) table.fail("at", "points are tied where the first body is rigid");
   if (!made.at.empty() && made.box) table.fail("box", "an attachment has points or a box, not both");
@@ -162,9 +176,9 @@ BodyContactScene read_body_contact(SceneTable table, const std::string& name, co
   if (!names.empty()) {
     const toml::node& node = *table.find("between");
     const std::size_t first = names[0] == kGround ? 1 : 0;
-    const std::optional<BodyId> body = find_body(table, node, names[first], scene);
+    const std::optional<BodyId> body = find_touching_body(table, node, names[first], scene);
     made.body = body.value_or(BodyId{});
-    if (names[1 - first] != kGround) made.other = find_body(table, node, names[1 - first], scene);
+    if (names[1 - first] != kGround) made.other = find_touching_body(table, node, names[1 - first], scene);
     if (body) check_fixed(table, scene, made.body, made.other);
   }
   const bool is_ground = !names.empty() && (names[0] == kGround || names[1] == kGround);

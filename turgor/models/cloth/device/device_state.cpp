@@ -1,11 +1,13 @@
 #include "turgor/models/cloth/device/device_state.hpp"
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/cloth/hold.hpp"
 
 namespace turgor::cloth {
 
 StepReport DeviceState::step(const Exec& exec, const Model& model, const Inputs& inputs, double frame) {
   if (!mirrored_->backend) return cloth::step(exec, model, mirrored_->host_state, inputs, frame);
+  TURGOR_ASSERT(inputs.springs.empty(), "springs of vertices act on the host");
   const std::lock_guard lock(mirrored_->backend->mutex);
   claim_backend(mirrored_);
   if (mirrored_->changed != Changed::kNothing) mirrored_->backend->upload_state(model, mirrored_->host_state);

@@ -36,6 +36,7 @@ class DeviceState : public DeviceStateOf<MirroredState> {
  public:
   DeviceState(State state = {}) : DeviceStateOf(std::move(state)) {}
 
+  bool has_device() const { return mirrored_->backend != nullptr; }
   StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double frame);
 
   /// As the functions of the same names (hold.hpp).

@@ -101,12 +101,21 @@ struct Obstacle : ObstacleView {
   std::shared_ptr<const MovingSurface> moving;
 };
 
+/// Spring between a vertex and a position (forces/vertex_springs.hpp).
+struct VertexSpring {
+  int vertex = 0;      // of the model
+  Vec3 target;         // [m]
+  Real stiffness = 0;  // k [N/m]
+  Real slack = 0;      // s: distance up to which it has no force [m]
+};
+
 /// External inputs of one step.
 struct Inputs {
   Vec3d gravity;  // [m/s²]
   Air air;
   std::vector<Obstacle> obstacles;
-  bool measure_residual = false;  // costs about one sweep
+  std::vector<VertexSpring> springs;  // on the host only
+  bool measure_residual = false;      // costs about one sweep
 };
 
 }  // namespace turgor::cloth

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/cloth/forces/vertex_springs.hpp"
 #include "turgor/models/cloth/solver/implicit_contact.hpp"
 #include "turgor/models/cloth/solver/system.hpp"
 
@@ -76,6 +77,14 @@ void assemble_around(const Exec& exec, const Model& model, State& state, const I
                                           (mass > 0 ? all_lanes(1) : all_lanes(0)));
       },
       kGrain);
+  // springs of vertices resist displacements, as those of the fabric do
+  for (const VertexSpring& spring : inputs.springs) {
+    const auto i = std::size_t(spring.vertex);
+    if (!(state.free_mass[i] > 0)) continue;
+    const Vec3 correction = state.v[i] - v[i];
+    system.force.add(i,
+                     spring_force(spring, state.x[i]).stiffness_times(correction) * -system.stiffness_factor);
+  }
 }
 
 /// True if cloth may be squeezed between a tool and a body that yields a frame later. Its contacts are soft

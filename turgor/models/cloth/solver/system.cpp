@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/forces/membrane.hpp"
+#include "turgor/models/cloth/forces/vertex_springs.hpp"
 #include "turgor/models/cloth/forces/wind.hpp"
 #include "turgor/models/cloth/model/contacts.hpp"
 #include "turgor/models/cloth/solver/implicit_contact.hpp"
@@ -66,29 +67,35 @@ struct IsComponentHeld {
 }  // namespace
 
 void assemble(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
-  // wind load and its drag on free components
+  // wind load and springs, and their drag on free components
   System& system = state.system;
-  const bool has_air = inputs.air.density > 0;
+  const Damping& damping = model.params.damping;
+  system.mass_factor = Real(1 + dt * damping.motion),
+  system.stiffness_factor = Real(dt * dt + dt * damping.stretch);
+  const bool has_wind = inputs.air.density > 0, has_air = has_wind || !inputs.springs.empty();
   const bool uses_cg = uses_conjugate_gradients(model.params.solver.method);
   const bool keeps_air = inputs.measure_residual || uses_cg;
   if (keeps_air)
     for (Vectors& air : system.air) air.resize(state.x.size());
   TURGOR_CHECK(is_csr(model.component_begin, std::size_t(model.count)), "components cover all vertices");
   system.drag.assign(model.component_begin.size() - 1, 0);
-  if (has_air) {
+  if (has_wind)
     blow(exec, inputs.air, state.time, dt, model.triangles, model.chunk_triangles, state.x, state.v,
          system.change, {system.force, system.inverse[0], system.inverse[1]});
+  if (!inputs.springs.empty()) {
+    if (!has_wind)
+      for (Vectors* terms : {&system.force, &system.inverse[0], &system.inverse[1]})
+        for (std::size_t v = 0; v < terms->size(); v++) terms->set(v, {});
+    add_vertex_springs(inputs.springs, state, dt, system.force, system.inverse[0], system.inverse[1]);
+  }
+  if (has_air)
     for (std::size_t p = 0; p < system.drag.size(); p++)
       if (!IsComponentHeld{state.holds}(model.component_begin[p], model.component_begin[p + 1]))
         system.drag[p] =
             component_sum(exec, model.component_begin[p], model.component_begin[p + 1], [&](std::size_t v) {
               return double(system.inverse[0].x[v] + system.inverse[0].y[v] + system.inverse[0].z[v]);
             });
-  }
   // forces, matrix entries and inverse diagonal
-  const Damping& damping = model.params.damping;
-  system.mass_factor = Real(1 + dt * damping.motion),
-  system.stiffness_factor = Real(dt * dt + dt * damping.stretch);
   system.two_level.is_factored = false;
   if (model.params.fabric.law == Law::kSheet) find_tensions(exec, model, state);
   parallel_for(exec, batch_count(model.rows),

@@ -9,6 +9,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/model/moving_mass.hpp"
+#include "turgor/sim/organs/cloth_attachments.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -120,6 +121,7 @@ ClothForces cloth_forces_on(const World& world, BodyId body) {
     forces.solved = support.solved;
     forces.stiffness += support.stiffness;
   }
+  add_cloth_attachments(world, body, forces);
   return forces;
 }
 

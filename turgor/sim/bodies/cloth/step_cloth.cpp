@@ -8,6 +8,7 @@
 #include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/bodies/cloth/corner_forces.hpp"
+#include "turgor/sim/organs/cloth_attachments.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -184,6 +185,7 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
     inputs.obstacles.push_back(make_obstacle(exec, obstacle, world));
   apply_commands(body, begin, end, world.tools);
   add_tools(body, world, input, inputs);
+  inputs.springs = attachment_springs(exec, body, world);
 
   const bool is_held =
       std::any_of(body.holds.begin(), body.holds.end(), [](const ClothHold& hold) { return hold.is_held; });
@@ -199,6 +201,7 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
                      .iterations = report.iterations,
                      .is_snapshot = measure,
                      .contacts = report.contacts};
+  if (report.finite && !inputs.springs.empty()) finish_attachment_springs(exec, body, world);
 
   // contact forces on obstacles, tools and holds
   for (std::size_t o = 0; o < body.obstacles.size(); o++) {
