@@ -9,6 +9,8 @@ namespace turgor::contact {
 struct NeedleWork {
   double hand = 0, cutting = 0, friction = 0;  // [J]
   double spreading = 0, elastic = 0;           // stored now [J]
+  // on the motion of the body by other tools, cloth and loads; on lattices contained in `elastic` [J]
+  double others = 0;
 };
 
 /// Parts of the force along the needle, positive against a push, and its depth.

@@ -30,6 +30,11 @@ double tip_force(const NeedleTick& tick, double tearing) {
   return force > 1e-12 * tearing ? force : 0;
 }
 
+/// Displacement of a point by the body's motion without this needle [m].
+Vec3d free_displacement(const NeedleTick& tick, std::size_t i) {
+  return tick.free.empty() ? Vec3d{} : sfem::at_point(tick.inner, tick.track().points[i].at, tick.free);
+}
+
 /// Forces of the points, of a shaft that is rigid or bends.
 void solve_shaft(const NeedleTick& tick, double tearing) {
   tick.bends() ? solve_bending_needle(tick, tearing) : solve_needle(tick, tearing);
@@ -120,6 +125,34 @@ void sum_needle_forces(const NeedleTick& tick) {
   state.reading.spreading = spreading_force(tick);
 }
 
+/// Half of the work that the present forces do on the motion of the body by everything but this needle, since
+/// the last tick [J]. Points that are new in this tick have none.
+double half_work_on_others(const NeedleTick& tick) {
+  double work = 0;
+  const std::size_t n = std::min(tick.state.carried_points, tick.track().points.size());
+  for (std::size_t i = 0; i < n; i++) {
+    const Vec3d f{tick.state.force_on[3 * i], tick.state.force_on[3 * i + 1], tick.state.force_on[3 * i + 2]};
+    work += 0.5 * dot(f, tick.state.carried_by[i]);
+  }
+  return tick.stiffness * work;
+}
+
+/// Sets the displacements of all points by the rest of the body since the last tick; without free motion they
+/// are zero.
+void find_carried(const NeedleTick& tick) {
+  NeedleState& state = tick.state;
+  TURGOR_CHECK(state.carried_points <= tick.track().points.size(), "a track keeps its points between ticks");
+  for (std::size_t i = 0; i < state.carried_points; i++)
+    state.carried_by[i] = free_displacement(tick, i) - state.carried[i];
+}
+
+/// Keeps the displacements of the points by the rest of the body for the next tick.
+void keep_carried(const NeedleTick& tick) {
+  NeedleState& state = tick.state;
+  state.carried_points = state.phase == NeedlePhase::kOutside ? 0 : tick.track().points.size();
+  for (std::size_t i = 0; i < state.carried_points; i++) state.carried[i] = free_displacement(tick, i);
+}
+
 ToolReading reading_of(const NeedleTick& tick) {
   const NeedleState& state = tick.state;
   ToolReading reading{.force = state.force, .torque = state.torque};
@@ -144,6 +177,7 @@ NeedleState make_needle_state(const sfem::InnerGreen& inner, const Needle& needl
     track.compliance.resize(9 * most * most);
   }
   state.x.resize(3 * most), state.force_on.resize(3 * most);
+  state.carried.resize(most), state.carried_by.resize(most);
   state.row.resize(9 * inner.vertices.size()), state.force_on_vertex.resize(inner.vertices.size());
   return state;
 }
@@ -158,17 +192,22 @@ ToolReading tick_needle(const sfem::InnerGreen& inner, const Needle& needle, std
   if (!is_usable || !state.seen || norm(pose.position - state.pose.position) > kNeedleJump) {
     leave(state);
     state.force = state.torque = state.step = {}, state.reading = {}, state.seen = is_usable;
+    state.carried_points = 0;
     if (is_usable) state.pose = pose;
     return {};
   }
   // contact, cutting
   const Vec3d force = state.force, torque = state.torque;
+  find_carried(tick);
+  state.work.others += half_work_on_others(tick);
   if (state.phase == NeedlePhase::kOutside) enter(tick);
   if (state.phase != NeedlePhase::kOutside) {
     extrapolate_forces(tick);
     find_positions(tick);
     state.phase == NeedlePhase::kTouching ? touch_surface(tick) : advance_inside(tick);
   }
+  if (state.phase != NeedlePhase::kOutside) state.work.others += half_work_on_others(tick);
+  keep_carried(tick);
   // forces and energies
   sum_needle_forces(tick);
   state.work.hand += hand_work(state.pose, pose, force + state.force, torque + state.torque);

@@ -82,8 +82,11 @@ struct NeedleState {
   std::vector<NeedleTrack> tracks;
   FreeMotionInterpolation motion;  // of InnerGreen's vertices, without this needle
   std::vector<Vec3d> free;         // its present value [m]
+  std::vector<Vec3d> carried;      // the same at the points of the track in use, after the last tick [m]
+  std::size_t carried_points = 0;  // number of them
   // workspace of a tick
   std::vector<double> x, force_on;     // positions, and λ + s of each point, three numbers each
+  std::vector<Vec3d> carried_by;       // change of `carried` in this tick [m]
   std::vector<double> row;             // C between one point and all vertices of InnerGreen
   std::vector<Vec3d> force_on_vertex;  // of InnerGreen [N]
 };

@@ -295,10 +295,11 @@ void transfer(File& file, contact::NeedleTrack& track) {
 template <class File>
 void transfer(File& file, contact::NeedleState& state) {
   auto& [phase, seen, pose, step, track, inserted, force, torque, tip_force, entry_force, punctures, made,
-         sweeps, beyond, work, reading, beam, tracks, motion, free, x, force_on, row, on_vertex] = state;
+         sweeps, beyond, work, reading, beam, tracks, motion, free, carried, carried_points, x, force_on,
+         carried_by, row, on_vertex] = state;
   transfer_all(file, phase, seen, pose, step, track, inserted, force, torque, tip_force, entry_force,
-               punctures, made, sweeps, beyond, work, reading, beam, tracks, motion, free, x, force_on, row,
-               on_vertex);
+               punctures, made, sweeps, beyond, work, reading, beam, tracks, motion, free, carried,
+               carried_points, x, force_on, carried_by, row, on_vertex);
 }
 /// Without the Green's functions, which loading solves again.
 template <class File>

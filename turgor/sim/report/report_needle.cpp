@@ -41,7 +41,7 @@ double largest_deflection(const TouchingTool& tool) {
   return most;
 }
 double parts_of_work(const contact::NeedleWork& w) {
-  return w.cutting + w.friction + w.spreading + w.elastic;
+  return w.cutting + w.friction + w.spreading + w.elastic + w.others;
 }
 /// A part of the force at the deepest insertion.
 Json share(const NeedleInput& n, double force) {
@@ -75,6 +75,7 @@ const Quantity<N> kNeedle[] = {
     {"work.friction", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.friction; }},
     {"work.spreading", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.spreading; }},
     {"work.elastic", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.elastic; }},
+    {"work.others", kMillijoules, "", [](const N& n) -> Json { return n.tool.needle_work.others; }},
     {"work.error", kPercent, "",
      [](const N& n) {
        const contact::NeedleWork& w = n.tool.needle_work;

@@ -98,6 +98,10 @@ TEST(NeedleSfem, ThreadsKeepBitsBesideFinger) {
   for (std::size_t i = 650; i < 800; i++)
     most = std::max(most, norm(one.tools[0].samples[i].force - alone.tools[0].samples[i].force));
   EXPECT_GT(most, 1e-3) << "the finger moves the tissue around the needle";
+  // the work on the finger is a part of the balance
+  const Json work = needle_report(one.tools[0], one.sfem_bodies[0])["work"];
+  EXPECT_LT(std::abs(work["error_percent"].get<double>()), 2);
+  EXPECT_NE(work["others_mJ"].get<double>(), 0);
 }
 
 // Two needles 10 mm apart in one body: each punctures it, the one at rest feels the one that enters, and the
@@ -116,6 +120,7 @@ TEST(NeedleSfem, TwoNeedlesActOnEachOther) {
     const Json report = needle_report(tool, both.sfem_bodies[0]);
     EXPECT_EQ(report["punctures"], 1);
     EXPECT_NEAR(report["peaks"][0][2].get<double>(), 0.328, 0.01) << "N: force of entry";
+    EXPECT_LT(std::abs(report["work"]["error_percent"].get<double>()), 1);
   }
   const World alone = needle_run(1, needle_scene_text(kNeedleKeys, once));
   double before = 0, most = 0;
