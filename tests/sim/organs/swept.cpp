@@ -106,26 +106,30 @@ World stacked_world(const Exec& exec, double friction) {
                           contact_text("upper", "lower", friction));
 }
 
+/// The contact and the load of the lower block are the weight of the upper one, and the surfaces meet within
+/// `gap` [m].
+void expect_stack_bears_weight(const World& world, double gap) {
+  const double weight = whole_of(world, "upper").mass * kGravity;
+  std::printf("contact %.5f, load %.5f of %.5f N\n", contact_force(world).y, load_on(world, "lower").y,
+              weight);
+  EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
+  EXPECT_LT(norm(load_on(world, "lower") - Vec3d{0, weight, 0}), 5e-3 * weight);
+  int bearing = 0;
+  for (const contact::PairSite& site : world.coupling.contacts[0].sites)
+    if (site.force != Vec3d{}) {
+      bearing++;
+      EXPECT_LT(std::abs(site.distance), gap);
+    }
+  EXPECT_GT(bearing, 9);
+}
+
 // A free block falls by a millimeter onto a fixed one and lies there. The contact and the load of the lower
 // block are its weight, and the surfaces meet.
 TEST(Swept, StackedBlocks_BearWeight) {
   const Exec exec(2);
   World world = stacked_world(exec, 0.3);
   advance(exec, world, 150);
-  const Whole upper = whole_of(world, "upper");
-  std::printf("contact %.5f, load %.5f of %.5f N, %.4f mm/s\n", contact_force(world).y,
-              load_on(world, "lower").y, upper.mass * kGravity, 1e3 * upper.momentum.y / upper.mass);
-  const double weight = upper.mass * kGravity;
-  EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
-  EXPECT_LT(norm(load_on(world, "lower") - Vec3d{0, weight, 0}), 5e-3 * weight);
-  // the surfaces meet
-  int bearing = 0;
-  for (const contact::PairSite& site : world.coupling.contacts[0].sites)
-    if (site.force != Vec3d{}) {
-      bearing++;
-      EXPECT_LT(std::abs(site.distance), 2e-5);
-    }
-  EXPECT_GT(bearing, 9);
+  expect_stack_bears_weight(world, 2e-5);
 }
 
 // A free block on the ground: it falls, and the ground bears its weight.
@@ -254,18 +258,7 @@ TEST(Swept, PartialCells_BearWeight) {
                                  contact_text("upper", "lower", 0.3));
   ASSERT_FALSE(world.lattice_bodies[0].model.anatomy.cell_center.empty());
   advance(exec, world, 150);
-  const double weight = whole_of(world, "upper").mass * kGravity;
-  std::printf("partial cells: contact %.5f, load %.5f of %.5f N\n", contact_force(world).y,
-              load_on(world, "lower").y, weight);
-  EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
-  EXPECT_LT(norm(load_on(world, "lower") - Vec3d{0, weight, 0}), 5e-3 * weight);
-  int bearing = 0;
-  for (const contact::PairSite& site : world.coupling.contacts[0].sites)
-    if (site.force != Vec3d{}) {
-      bearing++;
-      EXPECT_LT(std::abs(site.distance), 5e-5);
-    }
-  EXPECT_GT(bearing, 9);
+  expect_stack_bears_weight(world, 5e-5);
 }
 
 // A block with partial cells on the ground with a tool on top: the ground bears both. Contacts of the tool
