@@ -12,13 +12,6 @@ namespace {
 
 constexpr std::size_t kBand = 4;
 
-double sum_over(const BeamVector& of_nodes, const BeamShape& at, const std::array<double, 4>& weight) {
-  double sum = 0;
-  for (int k = 0; k < 4 && at.first + k < kBeamUnknowns; k++)
-    sum += weight[std::size_t(k)] * of_nodes[std::size_t(at.first + k)];
-  return sum;
-}
-
 double energy_in_plane(const BeamMatrix& stiffness, const BeamVector& u) {
   double energy = 0;
   for (std::size_t i = 0; i < kBeamUnknowns; i++) {
@@ -66,20 +59,29 @@ void factorize(BeamMatrix& matrix) {
   }
 }
 
-// Both planes at once: each alone waits for its last entry.
+// Both planes at once: each alone waits for its last entry. Three zeros before and after the entries spare
+// the first and last rows loops of their own.
 void solve(const BeamMatrix& factor, NeedleBeam& rhs) {
-  BeamVector &x = rhs.x, &y = rhs.y;
+  constexpr std::size_t kRim = kBand - 1;
+  double x[kBeamUnknowns + 2 * kRim], y[kBeamUnknowns + 2 * kRim];
+  for (std::size_t k = 0; k < kRim; k++)
+    x[k] = y[k] = x[kRim + kBeamUnknowns + k] = y[kRim + kBeamUnknowns + k] = 0;
+  // forward; entries left of the matrix are zero
   for (std::size_t i = 0; i < kBeamUnknowns; i++) {
     const auto& row = factor.band[i];
-    for (std::size_t k = std::min(i, kBand - 1); k > 0; k--)
-      x[i] -= row[k] * x[i - k], y[i] -= row[k] * y[i - k];
-    x[i] *= row[0], y[i] *= row[0];
+    double *u = x + kRim + i, *v = y + kRim + i;
+    u[0] = (rhs.x[i] - row[3] * u[-3] - row[2] * u[-2] - row[1] * u[-1]) * row[0];
+    v[0] = (rhs.y[i] - row[3] * v[-3] - row[2] * v[-2] - row[1] * v[-1]) * row[0];
   }
+  // backward
+  const auto below = [&](std::size_t i, std::size_t k) {
+    return i + k < kBeamUnknowns ? factor.band[i + k][k] : 0;
+  };
   for (std::size_t i = kBeamUnknowns; i-- > 0;) {
-    const auto& row = factor.band[i];
-    x[i] *= row[0], y[i] *= row[0];
-    for (std::size_t k = 1; k <= std::min(i, kBand - 1); k++)
-      x[i - k] -= row[k] * x[i], y[i - k] -= row[k] * y[i];
+    const double one = below(i, 1), two = below(i, 2), three = below(i, 3), own = factor.band[i][0];
+    double *u = x + kRim + i, *v = y + kRim + i;
+    rhs.x[i] = u[0] = (u[0] - three * u[3] - two * u[2] - one * u[1]) * own;
+    rhs.y[i] = v[0] = (v[0] - three * v[3] - two * v[2] - one * v[1]) * own;
   }
 }
 
@@ -90,21 +92,6 @@ BeamShape beam_shape(const Needle& needle, double behind) {
   return {2 * e,
           {b * b * (1 + 2 * a), h * a * b * b, a * a * (1 + 2 * b), -h * a * a * b},
           {-6 * a * b / h, b * (1 - 3 * a), 6 * a * b / h, a * (1 - 3 * b)}};
-}
-
-Vec3d deflection(const NeedleBeam& beam, const BeamShape& at) {
-  return {sum_over(beam.x, at, at.value), sum_over(beam.y, at, at.value), 0};
-}
-Vec3d deflection_slope(const NeedleBeam& beam, const BeamShape& at) {
-  return {sum_over(beam.x, at, at.slope), sum_over(beam.y, at, at.slope), 0};
-}
-
-void add_load(const BeamShape& at, Vec3d force, NeedleBeam& load) {
-  for (int k = 0; k < 4 && at.first + k < kBeamUnknowns; k++) {
-    const auto i = std::size_t(at.first + k);
-    load.x[i] += at.value[std::size_t(k)] * force.x;
-    load.y[i] += at.value[std::size_t(k)] * force.y;
-  }
 }
 
 double beam_energy(const Needle& needle, const NeedleBeam& beam) {

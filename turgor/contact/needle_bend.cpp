@@ -27,6 +27,7 @@ struct BentPoint {
   BeamShape shape;
   Vec3d along;                           // τ
   Vec3d straight;                        // position on the shaft without deflection [m]
+  double inverse = 1;                    // 1/|τ|²
   double own_along = 0, own_across = 0;  // D [m/N]
   double compliance = 0;                 // of C + D along τ [m/N]
   double spring = 0;                     // of the preconditioner [N/m]
@@ -34,17 +35,19 @@ struct BentPoint {
   double beside = 0;                     // part of the crack's offset along τ [m]
   bool holds_along = false, holds_across = false;
 
-  Vec3d across(Vec3d v) const { return v - along * (dot(v, along) / dot(along, along)); }
+  Vec3d across(Vec3d v) const { return v - along * (dot(v, along) * inverse); }
 };
 
 /// Unknowns of a tick. Vectors have one entry a point.
 struct BentShaft {
   const NeedleTick& tick;
-  std::size_t count = 0;
-  BeamMatrix stiffness, on_springs;  // factors: of K, and of K with the springs
+  std::size_t count;
+  BeamMatrix stiffness{}, on_springs{};  // factors: of K, and of K with the springs
   BentPoint point[kMostNeedlePoints];
-  float moved[3 * kMostNeedlePoints];  // C times forces [m]
+  Vec3d r[kMostNeedlePoints], z[kMostNeedlePoints], p[kMostNeedlePoints];  // of conjugate gradients
+  alignas(64) float moved[whole_lines(3 * kMostNeedlePoints)];             // C times forces [m]
 
+  explicit BentShaft(const NeedleTick& t) : tick(t), count(t.track().points.size()) {}
   Vec3d in_tool(Vec3d v) const {
     return {dot(v, tick.pose.axes.column[0]), dot(v, tick.pose.axes.column[1]), 0};
   }
@@ -55,7 +58,7 @@ struct BentShaft {
 
 /// moved = C forces; forces of zero are skipped.
 void multiply_by_compliance(BentShaft& shaft, const Vec3d* forces) {
-  std::fill_n(shaft.moved, 3 * shaft.count, 0.0F);
+  std::fill_n(shaft.moved, whole_lines(3 * shaft.count), 0.0F);
   for (std::size_t i = 0; i < shaft.count; i++)
     if (!(forces[i] == Vec3d{})) add_column(shaft.tick.track(), i, forces[i], shaft.moved);
 }
@@ -63,13 +66,13 @@ Vec3d moved(const BentShaft& shaft, std::size_t i) {
   return {shaft.moved[3 * i], shaft.moved[3 * i + 1], shaft.moved[3 * i + 2]};
 }
 
-/// Changes the force on one point, and with it all positions.
+/// Changes the force on one point, and with it `moved`.
 void change_force(BentShaft& shaft, std::size_t i, Vec3d change) {
   NeedleState& state = shaft.tick.state;
   NeedleTrack& track = shaft.tick.track();
   track.force[i] += change;
   for (std::size_t axis = 0; axis < 3; axis++) state.force_on[3 * i + axis] += change[int(axis)];
-  add_column(track, i, change, state.x.data());
+  add_column(track, i, change, shaft.moved);
 }
 
 BentPoint bent_point(const NeedleTick& tick, std::size_t i, double tearing) {
@@ -82,6 +85,7 @@ BentPoint bent_point(const NeedleTick& tick, std::size_t i, double tearing) {
   // direction of the shaft; the force of the tip has its given part along t
   if (!touches) bent.along -= in_world(tick.pose.axes, deflection_slope(tick.state.beam, bent.shape));
   if (!is_end) bent.along = normalized(bent.along);
+  bent.inverse = 1 / dot(bent.along, bent.along);
   if (is_end && !touches) bent.beside = dot(bent.along, tick.track().offset);
   point.along = bent.along;
   // what it holds
@@ -135,14 +139,17 @@ Vec3d apart_from_shaft(const BentShaft& shaft, std::size_t i) {
 
 /// Gauss–Seidel for the forces along the shaft, from the entry to the tip. Returns the largest change [N].
 double sweep_along(BentShaft& shaft) {
+  NeedleState& state = shaft.tick.state;
   double largest = 0;
+  std::fill_n(shaft.moved, whole_lines(3 * shaft.count), 0.0F);
   for (std::size_t k = 1; k <= shaft.count; k++) {
     const std::size_t i = k < shaft.count ? k : 0;
     const BentPoint& point = shaft.point[i];
     if (!point.holds_along) continue;
     const Vec3d force = shaft.tick.track().force[i];
-    const double now = dot(force, point.along) / dot(point.along, point.along);
-    const double apart = dot(apart_from_shaft(shaft, i), point.along) - point.beside + point.own_along * now;
+    const double now = dot(force, point.along) * point.inverse;
+    const double apart =
+        dot(apart_from_shaft(shaft, i) + moved(shaft, i), point.along) - point.beside + point.own_along * now;
     const double next = std::clamp(now - apart / point.compliance, point.low, point.high);
     // a tip that is not held across has no force there
     Vec3d change = point.along * (next - now);
@@ -150,6 +157,7 @@ double sweep_along(BentShaft& shaft) {
     if (!(change == Vec3d{})) change_force(shaft, i, change);
     largest = std::max(largest, norm(change));
   }
+  for (std::size_t r = 0; r < 3 * shaft.count; r++) state.x[r] += double(shaft.moved[r]);
   return largest;
 }
 
@@ -162,9 +170,9 @@ double precondition(const BentShaft& shaft, const Vec3d* r, Vec3d* z) {
     const BentPoint& point = shaft.point[i];
     if (!point.holds_across) continue;
     z[i] = point.across(z[i] + shaft.deflected(beam, i) * point.spring);
-    largest = std::max(largest, norm(z[i]));
+    largest = std::max(largest, dot(z[i], z[i]));
   }
-  return largest;
+  return std::sqrt(largest);
 }
 
 /// Conjugate gradients for the forces across the shaft, until they change by less than the tolerance, or by
@@ -174,7 +182,7 @@ double solve_across(BentShaft& shaft, double tolerance) {
   NeedleState& state = shaft.tick.state;
   std::vector<Vec3d>& force = shaft.tick.track().force;
   const std::size_t n = shaft.count;
-  Vec3d r[kMostNeedlePoints] = {}, z[kMostNeedlePoints] = {}, p[kMostNeedlePoints] = {};
+  Vec3d *r = shaft.r, *z = shaft.z, *p = shaft.p;
   const auto inner = [&](const Vec3d* a, const Vec3d* b) {
     double sum = 0;
     for (std::size_t i = 0; i < n; i++) sum += dot(a[i], b[i]);
@@ -183,7 +191,7 @@ double solve_across(BentShaft& shaft, double tolerance) {
   // residual
   state.beam = bend_by(shaft, shaft.stiffness, force.data());
   for (std::size_t i = 0; i < n; i++)
-    if (shaft.point[i].holds_across) r[i] = shaft.point[i].across(apart_from_shaft(shaft, i)) * -1.0;
+    r[i] = shaft.point[i].holds_across ? shaft.point[i].across(apart_from_shaft(shaft, i)) * -1.0 : Vec3d{};
   const double first = precondition(shaft, r, z), goal = std::max(tolerance, kShareOfTurn * first);
   double largest = first, rz = inner(r, z);
   std::copy_n(z, n, p);
@@ -201,6 +209,7 @@ double solve_across(BentShaft& shaft, double tolerance) {
     if (!(curvature > 0)) break;
     // step
     const double length = rz / curvature;
+    add_scaled(state.beam, beam, length);
     for (std::size_t i = 0; i < n; i++) {
       force[i] += p[i] * length, r[i] -= z[i] * length;
       for (std::size_t axis = 0; axis < 3; axis++) {
@@ -215,7 +224,6 @@ double solve_across(BentShaft& shaft, double tolerance) {
     rz = inner(r, z);
     for (std::size_t i = 0; i < n; i++) p[i] = z[i] + p[i] * (rz / before);
   }
-  state.beam = bend_by(shaft, shaft.stiffness, force.data());
   return first;
 }
 
@@ -223,7 +231,7 @@ double solve_across(BentShaft& shaft, double tolerance) {
 
 void solve_bending_needle(const NeedleTick& tick, double tearing) {
   NeedleState& state = tick.state;
-  BentShaft shaft{.tick = tick, .count = tick.track().points.size(), .stiffness = {}, .on_springs = {}};
+  BentShaft shaft(tick);
   TURGOR_CHECK(shaft.count > 0 && shaft.count <= std::size_t(kMostNeedlePoints), "a track in use has an end");
   for (std::size_t i = 0; i < shaft.count; i++) shaft.point[i] = bent_point(tick, i, tearing);
   factorize_beam(shaft);

@@ -163,6 +163,7 @@ void find_positions(const NeedleTick& tick) {
     for (std::size_t axis = 0; axis < 3; axis++) state.force_on[3 * i + axis] = track.force[i][int(axis)];
   add_spreading(tick, state.force_on);
   // x = b + C (λ + s)
+  std::fill(state.x.begin(), state.x.end(), 0.0);
   for (std::size_t i = 0; i < n; i++) {
     const Vec3d b = tick.free_position(track.points[i]);
     for (std::size_t axis = 0; axis < 3; axis++) state.x[3 * i + axis] = b[int(axis)];
@@ -185,7 +186,7 @@ void solve_needle(const NeedleTick& tick, double tearing) {
   double resistance = blocks[0].high;
   for (std::size_t i = 1; i < n; i++) resistance += blocks[i].high;
   // sweeps from the entry to the tip
-  float moved[3 * kMostNeedlePoints] = {};  // in this sweep [m]
+  alignas(64) float moved[whole_lines(3 * kMostNeedlePoints)] = {};  // in this sweep [m]
   for (state.sweeps = 1; state.sweeps <= kMostSweeps; state.sweeps++) {
     double change = 0;
     for (std::size_t k = 1; k <= n; k++) {

@@ -31,12 +31,12 @@ struct NeedleTick {
 // needle_track.cpp
 
 /// Numbers between columns of C.
-inline std::size_t compliance_stride(const NeedleTrack& track) { return 3 * track.force.size(); }
+inline std::size_t compliance_stride(const NeedleTrack& track) { return whole_lines(3 * track.force.size()); }
 /// x += C f for a force on one point, three numbers a point. Floats are for changes within a tick, doubles
-/// for positions.
+/// for positions. x has room for whole_lines of its rows; those beyond the points are unused.
 template <class Number>
 void add_column(const NeedleTrack& track, std::size_t i, Vec3d f, Number* x) {
-  const std::size_t stride = compliance_stride(track), rows = 3 * track.points.size();
+  const std::size_t stride = compliance_stride(track), rows = whole_lines(3 * track.points.size());
   const float *a = &track.compliance[3 * i * stride], *b = a + stride, *c = b + stride;
   const auto fx = Number(f.x), fy = Number(f.y), fz = Number(f.z);
   TURGOR_LANES

@@ -174,9 +174,9 @@ NeedleState make_needle_state(const sfem::InnerGreen& inner, const Needle& needl
   for (NeedleTrack& track : state.tracks) {
     track.points.reserve(most);
     track.force.resize(most), track.before.resize(most);
-    track.compliance.resize(9 * most * most);
+    track.compliance.resize(3 * most * whole_lines(3 * most));
   }
-  state.x.resize(3 * most), state.force_on.resize(3 * most);
+  state.x.resize(whole_lines(3 * most)), state.force_on.resize(3 * most);
   state.carried.resize(most), state.carried_by.resize(most);
   state.row.resize(9 * inner.vertices.size()), state.force_on_vertex.resize(inner.vertices.size());
   return state;

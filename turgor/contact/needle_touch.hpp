@@ -33,6 +33,7 @@
 #include "turgor/contact/needle_mechanics.hpp"
 #include "turgor/contact/needle_reading.hpp"
 #include "turgor/contact/tool_io.hpp"
+#include "turgor/core/aligned.hpp"
 #include "turgor/models/sfem/inner_green.hpp"
 
 namespace turgor::contact {
@@ -48,17 +49,20 @@ struct NeedlePoint {
   OwnCompliance unresolved;  // D ℓ [m²/N]
 };
 
+/// Count of floats, rounded up to whole cache lines, so that loops over them are in lanes to the end.
+constexpr std::size_t whole_lines(std::size_t count) { return (count + 15) / 16 * 16; }
+
 /// Crack that a needle has cut. Arrays have room for the largest number of points.
 struct NeedleTrack {
-  std::vector<NeedlePoint> points;  // the end of the crack, then points from the entry on; empty = unused
-  std::vector<Vec3d> force;         // λ of each [N]
-  std::vector<Vec3d> before;        // the same one tick earlier [N]
-  std::vector<float> compliance;    // C, column-major with `stride` numbers a column [m/N]
-  double length = 0;                // of the crack [m]
-  Vec3d entry;                      // at rest [m]
-  bool is_through = false;          // it left the body: the tip meets nothing
-  long order = 0;                   // counts tracks
-  Vec3d offset;                     // of the end from the tip that cut it, by a bevel [m]
+  std::vector<NeedlePoint> points;   // the end of the crack, then points from the entry on; empty = unused
+  std::vector<Vec3d> force;          // λ of each [N]
+  std::vector<Vec3d> before;         // the same one tick earlier [N]
+  aligned_vector<float> compliance;  // C, column-major with compliance_stride numbers a column [m/N]
+  double length = 0;                 // of the crack [m]
+  Vec3d entry;                       // at rest [m]
+  bool is_through = false;           // it left the body: the tip meets nothing
+  long order = 0;                    // counts tracks
+  Vec3d offset;                      // of the end from the tip that cut it, by a bevel [m]
 };
 
 /// State of one needle, owned by the thread that ticks.
@@ -85,7 +89,8 @@ struct NeedleState {
   std::vector<Vec3d> carried;      // the same at the points of the track in use, after the last tick [m]
   std::size_t carried_points = 0;  // number of them
   // workspace of a tick
-  std::vector<double> x, force_on;     // positions, and λ + s of each point, three numbers each
+  aligned_vector<double> x;            // positions, three numbers a point; whole_lines of them [m]
+  std::vector<double> force_on;        // λ + s of each point, three numbers each [N]
   std::vector<Vec3d> carried_by;       // change of `carried` in this tick [m]
   std::vector<double> row;             // C between one point and all vertices of InnerGreen
   std::vector<Vec3d> force_on_vertex;  // of InnerGreen [N]
