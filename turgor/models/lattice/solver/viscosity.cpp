@@ -34,31 +34,35 @@ std::size_t field_count(const TissueParams& tissue) {
   return std::size_t(most_pairs(tissue)) + (has_set(tissue.set) ? 1 : 0);
 }
 
+/// Steps of a group of cells, field by field.
+struct GroupSteps {
+  Real decay[kMostPronyPairs + 1][kGroup], weight[kMostPronyPairs + 1][kGroup];
+
+  void set(int lane, const FieldSteps& steps) {
+    for (std::size_t p = 0; p <= kMostPronyPairs; p++)
+      decay[p][lane] = steps[p].decay, weight[p][lane] = steps[p].weight;
+  }
+};
 /// Steps of the pairs of all cells; entries as in CellLaws::relaxation.
 struct AllSteps {
   std::vector<FieldSteps> of;
   const std::uint8_t* relaxation;  // by slot; null: all cells have of[0]
+  GroupSteps of_body;              // of[0] in all lanes
 
   AllSteps(const Model& model, double dt)
       : of{pair_steps(model.params.tissue.prony, dt)},
         relaxation(model.anatomy.cell_laws.relaxation.empty() ? nullptr
                                                               : model.anatomy.cell_laws.relaxation.data()) {
+    for (int i = 0; i < kGroup; i++) of_body.set(i, of[0]);
     if (!relaxation) return;
     for (const TissueLayer& layer : model.params.tissue.layers)
       of.push_back(pair_steps(layer.prony.value_or(model.params.tissue.prony), dt));
   }
-  const FieldSteps& at(int slot) const { return of[relaxation ? std::size_t(relaxation[slot]) : 0]; }
-};
-/// Steps of a group of cells, field by field.
-struct GroupSteps {
-  Real decay[kMostPronyPairs + 1][kGroup], weight[kMostPronyPairs + 1][kGroup];
-
-  GroupSteps(const AllSteps& steps, int slot) {
-    for (int i = 0; i < kGroup; i++)
-      for (std::size_t p = 0; p <= kMostPronyPairs; p++) {
-        const PairStep& step = steps.at(slot + i)[p];
-        decay[p][i] = step.decay, weight[p][i] = step.weight;
-      }
+  /// Steps of the cells of a group. `own`: memory for them where layers relax differently.
+  const GroupSteps& group(int slot, GroupSteps& own) const {
+    if (!relaxation) return of_body;
+    for (int i = 0; i < kGroup; i++) own.set(i, of[relaxation[slot + i]]);
+    return own;
   }
 };
 
@@ -71,6 +75,17 @@ double instant_of(const FieldSteps& steps) {
 std::array<aligned_vector<Real>*, 6> entries_of(SymmetricField& field) {
   return {&field.xx, &field.yy, &field.zz, &field.xy, &field.xz, &field.yz};
 }
+/// Entries of all fields of the history as plain pointers, found once before loops over cells.
+struct HistoryEntries {
+  std::size_t count;  // of fields
+  Real* of[kMostPronyPairs + 1][6];
+
+  explicit HistoryEntries(std::vector<SymmetricField>& history) : count(history.size()), of{} {
+    TURGOR_CHECK(count <= kMostPronyPairs + 1, "a history has a field for each pair, and the set");
+    for (std::size_t p = 0; p < count; p++)
+      for (std::size_t e = 0; e < 6; e++) of[p][e] = entries_of(history[p])[e]->data();
+  }
+};
 
 /// Calls visit(slot, young, stresses) for the groups of slots of all layers that have an uncut cell.
 template <class Visit>
@@ -149,18 +164,21 @@ void begin_viscous_step(const Exec& exec, const Model& model, State& state, doub
   }
   // decay, and the old stress
   viscosity.in_step = false;
+  const HistoryEntries history(viscosity.history);
   for_each_stress(exec, model, state, [&](int slot, const Real(&young)[kGroup], const LawStresses& stresses) {
-    const GroupSteps of(steps, slot);
+    GroupSteps own;
+    const GroupSteps& of = steps.group(slot, own);
     for (std::size_t e = 0; e < 6; e++) {
       Real sum[kGroup] = {};
       for (std::size_t p = 0; p < fields; p++) {
-        Real* h = entries_of(viscosity.history[p])[e]->data() + slot;
+        Real* h = history.of[p][e] + slot;
+        TURGOR_LANES
         for (int i = 0; i < kGroup; i++) {
           h[i] = young[i] > 0 ? of.decay[p][i] * h[i] - of.weight[p][i] * stresses.of[e][i] : 0;
           sum[i] += h[i];
         }
       }
-      Real* first = entries_of(viscosity.history[0])[e]->data() + slot;
+      Real* first = history.of[0][e] + slot;
       for (int i = 0; i < kGroup; i++) first[i] = sum[i];
     }
   });
@@ -180,17 +198,21 @@ void end_viscous_step(const Exec& exec, const Model& model, State& state, double
   Viscosity& viscosity = state.viscosity;
   TURGOR_CHECK(viscosity.in_step && viscosity.history.size() == fields, "a viscous step has begun");
   viscosity.in_step = false;
+  const HistoryEntries history(viscosity.history);
   for_each_stress(exec, model, state, [&](int slot, const Real(&)[kGroup], const LawStresses& stresses) {
-    const GroupSteps of(steps, slot);
+    GroupSteps own;
+    const GroupSteps& of = steps.group(slot, own);
     for (std::size_t e = 0; e < 6; e++) {
-      Real* first = entries_of(viscosity.history[0])[e]->data() + slot;
+      Real* first = history.of[0][e] + slot;
       for (std::size_t p = 1; p < fields; p++) {
-        Real* h = entries_of(viscosity.history[p])[e]->data() + slot;
+        Real* h = history.of[p][e] + slot;
+        TURGOR_LANES
         for (int i = 0; i < kGroup; i++) {
           first[i] -= h[i];
           h[i] += of.weight[p][i] * stresses.of[e][i];
         }
       }
+      TURGOR_LANES
       for (int i = 0; i < kGroup; i++) first[i] += of.weight[0][i] * stresses.of[e][i];
     }
     if (has_set(set)) grow_set(set, dt, stresses, slot, viscosity.history.back());
