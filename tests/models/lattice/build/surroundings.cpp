@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include <gtest/gtest.h>
 
 #include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 
@@ -142,6 +144,29 @@ TEST(Surroundings, CoverLeavesNoLedges) {
   }
   EXPECT_LT(beyond, 0.8);
   EXPECT_GT(within, -1.2);
+}
+
+/// Rest positions of a cut's lips by their position along the cut.
+std::multimap<Real, Vec3> lips_of(const BodySurface& surface) {
+  std::multimap<Real, Vec3> lips;
+  for (const Lip& lip : surface.lips) lips.emplace(lip.along, surface.rest[std::size_t(lip.left)]);
+  return lips;
+}
+
+// A wound on a back that lies on a mattress is measured where it is drawn: the surface around cuts has the
+// lips of the whole surface.
+TEST(Surroundings, WoundIsMeasuredWhereDrawn) {
+  const CtVolume ct = body_on_cover(2.5);
+  Params params;
+  params.block = {6, 6, 6};
+  const Model model = build(Exec(2), ct, {}, params).value();
+  State state = make_state(model);
+  const BladePath path =
+      lay_blade(model, state, {.from = {0.09, 0.12, 0.03}, .to = {0.15, 0.12, 0.03}, .depth = 0.01}).value();
+  cut_edges(model, state, path, 0, 1, 0);
+  const auto drawn = lips_of(build_surface(model, state.cuts, &ct, Extent::kAll, Exec(2)));
+  EXPECT_GT(drawn.size(), 10u);
+  EXPECT_EQ(lips_of(build_surface(model, state.cuts, &ct, Extent::kCuts)), drawn);
 }
 
 // Next to surroundings, tissue keeps its values, and thin covers become air.

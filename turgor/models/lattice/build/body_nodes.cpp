@@ -239,7 +239,8 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
     return Error{"a lattice of " + std::to_string(count) + " nodes is too large: expected at most " +
                  std::to_string(kMostNodes) + ", choose a larger block"};
   // Hounsfield units of the nodes
-  const Surroundings surroundings = find_surroundings(exec, ct, params.tissue.air_max);
+  nodes.surroundings = find_surroundings(exec, ct, params.tissue.air_max);
+  const Surroundings& surroundings = nodes.surroundings;
   nodes.hu = average_blocks(exec, ct, surroundings, params, nodes.grid, {0, size.z});
 
   // body

@@ -28,6 +28,7 @@ struct BodyNodes {
   std::vector<CellSurface> surface;  // with partial cells: of the cells that contain it, in lattice order
   std::vector<std::uint16_t> label;  // of a segmentation; empty without moduli by label
   std::vector<RegionShare> regions;  // of the cells, in lattice order (regions.hpp)
+  Surroundings surroundings;         // in the CT
 
   // Only for a process with some layers of a body (halo.hpp): number of layers of the body before it, and its
   // owned layers. `grid` has the size of these layers and the origin of the whole. Empty: the whole body.

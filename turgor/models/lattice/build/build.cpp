@@ -83,7 +83,7 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   model.springs.root_stiffness.assign(slots, 0);
   model.anatomy.tissue.assign(slots, Tissue::kOutside);
   model.anatomy.hu.assign(slots, kAirHu);
-  model.anatomy.regions = nodes.regions;
+  model.anatomy.regions = nodes.regions, model.anatomy.surroundings = nodes.surroundings;
   if (!nodes.label.empty()) model.anatomy.label.assign(slots, 0);
   const std::vector<std::uint8_t> fixed = fixed_with_rim(exec, nodes);
   parallel_for(exec, std::size_t(nodes.grid.size.z), StoreLayer{nodes, fixed, params, model});

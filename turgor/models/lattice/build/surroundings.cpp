@@ -275,11 +275,6 @@ Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCell
   return found;
 }
 
-bool has_foreign(const Surroundings& surroundings) {
-  const Mask& rows = surroundings.row_mask;
-  return std::any_of(rows.begin(), rows.end(), [](std::uint8_t row) { return row != 0; });
-}
-
 BodyVoxels::BodyVoxels(const CtSlab& ct, const Surroundings& surroundings, double air_max)
     : ct_(ct), surroundings_(surroundings), air_max_(air_max), fat_(fat_level(air_max)), square_{1, 1, 1} {
   for (int a = 0; a < 2; a++) square_[a] = std::max(2, int(std::lround(kCover / ct.whole.spacing[a])));

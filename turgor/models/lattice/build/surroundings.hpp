@@ -32,35 +32,11 @@ DenseCells make_dense_cells(const Grid& ct);
 /// Fills these layers of cells; `ct` must contain all their slices.
 void pool_cells(const Exec& exec, const CtSlab& ct, double air_max, Layers layers, DenseCells& cells);
 
-/// Kinds of a cell: what its voxels count as that are denser than air.
-constexpr std::uint8_t kBodyCell = 0;     // as body
-constexpr std::uint8_t kForeignCell = 1;  // as surroundings
-constexpr std::uint8_t kContactCell = 2;  // as one or the other, by BodyVoxels: skin next to surroundings
-
-/// Mask over the same cells.
-struct Surroundings {
-  Int3 cell{1, 1, 1};                        // voxels per side
-  Int3 size;                                 // cells
-  std::vector<std::uint8_t> mask, row_mask;  // by cell; by row with any cell other than body
-
-  bool has_row(int j, int k) const { return row_mask[std::size_t(k / cell.z * size.y + j / cell.y)] != 0; }
-  /// Cells of the row that contains voxel row (j, k).
-  const std::uint8_t* row(int j, int k) const {
-    return mask.data() + std::size_t(k / cell.z * size.y + j / cell.y) * std::size_t(size.x);
-  }
-  std::uint8_t kind(Int3 voxel) const {
-    return has_row(voxel.y, voxel.z) ? row(voxel.y, voxel.z)[voxel.x / cell.x] : kBodyCell;
-  }
-};
-
 /// Finds the surroundings. The core of the body is the largest component connected by more than about 3 mm. A
 /// component outside it is foreign if it is longer than a hand, connected to the body by less than that, and
 /// mostly visible from the sides of the scan. Ears and fingers remain.
 Surroundings find_surroundings(const Exec& exec, const CtVolume& ct, double air_max);
 Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCells& cells);
-
-/// True if any voxel of a CT belongs to surroundings.
-bool has_foreign(const Surroundings& surroundings);
 
 /// CT values of the body. Foreign voxels are air. Next to them, the body is as dense as fat: it is the
 /// opening of these voxels in their slice by a square of about 2 mm, which drops the cover of a mattress on

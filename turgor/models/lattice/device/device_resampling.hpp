@@ -88,7 +88,7 @@ struct DeviceSurroundings {
   bool upload(const Exec& exec, const Model& model, const CtVolume& ct) {
     if (marks.count > 0) return true;
     const RestFrame frame = rest_frame(model, ct.grid);
-    const Surroundings surroundings = find_surroundings(exec, ct, model.params.tissue.air_max);
+    const Surroundings& surroundings = model.anatomy.surroundings;
     cell = surroundings.cell, size = surroundings.size;
     return mask.try_assign(surroundings.mask) && row_mask.try_assign(surroundings.row_mask) &&
            marks.try_assign(RestBody(exec, model, frame.first_node, frame.cell_size).marks());

@@ -11,6 +11,7 @@
 #include "turgor/geometry/volume.hpp"
 #include "turgor/models/lattice/model/params.hpp"
 #include "turgor/models/lattice/model/runs.hpp"
+#include "turgor/models/lattice/model/surroundings.hpp"
 
 namespace turgor::lattice {
 
@@ -126,6 +127,7 @@ struct Anatomy {
   std::vector<RegionShare> regions;     // in lattice order of the cells
   aligned_vector<std::uint16_t> label;  // by slot, of nodes; empty without moduli by label
   Runs free_runs;                       // slots of free nodes
+  Surroundings surroundings;            // in the CT
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };

@@ -289,7 +289,7 @@ void fill_tile(const PartialVolumeInputs& inputs, const OutputToCt& to_ct, Int3 
 
   // values of the voxels without tissue
   const OutsideVoxel value_at = outside_voxel(inputs.ct, inputs.model.params.tissue.air_max, out.grid,
-                                              inputs.rest.view(), view(inputs.surroundings));
+                                              inputs.rest.view(), view(inputs.model.anatomy.surroundings));
   for (int k = window.begin.z; k < window.end.z; k++)
     for (int j = window.begin.y; j < window.end.y; j++)
       for (int i = window.begin.x; i < window.end.x; i++) {

@@ -46,7 +46,6 @@ struct PartialVolumeInputs {
   const Model& model;
   const CtVolume& ct;
   const RestBody& rest;
-  const Surroundings& surroundings;
   std::span<const std::uint8_t> covered;       // by voxel of the output: 1 = tissue
   std::span<const std::vector<RimVoxel>> rim;  // by slab of kVoxelLayers, from keep_rim
 };

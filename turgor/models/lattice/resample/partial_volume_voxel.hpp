@@ -5,7 +5,7 @@
 
 #include "turgor/geometry/ct_sampler.hpp"
 #include "turgor/geometry/kuhn_raster.hpp"
-#include "turgor/models/lattice/build/surroundings.hpp"
+#include "turgor/models/lattice/model/surroundings.hpp"
 
 namespace turgor::lattice {
 
@@ -57,12 +57,13 @@ TURGOR_HD inline Vec3 rim_shift(const OutputToCt& to_ct, Int3 voxel, Vec3 at) {
   return Vec3(Vec3d{rint(shift.x), rint(shift.y), rint(shift.z)} * (1 / 1024.0));
 }
 
-/// Surroundings in host or device memory.
+/// Surroundings in host or device memory. Without cells, there are none.
 struct SurroundingsView {
   Int3 cell{1, 1, 1}, size;
   const std::uint8_t *mask = nullptr, *row_mask = nullptr;
 
   TURGOR_HD bool holds(Int3 voxel) const {
+    if (size.x == 0) return false;
     const int row = voxel.z / cell.z * size.y + voxel.y / cell.y;
     return row_mask[row] != 0 &&
            mask[std::size_t(row) * std::size_t(size.x) + std::size_t(voxel.x / cell.x)] == kForeignCell;

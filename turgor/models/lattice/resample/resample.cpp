@@ -96,13 +96,8 @@ void fill_rest(const Exec& exec, const Model& model, const CtVolume& ct, const R
   std::vector<std::vector<RimVoxel>> rim;
   for (CtWriter& slab : tissue.slabs) rim.push_back(std::move(slab.rim));
   parallel_for(exec, rim.size(), [&](std::size_t s) { keep_rim(out.grid, tissue.covered, rim[s]); });
-  const Surroundings surroundings = find_surroundings(exec, ct, model.params.tissue.air_max);
-  const PartialVolumeInputs inputs{.model = model,
-                                   .ct = ct,
-                                   .rest = rest,
-                                   .surroundings = surroundings,
-                                   .covered = tissue.covered,
-                                   .rim = rim};
+  const PartialVolumeInputs inputs{
+      .model = model, .ct = ct, .rest = rest, .covered = tissue.covered, .rim = rim};
   parallel_for(exec, rim.size(), [&](std::size_t s) { fill_outside_body(inputs, int(s), out); });
 }
 

@@ -19,12 +19,11 @@ struct Support {
 
 }  // namespace
 
-CtLevelSet::CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& fine, const CtVolume* ct,
-                       const Surroundings* surroundings)
-    : model_(model), cuts_(cuts), fine_(fine), surroundings_(surroundings) {
+CtLevelSet::CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& fine, const CtVolume* ct)
+    : model_(model), cuts_(cuts), fine_(fine) {
   if (ct == nullptr) return;
   sampler_.emplace(*ct);
-  if (surroundings && has_foreign(*surroundings)) slab_.emplace(*ct);
+  if (has_foreign(model.anatomy.surroundings)) slab_.emplace(*ct);
   first_ = index_at(ct->grid, model.anatomy.grid.origin);
   for (int axis = 0; axis < 3; axis++)
     cell_size_[axis] = model.anatomy.grid.spacing[axis] / ct->grid.spacing[axis];
@@ -33,8 +32,8 @@ CtLevelSet::CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& 
 Real CtLevelSet::sample(Vec3d position) const {
   const Vec3d voxel = first_ + hadamard(position, cell_size_);
   if (slab_ && is_near_surroundings(voxel))
-    return Real(
-        AirLevel{*slab_, *surroundings_, model_.params.tissue.air_max}.at(voxel + Vec3d{0.5, 0.5, 0.5}));
+    return Real(AirLevel{*slab_, model_.anatomy.surroundings, model_.params.tissue.air_max}.at(
+        voxel + Vec3d{0.5, 0.5, 0.5}));
   return (*sampler_)(Vec3(voxel)) - Real(model_.params.tissue.air_max);
 }
 
@@ -42,8 +41,8 @@ bool CtLevelSet::is_near_surroundings(Vec3d voxel) const {
   const Int3 last = slab_->whole.size - Int3{1, 1, 1};
   const Int3 low{int(std::floor(voxel.x)), int(std::floor(voxel.y)), int(std::floor(voxel.z))};
   for (int c = 0; c < 8; c++)
-    if (surroundings_->kind(min(max(low + Int3{c & 1, c >> 1 & 1, c >> 2}, Int3{0, 0, 0}), last)) !=
-        kBodyCell)
+    if (model_.anatomy.surroundings.kind(
+            min(max(low + Int3{c & 1, c >> 1 & 1, c >> 2}, Int3{0, 0, 0}), last)) != kBodyCell)
       return true;
   return false;
 }

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "turgor/geometry/ct_sampler.hpp"
-#include "turgor/models/lattice/build/surroundings.hpp"
+#include "turgor/models/lattice/build/ct_part.hpp"
 #include "turgor/models/lattice/cutting/fragments.hpp"
 
 namespace turgor::lattice {
@@ -17,9 +17,8 @@ struct CellLevels {
 
 class CtLevelSet {
  public:
-  /// If `ct` is null, the levels are those of the nodes. `surroundings` are air; null: they are not known.
-  CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& fine, const CtVolume* ct,
-             const Surroundings* surroundings = nullptr);
+  /// If `ct` is null, the levels are those of the nodes. Surroundings are air.
+  CtLevelSet(const Model& model, const Cuts& cuts, const FineLattice& fine, const CtVolume* ct);
   /// Levels of a cell, by the slot of its lowest node.
   ///
   /// Nodes keep their class, body or air, which was derived from block means; around them the level is the
@@ -37,8 +36,7 @@ class CtLevelSet {
   const FineLattice& fine_;
   std::optional<CtSampler> sampler_;
   std::optional<CtSlab> slab_;  // of a CT with surroundings
-  const Surroundings* surroundings_;
-  Vec3d first_, cell_size_;  // of the nodes, in voxels
+  Vec3d first_, cell_size_;     // of the nodes, in voxels
 };
 
 }  // namespace turgor::lattice

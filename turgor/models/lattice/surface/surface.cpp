@@ -288,15 +288,7 @@ BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* 
                           const Exec& exec, detail::SurfaceCache* cache) {
   TURGOR_CHECK(cache == nullptr || extent == Extent::kAll, "only whole surfaces are cached");
   const std::shared_ptr<const Fragments> fragments = fragments_of(model, cuts);
-  // surroundings in the CT
-  std::shared_ptr<const Surroundings> surroundings = cache ? cache->surroundings : nullptr;
-  if (ct && extent == Extent::kAll && !surroundings) {
-    surroundings =
-        std::make_shared<const Surroundings>(find_surroundings(exec, *ct, model.params.tissue.air_max));
-    if (cache) cache->surroundings = surroundings;
-  }
-  // surface
-  const CtLevelSet level(model, cuts, fragments->fine, ct, surroundings.get());
+  const CtLevelSet level(model, cuts, fragments->fine, ct);
   const MeshInput input{model, cuts, level, *fragments};
   BodySurface surface;
   if (cache) {

@@ -50,7 +50,7 @@ enum class Extent : std::uint8_t { kAll, kCuts };
 /// Builds the rest surface for these cuts and removed nodes; rebuild it when they change. `ct` is the
 /// CT that the body was built from. Without it, the surface is that of the nodes' values. `cache` comes from
 /// an earlier call with the same model and CT and extent kAll. It saves time and does not change the surface.
-/// Surroundings in the CT are air; surfaces of cuts alone do not know them.
+/// Surroundings in the CT are air.
 BodySurface build_surface(const Model& model, const Cuts& cuts, const CtVolume* ct = nullptr,
                           Extent extent = Extent::kAll, const Exec& exec = Exec(1),
                           detail::SurfaceCache* cache = nullptr);

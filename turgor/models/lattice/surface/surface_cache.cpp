@@ -229,12 +229,7 @@ BodySurface update_surface(const Exec& exec, const MeshInput& input, SurfaceCach
   const std::uint64_t removed =
       hash_values(std::span(input.cuts.excised), hash_values(std::span(input.cuts.removed)));
   if (!cache.is_made || cache.removed != removed)
-    cache = {.surroundings = cache.surroundings,
-             .is_made = true,
-             .removed = removed,
-             .uncut = make_uncut(exec, input),
-             .near = {},
-             .terms = {}};
+    cache = {.is_made = true, .removed = removed, .uncut = make_uncut(exec, input), .near = {}, .terms = {}};
   TURGOR_CHECK(std::is_sorted(cache.near.begin(), cache.near.end(),
                               [](const MeshedCell& a, const MeshedCell& b) { return a.cell < b.cell; }),
                "meshed cells ascend");

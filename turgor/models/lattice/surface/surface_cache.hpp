@@ -6,10 +6,6 @@
 #include "turgor/models/lattice/surface/surface_assembly.hpp"
 #include "turgor/models/lattice/surface/surface_plan.hpp"
 
-namespace turgor::lattice {
-struct Surroundings;  // in the CT (build/surroundings.hpp)
-}  // namespace turgor::lattice
-
 namespace turgor::lattice::detail {
 
 /// Merged surface without blades. Vertices are numbered by their merge keys.
@@ -27,7 +23,6 @@ struct MeshedCell {
 };
 
 struct SurfaceCache {
-  std::shared_ptr<const Surroundings> surroundings;  // of the body in the CT; null: not known
   bool is_made = false;
   std::uint64_t removed = 0;  // hash of the removed nodes
   UncutSurface uncut;
