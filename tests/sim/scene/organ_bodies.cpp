@@ -56,6 +56,23 @@ TEST(OrganBodies, OwnAttachment_Replaces) {
   EXPECT_EQ(own, 1);
 }
 
+// Neighbors are attached also where the table does not say so, unless it says "none".
+TEST(OrganBodies, Neighbors_AreAttachedByDefault) {
+  const std::string text = kOrgans;
+  const std::string line = "attachment = { stiffness_per_area = 1e5, slack = 0.001 }\n";
+  const std::size_t at = text.find(line);
+  ASSERT_NE(at, std::string::npos);
+  const Scene silent = scene_of(std::string(text).erase(at, line.size()));
+  ASSERT_EQ(silent.attachments.size(), 3u);
+  for (const AttachmentScene& attachment : silent.attachments) {
+    EXPECT_TRUE(attachment.is_optional);
+    EXPECT_EQ(attachment.stiffness_per_area, 1e5);
+  }
+  const Scene none = scene_of(std::string(text).replace(at, line.size(), "attachment = \"none\"\n"));
+  EXPECT_EQ(none.attachments.size(), 0u);
+  EXPECT_EQ(none.body_contacts.size(), 3u);
+}
+
 // A file given by an override is looked for in the current folder, as for a body.
 TEST(OrganBodies, OverriddenLabels_AreOfCurrentFolder) {
   const Result<Scene> scene = parse_scene(kOrgans, "/elsewhere/organs.toml", {"organs.labels=seg.nii"});
@@ -72,6 +89,9 @@ TEST(OrganBodies, Mistakes_AreExplained) {
   };
   EXPECT_NE(error("[organs]\nlabels = \"m.nii\"\n").find("expected the labels of the bodies"),
             std::string::npos);
+  const std::string head = "[organs]\nlabels = \"m.nii\"\nbodies = [\"liver\", \"stomach\"]\n";
+  EXPECT_NE(error(head + "attachment = true\n").find("or \"none\""), std::string::npos);
+  EXPECT_NE(error(head + "contact = 3\n").find("the keys of a contact"), std::string::npos);
   EXPECT_NE(error(std::string(kOrgans) + "[body.gallbladder]\nyuong = 3\n").find("yuong is not a key"),
             std::string::npos);
 }

@@ -1,6 +1,7 @@
 #include "turgor/sim/scene/organ_bodies.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "turgor/sim/scene/name.hpp"
 
@@ -9,6 +10,7 @@ namespace turgor {
 namespace {
 
 constexpr const char* kOwnKeys[] = {"bodies", "attachment", "contact"};
+constexpr double kTissuePerArea = 1e5;  // between neighbors, unless the table gives it [N/m³]
 
 bool is_own_key(std::string_view key) {
   return std::any_of(std::begin(kOwnKeys), std::end(kOwnKeys), [key](const char* own) { return key == own; });
@@ -66,10 +68,27 @@ bool names_pair(const toml::table& tables, const std::string& a, const std::stri
   return false;
 }
 
+/// Keys of all attachments of the table. None if it says `attachment = "none"`.
+std::optional<toml::table> common_attachment(const toml::table& organs, SceneProblems& problems) {
+  const toml::node* given = organs.get("attachment");
+  if (!given) return toml::table{{"stiffness_per_area", kTissuePerArea}};
+  if (given->is_table()) return *given->as_table();
+  if (given->value_or(std::string()) != "none")
+    problems.add("organs.attachment", *given, "expected a table with the keys of an attachment, or \"none\"");
+  return {};
+}
+
+/// Keys of all contacts of the table. None if it has no contacts.
+std::optional<toml::table> common_contact(const toml::table& organs, SceneProblems& problems) {
+  const toml::node* given = organs.get("contact");
+  if (given && given->is_table()) return *given->as_table();
+  if (given) problems.add("organs.contact", *given, "expected a table with the keys of a contact");
+  return {};
+}
+
 /// Adds [KIND.A-B] for every pair that has none.
-void add_pairs(const toml::table& organs, const char* kind, const std::vector<std::string>& names,
-               toml::table& root) {
-  const toml::table* common = organs[kind].as_table();
+void add_pairs(const std::optional<toml::table>& common, const char* kind,
+               const std::vector<std::string>& names, toml::table& root) {
   if (!common) return;
   toml::table& tables = table_in(root, kind);
   for (std::size_t b = 1; b < names.size(); b++)
@@ -106,8 +125,8 @@ void add_organ_bodies(toml::table& root, SceneProblems& problems) {
   toml::table& bodies = table_in(root, "body");
   for (std::size_t n = 0; n < names.size(); n++)
     add_body(copy, *(*copy["bodies"].as_array()).get(n), names[n], bodies, problems);
-  add_pairs(copy, "attachment", names, root);
-  add_pairs(copy, "contact", names, root);
+  add_pairs(common_attachment(copy, problems), "attachment", names, root);
+  add_pairs(common_contact(copy, problems), "contact", names, root);
 }
 
 void read_organs_table(SceneTable organs) {
@@ -118,9 +137,9 @@ void read_organs_table(SceneTable organs) {
       "labels, each of which becomes a body of that name: names or numbers (`\"label-5\"`). Other keys "
       "of `[body.NAME]` may stand here, for all bodies, or there; `fixed` is `\"none\"` by default");
   organs.describe(
-      "attachment", "", "none",
-      "a table with the keys of `[attachment.NAME]` but `between`: neighbors are attached where they "
-      "are near each other, unless the scene has an attachment of the two");
+      "attachment", "", "`{ stiffness_per_area = 1e5 }`",
+      "a table with the keys of `[attachment.NAME]` but `between`: neighbors are attached where they are at "
+      "most `distance` apart, unless the scene has an attachment of the two. `\"none\"`: they are not");
   organs.describe(
       "contact", "", "none",
       "a table with the keys of `[contact.NAME]` but `between`: all pairs of these bodies touch, unless "
