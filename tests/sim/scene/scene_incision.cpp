@@ -24,6 +24,22 @@ TEST(SceneIncision, ReadsUndermining) {
   EXPECT_EQ(both.depth, 0.008);
 }
 
+// So is one around an excision, whose floor it may reach but not pass.
+TEST(SceneIncision, ReadsUnderminingOfExcision) {
+  const auto text = [](const char* depth) {
+    return std::string(
+               "[body.b]\nmodel = \"lattice\"\nct = { phantom = \"leg\" }\nsolver = { method = \"vbd\" }\n"
+               "[excision.c]\nbody = \"b\"\ncenter_fraction = [0.5, 0, 0.5]\nlength = 0.04\nwidth = 0.01\n"
+               "depth = 0.01\nundermine = { width = 0.02, depth = ") +
+           depth + " }\n";
+  };
+  const Result<Scene> scene = parse_scene(text("0.01"), "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->incisions[0].blade.undermine.width, 0.02);
+  EXPECT_EQ(scene->incisions[0].blade.undermine.depth, 0.01);
+  EXPECT_NE(test::error_of(text("0.012")).find("at most the depth of the cut"), std::string::npos);
+}
+
 // A surface below the cut, and one under a removed region, are errors.
 TEST(SceneIncision, RefusesUnderminingBelowTheCut) {
   const auto error = [](const char* keys) { return test::error_of(std::string(kCutLeg) + keys); };

@@ -4,6 +4,7 @@
 
 #include "turgor/sim/scene/markups.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
+#include "turgor/sim/scene/scene_incision.hpp"
 
 namespace turgor {
 
@@ -95,6 +96,7 @@ IncisionScene read_excision(SceneTable table, const std::string& name, const Sce
   read_center(table, made);
   read_size(table, made);
   table.read("depth", made.blade.depth, inside(0, 1, "m"), "depth of the floor below the skin");
+  read_undermining(table, made.blade);
   table.read("start", made.blade.start, not_negative("s"), "start of the blade");
   table.read("duration", made.blade.duration, not_negative("s"),
              "duration of the cut along the outline; the piece then leaves the body. 0 = instantaneous");

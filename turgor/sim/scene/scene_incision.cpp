@@ -84,11 +84,14 @@ void read_cut_path(SceneTable& table, IncisionScene& incision) {
   if (is_read && blade.from == blade.to) table.fail("to", "the cut has no length: it ends where it starts");
 }
 
+}  // namespace
+
 void read_undermining(SceneTable& incision, lattice::Incision& blade) {
   SceneTable table = incision.table("undermine");
   lattice::Undermining& undermine = blade.undermine;
-  table.read("width", undermine.width, within(0, 0.5, "m"),
-             "frees skin from the tissue below it on both sides of the cut, so far; 0: not");
+  table.read(
+      "width", undermine.width, within(0, 0.5, "m"),
+      "frees skin from the tissue below it, on both sides of a cut or around an excision, so far; 0: not");
   table.read("depth", undermine.depth, within(0, 1, "m"),
              {"of that surface below the skin; at most the depth of the cut", "half the depth of the cut"});
   table.finish();
@@ -100,8 +103,6 @@ void read_undermining(SceneTable& incision, lattice::Incision& blade) {
   if (blade.width > 0)
     table.fail("width", "a removed region has no lips to undermine: remove undermine, or width of the cut");
 }
-
-}  // namespace
 
 IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene) {
   // body to cut

@@ -1,4 +1,5 @@
-// Reads [incision.NAME]: path, depth and time of a cut of a lattice.
+// Reads [incision.NAME]: path, depth and time of a cut of a lattice, and the undermining of cuts and
+// excisions.
 #pragma once
 
 #include "turgor/sim/scene/scene.hpp"
@@ -7,5 +8,8 @@
 namespace turgor {
 
 IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene);
+
+/// Reads the table `undermine` of an incision or an excision, after the blade's depth.
+void read_undermining(SceneTable& incision, lattice::Incision& blade);
 
 }  // namespace turgor

@@ -13,7 +13,14 @@
 namespace turgor::lattice {
 namespace {
 
-/// A wide membrane on tissue that bears little, which loses a lens.
+/// Tissue below the membrane.
+struct Bed {
+  double young = 1000;         // bears little [Pa]
+  bool is_fixed = false;       // at its bottom
+  Undermining undermine = {};  // around the lens
+};
+
+/// A wide membrane on tissue, which loses a lens.
 struct ExcisedMembrane {
   static constexpr double kCell = 0.003;
   static constexpr Int3 kSize{41, 41, 4};
@@ -23,16 +30,19 @@ struct ExcisedMembrane {
   BladePath path;
   WoundClosure closure;
 
-  ExcisedMembrane(Params params, Excision excision) {
+  ExcisedMembrane(Params params, Excision excision, const Bed& bed = {}) {
     params.tissue.poisson = 0.3;
-    Block block{.size = kSize, .spacing = kCell, .young = 1000};
-    block.is_fixed = [](Int3 p) { return p.x == 0 || p.y == 0 || p.x == kSize.x - 1 || p.y == kSize.y - 1; };
+    Block block{.size = kSize, .spacing = kCell, .young = bed.young};
+    block.is_fixed = [&bed](Int3 p) {
+      return p.x == 0 || p.y == 0 || p.x == kSize.x - 1 || p.y == kSize.y - 1 || (bed.is_fixed && p.z == 0);
+    };
     model = block_model(block, params);
     state = make_state(model);
     excision.center = {(kSize.x / 2 + 0.31) * kCell, (kSize.y / 2 + 0.17) * kCell, (kSize.z - 1) * kCell};
     Incision blade{.name = "mole", .depth = 0.0067};
     blade.path = excision_outline(model, state, excision).value();
     blade.excision = excision;
+    blade.undermine = bed.undermine;
     path = lay_blade(model, state, blade).value();
     cut_edges(model, state, path, 0, 1, 0);
     excise(model, state, find_piece(model, state.cuts, 0).value());
@@ -115,6 +125,21 @@ TEST(ExcisedWound, ClosingForceIsThatOfElements) {
   std::printf("change with the tension %.3f N, closed form %.3f N\n", change, difference * kLength);
   EXPECT_GT(change, difference * kLength) << "N";
   EXPECT_LT(change, difference * (kLength + 2 * kBite)) << "N";
+}
+
+// Skin on a firm bed is closed with less force where it is undermined, the less the wider the flaps: a flap
+// of width w yields like a strip, by w/(K + E d/4) per force and length, instead of shearing its bed.
+TEST(ExcisedWound, UnderminingLowersClosingForce) {
+  const Excision lens{.direction = {1, 0, 0}, .angle = 10, .length = 0.036, .width = 0.0105};
+  double last = 1e9;
+  for (const double width : {0.0, 0.009, 0.018}) {
+    const Bed bed{.young = 1e4, .is_fixed = true, .undermine = {.width = width, .depth = 0.0045}};
+    ExcisedMembrane body(membrane(20, 20, 400), lens, bed);
+    const double force = body.close(0.0045);
+    std::printf("undermined by %.0f mm: closing force %.3f N\n", 1e3 * width, force);
+    EXPECT_LT(force, 0.95 * last) << width << " m";
+    last = force;
+  }
 }
 
 // Least force closes a lens along the lines of largest tension.

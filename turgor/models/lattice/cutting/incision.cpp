@@ -277,9 +277,9 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   } else {
     sheet = sweep_blade(path, tilt, margin, 1e-4 * step);
     join_sheet(path, met, tilt, sheet);
-    if (incision.undermine.width > 0)
-      add_undermining(model, state.motion, path, incision.undermine, halo, sheet);
   }
+  if (incision.undermine.width > 0)
+    add_undermining(model, state.motion, path, incision.undermine, halo, sheet);
   find_edges(model, state, sheet, halo, path);
   return path;
 }

@@ -24,9 +24,9 @@ struct Excision {
   double length = 0, width = 0;  // [m]
 };
 
-/// Skin that is freed from the tissue below it on both sides of a cut (undermine.hpp).
+/// Skin that is freed from the tissue below it on both sides of a cut, or around an excision (undermine.hpp).
 struct Undermining {
-  double width = 0;  // on each side of the cut; 0 = none [m]
+  double width = 0;  // from the cut on; 0 = none [m]
   double depth = 0;  // below the skin [m]
 };
 

@@ -17,9 +17,51 @@ namespace {
 /// plane, and the wound would end a cell earlier.
 constexpr double kTipCells = 2;
 
-/// Points of the surface on a ruling across the path, from left to right; nothing where there is no skin
-/// above.
+/// Beginning of a ruling of the surface, on the path.
+struct RulingBase {
+  Vec3d point, inward, across;  // `across` points to the right of the path; out of the piece of an excision
+  Vec3d ahead;                  // shift of the surface along the path, as sweep_blade shifts its ends
+  double along = 0;             // arc length on the path [m]
+  double most = 0;              // depth of the blade there [m]
+};
+/// Points of the surface on a ruling, from left to right; nothing where there is no skin above.
 using Ruling = std::vector<std::optional<Vec3d>>;
+
+/// A base at every point of the path. The outline of an excision is closed; where it turns by more than
+/// kMostTurn, as at the ends of a lens, bases between fan out.
+std::vector<RulingBase> bases_of(const BladePath& path, double epsilon) {
+  constexpr double kMostTurn = 0.15;  // [radians]
+  std::vector<RulingBase> bases;
+  const std::size_t last = path.points.size() - 1;
+  double along = 0;
+  for (std::size_t n = 0; n <= last; n++) {
+    if (n > 0) along += norm(path.points[n] - path.points[n - 1]);
+    const Vec3d inward = path.inward[n];
+    const auto add = [&](Vec3d across, Vec3d ahead = {}) {
+      bases.push_back({.point = path.points[n],
+                       .inward = inward,
+                       .across = across,
+                       .ahead = ahead,
+                       .along = along,
+                       .most = path.depths[n]});
+    };
+    if (!path.is_excision) {
+      add(across_at(path, n), tangent_at(path, n) * (n == 0 ? -epsilon : n == last ? epsilon : 0));
+      continue;
+    }
+    const auto across_of = [&](std::size_t from) {  // of the segment that begins there
+      return normalized(cross(inward, path.points[from + 1] - path.points[from]));
+    };
+    const Vec3d before = across_of(n == 0 ? last - 1 : n - 1), after = across_of(n == last ? 0 : n);
+    const double turn = std::acos(std::clamp(dot(before, after), -1.0, 1.0));
+    const int count = int(std::ceil(turn / kMostTurn));
+    for (int turned = 0; turned <= count; turned++)
+      if (count > 1)
+        add(normalized(before * (1 - double(turned) / count) + after * (double(turned) / count)));
+    if (count <= 1) add(normalized(before + after));
+  }
+  return bases;
+}
 
 /// True if the node nearest to a point is bone.
 bool is_in_bone(const Model& model, Vec3d point) {
@@ -53,50 +95,52 @@ void add_undermining(const Model& model, const Motion& motion, const BladePath& 
   TURGOR_CHECK(undermine.width > 0 && undermine.depth > 0, "a surface has a width and a depth");
   const double step = smallest_spacing(model.anatomy.lattice), epsilon = 1e-4 * step;
   const int half = std::max(1, int(std::ceil(undermine.width / (0.5 * step))));
-  const auto columns = std::size_t(2 * half + 1);
+  const int left = path.is_excision ? 0 : half;  // columns to the left of the path
+  const auto columns = std::size_t(left + half + 1);
   const Vec3d shift{0.37 * epsilon, 0.61 * epsilon, 0.71 * epsilon};  // no node lies exactly in the surface
   // points above the surface, and the skin around them
-  const auto side_of = [&](std::size_t c) { return (int(c) - half) * undermine.width / half; };
-  const auto aside = [&](std::size_t n, std::size_t c) {
-    return path.points[n] + across_at(path, n) * side_of(c);
+  const std::vector<RulingBase> bases = bases_of(path, epsilon);
+  const auto side_of = [&](std::size_t c) { return (int(c) - left) * undermine.width / half; };
+  const auto aside = [&](const RulingBase& base, std::size_t c) {
+    return base.point + base.across * side_of(c);
   };
   std::vector<Vec3d> around;
-  for (std::size_t n = 0; n < path.points.size(); n++)
-    for (const std::size_t c : {std::size_t(0), columns - 1}) around.push_back(aside(n, c));
-  // and beyond both ends of the cut, where its crack tips are unless the skin ends
+  for (const RulingBase& base : bases)
+    for (const std::size_t c : {std::size_t(0), columns - 1}) around.push_back(aside(base, c));
+  // and beyond both ends of a cut, where its crack tips are unless the skin ends
   const auto beyond = [&](std::size_t n) {
     return path.points[n] + tangent_at(path, n) * (n == 0 ? -step : step);
   };
   for (const std::size_t n : {std::size_t(0), path.points.size() - 1}) around.push_back(beyond(n));
   const SkinNow near = skin_near(model, motion, around, halo);
-  const auto goes_on = [&](std::size_t n) {
-    return distance_to_skin(near, beyond(n), path.inward[n], across_at(path, n) * epsilon).has_value();
+  const auto has_crack_tip = [&](std::size_t n) {
+    return !path.is_excision &&
+           distance_to_skin(near, beyond(n), path.inward[n], across_at(path, n) * epsilon).has_value();
   };
   // height of the skin
-  std::vector<std::vector<std::optional<double>>> height(path.points.size());
-  for (std::size_t n = 0; n < path.points.size(); n++)
+  std::vector<std::vector<std::optional<double>>> height(bases.size());
+  for (std::size_t n = 0; n < bases.size(); n++)
     for (std::size_t c = 0; c < columns; c++)
-      height[n].push_back(distance_to_skin(near, aside(n, c), path.inward[n], across_at(path, n) * epsilon));
+      height[n].push_back(
+          distance_to_skin(near, aside(bases[n], c), bases[n].inward, bases[n].across * epsilon));
   for (std::size_t c = 0; c < columns; c++) smooth_column(height, c);
   // rulings below it
-  std::vector<Ruling> rulings(path.points.size());
-  for (std::size_t n = 0; n < rulings.size(); n++) {
-    const double ahead = n == 0 ? -epsilon : n + 1 == rulings.size() ? epsilon : 0;  // as sweep_blade
+  std::vector<Ruling> rulings(bases.size());
+  for (std::size_t n = 0; n < rulings.size(); n++)
     for (std::size_t c = 0; c < columns; c++) {
       rulings[n].emplace_back();
       if (!height[n][c]) continue;
-      const Vec3d point = aside(n, c) + tangent_at(path, n) * ahead +
-                          path.inward[n] * (*height[n][c] + std::min(undermine.depth, path.depths[n])) +
+      const Vec3d point = aside(bases[n], c) + bases[n].ahead +
+                          bases[n].inward * (*height[n][c] + std::min(undermine.depth, bases[n].most)) +
                           shift;
       if (!is_in_bone(model, point)) rulings[n].back() = point;
     }
-  }
   // quads between rulings, except near the crack tips
   const double length = path_length(path), inset = kTipCells * largest_spacing(model.anatomy.lattice);
-  const double first = goes_on(0) ? inset : 0, last = length - (goes_on(path.points.size() - 1) ? inset : 0);
-  double along = 0;
+  const double first = has_crack_tip(0) ? inset : 0,
+               last = length - (has_crack_tip(path.points.size() - 1) ? inset : 0);
   for (std::size_t n = 1; n < rulings.size(); n++) {
-    const double next = along + norm(path.points[n] - path.points[n - 1]);
+    const double along = bases[n - 1].along, next = bases[n].along;
     const bool is_at_end = along < first || next > last;
     for (std::size_t c = 1; c < columns; c++) {
       const double aside_of_path = std::min(std::abs(side_of(c - 1)), std::abs(side_of(c)));
@@ -107,7 +151,6 @@ void add_undermining(const Model& model, const Motion& motion, const BladePath& 
       add_triangle(sheet, {*a, *d, *b}, {along, next, along});
       add_triangle(sheet, {*b, *d, *e}, {along, next, next});
     }
-    along = next;
   }
 }
 
