@@ -105,23 +105,31 @@ Vec3d level_gradient(const FineTet& tet) {
          cross(a, b) * (level(3) - level(0));
 }
 
-/// Moves a point on one blade and on the skin to its own side of the other blades that cut edges at a solid
-/// corner. `along` is the direction of the line in which blade and skin intersect.
-Vec3d to_own_side(const FineTet& tet, int solid, std::uint8_t incision, Vec3d along, Vec3d position) {
-  for (int other = 0; other < 4; other++) {
-    if (other == solid) continue;
-    const Crossing c = crossing_of(tet, solid, other);
-    if (c.edge == nullptr || c.edge->incision == incision) continue;
-    const std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
-    if (!blade) continue;
-    // distance beyond that blade, positive on the side of the other corner
-    const Vec3d edge = position_of(tet, other) - position_of(tet, solid);
-    const Vec3d normal = dot(blade->normal, edge) < 0 ? -blade->normal : blade->normal;
-    const double beyond = dot(position - blade->point, normal), reach = dot(along, normal);
-    if (!(beyond > 0) || !(std::abs(reach) > 0.05 * norm(along) * norm(normal))) continue;
-    const Vec3d back = along * (beyond / reach);
-    if (dot(back, back) < dot(edge, edge)) position -= back;
-  }
+/// Moves a point on the skin to the own side of a solid corner, beyond which other blades than `incision` cut
+/// fine edges. An edge knows only the first blade that crossed it, so these blades may cut no edge of the
+/// tetrahedron. `along` gives the direction of the move from the blade's normal.
+template <class Along>
+Vec3d to_own_side(const FineTet& tet, int solid, std::uint8_t incision, const Along& along, Vec3d position) {
+  const FineLattice& f = tet.fragments.fine;
+  const Int3 node = tet.nodes[std::size_t(solid)];
+  const Vec3d from = position_of(tet, solid);
+  for (const Int3 offset : kFamilies)
+    for (const Int3 step : {offset, -offset}) {
+      if (!contains(f, node + step)) continue;
+      const Crossing c = crossing(tet.fragments, tet.cuts, node, node + step);
+      if (c.edge == nullptr || c.edge->incision == incision) continue;
+      const Vec3d edge = lattice_index(f, node + step) - from;
+      std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
+      if (!blade) blade = blade_plane_at_end(tet, c.edge->incision, from + edge * double(c.fraction));
+      if (!blade) continue;
+      // distance beyond that blade, positive on the side of the other node
+      const Vec3d normal = dot(blade->normal, edge) < 0 ? -blade->normal : blade->normal,
+                  move = along(normal);
+      const double beyond = dot(position - blade->point, normal), reach = dot(move, normal);
+      if (!(beyond > 0) || !(std::abs(reach) > 0.05 * norm(move) * norm(normal))) continue;
+      const Vec3d back = move * (beyond / reach);
+      if (dot(back, back) < dot(edge, edge)) position -= back;
+    }
   return position;
 }
 
@@ -135,14 +143,19 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   const Vec3d position = a + (b - a) * fraction;
   if (!tet.is_near_cut) return position;
   const Crossing c = crossing_of(tet, solid, other);
-  if (c.edge == nullptr || double(c.fraction) >= fraction) return position;
+  if (c.edge == nullptr) return position;
+  const Vec3d across = level_gradient(tet);
+  // another blade may cross the edge first
+  const auto along_skin = [across](Vec3d normal) {
+    return normal - across * (dot(across, normal) / dot(across, across));
+  };
+  if (double(c.fraction) >= fraction) return to_own_side(tet, solid, c.edge->incision, along_skin, position);
   // move along the skin, towards the blade
   const Vec3d on_blade = a + (b - a) * double(c.fraction);
   std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
   if (!blade) blade = blade_plane_at_end(tet, c.edge->incision, on_blade);
   if (!blade) return position;
-  const Vec3d across = level_gradient(tet);
-  const Vec3d along = blade->normal - across * (dot(across, blade->normal) / dot(across, across));
+  const Vec3d along = along_skin(blade->normal);
   const double reach = dot(along, blade->normal), beyond = dot(position - blade->point, blade->normal);
   if (!(reach > 0.05 * dot(blade->normal, blade->normal)))
     return on_blade;  // the blade is tangential to the skin
@@ -150,7 +163,8 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   const bool is_near = dot(back, back) <
                        dot(b - a, b - a);  // the plane approximates a curved blade only within an edge length
   if (!is_near) return on_blade;
-  return to_own_side(tet, solid, c.edge->incision, cross(across, blade->normal), position - back);
+  const auto along_line = [line = cross(across, blade->normal)](Vec3d) { return line; };
+  return to_own_side(tet, solid, c.edge->incision, along_line, position - back);
 }
 
 /// Intersection of two blades with the skin, from a skin point on the second blade. Empty if the blades are
@@ -223,6 +237,12 @@ Clip clip_between(const FineTet& tet, int i, int j, int b) {
   const Vec3d a = skin_position(tet, i, b), c = skin_position(tet, j, b);
   if (!is_found) fraction = nearest_fraction(tet, a, c, position_of(tet, i), position_of(tet, j), t);
   clip.position = a + (c - a) * std::clamp(fraction, 0.0, 1.0);
+  // on the own side of other blades
+  const std::optional<BladePlane> blade = blade_plane_in(tet, across.edge->incision);
+  if (!blade) return clip;
+  const auto along_line = [line = cross(level_gradient(tet), blade->normal)](Vec3d) { return line; };
+  for (const int solid : {i, j})
+    clip.position = to_own_side(tet, solid, across.edge->incision, along_line, clip.position);
   return clip;
 }
 
