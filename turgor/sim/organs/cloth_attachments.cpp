@@ -60,7 +60,8 @@ double mobility(const RigidBody& body, Vec3d at) {
   return sum;
 }
 
-/// visit(tie, spring, attachment) for every spring of a cloth that is not broken.
+/// visit(tie, spring, attachment) for every spring between a cloth and another body that is not broken. Two
+/// cloths step together (tied_cloths.hpp).
 template <class AnyWorld, class Visit>
 void for_each_spring(const Exec& exec, const ClothBody& body, AnyWorld& world, const Visit& visit) {
   const CoupledSupport* support = cloth_support(world, body);
@@ -71,6 +72,7 @@ void for_each_spring(const Exec& exec, const ClothBody& body, AnyWorld& world, c
         cloth_point(attachment, attachment.ties[0]).body != own)
       continue;
     const int other = other_point(attachment, attachment.ties[0]).body;
+    if (other >= 0 && coupled_body(world, other).kind == BodyKind::kCloth) continue;
     const std::vector<Vec3d> displacement =
         other < 0 ? std::vector<Vec3d>() : displacement_at_end(exec, world, other);
     for (auto& tie : attachment.ties) {

@@ -1,6 +1,6 @@
-// Attachments of cloth. Their springs are solved in the step of the cloth (cloth::VertexSpring), after the
-// bodies below it have moved. The other body bears the opposite forces from the next frame on, relaxed like
-// those of contact with cloth (sim/bodies/cloth/cloth_load.hpp).
+// Attachments of cloth to bodies of other models. Their springs are solved in the step of the cloth
+// (cloth::VertexSpring), after the bodies below it have moved. The other body bears the opposite forces from
+// the next frame on, relaxed like those of contact with cloth (sim/bodies/cloth/cloth_load.hpp).
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ namespace turgor {
 
 struct ClothBody;
 
-/// Springs of all attachments of a cloth in its next step.
+/// Springs of all attachments of a cloth to other bodies in its next step, except those to cloth.
 std::vector<cloth::VertexSpring> attachment_springs(const Exec& exec, const ClothBody& body,
                                                     const World& world);
 /// Reads their forces after the step. The most overloaded spring of each attachment breaks.

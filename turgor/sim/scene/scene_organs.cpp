@@ -34,12 +34,9 @@ std::optional<BodyId> find_touching_body(SceneTable& table, const toml::node& no
   return {};
 }
 
-/// Refuses attachments of two cloths, and of cloth at points of a rigid body.
+/// Refuses attachments of cloth at points of a rigid body.
 void check_cloth(SceneTable& table, const AttachmentScene& attachment) {
-  const auto is_cloth = [](const std::optional<BodyId>& id) { return id && id->kind == BodyKind::kCloth; };
-  if (is_cloth(attachment.body) && is_cloth(attachment.other))
-    table.fail("between", "two cloths are not attached to each other: sew them in one mesh file");
-  if (is_cloth(attachment.other) && !attachment.at.empty())
+  if (attachment.other && attachment.other->kind == BodyKind::kCloth && !attachment.at.empty())
     table.fail("at", "cloth is tied where it is near: expected distance or box instead of at");
 }
 
@@ -126,7 +123,7 @@ AttachmentScene read_attachment(SceneTable table, const std::string& name, const
   table.begin_group("attachment");
   // bodies
   const std::vector<std::string> names =
-      read_between(table, "the names of two bodies, at most one of them cloth, or of one and `\"ground\"`");
+      read_between(table, "the names of two bodies, or of one and `\"ground\"`");
   if (!names.empty()) {
     const std::size_t first = names[0] == kGround ? 1 : 0;
     made.body = find_body(table, names[first], scene).value_or(BodyId{});

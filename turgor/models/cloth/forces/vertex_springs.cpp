@@ -20,13 +20,20 @@ VertexSpringForce spring_force(const VertexSpring& spring, Vec3 x) {
 
 void add_vertex_springs(std::span<const VertexSpring> springs, const State& state, double dt,
                         Vectors& impulse, Vectors& diagonal, Vectors& off) {
-  const Real s = state.system.stiffness_factor;
+  const Real s = Real(dt * dt);
   for (const VertexSpring& spring : springs) {
     TURGOR_CHECK(is_index(spring.vertex, state.x.size()), "springs act on vertices of the cloth");
     const auto v = std::size_t(spring.vertex);
     const VertexSpringForce now = spring_force(spring, state.x[v]);
     impulse.add(v, now.force * Real(dt) - now.stiffness_times(state.v[v]) * s);
     diagonal.add(v, now.diagonal * s), off.add(v, now.off * s);
+  }
+}
+
+void add_vertex_loads(std::span<const VertexLoad> loads, double dt, Vectors& impulse) {
+  for (const VertexLoad& load : loads) {
+    TURGOR_CHECK(is_index(load.vertex, impulse.size()), "loads act on vertices of the cloth");
+    impulse.add(std::size_t(load.vertex), load.force * Real(dt));
   }
 }
 

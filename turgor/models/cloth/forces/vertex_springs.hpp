@@ -1,5 +1,5 @@
-// Springs between vertices of a cloth and targets, as of attachments to other bodies. A step is implicit in
-// them, as it is in the springs of the fabric: they may be much stiffer than the fabric.
+// Springs between vertices of a cloth and targets, as of attachments to other bodies, and constant forces. A
+// step is implicit in the springs, as it is in those of the fabric: they may be much stiffer than the fabric.
 #pragma once
 
 #include <span>
@@ -21,9 +21,11 @@ struct VertexSpringForce {
 };
 VertexSpringForce spring_force(const VertexSpring& spring, Vec3 x);
 
-/// Adds the springs at the positions and velocities of the state: impulses h F − s K v to `impulse` [N·s],
-/// and s K to the matrix in `diagonal` and `off` [kg], with s = System::stiffness_factor.
+/// Adds the springs at the positions and velocities of the state: impulses h F − h² K v to `impulse` [N·s],
+/// and h² K to the matrix in `diagonal` and `off` [kg]. They have no damping, because targets move.
 void add_vertex_springs(std::span<const VertexSpring> springs, const State& state, double dt,
                         Vectors& impulse, Vectors& diagonal, Vectors& off);
+/// Adds the impulses h F of forces.
+void add_vertex_loads(std::span<const VertexLoad> loads, double dt, Vectors& impulse);
 
 }  // namespace turgor::cloth

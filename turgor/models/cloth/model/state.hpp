@@ -109,12 +109,19 @@ struct VertexSpring {
   Real slack = 0;      // s: distance up to which it has no force [m]
 };
 
+/// Force on a vertex, as of a spring between two cloths.
+struct VertexLoad {
+  int vertex = 0;  // of the model
+  Vec3 force;      // [N]
+};
+
 /// External inputs of one step.
 struct Inputs {
   Vec3d gravity;  // [m/s²]
   Air air;
   std::vector<Obstacle> obstacles;
   std::vector<VertexSpring> springs;  // on the host only
+  std::vector<VertexLoad> loads;      // on the host only
   bool measure_residual = false;      // costs about one sweep
 };
 

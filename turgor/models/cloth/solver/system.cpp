@@ -72,7 +72,9 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
   const Damping& damping = model.params.damping;
   system.mass_factor = Real(1 + dt * damping.motion),
   system.stiffness_factor = Real(dt * dt + dt * damping.stretch);
-  const bool has_wind = inputs.air.density > 0, has_air = has_wind || !inputs.springs.empty();
+  const bool has_wind = inputs.air.density > 0,
+             has_springs = !inputs.springs.empty() || !inputs.loads.empty(),
+             has_air = has_wind || has_springs;
   const bool uses_cg = uses_conjugate_gradients(model.params.solver.method);
   const bool keeps_air = inputs.measure_residual || uses_cg;
   if (keeps_air)
@@ -82,11 +84,12 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
   if (has_wind)
     blow(exec, inputs.air, state.time, dt, model.triangles, model.chunk_triangles, state.x, state.v,
          system.change, {system.force, system.inverse[0], system.inverse[1]});
-  if (!inputs.springs.empty()) {
+  if (has_springs) {
     if (!has_wind)
       for (Vectors* terms : {&system.force, &system.inverse[0], &system.inverse[1]})
         for (std::size_t v = 0; v < terms->size(); v++) terms->set(v, {});
     add_vertex_springs(inputs.springs, state, dt, system.force, system.inverse[0], system.inverse[1]);
+    add_vertex_loads(inputs.loads, dt, system.force);
   }
   if (has_air)
     for (std::size_t p = 0; p < system.drag.size(); p++)

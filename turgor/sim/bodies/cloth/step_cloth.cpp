@@ -9,6 +9,7 @@
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/bodies/cloth/corner_forces.hpp"
 #include "turgor/sim/organs/cloth_attachments.hpp"
+#include "turgor/sim/organs/tied_cloths.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -169,10 +170,8 @@ void publish_contacts(ClothBody& body) {
                                            body.state->impulse_time, body.haptic[t].history));
 }
 
-}  // namespace
-
-void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput& input, FrameReport& frame) {
-  // holds and wind
+/// Inputs of the next step: holds, wind, obstacles, and springs to other bodies than cloth.
+ClothStep prepare_step(const Exec& exec, ClothBody& body, World& world, const FrameInput& input) {
   const auto [begin, end, measure] = input;
   TURGOR_CHECK(end > begin, "a frame has a positive length");
   for (ClothHold& hold : body.holds) update_hold(body, hold, end);
@@ -187,21 +186,25 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
   add_tools(body, world, input, inputs);
   inputs.springs = attachment_springs(exec, body, world);
 
-  const bool is_held =
-      std::any_of(body.holds.begin(), body.holds.end(), [](const ClothHold& hold) { return hold.is_held; });
+  ClothStep step{.body = body, .inputs = std::move(inputs)};
+  if (std::any_of(body.holds.begin(), body.holds.end(), [](const ClothHold& hold) { return hold.is_held; }))
+    step.v_before = body.state->v;
+  return step;
+}
 
-  // step
-  const cloth::Vectors v_before = is_held ? body.state->v : cloth::Vectors();
-  const Timer timer;
-  const cloth::StepReport report = body.state.step(exec, body.model, inputs, world.dt);
-  ClothSample sample{.time = end,
-                     .seconds = timer.seconds(),
+/// Reads forces and measurements after the step.
+void finish_step(const Exec& exec, const ClothStep& step, World& world, const FrameInput& input,
+                 FrameReport& frame) {
+  ClothBody& body = step.body;
+  const cloth::StepReport& report = step.report;
+  ClothSample sample{.time = input.to,
+                     .seconds = step.seconds,
                      .largest_speed = report.largest_speed,
                      .residual = report.residual,
                      .iterations = report.iterations,
-                     .is_snapshot = measure,
+                     .is_snapshot = input.measure_residual,
                      .contacts = report.contacts};
-  if (report.finite && !inputs.springs.empty()) finish_attachment_springs(exec, body, world);
+  if (report.finite && !step.inputs.springs.empty()) finish_attachment_springs(exec, body, world);
 
   // contact forces on obstacles, tools and holds
   for (std::size_t o = 0; o < body.obstacles.size(); o++) {
@@ -211,13 +214,13 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
     record_force(body.state, int(o), body.state->impulse_time, *obstacle.support);
     move_to_corners(world, *obstacle.support);
   }
-  record_tools(body, world, end, sample.seconds);
+  record_tools(body, world, input.to, sample.seconds);
   publish_contacts(body);
   for (ClothHold& hold : body.holds)
-    hold.force.push_back(hold.is_held ? hold_force_of(body, hold, v_before, world) : Vec3d{});
+    hold.force.push_back(hold.is_held ? hold_force_of(body, hold, step.v_before, world) : Vec3d{});
 
   // measurements
-  if (measure) {
+  if (input.measure_residual) {
     const cloth::Energy energy = cloth::energy(body.model, body.state, world.gravity);
     sample.energy = energy.elastic + energy.kinetic;
     sample.stretch = cloth::largest_stretch(body.model, body.state);
@@ -225,6 +228,26 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
   body.samples.push_back(sample);
   frame.finite = frame.finite && report.finite;
   frame.largest_speed = std::max(frame.largest_speed, double(report.largest_speed));
+}
+
+}  // namespace
+
+void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput& input, FrameReport& frame) {
+  // cloths that are tied to each other step with the first of them
+  const int index = int(&body - world.cloth_bodies.data());
+  const std::vector<int> order = cloths_stepped_with(world, index);
+  if (index != *std::min_element(order.begin(), order.end())) return;
+  std::vector<ClothStep> steps;
+  for (const int cloth : order)
+    steps.push_back(prepare_step(exec, world.cloth_bodies[std::size_t(cloth)], world, input));
+  if (steps.size() > 1) {
+    step_tied_cloths(exec, world, steps);
+  } else {
+    const Timer timer;
+    steps[0].report = body.state.step(exec, body.model, steps[0].inputs, world.dt);
+    steps[0].seconds = timer.seconds();
+  }
+  for (const ClothStep& step : steps) finish_step(exec, step, world, input, frame);
 }
 
 }  // namespace turgor
