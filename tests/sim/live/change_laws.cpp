@@ -150,8 +150,9 @@ TEST_F(ChangeLaws, KeysThatWaitSayWhy) {
   EXPECT_EQ(waits(kExponential, "layers[1].label"), "the regions of the lattice depend on it");
   EXPECT_EQ(waits(kExponential, "tissue.fat_max"), "the elements of the lattice depend on it");
   EXPECT_EQ(waits("tissue = { law = \"springs\" }\n", "viscosity.ratio"), "the tissue has another law");
-  EXPECT_EQ(waits(kPartial, "viscosity.ratio"), "partial cells do not relax");
-  EXPECT_EQ(waits(kPartial, "permanent_set.share"), "partial cells do not relax");
+  EXPECT_EQ(waits(kPartial, "viscosity.ratio"), "partial cells do not relax (tissue.partial_cells = false)");
+  EXPECT_EQ(waits(kPartial, "permanent_set.share"),
+            "partial cells do not relax (tissue.partial_cells = false)");
   EXPECT_EQ(waits("solver = { method = \"pbd\" }\nskin = { law = \"area\" }\n", "tissue.fat"),
             "projections have no moduli");
 }

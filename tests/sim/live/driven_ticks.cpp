@@ -4,6 +4,7 @@
 
 #include "tests/folders.hpp"
 #include "tests/sim/four_kinds.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/sim/world_state.hpp"
 
 namespace turgor {
@@ -76,7 +77,8 @@ TEST(DrivenTicks, EqualBitsOnAnyThreads) {
 }
 
 /// A block, and a sheet that is held on all sides, each with a ball to its left.
-World world_beside_tools(const std::filesystem::path& folder, const Exec& exec) {
+World world_beside_tools(const std::filesystem::path& folder, const Exec& exec,
+                         const std::vector<std::string>& overrides = {}) {
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   const Result<Scene> scene = parse_scene(R"(
 [world]
@@ -102,18 +104,35 @@ body = "sheet"
 shape = { sphere = 0.014 }
 path = [[0, 0.17, 0.05, 0]]
 )",
-                                          folder / "scene.toml");
+                                          folder / "scene.toml", overrides);
   EXPECT_TRUE(scene) << scene.error().message;
   Result<World> world = load_world(exec, *scene);
   EXPECT_TRUE(world) << world.error().message;
   return std::move(*world);
 }
-/// Largest displacement of either body [m].
+/// Surface of the block in its CT.
+lattice::BodySurface block_surface(const World& world) {
+  const LatticeBody& block = world.lattice_bodies[0];
+  return lattice::build_surface(block.model, block.state->cuts, &block.ct);
+}
+/// Largest displacement of a point of the block's surface [m].
+double farthest_of_surface(const World& world, const lattice::BodySurface& surface) {
+  double farthest = 0;
+  const LatticeBody& block = world.lattice_bodies[0];
+  for (int v = 0; v < int(surface.rest.size()); v++)
+    farthest =
+        std::max(farthest, norm(Vec3d(lattice::vertex_displacement(block.model, *block.state, surface, v))));
+  return farthest;
+}
+/// Largest displacement of either body [m]: of the nodes in the block, and of the cloth. Rim nodes are
+/// outside the block; they are coefficients of the displacement between them and the block.
 double farthest(const World& world) {
   double farthest = 0;
+  const lattice::Model& model = world.lattice_bodies[0].model;
   const lattice::State& block = world.lattice_bodies[0].state;
   for (std::size_t s = 0; s < block.motion.u.x.size(); s++)
-    farthest = std::max(farthest, norm(Vec3d(block.motion.u[s])));
+    if (lattice::is_body(model.anatomy.tissue[s]))
+      farthest = std::max(farthest, norm(Vec3d(block.motion.u[s])));
   const cloth::Model& sheet = world.cloth_bodies[0].model;
   for (std::size_t v = 0; v < sheet.x_rest.size(); v++)
     farthest = std::max(farthest, norm(Vec3d(world.cloth_bodies[0].state->x[v]) - Vec3d(sheet.x_rest[v])));
@@ -136,29 +155,47 @@ TEST(DrivenTicks, TeleportedToolMovesNothing) {
     for (const contact::ToolReading& reading : readings) haptic = std::max(haptic, norm(reading.force));
   }
   EXPECT_EQ(haptic, 0);
-  EXPECT_LT(farthest(world), 1e-3) << "m: displacement by the skin's tension only";
+  EXPECT_LT(std::max(farthest(world), farthest_of_surface(world, block_surface(world))), 1e-3)
+      << "m: displacement by the skin's tension only";
 }
 
-// A body recovers after a tool passes through it at up to 20 m/s.
-TEST(DrivenTicks, FastToolKeepsBodyIntact) {
+/// A body recovers after a tool passes through it at up to 20 m/s. No node of it moves by more than `most`
+/// [m]. The surface of whole cells lies outside the nodes and is thrown further.
+void expect_recovery_from_fast_tool(const std::string& partial_cells, double most) {
   const Exec exec(2);
   for (const double speed : {1.0, 5.0, 20.0}) {  // [m/s]
-    World world = world_beside_tools(test::fresh_folder(), exec);
+    World world =
+        world_beside_tools(test::fresh_folder(), exec, {"body.block.tissue.partial_cells=" + partial_cells});
+    const lattice::BodySurface surface = block_surface(world);
     DrivenTicks driven = begin_driven(world);
     std::vector<contact::ToolReading> readings(2);
-    double worst = 0;
+    double worst = 0, worst_of_surface = 0;
+    int frame = 0;
     for (int tick = 0; tick < 2000; tick++) {
       std::vector<contact::ToolCommand> commands(2);
       const double distance = std::min(speed * kTick * tick, 0.2);
       commands[0].pose.position = {-0.09 + distance, 0, 0};
       commands[1].pose.position = {0.17, 0.05, 0};
       ASSERT_TRUE(tick_driven(exec, world, driven, commands, readings));
-      worst = std::max(worst, farthest(world));
+      if (world.frame == frame) continue;
+      frame = world.frame, worst = std::max(worst, farthest(world));
+      worst_of_surface = std::max(worst_of_surface, farthest_of_surface(world, surface));
     }
-    EXPECT_LT(worst, 0.24) << speed << " m/s: at most the ball's path and size";
-    EXPECT_LT(farthest(world), 4e-3) << speed << " m/s: half a cell, two seconds later";
+    EXPECT_LT(worst, most) << speed << " m/s";
+    std::printf("%g m/s: nodes %.1f mm, surface %.1f mm while it passes\n", speed, 1e3 * worst,
+                1e3 * worst_of_surface);
+    EXPECT_LT(worst_of_surface, 0.29) << speed << " m/s";
+    EXPECT_LT(std::max(farthest(world), farthest_of_surface(world, surface)), 4e-3)
+        << speed << " m/s: half a cell, two seconds later";
   }
 }
+
+// Nodes of whole cells move by the ball's path and size at most.
+TEST(DrivenTicks, FastToolKeepsBodyIntact) { expect_recovery_from_fast_tool("false", 0.24); }
+
+// Partial cells are thrown further, since the sweeps of these frames do not converge (partial-cells.md,
+// Limits).
+TEST(DrivenTicks, FastToolKeepsPartialCellsIntact) { expect_recovery_from_fast_tool("true", 0.29); }
 
 // A copy of a world continues to the same bits, even while a patch is built.
 TEST(DrivenTicks, CopyDuringPatchBuildIsExact) {

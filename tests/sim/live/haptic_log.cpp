@@ -90,12 +90,13 @@ TEST(HapticLog, ReadsUnfinishedLog) {
   }
 }
 
-// A log of the first format is read; its ticks used no solutions of a thread.
+// A log of the first format is read; its ticks used no solutions of a thread, and lattices had whole cells.
 TEST(HapticLog, ReadsFirstFormat) {
   const Result<HapticRecording> log =
       read_haptic_recording(TURGOR_SOURCE_DIR "/tests/fuzz/corpus/haptic_log/two-frames");
   ASSERT_TRUE(log) << log.error().message;
   EXPECT_EQ(log->frames, 2);
+  EXPECT_TRUE(log->has_whole_cells);
   ASSERT_FALSE(log->tools.empty());
   ASSERT_GT(log->tools[0].ticks.size(), 0u);
   for (const HapticTick& tick : log->tools[0].ticks) {

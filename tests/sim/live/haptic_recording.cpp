@@ -186,19 +186,25 @@ TEST(HapticRecording, RejectsDamagedFiles) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(std::get<WindRequest>(read->requests[0].what).velocity->z, 1e-17) << "bit for bit";
   EXPECT_EQ(read->hash, 7u);
+  EXPECT_FALSE(read->has_whole_cells);
 
-  // the dataset names of the previous format
-  ASSERT_EQ(test::write_with_names(
-                file, folder / "old.h5",
-                {{"tick_inputs", "ticks_knew"}, {"frame_inputs", "frames_knew"}, {"requests", "asks"}},
-                "turgor felt run 1"),  // check_words: ok
-            3);
+  // the dataset names of the previous format, which has no default of cells
+  ASSERT_EQ(test::write_with_names(file, folder / "old.h5",
+                                   {{"tick_inputs", "ticks_knew"},
+                                    {"frame_inputs", "frames_knew"},
+                                    {"requests", "asks"},
+                                    {"default_cells", "unknown"}},
+                                   "turgor felt run 1"),  // check_words: ok
+            4);
   const Result<HapticRecording> old = read_haptic_recording(folder / "old.h5");
   ASSERT_TRUE(old) << old.error().message;
   EXPECT_EQ(std::get<WindRequest>(old->requests[0].what).velocity->z, 1e-17);
   EXPECT_EQ(old->tools[0].frames[1].ticks, 2);
   EXPECT_EQ(old->tools[0].ticks.size(), 2u);
   EXPECT_EQ(old->hash, 7u);
+  EXPECT_TRUE(old->has_whole_cells);
+  ASSERT_TRUE(write_haptic_recording(file, *old));
+  EXPECT_TRUE(read_haptic_recording(file)->has_whole_cells) << "written again";
   const auto refused = [&](const HapticRecording& wrong) {
     EXPECT_TRUE(write_haptic_recording(file, wrong));
     const Result<HapticRecording> again = read_haptic_recording(file);

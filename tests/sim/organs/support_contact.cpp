@@ -59,7 +59,7 @@ TEST(SupportContact, StoneOnLattice_WeightArrives) {
   const Exec exec(2);
   for (const bool is_partial : {false, true}) {
     World world = fat_world(
-        exec, (is_partial ? "tissue.partial_cells = true\n" : "") +
+        exec, fmt::format("tissue.partial_cells = {}\n", is_partial) +
                   stone_on_fat("{ box = [0.03, 0.02, 0.04] }", "[0.005, -0.036, 0.003]", 0.05, 0.3));
     EXPECT_EQ(world.coupling.supports[0].cell.empty(), !is_partial);
     advance(exec, world, 30);
@@ -106,18 +106,22 @@ std::string pad_on_fat() {
          "press = { at_fraction = [0.5, 0, 0.5], depth = 0.004, start = 0.2, duration = 0.3, hold = 9 }\n";
 }
 
-// A finger presses a loose pad of finite elements on a lattice: the lattice bears the finger.
+// A finger presses a loose pad of finite elements on a lattice of whole or partial cells: the lattice bears
+// the finger.
 TEST(SupportContact, PadOnLattice_BearsFinger) {
   const Exec exec(2);
-  World world = fat_world(exec, pad_on_fat(), "[0, 0, 0]");
-  advance(exec, world, 150);
-  const Vec3d finger = world.tools[0].samples.back().force, force = force_of(world),
-              load = load_on_fat(world);
-  std::printf("finger %.5f N, on the lattice %.5f N, its load %.5f N\n", finger.y, force.y, load.y);
-  EXPECT_LT(finger.y, -0.03);
-  EXPECT_LT(norm(force + finger), 2e-3 * norm(finger));
-  EXPECT_LT(norm(load - force), 1e-3 * norm(finger));
-  EXPECT_EQ(world.coupling.unsolved, 0);
+  for (const bool is_partial : {false, true}) {
+    World world =
+        fat_world(exec, fmt::format("tissue.partial_cells = {}\n", is_partial) + pad_on_fat(), "[0, 0, 0]");
+    advance(exec, world, 150);
+    const Vec3d finger = world.tools[0].samples.back().force, force = force_of(world),
+                load = load_on_fat(world);
+    std::printf("finger %.5f N, on the lattice %.5f N, its load %.5f N\n", finger.y, force.y, load.y);
+    EXPECT_LT(finger.y, -0.03);
+    EXPECT_LT(norm(force + finger), 2e-3 * norm(finger));
+    EXPECT_LT(norm(load - force), 1e-3 * norm(finger));
+    EXPECT_EQ(world.coupling.unsolved, 0);
+  }
 }
 
 // A block of finite elements hangs from a lattice by an attachment, with its weight.

@@ -191,17 +191,19 @@ TEST(Swept, FreePair_KeepsMomentum) {
   EXPECT_NEAR(after, before, 0.02 * before);
 }
 
-// A free block hangs from a fixed one, and from the ground, by springs.
+// A free block hangs from a fixed one, and from the ground, by springs. Blocks of whole and of partial cells.
 TEST(Swept, HangingBlock_PullsWithWeight) {
   const Exec exec(2);
-  for (const bool on_ground : {false, true}) {
+  for (const auto& [cells, on_ground] :
+       {std::pair{"false", false}, {"false", true}, {"true", false}, {"true", true}}) {
+    const std::string key = std::string("tissue.partial_cells = ") + cells + "\n";
     const std::string spring =
         on_ground ? "between = [\"block\", \"ground\"]\nbox = [[-1, -0.026, -1], [1, -0.02, 1]]\n"
                   : "between = [\"base\", \"block\"]\ndistance = 0.004\n";
     World world = blocks_world(exec, {{"block", -0.056}, {"base", -0.022, true}},
-                               world_text("[0, -9.81, 0]") + lattice_text("block", "none") +
-                                   lattice_text("base", "bone", "gravity = false\n") + "[attachment.glue]\n" +
-                                   spring + "stiffness = 500\npoints = 60\n");
+                               world_text("[0, -9.81, 0]") + lattice_text("block", "none", key) +
+                                   lattice_text("base", "bone", "gravity = false\n" + key) +
+                                   "[attachment.glue]\n" + spring + "stiffness = 500\npoints = 60\n");
     advance(exec, world, 90);
     const double weight = whole_of(world, "block").mass * kGravity;
     EXPECT_NEAR(std::abs(world.coupling.attachments[0].samples.back().force.y), weight, 5e-3 * weight);

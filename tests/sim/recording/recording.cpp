@@ -8,6 +8,7 @@
 #include "tests/sim/recorded_snapshot.hpp"
 #include "tests/sim/renamed_datasets.hpp"
 #include "turgor/io/files/file.hpp"
+#include "turgor/sim/scene/scene_cells.hpp"
 
 namespace turgor {
 namespace {
@@ -214,7 +215,7 @@ TEST(Recording, RefusesDamagedBladePath) {
 }
 
 // A replay has the cells of the recorded body, whatever the default of scenes is. Older recordings have those
-// of their scene.
+// that their scene chooses, or whole ones.
 TEST(Recording, ReplayHasRecordedCells) {
   const fs::path folder = test::fresh_folder();
   const std::string key = "body.block.tissue.partial_cells";
@@ -238,6 +239,29 @@ TEST(Recording, ReplayHasRecordedCells) {
     EXPECT_NE(Recording::open(folder / "old.h5")->scene({})->lattice_bodies[0].params.tissue.partial_cells,
               partial);
   }
+}
+
+// Recordings that do not store their cells have whole ones, as the default was, and are restored bit for bit.
+TEST(Recording, OlderRecordingsHaveWholeCells) {
+  const fs::path folder = test::fresh_folder();
+  Scene scene = test::block_scene(folder);
+  EXPECT_TRUE(scene.lattice_bodies[0].params.tissue.partial_cells);
+  use_whole_cells(scene);
+  World world = test::block_world(Exec(1), scene);
+  for (int frame = 0; frame < 5; frame++) ASSERT_TRUE(step(Exec(1), world));
+  (void)test::record_snapshot(Exec(1), folder / "r.h5", scene, world);
+  ASSERT_EQ(test::write_with_names(folder / "r.h5", folder / "old.h5", {{"partial_cells", "unknown"}},
+                                   "turgor recording 7"),
+            1);
+  const Result<Recording> old = Recording::open(folder / "old.h5");
+  ASSERT_TRUE(old) << old.error().message;
+  const Result<Scene> again = old->scene({});
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(cells_text(again->lattice_bodies[0]), "whole, since its recording has them");
+  World drawn = test::block_world(Exec(1), *again);
+  ASSERT_TRUE(old->check_world(drawn));
+  (void)test::restore_snapshot(Exec(1), folder / "old.h5", drawn);
+  EXPECT_EQ(drawn.lattice_bodies[0].state->motion.u.y, world.lattice_bodies[0].state->motion.u.y);
 }
 
 // A damaged kind of cells is refused by name: a number that means nothing, and partial cells of a stiffening

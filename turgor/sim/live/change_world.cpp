@@ -12,6 +12,7 @@
 #include "turgor/models/lattice/mechanics/solid_laws.hpp"
 #include "turgor/sim/bodies/cloth/upload_cloth.hpp"
 #include "turgor/sim/bodies/lattice/upload_lattice.hpp"
+#include "turgor/sim/scene/scene_cells.hpp"
 
 namespace turgor {
 
@@ -254,7 +255,8 @@ const char* why_not_of_law(const Scene& scene, const SceneKey& key) {
   if (key.key.starts_with("layers.") && key.path.find("layers[") == key.path.npos)
     return "the body has no layers";
   if (is_of_other_law(lattice->params.tissue, key.key, key.path)) return "the tissue has another law";
-  if (lattice->params.tissue.partial_cells && needs_whole_cells(key.key)) return "partial cells do not relax";
+  if (lattice->params.tissue.partial_cells && needs_whole_cells(key.key))
+    return "partial cells do not relax (tissue.partial_cells = false)";
   if (lattice->device == Device::kGpu && needs_whole_cells(key.key)) return "tissue on a GPU does not relax";
   return why_fixed_laws(*lattice);
 }
@@ -289,7 +291,9 @@ Result<Scene> with_change(const Scene& scene, const std::string& key,
   const std::string prefix = key + "=";
   std::erase_if(overrides, [&prefix](const std::string& one) { return one.starts_with(prefix); });
   if (value) overrides.push_back(prefix + *value);
-  return parse_scene(scene.text, scene.file, overrides);
+  Result<Scene> changed = parse_scene(scene.text, scene.file, overrides);
+  if (changed && scene.has_whole_cells) use_whole_cells(*changed);
+  return changed;
 }
 
 void change_world(const Exec& exec, const Scene& before, const Scene& scene, World& world) {

@@ -65,6 +65,7 @@ Json header_of(const HapticRecording& run, const std::vector<int>& ticked) {
           {"text", run.text},
           {"overrides", run.overrides},
           {"mouse", run.has_mouse_tools},
+          {"whole_cells", run.has_whole_cells},
           {"tools", names},
           {"ticked", ticked}};
 }
@@ -89,6 +90,7 @@ std::optional<LogContent> take_header(std::string_view& bytes) {
     run.text = json.at("text").get<std::string>();
     run.overrides = json.at("overrides").get<std::vector<std::string>>();
     run.has_mouse_tools = json.at("mouse").get<bool>(), run.has_hash = false;
+    run.has_whole_cells = json.value("whole_cells", true);  // older logs lack it
     for (const Json& name : json.at("tools"))
       run.tools.push_back({.name = name.get<std::string>(), .ticks = {}, .frames = {}});
     for (const Json& index : json.at("ticked")) content.ticked.push_back(index.get<std::size_t>());

@@ -12,6 +12,7 @@
 #include "turgor/sim/live/mouse_tools.hpp"
 #include "turgor/sim/recording/recording_arrays.hpp"
 #include "turgor/sim/report/json_numbers.hpp"
+#include "turgor/sim/scene/scene_cells.hpp"
 #include "turgor/sim/tools/touch_log.hpp"
 
 namespace turgor {
@@ -24,6 +25,8 @@ constexpr const char *kHapticFormat = "turgor haptic recording 2",
                      *kOldFormat = "turgor felt run 1";  // renamed_datasets.hpp; check_words: ok
 constexpr std::size_t kMostTools = 1000, kMostFrames = std::size_t(1) << 24, kMostLines = 1000;
 constexpr std::size_t kRowsAtOnce = 8192;
+constexpr const char *kDefaultCells = "/scene/default_cells",  // older recordings lack it: kWhole
+    *kPartial = "partial", *kWhole = "whole";
 constexpr const char* kTickUnits = "s, s, m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1";
 
 Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
@@ -227,6 +230,15 @@ Result<HapticRecording> read_content(const Hdf5File& file) {
   }
   run.file = file_text, run.folder = folder_text;
 
+  // default of cells
+  run.has_whole_cells = !file.has(kDefaultCells);
+  if (!run.has_whole_cells) {
+    const Result<std::string> cells = file.read_text(kDefaultCells);
+    if (!cells || (*cells != kPartial && *cells != kWhole))
+      return Error{fmt::format("{}: expected \"{}\" or \"{}\"", kDefaultCells, kPartial, kWhole)};
+    run.has_whole_cells = *cells == kWhole;
+  }
+
   // overrides
   const Json lines = Json::parse(overrides, nullptr, false);
   if (!lines.is_array() || lines.size() > kMostLines) return Error{"/scene/overrides is damaged"};
@@ -280,7 +292,7 @@ void set_scene(const Scene& scene, bool has_mouse_tools, HapticRecording& run) {
   std::error_code ignored;
   run.file = fs::absolute(scene.file, ignored), run.folder = fs::current_path(ignored);
   run.text = scene.text, run.overrides = scene.overrides;
-  run.has_mouse_tools = has_mouse_tools;
+  run.has_mouse_tools = has_mouse_tools, run.has_whole_cells = scene.has_whole_cells;
 }
 
 Result<Scene> scene_of(const HapticRecording& run) {
@@ -288,6 +300,7 @@ Result<Scene> scene_of(const HapticRecording& run) {
   if (!scene) return scene;
   TURGOR_CHECK(scene->frame_rate > 0, "a scene has a frame rate");
   scene->duration = run.frames / scene->frame_rate;
+  if (run.has_whole_cells) use_whole_cells(*scene);
   return run.has_mouse_tools ? with_mouse_tools(*scene) : *scene;
 }
 
@@ -304,6 +317,7 @@ Status write_into(Unfinished& partial, const HapticRecording& run) {
                       .text("scene/folder", run.folder.string())
                       .text("scene/text", run.text)
                       .text("scene/overrides", Json(run.overrides).dump())
+                      .text("scene/default_cells", run.has_whole_cells ? kWhole : kPartial)
                       .text("requests", requests_text(run.requests))
                       .array<std::int32_t>("counts", {run.frames, std::int32_t(run.tools.size()),
                                                       std::int32_t(run.has_mouse_tools)})

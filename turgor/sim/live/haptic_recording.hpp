@@ -38,6 +38,7 @@ struct HapticRecording {
   std::string text;                    // text of the scene's file
   std::vector<std::string> overrides;
   bool has_mouse_tools = false;  // true if mouse_tools.hpp added tools to the scene
+  bool has_whole_cells = false;  // where the scene does not choose: its file does not store the default
   int frames = 0;
   std::vector<HapticTool> tools;
   std::vector<RecordedRequest> requests;

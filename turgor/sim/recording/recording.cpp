@@ -12,6 +12,7 @@
 #include "turgor/sim/recording/recording_lattice.hpp"
 #include "turgor/sim/recording/recording_suture.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
+#include "turgor/sim/scene/scene_cells.hpp"
 
 namespace turgor {
 
@@ -49,18 +50,21 @@ Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
 }
 
 /// Gives lattices the kind of cells that was recorded, so that a replay does not depend on the default of
-/// scenes. Recordings without it have the cells of their scene.
+/// scenes. In recordings without it, cells are whole unless the scene chooses.
 Status restore_cells(const Hdf5File& file, Scene& scene) {
   for (LatticeScene& lattice : scene.lattice_bodies) {
     Reading reading(file, fmt::format("/bodies/{}/", lattice.name));
-    if (!file.has(reading.group() + "partial_cells")) continue;
+    if (!file.has(reading.group() + "partial_cells")) {
+      use_whole_cells(lattice);
+      continue;
+    }
     const auto stored = reading.array<std::int32_t>("partial_cells", 1);
     if (reading.status() && stored[0] != 0 && stored[0] != 1)
       reading.fail("partial_cells", fmt::format("expected 0 or 1, found {}", stored[0]));
     else if (reading.status() && stored[0] == 1 && lattice::has_cell_laws(lattice.params.tissue))
       reading.fail("partial_cells", "expected 0, since the laws of the body need whole cells");
     if (!reading.status()) return reading.status();
-    lattice.params.tissue.partial_cells = stored[0] != 0;
+    set_recorded_cells(lattice, stored[0] != 0);
   }
   return Done{};
 }

@@ -6,6 +6,7 @@
 #include "turgor/core/plain_text.hpp"
 #include "turgor/models/lattice/solver/viscosity.hpp"
 #include "turgor/sim/report/section.hpp"
+#include "turgor/sim/scene/scene_cells.hpp"
 
 namespace turgor {
 
@@ -60,6 +61,8 @@ const Quantity<LatticeInput> kLattice[] = {
      [](const LatticeInput& l) -> Json { return l.body.model.anatomy.free_nodes; }},
     {"skin_triangles", kCount, "skin triangles",
      [](const LatticeInput& l) -> Json { return l.body.model.anatomy.skin.triangles.size(); }, kEverywhere},
+    {"surface_cells", kNone, "cells at the surface",
+     [](const LatticeInput& l) -> Json { return cells_text(l.scene); }, kEverywhere},
     {"method", kNone, "solver",
      [](const LatticeInput& l) -> Json {
        return l.scene.params.solver.method == lattice::Method::kPbd ? "pbd" : "vbd";

@@ -10,6 +10,7 @@
 #include "turgor/sim/scene/organ_bodies.hpp"
 #include "turgor/sim/scene/scene_alternatives.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
+#include "turgor/sim/scene/scene_cells.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
 #include "turgor/sim/scene/scene_excision.hpp"
 #include "turgor/sim/scene/scene_incision.hpp"
@@ -166,6 +167,7 @@ void read_organs(SceneTable& root, Scene& scene) {
   for (const std::string& name : contacts.names())
     scene.body_contacts.push_back(read_body_contact(contacts.named(name), name, scene));
   contacts.finish();
+  use_whole_cells_in_contacts(scene);
 }
 
 /// Refuses scenes whose output would exhaust memory or disk.

@@ -56,6 +56,8 @@ struct LatticeScene {
   double stiffness_scale = 1;    // of all moduli of the tissue [1]
   Device device = Device::kCpu;  // from the scene
   lattice::Params params;
+  bool chooses_cells = false;      // the scene has tissue.partial_cells
+  std::string whole_cells_reason;  // of whole cells that the scene does not choose
   std::vector<NeedleLayerScene> inside;
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report
 };
@@ -116,6 +118,7 @@ struct Scene {
   std::filesystem::path file;
   std::string text;                        // of the file
   std::vector<std::string> overrides;      // key=value
+  bool has_whole_cells = false;            // by default, as when its recording was made
   std::vector<std::string> notes;          // for the user: old names that the text or an override has
   std::vector<SceneParameter> parameters;  // with defaults
   Vec3d gravity;                           // patient frame [m/s²]

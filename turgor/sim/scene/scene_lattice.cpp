@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "turgor/sim/scene/scene_body.hpp"
+#include "turgor/sim/scene/scene_cells.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
@@ -136,8 +137,9 @@ void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissuePar
       "or more");
   tissue.read(
       "partial_cells", params.partial_cells,
-      "solid only: cells that the body fills in part bear in proportion, and skin bears where the CT shows "
-      "it (docs/models/partial-cells.md)");
+      {"solid only: cells that the body fills in part bear in proportion, and skin bears where the CT shows "
+       "it (docs/models/partial-cells.md)",
+       "true where the laws support it"});
   tissue.read(
       "volume", params.volume, within(0, 100),
       "springs and vbd only: bulk stiffness of an added volume energy, in multiples of Young's modulus");
@@ -317,33 +319,6 @@ void read_solver(SceneTable& body, lattice::SolverParams& solver) {
   table.finish();
 }
 
-void check_solid(SceneTable& body, const lattice::Params& params) {
-  if (params.tissue.law != TissueLaw::kSolid) return;
-  if (params.solver.method == Method::kPbd)
-    body.fail("tissue",
-              "solver.method = \"pbd\" projects springs only (a projection has no modulus in Pa); "
-              "set tissue.law = \"springs\" or solver.method = \"vbd\"");
-  if (params.solver.sweeps < 2)
-    body.fail("solver",
-              "solid tissue runs half of its sweeps forward and half backward: expected at least 2 sweeps");
-}
-
-/// Refuses parameters that the GPU backend does not support.
-void check_gpu(SceneTable& body, const lattice::Params& params) {
-  const lattice::SolverParams& solver = params.solver;
-  if (lattice::has_cell_laws(params.tissue))
-    body.fail(params.tissue.layers.empty() ? "tissue" : "layers",
-              "world.device = \"gpu\" steps cells of law = \"solid\" without layers, viscosity and permanent "
-              "set only; set "
-              "that law, or "
-              "world.device = \"cpu\"");
-  if (solver.ordering != Ordering::kColors)
-    body.fail(
-        "solver",
-        "world.device = \"gpu\" needs solver.ordering = \"colors\"; remove ordering, or set world.device "
-        "= \"cpu\"");
-}
-
 }  // namespace
 
 LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device device) {
@@ -393,6 +368,7 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
                                        : "permanent_set",
         "tissue that relaxes or sets creeps in its sleep: set solver.sleep_speed = 0, or remove the key");
   check_solid(body, scene.params);
+  choose_cells(body, scene);
   if (device == Device::kGpu) check_gpu(body, scene.params);
   body.finish();
   return scene;
