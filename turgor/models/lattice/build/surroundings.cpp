@@ -237,6 +237,7 @@ Surroundings find_surroundings(const Exec& exec, const Grid& ct, const DenseCell
   // mask of the foreign components, and of those that are dense, unlike pads
   found.mask.assign(count, 0);
   found.row_mask.assign(std::size_t(size.y) * std::size_t(size.z), 0);
+  if (std::find(is_foreign.begin(), is_foreign.end(), 1) == is_foreign.end()) return found;
   std::vector<std::size_t> dense_cells(components.sizes.size());
   const auto first = [&](const CellRun& run) {
     return (std::size_t(run.k) * std::size_t(size.y) + std::size_t(run.j)) * std::size_t(size.x);
@@ -286,16 +287,23 @@ bool BodyVoxels::is_dense(Int3 voxel) const {
 
 bool BodyVoxels::is_opened(Int3 voxel) const {
   if (!is_dense(voxel)) return false;
+  // no cell lies between the corners of a square, since squares are not longer than cells
+  const auto is_dense_square = [&](Int3 low, Int3 high) {
+    for (int j = low.y; j <= high.y; j++) {
+      const std::int16_t* hu = ct_.row(j, low.z);
+      for (int i = low.x; i <= high.x; i++)
+        if (hu[i] < fat_) return false;
+    }
+    return is_dense(low) && is_dense(high) && is_dense({low.x, high.y, low.z}) &&
+           is_dense({high.x, low.y, low.z});
+  };
   // a square of dense voxels that contains the voxel; it ends with the scan
   const Int3 last = ct_.whole.size - Int3{1, 1, 1};
   for (int b = 0; b < square_.y; b++)
     for (int a = 0; a < square_.x; a++) {
       const Int3 low = max(voxel - Int3{a, b, 0}, Int3{0, 0, 0}),
                  high = min(voxel + square_ - Int3{a + 1, b + 1, 1}, last);
-      bool all = true;
-      for (int j = low.y; all && j <= high.y; j++)
-        for (int i = low.x; all && i <= high.x; i++) all = is_dense({i, j, voxel.z});
-      if (all) return true;
+      if (is_dense_square(low, high)) return true;
     }
   return false;
 }
