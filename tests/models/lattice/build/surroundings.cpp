@@ -167,6 +167,10 @@ TEST(Surroundings, WoundIsMeasuredWhereDrawn) {
   const auto drawn = lips_of(build_surface(model, state.cuts, &ct, Extent::kAll, Exec(2)));
   EXPECT_GT(drawn.size(), 10u);
   EXPECT_EQ(lips_of(build_surface(model, state.cuts, &ct, Extent::kCuts)), drawn);
+  // without the mask the lips lie on the cover
+  Model without = model;
+  without.anatomy.surroundings = {};
+  EXPECT_NE(lips_of(build_surface(without, state.cuts, &ct, Extent::kCuts)), drawn);
 }
 
 // Next to surroundings, tissue keeps its values, and thin covers become air.
