@@ -36,6 +36,25 @@ std::vector<Vec<T>> rotated_to_up(std::vector<Vec<T>> positions, UpAxis up) {
   return positions;
 }
 
+// A mesh in centimeters is asked about, whatever its model, unless the scene states a scale.
+TEST(BodyFiles, UnitIsAskedAboutInEveryModel) {
+  const fs::path folder = fresh_folder();
+  TriMesh liver = phantom_liver(0.3);
+  for (Vec3& x : liver.vertices) x *= 100;
+  ASSERT_TRUE(write_obj(folder / "liver.obj", liver));
+  const std::string body = "[body.b]\nmodel = \"{}\"\n{} = \"liver.obj\"\n";
+  for (const auto& [model, key] :
+       {std::pair{"sfem", "surface"}, {"rhombus", "surface"}, {"rigid", "surface"}, {"cloth", "mesh"}}) {
+    const Result<World> world = load(folder, fmt::format(fmt::runtime(body), model, key));
+    ASSERT_FALSE(world) << model;
+    EXPECT_NE(world.error().message.find("is it in cm? scale = 0.01"), std::string::npos)
+        << model << ": " << world.error().message;
+  }
+  const Result<World> cloth =
+      load(folder, fmt::format(fmt::runtime(body), "cloth", "mesh") + "scale = 0.01\n");
+  EXPECT_TRUE(cloth) << cloth.error().message;
+}
+
 struct Up {
   UpAxis axis;
   std::string name;

@@ -23,7 +23,8 @@ namespace turgor {
 /// A triangle surface from a file.
 struct GarmentFile {
   std::filesystem::path file;
-  double scale = 1;        // meters per unit of the file
+  double scale = 1;  // meters per unit of the file
+  bool is_scale_given = false;
   UpAxis up = UpAxis::kZ;  // the file's axis that points up
   Vec3d shift;             // after scaling and turning [m]
 };

@@ -16,6 +16,7 @@ GarmentFile read_garment(SceneTable& table) {
   GarmentFile garment;
   table.read_path("mesh", garment.file, {"or a surface: OBJ, STL, PLY, VTP, VTK", "none"});
   table.read("scale", garment.scale, inside(0, 1e6, "m"), "meters per unit of the file of `mesh`");
+  garment.is_scale_given = table.has("scale");
   read_up(table, "up", garment.up);
   table.read("shift", garment.shift, kPosition, "after scaling and turning");
   return garment;
