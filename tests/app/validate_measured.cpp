@@ -26,11 +26,14 @@ TEST(ValidateMeasuredCommand, MissesArePrinted) {
     of_brain += name.starts_with("brain, ");
     of_febio += name.starts_with("FEBio ");
     if (name.starts_with("FEBio ")) {
-      EXPECT_NEAR(found / measured, 1, 1e-4) << row;
+      // the same law; another volume term at small strains, and at a stretch of 2
+      const std::string problem = name.substr(6, 4);
+      const bool same = problem == "ma01" || problem == "mi09" || problem == "mi27";
+      EXPECT_NEAR(found / measured, 1, same ? 1e-4 : problem.starts_with("ma") ? 2e-3 : 0.014) << row;
     }
   }
   EXPECT_EQ(of_brain, 12u) << "three tests of two regions, two figures each";
-  EXPECT_EQ(of_febio, 3u);
+  EXPECT_EQ(of_febio, 8u);
   EXPECT_EQ(ended.code, missed > 0 ? 3 : 0) << ended.printed;
   EXPECT_EQ(report["missed"].size(), missed);
   for (const char* curve : {"brain-cortex-shear.svg", "muscle-along-exponential.svg",
