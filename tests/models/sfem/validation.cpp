@@ -48,16 +48,18 @@ double deflection(const Body& body, Formulation formulation, Vec3d total,
   return work / norm(total);
 }
 
-// A cube on rollers under tension follows Hooke's law.
-TEST(SfemValidation, CubeOnRollersFollowsHooke) {
-  constexpr double kYoung = 2e4, kPoisson = 0.4, kStress = 100;
-  for (const auto [corners, formulation] : kCases) {
-    SolidMesh mesh = hex_block({0.1, 0.1, 0.1}, {3, 3, 3});
+/// Displacement of a cube of 0.1 m with a distorted interior, under a stress on its top. A component of a
+/// vertex at x may be held [m].
+struct StressedCube {
+  SolidMesh mesh;
+  std::vector<double> u;
+
+  StressedCube(Case of, const Material& material, double stress, bool (*is_held)(Vec3d x, int axis))
+      : mesh(hex_block({0.1, 0.1, 0.1}, {3, 3, 3})) {
     distort(mesh, {0.1, 0.1, 0.1}, 0.006);
-    mesh = with_corners(mesh, corners);
-    const Material material{kYoung, kPoisson};
+    mesh = with_corners(mesh, of.corners);
     const BlockMatrix k = assemble(Exec(1), mesh, std::span(&material, 1),
-                                   std::vector<int>(element_count(mesh), 0), formulation);
+                                   std::vector<int>(element_count(mesh), 0), of.formulation);
     const auto n = Eigen::Index(mesh.vertices.size());
     Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     for (Eigen::Index r = 0; r < n; r++)
@@ -65,18 +67,48 @@ TEST(SfemValidation, CubeOnRollersFollowsHooke) {
         for (int i = 0; i < 9; i++)
           full(3 * r + i / 3, 3 * k.column[b] + i % 3) = k.value[9 * b + std::size_t(i)];
     const std::vector<Vec3d> force =
-        traction(mesh, surface(mesh), {0, 0, kStress * 0.01}, [](Vec3d x) { return x.z > 0.1 - 1e-9; });
+        traction(mesh, surface(mesh), {0, 0, stress * 0.01}, [](Vec3d x) { return x.z > 0.1 - 1e-9; });
     Eigen::VectorXd f(3 * n);
     std::vector<Eigen::Index> free;
     for (Eigen::Index i = 0; i < 3 * n; i++) {
       f[i] = force[std::size_t(i / 3)][int(i % 3)];
-      if (mesh.vertices[std::size_t(i / 3)][int(i % 3)] > 1e-9) free.push_back(i);  // others are on rollers
+      if (!is_held(mesh.vertices[std::size_t(i / 3)], int(i % 3))) free.push_back(i);
     }
-    const Eigen::VectorXd u = full(free, free).llt().solve(f(free));
-    for (std::size_t i = 0; i < free.size(); i++) {
-      const int axis = int(free[i] % 3);
-      const double strain = axis == 2 ? kStress / kYoung : -kPoisson * kStress / kYoung;
-      EXPECT_NEAR(u[Eigen::Index(i)], strain * mesh.vertices[std::size_t(free[i] / 3)][axis], 1e-13);
+    const Eigen::VectorXd solved = full(free, free).llt().solve(f(free));
+    u.assign(std::size_t(3 * n), 0);
+    for (std::size_t i = 0; i < free.size(); i++) u[std::size_t(free[i])] = solved[Eigen::Index(i)];
+  }
+};
+
+// A cube on rollers under tension follows Hooke's law.
+TEST(SfemValidation, CubeOnRollersFollowsHooke) {
+  constexpr double kYoung = 2e4, kPoisson = 0.4, kStress = 100;
+  for (const Case& of : kCases) {
+    const StressedCube cube(of, {kYoung, kPoisson}, kStress,
+                            [](Vec3d x, int axis) { return x[axis] <= 1e-9; });
+    for (std::size_t i = 0; i < cube.u.size(); i++) {
+      const double strain = i % 3 == 2 ? kStress / kYoung : -kPoisson * kStress / kYoung;
+      EXPECT_NEAR(cube.u[i], strain * cube.mesh.vertices[i / 3][int(i % 3)], 1e-13);
+    }
+  }
+}
+
+// A cube that cannot widen is as stiff as its constrained modulus E (1 − ν)/((1 + ν)(1 − 2 ν)) up to ν =
+// 0.499: its volume changes as it should.
+TEST(SfemValidation, ConfinedCubeKeepsItsVolume) {
+  constexpr double kYoung = 2e4, kStress = -100;
+  for (const double poisson : {0.3, 0.49, 0.499}) {
+    const double modulus = kYoung * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson));
+    for (const Case& of : kCases) {
+      const StressedCube cube(of, {kYoung, poisson}, kStress, [](Vec3d x, int axis) {
+        return x[axis] <= 1e-9 || (axis != 2 && x[axis] >= 0.1 - 1e-9);
+      });
+      for (std::size_t i = 0; i < cube.u.size(); i++) {
+        const double strain = i % 3 == 2 ? kStress / modulus : 0;
+        EXPECT_NEAR(cube.u[i], strain * cube.mesh.vertices[i / 3][int(i % 3)],
+                    1e-5 * 0.1 * -kStress / modulus)
+            << of.corners << ", " << poisson;
+      }
     }
   }
 }
