@@ -1,4 +1,4 @@
-// The dent of scenes/creep.toml: it comes back in part.
+// The dent of scenes/creep.toml: it returns in part.
 #include <algorithm>
 #include <cstdio>
 
