@@ -18,10 +18,11 @@ struct Retracted {
 };
 Retracted retract(const std::string& device) {
   const Exec exec(2);
-  const Scene scene = read_scene(TURGOR_SOURCE_DIR "/scenes/retract.toml",
-                                 {"world.device=" + device, "body.torso.block=4",
-                                  "body.torso.solver.ordering=colors", "world.duration=1.1"})
-                          .value();
+  const Scene scene =
+      read_scene(TURGOR_SOURCE_DIR "/scenes/retract.toml",
+                 {"world.device=" + device, "body.torso.block=4", "body.torso.solver.ordering=colors",
+                  "world.duration=1.1", "body.torso.tissue.partial_cells=false"})
+          .value();
   Retracted run{.world = load_world(exec, scene).value(), .measures = {}, .downloaded = {}};
   run.measures = make_measures(run.world);
   for (int n = 0; n < frame_count(scene); n++) {
@@ -72,10 +73,11 @@ TEST(PretendedGpuScenes, RetractionMatchesHost) {
 /// Positions after ten frames of gravity, whose body becomes `factor` times as stiff after five.
 lattice::VecField stiffened(const std::string& device, double factor) {
   const Exec exec(2);
-  const Scene scene = read_scene(TURGOR_SOURCE_DIR "/scenes/retract.toml",
-                                 {"world.device=" + device, "body.torso.block=6",
-                                  "body.torso.solver.ordering=colors", "body.torso.gravity=true"})
-                          .value();
+  const Scene scene =
+      read_scene(TURGOR_SOURCE_DIR "/scenes/retract.toml",
+                 {"world.device=" + device, "body.torso.block=6", "body.torso.solver.ordering=colors",
+                  "body.torso.gravity=true", "body.torso.tissue.partial_cells=true"})
+          .value();
   World world = load_world(exec, scene).value();
   for (int n = 0; n < 10; n++) {
     if (n == 5) {

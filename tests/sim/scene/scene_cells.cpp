@@ -48,6 +48,16 @@ TEST(SceneCells, UnsupportedBodyHasWholeCellsWithReason) {
   }
 }
 
+// A tool touches whole cells on a GPU, and partial ones on the CPU.
+TEST(SceneCells, ToolOnGpuNeedsWholeCells) {
+  const std::string tool =
+      "[tool.hook]\nbody = \"b\"\nshape = { sphere = 0.01 }\npress = { at_fraction = [0.5, 0, 0.5], depth = "
+      "0.002 }\n";
+  EXPECT_EQ(cells_text(scene_of_cells(tool)), "partial");
+  EXPECT_EQ(cells_text(scene_of_cells(tool, "[world]\ndevice = \"gpu\"\n")),
+            "whole, since tool.hook touches it on a GPU");
+}
+
 // Lattices that touch chains or lattices have whole cells. Those that touch the ground or a rigid body have
 // partial ones.
 TEST(SceneCells, ContactOfSoftBodiesNeedsWholeCells) {
