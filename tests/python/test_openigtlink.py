@@ -1,10 +1,12 @@
 """The OpenIGTLink server with programs that connect over the loopback interface. Received bytes are decoded by the protocol's
 document, not by the module under test."""
 import pathlib
+import shutil
 import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -18,6 +20,7 @@ from turgor.live import LiveWorld, axes_of, quaternion_of
 
 HEADER = struct.Struct(">H12s20sIIQQ")  # version, type, name, time, fraction, size, CRC [OpenIGTLink protocol 2]
 RAS = np.array([-1, -1, 1])
+HEADERS = pathlib.Path("/usr/include/openigtlink")  # of Debian's libopenigtlink-dev
 
 
 def crc64(data):
@@ -127,6 +130,24 @@ class OpenIGTLink(unittest.TestCase):
         poses = np.repeat([[[*goal, np.cos(0.2), 0, 0, np.sin(0.2)]]], 100, axis=0)
         poses[:60, 0, 2] = np.linspace(0.05, goal[2], 60)
         np.testing.assert_allclose(bridge.live.wrench[0, 2], alone.tick(poses)[-1, 0, 2], rtol=0.02)
+
+    # A program of the OpenIGTLink library reads the same surface and tool, and leads the tool.
+    @unittest.skipUnless(HEADERS.is_dir() and shutil.which("c++"), "libopenigtlink-dev or a compiler is not installed")
+    def test_program_of_library_leads_tool(self):
+        client = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "client"
+        subprocess.run(["c++", "-std=c++20", f"-I{HEADERS}", pathlib.Path(__file__).with_name("igtl_client.cpp"), "-lOpenIGTLink", "-lpthread",
+                        "-o", client], check=True)
+        bridge = self.bridge(PAD, tracked="Stylus")
+        pad = bridge.live.world["pad"]
+        self.started(bridge)
+        goal = [-30.0, -30.0, 45.0]  # [mm, RAS], above the pad
+        done = subprocess.run([client, str(bridge.port), "pad", "finger", "Stylus", *map(str, goal)], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        surface, tool = (line.split() for line in done.stdout.splitlines())
+        self.assertEqual(surface[:3], ["surface", str(len(pad.points)), str(len(pad.triangles))])
+        ends = 1e3 * RAS * pad.points[[0, -1]]
+        np.testing.assert_allclose(np.array(surface[3:], dtype=float).reshape(2, 3), ends, atol=1e-2)
+        np.testing.assert_allclose(np.array(tool[1:], dtype=float), goal, atol=1e-2)
 
     # The deformed CT arrives as IMAGE with the samples and the geometry of the volume.
     def test_deformed_ct_arrives(self):
