@@ -42,16 +42,21 @@ TEST(BodyFiles, UnitIsAskedAboutInEveryModel) {
   TriMesh liver = phantom_liver(0.3);
   for (Vec3& x : liver.vertices) x *= 100;
   ASSERT_TRUE(write_obj(folder / "liver.obj", liver));
-  const std::string body = "[body.b]\nmodel = \"{}\"\n{} = \"liver.obj\"\n";
-  for (const auto& [model, key] :
-       {std::pair{"sfem", "surface"}, {"rhombus", "surface"}, {"rigid", "surface"}, {"cloth", "mesh"}}) {
-    const Result<World> world = load(folder, fmt::format(fmt::runtime(body), model, key));
+  const auto scene = [](const std::string& model, const std::string& file) {
+    return "[body.b]\nmodel = \"" + model + "\"\n" + file + "\n";
+  };
+  const std::pair<const char*, const char*> bodies[] = {
+      {"sfem", "surface = \"liver.obj\""},
+      {"rhombus", "surface = \"liver.obj\""},
+      {"rigid", "shape = { mesh = \"liver.obj\" }\nmass = 1"},
+      {"cloth", "mesh = \"liver.obj\""}};
+  for (const auto& [model, file] : bodies) {
+    const Result<World> world = load(folder, scene(model, file));
     ASSERT_FALSE(world) << model;
     EXPECT_NE(world.error().message.find("is it in cm? scale = 0.01"), std::string::npos)
         << model << ": " << world.error().message;
   }
-  const Result<World> cloth =
-      load(folder, fmt::format(fmt::runtime(body), "cloth", "mesh") + "scale = 0.01\n");
+  const Result<World> cloth = load(folder, scene("cloth", "mesh = \"liver.obj\"\nscale = 0.01"));
   EXPECT_TRUE(cloth) << cloth.error().message;
 }
 
