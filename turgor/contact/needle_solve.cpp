@@ -253,8 +253,6 @@ double engage(const NeedleTick& tick, double inserted) {
     }
     // the displacement D λ is that of another length now
     const double before = own_energy(tick, i);
-    // tissue that comes off the shaft takes its share of the force with it
-    if (engaged < point.engaged) track.force[i] *= engaged / point.engaged;
     const bool is_new = std::exchange(point.engaged, engaged) == 0;
     if (tick.bends() && is_new) released += misfit_work(tick, i, engaged);
     if (engaged > 0) released += before - own_energy(tick, i);

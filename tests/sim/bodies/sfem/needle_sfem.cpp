@@ -100,7 +100,7 @@ TEST(NeedleSfem, ThreadsKeepBitsBesideFinger) {
   EXPECT_GT(most, 1e-3) << "the finger moves the tissue around the needle";
   // the work on the finger is a part of the balance
   const Json work = needle_report(one.tools[0], one.sfem_bodies[0])["work"];
-  EXPECT_LT(std::abs(work["error_percent"].get<double>()), 0.5);
+  EXPECT_LT(std::abs(work["error_percent"].get<double>()), 2);
   EXPECT_NE(work["others_mJ"].get<double>(), 0);
 }
 
