@@ -7,107 +7,20 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/models/lattice/block_body.hpp"
+#include "tests/contact/needle_push.hpp"
 #include "turgor/core/hash.hpp"
-#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::contact {
 namespace {
 
-constexpr double kFrame = 1.0 / 60;
-
-/// Block of tissue that is fixed at its bottom, or at its sides, under a needle.
-struct NeedleBlock {
-  Int3 size{17, 17, 13};
-  double spacing = 0.004, young = 4e3, poisson = 0.45;
-  bool are_sides_fixed = false;
-  int sweeps = 10, threads = 1;
-  lattice::Model model = {};
-  lattice::State state = {};
-  lattice::BodySurface surface = {};
-
-  void build() {
-    lattice::Params params;
-    params.skin.enabled = false;
-    params.tissue.law = lattice::TissueLaw::kSolid, params.tissue.poisson = poisson;
-    params.solver = {.sweeps = sweeps, .damping = 8};
-    const auto is_fixed = [this](Int3 n) {
-      if (!are_sides_fixed) return n.z == 0;
-      return n.x == 0 || n.y == 0 || n.x == size.x - 1 || n.y == size.y - 1;
-    };
-    model = lattice::block_model({.size = size, .spacing = spacing, .young = young, .is_fixed = is_fixed},
-                                 params);
-    state = lattice::make_state(model);
-    surface = lattice::build_surface(model, state.cuts);
-  }
-  double top() const {
-    float z = 0;
-    for (const Vec3 x : surface.rest) z = std::max(z, x.z);
-    return double(z);
-  }
-};
-
-/// Axes whose z axis is tilted from the vertical toward a direction around it [rad].
-Mat3d axes_at(double tilt, double around) {
-  const Vec3d z{std::sin(tilt) * std::cos(around), std::sin(tilt) * std::sin(around), std::cos(tilt)};
-  const Vec3d x = normalized(cross(Vec3d{0.3, 1, 0}, z));
-  return {{x, cross(z, x), z}};
-}
-
-/// A needle that moves along its axis.
-struct NeedlePush {
-  NeedleBlock& block;
-  Needle needle;
-  Vec3d entry = {};  // where its axis meets the surface
-  Pose pose = {};
-  LatticeNeedle state = make_lattice_needle();
-
-  NeedlePush(NeedleBlock& of, const Needle& made, double tilt = 0, double around = 0)
-      : block(of), needle(made) {
-    block.build();
-    const double width = (block.size.x - 1) * block.spacing;
-    entry = {0.52 * width, 0.47 * width, block.top()};
-    pose.axes = axes_at(tilt, around);
-    pose.position = entry + pose.axes.column[2] * 0.002;
-    hold(1);
-  }
-  double depth() const { return -dot(pose.position - entry, pose.axes.column[2]); }
-  double force() const { return dot(state.force, pose.axes.column[2]); }
-  void hold(int steps) {
-    for (int i = 0; i < steps; i++)
-      EXPECT_TRUE(step_with_needle(Exec(block.threads), block.model, block.state, block.surface, needle, pose,
-                                   {}, kFrame, state)
-                      .finite);
-  }
-  /// Moves the tip to a depth by about `step` a frame; visit() after every frame.
-  template <class Visit>
-  void move_to(double to, double step, const Visit& visit) {
-    const int frames = std::max(1, int(std::lround(std::abs(to - depth()) / step)));
-    const double each = (to - depth()) / frames;
-    for (int i = 0; i < frames; i++) {
-      pose.position -= pose.axes.column[2] * each;
-      hold(1);
-      visit();
-    }
-  }
-  void move_to(double to, double step = 2.5e-4) {
-    move_to(to, step, [] {});
-  }
-  double energy_error() const {
-    const NeedleWork& w = state.work;
-    return (w.cutting + w.friction + w.spreading + w.elastic) / w.hand - 1;
-  }
-};
-
-/// A block that resists, and a needle that punctures it within a few millimeters.
-NeedleBlock firm_block(double spacing = 0.004, Int3 size = {15, 15, 11}) {
-  return {.size = size, .spacing = spacing, .young = 1e4};
-}
+using test_needles::firm_block;
+using test_needles::NeedlePush;
+using LatticeBlock = test_needles::LatticeNeedleBlock;
 
 // The surface holds the tip until its force is the surface's toughness times the needle's width; then the
 // force drops, and friction rises with depth.
 TEST(LatticeNeedle, PunctureIsAPeakThenADrop) {
-  NeedleBlock block = firm_block();
+  LatticeBlock block = firm_block();
   const Needle needle{.toughness = 90, .entry_toughness = 210, .spreading = 0};
   NeedlePush push(block, needle, 0.2, 0.5);
   double peak = 0, after = 1;
@@ -130,7 +43,7 @@ TEST(LatticeNeedle, DoubleInsertionRecoversToughness) {
   };
   for (const Case c :
        {Case{0.004, 100, 0.001, 0.3, -0.8, {15, 15, 11}}, {0.006, 55, 0.0016, 0.45, 1.9, {12, 12, 9}}}) {
-    NeedleBlock block = firm_block(c.spacing, c.size);
+    LatticeBlock block = firm_block(c.spacing, c.size);
     const Needle needle{
         .diameter = c.diameter, .toughness = c.toughness, .entry_toughness = 1.5 * c.toughness};
     NeedlePush push(block, needle, c.tilt, c.around);
@@ -154,7 +67,7 @@ TEST(LatticeNeedle, DoubleInsertionRecoversToughness) {
 // In an old track without spreading, slip is all that resists: the force is f times the length in the tissue,
 // both ways. Beyond the end of the track the needle tears again.
 TEST(LatticeNeedle, FrictionIsProportionalToLength) {
-  NeedleBlock block = firm_block();
+  LatticeBlock block = firm_block();
   const Needle needle{.toughness = 60, .entry_toughness = 90, .friction = 2.3, .spreading = 0};
   NeedlePush push(block, needle, 0.25, 2.2);
   push.move_to(0.02, 5e-4);
@@ -169,25 +82,28 @@ TEST(LatticeNeedle, FrictionIsProportionalToLength) {
   EXPECT_NEAR(push.state.tip_force, 0.06, 1e-9);
 }
 
-// A needle that the hand holds still keeps its force and its depth: friction sticks.
+// A needle that the hand holds still keeps its force and its depth: friction sticks. At the bound on a
+// frame's drift, the force changes by less than 1e-5 in a minute; `turgor validate surgery` holds it that
+// long.
 TEST(LatticeNeedle, HeldNeedleDoesNotCreep) {
-  NeedleBlock block = firm_block();
+  LatticeBlock block = firm_block();
   NeedlePush push(block, {.toughness = 60, .entry_toughness = 90}, 0.2, 0.3);
   push.move_to(0.02);
   push.move_to(0.0192);  // some points stick, some slip
   push.hold(80);
   const Vec3d first = push.state.force;
   const double inserted = push.state.inserted;
+  constexpr double kMinute = 60 * 60;  // frames
   push.hold(200);
-  EXPECT_LT(norm(push.state.force - first), 1e-4 * norm(first));
-  EXPECT_NEAR(push.state.inserted, inserted, 1e-7);
+  EXPECT_LT(norm(push.state.force - first), 1e-5 * 200 / kMinute * norm(first));
+  EXPECT_NEAR(push.state.inserted, inserted, 1e-9);
   EXPECT_TRUE(push.state.settled);
 }
 
 // Far from its ends, a needle through a long block whose sides are held is a wire in antiplane shear: 2π G/
 // ln(1.0787 b/a) per length, between a square of half width b and a wire of radius a.
 TEST(LatticeNeedle, PulledShaftHasStiffnessOfWire) {
-  NeedleBlock block{
+  LatticeBlock block{
       .size = {9, 9, 21}, .spacing = 0.006, .young = 1e4, .are_sides_fixed = true, .sweeps = 20};
   NeedlePush push(block, {.length = 0.15,
                           .diameter = 0.0009,
@@ -214,7 +130,7 @@ TEST(LatticeNeedle, PulledShaftHasStiffnessOfWire) {
 TEST(LatticeNeedle, ThreadsKeepBits) {
   std::array<std::uint64_t, 3> hash{};
   for (std::size_t n = 0; n < 3; n++) {
-    NeedleBlock block = firm_block(0.006, {11, 11, 8});
+    LatticeBlock block = firm_block(0.006, {11, 11, 8});
     block.threads = n == 0 ? 1 : n == 1 ? 2 : 8;
     NeedlePush push(block, {.toughness = 60, .entry_toughness = 90}, 0.3, 0.3);
     push.move_to(0.012, 5e-4);
@@ -230,7 +146,7 @@ TEST(LatticeNeedle, ThreadsKeepBits) {
 // A haptic tick at the frame's pose has the frame's force. Pushed further, the force stays at that which
 // cuts. Pulled back, it falls to friction against the hand. The ticks return no energy.
 TEST(LatticeNeedle, TicksStayBetweenFrictionAndCutting) {
-  NeedleBlock block = firm_block();
+  LatticeBlock block = firm_block();
   const Needle needle{.toughness = 60, .entry_toughness = 90, .friction = 3, .spreading = 0};
   NeedlePush push(block, needle, 0.1, 0.3);
   push.move_to(0.02);
@@ -263,7 +179,7 @@ TEST(LatticeNeedle, TicksStayBetweenFrictionAndCutting) {
 // times the width and drops to that of the tissue in the tick that punctures. Withdrawn below that force, the
 // tip stays on the surface.
 TEST(LatticeNeedle, PunctureIsFeltWithinFrame) {
-  NeedleBlock block = firm_block();
+  LatticeBlock block = firm_block();
   const Needle needle{.toughness = 70, .entry_toughness = 190, .spreading = 0};
   NeedlePush push(block, needle, 0.15, 1.1);
   for (int frame = 0; frame < 40 && push.force() < 0.1; frame++) push.move_to(push.depth() + 2.5e-4);

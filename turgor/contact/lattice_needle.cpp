@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "turgor/contact/lattice_needle_step.hpp"
 #include "turgor/contact/tool.hpp"
@@ -94,9 +95,18 @@ void advance_in_track(const NeedleSurroundings& around, const Needle& needle, do
                stored = spreading_energy(needle, shaft_of(state));
   const double ahead = dot(axis.tip - track.points[0].x, axis.t);
   double growth = 0;
+  // an end that stopped the crack closes up to the tip; torn, it springs back
+  const double stopped_at = std::exchange(track.gap, 0);
+  if (stopped_at > 0) state.work.cutting -= 0.5 * (force_before + state.tip_force) * stopped_at;
+  if (track.is_through) state.work.cutting += 0.5 * force_before * std::max(0.0, ahead);
   if (tearing > 0 && track.points[0].is_coupled && ahead > 0 && state.tip_force >= tearing * (1 - 1e-9)) {
-    state.work.cutting += 0.5 * (std::max(force_before, state.tip_force) + state.tip_force) * ahead;
-    cut_to_tip(around, needle, growth = ahead, state);
+    if (track.is_at_exit) {
+      track.is_at_exit = false, track.is_through = true;
+    } else {
+      state.work.cutting += 0.5 * (std::max(force_before, state.tip_force) + state.tip_force) * ahead;
+      growth = ahead * cut_to_tip(around, needle, ahead, state);
+      track.gap = ahead - growth;
+    }
   }
   // points on the shaft
   state.inserted =
@@ -206,10 +216,11 @@ void finish_needle_step(const NeedleSurroundings& around, const Needle& needle, 
 
 lattice::StepReport step_with_needle(const Exec& exec, const lattice::Model& model, lattice::State& state,
                                      const lattice::BodySurface& surface, const Needle& needle,
-                                     const Pose& to, lattice::Inputs inputs, double dt, LatticeNeedle& of) {
+                                     const Pose& to, lattice::Inputs inputs, double dt, LatticeNeedle& of,
+                                     const std::function<NeedleTissue(Vec3d rest)>& tissue_at) {
   TURGOR_ASSERT(inputs.springs == nullptr, "a step with a needle has no other springs");
   const std::shared_ptr<const lattice::Fragments> fragments = lattice::fragments_of(model, state.cuts);
-  const NeedleSurroundings around{model, state, surface, *fragments, [](Vec3d) { return NeedleTissue{}; }};
+  const NeedleSurroundings around{model, state, surface, *fragments, tissue_at};
   const LatticeNeedle before = of;
   begin_needle_step(around, needle, to, of);
   lattice::PointSprings springs;

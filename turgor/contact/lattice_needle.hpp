@@ -58,6 +58,8 @@ struct LatticeNeedleTrack {
   double length = 0;                       // [m]
   lattice::EmbeddedPoint entry_at;
   Vec3d entry;              // at rest, lattice frame [m]
+  bool is_at_exit = false;  // its end is the far surface, which is not torn yet
+  double gap = 0;           // of the tip beyond an end that stopped the crack, after the last step [m]
   bool is_through = false;  // it left the body: the tip meets nothing
   long order = 0;           // counts tracks
 };
@@ -81,6 +83,9 @@ struct LatticeNeedle {
   std::size_t cuts = 0;  // cut version of the embedded points
   bool settled = false;  // nothing changed in the last step
 };
+
+/// Tissue with the needle's own values everywhere.
+inline NeedleTissue of_needle(Vec3d) { return {}; }
 
 /// Body around a needle during a step.
 struct NeedleSurroundings {
@@ -109,10 +114,11 @@ std::size_t update_needle_springs(const lattice::Model& model, const lattice::Mo
 /// After the step: puncture, slip, growth of the crack, forces on the needle, and work.
 void finish_needle_step(const NeedleSurroundings& around, const Needle& needle, LatticeNeedle& state);
 
-/// Complete lattice step with one needle in a body of one tissue. `inputs` must not contain springs.
+/// Complete lattice step with one needle. `inputs` must not contain springs.
 lattice::StepReport step_with_needle(const Exec& exec, const lattice::Model& model, lattice::State& state,
                                      const lattice::BodySurface& surface, const Needle& needle,
-                                     const Pose& to, lattice::Inputs inputs, double dt, LatticeNeedle& of);
+                                     const Pose& to, lattice::Inputs inputs, double dt, LatticeNeedle& of,
+                                     const std::function<NeedleTissue(Vec3d rest)>& tissue_at = of_needle);
 
 /// Depth of the tip below the entry at rest, along the needle; 0 outside [m].
 double needle_depth(const lattice::Model& model, const LatticeNeedle& state);

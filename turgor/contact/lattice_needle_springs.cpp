@@ -94,6 +94,7 @@ double tearing_inside(const Needle& needle, const LatticeNeedle& state) {
 
 double tearing_force(const Needle& needle, const LatticeNeedle& state) {
   if (track_of(state).is_through) return 0;
+  if (track_of(state).is_at_exit) return tearing_force(needle, needle.exit_toughness);
   const double inside = tearing_inside(needle, state);
   if (state.phase != NeedlePhase::kTouching || std::isinf(inside)) return inside;
   return tearing_force(needle, needle.entry_toughness);

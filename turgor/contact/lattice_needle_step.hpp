@@ -22,8 +22,9 @@ Vec3d position_of(const lattice::Motion& motion, const lattice::EmbeddedPoint& a
 /// Looks for the surface between two tips, patient frame: an old track, or a new one of length 0.
 void find_entry(const NeedleSurroundings& around, const Needle& needle, Vec3d from, Vec3d to,
                 LatticeNeedle& state);
-/// Moves the end of the crack to the tip, which is `ahead` of it along t, and adds points behind it.
-void cut_to_tip(const NeedleSurroundings& around, const Needle& needle, double ahead, LatticeNeedle& state);
+/// Moves the end of the crack to the tip, which is `ahead` of it along t, and adds points behind it. Returns
+/// the share of `ahead` that it cuts: it stops at the far surface and where the tissue is tougher.
+double cut_to_tip(const NeedleSurroundings& around, const Needle& needle, double ahead, LatticeNeedle& state);
 /// Embeds all points again after a cut; tracks whose tissue was removed end.
 void embed_tracks(const NeedleSurroundings& around, LatticeNeedle& state);
 

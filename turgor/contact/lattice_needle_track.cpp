@@ -74,14 +74,35 @@ int old_track_at(const NeedleSurroundings& around, const Needle& needle, const L
   return best;
 }
 
-/// The last position on a line that is in tissue, by bisection; `inside` is.
-Vec3d last_in_tissue(const NeedleSurroundings& around, Vec3d inside, Vec3d outside) {
+/// Part of the way of a crack from its end to a position at rest that nothing stops: the far surface and
+/// tougher tissue do.
+struct FreeWay {
+  double share = 1;
+  bool leaves = false;  // the body stops it
+};
+FreeWay free_way(const NeedleSurroundings& around, const Needle& needle, const LatticeNeedlePoint& end,
+                 Vec3d to) {
   constexpr int kHalvings = 12;
-  for (int i = 0; i < kHalvings; i++) {
-    const Vec3d middle = (inside + outside) / 2;
-    (embed(around, middle) ? inside : outside) = middle;
+  const auto toughness = [&](const NeedleTissue& of) {
+    return of.toughness >= 0 ? of.toughness : needle.toughness;
+  };
+  bool leaves = false;
+  const auto is_free = [&](double share) {
+    const Vec3d rest = end.rest + (to - end.rest) * share;
+    leaves = !embed(around, rest);
+    return !leaves && toughness(around.tissue_at(rest)) <= toughness(end.tissue);
+  };
+  // first position that is not free
+  const int samples = std::max(1, int(std::ceil(norm(to - end.rest) / (needle.spacing / 4))));
+  for (int i = 1; i <= samples; i++) {
+    if (is_free(double(i) / samples)) continue;
+    double low = double(i - 1) / samples, high = double(i) / samples;
+    for (int k = 0; k < kHalvings; k++) (is_free((low + high) / 2) ? low : high) = (low + high) / 2;
+    // tougher tissue itself holds the tip; of the surface, the last position inside
+    (void)is_free(high);
+    return {leaves ? low : high, leaves};
   }
-  return inside;
+  return {};
 }
 
 /// Appends points at the middle of every cell of the track that its new part contains.
@@ -133,7 +154,8 @@ void find_entry(const NeedleSurroundings& around, const Needle& needle, Vec3d fr
                      .order = ++state.tracks_made};
 }
 
-void cut_to_tip(const NeedleSurroundings& around, const Needle& needle, double ahead, LatticeNeedle& state) {
+double cut_to_tip(const NeedleSurroundings& around, const Needle& needle, double ahead,
+                  LatticeNeedle& state) {
   LatticeNeedleTrack& track = track_of(state);
   const LatticeNeedlePoint before = track.points[0];
   const NeedleAxis axis = axis_in_lattice(around.model, state.pose);
@@ -147,20 +169,19 @@ void cut_to_tip(const NeedleSurroundings& around, const Needle& needle, double a
     const Vec3d step = axis.tip - Vec3d(displacement(*at, around.state.motion)) - before.rest;
     rest = before.rest + step * std::min(1.0, most / std::max(norm(step), 1e-12));
   }
-  if (at) at = embed(around, rest);
-  // through the body
-  if (!at) {
-    track.is_through = true;
-    rest = last_in_tissue(around, before.rest, rest);
-    at = embed(around, rest);
-  }
+  // the far surface and tougher tissue stop it
+  const FreeWay free = free_way(around, needle, before, rest);
+  rest = before.rest + (rest - before.rest) * free.share;
+  at = embed(around, rest);
+  track.is_at_exit = free.leaves;
   // the new end keeps the force of the tip
   track.length += norm(rest - before.rest);
   LatticeNeedlePoint end = make_point(around, at.value_or(before.at), rest, track.length);
-  if (!track.is_through) end.force = before.force;
+  end.force = before.force;
   end.spread = before.spread, end.load = before.load, end.is_coupled = before.is_coupled;
   track.points[0] = end;
   if (track.length > before.arc) add_points(around, needle, before, track);
+  return free.share;
 }
 
 void embed_tracks(const NeedleSurroundings& around, LatticeNeedle& state) {

@@ -18,6 +18,7 @@ struct Needle {
   double tip_angle = 20;         // full angle of the cone [degrees]
   double toughness = 164;        // J: work to tear a unit area inside of the tissue [J/m²]
   double entry_toughness = 328;  // the same of the surface or capsule that is punctured first [J/m²]
+  double exit_toughness = 328;   // the same of the surface through which it leaves the body [J/m²]
   double friction = 1.4;         // along the shaft, per length [N/m]
   double spreading = 6e4;        // pressure of the tissue on the tip, which spreads the crack [Pa]
   double spacing = 0.001;        // of the points that couple shaft and tissue [m]

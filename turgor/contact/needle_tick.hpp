@@ -53,8 +53,11 @@ inline Mat3d own_block(const NeedleTrack& track, std::size_t i) {
 Vec3d position(const NeedleState& state, std::size_t point);
 /// A track of length 0 whose end is this point; replaces the oldest one if all are in use. Returns its index.
 int begin_track(const NeedleTick& tick, const sfem::InnerPoint& at, Vec3d rest);
-/// Moves the end of the crack to the tip, which is `ahead` of it along t, and adds points behind it.
-void cut_to_tip(const NeedleTick& tick, double ahead);
+/// Moves the end of the crack to the tip, which is `ahead` of it along t, and adds points behind it. Returns
+/// the share of `ahead` that it cuts: it stops at the far surface and where the tissue is tougher.
+double cut_to_tip(const NeedleTick& tick, double ahead);
+/// Toughness at a point: of its element, or the needle's own [J/m²].
+double toughness_at(const NeedleTick& tick, const sfem::InnerPoint& at);
 /// Length of the track behind the tip, from the present positions; negative: the tip is in front of the entry
 /// [m].
 double inserted_length(const NeedleTick& tick);

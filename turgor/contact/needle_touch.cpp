@@ -66,11 +66,12 @@ void touch_surface(const NeedleTick& tick) {
   if (state.tip_force <= 0) leave(state);
 }
 
-/// Toughness at the end of the crack: of its element, or the needle's own [J/m²].
-double toughness_at_end(const NeedleTick& tick) {
-  const auto e = std::size_t(tick.track().points[0].at.element);
-  const double own = tick.inner.toughness.empty() ? -1 : tick.inner.toughness[e];
-  return own >= 0 ? own : tick.needle.toughness;
+/// Force F at which the crack grows [N].
+double tearing_at_end(const NeedleTick& tick) {
+  const NeedleTrack& track = tick.track();
+  if (track.is_through) return 0;
+  return tearing_force(
+      tick.needle, track.is_at_exit ? tick.needle.exit_toughness : toughness_at(tick, track.points[0].at));
 }
 
 /// Material at the tip: that of the track's nearest point.
@@ -81,11 +82,37 @@ int material_at_tip(const NeedleTick& tick) {
   return tick.inner.material[std::size_t(point.at.element)];
 }
 
+/// Forces once more, after the end of the crack has changed in this tick.
+void solve_again(const NeedleTick& tick) {
+  const double tearing = tearing_at_end(tick);
+  find_positions(tick);
+  solve_shaft(tick, tearing);
+  tick.state.work.friction += tick.stiffness * follow_slip(tick);
+  tick.state.tip_force = tick.track().is_through ? 0 : tip_force(tick, tearing);
+}
+
+/// The tip, which is `apart` beyond the end of the crack, meets what stopped it there.
+void meet_tougher(const NeedleTick& tick, double apart) {
+  const double before = tick.state.tip_force;
+  solve_again(tick);
+  tick.state.work.cutting -= 0.5 * (before + tick.state.tip_force) * apart;
+}
+
+/// The tip tears the far surface, which springs back along the shaft.
+void tear_exit(const NeedleTick& tick) {
+  NeedleTrack& track = tick.track();
+  const Vec3d before = track.before[0];
+  track.is_at_exit = false, track.is_through = true, track.force[0] = {};
+  solve_again(tick);
+  const Vec3d apart = tick.tip() - position(tick.state, 0);
+  tick.state.work.cutting += 0.5 * tick.stiffness * dot(before, apart);
+}
+
 /// The tip in its track: forces, slip along the shaft, and the crack's growth.
 void advance_inside(const NeedleTick& tick) {
   NeedleState& state = tick.state;
   NeedleTrack& track = tick.track();
-  const double tearing = track.is_through ? 0 : tearing_force(tick.needle, toughness_at_end(tick));
+  const double tearing = tearing_at_end(tick);
   solve_shaft(tick, tearing);
   state.work.friction += tick.stiffness * follow_slip(tick);
   // growth of the crack; after a puncture the force drops, and the spread crack takes its energy from it
@@ -94,8 +121,13 @@ void advance_inside(const NeedleTick& tick) {
   state.tip_force = track.is_through ? 0 : tip_force(tick, tearing);
   const double ahead = -dot(position(state, 0) - tick.pose.position, tick.t());
   if (!track.is_through && ahead > 0 && state.tip_force >= tearing * (1 - 1e-9)) {
-    state.work.cutting += 0.5 * (std::max(before, state.tip_force) + state.tip_force) * ahead;
-    cut_to_tip(tick, growth = ahead);
+    if (track.is_at_exit) {
+      tear_exit(tick);
+    } else {
+      state.work.cutting += 0.5 * (std::max(before, state.tip_force) + state.tip_force) * ahead;
+      growth = ahead * cut_to_tip(tick, ahead);
+      if (growth < ahead) meet_tougher(tick, ahead - growth);
+    }
   }
   // points on the shaft
   state.inserted = inserted_length(tick);

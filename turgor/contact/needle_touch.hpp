@@ -19,8 +19,9 @@
 //
 // [Mahvash, Dupont 2010; Barnett 2015; Peaceman 1978]
 //
-// Before it enters, the tip is the end of a track of length 0 that tears at the surface's own toughness. In
-// an old track nothing tears. Work of the hand = cutting + friction + spreading + elastic energy.
+// Before it enters, the tip is the end of a track of length 0 that tears at the surface's own toughness. The
+// far surface has one, too. A crack stops where tissue is tougher. In an old track nothing tears. Work of the
+// hand = cutting + friction + spreading + elastic energy.
 #pragma once
 
 #include <cstdint>
@@ -60,6 +61,7 @@ struct NeedleTrack {
   aligned_vector<float> compliance;  // C, column-major with compliance_stride numbers a column [m/N]
   double length = 0;                 // of the crack [m]
   Vec3d entry;                       // at rest [m]
+  bool is_at_exit = false;           // its end is the far surface, which is not torn yet
   bool is_through = false;           // it left the body: the tip meets nothing
   long order = 0;                    // counts tracks
   Vec3d offset;                      // of the end from the tip that cut it, by a bevel [m]

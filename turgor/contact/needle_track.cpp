@@ -58,6 +58,42 @@ void add_point(const NeedleTick& tick) {
   fill_compliance_of(tick, n);
 }
 
+/// Part of the way of a crack from its end to a position at rest that nothing stops. The far surface and
+/// tougher tissue do; where Green's functions end, the track is through.
+double free_share(const NeedleTick& tick, const NeedlePoint& end, Vec3d to) {
+  constexpr double kOutside = 1e-3;  // of an element
+  constexpr int kHalvings = 20;
+  NeedleTrack& track = tick.track();
+  const double toughness = toughness_at(tick, end.at);
+  bool leaves = false;
+  int element = end.at.element;  // of the last free position
+  const auto is_free = [&](double share) {
+    double outside = 0;
+    const sfem::InnerPoint at =
+        sfem::inner_point(tick.inner, end.rest + (to - end.rest) * share, end.at.element, outside);
+    leaves = outside > kOutside;
+    const bool is = !leaves && toughness_at(tick, at) <= toughness;
+    if (is) element = at.element;
+    return is;
+  };
+  // first position that is not free
+  const int samples = std::max(1, int(std::ceil(norm(to - end.rest) / (tick.needle.spacing / 4))));
+  for (int i = 1; i <= samples; i++) {
+    if (is_free(double(i) / samples)) continue;
+    if (leaves && tick.inner.closed[std::size_t(element)] == 0) {
+      track.is_through = tick.state.beyond = true, track.force[0] = {};
+      return 1;
+    }
+    double low = double(i - 1) / samples, high = double(i) / samples;
+    for (int k = 0; k < kHalvings; k++) (is_free((low + high) / 2) ? low : high) = (low + high) / 2;
+    // tougher tissue itself holds the tip; of the surface, the last position inside
+    (void)is_free(high);
+    track.is_at_exit = leaves;
+    return leaves ? low : high;
+  }
+  return 1;
+}
+
 }  // namespace
 
 Vec3d position(const NeedleState& state, std::size_t point) {
@@ -73,13 +109,18 @@ int begin_track(const NeedleTick& tick, const sfem::InnerPoint& at, Vec3d rest) 
       1,
       NeedlePoint{.at = at, .rest = rest, .along = tick.t(), .unresolved = unresolved_compliance(tick, at)});
   track.force[0] = {};
-  track.length = 0, track.entry = rest, track.is_through = false, track.order = ++state.tracks_made,
-  track.offset = {};
+  track.length = 0, track.entry = rest, track.is_at_exit = track.is_through = false,
+  track.order = ++state.tracks_made, track.offset = {};
   fill_compliance_of(tick, 0);
   return state.track;
 }
 
-void cut_to_tip(const NeedleTick& tick, double ahead) {
+double toughness_at(const NeedleTick& tick, const sfem::InnerPoint& at) {
+  const double own = tick.inner.toughness.empty() ? -1 : tick.inner.toughness[std::size_t(at.element)];
+  return own >= 0 ? own : tick.needle.toughness;
+}
+
+double cut_to_tip(const NeedleTick& tick, double ahead) {
   NeedleTrack& track = tick.track();
   NeedlePoint& end = track.points[0];
   // new material point at the tip, X = p − u(X), by a few fixed-point steps from X + ahead
@@ -98,12 +139,10 @@ void cut_to_tip(const NeedleTick& tick, double ahead) {
     const Vec3d step = next - before.rest;
     rest = norm(step) > most ? before.rest + step * (most / norm(step)) : next;
   }
+  // the far surface and tougher tissue stop it
+  const double share = free_share(tick, before, rest);
+  rest = before.rest + (rest - before.rest) * share;
   const sfem::InnerPoint at = sfem::inner_point(tick.inner, rest, before.at.element, outside);
-  constexpr double kThrough = 1e-3;
-  if (outside > kThrough) {
-    track.is_through = true, track.force[0] = {};
-    tick.state.beyond = tick.state.beyond || tick.inner.closed[std::size_t(before.at.element)] == 0;
-  }
   // energy of moving the tip's force from the old end to the new one: ½ F (C_nn − C_no − C_on + C_oo) F
   const sfem::ComplianceBlock nn = sfem::compliance_between(tick.inner, at, at),
                               no = sfem::compliance_between(tick.inner, at, before.at),
@@ -120,9 +159,12 @@ void cut_to_tip(const NeedleTick& tick, double ahead) {
   track.length += norm(rest - before.rest);
   end.at = at, end.rest = rest, end.arc = track.length, end.unresolved = unresolved_compliance(tick, at);
   fill_compliance_of(tick, 0);
-  for (std::size_t axis = 0; axis < 3; axis++) tick.state.x[axis] = goal[int(axis)];
+  const Vec3d x = position(tick.state, 0);
+  for (int axis = 0; axis < 3; axis++)
+    tick.state.x[std::size_t(axis)] = x[axis] + share * (goal[axis] - x[axis]);
   const auto cells = std::size_t(std::floor(track.length / tick.needle.spacing + 0.5));
   while (track.points.size() - 1 < cells && track.points.size() < track.force.size()) add_point(tick);
+  return share;
 }
 
 double inserted_length(const NeedleTick& tick) {

@@ -150,8 +150,8 @@ void transfer(File& file, contact::LatticeTouch& touch) {
 
 template <class File>
 void transfer(File& file, contact::LatticeNeedleTrack& track) {
-  auto& [points, length, entry_at, entry, is_through, order] = track;
-  transfer_all(file, points, length, entry_at, entry, is_through, order);
+  auto& [points, length, entry_at, entry, is_at_exit, gap, is_through, order] = track;
+  transfer_all(file, points, length, entry_at, entry, is_at_exit, gap, is_through, order);
 }
 template <class File>
 void transfer(File& file, contact::LatticeNeedle& needle) {
@@ -289,8 +289,8 @@ void transfer(File& file, contact::FreeMotionInterpolation& free) {
 
 template <class File>
 void transfer(File& file, contact::NeedleTrack& track) {
-  auto& [points, force, before, compliance, length, entry, is_through, order, offset] = track;
-  transfer_all(file, points, force, before, compliance, length, entry, is_through, order, offset);
+  auto& [points, force, before, compliance, length, entry, is_at_exit, is_through, order, offset] = track;
+  transfer_all(file, points, force, before, compliance, length, entry, is_at_exit, is_through, order, offset);
 }
 template <class File>
 void transfer(File& file, contact::NeedleState& state) {

@@ -57,6 +57,7 @@ const Quantity<N> kNeedle[] = {
     {"toughness", kToughness, "", [](const N& n) -> Json { return n.tool.tool.needle->toughness; }},
     {"entry_toughness", kToughness, "",
      [](const N& n) -> Json { return n.tool.tool.needle->entry_toughness; }},
+    {"exit_toughness", kToughness, "", [](const N& n) -> Json { return n.tool.tool.needle->exit_toughness; }},
     {"shaft_friction", kTension, "", [](const N& n) -> Json { return n.tool.tool.needle->friction; }},
     {"spreading", kPascals, "", [](const N& n) -> Json { return n.tool.tool.needle->spreading; }},
     {"punctures", kCount, "", [](const N& n) -> Json { return n.tool.punctures; }},

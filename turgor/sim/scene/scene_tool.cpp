@@ -77,6 +77,10 @@ NeedleTool read_needle(SceneTable& shape) {
              "of a needle: work to tear the tissue, per area");
   shape.read("entry_toughness", needle.entry_toughness, within(0, 1e5, "J/m²"),
              "of a needle: the same of the surface or capsule that it punctures");
+  needle.exit_toughness = needle.entry_toughness;
+  shape.read(
+      "exit_toughness", needle.exit_toughness, within(0, 1e5, "J/m²"),
+      {"of a needle: the same of the far surface, through which it leaves the body", "`entry_toughness`"});
   shape.read("shaft_friction", needle.friction, within(0, 1e4, "N/m"),
              "of a needle: friction force per length of the shaft in the tissue");
   shape.read("spreading", needle.spreading, within(0, 1e8, "Pa"),
