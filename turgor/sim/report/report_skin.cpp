@@ -55,14 +55,20 @@ std::optional<SkinStretch> largest_skin_stretch(const BodySnapshot& body) {
   return SkinStretch{body.name, most.mean, Vec3d(body.x[most.vertex]), Vec3d(body.rest[most.vertex])};
 }
 
+std::optional<SkinStretch> largest_skin_stretch(const Exec& exec, const World& world, int lattice_body) {
+  const LatticeBody& body = world.lattice_bodies[std::size_t(lattice_body)];
+  BodySnapshot snapshot;
+  show_name({BodyKind::kLattice, lattice_body}, body, snapshot);
+  show(exec, body, snapshot);
+  return largest_skin_stretch(snapshot);
+}
+
 Json skin_report(const Exec& exec, const World& world) {
   Json rows = Json::array();
-  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++) {
-    if (!has_closed_wound(world, int(b))) continue;
-    BodySnapshot body;
-    show_name({BodyKind::kLattice, int(b)}, world.lattice_bodies[b], body);
-    show(exec, world.lattice_bodies[b], body);
-    if (const auto stretch = largest_skin_stretch(body)) rows.push_back(values_of(kSkinStretch, *stretch));
+  for (int b = 0; b < int(world.lattice_bodies.size()); b++) {
+    if (!has_closed_wound(world, b)) continue;
+    if (const auto stretch = largest_skin_stretch(exec, world, b))
+      rows.push_back(values_of(kSkinStretch, *stretch));
   }
   return rows;
 }

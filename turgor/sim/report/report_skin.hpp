@@ -24,6 +24,9 @@ struct SkinStretch {
 /// Empty for bodies without skin.
 std::optional<SkinStretch> largest_skin_stretch(const BodySnapshot& body);
 
+/// The same of a lattice body now.
+std::optional<SkinStretch> largest_skin_stretch(const Exec& exec, const World& world, int lattice_body);
+
 /// A row for every lattice body with an excision or a suture.
 Json skin_report(const Exec& exec, const World& world);
 
