@@ -2,7 +2,7 @@
 // the drawn surface. The cut is the same in every body, so twice the body should cost the same for the cut
 // itself. TURGOR_BENCH_CT = a CT file replaces the phantoms. The processor times of all threads (cpu_ms)
 // depend less on other work of the machine: frames while the blade moves, the twenty frames after it, in
-// which nearly all rows are awake, and pictures. bench_suture_frames steps the stitched wound of suture.toml.
+// which nearly all rows are awake, and pictures.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -139,34 +139,6 @@ void bench_cut_frames(benchmark::State& state) {
 BENCHMARK(bench_cut_frames)
     ->ArgsProduct({{512}, {150, 300}, {1, 2}})
     ->ArgNames({"width", "length", "threads"})
-    ->Iterations(1)
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
-
-/// Frames of suture.toml from the first pull on.
-void bench_suture_frames(benchmark::State& state) {
-  const Exec exec(int(state.range(0)));
-  const Scene scene = read_scene(std::filesystem::path(TURGOR_SCENE_FOLDER) / "suture.toml").value();
-  for (auto _ : state) {
-    World world = load_world(exec, scene).value();
-    while (time_of(world) < scene.sutures[0].pull.start) benchmark::DoNotOptimize(step(exec, world).value());
-    std::vector<double> steps, cpus;
-    while (time_of(world) < scene.duration) {
-      const double begin = processor_seconds();
-      const Timer timer;
-      benchmark::DoNotOptimize(step(exec, world).value().seconds);
-      steps.push_back(timer.seconds()), cpus.push_back(processor_seconds() - begin);
-    }
-    state.SetIterationTime(mean_milliseconds(steps, steps.size()) * 1e-3);
-    state.counters["nodes"] = world.lattice_bodies[0].model.anatomy.body_nodes;
-    state.counters["frame_ms"] = milliseconds(steps, 0.5);
-    state.counters["frame_cpu_ms"] = milliseconds(cpus, 0.5);
-    state.counters["frame_most_ms"] = milliseconds(steps, 1);
-  }
-}
-BENCHMARK(bench_suture_frames)
-    ->Arg(2)
-    ->ArgName("threads")
     ->Iterations(1)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);
