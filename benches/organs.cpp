@@ -1,5 +1,5 @@
 // Frames of organs that hold on to each other and touch, with all ticks of their tools: liver, gall bladder
-// and stomach of scenes/abdomen.toml while the gall bladder is lifted, on two threads. `of_clock` is the
+// and stomach of scenes/abdomen.toml while the liver is lifted, on two threads. `of_clock` is the
 // processor time of a frame over its length; `heaviest_ms` and `slowest_ms` are the most processor and wall
 // time of a frame.
 #include <algorithm>
