@@ -1,4 +1,4 @@
-"""Snippets of docs/python.md and docs/out-to-other-programs.md, as printed."""
+"""Commands and snippets of docs/out-to-other-programs.md, as printed. test_document_blocks.py runs other pages."""
 import contextlib
 import importlib
 import io
@@ -11,8 +11,6 @@ import tempfile
 import unittest
 import unittest.mock
 
-import numpy
-import turgor
 from scenes import PROGRAM
 from test_ros2 import LOOPBACK
 
@@ -27,19 +25,6 @@ def blocks_of(page):
 
 
 class Documents(unittest.TestCase):
-    def test_hand_presses_liver(self):
-        hand = next(block for block in blocks_of("docs/python.md") if "world.tick(poses" in block)
-        before = os.getcwd()
-        os.chdir(ROOT)
-        try:
-            names = {"numpy": numpy, "world": turgor.World("scenes/palpation.toml")}
-            exec(hand, names)  # pylint: disable=exec-used
-        finally:
-            os.chdir(before)
-        force = numpy.linalg.norm(names["wrench"][:, 0, :3], axis=1)
-        self.assertLess(force[0], 0.01)
-        self.assertGreater(force.max(), 0.1)
-
     # Every command of the page runs; a short duration, a free port and a coarse liver are added.
     def test_commands_of_live_programs_run(self):
         commands = re.findall(r"^    python -m (turgor\.(?:openigtlink|ros2)) (.*)$", (ROOT / PAGE).read_text(encoding="utf-8"), re.M)
