@@ -90,6 +90,26 @@ TEST(Report, PageBeginsWithVerdictAndEndsWithTime) {
   EXPECT_NE(at("@page { size: A4;"), std::string::npos);
 }
 
+// The page names the patient, the study, the series and the day of the CT; a phantom has its own words.
+TEST(Report, PageNamesPatientSeriesAndDate) {
+  const Exec exec(1);
+  const std::filesystem::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(folder);
+  World world = test::block_world(exec, scene);
+  LatticeBody& body = world.lattice_bodies[0];
+  body.ct_origin.elements = {
+      {0x00100010, "DOE^JANE "}, {0x00100020, "17"}, {0x00081030, "Thorax <1>"}, {0x00080020, "20240501"}};
+  body.ct_series = "B30f";
+  Json report = simulation_report(exec, scene, world, make_measures(world), {});
+  add_outputs(report, {});
+  EXPECT_NE(report_html(report, folder)
+                .find("block: patient DOE^JANE (17), Thorax &lt;1&gt;, series &#39;B30f&#39;, scanned "
+                      "2024-05-01</p>"),
+            std::string::npos);
+  report["bodies"][0]["ct"] = {{"source", "phantom"}};
+  EXPECT_NE(report_html(report, folder).find("block: a synthetic CT</p>"), std::string::npos);
+}
+
 // Without measures of wounds or cloth no half of the page is empty: the parameters follow the tables.
 TEST(Report, ParametersFollowTablesWithoutMeasures) {
   BlockRun run = block_run();

@@ -6,6 +6,7 @@
 
 #include "turgor/io/files/xml_text.hpp"
 #include "turgor/sim/report/amount.hpp"
+#include "turgor/sim/report/literature.hpp"
 
 namespace turgor::page {
 
@@ -40,14 +41,12 @@ std::string table_row(const std::vector<std::string>& cells, const char* tag) {
 }
 
 std::string quantity_table(const Json& items, const char* heading, const std::vector<Caption>& captions) {
-  // header: one column per item
-  std::vector<std::string> cells = {heading};
-  for (const Json& item : items) cells.push_back(name_of(item));
-  std::string table = "<div class=\"scroll\"><table>" + table_row(cells, "th");
   // one row per quantity; rows without any value are omitted
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> literature;  // of each row
   for (const Caption& caption : captions) {
     if (!(caption.shown_in & kInTable)) continue;
-    cells = {with_unit(caption)};
+    std::vector<std::string> cells = {with_unit(caption)};
     bool any = false;
     for (const Json& item : items) {
       const Json* value = find(item, caption.key);
@@ -55,7 +54,20 @@ std::string quantity_table(const Json& items, const char* heading, const std::ve
       any = any || known;
       cells.push_back(known ? cell_of(*value, caption) : "–");
     }
-    if (any) table += table_row(cells, "td");
+    if (!any) continue;
+    rows.push_back(std::move(cells));
+    literature.push_back(xml_text(published_measure(heading, caption.key)));
+  }
+  // header: one column per item, and one of published values if there are any
+  std::vector<std::string> cells = {heading};
+  for (const Json& item : items) cells.push_back(name_of(item));
+  const bool has_literature = std::any_of(literature.begin(), literature.end(),
+                                          [](const std::string& text) { return !text.empty(); });
+  if (has_literature) cells.push_back("literature");
+  std::string table = "<div class=\"scroll\"><table>" + table_row(cells, "th");
+  for (std::size_t r = 0; r < rows.size(); r++) {
+    if (has_literature) rows[r].push_back(literature[r]);
+    table += table_row(rows[r], "td");
   }
   return table + "</table></div>\n";
 }

@@ -16,7 +16,8 @@ namespace turgor::page {
 std::string html_value(const Json& value);
 std::string table_row(const std::vector<std::string>& cells, const char* tag);
 
-/// Table with a row per quantity and a column per item; rows without values are omitted.
+/// Table with a row per quantity and a column per item; rows without values are omitted. Published values have
+/// a column of their own where a row has some.
 std::string quantity_table(const Json& items, const char* heading, const std::vector<Caption>& captions);
 /// Table with a row per item and a column per quantity.
 std::string item_table(const Json& items, const char* heading, const std::vector<Caption>& captions);
@@ -47,7 +48,7 @@ std::string page_end();
 
 /// Verdict, then the patient or phantom, series and dates.
 std::string verdict_html(const Json& report);
-/// Parameters with units and sources; empty if the report has none.
+/// Parameters with units, sources and published values; empty if the report has none.
 std::string parameter_table(const Json& report);
 /// Wall times: figures, table and curves.
 std::string time_section(const Json& report);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/files/xml_text.hpp"
+#include "turgor/sim/report/literature.hpp"
 #include "turgor/sim/report/page.hpp"
 #include "turgor/sim/report/section.hpp"
 
@@ -80,13 +81,19 @@ std::string verdict_html(const Json& report) {
 std::string parameter_table(const Json& report) {
   const Json parameters = report.value("parameters", Json::array());
   if (parameters.empty()) return "";
-  std::string html = "<h2>Parameters</h2>\n<div class=\"scroll\"><table class=\"parameters\">" +
-                     table_row({"key", "value", "unit", "source"}, "th");
+  const auto literature_of = [](const Json& p) { return published_parameter(text_under(p, "key")); };
+  const bool has_literature = std::any_of(parameters.begin(), parameters.end(),
+                                          [&](const Json& p) { return !literature_of(p).empty(); });
+  std::vector<std::string> columns{"key", "value", "unit", "source"};
+  if (has_literature) columns.push_back("literature");
+  std::string html =
+      "<h2>Parameters</h2>\n<div class=\"scroll\"><table class=\"parameters\">" + table_row(columns, "th");
   for (const Json& p : parameters) {
     const bool is_default = text_under(p, "source") == "default";
     std::string row;
     for (const char* key : {"key", "value", "unit", "source"})
       row += "<td>" + xml_text(text_under(p, key)) + "</td>";
+    if (has_literature) row += "<td>" + xml_text(literature_of(p)) + "</td>";
     html += (is_default ? "<tr class=\"default\">" : "<tr>") + row + "</tr>\n";
   }
   return html + "</table></div>\n";
