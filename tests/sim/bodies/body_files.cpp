@@ -60,6 +60,35 @@ TEST(BodyFiles, UnitIsAskedAboutInEveryModel) {
   EXPECT_TRUE(cloth) << cloth.error().message;
 }
 
+// Meshing of a surface or a label is announced with the count of tetrahedra that it makes, to a fifth.
+TEST(BodyFiles, MeshingStatesCountOfTetrahedra) {
+  const fs::path folder = fresh_folder();
+  ASSERT_TRUE(write_obj(folder / "liver.obj", phantom_liver(0.3)));
+  for (const char* source : {"surface = \"liver.obj\"",
+                             "labels = { phantom = \"torso\", size = [64, 64, 40], spacing_mm = [6.3, 6.3, "
+                             "7.5] }\nlabel = \"liver\""}) {
+    const Result<Scene> scene =
+        parse_scene("[body.organ]\nmodel = \"sfem\"\ncache = false\npatch = false\nresolution = 0.02\n" +
+                        std::string(source) + "\n",
+                    folder / "s.toml");
+    ASSERT_TRUE(scene) << scene.error().message;
+    std::string sentence;
+    double last = 0;
+    const Result<World> world =
+        load_world(kExec, *scene, [&](const std::string& label, const std::string& text) -> Progress {
+          if (label != "meshing") return {};
+          sentence = text;
+          return [&last](double fraction) { last = fraction; };
+        });
+    ASSERT_TRUE(world) << world.error().message;
+    double count = 0;
+    ASSERT_EQ(std::sscanf(sentence.c_str(), "organ: meshing, about %lf tetrahedra", &count), 1) << sentence;
+    const double made = double(element_count(world->sfem_bodies[0].model.body.mesh));
+    EXPECT_NEAR(count / made, 1, 0.2) << source;
+    EXPECT_GT(last, 0.5);
+  }
+}
+
 struct Up {
   UpAxis axis;
   std::string name;

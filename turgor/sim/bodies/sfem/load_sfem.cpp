@@ -1,6 +1,7 @@
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -41,22 +42,47 @@ Result<OrganMesh> from_solid_file(const SolidFile& source) {
   return OrganMesh{.mesh = std::move(read->mesh), .notes = std::move(read->notes)};
 }
 
-Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, Sides sides,
-                               const BeginWork& begin) {
+/// Progress of meshing: a sentence with the expected count once it is known, then fractions.
+class Meshing {
+ public:
+  Meshing(const BeginWork& begin, const std::string& body) {
+    bound.begin = [this, &begin, &body](const MeshForecast& forecast) {
+      const double digits = std::pow(10.0, std::max(0.0, std::floor(std::log10(forecast.elements)) - 1));
+      bar_ = begin_work(begin, "meshing",
+                        fmt::format("{}: meshing, about {:.0f} tetrahedra", body,
+                                    std::round(forecast.elements / digits) * digits));
+    };
+    progress = [this](double fraction) {
+      if (bar_) bar_(fraction);
+    };
+  }
+  Meshing(const Meshing&) = delete;
+  Meshing& operator=(const Meshing&) = delete;
+
+  MeshBound bound;
+  Progress progress;
+
+ private:
+  Progress bar_;
+};
+
+Result<OrganMesh> from_surface(const Exec& exec, const std::string& body, const ClosedSurface& source,
+                               Sides sides, const BeginWork& begin) {
   Result<ReadSurface> read = read_surface(source.file, source.scale);
   if (!read) return read.error();
   if (const Status unit = check_unit(source.file, read->mesh.vertices, source.is_scale_given); !unit)
     return unit.error();
   turn_up(read->mesh.vertices, source.up);
+  const Meshing meshing(begin, body);
   Result<OrganMesh> made =
-      mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"), sides);
+      mesh_of_surface(exec, read->mesh, source.resolution, meshing.progress, sides, meshing.bound);
   if (!made) return Error{fmt::format("{}: {}", source.file.string(), made.error().message)};
   append(made->notes, read->notes);
   return made;
 }
 
-Result<OrganMesh> from_labels(const Exec& exec, const LabeledOrgan& source,
-                              const std::vector<InsideScene>& inside, Sides sides, const BeginWork& begin) {
+Result<OrganMesh> from_labels(const Exec& exec, const SfemScene& scene, const LabeledOrgan& source,
+                              Sides sides, const BeginWork& begin) {
   LabelVolume labels;
   if (source.phantom) {
     make_phantom(exec, *source.phantom, &labels, begin_work(begin, "painting"));
@@ -67,9 +93,10 @@ Result<OrganMesh> from_labels(const Exec& exec, const LabeledOrgan& source,
   }
   TURGOR_CHECK(source.label >= 0, "a label file holds labels from 0");
   std::vector<int> selected{source.label};
-  for (const InsideScene& region : inside) selected.push_back(region.label);
+  for (const InsideScene& region : scene.inside) selected.push_back(region.label);
+  const Meshing meshing(begin, scene.name);
   Result<OrganMesh> made =
-      mesh_of_labels(exec, labels, selected, source.resolution, begin_work(begin, "meshing"), sides);
+      mesh_of_labels(exec, labels, selected, source.resolution, meshing.progress, sides, meshing.bound);
   const std::string name = source.phantom ? "the phantom" : source.file.string();
   if (!made) return Error{fmt::format("{}: {}", name, made.error().message)};
   if (!source.label_note.empty()) made->notes.push_back(source.label_note);
@@ -86,9 +113,9 @@ Result<OrganMesh> load_shape(const Exec& exec, const SfemScene& scene, const Beg
   if (const auto* file = std::get_if<SolidFile>(&scene.source)) return from_solid_file(*file);
   const Sides sides = scene.elements == Elements::kQuadratic ? Sides::kCurved : Sides::kFlat;
   if (const auto* surface = std::get_if<ClosedSurface>(&scene.source))
-    return from_surface(exec, *surface, sides, begin);
+    return from_surface(exec, scene.name, *surface, sides, begin);
   if (const auto* body = std::get_if<LabeledOrgan>(&scene.source))
-    return from_labels(exec, *body, scene.inside, sides, begin);
+    return from_labels(exec, scene, *body, sides, begin);
   const HexBlock& block = std::get<HexBlock>(scene.source);
   return block_at(block);
 }
