@@ -7,14 +7,20 @@ function(run)
   endif()
 endfunction()
 
-# Writes the first block of this language in a page to a file, as printed.
+# Writes the first block of this language in a page after a heading (by default of the page) to a file, as printed, between the texts
+# BEFORE and AFTER.
 function(extract page language file)
+  cmake_parse_arguments(BLOCK "" "HEADING;BEFORE;AFTER" "" ${ARGN})
   file(READ ${SOURCE}/${page} text)
   string(REPLACE ";" "\\;" text "${text}")
+  if(BLOCK_HEADING)
+    string(FIND "${text}" "\n${BLOCK_HEADING}\n" begin)
+    string(SUBSTRING "${text}" ${begin} -1 text)
+  endif()
   if(NOT "\n${text}" MATCHES "\n```${language}\n([^`]*)```")
     message(FATAL_ERROR "${page}: expected a block of ${language}, found none")
   endif()
-  set(block "${CMAKE_MATCH_1}")
+  set(block "${BLOCK_BEFORE}${CMAKE_MATCH_1}${BLOCK_AFTER}")
   string(REPLACE "\\;" ";" block "${block}")
   file(WRITE ${file} "${block}")
 endfunction()
@@ -75,15 +81,34 @@ if(NOT status EQUAL 2)
 endif()
 run(${prefix}/bin/turgor --version)
 consume(haptics ${pictures} PkgConfig)
+extract(docs/haptics.md cpp ${folder}/loop/simulator.cpp)
+extract(README.md cmake ${folder}/loop/CMakeLists.txt)
+file(READ ${folder}/loop/CMakeLists.txt project)
+string(REPLACE "engine" "haptics" project "${project}")
+file(WRITE ${folder}/loop/CMakeLists.txt "${project}")
+run(${CMAKE_COMMAND} -S ${folder}/loop -B ${folder}/loop/build ${flags} -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${folder}/loop/build)
+run(${folder}/loop/build/simulator)
 consume(sim ${pictures})
 consume(all)
 configure(io ${pictures} nlohmann_json PkgConfig)
 configure(view meshoptimizer nlohmann_json)
 configure(pictures)
-file(STRINGS ${prefix}/lib/cmake/turgor/turgorTargets.cmake window REGEX "add_library\\(turgor::window" LIMIT_COUNT 1)
-if(window)
+if(EXISTS ${prefix}/lib/cmake/turgor/turgorWindowTargets.cmake)
   configure(window)
 endif()
+
+# After scripts/demo, which builds no library of the window, the rules install all others, and a program links them.
+file(READ ${BUILD}/library/cmake_install.cmake rules)
+string(REPLACE "libturgor_window.a" "libturgor_window-that-is-not-built.a" rules "${rules}")
+file(WRITE ${folder}/demo.cmake "${rules}")
+run(${CMAKE_COMMAND} -DCMAKE_INSTALL_PREFIX=${folder}/demo -P ${folder}/demo.cmake)
+if(EXISTS ${folder}/demo/lib/cmake/turgor/turgorWindowTargets.cmake OR NOT EXISTS ${folder}/demo/lib/libturgor_pictures.a)
+  message(FATAL_ERROR "${folder}/demo: expected all libraries apart from the window")
+endif()
+run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${folder}/after-demo ${flags} -DCMAKE_PREFIX_PATH=${folder}/demo -DSOURCE=${SOURCE}
+    -DCOMPONENT=all)
+run(${CMAKE_COMMAND} --build ${folder}/after-demo)
 consume(c TBB ${pictures} ${readers} nlohmann_json PkgConfig)
 
 # The C project of docs/in-your-simulator.md builds as printed, and its command line makes a program that finds the library.
@@ -97,6 +122,34 @@ if(NOT SANITIZE)
   run(${CMAKE_COMMAND} -E copy ${SOURCE}/c/examples/press.c ${folder})
   run(${CMAKE_COMMAND} -E chdir ${folder} ${CMAKE_COMMAND} -E env HOME=${folder} sh -ec "${command}\n./a.out")
 endif()
+
+# So does the block on cuts, in a function that has a world.
+extract(${page} c ${folder}/game/cut.h HEADING "## Cuts and stitches")
+file(WRITE ${folder}/game/game.c [[
+#include <stdio.h>
+#include <turgor.h>
+
+static void cut_as_printed(tg_world* world) {
+#include "cut.h"
+}
+
+int main(void) {
+  tg_world_def def;
+  tg_world* world;
+  double length = 0;
+  tg_default_world_def(&def, sizeof def);
+  def.text = "[world]\nduration = 1\n[body.torso]\nmodel = \"lattice\"\nfixed = [\"bone\", \"ends\"]\nblock = 2\n"
+             "ct = { phantom = \"torso\", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }\n";
+  if (tg_world_create(&def, &world) != TG_OK) return puts(tg_error()), 1;
+  cut_as_printed(world);
+  if (tg_world_step(world, 20) != TG_OK) return puts(tg_error()), 1;
+  if (tg_world_measure(world, "wounds.hand-1.length_mm", &length, 1, NULL) != TG_OK) return puts(tg_error()), 1;
+  tg_world_destroy(world);
+  return printf("%g mm\n", length), length > 50 ? 0 : 1;
+}
+]])
+run(${CMAKE_COMMAND} --build ${folder}/game/build)
+run(${folder}/game/build/game)
 
 # The C component alone is complete.
 run(${CMAKE_COMMAND} --install ${BUILD} --component c --prefix ${folder}/only-c)
