@@ -53,6 +53,45 @@ std::string first_block(const fs::path& page, const std::string& mark, const std
   return text.substr(first, text.find("```", first) - first);
 }
 
+/// A block of TOML on a page.
+struct TomlBlock {
+  std::string where, text;
+};
+
+std::vector<TomlBlock> toml_blocks() {
+  const fs::path root = TURGOR_SOURCE_DIR;
+  std::vector<fs::path> pages{root / "README.md"};
+  for (const auto& entry : fs::recursive_directory_iterator(root / "docs"))
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  std::sort(pages.begin(), pages.end());
+  const std::string mark = "\n```toml\n";
+  std::vector<TomlBlock> blocks;
+  for (const fs::path& page : pages) {
+    const std::string text = test::bytes_of(page);
+    for (std::size_t at = 0; (at = text.find(mark, at)) != text.npos;) {
+      at += mark.size();
+      blocks.push_back(
+          {page.filename().string() + ":" +
+               std::to_string(2 + std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n') - 1),
+           text.substr(at, text.find("\n```", at) + 1 - at)});
+    }
+  }
+  return blocks;
+}
+
+/// Tables that a page leaves to its reader, by the line with which a block of the page begins.
+std::string left_to_reader(const std::string& block) {
+  const auto organ = [](const std::string& name) {
+    return "[body." + name + "]\nmodel = \"sfem\"\nsurface = \"" + name +
+           ".obj\"\nresolution = 0.03\npatch = false\nfixed = \"back\"\n";
+  };
+  const std::map<std::string, std::string> left{{"[tool.needle]", organ("liver")},
+                                                {"[body.gallbladder]", organ("liver") + organ("stomach")},
+                                                {"[body.stone]", organ("liver")}};
+  const auto found = left.find(block.substr(0, block.find('\n')));
+  return found == left.end() ? "" : found->second;
+}
+
 /// Writes the scenes of the tutorials, as a reader saves them.
 void write_tutorials(const fs::path& folder) {
   for (const auto& [page, scene] :
@@ -184,6 +223,30 @@ TEST(Documents, TowelOfTutorialRestsOnBall) {
   ASSERT_EQ(ended.code, 0) << ended.printed;
   const nlohmann::json obstacle = report_in(folder / "o")["bodies"][0]["obstacles"][0];
   EXPECT_NEAR(obstacle["series"].back()[1].get<double>(), 0.3 * 0.16 * 9.81, 0.01);
+}
+
+// Every scene in the documents is accepted by --check. The exceptions are tested elsewhere: studies by
+// test_document_blocks.py, the scene of a fifth model with its build, and scenes for GPUs where there is one.
+TEST(Documents, EverySceneBlockPassesCheck) {
+  const fs::path folder = folder_of_a_reader();
+  for (const char* organ : {"gallbladder.obj", "stomach.obj"})
+    fs::copy_file(folder / "own.obj", folder / organ);
+  fs::copy_file(folder / "seg.nii.gz", folder / "SEG.nii.gz");
+  fs::copy_file(folder / "patient.nii.gz", folder / "CT.nii.gz");
+  int checked = 0;
+  for (const TomlBlock& block : toml_blocks()) {
+    const auto has = [&](const char* words) { return block.text.find(words) != block.text.npos; };
+    if (has("[study]") || has("model = \"spring\"") || has("device = \"gpu\"")) continue;
+    const std::string scene = block.text + left_to_reader(block.text);
+    write(folder / "block.toml", scene);
+    const std::string coarse = scene.find("\nct = ") == scene.npos ? "" : " --set body.torso.spacing=0.013",
+                      no_voxels = scene.find("\nblock = ") == scene.npos ? "" : " --set body.torso.block=";
+    const Ended ended =
+        run_program("run block.toml --check --set world.duration=0.05" + coarse + no_voxels, folder);
+    EXPECT_EQ(ended.code, 0) << block.where << "\n" << ended.printed;
+    checked++;
+  }
+  EXPECT_GE(checked, 9);
 }
 
 // Every option in the documents and scenes appears in the help of its command.

@@ -72,6 +72,26 @@ TEST(InfoCommand, DescribesIncompleteSeries) {
     EXPECT_NE(ended.printed.find(words), std::string::npos) << ended.printed;
 }
 
+// A mesh in another unit than meters is asked about by `info` and by a run, unless its scale is given.
+TEST(InfoCommand, AsksAboutUnit) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(run_program("phantom liver --detail 0.3 -o m.obj", folder).code, 0);
+  ASSERT_EQ(
+      run_shell("awk '$1 == \"v\" { $2 *= 1000; $3 *= 1000; $4 *= 1000 } { print }' m.obj > mm.obj", folder)
+          .code,
+      0);
+  write(folder / "s.toml", "[body.liver]\nmodel = \"sfem\"\nsurface = \"mm.obj\"\n");
+  const std::string question = "is it in mm? scale = 0.001";
+  const auto asks = [&](const Ended& ended) { return ended.printed.find(question) != ended.printed.npos; };
+  EXPECT_TRUE(asks(run_program("info mm.obj", folder)));
+  EXPECT_FALSE(asks(run_program("info mm.obj --scale 0.001", folder)));
+  for (const char* command : {"run s.toml --out out", "run s.toml --check"}) {
+    const Ended ended = run_program(command, folder);
+    EXPECT_EQ(ended.code, 2) << ended.printed;
+    EXPECT_TRUE(asks(ended)) << ended.printed;
+  }
+}
+
 // The description of a solid mesh has its elements, regions, volume and angles.
 TEST(InfoCommand, DescribesSolidMesh) {
   const fs::path folder = fresh_folder();

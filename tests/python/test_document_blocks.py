@@ -9,6 +9,7 @@ import pathlib
 import re
 import sys
 import tempfile
+import tomllib
 import types
 import unittest
 from unittest import mock
@@ -16,6 +17,7 @@ from unittest import mock
 import numpy as np
 
 import turgor
+from turgor import study_file
 from scenes import FORCEPS, TORSO
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -113,6 +115,27 @@ class DocumentBlocks(unittest.TestCase):
                 except ModuleNotFoundError as missing:
                     self.skipTest(f"{page}: {missing.name} is not installed")
                 CLAIMS.get(page, lambda *_: None)(self, names, printed)
+
+    # Every study file of the documents is read, with the scene of the same page.
+    def test_every_study_is_read(self):
+        found = 0
+        for page in (ROOT / "docs").rglob("*.md"):
+            blocks = re.findall(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
+            scenes = [block for block in blocks if "[study]" not in block]
+            for block in blocks:
+                if block in scenes:
+                    continue
+                with self.subTest(page.name), tempfile.TemporaryDirectory() as name:
+                    folder, tables = pathlib.Path(name), tomllib.loads(block)
+                    (folder / "study.toml").write_text(block, encoding="utf-8")
+                    (folder / "cohort.csv").write_text("name,body.torso.ct\nfirst,a.nii.gz\nsecond,b.nii.gz\n", encoding="utf-8")
+                    shipped = ROOT / "scenes" / tables["study"]["scene"]
+                    (folder / tables["study"]["scene"]).write_text(
+                        shipped.read_text(encoding="utf-8") if shipped.exists() else scenes[0], encoding="utf-8")
+                    study = study_file.Study(folder / "study.toml")
+                    self.assertEqual(set(study.measure), set(tables["measure"]))
+                    found += 1
+        self.assertGreaterEqual(found, 2)
 
     def check_python(self, names, _):
         force = np.linalg.norm(names["wrench"][:, 0, :3], axis=1)

@@ -187,5 +187,24 @@ TEST(LatticeSceneBody, LabelIsFixedAtSideOfItsBox) {
       }
 }
 
+// A block in voxels that makes a large, fine lattice of a CT is noted, with the spacing that suits every CT.
+TEST(LatticeSceneBody, FineBlockIsNoted) {
+  const auto notes = [](const std::string& size) {
+    const Result<Scene> scene =
+        parse_scene("[body.torso]\nmodel = \"lattice\"\nskin = false\nct = { phantom = \"torso\", " + size +
+                        " }\nblock = 1\n",
+                    "s.toml");
+    EXPECT_TRUE(scene) << scene.error().message;
+    World world = block_world(Exec(2), *scene);
+    std::string all;
+    for (const std::string& note : world.lattice_bodies[0].notes) all += note + "\n";
+    return all;
+  };
+  const std::string fine = notes("size = [112, 84, 72], spacing_mm = [1.2, 1.2, 1.2]");
+  EXPECT_NE(fine.find("block = [1, 1, 1] voxels makes a lattice of 1.2 mm"), fine.npos) << fine;
+  EXPECT_NE(fine.find("spacing = 0.004"), fine.npos) << fine;
+  EXPECT_EQ(notes("size = [56, 42, 36], spacing_mm = [2.4, 2.4, 2.4]").find("spacing = 0.004"), fine.npos);
+}
+
 }  // namespace
 }  // namespace turgor
