@@ -92,6 +92,27 @@ TEST(RunScene, ReplayDrawsSameFiles) {
   EXPECT_GT(compared, 25);
 }
 
+// A picture of a tool beside a wound shows its walls in their own color, also in a replay.
+TEST(RunScene, PictureOfToolShowsWalls) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(
+      folder,
+      {"tool.tip={ body = 'block', shape = { sphere = 0.005 }, press = { at_fraction = [0.66, 0, 0.5], "
+       "depth = 0.003, start = 0.2, duration = 0.1, hold = 0.05 } }",
+       "world.duration=0.4", "output.video=false", "output.snapshots.size=[160, 120]"});
+  must_run(scene, folder / "ran");
+  const Result<Json> again =
+      replay_recording(Exec(2), folder / "ran/recording.h5", {}, {.out = folder / "again"});
+  ASSERT_TRUE(again) << again.error().message;
+  for (const char* run : {"ran", "again"}) {
+    const Result<Image> picture = read_png(folder / run / "block-near.png");
+    ASSERT_TRUE(picture) << picture.error().message;
+    int red = 0;
+    for (const Rgb p : picture->pixels) red += p.r > 50 && p.r > 2 * p.g && p.r > 2 * p.b;
+    EXPECT_GT(red, 100) << run;
+  }
+}
+
 /// Times of the steps in a VTKHDF file.
 std::vector<double> times_of(const fs::path& vtkhdf) {
   const Result<Hdf5File> file = Hdf5File::open(vtkhdf);

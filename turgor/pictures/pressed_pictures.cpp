@@ -12,10 +12,9 @@ namespace turgor {
 
 namespace {
 
-/// The body as in a recording, which does not tell walls of wounds from skin.
-BodySnapshot without_walls(const BodySnapshot& pressed) {
+/// The body as a recording restores it, with normals from its triangles, so that replays draw the same.
+BodySnapshot as_recorded(const BodySnapshot& pressed) {
   BodySnapshot body = pressed;
-  body.wall_begin = body.triangles.size();
   update_vertices(body);
   show_smooth(body);
   return body;
@@ -131,7 +130,7 @@ Status add_pair(const Pressed& pressed, const BodySnapshot& body, const char* na
 }
 
 Status add_pictures(const Pressed& pressed, Outputs& outputs) {
-  const BodySnapshot body = without_walls(pressed.body);
+  const BodySnapshot body = as_recorded(pressed.body);
   const ToolSnapshot& tool = pressing_tool(pressed.tools);
   const double aspect = double(outputs.scene->output.width) / outputs.scene->output.height;
   const Aim aside = aim_at_tool(body, tool, false), on_top = aim_at_tool(body, tool, true);

@@ -327,30 +327,42 @@ TEST(Recording, ReadsOldDatasetNamesOfCloth) {
   EXPECT_EQ(drawn.cloth_bodies[0].state->x.z, world.cloth_bodies[0].state->x.z);
 }
 
-// A damaged surface is named with its file.
-TEST(Recording, DamagedSurfaceIsNamedWithFile) {
-  const fs::path folder = test::fresh_folder();
+/// Message of restoring a snapshot whose surface was damaged before it was written.
+template <class Damage>
+std::string message_of_damaged(const fs::path& file, const Damage& damage) {
   const Scene scene = *parse_scene(
       "[body.pad]\nmodel = \"sfem\"\ncache = false\nblock = { size = [0.04, 0.04, 0.02], count = [2, 2, 1] "
       "}\n",
-      folder / "pad.toml");
+      file.parent_path() / "pad.toml");
   World world = *load_world(Exec(1), scene);
   WorldSnapshot snapshot;
   show(Exec(1), world, snapshot);
-  body_snapshot(snapshot, {BodyKind::kSfem, 0}).displacement[3].y = std::numeric_limits<float>::quiet_NaN();
+  damage(body_snapshot(snapshot, {BodyKind::kSfem, 0}));
   {
-    Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
-    ASSERT_TRUE(writer) << writer.error().message;
-    ASSERT_TRUE(writer->add_snapshot(world, snapshot));
-    ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
+    Result<RecordingWriter> writer = RecordingWriter::create(file, scene, world);
+    EXPECT_TRUE(writer) << writer.error().message;
+    EXPECT_TRUE(writer->add_snapshot(world, snapshot));
+    EXPECT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
   }
-  const Result<Recording> recording = Recording::open(folder / "r.h5");
-  ASSERT_TRUE(recording) << recording.error().message;
+  const Result<Recording> recording = Recording::open(file);
+  EXPECT_TRUE(recording) << recording.error().message;
   const Status restored = recording->restore(Exec(1), 0, world, snapshot);
-  ASSERT_FALSE(restored);
-  const std::string& message = restored.error().message;
-  EXPECT_EQ(message.find((folder / "r.h5").string() + ": /snapshots/"), 0u) << message;
-  EXPECT_NE(message.find("pad/: the surface is damaged"), std::string::npos) << message;
+  EXPECT_FALSE(restored);
+  return restored ? "" : restored.error().message;
+}
+
+// A damaged surface is named with its file.
+TEST(Recording, DamagedSurfaceIsNamedWithFile) {
+  const fs::path folder = test::fresh_folder();
+  const auto no_number = [](BodySnapshot& body) {
+    body.displacement[3].y = std::numeric_limits<float>::quiet_NaN();
+  };
+  const auto walls_beyond = [](BodySnapshot& body) { body.wall_begin = body.triangles.size() + 1; };
+  for (const std::string& message :
+       {message_of_damaged(folder / "r.h5", no_number), message_of_damaged(folder / "r.h5", walls_beyond)}) {
+    EXPECT_EQ(message.find((folder / "r.h5").string() + ": /snapshots/"), 0u) << message;
+    EXPECT_NE(message.find("pad/: the surface is damaged"), std::string::npos) << message;
+  }
 }
 
 // The corpus of the fuzz tests, a recording of format 6, is read.

@@ -129,12 +129,26 @@ Status write_shown(Hdf5File& file, const std::string& group, double time, const 
       .array("displacement", flat(surface.displacement), 3, "m")
       .array("pressure", surface.pressure, 1, "Pa")
       .array("triangles", numbers_of(surface.triangles), 3)
+      .array<std::int64_t>("wall_begin", {std::int64_t(surface.wall_begin)})
       .array("coarse_triangles", numbers_of(surface.smooth.coarse), 3)
       .array("inside", flat(surface.inside.vertices), 3, "m")
       .array("inside_triangles", numbers_of(surface.inside.triangles), 3)
       .array<std::int32_t>("mesh_vertex", {surface.mesh_vertex.begin(), surface.mesh_vertex.end()})
       .array("tools", tool_rows(tools), kPose, kPoseUnits)
       .status();
+}
+
+/// Reads the first triangle of wound walls; older recordings do not tell walls from skin. False if it is
+/// damaged.
+bool read_wall_begin(Reading& reading, const Hdf5File& file, const std::string& group,
+                     BodySnapshot& surface) {
+  const std::size_t count = surface.triangles.size();
+  surface.wall_begin = count;
+  if (!file.has(group + "wall_begin")) return true;
+  const auto begin = reading.array<std::int64_t>("wall_begin", 1);
+  if (begin.size() != 1) return true;  // the reading has the error
+  surface.wall_begin = std::size_t(std::clamp<std::int64_t>(begin[0], 0, std::int64_t(count)));
+  return begin[0] == std::int64_t(surface.wall_begin);
 }
 
 /// Content of a group besides the surface.
@@ -165,7 +179,9 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
   surface.mesh_vertex.assign(mesh_vertex.begin(), mesh_vertex.end());
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
   surface.triangles = *outer;
-  surface.wall_begin = surface.triangles.size();
+  if (!read_wall_begin(reading, file, group, surface))
+    return Error{fmt::format("{}: {}: the surface is damaged", file.path().string(), group)};
+  if (!reading.status()) return reading.status().error();
   update_vertices(surface);
   // smooth surface; older recordings have none
   if (file.has(group + "coarse_triangles")) {
