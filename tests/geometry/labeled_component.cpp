@@ -56,5 +56,22 @@ TEST(LabeledComponent, NotesVoxelsAtBorder) {
   EXPECT_NE(component->notes[0].find("(1 voxel at the ends of k)"), std::string::npos) << component->notes[0];
 }
 
+// Voxels of other labels inside of a component are enclosed; a notch that reaches the outside is not.
+TEST(LabeledComponent, EnclosedLabelsHaveNoWayOut) {
+  LabelVolume labels = box_with_core();
+  labels.at(6, 5, 4) = 0;                          // a bubble
+  labels.at(4, 2, 4) = 7, labels.at(4, 3, 4) = 7;  // a notch in a side
+  const int wanted[] = {5};
+  const auto component = largest_labeled_component(labels, wanted);
+  ASSERT_TRUE(component);
+  const auto enclosed = enclosed_labels(labels, component->inside);
+  ASSERT_EQ(enclosed.size(), 2u);
+  EXPECT_EQ(enclosed[0].label, 0);
+  EXPECT_EQ(enclosed[1].label, 200);
+  for (const EnclosedLabel& e : enclosed) EXPECT_NEAR(e.volume, 1e-6, 1e-12);
+  const int both[] = {5, 200};
+  EXPECT_EQ(enclosed_labels(labels, largest_labeled_component(labels, both)->inside).size(), 1u);
+}
+
 }  // namespace
 }  // namespace turgor

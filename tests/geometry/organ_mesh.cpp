@@ -63,7 +63,18 @@ TEST(OrganMesh, PhantomLiverKeepsVolumeAndNodule) {
     if (m.label == kNoduleLabel) known = m.volume;
   EXPECT_GT(known, 0);
   EXPECT_NEAR(nodule, known, 0.3 * known);
+  for (const std::string& note : organ->notes) EXPECT_EQ(note.find("cavities"), std::string::npos) << note;
   RecordProperty("elements", int(element_count(organ->mesh)));
+}
+
+// The liver without its nodule is hollow there, and a note names the label that would fill the cavity.
+TEST(OrganMesh, CavityIsNotedWithItsLabel) {
+  const int liver[] = {kLiver};
+  const auto organ = mesh_of_labels(Exec(2), torso_labels(), liver, 0.018);
+  ASSERT_TRUE(organ) << organ.error().message;
+  ASSERT_FALSE(organ->notes.empty());
+  EXPECT_NE(organ->notes.back().find("mL, which hold other labels (200)"), std::string::npos)
+      << organ->notes.back();
 }
 
 // The error for a body too small for the lattice suggests a spacing that works.

@@ -1,7 +1,9 @@
 #include "turgor/geometry/labeled_component.hpp"
 
 #include <algorithm>
+#include <map>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/number_text.hpp"
 #include "turgor/geometry/label_measures.hpp"
 
@@ -71,7 +73,59 @@ std::string border_note(const Grid& grid, const std::vector<std::uint8_t>& insid
   return text;
 }
 
+/// Box of the voxels inside: `low` included, `high` excluded.
+struct InsideBox {
+  Int3 low, high;
+};
+
+template <class Visit>
+void for_each_index(Int3 size, const Visit& visit) {
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) visit(Int3{i, j, k});
+}
+
+InsideBox box_of(const Grid& grid, const std::vector<std::uint8_t>& inside) {
+  InsideBox box{grid.size, {}};
+  for_each_index(grid.size, [&](Int3 p) {
+    if (inside[sample_index(grid, p.x, p.y, p.z)])
+      box.low = min(box.low, p), box.high = max(box.high, p + Int3{1, 1, 1});
+  });
+  return box;
+}
+
 }  // namespace
+
+std::vector<EnclosedLabel> enclosed_labels(const LabelVolume& labels,
+                                           const std::vector<std::uint8_t>& inside) {
+  TURGOR_CHECK(inside.size() == labels.samples.size(), "every voxel is inside or not");
+  const InsideBox box = box_of(labels.grid, inside);
+  if (box.high.x == 0) return {};
+  // voxels of the box: -1 inside, 0 not reached from the box's faces, 1 reached
+  Grid crop = labels.grid;
+  crop.size = box.high - box.low;
+  std::vector<int> reached(sample_count(crop));
+  for_each_index(crop.size, [&](Int3 p) {
+    const Int3 q = p + box.low;
+    reached[sample_index(crop, p.x, p.y, p.z)] = inside[sample_index(labels.grid, q.x, q.y, q.z)] ? -1 : 0;
+  });
+  for_each_index(crop.size, [&](Int3 p) {
+    const std::size_t start = sample_index(crop, p.x, p.y, p.z);
+    const Int3 last = crop.size - Int3{1, 1, 1};
+    const bool at_face = p.x == 0 || p.y == 0 || p.z == 0 || p.x == last.x || p.y == last.y || p.z == last.z;
+    if (at_face && reached[start] == 0) mark_component(crop, start, 1, reached);
+  });
+  // volumes by label
+  std::map<int, std::size_t> voxels;
+  for_each_index(crop.size, [&](Int3 p) {
+    const Int3 q = p + box.low;
+    if (reached[sample_index(crop, p.x, p.y, p.z)] == 0) voxels[int(labels.at(q.x, q.y, q.z))]++;
+  });
+  std::vector<EnclosedLabel> enclosed;
+  for (const auto& [label, count] : voxels)
+    enclosed.push_back({label, double(count) * sample_volume(labels.grid)});
+  return enclosed;
+}
 
 Result<LabeledComponent> largest_labeled_component(const LabelVolume& labels, std::span<const int> chosen) {
   if (Status occur = check_labels_occur(labels, chosen); !occur) return occur.error();

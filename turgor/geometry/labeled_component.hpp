@@ -17,6 +17,17 @@ struct LabeledComponent {
   std::vector<std::string> notes;    // ignored smaller components; contact with the border of the volume
 };
 
+/// A label of voxels that a component encloses.
+struct EnclosedLabel {
+  int label = 0;
+  double volume = 0;  // [m³]
+};
+
+/// Labels of all voxels that are not inside and have no path over faces to the border of the volume,
+/// ascending.
+std::vector<EnclosedLabel> enclosed_labels(const LabelVolume& labels,
+                                           const std::vector<std::uint8_t>& inside);
+
 /// Voxels are connected by their faces. Error: a label does not occur; the message lists those that do.
 Result<LabeledComponent> largest_labeled_component(const LabelVolume& labels, std::span<const int> chosen);
 

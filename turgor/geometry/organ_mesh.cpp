@@ -193,6 +193,20 @@ Status check_crossings(const Exec& exec, const CheckedSurface& body, const Signe
                ml(body.volume) + "; expected a surface with a single interior"};
 }
 
+/// Notes cavities that hold other labels. Smoothing closes those well below the lattice's edge length.
+void note_cavities(const LabelVolume& labels, const LabeledComponent& component, double size,
+                   std::vector<std::string>& notes) {
+  double hollow = 0;
+  std::string names;
+  for (const EnclosedLabel& enclosed : enclosed_labels(labels, component.inside)) {
+    hollow += enclosed.volume;
+    names += (names.empty() ? "" : ", ") + std::to_string(enclosed.label);
+  }
+  if (hollow < size * size * size / 8) return;
+  notes.push_back("the body has cavities of " + ml(hollow) + ", which hold other labels (" + names +
+                  "): choose these labels, too, for a body without them");
+}
+
 }  // namespace
 
 Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, double size,
@@ -215,7 +229,9 @@ Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, st
   Result<OrganMesh> organ =
       mesh_of_shape(exec, distance_to_voxels(exec, labels.grid, component->inside, smoothing),
                     component->volume, size, component->notes, sides, progress, bound);
-  if (organ) organ->mesh.regions = regions_of(organ->mesh, labels, chosen);
+  if (!organ) return organ.error();
+  organ->mesh.regions = regions_of(organ->mesh, labels, chosen);
+  note_cavities(labels, *component, size, organ->notes);
   return organ;
 }
 
