@@ -1,5 +1,9 @@
 // One fingertip on all three models, at a small size.
+#include <cmath>
+#include <numbers>
+
 #include "tests/app/program.hpp"
+#include "turgor/core/vec.hpp"
 
 namespace turgor {
 namespace {
@@ -45,6 +49,28 @@ TEST(ThreeModels, OnePathHasComparableForces) {
   ASSERT_EQ(run_program("run --replay first/recording.h5 --out again", folder).code, 0);
   for (const char* name : {"forces.csv", "nodes-near.png", "nodes-displacement.png", "nodes-whole.png"})
     EXPECT_TRUE(bytes_of(folder / "first" / name) == bytes_of(folder / "again" / name)) << name;
+}
+
+// The shipped scene keeps the forces that docs/validation.md states. All three bodies have one shape, so all
+// forces point the same way.
+TEST(ThreeModels, ShippedSceneKeepsForces) {
+  const fs::path folder = fresh_folder();
+  const std::string scene = std::string(TURGOR_SOURCE_DIR) + "/scenes/three-models.toml";
+  const Ended ended = run_program(
+      "run " + scene + " --set world.duration=0.92 --set body.elements.cache=false --out first", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_EQ(ended.printed.find("cavities"), std::string::npos) << ended.printed;
+  const json report = report_in(folder / "first");
+  const double stated[] = {0.411, 0.430, 0.539};  // N
+  std::vector<Vec3d> force;
+  for (std::size_t m = 0; m < 3; m++) {
+    const json& tool = report["tools"][m];
+    EXPECT_NEAR(tool["force_max_N"].get<double>(), stated[m], 0.03 * stated[m]) << tool["name"];
+    const json& last = tool["series"].back();
+    force.push_back({last[5].get<double>(), last[6].get<double>(), last[7].get<double>()});
+  }
+  for (const Vec3d f : force)
+    EXPECT_GT(dot(normalized(f), normalized(force[0])), std::cos(10 * std::numbers::pi / 180));
 }
 
 }  // namespace
