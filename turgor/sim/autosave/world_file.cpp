@@ -9,6 +9,7 @@
 #include "turgor/models/lattice/surface/surface_plan.hpp"
 #include "turgor/models/sfem/green.hpp"
 #include "turgor/sim/autosave/transfer_snapshot.hpp"
+#include "turgor/sim/bodies/sfem/needle_sfem.hpp"
 
 namespace turgor {
 
@@ -101,7 +102,17 @@ void transfer(File& file, FreeDisplacement& free) {
   auto& [before, now, number] = free;
   transfer_all(file, before, now, number);
 }
-/// Without the Green's functions, which loading solves again.
+/// Elements around needles, whose Green's functions are solved again if loading has solved others.
+template <class File>
+void transfer_inner(File& file, std::shared_ptr<const sfem::InnerGreen>& inner) {
+  if (!inner) return;  // made by loading
+  std::vector<int> elements = inner->elements;
+  transfer(file, elements);
+  if constexpr (File::kReads)
+    if (elements != inner->elements)
+      inner = std::make_shared<const sfem::InnerGreen>(sfem::InnerGreen{.elements = std::move(elements)});
+}
+/// Without the Green's functions.
 template <class File>
 void transfer(File& file, NeedleDisplacement& needles) {
   auto& [inner, in_use, displacement, motion, target_motion] = needles;
@@ -117,6 +128,8 @@ void transfer_body(File& file, SfemBody& body) {
                body.patch_memory, body.follow, body.centers, body.patches, body.now, body.touch,
                body.built_patches, body.patch_is_ready, body.rebuilds, body.rejected_patches,
                body.rejection_reason, body.law_forces, body.law_summary, body.surface_strain);
+  transfer_inner(file, body.needles.inner);
+  transfer_inner(file, body.touch.needles.inner);
   // the nonlinear patch is made again from the patch in use, with its displacement
   if (body.nonlinear) body.law_displacement = body.nonlinear->u;
   transfer(file, body.law_displacement);
@@ -327,7 +340,7 @@ void read_world(const Exec& exec, StateReader& file, const LoadedPatches& loaded
   WorldFile<StateReader> in{file, locked(loaded)};
   transfer_world(in, world);
   if (!file.is_sound()) return;
-  for (SfemBody& body : world.sfem_bodies) fetch_columns_in_use(exec, body);
+  for (SfemBody& body : world.sfem_bodies) fetch_columns_in_use(exec, body), restore_needles(exec, body);
 }
 
 }  // namespace turgor

@@ -89,6 +89,28 @@ TEST(NeedleLattice, ReportHasPunctureLayersAndWork) {
   EXPECT_NEAR(organ, 0.14, 1e-6);
 }
 
+// Friction along the shaft is that of the layer: f per length rises by the layer's shaft_friction where the
+// shaft goes on into it, and by the needle's own above.
+TEST(NeedleLattice, FrictionIsThatOfTheLayer) {
+  const std::string once =
+      "press = { at = [0.005, -0.01, 0.003], depth = 0.036, start = 0, duration = 2, hold = 0.1 }";
+  const World world = lattice_needle_run(1, needle_text(kNeedleShape, once), 120);
+  // slope of the friction between two lengths of the shaft in the tissue [N/m]
+  const auto slope = [&](double from, double to) {
+    const ForceSample *first = nullptr, *last = nullptr;
+    for (const ForceSample& s : world.tools[0].samples) {
+      if (s.needle.inserted < from || s.needle.inserted > to) continue;
+      first = first ? first : &s, last = &s;
+    }
+    if (!first || first == last) return 0.0;
+    return (last->needle.friction - first->needle.friction) /
+           (last->needle.inserted - first->needle.inserted);
+  };
+  const double fat = slope(0.010, 0.020), organ = slope(0.028, 0.033);
+  EXPECT_NEAR(fat, 1.4, 0.1);
+  EXPECT_NEAR(organ, 2, 0.1);
+}
+
 /// Mean force along a needle, and its parts, between two lengths of the shaft in the tissue during insertion.
 struct MeanForce {
   double whole = 0, friction = 0;

@@ -10,8 +10,10 @@
 #include "tests/folders.hpp"
 #include "tests/sim/live/replayed_world.hpp"
 #include "tests/sim/live/watched_session.hpp"
+#include "tests/sim/resumed.hpp"
 #include "turgor/sim/live/haptic_recording.hpp"
 #include "turgor/sim/live/session.hpp"
+#include "turgor/sim/report/page.hpp"
 #include "turgor/sim/report/report_needle.hpp"
 #include "turgor/sim/run.hpp"
 #include "turgor/sim/world_state.hpp"
@@ -60,8 +62,59 @@ TEST(NeedleSfem, ReportHasPunctureAndWork) {
   ASSERT_GE(report["peaks"].size(), 2u);
   EXPECT_NEAR(report["peaks"][0][2].get<double>(), 0.328, 0.003);
   EXPECT_GT(report["series"].size(), 100u);
+  // parts of the force at the deepest insertion
+  double all = 0;
+  const Json share = report["share"];
+  for (const char* column : {"cutting_percent", "spreading_percent", "friction_percent"})
+    all += share[column].get<double>();
+  EXPECT_NEAR(all, 100, 0.1);
+  const double inserted = report["inserted_max_mm"].get<double>() * 1e-3, friction = 1.4 * inserted;
+  EXPECT_NEAR(share["friction_percent"].get<double>() / share["cutting_percent"].get<double>(),
+              friction / 0.164, 0.1 * friction / 0.164);
   // the body is displaced by the needle while it is in
   EXPECT_EQ(world.sfem_bodies[0].needles.displacement.size(), 1u);
+}
+
+// A biopsy: a tough, stiff nodule on the path. The force rises to its toughness, the report says at which
+// depth it begins and how far it was pushed, and the page marks it in the plot of the needle.
+TEST(NeedleSfem, NoduleIsReachedAndItsMotionReported) {
+  const double top = 0.04, center = 0.022, radius = 0.006;
+  const World world = needle_run(
+      1, needle_scene_text(kNeedleKeys, kNeedlePress,
+                           fmt::format("inclusion = {{ nodule = {{ center = [0.031, 0.028, {}], radius = {}, "
+                                       "young = 4e4, toughness = 400 }} }}\n",
+                                       center, radius)));
+  const Json report = needle_report(world.tools[0], world.sfem_bodies[0]);
+  double in_nodule = 0;
+  for (const ForceSample& s : world.tools[0].samples) in_nodule = std::max(in_nodule, s.needle.cutting);
+  EXPECT_NEAR(in_nodule, 0.4, 1e-3) << "N";
+  ASSERT_EQ(report["targets"].size(), 1u);
+  EXPECT_EQ(report["targets"][0][0], "nodule");
+  EXPECT_GT(report["targets"][0][1].get<double>(), 0.3) << "mm";
+  EXPECT_LT(report["targets"][0][1].get<double>(), 6) << "mm";
+  ASSERT_GE(report["layers"].size(), 1u) << report["layers"];
+  EXPECT_EQ(report["layers"][0][0], "nodule");
+  // it is pushed ahead of the tip, and elements of 10 mm resolve it
+  EXPECT_NEAR(report["layers"][0][3].get<double>(), 1e3 * (top - center - radius), 8) << report["layers"];
+  const Json tool{{"name", "needle"}, {"needle", report}};
+  const std::string page = page::touch_curves({{"tools", Json::array({tool})}});
+  EXPECT_NE(page.find("Needle needle"), std::string::npos);
+  EXPECT_NE(page.find("nodule"), std::string::npos);
+}
+
+// A state file keeps a needle inside of the body: the resumed world has the same bits.
+TEST(NeedleSfem, StateIsRestored) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const Exec exec(1);
+  Result<World> world = needle_world(exec, needle_scene_text()),
+                resumed = needle_world(exec, needle_scene_text());
+  ASSERT_TRUE(world && resumed);
+  const LoadedPatches loaded = loaded_patches(*world);
+  for (int frame = 0; frame < 24; frame++) ASSERT_TRUE(step(exec, *world));
+  ASSERT_EQ(world->sfem_bodies[0].touch.needles.needles[0].phase, contact::NeedlePhase::kInside);
+  test::expect_resumes(exec, folder / "state", loaded, *world, *resumed);
+  EXPECT_EQ(resumed->sfem_bodies[0].touch.needles.needles[0].force,
+            world->sfem_bodies[0].touch.needles.needles[0].force);
 }
 
 // A needle that bends deflects toward the edge of its bevel; the report says by how much. The same bits on

@@ -155,6 +155,17 @@ void follow_needles(const Exec& exec, SfemBody& body) {
     (void)solve_inner(exec, body, std::move(elements));
 }
 
+void restore_needles(const Exec& exec, SfemBody& body) {
+  const std::shared_ptr<const sfem::InnerGreen> newest = body.needles.inner,
+                                                in_use = body.touch.needles.inner;
+  if (!newest) return;
+  const auto solved = [&](const std::shared_ptr<const sfem::InnerGreen>& inner) {
+    return inner->vertices.empty() ? solve_inner(exec, body, inner->elements) : inner;
+  };
+  body.touch.needles.inner = body.now.inner = solved(in_use);
+  body.needles.inner = newest->elements == in_use->elements ? body.touch.needles.inner : solved(newest);
+}
+
 void displace_by_needles(SfemBody& body) {
   const std::shared_ptr<const sfem::InnerGreen> inner = body.now.inner;
   if (!inner) return;

@@ -18,6 +18,9 @@ Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<Touch
 /// takes them with the next motion.
 void follow_needles(const Exec& exec, SfemBody& body);
 
+/// After reading a state: solves Green's functions whose elements are known only.
+void restore_needles(const Exec& exec, SfemBody& body);
+
 /// Displacement of the whole body by its needles, and the motion of the vertices around each of them by
 /// everything else.
 void displace_by_needles(SfemBody& body);
