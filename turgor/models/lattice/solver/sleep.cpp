@@ -43,13 +43,13 @@ void stop_row(const Model& model, Motion& motion, int row) {
   });
 }
 
-/// True if the coarse correction moved a node of the row farther than a sleeping row may move.
+/// True if the coarse correction moved a node of the body in the row farther than a sleeping row may move.
 bool coarse_motion_wakes(const Model& model, const Motion& motion, int row, double dt) {
   const Real distance = Real(model.params.solver.sleep_speed * dt);
   bool any = false;
   for_each_slot(model, row, [&](std::size_t s) {
     const Vec3 d = motion.u[s] - motion.u_before[s];
-    any |= !(dot(d, d) <= distance * distance);
+    any |= is_body(model.anatomy.tissue[s]) && !(dot(d, d) <= distance * distance);
   });
   return any;
 }

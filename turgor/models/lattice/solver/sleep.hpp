@@ -1,6 +1,7 @@
-// Sleep of rows (VBD only). A row sleeps after a few steps in which no node near it was faster than
-// SolverParams::sleep_speed. It wakes when something near it moves, is cut, touched or loaded, or when
-// gravity changes. Sleep depends only on previous sweeps, never on the timing of threads.
+// Sleep of rows (VBD only). A row sleeps after a few steps in which no node of the body near it was faster
+// than SolverParams::sleep_speed. Rim nodes, up to a spacing beyond the surface, exaggerate the motion of the
+// body beside them and keep no row awake. A row wakes when something near it moves, is cut, touched or
+// loaded, or when gravity changes. Sleep depends only on previous sweeps, never on the timing of threads.
 //
 // A body in its initial state starts asleep. Without a coarse space, sleeping rows stand still. With one,
 // they follow the coarse correction without inertia, and wake when it moves them farther. Coarse corrections

@@ -332,15 +332,17 @@ struct VbdSweep {
     }
   }
 
-  /// True if a node moved farther than the wake distance. Bit patterns of positive numbers are ordered, and
-  /// NaN is the largest.
+  /// True if a node of the body moved farther than the wake distance (sleep.hpp). Bit patterns of positive
+  /// numbers are ordered, and NaN is the largest.
   bool has_moved(int slot, int count) const {
     const NodeArrays& n = gather.nodes;
+    const Tissue* __restrict tissue = gather.model.anatomy.tissue.data();
     std::uint32_t found = 0;
     for (int begin = slot; begin < slot + count; begin += kGroup)
       for (int s = begin; s < begin + kGroup; s++) {
         const Real x = n.ux[s] - inertia.bx[s], y = n.uy[s] - inertia.by[s], z = n.uz[s] - inertia.bz[s];
-        const std::uint32_t bits = magnitude_bits(x * x + y * y + z * z);
+        const Real own = is_body(tissue[s]) ? Real(1) : Real(0);
+        const std::uint32_t bits = magnitude_bits(own * (x * x + y * y + z * z));
         found = bits > found ? bits : found;
       }
     return found > std::bit_cast<std::uint32_t>(wake_distance2);
