@@ -16,8 +16,8 @@ namespace turgor::page {
 std::string html_value(const Json& value);
 std::string table_row(const std::vector<std::string>& cells, const char* tag);
 
-/// Table with a row per quantity and a column per item; rows without values are omitted. Published values have
-/// a column of their own where a row has some.
+/// Table with a row per quantity and a column per item; rows without values are omitted. Published values
+/// have a column of their own where a row has some.
 std::string quantity_table(const Json& items, const char* heading, const std::vector<Caption>& captions);
 /// Table with a row per item and a column per quantity.
 std::string item_table(const Json& items, const char* heading, const std::vector<Caption>& captions);
