@@ -83,12 +83,12 @@ TEST(SeenSurface, BadFilesAreRefused) {
       {"seen = \"number.obj\"", "number.obj"},
       {"seen = \"fine.obj\"\nseen_scale = 1000", "seen_scale"},
       {"seen = \"fine.obj\"\nseen_up = \"y\"", "expected a surface of the same body"}};
-  for (const auto& [keys, part] : bad) {
+  for (const auto& [keys, words] : bad) {
     const Result<World> world = load_world(Exec(1), body_scene(folder, keys));
     ASSERT_FALSE(world) << keys;
     const std::string& message = world.error().message;
     EXPECT_NE(message.find("seen: "), std::string::npos) << message;
-    EXPECT_NE(message.find(part), std::string::npos) << message;
+    EXPECT_NE(message.find(words), std::string::npos) << message;
   }
 }
 
