@@ -173,6 +173,34 @@ TEST(Surroundings, WoundIsMeasuredWhereDrawn) {
   EXPECT_NE(lips_of(build_surface(without, state.cuts, &ct, Extent::kCuts)), drawn);
 }
 
+/// Area of the skin within a spacing of the back [m²].
+double skin_of_back(const CtVolume& ct) {
+  Params params;
+  params.block = {4, 4, 4};
+  const Model model = build(Exec(2), ct, {}, params).value();
+  const Lattice& l = model.anatomy.lattice;
+  double area = 0;
+  for (const SkinTriangle& t : model.anatomy.skin.triangles) {
+    Vec3d center;
+    for (const int slot : {t.vertex.x, t.vertex.y, t.vertex.z})
+      center += hadamard(Vec3d(slot_node(l, slot)), Vec3d(l.spacing)) / 3;
+    if (center.y > 1e-3 * (kBack - 20) && std::abs(center.x - 0.12) < 0.02) area += double(t.area);
+  }
+  return area;
+}
+
+// A back that lies on a table is skin like the rest of the body, with the tension of skin.
+TEST(Surroundings, BackOnTableIsSkin) {
+  const auto in_table = [](double x, double y) {
+    return y >= kBack + 2 && y < kBack + 27 && x > 5 && x < 235;
+  };
+  const double alone = skin_of_back(painted([](double x, double y, double) { return in_body(x, y); }));
+  const double on_table =
+      skin_of_back(painted([&](double x, double y, double) { return in_body(x, y) || in_table(x, y); }));
+  EXPECT_GT(alone, 0.8 * 0.04 * 0.06) << "m²";
+  EXPECT_NEAR(on_table, alone, 0.02 * alone);
+}
+
 // Next to surroundings, tissue keeps its values, and thin covers become air.
 TEST(Surroundings, TissueKeepsValuesBesideThem) {
   const CtVolume ct = body_on_cover(3);
