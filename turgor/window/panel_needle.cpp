@@ -15,7 +15,7 @@ std::string needle_text(const Viewer& viewer) {
     if (!is_used && !(sample.needle.inserted > 0)) continue;
     const std::string layer = now.layers[t].empty() ? "outside" : "in " + now.layers[t];
     return fmt::format(
-        "needle: {:.1f} mm deep, {:.2f} N, tip {}\ncutting {:.2f} N, spreading {:.2f} N, friction {:.2f} N",
+        "needle: {:.1f} mm deep, {:.2f} N, tip {}\ncutting {:.2f} N, spreading {:.2f} N,\nfriction {:.2f} N",
         1e3 * sample.needle.inserted, sample.force, layer, sample.needle.cutting, sample.needle.spreading,
         sample.needle.friction);
   }
