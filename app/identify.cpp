@@ -23,8 +23,9 @@ namespace fs = std::filesystem;
 
 struct IdentifyOptions {
   IdentifyInput input;
-  fs::path table, out;
-  std::vector<std::string> fits;
+  fs::path out;
+  std::vector<fs::path> files;  // of tables
+  std::vector<std::string> tools, fits;
   bool force = false;
 };
 
@@ -43,22 +44,38 @@ FitParameter parameter_of(const std::string& text) {
                                text)};
 }
 
-void write_curves(const MeasuredForce& measured, const Identified& found, const fs::path& folder) {
+/// Writes the curves of a table whose forces of the model begin at `first`. `suffix`: of the file names.
+void write_curves(const MeasuredForce& measured, const double* model, const std::string& suffix,
+                  const fs::path& folder) {
   const char* abscissa = measured.by_time ? "time [s]" : "depth [mm]";
   const double scale = measured.by_time ? 1 : 1e3;
   Plot plot{"Measured and fitted force", abscissa, "force [N]", {{"measured", {}}, {"model", {}}}, false};
   std::string table = fmt::format("{},measured_N,model_N\n", measured.by_time ? "time_s" : "depth_m");
   for (std::size_t i = 0; i < measured.at.size(); i++) {
     plot.curves[0].points.emplace_back(scale * measured.at[i], measured.force[i]);
-    plot.curves[1].points.emplace_back(scale * measured.at[i], found.force[i]);
-    table += fmt::format("{:.9g},{:.9g},{:.9g}\n", measured.at[i], measured.force[i], found.force[i]);
+    plot.curves[1].points.emplace_back(scale * measured.at[i], model[i]);
+    table += fmt::format("{:.9g},{:.9g},{:.9g}\n", measured.at[i], measured.force[i], model[i]);
   }
-  required(write_file(folder / "force.svg", plot_svg_file(plot)));
-  required(write_file(folder / "curve.csv", table));
+  required(write_file(folder / fmt::format("force{}.svg", suffix), plot_svg_file(plot)));
+  required(write_file(folder / fmt::format("curve{}.csv", suffix), table));
+}
+/// Curves of all tables: curve.csv of one, curve-1.csv and so on of several.
+void write_curves(const std::vector<MeasuredForce>& tables, const Identified& found, const fs::path& folder) {
+  const double* model = found.force.data();
+  for (std::size_t t = 0; t < tables.size(); t++) {
+    write_curves(tables[t], model, tables.size() == 1 ? "" : fmt::format("-{}", t + 1), folder);
+    model += tables[t].at.size();
+  }
 }
 
-Json to_json(const IdentifyOptions& options, const MeasuredForce& measured, const Identified& found) {
-  Json parameters = Json::array();
+Json to_json(const IdentifyOptions& options, const std::vector<MeasuredForce>& tables,
+             const Identified& found) {
+  Json parameters = Json::array(), measured = Json::array();
+  for (std::size_t t = 0; t < tables.size(); t++)
+    measured.push_back({{"file", options.files[t].string()},
+                        {"tool", tables[t].tool},
+                        {"rows", tables[t].at.size()},
+                        {"residual", found.residuals[t]}});
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
   for (const FittedParameter& p : found.parameters)
     parameters.push_back({{"key", p.key},
@@ -70,8 +87,7 @@ Json to_json(const IdentifyOptions& options, const MeasuredForce& measured, cons
   return {{"program", "turgor"},
           {"version", program_version()},
           {"scene", options.input.scene.string()},
-          {"table", options.table.string()},
-          {"rows", measured.at.size()},
+          {"tables", measured},
           {"parameters", parameters},
           {"residual", found.residual},
           {"start_residual", found.start_residual},
@@ -95,15 +111,31 @@ void print(const Identified& found, const fs::path& out) {
   print_plain("curves   {}\n", out.string());
 }
 
+/// Reads the tables; the first --tool names the tool of the first table, and so on.
+std::vector<MeasuredForce> read_tables(const IdentifyOptions& options) {
+  if (options.tools.size() > options.files.size())
+    throw Failure{2, fmt::format("--tool: expected at most one for each table, found {} for {}",
+                                 options.tools.size(), options.files.size())};
+  std::vector<MeasuredForce> tables;
+  for (const fs::path& file : options.files) {
+    MeasuredForce table = required(read_measured_force(file));
+    if (tables.size() < options.tools.size()) table.tool = options.tools[tables.size()];
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
 void identify_tissue(const Exec& exec, IdentifyOptions& options) {
   options.input.parameters.clear();
   for (const std::string& text : options.fits) options.input.parameters.push_back(parameter_of(text));
-  const MeasuredForce measured = required(read_measured_force(options.table));
-  OutputFolder folder = open_result_folder(
-      options.out.empty() ? fs::path("out") / options.table.stem() : options.out, options.force);
-  const Identified found = required(identify(exec, options.input, measured), options.table.string() + ": ");
-  write_curves(measured, found, folder.path());
-  required(write_file(folder.path() / kReportFile, json_text(to_json(options, measured, found)) + "\n"));
+  const std::vector<MeasuredForce> tables = read_tables(options);
+  const fs::path& first = options.files[0];
+  OutputFolder folder =
+      open_result_folder(options.out.empty() ? fs::path("out") / first.stem() : options.out, options.force);
+  const Identified found =
+      required(identify(exec, options.input, tables), tables.size() == 1 ? first.string() + ": " : "");
+  write_curves(tables, found, folder.path());
+  required(write_file(folder.path() / kReportFile, json_text(to_json(options, tables, found)) + "\n"));
   commit_results(folder);
   print(found, folder.goal());
 }
@@ -117,9 +149,10 @@ void add_identify_command(CLI::App& program, Global& global) {
   command->add_option("scene", options->input.scene, "A scene whose tool moves as in the measurement")
       ->required();
   command
-      ->add_option("table", options->table,
+      ->add_option("tables", options->files,
                    "Two columns: depth_mm,force_N (or _m, _mN), compared while the tool moves in; or "
-                   "time_s,force_N, compared at the scene's time")
+                   "time_s,force_N, compared at the scene's time. Several tables, such as those of two "
+                   "probes, are fitted together")
       ->required();
   command
       ->add_option("--fit", options->fits,
@@ -128,8 +161,14 @@ void add_identify_command(CLI::App& program, Global& global) {
       ->required()
       ->type_size(1)
       ->allow_extra_args(false);
-  command->add_option("--tool", options->input.tool, "Name of the tool (default: the first)");
-  command->add_option("-o,--out", options->out, "Folder for the curves (default: out/TABLE)");
+  command
+      ->add_option(
+          "--tool", options->tools,
+          "Name of the tool of the table (default: the first of the scene); repeated for every table")
+      ->type_size(1)
+      ->allow_extra_args(false);
+  command->add_option("-o,--out", options->out,
+                      "Folder for the curves (default: out/ and the name of the first table)");
   add_force_option(*command, options->force);
   add_set_option(*command, options->input.overrides);
   command->footer(

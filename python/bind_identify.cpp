@@ -6,6 +6,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
@@ -30,21 +31,28 @@ nb::dict to_dict(const Identified& found) {
   for (const FittedParameter& parameter : found.parameters)
     parameters[parameter.key.c_str()] = to_dict(parameter);
   result["parameters"] = parameters, result["force_N"] = new_array(std::vector<double>(found.force), 0);
+  result["residuals"] = nb::cast(found.residuals);
   result["residual"] = found.residual, result["start_residual"] = found.start_residual;
   result["iterations"] = found.iterations, result["runs"] = found.runs;
   result["converged"] = found.converged, result["notes"] = nb::cast(found.notes);
   return result;
 }
 
-/// Fits `start` values of keys to a force at depths [m], or at times [s]. Ctrl+C ends the fit.
+/// Rows of a tool: its name, depths [m] or times [s], and forces [N].
+using Rows = std::tuple<std::string, std::vector<double>, std::vector<double>>;
+
+/// Fits `start` values of keys to forces at depths, or at times. Ctrl+C ends the fit.
 nb::dict fit(const std::filesystem::path& file, const std::optional<std::string>& text,
-             const std::vector<std::string>& overrides, bool by_time, const std::vector<double>& at,
-             const std::vector<double>& force, const std::vector<std::pair<std::string, double>>& start,
-             const std::string& tool, int threads) {
+             const std::vector<std::string>& overrides, bool by_time, const std::vector<Rows>& rows,
+             const std::vector<std::pair<std::string, double>>& start, int threads) {
   required(check_threads(threads));
-  if (at.size() != force.size())
-    throw Refused(fmt::format("expected a force for each of {} rows, found {}", at.size(), force.size()));
-  IdentifyInput input{.scene = file, .text = text, .overrides = overrides, .tool = tool};
+  std::vector<MeasuredForce> tables;
+  for (const auto& [tool, at, force] : rows) {
+    if (at.size() != force.size())
+      throw Refused(fmt::format("expected a force for each of {} rows, found {}", at.size(), force.size()));
+    tables.push_back({by_time, at, force, tool});
+  }
+  IdentifyInput input{.scene = file, .text = text, .overrides = overrides};
   for (const auto& [key, value] : start) input.parameters.push_back({key, value});
   input.before_frame = [] {
     const nb::gil_scoped_acquire python;
@@ -53,7 +61,7 @@ nb::dict fit(const std::filesystem::path& file, const std::optional<std::string>
   Identified found;
   {
     const nb::gil_scoped_release others;
-    found = required(identify(Exec(threads), input, {by_time, at, force}));
+    found = required(identify(Exec(threads), input, tables));
   }
   return to_dict(found);
 }
@@ -61,8 +69,8 @@ nb::dict fit(const std::filesystem::path& file, const std::optional<std::string>
 }  // namespace
 
 void bind_identify(nb::module_& module) {
-  module.def("identify", &fit, "scene"_a, "text"_a.none(), "overrides"_a, "by_time"_a, "at"_a, "force"_a,
-             "start"_a, "tool"_a, "threads"_a);
+  module.def("identify", &fit, "scene"_a, "text"_a.none(), "overrides"_a, "by_time"_a, "rows"_a, "start"_a,
+             "threads"_a);
 }
 
 }  // namespace turgor

@@ -55,5 +55,26 @@ TEST(IdentifyCommand, FitsTableAndRefusesWrongInput) {
   }
 }
 
+// Two tables of one tool are fitted together, each with its own curve and residual.
+TEST(IdentifyCommand, FitsTwoTablesTogether) {
+  const fs::path folder = fresh_folder();
+  write(folder / "press.toml", kPress);
+  write(folder / "deep.csv", "depth_mm,force_mN\n0.4,8\n0.8,22\n1.2,40\n1.6,60\n");
+  write(folder / "late.csv", "time_ms,force_mN\n40,22\n60,40\n80,60\n");
+  const std::string fit = "identify press.toml deep.csv late.csv --fit body.pad.young=3000";
+  const Ended ended = run_program(fit + " --tool finger --tool finger -o both", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const json report = report_in(folder / "both");
+  ASSERT_EQ(report["tables"].size(), 2u);
+  EXPECT_EQ(report["tables"][0]["rows"], 4);
+  EXPECT_EQ(report["tables"][1]["rows"], 3);
+  EXPECT_EQ(report["tables"][1]["tool"], "finger");
+  EXPECT_GT(report["tables"][1]["residual"].get<double>(), 0);
+  for (const char* file : {"curve-1.csv", "curve-2.csv", "force-1.svg", "force-2.svg"})
+    EXPECT_TRUE(fs::exists(folder / "both" / file)) << file;
+  const Ended many = run_program(fit + " --tool finger --tool finger --tool finger -o many", folder);
+  EXPECT_EQ(many.code, 2) << many.printed;
+}
+
 }  // namespace
 }  // namespace turgor

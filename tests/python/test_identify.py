@@ -34,6 +34,27 @@ class Identify(unittest.TestCase):
             self.assertEqual(found.force_N.shape, force[rows].shape)
             self.assertAlmostEqual(found.parameters[KEY].sensitivity, 1, delta=0.02)  # linear elastic
 
+    # Columns by the name of the tool are fitted together and give a force by name.
+    def test_tools_by_name_are_fitted_together(self):
+        second = PRESS + PRESS[PRESS.index("[tool.finger]"):].replace("finger", "thumb").replace("0.012", "0.009").replace("0.5, 0.5", "0.8, 0.5")
+        pressed = turgor.World(text=second, set={KEY: 7.3e3})
+        for _ in pressed.run():
+            pass
+        depth, force = {}, {}
+        for name in ("finger", "thumb"):
+            curve = pressed.forces(name)
+            depth[name] = curve["depth_m"][40:96:11]
+            force[name] = np.linalg.norm(curve["force_N"], axis=1)[40:96:11]
+        found = turgor.identify(text=second, fit={KEY: 2e3}, force=force, depth=depth)
+        self.assertAlmostEqual(found.parameters[KEY].value / 7.3e3, 1, delta=2e-3)
+        self.assertEqual(len(found.residuals), 2)
+        for name in force:
+            np.testing.assert_allclose(found.force_N[name], force[name], rtol=5e-3)
+        with self.assertRaisesRegex(ValueError, "same tools"):
+            turgor.identify(text=second, fit={KEY: 2e3}, force=force, depth={"finger": depth["finger"]})
+        with self.assertRaisesRegex(TypeError, "both by the name"):
+            turgor.identify(text=second, fit={KEY: 2e3}, force=force, depth=[1e-3])
+
     # Wrong input is refused with a sentence.
     def test_wrong_input_is_refused(self):
         rows = {"depth": [4e-4, 8e-4, 1.2e-3], "force": [1e-2, 2e-2, 4e-2]}

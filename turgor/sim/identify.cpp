@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/io/files/number_table.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -59,73 +58,46 @@ std::vector<Numbers> inverse(std::vector<Numbers> m) {
 
 constexpr double kStep = 0.02;  // of a logarithm, for sensitivities
 
-/// Unit in brackets or after the last underscore of a column name.
-std::string column_unit(std::string name) {
-  std::erase_if(name, [](char c) { return c == '[' || c == ']' || c == ' ' || c == '"'; });
-  const std::size_t at = name.find_last_of('_');
-  return at == std::string::npos ? "" : name.substr(at + 1);
-}
-
-struct ColumnUnits {
-  bool by_time = false;
-  double at = 1, force = 1;  // to SI
+/// Rows of all tables, each relative to the root mean square of the force of its table.
+struct ScaledRows {
+  Numbers force, scale;  // [1], [N]
 };
-Result<ColumnUnits> column_units(const std::filesystem::path& file) {
-  const Result<std::vector<std::string>> names = read_column_names(file);
-  if (!names) return names.error();
-  ColumnUnits units;
-  if (names->size() != 2) return units;
-  static const std::map<std::string, double> kAt{
-      {"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"s", 1}, {"ms", 1e-3}};
-  static const std::map<std::string, double> kForce{{"N", 1}, {"mN", 1e-3}, {"gf", 9.80665e-3}};
-  const std::string first = column_unit((*names)[0]), second = column_unit((*names)[1]);
-  units.by_time = (*names)[0].find("time") != std::string::npos || first == "s" || first == "ms";
-  const auto at = kAt.find(first.empty() ? (units.by_time ? "s" : "m") : first);
-  const auto force = kForce.find(second.empty() ? "N" : second);
-  if (at == kAt.end() || force == kForce.end() || units.by_time != (at->first == "s" || at->first == "ms"))
-    return Error{
-        fmt::format("{}: expected columns such as depth_mm,force_N or time_s,force_N, found \"{:.40}\" "
-                    "and \"{:.40}\"",
-                    file.string(), (*names)[0], (*names)[1])};
-  units.at = at->second, units.force = force->second;
-  return units;
-}
-
-Status check_measured(const MeasuredForce& measured, std::size_t parameters) {
-  TURGOR_ASSERT(measured.at.size() == measured.force.size(), "a force a row");
-  if (measured.at.size() < parameters + 2)
-    return Error{fmt::format("expected at least {} rows for {} parameters, found {}", parameters + 2,
-                             parameters, measured.at.size())};
-  double most = 0;
-  for (std::size_t i = 0; i < measured.at.size(); i++) {
-    if (!std::isfinite(measured.at[i]) || !std::isfinite(measured.force[i]))
-      return Error{fmt::format("row {}: expected finite numbers", i + 1)};
-    if (i > 0 && !(measured.at[i] > measured.at[i - 1]))
-      return Error{fmt::format("row {}: expected a {} above {:.6g}, found {:.6g}", i + 1,
-                               measured.by_time ? "time" : "depth", measured.at[i - 1], measured.at[i])};
-    if (measured.at[i] < 0)
-      return Error{fmt::format("row {}: expected a {} from 0, found {:.6g}", i + 1,
-                               measured.by_time ? "time" : "depth", measured.at[i])};
-    most = std::max(most, std::abs(measured.force[i]));
+ScaledRows scaled_rows(const std::vector<MeasuredForce>& tables) {
+  ScaledRows rows;
+  for (const MeasuredForce& table : tables) {
+    const double rms = std::sqrt(product(table.force, table.force) / double(table.force.size()));
+    for (const double force : table.force) rows.force.push_back(force / rms), rows.scale.push_back(rms);
   }
-  if (most == 0) return Error{"expected a force that is not zero in every row"};
-  return Done{};
+  return rows;
+}
+Status check_tables(const std::vector<MeasuredForce>& tables, std::size_t parameters) {
+  std::size_t rows = 0;
+  for (const MeasuredForce& table : tables) {
+    if (const Status status = check_measured(table); !status) return status.error();
+    rows += table.at.size();
+  }
+  if (rows >= parameters + 2) return Done{};
+  return Error{
+      fmt::format("expected at least {} rows for {} parameters, found {}", parameters + 2, parameters, rows)};
 }
 
 /// Least squares on logarithms.
 struct Fit {
   const ForceModel& model;
+  const Numbers& scale;  // of the rows [N]
   int runs = 0;
   std::string failure;  // of the latest run
 
-  /// Model at these logarithms; empty where it fails.
+  /// Scaled forces of the model at these logarithms; empty where it fails.
   Numbers at(const Numbers& logs) {
     Numbers values;
     for (const double l : logs) values.push_back(std::exp(l));
     runs++;
-    const Result<Numbers> force = model(values);
+    Result<Numbers> force = model(values);
     if (!force) return failure = force.error().message, Numbers();
-    return *force;
+    TURGOR_ASSERT(force->size() == scale.size(), "a force a row");
+    for (std::size_t i = 0; i < scale.size(); i++) (*force)[i] /= scale[i];
+    return std::move(*force);
   }
   /// ∂force/∂logarithms, a column a parameter, by differences to one side. Empty where a run fails on both.
   std::vector<Numbers> sensitivities(const Numbers& logs, const Numbers& force) {
@@ -179,8 +151,7 @@ double student_quantile(double freedom) {
 
 /// Confidence intervals and notes from the sensitivities at the solution.
 void add_confidence(const std::vector<FitParameter>& parameters, const Numbers& logs,
-                    const std::vector<Numbers>& slopes, const Numbers& residual, double force_rms,
-                    Identified& result) {
+                    const std::vector<Numbers>& slopes, const Numbers& residual, Identified& result) {
   constexpr double kNarrow = 0.6931, kAlike = 0.98;  // ln 2; correlation
   const double rows = double(residual.size()), freedom = rows - double(logs.size());
   const double noise = product(residual, residual) / freedom;
@@ -190,7 +161,7 @@ void add_confidence(const std::vector<FitParameter>& parameters, const Numbers& 
     const double width = covariance.empty() ? std::numeric_limits<double>::infinity()
                                             : student_quantile(freedom) * std::sqrt(noise * covariance[p][p]);
     fitted.low = fitted.value * std::exp(-width), fitted.high = fitted.value * std::exp(width);
-    fitted.sensitivity = std::sqrt(product(slopes[p], slopes[p]) / rows) / force_rms;
+    fitted.sensitivity = std::sqrt(product(slopes[p], slopes[p]) / rows);
     fitted.is_observable = width < kNarrow;
     if (!fitted.is_observable)
       result.notes.push_back(
@@ -202,6 +173,18 @@ void add_confidence(const std::vector<FitParameter>& parameters, const Numbers& 
             fmt::format("{} and {} can hardly be told apart by this table", parameters[q].key, fitted.key));
     result.parameters.push_back(fitted);
   }
+}
+
+/// Root mean square of the scaled residual in each table.
+Numbers table_residuals(const std::vector<MeasuredForce>& tables, const Numbers& residual) {
+  Numbers result;
+  auto first = residual.begin();
+  for (const MeasuredForce& table : tables) {
+    const auto last = first + std::ptrdiff_t(table.at.size());
+    result.push_back(std::sqrt(std::inner_product(first, last, first, 0.0) / double(table.at.size())));
+    first = last;
+  }
+  return result;
 }
 
 /// Overrides of the scene for these values. Entries of an array are joined to one value.
@@ -259,7 +242,9 @@ Result<std::vector<double>> forces_at(const TouchingTool& tool, const MeasuredFo
 
 /// One run of the scene without a cache: every trial has another stiffness.
 Result<std::vector<double>> run_trial(const Exec& exec, const IdentifyInput& input,
-                                      const MeasuredForce& measured, const std::vector<double>& values) {
+                                      const std::vector<MeasuredForce>& tables,
+                                      const std::vector<double>& values) {
+  // world
   std::vector<std::string> overrides = input.overrides;
   for (const std::string& text : overrides_of(input.parameters, values)) overrides.push_back(text);
   Result<Scene> scene =
@@ -268,50 +253,47 @@ Result<std::vector<double>> run_trial(const Exec& exec, const IdentifyInput& inp
   for (SfemScene& body : scene->sfem_bodies) body.cached = false;
   Result<World> world = load_world(exec, *scene);
   if (!world) return world.error();
-  const auto tool = std::find_if(world->tools.begin(), world->tools.end(), [&](const TouchingTool& t) {
-    return input.tool.empty() || t.name == input.tool;
-  });
-  if (tool == world->tools.end())
-    return Error{fmt::format("{}: expected a tool{}, found none", input.scene.string(),
-                             input.tool.empty() ? "" : " named " + input.tool)};
+  // tools
+  std::vector<const TouchingTool*> tools;
+  double last_time = 0;  // that a table compares; infinite with a depth
+  for (const MeasuredForce& table : tables) {
+    const auto tool = std::find_if(world->tools.begin(), world->tools.end(), [&](const TouchingTool& t) {
+      return table.tool.empty() || t.name == table.tool;
+    });
+    if (tool == world->tools.end())
+      return Error{fmt::format("{}: expected a tool{}, found none", input.scene.string(),
+                               table.tool.empty() ? "" : " named " + table.tool)};
+    tools.push_back(&*tool);
+    last_time =
+        std::max(last_time, table.by_time ? table.at.back() : std::numeric_limits<double>::infinity());
+  }
+  // frames
   for (int frame = 0; frame < frame_count(*scene); frame++) {
     if (input.before_frame) input.before_frame();
     const auto stepped = step(exec, *world);
     if (!stepped) return stepped.error();
     if (!stepped->finite) return Error{"a trial run was not finite"};
-    if (measured.by_time && time_of(*world) > measured.at.back() + 1e-9) break;
+    if (time_of(*world) > last_time + 1e-9) break;
   }
-  return forces_at(*tool, measured);
+  // forces
+  std::vector<double> forces;
+  for (std::size_t t = 0; t < tables.size(); t++) {
+    const Result<std::vector<double>> found = forces_at(*tools[t], tables[t]);
+    if (!found) return found.error();
+    forces.insert(forces.end(), found->begin(), found->end());
+  }
+  return forces;
 }
 
 }  // namespace
 
-Result<MeasuredForce> read_measured_force(const std::filesystem::path& file) {
-  const Result<ColumnUnits> units = column_units(file);
-  if (!units) return units.error();
-  const std::string expected =
-      units->by_time ? "two numbers, a time and a force" : "two numbers, a depth and a force";
-  const Result<std::vector<NumberRow>> rows = read_number_table(file, expected);
-  if (!rows) return rows.error();
-  MeasuredForce measured{.by_time = units->by_time};
-  for (const NumberRow& row : *rows) {
-    if (row.values.size() != 2)
-      return Error{
-          fmt::format("{}:{}: expected {}, found \"{:.60}\"", file.string(), row.line, expected, row.text)};
-    measured.at.push_back(row.values[0] * units->at), measured.force.push_back(row.values[1] * units->force);
-  }
-  if (const Status status = check_measured(measured, 0); !status)
-    return Error{fmt::format("{}: {}", file.string(), status.error().message)};
-  return measured;
-}
-
-Result<Identified> fit_parameters(const ForceModel& model, const MeasuredForce& measured,
+Result<Identified> fit_parameters(const ForceModel& model, const std::vector<MeasuredForce>& tables,
                                   const std::vector<FitParameter>& parameters, int most_iterations) {
   constexpr double kSmallStep = 1e-3, kLeastGain = 1e-6;
   constexpr int kAttempts = 6;
   // input
   if (parameters.empty()) return Error{"expected at least one parameter to fit"};
-  if (const Status status = check_measured(measured, parameters.size()); !status) return status.error();
+  if (const Status status = check_tables(tables, parameters.size()); !status) return status.error();
   Numbers logs;
   for (const FitParameter& parameter : parameters) {
     if (!(parameter.start > 0) || !std::isfinite(parameter.start))
@@ -320,14 +302,14 @@ Result<Identified> fit_parameters(const ForceModel& model, const MeasuredForce& 
     logs.push_back(std::log(parameter.start));
   }
   // start
-  Fit fit{.model = model};
+  const ScaledRows measured = scaled_rows(tables);
+  Fit fit{.model = model, .scale = measured.scale};
   Numbers force = fit.at(logs);
   if (force.empty()) return Error{fit.failure};
-  const double rows = double(measured.at.size());
-  const double force_rms = std::sqrt(product(measured.force, measured.force) / rows);
+  const double rows = double(measured.force.size());
   Numbers residual = difference(measured.force, force);
   Identified result;
-  result.start_residual = std::sqrt(product(residual, residual) / rows) / force_rms;
+  result.start_residual = std::sqrt(product(residual, residual) / rows);
   // Levenberg-Marquardt
   double damping = 1e-3;
   bool is_better = true;
@@ -353,20 +335,22 @@ Result<Identified> fit_parameters(const ForceModel& model, const MeasuredForce& 
   // result
   const std::vector<Numbers> slopes = fit.sensitivities(logs, force);
   if (slopes.empty()) return Error{fit.failure};
-  result.residual = std::sqrt(product(residual, residual) / rows) / force_rms;
-  result.force = force;
-  add_confidence(parameters, logs, slopes, residual, force_rms, result);
+  result.residual = std::sqrt(product(residual, residual) / rows);
+  for (std::size_t i = 0; i < force.size(); i++) result.force.push_back(force[i] * measured.scale[i]);
+  result.residuals = table_residuals(tables, residual);
+  add_confidence(parameters, logs, slopes, residual, result);
   if (!result.converged)
     result.notes.emplace_back("the fit has not converged: better start values, or fewer parameters");
   result.runs = fit.runs;
   return result;
 }
 
-Result<Identified> identify(const Exec& exec, const IdentifyInput& input, const MeasuredForce& measured) {
+Result<Identified> identify(const Exec& exec, const IdentifyInput& input,
+                            const std::vector<MeasuredForce>& tables) {
   const ForceModel model = [&](const std::vector<double>& values) {
-    return run_trial(exec, input, measured, values);
+    return run_trial(exec, input, tables, values);
   };
-  return fit_parameters(model, measured, input.parameters, input.most_iterations);
+  return fit_parameters(model, tables, input.parameters, input.most_iterations);
 }
 
 }  // namespace turgor
