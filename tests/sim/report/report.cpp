@@ -55,6 +55,14 @@ TEST(Report, HasMeasuresWithUnits) {
   EXPECT_EQ(Json::parse(report.dump()), report);
 }
 
+// The bytes of the fields of a body are together its memory.
+TEST(Report, FieldsHaveBytesOfBody) {
+  const Json body = block_run().report["bodies"][0];
+  std::size_t sum = 0;
+  for (const auto& bytes : body["memory_bytes_by_field"]) sum += bytes.get<std::size_t>();
+  EXPECT_EQ(sum, body["memory_bytes"].get<std::size_t>());
+}
+
 // Skin whose tension is equal both ways has no angle to Langer's lines.
 TEST(Report, EqualTensionHasNoAngle) {
   const Exec exec(1);

@@ -4,6 +4,8 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/plain_text.hpp"
+#include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/lattice/model/fields.hpp"
 #include "turgor/models/lattice/solver/viscosity.hpp"
 #include "turgor/sim/report/section.hpp"
 #include "turgor/sim/scene/scene_cells.hpp"
@@ -22,6 +24,19 @@ struct LatticeInput {
   const LatticeBody& body;
   std::size_t bytes;
 };
+
+/// Bytes of each field that has any; together those of the body.
+Json memory_of_fields(const LatticeBody& body) {
+  Json bytes;
+  const auto add = [&](const Field& field, const auto& values) {
+    if (const std::size_t size = field_bytes(values); size > 0) bytes[field.name] = size;
+  };
+  const lattice::State& state = body.state;
+  lattice::visit_fields(body.model, add);
+  lattice::visit_fields(state, add);
+  if (const auto& coarse = state.workspace.coarse) bytes["coarse_space"] = lattice::memory_bytes(*coarse);
+  return bytes;
+}
 
 /// Text of a DICOM element of the study; absent if the CT has none.
 Json dicom_text(const LatticeInput& l, std::uint32_t tag) {
@@ -85,6 +100,8 @@ const Quantity<LatticeInput> kLattice[] = {
      "memory",
      [](const LatticeInput& l) -> Json { return double(l.bytes) / node_count(l.body.model.anatomy.lattice); },
      kEverywhere},
+    {"memory_bytes_by_field", kNone, "", [](const LatticeInput& l) { return memory_of_fields(l.body); },
+     kInReport},
     {"set_max", kPercent, "largest permanent strain",
      [](const LatticeInput& l) -> Json {
        return lattice::has_set(l.body.model.params.tissue.set)
