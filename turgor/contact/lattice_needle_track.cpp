@@ -74,7 +74,7 @@ int old_track_at(const NeedleSurroundings& around, const Needle& needle, const L
   return best;
 }
 
-/// Part of the path of a crack from its end to a position at rest that nothing stops: the far surface and
+/// Share of the path of a crack from its end to a position at rest that nothing stops: the far surface and
 /// tougher tissue do.
 struct FreeWay {
   double share = 1;

@@ -58,7 +58,7 @@ void add_point(const NeedleTick& tick) {
   fill_compliance_of(tick, n);
 }
 
-/// Part of the path of a crack from its end to a position at rest that nothing stops. The far surface and
+/// Share of the path of a crack from its end to a position at rest that nothing stops. The far surface and
 /// tougher tissue do; where Green's functions end, the track is through.
 double free_share(const NeedleTick& tick, const NeedlePoint& end, Vec3d to) {
   constexpr double kOutside = 1e-3;  // of an element
