@@ -84,6 +84,29 @@ void add_friction(const Exec& exec, std::vector<Figure>& figures) {
   }
 }
 
+/// A held needle for a minute.
+void add_lattice_rest(const Exec& exec, bool quick, std::vector<Figure>& figures) {
+  const int seconds = quick ? 10 : 60;
+  LatticeUnderNeedles body = build_block({});
+  std::vector<LatticeNeedlePush> pushes{
+      needle_above({.toughness = 60, .entry_toughness = 90}, {0.030, 0.026, top_of(body)}, 0.2, 0.3)};
+  const contact::LatticeNeedle& needle = pushes[0].state;
+  step_needles(exec, body, pushes);
+  for (const double depth : {0.02, 0.0192}) push_to(exec, body, pushes, depth, 2.5e-4);
+  const auto hold = [&](int frames) {
+    for (int i = 0; i < frames; i++) step_needles(exec, body, pushes);
+  };
+  hold(80);
+  const Vec3d before = needle.force;
+  const double inserted = needle.inserted;
+  hold(60 * seconds);
+  figures.push_back(
+      most_figure(fmt::format("needle in a lattice, held for {} s: change of the force", seconds), "no creep",
+                  "1", norm(needle.force - before) / norm(before), 1e-5));
+  figures.push_back(most_figure("needle in a lattice, held: creep", "no creep", "m",
+                                std::abs(needle.inserted - inserted), 1e-9));
+}
+
 /// Mean force between two depths of a first insertion, and the puncture's.
 struct InsertionForce {
   double puncture = 0, mean = 0;  // [N]
@@ -187,9 +210,10 @@ void add_two_needles(const Exec& exec, std::vector<Figure>& figures) {
 
 }  // namespace
 
-void add_lattice_needles(const Exec& exec, std::vector<Figure>& figures) {
+void add_lattice_needles(const Exec& exec, bool quick, std::vector<Figure>& figures) {
   for (const LatticeInsertion& c : kLatticeInsertions) add_loops(exec, c, figures);
   add_friction(exec, figures);
+  add_lattice_rest(exec, quick, figures);
   add_comparison(exec, figures);
   add_lattice_wire(exec, figures);
   add_two_needles(exec, figures);

@@ -8,6 +8,6 @@
 
 namespace turgor {
 
-void add_lattice_needles(const Exec& exec, std::vector<Figure>& figures);
+void add_lattice_needles(const Exec& exec, bool quick, std::vector<Figure>& figures);
 
 }  // namespace turgor
