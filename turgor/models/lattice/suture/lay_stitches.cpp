@@ -160,7 +160,7 @@ void add_rims(const Model& model, const StitchLayout& layout, WoundClosure& clos
     for (const int p : {0, 2}) {
       const std::size_t on_skin = p == 0 ? 0 : 3;
       closure.walls.push_back(
-          {.rest = stitch.rest[on_skin] - stitch.across * (stitch.side[on_skin] * layout.bite),
+          {.rest = stitch.middle + stitch.across * (stitch.side[on_skin] * stitch.gap / 2),
            .normal = stitch.across,
            .gap = retraction(model) * layout.bite,
            .along = stitch.along,
