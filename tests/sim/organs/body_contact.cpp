@@ -1,8 +1,10 @@
 // Contact between bodies in scenes: a stack, a block on a slope, and surfaces that do not cross.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "crossing.hpp"
 #include "organs_scene.hpp"
 #include "turgor/sim/world_state.hpp"
 
@@ -16,45 +18,6 @@ using test::organs_world;
 std::string touching(const std::string& name, const std::string& a, const std::string& b,
                      const std::string& keys = "") {
   return "[contact." + name + "]\nbetween = [\"" + a + "\", \"" + b + "\"]\n" + keys;
-}
-
-/// True if the segment from p to q meets a triangle.
-bool crosses(Vec3d p, Vec3d q, const std::array<Vec3d, 3>& t) {
-  const auto side = [&](Vec3d x) { return dot(cross(t[1] - t[0], t[2] - t[0]), x - t[0]); };
-  if (side(p) * side(q) > 0) return false;
-  double sign = 0;
-  for (std::size_t corner = 0; corner < 3; corner++) {
-    const Vec3d a = t[corner] - p, b = t[(corner + 1) % 3] - p;
-    const double volume = dot(cross(a, b), q - p);
-    if (volume * sign < 0) return false;
-    if (volume != 0) sign = volume;
-  }
-  return true;
-}
-
-/// Present triangles of a body.
-std::vector<std::array<Vec3d, 3>> triangles_of(const SfemBody& body) {
-  const auto at = [&](int v) {
-    const auto n = std::size_t(v);
-    const Vec3d u = body.flight ? body.flight->u[n] : body.coupling->displacement[n];
-    return body.model.body.mesh.vertices[n] + u;
-  };
-  std::vector<std::array<Vec3d, 3>> all;
-  for (const Int3 t : body.model.surface.triangles) all.push_back({at(t.x), at(t.y), at(t.z)});
-  return all;
-}
-
-/// Pairs of triangles of two bodies that cross.
-int crossing_count(const SfemBody& a, const SfemBody& b) {
-  int count = 0;
-  for (const auto& s : triangles_of(a))
-    for (const auto& t : triangles_of(b)) {
-      bool found = false;
-      for (std::size_t n = 0; n < 3 && !found; n++)
-        found = crosses(s[n], s[(n + 1) % 3], t) || crosses(t[n], t[(n + 1) % 3], s);
-      count += found;
-    }
-  return count;
 }
 
 // Three blocks on a fixed base: each contact bears the weight of all blocks above it, and no surfaces cross.
@@ -81,8 +44,8 @@ TEST(BodyContact, Stack_BearsWeights) {
                 std::hypot(force.x, force.y));
     EXPECT_LT(norm(force - Vec3d{0, 0, above * weight}), 1e-3 * above * weight) << contact.name;
     EXPECT_EQ(contact.dropped_most, 0);
-    EXPECT_EQ(crossing_count(world.sfem_bodies[std::size_t(contact.body[0])],
-                             world.sfem_bodies[std::size_t(contact.body[1])]),
+    EXPECT_EQ(test::crossing_count(world.sfem_bodies[std::size_t(contact.body[0])],
+                                   world.sfem_bodies[std::size_t(contact.body[1])]),
               0);
   }
 }
@@ -127,6 +90,43 @@ TEST(BodyContact, Slope_SlidesAboveFrictionAngle) {
     EXPECT_NEAR(acceleration, expected, 0.02 * 9.81 * std::sin(angle));
     EXPECT_NEAR(-force.x / force.z, std::min(std::tan(angle), kFriction), 0.02 * kFriction);
   }
+}
+
+/// Momentum of a body in the latest frame [kg m/s].
+Vec3d block_momentum(const SfemBody& body) {
+  Vec3d sum;
+  for (std::size_t v = 0; v < body.flight->v.size(); v++) sum += body.flight->v[v] * body.model.mass[v];
+  return sum;
+}
+
+// A free block flies into another one that is at rest, off its center: the momentum of both stays, and the
+// second one has got more than a third of it.
+TEST(BodyContact, CollidingBlocks_KeepMomentum) {
+  const Exec exec(2);
+  World world = organs_world(
+      exec, "[world]\nduration = 5\n" +
+                block_text("a", "[0, 0, 0]", "[0.04, 0.04, 0.02]", "[4, 4, 2]", "none", 5e4) +
+                block_text("b", "[0.006, 0.004, 0.025]", "[0.04, 0.04, 0.02]", "[4, 4, 2]", "none", 5e4) +
+                touching("hit", "a", "b", "friction = 0.3\n"));
+  const bool a_first = world.sfem_bodies[0].name == "a";
+  SfemBody &a = world.sfem_bodies[a_first ? 0 : 1], &b = world.sfem_bodies[a_first ? 1 : 0];
+  // velocity by the displacement a frame ago
+  for (Vec3d& u : a.flight->u) u -= Vec3d{0.02, 0, 0.1} * world.dt;
+  advance(exec, world, 1);
+  const Vec3d before = block_momentum(a) + block_momentum(b);
+  EXPECT_NEAR(before.z, 0.1 * test::mass_of(a), 1e-3 * before.z);
+  int touched = 0;
+  double most = 0;
+  for (int n = 0; n < 40; n++) {
+    advance(exec, world, 1);
+    touched += world.coupling.contacts[0].samples.back().bearing > 0;
+    most = std::max(most, norm(block_momentum(a) + block_momentum(b) - before) / norm(before));
+  }
+  std::printf("momentum off by %.2g, second has %.3f of it, touched for %d frames\n", most,
+              block_momentum(b).z / before.z, touched);
+  EXPECT_LT(most, 1e-9);
+  EXPECT_GT(touched, 0);
+  EXPECT_GT(block_momentum(b).z, before.z / 3);
 }
 
 std::string pressed_pad() {

@@ -39,6 +39,36 @@ double tilt_of(const RigidBody& body) {
   return 2 * std::atan2(norm(Vec3d{q[1], q[2], q[3]}), std::abs(q[0]));
 }
 
+// A box flies into another one that is at rest, off its center: momentum and angular momentum of both stay.
+TEST(RigidContact, CollidingBoxes_KeepMomentum) {
+  const Exec exec(2);
+  const std::string box = "{ box = [0.04, 0.04, 0.02] }";
+  World world = organs_world(
+      exec,
+      rigid_world("[0, 0, 0]", rigid_text("a", box, "[0, 0, 0]", "mass = 0.3\nvelocity = [0.02, 0, 0.3]\n") +
+                                   rigid_text("b", box, "[0.012, 0.008, 0.03]", "mass = 0.2\n") +
+                                   pair_text("a", "b", "friction = 0.3\n")));
+  const RigidBody &a = world.rigid_bodies[0], &b = world.rigid_bodies[1];
+  const auto sums = [&] {
+    std::pair<Vec3d, Vec3d> sum;
+    for (const RigidBody* body : {&a, &b}) {
+      const Vec3d p = body->state.velocity * body->model.mass.mass;
+      sum.first += p, sum.second += body->state.momentum + cross(body->state.center, p);
+    }
+    return sum;
+  };
+  const auto [before, angular_before] = sums();
+  advance(exec, world, 30);
+  const auto [after, angular_after] = sums();
+  std::printf("momentum off by %.2g, angular momentum by %.2g, second has %.3f\n",
+              norm(after - before) / norm(before),
+              norm(angular_after - angular_before) / (norm(before) * 0.02),
+              b.state.velocity.z * b.model.mass.mass / before.z);
+  EXPECT_LT(norm(after - before), 1e-9 * norm(before));
+  EXPECT_LT(norm(angular_after - angular_before), 1e-3 * 0.02 * norm(before));
+  EXPECT_GT(b.state.velocity.z, 0.05);
+}
+
 // A ball falls along the parabola, stops at the ground without bouncing, and the ground bears its weight.
 TEST(RigidContact, Ball_FallsAndRests) {
   const Exec exec(2);
