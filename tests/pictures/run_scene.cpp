@@ -2,6 +2,10 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/sim/four_kinds.hpp"
 #include "turgor/io/files/hdf5_file.hpp"
@@ -251,7 +255,9 @@ TEST(RunScene, CallbacksReportAndStop) {
   const Json report = must_run(scene, folder / "out", callbacks);
   EXPECT_EQ(frames.size(), 7u);
   EXPECT_EQ(snapshots, (std::vector<int>{0, 5, 7}));
-  EXPECT_EQ(labels.back(), "simulating");
+  ASSERT_GE(labels.size(), 2u);
+  EXPECT_EQ(labels[labels.size() - 2], "simulating");
+  EXPECT_EQ(labels.back(), "drawing");
   EXPECT_EQ(report["stopped"], "stopped after 0.140 s of 0.3 s, on request");
   EXPECT_EQ(report["finite"], true);
   EXPECT_TRUE(fs::exists(folder / "out/report.html"));
@@ -300,6 +306,40 @@ TEST(RunScene, ErrorLeavesNoFiles) {
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().message, "the disk is full");
   EXPECT_EQ(test::names_in(folder), std::set<std::string>{"block.nii"});
+}
+
+// A program that is killed while it draws has lost only pictures: report, recording, tables and meshes are
+// complete in the folder, which the next run replaces without --force.
+TEST(RunScene, KilledWhileDrawingKeepsResults) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::four_kinds_scene(folder, {"output.frames=true"});
+  const pid_t killed = fork();
+  ASSERT_GE(killed, 0);
+  if (killed == 0) {
+    RunCallbacks killer;
+    killer.begin = [](const std::string& label, const std::string&) -> Progress {
+      if (label == "drawing") _exit(9);
+      return {};
+    };
+    (void)run_scene(Exec(1), scene, {.out = folder / "out"}, killer);
+    _exit(1);
+  }
+  int ended = 0;
+  ASSERT_EQ(waitpid(killed, &ended, 0), killed);
+  ASSERT_TRUE(WIFEXITED(ended) && WEXITSTATUS(ended) == 9) << "the run does not reach its drawing";
+  for (const char* name : {"report.html", "recording.h5", "forces.csv", "meshes.pvd"})
+    EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
+  std::ifstream file(folder / "out" / "report.json");
+  const Json report = Json::parse(file, nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_GT(report["tools"].size(), 0u);
+  EXPECT_NE(report["warnings"].dump().find("no pictures: the program ended while it drew them"),
+            std::string::npos);
+  const Json again = must_run(scene, folder / "out");
+  EXPECT_GT(again["pictures"].size(), 3u);
+  EXPECT_EQ(again["warnings"].dump().find("no pictures: "), std::string::npos);
+  for (const auto& entry : fs::directory_iterator(folder))
+    EXPECT_EQ(entry.path().filename().string().find(".partial"), std::string::npos) << entry.path();
 }
 
 }  // namespace

@@ -187,35 +187,53 @@ Result<CtVolume> deformed_ct(const LatticeBody& body, lattice::State rest, const
   return std::move(now.ct);
 }
 
-Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
+bool draws_sections(const World& world, std::size_t body, const OutputScene& output) {
+  return output.sections && is_cut(world, body);
+}
+
+Status write_body(const World& world, std::size_t index, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   const LatticeBody& body = world.lattice_bodies[index];
   const Grid grid =
       output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
   if (const Status status = write_fields(body, grid, outputs); !status) return status;
-  if (!output.volume_rendering.empty())
+  const bool sections = draws_sections(world, index, output);
+  if (output.deformed_ct.empty() && !(sections && output.all_pictures)) return Done{};
+  Result<CtVolume> now = deformed_ct(body, outputs.at_rest[index], grid, outputs);
+  if (!now) return now.error();
+  if (sections) outputs.deformed_cts[index] = std::move(*now);
+  return Done{};
+}
+
+Status draw_body_ct(const World& world, std::size_t index, Outputs& outputs) {
+  const LatticeBody& body = world.lattice_bodies[index];
+  if (!outputs.scene->output.volume_rendering.empty())
     if (const Status status = add_volume_rendering(body, outputs.at_rest[index], outputs); !status)
       return status;
-  const bool sections = output.sections && is_cut(world, index);
-  if (output.deformed_ct.empty() && !(sections && output.all_pictures)) return Done{};
-  const Result<CtVolume> now = deformed_ct(body, outputs.at_rest[index], grid, outputs);
-  if (!now) return now.error();
-  if (!sections) return Done{};
-  const Result<Window> window = window_preset(output.window);
+  const auto now = outputs.deformed_cts.find(index);
+  if (now == outputs.deformed_cts.end()) return Done{};
+  const Result<Window> window = window_preset(outputs.scene->output.window);
   if (!window) return window.error();
   for (const Cut& cut : world.cuts) {
     if (std::size_t(cut.body) != index || !cut.path) continue;
     if (const Status s = add_close_sections(body, cut, *window, outputs); !s) return s;
-    if (const Status s = add_sections(body, *now, cut, *window, outputs); !s) return s;
+    if (const Status s = add_sections(body, now->second, cut, *window, outputs); !s) return s;
   }
+  outputs.deformed_cts.erase(now);
   return Done{};
 }
 
 }  // namespace
 
-Status finish_ct_outputs(const World& world, Outputs& outputs) {
+Status write_ct_outputs(const World& world, Outputs& outputs) {
   for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
-    if (const Status status = finish_body(world, b, outputs); !status) return status;
+    if (const Status status = write_body(world, b, outputs); !status) return status;
+  return Done{};
+}
+
+Status draw_ct_outputs(const World& world, Outputs& outputs) {
+  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
+    if (const Status status = draw_body_ct(world, b, outputs); !status) return status;
   return Done{};
 }
 

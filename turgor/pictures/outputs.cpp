@@ -15,7 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kVideoFolder = ".video";
 constexpr double kVideoRate = 20, kMotionRate = 10, kCutRate = 3;  // frames per second of simulated time
 
 /// Empty, with a single warning, if OpenGL is missing.
@@ -247,9 +246,13 @@ std::string motion_of_page(Outputs& outputs) {
 Status add_snapshot(const WorldSnapshot& snapshot, Outputs& outputs) {
   add_to_motion(snapshot, outputs);
   keep_first(snapshot, outputs);
+  return write_meshes(snapshot, outputs);
+}
+
+Status draw_frames(const WorldSnapshot& snapshot, Outputs& outputs) {
   for (const SurfaceView& view : outputs.views)
     if (const Status status = add_frame(snapshot, view, outputs); !status) return status;
-  return write_meshes(snapshot, outputs);
+  return Done{};
 }
 
 bool wants_moment(const World& world, const Outputs& outputs) {
@@ -304,14 +307,19 @@ Status finish_tables(const World& world, Outputs& outputs) {
 
 }  // namespace
 
-Status finish_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
-                      Outputs& outputs) {
-  Status status = add_pressed_pictures(pressed, outputs);
-  if (status) status = add_before_after(snapshot, outputs);
-  if (status) status = finish_ct_outputs(world, outputs);
+Status write_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
+                     Outputs& outputs) {
+  Status status = write_ct_outputs(world, outputs);
   if (status) status = finish_tables(world, outputs);
   if (status) status = finish_animation(outputs);
-  if (status && outputs.scene->output.obj) status = write_objs(snapshot, pressed, outputs);
+  return status && outputs.scene->output.obj ? write_objs(snapshot, pressed, outputs) : status;
+}
+
+Status draw_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
+                    Outputs& outputs) {
+  Status status = add_pressed_pictures(pressed, outputs);
+  if (status) status = add_before_after(snapshot, outputs);
+  if (status) status = draw_ct_outputs(world, outputs);
   return status ? finish_films(outputs) : status;
 }
 

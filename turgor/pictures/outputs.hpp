@@ -53,7 +53,11 @@ struct Outputs {
   double video_begin = 0, video_end = 0;  // times of the first and the latest frame [s]
   Motion motion;                          // for the page
   bool can_draw = true;                   // OpenGL works
+  std::map<std::size_t, CtVolume> deformed_cts;  // by body, until their sections are drawn
 };
+
+/// Hidden folder for the frames of videos, in that of the outputs.
+constexpr const char* kVideoFolder = ".video";
 
 /// Adds the wall time of its lifetime to a sum [s].
 class AddTime {
@@ -78,15 +82,19 @@ Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& wor
 /// views.cpp: camera of the first view that covers both snapshots.
 Camera camera_of_both(const Outputs& outputs, const WorldSnapshot& first, const WorldSnapshot& last);
 bool shows_skin(const WorldSnapshot& snapshot);
-/// Adds pictures and meshes of the current snapshot.
+/// Adds the meshes of the current snapshot, and the snapshot to the 3D view of the page.
 Status add_snapshot(const WorldSnapshot& snapshot, Outputs& outputs);
+/// Draws the current snapshot, if the scene requests its pictures.
+Status draw_frames(const WorldSnapshot& snapshot, Outputs& outputs);
 /// True if a frame is due for the 3D view of the page or the video.
 bool wants_moment(const World& world, const Outputs& outputs);
 Status take_moment(const WorldSnapshot& snapshot, Outputs& outputs);
-/// Writes pairs before and after, bodies under the largest forces, sections, volume rendering, deformed CT,
-/// OBJ, video.
-Status finish_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
-                      Outputs& outputs);
+/// Writes all files that need no drawing: tables, deformed CT, meshes, OBJ.
+Status write_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
+                     Outputs& outputs);
+/// Draws pairs before and after, bodies under the largest forces, sections, volume renderings, videos.
+Status draw_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
+                    Outputs& outputs);
 
 /// JSON of the page's 3D view, limited so that the page stays below 8 MB including its pictures.
 std::string motion_of_page(Outputs& outputs);
@@ -115,7 +123,8 @@ Status finish_meshes(Outputs& outputs);
 Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed, Outputs& outputs);
 /// mesh_outputs.cpp: surfaces of all snapshots in one file, as USD and glTF.
 Status finish_animation(Outputs& outputs);
-/// ct_outputs.cpp: the deformed CT in sections, volume rendering and files.
-Status finish_ct_outputs(const World& world, Outputs& outputs);
+/// ct_outputs.cpp: the deformed CT and its fields as files; then its sections and volume renderings.
+Status write_ct_outputs(const World& world, Outputs& outputs);
+Status draw_ct_outputs(const World& world, Outputs& outputs);
 
 }  // namespace turgor

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/io/files/file.hpp"
+#include "turgor/pictures/finish_run.hpp"
 #include "turgor/pictures/outputs.hpp"
 #include "turgor/pictures/run_autosave.hpp"
 #include "turgor/sim/live/haptic_replay.hpp"
@@ -51,19 +51,6 @@ Status check_inputs(const Scene& scene, const OutputFolder& folder) {
   return Done{};
 }
 
-/// Writes report and page last, then gives the folder its final name.
-Status complete(const Timer& total, Json& report, Outputs& outputs, OutputFolder& folder,
-                const RunCallbacks& callbacks) {
-  const std::string motion = motion_of_page(outputs);
-  outputs.facts.total_seconds = outputs.facts.resumed_after + total.seconds();
-  add_outputs(report, outputs.facts);
-  Status status = write_file(folder.path() / "report.html", report_html(report, folder.path(), motion));
-  if (status) status = write_file(folder.path() / kReportFile, json_text(report) + "\n");
-  if (status) status = folder.commit();
-  if (status) tell(callbacks, kept_note(folder));
-  return status;
-}
-
 /// A run that is being written to its folder.
 struct FolderRun {
   const fs::path folder;
@@ -76,7 +63,7 @@ struct FolderRun {
   std::optional<LiveRun> live;
   std::unique_ptr<HapticReplay> replay;
   std::vector<ClothStretch> stretch;
-  std::vector<WorldSnapshot> later;  // snapshots of a real-time run, whose pictures are drawn afterwards
+  std::vector<WorldSnapshot> later;  // snapshots of a real-time run, written and drawn afterwards
   std::optional<Autosave> autosave;
 };
 
@@ -104,24 +91,15 @@ Status take_snapshot(FolderRun& run, const World& world, const WorldSnapshot& sn
   if (run.live) {
     run.later.push_back(snapshot);
     for (BodySnapshot& body : run.later.back().bodies) body.cache.reset();
-  } else
+  } else {
     status = add_snapshot(snapshot, run.outputs);
+    if (status) status = draw_frames(snapshot, run.outputs);
+  }
   if (status && run.recording) {
     const AddTime time(run.outputs.facts.file_seconds);
     status = run.recording->add_snapshot(world, snapshot);
   }
   if (status && run.callbacks.snapshot) status = run.callbacks.snapshot(snapshot);
-  return status;
-}
-
-/// Draws the postponed pictures.
-Status draw_later(FolderRun& run) {
-  const Progress progress = run.later.empty() ? Progress() : begin_work(run.callbacks.begin, "drawing");
-  Status status = Done{};
-  for (std::size_t s = 0; s < run.later.size() && status; s++) {
-    status = add_snapshot(run.later[s], run.outputs);
-    if (progress) progress(double(s + 1) / double(run.later.size()));
-  }
   return status;
 }
 
@@ -305,13 +283,13 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   if (!done) return done.error();
   Result<Json> report = report_of(run, *done);
   if (!report) return report.error();
-  Status status = draw_later(run);
-  const Timer finishing;
-  if (status) status = finish_outputs(*world, done->snapshot, done->measures.pressed, *outputs);
-  outputs->facts.output_seconds = finishing.seconds();
-  if (status) status = complete(total, *report, *outputs, folder, callbacks);
+  const FinishedRun finished{*world, done->snapshot, done->measures.pressed, run.later, *outputs};
+  Status status = Done{};
+  for (std::size_t s = 0; s < run.later.size() && status; s++) status = add_snapshot(run.later[s], *outputs);
+  if (status) status = commit_results(total, finished, *report, folder, callbacks);
   if (status && run.autosave) run.autosave->remove();
   if (status && run.live) run.live->touch->log()->remove();
+  if (status) status = add_pictures_to_results(total, finished, *report, folder, callbacks);
   return status ? report : status.error();
 }
 
@@ -332,19 +310,20 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
     return Error{recording.path().string() + ": the recorded report is damaged"};
   Result<Outputs> outputs = make_outputs(exec, scene, *world, snapshot, folder.path());
   if (!outputs) return outputs.error();
-  const Progress progress = begin_work(callbacks.begin, "drawing");
+  const Progress progress = begin_work(callbacks.begin, "replaying");
   for (int s = 0; s < recording.snapshot_count() && status; s++) {
     status = recording.restore(exec, s, *world, snapshot);
     if (status) status = add_snapshot(snapshot, *outputs);
+    if (status) status = draw_frames(snapshot, *outputs);
     if (status) status = take_moment(snapshot, *outputs);
     if (status && callbacks.snapshot) status = callbacks.snapshot(snapshot);
     if (progress) progress(double(s + 1) / recording.snapshot_count());
   }
   report["replayed_from"] = recording.path().string();
-  const Timer finishing;
-  if (status) status = finish_outputs(*world, snapshot, pressed, *outputs);
-  outputs->facts.output_seconds = finishing.seconds();
-  if (status) status = complete(total, report, *outputs, folder, callbacks);
+  const std::vector<WorldSnapshot> no_later;
+  const FinishedRun finished{*world, snapshot, pressed, no_later, *outputs};
+  if (status) status = commit_results(total, finished, report, folder, callbacks);
+  if (status) status = add_pictures_to_results(total, finished, report, folder, callbacks);
   return status ? Result<Json>(std::move(report)) : status.error();
 }
 

@@ -1,5 +1,5 @@
 // A complete run into a folder: the implementation of `turgor run` for every program that links the library.
-// The folder appears when it is complete (sim/output_folder.hpp).
+// The folder appears when all results but the pictures are complete (finish_run.hpp, sim/output_folder.hpp).
 #pragma once
 
 #include <filesystem>
@@ -42,7 +42,7 @@ std::filesystem::path default_folder(const std::filesystem::path& scene_file, bo
 
 /// Loads, simulates, measures, draws and writes; returns the report. A run that ended early has "stopped", a
 /// sentence, and "finite" false if its numbers were the reason. After an error no folder remains, but an
-/// autosave does.
+/// autosave does; after an error of drawing, the results without pictures remain.
 Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& options,
                        const RunCallbacks& callbacks = {});
 
