@@ -313,6 +313,7 @@ void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<cons
     if (motion.inner && motion.inner != touch.needles.inner) take_inner(touch, motion.inner);
     take_needle_motion(touch, motion.of_needles, motion.ticks);
     touch.motion_number = motion.number, touch.stiffness_scale = motion.stiffness_scale;
+    touch.texture.roughness = motion.roughness, touch.texture.wavelength = motion.wavelength;
     TURGOR_ASSERT(motion.friction.size() <= touch.tools.size(), "at most one friction a tool");
     for (std::size_t t = 0; t < motion.friction.size(); t++) touch.tools[t].friction = motion.friction[t];
   }

@@ -133,6 +133,7 @@ struct FreeMotion {
   long ticks = 1;                              // number of ticks in that frame
   double stiffness_scale = 1;                  // see SfemTouch
   std::vector<double> friction;                // one per tool; empty = unchanged
+  double roughness = 0, wavelength = 1e-3;     // of the body's texture [m]
   std::vector<std::vector<Vec3d>> of_needles;  // of each tool: target of NeedleState::motion; empty = none
   std::shared_ptr<const sfem::InnerGreen>
       inner;        // of needles; the sender keeps a reference until it has the last

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/cloth/build/change_fabric.hpp"
 #include "turgor/models/cloth/build/scale_stiffness.hpp"
 #include "turgor/models/lattice/build/change_tissue.hpp"
 #include "turgor/models/lattice/build/scale_stiffness.hpp"
@@ -45,6 +46,8 @@ constexpr std::string_view kLive[][2] = {
     {"cloth", "collision.friction"},
     {"sfem", "young"},
     {"sfem", "stiffness_scale"},
+    {"sfem", "texture.roughness"},
+    {"sfem", "texture.wavelength"},
     {"lattice", "stiffness_scale"},
     {"lattice", "tissue.young"},
     {"lattice", "tissue.gas"},
@@ -57,6 +60,13 @@ constexpr std::string_view kLive[][2] = {
     {"lattice", "tissue.alpha"},
     {"rhombus", "stiffness_scale"},
     {"cloth", "stiffness_scale"},
+    {"cloth", "fabric.density"},
+    {"cloth", "fabric.warp"},
+    {"cloth", "fabric.weft"},
+    {"cloth", "fabric.shear"},
+    {"cloth", "fabric.poisson"},
+    {"cloth", "fabric.rigidity_warp"},
+    {"cloth", "fabric.rigidity_weft"},
     {"tool", "friction"},
 };
 
@@ -66,8 +76,10 @@ constexpr std::string_view kLiveFamilies[][2] = {
     {"lattice", "viscosity."},    {"lattice", "permanent_set."},
 };
 constexpr std::string_view kNotLive[][2] = {
-    {"lattice", "layers.name"},   {"lattice", "layers.label"}, {"lattice", "layers.hu"},
-    {"lattice", "layers.tissue"}, {"lattice", "layers.law"},
+    {"lattice", "layers.name"},
+    {"lattice", "layers.label"},
+    {"lattice", "layers.hu"},
+    {"lattice", "layers.tissue"},
 };
 
 /// Reason for keys that need a reload; the first matching prefix applies.
@@ -150,20 +162,37 @@ void change_wind(const ClothScene& before, const ClothScene& scene, ClothBody& b
   if (before.air != scene.air || before.turns != scene.turns) body.air = scene.air, body.turns = scene.turns;
 }
 
-void change_body(const Exec&, const ClothScene& scene, ClothBody& body) {
+/// Fabric of a built cloth with the values of `wanted` that change while it moves.
+cloth::Fabric live_fabric(const cloth::Fabric& wanted, cloth::Fabric own) {
+  own.density = wanted.density, own.warp = wanted.warp, own.weft = wanted.weft, own.shear = wanted.shear;
+  own.poisson = wanted.poisson;
+  own.rigidity_warp = wanted.rigidity_warp, own.rigidity_weft = wanted.rigidity_weft;
+  return own;
+}
+
+void change_body(const Exec& exec, const ClothScene& scene, ClothBody& body) {
   cloth::Params& params = body.model.params;
   params.damping = scene.params.damping;
   params.solver.sweeps = scene.params.solver.sweeps;
   params.solver.strain_limit = scene.params.solver.strain_limit;
   params.collision.friction = scene.params.collision.friction;
-  if (scene.stiffness_scale == body.stiffness_scale) return;
-  cloth::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model);
+  const cloth::Fabric fabric = live_fabric(scene.params.fabric, body.fabric);
+  if (fabric != body.fabric) {
+    if (!cloth::change_fabric(exec, fabric, body.triangles, body.model, body.state.change())) return;
+    body.fabric = fabric, body.stiffness_scale = 1;
+  } else if (scene.stiffness_scale == body.stiffness_scale) {
+    return;
+  }
+  if (scene.stiffness_scale != body.stiffness_scale)
+    cloth::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model);
   body.stiffness_scale = scene.stiffness_scale;
   if (scene.device == Device::kGpu) upload_changed_model(body);
 }
 
-/// All forces of a linear body scale with its stiffness; the shape under a given press stays.
+/// All forces of a linear body scale with its stiffness; the shape under a given press stays. Ticks get the
+/// waves of the surface with the next frame.
 void change_body(const Exec&, const SfemScene& scene, SfemBody& body) {
+  body.texture.roughness = scene.texture.roughness, body.texture.wavelength = scene.texture.wavelength;
   TURGOR_CHECK(!body.model.body.materials.empty(), "a body has a material");
   const double young = body.model.body.materials[0].young;  // of the loaded body
   const bool has_one_material = scene.inside.empty() && scene.inclusions.empty();
@@ -219,6 +248,13 @@ bool is_of_other_skin(const Scene& scene, const SceneKey& key) {
   return false;
 }
 
+/// True if the fabric of a cloth has another law than the one of this key.
+bool is_of_other_fabric(const Scene& scene, const SceneKey& key) {
+  const ClothScene* cloth = key.group == "cloth" ? find_named(scene.cloth_bodies, key) : nullptr;
+  if (!cloth || cloth->params.fabric.law == cloth::Law::kSheet) return false;
+  return key.key == "fabric.poisson" || key.key.starts_with("fabric.rigidity_");
+}
+
 /// Energy of the layer in a path such as "body.arm.layers[1].young"; that of the body for other paths.
 lattice::SolidEnergy energy_of_path(const lattice::TissueParams& tissue, std::string_view path) {
   constexpr std::string_view kLayers = ".layers[";
@@ -269,6 +305,7 @@ std::string why_not_live(const Scene& scene, const SceneKey& key) {
     return "Green's functions depend on the ratio of its materials";
   if (key.key == "stiffness_scale" && why_not_scaled(scene, key)) return why_not_scaled(scene, key);
   if (is_of_other_skin(scene, key)) return "the skin has another law";
+  if (is_of_other_fabric(scene, key)) return "the fabric has another law";
   if (const char* why = why_not_of_law(scene, key)) return why;
   const ToolScene* tool = key.group == "tool" ? find_named(scene.tools, key) : nullptr;
   if (tool && key.key == "friction" && tool->body.kind == BodyKind::kRhombus)

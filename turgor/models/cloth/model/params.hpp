@@ -23,6 +23,8 @@ struct Fabric {
   double rigidity_weft = 1e-5;  // the same along the weft [N·m]
   double bend = 20;             // of the springs across edges, which resist folding [N/m]
   Vec3d direction{1, 0, 0};     // of the warp, in the coordinates of the mesh; need not lie in its plane
+
+  friend bool operator==(const Fabric&, const Fabric&) = default;
 };
 
 struct Damping {

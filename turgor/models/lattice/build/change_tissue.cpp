@@ -15,11 +15,8 @@ namespace turgor::lattice {
 
 namespace {
 
-/// True if two layers are of one kind: both by depth, or regions of the same label or CT values, and of the
-/// same energy.
-bool is_same_region(const TissueLayer& a, const TissueLayer& b) {
-  return a.label == b.label && a.hu == b.hu && a.energy == b.energy;
-}
+/// True if two layers are of one kind: both by depth, or regions of the same label or CT values.
+bool is_same_region(const TissueLayer& a, const TissueLayer& b) { return a.label == b.label && a.hu == b.hu; }
 
 /// Nodes of a built body, with the moduli of its parameters.
 BodyNodes nodes_of(const Exec& exec, const Model& model) {

@@ -7,8 +7,8 @@
 
 namespace turgor::lattice {
 
-/// Values of `wanted` that a built body can take; the rest are those of the body: limits of CT values, kind
-/// of law, partial cells, regions. The body's own values if the number or kind of its layers differs, or if
+/// Values of `wanted` that a built body can take; the rest are those of the body: limits of CT values, law of
+/// the body, partial cells, regions. The body's own values if the number or kind of its layers differs, or if
 /// partial cells would get laws by cell (has_cell_laws).
 TissueParams reachable_tissue(const TissueParams& wanted, const Model& model);
 

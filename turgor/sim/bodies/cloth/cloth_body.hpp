@@ -61,7 +61,8 @@ struct ClothSample {
 struct ClothBody : FrameTouchedBody {
   std::vector<Int3> triangles;  // of the mesh as given by the scene
   cloth::Model model;
-  double stiffness_scale = 1;  // of the model, relative to the scene's fabric
+  cloth::Fabric fabric;        // of the scene, which the model has with its stiffness scaled
+  double stiffness_scale = 1;  // of the model, relative to `fabric`
   cloth::DeviceState state;
   cloth::Air air;
   std::vector<WindTurn> turns;

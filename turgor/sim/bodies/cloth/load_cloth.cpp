@@ -121,6 +121,9 @@ std::vector<std::string> notes_on_accuracy(const cloth::Params& params) {
   return notes;
 }
 
+/// Force of a strain of 0.001 per meter of width [N].
+double typical_force(const cloth::Fabric& fabric) { return 1e-3 * std::sqrt(fabric.warp * fabric.weft); }
+
 /// Uploads model and state. Returns the GPU.
 Result<Gpu> use_gpu(ClothBody& body) {
   const Result<Gpu> gpu = open_gpu();
@@ -165,7 +168,7 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
   if (!model) return failed(model.error());
   body.model = std::move(*model);
   if (scene.stiffness_scale != 1) cloth::scale_stiffness(scene.stiffness_scale, body.model);
-  body.stiffness_scale = scene.stiffness_scale;
+  body.fabric = scene.params.fabric, body.stiffness_scale = scene.stiffness_scale;
   body.state = cloth::make_state(body.model);
   body.notes.insert(body.notes.end(), body.model.notes.begin(), body.model.notes.end());
   for (std::string& note : notes_on_accuracy(scene.params)) body.notes.push_back(std::move(note));
@@ -180,7 +183,7 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
     body.obstacles.push_back(std::move(*obstacle));
   }
   body.triangles = std::move(mesh.triangles);
-  body.typical_force = 1e-3 * std::sqrt(body.model.params.fabric.warp * body.model.params.fabric.weft);
+  body.typical_force = typical_force(body.model.params.fabric);
   body.build_seconds = timer.seconds();
   if (scene.device == Device::kGpu && loading.purpose == Purpose::kSimulate)
     if (const Status uploaded = upload_to_gpu(body); !uploaded) return failed(uploaded.error());

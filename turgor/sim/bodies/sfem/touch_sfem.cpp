@@ -79,6 +79,7 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
   if (body.needles.inner != body.touch.needles.inner) contact::take_inner(body.touch, body.needles.inner);
   contact::take_needle_motion(body.touch, body.needles.motion, last - first + 1);
   body.touch.stiffness_scale = body.stiffness_scale;
+  body.touch.texture = body.texture;
 
   // commands
   for (long tick = first; tick <= last; tick++) {
@@ -133,6 +134,7 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   motion.ticks = std::max(1l, std::lround(frame_dt / kTick));
   motion.number = ++body.free.number;
   motion.stiffness_scale = body.stiffness_scale, motion.friction = body.friction;
+  motion.roughness = body.texture.roughness, motion.wavelength = body.texture.wavelength;
   exchange.motion.publish();
   offer_patch(exec, body, time, exchange.patches);
 }

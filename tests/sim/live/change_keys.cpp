@@ -1,0 +1,110 @@
+// Fabric of a cloth and texture of a surface that a person changes in a running world.
+#include <gtest/gtest.h>
+
+#include "tests/sim/sfem_scene_text.hpp"
+#include "turgor/sim/live/change_world.hpp"
+#include "turgor/sim/live/requests.hpp"
+
+namespace turgor {
+namespace {
+
+const Exec kKeysExec(1);
+
+Scene keys_scene(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  Result<Scene> scene = parse_scene(text, "keys.toml", overrides);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return *scene;
+}
+World keys_world(const Scene& scene) {
+  Result<World> world = load_world(kKeysExec, scene);
+  EXPECT_TRUE(world) << world.error().message;
+  return std::move(*world);
+}
+void step_frames(World& world, int count) {
+  for (int n = 0; n < count; n++) ASSERT_TRUE(step(kKeysExec, world));
+}
+/// Reason why a key of a scene waits for a restart.
+std::string why_waits(const std::string& text, const std::string& path) {
+  const Scene scene = keys_scene(text);
+  for (const SceneKey& key : scene_keys(scene.text, scene.file))
+    if (key.path == path) return why_not_live(scene, key);
+  return "no such key";
+}
+
+/// A flag that hangs from two corners in the wind.
+std::string flag_text(const std::string& law) {
+  return "[world]\ngravity = [0, 0, -9.81]\n[body.flag]\nmodel = \"cloth\"\n"
+         "sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0, 0.2], columns = 10, rows = 10 }\n"
+         "wind = { velocity = [3, 4, 0] }\nhold.top = { vertices = [110, 120] }\nfabric = { law = \"" +
+         law + "\" }\n";
+}
+struct FabricChange {
+  const char *law, *key, *value;
+};
+constexpr FabricChange kFabricChanges[] = {
+    {"sheet", "density", "0.5"},        {"sheet", "warp", "400"},      {"sheet", "weft", "2000"},
+    {"sheet", "shear", "30"},           {"sheet", "poisson", "0.2"},   {"sheet", "rigidity_warp", "3e-4"},
+    {"sheet", "rigidity_weft", "2e-4"}, {"springs", "density", "0.5"}, {"springs", "warp", "400"},
+};
+
+// A cloth whose fabric changes gives the same bits as one that was loaded with it, held vertices included.
+// The change back restores the model.
+TEST(ChangeKeys, FabricEqualsLoadedFabric) {
+  for (const auto& [law, name, value] : kFabricChanges) {
+    const std::string text = flag_text(law), key = std::string("body.flag.fabric.") + name;
+    EXPECT_EQ(why_waits(text, key), "") << key;
+    auto scene = std::make_shared<const Scene>(keys_scene(text));
+    World changed = keys_world(*scene), plain = keys_world(*scene),
+          loaded = keys_world(keys_scene(text, {key + "=" + value}));
+    const Status applied = apply_request(kKeysExec, ChangeRequest{key, value}, scene, changed);
+    ASSERT_TRUE(applied) << applied.error().message;
+    step_frames(changed, 4), step_frames(loaded, 4), step_frames(plain, 4);
+    EXPECT_EQ(state_hash(changed), state_hash(loaded)) << law << " " << key;
+    EXPECT_NE(state_hash(changed), state_hash(plain)) << law << " " << key;
+    // and back
+    ASSERT_TRUE(apply_request(kKeysExec, ChangeRequest{key, std::nullopt}, scene, changed));
+    const cloth::Model &back = changed.cloth_bodies[0].model, &own = plain.cloth_bodies[0].model;
+    EXPECT_EQ(back.params.fabric, own.params.fabric) << key;
+    EXPECT_EQ(back.mass, own.mass) << key;
+    EXPECT_EQ(back.rows.stiffness, own.rows.stiffness) << key;
+    EXPECT_EQ(changed.cloth_bodies[0].state->free_mass, plain.cloth_bodies[0].state->free_mass) << key;
+  }
+}
+
+// A fabric that changes with a scaled stiffness keeps its scale. Keys that number the rows anew, and keys of
+// another law, wait.
+TEST(ChangeKeys, FabricKeepsItsScale) {
+  const std::string text = flag_text("sheet") + "stiffness_scale = 2\n";
+  auto scene = std::make_shared<const Scene>(keys_scene(text));
+  World changed = keys_world(*scene), loaded = keys_world(keys_scene(text, {"body.flag.fabric.warp=500"}));
+  ASSERT_TRUE(apply_request(kKeysExec, ChangeRequest{"body.flag.fabric.warp", "500"}, scene, changed));
+  EXPECT_EQ(changed.cloth_bodies[0].model.params.fabric, loaded.cloth_bodies[0].model.params.fabric);
+  EXPECT_EQ(changed.cloth_bodies[0].model.params.fabric.warp, 1000);
+  EXPECT_NE(why_waits(text, "body.flag.fabric.direction"), "");
+  EXPECT_NE(why_waits(flag_text("springs"), "body.flag.fabric.bend"), "");
+  EXPECT_EQ(why_waits(flag_text("springs"), "body.flag.fabric.poisson"), "the fabric has another law");
+}
+
+// The waves of a surface change under a sliding tool: its force then has the bits of a world that was loaded
+// with them.
+TEST(ChangeKeys, TextureEqualsLoadedTexture) {
+  const std::string text = test::sfem_scene_text(
+      "cache = false\npatch = { radius = 0.016, refinement = 2 }\ntexture = { roughness = 2e-6 }\n");
+  for (const auto& [name, value] : {std::pair("roughness", "8e-6"), std::pair("wavelength", "3e-3")}) {
+    const std::string key = std::string("body.pad.texture.") + name;
+    EXPECT_EQ(why_waits(text, key), "") << key;
+    auto scene = std::make_shared<const Scene>(keys_scene(text));
+    World changed = keys_world(*scene), plain = keys_world(*scene),
+          loaded = keys_world(keys_scene(text, {key + "=" + value}));
+    ASSERT_TRUE(apply_request(kKeysExec, ChangeRequest{key, value}, scene, changed));
+    step_frames(changed, 14), step_frames(loaded, 14), step_frames(plain, 14);
+    const ForceSample &a = changed.tools[0].samples.back(), &b = loaded.tools[0].samples.back(),
+                      &c = plain.tools[0].samples.back();
+    EXPECT_GT(norm(a.force), 0) << key;
+    EXPECT_EQ(a.force, b.force) << key;
+    EXPECT_NE(a.force, c.force) << key;
+  }
+}
+
+}  // namespace
+}  // namespace turgor
