@@ -166,8 +166,13 @@ void read_fiber(SceneTable& table, SolidEnergy energy, lattice::FiberParams& fib
             "exponential only: k1 of fibers in the cells; 0: none");
   keys.read("stiffening", fiber.stiffening, within(0, 1000),
             "exponential only: k2, how fast the fibers stiffen with strain");
-  keys.read("direction", fiber.direction, any_number("1"), "exponential only: of the fibers, patient frame");
-  if (norm(fiber.direction) == 0) keys.fail("direction", "expected a vector that is not zero");
+  keys.read(
+      "direction", fiber.direction, any_number("1"),
+      "exponential only: of the fibers, patient frame; in a layer by label, `[0, 0, 0]` is the long axis "
+      "of the label");
+  if (norm(fiber.direction) == 0 && !table.has("label"))
+    keys.fail("direction",
+              "expected a vector that is not zero, or a layer with a label, which has a long axis");
   if (energy != SolidEnergy::kExponential && table.has("fiber"))
     table.fail("fiber", "only law = \"exponential\" has fibers: set that law, or remove fiber");
   keys.finish();

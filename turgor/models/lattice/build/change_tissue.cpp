@@ -94,6 +94,9 @@ TissueParams reachable_tissue(const TissueParams& wanted, const Model& model) {
   tissue.air_max = own.air_max, tissue.fat_max = own.fat_max, tissue.bone_min = own.bone_min;
   tissue.partial_cells = own.partial_cells;
   if (model.anatomy.label.empty()) tissue.young_of_label = own.young_of_label;
+  for (std::size_t n = 0; n < std::min(tissue.layers.size(), own.layers.size()); n++)
+    if (norm(tissue.layers[n].fiber.direction) == 0)  // the axis of a label, found at loading
+      tissue.layers[n].fiber.direction = own.layers[n].fiber.direction;
   // laws by cell need whole cells
   if (own.partial_cells && has_cell_laws(tissue)) return own;
   const bool same = tissue.law == own.law && tissue.energy == own.energy &&

@@ -46,7 +46,7 @@ struct SkinParams {
 struct FiberParams {
   double stiffness = 0;      // k1; 0 = none [Pa]
   double stiffening = 0;     // k2 [1]
-  Vec3d direction{1, 0, 0};  // patient frame
+  Vec3d direction{1, 0, 0};  // patient frame; 0 = long axis of the label of a layer, found at loading
 
   friend bool operator==(const FiberParams&, const FiberParams&) = default;
 };

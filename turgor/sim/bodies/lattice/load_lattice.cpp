@@ -9,6 +9,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/geometry/long_axis.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/build/body_nodes.hpp"
@@ -70,11 +71,22 @@ Status fix_nodes(const HeldBy& held, lattice::BodyNodes& nodes) {
   return check_held(points, held, fixed);
 }
 
+/// Turns the fibers of layers whose direction is zero along the long axis of their label.
+void find_long_axes(const std::optional<LabelVolume>& labels, std::vector<lattice::TissueLayer>& layers) {
+  for (lattice::TissueLayer& layer : layers) {
+    Vec3d& direction = layer.fiber.direction;
+    if (norm(direction) > 0) continue;
+    if (labels) direction = long_axis(*labels, layer.label);
+    if (norm(direction) == 0) direction = {1, 0, 0};  // an empty label, which is noted
+  }
+}
+
 /// Classifies the CT's nodes, fixes the held ones, and assembles the model.
 Result<lattice::Model> build_model(const Exec& exec, const LatticeScene& scene, Int3 block,
                                    const CtVolume& ct, const ReadFields& fields) {
   lattice::Params params = scene.params;
   params.block = block;
+  find_long_axes(fields.labels, params.tissue.layers);
   Result<lattice::BodyNodes> nodes =
       lattice::classify(exec, ct, fields.labels ? &*fields.labels : nullptr, params);
   if (!nodes) return nodes.error();
