@@ -118,6 +118,36 @@ TEST(Report, PageNamesPatientSeriesAndDate) {
   EXPECT_NE(report_html(report, folder).find("block: a synthetic CT</p>"), std::string::npos);
 }
 
+// The table of tissues names law, values and source of every layer, in the report and on the page.
+TEST(Report, TissuesNameLawAndSource) {
+  const Exec exec(1);
+  const Scene scene = test::block_scene(
+      test::fresh_folder(),
+      {"body.block.tissue.law=exponential",
+       "body.block.layers=[{ name = \"dermis\", thickness = 0.004, young = 6e4, stiffening = 20 }, "
+       "{ name = \"deep\", tissue = \"muscle-upper-arm\", law = \"solid\" }]"});
+  World world = test::block_world(exec, scene);
+  Json report = simulation_report(exec, scene, world, make_measures(world), {});
+  add_outputs(report, {});
+  const auto row_of = [&](const std::string& name) {
+    for (const Json& row : report["tissues"])
+      if (row["name"] == "block: layer " + name) return row;
+    return Json();
+  };
+  const Json dermis = row_of("dermis"), deep = row_of("deep");
+  ASSERT_TRUE(dermis.is_object() && deep.is_object()) << report["tissues"].dump(1);
+  EXPECT_EQ(dermis["law"], "exponential");
+  EXPECT_NE(dermis["values"].get<std::string>().find("young 60 kPa"), std::string::npos) << dermis;
+  EXPECT_EQ(deep["law"], "solid");
+  EXPECT_NE(deep["source"].get<std::string>().find("muscle-upper-arm"), std::string::npos) << deep;
+  const std::string html = report_html(report, {});
+  const std::size_t table = html.find("<h2>Tissues</h2>");
+  ASSERT_NE(table, std::string::npos);
+  for (const Json& row : {dermis, deep})
+    for (const char* column : {"name", "law", "values"})
+      EXPECT_NE(html.find(row[column].get<std::string>(), table), std::string::npos) << row[column];
+}
+
 // Without measures of wounds or cloth no half of the page is empty: the parameters follow the tables.
 TEST(Report, ParametersFollowTablesWithoutMeasures) {
   BlockRun run = block_run();
