@@ -71,7 +71,7 @@ TEST(ChangeKeys, FabricEqualsLoadedFabric) {
   }
 }
 
-// A fabric that changes with a scaled stiffness keeps its scale. Keys that number the rows anew, and keys of
+// A fabric that changes with a scaled stiffness keeps its scale. Keys that number the rows again, and keys of
 // another law, wait.
 TEST(ChangeKeys, FabricKeepsItsScale) {
   const std::string text = flag_text("sheet") + "stiffness_scale = 2\n";
