@@ -20,7 +20,7 @@ World keys_world(const Scene& scene) {
   EXPECT_TRUE(world) << world.error().message;
   return std::move(*world);
 }
-void step_frames(World& world, int count) {
+void run_changed(World& world, int count) {
   for (int n = 0; n < count; n++) ASSERT_TRUE(step(kKeysExec, world));
 }
 /// Reason why a key of a scene waits for a restart.
@@ -58,7 +58,7 @@ TEST(ChangeKeys, FabricEqualsLoadedFabric) {
           loaded = keys_world(keys_scene(text, {key + "=" + value}));
     const Status applied = apply_request(kKeysExec, ChangeRequest{key, value}, scene, changed);
     ASSERT_TRUE(applied) << applied.error().message;
-    step_frames(changed, 4), step_frames(loaded, 4), step_frames(plain, 4);
+    run_changed(changed, 4), run_changed(loaded, 4), run_changed(plain, 4);
     EXPECT_EQ(state_hash(changed), state_hash(loaded)) << law << " " << key;
     EXPECT_NE(state_hash(changed), state_hash(plain)) << law << " " << key;
     // and back
@@ -97,7 +97,7 @@ TEST(ChangeKeys, TextureEqualsLoadedTexture) {
     World changed = keys_world(*scene), plain = keys_world(*scene),
           loaded = keys_world(keys_scene(text, {key + "=" + value}));
     ASSERT_TRUE(apply_request(kKeysExec, ChangeRequest{key, value}, scene, changed));
-    step_frames(changed, 14), step_frames(loaded, 14), step_frames(plain, 14);
+    run_changed(changed, 14), run_changed(loaded, 14), run_changed(plain, 14);
     const ForceSample &a = changed.tools[0].samples.back(), &b = loaded.tools[0].samples.back(),
                       &c = plain.tools[0].samples.back();
     EXPECT_GT(norm(a.force), 0) << key;
