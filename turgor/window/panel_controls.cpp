@@ -84,10 +84,8 @@ void show_display(Viewer& viewer) {
     ImGui::SameLine();
     ImGui::Checkbox("patch", &viewer.display.patch);
   }
-  if (!viewer.now->snapshot.organ_forces.empty()) {
-    ImGui::SameLine();
-    ImGui::Checkbox("forces", &viewer.display.organ_forces);
-  }
+  if (!viewer.now->snapshot.organ_forces.empty())
+    ImGui::Checkbox("forces", &viewer.display.organ_forces);  // a line has room for three
 }
 
 /// Heading of a group, and its table.
