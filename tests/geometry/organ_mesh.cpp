@@ -73,7 +73,7 @@ TEST(OrganMesh, CavityIsNotedWithItsLabel) {
   const auto organ = mesh_of_labels(Exec(2), torso_labels(), liver, 0.018);
   ASSERT_TRUE(organ) << organ.error().message;
   ASSERT_FALSE(organ->notes.empty());
-  EXPECT_NE(organ->notes.back().find("mL, which hold other labels (200)"), std::string::npos)
+  EXPECT_NE(organ->notes.back().find("hollow where it encloses other labels (200, "), std::string::npos)
       << organ->notes.back();
 }
 

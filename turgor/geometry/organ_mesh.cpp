@@ -203,8 +203,8 @@ void note_cavities(const LabelVolume& labels, const LabeledComponent& component,
     names += (names.empty() ? "" : ", ") + std::to_string(enclosed.label);
   }
   if (hollow < size * size * size / 8) return;
-  notes.push_back("the body has cavities of " + ml(hollow) + ", which hold other labels (" + names +
-                  "): choose these labels, too, for a body without them");
+  notes.push_back("the body is hollow where it encloses other labels (" + names + ", " + ml(hollow) +
+                  "): name these labels, too (in scenes by inside), for a body without cavities");
 }
 
 }  // namespace

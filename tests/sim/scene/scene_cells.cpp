@@ -58,6 +58,14 @@ TEST(SceneCells, ToolOnGpuNeedsWholeCells) {
             "whole, since tool.hook touches it on a GPU");
 }
 
+// A body that a needle enters has whole cells: partial ones miss its work by 14 % in needle-ct.toml.
+TEST(SceneCells, NeedleNeedsWholeCells) {
+  EXPECT_EQ(cells_text(scene_of_cells(
+                "[tool.pin]\nbody = \"b\"\nshape = { needle = 0.1, diameter = 0.001, toughness = 100 "
+                "}\npress = { at_fraction = [0.5, 0, 0.5], depth = 0.002 }\n")),
+            "whole, since tool.pin is a needle");
+}
+
 // Lattices that touch chains or lattices have whole cells. Those that touch the ground or a rigid body have
 // partial ones.
 TEST(SceneCells, ContactOfSoftBodiesNeedsWholeCells) {

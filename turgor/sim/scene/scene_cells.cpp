@@ -1,5 +1,7 @@
 #include "turgor/sim/scene/scene_cells.hpp"
 
+#include <variant>
+
 #include <fmt/format.h>
 
 #include "turgor/core/invariants.hpp"
@@ -76,9 +78,12 @@ void use_whole_cells_in_contacts(Scene& scene) {
     for (const BodyId id : {contact.body, *contact.other})
       use_whole(id, fmt::format("contact.{} is with a lattice or chains", contact.name));
   }
-  for (const ToolScene& tool : scene.tools)
+  for (const ToolScene& tool : scene.tools) {
     if (scene.device == Device::kGpu)
       use_whole(tool.body, fmt::format("tool.{} touches it on a GPU", tool.name));
+    else if (std::holds_alternative<NeedleTool>(tool.shape))
+      use_whole(tool.body, fmt::format("tool.{} is a needle", tool.name));
+  }
 }
 
 void set_recorded_cells(LatticeScene& scene, bool partial) {
