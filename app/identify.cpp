@@ -149,7 +149,7 @@ void add_identify_command(CLI::App& program, Global& global) {
   command->add_option("scene", options->input.scene, "A scene whose tool moves as in the measurement")
       ->required();
   command
-      ->add_option("tables", options->files,
+      ->add_option("table", options->files,
                    "Two columns: depth_mm,force_N (or _m, _mN), compared while the tool moves in; or "
                    "time_s,force_N, compared at the scene's time. Several tables, such as those of two "
                    "probes, are fitted together")
