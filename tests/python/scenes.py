@@ -59,6 +59,22 @@ path = [[0, 0.03, 0.03, 0.05]]
 """)
 CLOTH = scene(0.2, "gravity = [0, 0, -9.81]\n" + SHEET_BODY)
 TORSO = scene(0.2, "\n" + CUT_TORSO)
+# A pad that is pressed, a sheet, and a torso whose triangles change when it is cut; surfaces are written as glTF.
+SURFACES = """[world]
+duration = 0.2
+frame_rate = 50
+gravity = [0, 0, -9.81]
+""" + SHEET_BODY + PAD_BODY + """[tool.finger]
+body = "pad"
+shape = { sphere = 0.006 }
+path = [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.033], [0.2, 0.03, 0.03, 0.05]]
+""" + CUT_TORSO + """[output]
+video = false
+obj = false
+meshes = false
+gltf = true
+snapshots = { every = 0.04, size = [64, 64] }
+"""
 
 
 def hash_of_program(text, *arguments):

@@ -12,7 +12,7 @@ import unittest
 import numpy as np
 
 import turgor
-from scenes import CLOTH, CUT_TORSO, PAD_BODY, PROGRAM, SHEET_BODY
+from scenes import CLOTH, PROGRAM, SURFACES
 
 try:
     from pxr import Gf, Usd, UsdGeom, UsdShade
@@ -23,23 +23,7 @@ try:
 except ImportError:
     pygltflib = None
 
-# A pad that is pressed, a sheet, and a torso whose triangles change when it is cut.
-SCENE = """[world]
-duration = 0.2
-frame_rate = 50
-gravity = [0, 0, -9.81]
-""" + SHEET_BODY + PAD_BODY + """[tool.finger]
-body = "pad"
-shape = { sphere = 0.006 }
-path = [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.033], [0.2, 0.03, 0.03, 0.05]]
-""" + CUT_TORSO + """[output]
-video = false
-obj = false
-meshes = false
-usd = true
-gltf = true
-snapshots = { every = 0.04, size = [64, 64] }
-"""
+SCENE = SURFACES.replace("gltf = true", "usd = true\ngltf = true")
 
 
 @functools.lru_cache

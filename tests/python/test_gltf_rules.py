@@ -9,23 +9,8 @@ import subprocess
 import tempfile
 import unittest
 
-from scenes import CUT_TORSO, PAD_BODY, PROGRAM, SHEET_BODY
+from scenes import PROGRAM, SURFACES
 
-SCENE = """[world]
-duration = 0.2
-frame_rate = 50
-gravity = [0, 0, -9.81]
-""" + SHEET_BODY + PAD_BODY + """[tool.finger]
-body = "pad"
-shape = { sphere = 0.006 }
-path = [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.033], [0.2, 0.03, 0.03, 0.05]]
-""" + CUT_TORSO + """[output]
-video = false
-obj = false
-meshes = false
-gltf = true
-snapshots = { every = 0.04, size = [64, 64] }
-"""
 BYTE, UNSIGNED_BYTE, SHORT, UNSIGNED_SHORT, UNSIGNED_INT, FLOAT = 5120, 5121, 5122, 5123, 5125, 5126
 LETTER = {BYTE: "b", UNSIGNED_BYTE: "B", SHORT: "h", UNSIGNED_SHORT: "H", UNSIGNED_INT: "I", FLOAT: "f"}
 NUMBERS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
@@ -37,7 +22,7 @@ def parts():
     """JSON and binary chunk of the file of a run."""
     with tempfile.TemporaryDirectory() as scratch:
         scene = pathlib.Path(scratch) / "s.toml"
-        scene.write_text(SCENE)
+        scene.write_text(SURFACES)
         subprocess.run([PROGRAM, "run", scene, "-q", "-o", f"{scratch}/out"], check=True)
         data = next(pathlib.Path(scratch, "out").glob("*.glb")).read_bytes()
     magic, version, length = struct.unpack_from("<4sII", data)
