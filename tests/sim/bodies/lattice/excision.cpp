@@ -40,6 +40,26 @@ const char* const kStitches =
     "[suture.row]\nwound = \"mole\"\nbite = 0.008\ndepth = 0.003\nspacing = 0.01\nstart = 0.1\nduration = "
     "0.3\n";
 
+/// Heights [mm] to which the drawn skin has risen toward −y beyond the ends of the lens, at z of -24 and 26
+/// mm.
+std::array<double, 2> drawn_heights(const World& world) {
+  WorldSnapshot snapshot;
+  show(Exec(1), world, snapshot);
+  const BodySnapshot& body = snapshot.bodies[0];
+  std::array<double, 2> heights{};
+  for (std::size_t t = 0; t < body.wall_begin; t++)
+    for (int k = 0; k < 3; k++) {
+      const auto v = std::size_t(body.triangles[t][k]);
+      const Vec3d rest(body.rest[v]), d(Vec3d(body.x[v]) - rest);
+      for (const int end : {0, 1}) {
+        const double along = (rest.z - 0.001) * (end ? 1 : -1) - 0.025, across = rest.x - 0.002;
+        if (along < 0.001 || std::hypot(along, across) > 0.009 || rest.y > 0) continue;
+        heights[std::size_t(end)] = std::max(heights[std::size_t(end)], -1e3 * d.y);
+      }
+    }
+  return heights;
+}
+
 // The report states the piece and its wound; stitches close the wound.
 TEST(Excision, ReportStatesPieceAndClosure) {
   const Scene scene = excised_scene(test::fresh_folder(), kStitches, 3.0, {"body.block.block=1"});
@@ -55,7 +75,9 @@ TEST(Excision, ReportStatesPieceAndClosure) {
   // fat of -100 HU
   EXPECT_NEAR(wound.at("specimen").at("mass_g").get<double>(),
               0.9 * wound.at("specimen").at("volume_ml").get<double>(), 1e-3);
-  EXPECT_GE(wound.at("dog_ear").at("first_mm").get<double>(), 0);
+  const auto [first, last] = drawn_heights(world);
+  EXPECT_NEAR(wound.at("dog_ear").at("first_mm").get<double>(), first, 0.25 * first);
+  EXPECT_NEAR(wound.at("dog_ear").at("last_mm").get<double>(), last, 0.25 * last);
   const Json& suture = report.at("sutures").at(0);
   EXPECT_EQ(suture.at("stitches_bearing"), 5);
   EXPECT_LT(suture.at("gape_max_mm").get<double>(), 0.15);

@@ -132,10 +132,11 @@ EndHeights heights_at_ends(const Model& model, const State& state, const BladePa
       for (int j = -kSamples; j <= kSamples; j++) {
         if (i * i + j * j > kSamples * kSamples) continue;
         const double step = reach / kSamples;
-        const Vec3d rest =
-            path.points[end] + along * (i * step + 0.2 * cell) + across * (j * step) + inward * (0.3 * cell);
-        if (const auto at = embed_point(model, state.cuts, *fragments, rest))
-          most = std::max(most, -dot(Vec3d(displacement(*at, state.motion)), inward));
+        const Vec3d skin = path.points[end] + along * (i * step + 0.2 * cell) + across * (j * step);
+        // at the skin; in whole cells, it lies beyond the outermost nodes
+        auto at = embed_point(model, state.cuts, *fragments, skin);
+        if (!at) at = embed_point(model, state.cuts, *fragments, skin + inward * (0.3 * cell));
+        if (at) most = std::max(most, -dot(Vec3d(displacement(*at, state.motion)), inward));
       }
     return most;
   };
