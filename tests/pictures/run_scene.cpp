@@ -9,6 +9,7 @@
 
 #include "tests/sim/four_kinds.hpp"
 #include "turgor/io/files/hdf5_file.hpp"
+#include "turgor/io/files/image.hpp"
 #include "turgor/pictures/motion.hpp"
 #include "turgor/view/video.hpp"
 
