@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "turgor/contact/first_stop.hpp"
 #include "turgor/contact/lattice_needle_step.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/cutting/embed_point.hpp"
@@ -92,17 +93,11 @@ FreeWay free_way(const NeedleSurroundings& around, const Needle& needle, const L
     leaves = !embed(around, rest);
     return !leaves && toughness(around.tissue_at(rest)) <= toughness(end.tissue);
   };
-  // first position that is not free
-  const int samples = std::max(1, int(std::ceil(norm(to - end.rest) / (needle.spacing / 4))));
-  for (int i = 1; i <= samples; i++) {
-    if (is_free(double(i) / samples)) continue;
-    double low = double(i - 1) / samples, high = double(i) / samples;
-    for (int k = 0; k < kHalvings; k++) (is_free((low + high) / 2) ? low : high) = (low + high) / 2;
-    // tougher tissue itself holds the tip; of the surface, the last position inside
-    (void)is_free(high);
-    return {leaves ? low : high, leaves};
-  }
-  return {};
+  const auto stop = first_stop(norm(to - end.rest), needle.spacing / 4, is_free);
+  if (!stop) return {};
+  // tougher tissue itself holds the tip; of the surface, the last position inside
+  const PathStop at = refined(*stop, kHalvings, is_free);
+  return {leaves ? at.free : at.stopped, leaves};
 }
 
 /// Appends points at the middle of every cell of the track that its new part contains.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "turgor/contact/first_stop.hpp"
 #include "turgor/contact/needle_tick.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -76,22 +77,16 @@ double free_share(const NeedleTick& tick, const NeedlePoint& end, Vec3d to) {
     if (is) element = at.element;
     return is;
   };
-  // first position that is not free
-  const int samples = std::max(1, int(std::ceil(norm(to - end.rest) / (tick.needle.spacing / 4))));
-  for (int i = 1; i <= samples; i++) {
-    if (is_free(double(i) / samples)) continue;
-    if (leaves && tick.inner.closed[std::size_t(element)] == 0) {
-      track.is_through = tick.state.beyond = true, track.force[0] = {};
-      return 1;
-    }
-    double low = double(i - 1) / samples, high = double(i) / samples;
-    for (int k = 0; k < kHalvings; k++) (is_free((low + high) / 2) ? low : high) = (low + high) / 2;
-    // tougher tissue itself holds the tip; of the surface, the last position inside
-    (void)is_free(high);
-    track.is_at_exit = leaves;
-    return leaves ? low : high;
+  const auto stop = first_stop(norm(to - end.rest), tick.needle.spacing / 4, is_free);
+  if (!stop) return 1;
+  if (leaves && tick.inner.closed[std::size_t(element)] == 0) {
+    track.is_through = tick.state.beyond = true, track.force[0] = {};
+    return 1;
   }
-  return 1;
+  // tougher tissue itself holds the tip; of the surface, the last position inside
+  const PathStop at = refined(*stop, kHalvings, is_free);
+  track.is_at_exit = leaves;
+  return leaves ? at.free : at.stopped;
 }
 
 }  // namespace
