@@ -47,6 +47,19 @@ inline std::string block_scene_text(const std::string& ct) {
          "start = 0.05\nduration = 0.05\n[output]\nsnapshots = { every = 0.1 }\n";
 }
 
+/// Writes block.nii, and labels.nii with label_of(i, j, k) for each of its voxels.
+template <class LabelOf>
+void write_labeled_block(const std::filesystem::path& folder, const LabelOf& label_of) {
+  const CtVolume ct = block_ct();
+  LabelVolume labels;
+  labels.grid = ct.grid, labels.samples.assign(ct.samples.size(), 0);
+  for (int k = 0; k < ct.grid.size.z; k++)
+    for (int j = 0; j < ct.grid.size.y; j++)
+      for (int i = 0; i < ct.grid.size.x; i++) labels.at(i, j, k) = std::uint16_t(label_of(i, j, k));
+  ASSERT_TRUE(write_ct(folder / "block.nii", ct));
+  ASSERT_TRUE(write_labels(folder / "labels.nii", labels));
+}
+
 /// The scene, with its CT written into the same folder.
 inline Scene block_scene(const std::filesystem::path& folder,
                          const std::vector<std::string>& overrides = {}) {

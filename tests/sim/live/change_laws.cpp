@@ -47,14 +47,7 @@ class ChangeLaws : public ::testing::Test {
   std::filesystem::path folder = test::fresh_folder();
 
   void SetUp() override {
-    const CtVolume ct = test::block_ct();
-    LabelVolume labels;
-    labels.grid = ct.grid, labels.samples.assign(ct.samples.size(), 0);
-    for (int k = 0; k < ct.grid.size.z; k++)
-      for (int j = 0; j < ct.grid.size.y; j++)
-        for (int i = 0; i < 17; i++) labels.at(i, j, k) = k < 8 ? 9 : 5;
-    ASSERT_TRUE(write_ct(folder / "block.nii", ct));
-    ASSERT_TRUE(write_labels(folder / "labels.nii", labels));
+    test::write_labeled_block(folder, [](int i, int, int k) { return i >= 17 ? 0 : k < 8 ? 9 : 5; });
   }
   Scene read(const std::string& law, const std::vector<std::string>& overrides = {}) const {
     Result<Scene> scene = parse_scene(laws_text(law), folder / "block.toml", overrides);

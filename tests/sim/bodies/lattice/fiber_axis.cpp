@@ -16,14 +16,9 @@ class FiberAxis : public ::testing::Test {
   std::filesystem::path folder = test::fresh_folder();
 
   void SetUp() override {
-    const CtVolume ct = test::block_ct();
-    LabelVolume labels;
-    labels.grid = ct.grid, labels.samples.assign(ct.samples.size(), 0);
-    for (int k = 6; k < 34; k++)
-      for (int j = 4; j < 14; j++)
-        for (int i = 14; i < 26; i++) labels.at(i, j, k) = 5;
-    ASSERT_TRUE(write_ct(folder / "block.nii", ct));
-    ASSERT_TRUE(write_labels(folder / "labels.nii", labels));
+    test::write_labeled_block(folder, [](int i, int j, int k) {
+      return k >= 6 && k < 34 && j >= 4 && j < 14 && i >= 14 && i < 26 ? 5 : 0;
+    });
   }
   World fibered(const std::string& keys) const {
     const Result<Scene> scene = fibered_scene(keys);
