@@ -59,6 +59,7 @@ TEST(Views, InnerSurfaceIsSeenThroughUnlessColored) {
   add_body(body, SkinColor::kDisplacement, &scale, colored);
   ASSERT_EQ(plain.items.size(), 2u);
   EXPECT_TRUE(plain.items[1].see_through);
+  EXPECT_FALSE(plain.items[0].opaque || plain.items[1].is_mark);
   const std::vector<NameRow> names = shown_names(plain);
   ASSERT_EQ(names.size(), 2u);
   EXPECT_EQ(names[0].names, "liver");
@@ -66,6 +67,23 @@ TEST(Views, InnerSurfaceIsSeenThroughUnlessColored) {
   EXPECT_TRUE(shown_names(colored).empty()) << "a color map has its own legend";
   ASSERT_EQ(colored.items.size(), 1u);
   EXPECT_EQ(colored.items[0].scale, &scale);
+}
+
+// A rigid body, a tool and an obstacle hide inclusions behind them.
+TEST(Views, WhatIsNotTissueIsOpaque) {
+  WorldSnapshot snapshot = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}});
+  BodySnapshot& body = snapshot.bodies[0];
+  body.normals.assign(3, {0, -1, 0});
+  body.displacement.assign(3, {});
+  body.wall_begin = 1;
+  body.id = {BodyKind::kRigid, 0}, body.look = Look::kCloth;
+  snapshot.obstacles = {{body.x, body.triangles, {}, {}}};
+  snapshot.tools.resize(1);
+  snapshot.tools[0].body = body.id, snapshot.tools[0].mesh = snapshot.obstacles[0];
+  PictureItems items;
+  add_world(snapshot, SkinColor::kNone, nullptr, {0, -1, 0}, items, {}, 1);
+  ASSERT_EQ(items.items.size(), 3u);
+  for (const RenderItem& item : items.items) EXPECT_TRUE(item.opaque);
 }
 
 // An arrow of a force between organs begins at its point, is seen through the tissue and names the force;
@@ -81,7 +99,7 @@ TEST(Views, ForceBetweenOrgansHasArrowAndName) {
   PictureItems items;
   add_organ_forces(snapshot, items);
   ASSERT_EQ(items.items.size(), 1u);
-  EXPECT_TRUE(items.items[0].see_through);
+  EXPECT_TRUE(items.items[0].see_through && items.items[0].is_mark);
   double low = 1, high = 0;
   for (const Vec3 x : items.meshes[0].vertices)
     low = std::min<double>(low, x.z), high = std::max<double>(high, x.z);

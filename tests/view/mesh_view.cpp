@@ -112,6 +112,58 @@ TEST_F(MeshView, SeeThroughItemFadesWithDepth) {
   EXPECT_GT(near, 2 * gain(-0.13f, 0.97));
 }
 
+// A see-through item does not shine through opaque items, which are drawn as without it. A mark does. In full
+// and in quick pictures, in any order of the items, beside a section as well.
+TEST_F(MeshView, OpaqueItemHidesSeeThroughItem) {
+  const TriMesh body = test::sphere({}, 0.2f), nodule = test::sphere({0.03f, -0.1f, 0}, 0.05f),
+                stone = test::sphere({0.04f, -0.3f, 0.01f}, 0.03f),
+                far = test::sphere({0.3f, 0.5f, 0.2f}, 0.1f);
+  const Cutaway half{1, {{{0.3, 0.5, 0.2}, {0, -1, 0}}}};
+  RenderItem inner{.mesh = &nodule, .color = kGreen, .see_through = true};
+  const RenderItem outer{.mesh = &body, .color = kRed},
+      covering{.mesh = &stone, .color = {90, 90, 90}, .opaque = true, .closed = true},
+      section{.mesh = &far, .color = kRed, .cutaway = half, .is_cut_face = true};
+  for (const RenderQuality quality : {RenderQuality::kFull, RenderQuality::kQuick}) {
+    const auto drawn = [&](const std::vector<RenderItem>& items) {
+      const Result<Image> image = draw_meshes(items, kFront, kWidth, kHeight, quality);
+      EXPECT_TRUE(image);
+      return *image;
+    };
+    const Image without = drawn({outer, covering, section});
+    const Image bare = drawn({outer, section}), uncovered = drawn({outer, inner, section});
+    const auto stone_pixel = [&](int x, int y) {
+      const Rgb c = without.at(x, y);
+      return std::abs(int(c.r) - int(c.g)) < 12 && std::abs(int(c.r) - int(c.b)) < 12 && c.r > 60;
+    };
+    const auto greener_than = [](const Image& image, const Image& than, int x, int y) {
+      return int(image.at(x, y).g) > int(than.at(x, y).g) + 8;
+    };
+    for (const auto& items :
+         {std::vector{outer, inner, covering, section}, {covering, section, inner, outer}}) {
+      const Image image = drawn(items);
+      int hidden = 0, beside = 0, covered = 0;
+      for (int y = 0; y < kHeight; y++)
+        for (int x = 0; x < kWidth; x++) {
+          const bool is_stone = stone_pixel(x, y);
+          hidden += is_stone && greener_than(image, without, x, y);
+          beside += !is_stone && greener_than(image, without, x, y);
+          covered += is_stone && greener_than(uncovered, bare, x, y);
+        }
+      EXPECT_EQ(hidden, 0);
+      EXPECT_GT(beside, 300) << "the nodule shines through tissue beside the stone";
+      EXPECT_GT(covered, 300) << "the stone covers a piece of the nodule";
+    }
+    RenderItem mark = inner;
+    mark.is_mark = true;
+    const Image marked = drawn({outer, covering, mark, section});
+    EXPECT_GT(
+        test::find_pixels(
+            marked, [&](int x, int y) { return stone_pixel(x, y) && greener_than(marked, without, x, y); })
+            .count,
+        300);
+  }
+}
+
 // Several layers of a see-through item do not accumulate.
 TEST_F(MeshView, SeeThroughLayersDoNotAccumulate) {
   const TriMesh front = test::sphere({0, -0.05f, 0}, 0.05f), behind = test::sphere({0, -0.03f, 0}, 0.02f),

@@ -215,6 +215,7 @@ void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale
   items.add(std::move(surface), own, scale);
   RenderItem& item = items.items.back();
   item.closed = true, item.cutaway = cutaway, item.wet = is_wet(body, look);
+  item.opaque = body.look == Look::kCloth;  // cloth and rigid bodies
   if (!scale) add_name(own, body.name, items.names);
   if (cutaway.planes > 0) {
     add_section(std::move(closed), section_color(body), cutaway, body.look != Look::kCloth, items);
@@ -233,7 +234,9 @@ TriMesh posed_mesh(const ToolSnapshot& tool) {
 }
 
 void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureItems& items) {
-  add_arrow(tool, items.add(posed_mesh(tool), kToolColor), arrows, eye, items);
+  const TriMesh& mesh = items.add(posed_mesh(tool), kToolColor);
+  items.items.back().opaque = true;
+  add_arrow(tool, mesh, arrows, eye, items);
 }
 
 void add_organ_forces(const WorldSnapshot& snapshot, PictureItems& items) {
@@ -244,7 +247,8 @@ void add_organ_forces(const WorldSnapshot& snapshot, PictureItems& items) {
     const double length = unit * std::clamp(force / body.typical_force, 0.25, kLongestArrow);
     const Vec3d end = one.at + one.force * (length / force);
     items.add(arrow_mesh(one.at, end, 0.06 * unit), kArrow);
-    items.items.back().see_through = items.items.back().closed = true;
+    RenderItem& arrow = items.items.back();
+    arrow.see_through = arrow.is_mark = arrow.closed = true;
     items.labels.push_back({end, one.name + " " + newtons(force)});
   }
 }
@@ -259,9 +263,10 @@ void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale*
     const BodySnapshot& body = body_snapshot(snapshot, tool.body);
     add_tool(tool, {body.typical_force, 0.2 * norm(body.box.high - body.box.low)}, eye, items);
   }
-  for (const TriMesh& obstacle : snapshot.obstacles) items.add(obstacle, kObstacleColor);
+  for (const TriMesh& obstacle : snapshot.obstacles)
+    items.add(obstacle, kObstacleColor), items.items.back().opaque = true;
   for (const TriMesh& thread : snapshot.threads)
-    if (!thread.triangles.empty()) items.add(thread, kThreadColor);
+    if (!thread.triangles.empty()) items.add(thread, kThreadColor), items.items.back().opaque = true;
 }
 
 std::vector<NameRow> shown_names(const PictureItems& items) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 
 #include <fmt/format.h>
 
@@ -65,14 +66,26 @@ void set_lights(const View& view) {
   set_uniform("floor_color", lights.floor_color);
 }
 
+// Adds the depths of items to the bound framebuffer.
+void draw_depths(const SurfaceProgram& program, const std::vector<GlMesh>& items, const View& view) {
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  draw_items(items, program, [&view](GLuint one) {
+    glUseProgram(one);
+    set_uniform("to_clip", camera_matrix(view));
+  });
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+// Items and cut faces in a G-buffer. Items that hide them leave nothing else.
 void draw_surfaces(GlObjects& objects, const MeshPrograms& programs, const GBuffer& g_buffer,
                    const std::vector<GlMesh>& items, const std::vector<GlMesh>& cut_faces, const View& view,
-                   MeshStyle style) {
+                   MeshStyle style, const std::vector<GlMesh>& hiding = {}) {
   glBindFramebuffer(GL_FRAMEBUFFER, g_buffer.framebuffer);
   glEnable(GL_DEPTH_TEST);
   constexpr GLuint kNothing[4] = {};
   for (const GLint target : {0, 1}) glClearBufferuiv(GL_COLOR, target, kNothing);
   glClear(GL_DEPTH_BUFFER_BIT);
+  draw_depths(programs.shadow, hiding, view);
   const GLuint color_map = new_color_map(objects);
   const auto use = [&](GLuint program) {
     glUseProgram(program);
@@ -158,9 +171,9 @@ void draw_light(GlObjects& objects, const MeshPrograms& programs, const MeshTarg
   light_edges(objects, programs.wet_edge, targets, view, light, kWetEdgeLevel);
 }
 
-// Blends hidden fragments of see-through items over the surfaces in front of them.
-void draw_inner(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view,
-                const LightView& light, float size) {
+// Blends hidden fragments of the see-through items in the inner G-buffer over the surfaces in front of them.
+void blend_inner(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view,
+                 const LightView& light, float size) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.lit);
   glUseProgram(program);
   set_lighting(targets, view, light);
@@ -210,32 +223,67 @@ Status keep_targets(std::unique_ptr<GlObjects>& objects, std::optional<Targets>&
   return Done{};
 }
 
-Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const GlScene& scene, MeshStyle style) {
-  const View& view = scene.view;
+// Blends see-through items over the surfaces in front of them, apart from what opaque items hide.
+Status draw_inner(GlObjects& objects, MeshDrawing& drawing, const std::vector<GlMesh>& through,
+                  const std::vector<GlMesh>& hiding, const View& view, const LightView& light) {
+  if (through.empty()) return Done{};
   MeshTargets& targets = *drawing.targets;
-  const MeshPrograms& programs = drawing.programs;
-  const std::vector<GlMesh> through =
-      style == MeshStyle::kSurface ? items_that(scene.items, is_see_through) : std::vector<GlMesh>();
-  if (!through.empty() && !targets.inner.framebuffer) {
+  if (!targets.inner.framebuffer) {
     const Result<GBuffer> inner = make_g_buffer(*drawing.objects, targets);
     if (!inner) return inner.error();
     targets.inner = *inner;
   }
-  // shadow map and G-buffers
+  float size = 0;
+  for (const GlMesh& item : through) size = std::max(size, item.size);
+  draw_surfaces(objects, drawing.programs, targets.inner, through, {}, view, MeshStyle::kSurface, hiding);
+  blend_inner(objects, drawing.programs.inner, targets, view, light, size);
+  return Done{};
+}
+
+Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const GlScene& scene, MeshStyle style) {
+  const View& view = scene.view;
+  MeshTargets& targets = *drawing.targets;
+  const MeshPrograms& programs = drawing.programs;
+  // shadow map and G-buffer
   const LightView light = make_light_view(scene.boxes, Vec3d(camera_lights(view.frame).key));
   draw_shadow(programs.shadow, targets, scene.items, light);
   glViewport(0, 0, targets.width, targets.height);
   draw_surfaces(objects, programs, targets.g_buffer, scene.items, scene.cut_faces, view, style);
-  if (!through.empty()) draw_surfaces(objects, programs, targets.inner, through, {}, view, style);
   // lighting, occlusion and composition
   resolve_samples(objects, programs.resolve, targets, view);
   draw_light(objects, programs, targets, view, light, has_wet(scene));
-  float size = 0;
-  for (const GlMesh& item : through) size = std::max(size, item.size);
-  if (!through.empty()) draw_inner(objects, programs.inner, targets, view, light, size);
+  if (style == MeshStyle::kSurface) {
+    const std::vector<GlMesh> hiding = items_that(scene.items, is_opaque);
+    if (Status s = draw_inner(objects, drawing, items_that(scene.items, is_inclusion), hiding, view, light);
+        !s)
+      return s.error();
+    if (Status s = draw_inner(objects, drawing, items_that(scene.items, is_seen_mark), {}, view, light); !s)
+      return s.error();
+  }
   draw_occlusion(objects, programs.occlusion, targets, view);
   draw_picture(objects, programs.picture, targets);
   return targets.picture;
+}
+
+bool has_hidden_inclusions(const std::vector<GlMesh>& items) {
+  return std::any_of(items.begin(), items.end(), is_opaque) &&
+         std::any_of(items.begin(), items.end(), is_inclusion);
+}
+
+// Marks where inclusions lie in front of opaque items, which are the only ones drawn so far.
+void mark_inclusions(const SurfaceProgram& program, const std::vector<GlMesh>& items, const View& view) {
+  glStencilMask(kFreeStencil);
+  glClearStencil(0);
+  glClear(GL_STENCIL_BUFFER_BIT);
+  glEnable(GL_STENCIL_TEST);
+  glStencilFunc(GL_ALWAYS, kFreeStencil, kFreeStencil);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  glDepthMask(GL_FALSE);
+  draw_depths(program, items_that(items, is_inclusion), view);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_STENCIL_TEST);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  glStencilMask(0xFF);
 }
 
 // Blends hidden fragments of see-through items over the picture, with its depths.
@@ -245,10 +293,15 @@ void draw_see_through(const std::vector<GlMesh>& items, const SurfaceProgram& pr
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-  draw_items(items_that(items, is_see_through), program, [&](GLuint one) {
+  const auto use_through = [&](GLuint one) {
     use(one);
     set_uniform("through", kQuickShare);
-  });
+  };
+  draw_items(items_that(items, is_seen_mark), program, use_through);
+  if (has_hidden_inclusions(items))
+    glEnable(GL_STENCIL_TEST), glStencilFunc(GL_EQUAL, kFreeStencil, kFreeStencil);
+  draw_items(items_that(items, is_inclusion), program, use_through);
+  glDisable(GL_STENCIL_TEST);
   glDisable(GL_BLEND);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
@@ -267,7 +320,13 @@ void draw_quick_items(GlObjects& objects, const MeshPrograms& programs, const Gl
     set_texture("color_map", 0, color_map);
     set_uniform("through", 1.0f);
   };
-  draw_items(scene.items, programs.quick, use, style);
+  if (style == MeshStyle::kSurface && has_hidden_inclusions(scene.items)) {
+    draw_items(items_that(scene.items, is_opaque), programs.quick, use, style);
+    mark_inclusions(programs.shadow, scene.items, view);
+    draw_items(items_that(scene.items, std::not_fn(is_opaque)), programs.quick, use, style);
+  } else {
+    draw_items(scene.items, programs.quick, use, style);
+  }
   if (style != MeshStyle::kSurface) return;
   if (!scene.cut_faces.empty()) {
     use(programs.quick.cut);

@@ -66,6 +66,8 @@ GlMesh upload_item(GlObjects& objects, const RenderItem& item, const View& view,
               .color = Vec3{float(item.color.r), float(item.color.g), float(item.color.b)} / 255,
               .use_map = item.scale != nullptr,
               .see_through = item.see_through,
+              .opaque = item.opaque,
+              .is_mark = item.is_mark,
               .closed = item.closed,
               .wet = item.wet,
               .cutaway = item.cutaway};
@@ -155,13 +157,15 @@ void set_picture(const GlMesh& item, int face) {
 }
 
 // Counts the surfaces of the item on the kept side of the plane: a stencil above kNone is inside.
-constexpr GLint kNone = 128;
+constexpr GLint kNone = 64;
+constexpr GLuint kCounter = 0xFF & ~kFreeStencil;
 void count_surfaces(GLuint counting, const GlMesh& item, const CutawayPlane& plane, const Mat4& to_clip) {
+  glStencilMask(kCounter);
   glClearStencil(kNone);
   glClear(GL_STENCIL_BUFFER_BIT);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   glDisable(GL_DEPTH_TEST);
-  glStencilFunc(GL_ALWAYS, 0, 0xFF);
+  glStencilFunc(GL_ALWAYS, 0, kCounter);
   glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR);
   glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR);
   glUseProgram(counting);
@@ -176,7 +180,7 @@ void count_surfaces(GLuint counting, const GlMesh& item, const CutawayPlane& pla
 
 // Draws the square in a plane where it is inside the item and beside the wedge's other plane.
 void fill_face(GLuint program, const GlMesh& item, int plane) {
-  glStencilFunc(GL_LESS, kNone, 0xFF);
+  glStencilFunc(GL_LESS, kNone, kCounter);
   glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
   glDepthFunc(GL_LEQUAL);
   glUseProgram(program);
@@ -258,6 +262,7 @@ void draw_cut_faces(GLuint counting, GLuint program, const std::vector<GlMesh>& 
       fill_face(program, item, p);
     }
   glDisable(GL_STENCIL_TEST);
+  glStencilMask(0xFF);
 }
 
 }  // namespace turgor

@@ -19,7 +19,7 @@ struct GlMesh {
   GLuint array = 0;
   GLsizei indices = 0;
   Vec3 color;
-  bool use_map = false, see_through = false, closed = false, wet = false;
+  bool use_map = false, see_through = false, opaque = false, is_mark = false, closed = false, wet = false;
   float size = 0;  // of a see-through item [m]
   Cutaway cutaway;
   GLuint faces[2] = {0, 0};     // of a cut face: a square in each plane, which covers all items
@@ -50,7 +50,10 @@ std::vector<GlMesh> items_that(const std::vector<GlMesh>& items, const Accepts& 
   return accepted;
 }
 inline bool is_cut(const GlMesh& item) { return item.cutaway.planes > 0; }
-inline bool is_see_through(const GlMesh& item) { return item.see_through; }
+inline bool is_opaque(const GlMesh& item) { return item.opaque; }
+/// See-through items that opaque ones hide, and those that nothing hides.
+inline bool is_inclusion(const GlMesh& item) { return item.see_through && !item.is_mark; }
+inline bool is_seen_mark(const GlMesh& item) { return item.see_through && item.is_mark; }
 inline bool is_wet(const GlMesh& item) { return item.wet; }
 
 /// Draws surfaces without what their cut-aways leave out. `use` makes a program current and sets its
@@ -64,6 +67,9 @@ void draw_items(const std::vector<GlMesh>& items, const SurfaceProgram& program,
   if (std::any_of(items.begin(), items.end(), is_cut))
     use(program.cut), draw_cut_items(items_that(items, is_cut), style);
 }
+
+/// Stencil bit that sections leave alone.
+constexpr GLuint kFreeStencil = 0x80;
 
 /// Draws sections of closed surfaces by the planes of their cut-aways, with a program for cut surfaces, which
 /// has its uniforms. `counting` draws positions only, cut. The stencil buffer counts the surfaces behind a
