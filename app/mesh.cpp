@@ -1,6 +1,7 @@
 // `turgor mesh`: converts a label of a segmentation or a closed surface to a tetrahedral mesh.
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -24,15 +25,21 @@ namespace {
 struct MeshOptions {
   std::string input, output;
   std::vector<std::string> labels;  // by number or by name
-  double size = 0.008;              // [m]
+  std::optional<double> size;       // [m]
   double scale = 1;
   double most = MeshBound{}.elements;
+  std::string cavities = "fill";
 };
+
+constexpr double kLargestSize = 0.008;  // unless --size gives another one [m]
+constexpr double kEdgesAcrossBody = 5;  // at least, without --size
 
 /// Prints the forecast of a mesh that takes some time.
 MeshBound bound_of(const MeshOptions& options) {
   constexpr double kNoticed = 2;  // [s]
-  return {options.most, [](const MeshForecast& forecast) {
+  return {.elements = options.most,
+          .edges = options.size ? 0 : kEdgesAcrossBody,
+          .begin = [](const MeshForecast& forecast) {
             if (forecast.seconds > kNoticed)
               print_plain(stderr, "about {:.2g} million tetrahedra, in about {:.0f} s\n",
                           forecast.elements * 1e-6, forecast.seconds);
@@ -44,9 +51,9 @@ OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
     throw Failure{2, options.input + " is a surface; --label applies to segmentations"};
   const ReadSurface read = required(read_surface(options.input, options.scale));
   ProgressBar bar("meshing");
-  OrganMesh body = required(
-      mesh_of_surface(exec, read.mesh, options.size, bar.callback(), Sides::kFlat, bound_of(options)),
-      options.input + ": ");
+  OrganMesh body = required(mesh_of_surface(exec, read.mesh, options.size.value_or(kLargestSize),
+                                            bar.callback(), Sides::kFlat, bound_of(options)),
+                            options.input + ": ");
   body.notes.insert(body.notes.begin(), read.notes.begin(), read.notes.end());
   return body;
 }
@@ -67,9 +74,10 @@ OrganMesh mesh_labels(const MeshOptions& options, const Exec& exec) {
   if (options.scale != 1) throw Failure{2, "--scale applies to surfaces; a segmentation has its own units"};
   const std::vector<int> labels = label_numbers(options);
   ProgressBar bar("meshing");
-  return required(mesh_of_labels(exec, file.labels, labels, options.size, bar.callback(), Sides::kFlat,
-                                 bound_of(options)),
-                  options.input + ": ");
+  return required(
+      mesh_of_labels(exec, file.labels, labels, options.size.value_or(kLargestSize), bar.callback(),
+                     Sides::kFlat, bound_of(options), {options.cavities == "fill", {}}),
+      options.input + ": ");
 }
 
 Status write_mesh(const std::filesystem::path& path, const SolidMesh& mesh) {
@@ -124,10 +132,18 @@ void add_mesh_command(CLI::App& program, Global& global) {
   command->add_option("--label", options->labels,
                       "Labels of the body by number or name, such as an organ and its nodules; each "
                       "becomes a region");
-  command->add_option("--size", options->size, "Approximate edge length [m] (default: 0.008)")
+  command
+      ->add_option(
+          "--size", options->size,
+          "Approximate edge length [m] (default: 0.008, but at most a fifth of the cube root of the volume)")
       ->check(number_within(1e-6, 100, "m"));
   command->add_option("--most", options->most, "Limit of the expected number of tetrahedra (default: 1e7)")
       ->check(number_within(1, 1e9, "1"));
+  command
+      ->add_option("--cavities", options->cavities,
+                   "Where the labels enclose other ones: \"fill\" them with the first label's region, or "
+                   "\"keep\" them hollow (default: fill)")
+      ->check(CLI::IsMember({"fill", "keep"}));
   command->add_option("--scale", options->scale, "Meters per unit of a surface's file: 0.001 for mm")
       ->check(number_within(1e-12, 1e6, "m"));
   command->footer(

@@ -73,5 +73,21 @@ TEST(LabeledComponent, EnclosedLabelsHaveNoWayOut) {
   EXPECT_EQ(enclosed_labels(labels, largest_labeled_component(labels, both)->inside).size(), 1u);
 }
 
+// Filling adds the enclosed voxels, with their volume, and leaves labels of other bodies out.
+TEST(LabeledComponent, FilledCavitiesKeepOtherBodiesOut) {
+  LabelVolume labels = box_with_core();
+  labels.at(6, 5, 4) = 0;  // a bubble
+  const int wanted[] = {5}, other[] = {200};
+  const auto hollow = largest_labeled_component(labels, wanted);
+  ASSERT_TRUE(hollow);
+  LabeledComponent solid = *hollow, around = *hollow;
+  EXPECT_EQ(fill_cavities(labels, {}, solid).size(), 2u);
+  EXPECT_NEAR(solid.volume, 4 * 5 * 6 * 1e-6, 1e-12);
+  EXPECT_TRUE(enclosed_labels(labels, solid.inside).empty());
+  EXPECT_EQ(fill_cavities(labels, other, around).size(), 1u);
+  EXPECT_EQ(around.inside[sample_index(labels.grid, 4, 4, 3)], 0);
+  EXPECT_EQ(around.inside[sample_index(labels.grid, 6, 5, 4)], 1);
+}
+
 }  // namespace
 }  // namespace turgor

@@ -67,14 +67,33 @@ TEST(OrganMesh, PhantomLiverKeepsVolumeAndNodule) {
   RecordProperty("elements", int(element_count(organ->mesh)));
 }
 
-// The liver without its nodule is hollow there, and a note names the label that would fill the cavity.
-TEST(OrganMesh, CavityIsNotedWithItsLabel) {
-  const int liver[] = {kLiver};
-  const auto organ = mesh_of_labels(Exec(2), torso_labels(), liver, 0.018);
-  ASSERT_TRUE(organ) << organ.error().message;
-  ASSERT_FALSE(organ->notes.empty());
-  EXPECT_NE(organ->notes.back().find("hollow where it encloses other labels (200, "), std::string::npos)
-      << organ->notes.back();
+// A liver is solid where it encloses its nodule, and a note names the label. On request it is hollow there.
+TEST(OrganMesh, CavityIsFilledAndNoted) {
+  const int liver[] = {kLiver}, both[] = {kLiver, kNoduleLabel};
+  const auto solid = mesh_of_labels(Exec(2), torso_labels(), liver, 0.018);
+  ASSERT_TRUE(solid) << solid.error().message;
+  ASSERT_FALSE(solid->notes.empty());
+  EXPECT_NE(solid->notes.back().find("its own tissue where it encloses other labels (200, "),
+            std::string::npos)
+      << solid->notes.back();
+  const auto named = mesh_of_labels(Exec(2), torso_labels(), both, 0.018);
+  ASSERT_TRUE(named) << named.error().message;
+  EXPECT_EQ(solid->mesh.vertices.size(), named->mesh.vertices.size());
+  EXPECT_EQ(solid->input_volume, named->input_volume);
+  EXPECT_EQ(std::count(solid->mesh.regions.begin(), solid->mesh.regions.end(), kLiver),
+            std::ptrdiff_t(element_count(solid->mesh)));
+  // cavities are kept on request, and where another body is
+  for (const Cavities& cavities : {Cavities{.are_filled = false, .kept_out = {}},
+                                   Cavities{.are_filled = true, .kept_out = {kNoduleLabel}}}) {
+    const auto hollow = mesh_of_labels(Exec(2), torso_labels(), liver, 0.018, {}, Sides::kFlat, {}, cavities);
+    ASSERT_TRUE(hollow) << hollow.error().message;
+    EXPECT_LT(hollow->input_volume, solid->input_volume - 5e-6);
+    if (!cavities.are_filled) {
+      EXPECT_NE(hollow->notes.back().find("the body is hollow where it encloses other labels (200, "),
+                std::string::npos)
+          << hollow->notes.back();
+    }
+  }
 }
 
 // The error for a body too small for the lattice suggests a spacing that works.
@@ -86,6 +105,20 @@ TEST(OrganMesh, TooSmallBody_SuggestsSpacing) {
       coarse.error().message,
       "the body has 0.519 mL (10 mm x 10 mm x 10 mm): too small for a lattice of 12 mm; 1 mm would suffice");
   EXPECT_TRUE(mesh_of_surface(Exec(1), ball, 0.001));
+}
+
+// A body that is small for the size gets a smaller one, and keeps its volume.
+TEST(OrganMesh, SmallBody_GetsEnoughEdges) {
+  const TriMesh ball = test::sphere_surface({}, 0.02, 3);
+  const MeshBound bound{.edges = 5, .begin = {}};
+  const auto organ = mesh_of_surface(Exec(1), ball, 0.02, {}, Sides::kFlat, bound);
+  ASSERT_TRUE(organ) << organ.error().message;
+  ASSERT_EQ(organ->notes.size(), 1u);
+  EXPECT_NE(organ->notes[0].find("edges of 6.4 mm"), std::string::npos) << organ->notes[0];
+  EXPECT_NEAR(volume(organ->mesh), organ->input_volume, 0.02 * organ->input_volume);
+  const auto given = mesh_of_surface(Exec(1), ball, 0.006, {}, Sides::kFlat, bound);
+  ASSERT_TRUE(given) << given.error().message;
+  EXPECT_TRUE(given->notes.empty());
 }
 
 // A small fold of the surface is noted; the mesh is sound.

@@ -94,20 +94,20 @@ InsideBox box_of(const Grid& grid, const std::vector<std::uint8_t>& inside) {
   return box;
 }
 
-}  // namespace
-
-std::vector<EnclosedLabel> enclosed_labels(const LabelVolume& labels,
-                                           const std::vector<std::uint8_t>& inside) {
-  TURGOR_CHECK(inside.size() == labels.samples.size(), "every voxel is inside or not");
-  const InsideBox box = box_of(labels.grid, inside);
-  if (box.high.x == 0) return {};
+/// Calls visit(voxel) for all voxels that are not inside and have no path over faces to the faces of the box
+/// around the voxels inside.
+template <class Visit>
+void for_each_enclosed(const Grid& grid, const std::vector<std::uint8_t>& inside, const Visit& visit) {
+  TURGOR_CHECK(inside.size() == sample_count(grid), "every voxel is inside or not");
+  const InsideBox box = box_of(grid, inside);
+  if (box.high.x == 0) return;
   // voxels of the box: -1 inside, 0 not reached from the box's faces, 1 reached
-  Grid crop = labels.grid;
+  Grid crop = grid;
   crop.size = box.high - box.low;
   std::vector<int> reached(sample_count(crop));
   for_each_index(crop.size, [&](Int3 p) {
     const Int3 q = p + box.low;
-    reached[sample_index(crop, p.x, p.y, p.z)] = inside[sample_index(labels.grid, q.x, q.y, q.z)] ? -1 : 0;
+    reached[sample_index(crop, p.x, p.y, p.z)] = inside[sample_index(grid, q.x, q.y, q.z)] ? -1 : 0;
   });
   for_each_index(crop.size, [&](Int3 p) {
     const std::size_t start = sample_index(crop, p.x, p.y, p.z);
@@ -115,16 +115,39 @@ std::vector<EnclosedLabel> enclosed_labels(const LabelVolume& labels,
     const bool at_face = p.x == 0 || p.y == 0 || p.z == 0 || p.x == last.x || p.y == last.y || p.z == last.z;
     if (at_face && reached[start] == 0) mark_component(crop, start, 1, reached);
   });
-  // volumes by label
-  std::map<int, std::size_t> voxels;
+  // what was not reached
   for_each_index(crop.size, [&](Int3 p) {
-    const Int3 q = p + box.low;
-    if (reached[sample_index(crop, p.x, p.y, p.z)] == 0) voxels[int(labels.at(q.x, q.y, q.z))]++;
+    if (reached[sample_index(crop, p.x, p.y, p.z)] == 0) visit(p + box.low);
   });
+}
+
+std::vector<EnclosedLabel> with_volumes(const std::map<int, std::size_t>& voxels, const Grid& grid) {
   std::vector<EnclosedLabel> enclosed;
-  for (const auto& [label, count] : voxels)
-    enclosed.push_back({label, double(count) * sample_volume(labels.grid)});
+  for (const auto& [label, count] : voxels) enclosed.push_back({label, double(count) * sample_volume(grid)});
   return enclosed;
+}
+
+}  // namespace
+
+std::vector<EnclosedLabel> enclosed_labels(const LabelVolume& labels,
+                                           const std::vector<std::uint8_t>& inside) {
+  std::map<int, std::size_t> voxels;
+  for_each_enclosed(labels.grid, inside, [&](Int3 p) { voxels[int(labels.at(p.x, p.y, p.z))]++; });
+  return with_volumes(voxels, labels.grid);
+}
+
+std::vector<EnclosedLabel> fill_cavities(const LabelVolume& labels, std::span<const int> kept_out,
+                                         LabeledComponent& component) {
+  std::map<int, std::size_t> voxels;
+  for_each_enclosed(labels.grid, component.inside, [&](Int3 p) {
+    const int label = int(labels.at(p.x, p.y, p.z));
+    if (std::find(kept_out.begin(), kept_out.end(), label) != kept_out.end()) return;
+    component.inside[sample_index(labels.grid, p.x, p.y, p.z)] = 1;
+    voxels[label]++;
+  });
+  const std::vector<EnclosedLabel> filled = with_volumes(voxels, labels.grid);
+  for (const EnclosedLabel& one : filled) component.volume += one.volume;
+  return filled;
 }
 
 Result<LabeledComponent> largest_labeled_component(const LabelVolume& labels, std::span<const int> chosen) {

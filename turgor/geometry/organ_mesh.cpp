@@ -150,6 +150,18 @@ Status note_result(const LargestComponent& component, double target, double size
   return Done{};
 }
 
+/// Size with the least number of edges across the body, in two digits, and a note if it is smaller than the
+/// given one.
+double size_within(const MeshBound& bound, double volume, double size, std::vector<std::string>& notes) {
+  if (!(bound.edges > 0) || !(volume > 0)) return size;
+  const double across = std::cbrt(volume) / bound.edges;
+  const double digit = std::pow(10, std::floor(std::log10(across)) - 1);
+  const double largest = std::round(across / digit) * digit;
+  if (!(largest < size)) return size;
+  notes.push_back("edges of " + mm(largest) + " were chosen for a body of " + ml(volume));
+  return largest;
+}
+
 Result<OrganMesh> mesh_of_shape(const Exec& exec, SignedDistance shape, double target, double size,
                                 std::vector<std::string> notes, Sides sides, const Progress& progress,
                                 const MeshBound& bound) {
@@ -193,18 +205,24 @@ Status check_crossings(const Exec& exec, const CheckedSurface& body, const Signe
                ml(body.volume) + "; expected a surface with a single interior"};
 }
 
-/// Notes cavities that hold other labels. Smoothing closes those well below the lattice's edge length.
-void note_cavities(const LabelVolume& labels, const LabeledComponent& component, double size,
+/// Notes cavities and what is in them. Smoothing closes those well below the lattice's edge length.
+void note_cavities(const std::vector<EnclosedLabel>& found, bool are_filled, double size,
                    std::vector<std::string>& notes) {
-  double hollow = 0;
+  double sum = 0;
   std::string names;
-  for (const EnclosedLabel& enclosed : enclosed_labels(labels, component.inside)) {
-    hollow += enclosed.volume;
+  for (const EnclosedLabel& enclosed : found) {
+    sum += enclosed.volume;
     names += (names.empty() ? "" : ", ") + std::to_string(enclosed.label);
   }
-  if (hollow < size * size * size / 8) return;
-  notes.push_back("the body is hollow where it encloses other labels (" + names + ", " + ml(hollow) +
-                  "): name these labels, too (in scenes by inside), for a body without cavities");
+  if (sum < size * size * size / 8) return;
+  const std::string where = "where it encloses other labels (" + names + ", " + ml(sum) + ")";
+  if (are_filled)
+    notes.push_back(
+        "the body has its own tissue " + where +
+        ": name these labels, too (in scenes by inside), for another tissue, or keep the cavities "
+        "(cavities = \"keep\")");
+  else
+    notes.push_back("the body is hollow " + where);
 }
 
 }  // namespace
@@ -215,13 +233,20 @@ Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, doub
   if (!body) return body.error();
   SignedDistance shape = distance_to_surface(body->mesh);
   if (Status crossings = check_crossings(exec, *body, shape); !crossings) return crossings.error();
+  size = size_within(bound, body->volume, size, body->notes);
   return mesh_of_shape(exec, std::move(shape), body->volume, size, body->notes, sides, progress, bound);
 }
 
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> chosen,
-                                 double size, const Progress& progress, Sides sides, const MeshBound& bound) {
+                                 double size, const Progress& progress, Sides sides, const MeshBound& bound,
+                                 const Cavities& cavities) {
   Result<LabeledComponent> component = largest_labeled_component(labels, chosen);
   if (!component) return component.error();
+  const std::vector<EnclosedLabel> found = cavities.are_filled
+                                               ? fill_cavities(labels, cavities.kept_out, *component)
+                                               : enclosed_labels(labels, component->inside);
+  size = size_within(bound, component->volume, size, component->notes);
+  note_cavities(found, cavities.are_filled, size, component->notes);
   // smooth away the voxel steps, and details below the lattice's resolution
   const Vec3d h = labels.grid.spacing;
   const double smoothing =
@@ -231,7 +256,6 @@ Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, st
                     component->volume, size, component->notes, sides, progress, bound);
   if (!organ) return organ.error();
   organ->mesh.regions = regions_of(organ->mesh, labels, chosen);
-  note_cavities(labels, *component, size, organ->notes);
   return organ;
 }
 

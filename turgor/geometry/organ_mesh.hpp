@@ -29,15 +29,23 @@ struct MeshForecast {
   double seconds = 0;   // wall time, from a few measured distances
 };
 
-/// Limit of a mesh. `begin` is called with the forecast before the work starts.
+/// Limits of a mesh. `begin` is called with the forecast before the work starts.
 struct MeshBound {
   double elements = 1e7;
+  double edges = 0;  // at least, along the cube root of the body's volume; a smaller size is chosen for them
   std::function<void(const MeshForecast&)> begin;
+};
+
+/// Cavities of a labeled body, where it encloses voxels of other labels.
+struct Cavities {
+  bool are_filled = true;     // with the body's own tissue
+  std::vector<int> kept_out;  // labels of other bodies, which are not filled
 };
 
 struct OrganMesh {
   SolidMesh mesh;
-  double input_volume = 0;         // of the largest component of the surface or of the labeled voxels [m³]
+  double input_volume =
+      0;  // of the largest component of the surface or of the labeled voxels, with filled cavities [m³]
   std::vector<std::string> notes;  // what was dropped, reversed or doubtful: sentences
 };
 
@@ -47,10 +55,11 @@ Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, doub
                                   const Progress& progress = {}, Sides sides = Sides::kFlat,
                                   const MeshBound& bound = {});
 
-/// The same inside all voxels with one of the labels, such as an organ and its nodules. Every element's
-/// region is the label at its centroid, or the first label if that is another one.
+/// The same inside all voxels with one of the labels, such as an organ and its nodules, and inside the
+/// cavities that they enclose. Every element's region is the label at its centroid, or the first label if
+/// that is another one.
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> chosen,
                                  double size, const Progress& progress = {}, Sides sides = Sides::kFlat,
-                                 const MeshBound& bound = {});
+                                 const MeshBound& bound = {}, const Cavities& cavities = {});
 
 }  // namespace turgor

@@ -48,6 +48,17 @@ TEST(KeepLabel, KeepsLargestComponentInPlace) {
   EXPECT_EQ(notes.size(), 1u) << "the separate voxel";
 }
 
+// An enclosed tumor of another label keeps its CT values.
+TEST(KeepLabel, EnclosedLabelStays) {
+  CtVolume ct = full_ct();
+  LabelVolume labels = box_labels(ct.grid, {8, 5, 4}, {13, 9, 7});
+  labels.at(10, 7, 5) = 77;
+  std::vector<std::string> notes;
+  ASSERT_TRUE(crop_to_label(Exec(1), labels, 5, {0, 0, 0}, ct, notes));
+  EXPECT_EQ(tissue_voxels(ct), 5 * 4 * 3);
+  EXPECT_EQ(ct.at(2, 2, 1), 40);
+}
+
 // Labels on another grid select voxels by their position.
 TEST(KeepLabel, AcceptsLabelsOnOtherGrid) {
   CtVolume ct = full_ct();

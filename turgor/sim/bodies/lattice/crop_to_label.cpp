@@ -61,8 +61,9 @@ CtVolume cut_out(const CtVolume& ct, const VoxelBox& box) {
 
 Status crop_to_label(const Exec& exec, const LabelVolume& labels, int label, Int3 margin, CtVolume& ct,
                      std::vector<std::string>& notes) {
-  const Result<LabeledComponent> component = largest_labeled_component(labels, std::span(&label, 1));
+  Result<LabeledComponent> component = largest_labeled_component(labels, std::span(&label, 1));
   if (!component) return component.error();
+  fill_cavities(labels, {}, *component);
   notes.insert(notes.end(), component->notes.begin(), component->notes.end());
   const KeptVoxels is_kept(labels, *component, ct.grid);
   std::vector<VoxelBox> layers(std::size_t(ct.grid.size.z));

@@ -10,9 +10,10 @@
 
 namespace turgor {
 
-/// Keeps the largest connected component of one label. All other voxels become air, and the CT is cropped to
-/// the component plus `margin` voxels. Smaller components are noted. Error: the label does not occur (the
-/// message lists those that do), or the component is outside the CT.
+/// Keeps the largest connected component of one label and what it encloses, such as a tumor of another label.
+/// All other voxels become air, and the CT is cropped to the component plus `margin` voxels. Smaller
+/// components are noted. Error: the label does not occur (the message lists those that do), or the component
+/// is outside the CT.
 Status crop_to_label(const Exec& exec, const LabelVolume& labels, int label, Int3 margin, CtVolume& ct,
                      std::vector<std::string>& notes);
 
