@@ -8,6 +8,7 @@
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/contact_points.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
+#include "turgor/models/lattice/solver/balance_momentum.hpp"
 #include "turgor/models/lattice/solver/calm_rows.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
 #include "turgor/models/lattice/solver/step_sequence.hpp"
@@ -114,6 +115,7 @@ struct HostStep {
   }
   /// Velocities; restores the last state if one is not finite.
   void finish() {
+    if (model.params.solver.method == Method::kVbd) balance_momentum(model, state, inputs, dt);
     report = lattice::finish(exec, model, state, dt, inputs.halo);
     report.residual = residual;
   }
