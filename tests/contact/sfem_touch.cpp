@@ -81,6 +81,36 @@ TEST(SfemTouch, TicksAllocateNothing) {
   }
 }
 
+// A tick in which pairs come into use or go allocates no memory either, nor does the patch that follows.
+TEST(SfemTouch, ChangedViscosityAllocatesNothing) {
+  SfemTouch touch = touched();
+  SfemExchange exchange;
+  reserve_viscosity(touch);
+  prepare(touch, exchange);
+  const Prony laws[] = {one_pair(0.5, 0.1), {{{{0.8, 0.1}, {0.5, 1}, {0.3, 10}}}}, {}};
+  std::vector<std::shared_ptr<const sfem::Patch>> alive{touch.patch};
+  std::vector<ToolReading> readings(1);
+  std::size_t counted = 0;
+  for (int i = 0; i < 300; i++) {
+    if (i % 50 == 20)
+      exchange.motion.write({.to = {}, .ticks = 17, .viscosity = laws[std::size_t(i / 50 % 3)], .number = i});
+    if (i % 50 == 22) {  // offered before the change reached its snapshot, every other time
+      const SfemTouchSnapshot now = exchange.touched.read();
+      alive.push_back(patch_at(now.contact_centers[0].position));
+      const ViscousHistory known = i % 100 == 22 ? now.history : ViscousHistory{};
+      exchange.patches.write(
+          {alive.back(), transferred_history(block(), known, *now.patch, *alive.back()), i});
+    }
+    const ToolCommand command = command_at(i);
+    counted += test::allocations_of(
+        [&] { tick_with_exchange(touch, exchange, std::span(&command, 1), kTick, readings); });
+    EXPECT_TRUE(is_finite(readings[0].force));
+  }
+  EXPECT_EQ(counted, 0u);
+  EXPECT_EQ(touch.state.history.count, 0);
+  EXPECT_GT(readings[0].force.z, 0.01) << "N: the ball still presses";
+}
+
 // The surface moves linearly and reaches the positions of a frame at the frame's last tick.
 TEST(SfemTouch, SurfaceReachesFrameAtLastTick) {
   SfemTouch touch = touched();

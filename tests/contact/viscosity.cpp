@@ -132,6 +132,54 @@ TEST(Viscosity, FarHistoryOfThreePairsDecaysAlike) {
   }
 }
 
+// Pairs that come into use add no force yet, and a later step meets them all. Without the pairs the force is
+// elastic again.
+TEST(Viscosity, ChangedPairsBeginRelaxed) {
+  const Prony law{{{{0.8, 0.1}, {0.5, 1}, {0.3, 10}}}};
+  Grip grip({});
+  const Vec3d step{1e-4, 0, 2e-4};
+  const Vec3d rest = grip.forces[0].force, elastic = grip.move(step, 0) - rest;
+  const auto change = [&](const Prony& to) {
+    change_pairs(grip.state.params.viscosity, to, grip.state.u, grip.state.force, grip.state.history);
+    grip.state.params.viscosity = to;
+  };
+  change(law);
+  EXPECT_LT(norm(grip.move({}, 1e-3) - rest - elastic), 1e-9 * norm(elastic)) << "at the same position";
+  EXPECT_LT(norm(grip.move(step, 0) - rest - (2 + total_ratio(law)) * elastic), 1e-9 * norm(elastic));
+  change(one_pair(0.8, 0.1));
+  EXPECT_LT(norm(grip.move({}, 0) - rest - 2.8 * elastic), 1e-9 * norm(elastic))
+      << "memory of the first stays";
+  change({});
+  EXPECT_LT(norm(grip.move({}, 0) - rest - 2 * elastic), 1e-9 * norm(elastic));
+}
+
+// v = Ξ φ holds for each pair in use while pairs come and go, and the far memory decays as that of the patch.
+TEST(Viscosity, ChangedPairsKeepTheirMemoryForce) {
+  const PronyPair a{2, 0.05}, b{1, 0.3}, c{0.5, 2};
+  const double xi = 3e-3;
+  ViscousHistory history{.pairs = {{{.v = {{xi, 0, 0}}, .phi = {{1, 0, 0}}, .far = {{0, {1, 0, 0}}}}}},
+                         .count = 1};
+  Prony now{{{a, {}, {}}}};
+  std::vector<Vec3d> u{{}};
+  const std::vector<Vec3d> none{{}};
+  for (const Prony& next :
+       {Prony{{{a, b, c}}}, Prony{{{a, b, {}}}}, Prony{{{a, {}, {}}}}, Prony{{{c, b, a}}}}) {
+    for (int n = 0; n < 40; n++) {
+      const ViscousTick tick = viscous_tick(now, 1e-3);
+      u[0] = remembered_displacement(tick, history, 0);
+      remember(tick, u, none, history);
+    }
+    change_pairs(now, next, u, none, history);
+    now = next;
+    ASSERT_EQ(history.count, pair_count(next));
+    for (std::size_t i = 0; i < std::size_t(history.count); i++) {
+      EXPECT_NEAR(history.pairs[i].v[0].x, xi * history.pairs[i].phi[0].x, 1e-15) << i;
+      EXPECT_NEAR(history.far_factor[i][0], history.pairs[i].phi[0].x, 1e-12) << i;
+      EXPECT_GT(history.far_factor[i][0], 0.1) << i;
+    }
+  }
+}
+
 // Pairs that are not in use have no memory.
 TEST(Viscosity, UnusedPairsHaveNoMemory) {
   const sfem::Patch patch = half_space_patch(kSoft);

@@ -127,20 +127,23 @@ void move_site(const sfem::Patch& from, const sfem::Patch& to, TouchState& state
   state.new_sites.push_back(site);
 }
 
-/// Transfers the viscous memory: unchanged at shared points, elsewhere from the forces on the coarse body.
+/// Transfers the viscous memory: unchanged at shared points, elsewhere from the forces on the coarse body. A
+/// pair that came into use after the patch was offered has none there.
 void move_history(const TransferredHistory& transferred, TouchState& state) {
   ViscousHistory& h = state.history;
   if (h.count == 0) return;
-  TURGOR_ASSERT(transferred.pairs.size() == std::size_t(h.count),
-                "viscous memory is transferred with a viscous material");
   h.far_factor = ViscousHistory::kNoDecay;
   std::vector<Vec3d>& next = state.match.history;
-  for (std::size_t k = 0; k < transferred.pairs.size(); k++) {
-    const TransferredHistory::Pair& from = transferred.pairs[k];
-    TURGOR_ASSERT(from.v.size() == state.match.old_point.size(), "a memory of every point");
+  for (PairHistory& pair : h.pairs) pair.far.clear();
+  for (std::size_t k = 0; k < std::size_t(h.count); k++) {
     PairHistory& pair = h.pairs[k];
-    pair.far.assign(from.far.begin(), from.far.end());
-    next.assign(from.v.begin(), from.v.end());
+    next.assign(state.match.old_point.size(), {});
+    if (k < transferred.pairs.size()) {
+      const TransferredHistory::Pair& from = transferred.pairs[k];
+      TURGOR_ASSERT(from.v.size() == next.size(), "a memory of every point");
+      pair.far.assign(from.far.begin(), from.far.end());
+      std::copy(from.v.begin(), from.v.end(), next.begin());
+    }
     for (std::size_t i = 0; i < next.size(); i++)
       if (const int old = state.match.old_point[i]; old >= 0) next[i] = pair.v[std::size_t(old)];
     std::swap(pair.v, next);

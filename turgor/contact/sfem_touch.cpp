@@ -130,6 +130,22 @@ void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, do
   touch.ticks++;
 }
 
+void set_viscosity(SfemTouch& touch, const Prony& viscosity) {
+  TouchState& state = touch.state;
+  if (state.params.viscosity == viscosity) return;
+  change_pairs(state.params.viscosity, viscosity, state.u, state.force, state.history);
+  state.params.viscosity = viscosity;
+}
+
+void reserve_viscosity(SfemTouch& touch) {
+  const std::size_t points = touch.state.x.capacity();
+  touch.state.match.history.reserve(points);
+  for (PairHistory& pair : touch.state.history.pairs) {
+    for (auto* list : {&pair.v, &pair.phi}) list->reserve(points);
+    pair.far.reserve(touch.free.to.size());
+  }
+}
+
 void start_motion(FreeMotionInterpolation& path, std::span<const Vec3d> to, long ticks) {
   if (to.empty()) return;
   TURGOR_ASSERT(to.size() == path.to.size(), "one free motion a vertex");
@@ -265,9 +281,9 @@ void publish(const SfemTouch& touch, SfemTouchSnapshot& now) {
 
 void reserve_like(const SfemTouch& touch, SfemTouchSnapshot& now) {
   for (auto* points : {&now.x, &now.force}) points->reserve(touch.state.x.capacity());
-  for (std::size_t i = 0; i < std::size_t(touch.state.history.count); i++) {
+  for (std::size_t i = 0; i < std::size_t(kMostPronyPairs); i++) {
     PairHistory& pair = now.history.pairs[i];
-    for (auto* points : {&pair.v, &pair.phi}) points->reserve(touch.state.x.capacity());
+    for (auto* points : {&pair.v, &pair.phi}) points->reserve(touch.state.history.pairs[i].v.capacity());
     pair.far.reserve(touch.state.history.pairs[i].far.capacity());
   }
   // needles, for Green's functions of all vertices
@@ -314,6 +330,7 @@ void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<cons
     take_needle_motion(touch, motion.of_needles, motion.ticks);
     touch.motion_number = motion.number, touch.stiffness_scale = motion.stiffness_scale;
     touch.texture.roughness = motion.roughness, touch.texture.wavelength = motion.wavelength;
+    if (motion.viscosity) set_viscosity(touch, *motion.viscosity);
     TURGOR_ASSERT(motion.friction.size() <= touch.tools.size(), "at most one friction a tool");
     for (std::size_t t = 0; t < motion.friction.size(); t++) touch.tools[t].friction = motion.friction[t];
   }

@@ -62,6 +62,11 @@ SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<
 void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, double dt,
                      std::span<ToolReading> readings);
 
+/// Changes the pairs between two ticks. Does not allocate after reserve_viscosity.
+void set_viscosity(SfemTouch& touch, const Prony& viscosity);
+/// Reserves memory for all pairs, of later patches too.
+void reserve_viscosity(SfemTouch& touch);
+
 /// Starts an interpolation of the free motion from its present value to `to` over `ticks` ticks [m]. Does
 /// nothing if `to` is empty.
 void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks);
@@ -134,6 +139,7 @@ struct FreeMotion {
   double stiffness_scale = 1;                  // see SfemTouch
   std::vector<double> friction;                // one per tool; empty = unchanged
   double roughness = 0, wavelength = 1e-3;     // of the body's texture [m]
+  std::optional<Prony> viscosity;              // of the body; empty = unchanged
   std::vector<std::vector<Vec3d>> of_needles;  // of each tool: target of NeedleState::motion; empty = none
   std::shared_ptr<const sfem::InnerGreen>
       inner;        // of needles; the sender keeps a reference until it has the last

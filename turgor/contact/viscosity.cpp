@@ -35,7 +35,7 @@ void decay_far(const ViscousTick& tick, ViscousHistory& history) {
   const auto before = history.far_factor;
   const auto count = std::size_t(tick.count);
   for (std::size_t i = 0; i < count; i++)
-    for (std::size_t k = 0; k < count; k++) {
+    for (std::size_t k = 0; k < std::size_t(kMostPronyPairs); k++) {
       double sum = 0;
       for (std::size_t j = 0; j < count; j++) {
         const double shared = tick.a[i] * tick.p[j] / (1 + tick.total), own = i == j ? 1 : 0;
@@ -66,11 +66,35 @@ void remember(const ViscousTick& tick, std::span<const Vec3d> u, std::span<const
   decay_far(tick, history);
 }
 
+void change_pairs(const Prony& before, const Prony& after, std::span<const Vec3d> u, std::span<const Vec3d> f,
+                  ViscousHistory& history) {
+  TURGOR_CHECK(u.size() == f.size() && history.count == pair_count(before),
+               "the memory belongs to the pairs");
+  // the memory force of u: Ξ φ = u, by the identity u = (Ξ f + Σ pⱼ vⱼ)/(1 + P) after a tick
+  const ViscousTick tick = viscous_tick(before, 0);
+  const auto old = std::size_t(history.count), count = std::size_t(pair_count(after));
+  for (std::size_t i = old; i < count; i++) {
+    PairHistory& pair = history.pairs[i];
+    pair.v.assign(u.begin(), u.end());
+    pair.phi.assign(f.begin(), f.end());
+    for (std::size_t n = 0; n < f.size(); n++) {
+      for (std::size_t j = 0; j < old; j++) pair.phi[n] += tick.p[j] * history.pairs[j].phi[n];
+      pair.phi[n] = pair.phi[n] / (1 + tick.total);
+    }
+    for (std::size_t k = 0; k < std::size_t(kMostPronyPairs); k++) {
+      double sum = 0;
+      for (std::size_t j = 0; j < old; j++) sum += tick.p[j] / (1 + tick.total) * history.far_factor[j][k];
+      history.far_factor[i][k] = sum;
+    }
+  }
+  history.count = int(count);
+}
+
 std::vector<VertexForce> coarse_history(const ViscousHistory& history, int pair, const sfem::Patch& patch) {
   TURGOR_CHECK(is_index(pair, std::size_t(history.count)), "the pair is in use");
   const auto own = std::size_t(pair);
   std::map<int, Vec3d> sum;
-  for (std::size_t j = 0; j < std::size_t(history.count); j++)
+  for (std::size_t j = 0; j < std::size_t(kMostPronyPairs); j++)
     for (const auto& [vertex, force] : history.pairs[j].far)
       sum[vertex] += history.far_factor[own][j] * force;
   // memory on the patch's points, restricted to coarse vertices

@@ -53,8 +53,8 @@ struct PairHistory {
 struct ViscousHistory {
   std::array<PairHistory, kMostPronyPairs> pairs;
   int count = 0;  // pairs in use
-  // Present φᵢ on coarse vertices: Σ far_factor[i][j] · far of pair j. The matrix is the identity when a
-  // patch is taken.
+  // Present φᵢ on coarse vertices: Σ far_factor[i][j] · far of pair j, those out of use included. The matrix
+  // is the identity when a patch is taken.
   std::array<std::array<double, kMostPronyPairs>, kMostPronyPairs> far_factor = kNoDecay;
 
   static constexpr std::array<std::array<double, kMostPronyPairs>, kMostPronyPairs> kNoDecay{
@@ -67,6 +67,12 @@ Vec3d remembered_displacement(const ViscousTick& tick, const ViscousHistory& his
 /// Updates the memory after a tick in which the points moved to u under the forces f.
 void remember(const ViscousTick& tick, std::span<const Vec3d> u, std::span<const Vec3d> f,
               ViscousHistory& history);
+
+/// Changes the pairs between two ticks. Pairs that stay in use keep their memory. A pair that comes into use
+/// is relaxed: its v is the displacement u of the last tick, so that it adds no force yet. `f` are the forces
+/// of that tick. Allocates only beyond the reserved size.
+void change_pairs(const Prony& before, const Prony& after, std::span<const Vec3d> u, std::span<const Vec3d> f,
+                  ViscousHistory& history);
 
 /// Total memory force φ of a pair on coarse vertices, ascending.
 std::vector<VertexForce> coarse_history(const ViscousHistory& history, int pair, const sfem::Patch& patch);
