@@ -9,6 +9,7 @@
 #include "tests/models/lattice/block_body.hpp"
 #include "tests/models/lattice/deformed_body.hpp"
 #include "turgor/models/lattice/build/cell_laws.hpp"
+#include "turgor/models/lattice/build/fiber_lines.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/law_cells.hpp"
 
@@ -85,6 +86,63 @@ TEST(CellFibers, RotatedBlockMatchesClosedForm) {
       EXPECT_NEAR(cauchy(across, side), expected.across, 2e-3 * scale) << stretch;
     }
   }
+}
+
+// An image of directions turns the fibers of each cell to the sample nearest to its center: oblique ones have
+// the stresses of the closed form. Length and sign of a sample do not matter; zero and far samples leave the
+// law's.
+TEST(CellFibers, ImageTurnsFibers) {
+  constexpr double kStiffening = 2, kStretch = 1.2, kSide = 0.93;
+  const FiberParams fiber{.stiffness = 1.5e4, .stiffening = 3, .direction = {1, 0, 0}};
+  const Vec3d drawn{0.3, -0.8, 0.52}, a = normalized(drawn);
+  Model model = fibered_block(fiber, kStiffening);
+  // samples at the centers of the lower two layers of cells; the second has none
+  const Grid& grid = model.anatomy.grid;
+  VectorVolume image{.grid = grid, .samples = {}};
+  image.grid.size = {grid.size.x - 1, grid.size.y - 1, 2};
+  image.grid.origin = point_at(grid, Vec3d{0.5, 0.5, 0.5});
+  image.samples.assign(sample_count(image.grid), {});
+  for (int j = 0; j < image.grid.size.y; j++)
+    for (int i = 0; i < image.grid.size.x; i++) image.at(i, j, 0) = Vec3(drawn) * (i % 2 == 0 ? 7.0f : -0.1f);
+  const std::vector<Vec3> lines = fiber_lines(image, model);
+  ASSERT_FALSE(lines.empty());
+  set_fiber_lines(lines, model);
+  // directions
+  const CellLaws& laws = model.anatomy.cell_laws;
+  const auto direction = [&](Int3 cell) {
+    const auto slot = std::size_t(node_slot(model.anatomy.lattice, cell));
+    return Vec3d{double(laws.fiber_x[slot]), double(laws.fiber_y[slot]), double(laws.fiber_z[slot])};
+  };
+  EXPECT_NEAR(dot(direction({0, 0, 0}), a), 1, 1e-6);
+  EXPECT_NEAR(dot(direction({1, 0, 0}), a), -1, 1e-6);
+  EXPECT_EQ(direction({0, 0, 1}), (Vec3d{1, 0, 0}));
+  // stress along the fibers
+  Mat3d f;
+  for (int c = 0; c < 3; c++) {
+    f.column[std::size_t(c)] = a * ((kStretch - kSide) * a[c]);
+    f.column[std::size_t(c)][c] += kSide;
+  }
+  State state = make_state(model);
+  deform(model, state, f);
+  const int slot = node_slot(model.anatomy.lattice, {0, 0, 0});
+  Real young[kGroup] = {};
+  young[0] = model.anatomy.cell_young[std::size_t(slot)];
+  LawStresses s;
+  law_stresses(node_arrays(model, state), cell_law_view(model, state), node_block(model.anatomy.lattice, 0),
+               young, slot, s);
+  const Vec3 h = model.anatomy.lattice.spacing;
+  const double entry[3][3] = {{s.of[0][0], s.of[3][0], s.of[4][0]},
+                              {s.of[3][0], s.of[1][0], s.of[5][0]},
+                              {s.of[4][0], s.of[5][0], s.of[2][0]}};
+  double along = 0;
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) along += a[i] * entry[i][k] * a[k];
+  along *= kStretch * kStretch / (kStretch * kSide * kSide) / (double(h.x) * h.y * h.z);
+  const TransverseStress expected = closed_form(fiber, kStiffening, kStretch, kSide);
+  EXPECT_NEAR(along, expected.along, 2e-3 * std::abs(expected.along));
+  // an image beside the body
+  image.grid.origin = point_at(grid, Vec3d{50, 0, 0});
+  EXPECT_TRUE(fiber_lines(image, model).empty());
 }
 
 // Forces on a node are the negative gradient of the body's energy, and the step's Hessian is exact.
