@@ -46,6 +46,17 @@ TEST(OrganBodies, Table_BecomesBodiesAndPairs) {
   }
 }
 
+// Labels of other bodies from the same segmentation stay cavities of a body that encloses them.
+TEST(OrganBodies, LabelsOfOthersAreKnown) {
+  const Scene scene = scene_of(kOrgans);
+  for (const SfemScene& body : scene.sfem_bodies) {
+    const auto& organ = std::get<LabeledOrgan>(body.source);
+    EXPECT_TRUE(organ.are_cavities_filled) << body.name;
+    ASSERT_EQ(organ.of_others.size(), 2u) << body.name;
+    EXPECT_EQ(organ.label + organ.of_others[0] + organ.of_others[1], 4 + 5 + 6) << body.name;
+  }
+}
+
 // An attachment of the scene itself replaces that of the table.
 TEST(OrganBodies, OwnAttachment_Replaces) {
   const Scene scene = scene_of(std::string(kOrgans) +

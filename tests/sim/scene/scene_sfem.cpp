@@ -193,6 +193,19 @@ TEST(SceneSfem, OverridesCreateNoTools) {
             std::string::npos);
 }
 
+// Gravity that acts on no body is noted. A body that is not held feels it.
+TEST(SceneSfem, IdleGravityIsNoted) {
+  const std::string world = "[world]\ngravity = [0, 0, -9.81]\n";
+  const Result<Scene> held = parse_scene(world + small(), "s.toml");
+  ASSERT_TRUE(held) << held.error().message;
+  ASSERT_EQ(held->notes.size(), 1u);
+  EXPECT_TRUE(held->notes[0].starts_with("world.gravity acts on no body of this scene")) << held->notes[0];
+  const Result<Scene> falls = parse_scene(
+      world + small("block = { size = [1, 1, 1], count = [1, 1, 1] }\nfixed = \"none\""), "s.toml");
+  ASSERT_TRUE(falls) << falls.error().message;
+  EXPECT_TRUE(falls->notes.empty());
+}
+
 // Tetrahedra are quadratic by default.
 TEST(SceneSfem, TetrahedraDefaultToQuadratic) {
   const auto read = [](const std::string& keys) {
@@ -203,8 +216,7 @@ TEST(SceneSfem, TetrahedraDefaultToQuadratic) {
   const SfemScene unsaid = read("surface = \"a.obj\"");
   EXPECT_EQ(unsaid.elements, Elements::kQuadratic);
   EXPECT_EQ(unsaid.patch.refinement, kByElements);
-  EXPECT_EQ(std::get<ClosedSurface>(unsaid.source).resolution, 0.02)
-      << "about as many nodes as linear elements of 10 mm";
+  EXPECT_FALSE(std::get<ClosedSurface>(unsaid.source).resolution) << "chosen by the volume";
   EXPECT_EQ(read("surface = \"a.obj\"\nelements = \"linear\"").elements, Elements::kLinear);
   EXPECT_EQ(read("surface = \"a.obj\"\nformulation = \"standard\"").elements, Elements::kLinear);
   EXPECT_NE(error_of(small("surface = \"a.obj\"\nelements = \"quadratic\"\nformulation = \"averaged\""))

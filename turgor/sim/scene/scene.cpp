@@ -1,5 +1,6 @@
 #include "turgor/sim/scene/scene.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -66,8 +67,10 @@ bool is_open_string(std::string_view text, int line) {
 
 void read_world(SceneTable world, Scene& scene) {
   world.begin_group("world");
-  world.read("gravity", scene.gravity, within(-1000, 1000, "m/s²"),
-             "the CT shows the body as gravity has already shaped it; add only the change");
+  world.read(
+      "gravity", scene.gravity, within(-1000, 1000, "m/s²"),
+      "the CT shows the body as gravity has already shaped it; add only the change. Held bodies of elements "
+      "and chains do not feel it");
   world.read("duration", scene.duration, inside(0, 3600, "s"), "simulated time");
   world.read("frame_rate", scene.frame_rate, within(1, 1000, "1/s"),
              "steps per second; a run has at most a million steps");
@@ -90,6 +93,24 @@ std::string read_model(SceneTable& body) {
        "`\"rigid\"`: a body that does not deform",
        "required"});
   return model;
+}
+
+bool have_one_segmentation(const LabeledOrgan& a, const LabeledOrgan& b) {
+  return a.phantom ? b.phantom.has_value() : !b.phantom && a.file == b.file;
+}
+
+/// Notes for every body from a segmentation the labels of which other bodies are made.
+void note_labels_of_others(std::vector<SfemScene>& bodies) {
+  for (SfemScene& body : bodies) {
+    auto* organ = std::get_if<LabeledOrgan>(&body.source);
+    for (const SfemScene& other : bodies) {
+      const auto* source = std::get_if<LabeledOrgan>(&other.source);
+      if (!organ || !source || source->label == organ->label || !have_one_segmentation(*organ, *source))
+        continue;
+      organ->of_others.push_back(source->label);
+      for (const InsideScene& region : other.inside) organ->of_others.push_back(region.label);
+    }
+  }
 }
 
 /// False if a body has no known model: what refers to it cannot be read then.
@@ -116,6 +137,8 @@ bool read_bodies(SceneTable bodies, Scene& scene) {
     else
       scene.lattice_bodies.push_back(read_lattice_scene(body, name, scene.device));
   }
+
+  note_labels_of_others(scene.sfem_bodies);
 
   // bodies that refer to others
   if (!are_known) return false;
@@ -206,6 +229,19 @@ void check_amounts(SceneTable& root, const Scene& scene) {
                             size.x, size.y, size.z, 1e-6 * voxels, 1e-6 * kMostVoxels));
 }
 
+/// Notes that gravity is given, but acts on no body.
+void note_idle_gravity(Scene& scene) {
+  const auto feels = [](const LatticeScene& body) { return body.has_gravity; };
+  const auto is_free = [](const SfemScene& body) { return body.is_free; };
+  const bool acts = std::any_of(scene.lattice_bodies.begin(), scene.lattice_bodies.end(), feels) ||
+                    std::any_of(scene.sfem_bodies.begin(), scene.sfem_bodies.end(), is_free) ||
+                    !scene.cloth_bodies.empty() || !scene.rigid_bodies.empty();
+  if (norm(scene.gravity) > 0 && !acts)
+    scene.notes.push_back(
+        "world.gravity acts on no body of this scene: held elements and chains rest as their mesh shows "
+        "them");
+}
+
 void read_scene_table(SceneTable root, Scene& scene) {
   root.require({"body"}, "a scene needs at least one body, as in [body.torso]");
   read_world(root.table("world"), scene);
@@ -216,6 +252,7 @@ void read_scene_table(SceneTable root, Scene& scene) {
   read_organs(root, scene);
   read_cameras(root.table("camera"), scene);
   read_output(root.table("output"), scene);
+  note_idle_gravity(scene);
   check_amounts(root, scene);
   if (root.has("body") && root.table("body").keys().empty())
     root.fail("body", "a scene needs at least one body, as in [body.torso]");

@@ -32,7 +32,9 @@ void read_only(SceneTable& body, SceneLabels& labels, LatticeScene& scene) {
   read_label(
       body, "only", labels, scene.only,
       {"one label of `labels`, or of the phantom, is the body: a number, or a name such as `\"liver\"`. Its "
-       "largest component stays, everything else becomes air, and the CT is cropped to it",
+       "largest component stays, with all that it encloses; everything else becomes air, and the CT is "
+       "cropped to "
+       "it",
        "all"});
   if (scene.only > 0 && !has_labels(body))
     body.fail("only", "a body of one label needs a segmentation: add labels = \"seg.nii.gz\" to the body");

@@ -2,100 +2,19 @@
 
 #include "turgor/core/number_text.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
-#include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
 #include "turgor/sim/scene/scene_prony.hpp"
+#include "turgor/sim/scene/scene_solid_source.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
 
 namespace {
 
-const Allowed kResolution = within(1e-4, 1, "m");
-constexpr double kUsualEdge = 0.02;  // edge of quadratic tetrahedra, whose nodes are half as far apart [m]
-const Allowed kScale = inside(0, 1e6, "m");
 const Allowed kToughness = within(-1, 1e5, "J/m²");
 const Meaning kToughnessMeaning{"against needles; -1 is the default",
                                 "that of the needle's `shape.toughness`"};
-
-LabeledOrgan read_labeled_organ(SceneTable& table, SceneLabels& names) {
-  // segmentation file or phantom
-  LabeledOrgan organ;
-  organ.resolution = kUsualEdge;
-  const toml::node* labels = table.find("labels");
-  if (labels->is_table())
-    organ.phantom = read_phantom(table.table("labels"));
-  else
-    table.read_path(
-        "labels", organ.file,
-        {"a segmentation, one label of which is meshed with tetrahedra: a file, or `{ phantom = \"torso\" }`",
-         "none"});
-  // label to mesh
-  table.require({"label"}, "the label of the body: a number, or a name such as \"liver\"");
-  read_label(
-      table, "label", names, organ.label,
-      {"a number, or a name such as `\"liver\"`: one of the file of `labels`, or of TotalSegmentator if the "
-       "file has no names; the nodule of the phantom is `\"nodule\"`",
-       "required with `labels`"});
-  // mesh resolution
-  table.read("resolution", organ.resolution, kResolution,
-             "with `surface` and `labels`: about the edge length of the tetrahedra");
-  return organ;
-}
-
-HexBlock read_hex_block(SceneTable table) {
-  HexBlock block;
-  table.require({"size"}, "the block's size, [x, y, z] [m]");
-  table.require({"count"}, "hexahedra along x, y and z");
-  table.read("size", block.size, inside(0, 100, "m"),
-             "size of a block of hexahedra, for comparison with theory");
-  table.read("count", block.count, within(1, 200), "hexahedra along x, y and z");
-  table.read("corner", block.corner, within(-100, 100, "m"), "position of its low corner");
-  table.finish();
-  return block;
-}
-
-SolidSource read_source(SceneTable& body, SceneLabels& labels) {
-  // exactly one shape is allowed
-  const std::vector<std::string> kinds = {"mesh", "surface", "labels", "block"};
-  body.require(kinds, "the shape of the body");
-  std::string given;
-  for (const std::string& kind : kinds) {
-    if (!body.has(kind)) continue;
-    if (!given.empty()) {
-      body.fail(kind, fmt::format("a body has one shape: either {} or {}", given, kind));
-      body.find("label");  // of the shape that is not read
-    }
-    given = given.empty() ? kind : given;
-  }
-  // labels, block or surface
-  if (given == "labels") return read_labeled_organ(body, labels);
-  if (given == "block") return read_hex_block(body.table("block"));
-  if (given == "surface") {
-    ClosedSurface surface;
-    surface.resolution = kUsualEdge;
-    body.read_path("surface", surface.file,
-                   {"or a closed surface, filled with tetrahedra: OBJ, STL, PLY, VTP, VTK", "none"});
-    body.read("scale", surface.scale, kScale,
-              "with `mesh` and `surface`: meters per unit of the file; 0.001 for a file in mm");
-    surface.is_scale_given = body.has("scale");
-    read_up(body, "up", surface.up);
-    body.read("resolution", surface.resolution, kResolution,
-              "with `surface` and `labels`: about the edge length of the tetrahedra");
-    return surface;
-  }
-  // volume mesh file
-  SolidFile solid;
-  body.read_path("mesh", solid.file,
-                 {"a file of tetrahedra or hexahedra: Gmsh, VTK, VTU, TetGen, Medit",
-                  "one of `mesh`, `surface`, `labels`, `block`"});
-  body.read("scale", solid.scale, kScale,
-            "with `mesh` and `surface`: meters per unit of the file; 0.001 for a file in mm");
-  solid.is_scale_given = body.has("scale");
-  read_up(body, "up", solid.up);
-  return solid;
-}
 
 UpAxis up_of(const SolidSource& source) {
   if (const auto* solid = std::get_if<SolidFile>(&source)) return solid->up;
@@ -335,7 +254,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
 
   // shape and materials
   SceneLabels labels = scene_labels(body);
-  scene.source = read_source(body, labels);
+  scene.source = read_solid_source(body, labels);
   const TissuePreset* tissue = read_material(body, "body", scene.material, scene.tissues);
   read_stiffness_scale(body, scene.stiffness_scale);
   scene.inside = read_inside(body, scene.material, labels, scene.tissues);
@@ -382,7 +301,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
   // drawn surface
   body.read_path("seen", scene.seen,
                  "a finer surface that is embedded in the body and drawn instead (OBJ, STL, PLY, VTP, VTK)");
-  body.read("seen_scale", scene.seen_scale, kScale, "meters per unit of that file");
+  body.read("seen_scale", scene.seen_scale, inside(0, 1e6, "m"), "meters per unit of that file");
   scene.seen_up = up_of(scene.source);  // both files are likely to come from one program
   read_up(body, "seen_up", scene.seen_up);
   body.finish();

@@ -29,21 +29,25 @@ struct SolidFile {
   bool is_scale_given = false;
   UpAxis up = UpAxis::kZ;  // the file's axis that points to the head
 };
+/// Largest edge of quadratic tetrahedra that is chosen; their nodes are half as far apart [m].
+constexpr double kUsualEdge = 0.02;
 /// Closed surface that is meshed with tetrahedra.
 struct ClosedSurface {
   std::filesystem::path file;
   double scale = 1;  // meters per unit of the file
   bool is_scale_given = false;
-  UpAxis up = UpAxis::kZ;     // the file's axis that points to the head
-  double resolution = 0.012;  // edge of the tetrahedral lattice [m]
+  UpAxis up = UpAxis::kZ;            // the file's axis that points to the head
+  std::optional<double> resolution;  // edge of the tetrahedral lattice [m]; none: chosen by the volume
 };
 /// One label of a segmentation, meshed with tetrahedra.
 struct LabeledOrgan {
   std::filesystem::path file;            // of labels
   std::optional<PhantomParams> phantom;  // instead of a file
   int label = 0;
-  std::string label_note;     // set if label names are not from the file
-  double resolution = 0.012;  // edge of the tetrahedral lattice [m]
+  std::string label_note;            // set if label names are not from the file
+  std::optional<double> resolution;  // edge of the tetrahedral lattice [m]; none: chosen by the volume
+  bool are_cavities_filled = true;
+  std::vector<int> of_others;  // labels of other bodies from the same segmentation
 };
 /// Hexahedra from `corner` to `corner` + `size`.
 struct HexBlock {

@@ -27,6 +27,7 @@ namespace turgor {
 
 namespace {
 
+constexpr double kEdgesAcross = 5;  // of a chosen resolution, along the cube root of the body's volume
 constexpr double kLeastPatchMemory = 0.25;  // memory that a patch may always use [GB]
 
 void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
@@ -45,7 +46,8 @@ Result<OrganMesh> from_solid_file(const SolidFile& source) {
 /// Progress of meshing: a sentence with the expected count once it is known, then fractions.
 class Meshing {
  public:
-  Meshing(const BeginWork& begin, const std::string& body) {
+  Meshing(const BeginWork& begin, const std::string& body, bool is_size_given) {
+    if (!is_size_given) bound.edges = kEdgesAcross;
     bound.begin = [this, &begin, &body](const MeshForecast& forecast) {
       const double digits = std::pow(10.0, std::max(0.0, std::floor(std::log10(forecast.elements)) - 1));
       bar_ = begin_work(begin, "meshing",
@@ -73,9 +75,9 @@ Result<OrganMesh> from_surface(const Exec& exec, const std::string& body, const 
   if (const Status unit = check_unit(source.file, read->mesh.vertices, source.is_scale_given); !unit)
     return unit.error();
   turn_up(read->mesh.vertices, source.up);
-  const Meshing meshing(begin, body);
-  Result<OrganMesh> made =
-      mesh_of_surface(exec, read->mesh, source.resolution, meshing.progress, sides, meshing.bound);
+  const Meshing meshing(begin, body, source.resolution.has_value());
+  Result<OrganMesh> made = mesh_of_surface(exec, read->mesh, source.resolution.value_or(kUsualEdge),
+                                           meshing.progress, sides, meshing.bound);
   if (!made) return Error{fmt::format("{}: {}", source.file.string(), made.error().message)};
   append(made->notes, read->notes);
   return made;
@@ -94,9 +96,10 @@ Result<OrganMesh> from_labels(const Exec& exec, const SfemScene& scene, const La
   TURGOR_CHECK(source.label >= 0, "a label file holds labels from 0");
   std::vector<int> selected{source.label};
   for (const InsideScene& region : scene.inside) selected.push_back(region.label);
-  const Meshing meshing(begin, scene.name);
+  const Meshing meshing(begin, scene.name, source.resolution.has_value());
   Result<OrganMesh> made =
-      mesh_of_labels(exec, labels, selected, source.resolution, meshing.progress, sides, meshing.bound);
+      mesh_of_labels(exec, labels, selected, source.resolution.value_or(kUsualEdge), meshing.progress, sides,
+                     meshing.bound, {source.are_cavities_filled, source.of_others});
   const std::string name = source.phantom ? "the phantom" : source.file.string();
   if (!made) return Error{fmt::format("{}: {}", name, made.error().message)};
   if (!source.label_note.empty()) made->notes.push_back(source.label_note);
