@@ -77,11 +77,10 @@ ToolInput tool_input(const ToolScene& scene, const TouchingTool& tool, const Wor
   return input;
 }
 
-Json expected_force_error(const ToolInput& t) {
-  const auto touched = touched_elements(t.world, t.tool);
-  if (!touched) return absent();
-  const double error = sfem::expected_error(*touched);
-  return error <= sfem::kForceUnknown ? Json(error) : Json();
+Json force_error(const ToolInput& t) {
+  const std::optional<double> error = expected_force_error(t.world, t.tool);
+  if (!error) return absent();
+  return *error <= sfem::kForceUnknown ? Json(*error) : Json();
 }
 
 /// Value of the haptic device that the scene names; absent without one, or if it is unknown (0).
@@ -105,7 +104,7 @@ const Quantity<T> kTool[] = {
     {"force_max", kNewtons, "largest force", [](const T& t) -> Json { return norm(t.most.force); },
      kEverywhere, "largest force on {}"},
     {"force_max_at", kSeconds, "… at", [](const T& t) -> Json { return t.most.time; }, kEverywhere},
-    {"force_error_expected", kPercent, "… expected discretization error", expected_force_error, kEverywhere},
+    {"force_error_expected", kPercent, "… expected discretization error", force_error, kEverywhere},
     {"stiffness_max", kTension, "largest stiffness, over a millimeter",
      [](const T& t) -> Json { return t.use.stiffness; }},
     {"reach", kMillimeters, "reach of the path to all sides", [](const T& t) -> Json { return t.use.reach; }},
