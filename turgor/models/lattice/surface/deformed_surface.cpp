@@ -100,11 +100,12 @@ std::vector<std::vector<std::size_t>> coincident(const BodySurface& surface, Rea
 /// Moves vertices that coincided at rest to their mean at the end of a cut, and less up to kClosing steps
 /// inside it, so that the lips meet in a point: cells open as a whole, and would end in an edge. The opening
 /// is multiplied by t (2 − t), with t from 0 at the end to 1 inside, which has no kink there. Ends that gape
-/// wider than two steps, and ends at which a cut leaves the body, stay open.
+/// wider than kWidest steps, and ends at which a cut leaves the body, stay open. On fine lattices the cell at
+/// the end of a wide wound gapes by more than its own size.
 void close_end(const BodySurface& surface, const CutEnd& end, Real step, std::vector<Vec3>& x) {
-  constexpr Real kClosing = 2.5;  // [steps]
+  constexpr Real kClosing = 2.5, kWidest = 4;  // [steps]
   const Real gape = norm(x[std::size_t(end.left)] - x[std::size_t(end.right)]) / step;
-  const Real strength = std::min(Real(1), 2 - gape);
+  const Real strength = std::min(Real(1), kWidest - gape);
   if (!(strength > 0)) return;
   // vertices near the end
   std::vector<std::size_t> near;
