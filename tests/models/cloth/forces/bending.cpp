@@ -133,6 +133,38 @@ TEST(ClothBending, WarpAndWeftRigidity) {
         << name(pattern);
 }
 
+// A sheet with a constant curvature has a constant moment on every mesh, so that vertices inside it have no
+// force [patch test: Irons].
+TEST(ClothBending, ConstantCurvatureIsInBalance) {
+  constexpr double kLength = 0.1, kHeight = 0.08, kCell = 0.005, kRim = 0.0151;  // [m]
+  for (const Pattern pattern : kPatterns) {
+    const TriMesh mesh = rectangle(pattern, 0, kLength, kHeight, kCell);
+    Fabric fabric{.law = Law::kSheet, .rigidity_warp = 1e-5, .rigidity_weft = 3e-5};
+    const std::vector<char> no_slivers(mesh.triangles.size(), 0);
+    const std::vector<Spring> springs = bending_weights(mesh, fabric, no_slivers);
+    for (const Vec3d curvature : {Vec3d{1, 0, 0}, {0, 1, 0}, {0.5, 0.5, 1}}) {  // xx, yy, xy [1/m]
+      const auto height = [&](int v) {
+        const Vec3d x(mesh.vertices[std::size_t(v)]);
+        return (curvature.x * x.x * x.x + curvature.y * x.y * x.y) / 2 + curvature.z * x.x * x.y;
+      };
+      std::vector<double> force(mesh.vertices.size(), 0), sizes(mesh.vertices.size(), 0);
+      for (const Spring& s : springs) {
+        const double f = double(s.bend) * (height(s.b) - height(s.a));
+        force[std::size_t(s.a)] += f, force[std::size_t(s.b)] -= f;
+        sizes[std::size_t(s.a)] += std::abs(f), sizes[std::size_t(s.b)] += std::abs(f);
+      }
+      double square = 0, size_square = 0;
+      for (std::size_t v = 0; v < force.size(); v++) {
+        const Vec3d x(mesh.vertices[v]);
+        if (std::min({x.x, x.y, kLength - x.x, kHeight - x.y}) < kRim) continue;
+        square += force[v] * force[v], size_square += sizes[v] * sizes[v];
+      }
+      ASSERT_GT(size_square, 0);
+      EXPECT_LT(std::sqrt(square / size_square), 0.0028) << name(pattern);
+    }
+  }
+}
+
 // Rigid motion has no bending energy; twice the curvature has four times the energy.
 TEST(ClothBending, EnergyIsQuadraticInCurvature) {
   for (const Pattern pattern : kPatterns) {

@@ -14,12 +14,16 @@ namespace turgor::cloth {
 
 namespace {
 
+using SheetTensor = std::array<double, 3>;     // symmetric: warp, weft, √2 warp-weft
+using TensorMap = std::array<SheetTensor, 3>;  // linear map of such tensors, by rows
+
 /// Contribution of an edge to the curvature: the change of slope J_e as a linear form of four vertices, and
 /// the tensor ½ |e| n_e n_eᵀ along warp and weft.
 struct Fold {
   std::array<int, 4> vertex;     // ends of the edge, then the facing corners
   std::array<double, 4> weight;  // coefficients of J_e [1/m]
-  std::array<double, 3> tensor;  // ½ |e| n nᵀ: warp, weft, √2 warp-weft [m]
+  SheetTensor tensor;            // ½ |e| n nᵀ [m]
+  SheetTensor slope;             // J_e of a sheet with a curvature, as a linear form of that [m]
 };
 
 struct Sheets {
@@ -59,16 +63,24 @@ Fold fold_at(const Sheets& sheets, std::span<const EdgeUse> edge) {
   const Vec3d to_p = sheets.at(p) - sheets.at(a), to_q = sheets.at(q) - sheets.at(a);
   const double up = norm(cross(to_p, along)), uq = norm(cross(to_q, along));
   const double ap = dot(to_p, along) / length, aq = dot(to_q, along) / length;
-  // mean tensor of both triangles: their weaves may be opposite, where the warp is normal to the cloth
-  std::array<double, 3> tensor{};
-  for (std::size_t n = 0; n < 2; n++) {
-    const Weave weave = weave_at(sheets.fabric.direction, sheets.normal(edge, n));
-    const double x = dot(along, weave.warp), y = dot(along, weave.weft), quarter = length / 4;
-    tensor[0] += y * y * quarter, tensor[1] += x * x * quarter;
-    tensor[2] -= std::sqrt(2.0) * x * y * quarter;
-  }
   TURGOR_CHECK(up > 0 && uq > 0, "the triangles of a fold have areas");
-  return {{a, b, p, q}, {-(1 - ap) / up - (1 - aq) / uq, -ap / up - aq / uq, 1 / up, 1 / uq}, tensor};
+  // J_e of the heights ½ κ_tt t² + κ_tn t n + ½ κ_nn n² over the unrolled triangles
+  const double tt = length * length / 2 * (ap * (ap - 1) / up + aq * (aq - 1) / uq), tn = length * (ap - aq),
+               nn = (up + uq) / 2;
+  // mean of both triangles: their weaves may be opposite, where the warp is normal to the cloth
+  SheetTensor tensor{}, slope{};
+  for (std::size_t k = 0; k < 2; k++) {
+    const Weave weave = weave_at(sheets.fabric.direction, sheets.normal(edge, k));
+    const Vec3d side_normal = k == 0 ? to_p - along * (ap * length) : along * (aq * length) - to_q,
+                across = normalized(side_normal);
+    const double x = dot(along, weave.warp), y = dot(along, weave.weft), quarter = length / 4;
+    const double nx = dot(across, weave.warp), ny = dot(across, weave.weft), root = std::sqrt(2.0);
+    tensor[0] += y * y * quarter, tensor[1] += x * x * quarter, tensor[2] -= root * x * y * quarter;
+    slope[0] += (tt * x * x + tn * x * nx + nn * nx * nx) / 2;
+    slope[1] += (tt * y * y + tn * y * ny + nn * ny * ny) / 2;
+    slope[2] += (tt * root * x * y + tn * (x * ny + y * nx) / root + nn * root * nx * ny) / 2;
+  }
+  return {{a, b, p, q}, {-(1 - ap) / up - (1 - aq) / uq, -ap / up - aq / uq, 1 / up, 1 / uq}, tensor, slope};
 }
 
 /// Voronoi areas of the vertices. An obtuse triangle gives half of its area to the obtuse corner and a
@@ -98,14 +110,12 @@ std::vector<double> vertex_areas(const Sheets& sheets) {
   return areas;
 }
 
-/// Curvature tensor at a vertex as a linear form of positions [1/m²]: coefficients of warp, weft, √2
-/// warp-weft per vertex.
+/// Area times the curvature tensor at a vertex, as a linear form of positions [1]: coefficients of a vertex.
 struct Curvature {
   int vertex = 0;
-  std::array<double, 3> weight{};
+  SheetTensor weight{};
 };
-std::vector<Curvature> curvature(const std::vector<Fold>& folds, std::span<const int> around, double area) {
-  TURGOR_CHECK(area > 0, "a vertex has an area");
+std::vector<Curvature> curvature(const std::vector<Fold>& folds, std::span<const int> around) {
   std::vector<Curvature> sums;
   for (const int f : around) {
     const Fold& fold = folds[std::size_t(f)];
@@ -113,10 +123,57 @@ std::vector<Curvature> curvature(const std::vector<Fold>& folds, std::span<const
       const auto at = std::find_if(sums.begin(), sums.end(),
                                    [&](const Curvature& c) { return c.vertex == fold.vertex[k]; });
       Curvature& sum = at != sums.end() ? *at : sums.emplace_back(Curvature{fold.vertex[k], {}});
-      for (std::size_t d = 0; d < 3; d++) sum.weight[d] += fold.weight[k] * fold.tensor[d] / area;
+      for (std::size_t d = 0; d < 3; d++) sum.weight[d] += fold.weight[k] * fold.tensor[d];
     }
   }
   return sums;
+}
+
+/// Inverse of a 3×3 matrix, not finite if that is singular.
+TensorMap inverse(const TensorMap& m) {
+  const auto minor = [&m](std::size_t r, std::size_t c) {
+    const std::size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+    return m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];
+  };
+  const double determinant = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
+  TensorMap result;
+  for (std::size_t r = 0; r < 3; r++)
+    for (std::size_t c = 0; c < 3; c++) result[r][c] = minor(c, r) / determinant;
+  return result;
+}
+
+/// True if a symmetric matrix is positive definite.
+bool is_positive(const TensorMap& m) {
+  const double minor = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+  const double determinant = m[2][2] * minor - m[2][0] * (m[1][1] * m[0][2] - m[0][1] * m[1][2]) +
+                             m[2][1] * (m[1][0] * m[0][2] - m[0][0] * m[1][2]);
+  return m[0][0] > 0 && minor > 0 && determinant > 0;
+}
+
+/// Stiffness S of a vertex, E_i = ½ b : S b with b = Σ ½ |e| J_e n nᵀ. B/A_i, if any of its edges does not
+/// bend. Inside, A_i is replaced by the tensor Σ ½ |e| n nᵀ ⊗ ∂J_e/∂κ, which makes b that of a sheet with
+/// the curvature κ exactly A_i κ on every mesh. Its result must be within a factor of four of B/A_i.
+TensorMap vertex_stiffness(const std::vector<Fold>& folds, std::span<const int> around, bool is_inside,
+                           double area, const SheetTensor& rigidity) {
+  TURGOR_CHECK(area > 0, "a vertex has an area");
+  TensorMap simple{};
+  for (std::size_t d = 0; d < 3; d++) simple[d][d] = rigidity[d] / area;
+  if (!is_inside || !(rigidity[0] > 0 && rigidity[1] > 0)) return simple;
+  // tensor of areas
+  TensorMap areas{};
+  for (const int f : around)
+    for (std::size_t r = 0; r < 3; r++)
+      for (std::size_t c = 0; c < 3; c++)
+        areas[r][c] += folds[std::size_t(f)].tensor[r] * folds[std::size_t(f)].slope[c];
+  // symmetric part of B A⁻¹, and its bounds
+  const TensorMap per_area = inverse(areas);
+  TensorMap stiffness{}, above{}, below{};
+  for (std::size_t r = 0; r < 3; r++)
+    for (std::size_t c = 0; c < 3; c++) {
+      stiffness[r][c] = (rigidity[r] * per_area[r][c] + rigidity[c] * per_area[c][r]) / 2;
+      above[r][c] = stiffness[r][c] - simple[r][c] / 4, below[r][c] = 4 * simple[r][c] - stiffness[r][c];
+    }
+  return is_positive(above) && is_positive(below) ? stiffness : simple;
 }
 
 }  // namespace
@@ -131,23 +188,31 @@ std::vector<Spring> bending_weights(const TriMesh& mesh, const Fabric& fabric,
   const Sheets sheets{mesh, fabric, is_sliver};
   std::vector<Fold> folds;
   std::vector<std::vector<int>> around(mesh.vertices.size());
+  std::vector<char> is_inside(mesh.vertices.size(), 1);
   const std::vector<EdgeUse> uses = sorted_edges(mesh.triangles);
   for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
-    if (!bends(sheets, edge)) return;
-    for (const int v : {edge[0].a, edge[0].b}) around[std::size_t(v)].push_back(int(folds.size()));
-    folds.push_back(fold_at(sheets, edge));
+    const bool is_fold = bends(sheets, edge);
+    for (const int v : {edge[0].a, edge[0].b})
+      if (is_fold)
+        around[std::size_t(v)].push_back(int(folds.size()));
+      else
+        is_inside[std::size_t(v)] = 0;
+    if (is_fold) folds.push_back(fold_at(sheets, edge));
   });
-  // pair weights −A_i H_i : B H_i of each vertex
+  // pair weights −b_i : S b_i of each vertex
   const std::vector<double> areas = vertex_areas(sheets);
-  const double rigidity[3] = {warp, weft, std::sqrt(warp * weft)};
+  const SheetTensor rigidity{warp, weft, std::sqrt(warp * weft)};
   for (std::size_t v = 0; v < around.size(); v++) {
-    const std::vector<Curvature> sums = curvature(folds, around[v], areas[v]);
+    if (around[v].empty()) continue;
+    const std::vector<Curvature> sums = curvature(folds, around[v]);
+    const TensorMap stiffness = vertex_stiffness(folds, around[v], is_inside[v] != 0, areas[v], rigidity);
     for (std::size_t m = 0; m < sums.size(); m++)
       for (std::size_t n = m + 1; n < sums.size(); n++) {
         double form = 0;
-        for (std::size_t d = 0; d < 3; d++) form += rigidity[d] * sums[m].weight[d] * sums[n].weight[d];
+        for (std::size_t r = 0; r < 3; r++)
+          for (std::size_t c = 0; c < 3; c++) form += sums[m].weight[r] * stiffness[r][c] * sums[n].weight[c];
         const int i = sums[m].vertex, j = sums[n].vertex;
-        springs.push_back({.a = std::min(i, j), .b = std::max(i, j), .bend = Real(-areas[v] * form)});
+        springs.push_back({.a = std::min(i, j), .b = std::max(i, j), .bend = Real(-form)});
       }
   }
   merge(springs);

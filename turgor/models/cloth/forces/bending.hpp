@@ -5,7 +5,10 @@
 //
 // with A_i the vertex area, B the rigidities, J_e the change of slope across edge e and n_e its in-plane
 // normal. With rest triangles unrolled into the plane, J_e is a constant linear form of four positions. So E
-// is quadratic, and its weights never change [isometric bending: Bergou et al. 2006].
+// is quadratic, and its weights never change [isometric bending: Bergou et al. 2006]. Where all edges of a
+// vertex bend, A_i is a tensor, so that H_i of a constant curvature is that curvature:
+//
+//   A_i = Σ_{e∋i} ½ |e| n_e n_eᵀ ⊗ ∂J_e/∂κ
 #pragma once
 
 #include <span>
