@@ -1,4 +1,5 @@
 // Presses on bodies with partial cells, compared with whole cells on a fine lattice.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -111,6 +112,23 @@ TEST(PartialCellTouch, ContactsOnNodesAreStiffer) {
   PressedLayer in_cells(11, 4, true, true), on_nodes(11, 4, true, true);
   on_nodes.carry_by_nodes();
   EXPECT_GT(on_nodes.press(0.002, 10), 1.03 * in_cells.press(0.002, 10));
+}
+
+// Points far from a cut are kept when the surface changes: they are those of samples without known points.
+TEST(PartialCellTouch, KeptPointsEqualNewPoints) {
+  PressedLayer layer(12, 2, true, true);
+  const std::vector<std::uint8_t> before = layer.touch.is_far;
+  layer.cut(Exec(2), 0);
+  LatticeTouch kept = layer.touch, made = layer.touch;
+  EXPECT_EQ(std::set<int>(before.begin(), before.end()).count(1), 1u);
+  const auto count = [](const LatticeTouch& t) { return std::count(t.is_far.begin(), t.is_far.end(), 1); };
+  EXPECT_GT(count(kept), std::ptrdiff_t(kept.points.size() / 8));
+  EXPECT_LT(count(kept), std::count(before.begin(), before.end(), 1));
+  made.is_far.clear();  // nothing is known
+  for (LatticeTouch* touch : {&kept, &made})
+    update_surface(*touch, layer.model, layer.state.cuts, layer.wounded);
+  EXPECT_EQ(kept.points, made.points);
+  EXPECT_EQ(kept.is_far, made.is_far);
 }
 
 // The result does not depend on the number of threads, and the force of the tool is that of its contacts.

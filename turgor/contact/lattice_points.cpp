@@ -90,25 +90,45 @@ struct SampleEmbedding {
     return point;
   }
 
-  EmbeddedPoint point_of(const SurfaceSample& sample) const {
+  bool is_near_cut(int cell) const { return find_cell(*surface.fragments, cell) != nullptr; }
+
+  /// True if no edge of the cells around a cell is cut. `row_cut` marks rows next to a cut edge.
+  bool is_far_from_cuts(Int3 cell) const {
+    const Lattice& l = model.anatomy.lattice;
+    if (!contains(l, cell)) return false;
+    for (int n = 0; n < 9; n++)
+      if (const Int3 row = cell + Int3{0, n % 3 - 1, n / 3 - 1};
+          contains(l, row) && cuts.row_cut[std::size_t(node_slot(l, row) / row_stride(l))])
+        return false;
+    return !is_near_cut(node_slot(l, cell));
+  }
+
+  /// Adds the point of a sample. `known`: its point far from cuts, or null.
+  void add(const SurfaceSample& sample, const EmbeddedPoint* known, SamplePoints& points) const {
     const Vec3d at = in_cells(sample.rest);
-    // away from cuts
     const Int3 cell{int(std::floor(at.x)), int(std::floor(at.y)), int(std::floor(at.z))};
-    const bool near_cut =
-        sample.wall || (contains(model.anatomy.lattice, cell) &&
-                        find_cell(*surface.fragments, node_slot(model.anatomy.lattice, cell)) != nullptr);
+    // away from cuts
+    const bool is_far = !sample.wall && is_far_from_cuts(cell);
+    if (is_far && known && !is_near_cut(known->cell)) {
+      points.at.push_back(*known), points.is_far.push_back(1);
+      return;
+    }
+    const bool near_cut = sample.wall || (contains(model.anatomy.lattice, cell) &&
+                                          is_near_cut(node_slot(model.anatomy.lattice, cell)));
     std::optional<EmbeddedPoint> point = near_cut ? in_fragment(sample, at) : in_whole_cell(at);
+    const bool stays = is_far && point && !is_near_cut(point->cell);
     if (!point && near_cut && !sample.wall) point = in_whole_cell(at);
-    return point ? *point : on_nodes(sample);
+    points.at.push_back(point ? *point : on_nodes(sample)), points.is_far.push_back(stays);
   }
 };
 
 }  // namespace
 
-std::vector<EmbeddedPoint> embed_samples(const lattice::Model& model, const lattice::Cuts& cuts,
-                                         const lattice::BodySurface& surface,
-                                         std::span<const SurfaceSample> samples) {
+SamplePoints embed_samples(const lattice::Model& model, const lattice::Cuts& cuts,
+                           const lattice::BodySurface& surface, std::span<const SurfaceSample> samples,
+                           std::span<const EmbeddedPoint* const> known) {
   TURGOR_ASSERT(surface.fragments != nullptr, "samples are those of a surface");
+  TURGOR_ASSERT(known.empty() || known.size() == samples.size(), "every sample has a known point or none");
   // vertices near cuts
   SampleEmbedding embedding{model, cuts, surface, {}};
   std::vector<int>& vertices = embedding.vertices;
@@ -118,9 +138,10 @@ std::vector<EmbeddedPoint> embed_samples(const lattice::Model& model, const latt
   std::stable_sort(vertices.begin(), vertices.end(),
                    [&](int a, int b) { return embedding.slot_of(a) < embedding.slot_of(b); });
   // points
-  std::vector<EmbeddedPoint> points;
-  points.reserve(samples.size());
-  for (const SurfaceSample& sample : samples) points.push_back(embedding.point_of(sample));
+  SamplePoints points;
+  points.at.reserve(samples.size()), points.is_far.reserve(samples.size());
+  for (std::size_t p = 0; p < samples.size(); p++)
+    embedding.add(samples[p], known.empty() ? nullptr : known[p], points);
   return points;
 }
 

@@ -135,18 +135,37 @@ void add_lip_samples(const lattice::Model& model, const lattice::BodySurface& su
   }
 }
 
-/// Embeds the samples in cells. One sample between two nodes is enough then.
+auto key(const LatticeSample& sample) { return std::tuple(sample.slot, sample.wall, sample.other); }
+bool comes_first(const LatticeSample& a, const LatticeSample& b) { return key(a) < key(b); }
+
+/// Points of samples that were far from cuts, in the order of the new samples; null: none.
+std::vector<const lattice::EmbeddedPoint*> known_points(const std::vector<LatticeSample>& before,
+                                                        const LatticeTouch& touch) {
+  std::vector<const lattice::EmbeddedPoint*> known(touch.samples.size(), nullptr);
+  if (touch.is_far.size() != before.size()) return known;
+  auto next = before.begin();
+  for (std::size_t p = 0; p < known.size(); p++) {
+    const LatticeSample& sample = touch.samples[p];
+    while (next != before.end() && comes_first(*next, sample)) ++next;
+    if (next == before.end() || key(*next) != key(sample) || !(next->rest == sample.rest)) continue;
+    const auto n = std::size_t(next - before.begin());
+    if (touch.is_far[n]) known[p] = &touch.points[n];
+  }
+  return known;
+}
+
+/// Embeds the samples in cells. One sample between two nodes is enough then. `before`: samples of the present
+/// points.
 void embed_in_cells(const lattice::Model& model, const lattice::Cuts& cuts,
-                    const lattice::BodySurface& surface, LatticeTouch& touch) {
+                    const lattice::BodySurface& surface, const std::vector<LatticeSample>& before,
+                    LatticeTouch& touch) {
   std::erase_if(touch.samples, [](const LatticeSample& p) { return p.other >= 0 && p.other < p.slot; });
-  touch.points = embed_samples(model, cuts, surface, touch.samples);
+  SamplePoints points = embed_samples(model, cuts, surface, touch.samples, known_points(before, touch));
+  touch.points = std::move(points.at), touch.is_far = std::move(points.is_far);
   touch.virtual_slots.clear();
   for (const lattice::VirtualNode& node : surface.fragments->virtual_nodes)
     touch.virtual_slots.push_back(node.slot);
 }
-
-auto key(const LatticeSample& sample) { return std::tuple(sample.slot, sample.wall, sample.other); }
-bool comes_first(const LatticeSample& a, const LatticeSample& b) { return key(a) < key(b); }
 
 }  // namespace
 
@@ -187,7 +206,7 @@ void update_surface(LatticeTouch& touch, const lattice::Model& model, const latt
   if (touch.in_cells) add_lip_samples(model, surface, touch.samples);
   std::sort(touch.samples.begin() + skin, touch.samples.end(), comes_first);
   std::inplace_merge(touch.samples.begin(), touch.samples.begin() + skin, touch.samples.end(), comes_first);
-  if (touch.in_cells) embed_in_cells(model, cuts, surface, touch);
+  if (touch.in_cells) embed_in_cells(model, cuts, surface, before, touch);
   // contacts keep their samples, or end
   std::erase_if(touch.contacts, [&](LatticeContact& contact) {
     const LatticeSample& was = before[std::size_t(contact.sample)];

@@ -31,6 +31,7 @@ struct LatticeTouch {
   std::vector<LatticeSample> samples;          // sorted by slot, wall and the other node's slot
   bool in_cells = false;                       // samples move with cells (TouchCarrier)
   std::vector<lattice::EmbeddedPoint> points;  // by sample: its cell; empty: samples move with nodes
+  std::vector<std::uint8_t> is_far;            // by point: 1 = in a whole cell far from cuts
   std::vector<int> virtual_slots;              // with points: node of every virtual node
   std::uint64_t version = 0;                   // changes with every new list of samples
   std::vector<LatticeContact> contacts;        // ordered by sample, then by tool

@@ -143,8 +143,9 @@ void transfer(File& file, lattice::ContactPoints& points) {
 }
 template <class File>
 void transfer(File& file, contact::LatticeTouch& touch) {
-  auto& [samples, in_cells, points, virtual_slots, version, contacts, poses, nodes, contact_points] = touch;
-  transfer_all(file, samples, in_cells, points, virtual_slots, version, contacts, poses, nodes,
+  auto& [samples, in_cells, points, is_far, virtual_slots, version, contacts, poses, nodes, contact_points] =
+      touch;
+  transfer_all(file, samples, in_cells, points, is_far, virtual_slots, version, contacts, poses, nodes,
                contact_points);
 }
 
