@@ -54,9 +54,9 @@ struct StepPlan {
 };
 
 /// Prepares the coarse space, wakes rows, and decides on coarse corrections and measurements.
-StepPlan prepare_step(const Model& model, State& state, const Inputs& inputs, double dt) {
+StepPlan prepare_step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   StepPlan plan;
-  plan.has_coarse_space = prepare_coarse_space(model, state, inputs, dt);
+  plan.has_coarse_space = prepare_coarse_space(model, state, inputs, dt, exec);
   plan.may_sleep = can_sleep(model);
   if (plan.may_sleep) wake_rows(model, state, inputs, plan.has_coarse_space);
   plan.corrects = plan.has_coarse_space && (!plan.may_sleep || state.sleep.moved_by_coarse);
@@ -126,7 +126,7 @@ struct HostStep {
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   check_contacts(model, inputs);
   check_springs(model, inputs);
-  HostStep body{exec, model, state, inputs, dt, prepare_step(model, state, inputs, dt)};
+  HostStep body{exec, model, state, inputs, dt, prepare_step(exec, model, state, inputs, dt)};
 
   // predictor, sweeps, velocities
   begin_viscous_step(exec, model, state, dt);

@@ -15,16 +15,16 @@ constexpr double kStepTime = 1.0 / 60;
 
 /// A block without skin and blades, with moduli that differ from cell to cell, and fixed nodes at one side
 /// and inside.
-Model uneven_block() {
+Model uneven_block(bool with_skin = false) {
   Params params = solid_params(5, 4, 0);
   params.tissue.poisson = 0.4;
-  Block block{.size = {19, 14, 11}, .spacing = 0.004, .young = 5e3, .skin_on_top = false};
+  Block block{.size = {19, 14, 11}, .spacing = 0.004, .young = 5e3, .skin_on_top = with_skin};
   block.is_fixed = [](Int3 p) { return p.x == 0 || (p.x > 8 && p.x < 11 && p.y == 7 && p.z > 3); };
   BodyNodes nodes = block_nodes(block);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> young(1e3, 9e3);
   for (float& e : nodes.young) e = young(random);
-  params.skin.enabled = false;
+  params.skin.enabled = with_skin;
   return assemble(Exec(1), nodes, nullptr, params).value();
 }
 
@@ -124,6 +124,19 @@ TEST(CoarseOperator, SolutionBalancesSumOfElements) {
     double expected = 0, size = 0;
     for (std::size_t i = 0; i < y.size(); i++) expected += y[i] * forces[i], size += y[i] * y[i];
     EXPECT_NEAR(work(model, solution, prolongated(model, *space, y)), expected, 2e-4 * std::sqrt(size));
+  }
+}
+
+// Every block adds its elements in the same order, so that threads do not change a bit.
+TEST(CoarseOperator, ThreadsGiveSameBits) {
+  const Model model = uneven_block(true);
+  const State state = make_state(model);
+  const auto one = make_coarse_space(model, state, kStepTime);
+  for (const int threads : {2, 8}) {
+    const auto more = make_coarse_space(model, state, kStepTime, Exec(threads));
+    EXPECT_EQ(one->factor.row, more->factor.row);
+    EXPECT_EQ(one->factor.value, more->factor.value);
+    EXPECT_EQ(one->factor.inverse_diagonal, more->factor.inverse_diagonal);
   }
 }
 

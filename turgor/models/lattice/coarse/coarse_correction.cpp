@@ -122,7 +122,8 @@ bool supports_coarse_space(const Model& model) {
          params.tissue.law == TissueLaw::kSolid;
 }
 
-bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt) {
+bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt,
+                          const Exec& exec) {
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
   if (!supports_coarse_space(model) || !inputs.contacts.empty()) return false;
   const std::size_t cuts = cut_version(state.cuts);
@@ -133,7 +134,7 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
   if (!state.workspace.coarse || state.workspace.coarse->version != cuts ||
       dt > 1.01 * state.workspace.coarse->dt) {
     if (blade_active) return false;
-    state.workspace.coarse = make_coarse_space(model, state, dt);
+    state.workspace.coarse = make_coarse_space(model, state, dt, exec);
   }
   couple_points(model, state, inputs.springs);
   return state.workspace.coarse->unknowns > 0;

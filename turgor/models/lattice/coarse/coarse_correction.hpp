@@ -135,7 +135,8 @@ struct CoarseSpace {
 
 /// Builds the space of the body with its current cuts. The space has no unknowns if no node can move or if
 /// there would be too many.
-std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const State& state, double dt);
+std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const State& state, double dt,
+                                                     const Exec& exec = Exec(1));
 
 /// Residual forces at the nodes of one layer, along the lattice axes [N]. Indexed by slot.
 struct LayerForces {
@@ -159,7 +160,8 @@ bool supports_coarse_space(const Model& model);
 /// false with contacts, without supports_coarse_space, for a body at rest, or for a much shorter time step.
 /// Also returns false if a rebuild is due while a blade still cuts. The operator has the couplings of
 /// Inputs::springs.
-bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt);
+bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt,
+                          const Exec& exec = Exec(1));
 /// Result of a correction.
 struct CoarseStep {
   double displacement = 0;  // largest displacement of an unknown [m]

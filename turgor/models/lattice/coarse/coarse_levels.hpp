@@ -45,7 +45,7 @@ AggregateIndex leaf_above(std::span<const CoarseLevel> levels, int level, int ag
 
 /// Assembles and factors the Galerkin operator of cells, loose edges, skin and inertia.
 void assemble_coarse_operator(const Model& model, const State& state, std::span<const CoarseLevel> levels,
-                              const FineCells& cells, CoarseSpace& space);
+                              const FineCells& cells, CoarseSpace& space, const Exec& exec);
 /// Slot at the other end of an edge.
 int end_of(const Lattice& lattice, const UncoveredEdge& edge);
 

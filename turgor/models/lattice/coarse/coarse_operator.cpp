@@ -115,11 +115,10 @@ struct CoarseOperatorBuilder {
     return -1;
   }
 
-  /// Adds an element with its nodes and the stiffness `scale` k(a, b) of node pairs.
+  /// Adds an element with its nodes and the stiffness `scale` k(a, b) of node pairs. `at`: block_of_all.
   template <class OfPair>
-  void add_element(std::span<const int> nodes, const OfPair& of_pair, double scale = 1) {
+  void add_element(int at, std::span<const int> nodes, const OfPair& of_pair, double scale = 1) {
     TURGOR_CHECK(nodes.size() <= kCellCorners, "an element has at most eight nodes");
-    const int at = block_of_all(nodes);
     if (at < 0) {
       std::vector<std::vector<CoarseTerm>> rows;
       for (const int node : nodes) rows.push_back(row_of(node));
@@ -143,33 +142,30 @@ struct CoarseOperatorBuilder {
     add_projected(nodes.size(), weights, of_pair, scale, blocks[std::size_t(at)]);
   }
 
-  /// Adds a whole cell with E = `young` to the moments of its block. False: no block contains it, or one of
-  /// its nodes is fixed.
-  bool add_whole_cell(std::size_t cell, double young) {
+  /// Block whose moments a whole cell is added to; −1: no block contains it, or one of its nodes is fixed.
+  int block_of_whole_cell(std::size_t cell) const {
     const Aggregate& aggregate = levels[0].aggregates[cell];
     const int at = aggregate.is_cut ? -1 : block_at(leaf_of[std::size_t(aggregate.parent)]);
-    if (at < 0) return false;
-    for (const int node : aggregate.corner)
-      if (!moves(node)) return false;
+    const bool all_move = std::all_of(aggregate.corner.begin(), aggregate.corner.end(),
+                                      [this](int node) { return moves(node); });
+    return all_move ? at : -1;
+  }
+  /// Adds a whole cell with E = `young` to the moments of its block.
+  void add_whole_cell(int at, std::size_t cell, double young) {
     const CoarseBlock& block = space.blocks[std::size_t(at)];
-    add_moments(Vec3d(aggregate.low - block.low) * (1.0 / block.size), young,
+    add_moments(Vec3d(levels[0].aggregates[cell].low - block.low) * (1.0 / block.size), young,
                 moments[std::size_t(at)].stiffness);
-    return true;
   }
 
   /// Adds moments to the matrices of blocks.
-  void expand_moments() {
-    const Lattice& l = model.anatomy.lattice;
+  void expand_moments(const Exec& exec) {
     std::map<int, BlockBasis> bases;  // by size
-    for (std::size_t b = 0; b < blocks.size(); b++) {
-      const int size = space.blocks[b].size;
-      const auto found = bases.find(size);
-      const BlockBasis& basis =
-          found != bases.end()
-              ? found->second
-              : bases.emplace(size, block_basis(size, l.spacing, model.params.tissue.poisson)).first->second;
-      add_expanded(moments[b], basis, blocks[b]);
-    }
+    for (const CoarseBlock& block : space.blocks)
+      if (!bases.contains(block.size))
+        bases.emplace(block.size,
+                      block_basis(block.size, model.anatomy.lattice.spacing, model.params.tissue.poisson));
+    parallel_for(exec, blocks.size(),
+                 [&](std::size_t b) { add_expanded(moments[b], bases.at(space.blocks[b].size), blocks[b]); });
   }
 
   void add_blocks() {
@@ -192,30 +188,50 @@ struct CoarseOperatorBuilder {
   }
 };
 
+/// Blocks of one thread, whose elements it adds in their order. The first thread also adds the elements that
+/// are in no block.
+struct OwnBlocks {
+  CoarseOperatorBuilder& builder;
+  std::size_t thread = 0, threads = 1;
+
+  bool owns(int at) const {
+    return at < 0 ? thread == 0 : std::size_t(at) * threads / builder.blocks.size() == thread;
+  }
+};
+
 Mat3d scaled(const Mat3d& m, double by) { return {{m.column[0] * by, m.column[1] * by, m.column[2] * by}}; }
 
-void add_cells(CoarseOperatorBuilder& builder) {
+void add_cells(OwnBlocks own) {
+  CoarseOperatorBuilder& builder = own.builder;
   const Model& model = builder.model;
   const std::array<Mat3d, 64> k = cell_stiffness(model.anatomy.lattice.spacing, model.params.tissue.poisson);
   const std::vector<double> instants = instant_factors(model, builder.space.dt);
   const auto& relaxation = model.anatomy.cell_laws.relaxation;
   for (std::size_t g = 0; g < builder.levels[0].aggregates.size(); g++) {
     const std::array<int, 8>& corner = builder.levels[0].aggregates[g].corner;
+    const int whole = builder.block_of_whole_cell(g), at = whole < 0 ? builder.block_of_all(corner) : whole;
+    if (!own.owns(at)) continue;
     const bool is_cut = builder.levels[0].aggregates[g].is_cut;
     const std::size_t pairs = is_cut || relaxation.empty() ? 0 : relaxation[std::size_t(corner[0])];
     const double young = builder.cells.young[g] * (is_cut ? 1 : instants[pairs]);
-    if (builder.add_whole_cell(g, young)) continue;
-    builder.add_element(
-        corner, [&](int a, int b) -> const Mat3d& { return k[std::size_t(8 * a + b)]; }, young);
+    if (whole >= 0)
+      builder.add_whole_cell(at, g, young);
+    else
+      builder.add_element(
+          at, corner, [&](int a, int b) -> const Mat3d& { return k[std::size_t(8 * a + b)]; }, young);
   }
 }
 
-void add_patches(CoarseOperatorBuilder& builder, const SkinStiffness& stiffness) {
+void add_patches(OwnBlocks own, const SkinStiffness& stiffness) {
+  CoarseOperatorBuilder& builder = own.builder;
   const Model& model = builder.model;
   const std::vector<SkinPatch>& patches = model.anatomy.skin.patches;
   const auto add = [&](const SkinPatch& p, std::span<const int> corner, double share) {
+    const int at = builder.block_of_all(corner);
+    if (!own.owns(at)) return;
+    const SkinStiffness::PatchSlopes slopes = stiffness.slopes(p);
     builder.add_element(
-        corner, [&](int a, int b) { return stiffness(p, a, b); }, share);
+        at, corner, [&](int a, int b) { return stiffness(p, slopes, a, b); }, share);
   };
   const CellOffsets offset(model.anatomy.lattice);
   for (std::size_t p = 0; p < patches.size(); p++) {
@@ -230,16 +246,19 @@ void add_patches(CoarseOperatorBuilder& builder, const SkinStiffness& stiffness)
       add(patches[std::size_t(element.patch)], element.corner, double(element.skin_share));
 }
 
-void add_skin(CoarseOperatorBuilder& builder) {
+void add_skin(OwnBlocks own) {
+  CoarseOperatorBuilder& builder = own.builder;
   const Model& model = builder.model;
   if (model.anatomy.skin.triangles.empty()) return;
   const SkinStiffness stiffness(model);
-  if (!model.anatomy.skin.patches.empty()) return add_patches(builder, stiffness);
+  if (!model.anatomy.skin.patches.empty()) return add_patches(own, stiffness);
   const auto add = [&](const SkinTriangle& t, Int3 corner, double share) {
     const int nodes[3] = {corner.x, corner.y, corner.z};
+    const int at = builder.block_of_all(nodes);
+    if (!own.owns(at)) return;
     const std::array<Mat3d, 9> k = stiffness.pairs(t);
     builder.add_element(
-        nodes, [&](int a, int b) -> const Mat3d& { return k[std::size_t(3 * a + b)]; }, share);
+        at, nodes, [&](int a, int b) -> const Mat3d& { return k[std::size_t(3 * a + b)]; }, share);
   };
   for (std::size_t t = 0; t < model.anatomy.skin.triangles.size(); t++)
     if (!builder.state.cuts.skin_cut[t])
@@ -248,28 +267,34 @@ void add_skin(CoarseOperatorBuilder& builder) {
     add(model.anatomy.skin.triangles[std::size_t(element.triangle)], element.corner, double(element.share));
 }
 
-void add_loose_edges(CoarseOperatorBuilder& builder) {
+void add_loose_edges(OwnBlocks own) {
+  CoarseOperatorBuilder& builder = own.builder;
   const Model& model = builder.model;
   const auto root = [&](int slot) { return double(model.springs.root_stiffness[std::size_t(slot)]); };
   for (const UncoveredEdge& edge : builder.space.loose) {
     const int nodes[2] = {edge.slot, end_of(model.anatomy.lattice, edge)};
+    const int at = builder.block_of_all(nodes);
+    if (!own.owns(at)) continue;
     const auto family = std::size_t(edge.family);
     const Vec3d d(hadamard(model.anatomy.lattice.spacing, Vec3(kFamilies[family])));
     Mat3d along = kNothing;
     add_outer(along, d, d, double(model.springs.scale[family]) * root(nodes[0]) * root(nodes[1]) / dot(d, d));
     const Mat3d opposite = scaled(along, -1);
-    builder.add_element(nodes, [&](int a, int b) -> const Mat3d& { return a == b ? along : opposite; });
+    builder.add_element(at, nodes, [&](int a, int b) -> const Mat3d& { return a == b ? along : opposite; });
   }
 }
 
-void add_inertia(CoarseOperatorBuilder& builder) {
+void add_inertia(OwnBlocks own) {
+  CoarseOperatorBuilder& builder = own.builder;
   const double h2 = builder.space.dt * builder.space.dt;
   for (int slot = 0; slot < slot_count(builder.model.anatomy.lattice); slot++) {
     if (!builder.moves(slot)) continue;
+    const int at = builder.block_of_all({&slot, 1});
+    if (!own.owns(at)) continue;
     TURGOR_CHECK(builder.model.anatomy.inverse_mass[std::size_t(slot)] > 0,
                  "a node that moves has a finite mass");
     const double inertia = 1 / (h2 * double(builder.model.anatomy.inverse_mass[std::size_t(slot)]));
-    if (const int at = builder.space.interpolation[std::size_t(slot)]; at >= 0) {
+    if (builder.space.interpolation[std::size_t(slot)] >= 0) {
       const CoarseBlock& block = builder.space.blocks[std::size_t(at)];
       add_moments(Vec3d(position_in_block(block, builder.position(slot))), inertia,
                   builder.moments[std::size_t(at)].inertia);
@@ -277,7 +302,7 @@ void add_inertia(CoarseOperatorBuilder& builder) {
     }
     Mat3d k = kNothing;
     add_isotropic(k, inertia);
-    builder.add_element({&slot, 1}, [&](int, int) -> const Mat3d& { return k; });
+    builder.add_element(at, {&slot, 1}, [&](int, int) -> const Mat3d& { return k; });
   }
 }
 
@@ -311,15 +336,20 @@ CoarseFactor factored(const Eigen::SparseMatrix<double>& matrix) {
 }  // namespace
 
 void assemble_coarse_operator(const Model& model, const State& state, std::span<const CoarseLevel> levels,
-                              const FineCells& cells, CoarseSpace& space) {
+                              const FineCells& cells, CoarseSpace& space, const Exec& exec) {
   CoarseOperatorBuilder builder(model, state, levels, cells, space);
-  // operator
+  // elements, then their moments; every block adds its elements in the same order
   builder.find_blocks();
-  add_cells(builder);
-  add_skin(builder);
-  add_loose_edges(builder);
-  add_inertia(builder);
-  builder.expand_moments();
+  const auto threads = std::size_t(exec.threads());
+  parallel_for(exec, threads, [&](std::size_t thread) {
+    const OwnBlocks own{builder, thread, threads};
+    add_cells(own);
+    add_skin(own);
+    add_loose_edges(own);
+    add_inertia(own);
+  });
+  builder.expand_moments(exec);
+  // operator
   builder.add_blocks();
   const int count = 3 * space.unknowns;
   // Corners of blocks with few nodes may be linearly dependent, so the diagonal is regularized.

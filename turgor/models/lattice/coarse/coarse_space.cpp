@@ -186,7 +186,8 @@ int end_of(const Lattice& l, const UncoveredEdge& edge) {
   return edge.slot + slot_offset(l, kFamilies[std::size_t(edge.family)], slot_node(l, edge.slot).x & 1);
 }
 
-std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const State& state, double dt) {
+std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const State& state, double dt,
+                                                     const Exec& exec) {
   // levels
   TURGOR_ASSERT(is_step_length(dt), "a coarse space is built for a step of positive length");
   FineCells cells = find_fine_cells(model, state);
@@ -221,7 +222,7 @@ std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const S
   TURGOR_CHECK(is_ascending(space->runs, &ProlongationRun::slot), "runs ascend by slot");
   space->cells = cells_with_free_nodes(model);
   if (space->unknowns > kTooMany) space->unknowns = 0;
-  if (space->unknowns > 0) assemble_coarse_operator(model, state, levels, cells, *space);
+  if (space->unknowns > 0) assemble_coarse_operator(model, state, levels, cells, *space, exec);
   return space;
 }
 

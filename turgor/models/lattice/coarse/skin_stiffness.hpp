@@ -78,19 +78,30 @@ struct SkinStiffness {
     add_isotropic(k, area * (tangent.tension_along * xa * xb + tangent.tension_across * ya * yb));
     return k;
   }
-  /// The same for corners a and b of the cell of a patch.
-  Mat3d operator()(const SkinPatch& p, int a, int b) const {
+  /// Derivatives of the shape functions of a cell's corners along both fibers of a patch, at its points.
+  struct PatchSlopes {
+    double along[kPatchPoints][kCellCorners], across[kPatchPoints][kCellCorners];
+  };
+  PatchSlopes slopes(const SkinPatch& p) const {
     const Vec3 slope = solid_law(model.anatomy.lattice.spacing, 0).slope;
+    PatchSlopes out;
+    for (int n = 0; n < kPatchPoints; n++)
+      for (int a = 0; a < kCellCorners; a++) {
+        const Vec3d gradient(shape_gradient(a, slope, patch_point(p, n)));
+        out.along[n][a] = dot(gradient, Vec3d(p.along)), out.across[n][a] = dot(gradient, Vec3d(p.across));
+      }
+    return out;
+  }
+  /// The same for corners a and b of the cell of a patch.
+  Mat3d operator()(const SkinPatch& p, const PatchSlopes& at, int a, int b) const {
     const double area = double(p.area) / kPatchPoints;
+    const Vec3d f(p.along), g(p.across);
     Mat3d k = kNothing;
     for (int n = 0; n < kPatchPoints; n++) {
-      const Vec3 point = patch_point(p, n);
-      const Vec3d f(p.along), g(p.across), at_a(shape_gradient(a, slope, point)),
-          at_b(shape_gradient(b, slope, point));
-      add_fiber(k, f, dot(at_a, f) * dot(at_b, f), double(law.rest_along), area);
-      add_fiber(k, g, dot(at_a, g) * dot(at_b, g), double(law.rest_across), area);
-      add_outer(k, f * dot(at_a, g) + g * dot(at_a, f), f * dot(at_b, g) + g * dot(at_b, f),
-                double(law.shear) * area);
+      const double fa = at.along[n][a], fb = at.along[n][b], ga = at.across[n][a], gb = at.across[n][b];
+      add_fiber(k, f, fa * fb, double(law.rest_along), area);
+      add_fiber(k, g, ga * gb, double(law.rest_across), area);
+      add_outer(k, f * ga + g * fa, f * gb + g * fb, double(law.shear) * area);
     }
     return k;
   }
