@@ -249,7 +249,9 @@ void build_cells(const Exec& exec, const CellFill& fill, Model& model) {
 
 bool is_whole_cell(const Model& model, const Cuts& cuts, Int3 cell) {
   if (!is_whole(model, cell)) return false;
-  int cut = cuts.cut[std::size_t(node_slot(model.anatomy.lattice, cell))] & kCutCell;
+  const int slot = node_slot(model.anatomy.lattice, cell);
+  if (!cuts.row_cut[std::size_t(slot / row_stride(model.anatomy.lattice))]) return true;
+  int cut = cuts.cut[std::size_t(slot)] & kCutCell;
   for (int n = 0; n < kCellCorners; n++)
     cut |=
         cuts.cut[std::size_t(node_slot(model.anatomy.lattice, cell + cell_corner(n)))] & edges_from_corner(n);
@@ -260,8 +262,8 @@ bool is_edge_covered(const Model& model, const Cuts& cuts, Int3 node, Int3 offse
   for (int n = 0; n < kCellCorners; n++) {
     const Int3 cell = node - cell_corner(n);
     if (!cell_contains(n, offset) || !contains(model.anatomy.lattice, cell)) continue;
-    const bool is_cut_cell = (cuts.cut[std::size_t(node_slot(model.anatomy.lattice, cell))] & kCutCell) != 0;
-    if (is_cut_cell || is_whole_cell(model, cuts, cell)) return true;
+    if (is_whole_cell(model, cuts, cell)) return true;
+    if (cuts.cut[std::size_t(node_slot(model.anatomy.lattice, cell))] & kCutCell) return true;
   }
   return false;
 }

@@ -69,9 +69,10 @@ struct LayerEnergy {
 
   double springs(Int3 a) const {
     double sum = 0;
+    if (root(a) == 0) return sum;
     for (std::size_t f = 0; f < kFamilyCount; f++) {
       const Int3 b = a + kFamilies[f];
-      if (!contains(model.anatomy.lattice, b) || is_cut(a, b)) continue;
+      if (!contains(model.anatomy.lattice, b) || root(b) == 0 || is_cut(a, b)) continue;
       if (is_solid() && is_edge_covered(model, state.cuts, a, kFamilies[f])) continue;
       const double stretch = norm(x(b) - x(a)) - model.springs.rest_length[f];
       sum += 0.5 * model.springs.scale[f] * root(a) * root(b) * stretch * stretch;
