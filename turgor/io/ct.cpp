@@ -209,8 +209,8 @@ Result<VectorVolume> read_vectors(const fs::path& path) {
   return io::within_memory(path, [&] { return read_any_vectors(path); });
 }
 
-Status write_ct(const fs::path& path, const CtVolume& ct) {
-  return io::write_volume_file(path, {ct.grid, SampleType::kInt16, 1, ct.samples.data()});
+Status write_ct(const fs::path& path, const CtVolume& ct, const Exec& exec) {
+  return io::write_volume_file(path, {ct.grid, SampleType::kInt16, 1, ct.samples.data()}, exec);
 }
 
 Status write_labels(const fs::path& path, const LabelVolume& labels) {

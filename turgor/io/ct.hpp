@@ -41,7 +41,7 @@ LabelNames read_label_names(const std::filesystem::path& path);
 Result<VectorVolume> read_vectors(const std::filesystem::path& path);
 
 /// Writes .nii, .nii.gz, .nrrd or .mha, by extension. Compressed where the format allows it.
-Status write_ct(const std::filesystem::path& path, const CtVolume& ct);
+Status write_ct(const std::filesystem::path& path, const CtVolume& ct, const Exec& exec = Exec(1));
 Status write_labels(const std::filesystem::path& path, const LabelVolume& labels);
 Status write_scalars(const std::filesystem::path& path, const ScalarVolume& volume);
 /// Components in mm, LPS.

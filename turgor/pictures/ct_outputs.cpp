@@ -141,8 +141,8 @@ Status write_deformed(const LatticeBody& body, const CtVolume& now, const std::s
                       Outputs& outputs) {
   const AddTime time(outputs.facts.file_seconds);
   const fs::path goal = outputs.folder / file;
-  const Status status =
-      goal.has_extension() ? write_ct(goal, now) : write_dicom(*outputs.exec, goal, now, body.ct_origin);
+  const Status status = goal.has_extension() ? write_ct(goal, now, *outputs.exec)
+                                             : write_dicom(*outputs.exec, goal, now, body.ct_origin);
   if (status) outputs.facts.files.push_back(file);
   return status;
 }

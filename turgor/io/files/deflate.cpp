@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 #include <new>
+#include <string>
 #include <vector>
 
 #include <zlib.h>
@@ -18,15 +19,67 @@ constexpr int kLevel = 1;  // higher levels compress noise no better, only slowe
 
 struct Stream {
   z_stream z{};
-  explicit Stream(Deflate format) {
+  explicit Stream(int format) {
     constexpr int kMemoryLevel = 8;
-    if (deflateInit2(&z, kLevel, Z_DEFLATED, int(format), kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK)
+    if (deflateInit2(&z, kLevel, Z_DEFLATED, format, kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK)
       throw std::bad_alloc();
   }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
   ~Stream() { deflateEnd(&z); }
 };
+
+/// Part of a stream, with the bytes before it that it may refer to.
+struct Piece {
+  std::string_view bytes, before;
+};
+struct PackedPiece {
+  std::string bytes;
+  uLong crc = 0;
+};
+
+/// Splits chunks into pieces. An empty piece ends the stream.
+std::vector<Piece> pieces_of(std::initializer_list<std::string_view> chunks) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20, kWindow = std::size_t{1} << 15;
+  std::vector<Piece> pieces;
+  for (const std::string_view chunk : chunks)
+    for (std::size_t at = 0; at < chunk.size(); at += kPiece) {
+      const std::size_t window = std::min(at, kWindow);
+      pieces.push_back({chunk.substr(at, kPiece), chunk.substr(at - window, window)});
+    }
+  pieces.push_back({});
+  return pieces;
+}
+
+/// Compresses a piece as blocks of a bare stream that end at a byte.
+PackedPiece pack(const Piece& piece, bool is_last) {
+  constexpr int kBare = -15;  // zlib's windowBits
+  Stream stream(kBare);
+  z_stream& z = stream.z;
+  const auto bytes = [](std::string_view text) {
+    return reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  };
+  if (!piece.before.empty()) deflateSetDictionary(&z, bytes(piece.before), uInt(piece.before.size()));
+  PackedPiece packed{std::string(std::size_t{1} << 16, '\0'),
+                     crc32(0, bytes(piece.bytes), uInt(piece.bytes.size()))};
+  z.next_in = bytes(piece.bytes), z.avail_in = uInt(piece.bytes.size());
+  for (std::size_t done = 0;; packed.bytes.resize(2 * packed.bytes.size())) {
+    z.next_out = bytes(packed.bytes) + done, z.avail_out = uInt(packed.bytes.size() - done);
+    const int status = ::deflate(&z, is_last ? Z_FINISH : Z_SYNC_FLUSH);
+    TURGOR_ASSERT(status != Z_STREAM_ERROR, "zlib accepts the state of a deflate stream");
+    done = packed.bytes.size() - z.avail_out;
+    if (z.avail_out == 0) continue;
+    packed.bytes.resize(done);
+    return packed;
+  }
+}
+
+/// Lowest byte first.
+std::string four_bytes(std::uint64_t number) {
+  std::string bytes;
+  for (int b = 0; b < 4; b++) bytes += char(number >> (8 * b) & 255);
+  return bytes;
+}
 
 /// Compressed bytes of a range, block by block.
 class PackedBytes {
@@ -168,7 +221,7 @@ std::size_t InflatedStream::read(std::uint64_t at, std::span<char> out) {
 void deflate(std::initializer_list<std::string_view> chunks, Deflate format,
              const std::function<void(std::string_view)>& out) {
   constexpr std::size_t kBlock = std::size_t{1} << 28;
-  Stream stream(format);
+  Stream stream{int(format)};
   std::vector<char> packed(std::size_t{1} << 18);
   const auto feed = [&](std::string_view bytes, int flush) {
     stream.z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
@@ -185,6 +238,28 @@ void deflate(std::initializer_list<std::string_view> chunks, Deflate format,
     for (; !chunk.empty(); chunk.remove_prefix(std::min(kBlock, chunk.size())))
       feed(chunk.substr(0, kBlock), Z_NO_FLUSH);
   feed({}, Z_FINISH);
+}
+
+void deflate_gzip(const Exec& exec, std::initializer_list<std::string_view> chunks,
+                  const std::function<void(std::string_view)>& out) {
+  constexpr std::string_view kHeader("\x1f\x8b\x08\0\0\0\0\0\x04\x03", 10);  // no name or time; fastest, Unix
+  constexpr std::size_t kBatch = 64;                                         // pieces in memory
+  out(kHeader);
+  // pieces
+  const std::vector<Piece> pieces = pieces_of(chunks);
+  uLong crc = 0;
+  std::uint64_t size = 0;
+  for (std::size_t begin = 0; begin < pieces.size(); begin += kBatch) {
+    std::vector<PackedPiece> packed(std::min(kBatch, pieces.size() - begin));
+    parallel_for(exec, packed.size(),
+                 [&](std::size_t p) { packed[p] = pack(pieces[begin + p], begin + p + 1 == pieces.size()); });
+    for (std::size_t p = 0; p < packed.size(); p++) {
+      const std::size_t length = pieces[begin + p].bytes.size();
+      crc = crc32_combine(crc, packed[p].crc, z_off_t(length)), size += length;
+      out(packed[p].bytes);
+    }
+  }
+  out(four_bytes(crc) + four_bytes(size));
 }
 
 }  // namespace turgor::io

@@ -10,6 +10,8 @@
 #include <span>
 #include <string_view>
 
+#include "turgor/core/exec.hpp"
+
 namespace turgor::io {
 
 enum class Deflate { kZlib = 15, kGzip = 15 + 16 };  // zlib's windowBits
@@ -17,6 +19,11 @@ enum class Deflate { kZlib = 15, kGzip = 15 + 16 };  // zlib's windowBits
 /// Compresses the chunks as one stream and passes the output on.
 void deflate(std::initializer_list<std::string_view> chunks, Deflate format,
              const std::function<void(std::string_view)>& out);
+
+/// The same on all threads, as one gzip stream: pieces of a mebibyte, each of which may refer to the end of
+/// the one before. The output does not depend on the number of threads.
+void deflate_gzip(const Exec& exec, std::initializer_list<std::string_view> chunks,
+                  const std::function<void(std::string_view)>& out);
 
 /// A byte range of a file.
 struct FileRange {

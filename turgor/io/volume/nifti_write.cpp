@@ -101,7 +101,8 @@ std::vector<char> planes(const SamplesToWrite& samples) {
 
 }  // namespace
 
-Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples) {
+Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples,
+                   const Exec& exec) {
   const Int3 size = samples.grid.size;
   if (std::max({size.x, size.y, size.z}) > 32767)
     return Error{fmt::format("{}: {} x {} x {} samples do not fit NIfTI-1 (32767 each)", path.string(),
@@ -113,7 +114,7 @@ Status write_nifti(FileWriter& file, const std::filesystem::path& path, const Sa
       planar.empty() ? samples.bytes() : std::string_view(planar.data(), planar.size());
   const auto out = [&file](std::string_view piece) { file.write(piece); };
   if (path.extension() == ".gz")
-    deflate({head, bytes}, Deflate::kGzip, out);
+    deflate_gzip(exec, {head, bytes}, out);
   else
     out(head), out(bytes);
   return Done{};

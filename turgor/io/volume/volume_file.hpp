@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "turgor/core/exec.hpp"
 #include "turgor/io/files/file.hpp"
 #include "turgor/io/volume/volume_header.hpp"
 
@@ -37,7 +38,8 @@ struct SamplesToWrite {
   }
 };
 /// Writes the format that the name says.
-Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite& samples);
+Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite& samples,
+                         const Exec& exec = Exec(1));
 
 /// Samples of a file with a known header, in this machine's byte order. The file must hold all samples of the
 /// header, and a compressed stream no more than these.
@@ -50,8 +52,9 @@ Result<RawVolume> read_volume_slices(const std::filesystem::path& path, const Vo
 Status check_grid(const std::filesystem::path& path, const Grid& grid);
 
 // The three formats, into an open file; write_volume_file calls them.
-Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples);
-void write_nrrd(FileWriter& file, const SamplesToWrite& samples);
+Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples,
+                   const Exec& exec);
+void write_nrrd(FileWriter& file, const SamplesToWrite& samples, const Exec& exec);
 void write_meta_image(FileWriter& file, const SamplesToWrite& samples);
 
 /// Calls f with a pointer to the samples of the actual type.

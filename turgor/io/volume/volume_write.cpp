@@ -88,9 +88,9 @@ Result<VolumeFormat> format_of_name(const fs::path& path) {
 
 }  // namespace
 
-void write_nrrd(FileWriter& file, const SamplesToWrite& samples) {
+void write_nrrd(FileWriter& file, const SamplesToWrite& samples, const Exec& exec) {
   file.write(nrrd_header(samples));
-  deflate({samples.bytes()}, Deflate::kGzip, [&file](std::string_view piece) { file.write(piece); });
+  deflate_gzip(exec, {samples.bytes()}, [&file](std::string_view piece) { file.write(piece); });
 }
 
 void write_meta_image(FileWriter& file, const SamplesToWrite& samples) {
@@ -100,16 +100,16 @@ void write_meta_image(FileWriter& file, const SamplesToWrite& samples) {
   file.write(packed);
 }
 
-Status write_volume_file(const fs::path& path, const SamplesToWrite& samples) {
+Status write_volume_file(const fs::path& path, const SamplesToWrite& samples, const Exec& exec) {
   const Result<VolumeFormat> format = format_of_name(path);
   if (!format) return format.error();
   Result<FileWriter> file = FileWriter::create(path);
   if (!file) return file.error();
   try {
     if (*format == VolumeFormat::kNifti) {
-      if (Status written = write_nifti(*file, path, samples); !written) return written;
+      if (Status written = write_nifti(*file, path, samples, exec); !written) return written;
     } else if (*format == VolumeFormat::kNrrd) {
-      write_nrrd(*file, samples);
+      write_nrrd(*file, samples, exec);
     } else {
       write_meta_image(*file, samples);
     }
