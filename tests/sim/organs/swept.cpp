@@ -146,6 +146,24 @@ TEST(Swept, BlockOnGround_BearsWeight) {
   EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
 }
 
+// A stiff block with few sweeps stays on the ground, which bears at least its weight; it does not jump higher
+// in every frame until nothing is finite.
+TEST(Swept, StiffBlockOnGround_FewSweepsStayFinite) {
+  const Exec exec(2);
+  World world = blocks_world(
+      exec, {{"block", -0.055}},
+      world_text("[0, 9.81, 0]") + lattice_text("block", "none", "tissue.young = 1e5\n") +
+          contact_text("block", "ground", 0.3, "through = [0, -0.0225, 0]\nnormal = [0, -1, 0]\n"));
+  world.lattice_bodies[0].model.params.solver.sweeps = 5;
+  const double weight = whole_of(world, "block").mass * kGravity;
+  for (int frame = 0; frame < 90; frame++) ASSERT_TRUE(step(exec, world)) << frame;
+  for (int frame = 0; frame < 10; frame++) {
+    ASSERT_TRUE(step(exec, world));
+    EXPECT_GT(norm(contact_force(world)), 0.8 * weight);
+    EXPECT_LT(norm(contact_force(world)), 1.8 * weight);
+  }
+}
+
 // On sloping ground a block rests below the friction angle, and slides above it with g (sin θ − μ cos θ).
 TEST(Swept, SlopingGround_SlidesAboveFrictionAngle) {
   const Exec exec(2);

@@ -249,7 +249,39 @@ SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body
   std::stable_sort(sites_.begin(), sites_.end(), first);
 }
 
-void SweptContacts::join(lattice::Inputs& inputs) {
+/// Acceleration of a free body by the contacts in the last step, besides gravity. The part of the bodies that
+/// it touches stops the approach and bears the other forces, and no more: where few sweeps overestimate a
+/// force, the body would jump off, farther in every frame.
+Vec3d SweptContacts::start_acceleration(const lattice::Inputs& inputs, double dt) const {
+  if (free_mass_ == 0) return {};
+  // forces of tools, and of bodies with their motion
+  Vec3d force, others, ahead;
+  double sum = 0;
+  for (const lattice::NodeContact& contact : joined_) {
+    if (contact.is_held) return {};
+    force += Vec3d(contact.force);
+  }
+  const Mat3d to_lattice = transposed(patient_axes(body_));
+  for (std::size_t c = 0; c < own_.size(); c++) {
+    const Vec3d f(own_[c].force);
+    others += f, sum += norm(f);
+    ahead += to_lattice * sites_[c].site->ahead * norm(f);
+  }
+  if (!(norm(others) > 0)) return force / free_mass_;
+  // velocity of the center of mass
+  const lattice::Motion& motion = body_.state->motion;
+  const auto& inverse_mass = body_.model.anatomy.inverse_mass;
+  Vec3d momentum;
+  for (std::size_t slot = 0; slot < inverse_mass.size(); slot++)
+    if (inverse_mass[slot] > 0) momentum += Vec3d(motion.v[slot]) / double(inverse_mass[slot]);
+  // limit along the force
+  const Vec3d to = normalized(others), tools = (force - others) / free_mass_;
+  const double approach = dot(ahead / (sum * dt) - momentum / free_mass_, to);
+  const double most = std::max(0.0, approach) / dt - dot(to_lattice * inputs.gravity + tools, to);
+  return tools + to * std::min(norm(others) / free_mass_, std::max(0.0, most));
+}
+
+void SweptContacts::join(lattice::Inputs& inputs, double dt) {
   if (own_.empty()) return;
   joined_.clear(), origins_.clear();
   auto next = own_.begin();
@@ -272,15 +304,7 @@ void SweptContacts::join(lattice::Inputs& inputs) {
     inputs.points = &points_;
   }
   inputs.contacts = joined_;
-  // acceleration of a free body
-  inputs.start_acceleration = {};
-  if (free_mass_ == 0) return;
-  Vec3d force;
-  for (const lattice::NodeContact& contact : joined_) {
-    if (contact.is_held) return;
-    force += Vec3d(contact.force);
-  }
-  inputs.start_acceleration = force / free_mass_;
+  inputs.start_acceleration = start_acceleration(inputs, dt);
 }
 
 void SweptContacts::finish() {

@@ -60,14 +60,16 @@ class SweptContacts {
   SweptContacts(const LatticeBody& body, World& world);
   SweptContacts(const SweptContacts&) = delete;
   SweptContacts& operator=(const SweptContacts&) = delete;
-  /// Adds the contacts to those of the tools before a step. They are valid until the next call. A free body
-  /// starts with the acceleration under the forces of the last step, unless forceps hold it: if it rests on
-  /// the contacts, it starts where it is.
-  void join(lattice::Inputs& inputs);
+  /// Adds the contacts to those of the tools before a step of `dt` [s]. They are valid until the next call. A
+  /// free body starts with the acceleration under the forces of the last step, unless forceps hold it: if it
+  /// rests on the contacts, it starts where it is.
+  void join(lattice::Inputs& inputs, double dt);
   /// Returns the forces of the step to the contacts of the tools, and to the sites.
   void finish();
 
  private:
+  Vec3d start_acceleration(const lattice::Inputs& inputs, double dt) const;
+
   struct Site {
     int slot = 0;
     contact::PairSite* site = nullptr;

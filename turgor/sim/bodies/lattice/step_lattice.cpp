@@ -23,7 +23,7 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, World& wor
   std::vector<TouchingTool>& tools = world.tools;
   SweptContacts swept(body, world);
   if (body.tools.empty()) {
-    swept.join(inputs);
+    swept.join(inputs, to - from);
     const lattice::StepReport report = body.state.step(exec, body.model, inputs, to - from);
     swept.finish();
     return report;
@@ -43,7 +43,7 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, World& wor
     set_poses(body, tools, from + (to - from) * substep / substeps);
     const double dt = (to - from) / substeps;
     find_tool_contacts(body, dt, inputs);
-    swept.join(inputs);
+    swept.join(inputs, dt);
 
     // step and forces
     const Real fastest = report.largest_speed;
