@@ -1,5 +1,6 @@
 #include "turgor/pictures/run_scene.hpp"
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "turgor/io/files/hdf5_file.hpp"
 #include "turgor/io/files/image.hpp"
 #include "turgor/pictures/motion.hpp"
+#include "turgor/view/drawing_process.hpp"
 #include "turgor/view/video.hpp"
 
 namespace turgor {
@@ -341,6 +343,50 @@ TEST(RunScene, KilledWhileDrawingKeepsResults) {
   EXPECT_EQ(again["warnings"].dump().find("no pictures: "), std::string::npos);
   for (const auto& entry : fs::directory_iterator(folder))
     EXPECT_EQ(entry.path().filename().string().find(".partial"), std::string::npos) << entry.path();
+}
+
+/// This test program draws for its parent if that asks for it.
+constexpr const char* kServesRun = "TURGOR_TEST_SERVES_DRAWINGS_OF_RUN";
+const bool is_run_parent = [] {
+  if (std::getenv(kServesRun)) _exit(serve_drawings());
+  return true;
+}();
+
+// A drawing process that is killed during a run costs pictures and nothing else: every state is in the
+// recording before it is drawn.
+TEST(RunScene, KilledDrawingCostsOnlyPictures) {
+  ASSERT_TRUE(is_run_parent);
+  const fs::path folder = test::fresh_folder(), number = folder / "pid";
+  const Scene scene = test::four_kinds_scene(folder, {"output.frames=true", "output.snapshots.every=0.1"});
+  // a process that states its number and then draws
+  const std::string program = fs::read_symlink("/proc/self/exe").string();
+  setenv(kServesRun, "1", 1);
+  set_drawing_program(
+      {.arguments = {"/bin/sh", "-c", "echo $$ > '" + number.string() + "'; exec '" + program + "'"}});
+  int snapshots = 0;
+  RunCallbacks killer;
+  killer.snapshot = [&](const WorldSnapshot&) -> Status {
+    pid_t drawing = 0;
+    if (snapshots++ == 1 && std::ifstream(number) >> drawing) kill(drawing, SIGKILL);
+    return Done{};
+  };
+  const Json report = must_run(scene, folder / "killed", killer);
+  unsetenv(kServesRun);
+  set_drawing_program({});
+  const Json whole = must_run(scene, folder / "whole");
+  if (whole["warnings"].dump().find("cannot draw") != std::string::npos) GTEST_SKIP() << "no OpenGL";
+  EXPECT_NE(report["warnings"].dump().find("no pictures of surfaces: cannot draw"), std::string::npos)
+      << report["warnings"];
+  EXPECT_EQ(report["state_hash"], whole["state_hash"]);
+  EXPECT_EQ(physics(report), physics(whole));
+  const std::size_t drawn = test::names_in(folder / "killed/frames").size();
+  EXPECT_GT(drawn, 0u);
+  EXPECT_LT(drawn, test::names_in(folder / "whole/frames").size());
+  // the recording is complete, and a replay draws what is missing
+  const Result<Json> again =
+      replay_recording(Exec(2), folder / "killed/recording.h5", {}, {.out = folder / "again"});
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(test::names_in(folder / "again/frames"), test::names_in(folder / "whole/frames"));
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ Status move_files(const fs::path& from, const fs::path& to) {
 Status draw_all_pictures(const FinishedRun& run, const RunCallbacks& callbacks) {
   const Progress progress = begin_work(callbacks.begin, "drawing");
   for (std::size_t s = 0; s < run.later.size(); s++) {
-    if (const Status drawn = draw_frames(run.later[s], run.outputs); !drawn) return drawn;
+    draw_frames(run.later[s], run.outputs);
     if (progress) progress(double(s + 1) / double(run.later.size() + 1));
   }
   const Timer drawing;

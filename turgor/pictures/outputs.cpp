@@ -71,6 +71,12 @@ bool shows_touch_alone(const World& world) {
 
 std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", seconds); }
 
+/// Draws nothing more, and warns of it. A run goes on without its pictures.
+void stop_drawing(Outputs& outputs, const Error& reason) {
+  outputs.can_draw = false;
+  outputs.facts.warnings.push_back("no further pictures: " + reason.message);
+}
+
 /// The close-up views, one for every cut, come second.
 std::vector<Film> make_films(const Outputs& outputs, std::size_t cuts) {
   std::vector<Film> films;
@@ -83,17 +89,17 @@ std::vector<Film> make_films(const Outputs& outputs, std::size_t cuts) {
   return films;
 }
 
-Status film_moment(const WorldSnapshot& snapshot, Film& film, Outputs& outputs) {
+void film_moment(const WorldSnapshot& snapshot, Film& film, Outputs& outputs) {
   const RenderQuality quality =
       outputs.scene->output.video_full ? RenderQuality::kFull : RenderQuality::kQuick;
   const std::optional<Image> image =
       draw_world(snapshot, outputs, outputs.views[film.view].camera, !shows_skin(snapshot), quality);
-  if (!image) return Done{};
+  if (!image) return;
   const fs::path file =
       outputs.folder / kVideoFolder / fmt::format("{}-{:06}.png", film.view, film.frames.size());
-  film.frames.push_back(file);
   const AddTime time(outputs.facts.file_seconds);
-  return write_png(file, *image);
+  if (const Status written = write_png(file, *image); !written) return stop_drawing(outputs, written.error());
+  film.frames.push_back(file);
 }
 
 Status finish_films(Outputs& outputs) {
@@ -215,12 +221,13 @@ void keep_first(const WorldSnapshot& snapshot, Outputs& outputs) {
 }
 
 /// Picture of a single snapshot, if the scene requests it.
-Status add_frame(const WorldSnapshot& snapshot, const SurfaceView& view, Outputs& outputs) {
-  if (!outputs.scene->output.frames) return Done{};
+void add_frame(const WorldSnapshot& snapshot, const SurfaceView& view, Outputs& outputs) {
+  if (!outputs.scene->output.frames) return;
   const std::optional<Image> image = draw_world(snapshot, outputs, view.camera, view.colored);
-  if (!image) return Done{};
+  if (!image) return;
   const AddTime time(outputs.facts.file_seconds);
-  return write_png(outputs.folder / fmt::format("frames/{}-{:04}.png", view.name, snapshot.frame), *image);
+  const fs::path file = outputs.folder / fmt::format("frames/{}-{:04}.png", view.name, snapshot.frame);
+  if (const Status written = write_png(file, *image); !written) stop_drawing(outputs, written.error());
 }
 
 void add_to_motion(const WorldSnapshot& snapshot, Outputs& outputs) {
@@ -249,10 +256,8 @@ Status add_snapshot(const WorldSnapshot& snapshot, Outputs& outputs) {
   return write_meshes(snapshot, outputs);
 }
 
-Status draw_frames(const WorldSnapshot& snapshot, Outputs& outputs) {
-  for (const SurfaceView& view : outputs.views)
-    if (const Status status = add_frame(snapshot, view, outputs); !status) return status;
-  return Done{};
+void draw_frames(const WorldSnapshot& snapshot, Outputs& outputs) {
+  for (const SurfaceView& view : outputs.views) add_frame(snapshot, view, outputs);
 }
 
 bool wants_moment(const World& world, const Outputs& outputs) {
@@ -264,14 +269,12 @@ bool wants_moment(const World& world, const Outputs& outputs) {
   return world.frame % std::max(1, int(std::lround(outputs.scene->frame_rate / rate))) == 0;
 }
 
-Status take_moment(const WorldSnapshot& snapshot, Outputs& outputs) {
+void take_moment(const WorldSnapshot& snapshot, Outputs& outputs) {
   add_to_motion(snapshot, outputs);
-  if (outputs.films.empty()) return Done{};
+  if (outputs.films.empty() || !outputs.can_draw) return;
   if (outputs.films[0].frames.empty()) outputs.video_begin = snapshot.time;
-  outputs.video_end = snapshot.time;
-  for (Film& film : outputs.films)
-    if (const Status filmed = film_moment(snapshot, film, outputs); !filmed) return filmed;
-  return Done{};
+  for (Film& film : outputs.films) film_moment(snapshot, film, outputs);
+  if (outputs.can_draw) outputs.video_end = snapshot.time;
 }
 
 namespace {

@@ -84,11 +84,13 @@ Camera camera_of_both(const Outputs& outputs, const WorldSnapshot& first, const 
 bool shows_skin(const WorldSnapshot& snapshot);
 /// Adds the meshes of the current snapshot, and the snapshot to the 3D view of the page.
 Status add_snapshot(const WorldSnapshot& snapshot, Outputs& outputs);
-/// Draws the current snapshot, if the scene requests its pictures.
-Status draw_frames(const WorldSnapshot& snapshot, Outputs& outputs);
+/// Draws the current snapshot, if the scene requests its pictures. If that fails, the outputs warn of it, and
+/// nothing more is drawn.
+void draw_frames(const WorldSnapshot& snapshot, Outputs& outputs);
 /// True if a frame is due for the 3D view of the page or the video.
 bool wants_moment(const World& world, const Outputs& outputs);
-Status take_moment(const WorldSnapshot& snapshot, Outputs& outputs);
+/// Adds the frame to the 3D view and to the videos; a failed drawing is handled as by draw_frames.
+void take_moment(const WorldSnapshot& snapshot, Outputs& outputs);
 /// Writes all files that need no drawing: tables, deformed CT, meshes, OBJ.
 Status write_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
                      Outputs& outputs);

@@ -93,12 +93,12 @@ Status take_snapshot(FolderRun& run, const World& world, const WorldSnapshot& sn
     for (BodySnapshot& body : run.later.back().bodies) body.cache.reset();
   } else {
     status = add_snapshot(snapshot, run.outputs);
-    if (status) status = draw_frames(snapshot, run.outputs);
   }
   if (status && run.recording) {
     const AddTime time(run.outputs.facts.file_seconds);
     status = run.recording->add_snapshot(world, snapshot);
   }
+  if (status && !run.live) draw_frames(snapshot, run.outputs);  // its state is in the recording
   if (status && run.callbacks.snapshot) status = run.callbacks.snapshot(snapshot);
   return status;
 }
@@ -124,7 +124,8 @@ Result<Simulated> simulate_into(FolderRun& run, const Timer& total, std::optiona
   };
   events.picture = [&run](const WorldSnapshot& snapshot) {
     record_stretch(snapshot, run.stretch);
-    return take_moment(snapshot, run.outputs);
+    take_moment(snapshot, run.outputs);
+    return Status(Done{});
   };
   if (!run.live) events.wants_picture = [&run](const World& w) { return wants_moment(w, run.outputs); };
   const Timer timer;
@@ -314,8 +315,7 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
   for (int s = 0; s < recording.snapshot_count() && status; s++) {
     status = recording.restore(exec, s, *world, snapshot);
     if (status) status = add_snapshot(snapshot, *outputs);
-    if (status) status = draw_frames(snapshot, *outputs);
-    if (status) status = take_moment(snapshot, *outputs);
+    if (status) draw_frames(snapshot, *outputs), take_moment(snapshot, *outputs);
     if (status && callbacks.snapshot) status = callbacks.snapshot(snapshot);
     if (progress) progress(double(s + 1) / recording.snapshot_count());
   }
