@@ -63,6 +63,22 @@ TEST_F(DrawingProcess, ChildDrawsSamePixels) {
   }
 }
 
+// A child that was warmed up draws the same pixels, after the thread that waited for it has ended. Without a
+// program, or with one that fails, nothing happens.
+TEST_F(DrawingProcess, WarmedUpChildDrawsSamePixels) {
+  EXPECT_FALSE(warm_up_drawing().valid());
+  const Result<Image> in_parent = draw();
+  if (!in_parent) GTEST_SKIP() << in_parent.error().message;
+  set_drawing_program({.arguments = {"/no/such/program"}});
+  EXPECT_FALSE(warm_up_drawing().valid());
+  setenv(kServes, "1", 1);
+  set_drawing_program({.arguments = {"/proc/self/exe"}});
+  warm_up_drawing().get();
+  const Result<Image> in_child = draw();
+  ASSERT_TRUE(in_child) << in_child.error().message;
+  EXPECT_TRUE(in_child->pixels == in_parent->pixels);
+}
+
 // A child that crashes, ends, hangs or is missing gives an error and not the end of this process.
 TEST_F(DrawingProcess, FailedChildGivesError) {
   set_drawing_program({.arguments = {"/bin/sh", "-c", "head -c 8 >/dev/null; kill -SEGV $$"}});

@@ -232,6 +232,7 @@ void add_frame(const WorldSnapshot& snapshot, const SurfaceView& view, Outputs& 
 
 void add_to_motion(const WorldSnapshot& snapshot, Outputs& outputs) {
   const AddTime time(outputs.facts.drawing_seconds);
+  outputs.motion_text.clear();
   add_moment(snapshot, outputs.motion);
 }
 
@@ -247,7 +248,11 @@ std::string motion_of_page(Outputs& outputs) {
     pictures += none ? 0 : size * 4 / 3;
   }
   const std::uintmax_t taken = pictures + kRest;
-  return taken < kPage ? motion_html(motion_json(outputs.motion, kPage - taken)) : std::string();
+  if (taken >= kPage) return {};
+  // pictures are only added, so that a text that still fits is the one that would be made again
+  std::string& text = outputs.motion_text;
+  if (text.empty() || text.size() > kPage - taken) text = motion_json(outputs.motion, kPage - taken);
+  return motion_html(text);
 }
 
 Status add_snapshot(const WorldSnapshot& snapshot, Outputs& outputs) {

@@ -52,6 +52,7 @@ struct Outputs {
   std::vector<Film> films;                // empty unless the scene requests a video and ffmpeg is installed
   double video_begin = 0, video_end = 0;  // times of the first and the latest frame [s]
   Motion motion;                          // for the page
+  std::string motion_text;                // of it, if the page has been made
   bool can_draw = true;                   // OpenGL works
   std::map<std::size_t, CtVolume> deformed_cts;  // by body, until their sections are drawn
 };

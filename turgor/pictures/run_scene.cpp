@@ -1,5 +1,7 @@
 #include "turgor/pictures/run_scene.hpp"
 
+#include <algorithm>
+#include <future>
 #include <optional>
 
 #include <fmt/format.h>
@@ -18,6 +20,7 @@
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/run.hpp"
 #include "turgor/sim/smooth_snapshot.hpp"
+#include "turgor/view/drawing_process.hpp"
 #include "turgor/view/video.hpp"
 
 namespace turgor {
@@ -49,6 +52,13 @@ Status check_inputs(const Scene& scene, const OutputFolder& folder) {
     for (const fs::path& input : {body.ct.file, body.labels, body.direction_field})
       if (const Status status = folder.check_input(input); !status) return status;
   return Done{};
+}
+
+/// Prepares the process that draws, while results are written.
+std::future<void> warm_up(const Outputs& outputs) {
+  const bool draws = std::any_of(outputs.views.begin(), outputs.views.end(),
+                                 [](const SurfaceView& view) { return view.before_after; });
+  return outputs.can_draw && draws ? warm_up_drawing() : std::future<void>();
 }
 
 /// A run that is being written to its folder.
@@ -103,7 +113,8 @@ Status take_snapshot(FolderRun& run, const World& world, const WorldSnapshot& sn
   return status;
 }
 
-Result<Simulated> simulate_into(FolderRun& run, const Timer& total, std::optional<Simulated> resumed) {
+Result<Simulated> simulate_into(FolderRun& run, const Timer& total, std::optional<Simulated> resumed,
+                                WorldSnapshot first) {
   RunEvents events;
   if (run.callbacks.begin) events.progress = run.callbacks.begin("simulating", "");
   events.frame = run.callbacks.frame;
@@ -134,7 +145,8 @@ Result<Simulated> simulate_into(FolderRun& run, const Timer& total, std::optiona
       autosave(run, total, timer, world, simulated);
       return Done{};
     };
-  Result<Simulated> done = simulate(run.exec, run.scene, run.world, events, std::move(resumed));
+  Result<Simulated> done =
+      simulate(run.exec, run.scene, run.world, events, std::move(resumed), std::move(first));
   if (run.live) run.live->touch->stop();
   if (run.replay) run.replay->end();
   if (!replayed) return replayed.error();
@@ -280,11 +292,12 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   if (!resumed) return resumed.error();
   if (const Status begun = begin_touch(start.options, std::move(start.haptic), folder.goal(), run); !begun)
     return begun.error();
-  const Result<Simulated> done = simulate_into(run, total, std::move(*resumed));
+  const Result<Simulated> done = simulate_into(run, total, std::move(*resumed), std::move(first));
   if (!done) return done.error();
   Result<Json> report = report_of(run, *done);
   if (!report) return report.error();
   const FinishedRun finished{*world, done->snapshot, done->measures.pressed, run.later, *outputs};
+  const std::future<void> drawing = warm_up(*outputs);
   Status status = Done{};
   for (std::size_t s = 0; s < run.later.size() && status; s++) status = add_snapshot(run.later[s], *outputs);
   if (status) status = commit_results(total, finished, *report, folder, callbacks);
@@ -322,6 +335,7 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
   report["replayed_from"] = recording.path().string();
   const std::vector<WorldSnapshot> no_later;
   const FinishedRun finished{*world, snapshot, pressed, no_later, *outputs};
+  const std::future<void> drawing = warm_up(*outputs);
   if (status) status = commit_results(total, finished, report, folder, callbacks);
   if (status) status = add_pictures_to_results(total, finished, report, folder, callbacks);
   return status ? Result<Json>(std::move(report)) : status.error();

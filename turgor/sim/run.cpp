@@ -11,6 +11,9 @@ namespace turgor {
 
 namespace {
 
+/// WorldSnapshot::frame of a snapshot that is filled again.
+constexpr int kNotShown = -1;
+
 /// State of a run.
 struct Running {
   const Exec& exec;
@@ -55,9 +58,10 @@ std::string reason_to_stop(const Running& run, const Scene& scene, bool finite) 
 }  // namespace
 
 Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events,
-                           std::optional<Simulated> resumed) {
+                           std::optional<Simulated> resumed, WorldSnapshot shown) {
   // initial state
   Running run{exec, world, events, resumed ? std::move(*resumed) : Simulated()};
+  if (!resumed) run.result.snapshot = std::move(shown), run.result.snapshot.frame = kNotShown;
   run.result.snapshot.cutaway = scene.look.cutaway;
   if (!resumed) {
     run.result.measures = make_measures(world);

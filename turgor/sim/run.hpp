@@ -40,8 +40,9 @@ struct Simulated {
 };
 
 /// Simulates a loaded world to the end of the scene. A world that was restored after some frames comes with
-/// the result so far. Error: of a step, or of a callback.
+/// the result so far. `shown`: a snapshot of the world or empty; its surfaces are used again. Error: of a
+/// step, or of a callback.
 Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events = {},
-                           std::optional<Simulated> resumed = {});
+                           std::optional<Simulated> resumed = {}, WorldSnapshot shown = {});
 
 }  // namespace turgor

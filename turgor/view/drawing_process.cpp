@@ -265,6 +265,15 @@ Drawing& the_drawing() {
   return drawing;
 }
 
+/// Starts the child if there is none.
+Status start_child(Drawing& drawing) {
+  if (drawing.child) return Done{};
+  Result<std::unique_ptr<DrawingChild>> child = DrawingChild::start(drawing.program.arguments);
+  if (!child) return child.error();
+  drawing.child = std::move(*child);
+  return Done{};
+}
+
 /// Ends the child and describes the failure.
 Error failed_drawing(Drawing& drawing, Sent sent) {
   const std::string end = drawing.child->stop();
@@ -321,11 +330,7 @@ Result<Image> draw_in_child(const std::vector<RenderItem>& items, const Camera& 
   // start the child
   Drawing& drawing = the_drawing();
   const std::lock_guard lock(drawing.mutex);
-  if (!drawing.child) {
-    Result<std::unique_ptr<DrawingChild>> child = DrawingChild::start(drawing.program.arguments);
-    if (!child) return child.error();
-    drawing.child = std::move(*child);
-  }
+  if (const Status started = start_child(drawing); !started) return started.error();
 
   // ask and wait
   const double patience = drawing.program.patience;
@@ -347,6 +352,22 @@ Result<Image> draw_in_child(const std::vector<RenderItem>& items, const Camera& 
     return image;
   if (!drawn && answer.take(text)) return Error{std::string(text.begin(), text.end())};
   return failed_drawing(drawing, Sent::kEnded);
+}
+
+std::future<void> warm_up_drawing() {
+  // the child ends with the thread that started it, so this one starts it
+  {
+    Drawing& drawing = the_drawing();
+    const std::lock_guard lock(drawing.mutex);
+    if (drawing.program.arguments.empty() || !start_child(drawing)) return {};
+  }
+  return std::async(std::launch::async, [] {
+    TriMesh triangle{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, .triangles = {{0, 1, 2}}};
+    triangle.normals.assign(3, {0, -1, 0});
+    const Camera camera = frame_box({{0, 0, 0}, {1, 1, 1}}, {0, -1, 0}, {0, 0, 1}, 1);
+    constexpr int kSide = 16;                                        // pixels
+    (void)draw_meshes({{.mesh = &triangle}}, camera, kSide, kSide);  // the next picture has the same error
+  });
 }
 
 int serve_drawings() {

@@ -3,6 +3,7 @@
 // the next pictures.
 #pragma once
 
+#include <future>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ bool has_drawing_program();
 /// draw_in_process by the child. Error: as there, or how the child ended; the next call starts another one.
 Result<Image> draw_in_child(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
                             RenderQuality quality);
+
+/// Starts the child and has it draw a small picture, which compiles its shaders. Later pictures wait for it;
+/// without a program nothing happens.
+std::future<void> warm_up_drawing();
 
 /// The child's work: draws what arrives on standard input, a socket, until that closes. Returns its exit
 /// code.
