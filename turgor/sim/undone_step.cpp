@@ -14,7 +14,8 @@ std::string advice_for_undone_step(const World& world) {
     if (!body.samples.empty() && !std::isfinite(body.samples.back().largest_speed))
       return fmt::format("{}: a higher frame rate or a smaller stiffness of its fabric may help", body.name);
   // skin tension is a parameter of lattices only
-  if (!world.lattice_bodies.empty()) return "a smaller skin tension or a higher frame rate may help";
+  if (!world.lattice_bodies.empty())
+    return "more solver.sweeps, a higher frame rate or a smaller skin tension may help";
   return "a higher frame rate may help";
 }
 
