@@ -45,7 +45,7 @@ struct Hands {
 RhombusTouch touched(Hands& hands) {
   const auto commands = hands.next(0);
   return make_rhombus_touch({rhombus_tip({}, jaws()), rhombus_tip(Sphere{5e-3}, {})},
-                            std::array{commands[0].pose, commands[1].pose});
+                            std::array{commands[0].pose, commands[1].pose}, {});
 }
 
 // Forceps and a ball have contact forces, and a tick allocates no memory.

@@ -46,7 +46,8 @@ rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double 
           .opening = tip.opening * (1 - grip)};
 }
 
-RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses) {
+RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses,
+                                const Prony& viscosity) {
   const std::size_t count = tips.size();
   TURGOR_ASSERT(count <= std::size_t(rhombus::kMaxTouches), "at most kMaxTouches tools touch one body");
   TURGOR_ASSERT(poses.size() == count, "one pose a tool");
@@ -54,7 +55,8 @@ RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Po
           .touches = std::vector<rhombus::ToolTouch>(count),
           .poses = {poses.begin(), poses.end()},
           .inputs = std::vector<rhombus::TouchInput>(count),
-          .forces = std::vector<rhombus::TouchForce>(count)};
+          .forces = std::vector<rhombus::TouchForce>(count),
+          .stiffness = {.viscosity = viscosity}};
 }
 
 void tick_rhombus_touch(const rhombus::Model& model, RhombusTouch& touch,
@@ -66,7 +68,7 @@ void tick_rhombus_touch(const rhombus::Model& model, RhombusTouch& touch,
     touch.touches[t].stiffness_scale = touch.stiffness.scale;
     touch.inputs[t] = touch_input(touch.tips[t], commands[t].pose, commands[t].grip);
   }
-  rhombus::solve_touches(model, touch.touches, touch.inputs, dt, touch.forces);
+  rhombus::solve_touches(model, touch.stiffness.viscosity, touch.touches, touch.inputs, dt, touch.forces);
   for (std::size_t t = 0; t < commands.size(); t++)
     readings[t] = reading_of(touch.forces[t], touch.inputs[t].position - commands[t].pose.position);
   touch.ticks++;

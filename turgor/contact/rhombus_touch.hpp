@@ -24,10 +24,11 @@ struct RhombusTip {
 RhombusTip rhombus_tip(const Shape& shape, const std::optional<Forceps>& forceps);
 rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double grip);
 
-/// Stiffness of the body relative to its model, published by the frame after a change.
+/// Stiffness of the body relative to its model and its relaxation, published by the frame after a change.
 struct RhombusStiffness {
   double scale = 1;  // [1]
-  long number = 0;   // of changes so far
+  Prony viscosity;
+  long number = 0;  // of changes so far
 };
 
 /// State owned by the haptic thread.
@@ -40,7 +41,8 @@ struct RhombusTouch {
   long ticks = 0;                           // number of ticks so far
   RhombusStiffness stiffness;               // latest, as published by the frame
 };
-RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses);
+RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses,
+                                const Prony& viscosity);
 
 /// Tick of `dt` seconds with one command and one reading per tool. A tool holds tissue while its grip is
 /// above 0. ToolCommand::hold has no effect, because next_grip has already turned it into the grip. Does not

@@ -106,5 +106,71 @@ TEST(ChangeKeys, TextureEqualsLoadedTexture) {
   }
 }
 
+/// A body under a finger: elements or chains.
+std::string pressed_text(const std::string& model, const std::string& keys) {
+  if (model == "sfem")
+    return test::sfem_scene_text("cache = false\npatch = { radius = 0.016, refinement = 2 }\n" + keys);
+  return "[world]\nduration = 0.5\n[body.pad]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\" }\n" +
+         keys +
+         "\n[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.006 }\n"
+         "press = { at_fraction = [0.5, 0.5, 1], depth = 0.003, start = 0, duration = 0.1, hold = 0.3 }\n";
+}
+
+// The pairs of elements and chains change: before a press the forces then have the bits of a world that was
+// loaded with them. A change while the tool rests adds no force, and the tissue stays as it is.
+TEST(ChangeKeys, ViscosityEqualsLoadedViscosity) {
+  for (const std::string model : {"sfem", "rhombus"})
+    for (const auto& [keys, name, value] :
+         {std::tuple("", "ratio", "0.8"),
+          std::tuple("viscosity = { ratio = 0.8, time = 0.2 }\n", "time", "0.05"),
+          std::tuple("viscosity = { pairs = [[0.3, 0.1]] }\n", "pairs", "[[0.3, 0.1], [0.2, 0.4], [0.1, 2]]"),
+          std::tuple("viscosity = { pairs = [[0.3, 0.1], [0.2, 0.4]] }\n", "pairs[1]", "[0.4, 0.05]")}) {
+      const std::string text = pressed_text(model, keys), key = std::string("body.pad.viscosity.") + name;
+      EXPECT_EQ(why_waits(text, key), "") << model << key;
+      auto scene = std::make_shared<const Scene>(keys_scene(text));
+      World changed = keys_world(*scene), plain = keys_world(*scene),
+            loaded = keys_world(keys_scene(text, {key + "=" + value}));
+      const Status applied = apply_request(kKeysExec, ChangeRequest{key, value}, scene, changed);
+      ASSERT_TRUE(applied) << applied.error().message;
+      run_changed(changed, 8), run_changed(loaded, 8), run_changed(plain, 8);
+      const ForceSample &a = changed.tools[0].samples.back(), &b = loaded.tools[0].samples.back(),
+                        &c = plain.tools[0].samples.back();
+      EXPECT_GT(norm(a.force), 0) << model << key;
+      EXPECT_EQ(a.force, b.force) << model << key;
+      EXPECT_NE(a.force, c.force) << model << key;
+    }
+}
+
+// Elastic tissue that becomes viscous under a resting tool keeps its force, and so does viscous tissue that
+// has relaxed and becomes elastic.
+TEST(ChangeKeys, ViscosityOfRestingTissueAddsNoForce) {
+  for (const std::string model : {"sfem", "rhombus"})
+    for (const auto& [before, after] : {std::pair("0", "2"), std::pair("2", "0")}) {
+      const std::string text =
+          pressed_text(model, std::string("viscosity = { ratio = ") + before + ", time = 0.005 }\n");
+      auto scene = std::make_shared<const Scene>(keys_scene(text));
+      World world = keys_world(*scene);
+      run_changed(world, 8);
+      const Vec3d held(world.tools[0].samples.back().force);
+      ASSERT_TRUE(apply_request(kKeysExec, ChangeRequest{"body.pad.viscosity.ratio", after}, scene, world));
+      run_changed(world, 1);
+      EXPECT_LT(norm(Vec3d(world.tools[0].samples.back().force) - held), 1e-3 * norm(held))
+          << model << before;
+      EXPECT_GT(norm(held), 0.01) << model;
+    }
+}
+
+// A nonlinear patch and a body with a needle stay elastic, and say so.
+TEST(ChangeKeys, ViscosityThatWaitsSaysWhy) {
+  const std::string key = "body.pad.viscosity.ratio";
+  EXPECT_EQ(why_waits(test::sfem_scene_text("law = \"neo_hookean\"\n"), key),
+            "a nonlinear patch does not relax");
+  const std::string needle =
+      "[world]\n[body.pad]\nmodel = \"sfem\"\nblock = { size = [0.06, 0.06, 0.06], count = [4, 4, 4] }\n"
+      "fixed = \"bottom\"\n[tool.needle]\nbody = \"pad\"\nshape = { needle = 0.06, diameter = 0.001 }\n"
+      "press = { at = [0.03, 0.03, 0.06], depth = 0.02, start = 0, duration = 1 }\n";
+  EXPECT_EQ(why_waits(needle, key), "needles need an elastic body");
+}
+
 }  // namespace
 }  // namespace turgor

@@ -126,12 +126,13 @@ struct State {
 State make_state(const Model& model, std::size_t tool_count);
 
 /// Solves one tick of `dt` seconds: inputs and forces one a tool. Allocates nothing and changes only the
-/// touches of a state, so that a haptic thread may own them.
-void solve_touches(const Model& model, std::span<ToolTouch> touches, std::span<const TouchInput> inputs,
-                   double dt, std::span<TouchForce> forces);
+/// touches of a state, so that a haptic thread may own them. `viscosity` replaces that of the model; it may
+/// change between ticks: a pair that comes into use begins relaxed.
+void solve_touches(const Model& model, const Prony& viscosity, std::span<ToolTouch> touches,
+                   std::span<const TouchInput> inputs, double dt, std::span<TouchForce> forces);
 inline void solve_touches(const Model& model, State& state, std::span<const TouchInput> inputs, double dt,
                           std::span<TouchForce> forces) {
-  solve_touches(model, std::span(state.touches), inputs, dt, forces);
+  solve_touches(model, model.params.viscosity, std::span(state.touches), inputs, dt, forces);
 }
 
 struct StepReport {

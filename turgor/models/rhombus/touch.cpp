@@ -47,12 +47,12 @@ void follow_hold(ToolTouch& t, const TouchInput& in) {
 /// recovery [m]. The total force is zero there:
 ///
 ///     f_el (1 + Σ taken) = Σ (taken f_el,0 − kept f_v)
-double lagging_depth(const Model& model, const ToolTouch& t, double dt) {
-  const int pairs = pair_count(model.params.viscosity);
+double lagging_depth(const Model& model, const Prony& viscosity, const ToolTouch& t, double dt) {
+  const int pairs = pair_count(viscosity);
   if (pairs == 0) return 0;
   double taken = 0, force = 0;
   for (std::size_t i = 0; i < std::size_t(pairs); i++) {
-    const ViscousStep step = viscous_step(model.params.viscosity.pairs[i], dt);
+    const ViscousStep step = viscous_step(viscosity.pairs[i], dt);
     taken += step.taken;
     force += step.taken * dot(t.elastic, t.foot.normal) - step.kept * dot(t.remembered[i], t.foot.normal);
   }
@@ -64,7 +64,7 @@ double lagging_depth(const Model& model, const ToolTouch& t, double dt) {
 
 /// Sets the displacement that the tool requires of the touched point. With half-open jaws it is interpolated
 /// between that of holding and that of pressing, so that releasing makes no step.
-void set_demand(const Model& model, ToolTouch& t, const TouchInput& in, double dt) {
+void set_demand(const Model& model, const Prony& viscosity, ToolTouch& t, const TouchInput& in, double dt) {
   // foot point and depth of the tip
   const FootPoint foot = foot_point_of(model, t, in);
   const double depth = pressed_depth(foot, in);
@@ -74,7 +74,7 @@ void set_demand(const Model& model, ToolTouch& t, const TouchInput& in, double d
   if (!t.holding) t.tip = tip_on(model.chain, in.radius);
   if (!t.holding) {
     // pressing
-    const double lag = lagging_depth(model, t, dt);
+    const double lag = lagging_depth(model, viscosity, t, dt);
     if (depth > 0 || lag == 0) t.foot = foot;
     t.lagging = depth < lag;
     t.demand = t.foot.normal * -std::max(depth, lag);
@@ -198,9 +198,11 @@ Vec3d elastic_force(const Model& model, ToolTouch& t) {
   return force;
 }
 
-void remember(const Model& model, ToolTouch& t, Vec3d elastic, double dt) {
-  for (std::size_t i = 0; i < std::size_t(pair_count(model.params.viscosity)); i++) {
-    const ViscousStep step = viscous_step(model.params.viscosity.pairs[i], dt);
+void remember(const Prony& viscosity, ToolTouch& t, Vec3d elastic, double dt) {
+  const auto count = std::size_t(pair_count(viscosity));
+  for (std::size_t i = count; i < t.remembered.size(); i++) t.remembered[i] = {};
+  for (std::size_t i = 0; i < count; i++) {
+    const ViscousStep step = viscous_step(viscosity.pairs[i], dt);
     t.remembered[i] = t.remembered[i] * step.kept + (elastic - t.elastic) * step.taken;
   }
   t.elastic = elastic;
@@ -222,9 +224,10 @@ double squeeze_force(const Model& model, const ToolTouch& t) {
   return stiffness_of(model, t) * scale * scale * force_of_depth(model.chain, pressed / scale);
 }
 
-TouchForce compute_force(const Model& model, ToolTouch& t, const TouchInput& in, double dt) {
+TouchForce compute_force(const Model& model, const Prony& viscosity, ToolTouch& t, const TouchInput& in,
+                         double dt) {
   // elastic and viscous force
-  remember(model, t, elastic_force(model, t), dt);
+  remember(viscosity, t, elastic_force(model, t), dt);
   const double size = norm(t.elastic + remembered_force(t));
   const bool bears = size <= model.params.tear;
   // limit of the tissue: held tissue slips, pressed tissue yields
@@ -252,8 +255,8 @@ TouchForce compute_force(const Model& model, ToolTouch& t, const TouchInput& in,
 
 }  // namespace
 
-void solve_touches(const Model& model, std::span<ToolTouch> touches, std::span<const TouchInput> inputs,
-                   double dt, std::span<TouchForce> forces) {
+void solve_touches(const Model& model, const Prony& viscosity, std::span<ToolTouch> touches,
+                   std::span<const TouchInput> inputs, double dt, std::span<TouchForce> forces) {
   TURGOR_ASSERT(inputs.size() == touches.size() && forces.size() == inputs.size(), "one input a tool");
   // required displacements of valid tools
   TURGOR_ASSERT(touches.size() <= std::size_t(kMaxTouches), "at most kMaxTouches tools touch an organ");
@@ -265,13 +268,13 @@ void solve_touches(const Model& model, std::span<ToolTouch> touches, std::span<c
     forces[k] = {.invalid_input = !is_valid(inputs[k])};
     if (forces[k].invalid_input) continue;
     ToolTouch& t = touches[k];
-    set_demand(model, t, inputs[k], dt);
+    set_demand(model, viscosity, t, inputs[k], dt);
     number[count] = k, valid[count++] = &t;
   }
   // own displacements and forces
   distribute_moves(model, {valid.data(), count});
   for (std::size_t i = 0; i < count; i++)
-    forces[number[i]] = compute_force(model, *valid[i], inputs[number[i]], dt);
+    forces[number[i]] = compute_force(model, viscosity, *valid[i], inputs[number[i]], dt);
 }
 
 }  // namespace turgor::rhombus

@@ -73,7 +73,8 @@ constexpr std::string_view kLive[][2] = {
 /// The same for all keys that begin so, unless they are listed below as an exception.
 constexpr std::string_view kLiveFamilies[][2] = {
     {"lattice", "tissue.fiber."}, {"lattice", "tissue.labels."}, {"lattice", "layers."},
-    {"lattice", "viscosity."},    {"lattice", "permanent_set."},
+    {"lattice", "viscosity."},    {"lattice", "permanent_set."}, {"sfem", "viscosity."},
+    {"rhombus", "viscosity."},
 };
 constexpr std::string_view kNotLive[][2] = {
     {"lattice", "layers.name"},
@@ -90,7 +91,6 @@ constexpr ReloadReason kReloadReasons[] = {
     {"sfem", "inside.", "Green's functions depend on its ratio to the surrounding material"},
     {"sfem", "inclusion.", "Green's functions depend on its ratio to the surrounding material"},
     {"sfem", "patch.", "the present patch was built with it"},
-    {"sfem", "viscosity.", "the present viscous state depends on it"},
     {"sfem", "", "the mesh and its Green's functions depend on it"},
     {"rhombus", "", "the chains of the surface depend on it"},
     {"lattice", "tissue.", "the elements of the lattice depend on it"},
@@ -190,8 +190,9 @@ void change_body(const Exec& exec, const ClothScene& scene, ClothBody& body) {
 }
 
 /// All forces of a linear body scale with its stiffness; the shape under a given press stays. Ticks get the
-/// waves of the surface with the next frame.
+/// waves of the surface and the viscosity with the next frame.
 void change_body(const Exec&, const SfemScene& scene, SfemBody& body) {
+  if (!body.law && !body.needles.inner) body.viscosity = scene.viscosity;  // else it waits
   body.texture.roughness = scene.texture.roughness, body.texture.wavelength = scene.texture.wavelength;
   TURGOR_CHECK(!body.model.body.materials.empty(), "a body has a material");
   const double young = body.model.body.materials[0].young;  // of the loaded body
@@ -199,9 +200,9 @@ void change_body(const Exec&, const SfemScene& scene, SfemBody& body) {
   body.stiffness_scale = scene.stiffness_scale * (has_one_material ? scene.material.young / young : 1);
 }
 
-/// Ticks get the stiffness with the next frame.
+/// Ticks get stiffness and viscosity with the next frame.
 void change_body(const Exec&, const RhombusScene& scene, RhombusBody& body) {
-  body.stiffness_scale = scene.stiffness_scale;
+  body.stiffness_scale = scene.stiffness_scale, body.viscosity = scene.params.viscosity;
 }
 
 void change_tools(const Scene& scene, World& world) {
@@ -233,6 +234,14 @@ bool is_live_law(const SceneKey& key) {
 const char* why_not_scaled(const Scene& scene, const SceneKey& key) {
   const LatticeScene* lattice = key.group == "lattice" ? find_named(scene.lattice_bodies, key) : nullptr;
   return lattice ? why_fixed_laws(*lattice) : nullptr;
+}
+
+/// True if a needle enters the body of the key.
+bool has_needle(const Scene& scene, const SceneKey& key) {
+  return std::any_of(scene.tools.begin(), scene.tools.end(), [&](const ToolScene& tool) {
+    return std::holds_alternative<NeedleTool>(tool.shape) && tool.body.kind == BodyKind::kSfem &&
+           &scene.sfem_bodies[std::size_t(tool.body.index)] == find_named(scene.sfem_bodies, key);
+  });
 }
 
 /// True if the skin of a lattice has another law than the one of this key.
@@ -303,6 +312,10 @@ std::string why_not_live(const Scene& scene, const SceneKey& key) {
   const SfemScene* sfem = key.group == "sfem" ? find_named(scene.sfem_bodies, key) : nullptr;
   if (sfem && key.key == "young" && !(sfem->inside.empty() && sfem->inclusions.empty()))
     return "Green's functions depend on the ratio of its materials";
+  if (sfem && key.key.starts_with("viscosity.")) {
+    if (sfem->law) return "a nonlinear patch does not relax";
+    if (has_needle(scene, key)) return "needles need an elastic body";
+  }
   if (key.key == "stiffness_scale" && why_not_scaled(scene, key)) return why_not_scaled(scene, key);
   if (is_of_other_skin(scene, key)) return "the skin has another law";
   if (is_of_other_fabric(scene, key)) return "the fabric has another law";

@@ -152,7 +152,7 @@ Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene,
   }
   // store model and facts
   body.model = std::move(*model);
-  body.stiffness_scale = scene.stiffness_scale;
+  body.stiffness_scale = scene.stiffness_scale, body.viscosity = scene.params.viscosity;
   body.build_seconds = building.seconds();
   body.volume = enclosed_volume(body.model.surface);
   return body;
@@ -179,7 +179,8 @@ Status begin_body(const Exec&, RhombusBody& body, const RhombusScene&, const Wor
   }
   // initial state and first snapshot
   body.state = rhombus::make_state(body.model, tips.size());
-  body.touch = contact::make_rhombus_touch(std::move(tips), poses);
+  body.touch = contact::make_rhombus_touch(std::move(tips), poses, body.viscosity);
+  body.published = body.touch.stiffness;
   contact::publish(body.touch, body.now);
   body.openings.resize(body.tool_indices.size());
   publish_stiffness(body);
@@ -230,8 +231,8 @@ void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> comma
 }
 
 void publish_stiffness(RhombusBody& body) {
-  if (body.published.scale == body.stiffness_scale) return;
-  body.published = {body.stiffness_scale, body.published.number + 1};
+  if (body.published.scale == body.stiffness_scale && body.published.viscosity == body.viscosity) return;
+  body.published = {body.stiffness_scale, body.viscosity, body.published.number + 1};
   if (body.haptic)
     body.haptic->stiffness.write(body.published);
   else

@@ -30,9 +30,10 @@ struct RhombusHaptics {
 
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
-  contact::RhombusTouch touch;          // owned by the ticking thread
-  boxed<RhombusHaptics> haptic;         // with a haptic thread
-  double stiffness_scale = 1;           // relative to the model; owned by the frame thread
+  contact::RhombusTouch touch;   // owned by the ticking thread
+  boxed<RhombusHaptics> haptic;  // with a haptic thread
+  double stiffness_scale = 1;    // relative to the model; owned by the frame thread, as is the next
+  Prony viscosity;
   contact::RhombusStiffness published;  // stiffness that the haptic thread was sent last
   contact::RhombusTouchSnapshot now;    // latest touch state; one for each of tool_indices
   rhombus::State state;                 // of the frame thread: the surface of the latest snapshot
@@ -75,7 +76,7 @@ void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, Touch
 void read_touch_snapshot(RhombusBody& body);
 
 /// Functions for a haptic thread and for replays: see sim/live/exchanges.hpp. The only input that ticks need
-/// from frames is a changed stiffness.
+/// from frames is a changed stiffness or viscosity.
 void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& tools);
 void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings);
@@ -89,7 +90,7 @@ inline void end_haptics(RhombusBody& body) { body.haptic.reset(); }
 inline Status begin_solutions(RhombusBody&, bool) { return Done{}; }
 void queue_frame_output(RhombusBody& body);
 void replay_frame_output(RhombusBody& body, std::size_t t, TickInputs inputs_used);
-/// Sends a changed stiffness to the ticks, once per frame.
+/// Sends a changed stiffness or viscosity to the ticks, once per frame.
 void publish_stiffness(RhombusBody& body);
 inline void expect_patch(RhombusBody&, bool) {}
 inline void set_friction(RhombusBody&, std::size_t, double) {}  // chains have no friction

@@ -9,6 +9,7 @@ namespace turgor {
 void begin_haptics(SfemBody& body, const std::vector<TouchingTool>& /*tools*/) {
   body.haptic = std::make_unique<SfemHaptics>();
   body.built_patches = 0;
+  if (!body.law && !body.needles.inner) contact::reserve_viscosity(body.touch);
   contact::prepare(body.touch, body.haptic->exchange);
 }
 

@@ -323,6 +323,7 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   TURGOR_CHECK(body.refinement >= 1, "the elements of a patch are divided at least once");
   constexpr double kLawBlendTime = 0.01;  // of the jump between two solutions of a law [s]
   body.law = scene.law, body.texture = scene.texture;
+  body.viscosity = scene.viscosity;
   Result<std::shared_ptr<const contact::HeightMap>> map = read_height_map(scene.height_map);
   if (!map) return map.error();
   body.texture.map = std::move(*map);

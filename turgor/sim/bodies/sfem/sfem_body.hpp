@@ -151,6 +151,7 @@ struct SfemBody : TouchedBody {
   LawSummary law_summary;
   double surface_strain = 0;  // largest of the patch's surface at the end of a frame, without large rotations
   contact::Texture texture;
+  Prony viscosity;                                          // ticks get it with the next frame
   std::vector<std::shared_ptr<const sfem::Patch>> patches;  // patches that may be in use
   contact::SfemTouchSnapshot now;  // latest touch state, one for each of tool_indices
 

@@ -80,6 +80,7 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
   contact::take_needle_motion(body.touch, body.needles.motion, last - first + 1);
   body.touch.stiffness_scale = body.stiffness_scale;
   body.touch.texture = body.texture;
+  contact::set_viscosity(body.touch, body.viscosity);
 
   // commands
   for (long tick = first; tick <= last; tick++) {
@@ -135,6 +136,7 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   motion.number = ++body.free.number;
   motion.stiffness_scale = body.stiffness_scale, motion.friction = body.friction;
   motion.roughness = body.texture.roughness, motion.wavelength = body.texture.wavelength;
+  motion.viscosity = body.viscosity;
   exchange.motion.publish();
   offer_patch(exec, body, time, exchange.patches);
 }
