@@ -49,7 +49,7 @@ Result<OutputFolder> open_folder(const Scene& scene, bool is_replay, const RunOp
 
 Status check_inputs(const Scene& scene, const OutputFolder& folder) {
   for (const LatticeScene& body : scene.lattice_bodies)
-    for (const fs::path& input : {body.ct.file, body.labels, body.direction_field})
+    for (const fs::path& input : {body.ct.file, body.labels, body.direction_field, body.fiber_field})
       if (const Status status = folder.check_input(input); !status) return status;
   return Done{};
 }

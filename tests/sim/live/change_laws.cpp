@@ -147,6 +147,8 @@ TEST_F(ChangeLaws, KeysThatWaitSayWhy) {
   EXPECT_EQ(waits(kMixed, "layers[1].alpha"), "the tissue has another law");
   EXPECT_EQ(waits(kMixed, "tissue.stiffening"), "the tissue has another law");
   EXPECT_EQ(waits(kExponential, "layers[1].label"), "the regions of the lattice depend on it");
+  EXPECT_EQ(waits(kExponential, "layers[1].toughness"), "needles read it when they begin");
+  EXPECT_EQ(waits(kExponential, "tissue.fiber.direction_field"), "the elements of the lattice depend on it");
   EXPECT_EQ(waits(kExponential, "tissue.fat_max"), "the elements of the lattice depend on it");
   EXPECT_EQ(waits("tissue = { law = \"springs\" }\n", "viscosity.ratio"), "the tissue has another law");
   EXPECT_EQ(waits(kPartial, "viscosity.ratio"), "partial cells do not relax (tissue.partial_cells = false)");

@@ -54,6 +54,37 @@ TEST(SceneLayers, ReadsFibers) {
   EXPECT_EQ(rows, 3);
 }
 
+// A layer with a toughness resists needles: layers by depth by their sums of thicknesses, all of them if one
+// of them has a toughness, and regions by themselves. The report states it.
+TEST(SceneLayers, ReadsToughness) {
+  const LatticeScene scene = layered_scene(
+      "layers = [{ name = \"skin\", thickness = 0.002, young = 2e4, toughness = 1100 },\n"
+      "  { name = \"cyst\", hu = [10, 20], young = 1e3, toughness = 50 }, { name = \"gland\", hu = [30, 40], "
+      "young = "
+      "1e3 },\n"
+      "  { name = \"fat\", thickness = 0.006, young = 3e3 }, { name = \"muscle\", young = 9e3 }]\n");
+  ASSERT_EQ(scene.inside.size(), 4u);
+  const auto expect = [&](std::size_t n, const char* name, double depth, double toughness,
+                          bool is_of_layers) {
+    const NeedleLayerScene& layer = scene.inside[n];
+    EXPECT_EQ(layer.name, name);
+    EXPECT_NEAR(layer.depth, depth, 1e-12) << name;
+    EXPECT_EQ(layer.toughness, toughness) << name;
+    EXPECT_EQ(layer.is_of_layers, is_of_layers) << name;
+    EXPECT_EQ(layer.hu.has_value(), !is_of_layers) << name;
+  };
+  expect(0, "skin", 0.002, 1100, true);
+  expect(1, "cyst", 0, 50, false);
+  expect(2, "fat", 0.008, kNeedlesOwn, true);
+  expect(3, "muscle", 100, kNeedlesOwn, true);
+  int rows = 0;
+  for (const TissueRow& row : scene.tissues)
+    rows += row.component == "layer skin, toughness" && row.values.find("toughness") != row.values.npos;
+  EXPECT_EQ(rows, 1);
+  // without any toughness needles see no layers
+  EXPECT_TRUE(layered_scene("layers = [{ name = \"all\", young = 3e3 }]\n").inside.empty());
+}
+
 // The permanent set is read; the report states it.
 TEST(SceneLayers, ReadsPermanentSet) {
   const LatticeScene scene = layered_scene("permanent_set = { share = 0.3, strain = 0.1, time = 2 }\n");

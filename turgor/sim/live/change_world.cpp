@@ -8,6 +8,7 @@
 #include "turgor/models/cloth/build/change_fabric.hpp"
 #include "turgor/models/cloth/build/scale_stiffness.hpp"
 #include "turgor/models/lattice/build/change_tissue.hpp"
+#include "turgor/models/lattice/build/fiber_lines.hpp"
 #include "turgor/models/lattice/build/scale_stiffness.hpp"
 #include "turgor/models/lattice/build/skin.hpp"
 #include "turgor/models/lattice/mechanics/solid_laws.hpp"
@@ -77,10 +78,9 @@ constexpr std::string_view kLiveFamilies[][2] = {
     {"rhombus", "viscosity."},
 };
 constexpr std::string_view kNotLive[][2] = {
-    {"lattice", "layers.name"},
-    {"lattice", "layers.label"},
-    {"lattice", "layers.hu"},
-    {"lattice", "layers.tissue"},
+    {"lattice", "layers.name"},      {"lattice", "layers.label"},
+    {"lattice", "layers.hu"},        {"lattice", "layers.tissue"},
+    {"lattice", "layers.toughness"}, {"lattice", "tissue.fiber.direction_field"},
 };
 
 /// Reason for keys that need a reload; the first matching prefix applies.
@@ -94,6 +94,7 @@ constexpr ReloadReason kReloadReasons[] = {
     {"sfem", "", "the mesh and its Green's functions depend on it"},
     {"rhombus", "", "the chains of the surface depend on it"},
     {"lattice", "tissue.", "the elements of the lattice depend on it"},
+    {"lattice", "layers.toughness", "needles read it when they begin"},
     {"lattice", "layers.", "the regions of the lattice depend on it"},
     {"lattice", "", "the lattice depends on it"},
     {"rigid", "", "the mass and the motion of the rigid body depend on it"},
@@ -129,7 +130,15 @@ bool change_laws(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   const lattice::TissueParams tissue = lattice::reachable_tissue(scene.params.tissue, body.model);
   if (tissue == body.model.params.tissue) return false;
   lattice::change_tissue(exec, tissue, scene.stiffness_scale, body.model, body.state.change());
+  lattice::set_fiber_lines(body.fiber_lines, body.model);
   return true;
+}
+
+/// Layers by depth resist needles down to their present depths.
+void change_needle_layers(const LatticeScene& scene, std::vector<NeedleLayerScene>& layers) {
+  if (scene.inside.size() != layers.size()) return;  // a toughness that waits for a restart
+  for (std::size_t n = 0; n < layers.size(); n++)
+    if (layers[n].is_of_layers) layers[n].depth = scene.inside[n].depth;
 }
 
 void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body) {
@@ -146,6 +155,7 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   params.skin.fiber_stiffness = scene.params.skin.fiber_stiffness;
   params.skin.fiber_stiffening = scene.params.skin.fiber_stiffening;
   params.skin.dispersion = scene.params.skin.dispersion;
+  change_needle_layers(scene, body.layers.layers);
   bool has_changed = change_laws(exec, scene, body);
   if (has_changed) body.stiffness_scale = scene.stiffness_scale;
   const bool has_pull = !body.model.prestress_force.empty();

@@ -29,7 +29,8 @@
 namespace turgor {
 
 /// Resistance of a layer or region of a lattice to needles. Its tissue is given by exactly one of label, HU
-/// and depth; a layer by depth comes before a label, a label before a range of HU.
+/// and depth; a layer by depth comes before a label, a label before a range of HU. Layers by depth of
+/// `layers` come last, and leave out bone.
 struct NeedleLayerScene {
   std::string name;
   int label = 0;                            // of the segmentation; 0 = none
@@ -37,6 +38,7 @@ struct NeedleLayerScene {
   double depth = 0;                // below the skin at rest, down to which it reaches; 0 = not given [m]
   double toughness = kNeedlesOwn;  // [J/m²]
   double friction = kNeedlesOwn;   // along the shaft, per length [N/m]
+  bool is_of_layers = false;       // of `layers`, by depth
 };
 
 /// [body.NAME] with model = "lattice".
@@ -48,6 +50,7 @@ struct LatticeScene {
   std::shared_ptr<const LabelVolume>
       given_labels;                       // labels given by the caller instead of a file; takes precedence
   std::filesystem::path direction_field;  // Langer's lines as a vector volume; may be empty
+  std::filesystem::path fiber_field;      // directions of the cells' fibers, likewise
   double spacing = 0;                     // target spacing, instead of params.block; 0 = not given [m]
   std::string label_note;                 // set if label names are not from the file
   int only = 0;  // label whose largest component is the body, the rest becomes air; 0 = all tissue

@@ -117,7 +117,8 @@ void read_young(SceneTable& tissue, lattice::TissueParams& params) {
 }
 
 /// Law of the tissue. A key that belongs to the other law is an error.
-void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissueParams& params) {
+void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissueParams& params,
+              std::filesystem::path& fiber_field) {
   // law
   const std::string before = law_name(params);
   std::string law = before;
@@ -131,7 +132,7 @@ void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissuePar
                   : law == "ogden"     ? SolidEnergy::kOgden
                                        : SolidEnergy::kNeoHookean;
   read_stiffening(tissue, preset, params.energy, params.stiffening);
-  read_fiber(tissue, params.energy, params.fiber);
+  read_fiber(tissue, params.energy, params.fiber, &fiber_field);
   // keys with limits
   tissue.read(
       "poisson", params.poisson, within(0, 0.499),
@@ -210,6 +211,7 @@ void read_relaxation(SceneTable& body, const TissuePreset* preset, lattice::Tiss
 }
 
 void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params,
+                 std::filesystem::path& fiber_field, std::vector<NeedleLayerScene>& tough,
                  std::vector<TissueRow>& rows) {
   // a preset for all tissues
   SceneTable tissue = body.table_or_text("tissue");
@@ -226,7 +228,7 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
   tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"), "below is fat");
   tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"), "above is bone");
   // law and stiffness per label
-  read_law(tissue, preset, params);
+  read_law(tissue, preset, params, fiber_field);
   read_young_of_labels(tissue, labels, params);
   // check consistency
   if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
@@ -236,7 +238,7 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
     tissue.fail("labels", "stiffness by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
   tissue.finish();
   add_tissue_rows(tissue, params, preset, rows);
-  read_layers(body, has_labels(body), labels, params, rows);
+  read_layers(body, has_labels(body), labels, params, tough, rows);
   read_relaxation(body, preset, params, rows);
   read_permanent_set(body, params, rows);
 }
@@ -346,8 +348,10 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
   read_solver(body, scene.params.solver);
   const bool projects = scene.params.solver.method == Method::kPbd;
   scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;
-  read_tissue(body, labels, scene.params.tissue, scene.tissues);
+  std::vector<NeedleLayerScene> tough;
+  read_tissue(body, labels, scene.params.tissue, scene.fiber_field, tough, scene.tissues);
   scene.inside = read_needle_layers(body, has_labels(body), labels);
+  scene.inside.insert(scene.inside.end(), tough.begin(), tough.end());
   read_stiffness_scale(body, scene.stiffness_scale);
   if (projects && scene.stiffness_scale != 1)
     body.fail("stiffness_scale", "solver.method = \"pbd\" has no moduli to scale; expected 1");
@@ -363,6 +367,9 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
 
   // combinations
   const lattice::TissueParams& law = scene.params.tissue;
+  if (!scene.fiber_field.empty() && !lattice::has_fibers(law))
+    body.fail("tissue",
+              "fiber.direction_field needs fibers: set fiber.stiffness of the tissue or of a layer");
   if (scene.params.solver.sleep_speed > 0 && (lattice::most_pairs(law) > 0 || lattice::has_set(law.set)))
     body.fail(
         pair_count(law.prony) > 0      ? "viscosity"

@@ -1,5 +1,6 @@
 #include "turgor/sim/scene/scene_layers.hpp"
 
+#include "turgor/core/assert.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_needle_layers.hpp"
 #include "turgor/sim/scene/scene_prony.hpp"
@@ -65,9 +66,9 @@ void read_layer_law(SceneTable& table, const lattice::TissueParams& params, Tiss
   layer.stiffening = 0, layer.fiber = {};
 }
 
-/// Reads one layer.
+/// Reads one layer, with its toughness.
 TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, bool is_last, bool has_labels,
-                       SceneLabels& labels, std::vector<TissueRow>& rows) {
+                       SceneLabels& labels, double& toughness, std::vector<TissueRow>& rows) {
   TissueLayer layer{.poisson = params.poisson, .stiffening = params.stiffening, .fiber = params.fiber};
   table.read("name", layer.name, {"of the layer, for the report", "required"});
   read_position(table, is_last, has_labels, labels, layer);
@@ -86,6 +87,9 @@ TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, b
       "slide", layer.slide, within(0.002, 1),
       "factor of the layer's shear modulus; a thin layer with a small one lets its neighbors slide, and "
       "bears pressure as before");
+  table.read("toughness", toughness, within(-1, 1e5, "J/m²"),
+             {"of the layer against needles, as `inside.NAME.toughness`; -1 is the default",
+              "that of the needle's `shape.toughness`"});
   // relaxation
   std::vector<TissueRow> pairs;
   Prony prony = table.has("viscosity") ? prony_of(preset, {}) : Prony{};
@@ -100,7 +104,31 @@ TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, b
   table.finish();
   add_layer_rows(table, layer, params, preset, rows);
   rows.insert(rows.end(), pairs.begin(), pairs.end());
+  if (toughness >= 0)
+    rows.push_back(tissue_row(fmt::format("layer {}, toughness", layer.name), "needles", nullptr,
+                              {{"toughness", toughness, "J/m²", true}}));
   return layer;
+}
+
+/// Resistance of layers to needles: regions with a toughness, and all layers by depth if one of them has one.
+std::vector<NeedleLayerScene> tough_layers(const std::vector<TissueLayer>& layers,
+                                           const std::vector<double>& toughness) {
+  TURGOR_ASSERT(layers.size() == toughness.size(), "every layer has a toughness");
+  constexpr double kRestOfBody = 100;  // [m]
+  bool has_depth = false;
+  for (std::size_t n = 0; n < layers.size(); n++) has_depth |= toughness[n] >= 0 && !is_region(layers[n]);
+  std::vector<NeedleLayerScene> tough;
+  double depth = 0;
+  for (std::size_t n = 0; n < layers.size(); n++) {
+    const TissueLayer& layer = layers[n];
+    NeedleLayerScene one{.name = layer.name, .label = layer.label, .hu = layer.hu, .toughness = toughness[n]};
+    if (!is_region(layer)) {
+      depth = layer.thickness > 0 ? depth + layer.thickness : kRestOfBody;
+      one.depth = depth, one.is_of_layers = true;
+    }
+    if (one.is_of_layers ? has_depth : toughness[n] >= 0) tough.push_back(std::move(one));
+  }
+  return tough;
 }
 
 /// Refuses a region whose tissue another layer, or tissue.labels, has as well.
@@ -160,7 +188,8 @@ LawValue stiffening_value(const SceneTable& table, SolidEnergy energy, double va
   return {key, value, "1", table.has(key)};
 }
 
-void read_fiber(SceneTable& table, SolidEnergy energy, lattice::FiberParams& fiber) {
+void read_fiber(SceneTable& table, SolidEnergy energy, lattice::FiberParams& fiber,
+                std::filesystem::path* field) {
   SceneTable keys = table.table("fiber");
   keys.read("stiffness", fiber.stiffness, not_negative("Pa"),
             "exponential only: k1 of fibers in the cells; 0: none");
@@ -170,6 +199,10 @@ void read_fiber(SceneTable& table, SolidEnergy energy, lattice::FiberParams& fib
       "direction", fiber.direction, any_number("1"),
       "exponential only: of the fibers, patient frame; in a layer by label, `[0, 0, 0]` is the long axis "
       "of the label");
+  if (field)
+    keys.read_path("direction_field", *field,
+                   "exponential only: a three-component image in the patient frame; its direction replaces "
+                   "`direction`, also those of layers, wherever it is not zero");
   if (norm(fiber.direction) == 0 && !table.has("label"))
     keys.fail("direction",
               "expected a vector that is not zero, or a layer with a label, which has a long axis");
@@ -210,7 +243,7 @@ void read_permanent_set(SceneTable& body, lattice::TissueParams& params, std::ve
 }
 
 void read_layers(SceneTable& body, bool has_labels, SceneLabels& labels, lattice::TissueParams& params,
-                 std::vector<TissueRow>& rows) {
+                 std::vector<NeedleLayerScene>& tough, std::vector<TissueRow>& rows) {
   body.describe(
       "layers", "", "none",
       "solid laws only: layers of tissue from the skin inward, `[{ name = \"skin\", thickness = 0.0015, "
@@ -224,12 +257,16 @@ void read_layers(SceneTable& body, bool has_labels, SceneLabels& labels, lattice
   std::size_t last = tables.size();  // of those by depth
   for (std::size_t n = 0; n < tables.size(); n++)
     if (!tables[n].has("label") && !tables[n].has("hu")) last = n;
+  std::vector<double> toughness;
   for (std::size_t n = 0; n < tables.size(); n++) {
-    const TissueLayer layer = read_layer(tables[n], params, n == last, has_labels, labels, rows);
+    double own = kNeedlesOwn;
+    const TissueLayer layer = read_layer(tables[n], params, n == last, has_labels, labels, own, rows);
     if (tables[n].is_listed()) continue;
     check_region(tables[n], layer, params);
     params.layers.push_back(layer);
+    toughness.push_back(own);
   }
+  tough = tough_layers(params.layers, toughness);
   if (params.layers.empty()) return;
   if (params.law == TissueLaw::kSprings)
     body.fail("layers", "springs have no layers: set tissue.law = \"solid\", or remove layers");

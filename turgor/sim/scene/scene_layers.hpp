@@ -3,6 +3,7 @@
 
 #include "turgor/models/lattice/build/cell_laws.hpp"
 #include "turgor/models/lattice/mechanics/solid_laws.hpp"
+#include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
 #include "turgor/sim/scene/scene_tissue.hpp"
 
@@ -20,8 +21,9 @@ void read_stiffening(SceneTable& table, const TissuePreset* preset, lattice::Sol
 LawValue stiffening_value(const SceneTable& table, lattice::SolidEnergy energy, double value);
 
 /// Reads the table `fiber` of a tissue or a layer; an error with a law that has no fibers. `fiber` holds the
-/// values of keys that are not given.
-void read_fiber(SceneTable& table, lattice::SolidEnergy energy, lattice::FiberParams& fiber);
+/// values of keys that are not given. `field`: file of the body's directions; null for a layer.
+void read_fiber(SceneTable& table, lattice::SolidEnergy energy, lattice::FiberParams& fiber,
+                std::filesystem::path* field = nullptr);
 /// Row of the report for fibers of a component; none without fibers.
 void add_fiber_row(SceneTable& table, const std::string& component, const lattice::FiberParams& fiber,
                    std::vector<TissueRow>& rows);
@@ -30,8 +32,9 @@ void add_fiber_row(SceneTable& table, const std::string& component, const lattic
 void read_permanent_set(SceneTable& body, lattice::TissueParams& params, std::vector<TissueRow>& rows);
 
 /// Reads the array `layers` of a body: layers by depth from the skin inward, and regions by label or CT
-/// values. Adds their rows to the report. `has_labels`: the body has a segmentation, or a phantom's.
+/// values. Adds their rows to the report, and layers with a toughness to `tough`. `has_labels`: the body has
+/// a segmentation, or a phantom's.
 void read_layers(SceneTable& body, bool has_labels, SceneLabels& labels, lattice::TissueParams& params,
-                 std::vector<TissueRow>& rows);
+                 std::vector<NeedleLayerScene>& tough, std::vector<TissueRow>& rows);
 
 }  // namespace turgor

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -64,6 +65,37 @@ World lattice_needle_run(int threads, const std::string& text, int frames) {
   EXPECT_TRUE(world) << world.error().message;
   for (int frame = 0; world && frame < frames; frame++) EXPECT_TRUE(step(Exec(threads), *world));
   return std::move(*world);
+}
+
+/// Toughness at a depth below the front of the block [J/m²].
+double toughness_at(const LatticeBody& body, double depth) {
+  const Grid& grid = body.model.anatomy.grid;
+  return needle_tissue(body, inverse(grid.axes) * (Vec3d{0, depth, 0} - grid.origin)).toughness;
+}
+
+// Layers of the tissue's law have their own toughness: by depth, where no region by CT value has one, and not
+// in bone. `inside` comes first.
+TEST(NeedleLattice, LayersHaveTheirToughness) {
+  const std::string layers =
+      "layers = [{ name = \"skin\", thickness = 0.008, young = 1e4 }, { name = \"organ\", hu = [0, 120], "
+      "young = "
+      "1e4, toughness = 140 }, { name = \"fat\", young = 1e4, toughness = 70 }]\n";
+  const World world = lattice_needle_world(Exec(1), needle_text(kNeedleShape, kNeedleInOut, layers)).value();
+  const LatticeBody& body = world.lattice_bodies[0];
+  EXPECT_EQ(toughness_at(body, 0.004), kNeedlesOwn);
+  EXPECT_EQ(toughness_at(body, 0.016), 70);
+  EXPECT_EQ(toughness_at(body, 0.04), 140);
+  // needles' own layers, and bone
+  const World both =
+      lattice_needle_world(Exec(1), needle_text(kNeedleShape, kNeedleInOut,
+                                                layers + "inside.near = { depth = 0.012, toughness = 9 }\n"))
+          .value();
+  EXPECT_EQ(toughness_at(both.lattice_bodies[0], 0.004), 9);
+  EXPECT_EQ(toughness_at(both.lattice_bodies[0], 0.016), 70);
+  LatticeBody bone = both.lattice_bodies[0];
+  bone.model.params.tissue.bone_min = 50;
+  std::erase_if(bone.layers.layers, [](const NeedleLayerScene& layer) { return layer.hu.has_value(); });
+  EXPECT_EQ(toughness_at(bone, 0.04), std::numeric_limits<double>::infinity());
 }
 
 // Two insertions through fat into muscle: one puncture, the depth at which the layer begins, its toughness,

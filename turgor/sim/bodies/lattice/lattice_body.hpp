@@ -36,6 +36,8 @@ struct LatticeBody : FrameTouchedBody {
   Box box;                     // around its nodes in the CT, patient frame [m]
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // notes of the CT's reader
+  std::vector<Vec3>
+      fiber_lines;  // directions of fibers from an image, by slot (fiber_lines.hpp); may be empty
   bool has_gravity = true;
   double stiffness_scale = 1;                        // of the model, relative to the scene's tissue
   double last_displacement = 0;                      // bound for all nodes in the last frame [m]

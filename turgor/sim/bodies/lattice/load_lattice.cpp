@@ -13,6 +13,7 @@
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/build/fiber_lines.hpp"
 #include "turgor/models/lattice/build/scale_stiffness.hpp"
 #include "turgor/sim/bodies/lattice/crop_to_label.hpp"
 #include "turgor/sim/bodies/lattice/cut.hpp"
@@ -28,11 +29,11 @@ namespace {
 /// Additional volumes of the same patient.
 struct ReadFields {
   std::optional<LabelVolume> labels;
-  std::optional<VectorVolume> lines;
+  std::optional<VectorVolume> lines, fibers;
 };
 Result<ReadFields> read_fields(const LatticeScene& scene, const Grid& ct,
                                std::optional<LabelVolume> phantom_labels) {
-  ReadFields fields{std::move(phantom_labels), std::nullopt};
+  ReadFields fields{std::move(phantom_labels), std::nullopt, std::nullopt};
   if (scene.given_labels) {
     fields.labels = on_grid(*scene.given_labels, ct);
     if (!fields.labels)
@@ -46,6 +47,11 @@ Result<ReadFields> read_fields(const LatticeScene& scene, const Grid& ct,
     Result<VectorVolume> read = read_vectors(scene.direction_field);
     if (!read) return read.error();
     fields.lines = std::move(*read);
+  }
+  if (!scene.fiber_field.empty()) {
+    Result<VectorVolume> read = read_vectors(scene.fiber_field);
+    if (!read) return read.error();
+    fields.fibers = std::move(*read);
   }
   return fields;
 }
@@ -161,6 +167,15 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   Result<lattice::Model> model = build_model(exec, scene, block, body.ct, *fields);
   if (!model) return model.error();
   body.model = std::move(*model);
+  if (fields->fibers) {
+    body.fiber_lines = lattice::fiber_lines(*fields->fibers, body.model);
+    if (body.fiber_lines.empty())
+      return Error{fmt::format(
+          "{}: expected directions of fibers in the body, found none in its cells: is it the same "
+          "patient?",
+          scene.fiber_field.string())};
+    lattice::set_fiber_lines(body.fiber_lines, body.model);
+  }
   if (std::string note = note_on_block(scene, block, body.model); !note.empty())
     body.notes.push_back(std::move(note));
   note_empty_regions(body.model, body.notes);

@@ -44,28 +44,34 @@ int label_at(const LabelVolume& labels, Vec3d position) {
   return labels.at(voxel.x, voxel.y, voxel.z);
 }
 
+/// Index of the thinnest layer by depth that contains this depth; -1 = none. `of_layers`: NeedleLayerScene's.
+int layer_of_depth(const std::vector<NeedleLayerScene>& layers, double depth, bool of_layers) {
+  int found = -1;
+  for (std::size_t i = 0; i < layers.size(); i++)
+    if (layers[i].is_of_layers == of_layers && depth < layers[i].depth &&
+        (found < 0 || layers[i].depth < layers[std::size_t(found)].depth))
+      found = int(i);
+  return found;
+}
+
 /// Index of the layer at a rest position, lattice frame; -1 = none. The thinnest layer by depth comes first,
-/// then labels, then HU.
+/// then labels, HU, and tissue that layers of the law give by depth.
 int layer_at(const LatticeBody& body, Vec3d rest, double hu) {
   const std::vector<NeedleLayerScene>& layers = body.layers.layers;
   const Grid& grid = body.model.anatomy.grid;
   const Vec3d position = grid.origin + grid.axes * rest;
   // layers by depth
-  int found = -1;
   const bool has_depth =
       std::any_of(layers.begin(), layers.end(), [](const NeedleLayerScene& l) { return l.depth > 0; });
   const double depth = has_depth && body.rest_skin.at ? -body.rest_skin.at(position) : 0;
-  for (std::size_t i = 0; i < layers.size(); i++)
-    if (depth < layers[i].depth && (found < 0 || layers[i].depth < layers[std::size_t(found)].depth))
-      found = int(i);
-  if (found >= 0) return found;
+  if (const int found = layer_of_depth(layers, depth, false); found >= 0) return found;
   // labels, then HU
   const int label = label_at(body.layers.labels, position);
   for (std::size_t i = 0; i < layers.size(); i++)
     if (label > 0 && layers[i].label == label) return int(i);
   for (std::size_t i = 0; i < layers.size(); i++)
     if (layers[i].hu && hu >= (*layers[i].hu)[0] && hu <= (*layers[i].hu)[1]) return int(i);
-  return -1;
+  return hu < body.model.params.tissue.bone_min ? layer_of_depth(layers, depth, true) : -1;
 }
 
 /// Slots of each layer.
