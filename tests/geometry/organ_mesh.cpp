@@ -180,7 +180,7 @@ TEST(OrganMesh, RefusesMoreThanBound) {
   const MeshBound bound{.elements = 1000, .begin = [](const MeshForecast&) { ADD_FAILURE() << "it began"; }};
   EXPECT_REFUSED(
       mesh_of_surface(Exec(1), test::sphere_surface({0.1, 0, 0}, 0.04, 4), 0.004, {}, Sides::kFlat, bound),
-      "gives about", "tetrahedra; expected at most 1e+03, as ", " would suffice");
+      "gives about", "tetrahedra; expected at most 1000, as ", " would suffice");
 }
 
 }  // namespace

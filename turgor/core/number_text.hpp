@@ -1,6 +1,7 @@
-// Numbers in messages of the engine, with three significant digits.
+// Numbers in messages of the engine, with three significant digits; integers from 1000 to a million.
 #pragma once
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -8,7 +9,8 @@ namespace turgor {
 
 inline std::string number_text(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
+  const double size = std::abs(value);
+  std::snprintf(text, sizeof text, size >= 1000 && size < 1e6 ? "%.0f" : "%.3g", value);
   return text;
 }
 

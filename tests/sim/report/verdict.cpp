@@ -49,6 +49,17 @@ TEST(Verdict, LateCutIsNotJudged) {
   EXPECT_TRUE(verdict_of(report)[0].starts_with("The wound was cut less than 0.5 s before the end"));
 }
 
+// Bodies that fall without being touched: the fastest one is named, with its speed.
+TEST(Verdict, RigidBodiesMoveOrRest) {
+  Json report;
+  report["bodies"] = {{{"name", "table"}, {"model", "rigid"}, {"speed_m_per_s", 0.0}},
+                      {{"name", "stone"}, {"model", "rigid"}, {"speed_m_per_s", 0.25}}};
+  EXPECT_EQ(verdict_of(report),
+            std::vector<std::string>{"The rigid body 'stone' moves with 250 mm/s at the end."});
+  report["bodies"][1]["speed_m_per_s"] = 2e-4;
+  EXPECT_EQ(verdict_of(report), std::vector<std::string>{"The rigid bodies are at rest."});
+}
+
 // The largest force of all tools is said with its error; a limit of the model sends to the warnings.
 TEST(Verdict, LargestForceAndLimits) {
   Json report;

@@ -21,6 +21,7 @@ using TimePoints = std::vector<std::pair<double, double>>;  // over time [s]
 constexpr double kWindow = 0.5;         // at the end of a run [s]
 constexpr double kSettled = 0.01;       // largest change of a settled gape within the window, of the gape
 constexpr double kRestingEdges = 0.1;   // largest motion of resting cloth within the window, in edge lengths
+constexpr double kRestingSpeed = 1;     // of rigid bodies [mm/s]
 constexpr double kLargeResidual = 0.1;  // of the skin's force on a node, or of the load of cloth
 
 double number_at(const Json& item, const char* key, double without = 0) {
@@ -169,6 +170,21 @@ void add_cloth(const Json& report, std::vector<std::string>& sentences) {
                                                  percent(residual), crossings));
 }
 
+/// The fastest rigid body at the end, or that all are at rest.
+void add_rigid(const Json& report, std::vector<std::string>& sentences) {
+  std::string fastest;
+  double speed = 0;
+  const Json bodies = bodies_of(report, BodyKind::kRigid);
+  for (const Json& body : bodies)
+    if (const double own = number_at(body, "speed_m_per_s"); own > speed)
+      speed = own, fastest = name_at(body);
+  if (bodies.empty()) return;
+  sentences.push_back(1e3 * speed < kRestingSpeed
+                          ? "The rigid bodies are at rest."
+                          : fmt::format("The rigid body '{}' moves with {} mm/s at the end.", fastest,
+                                        number_of(1e3 * speed)));
+}
+
 }  // namespace
 
 std::vector<std::string> verdict_of(const Json& report) {
@@ -178,6 +194,7 @@ std::vector<std::string> verdict_of(const Json& report) {
   add_wounds(report, sentences);
   add_forces(report, sentences);
   add_cloth(report, sentences);
+  if (sentences.empty()) add_rigid(report, sentences);
   if (sentences.empty()) sentences.push_back("The run is complete; nothing was cut, touched or draped.");
   return sentences;
 }
