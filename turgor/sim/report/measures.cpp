@@ -7,6 +7,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/sim/report/gape_error.hpp"
 
 namespace turgor {
 
@@ -138,7 +139,11 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
     CutMeasures& m = measures.cuts[c];
     if (m.series.empty()) {
       m.tension = cut_tension(body.model, m.excision ? lattice::axis_of(*cut.path) : *cut.path);
-      m.gape_error = m.region || m.excision ? -1 : expected_gape_error(body.model, m.depth);
+      const lattice::Anatomy& anatomy = body.model.anatomy;
+      if (!m.region && !m.excision)
+        m.gape_error = anatomy.cell_center.empty() ? expected_gape_error(body.model, m.depth)
+                                                   : expected_gape_error_of_partial_cells(
+                                                         anatomy, lattice::path_length(*cut.path), m.depth);
       if (m.excision) m.marked = lattice::size_of(cut.path->points), m.width = m.marked.width;
     }
     m.edges = cut.edges;
