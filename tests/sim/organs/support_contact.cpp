@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "organs_scene.hpp"
+#include "turgor/sim/report/report_organs.hpp"
 #include "turgor/sim/world_state.hpp"
 
 namespace turgor {
@@ -52,6 +53,24 @@ std::string stone_on_fat(const std::string& shape, const std::string& at, double
 /// Sum of the loads on the lattice.
 Vec3d load_on_fat(const World& world) { return total_force(world.lattice_bodies[0].cloth); }
 Vec3d force_of(const World& world) { return world.coupling.contacts[0].samples.back().force; }
+
+// A lattice that nothing fixes is not stable on elements; the report warns of that pair.
+TEST(SupportContact, FreeLatticeOnElementsIsWarnedOf) {
+  const Exec exec(1);
+  const fs::path folder = test::fresh_folder();
+  ASSERT_TRUE(write_ct(folder / "fat.nii", fat_ct()));
+  for (const std::string fixed : {"bone", "none"}) {
+    std::string text = fat_text("[0, 0, 0]");
+    text.replace(text.find("\"bone\""), 6, "\"" + fixed + "\"");
+    text += block_text("pad", "[-0.03, -0.06, -0.03]", "[0.06, 0.03, 0.06]", "[3, 2, 3]", "front");
+    text += "[contact.rest]\nbetween = [\"pad\", \"fat\"]\n";
+    const Result<Scene> scene = parse_scene(text, folder / "fat.toml");
+    ASSERT_TRUE(scene) << scene.error().message;
+    const Result<World> world = load_world(exec, *scene);
+    ASSERT_TRUE(world) << world.error().message;
+    EXPECT_EQ(coupling_warnings(*world).size(), fixed == "none" ? 1u : 0u);
+  }
+}
 
 // A stone falls on a lattice and lies there, on whole and on partial cells: the contact bears its weight, and
 // the lattice bears the contact.

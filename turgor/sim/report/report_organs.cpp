@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/invariants.hpp"
+#include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/report/section.hpp"
+#include "turgor/sim/world.hpp"
 
 namespace turgor {
 
@@ -135,12 +138,35 @@ Section body_contact_section() {
           true};
 }
 
+namespace {
+
+/// True for contact of a lattice that nothing fixes with a body of elements.
+bool is_free_on_elements(const World& world, const BodyContact& contact) {
+  for (const int side : {0, 1}) {
+    const int index = contact.body[std::size_t(side)], other = contact.body[std::size_t(1 - side)];
+    const int support = index - first_support(world);
+    if (!is_index(support, world.coupling.supports.size()) || !is_index(other, world.sfem_bodies.size()))
+      continue;
+    const CoupledSupport& body = world.coupling.supports[std::size_t(support)];
+    if (body.body.kind == BodyKind::kLattice && body.free_mass > 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 std::vector<std::string> coupling_warnings(const World& world) {
   std::vector<std::string> warnings;
   const Coupling& coupling = world.coupling;
   if (coupling.unsolved > 0)
     warnings.push_back(fmt::format("the forces between bodies did not converge in {} of {} frames",
                                    coupling.unsolved, coupling.frames));
+  for (const BodyContact& contact : coupling.contacts)
+    if (is_free_on_elements(world, contact))
+      warnings.push_back(
+          fmt::format("{}: a lattice that nothing fixes feels a body of elements a few frames late and may "
+                      "pass through it or be thrown; fix a part of it, or make both bodies lattices",
+                      contact.name));
   for (const BodyContact& contact : coupling.contacts)
     if (contact.dropped_most > 0)
       warnings.push_back(fmt::format(
