@@ -85,8 +85,8 @@ TEST(LawPress, BallOnLayerMatchesFiniteStrainProgram) {
   EXPECT_LT(linear, 0.8 * expected);
 }
 
-// At a twentieth of the thickness the force is within 3 % too, on elements of 5 mm. Elements of 10 mm, as above,
-// are 7 % too stiff for a contact that narrow.
+// At a twentieth of the thickness the force is within 3 % too, on elements of 5 mm. Elements of 10 mm, as
+// above, are 7 % too stiff for a contact that narrow.
 TEST(LawPress, ShallowPressMatchesOnSmallElements) {
   const PressedLayer layer{.stiffening = 3};
   const double depth = 0.05 * layer.thickness, expected = AxisymmetricPress(layer).force(depth);
