@@ -69,7 +69,7 @@ std::vector<std::vector<int>> adjacent_blocks(const Model& model, const std::vec
 
 /// Vertices of a block. Number and size of blocks both grow with the square root of the cloth, and iterations
 /// hardly grow.
-int block_size(int count) { return std::max(12, int(0.65 * std::sqrt(double(count)))); }
+int block_size(int count) { return std::max(12, int(0.7 * std::sqrt(double(count)))); }
 
 /// Galerkin coupling of two vertices: (I, −[r]×)ᵀ B (I, −[q]×), rows by the translations and rotations of the
 /// first block.

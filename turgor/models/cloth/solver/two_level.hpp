@@ -14,7 +14,7 @@ namespace turgor::cloth {
 struct Model;
 struct State;
 
-/// Partition of the vertices into blocks of at most 0.65 √n.
+/// Partition of the vertices into blocks of at most 0.7 √n.
 Blocks make_blocks(const Model& model);
 
 /// Assembles and factors the coarse operator of an assembled system.
