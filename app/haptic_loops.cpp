@@ -49,7 +49,7 @@ void make_chain(Chain& chain) {
   chain.model = std::move(*rhombus::build(std::move(body), {}));
   chain.foot = rhombus::find_foot_point(chain.model.surface, chain.model.tree, {-0.05, 0.01, 0.2});
   const contact::Pose above{.position = chain.foot.at.position + chain.foot.normal * 0.02, .axes = {}};
-  chain.touch = contact::make_rhombus_touch({{.center = {}, .radius = kTip}}, std::span(&above, 1));
+  chain.touch = contact::make_rhombus_touch({{.center = {}, .radius = kTip}}, std::span(&above, 1), {});
   contact::prepare(chain.touch, chain.touched);
 }
 
