@@ -402,7 +402,6 @@ TEST(LatticeSurface, AnyCutPatternStaysClosed) {
             edge.fraction = Real(0.1 + 0.8 * double(random >> 8 & 255) / 255);
             state.cuts.edges.push_back(edge);
           }
-    list_cut_cells(model, state);
     const BodySurface surface = build_surface(model, state.cuts);
     // If three cuts meet in a face, both neighbors omit its center; all other edges are matched.
     ASSERT_EQ(open_edges(surface, embedding_key(surface)), 0) << "trial " << trial;

@@ -32,7 +32,6 @@ void cut_up_to(const Model& model, State& state, double at, double y_end, double
           edge.fraction = Real(fraction), edge.rightward = true, edge.incision = 1;
           state.cuts.edges.push_back(edge);
         }
-  list_cut_cells(model, state);
 }
 
 /// Skin that moves with another side of a T-shaped cut than the one on which it lies.

@@ -1,7 +1,6 @@
 #include "turgor/models/lattice/cutting/fragments.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -10,7 +9,6 @@
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cutting/air_labels.hpp"
 #include "turgor/models/lattice/cutting/crack_tips.hpp"
-#include "turgor/models/lattice/cutting/cut_fraction.hpp"
 #include "turgor/models/lattice/cutting/fragment_stages.hpp"
 #include "turgor/models/lattice/cutting/small_components.hpp"
 #include "turgor/models/lattice/cutting/virtual_node_fit.hpp"
@@ -174,47 +172,13 @@ int entering_blade(const Cuts& cuts, const Fragments& fragments, const CutEdgesB
   return *most > 0 ? int(most - count.begin()) : -1;
 }
 
-/// True unless a blade only touches the boundary of a cell, as where it ends at a node: it crosses no sample
-/// line of the cell (cut_fraction.hpp), and a corner lies on its plane. Where the plane grazes the cell along
-/// a face, an edge or a corner, the blade may also pass through another cell with the same face, edge or
-/// corner.
-bool passes_through(const Cuts& cuts, const Fragments& fragments, const CutCell& cell,
-                    const CrackTipPlane& plane, std::uint8_t incision) {
-  constexpr double kGrazing = 0.2;  // [cells]; the plane is fitted to a curved blade
-  if (is_sampled(cuts, cell.slot, incision)) return true;
-  // corners on the plane, and beside it
-  const Lattice& l = fragments.fine.cells;
-  const Int3 corner = slot_node(l, cell.slot);
-  int on_plane = 0;
-  bool is_left = false, is_right = false;
-  for (int n = 0; n < 8; n++) {
-    const double distance = plane.signed_distance(Vec3d(in_body(l, corner + cell_corner(n))));
-    if (std::abs(distance) < kGrazing) on_plane |= 1 << n;
-    is_left |= distance <= -kGrazing, is_right |= distance >= kGrazing;
-  }
-  if (on_plane == 0) return true;
-  if (is_left && is_right) return false;
-  // cells around that have all corners on the plane
-  for (int n = 0; n < 27; n++) {
-    const Int3 offset{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1}, other = corner + offset;
-    bool has_all = contains(l, other) && contains(l, other + Int3{1, 1, 1});
-    for (int c = 0; c < 8; c++) {
-      const Int3 own = cell_corner(c) - offset;
-      has_all = has_all && (!(on_plane >> c & 1) || (own == min(max(own, Int3{0, 0, 0}), Int3{1, 1, 1})));
-    }
-    if (has_all && is_sampled(cuts, node_slot(l, other), incision)) return true;
-  }
-  return false;
-}
-
-/// Splits a fragment by a plane if a blade entered it without separating it. A cell that the blade only
-/// touches joins both sides; a bridge would hold the copy of a node on the blade on one side only.
+/// Splits a fragment by a plane if a blade entered it without separating it.
 void split_at_crack_tip(const Cuts& cuts, Fragments& fragments, const CutEdgesByCell& edges, CutCell& cell,
                         const CellSubLattice& sub_lattice, int fragment) {
   const int incision = entering_blade(cuts, fragments, edges, cell, sub_lattice, fragment);
   if (incision < 0) return;
   const std::optional<CrackTipPlane> plane = fit_crack_tip_plane(cuts, fragments, edges, cell, incision);
-  if (!plane || !passes_through(cuts, fragments, cell, *plane, std::uint8_t(incision))) return;
+  if (!plane) return;
   // both sides must have nodes
   const Int3 first = first_of_cell(fragments.fine, slot_node(fragments.fine.cells, cell.slot));
   const auto is_right = [&](Int3 p) {
