@@ -98,7 +98,7 @@ TEST(PassedSurface, EveryModelReportsJumpOfPath) {
                                  "9.8, 0.01]]");
     const std::vector<std::string> warnings = touch_warnings(world);
     ASSERT_EQ(warnings.size(), 1u) << body;
-    EXPECT_TRUE(warnings[0].starts_with("finger: it moved 10000 mm within ")) << warnings[0];
+    EXPECT_TRUE(warnings[0].starts_with("finger: it moved 1e+04 mm within ")) << warnings[0];
   }
 }
 
