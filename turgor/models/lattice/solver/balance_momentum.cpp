@@ -48,8 +48,6 @@ void balance_momentum(const Model& model, State& state, const Inputs& inputs, do
   const Anatomy& anatomy = model.anatomy;
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
   if (anatomy.free_nodes < anatomy.body_nodes || inputs.halo != nullptr) return;
-  for (const NodeContact& contact : inputs.contacts)
-    if (contact.is_held) return;
   const double mass = moving_mass(anatomy);
   if (!(mass > 0) || has_sleeping_row(model, state)) return;
   // shift

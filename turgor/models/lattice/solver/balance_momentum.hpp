@@ -7,9 +7,9 @@
 
 namespace turgor::lattice {
 
-/// After the sweeps, shifts a body that nothing fixes and no contact holds. Its momentum then changes by the
-/// impulses of gravity, loads and the reported forces of contacts and springs. Does nothing while a row
-/// sleeps. The rotation stays as the sweeps leave it.
+/// After the sweeps, shifts a body that nothing fixes. Its momentum then changes by the impulses of gravity,
+/// loads and the reported forces of contacts and springs. Does nothing while a row sleeps. The rotation stays
+/// as the sweeps leave it.
 void balance_momentum(const Model& model, State& state, const Inputs& inputs, double dt);
 
 }  // namespace turgor::lattice
