@@ -8,7 +8,6 @@
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/contact_points.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
-#include "turgor/models/lattice/solver/balance_momentum.hpp"
 #include "turgor/models/lattice/solver/calm_rows.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
 #include "turgor/models/lattice/solver/step_sequence.hpp"
@@ -115,7 +114,6 @@ struct HostStep {
   }
   /// Velocities; restores the last state if one is not finite.
   void finish() {
-    if (model.params.solver.method == Method::kVbd) balance_momentum(model, state, inputs, dt);
     report = lattice::finish(exec, model, state, dt, inputs.halo);
     report.residual = residual;
   }
