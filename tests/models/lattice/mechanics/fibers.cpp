@@ -44,6 +44,41 @@ TransverseStress closed_form(const FiberParams& fiber, double stiffening, double
   return {iso * (b1 - trace / 3) + volume + f * 2 / 3, iso * (b2 - trace / 3) + volume - f / 3};
 }
 
+/// The first cell of a block with F = side 1 + (stretch − side) a aᵀ.
+class StretchedCell {
+ public:
+  StretchedCell(const Model& model, Vec3d a, double stretch, double side) : j_(stretch * side * side) {
+    Mat3d f;
+    for (int c = 0; c < 3; c++) {
+      f.column[std::size_t(c)] = a * ((stretch - side) * a[c]);
+      f.column[std::size_t(c)][c] += side;
+    }
+    State state = make_state(model);
+    deform(model, state, f);
+    const int slot = node_slot(model.anatomy.lattice, {0, 0, 0});
+    Real young[kGroup] = {};
+    young[0] = model.anatomy.cell_young[std::size_t(slot)];
+    law_stresses(node_arrays(model, state), cell_law_view(model, state), node_block(model.anatomy.lattice, 0),
+                 young, slot, s_);
+    const Vec3 h = model.anatomy.lattice.spacing;
+    volume_ = double(h.x) * h.y * h.z;
+  }
+  /// σ = F S Fᵀ/J along the unit vector `d`, which F stretches by `by`.
+  double stress(Vec3d d, double by) const {
+    const double entry[3][3] = {{s_.of[0][0], s_.of[3][0], s_.of[4][0]},
+                                {s_.of[3][0], s_.of[1][0], s_.of[5][0]},
+                                {s_.of[4][0], s_.of[5][0], s_.of[2][0]}};
+    double sum = 0;
+    for (int i = 0; i < 3; i++)
+      for (int k = 0; k < 3; k++) sum += d[i] * entry[i][k] * d[k];
+    return sum / volume_ * by * by / j_;
+  }
+
+ private:
+  LawStresses s_;
+  double j_, volume_ = 0;
+};
+
 // A block stretched along its fibers, which lie oblique to the lattice, bears the stresses of the closed
 // form.
 TEST(CellFibers, RotatedBlockMatchesClosedForm) {
@@ -53,37 +88,12 @@ TEST(CellFibers, RotatedBlockMatchesClosedForm) {
     const Vec3d a = normalized(drawn);
     const Model model = fibered_block(fiber, kStiffening);
     for (const auto& [stretch, side] : {std::array{1.15, 0.95}, {1.3, 0.9}, {0.9, 1.04}}) {
-      // F = side 1 + (stretch − side) a aᵀ
-      Mat3d f;
-      for (int c = 0; c < 3; c++) {
-        f.column[std::size_t(c)] = a * ((stretch - side) * a[c]);
-        f.column[std::size_t(c)][c] += side;
-      }
-      State state = make_state(model);
-      deform(model, state, f);
-      const int slot = node_slot(model.anatomy.lattice, {0, 0, 0});
-      Real young[kGroup] = {};
-      young[0] = model.anatomy.cell_young[std::size_t(slot)];
-      LawStresses s;
-      law_stresses(node_arrays(model, state), cell_law_view(model, state),
-                   node_block(model.anatomy.lattice, 0), young, slot, s);
-      const Vec3 h = model.anatomy.lattice.spacing;
-      const double volume = double(h.x) * h.y * h.z;
-      const double entry[3][3] = {{s.of[0][0], s.of[3][0], s.of[4][0]},
-                                  {s.of[3][0], s.of[1][0], s.of[5][0]},
-                                  {s.of[4][0], s.of[5][0], s.of[2][0]}};
-      // σ = F S Fᵀ/J, along a and along a direction across it
-      const auto cauchy = [&, stretch = stretch, side = side](Vec3d d, double by) {
-        double sum = 0;
-        for (int i = 0; i < 3; i++)
-          for (int k = 0; k < 3; k++) sum += d[i] * entry[i][k] * d[k];
-        return sum / volume * by * by / (stretch * side * side);
-      };
       const Vec3d across = normalized(cross(a, Vec3d{0.2, 0.9, -0.4}));
       const TransverseStress expected = closed_form(fiber, kStiffening, stretch, side);
       const double scale = std::abs(expected.along) + std::abs(expected.across);
-      EXPECT_NEAR(cauchy(a, stretch), expected.along, 2e-3 * scale) << stretch;
-      EXPECT_NEAR(cauchy(across, side), expected.across, 2e-3 * scale) << stretch;
+      const StretchedCell cell(model, a, stretch, side);
+      EXPECT_NEAR(cell.stress(a, stretch), expected.along, 2e-3 * scale) << stretch;
+      EXPECT_NEAR(cell.stress(across, side), expected.across, 2e-3 * scale) << stretch;
     }
   }
 }
@@ -117,27 +127,7 @@ TEST(CellFibers, ImageTurnsFibers) {
   EXPECT_NEAR(dot(direction({1, 0, 0}), a), -1, 1e-6);
   EXPECT_EQ(direction({0, 0, 1}), (Vec3d{1, 0, 0}));
   // stress along the fibers
-  Mat3d f;
-  for (int c = 0; c < 3; c++) {
-    f.column[std::size_t(c)] = a * ((kStretch - kSide) * a[c]);
-    f.column[std::size_t(c)][c] += kSide;
-  }
-  State state = make_state(model);
-  deform(model, state, f);
-  const int slot = node_slot(model.anatomy.lattice, {0, 0, 0});
-  Real young[kGroup] = {};
-  young[0] = model.anatomy.cell_young[std::size_t(slot)];
-  LawStresses s;
-  law_stresses(node_arrays(model, state), cell_law_view(model, state), node_block(model.anatomy.lattice, 0),
-               young, slot, s);
-  const Vec3 h = model.anatomy.lattice.spacing;
-  const double entry[3][3] = {{s.of[0][0], s.of[3][0], s.of[4][0]},
-                              {s.of[3][0], s.of[1][0], s.of[5][0]},
-                              {s.of[4][0], s.of[5][0], s.of[2][0]}};
-  double along = 0;
-  for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++) along += a[i] * entry[i][k] * a[k];
-  along *= kStretch * kStretch / (kStretch * kSide * kSide) / (double(h.x) * h.y * h.z);
+  const double along = StretchedCell(model, a, kStretch, kSide).stress(a, kStretch);
   const TransverseStress expected = closed_form(fiber, kStiffening, kStretch, kSide);
   EXPECT_NEAR(along, expected.along, 2e-3 * std::abs(expected.along));
   // an image beside the body
