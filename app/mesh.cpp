@@ -32,13 +32,12 @@ struct MeshOptions {
 };
 
 constexpr double kLargestSize = 0.008;  // unless --size gives another one [m]
-constexpr double kEdgesAcrossBody = 5;  // at least, without --size
 
 /// Prints the forecast of a mesh that takes some time.
 MeshBound bound_of(const MeshOptions& options) {
   constexpr double kNoticed = 2;  // [s]
   return {.elements = options.most,
-          .edges = options.size ? 0 : kEdgesAcrossBody,
+          .edges = options.size ? 0 : kEdgesAcross,
           .begin = [](const MeshForecast& forecast) {
             if (forecast.seconds > kNoticed)
               print_plain(stderr, "about {:.2g} million tetrahedra, in about {:.0f} s\n",

@@ -29,6 +29,9 @@ struct MeshForecast {
   double seconds = 0;   // wall time, from a few measured distances
 };
 
+/// Least number of edges across a body whose size of elements nobody gave: MeshBound::edges.
+constexpr double kEdgesAcross = 5;
+
 /// Limits of a mesh. `begin` is called with the forecast before the work starts.
 struct MeshBound {
   double elements = 1e7;
@@ -44,8 +47,7 @@ struct Cavities {
 
 struct OrganMesh {
   SolidMesh mesh;
-  double input_volume =
-      0;  // of the largest component of the surface or of the labeled voxels, with filled cavities [m³]
+  double input_volume = 0;         // of the surface's or the label's largest component, cavities filled [m³]
   std::vector<std::string> notes;  // what was dropped, reversed or doubtful: sentences
 };
 

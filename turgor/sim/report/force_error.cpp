@@ -82,8 +82,8 @@ std::string lattice_error_warning(const World& world, const TouchingTool& tool) 
       touched->contact * std::pow((kMuchOnLattice - kLatticeError) / kSpacingError, 1 / kSpacingOrder);
   return fmt::format(
       "{}: the expected force error is {} %: the lattice's spacing is {:.3g} mm, for a contact radius of "
-      "{:.3g} "
-      "mm, and the force depends on where nodes are; a spacing of {:.2g} mm reduces that below {:.0f} %",
+      "{:.3g} mm, and the force depends on where nodes are; "
+      "a spacing of {:.2g} mm reduces that below {:.0f} %",
       tool.name, error_text(error), 1e3 * touched->spacing, 1e3 * touched->contact, 1e3 * finer,
       100 * kMuchOnLattice);
 }

@@ -27,7 +27,6 @@ namespace turgor {
 
 namespace {
 
-constexpr double kEdgesAcross = 5;  // of a chosen resolution, along the cube root of the body's volume
 constexpr double kLeastPatchMemory = 0.25;  // memory that a patch may always use [GB]
 
 void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
