@@ -29,7 +29,7 @@ struct MeshForecast {
   double seconds = 0;   // wall time, from a few measured distances
 };
 
-/// Least number of edges across a body whose size of elements nobody gave: MeshBound::edges.
+/// Least number of edges across a body for which the user gave no size of elements: MeshBound::edges.
 constexpr double kEdgesAcross = 5;
 
 /// Limits of a mesh. `begin` is called with the forecast before the work starts.
