@@ -2,6 +2,7 @@
 # at run time. Programs start without a driver. Without nvcc, *_none.cpp replace the .cu files and report what is missing.
 # Uses custom commands, because CMake 3.25 omits -std=c++20 for nvcc 13 and turgor_flags apply only to C++.
 set(TURGOR_CUDA AUTO CACHE STRING "Bodies on GPUs (nvcc 12 or newer): ON, OFF, or AUTO if it is found")
+set(TURGOR_CUDA_ARCHITECTURE "" CACHE STRING "Compute capability to add machine code for, e.g. 90 for Hopper: no compilation at the first run")
 
 set(nvcc_version 0)
 if(TURGOR_CUDA)
@@ -25,6 +26,9 @@ endif()
 
 set(nvcc_flags -std=c++20 -O3 --expt-relaxed-constexpr -ftz=true -Werror cross-execution-space-call -Xcompiler -fPIC,-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=
     -gencode arch=compute_75,code=compute_75)
+if(TURGOR_CUDA_ARCHITECTURE)
+  list(APPEND nvcc_flags -gencode arch=compute_${TURGOR_CUDA_ARCHITECTURE},code=sm_${TURGOR_CUDA_ARCHITECTURE})
+endif()
 if(TURGOR_SAME_BITS)
   list(APPEND nvcc_flags -fmad=false)
 endif()
