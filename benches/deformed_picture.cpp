@@ -40,7 +40,7 @@ Scene make_scene(int n) {
   Params params;
   params.skin.enabled = false;
   params.solver.ordering = Ordering::kColors;
-  s.model = build(Exec(2), s.ct, {}, params).value();
+  s.model = build(Exec(), s.ct, {}, params).value();
   s.state = make_state(s.model);
   const Int3 size = s.model.anatomy.lattice.size;
   for (int k = 0; k < size.z; k++)

@@ -1,6 +1,7 @@
 // Frames with colored ordering on a GPU, for bodies of the paper's size and larger, up to one node per voxel.
 // On the CPU, only the smallest body. Prints one line of JSON each, with the fraction of the two measured
-// limits of the machine; scripts/roofline draws them.
+// limits of the machine; scripts/roofline draws them. `bench_gpu_frames BODY FRAME` runs only bodies and
+// frames whose names begin with these words.
 //
 // Bytes are those of the arrays that each loop reads and writes, without reuse of the cache between loops.
 // Operations are those of single precision in nvcc's code for a node (-ptx); a fused multiply-add counts as
@@ -40,11 +41,11 @@ constexpr Cost kPbdSweepDevice{8 * (2 * kVector + 2 * kByte) + kByte, 7 * 32, 16
 /// Eight passes over u and root or Young's moduli of all nodes. Each node also reads u_before, v, w, removed
 /// and cut, and writes u.
 constexpr double kVbdBytes = 8 * (kVector + kReal) + 2 * kVector + kReal + 2 * kByte + kVector;
-constexpr Cost kSpringsSweep{kVbdBytes, 704, 8};
-constexpr Cost kSolidSweep{kVbdBytes, 2180, 8};
+constexpr Cost kSpringsSweep{kVbdBytes, 704, 16};
+constexpr Cost kSolidSweep{kVbdBytes, 2180, 16};
 /// Two force passes (u, moduli, u_before, v, w, removed) with their sums over aggregates, and two
 /// prolongations to all nodes. Loops over coarse unknowns count as loops of the forces.
-constexpr Cost kForces{kVector + kReal + 2 * kVector + kReal + kByte + kVector, 1789, 19};
+constexpr Cost kForces{kVector + kReal + 2 * kVector + kReal + kByte + kVector, 1789, 20};
 constexpr Cost kSums{kVector + sizeof(int), 8 * 20, 1};
 constexpr Cost kProlongation{sizeof(int) + 2 * kVector, 8 * 11, 1};
 
@@ -115,7 +116,10 @@ void print_frame(const char* kind, const Body& body, const Kind& of, const Model
 
 }  // namespace
 
-int main() {
+int main(int count, char** arguments) {
+  const auto wanted = [&](int argument, std::string_view name) {
+    return count <= argument || name.starts_with(arguments[argument]);
+  };
   const Exec exec;
   const double copy = copy_bandwidth(exec);
   print_machine("cpu", std::to_string(exec.threads()) + " threads", copy, arithmetic_rate(exec));
@@ -131,10 +135,10 @@ int main() {
   }
   for (const Body& body : kBodies) {
     const bool is_small = &body == kBodies;
-    if (!is_small && !gpu) continue;
+    if ((!is_small && !gpu) || !wanted(1, body.name)) continue;
     const CtVolume ct = make_phantom(exec, default_phantom(body.phantom));
     for (const Kind& kind : kKinds) {
-      if (body.pbd_alone && kind.method != Method::kPbd) continue;
+      if ((body.pbd_alone && kind.method != Method::kPbd) || !wanted(2, kind.name)) continue;
       const Model model = model_of(exec, ct, kind, body.block);
       if (is_small)
         print_frame("cpu", body, kind, model, frame_ms(exec, model, make_state(model), kFrames / 3), 0, copy);
