@@ -36,8 +36,8 @@ TEST(PretendedGpuFrames, LatticeFrame_KernelCount) {
     long most;  // largest number of kernels; colors without skin need none
   };
   for (const Kind kind : {Kind{Method::kPbd, TissueLaw::kSprings, 82},
-                          {Method::kVbd, TissueLaw::kSprings, 42},
-                          {Method::kVbd, TissueLaw::kSolid, 127}}) {
+                          {Method::kVbd, TissueLaw::kSprings, 82},
+                          {Method::kVbd, TissueLaw::kSolid, 171}}) {
     CutBlock block = cut_block(kind.method, {30, 20, 16}, kind.law == TissueLaw::kSprings, kind.law);
     ASSERT_EQ(block.model.params.solver.sweeps, 5);
     DeviceState state = std::move(block.state);

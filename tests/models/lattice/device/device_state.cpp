@@ -93,10 +93,13 @@ TEST(DeviceState, CutUploadsOnlyChanges) {
           elements.references.size() * sizeof(NodeElementReference) +
           (elements.nodes.size() + elements.virtual_nodes.size()) * sizeof(ElementNode) +
           2 * device.state.virtual_u().size() * sizeof(VirtualNodeDisplacement);
-      EXPECT_GE(Transfers::uploaded, 2 * device.model.anatomy.inverse_mass.size()) << "two bytes per slot";
-      EXPECT_LE(Transfers::uploaded, 2 * device.model.anatomy.inverse_mass.size() +
-                                         device.state.cuts().row_cut.size() +
-                                         device.state.cuts().skin_cut.size() + follows + nodes * sizeof(int));
+      const std::size_t slots = device.model.anatomy.inverse_mass.size();
+      const std::size_t listed = list_nodes(device.model, device.state.cuts().row_cut, {}).slots.size();
+      EXPECT_LT(listed, slots / 2);
+      EXPECT_GE(Transfers::uploaded, 3 * slots) << "three bytes per slot";
+      EXPECT_LE(Transfers::uploaded, 3 * slots + device.state.cuts().row_cut.size() +
+                                         device.state.cuts().skin_cut.size() + follows +
+                                         (nodes + listed) * sizeof(int));
       Transfers::uploaded = 0;
       device.step();
       EXPECT_EQ(Transfers::uploaded, sizeof(StepSummary)) << "already on the device";

@@ -84,6 +84,19 @@ struct ComputeResidual {
 
   TURGOR_HD void operator()(std::size_t n) const {
     const int s = v.body.slot(n);
+    if (!v.body.moves(s) || v.is_listed[s]) return;
+    const int parity = s / v.body.half & 1;
+    forces[s] = plain_system<kElements>(v, v.rules.block[parity], v.rules.neighbors[parity], s).f +
+                v.inertia.force(s, v.body.nodes.u(s));
+  }
+};
+template <Elements kElements>
+struct ComputeListedResidual {
+  VbdView v;
+  Vec3* forces;
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const int s = v.listed[n];
     if (!v.body.moves(s)) return;
     forces[s] = NodeForces<kElements>{v}(s).f + v.inertia.force(s, v.body.nodes.u(s));
   }
@@ -212,7 +225,10 @@ struct EndSearch {
 /// Computes the residual at nodes and virtual nodes, and restricts it to the unknowns.
 template <class Run>
 void restrict_residual_with(const Run& run, const VbdView& v, const CoarseView& c) {
-  with_elements(v, [&](auto of) { run(v.body.count(), ComputeResidual<of()>{v, c.forces}); });
+  with_elements(v, [&](auto of) {
+    run(v.body.count(), ComputeResidual<of()>{v, c.forces});
+    run(std::size_t(v.listed_of_color.begin[kColorCount]), ComputeListedResidual<of()>{v, c.forces});
+  });
   run(std::size_t(v.virtual_nodes_of_color.begin[kColorCount]),
       ComputeVirtualNodeResidual{v, c.virtual_node_forces});
   run(8 * std::size_t(c.chunk_count), RestrictChunk{c});

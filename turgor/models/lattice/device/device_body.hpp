@@ -117,7 +117,9 @@ struct DeviceVbd {
 
   Array<Real> young;
   Array<std::uint32_t> center;
-  Array<std::uint8_t> row_cut;
+  Array<std::uint8_t> row_cut, is_listed;
+  ListedNodes listed_nodes;
+  List<int> listed;
   Array<int> skin_nodes, corner_begin, row_begin, lanes_begin;
   Array<Vec3> prestress_force;
   Array<SkinCorners> corners;
@@ -138,6 +140,7 @@ struct DeviceVbd {
         center(allocator.copy(m.anatomy.cell_center)),
         row_cut(allocator.template allocate<std::uint8_t>(m.anatomy.inverse_mass.size() /
                                                           std::size_t(2 * m.anatomy.lattice.half))),
+        is_listed(allocator.template allocate<std::uint8_t>(m.anatomy.inverse_mass.size())),
         skin_nodes(allocator.copy(m.anatomy.skin.nodes)),
         corner_begin(allocator.copy(m.vbd.corner_begin)),
         row_begin(allocator.copy(m.anatomy.skin.row_begin)),
@@ -152,6 +155,7 @@ struct DeviceVbd {
                    std::span<const VirtualNodeDisplacement> virtual_u,
                    std::span<const VirtualNodeDisplacement> virtual_u_before) {
     row_cut.upload(cuts.row_cut);
+    upload_listed(list_nodes(model, cuts.row_cut, {}));
     cells.assign(elements.cells), cut_skin_elements.assign(elements.skin),
         references.assign(elements.references);
     element_nodes.assign(elements.nodes);
@@ -159,6 +163,25 @@ struct DeviceVbd {
     virtual_nodes.assign(ordering.virtual_nodes), virtual_nodes_of_color = ordering.virtual_nodes_of_color;
     shifts.assign(virtual_u), shifts_before.assign(virtual_u_before);
     shifts_before.resize(virtual_u.size());
+  }
+  void upload_listed(ListedNodes nodes) {
+    listed_nodes = std::move(nodes);
+    is_listed.upload(listed_nodes.is_listed), listed.assign(listed_nodes.slots);
+  }
+  /// Uploads contacts, and lists their nodes.
+  void upload_contacts(const Model& model, std::span<const NodeContact> now) {
+    contacts.assign(now);
+    std::vector<int> in_contact;
+    bool all_listed = true;
+    for (const NodeContact& c : now) {
+      in_contact.push_back(c.slot);
+      all_listed &= listed_nodes.is_listed[std::size_t(c.slot)] ||
+                    !(model.anatomy.inverse_mass[std::size_t(c.slot)] > 0);
+    }
+    if (all_listed) return;
+    std::vector<std::uint8_t> cut(row_cut.size());
+    row_cut.download(cut);
+    upload_listed(list_nodes(model, cut, in_contact));
   }
   /// Uploads the prestress force again if the skin parameters changed.
   void update_prestress(const Model& model) {
@@ -176,6 +199,9 @@ struct DeviceVbd {
             .young = model.params.tissue.law == TissueLaw::kSolid ? young.data() : nullptr,
             .center = center.size() > 0 ? center.data() : nullptr,
             .row_cut = row_cut.data(),
+            .is_listed = is_listed.data(),
+            .listed = listed.data(),
+            .listed_of_color = listed_nodes.of_color,
             .skin = {.nodes = skin_nodes.size() > 0 ? skin_nodes.data() : nullptr,
                      .corner_begin = corner_begin.data(),
                      .row_begin = row_begin.data(),
@@ -343,7 +369,7 @@ class DeviceBody final : public BodyBackend {
     TURGOR_CHECK(!coarse || coarse_, "a coarse correction needs a coarse space");
     vbd_->update_prestress(model);
     if (coarse) coarse_->upload(model, elements, vbd_->shifts.count, coarse);
-    vbd_->contacts.assign(inputs.contacts);
+    vbd_->upload_contacts(model, inputs.contacts);
     VbdView view = vbd_->view(model, nodes_, inputs, dt);
     const auto sums = std::size_t(residuals_of_groups(view) + view.virtual_nodes_of_color.begin[kColorCount]);
     // partial residuals before and after the sweeps

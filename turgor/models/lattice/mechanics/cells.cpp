@@ -38,7 +38,7 @@ bool is_whole(const Model& model, Int3 corner) {
 }
 
 /// True if an edge at this body node is in no whole cell.
-bool has_loose_edge(const Model& model, Int3 node) {
+bool has_edge_outside_cells(const Model& model, Int3 node) {
   bool whole[kCellCorners];
   for (int n = 0; n < kCellCorners; n++) whole[n] = is_whole(model, node - cell_corner(n));
   for (int e = 0; e < kNeighborCount; e++) {
@@ -67,8 +67,7 @@ void mark_group(const Model& model, Int3 node, std::vector<IncidentElements>& in
   const int slot = node_slot(model.anatomy.lattice, node);
   if (!has_node(model, slot)) return;
   IncidentElements& group = incident_elements[std::size_t(slot / kGroup)];
-  const bool loose = is_body(model.anatomy.tissue[std::size_t(slot)]) && has_loose_edge(model, node);
-  group = std::max(group, loose                           ? IncidentElements::kSprings
+  group = std::max(group, has_loose_edge(model, slot)     ? IncidentElements::kSprings
                           : has_partial_cell(model, node) ? IncidentElements::kPartialCells
                                                           : IncidentElements::kCells);
 }
@@ -208,6 +207,11 @@ void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool w
 }
 
 }  // namespace
+
+bool has_loose_edge(const Model& model, int slot) {
+  return is_body(model.anatomy.tissue[std::size_t(slot)]) &&
+         has_edge_outside_cells(model, slot_node(model.anatomy.lattice, slot));
+}
 
 NodeBlock node_block(const Lattice& lattice, int parity) {
   NodeBlock block{};

@@ -21,6 +21,9 @@ struct CellFill {
 /// Fills Anatomy::cell_young, Anatomy::cell_center and VbdTables::incident_elements.
 void build_cells(const Exec& exec, const CellFill& fill, Model& model);
 
+/// True if an edge at this slot is in no whole cell. False for slots without tissue.
+bool has_loose_edge(const Model& model, int slot);
+
 /// Bits of the edge families that start at corner n and stay in the cell.
 constexpr std::uint8_t edges_from_corner(int n) {
   std::uint8_t bits = 0;

@@ -35,9 +35,12 @@ struct VbdView {
   FreeNodes body;  // groups by color
   ColorBegin free_groups_of_color;
   Inertia inertia;
-  const Real* young;            // Anatomy::cell_young; null with springs
-  const std::uint32_t* center;  // Anatomy::cell_center; null without partial cells
-  const std::uint8_t* row_cut;  // by row
+  const Real* young;              // Anatomy::cell_young; null with springs
+  const std::uint32_t* center;    // Anatomy::cell_center; null without partial cells
+  const std::uint8_t* row_cut;    // by row
+  const std::uint8_t* is_listed;  // ListedNodes
+  const int* listed;
+  ColorBegin listed_of_color;
   SkinView skin;
   CutElementView cut_elements;
   VirtualNodeDisplacement* virtual_nodes_before;     // as many as virtual nodes
@@ -51,6 +54,15 @@ struct VbdView {
 };
 
 VbdRules vbd_rules(const Model& model);
+/// Nodes with other elements than springs or whole cells: skin, loose edges or cut elements; and nodes with
+/// contacts. Kernels of their own process them, so that the others need fewer registers.
+struct ListedNodes {
+  std::vector<std::uint8_t> is_listed;  // by slot
+  std::vector<int> slots;               // by color
+  ColorBegin of_color;
+};
+ListedNodes list_nodes(const Model& model, std::span<const std::uint8_t> row_cut,
+                       std::span<const int> in_contact);
 VirtualNodeOrdering virtual_node_ordering(const Model& model, const CutElements& elements);
 
 /// Binary search: index of the first entry whose slot is not below `slot`.
@@ -68,12 +80,12 @@ TURGOR_HD inline int first_of_slot(const Entry* entries, int count, int slot, co
 
 /// Elements of a body, as a template argument of its kernels. A kernel with all kinds of elements needs the
 /// registers of the largest one, and a GPU then runs half as many threads.
-enum class Elements { kSprings, kSpringsAndVolumes, kCells };
+enum class Elements { kSprings, kSpringsAndVolumes, kCells, kPartialCells };
 template <Elements kElements>
 using ElementsConstant = std::integral_constant<Elements, kElements>;
 
 inline Elements elements_of(const VbdView& v) {
-  if (v.young != nullptr) return Elements::kCells;
+  if (v.young != nullptr) return v.center != nullptr ? Elements::kPartialCells : Elements::kCells;
   return v.rules.volume_scale > 0 ? Elements::kSpringsAndVolumes : Elements::kSprings;
 }
 /// Calls f with the ElementsConstant of the body.
@@ -86,10 +98,30 @@ void with_elements(const VbdView& v, const F& f) {
       return f(ElementsConstant<Elements::kSpringsAndVolumes>{});
     case Elements::kCells:
       return f(ElementsConstant<Elements::kCells>{});
+    case Elements::kPartialCells:
+      return f(ElementsConstant<Elements::kPartialCells>{});
   }
 }
 
-/// Force and Hessian of springs or cells, skin and cut elements at a node.
+/// Force and Hessian at a node that is not listed: uncut springs, or whole cells.
+template <Elements kElements>
+TURGOR_HD inline NodeSystem plain_system(const VbdView& v, const NodeBlock& block, const Neighbors& stencil,
+                                         int s) {
+  if constexpr (kElements == Elements::kCells || kElements == Elements::kPartialCells) {
+    const auto young_of = [&](int at) { return v.young[corner_slot(block, s, at, 0)]; };
+    if constexpr (kElements == Elements::kCells)
+      return incident_cells(v.body.nodes, v.rules.solid, block, s, young_of);
+    else
+      return incident_cells(v.body.nodes, v.rules.solid, block, s, young_of,
+                            [&](int at) { return CellCenter{v.center[corner_slot(block, s, at, 0)]}; });
+  } else {
+    return incident_springs<kElements == Elements::kSpringsAndVolumes>(
+        v.body.nodes, stencil, v.rules.rest_volume, v.rules.volume_scale, s, [](int) { return Real(1); },
+        [](auto) { return Real(1); });
+  }
+}
+
+/// Force and Hessian at any node: springs or cells, skin and cut elements.
 template <Elements kElements>
 struct NodeForces {
   const VbdView& v;
@@ -99,7 +131,7 @@ struct NodeForces {
     const int parity = s / v.body.half & 1;
     const bool cut = v.row_cut[s / (2 * v.body.half)];
     NodeSystem system;
-    if constexpr (kElements == Elements::kCells)
+    if constexpr (kElements == Elements::kCells || kElements == Elements::kPartialCells)
       system = cell_system(s, parity, cut);
     else
       system = spring_system(s, parity, cut);
@@ -141,10 +173,12 @@ struct NodeForces {
     }
     // forces of cells and loose edges
     const auto young_of = [&](int at) { return young[at]; };
-    const auto center_of = [&](int at) { return CellCenter{v.center[corner_slot(block, s, at, 0)]}; };
-    NodeSystem system = v.center == nullptr
-                            ? incident_cells(v.body.nodes, v.rules.solid, block, s, young_of)
-                            : incident_cells(v.body.nodes, v.rules.solid, block, s, young_of, center_of);
+    NodeSystem system;
+    if constexpr (kElements == Elements::kCells)
+      system = incident_cells(v.body.nodes, v.rules.solid, block, s, young_of);
+    else
+      system = incident_cells(v.body.nodes, v.rules.solid, block, s, young_of,
+                              [&](int at) { return CellCenter{v.center[corner_slot(block, s, at, 0)]}; });
     add_loose_edges(system, v.body.nodes, stencil, s, [&](int e) {
       Real covered_by = 0;
       for (int at = 0; at < kCellCorners; at++)
@@ -201,15 +235,32 @@ TURGOR_HD inline std::span<NodeContact> contacts_at(const VbdView& v, int s) {
   return {v.contacts + first, std::size_t(end - first)};
 }
 
-/// Moves a node by one Newton step.
+/// Moves a node that is not listed by one Newton step.
 template <Elements kElements>
 struct SolveNode {
   VbdView v;
+  NodeBlock block;  // of the color
+  Neighbors stencil;
   int begin;  // first group of the color
 
   TURGOR_HD void operator()(std::size_t n) const {
     const int s = v.body.slot(std::size_t(begin) * kGroup + n);
-    if (!(v.body.nodes.w[s] > 0)) return;
+    if (!(v.body.nodes.w[s] > 0) || v.is_listed[s]) return;
+    const NodeSystem system = plain_system<kElements>(v, block, stencil, s);
+    const Vec3 du = newton_step(system, v.inertia(s) - v.body.nodes.u(s),
+                                v.inertia.dt * v.inertia.dt * v.body.nodes.w[s]);
+    v.body.nodes.ux[s] += du.x, v.body.nodes.uy[s] += du.y, v.body.nodes.uz[s] += du.z;
+  }
+};
+
+/// Moves a listed node by one Newton step.
+template <Elements kElements>
+struct SolveListedNode {
+  VbdView v;
+  int begin;  // first node of the color
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const int s = v.listed[std::size_t(begin) + n];
     // forces of elements
     NodeSystem system = NodeForces<kElements>{v}(s);
     const Vec3 to_inertial = v.inertia(s) - v.body.nodes.u(s);
@@ -290,9 +341,12 @@ template <class Run>
 void sweep_vbd_with(const Run& run, const VbdView& v, Order order) {
   for (int pass = 0; pass < kColorCount; pass++) {
     const int c = order == Order::kBackward ? kColorCount - 1 - pass : pass;
-    const int *nodes = v.free_groups_of_color.begin + c, *virtual_nodes = v.virtual_nodes_of_color.begin + c;
+    const int *nodes = v.free_groups_of_color.begin + c, *listed = v.listed_of_color.begin + c,
+              *virtual_nodes = v.virtual_nodes_of_color.begin + c;
     with_elements(v, [&](auto of) {
-      run(std::size_t(nodes[1] - nodes[0]) * kGroup, SolveNode<of()>{v, nodes[0]});
+      run(std::size_t(nodes[1] - nodes[0]) * kGroup,
+          SolveNode<of()>{v, v.rules.block[c & 1], v.rules.neighbors[c & 1], nodes[0]});
+      run(std::size_t(listed[1] - listed[0]), SolveListedNode<of()>{v, listed[0]});
     });
     run(std::size_t(virtual_nodes[1] - virtual_nodes[0]), SolveVirtualNode{v, virtual_nodes[0]});
   }
