@@ -6,16 +6,13 @@
 
 #include <cstdlib>
 
+#include "turgor/core/place_of.hpp"
 #include "turgor/core/run.hpp"
 #include "turgor/view/ray_caster.hpp"
 
 namespace turgor {
 
 TURGOR_HD inline std::size_t count_of(Int3 size) { return block_index(size, 0, 0, size.z); }
-TURGOR_HD inline Int3 place_of(Int3 size, std::size_t n) {
-  const auto x = std::size_t(size.x), y = std::size_t(size.y);
-  return {int(n % x), int(n / x % y), int(n / (x * y))};
-}
 
 /// Mean of 2 × 2 × 2 samples; border samples are repeated.
 struct HalveSample {

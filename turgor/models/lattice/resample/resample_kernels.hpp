@@ -5,6 +5,7 @@
 // partial_volume_kernels.hpp.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 
 #include "turgor/core/atomic_max.hpp"
@@ -244,20 +245,22 @@ void fill_field_with(const Run& run, const ResampleView& v, const Of& of, Sample
   if (v.is_cut()) run(v.voxel_count(), FillField<Cells::kSpecial, Of, Sample>{of, v, field});
 }
 
-/// Counts covered voxels and mass of one row of voxels.
+/// Counts covered voxels and mass. Threads take every kThreads-th voxel, so that neighbors in memory are read
+/// at once.
 struct CountTissue {
   ResampleView v;
 
-  TURGOR_HD void operator()(std::size_t row) const {
-    const auto begin = row * std::size_t(v.window.high.x), end = begin + std::size_t(v.window.high.x);
+  static constexpr std::size_t kThreads = std::size_t(1) << 18;
+
+  TURGOR_HD void operator()(std::size_t thread) const {
     std::uint32_t covered = 0;
     std::int64_t mass = 0;
-    for (std::size_t n = begin; n < end; n++) {
+    for (std::size_t n = thread, end = v.voxel_count(); n < end; n += kThreads) {
       if (v.owner[n] >= ResampleView::kPartialVolume) continue;
       covered++, mass += v.out[n] - kAirHu;
     }
     if (covered == 0) return;
-    atomic_add(v.count(row).covered, covered), atomic_add(v.count(row).mass, std::uint64_t(mass));
+    atomic_add(v.count(thread).covered, covered), atomic_add(v.count(thread).mass, std::uint64_t(mass));
   }
 };
 
@@ -283,7 +286,7 @@ void resample_with(const Run& run, const ResampleView& v) {
   claim_with(run, v);
   run(v.voxel_count(), FillVoxel<Cells::kWhole>{v});
   if (v.is_cut()) run(v.voxel_count(), FillVoxel<Cells::kSpecial>{v});
-  run(v.voxel_count() / std::size_t(v.window.high.x), CountTissue{v});
+  run(std::min(v.voxel_count(), CountTissue::kThreads), CountTissue{v});
 }
 
 }  // namespace turgor::lattice
