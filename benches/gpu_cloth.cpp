@@ -23,7 +23,8 @@ struct Times {
 Times frame_times(const Gpu& gpu, const Exec& exec, const Model& model, const State& state,
                   const Inputs& inputs, int warm, int frames) {
   const auto backend = put(gpu, model);
-  if (!backend) return std::fprintf(stderr, "bench_gpu_cloth: %s\n", backend.error().message.c_str()), Times{};
+  if (!backend)
+    return std::fprintf(stderr, "bench_gpu_cloth: %s\n", backend.error().message.c_str()), Times{};
   DeviceState on_gpu = state;
   on_gpu.use_backend(*backend);
   for (int n = 0; n < warm; n++) on_gpu.step(exec, model, inputs, kFrame);
@@ -57,7 +58,8 @@ void flag(const Gpu& gpu, const Exec& exec, const std::string& name, int side, b
   params.solver = {.method = Method::kChebyshev, .sweeps = 8};
   params.collision = {.self = self, .thickness = 0.96 * kSpacing};
   const Model model = must_build(
-      make_sheet({.side = {length, 0, 0}, .up = {0, length, 0}, .columns = side - 1, .rows = side - 1}), params);
+      make_sheet({.side = {length, 0, 0}, .up = {0, length, 0}, .columns = side - 1, .rows = side - 1}),
+      params);
   State state = make_state(model);
   for (int j = 0; j < side; j++) (void)hold(model, state, j * side);
   Inputs inputs{.gravity = {0, 0, -9.81}};
@@ -82,7 +84,8 @@ int main(int count, char** arguments) {
   const auto wanted = [&](const std::string& name) { return name.starts_with(only); };
   for (const int side : {316, 1000})
     for (const bool self : {false, true})
-      if (const std::string name = "flag " + std::to_string(side * side) + (self ? " self" : ""); wanted(name))
+      if (const std::string name = "flag " + std::to_string(side * side) + (self ? " self" : "");
+          wanted(name))
         flag(*gpu, exec, name, side, self);
   for (const int side : {25, 50, 70})
     if (const std::string name = "stack " + std::to_string(50 * side * side); wanted(name))

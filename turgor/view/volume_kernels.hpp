@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-#include "turgor/core/place_of.hpp"
+#include "turgor/core/box_index.hpp"
 #include "turgor/core/run.hpp"
 #include "turgor/view/ray_caster.hpp"
 
@@ -21,7 +21,7 @@ struct HalveSample {
   std::int16_t* half;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const Int3 p = place_of(size, n), last = ct.size - Int3{1, 1, 1};
+    const Int3 p = box_index(size, n), last = ct.size - Int3{1, 1, 1};
     int sum = 0;
     for (int corner = 0; corner < 8; corner++) {
       const Int3 at =
@@ -38,7 +38,7 @@ struct SmoothSample {
   std::int16_t* out;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const Int3 p = place_of(in.size, n), last = in.size - Int3{1, 1, 1};
+    const Int3 p = box_index(in.size, n), last = in.size - Int3{1, 1, 1};
     int sum = 0;
     for (int around = 0; around < 27; around++) {
       const Int3 offset{around % 3 - 1, around / 3 % 3 - 1, around / 9 - 1};
@@ -70,7 +70,7 @@ struct ClassifyBlock {
   BlockBuffers blocks;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const Int3 first = place_of(blocks.size[0], n) * kBlock;
+    const Int3 first = box_index(blocks.size[0], n) * kBlock;
     const Int3 last = min(first + Int3{kBlock, kBlock, kBlock}, ct.size - Int3{1, 1, 1});
     int least = 32767, most = -32768;
     for (int k = first.z; k <= last.z; k++)
@@ -103,7 +103,7 @@ struct SpreadDistance {
   std::uint8_t* to;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const Int3 p = place_of(size, n);
+    const Int3 p = box_index(size, n);
     const auto step = std::ptrdiff_t(axis == 0 ? 1 : axis == 1 ? size.x : size.x * size.y);
     int best = from[n];
     for (int d = 1; d < best; d++)
@@ -124,7 +124,7 @@ struct HalveOccupancy {
   float* coarse;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    const Int3 first = place_of(size, n) * 2, end = min(first + Int3{2, 2, 2}, fine.size);
+    const Int3 first = box_index(size, n) * 2, end = min(first + Int3{2, 2, 2}, fine.size);
     float sum = 0;
     for (int k = first.z; k < end.z; k++)
       for (int j = first.y; j < end.y; j++)

@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "turgor/core/place_of.hpp"
+#include "turgor/core/box_index.hpp"
 #include "turgor/geometry/ct_sampler.hpp"
 #include "turgor/models/lattice/cutting/fragment_view.hpp"
 #include "turgor/models/lattice/model/rows.hpp"
@@ -71,7 +71,7 @@ struct ResampleView {
   }
   TURGOR_HD bool is_cut() const { return cuts.is_special != nullptr; }
   TURGOR_HD bool is_special(int slot) const { return is_cut() && cuts.is_special[slot] != 0; }
-  TURGOR_HD Int3 node(std::size_t n) const { return place_of(lattice.size, n); }
+  TURGOR_HD Int3 node(std::size_t n) const { return box_index(lattice.size, n); }
   TURGOR_HD std::size_t voxel_index(Int3 p) const {
     return (std::size_t(p.z) * std::size_t(window.high.y) + std::size_t(p.y)) * std::size_t(window.high.x) +
            std::size_t(p.x);
@@ -80,7 +80,7 @@ struct ResampleView {
   TURGOR_HD std::size_t voxel_count() const {
     return std::size_t(window.high.x) * std::size_t(window.high.y) * std::size_t(window.high.z);
   }
-  TURGOR_HD Int3 voxel(std::size_t n) const { return place_of(window.high, n); }
+  TURGOR_HD Int3 voxel(std::size_t n) const { return box_index(window.high, n); }
   /// Voxel coordinates of a whole cell's tetrahedron.
   TURGOR_HD std::array<Int3, 4> corners(Int3 cell, const std::array<Int3, 4>& nodes_of_tet) const {
     const int slot = node_slot(lattice, cell), parity = cell.x & 1;
