@@ -32,6 +32,19 @@ inline std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_
   return detail::mix(h, rest);
 }
 
+/// Another hash, for long arrays: four hashes of every fourth word each, which a processor computes at once.
+inline std::uint64_t hash_long_bytes(const void* data, std::size_t size, std::uint64_t seed = kHashSeed) {
+  const auto* bytes = static_cast<const unsigned char*>(data);
+  std::uint64_t h[4];
+  for (std::uint64_t lane = 0; lane < 4; lane++) h[lane] = detail::mix(seed, size + lane);
+  for (; size >= sizeof h; size -= sizeof h, bytes += sizeof h) {
+    std::uint64_t words[4];
+    std::memcpy(words, bytes, sizeof words);
+    for (int lane = 0; lane < 4; lane++) h[lane] = detail::mix(h[lane], words[lane]);
+  }
+  return hash_bytes(bytes, size, hash_bytes(h, sizeof h, seed));
+}
+
 /// Hash of plain values that contain no padding, continued from `seed`.
 template <class T>
 requires std::is_trivially_copyable_v<T> std::uint64_t hash_values(std::span<const T> values,

@@ -85,8 +85,10 @@ Status check_sizes(const Model& model) {
 }  // namespace
 
 std::uint64_t checksum(const Green& green) {
-  std::uint64_t hash = hash_values(std::span<const float>(green.single_values));
-  hash = hash_values(std::span<const double>(green.double_values), hash);
+  const auto hash_store = [](const auto& values, std::uint64_t seed) {
+    return hash_long_bytes(values.data(), values.size() * sizeof values[0], seed);
+  };
+  std::uint64_t hash = hash_store(green.double_values, hash_store(green.single_values, kHashSeed));
   hash = hash_values(std::span<const int>(green.check.vertices), hash);
   return hash_values(std::span<const double>(green.check.values), hash);
 }

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kGreenFormat = "turgor Green's functions 2";
+constexpr const char* kGreenFormat = "turgor Green's functions 3";
 constexpr std::size_t kMostChecks = 1 << 10;
 
 template <class T>
