@@ -22,7 +22,7 @@ TEST(BccLattice, TwelveTetrahedraFillCube) {
   double sum = 0;
   for (int axis = 0; axis < 3; axis++)
     for (const auto& tet : tetrahedra_around({1, 2, 3}, axis)) {
-      const auto x = [&](std::size_t c) { return box_index(kLattice, tet[c]); };
+      const auto x = [&](std::size_t c) { return place_of(kLattice, tet[c]); };
       const double volume = orientation(x(0), x(1), x(2), x(3)) / 6;
       EXPECT_NEAR(volume, 0.125 / 12, 1e-15);
       sum += volume;
@@ -41,7 +41,7 @@ TEST(BccLattice, PointsHaveFourteenNeighbors) {
       if (!contains(kLattice, q)) continue;
       ASSERT_GT(point_id(kLattice, q), id);
       auto& list = p.grid == q.grid ? far : near;
-      EXPECT_NEAR(norm(box_index(kLattice, p) - box_index(kLattice, q)),
+      EXPECT_NEAR(norm(place_of(kLattice, p) - place_of(kLattice, q)),
                   0.5 * (p.grid == q.grid ? 1 : std::sqrt(0.75)), 1e-15);
       list[std::size_t(id)]++, list[std::size_t(point_id(kLattice, q))]++;
     }

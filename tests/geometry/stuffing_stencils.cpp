@@ -23,9 +23,9 @@ struct Sliced {
     return NAN;
   }
   Vec3d position(const Corner& corner) const {
-    const Vec3d a = box_index(kLattice, point_of(kLattice, corner.point));
+    const Vec3d a = place_of(kLattice, point_of(kLattice, corner.point));
     if (corner.to < 0) return a;
-    const Vec3d b = box_index(kLattice, point_of(kLattice, corner.to));
+    const Vec3d b = place_of(kLattice, point_of(kLattice, corner.to));
     const double f = value_at(corner.point), g = value_at(corner.to);
     return a + (b - a) * (f / (f - g));
   }
