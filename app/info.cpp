@@ -119,14 +119,22 @@ void print(const Json& json) {
     for (const Json& note : json["notes"]) row("note", note.get<std::string>());
 }
 
+/// Number of characters of a UTF-8 text.
+int characters_of(const std::string& text) {
+  return int(
+      std::count_if(text.begin(), text.end(), [](char c) { return (std::uint8_t(c) & 0xc0) != 0x80; }));
+}
+
 void print_labels(const Json& labels) {
-  print_plain("\n  {:>5} {:<22} {:>9} {:>10} {:>8}  {:<26} {}\n", "label", "name", "voxels", "mL", "mean HU",
-              "centroid RAS [mm]", "centroid LPS [mm]");
+  int width = 22;  // of the names
+  for (const Json& m : labels) width = std::max(width, characters_of(m["name"].get<std::string>()));
+  print_plain("\n  {:>5} {:<{}} {:>9} {:>10} {:>8}  {:<26} {}\n", "label", "name", width, "voxels", "mL",
+              "mean HU", "centroid RAS [mm]", "centroid LPS [mm]");
   for (const Json& m : labels)
-    print_plain("  {:>5} {:<22} {:>9} {:>10.3f} {:>8.2f}  {:<26} {}\n", m["label"].get<int>(),
-                m["name"].get<std::string>(), m["voxels"].get<std::size_t>(), m["volume_ml"].get<double>(),
-                m["mean_hu"].get<double>(), format_triple(m["centroid_ras_mm"], 2),
-                format_triple(m["centroid_lps_mm"], 2));
+    print_plain("  {:>5} {:<{}} {:>9} {:>10.3f} {:>8.2f}  {:<26} {}\n", m["label"].get<int>(),
+                m["name"].get<std::string>(), width, m["voxels"].get<std::size_t>(),
+                m["volume_ml"].get<double>(), m["mean_hu"].get<double>(),
+                format_triple(m["centroid_ras_mm"], 2), format_triple(m["centroid_lps_mm"], 2));
 }
 
 /// Lists the DICOM series of a folder that is not a readable volume, for the error message.

@@ -1,4 +1,6 @@
 // A CT with a segmentation: names of labels, grids that differ, and the plausibility check of gray values.
+#include <sstream>
+
 #include "tests/app/program.hpp"
 
 namespace turgor {
@@ -35,6 +37,27 @@ bool warns(const json& report, const std::string& words) {
   for (const json& warning : report["warnings"])
     if (warning.get<std::string>().find(words) != std::string::npos) return true;
   return false;
+}
+
+// The columns of the table stay straight under a name of 70 letters, some of them not ASCII.
+TEST(Labels, LongNamesKeepColumns) {
+  const fs::path folder = folder_with_ct();
+  std::string name;
+  for (int n = 0; n < 14; n++) name += "Größe";
+  write_segmentation(folder, name);
+  const Ended info = run_program("info ct.nii.gz --labels l.seg.nrrd", folder);
+  ASSERT_EQ(info.code, 0) << info.printed;
+  // the numbers of the fifth column end at the same character in every row
+  constexpr std::size_t kEnd = 2 + 5 + 1 + 70 + 1 + 9 + 1 + 10 + 1 + 8;
+  std::istringstream lines(info.printed.substr(info.printed.find("\n  label ") + 1));
+  int rows = 0;
+  for (std::string line; std::getline(lines, line) && !line.empty(); rows++) {
+    std::erase_if(line, [](char c) { return (std::uint8_t(c) & 0xc0) == 0x80; });
+    ASSERT_GT(line.size(), kEnd + 2) << line;
+    EXPECT_NE(line[kEnd - 1], ' ') << line;
+    EXPECT_EQ(line.substr(kEnd, 2), "  ") << line;
+  }
+  EXPECT_GT(rows, 5);
 }
 
 // Labels have the names of their file, in info and in scenes.

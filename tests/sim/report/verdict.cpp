@@ -70,8 +70,10 @@ TEST(Verdict, LargestForceAndLimits) {
                      {{"name", "hook"}, {"force_max_N", 0.2}, {"force_max_at_s", 1.0}}};
   std::vector<std::string> said = verdict_of(report);
   ASSERT_EQ(said.size(), 2u);
-  EXPECT_EQ(said[0],
-            "The largest force is 0.50 N, on 'finger' at 1.25 s, with an error of about 4 % from the mesh.");
+  EXPECT_EQ(
+      said[0],
+      "The largest force is 0.50 N, on 'finger' at 1.25 s, with an error of about 4 % from the mesh under "
+      "it; the mesh elsewhere is not counted.");
   EXPECT_EQ(said[1], "No force reached a limit of the model.");
   report["bodies"] = {{{"name", "liver"}, {"model", "sfem"}, {"surface_strain_max_percent", 28.0}}};
   EXPECT_EQ(verdict_of(report)[1],

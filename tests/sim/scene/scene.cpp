@@ -169,7 +169,7 @@ TEST(Scene, ErrorsNameLocationAndExpectation) {
       {small_scene("fixed = \"bones\""),
        "body.torso.fixed: expected \"bone\", \"ends\", [\"bone\", \"ends\"], \"none\", or { sides = "
        "\"back\", "
-       "depth = 0.3 }, found \"bones\""},
+       "depth = 0.3 }, found \"bones\"; did you mean \"bone\"?"},
       {small_scene("fixed = { sides = \"behind\" }"), "body.torso.fixed.sides: expected \"right\", \"left\""},
       {small_scene("only = \"livre\""),
        "body.torso.only: expected a label's number (1 to 65535) or an organ's name, found \"livre\"; did you "

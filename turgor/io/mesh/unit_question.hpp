@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,9 +16,12 @@ namespace turgor {
 
 constexpr double kLargestMesh = 2, kSmallestMesh = 1e-3;  // largest extents that cause no question [m]
 
+/// Kind of object in a mesh file. Its usual size decides which unit is suggested.
+enum class Meshed : std::uint8_t { kOrgan, kGarment };
+
 /// "6.4 m wide: is it in cm? scale = 0.01" for a largest extent [m] that no organ, garment or tool has; empty
-/// for others.
-std::string unit_question(double size);
+/// for others. A garment whose size fits no unit gets the scale of a usual one.
+std::string unit_question(double size, Meshed meshed = Meshed::kOrgan);
 
 /// Largest extent of points along an axis [m].
 template <class T>
@@ -30,8 +34,9 @@ double largest_extent(const std::vector<Vec<T>>& points) {
 
 /// Error: the question about a file whose scale was not given.
 template <class T>
-Status check_unit(const std::filesystem::path& file, const std::vector<Vec<T>>& points, bool is_scale_given) {
-  const std::string question = is_scale_given ? std::string() : unit_question(largest_extent(points));
+Status check_unit(const std::filesystem::path& file, const std::vector<Vec<T>>& points, bool is_scale_given,
+                  Meshed meshed = Meshed::kOrgan) {
+  const std::string question = is_scale_given ? std::string() : unit_question(largest_extent(points), meshed);
   if (question.empty()) return Done{};
   return Error{file.string() + ": " + question + " (scale = 1 if it is in meters)"};
 }

@@ -132,10 +132,13 @@ void add_forces(const Json& report, std::vector<std::string>& sentences) {
   const double force = number_at(*most, "force_max_N"),
                error = number_at(*most, "force_error_expected_percent", -1);
   if (!(force > 0)) return sentences.push_back("No tool touched a body."), void();
-  sentences.push_back(
-      fmt::format("The largest force is {} N, on '{}' at {} s{}.", number_of(force), name_at(*most),
-                  number_of(number_at(*most, "force_max_at_s")),
-                  error < 0 ? "" : fmt::format(", with an error of about {:.0f} % from the mesh", error)));
+  sentences.push_back(fmt::format(
+      "The largest force is {} N, on '{}' at {} s{}.", number_of(force), name_at(*most),
+      number_of(number_at(*most, "force_max_at_s")),
+      error < 0 ? ""
+                : fmt::format(", with an error of about {:.0f} % from the mesh under it; the mesh "
+                              "elsewhere is not counted",
+                              error)));
   std::string limited;
   for (const Json& tool : tools)
     if (was_limited(tool)) limited += (limited.empty() ? "'" : "', '") + name_at(tool);

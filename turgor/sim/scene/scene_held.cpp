@@ -2,6 +2,8 @@
 
 #include <string_view>
 
+#include <fmt/format.h>
+
 namespace turgor {
 
 namespace {
@@ -13,19 +15,25 @@ const std::vector<std::pair<std::string, Side>>& side_names() {
   return kNames;
 }
 
-void read_sides(SceneTable& table, const std::string& key, std::vector<Side>& sides) {
+/// `instead`: another value that the key may have, as "none"; empty without.
+void read_sides(SceneTable& table, const std::string& key, const std::string& instead,
+                std::vector<Side>& sides) {
   const toml::node* node = table.find(key);
   if (!node) return;
   sides.clear();
-  const auto add = [&](const toml::node& name) {
-    for (const auto& [known, side] : side_names())
+  const auto add = [&](const toml::node& name, const std::string& other) {
+    std::vector<std::string> names;
+    for (const auto& [known, side] : side_names()) {
       if (name.value_or(std::string()) == known) return sides.push_back(side);
-    table.fail_value(
-        key, name,
-        "\"right\", \"left\", \"front\", \"back\", \"feet\" (or \"bottom\") or \"head\" (or \"top\")");
+      names.push_back(known);
+    }
+    std::string expected =
+        "\"right\", \"left\", \"front\", \"back\", \"feet\" (or \"bottom\") or \"head\" (or \"top\")";
+    if (!other.empty()) names.push_back(other), expected += fmt::format("; or \"{}\"", other);
+    table.fail_name(key, name, expected, names);
   };
-  if (!node->is_array()) return add(*node);
-  for (const toml::node& name : *node->as_array()) add(name);
+  if (!node->is_array()) return add(*node, instead);
+  for (const toml::node& name : *node->as_array()) add(name, "");
 }
 
 }  // namespace
@@ -40,11 +48,11 @@ HeldBy read_held(SceneTable& body) {
       "`\"left\"`, `\"front\"`, `\"back\"`, `\"feet\"` or `\"bottom\"`, `\"head\"` or `\"top\"`); a table of "
       "the keys "
       "below; or, for sfem, `\"none\"`");
-  if (!node || !node->is_table()) return read_sides(body, "fixed", held.sides), held;
+  if (!node || !node->is_table()) return read_sides(body, "fixed", "none", held.sides), held;
   // table form: sides and depth
   SceneTable table = body.table("fixed");
   table.require({"sides", "box", "box_fraction"}, "which vertices are fixed");
-  read_sides(table, "sides", held.sides);
+  read_sides(table, "sides", "", held.sides);
   table.read("depth", held.depth, within(0, 1),
              "depth from a side, relative to the body's box; 0 fixes the outermost vertices only");
   // documented keys

@@ -88,7 +88,7 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
     else if (name == "ends")
       params.fix_ends = true;
     else if (name != "none" || names.size() > 1)
-      return body.fail_value("fixed", *node, expected);
+      return body.fail_name("fixed", *node, expected, {"bone", "ends", "none"});
   }
 }
 

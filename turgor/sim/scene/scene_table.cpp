@@ -142,6 +142,15 @@ void SceneTable::fail_value(std::string_view key, const toml::node& node, const 
   problems_.add(path_of(key), node, fmt::format("expected {}, found {}", expected, turgor::describe(node)));
 }
 
+void SceneTable::fail_name(std::string_view key, const toml::node& node, const std::string& expected,
+                           const std::vector<std::string>& names) {
+  const auto* text = node.as_string();
+  const std::string nearest = text ? nearest_name(text->get(), names) : "";
+  const std::string hint = nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest);
+  problems_.add(path_of(key), node,
+                fmt::format("expected {}, found {}{}", expected, turgor::describe(node), hint));
+}
+
 void SceneTable::fail_number(std::string_view key, const toml::node& node, const std::string& expected,
                              const Allowed& allowed) {
   const auto number = node.is_number() ? node.value<double>() : std::nullopt;
@@ -276,11 +285,7 @@ void SceneTable::read_choice(std::string_view key, std::string& value,
     value = text->get();
     return;
   }
-  const std::string nearest = text ? nearest_name(text->get(), choices) : "";
-  const std::string hint = nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest);
-  problems_.add(path_of(key), *node,
-                fmt::format("expected {}, found {}{}", fmt::format("\"{}\"", fmt::join(choices, "\", \"")),
-                            turgor::describe(*node), hint));
+  fail_name(key, *node, fmt::format("\"{}\"", fmt::join(choices, "\", \"")), choices);
 }
 
 void SceneTable::list(std::string_view key, const Allowed& allowed, const std::string& fallback,

@@ -104,6 +104,9 @@ class SceneTable {
   void fail(std::string_view key, const std::string& what);
   /// Adds the problem "expected …, found …" for a value.
   void fail_value(std::string_view key, const toml::node& node, const std::string& expected);
+  /// The same for a name; suggests the nearest of `names`.
+  void fail_name(std::string_view key, const toml::node& node, const std::string& expected,
+                 const std::vector<std::string>& names);
   /// The same for a number; suggests meters if a length was probably given in millimeters.
   void fail_number(std::string_view key, const toml::node& node, const std::string& expected,
                    const Allowed& allowed);

@@ -22,8 +22,8 @@ namespace {
 Result<TriMesh> read_garment_file(const GarmentFile& garment, std::vector<std::string>& notes) {
   Result<ReadSurface> read = read_surface(garment.file, garment.scale);
   if (!read) return read.error();
-  if (const Status unit = check_unit(garment.file, read->mesh.vertices, garment.is_scale_given); !unit)
-    return unit.error();
+  const Status unit = check_unit(garment.file, read->mesh.vertices, garment.is_scale_given, Meshed::kGarment);
+  if (!unit) return unit.error();
   notes.insert(notes.end(), read->notes.begin(), read->notes.end());
   TriMesh mesh = std::move(read->mesh);
   for (Vec3& x : mesh.vertices) x = turned_up(x, garment.up) + Vec3(garment.shift);
