@@ -69,6 +69,30 @@ TEST(Views, InnerSurfaceIsSeenThroughUnlessColored) {
   EXPECT_EQ(colored.items[0].scale, &scale);
 }
 
+// Walls with colors of layers are drawn finer, with a color a vertex; a layer without one has that of walls.
+TEST(Views, WallsShowColorsOfLayers) {
+  BodySnapshot body = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}).bodies[0];
+  body.normals.assign(3, {0, -1, 0});
+  body.displacement.assign(3, {});
+  body.wall_begin = 0;
+  WallLayers& walls = body.wall_layers;
+  walls.looks = {{"fat", Rgb{240, 214, 120}}, {"muscle", {}}};
+  walls.corner.assign(4, {0, 1, 2});
+  walls.weight = {{1, 0, 0}, {0.5f, 0.5f, 0}, {0, 1, 0}, {0, 0, 1}};
+  walls.layer = {0, 1, WallLayers::kNoLayer, 0};
+  walls.triangles = {{0, 1, 3}, {1, 2, 3}};
+  PictureItems items;
+  add_body(body, SkinColor::kNone, nullptr, items);
+  const RenderItem& item = items.items[0];
+  ASSERT_EQ(item.mesh->vertices.size(), 4u);
+  EXPECT_EQ(item.mesh->vertices[1], (Vec3{0.05f, 0, 0}));
+  EXPECT_EQ(item.mesh->normals[3], (Vec3{0, -1, 0}));
+  ASSERT_TRUE(item.colors);
+  EXPECT_EQ(*item.colors, (std::vector<Rgb>{{240, 214, 120}, kWallColor, kWallColor, {240, 214, 120}}));
+  EXPECT_EQ(items.names[0].names, "fat");
+  EXPECT_EQ(items.names[0].color, (Rgb{240, 214, 120}));
+}
+
 // A rigid body, a tool and an obstacle hide inclusions behind them.
 TEST(Views, WhatIsNotTissueIsOpaque) {
   WorldSnapshot snapshot = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}});

@@ -123,6 +123,23 @@ TriMesh shown_mesh(const BodySnapshot& body) {
   return surface_mesh(body);
 }
 
+ColoredWalls colored_walls(const BodySnapshot& body) {
+  const WallLayers& walls = body.wall_layers;
+  ColoredWalls result;
+  result.mesh.triangles = walls.triangles;
+  for (std::size_t v = 0; v < walls.corner.size(); v++) {
+    Vec3 x, normal;
+    for (int corner = 0; corner < 3; corner++) {
+      const auto at = std::size_t(walls.corner[v][corner]);
+      x += body.x[at] * walls.weight[v][corner], normal += body.normals[at] * walls.weight[v][corner];
+    }
+    result.mesh.vertices.push_back(x), result.mesh.normals.push_back(normalized(normal));
+    const bool has_look = walls.layer[v] < walls.looks.size();
+    result.colors.push_back(has_look ? walls.looks[walls.layer[v]].color.value_or(kWallColor) : kWallColor);
+  }
+  return result;
+}
+
 Rgb section_color(const BodySnapshot& body) {
   return body.look == Look::kSkin ? Rgb{196, 112, 92} : mix(natural_color(body), {255, 226, 208}, 0.3f);
 }
@@ -189,6 +206,20 @@ void add_inclusions(const BodySnapshot& body, const ColorScale* scale, const Cut
   for (const std::string& name : body.inside_names) add_name(kInsideColor, name, items.names);
 }
 
+/// Walls of wounds, in the colors of their layers if these have colors.
+void add_walls(const BodySnapshot& body, TriMesh walls, PictureItems& items) {
+  ColoredWalls colored = colored_walls(body);
+  if (colored.mesh.triangles.empty()) {
+    items.add(std::move(walls), kWallColor);
+    return;
+  }
+  items.add(std::move(colored.mesh), kWallColor);
+  items.colors.push_back(std::move(colored.colors));
+  items.items.back().colors = &items.colors.back();
+  for (const LayerLook& look : body.wall_layers.looks)
+    if (look.color) add_name(*look.color, look.name, items.names);
+}
+
 }  // namespace
 
 void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureItems& items,
@@ -202,7 +233,7 @@ void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale
 
   // walls of wounds
   if (body.wall_begin < body.triangles.size()) {
-    items.add(triangles_from(surface, body.wall_begin), kWallColor);
+    add_walls(body, triangles_from(surface, body.wall_begin), items);
     surface.triangles.resize(body.wall_begin);
     RenderItem& item = items.items.back();
     item.closed = true, item.cutaway = cutaway;

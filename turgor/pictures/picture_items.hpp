@@ -32,7 +32,8 @@ struct PictureLabel {
 };
 
 struct PictureItems {
-  std::deque<TriMesh> meshes;  // a deque, because items point to them
+  std::deque<TriMesh> meshes;  // deques, because items point to them
+  std::deque<std::vector<Rgb>> colors;
   std::vector<RenderItem> items;
   std::vector<PictureLabel> labels;
   std::vector<NameRow> names;  // of bodies and inclusions, by color
@@ -59,6 +60,12 @@ std::vector<float> shown_values(const BodySnapshot& body, SkinColor color);
 TriMesh surface_mesh(const BodySnapshot& body);
 /// The same for pictures: the smooth surface if the body has one.
 TriMesh shown_mesh(const BodySnapshot& body);
+/// Walls of wounds with a vertex color for each layer of tissue.
+struct ColoredWalls {
+  TriMesh mesh;  // empty: no layer has a color
+  std::vector<Rgb> colors;
+};
+ColoredWalls colored_walls(const BodySnapshot& body);
 /// A tool's surface at its current pose.
 TriMesh posed_mesh(const ToolSnapshot& tool);
 

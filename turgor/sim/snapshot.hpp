@@ -13,6 +13,7 @@
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
 #include "turgor/geometry/volume.hpp"
+#include "turgor/io/files/image.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 #include "turgor/sim/scene/look_scene.hpp"
 
@@ -32,6 +33,22 @@ struct SmoothSnapshot {
   std::vector<Int3> coarse;                    // triangles of the body's mesh, of vertices of the snapshot
 };
 
+/// Color of a layer of tissue.
+struct LayerLook {
+  std::string name;
+  std::optional<Rgb> color;  // none = that of walls
+};
+
+/// Layers of tissue on the walls of wounds: triangles that cover the walls, finer than those of the body.
+struct WallLayers {
+  std::vector<Int3> corner;         // of each vertex: vertices of the snapshot between which it lies
+  std::vector<Vec3> weight;         // of these, with the sum 1
+  std::vector<std::uint8_t> layer;  // of each vertex: index of its look; kNoLayer = none
+  std::vector<Int3> triangles;      // empty: no layer has a color, or the body has no wound
+  std::vector<LayerLook> looks;
+  static constexpr std::uint8_t kNoLayer = 255;
+};
+
 struct BodySnapshot {
   BodyId id;
   std::string name;
@@ -49,9 +66,10 @@ struct BodySnapshot {
   SmoothSnapshot smooth;
   std::vector<CtVolume> sections;  // of a CT body by the planes of its cut-away, one sample thick
   std::size_t wall_begin = 0;      // first triangle of wound walls
-  Box box;                         // around the body at rest [m]
-  double typical_force = 1;        // force of an indentation of about a centimeter [N]
-  double seconds = 0;              // wall time of filling it
+  WallLayers wall_layers;
+  Box box;                   // around the body at rest [m]
+  double typical_force = 1;  // force of an indentation of about a centimeter [N]
+  double seconds = 0;        // wall time of filling it
 
   std::any cache;  // cache of the model's `show`
 };

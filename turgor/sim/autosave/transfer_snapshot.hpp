@@ -18,14 +18,25 @@ void transfer(File& file, Volume<T>& volume) {
   auto& [grid, samples] = volume;
   transfer_all(file, grid, samples);
 }
+template <class File>
+void transfer(File& file, LayerLook& look) {
+  auto& [name, color] = look;
+  transfer_all(file, name, color);
+}
+template <class File>
+void transfer(File& file, WallLayers& walls) {
+  auto& [corner, weight, layer, triangles, looks] = walls;
+  transfer_all(file, corner, weight, layer, triangles, looks);
+}
 /// Without the cache, which show() fills again, and without the smooth surface, which reading makes again.
 template <class File>
 void transfer(File& file, BodySnapshot& body) {
   auto& [id, name, look, rest, displacement, x, normals, pressure, stretch, triangles, mesh_vertex, patch,
-         inside, inside_names, smooth, sections, wall_begin, box, typical_force, seconds, cache] = body;
+         inside, inside_names, smooth, sections, wall_begin, wall_layers, box, typical_force, seconds,
+         cache] = body;
   transfer_all(file, id, name, look, rest, displacement, x, normals, pressure, stretch, triangles,
-               mesh_vertex, patch, inside, inside_names, smooth.coarse, sections, wall_begin, box,
-               typical_force, seconds);
+               mesh_vertex, patch, inside, inside_names, smooth.coarse, sections, wall_begin, wall_layers,
+               box, typical_force, seconds);
   if constexpr (File::kReads) cache.reset(), show_smooth(body);
 }
 template <class File>

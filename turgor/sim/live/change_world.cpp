@@ -78,9 +78,13 @@ constexpr std::string_view kLiveFamilies[][2] = {
     {"rhombus", "viscosity."},
 };
 constexpr std::string_view kNotLive[][2] = {
-    {"lattice", "layers.name"},      {"lattice", "layers.label"},
-    {"lattice", "layers.hu"},        {"lattice", "layers.tissue"},
-    {"lattice", "layers.toughness"}, {"lattice", "tissue.fiber.direction_field"},
+    {"lattice", "layers.name"},
+    {"lattice", "layers.label"},
+    {"lattice", "layers.hu"},
+    {"lattice", "layers.tissue"},
+    {"lattice", "layers.toughness"},
+    {"lattice", "layers.color"},
+    {"lattice", "tissue.fiber.direction_field"},
 };
 
 /// Reason for keys that need a reload; the first matching prefix applies.
@@ -95,6 +99,7 @@ constexpr ReloadReason kReloadReasons[] = {
     {"rhombus", "", "the chains of the surface depend on it"},
     {"lattice", "tissue.", "the elements of the lattice depend on it"},
     {"lattice", "layers.toughness", "needles read it when they begin"},
+    {"lattice", "layers.color", "labels of colored layers are kept from the loading on"},
     {"lattice", "layers.", "the regions of the lattice depend on it"},
     {"lattice", "", "the lattice depends on it"},
     {"rigid", "", "the mass and the motion of the rigid body depend on it"},

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
+#include "turgor/io/files/image.hpp"
 #include "turgor/io/mesh/mesh_files.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
@@ -62,7 +63,8 @@ struct LatticeScene {
   bool chooses_cells = false;      // the scene has tissue.partial_cells
   std::string whole_cells_reason;  // of whole cells that the scene does not choose
   std::vector<NeedleLayerScene> inside;
-  std::vector<TissueRow> tissues;  // laws and values with their source, for the report
+  std::vector<std::optional<Rgb>> layer_colors;  // of params.tissue.layers, on walls of wounds
+  std::vector<TissueRow> tissues;                // laws and values with their source, for the report
 };
 
 /// [incision.NAME], or [excision.NAME] if the blade has one. Positions are in meters, or in fractions of the

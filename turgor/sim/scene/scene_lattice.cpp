@@ -211,8 +211,7 @@ void read_relaxation(SceneTable& body, const TissuePreset* preset, lattice::Tiss
 }
 
 void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params,
-                 std::filesystem::path& fiber_field, std::vector<NeedleLayerScene>& tough,
-                 std::vector<TissueRow>& rows) {
+                 std::filesystem::path& fiber_field, LayerExtras& extras, std::vector<TissueRow>& rows) {
   // a preset for all tissues
   SceneTable tissue = body.table_or_text("tissue");
   const TissuePreset* preset = read_preset_of(body, "tissue", tissue, PresetKind::kSolid);
@@ -238,7 +237,7 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
     tissue.fail("labels", "stiffness by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
   tissue.finish();
   add_tissue_rows(tissue, params, preset, rows);
-  read_layers(body, has_labels(body), labels, params, tough, rows);
+  read_layers(body, has_labels(body), labels, params, extras, rows);
   read_relaxation(body, preset, params, rows);
   read_permanent_set(body, params, rows);
 }
@@ -348,10 +347,11 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
   read_solver(body, scene.params.solver);
   const bool projects = scene.params.solver.method == Method::kPbd;
   scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;
-  std::vector<NeedleLayerScene> tough;
-  read_tissue(body, labels, scene.params.tissue, scene.fiber_field, tough, scene.tissues);
+  LayerExtras layers;
+  read_tissue(body, labels, scene.params.tissue, scene.fiber_field, layers, scene.tissues);
   scene.inside = read_needle_layers(body, has_labels(body), labels);
-  scene.inside.insert(scene.inside.end(), tough.begin(), tough.end());
+  scene.inside.insert(scene.inside.end(), layers.tough.begin(), layers.tough.end());
+  scene.layer_colors = std::move(layers.colors);
   read_stiffness_scale(body, scene.stiffness_scale);
   if (projects && scene.stiffness_scale != 1)
     body.fail("stiffness_scale", "solver.method = \"pbd\" has no moduli to scale; expected 1");

@@ -66,6 +66,17 @@ void read_layer_law(SceneTable& table, const lattice::TissueParams& params, Tiss
   layer.stiffening = 0, layer.fiber = {};
 }
 
+/// Reads the color of a layer, if it has one.
+std::optional<Rgb> read_layer_color(SceneTable& table) {
+  Int3 color;
+  table.read("color", color, within(0, 255),
+             {"red, green and blue of the layer on the walls of wounds, as in `[240, 214, 120]` for fat; "
+              "layers without it have the color of walls",
+              "none"});
+  if (!table.has("color")) return std::nullopt;
+  return Rgb{std::uint8_t(color.x), std::uint8_t(color.y), std::uint8_t(color.z)};
+}
+
 /// Reads one layer, with its toughness.
 TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, bool is_last, bool has_labels,
                        SceneLabels& labels, double& toughness, std::vector<TissueRow>& rows) {
@@ -243,7 +254,7 @@ void read_permanent_set(SceneTable& body, lattice::TissueParams& params, std::ve
 }
 
 void read_layers(SceneTable& body, bool has_labels, SceneLabels& labels, lattice::TissueParams& params,
-                 std::vector<NeedleLayerScene>& tough, std::vector<TissueRow>& rows) {
+                 LayerExtras& extras, std::vector<TissueRow>& rows) {
   body.describe(
       "layers", "", "none",
       "solid laws only: layers of tissue from the skin inward, `[{ name = \"skin\", thickness = 0.0015, "
@@ -260,13 +271,14 @@ void read_layers(SceneTable& body, bool has_labels, SceneLabels& labels, lattice
   std::vector<double> toughness;
   for (std::size_t n = 0; n < tables.size(); n++) {
     double own = kNeedlesOwn;
+    const std::optional<Rgb> color = read_layer_color(tables[n]);
     const TissueLayer layer = read_layer(tables[n], params, n == last, has_labels, labels, own, rows);
     if (tables[n].is_listed()) continue;
     check_region(tables[n], layer, params);
     params.layers.push_back(layer);
-    toughness.push_back(own);
+    toughness.push_back(own), extras.colors.push_back(color);
   }
-  tough = tough_layers(params.layers, toughness);
+  extras.tough = tough_layers(params.layers, toughness);
   if (params.layers.empty()) return;
   if (params.law == TissueLaw::kSprings)
     body.fail("layers", "springs have no layers: set tissue.law = \"solid\", or remove layers");

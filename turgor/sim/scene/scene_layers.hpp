@@ -31,10 +31,15 @@ void add_fiber_row(SceneTable& table, const std::string& component, const lattic
 /// Reads the table `permanent_set` of a body.
 void read_permanent_set(SceneTable& body, lattice::TissueParams& params, std::vector<TissueRow>& rows);
 
+/// Keys of layers that are not of their laws.
+struct LayerExtras {
+  std::vector<NeedleLayerScene> tough;     // of layers that resist needles
+  std::vector<std::optional<Rgb>> colors;  // of each layer
+};
+
 /// Reads the array `layers` of a body: layers by depth from the skin inward, and regions by label or CT
-/// values. Adds their rows to the report, and layers with a toughness to `tough`. `has_labels`: the body has
-/// a segmentation, or a phantom's.
+/// values. Adds their rows to the report. `has_labels`: the body has a segmentation, or a phantom's.
 void read_layers(SceneTable& body, bool has_labels, SceneLabels& labels, lattice::TissueParams& params,
-                 std::vector<NeedleLayerScene>& tough, std::vector<TissueRow>& rows);
+                 LayerExtras& extras, std::vector<TissueRow>& rows);
 
 }  // namespace turgor

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,7 +56,8 @@ struct LatticeBody : FrameTouchedBody {
   std::vector<contact::ToolPose> poses;
   std::vector<contact::ToolForce> forces;
   NeedleLayers layers;
-  std::vector<contact::LatticeNeedle> needles;  // one for each tool; unused for other tools, empty without
+  std::vector<std::optional<Rgb>> layer_colors;  // of the model's layers, on walls of wounds
+  std::vector<contact::LatticeNeedle> needles;   // one for each tool; unused for other tools, empty without
 };
 
 /// Voxels per lattice spacing: as given, or rounded from the given spacing.

@@ -20,6 +20,7 @@
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/lattice/upload_lattice.hpp"
+#include "turgor/sim/bodies/lattice/wall_layers.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
 
 namespace turgor {
@@ -147,11 +148,13 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   if (!fields) return fields.error();
   const Int3 block = block_of(scene, body.ct.grid);
 
-  // tissues with a resistance of their own to needles
-  body.layers.layers = scene.inside;
-  const bool has_label = std::any_of(scene.inside.begin(), scene.inside.end(),
-                                     [](const NeedleLayerScene& layer) { return layer.label > 0; });
-  if (has_label && fields->labels) body.layers.labels = *fields->labels;
+  // tissues with a resistance of their own to needles, and colors of layers
+  body.layers.layers = scene.inside, body.layer_colors = scene.layer_colors;
+  const auto has_label = [](const auto& layer) { return layer.label > 0; };
+  const std::vector<lattice::TissueLayer>& layers = scene.params.tissue.layers;
+  const bool needs_labels = std::any_of(scene.inside.begin(), scene.inside.end(), has_label) ||
+                            (has_layer_colors(body) && std::any_of(layers.begin(), layers.end(), has_label));
+  if (needs_labels && fields->labels) body.layers.labels = *fields->labels;
 
   // crop to one label
   if (scene.only > 0) {

@@ -18,7 +18,7 @@ struct LatticeBody;
 /// contact::NeedleReading are 0 for other tissue, and 1 + index of a layer.
 struct NeedleLayers {
   std::vector<NeedleLayerScene> layers;
-  LabelVolume labels;                   // empty: no layer has a label
+  LabelVolume labels;                   // empty: no layer with a label resists needles or has a color
   std::vector<std::vector<int>> nodes;  // of each layer: slots, ascending
   std::vector<Vec3d> before;            // mean displacement of each layer when no needle was in [m]
   std::vector<double> motion;           // largest change of it since a needle went in [m]

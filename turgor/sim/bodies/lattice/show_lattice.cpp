@@ -2,6 +2,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/surface/surface_cache.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
+#include "turgor/sim/bodies/lattice/wall_layers.hpp"
 
 namespace turgor {
 
@@ -21,9 +22,16 @@ struct KeptNodes {
   const lattice::Model* model = nullptr;
   std::size_t cuts = 0;
 };
+/// Layers on walls of the snapshot: what they were made from.
+struct KeptLayers {
+  std::vector<lattice::TissueLayer> layers;
+  const lattice::Model* model = nullptr;
+  std::size_t cuts = 0;
+};
 struct DrawingCache {
   KeptSkin skin;
   KeptNodes behind;
+  KeptLayers layers;
 };
 
 struct Skin {
@@ -56,6 +64,19 @@ std::span<const int> support_nodes(const LatticeBody& body, const lattice::BodyS
   return behind.nodes;
 }
 
+/// Updates the layers on walls to the present cuts.
+void show_layers(const Exec& exec, const LatticeBody& body, const std::vector<Vec3d>& rest, KeptLayers& kept,
+                 BodySnapshot& out) {
+  if (!has_layer_colors(body)) return;
+  const std::size_t cuts = cut_version(body.state.cuts());
+  const std::vector<lattice::TissueLayer>& layers = body.model.params.tissue.layers;
+  if (kept.model == &body.model && kept.cuts == cuts && kept.layers == layers) return;
+  const std::span<const Int3> triangles = out.triangles;
+  out.wall_layers =
+      layers_on_walls(exec, body, {rest, triangles.first(out.wall_begin), triangles.subspan(out.wall_begin)});
+  kept = {layers, &body.model, cuts};
+}
+
 }  // namespace
 
 void show(const Exec& exec, const LatticeBody& body, BodySnapshot& out) {
@@ -78,6 +99,7 @@ void show(const Exec& exec, const LatticeBody& body, BodySnapshot& out) {
     out.rest[v] = Vec3(skin.rest[v]);
     out.displacement[v] = out.x[v] - out.rest[v];
   }
+  show_layers(exec, body, skin.rest, cache.layers, out);
   out.box = body.box;
 }
 
