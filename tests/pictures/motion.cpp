@@ -44,6 +44,36 @@ Motion moved(int frames, const MotionLimits& limits = {}) {
   return motion;
 }
 
+// Walls with colors of layers replace those of the body: their vertices move with the corners between which
+// they lie.
+TEST(Motion, WallsHaveColorsOfLayers) {
+  WorldSnapshot snapshot = at_time(0, 0);
+  BodySnapshot& body = snapshot.bodies[0];
+  body.normals.assign(body.x.size(), {0, 0, 1});
+  body.wall_begin -= 1;  // the last triangle is a wall
+  const Int3 wall = body.triangles.back();
+  body.wall_layers.looks = {{"fat", Rgb{240, 214, 120}}};
+  body.wall_layers.corner.assign(4, wall);
+  body.wall_layers.weight = {{1, 0, 0}, {0.5f, 0.5f, 0}, {0, 1, 0}, {0, 0, 1}};
+  body.wall_layers.layer = {0, 0, 0, WallLayers::kNoLayer};
+  body.wall_layers.triangles = {{0, 1, 3}, {1, 2, 3}};
+  Motion motion;
+  add_moment(snapshot, motion);
+  snapshot.time = 1;
+  body.x[std::size_t(wall.x)].z += 0.01f;
+  add_moment(snapshot, motion);
+  const MovingSurface& surface = motion.things[0].surfaces.at(0);
+  ASSERT_EQ(surface.triangles.size(), surface.wall_begin + 2);
+  ASSERT_EQ(surface.colors.size(), surface.vertex.size());
+  EXPECT_EQ(surface.colors[0], (Rgb{255, 255, 255}));
+  const Int3 first = surface.triangles[surface.wall_begin];
+  EXPECT_EQ(surface.colors[std::size_t(first.y)], (Rgb{240, 214, 120}));
+  EXPECT_EQ(surface.colors[std::size_t(first.z)], (Rgb{166, 58, 50}));
+  EXPECT_NEAR(motion.frames[1].moved[0][std::size_t(first.x)].z, 0.01, 1e-6);
+  EXPECT_NEAR(motion.frames[1].moved[0][std::size_t(first.y)].z, 0.005, 1e-6);
+  EXPECT_NE(motion_json(motion, 1'000'000).find("\"colors\""), std::string::npos);
+}
+
 // Simplification of the surface never joins the lips of a wound.
 TEST(Motion, SimplificationKeepsLipsApart) {
   const Motion motion = moved(2, {.triangles = 500, .numbers = 1'000'000});

@@ -21,7 +21,7 @@ AnimatedSurface& surface_of(const std::string& name, const SurfaceLook& look, Su
   const auto found = std::find_if(animation.surfaces.begin(), animation.surfaces.end(),
                                   [&](const AnimatedSurface& surface) { return surface.name == name; });
   if (found != animation.surfaces.end()) return *found;
-  AnimatedSurface surface{.name = name, .look = look, .triangulations = {}, .samples = {}};
+  AnimatedSurface surface{.name = name, .look = look, .triangulations = {}, .colors = {}, .samples = {}};
   for (std::size_t s = 0; s < animation.times.size(); s++) add_sample({}, surface);
   animation.surfaces.push_back(std::move(surface));
   return animation.surfaces.back();
@@ -51,7 +51,14 @@ void add_body_surfaces(const BodySnapshot& body, SurfaceAnimation& animation) {
   TriMesh surface = surface_mesh(body);
   const std::size_t walls = std::min(body.wall_begin, surface.triangles.size());
   const bool two_sided = body.look == Look::kCloth;
-  add_sample(rest_of(surface, walls), surface_of(body.name + " wound", surface_look(kWallColor), animation));
+  AnimatedSurface& wound = surface_of(body.name + " wound", surface_look(kWallColor), animation);
+  if (ColoredWalls colored = colored_walls(body); colored.mesh.triangles.empty()) {
+    add_sample(rest_of(surface, walls), wound);
+  } else {
+    std::vector<Vec3> colors;
+    for (const Rgb color : colored.colors) colors.push_back(linear_color(color));
+    add_sample(std::move(colored.mesh), wound, std::move(colors));
+  }
   surface.triangles.resize(walls);
   add_sample(std::move(surface),
              surface_of(body.name, surface_look(natural_color(body), 1, two_sided), animation));

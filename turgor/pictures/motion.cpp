@@ -15,6 +15,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/io/files/base64.hpp"
 #include "turgor/io/files/deflate.hpp"
+#include "turgor/pictures/picture_items.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/view/color.hpp"
 
@@ -22,7 +23,8 @@ namespace turgor {
 
 namespace {
 
-constexpr int kWord = 2, kIndex = 4;  // bytes of a position or displacement, of a vertex number
+constexpr int kByte = 1, kWord = 2,
+              kIndex = 4;  // bytes of a color, of a position or displacement, of a vertex number
 
 // ------------------------------------------------------------------------------------------------- adding
 
@@ -43,10 +45,20 @@ std::vector<Int3> coarser(const std::vector<Int3>& triangles, const std::vector<
   return fewer;
 }
 
-MovingSurface make_surface(const std::vector<Int3>& triangles, std::size_t wall_begin,
-                           const std::vector<Vec3>& rest, std::size_t max_triangles) {
+/// An object in its current state.
+struct CurrentThing {
+  MovingThing thing;  // without surfaces
+  std::vector<Int3> triangles;
+  std::size_t wall_begin;
+  std::vector<Vec3> rest, now;   // [m]
+  std::vector<Rgb> colors = {};  // as of MovingSurface
+};
+
+MovingSurface make_surface(const CurrentThing& current, std::size_t max_triangles) {
+  const std::vector<Int3>& triangles = current.triangles;
+  const std::vector<Vec3>& rest = current.rest;
   MovingSurface surface;
-  const auto split = triangles.begin() + std::ptrdiff_t(std::min(wall_begin, triangles.size()));
+  const auto split = triangles.begin() + std::ptrdiff_t(std::min(current.wall_begin, triangles.size()));
   surface.triangles = coarser({triangles.begin(), split}, rest, max_triangles);
   surface.wall_begin = surface.triangles.size();
   const std::vector<Int3> walls = coarser({split, triangles.end()}, rest, max_triangles / 2);
@@ -58,26 +70,40 @@ MovingSurface make_surface(const std::vector<Int3>& triangles, std::size_t wall_
       if (n < 0) n = int(surface.vertex.size()), surface.vertex.push_back(t[corner]);
       t[corner] = n;
     }
-  for (const int v : surface.vertex) surface.rest.push_back(rest[std::size_t(v)]);
+  for (const int v : surface.vertex) {
+    surface.rest.push_back(rest[std::size_t(v)]);
+    if (!current.colors.empty()) surface.colors.push_back(current.colors[std::size_t(v)]);
+  }
   return surface;
 }
 
-/// An object in its current state.
-struct CurrentThing {
-  MovingThing thing;  // without surfaces
-  const std::vector<Int3>* triangles;
-  std::size_t wall_begin;
-  std::vector<Vec3> rest, now;  // [m]
-};
+/// Replaces walls by those with the colors of layers.
+void color_walls(const BodySnapshot& body, CurrentThing& current) {
+  const ColoredWalls walls = colored_walls(body);
+  if (walls.mesh.triangles.empty()) return;
+  const int first = int(current.rest.size());
+  current.triangles.resize(current.wall_begin);
+  for (const Int3 t : walls.mesh.triangles) current.triangles.push_back(t + Int3{first, first, first});
+  for (std::size_t v = 0; v < walls.mesh.vertices.size(); v++) {
+    Vec3 rest;
+    for (int corner = 0; corner < 3; corner++)
+      rest += body.rest[std::size_t(body.wall_layers.corner[v][corner])] * body.wall_layers.weight[v][corner];
+    current.rest.push_back(rest), current.now.push_back(walls.mesh.vertices[v]);
+  }
+  current.colors.assign(std::size_t(first), {255, 255, 255});
+  current.colors.insert(current.colors.end(), walls.colors.begin(), walls.colors.end());
+}
 
 CurrentThing thing_of_body(const BodySnapshot& body) {
   MovingThing thing{MovingThing::Kind::kBody, body.name, body.look, body.typical_force, {}};
-  return {std::move(thing), &body.triangles, body.wall_begin, body.rest, body.x};
+  CurrentThing current{std::move(thing), body.triangles, body.wall_begin, body.rest, body.x};
+  color_walls(body, current);
+  return current;
 }
 
 CurrentThing thing_of_inside(const BodySnapshot& body) {
   return {{MovingThing::Kind::kInside, body.name, Look::kFlesh, 1, {}},
-          &body.inside.triangles,
+          body.inside.triangles,
           body.inside.triangles.size(),
           body.inside.vertices,
           body.inside.vertices};
@@ -85,7 +111,7 @@ CurrentThing thing_of_inside(const BodySnapshot& body) {
 
 CurrentThing thing_of_tool(const ToolSnapshot& tool) {
   CurrentThing current{
-      {MovingThing::Kind::kTool, tool.name, Look::kFlesh, 1, {}}, &tool.mesh.triangles, 0, {}, {}};
+      {MovingThing::Kind::kTool, tool.name, Look::kFlesh, 1, {}}, tool.mesh.triangles, 0, {}, {}};
   current.wall_begin = tool.mesh.triangles.size();
   for (const Vec3 x : tool.mesh.vertices) current.now.push_back(Vec3(contact::to_world(tool.pose, Vec3d(x))));
   current.rest = current.now;
@@ -94,14 +120,14 @@ CurrentThing thing_of_tool(const ToolSnapshot& tool) {
 
 CurrentThing thing_of_obstacle(const TriMesh& mesh) {
   return {{MovingThing::Kind::kObstacle, "", Look::kFlesh, 1, {}},
-          &mesh.triangles,
+          mesh.triangles,
           mesh.triangles.size(),
           mesh.vertices,
           mesh.vertices};
 }
 
 std::size_t numbers_in(const MovingSurface& surface) {
-  return surface.vertex.size() + 3 * (surface.rest.size() + surface.triangles.size());
+  return surface.vertex.size() + 3 * (surface.rest.size() + surface.triangles.size()) + surface.colors.size();
 }
 
 std::size_t numbers_in(const MotionFrame& frame) {
@@ -114,10 +140,9 @@ void add_thing(const CurrentThing& current, std::size_t at, std::size_t max_tria
                MotionFrame& frame) {
   if (at == motion.things.size()) motion.things.push_back(current.thing);
   MovingThing& thing = motion.things[at];
-  const std::uint64_t key = hash_values(std::span<const Int3>(*current.triangles), current.rest.size());
+  const std::uint64_t key = hash_values(std::span<const Int3>(current.triangles), current.rest.size());
   if (thing.surfaces.empty() || thing.surfaces.back().key != key) {
-    thing.surfaces.push_back(
-        make_surface(*current.triangles, current.wall_begin, current.rest, max_triangles));
+    thing.surfaces.push_back(make_surface(current, max_triangles));
     thing.surfaces.back().key = key;
     motion.numbers += numbers_in(thing.surfaces.back());
   }
@@ -190,9 +215,15 @@ Json json_of(const MovingSurface& surface) {
       positions.push_back(std::int32_t(std::lround((double(x[axis]) - double(low[axis])) / size * 65535)));
   for (const Int3 t : surface.triangles)
     for (int corner = 0; corner < 3; corner++) corners.push_back(t[corner]);
-  return {{"low", json_of(Vec3d(low))},       {"size", size},
-          {"vertices", surface.rest.size()},  {"positions", packed(differences(positions), kWord)},
-          {"wall_begin", surface.wall_begin}, {"triangles", packed(differences(corners), kIndex)}};
+  Json json{{"low", json_of(Vec3d(low))},       {"size", size},
+            {"vertices", surface.rest.size()},  {"positions", packed(differences(positions), kWord)},
+            {"wall_begin", surface.wall_begin}, {"triangles", packed(differences(corners), kIndex)}};
+  if (!surface.colors.empty()) {
+    std::vector<std::int32_t> channels;
+    for (const Rgb color : surface.colors) channels.insert(channels.end(), {color.r, color.g, color.b});
+    json["colors"] = packed(channels, kByte);
+  }
+  return json;
 }
 
 double largest_component(const Motion& motion, std::size_t thing) {

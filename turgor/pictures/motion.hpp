@@ -17,6 +17,7 @@ struct MovingSurface {
   std::vector<Vec3> rest;       // [m]
   std::vector<Int3> triangles;  // walls of wounds last
   std::size_t wall_begin = 0;   // the first triangle of a wall
+  std::vector<Rgb> colors;      // of the vertices, white on skin; empty: walls have one color
 };
 
 /// An object of the view: a body, other material inside it, a tool, or an obstacle under cloth.

@@ -83,7 +83,9 @@ constexpr const char* kScript = R"js(
       geometry.addGroup(0, 3 * surface.wall_begin, 0);
       geometry.addGroup(3 * surface.wall_begin, triangles.length - 3 * surface.wall_begin, 1);
       const side = THREE.DoubleSide, shape = {rest, geometry};
-      shape.materials = [color, new THREE.Color(looks.wall)].map((c) =>
+      shape.layers = surface.colors ? await unpack(surface.colors, 1) : null;  // of vertices, white on skin
+      shape.firstOfWalls = triangles[3 * surface.wall_begin];  // vertices are numbered in the order of triangles
+      shape.materials = [color, new THREE.Color(shape.layers ? 0xffffff : looks.wall)].map((c) =>
         new THREE.MeshStandardMaterial({color: c, roughness: 0.55, metalness: thing.kind === 'tool' ? 0.3 : 0, side, vertexColors: THREE.VertexColors}));
       if (thing.kind === 'inside')  // visible through the body
         for (const material of shape.materials) material.transparent = true, material.opacity = 0.5, material.depthTest = false, material.side = THREE.FrontSide;
@@ -119,7 +121,8 @@ constexpr const char* kScript = R"js(
       const x = moved[v] * quantum, y = moved[count + v] * quantum, z = moved[2 * count + v] * quantum;
       position.array[3 * v] = shape.rest[3 * v] + x, position.array[3 * v + 1] = shape.rest[3 * v + 1] + y, position.array[3 * v + 2] = shape.rest[3 * v + 2] + z;
       const c = colored ? 3 * Math.min(255, Math.round(255 * Math.hypot(x, y, z) / most)) : -1;
-      for (let k = 0; k < 3; k++) tint.array[3 * v + k] = c < 0 ? 1 : Math.pow(map[c + k] / 255, 1.6);
+      const isWall = shape.layers && v >= shape.firstOfWalls;
+      for (let k = 0; k < 3; k++) tint.array[3 * v + k] = isWall ? shape.layers[3 * v + k] / 255 : c < 0 ? 1 : Math.pow(map[c + k] / 255, 1.6);
     }
     shape.materials[0].color.set(colored ? 0xffffff : shape.color);
     position.needsUpdate = tint.needsUpdate = true, shape.geometry.computeVertexNormals();

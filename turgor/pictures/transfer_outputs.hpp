@@ -70,8 +70,8 @@ void transfer(File& file, ShapeSample& sample) {
 }
 template <class File>
 void transfer(File& file, AnimatedSurface& surface) {
-  auto& [name, look, triangulations, samples] = surface;
-  transfer_all(file, name, look, triangulations, samples);
+  auto& [name, look, triangulations, colors, samples] = surface;
+  transfer_all(file, name, look, triangulations, colors, samples);
 }
 template <class File>
 void transfer(File& file, SurfaceAnimation& animation) {
@@ -80,8 +80,8 @@ void transfer(File& file, SurfaceAnimation& animation) {
 }
 template <class File>
 void transfer(File& file, MovingSurface& surface) {
-  auto& [key, vertex, rest, triangles, wall_begin] = surface;
-  transfer_all(file, key, vertex, rest, triangles, wall_begin);
+  auto& [key, vertex, rest, triangles, wall_begin, colors] = surface;
+  transfer_all(file, key, vertex, rest, triangles, wall_begin, colors);
 }
 template <class File>
 void transfer(File& file, MovingThing& thing) {

@@ -43,6 +43,30 @@ TEST(SurfaceAnimation, TrianglesAreStoredWhenTheyChange) {
   EXPECT_EQ(surface.samples[4].triangulation, 2u);
 }
 
+// Colors of points are in both files: linear in COLOR_0, which the material multiplies by white, and as a
+// primvar that the material reads. They make a new triangulation where they change.
+TEST(SurfaceAnimation, FilesHaveColorsOfPoints) {
+  SurfaceAnimation animation{.frame_rate = 50, .times = {0, 0.02, 0.04}, .surfaces = {{.name = "wound"}}};
+  AnimatedSurface& surface = animation.surfaces[0];
+  const std::vector<Vec3> colors{{0.5f, 0.25f, 0}, {1, 0, 0}, {0, 1, 0}};
+  add_sample({}, surface), add_sample(kTriangle, surface, colors), add_sample(kTriangle, surface, colors);
+  EXPECT_EQ(surface.triangulations.size(), 2u);
+  const fs::path folder = test::fresh_folder();
+  ASSERT_TRUE(write_usda(folder / "a.usda", animation));
+  const std::string usd = content_of(folder / "a.usda");
+  EXPECT_NE(usd.find("1: [(0.5, 0.25, 0), (1, 0, 0), (0, 1, 0)],"), std::string::npos) << usd;
+  EXPECT_NE(usd.find("diffuseColor.connect = </Turgor/Materials/wound/Colors.outputs:result>"),
+            std::string::npos);
+  ASSERT_TRUE(write_glb(folder / "a.glb", animation));
+  const std::string glb = content_of(folder / "a.glb");
+  EXPECT_NE(glb.find("\"baseColorFactor\":[1.0,1.0,1.0,1.0]"), std::string::npos);
+  EXPECT_NE(glb.find("COLOR_0"), std::string::npos);
+  EXPECT_NE(glb.find(std::string(reinterpret_cast<const char*>(colors.data()), 3 * sizeof(Vec3))),
+            std::string::npos);
+  add_sample(kTriangle, surface, {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}});
+  EXPECT_EQ(surface.triangulations.size(), 3u);
+}
+
 // Names are identifiers of USD and differ from each other.
 TEST(SurfaceAnimation, UsdNamesAreUniqueIdentifiers) {
   SurfaceAnimation animation = animation_of(1);

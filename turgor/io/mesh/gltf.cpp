@@ -95,6 +95,8 @@ int add_mesh(const Interval& interval, const std::string& name, int material, Gl
   // first sample
   GltfJson attributes{{"POSITION", add_vectors(base.points, true, kArrayBuffer, glb)}};
   if (has_normals) attributes["NORMAL"] = add_vectors(base.normals, false, kArrayBuffer, glb);
+  if (has_point_colors(interval.surface))
+    attributes["COLOR_0"] = add_vectors(point_colors(interval.surface, base), false, kArrayBuffer, glb);
   std::vector<std::uint32_t> corners;
   for (const Int3 t : interval.surface.triangulations[base.triangulation])
     corners.insert(corners.end(), {std::uint32_t(t.x), std::uint32_t(t.y), std::uint32_t(t.z)});
@@ -160,10 +162,12 @@ void add_surface(const AnimatedSurface& surface, const std::vector<float>& times
                  GltfJson& children) {
   TURGOR_ASSERT(surface.samples.size() == times.size(), "a surface has one sample a time");
   const SurfaceLook& look = surface.look;
+  const Vec3 color =
+      has_point_colors(surface) ? Vec3{1, 1, 1} : look.color;  // a factor of the points' colors
   GltfJson material{{"name", surface.name},
                     {"doubleSided", look.two_sided},
                     {"pbrMetallicRoughness",
-                     {{"baseColorFactor", {look.color.x, look.color.y, look.color.z, look.opacity}},
+                     {{"baseColorFactor", {color.x, color.y, color.z, look.opacity}},
                       {"metallicFactor", 0},
                       {"roughnessFactor", 0.6}}}};
   if (look.opacity < 1) material["alphaMode"] = "BLEND";

@@ -30,8 +30,11 @@ struct SurfaceLook {
 struct AnimatedSurface {
   std::string name;
   SurfaceLook look;
-  std::vector<std::vector<Int3>> triangulations;  // a new one when triangles or the number of points change
-  std::vector<ShapeSample> samples;               // one a time
+  std::vector<std::vector<Int3>>
+      triangulations;  // a new one when triangles, the number of points or colors change
+  std::vector<std::vector<Vec3>>
+      colors;                        // of each triangulation's points, as the look's; empty: that of the look
+  std::vector<ShapeSample> samples;  // one a time
 };
 
 struct SurfaceAnimation {
@@ -40,8 +43,12 @@ struct SurfaceAnimation {
   std::vector<AnimatedSurface> surfaces;
 };
 
-/// Appends the present shape to a surface.
-void add_sample(TriMesh mesh, AnimatedSurface& surface);
+/// Appends the present shape to a surface. `colors`: of its points, or none.
+void add_sample(TriMesh mesh, AnimatedSurface& surface, std::vector<Vec3> colors = {});
+/// True if a triangulation has colors of its own.
+bool has_point_colors(const AnimatedSurface& surface);
+/// Colors of a triangulation's points, also where all have that of the look.
+std::vector<Vec3> point_colors(const AnimatedSurface& surface, const ShapeSample& sample);
 
 /// Names of the surfaces as identifiers of USD: letters, digits and underscores, each name once.
 std::vector<std::string> usd_names(const SurfaceAnimation& animation);

@@ -105,8 +105,14 @@ void put_mesh(UsdText& text, const SurfaceAnimation& animation, const AnimatedSu
   put(text, "        uniform bool doubleSided = {}\n", surface.look.two_sided ? 1 : 0);
   put(text, "        uniform token orientation = \"rightHanded\"\n");
   put(text, "        uniform token subdivisionScheme = \"none\"\n");
-  const Vec3 color = surface.look.color;
-  put(text, "        color3f[] primvars:displayColor = [({}, {}, {})]\n", color.x, color.y, color.z);
+  if (const Vec3 color = surface.look.color; !has_point_colors(surface)) {
+    put(text, "        color3f[] primvars:displayColor = [({}, {}, {})]\n", color.x, color.y, color.z);
+  } else {
+    put(text,
+        "        color3f[] primvars:displayColor (\n            interpolation = \"vertex\"\n        )\n");
+    put_samples(text, animation, "color3f[] primvars:displayColor", changed,
+                [&](std::size_t s) { put_vectors(text, point_colors(surface, surface.samples[s])); });
+  }
   put(text, "        float[] primvars:displayOpacity = [{}]\n", surface.look.opacity);
   put(text, "        rel material:binding = </Turgor/Materials/{}>\n", name);
   put_samples(text, animation, "float3[] extent", all,
@@ -125,17 +131,28 @@ void put_mesh(UsdText& text, const SurfaceAnimation& animation, const AnimatedSu
   put(text, "    }}\n\n");
 }
 
-void put_material(UsdText& text, const SurfaceLook& look, const std::string& name) {
+void put_material(UsdText& text, const AnimatedSurface& surface, const std::string& name) {
+  const SurfaceLook& look = surface.look;
   const std::string path = fmt::format("/Turgor/Materials/{}", name);
   put(text, "        def Material \"{}\"\n        {{\n", name);
   put(text, "            token outputs:surface.connect = <{}/Shader.outputs:surface>\n\n", path);
   put(text, "            def Shader \"Shader\"\n            {{\n");
   put(text, "                uniform token info:id = \"UsdPreviewSurface\"\n");
-  put(text, "                color3f inputs:diffuseColor = ({}, {}, {})\n", look.color.x, look.color.y,
-      look.color.z);
+  if (has_point_colors(surface))
+    put(text, "                color3f inputs:diffuseColor.connect = <{}/Colors.outputs:result>\n", path);
+  else
+    put(text, "                color3f inputs:diffuseColor = ({}, {}, {})\n", look.color.x, look.color.y,
+        look.color.z);
   put(text, "                float inputs:opacity = {}\n", look.opacity);
   put(text, "                float inputs:roughness = 0.6\n");
-  put(text, "                token outputs:surface\n            }}\n        }}\n");
+  put(text, "                token outputs:surface\n            }}\n");
+  if (has_point_colors(surface)) {
+    put(text, "\n            def Shader \"Colors\"\n            {{\n");
+    put(text, "                uniform token info:id = \"UsdPrimvarReader_float3\"\n");
+    put(text, "                string inputs:varname = \"displayColor\"\n");
+    put(text, "                float3 outputs:result\n            }}\n");
+  }
+  put(text, "        }}\n");
 }
 
 void put_header(UsdText& text, const SurfaceAnimation& animation) {
@@ -178,23 +195,35 @@ Status write_usda(const std::filesystem::path& path, const SurfaceAnimation& ani
     flush();
   }
   put(text, "    def Scope \"Materials\"\n    {{\n");
-  for (std::size_t i = 0; i < names.size(); i++) put_material(text, animation.surfaces[i].look, names[i]);
+  for (std::size_t i = 0; i < names.size(); i++) put_material(text, animation.surfaces[i], names[i]);
   put(text, "    }}\n}}\n");
   flush();
   return file->commit();
 }
 
-void add_sample(TriMesh mesh, AnimatedSurface& surface) {
+void add_sample(TriMesh mesh, AnimatedSurface& surface, std::vector<Vec3> colors) {
+  TURGOR_ASSERT(colors.empty() || colors.size() == mesh.vertices.size(), "one color a point, or none");
   ShapeSample sample{.points = std::move(mesh.vertices), .normals = std::move(mesh.normals)};
   // glTF permits unit normals only, also at points without triangles
   for (Vec3& n : sample.normals)
     if (!(dot(n, n) > 0)) n = {0, 0, 1};
   const bool same = !surface.samples.empty() &&
                     surface.samples.back().points.size() == sample.points.size() &&
-                    surface.triangulations.back() == mesh.triangles;
-  if (!same) surface.triangulations.push_back(std::move(mesh.triangles));
+                    surface.triangulations.back() == mesh.triangles && surface.colors.back() == colors;
+  if (!same)
+    surface.triangulations.push_back(std::move(mesh.triangles)), surface.colors.push_back(std::move(colors));
   sample.triangulation = surface.triangulations.size() - 1;
   surface.samples.push_back(std::move(sample));
+}
+
+bool has_point_colors(const AnimatedSurface& surface) {
+  return std::any_of(surface.colors.begin(), surface.colors.end(),
+                     [](const std::vector<Vec3>& colors) { return !colors.empty(); });
+}
+
+std::vector<Vec3> point_colors(const AnimatedSurface& surface, const ShapeSample& sample) {
+  const std::vector<Vec3>& colors = surface.colors[sample.triangulation];
+  return colors.empty() ? std::vector<Vec3>(sample.points.size(), surface.look.color) : colors;
 }
 
 }  // namespace turgor
