@@ -314,7 +314,7 @@ void publish_forces(const SfemTouch& touch, latest<LawForces>& forces) {
   LawForces& now = forces.writing();
   now.patch_number = touch.patch_number, now.solution_tick = touch.solution_tick;
   now.ticks = touch.ticks;
-  now.force = touch.state.force;
+  now.force = touch.state.force, now.stiffening = touch.stiffening;
   forces.publish();
 }
 
@@ -331,6 +331,7 @@ void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<cons
     touch.motion_number = motion.number, touch.stiffness_scale = motion.stiffness_scale;
     touch.texture.roughness = motion.roughness, touch.texture.wavelength = motion.wavelength;
     if (motion.viscosity) set_viscosity(touch, *motion.viscosity);
+    if (motion.stiffening) touch.stiffening = *motion.stiffening;
     TURGOR_ASSERT(motion.friction.size() <= touch.tools.size(), "at most one friction a tool");
     for (std::size_t t = 0; t < motion.friction.size(); t++) touch.tools[t].friction = motion.friction[t];
   }

@@ -44,6 +44,7 @@ struct SfemTouch {
   std::vector<ToolPose> poses;         // of the last tick
   std::vector<ToolForce> forces;       // of the last tick, with more detail than ToolReading
   NeedleTouch needles;                 // of tools that are needles
+  double stiffening = 0;               // of the law of a nonlinear patch (sfem::Law), for its solver [1]
   Texture texture;                     // of the body
   std::vector<TextureState> textures;  // of each tool
 };
@@ -96,6 +97,7 @@ struct LawForces {
   long patch_number = 0, solution_tick = 0;  // as in SfemTouch
   long ticks = 0;                            // number of ticks so far
   std::vector<Vec3d> force;                  // on the points, at a stiffness_scale of 1 [N]
+  double stiffening = 0;                     // see SfemTouch
 };
 /// A nonlinear patch linearized at the solution for forces of LawForces. Its solver keeps a reference until
 /// it holds the last one.
@@ -140,6 +142,7 @@ struct FreeMotion {
   std::vector<double> friction;                // one per tool; empty = unchanged
   double roughness = 0, wavelength = 1e-3;     // of the body's texture [m]
   std::optional<Prony> viscosity;              // of the body; empty = unchanged
+  std::optional<double> stiffening;            // see SfemTouch; empty = unchanged
   std::vector<std::vector<Vec3d>> of_needles;  // of each tool: target of NeedleState::motion; empty = none
   std::shared_ptr<const sfem::InnerGreen>
       inner;        // of needles; the sender keeps a reference until it has the last

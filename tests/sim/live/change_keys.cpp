@@ -160,6 +160,54 @@ TEST(ChangeKeys, ViscosityOfRestingTissueAddsNoForce) {
     }
 }
 
+/// A nonlinear body under a finger that rests after its press.
+std::string stiffening_text(const std::string& law) {
+  return "[world]\nduration = 0.5\n[body.pad]\nmodel = \"sfem\"\nblock = { size = [0.06, 0.06, 0.03], count "
+         "= [8, "
+         "8, 4] }\nfixed = \"bottom\"\nyoung = 5e3\npoisson = 0.4\ncache = false\n"
+         "patch = { radius = 0.016, refinement = 2 }\n" +
+         law +
+         "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.006 }\n"
+         "press = { at_fraction = [0.5, 0.5, 1], depth = 0.003, start = 0, duration = 0.1, hold = 0.3 }\n";
+}
+
+// The exponent of a nonlinear patch changes: before a press the forces then have the bits of a world that was
+// loaded with it.
+TEST(ChangeKeys, StiffeningEqualsLoadedStiffening) {
+  const std::string text = stiffening_text("law = \"exponential\"\nstiffening = 2\n"),
+                    key = "body.pad.stiffening";
+  EXPECT_EQ(why_waits(text, key), "");
+  auto scene = std::make_shared<const Scene>(keys_scene(text));
+  World changed = keys_world(*scene), plain = keys_world(*scene),
+        loaded = keys_world(keys_scene(text, {key + "=8"}));
+  const Status applied = apply_request(kKeysExec, ChangeRequest{key, "8"}, scene, changed);
+  ASSERT_TRUE(applied) << applied.error().message;
+  run_changed(changed, 8), run_changed(loaded, 8), run_changed(plain, 8);
+  const Vec3d force(changed.tools[0].samples.back().force);
+  EXPECT_EQ(force, Vec3d(loaded.tools[0].samples.back().force));
+  EXPECT_GT(norm(force), 1.02 * norm(Vec3d(plain.tools[0].samples.back().force)));
+}
+
+// Under a tool that rests, the force goes to that of the new law, whichever law it had before.
+TEST(ChangeKeys, StiffeningUnderRestingToolFindsItsForce) {
+  const std::string text = stiffening_text("law = \"exponential\"\nstiffening = 2\n"),
+                    key = "body.pad.stiffening";
+  auto scene = std::make_shared<const Scene>(keys_scene(text));
+  World changed = keys_world(*scene), loaded = keys_world(keys_scene(text, {key + "=8"}));
+  run_changed(changed, 8), run_changed(loaded, 16);
+  ASSERT_TRUE(apply_request(kKeysExec, ChangeRequest{key, "8"}, scene, changed));
+  run_changed(changed, 8);
+  const Vec3d expected(loaded.tools[0].samples.back().force);
+  EXPECT_LT(norm(Vec3d(changed.tools[0].samples.back().force) - expected), 2e-3 * norm(expected));
+}
+
+// Other laws have no exponent, and say so.
+TEST(ChangeKeys, StiffeningOfOtherLawsSaysWhy) {
+  for (const char* law : {"", "law = \"neo_hookean\"\n"})
+    EXPECT_EQ(why_waits(stiffening_text(law), "body.pad.stiffening"),
+              "only law = \"exponential\" has an exponent");
+}
+
 // A nonlinear patch and a body with a needle stay elastic, and say so.
 TEST(ChangeKeys, ViscosityThatWaitsSaysWhy) {
   const std::string key = "body.pad.viscosity.ratio";

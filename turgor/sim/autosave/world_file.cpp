@@ -61,11 +61,11 @@ void transfer(File& file, ClothLoad& load) {
   auto& [force, relaxation, compliance, next_axis] = load;
   transfer_all(file, force, relaxation, compliance, next_axis);
 }
-/// Without the shapes of the tools, which the scene gives.
+/// Without the shapes of the tools, the exponent of the law and the texture, which the scene gives.
 template <class File>
 void transfer(File& file, contact::SfemTouch& touch) {
   auto& [patch, tools, follow, stiffness_scale, state, free, patch_number, solution_tick, motion_number,
-         ticks, handover, poses, forces, needles, texture, textures] = touch;
+         ticks, handover, poses, forces, needles, stiffening, texture, textures] = touch;
   transfer_all(file, patch, follow, stiffness_scale, state, free, patch_number, solution_tick, motion_number,
                ticks, handover, poses, forces, needles, textures);
 }

@@ -47,6 +47,7 @@ constexpr std::string_view kLive[][2] = {
     {"cloth", "collision.friction"},
     {"sfem", "young"},
     {"sfem", "stiffness_scale"},
+    {"sfem", "stiffening"},
     {"sfem", "texture.roughness"},
     {"sfem", "texture.wavelength"},
     {"lattice", "stiffness_scale"},
@@ -205,9 +206,11 @@ void change_body(const Exec& exec, const ClothScene& scene, ClothBody& body) {
 }
 
 /// All forces of a linear body scale with its stiffness; the shape under a given press stays. Ticks get the
-/// waves of the surface and the viscosity with the next frame.
+/// waves of the surface, the viscosity and the exponent of the law with the next frame.
 void change_body(const Exec&, const SfemScene& scene, SfemBody& body) {
   if (!body.law && !body.needles.inner) body.viscosity = scene.viscosity;  // else it waits
+  if (body.law && scene.law && body.law->stiffening != scene.law->stiffening)
+    body.law = scene.law, body.law_forces.clear();  // the next solution has the law, also for the same forces
   body.texture.roughness = scene.texture.roughness, body.texture.wavelength = scene.texture.wavelength;
   TURGOR_CHECK(!body.model.body.materials.empty(), "a body has a material");
   const double young = body.model.body.materials[0].young;  // of the loaded body
@@ -327,6 +330,8 @@ std::string why_not_live(const Scene& scene, const SceneKey& key) {
   const SfemScene* sfem = key.group == "sfem" ? find_named(scene.sfem_bodies, key) : nullptr;
   if (sfem && key.key == "young" && !(sfem->inside.empty() && sfem->inclusions.empty()))
     return "Green's functions depend on the ratio of its materials";
+  if (sfem && key.key == "stiffening" && !(sfem->law && sfem->law->stiffening > 0))
+    return "only law = \"exponential\" has an exponent";
   if (sfem && key.key.starts_with("viscosity.")) {
     if (sfem->law) return "a nonlinear patch does not relax";
     if (has_needle(scene, key)) return "needles need an elastic body";

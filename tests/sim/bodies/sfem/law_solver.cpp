@@ -115,16 +115,19 @@ TEST(LawSolver, OtherPatchesAreIgnored) {
   EXPECT_TRUE(step(Exec(1), world));
 }
 
-// A replay finds the forces after a tick, also if later ticks did not change them.
+// A replay finds the forces and the exponent after a tick, also if later ticks did not change them.
 TEST(LawSolver, ReplayedForcesAreOfTheirTick) {
   ReplayedForces forces;
   EXPECT_EQ(forces.after(1), nullptr);
   for (const long tick : {1, 2, 3, 4})
     forces.push({.ticks = tick, .force = {Vec3d{tick < 3 ? 1.0 : double(tick), 0, 0}}});
+  forces.push({.ticks = 6, .force = {Vec3d{4, 0, 0}}, .stiffening = 3});
   EXPECT_EQ(forces.after(0), nullptr);
   EXPECT_EQ(forces.after(2)->force[0].x, 1);
   EXPECT_EQ(forces.after(3)->force[0].x, 3);
-  EXPECT_EQ(forces.after(9)->force[0].x, 4);
+  EXPECT_EQ(forces.after(5)->force[0].x, 4);
+  EXPECT_EQ(forces.after(5)->stiffening, 0);
+  EXPECT_EQ(forces.after(9)->stiffening, 3);
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers need memory of their own

@@ -88,11 +88,10 @@ struct PointForces {
   std::vector<Vec3d> force;                  // [N]
 };
 
-BuiltPatch solve_new_patch(const SfemBody& body, const sfem::Patch& linear, const PointForces& forces,
-                           const Timer& timer) {
+BuiltPatch solve_new_patch(const SfemBody& body, const sfem::Law& law, const sfem::Patch& linear,
+                           const PointForces& forces, const Timer& timer) {
   constexpr int kMostSteps = 12;
-  Result<sfem::NonlinearPatch> made =
-      sfem::make_nonlinear_patch(body.model, linear, body.refinement, *body.law);
+  Result<sfem::NonlinearPatch> made = sfem::make_nonlinear_patch(body.model, linear, body.refinement, law);
   if (!made) return {made.error(), timer.seconds()};
   auto nonlinear = std::make_shared<sfem::NonlinearPatch>(std::move(*made));
   const std::vector<double> f = forces.patch ? same_forces(*forces.patch, forces.force, nonlinear->patch)
@@ -103,14 +102,15 @@ BuiltPatch solve_new_patch(const SfemBody& body, const sfem::Patch& linear, cons
   return {std::make_shared<const sfem::Patch>(std::move(*solved)), timer.seconds(), nonlinear, report};
 }
 
-BuiltPatch build_patch_at(const SfemBody& body, const std::vector<Vec3d>& positions,
-                          const PointForces& forces) {
+/// `law` is that of the body, which frames may change meanwhile.
+BuiltPatch build_patch_at(const SfemBody& body, const std::optional<sfem::Law>& law,
+                          const std::vector<Vec3d>& positions, const PointForces& forces) {
   const Timer timer;
   const std::vector<int> elements = elements_of_patch(body, positions, body.follow.radius);
   Result<sfem::Patch> patch =
       sfem::build_patch(body.model, elements, body.refinement, positions, body.patch_memory);
   if (!patch) return {patch.error(), timer.seconds()};
-  if (body.law) return solve_new_patch(body, *patch, forces, timer);
+  if (law) return solve_new_patch(body, *law, *patch, forces, timer);
   auto shared = std::make_shared<const sfem::Patch>(std::move(*patch));
   return {std::move(shared), timer.seconds()};
 }
@@ -123,8 +123,9 @@ bool begin_patch(const Exec& exec, SfemBody& body, const std::vector<Vec3d>& pos
   }
   if (!body.worker) body.worker = std::make_unique<PatchWorker>();
   // reads only data of the body that no tick and no frame changes
-  body.worker->begin(
-      [&body, positions, forces = std::move(forces)] { return build_patch_at(body, positions, forces); });
+  body.worker->begin([&body, law = body.law, positions, forces = std::move(forces)] {
+    return build_patch_at(body, law, positions, forces);
+  });
   return true;
 }
 
@@ -137,6 +138,7 @@ bool begin_solution(SfemBody& body, const PointForces& now) {
       (body.worker && body.worker->is_busy()))
     return false;
   restore_nonlinear(body, *now.patch);
+  body.nonlinear->law = *body.law;
   body.law_forces = now.force;
   std::vector<double> forces;
   for (const Vec3d f : now.force) forces.insert(forces.end(), {f.x, f.y, f.z});
@@ -175,7 +177,7 @@ PatchRebuild rebuild_of(const BuiltPatch& built, double time) {
 
 Result<std::shared_ptr<const sfem::Patch>> first_patch(const Exec& exec, SfemBody& body) {
   if (const Status status = fetch_columns_near(exec, body, body.centers); !status) return status.error();
-  BuiltPatch built = build_patch_at(body, body.centers, {});
+  BuiltPatch built = build_patch_at(body, body.law, body.centers, {});
   if (built.patch) retain_patch(body.patches, *built.patch), keep_solution(body, built);
   return built.patch;
 }

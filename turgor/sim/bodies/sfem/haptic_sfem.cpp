@@ -47,6 +47,7 @@ Status begin_solutions(SfemBody& body, bool is_replay) {
   if (!body.law || body.tool_indices.empty()) return Done{};
   TURGOR_ASSERT(body.haptic, "solutions begin after the haptic exchange is prepared");
   restore_nonlinear(body, *body.touch.patch);
+  body.touch.stiffening = body.law->stiffening;
   SfemHaptics& haptic = *body.haptic;
   haptic.solver = std::make_unique<LawSolver>();
   haptic.solver->add({body.touch.patch, *body.nonlinear, body.touch.patch_number});

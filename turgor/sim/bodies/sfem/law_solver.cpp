@@ -93,6 +93,7 @@ std::optional<contact::PatchSolution> LawSolver::solve(const contact::LawForces&
   sfem::NonlinearPatch& nonlinear = base->nonlinear;
   std::vector<double> before = nonlinear.u;
   const double largest_before = nonlinear.largest_force;
+  nonlinear.law.stiffening = now.stiffening;
   sfem::NonlinearReport report;
   Result<sfem::Patch> solved = sfem::solve_nonlinear(nonlinear, numbers_of(now.force), kLawSteps, &report);
   if (!solved) nonlinear.u = std::move(before), nonlinear.largest_force = largest_before;
@@ -117,17 +118,18 @@ void LawSolver::work(contact::SfemExchange& exchange) {
   long published = 0;  // tick of the forces of its latest solution
   long begun = 0;      // tick of the forces of the latest attempt
   std::vector<Vec3d> forces;
+  double stiffening = 0;  // of the law of the latest attempt
   while (!ends_) {
     const contact::LawForces& now = exchange.forces.read();
     if (now.patch_number != patch)
       patch = now.patch_number, published = 0, begun = now.ticks - kLawTicks, forces.clear();
-    // ticks use the latest solution, and the forces have changed since
+    // ticks use the latest solution, and the forces or the law have changed since
     const bool is_due = now.solution_tick == published && now.ticks - begun >= kLawTicks;
-    if (now.ticks == 0 || !is_due || now.force == forces) {
+    if (now.ticks == 0 || !is_due || (now.force == forces && now.stiffening == stiffening)) {
       std::this_thread::sleep_for(kPause);
       continue;
     }
-    begun = now.ticks, forces = now.force;
+    begun = now.ticks, forces = now.force, stiffening = now.stiffening;
     std::optional<contact::PatchSolution> solution = solve(now);
     if (!solution) continue;
     published = solution->tick;
@@ -136,8 +138,8 @@ void LawSolver::work(contact::SfemExchange& exchange) {
 }
 
 void ReplayedForces::push(const contact::LawForces& now) {
-  const bool is_new =
-      forces_.empty() || forces_.back().patch_number != now.patch_number || forces_.back().force != now.force;
+  const bool is_new = forces_.empty() || forces_.back().patch_number != now.patch_number ||
+                      forces_.back().force != now.force || forces_.back().stiffening != now.stiffening;
   if (is_new) forces_.push_back(now);
 }
 

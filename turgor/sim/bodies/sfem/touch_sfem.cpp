@@ -137,6 +137,7 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   motion.stiffness_scale = body.stiffness_scale, motion.friction = body.friction;
   motion.roughness = body.texture.roughness, motion.wavelength = body.texture.wavelength;
   motion.viscosity = body.viscosity;
+  if (body.law) motion.stiffening = body.law->stiffening;
   exchange.motion.publish();
   offer_patch(exec, body, time, exchange.patches);
 }
