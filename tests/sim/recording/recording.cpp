@@ -67,6 +67,33 @@ TEST(Recording, RestoresLatticeBits) {
   EXPECT_FALSE(drawn.cuts[0].path);
 }
 
+// A replay draws the walls of a wound in the colors of their layers, as the run did, and none before the cut.
+TEST(Recording, ReplayDrawsColorsOfLayers) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(
+      folder,
+      {"body.block.tissue.partial_cells=false",
+       "body.block.layers=[{ name = \"skin\", thickness = 0.004, young = 1e5, color = [230, 180, 150] }, "
+       "{ name = \"fat\", young = 4e3, color = [240, 214, 120] }]"});
+  const World world = record_block(folder, scene);
+  WorldSnapshot run, replay;
+  show(Exec(1), world, run);
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  const Result<Scene> again = recording->scene({});
+  ASSERT_TRUE(again) << again.error().message;
+  World drawn = test::block_world(Exec(1), *again);
+  ASSERT_TRUE(recording->restore(Exec(1), 1, drawn, replay));
+  const WallLayers &a = run.bodies[0].wall_layers, &b = replay.bodies[0].wall_layers;
+  ASSERT_FALSE(a.triangles.empty());
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.corner, b.corner);
+  EXPECT_EQ(a.layer, b.layer);
+  EXPECT_EQ(b.looks.at(1).color, (Rgb{240, 214, 120}));
+  ASSERT_TRUE(recording->restore(Exec(1), 0, drawn, replay));
+  EXPECT_TRUE(replay.bodies[0].wall_layers.triangles.empty());
+}
+
 // Removed regions are restored.
 TEST(Recording, RestoresRemovedRegions) {
   const fs::path folder = test::fresh_folder();
