@@ -32,5 +32,27 @@ TEST(PictureItems, WallsHaveOwnVertices) {
   EXPECT_EQ(skin.vertices, body.x);
 }
 
+// Where a CT ends, the body is closed in the color of its sections, and not in that of skin.
+TEST(PictureItems, CapsHaveColorOfSections) {
+  BodySnapshot body;
+  body.look = Look::kSkin;
+  for (int n = 0; n < 12; n++) {
+    body.x.push_back({float(n), float(n * n), 1});
+    body.normals.push_back({0, float(n), 1});
+  }
+  body.triangles = {{0, 1, 2}, {2, 1, 3}, {5, 4, 6}, {7, 6, 9}, {9, 6, 8}};
+  body.wall_begin = 4, body.cap_count = 2;
+  EXPECT_EQ(outer_triangles(body).size(), 2u);
+  PictureItems items;
+  add_body(body, SkinColor::kNone, nullptr, items, {});
+  ASSERT_EQ(items.items.size(), 3u);
+  EXPECT_TRUE(items.items[0].color == kWallColor);
+  EXPECT_TRUE(items.items[1].color == section_color(body));
+  EXPECT_TRUE(items.items[2].color == natural_color(body));
+  EXPECT_FALSE(items.items[2].color == section_color(body));
+  EXPECT_EQ(items.items[1].mesh->triangles.size(), 2u);
+  EXPECT_EQ(items.items[2].mesh->triangles, (std::vector<Int3>{{0, 1, 2}, {2, 1, 3}}));
+}
+
 }  // namespace
 }  // namespace turgor

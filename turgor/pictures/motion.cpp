@@ -82,7 +82,7 @@ void color_walls(const BodySnapshot& body, CurrentThing& current) {
   const ColoredWalls walls = colored_walls(body);
   if (walls.mesh.triangles.empty()) return;
   const int first = int(current.rest.size());
-  current.triangles.resize(current.wall_begin);
+  current.triangles.resize(body.wall_begin);
   for (const Int3 t : walls.mesh.triangles) current.triangles.push_back(t + Int3{first, first, first});
   for (std::size_t v = 0; v < walls.mesh.vertices.size(); v++) {
     Vec3 rest;
@@ -96,7 +96,7 @@ void color_walls(const BodySnapshot& body, CurrentThing& current) {
 
 CurrentThing thing_of_body(const BodySnapshot& body) {
   MovingThing thing{MovingThing::Kind::kBody, body.name, body.look, body.typical_force, {}};
-  CurrentThing current{std::move(thing), body.triangles, body.wall_begin, body.rest, body.x};
+  CurrentThing current{std::move(thing), body.triangles, outer_triangles(body).size(), body.rest, body.x};
   color_walls(body, current);
   return current;
 }

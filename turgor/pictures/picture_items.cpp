@@ -55,10 +55,11 @@ TriMesh two_sided(TriMesh mesh) {
   return mesh;
 }
 
-/// Triangles of a mesh from number `begin` on, with the range of vertices that they use.
-TriMesh triangles_from(const TriMesh& whole, std::size_t begin) {
+/// Takes the triangles from number `begin` on out of a mesh, with the range of vertices that they use.
+TriMesh take_triangles(std::size_t begin, TriMesh& whole) {
   TriMesh found;
   found.triangles.assign(whole.triangles.begin() + std::ptrdiff_t(begin), whole.triangles.end());
+  whole.triangles.resize(begin);
   int low = int(whole.vertices.size()), high = -1;
   for (const Int3 t : found.triangles)
     low = std::min({low, t.x, t.y, t.z}), high = std::max({high, t.x, t.y, t.z});
@@ -231,13 +232,18 @@ void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale
   surface.scalars = shown_values(body, color);
   if (surface.scalars.empty()) scale = nullptr;
 
-  // walls of wounds
-  if (body.wall_begin < body.triangles.size()) {
-    add_walls(body, triangles_from(surface, body.wall_begin), items);
-    surface.triangles.resize(body.wall_begin);
+  // walls of wounds, and caps where the CT ends
+  const auto finish = [&] {
     RenderItem& item = items.items.back();
     item.closed = true, item.cutaway = cutaway;
     item.wet = look.wet.contains(body.name) && look.wet.at(body.name);
+  };
+  if (body.smooth.triangles.empty()) {
+    const std::size_t outer = outer_triangles(body).size();
+    if (body.wall_begin < surface.triangles.size())
+      add_walls(body, take_triangles(body.wall_begin, surface), items), finish();
+    if (outer < surface.triangles.size())
+      items.add(take_triangles(outer, surface), section_color(body)), finish();
   }
 
   // surface and section

@@ -3,8 +3,10 @@
 // A reused snapshot keeps its memory.
 #pragma once
 
+#include <algorithm>
 #include <any>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,6 +68,7 @@ struct BodySnapshot {
   SmoothSnapshot smooth;
   std::vector<CtVolume> sections;  // of a CT body by the planes of its cut-away, one sample thick
   std::size_t wall_begin = 0;      // first triangle of wound walls
+  std::size_t cap_count = 0;       // triangles before it that close the body where its CT ends
   WallLayers wall_layers;
   Box box;                   // around the body at rest [m]
   double typical_force = 1;  // force of an indentation of about a centimeter [N]
@@ -104,6 +107,12 @@ struct WorldSnapshot {
   std::vector<OrganForce> organ_forces;  // attachments, then contacts; without those that bear no force
   std::optional<CutawayScene> cutaway;   // set by the caller: whose planes have sections of a CT
 };
+
+/// Triangles of the body's outside, the first ones: without caps and walls of wounds.
+inline std::span<const Int3> outer_triangles(const BodySnapshot& body) {
+  const std::size_t walls = std::min(body.wall_begin, body.triangles.size());
+  return std::span(body.triangles).first(walls - std::min(body.cap_count, walls));
+}
 
 /// Sets the fields that do not depend on the state.
 template <class Body>

@@ -385,8 +385,10 @@ TEST(Recording, DamagedSurfaceIsNamedWithFile) {
     body.displacement[3].y = std::numeric_limits<float>::quiet_NaN();
   };
   const auto walls_beyond = [](BodySnapshot& body) { body.wall_begin = body.triangles.size() + 1; };
+  const auto caps_beyond = [](BodySnapshot& body) { body.cap_count = body.wall_begin + 1; };
   for (const std::string& message :
-       {message_of_damaged(folder / "r.h5", no_number), message_of_damaged(folder / "r.h5", walls_beyond)}) {
+       {message_of_damaged(folder / "r.h5", no_number), message_of_damaged(folder / "r.h5", walls_beyond),
+        message_of_damaged(folder / "r.h5", caps_beyond)}) {
     EXPECT_EQ(message.find((folder / "r.h5").string() + ": /snapshots/"), 0u) << message;
     EXPECT_NE(message.find("pad/: the surface is damaged"), std::string::npos) << message;
   }

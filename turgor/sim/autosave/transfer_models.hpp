@@ -110,8 +110,9 @@ void transfer(File& file, std::shared_ptr<const lattice::Fragments>& shared) {
 }
 template <class File>
 void transfer(File& file, lattice::BodySurface& surface) {
-  auto& [rest, embedding, slot, twin, lips, triangles, skin_triangles, fragments, plan] = surface;
-  transfer_all(file, rest, embedding, slot, twin, lips, triangles, skin_triangles, fragments);
+  auto& [rest, embedding, slot, twin, lips, triangles, skin_triangles, cap_triangles, fragments, plan] =
+      surface;
+  transfer_all(file, rest, embedding, slot, twin, lips, triangles, skin_triangles, cap_triangles, fragments);
   if constexpr (File::kReads) plan.reset();  // derived; made again with its body
 }
 template <class File>

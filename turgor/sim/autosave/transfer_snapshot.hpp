@@ -32,11 +32,11 @@ void transfer(File& file, WallLayers& walls) {
 template <class File>
 void transfer(File& file, BodySnapshot& body) {
   auto& [id, name, look, rest, displacement, x, normals, pressure, stretch, triangles, mesh_vertex, patch,
-         inside, inside_names, smooth, sections, wall_begin, wall_layers, box, typical_force, seconds,
-         cache] = body;
+         inside, inside_names, smooth, sections, wall_begin, cap_count, wall_layers, box, typical_force,
+         seconds, cache] = body;
   transfer_all(file, id, name, look, rest, displacement, x, normals, pressure, stretch, triangles,
-               mesh_vertex, patch, inside, inside_names, smooth.coarse, sections, wall_begin, wall_layers,
-               box, typical_force, seconds);
+               mesh_vertex, patch, inside, inside_names, smooth.coarse, sections, wall_begin, cap_count,
+               wall_layers, box, typical_force, seconds);
   if constexpr (File::kReads) cache.reset(), show_smooth(body);
 }
 template <class File>

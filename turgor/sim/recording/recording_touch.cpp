@@ -130,6 +130,7 @@ Status write_shown(Hdf5File& file, const std::string& group, double time, const 
       .array("pressure", surface.pressure, 1, "Pa")
       .array("triangles", numbers_of(surface.triangles), 3)
       .array<std::int64_t>("wall_begin", {std::int64_t(surface.wall_begin)})
+      .array<std::int64_t>("cap_count", {std::int64_t(surface.cap_count)})
       .array("coarse_triangles", numbers_of(surface.smooth.coarse), 3)
       .array("inside", flat(surface.inside.vertices), 3, "m")
       .array("inside_triangles", numbers_of(surface.inside.triangles), 3)
@@ -138,17 +139,24 @@ Status write_shown(Hdf5File& file, const std::string& group, double time, const 
       .status();
 }
 
-/// Reads the first triangle of wound walls; older recordings do not tell walls from skin. False if it is
-/// damaged.
-bool read_wall_begin(Reading& reading, const Hdf5File& file, const std::string& group,
-                     BodySnapshot& surface) {
-  const std::size_t count = surface.triangles.size();
-  surface.wall_begin = count;
-  if (!file.has(group + "wall_begin")) return true;
-  const auto begin = reading.array<std::int64_t>("wall_begin", 1);
-  if (begin.size() != 1) return true;  // the reading has the error
-  surface.wall_begin = std::size_t(std::clamp<std::int64_t>(begin[0], 0, std::int64_t(count)));
-  return begin[0] == std::int64_t(surface.wall_begin);
+/// Reads a number of triangles from 0 to `most`; `missing` if an older recording does not have it. False if
+/// it is damaged.
+bool read_triangle_count(Reading& reading, const Hdf5File& file, const std::string& group,
+                         const std::string& name, std::size_t most, std::size_t missing, std::size_t& count) {
+  count = missing;
+  if (!file.has(group + name)) return true;
+  const auto read = reading.array<std::int64_t>(name, 1);
+  if (read.size() != 1) return true;  // the reading has the error
+  count = std::size_t(std::clamp<std::int64_t>(read[0], 0, std::int64_t(most)));
+  return read[0] == std::int64_t(count);
+}
+
+/// Reads the first triangle of wound walls and the number of caps. Older recordings do not tell them from
+/// skin. False if one is damaged.
+bool read_groups(Reading& reading, const Hdf5File& file, const std::string& group, BodySnapshot& surface) {
+  const std::size_t all = surface.triangles.size();
+  return read_triangle_count(reading, file, group, "wall_begin", all, all, surface.wall_begin) &&
+         read_triangle_count(reading, file, group, "cap_count", surface.wall_begin, 0, surface.cap_count);
 }
 
 /// Content of a group besides the surface.
@@ -179,7 +187,7 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
   surface.mesh_vertex.assign(mesh_vertex.begin(), mesh_vertex.end());
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
   surface.triangles = *outer;
-  if (!read_wall_begin(reading, file, group, surface))
+  if (!read_groups(reading, file, group, surface))
     return Error{fmt::format("{}: {}: the surface is damaged", file.path().string(), group)};
   if (!reading.status()) return reading.status().error();
   update_vertices(surface);

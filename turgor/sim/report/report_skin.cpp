@@ -33,10 +33,10 @@ bool has_closed_wound(const World& world, int body) {
                      [body](const Suture& suture) { return suture.scene.body == body; });
 }
 
-/// Triangles without walls of wounds; empty for bodies without skin.
+/// Triangles without caps and walls of wounds; empty for bodies without skin.
 std::span<const Int3> triangles_of_skin(const BodySnapshot& body) {
   if (body.look != Look::kSkin || body.rest.size() != body.x.size()) return {};
-  return std::span(body.triangles).first(std::min(body.wall_begin, body.triangles.size()));
+  return outer_triangles(body);
 }
 
 }  // namespace

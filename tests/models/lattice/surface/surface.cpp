@@ -236,6 +236,38 @@ TEST(LatticeSurface, CappedAtEndOfScan) {
   EXPECT_NEAR(m.area / ((2 * 64 * 64 + 4 * 64 * 22) * 1e-6), 1, 0.02);
 }
 
+// The triangles in the planes where the scan ends are caps, and no others. They have no stretch of skin,
+// however the body is stretched.
+TEST(LatticeSurface, CapsLieWhereScanEnds) {
+  const Model model = body_of(slab_ct(), {4, 4, 4});
+  State state = make_state(model);
+  const BodySurface surface = build_surface(model, state.cuts);
+  const Vec3 last = hadamard(Vec3(model.anatomy.lattice.size - Int3{1, 1, 1}), model.anatomy.lattice.spacing);
+  const auto is_at_end = [&](Int3 t) {
+    const Vec3 a = surface.rest[std::size_t(t.x)], b = surface.rest[std::size_t(t.y)],
+               c = surface.rest[std::size_t(t.z)];
+    for (int axis = 0; axis < 3; axis++)
+      for (const float end : {0.0f, last[axis]})
+        if (std::max({std::abs(a[axis] - end), std::abs(b[axis] - end), std::abs(c[axis] - end)}) < 1e-6f)
+          return true;
+    return false;
+  };
+  EXPECT_GT(surface.cap_triangles, 100);
+  const int skin = surface.skin_triangles - surface.cap_triangles;
+  EXPECT_GT(skin, 100);
+  for (int n = 0; n < surface.skin_triangles; n++)
+    ASSERT_EQ(is_at_end(surface.triangles[std::size_t(n)]), n >= skin) << n;
+
+  for (std::size_t s = 0; s < state.motion.u.x.size(); s++) {
+    const Vec3 rest = rest_position(model.anatomy.lattice, slot_node(model.anatomy.lattice, int(s)));
+    state.motion.u.set(s, rest * 0.1f);
+  }
+  const TriMesh stretched = deformed_surface(model, state, surface, Shown::kStretch);
+  for (int n = 0; n < surface.skin_triangles; n++)
+    for (const int v : {surface.triangles[std::size_t(n)].x, surface.triangles[std::size_t(n)].y})
+      ASSERT_NEAR(stretched.scalars[std::size_t(v)], n < skin ? 0.21 : 0, 1e-3) << n;
+}
+
 // A closed cut keeps the skin's area, the volume and the normals.
 TEST(LatticeSurface, ClosedCutKeepsSkinAndVolume) {
   const Model model = body_of(slab_ct(), {4, 4, 4});

@@ -37,7 +37,8 @@ struct BodySurface {
   std::vector<int> twin;                 // by vertex: coincident vertex on the other lip; -1 = none
   std::vector<Lip> lips;
   std::vector<Int3> triangles;  // skin with caps last, then walls
-  int skin_triangles = 0;
+  int skin_triangles = 0;       // with caps
+  int cap_triangles = 0;
   std::shared_ptr<const Fragments> fragments;  // in which the vertices are embedded; null: no surface yet
   std::shared_ptr<const detail::SurfacePlan> plan;  // of a whole surface, for deformed_surface; or null
 };

@@ -169,7 +169,9 @@ BodySurface separate_groups(const MergedSurface& merged) {
     for (const auto& [t, cell] : merged.triangles[std::size_t(group)])
       if (t.x != t.y && t.y != t.z && t.z != t.x)
         surface.triangles.push_back({vertex_of(t.x), vertex_of(t.y), vertex_of(t.z)});
-    if (group != kWall) surface.skin_triangles = int(surface.triangles.size());
+    const int count = int(surface.triangles.size());
+    if (group != kSkin && group != kWall) surface.cap_triangles += count - surface.skin_triangles;
+    if (group != kWall) surface.skin_triangles = count;
     surface.twin.resize(surface.rest.size(), -1);
     if (group != kSkin) continue;
     // lips of the skin

@@ -108,7 +108,7 @@ void find_triangles_around(const BodySurface& surface, SurfacePlan& plan) {
   TURGOR_CHECK(is_csr(begin, plan.triangles.size()), "the vertices have all corners of triangles");
 }
 
-/// Areas of the CT. Triangles opened by a cut have none.
+/// Areas of the CT. Caps, which are no skin, and triangles opened by a cut have none.
 void find_rest_areas(const Model& model, const BodySurface& surface, SurfacePlan& plan) {
   const Vec3 h = model.anatomy.lattice.spacing;
   const Real step = std::min({h.x, h.y, h.z});
@@ -117,10 +117,10 @@ void find_rest_areas(const Model& model, const BodySurface& surface, SurfacePlan
     const Int3 t = surface.triangles[std::size_t(n)];
     const Vec3 a = surface.rest[std::size_t(t.x)];
     const float area = norm(cross(surface.rest[std::size_t(t.y)] - a, surface.rest[std::size_t(t.z)] - a));
-    const bool is_degenerate = area < 1e-5f * step * step;
-    plan.rest_area.push_back(is_degenerate ? 0 : area);
-    for (int corner = 0; corner < 3 && !is_degenerate; corner++)
-      plan.rest_around[std::size_t(t[corner])] += area;
+    const bool is_cap = n >= surface.skin_triangles - surface.cap_triangles;
+    const bool has_area = !is_cap && !(area < 1e-5f * step * step);
+    plan.rest_area.push_back(has_area ? area : 0);
+    for (int corner = 0; corner < 3 && has_area; corner++) plan.rest_around[std::size_t(t[corner])] += area;
   }
 }
 

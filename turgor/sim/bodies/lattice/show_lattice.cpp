@@ -93,6 +93,7 @@ void show(const Exec& exec, const LatticeBody& body, BodySnapshot& out) {
   out.x = now.vertices, out.normals = now.normals;
   out.stretch = now.scalars, out.triangles = now.triangles;
   out.wall_begin = std::size_t(skin.surface.skin_triangles);
+  out.cap_count = std::size_t(skin.surface.cap_triangles);
   TURGOR_CHECK(skin.rest.size() == out.x.size(), "every vertex of the surface has a rest position");
   out.rest.resize(out.x.size()), out.displacement.resize(out.x.size());
   for (std::size_t v = 0; v < out.x.size(); v++) {
