@@ -5,6 +5,7 @@
 
 #include "tests/view/drawn_in_texture.hpp"
 #include "tests/view/shapes.hpp"
+#include "turgor/geometry/loop_subdivision.hpp"
 
 namespace turgor {
 namespace {
@@ -132,6 +133,41 @@ TEST_F(MeshItems, LargeClosedMeshMatchesItsPieces) {
       for (int x = 0; x < kWidth; x++) different += test::difference(found.at(x, y), expected.at(x, y)) > 0;
     EXPECT_EQ(different, 0);
   }
+}
+
+// A quick picture of a subdivided ball shows the triangles before the last subdivision if it would show very
+// many: far away, but not close to its skin, and not in full quality.
+TEST_F(MeshItems, ManySubdividedTrianglesAreShownByFours) {
+  const TriMesh coarse = test::sphere({}, 0.15f, 96);
+  const SmoothSurface surface = loop_subdivision(coarse.triangles, 1);
+  TriMesh ball;
+  const std::span<const Vec3> points(coarse.vertices);
+  for (std::size_t v = 0; v < surface.size(); v++) {
+    const Vec3 x = interpolated(surface, v, points);
+    ball.vertices.push_back(x * (1 + 0.02f * std::sin(1500 * x.x) * std::sin(1500 * x.z)));
+  }
+  ball.triangles = surface.triangles;
+  ball.normals = vertex_normals(ball);
+  ASSERT_GT(ball.triangles.size(), 130'000u);
+  TriMesh before = ball;
+  before.triangles.clear();
+  for (std::size_t t = 0; t < ball.triangles.size(); t += 4)
+    before.triangles.push_back(triangle_of_four(&ball.triangles[t]));
+  const auto different = [&](const TriMesh& other, Vec3d eye, RenderQuality quality) {
+    const Camera camera{.eye = eye, .target = {}};
+    const Image expected = draw({{.mesh = &other, .color = kRed, .closed = true}}, quality, camera),
+                found =
+                    draw({{.mesh = &ball, .color = kRed, .in_fours = true, .closed = true}}, quality, camera);
+    int count = 0;
+    for (int y = 0; y < kHeight; y++)
+      for (int x = 0; x < kWidth; x++) count += test::difference(found.at(x, y), expected.at(x, y)) > 0;
+    return count;
+  };
+  const Vec3d near{0, -0.19, 0};
+  EXPECT_EQ(different(before, kFront.eye, RenderQuality::kQuick), 0);
+  EXPECT_GT(different(ball, kFront.eye, RenderQuality::kQuick), 100) << "the waves are finer";
+  EXPECT_EQ(different(ball, near, RenderQuality::kQuick), 0);
+  EXPECT_EQ(different(ball, kFront.eye, RenderQuality::kFull), 0);
 }
 
 // A plane removes the part of a hollow ball on its outer side; the section is a disk or a ring.

@@ -21,11 +21,13 @@ struct SmoothSurface {
 };
 
 /// Subdivides every triangle into four, `levels` times. Edges of one triangle, or of more than two, stay
-/// creases. Coarse vertices without triangles are left out.
+/// creases. Coarse vertices without triangles are left out. The four follow each other.
 SmoothSurface loop_subdivision(std::span<const Int3> triangles, int levels);
+/// Triangle that these four replace.
+constexpr Int3 triangle_of_four(const Int3* four) { return {four[0].x, four[1].y, four[2].z}; }
 
 /// Triangles of a surface that is drawn: at most these.
-constexpr std::size_t kMostInWindow = 100'000, kMostInPictures = 400'000;
+constexpr std::size_t kMostInWindow = 400'000, kMostInPictures = 1'600'000;
 /// Levels that give a mesh sixteen times as many triangles while it stays below `most`; 1 or 0 for finer
 /// meshes.
 int levels_for_drawing(std::size_t triangles, std::size_t most);

@@ -252,6 +252,7 @@ void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale
   items.add(std::move(surface), own, scale);
   RenderItem& item = items.items.back();
   item.closed = true, item.cutaway = cutaway, item.wet = is_wet(body, look);
+  item.in_fours = !body.smooth.triangles.empty();
   item.opaque = body.look == Look::kCloth;  // cloth and rigid bodies
   if (!scale) add_name(own, body.name, items.names);
   if (cutaway.planes > 0) {

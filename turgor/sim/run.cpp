@@ -27,7 +27,7 @@ void show_now(Running& run) {
   if (!run.result.snapshot.bodies.empty() && run.result.snapshot.frame == run.world.frame) return;
   const Timer timer;
   show(run.exec, run.world, run.result.snapshot);
-  show_smooth(run.result.snapshot);
+  show_smooth(run.result.snapshot, kMostInPictures, run.exec);
   run.result.show_seconds += timer.seconds();
   note_surface_seconds(run.result.snapshot, run.result.measures.pressed);
 }

@@ -87,11 +87,11 @@ void set_coarse(std::span<const Int3> triangles, BodySnapshot& body) {
   body.smooth.coarse.assign(triangles.begin(), triangles.end());
 }
 
-void show_smooth(WorldSnapshot& snapshot, std::size_t most) {
-  for (BodySnapshot& body : snapshot.bodies) show_smooth(body, most);
+void show_smooth(WorldSnapshot& snapshot, std::size_t most, const Exec& exec) {
+  for (BodySnapshot& body : snapshot.bodies) show_smooth(body, most, exec);
 }
 
-void show_smooth(BodySnapshot& body, std::size_t most) {
+void show_smooth(BodySnapshot& body, std::size_t most, const Exec& exec) {
   SmoothSnapshot& smooth = body.smooth;
   smooth.triangles.clear();
   const std::shared_ptr<const SmoothSurface> surface = subdivision_of(smooth.coarse, most, body);
@@ -102,7 +102,8 @@ void show_smooth(BodySnapshot& body, std::size_t most) {
   const bool has_pressure = body.pressure.size() == body.rest.size();
   smooth.x.resize(surface->size()), smooth.displacement.resize(surface->size());
   smooth.pressure.assign(has_pressure ? surface->size() : 0, 0);
-  for (std::size_t v = 0; v < surface->size(); v++) {
+  constexpr std::size_t kGrain = 4096;  // vertices per task
+  const auto move_vertex = [&](std::size_t v) {
     // point on the surface of the snapshot
     SurfacePoint at{surface->on[v], surface->on_weight[v]};
     const bool may_be_fine = fine.is_corner[std::size_t(at.corner.x)] ||
@@ -113,7 +114,8 @@ void show_smooth(BodySnapshot& body, std::size_t most) {
     smooth.displacement[v] = value_at(at, body.displacement);
     smooth.x[v] = interpolated(*surface, v, rest) + smooth.displacement[v];
     if (has_pressure) smooth.pressure[v] = value_at(at, body.pressure);
-  }
+  };
+  parallel_for(exec, surface->size(), move_vertex, kGrain);
   smooth.triangles = surface->triangles;
   smooth.normals =
       vertex_normals({.vertices = smooth.x, .triangles = smooth.triangles, .normals = {}, .scalars = {}});

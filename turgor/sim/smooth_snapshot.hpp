@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "turgor/core/exec.hpp"
 #include "turgor/geometry/loop_subdivision.hpp"
 #include "turgor/sim/snapshot.hpp"
 
@@ -17,7 +18,7 @@ void set_coarse(std::span<const Int3> triangles, BodySnapshot& body);
 /// like the points of the snapshot's surface on which it lies before smoothing. The subdivision is made once
 /// and kept in the snapshot's cache. Without coarse triangles, or with a mesh that is fine enough, there is
 /// none. `most`: triangles of a body that can be drawn in time.
-void show_smooth(BodySnapshot& body, std::size_t most = kMostInPictures);
-void show_smooth(WorldSnapshot& snapshot, std::size_t most = kMostInPictures);
+void show_smooth(BodySnapshot& body, std::size_t most = kMostInPictures, const Exec& exec = Exec(1));
+void show_smooth(WorldSnapshot& snapshot, std::size_t most = kMostInPictures, const Exec& exec = Exec(1));
 
 }  // namespace turgor

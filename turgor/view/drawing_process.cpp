@@ -77,7 +77,7 @@ Message request_of(const std::vector<RenderItem>& items, const Camera& camera, i
     message.put(mesh.vertices), message.put(mesh.triangles), message.put(mesh.normals);
     message.put(mesh.scalars);
     message.put(item.color), message.put(item.see_through), message.put(item.opaque);
-    message.put(item.is_mark), message.put(item.closed);
+    message.put(item.is_mark), message.put(item.in_fours), message.put(item.closed);
     message.put(item.wet), message.put(item.cutaway), message.put(item.is_cut_face);
     message.put(std::uint64_t(item.face_pictures.size()));
     for (const FacePicture& picture : item.face_pictures) put_picture(message, picture);
@@ -94,9 +94,10 @@ bool take_item(Message& message, OwnedItem& owned) {
   RenderItem& item = owned.item;
   bool good = message.take(mesh.vertices) && message.take(mesh.triangles) && message.take(mesh.normals) &&
               message.take(mesh.scalars) && message.take(item.color) && message.take(item.see_through) &&
-              message.take(item.opaque) && message.take(item.is_mark) && message.take(item.closed) &&
-              message.take(item.wet) && message.take(item.cutaway) && message.take(item.is_cut_face) &&
-              take_pictures(message, item.face_pictures) && message.take(owned.has_scale);
+              message.take(item.opaque) && message.take(item.is_mark) && message.take(item.in_fours) &&
+              message.take(item.closed) && message.take(item.wet) && message.take(item.cutaway) &&
+              message.take(item.is_cut_face) && take_pictures(message, item.face_pictures) &&
+              message.take(owned.has_scale);
   if (good && owned.has_scale) good = message.take(owned.scale.low) && message.take(owned.scale.high);
   good = good && message.take(owned.has_colors);
   return good && (!owned.has_colors || message.take(owned.colors));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/geometry/loop_subdivision.hpp"
+
 namespace turgor {
 
 namespace {
@@ -41,9 +43,10 @@ bool shows_back(const TriMesh& mesh, Int3 t, Vec3 eye) {
 }
 
 // Triangles of a large mesh that the camera may show. In full quality, also those that may cast shadows into
-// the picture: back faces, and a margin around it.
+// the picture: back faces, and a margin around it. If a quick picture would show very many of a subdivided
+// surface, they cover few pixels each, and the triangles before its last subdivision are shown.
 std::vector<Int3> shown_triangles(const RenderItem& item, const View& view, RenderQuality quality) {
-  constexpr std::size_t kLarge = 20'000;
+  constexpr std::size_t kLarge = 20'000, kMostQuick = 60'000;
   const TriMesh& mesh = *item.mesh;
   if (mesh.triangles.size() < kLarge) return mesh.triangles;
   const std::vector<std::uint8_t> beyond = vertices_beyond(mesh, camera_matrix(view));
@@ -51,10 +54,15 @@ std::vector<Int3> shown_triangles(const RenderItem& item, const View& view, Rend
   const Vec3 eye(view.eye);
   std::vector<Int3> shown;
   shown.reserve(mesh.triangles.size());
-  for (const Int3 t : mesh.triangles)
+  const auto add = [&](Int3 t) {
     if (!(beyond[std::size_t(t.x)] & beyond[std::size_t(t.y)] & beyond[std::size_t(t.z)]) &&
         !(only_front && shows_back(mesh, t, eye)))
       shown.push_back(t);
+  };
+  for (const Int3 t : mesh.triangles) add(t);
+  if (quality != RenderQuality::kQuick || !item.in_fours || shown.size() <= kMostQuick) return shown;
+  shown.clear();
+  for (std::size_t t = 0; t + 3 < mesh.triangles.size(); t += 4) add(triangle_of_four(&mesh.triangles[t]));
   return shown;
 }
 

@@ -31,8 +31,9 @@ struct RenderItem {
   const std::vector<Rgb>* colors = nullptr;  // one per vertex, instead of `color`
   bool see_through = false;                  // also visible, but paler, behind tissue
   bool opaque = false;                       // no tissue: hides see-through items behind it, apart from marks
-  bool is_mark = false;  // an arrow: a see-through one is visible behind opaque items, too
-  bool closed = false;   // triangles are counter-clockwise seen from outside; back faces are culled
+  bool is_mark = false;   // an arrow: a see-through one is visible behind opaque items, too
+  bool in_fours = false;  // triangles of loop_subdivision; a quick picture of many replaces four by one
+  bool closed = false;    // triangles are counter-clockwise seen from outside; back faces are culled
   bool wet = false;  // a film of water reflects (wet_reflection.hpp), except where a color map shows values
   Cutaway cutaway;   // not drawn, and casts no shadow
   bool is_cut_face = false;  // the section of a closed mesh by the planes of its cut-away, not its surface

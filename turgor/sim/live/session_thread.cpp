@@ -60,7 +60,7 @@ void publish(SessionThread& session) {
   if (shows) {
     out.snapshot.cutaway = session.cutaway;
     show(session.exec, *live.world, out.snapshot);
-    show_smooth(out.snapshot, kMostInWindow);
+    show_smooth(out.snapshot, kMostInWindow, session.exec);
     add_to_mean(timer.seconds(), next.show_seconds);
   }
   session.published.publish();
