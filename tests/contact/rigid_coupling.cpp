@@ -78,6 +78,33 @@ TEST(RigidCoupling, StiffTie_HoldsPointExactly) {
   EXPECT_LT(norm(found - held + ties[0].force / 1e7), 1e-5 * norm(now - held));
 }
 
+// A support with inertia yields to forces as a rigid body with this mass and inertia does, and starts from
+// its free displacement.
+TEST(RigidCoupling, SupportWithInertia_YieldsAsRigidBody) {
+  Spinning body = spinning();
+  const Vec3d velocity{0.06, -0.12, 0.03};
+  body.state = rigid::make_state(body.model, velocity);
+  const RigidMotion motion = motion_of(body);
+  // two ties that also turn the body
+  const Vec3d points[] = {{0.12, 0.03, -0.05}, {0.1, 0.02, -0.02}}, ahead = velocity * kStep;
+  std::vector<Tie> ties;
+  for (int n = 0; n < 2; n++)
+    ties.push_back({.a = {0, {n, -1, -1}, {1, 0, 0}, points[n]},
+                    .b = {.body = -1, .weight = {}, .rest = points[n]},
+                    .stiffness = 400,
+                    .force = {}});
+  std::vector<Tie> of_support = ties;
+  std::vector<contact::CoupledBody> rigid(1), support(1);
+  rigid[0].rigid = motion;
+  support[0].free.assign(2, ahead), support[0].is_support = true;
+  support[0].inertia = {motion.rest_center + ahead, motion.translation, motion.rotation};
+  contact::solve_coupling(Exec(1), rigid, ties, {});
+  contact::solve_coupling(Exec(1), support, of_support, {});
+  for (std::size_t n = 0; n < 2; n++)
+    EXPECT_LT(norm(of_support[n].force - ties[n].force), 1e-9 * norm(ties[0].force));
+  EXPECT_GT(norm(ties[0].force), 0);
+}
+
 // A box of this size around the origin, as a surface at a position.
 struct Placed {
   std::vector<Vec3d> rest, x;

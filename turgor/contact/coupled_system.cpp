@@ -49,10 +49,10 @@ Vec3d position_after(const Pose& after, Vec3d turned, const RigidMotion& motion,
 }
 
 /// Displacement at one arm by a force at another: column `axis` of h² (I/m − [r]× J⁻¹ [s]×).
-Vec3d rigid_column(const RigidMotion& motion, Vec3d r, Vec3d s, int axis) {
+Vec3d rigid_column(double translation, const Mat3d& rotation, Vec3d r, Vec3d s, int axis) {
   Vec3d force;
   force[axis] = 1;
-  return motion.translation * force + cross(motion.rotation * cross(s, force), r);
+  return translation * force + cross(rotation * cross(s, force), r);
 }
 
 void add_carriers(std::span<const CoupledBody> bodies, const SurfacePoint& point, double sign,
@@ -62,6 +62,11 @@ void add_carriers(std::span<const CoupledBody> bodies, const SurfacePoint& point
   const CoupledBody& body = bodies[std::size_t(point.body)];
   if (body.rigid) {
     carriers.list[carriers.count++] = {point.body, -1, sign, arm_of(*body.rigid, point)};
+    return;
+  }
+  if (body.inertia) {
+    const Vec3d x = point.rest + displacement_of(point, body.free) + point.offset;
+    carriers.list[carriers.count++] = {point.body, -1, sign, x - body.inertia->center};
     return;
   }
   if (body.is_support) return;
@@ -115,7 +120,9 @@ struct BodyColumn {
   /// Adds the blocks of the rows from `first` on.
   void add(std::size_t first, const Carriers& column, int body, std::vector<SiteBlock>& blocks) const {
     const CoupledBody& of = bodies[std::size_t(body)];
-    if (of.rigid) return add_rigid(first, column, body, *of.rigid, blocks);
+    if (of.rigid) return add_rigid(first, column, body, of.rigid->translation, of.rigid->rotation, blocks);
+    if (of.inertia)
+      return add_rigid(first, column, body, of.inertia->translation, of.inertia->rotation, blocks);
     const std::vector<SiteBlock> moved = displacements(column, body);
     for (std::size_t i = first; i < carriers.size(); i++)
       for (std::size_t r = 0; r < carriers[i].count; r++)
@@ -145,16 +152,16 @@ struct BodyColumn {
     return moved;
   }
 
-  void add_rigid(std::size_t first, const Carriers& column, int body, const RigidMotion& motion,
-                 std::vector<SiteBlock>& blocks) const {
+  void add_rigid(std::size_t first, const Carriers& column, int body, double translation,
+                 const Mat3d& rotation, std::vector<SiteBlock>& blocks) const {
     for (std::size_t c = 0; c < column.count; c++)
       for (std::size_t i = first; i < carriers.size(); i++)
         for (std::size_t r = 0; r < carriers[i].count; r++) {
           const Carrier &row = carriers[i].list[r], &of = column.list[c];
           if (row.body != body || of.body != body) continue;
           for (std::size_t k = 0; k < 9; k++)
-            blocks[i][k] +=
-                row.weight * of.weight * rigid_column(motion, row.arm, of.arm, int(k / 3))[int(k % 3)];
+            blocks[i][k] += row.weight * of.weight *
+                            rigid_column(translation, rotation, row.arm, of.arm, int(k / 3))[int(k % 3)];
         }
   }
 };

@@ -52,6 +52,14 @@ struct RigidMotion {
   Mat3d rotation = {{{}, {}, {}}};  // h² J⁻¹: rotation by a torque [rad/(N m)]
 };
 
+/// Inertia of a support that nothing fixes. Over a frame its points yield to the forces as those of a rigid
+/// body do; CoupledBody::free has their motion without these forces.
+struct SupportInertia {
+  Vec3d center;                     // of mass [m]
+  double translation = 0;           // h²/m: displacement of the center by a force [m/N]
+  Mat3d rotation = {{{}, {}, {}}};  // h² J⁻¹: rotation by a torque [rad/(N m)]
+};
+
 /// A body as the coupling sees it. One without any of the models takes no part.
 struct CoupledBody {
   const sfem::Model* model = nullptr;  // has a dense store of Green's functions
@@ -61,6 +69,7 @@ struct CoupledBody {
   bool is_support = false;  // it moves as `free` says and does not yield; the forces act on it later
   const rhombus::Model* chains =
       nullptr;  // instead of `model`: yields as a half space (models/rhombus/spread.hpp)
+  std::optional<SupportInertia> inertia = {};  // of a support that nothing fixes
 };
 
 /// A spring between two points that pulls and pushes. It breaks above its strength.

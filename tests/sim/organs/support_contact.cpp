@@ -54,21 +54,29 @@ std::string stone_on_fat(const std::string& shape, const std::string& at, double
 Vec3d load_on_fat(const World& world) { return total_force(world.lattice_bodies[0].cloth); }
 Vec3d force_of(const World& world) { return world.coupling.contacts[0].samples.back().force; }
 
-// A lattice that nothing fixes is not stable on elements; the report warns of that pair.
+// A lattice that nothing fixes is not stable on elements while the ground also acts on it; the report warns
+// of that.
 TEST(SupportContact, FreeLatticeOnElementsIsWarnedOf) {
   const Exec exec(1);
   const fs::path folder = test::fresh_folder();
   ASSERT_TRUE(write_ct(folder / "fat.nii", fat_ct()));
-  for (const std::string fixed : {"bone", "none"}) {
+  struct Case {
+    std::string fixed;
+    bool on_ground;
+  };
+  for (const auto& [fixed, on_ground] : {Case{"bone", false}, {"none", false}, {"none", true}}) {
     std::string text = fat_text("[0, 0, 0]");
     text.replace(text.find("\"bone\""), 6, "\"" + fixed + "\"");
     text += block_text("pad", "[-0.03, -0.06, -0.03]", "[0.06, 0.03, 0.06]", "[3, 2, 3]", "front");
     text += "[contact.rest]\nbetween = [\"pad\", \"fat\"]\n";
+    if (on_ground)
+      text +=
+          "[contact.below]\nbetween = [\"fat\", \"ground\"]\nthrough = [0, 0.04, 0]\nnormal = [0, -1, 0]\n";
     const Result<Scene> scene = parse_scene(text, folder / "fat.toml");
     ASSERT_TRUE(scene) << scene.error().message;
     const Result<World> world = load_world(exec, *scene);
     ASSERT_TRUE(world) << world.error().message;
-    EXPECT_EQ(coupling_warnings(*world).size(), fixed == "none" ? 1u : 0u);
+    EXPECT_EQ(coupling_warnings(*world).size(), on_ground ? 1u : 0u);
   }
 }
 

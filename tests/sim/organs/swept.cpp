@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "organs_scene.hpp"
+#include "swept_blocks.hpp"
 #include "tests/sim/resumed.hpp"
 #include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/world_state.hpp"
@@ -16,89 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::advance;
+using test::blocks_world;
+using test::contact_force;
+using test::contact_text;
+using test::kBlockGravity;
+using test::lattice_text;
+using test::load_on;
+using test::Whole;
+using test::whole_of;
+using test::world_text;
 
-constexpr double kYoung = 5e3;  // [Pa]
-
-constexpr double kGravity = 9.81;  // [m/s²]
-
-/// A block of voxels of 4 mm in air, 64 mm wide along x and z and 32 mm high along y. Its faces are at
-/// x = ±32 mm, z = ±32 mm from the middle, and from y = `front` on. Below it is bone, if requested.
-CtVolume block_ct(double front, bool on_bone, Vec3d middle) {
-  CtVolume ct;
-  ct.grid.size = {24, 20, 24};
-  ct.grid.spacing = {0.004, 0.004, 0.004};
-  ct.grid.origin = {middle.x - 0.046, front - 0.014, middle.z - 0.046};
-  ct.samples.assign(sample_count(ct.grid), kAirHu);
-  for (int k = 4; k < 20; k++)
-    for (int j = 4; j < (on_bone ? 16 : 12); j++)
-      for (int i = 4; i < 20; i++) ct.at(i, j, k) = j < 12 ? -100 : 1000;
-  return ct;
-}
-
-/// [body.NAME]: such a block with the file NAME.nii, Poisson's ratio 0 and hardly any skin.
-std::string lattice_text(const std::string& name, const std::string& fixed, const std::string& keys = "") {
-  return fmt::format(
-      "[body.{}]\nmodel = \"lattice\"\nct = \"{}.nii\"\nblock = 2\nfixed = \"{}\"\ntissue.fat = {}\n"
-      "tissue.poisson = 0\nskin.tension = 0\nskin.stiffness = 1e-3\nskin.shear = 0\nsolver.damping = "
-      "0\nsolver.sweeps = 20\n{}",
-      name, name, fixed, kYoung, keys);
-}
-std::string world_text(const std::string& gravity) {
-  return "[world]\nduration = 20\ngravity = " + gravity + "\n";
-}
-std::string contact_text(const std::string& a, const std::string& b, double friction,
-                         const std::string& keys = "") {
-  return fmt::format("[contact.{}-{}]\nbetween = [\"{}\", \"{}\"]\nfriction = {}\n{}", a, b, a, b, friction,
-                     keys);
-}
-
-struct SweptBlock {
-  std::string name;
-  double front = 0;  // [m]
-  bool on_bone = false;
-  Vec3d middle = {};  // y is unused [m]
-};
-World blocks_world(const Exec& exec, const std::vector<SweptBlock>& blocks, const std::string& text) {
-  const fs::path folder = test::fresh_folder();
-  for (const SweptBlock& block : blocks)
-    EXPECT_TRUE(write_ct(folder / (block.name + ".nii"), block_ct(block.front, block.on_bone, block.middle)));
-  const Result<Scene> scene = parse_scene(text, folder / "blocks.toml");
-  EXPECT_TRUE(scene) << scene.error().message;
-  Result<World> world = load_world(exec, *scene);
-  EXPECT_TRUE(world) << world.error().message;
-  return std::move(*world);
-}
-
-Vec3d contact_force(const World& world, std::size_t contact = 0) {
-  return world.coupling.contacts[contact].samples.back().force;
-}
-
-/// Momentum, mass and mean displacement of a lattice.
-struct Whole {
-  double mass = 0;
-  Vec3d momentum, displacement;
-};
-Whole whole_of(const LatticeBody& body) {
-  Whole whole;
-  for (std::size_t slot = 0; slot < body.model.anatomy.inverse_mass.size(); slot++)
-    if (const double w = double(body.model.anatomy.inverse_mass[slot]); w > 0) {
-      whole.mass += 1 / w;
-      whole.momentum += Vec3d(body.state->motion.v[slot]) / w;
-      whole.displacement += Vec3d(body.state->motion.u[slot]) / w;
-    }
-  whole.displacement = whole.displacement / whole.mass;
-  return whole;
-}
-
-const LatticeBody& body_named(const World& world, const std::string& name) {
-  for (const LatticeBody& body : world.lattice_bodies)
-    if (body.name == name) return body;
-  return world.lattice_bodies.at(0);
-}
-Whole whole_of(const World& world, const std::string& name) { return whole_of(body_named(world, name)); }
-Vec3d load_on(const World& world, const std::string& name) {
-  return total_force(body_named(world, name).cloth);
-}
 World stacked_world(const Exec& exec, double friction) {
   return blocks_world(exec, {{"upper", -0.055}, {"lower", -0.022, true}},
                       world_text("[0, 9.81, 0]") + lattice_text("upper", "none") +
@@ -109,7 +36,7 @@ World stacked_world(const Exec& exec, double friction) {
 /// The contact and the load of the lower block are the weight of the upper one, and the surfaces meet within
 /// `gap` [m].
 void expect_stack_bears_weight(const World& world, double gap) {
-  const double weight = whole_of(world, "upper").mass * kGravity;
+  const double weight = whole_of(world, "upper").mass * kBlockGravity;
   std::printf("contact %.5f, load %.5f of %.5f N\n", contact_force(world).y, load_on(world, "lower").y,
               weight);
   EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
@@ -140,7 +67,7 @@ TEST(Swept, BlockOnGround_BearsWeight) {
       world_text("[0, 9.81, 0]") + lattice_text("block", "none") +
           contact_text("block", "ground", 0.3, "through = [0, -0.021, 0]\nnormal = [0, -1, 0]\n"));
   advance(exec, world, 90);
-  const double weight = whole_of(world, "block").mass * kGravity;
+  const double weight = whole_of(world, "block").mass * kBlockGravity;
   EXPECT_LT(norm(contact_force(world) - Vec3d{0, -weight, 0}), 5e-3 * weight);
 }
 
@@ -153,7 +80,7 @@ TEST(Swept, StiffBlockOnGround_FewSweepsStayFinite) {
       world_text("[0, 9.81, 0]") + lattice_text("block", "none", "tissue.young = 1e5\n") +
           contact_text("block", "ground", 0.3, "through = [0, -0.0225, 0]\nnormal = [0, -1, 0]\n"));
   world.lattice_bodies[0].model.params.solver.sweeps = 5;
-  const double weight = whole_of(world, "block").mass * kGravity;
+  const double weight = whole_of(world, "block").mass * kBlockGravity;
   for (int frame = 0; frame < 90; frame++) ASSERT_TRUE(step(exec, world)) << frame;
   for (int frame = 0; frame < 10; frame++) {
     ASSERT_TRUE(step(exec, world));
@@ -170,7 +97,8 @@ TEST(Swept, SlopingGround_SlidesAboveFrictionAngle) {
     const double angle = std::atan(factor * kFriction);
     World world = blocks_world(
         exec, {{"block", -0.055}},
-        world_text(fmt::format("[{}, {}, 0]", kGravity * std::sin(angle), kGravity * std::cos(angle))) +
+        world_text(
+            fmt::format("[{}, {}, 0]", kBlockGravity * std::sin(angle), kBlockGravity * std::cos(angle))) +
             lattice_text("block", "none", "tissue.young = 5e4\n") +
             contact_text("block", "ground", kFriction, "through = [0, -0.0229, 0]\nnormal = [0, -1, 0]\n"));
     advance(exec, world, factor < 1 ? 120 : 30);
@@ -181,32 +109,12 @@ TEST(Swept, SlopingGround_SlidesAboveFrictionAngle) {
     const double before = speed();
     advance(exec, world, 30);
     const double acceleration = (speed() - before) / (30 * world.dt);
-    const double expected = std::max(0.0, kGravity * (std::sin(angle) - kFriction * std::cos(angle)));
+    const double expected = std::max(0.0, kBlockGravity * (std::sin(angle) - kFriction * std::cos(angle)));
     const Vec3d force = contact_force(world);
     std::printf("tan = %.1f mu: %.4f m/s2 of %.4f, speed %.4g, friction %.4f of the normal force\n", factor,
                 acceleration, expected, before, -force.x / -force.y);
-    EXPECT_NEAR(acceleration, expected, 0.02 * kGravity * std::sin(angle));
+    EXPECT_NEAR(acceleration, expected, 0.02 * kBlockGravity * std::sin(angle));
   }
-}
-
-// Two free blocks that collide keep their momentum.
-TEST(Swept, FreePair_KeepsMomentum) {
-  const Exec exec(2);
-  World world = blocks_world(exec, {{"first", -0.055}, {"second", -0.022}},
-                             world_text("[0, 0, 0]") + lattice_text("first", "none") +
-                                 lattice_text("second", "none") + contact_text("first", "second", 0.3));
-  constexpr Real kSpeed = Real(0.05);
-  for (LatticeBody& body : world.lattice_bodies)
-    if (body.name == "first") {
-      lattice::Motion& motion = body.state.change().motion;
-      for (std::size_t slot = 0; slot < body.model.anatomy.inverse_mass.size(); slot++)
-        if (body.model.anatomy.inverse_mass[slot] > 0) motion.v.set(slot, {0, kSpeed, 0});
-    }
-  const double before = whole_of(world, "first").momentum.y;
-  advance(exec, world, 120);
-  const double after = whole_of(world, "first").momentum.y + whole_of(world, "second").momentum.y;
-  std::printf("momentum %.6f of %.6f N s\n", after, before);
-  EXPECT_NEAR(after, before, 0.02 * before);
 }
 
 // A free block hangs from a fixed one, and from the ground, by springs. Blocks of whole and of partial cells.
@@ -223,7 +131,7 @@ TEST(Swept, HangingBlock_PullsWithWeight) {
                                    lattice_text("base", "bone", "gravity = false\n" + key) +
                                    "[attachment.glue]\n" + spring + "stiffness = 500\npoints = 60\n");
     advance(exec, world, 90);
-    const double weight = whole_of(world, "block").mass * kGravity;
+    const double weight = whole_of(world, "block").mass * kBlockGravity;
     EXPECT_NEAR(std::abs(world.coupling.attachments[0].samples.back().force.y), weight, 5e-3 * weight);
     EXPECT_NEAR(load_on(world, "base").y, on_ground ? 0 : -weight, 5e-3 * weight);
   }
@@ -256,7 +164,7 @@ TEST(Swept, BlockOnFixedRigidBody_BearsWeight) {
                 shape, is_box ? -0.0115 : 0.279) +
             contact_text("base", "block", 2));
     advance(exec, world, 90);
-    const double weight = whole_of(world, "block").mass * kGravity;
+    const double weight = whole_of(world, "block").mass * kBlockGravity;
     std::printf("%s: %.5f N of %.5f N\n", shape, contact_force(world).y, weight);
     EXPECT_LT(norm(contact_force(world) - Vec3d{0, weight, 0}), 5e-3 * weight);
   }
@@ -292,7 +200,7 @@ TEST(Swept, PartialCells_OnGroundUnderFinger) {
           "[tool.finger]\nbody = \"block\"\nshape = { sphere = 0.012 }\npress = { at_fraction = [0.5, 0, "
           "0.5], depth = 0.006, start = 0.2, duration = 0.3, hold = 9 }\n");
   advance(exec, world, 150);
-  const double weight = whole_of(world, "block").mass * kGravity;
+  const double weight = whole_of(world, "block").mass * kBlockGravity;
   const Vec3d finger = world.tools[0].samples.back().force;
   std::printf("ground %.5f N, weight %.5f N, finger %.5f N\n", contact_force(world).y, weight, finger.y);
   EXPECT_LT(finger.y, -0.03);
@@ -308,7 +216,7 @@ TEST(Swept, PartialCells_HangByWeight) {
                                  "[attachment.glue]\nbetween = [\"base\", \"block\"]\ndistance = "
                                  "0.004\nstiffness = 500\npoints = 60\n");
   advance(exec, world, 90);
-  const double weight = whole_of(world, "block").mass * kGravity;
+  const double weight = whole_of(world, "block").mass * kBlockGravity;
   EXPECT_NEAR(std::abs(world.coupling.attachments[0].samples.back().force.y), weight, 5e-3 * weight);
   EXPECT_NEAR(load_on(world, "base").y, -weight, 5e-3 * weight);
 }
@@ -328,7 +236,7 @@ TEST(Swept, BlockOnChains_BearsWeight) {
   advance(exec, world, 60);
   Vec3d mean;
   for (int n = 0; n < 60; n++) advance(exec, world, 1), mean += contact_force(world) / 60;
-  const double weight = whole_of(world, "block").mass * kGravity;
+  const double weight = whole_of(world, "block").mass * kBlockGravity;
   std::printf("mean force %.4f of %.4f N\n", -mean.y, weight);
   EXPECT_NEAR(mean.y, -weight, 0.05 * weight);
 }

@@ -8,6 +8,7 @@
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/contact_points.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
+#include "turgor/models/lattice/solver/balance_momentum.hpp"
 #include "turgor/models/lattice/solver/calm_rows.hpp"
 #include "turgor/models/lattice/solver/sleep.hpp"
 #include "turgor/models/lattice/solver/step_sequence.hpp"
@@ -114,14 +115,19 @@ struct HostStep {
   }
   /// Velocities; restores the last state if one is not finite.
   void finish() {
+    Vec3d unbalanced;
+    if (inputs.measures_balance) unbalanced = unbalanced_force(model, state, inputs, dt);
+    if (inputs.balances_momentum) balance_momentum(model, state, inputs, dt);
     report = lattice::finish(exec, model, state, dt, inputs.halo);
-    report.residual = residual;
+    report.residual = residual, report.unbalanced = unbalanced;
   }
 };
 
 }  // namespace
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  TURGOR_ASSERT(!inputs.balances_momentum || model.params.solver.method == Method::kVbd,
+                "momentum is balanced with the VBD solver");
   check_contacts(model, inputs);
   check_springs(model, inputs);
   HostStep body{exec, model, state, inputs, dt, prepare_step(exec, model, state, inputs, dt)};

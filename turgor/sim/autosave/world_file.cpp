@@ -226,8 +226,9 @@ void transfer(File& file, Attachment& attachment) {
 }
 template <class File>
 void transfer(File& file, BodyContact& contact) {
-  auto& [name, between, body, ground, params, swept, rest_height, sites, samples, dropped_most, deepest] =
-      contact;
+  // the unbalanced force is read in the frame that finds it
+  auto& [name, between, body, ground, params, swept, rest_height, sites, samples, dropped_most, deepest,
+         unbalanced] = contact;
   transfer_all(file, sites, samples, dropped_most, deepest);
 }
 template <class File>

@@ -4,6 +4,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/sim/organs/free_lattice.hpp"
 #include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/organs/swept.hpp"
 #include "turgor/sim/world.hpp"
@@ -56,8 +57,12 @@ contact::PairSurface surface_now(const World& world, int index, const std::vecto
   return {index, model.body.mesh.vertices, x, model.surface.triangles, rest_height};
 }
 
-/// Distance that the points of a rigid body may move in the next frame [m].
+/// Distance that the points of a rigid body or a free lattice may move in the next frame [m].
 double distance_ahead(const World& world, int index) {
+  if (index >= first_support(world)) {
+    const CoupledSupport& support = world.coupling.supports[std::size_t(index - first_support(world))];
+    return moves_whole(world, support) ? farthest_ahead(world, support) : 0;
+  }
   const RigidBody* body = index < 0 ? nullptr : rigid_body(world, index);
   if (!body || body->model.is_fixed) return 0;
   return world.dt * (rigid::largest_speed(body->model, body->state) + world.dt * norm(world.gravity));
@@ -223,6 +228,7 @@ std::vector<contact::CoupledBody> coupled_motions(const Exec& exec, World& world
     bodies[s].free = support_displacement(world, support), bodies[s].is_support = true;
     x[s] = support.rest;
     for (std::size_t v = 0; v < x[s].size(); v++) x[s][v] += bodies[s].free[v];
+    if (moves_whole(world, support)) bodies[s].inertia = move_ahead(world, support, x[s], bodies[s].free);
     if (support.body.kind == BodyKind::kRhombus) {
       // chains yield to the forces of this solution instead of the last one
       const RhombusBody& body = world.rhombus_bodies[std::size_t(support.body.index)];
@@ -308,8 +314,11 @@ void couple_bodies(const Exec& exec, World& world) {
                                      [](const contact::Tie& tie) { return tie.broken; });
     if (is_torn && attachment.torn_at == 0) attachment.torn_at = time;
   }
-  for (BodyContact& contact : coupling.contacts)
-    contact.samples.push_back(sample_of(time, contact.sites, contact.body[0]));
+  for (BodyContact& contact : coupling.contacts) {
+    CouplingSample sample = sample_of(time, contact.sites, contact.body[0]);
+    sample.force -= contact.unbalanced * (contact.swept == 0 ? 1 : -1);
+    contact.samples.push_back(sample);
+  }
   find_swept(exec, world);
 }
 

@@ -55,6 +55,8 @@ struct BodyContact {
   std::vector<CouplingSample> samples;   // by frame
   int dropped_most = 0;                  // touching vertices beyond the capacity, most in a frame
   double deepest = 0;                    // depth of a vertex before it was pushed out, largest [m]
+  Vec3d unbalanced;  // swept: what the forces of the last step exceed those on the swept body that its
+                     // momentum shows [N]
 };
 
 /// Surface nodes of a lattice with the nearest points of its skin; vertices of its surface in a body with

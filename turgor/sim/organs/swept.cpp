@@ -46,12 +46,6 @@ Vec3d motion_ahead(const World& world, const contact::SurfacePoint& point) {
   return patient_axes(body) * (velocity * world.dt);
 }
 
-/// Bound for the motion of the points of a body in the next frame [m].
-double farthest_ahead(const World& world, const CoupledSupport& support) {
-  const double fall = world.dt * world.dt * norm(world.gravity);
-  return support.body.kind == BodyKind::kLattice ? lattice_of(world, support).last_displacement + fall : fall;
-}
-
 std::vector<Vec3d> positions_of(const World& world, const CoupledSupport& support) {
   std::vector<Vec3d> x = support_displacement(world, support);
   for (std::size_t v = 0; v < x.size(); v++) x[v] += support.rest[v];
@@ -166,10 +160,10 @@ int swept_side(const World& world, BodyId body, const std::optional<BodyId>& oth
   if (yields(body) || (other && yields(*other))) return -1;
   if (body.kind != BodyKind::kLattice) return other && other->kind == BodyKind::kLattice ? 1 : -1;
   if (!other || other->kind != BodyKind::kLattice) return 0;
-  const auto is_free = [&](BodyId id) {
-    return swept_support(world, coupled_index(world, id)).free_mass > 0;
-  };
-  return !is_free(body) && is_free(*other) ? 1 : 0;
+  const auto mass = [&](BodyId id) { return swept_support(world, coupled_index(world, id)).free_mass; };
+  const double own = mass(body), others = mass(*other);
+  if (own == 0 || others == 0) return own == 0 && others > 0 ? 1 : 0;
+  return others < own ? 1 : 0;
 }
 
 SweptNodes swept_nodes(const LatticeBody& body, const CoupledSupport& support) {
@@ -206,6 +200,11 @@ SweptNodes swept_nodes(const LatticeBody& body, const CoupledSupport& support) {
 double free_mass(const LatticeBody& body) {
   const lattice::Anatomy& anatomy = body.model.anatomy;
   return anatomy.free_nodes < anatomy.body_nodes ? 0 : lattice::moving_mass(anatomy);
+}
+
+double farthest_ahead(const World& world, const CoupledSupport& support) {
+  const double fall = world.dt * world.dt * norm(world.gravity);
+  return support.body.kind == BodyKind::kLattice ? lattice_of(world, support).last_displacement + fall : fall;
 }
 
 std::vector<double> swept_rest_heights(const Exec& exec, const World& world, const BodyContact& contact) {

@@ -20,13 +20,17 @@ namespace turgor {
 struct LatticeBody;
 
 /// Side of the body whose step solves for the forces between two bodies: cloth, else a lattice without fixed
-/// nodes before one with fixed nodes, and the first before the second. -1: all bodies are solved together.
+/// nodes before one with fixed nodes, the lighter of two such lattices, and the first before the second. -1:
+/// all bodies are solved together. A body that feels forces late is driven by them the more the lighter it
+/// is.
 int swept_side(const World& world, BodyId body, const std::optional<BodyId>& other);
 
 /// Surface nodes of a lattice that can touch.
 SweptNodes swept_nodes(const LatticeBody& body, const CoupledSupport& support);
 /// Mass of a lattice that nothing fixes; 0 if something does [kg].
 double free_mass(const LatticeBody& body);
+/// Bound for the motion of the points of a body in the next frame [m].
+double farthest_ahead(const World& world, const CoupledSupport& support);
 /// Distances of the nodes of a swept contact from the other body at rest.
 std::vector<double> swept_rest_heights(const Exec& exec, const World& world, const BodyContact& contact);
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/invariants.hpp"
+#include "turgor/sim/organs/free_lattice.hpp"
 #include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/report/section.hpp"
 #include "turgor/sim/world.hpp"
@@ -140,7 +141,8 @@ Section body_contact_section() {
 
 namespace {
 
-/// True for contact of a lattice that nothing fixes with a body of elements.
+/// True for contact of a lattice that nothing fixes with a body of elements, if needles, cloth, lattices or
+/// the ground also act on it: its motion as a whole is not solved with the forces then.
 bool is_free_on_elements(const World& world, const BodyContact& contact) {
   for (const int side : {0, 1}) {
     const int index = contact.body[std::size_t(side)], other = contact.body[std::size_t(1 - side)];
@@ -148,7 +150,7 @@ bool is_free_on_elements(const World& world, const BodyContact& contact) {
     if (!is_index(support, world.coupling.supports.size()) || !is_index(other, world.sfem_bodies.size()))
       continue;
     const CoupledSupport& body = world.coupling.supports[std::size_t(support)];
-    if (body.body.kind == BodyKind::kLattice && body.free_mass > 0) return true;
+    if (body.body.kind == BodyKind::kLattice && body.free_mass > 0 && !moves_whole(world, body)) return true;
   }
   return false;
 }
@@ -163,10 +165,11 @@ std::vector<std::string> coupling_warnings(const World& world) {
                                    coupling.unsolved, coupling.frames));
   for (const BodyContact& contact : coupling.contacts)
     if (is_free_on_elements(world, contact))
-      warnings.push_back(
-          fmt::format("{}: a lattice that nothing fixes feels a body of elements a few frames late and may "
-                      "pass through it or be thrown; fix a part of it, or make both bodies lattices",
-                      contact.name));
+      warnings.push_back(fmt::format(
+          "{}: a lattice that nothing fixes, and that needles, cloth, lattices or the ground also act on, "
+          "feels a body of elements a few frames late and may pass through it or be thrown; fix a "
+          "part of it, or make both bodies lattices",
+          contact.name));
   for (const BodyContact& contact : coupling.contacts)
     if (contact.dropped_most > 0)
       warnings.push_back(fmt::format(

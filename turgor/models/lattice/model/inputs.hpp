@@ -41,6 +41,10 @@ struct Inputs {
   // VBD of a body that nothing fixes, on the host only: acceleration of its center besides gravity with which
   // the sweeps start, lattice frame [m/s²]. Sweeps move a whole body slowly.
   Vec3d start_acceleration = {};
+  // VBD of a body that nothing fixes, on the host only: balances its momentum after the sweeps
+  // (solver/balance_momentum.hpp). Only where nothing but loads and other free bodies acts on it.
+  bool balances_momentum = false;
+  bool measures_balance = false;  // of such a body: StepReport::unbalanced instead
 };
 
 /// Distance of a step from the minimum of its energy: residual forces at the free nodes [N].
@@ -53,6 +57,7 @@ struct StepReport {
   bool finite = true;      // false: the step was undone
   Real largest_speed = 0;  // [m/s]
   Residual residual;       // if requested; PBD has none, since it minimizes no energy
+  Vec3d unbalanced;        // if requested: see unbalanced_force (solver/balance_momentum.hpp) [N]
   int rows = 0;            // rows with a free node; 0 if sleep is disabled
   int rows_asleep = 0;     // sleeping rows of these
 };

@@ -26,7 +26,8 @@ struct ClothForces {
   std::vector<contact::VertexForce> solved;  // on chains: forces of attachments and bodies to which they have
                                              // yielded already, not to be relaxed
   double mass = 0;                           // of all cloth in contact with it [kg]
-  double stiffness = 0;  // of attachments and touching bodies that push back when it yields [N/m]
+  double stiffness = 0;      // of attachments and touching bodies that push back when it yields [N/m]
+  bool moves_whole = false;  // a lattice whose motion as a whole follows `force` at once (free_lattice.hpp)
 };
 
 /// Relaxes the load toward the forces of the latest frame.

@@ -9,7 +9,9 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/model/moving_mass.hpp"
+#include "turgor/models/lattice/model/whole_motion.hpp"
 #include "turgor/sim/organs/cloth_attachments.hpp"
+#include "turgor/sim/organs/free_lattice.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -120,6 +122,7 @@ ClothForces cloth_forces_on(const World& world, BodyId body) {
     forces.force.insert(forces.force.end(), support.force.begin(), support.force.end());
     forces.solved = support.solved;
     forces.stiffness += support.stiffness;
+    forces.moves_whole = moves_whole(world, support);
   }
   add_cloth_attachments(world, body, forces);
   return forces;
@@ -145,6 +148,24 @@ static double elastic_compliance(const LatticeBody& body, const ClothLoad& load,
   return kBound * (0.4 / (young * radius) + (mass > 0 ? dt * dt / mass : 0));
 }
 
+/// Adds to the velocities of a body what the relaxed load leaves out of the forces: their sum and their
+/// torque, as an acceleration of the whole body.
+static void move_by_rest(const ClothForces& forces, double dt, LatticeBody& body) {
+  const lattice::WholeMotion whole = lattice::whole_motion(body.model, *body.state);
+  const Mat3d to_lattice = transposed(body.model.anatomy.grid.axes);
+  Vec3d force, torque;
+  const auto add = [&](const contact::VertexForce& at, double sign) {
+    const Vec3d f = to_lattice * at.force * sign;
+    force += f;
+    torque += cross(lattice::node_position(body.model, *body.state, at.vertex) - whole.center, f);
+  };
+  for (const contact::VertexForce& f : forces.force) add(f, 1);
+  for (const contact::VertexForce& f : body.cloth.force) add(f, -1);
+  if (force == Vec3d{} && torque == Vec3d{}) return;
+  lattice::add_velocity(body.model, whole.center, force * (dt / whole.mass),
+                        whole.inverse_inertia * torque * dt, body.state.change());
+}
+
 /// Compliance of a lattice. A node accelerated by a force f moves by at most w f h², since its neighbors
 /// restrain it. A rim node has almost no mass: the tissue of its cell restrains it like a node of tissue.
 void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, double dt) {
@@ -156,6 +177,7 @@ void press_body(const Exec&, LatticeBody& body, const ClothForces& forces, doubl
   // relax the load toward the new forces
   ClothLoad& load = body.cloth;
   relax_toward(forces, load);
+  if (forces.moves_whole) move_by_rest(forces, dt, body);
   // compliance from the largest acceleration
   constexpr double kDensity = 1000;  // of tissue [kg/m³]
   const double of_tissue = 1 / (kDensity * sample_volume(body.model.anatomy.grid));

@@ -10,6 +10,7 @@
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 #include "turgor/sim/bodies/lattice/touch_lattice.hpp"
 #include "turgor/sim/live/exchanges.hpp"
+#include "turgor/sim/organs/free_lattice.hpp"
 #include "turgor/sim/organs/swept.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -73,16 +74,18 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   // loads, tools, stitches and attachments
   SutureSprings stitches(body.model, int(&body - world.lattice_bodies.data()), world.sutures);
   SweptSprings attachments(body, world, stitches.input());
-  const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
-                               .measure_residual = input.measure_residual && has_forces,
-                               .loads = loads,
-                               .springs = attachments.input()};
+  lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
+                         .measure_residual = input.measure_residual && has_forces,
+                         .loads = loads,
+                         .springs = attachments.input()};
+  set_free_motion(world, body, inputs);
   apply_commands(body, input.from, input.to, world.tools);
 
   // step
   const lattice::StepReport done = step_lattice(exec, body, world, inputs, input.from, input.to);
   if (done.finite && stitches.input()) stitches.finish(body.model, body.state->motion, input.to);
   if (done.finite && attachments.input()) attachments.finish(body.state->motion);
+  record_balance(world, body, done);
   // damping reduces the speed after the positions were updated
   body.last_displacement =
       double(done.largest_speed) / double(speed_scale(body.model.params.solver, input.to - input.from));
