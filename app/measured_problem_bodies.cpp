@@ -195,7 +195,7 @@ struct ShearedBlock {
     // stress of the first cell
     const int slot = node_slot(l, {0, 0, 0});
     Real young[lattice::kGroup] = {model.anatomy.cell_young[std::size_t(slot)]};
-    lattice::LawStresses stresses;
+    lattice::LawStresses<lattice::kGroup> stresses;
     law_stresses(node_arrays(model, state), cell_law_view(model, state), lattice::node_block(l, 0), young,
                  slot, stresses);
     double sum = double(stresses.of[3][0]);

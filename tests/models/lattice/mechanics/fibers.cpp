@@ -75,7 +75,7 @@ class StretchedCell {
   }
 
  private:
-  LawStresses s_;
+  LawStresses<kGroup> s_;
   double j_, volume_ = 0;
 };
 

@@ -1,7 +1,9 @@
 // Laws of solid cells that stiffen: forces against differences of the energy, and blocks against closed
 // forms.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -119,6 +121,20 @@ TEST(SolidLaws, ExponentialHessianIsExact) {
       }
     }
   }
+}
+
+// Bounds by bits are those of numbers, for both signs, zeros and infinities.
+TEST(SolidLaws, BoundsByBitsMatchNumbers) {
+  const Real most = std::numeric_limits<Real>::infinity();
+  std::vector<Real> numbers = {0, Real(1e-40), Real(1e-30),  Real(0.0999), Real(0.1),
+                               1, 10,          Real(10.001), most};
+  for (std::size_t n = numbers.size(); n-- > 0;) numbers.push_back(-numbers[n]);
+  for (const Real bound : {Real(0), Real(0.1), Real(10)})
+    for (const Real a : numbers) {
+      EXPECT_EQ(at_least(a, bound), std::max(a, bound)) << a;
+      EXPECT_EQ(at_most(a, bound), std::min(a, bound)) << a;
+      EXPECT_EQ(within(a, bound), std::clamp(a, -bound, bound)) << a;
+    }
 }
 
 // Exponentials, roots and logarithms of lanes are accurate to a few units in the last digit.

@@ -44,7 +44,7 @@ Tensor stress_of_first(const Model& model, State& state) {
   const int slot = node_slot(model.anatomy.lattice, {0, 0, 0});
   Real young[kGroup] = {};
   young[0] = model.anatomy.cell_young[std::size_t(slot)];
-  LawStresses elastic;
+  LawStresses<kGroup> elastic;
   law_stresses(node_arrays(model, state), cell_law_view(model, state), node_block(model.anatomy.lattice, 0),
                young, slot, elastic);
   const Vec3 h = model.anatomy.lattice.spacing;
@@ -88,6 +88,38 @@ TEST(LatticeViscosity, RampAndHoldMatchesClosedForm) {
           pair.ratio * pair.time / kRamp * -std::expm1(-loaded / pair.time) * std::exp(-after / pair.time);
     }
     EXPECT_NEAR(stress_of_first(model, state).xy, shear * expected, 0.01 * shear) << "at " << t << " s";
+  }
+}
+
+// In rows of any length, each pair of each cell takes the stress of one sheared step: p (1 − a) τ/h µ γ.
+// Cells beside the body keep nothing.
+TEST(LatticeViscosity, EveryCellOfARowRelaxes) {
+  constexpr double kStep = 0.02, kStrain = 0.01;
+  const Prony prony = three_pairs();
+  for (const int nodes : {4, 15, 18, 33, 40, 67}) {
+    Params params;
+    params.skin.enabled = false;
+    params.tissue = {.law = TissueLaw::kSolid, .poisson = 0.4, .prony = prony};
+    const Model model =
+        block_model({.size = {nodes, 3, 3}, .young = kStiffness, .skin_on_top = false}, params);
+    const Lattice& l = model.anatomy.lattice;
+    State state = make_state(model);
+    begin_viscous_step(kTwoThreads, model, state, kStep);
+    deform(model, state, shear_of(kStrain));
+    end_viscous_step(kTwoThreads, model, state, kStep);
+    const Vec3d h(l.spacing);
+    const double stress = 0.5 / 1.4 * kStrain * kStiffness * h.x * h.y * h.z;
+    for (std::size_t p = 0; p < kMostPronyPairs; p++) {
+      const double x = kStep / prony.pairs[p].time;
+      const double expected = prony.pairs[p].ratio * -std::expm1(-x) / x * stress;
+      double sum = 0;
+      for (const Real entry : state.viscosity.history[p].xy) sum += double(entry);
+      EXPECT_NEAR(sum, expected * (nodes - 1) * 4, 0.01 * expected * (nodes - 1) * 4) << nodes << " nodes";
+      for (int i = 0; i + 1 < nodes; i++)
+        EXPECT_NEAR(double(state.viscosity.history[p].xy[std::size_t(node_slot(l, {i, 1, 1}))]), expected,
+                    0.01 * expected)
+            << "cell " << i << " of " << nodes << " nodes";
+    }
   }
 }
 

@@ -58,20 +58,21 @@ template <class Law>
   return {Real(side.x) * slope.x, Real(side.y) * slope.y, Real(side.z) * slope.z};
 }
 
-/// Adds a cell at a corner. `history`: null for elastic cells.
+/// Adds a cell at a corner, and its history. Both return the factor of the Hessian's multiple of the
+/// identity.
 ///   f = −V P g − V F H g − V κ/8 q         Hessian of H : ½ (Fᵀ F − 1): (g · H g) 1, its positive part
 template <class Law>
-[[gnu::always_inline]] inline void add_cell_of(NodeSystem& s, const CellGradient& u, Vec3 g,
+[[gnu::always_inline]] inline Real add_cell_of(NodeSystem& s, const CellGradient& u, Vec3 g,
                                                const CellModuli& m) {
-  Law::add(s, u, g, m);
+  const Real isotropic = Law::add(s, u, g, m);
   s.f -= u.hourglass_displacement * m.hourglass;
-  add_isotropic(s, m.hourglass * Real(0.5));
+  return isotropic + m.hourglass * Real(0.5);
 }
-[[gnu::always_inline]] inline void add_history(NodeSystem& s, const CellGradient& u, Vec3 g,
+[[gnu::always_inline]] inline Real add_history(NodeSystem& s, const CellGradient& u, Vec3 g,
                                                const CellHistory& h) {
   const Vec3 hg = h.times(g);
   s.f -= hg + u.x * hg.x + u.y * hg.y + u.z * hg.z;
-  add_isotropic(s, positive(dot(g, hg)));
+  return at_least(dot(g, hg), 0);
 }
 
 template <class Law, bool kHasHistory>
@@ -89,6 +90,7 @@ void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlo
   for (int i = 0; i < kSpareSlots; i++) {
     const int a = slot + i;
     NodeSystem s;
+    Real isotropic = 0;
     Vec3 u[kBlockNodes];
     TURGOR_UNROLL
     for (int b = 0; b < kBlockNodes; b++) u[b] = n.u(a + block.offset[b]) - n.u(a);
@@ -99,9 +101,11 @@ void gather_cells_of(const NodeArrays& n, const CellLawView& view, const NodeBlo
       for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
       const CellGradient gradient = cell_gradient(d, at, laws.slope);
       const Vec3 g = corner_gradient(at, laws.slope);
-      add_cell_of<Law>(s, gradient, g, moduli_of<Law>(laws, lowest[at] + i, young[at][i], factor[at][i]));
-      if constexpr (kHasHistory) add_history(s, gradient, g, laws.history_of(lowest[at] + i));
+      isotropic +=
+          add_cell_of<Law>(s, gradient, g, moduli_of<Law>(laws, lowest[at] + i, young[at][i], factor[at][i]));
+      if constexpr (kHasHistory) isotropic += add_history(s, gradient, g, laws.history_of(lowest[at] + i));
     }
+    add_isotropic(s, isotropic);
     out.set(begin + i, s);
   }
 }
@@ -157,15 +161,15 @@ void corner_forces_of(const NodeArrays& nodes, const CellLawView& view, const No
 }
 
 /// S = F⁻¹ P = (cof F)ᵀ P/J
-template <class Law>
+template <class Law, int kWidth>
 void stresses_of(const NodeArrays& nodes, const CellLawView& view, const NodeBlock& block,
-                 const Real (&young)[kGroup], int slot, LawStresses& __restrict out) {
+                 const Real (&young)[kWidth], int slot, LawStresses<kWidth>& __restrict out) {
   const CellLawView laws = view;
   const NodeArrays n = nodes;
   int corner[kCellCorners];
   for (int c = 0; c < kCellCorners; c++) corner[c] = corner_slot(block, 0, 0, c);
   TURGOR_LANES
-  for (int i = 0; i < kGroup; i++) {
+  for (int i = 0; i < kWidth; i++) {
     const int a = slot + i;
     Vec3 d[kCellCorners];
     const CornerSums sums = sums_of_cell(n, corner, a, d);
@@ -337,41 +341,48 @@ template void law_corner_forces(const NodeArrays&, const CellLawView&, const Nod
 template void law_corner_forces(const NodeArrays&, const CellLawView&, const NodeBlock&,
                                 const Real (&)[2 * kGroup], int, LawCornerForces<2 * kGroup>&);
 
+template <int kWidth>
 void law_stresses(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
-                  const Real (&young)[kGroup], int slot, LawStresses& out) {
-  const auto of_law = [&](const CellLawView& view, LawStresses& to) {
-    with_law(view, [&]<class Law>(Law) { stresses_of<Law>(n, view, block, young, slot, to); });
+                  const Real (&young)[kWidth], int slot, LawStresses<kWidth>& out) {
+  const auto of_law = [&](const CellLawView& view, LawStresses<kWidth>& to) {
+    with_law(view, [&]<class Law>(Law) { stresses_of<Law, kWidth>(n, view, block, young, slot, to); });
   };
   if (laws.energies == nullptr) return of_law(laws, out);
-  const unsigned found = energies_among<kGroup>(laws, young, slot);
+  const unsigned found = energies_among<kWidth>(laws, young, slot);
   if (const std::optional<SolidEnergy> one = only_energy(laws, found))
     return of_law(laws.with_energy(*one), out);
   // each cell takes the stress of its law
   for_each_energy(laws, found, [&](SolidEnergy energy, const CellLawView& view, bool is_first) {
     if (is_first) return of_law(view, out);
-    LawStresses other;
+    LawStresses<kWidth> other;
     of_law(view, other);
     for (auto e = 0; e < 6; e++)
-      for (int i = 0; i < kGroup; i++)
+      for (int i = 0; i < kWidth; i++)
         if (laws.energies[slot + i] == std::uint8_t(energy)) out.of[e][i] = other.of[e][i];
   });
 }
+template void law_stresses(const NodeArrays&, const CellLawView&, const NodeBlock&, const Real (&)[kGroup],
+                           int, LawStresses<kGroup>&);
+template void law_stresses(const NodeArrays&, const CellLawView&, const NodeBlock&,
+                           const Real (&)[2 * kGroup], int, LawStresses<2 * kGroup>&);
 
 void add_viscous_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& all, int slot,
                           Real young) {
   const CellLawView laws = all.energies == nullptr ? all : all.with_energy(all.energy_at(slot));
   const Vec3 g = corner_gradient(at, laws.slope);
   const Real factor = laws.instants != nullptr ? laws.instants[slot] : laws.instant;
-  with_law(laws,
-           [&]<class Law>(Law) { add_cell_of<Law>(s, u, g, moduli_of<Law>(laws, slot, young, factor)); });
-  if (laws.history[0] != nullptr) add_history(s, u, g, laws.history_of(slot));
+  with_law(laws, [&]<class Law>(Law) {
+    add_isotropic(s, add_cell_of<Law>(s, u, g, moduli_of<Law>(laws, slot, young, factor)));
+  });
+  if (laws.history[0] != nullptr) add_isotropic(s, add_history(s, u, g, laws.history_of(slot)));
 }
 
 void add_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& laws, int slot,
                   Real young) {
   const CellLawView elastic = laws.with_energy(laws.energy_at(slot));
   with_law(elastic, [&]<class Law>(Law) {
-    add_cell_of<Law>(s, u, corner_gradient(at, elastic.slope), moduli_of<Law>(elastic, slot, young, 1));
+    add_isotropic(s, add_cell_of<Law>(s, u, corner_gradient(at, elastic.slope),
+                                      moduli_of<Law>(elastic, slot, young, 1)));
   });
 }
 

@@ -78,14 +78,17 @@ template <int kWidth>
 void law_corner_forces(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
                        const Real (&young)[kWidth], int slot, LawCornerForces<kWidth>& out);
 
-/// Second Piola-Kirchhoff stress times V of the cells with lowest nodes [slot, slot + kGroup), without
-/// history [J], and their equivalent strain √(⅔ e : e) with e the deviator of Green's strain [1].
+/// Second Piola-Kirchhoff stress times V of the cells with lowest nodes [slot, slot + kWidth), without
+/// history [J], and their equivalent strain √(⅔ e : e) with e the deviator of Green's strain [1]. kWidth: 8
+/// or 16.
+template <int kWidth>
 struct LawStresses {
-  Real of[6][kGroup];  // xx, yy, zz, xy, xz, yz
-  Real strain[kGroup];
+  Real of[6][kWidth];  // xx, yy, zz, xy, xz, yz
+  Real strain[kWidth];
 };
+template <int kWidth>
 void law_stresses(const NodeArrays& n, const CellLawView& laws, const NodeBlock& block,
-                  const Real (&young)[kGroup], int slot, LawStresses& out);
+                  const Real (&young)[kWidth], int slot, LawStresses<kWidth>& out);
 
 /// Adds a whole cell at its corner `at`, with its history; `slot`: its lowest node.
 void add_viscous_law_cell(NodeSystem& s, const CellGradient& u, int at, const CellLawView& laws, int slot,

@@ -112,7 +112,7 @@ struct OgdenLaw {
     return p;
   }
 
-  [[gnu::always_inline]] TURGOR_HD static void add(NodeSystem& s, const CellGradient& u, Vec3 g,
+  [[gnu::always_inline]] TURGOR_HD static Real add(NodeSystem& s, const CellGradient& u, Vec3 g,
                                                    const CellModuli& m) {
     const Principal p = principal(u.x, u.y, u.z, m);
     const Vec3 cg = g + p.dcof_x * g.x + p.dcof_y * g.y + p.dcof_z * g.z;
@@ -157,6 +157,7 @@ struct OgdenLaw {
       add_outer(s, axis[a] * at[b] - axis[b] * at[a], Real(0.5) * positive(twist));
       add_outer(s, axis[a] * at[b] + axis[b] * at[a], Real(0.5) * positive(shear));
     }
+    return 0;
   }
 
   [[gnu::always_inline]] TURGOR_HD static CellPiola piola(Vec3 ux, Vec3 uy, Vec3 uz, const CellModuli& m) {

@@ -1,6 +1,7 @@
 // Laws of solid cells other than the one of solid.hpp: exponential and Ogden, and the neo-Hookean one with
 // moduli that differ between cells. Each law adds the force and Hessian of a cell at one corner, and gives
-// its stress. All functions are pure and work in SIMD lanes. docs/tissue-laws.md has the equations.
+// its stress. Of the Hessian's multiple of the identity, `add` returns the factor: a node adds those of its
+// eight cells first. All functions are pure and work in SIMD lanes. docs/tissue-laws.md has the equations.
 #pragma once
 
 #include <bit>
@@ -104,15 +105,32 @@ TURGOR_HD inline void add_symmetric(NodeSystem& s, Vec3 a, Vec3 b) {
 
 // ---------------------------------------------------------------- powers and exponentials in lanes
 
+/// max(a, b), min(a, b) and max(−b, min(a, b)) for b ≥ 0. Bits of floating-point numbers order as integers
+/// do. Compilers turn comparisons with constants into branches, which keep some loops from being vectorized.
+[[gnu::always_inline]] TURGOR_HD inline Real at_least(Real a, Real b) {
+  const auto bits = std::bit_cast<std::int32_t>(a), bound = std::bit_cast<std::int32_t>(b);
+  return std::bit_cast<Real>(bits > bound ? bits : bound);
+}
+[[gnu::always_inline]] TURGOR_HD inline Real at_most(Real a, Real b) {
+  const auto bits = std::bit_cast<std::int32_t>(a), bound = std::bit_cast<std::int32_t>(b);
+  return std::bit_cast<Real>(bits < bound ? bits : bound);
+}
+[[gnu::always_inline]] TURGOR_HD inline Real within(Real a, Real b) {
+  const auto bits = std::bit_cast<std::uint32_t>(a), bound = std::bit_cast<std::uint32_t>(-b);
+  return at_most(std::bit_cast<Real>(bits < bound ? bits : bound), b);  // negative ones order backwards
+}
+
 /// e^x for x from −80 to 80, to 3 units in the last digit. Its bits do not depend on a library.
 [[gnu::always_inline]] TURGOR_HD inline Real lane_exp(Real x) {
-  const Real turns = x * Real(1.44269504), half = turns < 0 ? Real(-0.5) : Real(0.5);
-  const auto n = std::int32_t(turns + half);
-  const Real f = (x - Real(n) * Real(0.693145752)) - Real(n) * Real(1.42860677e-6);  // ln 2 in two parts
+  // x = n ln 2 + f: the sum with 3·2²² is rounded to whole numbers, and has n in its last bits
+  constexpr Real kShift = 12582912;
+  const Real shifted = x * Real(1.44269504) + kShift, n = shifted - kShift;
+  const Real f = (x - n * Real(0.693145752)) - n * Real(1.42860677e-6);  // ln 2 in two parts
   const Real p =
       1 + f * (1 + f * (Real(0.5) +
                         f * (Real(1) / 6 + f * (Real(1) / 24 + f * (Real(1) / 120 + f * (Real(1) / 720))))));
-  return p * std::bit_cast<Real>((n + 127) << 23);
+  // n is added to the exponent of e^f
+  return std::bit_cast<Real>(std::bit_cast<std::uint32_t>(p) + (std::bit_cast<std::uint32_t>(shifted) << 23));
 }
 /// a^(−1/3) for positive a: two steps of third order from a guess by the exponent's bits.
 ///   y ← y (1 + e/3 + 2e²/9)      e = 1 − a y³
@@ -132,14 +150,17 @@ TURGOR_HD inline void add_symmetric(NodeSystem& s, Vec3 a, Vec3 b) {
 /// Stable neo-Hookean law with moduli by cell. Formulas: add_cell and stress_of in solid.hpp.
 struct NeoHookeanLaw {
   static constexpr bool kHasFibers = false;
-  [[gnu::always_inline]] TURGOR_HD static void add(NodeSystem& s, const CellGradient& u, Vec3 g,
+  [[gnu::always_inline]] TURGOR_HD static Real add(NodeSystem& s, const CellGradient& u, Vec3 g,
                                                    const CellModuli& m) {
     const CellStrain e = cell_strain(u, g);
-    const Real inverse = 1 / (4 + e.stretch), beyond = Real(0.25) * e.stretch * inverse;
-    s.f -= (e.fg * beyond + (e.du_g - e.dcof_g) * Real(0.75)) * m.shear + e.cg * (m.bulk * e.growth);
-    add_isotropic(s, m.shear * (Real(0.75) + beyond) * e.g2);
+    const Real inverse = 1 / (4 + e.stretch);
+    const Real sides = Real(0.25) * e.stretch * inverse * m.shear, skew = Real(0.75) * m.shear;
+    s.f -= e.fg * sides;
+    s.f -= (e.du_g - e.dcof_g) * skew;
+    s.f -= e.cg * (m.bulk * e.growth);
     add_outer(s, e.fg, 2 * m.shear * inverse * inverse);
     add_outer(s, e.cg, m.bulk);
+    return (skew + sides) * e.g2;
   }
   [[gnu::always_inline]] TURGOR_HD static CellPiola piola(Vec3 ux, Vec3 uy, Vec3 uz, const CellModuli& m) {
     const CellCofactor c = cell_cofactor(ux, uy, uz);
@@ -178,13 +199,12 @@ struct ExponentialLaw {
     Real cross;       // −⅔ r/J
   };
   [[gnu::always_inline]] TURGOR_HD static Factors factors(Real stretch, Real growth, const CellModuli& m) {
-    const Real j = 1 + growth, bounded = j > kLeastGrowth ? j : kLeastGrowth;
+    const Real j = 1 + growth, bounded = at_least(j, kLeastGrowth);
     const Real root = lane_inverse_cube_root(bounded), r0 = root * root, inverse = r0 * root;
     const Real lack = bounded - j;  // 0 except in cells that are nearly inverted
     const Real r = r0 * (1 + Real(2) / 3 * lack * inverse);
     const Real i1 = 3 + stretch, x = m.stiffening * (r * i1 - 3);
-    const Real c =
-        lane_exp(x < kLargestExponent ? (x > -kLargestExponent ? x : -kLargestExponent) : kLargestExponent);
+    const Real c = lane_exp(within(x, kLargestExponent));
     return {r,
             inverse,
             r0 * inverse * (Real(1) / 3) * (3 * growth - stretch + 5 * lack),
@@ -193,15 +213,16 @@ struct ExponentialLaw {
             Real(5) / 9 * r0 * i1 * inverse * inverse,
             -Real(2) / 3 * r0 * inverse};
   }
-  [[gnu::always_inline]] TURGOR_HD static void add(NodeSystem& s, const CellGradient& u, Vec3 g,
+  [[gnu::always_inline]] TURGOR_HD static Real add(NodeSystem& s, const CellGradient& u, Vec3 g,
                                                    const CellModuli& m) {
     const CellStrain e = cell_strain(u, g);
     const Factors k = factors(e.stretch, e.growth, m);
     const Vec3 p = (e.du_g - e.dcof_g) * k.r + e.cg * k.bend;
-    s.f -= p * k.shear + e.cg * (m.bulk * e.growth);
-    add_isotropic(s, k.shear * k.r * e.g2);
+    s.f -= p * k.shear;
+    s.f -= e.cg * (m.bulk * e.growth);
     add_outer(s, p, k.shear * k.slope);
     add_symmetric(s, e.cg, e.fg * (k.shear * k.cross) + e.cg * (Real(0.5) * (k.shear * k.square + m.bulk)));
+    return k.shear * k.r * e.g2;
   }
   [[gnu::always_inline]] TURGOR_HD static CellPiola piola(Vec3 ux, Vec3 uy, Vec3 uz, const CellModuli& m) {
     const CellCofactor c = cell_cofactor(ux, uy, uz);
@@ -225,20 +246,20 @@ struct FiberedExponentialLaw {
   };
   [[gnu::always_inline]] TURGOR_HD static Factors factors(Real stretch, Real growth, const CellModuli& m) {
     // Ī₄ − 1 without cancellation: r (|F a|² − 1) + (r − 1)
-    const Real j = 1 + growth, bounded = j > kLeastGrowth ? j : kLeastGrowth;
+    const Real j = 1 + growth, bounded = at_least(j, kLeastGrowth);
     const Real root = lane_inverse_cube_root(bounded), r = root * root;
     const Real strain = r * stretch + (root - 1) * (root + 1), e = strain > 0 ? strain : 0;
     const Real y = m.fiber_stiffening * e * e;
-    const Real stiff = m.fiber * lane_exp(y < kLargestExponent ? y : kLargestExponent);
+    const Real stiff = m.fiber * lane_exp(at_most(y, kLargestExponent));
     return {r, r * root, stiff * e, strain > 0 ? stiff * (y < kLargestExponent ? 1 + 2 * y : Real(1)) : 0};
   }
   /// (F − 1) a
   [[gnu::always_inline]] TURGOR_HD static Vec3 extension(Vec3 ux, Vec3 uy, Vec3 uz, Vec3 a) {
     return ux * a.x + uy * a.y + uz * a.z;
   }
-  [[gnu::always_inline]] TURGOR_HD static void add(NodeSystem& s, const CellGradient& u, Vec3 g,
+  [[gnu::always_inline]] TURGOR_HD static Real add(NodeSystem& s, const CellGradient& u, Vec3 g,
                                                    const CellModuli& m) {
-    ExponentialLaw::add(s, u, g, m);
+    const Real isotropic = ExponentialLaw::add(s, u, g, m);
     const CellStrain e = cell_strain(u, g);
     const Vec3 more = extension(u.x, u.y, u.z, m.direction), fa = m.direction + more;
     const Real stretch = 2 * dot(m.direction, more) + dot(more, more);
@@ -247,10 +268,10 @@ struct FiberedExponentialLaw {
     const Vec3 q = (fa * along - e.cg * (Real(1) / 3 * i4 * k.inverse)) * (2 * k.r);
     s.f -= q * k.stress;
     add_outer(s, q, k.slope);
-    add_isotropic(s, 2 * by * along * along);
     add_symmetric(s, e.cg,
                   fa * (Real(-4) / 3 * by * along * k.inverse) +
                       e.cg * (Real(5) / 9 * by * i4 * k.inverse * k.inverse));
+    return isotropic + 2 * by * along * along;
   }
   [[gnu::always_inline]] TURGOR_HD static CellPiola piola(Vec3 ux, Vec3 uy, Vec3 uz, const CellModuli& m) {
     CellPiola p = ExponentialLaw::piola(ux, uy, uz, m);

@@ -34,9 +34,10 @@ std::size_t field_count(const TissueParams& tissue) {
   return std::size_t(most_pairs(tissue)) + (has_set(tissue.set) ? 1 : 0);
 }
 
-/// Steps of a group of cells, field by field.
+constexpr int kWidest = 2 * kGroup;  // cells that are computed at once
+/// Steps of cells beside each other, field by field.
 struct GroupSteps {
-  Real decay[kMostPronyPairs + 1][kGroup], weight[kMostPronyPairs + 1][kGroup];
+  Real decay[kMostPronyPairs + 1][kWidest], weight[kMostPronyPairs + 1][kWidest];
 
   void set(int lane, const FieldSteps& steps) {
     for (std::size_t p = 0; p <= kMostPronyPairs; p++)
@@ -53,15 +54,15 @@ struct AllSteps {
       : of{pair_steps(model.params.tissue.prony, dt)},
         relaxation(model.anatomy.cell_laws.relaxation.empty() ? nullptr
                                                               : model.anatomy.cell_laws.relaxation.data()) {
-    for (int i = 0; i < kGroup; i++) of_body.set(i, of[0]);
+    for (int i = 0; i < kWidest; i++) of_body.set(i, of[0]);
     if (!relaxation) return;
     for (const TissueLayer& layer : model.params.tissue.layers)
       of.push_back(pair_steps(layer.prony.value_or(model.params.tissue.prony), dt));
   }
-  /// Steps of the cells of a group. `own`: memory for them where layers relax differently.
-  const GroupSteps& group(int slot, GroupSteps& own) const {
+  /// Steps of `width` cells from a slot on. `own`: memory for them where layers relax differently.
+  const GroupSteps& group(int slot, int width, GroupSteps& own) const {
     if (!relaxation) return of_body;
-    for (int i = 0; i < kGroup; i++) own.set(i, of[relaxation[slot + i]]);
+    for (int i = 0; i < width; i++) own.set(i, of[relaxation[slot + i]]);
     return own;
   }
 };
@@ -87,58 +88,132 @@ struct HistoryEntries {
   }
 };
 
-/// Calls visit(slot, young, stresses) for the groups of slots of all layers that have an uncut cell.
+/// Moduli of the uncut cells [slot, slot + kWidth), 0 for others. Returns false if all are 0.
+template <int kWidth>
+bool find_young(const Model& model, const State& state, const NodeArrays& nodes, const NodeBlock& block,
+                int slot, Real (&young)[kWidth]) {
+  Real any = 0;
+  for (int i = 0; i < kWidth; i++) {
+    young[i] = model.anatomy.cell_young[std::size_t(slot + i)];
+    any += young[i];
+  }
+  if (!(any > 0)) return false;
+  if (state.cuts.row_cut[std::size_t(slot / row_stride(model.anatomy.lattice))])
+    for (int i = 0; i < kWidth; i++)
+      young[i] =
+          cell_modulus(young[i], cut_edges_of_cell(nodes.cut, block, slot + i, 0), nodes.cut[slot + i]).young;
+  return true;
+}
+
+/// Calls visit(slot, young, stresses) for cells beside each other, sixteen or a group, of which one has a
+/// modulus.
 template <class Visit>
 void for_each_stress(const Exec& exec, const Model& model, State& state, const Visit& visit) {
   const Lattice& l = model.anatomy.lattice;
   const CellLawView laws = cell_law_view(model, state);
   const NodeArrays nodes = node_arrays(model, state);
+  const auto visit_cells = [&]<int kWidth>(std::integral_constant<int, kWidth>, const NodeBlock& block,
+                                           int slot) {
+    Real young[kWidth];
+    if (!find_young(model, state, nodes, block, slot, young)) return;
+    LawStresses<kWidth> stresses;
+    law_stresses(nodes, laws, block, young, slot, stresses);
+    visit(slot, young, stresses);
+  };
   parallel_for(exec, std::size_t(l.size.z - 1), [&](std::size_t k) {
     for (int j = 0; j + 1 < l.size.y; j++)
       for (int parity = 0; parity < 2; parity++) {
         const NodeBlock block = node_block(l, parity);
-        const int first = row_slot(l, j, int(k)) + parity * l.half;
-        for (int begin = 0; begin < half_count(l, parity); begin += kGroup) {
-          // moduli of uncut cells
-          const int slot = first + begin;
-          Real young[kGroup], any = 0;
-          for (int i = 0; i < kGroup; i++) {
-            young[i] = model.anatomy.cell_young[std::size_t(slot + i)];
-            any += young[i];
-          }
-          if (!(any > 0)) continue;
-          if (state.cuts.row_cut[std::size_t(slot / row_stride(l))])
-            for (int i = 0; i < kGroup; i++)
-              young[i] = cell_modulus(young[i], cut_edges_of_cell(nodes.cut, block, slot + i, 0),
-                                      nodes.cut[slot + i])
-                             .young;
-          // stresses
-          LawStresses stresses;
-          law_stresses(nodes, laws, block, young, slot, stresses);
-          visit(slot, young, stresses);
-        }
+        const int first = row_slot(l, j, int(k)) + parity * l.half, count = half_count(l, parity);
+        int begin = 0;
+        for (; begin + kGroup < count; begin += kWidest)
+          visit_cells(std::integral_constant<int, kWidest>(), block, first + begin);
+        if (begin < count) visit_cells(std::integral_constant<int, kGroup>(), block, first + begin);
       }
   });
 }
 
-/// Lets the set of a group of cells grow; `field` holds −Q.
-void grow_set(const PermanentSet& set, double dt, const LawStresses& stresses, int slot,
-              SymmetricField& field) {
-  const Real rate = Real(-std::expm1(-dt / set.time)), share = Real(set.share), yield = Real(set.strain);
-  Real along[kGroup] = {};  // (T − Q) : T
-  Real target[6][kGroup];
-  const std::array<aligned_vector<Real>*, 6> entries = entries_of(field);
-  for (std::size_t e = 0; e < 6; e++) {
-    const Real* h = entries[e]->data() + slot;
-    for (int i = 0; i < kGroup; i++) {
-      const Real beyond = stresses.strain[i] > yield ? share * (1 - yield / stresses.strain[i]) : 0;
-      target[e][i] = beyond * stresses.of[e][i];
-      along[i] += (e < 3 ? 1 : 2) * target[e][i] * (target[e][i] + h[i]);
+/// Hᵢ ← aᵢ Hᵢ − wᵢ S in cells with a modulus, 0 in others. The first field gets the sum.
+template <int kFields, int kWidth>
+void decay_cells(const HistoryEntries& history, int slot, const GroupSteps& steps,
+                 const Real (&young)[kWidth], const LawStresses<kWidth>& stresses) {
+  const HistoryEntries h = history;  // local copy, so that stores cannot alias it
+  TURGOR_LANES
+  for (int i = 0; i < kWidth; i++) {
+    const int at = slot + i;
+    TURGOR_UNROLL
+    for (int e = 0; e < 6; e++) {
+      Real sum = 0;
+      TURGOR_UNROLL
+      for (int p = 0; p < kFields; p++) {
+        const Real all = steps.decay[p][i] * h.of[p][e][at] - steps.weight[p][i] * stresses.of[e][i];
+        const Real decayed = young[i] > 0 ? all : 0;
+        if (p > 0) h.of[p][e][at] = decayed;
+        sum += decayed;
+      }
+      h.of[0][e][at] = sum;
     }
   }
-  for (std::size_t e = 0; e < 6; e++) {
-    Real* h = entries[e]->data() + slot;
-    for (int i = 0; i < kGroup; i++) h[i] -= along[i] > 0 ? rate * (target[e][i] + h[i]) : 0;
+}
+/// Hᵢ ← Hᵢ + wᵢ S; the first field had the sum.
+template <int kFields, int kWidth>
+void grow_cells(const HistoryEntries& history, int slot, const GroupSteps& steps,
+                const LawStresses<kWidth>& stresses) {
+  const HistoryEntries h = history;
+  TURGOR_LANES
+  for (int i = 0; i < kWidth; i++) {
+    const int at = slot + i;
+    TURGOR_UNROLL
+    for (int e = 0; e < 6; e++) {
+      const Real stress = stresses.of[e][i];
+      Real first = h.of[0][e][at];
+      TURGOR_UNROLL
+      for (int p = 1; p < kFields; p++) {
+        const Real before = h.of[p][e][at];
+        first -= before;
+        h.of[p][e][at] = before + steps.weight[p][i] * stress;
+      }
+      h.of[0][e][at] = first + steps.weight[0][i] * stress;
+    }
+  }
+}
+/// Calls f with the number of fields as a type.
+template <class F>
+void with_field_count(std::size_t fields, const F& f) {
+  static_assert(kMostPronyPairs == 3, "a history has up to three pairs, and the set");
+  switch (fields) {
+    case 1:
+      return f(std::integral_constant<int, 1>());
+    case 2:
+      return f(std::integral_constant<int, 2>());
+    case 3:
+      return f(std::integral_constant<int, 3>());
+    default:
+      return f(std::integral_constant<int, 4>());
+  }
+}
+
+/// Lets the set of cells beside each other grow; `h`: entries of the field that holds −Q.
+template <int kWidth>
+void grow_set(const PermanentSet& set, double dt, const LawStresses<kWidth>& stresses, int slot,
+              Real* const (&h)[6]) {
+  const Real rate = Real(-std::expm1(-dt / set.time)), share = Real(set.share), yield = Real(set.strain);
+  Real *xx = h[0] + slot, *yy = h[1] + slot, *zz = h[2] + slot, *xy = h[3] + slot, *xz = h[4] + slot,
+       *yz = h[5] + slot;
+  TURGOR_LANES
+  for (int i = 0; i < kWidth; i++) {
+    const Real excess = positive(1 - yield / nonzero(stresses.strain[i])), beyond = share * excess;
+    // T, and T − Q
+    Real target[6], more[6] = {xx[i], yy[i], zz[i], xy[i], xz[i], yz[i]}, along = 0;
+    TURGOR_UNROLL
+    for (int e = 0; e < 6; e++) {
+      target[e] = beyond * stresses.of[e][i];
+      more[e] += target[e];
+      along += (e < 3 ? 1 : 2) * target[e] * more[e];
+    }
+    const Real by = along > 0 ? rate : 0;
+    xx[i] -= by * more[0], yy[i] -= by * more[1], zz[i] -= by * more[2];
+    xy[i] -= by * more[3], xz[i] -= by * more[4], yz[i] -= by * more[5];
   }
 }
 
@@ -165,22 +240,14 @@ void begin_viscous_step(const Exec& exec, const Model& model, State& state, doub
   // decay, and the old stress
   viscosity.in_step = false;
   const HistoryEntries history(viscosity.history);
-  for_each_stress(exec, model, state, [&](int slot, const Real(&young)[kGroup], const LawStresses& stresses) {
-    GroupSteps own;
-    const GroupSteps& of = steps.group(slot, own);
-    for (std::size_t e = 0; e < 6; e++) {
-      Real sum[kGroup] = {};
-      for (std::size_t p = 0; p < fields; p++) {
-        Real* h = history.of[p][e] + slot;
-        TURGOR_LANES
-        for (int i = 0; i < kGroup; i++) {
-          h[i] = young[i] > 0 ? of.decay[p][i] * h[i] - of.weight[p][i] * stresses.of[e][i] : 0;
-          sum[i] += h[i];
-        }
-      }
-      Real* first = history.of[0][e] + slot;
-      for (int i = 0; i < kGroup; i++) first[i] = sum[i];
-    }
+  with_field_count(fields, [&]<int kFields>(std::integral_constant<int, kFields>) {
+    for_each_stress(
+        exec, model, state,
+        [&]<int kWidth>(int slot, const Real(&young)[kWidth], const LawStresses<kWidth>& stresses) {
+          GroupSteps own;
+          const GroupSteps& of = steps.group(slot, kWidth, own);
+          decay_cells<kFields>(history, slot, of, young, stresses);
+        });
   });
   const std::vector<double> factors = instant_factors(model, dt);
   viscosity.instant = Real(factors[0]);
@@ -199,23 +266,14 @@ void end_viscous_step(const Exec& exec, const Model& model, State& state, double
   TURGOR_CHECK(viscosity.in_step && viscosity.history.size() == fields, "a viscous step has begun");
   viscosity.in_step = false;
   const HistoryEntries history(viscosity.history);
-  for_each_stress(exec, model, state, [&](int slot, const Real(&)[kGroup], const LawStresses& stresses) {
-    GroupSteps own;
-    const GroupSteps& of = steps.group(slot, own);
-    for (std::size_t e = 0; e < 6; e++) {
-      Real* first = history.of[0][e] + slot;
-      for (std::size_t p = 1; p < fields; p++) {
-        Real* h = history.of[p][e] + slot;
-        TURGOR_LANES
-        for (int i = 0; i < kGroup; i++) {
-          first[i] -= h[i];
-          h[i] += of.weight[p][i] * stresses.of[e][i];
-        }
-      }
-      TURGOR_LANES
-      for (int i = 0; i < kGroup; i++) first[i] += of.weight[0][i] * stresses.of[e][i];
-    }
-    if (has_set(set)) grow_set(set, dt, stresses, slot, viscosity.history.back());
+  with_field_count(fields, [&]<int kFields>(std::integral_constant<int, kFields>) {
+    for_each_stress(exec, model, state,
+                    [&]<int kWidth>(int slot, const Real(&)[kWidth], const LawStresses<kWidth>& stresses) {
+                      GroupSteps own;
+                      const GroupSteps& of = steps.group(slot, kWidth, own);
+                      grow_cells<kFields>(history, slot, of, stresses);
+                      if (has_set(set)) grow_set(set, dt, stresses, slot, history.of[kFields - 1]);
+                    });
   });
 }
 
