@@ -78,13 +78,15 @@ double precondition(const Exec& exec, const Model& model, State& state, bool two
   System& system = state.system;
   const SheetView sheet = view(model, state);
   Vectors& z = system.previous;
-  const auto diagonal = [&](std::size_t i) {
+  const auto divide_by_diagonal = [&](std::size_t i) {
     const Lanes3 r = load(system.residual_vector, i), z_i = inverse_diagonal<Lanes>(sheet, i) * r;
     store(z, i, z_i);
     return dot(r, z_i);
   };
-  if (!two_level) return sum_batches(exec, model, diagonal);
-  sum_batches(exec, model, diagonal);
+  if (!two_level) return sum_batches(exec, model, divide_by_diagonal);
+  parallel_for(
+      exec, batch_count(model.rows),
+      [&](std::size_t batch) { divide_by_diagonal(batch * std::size_t(kLanes)); }, kChunkSize);
   add_coarse_correction(exec, model, state, system.two_level, system.residual_vector, z);
   return sum_batches(exec, model,
                      [&](std::size_t i) { return dot(load(system.residual_vector, i), load(z, i)); });

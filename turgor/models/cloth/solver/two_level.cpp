@@ -151,6 +151,7 @@ struct TwoLevelSystem::Storage {
       touching;                       // pairs of blocks joined by contacts only, the larger first, ascending
   std::vector<int> pair_begin, pair;  // as in Blocks, with these
   std::vector<Vec3d> center;          // of each block's vertices [m]
+  std::vector<Vec3d> lever;           // by Blocks::vertex: from the center of its block [m]
   std::vector<Block> coupling;        // by pair
   BlockCholesky factor;
 
@@ -197,7 +198,7 @@ void TwoLevelSystem::Storage::set_pattern(const Blocks& blocks, std::vector<std:
   // symbolic factorization and sizes
   analyze(pair_begin, pair, factor);
   coupling.resize(pair.size());
-  center.resize(std::size_t(count));
+  center.resize(std::size_t(count)), lever.resize(blocks.vertex.size());
 }
 
 void TwoLevelSystem::Storage::set_values(const Model& model, const State& state, int block) {
@@ -304,7 +305,10 @@ void factor_coarse_system(const Exec& exec, const Model& model, const State& sta
     for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++)
       sum += Vec3d(state.x[std::size_t(blocks.vertex[std::size_t(m)])]);
     TURGOR_CHECK(blocks.begin[a + 1] > blocks.begin[a], "a block has vertices");
-    system.storage->center[a] = sum / double(blocks.begin[a + 1] - blocks.begin[a]);
+    const Vec3d center = sum / double(blocks.begin[a + 1] - blocks.begin[a]);
+    system.storage->center[a] = center;
+    for (auto m = std::size_t(blocks.begin[a]); m < std::size_t(blocks.begin[a + 1]); m++)
+      system.storage->lever[m] = Vec3d(state.x[std::size_t(blocks.vertex[m])]) - center;
   });
   // coarse operator and its factor
   parallel_for(exec, count, [&](std::size_t a) { system.storage->set_values(model, state, int(a)); });
@@ -318,6 +322,7 @@ void add_coarse_correction(const Exec& exec, const Model& model, const State& st
   TURGOR_ASSERT(system.storage != nullptr, "the coarse system was factored");
   const Blocks& blocks = model.blocks;
   const std::size_t count = blocks.begin.size() - 1;
+  const Vec3d* lever = system.storage->lever.data();
   std::vector<BlockColumn>& x = system.storage->factor.right_side;
   TURGOR_CHECK(r.size() == z.size(), "a residual and a correction are of the same cloth");
   // restriction: total force and moment of each block
@@ -327,7 +332,7 @@ void add_coarse_correction(const Exec& exec, const Model& model, const State& st
       const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
       if (state.free_mass[i] == 0) continue;
       const Vec3d f(r[i]);
-      force += f, moment += cross(Vec3d(state.x[i]) - system.storage->center[a], f);
+      force += f, moment += cross(lever[m], f);
     }
     x[a] = BlockColumn{force.x, force.y, force.z, moment.x, moment.y, moment.z};
   });
@@ -338,8 +343,7 @@ void add_coarse_correction(const Exec& exec, const Model& model, const State& st
     const Vec3d translation{x[a][0], x[a][1], x[a][2]}, rotation{x[a][3], x[a][4], x[a][5]};
     for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
       const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
-      if (state.free_mass[i] > 0)
-        z.add(i, Vec3(translation + cross(rotation, Vec3d(state.x[i]) - system.storage->center[a])));
+      if (state.free_mass[i] > 0) z.add(i, Vec3(translation + cross(rotation, lever[m])));
     }
   });
 }
@@ -347,7 +351,7 @@ void add_coarse_correction(const Exec& exec, const Model& model, const State& st
 std::size_t coarse_system_bytes(const TwoLevelSystem& system) {
   if (!system.storage) return 0;
   const BlockCholesky& factor = system.storage->factor;
-  return system.storage->coupling.size() * sizeof(Block) +
+  return system.storage->coupling.size() * sizeof(Block) + system.storage->lever.size() * sizeof(Vec3d) +
          (factor.below.size() + factor.inverse.size()) * sizeof(BlockColumns);
 }
 
