@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 
 #include "turgor/models/lattice/build/body_nodes.hpp"
 #include "turgor/models/lattice/cutting/fine_lattice.hpp"
@@ -87,6 +88,22 @@ inline void move(const Model& model, State& state, const std::function<Vec3d(Vec
       }
 }
 
+/// Lists all cells of the cut fine edges as cells that the blades pass through, without crossed sample lines
+/// (cut_fraction.hpp).
+inline void list_cut_cells(const Model& model, State& state) {
+  const FineLattice fine = fine_lattice(model);
+  std::set<std::pair<int, std::uint8_t>> cells;
+  for (const CutEdge& edge : state.cuts.edges) {
+    const Int3 a = fine_node(fine, edge);
+    for_cells_of_edge(fine, a, a + kFamilies[edge.family], [&](Int3 cell) {
+      cells.insert({node_slot(fine.cells, cell), edge.incision});
+    });
+  }
+  state.cuts.samples.clear();
+  for (const auto& [slot, incision] : cells)
+    state.cuts.samples.push_back({.slot = slot, .incision = incision});
+}
+
 /// Cuts the edges that cross the plane y = `at` where `reaches(crossing)`; positions in the lattice frame
 /// [m]. Returns the number of cut lattice edges.
 inline int cut_across_y(const Model& model, State& state, double at,
@@ -125,6 +142,7 @@ inline int cut_across_y(const Model& model, State& state, double at,
           edge.along = Real(x.x);
           state.cuts.edges.push_back(edge);
         }
+  list_cut_cells(model, state);
   return count;
 }
 

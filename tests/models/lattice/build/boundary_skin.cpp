@@ -248,6 +248,60 @@ TEST(BoundarySkin, GapeDoesNotDependOnTheTiltOfTheSkin) {
   }
 }
 
+/// Skin around the end of an oblique cut that ends `beyond` cells beyond a node.
+struct SkinAtEnd {
+  double rise = 0;  // range of the skin's rise within 1.5 cells, behind the end [m]
+  double gape = 0;  // [m]
+};
+SkinAtEnd skin_at_end(const Slab& slab, Vec3d line, double beyond) {
+  const SlabBody body = slab_body(slab);
+  const Grid& grid = body.model.anatomy.grid;
+  const double h = grid.spacing.x;
+  // the blade, from the middle of the slab to a node
+  line = normalized(line);
+  Vec3d end = index_at(grid, body.middle + line * 0.006);
+  end = point_at(grid, {std::round(end.x), std::round(end.y), end.z});
+  State state = make_state(body.model);
+  const BladePath path =
+      lay_blade(body.model, state,
+                {.from = end - line * 0.0155, .to = end + line * (beyond * h), .depth = 0.008})
+          .value();
+  cut_edges(body.model, state, path, 0, 1, 0);
+  for (int n = 0; n < 30; n++) step(kTwo, body.model, state, {}, 1.0 / 30);
+  // drawn skin behind the end
+  const BodySurface surface = build_surface(body.model, state.cuts, &body.ct);
+  SkinAtEnd found;
+  found.gape = measure_wound(body.model, state, surface, path, 0).gape_max;
+  double low = 1, high = -1;
+  const std::vector<Vec3d> rest = rest_points(body.model, surface);
+  for (int t = 0; t < surface.skin_triangles; t++)
+    for (int c = 0; c < 3; c++) {
+      const int v = surface.triangles[std::size_t(t)][c];
+      const Vec3d away = rest[std::size_t(v)] - end;
+      if (dot(away, line) < 0.1 * h || norm(Vec3d{away.x, away.y, 0}) > 1.5 * h || std::abs(away.z) > h)
+        continue;
+      const double rise = double(vertex_displacement(body.model, state, surface, v).z);
+      low = std::min(low, rise), high = std::max(high, rise);
+    }
+  found.rise = high - low;
+  return found;
+}
+
+// The skin behind a cut that ends at a node, or a little beyond it, does not bulge, and the cut gapes as one
+// that ends before the node. The copies of the node on both sides of the blade are held by the cell behind
+// it.
+TEST(BoundarySkin, SkinDoesNotBulgeBehindEndAtNode) {
+  const Slab slab{.block = 3, .offset = 0.3};
+  for (const Vec3d line : {Vec3d{1, 1, 0}, {1, 0, 0}, {-1, 2, 0}}) {
+    const SkinAtEnd before = skin_at_end(slab, line, -0.1);
+    for (const double beyond : {0.0, 0.03}) {
+      const SkinAtEnd skin = skin_at_end(slab, line, beyond);
+      EXPECT_LT(skin.rise, 0.05 * slab.block * kMillimeter) << "m, along " << line.x << " " << line.y;
+      EXPECT_NEAR(skin.gape, before.gape, 0.03 * before.gape) << "m, along " << line.x << " " << line.y;
+    }
+  }
+}
+
 // A piece leaves with its rim nodes: nothing that is left moves.
 TEST(BoundarySkin, ExcisedWoundComesToRest) {
   const SlabBody body = slab_body({.offset = 0.4, .tilt = 12, .direction = 90});

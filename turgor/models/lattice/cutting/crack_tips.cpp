@@ -2,9 +2,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/models/lattice/cutting/cut_fraction.hpp"
 #include "turgor/models/lattice/cutting/fragment_view.hpp"
 
 namespace turgor::lattice {
@@ -39,6 +41,61 @@ Vec3d least_spread_direction(const Eigen::Matrix3d& spread) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
   const Eigen::Vector3d n = solver.eigenvectors().col(0);
   return {n[0], n[1], n[2]};
+}
+
+/// True if the plane of a blade that crosses no sample line of a cell passes through corners of the cell, and
+/// no other cell with these corners is crossed: the blade passes beside the cell then.
+bool is_touched(const Cuts& cuts, const Fragments& fragments, const CutCell& cell, const CrackTipPlane& plane,
+                std::uint8_t incision) {
+  constexpr double kGrazing = 0.06;  // [cells]; with 0.2 a tilted wound gaped by a sixth less
+  // corners on the plane, and beside it
+  const Lattice& l = fragments.fine.cells;
+  const Int3 corner = slot_node(l, cell.slot);
+  int on_plane = 0;
+  bool is_left = false, is_right = false;
+  for (int n = 0; n < 8; n++) {
+    const double distance = plane.signed_distance(Vec3d(in_body(l, corner + cell_corner(n))));
+    if (std::abs(distance) < kGrazing) on_plane |= 1 << n;
+    is_left |= distance <= -kGrazing, is_right |= distance >= kGrazing;
+  }
+  if (on_plane == 0) return false;
+  if (is_left && is_right) return true;
+  // cells around that have all corners on the plane
+  for (int n = 0; n < 27; n++) {
+    const Int3 offset{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1}, other = corner + offset;
+    bool has_all = contains(l, other) && contains(l, other + Int3{1, 1, 1});
+    for (int c = 0; c < 8; c++) {
+      const Int3 own = cell_corner(c) - offset;
+      has_all = has_all && (!(on_plane >> c & 1) || (own == min(max(own, Int3{0, 0, 0}), Int3{1, 1, 1})));
+    }
+    if (has_all && is_sampled(cuts, node_slot(l, other), incision)) return false;
+  }
+  return true;
+}
+
+/// True if the cuts of an incision around a cell lie before its own cuts along the blade, or all beyond them.
+bool is_last_along(const Cuts& cuts, const Fragments& fragments, const CutEdgesByCell& edges,
+                   const CutCell& cell, std::uint8_t incision) {
+  constexpr Real kNear = 0.25;  // [cells]
+  const Vec3 h = fragments.fine.cells.spacing;
+  const Real near = kNear * std::min({h.x, h.y, h.z});
+  // mean position of the cell's own cuts
+  const int index = int(&cell - fragments.cells.data());
+  Real sum = 0;
+  int count = 0;
+  auto at = std::lower_bound(edges.pairs.begin(), edges.pairs.end(), std::pair(index, -1));
+  for (; at != edges.pairs.end() && at->first == index; ++at)
+    if (const CutEdge& edge = cuts.edges[std::size_t(at->second)]; edge.incision == incision)
+      sum += edge.along, count++;
+  if (count == 0) return false;
+  // cuts before and beyond it
+  bool any_before = false, any_beyond = false;
+  for_cuts_around(cuts, fragments, edges, slot_node(fragments.fine.cells, cell.slot), incision,
+                  [&](const CutEdge& edge, Vec3d, Vec3d) {
+                    any_before |= edge.along < sum / Real(count) - near;
+                    any_beyond |= edge.along > sum / Real(count) + near;
+                  });
+  return any_before != any_beyond;
 }
 
 }  // namespace
@@ -87,6 +144,12 @@ std::optional<CrackTipPlane> fit_crack_tip_plane(const Cuts& cuts, const Fragmen
   const Vec3d normal = least_spread_direction(spread);
   TURGOR_CHECK(is_unit(normal), "the normal of a crack tip is a unit vector");
   return CrackTipPlane{center, dot(normal, right) < 0 ? -normal : normal};
+}
+
+bool is_behind_end(const Cuts& cuts, const Fragments& fragments, const CutEdgesByCell& edges,
+                   const CutCell& cell, const CrackTipPlane& plane, std::uint8_t incision) {
+  return !is_sampled(cuts, cell.slot, incision) && is_touched(cuts, fragments, cell, plane, incision) &&
+         is_last_along(cuts, fragments, edges, cell, incision);
 }
 
 }  // namespace turgor::lattice

@@ -24,5 +24,9 @@ Vec3d flattest_direction(const std::vector<Vec3d>& positions);
 std::optional<CrackTipPlane> fit_crack_tip_plane(const Cuts& cuts, const Fragments& fragments,
                                                  const CutEdgesByCell& edges, const CutCell& cell,
                                                  int incision = -1);
+/// True if a blade only touches the boundary of a cell with its end, as where it ends at a node: it crosses
+/// no sample line of the cell (cut_fraction.hpp), and none of its cuts around the cell lies farther along it.
+bool is_behind_end(const Cuts& cuts, const Fragments& fragments, const CutEdgesByCell& edges,
+                   const CutCell& cell, const CrackTipPlane& plane, std::uint8_t incision);
 
 }  // namespace turgor::lattice

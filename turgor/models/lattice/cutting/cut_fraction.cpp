@@ -56,6 +56,20 @@ void mark_cut_samples(const Model& model, State& state, const BladePath& path, d
   }
 }
 
+bool is_sampled(const Cuts& cuts, int slot, std::uint8_t incision) {
+  return std::binary_search(cuts.samples.begin(), cuts.samples.end(),
+                            CutFractionSamples{.slot = slot, .incision = incision}, comes_before);
+}
+
+int sampled_incisions(const Cuts& cuts, int slot) {
+  const auto by_slot = [](const CutFractionSamples& a, const CutFractionSamples& b) {
+    return a.slot < b.slot;
+  };
+  const auto [begin, end] =
+      std::equal_range(cuts.samples.begin(), cuts.samples.end(), CutFractionSamples{.slot = slot}, by_slot);
+  return int(end - begin);
+}
+
 double cut_fraction(const Cuts& cuts, const Fragments& fragments, const CutCell& cell,
                     // samples of this cell and incision
                     const CrackTip& tip) {

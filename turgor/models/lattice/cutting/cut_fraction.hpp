@@ -24,6 +24,11 @@ constexpr Vec3d line_start(int axis, int line) {
 void mark_cut_samples(const Model& model, State& state, const BladePath& path, double begin, double end,
                       int incision);
 
+/// True if the blade of an incision crossed a sample line of a cell.
+bool is_sampled(const Cuts& cuts, int slot, std::uint8_t incision);
+/// Number of incisions with this property.
+int sampled_incisions(const Cuts& cuts, int slot);
+
 /// Fraction of the plane between the two fragments of a crack tip that the blade has cut, in [0, 1].
 double cut_fraction(const Cuts& cuts, const Fragments& fragments, const CutCell& cell, const CrackTip& tip);
 

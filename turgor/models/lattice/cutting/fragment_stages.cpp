@@ -5,6 +5,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/models/lattice/cutting/cut_fraction.hpp"
 
 namespace turgor::lattice {
 
@@ -35,16 +36,22 @@ bool can_be_reused(const Fragments& before, const Cuts& cuts, const Fragments& o
          before.fine.subdivisions == out.fine.subdivisions && then.edges_hash == hash_edges(cuts, then.edges);
 }
 
-/// Marks the cells in and around which edges were cut since the first `known` ones.
-std::vector<std::uint8_t> changed_cells(const Cuts& cuts, const Fragments& out, std::size_t known) {
+/// Marks the cells in and around which edges or first sample lines were cut since `before`.
+std::vector<std::uint8_t> changed_cells(const Cuts& cuts, const Fragments& out, const Fragments& before) {
   const FineLattice& f = out.fine;
   // cells of new edges
   std::vector<std::uint8_t> cut(out.cells.size()), changed(out.cells.size());
-  for (std::size_t n = known; n < cuts.edges.size(); n++) {
+  for (std::size_t n = before.stages.edges; n < cuts.edges.size(); n++) {
     const Int3 a = fine_node(f, cuts.edges[n]);
     for_cells_of_edge(f, a, a + kFamilies[cuts.edges[n].family], [&](Int3 cell) {
       cut[std::size_t(out.cell_index.find(std::uint64_t(node_slot(f.cells, cell))))] = 1;
     });
+  }
+  // cells whose lattice edges were cut, or whose sample lines a blade crosses for the first time
+  for (std::size_t c = 0; c < out.cells.size(); c++) {
+    const int index = before.cell_index.find(std::uint64_t(out.cells[c].slot));
+    const std::uint64_t then = index < 0 ? 0 : before.stages.corner_cuts[std::size_t(index)];
+    if (then != out.stages.corner_cuts[c]) cut[c] = 1;
   }
   // and their neighbors
   for (std::size_t c = 0; c < cut.size(); c++) {
@@ -55,7 +62,8 @@ std::vector<std::uint8_t> changed_cells(const Cuts& cuts, const Fragments& out, 
     for (int k = low.z; k <= high.z; k++)
       for (int j = low.y; j <= high.y; j++)
         for (int i = low.x; i <= high.x; i++)
-          changed[std::size_t(out.cell_index.find(std::uint64_t(node_slot(f.cells, i, j, k))))] = 1;
+          if (const int near = out.cell_index.find(std::uint64_t(node_slot(f.cells, i, j, k))); near >= 0)
+            changed[std::size_t(near)] = 1;
   }
   return changed;
 }
@@ -64,10 +72,13 @@ std::vector<std::uint8_t> changed_cells(const Cuts& cuts, const Fragments& out, 
 
 std::uint64_t cuts_at_corners(const Cuts& cuts, const Lattice& lattice, int slot) {
   constexpr std::uint8_t kEdges = kCutCell - 1;
+  static_assert(kCutCell == 1 << 7, "the highest bit of each corner is free");
+  const auto sampled = std::uint64_t(sampled_incisions(cuts, slot));
   const int parity = slot_node(lattice, slot).x & 1;
   std::uint64_t bits = 0;
   for (int n = 0; n < 8; n++)
-    bits = bits << 8 | (cuts.cut[std::size_t(slot + slot_offset(lattice, cell_corner(n), parity))] & kEdges);
+    bits = bits << 8 | (sampled >> n & 1) << 7 |
+           (cuts.cut[std::size_t(slot + slot_offset(lattice, cell_corner(n), parity))] & kEdges);
   return bits;
 }
 
@@ -81,12 +92,10 @@ EarlierFragments find_earlier(const Fragments* before, const Cuts& cuts, Fragmen
   if (before == nullptr || !can_be_reused(*before, cuts, out)) return earlier;
   // cells that exist, and in and around which nothing was cut
   earlier.fragments = before;
-  const std::vector<std::uint8_t> changed = changed_cells(cuts, out, before->stages.edges);
+  const std::vector<std::uint8_t> changed = changed_cells(cuts, out, *before);
   for (std::size_t c = 0; c < out.cells.size(); c++) {
     const int index = before->cell_index.find(std::uint64_t(out.cells[c].slot));
-    const bool is_same =
-        index >= 0 && !changed[c] && before->stages.corner_cuts[std::size_t(index)] == stages.corner_cuts[c];
-    earlier.cell.push_back(is_same ? index : -1);
+    earlier.cell.push_back(changed[c] ? -1 : index);
   }
   return earlier;
 }

@@ -17,7 +17,8 @@ struct EarlierFragments {
   int index(const Fragments& out, const CutCell& c) const { return index(int(&c - out.cells.data())); }
 };
 
-/// Cut bits at the eight corners of a cell.
+/// Cut bits at the eight corners of a cell, and between them the number of incisions with crossed sample
+/// lines in it (cut_fraction.hpp).
 std::uint64_t cuts_at_corners(const Cuts& cuts, const Lattice& lattice, int slot);
 
 /// Finds the cells of `out` that are as in `before`, which is null or belongs to a prefix of the present cut

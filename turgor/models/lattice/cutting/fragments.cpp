@@ -172,13 +172,14 @@ int entering_blade(const Cuts& cuts, const Fragments& fragments, const CutEdgesB
   return *most > 0 ? int(most - count.begin()) : -1;
 }
 
-/// Splits a fragment by a plane if a blade entered it without separating it.
+/// Splits a fragment by a plane if a blade entered it without separating it. A cell behind the end of the
+/// blade joins both sides; a bridge would hold the copy of a node at the end on one side only.
 void split_at_crack_tip(const Cuts& cuts, Fragments& fragments, const CutEdgesByCell& edges, CutCell& cell,
                         const CellSubLattice& sub_lattice, int fragment) {
   const int incision = entering_blade(cuts, fragments, edges, cell, sub_lattice, fragment);
   if (incision < 0) return;
   const std::optional<CrackTipPlane> plane = fit_crack_tip_plane(cuts, fragments, edges, cell, incision);
-  if (!plane) return;
+  if (!plane || is_behind_end(cuts, fragments, edges, cell, *plane, std::uint8_t(incision))) return;
   // both sides must have nodes
   const Int3 first = first_of_cell(fragments.fine, slot_node(fragments.fine.cells, cell.slot));
   const auto is_right = [&](Int3 p) {
