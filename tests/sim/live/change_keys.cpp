@@ -167,7 +167,7 @@ std::string stiffening_text(const std::string& law) {
          "8, 4] }\nfixed = \"bottom\"\nyoung = 5e3\npoisson = 0.4\ncache = false\n"
          "patch = { radius = 0.016, refinement = 2 }\n" +
          law +
-         "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.006 }\n"
+         "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.006 }\nfriction = 0\n"
          "press = { at_fraction = [0.5, 0.5, 1], depth = 0.003, start = 0, duration = 0.1, hold = 0.3 }\n";
 }
 
@@ -188,7 +188,8 @@ TEST(ChangeKeys, StiffeningEqualsLoadedStiffening) {
   EXPECT_GT(norm(force), 1.02 * norm(Vec3d(plain.tools[0].samples.back().force)));
 }
 
-// Under a tool that rests, the force goes to that of the new law, whichever law it had before.
+// Under a tool that rests without friction (which has a history), the force goes to that of the new law,
+// whichever law it had before.
 TEST(ChangeKeys, StiffeningUnderRestingToolFindsItsForce) {
   const std::string text = stiffening_text("law = \"exponential\"\nstiffening = 2\n"),
                     key = "body.pad.stiffening";

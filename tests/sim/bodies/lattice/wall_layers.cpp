@@ -14,12 +14,14 @@ namespace {
 
 constexpr double kFront = -0.02;  // of the block [m]
 
-/// The wound of the block, 12 mm deep, with these layers.
-BodySnapshot cut_block(const std::string& layers, const std::vector<std::string>& more = {}) {
+/// The wound of the block, 12 mm deep, with these layers. `labeled`: label 3 covers half of it.
+BodySnapshot cut_block(const std::string& layers, bool labeled = false) {
   std::vector<std::string> overrides{"body.block.layers=" + layers, "body.block.tissue.partial_cells=false"};
-  overrides.insert(overrides.end(), more.begin(), more.end());
   const std::filesystem::path folder = test::fresh_folder();
-  if (!more.empty()) test::write_labeled_block(folder, [](int, int, int k) { return k < 20 ? 3 : 0; });
+  if (labeled) {
+    test::write_labeled_block(folder, [](int, int, int k) { return k < 20 ? 3 : 0; });
+    overrides.push_back("body.block.labels=" + (folder / "labels.nii").string());
+  }
   World world = test::block_world(Exec(2), test::block_scene(folder, overrides));
   for (int frame = 0; frame < 8; frame++) EXPECT_TRUE(step(Exec(2), world));
   WorldSnapshot snapshot;
@@ -79,7 +81,7 @@ TEST(WallLayers, AreThoseOfTheirDepth) {
 TEST(WallLayers, RegionsComeFirst) {
   const BodySnapshot body = cut_block(
       "[{ name = \"fat\", young = 4e3 }, { name = \"scar\", label = 3, young = 2e4, color = [200, 90, 90] }]",
-      {"body.block.labels=labels.nii"});
+      true);
   const WallLayers& walls = body.wall_layers;
   ASSERT_FALSE(walls.triangles.empty());
   std::array<int, 2> found{};
