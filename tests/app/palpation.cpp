@@ -173,7 +173,7 @@ TEST(Palpation, PressesRealOrgan) {
       << wrong.printed;
 }
 
-// The expected discretization error of the force covers the difference of two meshes and is smaller on the
+// The expected error of the mesh of the force covers the difference of two meshes and is smaller on the
 // finer one.
 TEST(Palpation, ErrorEstimateShrinksWithMesh) {
   const fs::path folder = fresh_folder();
@@ -183,9 +183,8 @@ TEST(Palpation, ErrorEstimateShrinksWithMesh) {
     const Ended ended =
         run_program(std::string("run s.toml --force --out out --set body.pad.block.count=") + count, folder);
     ASSERT_EQ(ended.code, 0) << ended.printed;
-    EXPECT_NE(ended.printed.find("expected discretization error"), std::string::npos) << ended.printed;
-    EXPECT_NE(bytes_of(folder / "out" / "report.html").find("expected discretization error"),
-              std::string::npos);
+    EXPECT_NE(ended.printed.find("expected error of the mesh"), std::string::npos) << ended.printed;
+    EXPECT_NE(bytes_of(folder / "out" / "report.html").find("expected error of the mesh"), std::string::npos);
     const json tool = report_in(folder / "out")["tools"][0];
     expected_error.push_back(tool["force_error_expected_percent"]), force.push_back(tool["force_max_N"]);
   }
