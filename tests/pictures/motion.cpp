@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turgor/pictures/picture_items.hpp"
 #include "turgor/sim/report/json_numbers.hpp"
 
 namespace turgor {
@@ -72,6 +73,31 @@ TEST(Motion, WallsHaveColorsOfLayers) {
   EXPECT_NEAR(motion.frames[1].moved[0][std::size_t(first.x)].z, 0.01, 1e-6);
   EXPECT_NEAR(motion.frames[1].moved[0][std::size_t(first.y)].z, 0.005, 1e-6);
   EXPECT_NE(motion_json(motion, 1'000'000).find("\"colors\""), std::string::npos);
+}
+
+// Beside walls with colors of layers, caps where the CT ends have the color of sections, and do not share
+// vertices with skin, which is white.
+TEST(Motion, CapsBesideLayersHaveColorOfSections) {
+  WorldSnapshot snapshot = at_time(0, 0);
+  BodySnapshot& body = snapshot.bodies[0];
+  body.normals.assign(body.x.size(), {0, 0, 1});
+  body.wall_begin -= 1, body.cap_count = 1;
+  const Int3 wall = body.triangles.back();
+  body.wall_layers.looks = {{"fat", Rgb{240, 214, 120}}};
+  body.wall_layers.corner.assign(3, wall);
+  body.wall_layers.weight = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  body.wall_layers.layer = {0, 0, 0};
+  body.wall_layers.triangles = {{0, 1, 2}};
+  Motion motion;
+  add_moment(snapshot, motion);
+  const MovingSurface& surface = motion.things[0].surfaces.at(0);
+  ASSERT_EQ(surface.triangles.size(), surface.wall_begin + 2);
+  const Int3 cap = surface.triangles[surface.wall_begin];
+  for (int corner = 0; corner < 3; corner++) {
+    EXPECT_EQ(surface.colors[std::size_t(cap[corner])], section_color(body));
+    for (std::size_t t = 0; t < surface.wall_begin; t++)
+      for (int other = 0; other < 3; other++) EXPECT_NE(surface.triangles[t][other], cap[corner]);
+  }
 }
 
 // Simplification of the surface never joins the lips of a wound.

@@ -77,20 +77,33 @@ MovingSurface make_surface(const CurrentThing& current, std::size_t max_triangle
   return surface;
 }
 
-/// Replaces walls by those with the colors of layers.
+/// Replaces walls by those with the colors of layers. Caps get vertices of their own, in the color of
+/// sections.
 void color_walls(const BodySnapshot& body, CurrentThing& current) {
   const ColoredWalls walls = colored_walls(body);
   if (walls.mesh.triangles.empty()) return;
-  const int first = int(current.rest.size());
+  const std::size_t skin = current.rest.size();
+  const auto add = [&](Vec3 rest, Vec3 now) { current.rest.push_back(rest), current.now.push_back(now); };
+  // caps
   current.triangles.resize(body.wall_begin);
+  std::vector<int> on_cap(skin, -1);
+  for (std::size_t t = current.wall_begin; t < body.wall_begin; t++)
+    for (int corner = 0; corner < 3; corner++) {
+      const auto v = std::size_t(body.triangles[t][corner]);
+      if (on_cap[v] < 0) on_cap[v] = int(current.rest.size()), add(body.rest[v], body.x[v]);
+      current.triangles[t][corner] = on_cap[v];
+    }
+  current.colors.assign(skin, {255, 255, 255});
+  current.colors.resize(current.rest.size(), section_color(body));
+  // walls
+  const int first = int(current.rest.size());
   for (const Int3 t : walls.mesh.triangles) current.triangles.push_back(t + Int3{first, first, first});
   for (std::size_t v = 0; v < walls.mesh.vertices.size(); v++) {
     Vec3 rest;
     for (int corner = 0; corner < 3; corner++)
       rest += body.rest[std::size_t(body.wall_layers.corner[v][corner])] * body.wall_layers.weight[v][corner];
-    current.rest.push_back(rest), current.now.push_back(walls.mesh.vertices[v]);
+    add(rest, walls.mesh.vertices[v]);
   }
-  current.colors.assign(std::size_t(first), {255, 255, 255});
   current.colors.insert(current.colors.end(), walls.colors.begin(), walls.colors.end());
 }
 
