@@ -5,7 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "benches/cloth_stack.hpp"
+#include "tests/models/cloth/stack.hpp"
 
 namespace turgor::cloth {
 namespace {
@@ -40,7 +40,7 @@ void report(benchmark::State& bench, const Exec& exec, const Stack& stack, const
 /// Frames of layers at rest on a table.
 void layers_at_rest(benchmark::State& bench) {
   const Exec exec(1);
-  Stack stack = make_stack(int(bench.range(0)), 40, kThickness,
+  Stack stack = make_stack(int(bench.range(0)), 40, kStackThickness,
                            bench.range(1) ? Method::kTwoLevel : Method::kChebyshev);
   Times settle, times;
   run_frames(exec, stack, 30, settle);
@@ -57,7 +57,7 @@ BENCHMARK(layers_at_rest)
 /// vertices doubles from each row to the next; the last has that of the paper.
 void falling_stack(benchmark::State& bench) {
   const Exec exec(int(bench.range(2)));
-  Stack stack = make_stack(50, int(bench.range(0)), 2 * kThickness,
+  Stack stack = make_stack(50, int(bench.range(0)), 2 * kStackThickness,
                            bench.range(1) ? Method::kTwoLevel : Method::kChebyshev);
   Times times;
   for (auto _ : bench) run_frames(exec, stack, 60, times);

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "benches/cloth_stack.hpp"
+#include "tests/models/cloth/stack.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
 
@@ -70,7 +70,7 @@ void flag(const Gpu& gpu, const Exec& exec, const std::string& name, int side, b
 
 /// A second of 50 layers that fall on a table and on each other.
 void stack(const Gpu& gpu, const Exec& exec, const std::string& name, int side) {
-  const Stack stack = make_stack(50, side, 2 * kThickness, Method::kChebyshev);
+  const Stack stack = make_stack(50, side, 2 * kStackThickness, Method::kChebyshev);
   print(name, stack.model, frame_times(gpu, exec, stack.model, stack.state, stack.inputs, 0, 60));
 }
 

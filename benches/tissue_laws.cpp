@@ -1,13 +1,13 @@
 // Frames of a torso whose cells have a law of their own, and of the same torso with neo-Hookean cells, in
 // turn on one thread: `of_neo_hookean` is the ratio of their processor times. No row sleeps. The goals
 // are 1.3 for the exponential law and 1.25 for three Prony pairs.
-#include <algorithm>
 #include <array>
 #include <ctime>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
+#include "turgor/core/timing.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 
@@ -22,12 +22,6 @@ double thread_time() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void frames(benchmark::State& bench, const TissueParams& tissue) {

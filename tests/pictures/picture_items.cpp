@@ -32,7 +32,7 @@ TEST(PictureItems, WallsHaveOwnVertices) {
   EXPECT_EQ(skin.vertices, body.x);
 }
 
-// Where a CT ends, the body is closed in the color of its sections, and not in that of skin.
+// The caps of a body, where its CT ends, have the color of its sections and not that of skin.
 TEST(PictureItems, CapsHaveColorOfSections) {
   BodySnapshot body;
   body.look = Look::kSkin;

@@ -1,48 +1,22 @@
 // Layers of cloth that fall on a table and on each other, with different meshes, turned against each other.
-#include "tests/models/cloth/meshes.hpp"
-#include "tests/models/cloth/sheets.hpp"
+#include "tests/models/cloth/stack.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
-#include "turgor/models/cloth/contact/obstacle.hpp"
 
 namespace turgor::cloth {
 namespace {
 
-constexpr double kStackCell = 0.01, kStackThickness = 0.004, kStackGap = 0.008;  // [m]
-constexpr int kStackSide = 6;                                                    // vertices
+constexpr double kStackGap = 0.008;  // [m]
+constexpr int kStackSide = 6;        // vertices
 
-/// Horizontal sheets above each other, `kStackGap` apart, on the table z = 0. At rest they are far apart, so
-/// that they count as layers.
-struct FallingStack {
-  Model model;
-  State state = {};
-  Inputs inputs = in_vacuum();
+struct FallingStack : Stack {
   std::vector<int> layer = {};  // of each vertex of the model
 };
 FallingStack falling_stack(int layers) {
-  constexpr Pattern kMeshes[] = {Pattern::kAlternating, Pattern::kRandom, Pattern::kDiagonal};
-  const double length = kStackCell * (kStackSide - 1);
-  TriMesh mesh;
-  for (int layer = 0; layer < layers; layer++) {
-    const TriMesh sheet = rectangle(kMeshes[layer % 3], 0, length, length, kStackCell);
-    const int first = int(mesh.vertices.size());
-    for (const Vec3 x : sheet.vertices) mesh.vertices.push_back(x + Vec3{0, 0, Real(0.1 * layer)});
-    for (const Int3 t : sheet.triangles) mesh.triangles.push_back(t + Int3{first, first, first});
-  }
-  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kTwoLevel, .sweeps = 200}};
-  params.collision.thickness = kStackThickness;
-  FallingStack stack{.model = must_build(mesh, params)};
-  stack.state = make_state(stack.model);
-  stack.layer.resize(mesh.vertices.size());
-  for (std::size_t v = 0; v < mesh.vertices.size(); v++) {
-    const int layer = int(v) / (kStackSide * kStackSide);
-    const double angle = 0.05 * layer, c = std::cos(angle), s = std::sin(angle);
-    const Vec3d x = Vec3d(mesh.vertices[v]) - Vec3d{length / 2, length / 2, 0};
-    const auto slot = std::size_t(stack.model.model_vertex[v]);
-    stack.state.x.set(
-        slot, Vec3(Vec3d{c * x.x - s * x.y, s * x.x + c * x.y, kStackThickness / 2 + kStackGap * layer}));
-    stack.layer[slot] = layer;
-  }
-  stack.inputs.obstacles.push_back(plane_obstacle({0, 0, 0}, {0, 0, 1}));
+  FallingStack stack{make_stack(layers, kStackSide, kStackGap, Method::kTwoLevel)};
+  constexpr int kVertices = kStackSide * kStackSide;
+  stack.layer.resize(std::size_t(layers * kVertices));
+  for (int v = 0; v < layers * kVertices; v++)
+    stack.layer[std::size_t(stack.model.model_vertex[std::size_t(v)])] = v / kVertices;
   return stack;
 }
 

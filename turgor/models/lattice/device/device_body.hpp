@@ -171,14 +171,13 @@ struct DeviceVbd {
   /// Uploads contacts, and lists their nodes.
   void upload_contacts(const Model& model, std::span<const NodeContact> now) {
     contacts.assign(now);
+    const auto is_listed_node = [&](const NodeContact& c) {
+      return listed_nodes.is_listed[std::size_t(c.slot)] != 0 ||
+             !(model.anatomy.inverse_mass[std::size_t(c.slot)] > 0);
+    };
+    if (std::all_of(now.begin(), now.end(), is_listed_node)) return;
     std::vector<int> in_contact;
-    bool all_listed = true;
-    for (const NodeContact& c : now) {
-      in_contact.push_back(c.slot);
-      all_listed &= listed_nodes.is_listed[std::size_t(c.slot)] ||
-                    !(model.anatomy.inverse_mass[std::size_t(c.slot)] > 0);
-    }
-    if (all_listed) return;
+    for (const NodeContact& c : now) in_contact.push_back(c.slot);
     std::vector<std::uint8_t> cut(row_cut.size());
     row_cut.download(cut);
     upload_listed(list_nodes(model, cut, in_contact));
