@@ -187,16 +187,31 @@ Vec3d follow_nearest(const Search& s, const Int3& corners, Vec3d nearest) {
   return norm(nearest - was) < kReached ? nearest : was + kFollowFraction * (nearest - was);
 }
 
+/// Contact of a corner of a mesh tool with the inside of a triangle: the plane of contact is that of the
+/// triangle. The normal of the tool turns by a large angle around a corner. With it, positions in a triangle
+/// that tilts under the tool would alternate from tick to tick, and rounding would decide where the tool
+/// ends. Changes nothing where the corner is far from the plane, or behind it.
+void touch_face(const Search& s, const Int3& corners, Vec3d tip, Site& site) {
+  if (site.point.z < 0) return;
+  const auto at = [&](int p) { return s.deformed.x[std::size_t(p)]; };
+  const Vec3d outward = normalized(cross(at(corners.y) - at(corners.x), at(corners.z) - at(corners.x)));
+  const double height = dot(tip - weighted(s.deformed.patch, site, s.deformed.x), outward);
+  if (dot(site.normal, outward) >= 0 || std::abs(height) > 0.5 * tip_radius(*s.in.shape)) return;
+  site.normal = -outward, site.distance = height;
+}
+
 void find_in_triangle(Search& s, const Int3& corners, double allowed) {
   TURGOR_CHECK(are_indices(corners, s.deformed.x.size()),
                "the corners of a triangle are points of the patch");
   const Vec3d a = s.deformed.x[std::size_t(corners.x)], b = s.deformed.x[std::size_t(corners.y)],
               c = s.deformed.x[std::size_t(corners.z)];
+  const bool has_corners = std::holds_alternative<MeshShape>(*s.in.shape);
   for (int i = 0, count = tip_count(*s.in.shape); i < count; i++) {
-    const Vec3d nearest = closest_weights(to_world(s.in.pose, tip(*s.in.shape, i)), a, b, c);
+    const Vec3d from = to_world(s.in.pose, tip(*s.in.shape, i)), nearest = closest_weights(from, a, b, c);
     Site site{.tool = s.in.tool};
-    if (!make_site(corners, follow_nearest(s, corners, nearest), site)) continue;
+    if (!make_site(corners, has_corners ? nearest : follow_nearest(s, corners, nearest), site)) continue;
     measure(s, site);
+    if (has_corners) touch_face(s, corners, from, site);
     site.distance += allowed;
     if (site.distance <= s.in.reach && !is_listed(s, site)) insert(s, site);
   }
