@@ -99,6 +99,7 @@ struct PairSite {
       false;         // true: it moves over the surfaces, so that friction resists the motion of a frame only
   int node = -1;     // of a lattice, which touches in the sweeps of its solver (find_node_sites); -1 = none
   Vec3d ahead = {};  // of such a site: motion of b in the next frame, as predicted [m]
+  double permitted = 0;  // of such a site: depth from which it is pushed out slowly (permit_depth) [m]
 };
 
 struct CouplingReport {

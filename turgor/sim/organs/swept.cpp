@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/contact/lattice_touch.hpp"
+#include "turgor/contact/permit_depth.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
@@ -330,6 +331,7 @@ void find_swept(const Exec& exec, World& world) {
     std::erase_if(found.sites, [&](const contact::PairSite& site) {
       return cuts.removed[std::size_t(pair.own.nodes.slot[std::size_t(site.node)])] != 0;
     });
+    if (pair.other >= 0) contact::permit_depth(contact.sites, world.dt, found.sites);
     for (contact::PairSite& site : found.sites) site.ahead = motion_ahead(world, site.b);
     contact.sites = std::move(found.sites);
     contact.deepest = std::max(contact.deepest, found.deepest);
