@@ -137,6 +137,27 @@ TEST(Swept, HangingBlock_PullsWithWeight) {
   }
 }
 
+// A stiff block hangs off its center, and turns until its weight does. With few sweeps, as with many, the
+// springs bear its weight and pull to no side.
+TEST(Swept, StiffHangingBlock_FewSweepsBearWeight) {
+  const Exec exec(2);
+  for (const std::string cells : {"false", "true"}) {
+    World world = blocks_world(
+        exec, {{"block", -0.056}},
+        world_text("[0, -9.81, 0]") +
+            lattice_text("block", "none", "stiffness_scale = 4\ntissue.partial_cells = " + cells + "\n") +
+            "[attachment.glue]\nbetween = [\"block\", \"ground\"]\nbox = [[-1, -0.026, -1], [0.02, -0.02, "
+            "0.02]]\nstiffness = 500\n");
+    LatticeBody& block = world.lattice_bodies[0];
+    block.model.params.solver.sweeps = 5, block.model.params.solver.damping = 20;
+    advance(exec, world, 150);
+    const double weight = whole_of(world, "block").mass * kBlockGravity;
+    const Vec3d force = world.coupling.attachments[0].samples.back().force;
+    std::printf("cells %s: %.5f %.5f %.5f of %.5f N\n", cells.c_str(), force.x, force.y, force.z, weight);
+    EXPECT_LT(norm(force - Vec3d{0, weight, 0}), 5e-3 * weight) << cells;
+  }
+}
+
 // Springs that are too weak for the block tear one after the other, and it falls.
 TEST(Swept, WeakAttachment_Tears) {
   const Exec exec(2);

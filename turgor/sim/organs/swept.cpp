@@ -33,20 +33,6 @@ Vec3d vertex_velocity(const CoupledSupport& support, int vertex, const lattice::
       lattice::displacement(support.cell[v], [&](int corner) { return motion.v[std::size_t(corner)]; }));
 }
 
-/// Motion of a point in the next frame at its present velocity; zero for chains and what is fixed [m].
-Vec3d motion_ahead(const World& world, const contact::SurfacePoint& point) {
-  if (point.body < first_support(world)) return {};
-  const CoupledSupport& support = swept_support(world, point.body);
-  if (support.body.kind != BodyKind::kLattice) return {};
-  const LatticeBody& body = lattice_of(world, support);
-  const lattice::Motion& motion = body.state->motion;
-  Vec3d velocity;
-  for (int corner = 0; corner < 3; corner++)
-    if (const int v = point.vertex[corner]; v >= 0)
-      velocity += vertex_velocity(support, v, motion) * point.weight[corner];
-  return patient_axes(body) * (velocity * world.dt);
-}
-
 std::vector<Vec3d> positions_of(const World& world, const CoupledSupport& support) {
   std::vector<Vec3d> x = support_displacement(world, support);
   for (std::size_t v = 0; v < x.size(); v++) x[v] += support.rest[v];
@@ -151,6 +137,19 @@ void add_force_at(const contact::SurfacePoint& point, Vec3d force, int index,
 
 }  // namespace
 
+Vec3d motion_ahead(const World& world, const contact::SurfacePoint& point) {
+  if (point.body < first_support(world)) return {};
+  const CoupledSupport& support = swept_support(world, point.body);
+  if (support.body.kind != BodyKind::kLattice) return {};
+  const LatticeBody& body = lattice_of(world, support);
+  const lattice::Motion& motion = body.state->motion;
+  Vec3d velocity;
+  for (int corner = 0; corner < 3; corner++)
+    if (const int v = point.vertex[corner]; v >= 0)
+      velocity += vertex_velocity(support, v, motion) * point.weight[corner];
+  return patient_axes(body) * (velocity * world.dt);
+}
+
 int swept_side(const World& world, BodyId body, const std::optional<BodyId>& other) {
   if (body.kind == BodyKind::kCloth) return 0;
   if (other && other->kind == BodyKind::kCloth) return 1;
@@ -218,13 +217,14 @@ std::vector<double> swept_rest_heights(const Exec& exec, const World& world, con
   return contact::rest_heights(exec, {own.rest, own.rest, own.vertex, {}}, surfaces, contact.params);
 }
 
-SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body) {
+SweptContacts::SweptContacts(const LatticeBody& body, World& world, const SweptForces& springs)
+    : body_(body), springs_(springs) {
   const Mat3d to_lattice = transposed(patient_axes(body));
   for (BodyContact& contact : world.coupling.contacts) {
     if (contact.swept < 0 || !is_swept_by(world, body, contact.body[std::size_t(contact.swept)])) continue;
     const lattice::Motion& motion = body.state->motion;  // downloads the motion of a body on a GPU
     const CoupledSupport& own = swept_pair(world, contact).own;
-    free_mass_ = own.free_mass;
+    springs_.free_mass = own.free_mass;
     for (contact::PairSite& site : contact.sites) {
       // the other body has moved by `ahead` when the step ends
       const auto n = std::size_t(site.node);
@@ -249,39 +249,23 @@ SweptContacts::SweptContacts(const LatticeBody& body, World& world) : body_(body
   std::stable_sort(sites_.begin(), sites_.end(), first);
 }
 
-/// Acceleration of a free body by the contacts in the last step, besides gravity. The part of the bodies that
-/// it touches stops the approach and bears the other forces, and no more: where few sweeps overestimate a
-/// force, the body would jump off, farther in every frame.
-Vec3d SweptContacts::start_acceleration(const lattice::Inputs& inputs, double dt) const {
-  if (free_mass_ == 0) return {};
-  // forces of tools, and of bodies with their motion
-  Vec3d force, others, ahead;
-  double sum = 0;
-  for (const lattice::NodeContact& contact : joined_) {
+/// Acceleration with which the sweeps start, by the contacts and springs of the last step.
+Vec3d SweptContacts::start(const lattice::Inputs& inputs, double dt) const {
+  SweptForces forces = springs_;
+  if (forces.free_mass == 0) return {};
+  for (std::size_t c = 0; c < own_.size(); c++)
+    forces.add(Vec3d(own_[c].force), transposed(patient_axes(body_)) * sites_[c].site->ahead);
+  // forces of tools, and of bodies, which are among the contacts
+  Vec3d all;
+  for (const lattice::NodeContact& contact : inputs.contacts) {
     if (contact.is_held) return {};
-    force += Vec3d(contact.force);
+    all += Vec3d(contact.force);
   }
-  const Mat3d to_lattice = transposed(patient_axes(body_));
-  for (std::size_t c = 0; c < own_.size(); c++) {
-    const Vec3d f(own_[c].force);
-    others += f, sum += norm(f);
-    ahead += to_lattice * sites_[c].site->ahead * norm(f);
-  }
-  if (!(norm(others) > 0)) return force / free_mass_;
-  // velocity of the center of mass
-  const lattice::Motion& motion = body_.state->motion;
-  const auto& inverse_mass = body_.model.anatomy.inverse_mass;
-  Vec3d momentum;
-  for (std::size_t slot = 0; slot < inverse_mass.size(); slot++)
-    if (inverse_mass[slot] > 0) momentum += Vec3d(motion.v[slot]) / double(inverse_mass[slot]);
-  // limit along the force
-  const Vec3d to = normalized(others), tools = (force - others) / free_mass_;
-  const double approach = dot(ahead / (sum * dt) - momentum / free_mass_, to);
-  const double most = std::max(0.0, approach) / dt - dot(to_lattice * inputs.gravity + tools, to);
-  return tools + to * std::min(norm(others) / free_mass_, std::max(0.0, most));
+  return start_acceleration(body_, forces, all - (forces.sum - springs_.sum), inputs.gravity, dt);
 }
 
 void SweptContacts::join(lattice::Inputs& inputs, double dt) {
+  if (own_.empty() && springs_.magnitudes > 0) inputs.start_acceleration = start(inputs, dt);
   if (own_.empty()) return;
   joined_.clear(), origins_.clear();
   auto next = own_.begin();
@@ -304,7 +288,7 @@ void SweptContacts::join(lattice::Inputs& inputs, double dt) {
     inputs.points = &points_;
   }
   inputs.contacts = joined_;
-  inputs.start_acceleration = start_acceleration(inputs, dt);
+  inputs.start_acceleration = start(inputs, dt);
 }
 
 void SweptContacts::finish() {

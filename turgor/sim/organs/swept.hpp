@@ -14,6 +14,7 @@
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/model/inputs.hpp"
 #include "turgor/sim/organs/coupling.hpp"
+#include "turgor/sim/organs/swept_start.hpp"
 
 namespace turgor {
 
@@ -43,6 +44,8 @@ class SweptSprings {
   SweptSprings& operator=(const SweptSprings&) = delete;
   /// Springs for lattice::Inputs.
   lattice::PointSprings* input() { return ties_.empty() ? stitches_ : &springs_; }
+  /// Forces of the last step, if nothing fixes the lattice.
+  const SweptForces& before() const { return before_; }
   /// Reads the forces after a step. The most overloaded spring of each attachment breaks.
   void finish(const lattice::Motion& motion);
 
@@ -56,23 +59,25 @@ class SweptSprings {
   std::vector<contact::Tie*> ties_;  // one for each spring after those of the sutures
   std::vector<double> signs_;        // of the force on the lattice in Tie::force
   std::vector<Vec3d> ends_;          // displacement of the other point of each tie, lattice frame [m]
+  SweptForces before_;
 };
 
 /// Contacts with other bodies in one step of a lattice, joined with those of its tools.
 class SweptContacts {
  public:
-  SweptContacts(const LatticeBody& body, World& world);
+  /// `springs` are the forces of the attachments in the last step.
+  SweptContacts(const LatticeBody& body, World& world, const SweptForces& springs);
   SweptContacts(const SweptContacts&) = delete;
   SweptContacts& operator=(const SweptContacts&) = delete;
   /// Adds the contacts to those of the tools before a step of `dt` [s]. They are valid until the next call. A
   /// free body starts with the acceleration under the forces of the last step, unless forceps hold it: if it
-  /// rests on the contacts, it starts where it is.
+  /// rests on the contacts or hangs at rest, it starts where it is.
   void join(lattice::Inputs& inputs, double dt);
   /// Returns the forces of the step to the contacts of the tools, and to the sites.
   void finish();
 
  private:
-  Vec3d start_acceleration(const lattice::Inputs& inputs, double dt) const;
+  Vec3d start(const lattice::Inputs& inputs, double dt) const;
 
   struct Site {
     int slot = 0;
@@ -80,7 +85,7 @@ class SweptContacts {
   };
 
   const LatticeBody& body_;
-  double free_mass_ = 0;                            // see CoupledSupport [kg]
+  SweptForces springs_;
   std::vector<lattice::NodeContact> own_, joined_;  // slots ascend
   std::vector<lattice::NodeContact*> origins_;      // of `joined_`
   lattice::ContactPoints own_points_, points_;      // of `own_` and `joined_`, in a body with partial cells

@@ -19,6 +19,9 @@ inline const LatticeBody& lattice_of(const World& world, const CoupledSupport& s
 }
 inline const Mat3d& patient_axes(const LatticeBody& body) { return body.model.anatomy.grid.axes; }
 
+/// Motion of a point in the next frame at its present velocity; zero for chains and what is fixed [m].
+Vec3d motion_ahead(const World& world, const contact::SurfacePoint& point);
+
 /// True if a contact or an attachment is solved in the sweeps of this lattice.
 inline bool is_swept_by(const World& world, const LatticeBody& body, int index) {
   return index >= first_support(world) && swept_support(world, index).body.kind == BodyKind::kLattice &&

@@ -48,7 +48,12 @@ SweptSprings::SweptSprings(const LatticeBody& body, World& world, lattice::Point
       const auto v = std::size_t(own.vertex.x);
       springs_.all.push_back({.at = support.cell.empty() ? point_at(support.carrier[v]) : support.cell[v]});
       ties_.push_back(&tie), signs_.push_back(attachment.swept == 0 ? 1 : -1);
-      ends_.push_back(transposed(patient_axes(body)) * attachment.ahead[n]);
+      const Mat3d to_lattice = transposed(patient_axes(body));
+      ends_.push_back(to_lattice * attachment.ahead[n]);
+      before_.free_mass = support.free_mass;
+      if (support.free_mass > 0)
+        before_.add(to_lattice * tie.force * signs_.back(),
+                    to_lattice * motion_ahead(world, attachment.swept == 0 ? tie.b : tie.a));
       if (attachments_.empty() || attachments_.back() != &attachment) attachments_.push_back(&attachment);
     }
   }

@@ -20,9 +20,9 @@ namespace {
 
 /// Steps a lattice between two times [s], in substeps for fast tools.
 lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, World& world, lattice::Inputs inputs,
-                                 double from, double to) {
+                                 const SweptForces& springs, double from, double to) {
   std::vector<TouchingTool>& tools = world.tools;
-  SweptContacts swept(body, world);
+  SweptContacts swept(body, world, springs);
   if (body.tools.empty()) {
     swept.join(inputs, to - from);
     const lattice::StepReport report = body.state.step(exec, body.model, inputs, to - from);
@@ -82,7 +82,8 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   apply_commands(body, input.from, input.to, world.tools);
 
   // step
-  const lattice::StepReport done = step_lattice(exec, body, world, inputs, input.from, input.to);
+  const lattice::StepReport done =
+      step_lattice(exec, body, world, inputs, attachments.before(), input.from, input.to);
   if (done.finite && stitches.input()) stitches.finish(body.model, body.state->motion, input.to);
   if (done.finite && attachments.input()) attachments.finish(body.state->motion);
   record_balance(world, body, done);
