@@ -26,5 +26,12 @@ TEST(MeasuredForceTable, WrongInputIsRefused) {
   EXPECT_EQ(error_of("time_ms,force_mN\n1,100\n2,200\n"), "");
 }
 
+// A load cell that counts a press as negative would be fitted by a body without stiffness. Noise around zero
+// may have any sign.
+TEST(MeasuredForceTable, NegativePressIsRefused) {
+  EXPECT_FALSE(check_measured({.at = {1, 2, 3}, .force = {0.01, -0.02, -0.05}}));
+  EXPECT_TRUE(check_measured({.at = {1, 2, 3}, .force = {-0.01, 0.02, 0.05}}));
+}
+
 }  // namespace
 }  // namespace turgor

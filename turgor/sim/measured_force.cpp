@@ -49,7 +49,7 @@ Result<ColumnUnits> column_units(const std::filesystem::path& file) {
 
 Status check_measured(const MeasuredForce& measured) {
   TURGOR_ASSERT(measured.at.size() == measured.force.size(), "a force a row");
-  double most = 0;
+  std::size_t most = 0;  // row of the largest force
   for (std::size_t i = 0; i < measured.at.size(); i++) {
     if (!std::isfinite(measured.at[i]) || !std::isfinite(measured.force[i]))
       return Error{fmt::format("row {}: expected finite numbers", i + 1)};
@@ -59,9 +59,16 @@ Status check_measured(const MeasuredForce& measured) {
     if (measured.at[i] < 0)
       return Error{fmt::format("row {}: expected a {} from 0, found {:.6g}", i + 1,
                                measured.by_time ? "time" : "depth", measured.at[i])};
-    most = std::max(most, std::abs(measured.force[i]));
+    if (std::abs(measured.force[i]) > std::abs(measured.force[most])) most = i;
   }
-  if (most == 0) return Error{"expected a force that is not zero in every row"};
+  if (measured.at.empty() || measured.force[most] == 0)
+    return Error{"expected a force that is not zero in every row"};
+  // some cells count a press as negative; noise around zero may have either sign
+  if (measured.force[most] < 0)
+    return Error{
+        fmt::format("row {}: expected the size of the tool's force, found {:.6g} N as the largest: "
+                    "change the sign of the column",
+                    most + 1, measured.force[most])};
   return Done{};
 }
 
