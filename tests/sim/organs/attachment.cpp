@@ -3,6 +3,7 @@
 
 #include "organs_scene.hpp"
 #include "turgor/sim/autosave/world_file.hpp"
+#include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world_state.hpp"
@@ -66,6 +67,27 @@ TEST(Organs, HangingBody_WeightInAttachment) {
   EXPECT_EQ(shown.organ_forces[0].name, "rope");
   EXPECT_LT(norm(shown.organ_forces[0].force - Vec3d{0, 0, weight}), 1e-3 * weight);
   EXPECT_LT(norm(shown.organ_forces[0].at - Vec3d{0.02, 0.015, 0.02 - weight / 40}), 1e-5);
+}
+
+// A rod of elements that swings from its end by a quarter turn is linear, and swells: a warning tells so. The
+// turn by θ of a linear body strains it by (tan θ)²/2. A rod that hangs still has no warning.
+TEST(Organs, TurnedBody_Warns) {
+  const Exec exec(1);
+  const std::string rod = block_text("rod", "[0, 0, 0]", "[0.08, 0.02, 0.02]", "[8, 2, 2]", "none", 1e5);
+  const auto swing = [&](const std::string& box) {
+    World world =
+        organs_world(exec, kWorld + rod + "[attachment.end]\nbetween = [\"rod\", \"ground\"]\nbox = " + box +
+                               "\nstiffness = 1000\n");
+    advance(exec, world, 12);
+    return std::pair(world.sfem_bodies[0].surface_strain, overstrained(world));
+  };
+  const auto [turned, warned] = swing("[[-1, -1, -1], [0.0001, 1, 1]]");
+  EXPECT_GT(turned, 0.1);
+  ASSERT_EQ(warned.size(), 1u);
+  EXPECT_NE(warned[0].find("swells"), std::string::npos) << warned[0];
+  const auto [straight, silent] = swing("[[-1, -1, 0.0199], [1, 1, 1]]");
+  EXPECT_LT(straight, 0.05);
+  EXPECT_TRUE(silent.empty());
 }
 
 // Two hanging blocks, the lower one tied to the upper one: the attachments bear one weight and two.

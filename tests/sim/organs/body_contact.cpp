@@ -6,6 +6,7 @@
 
 #include "crossing.hpp"
 #include "organs_scene.hpp"
+#include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/world_state.hpp"
 
 namespace turgor {
@@ -47,6 +48,28 @@ TEST(BodyContact, Stack_BearsWeights) {
     EXPECT_EQ(test::crossing_count(world.sfem_bodies[std::size_t(contact.body[0])],
                                    world.sfem_bodies[std::size_t(contact.body[1])]),
               0);
+  }
+}
+
+// A weight squashes a pad that no tool touches. Under uniform pressure without lateral strain the pad is
+// shorter by e = weight/(E A), and Green's strain of its sides is e − e²/2. A report warns of it above a
+// tenth.
+TEST(BodyContact, SquashedPad_StrainIsReported) {
+  const Exec exec(1);
+  for (const double mass : {0.1, 1.2}) {
+    World world = organs_world(
+        exec,
+        "[world]\ngravity = [0, 0, -9.81]\nduration = 5\n[body.pad]\nmodel = \"sfem\"\nblock = { size = "
+        "[0.04, 0.04, 0.02], count = [4, 4, 2] }\nfixed = { sides = \"bottom\", depth = 0 }\nyoung = 2e4\n"
+        "poisson = 0\ncache = false\n[body.weight]\nmodel = \"rigid\"\nshape = { box = [0.05, 0.05, 0.01] "
+        "}\nat = [0.02, 0.02, 0.02501]\n" +
+            fmt::format("mass = {}\n", mass) + touching("press", "weight", "pad", "friction = 0.5\n"));
+    advance(exec, world, 100);
+    world.sfem_bodies[0].surface_strain = 0;  // the weight came suddenly, which strains more
+    advance(exec, world, 1);
+    const double e = mass * 9.81 / (2e4 * 0.04 * 0.04), expected = e - e * e / 2;
+    EXPECT_NEAR(world.sfem_bodies[0].surface_strain, expected, 0.01 * expected);
+    EXPECT_EQ(overstrained(world).size(), expected > 0.1 ? 1u : 0u);
   }
 }
 

@@ -28,18 +28,30 @@ double triangle_strain(const Metric& rest, const Metric& now) {
   return 0.5 * std::max(std::abs(half + root - 1), std::abs(half - root - 1));
 }
 
+/// Largest strain of triangles whose vertices are at rest(vertex) and now(vertex).
+template <class Rest, class Now>
+double largest_strain(std::span<const Int3> triangles, const Rest& rest, const Now& now) {
+  double largest = 0;
+  for (const Int3 t : triangles)
+    largest = std::max(largest, triangle_strain(metric(rest(t.x), rest(t.y), rest(t.z)),
+                                                metric(now(t.x), now(t.y), now(t.z))));
+  return largest;
+}
+
 }  // namespace
+
+double largest_surface_strain(std::span<const Int3> triangles, std::span<const Vec3d> rest,
+                              std::span<const Vec3d> x) {
+  TURGOR_ASSERT(x.size() == rest.size(), "one position a vertex");
+  return largest_strain(
+      triangles, [&](int v) { return rest[std::size_t(v)]; }, [&](int v) { return x[std::size_t(v)]; });
+}
 
 double largest_surface_strain(const Patch& patch, std::span<const Vec3d> x) {
   TURGOR_ASSERT(x.size() == patch.points.size(), "one position a point");
-  double largest = 0;
-  for (const Int3 t : patch.triangles) {
-    const auto rest = [&](int corner) { return patch.points[std::size_t(t[corner])].x; };
-    const auto now = [&](int corner) { return x[std::size_t(t[corner])]; };
-    largest =
-        std::max(largest, triangle_strain(metric(rest(0), rest(1), rest(2)), metric(now(0), now(1), now(2))));
-  }
-  return largest;
+  return largest_strain(
+      patch.triangles, [&](int v) { return patch.points[std::size_t(v)].x; },
+      [&](int v) { return x[std::size_t(v)]; });
 }
 
 }  // namespace turgor::sfem

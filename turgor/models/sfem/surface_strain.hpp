@@ -12,8 +12,11 @@ namespace turgor::sfem {
 /// too small at 18 %. Tissue that stiffens leaves the linear answer earlier.
 constexpr double kLinearStrain = 0.1;
 
-/// Largest principal Green strain |½ (λ² − 1)| of the triangles of a patch in their planes, with its points
-/// at these positions [m].
+/// Largest principal Green strain |½ (λ² − 1)| of triangles in their planes, between positions of their
+/// vertices at rest and now [m].
+double largest_surface_strain(std::span<const Int3> triangles, std::span<const Vec3d> rest,
+                              std::span<const Vec3d> x);
+/// The same of the triangles of a patch, with its points at these positions [m].
 double largest_surface_strain(const Patch& patch, std::span<const Vec3d> x);
 
 }  // namespace turgor::sfem

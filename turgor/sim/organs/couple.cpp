@@ -4,6 +4,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/models/sfem/surface_strain.hpp"
 #include "turgor/sim/organs/free_lattice.hpp"
 #include "turgor/sim/organs/support.hpp"
 #include "turgor/sim/organs/swept.hpp"
@@ -35,6 +36,15 @@ std::vector<Vec3d> positions_now(const SfemBody& body, const std::vector<Vec3d>&
   for (std::size_t v = 0; v < x.size(); v++) x[v] += by_tools[v];
   for (std::size_t v = 0; v < body.free.before.size(); v++) x[v] += body.free.before[v];
   return x;
+}
+
+/// Records the strain of the whole surface, which other bodies load beside the patch under a tool.
+void record_strain(SfemBody& body, const std::vector<Vec3d>& x) {
+  if (body.turning) return;
+  const sfem::Model& model = body.model;
+  body.surface_strain =
+      std::max(body.surface_strain,
+               sfem::largest_surface_strain(model.surface.triangles, model.body.mesh.vertices, x));
 }
 
 /// Surface of a body at the present positions of its vertices. `near` receives the triangles of a support
@@ -209,6 +219,7 @@ std::vector<contact::CoupledBody> coupled_motions(const Exec& exec, World& world
     if (!coupled[b] && !body.flight) continue;
     std::vector<Vec3d> by_tools = tool_displacement(exec, body);
     x[b] = positions_now(body, by_tools);
+    record_strain(body, x[b]);
     if (body.flight) advance_flight(body, by_tools, world.gravity, world.dt);
     bodies[b] = {.model = &body.model,
                  .stiffness_scale = body.stiffness_scale,

@@ -112,6 +112,15 @@ std::vector<std::string> overpressed(const World& world, const std::vector<Press
   return sentences;
 }
 
+/// Advice for a linear body that is strained too much.
+std::string less_strain(const SfemBody& body) {
+  const std::string advice = body.tool_indices.empty()
+                                 ? "a smaller load, or a stiffer body"
+                                 : "law = \"neo_hookean\" or \"exponential\", or a smaller depth";
+  if (!body.flight) return advice;
+  return advice + "; a body with fixed = \"none\" also swells where it turns, by 10 % at 26 degrees";
+}
+
 std::vector<std::string> overstrained(const World& world) {
   constexpr double kBorderStrain = 0.1, kMostUnconverged = 0.2;
   std::vector<std::string> sentences;
@@ -121,8 +130,8 @@ std::vector<std::string> overstrained(const World& world) {
       sentences.push_back(
           fmt::format("{}: its surface was strained by {:.0f} %; beyond {:.0f} % the force of a linear body "
                       "is off by more "
-                      "than about 5 %: law = \"neo_hookean\" or \"exponential\", or a smaller depth",
-                      body.name, 100 * body.surface_strain, 100 * sfem::kLinearStrain));
+                      "than about 5 %: {}",
+                      body.name, 100 * body.surface_strain, 100 * sfem::kLinearStrain, less_strain(body)));
     if (body.law && law.border_strain > kBorderStrain)
       sentences.push_back(fmt::format(
           "{}: beside the border of the nonlinear patch, tissue was strained by {:.0f} %, where the body is "

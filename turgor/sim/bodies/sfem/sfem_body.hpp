@@ -149,7 +149,9 @@ struct SfemBody : TouchedBody {
   std::vector<Vec3d> law_forces;          // on the points, of its latest solution [N]
   std::vector<double> law_displacement;   // of NonlinearPatch::u, from a file [m]
   LawSummary law_summary;
-  double surface_strain = 0;  // largest of the patch's surface at the end of a frame, without large rotations
+  // largest of the surface at the end of a frame, without large rotations: of the patch, and of the whole
+  // body if other bodies act on it
+  double surface_strain = 0;
   contact::Texture texture;
   Prony viscosity;                                          // ticks get it with the next frame
   std::vector<std::shared_ptr<const sfem::Patch>> patches;  // patches that may be in use
