@@ -87,6 +87,8 @@ TEST(RunScene, ReplayDrawsSameFiles) {
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ((*again)["state_hash"], ran["state_hash"]);
   EXPECT_EQ((*again)["pictures"], ran["pictures"]);
+  EXPECT_EQ((*again)["warnings"], ran["warnings"]);
+  EXPECT_FALSE(ran["warnings"].empty());
   int compared = 0;
   for (const char* sub : {".", "frames", "meshes"})
     for (const std::string& name : test::names_in(folder / "ran" / sub)) {

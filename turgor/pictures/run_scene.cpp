@@ -195,6 +195,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   if (run.live) append(facts.warnings, haptics_warnings(*run.live));
   // report
   Json report = simulation_report(run.exec, run.scene, run.world, done.measures, facts);
+  report["warnings"] = facts.warnings;  // for a replay
   if (run.live) report["haptics"] = haptics_report(*run.live);
   if (run.replay) report["haptic_replay"] = haptic_report(run.replay->run(), run.world);
   if (!done.stopped.empty()) report["stopped"] = done.stopped, report["finite"] = done.finite;
@@ -284,8 +285,6 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   outputs->facts.load_seconds = total.seconds();
   append(outputs->facts.warnings, notes_of(*world));
   append(outputs->facts.warnings, odd_sizes(first));
-  if (scene.output.video && !has_ffmpeg())
-    outputs->facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
   FolderRun run{folder.path(), exec,         scene, *world, *outputs, callbacks,
                 std::nullopt,  std::nullopt, {},    {},     {},       std::nullopt};
   Result<std::optional<Simulated>> resumed = begin_autosave(folder.goal(), start, run);
@@ -296,6 +295,8 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   if (!done) return done.error();
   Result<Json> report = report_of(run, *done);
   if (!report) return report.error();
+  if (scene.output.video && !has_ffmpeg())
+    outputs->facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
   const FinishedRun finished{*world, done->snapshot, done->measures.pressed, run.later, *outputs};
   const std::future<void> drawing = warm_up(*outputs);
   Status status = Done{};
@@ -333,6 +334,8 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
     if (progress) progress(double(s + 1) / recording.snapshot_count());
   }
   report["replayed_from"] = recording.path().string();
+  for (const Json& warning : report.value("warnings", Json::array()))  // earlier recordings have none
+    if (warning.is_string()) outputs->facts.warnings.push_back(warning);
   const std::vector<WorldSnapshot> no_later;
   const FinishedRun finished{*world, snapshot, pressed, no_later, *outputs};
   const std::future<void> drawing = warm_up(*outputs);
