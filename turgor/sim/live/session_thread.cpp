@@ -1,5 +1,6 @@
 #include "turgor/sim/live/session_thread.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -69,13 +70,19 @@ void publish(SessionThread& session) {
 
 /// Publishes the state after a frame. While the world plays, a snapshot that no reader has taken yet is
 /// replaced at most 30 times per second, since drawing the surface takes as long as a step. While frames are
-/// late, there are at most 20 snapshots per second, so that they and their pictures leave time for frames.
+/// late, there are at most 16 snapshots per second, so that they and their pictures leave time for frames,
+/// and one that no reader has taken is replaced ten times per second. The 16 are due at a fixed rate: one
+/// that waits for the end of a frame does not delay those after it.
 void publish_frame(SessionThread& session) {
-  constexpr std::chrono::milliseconds kUnread(33), kLate(50);
-  const auto age = std::chrono::steady_clock::now() - session.published_at;
+  constexpr std::chrono::milliseconds kUnread(33), kUnreadLate(100);
+  constexpr std::chrono::microseconds kLate(62500);
+  const auto now = std::chrono::steady_clock::now();
+  const auto age = now - session.published_at;
   const bool is_late = session.next.real_pace < 0.9 * session.next.pace;
-  const bool is_soon = (session.published.has_news() && age < kUnread) || (is_late && age < kLate);
-  if (!is_playing(session) || !is_soon) publish(session);
+  const bool is_unread = session.published.has_news() && age < (is_late ? kUnreadLate : kUnread);
+  if (is_playing(session) && (is_unread || (is_late && now < session.due_late))) return;
+  session.due_late = std::max(session.due_late, now - kLate) + kLate;
+  publish(session);
 }
 
 /// Publishes the loading progress, at most twenty times per second. Any loading thread may call it, while the

@@ -51,6 +51,7 @@ struct SessionThread {
   PaceMeter meter = {};
   ProgressReports progress = {};
   std::chrono::steady_clock::time_point published_at = {};  // time of the latest snapshot for readers
+  std::chrono::steady_clock::time_point due_late = {};      // time of the next one while frames are late
   SessionStatus next =
       {};  // state for readers, without the snapshot, which is written directly to the reader's buffer
 };

@@ -132,6 +132,14 @@ TEST(LatticeSurface, CacheMatchesFullBuild) {
   expect_same("with these nodes restored");
 }
 
+/// Solid tissue whose cells at the surface are filled in part.
+Params partial_cells() {
+  Params params;
+  params.block = {3, 3, 4};
+  params.tissue.law = TissueLaw::kSolid, params.tissue.partial_cells = true;
+  return params;
+}
+
 void expect_same_plan(const detail::SurfacePlan& found, const detail::SurfacePlan& expected) {
   ASSERT_EQ(found.corners, expected.corners);
   ASSERT_EQ(found.term_begin, expected.term_begin);
@@ -148,11 +156,9 @@ void expect_same_plan(const detail::SurfacePlan& found, const detail::SurfacePla
   }
 }
 
-// While two blades move, a cached surface has the bits of one built at once, on any number of threads.
-TEST(LatticeSurface, CacheFollowsBlades) {
-  const CtVolume ct = soft_ball(48, 18);
-  Params params;
-  params.block = {3, 3, 4};
+/// Cuts a ball by two blades and removes a block. After each step, a cached surface must have the bits of one
+/// built at once.
+void expect_cache_to_follow_blades(const CtVolume& ct, const Params& params) {
   const Model model = build(Exec(1), ct, {}, params).value();
   State state = make_state(model);
   std::array<detail::SurfaceCache, 3> caches;
@@ -192,6 +198,38 @@ TEST(LatticeSurface, CacheFollowsBlades) {
   cut(on_skin(1, 0), on_skin(3, 11), 35, 1);
   remove_block(model, state);
   expect_same();
+}
+
+// While two blades move, a cached surface has the bits of one built at once, on any number of threads.
+TEST(LatticeSurface, CacheFollowsBlades) {
+  Params params;
+  params.block = {3, 3, 4};
+  expect_cache_to_follow_blades(soft_ball(48, 18), params);
+}
+
+// Also where a blade loosens rim nodes of partial cells.
+TEST(LatticeSurface, CacheFollowsBladesInPartialCells) {
+  expect_cache_to_follow_blades(soft_ball(48, 18), partial_cells());
+}
+
+// Rim nodes that a cut has loosened leave the cached surface without blades as it was.
+TEST(LatticeSurface, LooseRimKeepsUncutSurface) {
+  const CtVolume ct = soft_ball(48, 18);
+  const Model model = build(Exec(1), ct, {}, partial_cells()).value();
+  State state = make_state(model);
+  detail::SurfaceCache cache;
+  build_surface(model, state.cuts, &ct, Extent::kAll, Exec(1), &cache);
+  const std::uint64_t before = cache.removed;
+  int loose = 0;
+  for (int slot = 0; slot < slot_count(model.anatomy.lattice); slot += 3)
+    if (is_rim(model, slot)) state.cuts.removed[std::size_t(slot)] = kRemoved, loose++;
+  ASSERT_GT(loose, 20);
+  const BodySurface cached = build_surface(model, state.cuts, &ct, Extent::kAll, Exec(1), &cache),
+                    direct = build_surface(model, state.cuts, &ct, Extent::kAll, Exec(1));
+  EXPECT_EQ(cache.removed, before);
+  EXPECT_EQ(cached.triangles, direct.triangles);
+  EXPECT_EQ(cached.rest, direct.rest);
+  expect_same_plan(*cached.plan, *direct.plan);
 }
 
 // The surface of a ball is watertight and has Euler characteristic 2.

@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/surface/deform_surface.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/models/lattice/surface/surface_plan.hpp"
 
@@ -24,11 +25,9 @@ std::shared_ptr<const SurfacePlan> plan_of(const Exec& exec, const Model& model,
   return surface.plan ? surface.plan : detail::make_surface_plan(exec, model, cuts, surface);
 }
 
-/// Displacement of every vertex, lattice frame [m].
-std::vector<Vec3> displacements(const Exec& exec, const Model& model, const State& state,
-                                const BodySurface& surface, const SurfacePlan& plan) {
-  TURGOR_CHECK(plan.of_vertex.size() == surface.rest.size(), "the plan is that of the surface");
-  // corners
+/// Displacement of every corner of the plan, lattice frame [m].
+std::vector<Vec3> corner_displacements(const Exec& exec, const Model& model, const State& state,
+                                       const BodySurface& surface, const SurfacePlan& plan) {
   std::vector<Vec3> corner_u(plan.corners.size());
   const auto move_corner = [&](std::size_t c) {
     const auto begin = std::size_t(plan.term_begin[c]), end = std::size_t(plan.term_begin[c + 1]);
@@ -37,17 +36,31 @@ std::vector<Vec3> displacements(const Exec& exec, const Model& model, const Stat
                       : corner_displacement(model, state, *surface.fragments, plan.corners[c]);
   };
   parallel_for(exec, corner_u.size(), move_corner, kGrain);
-  // vertices
-  std::vector<Vec3> result(surface.rest.size());
+  return corner_u;
+}
+
+/// Displacement of a vertex from those of its corners.
+Vec3 u_of(const VertexCorners& vertex, const std::vector<Vec3>& corner_u) {
+  Vec3 sum;
+  for (std::size_t c = 0; c < 8; c++)
+    if (vertex.weight[c] != 0) sum += corner_u[std::size_t(vertex.index[c])] * vertex.weight[c];
+  return sum;
+}
+
+/// Displaced vertices, lattice frame [m]. `scalars` gets the displacements of the vertices if they are shown.
+std::vector<Vec3> displace(const Exec& exec, const Model& model, const State& state,
+                           const BodySurface& surface, const SurfacePlan& plan, Shown shown,
+                           std::vector<float>& scalars) {
+  TURGOR_CHECK(plan.of_vertex.size() == surface.rest.size(), "the plan is that of the surface");
+  const std::vector<Vec3> corner_u = corner_displacements(exec, model, state, surface, plan);
+  std::vector<Vec3> x(surface.rest.size());
   const auto move_vertex = [&](std::size_t v) {
-    const VertexCorners& vertex = plan.of_vertex[v];
-    Vec3 sum;
-    for (std::size_t c = 0; c < 8; c++)
-      if (vertex.weight[c] != 0) sum += corner_u[std::size_t(vertex.index[c])] * vertex.weight[c];
-    result[v] = sum;
+    const Vec3 u = u_of(plan.of_vertex[v], corner_u);
+    x[v] = surface.rest[v] + u;
+    if (shown == Shown::kDisplacement) scalars[v] = norm(u);
   };
-  parallel_for(exec, result.size(), move_vertex, kGrain);
-  return result;
+  parallel_for(exec, x.size(), move_vertex, kGrain);
+  return x;
 }
 
 /// End of a drawn cut, where no other cut meets it.
@@ -142,78 +155,75 @@ void close_ends(const BodySurface& surface, Real step, std::vector<Vec3>& x) {
         close_end(surface, *end, step, x);
 }
 
-Vec3 area_vector(const std::vector<Vec3>& x, Int3 t) {
-  const Vec3 a = x[std::size_t(t.x)];
-  return cross(x[std::size_t(t.y)] - a, x[std::size_t(t.z)] - a);
-}
+/// Area of a triangle, twice as large.
+struct TriangleArea {
+  Vec3 vector;    // [m²]
+  Real skin = 0;  // its size; 0 for triangles that have no area in the CT [m²]
+};
 
-/// Area vectors of all triangles, twice their area [m²].
-std::vector<Vec3> area_vectors(const Exec& exec, const BodySurface& surface, const std::vector<Vec3>& x) {
-  std::vector<Vec3> areas(surface.triangles.size());
-  parallel_for(
-      exec, areas.size(), [&](std::size_t t) { areas[t] = area_vector(x, surface.triangles[t]); }, kGrain);
+/// Areas of all triangles. Triangles opened by a cut have no area in the CT.
+std::vector<TriangleArea> triangle_areas(const Exec& exec, const BodySurface& surface,
+                                         const SurfacePlan& plan, const std::vector<Vec3>& x) {
+  const auto skin = std::size_t(surface.skin_triangles);
+  TURGOR_CHECK(plan.rest_area.size() == skin && skin <= surface.triangles.size(), "the skin is listed first");
+  std::vector<TriangleArea> areas(surface.triangles.size());
+  const auto find = [&](std::size_t n) {
+    const Int3 t = surface.triangles[n];
+    const Vec3 a = x[std::size_t(t.x)];
+    areas[n].vector = cross(x[std::size_t(t.y)] - a, x[std::size_t(t.z)] - a);
+    areas[n].skin = n < skin && plan.rest_area[n] > 0 ? norm(areas[n].vector) : 0;
+  };
+  parallel_for(exec, areas.size(), find, kGrain);
   return areas;
 }
 
-/// Sum of the area vectors around each vertex. Slivers next to a lip may be inverted by rounding. A vertex
-/// with hardly any other triangles adds the sums of its neighbors.
-std::vector<Vec3> area_around(const Exec& exec, const BodySurface& surface, const SurfacePlan& plan,
-                              const std::vector<Vec3>& areas, Real step) {
-  const Real sliver = Real(0.04) * step * step;
-  std::vector<Vec3> own(surface.rest.size());
-  const auto add_triangles = [&](std::size_t v) {
-    Vec3 sum;
-    for (const int at : plan.triangles_of(v)) sum += areas[std::size_t(at / 3)];
-    own[v] = sum;
-  };
-  parallel_for(exec, own.size(), add_triangles, kGrain);
-  std::vector<Vec3> sums = own;
-  const auto add_neighbors = [&](std::size_t v) {
-    if (!(norm(own[v]) < sliver)) return;
+/// Normals of the displaced vertices.
+struct SurfaceNormals {
+  const BodySurface& surface;
+  const SurfacePlan& plan;
+  Real step;                       // smallest spacing [m]
+  std::vector<Vec3> area_vectors;  // sums around each vertex, twice the area [m²]
+
+  /// Sum of the area vectors around a vertex. Slivers next to a lip may be inverted by rounding. A vertex
+  /// with hardly any other triangles adds the sums of its neighbors.
+  Vec3 area_around(std::size_t v) const {
+    const Real sliver = Real(0.04) * step * step;
+    Vec3 sum = area_vectors[v];
+    if (!(norm(sum) < sliver)) return sum;
     for (const int at : plan.triangles_of(v)) {
       const Int3 t = surface.triangles[std::size_t(at / 3)];
-      sums[v] += own[std::size_t(t[(at + 1) % 3])] + own[std::size_t(t[(at + 2) % 3])];
+      sum += area_vectors[std::size_t(t[(at + 1) % 3])] + area_vectors[std::size_t(t[(at + 2) % 3])];
     }
-  };
-  parallel_for(exec, own.size(), add_neighbors, kGrain);
-  return sums;
-}
-
-/// Area-weighted vertex normals. The two lips of an almost closed cut share theirs, so that the cut is
-/// invisible.
-std::vector<Vec3> smooth_normals(const Exec& exec, const BodySurface& surface, const SurfacePlan& plan,
-                                 const std::vector<Vec3>& x, const std::vector<Vec3>& areas, Real step) {
-  TURGOR_CHECK(surface.twin.size() == x.size() && step > 0, "every vertex has a twin or a mark");
-  const std::vector<Vec3> sums = area_around(exec, surface, plan, areas, step);
-  std::vector<Vec3> normals = sums;
-  const auto smooth = [&](std::size_t v) {
+    return sum;
+  }
+  /// Area-weighted normal. The two lips of an almost closed cut share theirs, so that the cut is invisible.
+  Vec3 at(std::size_t v, const std::vector<Vec3>& x) const {
+    Vec3 normal = area_around(v);
     if (surface.twin[v] >= 0) {
       const auto twin = std::size_t(surface.twin[v]);
-      normals[v] += sums[twin] * std::max(Real(0), 1 - norm(x[twin] - x[v]) / step);
+      normal += area_around(twin) * std::max(Real(0), 1 - norm(x[twin] - x[v]) / step);
     }
-    normals[v] = normalized(normals[v]);
-  };
-  parallel_for(exec, x.size(), smooth, kGrain);
-  return normals;
-}
+    return normalized(normal);
+  }
+};
 
-/// Area ratio A / A_CT − 1 of the skin around each vertex. Triangles opened by a cut have no rest area and
-/// are left out.
-std::vector<float> stretches(const Exec& exec, const BodySurface& surface, const SurfacePlan& plan,
-                             const std::vector<Vec3>& areas) {
-  const auto skin = std::size_t(surface.skin_triangles);
-  TURGOR_CHECK(plan.rest_area.size() == skin && skin <= areas.size(), "the skin is listed first");
-  std::vector<float> area(skin), ratio(surface.rest.size());
-  parallel_for(
-      exec, skin, [&](std::size_t t) { area[t] = norm(areas[t]); }, kGrain);
-  const auto sum_areas = [&](std::size_t v) {
-    float now = 0;
-    for (const int at : plan.triangles_of(v))
-      if (const auto t = std::size_t(at / 3); t < skin && plan.rest_area[t] > 0) now += area[t];
-    ratio[v] = plan.rest_around[v] > 0 ? now / plan.rest_around[v] - 1 : 0;
+/// Sums the areas around each vertex. `scalars` gets the area ratio A / A_CT − 1 of the skin around the
+/// vertices if it is shown.
+void sum_areas(const Exec& exec, const std::vector<TriangleArea>& areas, Shown shown, SurfaceNormals& out,
+               std::vector<float>& scalars) {
+  const SurfacePlan& plan = out.plan;
+  out.area_vectors.resize(out.surface.rest.size());
+  const auto sum = [&](std::size_t v) {
+    Vec3 all;
+    float skin = 0;
+    for (const int at : plan.triangles_of(v)) {
+      const TriangleArea& area = areas[std::size_t(at / 3)];
+      all += area.vector, skin += area.skin;
+    }
+    out.area_vectors[v] = all;
+    if (shown == Shown::kStretch) scalars[v] = plan.rest_around[v] > 0 ? skin / plan.rest_around[v] - 1 : 0;
   };
-  parallel_for(exec, ratio.size(), sum_areas, kGrain);
-  return ratio;
+  parallel_for(exec, out.area_vectors.size(), sum, kGrain);
 }
 
 }  // namespace
@@ -229,38 +239,40 @@ std::vector<int> support_nodes(const Model& model, const Cuts& cuts,
   return nodes;
 }
 
-TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown,
-                         const Exec& exec) {
+void deform_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown,
+                    const Exec& exec, TriMesh& mesh) {
   // displaced vertices
   const std::shared_ptr<const SurfacePlan> plan = plan_of(exec, model, state.cuts, surface);
-  const std::vector<Vec3> u = displacements(exec, model, state, surface, *plan);
-  std::vector<Vec3> x(u.size());
-  parallel_for(
-      exec, x.size(), [&](std::size_t v) { x[v] = surface.rest[v] + u[v]; }, kGrain);
-
-  // normals and scalars
+  const std::size_t count = surface.rest.size();
+  mesh.vertices.resize(count), mesh.normals.resize(count);
+  mesh.scalars.resize(shown == Shown::kNothing ? 0 : count);
+  std::vector<Vec3> x = displace(exec, model, state, surface, *plan, shown, mesh.scalars);
   const Real step = std::min(
       {model.anatomy.lattice.spacing.x, model.anatomy.lattice.spacing.y, model.anatomy.lattice.spacing.z});
   close_ends(surface, step, x);
-  const std::vector<Vec3> areas = area_vectors(exec, surface, x);
-  TriMesh mesh{.vertices = {},
-               .triangles = surface.triangles,
-               .normals = smooth_normals(exec, surface, *plan, x, areas, step),
-               .scalars = {}};
-  if (shown == Shown::kStretch) mesh.scalars = stretches(exec, surface, *plan, areas);
-  if (shown == Shown::kDisplacement)
-    for (const Vec3 d : u) mesh.scalars.push_back(norm(d));
+
+  // areas of the triangles, summed around the vertices
+  TURGOR_CHECK(surface.twin.size() == count && step > 0, "every vertex has a twin or a mark");
+  SurfaceNormals normals{surface, *plan, step, {}};
+  sum_areas(exec, triangle_areas(exec, surface, *plan, x), shown, normals, mesh.scalars);
 
   // to the patient frame
+  const Vec3d origin = model.anatomy.grid.origin;
   const Mat3d& axes = model.anatomy.grid.axes;
-  mesh.vertices.resize(x.size());
   const auto to_patient = [&](std::size_t v) {
-    mesh.vertices[v] = Vec3(model.anatomy.grid.origin + axes * Vec3d(x[v]));
-    mesh.normals[v] = Vec3(axes * Vec3d(mesh.normals[v]));
+    mesh.vertices[v] = Vec3(origin + axes * Vec3d(x[v]));
+    mesh.normals[v] = Vec3(axes * Vec3d(normals.at(v, x)));
   };
-  parallel_for(exec, x.size(), to_patient, kGrain);
+  parallel_for(exec, count, to_patient, kGrain);
+  mesh.triangles = surface.triangles;
   if (determinant(axes) < 0)  // mirrored axes reverse the orientation
     for (Int3& t : mesh.triangles) std::swap(t.y, t.z);
+}
+
+TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown,
+                         const Exec& exec) {
+  TriMesh mesh;
+  deform_surface(model, state, surface, shown, exec, mesh);
   return mesh;
 }
 

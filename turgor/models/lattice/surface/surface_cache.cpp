@@ -18,6 +18,16 @@ Int3 cell_of_index(const Lattice& l, int index) {
   return {index % l.size.x, index / l.size.x % l.size.y, index / l.size.x / l.size.y};
 }
 
+/// Hash of the tissue that was removed or excised. The uncut surface depends on it, and not on rim nodes that
+/// a cut has loosened, which were no tissue: those change with nearly every step of a blade.
+std::uint64_t hash_removed_tissue(const Model& model, const Cuts& cuts) {
+  std::vector<int> removed;
+  for (std::size_t slot = 0; slot < cuts.removed.size(); slot++)
+    if (cuts.removed[slot] == kExcised || is_removed_tissue(model, cuts, int(slot)))
+      removed.push_back(4 * int(slot) + cuts.removed[slot]);
+  return hash_values(std::span<const int>(removed), hash_values(std::span(cuts.excised)));
+}
+
 /// Meshes the whole body as if no blade had cut it.
 UncutSurface make_uncut(const Exec& exec, const MeshInput& input) {
   Fragments none;
@@ -226,8 +236,7 @@ void join_triangles(const SurfaceCache& cache, const Region& region, std::size_t
 
 BodySurface update_surface(const Exec& exec, const MeshInput& input, SurfaceCache& cache) {
   // uncut body
-  const std::uint64_t removed =
-      hash_values(std::span(input.cuts.excised), hash_values(std::span(input.cuts.removed)));
+  const std::uint64_t removed = hash_removed_tissue(input.model, input.cuts);
   if (!cache.is_made || cache.removed != removed)
     cache = {.is_made = true, .removed = removed, .uncut = make_uncut(exec, input), .near = {}, .terms = {}};
   TURGOR_CHECK(std::is_sorted(cache.near.begin(), cache.near.end(),

@@ -52,13 +52,42 @@ bool is_far_from_cuts(const Lattice& l, const Cuts& cuts, int corner) {
   return true;
 }
 
+/// Rows within two rows of a removed node, which terms of their corners may refer to. Empty: no node is
+/// removed. Terms there are not kept, so that kept ones do not depend on removed nodes.
+std::vector<std::uint8_t> rows_near_removed(const Lattice& l, const Cuts& cuts) {
+  constexpr int kReach = 2;
+  const int stride = row_stride(l), rows = l.size.y + 2;
+  std::vector<std::uint8_t> near;
+  for (std::size_t slot = 0; slot < cuts.removed.size(); slot++) {
+    if (cuts.removed[slot] == 0) continue;
+    if (near.empty()) near.assign(cuts.removed.size() / std::size_t(stride) + 1, 0);
+    for (int k = -kReach; k <= kReach; k++)
+      for (int j = -kReach; j <= kReach; j++)
+        if (const int row = int(slot) / stride + k * rows + j; is_index(row, near.size()))
+          near[std::size_t(row)] = 1;
+  }
+  return near;
+}
+
+/// Corners whose terms do not depend on cuts and removed nodes.
+struct IntactCorners {
+  const Model& model;
+  const Cuts& cuts;
+  std::vector<std::uint8_t> near_removed = rows_near_removed(model.anatomy.lattice, cuts);  // by row
+
+  bool has(int corner) const {
+    const Lattice& l = model.anatomy.lattice;
+    return corner < slot_count(l) && is_far_from_cuts(l, cuts, corner) &&
+           (near_removed.empty() || !near_removed[std::size_t(corner / row_stride(l))]);
+  }
+};
+
 /// Appends the terms of a corner to a list: a copy if they are kept.
-void add_kept_terms(const Model& model, const Cuts& cuts, const KeptTerms* kept, int corner,
-                    std::vector<CornerTerm>& terms) {
+void add_kept_terms(const Model& model, const Cuts& cuts, const IntactCorners& intact, const KeptTerms* kept,
+                    int corner, std::vector<CornerTerm>& terms) {
   const bool is_node = corner < slot_count(model.anatomy.lattice);
   const int n = kept && kept->plan && is_node ? kept->index[std::size_t(corner)] : -1;
-  if (n < 0 || has_displacement(model, cuts, corner) ||
-      !is_far_from_cuts(model.anatomy.lattice, cuts, corner))
+  if (n < 0 || has_displacement(model, cuts, corner) || !intact.has(corner))
     return add_corner_terms(model, cuts, corner, terms);
   const auto all = kept->plan->terms.begin();
   terms.insert(terms.end(), all + kept->plan->term_begin[std::size_t(n)],
@@ -69,10 +98,10 @@ void add_kept_terms(const Model& model, const Cuts& cuts, const KeptTerms* kept,
 void keep_terms(const Model& model, const Cuts& cuts, std::shared_ptr<const SurfacePlan> plan,
                 KeptTerms& kept) {
   const Lattice& l = model.anatomy.lattice;
+  const IntactCorners intact{model, cuts};
   kept.index.assign(std::size_t(slot_count(l)), -1);
   for (std::size_t c = 0; c < plan->corners.size(); c++)
-    if (const int corner = plan->corners[c]; corner < slot_count(l) && is_far_from_cuts(l, cuts, corner))
-      kept.index[std::size_t(corner)] = int(c);
+    if (const int corner = plan->corners[c]; intact.has(corner)) kept.index[std::size_t(corner)] = int(c);
   kept.plan = std::move(plan);
 }
 
@@ -81,11 +110,12 @@ void find_terms(const Exec& exec, const Model& model, const Cuts& cuts, const Ke
                 SurfacePlan& plan) {
   const std::size_t count = plan.corners.size(), tasks = (count + kCornersPerTask - 1) / kCornersPerTask;
   std::vector<std::vector<CornerTerm>> terms(tasks);
+  const IntactCorners intact{model, cuts};
   plan.term_begin.assign(count + 1, 0);
   parallel_for(exec, tasks, [&](std::size_t task) {
     for (std::size_t c = task * kCornersPerTask; c < std::min(count, (task + 1) * kCornersPerTask); c++) {
       const std::size_t before = terms[task].size();
-      add_kept_terms(model, cuts, kept, plan.corners[c], terms[task]);
+      add_kept_terms(model, cuts, intact, kept, plan.corners[c], terms[task]);
       plan.term_begin[c + 1] = int(terms[task].size() - before);
     }
   });

@@ -1,5 +1,6 @@
 // Snapshot of a lattice: its skin and wound walls.
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/surface/deform_surface.hpp"
 #include "turgor/models/lattice/surface/surface_cache.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 #include "turgor/sim/bodies/lattice/wall_layers.hpp"
@@ -84,14 +85,15 @@ void show(const Exec& exec, const LatticeBody& body, BodySnapshot& out) {
   if (!std::any_cast<DrawingCache>(&out.cache)) out.cache = DrawingCache();
   DrawingCache& cache = *std::any_cast<DrawingCache>(&out.cache);
   const Skin skin = skin_of(exec, body, cache.skin);
-  const TriMesh now = body.state.read_wound_nodes(
+  TriMesh now{std::move(out.x), std::move(out.triangles), std::move(out.normals), std::move(out.stretch)};
+  body.state.read_wound_nodes(
       support_nodes(body, skin.surface, cache.behind), [&](const lattice::State& state) {
-        return lattice::deformed_surface(body.model, state, skin.surface, lattice::Shown::kStretch, exec);
+        lattice::deform_surface(body.model, state, skin.surface, lattice::Shown::kStretch, exec, now);
       });
+  out.x = std::move(now.vertices), out.normals = std::move(now.normals);
+  out.stretch = std::move(now.scalars), out.triangles = std::move(now.triangles);
 
-  // arrays of the snapshot, which keep their memory
-  out.x = now.vertices, out.normals = now.normals;
-  out.stretch = now.scalars, out.triangles = now.triangles;
+  // fields that follow from it
   out.wall_begin = std::size_t(skin.surface.skin_triangles);
   out.cap_count = std::size_t(skin.surface.cap_triangles);
   TURGOR_CHECK(skin.rest.size() == out.x.size(), "every vertex of the surface has a rest position");

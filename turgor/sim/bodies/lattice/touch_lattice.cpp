@@ -101,10 +101,9 @@ bool needs_surface(const LatticeBody& body) {
   if (body.haptic.empty() || body.state.is_on_device() || !body.touch.contacts.empty() ||
       std::any_of(body.tools.begin(), body.tools.end(), is_needle))
     return true;
-  // cells near cuts are known, and no node left the body
-  const auto is_removed = [](std::uint8_t removed) { return removed != 0; };
+  // cells near cuts are known, and no tissue left the body; rim nodes that a cut has loosened were no tissue
   if (!cuts.fragments || cuts.fragments->version != cut_version(cuts) || cuts.fragments->cells.empty() ||
-      std::any_of(cuts.removed.begin(), cuts.removed.end(), is_removed))
+      cuts.removed_nodes > 0)
     return true;
   // samples of the skin, and walls of the cuts
   if (!contact::samples_near(body.model, body.state, body.touch, body.tools, body.poses).empty()) return true;
