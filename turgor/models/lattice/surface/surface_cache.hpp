@@ -24,7 +24,7 @@ struct MeshedCell {
 
 struct SurfaceCache {
   bool is_made = false;
-  std::uint64_t removed = 0;  // hash of the removed nodes
+  std::uint64_t removed = 0;  // hash of the removed tissue
   UncutSurface uncut;
   std::vector<MeshedCell> near;  // cells near blades and their neighbors, by ascending cell
   KeptTerms terms;

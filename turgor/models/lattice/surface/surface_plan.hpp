@@ -35,14 +35,15 @@ struct SurfacePlan {
   }
 };
 
-/// Terms of corners that no cut is near, from the first plan of a body. Later plans of the body copy them.
+/// Terms of corners that no cut and no removed node is near, from the first plan of a body. Later plans of
+/// the body copy them.
 struct KeptTerms {
   std::shared_ptr<const SurfacePlan> plan;  // null: none yet
   std::vector<int> index;                   // by slot: into plan->corners; −1 = not kept
 };
 
 /// Plan of a surface. `kept` saves time and does not change the plan; it is empty, or from an earlier call
-/// with the same model and removed nodes.
+/// with the same model.
 std::shared_ptr<const SurfacePlan> make_surface_plan(const Exec& exec, const Model& model, const Cuts& cuts,
                                                      const BodySurface& surface, KeptTerms* kept = nullptr);
 
