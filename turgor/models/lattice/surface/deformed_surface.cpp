@@ -110,11 +110,56 @@ std::vector<std::vector<std::size_t>> coincident(const BodySurface& surface, Rea
   return groups;
 }
 
-/// Moves vertices that coincided at rest to their mean at the end of a cut, and less up to kClosing steps
-/// inside it, so that the lips meet in a point: cells open as a whole, and would end in an edge. The opening
-/// is multiplied by t (2 − t), with t from 0 at the end to 1 inside, which has no kink there. Ends that gape
-/// wider than kWidest steps, and ends at which a cut leaves the body, stay open. On fine lattices the cell at
-/// the end of a wide wound gapes by more than its own size.
+/// Mean of the sides of a cut, where some vertices coincided at rest. A side may have several of them.
+Vec3 middle_of_sides(const std::vector<std::size_t>& group, const std::vector<Vec3>& x) {
+  Real widest = 0;
+  for (const std::size_t a : group)
+    for (const std::size_t b : group) widest = std::max(widest, norm(x[a] - x[b]));
+  if (!(widest > 0)) return x[group.front()];
+  // each vertex counts by the share that it has of its side
+  Vec3 sum;
+  Real total = 0;
+  for (const std::size_t a : group) {
+    Real same_side = 0;
+    for (const std::size_t b : group) same_side += std::max(Real(0), 1 - 4 * norm(x[a] - x[b]) / widest);
+    sum += x[a] / same_side, total += 1 / same_side;
+  }
+  return sum / total;
+}
+
+struct MovedVertex {
+  std::size_t vertex;
+  Vec3 before, shift;  // position before, and its move [m]
+};
+
+/// Moves the vertices beside moved ones with the nearest of their side, and less with their distance. A
+/// vertex of a lip may have none on the other side that coincided with it, and would be a tooth at the end of
+/// the cut.
+void move_beside(const BodySurface& surface, Real step, const std::vector<std::size_t>& near,
+                 const std::vector<MovedVertex>& moved, std::vector<Vec3>& x) {
+  constexpr Real kReach = 0.5;  // [steps]
+  std::vector<std::size_t> done;
+  for (const MovedVertex& m : moved) done.push_back(m.vertex);
+  std::sort(done.begin(), done.end());
+  for (const std::size_t v : near) {
+    if (std::binary_search(done.begin(), done.end(), v)) continue;
+    // nearest at rest and by displacement, which differs between both sides
+    Real least = kReach * step;
+    Vec3 shift;
+    for (const MovedVertex& m : moved) {
+      const Vec3 away = surface.rest[v] - surface.rest[m.vertex];
+      const Real distance = norm(away) + norm(x[v] - m.before - away);
+      if (distance < least) least = distance, shift = m.shift;
+    }
+    x[v] += shift * (1 - least / (kReach * step));
+  }
+}
+
+/// Moves vertices that coincided at rest to the middle of their sides at the end of a cut, and less up to
+/// kClosing steps inside it, so that the lips meet in a point: cells open as a whole, and would end in an
+/// edge. The opening is multiplied by t (2 − t), with t from 0 at the end to 1 inside, which has no kink
+/// there. Ends that gape wider than kWidest steps, and ends at which a cut leaves the body, stay open. On
+/// fine lattices the cell at the end of a wide wound gapes by more than its own size.
 void close_end(const BodySurface& surface, const CutEnd& end, Real step, std::vector<Vec3>& x) {
   constexpr Real kClosing = 2.5, kWidest = 4;  // [steps]
   const Real gape = norm(x[std::size_t(end.left)] - x[std::size_t(end.right)]) / step;
@@ -133,15 +178,16 @@ void close_end(const BodySurface& surface, const CutEnd& end, Real step, std::ve
   }
   if (!has_tissue_beyond) return;
   // both sides of the cut
-  for (const std::vector<std::size_t>& group : coincident(surface, Real(1e-3) * step, std::move(near))) {
-    Vec3 sum;
-    for (const std::size_t v : group) sum += x[v];
-    const Vec3 mean = sum / Real(group.size());
+  std::vector<MovedVertex> moved;
+  for (const std::vector<std::size_t>& group : coincident(surface, Real(1e-3) * step, near)) {
+    const Vec3 middle = middle_of_sides(group, x);
     const Vec3 away = surface.rest[group.front()] - end.position;
     const Real t = std::max(Real(0), dot(away, end.back) / (kClosing * step));
     const Real opening = 1 - strength * (1 - t * (2 - t));
-    for (const std::size_t v : group) x[v] = mean + (x[v] - mean) * opening;
+    for (const std::size_t v : group) moved.push_back({v, x[v], (middle - x[v]) * (1 - opening)});
   }
+  for (const MovedVertex& m : moved) x[m.vertex] += m.shift;
+  move_beside(surface, step, near, moved, x);
 }
 
 /// Closes both ends of every cut.

@@ -29,6 +29,7 @@ struct CurrentCell {
   CellLevels level;
   const CutCell* cut = nullptr;  // null: not near a cut
   bool has_removed = false;
+  std::vector<CutPoint> cut_points;
 };
 
 /// Tetrahedron of the current cell.
@@ -143,7 +144,7 @@ void add_lips(Builder& builder, const Tet& tet, const TetPolygon& outline) {
     const Clip clip = clip_between(tet, from.i, to.i, from.b);
     builder.output.points.lips.push_back({.left = clip.rightward ? from_side : to_side,
                                           .right = clip.rightward ? to_side : from_side,
-                                          .incision = clip.incision,
+                                          .incision = clip.edge->incision,
                                           .along = Real(clip.along)});
   }
 }
@@ -179,7 +180,11 @@ void add_tet(Builder& builder, Int3 local, int kind) {
   const FineLattice& f = builder.fine();
   const CurrentCell& c = builder.current;
   // levels of the corners
-  Tet tet{{.fragments = builder.fragments, .cuts = builder.cuts, .is_near_cut = c.cut != nullptr}, kind};
+  Tet tet{{.fragments = builder.fragments,
+           .cuts = builder.cuts,
+           .cut_points = c.cut_points,
+           .is_near_cut = c.cut != nullptr},
+          kind};
   int solids = 0, border = 0;
   for (std::size_t n = 0; n < 4; n++) {
     const Int3 at = local + kKuhnTets[std::size_t(kind)][n];
@@ -253,6 +258,8 @@ void mesh_cell(Builder& builder, Int3 cell) {
   // its level set
   if (solids == 0 || (solids == 8 && !border && !(c.cut && c.cut->is_cut))) return;
   c.level = builder.level(c.slot);
+  c.cut_points.clear();
+  if (c.cut) c.cut_points = cut_points_near(builder.fragments, builder.cuts, cell);
   add_cell(builder, border);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace turgor::lattice::detail {
 
@@ -94,6 +95,44 @@ int nearest_node(const Model& model, const Cuts& cuts, const Fragments& fragment
   return best >= 0 ? best : source;
 }
 
+/// Fragment of another cell that continues a fragment: the one of their common fine node nearest to a
+/// position [cells]. -1 if there is none.
+int continued_fragment(const Fragments& fragments, const EmbeddingCell& from, Int3 cell, Vec3d position) {
+  const FineLattice& f = fragments.fine;
+  const CutCell *own = find_cell(fragments, from.cell),
+                *other = find_cell(fragments, node_slot(f.cells, cell));
+  if (own == nullptr || other == nullptr) return -1;
+  const Int3 own_first = first_of_cell(f, slot_node(f.cells, from.cell)), first = first_of_cell(f, cell);
+  int found = -1;
+  double least = std::numeric_limits<double>::max();
+  for_sub_nodes(f, [&](Int3 p) {
+    const Int3 in_own = first + p - own_first;
+    if (!in_cell(f, in_own)) return;
+    const int label = fragments.label[other->first_sub_index + std::size_t(sub_index(f, p))];
+    if (label < 0 ||
+        fragments.label[own->first_sub_index + std::size_t(sub_index(f, in_own))] != from.fragment)
+      return;
+    const Vec3d away = lattice_index(f, first + p) - position;
+    if (dot(away, away) < least) least = dot(away, away), found = label;
+  });
+  return found;
+}
+
+/// Embedding of a point near a cut. One that was moved onto a blade may lie beyond the cell of its side's
+/// fine node. It belongs to the fragment that continues its own there; extrapolation would draw a tooth.
+EmbeddingCell separate_embedding(const MeshInput& input, const SurfacePoint& point) {
+  constexpr double kBeyond = 0.01;  // distance outside of a cell at which another one is sought [cells]
+  const EmbeddingCell own = point.embedding;
+  const Vec3d at = point.position - Vec3d(slot_node(input.model.anatomy.lattice, own.cell));
+  const bool is_inside =
+      std::min({at.x, at.y, at.z}) > -kBeyond && std::max({at.x, at.y, at.z}) < 1 + kBeyond;
+  if (own.fragment < 0 || is_inside) return own;
+  const EmbeddingCell containing = containing_cell(input.model, point.position);
+  const int fragment = continued_fragment(
+      input.fragments, own, slot_node(input.model.anatomy.lattice, containing.cell), point.position);
+  return fragment < 0 ? own : EmbeddingCell{containing.cell, fragment};
+}
+
 }  // namespace
 
 Points concatenate_slabs(const std::vector<SlabPoints>& slabs) {
@@ -140,8 +179,8 @@ std::uint64_t merge_key(const Model& model, const SurfacePoint& point) {
 
 MergedVertex separate_vertex(const MeshInput& input, const SurfacePoint& point) {
   const Vec3 rest(hadamard(point.position, Vec3d(input.model.anatomy.lattice.spacing)));
-  return {rest, point.embedding,
-          nearest_node(input.model, input.cuts, input.fragments, point.embedding, rest)};
+  const EmbeddingCell embedding = separate_embedding(input, point);
+  return {rest, embedding, nearest_node(input.model, input.cuts, input.fragments, embedding, rest)};
 }
 
 MergedVertex merged_vertex(const MeshInput& input, Vec3d position) {

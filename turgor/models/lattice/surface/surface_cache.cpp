@@ -60,8 +60,23 @@ UncutSurface make_uncut(const Exec& exec, const MeshInput& input) {
   return made;
 }
 
-/// Hash of all cuts that the mesh of each cut cell depends on: labels, ghosts, and the cut edges that start
-/// in the cell or on its border.
+/// Calls visit(cell) for all cells whose mesh depends on a cut fine edge: those with both ends at most one
+/// fine node outside (cut_points_near).
+template <class Visit>
+void for_cells_around_edge(const FineLattice& f, Int3 a, Int3 b, const Visit& visit) {
+  Int3 low, high;
+  for (int axis = 0; axis < 3; axis++) {
+    const int subdivisions = f.subdivisions[axis];
+    low[axis] = std::max(0, (std::max(a[axis], b[axis]) + subdivisions - 2) / subdivisions - 1);
+    high[axis] = std::min(f.cells.size[axis] - 2, (std::min(a[axis], b[axis]) + 1) / subdivisions);
+  }
+  for (int k = low.z; k <= high.z; k++)
+    for (int j = low.y; j <= high.y; j++)
+      for (int i = low.x; i <= high.x; i++) visit(Int3{i, j, k});
+}
+
+/// Hash of all cuts that the mesh of each cut cell depends on: labels, ghosts, and the cut edges in and
+/// around the cell.
 std::vector<std::uint64_t> hash_cuts(const Fragments& fragments, const Cuts& cuts) {
   const FineLattice& f = fragments.fine;
   const auto count = std::size_t(sub_node_count(f));
@@ -86,7 +101,7 @@ std::vector<std::uint64_t> hash_cuts(const Fragments& fragments, const Cuts& cut
                                      std::uint64_t(edge.incision) * 2 + edge.rightward,
                                      std::uint64_t(std::bit_cast<std::uint32_t>(edge.fraction)) << 32 |
                                          std::bit_cast<std::uint32_t>(edge.along)};
-    for_cells_of_edge(f, a, a, [&](Int3 cell) {
+    for_cells_around_edge(f, a, a + kFamilies[edge.family], [&](Int3 cell) {
       const int n = fragments.cell_index.find(std::uint64_t(node_slot(f.cells, cell)));
       if (n >= 0) hashes[std::size_t(n)] = hash_bytes(values, sizeof values, hashes[std::size_t(n)]);
     });

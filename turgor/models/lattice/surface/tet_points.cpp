@@ -6,7 +6,6 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
-#include "turgor/models/lattice/cutting/crack_tips.hpp"
 
 namespace turgor::lattice {
 
@@ -30,70 +29,9 @@ Crossing crossing_of(const FineTet& tet, int a, int b) {
   return found;
 }
 
-/// Crossings of one blade with the edges between some fine nodes.
-std::vector<Vec3d> crossings_around(const FineTet& tet, std::uint8_t incision, Int3 low, Int3 high) {
-  const FineLattice& f = tet.fragments.fine;
-  std::vector<Vec3d> positions;
-  // visit all edge families of each fine node
-  for (int k = low.z; k <= high.z; k++)
-    for (int j = low.y; j <= high.y; j++)
-      for (int i = low.x; i <= high.x; i++)
-        for (const Int3 edge_offset : kFamilies) {
-          const Int3 a{i, j, k}, b = a + edge_offset;
-          if (!contains(f, a) || !contains(f, b)) continue;
-          // interpolate the position of the crossing
-          if (const Crossing c = crossing(tet.fragments, tet.cuts, a, b);
-              c.edge && c.edge->incision == incision)
-            positions.push_back(lattice_index(f, a) +
-                                (lattice_index(f, b) - lattice_index(f, a)) * double(c.fraction));
-        }
-  return positions;
-}
-
-/// Blade in a tetrahedron, as a plane through its crossings with the edges. Empty at the blade's end, where
-/// fewer than three edges are cut. If all crossings are close to one corner, or if other blades cut the other
-/// edges, the normal comes from the crossings around the tetrahedron.
-struct BladePlane {
-  Vec3d point, normal;  // [cells]
-};
-std::optional<BladePlane> blade_plane_in(const FineTet& tet, std::uint8_t incision) {
-  constexpr double kSmall = 0.05;  // smallest area that determines a normal [squared fine edges]
-  // crossings with the edges
-  std::array<Vec3d, 6> at;
-  std::size_t count = 0, cut = 0;
-  for (int a = 0; a < 4; a++)
-    for (int b = a + 1; b < 4; b++)
-      if (const Crossing c = crossing_of(tet, a, b); c.edge) {
-        cut++;
-        if (c.edge->incision != incision) continue;
-        const Vec3d from = position_of(tet, a);
-        at[count++] = from + (position_of(tet, b) - from) * double(c.fraction);
-      }
-  if (cut < 3 || count == 0) return {};
-  // three crossings span a plane
-  const Vec3d subdivisions(tet.fragments.fine.subdivisions);
-  if (count >= 3) {
-    const Vec3d normal = cross(at[1] - at[0], at[2] - at[0]);
-    if (norm(cross(hadamard(at[1] - at[0], subdivisions), hadamard(at[2] - at[0], subdivisions))) > kSmall)
-      return BladePlane{at[0], normal};
-  }
-  // nearly degenerate, or too few: fit the crossings around
-  Int3 low = tet.nodes[0], high = tet.nodes[0];
-  for (const Int3 node : tet.nodes) low = min(low, node), high = max(high, node);
-  const std::vector<Vec3d> around = crossings_around(tet, incision, low, high);
-  if (around.size() < 3) return {};
-  return BladePlane{at[0], flattest_direction(around)};
-}
-
-/// Blade at its end, where a tetrahedron has too few crossings: a plane through one of them, fitted to those
-/// around the tetrahedron. Empty if these are fewer than three.
-std::optional<BladePlane> blade_plane_at_end(const FineTet& tet, std::uint8_t incision, Vec3d on_blade) {
-  Int3 low = tet.nodes[0], high = tet.nodes[0];
-  for (const Int3 node : tet.nodes) low = min(low, node), high = max(high, node);
-  const std::vector<Vec3d> around =
-      crossings_around(tet, incision, low - Int3{1, 1, 1}, high + Int3{1, 1, 1});
-  if (around.size() < 3) return {};
-  return BladePlane{on_blade, flattest_direction(around)};
+/// Blade that cut an edge, near a position.
+std::optional<BladePlane> blade_near(const FineTet& tet, const CutEdge& edge, Vec3d position) {
+  return blade_plane_near(tet.fragments.fine, tet.cut_points, edge.incision, edge.along, position);
 }
 
 /// Gradient direction of the level in a tetrahedron, orthogonal to the skin.
@@ -103,6 +41,31 @@ Vec3d level_gradient(const FineTet& tet) {
   const Vec3d a = position_of(tet, 1) - x0, b = position_of(tet, 2) - x0, c = position_of(tet, 3) - x0;
   return cross(b, c) * (level(1) - level(0)) + cross(c, a) * (level(2) - level(0)) +
          cross(a, b) * (level(3) - level(0));
+}
+
+/// Direction along the skin in which the distance to a blade grows fastest. Empty if they are nearly
+/// parallel.
+std::optional<Vec3d> away_from_blade(const FineTet& tet, Vec3d normal) {
+  const Vec3d across = level_gradient(tet);
+  const Vec3d along = normal - across * (dot(across, normal) / dot(across, across));
+  if (!(dot(along, normal) > 0.05 * dot(normal, normal))) return {};
+  return along;
+}
+
+/// Moves a point along the skin onto the blade that cut an edge. Empty if the blade is not known there, if it
+/// is nearly parallel to the skin, or farther away than the tetrahedron is long.
+std::optional<Vec3d> onto_blade(const FineTet& tet, const CutEdge& edge, Vec3d position) {
+  constexpr int kRounds = 2;  // a curved blade has another plane at the new position
+  const Vec3d longest = position_of(tet, 3) - position_of(tet, 0), from = position;
+  for (int round = 0; round < kRounds; round++) {
+    const std::optional<BladePlane> blade = blade_near(tet, edge, position);
+    if (!blade) return {};
+    const std::optional<Vec3d> away = away_from_blade(tet, blade->normal);
+    if (!away) return {};
+    position -= *away * (dot(position - blade->point, blade->normal) / dot(*away, blade->normal));
+  }
+  if (!(dot(position - from, position - from) < dot(longest, longest))) return {};
+  return position;
 }
 
 /// Moves a point on the skin to the own side of a solid corner, beyond which other blades than `incision` cut
@@ -118,11 +81,10 @@ Vec3d to_own_side(const FineTet& tet, int solid, std::uint8_t incision, const Al
       if (!contains(f, node + step)) continue;
       const Crossing c = crossing(tet.fragments, tet.cuts, node, node + step);
       if (c.edge == nullptr || c.edge->incision == incision) continue;
-      const Vec3d edge = lattice_index(f, node + step) - from;
-      std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
-      if (!blade) blade = blade_plane_at_end(tet, c.edge->incision, from + edge * double(c.fraction));
+      const std::optional<BladePlane> blade = blade_near(tet, *c.edge, position);
       if (!blade) continue;
       // distance beyond that blade, positive on the side of the other node
+      const Vec3d edge = lattice_index(f, node + step) - from;
       const Vec3d normal = dot(blade->normal, edge) < 0 ? -blade->normal : blade->normal,
                   move = along(normal);
       const double beyond = dot(position - blade->point, normal), reach = dot(move, normal);
@@ -144,42 +106,39 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   if (!tet.is_near_cut) return position;
   const Crossing c = crossing_of(tet, solid, other);
   if (c.edge == nullptr) return position;
-  const Vec3d across = level_gradient(tet);
   // another blade may cross the edge first
-  const auto along_skin = [across](Vec3d normal) {
-    return normal - across * (dot(across, normal) / dot(across, across));
-  };
-  if (double(c.fraction) >= fraction) return to_own_side(tet, solid, c.edge->incision, along_skin, position);
-  // move along the skin, towards the blade
-  const Vec3d on_blade = a + (b - a) * double(c.fraction);
-  std::optional<BladePlane> blade = blade_plane_in(tet, c.edge->incision);
-  if (!blade) blade = blade_plane_at_end(tet, c.edge->incision, on_blade);
+  if (double(c.fraction) >= fraction) {
+    const auto along_skin = [&tet](Vec3d normal) { return away_from_blade(tet, normal).value_or(Vec3d{}); };
+    return to_own_side(tet, solid, c.edge->incision, along_skin, position);
+  }
+  // move along the skin, onto the blade
+  const std::optional<BladePlane> blade = blade_near(tet, *c.edge, position);
   if (!blade) return position;
-  const Vec3d along = along_skin(blade->normal);
-  const double reach = dot(along, blade->normal), beyond = dot(position - blade->point, blade->normal);
-  if (!(reach > 0.05 * dot(blade->normal, blade->normal)))
-    return on_blade;  // the blade is tangential to the skin
-  const Vec3d back = along * (beyond / reach);
-  const bool is_near = dot(back, back) <
-                       dot(b - a, b - a);  // the plane approximates a curved blade only within an edge length
-  if (!is_near) return on_blade;
-  const auto along_line = [line = cross(across, blade->normal)](Vec3d) { return line; };
-  return to_own_side(tet, solid, c.edge->incision, along_line, position - back);
+  const std::optional<Vec3d> moved = onto_blade(tet, *c.edge, position);
+  if (!moved) return a + (b - a) * double(c.fraction);
+  const auto along_line = [line = cross(level_gradient(tet), blade->normal)](Vec3d) { return line; };
+  return to_own_side(tet, solid, c.edge->incision, along_line, *moved);
 }
 
-/// Intersection of two blades with the skin, from a skin point on the second blade. Empty if the blades are
-/// nearly parallel, or if it is farther away than the tetrahedron is long.
-std::optional<Vec3d> junction_with(const FineTet& tet, std::uint8_t first, std::uint8_t second,
+/// Intersection of two blades with the skin, near a skin point. Empty if the blades are nearly parallel, or
+/// if it is farther away than the tetrahedron is long.
+std::optional<Vec3d> junction_with(const FineTet& tet, const CutEdge& first, const CutEdge& second,
                                    Vec3d position) {
-  const std::optional<BladePlane> a = blade_plane_in(tet, first), b = blade_plane_in(tet, second);
-  if (!a || !b) return {};
-  const Vec3d along = cross(level_gradient(tet), b->normal);
-  const double reach = dot(along, a->normal);
-  if (!(std::abs(reach) > 0.3 * norm(along) * norm(a->normal))) return {};
-  const Vec3d move = along * (dot(a->point - position, a->normal) / reach);
-  const Vec3d edge = position_of(tet, 3) - position_of(tet, 0);
-  if (!(dot(move, move) < 3 * dot(edge, edge))) return {};
-  return position + move;
+  constexpr int kRounds = 2;
+  const Vec3d from = position, longest = position_of(tet, 3) - position_of(tet, 0);
+  for (int round = 0; round < kRounds; round++) {
+    const std::optional<Vec3d> on_second = onto_blade(tet, second, position);
+    if (!on_second) return {};
+    const std::optional<BladePlane> a = blade_near(tet, first, *on_second),
+                                    b = blade_near(tet, second, *on_second);
+    if (!a || !b) return {};
+    const Vec3d along = cross(level_gradient(tet), b->normal);
+    const double reach = dot(along, a->normal);
+    if (!(std::abs(reach) > 0.3 * norm(along) * norm(a->normal))) return {};
+    position = *on_second + along * (dot(a->point - *on_second, a->normal) / reach);
+  }
+  if (!(dot(position - from, position - from) < 3 * dot(longest, longest))) return {};
+  return position;
 }
 
 /// Fraction of the segment from a to c nearest to the blade's crossing with the edge ij.
@@ -204,14 +163,15 @@ Clip clip_between(const FineTet& tet, int i, int j, int b) {
   bool is_found = false;
   Clip clip{.position = {},
             .along = double(across.edge->along),
-            .incision = across.edge->incision,
+            .edge = across.edge,
             .rightward = across.rightward != swapped};
   const bool below_i = at_i.edge && double(at_i.fraction) < from,
              below_j = at_j.edge && double(at_j.fraction) < to;
   // the blade crosses an edge below the skin: the clip point is that edge's skin point
   if (below_i || below_j) {
     fraction = below_i ? 0 : 1, up = 1, is_found = true;
-    clip.along = double((below_i ? at_i : at_j).edge->along);
+    if (const CutEdge* edge = (below_i ? at_i : at_j).edge; edge->incision == clip.edge->incision)
+      clip.along = double(edge->along);
     // intersection of the two lines
   } else if ((at_i.edge != nullptr) != (at_j.edge != nullptr)) {
     const double s = double(at_i.edge ? at_i.fraction : at_j.fraction);
@@ -221,14 +181,14 @@ Clip clip_between(const FineTet& tet, int i, int j, int b) {
       fraction = (bx * (0 - from) - by * (t - 0)) / det, is_found = true;
       up = std::clamp((from + sy * fraction) / by, 0.0, 1.0);
     }
-    clip.along += up * (double((at_i.edge ? at_i : at_j).edge->along) - clip.along);
+    if (const CutEdge* edge = (at_i.edge ? at_i : at_j).edge; edge->incision == clip.edge->incision)
+      clip.along += up * (double(edge->along) - clip.along);
   }
   // another blade crosses an edge below the skin: the intersection of both blades with the skin
   for (const bool is_i : {true, false}) {
     const Crossing& other = is_i ? at_i : at_j;
     if (!(is_i ? below_i : below_j) || other.edge->incision == across.edge->incision) continue;
-    const auto junction =
-        junction_with(tet, across.edge->incision, other.edge->incision, skin_position(tet, is_i ? i : j, b));
+    const auto junction = junction_with(tet, *across.edge, *other.edge, skin_position(tet, is_i ? i : j, b));
     if (!junction) continue;
     clip.position = *junction, clip.along = double(across.edge->along);
     return clip;
@@ -237,8 +197,11 @@ Clip clip_between(const FineTet& tet, int i, int j, int b) {
   const Vec3d a = skin_position(tet, i, b), c = skin_position(tet, j, b);
   if (!is_found) fraction = nearest_fraction(tet, a, c, position_of(tet, i), position_of(tet, j), t);
   clip.position = a + (c - a) * std::clamp(fraction, 0.0, 1.0);
+  // a blade that ends in the triangle would fold the skin
+  if (at_i.edge || at_j.edge)
+    clip.position = onto_blade(tet, *across.edge, clip.position).value_or(clip.position);
   // on the own side of other blades
-  const std::optional<BladePlane> blade = blade_plane_in(tet, across.edge->incision);
+  const std::optional<BladePlane> blade = blade_near(tet, *across.edge, clip.position);
   if (!blade) return clip;
   const auto along_line = [line = cross(level_gradient(tet), blade->normal)](Vec3d) { return line; };
   for (const int solid : {i, j})
@@ -263,7 +226,8 @@ Vec3d junction_at(const FineTet& tet, int b) {
   const Vec3d step(tet.fragments.fine.cells.spacing);
   for (std::size_t n = 0; n < 3; n++) {
     const Clip &from = clips[(n + 1) % 3], &to = clips[(n + 2) % 3], &end = clips[n];
-    if (from.incision != to.incision || end.incision == from.incision) continue;
+    if (from.edge->incision != to.edge->incision || end.edge->incision == from.edge->incision) continue;
+    if (const auto junction = junction_with(tet, *from.edge, *end.edge, end.position)) return *junction;
     const Vec3d along = hadamard(to.position - from.position, step),
                 away = hadamard(end.position - from.position, step);
     const double fraction =

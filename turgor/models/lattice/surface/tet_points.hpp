@@ -2,7 +2,7 @@
 // two.
 #pragma once
 
-#include "turgor/models/lattice/cutting/fragments.hpp"
+#include "turgor/models/lattice/surface/blade_plane.hpp"
 #include "turgor/models/lattice/surface/marching_tets.hpp"
 
 namespace turgor::lattice {
@@ -11,19 +11,20 @@ namespace turgor::lattice {
 struct FineTet {
   const Fragments& fragments;
   const Cuts& cuts;
-  std::array<Int3, 4> nodes = {};           // fine nodes
-  std::array<std::uint64_t, 4> index = {};  // their fine indices
-  std::array<double, 4> level = {};         // by node: positive in tissue, zero on the skin
+  std::span<const CutPoint> cut_points = {};  // around the cell
+  std::array<Int3, 4> nodes = {};             // fine nodes
+  std::array<std::uint64_t, 4> index = {};    // their fine indices
+  std::array<double, 4> level = {};           // by node: positive in tissue, zero on the skin
   bool is_near_cut = false;
 };
 
 /// Intersection of the blade with the skin between the skin points of ib and jb, where i and j are on its two
 /// sides. It lies on the blade's line from its crossing with ij to its crossing with ib or jb.
 struct Clip {
-  Vec3d position;    // [cells]
-  double along = 0;  // arc length on the blade's path [m]
-  std::uint8_t incision = 0;
-  bool rightward = false;  // from i to j
+  Vec3d position;                 // [cells]
+  double along = 0;               // arc length on the blade's path [m]
+  const CutEdge* edge = nullptr;  // cut edge ij
+  bool rightward = false;         // from i to j
 };
 Clip clip_between(const FineTet& tet, int i, int j, int b);
 

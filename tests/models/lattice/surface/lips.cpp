@@ -1,0 +1,194 @@
+// Lips of drawn wounds lie on the blade that made them, and move with the tissue where they lie.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/models/lattice/ct_body.hpp"
+#include "turgor/models/lattice/cutting/blade_sheet.hpp"
+#include "turgor/models/lattice/cutting/drawn_curve.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+constexpr int kVoxels = 48;
+constexpr double kRadius = 19;  // [voxels]
+
+/// A ball whose level crosses air_max linearly at its radius.
+CtVolume sharp_ball() {
+  CtVolume ct = ball_ct(kVoxels, kRadius);
+  const double middle = 0.5 * (kVoxels - 1);
+  for_voxels(ct.grid, [&](Int3 p) {
+    const double outward = norm(Vec3d(p) - Vec3d{middle, middle, middle}) - kRadius;
+    ct.at(p.x, p.y, p.z) = std::int16_t(std::clamp(-449 - 350 * outward, -1000.0, 102.0));
+  });
+  return ct;
+}
+
+struct BallBody {
+  CtVolume ct = sharp_ball();
+  Model model;
+
+  explicit BallBody(int block) {
+    Params params;
+    params.block = {block, block, block};
+    model = build(Exec(1), ct, {}, params).value();
+  }
+  /// Point on the top of the ball, x and y from its axis [voxels].
+  Vec3d on_skin(double x, double y) const {
+    const double middle = 0.5 * (kVoxels - 1);
+    return ct.grid.origin +
+           Vec3d{middle + x, middle + y, middle + std::sqrt(kRadius * kRadius - x * x - y * y)} * kVoxel;
+  }
+  double fine_edge() const {
+    return double(model.anatomy.lattice.spacing.x) / fine_lattice(model).subdivisions.x;
+  }
+};
+
+/// Distance to the nearest point of a sheet [m].
+double distance_to(const BladeSheet& sheet, Vec3d position) {
+  double least = 1;
+  for (const SheetTriangle& t : sheet.triangles) {
+    const Vec3d away = position - t.corner;
+    const double a = dot(t.side1, t.side1), b = dot(t.side1, t.side2), c = dot(t.side2, t.side2),
+                 det = a * c - b * b, p = dot(t.side1, away), q = dot(t.side2, away);
+    const double s = (c * p - b * q) / det, u = (a * q - b * p) / det;
+    if (s >= 0 && u >= 0 && s + u <= 1) least = std::min(least, norm(away - t.side1 * s - t.side2 * u));
+    for (const auto& [from, along] :
+         {std::pair{Vec3d{}, t.side1}, {Vec3d{}, t.side2}, {t.side1, t.side2 - t.side1}}) {
+      const double at = std::clamp(dot(away - from, along) / dot(along, along), 0.0, 1.0);
+      least = std::min(least, norm(away - from - along * at));
+    }
+  }
+  return least;
+}
+
+/// Sheet of a path that goes on beyond its ends: drawn lips may end up to a fine cell beyond the blade.
+BladeSheet long_sheet(const Model& model, BladePath path, double tilt, bool both_ends) {
+  const double step = smallest_spacing(model.anatomy.lattice);
+  for (const bool last : {false, true}) {
+    if (!last || both_ends) {
+      const Vec3d outward = normalized(path.points[0] - path.points[1]);
+      path.points.insert(path.points.begin(), path.points[0] + outward * (3 * step));
+      path.inward.insert(path.inward.begin(), Vec3d(path.inward[0]));
+      path.depths.insert(path.depths.begin(), double(path.depths[0]));
+    }
+    std::reverse(path.points.begin(), path.points.end());
+    std::reverse(path.inward.begin(), path.inward.end());
+    std::reverse(path.depths.begin(), path.depths.end());
+  }
+  return sweep_blade(path, tilt * std::numbers::pi / 180, 3 * step, 1e-4 * step);
+}
+
+/// Vertices on the border of the skin, without caps.
+std::set<int> lip_vertices(const BodySurface& surface) {
+  std::set<std::pair<int, int>> edges;
+  for (int n = 0; n < surface.skin_triangles - surface.cap_triangles; n++) {
+    const Int3 t = surface.triangles[std::size_t(n)];
+    for (int c = 0; c < 3; c++) edges.insert({t[c], t[(c + 1) % 3]});
+  }
+  std::set<int> vertices;
+  for (const auto& [a, b] : edges)
+    if (!edges.contains({b, a})) vertices.insert({a, b});
+  return vertices;
+}
+
+/// Cuts of a body at rest, and their sheets.
+struct CutBody {
+  const BallBody& ball;
+  State state = make_state(ball.model);
+  std::vector<Incision> drawn;
+  std::vector<BladePath> paths;
+  std::vector<BladeSheet> sheets;
+
+  void cut(const Incision& incision) {
+    std::vector<LaidBlade> laid;
+    for (std::size_t n = 0; n < paths.size(); n++) laid.push_back({drawn[n], paths[n]});
+    BladePath path = lay_blade(ball.model, state, incision, nullptr, laid).value();
+    cut_edges(ball.model, state, path, 0, 1, int(paths.size()));
+    sheets.push_back(long_sheet(ball.model, path, incision.tilt, paths.empty()));
+    drawn.push_back(incision), paths.push_back(std::move(path));
+  }
+  BodySurface surface() const { return build_surface(ball.model, state.cuts, &ball.ct); }
+};
+
+/// Largest distance of the lips from their own blade, in fine edges, away from its ends.
+double distance_of_lips(const CutBody& body) {
+  const BodySurface surface = body.surface();
+  const double margin = 3 * body.ball.fine_edge();
+  double most = 0;
+  for (const Lip& lip : surface.lips) {
+    const double length = path_length(body.paths[lip.incision]);
+    if (double(lip.along) < margin || double(lip.along) > length - margin) continue;
+    most = std::max(most, distance_to(body.sheets[lip.incision], Vec3d(surface.rest[std::size_t(lip.left)])));
+  }
+  return most / body.ball.fine_edge();
+}
+
+/// T: a slightly curved bar, and a stem that ends on it.
+CutBody t_cut(const BallBody& ball, double slope, double shift) {
+  CutBody body{ball};
+  const Vec3d end = ball.on_skin(0.3 + shift, 3.2 + shift);
+  body.cut(
+      {.path = {ball.on_skin(-10, 3 - 10 * slope + shift), end, ball.on_skin(10, 3 + 10 * slope + shift)},
+       .depth = 0.008});
+  body.cut({.from = ball.on_skin(-0.6 - 2 * slope, -9), .to = end, .depth = 0.008});
+  return body;
+}
+
+// The lips of a straight, an oblique, an S-shaped and a tilted cut lie on the blade.
+TEST(Lips, LieOnBlade) {
+  const BallBody ball(3);
+  for (const double shift : {0.0, 0.47, 0.71}) {
+    const auto expect_on_blade = [&](const Incision& incision, double most, const char* shape) {
+      CutBody body{ball};
+      body.cut(incision);
+      EXPECT_LT(distance_of_lips(body), most) << shape << ", shifted by " << shift;
+    };
+    const auto at = [&](double x, double y) { return ball.on_skin(x, y); };
+    expect_on_blade({.from = at(-9.3 + shift, 1.1 + shift), .to = at(10.2, -2.3 - shift), .depth = 0.008},
+                    0.02, "straight");
+    expect_on_blade({.from = at(-7 + shift, -7.2 + shift), .to = at(7.1, 7), .depth = 0.008}, 0.02,
+                    "oblique");
+    expect_on_blade(
+        {.path = {at(shift, 11), at(5 + shift, 6), at(shift, 0), at(-5 + shift, -6), at(shift, -11)},
+         .depth = 0.008},
+        0.15, "S");
+    expect_on_blade(
+        {.path = {at(-10, 2 + shift), at(0, -4 + shift), at(10, 2 + shift)}, .depth = 0.008, .tilt = -50},
+        0.15, "tilted");
+  }
+}
+
+// All three lips of a T lie on its blades: the lip of the bar has no notch where the stem ends on it.
+TEST(Lips, LieOnBothBladesOfT) {
+  const BallBody ball(1);
+  EXPECT_LT(distance_of_lips(t_cut(ball, 0.12, 0)), 0.1) << "fine edges";
+}
+
+// Lips move with the cells in which they lie: a skin point that is moved onto a tilted blade may lie in
+// another cell than the fine node of its side, and would be a tooth if that cell's motion were extrapolated
+// to it.
+TEST(Lips, LieInTheirCells) {
+  const BallBody ball(3);
+  CutBody body{ball};
+  body.cut({.path = {ball.on_skin(-10, 2), ball.on_skin(0, -4), ball.on_skin(10, 2)},
+            .depth = 0.008,
+            .tilt = -50});
+  const BodySurface surface = body.surface();
+  double most = 0;
+  for (const int v : lip_vertices(surface)) {
+    const Vec3d cell(slot_node(ball.model.anatomy.lattice, surface.embedding[std::size_t(v)].cell));
+    const Vec3 h = ball.model.anatomy.lattice.spacing, x = surface.rest[std::size_t(v)];
+    const Vec3d at = Vec3d{x.x / h.x, x.y / h.y, x.z / h.z} - cell;
+    most = std::max({most, -at.x, -at.y, -at.z, at.x - 1, at.y - 1, at.z - 1});
+  }
+  EXPECT_LT(most, 0.1) << "cells";
+}
+
+}  // namespace
+}  // namespace turgor::lattice
