@@ -185,7 +185,7 @@ TEST(FreeLattice, OnFixedElements_BearsWeight) {
     bool partial;
   };
   for (const auto& [elements, block, partial] :
-       {Case{2e4, 5e3, false}, {2e4, 5e3, true}, {1e5, 5e3, false}}) {
+       {Case{2e4, 5e3, false}, {2e4, 5e3, true}, {1e5, 5e3, false}, {1e4, 1e5, true}}) {
     World world = block_on_elements(exec, "back", elements, fmt::format("tissue.young = {}\n", block),
                                     "[0, 9.81, 0]", partial);
     advance(exec, world, 120);

@@ -37,14 +37,16 @@ inline CtVolume block_ct(const SweptBlock& block) {
   return ct;
 }
 
-/// [body.NAME]: such a block with the file NAME.nii, Poisson's ratio 0 and hardly any skin.
+/// [body.NAME]: such a block with the file NAME.nii, Poisson's ratio 0 and hardly any skin. Its modulus is
+/// kBlockYoung unless the keys have a `tissue.young`.
 inline std::string lattice_text(const std::string& name, const std::string& fixed,
                                 const std::string& keys = "") {
+  const bool has_young = keys.find("tissue.young") != std::string::npos;
   return fmt::format(
-      "[body.{}]\nmodel = \"lattice\"\nct = \"{}.nii\"\nblock = 2\nfixed = \"{}\"\ntissue.fat = {}\n"
+      "[body.{}]\nmodel = \"lattice\"\nct = \"{}.nii\"\nblock = 2\nfixed = \"{}\"\n{}"
       "tissue.poisson = 0\nskin.tension = 0\nskin.stiffness = 1e-3\nskin.shear = 0\nsolver.damping = "
       "0\nsolver.sweeps = 20\n{}",
-      name, name, fixed, kBlockYoung, keys);
+      name, name, fixed, has_young ? "" : fmt::format("tissue.young = {}\n", kBlockYoung), keys);
 }
 inline std::string world_text(const std::string& gravity) {
   return "[world]\nduration = 20\ngravity = " + gravity + "\n";

@@ -1,6 +1,8 @@
 // The momentum of a free body changes by the impulses of its loads and contacts, whatever the sweeps leave.
 #include "turgor/models/lattice/solver/balance_momentum.hpp"
 
+#include <cstdio>
+
 #include <gtest/gtest.h>
 
 #include "tests/models/lattice/block_body.hpp"
@@ -60,6 +62,37 @@ TEST(BalanceMomentum, FreeBody_TakesAllImpulses) {
     EXPECT_LT(norm(momentum_of(model, balanced.state) - balanced.impulse), 1e-5 * norm(balanced.impulse));
     EXPECT_GT(norm(momentum_of(model, plain.state) - plain.impulse), 0.01 * norm(plain.impulse))
         << "one sweep converges: this tests nothing";
+  }
+}
+
+/// Angular momentum about the center [N m s].
+Vec3d angular_momentum_of(const Model& model, const State& state) {
+  const WholeMotion whole = whole_motion(model, state);
+  return inverse(whole.inverse_inertia) * whole.spin;
+}
+
+// The angular momentum of a body at rest changes in a step by the torques of its load and contact.
+TEST(BalanceMomentum, FreeBody_TakesAllTorques) {
+  const Model model = balanced_block(false);
+  const NodeLoad load{top_corner(model), {Real(1e-5), Real(2e-5), Real(-3e-4)}};
+  for (const bool balances : {true, false}) {
+    State state = make_state(model);
+    NodeContact contact{
+        .slot = bottom_node(model) + 1, .normal = {0, 0, 1}, .target = {0, 0, Real(1e-6)}, .force = {}};
+    EXPECT_TRUE(step(Exec(1), model, state,
+                     {.loads = {&load, 1}, .contacts = {&contact, 1}, .balances_momentum = balances}, kFrame)
+                    .finite);
+    const Vec3d center = whole_motion(model, state).center;
+    Vec3d torque;
+    for (const auto& [slot, force] : {std::pair{load.slot, load.force}, {contact.slot, contact.force}})
+      torque += cross(node_position(model, state, slot) - center, Vec3d(force));
+    const Vec3d impulse = torque * kFrame;
+    const double error = norm(angular_momentum_of(model, state) - impulse) / norm(impulse);
+    std::printf("balanced %d: off by %.2g\n", balances, error);
+    if (balances)
+      EXPECT_LT(error, 5e-3);
+    else
+      EXPECT_GT(error, 0.01) << "one sweep converges: this tests nothing";
   }
 }
 

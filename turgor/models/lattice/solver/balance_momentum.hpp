@@ -12,9 +12,9 @@ namespace turgor::lattice {
 /// frame [N]. Zero while a row sleeps, with springs, and while a contact holds a node.
 Vec3d unbalanced_force(const Model& model, const State& state, const Inputs& inputs, double dt);
 
-/// After the sweeps, shifts a body that nothing fixes. Its momentum then changes by the impulses of gravity,
-/// loads and the reported forces of contacts. Does nothing while a row sleeps, with springs, and while a
-/// contact holds a node. The rotation stays as the sweeps leave it.
+/// After the sweeps, shifts and turns a body that nothing fixes. Its momentum and its angular momentum then
+/// change by the impulses of gravity, loads and the reported forces of contacts. Does nothing while a row
+/// sleeps, with springs, and while a contact holds a node. A cut body is not turned.
 void balance_momentum(const Model& model, State& state, const Inputs& inputs, double dt);
 
 }  // namespace turgor::lattice
