@@ -40,6 +40,8 @@ TEST(Plausibility, ToolLargerThanBody_Warns) {
   EXPECT_NE(odd_sizes(snapshot)[0].find("finger: its contacting end has a size of 10 m"), std::string::npos);
   snapshot.tools[0].size = 0.01;
   EXPECT_TRUE(odd_sizes(snapshot).empty());
+  snapshot.tools[0].size = 0.19;  // a ball of 0.11 m: the diagonal of its box
+  EXPECT_TRUE(odd_sizes(snapshot).empty());
 }
 
 // Cloth stretched by more than half its length causes a warning with the time of the maximum.

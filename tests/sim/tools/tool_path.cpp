@@ -70,6 +70,12 @@ TEST(ToolPath, ReadsFilesWithColumnNames) {
   ASSERT_TRUE(rows) << rows.error().message;
   ASSERT_EQ(rows->size(), 2u);
   EXPECT_EQ((*rows)[1].position, (Vec3d{4, 5, 6}));
+  test::write(folder / "units.csv", "t_ms,x_mm,y[cm],z (m),hold\n0,1,2,3,0\n500,4,5,6,1\n");
+  const auto with_units = read_path_rows(folder / "units.csv");
+  ASSERT_TRUE(with_units) << with_units.error().message;
+  EXPECT_DOUBLE_EQ((*with_units)[1].time, 0.5);
+  EXPECT_NEAR(norm((*with_units)[1].position - Vec3d{0.004, 0.05, 6}), 0, 1e-12);
+  EXPECT_TRUE((*with_units)[1].hold);
   test::write(folder / "bad.csv", "0,1,2,3\n1,a,2,3\n");
   EXPECT_EQ(read_path_rows(folder / "bad.csv").error().message,
             (folder / "bad.csv").string() + ":2: expected numbers t, x, y, z, found \"1,a,2,3\"");

@@ -29,13 +29,13 @@ double across(const Box& box) {
 
 std::vector<std::string> odd_sizes(const WorldSnapshot& snapshot) {
   std::vector<std::string> sentences;
-  double largest = 0;
+  double largest = 0;  // diagonal of a box, as the size of tools [m]
   for (const BodySnapshot& body : snapshot.bodies) {
     if (body.rest.empty()) continue;
 
     // bodies
     const double size = across(body.box);
-    largest = std::max(largest, size);
+    largest = std::max(largest, norm(body.box.high - body.box.low));
     if (size > kLargestBody)
       sentences.push_back(
           fmt::format("{}: its size is {}, larger than the plausible {}: if its file is in "

@@ -260,11 +260,11 @@ ToolMotion read_motion(SceneTable& tool) {
   const toml::node* node = tool.find("path");
   if (node && node->is_array()) return read_rows(tool, *node->as_array());
   PathFile file;
-  tool.read_path(
-      "path", file.file,
-      {"rows `[[t, x, y, z], …]` in ascending time, or a `.csv` file of them. A fifth number other than 0 "
-       "grasps the tissue in contact; four more are the orientation as a quaternion w, x, y, z",
-       "one of `path`, `press`, `grasp`, `hand`"});
+  tool.read_path("path", file.file,
+                 {"rows `[[t, x, y, z], …]` in ascending time, or a `.csv` file of them, "
+                  "whose column names may end with units (`t_ms`, `x_mm`). A fifth number other than 0 "
+                  "grasps the tissue in contact; four more are the orientation as a quaternion w, x, y, z",
+                  "one of `path`, `press`, `grasp`, `hand`"});
   file.smooth = read_smooth(tool);
   return file;
 }

@@ -1,6 +1,7 @@
 #include "turgor/sim/tools/tool_path.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/io/files/number_table.hpp"
+#include "turgor/sim/tools/column_units.hpp"
 
 namespace turgor {
 
@@ -42,6 +44,18 @@ Vec3d smooth_position(const std::vector<PathRow>& rows, std::size_t r, double s)
         (2 * s3 - 3 * s2 + 1) * rows[r].position[axis] + (s3 - 2 * s2 + s) * h * slope_of_row(rows, r, axis) +
         (3 * s2 - 2 * s3) * rows[r + 1].position[axis] + (s3 - s2) * h * slope_of_row(rows, r + 1, axis);
   return x;
+}
+
+/// Scales of the columns t, x, y and z to seconds and meters, from their names in the first line.
+Result<std::array<double, 4>> path_scales(const std::filesystem::path& file) {
+  std::array<double, 4> scales{1, 1, 1, 1};
+  const Result<std::vector<std::string>> names = read_column_names(file);
+  if (!names) return names.error();
+  for (std::size_t c = 0; c < std::min(names->size(), scales.size()); c++) {
+    const std::string unit = unit_of((*names)[c]);
+    scales[c] = (c == 0 ? time_unit(unit) : length_unit(unit)).value_or(1);
+  }
+  return scales;
 }
 
 }  // namespace
@@ -82,7 +96,13 @@ Result<std::vector<PathRow>> read_path_rows(const std::filesystem::path& file) {
   const Result<std::vector<NumberRow>> table = read_number_table(file, "numbers t, x, y, z");
   if (!table) return table.error();
   std::vector<std::vector<double>> rows;
-  for (const NumberRow& row : *table) rows.push_back(row.values);
+  const Result<std::array<double, 4>> scales = path_scales(file);
+  if (!scales) return scales.error();
+  for (const NumberRow& row : *table) {
+    rows.push_back(row.values);
+    for (std::size_t c = 0; c < std::min(rows.back().size(), scales->size()); c++)
+      rows.back()[c] *= (*scales)[c];
+  }
   Result<std::vector<PathRow>> path = path_rows(rows);
   if (!path) return Error{fmt::format("{}: {}", file.string(), path.error().message)};
   return path;
