@@ -75,8 +75,8 @@ TEST(Abdomen, LiftedLiver_NoMoreCrossesOrJumps) {
   }
 }
 
-// Where forceps press the edge of the liver does not depend on rounding: their force with another friction by
-// 1e-9 or 1e-5 is the same to a part in a hundred. (When positions in a triangle alternated from tick to
+// The force of forceps on the edge of the liver does not depend on rounding: with a friction that differs by
+// 1e-9 or 1e-5 it is the same to a part in a hundred. (When positions in a triangle alternated from tick to
 // tick, changes by 1e-9 grew to half of the force.)
 TEST(Abdomen, ForcepsForce_VariesWithItsInputs) {
   const Exec exec(2);

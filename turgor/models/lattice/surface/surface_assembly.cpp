@@ -96,7 +96,7 @@ int nearest_node(const Model& model, const Cuts& cuts, const Fragments& fragment
 }
 
 /// Fragment of another cell that continues a fragment: the one of their common fine node nearest to a
-/// position [cells]. -1 if there is none.
+/// position [cells]; -1 if the cells share no node of it.
 int continued_fragment(const Fragments& fragments, const EmbeddingCell& from, Int3 cell, Vec3d position) {
   const FineLattice& f = fragments.fine;
   const CutCell *own = find_cell(fragments, from.cell),
