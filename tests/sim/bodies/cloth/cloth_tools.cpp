@@ -38,11 +38,25 @@ std::string error_of(const std::string& text, const std::vector<std::string>& ov
   return world ? "no error" : world.error().message;
 }
 
-/// Mean tool force of the last frames [N].
-Vec3d tool_force(const World& world, std::size_t frames) {
+std::vector<Vec3d> forces_of_tool(const World& world) {
   std::vector<Vec3d> forces;
   for (const ForceSample& s : world.tools[0].samples) forces.push_back(Vec3d(s.force));
-  return mean_of_last(forces, frames);
+  return forces;
+}
+
+/// Mean tool force of the last frames [N].
+Vec3d tool_force(const World& world, std::size_t frames) {
+  return mean_of_last(forces_of_tool(world), frames);
+}
+
+/// Largest change of the tool's force along its mean in the last frames, relative to the mean.
+double trembling(const World& world, std::size_t frames) {
+  const std::vector<Vec3d> forces = forces_of_tool(world);
+  const Vec3d mean = mean_of_last(forces, frames);
+  double largest = 0;
+  for (std::size_t n = forces.size() - frames; n < forces.size(); n++)
+    largest = std::max(largest, std::abs(dot(forces[n] - mean, mean)));
+  return largest / dot(mean, mean);
 }
 
 Vec3d force_of_holds(const World& world, std::size_t frames) {
@@ -207,7 +221,7 @@ wind = { density = 0 }
 body = "pad"
 )";
 
-// A finger that presses an SFEM body through a sheet has about the force without the sheet.
+// A finger that presses an SFEM body through a sheet has about the force without the sheet, and a steady one.
 TEST(ClothTools, PressThroughSheetOnSfem) {
   const std::string path =
       "friction = 0.3\npath = [[0, 0.03, 0.03, 0.045], [0.5, 0.03, 0.03, 0.040], [1.0, 0.03, 0.03, 0.036]]\n";
@@ -224,6 +238,7 @@ TEST(ClothTools, PressThroughSheetOnSfem) {
   EXPECT_GT(expected, 0.3) << "N";
   EXPECT_NEAR(tool.z, expected, 0.1 * expected) << "N, without the sheet, which spreads the load";
   EXPECT_NEAR(-pad.z, tool.z + weight, 0.02 * tool.z) << "N: the pad carries finger and sheet";
+  EXPECT_LT(trembling(world, 60), 0.1);
   const SfemBody& body = world.sfem_bodies[0];
   double sunk = 0;
   for (const Vec3d& u : body.press->displacement) sunk = std::min(sunk, u.z);
@@ -253,6 +268,7 @@ path = [[0, 0, -0.05, 0], [0.5, 0, -0.037, 0], [1.2, 0, -0.033, 0]]
   const Vec3d tool = tool_force(world, 60), fat = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
   EXPECT_LT(tool.y, -0.05) << "N: the tool is pushed back";
   EXPECT_NEAR(fat.y, weight_of(world) - tool.y, 0.02 * fat.y) << "N";
+  EXPECT_LT(trembling(world, 60), 0.1);
   EXPECT_LT(longest_edge(world), 1.3);
 }
 

@@ -11,6 +11,10 @@
 
 namespace turgor {
 
+/// Largest relaxation of a body without inertia. Between a tool and such a body, the force of a sheet of any
+/// mass may return up to 1.4 times as large one frame later. A relaxation p is stable for p (1 + 1.4) < 2.
+constexpr double kLargestRelaxation = 0.25;
+
 struct ClothLoad {
   std::vector<contact::VertexForce>
       force;  // relaxed force on the body, ascending by vertex (by slot for a lattice)

@@ -9,10 +9,6 @@ namespace turgor {
 
 namespace {
 
-// Between a tool and chains, the force of a sheet may return up to 1.4 times as large one frame later, for
-// any mass. A relaxation p is stable for p (1 + 1.4) < 2.
-constexpr double kLargestRelaxation = 0.25;
-
 /// Forces on a body of the model's stiffness that give the same displacement.
 std::vector<rhombus::Load> loads_of(std::span<const contact::VertexForce> forces, double stiffness_scale) {
   std::vector<rhombus::Load> loads;

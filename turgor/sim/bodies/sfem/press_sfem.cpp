@@ -118,6 +118,7 @@ void press_body(const Exec& exec, SfemBody& body, const ClothForces& push, doubl
   press.displacement = displacement_under(exec, body, press.load.force);
   measure_compliance(exec, body, press.load);
   choose_relaxation(push.mass, dt, press.load);
+  press.load.relaxation = std::min(press.load.relaxation, kLargestRelaxation);
   sum_free_motion(body);
 }
 
