@@ -114,7 +114,8 @@ void add_cantilever(const Exec& exec, bool quick, MeasuredResult& result) {
     curve.points.push_back({std::log10(gamma), 0, 2, 100 * (predicted / measured - 1)});
     result.rows.push_back(
         band_row(fmt::format("strip under its weight, Γ = {:.4g}: height over width", gamma),
-                 "Romero et al. 2021", "1", measured, 0.02 * measured, predicted));
+                 "Romero, Ly, Rasheed et al. 2021 (ACM Transactions on Graphics 40(4), 66)", "1", measured,
+                 0.02 * measured, predicted));
   }
   result.curves.push_back(std::move(curve));
 }

@@ -15,7 +15,8 @@ namespace turgor {
 
 namespace {
 
-constexpr const char* kDiscSource = "arXiv 1609.07267";
+constexpr const char* kDiscSource =
+    "Deroy, Destrade, Mc Alinden, Ní Annaidh 2017 (Skin Research and Technology 23, 326; arXiv 1609.07267)";
 
 /// Tensions fitted to the shrinkage of the specimen, with the default fiber law [N/m].
 constexpr double kDiscTension[2] = {106, 37};

@@ -10,6 +10,7 @@
 #include "app/measured_table.hpp"
 #include "turgor/models/lattice/build/block_body.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/sim/scene/tissue_presets.hpp"
 
 namespace turgor {
 
@@ -30,7 +31,8 @@ constexpr LimbSite kFitted[] = {
 constexpr LimbSite kPredicted[] = {
     {"upper arm", 360, 15.48, 0.226, 0.2637, 0.3068, 0.1122, 0.2989, 5.26, 25.64},
     {"lower leg", 675, 15.13, 0.0831, 0.1092, 0.1404, 0.13, 0.1025, 6.17, 34.33}};
-constexpr const char* kLimbSource = "MULTIS, Erdemir & Neumann";
+constexpr const char* kLimbSource =
+    "MULTIS: Neumann, Owings, Schimmoeller et al. 2018 (Scientific Data 5, 180193; data doi 10.18735/S5R97F)";
 
 struct LimbModuli {
   double fat, muscle;  // [kPa]
@@ -148,6 +150,11 @@ void add_limbs(const Exec& exec, MeasuredResult& result) {
   };
   const std::vector<double> x = minimize(error, {std::log(40.0), std::log(15.0)}, 0.4, 30);
   const LimbModuli moduli{std::exp(x[0]), std::exp(x[1])};
+  for (const auto& [name, found] : {std::pair{"fat-limb", moduli.fat}, {"muscle-limb", moduli.muscle}}) {
+    const double preset = 1e-3 * value_or(find_preset(name, PresetKind::kSolid), "young", 0);
+    result.rows.push_back(band_row(fmt::format("preset {}: modulus that fits the limbs", name), kLimbSource,
+                                   "kPa", preset, 0.03 * preset, found));
+  }
   for (const LimbSite& site : kFitted) add_limb(exec, site, moduli, true, result);
   for (const LimbSite& site : kPredicted) add_limb(exec, site, moduli, false, result);
 

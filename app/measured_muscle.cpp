@@ -16,12 +16,13 @@
 #include "turgor/models/lattice/build/block_body.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/prony.hpp"
+#include "turgor/sim/scene/tissue_presets.hpp"
 
 namespace turgor {
 
 namespace {
 
-constexpr const char* kMuscleSource = "Van Loocke et al.";
+constexpr const char* kMuscleSource = "Van Loocke, Lyons, Simms 2008 (Journal of Biomechanics 41, 1555)";
 constexpr double kFinal = 0.3;                 // compression that is held [1]
 constexpr double kFast = 0.01, kSlow = 0.005;  // rates of the ramps [1/s]
 
@@ -201,6 +202,38 @@ void add_least_error(const char* direction, std::span<const StressPoint> fast,
   result.curves.push_back(std::move(curve));
 }
 
+/// Values of a preset: µ is a third of its modulus, and the pairs are shares of the instantaneous stress.
+FittedMuscle muscle_of(const TissuePreset& preset) {
+  FittedMuscle muscle{{MuscleLaw::kExponential, value_or(&preset, "stiffening", 0)}, {}, {}};
+  constexpr const char* kPairs[kMostPronyPairs][2] = {{"g1", "tau1"}, {"g2", "tau2"}, {"g3", "tau3"}};
+  double rest = 1;
+  for (const auto& [share, time] : kPairs) rest -= value_or(&preset, share, 0);
+  const double shear = 1e-3 * value_or(&preset, "young", 0) / 3;  // [kPa]
+  muscle.moduli = {shear};
+  for (std::size_t i = 0; i < kMostPronyPairs; i++) {
+    muscle.moduli.push_back(shear * value_or(&preset, kPairs[i][0], 0) / rest);
+    muscle.times[i] = value_or(&preset, kPairs[i][1], 1);
+  }
+  return muscle;
+}
+
+/// Row of a preset: the larger error of both rates.
+void add_muscle_preset(const char* direction, std::span<const StressPoint> fast,
+                       std::span<const StressPoint> slow, MeasuredResult& result) {
+  const std::string name = fmt::format("muscle-porcine-{}", direction);
+  const FittedMuscle muscle = muscle_of(*find_preset(name, PresetKind::kSolid));
+  double worst = 0;
+  for (const RatedCurve& curve : {RatedCurve{kFast, fast}, RatedCurve{kSlow, slow}}) {
+    const std::vector<double> found = predict(muscle, curve);
+    MeasuredCurve points;
+    for (std::size_t n = 0; n < found.size(); n++)
+      points.points.push_back({curve.points[n].time, curve.points[n].stress, 0, found[n]});
+    worst = std::max(worst, relative_rms(points));
+  }
+  result.rows.push_back(
+      {fmt::format("preset {}, both rates: rms over the peak", name), kMuscleSource, "1", 0, 0, 0.05, worst});
+}
+
 // ------------------------------------------------------------------------------------------------- bodies
 
 /// Block of cells with the values of a fit: µ is the static modulus, p the others over it.
@@ -296,6 +329,8 @@ void add_muscle(MeasuredResult& result) {
   }
   add_least_error("along", kAlongFast, kAlongSlow, result);
   add_least_error("across", kAcrossFast, kAcrossSlow, result);
+  add_muscle_preset("along", kAlongFast, kAlongSlow, result);
+  add_muscle_preset("across", kAcrossFast, kAcrossSlow, result);
 }
 
 }  // namespace turgor

@@ -9,10 +9,14 @@ namespace {
 
 // Published values are found by the kind of item and the key; other keys have none.
 TEST(Literature, ValuesHaveTheirSource) {
-  EXPECT_EQ(published_measure("suture", "closing_force_N"),
-            "closed directly up to 5.4, never above 6.0 (dogs; Lackmann)");
-  EXPECT_EQ(published_measure("wound", "tension_across_cut_N_per_m"),
-            "5.6 to 138 (human, living; Flynn et al. 2011 and later work)");
+  EXPECT_EQ(
+      published_measure("suture", "closing_force_N"),
+      "closed directly up to 5.4; median of those not closed 6.0 (dogs; Lackmann, Rohwedder, Maron et al. "
+      "2023, Tierärztliche Praxis K 51, 386)");
+  EXPECT_EQ(
+      published_measure("wound", "tension_across_cut_N_per_m"),
+      "5.6 to 138 (human, living; Flynn, Taberner, Nielsen 2011 (Biomechanics and Modeling in "
+      "Mechanobiology 10, 27); Flynn, Taberner, Nielsen 2011 (Annals of Biomedical Engineering 39, 1935))");
   EXPECT_EQ(published_parameter("body.torso.skin.tension"),
             published_measure("wound", "tension_across_cut_N_per_m"));
   EXPECT_NE(published_parameter("tool.needle.shape.toughness").find("doi 10.1186/s10033-022-00767-4"),

@@ -1,5 +1,7 @@
 #include "turgor/sim/scene/tissue_presets.hpp"
 
+#include <algorithm>
+#include <regex>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -24,6 +26,56 @@ TEST(TissuePresets, AreComplete) {
     }
   }
   EXPECT_GE(names.size(), 40u);
+}
+
+// A citation names authors, a year, and in parentheses the journal with its volume, or the data set.
+TEST(TissuePresets, SourcesAreExact) {
+  const std::regex citation(R"(^[^0-9()]+ (19|20)[0-9][0-9] \([^)]*[0-9A-Z].*\).*$)");
+  const auto is_data_set = [](const std::string& source) {
+    return source.find("Database") != source.npos || source.find("ICMA") != source.npos;
+  };
+  for (const TissuePreset& preset : tissue_presets()) {
+    EXPECT_TRUE(std::regex_match(preset.source, citation)) << preset.name << ": " << preset.source;
+    const std::size_t open = preset.source.find('(');
+    ASSERT_NE(open, std::string::npos) << preset.name;
+    const std::string journal = preset.source.substr(open);
+    EXPECT_TRUE(is_data_set(preset.source) || std::any_of(journal.begin(), journal.end(), ::isdigit))
+        << preset.name << ": a journal has a volume, " << preset.source;
+  }
+}
+
+// Presets that stiffen or relax have all values of their law: pairs with a sum of shares below 1 and
+// ascending times, a modulus that is the static one, and skin with µ, b, k1, k2 and κ.
+TEST(TissuePresets, LawsAreWhole) {
+  int stiffening = 0, relaxing = 0, skin = 0;
+  for (const TissuePreset& preset : tissue_presets()) {
+    const auto has = [&](const char* key) { return find_value(preset, key) != nullptr; };
+    const auto of = [&](const char* key) { return value_or(&preset, key, 0); };
+    if (preset.kind == PresetKind::kSolid) {
+      EXPECT_GT(of("young"), 0) << preset.name;
+      stiffening += has("stiffening");
+      EXPECT_FALSE(has("stiffening") && has("alpha")) << preset.name << " has one law";
+      EXPECT_EQ(has("stiffening"), preset.law.starts_with("exponential")) << preset.name;
+    }
+    if (has("g1")) {
+      relaxing++;
+      EXPECT_LT(of("g1") + of("g2") + of("g3"), 0.999) << preset.name;
+      EXPECT_LT(0, of("tau1")) << preset.name;
+      if (has("g2")) {
+        EXPECT_LT(of("tau1"), of("tau2")) << preset.name;
+      }
+      if (has("g3")) {
+        EXPECT_LT(of("tau2"), of("tau3")) << preset.name;
+      }
+    }
+    if (preset.kind != PresetKind::kSkin || preset.law != "exponential") continue;
+    skin++;
+    for (const char* key : {"shear", "stiffening", "fiber_stiffness", "fiber_stiffening", "dispersion"})
+      EXPECT_TRUE(has(key)) << preset.name << ' ' << key;
+  }
+  EXPECT_EQ(stiffening, 4) << "muscle along and across the fibers, fat and muscle of limbs";
+  EXPECT_EQ(relaxing, 3) << "fat, muscle along and across the fibers";
+  EXPECT_EQ(skin, 2);
 }
 
 // Each kind finds its own presets, and chains also those of solids.

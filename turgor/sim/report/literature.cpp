@@ -20,7 +20,10 @@ constexpr std::array<Published, 6> kPublished{{
     {"wound", "specimen.length_change_percent", "-17.0 (people, 111 excisions; doi 10.1111/cup.12401)"},
     {"wound", "specimen.width_change_percent", "-9.5 (people, 111 excisions; doi 10.1111/cup.12401)"},
     {"wound", "change.area_percent", "9 (dogs, round excisions; arXiv 1609.07267)"},
-    {"suture", "closing_force_N", "closed directly up to 5.4, never above 6.0 (dogs; Lackmann)"},
+    {"suture", "closing_force_N",
+     "closed directly up to 5.4; median of those not closed 6.0 (dogs; Lackmann, Rohwedder, Maron et al. "
+     "2023, "
+     "Tierärztliche Praxis K 51, 386)"},
     {"tool", "shape.toughness",
      "liver 164 (76 to 185), fat 4100, cornea 3390 to 5400 (needles; doi 10.1186/s10033-022-00767-4)"},
     {"tool", "shape.entry_toughness",
@@ -33,16 +36,18 @@ std::string_view published(std::string_view item, std::string_view key) {
   return at == kPublished.end() ? std::string_view() : at->text;
 }
 
-/// Range of all presets of skin.
+/// Range of all presets of skin, with their sources.
 std::string skin_tension() {
   double low = std::numeric_limits<double>::infinity(), high = 0;
-  const TissuePreset* one = nullptr;
-  for (const TissuePreset& preset : tissue_presets())
-    if (const PresetValue* value = find_value(preset, "tension"); value && preset.kind == PresetKind::kSkin) {
-      low = std::min(low, value->value), high = std::max(high, value->value);
-      one = &preset;
-    }
-  return one ? fmt::format("{:.3g} to {:.3g} ({}; {})", low, high, one->species, one->source) : std::string();
+  std::string species, sources;
+  for (const TissuePreset& preset : tissue_presets()) {
+    const PresetValue* value = find_value(preset, "tension");
+    if (!value || preset.kind != PresetKind::kSkin) continue;
+    low = std::min(low, value->value), high = std::max(high, value->value);
+    species = preset.species;
+    if (sources.find(preset.source) == sources.npos) sources += "; " + preset.source;
+  }
+  return sources.empty() ? sources : fmt::format("{:.3g} to {:.3g} ({}{})", low, high, species, sources);
 }
 
 }  // namespace

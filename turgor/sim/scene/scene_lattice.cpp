@@ -201,6 +201,7 @@ void add_tissue_rows(SceneTable& tissue, const lattice::TissueParams& params, co
 /// Viscosity: the given pairs; those of the preset if the table is there without pairs.
 void read_relaxation(SceneTable& body, const TissuePreset* preset, lattice::TissueParams& params,
                      std::vector<TissueRow>& rows) {
+  check_pairs_of_preset(body, preset);
   if (body.has("viscosity")) params.prony = prony_of(preset, {});
   read_viscosity(body.table("viscosity"), preset, params.prony, rows);
   if (pair_count(params.prony) == 0) return;
@@ -276,13 +277,13 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
   // keys with limits
   SceneTable table = body.table_or_text("skin");
   const TissuePreset* preset = read_preset_of(body, "skin", table, PresetKind::kSkin);
-  skin.tension_along = value_or(preset, "tension", skin.tension_along);
-  skin.tension_across = value_or(preset, "tension", skin.tension_across);
+  apply_skin_preset(preset, skin);
   table.read_choice<SkinLaw>(
       "law", skin.law,
       {{"area", SkinLaw::kArea}, {"fiber", SkinLaw::kFiber}, {"exponential", SkinLaw::kExponential}},
       "`\"fiber\"`: directional, with Langer's lines; `\"area\"`: the paper's; "
       "`\"exponential\"`: stiffens as measured skin does (docs/skin-law.md)");
+  check_skin_preset(body, preset, skin);
   read_tension(table, skin);
   read_skin_stiffness(table, skin);
   table.read("direction", skin.direction, any_number("1"), "Langer's lines, for the whole body");

@@ -102,6 +102,7 @@ TissueLayer read_layer(SceneTable& table, const lattice::TissueParams& params, b
              {"of the layer against needles, as `inside.NAME.toughness`; -1 is the default",
               "that of the needle's `shape.toughness`"});
   // relaxation
+  check_pairs_of_preset(table, preset);
   std::vector<TissueRow> pairs;
   Prony prony = table.has("viscosity") ? prony_of(preset, {}) : Prony{};
   read_viscosity(table.table("viscosity"), preset, prony, pairs,
@@ -175,10 +176,10 @@ const char* law_name(SolidEnergy energy) {
 }
 
 void read_stiffening(SceneTable& table, const TissuePreset* preset, SolidEnergy energy, double& value) {
-  double stiffening = value, alpha = value_or(preset, "alpha", value);
-  table.read(
-      "stiffening", stiffening, within(0, 1000),
-      {"exponential only: b of exp(b (I₁ − 3)), the stress grows faster with it; 0 does not stiffen", "0"});
+  double stiffening = value_or(preset, "stiffening", value), alpha = value_or(preset, "alpha", value);
+  table.read("stiffening", stiffening, within(0, 1000),
+             "exponential only: b of exp(b (I₁ − 3)), the stress grows faster with it; 0 does not stiffen. A "
+             "preset may have one");
   table.read("alpha", alpha, within(-100, 100),
              {"ogden only: exponent of the stretches, not 0; 2 does not stiffen, brain is about −20",
               "of the preset"});

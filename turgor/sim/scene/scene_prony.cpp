@@ -51,6 +51,19 @@ void add_rows_of_pairs(const std::string& component, const Prony& prony, const T
                                {kKeys[i][1], prony.pairs[i].time, "s", is_given}}));
 }
 
+/// Pairs of a preset that the table names; a problem if it has none, or if the table has pairs too.
+Prony pairs_of_preset(SceneTable& table, const TissuePreset& preset) {
+  const Prony prony = prony_of(&preset, {});
+  if (pair_count(prony) == 0)
+    table.fail("preset",
+               fmt::format("expected a preset with Prony pairs, such as \"muscle-porcine-across\"; {} "
+                           "has none",
+                           preset.name));
+  for (const char* key : {"ratio", "time", "pairs"})
+    if (table.has(key)) table.fail(key, "the pairs are those of preset: remove preset, or this key");
+  return prony;
+}
+
 }  // namespace
 
 Prony prony_of(const TissuePreset* preset, const Prony& fallback) {
@@ -61,8 +74,27 @@ Prony prony_of(const TissuePreset* preset, const Prony& fallback) {
   return shares.empty() ? fallback : prony_of_shares(shares);
 }
 
+void check_pairs_of_preset(SceneTable& owner, const TissuePreset* preset) {
+  const toml::node* node = owner.find("viscosity");
+  if (!preset || !node || !node->is_table() || !node->as_table()->empty()) return;
+  if (pair_count(prony_of(preset, {})) == 0)
+    owner.fail(
+        "viscosity",
+        fmt::format("an empty table takes the pairs of preset {}, which has none: name another preset "
+                    "with pairs, as viscosity = {{ preset = \"muscle-porcine-across\" }}, or give pairs",
+                    preset->name));
+}
+
 void read_viscosity(SceneTable table, const TissuePreset* preset, Prony& prony, std::vector<TissueRow>& rows,
                     const std::string& component) {
+  // pairs of another preset
+  const TissuePreset* other =
+      read_preset(table, "preset", PresetKind::kSolid,
+                  {"a preset of `turgor tissues` whose pairs these are, instead of those "
+                   "of the tissue's own preset",
+                   "that of the tissue"});
+  if (other) preset = other, prony = pairs_of_preset(table, *other);
+
   // one pair
   PronyPair& first = prony.pairs[0];
   const bool has_one = table.has("ratio") || table.has("time"), has_pairs = table.has("pairs");

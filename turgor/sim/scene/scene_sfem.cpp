@@ -167,21 +167,31 @@ void read_patch(SceneTable& body, PatchScene& patch) {
   table.finish();
 }
 
+/// True if the body names a law that its elements do not relax with. The pairs of its preset are then unused.
+bool names_law(SceneTable& body) {
+  const toml::node* node = body.find("law");
+  return node && node->value_or(std::string("linear")) != "linear";
+}
+
 /// Law of the patch, and the keys that exclude it.
-void read_law(SceneTable& body, SfemScene& scene) {
+void read_law(SceneTable& body, const TissuePreset* preset, SfemScene& scene) {
   enum class Kind { kLinear, kNeoHookean, kExponential };
   Kind kind = Kind::kLinear;
   body.read_choice<Kind>(
       "law", kind,
       {{"linear", Kind::kLinear}, {"neo_hookean", Kind::kNeoHookean}, {"exponential", Kind::kExponential}},
       "law of the elements in the patch under the tool; the rest of the body is linear");
-  double stiffening = 5;
-  body.read("stiffening", stiffening, within(0.01, 1000, "1"),
-            "with law = \"exponential\": exponent b of Ψ = µ/2b (exp(b (Ī₁ − 3)) − 1)");
+  double stiffening = value_or(preset, "stiffening", 5);
+  body.read(
+      "stiffening", stiffening, within(0.01, 1000, "1"),
+      "with law = \"exponential\": exponent b of Ψ = µ/2b (exp(b (Ī₁ − 3)) − 1); a preset may have one");
   if (kind != Kind::kExponential && body.has("stiffening"))
     body.fail("stiffening", "expected law = \"exponential\" beside it, found another law");
   if (kind == Kind::kLinear) return;
   scene.law = sfem::Law{kind == Kind::kExponential ? stiffening : 0};
+  if (kind == Kind::kExponential)
+    scene.tissues.push_back(tissue_row("body, law of the patch", "exponential", preset,
+                                       {{"stiffening", stiffening, "1", body.has("stiffening")}}));
   const auto exclude = [&](bool found, const char* other) {
     if (found) body.fail("law", fmt::format("a nonlinear law and {} are not computed together", other));
   };
@@ -277,12 +287,12 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
 
   // patch and time behavior
   read_patch(body, scene.patch);
-  scene.viscosity = prony_of(tissue, scene.viscosity);
+  if (!names_law(body)) scene.viscosity = prony_of(tissue, scene.viscosity);
   read_viscosity(body.table("viscosity"), tissue, scene.viscosity, scene.tissues);
 
   body.read("rotations", scene.rotations,
             "removes large rotations from the strain, so that a deep press does not swell");
-  read_law(body, scene);
+  read_law(body, tissue, scene);
   read_texture(body, scene.texture, scene.height_map);
 
   // memory and cache

@@ -20,6 +20,27 @@ const char* skin_law_name(SkinLaw law) {
   return "";
 }
 
+void apply_skin_preset(const TissuePreset* preset, lattice::SkinParams& skin) {
+  if (!preset) return;
+  if (find_value(*preset, "fiber_stiffness")) skin.law = SkinLaw::kExponential;
+  const std::pair<const char*, double*> values[] = {{"tension", &skin.tension_along},
+                                                    {"tension", &skin.tension_across},
+                                                    {"shear", &skin.shear},
+                                                    {"stiffening", &skin.stiffening},
+                                                    {"fiber_stiffness", &skin.fiber_stiffness},
+                                                    {"fiber_stiffening", &skin.fiber_stiffening},
+                                                    {"dispersion", &skin.dispersion}};
+  for (const auto& [key, value] : values) *value = value_or(preset, key, *value);
+}
+
+void check_skin_preset(SceneTable& body, const TissuePreset* preset, const lattice::SkinParams& skin) {
+  if (preset && find_value(*preset, "fiber_stiffness") && skin.law != SkinLaw::kExponential)
+    body.fail("skin",
+              fmt::format("preset {} has values of law = \"exponential\" only: remove law = \"{}\", or "
+                          "the preset",
+                          preset->name, skin_law_name(skin.law)));
+}
+
 void read_skin_stiffness(SceneTable& table, lattice::SkinParams& skin) {
   table.read("stiffness", skin.stiffness, positive("N/m"), "area and fiber law: of the membrane");
   table.read("shear", skin.shear, not_negative("N/m"),

@@ -11,13 +11,14 @@ namespace turgor {
 
 /// Source of the default skin tension, with the scatter of measured ones.
 constexpr const char* kSkinDefaults =
-    "defaults of the program; measured tension of living skin is 6 to 138 N/m (Flynn et al. 2011 and later "
-    "work)";
+    "defaults of the program; measured tension of living skin is 6 to 138 N/m (Flynn, Taberner, Nielsen "
+    "2011: "
+    "Biomechanics and Modeling in Mechanobiology 10, 27; Annals of Biomedical Engineering 39, 1935)";
 /// Source of the default values of the exponential law of skin.
 constexpr const char* kExponentialSkinDefaults =
-    "defaults of the program: one porcine specimen (Tac et al. 2022) as skin 1.5 mm thick; the tension is "
-    "not "
-    "of it";
+    "defaults of the program, near a fit to one porcine specimen as skin 1.5 mm thick, preset skin-porcine "
+    "(Tac, "
+    "Sahli Costabal, Tepole 2022); the tension is not of it";
 constexpr const char* kPlainDefaults = "defaults of the program, not measured values";
 
 /// Preset that the text under `key` names. Null if the key is missing, or its value is no such name, which

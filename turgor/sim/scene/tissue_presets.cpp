@@ -10,6 +10,11 @@ namespace turgor {
 
 namespace {
 
+// sources of several presets
+constexpr const char* kLimbSource =
+    "Neumann, Owings, Schimmoeller et al. 2018 (Scientific Data 5, 180193; data doi 10.18735/S5R97F)";
+constexpr const char* kBrainSource = "Budday, Sommer, Birkl et al. 2017 (Acta Biomaterialia 48, 319)";
+
 /// Modulus in kPa with its scatter.
 PresetValue young_kpa(double value, double low = 0, double high = 0) {
   return {"young", value * 1e3, "Pa", low * 1e3, high * 1e3};
@@ -51,8 +56,56 @@ void add_limbs(std::vector<TissuePreset>& list) {
                       {young_kpa(value, low, high)},
                       test,
                       "human, living",
-                      "Erdemir, Neumann, MULTIS, doi 10.18735/S5R97F"});
+                      kLimbSource});
     }
+  // moduli of `turgor validate measured`, which fits them together
+  const std::string fitted =
+      "strains of fat and muscle below an ultrasound probe, lower arm and upper leg, medians of 95 people; "
+      "fit of this project: two layers of exponential cells on bone, Poisson's ratio 0.45";
+  list.push_back({"fat-limb",
+                  PresetKind::kSolid,
+                  "exponential",
+                  {young_kpa(39), {"stiffening", 1, "1"}},
+                  fitted,
+                  "human, living",
+                  kLimbSource});
+  list.push_back({"muscle-limb",
+                  PresetKind::kSolid,
+                  "exponential",
+                  {young_kpa(11), {"stiffening", 1, "1"}},
+                  fitted,
+                  "human, living",
+                  kLimbSource});
+}
+
+/// Muscle that stiffens and relaxes: values fitted to the ramps at 0.5 and 1 %/s together, whose points
+/// `turgor validate measured` quotes. Times end at the length of the hold.
+void add_muscle_of_compression(std::vector<TissuePreset>& list) {
+  struct Muscle {
+    const char *name, *direction;
+    double young, stiffening, pairs[3][2];  // [kPa], [1], g [1] and τ [s]
+  };
+  constexpr Muscle kMuscles[] = {
+      {"muscle-porcine-along", "along", 0.455, 3.25, {{0.538, 2.22}, {0.18, 29.5}, {0.124, 222}}},
+      {"muscle-porcine-across", "across", 1.13, 2.47, {{0.471, 4.1}, {0.154, 62}, {0.0815, 297}}}};
+  for (const auto& [name, direction, young, stiffening, pairs] : kMuscles)
+    list.push_back(
+        {name,
+         PresetKind::kSolid,
+         "exponential, three Prony pairs",
+         {young_kpa(young),
+          {"stiffening", stiffening, "1"},
+          {"g1", pairs[0][0], "1"},
+          {"tau1", pairs[0][1], "s"},
+          {"g2", pairs[1][0], "1"},
+          {"tau2", pairs[1][1], "s"},
+          {"g3", pairs[2][0], "1"},
+          {"tau3", pairs[2][1], "s"}},
+         fmt::format("unconfined compression by 30 % {} the fibers at 0.5 and 1 %/s, held for 300 s; fit of "
+                     "this project: E = 3 μ of the static stress",
+                     direction),
+         "pig",
+         "Van Loocke, Lyons, Simms 2008 (Journal of Biomechanics 41, 1555)"});
 }
 
 void add_soft_solids(std::vector<TissuePreset>& list) {
@@ -64,7 +117,7 @@ void add_soft_solids(std::vector<TissuePreset>& list) {
        {young_kpa(1.59, 0.66, 2.52), {"g1", 0.39, "1", 0.36, 0.42}, {"tau1", 700, "s", 445, 955}},
        "magnetic resonance images and inverse finite elements; E = 3 μ of the stated μ = 0.53 ± 0.31 kPa",
        "pig",
-       "Sims et al. 2010"});
+       "Sims, Stait-Gardner, Fong et al. 2010 (Biomechanics and Modeling in Mechanobiology 9, 703)"});
   const std::string brain =
       "tension, compression and simple shear together; fit of this project: one Ogden term, E = 3 μ";
   list.push_back({"brain-cortex",
@@ -73,14 +126,14 @@ void add_soft_solids(std::vector<TissuePreset>& list) {
                   {young_kpa(4.39), {"alpha", -18.7, "1"}},
                   brain,
                   "human",
-                  "Budday et al. 2017"});
+                  kBrainSource});
   list.push_back({"brain-corona-radiata",
                   PresetKind::kSolid,
                   "ogden",
                   {young_kpa(2.02), {"alpha", -24.0, "1"}},
                   brain,
                   "human",
-                  "Budday et al. 2017"});
+                  kBrainSource});
 }
 
 void add_silicones(std::vector<TissuePreset>& list) {
@@ -101,7 +154,8 @@ void add_silicones(std::vector<TissuePreset>& list) {
                     {young_kpa(young, young - deviation, young + deviation)},
                     "compression; mean and standard deviation (t: percent of thinner)",
                     "silicone",
-                    "Ecoflex phantoms, CC BY 4.0"});
+                    "Dawood, Zhang, Osman et al. 2026 (Tissue Phantom Materials Database, an early release, "
+                    "CC BY 4.0)"});
 }
 
 void add_paper_chain(std::vector<TissuePreset>& list) {
@@ -122,27 +176,63 @@ void add_paper_chain(std::vector<TissuePreset>& list) {
 
 // ------------------------------------------------------------------------------------------------- surfaces
 
-void add_skin(std::vector<TissuePreset>& list) {
+/// Tension of living skin.
+void add_skin_tension(std::vector<TissuePreset>& list) {
   struct Tension {
-    const char *name, *test;
+    const char *name, *test, *source;
     double tension;  // [N/m]
   };
-  constexpr const char* kLarge = "tension in the living body, {} kPa at a thickness of 1.5 mm";
-  const std::string least = fmt::format(fmt::runtime(kLarge), 28),
-                    most = fmt::format(fmt::runtime(kLarge), 92);
-  const Tension tensions[] = {{"skin-forearm-low", "tension in the living body, its low value", 6.2},
-                              {"skin-forearm-high", "tension in the living body, its high value", 11.4},
-                              {"skin-upper-arm", "tension in the living body", 5.6},
-                              {"skin-taut-low", least.c_str(), 42},
-                              {"skin-taut-high", most.c_str(), 138}};
-  for (const auto& [name, test, tension] : tensions)
-    list.push_back({name,
+  constexpr const char
+      *kLargest = "Flynn, Taberner, Nielsen 2011 (Biomechanics and Modeling in Mechanobiology 10, 27)",
+      *kRange = "Flynn, Taberner, Nielsen 2011 (Annals of Biomedical Engineering 39, 1935)";
+  constexpr Tension kTensions[] = {
+      {"skin-forearm-low", "in-plane pushes by a robot, lower part of the anterior forearm: largest tension",
+       kLargest, 6.2},
+      {"skin-forearm-high", "in-plane pushes by a robot, upper part of the anterior forearm: largest tension",
+       kLargest, 11.4},
+      {"skin-upper-arm", "in-plane pushes by a robot, posterior upper arm: largest tension", kLargest, 5.6},
+      {"skin-taut-low",
+       "pushes by a robot in many directions, arms of several people: least stress, 28 kPa, at 1.5 mm",
+       kRange, 42},
+      {"skin-taut-high",
+       "pushes by a robot in many directions, arms of several people: largest stress, 92 kPa, at 1.5 mm",
+       kRange, 138}};
+  for (const auto& [name, test, source, tension] : kTensions)
+    list.push_back(
+        {name, PresetKind::kSkin, "fiber", {{"tension", tension, "N/m"}}, test, "human, living", source});
+}
+
+/// Skin that stiffens, as a membrane 1.5 mm thick: µ, b, k1, k2 and κ of the exponential law.
+void add_skin_that_stiffens(std::vector<TissuePreset>& list) {
+  constexpr double kThickness = 0.0015;  // [m]
+  struct Skin {
+    const char* name;
+    double shear, stiffening, fiber_stiffness, fiber_stiffening, dispersion;  // µ, k1 [Pa]
+    const char *test, *species, *source;
+  };
+  constexpr double kDermisShear = 0.2014e6;
+  constexpr Skin kSkins[] = {
+      {"skin-porcine", 81.3e3, 11.8, 123e3, 14.4, 0,
+       "biaxial stretch, three protocols of one specimen; fit of this project, as skin 1.5 mm thick", "pig",
+       "Tac, Sahli Costabal, Tepole 2022 (Computer Methods in Applied Mechanics and Engineering 398, "
+       "115248)"},
+      {"skin-dermis", kDermisShear, 0, 243.6 * kDermisShear, 0.1327, 0.1404,
+       "uniaxial tension of excised skin of the back, dispersion from histology; k1 = 243.6 μ; as one family "
+       "of "
+       "fibers along Langer's lines and skin 1.5 mm thick",
+       "human", "Ní Annaidh, Bruyère, Destrade et al. 2012 (Annals of Biomedical Engineering 40, 1666)"}};
+  for (const Skin& skin : kSkins)
+    list.push_back({skin.name,
                     PresetKind::kSkin,
-                    "fiber",
-                    {{"tension", tension, "N/m"}},
-                    test,
-                    "human, living",
-                    "Flynn et al. 2011 and later work"});
+                    "exponential",
+                    {{"shear", skin.shear * kThickness, "N/m"},
+                     {"stiffening", skin.stiffening, "1"},
+                     {"fiber_stiffness", skin.fiber_stiffness * kThickness, "N/m"},
+                     {"fiber_stiffening", skin.fiber_stiffening, "1"},
+                     {"dispersion", skin.dispersion, "1"}},
+                    skin.test,
+                    skin.species,
+                    skin.source});
 }
 
 void add_fabrics(std::vector<TissuePreset>& list) {
@@ -171,23 +261,24 @@ void add_fabrics(std::vector<TissuePreset>& list) {
                      {"rigidity_weft", f.bend_weft, "N·m"}},
                     "planar stretch at small strain, bending under its own weight",
                     "fabric",
-                    "Wang, O'Brien, Ramamoorthi 2011"});
-  list.push_back({"median-fabric",
-                  PresetKind::kFabric,
-                  "sheet",
-                  {{"density", 0.1968, "kg/m²", 0.1037, 0.2936},
-                   {"rigidity_warp", 1.378e-5, "N·m", 4.117e-6, 3.594e-5},
-                   {"rigidity_weft", 8.756e-6, "N·m", 3.319e-6, 2.369e-5}},
-                  "bending; median and quartiles of 618 fabrics",
-                  "fabric",
-                  "ClothDrapeTester"});
+                    "Wang, O'Brien, Ramamoorthi 2011 (ACM Transactions on Graphics 30(4), 71)"});
+  list.push_back(
+      {"median-fabric",
+       PresetKind::kFabric,
+       "sheet",
+       {{"density", 0.1968, "kg/m²", 0.1037, 0.2936},
+        {"rigidity_warp", 1.378e-5, "N·m", 4.117e-6, 3.594e-5},
+        {"rigidity_weft", 8.756e-6, "N·m", 3.319e-6, 2.369e-5}},
+       "bending; median and quartiles of 618 fabrics",
+       "fabric",
+       "Feng, Huang, Xu, Wang 2022 (ACM Transactions on Graphics 41(6), data set ClothDrapeTester)"});
 }
 
 std::vector<TissuePreset> make_presets() {
   std::vector<TissuePreset> list;
-  add_tissues_of_chains(list), add_limbs(list), add_soft_solids(list), add_silicones(list);
-  add_paper_chain(list);
-  add_skin(list), add_fabrics(list);
+  add_tissues_of_chains(list), add_limbs(list), add_muscle_of_compression(list), add_soft_solids(list);
+  add_silicones(list), add_paper_chain(list);
+  add_skin_tension(list), add_skin_that_stiffens(list), add_fabrics(list);
   return list;
 }
 
