@@ -72,6 +72,56 @@ TEST(CellLaws, PressedSlabIsSpringsInSeries) {
   }
 }
 
+// A slab whose upper layers slide on a thin one yields to a shear traction by the sum of the compliances of
+// its layers in shear, in series: u = τ Σ t/(slide G), also where the sliding layer is thinner than a cell.
+// In the middle of a long slab, away from its free ends, the shear is simple.
+TEST(CellLaws, ShearedSlabSlidesInSeries) {
+  constexpr double kYoung = 2e4, kSpacing = 0.004;
+  constexpr int kCells = 5;
+  const Int3 size{41, 4, kCells + 1};
+  const auto shear_modulus = [](double young) { return young / 2; };  // ν = 0
+  std::vector<double> tops;
+  for (const double slide : {1.0, 0.2, 0.05}) {
+    Params params;
+    params.skin.enabled = false;
+    params.tissue.law = TissueLaw::kSolid;
+    params.tissue.poisson = 0;
+    params.tissue.layers = {
+        {.name = "skin", .thickness = 0.006, .young = kYoung, .poisson = 0},
+        {.name = "fascia", .thickness = 0.001, .young = 1e4, .poisson = 0, .slide = slide},
+        {.name = "muscle", .young = kYoung, .poisson = 0}};
+    params.solver = {.sweeps = 30, .damping = 8};
+    Block block{.size = size, .spacing = kSpacing, .young = kYoung};
+    block.is_fixed = [](Int3 p) { return p.z == 0; };
+    const Model model = block_model(block, params);
+    // traction along x on the top
+    const double traction = 10;  // [Pa]
+    std::vector<NodeLoad> loads;
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const double share =
+            (i == 0 || i == size.x - 1 ? 0.5 : 1.0) * (j == 0 || j == size.y - 1 ? 0.5 : 1.0);
+        loads.push_back({node_slot(model.anatomy.lattice, {i, j, kCells}),
+                         {Real(traction * share * kSpacing * kSpacing), 0, 0}});
+      }
+    State state = make_state(model);
+    for (int n = 0; n < 120; n++) step(kBoth, model, state, {.loads = loads}, 1.0 / 60);
+    const auto along = [&](int k) {
+      return double(
+          state.motion.u[std::size_t(node_slot(model.anatomy.lattice, {size.x / 2, size.y / 2, k}))].x);
+    };
+    const double stiff = (kCells * kSpacing - 0.001) / shear_modulus(kYoung),
+                 fascia = 0.001 / (slide * shear_modulus(1e4));
+    EXPECT_NEAR(along(kCells) / (traction * (stiff + fascia)), 1, 0.02) << "slide " << slide;
+    // the cell of 4 to 8 mm has the fascia: the step in it is the sliding
+    const double step_of_cell = along(kCells - 1) - along(kCells - 2);
+    EXPECT_NEAR(step_of_cell / (traction * (0.003 / shear_modulus(kYoung) + fascia)), 1, 0.02)
+        << "slide " << slide;
+    tops.push_back(along(kCells));
+  }
+  EXPECT_GT(tops[2], 1.5 * tops[0]) << "a fascia with a twentieth of its shear modulus slides";
+}
+
 // Depth is the distance from the outermost nodes, also where the surface is oblique.
 TEST(CellLaws, DepthsAreDistances) {
   BodyNodes nodes;
