@@ -46,13 +46,17 @@ Status check_body(const LatticeScene& body) {
 
 Status check_scene(const Scene& scene) {
   const std::string file = scene.file.string();
-  if (scene.lattice_bodies.size() != 1 || !scene.sfem_bodies.empty() || !scene.rhombus_bodies.empty() ||
-      !scene.cloth_bodies.empty())
+  const std::size_t others = scene.sfem_bodies.size() + scene.rhombus_bodies.size() +
+                             scene.cloth_bodies.size() + scene.rigid_bodies.size();
+  if (scene.lattice_bodies.size() != 1 || others > 0)
     return Error{fmt::format(
         "{}: body: several processes simulate one body: expected one lattice, found {} of model \"lattice\" "
         "and {} of others",
-        file, scene.lattice_bodies.size(),
-        scene.sfem_bodies.size() + scene.rhombus_bodies.size() + scene.cloth_bodies.size())};
+        file, scene.lattice_bodies.size(), others)};
+  if (!scene.attachments.empty() || !scene.body_contacts.empty())
+    return Error{
+        fmt::format("{}: {}: several processes do not support what bodies hold and touch: expected none",
+                    file, scene.attachments.empty() ? "contact" : "attachment")};
   if (scene.device == Device::kGpu)
     return Error{file + ": world.device: several processes use CPUs: expected \"cpu\""};
   if (!scene.tools.empty())

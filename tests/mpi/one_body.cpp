@@ -218,6 +218,14 @@ TEST(OneBody, RejectsUnsupportedKeys) {
        "[tool.finger]\nbody = \"torso\"\nshape = { sphere = 0.01 }\npress = { at_fraction = [0.5, 0, 0.5], "
        "depth = 0.006 }\n",
        "tool"},
+      {kSolid,
+       "[body.stone]\nmodel = \"rigid\"\nshape = { sphere = 0.01 }\nat = [0, -0.3, 0]\n"
+       "density = 1000\n",
+       "body"},
+      {kSolid,
+       "[attachment.table]\nbetween = [\"torso\", \"ground\"]\nbox = [[-1, -1, -1], [1, 1, 1]]\n"
+       "stiffness = 1e3\n",
+       "attachment"},
   };
   for (const auto& [body, rest, key] : cases) {
     const Status known = mpi::check_scene(parse_scene(scene_text(body, rest), "scene.toml").value());
