@@ -102,7 +102,7 @@ Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpa
   const auto out = std::back_inserter(text);
   const bool normals = mesh.normals.size() == mesh.vertices.size();
   for (const Vec3 v : io::in_space(mesh.vertices, space))
-    fmt::format_to(out, "v {0:.{3}f} {1:.{3}f} {2:.{3}f}\n", v.x, v.y, v.z, space.is_mm ? 4 : 6);
+    fmt::format_to(out, "v {:.9g} {:.9g} {:.9g}\n", v.x, v.y, v.z);  // the same bits when read again
   if (normals)
     for (const Vec3 n : io::to_file_axes(mesh.normals, space))
       fmt::format_to(out, "vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);

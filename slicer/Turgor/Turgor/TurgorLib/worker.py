@@ -29,7 +29,7 @@ def make_progress(scene):
 def write_obj(file, points, skin, wound):
     """Writes points (n, 3) [mm] and triangles (m, 3) of the skin and of the walls of the wound."""
     with open(file, "w", encoding="ascii") as out:
-        np.savetxt(out, points, fmt="v %.4f %.4f %.4f")
+        np.savetxt(out, points, fmt="v %.9g %.9g %.9g")
         for name, triangles in (("skin", skin), ("wound", wound)):
             out.write(f"g {name}\n")
             np.savetxt(out, triangles + 1, fmt="f %d %d %d")
