@@ -239,6 +239,22 @@ TEST(BoundarySkin, GapeDoesNotDependOnThePositionOfTheSkin) {
   EXPECT_LT(most, 1.02 * sum / count);
 }
 
+// The same at smaller cells, where the body has more of them.
+TEST(BoundarySkin, GapeInSmallerCellsDoesNotDependOnThePosition) {
+  for (const int block : {3, 2}) {
+    double sum = 0, least = 1, most = 0;
+    int count = 0;
+    for (const double offset : {0.0, 0.35, 0.7})
+      for (const bool is_flipped : {false, true}) {
+        if (block == 2 && offset == 0.35) continue;  // takes seconds
+        const double gape = gape_in({.block = block, .offset = offset, .is_flipped = is_flipped});
+        sum += gape, least = std::min(least, gape), most = std::max(most, gape), count++;
+      }
+    EXPECT_GT(least, 0.98 * sum / count) << "cells of " << block << " voxels";
+    EXPECT_LT(most, 1.02 * sum / count) << "cells of " << block << " voxels";
+  }
+}
+
 // A wound gapes alike wherever the skin leaves a layer of cells. The cut is level, since the ends of a cut
 // that is oblique in the lattice move by up to half a cell.
 TEST(BoundarySkin, GapeDoesNotDependOnTheTiltOfTheSkin) {
