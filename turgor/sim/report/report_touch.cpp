@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "turgor/haptics/device_presets.hpp"
+#include "turgor/sim/bodies/sfem/choose_patch.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/report/device_use.hpp"
 #include "turgor/sim/report/force_error.hpp"
@@ -244,6 +245,24 @@ std::vector<std::string> device_warnings(const Scene& scene, const World& world)
   return warnings;
 }
 
+namespace {
+
+/// End of the warning about a tool that reached beyond the patch. With `patch = false`, which is a patch of
+/// the body's own elements, it names none.
+std::string beyond_patch_text(const World& world, const TouchingTool& tool) {
+  const SfemBody* body =
+      tool.body.kind == BodyKind::kSfem ? &world.sfem_bodies[std::size_t(tool.body.index)] : nullptr;
+  if (body && is_without_patch(*body))
+    return fmt::format(
+        ": contact is computed within {:.3g} mm of the tool, and it reached farther, where contact is "
+        "ignored; patch = {{ refinement = 1, radius = … }} of body.{} may cover more",
+        1e3 * body->follow.radius, body->name);
+  return ": the tool reached beyond the patch, where contact is ignored; patch.radius should exceed the "
+         "radius of the indentation";
+}
+
+}  // namespace
+
 std::vector<std::string> touch_warnings(const World& world) {
   std::vector<std::string> warnings;
 
@@ -278,10 +297,7 @@ std::vector<std::string> touch_warnings(const World& world) {
                       tool.name, tool.samples.size(), tool.samples.missed()));
   for (const TouchingTool& tool : world.tools)
     if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
-      warnings.push_back(
-          fmt::format("{}: the tool reached beyond the patch, where contact is ignored; "
-                      "patch.radius should exceed the radius of the indentation",
-                      tool.name));
+      warnings.push_back(tool.name + beyond_patch_text(world, tool));
   return warnings;
 }
 

@@ -14,6 +14,7 @@
 #include "turgor/models/sfem/expected_error.hpp"
 #include "turgor/models/sfem/green.hpp"
 #include "turgor/sim/report/force_error.hpp"
+#include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -93,6 +94,27 @@ TEST(ChoosePatch, FineMeshGetsPatchThatFits) {
       EXPECT_LT(body.follow.radius, 0.02);
     }
   }
+}
+
+// Without a patch, notes and warnings do not speak of one that the scene could not know: a ball of 0.3 m on a
+// body of 3 m reaches beyond the elements on which contact is computed.
+TEST(ChoosePatch, BodyWithoutPatchIsNotToldOfOne) {
+  const Result<Scene> scene = parse_scene(
+      "[world]\nduration = 0.2\n[body.big]\nmodel = \"sfem\"\nblock = { size = [3, 3, 1.5], count = [8, 8, "
+      "4] }\n"
+      "fixed = \"bottom\"\nyoung = 5e3\ncache = false\npatch = false\n[tool.ball]\nbody = \"big\"\n"
+      "shape = { sphere = 0.3 }\npress = { at_fraction = [0.5, 0.5, 1], depth = 0.1, start = 0, duration = "
+      "0.1 }\n",
+      "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  Result<World> world = load_world(Exec(2), *scene);
+  ASSERT_TRUE(world) << world.error().message;
+  touch_body(Exec(2), world->sfem_bodies[0], world->tools, 0, 0.1);
+  EXPECT_EQ(notes_of(world->sfem_bodies[0]).find("patch"), std::string::npos);
+  const std::vector<std::string> warnings = touch_warnings(*world);
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_NE(warnings[0].find("ball: contact is computed within 20 mm of the tool"), std::string::npos)
+      << warnings[0];
 }
 
 // Columns of earlier patches are forgotten, so that a long slide stays within the memory limit.

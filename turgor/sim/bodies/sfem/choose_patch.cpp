@@ -189,6 +189,10 @@ PatchNeeds needs_of_patch(const SfemBody& body, std::span<const Vec3d> centers) 
   return needs;
 }
 
+bool is_without_patch(const SfemBody& body) {
+  return body.radius_is_open && !body.refinement_is_open && body.refinement == 1;
+}
+
 void choose_patch(SfemBody& body, const std::vector<TouchingTool>& tools) {
   if (!body.radius_is_open && !body.refinement_is_open) return;
   // contacts of the tools
@@ -213,7 +217,7 @@ void choose_patch(SfemBody& body, const std::vector<TouchingTool>& tools) {
   // choice
   const std::optional<Candidate> chosen = best_of(body, candidates);
   use(body, chosen.value_or(usual));
-  if (chosen && !is_usual(body, *chosen))
+  if (chosen && !is_usual(body, *chosen) && !is_without_patch(body))
     body.facts.notes.push_back(note_of(body, *chosen, usual, usual_bytes));
 }
 

@@ -24,6 +24,10 @@ struct PatchNeeds {
 };
 PatchNeeds needs_of_patch(const SfemBody& body, std::span<const Vec3d> centers);
 
+/// True if the scene has `patch = false`: contact is then computed on the body's own elements around the
+/// tool.
+bool is_without_patch(const SfemBody& body);
+
 /// Sets radius and refinement that the scene leaves open, from the tools at their initial positions, and
 /// notes a choice that differs from the usual one. Does nothing to a body whose scene sets both.
 void choose_patch(SfemBody& body, const std::vector<TouchingTool>& tools);
