@@ -10,6 +10,7 @@
 #include "progress.hpp"
 #include "turgor/core/thread_limit.hpp"
 #include "turgor/pictures/run_scene.hpp"
+#include "turgor/view/drawing_process.hpp"
 
 namespace turgor {
 
@@ -53,9 +54,16 @@ std::string run_to_json(const fs::path& file, const std::optional<std::string>& 
   return json;
 }
 
+/// Runs draw by this command, or draw nothing for the reason `refusal`.
+void draw_by(std::vector<std::string> command, std::string refusal) {
+  set_drawing_program({.arguments = std::move(command), .refusal = std::move(refusal)});
+}
+
 }  // namespace
 
 void bind_run(nb::module_& module) {
+  module.def("serve_drawings", &serve_drawings);
+  module.def("set_drawing_program", &draw_by, "command"_a, "refusal"_a);
   module.def("run_to_json", &run_to_json, "scene"_a, "text"_a.none(), "overrides"_a, "out"_a, "force"_a,
              "threads"_a, "on_frame"_a.none(), "progress"_a.none());
 }

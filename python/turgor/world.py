@@ -12,7 +12,7 @@ from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union, 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _turgor
+from . import _turgor, drawing
 from .body import Body
 from .columns import Columns
 from .scenes import GivenScene
@@ -251,4 +251,5 @@ def run(scene: SceneGiven = None, out: Union[None, str, os.PathLike[str]] = None
         overrides = given.overrides(set, None, None)
         if given.volumes or given.labels:
             raise _turgor.Error("run: expected volumes as files, which the report names, found one in memory; World accepts it")
+        drawing.use_process()
         return json.loads(_turgor.run_to_json(file, text, overrides, os.fspath(out or ""), force, threads, on_frame, _progress_callback(progress)))

@@ -1,8 +1,10 @@
 #include "turgor/view/drawing_process.hpp"
 
 #include <cstdlib>
+#include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/refused.hpp"
@@ -89,6 +91,47 @@ TEST_F(DrawingProcess, FailedChildGivesError) {
   EXPECT_REFUSED(draw(), "gave no picture for 0.3 s and was stopped");
   set_drawing_program({.arguments = {"/no/such/program"}});
   EXPECT_REFUSED(draw(), "the process that draws cannot be started: No such file or directory");
+}
+
+// A child is killed with the thread that started it. Another thread then draws with a child of its own.
+TEST_F(DrawingProcess, ChildOfEndedThreadIsReplaced) {
+  if (!draw()) GTEST_SKIP() << "no OpenGL";
+  setenv(kServes, "1", 1);
+  set_drawing_program({.arguments = {"/proc/self/exe"}});
+  for (int pass = 0; pass < 2; pass++) {
+    bool has_drawn = false;
+    std::thread([&] { has_drawn = bool(draw()); }).join();
+    EXPECT_TRUE(has_drawn) << pass;
+    usleep(20000);  // the signal arrives
+  }
+  const Result<Image> last = draw();
+  EXPECT_TRUE(last) << last.error().message;
+}
+
+// A fork leaves its parent's child alone and starts its own.
+TEST_F(DrawingProcess, ForkHasItsOwnChild) {
+  if (!draw()) GTEST_SKIP() << "no OpenGL";
+  setenv(kServes, "1", 1);
+  set_drawing_program({.arguments = {"/proc/self/exe"}});
+  ASSERT_TRUE(draw());
+  const pid_t fork_of_this = fork();
+  if (fork_of_this == 0) {
+    const bool has_drawn = bool(draw());
+    set_drawing_program({});
+    _exit(has_drawn ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(fork_of_this, &status, 0), fork_of_this);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  const Result<Image> again = draw();
+  EXPECT_TRUE(again) << again.error().message;
+}
+
+// Where no program can draw, the reason is given, and nothing is drawn in this process.
+TEST_F(DrawingProcess, RefusalIsNamed) {
+  set_drawing_program({.refusal = "no program"});
+  EXPECT_REFUSED(draw(), "cannot draw: no program");
+  EXPECT_FALSE(warm_up_drawing().valid());
 }
 
 // An error of the child's drawing arrives with its text, and the child draws on.

@@ -14,7 +14,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -22,9 +21,8 @@
 #include <unistd.h>
 
 #include "turgor/io/files/child.hpp"
+#include "turgor/view/drawing_child.hpp"
 #include "turgor/view/drawing_message.hpp"
-
-extern char** environ;
 
 namespace turgor {
 
@@ -180,81 +178,6 @@ Sent receive_message(int socket, Message& message, double seconds, std::uint64_t
   return received;
 }
 
-/// A started child; the destructor stops it.
-class DrawingChild {
- public:
-  static Result<std::unique_ptr<DrawingChild>> start(const std::vector<std::string>& arguments);
-  DrawingChild(const DrawingChild&) = delete;
-  DrawingChild& operator=(const DrawingChild&) = delete;
-  ~DrawingChild() { stop(); }
-
-  int socket() const { return socket_; }
-  /// Kills it and describes its end, if it ended before: "crashed (Segmentation fault)".
-  std::string stop();
-
- private:
-  DrawingChild(int socket, pid_t id) : socket_(socket), id_(id) {}
-  int socket_;
-  pid_t id_;
-};
-
-Error not_started(int reason) {
-  return {fmt::format("cannot draw: the process that draws cannot be started: {}", std::strerror(reason))};
-}
-
-Result<std::unique_ptr<DrawingChild>> DrawingChild::start(const std::vector<std::string>& arguments) {
-  // its standard input is a socket, its outputs are dropped
-  int ends[2];
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return not_started(errno);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
-  for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
-    posix_spawn_file_actions_addopen(&files, stream, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
-
-  // its signals have their defaults, and a keyboard's interrupt goes to the parent only
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none, all;
-  sigemptyset(&none), sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-
-  // start it
-  std::vector<char*> pointers;
-  for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
-  pointers.push_back(nullptr);
-  pid_t id = -1;
-  const int failed = posix_spawn(&id, pointers[0], &files, &attributes, pointers.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
-  close(ends[1]);
-  if (failed == 0) return std::unique_ptr<DrawingChild>(new DrawingChild(ends[0], id));
-  close(ends[0]);
-  return not_started(failed);
-}
-
-std::string DrawingChild::stop() {
-  if (id_ <= 0) return "";
-  close(std::exchange(socket_, -1));
-  // a child that crashed may need some time to end
-  int status = 0;
-  pid_t ended = 0;
-  for (int tries = 0; tries < 50 && ended == 0; tries++) {
-    ended = waitpid(id_, &status, WNOHANG);
-    if (ended == 0) usleep(2000);
-  }
-  const bool by_itself = ended == id_;
-  if (ended == 0) kill(id_, SIGKILL), waitpid(id_, &status, 0);
-  id_ = -1;
-  if (by_itself && WIFSIGNALED(status)) return fmt::format("crashed ({})", strsignal(WTERMSIG(status)));
-  return by_itself ? fmt::format("ended with status {}", WEXITSTATUS(status)) : "closed its socket";
-}
-
 /// The program's child; one caller at a time.
 struct Drawing {
   std::mutex mutex;
@@ -266,13 +189,22 @@ Drawing& the_drawing() {
   return drawing;
 }
 
-/// Starts the child if there is none.
+/// Starts the child if there is none. A fork of the process that started it may not use its socket.
 Status start_child(Drawing& drawing) {
-  if (drawing.child) return Done{};
+  if (drawing.child && drawing.child->is_of_this_process()) return Done{};
+  drawing.child.reset();
+  if (!drawing.program.refusal.empty()) return Error{"cannot draw: " + drawing.program.refusal};
   Result<std::unique_ptr<DrawingChild>> child = DrawingChild::start(drawing.program.arguments);
   if (!child) return child.error();
   drawing.child = std::move(*child);
   return Done{};
+}
+
+/// Sends a request and receives its answer of at most `most` bytes.
+Sent exchange(const DrawingChild& child, const Message& request, Message& answer, double patience,
+              std::uint64_t most) {
+  const Sent sent = send_message(child.socket(), request, patience);
+  return sent == Sent::kDone ? receive_message(child.socket(), answer, patience, most) : sent;
 }
 
 /// Ends the child and describes the failure.
@@ -323,26 +255,28 @@ void set_drawing_program(DrawingProgram program) {
 bool has_drawing_program() {
   Drawing& drawing = the_drawing();
   const std::lock_guard lock(drawing.mutex);
-  return !drawing.program.arguments.empty();
+  return !drawing.program.arguments.empty() || !drawing.program.refusal.empty();
 }
 
 Result<Image> draw_in_child(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
                             RenderQuality quality) {
-  // start the child
   Drawing& drawing = the_drawing();
   const std::lock_guard lock(drawing.mutex);
-  if (const Status started = start_child(drawing); !started) return started.error();
-
-  // ask and wait
-  const double patience = drawing.program.patience;
-  Message answer;
-  Sent sent =
-      send_message(drawing.child->socket(), request_of(items, camera, width, height, quality), patience);
+  const Message request = request_of(items, camera, width, height, quality);
   constexpr std::uint64_t kLongestText = 1 << 16;
   const std::uint64_t most =
       kLongestText + sizeof(Image::pixels[0]) * std::uint64_t(width) * std::uint64_t(height);
-  if (sent == Sent::kDone) sent = receive_message(drawing.child->socket(), answer, patience, most);
-  if (sent != Sent::kDone) return failed_drawing(drawing, sent);
+
+  // ask and wait; a child of another thread may have ended with it, and is replaced once
+  Message answer;
+  for (;;) {
+    if (const Status started = start_child(drawing); !started) return started.error();
+    const bool is_own = drawing.child->is_of_this_thread();
+    const Sent sent = exchange(*drawing.child, request, answer, drawing.program.patience, most);
+    if (sent == Sent::kDone) break;
+    if (is_own || sent == Sent::kTooLong) return failed_drawing(drawing, sent);
+    drawing.child.reset();
+  }
 
   // read the answer
   bool drawn = false;

@@ -15,6 +15,7 @@ namespace turgor {
 struct DrawingProgram {
   std::vector<std::string> arguments;  // its path first
   double patience = 60;                // time of a picture after which the child is stopped [s]
+  std::string refusal;                 // reason why there is no program; nothing is drawn then
 };
 
 /// From now on draw_meshes uses a child. An empty program ends this, and the child.
@@ -22,6 +23,8 @@ void set_drawing_program(DrawingProgram program);
 bool has_drawing_program();
 
 /// draw_in_process by the child. Error: as there, or how the child ended; the next call starts another one.
+/// A child ends with the thread that started it. Other threads and forks of this process then start their
+/// own.
 Result<Image> draw_in_child(const std::vector<RenderItem>& items, const Camera& camera, int width, int height,
                             RenderQuality quality);
 
