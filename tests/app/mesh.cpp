@@ -1,5 +1,9 @@
 // `turgor mesh` on the phantom and on real data.
+#include <algorithm>
+#include <cmath>
+
 #include "tests/app/program.hpp"
+#include "turgor/core/vec.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/stuffing.hpp"
 #include "turgor/io/mesh/solid_files.hpp"
@@ -63,7 +67,41 @@ TEST(MeshCommand, FoldedSurfaceIsNoted) {
   EXPECT_NEAR(volume(read_good_mesh(folder / "liver.msh")) * 1e6, 39.27, 0.02 * 39.27);
 }
 
-// A body of 18.7 m is refused at once with a forecast, and so is a file of the kernel that never ends.
+/// A binary STL of a regular dodecahedron of this width [m]: 20 vertices, 36 triangles.
+std::string dodecahedron_stl(double width) {
+  const double golden = 0.5 * (1 + std::sqrt(5.0));
+  std::vector<Vec3d> vertices, normals;  // of faces, up to their length
+  for (int n = 0; n < 8; n++) vertices.push_back({n & 1 ? 1.0 : -1, n & 2 ? 1.0 : -1, n & 4 ? 1.0 : -1});
+  for (int n = 0; n < 4; n++) {
+    const double a = n & 1 ? 1 : -1, b = n & 2 ? 1 : -1, s = a / golden, l = b * golden;
+    for (const Vec3d x : {Vec3d{0, s, l}, {s, l, 0}, {l, 0, s}}) vertices.push_back(x);
+    for (const Vec3d x : {Vec3d{0, l, a}, {l, a, 0}, {a, 0, l}}) normals.push_back(x);
+  }
+  std::string bytes(80, ' ');
+  const auto put = [&bytes](const auto& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  put(std::uint32_t(36));
+  for (const Vec3d normal : normals) {
+    // the five vertices farthest along the normal, by their angle
+    const Vec3d u = normalized(cross(normal, {0.3, 0.5, 0.7})), v = cross(normalized(normal), u);
+    std::sort(vertices.begin(), vertices.end(),
+              [&](Vec3d a, Vec3d b) { return dot(a, normal) > dot(b, normal); });
+    std::sort(vertices.begin(), vertices.begin() + 5, [&](Vec3d a, Vec3d b) {
+      return std::atan2(dot(a, v), dot(a, u)) < std::atan2(dot(b, v), dot(b, u));
+    });
+    for (int t = 1; t < 4; t++) {
+      for (int axis = 0; axis < 3; axis++) put(0.0f);
+      for (const int corner : {0, t, t + 1})
+        for (int axis = 0; axis < 3; axis++)
+          put(float(vertices[std::size_t(corner)][axis] * width / (2 * golden)));
+      put(std::uint16_t(0));
+    }
+  }
+  return bytes;
+}
+
+// Bodies of 18.7 m are refused at once with a forecast, and so is a file of the kernel that never ends.
 TEST(MeshCommand, EndlessWorkIsRefused) {
   const fs::path folder = fresh_folder();
   std::string box;
@@ -73,11 +111,14 @@ TEST(MeshCommand, EndlessWorkIsRefused) {
   for (const char* face : {"1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"})
     box += std::string("f ") + face + "\n";
   write(folder / "box.obj", box);
+  write(folder / "ball.stl", dodecahedron_stl(18.7));
   const struct {
     const char* arguments;
     const char* words;
   } cases[] = {
       {"mesh box.obj --size 0.1 -o a.msh", "gives about 7.85e+07 tetrahedra; expected at most 1e+07, as "},
+      {"mesh ball.stl -o a.msh",
+       "a lattice of 8 mm over 18700 mm x 18700 mm x 18700 mm has 2.57e+10 points; expected at most"},
       {"mesh box.obj --size 1 --most 1000 -o a.msh", "expected at most 1000, as "},
       {"mesh /proc/kmsg -o a.msh", "/proc/kmsg: is a file of the kernel"},
       {"info /proc/kmsg", "/proc/kmsg: is a file of the kernel"}};
@@ -86,7 +127,7 @@ TEST(MeshCommand, EndlessWorkIsRefused) {
     EXPECT_EQ(ended.code, 2) << c.arguments << ": " << ended.printed;
     EXPECT_NE(ended.printed.find(c.words), std::string::npos) << c.arguments << ": " << ended.printed;
   }
-  EXPECT_EQ(names_in(folder), std::set<std::string>{"box.obj"});
+  EXPECT_EQ(names_in(folder), (std::set<std::string>{"ball.stl", "box.obj"}));
 }
 
 // Inputs that cannot be meshed end with a message and leave no files.

@@ -168,6 +168,25 @@ TEST(BodyFiles, NestedChainBodyIsNoted) {
   EXPECT_NE(found[0].find("inside another one"), std::string::npos) << found[0];
 }
 
+// So has one whose components cross. Components apart have none.
+TEST(BodyFiles, CrossingChainBodyIsNoted) {
+  const fs::path folder = fresh_folder();
+  const TriMesh liver = phantom_liver(0.3);
+  const int count = int(liver.vertices.size());
+  for (const auto& [shift, crosses] : {std::pair{0.02f, true}, {1.0f, false}}) {
+    TriMesh two = liver;
+    two.normals.clear();
+    for (const Vec3 x : liver.vertices) two.vertices.push_back(x + Vec3{shift, 0, 0});
+    for (const Int3 t : liver.triangles) two.triangles.push_back({t.x + count, t.y + count, t.z + count});
+    ASSERT_TRUE(write_obj(folder / "liver.obj", two));
+    const Result<World> world = load(folder, "[body.c]\nmodel = \"rhombus\"\nsurface = \"liver.obj\"\n");
+    ASSERT_TRUE(world) << world.error().message;
+    std::string notes;
+    for (const std::string& note : world->rhombus_bodies[0].notes) notes += note + "\n";
+    EXPECT_EQ(notes.find("the surface crosses itself: ") != notes.npos, crosses) << shift << " m: " << notes;
+  }
+}
+
 // An up key without a file or with an unknown axis is refused.
 TEST(BodyFiles, RejectsInvalidUpAxis) {
   const auto message = [](const std::string& text) {
