@@ -84,8 +84,9 @@ double tip(const TriMesh& mesh) {
   return -double(lowest);
 }
 
-Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, const RestSurface& surface) {
-  const double reach = 0.5 * width(scene.shape, tool.tool.shape);
+/// `reach`: half of the tool's width, at most of the body's [m].
+Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, const RestSurface& surface,
+                           double reach) {
   if (const auto* rows = std::get_if<GivenPath>(&scene.motion)) return ToolPath{rows->rows, rows->smooth};
   if (const auto* press = std::get_if<Press>(&scene.motion))
     return press_path(surface, *press, tip(tool.mesh), reach);
@@ -180,16 +181,17 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
   TouchingTool tool = std::move(*loaded);
 
   TURGOR_CHECK(!surface.vertices.empty(), "a touched body has a surface");
-  // plausible size
+  // plausible size; the report warns of a tool larger than every body (odd_sizes)
   const Box box = box_around(surface.vertices);
   const Vec3d extent = box.high - box.low;
   const double body_width = std::max({extent.x, extent.y, extent.z}),
                tool_width = width(scene.shape, tool.tool.shape);
-  if (tool_width >= body_width)
+  constexpr double kMostWidths = 10;  // beyond, lengths are in another unit
+  if (tool_width >= kMostWidths * body_width)
     return Error{
-        fmt::format("{}: the tool is {:.4g} m wide, the body {} {:.4g} m; expected a tool that is smaller "
-                    "than the body (are lengths in meters?)",
-                    scene.source_location, tool_width, body, body_width)};
+        fmt::format("{}: the tool is {:.4g} m wide, the body {} {:.4g} m; expected a tool of less than {} "
+                    "times the body's width (are lengths in meters?)",
+                    scene.source_location, tool_width, body, body_width, kMostWidths)};
 
   // motion
   if (const auto* recorded = std::get_if<HandFile>(&scene.motion)) {
@@ -197,7 +199,7 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
     if (!hand) return Error{fmt::format("{}: {}", scene.source_location, hand.error().message)};
     tool.hand = std::move(*hand);
   }
-  Result<ToolPath> path = make_path(scene, tool, surface);
+  Result<ToolPath> path = make_path(scene, tool, surface, 0.5 * std::min(tool_width, body_width));
   if (!path) return Error{fmt::format("{}: {}", scene.source_location, path.error().message)};
   tool.path = std::move(*path);
 

@@ -12,8 +12,8 @@ namespace turgor {
 
 /// Tool without a path, for drawing. Error: an invalid mesh.
 Result<TouchingTool> load_tool_shape(const ToolScene& scene);
-/// Tool with its path on the surface of the body of that name. Error: an invalid path or mesh, or a tool
-/// wider than the body.
+/// Tool with its path on the surface of the body of that name. Error: an invalid path or mesh, or a tool of
+/// ten times the body's width.
 Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, const RestSurface& surface);
 
 }  // namespace turgor

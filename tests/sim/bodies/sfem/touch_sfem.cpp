@@ -10,6 +10,7 @@
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
 #include "turgor/sim/report/forces_csv.hpp"
+#include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/smooth_snapshot.hpp"
@@ -315,14 +316,21 @@ TEST(TouchSfem, ForceTableHasColumnPerName) {
   EXPECT_EQ(rows, 2 + world.tools[0].samples.size()) << "column names and the initial pose";
 }
 
-// A tool wider than the body is refused.
-TEST(TouchSfem, RejectsToolWiderThanBody) {
+// A tool wider than the body presses it, with a warning. One that is ten times as wide is refused.
+TEST(TouchSfem, ToolWiderThanBodyIsWarnedOf) {
   const auto folder = test::fresh_folder();
-  const Result<World> world = load_world(Exec(1), body_scene(folder, "", {"tool.finger.shape.sphere=0.05"}));
-  ASSERT_FALSE(world);
-  EXPECT_NE(world.error().message.find("tool.finger: the tool is 0.1 m wide, the body pad 0.06 m"),
+  World world = sfem_world(Exec(2), body_scene(folder, "", {"tool.finger.shape.sphere=0.05"}));
+  for (int frame = 0; frame < 12; frame++) ASSERT_TRUE(step(Exec(2), world));
+  EXPECT_GT(norm(world.tools[0].samples.back().force), 0.1) << "N";
+  WorldSnapshot snapshot;
+  show(Exec(2), world, snapshot);
+  ASSERT_EQ(odd_sizes(snapshot).size(), 1u);
+  EXPECT_NE(odd_sizes(snapshot)[0].find("finger: its contacting end has a size of "), std::string::npos);
+  const Result<World> wide = load_world(Exec(1), body_scene(folder, "", {"tool.finger.shape.sphere=0.4"}));
+  ASSERT_FALSE(wide);
+  EXPECT_NE(wide.error().message.find("tool.finger: the tool is 0.8 m wide, the body pad 0.06 m"),
             std::string::npos)
-      << world.error().message;
+      << wide.error().message;
 }
 
 // Nearly incompressible averaged tetrahedra yield a plausible force or an error, never a crash.
