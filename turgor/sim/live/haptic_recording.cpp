@@ -296,7 +296,8 @@ void set_scene(const Scene& scene, bool has_mouse_tools, HapticRecording& run) {
 }
 
 Result<Scene> scene_of(const HapticRecording& run) {
-  Result<Scene> scene = parse_scene(run.text, run.file, run.overrides, run.folder);
+  const fs::path folder = run.folder.empty() ? "." : run.folder;  // a recording always has one
+  Result<Scene> scene = parse_scene(run.text, run.file, run.overrides, folder);
   if (!scene) return scene;
   TURGOR_CHECK(scene->frame_rate > 0, "a scene has a frame rate");
   scene->duration = run.frames / scene->frame_rate;

@@ -175,8 +175,9 @@ Result<Scene> Recording::scene(const std::vector<std::string>& more_overrides) c
   }
   std::vector<std::string> overrides = split_lines(texts[2]);
   overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
-  // files of --set were relative to the folder of the recorded run
-  Result<Scene> scene = parse_scene(texts[1], texts[0], overrides, texts[3]);
+  // files of --set were relative to the folder of the recorded run; a recording always has one
+  const fs::path folder = texts[3].empty() ? "." : texts[3];
+  Result<Scene> scene = parse_scene(texts[1], texts[0], overrides, folder);
   if (!scene)
     return Error{fmt::format("{}: the recorded scene is invalid: {}", path_.string(), scene.error().message)};
   if (const Status cells = restore_cells(file_, *scene); !cells) return cells.error();
