@@ -32,14 +32,14 @@ struct Chain {
   rhombus::Model model;
   rhombus::FootPoint foot;  // center of the taps on the surface
   contact::RhombusTouch touch;
-  latest<contact::RhombusStiffness> stiffness;
+  latest<contact::RhombusTissue> tissue;
   latest<contact::RhombusTouchSnapshot> touched;
 };
 
 void tick_chain(void* context, std::span<const contact::ToolCommand> commands, double dt,
                 std::span<contact::ToolReading> readings) {
   Chain& chain = *static_cast<Chain*>(context);
-  contact::tick_and_publish(chain.model, chain.touch, chain.stiffness, chain.touched, commands, dt, readings);
+  contact::tick_and_publish(chain.model, chain.touch, chain.tissue, chain.touched, commands, dt, readings);
 }
 
 void make_chain(Chain& chain) {

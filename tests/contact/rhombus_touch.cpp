@@ -53,7 +53,7 @@ TEST(RhombusToolTouch, TicksAllocateNothing) {
   const rhombus::Model model = liver();
   Hands hands(model);
   RhombusTouch touch = touched(hands);
-  latest<RhombusStiffness> stiffness;
+  latest<RhombusTissue> tissue;
   latest<RhombusTouchSnapshot> touched_now;
   prepare(touch, touched_now);
   std::vector<ToolReading> readings(2);
@@ -62,7 +62,7 @@ TEST(RhombusToolTouch, TicksAllocateNothing) {
   for (int i = 1; i < 4000; i++) {
     const auto commands = hands.next(i);
     counted += test::allocations_of(
-        [&] { tick_and_publish(model, touch, stiffness, touched_now, commands, kTick, readings); });
+        [&] { tick_and_publish(model, touch, tissue, touched_now, commands, kTick, readings); });
     const double along = dot(readings[0].force, hands.at.normal);
     pressed = std::max(pressed, along), pulled = std::max(pulled, -along);
     squeezed = std::max(squeezed, readings[0].squeeze);

@@ -2,12 +2,13 @@
 #include "turgor/contact/texture.hpp"
 
 #include <cmath>
-#include <complex>
 #include <memory>
 #include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/contact/spectrum.hpp"
 
 namespace turgor::contact {
 namespace {
@@ -20,77 +21,76 @@ std::vector<Vec3d> slide(const Texture& texture, Vec3d velocity, double force, i
                          TextureState& state) {
   std::vector<Vec3d> forces;
   Vec3d x{0.01, 0.02, 0.03};
-  (void)texture_force(texture, state, x, kUp, force, true, kDt);
+  (void)texture_force(texture, state, {x, kUp, force, true}, kDt);
   for (int i = 0; i < ticks; i++) {
     x += velocity * kDt;
-    forces.push_back(texture_force(texture, state, x, kUp, force, true, kDt));
+    forces.push_back(texture_force(texture, state, {x, kUp, force, true}, kDt));
   }
   return forces;
-}
-
-/// Frequency of the largest part of a signal, in steps of 1 Hz over a second.
-int peak_of(const std::vector<Vec3d>& forces, Vec3d along) {
-  int best = 0;
-  double most = 0;
-  for (int f = 1; f < 500; f++) {
-    std::complex<double> sum;
-    for (std::size_t i = 0; i < forces.size(); i++)
-      sum += dot(forces[i], along) * std::polar(1.0, -2 * std::numbers::pi * f * kDt * double(i));
-    if (std::abs(sum) > most) most = std::abs(sum), best = f;
-  }
-  return best;
 }
 
 // The spectrum's peak is at speed / wavelength, in every direction.
 TEST(Texture, FrequencyIsSpeedOverWavelength) {
   for (const double frequency : {17.0, 61.0, 143.0})
     for (const double angle : {0.0, 0.7, 2.9}) {
-      const Texture texture{2e-6, 0.8e-3};
+      const Texture texture{{2e-6, 0.8e-3}};
       const Vec3d along{std::cos(angle), std::sin(angle), 0};
       TextureState state;
-      const auto forces = slide(texture, along * (frequency * texture.wavelength), 1.3, 1000, state);
+      const auto forces = slide(texture, along * (frequency * texture.waves.wavelength), 1.3, 1000, state);
       EXPECT_EQ(peak_of(forces, along), int(frequency));
       EXPECT_NEAR(state.largest_rate, frequency, 1e-6);
       for (const Vec3d f : forces) EXPECT_NEAR(norm(f - dot(f, along) * along), 0, 1e-12);
     }
 }
 
+// A contact that begins elsewhere has slid no path.
+TEST(Texture, NewContactBeginsWithoutForce) {
+  const Texture texture{{5e-6, 1e-3}};
+  TextureState state;
+  (void)slide(texture, {0.05, 0, 0}, 1, 20, state);
+  const double phase = state.phase;
+  EXPECT_EQ(texture_force(texture, state, {{0.02, 0, 0}, kUp, 0, true}, kDt), Vec3d{});
+  EXPECT_EQ(texture_force(texture, state, {{0.03, 0, 0}, kUp, 1, true}, kDt), Vec3d{});
+  EXPECT_EQ(state.phase, phase);
+  EXPECT_GT(norm(texture_force(texture, state, {{0.03005, 0, 0}, kUp, 1, true}, kDt)), 0);
+}
+
 // The amplitude is 2π N a/λ: linear in normal force and roughness.
 TEST(Texture, AmplitudeFollowsNormalForceAndRoughness) {
   for (const double force : {0.2, 0.9})
     for (const double roughness : {1e-6, 3e-6}) {
-      const Texture texture{roughness, 1.7e-3};
+      const Texture texture{{roughness, 1.7e-3}};
       TextureState state;
       double most = 0;
       for (const Vec3d f : slide(texture, {0.05, 0, 0}, force, 2000, state)) most = std::max(most, norm(f));
-      EXPECT_NEAR(most, 2 * std::numbers::pi * force * roughness / texture.wavelength, 0.01 * most);
+      EXPECT_NEAR(most, 2 * std::numbers::pi * force * roughness / texture.waves.wavelength, 0.01 * most);
       EXPECT_EQ(state.limited_ticks, 0);
     }
 }
 
 // No force at rest, without sliding, on a smooth surface, and where a wave is shorter than four ticks.
 TEST(Texture, NoForceWithoutSliding) {
-  const Texture texture{5e-6, 1e-3};
+  const Texture texture{{5e-6, 1e-3}};
   TextureState state;
   const Vec3d x{0.1, 0, 0};
-  for (int i = 0; i < 5; i++) EXPECT_EQ(texture_force(texture, state, x, kUp, 1, true, kDt), Vec3d{});
-  EXPECT_EQ(texture_force(texture, state, x + Vec3d{1e-4, 0, 0}, kUp, 1, false, kDt), Vec3d{});
-  EXPECT_EQ(texture_force(texture, state, x + Vec3d{1e-4, 0, 1e-4}, kUp, 1, true, kDt), Vec3d{});
+  for (int i = 0; i < 5; i++) EXPECT_EQ(texture_force(texture, state, {x, kUp, 1, true}, kDt), Vec3d{});
+  EXPECT_EQ(texture_force(texture, state, {x + Vec3d{1e-4, 0, 0}, kUp, 1, false}, kDt), Vec3d{});
+  EXPECT_EQ(texture_force(texture, state, {x + Vec3d{1e-4, 0, 1e-4}, kUp, 1, true}, kDt), Vec3d{});
   TextureState fast;
   for (const Vec3d f : slide(texture, {0.26, 0, 0}, 1, 50, fast)) EXPECT_EQ(f, Vec3d{});
   TextureState smooth;
-  for (const Vec3d f : slide({0, 1e-3}, {0.05, 0, 0}, 1, 50, smooth)) EXPECT_EQ(f, Vec3d{});
+  for (const Vec3d f : slide({{0, 1e-3}}, {0.05, 0, 0}, 1, 50, smooth)) EXPECT_EQ(f, Vec3d{});
 }
 
 // The force along the path changes by at most texture_stiffness, for any roughness and direction of motion,
 // and with a little Coulomb friction a hand that moves to and fro gains no more than one wave's work.
 TEST(Texture, StiffnessAndEnergyAreBounded) {
-  const Texture texture{1e-4, 2e-3};
-  const double k = 2 * std::numbers::pi / texture.wavelength, stiffness = texture_stiffness(kDt),
+  const Texture texture{{1e-4, 2e-3}};
+  const double k = 2 * std::numbers::pi / texture.waves.wavelength, stiffness = texture_stiffness(kDt),
                wave = 2 * stiffness / (k * k);
   TextureState state;
   Vec3d x{};
-  (void)texture_force(texture, state, x, kUp, 2, true, kDt);
+  (void)texture_force(texture, state, {x, kUp, 2, true}, kDt);
   constexpr double kFriction = 0.1;
   Vec3d before;
   double work = 0, least = 0, last_way = 0;
@@ -100,7 +100,7 @@ TEST(Texture, StiffnessAndEnergyAreBounded) {
     work += kFriction * 2 * std::abs(step.x) - dot(before, step);  // forces of the tick before
     least = std::min(least, work);
     x += step;
-    const Vec3d f = texture_force(texture, state, x, kUp, 2, true, kDt);
+    const Vec3d f = texture_force(texture, state, {x, kUp, 2, true}, kDt);
     const bool whole = std::abs(speed) > 2 * kTextureSpeed && last_way * speed > 0 && norm(before) > 0;
     if (whole) {
       EXPECT_LE(std::abs(f.x - before.x), 1.02 * stiffness * std::abs(step.x) + 1e-9);
@@ -133,7 +133,7 @@ Texture sine_profile(double height, double wavelength) {
 TEST(Texture, ProfileOfSineEqualsWaves) {
   const Vec3d velocity{0.006, -0.003, 0};
   TextureState of_waves, of_profile;
-  const auto waves = slide({2e-6, 4e-3}, velocity, 0.8, 1500, of_waves),
+  const auto waves = slide({{2e-6, 4e-3}}, velocity, 0.8, 1500, of_waves),
              profile = slide(sine_profile(2e-6, 4e-3), velocity, 0.8, 1500, of_profile);
   for (std::size_t i = 0; i < waves.size(); i++)
     EXPECT_NEAR(norm(waves[i] - profile[i]), 0, 0.01 * of_waves.largest_force);
@@ -160,11 +160,11 @@ TEST(Texture, MapHasForceOfItsSpot) {
       return (a * std::cos(angle) + b * std::sin(angle)) * 3e-3;
     };
     TextureState state;
-    (void)texture_force(texture, state, at(0), normal, 1.2, true, kDt);
+    (void)texture_force(texture, state, {at(0), normal, 1.2, true}, kDt);
     double work = 0, size = 0;
     std::vector<Vec3d> first;
     for (int n = 1; n <= 2 * kTicks; n++) {
-      const Vec3d f = texture_force(texture, state, at(n), normal, 1.2, true, kDt);
+      const Vec3d f = texture_force(texture, state, {at(n), normal, 1.2, true}, kDt);
       EXPECT_NEAR(dot(f, normal), 0, 1e-12);
       if (n <= kTicks) {
         first.push_back(f);

@@ -25,7 +25,7 @@ contact::Texture rough_map() {
   return {.map = std::make_shared<const contact::HeightMap>(
               contact::make_height_map(32, 32, 2.5e-4, std::move(height)))};
 }
-contact::Texture steep_waves() { return {.roughness = 1e-4, .wavelength = 2e-3}; }
+contact::Texture steep_waves() { return {.waves = {1e-4, 2e-3}}; }
 
 /// A light hand with little damping slides to and fro for four seconds, under the normal force N.
 struct Slid {
@@ -64,7 +64,7 @@ Slid slide_over(const contact::Texture& texture, double normal_force, double dam
     observe(params, passivity, input.pose, kPeriod);
     DeviceOutput wanted;
     wanted.force =
-        contact::texture_force(texture, state, input.pose.position, {0, 0, 1}, normal_force, true, kPeriod);
+        contact::texture_force(texture, state, {input.pose.position, {0, 0, 1}, normal_force, true}, kPeriod);
     bool damped = false;
     output = controlled ? add_passivity_damping(params, passivity, wanted, input, kPeriod, damped) : wanted;
     passivity.held_output = output;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -98,7 +99,25 @@ Vec3d damped(const LocalTouch& touch, Vec3d force, Vec3d velocity) {
   return force * std::clamp(1 + touch.params.damping * inwards, 0.0, 2.0);
 }
 
+/// Vibration of a tool whose proxy slipped from `before` in a tick.
+Vec3d vibration(LocalTouch& touch, Vec3d before, double dt) {
+  const LocalContact& c = touch.contact;
+  const Texture texture{c.waves, touch.map};
+  if (!is_rough(texture) || c.needle.is_needle) return {};
+  const double force = std::max(0.0, dot(touch.force, c.normal));
+  const Vec3d slip = components_of(touch.proxy - before, c.normal).tangential;
+  const Vec3d point = slid_point(touch.texture, touch.position, slip);
+  return texture_force(texture, touch.texture,
+                       {.point = point, .normal = c.normal, .force = force, .is_slip = !c.is_held}, dt);
+}
+
 }  // namespace
+
+void end_contact(LocalTouch& touch) {
+  TextureState texture = touch.texture;  // its statistics
+  texture.is_touching = false;
+  touch = {.params = touch.params, .map = std::move(touch.map), .contact = {}, .texture = texture};
+}
 
 void update_contact(LocalTouch& touch, const LocalContact& contact) {
   TURGOR_CHECK(is_unit(contact.normal), "the normal of a plane is a unit vector");
@@ -125,12 +144,12 @@ void tick_local_touch(LocalTouch& touch, const ToolCommand& command, double dt, 
     return;
   }
   // spring force, blended
-  const Vec3d position = command.pose.position;
+  const Vec3d position = command.pose.position, proxy = touch.proxy;
   touch.force = blended(touch, plane_force(touch, position), dt);
   // damping by the tool's velocity
   const Vec3d velocity = touch.seen && dt > 0 ? (position - touch.position) / dt : Vec3d{};
   touch.seen = true, touch.position = position;
-  reading.force = damped(touch, touch.force, velocity);
+  reading.force = damped(touch, touch.force, velocity) + vibration(touch, proxy, dt);
   // reading
   reading.torque = cross(touch.contact.arm, reading.force);
   reading.contacts = touch.force != Vec3d{} ? 1 : 0;

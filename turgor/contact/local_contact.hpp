@@ -8,11 +8,13 @@
 //   haptic thread    update_contact(touch, newest) if there is one, then tick_local_touch
 //
 // At the tool pose of the frame the spring force equals the frame's force. The force jump caused by a new
-// plane is blended out over time.
+// plane is blended out over time. On a rough surface the slip of the proxy is the path of the vibration
+// (texture.hpp); a proxy that a new plane moves has not slipped.
 #pragma once
 
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/contact/needle_reading.hpp"
+#include "turgor/contact/texture.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/models/cloth/cloth.hpp"
@@ -47,6 +49,7 @@ struct LocalContact {
   double reach = 0;            // distance from `origin` within which the plane is valid [m]
   long number = 0;             // number of planes published for this tool
   int teleports = 0;           // number of the tool's teleports when the plane was computed
+  Waves waves;                 // of the surface
   LocalNeedle needle;
 };
 
@@ -59,17 +62,21 @@ struct LocalTouchParams {
 /// State of one tool, owned by the haptic thread.
 struct LocalTouch {
   LocalTouchParams params;
+  std::shared_ptr<const HeightMap> map;  // of the surface; null = none
   LocalContact contact;
   Vec3d proxy;            // position of the tool's origin at which the shear force is zero [m]
   Vec3d remaining_jump;   // remaining force jump of the newest plane [N]
   double reference = 0;   // normal force of the plane when it was published; below this force the added jump
                           // is reduced in proportion [N]
   bool seen = false;      // true after the first tick; the next two members describe the last tick
-  Vec3d position, force;  // [m] [N]
+  Vec3d position, force;  // the force without texture [m] [N]
   double largest_jump = 0;  // largest force jump of all planes, before blending [N]
   double slip = 0;          // of a needle along the normal since the newest plane [m]
+  TextureState texture;
 };
 
+/// Ends the contact of a teleported tool.
+void end_contact(LocalTouch& touch);
 /// Replaces the plane by a newer one, between two ticks.
 void update_contact(LocalTouch& touch, const LocalContact& contact);
 /// Force of one tick of `dt` seconds. Does not allocate or wait.

@@ -1,5 +1,6 @@
 #include "turgor/contact/rhombus_touch.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "turgor/core/assert.hpp"
@@ -17,9 +18,18 @@ RhombusTip lowest_end(const Shape& shape) {
   return {.center = lowest + Vec3d{0, 0, radius}, .radius = radius};
 }
 
-ToolReading reading_of(const rhombus::TouchForce& haptic, Vec3d arm) {
-  return {.force = haptic.force,
-          .torque = cross(arm, haptic.force),
+/// Contact of a tool with the rough surface. Chains have no friction, so that a tool slides unless it holds.
+TextureContact texture_contact(const rhombus::ToolTouch& tool, const rhombus::TouchForce& haptic) {
+  return {.point = tool.foot.at.position,
+          .normal = tool.foot.normal,
+          .force = haptic.touching ? std::max(0.0, dot(haptic.force, tool.foot.normal)) : 0,
+          .is_slip = !tool.holding};
+}
+
+ToolReading reading_of(const rhombus::TouchForce& haptic, Vec3d vibration, Vec3d arm) {
+  const Vec3d force = haptic.force + vibration;
+  return {.force = force,
+          .torque = cross(arm, force),
           .squeeze = haptic.squeeze,
           .depth = haptic.touching ? haptic.depth : 0,
           .contacts = haptic.touching ? 1 : 0};
@@ -47,7 +57,7 @@ rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double 
 }
 
 RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses,
-                                const Prony& viscosity) {
+                                const Prony& viscosity, const Texture& texture) {
   const std::size_t count = tips.size();
   TURGOR_ASSERT(count <= std::size_t(rhombus::kMaxTouches), "at most kMaxTouches tools touch one body");
   TURGOR_ASSERT(poses.size() == count, "one pose a tool");
@@ -56,7 +66,9 @@ RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Po
           .poses = {poses.begin(), poses.end()},
           .inputs = std::vector<rhombus::TouchInput>(count),
           .forces = std::vector<rhombus::TouchForce>(count),
-          .stiffness = {.viscosity = viscosity}};
+          .tissue = {.viscosity = viscosity, .waves = texture.waves},
+          .map = texture.map,
+          .textures = std::vector<TextureState>(count)};
 }
 
 void tick_rhombus_touch(const rhombus::Model& model, RhombusTouch& touch,
@@ -65,12 +77,17 @@ void tick_rhombus_touch(const rhombus::Model& model, RhombusTouch& touch,
                 "one command and one reading a tool");
   for (std::size_t t = 0; t < commands.size(); t++) {
     touch.poses[t] = commands[t].pose;
-    touch.touches[t].stiffness_scale = touch.stiffness.scale;
+    touch.touches[t].stiffness_scale = touch.tissue.stiffness_scale;
     touch.inputs[t] = touch_input(touch.tips[t], commands[t].pose, commands[t].grip);
   }
-  rhombus::solve_touches(model, touch.stiffness.viscosity, touch.touches, touch.inputs, dt, touch.forces);
-  for (std::size_t t = 0; t < commands.size(); t++)
-    readings[t] = reading_of(touch.forces[t], touch.inputs[t].position - commands[t].pose.position);
+  rhombus::solve_touches(model, touch.tissue.viscosity, touch.touches, touch.inputs, dt, touch.forces);
+  const Texture texture{touch.tissue.waves, touch.map};
+  for (std::size_t t = 0; t < commands.size(); t++) {
+    const Vec3d vibration =
+        texture_force(texture, touch.textures[t], texture_contact(touch.touches[t], touch.forces[t]), dt);
+    readings[t] =
+        reading_of(touch.forces[t], vibration, touch.inputs[t].position - commands[t].pose.position);
+  }
   touch.ticks++;
 }
 
@@ -80,12 +97,13 @@ void publish(const RhombusTouch& touch, RhombusTouchSnapshot& now) {
   now.inputs = touch.inputs;
   now.forces = touch.forces;
   now.ticks = touch.ticks;
+  now.textures = touch.textures;
 }
 
-void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusStiffness>& stiffness,
+void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTissue>& tissue,
                       latest<RhombusTouchSnapshot>& touched, std::span<const ToolCommand> commands, double dt,
                       std::span<ToolReading> readings) {
-  if (stiffness.has_news()) touch.stiffness = stiffness.read();
+  if (tissue.has_news()) touch.tissue = tissue.read();
   tick_rhombus_touch(model, touch, commands, dt, readings);
   publish(touch, touched.writing());
   touched.publish();

@@ -1,13 +1,15 @@
 // Haptic touch of a rhombus body: the state owned by the haptic thread, and the snapshot that it publishes
-// for the frame. Corresponds to sfem_touch.hpp. The frame sends only the stiffness, because a tick needs
-// only the constant surface at rest.
+// for the frame. Corresponds to sfem_touch.hpp. The frame sends only the stiffness and the waves of the
+// surface, because a tick needs only the constant surface at rest.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "turgor/contact/forceps.hpp"
+#include "turgor/contact/texture.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/core/latest.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
@@ -24,10 +26,11 @@ struct RhombusTip {
 RhombusTip rhombus_tip(const Shape& shape, const std::optional<Forceps>& forceps);
 rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double grip);
 
-/// Stiffness of the body relative to its model and its relaxation, published by the frame after a change.
-struct RhombusStiffness {
-  double scale = 1;  // [1]
+/// Parameters of the body that may change while it is touched, published by the frame after a change.
+struct RhombusTissue {
+  double stiffness_scale = 1;  // relative to the model [1]
   Prony viscosity;
+  Waves waves;      // of the surface
   long number = 0;  // of changes so far
 };
 
@@ -37,12 +40,14 @@ struct RhombusTouch {
   std::vector<rhombus::ToolTouch> touches;
   std::vector<Pose> poses;  // of the last tick, as are the next two
   std::vector<rhombus::TouchInput> inputs;
-  std::vector<rhombus::TouchForce> forces;  // with more detail than ToolReading
+  std::vector<rhombus::TouchForce> forces;  // with more detail than ToolReading, without texture
   long ticks = 0;                           // number of ticks so far
-  RhombusStiffness stiffness;               // latest, as published by the frame
+  RhombusTissue tissue;                     // latest, as published by the frame
+  std::shared_ptr<const HeightMap> map;     // of the surface; null = none
+  std::vector<TextureState> textures;       // of each tool
 };
 RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses,
-                                const Prony& viscosity);
+                                const Prony& viscosity, const Texture& texture = {});
 
 /// Tick of `dt` seconds with one command and one reading per tool. A tool holds tissue while its grip is
 /// above 0. ToolCommand::hold has no effect, because next_grip has already turned it into the grip. Does not
@@ -57,13 +62,14 @@ struct RhombusTouchSnapshot {
   std::vector<rhombus::TouchInput> inputs;
   std::vector<rhombus::TouchForce> forces;
   long ticks = 0;  // number of ticks so far
+  std::vector<TextureState> textures;
 };
 /// Fills a snapshot. Allocates in the first call only.
 void publish(const RhombusTouch& touch, RhombusTouchSnapshot& now);
 
 /// Tick of the haptic thread that also publishes a snapshot for the frame thread. Does not allocate or wait
 /// if prepare() was called before the threads started.
-void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusStiffness>& stiffness,
+void tick_and_publish(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTissue>& tissue,
                       latest<RhombusTouchSnapshot>& touched, std::span<const ToolCommand> commands, double dt,
                       std::span<ToolReading> readings);
 void prepare(const RhombusTouch& touch, latest<RhombusTouchSnapshot>& touched);

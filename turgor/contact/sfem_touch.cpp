@@ -10,28 +10,45 @@ namespace turgor::contact {
 
 namespace {
 
+/// Interpolates values of coarse vertices at a patch point.
+template <class Value>
+Vec3d at_point(const sfem::Patch& patch, const sfem::PatchPoint& point, const Value& of_vertex) {
+  TURGOR_CHECK(is_index(point.supports, point.coarse.size() + 1), "the supports of a point fit its storage");
+  Vec3d sum;
+  for (std::size_t s = 0; s < std::size_t(point.supports); s++)
+    sum += of_vertex(std::size_t(patch.coarse[std::size_t(point.coarse[s])])) * point.weight[s];
+  return sum;
+}
+
 /// Sets the patch points' displacements without tools.
 void set_offsets(SfemTouch& touch) {
   FreeMotionInterpolation& path = touch.free;
+  touch.free_step = 0;
   if (!path.moves) return;
   TURGOR_CHECK(path.ticks > 0 && path.from.size() == path.to.size(),
                "a motion has a start and an end for every vertex");
   // advance the interpolation
+  const double before = path_fraction(path);
   path.done = std::min(path.done + 1, path.ticks);
   const double fraction = path_fraction(path);
+  touch.free_step = fraction - before;
   for (std::size_t p = 0; p < touch.patch->points.size(); p++) {
-    // interpolate from the coarse vertices
-    const sfem::PatchPoint& point = touch.patch->points[p];
-    Vec3d offset;
-    TURGOR_CHECK(is_index(point.supports, point.coarse.size() + 1),
-                 "the supports of a point fit its storage");
-    for (std::size_t s = 0; s < std::size_t(point.supports); s++) {
-      const auto v = std::size_t(touch.patch->coarse[std::size_t(point.coarse[s])]);
-      offset += interpolated_motion(path, v, fraction) * point.weight[s];
-    }
+    const auto moved = [&](std::size_t v) { return interpolated_motion(path, v, fraction); };
+    Vec3d offset = at_point(*touch.patch, touch.patch->points[p], moved);
     if (!touch.patch->shift.empty()) offset += touch.patch->shift[p];
     touch.state.offset[p] = offset;
   }
+}
+
+/// Motion of a site in the present tick that contact does not cause [m].
+Vec3d free_motion_of(const SfemTouch& touch, const Site& site) {
+  Vec3d motion;
+  if (touch.free_step == 0) return motion;
+  const auto moved = [&](std::size_t v) { return (touch.free.to[v] - touch.free.from[v]) * touch.free_step; };
+  visit_points(*touch.patch, site, [&](std::size_t p, double weight) {
+    motion += at_point(*touch.patch, touch.patch->points[p], moved) * weight;
+  });
+  return motion;
 }
 
 ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
@@ -46,21 +63,26 @@ ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
   return reading;
 }
 
-/// Vibration of a sliding tool by the body's texture. The normal is the mean of its sites' by their force. A
-/// tool slides where more than half of its normal force is borne by sites that slip.
-void add_texture(SfemTouch& touch, std::size_t t, double dt, ToolReading& reading) {
-  Vec3d normal;
+/// Contact of a tool with the rough surface. Normal and motion of the surface are the means of the tool's
+/// sites by their force. A tool slides where more than half of its normal force is borne by sites that slip.
+/// Deformation by contact is no motion: it sticks to the tool, or is steady while the tool slides.
+TextureContact texture_contact(const SfemTouch& touch, std::size_t t) {
+  Vec3d normal, motion;
   double borne = 0, slipping = 0;
   for (const Site& site : touch.state.sites) {
     if (site.tool != int(t) || !bears_force(site)) continue;
     const double load = dot(site.force, site.normal);
     normal += site.normal * load;
+    motion += load * free_motion_of(touch, site);
     borne += load, slipping += site.state == SiteState::kSlip ? load : 0;
   }
-  const double force = norm(normal) * touch.stiffness_scale;
-  const bool slides = slipping > 0.5 * borne && !touch.forces[t].invalid_pose && !touch.poses[t].hold;
-  reading.force += texture_force(touch.texture, touch.textures[t], touch.poses[t].pose.position,
-                                 force > 0 ? normal / norm(normal) : Vec3d{}, force, slides, dt);
+  const Vec3d position = touch.poses[t].pose.position;
+  const Vec3d slid = position - touch.tools_before[t] - (borne > 0 ? motion / borne : Vec3d{});
+  const double force = norm(normal);
+  return {.point = slid_point(touch.textures[t], position, slid),
+          .normal = force > 0 ? normal / force : Vec3d{},
+          .force = force * touch.stiffness_scale,
+          .is_slip = slipping > 0.5 * borne && !touch.forces[t].invalid_pose && !touch.poses[t].hold};
 }
 
 /// Displacement of the vertices around a needle that it does not cause.
@@ -105,7 +127,7 @@ SfemTouch make_sfem_touch(std::shared_ptr<const sfem::Patch> patch, std::vector<
   touch.free.from.resize(params.vertex_count);
   touch.free.to.resize(params.vertex_count);
   touch.texture = params.texture;
-  touch.textures.resize(touch.tools.size());
+  touch.textures.resize(touch.tools.size()), touch.tools_before.resize(touch.tools.size());
   for (const Pose& pose : poses) touch.poses.push_back({pose, false});
   touch.forces.resize(touch.tools.size());
   return touch;
@@ -116,7 +138,10 @@ void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, do
   TURGOR_ASSERT(commands.size() == touch.tools.size() && readings.size() == touch.tools.size(),
                 "one command and one reading a tool");
   // poses and free motion of this tick
-  for (std::size_t t = 0; t < commands.size(); t++) touch.poses[t] = {commands[t].pose, commands[t].hold};
+  for (std::size_t t = 0; t < commands.size(); t++) {
+    touch.tools_before[t] = touch.poses[t].pose.position;
+    touch.poses[t] = {commands[t].pose, commands[t].hold};
+  }
   set_offsets(touch);
   // contact forces
   contact::solve_touch_tick(*touch.patch, touch.state, touch.tools, touch.poses, dt, touch.forces);
@@ -124,7 +149,8 @@ void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, do
   // readings
   for (std::size_t t = 0; t < commands.size(); t++) {
     readings[t] = reading_of(touch, t);
-    if (is_rough(touch.texture)) add_texture(touch, t, dt, readings[t]);
+    if (is_rough(touch.texture))
+      readings[t].force += texture_force(touch.texture, touch.textures[t], texture_contact(touch, t), dt);
   }
   tick_needles(touch, readings);
   touch.ticks++;
@@ -329,7 +355,7 @@ void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<cons
     if (motion.inner && motion.inner != touch.needles.inner) take_inner(touch, motion.inner);
     take_needle_motion(touch, motion.of_needles, motion.ticks);
     touch.motion_number = motion.number, touch.stiffness_scale = motion.stiffness_scale;
-    touch.texture.roughness = motion.roughness, touch.texture.wavelength = motion.wavelength;
+    touch.texture.waves = motion.waves;
     if (motion.viscosity) set_viscosity(touch, *motion.viscosity);
     if (motion.stiffening) touch.stiffening = *motion.stiffening;
     TURGOR_ASSERT(motion.friction.size() <= touch.tools.size(), "at most one friction a tool");

@@ -47,6 +47,8 @@ struct SfemTouch {
   double stiffening = 0;               // of the law of a nonlinear patch (sfem::Law), for its solver [1]
   Texture texture;                     // of the body
   std::vector<TextureState> textures;  // of each tool
+  std::vector<Vec3d> tools_before;     // origins of the tools before the present tick [m]
+  double free_step = 0;                // fraction of the free motion that the present tick made [1]
 };
 
 struct SfemTouchParams {
@@ -140,7 +142,7 @@ struct FreeMotion {
   long ticks = 1;                              // number of ticks in that frame
   double stiffness_scale = 1;                  // see SfemTouch
   std::vector<double> friction;                // one per tool; empty = unchanged
-  double roughness = 0, wavelength = 1e-3;     // of the body's texture [m]
+  Waves waves;                                 // of the body's texture
   std::optional<Prony> viscosity;              // of the body; empty = unchanged
   std::optional<double> stiffening;            // see SfemTouch; empty = unchanged
   std::vector<std::vector<Vec3d>> of_needles;  // of each tool: target of NeedleState::motion; empty = none

@@ -36,14 +36,14 @@ void advance_phase(TextureState& state, double path, double length) {
   state.phase = std::fmod(state.phase + path / length, 1.0);
 }
 
-Vec3d wave_force(const Texture& texture, const TextureSlide& slide, TextureState& state) {
-  TURGOR_CHECK(texture.wavelength > 0, "waves have a length");
-  advance_phase(state, slide.path, texture.wavelength);
+Vec3d wave_force(const Waves& waves, const TextureSlide& slide, TextureState& state) {
+  TURGOR_CHECK(waves.wavelength > 0, "waves have a length");
+  advance_phase(state, slide.path, waves.wavelength);
   // amplitude within its limits
-  const double k = 2 * std::numbers::pi / texture.wavelength;
-  const double free = slide.force * k * texture.roughness, stiff = texture_stiffness(slide.dt) / k;
+  const double k = 2 * std::numbers::pi / waves.wavelength;
+  const double free = slide.force * k * waves.roughness, stiff = texture_stiffness(slide.dt) / k;
   bool fades = false;
-  const double amplitude = rendered_share(slide, texture.wavelength, state, fades) * std::min(free, stiff);
+  const double amplitude = rendered_share(slide, waves.wavelength, state, fades) * std::min(free, stiff);
   state.limited_ticks += fades || free > stiff;
   state.largest_force = std::max(state.largest_force, amplitude);
   return slide.along * (-amplitude * std::cos(2 * std::numbers::pi * state.phase) / slide.path);
@@ -60,14 +60,13 @@ Vec3d map_slope(const HeightMap& map, const TextureSlide& slide, TextureState& s
   const Vec3d n = slide.normal, size{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
   const int axis = size.x > std::max(size.y, size.z) ? 0 : size.y > size.z ? 1 : 2;
   const int first = (axis + 1) % 3, second = (axis + 2) % 3;
-  const HeightSample s = sample_height(map, state.spot[first], state.spot[second]);
+  const HeightSample s = sample_height(map, state.point[first], state.point[second]);
   Vec3d slope;
   slope[first] = s.u, slope[second] = s.v;
   return slope - dot(slope, n) * n;
 }
 
 Vec3d map_force(const HeightMap& map, const TextureSlide& slide, TextureState& state) {
-  state.spot += slide.along;
   const Vec3d slope = map_slope(map, slide, state);
   // force within its limits
   const double stiff = map.curvature > 0 ? texture_stiffness(slide.dt) / map.curvature : slide.force;
@@ -89,15 +88,16 @@ double texture_stiffness(double dt) {
   return kSlow * std::pow(kFast / kSlow, std::clamp(share, 0.0, 1.0));
 }
 
-Vec3d texture_force(const Texture& texture, TextureState& state, Vec3d position, Vec3d normal, double force,
-                    bool slides, double dt) {
-  const Vec3d motion = position - state.position, along = motion - dot(motion, normal) * normal;
-  const bool had_position = state.has_position;
-  state.position = position, state.has_position = true;
-  if (!had_position || !(force > 0)) state.spot = position;  // the tool touches here next
-  const TextureSlide slide{along, norm(along), normal, force, dt};
-  if (!is_rough(texture) || !had_position || !slides || dt <= 0 || force <= 0 || !(slide.path > 0)) return {};
-  return texture.map ? map_force(*texture.map, slide, state) : wave_force(texture, slide, state);
+Vec3d texture_force(const Texture& texture, TextureState& state, const TextureContact& contact, double dt) {
+  const bool touched = state.is_touching;
+  const Vec3d motion = contact.point - state.point,
+              along = motion - dot(motion, contact.normal) * contact.normal;
+  state.point = contact.point, state.is_touching = contact.force > 0;
+  const TextureSlide slide{along, norm(along), contact.normal, contact.force, dt};
+  if (!is_rough(texture) || !touched || !state.is_touching || !contact.is_slip || dt <= 0 ||
+      !(slide.path > 0))
+    return {};
+  return texture.map ? map_force(*texture.map, slide, state) : wave_force(texture.waves, slide, state);
 }
 
 }  // namespace turgor::contact

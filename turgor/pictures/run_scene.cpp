@@ -17,6 +17,7 @@
 #include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_organs.hpp"
+#include "turgor/sim/report/report_texture.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/run.hpp"
 #include "turgor/sim/smooth_snapshot.hpp"
@@ -186,6 +187,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   append(facts.warnings, cloth_warnings(run.world));
   append(facts.warnings, overstretched(run.stretch));
   append(facts.warnings, touch_warnings(run.world));
+  append(facts.warnings, texture_warnings(run.world));
   append(facts.warnings, device_warnings(run.scene, run.world));
   append(facts.warnings, coupling_warnings(run.world));
   append(facts.warnings, force_error_warnings(run.world));

@@ -8,11 +8,23 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/replace_cuts.hpp"
+#include "turgor/sim/tools/load_texture.hpp"
 #include "turgor/sim/tools/load_tool.hpp"
 
 namespace turgor {
 
 namespace {
+
+/// Loads the texture of a touched body.
+template <class BodyScene, class Body>
+Status load_texture_of(const BodyScene& scene, Body& body) {
+  if constexpr (is_touched<Body>) {
+    Result<contact::Texture> texture = load_texture(scene.texture);
+    if (!texture) return texture.error();
+    body.texture = std::move(*texture);
+  }
+  return Done{};
+}
 
 Status load_bodies(const Loading& loading, const Scene& scene, World& world) {
   Status status = Done{};
@@ -20,10 +32,9 @@ Status load_bodies(const Loading& loading, const Scene& scene, World& world) {
     for (const auto& body_scene : scenes) {
       if (!status) return;
       auto body = load_body(loading, body_scene, world);
-      if (!body)
-        status = body.error();
-      else
-        bodies.push_back(std::move(*body));
+      if (!body) status = body.error();
+      if (status && loading.purpose == Purpose::kSimulate) status = load_texture_of(body_scene, *body);
+      if (status) bodies.push_back(std::move(*body));
     }
   });
   return status;

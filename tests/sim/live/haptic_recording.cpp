@@ -20,13 +20,15 @@ using test::fresh_folder;
 using test::kOneThread;
 using test::wait_until;
 
-/// All four models, with a small patch that must follow its finger. The scene has no cut and no touch before
-/// a request.
+/// All four models with rough surfaces, with a small patch that must follow its finger. The scene has no cut
+/// and no touch before a request.
 fs::path four_kinds_file(const fs::path& folder) {
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   std::string text = test::four_kinds_text();
   text.erase(text.find("[incision.cut]"));
   text.replace(text.find("cache = false"), 13, "cache = false\npatch = { radius = 0.01 }");
+  for (const char* key : {"young = 5e3\n", "bulge = 0.4\n", "ct = \"block.nii\"\n"})
+    text.insert(text.find(key), "texture = { roughness = 5e-6, wavelength = 2e-3 }\n");
   std::ofstream(folder / "four.toml") << text;
   return folder / "four.toml";
 }

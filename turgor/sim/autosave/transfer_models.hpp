@@ -322,15 +322,16 @@ void transfer(File& file, rhombus::State& state) {
   auto& [touches, displacement, moved, distances, carried, ring, listed] = state;
   transfer_all(file, touches, displacement, moved, distances, carried, ring, listed);
 }
+/// Without the height map, which the scene gives.
 template <class File>
 void transfer(File& file, contact::RhombusTouch& touch) {
-  auto& [tips, touches, poses, inputs, forces, ticks, stiffness] = touch;
-  transfer_all(file, tips, touches, poses, inputs, forces, ticks, stiffness);
+  auto& [tips, touches, poses, inputs, forces, ticks, tissue, map, textures] = touch;
+  transfer_all(file, tips, touches, poses, inputs, forces, ticks, tissue, textures);
 }
 template <class File>
 void transfer(File& file, contact::RhombusTouchSnapshot& snapshot) {
-  auto& [touches, poses, inputs, forces, ticks] = snapshot;
-  transfer_all(file, touches, poses, inputs, forces, ticks);
+  auto& [touches, poses, inputs, forces, ticks, textures] = snapshot;
+  transfer_all(file, touches, poses, inputs, forces, ticks, textures);
 }
 
 }  // namespace turgor

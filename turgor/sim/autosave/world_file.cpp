@@ -61,11 +61,13 @@ void transfer(File& file, ClothLoad& load) {
   auto& [force, relaxation, compliance, next_axis] = load;
   transfer_all(file, force, relaxation, compliance, next_axis);
 }
-/// Without the shapes of the tools, the exponent of the law and the texture, which the scene gives.
+/// Without the shapes of the tools, the exponent of the law and the texture, which the scene gives, and
+/// without values of a tick.
 template <class File>
 void transfer(File& file, contact::SfemTouch& touch) {
   auto& [patch, tools, follow, stiffness_scale, state, free, patch_number, solution_tick, motion_number,
-         ticks, handover, poses, forces, needles, stiffening, texture, textures] = touch;
+         ticks, handover, poses, forces, needles, stiffening, texture, textures, tools_before, free_step] =
+      touch;
   transfer_all(file, patch, follow, stiffness_scale, state, free, patch_number, solution_tick, motion_number,
                ticks, handover, poses, forces, needles, textures);
 }
@@ -170,9 +172,9 @@ void transfer_body(File& file, LatticeBody& body) {
   lattice::State& state = state_of_body<File>(body.state);
   transfer(file, state);
   transfer_coarse_space(file, body.model, state);
-  transfer_all(file, body.last_displacement, body.row_steps, body.row_steps_asleep, body.cloth, body.surface,
-               body.rest, body.surface_cuts, body.touch, body.poses, body.forces, body.layers.before,
-               body.layers.motion, body.needles);
+  transfer_all(file, body.textures, body.last_displacement, body.row_steps, body.row_steps_asleep, body.cloth,
+               body.surface, body.rest, body.surface_cuts, body.touch, body.poses, body.forces,
+               body.layers.before, body.layers.motion, body.needles);
   if constexpr (File::kReads)
     if (body.surface.fragments)
       body.surface.plan = lattice::detail::make_surface_plan(Exec(1), body.model, state.cuts, body.surface);
@@ -181,7 +183,7 @@ void transfer_body(File& file, LatticeBody& body) {
 template <class File>
 void transfer_body(File& file, ClothBody& body) {
   transfer(file, state_of_body<File>(body.state));
-  transfer_all(file, body.air.velocity, body.samples, body.poses, body.forces);
+  transfer_all(file, body.textures, body.air.velocity, body.samples, body.poses, body.forces);
   for (ClothHold& hold : body.holds)
     transfer_all(file, hold.vertices, hold.positions, hold.is_held, hold.missed, hold.force);
   for (ClothObstacle& obstacle : body.obstacles) {
@@ -198,7 +200,7 @@ void transfer(File& file, RigidTouch& touch) {
 }
 template <class File>
 void transfer_body(File& file, RigidBody& body) {
-  transfer_all(file, body.state, body.next, body.samples, body.cloth);
+  transfer_all(file, body.textures, body.state, body.next, body.samples, body.cloth);
   for (RigidTouch& touch : body.touches) transfer(file, touch);
 }
 

@@ -46,11 +46,7 @@ constexpr std::string_view kLive[][2] = {
     {"cloth", "damping.stretch"},
     {"cloth", "collision.friction"},
     {"sfem", "young"},
-    {"sfem", "stiffness_scale"},
     {"sfem", "stiffening"},
-    {"sfem", "texture.roughness"},
-    {"sfem", "texture.wavelength"},
-    {"lattice", "stiffness_scale"},
     {"lattice", "tissue.young"},
     {"lattice", "tissue.gas"},
     {"lattice", "tissue.fat"},
@@ -60,8 +56,6 @@ constexpr std::string_view kLive[][2] = {
     {"lattice", "tissue.volume"},
     {"lattice", "tissue.stiffening"},
     {"lattice", "tissue.alpha"},
-    {"rhombus", "stiffness_scale"},
-    {"cloth", "stiffness_scale"},
     {"cloth", "fabric.density"},
     {"cloth", "fabric.warp"},
     {"cloth", "fabric.weft"},
@@ -71,6 +65,9 @@ constexpr std::string_view kLive[][2] = {
     {"cloth", "fabric.rigidity_weft"},
     {"tool", "friction"},
 };
+
+/// Keys of bodies of every model that has them.
+constexpr std::string_view kLiveOfAll[] = {"stiffness_scale", "texture.roughness", "texture.wavelength"};
 
 /// The same for all keys that begin so, unless they are listed below as an exception.
 constexpr std::string_view kLiveFamilies[][2] = {
@@ -206,12 +203,11 @@ void change_body(const Exec& exec, const ClothScene& scene, ClothBody& body) {
 }
 
 /// All forces of a linear body scale with its stiffness; the shape under a given press stays. Ticks get the
-/// waves of the surface, the viscosity and the exponent of the law with the next frame.
+/// viscosity and the exponent of the law with the next frame.
 void change_body(const Exec&, const SfemScene& scene, SfemBody& body) {
   if (!body.law && !body.needles.inner) body.viscosity = scene.viscosity;  // else it waits
   if (body.law && scene.law && body.law->stiffening != scene.law->stiffening)
     body.law = scene.law, body.law_forces.clear();  // the next solution has the law, also for the same forces
-  body.texture.roughness = scene.texture.roughness, body.texture.wavelength = scene.texture.wavelength;
   TURGOR_CHECK(!body.model.body.materials.empty(), "a body has a material");
   const double young = body.model.body.materials[0].young;  // of the loaded body
   const bool has_one_material = scene.inside.empty() && scene.inclusions.empty();
@@ -238,6 +234,9 @@ bool is_among(const std::string_view (&keys)[kCount][2], const SceneKey& key) {
                      [&key](const auto& one) { return key.group == one[0] && key.key == one[1]; });
 }
 bool is_live(const SceneKey& key) {
+  if (key.path.starts_with("body.") &&
+      std::find(std::begin(kLiveOfAll), std::end(kLiveOfAll), key.key) != std::end(kLiveOfAll))
+    return true;
   const auto begins = [&key](const auto& one) { return key.group == one[0] && key.key.starts_with(one[1]); };
   return is_among(kLive, key) || (std::any_of(std::begin(kLiveFamilies), std::end(kLiveFamilies), begins) &&
                                   !is_among(kNotLive, key));
@@ -373,7 +372,11 @@ void change_world(const Exec& exec, const Scene& before, const Scene& scene, Wor
   world.gravity = scene.gravity;
   for_each_kind(scene, world, [&exec](BodyKind, const auto& scenes, auto& bodies) {
     TURGOR_CHECK(scenes.size() == bodies.size(), "a changed scene has the bodies of its world");
-    for (std::size_t b = 0; b < bodies.size(); b++) change_body(exec, scenes[b], bodies[b]);
+    for (std::size_t b = 0; b < bodies.size(); b++) {
+      change_body(exec, scenes[b], bodies[b]);
+      if constexpr (is_touched<decltype(bodies[b])>)
+        bodies[b].texture.waves = scenes[b].texture.waves;  // ticks get them with the next frame
+    }
   });
   for (std::size_t b = 0; b < world.cloth_bodies.size(); b++)
     change_wind(before.cloth_bodies[b], scene.cloth_bodies[b], world.cloth_bodies[b]);

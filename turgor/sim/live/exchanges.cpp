@@ -15,9 +15,10 @@ void record_command(LocalExchange& exchange, const contact::ToolCommand& now) {
   const double longest = haptics::SafetyParams().jump;
   if (norm(now.pose.position - last.command.pose.position) > longest) {
     last.teleports++, last.teleported_to = now.pose;
-    exchange.touch = {.params = exchange.touch.params};
+    contact::end_contact(exchange.touch);
   }
   last.command = now, last.number++;
+  last.texture = exchange.touch.texture;
 }
 
 /// Takes the newest plane. Ignores planes from before the latest teleport.
@@ -35,6 +36,9 @@ void begin_haptics(FrameTouchedBody& body, const std::vector<TouchingTool>& tool
     LocalExchange& exchange = body.haptic[t];
     exchange.before = command_at(tools[std::size_t(body.tool_indices[t])], 0);
     exchange.latest_tick.command = exchange.before;
+    exchange.touch.map = body.texture.map;
+    if (!body.textures.empty()) exchange.touch.texture = body.textures[t];
+    exchange.touch.texture.is_touching = false;
     exchange.command.write(exchange.latest_tick);
   }
 }
@@ -100,6 +104,8 @@ void apply_commands(FrameTouchedBody& body, double from, double to, std::vector<
 
     // start of the next frame
     exchange.before = now, exchange.ticks = newest.number, exchange.teleports = newest.teleports;
+    body.textures.resize(body.haptic.size());
+    body.textures[t] = newest.texture;
   }
 }
 
@@ -107,6 +113,7 @@ void publish_contact(FrameTouchedBody& body, std::size_t t, contact::LocalContac
   TURGOR_CHECK(is_index(t, body.haptic.size()), "every tool has an exchange");
   LocalExchange& exchange = body.haptic[t];
   plane.number = ++exchange.plane_count, plane.teleports = exchange.teleports;
+  plane.waves = body.texture.waves;
   exchange.plane.write(plane);
 }
 

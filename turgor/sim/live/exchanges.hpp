@@ -31,7 +31,8 @@ struct NumberedCommand {
   std::int32_t number = 0;  // number of ticks so far
   std::int32_t teleports =
       0;  // number of teleports so far: displacements in one tick that a hand cannot make
-  contact::Pose teleported_to;  // pose after the latest teleport
+  contact::Pose teleported_to;    // pose after the latest teleport
+  contact::TextureState texture;  // after the tick before
 };
 
 /// Exchange of one tool.
@@ -59,6 +60,7 @@ struct LocalExchange {
 /// for each of tool_indices; otherwise it is empty.
 struct FrameTouchedBody : TouchedBody {
   std::vector<LocalExchange> haptic;
+  std::vector<contact::TextureState> textures;  // latest of each tool; empty: no haptic thread has run
 };
 
 void begin_haptics(FrameTouchedBody& body, const std::vector<TouchingTool>& tools);

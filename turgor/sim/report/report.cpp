@@ -18,6 +18,7 @@
 #include "turgor/sim/report/report_rhombus.hpp"
 #include "turgor/sim/report/report_sfem.hpp"
 #include "turgor/sim/report/report_skin.hpp"
+#include "turgor/sim/report/report_texture.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/report/section.hpp"
 #include "turgor/sim/report/verdict.hpp"
@@ -180,8 +181,12 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
   Json bodies = Json::array(), wounds = Json::array(), sutures = Json::array(), tools = Json::array();
   const ReportInput input{exec, world, measures};
   for_each_kind(scene, world, [&](BodyKind kind, const auto& scenes, const auto& of_kind) {
-    for (std::size_t b = 0; b < of_kind.size(); b++)
+    for (std::size_t b = 0; b < of_kind.size(); b++) {
       bodies.push_back(report_body(input, scenes[b], of_kind[b], BodyId{kind, int(b)}));
+      if constexpr (is_touched<decltype(of_kind[b])>)
+        if (Json texture = texture_report(scenes[b].texture, of_kind[b]); !texture.is_null())
+          bodies.back()["texture"] = std::move(texture);
+    }
   });
   for (const CutMeasures& cut : measures.cuts) wounds.push_back(wound_report(cut));
   for (const SutureMeasures& suture : measures.sutures) sutures.push_back(suture_report(suture));

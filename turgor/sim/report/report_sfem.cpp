@@ -68,20 +68,11 @@ Json of_tets(const SfemInput& b, double value) {
   return b.body.model.body.mesh.corners != 8 ? Json(value) : absent();
 }
 
-constexpr Unit kHertz{"Hz", "Hz"};
 /// Value of a body with a nonlinear law only.
 template <class V>
 Json of_law(const SfemInput& b, V value) {
   return b.body.law ? Json(value) : absent();
 }
-/// Largest value of all tools on a textured body.
-Json of_texture(const SfemInput& b, double contact::TextureState::*value) {
-  if (!is_rough(b.body.texture)) return absent();
-  double most = 0;
-  for (const contact::TextureState& state : b.body.now.textures) most = std::max(most, state.*value);
-  return most;
-}
-
 const Quantity<B> kSfem[] = {
     {"name", kNone, "", [](const B& b) -> Json { return b.body.name; }, kInReport},
     {"model", kNone, "", [](const B&) -> Json { return model_name(BodyKind::kSfem); }, kInReport},
@@ -181,16 +172,6 @@ const Quantity<B> kSfem[] = {
      [](const B& b) { return of_law(b, b.body.law_summary.strain); }, kEverywhere},
     {"law.border_strain_max", kPercent, "… beside its border",
      [](const B& b) { return of_law(b, b.body.law_summary.border_strain); }},
-    {"texture.force_max", kNewtons, "vibration by texture, largest",
-     [](const B& b) { return of_texture(b, &contact::TextureState::largest_force); }, kEverywhere},
-    {"texture.frequency_max", kHertz, "… largest frequency",
-     [](const B& b) { return of_texture(b, &contact::TextureState::largest_rate); }},
-    {"texture.limited_ticks", kCount, "… ticks in which it was limited",
-     [](const B& b) -> Json {
-       long ticks = 0;
-       for (const contact::TextureState& state : b.body.now.textures) ticks += state.limited_ticks;
-       return is_rough(b.body.texture) ? Json(ticks) : absent();
-     }},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
      [](const B& b) -> Json { return percentile(b.pressed.surface_seconds, 0.5); }},
     {"force_max", kNewtons, "", [](const B& b) -> Json { return b.pressed.force; }, kInReport},

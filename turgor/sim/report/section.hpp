@@ -35,6 +35,7 @@ Section rigid_section();     // report_rigid.cpp
 Section obstacle_section();  // report_cloth.cpp
 Section hold_section();
 Section cloth_section();
+Section texture_section();  // report_texture.cpp
 Section haptics_section();  // sim/live/report_haptics.cpp
 Section tissue_section();   // report.cpp
 Section timing_section();

@@ -16,6 +16,7 @@
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 #include "turgor/sim/scene/device.hpp"
+#include "turgor/sim/scene/texture_scene.hpp"
 #include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
@@ -75,6 +76,7 @@ struct ClothScene {
   cloth::Params params;
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report
   double stiffness_scale = 1;      // of membrane, springs and bending [1]
+  TextureScene texture;
   cloth::Air air;
   std::vector<WindTurn> turns;
   std::vector<HoldScene> holds;

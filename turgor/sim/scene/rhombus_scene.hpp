@@ -12,6 +12,7 @@
 #include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/scene/ct_source.hpp"
+#include "turgor/sim/scene/texture_scene.hpp"
 #include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
@@ -63,6 +64,7 @@ struct RhombusScene {
   rhombus::Params params;
   std::vector<TissueRow> tissues;  // laws and values with their source, for the report
   double stiffness_scale = 1;      // of all stiffnesses [1]
+  TextureScene texture;
   std::optional<StiffnessScene> stiffness;
 };
 

@@ -28,6 +28,7 @@ struct RigidScene {
   Vec3d spin;          // angular velocity at the beginning [rad/s]
   bool is_fixed = false;
   double touch_stiffness = 2000;  // of a point that a tool touches [N/m]
+  TextureScene texture;
 };
 
 }  // namespace turgor

@@ -25,6 +25,7 @@
 #include "turgor/sim/scene/rigid_scene.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
 #include "turgor/sim/scene/suture_scene.hpp"
+#include "turgor/sim/scene/texture_scene.hpp"
 #include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
@@ -57,7 +58,8 @@ struct LatticeScene {
   int only = 0;  // label whose largest component is the body, the rest becomes air; 0 = all tissue
   std::optional<HeldBy> held;  // additional fixed nodes, besides those of params
   bool has_gravity = true;
-  double stiffness_scale = 1;    // of all moduli of the tissue [1]
+  double stiffness_scale = 1;  // of all moduli of the tissue [1]
+  TextureScene texture;
   Device device = Device::kCpu;  // from the scene
   lattice::Params params;
   bool chooses_cells = false;      // the scene has tissue.partial_cells

@@ -2,6 +2,7 @@
 
 #include "turgor/models/cloth/device/gpu_sheet.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
+#include "turgor/sim/scene/scene_texture.hpp"
 #include "turgor/sim/scene/scene_tissue.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
@@ -327,6 +328,7 @@ ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scen
   read_collision(body.table("collision"), cloth.params.collision);
   body.read("weld", cloth.params.weld, within(0, 1, "m"), "merges vertices closer than this");
   read_wind(body.table("wind"), cloth);
+  read_texture(body, cloth.texture);
 
   // holds and obstacles
   SceneTable holds = body.table("hold");

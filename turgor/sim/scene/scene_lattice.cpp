@@ -11,6 +11,7 @@
 #include "turgor/sim/scene/scene_needle_layers.hpp"
 #include "turgor/sim/scene/scene_prony.hpp"
 #include "turgor/sim/scene/scene_skin.hpp"
+#include "turgor/sim/scene/scene_texture.hpp"
 #include "turgor/sim/scene/scene_tissue.hpp"
 
 namespace turgor {
@@ -365,6 +366,7 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
     body.fail(body.has("skin") ? "skin" : "solver",
               "solver.method = \"pbd\" offers the area law only (a projection has no forces along and across "
               "Langer's lines); set skin.law = \"area\" or solver.method = \"vbd\"");
+  read_texture(body, scene.texture);
 
   // combinations
   const lattice::TissueParams& law = scene.params.tissue;

@@ -7,6 +7,7 @@
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
 #include "turgor/sim/scene/scene_prony.hpp"
+#include "turgor/sim/scene/scene_texture.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
@@ -212,6 +213,7 @@ RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const 
   // viscosity
   add_rows(body, preset, made);
   read_viscosity(body.table("viscosity"), &preset, made.params.viscosity, made.tissues);
+  read_texture(body, made.texture);
   // optional variation of stiffness
   if (body.has("stiffness")) made.stiffness = read_stiffness(body.table("stiffness"), scene, made.source);
   body.finish();

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "turgor/sim/scene/scene_texture.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
@@ -93,6 +94,7 @@ RigidScene read_rigid_scene(SceneTable body, const std::string& name) {
   body.read("fixed", scene.is_fixed, "the body stays where it is, as a table does");
   body.read("touch_stiffness", scene.touch_stiffness, positive("N/m"),
             "of each point that a tool touches, and of a grasp; the body itself does not yield");
+  read_texture(body, scene.texture);
   if (scene.is_fixed && (norm(scene.velocity) > 0 || norm(scene.spin) > 0))
     body.fail("fixed", "a fixed body has neither velocity nor spin");
   body.finish();

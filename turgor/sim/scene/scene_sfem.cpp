@@ -6,6 +6,7 @@
 #include "turgor/sim/scene/scene_label.hpp"
 #include "turgor/sim/scene/scene_prony.hpp"
 #include "turgor/sim/scene/scene_solid_source.hpp"
+#include "turgor/sim/scene/scene_texture.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
@@ -217,31 +218,6 @@ void check_locking(SceneTable& body, const SfemScene& scene) {
                         kLargest, poisson));
 }
 
-void read_height_map(SceneTable& table, HeightMapScene& map) {
-  table.read_path(
-      "height_map", map.file,
-      "instead of `roughness`: a CSV of heights, as many numbers in each line; it repeats. One line is a "
-      "profile along the path");
-  table.read("spacing", map.spacing, within(1e-5, 0.1, "m"), "of the samples of `height_map`");
-  table.read("scale", map.scale, inside(0, 1e3), "meters per unit of `height_map`");
-  for (const char* key : {"roughness", "wavelength"})
-    if (table.has("height_map") && table.has(key))
-      table.fail(key, "a surface has waves or a height_map, not both");
-  for (const char* key : {"spacing", "scale"})
-    if (table.has(key) && !table.has("height_map"))
-      table.fail(key, "belongs to a height_map: add one, or remove this key");
-}
-
-void read_texture(SceneTable& body, contact::Texture& texture, HeightMapScene& map) {
-  SceneTable table = body.table("texture");
-  table.read("roughness", texture.roughness, within(0, 1e-3, "m"),
-             "height of the surface's waves above their mean; a sliding tool vibrates. 0: smooth");
-  table.read("wavelength", texture.wavelength, within(1e-4, 0.1, "m"),
-             "length of the waves: the tool feels the frequency speed / wavelength");
-  read_height_map(table, map);
-  table.finish();
-}
-
 void read_cache(SceneTable& body, SfemScene& scene) {
   constexpr const char* kMeaning =
       "folder below the user's cache folder in which Green's functions are cached between runs; `--set` may "
@@ -293,7 +269,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
   body.read("rotations", scene.rotations,
             "removes large rotations from the strain, so that a deep press does not swell");
   read_law(body, tissue, scene);
-  read_texture(body, scene.texture, scene.height_map);
+  read_texture(body, scene.texture);
 
   // memory and cache
   body.read(

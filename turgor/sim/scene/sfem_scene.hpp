@@ -11,13 +11,13 @@
 
 #include "turgor/contact/needle.hpp"
 #include "turgor/contact/patch_follow.hpp"
-#include "turgor/contact/texture.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/sfem/law.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 #include "turgor/sim/scene/device.hpp"
+#include "turgor/sim/scene/texture_scene.hpp"
 #include "turgor/sim/scene/tissue_row.hpp"
 
 namespace turgor {
@@ -99,13 +99,6 @@ struct PatchScene {
                                                            // follows, relative to the radius [1]
 };
 
-/// File of heights of a textured surface.
-struct HeightMapScene {
-  std::filesystem::path file;  // empty = none
-  double spacing = 1e-4;       // of its samples [m]
-  double scale = 1;            // meters per unit of the file
-};
-
 struct SfemScene {
   Device device = Device::kCpu;  // computes Green's functions
   std::string name;
@@ -126,8 +119,7 @@ struct SfemScene {
   Prony viscosity = one_pair(0, 0.5);
   bool rotations = false;
   std::optional<sfem::Law> law;  // of the patch's elements; none = linear
-  contact::Texture texture;      // of the surface, for sliding tools; its map is read from `height_map`
-  HeightMapScene height_map;
+  TextureScene texture;
   double memory =
       4;  // limit for Green's functions, beyond which columns are computed on demand, and for a patch [GB]
   int contacts = 48;            // contact sites solved per tick, all tools together

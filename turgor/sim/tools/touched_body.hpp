@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "turgor/contact/forceps.hpp"
+#include "turgor/contact/texture.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
 #include "turgor/sim/scene/body_id.hpp"
@@ -59,6 +60,7 @@ struct TouchedBody {
   std::string name;
   std::vector<int> tool_indices;  // into World::tools
   double typical_force = 1;       // force of an indentation of about a centimeter [N]
+  contact::Texture texture;       // of the surface; ticks get changed waves with the next frame
 };
 
 }  // namespace turgor

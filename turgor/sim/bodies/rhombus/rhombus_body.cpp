@@ -179,11 +179,11 @@ Status begin_body(const Exec&, RhombusBody& body, const RhombusScene&, const Wor
   }
   // initial state and first snapshot
   body.state = rhombus::make_state(body.model, tips.size());
-  body.touch = contact::make_rhombus_touch(std::move(tips), poses, body.viscosity);
-  body.published = body.touch.stiffness;
+  body.touch = contact::make_rhombus_touch(std::move(tips), poses, body.viscosity, body.texture);
+  body.published = body.touch.tissue;
   contact::publish(body.touch, body.now);
   body.openings.resize(body.tool_indices.size());
-  publish_stiffness(body);
+  publish_tissue(body);
   return Done{};
 }
 
@@ -226,27 +226,30 @@ void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& /*tools*/
 void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings) {
   TURGOR_ASSERT(body.haptic, "a haptic thread is prepared before its ticks");
-  contact::tick_and_publish(body.model, body.touch, body.haptic->stiffness, body.haptic->touched, commands,
-                            dt, readings);
+  contact::tick_and_publish(body.model, body.touch, body.haptic->tissue, body.haptic->touched, commands, dt,
+                            readings);
 }
 
-void publish_stiffness(RhombusBody& body) {
-  if (body.published.scale == body.stiffness_scale && body.published.viscosity == body.viscosity) return;
-  body.published = {body.stiffness_scale, body.viscosity, body.published.number + 1};
+void publish_tissue(RhombusBody& body) {
+  const contact::RhombusTissue& last = body.published;
+  if (last.stiffness_scale == body.stiffness_scale && last.viscosity == body.viscosity &&
+      last.waves == body.texture.waves)
+    return;
+  body.published = {body.stiffness_scale, body.viscosity, body.texture.waves, last.number + 1};
   if (body.haptic)
-    body.haptic->stiffness.write(body.published);
+    body.haptic->tissue.write(body.published);
   else
-    body.touch.stiffness = body.published;
+    body.touch.tissue = body.published;
 }
 
 void queue_frame_output(RhombusBody& body) {
   TURGOR_ASSERT(body.haptic, "a replay has a haptic exchange");
-  body.haptic->changes.push(body.haptic->stiffness);
+  body.haptic->changes.push(body.haptic->tissue);
 }
 
 void replay_frame_output(RhombusBody& body, std::size_t /*t*/, TickInputs inputs_used) {
   TURGOR_ASSERT(body.haptic, "a replay has a haptic exchange");
-  body.haptic->changes.release(inputs_used.frame, body.haptic->stiffness);
+  body.haptic->changes.release(inputs_used.frame, body.haptic->tissue);
 }
 
 void read_touch_snapshot(RhombusBody& body) { body.state.touches = body.now.touches; }

@@ -23,9 +23,9 @@ struct World;
 
 /// Exchange with a haptic thread, and a queue of a replay (sim/live/exchanges.hpp).
 struct RhombusHaptics {
-  latest<contact::RhombusStiffness> stiffness;    // from the frame
+  latest<contact::RhombusTissue> tissue;          // from the frame
   latest<contact::RhombusTouchSnapshot> touched;  // from the haptic thread
-  ReplayQueue<contact::RhombusStiffness> changes;
+  ReplayQueue<contact::RhombusTissue> changes;
 };
 
 struct RhombusBody : TouchedBody {
@@ -34,11 +34,11 @@ struct RhombusBody : TouchedBody {
   boxed<RhombusHaptics> haptic;  // with a haptic thread
   double stiffness_scale = 1;    // relative to the model; owned by the frame thread, as is the next
   Prony viscosity;
-  contact::RhombusStiffness published;  // stiffness that the haptic thread was sent last
-  contact::RhombusTouchSnapshot now;    // latest touch state; one for each of tool_indices
-  rhombus::State state;                 // of the frame thread: the surface of the latest snapshot
-  ClothLoad cloth;                      // load of cloth
-  std::vector<int> mesh_vertex;  // index in the mesh of the body that owns the surface; empty = own mesh
+  contact::RhombusTissue published;   // parameters that the haptic thread was sent last
+  contact::RhombusTouchSnapshot now;  // latest touch state; one for each of tool_indices
+  rhombus::State state;               // of the frame thread: the surface of the latest snapshot
+  ClothLoad cloth;                    // load of cloth
+  std::vector<int> mesh_vertex;       // index in the mesh of the body that owns the surface; empty = own mesh
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
   double pressed_volume = 0;       // largest indented volume at the end of a frame [m³]
@@ -76,12 +76,12 @@ void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, Touch
 void read_touch_snapshot(RhombusBody& body);
 
 /// Functions for a haptic thread and for replays: see sim/live/exchanges.hpp. The only input that ticks need
-/// from frames is a changed stiffness or viscosity.
+/// from frames is a changed stiffness, viscosity or texture.
 void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& tools);
 void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
                   std::span<contact::ToolReading> readings);
 inline TickInputs tick_inputs(const RhombusBody& body, std::size_t) {
-  return {std::int32_t(body.touch.stiffness.number), 0};
+  return {std::int32_t(body.touch.tissue.number), 0};
 }
 inline FrameInputs frame_inputs(const RhombusBody& body, std::size_t) {
   return {std::int32_t(body.now.ticks), 0};
@@ -90,8 +90,8 @@ inline void end_haptics(RhombusBody& body) { body.haptic.reset(); }
 inline Status begin_solutions(RhombusBody&, bool) { return Done{}; }
 void queue_frame_output(RhombusBody& body);
 void replay_frame_output(RhombusBody& body, std::size_t t, TickInputs inputs_used);
-/// Sends a changed stiffness or viscosity to the ticks, once per frame.
-void publish_stiffness(RhombusBody& body);
+/// Sends changed parameters to the ticks, once per frame.
+void publish_tissue(RhombusBody& body);
 inline void expect_patch(RhombusBody&, bool) {}
 inline void set_friction(RhombusBody&, std::size_t, double) {}  // chains have no friction
 

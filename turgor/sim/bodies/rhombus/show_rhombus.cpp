@@ -10,7 +10,7 @@
 namespace turgor {
 
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input, FrameReport&) {
-  publish_stiffness(body);
+  publish_tissue(body);
   if (body.haptic) {
     body.now = body.haptic->touched.read();
     read_touch_snapshot(body);

@@ -19,7 +19,6 @@
 #include "turgor/sim/bodies/sfem/choose_patch.hpp"
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
-#include "turgor/sim/bodies/sfem/read_height_map.hpp"
 #include "turgor/sim/scene/scene_sfem.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -321,11 +320,7 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   if (!body.refinement_is_open) body.refinement = scene.patch.refinement;
   TURGOR_CHECK(body.refinement >= 1, "the elements of a patch are divided at least once");
   constexpr double kLawBlendTime = 0.01;  // of the jump between two solutions of a law [s]
-  body.law = scene.law, body.texture = scene.texture;
-  body.viscosity = scene.viscosity;
-  Result<std::shared_ptr<const contact::HeightMap>> map = read_height_map(scene.height_map);
-  if (!map) return map.error();
-  body.texture.map = std::move(*map);
+  body.law = scene.law, body.viscosity = scene.viscosity;
   if (body.law) body.follow.blend_time = kLawBlendTime;
   body.contacts = scene.contacts;
   body.patch_memory = std::size_t(std::max(scene.memory, kLeastPatchMemory) * 1e9);

@@ -152,7 +152,6 @@ struct SfemBody : TouchedBody {
   // largest of the surface at the end of a frame, without large rotations: of the patch, and of the whole
   // body if other bodies act on it
   double surface_strain = 0;
-  contact::Texture texture;
   Prony viscosity;                                          // ticks get it with the next frame
   std::vector<std::shared_ptr<const sfem::Patch>> patches;  // patches that may be in use
   contact::SfemTouchSnapshot now;  // latest touch state, one for each of tool_indices

@@ -135,7 +135,7 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   motion.ticks = std::max(1l, std::lround(frame_dt / kTick));
   motion.number = ++body.free.number;
   motion.stiffness_scale = body.stiffness_scale, motion.friction = body.friction;
-  motion.roughness = body.texture.roughness, motion.wavelength = body.texture.wavelength;
+  motion.waves = body.texture.waves;
   motion.viscosity = body.viscosity;
   if (body.law) motion.stiffening = body.law->stiffening;
   exchange.motion.publish();

@@ -1,6 +1,7 @@
-#include "turgor/sim/bodies/sfem/read_height_map.hpp"
+#include "turgor/sim/tools/load_texture.hpp"
 
 #include <cmath>
+#include <memory>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -9,8 +10,12 @@
 
 namespace turgor {
 
-Result<std::shared_ptr<const contact::HeightMap>> read_height_map(const HeightMapScene& scene) {
-  using Map = std::shared_ptr<const contact::HeightMap>;
+namespace {
+
+using Map = std::shared_ptr<const contact::HeightMap>;
+
+/// Map of the scene's file; null without one.
+Result<Map> load_height_map(const HeightMapScene& scene) {
   constexpr std::size_t kMost = 4'000'000;
   constexpr double kHighest = 1e-3;  // [m]
   if (scene.file.empty()) return Map();
@@ -42,6 +47,14 @@ Result<std::shared_ptr<const contact::HeightMap>> read_height_map(const HeightMa
   const int row_count = int(height.size() / columns);
   return std::make_shared<const contact::HeightMap>(
       contact::make_height_map(int(columns), row_count, scene.spacing, std::move(height)));
+}
+
+}  // namespace
+
+Result<contact::Texture> load_texture(const TextureScene& scene) {
+  Result<Map> map = load_height_map(scene.height_map);
+  if (!map) return map.error();
+  return contact::Texture{scene.waves, std::move(*map)};
 }
 
 }  // namespace turgor
