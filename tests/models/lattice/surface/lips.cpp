@@ -1,7 +1,9 @@
 // Lips of drawn wounds lie on the blade that made them, and move with the tissue where they lie.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <random>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -10,6 +12,7 @@
 #include "turgor/models/lattice/cutting/blade_sheet.hpp"
 #include "turgor/models/lattice/cutting/drawn_curve.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 
 namespace turgor::lattice {
@@ -33,9 +36,11 @@ struct BallBody {
   CtVolume ct = sharp_ball();
   Model model;
 
-  explicit BallBody(int block) {
+  explicit BallBody(int block, bool is_solid = false, bool has_partial_cells = false) {
     Params params;
     params.block = {block, block, block};
+    if (is_solid) params.tissue.law = TissueLaw::kSolid;
+    params.tissue.partial_cells = has_partial_cells;
     model = build(Exec(1), ct, {}, params).value();
   }
   /// Point on the top of the ball, x and y from its axis [voxels].
@@ -84,16 +89,23 @@ BladeSheet long_sheet(const Model& model, BladePath path, double tilt, bool both
   return sweep_blade(path, tilt * std::numbers::pi / 180, 3 * step, 1e-4 * step);
 }
 
-/// Vertices on the border of the skin, without caps.
-std::set<int> lip_vertices(const BodySurface& surface) {
+/// Edges on the border of the skin, without caps.
+std::vector<std::pair<int, int>> border_of_skin(const BodySurface& surface) {
   std::set<std::pair<int, int>> edges;
   for (int n = 0; n < surface.skin_triangles - surface.cap_triangles; n++) {
     const Int3 t = surface.triangles[std::size_t(n)];
     for (int c = 0; c < 3; c++) edges.insert({t[c], t[(c + 1) % 3]});
   }
-  std::set<int> vertices;
+  std::vector<std::pair<int, int>> border;
   for (const auto& [a, b] : edges)
-    if (!edges.contains({b, a})) vertices.insert({a, b});
+    if (!edges.contains({b, a})) border.push_back({a, b});
+  return border;
+}
+
+/// Vertices on the border of the skin.
+std::set<int> lip_vertices(const BodySurface& surface) {
+  std::set<int> vertices;
+  for (const auto& [a, b] : border_of_skin(surface)) vertices.insert({a, b});
   return vertices;
 }
 
@@ -188,6 +200,123 @@ TEST(Lips, LieInTheirCells) {
     most = std::max({most, -at.x, -at.y, -at.z, at.x - 1, at.y - 1, at.z - 1});
   }
   EXPECT_LT(most, 0.1) << "cells";
+}
+
+/// Cuts whose direction, position, size and tilt are random.
+struct RandomCut {
+  std::mt19937 random;
+  double direction = number(0, 2 * std::numbers::pi), x = number(-2, 2), y = number(-2, 2),
+         half = number(7.5, 9.5), wide = number(0.35, 0.6) * half;  // [voxels]
+
+  explicit RandomCut(unsigned seed) : random(seed) {}
+  double number(double low, double high) { return low + (high - low) * double(random()) / 4294967296.0; }
+  /// Point at fractions of the half length and of the width.
+  Vec3d at(const BallBody& ball, double along, double across) const {
+    const double u = along * half, v = across * wide, c = std::cos(direction), s = std::sin(direction);
+    return ball.on_skin(x + u * c - v * s, y + u * s + v * c);
+  }
+  Incision s_shape(const BallBody& ball) {
+    return {.path = {at(ball, -1, 0), at(ball, -0.5, 1), at(ball, 0, 0), at(ball, 0.5, -1), at(ball, 1, 0)},
+            .depth = 0.008,
+            .tilt = number(-50, 50)};
+  }
+  /// One of the two arcs of an ellipse.
+  Incision arc(const BallBody& ball, double side) const {
+    return {.path = {at(ball, -1, 0), at(ball, -0.45, 0.75 * side), at(ball, 0.05, side),
+                     at(ball, 0.5, 0.7 * side), at(ball, 1, 0)},
+            .depth = 0.008};
+  }
+};
+
+/// Largest distance of the lips from the skin of the ball [fine edges].
+double height_of_lips(const BallBody& ball, const BodySurface& surface) {
+  const double middle = 0.5 * (kVoxels - 1);
+  const Vec3d center = ball.ct.grid.origin + Vec3d{middle, middle, middle} * kVoxel;
+  const std::vector<Vec3d> rest = rest_points(ball.model, surface);
+  double most = 0;
+  for (const int v : lip_vertices(surface))
+    most = std::max(most, std::abs(norm(rest[std::size_t(v)] - center) - kRadius * kVoxel));
+  return most / ball.fine_edge();
+}
+
+// Lips that are moved onto a blade stay on the skin.
+TEST(Lips, LieOnSkin) {
+  for (const int block : {2, 3, 5}) {
+    const BallBody ball(block);
+    for (unsigned seed = 1; seed <= 8; seed++) {
+      CutBody body{ball};
+      body.cut(RandomCut(seed).s_shape(ball));
+      EXPECT_LT(height_of_lips(ball, body.surface()), 0.1)
+          << "fine edges, block " << block << ", seed " << seed;
+    }
+  }
+}
+
+/// Vertices of the largest connected component of the skin.
+std::set<int> largest_skin(const BodySurface& surface) {
+  std::vector<int> label(surface.rest.size());
+  for (std::size_t v = 0; v < label.size(); v++) label[v] = int(v);
+  for (bool has_changed = true; has_changed;) {
+    has_changed = false;
+    for (int n = 0; n < surface.skin_triangles - surface.cap_triangles; n++) {
+      const Int3 t = surface.triangles[std::size_t(n)];
+      const int least = std::min({label[std::size_t(t.x)], label[std::size_t(t.y)], label[std::size_t(t.z)]});
+      for (const int v : {t.x, t.y, t.z})
+        if (label[std::size_t(v)] != least) label[std::size_t(v)] = least, has_changed = true;
+    }
+  }
+  std::map<int, std::set<int>> components;
+  for (int n = 0; n < surface.skin_triangles - surface.cap_triangles; n++)
+    for (int c = 0; c < 3; c++) {
+      const int v = surface.triangles[std::size_t(n)][c];
+      components[label[std::size_t(v)]].insert(v);
+    }
+  std::set<int> largest;
+  for (const auto& [first, vertices] : components)
+    if (vertices.size() > largest.size()) largest = vertices;
+  return largest;
+}
+
+/// Width of the tissue around two cuts at the corners where they meet: the largest distance of its displaced
+/// lips that coincide there at rest [fine edges].
+double width_of_corners(const CutBody& body, const BodySurface& surface) {
+  const TriMesh mesh = deformed_surface(body.ball.model, body.state, surface, Shown::kNothing);
+  const double fine = body.ball.fine_edge();
+  const std::set<int> around = largest_skin(surface);
+  std::vector<int> lips;
+  for (const int v : lip_vertices(surface))
+    if (around.contains(v)) lips.push_back(v);
+  const auto rest = [&](int v) { return Vec3d(surface.rest[std::size_t(v)]); };
+  double most = 0;
+  for (const double sign : {-1.0, 1.0}) {
+    // the corner lies farthest beyond the end
+    const auto& points = body.paths[0].points;
+    const Vec3d outward = (points.back() - points.front()) * sign;
+    const int corner = *std::max_element(lips.begin(), lips.end(), [&](int a, int b) {
+      return dot(rest(a), outward) < dot(rest(b), outward);
+    });
+    for (const int a : lips)
+      for (const int b : lips)
+        if (std::max(norm(rest(a) - rest(corner)), norm(rest(b) - rest(corner))) < 0.05 * fine)
+          most = std::max(most, double(norm(mesh.vertices[std::size_t(a)] - mesh.vertices[std::size_t(b)])));
+  }
+  return most / fine;
+}
+
+// Where the ends of two cuts meet, the tissue around both ends in a point, also while the wound gapes.
+TEST(Lips, EndsOfTwoCutsMeetInPoint) {
+  for (const bool has_partial_cells : {false, true})
+    for (const int block : {2, 3}) {
+      const BallBody ball(block, true, has_partial_cells);
+      for (unsigned seed = 1; seed <= 5; seed++) {
+        CutBody body{ball};
+        const RandomCut random(seed);
+        body.cut(random.arc(ball, 1)), body.cut(random.arc(ball, -1));
+        for (int frame = 0; frame < 12; frame++) step(Exec(1), ball.model, body.state, {}, 1.0 / 60);
+        EXPECT_LT(width_of_corners(body, body.surface()), 0.15)
+            << "fine edges, block " << block << ", seed " << seed << ", partial cells " << has_partial_cells;
+      }
+    }
 }
 
 }  // namespace

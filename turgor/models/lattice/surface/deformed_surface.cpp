@@ -1,11 +1,11 @@
 // Deformation of the drawn surface: every vertex is embedded in its fragment.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/surface/close_ends.hpp"
 #include "turgor/models/lattice/surface/deform_surface.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/models/lattice/surface/surface_plan.hpp"
@@ -61,144 +61,6 @@ std::vector<Vec3> displace(const Exec& exec, const Model& model, const State& st
   };
   parallel_for(exec, x.size(), move_vertex, kGrain);
   return x;
-}
-
-/// End of a drawn cut, where no other cut meets it.
-struct CutEnd {
-  Vec3 position, back;      // at rest, lattice frame [m]; unit, along the skin from the end into the cut
-  int left = 0, right = 0;  // vertices of the last lip
-};
-
-/// Lip of one incision at an end of it, and the lip that lies a step further inside.
-std::optional<CutEnd> cut_end(const BodySurface& surface, int incision, bool at_begin, Real step) {
-  const auto position = [&](const Lip* lip) { return surface.rest[std::size_t(lip->left)]; };
-  const Real sign = at_begin ? Real(1) : Real(-1);
-  const Lip *end = nullptr, *inner = nullptr;
-  for (const Lip& lip : surface.lips)
-    if (lip.incision == incision && (!end || sign * lip.along < sign * end->along)) end = &lip;
-  if (!end) return {};
-  for (const Lip& lip : surface.lips)
-    if (lip.incision == incision && sign * (lip.along - end->along) > step &&
-        (!inner || sign * lip.along < sign * inner->along))
-      inner = &lip;
-  if (!inner) return {};
-  for (const Lip& lip : surface.lips)
-    if (lip.incision != incision && norm(position(&lip) - position(end)) < 2 * step) return {};
-  const Vec3 back = position(inner) - position(end);
-  if (!(norm(back) > 0)) return {};
-  return CutEnd{position(end), normalized(back), end->left, end->right};
-}
-
-/// Groups of at least two vertices that coincide at rest.
-std::vector<std::vector<std::size_t>> coincident(const BodySurface& surface, Real tolerance,
-                                                 std::vector<std::size_t> vertices) {
-  const auto rest = [&](std::size_t v) { return surface.rest[v]; };
-  std::sort(vertices.begin(), vertices.end(), [&](std::size_t a, std::size_t b) {
-    return rest(a).x != rest(b).x ? rest(a).x < rest(b).x : a < b;
-  });
-  std::vector<std::vector<std::size_t>> groups;
-  std::vector<std::uint8_t> is_done(vertices.size());
-  for (std::size_t a = 0; a < vertices.size(); a++) {
-    if (is_done[a]) continue;
-    std::vector<std::size_t> group{vertices[a]};
-    const Vec3 first = rest(vertices[a]);
-    for (std::size_t b = a + 1; b < vertices.size() && rest(vertices[b]).x - first.x < tolerance; b++)
-      if (!is_done[b] && norm(rest(vertices[b]) - first) < tolerance)
-        is_done[b] = 1, group.push_back(vertices[b]);
-    if (group.size() > 1) groups.push_back(std::move(group));
-  }
-  return groups;
-}
-
-/// Mean of the sides of a cut, where some vertices coincided at rest. A side may have several of them.
-Vec3 middle_of_sides(const std::vector<std::size_t>& group, const std::vector<Vec3>& x) {
-  Real widest = 0;
-  for (const std::size_t a : group)
-    for (const std::size_t b : group) widest = std::max(widest, norm(x[a] - x[b]));
-  if (!(widest > 0)) return x[group.front()];
-  // each vertex counts by the share that it has of its side
-  Vec3 sum;
-  Real total = 0;
-  for (const std::size_t a : group) {
-    Real same_side = 0;
-    for (const std::size_t b : group) same_side += std::max(Real(0), 1 - 4 * norm(x[a] - x[b]) / widest);
-    sum += x[a] / same_side, total += 1 / same_side;
-  }
-  return sum / total;
-}
-
-struct MovedVertex {
-  std::size_t vertex;
-  Vec3 before, shift;  // position before, and its move [m]
-};
-
-/// Moves the vertices beside moved ones with the nearest of their side, and less with their distance. A
-/// vertex of a lip may have none on the other side that coincided with it, and would be a tooth at the end of
-/// the cut.
-void move_beside(const BodySurface& surface, Real step, const std::vector<std::size_t>& near,
-                 const std::vector<MovedVertex>& moved, std::vector<Vec3>& x) {
-  constexpr Real kReach = 0.5;  // [steps]
-  std::vector<std::size_t> done;
-  for (const MovedVertex& m : moved) done.push_back(m.vertex);
-  std::sort(done.begin(), done.end());
-  for (const std::size_t v : near) {
-    if (std::binary_search(done.begin(), done.end(), v)) continue;
-    // nearest at rest and by displacement, which differs between both sides
-    Real least = kReach * step;
-    Vec3 shift;
-    for (const MovedVertex& m : moved) {
-      const Vec3 away = surface.rest[v] - surface.rest[m.vertex];
-      const Real distance = norm(away) + norm(x[v] - m.before - away);
-      if (distance < least) least = distance, shift = m.shift;
-    }
-    x[v] += shift * (1 - least / (kReach * step));
-  }
-}
-
-/// Moves vertices that coincided at rest to the middle of their sides at the end of a cut, and less up to
-/// kClosing steps inside it, so that the lips meet in a point: cells open as a whole, and would end in an
-/// edge. The opening is multiplied by t (2 − t), with t from 0 at the end to 1 inside, which has no kink
-/// there. Ends that gape wider than kWidest steps, and ends at which a cut leaves the body, stay open. On
-/// fine lattices the cell at the end of a wide wound gapes by more than its own size.
-void close_end(const BodySurface& surface, const CutEnd& end, Real step, std::vector<Vec3>& x) {
-  constexpr Real kClosing = 2.5, kWidest = 4;  // [steps]
-  const Real gape = norm(x[std::size_t(end.left)] - x[std::size_t(end.right)]) / step;
-  const Real strength = std::min(Real(1), kWidest - gape);
-  if (!(strength > 0)) return;
-  // vertices near the end
-  std::vector<std::size_t> near;
-  bool has_tissue_beyond = false;
-  for (std::size_t v = 0; v < x.size(); v++) {
-    const Vec3 away = surface.rest[v] - end.position;
-    if (norm(away) > (kClosing + Real(0.5)) * step) continue;
-    const Real inside = dot(away, end.back);
-    const bool is_cut = surface.embedding[v].fragment >= 0;
-    has_tissue_beyond |= !is_cut && inside < -step / 4;
-    if (is_cut && inside < kClosing * step && inside > -step) near.push_back(v);
-  }
-  if (!has_tissue_beyond) return;
-  // both sides of the cut
-  std::vector<MovedVertex> moved;
-  for (const std::vector<std::size_t>& group : coincident(surface, Real(1e-3) * step, near)) {
-    const Vec3 middle = middle_of_sides(group, x);
-    const Vec3 away = surface.rest[group.front()] - end.position;
-    const Real t = std::max(Real(0), dot(away, end.back) / (kClosing * step));
-    const Real opening = 1 - strength * (1 - t * (2 - t));
-    for (const std::size_t v : group) moved.push_back({v, x[v], (middle - x[v]) * (1 - opening)});
-  }
-  for (const MovedVertex& m : moved) x[m.vertex] += m.shift;
-  move_beside(surface, step, near, moved, x);
-}
-
-/// Closes both ends of every cut.
-void close_ends(const BodySurface& surface, Real step, std::vector<Vec3>& x) {
-  std::vector<int> incisions;
-  for (const Lip& lip : surface.lips) incisions.push_back(lip.incision);
-  sort_unique(incisions);
-  for (const int incision : incisions)
-    for (const bool at_begin : {true, false})
-      if (const std::optional<CutEnd> end = cut_end(surface, incision, at_begin, step))
-        close_end(surface, *end, step, x);
 }
 
 /// Area of a triangle, twice as large.
@@ -295,7 +157,7 @@ void deform_surface(const Model& model, const State& state, const BodySurface& s
   std::vector<Vec3> x = displace(exec, model, state, surface, *plan, shown, mesh.scalars);
   const Real step = std::min(
       {model.anatomy.lattice.spacing.x, model.anatomy.lattice.spacing.y, model.anatomy.lattice.spacing.z});
-  close_ends(surface, step, x);
+  detail::close_ends(surface, *plan, step, x);
 
   // areas of the triangles, summed around the vertices
   TURGOR_CHECK(surface.twin.size() == count && step > 0, "every vertex has a twin or a mark");

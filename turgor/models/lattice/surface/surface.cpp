@@ -43,6 +43,7 @@ struct Tet : FineTet {
 struct Builder : MeshInput {
   SlabPoints output = {};
   CurrentCell current = {};
+  LevelsNear levels_near{level, fragments.fine};
 
   const FineLattice& fine() const { return fragments.fine; }
 };
@@ -182,6 +183,7 @@ void add_tet(Builder& builder, Int3 local, int kind) {
   // levels of the corners
   Tet tet{{.fragments = builder.fragments,
            .cuts = builder.cuts,
+           .levels = builder.levels_near,
            .cut_points = c.cut_points,
            .is_near_cut = c.cut != nullptr},
           kind};
@@ -259,7 +261,9 @@ void mesh_cell(Builder& builder, Int3 cell) {
   if (solids == 0 || (solids == 8 && !border && !(c.cut && c.cut->is_cut))) return;
   c.level = builder.level(c.slot);
   c.cut_points.clear();
-  if (c.cut) c.cut_points = cut_points_near(builder.fragments, builder.cuts, cell);
+  if (c.cut)
+    c.cut_points = cut_points_near(builder.fragments, builder.cuts, cell),
+    builder.levels_near.begin_cell(cell);
   add_cell(builder, border);
 }
 

@@ -55,24 +55,28 @@ std::optional<Vec3d> away_from_blade(const FineTet& tet, Vec3d normal) {
 /// Moves a point along the skin onto the blade that cut an edge. Empty if the blade is not known there, if it
 /// is nearly parallel to the skin, or farther away than the tetrahedron is long.
 std::optional<Vec3d> onto_blade(const FineTet& tet, const CutEdge& edge, Vec3d position) {
-  constexpr int kRounds = 2;  // a curved blade has another plane at the new position
-  const Vec3d longest = position_of(tet, 3) - position_of(tet, 0), from = position;
-  for (int round = 0; round < kRounds; round++) {
-    const std::optional<BladePlane> blade = blade_near(tet, edge, position);
-    if (!blade) return {};
-    const std::optional<Vec3d> away = away_from_blade(tet, blade->normal);
-    if (!away) return {};
-    position -= *away * (dot(position - blade->point, blade->normal) / dot(*away, blade->normal));
-  }
-  if (!(dot(position - from, position - from) < dot(longest, longest))) return {};
-  return position;
+  const std::array<const CutEdge*, 1> blades{&edge};
+  const double longest = norm(position_of(tet, 3) - position_of(tet, 0));
+  return SkinOnBlades{tet.fragments.fine, tet.cut_points, tet.levels}(blades, position, longest);
+}
+
+/// Intersection of two blades with the skin, near a skin point. Empty if the blades are nearly parallel, or
+/// if it is farther away than the tetrahedron is long.
+std::optional<Vec3d> junction_with(const FineTet& tet, const CutEdge& first, const CutEdge& second,
+                                   Vec3d position) {
+  const std::array<const CutEdge*, 2> blades{&first, &second};
+  const double longest = norm(position_of(tet, 3) - position_of(tet, 0));
+  return SkinOnBlades{tet.fragments.fine, tet.cut_points, tet.levels}(blades, position,
+                                                                      std::sqrt(3.0) * longest);
 }
 
 /// Moves a point on the skin to the own side of a solid corner, beyond which other blades than `incision` cut
 /// fine edges. An edge knows only the first blade that crossed it, so these blades may cut no edge of the
-/// tetrahedron. `along` gives the direction of the move from the blade's normal.
+/// tetrahedron. `along` gives the direction of the move from the blade's normal. `on`: blade on which the
+/// point lies; null if on none.
 template <class Along>
-Vec3d to_own_side(const FineTet& tet, int solid, std::uint8_t incision, const Along& along, Vec3d position) {
+Vec3d to_own_side(const FineTet& tet, int solid, std::uint8_t incision, const CutEdge* on, const Along& along,
+                  Vec3d position) {
   const FineLattice& f = tet.fragments.fine;
   const Int3 node = tet.nodes[std::size_t(solid)];
   const Vec3d from = position_of(tet, solid);
@@ -90,7 +94,10 @@ Vec3d to_own_side(const FineTet& tet, int solid, std::uint8_t incision, const Al
       const double beyond = dot(position - blade->point, normal), reach = dot(move, normal);
       if (!(beyond > 0) || !(std::abs(reach) > 0.05 * norm(move) * norm(normal))) continue;
       const Vec3d back = move * (beyond / reach);
-      if (dot(back, back) < dot(edge, edge)) position -= back;
+      if (!(dot(back, back) < dot(edge, edge))) continue;
+      position -= back;
+      position = (on ? junction_with(tet, *on, *c.edge, position) : onto_blade(tet, *c.edge, position))
+                     .value_or(position);
     }
   return position;
 }
@@ -109,7 +116,7 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   // another blade may cross the edge first
   if (double(c.fraction) >= fraction) {
     const auto along_skin = [&tet](Vec3d normal) { return away_from_blade(tet, normal).value_or(Vec3d{}); };
-    return to_own_side(tet, solid, c.edge->incision, along_skin, position);
+    return to_own_side(tet, solid, c.edge->incision, nullptr, along_skin, position);
   }
   // move along the skin, onto the blade
   const std::optional<BladePlane> blade = blade_near(tet, *c.edge, position);
@@ -117,28 +124,7 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   const std::optional<Vec3d> moved = onto_blade(tet, *c.edge, position);
   if (!moved) return a + (b - a) * double(c.fraction);
   const auto along_line = [line = cross(level_gradient(tet), blade->normal)](Vec3d) { return line; };
-  return to_own_side(tet, solid, c.edge->incision, along_line, *moved);
-}
-
-/// Intersection of two blades with the skin, near a skin point. Empty if the blades are nearly parallel, or
-/// if it is farther away than the tetrahedron is long.
-std::optional<Vec3d> junction_with(const FineTet& tet, const CutEdge& first, const CutEdge& second,
-                                   Vec3d position) {
-  constexpr int kRounds = 2;
-  const Vec3d from = position, longest = position_of(tet, 3) - position_of(tet, 0);
-  for (int round = 0; round < kRounds; round++) {
-    const std::optional<Vec3d> on_second = onto_blade(tet, second, position);
-    if (!on_second) return {};
-    const std::optional<BladePlane> a = blade_near(tet, first, *on_second),
-                                    b = blade_near(tet, second, *on_second);
-    if (!a || !b) return {};
-    const Vec3d along = cross(level_gradient(tet), b->normal);
-    const double reach = dot(along, a->normal);
-    if (!(std::abs(reach) > 0.3 * norm(along) * norm(a->normal))) return {};
-    position = *on_second + along * (dot(a->point - *on_second, a->normal) / reach);
-  }
-  if (!(dot(position - from, position - from) < 3 * dot(longest, longest))) return {};
-  return position;
+  return to_own_side(tet, solid, c.edge->incision, c.edge, along_line, *moved);
 }
 
 /// Fraction of the segment from a to c nearest to the blade's crossing with the edge ij.
@@ -205,7 +191,7 @@ Clip clip_between(const FineTet& tet, int i, int j, int b) {
   if (!blade) return clip;
   const auto along_line = [line = cross(level_gradient(tet), blade->normal)](Vec3d) { return line; };
   for (const int solid : {i, j})
-    clip.position = to_own_side(tet, solid, across.edge->incision, along_line, clip.position);
+    clip.position = to_own_side(tet, solid, across.edge->incision, across.edge, along_line, clip.position);
   return clip;
 }
 

@@ -2,8 +2,8 @@
 // two.
 #pragma once
 
-#include "turgor/models/lattice/surface/blade_plane.hpp"
 #include "turgor/models/lattice/surface/marching_tets.hpp"
+#include "turgor/models/lattice/surface/onto_blades.hpp"
 
 namespace turgor::lattice {
 
@@ -11,6 +11,7 @@ namespace turgor::lattice {
 struct FineTet {
   const Fragments& fragments;
   const Cuts& cuts;
+  LevelsNear& levels;
   std::span<const CutPoint> cut_points = {};  // around the cell
   std::array<Int3, 4> nodes = {};             // fine nodes
   std::array<std::uint64_t, 4> index = {};    // their fine indices
