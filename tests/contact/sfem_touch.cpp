@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/allocations.hpp"
-#include "turgor/geometry/hex_block.hpp"
+#include "tests/contact/soft_block.hpp"
 
 namespace turgor::contact {
 namespace {
@@ -16,25 +16,10 @@ constexpr double kRadius = 5e-3, kTick = 1e-3;
 const std::vector<Tool> kBall{{Sphere{kRadius}, 0.4}};
 const FollowParams kFollow{.radius = 12e-3, .blend_time = 0.03, .largest_step = 2e-3};
 
-/// 60 × 40 × 20 mm of soft tissue on a fixed floor; its top is z = 0.
-const sfem::Model& block() {
-  static const sfem::Model model = [] {
-    sfem::Body body;
-    body.mesh = hex_block({60e-3, 40e-3, 20e-3}, {12, 8, 4});
-    for (Vec3d& x : body.mesh.vertices) x += Vec3d{-30e-3, -20e-3, -20e-3};
-    for (const Vec3d x : body.mesh.vertices) body.fixed.push_back(x.z < -19.9e-3);
-    body.materials = {{5e3, 0.4}};
-    sfem::Model made = *sfem::build(Exec(2), std::move(body), {.touch_depth = 0.02});
-    EXPECT_TRUE(sfem::compute_green(Exec(2), made, std::size_t(1) << 30));
-    return made;
-  }();
-  return model;
-}
-
 std::shared_ptr<const sfem::Patch> patch_at(Vec3d position) {
   const std::vector<Vec3d> positions{position};
-  return std::make_shared<const sfem::Patch>(
-      *sfem::build_patch(block(), sfem::patch_elements(block(), positions, kFollow.radius), 2, positions));
+  return std::make_shared<const sfem::Patch>(*sfem::build_patch(
+      soft_block(), sfem::patch_elements(soft_block(), positions, kFollow.radius), 2, positions));
 }
 
 Pose pose_above(double x, double depth) { return {{x, 1e-3, kRadius - depth}, {}}; }
@@ -44,7 +29,7 @@ SfemTouch touched(double stiffening = 0) {
   return make_sfem_touch(patch_at({-10e-3, 0, 0}), kBall, poses,
                          {.touch = {.viscosity = one_pair(stiffening, 0.1)},
                           .follow = kFollow,
-                          .vertex_count = block().body.mesh.vertices.size()});
+                          .vertex_count = soft_block().body.mesh.vertices.size()});
 }
 
 /// Down within 100 ms, then along x by 10 µm per tick.
@@ -69,7 +54,7 @@ TEST(SfemTouch, TicksAllocateNothing) {
         const SfemTouchSnapshot now = exchange.touched.read();
         alive.push_back(patch_at(now.contact_centers[0].position));
         exchange.patches.write(
-            {alive.back(), transferred_history(block(), now.history, *now.patch, *alive.back()), i});
+            {alive.back(), transferred_history(soft_block(), now.history, *now.patch, *alive.back()), i});
       }
       const ToolCommand command = command_at(i);
       counted += test::allocations_of(
@@ -99,7 +84,7 @@ TEST(SfemTouch, ChangedViscosityAllocatesNothing) {
       alive.push_back(patch_at(now.contact_centers[0].position));
       const ViscousHistory known = i % 100 == 22 ? now.history : ViscousHistory{};
       exchange.patches.write(
-          {alive.back(), transferred_history(block(), known, *now.patch, *alive.back()), i});
+          {alive.back(), transferred_history(soft_block(), known, *now.patch, *alive.back()), i});
     }
     const ToolCommand command = command_at(i);
     counted += test::allocations_of(
@@ -182,7 +167,7 @@ TEST(SfemTouch, TwoThreads_ExchangeWholeFrames) {
     const SfemTouchSnapshot& now = exchange.touched.read();
     ASSERT_EQ(now.x.size(), now.patch->points.size()) << "a value is whole";
     ASSERT_EQ(now.force.size(), now.patch->points.size());
-    exchange.motion.write({std::vector<Vec3d>(block().body.mesh.vertices.size(), Vec3d{}), 17});
+    exchange.motion.write({std::vector<Vec3d>(soft_block().body.mesh.vertices.size(), Vec3d{}), 17});
     if (now.patch_number == offered && now.contact_centers[0].touches) {
       const Vec3d touched_at = now.contact_centers[0].position;
       patches.push_back(patch_at(touched_at));

@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/allocations.hpp"
+#include "tests/contact/soft_block.hpp"
 #include "tests/contact/spectrum.hpp"
 #include "tests/models/rhombus/bodies.hpp"
 #include "turgor/contact/local_contact.hpp"
 #include "turgor/contact/rhombus_touch.hpp"
 #include "turgor/contact/sfem_touch.hpp"
-#include "turgor/geometry/hex_block.hpp"
 
 namespace turgor::contact {
 namespace {
@@ -137,27 +137,16 @@ struct Elements {
   SfemTouch rough, smooth;
   std::vector<Vec3d> vibration, force;
 
-  static const sfem::Model& block() {
-    static const sfem::Model model = [] {
-      sfem::Body body;
-      body.mesh = hex_block({60e-3, 40e-3, 20e-3}, {12, 8, 4});
-      for (Vec3d& x : body.mesh.vertices) x += Vec3d{-30e-3, -20e-3, -20e-3};
-      for (const Vec3d x : body.mesh.vertices) body.fixed.push_back(x.z < -19.9e-3);
-      body.materials = {{5e3, 0.4}};
-      sfem::Model made = *sfem::build(Exec(2), std::move(body), {.touch_depth = 0.02});
-      EXPECT_TRUE(sfem::compute_green(Exec(2), made, std::size_t(1) << 30));
-      return made;
-    }();
-    return model;
-  }
   Elements(double friction, Vec3d at) : rough(ball(friction, at, kRough)), smooth(ball(friction, at, {})) {}
   static SfemTouch ball(double friction, Vec3d at, const Texture& texture) {
     const std::vector<Vec3d> positions{{0, 0, 0}};
     auto patch = std::make_shared<const sfem::Patch>(
-        *sfem::build_patch(block(), sfem::patch_elements(block(), positions, 0.016), 2, positions));
-    return make_sfem_touch(
-        std::move(patch), {{Sphere{kRadius}, friction}}, std::vector<Pose>{{at, {}}},
-        {.touch = {}, .follow = {}, .vertex_count = block().body.mesh.vertices.size(), .texture = texture});
+        *sfem::build_patch(soft_block(), sfem::patch_elements(soft_block(), positions, 0.016), 2, positions));
+    return make_sfem_touch(std::move(patch), {{Sphere{kRadius}, friction}}, std::vector<Pose>{{at, {}}},
+                           {.touch = {},
+                            .follow = {},
+                            .vertex_count = soft_block().body.mesh.vertices.size(),
+                            .texture = texture});
   }
   void tick(Vec3d at, Vec3d of_block) {
     std::vector<ToolReading> with(1), without(1);
