@@ -127,7 +127,7 @@ TEST_F(DrawingProcess, ForkHasItsOwnChild) {
   EXPECT_TRUE(again) << again.error().message;
 }
 
-// Where no program can draw, the reason is given, and nothing is drawn in this process.
+// A refusal to start a program is given as the reason, and nothing is drawn in this process.
 TEST_F(DrawingProcess, RefusalIsNamed) {
   set_drawing_program({.refusal = "no program"});
   EXPECT_REFUSED(draw(), "cannot draw: no program");

@@ -189,7 +189,8 @@ Drawing& the_drawing() {
   return drawing;
 }
 
-/// Starts the child if there is none. A fork of the process that started it may not use its socket.
+/// Starts the process that draws if there is none. A fork of the process that started it may not use its
+/// socket.
 Status start_child(Drawing& drawing) {
   if (drawing.child && drawing.child->is_of_this_process()) return Done{};
   drawing.child.reset();

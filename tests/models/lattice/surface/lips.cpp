@@ -303,7 +303,7 @@ double width_of_corners(const CutBody& body, const BodySurface& surface) {
   return most / fine;
 }
 
-// Where the ends of two cuts meet, the tissue around both ends in a point, also while the wound gapes.
+// The tissue around two cuts whose ends meet ends in a point, also while the wound gapes.
 TEST(Lips, EndsOfTwoCutsMeetInPoint) {
   for (const bool has_partial_cells : {false, true})
     for (const int block : {2, 3}) {
