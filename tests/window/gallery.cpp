@@ -24,11 +24,15 @@ TEST(Gallery, ScenesHaveTitleSentenceAndPicture) {
   }
 }
 
-// Titles come from file names, sentences from the first comment without the line about own data.
+// Titles come from file names, sentences from the first comment, without commands and marks of code.
 TEST(Gallery, TitlesAndSentences) {
   EXPECT_EQ(title_of("sheet-on-liver"), "Sheet on liver");
-  EXPECT_EQ(first_comment("# A liver.\n# It is soft.\n# Your own patient: x\n[world]\n"),
+  EXPECT_EQ(first_comment("# A liver.\n# It is `soft`.\n# Your own: turgor run a.toml\n[world]\n"),
             "A liver. It is soft.");
+  for (const GalleryScene& scene : list_scenes(scene_folder())) {
+    EXPECT_EQ(scene.sentence.find('`'), std::string::npos) << scene.file;
+    EXPECT_EQ(scene.sentence.find("turgor run"), std::string::npos) << scene.file;
+  }
   EXPECT_EQ(first_comment("[world]\n# no\n"), "");
 }
 

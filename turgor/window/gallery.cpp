@@ -60,9 +60,10 @@ std::string first_comment(const std::string& text) {
   std::string comment;
   for (std::string line; std::getline(lines, line) && line.starts_with('#');) {
     const std::size_t begin = line.find_first_not_of("# ");
-    if (begin == std::string::npos || line.substr(begin).starts_with("Your own")) break;
+    if (begin == std::string::npos || line.find(": turgor ") != std::string::npos) break;
     comment += (comment.empty() ? "" : " ") + line.substr(begin);
   }
+  std::erase(comment, '`');
   return comment;
 }
 

@@ -22,7 +22,7 @@ std::vector<GalleryScene> list_scenes(const std::filesystem::path& folder);
 
 /// "sheet-on-liver" → "Sheet on liver".
 std::string title_of(const std::string& stem);
-/// The comment at the start of a scene's text, up to a line about the user's own data.
+/// The comment at the start of a scene's text, without backticks, up to a line with a command.
 std::string first_comment(const std::string& text);
 
 }  // namespace turgor
