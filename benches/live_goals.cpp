@@ -1,9 +1,9 @@
 // Pace of a window while a cut is drawn by hand, and in ordinary scenes, against the goals of the project on
 // two cores with software rendering. One command, at most five minutes on a quiet machine:
-//   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/benches/bench_live_goals [CT]
+//   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/benches/bench_live_goals [CT…]
 // Processor times (frames, with the snapshots that the session's threads make; pictures) depend less on other
-// work of the machine than paces do. `CT` is a patient's CT (a file or a DICOM folder); without it that row
-// is missing. The program returns 1 if a goal is missed.
+// work of the machine than paces do. A `CT` is a patient's CT (a file or a DICOM folder) and adds a row. The
+// program returns 1 if a goal is missed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,10 +34,24 @@ std::string torso_text(const std::string& ct) {
          "solver = { sleep_speed = 3e-4 }\n";
 }
 
-/// A window with its scene, and counts of pictures that showed a new state.
+/// A window with its scene. Counts pictures that showed a new state, and measures the longest time between
+/// two.
 struct Watched {
   std::unique_ptr<SceneWindow> window;
   int pictures = 0, frame = -1;
+  Timer since_picture;
+  double longest_gap = 0;  // [s]
+
+  /// Starts new counts at the present picture.
+  void restart() { pictures = 0, longest_gap = 0, since_picture = Timer(); }
+
+  /// Counts the picture that was just drawn, if its state is new.
+  void count_picture() {
+    if (now().snapshot.frame == frame) return;
+    pictures++, frame = now().snapshot.frame;
+    longest_gap = std::max(longest_gap, since_picture.seconds());
+    since_picture = Timer();
+  }
 
   const SessionStatus& now() { return *window->viewer().now; }
 
@@ -46,7 +60,7 @@ struct Watched {
   bool draw_until(const Condition& condition, double longest) {
     for (const Timer timer; timer.seconds() < longest;) {
       if (!window->draw()) return false;
-      if (now().snapshot.frame != frame) pictures++, frame = now().snapshot.frame;
+      count_picture();
       if (now().phase == SessionStatus::Phase::kFailed) return false;
       if (condition(now())) return true;
     }
@@ -57,6 +71,7 @@ struct Watched {
 /// Pace, pictures and processor times of a part of a run.
 struct Paced {
   double pace = 0, pictures = 0;       // [simulated s/s], [1/s]
+  double gap = 0;                      // longest time between two new pictures [s]
   double frame = 0, picture = 0;       // processor time of the session a frame, and of drawing a picture [s]
   double rasterizer = 0, haptics = 0;  // included in `picture` [s]; fraction of a core [1]
 };
@@ -68,7 +83,7 @@ Paced pace_until(Watched& watched, const Condition& condition, double longest) {
   const double begin = before.time;
   const int frame = before.frame;
   const std::map<std::string, double> times = thread_times();
-  watched.pictures = 0;
+  watched.restart();
   const Timer timer;
   watched.draw_until(condition, longest);
   const double seconds = timer.seconds();
@@ -78,6 +93,7 @@ Paced pace_until(Watched& watched, const Condition& condition, double longest) {
                pictures = std::max(1, watched.pictures);
   return {.pace = (watched.now().snapshot.time - begin) / seconds,
           .pictures = watched.pictures / seconds,
+          .gap = std::max(watched.longest_gap, watched.since_picture.seconds()),
           .frame = used["session"] / frames,
           .picture = (used["main"] + used["llvmpipe"]) / pictures,
           .rasterizer = used["llvmpipe"] / pictures,
@@ -110,16 +126,21 @@ Watched open(const fs::path& scene) {
   return watched;
 }
 
-/// Curve on the front of the first body, from head to feet, as a hand draws it.
+/// Curve on the front of the first body, as a hand draws it: from head to feet, or across a body that is
+/// too short for it.
 std::optional<CutRequest> hand_drawn(const WorldSnapshot& snapshot) {
   constexpr int kPoints = 8;
   const Box box = snapshot.bodies[0].box;
   const Vec3d middle = (box.low + box.high) * 0.5;
-  const double length = std::min(kLength, 0.6 * (box.high.z - box.low.z));
+  const Vec3d size = box.high - box.low;
+  const bool is_across = 0.6 * size.z < kLength;
+  const double length = std::min(kLength, 0.6 * (is_across ? size.x : size.z));
   CutRequest request{.blade = {.name = "hand", .depth = 0.01, .duration = length / kBladeSpeed}, .body = 0};
   for (int n = 0; n < kPoints; n++) {
     const double s = double(n) / (kPoints - 1);
-    const Vec3d eye{middle.x + 0.004 * std::sin(5 * s), box.low.y - 1, middle.z + (0.5 - s) * length};
+    const double along = (0.5 - s) * length, aside = 0.004 * std::sin(5 * s);
+    const Vec3d eye{middle.x + (is_across ? along : aside), box.low.y - 1,
+                    middle.z + (is_across ? aside : along)};
     const std::optional<Picked> skin = pick(snapshot, {eye, {0, 1, 0}});
     if (!skin) return std::nullopt;
     request.blade.path.push_back(skin->point);
@@ -185,9 +206,9 @@ void print_cut(const std::string& name, const fs::path& scene, int& misses) {
              f->missed, f->ticks + f->missed, f->open);
   for (const auto& [when, p] : {std::pair("cutting", f->during), std::pair("after", f->after)})
     fmt::print(
-        "  processor time {:<8} {:.1f} ms a frame, {:.1f} ms a picture ({:.1f} of it the rasterizer), "
-        "haptic loop {:.1f} % of a core\n",
-        when, 1e3 * p.frame, 1e3 * p.picture, 1e3 * p.rasterizer, 1e2 * p.haptics);
+        "  {:<8} processor time {:.1f} ms a frame, {:.1f} ms a picture ({:.1f} of it the rasterizer), "
+        "haptic loop {:.1f} % of a core; longest gap between pictures {:.0f} ms\n",
+        when, 1e3 * p.frame, 1e3 * p.picture, 1e3 * p.rasterizer, 1e2 * p.haptics, 1e3 * p.gap);
   std::fflush(stdout);
 }
 
@@ -225,8 +246,10 @@ int main(int count, char** words) {
              kOpenShare, "", kPictures, "", kPictures);
   write(phantom(275)), print_cut("phantom 512x512x275", scene, misses);
   write(phantom(550)), print_cut("phantom 512x512x550", scene, misses);
-  if (count > 1)
-    write(fmt::format("\"{}\"", fs::absolute(words[1]).string())), print_cut("patient", scene, misses);
+  for (int n = 1; n < count; n++) {
+    const fs::path ct = fs::canonical(words[n]);
+    write(fmt::format("\"{}\"", ct.string())), print_cut(ct.filename().string(), scene, misses);
+  }
   for (const char* file : {"palpation.toml", "incision.toml", "flag.toml"}) print_scene(file, misses);
   fs::remove(scene);
   fmt::print("{} goals missed; {:.0f} s in all\n", misses, timer.seconds());
