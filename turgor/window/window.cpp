@@ -173,7 +173,8 @@ PixelArea SceneWindow::Impl::picture_area() const {
   return to;
 }
 
-/// Draws again if anything changed, with full quality at rest.
+/// Draws again if anything changed, with full quality at rest. A world that plays is not at rest: a picture
+/// of full quality after a late frame would delay the next ones.
 void SceneWindow::Impl::draw_surfaces(int width, int height) {
   const SessionStatus& now = *viewer->now;
   const DrawnState current{now.world,
@@ -190,7 +191,8 @@ void SceneWindow::Impl::draw_surfaces(int width, int height) {
   const bool changes = !same(current, drawn);
   if (changes) changed = Clock::now();
   constexpr double kRest = 0.25;  // delay before the full quality is used [s]
-  if (!changes && !(seconds_since(changed) > kRest && can_be_refined(*picture))) return;
+  const bool is_at_rest = !now.plays && !changes && seconds_since(changed) > kRest;
+  if (!changes && !(is_at_rest && can_be_refined(*picture))) return;
   const Status status = draw_world(*viewer, changes, width, height, *picture);
   if (!status) viewer->message = viewer->failure = status.error().message;
   drawn = current;

@@ -65,23 +65,15 @@ void publish(SessionThread& session) {
     add_to_mean(timer.seconds(), next.show_seconds);
   }
   session.published.publish();
-  session.published_at = std::chrono::steady_clock::now();
+  session.rate.published_at = std::chrono::steady_clock::now();
 }
 
-/// Publishes the state after a frame. While the world plays, a snapshot that no reader has taken yet is
-/// replaced at most 30 times per second, since drawing the surface takes as long as a step. While frames are
-/// late, there are at most 16 snapshots per second, so that they and their pictures leave time for frames,
-/// and one that no reader has taken is replaced ten times per second. The 16 are due at a fixed rate: one
-/// that waits for the end of a frame does not delay those after it.
+/// Publishes the state after a frame, at the rate of SnapshotRate while the world plays.
 void publish_frame(SessionThread& session) {
-  constexpr std::chrono::milliseconds kUnread(33), kUnreadLate(100);
-  constexpr std::chrono::microseconds kLate(62500);
   const auto now = std::chrono::steady_clock::now();
-  const auto age = now - session.published_at;
   const bool is_late = session.next.real_pace < 0.9 * session.next.pace;
-  const bool is_unread = session.published.has_news() && age < (is_late ? kUnreadLate : kUnread);
-  if (is_playing(session) && (is_unread || (is_late && now < session.due_late))) return;
-  session.due_late = std::max(session.due_late, now - kLate) + kLate;
+  if (is_playing(session) && !session.rate.is_due(now, is_late, session.published.has_news())) return;
+  session.rate.count(now);
   publish(session);
 }
 

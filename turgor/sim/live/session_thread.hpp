@@ -17,6 +17,7 @@
 #include "turgor/sim/live/session_record.hpp"
 #include "turgor/sim/live/session_requests.hpp"
 #include "turgor/sim/live/session_world.hpp"
+#include "turgor/sim/live/snapshot_rate.hpp"
 
 namespace turgor {
 
@@ -50,8 +51,7 @@ struct SessionThread {
   std::optional<CutawayScene> cutaway = {};  // whose planes have sections of the CT
   PaceMeter meter = {};
   ProgressReports progress = {};
-  std::chrono::steady_clock::time_point published_at = {};  // time of the latest snapshot for readers
-  std::chrono::steady_clock::time_point due_late = {};      // time of the next one while frames are late
+  SnapshotRate rate = {};
   SessionStatus next =
       {};  // state for readers, without the snapshot, which is written directly to the reader's buffer
 };
