@@ -47,20 +47,28 @@ bool is_alone(const BodySurface& surface, const CutLine& line, Real step) {
   });
 }
 
+/// Coordinate along a direction that no plane of the lattice is normal to. Few vertices of a wall share it.
+/// Those within a distance of a vertex are within the same distance along it.
+Real oblique_coordinate(Vec3 position) {
+  constexpr Vec3 kDirection{0.36f, 0.48f, 0.8f};  // unit
+  return dot(position, kDirection);
+}
+
 /// Groups of at least two vertices that coincide at rest.
 std::vector<std::vector<std::size_t>> coincident(const BodySurface& surface, Real tolerance,
                                                  std::vector<std::size_t> vertices) {
   const auto rest = [&](std::size_t v) { return surface.rest[v]; };
-  std::sort(vertices.begin(), vertices.end(), [&](std::size_t a, std::size_t b) {
-    return rest(a).x != rest(b).x ? rest(a).x < rest(b).x : a < b;
-  });
+  const auto key = [&](std::size_t v) { return oblique_coordinate(surface.rest[v]); };
+  std::sort(vertices.begin(), vertices.end(),
+            [&](std::size_t a, std::size_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
   std::vector<std::vector<std::size_t>> groups;
   std::vector<std::uint8_t> is_done(vertices.size());
   for (std::size_t a = 0; a < vertices.size(); a++) {
     if (is_done[a]) continue;
     std::vector<std::size_t> group{vertices[a]};
     const Vec3 first = rest(vertices[a]);
-    for (std::size_t b = a + 1; b < vertices.size() && rest(vertices[b]).x - first.x < tolerance; b++)
+    const Real last = key(vertices[a]) + 2 * tolerance;  // twice, for rounded keys
+    for (std::size_t b = a + 1; b < vertices.size() && key(vertices[b]) < last; b++)
       if (!is_done[b] && norm(rest(vertices[b]) - first) < tolerance)
         is_done[b] = 1, group.push_back(vertices[b]);
     if (group.size() > 1) groups.push_back(std::move(group));
@@ -95,21 +103,39 @@ struct MovedVertex {
 /// the cut.
 void move_beside(const BodySurface& surface, Real step, const std::vector<std::size_t>& near,
                  const std::vector<MovedVertex>& moved, std::vector<Vec3>& x) {
-  constexpr Real kReach = 0.5;  // [steps]
+  const Real reach = step / 2;
   std::vector<std::size_t> done;
   for (const MovedVertex& m : moved) done.push_back(m.vertex);
   std::sort(done.begin(), done.end());
+  // moved vertices by their coordinate
+  struct Candidate {
+    Real key;
+    Vec3 rest;
+    const MovedVertex* moved;
+  };
+  std::vector<Candidate> candidates;
+  for (const MovedVertex& m : moved) {
+    const Vec3 rest = surface.rest[m.vertex];
+    candidates.push_back({oblique_coordinate(rest), rest, &m});
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.key != b.key ? a.key < b.key : a.moved < b.moved;
+  });
   for (const std::size_t v : near) {
     if (std::binary_search(done.begin(), done.end(), v)) continue;
     // nearest at rest and by displacement, which differs between both sides
-    Real least = kReach * step;
+    const Real key = oblique_coordinate(surface.rest[v]);
+    Real least = reach;
     Vec3 shift;
-    for (const MovedVertex& m : moved) {
-      const Vec3 away = surface.rest[v] - surface.rest[m.vertex];
-      const Real distance = norm(away) + norm(x[v] - m.before - away);
-      if (distance < least) least = distance, shift = m.shift;
+    const auto is_before = [](const Candidate& c, Real k) { return c.key < k; };
+    for (auto c = std::lower_bound(candidates.begin(), candidates.end(), key - reach, is_before);
+         c != candidates.end() && c->key < key + reach; ++c) {
+      const Vec3 away = surface.rest[v] - c->rest;
+      if (dot(away, away) >= least * least) continue;
+      const Real distance = norm(away) + norm(x[v] - c->moved->before - away);
+      if (distance < least) least = distance, shift = c->moved->shift;
     }
-    x[v] += shift * (1 - least / (kReach * step));
+    x[v] += shift * (1 - least / reach);
   }
 }
 
