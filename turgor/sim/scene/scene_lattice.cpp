@@ -137,8 +137,8 @@ void read_law(SceneTable& tissue, const TissuePreset* preset, lattice::TissuePar
   // keys with limits
   tissue.read(
       "poisson", params.poisson, within(0, 0.499),
-      "solid only: Poisson's ratio; above 0.45 an odd number of sweeps has one more, and motion needs 10 "
-      "or more");
+      "solid only: Poisson's ratio; above 0.45 an odd number of sweeps has one more; from 0.45 on, use 10 or "
+      "more where tools press");
   tissue.read(
       "partial_cells", params.partial_cells,
       {"solid only: cells that the body fills in part bear in proportion, and skin bears where the CT shows "

@@ -162,7 +162,7 @@ void read_patch(SceneTable& body, PatchScene& patch) {
   if (!table.has("refinement")) patch.refinement = kByElements;
   table.read("refinement", patch.refinement, within(1, 4),
              {"number of segments per edge; 1 = no refinement",
-              "2; for quadratic elements, chosen so that the expected force error is below 5 %"});
+              "2; for quadratic elements, chosen so that the expected force error is at most 4 %"});
   table.read("hysteresis", patch.hysteresis, within(0, 1),
              "distance that the contact moves before the patch follows, relative to the radius");
   table.finish();
