@@ -91,7 +91,7 @@ Cost cost_of(const World& world, const Pressed& pressed, const Body& body) {
 }  // namespace
 
 double force_interval(const World& world, BodyId id) {
-  return id.kind == BodyKind::kLattice || id.kind == BodyKind::kCloth ? world.dt : kTick;
+  return id.kind == BodyKind::kSfem || id.kind == BodyKind::kRhombus ? kTick : world.dt;
 }
 
 Json wall_time(const std::vector<double>& seconds, double fraction) {

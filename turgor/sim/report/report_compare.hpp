@@ -5,7 +5,7 @@
 
 namespace turgor {
 
-/// Interval of forces: one per tick, or one per frame for lattices [s].
+/// Interval of forces: one per tick on elements and chains, one per frame on other bodies [s].
 double force_interval(const World& world, BodyId id);
 
 /// Percentile at `fraction` [s]; null without samples: in real time the report of the loop contains them.
