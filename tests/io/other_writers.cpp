@@ -88,6 +88,33 @@ TEST(OtherWriters, ReadsDicomSegmentation) {
       }
 }
 
+// Without a stated distance, that of the frames is used and not the thickness of the slices.
+TEST(OtherWriters, SegmentationNeedsNoSpacingBetweenSlices) {
+  const Result<LabelFile> stated = read_labels_of(kCorpus / "segmentation.dcm", highdicom_grid());
+  ASSERT_TRUE(stated) << stated.error().message;
+  std::string bytes = test::bytes_of(kCorpus / "segmentation.dcm");
+  const auto element = [&bytes](unsigned char number) {
+    const std::string tag{0x18, 0, char(number), 0, 'D', 'S'};
+    return bytes.find(tag);
+  };
+  // another element takes the tag of the distance
+  const std::size_t distance = element(0x88), thickness_at = element(0x50);
+  ASSERT_NE(distance, std::string::npos);
+  ASSERT_NE(thickness_at, std::string::npos);
+  bytes[distance + 2] = char(0x87);
+  for (const char* thickness : {"1", "5", "9"}) {
+    const std::size_t length = std::size_t(bytes[thickness_at + 6]);
+    std::string value = thickness;
+    value.resize(length, ' ');
+    bytes.replace(thickness_at + 8, length, value);
+    const fs::path file = test::fresh_folder() / "a.dcm";
+    test::write(file, bytes);
+    const Result<LabelFile> read = read_labels_of(file, highdicom_grid());
+    ASSERT_TRUE(read) << thickness << ": " << read.error().message;
+    EXPECT_EQ(read->labels.samples, stated->labels.samples) << thickness;
+  }
+}
+
 /// A frame encoded as runs of literal bytes [PS3.5, annex G].
 std::string run_lengths(std::string_view samples) {
   std::string code(64, '\0');

@@ -56,6 +56,24 @@ TEST(Dicom, OneFileSelectsItsSeries) {
   EXPECT_EQ(read->ct.samples, s.ct.samples);
 }
 
+// A slice of another series than the requested one is refused.
+TEST(Dicom, FileOfAnotherSeriesIsRefused) {
+  const Series s;
+  const Series other(4);
+  fs::copy(other.slice(2), s.path / "other.dcm");
+  const std::string own = io::read_dicom_header(s.slice(3)).slice->series,
+                    foreign = io::read_dicom_header(other.slice(2)).slice->series;
+  EXPECT_TRUE(read_ct(kExec, s.slice(3), {own, {}}));
+  EXPECT_REFUSED(read_ct(kExec, s.slice(3), {foreign, {}}), own.c_str(), "name the folder instead");
+}
+
+// Numbers are whole words: a comma is no decimal point, and would make a spacing of 1.25 mm one of 1 mm.
+TEST(Dicom, DecimalCommasAreRefused) {
+  const Series s;
+  s.set_every(0x28, 0x30, "1,25\\1,25");
+  EXPECT_REFUSED(s.read(), "PixelSpacing");
+}
+
 // Slope and intercept scale the samples; a slope of NaN, zero or text is ignored.
 TEST(Dicom, AppliesSlopeAndIntercept) {
   const Series s;

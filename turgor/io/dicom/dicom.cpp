@@ -27,8 +27,10 @@ struct ChosenSlices {
   std::vector<std::string> notes;
 };
 
-/// A single file selects its series: its folder is read, and other series in it are ignored.
-Result<ChosenSlices> slices_beside(const Exec& exec, const fs::path& file, const Progress& progress) {
+/// A single file selects its series: its folder is read, and other series in it are ignored. Another series
+/// in the options is refused.
+Result<ChosenSlices> slices_beside(const Exec& exec, const fs::path& file, const ReadOptions& options,
+                                   const Progress& progress) {
   const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
   // The header is read under the name that the folder lists, so that the scan does not read it again.
   const DicomFile named = read_dicom_header(folder / file.filename());
@@ -38,6 +40,13 @@ Result<ChosenSlices> slices_beside(const Exec& exec, const fs::path& file, const
   if (!found) return found.error();
   ChosenSlices chosen;
   const std::string series = named.slice->series;
+  if (!options.series.empty()) {
+    const Result<std::vector<DicomSlice>> wanted = choose_series(folder, found->slices, options.series);
+    if (!wanted) return wanted.error();
+    if (wanted->front().series != series)
+      return Error{fmt::format("{}: a slice of series {}, not of the requested {}; name the folder instead",
+                               file.string(), series, options.series)};
+  }
   if (const Status rest = judge_rest(*found, series, chosen.notes); !rest) return rest.error();
   std::erase_if(found->slices, [&](const DicomSlice& s) { return s.series != series; });
   chosen.slices = std::move(found->slices);
@@ -167,7 +176,7 @@ Result<CtFile> read_dicom(const Exec& exec, const fs::path& path, const ReadOpti
   std::error_code failed;
   const bool is_folder = fs::is_directory(path, failed);
   Result<ChosenSlices> chosen = is_folder ? slices_in(exec, path, options, sub_progress(0, 0.3))
-                                          : slices_beside(exec, path, sub_progress(0, 0.3));
+                                          : slices_beside(exec, path, options, sub_progress(0, 0.3));
   if (!chosen) return chosen.error();
   // grid
   Result<DicomVolume> volume = stack_slices(path, std::move(chosen->slices), options.straighten);

@@ -122,7 +122,8 @@ std::vector<double> decimal_numbers(std::string_view all) {
     std::string word = trimmed(all.substr(at, end - at));
     if (word.starts_with('+')) word.erase(0, 1);
     double value = std::nan("");
-    std::from_chars(word.data(), word.data() + word.size(), value);
+    const char* const last = word.data() + word.size();
+    if (std::from_chars(word.data(), last, value).ptr != last) value = std::nan("");
     values.push_back(value);
     at = end + 1;
   }

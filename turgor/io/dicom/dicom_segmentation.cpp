@@ -90,6 +90,17 @@ std::optional<double> shared_spacing(const DicomElements& set) {
   return number.size() == 1 ? std::optional(number[0]) : std::nullopt;
 }
 
+/// Distance of the planes: as stated, else the smallest one of `sorted` positions, else the thickness [mm].
+double plane_distance(const DicomElements& set, const std::vector<double>& sorted, double thickness) {
+  if (const std::optional<double> said = shared_spacing(set)) return *said;
+  constexpr double kSamePlane = 1e-3;  // several segments have frames in one plane [mm]
+  double least = 0;
+  for (std::size_t n = 1; n < sorted.size(); n++)
+    if (const double gap = sorted[n] - sorted[n - 1]; gap > kSamePlane && (least == 0 || gap < least))
+      least = gap;
+  return least > 0 ? least : thickness;
+}
+
 /// Grid through all frames, from their positions. Frames are on equidistant planes, some of which may be
 /// empty.
 Result<Grid> grid_of(const fs::path& file, const Segmentation& seg) {
@@ -105,7 +116,7 @@ Result<Grid> grid_of(const fs::path& file, const Segmentation& seg) {
     offsets.push_back(dot(*s.position, k));
   }
   std::sort(offsets.begin(), offsets.end());
-  const double spacing = shared_spacing(seg.elements).value_or(first.thickness);
+  const double spacing = plane_distance(seg.elements, offsets, first.thickness);
   if (!(spacing > 0)) return refusal(file, "neither SpacingBetweenSlices nor SliceThickness is given");
   const double count = (offsets.back() - offsets.front()) / spacing + 1;
   for (const double offset : offsets) {
