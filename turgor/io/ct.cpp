@@ -95,9 +95,14 @@ Result<CtFile> read_any_ct(const Exec& exec, const fs::path& path, const ReadOpt
   if (fs::is_directory(path, failed)) return io::read_dicom(exec, path, options);
   if (Status input = io::check_input(path); !input) return input.error();
   if (io::is_dicom(path)) return io::read_dicom(exec, path, options);
+  if (!options.series.empty() || options.straighten)
+    return Error{
+        fmt::format("{}: only DICOM has series and tilted slices; expected no such option", path.string())};
   const Result<RawVolume> raw = read_raw(path, 1);
   if (!raw) return raw.error();
   CtFile file;
+  if (!raw->missing.empty())
+    file.notes.push_back(fmt::format("the file states no {}; check its size, left and right", raw->missing));
   file.format = name(raw->format);
   file.ct = right_handed(CtVolume{raw->grid, hounsfield(exec, *raw, file.notes)});
   if (std::string doubt = doubt_of_hounsfield_units(file.ct); !doubt.empty()) file.notes.push_back(doubt);

@@ -44,6 +44,39 @@ Result<CtFile> read_bytes(const std::string& bytes) {
   return read_ct(Exec(1), folder / "a.nii");
 }
 
+// Files that state no orientation or spacing are read with a note.
+TEST(VolumeFile, MissingSpacingOrOrientationIsNoted) {
+  const auto notes = [](const char* name, const std::string& bytes) {
+    const std::filesystem::path folder = fresh_folder();
+    write(folder / name, bytes);
+    const Result<CtFile> read = read_ct(Exec(1), folder / name);
+    EXPECT_TRUE(read) << read.error().message;
+    std::string all;
+    for (const std::string& note : read ? read->notes : std::vector<std::string>{}) all += note + "\n";
+    return all;
+  };
+  const std::string samples(24, '\0');
+  EXPECT_NE(notes("a.nii", int32_file().bytes).find("states no orientation"), std::string::npos);
+  EXPECT_NE(
+      notes("a.nrrd",
+            "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 2 2\nencoding: raw\nendian: little\n\n" + samples)
+          .find("states no spacing"),
+      std::string::npos);
+  const std::string meta =
+      "ObjectType = Image\nNDims = 3\nDimSize = 3 2 2\nElementType = MET_SHORT\nBinaryData = True\n";
+  const std::string data = "ElementDataFile = LOCAL\n" + samples;
+  EXPECT_NE(notes("a.mha", meta + data).find("states no spacing"), std::string::npos);
+  EXPECT_EQ(notes("a.mha", meta + "ElementSpacing = 1 1 2\n" + data).find("states no"), std::string::npos);
+}
+
+// Options of DICOM are refused for other formats.
+TEST(VolumeFile, SeriesAndTiltAreOfDicomOnly) {
+  const std::filesystem::path folder = fresh_folder();
+  write(folder / "a.nii", int32_file().bytes);
+  EXPECT_REFUSED(read_ct(Exec(1), folder / "a.nii", {"2", {}}), "only DICOM");
+  EXPECT_REFUSED(read_ct(Exec(1), folder / "a.nii", {"", {}, true}), "only DICOM");
+}
+
 // A slope of NaN or zero means no scaling.
 TEST(NiftiFile, InvalidSlopeMeansNoScaling) {
   for (const float slope : {std::nanf(""), 0.0f, 1.0f}) {
@@ -97,7 +130,8 @@ TEST(NiftiFile, RoundingIsNoted) {
   const auto whole =
       read_bytes(Nifti(16, {-1000.f, 0.f, 40.f, 3.f, 7.f, 8.f, 9.f, 1.f, 2.f, 3.f, 4.f, 5.f}).bytes);
   ASSERT_TRUE(whole) << whole.error().message;
-  EXPECT_TRUE(whole->notes.empty());
+  ASSERT_EQ(whole->notes.size(), 1u);  // the file has no orientation
+  EXPECT_TRUE(has_note(whole, "states no orientation"));
 }
 
 // A note reports values that do not look like Hounsfield units.

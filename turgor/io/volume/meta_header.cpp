@@ -55,6 +55,7 @@ Status read_numbers(const fs::path& path, const TextFields& fields, std::initial
 
 Status read_grid(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
   std::array<double, 3> spacing{1, 1, 1}, origin{};
+  if (!fields.has("ElementSpacing") && !fields.has("ElementSize")) header.missing = "spacing";
   std::array<double, 9> rows{1, 0, 0, 0, 1, 0, 0, 0, 1};  // one row per axis
   const char* spacing_key = fields.has("ElementSpacing") ? "ElementSpacing" : "ElementSize";
   if (Status read = read_numbers(path, fields, {spacing_key}, spacing); !read) return read;

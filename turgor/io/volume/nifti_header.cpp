@@ -1,6 +1,6 @@
-// Headers of NIfTI-1 (348 bytes) and NIfTI-2 (540 bytes), in either byte order. The grid is found as in
-// nibabel and 3D Slicer (sform, else qform, else the spacing alone) and converted from RAS to LPS. [nifti1.h,
-// nifti2.h of the NIfTI working group]
+// Headers of NIfTI-1 (348 bytes) and NIfTI-2 (540 bytes), in either byte order. The grid is that of the sform,
+// else of the qform, and is converted from RAS to LPS. Without both it has the spacing alone, as in 3D Slicer;
+// nibabel then flips x and centers the grid. [nifti1.h, nifti2.h of the NIfTI working group]
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -143,6 +143,7 @@ double meters_per_unit(int units) { return (units & 7) == 1 ? 1 : (units & 7) ==
 
 Status read_grid(const fs::path& path, const Fields& f, VolumeHeader& header) {
   Affine a = f.sform_code() > 0 ? sform(f) : f.qform_code() > 0 ? qform(f) : spacing_alone(f);
+  if (f.sform_code() <= 0 && f.qform_code() <= 0) header.missing = "orientation";
   const double unit = meters_per_unit(f.units());
   for (int axis = 0; axis < 3; axis++) {
     const Vec3d ras = a.linear.column[axis];

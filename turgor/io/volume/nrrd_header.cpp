@@ -227,6 +227,7 @@ Result<VolumeHeader> parse_nrrd(const fs::path& path, std::string_view head) {
   if (Status segments = read_segments(path, fields, header); !segments) return segments.error();
   if (Status kinds = check_kinds(path, fields); !kinds) return kinds.error();
   if (Status grid = read_nrrd_grid(path, fields, header.grid); !grid) return grid.error();
+  if (!fields.has("space directions") && !fields.has("spacings")) header.missing = "spacing";
   if (Status encoding = read_encoding(path, fields, header); !encoding) return encoding.error();
   if (Status data = find_nrrd_data(path, fields, header); !data) return data.error();
   return header;

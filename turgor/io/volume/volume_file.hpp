@@ -19,6 +19,7 @@ struct RawVolume {
   double slope = 1, intercept = 0;  // value = slope · stored + intercept
   std::vector<std::byte> bytes;     // components fastest, then i
   LabelNames label_names;           // of a segmentation, if the file has them
+  std::string missing;              // as in VolumeHeader
 
   std::size_t value_count() const { return bytes.size() / byte_size(type); }
 };

@@ -29,6 +29,7 @@ struct VolumeHeader {
   bool is_swapped = false;            // byte order differs from this machine's
   std::int64_t component_stride = 1;  // samples from one component to the next of the same voxel in the file
   Grid grid{};
+  std::string missing;     // what the file does not state of its grid, such as "spacing"; empty: nothing
   LabelNames label_names;  // of a segmentation, if the file has them
 
   // Location of the samples in the data file: `data_offset` bytes, then `skipped_lines`, then the samples or

@@ -105,8 +105,8 @@ std::vector<std::byte> interleaved(const std::vector<std::byte>& stored, std::si
 }
 
 RawVolume without_samples(const VolumeHeader& header) {
-  return {header.format, header.grid,      header.type, header.components,
-          header.slope,  header.intercept, {},          header.label_names};
+  return {header.format,    header.grid, header.type,        header.components, header.slope,
+          header.intercept, {},          header.label_names, header.missing};
 }
 
 void swap_bytes(RawVolume& raw) {
