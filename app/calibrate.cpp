@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -30,9 +31,9 @@ constexpr std::size_t kMostPoints = 200;  // of a curve simulated in a scene
 struct CalibrateOptions {
   fs::path input, out;
   std::vector<std::string> overrides;
-  double side = 0;        // [mm]; 0 = chosen by the radius of the tip
-  double tip = 5;         // radius of the tip of a measured curve [mm]
-  double stiffening = 1;  // of a pulled unit
+  double side = 0;            // [mm]; 0 = chosen by the radius of the tip
+  std::optional<double> tip;  // radius of the tip of a measured curve [mm]; default: 5
+  double stiffening = 1;      // of a pulled unit
   bool force = false;
 };
 
@@ -186,11 +187,16 @@ rhombus::ChainParams start_of_fit(const CalibrateOptions& options, double tip) {
 }
 
 void calibrate(const Exec& exec, const CalibrateOptions& options) {
+  const bool measured = options.input.extension() != ".toml";
+  if (measured && !options.overrides.empty())
+    throw Failure{2, options.input.string() + ": --set changes scenes; this is a table"};
+  if (!measured && options.tip)
+    throw Failure{2, options.input.string() + ": --tip belongs to a table; the scene has its own tool"};
   OutputFolder folder = open_result_folder(
       options.out.empty() ? fs::path("out") / options.input.stem() : options.out, options.force);
-  const bool measured = options.input.extension() != ".toml";
-  const Given given = measured ? Given{required(read_force_curve(options.input)), options.tip * 1e-3, 1}
-                               : curve_of_scene(exec, options);
+  const Given given =
+      measured ? Given{required(read_force_curve(options.input)), options.tip.value_or(5) * 1e-3, 1}
+               : curve_of_scene(exec, options);
   const rhombus::Fit fit = required(rhombus::calibrate(given.curve, start_of_fit(options, given.tip)),
                                     options.input.string() + ": ");
   write_curves(given.curve, fit, folder.path());

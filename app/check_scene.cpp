@@ -29,18 +29,24 @@ double memory_taken() {
 }
 
 /// Wall time of one frame [s].
-double step_seconds(const Exec& exec, World& world) {
+double step_seconds(const Exec& exec, World& world, bool* finite = nullptr) {
   const Timer one;
-  required(step(exec, world));
+  const FrameReport report = required(step(exec, world));
+  if (finite != nullptr) *finite = report.finite;
   return one.seconds();
 }
 
-/// Wall times of the frames from the first on, until they took kMostSeconds together [s].
+/// Wall times of the frames from the first on, until they took kMostSeconds together [s]. Throws Failure if
+/// one of them is not finite.
 std::vector<double> first_frames(const Exec& exec, int frames, World& world) {
   std::vector<double> seconds;
   const Timer all;
-  while (int(seconds.size()) < frames && all.seconds() < kMostSeconds)
-    seconds.push_back(step_seconds(exec, world));
+  while (int(seconds.size()) < frames && all.seconds() < kMostSeconds) {
+    bool finite = true;
+    seconds.push_back(step_seconds(exec, world, &finite));
+    if (!finite)
+      throw Failure{kNotFinite, fmt::format("frame {} of the scene is not finite", seconds.size())};
+  }
   return seconds;
 }
 

@@ -3,6 +3,7 @@
 // throws Failure with a sentence on errors.
 #pragma once
 
+#include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -35,6 +36,17 @@ template <class T>
 T required(Result<T> result, const std::string& where = {}) {
   if (!result) throw Failure{2, where + result.error().message};
   return std::move(*result);
+}
+
+/// True if an existing output file is an input, or lies in an input folder.
+inline bool replaces_input(const std::filesystem::path& output, const std::filesystem::path& input) {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  if (input.empty() || !fs::exists(output, failed)) return false;
+  if (fs::equivalent(output, input, failed)) return true;
+  if (!fs::is_directory(input, failed)) return false;
+  const fs::path inside = fs::canonical(output, failed).lexically_relative(fs::canonical(input, failed));
+  return !inside.empty() && *inside.begin() != "..";
 }
 
 /// Validator of an option: a finite number from `low` to `high`.

@@ -21,6 +21,8 @@ CtFile read_with_bar(const ImportOptions& options, const Exec& exec) {
 
 void run_import(const ImportOptions& options, const Global& global) {
   required(check_volume_goal(options.output));
+  if (replaces_input(options.output, options.path))
+    throw Failure{2, fmt::format("-o {}: would replace an input file", options.output)};
   const CtFile file = read_with_bar(options, Exec(global.threads));
   for (const std::string& note : file.notes) turgor::note(note);
   required(write_ct(options.output, file.ct));

@@ -176,9 +176,8 @@ Json inform_about_mesh(const InfoOptions& options, const Exec& exec) {
 /// Checks --json before long work.
 void check_json_goal(const InfoOptions& options) {
   required(check_file_goal(options.json));
-  std::error_code ignored;
   for (const std::string& input : {options.path, options.labels})
-    if (std::filesystem::equivalent(options.json, input, ignored))
+    if (replaces_input(options.json, input))
       throw Failure{2, fmt::format("--json {}: would replace an input file", options.json)};
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -25,8 +26,8 @@ struct PhantomOptions {
   std::string kind, labels, output;
   std::vector<int> size;
   std::vector<double> spacing_mm;
-  std::uint64_t seed = 1;
-  double detail = 1;
+  std::optional<std::uint64_t> seed;  // default: 1
+  std::optional<double> detail;       // default: 1
 };
 
 const std::map<std::string, PhantomKind> kKinds = {
@@ -35,7 +36,7 @@ const std::map<std::string, PhantomKind> kKinds = {
 /// Parameters of the phantom. If only a size is given, the extent stays and the spacing changes.
 PhantomParams make_params(const PhantomOptions& options) {
   PhantomParams params = default_phantom(kKinds.at(options.kind));
-  params.seed = options.seed;
+  params.seed = options.seed.value_or(1);
   for (int axis = 0; axis < 3 && !options.size.empty(); axis++) {
     const int size = options.size[std::size_t(axis)];
     params.spacing[axis] *= double(params.size[axis]) / size;
@@ -82,14 +83,20 @@ void run_surface(const PhantomOptions& options) {
   if (!options.size.empty() || !options.spacing_mm.empty() || !options.labels.empty())
     throw Failure{2, fmt::format("phantom {}: a surface has no --size, --spacing or --labels", options.kind)};
   required(check_file_goal(options.output));
-  const TriMesh mesh = options.kind == "liver" ? phantom_liver(options.detail) : phantom_forceps();
+  const TriMesh mesh =
+      options.kind == "liver" ? phantom_liver(options.detail.value_or(1)) : phantom_forceps();
   required(write_obj(options.output, mesh));
   print_plain("{}: {} of {} vertices and {} triangles\n", options.output, options.kind, mesh.vertices.size(),
               mesh.triangles.size());
 }
 
 void run_phantom(const PhantomOptions& options, const Global& global) {
-  if (options.kind == "liver" || options.kind == "forceps") return run_surface(options);
+  const bool is_surface = options.kind == "liver" || options.kind == "forceps";
+  if (options.detail && options.kind != "liver")
+    throw Failure{2, fmt::format("phantom {}: only the liver has --detail", options.kind)};
+  if (options.seed && is_surface)
+    throw Failure{2, fmt::format("phantom {}: a surface has no --seed", options.kind)};
+  if (is_surface) return run_surface(options);
   const Exec exec(global.threads);
   const PhantomParams params = make_params(options);
   if (const double samples = double(params.size.x) * params.size.y * params.size.z;

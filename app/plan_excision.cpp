@@ -72,10 +72,10 @@ struct PlanWorld {
     const auto device = std::any_of(scene.lattice_bodies.begin(), scene.lattice_bodies.end(),
                                     [](const LatticeScene& body) { return body.device == Device::kGpu; });
     if (device || !world.tools.empty() || !world.sfem_bodies.empty() || !world.rhombus_bodies.empty() ||
-        !world.cloth_bodies.empty())
-      throw Failure{
-          2, file.string() +
-                 ": a plan simulates lattice bodies on the CPU: expected no tools and no other bodies"};
+        !world.cloth_bodies.empty() || !world.rigid_bodies.empty() || !is_empty(world.coupling))
+      throw Failure{2, file.string() +
+                           ": a plan simulates lattice bodies on the CPU: expected no tools, no "
+                           "other bodies, and no attachments or contacts"};
   }
   /// The world at rest with the cuts of another scene.
   World& with_cuts_of(const Scene& scene) {

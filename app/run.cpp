@@ -63,7 +63,6 @@ fs::path goal_of(const CommandOptions& options, const Json& report) {
 }
 
 void run(const Exec& exec, const CommandOptions& options) {
-  if (options.check) return check_scene(exec, required(read_scene(options.scene, options.overrides)));
   RunOptions goal{.out = options.out,
                   .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse,
                   .live = std::nullopt,
@@ -72,6 +71,7 @@ void run(const Exec& exec, const CommandOptions& options) {
   if (options.real_time) goal.live = options.live;
   std::vector<Requirement> requirements;
   for (const std::string& text : options.required) requirements.push_back(required(read_requirement(text)));
+  if (options.check) return check_scene(exec, required(read_scene(options.scene, options.overrides)));
   std::optional<ProgressBar> bar;
   const RunCallbacks callbacks = make_callbacks(options, bar);
   const Json report =

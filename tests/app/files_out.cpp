@@ -113,6 +113,33 @@ TEST_F(FilesOut, ReportsJsonErrors) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
+// An output never replaces an input, also not a slice in an input folder.
+TEST_F(FilesOut, OutputsNeverReplaceInputs) {
+  const std::string ct = bytes_of(folder / "ct.nii");
+  expect_refused("import ct.nii -o ct.nii", "-o ct.nii: would replace an input file");
+  expect_refused("import ct.nii -o ./ct.nii", "would replace an input file");
+  EXPECT_EQ(bytes_of(folder / "ct.nii"), ct);
+  ASSERT_EQ(run_program("phantom torso --size 24 20 4 -o dicom", folder).code, 0);
+  before = names_in(folder);
+  const std::string slice = bytes_of(folder / "dicom" / "slice-00001.dcm");
+  ASSERT_FALSE(slice.empty());
+  expect_refused("info dicom --json dicom/slice-00001.dcm", "would replace an input file");
+  EXPECT_EQ(bytes_of(folder / "dicom" / "slice-00001.dcm"), slice);
+}
+
+// An option that would be ignored is refused.
+TEST_F(FilesOut, OptionsAreNeverIgnored) {
+  write(folder / "curve.csv", "0,0\n0.001,0.1\n0.002,0.2\n0.003,0.3\n0.004,0.4\n0.005,0.5\n");
+  before = names_in(folder);
+  expect_refused("calibrate curve.csv --set world.dt=1 --out out", "--set changes scenes; this is a table");
+  expect_refused("calibrate s.toml --tip 8 --out out", "--tip belongs to a table");
+  expect_refused("phantom torso --size 24 20 4 --detail 5 -o a.nii", "only the liver has --detail");
+  expect_refused("phantom forceps --detail 5 -o a.obj", "only the liver has --detail");
+  expect_refused("phantom liver --seed 7 -o a.obj", "a surface has no --seed");
+  expect_refused("import ct.nii --series 2 -o b.nii", "only DICOM");
+  expect_refused("run s.toml --check --require nonsense", "--require");
+}
+
 // Outputs below a file or in a missing folder are refused before the work starts.
 TEST_F(FilesOut, RejectsImpossibleOutputsEarly) {
   expect_refused("run s.toml --out ct.nii/out", "ct.nii");
@@ -170,6 +197,10 @@ TEST_F(FilesOut, NonFiniteRunKeepsResults) {
   EXPECT_NE(ended.printed.find("flag: a higher frame rate"), std::string::npos) << ended.printed;
   EXPECT_EQ(ended.printed.find("skin tension"), std::string::npos) << "the scene has no skin";
   EXPECT_FALSE(report["pictures"].empty());
+  // the check of the scene finds it, too
+  const Ended check = run_program("run stiff.toml --check", folder);
+  EXPECT_EQ(check.code, 3) << check.printed;
+  EXPECT_NE(check.printed.find("is not finite"), std::string::npos) << check.printed;
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers reserve terabytes

@@ -43,6 +43,18 @@ std::string directional_text() {
          "[suture.row]\nwound = \"mole\"\nbite = 0.006\nspacing = 0.008\nstart = 0.1\nduration = 0.3\n";
 }
 
+// Bodies whose state a direction would leave to the next one are refused.
+TEST(PlanExcisionCommand, RefusesOtherBodies) {
+  const fs::path folder = fresh_folder();
+  ASSERT_TRUE(write_block(folder));
+  std::ofstream(folder / "ball.toml") << directional_text()
+                                      << "[body.ball]\nmodel = \"rigid\"\nshape = { sphere = 0.005 }\n"
+                                         "at = [0, -0.2, 0]\ndensity = 1000\n";
+  const Ended ended = run_program("plan-excision ball.toml -o plan", folder);
+  EXPECT_EQ(ended.code, 2) << ended.printed;
+  EXPECT_NE(ended.printed.find("no other bodies"), std::string::npos) << ended.printed;
+}
+
 // The command finds that a lens along the lines of largest tension closes with least force.
 TEST(PlanExcisionCommand, LeastForceIsAlongLinesOfTension) {
   const fs::path folder = fresh_folder();
