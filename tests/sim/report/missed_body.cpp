@@ -36,6 +36,21 @@ TEST(MissedBody, ToolWithoutContactIsReported) {
             "nearest point, (0.03, 0.03, 0.03) m, is 0.014 m away (at 0.100 s)");
 }
 
+// The distance is that of the tool where it was, and not that of a path which it did not follow.
+TEST(MissedBody, DistanceIsOfToolAndNotOfPath) {
+  const Result<Scene> scene = parse_scene(std::string(kPad) +
+                                              "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.006 }\n"
+                                              "path = [[0, 0.03, 0.03, 0.2]]\n",
+                                          "s.toml");
+  ASSERT_TRUE(scene);
+  World world = sfem_world(Exec(1), *scene);
+  for (int frame = 0; frame < 20; frame++) ASSERT_TRUE(step(Exec(1), world));
+  world.tools[0].path.rows.front().position.z = 0.03;  // on the pad
+  const std::vector<std::string> warnings = touch_warnings(world);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("is 0.164 m away"), std::string::npos) << warnings[0];
+}
+
 // Every model reports a tool without contact.
 TEST(MissedBody, EveryModelReportsMissingContact) {
   const std::string away = "path = [[0, 2, 0, 0]]";

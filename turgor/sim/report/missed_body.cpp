@@ -21,15 +21,15 @@ struct Nearest {
   double distance = std::numeric_limits<double>::infinity();  // to the tool's surface [m]
 };
 
-void update_nearest(const TriangleTree& body, const TouchingTool& tool, double time, Nearest& nearest) {
-  const PathRow row = path_at(tool.path, time);
-  const contact::Pose pose{row.position, axes_of(row.orientation)};
+void update_nearest(const TriangleTree& body, const TouchingTool& tool, const ForceSample& sample,
+                    Nearest& nearest) {
+  const contact::Pose pose{sample.position, sample.axes};
   double reach = 0;
   for (const Vec3 x : tool.mesh.vertices) reach = std::max(reach, double(norm(x)));
-  if (nearest_point(body, row.position).distance - reach >= nearest.distance) return;
+  if (nearest_point(body, sample.position).distance - reach >= nearest.distance) return;
   for (const Vec3 x : tool.mesh.vertices) {
     const TrianglePoint point = nearest_point(body, contact::to_world(pose, Vec3d(x)));
-    if (point.distance < nearest.distance) nearest = {time, point.position, point.distance};
+    if (point.distance < nearest.distance) nearest = {sample.time, point.position, point.distance};
   }
 }
 
@@ -48,7 +48,7 @@ std::string missed_body_note(const World& world, const TouchingTool& tool) {
   Nearest nearest;
   const std::size_t stride = 1 + (tool.samples.size() - 1) / kMostMoments;
   for (std::size_t s = 0; s < tool.samples.size(); s += stride)
-    update_nearest(body, tool, tool.samples[s].time, nearest);
+    update_nearest(body, tool, tool.samples[s], nearest);
   return fmt::format(
       "{}: it never touched {}; {} (at {:.3f} s)", tool.name, touched_body(world, tool.body).name,
       describe_location(box_around(rest.vertices), nearest.point, nearest.distance), nearest.time);
