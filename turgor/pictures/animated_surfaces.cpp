@@ -72,13 +72,21 @@ void add_meshes(const std::vector<TriMesh>& meshes, const std::string& name, Rgb
     add_sample(meshes[m], surface_of(fmt::format("{} {}", name, m + 1), surface_look(color), animation));
 }
 
+/// Name of a tool's surface. A body may have the name of the tool.
+std::string surface_name(const ToolSnapshot& tool, const WorldSnapshot& snapshot) {
+  const bool is_taken = std::any_of(snapshot.bodies.begin(), snapshot.bodies.end(),
+                                    [&](const BodySnapshot& body) { return body.name == tool.name; });
+  return is_taken ? tool.name + " tool" : tool.name;
+}
+
 }  // namespace
 
 void add_surfaces(const WorldSnapshot& snapshot, SurfaceAnimation& animation) {
   if (!animation.times.empty() && animation.times.back() >= snapshot.time) return;
   for (const BodySnapshot& body : snapshot.bodies) add_body_surfaces(body, animation);
   for (const ToolSnapshot& tool : snapshot.tools)
-    add_sample(posed_mesh(tool), surface_of(tool.name, surface_look(kToolColor), animation));
+    add_sample(posed_mesh(tool),
+               surface_of(surface_name(tool, snapshot), surface_look(kToolColor), animation));
   add_meshes(snapshot.threads, "thread", kThreadColor, animation);
   add_meshes(snapshot.obstacles, "obstacle", kObstacleColor, animation);
   animation.times.push_back(snapshot.time);
