@@ -15,10 +15,10 @@ using Mask = std::vector<std::uint8_t>;
 /// Grows rings of voxels from all sources into voxels where `may_grow`, each with the source of its nearest
 /// neighbor. Ends when no voxel of `wanted` is without a source. Returns the source of each voxel, or -1.
 template <class MayGrow>
-std::vector<int> grow_sources(const Grid& grid, const Mask& is_source, const Mask& wanted,
-                              const MayGrow& may_grow) {
+std::vector<std::int64_t> grow_sources(const Grid& grid, const Mask& is_source, const Mask& wanted,
+                                       const MayGrow& may_grow) {
   const std::array<Int3, 26> offsets = neighbors_by_distance();
-  std::vector<int> source(sample_count(grid), -1);
+  std::vector<std::int64_t> source(sample_count(grid), -1);
   std::vector<Int3> ring, next;
   std::size_t missing = 0;
   // first ring: the sources
@@ -28,7 +28,7 @@ std::vector<int> grow_sources(const Grid& grid, const Mask& is_source, const Mas
         const std::size_t v = sample_index(grid, i, j, k);
         missing += wanted[v] && !is_source[v];
         if (!is_source[v]) continue;
-        source[v] = int(v);
+        source[v] = std::int64_t(v);
         ring.push_back({i, j, k});
       }
   // one ring after the other; nearer offsets of the whole ring come first
@@ -100,9 +100,9 @@ void fill_warp_outside(const Exec& exec, const Model& model, std::span<const std
   });
 
   // the nearest skin, and the nearest air at rest; only voxels without tissue are written
-  const std::vector<int> skin =
+  const std::vector<std::int64_t> skin =
       grow_sources(grid, is_covered, wanted, [&](std::size_t v) { return !is_covered[v]; });
-  const std::vector<int> to_air = grow_sources(grid, air, wanted, [](std::size_t) { return true; });
+  const std::vector<std::int64_t> to_air = grow_sources(grid, air, wanted, [](std::size_t) { return true; });
   const Mat3d to_lattice = inverse(model.anatomy.grid.axes);
   each_voxel([&](std::size_t v, Int3 p) {
     if (!wanted[v]) return;
