@@ -15,12 +15,16 @@ SWITCH = TICK / 4  # longest turn of one thread in the interpreter while another
 
 
 def overrides(pairs):
-    """Keys and values for World(set=...) from texts KEY=VALUE of a command line; a value is TOML or a text."""
+    """Keys and values for World(set=...) from texts KEY=VALUE of a command line. A value is TOML or a text; none removes
+    the key."""
     values = {}
     for pair in pairs:
         key, equals, text = pair.partition("=")
         if not equals:
             raise Error(f"--set: expected KEY=VALUE, found {pair}")
+        if not text:
+            values[key] = None
+            continue
         try:
             values[key] = tomllib.loads(f"value = {text}")["value"]
         except tomllib.TOMLDecodeError:

@@ -57,7 +57,7 @@ def image_message(name, volume):
 
 
 class Connection:
-    """A connection with another program. `send` replaces an older message of the same name that was not sent yet."""
+    """A connection with another program. `send` replaces an older message of its type and name that was not sent yet."""
 
     def __init__(self, link, on_transform):
         self.link, self.on_transform = link, on_transform
@@ -69,7 +69,7 @@ class Connection:
 
     def send(self, message):
         with self.changed:
-            self.waiting[message.device_name] = message
+            self.waiting[type(message), message.device_name] = message
             self.changed.notify()
 
     def close(self):

@@ -6,7 +6,14 @@ import numpy as np
 
 import turgor
 from scenes import PAD
-from turgor.live import LiveWorld
+from turgor.live import LiveWorld, overrides
+
+
+class Overrides(unittest.TestCase):
+    # KEY= removes a key, as for the program.
+    def test_empty_value_removes_key(self):
+        self.assertEqual(overrides(["body.liver.inside=", "a.b=2", "a.c=x y"]),
+                         {"body.liver.inside": None, "a.b": 2, "a.c": "x y"})
 
 
 class Touch(unittest.TestCase):
