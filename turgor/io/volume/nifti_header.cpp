@@ -1,6 +1,6 @@
-// Headers of NIfTI-1 (348 bytes) and NIfTI-2 (540 bytes), in either byte order. The grid is that of the sform,
-// else of the qform, and is converted from RAS to LPS. Without both it has the spacing alone, as in 3D Slicer;
-// nibabel then flips x and centers the grid. [nifti1.h, nifti2.h of the NIfTI working group]
+// Headers of NIfTI-1 (348 bytes) and NIfTI-2 (540 bytes), in either byte order. The grid is that of the
+// sform, else of the qform, and is converted from RAS to LPS. Without both it has the spacing alone, as in 3D
+// Slicer; nibabel then flips x and centers the grid. [nifti1.h, nifti2.h of the NIfTI working group]
 #include <algorithm>
 #include <bit>
 #include <cmath>
