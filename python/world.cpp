@@ -96,8 +96,13 @@ PyWorld::PyWorld(PyWorld& other, int threads)
 }
 
 void PyWorld::limit_logs() {
-  if (!keeps_forces_)
-    for (TouchingTool& tool : world_->tools) tool.samples.preallocate(0);
+  if (keeps_forces_) return;
+  for (TouchingTool& tool : world_->tools) {
+    TouchLog empty;
+    empty.start(turgor::command_of(tool.samples.start()));
+    empty.preallocate(0);
+    tool.samples = std::move(empty);
+  }
 }
 
 void PyWorld::step(int frames) {
@@ -212,6 +217,7 @@ void PyWorld::load(const std::filesystem::path& path) {
   const Entered entered(*this);
   expect_frames("load()");
   required(read_saved_world(exec_, path, *scene_, loaded_, *world_, measures_));
+  limit_logs();
   is_shown_ = false;
 }
 

@@ -97,6 +97,7 @@ class PyWorld {
   };
 
  private:
+  /// Without keeps_forces: empties the logs, and keeps them empty.
   void limit_logs();
   /// Throws Refused if the world runs tick by tick, since a file has no state between two ticks.
   void expect_frames(const char* call) const;

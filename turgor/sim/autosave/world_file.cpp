@@ -204,9 +204,16 @@ void transfer_body(File& file, RigidBody& body) {
   for (RigidTouch& touch : body.touches) transfer(file, touch);
 }
 
-/// The path of each sample is summed again while reading.
+/// Log without samples that starts at the same pose.
+TouchLog emptied(const TouchLog& log) {
+  TouchLog empty;
+  empty.start(command_of(log.start()));
+  return empty;
+}
+/// Replaces the samples. The path of each is summed again while reading.
 template <class File>
 void transfer(File& file, TouchLog& log) {
+  if constexpr (File::kReads) log = emptied(log);
   std::uint64_t count = log.size();
   transfer(file, count);
   for (std::uint64_t n = 0; n < count; n++) {

@@ -1,0 +1,64 @@
+// Files of worlds that are read into a world that ran on meanwhile: everything is as it was at saving.
+#include "turgor/sim/autosave/saved_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/sim/four_kinds.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
+#include "turgor/sim/live/by_hand.hpp"
+#include "turgor/sim/world_state.hpp"
+
+namespace turgor {
+namespace {
+
+const Exec kSavingThread(1);
+
+/// A world with its scene, and what its files need.
+struct Saving {
+  std::shared_ptr<const Scene> scene;
+  World world;
+  Measures measures;
+  LoadedWorld loaded;
+  std::filesystem::path file;
+
+  Saving(Scene given, std::filesystem::path path)
+      : scene(std::make_shared<const Scene>(std::move(given))), file(std::move(path)) {
+    Result<World> made = load_world(kSavingThread, *scene);
+    EXPECT_TRUE(made) << made.error().message;
+    world = std::move(*made), measures = make_measures(world), loaded = loaded_world(world);
+  }
+  void run(int frames) {
+    for (int frame = 0; frame < frames; frame++) {
+      const Result<FrameReport> done = step(kSavingThread, world);
+      ASSERT_TRUE(done) << done.error().message;
+    }
+  }
+  void save() {
+    const Status saved = save_world(file, *scene, world, measures, loaded);
+    ASSERT_TRUE(saved) << saved.error().message;
+  }
+  void read() {
+    const Status done = read_saved_world(kSavingThread, file, *scene, loaded, world, measures);
+    ASSERT_TRUE(done) << done.error().message;
+  }
+  std::uint64_t hash() const { return state_hash(world); }
+};
+
+// The log of forces is that of the file: as long, and with times that ascend.
+TEST(SavedWorld, ReplacesLogOfForces) {
+  const auto folder = test::fresh_folder();
+  Saving saving(test::body_scene(folder), folder / "state");
+  saving.run(3), saving.save();
+  const TouchLog& log = saving.world.tools[0].samples;
+  const std::size_t samples = log.size();
+  const std::uint64_t saved = saving.hash();
+  saving.run(3), saving.read();
+  EXPECT_EQ(log.size(), samples);
+  EXPECT_EQ(saving.hash(), saved);
+  saving.run(1);
+  for (std::size_t n = 1; n < log.size(); n++) EXPECT_GT(log[n].time, log[n - 1].time);
+}
+
+}  // namespace
+}  // namespace turgor
