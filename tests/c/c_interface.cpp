@@ -13,6 +13,7 @@
 
 #include "c/guard.hpp"
 #include "tests/c/world_def.hpp"
+#include "tests/folders.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -318,6 +319,27 @@ TEST(CInterface, CopyReachesEqualBits) {
   EXPECT_GT(readings[49].force[2], 0.005);
   EXPECT_EQ(tg_world_step(copy, 1), TG_MISUSE);
   tg_world_destroy(copy);
+}
+
+// A state that was saved before the patch followed its tool is loaded after two other patches, with the log
+// of forces of its time.
+TEST(CInterface, LoadsStateOfEarlierPatch) {
+  const std::string file = (test::fresh_folder() / "world.state").string();
+  std::string text = test::pad_scene(R"([tool.finger]
+body = "pad"
+shape = { sphere = 0.006 }
+path = [[0, 0.015, 0.03, 0.0345], [0.8, 0.045, 0.03, 0.0345]]
+)");
+  text.replace(text.find("cache"), 0, "patch = { radius = 0.008 }\n");
+  const Owned c(text.c_str()), fresh(text.c_str());
+  ASSERT_EQ(tg_world_save(c.world, file.c_str()), TG_OK) << tg_error();
+  const std::uint64_t begin = hash_of(c.world);
+  ASSERT_EQ(tg_world_step(c.world, 45), TG_OK) << tg_error();
+  ASSERT_EQ(tg_world_load(c.world, file.c_str()), TG_OK) << tg_error();
+  EXPECT_EQ(hash_of(c.world), begin);
+  ASSERT_EQ(tg_world_step(c.world, 45), TG_OK) << tg_error();
+  ASSERT_EQ(tg_world_step(fresh.world, 45), TG_OK) << tg_error();
+  EXPECT_EQ(hash_of(c.world), hash_of(fresh.world));
 }
 
 // A haptic thread receives forces while another thread steps the frames.

@@ -60,5 +60,46 @@ TEST(SavedWorld, ReplacesLogOfForces) {
   for (std::size_t n = 1; n < log.size(); n++) EXPECT_GT(log[n].time, log[n - 1].time);
 }
 
+// A file refers to the patch of the loaded world. It can be read after that patch has been replaced.
+TEST(SavedWorld, ReadsAfterPatchWasReplaced) {
+  for (const std::string memory : {"4", "0.004"}) {  // all Green's functions, or columns on demand
+    const auto folder = test::fresh_folder();
+    const Scene scene =
+        test::body_scene(folder, "patch = { radius = 0.008 }\n", {"body.pad.memory=" + memory});
+    Saving ran(scene, folder / "state"), fresh(scene, folder / "state");
+    ASSERT_EQ(fresh.world.sfem_bodies[0].facts.on_demand, memory != "4");
+    ran.save();
+    const std::uint64_t begin = ran.hash();
+    ran.run(15);
+    EXPECT_GE(ran.world.sfem_bodies[0].rebuilds.size(), 2u);
+    const std::size_t samples = ran.world.tools[0].samples.size();
+    ran.read();
+    EXPECT_EQ(ran.hash(), begin);
+    EXPECT_EQ(ran.world.tools[0].samples.size(), 0u);
+    ran.run(15), fresh.run(15);
+    EXPECT_EQ(ran.hash(), fresh.hash());
+    EXPECT_EQ(ran.world.tools[0].samples.size(), samples);
+    // a file of the middle of the slide
+    ran.save(), fresh.run(4);
+    const std::uint64_t end = fresh.hash();
+    fresh.read(), fresh.run(4);
+    EXPECT_EQ(fresh.hash(), end);
+  }
+}
+
+// A file that refers to a patch which the loaded world lacks is damaged.
+TEST(SavedWorld, RefusesMissingPatch) {
+  const auto folder = test::fresh_folder();
+  Saving saving(test::body_scene(folder), folder / "state");
+  saving.save(), saving.run(1);
+  const std::uint64_t before = saving.hash();
+  saving.loaded.patches.patches[0] = nullptr;
+  const Status done = read_saved_world(kSavingThread, saving.file, *saving.scene, saving.loaded, saving.world,
+                                       saving.measures);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("is damaged"), std::string::npos) << done.error().message;
+  EXPECT_EQ(saving.hash(), before);
+}
+
 }  // namespace
 }  // namespace turgor

@@ -45,6 +45,7 @@ void transfer(File& file, SharedPatch& patch) {
     if (number > known.size()) return file.fail();
     if (number < known.size()) {
       patch = known[number];
+      if (!patch) file.fail();
       return;
     }
     const auto read = std::make_shared<sfem::Patch>();
@@ -313,12 +314,6 @@ void fetch_columns_in_use(const Exec& exec, SfemBody& body) {
   sfem::fetch_columns(exec, body.model, vertices);
 }
 
-std::vector<SharedPatch> locked(const LoadedPatches& loaded) {
-  std::vector<SharedPatch> patches;
-  for (const auto& patch : loaded.patches) patches.push_back(patch.lock());
-  return patches;
-}
-
 }  // namespace
 
 LoadedPatches loaded_patches(const World& world) {
@@ -342,12 +337,12 @@ std::uint64_t loaded_hash(const World& world) {
 }
 
 void write_world(StateWriter& file, const World& world, const LoadedPatches& loaded) {
-  WorldFile<StateWriter> out{file, locked(loaded)};
+  WorldFile<StateWriter> out{file, loaded.patches};
   transfer_world(out, const_cast<World&>(world));  // a writer changes nothing
 }
 
 void read_world(const Exec& exec, StateReader& file, const LoadedPatches& loaded, World& world) {
-  WorldFile<StateReader> in{file, locked(loaded)};
+  WorldFile<StateReader> in{file, loaded.patches};
   transfer_world(in, world);
   if (!file.is_sound()) return;
   for (SfemBody& body : world.sfem_bodies) fetch_columns_in_use(exec, body), restore_needles(exec, body);

@@ -11,9 +11,11 @@
 
 namespace turgor {
 
-/// Patches that a world has after loading. They are not stored, because loading builds them again.
+/// Patches that a world has after loading, one for each sfem body. Files refer to them instead of storing
+/// them, because loading builds them again. They are kept, since a file may be read after the tools have left
+/// them.
 struct LoadedPatches {
-  std::vector<std::weak_ptr<const sfem::Patch>> patches;
+  std::vector<std::shared_ptr<const sfem::Patch>> patches;
 };
 LoadedPatches loaded_patches(const World& world);
 
