@@ -37,9 +37,11 @@ const BodySnapshot& current_snapshot(tg_world& world, std::int32_t index) {
   return body_snapshot(world.snapshot, id);
 }
 
+/// Differs for different triangles of one world: a state that is read may have other cuts of the same number.
 std::uint64_t topology_of(const tg_world& world, BodyId id) {
   if (id.kind != BodyKind::kLattice) return 0;
-  return lattice::cut_version(world.world->lattice_bodies[std::size_t(id.index)].state.cuts());
+  return (world.replaced_cuts << 40) +
+         lattice::cut_version(world.world->lattice_bodies[std::size_t(id.index)].state.cuts());
 }
 
 void copy_points(const std::vector<Vec3>& points, float* buffer, std::size_t capacity, std::size_t* written) {

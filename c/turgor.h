@@ -104,7 +104,7 @@ typedef struct tg_body_info {
   const char* name;
   const char* model; /* "sfem", "lattice", "rhombus", "cloth" or "rigid" */
   int32_t vertices, triangles;
-  uint64_t topology_version; /* changes when a cut changes vertices and triangles */
+  uint64_t topology_version; /* changes when a cut, or tg_world_load, changes vertices and triangles */
 } tg_body_info;
 tg_status tg_body_find(tg_world* world, const char* name, int32_t* body);
 tg_status tg_body_get_info(tg_world* world, int32_t body, tg_body_info* info);

@@ -160,8 +160,11 @@ tg_status tg_world_save(tg_world* world, const char* path) {
 tg_status tg_world_load(tg_world* world, const char* path) {
   return with(world, [path](tg_world& w) {
     expect_between_frames(w, path);
+    const std::uint64_t cuts_before = cuts_hash(*w.world);
     required(read_saved_world(w.exec, path, *w.scene, w.loaded, *w.world, w.measures));
     w.is_shown = false;
+    if (cuts_hash(*w.world) != cuts_before)
+      w.snapshot = {}, w.replaced_cuts++;  // its caches are those of other cuts
   });
 }
 
@@ -173,7 +176,8 @@ tg_status tg_world_copy(tg_world* world, tg_world** copy) {
     *copy = nullptr;
     auto made = std::make_unique<tg_world>(1);
     made->exec = from.exec, made->scene = from.scene, made->driven = from.driven,
-    made->was_touched = from.was_touched, made->measures = from.measures, made->loaded = from.loaded;
+    made->was_touched = from.was_touched, made->measures = from.measures, made->loaded = from.loaded,
+    made->replaced_cuts = from.replaced_cuts;
     made->world = std::make_unique<World>(copy_of(*from.world));
     resize_buffers(*made);
     *copy = made.release();

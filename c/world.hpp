@@ -28,6 +28,7 @@ struct tg_world {
   bool was_touched = false;
   turgor::WorldSnapshot snapshot;
   bool is_shown = false;
+  std::uint64_t replaced_cuts = 0;                     // states read that had other cuts
   std::vector<turgor::contact::ToolCommand> commands;  // one per tool, as `readings`
   std::vector<turgor::contact::ToolReading> readings;
   std::deque<std::string> names;  // of cuts and stitches by hand that were returned to the caller

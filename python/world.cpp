@@ -105,6 +105,11 @@ void PyWorld::limit_logs() {
   }
 }
 
+void PyWorld::forget_snapshot(std::uint64_t cuts_before) {
+  if (cuts_hash(*world_) != cuts_before) snapshot_ = {};
+  is_shown_ = false;
+}
+
 void PyWorld::step(int frames) {
   if (driven_ && !is_touched_)
     throw Refused("this world runs tick by tick: expected tick(), which includes frames, found step()");
@@ -196,9 +201,10 @@ void PyWorld::set_state(const PyState& state) {
   const Entered entered(*this);
   if (state.scene != scene_)
     throw Refused("expected a state of this world or of a copy of it, found one of another world");
+  const std::uint64_t cuts_before = cuts_hash(*world_);
   turgor::set_state(*world_, state.state);
   driven_ = state.driven, measures_ = state.measures;
-  is_shown_ = false;
+  forget_snapshot(cuts_before);
 }
 
 void PyWorld::expect_frames(const char* call) const {
@@ -216,9 +222,10 @@ void PyWorld::save(const std::filesystem::path& path) {
 void PyWorld::load(const std::filesystem::path& path) {
   const Entered entered(*this);
   expect_frames("load()");
+  const std::uint64_t cuts_before = cuts_hash(*world_);
   required(read_saved_world(exec_, path, *scene_, loaded_, *world_, measures_));
   limit_logs();
-  is_shown_ = false;
+  forget_snapshot(cuts_before);
 }
 
 World& PyWorld::world() const {

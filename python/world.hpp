@@ -99,6 +99,9 @@ class PyWorld {
  private:
   /// Without keeps_forces: empties the logs, and keeps them empty.
   void limit_logs();
+  /// After another state has replaced one with these cuts: the snapshot is out of date. Its caches are
+  /// discarded if they are those of other cuts.
+  void forget_snapshot(std::uint64_t cuts_before);
   /// Throws Refused if the world runs tick by tick, since a file has no state between two ticks.
   void expect_frames(const char* call) const;
 

@@ -151,6 +151,34 @@ TEST(CByHand, SavedWorldContinues) {
   EXPECT_EQ(tg_world_load(other.world, nullptr), TG_MISUSE);
 }
 
+// A loaded state replaces a cut by another one of as many edges: points, triangles and the version of the
+// topology are those of the new one.
+TEST(CByHand, LoadReplacesSurface) {
+  const std::string file = (test::fresh_folder() / "world.state").string();
+  const Block block(kBlock), fresh(kBlock);
+  ASSERT_EQ(tg_world_save(block.world, file.c_str()), TG_OK) << tg_error();
+  std::vector<std::uint64_t> versions;
+  const auto cut_at = [&](const Block& one, double x) {
+    const double line[] = {x, -0.02, -0.03, x, -0.02, 0.03};
+    tg_cut cut = line_cut();
+    cut.points = line, cut.duration = 0;
+    EXPECT_EQ(tg_world_cut(one.world, &cut, nullptr), TG_OK) << tg_error();
+    one.step(1);
+    tg_body_info info{sizeof info, nullptr, nullptr, 0, 0, 0};
+    EXPECT_EQ(tg_body_get_info(one.world, 0, &info), TG_OK) << tg_error();
+    versions.push_back(info.topology_version);
+    std::vector<float> rest(3 * std::size_t(info.vertices));
+    EXPECT_EQ(tg_body_read(one.world, 0, TG_REST, rest.data(), rest.size(), nullptr), TG_OK) << tg_error();
+    return rest;
+  };
+  const std::vector<float> first = cut_at(block, 0.002);
+  ASSERT_EQ(tg_world_load(block.world, file.c_str()), TG_OK) << tg_error();
+  const std::vector<float> second = cut_at(block, 0.010);
+  EXPECT_NE(first, second);
+  EXPECT_NE(versions[0], versions[1]);
+  EXPECT_EQ(second, cut_at(fresh, 0.010));
+}
+
 // An excision of a scene and the row of stitches that closes it have their measures, on any number of
 // threads.
 TEST(CByHand, ExcisionIsMeasured) {

@@ -116,6 +116,29 @@ class ByHand(unittest.TestCase):
                 fresh.load(file)
             self.assertEqual(other.state_hash, before)
 
+    # Restored states and files replace a cut by another one of as many edges: points and triangles are those of the new one.
+    def test_surface_is_that_of_restored_cuts(self):
+        def cut_at(world, x):
+            world.cut("block", [[x, -0.02, -0.03], [x, -0.02, 0.03]], 0.012, duration=0)
+            world.step()
+            return world["block"].rest_points, world["block"].triangles
+
+        world = block()
+        state = world.get_state()
+        first = cut_at(world, 0.002)
+        expected = cut_at(block(), 0.010)
+        self.assertFalse(np.array_equal(first[0], expected[0]))
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "world.state")
+            for restore in (lambda: world.set_state(state), lambda: world.load(file)):
+                restore()
+                if not file.exists():
+                    world.save(file)
+                for found, wanted in zip(cut_at(world, 0.010), expected):
+                    np.testing.assert_array_equal(found, wanted)
+                restore()
+                cut_at(world, 0.002)
+
     # An excision of a scene is weighed, the row that closes it is measured, and a copy has the same bits.
     def test_excision_is_weighed_and_closed(self):
         world = block(EXCISED, threads=1)

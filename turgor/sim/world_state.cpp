@@ -1,8 +1,10 @@
 #include "turgor/sim/world_state.hpp"
 
+#include <span>
 #include <type_traits>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/hash.hpp"
 
 namespace turgor {
 
@@ -71,6 +73,20 @@ void set_state(World& world, const WorldState& state) {
   TURGOR_ASSERT(has_same_bodies(world, state.world), "a state is of a world with the same bodies and tools");
   const WithoutImmutable out(world);
   world = state.world;
+}
+
+std::uint64_t cuts_hash(const World& world) {
+  std::uint64_t hash = kHashSeed;
+  for (const LatticeBody& body : world.lattice_bodies) {
+    const lattice::Cuts& cuts = body.state.cuts();
+    hash = hash_long_bytes(cuts.removed.data(), cuts.removed.size(), hash);
+    hash = hash_values(std::span<const std::uint64_t>(cuts.excised), hash);
+    for (const lattice::CutEdge& edge : cuts.edges) {
+      const std::int32_t position[] = {edge.slot, edge.sub_index, edge.family};
+      hash = hash_bytes(&edge.fraction, sizeof edge.fraction, hash_bytes(position, sizeof position, hash));
+    }
+  }
+  return hash;
 }
 
 World copy_of(const World& world) { return world; }

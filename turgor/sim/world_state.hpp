@@ -2,6 +2,8 @@
 // are made between two frames or ticks, while no other thread uses the world.
 #pragma once
 
+#include <cstdint>
+
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -17,5 +19,8 @@ WorldState state_of(World& world);
 void set_state(World& world, const WorldState& state);
 /// Independent copy with models.
 World copy_of(const World& world);
+
+/// Hash of the cuts and removed nodes of all lattices. Where it is equal, surfaces have equal triangles.
+std::uint64_t cuts_hash(const World& world);
 
 }  // namespace turgor
