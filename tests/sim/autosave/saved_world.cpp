@@ -101,5 +101,36 @@ TEST(SavedWorld, RefusesMissingPatch) {
   EXPECT_EQ(saving.hash(), before);
 }
 
+// Where a cut was replaced by another one of as many edges, the surface is that of the cut in the file.
+TEST(SavedWorld, ReplacesCutOfEqualSize) {
+  const auto folder = test::fresh_folder();
+  const Scene scene = test::block_scene(folder, {"incision.cut=", "world.duration=1"});
+  Saving cut(scene, folder / "state"), other(scene, folder / "state");
+  const auto cut_at = [](Saving& saving, double x) {
+    const CutByHand line{.body = {BodyKind::kLattice, 0},
+                         .name = {},
+                         .points = {{x, -0.02, -0.03}, {x, -0.02, 0.03}},
+                         .depth = 0.012,
+                         .duration = 0};
+    const Result<std::string> name = cut_by_hand(kSavingThread, line, saving.scene, saving.world);
+    EXPECT_TRUE(name) << name.error().message;
+    saving.run(2);
+  };
+  const auto surface_of = [](const Saving& saving) {
+    const LatticeBody& body = saving.world.lattice_bodies[0];
+    return lattice::build_surface(body.model, body.state.cuts(), &body.ct);
+  };
+  cut_at(cut, 0.002), cut_at(other, 0.010);  // a cell further
+  EXPECT_EQ(cut_version(cut.world.lattice_bodies[0].state.cuts()),
+            cut_version(other.world.lattice_bodies[0].state.cuts()));
+  EXPECT_NE(cuts_hash(cut.world), cuts_hash(other.world));
+  cut.save(), other.read();
+  EXPECT_EQ(cuts_hash(cut.world), cuts_hash(other.world));
+  EXPECT_EQ(cut.hash(), other.hash());
+  const lattice::BodySurface saved = surface_of(cut), read = surface_of(other);
+  EXPECT_EQ(saved.triangles, read.triangles);
+  EXPECT_EQ(saved.rest, read.rest);
+}
+
 }  // namespace
 }  // namespace turgor

@@ -53,6 +53,7 @@ void transfer(File& file, lattice::Cuts& cuts) {
          fragments] = cuts;
   transfer_all(file, cut, removed, row_cut, skin_cut, edges, samples, sample_count, removed_nodes, excised,
                blades);
+  if constexpr (File::kReads) fragments.reset();  // they are those of other cuts
 }
 /// Without the coarse space, which the reader builds again (transfer_body).
 template <class File>
