@@ -151,6 +151,33 @@ class States(unittest.TestCase):
             self.assertEqual(world.state_hash, copy.state_hash)
             self.assertEqual(copy.bodies, world.bodies)
 
+    # A file is read into the memory of the world: live views show it, and forces go on from its time.
+    def test_loaded_file_keeps_views_and_replaces_forces(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "world.state")
+            for text, of in ((CLOTH, lambda w: w["sheet"].live.x.z), (CLOTH, lambda w: w["sheet"].live.original),
+                             (TORSO, lambda w: w["torso"].live.u.y), (PAD, lambda w: w["pad"].live.rest_vertices)):
+                world = turgor.World(text=text)
+                world.step(2)
+                world.save(file)
+                view = of(world)
+                kept = view.copy()
+                world.step(5)
+                world.load(file)
+                np.testing.assert_array_equal(view, kept)
+                self.assertEqual(view.__array_interface__["data"], of(world).__array_interface__["data"])
+            saved, before = world.forces("finger"), world.state_hash
+            world.step(3)
+            world.load(file)
+            self.assertEqual(world.state_hash, before)
+            np.testing.assert_array_equal(world.forces("finger")["time_s"], saved["time_s"])
+            world.step(3)
+            self.assertTrue((np.diff(world.forces("finger")["time_s"]) > 0).all())
+            without = turgor.World(text=PAD, keeps_forces=False)
+            without.load(file)
+            without.step(1)
+            self.assertEqual(len(without.forces("finger")["time_s"]), 0)
+
     # A state of another world is rejected.
     def test_foreign_state_is_rejected(self):
         with self.assertRaisesRegex(turgor.Error, "another world"):

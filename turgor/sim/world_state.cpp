@@ -2,6 +2,7 @@
 
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
@@ -73,6 +74,17 @@ void set_state(World& world, const WorldState& state) {
   TURGOR_ASSERT(has_same_bodies(world, state.world), "a state is of a world with the same bodies and tools");
   const WithoutImmutable out(world);
   world = state.world;
+}
+
+void take_state(World& world, World& from) {
+  TURGOR_ASSERT(has_same_bodies(world, from), "a state is of a world with the same bodies and tools");
+  {
+    const WithoutImmutable out(world), other(from);
+    world = from;  // copies the values into the present memory
+  }
+  for (std::size_t b = 0; b < world.sfem_bodies.size(); b++)
+    if (world.sfem_bodies[b].facts.on_demand)
+      world.sfem_bodies[b].model.green = std::move(from.sfem_bodies[b].model.green);
 }
 
 std::uint64_t cuts_hash(const World& world) {

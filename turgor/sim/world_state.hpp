@@ -17,6 +17,8 @@ struct WorldState {
 WorldState state_of(World& world);
 /// The state is of this world, of a copy of it, or of a world of the same scene.
 void set_state(World& world, const WorldState& state);
+/// The same from a copy of this world, which may have fetched further columns of Green's functions.
+void take_state(World& world, World& from);
 /// Independent copy with models.
 World copy_of(const World& world);
 

@@ -101,6 +101,35 @@ TEST(SavedWorld, RefusesMissingPatch) {
   EXPECT_EQ(saving.hash(), before);
 }
 
+// Reading keeps the arrays of bodies in their memory, which views of a program refer to.
+TEST(SavedWorld, ReadingKeepsMemory) {
+  const auto folder = test::fresh_folder();
+  Saving saving(test::four_kinds_scene(folder), folder / "state");
+  const auto addresses = [&] {
+    const World& world = saving.world;
+    const lattice::State& block = world.lattice_bodies[0].state.host();
+    const cloth::State& sheet = world.cloth_bodies[0].state.host();
+    return std::vector<const void*>{block.motion.u.x.data(),
+                                    block.motion.v.z.data(),
+                                    world.lattice_bodies[0].ct.samples.data(),
+                                    sheet.x.x.data(),
+                                    world.cloth_bodies[0].model.original.data(),
+                                    world.sfem_bodies[0].model.body.mesh.vertices.data(),
+                                    world.rhombus_bodies[0].model.surface.vertices.data(),
+                                    &world.sfem_bodies[0]};
+  };
+  const std::vector<const void*> before = addresses();
+  saving.run(2), saving.save();
+  const std::uint64_t saved = saving.hash();
+  const float height = saving.world.cloth_bodies[0].state.host().x.z[5];
+  saving.run(6);  // through a cut
+  EXPECT_NE(saving.world.cloth_bodies[0].state.host().x.z[5], height);
+  saving.read();
+  EXPECT_EQ(addresses(), before);
+  EXPECT_EQ(saving.world.cloth_bodies[0].state.host().x.z[5], height);
+  EXPECT_EQ(saving.hash(), saved);
+}
+
 // Where a cut was replaced by another one of as many edges, the surface is that of the cut in the file.
 TEST(SavedWorld, ReplacesCutOfEqualSize) {
   const auto folder = test::fresh_folder();

@@ -86,7 +86,7 @@ Status read_saved_world(const Exec& exec, const fs::path& path, const Scene& sce
   read_world(exec, *file, loaded.patches, read);
   transfer(*file, read_measures);
   if (!file->is_at_end()) return damaged;
-  world = std::move(read), measures = std::move(read_measures);
+  take_state(world, read), measures = std::move(read_measures);
   return Done{};
 }
 

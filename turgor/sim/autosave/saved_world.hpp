@@ -26,6 +26,7 @@ LoadedWorld loaded_world(const World& world);
 Status save_world(const std::filesystem::path& path, const Scene& scene, const World& world,
                   const Measures& measures, const LoadedWorld& loaded);
 /// Replaces the state of a world of the same scene; cuts and stitches by hand since loading are replaced too.
+/// Arrays of bodies keep their memory.
 /// Errors, which leave the world as it was: no such file, a damaged one, another program, scene or inputs.
 Status read_saved_world(const Exec& exec, const std::filesystem::path& path, const Scene& scene,
                         const LoadedWorld& loaded, World& world, Measures& measures);
