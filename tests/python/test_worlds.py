@@ -178,6 +178,19 @@ class States(unittest.TestCase):
             without.step(1)
             self.assertEqual(len(without.forces("finger")["time_s"]), 0)
 
+    # A file keeps the path that a program gave a tool.
+    def test_file_keeps_driven_path(self):
+        world, fresh = turgor.World(text=PAD), turgor.World(text=PAD)
+        world.drive("finger", [[0.1, 0.03, 0.03, 0.0345], [0.2, 0.02, 0.03, 0.0345]])
+        world.step(3)
+        with tempfile.TemporaryDirectory() as folder:
+            world.save(pathlib.Path(folder, "world.state"))
+            fresh.load(pathlib.Path(folder, "world.state"))
+        for one in (world, fresh):
+            one.step(6)
+        self.assertEqual(world.state_hash, fresh.state_hash)
+        self.assertGreater(world.forces("finger")["force_N"][-1, 2], 0.005)
+
     # A state of another world is rejected.
     def test_foreign_state_is_rejected(self):
         with self.assertRaisesRegex(turgor.Error, "another world"):

@@ -161,5 +161,30 @@ TEST(SavedWorld, ReplacesCutOfEqualSize) {
   EXPECT_EQ(saved.rest, read.rest);
 }
 
+// A tool continues on the path or the hand motion that a program gave it.
+TEST(SavedWorld, KeepsPathsOfTools) {
+  const auto folder = test::fresh_folder();
+  const Scene scene = test::body_scene(folder);
+  Saving driven(scene, folder / "state"), fresh(scene, folder / "state");
+  const auto row = [](double time, double x, double z) {
+    return PathRow{.time = time, .position = {x, 0.03, z}};
+  };
+  driven.run(2);
+  TouchingTool& tool = driven.world.tools[0];
+  tool.path = {{row(0, 0.03, 0.04), row(0.3, 0.03, 0.0345)}, false};
+  driven.save(), driven.run(10), fresh.read(), fresh.run(10);
+  EXPECT_EQ(driven.hash(), fresh.hash());
+  EXPECT_FALSE(fresh.world.tools[0].path.smooth);
+  for (const double x : {0.025, 0.035}) {
+    tool.hand = {{0, {.pose = {{0.03, 0.03, 0.0345}, {}}}}, {0.4, {.pose = {{x, 0.03, 0.0345}, {}}}}};
+    driven.save(), driven.run(3), fresh.read(), fresh.run(3);
+    EXPECT_EQ(driven.hash(), fresh.hash());
+    EXPECT_EQ(fresh.world.tools[0].hand.size(), 2u);
+  }
+  tool.hand.clear();
+  driven.save(), driven.run(3), fresh.read(), fresh.run(3);
+  EXPECT_EQ(driven.hash(), fresh.hash());
+}
+
 }  // namespace
 }  // namespace turgor

@@ -228,6 +228,12 @@ void transfer(File& file, TouchLog& log) {
   }
 }
 
+template <class File>
+void transfer(File& file, ToolPath& path) {
+  auto& [rows, smooth] = path;
+  transfer_all(file, rows, smooth);
+}
+
 /// Without what loading finds: bodies, areas and distances at rest.
 template <class File>
 void transfer(File& file, Attachment& attachment) {
@@ -298,8 +304,8 @@ void transfer_world(File& file, World& world) {
   if constexpr (File::kReads)
     if (!has_wounds_of_stitches(world)) file.fail();
   for (TouchingTool& tool : world.tools)
-    transfer_all(file, tool.grip, tool.samples, tool.limits, tool.needle_work, tool.punctures,
-                 tool.entry_force);
+    transfer_all(file, tool.path, tool.hand, tool.grip, tool.samples, tool.limits, tool.needle_work,
+                 tool.punctures, tool.entry_force);
 }
 
 /// With a store on demand: fetches the columns of Green's functions for patches and forces of the state.
