@@ -87,6 +87,24 @@ TEST(SavedWorld, ReadsAfterPatchWasReplaced) {
   }
 }
 
+// A nonlinear patch continues from its displacement, in a world that has just been loaded and in one that ran
+// on.
+TEST(SavedWorld, ContinuesNonlinearPatch) {
+  const auto folder = test::fresh_folder();
+  const Scene scene = test::body_scene(folder,
+                                       "patch = { radius = 0.013, refinement = 2 }\n"
+                                       "law = \"exponential\"\nstiffening = 4\n",
+                                       {"tool.finger.press.depth=0.004"});
+  Saving ran(scene, folder / "state"), fresh(scene, folder / "state");
+  ran.run(5), ran.save(), ran.run(5);
+  const std::uint64_t end = ran.hash();
+  EXPECT_GT(ran.world.sfem_bodies[0].law_summary.solutions, 5);
+  for (Saving* one : {&ran, &fresh}) {
+    one->read(), one->run(5);
+    EXPECT_EQ(one->hash(), end);
+  }
+}
+
 // A file that refers to a patch which the loaded world lacks is damaged.
 TEST(SavedWorld, RefusesMissingPatch) {
   const auto folder = test::fresh_folder();

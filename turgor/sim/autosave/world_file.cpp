@@ -136,6 +136,7 @@ void transfer_body(File& file, SfemBody& body) {
   // the nonlinear patch is made again from the patch in use, with its displacement
   if (body.nonlinear) body.law_displacement = body.nonlinear->u;
   transfer(file, body.law_displacement);
+  if constexpr (File::kReads) body.nonlinear.reset();  // that of another patch or displacement
 }
 
 template <class File>
