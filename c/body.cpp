@@ -136,7 +136,10 @@ tg_status tg_tool_get_info(tg_world* world, int32_t tool, tg_tool_info* info) {
 tg_status tg_tool_get_command(tg_world* world, int32_t tool, tg_command* command) {
   return with(world, [=](tg_world& w) {
     expect(command != nullptr, "expected a pointer to a command, found null");
-    const contact::ToolCommand now = command_at(tool_of(w, tool), time_of(*w.world));
+    const TouchingTool& one = tool_of(w, tool);
+    const double time = time_of(*w.world);
+    const contact::ToolCommand now =
+        w.driven ? path_command(*w.driven, std::size_t(tool), time) : command_at(one, time);
     const PathRow row = path_of({{0, now}}).rows[0];
     *command = {{row.position.x, row.position.y, row.position.z},
                 {row.orientation[0], row.orientation[1], row.orientation[2], row.orientation[3]},

@@ -266,9 +266,8 @@ void step_frames(PyWorld& world, int frames) {
 
 Array<double> tool_poses(const PyWorld& world) {
   std::vector<double> poses;
-  for (const TouchingTool& tool : world.world().tools) {
-    const contact::Pose pose = command_at(tool, time_of(world.world())).pose;
-    const PathRow row = path_of({{0, {.pose = pose}}}).rows[0];
+  for (std::size_t t = 0; t < world.world().tools.size(); t++) {
+    const PathRow row = path_of({{0, {.pose = world.path_command(t).pose}}}).rows[0];
     poses.insert(poses.end(), {row.position.x, row.position.y, row.position.z});
     poses.insert(poses.end(), row.orientation.begin(), row.orientation.end());
   }

@@ -139,12 +139,12 @@ void PyWorld::touch_tick(const double* poses, const bool* holds, double* forces,
   if (is_ticking_.exchange(true)) throw std::runtime_error("this world is being ticked by another thread");
   const std::unique_ptr<std::atomic<bool>, void (*)(std::atomic<bool>*)> ticking(
       &is_ticking_, [](std::atomic<bool>* flag) { *flag = false; });
-  // commands; frames do not change the paths
+  // commands; frames change neither driven_ nor its paths
   const double end = time_of(*driven_) + kTick;
   for (std::size_t t = 0; t < commands_.size(); t++) {
     const bool is_led = std::isfinite(poses[7 * t]);
     commands_[t] =
-        is_led ? command_of(poses + 7 * t, holds && holds[t], 0, t) : command_at(world_->tools[t], end);
+        is_led ? command_of(poses + 7 * t, holds && holds[t], 0, t) : turgor::path_command(*driven_, t, end);
     const PathRow row = path_of({{0, {.pose = commands_[t].pose}}}).rows[0];
     for (int axis = 0; axis < 3; axis++) used[7 * t + std::size_t(axis)] = row.position[axis];
     std::copy(row.orientation.begin(), row.orientation.end(), used + 7 * t + 3);
@@ -244,6 +244,11 @@ TouchingTool& PyWorld::tool(const std::string& name) const {
   for (TouchingTool& tool : world().tools)
     if (tool.name == name) return tool;
   throw nb::key_error(("the scene has no tool " + name).c_str());
+}
+
+contact::ToolCommand PyWorld::path_command(std::size_t tool) const {
+  const double now = time_of(world());
+  return driven_ ? turgor::path_command(*driven_, tool, now) : command_at(world_->tools[tool], now);
 }
 
 void PyWorld::drive(const std::string& name, const std::vector<std::vector<double>>& rows) {

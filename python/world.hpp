@@ -82,6 +82,8 @@ class PyWorld {
   /// Disables caching of the snapshot, since views may write to the bodies.
   void expect_writers() { has_writers_ = true; }
   TouchingTool& tool(const std::string& name) const;
+  /// Present command of a tool from its path, also between ticks.
+  contact::ToolCommand path_command(std::size_t tool) const;
   void drive(const std::string& tool, const std::vector<std::vector<double>>& rows);
 
   /// Guard that admits one caller at a time.

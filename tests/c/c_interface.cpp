@@ -342,6 +342,36 @@ path = [[0, 0.015, 0.03, 0.0345], [0.8, 0.045, 0.03, 0.0345]]
   EXPECT_EQ(hash_of(c.world), hash_of(fresh.world));
 }
 
+// The command of a tool on cloth comes from its path also after ticks that moved it elsewhere.
+TEST(CInterface, CommandFollowsPathBesideTicks) {
+  const char* const sheet = R"([world]
+duration = 1
+frame_rate = 50
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0], side = [0.1, 0, 0], up = [0, 0.1, 0], columns = 12, rows = 12 }
+[body.sheet.hold.edge]
+box = [[-1, 0.09, -1], [1, 1, 1]]
+[tool.ball]
+body = "sheet"
+shape = { sphere = 0.01 }
+path = [[0, 0.05, 0.05, 0.05], [1, 0.05, 0.05, 0.15]]
+)";
+  const Owned c(sheet), path(sheet);
+  tg_command command, wanted;
+  tg_reading reading;
+  std::vector<tg_command> elsewhere(100, tg_command{{0.02, 0.02, 0.05}, {1, 0, 0, 0}, 0, 0});
+  std::vector<tg_reading> readings(elsewhere.size(), reading);
+  ASSERT_EQ(tg_world_tick(c.world, elsewhere.data(), sizeof command, readings.data(), sizeof reading, 100),
+            TG_OK)
+      << tg_error();
+  ASSERT_EQ(tg_tool_get_command(c.world, 0, &command), TG_OK) << tg_error();
+  ASSERT_EQ(tg_world_step(path.world, 5), TG_OK) << tg_error();
+  ASSERT_EQ(tg_tool_get_command(path.world, 0, &wanted), TG_OK) << tg_error();
+  for (int axis = 0; axis < 3; axis++) EXPECT_NEAR(command.position[axis], wanted.position[axis], 1e-12);
+  EXPECT_GT(wanted.position[2], 0.052);
+}
+
 // A haptic thread receives forces while another thread steps the frames.
 TEST(CInterface, HapticThreadRunsBesideFrames) {
   const Owned c(kPad);

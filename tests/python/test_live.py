@@ -5,8 +5,14 @@ import unittest
 import numpy as np
 
 import turgor
-from scenes import PAD
+from scenes import CLOTH, PAD
 from turgor.live import LiveWorld, overrides
+
+BALL = """[tool.ball]
+body = "sheet"
+shape = { sphere = 0.01 }
+path = [[0, 0.1, 0.1, 0.05], [1, 0.1, 0.1, 0.15]]
+"""
 
 
 class Overrides(unittest.TestCase):
@@ -82,6 +88,21 @@ class Touch(unittest.TestCase):
         other.step(4)
         self.assertAlmostEqual(other.time, 0.08)
         np.testing.assert_allclose(used, other.tool_poses, atol=1e-9)
+
+    # On cloth too, a row of NaN and tool_poses follow the path, after the tool was led elsewhere and beside frames.
+    def test_tool_on_cloth_returns_to_path(self):
+        world = turgor.World(text=CLOTH + BALL)
+        path = turgor.World(text=CLOTH + BALL)
+        world.begin_touch()
+        for n in range(100):
+            goal = [[0.02, 0.02, 0.05, 1, 0, 0, 0]] if n < 60 else np.full((1, 7), np.nan)
+            _, used = world.touch_tick(goal)
+            if n % 20 == 19:
+                world.step()
+        path.step(5)
+        np.testing.assert_allclose(used, path.tool_poses, atol=1e-9)
+        np.testing.assert_allclose(world.tool_poses, path.tool_poses, atol=1e-9)
+        self.assertGreater(used[0, 2], 0.052)
 
     def test_calls_in_wrong_order_are_refused(self):
         world = turgor.World(text=PAD)

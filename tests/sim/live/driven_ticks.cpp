@@ -76,6 +76,28 @@ TEST(DrivenTicks, EqualBitsOnAnyThreads) {
   EXPECT_GT(one.world.sfem_bodies[0].rebuilds.size(), 0u) << "the patch did not follow";
 }
 
+// Commands from the paths are those before the ticks, although frames give a tool on a lattice the motion of
+// the ticks.
+TEST(DrivenTicks, PathsAreThoseBeforeTicks) {
+  const Exec exec(1);
+  World world = test::block_world(exec, test::four_kinds_scene(test::fresh_folder()));
+  const std::vector<TouchingTool> paths = world.tools;
+  DrivenTicks driven = begin_driven(world);
+  std::vector<contact::ToolReading> readings(paths.size());
+  std::vector<contact::ToolCommand> commands;
+  for (const TouchingTool& tool : paths) commands.push_back(command_at(tool, 0));
+  for (int tick = 0; tick < 60; tick++) ASSERT_TRUE(tick_driven(exec, world, driven, commands, readings));
+  const contact::Pose start = commands[test::kTip].pose;
+  EXPECT_GT(norm(command_at(paths[test::kTip], 0.08).pose.position - start.position), 1e-3);
+  for (std::size_t t = 0; t < paths.size(); t++)
+    for (const double time : {0.0, 0.08, 0.13}) {
+      const contact::Pose wanted = command_at(paths[t], time).pose,
+                          found = path_command(driven, t, time).pose;
+      EXPECT_EQ(found.position, wanted.position) << t;
+      EXPECT_EQ(found.axes.column[0], wanted.axes.column[0]) << t;
+    }
+}
+
 /// A block, and a sheet that is held on all sides, each with a ball to its left.
 World world_beside_tools(const std::filesystem::path& folder, const Exec& exec,
                          const std::vector<std::string>& overrides = {}) {

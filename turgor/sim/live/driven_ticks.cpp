@@ -1,5 +1,7 @@
 #include "turgor/sim/live/driven_ticks.hpp"
 
+#include <utility>
+
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 
@@ -31,6 +33,16 @@ std::vector<TouchingTool> tools_at_rest(const World& world) {
   return tools;
 }
 
+/// Copies of what moves the tools.
+std::shared_ptr<const std::vector<TouchingTool>> paths_of(const World& world) {
+  std::vector<TouchingTool> paths;
+  for (const TouchingTool& tool : world.tools) {
+    TouchingTool& moved = paths.emplace_back();
+    moved.path = tool.path, moved.hand = tool.hand, moved.grip = tool.grip;
+  }
+  return std::make_shared<const std::vector<TouchingTool>>(std::move(paths));
+}
+
 void log_ticks(World& world, const DrivenTicks& driven) {
   for_each_driven_body(world, [&](auto& body, std::size_t first) {
     for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
@@ -57,7 +69,7 @@ Status step_due_frames(const Exec& exec, World& world, const DrivenTicks& driven
 
 DrivenTicks begin_driven(World& world) {
   DrivenTicks driven;
-  driven.began = time_of(world);
+  driven.began = time_of(world), driven.paths = paths_of(world);
   const std::vector<TouchingTool> tools = tools_at_rest(world);
   for_each_driven_body(world, [&](auto& body, std::size_t) {
     begin_haptics(body, tools);
@@ -71,6 +83,11 @@ DrivenTicks begin_driven(World& world) {
 
 void end_driven(World& world) {
   for_each_driven_body(world, [](auto& body, std::size_t) { end_haptics(body); });
+}
+
+contact::ToolCommand path_command(const DrivenTicks& driven, std::size_t tool, double time) {
+  TURGOR_ASSERT(driven.paths && tool < driven.paths->size(), "a tool of the world has a path");
+  return command_at((*driven.paths)[tool], time);
 }
 
 void tick_tools(World& world, DrivenTicks& driven, std::span<const contact::ToolCommand> commands,

@@ -7,6 +7,7 @@
 //   tick_tools     one tick only, for a haptic thread that runs beside a thread calling step()
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct DrivenTicks {
   std::vector<contact::ToolCommand> commands;
   std::vector<contact::ToolReading> readings;
   std::vector<double> grip;  // closure of the jaws: 0 open, 1 closed
+  // of World::tools: path, hand motion and grip before the first tick. Frames replace the hand motion of
+  // tools on lattices, cloth and rigid bodies by that of the ticks.
+  std::shared_ptr<const std::vector<TouchingTool>> paths;
 };
 
 /// Starts the ticks with all tools at their present positions.
@@ -30,6 +34,9 @@ void end_driven(World& world);
 
 /// Simulated time after the last tick [s].
 inline double time_of(const DrivenTicks& driven) { return driven.began + double(driven.done) * kTick; }
+
+/// Command of one of World::tools from its own path or hand motion. It reads no data of frames.
+contact::ToolCommand path_command(const DrivenTicks& driven, std::size_t tool, double time);
 
 /// One tick with a command and a reading for each of World::tools. The grip of a command is ignored: `hold`
 /// opens and closes the jaws. Writes no logs, does not allocate or wait, and reads data of frames through
