@@ -88,6 +88,7 @@ PyWorld::PyWorld(PyWorld& other, int threads)
       scene_(other.scene_),
       keeps_forces_(other.keeps_forces_),
       driven_(other.driven_),
+      was_touched_(other.was_touched_),
       measures_(other.measures_),
       loaded_(other.loaded_) {
   other.expect_untouched("a copy");
@@ -193,7 +194,7 @@ void PyWorld::tighten(const std::string& stitch, std::optional<double> tension, 
 PyState PyWorld::state() {
   expect_untouched("get_state()");
   const Entered entered(*this);
-  return {scene_, state_of(*world_), driven_, measures_};
+  return {scene_, state_of(*world_), driven_, was_touched_, measures_};
 }
 
 void PyWorld::set_state(const PyState& state) {
@@ -203,7 +204,7 @@ void PyWorld::set_state(const PyState& state) {
     throw Refused("expected a state of this world or of a copy of it, found one of another world");
   const std::uint64_t cuts_before = cuts_hash(*world_);
   turgor::set_state(*world_, state.state);
-  driven_ = state.driven, measures_ = state.measures;
+  driven_ = state.driven, was_touched_ = state.was_touched, measures_ = state.measures;
   forget_snapshot(cuts_before);
 }
 

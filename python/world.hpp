@@ -38,6 +38,7 @@ struct PyState {
   std::shared_ptr<const Scene> scene;  // identifies the world
   WorldState state;
   std::optional<DrivenTicks> driven;
+  bool was_touched = false;
   Measures measures;
 };
 

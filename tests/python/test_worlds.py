@@ -191,6 +191,22 @@ class States(unittest.TestCase):
         self.assertEqual(world.state_hash, fresh.state_hash)
         self.assertGreater(world.forces("finger")["force_N"][-1, 2], 0.005)
 
+    # Copies and states of a world after end_touch() have no ticks either.
+    def test_copy_after_touch_refuses_ticks(self):
+        world = turgor.World(text=PAD)
+        world.step()
+        before = world.get_state()
+        world.begin_touch()
+        world.touch_tick(sliding(1)[0])
+        world.end_touch()
+        copy, after = world.copy(), world.get_state()
+        world.set_state(before)
+        world.tick(sliding(3))
+        world.set_state(after)
+        for one in (world, copy, copy.copy()):
+            with self.assertRaisesRegex(turgor.Error, "found one with it"):
+                one.tick(sliding(1))
+
     # A state of another world is rejected.
     def test_foreign_state_is_rejected(self):
         with self.assertRaisesRegex(turgor.Error, "another world"):
