@@ -140,32 +140,46 @@ nb::dict rigid_columns(const std::vector<RigidSample>& samples) {
   return columns;
 }
 
-/// Measurements of every wound, cloth, rigid body, attachment and contact between bodies, one row per frame.
+/// Columns by name. A name that an earlier kind has taken gets its kind before it, as suture.NAME.
+class MeasuresByName {
+ public:
+  void add(const char* kind, const std::string& name, nb::dict columns) {
+    const std::string key = all_.contains(name.c_str()) ? fmt::format("{}.{}", kind, name) : name;
+    all_[key.c_str()] = std::move(columns);
+  }
+  nb::dict take() { return std::move(all_); }
+
+ private:
+  nb::dict all_;
+};
+
+/// Measurements of every wound, suture, cloth, rigid body, attachment and contact between bodies, one row per
+/// frame.
 nb::dict measures(const PyWorld& world) {
-  nb::dict of;
+  MeasuresByName of;
   for (const CutMeasures& cut : world.measures().cuts)
-    of[cut.name.c_str()] =
-        columns_of<WoundSample>(cut.series, {{"time_s", &WoundSample::time},
-                                             {"gape_max_m", &WoundSample::gape_max},
-                                             {"gape_mean_m", &WoundSample::gape_mean},
-                                             {"opening_area_m2", &WoundSample::opening_area},
-                                             {"edge_displacement_m", &WoundSample::edge_displacement}});
+    of.add("wound", cut.name,
+           columns_of<WoundSample>(cut.series, {{"time_s", &WoundSample::time},
+                                                {"gape_max_m", &WoundSample::gape_max},
+                                                {"gape_mean_m", &WoundSample::gape_mean},
+                                                {"opening_area_m2", &WoundSample::opening_area},
+                                                {"edge_displacement_m", &WoundSample::edge_displacement}}));
   for (const SutureMeasures& suture : world.measures().sutures)
-    of[suture.name.c_str()] =
-        columns_of<SutureSample>(suture.series, {{"time_s", &SutureSample::time},
-                                                 {"closing_force_N", &SutureSample::closing_force},
-                                                 {"tension_max_N", &SutureSample::tension_max},
-                                                 {"gape_max_m", &SutureSample::gape_max}});
+    of.add("suture", suture.name,
+           columns_of<SutureSample>(suture.series, {{"time_s", &SutureSample::time},
+                                                    {"closing_force_N", &SutureSample::closing_force},
+                                                    {"tension_max_N", &SutureSample::tension_max},
+                                                    {"gape_max_m", &SutureSample::gape_max}}));
   for (const ClothBody& body : world.world().cloth_bodies)
-    of[body.name.c_str()] = columns_of<ClothSample>(
-        body.samples,
-        {{"time_s", &ClothSample::time}, {"largest_speed_m_per_s", &ClothSample::largest_speed}});
+    of.add("body", body.name,
+           columns_of<ClothSample>(body.samples, {{"time_s", &ClothSample::time},
+                                                  {"largest_speed_m_per_s", &ClothSample::largest_speed}}));
   for (const RigidBody& body : world.world().rigid_bodies)
-    of[body.name.c_str()] = rigid_columns(body.samples);
+    of.add("body", body.name, rigid_columns(body.samples));
   const Coupling& coupling = world.world().coupling;
-  for (const Attachment& a : coupling.attachments) of[a.name.c_str()] = coupling_columns(a.samples);
-  for (const BodyContact& c : coupling.contacts) of[c.name.c_str()] = coupling_columns(c.samples);
-  return of;
+  for (const Attachment& a : coupling.attachments) of.add("attachment", a.name, coupling_columns(a.samples));
+  for (const BodyContact& c : coupling.contacts) of.add("contact", c.name, coupling_columns(c.samples));
+  return of.take();
 }
 
 std::string report(const PyWorld& world) {

@@ -182,10 +182,12 @@ class World(_turgor.World):
     def measures(self, name: None = None) -> dict[str, Columns]: ...
 
     def measures(self, name: Optional[str] = None) -> Union[Columns, dict[str, Columns]]:
-        """Measurements of step() and run(), frame by frame, as Columns: of one incision, cloth, rigid body, attachment
-        or contact of two bodies, or a dict of all.
+        """Measurements of step() and run(), frame by frame, as Columns: of one wound, suture, cloth, rigid body, attachment
+        or contact of two bodies, or a dict of all. A suture with the name of a wound is suture.NAME; the same holds for
+        body.NAME, attachment.NAME and contact.NAME.
 
-        Columns of a wound: time_s, gape_max_m, gape_mean_m, opening_area_m2, edge_displacement_m. Of an attachment
+        Columns of a wound: time_s, gape_max_m, gape_mean_m, opening_area_m2, edge_displacement_m. Of a suture: time_s,
+        closing_force_N, tension_max_N, gape_max_m. Of an attachment
         or a contact: time_s, force_N (on its first body), largest_force_N (of one spring or site), bearing, sliding.
         Of a rigid body: time_s, center_m (of mass), rotation (from the start, quaternion w, x, y, z),
         velocity_m_per_s and spin_rad_per_s (of the middle of the frame)."""

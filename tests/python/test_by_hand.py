@@ -139,6 +139,17 @@ class ByHand(unittest.TestCase):
                 restore()
                 cut_at(world, 0.002)
 
+    # A wound and a stitch with the default name have both their measures.
+    def test_measures_of_equal_names(self):
+        world = block()
+        self.assertEqual(world.cut("block", LINE, 0.012, duration=0.04), "hand-1")
+        world.step(8)
+        self.assertEqual(world.stitch("block", THREAD, tension=0.5, duration=0.2), "hand-1")
+        world.step(4)
+        self.assertEqual(list(world.measures()), ["hand-1", "suture.hand-1"])
+        self.assertGreater(world.measures("hand-1")["opening_area_m2"][-1], 0)
+        self.assertGreater(world.measures("suture.hand-1")["tension_max_N"][-1], 0)
+
     # An excision of a scene is weighed, the row that closes it is measured, and a copy has the same bits.
     def test_excision_is_weighed_and_closed(self):
         world = block(EXCISED, threads=1)
