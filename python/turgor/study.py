@@ -3,7 +3,7 @@
     [study]
     scene = "incision.toml"                                # relative to the study
     design = { kind = "saltelli", count = 64, seed = 1 }   # or lhs with count and seed; grid
-    cases = "cohort.csv"                                   # repeats the design for every row; columns are keys of the scene
+    cases = "cohort.csv"                                   # repeats the design for every row; columns are keys of the scene, files are relative to the study
     [vary]
     "body.torso.skin.tension" = { uniform = [20, 80] }     # or log_uniform, or values = [...]; ends may be vectors
     [measure]
@@ -87,6 +87,7 @@ def _check_member(task):
     """Sentences by measurement whose path the report of this member lacks before its first frame."""
     from .world import World
 
+    os.chdir(task["folder"])
     report = World(task["scene"], set=task["set"], threads=task["threads"]).report()
     missing = {name: _missing(report, path) for name, path in task["measure"].items()}
     return {name: sentence for name, sentence in missing.items() if sentence}
@@ -96,6 +97,7 @@ def _do_member(task):
     """Runs the scene in this process, and returns the measurements at its end."""
     from .world import World
 
+    os.chdir(task["folder"])
     begin = time.perf_counter()
     world = World(task["scene"], set=task["set"], threads=task["threads"])
     for _ in world.run():
@@ -115,7 +117,8 @@ def _write(file, text):
 
 def _task(study, member, folder):
     """Description of a member for its worker, on any machine with the same files."""
-    return {"file": str(_file_of(member, folder.resolve())), "scene": str(study.scene.resolve()), "set": member["set"], "measure": study.measure,
+    return {"file": str(_file_of(member, folder.resolve())), "folder": str(study.file.parent.resolve()), "scene": str(study.scene.resolve()),
+            "set": member["set"], "measure": study.measure,
             "threads": study.run.get("threads", 1), "timeout": study.run.get("timeout", 3600), "version": __version__}
 
 

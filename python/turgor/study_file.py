@@ -1,4 +1,7 @@
-"""The file of a study: its tables, checked, and its members, each with a key that is the hash of all that it depends on."""
+"""The file of a study: its tables, checked, and its members, each with a key that is the hash of all that it depends on.
+
+Files that members name are relative to the study, as in their hashes: members run in its folder.
+"""
 import csv
 import hashlib
 import io
@@ -56,9 +59,9 @@ class Study:
             self.vary, self.measure, self.run = text["vary"], text["measure"], text.get("run", {})
             self.design = study["design"]
             rows = self._designed()
-            cases = self._cases(study.get("cases"))
             scene_text = text_of(self.scene)
             scene = tomllib.loads(scene_text)
+            cases = self._cases(study.get("cases"), scene)
         except FileNotFoundError as error:
             of_study = "" if str(error.filename) == str(self.file) else f"{self.file}: "
             raise Error(f"{of_study}{error.filename}: does not exist") from error
@@ -104,16 +107,31 @@ class Study:
         if len(sizes) != 2 or sizes[0] != sizes[1] or not all(type(n) in (int, float) for n in numbers):
             raise Error(f"{self.file}: vary.{key}: expected two numbers, or two vectors of as many, found {ends}")
 
-    def _cases(self, table):
+    def _cases(self, table, scene):
+        """Keys and values of every row; an empty cell leaves the key to the scene."""
         if table is None:
             return [{}]
-        rows = csv.DictReader(io.StringIO(text_of(self.file.parent / table), newline=""))
-        return [{key: self._path(value) for key, value in row.items()} for row in rows]
+        file = self.file.parent / table
+        rows = csv.reader(io.StringIO(text_of(file), newline=""))
+        keys, cases = next(rows, []), []
+        for row in rows:
+            if row and len(row) != len(keys):
+                raise Error(f"{file}: line {rows.line_num}: expected {len(keys)} cells as in the first line, found {len(row)}")
+            if row:
+                cases.append({key: self._value(cell, _named(scene, key)) for key, cell in zip(keys, row) if cell.strip()})
+        return cases
 
-    def _path(self, value):
-        """Value of a cell: a number, or a file relative to the study."""
+    def _value(self, cell, of_scene):
+        """Value of a cell. A text names a file or a folder of the study, also one of digits, unless the scene has a number."""
+        is_path = not isinstance(of_scene, (int, float)) and (self.file.parent / cell).exists()
         try:
-            return float(value)
+            return cell if is_path else float(cell)
         except ValueError:
-            path = self.file.parent / value
-            return str(path.resolve()) if path.exists() else value
+            return cell
+
+
+def _named(scene, key):
+    """Value of a scene under a dotted key; None if it has none."""
+    for name in key.split("."):
+        scene = scene.get(name) if isinstance(scene, dict) else None
+    return scene

@@ -16,6 +16,7 @@ import turgor
 from scenes import PAD
 from turgor.study import run_study
 from turgor.study_design import latin_hypercube, saltelli, sobol_indices, varied_value
+from turgor.study_file import Study
 
 STUDY = """
 [study]
@@ -246,6 +247,55 @@ class Studies(unittest.TestCase):
         sobol = report["measures"]["force"]["sobol"]
         self.assertGreater(sobol["body.pad.young"]["total"], sobol["tool.finger.friction"]["total"])
         self.assertEqual(json.loads((folder / "out/report.json").read_text())["measures"], report["measures"])
+
+    def with_cases(self, cases, vary='"tool.finger.friction" = { values = [0.3] }'):
+        """Folder of a study of a cohort table, with the folders 001 and 2 of patients."""
+        folder = folder_with()
+        for patient in ("001", "2"):
+            (folder / patient).mkdir()
+        (folder / "cases.csv").write_text(cases)
+        text = (folder / "study.toml").read_text().replace("[vary]", 'cases = "cases.csv"\n[vary]')
+        text = text.replace('"body.pad.young" = { values = [2e3, 4e3, 8e3] }\n', "").replace('"tool.finger.friction" = { values = [0.0, 0.6] }', vary)
+        (folder / "study.toml").write_text(text)
+        return folder
+
+    # A cell of digits is a folder if the study has one and the scene no number; an empty cell leaves the key to the scene.
+    def test_cells_are_numbers_or_files_of_the_study(self):
+        folder = self.with_cases("body.torso.ct,body.pad.young,body.pad.fixed\n001,2,\n7,,top\n\n002, 3e3 ,bottom\n")
+        cases = [{key: value for key, value in member["set"].items() if key != "tool.finger.friction"} for member in Study(folder / "study.toml").members]
+        self.assertEqual(cases, [{"body.torso.ct": "001", "body.pad.young": 2.0}, {"body.torso.ct": 7.0, "body.pad.fixed": "top"},
+                                 {"body.torso.ct": 2.0, "body.pad.young": 3e3, "body.pad.fixed": "bottom"}])
+
+    # A row with missing or extra cells is refused with its line.
+    def test_rows_of_other_lengths_are_refused(self):
+        for row, found in (("2e3", 1), ("2e3,bottom,1", 3)):
+            folder = self.with_cases(f"body.pad.young,body.pad.fixed\n4e3,bottom\n{row}\n")
+            with self.assertRaisesRegex(turgor.Error, rf"cases\.csv: line 3: expected 2 cells as in the first line, found {found}$"):
+                Study(folder / "study.toml")
+
+    # Files of [vary] and of a cohort are relative to the study, in hashes and in runs, from any current folder.
+    def test_files_are_relative_to_the_study(self):
+        other, before = pathlib.Path(tempfile.mkdtemp(prefix="turgor-other-")), os.getcwd()
+        table = "0,0.03,0.03,0.05\n0.1,0.03,0.03,{}\n"
+        (other / "press.csv").write_text(table.format(0.04))
+        for cases, vary in (("tool.finger.path\npress.csv\n", '"tool.finger.friction" = { values = [0.3] }'),
+                            ("tool.finger.friction\n0.3\n", '"tool.finger.path" = { values = ["press.csv"] }')):
+            folder = self.with_cases(cases, vary)
+            (folder / "press.csv").write_text(table.format(0.034))
+            try:
+                os.chdir(other)
+                press = run_study(folder / "study.toml", folder / "out", jobs=2)["measures"]["force"]
+                os.chdir(folder)
+                self.assertEqual(run_study("study.toml", "here", jobs=2)["measures"]["force"], press)
+                (folder / "press.csv").write_text(table.format(0.035))
+                lighter = run_study("study.toml", "here", jobs=2)["measures"]["force"]
+            finally:
+                os.chdir(before)
+            alone = turgor.World(folder / "pad.toml")
+            for _ in alone.run():
+                pass
+            self.assertAlmostEqual(press["max"], alone.report()["tools"][0]["force_max_N"])
+            self.assertTrue(0 < lighter["max"] < 0.95 * press["max"])
 
 
 if __name__ == "__main__":
