@@ -194,6 +194,32 @@ TEST(TextureTouch, ElementsThatFollowDoNotVibrate) {
   EXPECT_GT(std::abs(stuck.force.back().x), 0.01) << "N: the surface is dragged along";
 }
 
+// The vibration acts at the contact: of a rod of half length 5 cm that slides upright, the torque vibrates by
+// the arm from its middle to its tip times the force.
+TEST(TextureTouch, VibrationOfElementsHasTorque) {
+  constexpr double kHalf = 0.05, kDepth = 1.5e-3;
+  const auto rod = [](const Texture& texture) {
+    SfemTouch touch = Elements::ball(0, {0, 1e-3, kRadius}, texture);
+    touch.tools[0].shape = Capsule{kRadius, kHalf};
+    return touch;
+  };
+  SfemTouch rough = rod(kRough), smooth = rod({});
+  double largest = 0, normal = 0;
+  for (int i = 1; i <= 400; i++) {
+    const Vec3d at{1.4e-5 * std::max(0, i - 100), 1e-3, kHalf + kRadius - kDepth * std::min(1.0, i / 100.0)};
+    const std::vector<ToolCommand> command{{{at, {}}}};
+    std::vector<ToolReading> with(1), without(1);
+    tick_sfem_touch(rough, command, kTick, with), tick_sfem_touch(smooth, command, kTick, without);
+    const Vec3d force = with[0].force - without[0].force, torque = with[0].torque - without[0].torque;
+    const Vec3d expected = cross(Vec3d{0, 0, -(kHalf + kRadius)}, force);
+    largest = std::max(largest, norm(torque)), normal = without[0].force.z;
+    if (i <= 110) continue;
+    EXPECT_LT(norm(torque - expected), 0.05 * norm(expected) + 1e-9) << i;
+  }
+  EXPECT_NEAR(largest, (kHalf + kRadius) * amplitude(normal), 0.1 * largest);
+  EXPECT_GT(normal, 0.01);
+}
+
 // Local contacts ---------------------------------------------------------------------------------------
 
 LocalContact plane_at(double x, double friction) {

@@ -85,6 +85,19 @@ TextureContact texture_contact(const SfemTouch& touch, std::size_t t) {
           .is_slip = slipping > 0.5 * borne && !touch.forces[t].invalid_pose && !touch.poses[t].hold};
 }
 
+/// Vector from a tool's origin to the mean of its sites by their normal force, where a vibration acts [m].
+Vec3d arm_of(const SfemTouch& touch, std::size_t t) {
+  Vec3d arm;
+  double borne = 0;
+  for (const Site& site : touch.state.sites) {
+    if (site.tool != int(t) || !bears_force(site)) continue;
+    const double load = dot(site.force, site.normal);
+    arm += load * (weighted(*touch.patch, site, touch.state.x) - touch.poses[t].pose.position);
+    borne += load;
+  }
+  return borne > 0 ? arm / borne : Vec3d{};
+}
+
 /// Displacement of the vertices around a needle that it does not cause.
 void set_needle_motion(NeedleState& needle) {
   FreeMotionInterpolation& path = needle.motion;
@@ -149,8 +162,9 @@ void tick_sfem_touch(SfemTouch& touch, std::span<const ToolCommand> commands, do
   // readings
   for (std::size_t t = 0; t < commands.size(); t++) {
     readings[t] = reading_of(touch, t);
-    if (is_rough(touch.texture))
-      readings[t].force += texture_force(touch.texture, touch.textures[t], texture_contact(touch, t), dt);
+    if (!is_rough(touch.texture)) continue;
+    const Vec3d vibration = texture_force(touch.texture, touch.textures[t], texture_contact(touch, t), dt);
+    readings[t].force += vibration, readings[t].torque += cross(arm_of(touch, t), vibration);
   }
   tick_needles(touch, readings);
   touch.ticks++;
