@@ -116,8 +116,9 @@ int run(int argc, char** argv, AddCommands add_commands, void (*before)(int, cha
       "  turgor info patient.nii.gz\n"
       "For help on a command: turgor COMMAND --help\n"
       "Exit codes: 0 success; 2 an error, explained by a message; 3 a simulation stopped early because it\n"
-      "was not finite (earlier results are written), or a figure of validate is beyond its bound;\n"
-      "130 interrupted: unfinished files are removed, and the message names complete ones.");
+      "was not finite (earlier results are written), a condition of --require or a bound of validate is\n"
+      "exceeded, or a replay has other bits; 130 interrupted: unfinished files are removed, and the message\n"
+      "names complete ones.");
   program.set_version_flag("--version", "turgor " + program_version());
   program.set_help_all_flag("--help-all", "Print the help of all commands");
   Global global;

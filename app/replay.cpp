@@ -62,11 +62,12 @@ void add_replay_command(CLI::App& program, Global& global) {
       program.add_subcommand("replay", "Repeat a haptic recording bit for bit, without device or clock");
   command->footer(
       "Examples:\n"
-      "  turgor replay out/palpation/haptic.h5      of turgor run --real-time\n"
-      "  turgor replay out/view/palpation-1.h5    of turgor view, key H\n"
-      "  turgor replay out/palpation.haptic-log   the log of an interrupted run\n"
+      "  turgor replay out/palpation/haptic.h5              of turgor run --real-time\n"
+      "  turgor replay out/view/palpation-haptic-1.h5       of turgor view, key H\n"
+      "  turgor replay out/palpation.haptic-log             the log of an interrupted run\n"
       "Exit code 3: the state has other bits. turgor run --replay redraws a recording.");
-  command->add_option("file", options->file, "The haptic recording, an .h5 file")->required();
+  command->add_option("file", options->file, "The haptic recording: an .h5 file, or a .haptic-log")
+      ->required();
   command->add_option("-o,--out", options->out, "Folder for the results (default: out/NAME-replay)");
   add_force_option(*command, options->force);
   command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");

@@ -112,9 +112,9 @@ void add_run_command(CLI::App& program, Global& global) {
       command->add_flag("--check", options->check,
                         "Load the scene, step a few frames and print the cost of a run; writes no files");
   check->excludes(command->get_option("--replay"));
-  CLI::Option* resume = command->add_flag(
-      "--resume", options->resume,
-      "Go on with an interrupted run of the same scene and folder, from its latest autosave");
+  CLI::Option* resume =
+      command->add_flag("--resume", options->resume,
+                        "Continue an interrupted run of the same scene and folder from its latest autosave");
   CLI::Option* autosave = command->add_option("--autosave", options->autosave,
                                               "Wall time between autosaves [s]; 0: none (default: 60)");
   autosave->check(number_within(0, 86400, "s"));

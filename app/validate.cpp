@@ -346,7 +346,8 @@ void add_validation(CLI::App& validate, Global& global, const std::string& name,
   auto options = std::make_shared<ValidateOptions>();
   command->add_option("-o,--out", options->out,
                       "Folder for curves, maps and numbers (default: out/validate-…)");
-  command->add_flag("--quick", options->quick, "Coarser meshes, fewer points: two minutes at most");
+  command->add_flag("--quick", options->quick,
+                    "Coarser meshes, fewer points: two minutes at most for each model");
   add_force_option(*command, options->force);
   command->footer("Example:\n  turgor validate " + name + " --quick");
   command->callback(
@@ -359,7 +360,8 @@ void add_validate_command(CLI::App& program, Global& global) {
   CLI::App* validate = program.add_subcommand(kValidate.command, kValidate.about);
   validate->require_subcommand(1);
   for (const Validation& v : kValidations) add_validation(*validate, global, v.model, v.about, {&v, 1});
-  add_validation(*validate, global, "all", "Validate all models", kModels);
+  add_validation(*validate, global, "all", "Validate all models, without the comparison with measured tissue",
+                 kModels);
   validate->footer(
       "Example:\n  turgor validate sfem --out out/validation\nExit code 3: a figure is beyond its bound.");
 }
