@@ -135,14 +135,15 @@ void read_organs_table(SceneTable organs) {
   organs.describe(
       "bodies", "", "required",
       "labels, each of which becomes a body of that name: names or numbers (`\"label-5\"`). Other keys "
-      "of `[body.NAME]` may stand here, for all bodies, or there; `fixed` is `\"none\"` by default");
+      "of `[body.NAME]` in this table apply to all bodies that do not set them; `fixed` is `\"none\"` by "
+      "default");
   organs.describe(
       "attachment", "", "`{ stiffness_per_area = 1e5 }`",
-      "a table with the keys of `[attachment.NAME]` but `between`: neighbors are attached where they are at "
-      "most `distance` apart, unless the scene has an attachment of the two. `\"none\"`: they are not");
+      "a table with the keys of `[attachment.NAME]` except `between`: neighbors are attached where they are "
+      "at most `distance` apart, unless the scene has an attachment of the two. `\"none\"`: they are not");
   organs.describe(
       "contact", "", "none",
-      "a table with the keys of `[contact.NAME]` but `between`: all pairs of these bodies touch, unless "
+      "a table with the keys of `[contact.NAME]` except `between`: all pairs of these bodies touch, unless "
       "the scene has a contact of the two");
   for (const std::string& key : organs.keys()) organs.find(key);
   organs.finish();

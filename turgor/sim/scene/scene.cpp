@@ -69,8 +69,8 @@ void read_world(SceneTable world, Scene& scene) {
   world.begin_group("world");
   world.read(
       "gravity", scene.gravity, within(-1000, 1000, "m/s²"),
-      "the CT shows the body as gravity has already shaped it; add only the change. Held bodies of elements "
-      "and chains do not feel it");
+      "the CT shows the body as gravity has already shaped it; add only the change. Gravity does not act "
+      "on held bodies of elements and chains");
   world.read("duration", scene.duration, inside(0, 3600, "s"), "simulated time");
   world.read("frame_rate", scene.frame_rate, within(1, 1000, "1/s"),
              "steps per second; a run has at most a million steps");

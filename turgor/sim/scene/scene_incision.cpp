@@ -89,11 +89,12 @@ void read_cut_path(SceneTable& table, IncisionScene& incision) {
 void read_undermining(SceneTable& incision, lattice::Incision& blade) {
   SceneTable table = incision.table("undermine");
   lattice::Undermining& undermine = blade.undermine;
-  table.read(
-      "width", undermine.width, within(0, 0.5, "m"),
-      "frees skin from the tissue below it, on both sides of a cut or around an excision, so far; 0: not");
+  table.read("width", undermine.width, within(0, 0.5, "m"),
+             "width of the skin that is freed from the tissue below it, on both sides of a cut or around an "
+             "excision; 0: none");
   table.read("depth", undermine.depth, within(0, 1, "m"),
-             {"of that surface below the skin; at most the depth of the cut", "half the depth of the cut"});
+             {"depth of the freed surface below the skin; at most the depth of the cut",
+              "half the depth of the cut"});
   table.finish();
   if (!table.has("depth")) undermine.depth = 0.5 * blade.depth;
   if (undermine.width == 0) return;

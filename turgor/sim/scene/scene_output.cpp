@@ -182,9 +182,9 @@ void read_output(SceneTable output, Scene& scene) {
       "reference of the source series and opens next to it");
   read_volume_name(
       output, "displacement", out.displacement,
-      "file name of the displacement field: for each voxel the rest position of its tissue minus its present "
-      "position, continued into the air around it (mm, LPS; a displacement field transform of ITK: it warps "
-      "the CT to the deformed one)");
+      "file name of the displacement field (mm, LPS): for each voxel the rest position of its tissue minus "
+      "its present position, continued into the air around it. It is a displacement field transform of ITK, "
+      "which warps the CT to the deformed one");
   read_volume_name(output, "jacobian", out.jacobian,
                    "file name of the Jacobian determinant: present volume over volume in the CT");
   check_output_names(output, scene);
