@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/surface/middle_of_sides.hpp"
 
 namespace turgor::lattice::detail {
 
@@ -74,23 +75,6 @@ std::vector<std::vector<std::size_t>> coincident(const BodySurface& surface, Rea
     if (group.size() > 1) groups.push_back(std::move(group));
   }
   return groups;
-}
-
-/// Mean of the sides of a cut, where some vertices coincided at rest. A side may have several of them.
-Vec3 middle_of_sides(const std::vector<std::size_t>& group, const std::vector<Vec3>& x) {
-  Real widest = 0;
-  for (const std::size_t a : group)
-    for (const std::size_t b : group) widest = std::max(widest, norm(x[a] - x[b]));
-  if (!(widest > 0)) return x[group.front()];
-  // each vertex counts by the share that it has of its side
-  Vec3 sum;
-  Real total = 0;
-  for (const std::size_t a : group) {
-    Real same_side = 0;
-    for (const std::size_t b : group) same_side += std::max(Real(0), 1 - 4 * norm(x[a] - x[b]) / widest);
-    sum += x[a] / same_side, total += 1 / same_side;
-  }
-  return sum / total;
 }
 
 struct MovedVertex {
@@ -164,7 +148,7 @@ void close_end(const BodySurface& surface, const CutLine& line, Real step, std::
   // both sides of the cut
   std::vector<MovedVertex> moved;
   for (const std::vector<std::size_t>& group : coincident(surface, Real(1e-3) * step, near)) {
-    const Vec3 middle = middle_of_sides(group, x);
+    const Vec3 middle = middle_of_sides(std::span<const std::size_t>(group), x);
     const Vec3 away = surface.rest[group.front()] - end;
     const Real t = std::max(Real(0), dot(away, line.back) / (kClosing * step));
     const Real opening = 1 - strength * (1 - t * (2 - t));

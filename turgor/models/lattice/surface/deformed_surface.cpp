@@ -158,6 +158,7 @@ void deform_surface(const Model& model, const State& state, const BodySurface& s
   const Real step = std::min(
       {model.anatomy.lattice.spacing.x, model.anatomy.lattice.spacing.y, model.anatomy.lattice.spacing.z});
   detail::close_ends(surface, *plan, step, x);
+  detail::close_fronts(plan->fronts, x);
 
   // areas of the triangles, summed around the vertices
   TURGOR_CHECK(surface.twin.size() == count && step > 0, "every vertex has a twin or a mark");

@@ -165,6 +165,8 @@ std::shared_ptr<const SurfacePlan> make_surface_plan(const Exec& exec, const Mod
   find_terms(exec, model, cuts, kept, *plan);
   find_triangles_around(surface, *plan);
   find_rest_areas(model, surface, *plan);
+  const Vec3 h = model.anatomy.lattice.spacing;
+  plan->fronts = find_front_sides(surface, std::min({h.x, h.y, h.z}));
   if (kept && !kept->plan) keep_terms(model, cuts, plan, *kept);
   return plan;
 }

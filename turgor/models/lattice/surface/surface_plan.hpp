@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "turgor/models/lattice/cutting/corner_terms.hpp"
+#include "turgor/models/lattice/surface/crack_front.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 
 namespace turgor::lattice::detail {
@@ -28,6 +29,7 @@ struct SurfacePlan {
   std::vector<int> triangles;       // around each vertex, ascending: 3 · triangle + corner
   std::vector<float> rest_area;     // twice the area in the CT, by skin triangle; 0 = degenerate [m²]
   std::vector<float> rest_around;   // sum of rest_area around each vertex [m²]
+  FrontSides fronts;                // sides of walls near crack fronts
 
   std::span<const int> triangles_of(std::size_t v) const {
     const auto begin = std::size_t(triangle_begin[v]), end = std::size_t(triangle_begin[v + 1]);

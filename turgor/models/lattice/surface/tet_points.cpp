@@ -231,8 +231,11 @@ Vec3d position_of(const FineTet& tet, TetPoint p) {
   if (is_corner(p)) return from;
   if (is_skin_point(p)) return skin_position(tet, p.i, p.b);
   if (is_crossing(p)) {
-    const double t = double(crossing_of(tet, p.i, p.j).fraction);
-    return from + (position_of(tet, p.j) - from) * t;
+    const bool swapped =
+        tet.index[std::size_t(p.i)] > tet.index[std::size_t(p.j)];  // same bits on both sides
+    const int a = swapped ? p.j : p.i, b = swapped ? p.i : p.j;
+    const Vec3d begin = position_of(tet, a);
+    return begin + (position_of(tet, b) - begin) * double(crossing_of(tet, a, b).fraction);
   }
   if (is_clip(p)) return clip_between(tet, p.i, p.j, p.b).position;
   return junction_at(tet, p.b);
