@@ -446,5 +446,60 @@ TEST(Lips, WallsEndInSmoothLine) {
   }
 }
 
+/// A T in a random position and direction: a bent bar, and a stem that ends on it.
+CutBody random_t(const BallBody& ball, RandomCut& random) {
+  CutBody body{ball};
+  const Vec3d end = random.at(ball, random.number(-0.3, 0.3), 0);
+  body.cut({.path = {random.at(ball, -1.6, random.number(-0.5, 0.5)), end,
+                     random.at(ball, 1.6, random.number(-0.5, 0.5))},
+            .depth = 0.008});
+  body.cut({.from = random.at(ball, random.number(-0.5, 0.5), -3), .to = end, .depth = 0.008});
+  return body;
+}
+
+/// Largest distance by which walls of the two flaps of a T lie beyond the stem, within three cells of its end
+/// [fine edges].
+double beyond_stem(CutBody& body) {
+  // each side moves in another direction
+  constexpr double kMove = 1e-3;  // [m]
+  const Vec3d start = body.paths[1].points.front();
+  const bool flaps_right = is_right_of(body.sheets[0], start);
+  move(body.ball.model, body.state, [&](Vec3d p) {
+    if (is_right_of(body.sheets[0], p) != flaps_right) return Vec3d{0, 0, kMove};
+    return is_right_of(body.sheets[1], p) ? Vec3d{kMove, 0, 0} : Vec3d{0, kMove, 0};
+  });
+  // walls of the flaps
+  const BodySurface surface = body.surface();
+  const double cell = smallest_spacing(body.ball.model.anatomy.lattice);
+  const BladePath& stem = body.paths[1];
+  const std::size_t middle = stem.points.size() / 2;
+  std::set<int> walls;
+  for (std::size_t t = std::size_t(surface.skin_triangles); t < surface.triangles.size(); t++)
+    for (int c = 0; c < 3; c++) walls.insert(surface.triangles[t][c]);
+  double most = 0;
+  for (const int v : walls) {
+    const Vec3d p(surface.rest[std::size_t(v)]);
+    if (norm(p - stem.points.back()) > 3 * cell) continue;
+    const Vec3d u(vertex_displacement(body.ball.model, body.state, surface, v));
+    const double right = dot(p - stem.points[middle], across_at(stem, middle));
+    if (norm(u - Vec3d{kMove, 0, 0}) < 0.1 * kMove) most = std::max(most, -right);
+    if (norm(u - Vec3d{0, kMove, 0}) < 0.1 * kMove) most = std::max(most, right);
+  }
+  return most / body.ball.fine_edge();
+}
+
+// The walls of both flaps of a T end on the stem. A fine edge that crosses the stem and then the bar stores
+// the bar alone, and a wall up to there would be a tooth beyond the stem.
+TEST(Lips, WallsOfTEndOnStem) {
+  for (const int block : {2, 3, 4}) {
+    const BallBody ball(block, false, false, 96, 42);
+    for (unsigned seed = 1; seed <= 6; seed++) {
+      RandomCut random(seed);
+      CutBody body = random_t(ball, random);
+      EXPECT_LT(beyond_stem(body), 0.2) << "fine edges, block " << block << ", seed " << seed;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace turgor::lattice

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "turgor/core/key_index.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/surface/middle_of_sides.hpp"
 
 namespace turgor::lattice::detail {
@@ -259,6 +260,29 @@ class Fronts {
   std::vector<Real> distance_;  // from the smooth line [m]
 };
 
+/// Adds the vertices without another side that have neighbors near fronts.
+void add_lone_vertices(const BodySurface& surface, const Sides& sides, FrontSides& near) {
+  // vertices that move, and pairs of a lone vertex and a neighbor with sides
+  std::vector<std::uint8_t> moves(sides.of_vertex.size());
+  for (const int v : near.vertices) moves[std::size_t(v - sides.first_wall)] = 1;
+  std::vector<std::pair<int, int>> pairs;
+  for (const Int3 t : walls_of(surface))
+    for (int c = 0; c < 3; c++)
+      for (const int other : {t[(c + 1) % 3], t[(c + 2) % 3]})
+        if (sides.group(t[c]) < 0 && sides.group(other) >= 0) pairs.emplace_back(t[c], other);
+  sort_unique(pairs);
+  // neighbors of each
+  for (std::size_t a = 0, b = 0; a < pairs.size(); a = b) {
+    bool any_moves = false;
+    for (; b < pairs.size() && pairs[b].first == pairs[a].first; b++)
+      any_moves |= moves[std::size_t(pairs[b].second - sides.first_wall)] != 0;
+    if (!any_moves) continue;
+    near.lone.push_back(pairs[a].first);
+    for (std::size_t n = a; n < b; n++) near.beside.push_back(pairs[n].second);
+    near.beside_begin.push_back(int(near.beside.size()));
+  }
+}
+
 }  // namespace
 
 FrontSides find_front_sides(const BodySurface& surface, Real step) {
@@ -287,15 +311,26 @@ FrontSides find_front_sides(const BodySurface& surface, Real step) {
     near.begin.push_back(int(near.vertices.size()));
     near.opening.push_back(1 - closed);
   }
+  add_lone_vertices(surface, sides, near);
   return near;
 }
 
 void close_fronts(const FrontSides& sides, std::vector<Vec3>& x) {
+  std::vector<Vec3> before;
+  for (const int v : sides.beside) before.push_back(x[std::size_t(v)]);
+  // both sides toward their middle
   for (std::size_t g = 0; g < sides.opening.size(); g++) {
     const auto begin = std::size_t(sides.begin[g]), end = std::size_t(sides.begin[g + 1]);
     const auto group = std::span(sides.vertices).subspan(begin, end - begin);
     const Vec3 middle = middle_of_sides(group, x);
     for (const int v : group) x[std::size_t(v)] = middle + (x[std::size_t(v)] - middle) * sides.opening[g];
+  }
+  // a lone vertex with its neighbors
+  for (std::size_t n = 0; n < sides.lone.size(); n++) {
+    const auto begin = std::size_t(sides.beside_begin[n]), end = std::size_t(sides.beside_begin[n + 1]);
+    Vec3 sum;
+    for (std::size_t b = begin; b < end; b++) sum += x[std::size_t(sides.beside[b])] - before[b];
+    x[std::size_t(sides.lone[n])] += sum / Real(end - begin);
   }
 }
 

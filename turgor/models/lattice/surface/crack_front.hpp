@@ -14,6 +14,10 @@ struct FrontSides {
   std::vector<int> begin{0};  // by group of vertices that coincide at rest, and the end: into `vertices`
   std::vector<int> vertices;
   std::vector<Real> opening;  // by group: share of the opening that is drawn
+  // vertices without another side, as where two blades cross one fine edge
+  std::vector<int> lone;
+  std::vector<int> beside_begin{0};  // by lone vertex, and the end: into `beside`
+  std::vector<int> beside;           // vertices around it
 };
 
 /// Finds the sides of all walls. `step`: smallest spacing [m].

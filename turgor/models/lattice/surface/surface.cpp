@@ -30,6 +30,7 @@ struct CurrentCell {
   const CutCell* cut = nullptr;  // null: not near a cut
   bool has_removed = false;
   std::vector<CutPoint> cut_points;
+  bool has_several_blades = false;
 };
 
 /// Tetrahedron of the current cell.
@@ -185,7 +186,8 @@ void add_tet(Builder& builder, Int3 local, int kind) {
            .cuts = builder.cuts,
            .levels = builder.levels_near,
            .cut_points = c.cut_points,
-           .is_near_cut = c.cut != nullptr},
+           .is_near_cut = c.cut != nullptr,
+           .has_several_blades = c.has_several_blades},
           kind};
   int solids = 0, border = 0;
   for (std::size_t n = 0; n < 4; n++) {
@@ -264,6 +266,9 @@ void mesh_cell(Builder& builder, Int3 cell) {
   if (c.cut)
     c.cut_points = cut_points_near(builder.fragments, builder.cuts, cell),
     builder.levels_near.begin_cell(cell);
+  c.has_several_blades = std::any_of(c.cut_points.begin(), c.cut_points.end(), [&](const CutPoint& p) {
+    return p.incision != c.cut_points.front().incision;
+  });
   add_cell(builder, border);
 }
 

@@ -127,6 +127,40 @@ Vec3d skin_position(const FineTet& tet, int solid, int other) {
   return to_own_side(tet, solid, c.edge->incision, c.edge, along_line, *moved);
 }
 
+/// Position of the blade on the cut edge between two corners.
+Vec3d crossing_position(const FineTet& tet, int i, int j) {
+  const bool swapped = tet.index[std::size_t(i)] > tet.index[std::size_t(j)];  // same bits on both sides
+  if (swapped) std::swap(i, j);
+  const Vec3d from = position_of(tet, i);
+  return from + (position_of(tet, j) - from) * double(crossing_of(tet, i, j).fraction);
+}
+
+/// Crossing of the cut edge ij on the side of i. An edge knows only the first blade that crossed it. Where
+/// another blade crosses it before, seen from i, the tissue of i ends on that blade.
+Vec3d crossing_on_own_side(const FineTet& tet, int i, int j) {
+  const Vec3d at = crossing_position(tet, i, j);
+  if (!tet.has_several_blades) return at;
+  const FineLattice& f = tet.fragments.fine;
+  const std::uint8_t incision = crossing_of(tet, i, j).edge->incision;
+  const Int3 node = tet.nodes[std::size_t(i)];
+  const Vec3d from = position_of(tet, i), edge = at - from;
+  double fraction = 1;
+  for (const Int3 offset : kFamilies)
+    for (const Int3 step : {offset, -offset}) {
+      if (!contains(f, node + step)) continue;
+      const Crossing c = crossing(tet.fragments, tet.cuts, node, node + step);
+      if (c.edge == nullptr || c.edge->incision == incision) continue;
+      const std::optional<BladePlane> blade = blade_near(tet, *c.edge, from + edge * fraction);
+      if (!blade) continue;
+      // distances of both ends beyond that blade, positive on the side of the other node
+      const double sign = dot(blade->normal, lattice_index(f, node + step) - from) < 0 ? -1 : 1;
+      const double begin = sign * dot(from - blade->point, blade->normal),
+                   end = sign * dot(at - blade->point, blade->normal);
+      if (begin < 0 && end > 0) fraction = std::min(fraction, begin / (begin - end));
+    }
+  return from + edge * fraction;
+}
+
 /// Fraction of the segment from a to c nearest to the blade's crossing with the edge ij.
 double nearest_fraction(const FineTet& tet, Vec3d a, Vec3d c, Vec3d i, Vec3d j, double fraction) {
   const Vec3d step(tet.fragments.fine.cells.spacing);
@@ -230,13 +264,7 @@ Vec3d position_of(const FineTet& tet, TetPoint p) {
   const Vec3d from = position_of(tet, p.i);
   if (is_corner(p)) return from;
   if (is_skin_point(p)) return skin_position(tet, p.i, p.b);
-  if (is_crossing(p)) {
-    const bool swapped =
-        tet.index[std::size_t(p.i)] > tet.index[std::size_t(p.j)];  // same bits on both sides
-    const int a = swapped ? p.j : p.i, b = swapped ? p.i : p.j;
-    const Vec3d begin = position_of(tet, a);
-    return begin + (position_of(tet, b) - begin) * double(crossing_of(tet, a, b).fraction);
-  }
+  if (is_crossing(p)) return crossing_on_own_side(tet, p.i, p.j);
   if (is_clip(p)) return clip_between(tet, p.i, p.j, p.b).position;
   return junction_at(tet, p.b);
 }

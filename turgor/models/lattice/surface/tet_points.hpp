@@ -17,6 +17,7 @@ struct FineTet {
   std::array<std::uint64_t, 4> index = {};    // their fine indices
   std::array<double, 4> level = {};           // by node: positive in tissue, zero on the skin
   bool is_near_cut = false;
+  bool has_several_blades = false;  // `cut_points` belong to several incisions
 };
 
 /// Intersection of the blade with the skin between the skin points of ib and jb, where i and j are on its two
