@@ -19,28 +19,29 @@ constexpr Real kNear = 1.5;      // distance of the points of a front [steps]
 constexpr Real kRough = 0.15;    // largest mean distance of the points from a smooth line [steps]
 constexpr Real kLip = 0.75;      // depth below the lips from which walls close entirely [steps]
 
-/// Points in boxes, for the points near a position.
+/// Points in boxes, for the points within a radius of a position. A box is two radii wide.
 class PointBoxes {
  public:
-  PointBoxes(std::vector<Vec3> points, Real size) : points_(std::move(points)), size_(size) {
+  PointBoxes(std::vector<Vec3> points, Real radius) : points_(std::move(points)), radius_(radius) {
     for (std::size_t n = 0; n < points_.size(); n++) {
       const int box = index_.find_or_add(key(box_of(points_[n])));
       if (std::size_t(box) == boxes_.size()) boxes_.emplace_back();
       boxes_[std::size_t(box)].push_back(int(n));
     }
   }
-  /// Calls visit(index, offset from the position) for all points closer than a box is wide.
+  /// Calls visit(index, offset from the position) for all points within the radius.
   template <class Visit>
   void for_near(Vec3 position, const Visit& visit) const {
-    const Int3 box = box_of(position);
-    for (int k = -1; k <= 1; k++)
-      for (int j = -1; j <= 1; j++)
-        for (int i = -1; i <= 1; i++) {
-          const int n = index_.find(key(box + Int3{i, j, k}));
+    const Vec3 reach{radius_, radius_, radius_};
+    const Int3 low = box_of(position - reach), high = box_of(position + reach);
+    for (int k = low.z; k <= high.z; k++)
+      for (int j = low.y; j <= high.y; j++)
+        for (int i = low.x; i <= high.x; i++) {
+          const int n = index_.find(key({i, j, k}));
           if (n < 0) continue;
           for (const int p : boxes_[std::size_t(n)]) {
             const Vec3 away = points_[std::size_t(p)] - position;
-            if (dot(away, away) < size_ * size_) visit(p, away);
+            if (dot(away, away) < radius_ * radius_) visit(p, away);
           }
         }
   }
@@ -49,7 +50,8 @@ class PointBoxes {
 
  private:
   Int3 box_of(Vec3 p) const {
-    return {int(std::floor(p.x / size_)), int(std::floor(p.y / size_)), int(std::floor(p.z / size_))};
+    const Real size = 2 * radius_;
+    return {int(std::floor(p.x / size)), int(std::floor(p.y / size)), int(std::floor(p.z / size))};
   }
   static std::uint64_t key(Int3 box) {
     constexpr int kMiddle = 1 << 20;
@@ -57,7 +59,7 @@ class PointBoxes {
            std::uint64_t(box.z + kMiddle) << 42;
   }
   std::vector<Vec3> points_;
-  Real size_;
+  Real radius_;
   KeyIndex index_;
   std::vector<std::vector<int>> boxes_;
 };
