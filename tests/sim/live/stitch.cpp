@@ -227,6 +227,29 @@ TEST(LiveStitch, StitchedCutStays) {
   EXPECT_TRUE(apply_request(kAlone, UndoCutRequest{}, scene, world));
 }
 
+// Undo of a later cut restores a stitch: it is embedded in the restored cells, with its tension of that time.
+TEST(LiveStitch, UndoneCutRestoresStitch) {
+  const fs::path folder = test::fresh_folder();
+  auto scene = std::make_shared<const Scene>(block_with(folder, "", 2, true));
+  World world = test::block_world(kAlone, *scene);
+  step_frames(world, kStart);
+  ASSERT_TRUE(apply_request(kAlone, stitch_with(0.3), scene, world));
+  step_frames(world, 10);
+  const double tension = stitch_of(world).tension;
+  const CutRequest cut{.blade = {.name = "hand",
+                                 .from = {0.03, -0.02, -0.03},
+                                 .to = {0.03, -0.02, 0.03},
+                                 .depth = 0.012,
+                                 .duration = 0.1},
+                       .body = 0};
+  ASSERT_TRUE(apply_request(kAlone, cut, scene, world));
+  step_frames(world, 10);
+  EXPECT_NE(stitch_of(world).tension, tension) << "N: it was still pulled";
+  ASSERT_TRUE(apply_request(kAlone, UndoCutRequest{}, scene, world));
+  EXPECT_EQ(world.sutures[0].closure->version, cut_version(world.lattice_bodies[0].state.cuts()));
+  EXPECT_EQ(stitch_of(world).tension, tension) << "N";
+}
+
 // Stitches are saved as sutures of the cut by hand, or of the scene.
 TEST(LiveStitch, IsSavedWithScene) {
   const fs::path folder = test::fresh_folder();

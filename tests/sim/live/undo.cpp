@@ -7,6 +7,7 @@
 #include "tests/sim/live/replayed_world.hpp"
 #include "tests/sim/live/watched_session.hpp"
 #include "turgor/sim/live/edit_history.hpp"
+#include "turgor/sim/live/mouse_tools.hpp"
 
 namespace turgor {
 namespace {
@@ -82,6 +83,32 @@ TEST(Undo, EarlierCutIsMadeAgain) {
   ASSERT_EQ(world.cuts.size(), 1u);
   EXPECT_EQ(world.cuts[0].edges, alone.cuts[0].edges);
   EXPECT_EQ(world.lattice_bodies[0].state.host().cuts.edges.size(), edges);
+}
+
+// Undo of a second cut restores the contact samples that it separated. The next step reads no virtual node of
+// that cut.
+TEST(Undo, SecondCutLeavesContactSamples) {
+  auto scene = std::make_shared<const Scene>(
+      with_mouse_tools(test::block_scene(test::fresh_folder(), {"body.block.tissue.partial_cells=true"})));
+  World world = test::block_world(kExec, *scene);
+  LatticeBody& body = world.lattice_bodies[0];
+  begin_haptics(body, world.tools);
+  step_frames(world, 10);
+  ASSERT_EQ(world.cuts[0].done, 1);
+  refresh_surface(kExec, body);
+  const std::size_t samples = body.touch.samples.size();
+  ASSERT_TRUE(apply_request(kExec, cut_at(0.03), scene, world));
+  step_frames(world, 10);
+  refresh_surface(kExec, body);
+  EXPECT_NE(body.touch.samples.size(), samples) << "the cut separates samples and adds lips";
+  ASSERT_TRUE(apply_request(kExec, UndoCutRequest{}, scene, world));
+  step_frames(world, 1);
+  const std::size_t nodes = body.state.host().motion.u.x.size() + body.state.virtual_u().size();
+  ASSERT_FALSE(body.touch.points.empty());
+  for (const lattice::EmbeddedPoint& point : body.touch.points)
+    for (const int corner : point.corner) ASSERT_LT(std::size_t(corner), nodes);
+  refresh_surface(kExec, body);
+  EXPECT_EQ(body.touch.samples.size(), samples);
 }
 
 // Cuts of the scene are no edits.

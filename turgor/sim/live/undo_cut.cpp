@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/build/scale_stiffness.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -22,6 +23,37 @@ std::size_t bytes_of(const lattice::State& state) {
          state.cut_elements.cells.size() * sizeof(lattice::CutCellElement);
 }
 
+/// Tool contact without the contacts, whose samples a cut renumbers.
+contact::LatticeTouch without_contacts(contact::LatticeTouch touch) {
+  touch.contacts.clear(), touch.nodes.clear(), touch.contact_points = {};
+  return touch;
+}
+
+/// Restores the samples that tools touch. The tools keep their poses.
+void restore_touch(const BeforeCut& before, LatticeBody& body) {
+  std::vector<contact::ToolPose> poses = std::move(body.touch.poses);
+  body.touch = before.touch;
+  body.touch.poses = std::move(poses);
+}
+
+/// Restores the stitches of a body. Those that were laid after the copy are embedded again, or laid again
+/// once their wound is cut.
+void restore_stitches(const BeforeCut& before, int number, World& world) {
+  const LatticeBody& body = world.lattice_bodies[std::size_t(number)];
+  for (std::size_t n = 0; n < world.sutures.size(); n++) {
+    Suture& suture = world.sutures[n];
+    if (suture.scene.body != number) continue;
+    std::optional<lattice::WoundClosure>& closure = suture.closure;
+    if (n < before.closures.size()) closure = before.closures[n];
+    TURGOR_CHECK(is_index(suture.scene.incision, world.cuts.size()), "a suture closes a cut of the world");
+    if (world.cuts[std::size_t(suture.scene.incision)].done < 1) closure.reset();
+    const lattice::Cuts& cuts = body.state.cuts();
+    if (closure && closure->version != cut_version(cuts) &&
+        !lattice::embed_closure(body.model, cuts, *closure))
+      closure.reset();
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const BeforeCut> state_before_cut(World& world, const LatticeBody& body) {
@@ -35,9 +67,14 @@ std::shared_ptr<const BeforeCut> state_before_cut(World& world, const LatticeBod
     bytes += bytes_of(cut->before->state);
     if (bytes > kCopiedBytes) cut->before.reset();
   }
-  BeforeCut before{.state = state, .stiffness_scale = body.stiffness_scale, .cuts = {}};
+  BeforeCut before{.state = state,
+                   .stiffness_scale = body.stiffness_scale,
+                   .cuts = {},
+                   .closures = {},
+                   .touch = without_contacts(body.touch)};
   for (const Cut& cut : world.cuts)
     before.cuts.push_back({.has_path = cut.path.has_value(), .done = cut.done, .edges = cut.edges});
+  for (const Suture& suture : world.sutures) before.closures.push_back(suture.closure);
   return std::make_shared<const BeforeCut>(std::move(before));
 }
 
@@ -58,6 +95,7 @@ Status undo_last_cut(World& world) {
   state.sleep = {};                                                  // wakes all rows
   body.surface_cuts = std::numeric_limits<std::size_t>::max();       // the surface is built again
   body.last_displacement = std::numeric_limits<double>::infinity();  // unknown
+  restore_touch(*before, body);
   world.cuts.pop_back();
   // earlier cuts of the body
   for (std::size_t n = 0; n < world.cuts.size(); n++) {
@@ -67,6 +105,7 @@ Status undo_last_cut(World& world) {
     if (!progress.has_path) cut.path.reset();
     cut.done = progress.done, cut.edges = progress.edges;
   }
+  restore_stitches(*before, number, world);
   return Done{};
 }
 

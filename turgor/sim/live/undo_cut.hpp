@@ -2,10 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "turgor/contact/lattice_touch.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/models/lattice/model/state.hpp"
+#include "turgor/models/lattice/suture/closure.hpp"
 
 namespace turgor {
 
@@ -23,6 +26,8 @@ struct BeforeCut {
   lattice::State state;
   double stiffness_scale = 1;  // of the body
   std::vector<CutProgress> cuts;
+  std::vector<std::optional<lattice::WoundClosure>> closures;  // of all sutures of the world
+  contact::LatticeTouch touch;  // its samples are those of the surface at that time
 };
 
 /// Copy of the body's state for a cut that is about to start. Older copies are dropped, so that all of them
@@ -30,9 +35,9 @@ struct BeforeCut {
 std::shared_ptr<const BeforeCut> state_before_cut(World& world, const LatticeBody& body);
 constexpr std::size_t kCopiedBytes = std::size_t(1) << 30;
 
-/// Removes the latest cut and restores its body. Positions and velocities are those from before the cut; the
-/// body settles from there. Blades of earlier cuts that moved meanwhile cut again in the next frame. Error:
-/// its copy was dropped.
+/// Removes the latest cut and restores its body. Positions, velocities and stitches are those from before the
+/// cut; the body settles from there, and tools release it. Blades of earlier cuts that moved meanwhile cut
+/// again in the next frame. Error: its copy was dropped.
 Status undo_last_cut(World& world);
 
 }  // namespace turgor

@@ -97,6 +97,7 @@ bool needs_surface(const LatticeBody& body) {
   const lattice::Cuts& cuts = body.state.cuts();
   if (body.rest.empty()) return true;
   if (body.surface_cuts == cut_version(cuts)) return false;
+  if (body.surface_cuts > cut_version(cuts)) return true;  // of a cut that was undone
   const auto is_needle = [](const contact::Tool& tool) { return tool.needle.has_value(); };
   if (body.haptic.empty() || body.state.is_on_device() || !body.touch.contacts.empty() ||
       std::any_of(body.tools.begin(), body.tools.end(), is_needle))
