@@ -158,6 +158,7 @@ struct Viewer {
   bool records_picture_only = false;  // pictures and videos without the panels
   bool wants_picture = false, wants_video = false, wants_felt = false, ends = false;
   std::string saved;                               // SessionStatus::saved, as last reported
+  int edits = 0;                                   // SessionStatus::edits, likewise
   double drawn_per_second = 0;                     // pictures [1/s]
   std::chrono::steady_clock::time_point asked_ct;  // latest request
   int ct_frame = -1;                               // shown at that time

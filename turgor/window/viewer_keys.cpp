@@ -91,17 +91,9 @@ void leave_mode(Viewer& viewer) {
     viewer.mode = MouseMode::kTouch;
 }
 
-void undo(Viewer& viewer) {
-  if (!viewer.now) return;
-  viewer.message = viewer.now->undo.empty() ? "nothing to undo" : "undone: " + viewer.now->undo;
-  viewer.session.request(UndoRequest{});
-}
-
-void redo(Viewer& viewer) {
-  if (!viewer.now) return;
-  viewer.message = viewer.now->redo.empty() ? "nothing to redo" : "repeated: " + viewer.now->redo;
-  viewer.session.request(RedoRequest{});
-}
+/// The session reports what it took back or repeated (report_edit).
+void undo(Viewer& viewer) { viewer.session.request(UndoRequest{}); }
+void redo(Viewer& viewer) { viewer.session.request(RedoRequest{}); }
 
 constexpr const char *kFile = "File", *kEdit = "Edit", *kTime = "Time", *kMouseKeys = "Mouse",
                      *kView = "View", *kOutput = "Pictures and recordings";

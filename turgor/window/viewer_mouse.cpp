@@ -147,6 +147,16 @@ void ask_for_sections(Viewer& viewer) {
   viewer.session.request(CutawayRequest{viewer.display.cutaway});
 }
 
+/// Shows the result of the latest undo or redo.
+void report_edit(Viewer& viewer) {
+  const SessionStatus& now = *viewer.now;
+  if (now.edits == viewer.edits) return;
+  viewer.edits = now.edits;
+  if (now.edited.empty()) return;  // another world
+  viewer.message = now.edited;
+  if (now.edited.starts_with("not ")) viewer.failure = viewer.message;
+}
+
 constexpr MouseHelp kMouseHelp[] = {
     {"left on a body",
      "press with the body's tool, and slide; on cloth without a tool: wind; in cut mode: cut skin"},
@@ -236,6 +246,7 @@ void look(Viewer& viewer) {
   const bool ready = now.phase == SessionStatus::Phase::kReady;
   viewer.now = &now;
   if (!now.saved.empty() && now.saved != viewer.saved) viewer.message = viewer.saved = now.saved;
+  report_edit(viewer);
   if (!ready || now.snapshot.bodies.empty()) {
     viewer.touching.reset(), viewer.cut.reset(), viewer.wind.reset();
     viewer.stitch.reset(), viewer.pulled.reset();

@@ -250,6 +250,32 @@ TEST(LiveStitch, UndoneCutRestoresStitch) {
   EXPECT_EQ(stitch_of(world).tension, tension) << "N";
 }
 
+// A stitch that tore cannot be pulled less. Undo says so, and the next one takes the stitch back.
+TEST(LiveStitch, TornStitchDoesNotBlockUndo) {
+  const fs::path folder = test::fresh_folder();
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  std::ofstream(folder / "block.toml") << test::block_scene_text("block.nii");
+  Session session(folder / "block.toml", {}, kOneThread);
+  ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.snapshot.frame > kStart; }));
+  session.request(stitch_with(0.3));
+  ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) {
+    return now.stitches.size() == 1 && now.stitches[0].tension > 0.1;
+  }));
+  session.request(TightenRequest{.suture = 0, .tension = 1e4, .duration = 0.1});
+  ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) {
+    return now.stitches[0].phase == lattice::StitchPhase::kBroken ||
+           now.stitches[0].phase == lattice::StitchPhase::kPulledOut;
+  }));
+  session.request(UndoRequest{});
+  ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.edits == 1; }));
+  EXPECT_EQ(session.now().edited, "not undone: no pull: the stitch tore");
+  EXPECT_EQ(session.now().undo, "stitch of 24 mm");
+  session.request(UndoRequest{});
+  ASSERT_TRUE(wait_until(session, [](const SessionStatus& now) { return now.edits == 2; }));
+  EXPECT_EQ(session.now().edited, "undone: stitch of 24 mm");
+  EXPECT_TRUE(session.now().stitches.empty());
+}
+
 // Stitches are saved as sutures of the cut by hand, or of the scene.
 TEST(LiveStitch, IsSavedWithScene) {
   const fs::path folder = test::fresh_folder();

@@ -1,7 +1,10 @@
 #include "turgor/sim/live/handle_requests.hpp"
 
+#include <string>
 #include <utility>
 #include <variant>
+
+#include <fmt/format.h>
 
 #include "turgor/sim/live/change_world.hpp"
 #include "turgor/sim/live/session_thread.hpp"
@@ -104,16 +107,25 @@ void forget_cut_data(SessionThread& session) {
   session.next.undone_cuts++;
 }
 
-/// Applies one direction of an edit, and moves it to the other list.
+/// Applies one direction of an edit, and moves it to the other list. A refused pull is dropped: its stitch
+/// tore, and would block all earlier edits.
 void move_edit(std::vector<Edit>& from, std::vector<Edit>& to, bool undoes, SessionThread& session) {
-  if (from.empty()) return;
+  SessionStatus& next = session.next;
+  next.edits++;
+  if (from.empty()) {
+    next.edited = undoes ? "nothing to undo" : "nothing to redo";
+    return;
+  }
+  const std::string text = undoes ? undo_text(session.history) : redo_text(session.history);
+  const char* verb = undoes ? "undone" : "repeated";
   const Edit edit = from.back();
   const bool applied =
       std::visit([&session](const auto& one) { return apply(one, session); }, undoes ? edit.undo : edit.redo);
-  if (!applied) return;
-  if (undoes && std::holds_alternative<UndoCutRequest>(edit.undo)) forget_cut_data(session);
+  next.edited = applied ? fmt::format("{}: {}", verb, text) : fmt::format("not {}: {}", verb, next.error);
+  if (!applied && !std::holds_alternative<TightenRequest>(edit.undo)) return;
+  if (applied && undoes && std::holds_alternative<UndoCutRequest>(edit.undo)) forget_cut_data(session);
   from.pop_back();
-  to.push_back(edit);
+  if (applied) to.push_back(edit);
 }
 
 void handle(const UndoRequest&, SessionThread& session) {

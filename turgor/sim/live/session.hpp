@@ -62,6 +62,8 @@ struct SessionStatus {
   std::vector<std::string> notes;  // warnings and notes of loading
   std::string saved;               // message about the latest SaveRequest
   std::string undo, redo;  // cut or change that the next UndoRequest or RedoRequest concerns, or empty
+  std::string edited;      // result of the latest UndoRequest or RedoRequest since the world was loaded
+  int edits = 0;           // number of these requests
   int undone_cuts = 0;     // cuts that were taken back since the world was loaded
 
   static constexpr std::size_t kMaxHapticSamples = 900;
