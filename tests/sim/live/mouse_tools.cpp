@@ -1,5 +1,9 @@
 #include "turgor/sim/live/mouse_tools.hpp"
 
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include "turgor/sim/scene/scene.hpp"
@@ -55,6 +59,46 @@ TEST(MouseTools, OwnToolOfBodyIsHeld) {
     EXPECT_TRUE(name == "ball" || name == "finger-pad") << name;
     EXPECT_FALSE(*held.is_driven) << "it follows its path until the mouse moves it";
   }
+}
+
+// A pause holds the tool in the equilibrium of its press: it does not sink in, and no larger force follows.
+TEST(MouseTools, PauseHoldsPress) {
+  const Result<Scene> scene = parse_scene(
+      std::string(kFlagAndPad).substr(std::string(kFlagAndPad).find("[body.pad]")) + "young = 5e4\n",
+      "pad.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  Result<World> world = load_world(Exec(1), with_mouse_tools(*scene));
+  ASSERT_TRUE(world) << world.error().message;
+  const Result<LiveHands> hands = hold_mouse_tools(*world);
+  ASSERT_TRUE(hands) << hands.error().message;
+  auto live = LiveTouch::start(*world, hands->held, {.loop = {.priority = 0, .lock_memory = false}});
+  ASSERT_TRUE(live) << live.error().message;
+  const auto play = [&](double seconds) {
+    for (const double end = time_of(*world) + seconds; time_of(*world) < end;) {
+      ASSERT_TRUE(step(Exec(1), *world));
+      (*live)->wait_for_frame();
+    }
+  };
+  // a press of 6 mm
+  constexpr double kTop = 0.03, kRadius = 0.008;  // of the pad, of the fingertip [m]
+  hands->mouse[0].device->set_target({.pose = {{0.03, 0.03, kTop + kRadius - 0.006}, {}},
+                                      .teleports = 1,
+                                      .teleport_to = {0.03, 0.03, kTop + kRadius + 0.002}});
+  play(1);
+  const double steady = norm((*live)->haptic()[0].reading.force);
+  EXPECT_GT(steady, 0.5) << "N";
+  // pause
+  (*live)->set_pace(0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  (*live)->set_pace(1);
+  play(0.3);
+  (*live)->stop();
+  const TouchLog& samples = world->tools[0].samples;
+  ASSERT_GT(samples.size(), 100u);
+  double largest = 0;
+  for (std::size_t n = samples.size() / 2; n < samples.size(); n++)
+    largest = std::max(largest, norm(samples[n].force));
+  EXPECT_LT(largest, 1.2 * steady) << "N";
 }
 
 }  // namespace

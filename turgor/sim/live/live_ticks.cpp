@@ -123,6 +123,14 @@ void tick_tools(LiveTicks& ticks, std::span<const contact::ToolCommand> hands,
   publish_status(ticks);
 }
 
+/// Readings of devices that keep the latest force while time stands still: their tools stay in equilibrium
+/// with it, and are not driven into a body that does not answer.
+void repeat_readings(const LiveTicks& ticks, std::span<contact::ToolReading> haptic) {
+  for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
+    if (ticks.order[slot].hand >= 0 && ticks.order[slot].keeps_force)
+      haptic[std::size_t(ticks.order[slot].hand)] = ticks.readings[slot];
+}
+
 void add_tool(int index, const std::vector<HeldTool>& held, RecordLimits limits, LiveTicks& ticks) {
   TURGOR_CHECK(is_index(index, ticks.tools.size()), "a ticked tool is a tool of the world");
   TickedTool& ticked = ticks.order.emplace_back();
@@ -132,7 +140,7 @@ void add_tool(int index, const std::vector<HeldTool>& held, RecordLimits limits,
       std::find_if(held.begin(), held.end(), [index](const HeldTool& h) { return h.tool == index; });
   if (holder == held.end()) return;
   ticked.hand = int(holder - held.begin());
-  ticked.is_driven = holder->is_driven;
+  ticked.is_driven = holder->is_driven, ticked.keeps_force = holder->keeps_force;
   ticked.has_grip = holder->hand.device->spec().has_grip;
 }
 
@@ -172,7 +180,10 @@ void tick_all(void* context, std::span<const contact::ToolCommand> hands, double
               std::span<contact::ToolReading> haptic) {
   LiveTicks& ticks = *static_cast<LiveTicks*>(context);
   for (contact::ToolReading& reading : haptic) reading = {};
-  if (advance_time(ticks)) tick_tools(ticks, hands, haptic);
+  if (advance_time(ticks))
+    tick_tools(ticks, hands, haptic);
+  else
+    repeat_readings(ticks, haptic);
   ticks.loop_count++;
 }
 

@@ -23,8 +23,8 @@ struct TickedTool {
   int index = 0;                                 // index into World::tools
   int hand = -1;                                 // index of the device that holds it; -1: moved by its path
   const std::atomic<bool>* is_driven = nullptr;  // see HeldTool::is_driven
-  bool has_grip = false;
-  DiskLog<HapticTick> recorded;  // one per logged sample
+  bool has_grip = false, keeps_force = false;    // see HeldTool::keeps_force
+  DiskLog<HapticTick> recorded;                  // one per logged sample
   bool has_previous =
       false;  // true after the first tick; `pose`, `force` and `torque` are then those of the previous tick
   contact::Pose pose;

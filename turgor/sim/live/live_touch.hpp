@@ -30,6 +30,7 @@ struct HeldTool {
   haptics::Hand hand;  // device, which must be open, and its parameters
   const std::atomic<bool>* is_driven =
       nullptr;  // while it is false the tool follows its path; null: the device always drives the tool
+  bool keeps_force = false;  // of a device that no hand holds: a paused world returns the latest force
 };
 
 /// Status of a tool: the newest reading and the work done.
@@ -60,7 +61,8 @@ class LiveTouch {
   void record_frame_inputs();
   /// After a frame: waits until its due time. Returns the delay [s]; it is about 0 for a frame in time.
   double wait_for_frame();
-  /// Sets the simulated seconds per second. At 0 the world is paused and haptic forces are zero.
+  /// Sets the simulated seconds per second. At 0 the world is paused, and haptic forces are zero except
+  /// those of HeldTool::keeps_force.
   void set_pace(double pace);
   /// While the world is paused: permits ticks for this much simulated time [s].
   void allow(double time);

@@ -80,6 +80,7 @@ Result<LiveHands> hold_mouse_tools(const World& world) {
     HeldTool& held = hands.held.emplace_back();
     held.tool = index, held.hand.device = device.get(), held.is_driven = &device->is_driven();
     held.hand.safety.ramp = 0.1;  // short ramp, because a mouse renders no force [s]
+    held.keeps_force = true;
     hands.mouse.push_back({index, std::move(device)});
   });
   if (!status) return status.error();
