@@ -106,6 +106,48 @@ TEST_F(DocumentsTest, UndoAndRedoOfCut) {
   EXPECT_TRUE(draw_until([&](const SessionStatus& n) { return walls(n) > 30; }));
 }
 
+// Undo in a paused world is drawn: the picture is that from before the cut.
+TEST_F(DocumentsTest, UndoIsDrawnWhilePaused) {
+  open(block(folder_));
+  ASSERT_TRUE(wait_for_world());
+  int count = 0;
+  const auto saved_picture = [&] {
+    draw_for(0.8);  // until the full quality
+    type("p");
+    return read_picture(folder_ / "out" / fmt::format("block-{}.png", ++count));
+  };
+  type("1");
+  type("space");
+  const Image before = saved_picture();
+  type("space");
+  cut_block();
+  const auto walls = [](const SessionStatus& n) {
+    return n.snapshot.bodies[0].triangles.size() - n.snapshot.bodies[0].wall_begin;
+  };
+  ASSERT_TRUE(draw_until([&](const SessionStatus& n) { return walls(n) > 30 && n.cut_result.is_measured; }));
+  type("space");
+  ASSERT_TRUE(draw_until([](const SessionStatus& n) { return !n.plays; }));
+  const Image wounded = saved_picture();
+  type("ctrl+z");
+  ASSERT_TRUE(draw_until([](const SessionStatus& n) { return n.cuts.empty(); }));
+  const Image undone = saved_picture();
+  for (const Image& image : {before, wounded, undone}) ASSERT_EQ(image.width, kWidth);
+  // pixels around the middle of the wound that differ from the picture before
+  int x = 0, y = 0;
+  ASSERT_EQ(std::sscanf(pixel({0.01, -0.02, 0}).c_str(), "%d %d", &x, &y), 2);
+  const auto differing = [&](const Image& image) {
+    int found = 0;
+    for (int dy = -20; dy <= 20; dy++)
+      for (int dx = -20; dx <= 20; dx++) {
+        const Rgb a = image.at(x + dx, y + dy), b = before.at(x + dx, y + dy);
+        found += std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b) > 30;
+      }
+    return found;
+  };
+  EXPECT_GT(differing(wounded), 100);
+  EXPECT_LT(differing(undone), 20);
+}
+
 // A file that another program changed is not overwritten.
 TEST_F(DocumentsTest, ForeignChangeIsNotOverwritten) {
   open(block(folder_));

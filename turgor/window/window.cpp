@@ -29,7 +29,7 @@ std::string& glfw_trouble() {
 }
 
 bool same(const DrawnState& a, const DrawnState& b) {
-  return a.world == b.world && a.frame == b.frame && a.width == b.width && a.height == b.height &&
+  return a.world == b.world && a.number == b.number && a.width == b.width && a.height == b.height &&
          a.camera.eye == b.camera.eye && a.camera.target == b.camera.target && a.color == b.color &&
          a.style == b.style && a.cutaway == b.cutaway && a.sectioned == b.sectioned &&
          a.gray_values == b.gray_values && a.organ_forces == b.organ_forces;
@@ -178,7 +178,7 @@ PixelArea SceneWindow::Impl::picture_area() const {
 void SceneWindow::Impl::draw_surfaces(int width, int height) {
   const SessionStatus& now = *viewer->now;
   const DrawnState current{now.world,
-                           now.snapshot.frame,
+                           now.number,
                            width,
                            height,
                            viewer->camera,

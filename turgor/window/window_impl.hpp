@@ -21,7 +21,9 @@ namespace turgor {
 
 /// State of the last drawing; another value requires a new picture.
 struct DrawnState {
-  int world = -1, frame = -1, width = 0, height = 0;
+  int world = -1;
+  long number = -1;  // of the published state; a paused world publishes changes only
+  int width = 0, height = 0;
   Camera camera;
   SkinColor color = SkinColor::kNone;
   MeshStyle style = MeshStyle::kSurface;

@@ -39,6 +39,7 @@ struct SessionStatus {
   enum class Phase : std::uint8_t { kLoading, kReady, kFailed, kEmpty };  // empty: no scene was opened yet
   Phase phase = Phase::kLoading;
   int world = 0;  // number of worlds loaded so far; a new number invalidates indices into the previous world
+  long number = 0;                     // number of states published so far
   std::string doing;                   // present loading task
   double done = 0;                     // finished fraction of that task, 0 to 1
   std::string error;                   // reason why there is no world, or why it is paused

@@ -51,6 +51,7 @@ void publish(SessionThread& session) {
   next.frames = live.touch ? live.touch->frames() : live.clock ? live.clock->timing() : FrameTiming();
 
   // copy into the reader's buffer, whose snapshot is kept
+  next.number++;
   SessionStatus& out = session.published.writing();
   const bool is_kept = out.world == next.world && out.undone_cuts == next.undone_cuts;
   WorldSnapshot snapshot = is_kept ? std::move(out.snapshot) : WorldSnapshot();
@@ -122,6 +123,7 @@ void load(SessionThread& session) {
   SessionStatus& next = session.next;
   const SessionStatus before = std::move(next);
   next = {.world = before.world + 1,
+          .number = before.number,
           .scene = session.source.scene ? before.scene : nullptr,
           .pace = before.pace,
           .plays = before.plays};
