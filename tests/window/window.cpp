@@ -74,6 +74,24 @@ TEST_F(WindowTest, DrawnLineCutsAndIsSaved) {
       [&](const SessionStatus& n) { return n.phase == SessionStatus::Phase::kReady && walls(n) == 0; }));
 }
 
+// A click of another button does not end the line that the left button draws.
+TEST_F(WindowTest, OtherButtonKeepsDrawnLine) {
+  open(block(folder_));
+  ASSERT_TRUE(wait_for_world());
+  type("1");
+  type("c");
+  hand("mousemove " + pixel({0.01, -0.02, -0.03}) + " mousedown 1");
+  draw_for(0.1);
+  hand("mousemove " + pixel({0.01, -0.02, 0.03}));
+  draw_for(0.1);
+  hand("click 3");
+  draw_for(0.3);
+  EXPECT_TRUE(window_->viewer().cut);
+  EXPECT_TRUE(now().cuts.empty());
+  hand("mouseup 1");
+  EXPECT_TRUE(draw_until([](const SessionStatus& n) { return n.cuts.size() == 1; }));
+}
+
 // The CT of a body is shown in sections and as a volume.
 TEST_F(WindowTest, DeformedCtIsShown) {
   open(block(folder_));

@@ -169,7 +169,9 @@ struct Viewer {
 
 /// Mouse and keyboard. `position` is that of the cursor; key codes are those of GLFW.
 void press_button(Viewer& viewer, int button, bool shift);
-void release_button(Viewer& viewer);
+void release_button(Viewer& viewer, int button);
+/// Ends what the left button holds: a press, a stitch that is pulled, a drawn line.
+void end_press(Viewer& viewer);
 void move_cursor(Viewer& viewer, ScreenPosition position);
 void scroll(Viewer& viewer, double notches);
 /// Modifiers of a key. Plain keys ignore Shift.

@@ -86,7 +86,7 @@ void leave_mode(Viewer& viewer) {
   else if (viewer.touching && viewer.touching->needle)
     withdraw_needle(viewer);
   else if (viewer.touching)
-    release_button(viewer);
+    end_press(viewer);
   else
     viewer.mode = MouseMode::kTouch;
 }

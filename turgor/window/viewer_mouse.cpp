@@ -180,8 +180,12 @@ void press_button(Viewer& viewer, int button, bool shift) {
   viewer.camera_button = button == kMiddle || (button == kRight && shift) ? 1 : 0;
 }
 
-void release_button(Viewer& viewer) {
+void release_button(Viewer& viewer, int button) {
   viewer.camera_button.reset();
+  if (button == kLeft) end_press(viewer);
+}
+
+void end_press(Viewer& viewer) {
   release_stitch(viewer);
   if (viewer.touching && viewer.touching->needle) {
     viewer.touching->needle->is_held = false;

@@ -70,7 +70,7 @@ void move_needle(Viewer& viewer) {
   if (!needle->leaves || depth > kOutside) return;
   viewer.touched = viewer.touching->position;
   viewer.touching->needle.reset();
-  release_button(viewer);
+  end_press(viewer);
 }
 
 void withdraw_needle(Viewer& viewer) {

@@ -20,7 +20,7 @@ void SceneWindow::Impl::listen() {
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
     Impl& p = impl_of(w);
     p.events.push_back([&p, button, action, mods] {
-      if (action == GLFW_RELEASE) return release_button(*p.viewer);
+      if (action == GLFW_RELEASE) return release_button(*p.viewer, button);
       if (!ImGui::GetIO().WantCaptureMouse) press_button(*p.viewer, button, mods & GLFW_MOD_SHIFT);
     });
   });
