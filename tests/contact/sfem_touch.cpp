@@ -114,6 +114,24 @@ TEST(SfemTouch, SurfaceReachesFrameAtLastTick) {
   EXPECT_LT(norm(move_to(second, 30) - second), 1e-15) << "and stays at rest";
 }
 
+// A frame takes its duration, also in ticks of another length: after half of it, the surface is halfway.
+TEST(SfemTouch, ShortTicksKeepDurationOfFrame) {
+  SfemTouch touch = touched();
+  SfemExchange exchange;
+  prepare(touch, exchange);
+  const ToolCommand away{.pose = pose_above(0, -0.1)};
+  std::vector<ToolReading> readings(1);
+  const Vec3d shift{1e-3, 0, 2e-3};
+  exchange.motion.write({.to = std::vector<Vec3d>(touch.free.to.size(), shift), .ticks = 17});
+  const auto moved_after = [&](int ticks) {
+    for (int i = 0; i < ticks; i++)
+      tick_with_exchange(touch, exchange, std::span(&away, 1), kTick / 4, readings);
+    return touch.state.offset[0];
+  };
+  EXPECT_LT(norm(moved_after(34) - shift / 2), 1e-15);
+  EXPECT_LT(norm(moved_after(34) - shift), 1e-15);
+}
+
 // A reading has the depth, the contacts and a flag for a tool beyond the patch.
 TEST(SfemTouch, ReadingHasDepthAndContacts) {
   SfemTouch touch = touched();

@@ -1,6 +1,7 @@
 #include "turgor/contact/sfem_touch.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "turgor/core/assert.hpp"
@@ -349,6 +350,12 @@ void prepare(const SfemTouch& touch, SfemExchange& exchange) {
 
 namespace {
 
+/// Number of ticks of `dt` seconds in a frame of so many ticks of 1 ms.
+long ticks_of_frame(long milliseconds, double dt) {
+  TURGOR_CHECK(dt > 0, "a tick has a positive length");
+  return std::max(1l, std::lround(double(milliseconds) * 1e-3 / dt));
+}
+
 /// Publishes the forces for the solver of the patch.
 void publish_forces(const SfemTouch& touch, latest<LawForces>& forces) {
   LawForces& now = forces.writing();
@@ -365,9 +372,10 @@ void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<cons
   // newest free motion and parameters
   if (exchange.motion.has_news()) {
     const FreeMotion& motion = exchange.motion.read();
-    take_free_motion(touch, motion.to, motion.ticks);
+    const long ticks = ticks_of_frame(motion.ticks, dt);
+    take_free_motion(touch, motion.to, ticks);
     if (motion.inner && motion.inner != touch.needles.inner) take_inner(touch, motion.inner);
-    take_needle_motion(touch, motion.of_needles, motion.ticks);
+    take_needle_motion(touch, motion.of_needles, ticks);
     touch.motion_number = motion.number, touch.stiffness_scale = motion.stiffness_scale;
     touch.texture.waves = motion.waves;
     if (motion.viscosity) set_viscosity(touch, *motion.viscosity);

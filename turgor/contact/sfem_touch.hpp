@@ -139,7 +139,7 @@ void reserve_like(const SfemTouch& touch, SfemTouchSnapshot& now);
 /// Free motion of all vertices in the next frame, and changed parameters.
 struct FreeMotion {
   std::vector<Vec3d> to;                       // target displacement of every vertex; empty = no motion [m]
-  long ticks = 1;                              // number of ticks in that frame
+  long ticks = 1;                              // duration of that frame [ticks of 1 ms]
   double stiffness_scale = 1;                  // see SfemTouch
   std::vector<double> friction;                // one per tool; empty = unchanged
   Waves waves;                                 // of the body's texture
