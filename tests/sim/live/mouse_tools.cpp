@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turgor/haptics/safety.hpp"
 #include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -99,6 +100,31 @@ TEST(MouseTools, PauseHoldsPress) {
   for (std::size_t n = samples.size() / 2; n < samples.size(); n++)
     largest = std::max(largest, norm(samples[n].force));
   EXPECT_LT(largest, 1.2 * steady) << "N";
+}
+
+// A force of an old frame supports the tool until the next frame, however late: no hand feels it.
+TEST(MouseTools, LateFrameKeepsSupport) {
+  const Result<Scene> scene = parse_scene(kFlagAndPad, "flag.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Result<World> world = load_world(Exec(1), with_mouse_tools(*scene));
+  ASSERT_TRUE(world) << world.error().message;
+  const Result<LiveHands> hands = hold_mouse_tools(*world);
+  ASSERT_TRUE(hands) << hands.error().message;
+  for (const HeldTool& held : hands->held) {
+    haptics::Safety safety = haptics::make_safety(held.hand.device->spec(), held.hand.safety);
+    const auto force_after = [&](double force, double age, int ticks) {
+      Vec3d rendered;
+      for (int tick = 0; tick < ticks; tick++)
+        rendered = make_safe(safety, {.hand = {}, .wanted = {.force = {0, 0, force}}, .age = age}, 1e-3)
+                       .value()
+                       .force;
+      return rendered.z;
+    };
+    force_after(0, 0, 10);
+    EXPECT_NEAR(force_after(2, 0, 300), 2, 1e-9) << "N";
+    EXPECT_NEAR(force_after(2, 0.2, 500), 2, 1e-9) << "N: after a frame of 200 ms";
+    EXPECT_NEAR(force_after(2, 0, 10), 2, 1e-9) << "N: without another soft start";
+  }
 }
 
 }  // namespace

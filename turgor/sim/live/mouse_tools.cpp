@@ -1,6 +1,7 @@
 #include "turgor/sim/live/mouse_tools.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
@@ -79,7 +80,9 @@ Result<LiveHands> hold_mouse_tools(const World& world) {
     status = device->open();
     HeldTool& held = hands.held.emplace_back();
     held.tool = index, held.hand.device = device.get(), held.is_driven = &device->is_driven();
-    held.hand.safety.ramp = 0.1;  // short ramp, because a mouse renders no force [s]
+    // a mouse renders no force: the ramp is short, and an old force supports the tool until the next one
+    held.hand.safety.ramp = 0.1;  // [s]
+    held.hand.safety.silence = std::numeric_limits<double>::infinity();
     held.keeps_force = true;
     hands.mouse.push_back({index, std::move(device)});
   });
