@@ -15,8 +15,8 @@ constexpr double kFilmRate = 20;  // frames per second of a video
 /// A video in progress: frames in a hidden folder.
 struct WindowFilm {
   std::filesystem::path folder;
-  std::vector<std::filesystem::path> frames;
-  std::chrono::steady_clock::time_point latest;
+  std::vector<std::filesystem::path> frames;  // at kFilmRate; a picture may stand for several
+  std::chrono::steady_clock::time_point begun;
 };
 
 /// First unused name of NAME-1, NAME-2 … with an extension.
@@ -25,7 +25,8 @@ std::filesystem::path free_name(const std::filesystem::path& out, const std::str
 
 /// The following functions return a status message.
 std::string save_picture(const Image& image, const std::filesystem::path& out, const std::string& name);
-/// Adds the picture if the next frame is due.
+/// Adds the picture as the frame of the present time. The previous picture stands for frames that were
+/// missed.
 std::string add_to_film(const Image& image, const std::filesystem::path& out, WindowFilm& film);
 /// If no video can be written, the frames are kept in a folder that the message names.
 std::string end_film(const std::filesystem::path& out, const std::string& name, WindowFilm& film);
