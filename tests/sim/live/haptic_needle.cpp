@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "tests/sim/haptic_hand.hpp"
+#include "turgor/sim/live/mouse_tools.hpp"
 
 namespace turgor {
 namespace {
@@ -60,6 +61,26 @@ TEST(HapticNeedle, SafetyChainKeepsLimitsAndSettles) {
       hand.advance(0.3);
       test::expect_harmless(hand, what + " after a stall");
     }
+}
+
+// The readings of a needle are those of the newest tick, also once the log is full.
+TEST(HapticNeedle, FullLogKeepsReadings) {
+  for (const char* pad : kPads) {
+    World world = needled_world(pad, 50);
+    const Result<LiveHands> hands = hold_mouse_tools(world);
+    ASSERT_TRUE(hands) << hands.error().message;
+    auto live =
+        LiveTouch::start(world, hands->held, {.loop = {.priority = 0, .lock_memory = false}, .longest = 0.2});
+    ASSERT_TRUE(live) << live.error().message;
+    const auto inserted = [&] { return (*live)->haptic()[0].needle.inserted; };
+    for (int frame = 0; frame < 300 && inserted() < 0.015; frame++) {
+      ASSERT_TRUE(step(Exec(2), world));
+      (*live)->wait_for_frame();
+    }
+    EXPECT_GT(inserted(), 0.015) << "m, " << model_name(world.tools[0].body.kind);
+    (*live)->stop();
+    EXPECT_LT(world.tools[0].samples.size(), 210u);
+  }
 }
 
 }  // namespace

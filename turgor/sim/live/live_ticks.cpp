@@ -26,11 +26,21 @@ contact::ToolCommand command_of(const LiveTicks& ticks, const TickedTool& ticked
   return command;
 }
 
+/// Reading of the newest tick of a tool, if it is a needle.
+contact::NeedleReading needle_of(const FrameTouchedBody& body, std::size_t t) {
+  return body.haptic[t].touch.contact.needle.reading;
+}
+contact::NeedleReading needle_of(const SfemBody& body, std::size_t t) {
+  return body.touch.tools[t].needle ? body.touch.needles.needles[t].reading : contact::NeedleReading{};
+}
+contact::NeedleReading needle_of(const RhombusBody&, std::size_t) { return {}; }
+
 template <class Body>
 void log_body(LiveTicks& ticks, const TickedBody& ticked, Body& body) {
   for (std::size_t t = 0; t < ticked.count; t++) {
     const std::size_t slot = ticked.first + t;
     TickedTool& tool = ticks.order[slot];
+    tool.needle = needle_of(body, t);
     log_tick(body, t, sample_of(time_of(ticks), ticks.commands[slot], ticks.readings[slot]),
              ticks.tools[std::size_t(tool.index)]);
     tool.recorded.append({.time = time_of(ticks),
@@ -71,20 +81,13 @@ bool advance_time(LiveTicks& ticks) {
   return true;
 }
 
-/// Reading of the newest tick of a needle; zero for other tools.
-contact::NeedleReading needle_now(const TouchingTool& tool) {
-  const bool has_sample = tool.tool.needle && !tool.samples.empty();
-  return has_sample ? tool.samples.back().needle : contact::NeedleReading{};
-}
-
 /// Publishes the readings of all tools for other threads.
 void publish_status(LiveTicks& ticks) {
   std::vector<HapticStatus>& haptic = ticks.haptic.writing();
   TURGOR_CHECK(haptic.size() == ticks.tools.size(), "every tool has a haptic status");
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
-    haptic[std::size_t(ticks.order[slot].index)] = {
-        ticks.readings[slot], ticks.order[slot].work,
-        needle_now(ticks.tools[std::size_t(ticks.order[slot].index)])};
+    haptic[std::size_t(ticks.order[slot].index)] = {ticks.readings[slot], ticks.order[slot].work,
+                                                    ticks.order[slot].needle};
   ticks.haptic.publish();
 }
 

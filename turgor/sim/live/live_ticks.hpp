@@ -28,8 +28,9 @@ struct TickedTool {
   bool has_previous =
       false;  // true after the first tick; `pose`, `force` and `torque` are then those of the previous tick
   contact::Pose pose;
-  Vec3d force, torque;  // [N] [N·m]
-  double work = 0;      // net work of the hand on the body [J]
+  Vec3d force, torque;                 // [N] [N·m]
+  double work = 0;                     // net work of the hand on the body [J]
+  contact::NeedleReading needle = {};  // of the newest tick, if it is a needle
 };
 
 struct LiveTicks {
