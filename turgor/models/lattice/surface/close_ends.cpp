@@ -13,6 +13,7 @@ namespace {
 
 constexpr Real kClosing = 2.5;  // length of the lips that close at an end [steps]
 constexpr Real kWidest = 4;     // least gape of ends that stay open [steps]
+constexpr Real kNear = 0.15;    // distance of lips at a corner of two cuts from it [steps]
 
 /// End of a drawn cut.
 struct CutLine {
@@ -213,7 +214,6 @@ struct OpenCorner {
 /// Both sides are those of the outer lips. The tissue between the cuts has lips at the corner, too.
 OpenCorner open_corner(const BodySurface& surface, const CutCorner& corner, Real step,
                        const std::vector<Vec3>& x) {
-  constexpr Real kNear = 0.15;  // distance of lips at the corner from it [steps]
   constexpr Real kBeside =
       0.5;  // largest distance of their displacements from the line [distances of the sides]
   const auto u = [&](int v) { return x[std::size_t(v)] - surface.rest[std::size_t(v)]; };
@@ -234,14 +234,16 @@ OpenCorner open_corner(const BodySurface& surface, const CutCorner& corner, Real
   return {u(first), u(second) - u(first)};
 }
 
-/// Moves the outer tissue at a corner so that its two lips meet in a point. A displacement is moved by its
-/// share of the distance of both sides, so what lies between them moves little.
+/// Moves the outer tissue at a corner so that its two lips meet in a point. Ends of the cuts lie up to kNear
+/// steps apart, and the lips meet up to this distance. A displacement is moved by its share of the distance
+/// of both sides, so what lies between them moves little.
 void close_corner(const BodySurface& surface, const CutCorner& corner, Real step, std::vector<Vec3>& x) {
   const OpenCorner open = open_corner(surface, corner, step, x);
   const Real strength = std::min(Real(1), kWidest - norm(open.apart) / step);
   if (!(strength > 0) || !(dot(open.apart, open.apart) > 0)) return;
   for (std::size_t v = 0; v < x.size(); v++) {
-    const Real t = norm(surface.rest[v] - corner.position) / (kClosing * step);
+    const Real beyond = norm(surface.rest[v] - corner.position) / step - kNear;
+    const Real t = std::max(Real(0), beyond / (kClosing - kNear));
     if (!(t < 1)) continue;
     const Real share = std::clamp(open.share(x[v] - surface.rest[v]), Real(0), Real(1));
     x[v] += open.apart * ((Real(0.5) - share) * strength * (1 - t * (2 - t)));
