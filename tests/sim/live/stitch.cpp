@@ -21,7 +21,7 @@ using test::wait_until;
 
 const Exec kAlone(1);
 const std::vector<Vec3d> kPoints = {
-    {-0.010, -0.019, 0.004}, {-0.010, -0.015, 0.004}, {0.014, -0.015, 0.004}, {0.014, -0.019, 0.004}};
+    {-0.010, -0.019, 0.004}, {-0.010, -0.014, 0.004}, {0.014, -0.014, 0.004}, {0.014, -0.019, 0.004}};
 constexpr int kStart = 8;  // frames before the stitch
 
 StitchRequest stitch_with(std::optional<double> tension) {

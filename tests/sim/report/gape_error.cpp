@@ -118,7 +118,8 @@ TEST(GapeError, CoversErrorOfPartialCells) {
 TEST(GapeError, NeedsLengthAndDepth) {
   lattice::Anatomy anatomy;
   anatomy.lattice.spacing = {Real(0.004), Real(0.004), Real(0.003)};
-  EXPECT_NEAR(expected_gape_error_of_partial_cells(anatomy, 0.06, 0.01), 0.06, 1e-6);
+  EXPECT_NEAR(expected_gape_error_of_partial_cells(anatomy, 0.028, 0.01), 0.05, 1e-6);
+  EXPECT_NEAR(expected_gape_error_of_partial_cells(anatomy, 0.06, 0.01), 0.04, 1e-6);
   EXPECT_LT(expected_gape_error_of_partial_cells(anatomy, 0.02, 0.01), 0);
   EXPECT_LT(expected_gape_error_of_partial_cells(anatomy, 0.06, 0.005), 0);
 }

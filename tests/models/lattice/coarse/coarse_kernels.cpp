@@ -71,7 +71,7 @@ TEST(CoarseKernels, RestrictionIsEnergySlope) {
   restrict_residual_with(kShuffled, scene.body(), c);
   const std::vector<double> wanted(c.restricted_residual, c.restricted_residual + c.numbers());
   ASSERT_GT(scene.wounded.state.motion.virtual_u.size(), 20u);
-  for (const double most : {1e-4, 2e-4}) {
+  for (const double most : {2.5e-5, 5e-5}) {
     const std::vector<double> direction = any_numbers(wanted.size(), most);
     double slope = 0;
     for (std::size_t n = 0; n < direction.size(); n++) slope -= wanted[n] * direction[n];

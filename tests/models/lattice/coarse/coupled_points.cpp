@@ -181,7 +181,7 @@ std::pair<VecField, double> sewn(const Exec& exec, bool coupled, int steps) {
 
 // A sewn body settles with one correction a step that has the stitches, and not with two that lack them.
 TEST(CoupledPoints, SewnBodySettlesWithStitchesOnly) {
-  const double with = sewn(kSerial, true, 30).second, without = sewn(kSerial, false, 30).second;
+  const double with = sewn(kSerial, true, 40).second, without = sewn(kSerial, false, 40).second;
   std::printf("%.3e N with stitches, %.3e N without\n", with, without);
   EXPECT_LT(with, 0.01 * without) << "N";
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/cutting/blade_sheet.hpp"
@@ -92,6 +93,7 @@ struct FineEdges {
   std::vector<PendingSampleCut>& lines;
   std::vector<int> near;
   std::array<Vec3d, kMaxSubNodes> sub_node_position;
+  std::vector<std::optional<std::array<Vec3d, 8>>> known_corners;  // corner_positions by Fragments::all
   std::array<bool, 8> has_body;  // of the current cell (0) and its lower neighbors: bits x (1), y (2), z (4)
 
   bool is_of_body(Int3 cell) const {
@@ -196,7 +198,39 @@ struct FineEdges {
         for (std::size_t c = 0; c < 8; c++) sub_node_position[std::size_t(at)] += x[c] * weight[c];
       });
     }
+    if (cut) average_border(cell, *cut);
     return box;
+  }
+
+  /// Moves sub-lattice nodes on the border of a cell to the mean of their positions in all cells that contain
+  /// them. These differ where a blade ends (virtual_nodes.hpp), and a later blade would miss edges there.
+  void average_border(Int3 cell, const CutCell& cut) {
+    const FineLattice& f = fragments.fine;
+    const Int3 first = first_of_cell(f, cell);
+    for_sub_nodes(f, [&](Int3 p) {
+      const auto at = std::size_t(sub_index(f, p));
+      const bool is_inside = p.x > 0 && p.y > 0 && p.z > 0 && p.x < f.subdivisions.x &&
+                             p.y < f.subdivisions.y && p.z < f.subdivisions.z;
+      if (is_inside || fragments.label[cut.first_sub_index + at] < 0) return;
+      Vec3d sum;
+      int count = 0;
+      for_cells_of_edge(f, first + p, first + p, [&](Int3 other) {
+        const CutCell* near_cell = find_cell(fragments, node_slot(f.cells, other));
+        if (near_cell == nullptr) return;
+        const Int3 local = first + p - first_of_cell(f, other);
+        const int fragment = fragments.label[near_cell->first_sub_index + std::size_t(sub_index(f, local))];
+        if (fragment < 0) return;
+        // corners of this fragment
+        auto& x = known_corners[std::size_t(near_cell->first_fragment + fragment)];
+        if (!x) x = corner_positions(other, near_cell, fragment);
+        const auto weight =
+            trilinear(Vec3d{double(local.x) / f.subdivisions.x, double(local.y) / f.subdivisions.y,
+                            double(local.z) / f.subdivisions.z});
+        for (std::size_t c = 0; c < 8; c++) sum += (*x)[c] * weight[c];
+        count++;
+      });
+      if (count > 1) sub_node_position[at] = sum / double(count);
+    });
   }
 
   /// Finds cut fine edges that start at a sub-lattice node. In a cell with a crack tip, the ends of an edge
@@ -235,7 +269,8 @@ void find_edges(const Model& model, const State& state, const BladeSheet& sheet,
   for_range(range, last, edges);
   // fine edges and sample lines
   const std::shared_ptr<const Fragments> fragments = fragments_of(model, state.cuts);
-  FineEdges fine{model, state, *fragments, sheet, path.fine_edges, path.lines, {}, {}, {}};
+  FineEdges fine{model, state, *fragments, sheet, path.fine_edges, path.lines, {}, {}, {}, {}};
+  fine.known_corners.resize(fragments->all.size());
   for_range(range, last - Int3{1, 1, 1}, fine);
   if (halo) halo->join_edges(path);
 }

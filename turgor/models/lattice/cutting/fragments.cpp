@@ -306,7 +306,7 @@ Fragments make_fragments(const Model& model, const Cuts& cuts, const Fragments* 
   TURGOR_CHECK(is_sorted_unique(out.cells, &CutCell::slot), "cut cells ascend by slot");
   TURGOR_CHECK(std::is_sorted(edges.pairs.begin(), edges.pairs.end()), "cut edges ascend by cell");
   // virtual nodes of the connected fragments
-  make_virtual_nodes(earlier, out);
+  make_virtual_nodes(model, earlier, out);
   merge_small_components(cuts, earlier, out);
   fit_virtual_nodes(model, cuts, edges, earlier, out);
   mark_excised(cuts, out);

@@ -8,20 +8,29 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/disjoint_sets.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/cutting/element_fragments.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
+/// Two fragments that share area of a face; indices in FragmentsAroundNode::group.
+struct Connection {
+  int a = 0, b = 0;
+  bool operator==(const Connection&) const = default;
+};
+
 /// Fragments in the eight cells around one node, in groups of connected fragments.
 struct FragmentsAroundNode {
+  const Model& model;
   Fragments& fragments;
   Int3 node;
   const CutCell* cell[8] = {};  // the node is corner c of cell[c]; null if that cell is not near a cut
   int first[9] = {};            // index in `group` of each cell's first fragment
   std::vector<int> group;       // union-find parent, per fragment
+  std::vector<Connection> connections;
 
-  FragmentsAroundNode(Fragments& p, Int3 n) : fragments(p), node(n) {
+  FragmentsAroundNode(const Model& m, Fragments& p, Int3 n) : model(m), fragments(p), node(n) {
     for (int c = 0; c < 8; c++) {
       const Int3 corner = node - cell_corner(c), last = p.fine.cells.size - Int3{2, 2, 2};
       const bool inside = corner == min(max(corner, Int3{0, 0, 0}), last);
@@ -54,6 +63,82 @@ struct FragmentsAroundNode {
           if (std::popcount(unsigned(a ^ b)) == 1) join_faces(a, b);
           if (has_thin(a) || has_thin(b)) join_thin(a, b);
         }
+    join_connected();
+  }
+  void add_connection(int a, int b) {
+    if (connections.empty() || connections.back() != Connection{a, b}) connections.push_back({a, b});
+  }
+
+  /// Joins connected fragments, except where a blade ends: a fragment that contains the node is connected to
+  /// one on the other side of the blade. That one gets a virtual node if it has a node of its cell, and if
+  /// its group fills a tenth of a cell or more. Tension would carry away a virtual node with less tissue.
+  void join_connected() {
+    constexpr double kLeastSupport = 0.1;  // [cells]; without it virtual nodes moved 5 times as far as lips
+    // ends of blades are opened if cut cells are elements
+    const bool opens = has_cut_elements(model);
+    const std::vector<std::uint8_t> at_node = opens ? fragments_at_node() : std::vector<std::uint8_t>{};
+    std::vector<Connection> ends;
+    for (const Connection& c : connections) {
+      const bool is_end = opens && at_node[std::size_t(c.a)] != at_node[std::size_t(c.b)];
+      if (is_end && has_node_of_cell(at_node[std::size_t(c.a)] ? c.b : c.a))
+        ends.push_back(c);
+      else
+        join_sets(group, c.a, c.b);
+    }
+    if (ends.empty()) return;
+    // tissue of each group
+    std::vector<double> support(group.size());
+    for (int n = 0; n < first[8]; n++) support[std::size_t(root_of(group, n))] += volume(n);
+    std::erase_if(ends, [&](const Connection& c) {
+      return std::min(support[std::size_t(root_of(group, c.a))], support[std::size_t(root_of(group, c.b))]) >=
+             kLeastSupport;
+    });
+    for (const Connection& c : ends) join_sets(group, c.a, c.b);
+  }
+  /// Marks the fragments that contain the node. Where a blade ends exactly at the node, it separates a thin
+  /// fragment with the node from the rest of a cell beside it. The cell behind the end holds this rest, which
+  /// counts as containing the node.
+  std::vector<std::uint8_t> fragments_at_node() const {
+    const Int3 at = first_of_cell(fragments.fine, node);
+    std::vector<std::uint8_t> contains(group.size());
+    for (int c = 0; c < 8; c++)
+      if (cell[c])
+        if (const int own = label(c, at); own >= 0) contains[std::size_t(first[c] + own)] = 1;
+    std::vector<std::uint8_t> counts = contains;
+    const auto add_rest = [&](int whole, int rest) {
+      if (!contains[std::size_t(whole)] || contains[std::size_t(rest)] || is_thin(whole)) return;
+      const int c = cell_of(rest), own = label(c, at);
+      if (own >= 0 && is_thin(c, own)) counts[std::size_t(rest)] = 1;
+    };
+    for (const Connection& c : connections) add_rest(c.a, c.b), add_rest(c.b, c.a);
+    return counts;
+  }
+  /// Cell of a fragment, from 0 to 7.
+  int cell_of(int n) const { return int(std::upper_bound(first, first + 9, n) - first) - 1; }
+  bool is_thin(int n) const { return is_thin(cell_of(n), n - first[cell_of(n)]); }
+  /// True if a fragment contains one of the eight nodes of its cell.
+  bool has_node_of_cell(int n) const {
+    const int c = cell_of(n);
+    for (int corner = 0; corner < 8; corner++) {
+      const Int3 p = hadamard(node - cell_corner(c) + cell_corner(corner), fragments.fine.subdivisions);
+      if (label(c, p) == n - first[c]) return true;
+    }
+    return false;
+  }
+  /// Fraction of a cell that a fragment fills; 0 in cells that are no elements.
+  double volume(int n) const {
+    const FineLattice& f = fragments.fine;
+    const int c = cell_of(n);
+    if (!(model.anatomy.cell_young[std::size_t(cell[c]->slot)] > 0)) return 0;
+    double sum = 0;
+    for_sub_nodes(f, [&](Int3 p) {
+      if (fragments.label[cell[c]->first_sub_index + std::size_t(sub_index(f, p))] != n - first[c]) return;
+      double weight = 1;
+      for (int axis = 0; axis < 3; axis++)
+        if (p[axis] == 0 || p[axis] == f.subdivisions[axis]) weight *= 0.5;
+      sum += weight;
+    });
+    return sum / (f.subdivisions.x * f.subdivisions.y * f.subdivisions.z);
   }
 
   bool has_thin(int c) const {
@@ -100,7 +185,7 @@ struct FragmentsAroundNode {
         alike += same;
         cut = cut || (!same && is_cut(a, corners[c], corners[d]));
       }
-      if (alike >= 3 || cut) join_sets(group, first[a] + in_a[c], first[b] + in_b[c]);
+      if (alike >= 3 || cut) add_connection(first[a] + in_a[c], first[b] + in_b[c]);
     }
   }
   /// True if the edge between two fine nodes of a cell is cut; false if no edge connects them.
@@ -119,7 +204,7 @@ struct FragmentsAroundNode {
       for (int j = low.y; j <= high.y; j++)
         for (int i = low.x; i <= high.x; i++)
           if (const int la = label(a, {i, j, k}), lb = label(b, {i, j, k}); la >= 0 && lb >= 0)
-            if (is_thin(a, la) || is_thin(b, lb)) join_sets(group, first[a] + la, first[b] + lb);
+            if (is_thin(a, la) || is_thin(b, lb)) add_connection(first[a] + la, first[b] + lb);
   }
   /// Lowest and highest fine node that two cells share.
   std::pair<Int3, Int3> shared_sub_nodes(int a, int b) const {
@@ -144,8 +229,8 @@ struct FragmentsAroundNode {
 
 /// Creates a virtual node for each group of fragments around a node, except the group that contains the node.
 /// Around an air node, every group gets one.
-void add_virtual_nodes(const EarlierFragments& earlier, Fragments& out, Int3 node) {
-  FragmentsAroundNode around(out, node);
+void add_virtual_nodes(const Model& model, const EarlierFragments& earlier, Fragments& out, Int3 node) {
+  FragmentsAroundNode around(model, out, node);
   if (!around.copy_groups(earlier)) around.connect();
   // keep the groups
   NodeGroups& groups = out.stages.groups;
@@ -176,7 +261,7 @@ void add_virtual_nodes(const EarlierFragments& earlier, Fragments& out, Int3 nod
 
 }  // namespace
 
-void make_virtual_nodes(const EarlierFragments& earlier, Fragments& out) {
+void make_virtual_nodes(const Model& model, const EarlierFragments& earlier, Fragments& out) {
   std::vector<int> nodes;  // slots of the nodes of cut cells
   for (const CutCell& cell : out.cells) {
     if (!cell.is_cut) continue;
@@ -185,7 +270,7 @@ void make_virtual_nodes(const EarlierFragments& earlier, Fragments& out) {
       nodes.push_back(cell.slot + slot_offset(out.fine.cells, cell_corner(c), parity));
   }
   sort_unique(nodes);
-  for (const int slot : nodes) add_virtual_nodes(earlier, out, slot_node(out.fine.cells, slot));
+  for (const int slot : nodes) add_virtual_nodes(model, earlier, out, slot_node(out.fine.cells, slot));
 }
 
 }  // namespace turgor::lattice
