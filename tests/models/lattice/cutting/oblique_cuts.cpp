@@ -45,9 +45,8 @@ SlabBody slab_body(const SlabCut& cut) {
   body.ct.grid.size = {kSide, kSide, kTall};
   body.ct.grid.spacing = {kMillimeter, kMillimeter, kMillimeter};
   for (int k = 0; k < kTall; k++)
-    body.ct.samples.insert(
-        body.ct.samples.end(), std::size_t(kSide * kSide),
-        std::int16_t(std::lround(1000 * std::clamp(middle.z - k, 0.0, 1.0) - 1000)));
+    body.ct.samples.insert(body.ct.samples.end(), std::size_t(kSide * kSide),
+                           std::int16_t(std::lround(1000 * std::clamp(middle.z - k, 0.0, 1.0) - 1000)));
   body.middle = body.ct.grid.origin + (middle - Vec3d{0.5, 0.5, 0.5}) * kMillimeter;
   // a hundredth of the default tension, so that all laws are linear
   const Vec3d along = cut.along(), across{-along.y, along.x, 0};
