@@ -1,4 +1,5 @@
 // Rigid bodies in the coupling of bodies, and sites of round shapes.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -173,6 +174,31 @@ TEST(RigidCoupling, Capsules_TouchAtNearestPoints) {
   ASSERT_EQ(ground.sites.size(), 2U);
   EXPECT_NEAR(ground.sites[0].distance, 1e-4, 1e-12);
   EXPECT_TRUE(ground.sites[0].rolls);
+}
+
+// Long capsules that cross at small angles, far from their middles: one site, at the distance of their axes.
+TEST(RigidCoupling, CapsulesAtSmallAngle_TouchAtCrossing) {
+  constexpr double kRadius = 1e-3, kApart = 1.9e-3;
+  for (const double degrees : {5.0, 12.0, 1.0}) {
+    const double angle = degrees * M_PI / 180;
+    const Vec3d first{1, 0, 0}, second{std::cos(angle), std::sin(angle), 0};
+    // they cross at the origin, 3 cm from one middle and 2 cm from the other
+    const auto capsule = [&](int body, Vec3d along, double middle, double height) {
+      const std::array<Vec3d, 2> ends{along * (middle - 0.05) + Vec3d{0, 0, height},
+                                      along * (middle + 0.05) + Vec3d{0, 0, height}};
+      return round_surface(body, kRadius, ends, Pose{{}, axes_of(rigid::rotation_of({}))});
+    };
+    const contact::PairSites found =
+        contact::find_pair_sites(Exec(1), {capsule(0, second, -0.02, kApart), capsule(1, first, 0.03, 0)},
+                                 {.reach = 1e-5, .deepest = 1e-3}, {});
+    ASSERT_FALSE(found.sites.empty()) << degrees;
+    const PairSite& site =
+        *std::min_element(found.sites.begin(), found.sites.end(),
+                          [](const PairSite& a, const PairSite& b) { return a.distance < b.distance; });
+    EXPECT_NEAR(site.distance, kApart - 2 * kRadius, 1e-9) << degrees;
+    EXPECT_NEAR(dot(site.normal, first), 0, 1e-9) << degrees;
+    EXPECT_NEAR(dot(site.normal, second), 0, 1e-9) << degrees;
+  }
 }
 
 }  // namespace

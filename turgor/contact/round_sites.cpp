@@ -3,6 +3,7 @@
 // to frame.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "turgor/contact/pair_sites.hpp"
 #include "turgor/core/assert.hpp"
@@ -38,6 +39,28 @@ Vec3d nearest_on(const RoundSurface& round, Vec3d x) {
   const double square = dot(along, along);
   if (is_ball(round)) return round.ends[0];
   return round.ends[0] + along * std::clamp(dot(x - round.ends[0], along) / square, 0.0, 1.0);
+}
+
+/// Nearest points of two segments e₀ + s p and a + t q; of parallel ones, those next to the middle of the
+/// second. With r = e₀ − a, both derivatives of |r + s p − t q|² vanish at
+///   s = ((p·q)(q·r) − (p·r)(q·q)) / ((p·p)(q·q) − (p·q)²),  t = ((p·q) s + q·r)/(q·q)
+/// Where t leaves the second segment, it is clamped, and s follows. [Ericson 2005, 5.1.9]
+std::pair<Vec3d, Vec3d> nearest_points(const RoundSurface& first, Vec3d a, Vec3d b) {
+  constexpr double kParallel = 1e-12;  // squared sine
+  const Vec3d p = first.ends[1] - first.ends[0], q = b - a, r = first.ends[0] - a;
+  const double pp = dot(p, p), qq = dot(q, q), pq = dot(p, q), pr = dot(p, r), qr = dot(q, r);
+  TURGOR_CHECK(pp > 0 && qq > 0, "segments have a length");
+  const double determinant = pp * qq - pq * pq;
+  double s = determinant > kParallel * pp * qq ? (pq * qr - pr * qq) / determinant : (0.5 * pq - pr) / pp;
+  s = std::clamp(s, 0.0, 1.0);
+  const double along = (pq * s + qr) / qq, t = std::clamp(along, 0.0, 1.0);
+  if (t != along) s = std::clamp((pq * t - pr) / pp, 0.0, 1.0);
+  return {first.ends[0] + p * s, a + q * t};
+}
+std::pair<Vec3d, Vec3d> nearest_points(const RoundSurface& first, const RoundSurface& second) {
+  if (is_ball(first)) return {first.ends[0], nearest_on(second, first.ends[0])};
+  if (is_ball(second)) return {nearest_on(first, second.ends[0]), second.ends[0]};
+  return nearest_points(first, second.ends[0], second.ends[1]);
 }
 
 /// Unit vector from `from` to `to`; a fallback where they coincide.
@@ -158,17 +181,14 @@ void add_center_sites(const PairSurface& mesh, const std::vector<Vec3d>& normals
   }
 }
 
-/// Nearest points of two segments, and their ends with the nearest points of the other one.
+/// Adds sites at the nearest points of two segments, and at their ends with the nearest points of the other
+/// one.
 void add_round_pairs(const PairSurface& first, const PairSurface& second, const PairParams& params,
                      std::vector<PairSite>& sites) {
   const RoundSurface &a = *first.round, &b = *second.round;
   const double radii = a.radius + b.radius;
-  // candidates: centers on both; alternating projections converge to the nearest points
-  std::vector<std::pair<Vec3d, Vec3d>> pairs;
-  constexpr int kProjections = 50;
-  Vec3d p = nearest_on(a, 0.5 * (b.ends[0] + b.ends[1])), q = nearest_on(b, p);
-  for (int n = 0; n < kProjections; n++) p = nearest_on(a, q), q = nearest_on(b, p);
-  pairs.emplace_back(p, q);
+  // candidates: centers on both
+  std::vector<std::pair<Vec3d, Vec3d>> pairs{nearest_points(a, b)};
   for (const Vec3d end : a.ends) pairs.emplace_back(end, nearest_on(b, end));
   for (const Vec3d end : b.ends) pairs.emplace_back(nearest_on(a, end), end);
   // sites that differ
