@@ -201,5 +201,56 @@ TEST(RigidCoupling, CapsulesAtSmallAngle_TouchAtCrossing) {
   }
 }
 
+/// A box with twelve triangles, counter-clockwise seen from outside.
+Placed plain_box(Vec3d size, const Pose& pose) {
+  Placed box;
+  for (int n = 0; n < 8; n++)
+    box.x.push_back(to_world(
+        pose, {(n & 1 ? 0.5 : -0.5) * size.x, (n & 2 ? 0.5 : -0.5) * size.y, (n & 4 ? 0.5 : -0.5) * size.z}));
+  box.rest = box.x;
+  box.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                   {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return box;
+}
+
+// A capsule lies across a box. Vertices and the points along its segment are far from the contact: the edges
+// of the face that it crosses have its depth, whether the box is turned or not.
+TEST(RigidCoupling, CapsuleAcrossBox_TouchesItsEdges) {
+  constexpr double kRadius = 0.004, kHalf = 0.06, kAbove = 0.002;
+  for (const double angle : {0.0, 0.3}) {
+    const Placed box = plain_box({0.018, 0.03, 0.034},
+                                 {{0.015, 0, -0.017 - kAbove}, axes_of(rigid::rotation_of({0, 0, angle}))});
+    const PairSurface mesh{0, box.rest, box.x, box.triangles, {}};
+    const PairSurface capsule = round_surface(1, kRadius, {{{-kHalf, 0, 0}, {kHalf, 0, 0}}},
+                                              Pose{{}, axes_of(rigid::rotation_of({}))});
+    const contact::PairSites found =
+        contact::find_pair_sites(Exec(1), {mesh, capsule}, {.reach = 1e-3, .deepest = 3e-3}, {});
+    double most = -1, least = 1;
+    for (const PairSite& site : found.sites) {
+      EXPECT_NEAR(site.distance, kAbove - kRadius, 1e-9) << angle;
+      const Vec3d up{0, 0, site.a.body == 1 ? 1.0 : -1.0};
+      EXPECT_LT(norm(site.normal - up), 1e-9) << angle;
+      const double x = (site.a.body == 1 ? site.b : site.a).rest.x;
+      most = std::max(most, x), least = std::min(least, x);
+    }
+    const double half = 0.009 / std::cos(angle);
+    EXPECT_NEAR(most, 0.015 + half, 1e-9) << angle;
+    EXPECT_NEAR(least, 0.015 - half, 1e-9) << angle;
+    EXPECT_LE(found.sites.size(), 4U) << angle;
+  }
+}
+
+// A capsule on a finely meshed plate has one site for each vertex near it: edges add none.
+TEST(RigidCoupling, CapsuleOnFineMesh_TouchesVerticesOnly) {
+  const Placed plate = grid_plate(0.05, 50);
+  const PairSurface mesh{0, plate.rest, plate.x, plate.triangles, {}};
+  const PairSurface capsule = round_surface(1, 0.004, {{{-0.02, 0, 0.0035}, {0.02, 0, 0.0035}}},
+                                            Pose{{}, axes_of(rigid::rotation_of({}))});
+  const contact::PairSites found = contact::find_pair_sites(
+      Exec(1), {mesh, capsule}, {.reach = 1e-3, .deepest = 3e-3, .capacity = 400}, {});
+  ASSERT_GT(found.sites.size(), 20U);
+  for (const PairSite& site : found.sites) EXPECT_FALSE(site.rolls);
+}
+
 }  // namespace
 }  // namespace turgor

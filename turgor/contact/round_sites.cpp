@@ -8,6 +8,7 @@
 #include "turgor/contact/pair_sites.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/geometry/box.hpp"
 
 namespace turgor::contact {
 
@@ -142,20 +143,46 @@ bool touches_all(Int3 t, const std::vector<PairSite>& sites) {
   return has_site(t.x) && has_site(t.y) && has_site(t.z);
 }
 
-/// Points of the segment that are near a mesh, unless a vertex of the mesh has a site there. In a dent of a
-/// mesh with `by_vertices`, the nearest point of a segment would jump from triangle to triangle, and push a
-/// ball to and fro.
+/// Point of a segment at which a site is searched. The number identifies it from frame to frame.
+struct Center {
+  Vec3d x;
+  int number = 0;
+};
+
+/// Points of a capsule's segment next to edges of a mesh that are longer than its radius; shorter ones are
+/// met by their vertices. An edge of two triangles is listed twice.
+std::vector<Center> centers_at_edges(const PairSurface& mesh, const RoundSurface& round,
+                                     const PairParams& params) {
+  std::vector<Center> centers;
+  if (is_ball(round)) return centers;
+  const double far = round.radius + params.gap + params.reach;
+  Box within = box_around(round.ends);
+  within.low -= Vec3d{far, far, far}, within.high += Vec3d{far, far, far};
+  for (std::size_t n = 0; n < mesh.triangles.size(); n++)
+    for (int corner = 0; corner < 3; corner++) {
+      const Int3 t = mesh.triangles[n];
+      const std::array<Vec3d, 2> edge{mesh.x[std::size_t(t[corner])],
+                                      mesh.x[std::size_t(t[(corner + 1) % 3])]};
+      if (!meet(within, box_around(edge)) || norm(edge[1] - edge[0]) <= round.radius) continue;
+      const auto [center, on_edge] = nearest_points(round, edge[0], edge[1]);
+      if (norm(center - on_edge) <= far) centers.push_back({center, kMostCenters + 1 + 3 * int(n) + corner});
+    }
+  return centers;
+}
+
+/// Adds sites of points of a segment that are near a mesh, unless another site is there. In a dent of a mesh
+/// with `by_vertices`, the nearest point of a segment would jump from triangle to triangle, and push a ball
+/// to and fro.
 void add_center_sites(const PairSurface& mesh, const std::vector<Vec3d>& normals, const PairSurface& round,
                       const PairParams& params, std::vector<PairSite>& sites) {
   const double edge = mean_edge(mesh.x, mesh.triangles), radius = round.round->radius;
   const TriangleTree tree =
       build_triangle_tree({mesh.x.begin(), mesh.x.end()}, {mesh.triangles.begin(), mesh.triangles.end()});
-  std::vector<Vec3d> taken;
+  std::vector<Vec3d> taken, added;
   for (const PairSite& site : sites) taken.push_back(mesh.x[std::size_t(site.a.vertex.x)]);
-  int number = 0;
-  for (const Vec3d center : centers_of(*round.round, std::max(radius, edge))) {
+  const auto add = [&](const Center& center) {
     // signed distance of the center
-    const TrianglePoint near = nearest_point(tree, center);
+    const TrianglePoint near = nearest_point(tree, center.x);
     const Int3 t = mesh.triangles[std::size_t(near.triangle)];
     SurfacePoint b{mesh.body, t, near.weights, {}};
     Vec3d outward;
@@ -163,21 +190,28 @@ void add_center_sites(const PairSurface& mesh, const std::vector<Vec3d>& normals
       b.rest += mesh.rest[std::size_t(t[corner])] * near.weights[corner];
       outward += normals[std::size_t(t[corner])] * near.weights[corner];
     }
-    const double sign = dot(center - near.position, outward) < 0 ? -1 : 1;
+    const double sign = dot(center.x - near.position, outward) < 0 ? -1 : 1;
     const double distance = sign * near.distance - radius;
-    number++;
-    if (!is_within(distance, params)) continue;
+    if (!is_within(distance, params)) return;
     const bool is_double = std::any_of(taken.begin(), taken.end(), [&](Vec3d x) {
       return norm(x - near.position) < kSameSite * std::min(edge, radius);
     });
-    if (is_double || (mesh.by_vertices && touches_all(t, sites))) continue;
+    if (is_double || (mesh.by_vertices && touches_all(t, sites))) return;
     // the round surface has the first point, so that the normal points toward it
-    const Vec3d normal = sign * direction(near.position, center, sign * normalized(outward));
-    const Vec3d at = center - normal * radius;
-    PairSite site = made_site(rolling_point(round, center, normal * -radius, number), at, b, near.position,
-                              normal, distance, params);
+    const Vec3d normal = sign * direction(near.position, center.x, sign * normalized(outward));
+    const Vec3d at = center.x - normal * radius;
+    PairSite site = made_site(rolling_point(round, center.x, normal * -radius, center.number), at, b,
+                              near.position, normal, distance, params);
     site.rolls = true;
-    sites.push_back(site);
+    sites.push_back(site), added.push_back(near.position);
+  };
+  // along the segment
+  int number = 0;
+  for (const Vec3d x : centers_of(*round.round, std::max(radius, edge))) add({x, ++number});
+  // next to edges that pass between these points
+  for (const Center& center : centers_at_edges(mesh, *round.round, params)) {
+    taken.insert(taken.end(), added.begin(), added.end()), added.clear();
+    add(center);
   }
 }
 
