@@ -267,19 +267,8 @@ void update_virtual_nodes(const Model& model, State& state, const Fragments& fra
   state.motion.virtual_u = state.motion.virtual_u_before = std::move(now);
 }
 
-}  // namespace
-
-void mark_rows(const Model& model, Cuts& cuts, int slot) {
-  TURGOR_CHECK(is_index(slot, model.anatomy.tissue.size()), "an edge starts at a slot of the lattice");
-  const int stride = row_stride(model.anatomy.lattice), layer = layer_stride(model.anatomy.lattice);
-  for (int dk = -1; dk <= 1; dk++)
-    for (int dj = -1; dj <= 1; dj++)
-      cuts.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
-}
-
-void build_cut_elements(const Model& model, State& state, const DownloadNodes& download) {
-  store_fragments(model, state.cuts);
-  if (!has_cut_elements(model) || state.cuts.edges.empty()) return;
+/// Builds the elements of cells that blades have cut, with their virtual nodes and prestress.
+void build_elements_of_blades(const Model& model, State& state, const DownloadNodes& download) {
   // virtual nodes of the fragments
   const Fragments& fragments = *state.cuts.fragments;
   TURGOR_CHECK(fragments.version == cut_version(state.cuts), "the fragments are those of the current cuts");
@@ -300,8 +289,25 @@ void build_cut_elements(const Model& model, State& state, const DownloadNodes& d
                "the layers cover all virtual nodes");
   // prestress of the cut skin
   if (!model.prestress_force.empty()) share_prestress(model, elements);
+}
+
+}  // namespace
+
+void mark_rows(const Model& model, Cuts& cuts, int slot) {
+  TURGOR_CHECK(is_index(slot, model.anatomy.tissue.size()), "an edge starts at a slot of the lattice");
+  const int stride = row_stride(model.anatomy.lattice), layer = layer_stride(model.anatomy.lattice);
+  for (int dk = -1; dk <= 1; dk++)
+    for (int dj = -1; dj <= 1; dj++)
+      cuts.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
+}
+
+void build_cut_elements(const Model& model, State& state, const DownloadNodes& download) {
+  store_fragments(model, state.cuts);
+  if (!has_cut_elements(model)) return;
+  if (!state.cuts.edges.empty()) build_elements_of_blades(model, state, download);
+  // rim nodes beside removed nodes and cut cells
   remove_loose_rim(model, state);
-  if (!model.anatomy.skin.patches.empty()) cancel_prestress_of_removed(model, state.cuts, elements);
+  if (!model.anatomy.skin.patches.empty()) cancel_prestress_of_removed(model, state.cuts, state.cut_elements);
 }
 
 }  // namespace turgor::lattice
