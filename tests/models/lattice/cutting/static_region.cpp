@@ -1,11 +1,14 @@
-// Static incisions, which remove the nodes of a region.
+// Static incisions, which remove the nodes of a region: what they remove, and that nothing of it moves.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/models/host_backend.hpp"
 #include "tests/models/lattice/ct_body.hpp"
 #include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/device/device_state.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
 
@@ -50,6 +53,14 @@ Params tense_params(TissueLaw law, Ordering ordering = Ordering::kSlabs, double 
   return params;
 }
 
+/// Displacements of the removed nodes [m].
+std::vector<Vec3> removed_displacements(const State& state) {
+  std::vector<Vec3> u;
+  for (std::size_t s = 0; s < state.cuts.removed.size(); s++)
+    if (state.cuts.removed[s]) u.push_back(state.motion.u[s]);
+  return u;
+}
+
 // In partial cells, rim nodes that a region leaves without a whole cell are removed with it: nothing would
 // hold them against the tension that their skin had.
 TEST(StaticRegion, LooseRimIsRemoved) {
@@ -81,6 +92,43 @@ TEST(StaticRegion, LooseRimIsRemoved) {
   EXPECT_GT(removed, 5);
   EXPECT_GT(kept, 100);
   EXPECT_LT(farthest, 2 * 3 * kVoxel) << "two spacings: soft corners of cells that are almost empty";
+}
+
+// Removed nodes have no tissue, but those of curved skin had its tension. They stay, and the body falls
+// asleep.
+TEST(StaticRegion, RemovedNodesStayAndSleep) {
+  for (const int variant : {0, 1, 2, 3}) {
+    Params params = tense_params(variant < 2 ? TissueLaw::kSprings : TissueLaw::kSolid,
+                                 variant == 1 ? Ordering::kColors : Ordering::kSlabs, 1e-4);
+    if (variant == 3) params.tissue.energy = SolidEnergy::kExponential, params.tissue.stiffening = 4;
+    TenseBall ball(params);
+    ASSERT_GT(cut_region(ball.model, ball.state, ball.straight_path()), 10);
+    const std::vector<Vec3> before = removed_displacements(ball.state);
+    StepReport report;
+    for (int n = 0; n < 10; n++) report = step(Exec(2), ball.model, ball.state, {}, TenseBall::kFrame);
+    EXPECT_TRUE(removed_displacements(ball.state) == before) << "variant " << variant;
+    for (int n = 0; n < 400 && report.rows_asleep < report.rows; n++)
+      report = step(Exec(2), ball.model, ball.state, {}, TenseBall::kFrame);
+    EXPECT_TRUE(report.finite);
+    EXPECT_EQ(report.rows_asleep, report.rows) << "variant " << variant;
+  }
+}
+
+// The same in the kernels of a device.
+TEST(StaticRegion, RemovedNodesStayOnDevice) {
+  for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
+    Params params = tense_params(law, Ordering::kColors);
+    params.solver.coarse = false;
+    TenseBall ball(params);
+    const BladePath path = ball.straight_path();
+    DeviceState state = std::move(ball.state);
+    state.use_backend(put_on_host<ThreadedRun<1>>(ball.model));
+    ASSERT_GT(state.cut_region(ball.model, path), 10);
+    const std::vector<Vec3> before = removed_displacements(*state);
+    for (int n = 0; n < 10; n++) ASSERT_TRUE(state.step(Exec(1), ball.model, {}, TenseBall::kFrame).finite);
+    EXPECT_TRUE(removed_displacements(*state) == before);
+    EXPECT_GT(state->motion.fastest, 0);
+  }
 }
 
 }  // namespace

@@ -187,10 +187,14 @@ struct VbdSweep {
     ChunkBefore before;
     if (calm) before.copy(gather.nodes, slot, count);
     if (gather.skin.law == SkinLaw::kExponential) shorten_steps_of_skin(slot, count, buffer);
+    ChunkBefore removed;
+    const bool any_removed = has_removed(slot, count);
+    if (any_removed) removed.copy(gather.nodes, slot, count);
     if (gather.solid.laws)
       solve_with_laws(slot, count, buffer);
     else
       solve(slot, count, buffer);
+    if (any_removed) restore_removed(removed, slot, count);
     // contact forces
     update_forces(node_contacts, gather.nodes);
     if (!terms.empty()) PointContacts{contacts, *points, gather.cut_elements.view}.update_forces(terms);
@@ -199,6 +203,22 @@ struct VbdSweep {
     if (calm && before.has_moved(gather.nodes, slot, count, wake_distance2 * Real(kCalmShare * kCalmShare)))
       calm->stirred[row] = 1;
     if (sleeps() && has_moved(slot, count)) sleep.moved[row] = 1;
+  }
+
+  bool has_removed(int slot, int count) const {
+    int any = 0;
+    for (int s = slot; s < slot + count; s++) any |= inertia.removed[s];
+    return any != 0;
+  }
+  /// Restores displacements of removed nodes. A test in the loops that move the nodes would change how the
+  /// compiler fuses products and sums there.
+  void restore_removed(const ChunkBefore& before, int slot, int count) const {
+    for (int i = 0; i < count; i++)
+      if (inertia.removed[slot + i]) {
+        gather.nodes.ux[slot + i] = before.x[i];
+        gather.nodes.uy[slot + i] = before.y[i];
+        gather.nodes.uz[slot + i] = before.z[i];
+      }
   }
 
   /// Virtual nodes follow the nodes of their layer, or precede them in a backward sweep. Those of other slabs

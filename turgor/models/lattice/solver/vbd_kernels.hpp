@@ -235,7 +235,7 @@ TURGOR_HD inline std::span<NodeContact> contacts_at(const VbdView& v, int s) {
   return {v.contacts + first, std::size_t(end - first)};
 }
 
-/// Moves a node that is not listed by one Newton step.
+/// Moves a node that is not listed by one Newton step. Removed nodes stay.
 template <Elements kElements>
 struct SolveNode {
   VbdView v;
@@ -245,7 +245,7 @@ struct SolveNode {
 
   TURGOR_HD void operator()(std::size_t n) const {
     const int s = v.body.slot(std::size_t(begin) * kGroup + n);
-    if (!(v.body.nodes.w[s] > 0) || v.is_listed[s]) return;
+    if (!v.body.moves(s) || v.is_listed[s]) return;
     const NodeSystem system = plain_system<kElements>(v, block, stencil, s);
     const Vec3 du = newton_step(system, v.inertia(s) - v.body.nodes.u(s),
                                 v.inertia.dt * v.inertia.dt * v.body.nodes.w[s]);
@@ -253,7 +253,7 @@ struct SolveNode {
   }
 };
 
-/// Moves a listed node by one Newton step.
+/// Moves a listed node by one Newton step. Fixed and removed nodes stay.
 template <Elements kElements>
 struct SolveListedNode {
   VbdView v;
@@ -261,6 +261,7 @@ struct SolveListedNode {
 
   TURGOR_HD void operator()(std::size_t n) const {
     const int s = v.listed[std::size_t(begin) + n];
+    if (!v.body.moves(s)) return update_forces(contacts_at(v, s), v.body.nodes);
     // forces of elements
     NodeSystem system = NodeForces<kElements>{v}(s);
     const Vec3 to_inertial = v.inertia(s) - v.body.nodes.u(s);
