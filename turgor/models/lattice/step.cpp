@@ -140,7 +140,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   else
     step_vbd(body, model.params.tissue.law == TissueLaw::kSolid, vbd_sweeps(model.params));
 
-  end_viscous_step(exec, model, state, dt);
+  end_viscous_step(exec, model, state, dt, body.report.finite);
 
   // sleep
   if (body.plan.may_sleep && body.report.finite) {

@@ -1,7 +1,9 @@
 // Viscous cells: relaxation under prescribed strains and creep under loads, against closed forms.
 #include "turgor/models/lattice/solver/viscosity.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -213,6 +215,53 @@ TEST(LatticeViscosity, ClosedLoopsTakeEnergy) {
       EXPECT_GT(work, 0.01 * scale) << "loop " << loop;
     }
   }
+}
+
+// Steps that are undone leave the set and the displacements as they were, and the history to rounding.
+TEST(LatticeViscosity, UndoneStepsKeepHistoryAndSet) {
+  constexpr double kStep = 1.0 / 60;
+  Model model = viscous_block(three_pairs(), 0.3);
+  model.params.tissue.set = {.strain = 0.002, .share = 0.4, .time = 0.5};
+  const Lattice& l = model.anatomy.lattice;
+  // a block that is stretched by 2 %
+  std::vector<NodeLoad> loads;
+  for (int k = 0; k < l.size.z; k++)
+    for (int j = 0; j < l.size.y; j++)
+      for (const int i : {0, l.size.x - 1})
+        loads.push_back({node_slot(l, {i, j, k}), {i == 0 ? -0.0015f : 0.0015f, 0, 0}});
+  std::sort(loads.begin(), loads.end(), [](const NodeLoad& a, const NodeLoad& b) { return a.slot < b.slot; });
+  State state = make_state(model);
+  for (int n = 0; n < 10; n++) ASSERT_TRUE(step(kTwoThreads, model, state, {.loads = loads}, kStep).finite);
+  ASSERT_GT(largest_set(kTwoThreads, model, state), 1e-4);
+  const State before = state;
+  // undone steps
+  const NodeLoad endless[] = {{node_slot(l, {1, 1, 1}), {std::numeric_limits<Real>::infinity(), 0, 0}}};
+  for (int n = 0; n < 5; n++) {
+    EXPECT_FALSE(step(kTwoThreads, model, state, {.loads = endless}, kStep).finite);
+    EXPECT_FALSE(state.viscosity.in_step);
+  }
+  EXPECT_EQ(largest_set(kTwoThreads, model, state), largest_set(kTwoThreads, model, before));
+  const auto entries = [](const SymmetricField& field) {
+    return std::vector{&field.xx, &field.yy, &field.zz, &field.xy, &field.xz, &field.yz};
+  };
+  ASSERT_EQ(state.viscosity.history.size(), 4U);
+  double most = 0, error = 0;
+  for (std::size_t p = 0; p < 4; p++)
+    for (std::size_t e = 0; e < 6; e++)
+      for (std::size_t s = 0; s < model.anatomy.cell_young.size(); s++) {
+        const double now = double((*entries(state.viscosity.history[p])[e])[s]),
+                     then = double((*entries(before.viscosity.history[p])[e])[s]);
+        if (p == 3) {
+          EXPECT_EQ(now, then) << "set";
+        }
+        most = std::max(most, std::abs(then)), error = std::max(error, std::abs(now - then));
+      }
+  EXPECT_GT(most, 0);
+  EXPECT_LT(error, 1e-5 * most);
+  for (std::size_t s = 0; s < model.anatomy.cell_young.size(); s++)
+    if (model.anatomy.inverse_mass[s] > 0) {
+      EXPECT_TRUE(state.motion.u[s] == before.motion.u[s]);
+    }
 }
 
 // A viscous body needs six numbers a pair and slot, others none; the results do not depend on threads.

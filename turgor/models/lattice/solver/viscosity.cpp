@@ -177,6 +177,29 @@ void grow_cells(const HistoryEntries& history, int slot, const GroupSteps& steps
     }
   }
 }
+/// Hᵢ ← (Hᵢ + wᵢ S_old)/aᵢ, the inverse of decay_cells. A pair that relaxes within a step has no history that
+/// the next one would keep.
+template <int kFields, int kWidth>
+void undo_decay(const HistoryEntries& history, int slot, const GroupSteps& steps,
+                const LawStresses<kWidth>& stresses) {
+  constexpr Real kLeastDecay = 1e-6f;
+  const HistoryEntries h = history;
+  for (int i = 0; i < kWidth; i++) {
+    const int at = slot + i;
+    for (int e = 0; e < 6; e++) {
+      const auto before = [&](int p, Real decayed) {
+        const Real decay = steps.decay[p][i];
+        return decay > kLeastDecay ? (decayed + steps.weight[p][i] * stresses.of[e][i]) / decay : 0;
+      };
+      Real first = h.of[0][e][at];
+      for (int p = 1; p < kFields; p++) {
+        first -= h.of[p][e][at];
+        h.of[p][e][at] = before(p, h.of[p][e][at]);
+      }
+      h.of[0][e][at] = before(0, first);
+    }
+  }
+}
 /// Calls f with the number of fields as a type.
 template <class F>
 void with_field_count(std::size_t fields, const F& f) {
@@ -257,7 +280,7 @@ void begin_viscous_step(const Exec& exec, const Model& model, State& state, doub
   viscosity.in_step = true;
 }
 
-void end_viscous_step(const Exec& exec, const Model& model, State& state, double dt) {
+void end_viscous_step(const Exec& exec, const Model& model, State& state, double dt, bool finite) {
   if (!is_viscous(model)) return;
   const std::size_t fields = field_count(model.params.tissue);
   const AllSteps steps(model, dt);
@@ -271,6 +294,7 @@ void end_viscous_step(const Exec& exec, const Model& model, State& state, double
                     [&]<int kWidth>(int slot, const Real(&)[kWidth], const LawStresses<kWidth>& stresses) {
                       GroupSteps own;
                       const GroupSteps& of = steps.group(slot, kWidth, own);
+                      if (!finite) return undo_decay<kFields>(history, slot, of, stresses);
                       grow_cells<kFields>(history, slot, of, stresses);
                       if (has_set(set)) grow_set(set, dt, stresses, slot, history.of[kFields - 1]);
                     });

@@ -35,8 +35,9 @@ std::vector<double> instant_factors(const Model& model, double dt);
 /// Before the nodes move: Hᵢ ← aᵢ Hᵢ − wᵢ S_old, and the first entry of the history holds the sum over the
 /// pairs.
 void begin_viscous_step(const Exec& exec, const Model& model, State& state, double dt);
-/// After they moved: Hᵢ ← Hᵢ + wᵢ S_new, and the set grows.
-void end_viscous_step(const Exec& exec, const Model& model, State& state, double dt);
+/// After they moved: Hᵢ ← Hᵢ + wᵢ S_new, and the set grows. `finite` = false: the step was undone. The set
+/// stays, and the history is restored to rounding; pairs that relax within a step have none.
+void end_viscous_step(const Exec& exec, const Model& model, State& state, double dt, bool finite = true);
 
 /// Largest equivalent strain that is set, |dev Q|/2µ: what a cell keeps without load [1].
 double largest_set(const Exec& exec, const Model& model, const State& state);
