@@ -167,6 +167,39 @@ TEST(Closure, RunningThreadFollowsCapstanEquation) {
   EXPECT_LT(norm(sum), 1e-9);
 }
 
+// A pull that is over before its first step knots closed stitches with the thread of their loops: the thread
+// of a running suture slides with finite tensions. A second pull keeps the tension.
+TEST(Closure, PullShorterThanStepGivesThread) {
+  const HalfBodies body({17, 13, 6}, 0);
+  const State uncut = make_state(body.model);
+  for (const bool is_running : {false, true}) {
+    WoundClosure closure =
+        lay_stitches(body.model, uncut.cuts, body.path, {.spacing = 0.011, .is_running = is_running}).value();
+    closure.thread = {.stiffness = 100, .strength = 50, .friction = 0.03}, closure.pull_out = 50;
+    const Pull pull{.start = 0.1, .duration = 1e-3};
+    pull_stitches(uncut.motion, pull, 0.11, closure);
+    PointSprings springs;
+    append_springs(closure, springs.all);
+    for (int n = 0; n < 20; n++) {
+      update_springs(body.model, uncut.motion, closure, springs.all);
+      update_multipliers(body.model, uncut.motion, closure);
+    }
+    for (const Stitch& stitch : closure.stitches) {
+      EXPECT_EQ(stitch.phase, StitchPhase::kKnotted);
+      EXPECT_NEAR(stitch.length, loop_length(stitch, uncut.motion), 1e-9);
+      EXPECT_NEAR(stitch.tension, 0, 1e-6);
+    }
+    // again, under tension
+    constexpr double kTension = 0.5;
+    for (Stitch& stitch : closure.stitches) stitch.tension = kTension;
+    untie_stitches(uncut.motion, closure);
+    pull_stitches(uncut.motion, pull, 0.11, closure);
+    for (const Stitch& stitch : closure.stitches)
+      EXPECT_NEAR(closure.thread.stiffness * (loop_length(stitch, uncut.motion) / stitch.length - 1),
+                  kTension, 1e-9);
+  }
+}
+
 // The state and the forces do not depend on the number of threads.
 TEST(Closure, SameBitsOnAnyThreads) {
   double tension[3];

@@ -102,6 +102,12 @@ void update_wall(const Model& model, const Motion& motion, bool is_settled, Wall
   springs[0].coupling.stiffness = pair.force > 0 ? Real(penalty) : 0;
 }
 
+/// Gives a stitch of prescribed tension the thread that its loop has under this tension.
+void end_pull(const Motion& motion, const Thread& thread, Stitch& stitch) {
+  stitch.length = loop_length(stitch, motion) / (1 + stitch.tension / thread.stiffness);
+  stitch.multiplier = stitch.tension;
+}
+
 /// Pulls one stitch; `elapsed`: time since the start of the pull [s].
 void pull_stitch(const Motion& motion, const Pull& pull, double elapsed, const Thread& thread,
                  Stitch& stitch) {
@@ -111,6 +117,7 @@ void pull_stitch(const Motion& motion, const Pull& pull, double elapsed, const T
     const double rest = rest_length(stitch), slack = std::max(stitch.before - rest, 0.1 * rest);
     const bool is_closed = share >= 1 && gape_under(stitch, motion) <= kClosedGape;
     if (is_closed || stitch.length == stitch.shortest) {
+      if (stitch.length == 0) end_pull(motion, thread, stitch);
       stitch.phase = StitchPhase::kKnotted;
       return;
     }
@@ -123,8 +130,7 @@ void pull_stitch(const Motion& motion, const Pull& pull, double elapsed, const T
   // tension
   stitch.tension = pull.from + (pull.tension - pull.from) * std::min(1.0, share);
   if (share < 1) return;
-  stitch.length = loop_length(stitch, motion) / (1 + stitch.tension / thread.stiffness);
-  stitch.multiplier = stitch.tension;
+  end_pull(motion, thread, stitch);
   stitch.phase = StitchPhase::kKnotted;
 }
 
