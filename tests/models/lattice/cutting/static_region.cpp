@@ -61,6 +61,54 @@ std::vector<Vec3> removed_displacements(const State& state) {
   return u;
 }
 
+// The nodes inside half the width, the depth and the length of a curved path in a deformed body are removed,
+// and no others.
+TEST(StaticRegion, RemovesNodesOfRegion) {
+  constexpr int kBlock = 2;
+  TenseBall ball(tense_params(TissueLaw::kSprings), kBlock);
+  move(ball.model, ball.state, [](Vec3d x) { return wobble(x, 0.0008, 0.03, 0.4); });
+  for (const double width : {0.002, 0.009}) {
+    State state = ball.state;
+    const BladePath path =
+        lay_blade(
+            ball.model, state,
+            {.path = {ball.on_skin(-9, -3), ball.on_skin(-3, 4), ball.on_skin(3, 3), ball.on_skin(8, -5)},
+             .depth = 0.012,
+             .width = width})
+            .value();
+    // every node against every point of the path
+    const Lattice& l = ball.model.anatomy.lattice;
+    const double length = path_length(path), above = 2 * kBlock * kVoxel;
+    std::vector<int> expected, found;
+    for (int k = 0; k < l.size.z; k++)
+      for (int j = 0; j < l.size.y; j++)
+        for (int i = 0; i < l.size.x; i++) {
+          const int slot = node_slot(l, i, j, k);
+          if (!is_body(ball.model.anatomy.tissue[std::size_t(slot)])) continue;
+          const Vec3d x(position(ball.model, state.motion, {i, j, k}));
+          double nearest = 1e9, before = 0, along = 0, across = 0, depth = 0, bottom = 0;
+          for (std::size_t n = 0; n < path.points.size(); n++) {
+            if (n > 0) before += norm(path.points[n] - path.points[n - 1]);
+            const Vec3d away = x - path.points[n], inward = path.inward[n];
+            const double distance = norm(cross(away, inward));
+            if (!(distance < nearest)) continue;
+            nearest = distance, depth = dot(away, inward), bottom = path.depths[n];
+            across = dot(away, across_at(path, n)), along = before + dot(away, tangent_at(path, n));
+          }
+          if (std::abs(across) <= 0.5 * width && along >= 0 && along <= length && depth >= -above &&
+              depth <= bottom)
+            expected.push_back(slot);
+        }
+    EXPECT_EQ(cut_region(ball.model, state, path), int(expected.size()));
+    for (std::size_t s = 0; s < state.cuts.removed.size(); s++)
+      if (state.cuts.removed[s]) found.push_back(int(s));
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(found, expected) << "width " << width;
+    EXPECT_GT(found.size(), 10U) << "width " << width;
+    EXPECT_GT(path.points.size(), 16U) << "more than one box of the search";
+  }
+}
+
 // In partial cells, rim nodes that a region leaves without a whole cell are removed with it: nothing would
 // hold them against the tension that their skin had.
 TEST(StaticRegion, LooseRimIsRemoved) {

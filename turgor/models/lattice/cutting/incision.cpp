@@ -11,6 +11,7 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/key_index.hpp"
 #include "turgor/core/number_text.hpp"
+#include "turgor/geometry/box.hpp"
 #include "turgor/models/lattice/cutting/blade_sheet.hpp"
 #include "turgor/models/lattice/cutting/bone_stop.hpp"
 #include "turgor/models/lattice/cutting/ct_skin.hpp"
@@ -122,6 +123,25 @@ RegionPosition region_position(const BladePath& path, Vec3d point) {
   double along = dot(away, tangent_at(path, nearest));
   for (std::size_t n = 0; n < nearest; n++) along += norm(path.points[n + 1] - path.points[n]);
   return {along, dot(away, across_at(path, nearest)), dot(away, path.inward[nearest]), path.depths[nearest]};
+}
+
+/// Boxes around parts of a static region, of sixteen points of its path each. A node of the region is no
+/// farther from the nearest point of the path than half the width across, its depth or `margin` along
+/// `inward`, and a step of the path along it.
+std::vector<Box> boxes_around_region(const BladePath& path, double margin) {
+  constexpr std::size_t kPoints = 16;
+  double step = 0;
+  for (std::size_t n = 1; n < path.points.size(); n++)
+    step = std::max(step, norm(path.points[n] - path.points[n - 1]));
+  const double deepest = *std::max_element(path.depths.begin(), path.depths.end()),
+               far = 0.5 * path.width + std::max(margin, deepest) + step;
+  std::vector<Box> boxes;
+  for (std::size_t n = 0; n < path.points.size(); n += kPoints) {
+    Box box = box_around(std::span(path.points).subspan(n, std::min(kPoints, path.points.size() - n)));
+    box.low -= Vec3d{far, far, far}, box.high += Vec3d{far, far, far};
+    boxes.push_back(box);
+  }
+  return boxes;
 }
 
 /// Center of the floor of an excision [m], at its depth below a mean of the CT's skin around the middle of
@@ -312,6 +332,7 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
 int cut_region(const Model& model, State& state, const BladePath& path) {
   const Lattice& l = model.anatomy.lattice;
   const double length = path_length(path), margin = 2 * largest_spacing(l);
+  const std::vector<Box> boxes = boxes_around_region(path, margin);
   int count = 0;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
@@ -320,8 +341,11 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
         // nodes inside the region
         const auto slot = std::size_t(node_slot(l, node));
         if (!is_body(model.anatomy.tissue[slot]) || state.cuts.removed[slot]) continue;
-        const RegionPosition position_in_region =
-            region_position(path, Vec3d(position(model, state.motion, node)));
+        const Vec3d x(position(model, state.motion, node));
+        if (std::none_of(boxes.begin(), boxes.end(),
+                         [x](const Box& b) { return squared_distance(b, x) == 0; }))
+          continue;
+        const RegionPosition position_in_region = region_position(path, x);
         if (std::abs(position_in_region.across) > 0.5 * path.width) continue;
         if (position_in_region.along < 0 || position_in_region.along > length ||
             position_in_region.depth < -margin || position_in_region.depth > position_in_region.bottom)
