@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -130,6 +131,63 @@ TEST(PairSites, TwoDomes_HertzWithinThreePercent) {
     EXPECT_LT(left.deepest, 0.02 * depth);
   }
   EXPECT_LT(worst, 0.03);
+}
+
+/// A bumpy sheet of triangles, with its front up or down.
+struct Sheet {
+  std::vector<Vec3d> x;
+  std::vector<Int3> triangles;
+
+  Sheet(int cells, double size, double phase, bool is_upper) {
+    for (int j = 0; j <= cells; j++)
+      for (int i = 0; i <= cells; i++) {
+        const double u = size * (double(i) / cells - 0.5), v = size * (double(j) / cells - 0.5);
+        x.push_back({u, 2e-4 * std::sin(300 * u + phase) * std::cos(200 * v), v});
+      }
+    for (int j = 0; j < cells; j++)
+      for (int i = 0; i < cells; i++) {
+        const int v = j * (cells + 1) + i;
+        for (Int3 t : {Int3{v, v + cells + 1, v + 1}, Int3{v + 1, v + cells + 1, v + cells + 2}}) {
+          if (is_upper) std::swap(t.y, t.z);
+          triangles.push_back(t);
+        }
+      }
+  }
+  PairSurface surface(int body) const { return {body, x, x, triangles, {}}; }
+};
+
+// Vertices of the second surface have a site exactly if they are not within 0.3 of an edge of a vertex of the
+// first one that has a site.
+TEST(PairSites, NearVertices_HaveOneSite) {
+  const Sheet low(20, 0.04, 0, false), high(23, 0.04, 0.4, true);
+  const PairParams params{.reach = 5e-4, .deepest = 2e-3, .capacity = 10000};
+  // alone, each direction has all its sites
+  const auto sites_of = [&](const Sheet& a, int body_a, const Sheet& b, int body_b) {
+    return find_pair_sites(Exec(1), {a.surface(body_a), b.surface(body_b)}, params, {}).sites;
+  };
+  const auto from = [](const std::vector<PairSite>& sites, int body) {
+    std::vector<PairSite> of;
+    std::copy_if(sites.begin(), sites.end(), std::back_inserter(of),
+                 [body](const PairSite& s) { return s.a.body == body && s.a.vertex.y < 0; });
+    return of;
+  };
+  const std::vector<PairSite> both = sites_of(low, 0, high, 1), reversed = sites_of(high, 1, low, 0);
+  const std::vector<PairSite> first = from(both, 0), second = from(both, 1), all_second = from(reversed, 1);
+  ASSERT_GT(first.size(), 100U);
+  // expected sites
+  const double near = 0.3 * std::min(mean_edge(low.x, low.triangles), mean_edge(high.x, high.triangles));
+  std::vector<int> expected;
+  for (const PairSite& site : all_second) {
+    Vec3d on;
+    for (int c = 0; c < 3; c++) on += low.x[std::size_t(site.b.vertex[c])] * site.b.weight[c];
+    bool is_double = false;
+    for (const PairSite& other : first) is_double |= norm(low.x[std::size_t(other.a.vertex.x)] - on) < near;
+    if (!is_double) expected.push_back(site.a.vertex.x);
+  }
+  EXPECT_LT(expected.size(), all_second.size());
+  std::vector<int> found;
+  for (const PairSite& site : second) found.push_back(site.a.vertex.x);
+  EXPECT_EQ(found, expected);
 }
 
 }  // namespace

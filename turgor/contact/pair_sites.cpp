@@ -8,6 +8,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
+#include "turgor/geometry/box.hpp"
 
 namespace turgor::contact {
 
@@ -213,12 +214,24 @@ PairSites continued_nodes(std::vector<PairSite> sites, std::span<const PairSite>
 /// Removes sites of the second surface that meet a vertex of the first, which has a site itself.
 void remove_doubles(const std::array<PairSurface, 2>& surfaces, double edge, std::size_t first_count,
                     std::vector<PairSite>& sites) {
+  constexpr double kWider = 1 + 1e-9;  // window of the search, against rounding
+  if (first_count == 0) return;
+  // vertices of the first, sorted along the longest side of their box
   std::vector<Vec3d> first;
   for (std::size_t s = 0; s < first_count; s++) first.push_back(position_of(surfaces[0], sites[s].a));
+  const Box box = box_around(first);
+  const Vec3d side = box.high - box.low;
+  const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+  std::sort(first.begin(), first.end(), [axis](Vec3d a, Vec3d b) { return a[axis] < b[axis]; });
+  // sites of the second near one of them
+  const double near = kSameVertex * edge;
   const auto is_double = [&](const PairSite& site) {
     const Vec3d x = position_of(surfaces[0], site.b);
-    return std::any_of(first.begin(), first.end(),
-                       [&](Vec3d other) { return norm(other - x) < kSameVertex * edge; });
+    auto other = std::partition_point(first.begin(), first.end(),
+                                      [&](Vec3d v) { return v[axis] < x[axis] - kWider * near; });
+    for (; other != first.end() && (*other)[axis] <= x[axis] + kWider * near; ++other)
+      if (norm(*other - x) < near) return true;
+    return false;
   };
   sites.erase(std::remove_if(sites.begin() + std::ptrdiff_t(first_count), sites.end(), is_double),
               sites.end());
