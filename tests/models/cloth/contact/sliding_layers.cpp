@@ -77,6 +77,18 @@ double relative_acceleration(const Slide& slide) {
   return (speed(sheets) - before) / ((kEnd - kSettled) * kFrame) / expected;
 }
 
+/// Mean of five slides whose thickness differs by 0.001 %. Friction on random triangles amplifies roundings:
+/// single slides differ by 3 % (standard deviation) from their mean of 0.90.
+double mean_acceleration(Slide slide) {
+  const double thickness = slide.thickness;
+  double sum = 0;
+  for (int n = -2; n <= 2; n++) {
+    slide.thickness = thickness * (1 + 1e-5 * n);
+    sum += relative_acceleration(slide);
+  }
+  return sum / 5;
+}
+
 // A layer slides down a held one with Coulomb's acceleration, at any thickness and on any mesh.
 TEST(ClothSlidingLayers, FollowCoulomb) {
   for (const auto& [lower, upper, thickness] :
@@ -84,7 +96,7 @@ TEST(ClothSlidingLayers, FollowCoulomb) {
         std::tuple{Pattern::kRandom, Pattern::kEquilateral, 0.0032}}) {
     const std::string what = name(upper) + " on " + name(lower);
     EXPECT_NEAR(relative_acceleration({lower, upper, thickness, 0}), 1, 0.1) << what;
-    EXPECT_NEAR(relative_acceleration({lower, upper, thickness, 0.3}), 1, 0.15) << what;
+    EXPECT_NEAR(mean_acceleration({lower, upper, thickness, 0.3}), 1, 0.15) << what;
   }
 }
 
