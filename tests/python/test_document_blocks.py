@@ -142,7 +142,7 @@ class DocumentBlocks(unittest.TestCase):
         self.assertLess(force[0], 0.01, "the hand begins outside")
         self.assertGreater(force.max(), 0.1, "it presses the liver")
         self.assertGreater(names["report"]["wounds"][0]["gape_max_mm"], 1)
-        self.assertAlmostEqual(names["world"].measures(names["stitch"])["tension_max_N"][-1], 2.0, delta=0.1)
+        self.assertAlmostEqual(names["world"].measures("suture." + names["stitch"])["tension_max_N"][-1], 2.0, delta=0.1)
         self.assertEqual(names["envs"].num_envs, 64)
 
     def check_recording(self, names, printed):
