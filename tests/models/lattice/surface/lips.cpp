@@ -347,6 +347,57 @@ LowerEdge lower_edge_near(const BladePath& path, double tilt, Vec3d position) {
   return nearest;
 }
 
+/// Steps in the skin around the ends of a cut: the largest difference of displacements along an edge, away
+/// from the lips. As drawn, and of the cells that contain the vertices [m].
+struct SkinSteps {
+  double drawn = 0, of_cells = 0;
+};
+SkinSteps skin_steps(const CutBody& body, const BodySurface& surface) {
+  const Model& model = body.ball.model;
+  const TriMesh mesh = deformed_surface(model, body.state, surface, Shown::kNothing);
+  const std::vector<Vec3d> rest = rest_points(model, surface);
+  const double spacing = double(model.anatomy.lattice.spacing.x);
+  const std::set<int> lips = lip_vertices(surface);
+  const auto counts = [&](int v) {
+    const Vec3d at(surface.rest[std::size_t(v)]);
+    const auto& points = body.paths[0].points;
+    if (std::min(norm(at - points.front()), norm(at - points.back())) > 1.2 * spacing) return false;
+    return std::none_of(lips.begin(), lips.end(), [&](int lip) {
+      return norm(Vec3d(surface.rest[std::size_t(lip)]) - at) < 0.3 * spacing;
+    });
+  };
+  const auto drawn = [&](int v) { return Vec3d(mesh.vertices[std::size_t(v)]) - rest[std::size_t(v)]; };
+  SkinSteps steps;
+  for (int n = 0; n < surface.skin_triangles - surface.cap_triangles; n++)
+    for (int c = 0; c < 3; c++) {
+      const int a = surface.triangles[std::size_t(n)][c], b = surface.triangles[std::size_t(n)][(c + 1) % 3];
+      if (a > b || !counts(a) || !counts(b)) continue;
+      steps.drawn = std::max(steps.drawn, norm(drawn(a) - drawn(b)));
+      steps.of_cells =
+          std::max(steps.of_cells, double(norm(vertex_displacement(model, body.state, surface, a) -
+                                               vertex_displacement(model, body.state, surface, b))));
+    }
+  return steps;
+}
+
+// Cells around the end of a cut differ at their borders. The drawn skin has a third of their steps in the
+// mean.
+TEST(Lips, SkinAroundEndsIsSmooth) {
+  for (const int block : {3, 4}) {
+    const BallBody ball(block, true, true, 64, 27);
+    double drawn = 0, of_cells = 0;
+    for (unsigned seed = 1; seed <= 5; seed++) {
+      CutBody body{ball};
+      RandomCut random(seed);
+      body.cut({.from = random.at(ball, -1.2, 0), .to = random.at(ball, 1.2, 0), .depth = 0.008});
+      for (int frame = 0; frame < 20; frame++) step(Exec(1), ball.model, body.state, {}, 1.0 / 60);
+      const SkinSteps steps = skin_steps(body, body.surface());
+      drawn += steps.drawn, of_cells += steps.of_cells;
+    }
+    EXPECT_LT(drawn, 0.35 * of_cells) << "block " << block;
+  }
+}
+
 /// True if a position lies on the right side of a sheet.
 bool is_right_of(const BladeSheet& sheet, Vec3d position) {
   double least = 1e9;

@@ -124,12 +124,81 @@ void move_beside(const BodySurface& surface, Real step, const std::vector<std::s
   }
 }
 
+/// Skin at one position.
+struct SkinPoint {
+  Real weight;                        // of the smoothed displacement [1]
+  std::vector<std::size_t> vertices;  // that coincide at rest
+  std::vector<std::size_t> beside;    // neighbors on the skin
+  Vec3 shift;                         // [m]
+};
+
+/// Points of the skin around an end, away from the lips.
+std::vector<SkinPoint> skin_points(const BodySurface& surface, const SurfacePlan& plan, Vec3 end, Real step) {
+  const Real reach = Real(2.5) * step, margin = Real(0.2) * step, same = Real(1e-3) * step;
+  std::vector<Vec3> lips;
+  for (const Lip& lip : surface.lips)
+    if (const Vec3 at = surface.rest[std::size_t(lip.left)]; norm(at - end) < reach + margin)
+      lips.push_back(at);
+  const auto is_on_lip = [&](Vec3 at) {
+    return std::any_of(lips.begin(), lips.end(), [&](Vec3 lip) { return norm(lip - at) < margin; });
+  };
+  // vertices in reach, and those among them that coincide
+  std::vector<std::size_t> near, grouped;
+  for (std::size_t v = 0; v < surface.rest.size(); v++)
+    if (norm(surface.rest[v] - end) < reach) near.push_back(v);
+  std::vector<std::vector<std::size_t>> groups = coincident(surface, same, near);
+  for (const std::vector<std::size_t>& group : groups)
+    grouped.insert(grouped.end(), group.begin(), group.end());
+  std::sort(grouped.begin(), grouped.end());
+  for (const std::size_t v : near)
+    if (!std::binary_search(grouped.begin(), grouped.end(), v)) groups.push_back({v});
+  // points and their neighbors
+  std::vector<SkinPoint> points;
+  for (std::vector<std::size_t>& group : groups) {
+    const Vec3 at = surface.rest[group.front()];
+    const Real left = 1 - norm(at - end) / reach;
+    SkinPoint point{left * left, {}, {}, {}};
+    for (const std::size_t v : group)
+      for (const int corner : plan.triangles_of(v)) {
+        if (corner / 3 >= surface.skin_triangles - surface.cap_triangles) continue;
+        const Int3 triangle = surface.triangles[std::size_t(corner / 3)];
+        for (const int next : {1, 2}) point.beside.push_back(std::size_t(triangle[(corner + next) % 3]));
+      }
+    if (point.beside.empty() || is_on_lip(at)) continue;
+    point.vertices = std::move(group);
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+/// Smooths the displacement of the skin around an end. Cells of both sides separate at an end, so a cell
+/// ahead of it and those beside it differ at their border by up to the gape there: the skin would have a
+/// step. Jacobi iterations of a Laplacian on the surface, whose weight falls to 0 at 2.5 steps.
+void smooth_skin(const BodySurface& surface, const SurfacePlan& plan, Vec3 end, Real step,
+                 std::vector<Vec3>& x) {
+  constexpr int kIterations = 12;  // spread a step over a cell, in fine edges of a quarter of it
+  std::vector<SkinPoint> points = skin_points(surface, plan, end, step);
+  const auto displacement = [&](std::size_t v) { return x[v] - surface.rest[v]; };
+  for (int n = 0; n < kIterations; n++) {
+    for (SkinPoint& point : points) {
+      Vec3 mean;
+      for (const std::size_t v : point.beside) mean += displacement(v) / Real(point.beside.size());
+      point.shift = (mean - displacement(point.vertices.front())) * point.weight;
+    }
+    for (const SkinPoint& point : points) {
+      const Vec3 moved = x[point.vertices.front()] + point.shift;
+      for (const std::size_t v : point.vertices) x[v] = moved;
+    }
+  }
+}
+
 /// Moves vertices that coincided at rest to the middle of their sides at the end of a cut, and less up to
 /// kClosing steps inside it, so that the lips meet in a point: cells open as a whole, and would end in an
 /// edge. The opening is multiplied by t (2 − t), with t from 0 at the end to 1 inside, which has no kink
 /// there. Ends that gape wider than kWidest steps, and ends at which a cut leaves the body, stay open. On
 /// fine lattices the cell at the end of a wide wound gapes by more than its own size.
-void close_end(const BodySurface& surface, const CutLine& line, Real step, std::vector<Vec3>& x) {
+void close_end(const BodySurface& surface, const SurfacePlan& plan, const CutLine& line, Real step,
+               std::vector<Vec3>& x) {
   const Vec3 end = surface.rest[std::size_t(line.end->left)];
   const Real gape = norm(x[std::size_t(line.end->left)] - x[std::size_t(line.end->right)]) / step;
   const Real strength = std::min(Real(1), kWidest - gape);
@@ -157,6 +226,7 @@ void close_end(const BodySurface& surface, const CutLine& line, Real step, std::
   }
   for (const MovedVertex& m : moved) x[m.vertex] += m.shift;
   move_beside(surface, step, near, moved, x);
+  smooth_skin(surface, plan, end, step, x);
 }
 
 /// Corner where the ends of two cuts meet and neither goes on.
@@ -264,7 +334,7 @@ void close_ends(const BodySurface& surface, const SurfacePlan& plan, Real step, 
         lines.push_back(*line);
   // ends alone, and corners of two ends
   for (const CutLine& line : lines)
-    if (is_alone(surface, line, step)) close_end(surface, line, step, x);
+    if (is_alone(surface, line, step)) close_end(surface, plan, line, step, x);
   for (std::size_t a = 0; a < lines.size(); a++)
     for (std::size_t b = a + 1; b < lines.size(); b++)
       if (lines[a].end->incision != lines[b].end->incision)
