@@ -15,12 +15,7 @@ class DocumentsTest : public WindowTest {
   Viewer& viewer() { return window_->viewer(); }
   /// Draws a cut of 60 mm on the block, and waits for its wound.
   void cut_block() {
-    type("1");
-    type("c");
-    hand("mousemove " + pixel({0.01, -0.02, -0.03}) + " mousedown 1");
-    draw_for(0.1);
-    hand("mousemove " + pixel({0.01, -0.02, 0.03}));
-    draw_for(0.1);
+    begin_line();
     hand("mouseup 1");
     ASSERT_TRUE(draw_until([](const SessionStatus& n) { return n.cuts.size() == 1; }));
   }
@@ -30,12 +25,7 @@ class DocumentsTest : public WindowTest {
 TEST_F(DocumentsTest, EscapeLeavesModesAndNeverQuits) {
   open(block(folder_));
   ASSERT_TRUE(wait_for_world());
-  type("1");
-  type("c");
-  hand("mousemove " + pixel({0.01, -0.02, -0.03}) + " mousedown 1");
-  draw_for(0.1);
-  hand("mousemove " + pixel({0.01, -0.02, 0.03}));
-  draw_for(0.1);
+  begin_line();
   EXPECT_TRUE(viewer().cut);
   type("Escape");
   EXPECT_FALSE(viewer().cut) << "the line is dropped";

@@ -49,12 +49,7 @@ TEST_F(MenusTest, StatusIsOneWord) {
   open(block(folder_));
   ASSERT_TRUE(wait_for_world());
   EXPECT_EQ(status_word(viewer()).text, "Running");
-  type("1");
-  type("c");
-  hand("mousemove " + pixel({0.01, -0.02, -0.03}) + " mousedown 1");
-  draw_for(0.1);
-  hand("mousemove " + pixel({0.01, -0.02, 0.03}));
-  draw_for(0.1);
+  begin_line();
   hand("mouseup 1");
   bool is_cutting = false, has_progress = false;
   ASSERT_TRUE(draw_until([&](const SessionStatus& n) {

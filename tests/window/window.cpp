@@ -78,12 +78,7 @@ TEST_F(WindowTest, DrawnLineCutsAndIsSaved) {
 TEST_F(WindowTest, OtherButtonKeepsDrawnLine) {
   open(block(folder_));
   ASSERT_TRUE(wait_for_world());
-  type("1");
-  type("c");
-  hand("mousemove " + pixel({0.01, -0.02, -0.03}) + " mousedown 1");
-  draw_for(0.1);
-  hand("mousemove " + pixel({0.01, -0.02, 0.03}));
-  draw_for(0.1);
+  begin_line();
   hand("click 3");
   draw_for(0.3);
   EXPECT_TRUE(window_->viewer().cut);

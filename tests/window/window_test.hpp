@@ -76,6 +76,14 @@ class WindowTest : public testing::Test {
                        area.y + 0.5 * (1 - seen->y) * area.height);
   }
   void type(const std::string& keys) { hand("key " + keys), draw_for(0.1); }
+  /// Draws the line of a cut on the front of `block`. The left button stays down.
+  void begin_line() {
+    type("1"), type("c");
+    hand("mousemove " + pixel({0.01, -0.02, -0.03}) + " mousedown 1");
+    draw_for(0.1);
+    hand("mousemove " + pixel({0.01, -0.02, 0.03}));
+    draw_for(0.1);
+  }
 
   fs::path folder_ = fresh_folder();
   std::unique_ptr<SceneWindow> window_;
