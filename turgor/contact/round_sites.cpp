@@ -45,7 +45,7 @@ Vec3d nearest_on(const RoundSurface& round, Vec3d x) {
 /// Nearest points of two segments e₀ + s p and a + t q; of parallel ones, those next to the middle of the
 /// second. With r = e₀ − a, both derivatives of |r + s p − t q|² vanish at
 ///   s = ((p·q)(q·r) − (p·r)(q·q)) / ((p·p)(q·q) − (p·q)²),  t = ((p·q) s + q·r)/(q·q)
-/// Where t leaves the second segment, it is clamped, and s follows. [Ericson 2005, 5.1.9]
+/// A t outside of the second segment is clamped, and s follows. [Ericson 2005, 5.1.9]
 std::pair<Vec3d, Vec3d> nearest_points(const RoundSurface& first, Vec3d a, Vec3d b) {
   constexpr double kParallel = 1e-12;  // squared sine
   const Vec3d p = first.ends[1] - first.ends[0], q = b - a, r = first.ends[0] - a;

@@ -148,7 +148,7 @@ TEST(SavedWorld, ReadingKeepsMemory) {
   EXPECT_EQ(saving.hash(), saved);
 }
 
-// Where a cut was replaced by another one of as many edges, the surface is that of the cut in the file.
+// The surface of a loaded world is that of the cut in its file, also if the cut before had as many edges.
 TEST(SavedWorld, ReplacesCutOfEqualSize) {
   const auto folder = test::fresh_folder();
   const Scene scene = test::block_scene(folder, {"incision.cut=", "world.duration=1"});

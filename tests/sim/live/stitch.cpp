@@ -204,18 +204,22 @@ TEST(LiveStitch, SessionUndoesAndRecords) {
   EXPECT_EQ(state_hash(world), run->hash);
 }
 
+/// A cut by hand beside that of the scene.
+CutRequest second_cut() {
+  return {.blade = {.name = "hand",
+                    .from = {0.03, -0.02, -0.03},
+                    .to = {0.03, -0.02, 0.03},
+                    .depth = 0.012,
+                    .duration = 0.1},
+          .body = 0};
+}
+
 // A cut whose wound is stitched stays until the stitch is taken back.
 TEST(LiveStitch, StitchedCutStays) {
   const fs::path folder = test::fresh_folder();
   auto scene = std::make_shared<const Scene>(block_with(folder, ""));
   World world = test::block_world(kAlone, *scene);
-  const CutRequest cut{.blade = {.name = "hand",
-                                 .from = {0.03, -0.02, -0.03},
-                                 .to = {0.03, -0.02, 0.03},
-                                 .depth = 0.012,
-                                 .duration = 0.1},
-                       .body = 0};
-  ASSERT_TRUE(apply_request(kAlone, cut, scene, world));
+  ASSERT_TRUE(apply_request(kAlone, second_cut(), scene, world));
   step_frames(world, kStart);
   StitchRequest stitch = stitch_with(0.3);
   for (Vec3d& p : stitch.through) p.x += 0.03;
@@ -236,13 +240,7 @@ TEST(LiveStitch, UndoneCutRestoresStitch) {
   ASSERT_TRUE(apply_request(kAlone, stitch_with(0.3), scene, world));
   step_frames(world, 10);
   const double tension = stitch_of(world).tension;
-  const CutRequest cut{.blade = {.name = "hand",
-                                 .from = {0.03, -0.02, -0.03},
-                                 .to = {0.03, -0.02, 0.03},
-                                 .depth = 0.012,
-                                 .duration = 0.1},
-                       .body = 0};
-  ASSERT_TRUE(apply_request(kAlone, cut, scene, world));
+  ASSERT_TRUE(apply_request(kAlone, second_cut(), scene, world));
   step_frames(world, 10);
   EXPECT_NE(stitch_of(world).tension, tension) << "N: it was still pulled";
   ASSERT_TRUE(apply_request(kAlone, UndoCutRequest{}, scene, world));
