@@ -4,13 +4,12 @@
 
 #include <vector>
 
+#include "turgor/models/lattice/surface/cut_ends.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
-#include "turgor/models/lattice/surface/surface_plan.hpp"
 
 namespace turgor::lattice::detail {
 
-/// Moves displaced vertices `x` (lattice frame [m]) near both ends of every cut. `step`: smallest spacing
-/// [m].
-void close_ends(const BodySurface& surface, const SurfacePlan& plan, Real step, std::vector<Vec3>& x);
+/// Moves displaced vertices `x` (lattice frame [m]) near the ends of all cuts. `step`: smallest spacing [m].
+void close_ends(const BodySurface& surface, const CutEnds& ends, Real step, std::vector<Vec3>& x);
 
 }  // namespace turgor::lattice::detail

@@ -157,7 +157,7 @@ void deform_surface(const Model& model, const State& state, const BodySurface& s
   std::vector<Vec3> x = displace(exec, model, state, surface, *plan, shown, mesh.scalars);
   const Real step = std::min(
       {model.anatomy.lattice.spacing.x, model.anatomy.lattice.spacing.y, model.anatomy.lattice.spacing.z});
-  detail::close_ends(surface, *plan, step, x);
+  detail::close_ends(surface, plan->ends, step, x);
   detail::close_fronts(plan->fronts, x);
 
   // areas of the triangles, summed around the vertices

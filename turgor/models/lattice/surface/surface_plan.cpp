@@ -166,7 +166,9 @@ std::shared_ptr<const SurfacePlan> make_surface_plan(const Exec& exec, const Mod
   find_triangles_around(surface, *plan);
   find_rest_areas(model, surface, *plan);
   const Vec3 h = model.anatomy.lattice.spacing;
-  plan->fronts = find_front_sides(surface, std::min({h.x, h.y, h.z}));
+  const Real step = std::min({h.x, h.y, h.z});
+  plan->fronts = find_front_sides(surface, step);
+  plan->ends = find_cut_ends(surface, *plan, step);
   if (kept && !kept->plan) keep_terms(model, cuts, plan, *kept);
   return plan;
 }

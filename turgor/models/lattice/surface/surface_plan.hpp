@@ -1,5 +1,5 @@
 // Part of the deformation of a drawn surface that depends only on the surface and its cuts: the corners that
-// move the vertices, the triangles around each vertex, and the areas of the CT.
+// move the vertices, the triangles around each vertex, the areas of the CT, and the ends of cuts.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 
 #include "turgor/models/lattice/cutting/corner_terms.hpp"
 #include "turgor/models/lattice/surface/crack_front.hpp"
+#include "turgor/models/lattice/surface/cut_ends.hpp"
 #include "turgor/models/lattice/surface/surface.hpp"
 
 namespace turgor::lattice::detail {
@@ -30,6 +31,7 @@ struct SurfacePlan {
   std::vector<float> rest_area;     // twice the area in the CT, by skin triangle; 0 = degenerate [m²]
   std::vector<float> rest_around;   // sum of rest_area around each vertex [m²]
   FrontSides fronts;                // sides of walls near crack fronts
+  CutEnds ends;
 
   std::span<const int> triangles_of(std::size_t v) const {
     const auto begin = std::size_t(triangle_begin[v]), end = std::size_t(triangle_begin[v + 1]);
