@@ -83,7 +83,8 @@ std::vector<VertexBeside> vertices_beside(const BodySurface& surface, Real step,
                                           const std::vector<ClosingGroup>& groups) {
   const Real reach = step / 2;
   std::vector<std::size_t> moved, done;
-  for (const ClosingGroup& group : groups) moved.insert(moved.end(), group.vertices.begin(), group.vertices.end());
+  for (const ClosingGroup& group : groups)
+    moved.insert(moved.end(), group.vertices.begin(), group.vertices.end());
   done = moved;
   std::sort(done.begin(), done.end());
   // moved vertices by their coordinate
@@ -153,7 +154,8 @@ std::vector<SkinPoint> skin_points(const BodySurface& surface, const SurfacePlan
 }
 
 /// End of a cut. Empty if the cut leaves the body there.
-std::optional<CutEnd> cut_end(const BodySurface& surface, const SurfacePlan& plan, const CutLine& line, Real step) {
+std::optional<CutEnd> cut_end(const BodySurface& surface, const SurfacePlan& plan, const CutLine& line,
+                              Real step) {
   CutEnd found{std::size_t(line.end->left), std::size_t(line.end->right), {}, {}, {}};
   const Vec3 end = surface.rest[found.left];
   // vertices near the end
@@ -238,7 +240,8 @@ CutEnds find_cut_ends(const BodySurface& surface, const SurfacePlan& plan, Real 
   CutEnds found;
   for (const CutLine& line : lines)
     if (is_alone(surface, line, step))
-      if (std::optional<CutEnd> end = cut_end(surface, plan, line, step)) found.ends.push_back(std::move(*end));
+      if (std::optional<CutEnd> end = cut_end(surface, plan, line, step))
+        found.ends.push_back(std::move(*end));
   for (std::size_t a = 0; a < lines.size(); a++)
     for (std::size_t b = a + 1; b < lines.size(); b++)
       if (lines[a].end->incision != lines[b].end->incision)

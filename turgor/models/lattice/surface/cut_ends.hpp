@@ -1,5 +1,5 @@
-// Ends of drawn cuts at rest: what closes there when the surface is drawn (close_ends.hpp). It depends only on
-// the surface, so it is part of its plan.
+// Ends of drawn cuts at rest: what closes there when the surface is drawn (close_ends.hpp). It depends only
+// on the surface, so it is part of its plan.
 #pragma once
 
 #include <cstddef>
