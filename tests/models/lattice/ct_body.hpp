@@ -34,6 +34,24 @@ inline CtVolume ball_ct(int n, double radius) {
   return make_ct({n, n, n}, [=](Vec3d p) { return norm(p - Vec3d{middle, middle, middle}) < radius; });
 }
 
+/// A CT with a smooth transition at the skin, as of a scanner, so that the surface can be exact.
+inline CtVolume soft_ball(int n, double radius) {
+  CtVolume ct = ball_ct(n, radius);
+  const double middle = 0.5 * (n - 1);
+  for (int k = 0; k < n; k++)
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++) {
+        const double outward = norm(Vec3d(Int3{i, j, k}) - Vec3d{middle, middle, middle}) - radius;
+        ct.at(i, j, k) = std::int16_t(std::clamp(-449 - 35 * outward, -1000.0, 102.0));
+      }
+  return ct;
+}
+
+/// A slab of tissue below air, wider than the scan: the scan ends at its sides and its bottom.
+inline CtVolume slab_ct() {
+  return make_ct({64, 64, 32}, [](Vec3d p) { return p.z < 22; });
+}
+
 inline std::int16_t at_or_air(const CtVolume& ct, Int3 p) {
   return contains(ct.grid, p) ? ct.at(p.x, p.y, p.z) : kAirHu;
 }
