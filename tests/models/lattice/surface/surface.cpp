@@ -1,3 +1,5 @@
+#include "turgor/models/lattice/surface/surface.hpp"
+
 #include <array>
 #include <cmath>
 #include <map>
@@ -7,7 +9,6 @@
 
 #include "tests/models/lattice/ct_body.hpp"
 #include "turgor/models/lattice/lattice.hpp"
-#include "turgor/models/lattice/surface/surface.hpp"
 
 namespace turgor::lattice {
 namespace {
