@@ -255,13 +255,17 @@ TEST(BoundarySkin, GapeInSmallerCellsDoesNotDependOnThePosition) {
   }
 }
 
-// A wound gapes alike wherever the skin leaves a layer of cells. The cut is level, since the ends of a cut
-// that is oblique in the lattice move by up to half a cell.
+// A wound gapes alike wherever the skin leaves a layer of cells, also where the blade is oblique in them. The
+// cut is level, since the ends of a cut that is oblique in the lattice move by up to half a cell.
 TEST(BoundarySkin, GapeDoesNotDependOnTheTiltOfTheSkin) {
   const double flat = gape_in({.offset = 0.3});
   for (const double tilt : {4.0, 12.0, 23.0}) {
     EXPECT_NEAR(gape_in({.offset = 0.6, .tilt = tilt, .direction = 90}), flat, 0.05 * flat) << tilt << "°";
   }
+  for (const double tilt : {17.0, 20.0, 27.0})
+    for (const double offset : {0.0, 0.45})
+      EXPECT_NEAR(gape_in({.offset = offset, .tilt = tilt, .direction = 90}), flat, 0.07 * flat)
+          << tilt << "°, skin " << offset << " cells above a node";
 }
 
 /// Skin around the end of an oblique cut that ends `beyond` cells beyond a node.
