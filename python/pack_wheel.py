@@ -1,10 +1,11 @@
 """Packs built modules as a wheel that needs only NumPy: pack_wheel.py OUT BUILD [BUILD ...], or pack_wheel.py --full OUT BUILD
 
 BUILD/slim/turgor contains a module, pyproject.toml the metadata. Several modules are engines for the processor levels in their
-folder names, such as build/x86-64-v3, and v2 in build/package; python/turgor/engine.py selects one. Required libraries that are not part of every Linux
-are included (auditwheel), with their licenses from Debian. The full wheel has the module of BUILD/python/turgor, which draws and
-reads every format, and the programs with the window (turgor/bin).
+folder names, such as build/x86-64-v3, and v2 in build/package; python/turgor/engine.py selects one. Required libraries that are not
+part of every Linux are included (auditwheel). Their licenses from Debian are included too, and those of code that is compiled in. The
+full wheel has the module of BUILD/python/turgor, which draws and reads every format, and the programs with the window (turgor/bin).
 """
+import importlib.metadata
 import os
 import pathlib
 import re
@@ -15,14 +16,18 @@ import sysconfig
 import tempfile
 import tomllib
 
+import nanobind
+
 if sys.version_info >= (3, 12):  # nanobind uses the stable ABI from 3.12 on: one module for all versions
     PYTHON, SUFFIX = "cp312-abi3", ".abi3.so"
 else:
     PYTHON, SUFFIX = "cp3{0}-cp3{0}".format(sys.version_info.minor), sysconfig.get_config_var("EXT_SUFFIX")
 SOURCE = pathlib.Path(__file__).parents[1]
-LIBRARIES = ("libfmt9", "libmetis5", "libpugixml1v5", "libtbb12", "libtomlplusplus3")  # included in the slim wheel
+LIBRARIES = ("libfmt9", "libmetis5", "libpng16-16", "libpugixml1v5", "libtbb12", "libtomlplusplus3")  # included in the slim wheel
 PROGRAMS = ("turgor", "turgor-view", "turgor-bench", "turgor-read")  # of the full wheel
 SHARED = ("fonts/truetype/dejavu/DejaVuSans.ttf", "javascript/three/three.min.js", "javascript/three/examples/js/controls/OrbitControls.js")
+COMPILED_IN = ("libeigen3-dev", "nlohmann-json3-dev", "libboost-dev")  # all of packaging/compiled-in.txt in the full wheel
+DATA = ("fonts-dejavu-core", "libjs-three")  # packages of SHARED
 DRIVERS = ("libEGL.so.1", "libGL.so.1", "libGLX.so.0", "libGLdispatch.so.0", "libOpenGL.so.0")  # of the machine's display
 
 
@@ -68,9 +73,9 @@ def copy_programs(build, package):
     return package
 
 
-def licenses_of(files):
-    """Copyright files of the Debian packages whose libraries these files load, by package; without those of the machine (DRIVERS)."""
-    found = {}
+def packages_of(files):
+    """Debian packages whose libraries these files load, without those of the machine (DRIVERS)."""
+    found = set()
     for file in files:
         for line in subprocess.run(["ldd", file], check=True, capture_output=True, text=True).stdout.splitlines():
             library = re.search(r"=> (/\S+)", line)
@@ -78,9 +83,20 @@ def licenses_of(files):
                 continue
             name = os.path.basename(os.path.realpath(library[1]))
             owner = subprocess.run(["dpkg", "-S", f"*-linux-gnu/{name}"], capture_output=True, text=True).stdout.split(":")[0]
-            if owner:
-                found[owner] = pathlib.Path(f"/usr/share/doc/{owner}/copyright")
-    return found
+            if not owner:
+                sys.exit(f"{file}: expected {library[1]} of a Debian package, found none of this name")
+            found.add(owner)
+    return sorted(found)
+
+
+def copy_licenses(packages, folder):
+    """Copies the licenses of Turgor, of these Debian packages, and of nanobind with its hash table."""
+    shutil.copy(SOURCE / "LICENSE", folder)
+    subprocess.run([SOURCE / "scripts/licenses", folder, *packages], check=True)
+    license = next(file for file in importlib.metadata.files("nanobind") if file.name == "LICENSE")
+    shutil.copyfile(license.locate(), folder / "nanobind.txt")
+    header = pathlib.Path(nanobind.source_dir()).parent / "ext/robin_map/include/tsl/robin_map.h"
+    (folder / "robin-map.txt").write_text(re.match(r"/\*\*(.*?)\*/", header.read_text(), re.S)[1])
 
 
 def fill(folder, builds, project, is_full):
@@ -91,17 +107,17 @@ def fill(folder, builds, project, is_full):
     subprocess.run([sys.executable, "-m", "nanobind.stubgen", "-q", "-i", first, "-m", "_turgor", "-o", package / "_turgor.pyi"], check=True)
     info = folder / f"turgor-{project['version']}.dist-info"
     (info / "licenses").mkdir(parents=True)
-    shutil.copy(SOURCE / "LICENSE", info / "licenses")
-    licenses = {library: f"/usr/share/doc/{library}/copyright" for library in LIBRARIES}
+    licensed = LIBRARIES + COMPILED_IN
     if is_full:
-        licenses = licenses_of([package / f"_turgor{SUFFIX}", *(package / "bin").iterdir()])
+        licensed = (*packages_of([package / f"_turgor{SUFFIX}", *(package / "bin").iterdir()]), SOURCE / "packaging/compiled-in.txt", *DATA)
         (info / "entry_points.txt").write_text("[console_scripts]\nturgor = turgor.program:main\n")
-    for library, file in licenses.items():
-        shutil.copy(file, info / "licenses" / f"{library}.txt")
+    copy_licenses(licensed, info / "licenses")
     (info / "METADATA").write_text(metadata(project), encoding="utf-8")
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     build = "Build: 1full\n" if is_full else ""  # pip prefers it to the slim wheel of the same version
     (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: turgor\nRoot-Is-Purelib: false\nTag: {PYTHON}-{platform}\n{build}")
+    for file in folder.rglob("*"):  # modes do not depend on the umask of the source tree
+        file.chmod(0o755 if file.is_dir() or os.access(file, os.X_OK) else 0o644)
 
 
 def run(*words):

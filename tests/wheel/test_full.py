@@ -1,5 +1,6 @@
 """Properties of the full wheel: it draws, reads every format, and has the program with its window."""
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -45,4 +46,10 @@ class FullWheel(unittest.TestCase):
             line = next(line for line in needs.splitlines() if library in line)
             self.assertIn("turgor.libs", line)
         licenses = {file.name for file in next(PACKAGE.parent.glob("turgor-*.dist-info")).glob("licenses/*")}
-        self.assertTrue({"LICENSE", "libgdcm3.0.txt", "libtbb12.txt"} <= licenses, licenses)
+        self.assertTrue({"LICENSE", "libgdcm3.0.txt", "libtbb12.txt", "nanobind.txt", "robin-map.txt"} <= licenses, licenses)
+        self.assertTrue({"libeigen3-dev.txt", "libcli11-dev.txt", "libimgui-dev.txt"} <= licenses, licenses)  # compiled in
+        self.assertTrue({"fonts-dejavu-core.txt", "libjs-three.txt"} <= licenses, licenses)
+        for library in PACKAGE.parent.glob("turgor.libs/*"):
+            name = re.sub(r"-[0-9a-f]{8}(?=\.)", "", library.name)  # auditwheel's hash
+            owners = subprocess.run(["dpkg", "-S", f"*-linux-gnu/{name}"], capture_output=True, text=True).stdout.splitlines()
+            self.assertTrue(any(f"{owner.split(':')[0]}.txt" in licenses for owner in owners), (name, owners))

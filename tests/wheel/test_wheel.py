@@ -40,6 +40,17 @@ class Wheel(unittest.TestCase):
             self.assertNotIn(name, loaded)
         self.assertIn("turgor.libs", loaded)
 
+    # Included libraries and code that is compiled in have their licenses.
+    def test_has_licenses(self):
+        files = importlib.metadata.files("turgor")
+        licenses = {file.name for file in files if "licenses" in file.parts}
+        self.assertTrue({"LICENSE", "libeigen3-dev.txt", "nlohmann-json3-dev.txt", "nanobind.txt", "robin-map.txt"} <= licenses, licenses)
+        libraries = [file.name for file in files if file.parts[0] == "turgor.libs"]
+        self.assertTrue(libraries)
+        for library in libraries:
+            name = library.partition("-")[0]  # before auditwheel's hash
+            self.assertTrue(any(file.startswith(name) for file in licenses), (name, licenses))
+
     # The wheel is tagged for glibc 2.34 or older.
     def test_wheel_supports_glibc_2_34(self):
         if platform.freedesktop_os_release().get("VERSION_CODENAME") != "bookworm":
