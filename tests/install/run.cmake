@@ -44,6 +44,15 @@ foreach(file IN LISTS installed)
   endif()
 endforeach()
 
+# No installed header includes a library that the window links privately, because programs do not have its folder.
+file(GLOB_RECURSE installed ${prefix}/include/turgor/*.hpp)
+foreach(file IN LISTS installed)
+  file(STRINGS ${file} found REGEX "#include <(imgui|GLFW)" LIMIT_COUNT 1)
+  if(found)
+    message(FATAL_ERROR "${file}: expected no header of the window's libraries, found ${found}")
+  endif()
+endforeach()
+
 # Configures a consumer of one component. Packages that the component must not ask for are hidden; all others must be found.
 function(configure component)
   set(hidden)
@@ -97,6 +106,23 @@ configure(pictures)
 if(EXISTS ${prefix}/lib/cmake/turgor/turgorWindowTargets.cmake)
   configure(window)
 endif()
+
+# A project that can do without turgor is configured where a library of turgor is missing, and can print the reason.
+file(WRITE ${folder}/optional/CMakeLists.txt [[
+cmake_minimum_required(VERSION 3.22)
+project(optional LANGUAGES CXX)
+find_package(turgor QUIET COMPONENTS ${COMPONENT})
+if(turgor_FOUND OR NOT turgor_NOT_FOUND_MESSAGE MATCHES "${REASON}")
+  message(FATAL_ERROR "${COMPONENT}: expected the reason '${REASON}', found '${turgor_NOT_FOUND_MESSAGE}' (${turgor_FOUND})")
+endif()
+]])
+foreach(component_and_module sim/tomlplusplus view/epoxy)
+  string(REPLACE "/" ";" words ${component_and_module})
+  list(GET words 0 component)
+  list(GET words 1 module)
+  run(${CMAKE_COMMAND} -E env PKG_CONFIG_LIBDIR=${folder} ${CMAKE_COMMAND} -S ${folder}/optional -B ${folder}/without-${module} ${flags}
+      -DCMAKE_PREFIX_PATH=${prefix} -DCOMPONENT=${component} "-DREASON=turgor needs ${module}")
+endforeach()
 
 # After scripts/demo, which builds no library of the window, the rules install all others, and a program links them.
 file(READ ${BUILD}/library/cmake_install.cmake rules)
