@@ -145,6 +145,22 @@ class Scripts(unittest.TestCase):
         self.make_package("turgor-1", run + """echo '{"warnings": ["no pictures of surfaces: cannot draw"]}' >out/report.json; echo 1 >out/a.png""")
         self.assertNotEqual(self.run_script("try-packages", self.folder / "turgor-1.tar.gz")[0].returncode, 0)
 
+    # Ctrl-C leaves no trees in the folder for temporary files.
+    def test_interrupted_scripts_clean_up(self):
+        self.fake_debian()
+        self.make_package("turgor-1", "")
+        temporary = self.folder / "temporary"
+        temporary.mkdir()
+        for command in (["init", "-q"], ["add", "-A"], ["-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "-m", "a"]):
+            subprocess.run(["git", "-C", self.tree, *command], check=True)
+        for fake in ("cmake", "unshare"):
+            self.fake(fake, LOG + 'ls "$TMPDIR"/* >>"$FAKE_LOG"; kill -INT "$PPID"')
+        for script in (["reproducible"], ["try-packages", self.folder / "turgor-1.tar.gz"]):
+            ended, lines = self.run_script(*script, TMPDIR=str(temporary))
+            self.assertEqual(ended.returncode, 130, ended.stdout)
+            self.assertGreater(len(lines), 1)
+            self.assertEqual(list(temporary.iterdir()), [])
+
     # Options of an earlier build do not stay: a build states all that scripts set.
     def test_build_states_its_options(self):
         _, lines = self.run_script("build")
