@@ -59,13 +59,15 @@ hid_t type_of<std::uint64_t>() {
   return H5T_NATIVE_UINT64;
 }
 
-/// Turns off HDF5's error output and its exit handler. Errors are reported as messages of this program. Files
-/// are closed before exit; for a file that could not be closed (full disk), HDF5's handler would follow freed
-/// pointers.
+/// Turns off HDF5's error output on this thread. Errors are reported as messages of this program.
+void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+/// Turns off HDF5's error output and its exit handler. Files are closed before exit; for a file that could
+/// not be closed (full disk), HDF5's handler would follow freed pointers.
 void begin() {
   static const herr_t once = H5dont_atexit();
   (void)once;
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  silence();
 }
 
 /// Chunks of about a megabyte with a checksum; compressed chunks are byte-shuffled first.
@@ -276,11 +278,13 @@ Status Hdf5File::close() {
 }
 
 bool Hdf5File::has(const std::string& name) const {
+  silence();
   const Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
   return set.valid();
 }
 
 Result<std::size_t> Hdf5File::count(const std::string& name, std::size_t most) const {
+  silence();
   const Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!set.valid()) return error(name, "is missing");
   const Handle space(H5Dget_space(set), H5Sclose);
@@ -308,6 +312,7 @@ Result<std::vector<T>> Hdf5File::read(const std::string& name, std::size_t expec
 
 Result<std::string> Hdf5File::read_text(const std::string& name) const {
   constexpr std::size_t kLongest = 1 << 26;  // bytes
+  silence();
   const Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!set.valid()) return error(name, "is missing");
   const Handle type(H5Dget_type(set), H5Tclose), space(H5Dget_space(set), H5Sclose);
@@ -323,6 +328,7 @@ Result<std::string> Hdf5File::read_text(const std::string& name) const {
 
 std::string Hdf5File::read_attribute(const std::string& name, const std::string& attribute) const {
   constexpr std::size_t kLongest = 1 << 16;  // bytes
+  silence();
   const Handle made(H5Aopen_by_name(id_, name.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT),
                     H5Aclose);
   if (!made.valid()) return "";
@@ -338,6 +344,7 @@ std::string Hdf5File::read_attribute(const std::string& name, const std::string&
 std::vector<std::int64_t> Hdf5File::read_numbers(const std::string& name,
                                                  const std::string& attribute) const {
   constexpr hssize_t kMost = 1024;
+  silence();
   const Handle made(H5Aopen_by_name(id_, name.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT),
                     H5Aclose);
   if (!made.valid()) return {};
