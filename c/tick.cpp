@@ -64,8 +64,8 @@ using namespace turgor::c;
 tg_status tg_world_tick(tg_world* world, const tg_command* commands, size_t command_size,
                         tg_reading* readings, size_t reading_size, size_t ticks) {
   return with(world, [=](tg_world& w) {
-    expect(!w.touched && !w.was_touched,
-           "expected a world without haptic thread, found one with an earlier tg_touch_begin");
+    expect_unended(w);
+    expect(!w.touched, "expected a world without haptic thread, found one with an earlier tg_touch_begin");
     const Arrays arrays{commands, command_size, readings, reading_size};
     check(w, arrays);
     if (!w.driven) w.driven = begin_driven(*w.world);
@@ -81,6 +81,7 @@ tg_status tg_world_tick(tg_world* world, const tg_command* commands, size_t comm
 
 tg_status tg_touch_begin(tg_world* world) {
   return with(world, [](tg_world& w) {
+    expect_unended(w);
     expect(!w.driven, "expected a world without ticks, found one with earlier ticks");
     w.driven = begin_driven(*w.world);
     w.touched = w.was_touched = true;

@@ -201,7 +201,8 @@ tg_status tg_world_tick(tg_world* world, const tg_command* commands, size_t comm
 tg_status tg_touch_begin(tg_world* world);
 tg_status tg_touch_tick(tg_world* world, const tg_command* commands, size_t command_size, tg_reading* readings,
                         size_t reading_size);
-/* Requires that no tick is in progress. tg_touch_begin cannot be called a second time. */
+/* Requires that no tick is in progress. Afterwards the world can be read and copied, but neither steps nor ticks; a copy
+ * from before tg_touch_begin does. */
 tg_status tg_touch_end(tg_world* world);
 
 #ifdef __cplusplus

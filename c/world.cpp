@@ -97,6 +97,7 @@ FrameReport finite_step(tg_world& world) {
 /// A saved world has no haptic thread.
 void expect_between_frames(const tg_world& world, const char* path) {
   expect(path != nullptr, "expected a file, found null");
+  expect_unended(world);
   expect(!world.was_touched && !world.driven,
          "expected a world that is stepped by tg_world_step, found one with haptic ticks");
 }
@@ -107,6 +108,13 @@ void resize_buffers(tg_world& world) {
 }
 
 }  // namespace
+
+void expect_unended(const tg_world& world) {
+  expect(world.touched || !world.was_touched,
+         "expected a new world, or a copy from before tg_touch_begin, found a world whose haptic session has "
+         "ended");
+}
+
 }  // namespace turgor::c
 
 using namespace turgor;
@@ -216,6 +224,7 @@ tg_status tg_world_state_hash(tg_world* world, uint64_t* hash) {
 tg_status tg_world_step(tg_world* world, int32_t frames) {
   return with(world, [frames](tg_world& w) {
     expect(frames >= 0, "expected a number of frames of at least 0");
+    expect_unended(w);
     expect(
         !w.driven || w.touched,
         "expected tg_world_tick, which includes frames, or an earlier tg_touch_begin, found tg_world_step");

@@ -70,6 +70,9 @@ tg_status with(tg_world* world, const Call& call) noexcept {
   return with(world, &tg_world::is_busy, call);
 }
 
+/// Misuse: tg_touch_end has ended the haptic session of the world.
+void expect_unended(const tg_world& world);
+
 /// Body of that index. Misuse: an index out of range.
 BodyId id_of(const tg_world& world, std::int32_t index);
 
